@@ -1,0 +1,90 @@
+/// @file core.h
+/// Context, status codes, small value types: what every other header starts from.
+///
+/// Units are SI and radiometric: metres, W, W/m2 (irradiance, exitance), W/(sr m2) (radiance), each
+/// as linear RGB. Coordinates are glTF's: right-handed, y up. See docs/conventions.md.
+#ifndef RESOLVENT_CORE_H
+#define RESOLVENT_CORE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define RSV_API __attribute__((visibility("default")))
+#define RSV_PRINTF(format_index, first_argument) \
+    __attribute__((format(printf, format_index, first_argument)))
+#else
+#define RSV_API
+#define RSV_PRINTF(format_index, first_argument)
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// A point, direction or normal in world space (metres).
+typedef struct rsv_vec3 {
+    float x, y, z;
+} rsv_vec3;
+
+/// A linear RGB triple: radiance, irradiance, albedo, ...
+typedef struct rsv_rgb {
+    float r, g, b;
+} rsv_rgb;
+
+/// What a function that can fail returns. Details: rsv_last_error().
+typedef enum rsv_status {
+    RSV_OK = 0,
+    RSV_ERROR_ARGUMENT,    ///< the caller broke a documented rule
+    RSV_ERROR_IO,          ///< a file cannot be opened, read or written
+    RSV_ERROR_FORMAT,      ///< a file's content is malformed
+    RSV_ERROR_UNSUPPORTED, ///< well-formed, but asks for something this build cannot do
+    RSV_ERROR_SCENE,       ///< a scene without a bounded or meaningful answer
+    RSV_ERROR_MEMORY,      ///< out of memory
+    RSV_ERROR_CANCELLED    ///< stopped by the progress callback or rsv_context_cancel
+} rsv_status;
+
+typedef enum rsv_log_level { RSV_LOG_INFO, RSV_LOG_WARNING } rsv_log_level;
+
+/// Owns allocator, log, progress and thread count. Every other object borrows one and must be
+/// destroyed before it.
+typedef struct rsv_context rsv_context;
+
+/// How a context behaves. Start from rsv_default_context_desc().
+typedef struct rsv_context_desc {
+    /// Worker threads; 0 = one per processor. Results do not depend on it.
+    int thread_count;
+    /// Receives notes and warnings, one line each without a newline; NULL = silent.
+    void (*log)(void *user, rsv_log_level level, const char *message);
+    /// Called from the calling thread during long work, with `fraction` in [0, 1] within the named
+    /// phase. Return false to cancel. NULL = no progress.
+    bool (*progress)(void *user, const char *phase, double fraction);
+    /// Allocator: returns `bytes` bytes aligned to 64, or NULL. NULL = the C library's.
+    void *(*allocate)(void *user, size_t bytes);
+    /// Frees what `allocate` returned; set both or neither.
+    void (*release)(void *user, void *memory);
+    /// Passed to every callback.
+    void *user;
+} rsv_context_desc;
+
+RSV_API rsv_context_desc rsv_default_context_desc(void);
+
+/// @param desc NULL = defaults
+RSV_API rsv_status rsv_context_create(const rsv_context_desc *desc, rsv_context **context);
+RSV_API void rsv_context_destroy(rsv_context *context);
+
+/// Asks running work to stop with RSV_ERROR_CANCELLED. Safe from signal handlers and other threads.
+RSV_API void rsv_context_cancel(rsv_context *context);
+
+/// The calling thread's last error: one line that says what, where and what to do. Never NULL.
+RSV_API const char *rsv_last_error(void);
+
+/// The library's version, "major.minor.patch".
+RSV_API const char *rsv_version(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

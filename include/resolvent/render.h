@@ -1,0 +1,73 @@
+/// @file render.h
+/// Pictures and point readings from a solution, and from the reference path tracer.
+#ifndef RESOLVENT_RENDER_H
+#define RESOLVENT_RENDER_H
+
+#include "resolvent/image.h"
+#include "resolvent/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum rsv_render_mode {
+    RSV_RENDER_OPERATOR,  ///< camera chains + lookup of the solved light
+    RSV_RENDER_FINAL,     ///< direct light per pixel, the rest from the operator
+    RSV_RENDER_REFERENCE  ///< unbiased path tracing; needs no solution
+} rsv_render_mode;
+
+/// Start from rsv_default_render_desc().
+typedef struct rsv_render_desc {
+    rsv_render_mode mode;
+    uint32_t width, height;
+    uint32_t samples;   ///< camera rays per pixel (box filter)
+    uint32_t camera;    ///< index in the scene
+    uint32_t gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up
+    bool layers;        ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
+    uint32_t seed;
+} rsv_render_desc;
+
+RSV_API rsv_render_desc rsv_default_render_desc(void);
+
+/// Renders modes operator and final.
+RSV_API rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
+    rsv_image **image);
+
+/// Renders mode reference: next-event estimation and BSDF sampling combined by MIS, Russian roulette.
+/// With desc->layers: emission, direct, bounce1, ... by the number of diffuse reflections.
+/// @param standard_error of the picture's mean luminance, relative to it; may be NULL
+RSV_API rsv_status rsv_render_reference(const rsv_scene *scene, const rsv_render_desc *desc,
+    rsv_image **image, double *standard_error);
+
+typedef enum rsv_probe_mode {
+    RSV_PROBE_LOOKUP,   ///< the stored solution at the nearest surface point
+    RSV_PROBE_OPERATOR, ///< one gather through it (default)
+    RSV_PROBE_REFERENCE ///< path traced
+} rsv_probe_mode;
+
+/// A virtual receiver: casts no shadow. A point on a surface is taken to be on the side its normal
+/// points to.
+typedef struct rsv_probe {
+    rsv_vec3 position;
+    rsv_vec3 normal; ///< normalised by the callee
+} rsv_probe;
+
+typedef struct rsv_probe_reading {
+    rsv_rgb irradiance;     ///< W/m2
+    rsv_rgb standard_error; ///< W/m2, from independent randomisations
+} rsv_probe_reading;
+
+/// @param samples gather rays (operator) or paths (reference) per probe; rounded up to 32 equal groups
+RSV_API rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mode,
+    const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
+    rsv_probe_reading *readings);
+
+/// Path-traced readings; needs no solution.
+RSV_API rsv_status rsv_probe_reference(const rsv_scene *scene, const rsv_probe *probes,
+    size_t probe_count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

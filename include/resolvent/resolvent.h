@@ -1,0 +1,14 @@
+/// @file resolvent.h
+/// All of Resolvent's public interface.
+#ifndef RESOLVENT_H
+#define RESOLVENT_H
+
+#include "resolvent/core.h"
+#include "resolvent/image.h"
+#include "resolvent/io.h"
+#include "resolvent/render.h"
+#include "resolvent/scene.h"
+#include "resolvent/solve.h"
+#include "resolvent/trace.h"
+
+#endif

@@ -1,0 +1,176 @@
+#include "core_internal.h"
+
+#include <errno.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
+
+struct rsv_context {
+    rsv_context_desc desc;
+    int thread_count;
+    atomic_bool cancelled;
+};
+
+static _Thread_local char last_error[1024] = "no error";
+
+static void *default_allocate(void *user, size_t bytes)
+{
+    (void)user;
+    return aligned_alloc(64, bytes);
+}
+
+static void default_release(void *user, void *memory)
+{
+    (void)user;
+    free(memory);
+}
+
+rsv_context_desc rsv_default_context_desc(void)
+{
+    return (rsv_context_desc){ 0 };
+}
+
+rsv_status rsv_context_create(const rsv_context_desc *desc, rsv_context **context)
+{
+    rsv_context_desc settings = desc ? *desc : rsv_default_context_desc();
+    if ((settings.allocate == NULL) != (settings.release == NULL))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "context: set both allocate and release, or neither");
+    if (settings.thread_count < 0 || settings.thread_count > 1024)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "context: thread_count %d is not in 0..1024",
+            settings.thread_count);
+    if (!settings.allocate) {
+        settings.allocate = default_allocate;
+        settings.release = default_release;
+    }
+    rsv_context *created = settings.allocate(settings.user, (sizeof *created + 63) / 64 * 64);
+    if (!created) return rsv_fail(RSV_ERROR_MEMORY, "out of memory creating a context");
+    memset(created, 0, sizeof *created);
+    created->desc = settings;
+    created->thread_count = settings.thread_count;
+#if defined(_OPENMP)
+    if (created->thread_count == 0) created->thread_count = omp_get_num_procs();
+#else
+    created->thread_count = 1;
+#endif
+    *context = created;
+    return RSV_OK;
+}
+
+void rsv_context_destroy(rsv_context *context)
+{
+    if (context) context->desc.release(context->desc.user, context);
+}
+
+void rsv_context_cancel(rsv_context *context)
+{
+    atomic_store_explicit(&context->cancelled, true, memory_order_relaxed);
+}
+
+const char *rsv_last_error(void)
+{
+    return last_error;
+}
+
+const char *rsv_version(void)
+{
+    return RSV_VERSION_STRING;
+}
+
+rsv_status rsv_fail(rsv_status status, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(last_error, sizeof last_error, format, arguments);
+    va_end(arguments);
+    for (char *c = last_error; *c; c++) // one line, whatever names a file brought in
+        if ((unsigned char)*c < 0x20) *c = ' ';
+    return status;
+}
+
+void rsv_log(const rsv_context *context, rsv_log_level level, const char *format, ...)
+{
+    if (!context->desc.log) return;
+    char message[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    for (char *c = message; *c; c++)
+        if ((unsigned char)*c < 0x20) *c = ' ';
+    context->desc.log(context->desc.user, level, message);
+}
+
+void *rsv_alloc(rsv_context *context, size_t count, size_t size)
+{
+    size_t bytes;
+    if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 127) {
+        rsv_fail(RSV_ERROR_MEMORY, "out of memory: %zu x %zu bytes cannot be addressed", count, size);
+        return NULL;
+    }
+    bytes = (bytes / 64 + 1) * 64;
+    void *memory = context->desc.allocate(context->desc.user, bytes);
+    if (!memory) {
+        rsv_fail(RSV_ERROR_MEMORY, "out of memory: cannot allocate %zu bytes", bytes);
+        return NULL;
+    }
+    memset(memory, 0, bytes);
+    return memory;
+}
+
+void rsv_free(rsv_context *context, void *memory)
+{
+    if (memory) context->desc.release(context->desc.user, memory);
+}
+
+rsv_status rsv_grow(rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size)
+{
+    if (needed <= *capacity) return RSV_OK;
+    size_t grown = *capacity + *capacity / 2 > needed ? *capacity + *capacity / 2 : needed;
+    if (grown < 16) grown = 16;
+    void *moved = rsv_alloc(context, grown, size);
+    if (!moved) return RSV_ERROR_MEMORY;
+    if (*array) memcpy(moved, *array, *capacity * size);
+    rsv_free(context, *array);
+    *array = moved;
+    *capacity = grown;
+    return RSV_OK;
+}
+
+char *rsv_copy_string(rsv_context *context, const char *text)
+{
+    size_t length = text ? strlen(text) : 0;
+    char *copy = rsv_alloc(context, length + 1, 1);
+    if (copy && length) memcpy(copy, text, length);
+    return copy;
+}
+
+int rsv_threads(const rsv_context *context)
+{
+    return context->thread_count;
+}
+
+bool rsv_cancelled(const rsv_context *context)
+{
+    return atomic_load_explicit(&context->cancelled, memory_order_relaxed);
+}
+
+rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction)
+{
+    if (context->desc.progress && !context->desc.progress(context->desc.user, phase, fraction))
+        rsv_context_cancel(context);
+    return rsv_cancelled(context) ? rsv_fail(RSV_ERROR_CANCELLED, "cancelled during '%s'", phase)
+                                  : RSV_OK;
+}
+
+double rsv_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}

@@ -1,0 +1,50 @@
+/// Private services every room uses: errors, memory, log, progress, threads.
+#ifndef RSV_CORE_INTERNAL_H
+#define RSV_CORE_INTERNAL_H
+
+#include "resolvent/core.h"
+
+#include <assert.h>
+
+/// A condition only our own bug can break.
+#define RSV_ASSERT(condition) assert(condition)
+
+/// Runs `call`; on failure stores its status in `status` and jumps to `cleanup`.
+#define RSV_TRY(call) \
+    do { \
+        status = (call); \
+        if (status != RSV_OK) goto cleanup; \
+    } while (0)
+
+/// Records the calling thread's error message and returns `status`.
+rsv_status rsv_fail(rsv_status status, const char *format, ...) RSV_PRINTF(2, 3);
+
+void rsv_log(const rsv_context *context, rsv_log_level level, const char *format, ...)
+    RSV_PRINTF(3, 4);
+
+/// Zeroed array of `count` elements of `size` bytes, aligned to 64; never NULL for count 0. Overflow
+/// and exhaustion set the error message and return NULL. Thread-safe.
+void *rsv_alloc(rsv_context *context, size_t count, size_t size);
+void rsv_free(rsv_context *context, void *memory);
+
+/// Grows `*array` (capacity in elements at `*capacity`) to hold at least `needed` elements, keeping
+/// its content.
+rsv_status rsv_grow(rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size);
+
+/// A copy of `text` (NULL counts as ""); NULL on exhaustion.
+char *rsv_copy_string(rsv_context *context, const char *text);
+
+/// Worker threads to ask OpenMP for.
+int rsv_threads(const rsv_context *context);
+
+/// True once somebody asked to stop. Cheap: parallel loops poll it.
+bool rsv_cancelled(const rsv_context *context);
+
+/// Reports progress from the thread that entered the library, and turns a cancellation into
+/// RSV_ERROR_CANCELLED.
+rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction);
+
+/// Seconds on a monotonic clock.
+double rsv_seconds(void);
+
+#endif

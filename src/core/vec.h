@@ -1,0 +1,90 @@
+/// Arithmetic on rsv_vec3 and rsv_rgb; plain C, also for device code.
+#ifndef RSV_VEC_H
+#define RSV_VEC_H
+
+#include "resolvent/core.h"
+
+#include <math.h>
+
+#ifndef RSV_INLINE
+#if defined(__CUDACC__)
+#define RSV_INLINE static inline __host__ __device__
+#else
+#define RSV_INLINE static inline
+#endif
+#endif
+
+#define RSV_PI 3.14159265358979323846f
+
+RSV_INLINE rsv_vec3 v3(float x, float y, float z)
+{
+    rsv_vec3 r = { x, y, z };
+    return r;
+}
+RSV_INLINE rsv_vec3 v3_add(rsv_vec3 a, rsv_vec3 b) { return v3(a.x + b.x, a.y + b.y, a.z + b.z); }
+RSV_INLINE rsv_vec3 v3_sub(rsv_vec3 a, rsv_vec3 b) { return v3(a.x - b.x, a.y - b.y, a.z - b.z); }
+RSV_INLINE rsv_vec3 v3_scale(rsv_vec3 a, float s) { return v3(a.x * s, a.y * s, a.z * s); }
+RSV_INLINE rsv_vec3 v3_neg(rsv_vec3 a) { return v3(-a.x, -a.y, -a.z); }
+/// a + s b
+RSV_INLINE rsv_vec3 v3_mad(rsv_vec3 a, float s, rsv_vec3 b)
+{
+    return v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+RSV_INLINE float v3_dot(rsv_vec3 a, rsv_vec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+RSV_INLINE rsv_vec3 v3_cross(rsv_vec3 a, rsv_vec3 b)
+{
+    return v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+RSV_INLINE float v3_length(rsv_vec3 a) { return sqrtf(v3_dot(a, a)); }
+/// a / |a|; the zero vector stays zero.
+RSV_INLINE rsv_vec3 v3_normalize(rsv_vec3 a)
+{
+    float length = v3_length(a);
+    return length > 0 ? v3_scale(a, 1 / length) : a;
+}
+RSV_INLINE float v3_max_abs(rsv_vec3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
+RSV_INLINE rsv_vec3 v3_min(rsv_vec3 a, rsv_vec3 b)
+{
+    return v3(fminf(a.x, b.x), fminf(a.y, b.y), fminf(a.z, b.z));
+}
+RSV_INLINE rsv_vec3 v3_max(rsv_vec3 a, rsv_vec3 b)
+{
+    return v3(fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z));
+}
+/// (1 - u - v) a + u b + v c
+RSV_INLINE rsv_vec3 v3_barycentric(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, float u, float v)
+{
+    float w = 1 - u - v;
+    return v3(w * a.x + u * b.x + v * c.x, w * a.y + u * b.y + v * c.y, w * a.z + u * b.z + v * c.z);
+}
+
+/// Two unit tangents that make a right-handed frame (t, b, n) with unit n (Duff et al. 2017).
+RSV_INLINE void v3_frame(rsv_vec3 n, rsv_vec3 *t, rsv_vec3 *b)
+{
+    float sign = copysignf(1.0f, n.z);
+    float p = -1.0f / (sign + n.z), q = n.x * n.y * p;
+    *t = v3(1.0f + sign * n.x * n.x * p, sign * q, -sign * n.x);
+    *b = v3(q, sign + n.y * n.y * p, -n.y);
+}
+
+RSV_INLINE rsv_rgb rgb(float r, float g, float b)
+{
+    rsv_rgb c = { r, g, b };
+    return c;
+}
+RSV_INLINE rsv_rgb rgb_gray(float v) { return rgb(v, v, v); }
+RSV_INLINE rsv_rgb rgb_add(rsv_rgb a, rsv_rgb b) { return rgb(a.r + b.r, a.g + b.g, a.b + b.b); }
+RSV_INLINE rsv_rgb rgb_sub(rsv_rgb a, rsv_rgb b) { return rgb(a.r - b.r, a.g - b.g, a.b - b.b); }
+RSV_INLINE rsv_rgb rgb_mul(rsv_rgb a, rsv_rgb b) { return rgb(a.r * b.r, a.g * b.g, a.b * b.b); }
+RSV_INLINE rsv_rgb rgb_scale(rsv_rgb a, float s) { return rgb(a.r * s, a.g * s, a.b * s); }
+/// a + s b
+RSV_INLINE rsv_rgb rgb_mad(rsv_rgb a, float s, rsv_rgb b)
+{
+    return rgb(a.r + s * b.r, a.g + s * b.g, a.b + s * b.b);
+}
+RSV_INLINE float rgb_max(rsv_rgb a) { return fmaxf(a.r, fmaxf(a.g, a.b)); }
+RSV_INLINE bool rgb_is_black(rsv_rgb a) { return a.r == 0 && a.g == 0 && a.b == 0; }
+/// Rec. 709 luminance
+RSV_INLINE float rgb_luminance(rsv_rgb a) { return 0.2126f * a.r + 0.7152f * a.g + 0.0722f * a.b; }
+
+#endif

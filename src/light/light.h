@@ -1,0 +1,95 @@
+/// Every source of a committed scene, and how to sample them: emissive triangles ("emitters") and
+/// punctual lights.
+///
+/// Emitters that share object and material form a group: the unit of decisions such as whether a
+/// source is so large that gathering finds it better than next-event estimation.
+#ifndef RSV_LIGHT_H
+#define RSV_LIGHT_H
+
+#include "../bsdf/bsdf.h"
+
+typedef struct rsv_emitter {
+    rsv_vec3 corner[3];
+    rsv_vec3 normal; ///< unit, geometric, front
+    rsv_rgb radiance;
+    float area;
+    uint32_t triangle; ///< in the scene
+    uint32_t group;
+    bool double_sided;
+} rsv_emitter;
+
+typedef struct rsv_emitter_group {
+    uint32_t first, count; ///< emitters are stored group by group
+    double area;           ///< m2
+    double power;          ///< luminance flux, W (both sides if double-sided)
+    /// Covers so much of the scene that gather rays find it best: it takes no part in next-event
+    /// estimation or light shooting. In a closed uniform furnace the answer is then exact.
+    bool gathered;
+} rsv_emitter_group;
+
+/// A group larger than this share of the scene's total surface area is gathered.
+#define RSV_GATHERED_AREA_SHARE 0.25
+
+typedef struct rsv_lights {
+    rsv_context *context;
+    const rsv_scene_view *scene;
+    rsv_emitter *emitter;
+    rsv_emitter_group *group;
+    size_t emitter_count, group_count;
+    uint32_t *triangle_emitter; ///< [triangle_count]; RSV_NONE = not an emitter
+    double *power_cdf;          ///< [emitter_count of non-gathered ones], ascending to 1
+    uint32_t *sampled;          ///< indices of the emitters that next-event estimation samples
+    size_t sampled_count;
+} rsv_lights;
+
+/// @param bsdf [material_count], borrowed
+rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights);
+void rsv_lights_destroy(rsv_lights *lights);
+
+/// Irradiance at `p` with unit normal `n` from a uniform polygon emitter without occlusion, divided by
+/// its radiance: int cos+ dw over the part above the horizon (Lambert's formula after clipping). The
+/// caller checks that p is on the emitting side. Exact to float rounding; robust for p in the
+/// polygon's plane.
+/// @param corner polygon, 3 <= corner_count <= 4
+float rsv_polygon_irradiance(const rsv_vec3 *corner, int corner_count, rsv_vec3 p, rsv_vec3 n);
+
+#define RSV_LOCAL_LIGHTS 64
+
+/// The emitters as one receiver sees them: selection probabilities proportional to the unshadowed
+/// irradiance (luminance), for up to RSV_LOCAL_LIGHTS emitters; beyond that by power alone.
+typedef struct rsv_local_lights {
+    const rsv_lights *lights;
+    rsv_vec3 point, normal;
+    uint32_t count;                 ///< entries below; 0 = selection by power
+    bool by_power;
+    float probability[RSV_LOCAL_LIGHTS]; ///< per entry of lights->sampled
+    rsv_rgb unshadowed;             ///< irradiance of all sampled emitters without occlusion; only
+                                    ///< meaningful when !by_power
+} rsv_local_lights;
+
+void rsv_lights_at(const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
+
+typedef struct rsv_light_sample {
+    rsv_vec3 direction;    ///< unit, towards the source
+    float distance;        ///< metres to the source; INFINITY for directional lights
+    rsv_rgb radiance;      ///< arriving along direction, without occlusion
+    float pdf_solid_angle; ///< including the selection of the emitter
+    uint32_t emitter;
+} rsv_light_sample;
+
+/// Samples an emitter towards the receiver: uniform in the solid angle of the chosen triangle (Arvo
+/// 1995) where that is numerically sound, uniform in area otherwise. False if nothing can contribute.
+bool rsv_local_lights_sample(const rsv_local_lights *local, float u_select, float u1, float u2,
+    rsv_light_sample *sample);
+
+/// Density with which rsv_local_lights_sample would have drawn the point at `distance` along
+/// `direction` on `emitter`.
+float rsv_local_lights_pdf(const rsv_local_lights *local, uint32_t emitter, rsv_vec3 direction,
+    float distance);
+
+/// Light `index` of scene->light seen from `point`: unit direction to it, distance, and irradiance on a
+/// surface that faces it, without occlusion. False if nothing arrives.
+bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direction, float *distance,
+    rsv_rgb *irradiance);
+
+#endif
