@@ -57,8 +57,11 @@ RSV_API void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet
 
 /// Where a ray that leaves a surface starts: `point` moved off it, along `normal` (unit, towards the
 /// side the ray leaves to), by more than the rounding error of `point` and of the intersection.
-/// Scale-aware: a few dozen units in the last place of the largest coordinate.
-RSV_API rsv_vec3 rsv_offset_origin(rsv_vec3 point, rsv_vec3 normal);
+/// @param extent largest absolute coordinate that entered the computation of `point`: of its triangle
+///               (rsv_triangle_extent), or of the scene for a free point (rsv_scene_extent)
+RSV_API rsv_vec3 rsv_offset_origin(rsv_vec3 point, rsv_vec3 normal, float extent);
+RSV_API float rsv_triangle_extent(const rsv_scene_view *scene, uint32_t triangle);
+RSV_API float rsv_scene_extent(const rsv_scene_view *scene);
 
 #ifdef __cplusplus
 }
