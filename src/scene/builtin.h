@@ -1,0 +1,16 @@
+/// The built-in scenes' generators: each fills an empty scene.
+#ifndef RSV_SCENE_BUILTIN_H
+#define RSV_SCENE_BUILTIN_H
+
+#include "shapes.h"
+
+/// A Lambert surface that reflects `albedo` and emits `radiance`.
+rsv_status rsv_add_lambert(
+    rsv_scene *scene, const char *name, rsv_rgb albedo, rsv_rgb radiance, uint32_t *material_id);
+
+rsv_status rsv_build_cornell_blocks(rsv_scene *scene);
+rsv_status rsv_build_cornell_spheres(rsv_scene *scene);
+rsv_status rsv_build_furnace(rsv_scene *scene);
+rsv_status rsv_build_two_rooms(rsv_scene *scene);
+
+#endif

@@ -1,0 +1,87 @@
+#include "../core/vec.h"
+#include "scene_internal.h"
+
+typedef struct bounding_box {
+    rsv_vec3 low, high;
+} bounding_box;
+
+static bounding_box find_bounds(const rsv_scene *scene)
+{
+    bounding_box bounds = { scene->position[0], scene->position[0] };
+    for (size_t i = 1; i < scene->vertex_count; i++) {
+        bounds.low = v3_min(bounds.low, scene->position[i]);
+        bounds.high = v3_max(bounds.high, scene->position[i]);
+    }
+    return bounds;
+}
+
+static void fill_view(rsv_scene *scene, bounding_box bounds)
+{
+    scene->view = (rsv_scene_view){
+        .vertex_count = scene->vertex_count,
+        .triangle_count = scene->triangle_count,
+        .material_count = scene->material_count,
+        .light_count = scene->light_count,
+        .camera_count = scene->camera_count,
+        .object_count = scene->object_count,
+        .position = scene->position,
+        .normal = scene->normal,
+        .triangle = (const uint32_t(*)[3])scene->triangle,
+        .triangle_material = scene->triangle_material,
+        .triangle_object = scene->triangle_object,
+        .material = scene->material,
+        .light = scene->light,
+        .camera = scene->camera,
+        .object_name = (const char *const *)scene->object_name,
+        .bounds_min = bounds.low,
+        .bounds_max = bounds.high,
+    };
+}
+
+static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
+{
+    rsv_vec3 centre = v3_mad(v3_scale(bounds.low, 0.5f), 0.5f, bounds.high);
+    float radius = 0;
+    for (size_t i = 0; i < scene->vertex_count; i++)
+        radius = fmaxf(radius, v3_length(v3_sub(scene->position[i], centre)));
+    rsv_camera camera = rsv_camera_frame_sphere("framing", centre, radius);
+    rsv_log(scene->context, RSV_LOG_INFO,
+        "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g) looking at (%.4g, "
+        "%.4g, "
+        "%.4g)",
+        camera.position.x, camera.position.y, camera.position.z, centre.x, centre.y, centre.z);
+    return rsv_scene_add_camera(scene, &camera);
+}
+
+static bool has_light(const rsv_scene *scene)
+{
+    for (size_t i = 0; i < scene->light_count; i++)
+        if (!rgb_is_black(scene->light[i].intensity)) return true;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        const rsv_material *material = &scene->material[scene->triangle_material[t]];
+        if (!rgb_is_black(material->emission) && !material->unlit) return true;
+    }
+    return false;
+}
+
+rsv_status rsv_scene_commit(rsv_scene *scene)
+{
+    rsv_status status;
+    if (scene->commit_tried)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: it was committed already, or failed to");
+    scene->commit_tried = true;
+    RSV_TRY(rsv_scene_flatten(scene));
+    if (!scene->triangle_count)
+        return rsv_fail(RSV_ERROR_SCENE, "the scene has no triangles: there is nothing to light");
+    bounding_box bounds = find_bounds(scene);
+    if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
+    fill_view(scene, bounds);
+    if (!has_light(scene))
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "the scene has no light (no emissive material, no punctual light): pictures will be "
+            "black");
+    rsv_scene_release_sources(scene);
+    scene->committed = true;
+cleanup:
+    return status;
+}

@@ -1,0 +1,232 @@
+/// From instances of meshes to world-space triangles.
+#include "../core/vec.h"
+#include "scene_internal.h"
+
+#include <float.h>
+#include <string.h>
+
+/// A triangle whose height is below this share of its longest edge has no usable normal in float.
+#define DEGENERATE_HEIGHT (4 * (double)FLT_EPSILON)
+
+/// A transform whose volume is below this share of the product of its axes is singular.
+#define SINGULAR_VOLUME 1e-9
+
+typedef struct linear_map {
+    double axis[3][3];     ///< columns: images of x, y, z
+    double cofactor[3][3]; ///< columns of the inverse transpose, up to a positive factor
+    double offset[3];
+    bool mirrored;
+} linear_map;
+
+/// Scratch for the mesh at hand, and the object being written.
+typedef struct flattener {
+    rsv_scene *scene;
+    rsv_vec3 *position, *normal; ///< [largest vertex_count] in world space; normal zero = geometric
+    uint32_t *emitted; ///< output vertex that carries the mesh's own normal; RSV_NONE = none
+} flattener;
+
+static void cross(const double a[3], const double b[3], double result[3])
+{
+    result[0] = a[1] * b[2] - a[2] * b[1];
+    result[1] = a[2] * b[0] - a[0] * b[2];
+    result[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// False if the transform is singular.
+static bool make_map(const float m[16], linear_map *map)
+{
+    for (int column = 0; column < 3; column++)
+        for (int row = 0; row < 3; row++)
+            map->axis[column][row] = m[4 * column + row];
+    for (int row = 0; row < 3; row++)
+        map->offset[row] = m[12 + row];
+    for (int column = 0; column < 3; column++)
+        cross(map->axis[(column + 1) % 3], map->axis[(column + 2) % 3], map->cofactor[column]);
+
+    double volume = dot(map->axis[0], map->cofactor[0]);
+    double extent = 1;
+    for (int column = 0; column < 3; column++)
+        extent *= sqrt(dot(map->axis[column], map->axis[column]));
+    map->mirrored = volume < 0;
+    for (int i = 0; map->mirrored && i < 9; i++)
+        map->cofactor[i / 3][i % 3] *= -1;
+    return fabs(volume) > SINGULAR_VOLUME * extent;
+}
+
+static rsv_vec3 apply(const double columns[3][3], const double offset[3], rsv_vec3 v)
+{
+    double r[3];
+    for (int i = 0; i < 3; i++)
+        r[i] = columns[0][i] * v.x + columns[1][i] * v.y + columns[2][i] * v.z + offset[i];
+    return v3((float)r[0], (float)r[1], (float)r[2]);
+}
+
+/// Unit image of a normal; scaled in double so that tiny and huge transforms do no harm.
+static rsv_vec3 apply_normal(const linear_map *map, rsv_vec3 n)
+{
+    double r[3];
+    for (int i = 0; i < 3; i++)
+        r[i] = map->cofactor[0][i] * n.x + map->cofactor[1][i] * n.y + map->cofactor[2][i] * n.z;
+    double length = sqrt(dot(r, r));
+    if (!(length > 0)) return v3(0, 0, 0);
+    return v3((float)(r[0] / length), (float)(r[1] / length), (float)(r[2] / length));
+}
+
+static rsv_status transform_vertices(
+    flattener *f, const rsv_mesh *mesh, const linear_map *map, const char *object)
+{
+    for (size_t i = 0; i < mesh->vertex_count; i++) {
+        rsv_vec3 p = apply(map->axis, map->offset, mesh->position[i]);
+        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z))
+            return rsv_fail(RSV_ERROR_FORMAT,
+                "node '%s': its transform takes vertex %zu of mesh '%s' beyond the range of float",
+                object, i, mesh->name);
+        f->position[i] = p;
+        f->normal[i] = mesh->normal ? apply_normal(map, mesh->normal[i]) : v3(0, 0, 0);
+        f->emitted[i] = RSV_NONE;
+    }
+    return RSV_OK;
+}
+
+/// Unit geometric normal of a triangle; false if it is degenerate.
+static bool geometric_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *normal)
+{
+    double ab[3] = { (double)b.x - a.x, (double)b.y - a.y, (double)b.z - a.z };
+    double ac[3] = { (double)c.x - a.x, (double)c.y - a.y, (double)c.z - a.z };
+    double bc[3] = { ac[0] - ab[0], ac[1] - ab[1], ac[2] - ab[2] };
+    double n[3];
+    cross(ab, ac, n);
+    double length = sqrt(dot(n, n));
+    double longest_squared = fmax(dot(ab, ab), fmax(dot(ac, ac), dot(bc, bc)));
+    if (!(length > DEGENERATE_HEIGHT * longest_squared)) return false;
+    *normal = v3((float)(n[0] / length), (float)(n[1] / length), (float)(n[2] / length));
+    return true;
+}
+
+static rsv_status append_vertex(rsv_scene *scene, rsv_vec3 position, rsv_vec3 normal, uint32_t *id)
+{
+    rsv_status status;
+    size_t count = scene->vertex_count;
+    if (count >= RSV_NONE - 1)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "scene: more than 2^32 vertices after flattening");
+    RSV_TRY(rsv_grow(scene->context, (void **)&scene->position, &scene->position_capacity,
+        count + 1, sizeof position));
+    RSV_TRY(rsv_grow(scene->context, (void **)&scene->normal, &scene->normal_capacity, count + 1,
+        sizeof normal));
+    scene->position[count] = position;
+    scene->normal[count] = normal;
+    scene->vertex_count = count + 1;
+    *id = (uint32_t)count;
+cleanup:
+    return status;
+}
+
+/// The output vertex for one corner: shared where the mesh's normal is on the geometric side, split
+/// off with the geometric normal where it is not.
+static rsv_status emit_corner(flattener *f, uint32_t vertex, rsv_vec3 geometric, uint32_t *id)
+{
+    if (!(v3_dot(f->normal[vertex], geometric) > 0))
+        return append_vertex(f->scene, f->position[vertex], geometric, id);
+    rsv_status status = RSV_OK;
+    if (f->emitted[vertex] == RSV_NONE)
+        status =
+            append_vertex(f->scene, f->position[vertex], f->normal[vertex], &f->emitted[vertex]);
+    *id = f->emitted[vertex];
+    return status;
+}
+
+static rsv_status emit_triangle(flattener *f, rsv_mesh *mesh, const uint32_t corner[3])
+{
+    rsv_scene *scene = f->scene;
+    rsv_vec3 normal;
+    if (!geometric_normal(
+            f->position[corner[0]], f->position[corner[1]], f->position[corner[2]], &normal)) {
+        mesh->degenerate_count++;
+        return RSV_OK;
+    }
+    rsv_status status = RSV_OK;
+    size_t t = scene->triangle_count;
+    for (int i = 0; i < 3; i++)
+        RSV_TRY(emit_corner(f, corner[i], normal, &scene->triangle[t][i]));
+    scene->triangle_material[t] = mesh->material;
+    scene->triangle_object[t] = (uint32_t)scene->object_count;
+    scene->triangle_count = t + 1;
+cleanup:
+    return status;
+}
+
+static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
+{
+    rsv_scene *scene = f->scene;
+    rsv_mesh *mesh = &scene->mesh[instance->mesh];
+    linear_map map;
+    if (!make_map(instance->transform, &map)) {
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "node '%s': its transform is singular (a zero scale?); the node is skipped",
+            instance->name);
+        return RSV_OK;
+    }
+    rsv_status status;
+    size_t first = scene->triangle_count;
+    RSV_TRY(transform_vertices(f, mesh, &map, instance->name));
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *index = &mesh->index[3 * t];
+        // a mirroring transform turns the winding: swapping two corners keeps the front in front
+        uint32_t corner[3] = { index[0], index[map.mirrored ? 2 : 1], index[map.mirrored ? 1 : 2] };
+        RSV_TRY(emit_triangle(f, mesh, corner));
+    }
+    if (scene->triangle_count > first) {
+        scene->object_name[scene->object_count++] = instance->name;
+        instance->name = NULL;
+    }
+cleanup:
+    return status;
+}
+
+/// Allocates the per-triangle arrays for the largest possible outcome, and the scratch.
+static rsv_status allocate(flattener *f)
+{
+    rsv_scene *scene = f->scene;
+    size_t triangles = 0, vertices = 0;
+    for (size_t i = 0; i < scene->instance_count; i++) {
+        const rsv_mesh *mesh = &scene->mesh[scene->instance[i].mesh];
+        triangles += mesh->triangle_count;
+        if (mesh->vertex_count > vertices) vertices = mesh->vertex_count;
+        if (triangles >= RSV_NONE)
+            return rsv_fail(
+                RSV_ERROR_UNSUPPORTED, "scene: more than 2^32 triangles after flattening");
+    }
+    scene->triangle = rsv_alloc(scene->context, triangles, sizeof *scene->triangle);
+    scene->triangle_material = rsv_alloc(scene->context, triangles, sizeof(uint32_t));
+    scene->triangle_object = rsv_alloc(scene->context, triangles, sizeof(uint32_t));
+    scene->object_name = rsv_alloc(scene->context, scene->instance_count, sizeof(char *));
+    f->position = rsv_alloc(scene->context, vertices, sizeof *f->position);
+    f->normal = rsv_alloc(scene->context, vertices, sizeof *f->normal);
+    f->emitted = rsv_alloc(scene->context, vertices, sizeof *f->emitted);
+    bool complete = scene->triangle && scene->triangle_material && scene->triangle_object &&
+                    scene->object_name && f->position && f->normal && f->emitted;
+    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+rsv_status rsv_scene_flatten(rsv_scene *scene)
+{
+    rsv_status status;
+    flattener f = { .scene = scene };
+    RSV_TRY(allocate(&f));
+    for (size_t i = 0; i < scene->instance_count; i++)
+        RSV_TRY(flatten_instance(&f, &scene->instance[i]));
+    for (size_t i = 0; i < scene->mesh_count; i++)
+        if (scene->mesh[i].degenerate_count)
+            rsv_log(scene->context, RSV_LOG_WARNING, "mesh '%s': %zu degenerate triangles skipped",
+                scene->mesh[i].name, scene->mesh[i].degenerate_count);
+cleanup:
+    rsv_free(scene->context, f.position);
+    rsv_free(scene->context, f.normal);
+    rsv_free(scene->context, f.emitted);
+    return status;
+}

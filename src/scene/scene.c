@@ -1,0 +1,284 @@
+#include "../core/vec.h"
+#include "scene_internal.h"
+
+#include <string.h>
+
+rsv_status rsv_scene_create(rsv_context *context, rsv_scene **scene)
+{
+    if (!context || !scene)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: context and result must not be NULL");
+    rsv_scene *created = rsv_alloc(context, 1, sizeof *created);
+    if (!created) return RSV_ERROR_MEMORY;
+    created->context = context;
+    *scene = created;
+    return RSV_OK;
+}
+
+static void release_mesh(rsv_context *context, rsv_mesh *mesh)
+{
+    rsv_free(context, mesh->name);
+    rsv_free(context, mesh->position);
+    rsv_free(context, mesh->normal);
+    rsv_free(context, mesh->index);
+}
+
+void rsv_scene_release_sources(rsv_scene *scene)
+{
+    for (size_t i = 0; i < scene->mesh_count; i++)
+        release_mesh(scene->context, &scene->mesh[i]);
+    for (size_t i = 0; i < scene->instance_count; i++)
+        rsv_free(scene->context, scene->instance[i].name);
+    rsv_free(scene->context, scene->mesh);
+    rsv_free(scene->context, scene->instance);
+    scene->mesh = NULL;
+    scene->instance = NULL;
+    scene->mesh_count = scene->mesh_capacity = 0;
+    scene->instance_count = scene->instance_capacity = 0;
+}
+
+void rsv_scene_destroy(rsv_scene *scene)
+{
+    if (!scene) return;
+    rsv_context *context = scene->context;
+    rsv_scene_release_sources(scene);
+    for (size_t i = 0; i < scene->material_count; i++)
+        rsv_free(context, (void *)scene->material[i].name);
+    for (size_t i = 0; i < scene->light_count; i++)
+        rsv_free(context, (void *)scene->light[i].name);
+    for (size_t i = 0; i < scene->camera_count; i++)
+        rsv_free(context, (void *)scene->camera[i].name);
+    for (size_t i = 0; i < scene->object_count; i++)
+        rsv_free(context, scene->object_name[i]);
+    rsv_free(context, scene->material);
+    rsv_free(context, scene->light);
+    rsv_free(context, scene->camera);
+    rsv_free(context, scene->position);
+    rsv_free(context, scene->normal);
+    rsv_free(context, scene->triangle);
+    rsv_free(context, scene->triangle_material);
+    rsv_free(context, scene->triangle_object);
+    rsv_free(context, scene->object_name);
+    rsv_free(context, scene);
+}
+
+/// Room for one more element, refused after commit and beyond 32-bit ids.
+static rsv_status reserve_one(
+    rsv_scene *scene, const char *what, void **array, size_t *capacity, size_t count, size_t size)
+{
+    if (scene->committed)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: cannot add a %s after commit", what);
+    if (count >= RSV_NONE - 1) return rsv_fail(RSV_ERROR_ARGUMENT, "scene: too many %ss", what);
+    return rsv_grow(scene->context, array, capacity, count + 1, size);
+}
+
+static rsv_status copy_name(rsv_scene *scene, const char *name, const char *fallback, char **copy)
+{
+    *copy = rsv_copy_string(scene->context, name && *name ? name : fallback);
+    return *copy ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+static bool finite3(rsv_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
+
+rsv_status rsv_scene_add_material(
+    rsv_scene *scene, const rsv_material *material, uint32_t *material_id)
+{
+    rsv_status status;
+    char *name = NULL;
+    rsv_material stored = *material;
+    RSV_TRY(reserve_one(scene, "material", (void **)&scene->material, &scene->material_capacity,
+        scene->material_count, sizeof stored));
+    RSV_TRY(copy_name(scene, material->name, "unnamed", &name));
+    stored.name = name;
+    rsv_material_clamp(scene->context, &stored);
+    if (material_id) *material_id = (uint32_t)scene->material_count;
+    scene->material[scene->material_count++] = stored;
+cleanup:
+    return status;
+}
+
+static rsv_status check_mesh(const rsv_scene *scene, const rsv_mesh_desc *mesh, const char *name)
+{
+    if (mesh->vertex_count >= RSV_NONE || mesh->triangle_count >= RSV_NONE / 3)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "mesh '%s': %zu vertices and %zu triangles exceed 32-bit indices; split the mesh", name,
+            mesh->vertex_count, mesh->triangle_count);
+    if (mesh->material >= scene->material_count)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "mesh '%s': material %u does not exist", name, mesh->material);
+    if (!mesh->positions && mesh->vertex_count)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "mesh '%s': positions are NULL", name);
+    for (size_t i = 0; i < mesh->vertex_count; i++)
+        if (!finite3(mesh->positions[i]))
+            return rsv_fail(
+                RSV_ERROR_FORMAT, "mesh '%s': position of vertex %zu is not finite", name, i);
+    if (!mesh->indices && 3 * mesh->triangle_count > mesh->vertex_count)
+        return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': %zu triangles need %zu vertices, not %zu",
+            name, mesh->triangle_count, 3 * mesh->triangle_count, mesh->vertex_count);
+    for (size_t i = 0; mesh->indices && i < 3 * mesh->triangle_count; i++)
+        if (mesh->indices[i] >= mesh->vertex_count)
+            return rsv_fail(RSV_ERROR_FORMAT,
+                "mesh '%s': triangle %zu refers to vertex %u, but there are only %zu", name, i / 3,
+                mesh->indices[i], mesh->vertex_count);
+    return RSV_OK;
+}
+
+/// Unit normals; unusable ones become zero. Returns how many were unusable.
+static size_t normalize_normals(rsv_vec3 *normal, size_t count)
+{
+    size_t unusable = 0;
+    for (size_t i = 0; i < count; i++) {
+        float scale = v3_max_abs(normal[i]);
+        bool usable = finite3(normal[i]) && scale > 0;
+        // scaling first keeps very long and very short normals from over- and underflowing
+        normal[i] =
+            usable ? v3_normalize(v3(normal[i].x / scale, normal[i].y / scale, normal[i].z / scale))
+                   : v3(0, 0, 0);
+        unusable += !usable;
+    }
+    return unusable;
+}
+
+/// Copies the arrays of a checked description. On failure the caller releases what was copied.
+static rsv_status copy_mesh(rsv_scene *scene, const rsv_mesh_desc *source, rsv_mesh *mesh)
+{
+    rsv_context *context = scene->context;
+    size_t index_count = 3 * source->triangle_count;
+    mesh->position = rsv_alloc(context, source->vertex_count, sizeof *mesh->position);
+    mesh->index = rsv_alloc(context, index_count, sizeof *mesh->index);
+    if (!mesh->position || !mesh->index) return RSV_ERROR_MEMORY;
+    if (source->vertex_count)
+        memcpy(mesh->position, source->positions, source->vertex_count * sizeof *mesh->position);
+    for (size_t i = 0; i < index_count; i++)
+        mesh->index[i] = source->indices ? source->indices[i] : (uint32_t)i;
+    if (source->normals) {
+        mesh->normal = rsv_alloc(context, source->vertex_count, sizeof *mesh->normal);
+        if (!mesh->normal) return RSV_ERROR_MEMORY;
+        memcpy(mesh->normal, source->normals, source->vertex_count * sizeof *mesh->normal);
+    }
+    mesh->vertex_count = source->vertex_count;
+    mesh->triangle_count = source->triangle_count;
+    mesh->material = source->material;
+    return RSV_OK;
+}
+
+rsv_status rsv_scene_add_mesh(rsv_scene *scene, const rsv_mesh_desc *mesh, uint32_t *mesh_id)
+{
+    rsv_status status;
+    rsv_mesh stored = { 0 };
+    RSV_TRY(reserve_one(scene, "mesh", (void **)&scene->mesh, &scene->mesh_capacity,
+        scene->mesh_count, sizeof stored));
+    RSV_TRY(copy_name(scene, mesh->name, "unnamed", &stored.name));
+    RSV_TRY(check_mesh(scene, mesh, stored.name));
+    RSV_TRY(copy_mesh(scene, mesh, &stored));
+    if (stored.normal) {
+        size_t unusable = normalize_normals(stored.normal, stored.vertex_count);
+        if (unusable)
+            rsv_log(scene->context, RSV_LOG_WARNING,
+                "mesh '%s': %zu of %zu normals are zero or not finite; geometric ones are used "
+                "there",
+                stored.name, unusable, stored.vertex_count);
+    }
+    if (mesh_id) *mesh_id = (uint32_t)scene->mesh_count;
+    scene->mesh[scene->mesh_count++] = stored;
+    return RSV_OK;
+cleanup:
+    release_mesh(scene->context, &stored);
+    return status;
+}
+
+rsv_status rsv_scene_add_instance(
+    rsv_scene *scene, uint32_t mesh_id, const float transform[16], const char *name)
+{
+    static const float identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+    rsv_status status;
+    rsv_instance stored = { .mesh = mesh_id };
+    RSV_TRY(reserve_one(scene, "instance", (void **)&scene->instance, &scene->instance_capacity,
+        scene->instance_count, sizeof stored));
+    if (mesh_id >= scene->mesh_count)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "instance '%s': mesh %u does not exist", name ? name : "", mesh_id);
+    memcpy(stored.transform, transform ? transform : identity, sizeof stored.transform);
+    RSV_TRY(copy_name(scene, name, scene->mesh[mesh_id].name, &stored.name));
+    scene->instance[scene->instance_count++] = stored;
+cleanup:
+    return status;
+}
+
+static rsv_status check_light(const rsv_light *light, const char *name)
+{
+    if (!finite3(light->position) || !finite3(light->direction) || !isfinite(light->exponent) ||
+        light->exponent < 0)
+        return rsv_fail(
+            RSV_ERROR_FORMAT, "light '%s': position, direction or exponent is not usable", name);
+    float sum = light->intensity.r + light->intensity.g + light->intensity.b;
+    if (!isfinite(sum) ||
+        fminf(light->intensity.r, fminf(light->intensity.g, light->intensity.b)) < 0)
+        return rsv_fail(
+            RSV_ERROR_FORMAT, "light '%s': intensity must be finite and not negative", name);
+    if (light->kind != RSV_LIGHT_POINT && v3_length(light->direction) == 0)
+        return rsv_fail(RSV_ERROR_FORMAT, "light '%s': it has no direction", name);
+    bool cone_ok = light->inner_cone_angle >= 0 &&
+                   light->inner_cone_angle <= light->outer_cone_angle &&
+                   light->outer_cone_angle <= RSV_PI / 2 * 1.000001f;
+    if (light->kind == RSV_LIGHT_SPOT && !cone_ok)
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "light '%s': cone angles must be 0 <= inner <= outer <= pi/2, not %g and %g", name,
+            light->inner_cone_angle, light->outer_cone_angle);
+    return RSV_OK;
+}
+
+rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_light *light)
+{
+    rsv_status status;
+    char *name = NULL;
+    rsv_light stored = *light;
+    RSV_TRY(reserve_one(scene, "light", (void **)&scene->light, &scene->light_capacity,
+        scene->light_count, sizeof stored));
+    RSV_TRY(copy_name(scene, light->name, "unnamed", &name));
+    RSV_TRY(check_light(light, name));
+    stored.name = name;
+    stored.direction = v3_normalize(light->direction);
+    scene->light[scene->light_count++] = stored;
+    return RSV_OK;
+cleanup:
+    rsv_free(scene->context, name);
+    return status;
+}
+
+static rsv_status check_camera(const rsv_camera *camera, const char *name)
+{
+    bool finite = finite3(camera->position) && finite3(camera->right) && finite3(camera->up) &&
+                  finite3(camera->forward) && isfinite(camera->aspect) && camera->aspect >= 0;
+    if (!finite)
+        return rsv_fail(
+            RSV_ERROR_FORMAT, "camera '%s': position, axes or aspect are not usable", name);
+    bool perspective = camera->vertical_fov > 0 && camera->vertical_fov < RSV_PI;
+    bool orthographic = camera->vertical_fov == 0 && camera->vertical_extent > 0 &&
+                        isfinite(camera->vertical_extent);
+    if (!perspective && !orthographic)
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "camera '%s': needs a vertical field of view in (0, pi) or a vertical extent above 0",
+            name);
+    return RSV_OK;
+}
+
+rsv_status rsv_scene_add_camera(rsv_scene *scene, const rsv_camera *camera)
+{
+    rsv_status status;
+    char *name = NULL;
+    rsv_camera stored = *camera;
+    RSV_TRY(reserve_one(scene, "camera", (void **)&scene->camera, &scene->camera_capacity,
+        scene->camera_count, sizeof stored));
+    RSV_TRY(copy_name(scene, camera->name, "unnamed", &name));
+    RSV_TRY(check_camera(camera, name));
+    stored.name = name;
+    scene->camera[scene->camera_count++] = stored;
+    return RSV_OK;
+cleanup:
+    rsv_free(scene->context, name);
+    return status;
+}
+
+const rsv_scene_view *rsv_scene_get_view(const rsv_scene *scene) { return &scene->view; }
+
+rsv_context *rsv_scene_get_context(const rsv_scene *scene) { return scene->context; }

@@ -1,0 +1,62 @@
+/// What a scene is made of before and after commit.
+#ifndef RSV_SCENE_INTERNAL_H
+#define RSV_SCENE_INTERNAL_H
+
+#include "../core/core_internal.h"
+#include "resolvent/scene.h"
+
+typedef struct rsv_mesh {
+    char *name;
+    rsv_vec3 *position;
+    rsv_vec3 *normal; ///< unit, or zero where the geometric one is to be used; NULL = all of them
+    uint32_t *index;  ///< [3 * triangle_count]
+    size_t vertex_count, triangle_count;
+    uint32_t material;
+    size_t degenerate_count; ///< world-space triangles that flattening dropped
+} rsv_mesh;
+
+typedef struct rsv_instance {
+    char *name;
+    uint32_t mesh;
+    float transform[16]; ///< column-major, object to world
+} rsv_instance;
+
+struct rsv_scene {
+    rsv_context *context;
+    bool commit_tried, committed;
+
+    rsv_material *material;
+    rsv_light *light;
+    rsv_camera *camera;
+    size_t material_count, light_count, camera_count;
+    size_t material_capacity, light_capacity, camera_capacity;
+
+    // object space; released by commit
+    rsv_mesh *mesh;
+    rsv_instance *instance;
+    size_t mesh_count, instance_count, mesh_capacity, instance_capacity;
+
+    // world space; filled by commit
+    rsv_vec3 *position, *normal;
+    uint32_t (*triangle)[3];
+    uint32_t *triangle_material, *triangle_object;
+    char **object_name;
+    size_t vertex_count, triangle_count, object_count;
+    size_t position_capacity, normal_capacity;
+
+    rsv_scene_view view;
+};
+
+/// Brings every value into its range, with one warning that names the material.
+void rsv_material_clamp(const rsv_context *context, rsv_material *material);
+
+/// Fills the world-space arrays from meshes and instances.
+rsv_status rsv_scene_flatten(rsv_scene *scene);
+
+/// A camera that shows the whole sphere from the front and a little above.
+rsv_camera rsv_camera_frame_sphere(const char *name, rsv_vec3 centre, float radius);
+
+/// Releases meshes and instances.
+void rsv_scene_release_sources(rsv_scene *scene);
+
+#endif
