@@ -19,8 +19,8 @@
 #ifndef RSV_BSDF_H
 #define RSV_BSDF_H
 
-#include "resolvent/scene.h"
 #include "../core/sampling.h"
+#include "resolvent/scene.h"
 
 /// Unpolarised Fresnel reflectance of a smooth dielectric interface.
 /// @param cos_i cosine on the incident side, >= 0
@@ -38,18 +38,18 @@ double rsv_fresnel_dielectric_mean(double eta);
 
 /// Material constants precomputed once per material, so that no hot loop needs Walsh's formula.
 typedef struct rsv_bsdf {
-    rsv_rgb base_color;      ///< metal F0 and tint of transmission
-    rsv_rgb exitance_albedo; ///< base_color / T_mean: exitance per irradiance
-    rsv_rgb absorption;      ///< 1/m inside a solid body (Beer-Lambert)
-    rsv_rgb emission;        ///< W/(sr m2)
-    rsv_rgb specular_tint;   ///< s * specular_color
+    rsv_rgb base_color;                         ///< metal F0 and tint of transmission
+    rsv_rgb exitance_albedo;                    ///< base_color / T_mean: exitance per irradiance
+    rsv_rgb absorption;                         ///< 1/m inside a solid body (Beer-Lambert)
+    rsv_rgb emission;                           ///< W/(sr m2)
+    rsv_rgb specular_tint;                      ///< s * specular_color
     float ior, metallic, transmission, diffuse; ///< diffuse = D
-    bool solid;        ///< transmission refracts into a body
+    bool solid;                                 ///< transmission refracts into a body
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1
     bool unlit;
-    bool emissive;     ///< emission is not black (and not unlit)
+    bool emissive; ///< emission is not black (and not unlit)
 } rsv_bsdf;
 
 /// Maps a material to the scattering model. Rough lobes are mapped to the nearest ideal ones:
@@ -60,31 +60,43 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material, char *approximatio
 /// Weights of the branches in which light that leaves along `wo` may have arrived, and where from.
 typedef struct rsv_bsdf_branches {
     rsv_rgb reflect, transmit;
-    rsv_rgb diffuse;          ///< D T(wo), to be multiplied by B / pi
+    rsv_rgb diffuse;             ///< D T(wo), to be multiplied by B / pi
     rsv_vec3 reflect_direction;  ///< unit, away from the surface
     rsv_vec3 transmit_direction; ///< unit, into the far side
 } rsv_bsdf_branches;
 
-rsv_bsdf_branches rsv_bsdf_evaluate_branches(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
+rsv_bsdf_branches rsv_bsdf_evaluate_branches(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
+
+/// The normal for mirror and refraction branches: the shading normal, unless the mirrored direction
+/// would then end below the surface and its light be lost; then the geometric one. Both normals are
+/// unit and `geometric` is on wo's side.
+rsv_vec3 rsv_bsdf_specular_normal(rsv_vec3 shading, rsv_vec3 geometric, rsv_vec3 wo);
 
 /// T(w): share of light at cosine `cos` that passes the coat, per channel.
 rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos);
 
-typedef enum rsv_lobe { RSV_LOBE_NONE, RSV_LOBE_DIFFUSE, RSV_LOBE_REFLECT, RSV_LOBE_TRANSMIT } rsv_lobe;
+typedef enum rsv_lobe {
+    RSV_LOBE_NONE,
+    RSV_LOBE_DIFFUSE,
+    RSV_LOBE_REFLECT,
+    RSV_LOBE_TRANSMIT
+} rsv_lobe;
 
 /// A direction drawn from the BSDF.
 typedef struct rsv_bsdf_sample {
-    rsv_lobe lobe;          ///< RSV_LOBE_NONE = absorbed
-    rsv_vec3 direction;     ///< unit; where the light comes from
-    rsv_rgb weight;         ///< f cos / pdf; delta lobes: branch weight / probability
-    float pdf_solid_angle;  ///< of the diffuse lobe including its choice; 0 for delta lobes
+    rsv_lobe lobe;         ///< RSV_LOBE_NONE = absorbed
+    rsv_vec3 direction;    ///< unit; where the light comes from
+    rsv_rgb weight;        ///< f cos / pdf; delta lobes: branch weight / probability
+    float pdf_solid_angle; ///< of the diffuse lobe including its choice; 0 for delta lobes
 } rsv_bsdf_sample;
 
 /// Draws a lobe by its weight and a direction within it. `u_lobe`, `u1`, `u2` are uniform in [0, 1).
-rsv_bsdf_sample rsv_bsdf_sample_direction(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front,
-    float u_lobe, float u1, float u2);
+rsv_bsdf_sample rsv_bsdf_sample_direction(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
 
-/// Value (1/sr) of the non-delta lobes for light from `wi`; 0 below the horizon.
+/// Value (1/sr) of the non-delta lobes for light from `wi`; 0 below the horizon. On a side where
+/// rsv_bsdf_evaluate_branches finds the diffuse branch black there is nothing to evaluate: do not ask.
 rsv_rgb rsv_bsdf_eval(const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n);
 
 /// Density per solid angle with which rsv_bsdf_sample_direction draws `wi` by a non-delta lobe.

@@ -1,0 +1,1 @@
+rsv_add_test(bsdf unit/test_bsdf.c)

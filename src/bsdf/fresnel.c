@@ -1,0 +1,46 @@
+#include "bsdf.h"
+
+float rsv_fresnel_dielectric(float cos_i, float eta, float *cos_t)
+{
+    if (eta == 1) {
+        *cos_t = cos_i;
+        return 0;
+    }
+    float sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+    if (sin2_t >= 1) {
+        *cos_t = 0;
+        return 1;
+    }
+    *cos_t = sqrtf(1 - sin2_t);
+    float perpendicular = (cos_i - eta * *cos_t) / (cos_i + eta * *cos_t);
+    float parallel = (eta * cos_i - *cos_t) / (eta * cos_i + *cos_t);
+    return 0.5f * (perpendicular * perpendicular + parallel * parallel);
+}
+
+float rsv_fresnel_conductor(float cos_i, float eta, float k)
+{
+    // Born and Wolf, Principles of Optics, 14.2: the complex refracted cosine in real numbers
+    double cos2 = (double)cos_i * cos_i, sin2 = 1 - cos2;
+    double difference = (double)eta * eta - (double)k * k - sin2;
+    double modulus = hypot(difference, 2.0 * eta * k);
+    double real_part = sqrt(0.5 * fmax(modulus + difference, 0));
+    double cross = 2 * real_part * cos_i;
+    double perpendicular = (modulus + cos2 - cross) / (modulus + cos2 + cross);
+    double parallel = perpendicular * (cos2 * modulus + sin2 * sin2 - cross * sin2) /
+                      (cos2 * modulus + sin2 * sin2 + cross * sin2);
+    return (float)(0.5 * (perpendicular + parallel));
+}
+
+double rsv_fresnel_dielectric_mean(double eta)
+{
+    double step = eta - 1;
+    if (step < 1e-4) return step / 3; // leading term; Walsh's terms cancel like 1 / step
+    // Walsh 1926; see also Duntley 1942. Differences of powers are factored to keep their digits.
+    double n2 = eta * eta, n4 = n2 * n2;
+    double minus = step * (eta + 1), plus = n2 + 1; // n^2 - 1, n^2 + 1
+    double n4_minus = minus * plus;
+    return 0.5 + step * (3 * eta + 1) / (6 * (eta + 1) * (eta + 1)) +
+           n2 * minus * minus / (plus * plus * plus) * log(step / (eta + 1)) -
+           2 * n2 * eta * (n2 + 2 * eta - 1) / (plus * n4_minus) +
+           8 * n4 * (n4 + 1) / (plus * n4_minus * n4_minus) * log1p(step);
+}
