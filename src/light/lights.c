@@ -1,0 +1,160 @@
+/// The list of a scene's sources, grouped, with the table for selection by power.
+#include "light.h"
+
+#include "../core/core_internal.h"
+
+#include <stdlib.h>
+
+static rsv_emitter emitter_from_triangle(
+    const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle)
+{
+    const uint32_t *index = scene->triangle[triangle];
+    const rsv_bsdf *material = &bsdf[scene->triangle_material[triangle]];
+    rsv_emitter emitter = {
+        .radiance = material->emission, .triangle = triangle, .double_sided = material->double_sided
+    };
+    for (int i = 0; i < 3; i++)
+        emitter.corner[i] = scene->position[index[i]];
+    rsv_vec3 cross = v3_cross(
+        v3_sub(emitter.corner[1], emitter.corner[0]), v3_sub(emitter.corner[2], emitter.corner[0]));
+    emitter.normal = v3_normalize(cross);
+    emitter.area = 0.5f * v3_length(cross);
+    return emitter;
+}
+
+static double emitter_power(const rsv_emitter *emitter)
+{
+    int sides = emitter->double_sided ? 2 : 1;
+    return sides * (double)RSV_PI * rgb_luminance(emitter->radiance) * emitter->area;
+}
+
+/// What orders the emitters: those of one group (object, material) side by side.
+typedef struct emitter_key {
+    uint32_t object, material, triangle;
+} emitter_key;
+
+static int compare_ids(uint32_t a, uint32_t b) { return (a > b) - (a < b); }
+
+static int compare_keys(const void *left, const void *right)
+{
+    const emitter_key *a = left, *b = right;
+    int order = compare_ids(a->object, b->object);
+    if (order == 0) order = compare_ids(a->material, b->material);
+    return order ? order : compare_ids(a->triangle, b->triangle);
+}
+
+static bool is_emissive(const rsv_bsdf *bsdf)
+{
+    return bsdf->emissive && !bsdf->unlit && !rgb_is_black(bsdf->emission);
+}
+
+/// Keys of the emissive triangles, in order.
+static rsv_status collect_emitters(rsv_context *context, const rsv_scene_view *scene,
+    const rsv_bsdf *bsdf, emitter_key **keys, size_t *count)
+{
+    *count = 0;
+    for (size_t i = 0; i < scene->triangle_count; i++)
+        *count += is_emissive(&bsdf[scene->triangle_material[i]]);
+    emitter_key *key = *keys = rsv_alloc(context, *count, sizeof *key);
+    if (!key) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < scene->triangle_count; i++)
+        if (is_emissive(&bsdf[scene->triangle_material[i]]))
+            *key++ = (emitter_key){ scene->triangle_object[i], scene->triangle_material[i], i };
+    qsort(*keys, *count, sizeof **keys, compare_keys);
+    return RSV_OK;
+}
+
+static bool same_group(const emitter_key *a, const emitter_key *b)
+{
+    return a->object == b->object && a->material == b->material;
+}
+
+static void fill_emitters(rsv_lights *lights, const rsv_bsdf *bsdf, const emitter_key *keys)
+{
+    for (size_t i = 0; i < lights->emitter_count; i++) {
+        if (i == 0 || !same_group(&keys[i], &keys[i - 1]))
+            lights->group[lights->group_count++].first = (uint32_t)i;
+        rsv_emitter *emitter = &lights->emitter[i];
+        *emitter = emitter_from_triangle(lights->scene, bsdf, keys[i].triangle);
+        emitter->group = (uint32_t)lights->group_count - 1;
+        lights->triangle_emitter[emitter->triangle] = (uint32_t)i;
+        rsv_emitter_group *group = &lights->group[emitter->group];
+        group->count++;
+        group->area += emitter->area;
+        group->power += emitter_power(emitter);
+    }
+}
+
+static double surface_area(const rsv_scene_view *scene)
+{
+    double area = 0;
+    for (size_t i = 0; i < scene->triangle_count; i++) {
+        const uint32_t *index = scene->triangle[i];
+        rsv_vec3 a = scene->position[index[0]];
+        area += 0.5 * v3_length(v3_cross(v3_sub(scene->position[index[1]], a),
+                          v3_sub(scene->position[index[2]], a)));
+    }
+    return area;
+}
+
+/// Decides which groups are gathered and lists the emitters of the others with their powers summed.
+static void choose_sampled(rsv_lights *lights)
+{
+    double limit = RSV_GATHERED_AREA_SHARE * surface_area(lights->scene), sum = 0;
+    for (size_t i = 0; i < lights->group_count; i++)
+        lights->group[i].gathered = lights->group[i].area > limit;
+    for (size_t i = 0; i < lights->emitter_count; i++) {
+        if (lights->group[lights->emitter[i].group].gathered) continue;
+        sum += emitter_power(&lights->emitter[i]);
+        lights->sampled[lights->sampled_count] = (uint32_t)i;
+        lights->power_cdf[lights->sampled_count++] = sum;
+    }
+    for (size_t i = 0; i < lights->sampled_count; i++)
+        lights->power_cdf[i] /= sum;
+}
+
+rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights)
+{
+    rsv_status status = RSV_OK;
+    rsv_context *context = rsv_scene_get_context(scene);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    emitter_key *keys = NULL;
+    size_t count;
+    rsv_lights *created = rsv_alloc(context, 1, sizeof *created);
+    if (!created) return RSV_ERROR_MEMORY;
+    created->context = context;
+    created->scene = view;
+    RSV_TRY(collect_emitters(context, view, bsdf, &keys, &count));
+    created->emitter_count = count;
+    created->emitter = rsv_alloc(context, count, sizeof *created->emitter);
+    created->group = rsv_alloc(context, count, sizeof *created->group);
+    created->triangle_emitter =
+        rsv_alloc(context, view->triangle_count, sizeof *created->triangle_emitter);
+    created->power_cdf = rsv_alloc(context, count, sizeof *created->power_cdf);
+    created->sampled = rsv_alloc(context, count, sizeof *created->sampled);
+    bool complete = created->emitter && created->group && created->triangle_emitter &&
+                    created->power_cdf && created->sampled;
+    RSV_TRY(complete ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t i = 0; i < view->triangle_count; i++)
+        created->triangle_emitter[i] = RSV_NONE;
+    fill_emitters(created, bsdf, keys);
+    choose_sampled(created);
+    *lights = created;
+    created = NULL;
+cleanup:
+    rsv_free(context, keys);
+    rsv_lights_destroy(created);
+    return status;
+}
+
+void rsv_lights_destroy(rsv_lights *lights)
+{
+    if (!lights) return;
+    rsv_context *context = lights->context;
+    rsv_free(context, lights->emitter);
+    rsv_free(context, lights->group);
+    rsv_free(context, lights->triangle_emitter);
+    rsv_free(context, lights->power_cdf);
+    rsv_free(context, lights->sampled);
+    rsv_free(context, lights);
+}
