@@ -1,0 +1,305 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "session.h"
+
+#include <cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char help[] = "usage: resolvent info SCENE [--json]\n"
+                           "\n"
+                           "Says what SCENE (a .gltf or .glb file, or a built-in scene) holds once "
+                           "its instances are placed:\n"
+                           "counts, bounds, area, objects, materials, lights and cameras.\n"
+                           "\n"
+                           "  --json  print JSON\n"
+                           "\n"
+                           "examples:\n"
+                           "  resolvent info room.glb\n"
+                           "  resolvent info cornell-blocks --json\n";
+
+/// What triangles amount to, by object and by material.
+typedef struct totals {
+    double area; ///< m2
+    size_t *object_triangles, *material_triangles;
+    double *object_area, *material_area;
+} totals;
+
+static double triangle_area(const rsv_scene_view *view, size_t triangle)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
+             c = view->position[corner[2]];
+    double e[3] = { (double)b.x - a.x, (double)b.y - a.y, (double)b.z - a.z };
+    double f[3] = { (double)c.x - a.x, (double)c.y - a.y, (double)c.z - a.z };
+    double x = e[1] * f[2] - e[2] * f[1], y = e[2] * f[0] - e[0] * f[2],
+           z = e[0] * f[1] - e[1] * f[0];
+    return 0.5 * sqrt(x * x + y * y + z * z);
+}
+
+static void free_totals(totals *t)
+{
+    free(t->object_triangles);
+    free(t->material_triangles);
+    free(t->object_area);
+    free(t->material_area);
+}
+
+static bool add_up(const rsv_scene_view *view, totals *t)
+{
+    *t = (totals){ .object_triangles = calloc(view->object_count + 1, sizeof(size_t)),
+        .material_triangles = calloc(view->material_count + 1, sizeof(size_t)),
+        .object_area = calloc(view->object_count + 1, sizeof(double)),
+        .material_area = calloc(view->material_count + 1, sizeof(double)) };
+    if (!t->object_triangles || !t->material_triangles || !t->object_area || !t->material_area) {
+        cli_error("out of memory");
+        return false;
+    }
+    for (size_t i = 0; i < view->triangle_count; i++) {
+        double area = triangle_area(view, i);
+        uint32_t object = view->triangle_object[i], material = view->triangle_material[i];
+        t->area += area;
+        t->object_triangles[object]++;
+        t->object_area[object] += area;
+        t->material_triangles[material]++;
+        t->material_area[material] += area;
+    }
+    return true;
+}
+
+static const char *light_kind_name(rsv_light_kind kind)
+{
+    switch (kind) {
+    case RSV_LIGHT_POINT:
+        return "point";
+    case RSV_LIGHT_SPOT:
+        return "spot";
+    case RSV_LIGHT_DIRECTIONAL:
+        return "directional";
+    }
+    return "unknown";
+}
+
+static double degrees(float radians) { return radians * (180 / 3.14159265358979323846); }
+
+static double round_to_float(float value)
+{
+    char digits[32];
+    snprintf(digits, sizeof digits, "%.6g", value);
+    return strtod(digits, NULL);
+}
+
+static void add_triple(cJSON *object, const char *name, float x, float y, float z)
+{
+    double values[3] = { round_to_float(x), round_to_float(y), round_to_float(z) };
+    cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(values, 3));
+}
+
+static void add_rgb(cJSON *object, const char *name, rsv_rgb c)
+{
+    add_triple(object, name, c.r, c.g, c.b);
+}
+static void add_vec3(cJSON *object, const char *name, rsv_vec3 v)
+{
+    add_triple(object, name, v.x, v.y, v.z);
+}
+
+static void add_number(cJSON *object, const char *name, float value)
+{
+    cJSON_AddNumberToObject(object, name, round_to_float(value));
+}
+
+static cJSON *add_named_item(cJSON *array, const char *name)
+{
+    cJSON *item = cJSON_CreateObject();
+    cJSON_AddStringToObject(item, "name", name);
+    cJSON_AddItemToArray(array, item);
+    return item;
+}
+
+static void add_objects(cJSON *root, const rsv_scene_view *view, const totals *t)
+{
+    cJSON *objects = cJSON_AddArrayToObject(root, "objects");
+    for (size_t i = 0; i < view->object_count; i++) {
+        cJSON *item = add_named_item(objects, view->object_name[i]);
+        cJSON_AddNumberToObject(item, "triangles", (double)t->object_triangles[i]);
+        cJSON_AddNumberToObject(item, "area", t->object_area[i]);
+    }
+}
+
+static void add_materials(cJSON *root, const rsv_scene_view *view, const totals *t)
+{
+    cJSON *materials = cJSON_AddArrayToObject(root, "materials");
+    for (size_t i = 0; i < view->material_count; i++) {
+        const rsv_material *material = &view->material[i];
+        cJSON *item = add_named_item(materials, material->name);
+        cJSON_AddNumberToObject(item, "triangles", (double)t->material_triangles[i]);
+        cJSON_AddNumberToObject(item, "area", t->material_area[i]);
+        add_rgb(item, "base_color", material->base_color);
+        add_rgb(item, "emission", material->emission);
+        add_number(item, "metallic", material->metallic);
+        add_number(item, "roughness", material->roughness);
+        add_number(item, "ior", material->ior);
+        add_number(item, "specular", material->specular);
+        add_number(item, "transmission", material->transmission);
+        add_number(item, "thickness", material->thickness);
+        cJSON_AddBoolToObject(item, "double_sided", material->double_sided);
+        cJSON_AddBoolToObject(item, "unlit", material->unlit);
+    }
+}
+
+static void add_lights(cJSON *root, const rsv_scene_view *view)
+{
+    cJSON *lights = cJSON_AddArrayToObject(root, "lights");
+    for (size_t i = 0; i < view->light_count; i++) {
+        const rsv_light *light = &view->light[i];
+        cJSON *item = add_named_item(lights, light->name);
+        cJSON_AddStringToObject(item, "kind", light_kind_name(light->kind));
+        add_rgb(item, "intensity", light->intensity);
+        if (light->kind != RSV_LIGHT_DIRECTIONAL) add_vec3(item, "position", light->position);
+        if (light->kind != RSV_LIGHT_POINT) add_vec3(item, "direction", light->direction);
+    }
+}
+
+static void add_cameras(cJSON *root, const rsv_scene_view *view)
+{
+    cJSON *cameras = cJSON_AddArrayToObject(root, "cameras");
+    for (size_t i = 0; i < view->camera_count; i++) {
+        const rsv_camera *camera = &view->camera[i];
+        cJSON *item = add_named_item(cameras, camera->name);
+        add_vec3(item, "position", camera->position);
+        add_vec3(item, "forward", camera->forward);
+        cJSON_AddNumberToObject(item, "vertical_fov_degrees", degrees(camera->vertical_fov));
+        add_number(item, "aspect", camera->aspect);
+    }
+}
+
+static bool print_json(
+    const cli_session *session, const char *name, const rsv_scene_view *view, const totals *t)
+{
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "scene", name);
+    cJSON_AddNumberToObject(root, "triangle_count", (double)view->triangle_count);
+    cJSON_AddNumberToObject(root, "vertex_count", (double)view->vertex_count);
+    cJSON_AddNumberToObject(root, "area", t->area);
+    add_vec3(root, "bounds_min", view->bounds_min);
+    add_vec3(root, "bounds_max", view->bounds_max);
+    add_objects(root, view, t);
+    add_materials(root, view, t);
+    add_lights(root, view);
+    add_cameras(root, view);
+    cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
+    for (size_t i = 0; i < session->warning_count; i++)
+        cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings[i]));
+    bool printed = cli_write_json(NULL, root);
+    cJSON_Delete(root);
+    return printed;
+}
+
+/// Prints a name from a file; what could steer a terminal becomes '?'.
+static void print_name(const char *name)
+{
+    fputs("  ", stdout);
+    for (; *name; name++)
+        putchar((unsigned char)*name < 0x20 || *name == 0x7f ? '?' : *name);
+}
+
+static void print_rgb(const char *label, rsv_rgb c)
+{
+    printf("  %s (%.4g %.4g %.4g)", label, c.r, c.g, c.b);
+}
+
+static bool is_black(rsv_rgb c) { return c.r == 0 && c.g == 0 && c.b == 0; }
+
+static void print_objects(const rsv_scene_view *view, const totals *t)
+{
+    printf("\nobjects: %zu\n", view->object_count);
+    for (size_t i = 0; i < view->object_count; i++) {
+        print_name(view->object_name[i]);
+        printf("  %zu triangles, %.6g m2\n", t->object_triangles[i], t->object_area[i]);
+    }
+}
+
+static void print_materials(const rsv_scene_view *view, const totals *t)
+{
+    printf("\nmaterials: %zu\n", view->material_count);
+    for (size_t i = 0; i < view->material_count; i++) {
+        const rsv_material *material = &view->material[i];
+        print_name(material->name);
+        printf("  %.6g m2", t->material_area[i]);
+        print_rgb("base color", material->base_color);
+        if (!is_black(material->emission)) print_rgb("emits", material->emission);
+        if (material->metallic > 0) printf("  metallic %.3g", material->metallic);
+        if (material->transmission > 0)
+            printf("  transmission %.3g  ior %.4g", material->transmission, material->ior);
+        printf("  roughness %.3g%s%s\n", material->roughness,
+            material->double_sided ? "  double-sided" : "", material->unlit ? "  unlit" : "");
+    }
+}
+
+static void print_lights(const rsv_scene_view *view)
+{
+    printf("\npunctual lights: %zu\n", view->light_count);
+    for (size_t i = 0; i < view->light_count; i++) {
+        const rsv_light *light = &view->light[i];
+        print_name(light->name);
+        printf("  %s", light_kind_name(light->kind));
+        print_rgb(light->kind == RSV_LIGHT_DIRECTIONAL ? "W/m2" : "W/sr", light->intensity);
+        putchar('\n');
+    }
+}
+
+static void print_cameras(const rsv_scene_view *view)
+{
+    printf("\ncameras: %zu\n", view->camera_count);
+    for (size_t i = 0; i < view->camera_count; i++) {
+        const rsv_camera *camera = &view->camera[i];
+        rsv_vec3 p = camera->position, f = camera->forward;
+        print_name(camera->name);
+        printf("  at (%.4g %.4g %.4g) towards (%.3g %.3g %.3g)", p.x, p.y, p.z, f.x, f.y, f.z);
+        if (camera->vertical_fov > 0)
+            printf(", %.4g degrees high\n", degrees(camera->vertical_fov));
+        else
+            printf(", orthographic\n");
+    }
+}
+
+static void print_text(const char *name, const rsv_scene_view *view, const totals *t)
+{
+    rsv_vec3 low = view->bounds_min, high = view->bounds_max;
+    printf("%s: %zu triangles, %zu vertices, %.6g m2\n", name, view->triangle_count,
+        view->vertex_count, t->area);
+    printf("bounds: (%.6g %.6g %.6g) to (%.6g %.6g %.6g) m\n", low.x, low.y, low.z, high.x, high.y,
+        high.z);
+    print_objects(view, t);
+    print_materials(view, t);
+    print_lights(view);
+    print_cameras(view);
+}
+
+int cli_info(int argc, char **argv)
+{
+    const char *name = NULL;
+    bool json = false;
+    const cli_option options[] = {
+        { .name = "--json", .kind = CLI_FLAG, .value = &json },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
+    int exit_status;
+    if (!cli_parse(&usage, argc, argv, &name, &exit_status)) return exit_status;
+    cli_session session;
+    if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
+    rsv_scene *scene = cli_open_scene(&session, name);
+    const rsv_scene_view *view = scene ? rsv_scene_get_view(scene) : NULL;
+    totals t = { 0 };
+    bool printed = view && add_up(view, &t);
+    if (printed && json) printed = print_json(&session, name, view, &t);
+    if (printed && !json) print_text(name, view, &t);
+    free_totals(&t);
+    rsv_scene_destroy(scene);
+    cli_session_end(&session);
+    return printed ? CLI_SUCCESS : CLI_FAILURE;
+}

@@ -1,0 +1,154 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "points_csv.h"
+#include "stats.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const char help[] =
+    "usage: resolvent probe SCENE --points IN.csv -o OUT.csv [options]\n"
+    "\n"
+    "Reads irradiance (W/m2, linear RGB) at points of space. IN.csv holds one point and direction "
+    "per\n"
+    "line, x,y,z,nx,ny,nz (metres, y up; a header may name the columns in another order; '#' "
+    "starts a\n"
+    "comment). OUT.csv holds the same and r,g,b,err_r,err_g,err_b: irradiance and standard error.\n"
+    "A point is a virtual receiver: it casts no shadow. A point on a surface is taken to be on "
+    "the\n"
+    "side its normal points to.\n"
+    "\n"
+    "  --points FILE      the points\n"
+    "  -o FILE            the readings\n"
+    "  --mode MODE        operator   one gather of rays through the solution (default)\n"
+    "                     lookup     the stored solution at the nearest surface point\n"
+    "                     reference  path traced; needs no solution\n"
+    "  --quality Q        draft, medium (default) or high: of the solution\n"
+    "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
+    "  --seed N           another set of random numbers (default 0)\n"
+    "  --threads N        default: one per processor; the readings do not depend on it\n"
+    "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
+    "\n"
+    "examples:\n"
+    "  resolvent probe room.glb --points desk.csv -o desk-light.csv\n"
+    "  resolvent probe room.glb --points desk.csv -o judge.csv --mode reference --samples "
+    "1000000\n";
+
+static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
+    [RSV_PROBE_OPERATOR] = "operator",
+    [RSV_PROBE_REFERENCE] = "reference",
+    NULL };
+
+typedef struct settings {
+    const char *scene, *points, *output, *stats;
+    int mode, quality;
+    uint32_t samples; ///< 0 = by quality
+    uint32_t threads, seed;
+} settings;
+
+static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
+{
+    const cli_option options[] = {
+        { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
+        { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
+        { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
+        { .name = "--quality",
+            .kind = CLI_CHOICE,
+            .value = &s->quality,
+            .choices = cli_quality_names },
+        { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
+        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "probe", help, options, "SCENE", 1, 1 };
+    if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
+    if (s->points && s->output) return true;
+    *exit_status =
+        cli_usage_error("probe", "%s is missing", s->points ? "-o OUT.csv" : "--points IN.csv");
+    return false;
+}
+
+static rsv_status read_light(const settings *s, const rsv_scene *scene, const cli_points *points,
+    rsv_probe_reading *readings, rsv_solution **solution, double *time_render)
+{
+    rsv_status status = RSV_OK;
+    bool is_reference = s->mode == RSV_PROBE_REFERENCE;
+    if (!is_reference) {
+        rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+        desc.seed = s->seed;
+        status = rsv_solution_create(scene, &desc, solution);
+        if (status != RSV_OK) return status;
+    }
+    double started = cli_seconds();
+    status = is_reference ? rsv_probe_reference(
+                                scene, points->probe, points->count, s->samples, s->seed, readings)
+                          : rsv_probe_irradiance(*solution, (rsv_probe_mode)s->mode, points->probe,
+                                points->count, s->samples, s->seed, readings);
+    *time_render = cli_seconds() - started;
+    return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
+}
+
+static bool write_stats(
+    const cli_session *session, const settings *s, const rsv_solution *solution, double time_render)
+{
+    cli_stats stats = { .command = "probe",
+        .scene = s->scene,
+        .mode = mode_names[s->mode],
+        .quality = (rsv_quality)s->quality,
+        .samples = s->samples,
+        .threads = cli_thread_count(s->threads),
+        .seed = s->seed,
+        .report = solution ? rsv_solution_report(solution) : NULL,
+        .order_count = solution ? rsv_solution_order_count(solution) : 0,
+        .standard_error = NAN,
+        .time_render = time_render };
+    return cli_write_stats(s->stats, session, &stats);
+}
+
+static int run(cli_session *session, const settings *s, const cli_points *points)
+{
+    int exit_status = CLI_FAILURE;
+    double time_render = 0;
+    rsv_solution *solution = NULL;
+    rsv_probe_reading *readings = calloc(points->count, sizeof *readings);
+    rsv_scene *scene = cli_open_scene(session, s->scene);
+    if (!scene) goto cleanup;
+    if (!readings) {
+        cli_error("out of memory for %zu points", points->count);
+        goto cleanup;
+    }
+    rsv_status status = read_light(s, scene, points, readings, &solution, &time_render);
+    if (status != RSV_OK)
+        cli_report_failure(session, status);
+    else if (cli_write_readings(s->output, points, readings) &&
+             (!s->stats || write_stats(session, s, solution, time_render)))
+        exit_status = CLI_SUCCESS;
+
+cleanup:
+    free(readings);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+    return exit_status;
+}
+
+int cli_probe(int argc, char **argv)
+{
+    static const uint32_t samples_by_quality[] = { 4096, 16384, 65536 };
+    settings s = { .mode = RSV_PROBE_OPERATOR, .quality = RSV_QUALITY_MEDIUM };
+    int exit_status;
+    if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
+    if (s.samples == 0) s.samples = samples_by_quality[s.quality];
+    cli_points points = { 0 };
+    cli_session session;
+    exit_status = CLI_FAILURE;
+    if (cli_check_output(s.output) && (!s.stats || cli_check_output(s.stats)) &&
+        cli_read_points(s.points, &points) && cli_session_begin(&session, s.threads)) {
+        exit_status = run(&session, &s, &points);
+        cli_session_end(&session);
+    }
+    cli_free_points(&points);
+    return exit_status;
+}

@@ -1,0 +1,246 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "stats.h"
+
+#include "resolvent/render.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: resolvent render SCENE -o OUT.{exr,png,hdr} [options]\n"
+    "\n"
+    "Solves the light of SCENE (a .gltf or .glb file, or a built-in scene) once and takes a "
+    "picture\n"
+    "of it. Picture samples are radiance, linear RGB; PNG is sRGB.\n"
+    "\n"
+    "  -o FILE            the picture; repeat it for more than one format\n"
+    "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
+    "  --mode MODE        final      direct light per pixel, all further light from the operator\n"
+    "                                (default)\n"
+    "                     operator   all light looked up in the solution: the real-time path\n"
+    "                     reference  an unbiased path tracer, slow, to judge the others by\n"
+    "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
+    "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference 64)\n"
+    "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
+    "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
+    "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
+    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
+    "  --seed N           another set of random numbers (default 0)\n"
+    "  --threads N        default: one per processor; the picture does not depend on it\n"
+    "  --device cpu       where to compute\n"
+    "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
+    "\n"
+    "examples:\n"
+    "  resolvent render cornell-spheres -o spheres.png\n"
+    "  resolvent render room.glb -o room.exr -o room.png --size 1280x720 --quality high\n"
+    "  resolvent render room.glb -o orders.exr --mode operator --layers\n"
+    "  resolvent render room.glb -o judge.exr --mode reference --spp 1024 --stats judge.json\n";
+
+enum { default_longer_side = 512 };
+
+static const char *const mode_names[] = { [RSV_RENDER_OPERATOR] = "operator",
+    [RSV_RENDER_FINAL] = "final",
+    [RSV_RENDER_REFERENCE] = "reference",
+    NULL };
+
+enum device { device_cpu, device_cuda };
+static const char *const device_names[] = { [device_cpu] = "cpu", [device_cuda] = "cuda", NULL };
+
+typedef struct settings {
+    const char *scene, *camera, *environment, *stats;
+    cli_list outputs;
+    cli_size size;
+    int mode, quality, device;
+    uint32_t samples; ///< 0 = by mode and quality
+    uint32_t threads, seed, gather_rays;
+    float exposure;
+    bool layers;
+} settings;
+
+static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
+{
+    const cli_option options[] = {
+        { .name = "-o", .kind = CLI_LIST, .value = &s->outputs },
+        { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 32768 },
+        { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
+        { .name = "--quality",
+            .kind = CLI_CHOICE,
+            .value = &s->quality,
+            .choices = cli_quality_names },
+        { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
+        { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
+        { .name = "--gather", .kind = CLI_COUNT, .value = &s->gather_rays, .max = 1 << 16 },
+        { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
+        { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
+        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
+        { .name = "--env", .kind = CLI_TEXT, .value = &s->environment },
+        { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "render", help, options, "SCENE", 1, 1 };
+    if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
+    if (s->outputs.count == 0) {
+        *exit_status = cli_usage_error("render", "-o OUT.{exr,png,hdr} is missing");
+        return false;
+    }
+    return true;
+}
+
+/// What this build cannot do, and outputs that cannot be written, are said before the long work.
+static bool check_request(const settings *s)
+{
+    if (s->device == device_cuda) {
+        cli_error("--device cuda: this build computes on the CPU only; leave the option out");
+        return false;
+    }
+    if (s->environment) {
+        cli_error("--env %s: this version has no environment light; leave the option out",
+            s->environment);
+        return false;
+    }
+    for (size_t i = 0; i < s->outputs.count; i++)
+        if (rsv_image_check_output(s->outputs.item[i]) != RSV_OK) {
+            cli_error("%s", rsv_last_error());
+            return false;
+        }
+    return !s->stats || cli_check_output(s->stats);
+}
+
+static bool writes_exr(const settings *s)
+{
+    for (size_t i = 0; i < s->outputs.count; i++) {
+        const char *extension = strrchr(s->outputs.item[i], '.');
+        if (extension && strcmp(extension, ".exr") == 0) return true;
+    }
+    return false;
+}
+
+static uint32_t default_samples(const settings *s)
+{
+    static const uint32_t by_quality[] = { 4, 9, 16 };
+    return s->mode == RSV_RENDER_REFERENCE ? 64 : by_quality[s->quality];
+}
+
+/// 512 on the longer side, in the camera's aspect.
+static cli_size default_size(const rsv_camera *camera)
+{
+    float aspect = camera->aspect > 0 ? camera->aspect : 1;
+    float shorter = roundf(default_longer_side * fminf(aspect, 1 / aspect));
+    uint32_t side = shorter < 1 ? 1 : (uint32_t)shorter;
+    return aspect >= 1 ? (cli_size){ default_longer_side, side }
+                       : (cli_size){ side, default_longer_side };
+}
+
+static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_render_desc *desc)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    *desc = rsv_default_render_desc();
+    desc->camera = rsv_scene_find_camera(scene, s->camera);
+    if (desc->camera == RSV_NONE) {
+        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
+            s->camera ? s->camera : "", s->scene);
+        return false;
+    }
+    cli_size size = s->size.width ? s->size : default_size(&view->camera[desc->camera]);
+    desc->mode = (rsv_render_mode)s->mode;
+    desc->width = size.width;
+    desc->height = size.height;
+    desc->samples = s->samples ? s->samples : default_samples(s);
+    desc->gather_rays = s->gather_rays;
+    desc->layers = s->layers;
+    desc->seed = s->seed;
+    return true;
+}
+
+static rsv_status solve(const settings *s, const rsv_scene *scene, rsv_solution **solution)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+    desc.direct_level = s->mode != RSV_RENDER_FINAL;
+    desc.seed = s->seed;
+    return rsv_solution_create(scene, &desc, solution);
+}
+
+static rsv_status write_pictures(const settings *s, const rsv_image *image)
+{
+    rsv_status status = RSV_OK;
+    for (size_t i = 0; i < s->outputs.count && status == RSV_OK; i++)
+        status = rsv_image_write(image, s->outputs.item[i], s->exposure);
+    return status;
+}
+
+static bool write_stats(const cli_session *session, const settings *s, const rsv_render_desc *desc,
+    const rsv_solution *solution, cli_stats *stats)
+{
+    stats->command = "render";
+    stats->scene = s->scene;
+    stats->mode = mode_names[s->mode];
+    stats->quality = (rsv_quality)s->quality;
+    stats->width = desc->width;
+    stats->height = desc->height;
+    stats->samples = desc->samples;
+    stats->threads = cli_thread_count(s->threads);
+    stats->seed = s->seed;
+    stats->report = solution ? rsv_solution_report(solution) : NULL;
+    stats->order_count = solution ? rsv_solution_order_count(solution) : 0;
+    return cli_write_stats(s->stats, session, stats);
+}
+
+/// Solves where the mode wants it, and takes the picture.
+static rsv_status render(const settings *s, const rsv_scene *scene, const rsv_render_desc *desc,
+    rsv_solution **solution, rsv_image **image, cli_stats *stats)
+{
+    rsv_status status = RSV_OK;
+    bool is_reference = desc->mode == RSV_RENDER_REFERENCE;
+    if (!is_reference) status = solve(s, scene, solution);
+    if (status != RSV_OK) return status;
+    double started = cli_seconds();
+    stats->standard_error = NAN;
+    status = is_reference ? rsv_render_reference(scene, desc, image, &stats->standard_error)
+                          : rsv_render(*solution, desc, image);
+    stats->time_render = cli_seconds() - started;
+    if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
+    return status;
+}
+
+static int run(cli_session *session, const settings *s)
+{
+    int exit_status = CLI_FAILURE;
+    cli_stats stats = { 0 };
+    rsv_render_desc desc;
+    rsv_solution *solution = NULL;
+    rsv_image *image = NULL;
+    rsv_scene *scene = cli_open_scene(session, s->scene);
+    if (!scene || !describe_picture(s, scene, &desc)) goto cleanup;
+    if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
+
+    rsv_status status = render(s, scene, &desc, &solution, &image, &stats);
+    if (status == RSV_OK) status = write_pictures(s, image);
+    if (status != RSV_OK)
+        cli_report_failure(session, status);
+    else if (!s->stats || write_stats(session, s, &desc, solution, &stats))
+        exit_status = CLI_SUCCESS;
+
+cleanup:
+    rsv_image_destroy(image);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+    return exit_status;
+}
+
+int cli_render(int argc, char **argv)
+{
+    settings s = { .mode = RSV_RENDER_FINAL, .quality = RSV_QUALITY_MEDIUM };
+    int exit_status;
+    if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
+    if (!check_request(&s)) return CLI_FAILURE;
+    cli_session session;
+    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    exit_status = run(&session, &s);
+    cli_session_end(&session);
+    return exit_status;
+}

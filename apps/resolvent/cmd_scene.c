@@ -1,0 +1,57 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "session.h"
+
+#include <string.h>
+
+static const char help[] =
+    "usage: resolvent scene NAME -o OUT.glb\n"
+    "\n"
+    "Writes a built-in scene as binary glTF:\n"
+    "\n"
+    "  cornell-blocks   the Cornell box with its two white blocks, as published\n"
+    "  cornell-spheres  the Cornell box with two glass spheres\n"
+    "  furnace          closed, every surface emits and reflects alike: the answer is known\n"
+    "  two-rooms        light reaches the second room through a door ajar\n"
+    "\n"
+    "examples:\n"
+    "  resolvent scene cornell-spheres -o spheres.glb\n"
+    "  resolvent info spheres.glb\n";
+
+static bool ends_in_glb(const char *path)
+{
+    const char *extension = strrchr(path, '.');
+    return extension && strcmp(extension, ".glb") == 0;
+}
+
+static int run(cli_session *session, const char *name, const char *output)
+{
+    rsv_scene *scene = NULL;
+    rsv_status status = rsv_scene_builtin(session->context, name, &scene);
+    if (status == RSV_OK) status = rsv_scene_save(scene, output);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    rsv_scene_destroy(scene);
+    return status == RSV_OK ? CLI_SUCCESS : CLI_FAILURE;
+}
+
+int cli_scene(int argc, char **argv)
+{
+    const char *name = NULL, *output = NULL;
+    const cli_option options[] = {
+        { .name = "-o", .kind = CLI_TEXT, .value = &output },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "scene", help, options, "NAME of a built-in scene", 1, 1 };
+    int exit_status;
+    if (!cli_parse(&usage, argc, argv, &name, &exit_status)) return exit_status;
+    if (!output) return cli_usage_error("scene", "-o OUT.glb is missing");
+    if (!ends_in_glb(output))
+        return cli_usage_error("scene", "-o: '%s' does not end in .glb", output);
+    if (!cli_check_output(output)) return CLI_FAILURE;
+    cli_session session;
+    if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
+    exit_status = run(&session, name, output);
+    cli_session_end(&session);
+    return exit_status;
+}

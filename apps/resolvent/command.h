@@ -1,0 +1,18 @@
+/// The program's commands and exit statuses.
+///
+/// Functions and types of the program start with `cli_`, so that every `rsv_` in these files is a call
+/// of the library's public interface.
+#ifndef CLI_COMMAND_H
+#define CLI_COMMAND_H
+
+enum cli_exit_status { CLI_SUCCESS = 0, CLI_FAILURE = 1, CLI_BAD_USAGE = 2 };
+
+/// Each takes the arguments after the command's name and returns the exit status.
+int cli_render(int argc, char **argv);
+int cli_probe(int argc, char **argv);
+int cli_compare(int argc, char **argv);
+int cli_scene(int argc, char **argv);
+int cli_info(int argc, char **argv);
+int cli_bench(int argc, char **argv);
+
+#endif

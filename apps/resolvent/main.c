@@ -1,0 +1,67 @@
+/// The `resolvent` program: finds the command and hands over.
+#include "command.h"
+#include "options.h"
+
+#include "resolvent/scene.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct command {
+    const char *name;
+    int (*run)(int argc, char **argv);
+    const char *summary;
+} command;
+
+static const command commands[] = {
+    { "render", cli_render, "a picture of a scene, from the solved operator or path traced" },
+    { "probe", cli_probe, "irradiance at the points of a CSV file, with its standard error" },
+    { "compare", cli_compare, "how one picture differs from another" },
+    { "scene", cli_scene, "write a built-in scene as a .glb file" },
+    { "info", cli_info, "what a scene holds: counts, bounds, materials, lights, cameras" },
+    { "bench", cli_bench, "measure this machine" },
+};
+
+static const size_t command_count = sizeof commands / sizeof commands[0];
+
+static void print_help(void)
+{
+    printf("resolvent %s - global illumination as one linear equation, solved once and reused\n\n"
+           "usage: resolvent COMMAND [...]\n\ncommands:\n",
+        rsv_version());
+    for (size_t i = 0; i < command_count; i++)
+        printf("  %-9s %s\n", commands[i].name, commands[i].summary);
+    printf("\n"
+           "`resolvent COMMAND --help` explains a command, with examples. To begin:\n\n"
+           "  resolvent render cornell-spheres -o spheres.png\n"
+           "  resolvent render cornell-spheres -o judge.exr --mode reference\n\n"
+           "SCENE is a glTF 2.0 file (.gltf, .glb) or the name of a built-in scene:");
+    for (const char *const *name = rsv_scene_builtin_names(); *name; name++)
+        printf(" %s", *name);
+    printf(
+        "\nExit status: 0 success, 2 wrong usage, 1 anything else, with one line that says why.\n");
+}
+
+static const command *find_command(const char *name)
+{
+    for (size_t i = 0; i < command_count; i++)
+        if (strcmp(commands[i].name, name) == 0) return &commands[i];
+    return NULL;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2) return cli_usage_error(NULL, "no command given");
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
+        strcmp(argv[1], "help") == 0) {
+        print_help();
+        return CLI_SUCCESS;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("resolvent %s\n", rsv_version());
+        return CLI_SUCCESS;
+    }
+    const command *found = find_command(argv[1]);
+    if (!found) return cli_usage_error(NULL, "'%s' is not a command", argv[1]);
+    return found->run(argc - 2, argv + 2);
+}

@@ -1,0 +1,193 @@
+#include "options.h"
+
+#include "command.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int cli_usage_error(const char *command, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("error: ", stderr);
+    vfprintf(stderr, format, arguments);
+    va_end(arguments);
+    fprintf(stderr, "; see `resolvent %s%s--help`\n", command ? command : "", command ? " " : "");
+    return CLI_BAD_USAGE;
+}
+
+/// A decimal number that fills all of `text`. The program never calls setlocale, so the decimal
+/// separator is a point everywhere.
+static bool read_number(const char *text, double *number)
+{
+    char *end;
+    *number = strtod(text, &end);
+    return end != text && *end == '\0' && isfinite(*number);
+}
+
+static bool read_count(const char *text, const cli_option *option, uint32_t *count)
+{
+    double number;
+    if (*text < '0' || *text > '9' || !read_number(text, &number)) return false;
+    if (number != floor(number) || number < option->min || number > option->max) return false;
+    *count = (uint32_t)number;
+    return true;
+}
+
+static bool read_size(const char *text, const cli_option *option, cli_size *size)
+{
+    char width[16];
+    const char *separator = strchr(text, 'x');
+    if (!separator || (size_t)(separator - text) >= sizeof width) return false;
+    memcpy(width, text, (size_t)(separator - text));
+    width[separator - text] = '\0';
+    return read_count(width, option, &size->width) &&
+           read_count(separator + 1, option, &size->height);
+}
+
+static bool read_choice(const char *text, const cli_option *option, int *choice)
+{
+    for (int i = 0; option->choices[i]; i++)
+        if (strcmp(option->choices[i], text) == 0) {
+            *choice = i;
+            return true;
+        }
+    return false;
+}
+
+static bool read_real(const char *text, const cli_option *option, float *real)
+{
+    double number;
+    if (!read_number(text, &number) || number < option->min || number > option->max) return false;
+    *real = (float)number;
+    return true;
+}
+
+static bool append(cli_list *list, const char *text)
+{
+    if (list->count == CLI_LIST_CAPACITY) return false;
+    list->item[list->count++] = text;
+    return true;
+}
+
+static bool store_value(const cli_option *option, const char *text)
+{
+    switch (option->kind) {
+    case CLI_FLAG:
+        *(bool *)option->value = true;
+        return true;
+    case CLI_TEXT:
+        *(const char **)option->value = text;
+        return *text != '\0';
+    case CLI_LIST:
+        return *text != '\0' && append(option->value, text);
+    case CLI_COUNT:
+        return read_count(text, option, option->value);
+    case CLI_REAL:
+        return read_real(text, option, option->value);
+    case CLI_CHOICE:
+        return read_choice(text, option, option->value);
+    case CLI_SIZE:
+        return read_size(text, option, option->value);
+    }
+    return false;
+}
+
+static int report_bad_value(const cli_usage *usage, const cli_option *option, const char *text)
+{
+    char expected[160] = "a name";
+    switch (option->kind) {
+    case CLI_LIST:
+        snprintf(expected, sizeof expected, "a name, given at most %d times", CLI_LIST_CAPACITY);
+        break;
+    case CLI_COUNT:
+        snprintf(expected, sizeof expected, "a whole number from %.0f to %.0f", option->min,
+            option->max);
+        break;
+    case CLI_REAL:
+        snprintf(expected, sizeof expected, "a number from %g to %g", option->min, option->max);
+        break;
+    case CLI_SIZE:
+        snprintf(expected, sizeof expected, "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f",
+            option->min, option->max);
+        break;
+    case CLI_CHOICE:
+        expected[0] = '\0';
+        for (int i = 0; option->choices[i]; i++) {
+            strncat(expected, i ? ", " : "one of ", sizeof expected - strlen(expected) - 1);
+            strncat(expected, option->choices[i], sizeof expected - strlen(expected) - 1);
+        }
+        break;
+    case CLI_FLAG:
+    case CLI_TEXT:
+        break;
+    }
+    return cli_usage_error(usage->command, "%s: '%s' is not %s", option->name, text, expected);
+}
+
+/// Finds the option that `argument` names, up to its end or to '='.
+static const cli_option *find_option(const cli_usage *usage, const char *argument)
+{
+    size_t length = strcspn(argument, "=");
+    for (const cli_option *option = usage->options; option->name; option++)
+        if (strlen(option->name) == length && strncmp(option->name, argument, length) == 0)
+            return option;
+    return NULL;
+}
+
+/// Reads the option at argv[*index] and moves *index past its value.
+static int parse_option(const cli_usage *usage, int argc, char **argv, int *index)
+{
+    const char *argument = argv[(*index)++];
+    const cli_option *option = find_option(usage, argument);
+    if (!option) return cli_usage_error(usage->command, "'%s' is not an option", argument);
+    const char *value = strchr(argument, '=');
+    if (option->kind == CLI_FLAG) {
+        if (value) return cli_usage_error(usage->command, "%s takes no value", option->name);
+        value = "";
+    } else if (value) {
+        value++;
+    } else if (*index < argc && strncmp(argv[*index], "--", 2) != 0) {
+        value = argv[(*index)++];
+    } else {
+        return cli_usage_error(usage->command, "%s needs a value", option->name);
+    }
+    return store_value(option, value) ? CLI_SUCCESS : report_bad_value(usage, option, value);
+}
+
+bool cli_parse(
+    const cli_usage *usage, int argc, char **argv, const char **operands, int *exit_status)
+{
+    size_t operand_count = 0;
+    bool options_ended = false;
+    for (size_t i = 0; i < usage->operand_max; i++)
+        operands[i] = NULL;
+    *exit_status = CLI_SUCCESS;
+    for (int i = 0; i < argc;) {
+        const char *argument = argv[i];
+        if (!options_ended && (strcmp(argument, "--help") == 0 || strcmp(argument, "-h") == 0)) {
+            fputs(usage->help, stdout);
+            return false;
+        }
+        if (!options_ended && strcmp(argument, "--") == 0) {
+            options_ended = true;
+            i++;
+        } else if (!options_ended && argument[0] == '-') {
+            *exit_status = parse_option(usage, argc, argv, &i);
+        } else if (operand_count < usage->operand_max) {
+            operands[operand_count++] = argv[i++];
+        } else {
+            *exit_status =
+                cli_usage_error(usage->command, "'%s' is one argument too many", argument);
+        }
+        if (*exit_status != CLI_SUCCESS) return false;
+    }
+    if (operand_count < usage->operand_min) {
+        *exit_status = cli_usage_error(usage->command, "%s is missing", usage->operands);
+        return false;
+    }
+    return true;
+}

@@ -1,0 +1,94 @@
+#include "output_file.h"
+
+#include "session.h"
+
+#include <cJSON.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/// "dir/file" -> "dir", "file" -> "."
+static void folder_of(const char *path, char *folder, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    if (!slash)
+        snprintf(folder, size, ".");
+    else
+        snprintf(folder, size, "%.*s", slash == path ? 1 : (int)(slash - path), path);
+}
+
+/// True for what rename() must not replace: devices, pipes, sockets.
+static bool is_special_file(const char *path)
+{
+    struct stat info;
+    return stat(path, &info) == 0 && !S_ISREG(info.st_mode) && !S_ISDIR(info.st_mode);
+}
+
+bool cli_check_output(const char *path)
+{
+    struct stat info;
+    char folder[PATH_MAX];
+    if (stat(path, &info) == 0 && S_ISDIR(info.st_mode)) {
+        cli_error("%s: is a folder; name a file in it", path);
+        return false;
+    }
+    if (is_special_file(path)) return true;
+    folder_of(path, folder, sizeof folder);
+    if (access(folder, W_OK | X_OK) != 0) {
+        cli_error("%s: cannot write in the folder '%s': %s", path, folder, strerror(errno));
+        return false;
+    }
+    return true;
+}
+
+static bool write_all(int file, const char *text, size_t length)
+{
+    while (length > 0) {
+        ssize_t written = write(file, text, length);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) return false;
+        text += written;
+        length -= (size_t)written;
+    }
+    return true;
+}
+
+bool cli_write_file(const char *path, const char *text, size_t length)
+{
+    char target[PATH_MAX];
+    bool in_place = is_special_file(path);
+    int name_length = in_place
+                          ? snprintf(target, sizeof target, "%s", path)
+                          : snprintf(target, sizeof target, "%s.%ld.part", path, (long)getpid());
+    if (name_length >= (int)sizeof target) errno = ENAMETOOLONG;
+    int file = name_length >= (int)sizeof target
+                   ? -1
+                   : open(target, in_place ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    bool written = file >= 0 && write_all(file, text, length);
+    if (file >= 0 && close(file) != 0) written = false;
+    if (written && !in_place) written = rename(target, path) == 0;
+    if (!written) {
+        cli_error("%s: cannot be written: %s", path, strerror(errno));
+        if (file >= 0 && !in_place) unlink(target);
+    }
+    return written;
+}
+
+bool cli_write_json(const char *path, const struct cJSON *root)
+{
+    char *text = cJSON_Print(root), *line = NULL;
+    int length = text ? asprintf(&line, "%s\n", text) : -1;
+    free(text);
+    if (length < 0) {
+        cli_error("out of memory writing JSON");
+        return false;
+    }
+    bool written = path ? cli_write_file(path, line, (size_t)length) : fputs(line, stdout) >= 0;
+    free(line);
+    return written;
+}

@@ -1,0 +1,18 @@
+/// Text files that appear complete or not at all.
+#ifndef CLI_OUTPUT_FILE_H
+#define CLI_OUTPUT_FILE_H
+
+#include "resolvent/core.h"
+
+/// Whether `path` can be written, to be asked before long work; says why not on standard error.
+bool cli_check_output(const char *path);
+
+/// Writes next to `path`, then renames; a device or pipe is written in place. Says what went wrong on
+/// standard error.
+bool cli_write_file(const char *path, const char *text, size_t length);
+
+struct cJSON;
+/// The same for a JSON tree; `path` NULL prints it on standard output.
+bool cli_write_json(const char *path, const struct cJSON *root);
+
+#endif

@@ -1,0 +1,152 @@
+#include "session.h"
+
+#include "command.h"
+
+#include <signal.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
+
+/// A signal handler has no argument of its own to find these by.
+static volatile sig_atomic_t interrupted;
+static rsv_context *volatile interruptible;
+
+static void on_signal(int signal_number)
+{
+    (void)signal_number;
+    interrupted = 1;
+    if (interruptible) rsv_context_cancel(interruptible);
+}
+
+/// The first signal asks the work to stop; a second one finds the default action and kills.
+static void catch_signals(rsv_context *context)
+{
+    struct sigaction action = { .sa_handler = on_signal,
+        .sa_flags = (int)SA_RESETHAND | SA_RESTART };
+    sigemptyset(&action.sa_mask);
+    interruptible = context;
+    sigaction(SIGINT, &action, NULL);
+    sigaction(SIGTERM, &action, NULL);
+}
+
+bool cli_interrupted(void) { return interrupted != 0; }
+
+void cli_error(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fputs("error: ", stderr);
+    vfprintf(stderr, format, arguments);
+    fputc('\n', stderr);
+    va_end(arguments);
+}
+
+void cli_warn(cli_session *session, const char *message)
+{
+    cli_progress_clear(&session->progress);
+    fprintf(stderr, "warning: %s\n", message);
+    char **grown = realloc(session->warnings, (session->warning_count + 1) * sizeof *grown);
+    if (!grown) return;
+    session->warnings = grown;
+    char *copy = strdup(message);
+    if (copy) session->warnings[session->warning_count++] = copy;
+}
+
+static void on_log(void *user, rsv_log_level level, const char *message)
+{
+    cli_session *session = user;
+    if (level == RSV_LOG_WARNING) {
+        cli_warn(session, message);
+    } else {
+        cli_progress_clear(&session->progress);
+        fprintf(stderr, "note: %s\n", message);
+    }
+}
+
+static bool on_progress(void *user, const char *phase, double fraction)
+{
+    cli_session *session = user;
+    cli_progress_update(&session->progress, phase, fraction);
+    return !cli_interrupted();
+}
+
+bool cli_session_begin(cli_session *session, uint32_t threads)
+{
+    *session = (cli_session){ .started = cli_seconds() };
+    cli_progress_begin(&session->progress);
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.thread_count = (int)threads;
+    desc.log = on_log;
+    desc.progress = on_progress;
+    desc.user = session;
+    if (rsv_context_create(&desc, &session->context) != RSV_OK) {
+        cli_error("%s", rsv_last_error());
+        return false;
+    }
+    catch_signals(session->context);
+    return true;
+}
+
+void cli_session_end(cli_session *session)
+{
+    cli_progress_clear(&session->progress);
+    interruptible = NULL;
+    rsv_context_destroy(session->context);
+    for (size_t i = 0; i < session->warning_count; i++)
+        free(session->warnings[i]);
+    free(session->warnings);
+    *session = (cli_session){ 0 };
+}
+
+static bool is_builtin(const char *name)
+{
+    for (const char *const *builtin = rsv_scene_builtin_names(); *builtin; builtin++)
+        if (strcmp(*builtin, name) == 0) return true;
+    return false;
+}
+
+rsv_scene *cli_open_scene(cli_session *session, const char *name)
+{
+    rsv_scene *scene = NULL;
+    rsv_status status;
+    double started = cli_seconds();
+    if (access(name, F_OK) == 0) {
+        status = rsv_scene_load(session->context, name, &scene);
+    } else if (is_builtin(name)) {
+        status = rsv_scene_builtin(session->context, name, &scene);
+    } else {
+        cli_error(
+            "%s: there is no such file and no built-in scene of that name; `resolvent --help` "
+            "lists those",
+            name);
+        return NULL;
+    }
+    session->time_load = cli_seconds() - started;
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return scene;
+}
+
+int cli_report_failure(cli_session *session, rsv_status status)
+{
+    cli_progress_clear(&session->progress);
+    if (status == RSV_ERROR_CANCELLED)
+        fputs("cancelled\n", stderr);
+    else
+        cli_error("%s", rsv_last_error());
+    return CLI_FAILURE;
+}
+
+uint32_t cli_thread_count(uint32_t threads)
+{
+#if defined(_OPENMP)
+    return threads ? threads : (uint32_t)omp_get_num_procs();
+#else
+    (void)threads;
+    return 1;
+#endif
+}

@@ -1,0 +1,43 @@
+/// What every command needs around the library: a context that reports progress and warnings, stops on
+/// Ctrl-C, and opens scenes by file or name.
+#ifndef CLI_SESSION_H
+#define CLI_SESSION_H
+
+#include "progress.h"
+
+#include "resolvent/io.h"
+
+typedef struct cli_session {
+    rsv_context *context;
+    cli_progress progress;
+    char **warnings; ///< [warning_count], owned
+    size_t warning_count;
+    double started;   ///< cli_seconds()
+    double time_load; ///< seconds spent in cli_open_scene
+} cli_session;
+
+/// @param session must stay where it is until cli_session_end
+/// @param threads 0 = one per processor
+bool cli_session_begin(cli_session *session, uint32_t threads);
+void cli_session_end(cli_session *session);
+
+/// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
+/// Prints what went wrong; returns NULL then.
+rsv_scene *cli_open_scene(cli_session *session, const char *name);
+
+/// Whether a signal asked to stop.
+bool cli_interrupted(void);
+
+/// Prints why a call of the library failed (or that the work was cancelled); returns the exit status.
+int cli_report_failure(cli_session *session, rsv_status status);
+
+/// Threads that a context of `threads` threads runs: `threads`, or one per processor if 0.
+uint32_t cli_thread_count(uint32_t threads);
+
+/// Prints "error: ..." on standard error.
+void cli_error(const char *format, ...) RSV_PRINTF(1, 2);
+
+/// Prints "warning: ..." on standard error and keeps it for the statistics.
+void cli_warn(cli_session *session, const char *message);
+
+#endif

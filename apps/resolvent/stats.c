@@ -1,0 +1,113 @@
+#include "stats.h"
+
+#include "output_file.h"
+
+#include <cJSON.h>
+#include <math.h>
+#include <string.h>
+#include <sys/resource.h>
+
+const char *const cli_quality_names[] = { [RSV_QUALITY_DRAFT] = "draft",
+    [RSV_QUALITY_MEDIUM] = "medium",
+    [RSV_QUALITY_HIGH] = "high",
+    NULL };
+
+static const char *stop_reason_name(rsv_stop_reason reason)
+{
+    switch (reason) {
+    case RSV_STOP_CONVERGED:
+        return "converged";
+    case RSV_STOP_MAX_ORDERS:
+        return "max_orders";
+    case RSV_STOP_NO_LIGHT:
+        return "no_light";
+    }
+    return "unknown";
+}
+
+static double peak_rss_bytes(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return 1024.0 * (double)usage.ru_maxrss;
+}
+
+/// A number of a picture, null for probes.
+static void add_if_positive(cJSON *object, const char *name, uint32_t value)
+{
+    cJSON_AddNumberToObject(object, name, value ? (double)value : NAN);
+}
+
+static void add_settings(cJSON *root, const cli_stats *stats)
+{
+    cJSON_AddStringToObject(root, "version", rsv_version());
+    cJSON_AddStringToObject(root, "command", stats->command);
+    cJSON_AddStringToObject(root, "scene", stats->scene);
+    cJSON_AddStringToObject(root, "mode", stats->mode);
+    cJSON_AddStringToObject(root, "quality", cli_quality_names[stats->quality]);
+    add_if_positive(root, "width", stats->width);
+    add_if_positive(root, "height", stats->height);
+    cJSON_AddNumberToObject(root, "spp", stats->samples);
+    cJSON_AddNumberToObject(root, "threads", stats->threads);
+    cJSON_AddNumberToObject(root, "seed", stats->seed);
+}
+
+/// cJSON writes NAN as null: what was not solved has no norm and no residual.
+static void add_solution(cJSON *root, const cli_stats *stats)
+{
+    static const rsv_solve_report nothing = {
+        .norm_inf = NAN, .residual_inf = NAN, .truncation_bound = NAN, .mean_irradiance = NAN
+    };
+    const rsv_solve_report *report = stats->report ? stats->report : &nothing;
+    double rays = (double)report->rays;
+    cJSON_AddNumberToObject(root, "elements", (double)report->elements);
+    cJSON_AddNumberToObject(root, "direct_elements", (double)report->direct_elements);
+    cJSON_AddNumberToObject(root, "entries", (double)report->entries);
+    cJSON_AddNumberToObject(root, "rays", rays);
+    cJSON_AddNumberToObject(
+        root, "rays_per_second", report->time_assemble > 0 ? rays / report->time_assemble : NAN);
+    cJSON_AddNumberToObject(root, "iterations", report->iterations);
+    cJSON_AddNumberToObject(root, "order_count", stats->order_count);
+    if (stats->report)
+        cJSON_AddStringToObject(root, "stop_reason", stop_reason_name(report->stop_reason));
+    else
+        cJSON_AddNullToObject(root, "stop_reason");
+    cJSON_AddNumberToObject(root, "norm_inf", report->norm_inf);
+    cJSON_AddNumberToObject(root, "residual_inf", report->residual_inf);
+    cJSON_AddNumberToObject(root, "truncation_bound", report->truncation_bound);
+    cJSON_AddNumberToObject(root, "mean_irradiance", report->mean_irradiance);
+    cJSON_AddNumberToObject(root, "standard_error", stats->standard_error);
+}
+
+static void add_times(cJSON *root, const cli_session *session, const cli_stats *stats)
+{
+    static const rsv_solve_report nothing = { 0 };
+    const rsv_solve_report *report = stats->report ? stats->report : &nothing;
+    cJSON *times = cJSON_AddObjectToObject(root, "time_s");
+    cJSON_AddNumberToObject(times, "load", session->time_load);
+    cJSON_AddNumberToObject(times, "bvh", report->time_bvh);
+    cJSON_AddNumberToObject(times, "assemble", report->time_assemble);
+    cJSON_AddNumberToObject(times, "solve", report->time_solve);
+    cJSON_AddNumberToObject(times, "render", stats->time_render);
+    cJSON_AddNumberToObject(times, "total", cli_seconds() - session->started);
+}
+
+static void add_warnings(cJSON *root, const cli_session *session)
+{
+    cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
+    for (size_t i = 0; i < session->warning_count; i++)
+        cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings[i]));
+}
+
+bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats)
+{
+    cJSON *root = cJSON_CreateObject();
+    add_settings(root, stats);
+    add_solution(root, stats);
+    add_times(root, session, stats);
+    cJSON_AddNumberToObject(root, "peak_rss_bytes", peak_rss_bytes());
+    add_warnings(root, session);
+    bool written = cli_write_json(path, root);
+    cJSON_Delete(root);
+    return written;
+}

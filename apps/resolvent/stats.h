@@ -1,0 +1,28 @@
+/// The JSON file of --stats: what was done, how long it took, how good it is.
+#ifndef CLI_STATS_H
+#define CLI_STATS_H
+
+#include "session.h"
+
+#include "resolvent/solve.h"
+
+/// What a run did. Numbers that do not exist for it (no operator in mode reference) are NAN or 0 and
+/// appear as null.
+typedef struct cli_stats {
+    const char *command, *scene, *mode;
+    rsv_quality quality;
+    uint32_t width, height, samples; ///< 0 = not a picture
+    uint32_t threads, seed;
+    const rsv_solve_report *report; ///< NULL = nothing was solved
+    uint32_t order_count;
+    double standard_error; ///< of the picture's mean, relative; NAN = unknown
+    double time_render;
+} cli_stats;
+
+/// Names of the qualities, in the order of rsv_quality; NULL-terminated.
+extern const char *const cli_quality_names[];
+
+/// Says what went wrong on standard error.
+bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats);
+
+#endif
