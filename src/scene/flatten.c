@@ -11,6 +11,9 @@
 /// A transform whose volume is below this share of the product of its axes is singular.
 #define SINGULAR_VOLUME 1e-9
 
+/// Meshes with degenerate triangles that get a warning of their own.
+#define MAX_NAMED_MESHES 8
+
 typedef struct linear_map {
     double axis[3][3];     ///< columns: images of x, y, z
     double cofactor[3][3]; ///< columns of the inverse transpose, up to a positive factor
@@ -213,6 +216,27 @@ static rsv_status allocate(flattener *f)
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
+/// One warning per mesh, but not hundreds of them.
+static void report_degenerate(const rsv_scene *scene)
+{
+    size_t named = 0, others = 0, skipped = 0;
+    for (size_t i = 0; i < scene->mesh_count; i++) {
+        const rsv_mesh *mesh = &scene->mesh[i];
+        if (!mesh->degenerate_count) continue;
+        if (named++ < MAX_NAMED_MESHES) {
+            rsv_log(scene->context, RSV_LOG_WARNING,
+                "mesh '%s': %zu degenerate triangles (of no area) skipped", mesh->name,
+                mesh->degenerate_count);
+        } else {
+            others++;
+            skipped += mesh->degenerate_count;
+        }
+    }
+    if (others)
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "%zu more meshes: %zu degenerate triangles (of no area) skipped", others, skipped);
+}
+
 rsv_status rsv_scene_flatten(rsv_scene *scene)
 {
     rsv_status status;
@@ -220,10 +244,7 @@ rsv_status rsv_scene_flatten(rsv_scene *scene)
     RSV_TRY(allocate(&f));
     for (size_t i = 0; i < scene->instance_count; i++)
         RSV_TRY(flatten_instance(&f, &scene->instance[i]));
-    for (size_t i = 0; i < scene->mesh_count; i++)
-        if (scene->mesh[i].degenerate_count)
-            rsv_log(scene->context, RSV_LOG_WARNING, "mesh '%s': %zu degenerate triangles skipped",
-                scene->mesh[i].name, scene->mesh[i].degenerate_count);
+    report_degenerate(scene);
 cleanup:
     rsv_free(scene->context, f.position);
     rsv_free(scene->context, f.normal);

@@ -1,0 +1,201 @@
+#include "gltf_accessor.h"
+
+#include "../core/core_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Zero-filled accessors need no bytes in the file, so that their count must be bounded otherwise.
+#define MAX_ZERO_FILLED ((size_t)1 << 24)
+
+/// A run of elements in memory.
+typedef struct elements {
+    const uint8_t *data; ///< NULL = all zero
+    size_t stride;
+    int component_type;
+} elements;
+
+static size_t component_bytes(int type)
+{
+    switch (type) {
+    case RSV_GLTF_BYTE:
+    case RSV_GLTF_UNSIGNED_BYTE:
+        return 1;
+    case RSV_GLTF_SHORT:
+    case RSV_GLTF_UNSIGNED_SHORT:
+        return 2;
+    case RSV_GLTF_UNSIGNED_INT:
+    case RSV_GLTF_FLOAT:
+        return 4;
+    default:
+        return 0;
+    }
+}
+
+/// Finds `count` elements of `element_bytes` each and checks that they lie in their buffer view, and the
+/// view in its buffer. NULL, or what is wrong.
+static const char *locate(const rsv_gltf_document *document, rsv_gltf_span span, size_t count,
+    size_t element_bytes, elements *found)
+{
+    if ((size_t)span.buffer_view >= document->buffer_view_count)
+        return "refers to a buffer view that does not exist";
+    const rsv_gltf_buffer_view *view = &document->buffer_view[span.buffer_view];
+    if ((size_t)view->buffer >= document->buffer_count)
+        return "lies in a buffer that does not exist";
+    const rsv_gltf_buffer *buffer = &document->buffer[view->buffer];
+    if (view->offset > buffer->size || view->length > buffer->size - view->offset)
+        return "lies in a buffer view that reaches past the end of its buffer";
+    size_t stride = view->stride ? view->stride : element_bytes;
+    size_t last; // begin of the last element
+    if (count && (__builtin_mul_overflow(count - 1, stride, &last) ||
+                     __builtin_add_overflow(last, span.offset, &last) || last > view->length ||
+                     element_bytes > view->length - last))
+        return "reaches past the end of its buffer view";
+    *found = (elements){ buffer->data ? buffer->data + view->offset + span.offset : NULL, stride,
+        span.component_type };
+    return NULL;
+}
+
+static double component(const uint8_t *data, int type)
+{
+    switch (type) {
+    case RSV_GLTF_BYTE:
+        return (int8_t)data[0];
+    case RSV_GLTF_UNSIGNED_BYTE:
+        return data[0];
+    case RSV_GLTF_SHORT:
+        return (int16_t)(uint16_t)(data[0] | data[1] << 8);
+    case RSV_GLTF_UNSIGNED_SHORT:
+        return (uint16_t)(data[0] | data[1] << 8);
+    default:
+        break;
+    }
+    uint32_t bits =
+        data[0] | (uint32_t)data[1] << 8 | (uint32_t)data[2] << 16 | (uint32_t)data[3] << 24;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return type == RSV_GLTF_FLOAT ? (double)value : (double)bits;
+}
+
+/// Factor of normalised integers; their lower end is clamped to -1.
+static double normalization(const rsv_gltf_accessor *accessor)
+{
+    if (!accessor->normalized) return 1;
+    switch (accessor->span.component_type) {
+    case RSV_GLTF_BYTE:
+        return 1.0 / 127;
+    case RSV_GLTF_UNSIGNED_BYTE:
+        return 1.0 / 255;
+    case RSV_GLTF_SHORT:
+        return 1.0 / 32767;
+    case RSV_GLTF_UNSIGNED_SHORT:
+        return 1.0 / 65535;
+    default:
+        return 1;
+    }
+}
+
+static rsv_vec3 vector_at(const elements *from, size_t i, double scale)
+{
+    float value[3];
+    size_t step = component_bytes(from->component_type);
+    for (size_t k = 0; k < 3; k++) {
+        double v =
+            scale * component(from->data + i * from->stride + k * step, from->component_type);
+        value[k] = (float)(scale != 1 ? fmax(v, -1) : v);
+    }
+    return (rsv_vec3){ value[0], value[1], value[2] };
+}
+
+static rsv_status refuse(int accessor, const char *owner, const char *problem)
+{
+    return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d %s", owner, accessor, problem);
+}
+
+/// Replaces the elements that a sparse accessor lists.
+static const char *apply_sparse(
+    const rsv_gltf_document *document, const rsv_gltf_accessor *accessor, rsv_vec3 *vectors)
+{
+    elements indices, values;
+    int index_type = accessor->sparse_indices.component_type;
+    if (index_type != RSV_GLTF_UNSIGNED_BYTE && index_type != RSV_GLTF_UNSIGNED_SHORT &&
+        index_type != RSV_GLTF_UNSIGNED_INT)
+        return "has sparse indices that are not unsigned integers";
+    const char *problem = locate(document, accessor->sparse_indices, accessor->sparse_count,
+        component_bytes(index_type), &indices);
+    if (problem) return problem;
+    problem = locate(document, accessor->sparse_values, accessor->sparse_count,
+        3 * component_bytes(accessor->span.component_type), &values);
+    if (problem) return problem;
+    double scale = normalization(accessor);
+    for (size_t i = 0; i < accessor->sparse_count; i++) {
+        size_t target = (size_t)component(indices.data + i * indices.stride, index_type);
+        if (target >= accessor->count) return "has a sparse index past its end";
+        vectors[target] = vector_at(&values, i, scale);
+    }
+    return NULL;
+}
+
+rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, rsv_vec3 **vectors, size_t *count)
+{
+    if ((size_t)accessor >= document->accessor_count)
+        return refuse(accessor, owner, "does not exist");
+    const rsv_gltf_accessor *a = &document->accessor[accessor];
+    int type = a->span.component_type;
+    if (a->component_count != 3 || !component_bytes(type) || type == RSV_GLTF_UNSIGNED_INT)
+        return refuse(accessor, owner, "must hold VEC3 of float or of 8- or 16-bit integers");
+    elements from = { .data = NULL };
+    const char *problem = NULL;
+    if (a->span.buffer_view >= 0)
+        problem = locate(document, a->span, a->count, 3 * component_bytes(type), &from);
+    else if (a->count > MAX_ZERO_FILLED)
+        problem = "has no buffer view and too large a count";
+    if (problem) return refuse(accessor, owner, problem);
+
+    rsv_vec3 *decoded = rsv_alloc(context, a->count, sizeof *decoded);
+    if (!decoded) return RSV_ERROR_MEMORY;
+    double scale = normalization(a);
+    for (size_t i = 0; from.data && i < a->count; i++)
+        decoded[i] = vector_at(&from, i, scale);
+    if (a->sparse_count) problem = apply_sparse(document, a, decoded);
+    if (problem) {
+        rsv_free(context, decoded);
+        return refuse(accessor, owner, problem);
+    }
+    *vectors = decoded;
+    *count = a->count;
+    return RSV_OK;
+}
+
+rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, size_t vertex_count, uint32_t **indices, size_t *count)
+{
+    if ((size_t)accessor >= document->accessor_count)
+        return refuse(accessor, owner, "does not exist");
+    const rsv_gltf_accessor *a = &document->accessor[accessor];
+    int type = a->span.component_type;
+    bool is_index = type == RSV_GLTF_UNSIGNED_BYTE || type == RSV_GLTF_UNSIGNED_SHORT ||
+                    type == RSV_GLTF_UNSIGNED_INT;
+    if (a->component_count != 1 || !is_index || a->sparse_count)
+        return refuse(accessor, owner, "must hold plain SCALAR indices of unsigned integers");
+    elements from;
+    const char *problem = locate(document, a->span, a->count, component_bytes(type), &from);
+    if (problem) return refuse(accessor, owner, problem);
+
+    uint32_t *decoded = rsv_alloc(context, a->count, sizeof *decoded);
+    if (!decoded) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < a->count; i++) {
+        decoded[i] = (uint32_t)component(from.data + i * from.stride, type);
+        if (decoded[i] >= vertex_count) {
+            rsv_fail(RSV_ERROR_FORMAT,
+                "mesh '%s': accessor %d: index %zu refers to vertex %u, but there are only %zu",
+                owner, accessor, i, decoded[i], vertex_count);
+            rsv_free(context, decoded);
+            return RSV_ERROR_FORMAT;
+        }
+    }
+    *indices = decoded;
+    *count = a->count;
+    return RSV_OK;
+}

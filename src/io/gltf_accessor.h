@@ -1,0 +1,16 @@
+/// Accessors of a glTF document, checked and decoded.
+#ifndef RSV_GLTF_ACCESSOR_H
+#define RSV_GLTF_ACCESSOR_H
+
+#include "gltf_document.h"
+
+/// Three-component vectors: float, or (KHR_mesh_quantization) integers. Errors name the accessor and
+/// the mesh `owner`. The caller frees `*vectors`.
+rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, rsv_vec3 **vectors, size_t *count);
+
+/// Indices, each below `vertex_count`.
+rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, size_t vertex_count, uint32_t **indices, size_t *count);
+
+#endif

@@ -1,0 +1,104 @@
+/// A glTF file as plain arrays. Only the parser behind rsv_gltf_open() is C++; what reads a document is
+/// C. References are unchecked numbers from the file: -1 = none, anything else may be out of range.
+#ifndef RSV_GLTF_DOCUMENT_H
+#define RSV_GLTF_DOCUMENT_H
+
+#include "resolvent/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum rsv_gltf_component {
+    RSV_GLTF_BYTE = 5120,
+    RSV_GLTF_UNSIGNED_BYTE = 5121,
+    RSV_GLTF_SHORT = 5122,
+    RSV_GLTF_UNSIGNED_SHORT = 5123,
+    RSV_GLTF_UNSIGNED_INT = 5125,
+    RSV_GLTF_FLOAT = 5126
+} rsv_gltf_component;
+
+typedef enum rsv_gltf_mode {
+    RSV_GLTF_TRIANGLES = 4,
+    RSV_GLTF_TRIANGLE_STRIP = 5,
+    RSV_GLTF_TRIANGLE_FAN = 6
+} rsv_gltf_mode;
+
+typedef struct rsv_gltf_buffer {
+    const uint8_t *data;
+    size_t size;
+} rsv_gltf_buffer;
+
+typedef struct rsv_gltf_buffer_view {
+    int buffer;
+    size_t offset, length;
+    size_t stride; ///< 0 = tightly packed
+} rsv_gltf_buffer_view;
+
+/// Where a run of elements lies.
+typedef struct rsv_gltf_span {
+    int buffer_view;
+    size_t offset;
+    int component_type; ///< rsv_gltf_component, if the file is right
+} rsv_gltf_span;
+
+typedef struct rsv_gltf_accessor {
+    rsv_gltf_span span; ///< buffer_view -1 = all zero
+    size_t count;
+    int component_count; ///< 1 for scalars, 3 for vectors, ...
+    bool normalized;
+    size_t sparse_count; ///< elements replaced by the spans below
+    rsv_gltf_span sparse_indices, sparse_values;
+} rsv_gltf_accessor;
+
+typedef struct rsv_gltf_primitive {
+    int position, normal, indices; ///< accessors
+    int material;
+    int mode;
+    bool has_morph_targets;
+} rsv_gltf_primitive;
+
+typedef struct rsv_gltf_mesh {
+    const char *name;
+    const rsv_gltf_primitive *primitive;
+    size_t primitive_count;
+} rsv_gltf_mesh;
+
+typedef struct rsv_gltf_node {
+    const char *name;
+    int mesh, camera, light, skin;
+    const int *child;
+    size_t child_count;
+    double local[16]; ///< column-major, to the parent
+} rsv_gltf_node;
+
+typedef struct rsv_gltf_material {
+    rsv_material value;
+    bool has_texture, has_alpha;
+} rsv_gltf_material;
+
+typedef struct rsv_gltf_document {
+    const rsv_gltf_buffer *buffer;
+    const rsv_gltf_buffer_view *buffer_view;
+    const rsv_gltf_accessor *accessor;
+    const rsv_gltf_mesh *mesh;
+    const rsv_gltf_node *node;
+    const rsv_gltf_material *material;
+    const rsv_camera *camera; ///< lens and name; placed by nodes
+    const rsv_light *light;   ///< kind, intensity, cone and name; placed by nodes
+    const int *root;          ///< nodes of the scene to show
+    size_t buffer_count, buffer_view_count, accessor_count, mesh_count, node_count, material_count,
+        camera_count, light_count, root_count;
+    const char *warning; ///< what the parser tolerated, one line; "" = nothing
+} rsv_gltf_document;
+
+/// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below.
+/// Images are not read. Error messages do not name the file.
+rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document);
+void rsv_gltf_close(const rsv_gltf_document *document);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,591 @@
+/// tinygltf behind a C interface: parses, then copies what a scene needs into plain arrays. No exception
+/// leaves this file.
+#include "gltf_document.h"
+
+extern "C" {
+#include "../core/core_internal.h"
+}
+
+#include <tiny_gltf.h>
+
+#include <cerrno>
+#include <climits>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <deque>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include <sys/stat.h>
+
+namespace
+{
+
+constexpr int max_json_depth = 200; // tinygltf recurses into extensions and extras
+
+struct refusal {
+    rsv_status status;
+    std::string message;
+};
+
+[[noreturn]] void refuse(rsv_status status, const std::string &message)
+{
+    throw refusal{ status, message };
+}
+
+/// The document and what its pointers lead to.
+struct owned_document : rsv_gltf_document {
+    tinygltf::Model model;
+    std::vector<rsv_gltf_buffer> buffers;
+    std::vector<rsv_gltf_buffer_view> buffer_views;
+    std::vector<rsv_gltf_accessor> accessors;
+    std::deque<std::vector<rsv_gltf_primitive>> primitives;
+    std::vector<rsv_gltf_mesh> meshes;
+    std::vector<rsv_gltf_node> nodes;
+    std::vector<rsv_gltf_material> materials;
+    std::vector<rsv_camera> cameras;
+    std::vector<rsv_light> lights;
+    std::vector<int> roots;
+    std::deque<std::string> names; // a deque: c_str() stays valid while it grows
+    std::string parser_warning;
+};
+
+// ---- files --------------------------------------------------------------------------------------
+
+std::vector<unsigned char> read_file(const std::string &path)
+{
+    std::unique_ptr<FILE, int (*)(FILE *)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+    if (!file) refuse(RSV_ERROR_IO, std::string("cannot be opened: ") + std::strerror(errno));
+    struct stat info;
+    if (fstat(fileno(file.get()), &info) != 0 || !S_ISREG(info.st_mode))
+        refuse(RSV_ERROR_IO, "is not a regular file");
+    if (info.st_size > static_cast<off_t>(UINT_MAX)) // the limit of the GLB container, too
+        refuse(RSV_ERROR_UNSUPPORTED, "is larger than 4 GiB; split the scene");
+    std::vector<unsigned char> bytes(static_cast<size_t>(info.st_size));
+    if (std::fread(bytes.data(), 1, bytes.size(), file.get()) != bytes.size())
+        refuse(RSV_ERROR_IO, "cannot be read to its end");
+    return bytes;
+}
+
+/// True if `path` is `root`/... and no ".." on the way leads out of it.
+bool lies_below(const std::string &root, const std::string &path)
+{
+    if (path.compare(0, root.size() + 1, root + "/") != 0) return false;
+    int depth = 0;
+    size_t begin = root.size() + 1;
+    while (begin <= path.size()) {
+        size_t end = std::min(path.find('/', begin), path.size());
+        std::string part = path.substr(begin, end - begin);
+        if (part == "..")
+            depth--;
+        else if (!part.empty() && part != ".")
+            depth++;
+        if (depth < 0) return false;
+        begin = end + 1;
+    }
+    return true;
+}
+
+/// What tinygltf may open: files in the asset's folder or below. It also tries the working directory.
+bool file_exists(const std::string &path, void *user)
+{
+    if (!lies_below(*static_cast<const std::string *>(user), path)) return false;
+    struct stat info;
+    return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode);
+}
+
+std::string same_path(const std::string &path, void *) { return path; }
+
+bool read_whole_file(
+    std::vector<unsigned char> *bytes, std::string *error, const std::string &path, void *)
+{
+    try {
+        *bytes = read_file(path);
+        return true;
+    } catch (const refusal &r) {
+        if (error) *error = r.message;
+        return false;
+    }
+}
+
+bool write_nothing(std::string *, const std::string &, const std::vector<unsigned char> &, void *)
+{
+    return false;
+}
+
+bool file_size(size_t *size, std::string *, const std::string &path, void *)
+{
+    struct stat info;
+    if (stat(path.c_str(), &info) != 0) return false;
+    *size = static_cast<size_t>(info.st_size);
+    return true;
+}
+
+/// Later versions of tinygltf ask for sizes through one more callback.
+template <class callbacks>
+auto set_file_size(callbacks &fs, int) -> decltype(fs.GetFileSizeInBytes, void())
+{
+    fs.GetFileSizeInBytes = file_size;
+}
+template <class callbacks> void set_file_size(callbacks &, long) { (void)file_size; }
+
+bool skip_image(tinygltf::Image *, const int, std::string *, std::string *, int, int,
+    const unsigned char *, int, void *)
+{
+    return true;
+}
+
+// ---- parsing ------------------------------------------------------------------------------------
+
+std::string first_line(const std::string &text)
+{
+    std::string line = text.substr(0, text.find('\n'));
+    return line.size() > 300 ? line.substr(0, 300) + "..." : line;
+}
+
+bool is_binary(const std::vector<unsigned char> &bytes)
+{
+    return bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+}
+
+void check_json_depth(const unsigned char *text, size_t length)
+{
+    int depth = 0;
+    bool in_string = false;
+    for (size_t i = 0; i < length; i++) {
+        unsigned char c = text[i];
+        if (in_string) {
+            if (c == '\\')
+                i++;
+            else if (c == '"')
+                in_string = false;
+        } else if (c == '"') {
+            in_string = true;
+        } else if (c == '{' || c == '[') {
+            if (++depth > max_json_depth) refuse(RSV_ERROR_FORMAT, "its JSON is nested too deeply");
+        } else if (c == '}' || c == ']') {
+            depth--;
+        }
+    }
+}
+
+/// The length of a GLB file's JSON chunk as far as it lies within the file.
+size_t json_chunk_length(const std::vector<unsigned char> &glb)
+{
+    if (glb.size() < 20) return 0;
+    size_t length = glb[12] | glb[13] << 8 | glb[14] << 16 | static_cast<size_t>(glb[15]) << 24;
+    return std::min(length, glb.size() - 20);
+}
+
+/// Extensions that are read, or whose absence changes nothing here.
+void check_required_extensions(const tinygltf::Model &model)
+{
+    static const char *const known[] = { "KHR_lights_punctual", "KHR_materials_emissive_strength",
+        "KHR_materials_ior", "KHR_materials_specular", "KHR_materials_transmission",
+        "KHR_materials_unlit", "KHR_materials_volume", "KHR_mesh_quantization",
+        "KHR_texture_transform" };
+    for (const std::string &name : model.extensionsRequired) {
+        bool found = false;
+        for (const char *candidate : known)
+            found = found || name == candidate;
+        if (!found)
+            refuse(RSV_ERROR_UNSUPPORTED,
+                "requires the extension '" + name + "', which is not supported; export without it");
+    }
+}
+
+void parse(const char *path, owned_document &document)
+{
+    std::string file = path;
+    size_t slash = file.rfind('/');
+    std::string folder = slash == std::string::npos ? "." : file.substr(0, slash);
+    std::vector<unsigned char> bytes = read_file(file);
+
+    tinygltf::TinyGLTF loader;
+    tinygltf::FsCallbacks fs{};
+    fs.FileExists = file_exists;
+    fs.ExpandFilePath = same_path;
+    fs.ReadWholeFile = read_whole_file;
+    fs.WriteWholeFile = write_nothing;
+    fs.user_data = &folder;
+    set_file_size(fs, 0);
+    loader.SetFsCallbacks(fs);
+    loader.SetImageLoader(skip_image, nullptr);
+
+    std::string error, image_warnings;
+    bool loaded;
+    if (is_binary(bytes)) {
+        check_json_depth(
+            bytes.data() + std::min<size_t>(20, bytes.size()), json_chunk_length(bytes));
+        loaded = loader.LoadBinaryFromMemory(&document.model, &error, &image_warnings, bytes.data(),
+            static_cast<unsigned>(bytes.size()), folder);
+    } else {
+        check_json_depth(bytes.data(), bytes.size());
+        loaded = loader.LoadASCIIFromString(&document.model, &error, &image_warnings,
+            reinterpret_cast<const char *>(bytes.data()), static_cast<unsigned>(bytes.size()),
+            folder);
+    }
+    check_required_extensions(document.model); // first: it explains most failures of such files
+    if (!loaded) {
+        bool missing = error.find("File not found") != std::string::npos;
+        std::string message = error.empty() ? "is not valid glTF" : first_line(error);
+        if (missing) message += "; buffers must lie in the asset's folder or below";
+        refuse(missing ? RSV_ERROR_IO : RSV_ERROR_FORMAT, message);
+    }
+    document.parser_warning = first_line(error);
+}
+
+// ---- conversion ---------------------------------------------------------------------------------
+
+const char *keep_name(
+    owned_document &document, const std::string &name, const std::string &fallback)
+{
+    document.names.push_back(name.empty() ? fallback : name);
+    return document.names.back().c_str();
+}
+
+std::string numbered(const char *kind, size_t index)
+{
+    return std::string(kind) + " " + std::to_string(index);
+}
+
+/// A member of an extension or of extras; NULL if absent.
+const tinygltf::Value *find(const tinygltf::Value &object, const char *key)
+{
+    if (!object.IsObject() || !object.Has(key)) return nullptr;
+    return &object.Get(key);
+}
+
+double number(const tinygltf::Value &object, const char *key, double fallback)
+{
+    const tinygltf::Value *value = find(object, key);
+    return value && value->IsNumber() ? value->GetNumberAsDouble() : fallback;
+}
+
+rsv_rgb color(const tinygltf::Value &object, const char *key, rsv_rgb fallback)
+{
+    const tinygltf::Value *value = find(object, key);
+    if (!value || !value->IsArray() || value->ArrayLen() < 3) return fallback;
+    double channel[3];
+    for (int i = 0; i < 3; i++) {
+        const tinygltf::Value &entry = value->Get(i);
+        if (!entry.IsNumber()) return fallback;
+        channel[i] = entry.GetNumberAsDouble();
+    }
+    return { static_cast<float>(channel[0]), static_cast<float>(channel[1]),
+        static_cast<float>(channel[2]) };
+}
+
+const tinygltf::Value &extension(const tinygltf::ExtensionMap &extensions, const char *name)
+{
+    static const tinygltf::Value none;
+    auto found = extensions.find(name);
+    return found == extensions.end() ? none : found->second;
+}
+
+void convert_buffers(owned_document &document)
+{
+    for (const tinygltf::Buffer &buffer : document.model.buffers)
+        document.buffers.push_back({ buffer.data.data(), buffer.data.size() });
+    for (const tinygltf::BufferView &view : document.model.bufferViews)
+        document.buffer_views.push_back(
+            { view.buffer, view.byteOffset, view.byteLength, view.byteStride });
+}
+
+rsv_gltf_span make_span(int buffer_view, int offset, int component_type)
+{
+    if (offset < 0) refuse(RSV_ERROR_FORMAT, "a sparse accessor has a negative byteOffset");
+    return { buffer_view, static_cast<size_t>(offset), component_type };
+}
+
+void convert_accessors(owned_document &document)
+{
+    for (const tinygltf::Accessor &source : document.model.accessors) {
+        rsv_gltf_accessor accessor{};
+        accessor.span = { source.bufferView, source.byteOffset, source.componentType };
+        accessor.count = source.count;
+        accessor.component_count =
+            tinygltf::GetNumComponentsInType(static_cast<uint32_t>(source.type));
+        accessor.normalized = source.normalized;
+        if (source.sparse.isSparse) {
+            if (source.sparse.count < 0)
+                refuse(RSV_ERROR_FORMAT, "a sparse accessor has a negative count");
+            accessor.sparse_count = static_cast<size_t>(source.sparse.count);
+            accessor.sparse_indices = make_span(source.sparse.indices.bufferView,
+                source.sparse.indices.byteOffset, source.sparse.indices.componentType);
+            accessor.sparse_values = make_span(source.sparse.values.bufferView,
+                source.sparse.values.byteOffset, source.componentType);
+        }
+        document.accessors.push_back(accessor);
+    }
+}
+
+int attribute(const tinygltf::Primitive &primitive, const char *name)
+{
+    auto found = primitive.attributes.find(name);
+    return found == primitive.attributes.end() ? -1 : found->second;
+}
+
+void convert_meshes(owned_document &document)
+{
+    for (const tinygltf::Mesh &mesh : document.model.meshes) {
+        std::vector<rsv_gltf_primitive> primitives;
+        for (const tinygltf::Primitive &p : mesh.primitives)
+            primitives.push_back({ attribute(p, "POSITION"), attribute(p, "NORMAL"), p.indices,
+                p.material, p.mode, !p.targets.empty() });
+        document.primitives.push_back(std::move(primitives));
+        const char *name = keep_name(document, mesh.name, numbered("mesh", document.meshes.size()));
+        document.meshes.push_back(
+            { name, document.primitives.back().data(), document.primitives.back().size() });
+    }
+}
+
+void copy_numbers(
+    const std::vector<double> &from, double *to, size_t count, const std::string &what)
+{
+    if (from.empty()) return;
+    if (from.size() != count)
+        refuse(RSV_ERROR_FORMAT, what + " must have " + std::to_string(count) + " numbers, not " +
+                                     std::to_string(from.size()));
+    std::copy(from.begin(), from.end(), to);
+}
+
+/// T * R * S, or the matrix.
+void local_transform(const tinygltf::Node &node, const std::string &name, double m[16])
+{
+    const double identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+    std::copy(identity, identity + 16, m);
+    if (!node.matrix.empty()) {
+        copy_numbers(node.matrix, m, 16, "the matrix of node '" + name + "'");
+        return;
+    }
+    double t[3] = { 0, 0, 0 }, q[4] = { 0, 0, 0, 1 }, s[3] = { 1, 1, 1 };
+    copy_numbers(node.translation, t, 3, "the translation of node '" + name + "'");
+    copy_numbers(node.rotation, q, 4, "the rotation of node '" + name + "'");
+    copy_numbers(node.scale, s, 3, "the scale of node '" + name + "'");
+    double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(length > 0)) refuse(RSV_ERROR_FORMAT, "the rotation of node '" + name + "' is zero");
+    double x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
+    const double rotation[3][3] = {
+        { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w) },
+        { 2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w) },
+        { 2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y) },
+    };
+    for (int column = 0; column < 3; column++)
+        for (int row = 0; row < 3; row++)
+            m[4 * column + row] = rotation[column][row] * s[column];
+    std::copy(t, t + 3, m + 12);
+}
+
+void convert_nodes(owned_document &document)
+{
+    for (const tinygltf::Node &source : document.model.nodes) {
+        rsv_gltf_node node{};
+        node.name = keep_name(document, source.name, numbered("node", document.nodes.size()));
+        node.mesh = source.mesh;
+        node.camera = source.camera;
+        node.skin = source.skin;
+        const tinygltf::Value *light =
+            find(extension(source.extensions, "KHR_lights_punctual"), "light");
+        node.light = light && light->IsInt() ? light->GetNumberAsInt() : -1;
+        node.child = source.children.data();
+        node.child_count = source.children.size();
+        local_transform(source, node.name, node.local);
+        document.nodes.push_back(node);
+    }
+}
+
+/// The default scene, else the first, else every node that is nobody's child.
+void convert_roots(owned_document &document)
+{
+    const tinygltf::Model &model = document.model;
+    if (!model.scenes.empty()) {
+        size_t index = model.defaultScene == -1 ? 0 : static_cast<size_t>(model.defaultScene);
+        if (index >= model.scenes.size())
+            refuse(RSV_ERROR_FORMAT,
+                "its default scene " + std::to_string(model.defaultScene) + " does not exist");
+        document.roots = model.scenes[index].nodes;
+        return;
+    }
+    std::vector<bool> is_child(model.nodes.size());
+    for (const tinygltf::Node &node : model.nodes)
+        for (int child : node.children)
+            if (static_cast<size_t>(child) < is_child.size())
+                is_child[static_cast<size_t>(child)] = true;
+    for (size_t i = 0; i < is_child.size(); i++)
+        if (!is_child[i]) document.roots.push_back(static_cast<int>(i));
+}
+
+bool has_texture(const tinygltf::Material &m)
+{
+    bool found = m.pbrMetallicRoughness.baseColorTexture.index >= 0 ||
+                 m.pbrMetallicRoughness.metallicRoughnessTexture.index >= 0 ||
+                 m.normalTexture.index >= 0 || m.occlusionTexture.index >= 0 ||
+                 m.emissiveTexture.index >= 0;
+    static const char *const fields[][2] = {
+        { "KHR_materials_transmission", "transmissionTexture" },
+        { "KHR_materials_volume", "thicknessTexture" },
+        { "KHR_materials_specular", "specularTexture" },
+        { "KHR_materials_specular", "specularColorTexture" },
+    };
+    for (const auto &field : fields)
+        found = found || find(extension(m.extensions, field[0]), field[1]);
+    return found;
+}
+
+/// @param factors base colour (at least 3 entries) and emission, with the specification's defaults
+rsv_material convert_factors(
+    const tinygltf::Material &source, const double base_color[4], const double emission[3])
+{
+    const tinygltf::Value &strength =
+        extension(source.extensions, "KHR_materials_emissive_strength");
+    const tinygltf::Value &ior = extension(source.extensions, "KHR_materials_ior");
+    const tinygltf::Value &specular = extension(source.extensions, "KHR_materials_specular");
+    const tinygltf::Value &transmission =
+        extension(source.extensions, "KHR_materials_transmission");
+    const tinygltf::Value &volume = extension(source.extensions, "KHR_materials_volume");
+    const rsv_rgb white = { 1, 1, 1 };
+    double scale = number(strength, "emissiveStrength", 1);
+
+    rsv_material material = rsv_default_material();
+    material.base_color = { static_cast<float>(base_color[0]), static_cast<float>(base_color[1]),
+        static_cast<float>(base_color[2]) };
+    material.metallic = static_cast<float>(source.pbrMetallicRoughness.metallicFactor);
+    material.roughness = static_cast<float>(source.pbrMetallicRoughness.roughnessFactor);
+    material.ior = static_cast<float>(number(ior, "ior", 1.5));
+    material.specular = static_cast<float>(number(specular, "specularFactor", 1));
+    material.specular_color = color(specular, "specularColorFactor", white);
+    material.transmission = static_cast<float>(number(transmission, "transmissionFactor", 0));
+    material.thickness = static_cast<float>(number(volume, "thicknessFactor", 0));
+    material.attenuation_color = color(volume, "attenuationColor", white);
+    material.attenuation_distance =
+        static_cast<float>(number(volume, "attenuationDistance", INFINITY));
+    material.emission = { static_cast<float>(emission[0] * scale),
+        static_cast<float>(emission[1] * scale), static_cast<float>(emission[2] * scale) };
+    material.double_sided = source.doubleSided;
+    material.unlit = source.extensions.count("KHR_materials_unlit") != 0;
+    return material;
+}
+
+void convert_materials(owned_document &document)
+{
+    for (const tinygltf::Material &source : document.model.materials) {
+        double base_color[4] = { 1, 1, 1, 1 }, emission[3] = { 0, 0, 0 };
+        const char *name =
+            keep_name(document, source.name, numbered("material", document.materials.size()));
+        copy_numbers(source.pbrMetallicRoughness.baseColorFactor, base_color, 4,
+            std::string("baseColorFactor of material '") + name + "'");
+        copy_numbers(source.emissiveFactor, emission, 3,
+            std::string("emissiveFactor of material '") + name + "'");
+        rsv_gltf_material material{};
+        material.value = convert_factors(source, base_color, emission);
+        material.value.name = name;
+        material.has_texture = has_texture(source);
+        material.has_alpha = source.alphaMode != "OPAQUE";
+        document.materials.push_back(material);
+    }
+}
+
+void convert_cameras(owned_document &document)
+{
+    for (const tinygltf::Camera &source : document.model.cameras) {
+        rsv_camera camera{};
+        camera.name = keep_name(document, source.name, "");
+        if (source.type == "orthographic") {
+            camera.vertical_extent = static_cast<float>(std::fabs(source.orthographic.ymag));
+            camera.aspect =
+                static_cast<float>(std::fabs(source.orthographic.xmag / source.orthographic.ymag));
+        } else {
+            camera.vertical_fov = static_cast<float>(source.perspective.yfov);
+            camera.aspect = static_cast<float>(source.perspective.aspectRatio);
+        }
+        document.cameras.push_back(camera);
+    }
+}
+
+rsv_light_kind light_kind(const std::string &type)
+{
+    if (type == "point") return RSV_LIGHT_POINT;
+    if (type == "spot") return RSV_LIGHT_SPOT;
+    if (type == "directional") return RSV_LIGHT_DIRECTIONAL;
+    refuse(RSV_ERROR_FORMAT, "a light has the unknown type '" + first_line(type) + "'");
+}
+
+void convert_lights(owned_document &document)
+{
+    for (const tinygltf::Light &source : document.model.lights) {
+        double factor[3] = { 1, 1, 1 };
+        rsv_light light{};
+        light.name = keep_name(document, source.name, "");
+        light.kind = light_kind(source.type);
+        copy_numbers(source.color, factor, 3, "the colour of light '" + source.name + "'");
+        light.intensity = { static_cast<float>(factor[0] * source.intensity),
+            static_cast<float>(factor[1] * source.intensity),
+            static_cast<float>(factor[2] * source.intensity) };
+        if (light.kind == RSV_LIGHT_SPOT) {
+            light.inner_cone_angle = static_cast<float>(source.spot.innerConeAngle);
+            light.outer_cone_angle = static_cast<float>(source.spot.outerConeAngle);
+            light.exponent = static_cast<float>(number(source.extras, "cosExponent", 0));
+        }
+        document.lights.push_back(light);
+    }
+}
+
+template <class element>
+void publish_array(const std::vector<element> &from, const element *&to, size_t &count)
+{
+    to = from.data();
+    count = from.size();
+}
+
+void publish(owned_document &document)
+{
+    publish_array(document.buffers, document.buffer, document.buffer_count);
+    publish_array(document.buffer_views, document.buffer_view, document.buffer_view_count);
+    publish_array(document.accessors, document.accessor, document.accessor_count);
+    publish_array(document.meshes, document.mesh, document.mesh_count);
+    publish_array(document.nodes, document.node, document.node_count);
+    publish_array(document.materials, document.material, document.material_count);
+    publish_array(document.cameras, document.camera, document.camera_count);
+    publish_array(document.lights, document.light, document.light_count);
+    publish_array(document.roots, document.root, document.root_count);
+    document.warning = document.parser_warning.c_str();
+}
+
+} // namespace
+
+rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
+{
+    try {
+        std::unique_ptr<owned_document> owned(new owned_document());
+        parse(path, *owned);
+        convert_buffers(*owned);
+        convert_accessors(*owned);
+        convert_meshes(*owned);
+        convert_nodes(*owned);
+        convert_roots(*owned);
+        convert_materials(*owned);
+        convert_cameras(*owned);
+        convert_lights(*owned);
+        publish(*owned);
+        *document = owned.release();
+        return RSV_OK;
+    } catch (const refusal &r) {
+        return rsv_fail(r.status, "%s", r.message.c_str());
+    } catch (const std::bad_alloc &) {
+        return rsv_fail(RSV_ERROR_MEMORY, "out of memory reading glTF");
+    } catch (const std::exception &e) {
+        return rsv_fail(RSV_ERROR_FORMAT, "%s", e.what());
+    } catch (...) {
+        return rsv_fail(RSV_ERROR_FORMAT, "is not valid glTF");
+    }
+}
+
+void rsv_gltf_close(const rsv_gltf_document *document)
+{
+    delete static_cast<const owned_document *>(document);
+}
