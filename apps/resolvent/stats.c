@@ -4,7 +4,6 @@
 
 #include <cJSON.h>
 #include <math.h>
-#include <string.h>
 #include <sys/resource.h>
 
 const char *const cli_quality_names[] = { [RSV_QUALITY_DRAFT] = "draft",
@@ -79,17 +78,23 @@ static void add_solution(cJSON *root, const cli_stats *stats)
     cJSON_AddNumberToObject(root, "standard_error", stats->standard_error);
 }
 
+/// Microseconds are digits enough.
+static void add_seconds(cJSON *times, const char *phase, double seconds)
+{
+    cJSON_AddNumberToObject(times, phase, round(1e6 * seconds) / 1e6);
+}
+
 static void add_times(cJSON *root, const cli_session *session, const cli_stats *stats)
 {
     static const rsv_solve_report nothing = { 0 };
     const rsv_solve_report *report = stats->report ? stats->report : &nothing;
     cJSON *times = cJSON_AddObjectToObject(root, "time_s");
-    cJSON_AddNumberToObject(times, "load", session->time_load);
-    cJSON_AddNumberToObject(times, "bvh", report->time_bvh);
-    cJSON_AddNumberToObject(times, "assemble", report->time_assemble);
-    cJSON_AddNumberToObject(times, "solve", report->time_solve);
-    cJSON_AddNumberToObject(times, "render", stats->time_render);
-    cJSON_AddNumberToObject(times, "total", cli_seconds() - session->started);
+    add_seconds(times, "load", session->time_load);
+    add_seconds(times, "bvh", report->time_bvh);
+    add_seconds(times, "assemble", report->time_assemble);
+    add_seconds(times, "solve", report->time_solve);
+    add_seconds(times, "render", stats->time_render);
+    add_seconds(times, "total", cli_seconds() - session->started);
 }
 
 static void add_warnings(cJSON *root, const cli_session *session)

@@ -1,0 +1,25 @@
+# What `cmake --install` leaves: headers, library, program, and how CMake and pkg-config find them.
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/resolvent)
+
+install(TARGETS resolvent EXPORT resolventTargets
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT resolventTargets NAMESPACE resolvent:: DESTINATION ${package_folder})
+if(TARGET resolvent_program)
+    set_target_properties(resolvent_program PROPERTIES
+        INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+    install(TARGETS resolvent_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/resolventConfig.cmake.in
+    ${PROJECT_BINARY_DIR}/resolventConfig.cmake INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/resolventConfigVersion.cmake
+    COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/resolventConfig.cmake
+    ${PROJECT_BINARY_DIR}/resolventConfigVersion.cmake DESTINATION ${package_folder})
+
+# Embree has no pkg-config file of its own.
+set(RSV_PC_PRIVATE_LIBS "-lembree${embree_VERSION_MAJOR} ${OpenMP_C_FLAGS} -lstdc++ -lm")
+configure_file(${PROJECT_SOURCE_DIR}/cmake/resolvent.pc.in ${PROJECT_BINARY_DIR}/resolvent.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/resolvent.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

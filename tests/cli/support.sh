@@ -1,0 +1,60 @@
+# What the tests of the program share. Each test is called with the program's path and sources this.
+#
+# After `run`: $status, and the files $work/stdout and $work/stderr. Outputs belong in $out, which
+# `refuses` wants empty. A failed check is counted and said, and the test goes on.
+set -uo pipefail
+
+program=$1
+work=$(mktemp -d)
+out=$work/out
+mkdir "$out"
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+
+complain() {
+    echo "FAILED: $*"
+    sed 's/^/    stderr: /' stderr | head -n 5
+    failures=$((failures + 1))
+}
+
+finish() {
+    ((failures == 0)) && echo "all passed"
+    exit $((failures > 0))
+}
+
+run() {
+    status=0
+    "$program" "$@" >stdout 2>stderr </dev/null || status=$?
+}
+
+# succeeds ARGUMENT...
+succeeds() {
+    run "$@"
+    ((status == 0)) || complain "exit status $status, not 0: $*"
+}
+
+# What is left of standard error without warnings and notes.
+error_lines() { grep -v -e '^warning: ' -e '^note: ' stderr; }
+
+# refuses STATUS PATTERN ARGUMENT...: that exit status, one line that says why, nothing written
+refuses() {
+    local expected=$1 pattern=$2
+    shift 2
+    run "$@"
+    ((status == expected)) || complain "exit status $status, not $expected: $*"
+    [[ $(error_lines | wc -l) == 1 ]] || complain "not exactly one line of error: $*"
+    error_lines | grep -q -i -e "$pattern" || complain "the message does not speak of '$pattern': $*"
+    [[ ! -s stdout ]] || complain "a failure printed on standard output: $*"
+    [[ -z $(ls -A "$out") ]] || complain "a failure left $(ls -A "$out"): $*"
+    rm -f "$out"/*
+}
+
+# says PATTERN: the last run's standard output
+says() { grep -q -e "$1" stdout || complain "standard output lacks '$1'"; }
+
+# warns PATTERN: the last run's standard error
+warns() { grep -q -i -e "$1" stderr || complain "standard error lacks '$1'"; }
+
+# Pictures small enough for a test.
+small=(--size 32x24 --quality draft --spp 1 --threads 2)

@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# Whatever is wrong with a file is one clear line and exit status 1, and leaves nothing behind.
+source "$(dirname "$0")/support.sh"
+
+picture=(-o "$out/a.png" "${small[@]}")
+
+# -- files that are not there, or cannot be
+
+refuses 1 'no such file' render missing.glb "${picture[@]}"
+refuses 1 'no such file' info missing.glb
+refuses 1 'no/such/folder' render furnace -o no/such/folder/a.png "${small[@]}"
+refuses 1 'extension\|end in' render furnace -o "$out" "${small[@]}"
+refuses 1 'a.tiff' render furnace -o "$out/a.tiff" "${small[@]}"
+refuses 1 'folder' render furnace "${picture[@]}" --stats no/such/folder/a.json
+refuses 1 'is a folder' render furnace "${picture[@]}" --stats "$out"
+refuses 1 'folder' scene furnace -o no/such/folder/a.glb
+refuses 1 'gallows' scene gallows -o "$out/a.glb"
+refuses 1 'camera.*nobody' render furnace "${picture[@]}" --camera nobody
+refuses 1 'cuda' render furnace "${picture[@]}" --device cuda
+refuses 1 'env' render furnace "${picture[@]}" --env sky.hdr
+refuses 1 'missing.exr' compare missing.exr missing.exr
+
+# -- broken glTF
+
+succeeds scene cornell-blocks -o box.glb
+for bytes in 0 3 11 12 19 200 $(($(stat -c %s box.glb) - 1)); do
+    head -c "$bytes" box.glb >cut.glb
+    refuses 1 'cut.glb' render cut.glb "${picture[@]}"
+done
+echo '{ "asset": { "version": ' >cut.gltf
+refuses 1 'cut.gltf' render cut.gltf "${picture[@]}"
+head -c 4000 /dev/zero >zero.glb
+refuses 1 'zero.glb' render zero.glb "${picture[@]}"
+
+# gltf POSITIONS [ACCESSOR_COUNT [MATERIAL [EXTRA]]]: one triangle of nine floats, given in hexadecimal
+gltf() {
+    local bytes
+    bytes=$(printf '%s' "$1" | sed 's/../\\x&/g')
+    cat <<TEXT
+{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ], "nodes": [ { "mesh": 0 } ],
+  "meshes": [ { "name": "shard", "primitives": [ { "attributes": { "POSITION": 0 }, "material": 0 } ] } ],
+  "materials": [ ${3:-{ \"name\": \"chalk\" \}} ],
+  "accessors": [ { "bufferView": 0, "componentType": 5126, "count": ${2:-3}, "type": "VEC3",
+                   "min": [ 0, 0, 0 ], "max": [ 1, 1, 1 ] } ],
+  "bufferViews": [ { "buffer": 0, "byteLength": 36 } ],
+  "buffers": [ { "byteLength": 36, "uri": "data:application/octet-stream;base64,$(printf "$bytes" | base64 -w 0)" } ] }
+TEXT
+}
+zero=00000000 one=0000803f nan=0000c07f infinity=0000807f
+triangle=$zero$zero$zero$one$zero$zero$zero$one$zero
+gltf ${nan}${triangle:8} >nan.gltf
+refuses 1 'nan.gltf' render nan.gltf "${picture[@]}"
+gltf ${infinity}${triangle:8} >infinity.gltf
+refuses 1 'infinity.gltf' render infinity.gltf "${picture[@]}"
+gltf $triangle 300 >outside.gltf
+refuses 1 'outside.gltf' render outside.gltf "${picture[@]}"
+gltf $zero$zero$zero$zero$zero$zero$zero$zero$zero >point.gltf
+refuses 1 'nothing\|triangle' render point.gltf "${picture[@]}"
+echo '{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ], "nodes": [ { } ] }' >empty.gltf
+refuses 1 'nothing\|mesh' render empty.gltf "${picture[@]}"
+
+# -- poor but usable: a picture, and a warning that says what it lacks
+
+gltf $triangle >dark.gltf
+succeeds render dark.gltf "${picture[@]}"
+warns 'light'
+warns 'framing'
+[[ -s $out/a.png ]] || complain "no picture of a dark scene"
+rm -f "$out"/*
+gltf $triangle 3 '{ "name": "snow", "pbrMetallicRoughness": { "baseColorFactor": [ 1, 1, 1, 1 ], "metallicFactor": 0 },
+    "emissiveFactor": [ 1, 1, 1 ] }' >white.gltf
+succeeds render white.gltf "${picture[@]}"
+rm -f "$out"/*
+finish

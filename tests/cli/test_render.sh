@@ -1,0 +1,42 @@
+#!/usr/bin/env bash
+# Pictures: all modes and formats, the same bytes for any number of threads, statistics, comparison.
+source "$(dirname "$0")/support.sh"
+
+draft=(--size 48x32 --quality draft --spp 2)
+for mode in final operator reference; do
+    for threads in 1 2; do
+        succeeds render cornell-spheres -o "$mode$threads.exr" -o "$mode$threads.png" "${draft[@]}" \
+            --mode $mode --threads $threads --layers --stats "$mode$threads.json"
+        [[ ! -s stdout ]] || complain "render printed on standard output"
+    done
+    for format in exr png; do
+        cmp -s "${mode}1.$format" "${mode}2.$format" || complain "$mode: threads change the $format"
+    done
+done
+
+keys=(elements entries rays rays_per_second time_s load bvh assemble solve render total iterations norm_inf
+    peak_rss_bytes residual_inf truncation_bound order_count direct_elements stop_reason mode quality
+    width height spp threads seed warnings)
+for key in "${keys[@]}"; do
+    grep -q "\"$key\":" final2.json || complain "the statistics lack '$key'"
+done
+grep -q '"stop_reason":.*"converged"' final2.json || complain "the solution did not converge"
+! grep -q '"elements":[[:space:]]*0,' final2.json || complain "no elements"
+
+succeeds compare final1.exr operator1.exr
+says '^mean_ratio '
+says '^median_relative_error '
+succeeds compare final1.exr final2.exr --layer direct --json
+says '"rmse":[[:space:]]*0,'
+refuses 1 "has no layer 'rainbow'" compare final1.exr final2.exr --layer rainbow
+succeeds compare reference1.exr reference1.exr
+says '^mean_ratio *1.000000'
+
+succeeds render cornell-spheres -o seed.exr "${draft[@]}" --seed 7
+! cmp -s seed.exr final1.exr || complain "the seed changes nothing"
+succeeds render cornell-spheres -o bright.png -o bright.hdr "${draft[@]}" --exposure=2
+! cmp -s bright.png final1.png || complain "the exposure changes nothing"
+[[ -s bright.hdr ]] || complain "no .hdr"
+succeeds render cornell-spheres -o flat.png "${draft[@]}" --layers
+warns '\.exr'
+finish

@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# A built-in scene written to a file and read back is the same scene.
+source "$(dirname "$0")/support.sh"
+
+# Names of scenes aside, what --json says, to four digits.
+facts() {
+    succeeds info "$1" --json
+    sed -E -e '/"scene":/d' -e 's/([0-9]\.[0-9]{0,4})[0-9]*/\1/g' stdout
+}
+
+for name in cornell-blocks cornell-spheres furnace two-rooms; do
+    succeeds scene $name -o $name.glb
+    [[ $(head -c 4 $name.glb) == glTF ]] || complain "$name.glb is not binary glTF"
+    succeeds info $name
+    says 'triangles'
+    says 'cameras: [1-9]'
+    facts $name >named.txt
+    facts $name.glb >read.txt
+    diff named.txt read.txt >difference.txt || complain "$name: changes on its way through a file: $(head -n 4 difference.txt)"
+done
+succeeds scene cornell-blocks -o again.glb
+cmp -s again.glb cornell-blocks.glb || complain "the same scene, written twice, differs"
+finish

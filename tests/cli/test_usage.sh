@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Help teaches on standard output; wrong usage is one line and exit status 2.
+source "$(dirname "$0")/support.sh"
+
+succeeds --help
+says 'usage: resolvent'
+succeeds --version
+for command in render probe compare scene info bench; do
+    succeeds $command --help
+    says "usage: resolvent $command"
+    says 'examples:'
+    refuses 2 "resolvent $command --help" $command --no-such-option
+done
+for name in cornell-blocks cornell-spheres furnace two-rooms; do
+    succeeds scene --help
+    says $name
+done
+
+refuses 2 'no command'
+refuses 2 'is not a command' paint
+refuses 2 'is not a command' view
+refuses 2 'SCENE is missing' render -o "$out/a.png"
+refuses 2 'is missing' render furnace
+refuses 2 'one argument too many' render furnace two-rooms -o "$out/a.png"
+refuses 2 'needs a value' render furnace -o
+refuses 2 'needs a value' render furnace -o "$out/a.png" --camera --layers
+refuses 2 'takes no value' render furnace -o "$out/a.png" --layers=yes
+for size in 0x10 10 10x 10x-1 axb 10x10x10 1e9x1 '' 99999999999999999999x1; do
+    refuses 2 'WIDTHxHEIGHT' render furnace -o "$out/a.png" --size "$size"
+done
+refuses 2 'one of operator, final, reference' render furnace -o "$out/a.png" --mode fast
+refuses 2 'one of draft, medium, high' render furnace -o "$out/a.png" --quality=best
+refuses 2 'whole number' render furnace -o "$out/a.png" --spp 0
+refuses 2 'whole number' render furnace -o "$out/a.png" --spp 1.5
+refuses 2 'whole number' render furnace -o "$out/a.png" --seed -1
+refuses 2 'whole number' render furnace -o "$out/a.png" --threads 1025
+refuses 2 'a number from' render furnace -o "$out/a.png" --exposure nan
+refuses 2 'points' probe furnace -o "$out/a.csv"
+refuses 2 'A B' compare one.exr
+refuses 2 'NAME' scene -o "$out/a.glb"
+refuses 2 '.glb' scene furnace -o "$out/a.obj"
+refuses 2 'not a benchmark' bench weather
+finish
