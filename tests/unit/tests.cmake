@@ -1,2 +1,6 @@
 rsv_add_test(bsdf unit/test_bsdf.c)
 rsv_add_test(light unit/test_light.c)
+rsv_add_test(core unit/test_core.c)
+rsv_add_test(image unit/test_image.c)
+target_link_libraries(test_image PRIVATE PkgConfig::OPENEXR)
+rsv_add_test(reference statistical/test_reference.c)

@@ -1,0 +1,302 @@
+/// One path of the reference: next-event estimation and BSDF sampling, combined by the power heuristic
+/// with exponent 2 (Veach and Guibas 1995).
+#include "reference_internal.h"
+
+/// Pairs of numbers taken from the quasi-random sequence: three for each of the first four surfaces.
+#define QUASI_RANDOM_PAIRS 12
+#define FIRST_ROULETTE_BOUNCE 5
+/// Ends even lossless paths. Above albedo^2 of anything that occurs, or the variance were infinite.
+#define LARGEST_SURVIVAL 0.999f
+/// With more punctual lights than this, one is chosen at random.
+#define MAX_SUMMED_LIGHTS 16
+
+typedef struct number_source {
+    rsv_path_id id;
+    uint32_t pairs_taken;
+    rsv_random random;
+} number_source;
+
+typedef struct light_path {
+    const rsv_path_tracer *tracer;
+    number_source numbers;
+    rsv_ray ray;
+    rsv_vec3 departure; ///< point of the surface that the ray left
+    rsv_rgb throughput;
+    uint32_t bounces, diffuse_events;
+    /// With which the last surface chose the ray; 0 = next-event estimation could not have found what
+    /// the ray finds.
+    float pdf_solid_angle;
+    rsv_local_lights local; ///< the lights as the last diffuse surface sees them
+    rsv_path_light *light;
+} light_path;
+
+/// Where a ray arrived. Normals are unit and on the side the ray came from.
+typedef struct surface {
+    const rsv_bsdf *bsdf;
+    rsv_vec3 point, wo;
+    rsv_vec3 geometric_normal;
+    rsv_vec3 normal; ///< for scattering
+    float extent;    ///< for rsv_offset_origin
+    uint32_t triangle;
+    bool front;
+} surface;
+
+static void next_pair(number_source *numbers, float *x, float *y)
+{
+    if (numbers->pairs_taken < QUASI_RANDOM_PAIRS) {
+        uint32_t seed = rsv_hash2(numbers->id.stream, ++numbers->pairs_taken);
+        rsv_sobol_2d(numbers->id.sample, seed, x, y);
+    } else {
+        *x = rsv_random_float(&numbers->random);
+        *y = rsv_random_float(&numbers->random);
+    }
+}
+
+static void start_path(
+    light_path *path, const rsv_path_tracer *tracer, rsv_path_id id, rsv_path_light *light)
+{
+    *light = (rsv_path_light){ 0 };
+    path->tracer = tracer;
+    path->numbers = (number_source){ id, 0, rsv_random_from(id.sample, id.stream, 0) };
+    path->throughput = rgb_gray(1);
+    path->bounces = path->diffuse_events = 0;
+    path->pdf_solid_angle = 0;
+    path->light = light;
+}
+
+static void add_light(light_path *path, uint32_t diffuse_events, rsv_rgb radiance)
+{
+    rsv_rgb *order = path->light->order;
+    order += diffuse_events < RSV_PATH_ORDERS ? diffuse_events : RSV_PATH_ORDERS - 1;
+    *order = rgb_add(*order, rgb_mul(path->throughput, radiance));
+}
+
+static surface surface_at(const rsv_path_tracer *tracer, const rsv_ray *ray, const rsv_hit *hit)
+{
+    const rsv_scene_view *scene = tracer->scene;
+    const uint32_t *corner = scene->triangle[hit->triangle];
+    rsv_vec3 a = scene->position[corner[0]], b = scene->position[corner[1]];
+    rsv_vec3 c = scene->position[corner[2]];
+    rsv_vec3 geometric = v3_normalize(v3_cross(v3_sub(b, a), v3_sub(c, a)));
+    rsv_vec3 shading = v3_normalize(v3_barycentric(scene->normal[corner[0]],
+        scene->normal[corner[1]], scene->normal[corner[2]], hit->u, hit->v));
+    if (v3_dot(shading, geometric) <= 0) shading = geometric;
+
+    surface s = { .bsdf = &tracer->bsdf[scene->triangle_material[hit->triangle]],
+        .point = v3_barycentric(a, b, c, hit->u, hit->v),
+        .wo = v3_neg(v3_normalize(ray->direction)),
+        .extent = rsv_triangle_extent(scene, hit->triangle),
+        .triangle = hit->triangle };
+    s.front = v3_dot(geometric, s.wo) > 0;
+    s.geometric_normal = s.front ? geometric : v3_neg(geometric);
+    s.normal = s.front ? shading : v3_neg(shading);
+    if (!s.bsdf->lambert) s.normal = rsv_bsdf_specular_normal(s.normal, s.geometric_normal, s.wo);
+    return s;
+}
+
+static rsv_vec3 leaving_point(const surface *s, bool transmitted)
+{
+    rsv_vec3 side = transmitted ? v3_neg(s->geometric_normal) : s->geometric_normal;
+    return rsv_offset_origin(s->point, side, s->extent);
+}
+
+static void absorb_inside_body(light_path *path, const surface *s)
+{
+    if (s->front || !s->bsdf->solid) return;
+    float distance = v3_length(v3_sub(s->point, path->departure));
+    rsv_rgb a = s->bsdf->absorption;
+    rsv_rgb passed = rgb(expf(-a.r * distance), expf(-a.g * distance), expf(-a.b * distance));
+    path->throughput = rgb_mul(path->throughput, passed);
+}
+
+/// Weight of a sample drawn with density `own` that another technique draws with density `other`.
+static float power_heuristic(float own, float other)
+{
+    float ratio = other / own;
+    return 1 / (1 + ratio * ratio);
+}
+
+static void add_emission(light_path *path, const surface *s, float distance)
+{
+    const rsv_lights *lights = path->tracer->lights;
+    if (s->bsdf->unlit && path->diffuse_events == 0 && (s->front || s->bsdf->double_sided))
+        add_light(path, 0, s->bsdf->emission);
+    uint32_t index = lights->triangle_emitter[s->triangle];
+    if (index == RSV_NONE) return;
+    const rsv_emitter *emitter = &lights->emitter[index];
+    if (!s->front && !emitter->double_sided) return;
+
+    float weight = 1;
+    if (path->pdf_solid_angle > 0 && !lights->group[emitter->group].gathered) {
+        float pdf_light = rsv_local_lights_pdf(&path->local, index, path->ray.direction, distance);
+        weight = power_heuristic(path->pdf_solid_angle, pdf_light);
+    }
+    add_light(path, path->diffuse_events, rgb_scale(emitter->radiance, weight));
+}
+
+/// f cos of the diffuse lobe; black where either normal says that wi is below the surface.
+static rsv_rgb diffuse_response(const surface *s, rsv_vec3 wi)
+{
+    if (v3_dot(s->geometric_normal, wi) <= 0) return rgb_gray(0);
+    return rgb_scale(rsv_bsdf_eval(s->bsdf, wi, s->wo, s->normal), fmaxf(v3_dot(s->normal, wi), 0));
+}
+
+static bool sees_emitter_point(
+    const rsv_path_tracer *tracer, const surface *s, const rsv_light_sample *sample)
+{
+    const rsv_emitter *emitter = &tracer->lights->emitter[sample->emitter];
+    bool front = v3_dot(emitter->normal, sample->direction) < 0;
+    rsv_vec3 side = front ? emitter->normal : v3_neg(emitter->normal);
+    rsv_vec3 target = rsv_offset_origin(v3_mad(s->point, sample->distance, sample->direction), side,
+        rsv_triangle_extent(tracer->scene, emitter->triangle));
+    rsv_vec3 origin = leaving_point(s, false);
+    rsv_ray ray = { origin, v3_sub(target, origin), 1 };
+    return !rsv_tracer_occluded(tracer->tracer, &ray);
+}
+
+static void add_emitter_sample(
+    light_path *path, const surface *s, float u_select, float u1, float u2)
+{
+    rsv_light_sample sample;
+    if (!rsv_local_lights_sample(&path->local, u_select, u1, u2, &sample)) return;
+    rsv_rgb response = diffuse_response(s, sample.direction);
+    if (rgb_is_black(response)) return;
+    if (!sees_emitter_point(path->tracer, s, &sample)) return;
+    float pdf_bsdf = rsv_bsdf_pdf(s->bsdf, sample.direction, s->wo, s->normal);
+    float weight = power_heuristic(sample.pdf_solid_angle, pdf_bsdf) / sample.pdf_solid_angle;
+    add_light(
+        path, path->diffuse_events + 1, rgb_scale(rgb_mul(response, sample.radiance), weight));
+}
+
+/// Share of light that reaches the ray's origin from its end, past thin sheets alone.
+static rsv_rgb straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray)
+{
+    rsv_rgb passed = rgb_gray(1);
+    rsv_hit hit;
+    while (!rgb_is_black(passed) && rsv_tracer_closest(tracer->tracer, &ray, &hit)) {
+        surface s = surface_at(tracer, &ray, &hit);
+        if (s.bsdf->transmission == 0 || s.bsdf->solid) return rgb_gray(0);
+        passed =
+            rgb_mul(passed, rsv_bsdf_evaluate_branches(s.bsdf, s.wo, s.normal, s.front).transmit);
+        ray.origin = leaving_point(&s, true);
+        ray.t_max -= hit.t;
+    }
+    return passed;
+}
+
+static void add_punctual_light(
+    light_path *path, const surface *s, const rsv_light *light, float scale)
+{
+    rsv_ray ray = { .origin = leaving_point(s, false) };
+    rsv_rgb irradiance;
+    if (!rsv_punctual_light(light, s->point, &ray.direction, &ray.t_max, &irradiance)) return;
+    rsv_rgb response = diffuse_response(s, ray.direction);
+    if (rgb_is_black(response)) return;
+    rsv_rgb arriving = rgb_mul(irradiance, straight_transmittance(path->tracer, ray));
+    add_light(path, path->diffuse_events + 1, rgb_scale(rgb_mul(response, arriving), scale));
+}
+
+static void add_punctual_lights(light_path *path, const surface *s)
+{
+    const rsv_scene_view *scene = path->tracer->scene;
+    size_t count = scene->light_count;
+    if (count > MAX_SUMMED_LIGHTS) {
+        size_t chosen = (size_t)((double)rsv_random_float(&path->numbers.random) * (double)count);
+        add_punctual_light(path, s, &scene->light[chosen], (float)count);
+        return;
+    }
+    for (size_t i = 0; i < count; i++)
+        add_punctual_light(path, s, &scene->light[i], 1);
+}
+
+static bool reflects_diffusely(const surface *s)
+{
+    rsv_rgb share = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front).diffuse;
+    return !rgb_is_black(rgb_mul(share, s->bsdf->exitance_albedo));
+}
+
+/// Gathers the sources and turns the path into a new direction; false where it ends.
+static bool scatter(light_path *path, const surface *s)
+{
+    float u_select, u_lobe, light_u1, light_u2, u1, u2;
+    next_pair(&path->numbers, &u_select, &u_lobe);
+    next_pair(&path->numbers, &light_u1, &light_u2);
+    next_pair(&path->numbers, &u1, &u2);
+    if (reflects_diffusely(s)) {
+        rsv_lights_at(path->tracer->lights, s->point, s->normal, &path->local);
+        add_emitter_sample(path, s, u_select, light_u1, light_u2);
+        add_punctual_lights(path, s);
+    }
+
+    rsv_bsdf_sample sample =
+        rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    if (sample.lobe == RSV_LOBE_NONE) return false;
+    bool transmitted = sample.lobe == RSV_LOBE_TRANSMIT;
+    float rise = v3_dot(s->geometric_normal, sample.direction);
+    if (transmitted ? rise >= 0 : rise <= 0) return false;
+    path->throughput = rgb_mul(path->throughput, sample.weight);
+    path->pdf_solid_angle = sample.pdf_solid_angle;
+    path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
+    path->departure = s->point;
+    path->ray = (rsv_ray){ leaving_point(s, transmitted), sample.direction, INFINITY };
+    return true;
+}
+
+static bool survives_roulette(light_path *path)
+{
+    if (++path->bounces < FIRST_ROULETTE_BOUNCE) return true;
+    float survival = fminf(rgb_max(path->throughput), LARGEST_SURVIVAL);
+    if (rsv_random_float(&path->numbers.random) >= survival) return false;
+    path->throughput = rgb_scale(path->throughput, 1 / survival);
+    return true;
+}
+
+static void follow(light_path *path)
+{
+    rsv_hit hit;
+    while (rsv_tracer_closest(path->tracer->tracer, &path->ray, &hit)) {
+        surface s = surface_at(path->tracer, &path->ray, &hit);
+        absorb_inside_body(path, &s);
+        add_emission(path, &s, hit.t);
+        if (!scatter(path, &s) || !survives_roulette(path)) break;
+    }
+}
+
+void rsv_trace_camera_path(
+    const rsv_path_tracer *tracer, const rsv_ray *ray, rsv_path_id id, rsv_path_light *light)
+{
+    light_path path;
+    start_path(&path, tracer, id, light);
+    path.ray = *ray;
+    path.departure = ray->origin;
+    follow(&path);
+}
+
+void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
+    rsv_path_id id, rsv_path_light *light)
+{
+    static const rsv_bsdf white = { .base_color = { 1, 1, 1 },
+        .exitance_albedo = { 1, 1, 1 },
+        .ior = 1,
+        .diffuse = 1,
+        .lambert = true };
+    surface receiver = { .bsdf = &white,
+        .point = point,
+        .wo = normal,
+        .geometric_normal = normal,
+        .normal = normal,
+        .extent = rsv_scene_extent(tracer->scene),
+        .triangle = RSV_NONE,
+        .front = true };
+    light_path path;
+    start_path(&path, tracer, id, light);
+    if (scatter(&path, &receiver)) follow(&path);
+}
+
+rsv_rgb rsv_path_light_total(const rsv_path_light *light)
+{
+    rsv_rgb total = light->order[0];
+    for (int i = 1; i < RSV_PATH_ORDERS; i++)
+        total = rgb_add(total, light->order[i]);
+    return total;
+}

@@ -1,0 +1,71 @@
+#include "../core/core_internal.h"
+#include "reference_internal.h"
+
+#if defined(_OPENMP)
+#include <omp.h>
+#endif
+
+static rsv_status create_bsdfs(rsv_path_tracer *tracer)
+{
+    const rsv_scene_view *scene = tracer->scene;
+    tracer->bsdf = rsv_alloc(tracer->context, scene->material_count, sizeof *tracer->bsdf);
+    if (!tracer->bsdf) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < scene->material_count; i++) {
+        char approximation[80];
+        tracer->bsdf[i] = rsv_bsdf_from_material(&scene->material[i], approximation);
+        if (approximation[0])
+            rsv_log(tracer->context, RSV_LOG_WARNING, "material '%s': %s", scene->material[i].name,
+                approximation);
+    }
+    return RSV_OK;
+}
+
+/// No path that starts at the camera can hit a point through a lens or by way of a mirror.
+static void warn_of_unreachable_caustics(const rsv_path_tracer *tracer)
+{
+    if (tracer->scene->light_count == 0) return;
+    for (size_t i = 0; i < tracer->scene->material_count; i++) {
+        if (!tracer->bsdf[i].solid && tracer->bsdf[i].metallic == 0) continue;
+        rsv_log(tracer->context, RSV_LOG_WARNING,
+            "material '%s': the reference leaves out what it focuses of punctual lights; use an "
+            "emissive surface to include caustics",
+            tracer->scene->material[i].name);
+        return;
+    }
+}
+
+rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **result)
+{
+    rsv_status status = RSV_OK;
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_path_tracer *tracer = rsv_alloc(context, 1, sizeof *tracer);
+    if (!tracer) return RSV_ERROR_MEMORY;
+    tracer->context = context;
+    tracer->scene = rsv_scene_get_view(scene);
+    RSV_TRY(create_bsdfs(tracer));
+    RSV_TRY(rsv_lights_create(scene, tracer->bsdf, &tracer->lights));
+    RSV_TRY(rsv_tracer_create(scene, &tracer->tracer));
+    warn_of_unreachable_caustics(tracer);
+    *result = tracer;
+    tracer = NULL;
+cleanup:
+    rsv_path_tracer_destroy(tracer);
+    return status;
+}
+
+void rsv_path_tracer_destroy(rsv_path_tracer *tracer)
+{
+    if (!tracer) return;
+    rsv_tracer_destroy(tracer->tracer);
+    rsv_lights_destroy(tracer->lights);
+    rsv_free(tracer->context, tracer->bsdf);
+    rsv_free(tracer->context, tracer);
+}
+
+void rsv_poll_progress(rsv_context *context, const char *phase, size_t done, size_t total)
+{
+#if defined(_OPENMP)
+    if (omp_get_thread_num() != 0) return;
+#endif
+    rsv_progress(context, phase, (double)done / (double)total);
+}

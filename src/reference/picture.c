@@ -1,0 +1,196 @@
+#include "../core/core_internal.h"
+#include "../trace/camera_ray.h"
+#include "reference_internal.h"
+#include "resolvent/render.h"
+
+static const char phase[] = "reference";
+
+static const char *const order_name[RSV_PATH_ORDERS] = { "emission", "direct", "bounce1", "bounce2",
+    "bounce3", "bounce4", "bounce5", "bounce6", "bounce7+" };
+
+/// Running sums, all in double: a picture may take millions of samples per pixel.
+typedef struct pixel_sum {
+    double order[RSV_PATH_ORDERS][3];
+    double total[3];
+    double luminance, luminance_squared;
+} pixel_sum;
+
+/// Of one row of the picture, or of all.
+typedef struct row_statistics {
+    double luminance, luminance_squared; ///< sums over samples
+    double variance_of_means;            ///< sum over pixels of the variance of their mean
+    uint64_t rejected;                   ///< samples that were not finite
+} row_statistics;
+
+typedef struct picture_job {
+    const rsv_path_tracer *tracer;
+    const rsv_camera *camera;
+    const rsv_render_desc *desc;
+    rsv_image *image;
+    row_statistics *row; ///< [height]
+} picture_job;
+
+rsv_render_desc rsv_default_render_desc(void)
+{
+    return (rsv_render_desc){
+        .mode = RSV_RENDER_FINAL, .width = 512, .height = 512, .samples = 16, .seed = 1
+    };
+}
+
+static void add_rgb(double sum[3], rsv_rgb value)
+{
+    sum[0] += (double)value.r;
+    sum[1] += (double)value.g;
+    sum[2] += (double)value.b;
+}
+
+static rsv_rgb mean_rgb(const double sum[3], uint32_t samples)
+{
+    return rgb((float)(sum[0] / samples), (float)(sum[1] / samples), (float)(sum[2] / samples));
+}
+
+/// False if the sample is not finite; it then counts as black.
+static bool add_sample(pixel_sum *sum, const rsv_path_light *light)
+{
+    rsv_rgb total = rsv_path_light_total(light);
+    double luminance = (double)rgb_luminance(total);
+    if (!isfinite(luminance)) return false;
+    add_rgb(sum->total, total);
+    for (int i = 0; i < RSV_PATH_ORDERS; i++)
+        add_rgb(sum->order[i], light->order[i]);
+    sum->luminance += luminance;
+    sum->luminance_squared += luminance * luminance;
+    return true;
+}
+
+static void store_pixel(const picture_job *picture, size_t index, const pixel_sum *sum)
+{
+    uint32_t samples = picture->desc->samples;
+    rsv_image_pixels(picture->image, 0)[index] = mean_rgb(sum->total, samples);
+    for (uint32_t layer = 1; layer < rsv_image_layer_count(picture->image); layer++)
+        rsv_image_pixels(picture->image, layer)[index] = mean_rgb(sum->order[layer - 1], samples);
+}
+
+/// Unbiased variance of one sample from `count` of them.
+static double sample_variance(double sum, double sum_squared, double count)
+{
+    return count > 1 ? fmax(sum_squared - sum * sum / count, 0) / (count - 1) : 0;
+}
+
+static void render_pixel(const picture_job *picture, uint32_t x, uint32_t y, row_statistics *row)
+{
+    const rsv_render_desc *desc = picture->desc;
+    uint32_t stream = rsv_hash3(x, y, desc->seed);
+    pixel_sum sum = { 0 };
+    for (uint32_t i = 0; i < desc->samples; i++) {
+        float dx, dy;
+        rsv_sobol_2d(i, stream, &dx, &dy);
+        rsv_ray ray = rsv_camera_ray(
+            picture->camera, desc->width, desc->height, (float)x + dx, (float)y + dy);
+        rsv_path_light light;
+        rsv_trace_camera_path(picture->tracer, &ray, (rsv_path_id){ i, stream }, &light);
+        if (!add_sample(&sum, &light)) row->rejected++;
+    }
+    store_pixel(picture, (size_t)y * desc->width + x, &sum);
+    double variance = sample_variance(sum.luminance, sum.luminance_squared, desc->samples);
+    row->variance_of_means += variance / desc->samples;
+    row->luminance += sum.luminance;
+    row->luminance_squared += sum.luminance_squared;
+}
+
+static rsv_status render_rows(const picture_job *picture)
+{
+    rsv_context *context = picture->tracer->context;
+    uint32_t height = picture->desc->height, rows_done = 0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
+    for (uint32_t y = 0; y < height; y++) {
+        if (rsv_cancelled(context)) continue;
+        for (uint32_t x = 0; x < picture->desc->width; x++)
+            render_pixel(picture, x, y, &picture->row[y]);
+        uint32_t done;
+#pragma omp atomic capture
+        done = ++rows_done;
+        rsv_poll_progress(context, phase, done, height);
+    }
+    return rsv_progress(context, phase, 1);
+}
+
+/// Standard error of the picture's mean luminance over that mean. One sample per pixel says nothing of
+/// its own variance: the variance over the whole picture then stands in, which is never smaller.
+static double relative_standard_error(const picture_job *picture, const row_statistics *all)
+{
+    double pixels = (double)picture->desc->width * picture->desc->height;
+    double samples = pixels * picture->desc->samples;
+    double variance = all->variance_of_means / (pixels * pixels);
+    if (picture->desc->samples == 1)
+        variance = sample_variance(all->luminance, all->luminance_squared, samples) / samples;
+    return all->luminance > 0 ? sqrt(variance) / (all->luminance / samples) : 0;
+}
+
+static row_statistics sum_rows(const picture_job *picture)
+{
+    row_statistics all = { 0 };
+    for (uint32_t y = 0; y < picture->desc->height; y++) {
+        all.luminance += picture->row[y].luminance;
+        all.luminance_squared += picture->row[y].luminance_squared;
+        all.variance_of_means += picture->row[y].variance_of_means;
+        all.rejected += picture->row[y].rejected;
+    }
+    return all;
+}
+
+static rsv_status check_desc(const rsv_scene_view *scene, const rsv_render_desc *desc)
+{
+    if (desc->width == 0 || desc->height == 0 || desc->samples == 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "reference: %u x %u pixels with %u samples: all three must be at least 1", desc->width,
+            desc->height, desc->samples);
+    if (desc->camera >= scene->camera_count)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "reference: camera %u does not exist; the scene has %zu", desc->camera,
+            scene->camera_count);
+    return RSV_OK;
+}
+
+static rsv_status name_layers(rsv_image *image)
+{
+    rsv_status status = RSV_OK;
+    for (uint32_t layer = 1; layer < rsv_image_layer_count(image); layer++)
+        RSV_TRY(rsv_image_set_layer_name(image, layer, order_name[layer - 1]));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_render_reference(
+    const rsv_scene *scene, const rsv_render_desc *desc, rsv_image **image, double *standard_error)
+{
+    rsv_status status = RSV_OK;
+    rsv_context *context = rsv_scene_get_context(scene);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    rsv_path_tracer *tracer = NULL;
+    picture_job picture = { .desc = desc };
+    RSV_TRY(check_desc(view, desc));
+    uint32_t layers = desc->layers ? 1 + RSV_PATH_ORDERS : 1;
+    RSV_TRY(rsv_image_create(context, desc->width, desc->height, layers, &picture.image));
+    RSV_TRY(name_layers(picture.image));
+    RSV_TRY(rsv_path_tracer_create(scene, &tracer));
+    picture.tracer = tracer;
+    picture.camera = &view->camera[desc->camera];
+    picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);
+    if (!picture.row) RSV_TRY(RSV_ERROR_MEMORY);
+    RSV_TRY(render_rows(&picture));
+
+    row_statistics all = sum_rows(&picture);
+    if (all.rejected)
+        rsv_log(context, RSV_LOG_WARNING,
+            "reference: %llu samples were not finite and count as black",
+            (unsigned long long)all.rejected);
+    if (standard_error) *standard_error = relative_standard_error(&picture, &all);
+    *image = picture.image;
+    picture.image = NULL;
+cleanup:
+    rsv_free(context, picture.row);
+    rsv_path_tracer_destroy(tracer);
+    rsv_image_destroy(picture.image);
+    return status;
+}

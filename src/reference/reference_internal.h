@@ -1,0 +1,51 @@
+/// The path tracer behind rsv_render_reference and rsv_probe_reference.
+#ifndef RSV_REFERENCE_INTERNAL_H
+#define RSV_REFERENCE_INTERNAL_H
+
+#include "../light/light.h"
+#include "resolvent/trace.h"
+
+/// What paths are traced through; constant after creation and thread-safe.
+typedef struct rsv_path_tracer {
+    rsv_context *context;
+    const rsv_scene_view *scene;
+    rsv_tracer *tracer;
+    rsv_bsdf *bsdf; ///< [material_count]
+    rsv_lights *lights;
+} rsv_path_tracer;
+
+/// Logs a warning for every material shown by an approximation.
+rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **tracer);
+void rsv_path_tracer_destroy(rsv_path_tracer *tracer);
+
+/// Light is told apart by its diffuse reflections, 0, 1, ...; the last order collects the rest.
+#define RSV_PATH_ORDERS 9
+
+/// What one path found, W/(sr m2).
+typedef struct rsv_path_light {
+    rsv_rgb order[RSV_PATH_ORDERS];
+} rsv_path_light;
+
+/// One path of a randomised quasi-random set: paths that share `stream` and differ in `sample`
+/// (0, 1, ...) are stratified against each other; different streams are independent.
+typedef struct rsv_path_id {
+    uint32_t sample, stream;
+} rsv_path_id;
+
+/// Radiance that arrives along a camera ray.
+void rsv_trace_camera_path(
+    const rsv_path_tracer *tracer, const rsv_ray *ray, rsv_path_id id, rsv_path_light *light);
+
+/// Radiance that a white Lambert surface at `point` would reflect (irradiance / pi). Order 0 stays
+/// black.
+/// @param point possibly on a surface, whose side `normal` (unit) tells
+void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
+    rsv_path_id id, rsv_path_light *light);
+
+/// Sum over the orders.
+rsv_rgb rsv_path_light_total(const rsv_path_light *light);
+
+/// Reports progress if the calling thread is the one that entered the library.
+void rsv_poll_progress(rsv_context *context, const char *phase, size_t done, size_t total);
+
+#endif
