@@ -22,13 +22,18 @@ typedef struct rsv_emitter_group {
     uint32_t first, count; ///< emitters are stored group by group
     double area;           ///< m2
     double power;          ///< luminance flux, W (both sides if double-sided)
-    /// Covers so much of the scene that gather rays find it best: it takes no part in next-event
+    double share;          ///< cosine-weighted part of the hemisphere that it fills, without
+                           ///< occlusion, on average over the scene's surfaces; 0..1
+    /// Fills so much of what surfaces see that gather rays find it best: it takes no part in next-event
     /// estimation or light shooting. In a closed uniform furnace the answer is then exact.
     bool gathered;
 } rsv_emitter_group;
 
-/// A group larger than this share of the scene's total surface area is gathered.
-#define RSV_GATHERED_AREA_SHARE 0.25
+/// A group that fills more than this share is gathered; so are, where all emitters together fill more
+/// than the second one, those not much brighter (by the factor) than the mean of what is seen.
+#define RSV_GATHERED_SHARE 0.25
+#define RSV_GATHERED_TOTAL_SHARE 0.5
+#define RSV_GATHERED_CONTRAST 4
 
 typedef struct rsv_lights {
     rsv_context *context;

@@ -54,6 +54,12 @@ RSV_INLINE double rsv_rounding_height(const rsv_vec3 *corner, int corner_count, 
     return 0x1p-21 * largest;
 }
 
+/// Whether `point` is above a side that emits, by more than the rounding of its coordinates.
+bool rsv_emitter_faces(const rsv_emitter *emitter, rsv_vec3 point);
+
+/// Sets `share` and `gathered` of every group.
+void rsv_lights_choose_gathered(rsv_lights *lights);
+
 /// A triangle as a unit-sphere triangle about a point that is not in its plane.
 typedef struct rsv_spherical_triangle {
     rsv_double3 corner[3]; ///< unit

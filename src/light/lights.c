@@ -1,5 +1,5 @@
 /// The list of a scene's sources, grouped, with the table for selection by power.
-#include "light.h"
+#include "light_internal.h"
 
 #include "../core/core_internal.h"
 
@@ -85,24 +85,10 @@ static void fill_emitters(rsv_lights *lights, const rsv_bsdf *bsdf, const emitte
     }
 }
 
-static double surface_area(const rsv_scene_view *scene)
+/// Lists the emitters of groups that are not gathered, with their powers summed.
+static void list_sampled(rsv_lights *lights)
 {
-    double area = 0;
-    for (size_t i = 0; i < scene->triangle_count; i++) {
-        const uint32_t *index = scene->triangle[i];
-        rsv_vec3 a = scene->position[index[0]];
-        area += 0.5 * v3_length(v3_cross(v3_sub(scene->position[index[1]], a),
-                          v3_sub(scene->position[index[2]], a)));
-    }
-    return area;
-}
-
-/// Decides which groups are gathered and lists the emitters of the others with their powers summed.
-static void choose_sampled(rsv_lights *lights)
-{
-    double limit = RSV_GATHERED_AREA_SHARE * surface_area(lights->scene), sum = 0;
-    for (size_t i = 0; i < lights->group_count; i++)
-        lights->group[i].gathered = lights->group[i].area > limit;
+    double sum = 0;
     for (size_t i = 0; i < lights->emitter_count; i++) {
         if (lights->group[lights->emitter[i].group].gathered) continue;
         sum += emitter_power(&lights->emitter[i]);
@@ -138,7 +124,8 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     for (size_t i = 0; i < view->triangle_count; i++)
         created->triangle_emitter[i] = RSV_NONE;
     fill_emitters(created, bsdf, keys);
-    choose_sampled(created);
+    rsv_lights_choose_gathered(created);
+    list_sampled(created);
     *lights = created;
     created = NULL;
 cleanup:

@@ -22,9 +22,9 @@ static rsv_double3 emitter_area_vector(const rsv_emitter *emitter)
         0.5);
 }
 
-/// Whether `point` is above a side that emits, by more than the rounding of its coordinates.
-static bool faces(const rsv_emitter *emitter, rsv_double3 area_vector, rsv_vec3 point)
+bool rsv_emitter_faces(const rsv_emitter *emitter, rsv_vec3 point)
 {
+    rsv_double3 area_vector = emitter_area_vector(emitter);
     double height = d3_dot(area_vector, d3_between(emitter->corner[0], point));
     if (emitter->double_sided) height = fabs(height);
     return height > rsv_rounding_height(emitter->corner, 3, point) * d3_length(area_vector);
@@ -32,8 +32,8 @@ static bool faces(const rsv_emitter *emitter, rsv_double3 area_vector, rsv_vec3 
 
 static bool view_emitter(const rsv_emitter *emitter, rsv_vec3 point, triangle_view *view)
 {
+    if (!rsv_emitter_faces(emitter, point)) return false;
     view->area_vector = emitter_area_vector(emitter);
-    if (!faces(emitter, view->area_vector, point)) return false;
     for (int i = 0; i < 3; i++)
         view->corner[i] = d3_between(point, emitter->corner[i]);
     view->spherical = rsv_spherical_triangle_from(view->corner);
@@ -43,7 +43,7 @@ static bool view_emitter(const rsv_emitter *emitter, rsv_vec3 point, triangle_vi
 
 static float projected_solid_angle(const rsv_emitter *emitter, rsv_vec3 point, rsv_vec3 normal)
 {
-    if (!faces(emitter, emitter_area_vector(emitter), point)) return 0;
+    if (!rsv_emitter_faces(emitter, point)) return 0;
     return rsv_polygon_irradiance(emitter->corner, 3, point, normal);
 }
 

@@ -247,7 +247,7 @@ static void make_lights(fixture *f)
     assert_int_equal(rsv_lights_create(f->scene, f->bsdf, &f->lights), RSV_OK);
 }
 
-/// The emitting triangles beside one black triangle so large that nothing is gathered.
+/// The emitting triangles beside a large black one that sees little of them: nothing is gathered.
 static fixture open_fixture(
     const triangle *triangles, size_t count, rsv_rgb radiance, bool double_sided)
 {
@@ -432,35 +432,76 @@ static void many_emitters_are_selected_by_power(void **state)
     close_fixture(&f);
 }
 
-static void emitters_are_grouped_and_large_groups_gathered(void **state)
+static void emitters_are_grouped_and_black_ones_left_out(void **state)
 {
     (void)state;
     fixture f = { 0 };
     assert_int_equal(rsv_context_create(NULL, &f.context), RSV_OK);
-    const triangle triangles[4] = {
-        { { v3(0, 0, 0), v3(1, 0, 0), v3(0, 1, 0) } },    // 0.5 m2, small share
-        { { v3(0, 0, 1), v3(1, 0, 1), v3(0, 1, 1) } },    // black
-        { { v3(0, 0, 2), v3(3, 0, 2), v3(0, 3, 2) } },    // 4.5 m2: gathered
-        { { v3(0, 0, 3), v3(0.5f, 0, 3), v3(0, 2, 3) } }, // 0.5 m2
+    const triangle triangles[3] = {
+        { { v3(0, 0, 0), v3(1, 0, 0), v3(0, 1, 0) } },
+        { { v3(0, 0, 1), v3(1, 0, 1), v3(0, 1, 1) } },
+        { { v3(0, 0, 3), v3(0.5f, 0, 3), v3(0, 2, 3) } },
     };
-    const rsv_rgb radiance[4] = { rgb(1, 1, 1), rgb_gray(0), rgb_gray(4), rgb(0, 3, 0) };
-    f.scene = make_scene(f.context, triangles, 4, radiance, false);
+    const rsv_rgb radiance[3] = { rgb(1, 1, 1), rgb_gray(0), rgb(0, 3, 0) };
+    f.scene = make_scene(f.context, triangles, 3, radiance, false);
     make_lights(&f);
-    assert_int_equal(f.lights->emitter_count, 3);
-    assert_int_equal(f.lights->group_count, 3);
-    assert_false(f.lights->group[0].gathered);
-    assert_true(f.lights->group[1].gathered);
+    assert_int_equal(f.lights->emitter_count, 2);
+    assert_int_equal(f.lights->group_count, 2);
     assert_int_equal(f.lights->sampled_count, 2);
     assert_int_equal(f.lights->triangle_emitter[1], RSV_NONE);
-    assert_int_equal(f.lights->triangle_emitter[3], 2);
+    assert_int_equal(f.lights->triangle_emitter[2], 1);
     assert_float_equal(f.lights->group[0].power, 0.5 * RSV_PI, 1e-5);
     double share = 1 / (1 + 3 * 0.7152);
     assert_float_equal(f.lights->power_cdf[0], share, 1e-6);
     assert_true(f.lights->power_cdf[1] == 1);
-    rsv_local_lights local;
-    rsv_lights_at(f.lights, v3(0, 0, 5), v3(0, 0, -1), &local);
-    assert_true(rsv_local_lights_pdf(&local, 1, v3(0, 0, -1), 3) == 0);
     close_fixture(&f);
+}
+
+/// Two triangles that face the centre of the unit cube from side `side` (axis, then far or near).
+static void cube_side(int side, triangle *two)
+{
+    int axis = side / 2;
+    bool far = side % 2;
+    rsv_vec3 corner[4];
+    for (int i = 0; i < 4; i++) {
+        float along[3], u = i == 1 || i == 2, v = i >= 2;
+        along[axis] = far;
+        along[(axis + 1) % 3] = far ? v : u;
+        along[(axis + 2) % 3] = far ? u : v;
+        corner[i] = v3(along[0], along[1], along[2]);
+    }
+    two[0] = (triangle){ { corner[0], corner[1], corner[2] } };
+    two[1] = (triangle){ { corner[0], corner[2], corner[3] } };
+}
+
+/// The walls of a furnace are gathered although each is small; a lamp in it is not, unless it shines no
+/// brighter than they do.
+static void emitters_that_surround_are_gathered(void **state)
+{
+    (void)state;
+    triangle triangles[13] = {
+        [12] = { { v3(0.5f, 0.5f, 0.5f), v3(0.6f, 0.5f, 0.5f), v3(0.5f, 0.6f, 0.5f) } }
+    };
+    rsv_rgb radiance[13];
+    for (int i = 0; i < 6; i++)
+        cube_side(i, &triangles[2 * i]);
+    for (int i = 0; i < 13; i++)
+        radiance[i] = rgb_gray(1);
+    for (int lamp = 1; lamp <= 100; lamp += 99) {
+        fixture f = { 0 };
+        radiance[12] = rgb_gray((float)lamp);
+        assert_int_equal(rsv_context_create(NULL, &f.context), RSV_OK);
+        f.scene = make_scene(f.context, triangles, 13, radiance, false);
+        make_lights(&f);
+        for (int i = 0; i < 12; i++)
+            assert_true(f.lights->group[i].gathered);
+        assert_true(f.lights->group[12].gathered == (lamp == 1));
+        rsv_local_lights local;
+        rsv_lights_at(f.lights, v3(0.5f, 0.5f, 0.7f), v3(0, 0, -1), &local);
+        assert_true(rsv_local_lights_pdf(&local, 0, v3(0, 0, -1), 0.7f) == 0);
+        assert_true((rsv_local_lights_pdf(&local, 12, v3(0, 0, -1), 0.2f) > 0) == (lamp > 1));
+        close_fixture(&f);
+    }
 }
 
 static void point_and_directional_lights_follow_their_laws(void **state)
@@ -526,7 +567,8 @@ int main(void)
         cmocka_unit_test(samples_fill_the_triangle_evenly),
         cmocka_unit_test(selection_follows_unshadowed_irradiance),
         cmocka_unit_test(many_emitters_are_selected_by_power),
-        cmocka_unit_test(emitters_are_grouped_and_large_groups_gathered),
+        cmocka_unit_test(emitters_are_grouped_and_black_ones_left_out),
+        cmocka_unit_test(emitters_that_surround_are_gathered),
         cmocka_unit_test(point_and_directional_lights_follow_their_laws),
         cmocka_unit_test(spots_fall_off_between_their_cones),
     };
