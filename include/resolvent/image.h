@@ -24,8 +24,10 @@ RSV_API uint32_t rsv_image_layer_count(const rsv_image *image);
 RSV_API rsv_rgb *rsv_image_pixels(rsv_image *image, uint32_t layer);
 RSV_API const rsv_rgb *rsv_image_const_pixels(const rsv_image *image, uint32_t layer);
 RSV_API const char *rsv_image_layer_name(const rsv_image *image, uint32_t layer);
-/// @param name at most 63 bytes; copied
+/// @param name at most 63 bytes and unlike the other layers' names; copied
 RSV_API rsv_status rsv_image_set_layer_name(rsv_image *image, uint32_t layer, const char *name);
+/// Index of the layer called `name`; UINT32_MAX if there is none.
+RSV_API uint32_t rsv_image_find_layer(const rsv_image *image, const char *name);
 
 /// Reads .exr (all RGB layers), .hdr, .png, .jpg; 8-bit formats are decoded from sRGB to linear.
 RSV_API rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image);
@@ -45,7 +47,8 @@ typedef struct rsv_image_difference {
     double psnr;                  ///< dB, peak = largest value of a
     double mean_ratio;            ///< mean(b) / mean(a)
     double channel_mean_ratio[3]; ///< the same per channel
-    double median_relative_error; ///< median over pixels of |lum(b) - lum(a)| / max(lum(a), 1e-3 mean)
+    /// median over pixels of |lum(b) - lum(a)| / max(lum(a), 1e-3 mean of lum(a))
+    double median_relative_error;
 } rsv_image_difference;
 
 /// Compares layer `layer_b` of b against layer `layer_a` of a (the reference).

@@ -1,0 +1,112 @@
+#include "image_internal.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+typedef struct image_format {
+    const char *extension;
+    rsv_status (*decode)(rsv_context *context, const rsv_image_file *file, rsv_image **image);
+    rsv_status (*encode)(const rsv_image *image, float exposure, rsv_atomic_file *file);
+} image_format;
+
+static const image_format formats[] = {
+    { ".exr", rsv_image_decode_exr, rsv_image_encode_exr },
+    { ".hdr", rsv_image_decode_hdr, rsv_image_encode_hdr },
+    { ".png", rsv_image_decode_ldr, rsv_image_encode_png },
+    { ".jpg", rsv_image_decode_ldr, NULL },
+    { ".jpeg", rsv_image_decode_ldr, NULL },
+};
+
+static const image_format *find_format(const char *path)
+{
+    const char *name = strrchr(path, '/');
+    const char *extension = strrchr(name ? name + 1 : path, '.');
+    for (size_t i = 0; extension && i < sizeof formats / sizeof *formats; i++)
+        if (strcasecmp(extension, formats[i].extension) == 0) return &formats[i];
+    return NULL;
+}
+
+static rsv_status find_output_format(const char *path, const image_format **format)
+{
+    *format = find_format(path);
+    if (*format && (*format)->encode) return RSV_OK;
+    return rsv_fail(
+        RSV_ERROR_ARGUMENT, "cannot write '%s': the name must end in .exr, .hdr or .png", path);
+}
+
+static rsv_status fail_read(const char *path, int error)
+{
+    return rsv_fail(RSV_ERROR_IO, "cannot read '%s': %s", path, strerror(error));
+}
+
+/// @param bytes the whole file; freed by the caller, also after a failure
+static rsv_status read_bytes(rsv_context *context, const char *path, uint8_t **bytes, size_t *size)
+{
+    rsv_status status = RSV_OK;
+    struct stat properties;
+    FILE *stream = fopen(path, "rb");
+    if (!stream) return fail_read(path, errno);
+    if (fstat(fileno(stream), &properties) != 0) {
+        status = fail_read(path, errno);
+        goto cleanup;
+    }
+    if (!S_ISREG(properties.st_mode)) {
+        status = rsv_fail(RSV_ERROR_IO, "cannot read '%s': it is not a regular file", path);
+        goto cleanup;
+    }
+    *bytes = rsv_alloc(context, (size_t)properties.st_size, 1);
+    if (!*bytes) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    *size = fread(*bytes, 1, (size_t)properties.st_size, stream);
+    if (ferror(stream)) status = fail_read(path, errno);
+cleanup:
+    fclose(stream);
+    return status;
+}
+
+rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image)
+{
+    rsv_status status = RSV_OK;
+    uint8_t *bytes = NULL;
+    rsv_image_file file = { .path = path };
+    const image_format *format = find_format(path);
+    if (!format)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "cannot read '%s' as an image: the name must end in .exr, .hdr, .png or .jpg", path);
+    RSV_TRY(read_bytes(context, path, &bytes, &file.size));
+    file.bytes = bytes;
+    RSV_TRY(format->decode(context, &file, image));
+cleanup:
+    rsv_free(context, bytes);
+    return status;
+}
+
+rsv_status rsv_image_write(const rsv_image *image, const char *path, float exposure)
+{
+    rsv_status status = RSV_OK;
+    rsv_atomic_file file = { .descriptor = -1 };
+    const image_format *format;
+    RSV_TRY(find_output_format(path, &format));
+    RSV_TRY(rsv_atomic_file_open(&file, path));
+    RSV_TRY(format->encode(image, exposure, &file));
+    RSV_TRY(rsv_atomic_file_commit(&file));
+cleanup:
+    rsv_atomic_file_discard(&file);
+    return status;
+}
+
+rsv_status rsv_image_check_output(const char *path)
+{
+    rsv_atomic_file file;
+    const image_format *format;
+    rsv_status status = find_output_format(path, &format);
+    // trying is the only check that knows read-only mounts, quotas and access lists
+    if (status == RSV_OK) status = rsv_atomic_file_open(&file, path);
+    if (status == RSV_OK) rsv_atomic_file_discard(&file);
+    return status;
+}

@@ -1,0 +1,44 @@
+/// What the picture readers and writers share.
+#ifndef RSV_IMAGE_INTERNAL_H
+#define RSV_IMAGE_INTERNAL_H
+
+#include "../core/core_internal.h"
+#include "atomic_file.h"
+#include "resolvent/image.h"
+
+#define RSV_IMAGE_MAX_SIDE 65536
+#define RSV_IMAGE_MAX_PIXELS ((int64_t)1 << 28)
+#define RSV_LAYER_NAME_BYTES 64
+
+/// A whole file in memory, and its name for messages.
+typedef struct rsv_image_file {
+    const char *path;
+    const uint8_t *bytes;
+    size_t size;
+} rsv_image_file;
+
+rsv_context *rsv_image_context(const rsv_image *image);
+
+/// RSV_ERROR_FORMAT, naming the file, unless a picture of that size may be read.
+rsv_status rsv_image_check_size(const char *path, int64_t width, int64_t height);
+
+// Decoders: on success the caller owns *image. They need not clean up the file.
+rsv_status rsv_image_decode_exr(
+    rsv_context *context, const rsv_image_file *file, rsv_image **image);
+rsv_status rsv_image_decode_hdr(
+    rsv_context *context, const rsv_image_file *file, rsv_image **image);
+/// PNG and JPEG.
+rsv_status rsv_image_decode_ldr(
+    rsv_context *context, const rsv_image_file *file, rsv_image **image);
+
+/// Refuses JPEG files that stb_image (2.27) does not survive: Huffman tables of more than 256 codes
+/// overrun its arrays.
+rsv_status rsv_image_check_jpeg(const rsv_image_file *file);
+
+// Encoders: append to an open file, which the caller commits or discards. `exposure` is in stops
+// and ignored by formats that hold radiance.
+rsv_status rsv_image_encode_exr(const rsv_image *image, float exposure, rsv_atomic_file *file);
+rsv_status rsv_image_encode_hdr(const rsv_image *image, float exposure, rsv_atomic_file *file);
+rsv_status rsv_image_encode_png(const rsv_image *image, float exposure, rsv_atomic_file *file);
+
+#endif

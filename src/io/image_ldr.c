@@ -1,0 +1,138 @@
+/// PNG and JPEG, through stb_image and stb_image_write.
+#include "../core/vec.h"
+#include "image_internal.h"
+#include "image_srgb.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+// the headers declare more than is asked of them
+#pragma GCC diagnostic ignored "-Wunused-function"
+#define STB_IMAGE_IMPLEMENTATION
+#define STB_IMAGE_STATIC
+#define STBI_ONLY_PNG
+#define STBI_ONLY_JPEG
+#define STBI_NO_STDIO
+#define STBI_FAILURE_USERMSG
+#include <stb/stb_image.h>
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <stb/stb_image_write.h>
+
+/// A file being decoded. stb_image takes bytes past the end for zeros; `exhausted` tells.
+typedef struct source {
+    const rsv_image_file *file;
+    size_t position;
+    bool exhausted;
+} source;
+
+static int source_read(void *user, char *data, int size)
+{
+    source *from = user;
+    size_t left = from->file->size - from->position;
+    size_t count = (size_t)size < left ? (size_t)size : left;
+    memcpy(data, from->file->bytes + from->position, count);
+    from->position += count;
+    if (count == 0) from->exhausted = true;
+    return (int)count;
+}
+
+static void source_skip(void *user, int count)
+{
+    source *from = user;
+    int64_t target = (int64_t)from->position + count;
+    from->exhausted |= target > (int64_t)from->file->size;
+    if (target < 0) target = 0;
+    from->position = from->exhausted ? from->file->size : (size_t)target;
+}
+
+static int source_eof(void *user)
+{
+    source *from = user;
+    return from->position == from->file->size;
+}
+
+static const stbi_io_callbacks source_callbacks = { source_read, source_skip, source_eof };
+
+static rsv_status fail_decoding(const source *from)
+{
+    return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': %s", from->file->path,
+        from->exhausted ? "the file is truncated" : stbi_failure_reason());
+}
+
+/// Any size of code: `codes` holds RGB triples of 8 or 16 bits.
+static void decode_srgb(const void *codes, bool is_16_bit, size_t pixel_count, rsv_rgb *pixels)
+{
+    const stbi_uc *code8 = codes;
+    const stbi_us *code16 = codes;
+    float linear8[256];
+    for (int i = 0; i < 256; i++)
+        linear8[i] = (float)rsv_srgb_decode(i / 255.0);
+    for (size_t i = 0; i < pixel_count; i++) {
+        float v[3];
+        for (int c = 0; c < 3; c++)
+            v[c] = is_16_bit ? (float)rsv_srgb_decode(code16[3 * i + c] / 65535.0)
+                             : linear8[code8[3 * i + c]];
+        pixels[i] = rgb(v[0], v[1], v[2]);
+    }
+}
+
+rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file, rsv_image **image)
+{
+    rsv_status status = RSV_OK;
+    source info = { .file = file }, depth = { .file = file }, from = { .file = file };
+    rsv_image *decoded = NULL;
+    void *codes = NULL;
+    int width = 0, height = 0, channels;
+    RSV_TRY(rsv_image_check_jpeg(file));
+    if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
+        RSV_TRY(fail_decoding(&info));
+    RSV_TRY(rsv_image_check_size(file->path, width, height));
+    bool is_16_bit = stbi_is_16_bit_from_callbacks(&source_callbacks, &depth);
+    codes = is_16_bit ? (void *)stbi_load_16_from_callbacks(
+                            &source_callbacks, &from, &width, &height, &channels, 3)
+                      : (void *)stbi_load_from_callbacks(
+                            &source_callbacks, &from, &width, &height, &channels, 3);
+    if (!codes || from.exhausted) RSV_TRY(fail_decoding(&from));
+    RSV_TRY(rsv_image_create(context, (uint32_t)width, (uint32_t)height, 1, &decoded));
+    decode_srgb(codes, is_16_bit, (size_t)width * (size_t)height, rsv_image_pixels(decoded, 0));
+    *image = decoded;
+cleanup:
+    stbi_image_free(codes);
+    return status;
+}
+
+/// The nearest code; NaN and negative light are black.
+static uint8_t encode_srgb(double radiance)
+{
+    if (!(radiance > 0)) return 0;
+    return (uint8_t)(255 * rsv_srgb_encode(fmin(radiance, 1)) + 0.5);
+}
+
+static void append_to_file(void *user, void *data, int size)
+{
+    rsv_atomic_file_append(user, data, (size_t)size);
+}
+
+rsv_status rsv_image_encode_png(const rsv_image *image, float exposure, rsv_atomic_file *file)
+{
+    rsv_status status = RSV_OK;
+    uint32_t width = rsv_image_width(image), height = rsv_image_height(image);
+    size_t pixel_count = (size_t)width * height;
+    const rsv_rgb *pixels = rsv_image_const_pixels(image, 0);
+    double gain = exp2(exposure);
+    uint8_t(*codes)[3] = rsv_alloc(rsv_image_context(image), pixel_count, sizeof *codes);
+    if (!codes) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < pixel_count; i++) {
+        codes[i][0] = encode_srgb(gain * pixels[i].r);
+        codes[i][1] = encode_srgb(gain * pixels[i].g);
+        codes[i][2] = encode_srgb(gain * pixels[i].b);
+    }
+    if (!stbi_write_png_to_func(
+            append_to_file, file, (int)width, (int)height, 3, codes, (int)(3 * width)))
+        status = rsv_fail(RSV_ERROR_MEMORY, "out of memory compressing '%s'", file->target);
+    rsv_free(rsv_image_context(image), codes);
+    return status;
+}
