@@ -84,16 +84,17 @@ static const char *light_kind_name(rsv_light_kind kind)
 
 static double degrees(float radians) { return radians * (180 / 3.14159265358979323846); }
 
-static double round_to_float(float value)
+/// The digits a float has, and no negative zero.
+static double tidy(float value)
 {
     char digits[32];
     snprintf(digits, sizeof digits, "%.6g", value);
-    return strtod(digits, NULL);
+    return strtod(digits, NULL) + 0.0;
 }
 
 static void add_triple(cJSON *object, const char *name, float x, float y, float z)
 {
-    double values[3] = { round_to_float(x), round_to_float(y), round_to_float(z) };
+    double values[3] = { tidy(x), tidy(y), tidy(z) };
     cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(values, 3));
 }
 
@@ -108,7 +109,7 @@ static void add_vec3(cJSON *object, const char *name, rsv_vec3 v)
 
 static void add_number(cJSON *object, const char *name, float value)
 {
-    cJSON_AddNumberToObject(object, name, round_to_float(value));
+    cJSON_AddNumberToObject(object, name, tidy(value));
 }
 
 static cJSON *add_named_item(cJSON *array, const char *name)
@@ -258,7 +259,8 @@ static void print_cameras(const rsv_scene_view *view)
         const rsv_camera *camera = &view->camera[i];
         rsv_vec3 p = camera->position, f = camera->forward;
         print_name(camera->name);
-        printf("  at (%.4g %.4g %.4g) towards (%.3g %.3g %.3g)", p.x, p.y, p.z, f.x, f.y, f.z);
+        printf("  at (%.4g %.4g %.4g) towards (%.3g %.3g %.3g)", tidy(p.x), tidy(p.y), tidy(p.z),
+            tidy(f.x), tidy(f.y), tidy(f.z));
         if (camera->vertical_fov > 0)
             printf(", %.4g degrees high\n", degrees(camera->vertical_fov));
         else
