@@ -50,7 +50,13 @@ RSV_API bool rsv_tracer_closest(const rsv_tracer *tracer, const rsv_ray *ray, rs
 /// Whether anything lies in (0, t_max).
 RSV_API bool rsv_tracer_occluded(const rsv_tracer *tracer, const rsv_ray *ray);
 
-/// The same for lanes [0, count) of a packet, through 16-, 8- or 4-wide traversal, whichever the
+/// The surface point nearest to `point` among triangles seen from the side that `normal` points to (or
+/// seen from either side, if there are none such). `hit->t` is the distance in metres. False if the
+/// scene has no triangle.
+RSV_API bool rsv_tracer_nearest(const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
+    rsv_hit *hit);
+
+/// Nearest intersection and occlusion for the sixteen lanes of a packet, through 16-, 8- or 4-wide traversal, whichever the
 /// processor runs natively. `coherent` says that the rays are alike in origin and direction.
 RSV_API void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent);
 RSV_API void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent);

@@ -155,6 +155,15 @@ int rsv_threads(const rsv_context *context)
     return context->thread_count;
 }
 
+int rsv_thread_index(void)
+{
+#if defined(_OPENMP)
+    return omp_get_thread_num();
+#else
+    return 0;
+#endif
+}
+
 bool rsv_cancelled(const rsv_context *context)
 {
     return atomic_load_explicit(&context->cancelled, memory_order_relaxed);

@@ -37,6 +37,9 @@ char *rsv_copy_string(rsv_context *context, const char *text);
 /// Worker threads to ask OpenMP for.
 int rsv_threads(const rsv_context *context);
 
+/// Number of the calling thread within its OpenMP team; 0 is the thread that entered the library.
+int rsv_thread_index(void);
+
 /// True once somebody asked to stop. Cheap: parallel loops poll it.
 bool rsv_cancelled(const rsv_context *context);
 

@@ -1,0 +1,64 @@
+/// The chain of specular events `S*` between two diffuse interfaces: what the propagation operator G
+/// folds away. Used from receivers (rows of G, probes) and, in the adjoint direction, from lights.
+#ifndef RSV_CHAIN_H
+#define RSV_CHAIN_H
+
+#include "../bsdf/bsdf.h"
+#include "resolvent/trace.h"
+
+/// Everything a chain needs to know of the scene.
+typedef struct rsv_transport_scene {
+    const rsv_scene *scene;
+    const rsv_scene_view *view;
+    const rsv_tracer *tracer;
+    const rsv_bsdf *bsdf; ///< [material_count]
+} rsv_transport_scene;
+
+typedef enum rsv_chain_end { RSV_CHAIN_ESCAPED, RSV_CHAIN_ABSORBED, RSV_CHAIN_DIFFUSE } rsv_chain_end;
+
+/// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.
+typedef struct rsv_chain {
+    rsv_vec3 direction;  ///< unit, of the segment that arrived here
+    rsv_rgb weight;      ///< throughput up to this surface, the media of all segments included
+    uint32_t triangle;
+    float u, v;
+    bool back;           ///< arrived at the triangle's back
+    uint32_t events;     ///< specular events so far
+    uint32_t rays;       ///< rays traced so far
+} rsv_chain;
+
+#define RSV_CHAIN_MAX_EVENTS 256
+
+/// The chain at its first surface, hit by a ray along unit `direction` at distance `t`.
+rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, rsv_vec3 direction, uint32_t triangle,
+    float u, float v, float t);
+
+/// Shading normal and geometric normal on the side the chain arrived from.
+void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *shading,
+    rsv_vec3 *geometric);
+
+/// Branch weights at the chain's surface.
+rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain);
+
+/// Leaves the surface by reflection or transmission and moves to the next one.
+/// @param weight multiplies the throughput @return false if the chain escaped
+bool rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+    rsv_vec3 direction, rsv_rgb weight);
+
+/// What a gather chain found on its way: emission that counts, and where it ended.
+typedef struct rsv_gather {
+    rsv_chain_end end;
+    rsv_chain chain;     ///< at the diffuse interface, if end is RSV_CHAIN_DIFFUSE; its weight includes
+                         ///< the coat of that interface
+    rsv_rgb emission;    ///< radiance emitted towards the receiver by the surfaces met
+} rsv_gather;
+
+/// Whether radiance emitted by a surface met after `events` specular events is wanted.
+typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t events);
+
+/// Follows a gather chain to its diffuse end, choosing branches at random by their weights. What the
+/// roulette leaves is colour only: a colourless chain keeps weight 1.
+rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, rsv_random *random,
+    rsv_emission_filter filter, const void *user);
+
+#endif

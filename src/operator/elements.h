@@ -1,0 +1,168 @@
+/// Elements without UVs: piecewise linear functions on a subdivision of the scene's own triangles.
+///
+/// A *face* is one scattering side of a triangle. Each face carries a regular barycentric grid of
+/// 2^level cells along an edge (after Yuksel's mesh colors), and any cell may be split further 4-to-1.
+/// The corners of cells are *nodes*; node and element are the same thing: the hat function that is 1
+/// there and falls to 0 at the neighbours. Nodes are shared along edges by faces that meet smoothly and
+/// carry one material, and are separate across creases and material borders.
+///
+/// Where a large cell meets smaller ones, the nodes in the middle of its edge *hang*: their value is the
+/// linear interpolant along that edge, so the field is continuous.
+#ifndef RSV_ELEMENTS_H
+#define RSV_ELEMENTS_H
+
+#include "../bsdf/bsdf.h"
+#include "../core/core_internal.h"
+
+#define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together
+
+/// A triangle of the subdivision in barycentric lattice coordinates (i, j) of its level: an upright cell
+/// has corners (i, j), (i+1, j), (i, j+1); a flipped one (i+1, j+1), (i, j+1), (i+1, j).
+typedef struct rsv_cell {
+    uint32_t face;
+    uint16_t i, j;
+    uint8_t level, flipped;
+} rsv_cell;
+
+/// A node whose value is (1 - weight) * parent[0] + weight * parent[1].
+typedef struct rsv_hanging {
+    uint32_t node, parent[2];
+    float weight;
+} rsv_hanging;
+
+typedef struct rsv_elements {
+    rsv_context *context;
+    const rsv_scene_view *scene;
+    const rsv_bsdf *bsdf; ///< [material_count], borrowed
+
+    uint32_t *face_of[2];    ///< [triangle_count] front and back; RSV_NONE = does not scatter
+    size_t face_count;
+    uint32_t *face_triangle; ///< [face_count]
+    uint8_t *face_back;      ///< [face_count]
+    uint8_t *face_level;     ///< [face_count] of the regular grid
+    uint32_t *face_slot;     ///< [face_count] first slot of the grid
+    float *face_area;        ///< [face_count] m2
+    uint32_t (*face_corner)[3]; ///< [face_count] welded corners: equal where faces continue smoothly
+    uint32_t (*face_edge)[3];   ///< [face_count] welded edges 0-1, 0-2, 1-2
+
+    uint32_t *slot;          ///< a cell, or RSV_SLOT_SPLIT | first of the four slots of its children
+    size_t slot_count;
+
+    size_t cell_count;
+    rsv_cell *cell;              ///< [cell_count]
+    uint32_t (*cell_node)[3];    ///< [cell_count]
+
+    size_t node_count;
+    uint32_t *node_face;     ///< [node_count] one of the faces around the node
+    float *node_area;        ///< [node_count] integral of the hat, m2; hanging nodes: 0, their share is
+                             ///< in the parents
+    uint32_t *support_begin; ///< [node_count + 1]
+    uint32_t *support;       ///< cell * 4 + corner, the cells around each node
+
+    size_t hanging_count;
+    rsv_hanging *hanging;    ///< parents before children
+    uint32_t *node_hanging;  ///< [node_count] index into `hanging`, RSV_NONE = free node
+} rsv_elements;
+
+#define RSV_SLOT_SPLIT 0x80000000u
+
+/// Grids with cells of about `spacing` metres on every face with a diffuse lobe.
+rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf, float spacing,
+    rsv_elements **elements);
+
+/// The same elements with the marked cells split 4-to-1, and further cells where needed so that cells
+/// that share an edge differ by one level at most.
+/// @param split [cell_count of `coarser`]; non-zero = split
+rsv_status rsv_elements_refine(const rsv_elements *coarser, const uint8_t *split,
+    rsv_elements **elements);
+
+void rsv_elements_destroy(rsv_elements *elements);
+
+/// Cell that contains barycentric (u, v) of `face`, and the weights of its three nodes there.
+RSV_INLINE uint32_t rsv_elements_locate(const rsv_elements *elements, uint32_t face, float u, float v,
+    float weight[3])
+{
+    int side = 1 << elements->face_level[face];
+    float x = u * (float)side, y = v * (float)side;
+    int i = (int)x, j = (int)y;
+    j = j < 0 ? 0 : j > side - 1 ? side - 1 : j;
+    i = i < 0 ? 0 : i > side - 1 - j ? side - 1 - j : i;
+    float fx = x - (float)i, fy = y - (float)j;
+    int flipped = fx + fy > 1 && i + j < side - 1;
+    float b0 = flipped ? fx + fy - 1 : 1 - fx - fy;
+    float b1 = flipped ? 1 - fx : fx;
+    float b2 = flipped ? 1 - fy : fy;
+    // row j of the triangular grid starts after j (2 side - j) cells
+    uint32_t slot = elements->slot[elements->face_slot[face] +
+        (uint32_t)(j * (2 * side - j) + 2 * i + flipped)];
+    while (slot & RSV_SLOT_SPLIT) {
+        uint32_t child = slot & ~RSV_SLOT_SPLIT;
+        if (b0 >= 0.5f) {
+            b0 = 2 * b0 - 1, b1 *= 2, b2 *= 2;
+        } else if (b1 >= 0.5f) {
+            b1 = 2 * b1 - 1, b0 *= 2, b2 *= 2, child += 1;
+        } else if (b2 >= 0.5f) {
+            b2 = 2 * b2 - 1, b0 *= 2, b1 *= 2, child += 2;
+        } else {
+            b0 = 1 - 2 * b0, b1 = 1 - 2 * b1, b2 = 1 - 2 * b2, child += 3;
+        }
+        slot = elements->slot[child];
+    }
+    weight[0] = fminf(fmaxf(b0, 0), 1);
+    weight[1] = fminf(fmaxf(b1, 0), 1 - weight[0]);
+    weight[2] = 1 - weight[0] - weight[1];
+    return slot;
+}
+
+/// Linear interpolation of `value` [node_count].
+RSV_INLINE rsv_rgb rsv_elements_interpolate(const rsv_elements *elements, const rsv_rgb *value,
+    uint32_t face, float u, float v)
+{
+    float w[3];
+    const uint32_t *node = elements->cell_node[rsv_elements_locate(elements, face, u, v, w)];
+    return rgb_mad(rgb_mad(rgb_scale(value[node[0]], w[0]), w[1], value[node[1]]), w[2],
+        value[node[2]]);
+}
+
+/// Replaces the values of hanging nodes by their interpolants.
+void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value);
+
+/// One of the cell's nodes, drawn with its weight as probability. It may hang: values of hanging nodes are
+/// kept up to date by rsv_elements_constrain.
+/// @param random uniform in [0, 1)
+RSV_INLINE uint32_t rsv_elements_pick_node(const rsv_elements *elements, uint32_t cell,
+    const float weight[3], float random)
+{
+    int k = random < weight[0] ? 0 : random < weight[0] + weight[1] ? 1 : 2;
+    return elements->cell_node[cell][k];
+}
+
+/// Corner `k` of a cell in barycentric coordinates of its face.
+RSV_INLINE void rsv_cell_corner(const rsv_cell *cell, int k, float *u, float *v)
+{
+    float size = 1.0f / (float)(1 << cell->level);
+    int di = cell->flipped ? k != 1 : k == 1, dj = cell->flipped ? k != 2 : k == 2;
+    *u = (float)(cell->i + di) * size;
+    *v = (float)(cell->j + dj) * size;
+}
+
+/// A point of the surface with its two normals, on the side of its face.
+typedef struct rsv_surface_point {
+    rsv_vec3 position;
+    rsv_vec3 normal;    ///< unit shading normal
+    rsv_vec3 geometric; ///< unit geometric normal
+    float extent;       ///< for rsv_offset_origin
+} rsv_surface_point;
+
+rsv_surface_point rsv_surface_point_at(const rsv_scene_view *scene, uint32_t triangle, float u, float v,
+    bool back);
+
+/// Area of a triangle of the scene, m2.
+float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
+
+/// Point `index` of `count` of a stratified sample of a node's support, with density proportional to its
+/// hat function. @param seed differs between independent samples
+void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t index,
+    uint32_t count, uint32_t seed, uint32_t *face, float *u, float *v);
+
+#endif

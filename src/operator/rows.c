@@ -1,0 +1,421 @@
+/// Assembly of G: gather rays from every node's support to the diffuse ends of their chains.
+#include "directions.h"
+#include "transport.h"
+
+#include <string.h>
+
+#define LANES RSV_SUPPORT_POINTS
+#define ROWS_PER_BLOCK 64
+
+/// The receiver points of one node, side by side, one per lane.
+typedef struct receiver {
+    _Alignas(64) float origin_x[LANES], origin_y[LANES], origin_z[LANES];
+    float tangent_x[LANES], tangent_y[LANES], tangent_z[LANES];
+    float bitangent_x[LANES], bitangent_y[LANES], bitangent_z[LANES];
+    float normal_x[LANES], normal_y[LANES], normal_z[LANES];
+    float geometric_x[LANES], geometric_y[LANES], geometric_z[LANES];
+} receiver;
+
+/// What the rays of one row found, before lanes are judged.
+typedef struct row_scratch {
+    uint32_t *column;     ///< [rays] RSV_NONE = nothing
+    uint32_t tinted_count;
+    uint32_t *tinted_ray; ///< [rays]
+    uint32_t *tinted_column;
+    rsv_rgb *tinted_weight;
+    rsv_rgb emission[LANES];
+    uint32_t back_hits[LANES], live_rays[LANES];
+    uint64_t rays;
+} row_scratch;
+
+/// Tinted ends of a block of rows; concatenated at the end.
+typedef struct tinted_block {
+    uint32_t *column;
+    rsv_rgb *weight;
+    size_t count, column_capacity, weight_capacity;
+} tinted_block;
+
+typedef struct assembly {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    const rsv_elements *elements;
+    rsv_directions directions;
+    rsv_transport *transport;
+    uint32_t seed;
+    uint32_t *row_length;    ///< [row_count]
+    uint32_t *tinted_length; ///< [row_count]
+    tinted_block *block;
+    size_t block_count;
+} assembly;
+
+static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
+{
+    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(a->seed, node, 0x7a3du));
+    float cos_turn = cosf(turn), sin_turn = sinf(turn);
+    for (uint32_t k = 0; k < LANES; k++) {
+        uint32_t face;
+        float u, v;
+        rsv_elements_sample_support(a->elements, node, k, LANES, a->seed, &face, &u, &v);
+        rsv_surface_point point = rsv_surface_point_at(a->scene->view,
+            a->elements->face_triangle[face], u, v, a->elements->face_back[face]);
+        rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
+        rsv_vec3 t, b;
+        v3_frame(point.normal, &t, &b);
+        rsv_vec3 tangent = v3_mad(v3_scale(t, cos_turn), sin_turn, b);
+        rsv_vec3 bitangent = v3_mad(v3_scale(b, cos_turn), -sin_turn, t);
+        r->origin_x[k] = origin.x, r->origin_y[k] = origin.y, r->origin_z[k] = origin.z;
+        r->tangent_x[k] = tangent.x, r->tangent_y[k] = tangent.y, r->tangent_z[k] = tangent.z;
+        r->bitangent_x[k] = bitangent.x, r->bitangent_y[k] = bitangent.y;
+        r->bitangent_z[k] = bitangent.z;
+        r->normal_x[k] = point.normal.x, r->normal_y[k] = point.normal.y;
+        r->normal_z[k] = point.normal.z;
+        r->geometric_x[k] = point.geometric.x, r->geometric_y[k] = point.geometric.y;
+        r->geometric_z[k] = point.geometric.z;
+    }
+}
+
+/// Rays that an interpolated normal sends below the surface start dead: they carry nothing.
+static void aim_packet(const receiver *r, const float *x, const float *y, const float *z,
+    rsv_ray_packet *packet)
+{
+    for (int k = 0; k < LANES; k++) {
+        float dx = x[k] * r->tangent_x[k] + y[k] * r->bitangent_x[k] + z[k] * r->normal_x[k];
+        float dy = x[k] * r->tangent_y[k] + y[k] * r->bitangent_y[k] + z[k] * r->normal_y[k];
+        float dz = x[k] * r->tangent_z[k] + y[k] * r->bitangent_z[k] + z[k] * r->normal_z[k];
+        float above = dx * r->geometric_x[k] + dy * r->geometric_y[k] + dz * r->geometric_z[k];
+        packet->origin_x[k] = r->origin_x[k];
+        packet->origin_y[k] = r->origin_y[k];
+        packet->origin_z[k] = r->origin_z[k];
+        packet->direction_x[k] = dx;
+        packet->direction_y[k] = dy;
+        packet->direction_z[k] = dz;
+        packet->t_max[k] = above > 0 ? INFINITY : -1;
+    }
+}
+
+/// Light of gathered sources counts however it arrives; that of the others is the business of
+/// next-event estimation and light shooting.
+static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t events)
+{
+    (void)events;
+    const rsv_lights *lights = user;
+    uint32_t emitter = lights->triangle_emitter[triangle];
+    return emitter != RSV_NONE && lights->group[lights->emitter[emitter].group].gathered;
+}
+
+static void record_end(const assembly *a, row_scratch *s, uint32_t ray, const rsv_chain *chain,
+    float random)
+{
+    uint32_t face = a->elements->face_of[chain->back][chain->triangle];
+    if (face == RSV_NONE) return;
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(a->elements, face, chain->u, chain->v, weight);
+    uint32_t node = rsv_elements_pick_node(a->elements, cell, weight, random);
+    rsv_rgb w = chain->weight;
+    if (fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f) {
+        s->column[ray] = node;
+        return;
+    }
+    s->tinted_ray[s->tinted_count] = ray;
+    s->tinted_column[s->tinted_count] = node;
+    s->tinted_weight[s->tinted_count++] = w;
+}
+
+/// The general case: specular surfaces, coats, emission.
+static void follow_chain(const assembly *a, row_scratch *s, uint32_t node, uint32_t ray,
+    const rsv_bsdf *receiver_bsdf, float cos_receiver, const rsv_ray_packet *packet, int k)
+{
+    rsv_random random = rsv_random_from(a->seed ^ 0x51ed270bu, node, ray);
+    rsv_vec3 direction =
+        v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    rsv_chain chain = rsv_chain_begin(a->scene, direction, packet->triangle[k], packet->u[k],
+        packet->v[k], packet->t_max[k]);
+    chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(receiver_bsdf, cos_receiver));
+    rsv_gather gather =
+        rsv_chain_gather(a->scene, chain, &random, counts_by_gathering, a->lights);
+    int lane = (int)(ray % LANES);
+    s->emission[lane] = rgb_add(s->emission[lane], gather.emission);
+    s->rays += gather.chain.rays;
+    if (gather.end == RSV_CHAIN_DIFFUSE)
+        record_end(a, s, ray, &gather.chain, rsv_random_float(&random));
+}
+
+static void process_hits(const assembly *a, row_scratch *s, uint32_t node, uint32_t first_ray,
+    const rsv_bsdf *receiver_bsdf, const float *cos_receiver, const rsv_ray_packet *packet)
+{
+    const rsv_elements *e = a->elements;
+    for (int k = 0; k < LANES; k++) {
+        uint32_t triangle = packet->triangle[k], ray = first_ray + (uint32_t)k;
+        if (triangle == RSV_NONE) continue;
+        const rsv_bsdf *bsdf = &a->scene->bsdf[a->scene->view->triangle_material[triangle]];
+        bool back = packet->normal_x[k] * packet->direction_x[k] +
+                packet->normal_y[k] * packet->direction_y[k] +
+                packet->normal_z[k] * packet->direction_z[k] > 0;
+        if (back && !bsdf->double_sided && bsdf->transmission == 0) {
+            s->back_hits[k]++;
+        } else if (bsdf->lambert && !bsdf->emissive && !receiver_bsdf->coated) {
+            uint32_t face = e->face_of[back][triangle];
+            float weight[3];
+            uint32_t cell = rsv_elements_locate(e, face, packet->u[k], packet->v[k], weight);
+            float random = rsv_unit_float(rsv_hash3(a->seed, node, ray));
+            s->column[ray] = rsv_elements_pick_node(e, cell, weight, random);
+        } else {
+            follow_chain(a, s, node, ray, receiver_bsdf, cos_receiver[k], packet, k);
+        }
+    }
+}
+
+static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
+{
+    receiver r;
+    set_up_receiver(a, node, &r);
+    uint32_t rays = a->directions.count;
+    memset(s->column, 0xff, rays * sizeof *s->column);
+    s->tinted_count = 0;
+    for (int k = 0; k < LANES; k++) {
+        s->emission[k] = rgb_gray(0);
+        s->back_hits[k] = s->live_rays[k] = 0;
+    }
+    uint32_t face = a->elements->node_face[node];
+    uint32_t material = a->scene->view->triangle_material[a->elements->face_triangle[face]];
+    size_t set = (size_t)(rsv_hash2(a->seed, node) % RSV_DIRECTION_SETS) * rays;
+    rsv_ray_packet packet = { 0 };
+    memset(packet.mask, 0xff, sizeof packet.mask);
+    for (uint32_t first = 0; first < rays; first += LANES) {
+        const float *z = a->directions.z + set + first;
+        aim_packet(&r, a->directions.x + set + first, a->directions.y + set + first, z, &packet);
+        for (int k = 0; k < LANES; k++)
+            s->live_rays[k] += packet.t_max[k] > 0;
+        rsv_tracer_closest_packet(a->scene->tracer, &packet, false);
+        process_hits(a, s, node, first, &a->scene->bsdf[material], z, &packet);
+    }
+    s->rays += rays;
+}
+
+/// A receiver point is buried if all it sees are the backs of one-sided surfaces: it lies inside a body,
+/// or under something that stands on the floor. Its rays are left out of the row.
+static uint16_t judge_points(const row_scratch *s)
+{
+    uint16_t valid = 0;
+    for (int k = 0; k < LANES; k++) {
+        bool buried = s->live_rays[k] == 0 || s->back_hits[k] * 16 >= s->live_rays[k] * 15;
+        if (!buried) valid |= (uint16_t)(1u << k);
+    }
+    return valid;
+}
+
+static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, tinted_block *block)
+{
+    rsv_transport *t = a->transport;
+    uint32_t rays = a->directions.count, length = 0;
+    uint16_t valid = judge_points(s);
+    int points = __builtin_popcount(valid);
+    uint32_t *column = t->column + (size_t)node * rays;
+    for (uint32_t ray = 0; ray < rays; ray++)
+        if (s->column[ray] != RSV_NONE && (valid >> (ray % LANES) & 1))
+            column[length++] = s->column[ray];
+    t->valid_points[node] = valid;
+    t->scale[node] = points ? (float)LANES / ((float)rays * (float)points) : 0;
+    a->row_length[node] = length;
+
+    rsv_rgb emission = rgb_gray(0);
+    for (int k = 0; k < LANES; k++)
+        if (valid >> k & 1) emission = rgb_add(emission, s->emission[k]);
+    t->gathered[node] = rgb_scale(emission, RSV_PI * t->scale[node]);
+
+    rsv_status status = RSV_OK;
+    for (uint32_t i = 0; i < s->tinted_count && status == RSV_OK; i++) {
+        if (!(valid >> (s->tinted_ray[i] % LANES) & 1)) continue;
+        status = rsv_grow(t->context, (void **)&block->column,
+            &block->column_capacity, block->count + 1, sizeof *block->column);
+        if (status == RSV_OK)
+            status = rsv_grow(t->context, (void **)&block->weight, &block->weight_capacity,
+                block->count + 1, sizeof *block->weight);
+        if (status != RSV_OK) break;
+        block->column[block->count] = s->tinted_column[i];
+        block->weight[block->count++] = s->tinted_weight[i];
+        a->tinted_length[node]++;
+    }
+    return status;
+}
+
+static rsv_status create_scratch(rsv_context *context, uint32_t rays, row_scratch *s)
+{
+    memset(s, 0, sizeof *s);
+    s->column = rsv_alloc(context, rays, sizeof *s->column);
+    s->tinted_ray = rsv_alloc(context, rays, sizeof *s->tinted_ray);
+    s->tinted_column = rsv_alloc(context, rays, sizeof *s->tinted_column);
+    s->tinted_weight = rsv_alloc(context, rays, sizeof *s->tinted_weight);
+    bool complete = s->column && s->tinted_ray && s->tinted_column && s->tinted_weight;
+    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+static void destroy_scratch(rsv_context *context, row_scratch *s)
+{
+    rsv_free(context, s->column);
+    rsv_free(context, s->tinted_ray);
+    rsv_free(context, s->tinted_column);
+    rsv_free(context, s->tinted_weight);
+}
+
+static rsv_status trace_block(assembly *a, size_t block, row_scratch *scratch)
+{
+    size_t begin = block * ROWS_PER_BLOCK, end = begin + ROWS_PER_BLOCK;
+    if (end > a->elements->node_count) end = a->elements->node_count;
+    for (size_t node = begin; node < end; node++) {
+        if (a->elements->node_hanging[node] != RSV_NONE) continue;
+        trace_row(a, (uint32_t)node, scratch);
+        rsv_status status = store_row(a, (uint32_t)node, scratch, &a->block[block]);
+        if (status != RSV_OK) return status;
+    }
+    return RSV_OK;
+}
+
+static rsv_status trace_all(assembly *a)
+{
+    rsv_context *context = a->transport->context;
+    rsv_status result = RSV_OK;
+    size_t done = 0;
+    uint64_t rays = 0;
+#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : rays)
+    {
+        row_scratch scratch;
+        rsv_status status = create_scratch(context, a->directions.count, &scratch);
+#pragma omp for schedule(dynamic, 1)
+        for (size_t block = 0; block < a->block_count; block++) {
+            if (status == RSV_OK && !rsv_cancelled(context)) status = trace_block(a, block, &scratch);
+            size_t finished;
+#pragma omp atomic capture
+            finished = ++done;
+            if (rsv_thread_index() == 0)
+                rsv_progress(context, "assemble", (double)finished / (double)a->block_count);
+        }
+        rays += scratch.rays;
+        destroy_scratch(context, &scratch);
+        if (status != RSV_OK) {
+#pragma omp critical
+            result = status;
+        }
+    }
+    a->transport->rays = rays;
+    if (result == RSV_ERROR_MEMORY) return rsv_fail(result, "out of memory assembling the operator");
+    return result == RSV_OK ? rsv_progress(context, "assemble", 1) : result;
+}
+
+/// Moves the rows together and shrinks the arrays to what they hold.
+static rsv_status compact(assembly *a)
+{
+    rsv_transport *t = a->transport;
+    size_t rays = a->directions.count;
+    for (size_t row = 0; row < t->row_count; row++) {
+        t->row_begin[row + 1] = t->row_begin[row] + a->row_length[row];
+        t->tinted_begin[row + 1] = t->tinted_begin[row] + a->tinted_length[row];
+    }
+    uint32_t *column = rsv_alloc(t->context, t->row_begin[t->row_count], sizeof *column);
+    size_t tinted = t->tinted_begin[t->row_count];
+    t->tinted_column = rsv_alloc(t->context, tinted, sizeof *t->tinted_column);
+    t->tinted_weight = rsv_alloc(t->context, tinted, sizeof *t->tinted_weight);
+    if (!column || !t->tinted_column || !t->tinted_weight) {
+        rsv_free(t->context, column);
+        return RSV_ERROR_MEMORY;
+    }
+    for (size_t row = 0; row < t->row_count; row++)
+        memcpy(column + t->row_begin[row], t->column + row * rays,
+            a->row_length[row] * sizeof *column);
+    rsv_free(t->context, t->column);
+    t->column = column;
+    size_t at = 0;
+    for (size_t block = 0; block < a->block_count; block++) {
+        if (a->block[block].count == 0) continue;
+        memcpy(t->tinted_column + at, a->block[block].column,
+            a->block[block].count * sizeof *t->tinted_column);
+        memcpy(t->tinted_weight + at, a->block[block].weight,
+            a->block[block].count * sizeof *t->tinted_weight);
+        at += a->block[block].count;
+    }
+    return RSV_OK;
+}
+
+static rsv_status create_empty(const rsv_elements *elements, uint32_t rays, rsv_transport **transport)
+{
+    rsv_context *context = elements->context;
+    size_t rows = elements->node_count;
+    rsv_transport *t = *transport = rsv_alloc(context, 1, sizeof *t);
+    if (!t) return RSV_ERROR_MEMORY;
+    t->context = context;
+    t->row_count = rows;
+    t->row_begin = rsv_alloc(context, rows + 1, sizeof *t->row_begin);
+    t->column = rsv_alloc(context, rows * rays, sizeof *t->column);
+    t->tinted_begin = rsv_alloc(context, rows + 1, sizeof *t->tinted_begin);
+    t->scale = rsv_alloc(context, rows, sizeof *t->scale);
+    t->valid_points = rsv_alloc(context, rows, sizeof *t->valid_points);
+    t->gathered = rsv_alloc(context, rows, sizeof *t->gathered);
+    bool complete = t->row_begin && t->column && t->tinted_begin && t->scale && t->valid_points &&
+        t->gathered;
+    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rsv_elements *elements, uint32_t rays, uint32_t seed, rsv_transport **transport)
+{
+    rsv_context *context = elements->context;
+    rsv_status status;
+    assembly a = { .scene = scene, .lights = lights, .elements = elements, .seed = seed,
+        .block_count = (elements->node_count + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK };
+    RSV_TRY(rsv_directions_create(context, rays, seed, &a.directions));
+    RSV_TRY(create_empty(elements, rays, &a.transport));
+    a.row_length = rsv_alloc(context, elements->node_count, sizeof *a.row_length);
+    a.tinted_length = rsv_alloc(context, elements->node_count, sizeof *a.tinted_length);
+    a.block = rsv_alloc(context, a.block_count, sizeof *a.block);
+    if (!a.row_length || !a.tinted_length || !a.block) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    RSV_TRY(trace_all(&a));
+    RSV_TRY(compact(&a));
+    *transport = a.transport;
+    a.transport = NULL;
+cleanup:
+    rsv_transport_destroy(a.transport);
+    for (size_t block = 0; a.block && block < a.block_count; block++) {
+        rsv_free(context, a.block[block].column);
+        rsv_free(context, a.block[block].weight);
+    }
+    rsv_free(context, a.block);
+    rsv_free(context, a.row_length);
+    rsv_free(context, a.tinted_length);
+    rsv_directions_destroy(&a.directions);
+    return status;
+}
+
+void rsv_transport_destroy(rsv_transport *transport)
+{
+    if (!transport) return;
+    rsv_context *context = transport->context;
+    void *arrays[] = { transport->row_begin, transport->column, transport->tinted_begin,
+        transport->tinted_column, transport->tinted_weight, transport->scale,
+        transport->valid_points, transport->gathered };
+    for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
+        rsv_free(context, arrays[k]);
+    rsv_free(context, transport);
+}
+
+size_t rsv_transport_entries(const rsv_transport *transport)
+{
+    return transport->row_begin[transport->row_count] +
+        transport->tinted_begin[transport->row_count];
+}
+
+void rsv_transport_apply(const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance)
+{
+    const rsv_transport *t = transport;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(t->context))
+    for (size_t row = 0; row < t->row_count; row++) {
+        rsv_rgb sum = rgb_gray(0);
+        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++)
+            sum = rgb_add(sum, exitance[t->column[k]]);
+        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++)
+            sum = rgb_add(sum, rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k]]));
+        irradiance[row] = rgb_scale(sum, t->scale[row]);
+    }
+}

@@ -1,0 +1,261 @@
+#include "source_level.h"
+
+#include "../core/index_map.h"
+
+#include <string.h>
+
+#define RECEIVER_POINTS 4
+/// Two cells that share an edge are split if irradiance bends across it by more than this share of the
+/// local level: linear interpolation then errs by about a quarter of that.
+#define BEND 0.1f
+/// Below this share of the scene's mean irradiance, a bend is invisible.
+#define DARK 0.05f
+/// A caustic is resolved only where each node of a cell has caught this many photons.
+#define PHOTONS_TO_SPLIT 48.0f
+
+typedef struct level_builder {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    const rsv_elements *coarse;
+    const rsv_source_level_desc *desc;
+    rsv_elements *elements;
+    rsv_rgb *direct;
+    uint8_t *valid;
+    rsv_photon_map map[2]; ///< on `elements` and on `coarse`
+    rsv_rgb *caustic;
+    uint64_t *rays;
+} level_builder;
+
+/// Estimates direct light at the nodes that `known` does not cover.
+static rsv_status estimate_direct(level_builder *b, const uint8_t *known)
+{
+    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS,
+        b->desc->light_samples, b->desc->seed, NULL, known, b->direct, b->valid, b->rays);
+    if (status == RSV_OK) rsv_fill_buried(b->elements, b->valid, b->direct);
+    return status;
+}
+
+static void free_photons(level_builder *b)
+{
+    rsv_photon_map_destroy(&b->map[0]);
+    rsv_photon_map_destroy(&b->map[1]);
+    rsv_free(b->coarse->context, b->caustic);
+    b->caustic = NULL;
+}
+
+static rsv_status shoot(level_builder *b, uint32_t count)
+{
+    free_photons(b);
+    b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
+    if (!b->caustic) return RSV_ERROR_MEMORY;
+    const rsv_elements *targets[2] = { b->elements, b->coarse };
+    rsv_status status = rsv_photons_shoot(b->scene, b->lights, count, b->desc->seed, targets, b->map,
+        2, b->rays);
+    if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
+    return status;
+}
+
+static double mean_luminance(const rsv_elements *e, const rsv_rgb *irradiance)
+{
+    double sum = 0, area = 0;
+    for (size_t n = 0; n < e->node_count; n++) {
+        sum += (double)rgb_luminance(irradiance[n]) * e->node_area[n];
+        area += e->node_area[n];
+    }
+    return area > 0 ? sum / area : 0;
+}
+
+/// Whether the values a, b at the ends of an edge and c, d at the corners opposite to it depart from a
+/// plane: a + b = c + d where two equal cells make a parallelogram.
+static bool bends(const rsv_rgb *value, const uint32_t edge[2], uint32_t c, uint32_t d, float floor)
+{
+    float ends = rgb_luminance(value[edge[0]]) + rgb_luminance(value[edge[1]]);
+    float opposite = rgb_luminance(value[c]) + rgb_luminance(value[d]);
+    return fabsf(ends - opposite) > BEND * (0.25f * (ends + opposite) + floor);
+}
+
+typedef struct bend_test {
+    const level_builder *b;
+    float floor_direct, floor_caustic;
+} bend_test;
+
+static bool caught_enough(const level_builder *b, const uint32_t node[3])
+{
+    for (int k = 0; k < 3; k++)
+        if ((float)b->map[0].hits[node[k]] / 65536.0f < PHOTONS_TO_SPLIT) return false;
+    return true;
+}
+
+static void test_edge(const bend_test *test, uint32_t cell, int k, uint32_t other, int other_k,
+    uint8_t *split)
+{
+    const level_builder *b = test->b;
+    const uint32_t *node = b->elements->cell_node[cell], *far = b->elements->cell_node[other];
+    const uint32_t edge[2] = { node[(k + 1) % 3], node[(k + 2) % 3] };
+    uint32_t c = node[k], d = far[other_k];
+    if (b->direct && bends(b->direct, edge, c, d, test->floor_direct)) split[cell] = split[other] = 1;
+    if (b->caustic && bends(b->caustic, edge, c, d, test->floor_caustic)) {
+        split[cell] |= caught_enough(b, node);
+        split[other] |= caught_enough(b, far);
+    }
+}
+
+/// Marks the cells on both sides of every edge across which light bends.
+static rsv_status mark_cells(const level_builder *b, uint8_t *split, size_t *marked)
+{
+    const rsv_elements *e = b->elements;
+    bend_test test = { .b = b };
+    if (b->direct) test.floor_direct = DARK * (float)mean_luminance(e, b->direct);
+    if (b->caustic)
+        test.floor_caustic = fmaxf(test.floor_direct, (float)mean_luminance(e, b->caustic));
+    rsv_index_map edges;
+    rsv_status status = rsv_index_map_create(e->context, 2 * e->cell_count, &edges);
+    for (size_t c = 0; c < e->cell_count && status == RSV_OK; c++) {
+        for (int k = 0; k < 3; k++) {
+            uint32_t p = e->cell_node[c][(k + 1) % 3], q = e->cell_node[c][(k + 2) % 3];
+            uint64_t key = p < q ? (uint64_t)p << 32 | q : (uint64_t)q << 32 | p;
+            uint32_t mine = (uint32_t)(4 * c) + (uint32_t)k;
+            uint32_t first = rsv_index_map_insert(&edges, key, mine);
+            if (first == UINT32_MAX) status = RSV_ERROR_MEMORY;
+            else if (first != mine)
+                test_edge(&test, (uint32_t)c, k, first / 4, (int)(first & 3), split);
+        }
+    }
+    rsv_index_map_destroy(&edges);
+    *marked = 0;
+    for (size_t c = 0; c < e->cell_count; c++) {
+        if (e->cell[c].level >= RSV_MAX_LEVEL) split[c] = 0;
+        *marked += split[c];
+    }
+    return status;
+}
+
+/// Carries over the direct light of nodes whose surroundings did not change.
+static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb *old_direct,
+    const uint8_t *old_valid, uint8_t *known)
+{
+    const rsv_elements *e = b->elements;
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t support = e->support[e->support_begin[n]];
+        const rsv_cell *cell = &e->cell[support / 4];
+        float u, v, weight[3];
+        rsv_cell_corner(cell, (int)(support & 3), &u, &v);
+        uint32_t old_cell = rsv_elements_locate(old, cell->face, u, v, weight);
+        int k = weight[0] > 0.999f ? 0 : weight[1] > 0.999f ? 1 : weight[2] > 0.999f ? 2 : -1;
+        if (k < 0) continue;
+        uint32_t twin = old->cell_node[old_cell][k];
+        bool same = fabsf(old->node_area[twin] - e->node_area[n]) <= 1e-6f * e->node_area[n];
+        if (!same || e->node_hanging[n] != RSV_NONE) continue;
+        b->direct[n] = old_direct[twin];
+        b->valid[n] = old_valid[twin];
+        known[n] = 1;
+    }
+}
+
+static rsv_status allocate_direct(level_builder *b)
+{
+    b->direct = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->direct);
+    b->valid = rsv_alloc(b->coarse->context, b->elements->node_count, 1);
+    return b->direct && b->valid ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+/// Replaces the elements by finer ones and updates direct light on them.
+static rsv_status split_once(level_builder *b, const uint8_t *split)
+{
+    rsv_context *context = b->coarse->context;
+    rsv_status status;
+    rsv_elements *old = b->elements;
+    rsv_rgb *old_direct = b->direct;
+    uint8_t *old_valid = b->valid, *known = NULL;
+    b->elements = NULL;
+    b->direct = NULL;
+    b->valid = NULL;
+    RSV_TRY(rsv_elements_refine(old, split, &b->elements));
+    if (b->desc->direct) {
+        RSV_TRY(allocate_direct(b));
+        known = rsv_alloc(context, b->elements->node_count, 1);
+        if (!known) {
+            status = RSV_ERROR_MEMORY;
+            goto cleanup;
+        }
+        carry_over(b, old, old_direct, old_valid, known);
+        RSV_TRY(estimate_direct(b, known));
+    }
+cleanup:
+    rsv_free(context, known);
+    rsv_free(context, old_direct);
+    rsv_free(context, old_valid);
+    rsv_elements_destroy(old);
+    return status;
+}
+
+static rsv_status refine(level_builder *b)
+{
+    rsv_context *context = b->coarse->context;
+    rsv_status status = RSV_OK;
+    uint8_t *split = NULL;
+    for (uint32_t level = 0; level < b->desc->levels; level++) {
+        if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
+        rsv_free(context, split);
+        split = rsv_alloc(context, b->elements->cell_count, 1);
+        if (!split) return RSV_ERROR_MEMORY;
+        size_t marked;
+        RSV_TRY(mark_cells(b, split, &marked));
+        if (marked == 0) break;
+        RSV_TRY(split_once(b, split));
+    }
+    if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count));
+cleanup:
+    rsv_free(context, split);
+    return status;
+}
+
+rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
+    uint64_t *rays)
+{
+    rsv_context *context = coarse->context;
+    rsv_status status;
+    level_builder b = { .scene = scene, .lights = lights, .coarse = coarse, .desc = desc,
+        .rays = rays };
+    *level = (rsv_source_level){ 0 };
+    uint8_t *split_all = rsv_alloc(context, coarse->cell_count, 1);
+    if (!split_all) return RSV_ERROR_MEMORY;
+    if (desc->direct) memset(split_all, 1, coarse->cell_count);
+    RSV_TRY(rsv_elements_refine(coarse, split_all, &b.elements));
+    if (desc->direct) {
+        RSV_TRY(allocate_direct(&b));
+        RSV_TRY(estimate_direct(&b, NULL));
+    }
+    RSV_TRY(refine(&b));
+    if (b.caustic) {
+        level->coarse_caustic = rsv_alloc(context, coarse->node_count, sizeof *level->coarse_caustic);
+        if (!level->coarse_caustic) {
+            status = RSV_ERROR_MEMORY;
+            goto cleanup;
+        }
+        rsv_photon_map_irradiance(&b.map[1], level->coarse_caustic);
+        rsv_photon_map_shrink(&b.map[0], coarse, level->coarse_caustic, b.caustic);
+    }
+    level->elements = b.elements;
+    level->direct = b.direct;
+    level->caustic = b.caustic;
+    b.elements = NULL;
+    b.direct = b.caustic = NULL;
+cleanup:
+    rsv_free(context, split_all);
+    rsv_free(context, b.direct);
+    rsv_free(context, b.valid);
+    free_photons(&b);
+    rsv_elements_destroy(b.elements);
+    return status;
+}
+
+void rsv_source_level_destroy(rsv_context *context, rsv_source_level *level)
+{
+    rsv_elements_destroy(level->elements);
+    rsv_free(context, level->direct);
+    rsv_free(context, level->caustic);
+    rsv_free(context, level->coarse_caustic);
+    *level = (rsv_source_level){ 0 };
+}

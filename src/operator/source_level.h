@@ -1,0 +1,31 @@
+/// The fine level: direct and caustic irradiance on elements that are split where it changes quickly.
+///
+/// Indirect light is smooth and lives on the coarse elements; shadows and caustics are not.
+#ifndef RSV_SOURCE_LEVEL_H
+#define RSV_SOURCE_LEVEL_H
+
+#include "direct.h"
+#include "photons.h"
+
+typedef struct rsv_source_level_desc {
+    bool direct;             ///< next-event estimates wanted
+    uint32_t photon_count;   ///< 0 = no caustics wanted
+    uint32_t levels;         ///< splits below the coarse elements at most
+    uint32_t light_samples;  ///< shadow rays per node
+    uint32_t seed;
+} rsv_source_level_desc;
+
+typedef struct rsv_source_level {
+    rsv_elements *elements;
+    rsv_rgb *direct;         ///< [node_count] irradiance, or NULL
+    rsv_rgb *caustic;        ///< [node_count] irradiance, or NULL
+    rsv_rgb *coarse_caustic; ///< [node_count of the coarse elements], or NULL
+} rsv_source_level;
+
+/// @param coarse elements to start from
+rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
+    uint64_t *rays);
+void rsv_source_level_destroy(rsv_context *context, rsv_source_level *level);
+
+#endif

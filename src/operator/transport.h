@@ -1,0 +1,42 @@
+/// The propagation operator G on elements: which share of the exitance of each element arrives at each
+/// other one, through any chain of specular events.
+///
+/// Row i holds the ends of its gather rays. Rays are cosine-distributed, so that each counts the same:
+/// an end without colour is a bare element index and carries the weight 1 / (rays of the row); ends of
+/// chains that met coloured glass or metal carry an RGB factor besides. Row sums are at most 1 because
+/// a ray ends once: energy conservation by construction.
+#ifndef RSV_TRANSPORT_H
+#define RSV_TRANSPORT_H
+
+#include "chain.h"
+#include "elements.h"
+#include "../light/light.h"
+
+#define RSV_SUPPORT_POINTS 16 ///< receiver points over the support of a node, one per packet lane
+
+typedef struct rsv_transport {
+    rsv_context *context;
+    size_t row_count;
+    size_t *row_begin;      ///< [row_count + 1] into column
+    uint32_t *column;       ///< ends of weight 1
+    size_t *tinted_begin;   ///< [row_count + 1] into tinted_column and tinted_weight
+    uint32_t *tinted_column;
+    rsv_rgb *tinted_weight;
+    float *scale;           ///< [row_count] 1 / rays of the row that count; 0 = no valid receiver point
+    uint16_t *valid_points; ///< [row_count] bit k: receiver point k is not buried in other geometry
+    rsv_rgb *gathered;      ///< [row_count] irradiance emitted by sources that are found by gathering
+    uint64_t rays;
+} rsv_transport;
+
+/// Traces the rows of all free nodes.
+/// @param rays per row, a power of two >= 16
+rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rsv_elements *elements, uint32_t rays, uint32_t seed, rsv_transport **transport);
+void rsv_transport_destroy(rsv_transport *transport);
+
+/// irradiance = G exitance, both [row_count]; rows of hanging nodes come out 0.
+void rsv_transport_apply(const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance);
+
+size_t rsv_transport_entries(const rsv_transport *transport);
+
+#endif

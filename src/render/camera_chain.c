@@ -1,0 +1,49 @@
+#include "camera_chain.h"
+
+#define FAINT 0.01f      ///< branches below this weight play roulette
+#define MAX_EVENTS 64
+#define STACK 64
+
+static rsv_rgb emission_towards(const rsv_transport_scene *scene, const rsv_chain *chain)
+{
+    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain->triangle]];
+    bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
+    return shows ? rgb_mul(chain->weight, bsdf->emission) : rgb_gray(0);
+}
+
+/// Moves one branch on; false if it ended.
+static bool follow(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+    const rsv_bsdf_branches *branches, rsv_random *random)
+{
+    rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
+    float carried = rgb_max(rgb_mul(chain->weight, weight));
+    if (carried <= 0 || chain->events >= MAX_EVENTS) return false;
+    if (carried < FAINT) {
+        if (rsv_random_float(random) * FAINT >= carried) return false;
+        weight = rgb_scale(weight, FAINT / carried);
+    }
+    rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
+    return rsv_chain_step(scene, chain, transmit, direction, weight);
+}
+
+rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, rsv_chain chain, uint32_t seed,
+    rsv_diffuse_end end, void *user)
+{
+    rsv_chain stack[STACK];
+    int depth = 0;
+    rsv_rgb emission = rgb_gray(0);
+    rsv_random random = rsv_random_from(seed, chain.triangle, 0x17c3u);
+    stack[depth++] = chain;
+    while (depth > 0) {
+        chain = stack[--depth];
+        emission = rgb_add(emission, emission_towards(scene, &chain));
+        rsv_bsdf_branches branches = rsv_chain_branches(scene, &chain);
+        if (!rgb_is_black(branches.diffuse)) end(user, &chain, rgb_mul(chain.weight, branches.diffuse));
+        for (int transmit = 0; transmit < 2; transmit++) {
+            rsv_chain next = chain;
+            if (depth < STACK && follow(scene, &next, transmit, &branches, &random))
+                stack[depth++] = next;
+        }
+    }
+    return emission;
+}

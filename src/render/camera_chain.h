@@ -1,0 +1,17 @@
+/// From the camera through mirrors and glass to every diffuse surface it sees: `C S* D`.
+#ifndef RSV_CAMERA_CHAIN_H
+#define RSV_CAMERA_CHAIN_H
+
+#include "../operator/chain.h"
+
+/// Called for each diffuse interface a camera ray leads to.
+/// @param weight radiance at the camera per B / pi of the surface
+typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weight);
+
+/// Follows all branches that matter, deterministically; branches fainter than one part in a hundred
+/// survive by roulette, so that nothing is lost on average.
+/// @return radiance emitted towards the camera by the surfaces on the way
+rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, rsv_chain chain, uint32_t seed,
+    rsv_diffuse_end end, void *user);
+
+#endif

@@ -1,0 +1,292 @@
+/// Modes operator and final: camera chains, then the solved light.
+#include "../core/stratified.h"
+#include "../solve/solution.h"
+#include "../trace/camera_ray.h"
+#include "camera_chain.h"
+#include "pixel_direct.h"
+#include "resolvent/render.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define LANES RSV_PACKET_WIDTH
+/// Layers after the picture itself: emission, then one per kept order.
+#define MAX_LAYERS (1 + RSV_KEPT_ORDERS)
+
+typedef struct picture_job {
+    const rsv_solution *solution;
+    const rsv_render_desc *desc;
+    const rsv_camera *camera;
+    rsv_image *image;
+    uint32_t layer_count; ///< of the image, layer 0 included
+} picture_job;
+
+/// One row of the picture in the making.
+typedef struct row_state {
+    const picture_job *job;
+    rsv_rgb *layer[1 + MAX_LAYERS]; ///< [width] each
+    rsv_pixel_direct direct;
+    uint32_t row;
+    // what rsv_camera_chain's callback needs to know of the ray in hand
+    uint32_t column, sample, seed;
+} row_state;
+
+/// Adds radiance to the picture and, where wanted, to the layer of its order: 0 = emission, 1 = direct.
+static void add_light(row_state *r, uint32_t column, uint32_t order, rsv_rgb radiance)
+{
+    r->layer[0][column] = rgb_add(r->layer[0][column], radiance);
+    if (r->job->layer_count > 1)
+        r->layer[1 + order][column] = rgb_add(r->layer[1 + order][column], radiance);
+}
+
+static void add_direct_light(void *user, uint32_t column, rsv_rgb radiance)
+{
+    add_light(user, column, 1, radiance);
+}
+
+static void look_up_indirect(row_state *r, uint32_t face, float u, float v, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    if (r->job->layer_count == 1) {
+        rsv_rgb e = rsv_elements_interpolate(s->elements, s->indirect, face, u, v);
+        add_light(r, r->column, 0, rgb_mul(weight, e));
+        return;
+    }
+    for (uint32_t order = 1; order < s->order_count; order++) {
+        rsv_rgb e = rsv_elements_interpolate(s->elements, s->order[order], face, u, v);
+        add_light(r, r->column, 1 + order, rgb_mul(weight, e));
+    }
+}
+
+/// One gather ray's contribution to each order at the receiver.
+static void add_gathered(row_state *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
+{
+    const rsv_solution *s = r->job->solution;
+    const rsv_chain *chain = &gather->chain;
+    uint32_t face = s->elements->face_of[chain->back][chain->triangle];
+    if (face == RSV_NONE) return;
+    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
+    weight = rgb_mul(rgb_mul(weight, chain->weight), bsdf->exitance_albedo);
+    rsv_rgb direct = rsv_solution_direct(s, face, chain->u, chain->v, true);
+    direct = rgb_add(direct, rsv_sampled_irradiance(s, chain, random));
+    add_light(r, r->column, 2, rgb_mul(weight, direct));
+    for (uint32_t order = 1; order < s->order_count; order++) {
+        rsv_rgb e = rsv_elements_interpolate(s->elements, s->order[order], face, chain->u, chain->v);
+        uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
+        add_light(r, r->column, shown, rgb_mul(weight, e));
+    }
+}
+
+static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
+{
+    (void)user, (void)triangle, (void)events;
+    return false;
+}
+
+static void gather_indirect(row_state *r, const rsv_chain *chain, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
+    v3_frame(point.normal, &t, &b);
+    uint32_t rays = r->job->desc->gather_rays, total = rays * r->job->desc->samples;
+    for (uint32_t k = 0; k < rays; k++) {
+        float x, y;
+        rsv_stratified_2d(r->sample * rays + k, total, rsv_hash2(r->seed, 11), &x, &y);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point.normal),
+            INFINITY };
+        rsv_hit hit;
+        if (v3_dot(ray.direction, point.geometric) <= 0 ||
+            !rsv_tracer_closest(s->tracer, &ray, &hit))
+            continue;
+        rsv_random random = rsv_random_from(r->seed, r->sample, 97 + k);
+        rsv_chain first =
+            rsv_chain_begin(&s->scene, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+        rsv_gather gather = rsv_chain_gather(&s->scene, first, &random, no_emission, NULL);
+        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z));
+        if (gather.end == RSV_CHAIN_DIFFUSE)
+            add_gathered(r, &gather, rgb_scale(entered, 1 / (float)rays), &random);
+    }
+}
+
+/// A diffuse surface seen by the camera.
+static void shade(void *user, const rsv_chain *chain, rsv_rgb weight)
+{
+    row_state *r = user;
+    const rsv_solution *s = r->job->solution;
+    uint32_t face = s->elements->face_of[chain->back][chain->triangle];
+    if (face == RSV_NONE) return;
+    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
+    // radiance at the camera per irradiance of the surface
+    weight = rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI);
+    bool final = r->job->desc->mode == RSV_RENDER_FINAL;
+    rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
+    add_light(r, r->column, 1, rgb_mul(weight, stored));
+    if (final)
+        rsv_pixel_direct_add(&r->direct, s, chain, weight, r->column, r->sample, r->seed);
+    if (final && r->job->desc->gather_rays)
+        gather_indirect(r, chain, weight);
+    else
+        look_up_indirect(r, face, chain->u, chain->v, weight);
+}
+
+static void aim(const row_state *r, uint32_t first, uint32_t count, rsv_ray_packet *packet)
+{
+    const rsv_render_desc *desc = r->job->desc;
+    for (uint32_t k = 0; k < LANES; k++) {
+        uint32_t column = (first + k) / desc->samples, sample = (first + k) % desc->samples;
+        float x, y;
+        rsv_stratified_2d(sample, desc->samples, rsv_hash3(desc->seed, r->row, column), &x, &y);
+        rsv_ray ray = rsv_camera_ray(r->job->camera, desc->width, desc->height, (float)column + x,
+            (float)r->row + y);
+        packet->origin_x[k] = ray.origin.x;
+        packet->origin_y[k] = ray.origin.y;
+        packet->origin_z[k] = ray.origin.z;
+        packet->direction_x[k] = ray.direction.x;
+        packet->direction_y[k] = ray.direction.y;
+        packet->direction_z[k] = ray.direction.z;
+        packet->t_max[k] = k < count ? INFINITY : -1;
+    }
+}
+
+static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv_ray_packet *packet)
+{
+    const rsv_render_desc *desc = r->job->desc;
+    for (uint32_t k = 0; k < count; k++) {
+        if (packet->triangle[k] == RSV_NONE) continue;
+        r->column = (first + k) / desc->samples;
+        r->sample = (first + k) % desc->samples;
+        r->seed = rsv_hash3(desc->seed ^ 0x6c078965u, r->row, r->column);
+        rsv_vec3 direction =
+            v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+        rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, direction, packet->triangle[k],
+            packet->u[k], packet->v[k], packet->t_max[k]);
+        rsv_rgb emission = rsv_camera_chain(&r->job->solution->scene, chain,
+            rsv_hash2(r->seed, r->sample), shade, r);
+        add_light(r, r->column, 0, emission);
+    }
+}
+
+static rsv_status render_row(row_state *r, uint32_t row)
+{
+    const rsv_render_desc *desc = r->job->desc;
+    uint32_t width = desc->width;
+    r->row = row;
+    for (uint32_t layer = 0; layer < r->job->layer_count; layer++)
+        memset(r->layer[layer], 0, width * sizeof(rsv_rgb));
+    rsv_ray_packet packet = { 0 };
+    memset(packet.mask, 0xff, sizeof packet.mask);
+    for (uint32_t first = 0; first < width * desc->samples; first += LANES) {
+        uint32_t left = width * desc->samples - first, count = left < LANES ? left : LANES;
+        aim(r, first, count, &packet);
+        rsv_tracer_closest_packet(r->job->solution->tracer, &packet, true);
+        shade_packet(r, first, count, &packet);
+    }
+    rsv_status status = rsv_pixel_direct_resolve(&r->direct, add_direct_light, r);
+    for (uint32_t layer = 0; layer < r->job->layer_count; layer++) {
+        rsv_rgb *out = rsv_image_pixels(r->job->image, layer) + (size_t)row * width;
+        for (uint32_t x = 0; x < width; x++) {
+            rsv_rgb mean = rgb_scale(r->layer[layer][x], 1 / (float)desc->samples);
+            // the control variate of a nearly black pixel can end a hair below zero
+            out[x] = rgb(fmaxf(mean.r, 0), fmaxf(mean.g, 0), fmaxf(mean.b, 0));
+        }
+    }
+    return status;
+}
+
+static rsv_status create_row(const picture_job *job, row_state *r)
+{
+    memset(r, 0, sizeof *r);
+    r->job = job;
+    rsv_pixel_direct_begin(&r->direct, job->solution, job->desc->samples);
+    for (uint32_t layer = 0; layer < job->layer_count; layer++) {
+        r->layer[layer] = rsv_alloc(job->solution->context, job->desc->width, sizeof(rsv_rgb));
+        if (!r->layer[layer]) return RSV_ERROR_MEMORY;
+    }
+    return RSV_OK;
+}
+
+static void destroy_row(row_state *r)
+{
+    for (uint32_t layer = 0; layer < r->job->layer_count; layer++)
+        rsv_free(r->job->solution->context, r->layer[layer]);
+    rsv_pixel_direct_end(&r->direct);
+}
+
+static rsv_status render_rows(const picture_job *job)
+{
+    rsv_context *context = job->solution->context;
+    rsv_status result = RSV_OK;
+    uint32_t done = 0;
+#pragma omp parallel num_threads(rsv_threads(context))
+    {
+        row_state state;
+        rsv_status status = create_row(job, &state);
+#pragma omp for schedule(dynamic, 1)
+        for (uint32_t row = 0; row < job->desc->height; row++) {
+            if (status == RSV_OK && !rsv_cancelled(context)) status = render_row(&state, row);
+            uint32_t finished;
+#pragma omp atomic capture
+            finished = ++done;
+            if (rsv_thread_index() == 0)
+                rsv_progress(context, "render", (double)finished / job->desc->height);
+        }
+        destroy_row(&state);
+        if (status != RSV_OK) {
+#pragma omp critical
+            result = status;
+        }
+    }
+    if (result == RSV_ERROR_MEMORY) return rsv_fail(result, "out of memory rendering");
+    return result == RSV_OK ? rsv_progress(context, "render", 1) : result;
+}
+
+static rsv_status name_layers(rsv_image *image, uint32_t layer_count)
+{
+    rsv_status status = RSV_OK;
+    for (uint32_t layer = 1; layer < layer_count && status == RSV_OK; layer++) {
+        char name[32] = "emission";
+        if (layer == 2) snprintf(name, sizeof name, "direct");
+        if (layer > 2)
+            snprintf(name, sizeof name, "bounce%u%s", layer - 2, layer == MAX_LAYERS ? "+" : "");
+        status = rsv_image_set_layer_name(image, layer, name);
+    }
+    return status;
+}
+
+static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc *desc)
+{
+    if (desc->width == 0 || desc->height == 0 || desc->width > 65536 || desc->height > 65536)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "render: size %ux%u is not in 1x1 .. 65536x65536",
+            desc->width, desc->height);
+    if (desc->samples == 0 || (uint64_t)desc->samples * desc->width > UINT32_MAX)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "render: %u samples per pixel are not possible",
+            desc->samples);
+    if (desc->camera >= solution->scene.view->camera_count)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "render: camera %u does not exist, the scene has %zu",
+            desc->camera, solution->scene.view->camera_count);
+    if (desc->mode == RSV_RENDER_REFERENCE)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "render: use rsv_render_reference for mode reference");
+    return RSV_OK;
+}
+
+rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image)
+{
+    rsv_status status = check_desc(solution, desc);
+    if (status != RSV_OK) return status;
+    picture_job job = { .solution = solution, .desc = desc,
+        .camera = &solution->scene.view->camera[desc->camera],
+        .layer_count = desc->layers ? 1 + MAX_LAYERS : 1 };
+    RSV_TRY(rsv_image_create(solution->context, desc->width, desc->height, job.layer_count,
+        &job.image));
+    RSV_TRY(name_layers(job.image, job.layer_count));
+    RSV_TRY(render_rows(&job));
+    *image = job.image;
+    return RSV_OK;
+cleanup:
+    rsv_image_destroy(job.image);
+    return status;
+}

@@ -1,0 +1,192 @@
+#include "pixel_direct.h"
+
+#include "../core/stratified.h"
+
+#include <string.h>
+
+/// Shadow rays stop short of the source by more than the rounding of its distance.
+#define STOP_SHORT (1 - 0x1p-14f)
+
+void rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution, uint32_t samples)
+{
+    memset(d, 0, sizeof *d);
+    memset(d->packet.mask, 0xff, sizeof d->packet.mask);
+    d->context = solution->context;
+    d->tracer = solution->tracer;
+    d->samples = samples;
+}
+
+void rsv_pixel_direct_end(rsv_pixel_direct *d)
+{
+    rsv_free(d->context, d->term);
+}
+
+static void trace_pending(rsv_pixel_direct *d)
+{
+    for (uint32_t k = d->pending; k < RSV_PACKET_WIDTH; k++)
+        d->packet.t_max[k] = -1;
+    if (d->pending) rsv_tracer_occluded_packet(d->tracer, &d->packet, true);
+    for (uint32_t k = 0; k < d->pending; k++)
+        d->term[d->owner[k]].visible = d->packet.t_max[k] > 0;
+    d->pending = 0;
+}
+
+static rsv_direct_term *push_term(rsv_pixel_direct *d, rsv_direct_term term)
+{
+    if (d->status == RSV_OK)
+        d->status = rsv_grow(d->context, (void **)&d->term, &d->term_capacity, d->term_count + 1,
+            sizeof *d->term);
+    if (d->status != RSV_OK) return NULL;
+    d->term[d->term_count] = term;
+    return &d->term[d->term_count++];
+}
+
+static void push_shadow_ray(rsv_pixel_direct *d, rsv_vec3 origin, rsv_vec3 direction, float distance)
+{
+    uint32_t k = d->pending++;
+    d->packet.origin_x[k] = origin.x;
+    d->packet.origin_y[k] = origin.y;
+    d->packet.origin_z[k] = origin.z;
+    d->packet.direction_x[k] = direction.x;
+    d->packet.direction_y[k] = direction.y;
+    d->packet.direction_z[k] = direction.z;
+    d->packet.t_max[k] = distance * STOP_SHORT;
+    d->owner[k] = d->term_count - 1;
+    if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
+}
+
+static const rsv_bsdf *surface_bsdf(const rsv_solution *s, const rsv_chain *chain)
+{
+    return &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
+}
+
+static bool faces_both(const rsv_surface_point *point, rsv_vec3 direction)
+{
+    return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
+}
+
+static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
+    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column, uint32_t sample,
+    uint32_t seed)
+{
+    rsv_local_lights local;
+    rsv_lights_at(s->lights, point->position, point->normal, &local);
+    if (!local.by_power && rgb_is_black(local.unshadowed)) return;
+    const rsv_bsdf *bsdf = surface_bsdf(s, chain);
+    rsv_direct_term term = { .column = column, .controlled = !local.by_power && !bsdf->coated };
+    if (term.controlled) term.exact = rgb_mul(weight, local.unshadowed);
+    float x, y, select = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 3));
+    rsv_stratified_2d(sample, d->samples, rsv_hash2(seed, 4), &x, &y);
+    rsv_light_sample light;
+    bool useful = rsv_local_lights_sample(&local, select, x, y, &light) &&
+        faces_both(point, light.direction);
+    if (useful) {
+        float cos = v3_dot(point->normal, light.direction);
+        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
+        term.sampled = rgb_scale(rgb_mul(entered, light.radiance), cos / light.pdf_solid_angle);
+    }
+    if (push_term(d, term) && useful) push_shadow_ray(d, origin, light.direction, light.distance);
+}
+
+static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
+    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column)
+{
+    const rsv_scene_view *view = s->scene.view;
+    for (size_t l = 0; l < view->light_count; l++) {
+        rsv_vec3 direction;
+        float distance;
+        rsv_rgb irradiance;
+        if (!rsv_punctual_light(&view->light[l], point->position, &direction, &distance,
+                &irradiance) ||
+            !faces_both(point, direction))
+            continue;
+        float cos = v3_dot(point->normal, direction);
+        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(surface_bsdf(s, chain), cos));
+        rsv_direct_term term = { .column = column,
+            .sampled = rgb_scale(rgb_mul(entered, irradiance), cos) };
+        if (push_term(d, term)) push_shadow_ray(d, origin, direction, distance);
+    }
+}
+
+void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
+    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
+{
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
+    if (s->lights->sampled_count)
+        add_emitters(d, s, chain, &point, origin, weight, column, sample, seed);
+    add_punctual(d, s, chain, &point, origin, weight, column);
+}
+
+static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count)
+{
+    rsv_rgb sum = rgb_gray(0);
+    float visible = 0, controlled = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!term[i].controlled) continue;
+        visible += term[i].visible;
+        controlled += 1;
+    }
+    for (size_t i = 0; i < count; i++) {
+        sum = rgb_mad(sum, term[i].visible, term[i].sampled);
+        if (!term[i].controlled || controlled < 2) continue;
+        float others = (visible - term[i].visible) / (controlled - 1);
+        sum = rgb_mad(sum, others, rgb_sub(term[i].exact, term[i].sampled));
+    }
+    return sum;
+}
+
+rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *d,
+    void (*add)(void *user, uint32_t column, rsv_rgb radiance), void *user)
+{
+    trace_pending(d);
+    for (size_t begin = 0, end; begin < d->term_count; begin = end) {
+        uint32_t column = d->term[begin].column;
+        for (end = begin; end < d->term_count && d->term[end].column == column; end++)
+            ;
+        add(user, column, resolve_pixel(d->term + begin, end - begin));
+    }
+    d->term_count = 0;
+    return d->status;
+}
+
+static bool is_open(const rsv_solution *s, rsv_vec3 origin, rsv_vec3 direction, float distance)
+{
+    rsv_ray ray = { origin, direction, distance * STOP_SHORT };
+    return !rsv_tracer_occluded(s->tracer, &ray);
+}
+
+rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rsv_random *random)
+{
+    rsv_rgb sum = rgb_gray(0);
+    const rsv_bsdf *bsdf = surface_bsdf(s, chain);
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
+    if (s->lights->sampled_count) {
+        rsv_local_lights local;
+        rsv_light_sample light;
+        rsv_lights_at(s->lights, point.position, point.normal, &local);
+        float select = rsv_random_float(random), x = rsv_random_float(random);
+        if (rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) &&
+            faces_both(&point, light.direction) &&
+            is_open(s, origin, light.direction, light.distance)) {
+            float cos = v3_dot(point.normal, light.direction);
+            rsv_rgb entered = rgb_mul(light.radiance, rsv_bsdf_entry(bsdf, cos));
+            sum = rgb_scale(entered, cos / light.pdf_solid_angle);
+        }
+    }
+    for (size_t l = 0; l < s->scene.view->light_count; l++) {
+        rsv_vec3 direction;
+        float distance;
+        rsv_rgb irradiance;
+        if (!rsv_punctual_light(&s->scene.view->light[l], point.position, &direction, &distance,
+                &irradiance) ||
+            !faces_both(&point, direction) || !is_open(s, origin, direction, distance))
+            continue;
+        float cos = v3_dot(point.normal, direction);
+        sum = rgb_add(sum, rgb_mul(rgb_scale(irradiance, cos), rsv_bsdf_entry(bsdf, cos)));
+    }
+    return sum;
+}

@@ -1,0 +1,50 @@
+/// Direct light per pixel by next-event estimation, with what is known in closed form as control variate.
+///
+/// Sample i of a pixel finds the unshadowed contribution S_i, visible or not (V_i), and knows its exact
+/// mean A_i (Lambert's formula). With a_i the mean visibility of the pixel's *other* samples,
+///
+///     sum_i  S_i V_i + a_i (A_i - S_i)
+///
+/// is unbiased, because a_i does not depend on sample i, and free of noise where all samples see the light.
+#ifndef RSV_PIXEL_DIRECT_H
+#define RSV_PIXEL_DIRECT_H
+
+#include "../solve/solution.h"
+
+typedef struct rsv_direct_term {
+    uint32_t column;
+    bool controlled; ///< A is known
+    float visible;
+    rsv_rgb exact, sampled; ///< A, S times the weight of the camera chain
+} rsv_direct_term;
+
+/// The direct light of one row of pixels. Terms of a pixel must be added one after the other.
+typedef struct rsv_pixel_direct {
+    rsv_context *context;
+    const rsv_tracer *tracer;
+    uint32_t samples; ///< per pixel
+    rsv_direct_term *term;
+    size_t term_count, term_capacity;
+    rsv_ray_packet packet; ///< shadow rays not traced yet
+    uint32_t pending;
+    size_t owner[RSV_PACKET_WIDTH]; ///< their terms
+    rsv_status status;
+} rsv_pixel_direct;
+
+void rsv_pixel_direct_begin(rsv_pixel_direct *direct, const rsv_solution *solution, uint32_t samples);
+void rsv_pixel_direct_end(rsv_pixel_direct *direct);
+
+/// Adds the sampled light of all sources at the chain's surface.
+/// @param weight radiance at the camera per irradiance
+void rsv_pixel_direct_add(rsv_pixel_direct *direct, const rsv_solution *solution,
+    const rsv_chain *chain, rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed);
+
+/// Traces what is pending, hands each pixel's light to `add` and starts over.
+rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *direct,
+    void (*add)(void *user, uint32_t column, rsv_rgb radiance), void *user);
+
+/// One-sample estimate of the irradiance that next-event estimation finds at the chain's surface.
+rsv_rgb rsv_sampled_irradiance(const rsv_solution *solution, const rsv_chain *chain,
+    rsv_random *random);
+
+#endif

@@ -1,0 +1,241 @@
+/// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
+#include "../core/stratified.h"
+#include "../solve/solution.h"
+#include "resolvent/render.h"
+
+#define GROUPS 32 ///< independent randomisations: their spread is the standard error
+/// Rounding of the inputs and of the sums, relative; no standard error is reported below it.
+#define ROUNDING 1e-6
+/// Sources that cover a larger share of the scene are found by gather rays even behind glass and mirrors.
+#define LARGE_SOURCE_SHARE 0.02
+#define STOP_SHORT (1 - 0x1p-14f)
+
+typedef struct probe_job {
+    const rsv_solution *solution;
+    uint32_t gather_rays, light_samples; ///< per group
+    uint32_t seed;
+    bool gather_caustics; ///< all sources are large
+} probe_job;
+
+typedef struct receiver {
+    rsv_vec3 position, origin, normal;
+    rsv_rgb caustic;    ///< stored, where the receiver lies on a surface
+    bool has_caustic;
+    const probe_job *job;
+} receiver;
+
+static bool all_sources_large(const rsv_solution *s)
+{
+    double total = 0;
+    for (size_t t = 0; t < s->scene.view->triangle_count; t++)
+        total += rsv_triangle_area(s->scene.view, (uint32_t)t);
+    for (size_t g = 0; g < s->lights->group_count; g++)
+        if (s->lights->group[g].area < LARGE_SOURCE_SHARE * total) return false;
+    return s->scene.view->light_count == 0;
+}
+
+/// A receiver that lies on a surface takes the caustic light stored there.
+static void find_surface(receiver *r)
+{
+    const rsv_solution *s = r->job->solution;
+    float lift = v3_length(v3_sub(r->origin, r->position));
+    rsv_ray ray = { r->origin, v3_neg(r->normal), 4 * lift };
+    rsv_hit hit;
+    if (!s->fine.caustic || r->job->gather_caustics || !rsv_tracer_closest(s->tracer, &ray, &hit))
+        return;
+    rsv_chain chain = rsv_chain_begin(&s->scene, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    uint32_t face = s->elements->face_of[chain.back][hit.triangle];
+    if (face == RSV_NONE) return;
+    r->caustic = rsv_elements_interpolate(s->fine.elements, s->fine.caustic, face, hit.u, hit.v);
+    r->has_caustic = true;
+}
+
+static receiver set_up_receiver(const probe_job *job, const rsv_probe *probe)
+{
+    receiver r = { .position = probe->position, .normal = v3_normalize(probe->normal), .job = job };
+    r.origin = rsv_offset_origin(r.position, r.normal, rsv_scene_extent(job->solution->scene.view));
+    find_surface(&r);
+    return r;
+}
+
+static bool is_open(const receiver *r, rsv_vec3 direction, float distance)
+{
+    rsv_ray ray = { r->origin, direction, distance * STOP_SHORT };
+    return !rsv_tracer_occluded(r->job->solution->tracer, &ray);
+}
+
+static float ratio(float exact, float visible, float sampled)
+{
+    return sampled > 0 ? exact * (visible / sampled) : 0;
+}
+
+/// Unshadowed irradiance in closed form times sampled visibility, as at the elements.
+static rsv_rgb from_emitters(const receiver *r, const rsv_local_lights *local, uint32_t stream)
+{
+    rsv_rgb visible = rgb_gray(0), sampled = rgb_gray(0);
+    uint32_t count = r->job->light_samples;
+    if (!local->by_power && rgb_is_black(local->unshadowed)) return visible;
+    for (uint32_t k = 0; k < count; k++) {
+        float x, y, select = rsv_stratified_1d(k, count, rsv_hash2(stream, 1));
+        rsv_sobol_2d(k, rsv_hash2(stream, 2), &x, &y);
+        rsv_light_sample light;
+        if (!rsv_local_lights_sample(local, select, x, y, &light)) continue;
+        float cos = fmaxf(v3_dot(r->normal, light.direction), 0);
+        rsv_rgb arriving = rgb_scale(light.radiance, cos / light.pdf_solid_angle);
+        sampled = rgb_add(sampled, arriving);
+        if (cos > 0 && is_open(r, light.direction, light.distance))
+            visible = rgb_add(visible, arriving);
+    }
+    if (local->by_power) return rgb_scale(visible, 1 / (float)count);
+    return rgb(ratio(local->unshadowed.r, visible.r, sampled.r),
+        ratio(local->unshadowed.g, visible.g, sampled.g),
+        ratio(local->unshadowed.b, visible.b, sampled.b));
+}
+
+static rsv_rgb from_punctual(const receiver *r)
+{
+    const rsv_scene_view *view = r->job->solution->scene.view;
+    rsv_rgb sum = rgb_gray(0);
+    for (size_t l = 0; l < view->light_count; l++) {
+        rsv_vec3 direction;
+        float distance;
+        rsv_rgb irradiance;
+        if (!rsv_punctual_light(&view->light[l], r->position, &direction, &distance, &irradiance))
+            continue;
+        float cos = v3_dot(r->normal, direction);
+        if (cos > 0 && is_open(r, direction, distance)) sum = rgb_mad(sum, cos, irradiance);
+    }
+    return sum;
+}
+
+/// Gathered sources always count; the others do behind specular surfaces, unless the stored caustic
+/// already holds that light.
+static bool counts(const void *user, uint32_t triangle, uint32_t events)
+{
+    const receiver *r = user;
+    const rsv_lights *lights = r->job->solution->lights;
+    uint32_t emitter = lights->triangle_emitter[triangle];
+    if (emitter == RSV_NONE) return false;
+    return lights->group[lights->emitter[emitter].group].gathered || (events > 0 && !r->has_caustic);
+}
+
+static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
+{
+    const rsv_solution *s = r->job->solution;
+    rsv_ray ray = { r->origin, direction, INFINITY };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return rgb_gray(0);
+    rsv_chain first = rsv_chain_begin(&s->scene, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts, r);
+    rsv_rgb radiance = gather.emission;
+    if (gather.end != RSV_CHAIN_DIFFUSE) return radiance;
+    const rsv_chain *end = &gather.chain;
+    uint32_t face = s->elements->face_of[end->back][end->triangle];
+    if (face == RSV_NONE) return radiance;
+    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[end->triangle]];
+    rsv_rgb irradiance = rgb_add(rsv_solution_direct(s, face, end->u, end->v, false),
+        rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
+    rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, irradiance);
+    return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
+}
+
+static rsv_rgb gather(const receiver *r, uint32_t stream)
+{
+    rsv_vec3 t, b;
+    v3_frame(r->normal, &t, &b);
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < r->job->gather_rays; k++) {
+        float x, y;
+        rsv_sobol_2d(k, stream, &x, &y);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        rsv_random random = rsv_random_from(stream, k, 0x2f6u);
+        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, r->normal);
+        sum = rgb_add(sum, gather_one(r, direction, &random));
+    }
+    return rgb_scale(sum, RSV_PI / (float)r->job->gather_rays);
+}
+
+static float standard_error(double sum, double squares)
+{
+    double mean = sum / GROUPS, variance = fmax(squares / GROUPS - mean * mean, 0);
+    return (float)fmax(sqrt(variance / (GROUPS - 1)), ROUNDING * fabs(mean));
+}
+
+static rsv_probe_reading read_probe(const probe_job *job, const rsv_probe *probe, uint32_t index)
+{
+    receiver r = set_up_receiver(job, probe);
+    rsv_rgb steady = rgb_add(from_punctual(&r), r.caustic);
+    rsv_local_lights local = { 0 };
+    if (job->solution->lights->sampled_count)
+        rsv_lights_at(job->solution->lights, r.position, r.normal, &local);
+    double sum[3] = { 0 }, squares[3] = { 0 };
+    for (uint32_t g = 0; g < GROUPS; g++) {
+        uint32_t stream = rsv_hash3(job->seed, index, g);
+        rsv_rgb e = rgb_add(steady, gather(&r, stream));
+        if (job->solution->lights->sampled_count)
+            e = rgb_add(e, from_emitters(&r, &local, rsv_hash(stream)));
+        const double value[3] = { e.r, e.g, e.b };
+        for (int c = 0; c < 3; c++) {
+            sum[c] += value[c];
+            squares[c] += value[c] * value[c];
+        }
+    }
+    return (rsv_probe_reading){
+        rgb((float)(sum[0] / GROUPS), (float)(sum[1] / GROUPS), (float)(sum[2] / GROUPS)),
+        rgb(standard_error(sum[0], squares[0]), standard_error(sum[1], squares[1]),
+            standard_error(sum[2], squares[2])) };
+}
+
+static rsv_probe_reading look_up(const rsv_solution *s, const rsv_probe *probe)
+{
+    rsv_probe_reading reading = { 0 };
+    rsv_hit hit;
+    if (!rsv_tracer_nearest(s->tracer, probe->position, probe->normal, &hit)) return reading;
+    const uint32_t *corner = s->scene.view->triangle[hit.triangle];
+    rsv_vec3 a = s->scene.view->position[corner[0]];
+    rsv_vec3 front = v3_cross(v3_sub(s->scene.view->position[corner[1]], a),
+        v3_sub(s->scene.view->position[corner[2]], a));
+    reading.irradiance = rsv_solution_irradiance(s, hit.triangle, hit.u, hit.v,
+        v3_dot(front, probe->normal) < 0, RSV_NONE);
+    return reading;
+}
+
+static rsv_status check_probes(const rsv_probe *probes, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        rsv_vec3 p = probes[k].position, n = probes[k].normal;
+        if (!isfinite(p.x + p.y + p.z) || !isfinite(n.x + n.y + n.z) || v3_length(n) == 0)
+            return rsv_fail(RSV_ERROR_ARGUMENT,
+                "probe %zu: position and normal must be finite, the normal not zero", k);
+    }
+    return RSV_OK;
+}
+
+rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mode,
+    const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
+    rsv_probe_reading *readings)
+{
+    rsv_context *context = solution->context;
+    if (mode == RSV_PROBE_REFERENCE)
+        return rsv_probe_reference(solution->scene.scene, probes, probe_count, samples, seed,
+            readings);
+    rsv_status status = check_probes(probes, probe_count);
+    if (status != RSV_OK) return status;
+    uint32_t per_group = samples / GROUPS + (samples % GROUPS != 0);
+    if (per_group < 2) per_group = 2;
+    probe_job job = { solution, per_group, per_group / 4 < 4 ? 4 : per_group / 4, seed,
+        all_sources_large(solution) };
+    size_t done = 0;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
+    for (size_t k = 0; k < probe_count; k++) {
+        if (rsv_cancelled(context)) continue;
+        readings[k] = mode == RSV_PROBE_LOOKUP ? look_up(solution, &probes[k])
+                                               : read_probe(&job, &probes[k], (uint32_t)k);
+        size_t finished;
+#pragma omp atomic capture
+        finished = ++done;
+        if (rsv_thread_index() == 0)
+            rsv_progress(context, "probe", (double)finished / (double)probe_count);
+    }
+    return rsv_progress(context, "probe", 1);
+}

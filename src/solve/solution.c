@@ -1,0 +1,227 @@
+#include "solution.h"
+
+#include <string.h>
+
+rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
+{
+    static const rsv_solve_desc presets[] = {
+        [RSV_QUALITY_DRAFT] = { .element_target = 2500, .rays_per_element = 128, .light_samples = 16,
+            .photon_count = 300000, .direct_levels = 2 },
+        [RSV_QUALITY_MEDIUM] = { .element_target = 8000, .rays_per_element = 256, .light_samples = 16,
+            .photon_count = 1500000, .direct_levels = 3 },
+        [RSV_QUALITY_HIGH] = { .element_target = 24000, .rays_per_element = 1024, .light_samples = 32,
+            .photon_count = 6000000, .direct_levels = 4 },
+    };
+    rsv_solve_desc desc = presets[quality];
+    desc.direct_level = true;
+    desc.max_orders = 4096;
+    desc.tolerance = 1e-4f;
+    desc.seed = 1;
+    return desc;
+}
+
+static bool is_power_of_two(uint32_t value)
+{
+    return value && (value & (value - 1)) == 0;
+}
+
+static rsv_status check_desc(const rsv_solve_desc *desc)
+{
+    if (desc->element_target == 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: element_target must be positive");
+    if (!is_power_of_two(desc->rays_per_element) || desc->rays_per_element < 64 ||
+        desc->rays_per_element > 4096)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "solve: rays_per_element is %u; it must be a power of two from 64 to 4096",
+            desc->rays_per_element);
+    if (!is_power_of_two(desc->light_samples) || desc->light_samples < 16)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "solve: light_samples is %u; it must be a power of two of at least 16",
+            desc->light_samples);
+    if (!(desc->tolerance > 0))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: tolerance must be positive");
+    return RSV_OK;
+}
+
+static rsv_status create_bsdfs(rsv_solution *s)
+{
+    const rsv_scene_view *view = s->scene.view;
+    s->bsdf = rsv_alloc(s->context, view->material_count, sizeof *s->bsdf);
+    if (!s->bsdf) return RSV_ERROR_MEMORY;
+    for (size_t m = 0; m < view->material_count; m++) {
+        char approximation[80];
+        s->bsdf[m] = rsv_bsdf_from_material(&view->material[m], approximation);
+        if (approximation[0])
+            rsv_log(s->context, RSV_LOG_WARNING, "material '%s': %s", view->material[m].name,
+                approximation);
+    }
+    s->scene.bsdf = s->bsdf;
+    return RSV_OK;
+}
+
+/// Edge of the cells that put about `target` nodes on everything that scatters diffusely.
+static float spacing_for(const rsv_solution *s, uint32_t target)
+{
+    const rsv_scene_view *view = s->scene.view;
+    double area = 0;
+    for (size_t t = 0; t < view->triangle_count; t++)
+        if (s->bsdf[view->triangle_material[t]].diffuse > 0)
+            area += rsv_triangle_area(view, (uint32_t)t);
+    return area > 0 ? (float)sqrt(area / target) : 1;
+}
+
+static rsv_status create_albedos(rsv_solution *s)
+{
+    const rsv_elements *e = s->elements;
+    s->exitance_albedo = rsv_alloc(s->context, e->node_count, sizeof *s->exitance_albedo);
+    s->node_valid = rsv_alloc(s->context, e->node_count, 1);
+    s->source = rsv_alloc(s->context, e->node_count, sizeof *s->source);
+    if (!s->exitance_albedo || !s->node_valid || !s->source) return RSV_ERROR_MEMORY;
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t triangle = e->face_triangle[e->node_face[n]];
+        s->exitance_albedo[n] = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
+    }
+    return RSV_OK;
+}
+
+static rsv_status create_fine_level(rsv_solution *s)
+{
+    bool caustics = s->desc.photon_count > 0 && rsv_photons_wanted(&s->scene, s->lights);
+    bool sampled = s->lights->sampled_count > 0 || s->scene.view->light_count > 0;
+    bool direct = s->desc.direct_level && sampled;
+    if (!caustics && !direct) return RSV_OK;
+    rsv_source_level_desc desc = { .direct = direct,
+        .photon_count = caustics ? s->desc.photon_count : 0,
+        .levels = s->desc.direct_levels, .light_samples = s->desc.light_samples,
+        .seed = s->desc.seed ^ 0x2545f491u };
+    return rsv_source_level_create(&s->scene, s->lights, s->elements, &desc, &s->fine,
+        &s->report.rays);
+}
+
+/// E0 on the coarse elements: next-event estimates, gathered emission and caustics.
+static rsv_status create_source(rsv_solution *s)
+{
+    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
+        s->desc.light_samples, s->desc.seed, s->transport->valid_points, NULL, s->source,
+        s->node_valid, &s->report.rays);
+    if (status != RSV_OK) return status;
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        s->source[n] = rgb_add(s->source[n], s->transport->gathered[n]);
+        if (s->fine.coarse_caustic) s->source[n] = rgb_add(s->source[n], s->fine.coarse_caustic[n]);
+    }
+    rsv_fill_buried(s->elements, s->node_valid, s->source);
+    rsv_fill_buried(s->elements, s->node_valid, s->transport->gathered);
+    return RSV_OK;
+}
+
+static rsv_status build(rsv_solution *s)
+{
+    rsv_status status;
+    double start = rsv_seconds();
+    RSV_TRY(create_bsdfs(s));
+    RSV_TRY(rsv_tracer_create(s->scene.scene, &s->tracer));
+    s->scene.tracer = s->tracer;
+    double built = rsv_seconds();
+    s->report.time_bvh = built - start;
+
+    RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
+    float spacing = spacing_for(s, s->desc.element_target);
+    RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
+    RSV_TRY(create_albedos(s));
+    RSV_TRY(rsv_transport_create(&s->scene, s->lights, s->elements, s->desc.rays_per_element,
+        s->desc.seed, &s->transport));
+    s->report.rays += s->transport->rays;
+    RSV_TRY(create_fine_level(s));
+    RSV_TRY(create_source(s));
+    double assembled = rsv_seconds();
+    s->report.time_assemble = assembled - built;
+
+    s->report.elements = s->elements->node_count;
+    s->report.direct_elements = s->fine.elements ? s->fine.elements->node_count : 0;
+    s->report.entries = rsv_transport_entries(s->transport);
+    RSV_TRY(rsv_solve_neumann(s));
+    s->report.time_solve = rsv_seconds() - assembled;
+cleanup:
+    return status;
+}
+
+rsv_status rsv_solution_create(const rsv_scene *scene, const rsv_solve_desc *desc,
+    rsv_solution **solution)
+{
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    rsv_status status = check_desc(&settings);
+    if (status != RSV_OK) return status;
+    rsv_solution *s = rsv_alloc(context, 1, sizeof *s);
+    if (!s) return RSV_ERROR_MEMORY;
+    s->context = context;
+    s->desc = settings;
+    s->scene = (rsv_transport_scene){ .scene = scene, .view = rsv_scene_get_view(scene) };
+    status = build(s);
+    if (status != RSV_OK) {
+        rsv_solution_destroy(s);
+        return status;
+    }
+    *solution = s;
+    return RSV_OK;
+}
+
+void rsv_solution_destroy(rsv_solution *s)
+{
+    if (!s) return;
+    rsv_context *context = s->context;
+    rsv_source_level_destroy(context, &s->fine);
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++)
+        rsv_free(context, s->order[k]);
+    rsv_free(context, s->indirect);
+    rsv_free(context, s->source);
+    rsv_free(context, s->node_valid);
+    rsv_free(context, s->exitance_albedo);
+    rsv_transport_destroy(s->transport);
+    rsv_elements_destroy(s->elements);
+    rsv_lights_destroy(s->lights);
+    rsv_tracer_destroy(s->tracer);
+    rsv_free(context, s->bsdf);
+    rsv_free(context, s);
+}
+
+const rsv_solve_report *rsv_solution_report(const rsv_solution *solution)
+{
+    return &solution->report;
+}
+
+const rsv_scene *rsv_solution_scene(const rsv_solution *solution)
+{
+    return solution->scene.scene;
+}
+
+uint32_t rsv_solution_order_count(const rsv_solution *solution)
+{
+    return solution->order_count;
+}
+
+rsv_rgb rsv_solution_direct(const rsv_solution *s, uint32_t face, float u, float v, bool skip_sampled)
+{
+    rsv_rgb sum = rsv_elements_interpolate(s->elements, s->transport->gathered, face, u, v);
+    if (s->fine.caustic)
+        sum = rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.caustic, face, u, v));
+    if (skip_sampled) return sum;
+    if (s->fine.direct)
+        return rgb_add(sum,
+            rsv_elements_interpolate(s->fine.elements, s->fine.direct, face, u, v));
+    return rsv_elements_interpolate(s->elements, s->source, face, u, v);
+}
+
+rsv_rgb rsv_solution_irradiance(const rsv_solution *s, uint32_t triangle, float u, float v,
+    bool back_side, uint32_t order)
+{
+    uint32_t face = s->elements->face_of[back_side][triangle];
+    if (face == RSV_NONE) return rgb_gray(0);
+    if (order == 0) return rsv_solution_direct(s, face, u, v, false);
+    if (order != RSV_NONE)
+        return order < s->order_count
+            ? rsv_elements_interpolate(s->elements, s->order[order], face, u, v)
+            : rgb_gray(0);
+    return rgb_add(rsv_solution_direct(s, face, u, v, false),
+        rsv_elements_interpolate(s->elements, s->indirect, face, u, v));
+}
