@@ -10,3 +10,7 @@ endif()
 if(TARGET sample_minimal)
     add_test(NAME sample_minimal COMMAND sample_minimal)
 endif()
+if(TARGET resolvent_program AND NOT RSV_SANITIZE)
+    add_test(NAME package COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_package.sh
+        ${CMAKE_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+endif()
