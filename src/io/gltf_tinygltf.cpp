@@ -8,6 +8,7 @@ extern "C" {
 
 #include <tiny_gltf.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <climits>
 #include <cmath>
@@ -201,8 +202,7 @@ void check_required_extensions(const tinygltf::Model &model)
 void parse(const char *path, owned_document &document)
 {
     std::string file = path;
-    size_t slash = file.rfind('/');
-    std::string folder = slash == std::string::npos ? "." : file.substr(0, slash);
+    std::string folder = file.substr(0, file.rfind('/') + 1) + "."; // npos + 1 = 0: "." alone
     std::vector<unsigned char> bytes = read_file(file);
 
     tinygltf::TinyGLTF loader;

@@ -46,10 +46,8 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
         radius = fmaxf(radius, v3_length(v3_sub(scene->position[i], centre)));
     rsv_camera camera = rsv_camera_frame_sphere("framing", centre, radius);
     rsv_log(scene->context, RSV_LOG_INFO,
-        "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g) looking at (%.4g, "
-        "%.4g, "
-        "%.4g)",
-        camera.position.x, camera.position.y, camera.position.z, centre.x, centre.y, centre.z);
+        "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g)", camera.position.x,
+        camera.position.y, camera.position.z);
     return rsv_scene_add_camera(scene, &camera);
 }
 
@@ -78,8 +76,7 @@ rsv_status rsv_scene_commit(rsv_scene *scene)
     fill_view(scene, bounds);
     if (!has_light(scene))
         rsv_log(scene->context, RSV_LOG_WARNING,
-            "the scene has no light (no emissive material, no punctual light): pictures will be "
-            "black");
+            "the scene has no light (emissive material or punctual light): pictures will be black");
     rsv_scene_release_sources(scene);
     scene->committed = true;
 cleanup:
