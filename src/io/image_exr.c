@@ -18,8 +18,8 @@ static rsv_status status_of(const rsv_exr_stream *stream, exr_result_t result)
     switch (result) {
     case EXR_ERR_SUCCESS:
         return RSV_OK;
-    case EXR_ERR_OUT_OF_MEMORY:
-        return RSV_ERROR_MEMORY;
+    case EXR_ERR_OUT_OF_MEMORY: // what damaged PIZ data is called, too
+        return stream->input ? RSV_ERROR_FORMAT : RSV_ERROR_MEMORY;
     case EXR_ERR_FEATURE_NOT_IMPLEMENTED:
         return RSV_ERROR_UNSUPPORTED;
     default:

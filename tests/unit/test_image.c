@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include <dirent.h>
+#include <limits.h>
 #include <openexr.h>
 #include <signal.h>
 #include <stdio.h>
@@ -23,10 +24,13 @@
 static char folder[] = "/tmp/resolvent-image-XXXXXX";
 static rsv_context *context;
 static int live_allocations, allocations_before_test;
+static int allocations_left = INT_MAX; // until memory runs out
 
 static void *counting_allocate(void *user, size_t bytes)
 {
     (void)user;
+    if (allocations_left == 0) return NULL;
+    allocations_left--;
     live_allocations++;
     return aligned_alloc(64, bytes);
 }
@@ -643,6 +647,35 @@ static void failed_writes_leave_the_old_file_and_nothing_else(void **state)
     rsv_image_destroy(image);
 }
 
+static void running_out_of_memory_leaves_nothing(void **state)
+{
+    (void)state;
+    rsv_image *image = make_image(5, 4, 2);
+    for (int i = 0; i < 3; i++) {
+        const char *path = path_of(sample_names[i]);
+        rsv_status status = RSV_ERROR_MEMORY;
+        for (int limit = 0; status != RSV_OK; limit++) {
+            assert_int_equal(status, RSV_ERROR_MEMORY);
+            assert_int_equal(clear_folder(), 0);
+            allocations_left = limit;
+            status = rsv_image_write(image, path, 0);
+        }
+        status = RSV_ERROR_MEMORY;
+        for (int limit = 0; status != RSV_OK; limit++) {
+            rsv_image *back = NULL;
+            int live = live_allocations;
+            assert_int_equal(status, RSV_ERROR_MEMORY);
+            allocations_left = limit;
+            status = rsv_image_read(context, path, &back);
+            if (status != RSV_OK) assert_int_equal(live_allocations, live);
+            rsv_image_destroy(back);
+        }
+        allocations_left = INT_MAX;
+        clear_folder();
+    }
+    rsv_image_destroy(image);
+}
+
 static void replaced_files_keep_links_and_permissions(void **state)
 {
     (void)state;
@@ -785,6 +818,7 @@ int main(void)
         IMAGE_TEST(missing_and_unknown_files_are_named),
         IMAGE_TEST(output_is_checked_before_the_work),
         IMAGE_TEST(failed_writes_leave_the_old_file_and_nothing_else),
+        IMAGE_TEST(running_out_of_memory_leaves_nothing),
         IMAGE_TEST(replaced_files_keep_links_and_permissions),
         IMAGE_TEST(writers_of_one_name_do_not_clash),
         IMAGE_TEST(layers_have_distinct_names),
