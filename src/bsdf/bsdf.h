@@ -32,8 +32,8 @@ float rsv_fresnel_dielectric(float cos_i, float eta, float *cos_t);
 /// Unpolarised reflectance of a conductor with complex index eta + i k (relative).
 float rsv_fresnel_conductor(float cos_i, float eta, float k);
 
-/// Hemispherical mean 2 int F cos dcos of the dielectric reflectance from outside, eta >= 1 (Walsh's
-/// closed form); from inside it is 1 - (1 - mean) / eta^2.
+/// Hemispherical mean 2 int F cos dcos of the dielectric reflectance from outside, eta >= 1
+/// (Walsh's closed form); from inside it is 1 - (1 - mean) / eta^2.
 double rsv_fresnel_dielectric_mean(double eta);
 
 /// Material constants precomputed once per material, so that no hot loop needs Walsh's formula.
@@ -53,8 +53,8 @@ typedef struct rsv_bsdf {
 } rsv_bsdf;
 
 /// Maps a material to the scattering model. Rough lobes are mapped to the nearest ideal ones:
-/// `approximation` receives a phrase for a warning ("rough metal (0.40) shown as an ideal mirror"), or
-/// an empty string. @param approximation [80] bytes
+/// `approximation` receives a phrase for a warning ("rough metal (0.40) shown as an ideal mirror"),
+/// or an empty string. @param approximation [80] bytes
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material, char *approximation);
 
 /// Weights of the branches in which light that leaves along `wo` may have arrived, and where from.
@@ -91,12 +91,12 @@ typedef struct rsv_bsdf_sample {
     float pdf_solid_angle; ///< of the diffuse lobe including its choice; 0 for delta lobes
 } rsv_bsdf_sample;
 
-/// Draws a lobe by its weight and a direction within it. `u_lobe`, `u1`, `u2` are uniform in [0, 1).
+/// Draws a lobe by its weight and a direction within it. `u_lobe`, `u1`, `u2` lie in [0, 1).
 rsv_bsdf_sample rsv_bsdf_sample_direction(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
 
-/// Value (1/sr) of the non-delta lobes for light from `wi`; 0 below the horizon. On a side where
-/// rsv_bsdf_evaluate_branches finds the diffuse branch black there is nothing to evaluate: do not ask.
+/// Value (1/sr) of the non-delta lobes for light from `wi`; 0 below the horizon. Not to be
+/// asked on a side where rsv_bsdf_evaluate_branches finds the diffuse branch black.
 rsv_rgb rsv_bsdf_eval(const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n);
 
 /// Density per solid angle with which rsv_bsdf_sample_direction draws `wi` by a non-delta lobe.

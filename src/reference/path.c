@@ -1,8 +1,8 @@
-/// One path of the reference: next-event estimation and BSDF sampling, combined by the power heuristic
-/// with exponent 2 (Veach and Guibas 1995).
+/// One path of the reference: next-event estimation and BSDF sampling, combined by the power
+/// heuristic with exponent 2 (Veach and Guibas 1995).
 #include "reference_internal.h"
 
-/// Pairs of numbers taken from the quasi-random sequence: three for each of the first four surfaces.
+/// Pairs of numbers from the quasi-random sequence: three for each of the first four surfaces.
 #define QUASI_RANDOM_PAIRS 12
 #define FIRST_ROULETTE_BOUNCE 5
 /// Ends even lossless paths. Above albedo^2 of anything that occurs, or the variance were infinite.
@@ -23,8 +23,8 @@ typedef struct light_path {
     rsv_vec3 departure; ///< point of the surface that the ray left
     rsv_rgb throughput;
     uint32_t bounces, diffuse_events;
-    /// With which the last surface chose the ray; 0 = next-event estimation could not have found what
-    /// the ray finds.
+    /// With which the last surface chose the ray; 0 = next-event estimation could not have found
+    /// what the ray finds.
     float pdf_solid_angle;
     rsv_local_lights local; ///< the lights as the last diffuse surface sees them
     rsv_path_light *light;

@@ -115,8 +115,8 @@ static rsv_status render_rows(const picture_job *picture)
     return rsv_progress(context, phase, 1);
 }
 
-/// Standard error of the picture's mean luminance over that mean. One sample per pixel says nothing of
-/// its own variance: the variance over the whole picture then stands in, which is never smaller.
+/// Standard error of the picture's mean luminance over that mean. One sample per pixel says nothing
+/// of its own variance: the variance over the whole picture then stands in, which is never smaller.
 static double relative_standard_error(const picture_job *picture, const row_statistics *all)
 {
     double pixels = (double)picture->desc->width * picture->desc->height;

@@ -4,9 +4,9 @@
 
 #include "resolvent/trace.h"
 
-/// Ray through a point of a `width` x `height` picture. The vertical field of view is the camera's, the
-/// horizontal one follows the picture's shape.
-/// @param x, y in pixels from the top left corner: column or row + offset in [0, 1) within the pixel
+/// Ray through a point of a `width` x `height` picture. The vertical field of view is the camera's,
+/// the horizontal one follows the picture's shape.
+/// @param x, y in pixels from the top left corner: column or row + offset within the pixel
 /// @return unit direction, t_max infinite
 rsv_ray rsv_camera_ray(const rsv_camera *camera, uint32_t width, uint32_t height, float x, float y);
 

@@ -109,7 +109,7 @@ static void mean_reflectance_is_continuous_towards_no_interface(void **state)
     assert_true(fabs(above - below) < 1e-7);
 }
 
-/// int f(wi, wo) cos_i dwi by the midpoint rule in (cos^2, phi); exact but for the coat's variation.
+/// int f(wi, wo) cos_i dwi by the midpoint rule in (cos^2, phi).
 static rsv_rgb directional_albedo(const rsv_bsdf *bsdf, rsv_vec3 wo)
 {
     enum { STEPS = 4000 };
