@@ -4,6 +4,7 @@
 
 #include "resolvent/scene.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -49,6 +50,14 @@ static const command *find_command(const char *name)
     return NULL;
 }
 
+/// Results that a full disk swallowed are a failure.
+static int flush_results(int exit_status)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout)) return exit_status;
+    fprintf(stderr, "error: cannot write to standard output: %s\n", strerror(errno));
+    return CLI_FAILURE;
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) return cli_usage_error(NULL, "no command given");
@@ -63,5 +72,5 @@ int main(int argc, char **argv)
     }
     const command *found = find_command(argv[1]);
     if (!found) return cli_usage_error(NULL, "'%s' is not a command", argv[1]);
-    return found->run(argc - 2, argv + 2);
+    return flush_results(found->run(argc - 2, argv + 2));
 }

@@ -58,24 +58,38 @@ static bool write_all(int file, const char *text, size_t length)
     return true;
 }
 
+static bool write_in_place(const char *path, const char *text, size_t length)
+{
+    int file = open(path, O_WRONLY);
+    bool written = file >= 0 && write_all(file, text, length);
+    return file >= 0 && close(file) == 0 && written;
+}
+
+/// The name of the temporary file does not grow with that of `path`, which may be as long as the file
+/// system allows.
+static bool write_and_rename(const char *path, const char *text, size_t length)
+{
+    char folder[PATH_MAX], temporary[PATH_MAX + 32];
+    folder_of(path, folder, sizeof folder);
+    snprintf(temporary, sizeof temporary, "%s/.resolvent-%ld.part", folder, (long)getpid());
+    int file = open(temporary, O_WRONLY | O_CREAT | O_TRUNC, 0666);
+    if (file < 0) return false;
+    bool written = write_all(file, text, length);
+    if (close(file) != 0) written = false;
+    if (written) written = rename(temporary, path) == 0;
+    if (!written) unlink(temporary);
+    return written;
+}
+
 bool cli_write_file(const char *path, const char *text, size_t length)
 {
-    char target[PATH_MAX];
-    bool in_place = is_special_file(path);
-    int name_length = in_place
-                          ? snprintf(target, sizeof target, "%s", path)
-                          : snprintf(target, sizeof target, "%s.%ld.part", path, (long)getpid());
-    if (name_length >= (int)sizeof target) errno = ENAMETOOLONG;
-    int file = name_length >= (int)sizeof target
-                   ? -1
-                   : open(target, in_place ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC, 0666);
-    bool written = file >= 0 && write_all(file, text, length);
-    if (file >= 0 && close(file) != 0) written = false;
-    if (written && !in_place) written = rename(target, path) == 0;
-    if (!written) {
-        cli_error("%s: cannot be written: %s", path, strerror(errno));
-        if (file >= 0 && !in_place) unlink(target);
-    }
+    char *linked =
+        realpath(path, NULL); // rename() would replace a symbolic link, not what it names
+    const char *target = linked ? linked : path;
+    bool written = is_special_file(target) ? write_in_place(target, text, length)
+                                           : write_and_rename(target, text, length);
+    if (!written) cli_error("%s: cannot be written: %s", path, strerror(errno));
+    free(linked);
     return written;
 }
 

@@ -16,6 +16,8 @@ for name in cornell-blocks cornell-spheres furnace two-rooms; do
     says $name
 done
 
+"$program" info furnace >/dev/full 2>stderr && complain "results lost on a full disk are a success"
+
 refuses 2 'no command'
 refuses 2 'is not a command' paint
 refuses 2 'is not a command' view
