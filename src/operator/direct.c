@@ -3,7 +3,7 @@
 #include <string.h>
 
 #define LANES 16
-#define BURIAL_RAYS 6 ///< all of them must see backs before a point counts as buried
+#define PENUMBRA_FACTOR 8 ///< more shadow rays where a source is partly visible
 
 /// The receiver points of one node.
 typedef struct node_points {
@@ -26,50 +26,20 @@ static const rsv_bsdf *node_bsdf(const direct_job *job, uint32_t node)
     return &job->scene->bsdf[job->scene->view->triangle_material[triangle]];
 }
 
-static bool sees_back(const rsv_transport_scene *scene, const rsv_ray *ray)
-{
-    rsv_hit hit;
-    if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
-    rsv_chain chain =
-        rsv_chain_begin(scene, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
-    return chain.back && !bsdf->double_sided && bsdf->transmission == 0;
-}
-
-static bool is_buried(const direct_job *job, const rsv_surface_point *point, rsv_vec3 origin,
-    uint32_t seed, uint64_t *rays)
-{
-    rsv_vec3 t, b;
-    v3_frame(point->geometric, &t, &b);
-    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
-        float x, y;
-        rsv_sobol_2d(k, seed, &x, &y);
-        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point->geometric),
-            INFINITY };
-        ++*rays;
-        if (!sees_back(job->scene, &ray)) return false;
-    }
-    return true;
-}
-
-static void set_up_points(const direct_job *job, uint32_t node, const uint16_t *valid_points,
-    node_points *p, uint64_t *rays)
+static void set_up_points(const direct_job *job, uint32_t node, uint16_t valid, node_points *p)
 {
     const rsv_elements *e = job->elements;
     p->count = job->points;
-    p->valid = valid_points ? valid_points[node] : 0;
+    p->valid = valid;
     for (uint32_t k = 0; k < p->count; k++) {
-        uint32_t face;
+        uint32_t support;
         float u, v;
-        rsv_elements_sample_support(e, node, k, p->count, job->seed, &face, &u, &v);
+        rsv_elements_sample_support(e, node, k, p->count, job->seed, &support, &u, &v);
+        uint32_t face = e->cell[support / 4].face;
         p->point[k] =
             rsv_surface_point_at(job->scene->view, e->face_triangle[face], u, v, e->face_back[face]);
         p->origin[k] =
             rsv_offset_origin(p->point[k].position, p->point[k].geometric, p->point[k].extent);
-        if (!valid_points &&
-            !is_buried(job, &p->point[k], p->origin[k], rsv_hash3(job->seed, node, k), rays))
-            p->valid |= (uint16_t)(1u << k);
     }
 }
 
@@ -135,6 +105,12 @@ static float ratio(float unshadowed, float shadowed, float open)
     return open > 0 ? unshadowed * (shadowed / open) : 0;
 }
 
+static bool in_penumbra(rsv_rgb shadowed, rsv_rgb open)
+{
+    float visible = rgb_luminance(shadowed), all = rgb_luminance(open);
+    return visible > 0 && visible < 0.999f * all;
+}
+
 static rsv_rgb from_emitters(const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
 {
     if (job->lights->sampled_count == 0) return rgb_gray(0);
@@ -150,10 +126,13 @@ static rsv_rgb from_emitters(const direct_job *job, uint32_t node, const node_po
     }
     if (!by_power && rgb_is_black(unshadowed)) return unshadowed;
     const rsv_bsdf *bsdf = node_bsdf(job, node);
-    for (uint32_t first = 0; first < job->samples; first += LANES)
+    uint32_t samples = job->samples;
+    for (uint32_t first = 0; first < samples; first += LANES) {
         sample_emitters(job, node, first, p, local, bsdf, &shadowed, &open, rays);
-    if (by_power)
-        return rgb_scale(shadowed, (float)p->count / (valid * (float)job->samples));
+        bool last = first + LANES == job->samples;
+        if (last && in_penumbra(shadowed, open)) samples = PENUMBRA_FACTOR * job->samples;
+    }
+    if (by_power) return rgb_scale(shadowed, (float)p->count / (valid * (float)samples));
     return rgb(ratio(unshadowed.r, shadowed.r, open.r), ratio(unshadowed.g, shadowed.g, open.g),
         ratio(unshadowed.b, shadowed.b, open.b));
 }
@@ -191,8 +170,7 @@ static rsv_rgb from_punctual(const direct_job *job, uint32_t node, const node_po
 
 rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *elements, uint32_t points, uint32_t samples, uint32_t seed,
-    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, uint8_t *node_valid,
-    uint64_t *rays)
+    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
 {
     rsv_context *context = elements->context;
     direct_job job = { scene, lights, elements, points, samples, seed };
@@ -200,16 +178,13 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
     size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : traced)
     for (size_t node = 0; node < elements->node_count; node++) {
-        if (known && known[node]) continue;
+        if ((known && known[node]) || rsv_cancelled(context)) continue;
         irradiance[node] = rgb_gray(0);
-        node_valid[node] = 1;
-        if (elements->node_hanging[node] != RSV_NONE || rsv_cancelled(context)) continue;
+        if (!valid_points[node]) continue;
         node_points p;
-        set_up_points(&job, (uint32_t)node, valid_points, &p, &traced);
-        node_valid[node] = p.valid != 0;
-        if (p.valid)
-            irradiance[node] = rgb_add(from_emitters(&job, (uint32_t)node, &p, &traced),
-                from_punctual(&job, (uint32_t)node, &p, &traced));
+        set_up_points(&job, (uint32_t)node, valid_points[node], &p);
+        irradiance[node] = rgb_add(from_emitters(&job, (uint32_t)node, &p, &traced),
+            from_punctual(&job, (uint32_t)node, &p, &traced));
         if (rsv_thread_index() == 0 && (++done & 1023) == 0)
             rsv_progress(context, "direct",
                 fmin((double)(done * (size_t)rsv_threads(context)) / (double)elements->node_count, 1));
@@ -217,23 +192,4 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
     *rays += traced;
     rsv_elements_constrain(elements, irradiance);
     return rsv_progress(context, "direct", 1);
-}
-
-void rsv_fill_buried(const rsv_elements *e, const uint8_t *node_valid, rsv_rgb *value)
-{
-    for (size_t node = 0; node < e->node_count; node++) {
-        if (node_valid[node] || e->node_hanging[node] != RSV_NONE) continue;
-        rsv_rgb sum = rgb_gray(0);
-        uint32_t neighbours = 0;
-        for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
-            for (int k = 0; k < 3; k++) {
-                uint32_t other = e->cell_node[e->support[s] / 4][k];
-                if (!node_valid[other] || e->node_hanging[other] != RSV_NONE) continue;
-                sum = rgb_add(sum, value[other]);
-                neighbours++;
-            }
-        }
-        value[node] = neighbours ? rgb_scale(sum, 1 / (float)neighbours) : rgb_gray(0);
-    }
-    rsv_elements_constrain(e, value);
 }

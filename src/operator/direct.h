@@ -12,18 +12,12 @@
 /// without noise; in penumbrae the ratio's bias is of order 1 / samples and far below its noise.
 ///
 /// @param points per node, 4 or 16
-/// @param samples shadow rays per node to emitters, a multiple of 16; punctual lights get one per point
-/// @param valid_points [node_count] bit k: receiver point k is not buried; NULL = find out with a few
-///                     rays. Must come from the same seed and 16 points.
-/// @param known [node_count] non-zero = irradiance and validity of this node stand already; NULL = none
-/// @param node_valid [node_count], out: some receiver point is not buried
+/// @param samples shadow rays per node to emitters at first, a multiple of 16; nodes in penumbra get up to
+///                eight times as many. Punctual lights get one per point.
+/// @param valid_points [node_count] from rsv_find_buried with the same points and seed
+/// @param known [node_count] non-zero = the irradiance of this node stands already; NULL = none
 rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *elements, uint32_t points, uint32_t samples, uint32_t seed,
-    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, uint8_t *node_valid,
-    uint64_t *rays);
-
-/// Gives nodes without a valid receiver point the mean of their valid neighbours, so that interpolation
-/// next to something that stands on a surface does not fade to black.
-void rsv_fill_buried(const rsv_elements *elements, const uint8_t *node_valid, rsv_rgb *value);
+    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays);
 
 #endif

@@ -374,6 +374,25 @@ static rsv_status create_supports(rsv_elements *e)
     return RSV_OK;
 }
 
+rsv_status rsv_elements_renumber(rsv_elements *e, size_t node_count)
+{
+    uint32_t *node_hanging = rsv_alloc(e->context, node_count, sizeof *node_hanging);
+    if (!node_hanging) return RSV_ERROR_MEMORY;
+    memset(node_hanging, 0xff, node_count * sizeof *node_hanging);
+    memcpy(node_hanging, e->node_hanging, e->node_count * sizeof *node_hanging);
+    rsv_free(e->context, e->node_hanging);
+    rsv_free(e->context, e->node_face);
+    rsv_free(e->context, e->node_area);
+    rsv_free(e->context, e->support_begin);
+    rsv_free(e->context, e->support);
+    e->node_face = NULL;
+    e->node_area = NULL;
+    e->support_begin = e->support = NULL;
+    e->node_hanging = node_hanging;
+    e->node_count = node_count;
+    return create_supports(e);
+}
+
 /// Barycentric weight of a corner with density proportional to itself over a triangle: the inverse of the
 /// distribution function 3 b^2 - 2 b^3.
 static float sample_hat(float x)
@@ -382,7 +401,7 @@ static float sample_hat(float x)
 }
 
 void rsv_elements_sample_support(const rsv_elements *e, uint32_t node, uint32_t index, uint32_t count,
-    uint32_t seed, uint32_t *face, float *u, float *v)
+    uint32_t seed, uint32_t *support, float *u, float *v)
 {
     uint32_t begin = e->support_begin[node], end = e->support_begin[node + 1];
     float total = 0;
@@ -405,7 +424,7 @@ void rsv_elements_sample_support(const rsv_elements *e, uint32_t node, uint32_t 
     rsv_cell_corner(cell, k, &u0, &v0);
     rsv_cell_corner(cell, (k + 1) % 3, &u1, &v1);
     rsv_cell_corner(cell, (k + 2) % 3, &u2, &v2);
-    *face = cell->face;
+    *support = e->support[chosen];
     *u = b * u0 + c * u1 + (1 - b - c) * u2;
     *v = b * v0 + c * v1 + (1 - b - c) * v2;
 }

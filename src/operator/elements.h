@@ -76,6 +76,9 @@ rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf, flo
 rsv_status rsv_elements_refine(const rsv_elements *coarser, const uint8_t *split,
     rsv_elements **elements);
 
+/// Rebuilds supports after cell_node was changed to use `node_count` nodes; fresh nodes do not hang.
+rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
+
 void rsv_elements_destroy(rsv_elements *elements);
 
 /// Cell that contains barycentric (u, v) of `face`, and the weights of its three nodes there.
@@ -161,8 +164,10 @@ rsv_surface_point rsv_surface_point_at(const rsv_scene_view *scene, uint32_t tri
 float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
 
 /// Point `index` of `count` of a stratified sample of a node's support, with density proportional to its
-/// hat function. @param seed differs between independent samples
+/// hat function. Points of one cell have consecutive indices.
+/// @param seed differs between independent samples
+/// @param support, u, v the entry of the support (cell * 4 + corner) and the place on its face
 void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t index,
-    uint32_t count, uint32_t seed, uint32_t *face, float *u, float *v);
+    uint32_t count, uint32_t seed, uint32_t *support, float *u, float *v);
 
 #endif

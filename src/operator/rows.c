@@ -16,15 +16,13 @@ typedef struct receiver {
     float geometric_x[LANES], geometric_y[LANES], geometric_z[LANES];
 } receiver;
 
-/// What the rays of one row found, before lanes are judged.
+/// What the rays of one row found.
 typedef struct row_scratch {
     uint32_t *column;     ///< [rays] RSV_NONE = nothing
     uint32_t tinted_count;
-    uint32_t *tinted_ray; ///< [rays]
-    uint32_t *tinted_column;
+    uint32_t *tinted_column; ///< [rays]
     rsv_rgb *tinted_weight;
-    rsv_rgb emission[LANES];
-    uint32_t back_hits[LANES], live_rays[LANES];
+    rsv_rgb emission;
     uint64_t rays;
 } row_scratch;
 
@@ -39,6 +37,7 @@ typedef struct assembly {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
     const rsv_elements *elements;
+    const uint16_t *valid_points;
     rsv_directions directions;
     rsv_transport *transport;
     uint32_t seed;
@@ -53,9 +52,10 @@ static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
     float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(a->seed, node, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
     for (uint32_t k = 0; k < LANES; k++) {
-        uint32_t face;
+        uint32_t support;
         float u, v;
-        rsv_elements_sample_support(a->elements, node, k, LANES, a->seed, &face, &u, &v);
+        rsv_elements_sample_support(a->elements, node, k, LANES, a->seed, &support, &u, &v);
+        uint32_t face = a->elements->cell[support / 4].face;
         rsv_surface_point point = rsv_surface_point_at(a->scene->view,
             a->elements->face_triangle[face], u, v, a->elements->face_back[face]);
         rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
@@ -74,8 +74,9 @@ static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
     }
 }
 
-/// Rays that an interpolated normal sends below the surface start dead: they carry nothing.
-static void aim_packet(const receiver *r, const float *x, const float *y, const float *z,
+/// Rays of buried points are left out. Rays that an interpolated normal sends below the surface start dead
+/// too, but count: they carry nothing.
+static void aim_packet(const receiver *r, uint16_t valid, const float *x, const float *y, const float *z,
     rsv_ray_packet *packet)
 {
     for (int k = 0; k < LANES; k++) {
@@ -89,7 +90,7 @@ static void aim_packet(const receiver *r, const float *x, const float *y, const 
         packet->direction_x[k] = dx;
         packet->direction_y[k] = dy;
         packet->direction_z[k] = dz;
-        packet->t_max[k] = above > 0 ? INFINITY : -1;
+        packet->t_max[k] = above > 0 && (valid >> k & 1) ? INFINITY : -1;
     }
 }
 
@@ -116,7 +117,6 @@ static void record_end(const assembly *a, row_scratch *s, uint32_t ray, const rs
         s->column[ray] = node;
         return;
     }
-    s->tinted_ray[s->tinted_count] = ray;
     s->tinted_column[s->tinted_count] = node;
     s->tinted_weight[s->tinted_count++] = w;
 }
@@ -133,8 +133,7 @@ static void follow_chain(const assembly *a, row_scratch *s, uint32_t node, uint3
     chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(receiver_bsdf, cos_receiver));
     rsv_gather gather =
         rsv_chain_gather(a->scene, chain, &random, counts_by_gathering, a->lights);
-    int lane = (int)(ray % LANES);
-    s->emission[lane] = rgb_add(s->emission[lane], gather.emission);
+    s->emission = rgb_add(s->emission, gather.emission);
     s->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_DIFFUSE)
         record_end(a, s, ray, &gather.chain, rsv_random_float(&random));
@@ -151,9 +150,8 @@ static void process_hits(const assembly *a, row_scratch *s, uint32_t node, uint3
         bool back = packet->normal_x[k] * packet->direction_x[k] +
                 packet->normal_y[k] * packet->direction_y[k] +
                 packet->normal_z[k] * packet->direction_z[k] > 0;
-        if (back && !bsdf->double_sided && bsdf->transmission == 0) {
-            s->back_hits[k]++;
-        } else if (bsdf->lambert && !bsdf->emissive && !receiver_bsdf->coated) {
+        if (back && !bsdf->double_sided && bsdf->transmission == 0) continue;
+        if (bsdf->lambert && !bsdf->emissive && !receiver_bsdf->coated) {
             uint32_t face = e->face_of[back][triangle];
             float weight[3];
             uint32_t cell = rsv_elements_locate(e, face, packet->u[k], packet->v[k], weight);
@@ -172,10 +170,7 @@ static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
     uint32_t rays = a->directions.count;
     memset(s->column, 0xff, rays * sizeof *s->column);
     s->tinted_count = 0;
-    for (int k = 0; k < LANES; k++) {
-        s->emission[k] = rgb_gray(0);
-        s->back_hits[k] = s->live_rays[k] = 0;
-    }
+    s->emission = rgb_gray(0);
     uint32_t face = a->elements->node_face[node];
     uint32_t material = a->scene->view->triangle_material[a->elements->face_triangle[face]];
     size_t set = (size_t)(rsv_hash2(a->seed, node) % RSV_DIRECTION_SETS) * rays;
@@ -183,77 +178,57 @@ static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
     memset(packet.mask, 0xff, sizeof packet.mask);
     for (uint32_t first = 0; first < rays; first += LANES) {
         const float *z = a->directions.z + set + first;
-        aim_packet(&r, a->directions.x + set + first, a->directions.y + set + first, z, &packet);
-        for (int k = 0; k < LANES; k++)
-            s->live_rays[k] += packet.t_max[k] > 0;
+        aim_packet(&r, a->valid_points[node], a->directions.x + set + first,
+            a->directions.y + set + first, z, &packet);
         rsv_tracer_closest_packet(a->scene->tracer, &packet, false);
         process_hits(a, s, node, first, &a->scene->bsdf[material], z, &packet);
     }
     s->rays += rays;
 }
 
-/// A receiver point is buried if all it sees are the backs of one-sided surfaces: it lies inside a body,
-/// or under something that stands on the floor. Its rays are left out of the row.
-static uint16_t judge_points(const row_scratch *s)
+static rsv_status store_tinted(rsv_context *context, const row_scratch *s, tinted_block *block)
 {
-    uint16_t valid = 0;
-    for (int k = 0; k < LANES; k++) {
-        bool buried = s->live_rays[k] == 0 || s->back_hits[k] * 16 >= s->live_rays[k] * 15;
-        if (!buried) valid |= (uint16_t)(1u << k);
-    }
-    return valid;
+    size_t needed = block->count + s->tinted_count;
+    rsv_status status = rsv_grow(context, (void **)&block->column, &block->column_capacity, needed,
+        sizeof *block->column);
+    if (status == RSV_OK)
+        status = rsv_grow(context, (void **)&block->weight, &block->weight_capacity, needed,
+            sizeof *block->weight);
+    if (status != RSV_OK) return status;
+    memcpy(block->column + block->count, s->tinted_column, s->tinted_count * sizeof *block->column);
+    memcpy(block->weight + block->count, s->tinted_weight, s->tinted_count * sizeof *block->weight);
+    block->count = needed;
+    return RSV_OK;
 }
 
 static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, tinted_block *block)
 {
     rsv_transport *t = a->transport;
     uint32_t rays = a->directions.count, length = 0;
-    uint16_t valid = judge_points(s);
-    int points = __builtin_popcount(valid);
     uint32_t *column = t->column + (size_t)node * rays;
     for (uint32_t ray = 0; ray < rays; ray++)
-        if (s->column[ray] != RSV_NONE && (valid >> (ray % LANES) & 1))
-            column[length++] = s->column[ray];
-    t->valid_points[node] = valid;
-    t->scale[node] = points ? (float)LANES / ((float)rays * (float)points) : 0;
+        if (s->column[ray] != RSV_NONE) column[length++] = s->column[ray];
+    int points = __builtin_popcount(a->valid_points[node]);
+    t->scale[node] = (float)LANES / ((float)rays * (float)points);
+    t->gathered[node] = rgb_scale(s->emission, RSV_PI * t->scale[node]);
     a->row_length[node] = length;
-
-    rsv_rgb emission = rgb_gray(0);
-    for (int k = 0; k < LANES; k++)
-        if (valid >> k & 1) emission = rgb_add(emission, s->emission[k]);
-    t->gathered[node] = rgb_scale(emission, RSV_PI * t->scale[node]);
-
-    rsv_status status = RSV_OK;
-    for (uint32_t i = 0; i < s->tinted_count && status == RSV_OK; i++) {
-        if (!(valid >> (s->tinted_ray[i] % LANES) & 1)) continue;
-        status = rsv_grow(t->context, (void **)&block->column,
-            &block->column_capacity, block->count + 1, sizeof *block->column);
-        if (status == RSV_OK)
-            status = rsv_grow(t->context, (void **)&block->weight, &block->weight_capacity,
-                block->count + 1, sizeof *block->weight);
-        if (status != RSV_OK) break;
-        block->column[block->count] = s->tinted_column[i];
-        block->weight[block->count++] = s->tinted_weight[i];
-        a->tinted_length[node]++;
-    }
-    return status;
+    a->tinted_length[node] = s->tinted_count;
+    return s->tinted_count ? store_tinted(t->context, s, block) : RSV_OK;
 }
 
 static rsv_status create_scratch(rsv_context *context, uint32_t rays, row_scratch *s)
 {
     memset(s, 0, sizeof *s);
     s->column = rsv_alloc(context, rays, sizeof *s->column);
-    s->tinted_ray = rsv_alloc(context, rays, sizeof *s->tinted_ray);
     s->tinted_column = rsv_alloc(context, rays, sizeof *s->tinted_column);
     s->tinted_weight = rsv_alloc(context, rays, sizeof *s->tinted_weight);
-    bool complete = s->column && s->tinted_ray && s->tinted_column && s->tinted_weight;
+    bool complete = s->column && s->tinted_column && s->tinted_weight;
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 static void destroy_scratch(rsv_context *context, row_scratch *s)
 {
     rsv_free(context, s->column);
-    rsv_free(context, s->tinted_ray);
     rsv_free(context, s->tinted_column);
     rsv_free(context, s->tinted_weight);
 }
@@ -263,7 +238,7 @@ static rsv_status trace_block(assembly *a, size_t block, row_scratch *scratch)
     size_t begin = block * ROWS_PER_BLOCK, end = begin + ROWS_PER_BLOCK;
     if (end > a->elements->node_count) end = a->elements->node_count;
     for (size_t node = begin; node < end; node++) {
-        if (a->elements->node_hanging[node] != RSV_NONE) continue;
+        if (a->valid_points[node] == 0) continue; // hanging or buried
         trace_row(a, (uint32_t)node, scratch);
         rsv_status status = store_row(a, (uint32_t)node, scratch, &a->block[block]);
         if (status != RSV_OK) return status;
@@ -348,19 +323,19 @@ static rsv_status create_empty(const rsv_elements *elements, uint32_t rays, rsv_
     t->column = rsv_alloc(context, rows * rays, sizeof *t->column);
     t->tinted_begin = rsv_alloc(context, rows + 1, sizeof *t->tinted_begin);
     t->scale = rsv_alloc(context, rows, sizeof *t->scale);
-    t->valid_points = rsv_alloc(context, rows, sizeof *t->valid_points);
     t->gathered = rsv_alloc(context, rows, sizeof *t->gathered);
-    bool complete = t->row_begin && t->column && t->tinted_begin && t->scale && t->valid_points &&
-        t->gathered;
+    bool complete = t->row_begin && t->column && t->tinted_begin && t->scale && t->gathered;
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_elements *elements, uint32_t rays, uint32_t seed, rsv_transport **transport)
+    const rsv_elements *elements, const uint16_t *valid_points, uint32_t rays, uint32_t seed,
+    rsv_transport **transport)
 {
     rsv_context *context = elements->context;
     rsv_status status;
-    assembly a = { .scene = scene, .lights = lights, .elements = elements, .seed = seed,
+    assembly a = { .scene = scene, .lights = lights, .elements = elements,
+        .valid_points = valid_points, .seed = seed,
         .block_count = (elements->node_count + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK };
     RSV_TRY(rsv_directions_create(context, rays, seed, &a.directions));
     RSV_TRY(create_empty(elements, rays, &a.transport));
@@ -394,7 +369,7 @@ void rsv_transport_destroy(rsv_transport *transport)
     rsv_context *context = transport->context;
     void *arrays[] = { transport->row_begin, transport->column, transport->tinted_begin,
         transport->tinted_column, transport->tinted_weight, transport->scale,
-        transport->valid_points, transport->gathered };
+        transport->gathered };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_free(context, transport);

@@ -1,6 +1,8 @@
 #include "source_level.h"
 
 #include "../core/index_map.h"
+#include "burial.h"
+#include "contact.h"
 
 #include <string.h>
 
@@ -20,19 +22,30 @@ typedef struct level_builder {
     const rsv_source_level_desc *desc;
     rsv_elements *elements;
     rsv_rgb *direct;
-    uint8_t *valid;
+    uint16_t *valid_points;
     rsv_photon_map map[2]; ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
     uint64_t *rays;
 } level_builder;
 
+/// Elements ready to receive: walls kept apart, buried corners bridged.
+static rsv_status prepare_elements(level_builder *b)
+{
+    rsv_elements *e = b->elements;
+    rsv_status status = rsv_elements_separate(b->scene->tracer, e, b->rays);
+    if (status != RSV_OK) return status;
+    b->valid_points = rsv_alloc(e->context, e->node_count, sizeof *b->valid_points);
+    if (!b->valid_points) return RSV_ERROR_MEMORY;
+    status = rsv_find_buried(b->scene, e, RECEIVER_POINTS, b->desc->seed, b->valid_points, b->rays);
+    rsv_elements_bridge_buried(e, b->valid_points);
+    return status;
+}
+
 /// Estimates direct light at the nodes that `known` does not cover.
 static rsv_status estimate_direct(level_builder *b, const uint8_t *known)
 {
-    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS,
-        b->desc->light_samples, b->desc->seed, NULL, known, b->direct, b->valid, b->rays);
-    if (status == RSV_OK) rsv_fill_buried(b->elements, b->valid, b->direct);
-    return status;
+    return rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS,
+        b->desc->light_samples, b->desc->seed, b->valid_points, known, b->direct, b->rays);
 }
 
 static void free_photons(level_builder *b)
@@ -132,7 +145,7 @@ static rsv_status mark_cells(const level_builder *b, uint8_t *split, size_t *mar
 
 /// Carries over the direct light of nodes whose surroundings did not change.
 static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb *old_direct,
-    const uint8_t *old_valid, uint8_t *known)
+    uint8_t *known)
 {
     const rsv_elements *e = b->elements;
     for (size_t n = 0; n < e->node_count; n++) {
@@ -147,16 +160,8 @@ static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb 
         bool same = fabsf(old->node_area[twin] - e->node_area[n]) <= 1e-6f * e->node_area[n];
         if (!same || e->node_hanging[n] != RSV_NONE) continue;
         b->direct[n] = old_direct[twin];
-        b->valid[n] = old_valid[twin];
         known[n] = 1;
     }
-}
-
-static rsv_status allocate_direct(level_builder *b)
-{
-    b->direct = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->direct);
-    b->valid = rsv_alloc(b->coarse->context, b->elements->node_count, 1);
-    return b->direct && b->valid ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 /// Replaces the elements by finer ones and updates direct light on them.
@@ -166,25 +171,26 @@ static rsv_status split_once(level_builder *b, const uint8_t *split)
     rsv_status status;
     rsv_elements *old = b->elements;
     rsv_rgb *old_direct = b->direct;
-    uint8_t *old_valid = b->valid, *known = NULL;
+    uint8_t *known = NULL;
     b->elements = NULL;
     b->direct = NULL;
-    b->valid = NULL;
+    rsv_free(context, b->valid_points);
+    b->valid_points = NULL;
     RSV_TRY(rsv_elements_refine(old, split, &b->elements));
+    RSV_TRY(prepare_elements(b));
     if (b->desc->direct) {
-        RSV_TRY(allocate_direct(b));
+        b->direct = rsv_alloc(context, b->elements->node_count, sizeof *b->direct);
         known = rsv_alloc(context, b->elements->node_count, 1);
-        if (!known) {
+        if (!b->direct || !known) {
             status = RSV_ERROR_MEMORY;
             goto cleanup;
         }
-        carry_over(b, old, old_direct, old_valid, known);
+        carry_over(b, old, old_direct, known);
         RSV_TRY(estimate_direct(b, known));
     }
 cleanup:
     rsv_free(context, known);
     rsv_free(context, old_direct);
-    rsv_free(context, old_valid);
     rsv_elements_destroy(old);
     return status;
 }
@@ -223,8 +229,13 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     if (!split_all) return RSV_ERROR_MEMORY;
     if (desc->direct) memset(split_all, 1, coarse->cell_count);
     RSV_TRY(rsv_elements_refine(coarse, split_all, &b.elements));
+    RSV_TRY(prepare_elements(&b));
     if (desc->direct) {
-        RSV_TRY(allocate_direct(&b));
+        b.direct = rsv_alloc(context, b.elements->node_count, sizeof *b.direct);
+        if (!b.direct) {
+            status = RSV_ERROR_MEMORY;
+            goto cleanup;
+        }
         RSV_TRY(estimate_direct(&b, NULL));
     }
     RSV_TRY(refine(&b));
@@ -245,7 +256,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
 cleanup:
     rsv_free(context, split_all);
     rsv_free(context, b.direct);
-    rsv_free(context, b.valid);
+    rsv_free(context, b.valid_points);
     free_photons(&b);
     rsv_elements_destroy(b.elements);
     return status;

@@ -22,19 +22,20 @@ typedef struct rsv_transport {
     size_t *tinted_begin;   ///< [row_count + 1] into tinted_column and tinted_weight
     uint32_t *tinted_column;
     rsv_rgb *tinted_weight;
-    float *scale;           ///< [row_count] 1 / rays of the row that count; 0 = no valid receiver point
-    uint16_t *valid_points; ///< [row_count] bit k: receiver point k is not buried in other geometry
+    float *scale;           ///< [row_count] 1 / rays of the row that count; 0 = hanging or buried
     rsv_rgb *gathered;      ///< [row_count] irradiance emitted by sources that are found by gathering
     uint64_t rays;
 } rsv_transport;
 
-/// Traces the rows of all free nodes.
+/// Traces the rows of all free nodes that are not buried.
+/// @param valid_points [node_count] from rsv_find_buried with RSV_SUPPORT_POINTS points and the same seed
 /// @param rays per row, a power of two >= 16
 rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_elements *elements, uint32_t rays, uint32_t seed, rsv_transport **transport);
+    const rsv_elements *elements, const uint16_t *valid_points, uint32_t rays, uint32_t seed,
+    rsv_transport **transport);
 void rsv_transport_destroy(rsv_transport *transport);
 
-/// irradiance = G exitance, both [row_count]; rows of hanging nodes come out 0.
+/// irradiance = G exitance, both [row_count]; rows of hanging and buried nodes come out 0.
 void rsv_transport_apply(const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance);
 
 size_t rsv_transport_entries(const rsv_transport *transport);

@@ -15,7 +15,7 @@ static void apply(const rsv_solution *s, const rsv_rgb *term, rsv_rgb *exitance,
 {
     multiply_albedo(s, term, exitance);
     rsv_transport_apply(s->transport, exitance, next);
-    rsv_fill_buried(s->elements, s->node_valid, next);
+    rsv_elements_constrain(s->elements, next);
 }
 
 static double largest(const rsv_rgb *value, size_t count)

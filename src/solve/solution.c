@@ -1,6 +1,12 @@
 #include "solution.h"
 
+#include "../operator/burial.h"
+#include "../operator/contact.h"
+
 #include <string.h>
+
+/// Splits of coarse cells through which other geometry passes.
+#define CONTACT_LEVELS 2
 
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
@@ -74,9 +80,8 @@ static rsv_status create_albedos(rsv_solution *s)
 {
     const rsv_elements *e = s->elements;
     s->exitance_albedo = rsv_alloc(s->context, e->node_count, sizeof *s->exitance_albedo);
-    s->node_valid = rsv_alloc(s->context, e->node_count, 1);
     s->source = rsv_alloc(s->context, e->node_count, sizeof *s->source);
-    if (!s->exitance_albedo || !s->node_valid || !s->source) return RSV_ERROR_MEMORY;
+    if (!s->exitance_albedo || !s->source) return RSV_ERROR_MEMORY;
     for (size_t n = 0; n < e->node_count; n++) {
         uint32_t triangle = e->face_triangle[e->node_face[n]];
         s->exitance_albedo[n] = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
@@ -102,16 +107,31 @@ static rsv_status create_fine_level(rsv_solution *s)
 static rsv_status create_source(rsv_solution *s)
 {
     rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        s->desc.light_samples, s->desc.seed, s->transport->valid_points, NULL, s->source,
-        s->node_valid, &s->report.rays);
+        s->desc.light_samples, s->desc.seed, s->valid_points, NULL, s->source, &s->report.rays);
     if (status != RSV_OK) return status;
     for (size_t n = 0; n < s->elements->node_count; n++) {
         s->source[n] = rgb_add(s->source[n], s->transport->gathered[n]);
         if (s->fine.coarse_caustic) s->source[n] = rgb_add(s->source[n], s->fine.coarse_caustic[n]);
     }
-    rsv_fill_buried(s->elements, s->node_valid, s->source);
-    rsv_fill_buried(s->elements, s->node_valid, s->transport->gathered);
+    rsv_elements_constrain(s->elements, s->transport->gathered);
+    rsv_elements_constrain(s->elements, s->source);
     return RSV_OK;
+}
+
+static rsv_status create_elements(rsv_solution *s)
+{
+    rsv_status status;
+    float spacing = spacing_for(s, s->desc.element_target);
+    RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
+    RSV_TRY(rsv_elements_refine_contacts(s->tracer, CONTACT_LEVELS, &s->elements, &s->report.rays));
+    RSV_TRY(rsv_elements_separate(s->tracer, s->elements, &s->report.rays));
+    s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);
+    if (!s->valid_points) return RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_find_buried(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed,
+        s->valid_points, &s->report.rays));
+    rsv_elements_bridge_buried(s->elements, s->valid_points);
+cleanup:
+    return status;
 }
 
 static rsv_status build(rsv_solution *s)
@@ -125,11 +145,10 @@ static rsv_status build(rsv_solution *s)
     s->report.time_bvh = built - start;
 
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
-    float spacing = spacing_for(s, s->desc.element_target);
-    RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
+    RSV_TRY(create_elements(s));
     RSV_TRY(create_albedos(s));
-    RSV_TRY(rsv_transport_create(&s->scene, s->lights, s->elements, s->desc.rays_per_element,
-        s->desc.seed, &s->transport));
+    RSV_TRY(rsv_transport_create(&s->scene, s->lights, s->elements, s->valid_points,
+        s->desc.rays_per_element, s->desc.seed, &s->transport));
     s->report.rays += s->transport->rays;
     RSV_TRY(create_fine_level(s));
     RSV_TRY(create_source(s));
@@ -175,7 +194,7 @@ void rsv_solution_destroy(rsv_solution *s)
         rsv_free(context, s->order[k]);
     rsv_free(context, s->indirect);
     rsv_free(context, s->source);
-    rsv_free(context, s->node_valid);
+    rsv_free(context, s->valid_points);
     rsv_free(context, s->exitance_albedo);
     rsv_transport_destroy(s->transport);
     rsv_elements_destroy(s->elements);

@@ -19,7 +19,7 @@ struct rsv_solution {
     rsv_elements *elements;    ///< coarse: unknowns
     rsv_transport *transport;  ///< G
     rsv_rgb *exitance_albedo;  ///< [node_count] K
-    uint8_t *node_valid;       ///< [node_count]
+    uint16_t *valid_points;    ///< [node_count] receiver points that are not buried, bit by bit
     rsv_rgb *source;           ///< [node_count] E0, all of it, on the coarse elements
     rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0
     uint32_t order_count;

@@ -1,0 +1,101 @@
+#include "burial.h"
+
+#include "contact.h"
+
+#define BURIAL_RAYS 8 ///< all of them must see backs before a point counts as buried
+
+static bool sees_back(const rsv_transport_scene *scene, const rsv_ray *ray)
+{
+    rsv_hit hit;
+    if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
+    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
+    rsv_chain chain = rsv_chain_begin(scene, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    return chain.back && !bsdf->double_sided && bsdf->transmission == 0;
+}
+
+static bool is_buried(const rsv_transport_scene *scene, rsv_vec3 origin, rsv_vec3 normal, uint32_t seed,
+    uint64_t *rays)
+{
+    rsv_vec3 t, b;
+    v3_frame(normal, &t, &b);
+    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
+        float x, y;
+        rsv_sobol_2d(k, seed, &x, &y);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
+        ++*rays;
+        if (!sees_back(scene, &ray)) return false;
+    }
+    return true;
+}
+
+static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
+    uint32_t points, uint32_t seed, uint64_t *rays)
+{
+    uint16_t valid = 0;
+    uint32_t last = RSV_NONE; // points of one cell come one after the other
+    bool buried = false;
+    rsv_cell_shape shape;
+    rsv_vec3 home = { 0 };
+    for (uint32_t k = 0; k < points; k++) {
+        uint32_t support;
+        float u, v;
+        rsv_elements_sample_support(e, node, k, points, seed, &support, &u, &v);
+        uint32_t face = e->cell[support / 4].face;
+        if (support != last) {
+            shape = rsv_cell_shape_of(e, support / 4);
+            home = rsv_cell_hover(&shape, shape.corner[support & 3]);
+            buried = is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
+            last = support;
+        }
+        if (buried) continue;
+        rsv_surface_point point =
+            rsv_surface_point_at(scene->view, e->face_triangle[face], u, v, e->face_back[face]);
+        ++*rays;
+        if (!rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position)))
+            valid |= (uint16_t)(1u << k);
+    }
+    return valid;
+}
+
+rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t points,
+    uint32_t seed, uint16_t *valid_points, uint64_t *rays)
+{
+    uint64_t traced = 0;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
+    for (size_t node = 0; node < e->node_count; node++)
+        valid_points[node] = e->node_hanging[node] == RSV_NONE
+            ? judge_node(scene, e, (uint32_t)node, points, seed, &traced)
+            : 0;
+    *rays += traced;
+    return rsv_progress(e->context, "assemble", 0);
+}
+
+/// A hanging node whose one parent is buried follows the other.
+static void bridge_hanging(rsv_elements *e, const uint16_t *valid_points)
+{
+    for (size_t h = 0; h < e->hanging_count; h++) {
+        rsv_hanging *hanging = &e->hanging[h];
+        bool buried[2];
+        for (int p = 0; p < 2; p++)
+            buried[p] = !valid_points[hanging->parent[p]] &&
+                e->node_hanging[hanging->parent[p]] == RSV_NONE;
+        if (buried[0] != buried[1]) hanging->weight = buried[0] ? 1 : 0;
+    }
+}
+
+void rsv_elements_bridge_buried(rsv_elements *e, const uint16_t *valid_points)
+{
+    bridge_hanging(e, valid_points);
+    for (size_t c = 0; c < e->cell_count; c++) {
+        uint32_t *node = e->cell_node[c];
+        uint32_t sound[3];
+        int count = 0;
+        for (int k = 0; k < 3; k++)
+            if (valid_points[node[k]] || e->node_hanging[node[k]] != RSV_NONE) sound[count++] = node[k];
+        if (count == 0 || count == 3) continue;
+        for (int k = 0, next = 0; k < 3; k++)
+            if (!valid_points[node[k]] && e->node_hanging[node[k]] == RSV_NONE)
+                node[k] = sound[next++ % count];
+    }
+}

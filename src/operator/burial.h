@@ -1,0 +1,21 @@
+/// Receiver points that lie inside other geometry: under what stands on a floor, inside a wall.
+#ifndef RSV_BURIAL_H
+#define RSV_BURIAL_H
+
+#include "chain.h"
+#include "elements.h"
+
+/// Judges the receiver points of every free node. A point counts if its node, as seen from the point's
+/// cell, is not buried (sees something else than the backs of one-sided opaque surfaces), and if nothing
+/// stands between the two: otherwise the point is inside other geometry, or on the far side of a wall.
+/// @param points per node, at most 16; the same points as rsv_elements_sample_support draws
+/// @param valid_points [node_count], out: bit k = point k counts; 0 = the node is buried (or hangs)
+rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *elements,
+    uint32_t points, uint32_t seed, uint16_t *valid_points, uint64_t *rays);
+
+/// Lets every cell do without its buried corners: they take the value of a corner of the same cell that
+/// is not buried, so that light does not fade to black where something stands on a surface, and does not
+/// pass through what stands there either.
+void rsv_elements_bridge_buried(rsv_elements *elements, const uint16_t *valid_points);
+
+#endif
