@@ -37,7 +37,7 @@ rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
 {
     if (!bsdf->coated) return rgb_gray(1);
     float cos_t;
-    float fresnel = rsv_fresnel_dielectric(fminf(fmaxf(cos, 0), 1), bsdf->ior, &cos_t);
+    float fresnel = rsv_fresnel_dielectric(f_min(f_max(cos, 0), 1), bsdf->ior, &cos_t);
     return one_minus(rgb_scale(bsdf->specular_tint, fresnel));
 }
 
@@ -52,7 +52,7 @@ rsv_bsdf_branches rsv_bsdf_evaluate_branches(
         return branches;
     }
 
-    float cos_o = fminf(fmaxf(v3_dot(n, wo), 0), 1), cos_t;
+    float cos_o = f_min(f_max(v3_dot(n, wo), 0), 1), cos_t;
     float eta = bsdf->solid && !front ? 1 / bsdf->ior : bsdf->ior;
     float fresnel = rsv_fresnel_dielectric(cos_o, eta, &cos_t);
     // a weakened or tinted interface still reflects totally: nothing else can become of that light

@@ -11,14 +11,14 @@
 
 static rsv_rgb scaled_tint(rsv_rgb color, float scale)
 {
-    return rgb(fminf(color.r * scale, 1), fminf(color.g * scale, 1), fminf(color.b * scale, 1));
+    return rgb(f_min(color.r * scale, 1), f_min(color.g * scale, 1), f_min(color.b * scale, 1));
 }
 
 static float absorption(float color, float distance)
 {
     if (!(distance < INFINITY) || color >= 1) return 0;
     if (color <= 0 || distance <= 0) return OPAQUE_ABSORPTION;
-    return fminf(-logf(color) / distance, OPAQUE_ABSORPTION);
+    return f_min(-logf(color) / distance, OPAQUE_ABSORPTION);
 }
 
 static float exitance_albedo(float base_color, float specular_tint, double fresnel_mean)
@@ -68,7 +68,7 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material, char *approximatio
     rsv_bsdf bsdf = { .base_color = material->base_color,
         .emission = material->emission,
         .specular_tint = scaled_tint(material->specular_color, material->specular),
-        .ior = fmaxf(material->ior, 1),
+        .ior = f_max(material->ior, 1),
         .metallic = material->metallic,
         .transmission = material->transmission,
         .emissive = !rgb_is_black(material->emission) };

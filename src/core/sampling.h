@@ -109,7 +109,7 @@ RSV_INLINE rsv_vec3 rsv_square_to_cosine_hemisphere(float x, float y)
 {
     float dx, dy;
     rsv_square_to_disk(x, y, &dx, &dy);
-    return v3(dx, dy, sqrtf(fmaxf(1 - dx * dx - dy * dy, 1e-12f)));
+    return v3(dx, dy, sqrtf(f_max(1 - dx * dx - dy * dy, 1e-12f)));
 }
 
 /// Uniform on a triangle: barycentric weights of corners 1 and 2 (Heitz 2019's low-distortion map).
@@ -129,7 +129,7 @@ RSV_INLINE void rsv_square_to_triangle(float x, float y, float *u, float *v)
 /// Uniform direction on the sphere.
 RSV_INLINE rsv_vec3 rsv_square_to_sphere(float x, float y)
 {
-    float z = 1 - 2 * x, r = sqrtf(fmaxf(0, 1 - z * z)), phi = 2 * RSV_PI * y;
+    float z = 1 - 2 * x, r = sqrtf(f_max(0, 1 - z * z)), phi = 2 * RSV_PI * y;
     return v3(r * cosf(phi), r * sinf(phi), z);
 }
 

@@ -42,7 +42,7 @@ RSV_INLINE float rsv_stratified_1d(uint32_t index, uint32_t count, uint32_t seed
 {
     float jitter = rsv_unit_float(rsv_hash2(seed ^ 0x2c1b3c6du, index));
     float x = ((float)rsv_permute(index, count, seed) + jitter) / (float)count;
-    return fminf(x, 0x1.fffffep-1f);
+    return f_min(x, 0x1.fffffep-1f);
 }
 
 /// Sample `index` of `count` in two dimensions, in random order.
@@ -53,8 +53,8 @@ RSV_INLINE void rsv_stratified_2d(uint32_t index, uint32_t count, uint32_t seed,
     uint32_t sx = rsv_permute(s % columns, columns, seed * 0x68bc21ebu + 2);
     uint32_t sy = rsv_permute(s / columns, rows, seed * 0x02e5be93u + 3);
     float jx = rsv_unit_float(rsv_hash3(s, seed, 4)), jy = rsv_unit_float(rsv_hash3(s, seed, 5));
-    *x = fminf(((float)sx + ((float)sy + jx) / (float)rows) / (float)columns, 0x1.fffffep-1f);
-    *y = fminf(((float)s + jy) / (float)count, 0x1.fffffep-1f);
+    *x = f_min(((float)sx + ((float)sy + jx) / (float)rows) / (float)columns, 0x1.fffffep-1f);
+    *y = f_min(((float)s + jy) / (float)count, 0x1.fffffep-1f);
 }
 
 #endif

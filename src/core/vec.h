@@ -16,6 +16,11 @@
 
 #define RSV_PI 3.14159265358979323846f
 
+/// Compiled to one instruction, unlike fminf and fmaxf, which care about NaN; the second argument survives
+/// a NaN in the first.
+RSV_INLINE float f_min(float a, float b) { return a < b ? a : b; }
+RSV_INLINE float f_max(float a, float b) { return a > b ? a : b; }
+
 RSV_INLINE rsv_vec3 v3(float x, float y, float z)
 {
     rsv_vec3 r = { x, y, z };
@@ -42,14 +47,14 @@ RSV_INLINE rsv_vec3 v3_normalize(rsv_vec3 a)
     float length = v3_length(a);
     return length > 0 ? v3_scale(a, 1 / length) : a;
 }
-RSV_INLINE float v3_max_abs(rsv_vec3 a) { return fmaxf(fabsf(a.x), fmaxf(fabsf(a.y), fabsf(a.z))); }
+RSV_INLINE float v3_max_abs(rsv_vec3 a) { return f_max(fabsf(a.x), f_max(fabsf(a.y), fabsf(a.z))); }
 RSV_INLINE rsv_vec3 v3_min(rsv_vec3 a, rsv_vec3 b)
 {
-    return v3(fminf(a.x, b.x), fminf(a.y, b.y), fminf(a.z, b.z));
+    return v3(f_min(a.x, b.x), f_min(a.y, b.y), f_min(a.z, b.z));
 }
 RSV_INLINE rsv_vec3 v3_max(rsv_vec3 a, rsv_vec3 b)
 {
-    return v3(fmaxf(a.x, b.x), fmaxf(a.y, b.y), fmaxf(a.z, b.z));
+    return v3(f_max(a.x, b.x), f_max(a.y, b.y), f_max(a.z, b.z));
 }
 /// (1 - u - v) a + u b + v c
 RSV_INLINE rsv_vec3 v3_barycentric(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, float u, float v)
@@ -82,7 +87,7 @@ RSV_INLINE rsv_rgb rgb_mad(rsv_rgb a, float s, rsv_rgb b)
 {
     return rgb(a.r + s * b.r, a.g + s * b.g, a.b + s * b.b);
 }
-RSV_INLINE float rgb_max(rsv_rgb a) { return fmaxf(a.r, fmaxf(a.g, a.b)); }
+RSV_INLINE float rgb_max(rsv_rgb a) { return f_max(a.r, f_max(a.g, a.b)); }
 RSV_INLINE bool rgb_is_black(rsv_rgb a) { return a.r == 0 && a.g == 0 && a.b == 0; }
 /// Rec. 709 luminance
 RSV_INLINE float rgb_luminance(rsv_rgb a) { return 0.2126f * a.r + 0.7152f * a.g + 0.0722f * a.b; }

@@ -118,7 +118,7 @@ static cJSON *add_extension(writer *w, cJSON *parent, const char *name)
 
 static void add_emission(writer *w, cJSON *json, rsv_rgb emission)
 {
-    float strength = fmaxf(rgb_max(emission), 1); // the factor itself may not exceed 1
+    float strength = f_max(rgb_max(emission), 1); // the factor itself may not exceed 1
     if (rgb_is_black(emission)) return;
     add_rgb(w, json, "emissiveFactor",
         rgb(emission.r / strength, emission.g / strength, emission.b / strength));

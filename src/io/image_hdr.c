@@ -157,13 +157,13 @@ cleanup:
 static float clamp_to_rgbe(float v)
 {
     const float largest = 0x1.fep+126f;
-    return v > 0 ? fminf(v, largest) : 0;
+    return v > 0 ? f_min(v, largest) : 0;
 }
 
 static void encode_rgbe(rsv_rgb colour, uint8_t rgbe[4])
 {
     float r = clamp_to_rgbe(colour.r), g = clamp_to_rgbe(colour.g), b = clamp_to_rgbe(colour.b);
-    float largest = fmaxf(r, fmaxf(g, b));
+    float largest = f_max(r, f_max(g, b));
     int exponent;
     memset(rgbe, 0, 4);
     if (largest < 0x1p-127f) return;

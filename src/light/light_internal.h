@@ -50,7 +50,7 @@ RSV_INLINE double rsv_rounding_height(const rsv_vec3 *corner, int corner_count, 
 {
     float largest = v3_max_abs(p);
     for (int i = 0; i < corner_count; i++)
-        largest = fmaxf(largest, v3_max_abs(corner[i]));
+        largest = f_max(largest, v3_max_abs(corner[i]));
     return 0x1p-21 * largest;
 }
 

@@ -101,7 +101,7 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
         float d = rgb_max(branches.diffuse), sum = r + t + d;
         // Each branch is taken with its own weight as probability; the rest of 1 is absorption. Where
         // colours make the weights add up to more than 1, they are brought down to it.
-        float norm = fmaxf(sum, 1), choice = rsv_random_float(random) * norm;
+        float norm = f_max(sum, 1), choice = rsv_random_float(random) * norm;
         gather.chain = chain;
         if (choice >= sum || chain.events >= RSV_CHAIN_MAX_EVENTS) return gather;
         bool diffuse = choice < d, transmit = choice >= d + r;

@@ -31,7 +31,7 @@ rsv_surface_point rsv_surface_point_at(const rsv_scene_view *scene, uint32_t tri
         point.geometric = v3_neg(point.geometric);
         point.normal = v3_neg(point.normal);
     }
-    point.extent = fmaxf(v3_max_abs(a), fmaxf(v3_max_abs(b), v3_max_abs(c)));
+    point.extent = f_max(v3_max_abs(a), f_max(v3_max_abs(b), v3_max_abs(c)));
     return point;
 }
 
@@ -109,10 +109,10 @@ static uint8_t grid_level(const rsv_scene_view *scene, uint32_t triangle, float 
     float longest = 0;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 edge = v3_sub(scene->position[corner[k]], scene->position[corner[(k + 1) % 3]]);
-        longest = fmaxf(longest, v3_length(edge));
+        longest = f_max(longest, v3_length(edge));
     }
-    float size = fmaxf(1.4f * sqrtf(2 * rsv_triangle_area(scene, triangle)), 0.25f * longest);
-    int level = (int)ceilf(log2f(fmaxf(size / (1.4f * spacing), 1e-6f)) - 0.5f);
+    float size = f_max(1.4f * sqrtf(2 * rsv_triangle_area(scene, triangle)), 0.25f * longest);
+    int level = (int)ceilf(log2f(f_max(size / (1.4f * spacing), 1e-6f)) - 0.5f);
     return (uint8_t)(level < 0 ? 0 : level > 10 ? 10 : level);
 }
 

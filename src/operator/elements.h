@@ -111,8 +111,8 @@ RSV_INLINE uint32_t rsv_elements_locate(const rsv_elements *elements, uint32_t f
         }
         slot = elements->slot[child];
     }
-    weight[0] = fminf(fmaxf(b0, 0), 1);
-    weight[1] = fminf(fmaxf(b1, 0), 1 - weight[0]);
+    weight[0] = f_min(f_max(b0, 0), 1);
+    weight[1] = f_min(f_max(b1, 0), 1 - weight[0]);
     weight[2] = 1 - weight[0] - weight[1];
     return slot;
 }

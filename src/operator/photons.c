@@ -103,7 +103,7 @@ static emission emit_from_light(const photon_job *job, uint32_t light_index, flo
         out.direction = rsv_square_to_sphere(x, y);
     } else {
         float cos_outer = cosf(light->outer_cone_angle);
-        float cos = 1 - x * (1 - cos_outer), sin = sqrtf(fmaxf(0, 1 - cos * cos));
+        float cos = 1 - x * (1 - cos_outer), sin = sqrtf(f_max(0, 1 - cos * cos));
         float phi = 2 * RSV_PI * y;
         out.direction = to_world(v3(sin * cosf(phi), sin * sinf(phi), cos), light->direction);
         solid_angle = 2 * RSV_PI * (1 - cos_outer);
@@ -225,7 +225,7 @@ static int invert(const float *cdf, int count, float *x)
     while (k + 1 < count && *x >= cdf[k])
         k++;
     float low = k ? cdf[k - 1] : 0, width = cdf[k] - low;
-    *x = width > 0 ? fminf((*x - low) / width, 0x1.fffffep-1f) : 0.5f;
+    *x = width > 0 ? f_min((*x - low) / width, 0x1.fffffep-1f) : 0.5f;
     return k;
 }
 
@@ -335,7 +335,7 @@ static bool scatter(const photon_job *job, rsv_chain *chain, rsv_random *random)
 {
     rsv_bsdf_branches branches = rsv_chain_branches(job->scene, chain);
     float r = rgb_max(branches.reflect), t = rgb_max(branches.transmit);
-    float norm = fmaxf(r + t, 1), choice = rsv_random_float(random) * norm;
+    float norm = f_max(r + t, 1), choice = rsv_random_float(random) * norm;
     if (choice >= r + t || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
     bool transmit = choice >= r;
     rsv_rgb branch = transmit ? branches.transmit : branches.reflect;
@@ -343,7 +343,7 @@ static bool scatter(const photon_job *job, rsv_chain *chain, rsv_random *random)
     float probability = (transmit ? t : r) / norm;
     if (!rsv_chain_step(job->scene, chain, transmit, direction, rgb_scale(branch, 1 / probability)))
         return false;
-    float survival = fminf(rgb_max(chain->weight), 1);
+    float survival = f_min(rgb_max(chain->weight), 1);
     if (rsv_random_float(random) >= survival) return false;
     chain->weight = rgb_scale(chain->weight, 1 / survival);
     return true;

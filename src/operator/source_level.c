@@ -120,7 +120,7 @@ static rsv_status mark_cells(const level_builder *b, uint8_t *split, size_t *mar
     bend_test test = { .b = b };
     if (b->direct) test.floor_direct = DARK * (float)mean_luminance(e, b->direct);
     if (b->caustic)
-        test.floor_caustic = fmaxf(test.floor_direct, (float)mean_luminance(e, b->caustic));
+        test.floor_caustic = f_max(test.floor_direct, (float)mean_luminance(e, b->caustic));
     rsv_index_map edges;
     rsv_status status = rsv_index_map_create(e->context, 2 * e->cell_count, &edges);
     for (size_t c = 0; c < e->cell_count && status == RSV_OK; c++) {

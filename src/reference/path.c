@@ -138,7 +138,7 @@ static void add_emission(light_path *path, const surface *s, float distance)
 static rsv_rgb diffuse_response(const surface *s, rsv_vec3 wi)
 {
     if (v3_dot(s->geometric_normal, wi) <= 0) return rgb_gray(0);
-    return rgb_scale(rsv_bsdf_eval(s->bsdf, wi, s->wo, s->normal), fmaxf(v3_dot(s->normal, wi), 0));
+    return rgb_scale(rsv_bsdf_eval(s->bsdf, wi, s->wo, s->normal), f_max(v3_dot(s->normal, wi), 0));
 }
 
 static bool sees_emitter_point(
@@ -245,7 +245,7 @@ static bool scatter(light_path *path, const surface *s)
 static bool survives_roulette(light_path *path)
 {
     if (++path->bounces < FIRST_ROULETTE_BOUNCE) return true;
-    float survival = fminf(rgb_max(path->throughput), LARGEST_SURVIVAL);
+    float survival = f_min(rgb_max(path->throughput), LARGEST_SURVIVAL);
     if (rsv_random_float(&path->numbers.random) >= survival) return false;
     path->throughput = rgb_scale(path->throughput, 1 / survival);
     return true;

@@ -191,7 +191,7 @@ static rsv_status render_row(row_state *r, uint32_t row)
         for (uint32_t x = 0; x < width; x++) {
             rsv_rgb mean = rgb_scale(r->layer[layer][x], 1 / (float)desc->samples);
             // the control variate of a nearly black pixel can end a hair below zero
-            out[x] = rgb(fmaxf(mean.r, 0), fmaxf(mean.g, 0), fmaxf(mean.b, 0));
+            out[x] = rgb(f_max(mean.r, 0), f_max(mean.g, 0), f_max(mean.b, 0));
         }
     }
     return status;

@@ -80,7 +80,7 @@ static rsv_rgb from_emitters(const receiver *r, const rsv_local_lights *local, u
         rsv_sobol_2d(k, rsv_hash2(stream, 2), &x, &y);
         rsv_light_sample light;
         if (!rsv_local_lights_sample(local, select, x, y, &light)) continue;
-        float cos = fmaxf(v3_dot(r->normal, light.direction), 0);
+        float cos = f_max(v3_dot(r->normal, light.direction), 0);
         rsv_rgb arriving = rgb_scale(light.radiance, cos / light.pdf_solid_angle);
         sampled = rgb_add(sampled, arriving);
         if (cos > 0 && is_open(r, light.direction, light.distance))

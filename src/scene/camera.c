@@ -26,7 +26,7 @@ rsv_camera rsv_camera_frame_sphere(const char *name, rsv_vec3 centre, float radi
 {
     const float vertical_fov = RSV_PI / 4, margin = 1.05f;
     rsv_vec3 towards_viewer = v3_normalize(v3(0, 0.35f, 1));
-    float distance = margin * fmaxf(radius, 1e-6f) / sinf(vertical_fov / 2);
+    float distance = margin * f_max(radius, 1e-6f) / sinf(vertical_fov / 2);
     return rsv_camera_look_at(
         name, v3_mad(centre, distance, towards_viewer), centre, vertical_fov, 0);
 }

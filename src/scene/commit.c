@@ -43,7 +43,7 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
     rsv_vec3 centre = v3_mad(v3_scale(bounds.low, 0.5f), 0.5f, bounds.high);
     float radius = 0;
     for (size_t i = 0; i < scene->vertex_count; i++)
-        radius = fmaxf(radius, v3_length(v3_sub(scene->position[i], centre)));
+        radius = f_max(radius, v3_length(v3_sub(scene->position[i], centre)));
     rsv_camera camera = rsv_camera_frame_sphere("framing", centre, radius);
     rsv_log(scene->context, RSV_LOG_INFO,
         "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g)", camera.position.x,

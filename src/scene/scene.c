@@ -212,7 +212,7 @@ static rsv_status check_light(const rsv_light *light, const char *name)
             RSV_ERROR_FORMAT, "light '%s': position, direction or exponent is not usable", name);
     float sum = light->intensity.r + light->intensity.g + light->intensity.b;
     if (!isfinite(sum) ||
-        fminf(light->intensity.r, fminf(light->intensity.g, light->intensity.b)) < 0)
+        f_min(light->intensity.r, f_min(light->intensity.g, light->intensity.b)) < 0)
         return rsv_fail(
             RSV_ERROR_FORMAT, "light '%s': intensity must be finite and not negative", name);
     if (light->kind != RSV_LIGHT_POINT && v3_length(light->direction) == 0)
