@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# An outside project finds the installed package through CMake and through pkg-config.
+# An outside project in C finds the installed package through CMake and through pkg-config.
 # usage: test_package.sh BUILD_FOLDER SOURCE_FOLDER
 set -euo pipefail
 
@@ -15,7 +15,7 @@ mkdir "$work/outside"
 cp "$source/samples/minimal.c" "$work/outside"
 cat >"$work/outside/CMakeLists.txt" <<'TEXT'
 cmake_minimum_required(VERSION 3.22)
-project(outside LANGUAGES C CXX)
+project(outside LANGUAGES C)
 find_package(resolvent 0.1 REQUIRED)
 add_executable(minimal minimal.c)
 target_link_libraries(minimal PRIVATE resolvent::resolvent)
