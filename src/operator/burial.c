@@ -45,14 +45,16 @@ static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements 
         if (support != last) {
             shape = rsv_cell_shape_of(e, support / 4);
             home = rsv_cell_hover(&shape, shape.corner[support & 3]);
-            buried = is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
+            buried = rsv_is_covered(scene->tracer, &shape, shape.corner[support & 3]) ||
+                is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
             last = support;
         }
         if (buried) continue;
         rsv_surface_point point =
             rsv_surface_point_at(scene->view, e->face_triangle[face], u, v, e->face_back[face]);
-        ++*rays;
-        if (!rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position)))
+        *rays += 2;
+        if (!rsv_is_covered(scene->tracer, &shape, point.position) &&
+            !rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position)))
             valid |= (uint16_t)(1u << k);
     }
     return valid;

@@ -6,8 +6,8 @@
 #include "elements.h"
 
 /// Judges the receiver points of every free node. A point counts if its node, as seen from the point's
-/// cell, is not buried (sees something else than the backs of one-sided opaque surfaces), and if nothing
-/// stands between the two: otherwise the point is inside other geometry, or on the far side of a wall.
+/// cell, is not buried (nothing lies right upon it, and it sees something else than the backs of one-sided
+/// opaque surfaces), and if nothing stands between the two or right upon the point: otherwise the point is inside other geometry, or on the far side of a wall.
 /// @param points per node, at most 16; the same points as rsv_elements_sample_support draws
 /// @param valid_points [node_count], out: bit k = point k counts; 0 = the node is buried (or hangs)
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *elements,

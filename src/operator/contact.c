@@ -25,11 +25,16 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
     return shape;
 }
 
-rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
+/// Where rays leave the cell from: clear of rounding errors, no more.
+static rsv_vec3 leave(const rsv_cell_shape *shape, rsv_vec3 place)
 {
     rsv_vec3 inside = v3_mad(place, INSET, v3_sub(shape->centre, place));
-    rsv_vec3 clear = rsv_offset_origin(inside, shape->normal, shape->extent);
-    return v3_mad(clear, LIFT * shape->size, shape->normal);
+    return rsv_offset_origin(inside, shape->normal, shape->extent);
+}
+
+rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    return v3_mad(leave(shape, place), LIFT * shape->size, shape->normal);
 }
 
 bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
@@ -38,12 +43,22 @@ bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
     return rsv_tracer_occluded(tracer, &there);
 }
 
+bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    return rsv_is_blocked(tracer, leave(shape, place), rsv_cell_hover(shape, place));
+}
+
+/// Something passes through the cell, or lies on part of it.
 static bool is_cut(const rsv_tracer *tracer, const rsv_elements *e, uint32_t cell)
 {
     rsv_cell_shape shape = rsv_cell_shape_of(e, cell);
     rsv_vec3 place[3];
-    for (int k = 0; k < 3; k++)
+    int covered = 0;
+    for (int k = 0; k < 3; k++) {
         place[k] = rsv_cell_hover(&shape, shape.corner[k]);
+        covered += rsv_is_covered(tracer, &shape, shape.corner[k]);
+    }
+    if (covered == 1 || covered == 2) return true;
     for (int k = 0; k < 3; k++)
         if (rsv_is_blocked(tracer, place[k], place[(k + 1) % 3])) return true;
     return false;

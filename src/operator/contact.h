@@ -19,9 +19,12 @@ typedef struct rsv_cell_shape {
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
 
-/// A place just above the cell and a little towards its centre, so that what merely touches its border or
-/// carries it is not met.
+/// A place above the cell by a small part of its size, and a little towards its centre, so that what merely
+/// touches its border is not met. Gaps below that height count as contact.
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
+
+/// Whether something lies right upon the cell, between a place and where it hovers.
+bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether anything stands between two places.
 bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to);

@@ -560,3 +560,24 @@ void rsv_elements_destroy(rsv_elements *e)
         rsv_free(context, arrays[k]);
     rsv_free(context, e);
 }
+
+void rsv_elements_average(const rsv_elements *e, const rsv_rgb *value, rsv_rgb *average)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t node = 0; node < e->node_count; node++) {
+        rsv_rgb sum = rgb_gray(0);
+        float weight = 0;
+        for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
+            const uint32_t *corner = e->cell_node[e->support[s] / 4];
+            uint32_t k = e->support[s] & 3;
+            if (corner[k] != node) continue; // bridged
+            float area = cell_area(e, e->support[s] / 4);
+            sum = rgb_mad(sum, 0.5f * area, value[node]);
+            sum = rgb_mad(sum, 0.25f * area, value[corner[(k + 1) % 3]]);
+            sum = rgb_mad(sum, 0.25f * area, value[corner[(k + 2) % 3]]);
+            weight += area;
+        }
+        average[node] = weight > 0 ? rgb_scale(sum, 1 / weight) : value[node];
+    }
+    rsv_elements_constrain(e, average);
+}

@@ -127,6 +127,9 @@ RSV_INLINE rsv_rgb rsv_elements_interpolate(const rsv_elements *elements, const 
         value[node[2]]);
 }
 
+/// Mean of the interpolated field over each node's hat function. @param average [node_count], not `value`
+void rsv_elements_average(const rsv_elements *elements, const rsv_rgb *value, rsv_rgb *average);
+
 /// Replaces the values of hanging nodes by their interpolants.
 void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value);
 

@@ -1,14 +1,13 @@
 #include "source_level.h"
 
-#include "../core/index_map.h"
+#include "bend.h"
 #include "burial.h"
 #include "contact.h"
 
 #include <string.h>
 
 #define RECEIVER_POINTS 4
-/// Two cells that share an edge are split if irradiance bends across it by more than this share of the
-/// local level: linear interpolation then errs by about a quarter of that.
+/// Cells are split where irradiance bends by more than this share of the local level.
 #define BEND 0.1f
 /// Below this share of the scene's mean irradiance, a bend is invisible.
 #define DARK 0.05f
@@ -25,6 +24,7 @@ typedef struct level_builder {
     uint16_t *valid_points;
     rsv_photon_map map[2]; ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
+    uint8_t *split; ///< [cell_count]
     uint64_t *rays;
 } level_builder;
 
@@ -68,78 +68,44 @@ static rsv_status shoot(level_builder *b, uint32_t count)
     return status;
 }
 
-static double mean_luminance(const rsv_elements *e, const rsv_rgb *irradiance)
+static bool caught_enough(const level_builder *b, uint32_t cell)
 {
-    double sum = 0, area = 0;
-    for (size_t n = 0; n < e->node_count; n++) {
-        sum += (double)rgb_luminance(irradiance[n]) * e->node_area[n];
-        area += e->node_area[n];
-    }
-    return area > 0 ? sum / area : 0;
-}
-
-/// Whether the values a, b at the ends of an edge and c, d at the corners opposite to it depart from a
-/// plane: a + b = c + d where two equal cells make a parallelogram.
-static bool bends(const rsv_rgb *value, const uint32_t edge[2], uint32_t c, uint32_t d, float floor)
-{
-    float ends = rgb_luminance(value[edge[0]]) + rgb_luminance(value[edge[1]]);
-    float opposite = rgb_luminance(value[c]) + rgb_luminance(value[d]);
-    return fabsf(ends - opposite) > BEND * (0.25f * (ends + opposite) + floor);
-}
-
-typedef struct bend_test {
-    const level_builder *b;
-    float floor_direct, floor_caustic;
-} bend_test;
-
-static bool caught_enough(const level_builder *b, const uint32_t node[3])
-{
+    const uint32_t *node = b->elements->cell_node[cell];
     for (int k = 0; k < 3; k++)
         if ((float)b->map[0].hits[node[k]] / 65536.0f < PHOTONS_TO_SPLIT) return false;
     return true;
 }
 
-static void test_edge(const bend_test *test, uint32_t cell, int k, uint32_t other, int other_k,
-    uint8_t *split)
+static void mark_direct(void *user, uint32_t cell, uint32_t other)
 {
-    const level_builder *b = test->b;
-    const uint32_t *node = b->elements->cell_node[cell], *far = b->elements->cell_node[other];
-    const uint32_t edge[2] = { node[(k + 1) % 3], node[(k + 2) % 3] };
-    uint32_t c = node[k], d = far[other_k];
-    if (b->direct && bends(b->direct, edge, c, d, test->floor_direct)) split[cell] = split[other] = 1;
-    if (b->caustic && bends(b->caustic, edge, c, d, test->floor_caustic)) {
-        split[cell] |= caught_enough(b, node);
-        split[other] |= caught_enough(b, far);
-    }
+    level_builder *b = user;
+    b->split[cell] = b->split[other] = 1;
 }
 
-/// Marks the cells on both sides of every edge across which light bends.
-static rsv_status mark_cells(const level_builder *b, uint8_t *split, size_t *marked)
+static void mark_caustic(void *user, uint32_t cell, uint32_t other)
+{
+    level_builder *b = user;
+    b->split[cell] |= caught_enough(b, cell);
+    b->split[other] |= caught_enough(b, other);
+}
+
+/// Marks the cells on both sides of every edge across which light bends; counts them.
+static rsv_status mark_cells(level_builder *b, size_t *marked)
 {
     const rsv_elements *e = b->elements;
-    bend_test test = { .b = b };
-    if (b->direct) test.floor_direct = DARK * (float)mean_luminance(e, b->direct);
-    if (b->caustic)
-        test.floor_caustic = f_max(test.floor_direct, (float)mean_luminance(e, b->caustic));
-    rsv_index_map edges;
-    rsv_status status = rsv_index_map_create(e->context, 2 * e->cell_count, &edges);
-    for (size_t c = 0; c < e->cell_count && status == RSV_OK; c++) {
-        for (int k = 0; k < 3; k++) {
-            uint32_t p = e->cell_node[c][(k + 1) % 3], q = e->cell_node[c][(k + 2) % 3];
-            uint64_t key = p < q ? (uint64_t)p << 32 | q : (uint64_t)q << 32 | p;
-            uint32_t mine = (uint32_t)(4 * c) + (uint32_t)k;
-            uint32_t first = rsv_index_map_insert(&edges, key, mine);
-            if (first == UINT32_MAX) status = RSV_ERROR_MEMORY;
-            else if (first != mine)
-                test_edge(&test, (uint32_t)c, k, first / 4, (int)(first & 3), split);
-        }
+    rsv_status status = RSV_OK;
+    float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
+    if (b->direct) RSV_TRY(rsv_find_bends(e, b->direct, BEND, dark, mark_direct, b));
+    if (b->caustic) {
+        float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
+        RSV_TRY(rsv_find_bends(e, b->caustic, BEND, faint, mark_caustic, b));
     }
-    rsv_index_map_destroy(&edges);
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
-        if (e->cell[c].level >= RSV_MAX_LEVEL) split[c] = 0;
-        *marked += split[c];
+        if (e->cell[c].level >= RSV_MAX_LEVEL) b->split[c] = 0;
+        *marked += b->split[c];
     }
+cleanup:
     return status;
 }
 
@@ -165,7 +131,7 @@ static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb 
 }
 
 /// Replaces the elements by finer ones and updates direct light on them.
-static rsv_status split_once(level_builder *b, const uint8_t *split)
+static rsv_status split_once(level_builder *b)
 {
     rsv_context *context = b->coarse->context;
     rsv_status status;
@@ -176,7 +142,7 @@ static rsv_status split_once(level_builder *b, const uint8_t *split)
     b->direct = NULL;
     rsv_free(context, b->valid_points);
     b->valid_points = NULL;
-    RSV_TRY(rsv_elements_refine(old, split, &b->elements));
+    RSV_TRY(rsv_elements_refine(old, b->split, &b->elements));
     RSV_TRY(prepare_elements(b));
     if (b->desc->direct) {
         b->direct = rsv_alloc(context, b->elements->node_count, sizeof *b->direct);
@@ -199,20 +165,18 @@ static rsv_status refine(level_builder *b)
 {
     rsv_context *context = b->coarse->context;
     rsv_status status = RSV_OK;
-    uint8_t *split = NULL;
     for (uint32_t level = 0; level < b->desc->levels; level++) {
         if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
-        rsv_free(context, split);
-        split = rsv_alloc(context, b->elements->cell_count, 1);
-        if (!split) return RSV_ERROR_MEMORY;
+        rsv_free(context, b->split);
+        b->split = rsv_alloc(context, b->elements->cell_count, 1);
+        if (!b->split) return RSV_ERROR_MEMORY;
         size_t marked;
-        RSV_TRY(mark_cells(b, split, &marked));
+        RSV_TRY(mark_cells(b, &marked));
         if (marked == 0) break;
-        RSV_TRY(split_once(b, split));
+        RSV_TRY(split_once(b));
     }
     if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count));
 cleanup:
-    rsv_free(context, split);
     return status;
 }
 
@@ -225,10 +189,10 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     level_builder b = { .scene = scene, .lights = lights, .coarse = coarse, .desc = desc,
         .rays = rays };
     *level = (rsv_source_level){ 0 };
-    uint8_t *split_all = rsv_alloc(context, coarse->cell_count, 1);
-    if (!split_all) return RSV_ERROR_MEMORY;
-    if (desc->direct) memset(split_all, 1, coarse->cell_count);
-    RSV_TRY(rsv_elements_refine(coarse, split_all, &b.elements));
+    b.split = rsv_alloc(context, coarse->cell_count, 1);
+    if (!b.split) return RSV_ERROR_MEMORY;
+    if (desc->direct) memset(b.split, 1, coarse->cell_count);
+    RSV_TRY(rsv_elements_refine(coarse, b.split, &b.elements));
     RSV_TRY(prepare_elements(&b));
     if (desc->direct) {
         b.direct = rsv_alloc(context, b.elements->node_count, sizeof *b.direct);
@@ -254,7 +218,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     b.elements = NULL;
     b.direct = b.caustic = NULL;
 cleanup:
-    rsv_free(context, split_all);
+    rsv_free(context, b.split);
     rsv_free(context, b.direct);
     rsv_free(context, b.valid_points);
     free_photons(&b);

@@ -2,7 +2,10 @@
 /// the sum so far, so the truncation bound costs nothing.
 #include "solution.h"
 
+#include "../operator/bend.h"
+
 #include <string.h>
+#include <stdlib.h>
 
 static void multiply_albedo(const rsv_solution *s, const rsv_rgb *irradiance, rsv_rgb *exitance)
 {
@@ -24,16 +27,6 @@ static double largest(const rsv_rgb *value, size_t count)
     for (size_t n = 0; n < count; n++)
         max = fmax(max, rgb_max(value[n]));
     return max;
-}
-
-static double mean_luminance(const rsv_elements *e, const rsv_rgb *value)
-{
-    double sum = 0, area = 0;
-    for (size_t n = 0; n < e->node_count; n++) {
-        sum += (double)rgb_luminance(value[n]) * e->node_area[n];
-        area += e->node_area[n];
-    }
-    return area > 0 ? sum / area : 0;
 }
 
 /// ||G K||_inf: what comes of an irradiance of 1 everywhere.
@@ -94,16 +87,16 @@ static void add_term(rsv_solution *s, const rsv_rgb *term)
     s->order_count = slot + 1;
 }
 
-static rsv_status sum_series(rsv_solution *s, rsv_rgb *term, rsv_rgb *next, rsv_rgb *exitance)
+static rsv_status sum_series(rsv_solution *s, uint32_t max_orders, rsv_rgb *term, rsv_rgb *next, rsv_rgb *exitance)
 {
     rsv_solve_report *report = &s->report;
     size_t nodes = s->elements->node_count;
-    double mean = mean_luminance(s->elements, s->source), previous = 0;
+    double mean = rsv_elements_mean_luminance(s->elements, s->source), previous = 0;
     bool bounded = report->norm_inf < 1;
     double margin = bounded ? 1 - report->norm_inf : 1e-3;
     memcpy(term, s->source, nodes * sizeof *term);
     report->stop_reason = RSV_STOP_MAX_ORDERS;
-    for (uint32_t order = 1; order <= s->desc.max_orders; order++) {
+    for (uint32_t order = 1; order <= max_orders; order++) {
         apply(s, term, exitance, next);
         add_term(s, next);
         report->iterations = order;
@@ -121,13 +114,13 @@ static rsv_status sum_series(rsv_solution *s, rsv_rgb *term, rsv_rgb *next, rsv_
         term = next;
         next = swap;
         rsv_status status =
-            rsv_progress(s->context, "solve", (double)order / (double)s->desc.max_orders);
+            rsv_progress(s->context, "solve", (double)order / (double)max_orders);
         if (status != RSV_OK) return status;
     }
     return rsv_progress(s->context, "solve", 1);
 }
 
-rsv_status rsv_solve_neumann(rsv_solution *s)
+rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
 {
     rsv_status status = RSV_OK;
     size_t nodes = s->elements->node_count;
@@ -146,13 +139,22 @@ rsv_status rsv_solve_neumann(rsv_solution *s)
     if (largest(s->source, nodes) == 0)
         s->report.stop_reason = RSV_STOP_NO_LIGHT;
     else
-        RSV_TRY(sum_series(s, a, b, exitance));
+        RSV_TRY(sum_series(s, max_orders, a, b, exitance));
+    if (getenv("RSV_X")) for (int k = 1; k <= (int)s->order_count; k++) {
+        rsv_rgb *v = k == (int)s->order_count ? s->indirect : s->order[k];
+        rsv_elements_average(s->elements, v, b);
+        if (atoi(getenv("RSV_X")) == 1) memcpy(v, b, nodes * sizeof *v);
+        else if (atoi(getenv("RSV_X")) == 2) { rsv_elements_average(s->elements, b, a); for (size_t n = 0; n < nodes; n++) v[n] = rgb_sub(rgb_scale(b[n], 3), rgb_scale(a[n], 2)); }
+        else if (atoi(getenv("RSV_X")) == 3) { for (size_t n = 0; n < nodes; n++) v[n] = rgb_sub(rgb_scale(v[n], 2), b[n]); }
+        else if (atoi(getenv("RSV_X")) == 4) { rsv_elements_average(s->elements, b, a); for (size_t n = 0; n < nodes; n++) v[n] = rgb_sub(rgb_scale(b[n], 2), a[n]); }
+        else if (atoi(getenv("RSV_X")) == 5) { rsv_elements_average(s->elements, b, a); memcpy(v, a, nodes * sizeof *v); }
+    }
     for (size_t n = 0; n < nodes; n++)
         a[n] = rgb_add(s->source[n], s->indirect[n]);
     s->report.residual_inf = residual_norm(s, a);
     s->report.truncation_bound =
         s->report.norm_inf < 1 ? s->report.residual_inf / (1 - s->report.norm_inf) : INFINITY;
-    s->report.mean_irradiance = mean_luminance(s->elements, a);
+    s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, a);
 cleanup:
     rsv_free(s->context, a);
     rsv_free(s->context, b);

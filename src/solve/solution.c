@@ -1,5 +1,6 @@
 #include "solution.h"
 
+#include "../operator/bend.h"
 #include "../operator/burial.h"
 #include "../operator/contact.h"
 
@@ -7,6 +8,11 @@
 
 /// Splits of coarse cells through which other geometry passes.
 #define CONTACT_LEVELS 2
+/// A pilot solution with few rays shows where coarse cells are too large for the indirect light.
+#define PILOT_RAYS 64
+#define PILOT_ORDERS 3
+/// Far above the pilot's noise: only gross errors are mended.
+#define PILOT_BEND 0.4f
 
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
@@ -89,6 +95,21 @@ static rsv_status create_albedos(rsv_solution *s)
     return RSV_OK;
 }
 
+/// Everything that belongs to one set of coarse elements: G, K, E0 and the solution.
+static void destroy_system(rsv_solution *s)
+{
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        rsv_free(s->context, s->order[k]);
+        s->order[k] = NULL;
+    }
+    rsv_free(s->context, s->indirect);
+    rsv_free(s->context, s->source);
+    rsv_free(s->context, s->exitance_albedo);
+    rsv_transport_destroy(s->transport);
+    s->indirect = s->source = s->exitance_albedo = NULL;
+    s->transport = NULL;
+}
+
 static rsv_status create_fine_level(rsv_solution *s)
 {
     bool caustics = s->desc.photon_count > 0 && rsv_photons_wanted(&s->scene, s->lights);
@@ -118,18 +139,71 @@ static rsv_status create_source(rsv_solution *s)
     return RSV_OK;
 }
 
+/// Elements ready to receive: walls kept apart, buried points known, buried corners bridged.
+static rsv_status prepare_elements(rsv_solution *s)
+{
+    rsv_status status = rsv_elements_separate(s->tracer, s->elements, &s->report.rays);
+    if (status != RSV_OK) return status;
+    rsv_free(s->context, s->valid_points);
+    s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);
+    if (!s->valid_points) return RSV_ERROR_MEMORY;
+    status = rsv_find_buried(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed,
+        s->valid_points, &s->report.rays);
+    if (status == RSV_OK) rsv_elements_bridge_buried(s->elements, s->valid_points);
+    return status;
+}
+
+static rsv_status assemble(rsv_solution *s, uint32_t rays)
+{
+    rsv_status status = rsv_transport_create(&s->scene, s->lights, s->elements, s->valid_points, rays,
+        s->desc.seed, &s->transport);
+    if (status == RSV_OK) s->report.rays += s->transport->rays;
+    return status;
+}
+
+static void mark_pair(void *user, uint32_t cell, uint32_t other)
+{
+    uint8_t *split = user;
+    split[cell] = split[other] = 1;
+}
+
+static rsv_status split_marked(rsv_solution *s, const uint8_t *split)
+{
+    rsv_elements *finer = NULL;
+    rsv_status status = rsv_elements_refine(s->elements, split, &finer);
+    if (status != RSV_OK) return status;
+    rsv_elements_destroy(s->elements);
+    s->elements = finer;
+    return prepare_elements(s);
+}
+
+/// Splits coarse cells over which the first few orders of a pilot solution bend.
+static rsv_status refine_by_pilot(rsv_solution *s)
+{
+    rsv_status status;
+    uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
+    if (!split) return RSV_ERROR_MEMORY;
+    RSV_TRY(create_albedos(s));
+    RSV_TRY(assemble(s, PILOT_RAYS));
+    RSV_TRY(create_source(s));
+    RSV_TRY(rsv_solve_neumann(s, PILOT_ORDERS));
+    float mean = (float)rsv_elements_mean_luminance(s->elements, s->indirect);
+    RSV_TRY(rsv_find_bends(s->elements, s->indirect, PILOT_BEND, 0.1f * mean, mark_pair, split));
+    destroy_system(s);
+    RSV_TRY(split_marked(s, split));
+cleanup:
+    rsv_free(s->context, split);
+    return status;
+}
+
 static rsv_status create_elements(rsv_solution *s)
 {
     rsv_status status;
     float spacing = spacing_for(s, s->desc.element_target);
     RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
     RSV_TRY(rsv_elements_refine_contacts(s->tracer, CONTACT_LEVELS, &s->elements, &s->report.rays));
-    RSV_TRY(rsv_elements_separate(s->tracer, s->elements, &s->report.rays));
-    s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);
-    if (!s->valid_points) return RSV_ERROR_MEMORY;
-    RSV_TRY(rsv_find_buried(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed,
-        s->valid_points, &s->report.rays));
-    rsv_elements_bridge_buried(s->elements, s->valid_points);
+    RSV_TRY(prepare_elements(s));
+    RSV_TRY(refine_by_pilot(s));
 cleanup:
     return status;
 }
@@ -147,9 +221,7 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
     RSV_TRY(create_elements(s));
     RSV_TRY(create_albedos(s));
-    RSV_TRY(rsv_transport_create(&s->scene, s->lights, s->elements, s->valid_points,
-        s->desc.rays_per_element, s->desc.seed, &s->transport));
-    s->report.rays += s->transport->rays;
+    RSV_TRY(assemble(s, s->desc.rays_per_element));
     RSV_TRY(create_fine_level(s));
     RSV_TRY(create_source(s));
     double assembled = rsv_seconds();
@@ -158,7 +230,7 @@ static rsv_status build(rsv_solution *s)
     s->report.elements = s->elements->node_count;
     s->report.direct_elements = s->fine.elements ? s->fine.elements->node_count : 0;
     s->report.entries = rsv_transport_entries(s->transport);
-    RSV_TRY(rsv_solve_neumann(s));
+    RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
     s->report.time_solve = rsv_seconds() - assembled;
 cleanup:
     return status;
@@ -190,13 +262,8 @@ void rsv_solution_destroy(rsv_solution *s)
     if (!s) return;
     rsv_context *context = s->context;
     rsv_source_level_destroy(context, &s->fine);
-    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++)
-        rsv_free(context, s->order[k]);
-    rsv_free(context, s->indirect);
-    rsv_free(context, s->source);
+    destroy_system(s);
     rsv_free(context, s->valid_points);
-    rsv_free(context, s->exitance_albedo);
-    rsv_transport_destroy(s->transport);
     rsv_elements_destroy(s->elements);
     rsv_lights_destroy(s->lights);
     rsv_tracer_destroy(s->tracer);

@@ -35,6 +35,7 @@ rsv_rgb rsv_solution_direct(const rsv_solution *solution, uint32_t face, float u
     bool skip_sampled);
 
 /// Solves E = E0 + G K E by its Neumann series, keeping the orders. Fills the report.
-rsv_status rsv_solve_neumann(rsv_solution *solution);
+/// @param max_orders terms at most
+rsv_status rsv_solve_neumann(rsv_solution *solution, uint32_t max_orders);
 
 #endif

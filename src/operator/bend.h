@@ -1,0 +1,19 @@
+/// Where a piecewise linear field departs from its elements: the indicator that drives refinement.
+#ifndef RSV_BEND_H
+#define RSV_BEND_H
+
+#include "elements.h"
+
+/// Called for two cells that share an edge across which `value` bends.
+typedef void (*rsv_bend_found)(void *user, uint32_t cell, uint32_t other);
+
+/// Reports edges across which the luminance of `value` departs from a plane by more than `threshold` of
+/// the local level plus `floor`; linear interpolation then errs by about a quarter of that.
+/// @param value [node_count]
+rsv_status rsv_find_bends(const rsv_elements *elements, const rsv_rgb *value, float threshold,
+    float floor, rsv_bend_found found, void *user);
+
+/// Area-weighted mean luminance of a field.
+double rsv_elements_mean_luminance(const rsv_elements *elements, const rsv_rgb *value);
+
+#endif
