@@ -15,6 +15,7 @@ typedef enum rsv_quality { RSV_QUALITY_DRAFT, RSV_QUALITY_MEDIUM, RSV_QUALITY_HI
 typedef struct rsv_solve_desc {
     uint32_t element_target;   ///< wanted number of coarse elements; meshes finer than that keep theirs
     uint32_t rays_per_element; ///< gather rays of one row of G; a power of two, 64..4096
+    uint32_t refinements;      ///< pilot solutions that show where coarse elements must be split
     uint32_t light_samples;    ///< shadow rays per element and next-event estimate; a power of two
     uint32_t photon_count;     ///< light paths shot for caustics, where the scene has any
     uint32_t direct_levels;    ///< subdivisions of the direct level below the coarse one where direct

@@ -8,7 +8,7 @@
 
 /// Splits of coarse cells through which other geometry passes.
 #define CONTACT_LEVELS 2
-/// A pilot solution with few rays shows where coarse cells are too large for the indirect light.
+/// Pilot solutions with few rays show where coarse cells are too large for the indirect light.
 #define PILOT_RAYS 64
 #define PILOT_ORDERS 3
 /// Far above the pilot's noise: only gross errors are mended.
@@ -17,12 +17,12 @@
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
     static const rsv_solve_desc presets[] = {
-        [RSV_QUALITY_DRAFT] = { .element_target = 2500, .rays_per_element = 128, .light_samples = 16,
-            .photon_count = 300000, .direct_levels = 2 },
-        [RSV_QUALITY_MEDIUM] = { .element_target = 8000, .rays_per_element = 256, .light_samples = 16,
-            .photon_count = 1500000, .direct_levels = 3 },
-        [RSV_QUALITY_HIGH] = { .element_target = 24000, .rays_per_element = 1024, .light_samples = 32,
-            .photon_count = 6000000, .direct_levels = 4 },
+        [RSV_QUALITY_DRAFT] = { .element_target = 3000, .rays_per_element = 256, .refinements = 0,
+            .light_samples = 16, .photon_count = 300000, .direct_levels = 2 },
+        [RSV_QUALITY_MEDIUM] = { .element_target = 7000, .rays_per_element = 512, .refinements = 1,
+            .light_samples = 16, .photon_count = 1500000, .direct_levels = 3 },
+        [RSV_QUALITY_HIGH] = { .element_target = 24000, .rays_per_element = 1024, .refinements = 2,
+            .light_samples = 32, .photon_count = 6000000, .direct_levels = 4 },
     };
     rsv_solve_desc desc = presets[quality];
     desc.direct_level = true;
@@ -180,7 +180,7 @@ static rsv_status split_marked(rsv_solution *s, const uint8_t *split)
 /// Splits coarse cells over which the first few orders of a pilot solution bend.
 static rsv_status refine_by_pilot(rsv_solution *s)
 {
-    rsv_status status;
+    rsv_status status = RSV_OK;
     uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
     if (!split) return RSV_ERROR_MEMORY;
     RSV_TRY(create_albedos(s));
@@ -203,7 +203,8 @@ static rsv_status create_elements(rsv_solution *s)
     RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
     RSV_TRY(rsv_elements_refine_contacts(s->tracer, CONTACT_LEVELS, &s->elements, &s->report.rays));
     RSV_TRY(prepare_elements(s));
-    RSV_TRY(refine_by_pilot(s));
+    for (uint32_t pilot = 0; pilot < s->desc.refinements; pilot++)
+        RSV_TRY(refine_by_pilot(s));
 cleanup:
     return status;
 }
