@@ -65,6 +65,19 @@ RSV_API uint32_t rsv_solution_order_count(const rsv_solution *solution);
 RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t triangle, float u, float v,
     bool back_side, uint32_t order);
 
+/// What assembly costs beside ray tracing alone.
+typedef struct rsv_assembly_cost {
+    uint64_t rays;           ///< first-hit rays of the rows
+    double assembly_seconds; ///< the rows of G: aiming, tracing, element lookup, storage
+    double tracing_seconds;  ///< the same packets of rays through the ray tracer alone
+    double single_seconds;   ///< the same rays one by one through the ray tracer alone
+} rsv_assembly_cost;
+
+/// Assembles the coarse rows of a solution again, and traces the very same rays without doing anything with
+/// them, in the same run, so that the ratio does not depend on how busy the machine is.
+/// @param solution of a scene whose surfaces are all Lambertian, so that every ray ends at its first hit
+RSV_API rsv_status rsv_measure_assembly(const rsv_solution *solution, rsv_assembly_cost *cost);
+
 #ifdef __cplusplus
 }
 #endif

@@ -216,6 +216,68 @@ static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, ti
     return s->tinted_count ? store_tinted(t->context, s, block) : RSV_OK;
 }
 
+/// Seconds to trace the packets of one row, aimed beforehand.
+static void time_row(const assembly *a, uint32_t node, rsv_ray_packet *packets, double *packet_seconds,
+    double *single_seconds)
+{
+    receiver r;
+    set_up_receiver(a, node, &r);
+    uint32_t rays = a->directions.count, count = rays / LANES;
+    size_t set = (size_t)(rsv_hash2(a->seed, node) % RSV_DIRECTION_SETS) * rays;
+    for (uint32_t p = 0; p < count; p++) {
+        size_t first = set + (size_t)p * LANES;
+        memset(packets[p].mask, 0xff, sizeof packets[p].mask);
+        aim_packet(&r, a->valid_points[node], a->directions.x + first, a->directions.y + first,
+            a->directions.z + first, &packets[p]);
+    }
+    double start = rsv_seconds();
+    for (uint32_t p = 0; p < count; p++) {
+        for (int k = 0; k < LANES; k++) {
+            rsv_hit hit;
+            rsv_ray ray = {
+                v3(packets[p].origin_x[k], packets[p].origin_y[k], packets[p].origin_z[k]),
+                v3(packets[p].direction_x[k], packets[p].direction_y[k], packets[p].direction_z[k]),
+                INFINITY };
+            if (packets[p].t_max[k] > 0) rsv_tracer_closest(a->scene->tracer, &ray, &hit);
+        }
+    }
+    double middle = rsv_seconds();
+    for (uint32_t p = 0; p < count; p++)
+        rsv_tracer_closest_packet(a->scene->tracer, &packets[p], false);
+    *single_seconds += middle - start;
+    *packet_seconds += rsv_seconds() - middle;
+}
+
+rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_elements *elements,
+    const uint16_t *valid_points, uint32_t rays, uint32_t seed, uint64_t *ray_count,
+    double *packet_seconds, double *single_seconds)
+{
+    rsv_context *context = elements->context;
+    assembly a = { .scene = scene, .elements = elements, .valid_points = valid_points, .seed = seed };
+    rsv_status status = rsv_directions_create(context, rays, seed, &a.directions);
+    if (status != RSV_OK) return status;
+    double packet_sum = 0, single_sum = 0;
+    uint64_t traced = 0;
+    bool failed = false;
+#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : packet_sum, single_sum, traced)
+    {
+        rsv_ray_packet *packets = rsv_alloc(context, rays / LANES, sizeof *packets);
+#pragma omp for schedule(dynamic, ROWS_PER_BLOCK)
+        for (size_t node = 0; node < elements->node_count; node++) {
+            if (!packets || valid_points[node] == 0) continue;
+            time_row(&a, (uint32_t)node, packets, &packet_sum, &single_sum);
+            traced += rays;
+        }
+        if (!packets) failed = true;
+        rsv_free(context, packets);
+    }
+    *ray_count = traced;
+    *packet_seconds = packet_sum / rsv_threads(context);
+    *single_seconds = single_sum / rsv_threads(context);
+    rsv_directions_destroy(&a.directions);
+    return failed ? RSV_ERROR_MEMORY : RSV_OK;
+}
+
 static rsv_status create_scratch(rsv_context *context, uint32_t rays, row_scratch *s)
 {
     memset(s, 0, sizeof *s);

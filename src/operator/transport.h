@@ -33,6 +33,12 @@ typedef struct rsv_transport {
 rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *elements, const uint16_t *valid_points, uint32_t rays, uint32_t seed,
     rsv_transport **transport);
+/// Traces the first-hit rays of all rows and does nothing with them: what rsv_transport_create could cost at
+/// best. @param seconds spent in the ray tracer, by packets and one by one, divided by the threads
+rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_elements *elements,
+    const uint16_t *valid_points, uint32_t rays, uint32_t seed, uint64_t *ray_count,
+    double *packet_seconds, double *single_seconds);
+
 void rsv_transport_destroy(rsv_transport *transport);
 
 /// irradiance = G exitance, both [row_count]; rows of hanging and buried nodes come out 0.
