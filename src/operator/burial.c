@@ -37,11 +37,10 @@ static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements 
     bool buried = false;
     rsv_cell_shape shape;
     rsv_vec3 home = { 0 };
+    rsv_support_point sample[16];
+    rsv_elements_sample_support(e, node, points, seed, sample);
     for (uint32_t k = 0; k < points; k++) {
-        uint32_t support;
-        float u, v;
-        rsv_elements_sample_support(e, node, k, points, seed, &support, &u, &v);
-        uint32_t face = e->cell[support / 4].face;
+        uint32_t support = sample[k].support, face = e->cell[support / 4].face;
         if (support != last) {
             shape = rsv_cell_shape_of(e, support / 4);
             home = rsv_cell_hover(&shape, shape.corner[support & 3]);
@@ -50,8 +49,8 @@ static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements 
             last = support;
         }
         if (buried) continue;
-        rsv_surface_point point =
-            rsv_surface_point_at(scene->view, e->face_triangle[face], u, v, e->face_back[face]);
+        rsv_surface_point point = rsv_surface_point_at(scene->view, e->face_triangle[face],
+            sample[k].u, sample[k].v, e->face_back[face]);
         *rays += 2;
         if (!rsv_is_covered(scene->tracer, &shape, point.position) &&
             !rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position)))

@@ -31,13 +31,12 @@ static void set_up_points(const direct_job *job, uint32_t node, uint16_t valid, 
     const rsv_elements *e = job->elements;
     p->count = job->points;
     p->valid = valid;
+    rsv_support_point sample[LANES];
+    rsv_elements_sample_support(e, node, p->count, job->seed, sample);
     for (uint32_t k = 0; k < p->count; k++) {
-        uint32_t support;
-        float u, v;
-        rsv_elements_sample_support(e, node, k, p->count, job->seed, &support, &u, &v);
-        uint32_t face = e->cell[support / 4].face;
-        p->point[k] =
-            rsv_surface_point_at(job->scene->view, e->face_triangle[face], u, v, e->face_back[face]);
+        uint32_t face = e->cell[sample[k].support / 4].face;
+        p->point[k] = rsv_surface_point_at(job->scene->view, e->face_triangle[face], sample[k].u,
+            sample[k].v, e->face_back[face]);
         p->origin[k] =
             rsv_offset_origin(p->point[k].position, p->point[k].geometric, p->point[k].extent);
     }

@@ -335,7 +335,7 @@ static rsv_status find_hanging(hanging_finder *f)
 
 static float cell_area(const rsv_elements *e, uint32_t cell)
 {
-    return ldexpf(e->face_area[e->cell[cell].face], -2 * e->cell[cell].level);
+    return e->face_area[e->cell[cell].face] / (float)(1u << (2 * e->cell[cell].level));
 }
 
 static rsv_status create_supports(rsv_elements *e)
@@ -400,33 +400,39 @@ static float sample_hat(float x)
     return 0.5f - sinf(asinf(1 - 2 * x) / 3);
 }
 
-void rsv_elements_sample_support(const rsv_elements *e, uint32_t node, uint32_t index, uint32_t count,
-    uint32_t seed, uint32_t *support, float *u, float *v)
+/// The place on the face where the hat function of a cell's corner k has weight b, and the next corner c.
+static rsv_support_point place_in_cell(const rsv_elements *e, uint32_t support, float b, float c)
 {
-    uint32_t begin = e->support_begin[node], end = e->support_begin[node + 1];
-    float total = 0;
-    for (uint32_t s = begin; s < end; s++)
-        total += cell_area(e, e->support[s] / 4);
-    float jitter = rsv_unit_float(rsv_hash3(seed, node, index));
-    float target = total * ((float)index + jitter) / (float)count;
-    uint32_t chosen = begin;
-    for (; chosen + 1 < end; chosen++) {
-        float area = cell_area(e, e->support[chosen] / 4);
-        if (target < area) break;
-        target -= area;
-    }
-    float x, y;
-    rsv_sobol_2d(index, rsv_hash3(seed, node, 0x5bd1e995u), &x, &y);
-    const rsv_cell *cell = &e->cell[e->support[chosen] / 4];
-    int k = (int)(e->support[chosen] & 3);
-    float b = sample_hat(x), c = (1 - b) * y;
-    float u0, v0, u1, v1, u2, v2;
+    const rsv_cell *cell = &e->cell[support / 4];
+    int k = (int)(support & 3);
+    float u0, v0, u1, v1, u2, v2, rest = 1 - b - c;
     rsv_cell_corner(cell, k, &u0, &v0);
     rsv_cell_corner(cell, (k + 1) % 3, &u1, &v1);
     rsv_cell_corner(cell, (k + 2) % 3, &u2, &v2);
-    *support = e->support[chosen];
-    *u = b * u0 + c * u1 + (1 - b - c) * u2;
-    *v = b * v0 + c * v1 + (1 - b - c) * v2;
+    return (rsv_support_point){ support, b * u0 + c * u1 + rest * u2, b * v0 + c * v1 + rest * v2 };
+}
+
+void rsv_elements_sample_support(const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed,
+    rsv_support_point *points)
+{
+    uint32_t chosen = e->support_begin[node], end = e->support_begin[node + 1];
+    uint32_t stream = rsv_hash2(seed, node);
+    float total = 0;
+    for (uint32_t s = chosen; s < end; s++)
+        total += cell_area(e, e->support[s] / 4);
+    float below = 0, area = cell_area(e, e->support[chosen] / 4);
+    for (uint32_t k = 0; k < count; k++) {
+        float jitter = rsv_unit_float(rsv_hash(stream + k));
+        float target = total * ((float)k + jitter) / (float)count;
+        while (chosen + 1 < end && target >= below + area) {
+            below += area;
+            area = cell_area(e, e->support[++chosen] / 4);
+        }
+        float x, y;
+        rsv_sobol_2d(k, stream, &x, &y);
+        float b = sample_hat(x);
+        points[k] = place_in_cell(e, e->support[chosen], b, (1 - b) * y);
+    }
 }
 
 void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value)

@@ -166,11 +166,16 @@ rsv_surface_point rsv_surface_point_at(const rsv_scene_view *scene, uint32_t tri
 /// Area of a triangle of the scene, m2.
 float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
 
-/// Point `index` of `count` of a stratified sample of a node's support, with density proportional to its
-/// hat function. Points of one cell have consecutive indices.
-/// @param seed differs between independent samples
-/// @param support, u, v the entry of the support (cell * 4 + corner) and the place on its face
-void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t index,
-    uint32_t count, uint32_t seed, uint32_t *support, float *u, float *v);
+/// A point of a node's support.
+typedef struct rsv_support_point {
+    uint32_t support; ///< cell * 4 + corner
+    float u, v;       ///< place on the cell's face
+} rsv_support_point;
+
+/// A stratified sample of a node's support with density proportional to its hat function. Points of one cell
+/// come one after the other.
+/// @param seed differs between independent samples @param points [count]
+void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t count,
+    uint32_t seed, rsv_support_point *points);
 
 #endif

@@ -16,6 +16,15 @@ typedef struct receiver {
     float geometric_x[LANES], geometric_y[LANES], geometric_z[LANES];
 } receiver;
 
+/// One side of a triangle as the end of a ray, in eight bytes: what process_hits needs of it.
+typedef struct ray_target {
+    uint32_t face;
+    uint16_t side; ///< cells along an edge of the face's grid
+    uint8_t kind;
+} ray_target;
+
+enum { TARGET_BLACK, TARGET_LAMBERT, TARGET_CHAIN };
+
 /// What the rays of one row found.
 typedef struct row_scratch {
     uint32_t *column;     ///< [rays] RSV_NONE = nothing
@@ -38,6 +47,7 @@ typedef struct assembly {
     const rsv_lights *lights;
     const rsv_elements *elements;
     const uint16_t *valid_points;
+    ray_target *target; ///< [2 * triangle_count] front and back of each triangle
     rsv_directions directions;
     rsv_transport *transport;
     uint32_t seed;
@@ -51,13 +61,12 @@ static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
 {
     float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(a->seed, node, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
+    rsv_support_point sample[LANES];
+    rsv_elements_sample_support(a->elements, node, LANES, a->seed, sample);
     for (uint32_t k = 0; k < LANES; k++) {
-        uint32_t support;
-        float u, v;
-        rsv_elements_sample_support(a->elements, node, k, LANES, a->seed, &support, &u, &v);
-        uint32_t face = a->elements->cell[support / 4].face;
+        uint32_t face = a->elements->cell[sample[k].support / 4].face;
         rsv_surface_point point = rsv_surface_point_at(a->scene->view,
-            a->elements->face_triangle[face], u, v, a->elements->face_back[face]);
+            a->elements->face_triangle[face], sample[k].u, sample[k].v, a->elements->face_back[face]);
         rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
         rsv_vec3 t, b;
         v3_frame(point.normal, &t, &b);
@@ -139,26 +148,66 @@ static void follow_chain(const assembly *a, row_scratch *s, uint32_t node, uint3
         record_end(a, s, ray, &gather.chain, rsv_random_float(&random));
 }
 
+/// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.
+typedef struct grid_places {
+    _Alignas(64) float side[LANES], u[LANES], v[LANES];
+    _Alignas(64) int32_t index[LANES], corner[LANES];
+} grid_places;
+
+static void place_on_grids(grid_places *g, uint32_t stream)
+{
+    for (int k = 0; k < LANES; k++) {
+        float x = g->u[k] * g->side[k], y = g->v[k] * g->side[k];
+        int32_t side = (int32_t)g->side[k], j = (int32_t)y, i = (int32_t)x;
+        j = j > side - 1 ? side - 1 : j;
+        i = i > side - 1 - j ? side - 1 - j : i;
+        float fx = x - (float)i, fy = y - (float)j;
+        int32_t flipped = (fx + fy > 1) & (i + j < side - 1);
+        float b0 = flipped ? fx + fy - 1 : 1 - fx - fy, b1 = flipped ? 1 - fx : fx;
+        float random = rsv_unit_float(rsv_hash(stream + (uint32_t)k));
+        g->index[k] = j * (2 * side - j) + 2 * i + flipped;
+        g->corner[k] = (random >= b0) + (random >= b0 + b1);
+    }
+}
+
+static ray_target hit_target(const assembly *a, const rsv_ray_packet *packet, int k)
+{
+    uint32_t triangle = packet->triangle[k];
+    if (triangle == RSV_NONE) return (ray_target){ 0 };
+    bool back = packet->normal_x[k] * packet->direction_x[k] +
+            packet->normal_y[k] * packet->direction_y[k] +
+            packet->normal_z[k] * packet->direction_z[k] > 0;
+    return a->target[2 * (size_t)triangle + back];
+}
+
 static void process_hits(const assembly *a, row_scratch *s, uint32_t node, uint32_t first_ray,
     const rsv_bsdf *receiver_bsdf, const float *cos_receiver, const rsv_ray_packet *packet)
 {
     const rsv_elements *e = a->elements;
+    grid_places g;
+    ray_target target[LANES];
     for (int k = 0; k < LANES; k++) {
-        uint32_t triangle = packet->triangle[k], ray = first_ray + (uint32_t)k;
-        if (triangle == RSV_NONE) continue;
-        const rsv_bsdf *bsdf = &a->scene->bsdf[a->scene->view->triangle_material[triangle]];
-        bool back = packet->normal_x[k] * packet->direction_x[k] +
-                packet->normal_y[k] * packet->direction_y[k] +
-                packet->normal_z[k] * packet->direction_z[k] > 0;
-        if (back && !bsdf->double_sided && bsdf->transmission == 0) continue;
-        if (bsdf->lambert && !bsdf->emissive && !receiver_bsdf->coated) {
-            uint32_t face = e->face_of[back][triangle];
-            float weight[3];
-            uint32_t cell = rsv_elements_locate(e, face, packet->u[k], packet->v[k], weight);
-            float random = rsv_unit_float(rsv_hash3(a->seed, node, ray));
+        target[k] = hit_target(a, packet, k);
+        g.side[k] = target[k].side;
+        g.u[k] = packet->u[k];
+        g.v[k] = packet->v[k];
+    }
+    uint32_t stream = rsv_hash2(a->seed, node) + first_ray;
+    place_on_grids(&g, stream);
+    for (int k = 0; k < LANES; k++) {
+        uint32_t ray = first_ray + (uint32_t)k;
+        if (target[k].kind == TARGET_BLACK) continue;
+        if (target[k].kind == TARGET_CHAIN || receiver_bsdf->coated) {
+            follow_chain(a, s, node, ray, receiver_bsdf, cos_receiver[k], packet, k);
+            continue;
+        }
+        uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
+        if (slot & RSV_SLOT_SPLIT) {
+            float weight[3], random = rsv_unit_float(rsv_hash(stream + (uint32_t)k));
+            uint32_t cell = rsv_elements_locate(e, target[k].face, packet->u[k], packet->v[k], weight);
             s->column[ray] = rsv_elements_pick_node(e, cell, weight, random);
         } else {
-            follow_chain(a, s, node, ray, receiver_bsdf, cos_receiver[k], packet, k);
+            s->column[ray] = e->cell_node[slot][g.corner[k]];
         }
     }
 }
@@ -390,6 +439,26 @@ static rsv_status create_empty(const rsv_elements *elements, uint32_t rays, rsv_
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
+static rsv_status create_targets(assembly *a)
+{
+    const rsv_scene_view *view = a->scene->view;
+    const rsv_elements *e = a->elements;
+    a->target = rsv_alloc(e->context, 2 * view->triangle_count, sizeof *a->target);
+    if (!a->target) return RSV_ERROR_MEMORY;
+    for (size_t side = 0; side < 2 * view->triangle_count; side++) {
+        const rsv_bsdf *bsdf = &a->scene->bsdf[view->triangle_material[side / 2]];
+        uint32_t face = e->face_of[side & 1][side / 2];
+        bool back = side & 1, opaque_back = back && !bsdf->double_sided && bsdf->transmission == 0;
+        bool plain = bsdf->lambert && face != RSV_NONE &&
+            (!bsdf->emissive || !counts_by_gathering(a->lights, (uint32_t)(side / 2), 0));
+        a->target[side].kind = opaque_back ? TARGET_BLACK : plain ? TARGET_LAMBERT : TARGET_CHAIN;
+        if (face == RSV_NONE) continue;
+        a->target[side].face = face;
+        a->target[side].side = (uint16_t)(1u << e->face_level[face]);
+    }
+    return RSV_OK;
+}
+
 rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *elements, const uint16_t *valid_points, uint32_t rays, uint32_t seed,
     rsv_transport **transport)
@@ -400,6 +469,7 @@ rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_ligh
         .valid_points = valid_points, .seed = seed,
         .block_count = (elements->node_count + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK };
     RSV_TRY(rsv_directions_create(context, rays, seed, &a.directions));
+    RSV_TRY(create_targets(&a));
     RSV_TRY(create_empty(elements, rays, &a.transport));
     a.row_length = rsv_alloc(context, elements->node_count, sizeof *a.row_length);
     a.tinted_length = rsv_alloc(context, elements->node_count, sizeof *a.tinted_length);
@@ -419,6 +489,7 @@ cleanup:
         rsv_free(context, a.block[block].weight);
     }
     rsv_free(context, a.block);
+    rsv_free(context, a.target);
     rsv_free(context, a.row_length);
     rsv_free(context, a.tinted_length);
     rsv_directions_destroy(&a.directions);

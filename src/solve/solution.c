@@ -19,7 +19,7 @@ rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
     static const rsv_solve_desc presets[] = {
         [RSV_QUALITY_DRAFT] = { .element_target = 3000, .rays_per_element = 256, .refinements = 0,
             .light_samples = 16, .photon_count = 300000, .direct_levels = 2 },
-        [RSV_QUALITY_MEDIUM] = { .element_target = 7000, .rays_per_element = 512, .refinements = 1,
+        [RSV_QUALITY_MEDIUM] = { .element_target = 7000, .rays_per_element = 512, .refinements = 2,
             .light_samples = 16, .photon_count = 1500000, .direct_levels = 3 },
         [RSV_QUALITY_HIGH] = { .element_target = 24000, .rays_per_element = 1024, .refinements = 2,
             .light_samples = 32, .photon_count = 6000000, .direct_levels = 4 },
