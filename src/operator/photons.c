@@ -458,10 +458,19 @@ void rsv_photon_map_irradiance(const rsv_photon_map *map, rsv_rgb *irradiance)
     rsv_elements_constrain(map->elements, irradiance);
 }
 
+static double total_flux(const rsv_elements *e, const rsv_rgb *irradiance)
+{
+    double flux = 0;
+    for (size_t node = 0; node < e->node_count; node++)
+        flux += (double)rgb_luminance(irradiance[node]) * e->node_area[node];
+    return flux;
+}
+
 void rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_elements *coarse_elements,
     const rsv_rgb *coarse, rsv_rgb *irradiance)
 {
     const rsv_elements *e = map->elements;
+    double before = total_flux(e, irradiance);
     for (size_t node = 0; node < e->node_count; node++) {
         uint32_t support = e->support[e->support_begin[node]];
         const rsv_cell *cell = &e->cell[support / 4];
@@ -470,8 +479,11 @@ void rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_elements *coarse
         rsv_rgb expected = rsv_elements_interpolate(coarse_elements, coarse, cell->face, u, v);
         float photons = (float)map->hits[node] / 65536.0f;
         float trust = photons / (photons + RSV_PHOTON_PRIOR);
-        irradiance[node] =
-            rgb_mad(rgb_scale(irradiance[node], trust), 1 - trust, expected);
+        irradiance[node] = rgb_mad(rgb_scale(irradiance[node], trust), 1 - trust, expected);
     }
+    double after = total_flux(e, irradiance);
+    float keep = after > 0 ? (float)(before / after) : 1;
+    for (size_t node = 0; node < e->node_count; node++)
+        irradiance[node] = rgb_scale(irradiance[node], keep);
     rsv_elements_constrain(e, irradiance);
 }

@@ -30,7 +30,8 @@ void rsv_photon_map_destroy(rsv_photon_map *map);
 /// Irradiance at the nodes: flux over the area of the hat function. @param irradiance [node_count]
 void rsv_photon_map_irradiance(const rsv_photon_map *map, rsv_rgb *irradiance);
 
-/// Draws nodes that few photons reached towards a coarser estimate, by n / (n + RSV_PHOTON_PRIOR).
+/// Draws nodes that few photons reached towards a coarser estimate, by n / (n + RSV_PHOTON_PRIOR). The total
+/// flux stays what it was.
 /// @param coarse irradiance on `coarse_elements`
 void rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_elements *coarse_elements,
     const rsv_rgb *coarse, rsv_rgb *irradiance);
