@@ -1,0 +1,207 @@
+/// A scene in the making and what the transport rooms need of it, for the tests of operator, solve, render
+/// and trace. Counts allocations and can make them fail.
+#ifndef RSV_TEST_LIGHT_FIXTURE_H
+#define RSV_TEST_LIGHT_FIXTURE_H
+
+#include "light/light.h"
+#include "operator/chain.h"
+#include "scene/builtin.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+typedef struct world {
+    rsv_context *context;
+    rsv_scene *scene;
+    rsv_transport_scene transport; ///< filled by world_commit
+    rsv_tracer *tracer;
+    rsv_bsdf *bsdf;
+    rsv_lights *lights;
+    atomic_long alive;         ///< allocations not released yet
+    atomic_long until_failure; ///< allocations that still succeed; negative = all do
+    bool fail_once;            ///< only one allocation fails, not all that follow
+} world;
+
+static inline void *world_allocate(void *user, size_t bytes)
+{
+    world *w = user;
+    if (w->until_failure >= 0) {
+        long left = w->until_failure--;
+        if (left == 0) {
+            if (!w->fail_once) w->until_failure = 0;
+            return NULL;
+        }
+    }
+    w->alive++;
+    return aligned_alloc(64, bytes);
+}
+
+static inline void world_release(void *user, void *memory)
+{
+    ((world *)user)->alive--;
+    free(memory);
+}
+
+static inline world *world_begin(int threads)
+{
+    world *w = calloc(1, sizeof *w);
+    assert_non_null(w);
+    w->until_failure = -1;
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.thread_count = threads;
+    desc.allocate = world_allocate;
+    desc.release = world_release;
+    desc.user = w;
+    assert_int_equal(rsv_context_create(&desc, &w->context), RSV_OK);
+    assert_int_equal(rsv_scene_create(w->context, &w->scene), RSV_OK);
+    return w;
+}
+
+static inline world *world_builtin(int threads, const char *name)
+{
+    world *w = world_begin(threads);
+    rsv_scene_destroy(w->scene);
+    assert_int_equal(rsv_scene_builtin(w->context, name, &w->scene), RSV_OK);
+    return w;
+}
+
+/// Releases everything and checks that nothing leaked through the context.
+static inline void world_end(world *w)
+{
+    rsv_lights_destroy(w->lights);
+    rsv_tracer_destroy(w->tracer);
+    free(w->bsdf);
+    rsv_scene_destroy(w->scene);
+    rsv_context_destroy(w->context);
+    assert_int_equal(w->alive, 0);
+    free(w);
+}
+
+static inline uint32_t world_material(world *w, rsv_material material)
+{
+    uint32_t id;
+    assert_int_equal(rsv_scene_add_material(w->scene, &material, &id), RSV_OK);
+    return id;
+}
+
+static inline uint32_t world_lambert(world *w, float albedo, float radiance)
+{
+    uint32_t id;
+    assert_int_equal(
+        rsv_add_lambert(w->scene, "lambert", rgb_gray(albedo), rgb_gray(radiance), &id), RSV_OK);
+    return id;
+}
+
+static inline rsv_material lambert_material(float albedo, float radiance)
+{
+    rsv_material material = rsv_default_material();
+    material.base_color = rgb_gray(albedo);
+    material.emission = rgb_gray(radiance);
+    material.specular = 0;
+    material.metallic = 0;
+    return material;
+}
+
+static inline rsv_material mirror_material(float reflectance)
+{
+    rsv_material material = rsv_default_material();
+    material.base_color = rgb_gray(reflectance);
+    material.metallic = 1;
+    material.roughness = 0;
+    return material;
+}
+
+static inline rsv_material glass_material(void)
+{
+    rsv_material material = rsv_default_material();
+    material.base_color = rgb_gray(1);
+    material.metallic = 0;
+    material.roughness = 0;
+    material.transmission = 1;
+    material.thickness = 1;
+    return material;
+}
+
+static inline rsv_shape shape_of(world *w, uint32_t material)
+{
+    return (rsv_shape){ w->scene, "shape", material, NULL };
+}
+
+static inline void world_quad(
+    world *w, uint32_t material, rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 d)
+{
+    const rsv_vec3 corner[4] = { a, b, c, d };
+    assert_int_equal(rsv_add_quad(shape_of(w, material), corner), RSV_OK);
+}
+
+static inline void world_room(world *w, uint32_t material, rsv_vec3 low, rsv_vec3 high)
+{
+    assert_int_equal(rsv_add_room(shape_of(w, material), low, high), RSV_OK);
+}
+
+static inline void world_box(world *w, uint32_t material, rsv_vec3 low, rsv_vec3 high)
+{
+    assert_int_equal(rsv_add_box(shape_of(w, material), low, high), RSV_OK);
+}
+
+static inline void world_sphere(
+    world *w, uint32_t material, rsv_vec3 centre, float radius, int level)
+{
+    assert_int_equal(rsv_add_sphere(shape_of(w, material), centre, radius, level), RSV_OK);
+}
+
+/// Flat triangles of one mesh.
+static inline void world_triangles(world *w, uint32_t material, const rsv_vec3 *position,
+    size_t vertex_count, const uint32_t *index, size_t triangle_count)
+{
+    rsv_mesh_desc mesh = { .name = "triangles",
+        .positions = position,
+        .vertex_count = vertex_count,
+        .indices = index,
+        .triangle_count = triangle_count,
+        .material = material };
+    uint32_t id;
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+}
+
+/// Commits what is not committed yet and prepares what transport needs.
+static inline void world_commit(world *w)
+{
+    if (!rsv_scene_get_view(w->scene)->triangle_count)
+        assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    const rsv_scene_view *view = rsv_scene_get_view(w->scene);
+    w->bsdf = calloc(view->material_count, sizeof *w->bsdf);
+    assert_non_null(w->bsdf);
+    for (size_t m = 0; m < view->material_count; m++) {
+        char approximation[80];
+        w->bsdf[m] = rsv_bsdf_from_material(&view->material[m], approximation);
+    }
+    assert_int_equal(rsv_tracer_create(w->scene, &w->tracer), RSV_OK);
+    assert_int_equal(rsv_lights_create(w->scene, w->bsdf, &w->lights), RSV_OK);
+    w->transport = (rsv_transport_scene){ w->scene, view, w->tracer, w->bsdf };
+}
+
+static inline void assert_close(double value, double expected, double tolerance)
+{
+    if (!(fabs(value - expected) <= tolerance))
+        fail_msg("%.9g differs from %.9g by more than %.3g", value, expected, tolerance);
+}
+
+/// FNV-1a, to compare arrays between runs.
+static inline uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes)
+{
+    const uint8_t *byte = data;
+    for (size_t k = 0; k < bytes; k++)
+        hash = (hash ^ byte[k]) * 0x100000001b3ull;
+    return hash;
+}
+
+#define HASH_START 0xcbf29ce484222325ull
+
+#endif
