@@ -1,13 +1,44 @@
-/// The benchmarks behind `resolvent bench`.
+/// The benchmarks behind `resolvent bench`: each measures one scene into a JSON object, and prints such
+/// an object as text.
 #ifndef CLI_BENCH_H
 #define CLI_BENCH_H
 
+#include "options.h"
 #include "session.h"
 
 struct cJSON;
 
+/// What to measure, and with what.
+typedef struct cli_bench_task {
+    cli_session *session;
+    const char *scene;          ///< file or built-in scene
+    uint32_t threads;           ///< at least 1
+    uint32_t repetitions;       ///< what is timed is timed this often
+    uint32_t reference_samples; ///< quality: camera rays per pixel of the reference
+    cli_list references;        ///< quality: pictures whose mean is the reference; none = render it
+} cli_bench_task;
+
 /// Rays per second against one scene: single and in packets, coherent and not, nearest and any hit.
-/// @param result receives `bvh_s` and the object `rays_per_second`
-rsv_status cli_bench_trace(const rsv_scene *scene, uint32_t threads, struct cJSON *result);
+/// Like the others, says what went wrong on standard error.
+bool cli_bench_trace(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_trace(const struct cJSON *result);
+
+/// Assembly of the operator's rows beside the ray tracer alone on the same rays, in one run.
+bool cli_bench_assemble(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_assemble(const struct cJSON *result);
+
+/// Error over time, from scene to picture: mode final by quality, mode reference by samples.
+bool cli_bench_quality(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_quality(const struct cJSON *result);
+
+/// Writes the curve of cli_bench_quality as comma-separated text, and as a log-log plot in SVG.
+bool cli_write_quality_csv(const char *path, const struct cJSON *result);
+bool cli_write_quality_plot(const char *path, const struct cJSON *result);
+
+/// A number of a JSON object; NAN if it holds none of that name.
+double cli_json_number(const struct cJSON *object, const char *name);
+
+/// The middle of `count` values, which it sorts.
+double cli_median(double *values, size_t count);
 
 #endif

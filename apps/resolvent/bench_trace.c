@@ -4,6 +4,7 @@
 
 #include <cJSON.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 enum { picture_size = 512, tile_size = 4, ray_count = picture_size * picture_size };
@@ -220,7 +221,7 @@ static void measure_all(workload *work, rsv_ray *rays, rsv_ray *bounce, cJSON *r
         work, occluded_single, occluded_packet, "occlusion_single", "occlusion_packet", result);
 }
 
-rsv_status cli_bench_trace(const rsv_scene *scene, uint32_t threads, cJSON *result)
+static rsv_status measure_scene(const rsv_scene *scene, uint32_t threads, cJSON *result)
 {
     rsv_tracer *tracer = NULL;
     double started = cli_seconds();
@@ -243,4 +244,28 @@ rsv_status cli_bench_trace(const rsv_scene *scene, uint32_t threads, cJSON *resu
     free(packets);
     rsv_tracer_destroy(tracer);
     return status;
+}
+
+bool cli_bench_trace(const cli_bench_task *bench, cJSON *result)
+{
+    rsv_scene *scene = cli_open_scene(bench->session, bench->scene);
+    if (!scene) return false;
+    cJSON_AddNumberToObject(result, "triangles", (double)rsv_scene_get_view(scene)->triangle_count);
+    rsv_status status = measure_scene(scene, bench->threads, result);
+    rsv_scene_destroy(scene);
+    if (status != RSV_OK) cli_report_failure(bench->session, status);
+    return status == RSV_OK;
+}
+
+void cli_print_trace(const cJSON *result)
+{
+    const cJSON *member;
+    cJSON_ArrayForEach(member, result)
+    {
+        if (cJSON_IsNumber(member)) printf("  %-20s %.4g\n", member->string, member->valuedouble);
+    }
+    cJSON_ArrayForEach(member, cJSON_GetObjectItem(result, "rays_per_second"))
+    {
+        printf("  %-20s %.4g M rays/s\n", member->string, 1e-6 * member->valuedouble);
+    }
 }

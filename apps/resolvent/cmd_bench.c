@@ -1,35 +1,56 @@
 #include "bench.h"
 #include "command.h"
-#include "options.h"
 #include "output_file.h"
 
 #include <cJSON.h>
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const char help[] =
     "usage: resolvent bench NAME [SCENE] [options]\n"
     "\n"
-    "Measures this machine, on SCENE or else on cornell-blocks and cornell-spheres:\n"
+    "Measures this machine on SCENE, or else on cornell-blocks (trace: and cornell-spheres):\n"
     "\n"
-    "  trace  millions of rays per second: rays of the camera, cosine-distributed rays from what "
-    "it\n"
-    "         sees, and occlusion between such points; one at a time and in packets of sixteen\n"
+    "  trace     millions of rays per second: rays of the camera, cosine-distributed rays from\n"
+    "            what it sees, and occlusion between such points; one at a time and in packets\n"
+    "            of sixteen\n"
+    "  assemble  rays per second of the operator's assembly, beside the very same rays through\n"
+    "            the ray tracer alone, in packets and one by one; ratios of neighbouring passes.\n"
+    "            SCENE must be all Lambertian\n"
+    "  quality   error over time at 256x256, from scene to picture: mode final with 9 rays per\n"
+    "            pixel in all qualities, mode reference with 1 to 64, all against one converged\n"
+    "            reference. 'corrected' is the median error without the reference's own, which\n"
+    "            the difference of its two halves tells; 'factor' is how many times longer mode\n"
+    "            reference would take for it, its error falling as 1/sqrt(time)\n"
     "\n"
-    "  --threads N  default: one per processor\n"
-    "  --json       print JSON, in rays per second\n"
+    "  --threads N       default: one per processor\n"
+    "  --repeat N        assemble, quality: time everything N times (default 5; quality 3)\n"
+    "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
+    "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
+    "                    seeds; repeat it, an even number of times\n"
+    "  --csv FILE        quality: the table as comma-separated text\n"
+    "  --plot FILE.svg   quality: the curve, log-log\n"
+    "  --json            print JSON\n"
     "\n"
     "examples:\n"
-    "  resolvent bench trace\n"
-    "  resolvent bench trace room.glb --threads 1 --json\n";
+    "  resolvent bench trace room.glb --threads 1 --json\n"
+    "  resolvent bench assemble\n"
+    "  resolvent bench quality --spp 4096 --plot quality.svg\n";
 
 typedef struct benchmark {
     const char *name;
-    rsv_status (*run)(const rsv_scene *scene, uint32_t threads, cJSON *result);
+    bool (*run)(const cli_bench_task *bench, cJSON *result);
+    void (*print)(const cJSON *result);
+    const char *scenes[2]; ///< where none is given
+    uint32_t repetitions;  ///< likewise
 } benchmark;
 
 static const benchmark benchmarks[] = {
-    { "trace", cli_bench_trace },
+    { "trace", cli_bench_trace, cli_print_trace, { "cornell-blocks", "cornell-spheres" }, 1 },
+    { "assemble", cli_bench_assemble, cli_print_assemble, { "cornell-blocks" }, 5 },
+    { "quality", cli_bench_quality, cli_print_quality, { "cornell-blocks" }, 3 },
 };
 
 static const benchmark *find_benchmark(const char *name)
@@ -41,59 +62,67 @@ static const benchmark *find_benchmark(const char *name)
 
 typedef struct settings {
     const char *operand[2]; ///< name of the benchmark, scene or NULL
-    uint32_t threads;
+    cli_bench_task bench;   ///< what the benchmarks share
+    const char *csv, *plot;
     bool json;
 } settings;
 
+double cli_json_number(const cJSON *object, const char *name)
+{
+    const cJSON *member = cJSON_GetObjectItem(object, name);
+    return cJSON_IsNumber(member) ? member->valuedouble : NAN;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+double cli_median(double *values, size_t count)
+{
+    qsort(values, count, sizeof *values, compare_numbers);
+    return (values[(count - 1) / 2] + values[count / 2]) / 2;
+}
+
 /// One scene through one benchmark; NULL after a message.
-static cJSON *measure(
-    cli_session *session, const benchmark *bench, const char *name, uint32_t threads)
+static cJSON *measure(const benchmark *b, const settings *s, const char *scene)
 {
-    rsv_scene *scene = cli_open_scene(session, name);
-    if (!scene) return NULL;
+    cli_bench_task bench = s->bench;
+    bench.scene = scene;
     cJSON *result = cJSON_CreateObject();
-    cJSON_AddStringToObject(result, "scene", name);
-    cJSON_AddNumberToObject(result, "triangles", (double)rsv_scene_get_view(scene)->triangle_count);
-    rsv_status status = bench->run(scene, threads, result);
-    if (status != RSV_OK) {
-        cli_report_failure(session, status);
-        cJSON_Delete(result);
-        result = NULL;
-    }
-    rsv_scene_destroy(scene);
-    return result;
+    cJSON_AddStringToObject(result, "scene", scene);
+    if (b->run(&bench, result)) return result;
+    cJSON_Delete(result);
+    return NULL;
 }
 
-static void print_result(const cJSON *result)
+/// Prints the result, and writes the files that were asked for.
+static bool report(const benchmark *b, const settings *s, const cJSON *result)
 {
-    const cJSON *member;
-    cJSON_ArrayForEach(member, result)
-    {
-        if (cJSON_IsString(member)) printf("%s\n", member->valuestring);
-        if (cJSON_IsNumber(member)) printf("  %-20s %.4g\n", member->string, member->valuedouble);
+    cli_progress_clear(&s->bench.session->progress);
+    if (!s->json) {
+        printf("%s\n", cJSON_GetStringValue(cJSON_GetObjectItem(result, "scene")));
+        b->print(result);
     }
-    cJSON_ArrayForEach(member, cJSON_GetObjectItem(result, "rays_per_second"))
-    {
-        printf("  %-20s %.4g M rays/s\n", member->string, 1e-6 * member->valuedouble);
-    }
+    return (!s->csv || cli_write_quality_csv(s->csv, result)) &&
+           (!s->plot || cli_write_quality_plot(s->plot, result));
 }
 
-static int run(cli_session *session, const settings *s, const benchmark *bench)
+static int run(const benchmark *b, const settings *s)
 {
-    static const char *const usual_scenes[] = { "cornell-blocks", "cornell-spheres" };
-    size_t scene_count = s->operand[1] ? 1 : sizeof usual_scenes / sizeof usual_scenes[0];
-    uint32_t threads = cli_thread_count(s->threads);
+    const char *const *scenes = s->operand[1] ? &s->operand[1] : b->scenes;
+    size_t scene_count = s->operand[1] || !b->scenes[1] ? 1 : 2;
     int exit_status = CLI_FAILURE;
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "bench", bench->name);
-    cJSON_AddNumberToObject(root, "threads", threads);
-    cJSON *scenes = cJSON_AddArrayToObject(root, "scenes");
+    cJSON_AddStringToObject(root, "bench", b->name);
+    cJSON_AddNumberToObject(root, "threads", s->bench.threads);
+    cJSON *results = cJSON_AddArrayToObject(root, "scenes");
     for (size_t i = 0; i < scene_count; i++) {
-        const char *name = s->operand[1] ? s->operand[1] : usual_scenes[i];
-        cJSON *result = measure(session, bench, name, threads);
+        cJSON *result = measure(b, s, scenes[i]);
         if (!result) goto cleanup;
-        cJSON_AddItemToArray(scenes, result);
-        if (!s->json) print_result(result);
+        cJSON_AddItemToArray(results, result);
+        if (!report(b, s, result)) goto cleanup;
     }
     if (!s->json || cli_write_json(NULL, root)) exit_status = CLI_SUCCESS;
 
@@ -102,22 +131,60 @@ cleanup:
     return exit_status;
 }
 
+/// Options that only the curve of error over time understands.
+static int check_settings(const benchmark *b, const settings *s)
+{
+    bool is_quality = b->run == cli_bench_quality;
+    size_t references = s->bench.references.count;
+    if (!is_quality && (references || s->csv || s->plot))
+        return cli_usage_error("bench", "--reference, --csv and --plot belong to bench quality");
+    if (references % 2)
+        return cli_usage_error("bench", "--reference must be given an even number of times");
+    if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)))
+        return CLI_FAILURE;
+    return CLI_SUCCESS;
+}
+
+static int measure_and_report(settings *s)
+{
+    const benchmark *b = find_benchmark(s->operand[0]);
+    if (!b) return cli_usage_error("bench", "'%s' is not a benchmark", s->operand[0]);
+    int exit_status = check_settings(b, s);
+    if (exit_status != CLI_SUCCESS) return exit_status;
+    cli_session session;
+    if (!cli_session_begin(&session, s->bench.threads)) return CLI_FAILURE;
+    s->bench.session = &session;
+    s->bench.threads = cli_thread_count(s->bench.threads);
+    if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
+    exit_status = run(b, s);
+    cli_session_end(&session);
+    return exit_status;
+}
+
 int cli_bench(int argc, char **argv)
 {
-    settings s = { 0 };
+    settings s = { .bench.reference_samples = 1024 };
+    cli_bench_task *bench = &s.bench;
     const cli_option options[] = {
-        { .name = "--threads", .kind = CLI_COUNT, .value = &s.threads, .max = 1024 },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &bench->threads, .max = 1024 },
+        { .name = "--repeat",
+            .kind = CLI_COUNT,
+            .value = &bench->repetitions,
+            .min = 1,
+            .max = 1000 },
+        { .name = "--spp",
+            .kind = CLI_COUNT,
+            .value = &bench->reference_samples,
+            .min = 2,
+            .max = 1 << 24 },
+        { .name = "--reference", .kind = CLI_LIST, .value = &bench->references },
+        { .name = "--csv", .kind = CLI_TEXT, .value = &s.csv },
+        { .name = "--plot", .kind = CLI_TEXT, .value = &s.plot },
         { .name = "--json", .kind = CLI_FLAG, .value = &s.json },
         { .name = NULL },
     };
     const cli_usage usage = { "bench", help, options, "NAME of a benchmark", 1, 2 };
     int exit_status;
-    if (!cli_parse(&usage, argc, argv, s.operand, &exit_status)) return exit_status;
-    const benchmark *bench = find_benchmark(s.operand[0]);
-    if (!bench) return cli_usage_error("bench", "'%s' is not a benchmark", s.operand[0]);
-    cli_session session;
-    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
-    exit_status = run(&session, &s, bench);
-    cli_session_end(&session);
-    return exit_status;
+    return cli_parse(&usage, argc, argv, s.operand, &exit_status) ? measure_and_report(&s)
+                                                                  : exit_status;
 }

@@ -11,6 +11,7 @@ enum cli_exit_status { CLI_SUCCESS = 0, CLI_FAILURE = 1, CLI_BAD_USAGE = 2 };
 int cli_render(int argc, char **argv);
 int cli_probe(int argc, char **argv);
 int cli_compare(int argc, char **argv);
+int cli_layers(int argc, char **argv);
 int cli_scene(int argc, char **argv);
 int cli_info(int argc, char **argv);
 int cli_bench(int argc, char **argv);

@@ -39,4 +39,8 @@ succeeds render cornell-spheres -o bright.png -o bright.hdr "${draft[@]}" --expo
 [[ -s bright.hdr ]] || complain "no .hdr"
 succeeds render cornell-spheres -o flat.png "${draft[@]}" --layers
 warns '\.exr'
+
+succeeds layers operator1.exr -o sheet.png --columns 2 --count 3
+[[ $(cut -d' ' -f1 stdout | xargs) == 'emission direct bounce1' ]] || complain "not the orders' names"
+refuses 1 'has no layers' layers sheet.png -o "$out/nothing.png"
 finish

@@ -5,7 +5,7 @@ source "$(dirname "$0")/support.sh"
 succeeds --help
 says 'usage: resolvent'
 succeeds --version
-for command in render probe compare scene info bench; do
+for command in render probe compare layers scene info bench; do
     succeeds $command --help
     says "usage: resolvent $command"
     says 'examples:'
@@ -42,4 +42,8 @@ refuses 2 'A B' compare one.exr
 refuses 2 'NAME' scene -o "$out/a.glb"
 refuses 2 '.glb' scene furnace -o "$out/a.obj"
 refuses 2 'not a benchmark' bench weather
+refuses 2 'belong to bench quality' bench trace --plot "$out/a.svg"
+refuses 2 'even number' bench quality --reference one.exr
+refuses 2 'is missing' layers one.exr
+refuses 1 'one.exr' layers one.exr -o "$out/a.png"
 finish

@@ -1,0 +1,273 @@
+#include "bench.h"
+#include "stats.h"
+
+#include "resolvent/render.h"
+
+#include <cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { picture_size = 256 };
+
+/// Seeds of the reference, unlike any that the measured pictures use.
+enum { judge_seed = 1000 };
+
+typedef struct recipe {
+    const char *name;
+    rsv_render_mode mode;
+    rsv_quality quality; ///< of mode final
+    uint32_t samples;
+} recipe;
+
+static const recipe recipes[] = {
+    { "final, draft", RSV_RENDER_FINAL, RSV_QUALITY_DRAFT, 9 },
+    { "final, medium", RSV_RENDER_FINAL, RSV_QUALITY_MEDIUM, 9 },
+    { "final, high", RSV_RENDER_FINAL, RSV_QUALITY_HIGH, 9 },
+    { "reference, 1 spp", RSV_RENDER_REFERENCE, 0, 1 },
+    { "reference, 4 spp", RSV_RENDER_REFERENCE, 0, 4 },
+    { "reference, 16 spp", RSV_RENDER_REFERENCE, 0, 16 },
+    { "reference, 64 spp", RSV_RENDER_REFERENCE, 0, 64 },
+};
+enum { recipe_count = sizeof recipes / sizeof recipes[0] };
+
+/// What the pictures are held against, and how far it is itself from the truth.
+typedef struct judge {
+    rsv_image *mean;
+    double median_error, relative_mse; ///< NAN = unknown
+} judge;
+
+/// What was measured of one recipe.
+typedef struct outcome {
+    double seconds, cpu_seconds;
+    rsv_image_difference difference;
+    double error; ///< median relative error without the reference's share
+} outcome;
+
+static rsv_status solve_and_render(
+    const rsv_scene *scene, const recipe *r, uint32_t seed, rsv_image **image)
+{
+    rsv_render_desc picture = rsv_default_render_desc();
+    picture.mode = r->mode;
+    picture.width = picture.height = picture_size;
+    picture.samples = r->samples;
+    picture.seed = seed;
+    if (r->mode == RSV_RENDER_REFERENCE) return rsv_render_reference(scene, &picture, image, NULL);
+    rsv_solve_desc desc = rsv_default_solve_desc(r->quality);
+    desc.direct_level = false;
+    rsv_solution *solution = NULL;
+    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    if (status == RSV_OK) status = rsv_render(solution, &picture, image);
+    rsv_solution_destroy(solution);
+    return status;
+}
+
+/// From the scene's name to the picture in memory.
+static bool take_picture(
+    const cli_bench_task *bench, const recipe *r, uint32_t seed, rsv_image **image)
+{
+    rsv_scene *scene = cli_open_scene(bench->session, bench->scene);
+    if (!scene) return false;
+    rsv_status status = solve_and_render(scene, r, seed, image);
+    rsv_scene_destroy(scene);
+    if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
+    if (status != RSV_OK) cli_report_failure(bench->session, status);
+    return status == RSV_OK;
+}
+
+/// Seconds of all processors together.
+static double cpu_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/// Medians over the repetitions; every repetition makes the same picture.
+static bool time_picture(
+    const cli_bench_task *bench, const recipe *r, rsv_image **image, outcome *out)
+{
+    bool taken = true;
+    double *seconds = calloc(2 * (size_t)bench->repetitions, sizeof *seconds);
+    if (!seconds) return false;
+    double *cpu = seconds + bench->repetitions;
+    for (uint32_t i = 0; i < bench->repetitions && taken; i++) {
+        rsv_image_destroy(*image);
+        *image = NULL;
+        double started = cli_seconds(), cpu_started = cpu_seconds();
+        taken = take_picture(bench, r, rsv_default_render_desc().seed, image);
+        seconds[i] = cli_seconds() - started;
+        cpu[i] = cpu_seconds() - cpu_started;
+    }
+    out->seconds = cli_median(seconds, bench->repetitions);
+    out->cpu_seconds = cli_median(cpu, bench->repetitions);
+    free(seconds);
+    return taken;
+}
+
+/// One of the independent pictures whose mean is the reference.
+static bool judge_picture(
+    const cli_bench_task *bench, size_t index, size_t count, rsv_image **image)
+{
+    if (bench->references.count == 0) {
+        recipe r = { "", RSV_RENDER_REFERENCE, 0, bench->reference_samples / (uint32_t)count };
+        return take_picture(bench, &r, judge_seed + (uint32_t)index, image);
+    }
+    rsv_context *context = bench->session->context;
+    rsv_status status = rsv_image_read(context, bench->references.item[index], image);
+    if (status != RSV_OK) cli_report_failure(bench->session, status);
+    return status == RSV_OK;
+}
+
+/// sum += weight * image
+static void add_pixels(rsv_image *sum, float weight, const rsv_image *image)
+{
+    rsv_rgb *to = rsv_image_pixels(sum, 0);
+    const rsv_rgb *from = rsv_image_const_pixels(image, 0);
+    size_t count = (size_t)rsv_image_width(sum) * rsv_image_height(sum);
+    for (size_t i = 0; i < count; i++) {
+        to[i].r += weight * from[i].r;
+        to[i].g += weight * from[i].g;
+        to[i].b += weight * from[i].b;
+    }
+}
+
+/// Adds the pictures up by turns into two halves, each scaled to be a picture of its own.
+static bool gather_halves(const cli_bench_task *bench, size_t count, rsv_image *const half[2])
+{
+    for (size_t i = 0; i < count; i++) {
+        rsv_image *picture = NULL;
+        if (!judge_picture(bench, i, count, &picture)) return false;
+        bool fits =
+            rsv_image_width(picture) == picture_size && rsv_image_height(picture) == picture_size;
+        if (fits)
+            add_pixels(half[i % 2], 2.0f / (float)count, picture);
+        else
+            cli_error("%s: a reference must have %d x %d pixels", bench->references.item[i],
+                picture_size, picture_size);
+        rsv_image_destroy(picture);
+        if (!fits) return false;
+    }
+    return true;
+}
+
+/// The reference is the mean of two independent halves; half their difference is its own error.
+static bool make_judge(const cli_bench_task *bench, judge *j)
+{
+    size_t count = bench->references.count ? bench->references.count : 2;
+    rsv_context *context = bench->session->context;
+    rsv_image *half[2] = { NULL, NULL };
+    rsv_image_difference apart;
+    rsv_status status = RSV_OK;
+    bool made = false;
+    for (int i = 0; i < 2 && status == RSV_OK; i++)
+        status = rsv_image_create(context, picture_size, picture_size, 1, &half[i]);
+    if (status == RSV_OK)
+        status = rsv_image_create(context, picture_size, picture_size, 1, &j->mean);
+    if (status == RSV_OK && !gather_halves(bench, count, half)) goto cleanup;
+    if (status == RSV_OK) {
+        add_pixels(j->mean, 0.5f, half[0]);
+        add_pixels(j->mean, 0.5f, half[1]);
+        status = rsv_image_compare(half[0], 0, half[1], 0, &apart);
+    }
+    if (status != RSV_OK) {
+        cli_report_failure(bench->session, status);
+        goto cleanup;
+    }
+    j->median_error = apart.median_relative_error / 2;
+    j->relative_mse = apart.relative_mse / 4;
+    made = true;
+
+cleanup:
+    rsv_image_destroy(half[0]);
+    rsv_image_destroy(half[1]);
+    return made;
+}
+
+/// Independent errors add in squares; less than a tenth of what was measured cannot be told from it.
+static double error_without(double own, double measured)
+{
+    double rest = fmax(measured * measured - own * own, 0.01 * measured * measured);
+    return fmax(sqrt(rest), 1e-6);
+}
+
+static bool measure(const cli_bench_task *bench, const judge *j, const recipe *r, outcome *out)
+{
+    rsv_image *image = NULL;
+    bool measured = time_picture(bench, r, &image, out);
+    if (measured) {
+        rsv_status status = rsv_image_compare(j->mean, 0, image, 0, &out->difference);
+        if (status != RSV_OK) cli_report_failure(bench->session, status);
+        measured = status == RSV_OK;
+    }
+    rsv_image_destroy(image);
+    out->error = error_without(j->median_error, out->difference.median_relative_error);
+    return measured;
+}
+
+/// Seconds after which the reference mode would be as good: its error falls as 1 / sqrt(time).
+static double reference_seconds(const outcome *longest, double error)
+{
+    double ratio = longest->error / error;
+    return longest->seconds * ratio * ratio;
+}
+
+static cJSON *describe(const recipe *r, const outcome *out, const outcome *longest)
+{
+    cJSON *point = cJSON_CreateObject();
+    cJSON_AddStringToObject(point, "name", r->name);
+    cJSON_AddStringToObject(point, "mode", r->mode == RSV_RENDER_REFERENCE ? "reference" : "final");
+    cJSON_AddNumberToObject(point, "spp", r->samples);
+    cJSON_AddNumberToObject(point, "seconds", out->seconds);
+    cJSON_AddNumberToObject(point, "cpu_seconds", out->cpu_seconds);
+    cJSON_AddNumberToObject(point, "median_relative_error", out->difference.median_relative_error);
+    cJSON_AddNumberToObject(point, "error_without_reference", out->error);
+    cJSON_AddNumberToObject(point, "relative_mse", out->difference.relative_mse);
+    cJSON_AddNumberToObject(point, "mean_ratio", out->difference.mean_ratio);
+    double as_good = reference_seconds(longest, out->error);
+    cJSON_AddNumberToObject(point, "reference_seconds", as_good);
+    cJSON_AddNumberToObject(point, "time_factor", as_good / out->seconds);
+    return point;
+}
+
+bool cli_bench_quality(const cli_bench_task *bench, cJSON *result)
+{
+    judge j = { 0 };
+    outcome outcomes[recipe_count] = { 0 };
+    bool measured = make_judge(bench, &j);
+    for (size_t i = 0; i < recipe_count && measured; i++)
+        measured = measure(bench, &j, &recipes[i], &outcomes[i]);
+    rsv_image_destroy(j.mean);
+    if (!measured) return false;
+    cJSON *reference = cJSON_AddObjectToObject(result, "reference");
+    cJSON_AddNumberToObject(reference, "median_relative_error", j.median_error);
+    cJSON_AddNumberToObject(reference, "relative_mse", j.relative_mse);
+    cJSON *points = cJSON_AddArrayToObject(result, "points");
+    for (size_t i = 0; i < recipe_count; i++)
+        cJSON_AddItemToArray(
+            points, describe(&recipes[i], &outcomes[i], &outcomes[recipe_count - 1]));
+    return true;
+}
+
+static void print_point(const cJSON *point)
+{
+    printf("  %-18s %8.3g %8.3g %8.3g %% %8.3g %% %10.3g %9.4f %8.3g\n",
+        cJSON_GetStringValue(cJSON_GetObjectItem(point, "name")), cli_json_number(point, "seconds"),
+        cli_json_number(point, "cpu_seconds"),
+        100 * cli_json_number(point, "median_relative_error"),
+        100 * cli_json_number(point, "error_without_reference"),
+        cli_json_number(point, "relative_mse"), cli_json_number(point, "mean_ratio"),
+        cli_json_number(point, "time_factor"));
+}
+
+void cli_print_quality(const cJSON *result)
+{
+    const cJSON *reference = cJSON_GetObjectItem(result, "reference"), *point;
+    printf("  the reference's own median error is %.3g %%, its relative MSE %.3g\n",
+        100 * cli_json_number(reference, "median_relative_error"),
+        cli_json_number(reference, "relative_mse"));
+    printf("  %-18s %8s %8s %10s %10s %10s %9s %8s\n", "picture", "time s", "cpu s", "median",
+        "corrected", "rel. MSE", "mean", "factor");
+    cJSON_ArrayForEach(point, cJSON_GetObjectItem(result, "points")) print_point(point);
+}

@@ -1,0 +1,152 @@
+#include "command.h"
+#include "options.h"
+#include "session.h"
+
+#include "resolvent/image.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const char help[] =
+    "usage: resolvent layers IN.exr -o SHEET.{png,hdr,exr} [options]\n"
+    "\n"
+    "Puts the layers of a picture (see `resolvent render --layers`) side by side, in reading "
+    "order,\n"
+    "each brightened by its own power of two, and prints their names with that exposure in stops.\n"
+    "\n"
+    "  -o FILE            the sheet\n"
+    "  --count N          at most N layers (default 6)\n"
+    "  --columns N        in a row (default 3)\n"
+    "  --exposure STOPS   the whole sheet brighter by 2^STOPS (default 0)\n"
+    "\n"
+    "examples:\n"
+    "  resolvent render cornell-spheres -o orders.exr --layers\n"
+    "  resolvent layers orders.exr -o orders.png\n";
+
+/// Mean luminance that every layer is brought to, within a quarter of a stop.
+static const double mean_luminance = 0.18;
+
+enum { gap = 4, max_count = 64 }; ///< pixels between the layers; most of them
+
+typedef struct settings {
+    const char *input, *output;
+    uint32_t count, columns;
+    float exposure;
+} settings;
+
+/// Half stops that bring the mean luminance of a layer to a middle grey; 0 for a black one.
+static float layer_exposure(const rsv_image *image, uint32_t layer)
+{
+    const rsv_rgb *pixel = rsv_image_const_pixels(image, layer);
+    size_t count = (size_t)rsv_image_width(image) * rsv_image_height(image);
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum +=
+            0.2126 * (double)pixel[i].r + 0.7152 * (double)pixel[i].g + 0.0722 * (double)pixel[i].b;
+    if (!(sum > 0)) return 0;
+    return (float)(round(2 * log2(mean_luminance * (double)count / sum)) / 2);
+}
+
+static void paste_layer(const rsv_image *image, uint32_t layer, float scale, rsv_image *sheet,
+    uint32_t left, uint32_t top)
+{
+    uint32_t width = rsv_image_width(image), height = rsv_image_height(image);
+    const rsv_rgb *from = rsv_image_const_pixels(image, layer);
+    for (uint32_t y = 0; y < height; y++) {
+        rsv_rgb *to =
+            rsv_image_pixels(sheet, 0) + (size_t)(top + y) * rsv_image_width(sheet) + left;
+        for (uint32_t x = 0; x < width; x++, from++)
+            to[x] = (rsv_rgb){ scale * from->r, scale * from->g, scale * from->b };
+    }
+}
+
+static void paint_white(rsv_image *sheet)
+{
+    rsv_rgb *pixel = rsv_image_pixels(sheet, 0);
+    size_t count = (size_t)rsv_image_width(sheet) * rsv_image_height(sheet);
+    for (size_t i = 0; i < count; i++)
+        pixel[i] = (rsv_rgb){ 1, 1, 1 };
+}
+
+/// The layers of the first orders of light, as they follow upon each other: files keep them by name.
+static uint32_t find_orders(const rsv_image *image, uint32_t capacity, uint32_t *layers)
+{
+    uint32_t count = 0;
+    for (uint32_t order = 0; count < capacity; order++) {
+        char name[32] = "emission";
+        if (order == 1) snprintf(name, sizeof name, "direct");
+        if (order > 1) snprintf(name, sizeof name, "bounce%u", order - 1);
+        uint32_t layer = rsv_image_find_layer(image, name);
+        if (layer == UINT32_MAX) break;
+        layers[count++] = layer;
+    }
+    return count;
+}
+
+static rsv_status make_sheet(rsv_context *context, const settings *s, const rsv_image *image,
+    const uint32_t *layers, uint32_t count, rsv_image **sheet)
+{
+    uint32_t columns = count < s->columns ? count : s->columns;
+    uint32_t rows = (count + columns - 1) / columns;
+    uint32_t across = rsv_image_width(image) + gap, down = rsv_image_height(image) + gap;
+    rsv_status status =
+        rsv_image_create(context, columns * across - gap, rows * down - gap, 1, sheet);
+    if (status != RSV_OK) return status;
+    paint_white(*sheet);
+    for (uint32_t i = 0; i < count; i++) {
+        float stops = layer_exposure(image, layers[i]);
+        paste_layer(
+            image, layers[i], exp2f(stops), *sheet, i % columns * across, i / columns * down);
+        printf("%-10s %+.1f\n", rsv_image_layer_name(image, layers[i]), (double)stops);
+    }
+    return RSV_OK;
+}
+
+static int run(cli_session *session, const settings *s)
+{
+    int exit_status = CLI_FAILURE;
+    rsv_image *image = NULL, *sheet = NULL;
+    rsv_status status = rsv_image_read(session->context, s->input, &image);
+    uint32_t layers[max_count], count = 0;
+    if (status == RSV_OK) count = find_orders(image, s->count, layers);
+    if (status == RSV_OK && count == 0) {
+        cli_error("%s: has no layers of orders; `resolvent render --layers` writes them", s->input);
+        goto cleanup;
+    }
+    if (status == RSV_OK) status = make_sheet(session->context, s, image, layers, count, &sheet);
+    if (status == RSV_OK) status = rsv_image_write(sheet, s->output, s->exposure);
+    if (status == RSV_OK)
+        exit_status = CLI_SUCCESS;
+    else
+        cli_report_failure(session, status);
+
+cleanup:
+    rsv_image_destroy(image);
+    rsv_image_destroy(sheet);
+    return exit_status;
+}
+
+int cli_layers(int argc, char **argv)
+{
+    settings s = { .count = 6, .columns = 3 };
+    const cli_option options[] = {
+        { .name = "-o", .kind = CLI_TEXT, .value = &s.output },
+        { .name = "--count", .kind = CLI_COUNT, .value = &s.count, .min = 1, .max = max_count },
+        { .name = "--columns", .kind = CLI_COUNT, .value = &s.columns, .min = 1, .max = 64 },
+        { .name = "--exposure", .kind = CLI_REAL, .value = &s.exposure, .min = -64, .max = 64 },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "layers", help, options, "IN.exr", 1, 1 };
+    int exit_status;
+    if (!cli_parse(&usage, argc, argv, &s.input, &exit_status)) return exit_status;
+    if (!s.output) return cli_usage_error("layers", "-o SHEET.{png,hdr,exr} is missing");
+    if (rsv_image_check_output(s.output) != RSV_OK) {
+        cli_error("%s", rsv_last_error());
+        return CLI_FAILURE;
+    }
+    cli_session session;
+    if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
+    exit_status = run(&session, &s);
+    cli_session_end(&session);
+    return exit_status;
+}

@@ -1,0 +1,17 @@
+#!/usr/bin/env bash
+# Benchmarks: what they print, the table and the plot. How fast the machine is, is no test's business.
+source "$(dirname "$0")/support.sh"
+
+succeeds bench assemble --repeat 2
+says 'same packets, traced only'
+succeeds bench quality --spp 4 --repeat 1 --csv curve.csv --plot curve.svg
+says '^  final, medium '
+[[ $(wc -l <curve.csv) == 8 ]] || complain "the table has not one line per picture"
+grep -q '</svg>' curve.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf curve.svg curve.csv || complain "the curve holds what is no number"
+
+for seed in 1 2; do
+    succeeds render cornell-blocks -o small$seed.exr "${small[@]}" --mode reference --seed $seed
+done
+refuses 1 '256 x 256' bench quality --reference small1.exr --reference small2.exr
+finish
