@@ -139,10 +139,13 @@ rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
     size_t nodes = s->elements->node_count;
     rsv_rgb *a = rsv_alloc(s->context, nodes, sizeof *a), *b = rsv_alloc(s->context, nodes, sizeof *b);
     rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
-    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++)
-        s->order[k] = rsv_alloc(s->context, nodes, sizeof *s->order[k]);
     s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
-    if (!a || !b || !exitance || !s->indirect || !s->order[RSV_KEPT_ORDERS - 1]) {
+    bool complete = a && b && exitance && s->indirect;
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        s->order[k] = rsv_alloc(s->context, nodes, sizeof *s->order[k]);
+        complete = complete && s->order[k];
+    }
+    if (!complete) {
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
