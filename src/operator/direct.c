@@ -3,7 +3,6 @@
 #include <string.h>
 
 #define LANES 16
-#define PENUMBRA_FACTOR 8 ///< more shadow rays where a source is partly visible
 
 /// The receiver points of one node.
 typedef struct node_points {
@@ -66,10 +65,16 @@ static bool faces_both(const rsv_surface_point *point, rsv_vec3 direction)
     return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
 }
 
+/// Sums over the samples of one node.
+typedef struct emitter_sums {
+    rsv_rgb open;    ///< f / p, visible or not
+    rsv_rgb visible; ///< f / p of the visible ones that enters the surface
+    float visible_squared; ///< luminance
+} emitter_sums;
+
 /// Sixteen shadow rays: lane = point + points * repetition.
 static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first_sample,
-    const node_points *p, const rsv_local_lights *local, const rsv_bsdf *bsdf, rsv_rgb *shadowed,
-    rsv_rgb *open, uint64_t *rays)
+    const node_points *p, const rsv_local_lights *local, const rsv_bsdf *bsdf, emitter_sums *sums)
 {
     rsv_ray_packet packet;
     rsv_rgb contribution[LANES], entered[LANES];
@@ -93,28 +98,53 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
     }
     rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
     for (int k = 0; k < LANES; k++) {
-        *open = rgb_add(*open, contribution[k]);
-        if (packet.t_max[k] > 0) *shadowed = rgb_add(*shadowed, entered[k]);
+        sums->open = rgb_add(sums->open, contribution[k]);
+        if (!(packet.t_max[k] > 0)) continue;
+        float luminance = rgb_luminance(entered[k]);
+        sums->visible = rgb_add(sums->visible, entered[k]);
+        sums->visible_squared += luminance * luminance;
     }
-    *rays += LANES;
 }
 
-static float ratio(float unshadowed, float shadowed, float open)
+static float ratio(float unshadowed, float visible, float open)
 {
-    return open > 0 ? unshadowed * (shadowed / open) : 0;
+    return open > 0 ? unshadowed * (visible / open) : 0;
 }
 
-static bool in_penumbra(rsv_rgb shadowed, rsv_rgb open)
+/// An estimate and the standard deviation of its luminance.
+typedef struct direct_estimate {
+    rsv_rgb irradiance;
+    float deviation;
+} direct_estimate;
+
+/// Visibility sampled, everything else known: the noise is that of a share of visible samples.
+static direct_estimate from_ratio(const emitter_sums *sums, rsv_rgb unshadowed, float count)
 {
-    float visible = rgb_luminance(shadowed), all = rgb_luminance(open);
-    return visible > 0 && visible < 0.999f * all;
+    direct_estimate e = { rgb(ratio(unshadowed.r, sums->visible.r, sums->open.r),
+                              ratio(unshadowed.g, sums->visible.g, sums->open.g),
+                              ratio(unshadowed.b, sums->visible.b, sums->open.b)),
+        0 };
+    float open = rgb_luminance(sums->open), share = rgb_luminance(sums->visible) / open;
+    if (open > 0)
+        e.deviation = rgb_luminance(unshadowed) * sqrtf(f_max(share * (1 - share), 0) / count);
+    return e;
 }
 
-static rsv_rgb from_emitters(const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
+static direct_estimate from_mean(const emitter_sums *sums, float count)
 {
-    if (job->lights->sampled_count == 0) return rgb_gray(0);
+    direct_estimate e = { rgb_scale(sums->visible, 1 / count), 0 };
+    float mean = rgb_luminance(e.irradiance);
+    e.deviation = sqrtf(f_max(sums->visible_squared / count - mean * mean, 0) / count);
+    return e;
+}
+
+static direct_estimate from_emitters(const direct_job *job, uint32_t node, const node_points *p,
+    uint64_t *rays)
+{
+    direct_estimate none = { rgb_gray(0), 0 };
+    if (job->lights->sampled_count == 0) return none;
     rsv_local_lights local[LANES];
-    rsv_rgb unshadowed = rgb_gray(0), shadowed = rgb_gray(0), open = rgb_gray(0);
+    rsv_rgb unshadowed = rgb_gray(0);
     float valid = (float)__builtin_popcount(p->valid);
     bool by_power = false;
     for (uint32_t k = 0; k < p->count; k++) {
@@ -123,17 +153,13 @@ static rsv_rgb from_emitters(const direct_job *job, uint32_t node, const node_po
         unshadowed = rgb_mad(unshadowed, 1 / valid, local[k].unshadowed);
         by_power = by_power || local[k].by_power;
     }
-    if (!by_power && rgb_is_black(unshadowed)) return unshadowed;
-    const rsv_bsdf *bsdf = node_bsdf(job, node);
-    uint32_t samples = job->samples;
-    for (uint32_t first = 0; first < samples; first += LANES) {
-        sample_emitters(job, node, first, p, local, bsdf, &shadowed, &open, rays);
-        bool last = first + LANES == job->samples;
-        if (last && in_penumbra(shadowed, open)) samples = PENUMBRA_FACTOR * job->samples;
-    }
-    if (by_power) return rgb_scale(shadowed, (float)p->count / (valid * (float)samples));
-    return rgb(ratio(unshadowed.r, shadowed.r, open.r), ratio(unshadowed.g, shadowed.g, open.g),
-        ratio(unshadowed.b, shadowed.b, open.b));
+    if (!by_power && rgb_is_black(unshadowed)) return none;
+    emitter_sums sums = { 0 };
+    for (uint32_t first = 0; first < job->samples; first += LANES)
+        sample_emitters(job, node, first, p, local, node_bsdf(job, node), &sums);
+    *rays += job->samples;
+    float count = (float)job->samples * valid / (float)p->count;
+    return by_power ? from_mean(&sums, count) : from_ratio(&sums, unshadowed, count);
 }
 
 static rsv_rgb from_punctual(const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
@@ -169,7 +195,8 @@ static rsv_rgb from_punctual(const direct_job *job, uint32_t node, const node_po
 
 rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *elements, uint32_t points, uint32_t samples, uint32_t seed,
-    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
+    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, float *deviation,
+    uint64_t *rays)
 {
     rsv_context *context = elements->context;
     direct_job job = { scene, lights, elements, points, samples, seed };
@@ -179,11 +206,14 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
     for (size_t node = 0; node < elements->node_count; node++) {
         if ((known && known[node]) || rsv_cancelled(context)) continue;
         irradiance[node] = rgb_gray(0);
+        if (deviation) deviation[node] = 0;
         if (!valid_points[node]) continue;
         node_points p;
         set_up_points(&job, (uint32_t)node, valid_points[node], &p);
-        irradiance[node] = rgb_add(from_emitters(&job, (uint32_t)node, &p, &traced),
-            from_punctual(&job, (uint32_t)node, &p, &traced));
+        direct_estimate emitters = from_emitters(&job, (uint32_t)node, &p, &traced);
+        irradiance[node] =
+            rgb_add(emitters.irradiance, from_punctual(&job, (uint32_t)node, &p, &traced));
+        if (deviation) deviation[node] = emitters.deviation;
         if (rsv_thread_index() == 0 && (++done & 1023) == 0)
             rsv_progress(context, "direct",
                 fmin((double)(done * (size_t)rsv_threads(context)) / (double)elements->node_count, 1));

@@ -12,12 +12,14 @@
 /// without noise; in penumbrae the ratio's bias is of order 1 / samples and far below its noise.
 ///
 /// @param points per node, 4 or 16
-/// @param samples shadow rays per node to emitters at first, a multiple of 16; nodes in penumbra get up to
-///                eight times as many. Punctual lights get one per point.
+/// @param samples shadow rays per node to emitters, a multiple of 16; punctual lights get one per point
 /// @param valid_points [node_count] from rsv_find_buried with the same points and seed
 /// @param known [node_count] non-zero = the irradiance of this node stands already; NULL = none
+/// @param deviation [node_count] estimated standard deviation of the luminance of each estimate; NULL = not
+///                  wanted
 rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *elements, uint32_t points, uint32_t samples, uint32_t seed,
-    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays);
+    const uint16_t *valid_points, const uint8_t *known, rsv_rgb *irradiance, float *deviation,
+    uint64_t *rays);
 
 #endif

@@ -7,6 +7,8 @@
 #include <string.h>
 
 #define RECEIVER_POINTS 4
+/// Nodes of split cells lie where shadows end: they get more shadow rays.
+#define PENUMBRA_FACTOR 4
 /// Cells are split where irradiance bends by more than this share of the local level.
 #define BEND 0.1f
 /// Below this share of the scene's mean irradiance, a bend is invisible.
@@ -21,6 +23,7 @@ typedef struct level_builder {
     const rsv_source_level_desc *desc;
     rsv_elements *elements;
     rsv_rgb *direct;
+    float *deviation; ///< of direct
     uint16_t *valid_points;
     rsv_photon_map map[2]; ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
@@ -41,11 +44,12 @@ static rsv_status prepare_elements(level_builder *b)
     return status;
 }
 
-/// Estimates direct light at the nodes that `known` does not cover.
-static rsv_status estimate_direct(level_builder *b, const uint8_t *known)
+/// Estimates direct light at the nodes that `known` does not cover. (How many samples a node gets must not
+/// depend on its own samples: stopping early where all of them see the light would be biased.)
+static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint8_t *known)
 {
-    return rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS,
-        b->desc->light_samples, b->desc->seed, b->valid_points, known, b->direct, b->rays);
+    return rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS, samples,
+        b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
 }
 
 static void free_photons(level_builder *b)
@@ -95,10 +99,10 @@ static rsv_status mark_cells(level_builder *b, size_t *marked)
     const rsv_elements *e = b->elements;
     rsv_status status = RSV_OK;
     float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
-    if (b->direct) RSV_TRY(rsv_find_bends(e, b->direct, BEND, dark, mark_direct, b));
+    if (b->direct) RSV_TRY(rsv_find_bends(e, b->direct, b->deviation, BEND, dark, mark_direct, b));
     if (b->caustic) {
         float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
-        RSV_TRY(rsv_find_bends(e, b->caustic, BEND, faint, mark_caustic, b));
+        RSV_TRY(rsv_find_bends(e, b->caustic, NULL, BEND, faint, mark_caustic, b));
     }
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
@@ -111,7 +115,7 @@ cleanup:
 
 /// Carries over the direct light of nodes whose surroundings did not change.
 static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb *old_direct,
-    uint8_t *known)
+    const float *old_deviation, uint8_t *known)
 {
     const rsv_elements *e = b->elements;
     for (size_t n = 0; n < e->node_count; n++) {
@@ -126,8 +130,16 @@ static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb 
         bool same = fabsf(old->node_area[twin] - e->node_area[n]) <= 1e-6f * e->node_area[n];
         if (!same || e->node_hanging[n] != RSV_NONE) continue;
         b->direct[n] = old_direct[twin];
+        b->deviation[n] = old_deviation[twin];
         known[n] = 1;
     }
+}
+
+static rsv_status allocate_direct(level_builder *b)
+{
+    b->direct = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->direct);
+    b->deviation = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->deviation);
+    return b->direct && b->deviation ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 /// Replaces the elements by finer ones and updates direct light on them.
@@ -137,26 +149,29 @@ static rsv_status split_once(level_builder *b)
     rsv_status status;
     rsv_elements *old = b->elements;
     rsv_rgb *old_direct = b->direct;
+    float *old_deviation = b->deviation;
     uint8_t *known = NULL;
     b->elements = NULL;
     b->direct = NULL;
+    b->deviation = NULL;
     rsv_free(context, b->valid_points);
     b->valid_points = NULL;
     RSV_TRY(rsv_elements_refine(old, b->split, &b->elements));
     RSV_TRY(prepare_elements(b));
     if (b->desc->direct) {
-        b->direct = rsv_alloc(context, b->elements->node_count, sizeof *b->direct);
+        RSV_TRY(allocate_direct(b));
         known = rsv_alloc(context, b->elements->node_count, 1);
-        if (!b->direct || !known) {
+        if (!known) {
             status = RSV_ERROR_MEMORY;
             goto cleanup;
         }
-        carry_over(b, old, old_direct, known);
-        RSV_TRY(estimate_direct(b, known));
+        carry_over(b, old, old_direct, old_deviation, known);
+        RSV_TRY(estimate_direct(b, PENUMBRA_FACTOR * b->desc->light_samples, known));
     }
 cleanup:
     rsv_free(context, known);
     rsv_free(context, old_direct);
+    rsv_free(context, old_deviation);
     rsv_elements_destroy(old);
     return status;
 }
@@ -195,12 +210,8 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     RSV_TRY(rsv_elements_refine(coarse, b.split, &b.elements));
     RSV_TRY(prepare_elements(&b));
     if (desc->direct) {
-        b.direct = rsv_alloc(context, b.elements->node_count, sizeof *b.direct);
-        if (!b.direct) {
-            status = RSV_ERROR_MEMORY;
-            goto cleanup;
-        }
-        RSV_TRY(estimate_direct(&b, NULL));
+        RSV_TRY(allocate_direct(&b));
+        RSV_TRY(estimate_direct(&b, desc->light_samples, NULL));
     }
     RSV_TRY(refine(&b));
     if (b.caustic) {
@@ -220,6 +231,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
 cleanup:
     rsv_free(context, b.split);
     rsv_free(context, b.direct);
+    rsv_free(context, b.deviation);
     rsv_free(context, b.valid_points);
     free_photons(&b);
     rsv_elements_destroy(b.elements);

@@ -10,6 +10,8 @@
 #define CONTACT_LEVELS 2
 /// Pilot solutions with few rays show where coarse cells are too large for the indirect light.
 #define PILOT_RAYS 64
+/// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
+#define COARSE_LIGHT_FACTOR 2
 #define PILOT_ORDERS 3
 /// Far above the pilot's noise: only gross errors are mended.
 #define PILOT_BEND 0.4f
@@ -128,7 +130,8 @@ static rsv_status create_fine_level(rsv_solution *s)
 static rsv_status create_source(rsv_solution *s)
 {
     rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        s->desc.light_samples, s->desc.seed, s->valid_points, NULL, s->source, &s->report.rays);
+        COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL, s->source,
+        NULL, &s->report.rays);
     if (status != RSV_OK) return status;
     for (size_t n = 0; n < s->elements->node_count; n++) {
         s->source[n] = rgb_add(s->source[n], s->transport->gathered[n]);
@@ -188,7 +191,7 @@ static rsv_status refine_by_pilot(rsv_solution *s)
     RSV_TRY(create_source(s));
     RSV_TRY(rsv_solve_neumann(s, PILOT_ORDERS));
     float mean = (float)rsv_elements_mean_luminance(s->elements, s->indirect);
-    RSV_TRY(rsv_find_bends(s->elements, s->indirect, PILOT_BEND, 0.1f * mean, mark_pair, split));
+    RSV_TRY(rsv_find_bends(s->elements, s->indirect, NULL, PILOT_BEND, 0.1f * mean, mark_pair, split));
     destroy_system(s);
     RSV_TRY(split_marked(s, split));
 cleanup:
