@@ -1,0 +1,41 @@
+/// Readings of a case: what its probes measure, through the library's probes and pictures.
+#ifndef CASE_PROBE_H
+#define CASE_PROBE_H
+
+#include "case_scene.h"
+
+enum { CASE_MAX_VARIANTS = 12 };
+
+/// One variant of the scene, built and, in mode operator, solved.
+typedef struct case_solution {
+    case_variant variant;
+    rsv_scene *scene;
+    rsv_solution *solution;
+} case_solution;
+
+/// Everything that the readings of one case share.
+typedef struct case_bench {
+    rsv_context *context;
+    rsv_probe_mode mode; ///< operator or reference
+    bool again;          ///< second opinion: other random numbers, half the error
+    case_scene scene;
+    case_solution solution[CASE_MAX_VARIANTS]; ///< made when first wanted
+    int solution_count;
+} case_bench;
+
+typedef struct case_reading {
+    double value, standard_error;
+} case_reading;
+
+/// Takes note of a probe before any reading: radiance probes need a camera in the scene.
+void case_bench_announce(case_bench *bench, const cJSON *probe);
+
+/// Reads one expected quantity, an object with `name` and `probe`. *known is false, and nothing is read,
+/// if this harness has no probe for it.
+rsv_status case_bench_read(
+    case_bench *bench, const cJSON *expected, case_reading *reading, bool *known);
+
+/// Frees what the readings made.
+void case_bench_close(case_bench *bench);
+
+#endif
