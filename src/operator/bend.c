@@ -26,7 +26,7 @@ static bool bends(const rsv_elements *e, const rsv_rgb *value, const float *devi
         float d = deviation[c < 3 ? node[c] : far[other_k]];
         noise += d * d;
     }
-    return fabsf(ends - opposite) > threshold * (0.25f * (ends + opposite) + floor) + sqrtf(noise);
+    return fabsf(ends - opposite) > threshold * (0.25f * (ends + opposite) + floor) + 2.5f * sqrtf(noise);
 }
 
 rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
