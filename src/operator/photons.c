@@ -466,24 +466,44 @@ static double total_flux(const rsv_elements *e, const rsv_rgb *irradiance)
     return flux;
 }
 
-void rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_elements *coarse_elements,
+/// Photons per square metre around the nodes, in all three channels.
+static rsv_rgb *photon_density(const rsv_photon_map *map)
+{
+    rsv_rgb *density = rsv_alloc(map->context, map->elements->node_count, sizeof *density);
+    for (size_t node = 0; density && node < map->elements->node_count; node++) {
+        float area = map->elements->node_area[node];
+        density[node] = rgb_gray(area > 0 ? (float)map->hits[node] / (65536.0f * area) : 0);
+    }
+    if (density) rsv_elements_constrain(map->elements, density);
+    return density;
+}
+
+rsv_status rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_photon_map *coarse_map,
     const rsv_rgb *coarse, rsv_rgb *irradiance)
 {
     const rsv_elements *e = map->elements;
+    rsv_rgb *density = photon_density(coarse_map);
+    if (!density) return RSV_ERROR_MEMORY;
     double before = total_flux(e, irradiance);
     for (size_t node = 0; node < e->node_count; node++) {
         uint32_t support = e->support[e->support_begin[node]];
         const rsv_cell *cell = &e->cell[support / 4];
         float u, v;
         rsv_cell_corner(cell, (int)(support & 3), &u, &v);
-        rsv_rgb expected = rsv_elements_interpolate(coarse_elements, coarse, cell->face, u, v);
-        float photons = (float)map->hits[node] / 65536.0f;
+        rsv_rgb around =
+            rsv_elements_interpolate(coarse_map->elements, coarse, cell->face, u, v);
+        float expected = e->node_area[node] *
+            rsv_elements_interpolate(coarse_map->elements, density, cell->face, u, v).r;
+        // none where many were to be expected is as good a measurement as many
+        float photons = f_max((float)map->hits[node] / 65536.0f, expected);
         float trust = photons / (photons + RSV_PHOTON_PRIOR);
-        irradiance[node] = rgb_mad(rgb_scale(irradiance[node], trust), 1 - trust, expected);
+        irradiance[node] = rgb_mad(rgb_scale(irradiance[node], trust), 1 - trust, around);
     }
+    rsv_free(map->context, density);
     double after = total_flux(e, irradiance);
     float keep = after > 0 ? (float)(before / after) : 1;
     for (size_t node = 0; node < e->node_count; node++)
         irradiance[node] = rgb_scale(irradiance[node], keep);
     rsv_elements_constrain(e, irradiance);
+    return RSV_OK;
 }

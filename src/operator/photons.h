@@ -30,12 +30,12 @@ void rsv_photon_map_destroy(rsv_photon_map *map);
 /// Irradiance at the nodes: flux over the area of the hat function. @param irradiance [node_count]
 void rsv_photon_map_irradiance(const rsv_photon_map *map, rsv_rgb *irradiance);
 
-/// Draws nodes that few photons reached towards a coarser estimate, by n / (n + RSV_PHOTON_PRIOR). The total
-/// flux stays what it was.
-/// @param coarse irradiance on `coarse_elements`
-void rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_elements *coarse_elements,
+/// Draws nodes for which few photons speak towards a coarser estimate, by n / (n + RSV_PHOTON_PRIOR) with n
+/// the photons caught or, if that is more, those to be expected. The total flux stays what it was.
+/// @param coarse irradiance on the elements of `coarse_map`
+rsv_status rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_photon_map *coarse_map,
     const rsv_rgb *coarse, rsv_rgb *irradiance);
 
-#define RSV_PHOTON_PRIOR 24.0f
+#define RSV_PHOTON_PRIOR 8.0f
 
 #endif

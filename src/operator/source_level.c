@@ -7,14 +7,17 @@
 #include <string.h>
 
 #define RECEIVER_POINTS 4
+/// Caustics have sharper edges than shadows: they may split cells this many times more.
+#define CAUSTIC_LEVELS 2
 /// Nodes of split cells lie where shadows end: they get more shadow rays.
 #define PENUMBRA_FACTOR 4
 /// Cells are split where irradiance bends by more than this share of the local level.
 #define BEND 0.1f
 /// Below this share of the scene's mean irradiance, a bend is invisible.
 #define DARK 0.05f
-/// A caustic is resolved only where each node of a cell has caught this many photons.
-#define PHOTONS_TO_SPLIT 48.0f
+/// A cell's bend in caustic light is more than noise if one of its nodes has caught this many photons. (One,
+/// not all: the rim of a caustic is dark on one side.)
+#define PHOTONS_TO_SPLIT 24.0f
 
 typedef struct level_builder {
     const rsv_transport_scene *scene;
@@ -76,8 +79,8 @@ static bool caught_enough(const level_builder *b, uint32_t cell)
 {
     const uint32_t *node = b->elements->cell_node[cell];
     for (int k = 0; k < 3; k++)
-        if ((float)b->map[0].hits[node[k]] / 65536.0f < PHOTONS_TO_SPLIT) return false;
-    return true;
+        if ((float)b->map[0].hits[node[k]] / 65536.0f >= PHOTONS_TO_SPLIT) return true;
+    return false;
 }
 
 static void mark_direct(void *user, uint32_t cell, uint32_t other)
@@ -94,12 +97,13 @@ static void mark_caustic(void *user, uint32_t cell, uint32_t other)
 }
 
 /// Marks the cells on both sides of every edge across which light bends; counts them.
-static rsv_status mark_cells(level_builder *b, size_t *marked)
+static rsv_status mark_cells(level_builder *b, uint32_t level, size_t *marked)
 {
     const rsv_elements *e = b->elements;
     rsv_status status = RSV_OK;
     float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
-    if (b->direct) RSV_TRY(rsv_find_bends(e, b->direct, b->deviation, BEND, dark, mark_direct, b));
+    if (b->direct && level < b->desc->levels)
+        RSV_TRY(rsv_find_bends(e, b->direct, b->deviation, BEND, dark, mark_direct, b));
     if (b->caustic) {
         float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
         RSV_TRY(rsv_find_bends(e, b->caustic, NULL, BEND, faint, mark_caustic, b));
@@ -180,13 +184,14 @@ static rsv_status refine(level_builder *b)
 {
     rsv_context *context = b->coarse->context;
     rsv_status status = RSV_OK;
-    for (uint32_t level = 0; level < b->desc->levels; level++) {
+    uint32_t levels = b->desc->levels + (b->desc->photon_count ? CAUSTIC_LEVELS : 0);
+    for (uint32_t level = 0; level < levels; level++) {
         if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
         rsv_free(context, b->split);
         b->split = rsv_alloc(context, b->elements->cell_count, 1);
         if (!b->split) return RSV_ERROR_MEMORY;
         size_t marked;
-        RSV_TRY(mark_cells(b, &marked));
+        RSV_TRY(mark_cells(b, level, &marked));
         if (marked == 0) break;
         RSV_TRY(split_once(b));
     }
@@ -221,7 +226,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
             goto cleanup;
         }
         rsv_photon_map_irradiance(&b.map[1], level->coarse_caustic);
-        rsv_photon_map_shrink(&b.map[0], coarse, level->coarse_caustic, b.caustic);
+        RSV_TRY(rsv_photon_map_shrink(&b.map[0], &b.map[1], level->coarse_caustic, b.caustic));
     }
     level->elements = b.elements;
     level->direct = b.direct;
