@@ -1,0 +1,808 @@
+/// Rows of G, chains, light shooting and what keeps light from leaking.
+#include "light_fixture.h"
+#include "operator/burial.h"
+#include "operator/contact.h"
+#include "operator/directions.h"
+#include "operator/photons.h"
+#include "resolvent/render.h"
+
+// ---- directions ---------------------------------------------------------------------------------
+
+/// Inverse of rsv_square_to_disk.
+static void disk_to_square(double dx, double dy, double *x, double *y)
+{
+    double r = hypot(dx, dy), phi = atan2(dy, dx), a, b, quarter = RSV_PI / 4;
+    if (phi < -quarter) phi += 2 * RSV_PI;
+    if (phi < quarter)
+        a = r, b = phi * a / quarter;
+    else if (phi < 3 * quarter)
+        b = r, a = -(phi - 2 * quarter) * b / quarter;
+    else if (phi < 5 * quarter)
+        a = -r, b = (phi - 4 * quarter) * a / quarter;
+    else
+        b = -r, a = -(phi - 6 * quarter) * b / quarter;
+    *x = (a + 1) / 2;
+    *y = (b + 1) / 2;
+}
+
+/// Bounds of sixteen directions in the unit square, and whether they fit into one cell of a net.
+static void check_packet(const rsv_directions *d, size_t first, int across, int down, uint8_t *seen)
+{
+    double low_x = 1, low_y = 1, high_x = 0, high_y = 0;
+    for (size_t k = first; k < first + 16; k++) {
+        double x, y;
+        disk_to_square(d->x[k], d->y[k], &x, &y);
+        low_x = fmin(low_x, x), high_x = fmax(high_x, x);
+        low_y = fmin(low_y, y), high_y = fmax(high_y, y);
+    }
+    int column = (int)((low_x + high_x) / 2 * across), row = (int)((low_y + high_y) / 2 * down);
+    assert_true(low_x * across > column - 1e-3 && high_x * across < column + 1 + 1e-3);
+    assert_true(low_y * down > row - 1e-3 && high_y * down < row + 1 + 1e-3);
+    assert_false(seen[row * across + column]); // every cell has one packet
+    seen[row * across + column] = 1;
+}
+
+static void every_packet_of_directions_lies_in_one_cell(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    const struct {
+        uint32_t count;
+        int across, down;
+    } net[] = { { 64, 2, 2 }, { 128, 4, 2 }, { 256, 4, 4 }, { 512, 8, 4 } };
+    for (size_t n = 0; n < 4; n++) {
+        rsv_directions d;
+        assert_int_equal(rsv_directions_create(w->context, net[n].count, 7, &d), RSV_OK);
+        for (size_t set = 0; set < RSV_DIRECTION_SETS; set++) {
+            uint8_t seen[64] = { 0 };
+            for (uint32_t first = 0; first < net[n].count; first += 16)
+                check_packet(&d, set * net[n].count + first, net[n].across, net[n].down, seen);
+        }
+        rsv_directions_destroy(&d);
+    }
+    world_end(w);
+}
+
+static void directions_are_cosine_distributed(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    rsv_directions d;
+    assert_int_equal(rsv_directions_create(w->context, 256, 3, &d), RSV_OK);
+    size_t total = (size_t)RSV_DIRECTION_SETS * d.count;
+    double mean[3] = { 0 }, second = 0;
+    for (size_t k = 0; k < total; k++) {
+        rsv_vec3 v = v3(d.x[k], d.y[k], d.z[k]);
+        assert_close(v3_length(v), 1, 1e-5);
+        assert_true(v.z > 0);
+        mean[0] += v.x, mean[1] += v.y, mean[2] += v.z, second += v.z * v.z;
+    }
+    // 16384 directions would err by 0.0018 if they were independent; nets do far better
+    assert_close(mean[0] / (double)total, 0, 1e-3);
+    assert_close(mean[1] / (double)total, 0, 1e-3);
+    assert_close(mean[2] / (double)total, 2.0 / 3, 5e-4);
+    assert_close(second / (double)total, 0.5, 5e-4);
+    rsv_directions_destroy(&d);
+    world_end(w);
+}
+
+// ---- rows ---------------------------------------------------------------------------------------
+
+/// Elements with rows, as the solver makes them.
+typedef struct rows {
+    world *w;
+    rsv_elements *elements;
+    uint16_t *valid_points;
+    rsv_transport *transport;
+    uint64_t rays;
+} rows;
+
+static rows create_rows(world *w, float spacing, uint32_t ray_count)
+{
+    rows r = { .w = w };
+    world_commit(w);
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, spacing, &r.elements), RSV_OK);
+    assert_int_equal(rsv_elements_separate(w->tracer, r.elements, &r.rays), RSV_OK);
+    r.valid_points = calloc(r.elements->node_count, sizeof *r.valid_points);
+    assert_non_null(r.valid_points);
+    assert_int_equal(
+        rsv_find_buried(&w->transport, r.elements, RSV_SUPPORT_POINTS, 1, r.valid_points, &r.rays),
+        RSV_OK);
+    rsv_elements_bridge_buried(r.elements, r.valid_points);
+    assert_int_equal(rsv_transport_create(&w->transport, w->lights, r.elements, r.valid_points,
+                         ray_count, 1, &r.transport),
+        RSV_OK);
+    return r;
+}
+
+static void destroy_rows(rows *r)
+{
+    rsv_transport_destroy(r->transport);
+    rsv_elements_destroy(r->elements);
+    free(r->valid_points);
+    world_end(r->w);
+}
+
+static uint64_t hash_rows(const rsv_transport *t)
+{
+    size_t entries = t->row_begin[t->row_count], tinted = t->tinted_begin[t->row_count];
+    uint64_t hash = HASH_START;
+    hash = hash_bytes(hash, t->row_begin, (t->row_count + 1) * sizeof *t->row_begin);
+    hash = hash_bytes(hash, t->tinted_begin, (t->row_count + 1) * sizeof *t->tinted_begin);
+    hash = hash_bytes(hash, t->column, entries * sizeof *t->column);
+    hash = hash_bytes(hash, t->tinted_column, tinted * sizeof *t->tinted_column);
+    hash = hash_bytes(hash, t->tinted_weight, tinted * sizeof *t->tinted_weight);
+    hash = hash_bytes(hash, t->scale, t->row_count * sizeof *t->scale);
+    return hash_bytes(hash, t->gathered, t->row_count * sizeof *t->gathered);
+}
+
+/// Smallest and largest row sum of the free rows.
+static void row_sums(const rows *r, double *low, double *high)
+{
+    size_t count = r->transport->row_count;
+    rsv_rgb *one = calloc(count, sizeof *one), *sum = calloc(count, sizeof *sum);
+    assert_true(one && sum);
+    for (size_t n = 0; n < count; n++)
+        one[n] = rgb_gray(1);
+    rsv_transport_apply(r->transport, one, sum);
+    *low = INFINITY, *high = 0;
+    for (size_t n = 0; n < count; n++) {
+        if (r->transport->scale[n] == 0) {
+            assert_true(rgb_is_black(sum[n]));
+            continue;
+        }
+        *low = fmin(*low, fmin(sum[n].r, fmin(sum[n].g, sum[n].b)));
+        *high = fmax(*high, rgb_max(sum[n]));
+    }
+    free(one);
+    free(sum);
+}
+
+static void rows_of_a_closed_room_sum_to_one(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(2, 1, 1.5f));
+    rows r = create_rows(w, 0.25f, 256);
+    double low, high;
+    row_sums(&r, &low, &high);
+    assert_close(low, 1, 1e-6);
+    assert_close(high, 1, 1e-6);
+    destroy_rows(&r);
+}
+
+/// Facets with interpolated normals trap a ray in ten thousand for ever; nothing else is lost.
+static void rows_of_a_room_with_mirror_and_glass_sum_to_one(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(2, 1, 1.5f));
+    world_sphere(w, world_material(w, glass_material()), v3(0.5f, 0.5f, 0.7f), 0.3f, 3);
+    world_sphere(w, world_material(w, mirror_material(1)), v3(1.4f, 0.5f, 0.7f), 0.3f, 2);
+    rows r = create_rows(w, 0.25f, 256);
+    double low, high;
+    row_sums(&r, &low, &high);
+    assert_close(low, 1, 1.0 / 256 + 1e-6); // one ray of one row at most
+    assert_close(high, 1, 1e-6);
+    destroy_rows(&r);
+}
+
+/// Coloured glass, metal, blocks on the floor and an open front: whatever happens, nothing is gained.
+static void no_row_sums_to_more_than_one(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t white = world_lambert(w, 0.7f, 0);
+    rsv_material green = glass_material();
+    green.base_color = rgb(0.3f, 0.9f, 0.4f);
+    green.attenuation_color = rgb(0.2f, 0.8f, 0.5f);
+    green.attenuation_distance = 0.2f;
+    rsv_material coated = rsv_default_material();
+    coated.base_color = rgb(0.9f, 0.5f, 0.2f);
+    coated.roughness = 0;
+    coated.metallic = 0;
+    world_room(w, white, v3(0, 0, 0), v3(2, 1, 1.5f));
+    world_sphere(w, world_material(w, green), v3(0.5f, 0.4f, 0.7f), 0.35f, 2);
+    world_box(w, world_material(w, coated), v3(1.1f, 0, 0.3f), v3(1.5f, 0.5f, 0.7f));
+    rows r = create_rows(w, 0.25f, 256);
+    double low, high;
+    row_sums(&r, &low, &high);
+    assert_true(low >= 0);
+    assert_true(high <= 1 + 1e-6);
+    destroy_rows(&r);
+}
+
+/// Two unit squares that face each other at distance 1, nothing else.
+static rows create_facing_squares(void)
+{
+    world *w = world_begin(2);
+    uint32_t white = world_lambert(w, 0.5f, 0);
+    world_quad(w, white, v3(0, 0, 0), v3(0, 0, 1), v3(1, 0, 1), v3(1, 0, 0)); // faces up
+    world_quad(w, white, v3(0, 1, 0), v3(1, 1, 0), v3(1, 1, 1), v3(0, 1, 1)); // faces down
+    return create_rows(w, 0.125f, 1024);
+}
+
+static rsv_vec3 node_place(const rsv_elements *e, uint32_t node)
+{
+    uint32_t support = e->support[e->support_begin[node]];
+    const rsv_cell *cell = &e->cell[support / 4];
+    float u, v;
+    rsv_cell_corner(cell, (int)(support & 3), &u, &v);
+    return rsv_surface_point_at(
+        e->scene, e->face_triangle[cell->face], u, v, e->face_back[cell->face])
+        .position;
+}
+
+/// Sum over rows of one region and columns of another of A_i G_ij.
+static double exchange(const rows *r, bool (*receives)(rsv_vec3), bool (*sends)(rsv_vec3))
+{
+    size_t count = r->transport->row_count;
+    rsv_rgb *exitance = calloc(count, sizeof *exitance), *e = calloc(count, sizeof *e);
+    assert_true(exitance && e);
+    for (uint32_t n = 0; n < count; n++)
+        exitance[n] = rgb_gray(sends(node_place(r->elements, n)));
+    rsv_transport_apply(r->transport, exitance, e);
+    double sum = 0;
+    for (uint32_t n = 0; n < count; n++)
+        if (receives(node_place(r->elements, n))) sum += (double)e[n].g * r->elements->node_area[n];
+    free(exitance);
+    free(e);
+    return sum;
+}
+
+static bool is_floor(rsv_vec3 p) { return p.y < 0.5f; }
+static bool is_ceiling(rsv_vec3 p) { return p.y > 0.5f; }
+static bool is_floor_corner(rsv_vec3 p) { return p.y < 0.5f && p.x < 0.4f && p.z < 0.4f; }
+static bool is_ceiling_side(rsv_vec3 p) { return p.y > 0.5f && p.x > 0.5f; }
+
+/// Form factor of directly opposed unit squares at distance 1 (closed form, e.g. Howell's catalogue C-11).
+static void facing_squares_exchange_their_form_factor(void **state)
+{
+    (void)state;
+    rows r = create_facing_squares();
+    const double form_factor = 0.199824895698;
+    // 80 rows of 1024 rays each would err by 0.7 % if the rays were independent; 4 standard errors of
+    // what stratification leaves of it
+    assert_close(exchange(&r, is_floor, is_ceiling), form_factor, 0.005 * form_factor);
+    assert_close(exchange(&r, is_ceiling, is_floor), form_factor, 0.005 * form_factor);
+    destroy_rows(&r);
+}
+
+static void exchange_is_reciprocal(void **state)
+{
+    (void)state;
+    rows r = create_facing_squares();
+    double there = exchange(&r, is_floor_corner, is_ceiling_side);
+    double back = exchange(&r, is_ceiling_side, is_floor_corner);
+    assert_true(there > 0.01);
+    // 9 and 40 rows with a few per cent of 1024 rays each: at most 2 % without stratification
+    assert_close(there, back, 0.04 * there);
+    destroy_rows(&r);
+}
+
+static uint64_t hash_of_rows_with(int threads)
+{
+    world *w = world_begin(threads);
+    rsv_material glass = glass_material();
+    glass.base_color = rgb(0.9f, 0.7f, 0.5f);
+    world_room(w, world_lambert(w, 0.5f, 1), v3(0, 0, 0), v3(1, 1, 1));
+    world_sphere(w, world_material(w, glass), v3(0.5f, 0.5f, 0.5f), 0.3f, 2);
+    rows r = create_rows(w, 0.15f, 64);
+    assert_true(r.transport->tinted_begin[r.transport->row_count] > 0);
+    uint64_t hash = hash_rows(r.transport);
+    destroy_rows(&r);
+    return hash;
+}
+
+static void rows_are_the_same_bytes_for_any_thread_count(void **state)
+{
+    (void)state;
+    uint64_t one = hash_of_rows_with(1);
+    assert_true(one == hash_of_rows_with(2));
+    assert_true(one == hash_of_rows_with(3));
+}
+
+/// Ends on split cells take another path than ends on the regular grid.
+static void split_cells_receive_their_share(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    uint32_t white = world_lambert(w, 0.5f, 0);
+    world_quad(w, white, v3(0, 0, 0), v3(0, 0, 1), v3(1, 0, 1), v3(1, 0, 0));
+    world_quad(w, white, v3(0, 1, 0), v3(1, 1, 0), v3(1, 1, 1), v3(0, 1, 1));
+    rows r = create_rows(w, 0.25f, 1024);
+    uint8_t *split = calloc(r.elements->cell_count, 1);
+    assert_non_null(split);
+    for (size_t c = 0; c < r.elements->cell_count; c++)
+        split[c] = c % 5 == 0;
+    rsv_elements *finer;
+    assert_int_equal(rsv_elements_refine(r.elements, split, &finer), RSV_OK);
+    free(split);
+    rsv_elements_destroy(r.elements);
+    rsv_transport_destroy(r.transport);
+    r.elements = finer;
+    r.valid_points = realloc(r.valid_points, finer->node_count * sizeof *r.valid_points);
+    assert_int_equal(
+        rsv_find_buried(&w->transport, finer, RSV_SUPPORT_POINTS, 1, r.valid_points, &r.rays),
+        RSV_OK);
+    assert_int_equal(rsv_transport_create(
+                         &w->transport, w->lights, finer, r.valid_points, 1024, 1, &r.transport),
+        RSV_OK);
+    assert_close(exchange(&r, is_floor, is_ceiling), 0.199824895698, 0.002);
+    destroy_rows(&r);
+}
+
+// ---- chains -------------------------------------------------------------------------------------
+
+static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
+{
+    (void)user, (void)triangle, (void)events;
+    return false;
+}
+
+/// One gather chain from a free point.
+static rsv_gather gather_from(const world *w, rsv_vec3 origin, rsv_vec3 direction, uint32_t index)
+{
+    rsv_ray ray = { origin, direction, INFINITY };
+    rsv_hit hit;
+    assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
+    rsv_random random = rsv_random_from(11, index, 0);
+    rsv_chain chain = rsv_chain_begin(&w->transport, direction, hit.triangle, hit.u, hit.v, hit.t);
+    return rsv_chain_gather(&w->transport, chain, &random, no_emission, NULL);
+}
+
+static rsv_vec3 sphere_direction(uint32_t index)
+{
+    float x, y;
+    rsv_sobol_2d(index, 5, &x, &y);
+    return rsv_square_to_sphere(x, y);
+}
+
+/// Every chain through clear glass ends on the wall with weight 1, whatever its way.
+static void chains_through_clear_glass_keep_their_weight(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    uint32_t glass = world_material(w, glass_material());
+    world_room(w, world_lambert(w, 0.5f, 0), v3(-1, -1, -1), v3(1, 1, 1));
+    world_sphere(w, glass, v3(0, 0, 0), 0.4f, 3);
+    world_box(w, glass, v3(-0.9f, 0.6f, -0.9f), v3(0.9f, 0.7f, 0.9f));
+    world_commit(w);
+    uint32_t bent = 0, count = 4000, lost = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        rsv_gather gather = gather_from(w, v3(0.8f, 0.1f, 0.2f), sphere_direction(k), k);
+        bent += gather.chain.events > 0;
+        if (gather.end != RSV_CHAIN_DIFFUSE) {
+            assert_int_equal(gather.chain.events, RSV_CHAIN_MAX_EVENTS); // trapped in the box
+            lost++;
+            continue;
+        }
+        assert_close(gather.chain.weight.r, 1, 1e-4);
+        assert_close(gather.chain.weight.b, 1, 1e-4);
+    }
+    assert_true(bent > count / 10);
+    assert_true(lost < count / 200);
+    world_end(w);
+}
+
+/// A slab of thickness 0.1 m between a gatherer and a wall that takes everything.
+static world *create_slab(rsv_rgb attenuation_color, float distance)
+{
+    world *w = world_begin(1);
+    rsv_material glass = glass_material();
+    glass.attenuation_color = attenuation_color;
+    glass.attenuation_distance = distance;
+    world_room(w, world_lambert(w, 0.5f, 0), v3(-5, -5, -1), v3(5, 5, 1));
+    world_box(w, world_material(w, glass), v3(-4, -4, 0), v3(4, 4, 0.1f));
+    world_commit(w);
+    return w;
+}
+
+/// Mean weights of chains along -z that end beyond and before the slab.
+static void measure_slab(const world *w, uint32_t count, double through[3], double back[3])
+{
+    memset(through, 0, 3 * sizeof *through);
+    memset(back, 0, 3 * sizeof *back);
+    for (uint32_t k = 0; k < count; k++) {
+        rsv_gather gather = gather_from(w, v3(0.1f, 0.2f, 0.5f), v3(0, 0, -1), k);
+        if (gather.end != RSV_CHAIN_DIFFUSE) continue;
+        double *sum = gather.chain.direction.z < 0 ? through : back;
+        sum[0] += gather.chain.weight.r / count;
+        sum[1] += gather.chain.weight.g / count;
+        sum[2] += gather.chain.weight.b / count;
+    }
+}
+
+/// With F = 0.04 per interface and a = exp(-sigma d) per crossing, the geometric series of the
+/// reflections between the faces gives T = (1-F)^2 a / (1 - F^2 a^2), R = F + F (1-F)^2 a^2 / (1 - F^2 a^2).
+static void a_slab_transmits_by_fresnel_and_beer_lambert(void **state)
+{
+    (void)state;
+    const float color[3] = { 0.3f, 0.6f, 0.9f };
+    const uint32_t count = 40000;
+    world *w = create_slab(rgb(color[0], color[1], color[2]), 0.05f);
+    double through[3], back[3];
+    measure_slab(w, count, through, back);
+    for (int c = 0; c < 3; c++) {
+        double f = 0.04, a = pow(color[c], 0.1 / 0.05), pass = (1 - f) * (1 - f);
+        double t = pass * a / (1 - f * f * a * a), r = f + f * pass * a * a / (1 - f * f * a * a);
+        // weights lie in [0, 1 / a_max]; four standard errors of a Bernoulli variable, scaled
+        assert_close(through[c], t, 4 * sqrt(t * (1 - t) / count) + 1e-4);
+        assert_close(back[c], r, 4 * sqrt(r / count) + 1e-4);
+    }
+    world_end(w);
+}
+
+static void a_clear_slab_splits_light_and_loses_none(void **state)
+{
+    (void)state;
+    world *w = create_slab(rgb_gray(1), INFINITY);
+    double through[3], back[3];
+    measure_slab(w, 20000, through, back);
+    assert_close(through[0] + back[0], 1, 1e-4);
+    assert_close(through[0], (1 - 0.04) / (1 + 0.04), 4 * sqrt(0.92 * 0.08 / 20000));
+    world_end(w);
+}
+
+/// In a cube of index 1.5 a direction that meets all faces at more than 41.8 degrees is trapped for ever:
+/// it must neither escape nor be followed without end.
+static void total_internal_reflection_traps_light_and_ends(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(-3, -3, -3), v3(3, 3, 3));
+    world_box(w, world_material(w, glass_material()), v3(-1, -1, -1), v3(1, 1, 1));
+    world_commit(w);
+    for (uint32_t k = 0; k < 300; k++) {
+        rsv_random random = rsv_random_from(17, k, 0);
+        float a = 0.5f + 0.18f * rsv_random_float(&random),
+              b = 0.5f + 0.18f * rsv_random_float(&random);
+        float c = sqrtf(1 - a * a - b * b);
+        assert_true(c < 0.745f); // cosine of the critical angle: 0.7454
+        rsv_gather gather = gather_from(w, v3(0.1f, -0.2f, 0.3f), v3(a, -b, c), k);
+        assert_int_equal(gather.end, RSV_CHAIN_ABSORBED);
+        assert_int_equal(gather.chain.events, RSV_CHAIN_MAX_EVENTS);
+    }
+    world_end(w);
+}
+
+static void light_below_the_critical_angle_leaves(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(-3, -3, -3), v3(3, 3, 3));
+    world_box(w, world_material(w, glass_material()), v3(-1, -1, -1), v3(1, 1, 1));
+    world_commit(w);
+    for (uint32_t k = 0; k < 200; k++) {
+        rsv_gather gather =
+            gather_from(w, v3(0.1f, -0.2f, 0.3f), v3_normalize(v3(0.2f, 0.1f, 1)), k);
+        assert_int_equal(gather.end, RSV_CHAIN_DIFFUSE);
+        assert_close(gather.chain.weight.g, 1, 1e-4);
+    }
+    world_end(w);
+}
+
+static void parallel_mirrors_end_within_the_event_bound(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    uint32_t mirror = world_material(w, mirror_material(1));
+    world_room(w, mirror, v3(-1, -1, -1), v3(1, 1, 1));
+    world_commit(w);
+    for (uint32_t k = 0; k < 100; k++) {
+        rsv_gather gather = gather_from(w, v3(0.1f, 0.2f, 0.3f), sphere_direction(k), k);
+        assert_int_equal(gather.end, RSV_CHAIN_ABSORBED);
+        assert_int_equal(gather.chain.events, RSV_CHAIN_MAX_EVENTS);
+        assert_true(gather.chain.rays <= RSV_CHAIN_MAX_EVENTS + 1);
+    }
+    world_end(w);
+}
+
+// ---- light shooting -----------------------------------------------------------------------------
+
+/// A narrow spot light of 1 W/sr at `position`.
+static void add_spot(world *w, rsv_vec3 position, rsv_vec3 direction, float angle)
+{
+    rsv_light light = { .name = "spot",
+        .kind = RSV_LIGHT_SPOT,
+        .position = position,
+        .direction = v3_normalize(direction),
+        .intensity = rgb(1, 2, 3),
+        .outer_cone_angle = angle,
+        .inner_cone_angle = angle };
+    assert_int_equal(rsv_scene_add_light(w->scene, &light), RSV_OK);
+}
+
+/// Flux (W, red) of a spot of intensity 1 in a cone of half angle `angle`.
+static double spot_flux(float angle) { return 2 * RSV_PI * (1 - cos(angle)); }
+
+typedef struct shot {
+    world *w;
+    rsv_elements *elements;
+    rsv_photon_map map;
+    uint64_t rays;
+} shot;
+
+static shot shoot(world *w, float spacing, uint32_t count)
+{
+    shot s = { .w = w };
+    world_commit(w);
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, spacing, &s.elements), RSV_OK);
+    const rsv_elements *const target[1] = { s.elements };
+    assert_int_equal(
+        rsv_photons_shoot(&w->transport, w->lights, count, 1, target, &s.map, 1, &s.rays), RSV_OK);
+    return s;
+}
+
+static void destroy_shot(shot *s)
+{
+    rsv_photon_map_destroy(&s->map);
+    rsv_elements_destroy(s->elements);
+    world_end(s->w);
+}
+
+/// Flux received below y = `height`.
+static rsv_rgb received_below(const shot *s, float height)
+{
+    double sum[3] = { 0 };
+    for (uint32_t n = 0; n < s->elements->node_count; n++) {
+        if (s->elements->node_area[n] == 0 || node_place(s->elements, n).y >= height) continue;
+        for (int c = 0; c < 3; c++)
+            sum[c] += (double)s->map.flux[n][c] * s->map.unit;
+    }
+    return rgb((float)sum[0], (float)sum[1], (float)sum[2]);
+}
+
+/// A spot that looks along x into a mirror at 45 degrees, which throws all of it onto the floor.
+static void an_ideal_mirror_passes_all_flux_on(void **state)
+{
+    (void)state;
+    const float angle = 0.1f;
+    world *w = world_begin(2);
+    world_quad(
+        w, world_lambert(w, 0.5f, 0), v3(-3, 0, -3), v3(-3, 0, 3), v3(3, 0, 3), v3(3, 0, -3));
+    world_quad(w, world_material(w, mirror_material(1)), v3(-0.5f, 0.5f, -1), v3(0.5f, 1.5f, -1),
+        v3(0.5f, 1.5f, 1), v3(-0.5f, 0.5f, 1));
+    add_spot(w, v3(2, 1, 0), v3(-1, 0, 0), angle);
+    shot s = shoot(w, 0.3f, 40000);
+    rsv_rgb received = received_below(&s, 0.1f);
+    // unguided photons (a tenth) and the guide's noise in density: 0.2 % standard error, four of them
+    assert_close(received.r, spot_flux(angle), 0.008 * spot_flux(angle));
+    assert_close(received.b, 3 * spot_flux(angle), 0.008 * 3 * spot_flux(angle));
+    destroy_shot(&s);
+}
+
+static void a_clear_slab_passes_flux_times_transmittance(void **state)
+{
+    (void)state;
+    const float angle = 0.03f;
+    world *w = world_begin(2);
+    world_quad(
+        w, world_lambert(w, 0.5f, 0), v3(-3, 0, -3), v3(-3, 0, 3), v3(3, 0, 3), v3(3, 0, -3));
+    world_box(w, world_material(w, glass_material()), v3(-1, 1, -1), v3(1, 1.1f, 1));
+    add_spot(w, v3(0.1f, 2, 0.05f), v3(0, -1, 0), angle);
+    shot s = shoot(w, 0.3f, 40000);
+    rsv_rgb received = received_below(&s, 0.1f);
+    double expected = spot_flux(angle) * (1 - 0.04) / (1 + 0.04);
+    // 92 % of 36,000 guided photons arrive: 0.16 % standard error, four of them
+    assert_close(received.r, expected, 0.007 * expected);
+    assert_close(received.g, 2 * expected, 0.007 * 2 * expected);
+    assert_close(received.b, 3 * expected, 0.007 * 3 * expected);
+    destroy_shot(&s);
+}
+
+static uint64_t hash_of_photons_with(int threads)
+{
+    world *w = world_begin(threads);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
+    world_sphere(w, world_material(w, glass_material()), v3(0.5f, 0.4f, 0.5f), 0.2f, 2);
+    uint32_t lamp = world_lambert(w, 0, 5);
+    world_quad(w, lamp, v3(0.4f, 0.99f, 0.4f), v3(0.6f, 0.99f, 0.4f), v3(0.6f, 0.99f, 0.6f),
+        v3(0.4f, 0.99f, 0.6f));
+    shot s = shoot(w, 0.2f, 20000);
+    assert_true(received_below(&s, 0.5f).r > 0);
+    uint64_t hash = hash_bytes(HASH_START, s.map.flux, s.elements->node_count * sizeof *s.map.flux);
+    hash = hash_bytes(hash, s.map.hits, s.elements->node_count * sizeof *s.map.hits);
+    destroy_shot(&s);
+    return hash;
+}
+
+static void photons_are_the_same_bytes_for_any_thread_count(void **state)
+{
+    (void)state;
+    uint64_t one = hash_of_photons_with(1);
+    assert_true(one == hash_of_photons_with(2));
+    assert_true(one == hash_of_photons_with(3));
+}
+
+static void a_scene_without_specular_surfaces_shoots_no_photons(void **state)
+{
+    (void)state;
+    for (int specular = 0; specular < 2; specular++) {
+        world *w = world_begin(1);
+        world_quad(
+            w, world_lambert(w, 0.5f, 0), v3(-3, 0, -3), v3(-3, 0, 3), v3(3, 0, 3), v3(3, 0, -3));
+        if (specular) world_sphere(w, world_material(w, glass_material()), v3(0, 1, 0), 0.3f, 1);
+        add_spot(w, v3(0, 2, 0), v3(0, -1, 0), 0.5f);
+        world_commit(w);
+        assert_int_equal(rsv_photons_wanted(&w->transport, w->lights), specular);
+        world_end(w);
+    }
+}
+
+// ---- leaks --------------------------------------------------------------------------------------
+
+/// A room split by a wall across x = `at`, light in the right part alone.
+typedef struct split_room {
+    float at, thickness, sunk; ///< metres; sunk: how far the wall reaches through floor and walls
+} split_room;
+
+static world *create_split_room(split_room room)
+{
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    const float low = -room.sunk, high = 1 + room.sunk, z = 1 + room.sunk,
+                half = room.thickness / 2;
+    world_room(w, paint, v3(-1, 0, -1), v3(1, 1, 1));
+    if (room.thickness > 0) {
+        world_box(w, paint, v3(room.at - half, low, -z), v3(room.at + half, high, z));
+    } else {
+        rsv_material sheet = lambert_material(0.7f, 0);
+        sheet.double_sided = true;
+        world_quad(w, world_material(w, sheet), v3(room.at, low, -z), v3(room.at, low, z),
+            v3(room.at, high, z), v3(room.at, high, -z));
+    }
+    world_quad(w, world_lambert(w, 0, 10), v3(0.4f, 0.99f, -0.3f), v3(0.8f, 0.99f, -0.3f),
+        v3(0.8f, 0.99f, 0.3f), v3(0.4f, 0.99f, 0.3f));
+    world_commit(w);
+    return w;
+}
+
+static rsv_solution *solve_small(const world *w)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 700;
+    desc.rays_per_element = 64;
+    desc.photon_count = 1000;
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    return solution;
+}
+
+static float look_up(
+    const world *w, const rsv_solution *s, rsv_vec3 p, rsv_vec3 normal, uint32_t order)
+{
+    rsv_hit hit;
+    assert_true(rsv_tracer_nearest(w->tracer, p, normal, &hit));
+    return rsv_solution_irradiance(s, hit.triangle, hit.u, hit.v, false, order).g;
+}
+
+/// Light on the dark side of the wall over light on the bright side, the same distance from it.
+static float leak_at(const world *w, const rsv_solution *s, split_room room, rsv_vec3 place,
+    rsv_vec3 normal, float distance, uint32_t order)
+{
+    float away = room.thickness / 2 + distance;
+    rsv_vec3 dark = place, bright = place;
+    dark.x = room.at - away;
+    bright.x = room.at + away;
+    float lit = look_up(w, s, bright, normal, order), unlit = look_up(w, s, dark, normal, order);
+    return unlit > 0 ? unlit / lit
+                     : 0; // places that the lamp does not reach are dark on both sides
+}
+
+/// The worst leak along the wall on floor and rear wall, within a centimetre.
+static float worst_leak(const world *w, const rsv_solution *s, split_room room, uint32_t order)
+{
+    const float distance[] = { 0.001f, 0.004f, 0.007f, 0.01f };
+    float worst = 0;
+    for (int d = 0; d < 4; d++)
+        for (int k = 0; k < 40; k++) {
+            float t = ((float)k + 0.5f) / 40;
+            float on_floor =
+                leak_at(w, s, room, v3(0, 0, 2 * t - 1), v3(0, 1, 0), distance[d], order);
+            float on_rear = leak_at(w, s, room, v3(0, t, -1), v3(0, 0, 1), distance[d], order);
+            worst = f_max(worst, f_max(on_floor, on_rear));
+        }
+    return worst;
+}
+
+/// Direct light lives on fine cells, indirect light on coarse ones, each with its own limit; a negative
+/// limit leaves one out.
+static void check_leaks(split_room room, float direct_limit, float indirect_limit)
+{
+    world *w = create_split_room(room);
+    rsv_solution *s = solve_small(w);
+    float direct = direct_limit >= 0 ? worst_leak(w, s, room, 0) : -1;
+    float indirect = worst_leak(w, s, room, 1);
+    rsv_solution_destroy(s);
+    world_end(w);
+    if (direct > direct_limit || indirect > indirect_limit)
+        fail_msg("wall at %g, %g thick, sunk %g: leak %.4f direct, %.4f indirect", room.at,
+            room.thickness, room.sunk, direct, indirect);
+}
+
+static void a_thin_wall_on_the_grid_keeps_indirect_light_out(void **state)
+{
+    (void)state;
+    check_leaks((split_room){ 0, 0, 0.02f }, -1, 0.01f);
+    check_leaks((split_room){ 0, 0, 0 }, -1, 0.01f);
+}
+
+static void a_thick_wall_keeps_light_out(void **state)
+{
+    (void)state;
+    // few coarse cells in this small solution: some are wider than the wall
+    check_leaks((split_room){ 0, 0.05f, 0.02f }, 0.01f, 0.25f);
+    check_leaks((split_room){ 0.1234f, 0.05f, 0.02f }, 0.01f, 0.25f);
+}
+
+static void a_thick_wall_that_just_touches_keeps_light_out(void **state)
+{
+    (void)state;
+    check_leaks((split_room){ 0, 0.05f, 0 }, 0.01f, 0.25f);
+    check_leaks((split_room){ -0.0777f, 0.05f, 0 }, 0.01f, 0.01f);
+}
+
+/// Nodes under a box are black; the floor beside it must not be.
+static void the_floor_beside_a_box_is_not_darkened(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    world_room(w, paint, v3(-1, 0, -1), v3(1, 1, 1));
+    world_box(w, paint, v3(-0.23f, 0, -0.31f), v3(0.27f, 0.3f, 0.19f));
+    world_quad(w, world_lambert(w, 0, 10), v3(-0.3f, 0.99f, -0.3f), v3(0.3f, 0.99f, -0.3f),
+        v3(0.3f, 0.99f, 0.3f), v3(-0.3f, 0.99f, 0.3f));
+    world_commit(w);
+    rsv_solution *s = solve_small(w);
+    enum { PLACES = 48 };
+    rsv_probe probe[PLACES];
+    rsv_probe_reading reading[PLACES];
+    for (int k = 0; k < PLACES; k++) { // around the box, a centimetre away
+        float t = ((float)(k / 4) + 0.5f) / (PLACES / 4);
+        float x = -0.23f + 0.5f * t, z = -0.31f + 0.5f * t;
+        const rsv_vec3 place[4] = { v3(-0.24f, 0, z), v3(0.28f, 0, z), v3(x, 0, -0.32f),
+            v3(x, 0, 0.2f) };
+        probe[k] = (rsv_probe){ place[k % 4], v3(0, 1, 0) };
+    }
+    assert_int_equal(
+        rsv_probe_irradiance(s, RSV_PROBE_OPERATOR, probe, PLACES, 1024, 1, reading), RSV_OK);
+    for (int k = 0; k < PLACES; k++) {
+        float stored = look_up(w, s, probe[k].position, v3(0, 1, 0), RSV_NONE);
+        if (stored < 0.5f * reading[k].irradiance.g)
+            fail_msg("floor at (%g, %g): %g stored, %g gathered", probe[k].position.x,
+                probe[k].position.z, stored, reading[k].irradiance.g);
+    }
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_packet_of_directions_lies_in_one_cell),
+        cmocka_unit_test(directions_are_cosine_distributed),
+        cmocka_unit_test(rows_of_a_closed_room_sum_to_one),
+        cmocka_unit_test(rows_of_a_room_with_mirror_and_glass_sum_to_one),
+        cmocka_unit_test(no_row_sums_to_more_than_one),
+        cmocka_unit_test(facing_squares_exchange_their_form_factor),
+        cmocka_unit_test(exchange_is_reciprocal),
+        cmocka_unit_test(rows_are_the_same_bytes_for_any_thread_count),
+        cmocka_unit_test(split_cells_receive_their_share),
+        cmocka_unit_test(chains_through_clear_glass_keep_their_weight),
+        cmocka_unit_test(a_slab_transmits_by_fresnel_and_beer_lambert),
+        cmocka_unit_test(a_clear_slab_splits_light_and_loses_none),
+        cmocka_unit_test(total_internal_reflection_traps_light_and_ends),
+        cmocka_unit_test(light_below_the_critical_angle_leaves),
+        cmocka_unit_test(parallel_mirrors_end_within_the_event_bound),
+        cmocka_unit_test(an_ideal_mirror_passes_all_flux_on),
+        cmocka_unit_test(a_clear_slab_passes_flux_times_transmittance),
+        cmocka_unit_test(photons_are_the_same_bytes_for_any_thread_count),
+        cmocka_unit_test(a_scene_without_specular_surfaces_shoots_no_photons),
+        cmocka_unit_test(a_thin_wall_on_the_grid_keeps_indirect_light_out),
+        cmocka_unit_test(a_thick_wall_keeps_light_out),
+        cmocka_unit_test(a_thick_wall_that_just_touches_keeps_light_out),
+        cmocka_unit_test(the_floor_beside_a_box_is_not_darkened),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
