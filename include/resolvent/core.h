@@ -12,7 +12,7 @@
 
 #if defined(__GNUC__)
 #define RSV_API __attribute__((visibility("default")))
-#define RSV_PRINTF(format_index, first_argument) \
+#define RSV_PRINTF(format_index, first_argument)                                                   \
     __attribute__((format(printf, format_index, first_argument)))
 #else
 #define RSV_API

@@ -13,8 +13,8 @@ extern "C" {
 /// "bounce1". All have the same size. Row 0 is the top.
 typedef struct rsv_image rsv_image;
 
-RSV_API rsv_status rsv_image_create(rsv_context *context, uint32_t width, uint32_t height,
-    uint32_t layer_count, rsv_image **image);
+RSV_API rsv_status rsv_image_create(
+    rsv_context *context, uint32_t width, uint32_t height, uint32_t layer_count, rsv_image **image);
 RSV_API void rsv_image_destroy(rsv_image *image);
 
 RSV_API uint32_t rsv_image_width(const rsv_image *image);

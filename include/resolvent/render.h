@@ -11,33 +11,34 @@ extern "C" {
 #endif
 
 typedef enum rsv_render_mode {
-    RSV_RENDER_OPERATOR,  ///< camera chains + lookup of the solved light
-    RSV_RENDER_FINAL,     ///< direct light per pixel, the rest from the operator
-    RSV_RENDER_REFERENCE  ///< unbiased path tracing; needs no solution
+    RSV_RENDER_OPERATOR, ///< camera chains + lookup of the solved light
+    RSV_RENDER_FINAL,    ///< direct light per pixel, the rest from the operator
+    RSV_RENDER_REFERENCE ///< unbiased path tracing; needs no solution
 } rsv_render_mode;
 
 /// Start from rsv_default_render_desc().
 typedef struct rsv_render_desc {
     rsv_render_mode mode;
     uint32_t width, height;
-    uint32_t samples;   ///< camera rays per pixel (box filter)
-    uint32_t camera;    ///< index in the scene
-    uint32_t gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up
-    bool layers;        ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
+    uint32_t samples; ///< camera rays per pixel (box filter)
+    uint32_t camera;  ///< index in the scene
+    uint32_t
+        gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up
+    bool layers;     ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
     uint32_t seed;
 } rsv_render_desc;
 
 RSV_API rsv_render_desc rsv_default_render_desc(void);
 
 /// Renders modes operator and final.
-RSV_API rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
-    rsv_image **image);
+RSV_API rsv_status rsv_render(
+    const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image);
 
 /// Renders mode reference: next-event estimation and BSDF sampling combined by MIS, Russian roulette.
 /// With desc->layers: emission, direct, bounce1, ... by the number of diffuse reflections.
 /// @param standard_error of the picture's mean luminance, relative to it; may be NULL
-RSV_API rsv_status rsv_render_reference(const rsv_scene *scene, const rsv_render_desc *desc,
-    rsv_image **image, double *standard_error);
+RSV_API rsv_status rsv_render_reference(
+    const rsv_scene *scene, const rsv_render_desc *desc, rsv_image **image, double *standard_error);
 
 typedef enum rsv_probe_mode {
     RSV_PROBE_LOOKUP,   ///< the stored solution at the nearest surface point

@@ -19,20 +19,20 @@ typedef struct rsv_scene rsv_scene;
 
 /// Surface description, in the terms of glTF's metallic-roughness model and its extensions.
 typedef struct rsv_material {
-    const char *name;      ///< copied; NULL = "unnamed"
-    rsv_rgb base_color;    ///< apparent diffuse albedo, metal F0 and tint of transmission, 0..1
-    float metallic;        ///< 0 dielectric .. 1 conductor
-    float roughness;       ///< perceptual; alpha = roughness^2
-    float ior;             ///< of the dielectric interface, >= 1; default 1.5
-    float specular;        ///< scale of the dielectric's Fresnel reflectance, 0..1; 0 = pure Lambert
+    const char *name;   ///< copied; NULL = "unnamed"
+    rsv_rgb base_color; ///< apparent diffuse albedo, metal F0 and tint of transmission, 0..1
+    float metallic;     ///< 0 dielectric .. 1 conductor
+    float roughness;    ///< perceptual; alpha = roughness^2
+    float ior;          ///< of the dielectric interface, >= 1; default 1.5
+    float specular;     ///< scale of the dielectric's Fresnel reflectance, 0..1; 0 = pure Lambert
     rsv_rgb specular_color; ///< tint of that reflectance
-    float transmission;    ///< share of the light that enters and is transmitted rather than diffused
-    float thickness;       ///< 0 = thin sheet (no refraction); > 0 = boundary of a solid body
-    rsv_rgb attenuation_color;   ///< colour that white light becomes after attenuation_distance
-    float attenuation_distance;  ///< metres; INFINITY = clear
-    rsv_rgb emission;      ///< emitted radiance from the front, W/(sr m2)
-    bool double_sided;     ///< both sides scatter and emit alike
-    bool unlit;            ///< shows base_color as radiance to the camera; black in light transport
+    float transmission; ///< share of the light that enters and is transmitted rather than diffused
+    float thickness;    ///< 0 = thin sheet (no refraction); > 0 = boundary of a solid body
+    rsv_rgb attenuation_color;  ///< colour that white light becomes after attenuation_distance
+    float attenuation_distance; ///< metres; INFINITY = clear
+    rsv_rgb emission;           ///< emitted radiance from the front, W/(sr m2)
+    bool double_sided;          ///< both sides scatter and emit alike
+    bool unlit; ///< shows base_color as radiance to the camera; black in light transport
 } rsv_material;
 
 RSV_API rsv_material rsv_default_material(void);
@@ -43,46 +43,50 @@ typedef struct rsv_mesh_desc {
     const rsv_vec3 *positions; ///< [vertex_count]; copied
     const rsv_vec3 *normals;   ///< [vertex_count] or NULL = flat shading
     size_t vertex_count;
-    const uint32_t *indices;   ///< [3 * triangle_count], or NULL = 0, 1, 2, ...
+    const uint32_t *indices; ///< [3 * triangle_count], or NULL = 0, 1, 2, ...
     size_t triangle_count;
-    uint32_t material;         ///< from rsv_scene_add_material
+    uint32_t material; ///< from rsv_scene_add_material
 } rsv_mesh_desc;
 
-typedef enum rsv_light_kind { RSV_LIGHT_POINT, RSV_LIGHT_SPOT, RSV_LIGHT_DIRECTIONAL } rsv_light_kind;
+typedef enum rsv_light_kind {
+    RSV_LIGHT_POINT,
+    RSV_LIGHT_SPOT,
+    RSV_LIGHT_DIRECTIONAL
+} rsv_light_kind;
 
 /// A punctual light (area lights are emissive materials).
 typedef struct rsv_light {
     const char *name; ///< copied
     rsv_light_kind kind;
     rsv_vec3 position;
-    rsv_vec3 direction;    ///< unit, the way the light travels (spot axis, directional)
-    rsv_rgb intensity;     ///< W/sr; directional: irradiance at normal incidence, W/m2
+    rsv_vec3 direction;     ///< unit, the way the light travels (spot axis, directional)
+    rsv_rgb intensity;      ///< W/sr; directional: irradiance at normal incidence, W/m2
     float inner_cone_angle; ///< radians, half angle; full intensity inside (spot)
     float outer_cone_angle; ///< radians, half angle; none outside (spot)
-    float exponent;        ///< spot intensity is also multiplied by cos^exponent; default 0
+    float exponent;         ///< spot intensity is also multiplied by cos^exponent; default 0
 } rsv_light;
 
 typedef struct rsv_camera {
-    const char *name;   ///< copied
+    const char *name; ///< copied
     rsv_vec3 position;
     rsv_vec3 right, up, forward; ///< orthonormal; forward is the viewing direction
-    float vertical_fov; ///< radians; 0 = orthographic
-    float vertical_extent; ///< metres, half height of an orthographic view
-    float aspect;       ///< width / height for which it was made; 0 = unspecified
+    float vertical_fov;          ///< radians; 0 = orthographic
+    float vertical_extent;       ///< metres, half height of an orthographic view
+    float aspect;                ///< width / height for which it was made; 0 = unspecified
 } rsv_camera;
 
 /// The committed scene as flat arrays in world space; valid until the scene is destroyed.
 typedef struct rsv_scene_view {
     size_t vertex_count, triangle_count, material_count, light_count, camera_count, object_count;
-    const rsv_vec3 *position;         ///< [vertex_count]
-    const rsv_vec3 *normal;           ///< [vertex_count], unit shading normals
-    const uint32_t (*triangle)[3];    ///< [triangle_count]; counter-clockwise seen from the front
+    const rsv_vec3 *position;          ///< [vertex_count]
+    const rsv_vec3 *normal;            ///< [vertex_count], unit shading normals
+    const uint32_t (*triangle)[3];     ///< [triangle_count]; counter-clockwise seen from the front
     const uint32_t *triangle_material; ///< [triangle_count]
-    const uint32_t *triangle_object;  ///< [triangle_count]; one object per instanced mesh
-    const rsv_material *material;     ///< [material_count]
-    const rsv_light *light;           ///< [light_count]
-    const rsv_camera *camera;         ///< [camera_count]
-    const char *const *object_name;   ///< [object_count]
+    const uint32_t *triangle_object;   ///< [triangle_count]; one object per instanced mesh
+    const rsv_material *material;      ///< [material_count]
+    const rsv_light *light;            ///< [light_count]
+    const rsv_camera *camera;          ///< [camera_count]
+    const char *const *object_name;    ///< [object_count]
     rsv_vec3 bounds_min, bounds_max;
 } rsv_scene_view;
 
@@ -91,19 +95,19 @@ RSV_API void rsv_scene_destroy(rsv_scene *scene);
 
 /// Values outside their range are clamped with a warning that names the material. An albedo of 1 is
 /// kept here; whether a bounded answer exists is the solver's question.
-RSV_API rsv_status rsv_scene_add_material(rsv_scene *scene, const rsv_material *material,
-    uint32_t *material_id);
+RSV_API rsv_status rsv_scene_add_material(
+    rsv_scene *scene, const rsv_material *material, uint32_t *material_id);
 
 /// Refuses (RSV_ERROR_FORMAT) indices past the end and non-finite positions; skips degenerate
 /// triangles with a warning; replaces unusable normals by geometric ones.
-RSV_API rsv_status rsv_scene_add_mesh(rsv_scene *scene, const rsv_mesh_desc *mesh,
-    uint32_t *mesh_id);
+RSV_API rsv_status rsv_scene_add_mesh(
+    rsv_scene *scene, const rsv_mesh_desc *mesh, uint32_t *mesh_id);
 
 /// Places a mesh.
 /// @param transform column-major 4x4, object to world; NULL = identity
 /// @param name for messages and selection; NULL = the mesh's name
-RSV_API rsv_status rsv_scene_add_instance(rsv_scene *scene, uint32_t mesh_id,
-    const float transform[16], const char *name);
+RSV_API rsv_status rsv_scene_add_instance(
+    rsv_scene *scene, uint32_t mesh_id, const float transform[16], const char *name);
 
 RSV_API rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_light *light);
 RSV_API rsv_status rsv_scene_add_camera(rsv_scene *scene, const rsv_camera *camera);
@@ -116,8 +120,8 @@ RSV_API const rsv_scene_view *rsv_scene_get_view(const rsv_scene *scene);
 RSV_API rsv_context *rsv_scene_get_context(const rsv_scene *scene);
 
 /// A camera at `position` looking at `target`, y up.
-RSV_API rsv_camera rsv_camera_look_at(const char *name, rsv_vec3 position, rsv_vec3 target,
-    float vertical_fov, float aspect);
+RSV_API rsv_camera rsv_camera_look_at(
+    const char *name, rsv_vec3 position, rsv_vec3 target, float vertical_fov, float aspect);
 
 /// Index of the camera called `name`; NULL = the first. RSV_NONE if there is none of that name.
 RSV_API uint32_t rsv_scene_find_camera(const rsv_scene *scene, const char *name);

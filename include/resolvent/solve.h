@@ -13,35 +13,40 @@ typedef enum rsv_quality { RSV_QUALITY_DRAFT, RSV_QUALITY_MEDIUM, RSV_QUALITY_HI
 
 /// Start from rsv_default_solve_desc().
 typedef struct rsv_solve_desc {
-    uint32_t element_target;   ///< wanted number of coarse elements; meshes finer than that keep theirs
+    uint32_t
+        element_target; ///< wanted number of coarse elements; meshes finer than that keep theirs
     uint32_t rays_per_element; ///< gather rays of one row of G; a power of two, 64..4096
     uint32_t refinements;      ///< pilot solutions that show where coarse elements must be split
     uint32_t light_samples;    ///< shadow rays per element and next-event estimate; a power of two
     uint32_t photon_count;     ///< light paths shot for caustics, where the scene has any
-    uint32_t direct_levels;    ///< subdivisions of the direct level below the coarse one where direct
-                               ///< light changes quickly
-    bool direct_level;         ///< false = leave direct light to the renderer (mode `final`)
-    uint32_t max_orders;       ///< Neumann terms at most
-    float tolerance;           ///< stop when the truncation bound is below this share of mean E
+    uint32_t direct_levels; ///< subdivisions of the direct level below the coarse one where direct
+                            ///< light changes quickly
+    bool direct_level;      ///< false = leave direct light to the renderer (mode `final`)
+    uint32_t max_orders;    ///< Neumann terms at most
+    float tolerance;        ///< stop when the truncation bound is below this share of mean E
     uint32_t seed;
 } rsv_solve_desc;
 
 RSV_API rsv_solve_desc rsv_default_solve_desc(rsv_quality quality);
 
-typedef enum rsv_stop_reason { RSV_STOP_CONVERGED, RSV_STOP_MAX_ORDERS, RSV_STOP_NO_LIGHT } rsv_stop_reason;
+typedef enum rsv_stop_reason {
+    RSV_STOP_CONVERGED,
+    RSV_STOP_MAX_ORDERS,
+    RSV_STOP_NO_LIGHT
+} rsv_stop_reason;
 
 /// What happened, and how good the answer is. Times in seconds.
 typedef struct rsv_solve_report {
     rsv_stop_reason stop_reason;
-    size_t elements;        ///< coarse elements: unknowns of the linear system
-    size_t direct_elements; ///< elements of the direct level
-    size_t entries;         ///< stored entries of G
-    uint64_t rays;          ///< traced during assembly
-    uint32_t iterations;    ///< Neumann terms summed
-    double norm_inf;        ///< ||G K||_inf, largest row sum over rows and channels
-    double residual_inf;    ///< ||E0 + G K E - E||_inf, W/m2, accumulated in double
+    size_t elements;         ///< coarse elements: unknowns of the linear system
+    size_t direct_elements;  ///< elements of the direct level
+    size_t entries;          ///< stored entries of G
+    uint64_t rays;           ///< traced during assembly
+    uint32_t iterations;     ///< Neumann terms summed
+    double norm_inf;         ///< ||G K||_inf, largest row sum over rows and channels
+    double residual_inf;     ///< ||E0 + G K E - E||_inf, W/m2, accumulated in double
     double truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2
-    double mean_irradiance; ///< area-weighted mean of E, luminance
+    double mean_irradiance;  ///< area-weighted mean of E, luminance
     double time_bvh, time_assemble, time_solve;
 } rsv_solve_report;
 
@@ -50,8 +55,8 @@ typedef struct rsv_solution rsv_solution;
 
 /// Builds and solves. RSV_ERROR_SCENE if the scene is closed and lossless (norm 1: no bounded answer).
 /// The scene must outlive the solution.
-RSV_API rsv_status rsv_solution_create(const rsv_scene *scene, const rsv_solve_desc *desc,
-    rsv_solution **solution);
+RSV_API rsv_status rsv_solution_create(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution);
 RSV_API void rsv_solution_destroy(rsv_solution *solution);
 RSV_API const rsv_solve_report *rsv_solution_report(const rsv_solution *solution);
 RSV_API const rsv_scene *rsv_solution_scene(const rsv_solution *solution);
@@ -62,8 +67,8 @@ RSV_API uint32_t rsv_solution_order_count(const rsv_solution *solution);
 /// Solved irradiance (W/m2, light that enters the diffuse lobe) at a point of a triangle.
 /// @param order one Neumann order, or RSV_NONE = their sum
 /// @param back_side the back of a double-sided surface
-RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t triangle, float u, float v,
-    bool back_side, uint32_t order);
+RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t triangle, float u,
+    float v, bool back_side, uint32_t order);
 
 /// What assembly costs beside ray tracing alone.
 typedef struct rsv_assembly_cost {

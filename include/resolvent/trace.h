@@ -53,13 +53,15 @@ RSV_API bool rsv_tracer_occluded(const rsv_tracer *tracer, const rsv_ray *ray);
 /// The surface point nearest to `point` among triangles seen from the side that `normal` points to (or
 /// seen from either side, if there are none such). `hit->t` is the distance in metres. False if the
 /// scene has no triangle.
-RSV_API bool rsv_tracer_nearest(const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
-    rsv_hit *hit);
+RSV_API bool rsv_tracer_nearest(
+    const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 normal, rsv_hit *hit);
 
 /// Nearest intersection and occlusion for the sixteen lanes of a packet, through 16-, 8- or 4-wide traversal, whichever the
 /// processor runs natively. `coherent` says that the rays are alike in origin and direction.
-RSV_API void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent);
-RSV_API void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent);
+RSV_API void rsv_tracer_closest_packet(
+    const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent);
+RSV_API void rsv_tracer_occluded_packet(
+    const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent);
 
 /// Where a ray that leaves a surface starts: `point` moved off it, along `normal` (unit, towards the
 /// side the ray leaves to), by more than the rounding error of `point` and of the intersection.

@@ -31,10 +31,7 @@ static void default_release(void *user, void *memory)
     free(memory);
 }
 
-rsv_context_desc rsv_default_context_desc(void)
-{
-    return (rsv_context_desc){ 0 };
-}
+rsv_context_desc rsv_default_context_desc(void) { return (rsv_context_desc){ 0 }; }
 
 rsv_status rsv_context_create(const rsv_context_desc *desc, rsv_context **context)
 {
@@ -72,15 +69,9 @@ void rsv_context_cancel(rsv_context *context)
     atomic_store_explicit(&context->cancelled, true, memory_order_relaxed);
 }
 
-const char *rsv_last_error(void)
-{
-    return last_error;
-}
+const char *rsv_last_error(void) { return last_error; }
 
-const char *rsv_version(void)
-{
-    return RSV_VERSION_STRING;
-}
+const char *rsv_version(void) { return RSV_VERSION_STRING; }
 
 rsv_status rsv_fail(rsv_status status, const char *format, ...)
 {
@@ -110,7 +101,8 @@ void *rsv_alloc(rsv_context *context, size_t count, size_t size)
 {
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 127) {
-        rsv_fail(RSV_ERROR_MEMORY, "out of memory: %zu x %zu bytes cannot be addressed", count, size);
+        rsv_fail(
+            RSV_ERROR_MEMORY, "out of memory: %zu x %zu bytes cannot be addressed", count, size);
         return NULL;
     }
     bytes = (bytes / 64 + 1) * 64;
@@ -128,7 +120,8 @@ void rsv_free(rsv_context *context, void *memory)
     if (memory) context->desc.release(context->desc.user, memory);
 }
 
-rsv_status rsv_grow(rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size)
+rsv_status rsv_grow(
+    rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size)
 {
     if (needed <= *capacity) return RSV_OK;
     size_t grown = *capacity + *capacity / 2 > needed ? *capacity + *capacity / 2 : needed;
@@ -150,10 +143,7 @@ char *rsv_copy_string(rsv_context *context, const char *text)
     return copy;
 }
 
-int rsv_threads(const rsv_context *context)
-{
-    return context->thread_count;
-}
+int rsv_threads(const rsv_context *context) { return context->thread_count; }
 
 int rsv_thread_index(void)
 {

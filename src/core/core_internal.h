@@ -10,10 +10,10 @@
 #define RSV_ASSERT(condition) assert(condition)
 
 /// Runs `call`; on failure stores its status in `status` and jumps to `cleanup`.
-#define RSV_TRY(call) \
-    do { \
-        status = (call); \
-        if (status != RSV_OK) goto cleanup; \
+#define RSV_TRY(call)                                                                              \
+    do {                                                                                           \
+        status = (call);                                                                           \
+        if (status != RSV_OK) goto cleanup;                                                        \
     } while (0)
 
 /// Records the calling thread's error message and returns `status`.
@@ -29,7 +29,8 @@ void rsv_free(rsv_context *context, void *memory);
 
 /// Grows `*array` (capacity in elements at `*capacity`) to hold at least `needed` elements, keeping
 /// its content.
-rsv_status rsv_grow(rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size);
+rsv_status rsv_grow(
+    rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size);
 
 /// A copy of `text` (NULL counts as ""); NULL on exhaustion.
 char *rsv_copy_string(rsv_context *context, const char *text);

@@ -6,7 +6,7 @@
 
 typedef struct rsv_index_map {
     rsv_context *context;
-    uint64_t *key; ///< [capacity]
+    uint64_t *key;   ///< [capacity]
     uint32_t *value; ///< [capacity]; UINT32_MAX = free slot
     size_t capacity, count;
 } rsv_index_map;

@@ -17,8 +17,14 @@ RSV_INLINE uint32_t rsv_hash(uint32_t x)
     x ^= x >> 16;
     return x;
 }
-RSV_INLINE uint32_t rsv_hash2(uint32_t a, uint32_t b) { return rsv_hash(a ^ rsv_hash(b + 0x9e3779b9u)); }
-RSV_INLINE uint32_t rsv_hash3(uint32_t a, uint32_t b, uint32_t c) { return rsv_hash2(a, rsv_hash2(b, c)); }
+RSV_INLINE uint32_t rsv_hash2(uint32_t a, uint32_t b)
+{
+    return rsv_hash(a ^ rsv_hash(b + 0x9e3779b9u));
+}
+RSV_INLINE uint32_t rsv_hash3(uint32_t a, uint32_t b, uint32_t c)
+{
+    return rsv_hash2(a, rsv_hash2(b, c));
+}
 
 /// Uniform in [0, 1) from the high 24 bits.
 RSV_INLINE float rsv_unit_float(uint32_t bits) { return (float)(bits >> 8) * 0x1p-24f; }
@@ -41,7 +47,10 @@ RSV_INLINE rsv_random rsv_random_from(uint32_t a, uint32_t b, uint32_t c)
     rsv_random_bits(&random);
     return random;
 }
-RSV_INLINE float rsv_random_float(rsv_random *random) { return rsv_unit_float(rsv_random_bits(random)); }
+RSV_INLINE float rsv_random_float(rsv_random *random)
+{
+    return rsv_unit_float(rsv_random_bits(random));
+}
 
 RSV_INLINE uint32_t rsv_reverse_bits(uint32_t x)
 {

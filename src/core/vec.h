@@ -60,7 +60,8 @@ RSV_INLINE rsv_vec3 v3_max(rsv_vec3 a, rsv_vec3 b)
 RSV_INLINE rsv_vec3 v3_barycentric(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, float u, float v)
 {
     float w = 1 - u - v;
-    return v3(w * a.x + u * b.x + v * c.x, w * a.y + u * b.y + v * c.y, w * a.z + u * b.z + v * c.z);
+    return v3(
+        w * a.x + u * b.x + v * c.x, w * a.y + u * b.y + v * c.y, w * a.z + u * b.z + v * c.z);
 }
 
 /// Two unit tangents that make a right-handed frame (t, b, n) with unit n (Duff et al. 2017).

@@ -14,19 +14,19 @@ double rsv_elements_mean_luminance(const rsv_elements *e, const rsv_rgb *value)
 
 /// The values at the ends of an edge and at the corners opposite to it: where two equal cells make a
 /// parallelogram, the sums agree on a plane.
-static bool bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation, uint32_t cell,
-    int k, uint32_t other, int other_k, float threshold, float floor)
+static bool bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
+    uint32_t cell, int k, uint32_t other, int other_k, float threshold, float floor)
 {
     const uint32_t *node = e->cell_node[cell], *far = e->cell_node[other];
-    float ends =
-        rgb_luminance(value[node[(k + 1) % 3]]) + rgb_luminance(value[node[(k + 2) % 3]]);
+    float ends = rgb_luminance(value[node[(k + 1) % 3]]) + rgb_luminance(value[node[(k + 2) % 3]]);
     float opposite = rgb_luminance(value[node[k]]) + rgb_luminance(value[far[other_k]]);
     float noise = 0;
     for (int c = 0; deviation && c < 4; c++) {
         float d = deviation[c < 3 ? node[c] : far[other_k]];
         noise += d * d;
     }
-    return fabsf(ends - opposite) > threshold * (0.25f * (ends + opposite) + floor) + 2.5f * sqrtf(noise);
+    return fabsf(ends - opposite) >
+           threshold * (0.25f * (ends + opposite) + floor) + 2.5f * sqrtf(noise);
 }
 
 rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,

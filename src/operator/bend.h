@@ -11,8 +11,8 @@ typedef void (*rsv_bend_found)(void *user, uint32_t cell, uint32_t other);
 /// the local level plus `floor`; linear interpolation then errs by about a quarter of that.
 /// @param value [node_count]
 /// @param deviation [node_count] noise of the luminance: what it explains is no bend; NULL = none
-rsv_status rsv_find_bends(const rsv_elements *elements, const rsv_rgb *value, const float *deviation,
-    float threshold, float floor, rsv_bend_found found, void *user);
+rsv_status rsv_find_bends(const rsv_elements *elements, const rsv_rgb *value,
+    const float *deviation, float threshold, float floor, rsv_bend_found found, void *user);
 
 /// Area-weighted mean luminance of a field.
 double rsv_elements_mean_luminance(const rsv_elements *elements, const rsv_rgb *value);

@@ -13,8 +13,8 @@ static bool sees_back(const rsv_transport_scene *scene, const rsv_ray *ray)
     return chain.back && !bsdf->double_sided && bsdf->transmission == 0;
 }
 
-static bool is_buried(const rsv_transport_scene *scene, rsv_vec3 origin, rsv_vec3 normal, uint32_t seed,
-    uint64_t *rays)
+static bool is_buried(const rsv_transport_scene *scene, rsv_vec3 origin, rsv_vec3 normal,
+    uint32_t seed, uint64_t *rays)
 {
     rsv_vec3 t, b;
     v3_frame(normal, &t, &b);
@@ -45,12 +45,12 @@ static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements 
             shape = rsv_cell_shape_of(e, support / 4);
             home = rsv_cell_hover(&shape, shape.corner[support & 3]);
             buried = rsv_is_covered(scene->tracer, &shape, shape.corner[support & 3]) ||
-                is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
+                     is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
             last = support;
         }
         if (buried) continue;
-        rsv_surface_point point = rsv_surface_point_at(scene->view, e->face_triangle[face],
-            sample[k].u, sample[k].v, e->face_back[face]);
+        rsv_surface_point point = rsv_surface_point_at(
+            scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
         *rays += 2;
         if (!rsv_is_covered(scene->tracer, &shape, point.position) &&
             !rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position)))
@@ -66,8 +66,8 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
     for (size_t node = 0; node < e->node_count; node++)
         valid_points[node] = e->node_hanging[node] == RSV_NONE
-            ? judge_node(scene, e, (uint32_t)node, points, seed, &traced)
-            : 0;
+                                 ? judge_node(scene, e, (uint32_t)node, points, seed, &traced)
+                                 : 0;
     *rays += traced;
     return rsv_progress(e->context, "assemble", 0);
 }
@@ -80,7 +80,7 @@ static void bridge_hanging(rsv_elements *e, const uint16_t *valid_points)
         bool buried[2];
         for (int p = 0; p < 2; p++)
             buried[p] = !valid_points[hanging->parent[p]] &&
-                e->node_hanging[hanging->parent[p]] == RSV_NONE;
+                        e->node_hanging[hanging->parent[p]] == RSV_NONE;
         if (buried[0] != buried[1]) hanging->weight = buried[0] ? 1 : 0;
     }
 }
@@ -93,7 +93,8 @@ void rsv_elements_bridge_buried(rsv_elements *e, const uint16_t *valid_points)
         uint32_t sound[3];
         int count = 0;
         for (int k = 0; k < 3; k++)
-            if (valid_points[node[k]] || e->node_hanging[node[k]] != RSV_NONE) sound[count++] = node[k];
+            if (valid_points[node[k]] || e->node_hanging[node[k]] != RSV_NONE)
+                sound[count++] = node[k];
         if (count == 0 || count == 3) continue;
         for (int k = 0, next = 0; k < 3; k++)
             if (!valid_points[node[k]] && e->node_hanging[node[k]] == RSV_NONE)

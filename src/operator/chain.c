@@ -8,8 +8,8 @@ rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, rsv_vec3 direction, 
     rsv_chain chain = { direction, rgb_gray(1), triangle, u, v, false, 0, 0 };
     const uint32_t *corner = scene->view->triangle[triangle];
     rsv_vec3 a = scene->view->position[corner[0]];
-    rsv_vec3 normal = v3_cross(v3_sub(scene->view->position[corner[1]], a),
-        v3_sub(scene->view->position[corner[2]], a));
+    rsv_vec3 normal = v3_cross(
+        v3_sub(scene->view->position[corner[1]], a), v3_sub(scene->view->position[corner[2]], a));
     chain.back = v3_dot(normal, direction) > 0;
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[triangle]];
     // Arriving at the inside of a body's surface means the segment ran through the body.
@@ -105,13 +105,15 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
         gather.chain = chain;
         if (choice >= sum || chain.events >= RSV_CHAIN_MAX_EVENTS) return gather;
         bool diffuse = choice < d, transmit = choice >= d + r;
-        rsv_rgb branch = diffuse ? branches.diffuse : transmit ? branches.transmit : branches.reflect;
+        rsv_rgb branch = diffuse    ? branches.diffuse
+                         : transmit ? branches.transmit
+                                    : branches.reflect;
         float probability = (diffuse ? d : transmit ? t : r) / norm;
         rsv_rgb weight = rgb_scale(branch, 1 / probability);
         if (diffuse) {
             gather.chain.weight = rgb_mul(chain.weight, weight);
             gather.end = survive_roulette(&gather.chain.weight, random) ? RSV_CHAIN_DIFFUSE
-                                                                         : RSV_CHAIN_ABSORBED;
+                                                                        : RSV_CHAIN_ABSORBED;
             return gather;
         }
         rsv_vec3 direction = transmit ? branches.transmit_direction : branches.reflect_direction;

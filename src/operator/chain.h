@@ -14,17 +14,21 @@ typedef struct rsv_transport_scene {
     const rsv_bsdf *bsdf; ///< [material_count]
 } rsv_transport_scene;
 
-typedef enum rsv_chain_end { RSV_CHAIN_ESCAPED, RSV_CHAIN_ABSORBED, RSV_CHAIN_DIFFUSE } rsv_chain_end;
+typedef enum rsv_chain_end {
+    RSV_CHAIN_ESCAPED,
+    RSV_CHAIN_ABSORBED,
+    RSV_CHAIN_DIFFUSE
+} rsv_chain_end;
 
 /// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.
 typedef struct rsv_chain {
-    rsv_vec3 direction;  ///< unit, of the segment that arrived here
-    rsv_rgb weight;      ///< throughput up to this surface, the media of all segments included
+    rsv_vec3 direction; ///< unit, of the segment that arrived here
+    rsv_rgb weight;     ///< throughput up to this surface, the media of all segments included
     uint32_t triangle;
     float u, v;
-    bool back;           ///< arrived at the triangle's back
-    uint32_t events;     ///< specular events so far
-    uint32_t rays;       ///< rays traced so far
+    bool back;       ///< arrived at the triangle's back
+    uint32_t events; ///< specular events so far
+    uint32_t rays;   ///< rays traced so far
 } rsv_chain;
 
 #define RSV_CHAIN_MAX_EVENTS 256
@@ -48,9 +52,9 @@ bool rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool tra
 /// What a gather chain found on its way: emission that counts, and where it ended.
 typedef struct rsv_gather {
     rsv_chain_end end;
-    rsv_chain chain;     ///< at the diffuse interface, if end is RSV_CHAIN_DIFFUSE; its weight includes
-                         ///< the coat of that interface
-    rsv_rgb emission;    ///< radiance emitted towards the receiver by the surfaces met
+    rsv_chain chain; ///< at the diffuse interface, if end is RSV_CHAIN_DIFFUSE; its weight includes
+                     ///< the coat of that interface
+    rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
 } rsv_gather;
 
 /// Whether radiance emitted by a surface met after `events` specular events is wanted.

@@ -17,8 +17,8 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
         point = rsv_surface_point_at(e->scene, triangle, u, v, e->face_back[face]);
         shape.corner[k] = point.position;
     }
-    shape.centre = v3_scale(v3_add(v3_add(shape.corner[0], shape.corner[1]), shape.corner[2]),
-        1.0f / 3);
+    shape.centre =
+        v3_scale(v3_add(v3_add(shape.corner[0], shape.corner[1]), shape.corner[2]), 1.0f / 3);
     shape.normal = point.geometric;
     shape.extent = point.extent;
     shape.size = sqrtf(2 * ldexpf(e->face_area[face], -2 * e->cell[cell].level));
@@ -64,8 +64,8 @@ static bool is_cut(const rsv_tracer *tracer, const rsv_elements *e, uint32_t cel
     return false;
 }
 
-rsv_status rsv_elements_refine_contacts(const rsv_tracer *tracer, uint32_t levels,
-    rsv_elements **elements, uint64_t *rays)
+rsv_status rsv_elements_refine_contacts(
+    const rsv_tracer *tracer, uint32_t levels, rsv_elements **elements, uint64_t *rays)
 {
     rsv_context *context = (*elements)->context;
     for (uint32_t level = 0; level < levels; level++) {
@@ -96,11 +96,13 @@ static bool is_walled(const rsv_tracer *tracer, const rsv_elements *e, uint32_t 
     rsv_cell_shape here = rsv_cell_shape_of(e, a), there = rsv_cell_shape_of(e, b);
     // across a fold the straight line would run through the surface itself
     if (v3_dot(here.normal, there.normal) < 0.999f) return false;
-    return rsv_is_blocked(tracer, rsv_cell_hover(&here, here.centre), rsv_cell_hover(&there, there.centre));
+    return rsv_is_blocked(
+        tracer, rsv_cell_hover(&here, here.centre), rsv_cell_hover(&there, there.centre));
 }
 
 typedef struct wall_list {
-    uint32_t *other; ///< [3 * cell_count] cell across the edge opposite to a corner, RSV_NONE = none
+    uint32_t
+        *other; ///< [3 * cell_count] cell across the edge opposite to a corner, RSV_NONE = none
     uint8_t *walled; ///< [3 * cell_count]
 } wall_list;
 
@@ -134,8 +136,8 @@ static uint32_t open_neighbour(const wall_list *walls, uint32_t cell, int k)
 
 /// Groups the cells around a node that can be reached from each other without passing a wall.
 /// @param group [count], out @return number of groups
-static int group_fan(const rsv_elements *e, const wall_list *walls, uint32_t begin, uint32_t count,
-    int *group)
+static int group_fan(
+    const rsv_elements *e, const wall_list *walls, uint32_t begin, uint32_t count, int *group)
 {
     int groups = 0;
     for (uint32_t s = 0; s < count; s++)
@@ -166,7 +168,8 @@ static bool touches_wall(const rsv_elements *e, const wall_list *walls, uint32_t
 {
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
         uint32_t cell = e->support[s] / 4, corner = e->support[s] & 3;
-        if (walls->walled[3 * cell + (corner + 1) % 3] || walls->walled[3 * cell + (corner + 2) % 3])
+        if (walls->walled[3 * cell + (corner + 1) % 3] ||
+            walls->walled[3 * cell + (corner + 2) % 3])
             return true;
     }
     return false;
@@ -177,7 +180,8 @@ static void separate_node(rsv_elements *e, const wall_list *walls, uint32_t node
 {
     uint32_t begin = e->support_begin[node], count = e->support_begin[node + 1] - begin;
     int group[MAX_FAN];
-    if (count > MAX_FAN || e->node_hanging[node] != RSV_NONE || !touches_wall(e, walls, node)) return;
+    if (count > MAX_FAN || e->node_hanging[node] != RSV_NONE || !touches_wall(e, walls, node))
+        return;
     int groups = group_fan(e, walls, begin, count, group);
     for (uint32_t s = 0; s < count; s++)
         if (group[s] > 0)

@@ -30,8 +30,8 @@ bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_v
 bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to);
 
 /// Splits cells that other geometry cuts, `levels` times at most. Replaces `*elements`.
-rsv_status rsv_elements_refine_contacts(const rsv_tracer *tracer, uint32_t levels,
-    rsv_elements **elements, uint64_t *rays);
+rsv_status rsv_elements_refine_contacts(
+    const rsv_tracer *tracer, uint32_t levels, rsv_elements **elements, uint64_t *rays);
 
 /// Gives every side of a wall its own nodes where the wall runs along edges of cells.
 rsv_status rsv_elements_separate(const rsv_tracer *tracer, rsv_elements *elements, uint64_t *rays);

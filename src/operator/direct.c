@@ -34,8 +34,8 @@ static void set_up_points(const direct_job *job, uint32_t node, uint16_t valid, 
     rsv_elements_sample_support(e, node, p->count, job->seed, sample);
     for (uint32_t k = 0; k < p->count; k++) {
         uint32_t face = e->cell[sample[k].support / 4].face;
-        p->point[k] = rsv_surface_point_at(job->scene->view, e->face_triangle[face], sample[k].u,
-            sample[k].v, e->face_back[face]);
+        p->point[k] = rsv_surface_point_at(
+            job->scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
         p->origin[k] =
             rsv_offset_origin(p->point[k].position, p->point[k].geometric, p->point[k].extent);
     }
@@ -47,8 +47,8 @@ static void clear_packet(rsv_ray_packet *packet)
         packet->t_max[k] = -1;
 }
 
-static void set_shadow_ray(rsv_ray_packet *packet, int lane, rsv_vec3 origin, rsv_vec3 direction,
-    float distance)
+static void set_shadow_ray(
+    rsv_ray_packet *packet, int lane, rsv_vec3 origin, rsv_vec3 direction, float distance)
 {
     packet->origin_x[lane] = origin.x;
     packet->origin_y[lane] = origin.y;
@@ -67,8 +67,8 @@ static bool faces_both(const rsv_surface_point *point, rsv_vec3 direction)
 
 /// Sums over the samples of one node.
 typedef struct emitter_sums {
-    rsv_rgb open;    ///< f / p, visible or not
-    rsv_rgb visible; ///< f / p of the visible ones that enters the surface
+    rsv_rgb open;          ///< f / p, visible or not
+    rsv_rgb visible;       ///< f / p of the visible ones that enters the surface
     float visible_squared; ///< luminance
 } emitter_sums;
 
@@ -129,8 +129,8 @@ static direct_estimate from_ratio(const emitter_sums *sums, rsv_rgb unshadowed, 
         0 };
     float open = rgb_luminance(sums->open), share = rgb_luminance(sums->visible) / open;
     if (open > 0)
-        e.deviation = STRATIFIED * rgb_luminance(unshadowed) *
-            sqrtf(f_max(share * (1 - share), 0) / count);
+        e.deviation =
+            STRATIFIED * rgb_luminance(unshadowed) * sqrtf(f_max(share * (1 - share), 0) / count);
     return e;
 }
 
@@ -142,8 +142,8 @@ static direct_estimate from_mean(const emitter_sums *sums, float count)
     return e;
 }
 
-static direct_estimate from_emitters(const direct_job *job, uint32_t node, const node_points *p,
-    uint64_t *rays)
+static direct_estimate from_emitters(
+    const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
 {
     direct_estimate none = { rgb_gray(0), 0 };
     if (job->lights->sampled_count == 0) return none;
@@ -166,7 +166,8 @@ static direct_estimate from_emitters(const direct_job *job, uint32_t node, const
     return by_power ? from_mean(&sums, count) : from_ratio(&sums, unshadowed, count);
 }
 
-static rsv_rgb from_punctual(const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
+static rsv_rgb from_punctual(
+    const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
 {
     rsv_rgb sum = rgb_gray(0);
     const rsv_bsdf *bsdf = node_bsdf(job, node);
@@ -220,7 +221,8 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
         if (deviation) deviation[node] = emitters.deviation;
         if (rsv_thread_index() == 0 && (++done & 1023) == 0)
             rsv_progress(context, "direct",
-                fmin((double)(done * (size_t)rsv_threads(context)) / (double)elements->node_count, 1));
+                fmin((double)(done * (size_t)rsv_threads(context)) / (double)elements->node_count,
+                    1));
     }
     *rays += traced;
     rsv_elements_constrain(elements, irradiance);

@@ -23,8 +23,8 @@ static void fill_set(const rsv_directions *d, uint32_t set, uint32_t seed, uint3
     }
 }
 
-rsv_status rsv_directions_create(rsv_context *context, uint32_t count, uint32_t seed,
-    rsv_directions *directions)
+rsv_status rsv_directions_create(
+    rsv_context *context, uint32_t count, uint32_t seed, rsv_directions *directions)
 {
     size_t total = (size_t)RSV_DIRECTION_SETS * count;
     *directions = (rsv_directions){ .context = context, .count = count };

@@ -11,12 +11,12 @@
 /// every 16 consecutive directions lie in one cell of the net: rays of a packet run alongside each other.
 typedef struct rsv_directions {
     rsv_context *context;
-    uint32_t count;      ///< per set, a power of two >= 16
-    float *x, *y, *z;    ///< [RSV_DIRECTION_SETS * count]
+    uint32_t count;   ///< per set, a power of two >= 16
+    float *x, *y, *z; ///< [RSV_DIRECTION_SETS * count]
 } rsv_directions;
 
-rsv_status rsv_directions_create(rsv_context *context, uint32_t count, uint32_t seed,
-    rsv_directions *directions);
+rsv_status rsv_directions_create(
+    rsv_context *context, uint32_t count, uint32_t seed, rsv_directions *directions);
 void rsv_directions_destroy(rsv_directions *directions);
 
 #endif

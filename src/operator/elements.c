@@ -15,8 +15,8 @@ float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle)
     return 0.5f * v3_length(v3_cross(e1, e2));
 }
 
-rsv_surface_point rsv_surface_point_at(const rsv_scene_view *scene, uint32_t triangle, float u, float v,
-    bool back)
+rsv_surface_point rsv_surface_point_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back)
 {
     const uint32_t *corner = scene->triangle[triangle];
     rsv_vec3 a = scene->position[corner[0]], b = scene->position[corner[1]];
@@ -24,8 +24,8 @@ rsv_surface_point rsv_surface_point_at(const rsv_scene_view *scene, uint32_t tri
     rsv_surface_point point;
     point.position = v3_barycentric(a, b, c, u, v);
     point.geometric = v3_normalize(v3_cross(v3_sub(b, a), v3_sub(c, a)));
-    point.normal = v3_normalize(v3_barycentric(scene->normal[corner[0]], scene->normal[corner[1]],
-        scene->normal[corner[2]], u, v));
+    point.normal = v3_normalize(v3_barycentric(
+        scene->normal[corner[0]], scene->normal[corner[1]], scene->normal[corner[2]], u, v));
     if (v3_dot(point.normal, point.geometric) <= 0) point.normal = point.geometric;
     if (back) {
         point.geometric = v3_neg(point.geometric);
@@ -80,11 +80,11 @@ static rsv_status copy_faces(const rsv_elements *from, rsv_elements *to)
 {
     rsv_context *context = to->context;
     to->face_count = from->face_count;
-#define COPY_ARRAY(field, count) \
-    do { \
-        to->field = rsv_alloc(context, count, sizeof *to->field); \
-        if (!to->field) return RSV_ERROR_MEMORY; \
-        memcpy(to->field, from->field, (count) * sizeof *to->field); \
+#define COPY_ARRAY(field, count)                                                                   \
+    do {                                                                                           \
+        to->field = rsv_alloc(context, count, sizeof *to->field);                                  \
+        if (!to->field) return RSV_ERROR_MEMORY;                                                   \
+        memcpy(to->field, from->field, (count) * sizeof *to->field);                               \
     } while (0)
     COPY_ARRAY(face_of[0], to->scene->triangle_count);
     COPY_ARRAY(face_of[1], to->scene->triangle_count);
@@ -124,7 +124,8 @@ static rsv_status create_grid(rsv_elements *e, float spacing)
         e->face_slot[face] = (uint32_t)count;
         count += (size_t)1 << (2 * e->face_level[face]);
         if (count >= RSV_SLOT_SPLIT)
-            return rsv_fail(RSV_ERROR_MEMORY, "elements: more than 2^31 cells; ask for fewer elements");
+            return rsv_fail(
+                RSV_ERROR_MEMORY, "elements: more than 2^31 cells; ask for fewer elements");
     }
     e->slot_count = e->cell_count = count;
     e->slot = rsv_alloc(e->context, count, sizeof *e->slot);
@@ -229,7 +230,8 @@ static lattice_point corner_point(const rsv_cell *cell, int k)
     return (lattice_point){ (cell->i + di) << shift, (cell->j + dj) << shift };
 }
 
-static uint64_t edge_key(const rsv_elements *e, uint32_t face, int edge, int from, int to, uint32_t t)
+static uint64_t edge_key(
+    const rsv_elements *e, uint32_t face, int edge, int from, int to, uint32_t t)
 {
     bool forward = e->face_corner[face][from] < e->face_corner[face][to];
     return 1ull << 62 | (uint64_t)e->face_edge[face][edge] << 15 | (forward ? t : LATTICE - t);
@@ -272,12 +274,13 @@ typedef struct hanging_finder {
     bool any_unbalanced;
 } hanging_finder;
 
-static rsv_status add_hanging(hanging_finder *f, uint32_t node, uint32_t a, uint32_t b, float weight)
+static rsv_status add_hanging(
+    hanging_finder *f, uint32_t node, uint32_t a, uint32_t b, float weight)
 {
     rsv_elements *e = f->e;
     if (e->node_hanging[node] != RSV_NONE) return RSV_OK; // an edge shared by more than two faces
-    rsv_status status = rsv_grow(e->context, (void **)&e->hanging, &f->capacity,
-        e->hanging_count + 1, sizeof *e->hanging);
+    rsv_status status = rsv_grow(
+        e->context, (void **)&e->hanging, &f->capacity, e->hanging_count + 1, sizeof *e->hanging);
     if (status != RSV_OK) return status;
     e->node_hanging[node] = (uint32_t)e->hanging_count;
     e->hanging[e->hanging_count++] = (rsv_hanging){ node, { a, b }, weight };
@@ -321,9 +324,9 @@ static rsv_status find_hanging(hanging_finder *f)
             if (e->cell[c].level != level) continue;
             for (int k = 0; k < 3; k++) {
                 int l = (k + 1) % 3;
-                rsv_status status = find_between(f, (uint32_t)c, e->cell_node[c][k],
-                    e->cell_node[c][l], corner_point(&e->cell[c], k), corner_point(&e->cell[c], l),
-                    0, 1, 0);
+                rsv_status status =
+                    find_between(f, (uint32_t)c, e->cell_node[c][k], e->cell_node[c][l],
+                        corner_point(&e->cell[c], k), corner_point(&e->cell[c], l), 0, 1, 0);
                 if (status != RSV_OK) return status;
             }
         }
@@ -395,10 +398,7 @@ rsv_status rsv_elements_renumber(rsv_elements *e, size_t node_count)
 
 /// Barycentric weight of a corner with density proportional to itself over a triangle: the inverse of the
 /// distribution function 3 b^2 - 2 b^3.
-static float sample_hat(float x)
-{
-    return 0.5f - sinf(asinf(1 - 2 * x) / 3);
-}
+static float sample_hat(float x) { return 0.5f - sinf(asinf(1 - 2 * x) / 3); }
 
 /// The place on the face where the hat function of a cell's corner k has weight b, and the next corner c.
 static rsv_support_point place_in_cell(const rsv_elements *e, uint32_t support, float b, float c)
@@ -412,8 +412,8 @@ static rsv_support_point place_in_cell(const rsv_elements *e, uint32_t support, 
     return (rsv_support_point){ support, b * u0 + c * u1 + rest * u2, b * v0 + c * v1 + rest * v2 };
 }
 
-void rsv_elements_sample_support(const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed,
-    rsv_support_point *points)
+void rsv_elements_sample_support(
+    const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed, rsv_support_point *points)
 {
     uint32_t chosen = e->support_begin[node], end = e->support_begin[node + 1];
     uint32_t stream = rsv_hash2(seed, node);
@@ -446,8 +446,8 @@ void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value)
 
 // ---- creation -----------------------------------------------------------------------------------
 
-static rsv_status create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf, rsv_context *context,
-    rsv_elements **elements)
+static rsv_status create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf,
+    rsv_context *context, rsv_elements **elements)
 {
     rsv_elements *e = rsv_alloc(context, 1, sizeof *e);
     if (!e) return RSV_ERROR_MEMORY;
@@ -475,8 +475,8 @@ cleanup:
     return status;
 }
 
-static rsv_status refine_once(const rsv_elements *coarser, const uint8_t *split, rsv_elements **finer,
-    uint8_t **unbalanced, bool *any_unbalanced)
+static rsv_status refine_once(const rsv_elements *coarser, const uint8_t *split,
+    rsv_elements **finer, uint8_t **unbalanced, bool *any_unbalanced)
 {
     rsv_status status;
     rsv_elements *e = NULL;
@@ -512,8 +512,8 @@ static rsv_status balance(rsv_elements **current, uint8_t *unbalanced, bool any_
     return status;
 }
 
-rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf, float spacing,
-    rsv_elements **elements)
+rsv_status rsv_elements_create(
+    const rsv_scene *scene, const rsv_bsdf *bsdf, float spacing, rsv_elements **elements)
 {
     rsv_status status;
     rsv_elements *e = NULL;
@@ -535,8 +535,8 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_elements_refine(const rsv_elements *coarser, const uint8_t *split,
-    rsv_elements **elements)
+rsv_status rsv_elements_refine(
+    const rsv_elements *coarser, const uint8_t *split, rsv_elements **elements)
 {
     rsv_elements *finer = NULL;
     uint8_t *unbalanced = NULL;

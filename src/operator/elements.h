@@ -35,46 +35,47 @@ typedef struct rsv_elements {
     const rsv_scene_view *scene;
     const rsv_bsdf *bsdf; ///< [material_count], borrowed
 
-    uint32_t *face_of[2];    ///< [triangle_count] front and back; RSV_NONE = does not scatter
+    uint32_t *face_of[2]; ///< [triangle_count] front and back; RSV_NONE = does not scatter
     size_t face_count;
     uint32_t *face_triangle; ///< [face_count]
     uint8_t *face_back;      ///< [face_count]
     uint8_t *face_level;     ///< [face_count] of the regular grid
     uint32_t *face_slot;     ///< [face_count] first slot of the grid
     float *face_area;        ///< [face_count] m2
-    uint32_t (*face_corner)[3]; ///< [face_count] welded corners: equal where faces continue smoothly
-    uint32_t (*face_edge)[3];   ///< [face_count] welded edges 0-1, 0-2, 1-2
+    uint32_t (
+        *face_corner)[3];     ///< [face_count] welded corners: equal where faces continue smoothly
+    uint32_t (*face_edge)[3]; ///< [face_count] welded edges 0-1, 0-2, 1-2
 
-    uint32_t *slot;          ///< a cell, or RSV_SLOT_SPLIT | first of the four slots of its children
+    uint32_t *slot; ///< a cell, or RSV_SLOT_SPLIT | first of the four slots of its children
     size_t slot_count;
 
     size_t cell_count;
-    rsv_cell *cell;              ///< [cell_count]
-    uint32_t (*cell_node)[3];    ///< [cell_count]
+    rsv_cell *cell;           ///< [cell_count]
+    uint32_t (*cell_node)[3]; ///< [cell_count]
 
     size_t node_count;
-    uint32_t *node_face;     ///< [node_count] one of the faces around the node
-    float *node_area;        ///< [node_count] integral of the hat, m2; hanging nodes: 0, their share is
-                             ///< in the parents
+    uint32_t *node_face; ///< [node_count] one of the faces around the node
+    float *node_area;    ///< [node_count] integral of the hat, m2; hanging nodes: 0, their share is
+                         ///< in the parents
     uint32_t *support_begin; ///< [node_count + 1]
     uint32_t *support;       ///< cell * 4 + corner, the cells around each node
 
     size_t hanging_count;
-    rsv_hanging *hanging;    ///< parents before children
-    uint32_t *node_hanging;  ///< [node_count] index into `hanging`, RSV_NONE = free node
+    rsv_hanging *hanging;   ///< parents before children
+    uint32_t *node_hanging; ///< [node_count] index into `hanging`, RSV_NONE = free node
 } rsv_elements;
 
 #define RSV_SLOT_SPLIT 0x80000000u
 
 /// Grids with cells of about `spacing` metres on every face with a diffuse lobe.
-rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf, float spacing,
-    rsv_elements **elements);
+rsv_status rsv_elements_create(
+    const rsv_scene *scene, const rsv_bsdf *bsdf, float spacing, rsv_elements **elements);
 
 /// The same elements with the marked cells split 4-to-1, and further cells where needed so that cells
 /// that share an edge differ by one level at most.
 /// @param split [cell_count of `coarser`]; non-zero = split
-rsv_status rsv_elements_refine(const rsv_elements *coarser, const uint8_t *split,
-    rsv_elements **elements);
+rsv_status rsv_elements_refine(
+    const rsv_elements *coarser, const uint8_t *split, rsv_elements **elements);
 
 /// Rebuilds supports after cell_node was changed to use `node_count` nodes; fresh nodes do not hang.
 rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
@@ -82,8 +83,8 @@ rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
 void rsv_elements_destroy(rsv_elements *elements);
 
 /// Cell that contains barycentric (u, v) of `face`, and the weights of its three nodes there.
-RSV_INLINE uint32_t rsv_elements_locate(const rsv_elements *elements, uint32_t face, float u, float v,
-    float weight[3])
+RSV_INLINE uint32_t rsv_elements_locate(
+    const rsv_elements *elements, uint32_t face, float u, float v, float weight[3])
 {
     int side = 1 << elements->face_level[face];
     float x = u * (float)side, y = v * (float)side;
@@ -96,8 +97,9 @@ RSV_INLINE uint32_t rsv_elements_locate(const rsv_elements *elements, uint32_t f
     float b1 = flipped ? 1 - fx : fx;
     float b2 = flipped ? 1 - fy : fy;
     // row j of the triangular grid starts after j (2 side - j) cells
-    uint32_t slot = elements->slot[elements->face_slot[face] +
-        (uint32_t)(j * (2 * side - j) + 2 * i + flipped)];
+    uint32_t slot =
+        elements
+            ->slot[elements->face_slot[face] + (uint32_t)(j * (2 * side - j) + 2 * i + flipped)];
     while (slot & RSV_SLOT_SPLIT) {
         uint32_t child = slot & ~RSV_SLOT_SPLIT;
         if (b0 >= 0.5f) {
@@ -118,13 +120,13 @@ RSV_INLINE uint32_t rsv_elements_locate(const rsv_elements *elements, uint32_t f
 }
 
 /// Linear interpolation of `value` [node_count].
-RSV_INLINE rsv_rgb rsv_elements_interpolate(const rsv_elements *elements, const rsv_rgb *value,
-    uint32_t face, float u, float v)
+RSV_INLINE rsv_rgb rsv_elements_interpolate(
+    const rsv_elements *elements, const rsv_rgb *value, uint32_t face, float u, float v)
 {
     float w[3];
     const uint32_t *node = elements->cell_node[rsv_elements_locate(elements, face, u, v, w)];
-    return rgb_mad(rgb_mad(rgb_scale(value[node[0]], w[0]), w[1], value[node[1]]), w[2],
-        value[node[2]]);
+    return rgb_mad(
+        rgb_mad(rgb_scale(value[node[0]], w[0]), w[1], value[node[1]]), w[2], value[node[2]]);
 }
 
 /// Mean of the interpolated field over each node's hat function. @param average [node_count], not `value`
@@ -136,8 +138,8 @@ void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value);
 /// One of the cell's nodes, drawn with its weight as probability. It may hang: values of hanging nodes are
 /// kept up to date by rsv_elements_constrain.
 /// @param random uniform in [0, 1)
-RSV_INLINE uint32_t rsv_elements_pick_node(const rsv_elements *elements, uint32_t cell,
-    const float weight[3], float random)
+RSV_INLINE uint32_t rsv_elements_pick_node(
+    const rsv_elements *elements, uint32_t cell, const float weight[3], float random)
 {
     int k = random < weight[0] ? 0 : random < weight[0] + weight[1] ? 1 : 2;
     return elements->cell_node[cell][k];
@@ -160,8 +162,8 @@ typedef struct rsv_surface_point {
     float extent;       ///< for rsv_offset_origin
 } rsv_surface_point;
 
-rsv_surface_point rsv_surface_point_at(const rsv_scene_view *scene, uint32_t triangle, float u, float v,
-    bool back);
+rsv_surface_point rsv_surface_point_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back);
 
 /// Area of a triangle of the scene, m2.
 float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);

@@ -2,21 +2,21 @@
 
 #include <string.h>
 
-#define GUIDE_SIDE 64        ///< bins of a source's guide along each side of its unit square
-#define GUIDE_RAYS 4         ///< pilot rays per bin
-#define GUIDED_SHARE 0.9f    ///< the rest is emitted as the source would by itself
+#define GUIDE_SIDE 64     ///< bins of a source's guide along each side of its unit square
+#define GUIDE_RAYS 4      ///< pilot rays per bin
+#define GUIDED_SHARE 0.9f ///< the rest is emitted as the source would by itself
 #define PHOTONS_PER_CHUNK 4096
 
 /// One source of light paths, with a guide over the unit square that its directions come from.
 typedef struct photon_source {
-    uint32_t group;   ///< emitter group, or
-    uint32_t light;   ///< punctual light; the other is RSV_NONE
-    double flux;      ///< luminance, W
-    double share;     ///< of all photons
-    float useful;     ///< share of pilot rays that met specular surfaces
-    float *row_cdf;   ///< [GUIDE_SIDE]
-    float *cell_cdf;  ///< [GUIDE_SIDE * GUIDE_SIDE], per row
-    float *density;   ///< [GUIDE_SIDE * GUIDE_SIDE] of the guided distribution over the square
+    uint32_t group;  ///< emitter group, or
+    uint32_t light;  ///< punctual light; the other is RSV_NONE
+    double flux;     ///< luminance, W
+    double share;    ///< of all photons
+    float useful;    ///< share of pilot rays that met specular surfaces
+    float *row_cdf;  ///< [GUIDE_SIDE]
+    float *cell_cdf; ///< [GUIDE_SIDE * GUIDE_SIDE], per row
+    float *density;  ///< [GUIDE_SIDE * GUIDE_SIDE] of the guided distribution over the square
 } photon_source;
 
 typedef struct photon_job {
@@ -37,10 +37,7 @@ typedef struct emission {
     rsv_rgb flux; ///< of the whole source if it all left like this: W
 } emission;
 
-static bool is_specular(const rsv_bsdf *bsdf)
-{
-    return !bsdf->lambert && !bsdf->unlit;
-}
+static bool is_specular(const rsv_bsdf *bsdf) { return !bsdf->lambert && !bsdf->unlit; }
 
 bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *lights)
 {
@@ -62,8 +59,8 @@ static rsv_vec3 to_world(rsv_vec3 local, rsv_vec3 axis)
     return v3_mad(v3_mad(v3_scale(t, local.x), local.y, b), local.z, axis);
 }
 
-static emission emit_from_group(const photon_job *job, uint32_t group, float x, float y,
-    rsv_random *random)
+static emission emit_from_group(
+    const photon_job *job, uint32_t group, float x, float y, rsv_random *random)
 {
     const rsv_emitter_group *g = &job->lights->group[group];
     double target = rsv_random_float(random) * g->area;
@@ -91,8 +88,8 @@ static emission emit_from_light(const photon_job *job, uint32_t light_index, flo
     if (light->kind == RSV_LIGHT_DIRECTIONAL) {
         float dx, dy;
         rsv_square_to_disk(x, y, &dx, &dy);
-        rsv_vec3 offset = to_world(v3(dx * job->radius, dy * job->radius, -2 * job->radius),
-            light->direction);
+        rsv_vec3 offset =
+            to_world(v3(dx * job->radius, dy * job->radius, -2 * job->radius), light->direction);
         out.origin = v3_add(job->centre, offset);
         out.direction = light->direction;
         out.flux = rgb_scale(light->intensity, RSV_PI * job->radius * job->radius);
@@ -111,13 +108,14 @@ static emission emit_from_light(const photon_job *job, uint32_t light_index, flo
     rsv_vec3 back;
     float distance;
     rsv_rgb intensity; // the irradiance one metre away
-    if (rsv_punctual_light(light, v3_add(light->position, out.direction), &back, &distance, &intensity))
+    if (rsv_punctual_light(
+            light, v3_add(light->position, out.direction), &back, &distance, &intensity))
         out.flux = rgb_scale(intensity, solid_angle);
     return out;
 }
 
-static emission emit(const photon_job *job, const photon_source *source, float x, float y,
-    rsv_random *random)
+static emission emit(
+    const photon_job *job, const photon_source *source, float x, float y, rsv_random *random)
 {
     return source->group != RSV_NONE ? emit_from_group(job, source->group, x, y, random)
                                      : emit_from_light(job, source->light, x, y);
@@ -165,8 +163,8 @@ static void finish_guide(photon_source *source, const float *useful)
         source->density[k] = total > 0 ? useful[k] * bins / total : 1;
 }
 
-static void pilot_bin(const photon_job *job, const photon_source *source, uint32_t id, int bin,
-    float *useful)
+static void pilot_bin(
+    const photon_job *job, const photon_source *source, uint32_t id, int bin, float *useful)
 {
     rsv_random random = rsv_random_from(job->seed ^ 0x9107u, id, (uint32_t)bin);
     for (int k = 0; k < GUIDE_RAYS; k++) {
@@ -194,8 +192,8 @@ static void blur(const float *in, float *out)
     }
 }
 
-static rsv_status create_guide(const photon_job *job, photon_source *source, uint32_t id,
-    uint64_t *rays)
+static rsv_status create_guide(
+    const photon_job *job, photon_source *source, uint32_t id, uint64_t *rays)
 {
     rsv_context *context = job->lights->context;
     const size_t bins = GUIDE_SIDE * GUIDE_SIDE;
@@ -247,8 +245,7 @@ static float guide(const photon_source *source, float choice, float *x, float *y
 static double light_flux(const photon_job *job, const rsv_light *light)
 {
     double intensity = rgb_luminance(light->intensity);
-    if (light->kind == RSV_LIGHT_DIRECTIONAL)
-        return intensity * RSV_PI * job->radius * job->radius;
+    if (light->kind == RSV_LIGHT_DIRECTIONAL) return intensity * RSV_PI * job->radius * job->radius;
     double cos_outer = light->kind == RSV_LIGHT_SPOT ? cos(light->outer_cone_angle) : -1;
     return intensity * 2 * RSV_PI * (1 - cos_outer);
 }
@@ -257,16 +254,17 @@ static rsv_status create_sources(photon_job *job, uint64_t *rays)
 {
     const rsv_lights *lights = job->lights;
     const rsv_scene_view *view = job->scene->view;
-    job->source = rsv_alloc(lights->context, lights->group_count + view->light_count,
-        sizeof *job->source);
+    job->source =
+        rsv_alloc(lights->context, lights->group_count + view->light_count, sizeof *job->source);
     if (!job->source) return RSV_ERROR_MEMORY;
     for (uint32_t g = 0; g < lights->group_count; g++)
         if (!lights->group[g].gathered)
             job->source[job->source_count++] =
                 (photon_source){ .group = g, .light = RSV_NONE, .flux = lights->group[g].power };
     for (uint32_t l = 0; l < view->light_count; l++)
-        job->source[job->source_count++] = (photon_source){ .group = RSV_NONE, .light = l,
-            .flux = light_flux(job, &view->light[l]) };
+        job->source[job->source_count++] = (photon_source){
+            .group = RSV_NONE, .light = l, .flux = light_flux(job, &view->light[l])
+        };
 
     double total = 0;
     for (size_t s = 0; s < job->source_count; s++) {
@@ -324,8 +322,7 @@ static void deposit(const photon_job *job, const rsv_chain *chain, rsv_rgb flux)
     rsv_vec3 shading, geometric;
     rsv_chain_normals(job->scene, chain, &shading, &geometric);
     const rsv_bsdf *bsdf = &job->scene->bsdf[job->scene->view->triangle_material[chain->triangle]];
-    rsv_rgb entered =
-        rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, chain->direction)));
+    rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, chain->direction)));
     for (size_t m = 0; m < job->map_count; m++)
         deposit_on(&job->maps[m], chain, entered);
 }
@@ -349,8 +346,8 @@ static bool scatter(const photon_job *job, rsv_chain *chain, rsv_random *random)
     return true;
 }
 
-static uint64_t shoot_one(const photon_job *job, const photon_source *source, uint32_t id,
-    uint32_t index, uint32_t count)
+static uint64_t shoot_one(
+    const photon_job *job, const photon_source *source, uint32_t id, uint32_t index, uint32_t count)
 {
     rsv_random random = rsv_random_from(job->seed ^ 0x3c6ef35fu, id, index);
     float x, y;
@@ -384,8 +381,8 @@ static rsv_status shoot_source(const photon_job *job, const photon_source *sourc
     return rsv_progress(context, "caustics", fmin(done + source->share, 1));
 }
 
-static rsv_status create_map(rsv_context *context, const rsv_elements *elements, double unit,
-    rsv_photon_map *map)
+static rsv_status create_map(
+    rsv_context *context, const rsv_elements *elements, double unit, rsv_photon_map *map)
 {
     map->context = context;
     map->elements = elements;
@@ -406,18 +403,20 @@ static void settle_hanging(rsv_photon_map *map)
             for (int c = 0; c < 3; c++)
                 map->flux[hanging->parent[p]][c] +=
                     (int64_t)llrint(share[p] * (double)map->flux[hanging->node][c]);
-            map->hits[hanging->parent[p]] += (uint64_t)(share[p] * (double)map->hits[hanging->node]);
+            map->hits[hanging->parent[p]] +=
+                (uint64_t)(share[p] * (double)map->hits[hanging->node]);
         }
     }
 }
 
-rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights, uint32_t count,
-    uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps, size_t map_count,
-    uint64_t *rays)
+rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
+    size_t map_count, uint64_t *rays)
 {
     rsv_status status = RSV_OK;
-    photon_job job = { .scene = scene, .lights = lights, .seed = seed, .maps = maps,
-        .map_count = map_count };
+    photon_job job = {
+        .scene = scene, .lights = lights, .seed = seed, .maps = maps, .map_count = map_count
+    };
     job.centre = v3_scale(v3_add(scene->view->bounds_min, scene->view->bounds_max), 0.5f);
     job.radius = 1.001f * v3_length(v3_sub(scene->view->bounds_max, job.centre));
     RSV_TRY(create_sources(&job, rays));
@@ -453,7 +452,8 @@ void rsv_photon_map_irradiance(const rsv_photon_map *map, rsv_rgb *irradiance)
         float area = map->elements->node_area[node];
         double scale = area > 0 ? map->unit / area : 0;
         irradiance[node] = rgb((float)((double)map->flux[node][0] * scale),
-            (float)((double)map->flux[node][1] * scale), (float)((double)map->flux[node][2] * scale));
+            (float)((double)map->flux[node][1] * scale),
+            (float)((double)map->flux[node][2] * scale));
     }
     rsv_elements_constrain(map->elements, irradiance);
 }
@@ -490,9 +490,9 @@ rsv_status rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_photon_map
         const rsv_cell *cell = &e->cell[support / 4];
         float u, v;
         rsv_cell_corner(cell, (int)(support & 3), &u, &v);
-        rsv_rgb around =
-            rsv_elements_interpolate(coarse_map->elements, coarse, cell->face, u, v);
-        float expected = e->node_area[node] *
+        rsv_rgb around = rsv_elements_interpolate(coarse_map->elements, coarse, cell->face, u, v);
+        float expected =
+            e->node_area[node] *
             rsv_elements_interpolate(coarse_map->elements, density, cell->face, u, v).r;
         // none where many were to be expected is as good a measurement as many
         float photons = f_max((float)map->hits[node] / 65536.0f, expected);

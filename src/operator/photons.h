@@ -21,9 +21,9 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
 /// Shoots `count` light paths, guided towards directions in which each source sees specular surfaces, and
 /// deposits them on `map_count` sets of elements at once. Unbiased: the guide never excludes a direction.
 /// @param maps out; to be destroyed by the caller
-rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights, uint32_t count,
-    uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps, size_t map_count,
-    uint64_t *rays);
+rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
+    size_t map_count, uint64_t *rays);
 
 void rsv_photon_map_destroy(rsv_photon_map *map);
 

@@ -27,7 +27,7 @@ enum { TARGET_BLACK, TARGET_LAMBERT, TARGET_CHAIN };
 
 /// What the rays of one row found.
 typedef struct row_scratch {
-    uint32_t *column;     ///< [rays] RSV_NONE = nothing
+    uint32_t *column; ///< [rays] RSV_NONE = nothing
     uint32_t tinted_count;
     uint32_t *tinted_column; ///< [rays]
     rsv_rgb *tinted_weight;
@@ -65,8 +65,9 @@ static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
     rsv_elements_sample_support(a->elements, node, LANES, a->seed, sample);
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t face = a->elements->cell[sample[k].support / 4].face;
-        rsv_surface_point point = rsv_surface_point_at(a->scene->view,
-            a->elements->face_triangle[face], sample[k].u, sample[k].v, a->elements->face_back[face]);
+        rsv_surface_point point =
+            rsv_surface_point_at(a->scene->view, a->elements->face_triangle[face], sample[k].u,
+                sample[k].v, a->elements->face_back[face]);
         rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
         rsv_vec3 t, b;
         v3_frame(point.normal, &t, &b);
@@ -85,8 +86,8 @@ static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
 
 /// Rays of buried points are left out. Rays that an interpolated normal sends below the surface start dead
 /// too, but count: they carry nothing.
-static void aim_packet(const receiver *r, uint16_t valid, const float *x, const float *y, const float *z,
-    rsv_ray_packet *packet)
+static void aim_packet(const receiver *r, uint16_t valid, const float *x, const float *y,
+    const float *z, rsv_ray_packet *packet)
 {
     for (int k = 0; k < LANES; k++) {
         float dx = x[k] * r->tangent_x[k] + y[k] * r->bitangent_x[k] + z[k] * r->normal_x[k];
@@ -113,8 +114,8 @@ static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t ev
     return emitter != RSV_NONE && lights->group[lights->emitter[emitter].group].gathered;
 }
 
-static void record_end(const assembly *a, row_scratch *s, uint32_t ray, const rsv_chain *chain,
-    float random)
+static void record_end(
+    const assembly *a, row_scratch *s, uint32_t ray, const rsv_chain *chain, float random)
 {
     uint32_t face = a->elements->face_of[chain->back][chain->triangle];
     if (face == RSV_NONE) return;
@@ -135,13 +136,11 @@ static void follow_chain(const assembly *a, row_scratch *s, uint32_t node, uint3
     const rsv_bsdf *receiver_bsdf, float cos_receiver, const rsv_ray_packet *packet, int k)
 {
     rsv_random random = rsv_random_from(a->seed ^ 0x51ed270bu, node, ray);
-    rsv_vec3 direction =
-        v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_chain chain = rsv_chain_begin(a->scene, direction, packet->triangle[k], packet->u[k],
-        packet->v[k], packet->t_max[k]);
+    rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    rsv_chain chain = rsv_chain_begin(
+        a->scene, direction, packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
     chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(receiver_bsdf, cos_receiver));
-    rsv_gather gather =
-        rsv_chain_gather(a->scene, chain, &random, counts_by_gathering, a->lights);
+    rsv_gather gather = rsv_chain_gather(a->scene, chain, &random, counts_by_gathering, a->lights);
     s->emission = rgb_add(s->emission, gather.emission);
     s->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_DIFFUSE)
@@ -175,8 +174,9 @@ static ray_target hit_target(const assembly *a, const rsv_ray_packet *packet, in
     uint32_t triangle = packet->triangle[k];
     if (triangle == RSV_NONE) return (ray_target){ 0 };
     bool back = packet->normal_x[k] * packet->direction_x[k] +
-            packet->normal_y[k] * packet->direction_y[k] +
-            packet->normal_z[k] * packet->direction_z[k] > 0;
+                    packet->normal_y[k] * packet->direction_y[k] +
+                    packet->normal_z[k] * packet->direction_z[k] >
+                0;
     return a->target[2 * (size_t)triangle + back];
 }
 
@@ -204,7 +204,8 @@ static void process_hits(const assembly *a, row_scratch *s, uint32_t node, uint3
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
         if (slot & RSV_SLOT_SPLIT) {
             float weight[3], random = rsv_unit_float(rsv_hash(stream + (uint32_t)k));
-            uint32_t cell = rsv_elements_locate(e, target[k].face, packet->u[k], packet->v[k], weight);
+            uint32_t cell =
+                rsv_elements_locate(e, target[k].face, packet->u[k], packet->v[k], weight);
             s->column[ray] = rsv_elements_pick_node(e, cell, weight, random);
         } else {
             s->column[ray] = e->cell_node[slot][g.corner[k]];
@@ -238,8 +239,8 @@ static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
 static rsv_status store_tinted(rsv_context *context, const row_scratch *s, tinted_block *block)
 {
     size_t needed = block->count + s->tinted_count;
-    rsv_status status = rsv_grow(context, (void **)&block->column, &block->column_capacity, needed,
-        sizeof *block->column);
+    rsv_status status = rsv_grow(
+        context, (void **)&block->column, &block->column_capacity, needed, sizeof *block->column);
     if (status == RSV_OK)
         status = rsv_grow(context, (void **)&block->weight, &block->weight_capacity, needed,
             sizeof *block->weight);
@@ -266,8 +267,8 @@ static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, ti
 }
 
 /// Seconds to trace the packets of one row, aimed beforehand.
-static void time_row(const assembly *a, uint32_t node, rsv_ray_packet *packets, double *packet_seconds,
-    double *single_seconds)
+static void time_row(const assembly *a, uint32_t node, rsv_ray_packet *packets,
+    double *packet_seconds, double *single_seconds)
 {
     receiver r;
     set_up_receiver(a, node, &r);
@@ -283,8 +284,8 @@ static void time_row(const assembly *a, uint32_t node, rsv_ray_packet *packets, 
     for (uint32_t p = 0; p < count; p++) {
         for (int k = 0; k < LANES; k++) {
             rsv_hit hit;
-            rsv_ray ray = {
-                v3(packets[p].origin_x[k], packets[p].origin_y[k], packets[p].origin_z[k]),
+            rsv_ray ray = { v3(packets[p].origin_x[k], packets[p].origin_y[k],
+                                packets[p].origin_z[k]),
                 v3(packets[p].direction_x[k], packets[p].direction_y[k], packets[p].direction_z[k]),
                 INFINITY };
             if (packets[p].t_max[k] > 0) rsv_tracer_closest(a->scene->tracer, &ray, &hit);
@@ -302,7 +303,9 @@ rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_
     double *packet_seconds, double *single_seconds)
 {
     rsv_context *context = elements->context;
-    assembly a = { .scene = scene, .elements = elements, .valid_points = valid_points, .seed = seed };
+    assembly a = {
+        .scene = scene, .elements = elements, .valid_points = valid_points, .seed = seed
+    };
     rsv_status status = rsv_directions_create(context, rays, seed, &a.directions);
     if (status != RSV_OK) return status;
     double packet_sum = 0, single_sum = 0;
@@ -369,7 +372,8 @@ static rsv_status trace_all(assembly *a)
         rsv_status status = create_scratch(context, a->directions.count, &scratch);
 #pragma omp for schedule(dynamic, 1)
         for (size_t block = 0; block < a->block_count; block++) {
-            if (status == RSV_OK && !rsv_cancelled(context)) status = trace_block(a, block, &scratch);
+            if (status == RSV_OK && !rsv_cancelled(context))
+                status = trace_block(a, block, &scratch);
             size_t finished;
 #pragma omp atomic capture
             finished = ++done;
@@ -384,7 +388,8 @@ static rsv_status trace_all(assembly *a)
         }
     }
     a->transport->rays = rays;
-    if (result == RSV_ERROR_MEMORY) return rsv_fail(result, "out of memory assembling the operator");
+    if (result == RSV_ERROR_MEMORY)
+        return rsv_fail(result, "out of memory assembling the operator");
     return result == RSV_OK ? rsv_progress(context, "assemble", 1) : result;
 }
 
@@ -422,7 +427,8 @@ static rsv_status compact(assembly *a)
     return RSV_OK;
 }
 
-static rsv_status create_empty(const rsv_elements *elements, uint32_t rays, rsv_transport **transport)
+static rsv_status create_empty(
+    const rsv_elements *elements, uint32_t rays, rsv_transport **transport)
 {
     rsv_context *context = elements->context;
     size_t rows = elements->node_count;
@@ -450,7 +456,7 @@ static rsv_status create_targets(assembly *a)
         uint32_t face = e->face_of[side & 1][side / 2];
         bool back = side & 1, opaque_back = back && !bsdf->double_sided && bsdf->transmission == 0;
         bool plain = bsdf->lambert && face != RSV_NONE &&
-            (!bsdf->emissive || !counts_by_gathering(a->lights, (uint32_t)(side / 2), 0));
+                     (!bsdf->emissive || !counts_by_gathering(a->lights, (uint32_t)(side / 2), 0));
         a->target[side].kind = opaque_back ? TARGET_BLACK : plain ? TARGET_LAMBERT : TARGET_CHAIN;
         if (face == RSV_NONE) continue;
         a->target[side].face = face;
@@ -465,8 +471,11 @@ rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_ligh
 {
     rsv_context *context = elements->context;
     rsv_status status;
-    assembly a = { .scene = scene, .lights = lights, .elements = elements,
-        .valid_points = valid_points, .seed = seed,
+    assembly a = { .scene = scene,
+        .lights = lights,
+        .elements = elements,
+        .valid_points = valid_points,
+        .seed = seed,
         .block_count = (elements->node_count + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK };
     RSV_TRY(rsv_directions_create(context, rays, seed, &a.directions));
     RSV_TRY(create_targets(&a));
@@ -501,8 +510,7 @@ void rsv_transport_destroy(rsv_transport *transport)
     if (!transport) return;
     rsv_context *context = transport->context;
     void *arrays[] = { transport->row_begin, transport->column, transport->tinted_begin,
-        transport->tinted_column, transport->tinted_weight, transport->scale,
-        transport->gathered };
+        transport->tinted_column, transport->tinted_weight, transport->scale, transport->gathered };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_free(context, transport);
@@ -511,10 +519,11 @@ void rsv_transport_destroy(rsv_transport *transport)
 size_t rsv_transport_entries(const rsv_transport *transport)
 {
     return transport->row_begin[transport->row_count] +
-        transport->tinted_begin[transport->row_count];
+           transport->tinted_begin[transport->row_count];
 }
 
-void rsv_transport_apply(const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance)
+void rsv_transport_apply(
+    const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance)
 {
     const rsv_transport *t = transport;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(t->context))

@@ -69,8 +69,8 @@ static rsv_status shoot(level_builder *b, uint32_t count)
     b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
     if (!b->caustic) return RSV_ERROR_MEMORY;
     const rsv_elements *targets[2] = { b->elements, b->coarse };
-    rsv_status status = rsv_photons_shoot(b->scene, b->lights, count, b->desc->seed, targets, b->map,
-        2, b->rays);
+    rsv_status status =
+        rsv_photons_shoot(b->scene, b->lights, count, b->desc->seed, targets, b->map, 2, b->rays);
     if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
     return status;
 }
@@ -206,8 +206,9 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
 {
     rsv_context *context = coarse->context;
     rsv_status status;
-    level_builder b = { .scene = scene, .lights = lights, .coarse = coarse, .desc = desc,
-        .rays = rays };
+    level_builder b = {
+        .scene = scene, .lights = lights, .coarse = coarse, .desc = desc, .rays = rays
+    };
     *level = (rsv_source_level){ 0 };
     b.split = rsv_alloc(context, coarse->cell_count, 1);
     if (!b.split) return RSV_ERROR_MEMORY;
@@ -220,7 +221,8 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     }
     RSV_TRY(refine(&b));
     if (b.caustic) {
-        level->coarse_caustic = rsv_alloc(context, coarse->node_count, sizeof *level->coarse_caustic);
+        level->coarse_caustic =
+            rsv_alloc(context, coarse->node_count, sizeof *level->coarse_caustic);
         if (!level->coarse_caustic) {
             status = RSV_ERROR_MEMORY;
             goto cleanup;

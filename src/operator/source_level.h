@@ -8,10 +8,10 @@
 #include "photons.h"
 
 typedef struct rsv_source_level_desc {
-    bool direct;             ///< next-event estimates wanted
-    uint32_t photon_count;   ///< 0 = no caustics wanted
-    uint32_t levels;         ///< splits below the coarse elements at most
-    uint32_t light_samples;  ///< shadow rays per node
+    bool direct;            ///< next-event estimates wanted
+    uint32_t photon_count;  ///< 0 = no caustics wanted
+    uint32_t levels;        ///< splits below the coarse elements at most
+    uint32_t light_samples; ///< shadow rays per node
     uint32_t seed;
 } rsv_source_level_desc;
 

@@ -8,22 +8,22 @@
 #ifndef RSV_TRANSPORT_H
 #define RSV_TRANSPORT_H
 
+#include "../light/light.h"
 #include "chain.h"
 #include "elements.h"
-#include "../light/light.h"
 
 #define RSV_SUPPORT_POINTS 16 ///< receiver points over the support of a node, one per packet lane
 
 typedef struct rsv_transport {
     rsv_context *context;
     size_t row_count;
-    size_t *row_begin;      ///< [row_count + 1] into column
-    uint32_t *column;       ///< ends of weight 1
-    size_t *tinted_begin;   ///< [row_count + 1] into tinted_column and tinted_weight
+    size_t *row_begin;    ///< [row_count + 1] into column
+    uint32_t *column;     ///< ends of weight 1
+    size_t *tinted_begin; ///< [row_count + 1] into tinted_column and tinted_weight
     uint32_t *tinted_column;
     rsv_rgb *tinted_weight;
-    float *scale;           ///< [row_count] 1 / rays of the row that count; 0 = hanging or buried
-    rsv_rgb *gathered;      ///< [row_count] irradiance emitted by sources that are found by gathering
+    float *scale;      ///< [row_count] 1 / rays of the row that count; 0 = hanging or buried
+    rsv_rgb *gathered; ///< [row_count] irradiance emitted by sources that are found by gathering
     uint64_t rays;
 } rsv_transport;
 
@@ -42,7 +42,8 @@ rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_
 void rsv_transport_destroy(rsv_transport *transport);
 
 /// irradiance = G exitance, both [row_count]; rows of hanging and buried nodes come out 0.
-void rsv_transport_apply(const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance);
+void rsv_transport_apply(
+    const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance);
 
 size_t rsv_transport_entries(const rsv_transport *transport);
 

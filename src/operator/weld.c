@@ -39,7 +39,7 @@ static uint64_t place_key(rsv_vec3 p, uint32_t material_side)
 static bool same_place(const smooth_group *group, rsv_vec3 p, uint32_t material_side)
 {
     return group->position.x == p.x && group->position.y == p.y && group->position.z == p.z &&
-        group->material_side == material_side;
+           group->material_side == material_side;
 }
 
 /// Index of the smooth group of a corner; UINT32_MAX when out of memory.

@@ -1,6 +1,6 @@
 #include "camera_chain.h"
 
-#define FAINT 0.01f      ///< branches below this weight play roulette
+#define FAINT 0.01f ///< branches below this weight play roulette
 #define MAX_EVENTS 64
 #define STACK 64
 
@@ -38,7 +38,8 @@ rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, rsv_chain chain, uint
         chain = stack[--depth];
         emission = rgb_add(emission, emission_towards(scene, &chain));
         rsv_bsdf_branches branches = rsv_chain_branches(scene, &chain);
-        if (!rgb_is_black(branches.diffuse)) end(user, &chain, rgb_mul(chain.weight, branches.diffuse));
+        if (!rgb_is_black(branches.diffuse))
+            end(user, &chain, rgb_mul(chain.weight, branches.diffuse));
         for (int transmit = 0; transmit < 2; transmit++) {
             rsv_chain next = chain;
             if (depth < STACK && follow(scene, &next, transmit, &branches, &random))

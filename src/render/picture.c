@@ -71,7 +71,8 @@ static void add_gathered(row_state *r, const rsv_gather *gather, rsv_rgb weight,
     direct = rgb_add(direct, rsv_sampled_irradiance(s, chain, random));
     add_light(r, r->column, 2, rgb_mul(weight, direct));
     for (uint32_t order = 1; order < s->order_count; order++) {
-        rsv_rgb e = rsv_elements_interpolate(s->elements, s->order[order], face, chain->u, chain->v);
+        rsv_rgb e =
+            rsv_elements_interpolate(s->elements, s->order[order], face, chain->u, chain->v);
         uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
         add_light(r, r->column, shown, rgb_mul(weight, e));
     }
@@ -125,8 +126,7 @@ static void shade(void *user, const rsv_chain *chain, rsv_rgb weight)
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
     rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
     add_light(r, r->column, 1, rgb_mul(weight, stored));
-    if (final)
-        rsv_pixel_direct_add(&r->direct, s, chain, weight, r->column, r->sample, r->seed);
+    if (final) rsv_pixel_direct_add(&r->direct, s, chain, weight, r->column, r->sample, r->seed);
     if (final && r->job->desc->gather_rays)
         gather_indirect(r, chain, weight);
     else
@@ -140,8 +140,8 @@ static void aim(const row_state *r, uint32_t first, uint32_t count, rsv_ray_pack
         uint32_t column = (first + k) / desc->samples, sample = (first + k) % desc->samples;
         float x, y;
         rsv_stratified_2d(sample, desc->samples, rsv_hash3(desc->seed, r->row, column), &x, &y);
-        rsv_ray ray = rsv_camera_ray(r->job->camera, desc->width, desc->height, (float)column + x,
-            (float)r->row + y);
+        rsv_ray ray = rsv_camera_ray(
+            r->job->camera, desc->width, desc->height, (float)column + x, (float)r->row + y);
         packet->origin_x[k] = ray.origin.x;
         packet->origin_y[k] = ray.origin.y;
         packet->origin_z[k] = ray.origin.z;
@@ -164,8 +164,8 @@ static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv
             v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
         rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, direction, packet->triangle[k],
             packet->u[k], packet->v[k], packet->t_max[k]);
-        rsv_rgb emission = rsv_camera_chain(&r->job->solution->scene, chain,
-            rsv_hash2(r->seed, r->sample), shade, r);
+        rsv_rgb emission = rsv_camera_chain(
+            &r->job->solution->scene, chain, rsv_hash2(r->seed, r->sample), shade, r);
         add_light(r, r->column, 0, emission);
     }
 }
@@ -263,8 +263,8 @@ static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: size %ux%u is not in 1x1 .. 65536x65536",
             desc->width, desc->height);
     if (desc->samples == 0 || (uint64_t)desc->samples * desc->width > UINT32_MAX)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "render: %u samples per pixel are not possible",
-            desc->samples);
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "render: %u samples per pixel are not possible", desc->samples);
     if (desc->camera >= solution->scene.view->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: camera %u does not exist, the scene has %zu",
             desc->camera, solution->scene.view->camera_count);
@@ -277,11 +277,12 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
 {
     rsv_status status = check_desc(solution, desc);
     if (status != RSV_OK) return status;
-    picture_job job = { .solution = solution, .desc = desc,
+    picture_job job = { .solution = solution,
+        .desc = desc,
         .camera = &solution->scene.view->camera[desc->camera],
         .layer_count = desc->layers ? 1 + MAX_LAYERS : 1 };
-    RSV_TRY(rsv_image_create(solution->context, desc->width, desc->height, job.layer_count,
-        &job.image));
+    RSV_TRY(rsv_image_create(
+        solution->context, desc->width, desc->height, job.layer_count, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));
     RSV_TRY(render_rows(&job));
     *image = job.image;

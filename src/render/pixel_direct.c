@@ -16,10 +16,7 @@ void rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution, u
     d->samples = samples;
 }
 
-void rsv_pixel_direct_end(rsv_pixel_direct *d)
-{
-    rsv_free(d->context, d->term);
-}
+void rsv_pixel_direct_end(rsv_pixel_direct *d) { rsv_free(d->context, d->term); }
 
 static void trace_pending(rsv_pixel_direct *d)
 {
@@ -34,14 +31,15 @@ static void trace_pending(rsv_pixel_direct *d)
 static rsv_direct_term *push_term(rsv_pixel_direct *d, rsv_direct_term term)
 {
     if (d->status == RSV_OK)
-        d->status = rsv_grow(d->context, (void **)&d->term, &d->term_capacity, d->term_count + 1,
-            sizeof *d->term);
+        d->status = rsv_grow(
+            d->context, (void **)&d->term, &d->term_capacity, d->term_count + 1, sizeof *d->term);
     if (d->status != RSV_OK) return NULL;
     d->term[d->term_count] = term;
     return &d->term[d->term_count++];
 }
 
-static void push_shadow_ray(rsv_pixel_direct *d, rsv_vec3 origin, rsv_vec3 direction, float distance)
+static void push_shadow_ray(
+    rsv_pixel_direct *d, rsv_vec3 origin, rsv_vec3 direction, float distance)
 {
     uint32_t k = d->pending++;
     d->packet.origin_x[k] = origin.x;
@@ -66,8 +64,8 @@ static bool faces_both(const rsv_surface_point *point, rsv_vec3 direction)
 }
 
 static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
-    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column, uint32_t sample,
-    uint32_t seed)
+    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column,
+    uint32_t sample, uint32_t seed)
 {
     rsv_local_lights local;
     rsv_lights_at(s->lights, point->position, point->normal, &local);
@@ -78,8 +76,8 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
     float x, y, select = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 3));
     rsv_stratified_2d(sample, d->samples, rsv_hash2(seed, 4), &x, &y);
     rsv_light_sample light;
-    bool useful = rsv_local_lights_sample(&local, select, x, y, &light) &&
-        faces_both(point, light.direction);
+    bool useful =
+        rsv_local_lights_sample(&local, select, x, y, &light) && faces_both(point, light.direction);
     if (useful) {
         float cos = v3_dot(point->normal, light.direction);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
@@ -96,8 +94,8 @@ static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
         rsv_vec3 direction;
         float distance;
         rsv_rgb irradiance;
-        if (!rsv_punctual_light(&view->light[l], point->position, &direction, &distance,
-                &irradiance) ||
+        if (!rsv_punctual_light(
+                &view->light[l], point->position, &direction, &distance, &irradiance) ||
             !faces_both(point, direction))
             continue;
         float cos = v3_dot(point->normal, direction);
@@ -137,8 +135,8 @@ static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count)
     return sum;
 }
 
-rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *d,
-    void (*add)(void *user, uint32_t column, rsv_rgb radiance), void *user)
+rsv_status rsv_pixel_direct_resolve(
+    rsv_pixel_direct *d, void (*add)(void *user, uint32_t column, rsv_rgb radiance), void *user)
 {
     trace_pending(d);
     for (size_t begin = 0, end; begin < d->term_count; begin = end) {
@@ -181,8 +179,8 @@ rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rs
         rsv_vec3 direction;
         float distance;
         rsv_rgb irradiance;
-        if (!rsv_punctual_light(&s->scene.view->light[l], point.position, &direction, &distance,
-                &irradiance) ||
+        if (!rsv_punctual_light(
+                &s->scene.view->light[l], point.position, &direction, &distance, &irradiance) ||
             !faces_both(&point, direction) || !is_open(s, origin, direction, distance))
             continue;
         float cos = v3_dot(point.normal, direction);

@@ -31,7 +31,8 @@ typedef struct rsv_pixel_direct {
     rsv_status status;
 } rsv_pixel_direct;
 
-void rsv_pixel_direct_begin(rsv_pixel_direct *direct, const rsv_solution *solution, uint32_t samples);
+void rsv_pixel_direct_begin(
+    rsv_pixel_direct *direct, const rsv_solution *solution, uint32_t samples);
 void rsv_pixel_direct_end(rsv_pixel_direct *direct);
 
 /// Adds the sampled light of all sources at the chain's surface.
@@ -44,7 +45,7 @@ rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *direct,
     void (*add)(void *user, uint32_t column, rsv_rgb radiance), void *user);
 
 /// One-sample estimate of the irradiance that next-event estimation finds at the chain's surface.
-rsv_rgb rsv_sampled_irradiance(const rsv_solution *solution, const rsv_chain *chain,
-    rsv_random *random);
+rsv_rgb rsv_sampled_irradiance(
+    const rsv_solution *solution, const rsv_chain *chain, rsv_random *random);
 
 #endif

@@ -19,7 +19,7 @@ typedef struct probe_job {
 
 typedef struct receiver {
     rsv_vec3 position, origin, normal;
-    rsv_rgb caustic;    ///< stored, where the receiver lies on a surface
+    rsv_rgb caustic; ///< stored, where the receiver lies on a surface
     bool has_caustic;
     const probe_job *job;
 } receiver;
@@ -116,7 +116,8 @@ static bool counts(const void *user, uint32_t triangle, uint32_t events)
     const rsv_lights *lights = r->job->solution->lights;
     uint32_t emitter = lights->triangle_emitter[triangle];
     if (emitter == RSV_NONE) return false;
-    return lights->group[lights->emitter[emitter].group].gathered || (events > 0 && !r->has_caustic);
+    return lights->group[lights->emitter[emitter].group].gathered ||
+           (events > 0 && !r->has_caustic);
 }
 
 static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
@@ -180,8 +181,8 @@ static rsv_probe_reading read_probe(const probe_job *job, const rsv_probe *probe
             squares[c] += value[c] * value[c];
         }
     }
-    return (rsv_probe_reading){
-        rgb((float)(sum[0] / GROUPS), (float)(sum[1] / GROUPS), (float)(sum[2] / GROUPS)),
+    return (rsv_probe_reading){ rgb((float)(sum[0] / GROUPS), (float)(sum[1] / GROUPS),
+                                    (float)(sum[2] / GROUPS)),
         rgb(standard_error(sum[0], squares[0]), standard_error(sum[1], squares[1]),
             standard_error(sum[2], squares[2])) };
 }
@@ -195,8 +196,8 @@ static rsv_probe_reading look_up(const rsv_solution *s, const rsv_probe *probe)
     rsv_vec3 a = s->scene.view->position[corner[0]];
     rsv_vec3 front = v3_cross(v3_sub(s->scene.view->position[corner[1]], a),
         v3_sub(s->scene.view->position[corner[2]], a));
-    reading.irradiance = rsv_solution_irradiance(s, hit.triangle, hit.u, hit.v,
-        v3_dot(front, probe->normal) < 0, RSV_NONE);
+    reading.irradiance = rsv_solution_irradiance(
+        s, hit.triangle, hit.u, hit.v, v3_dot(front, probe->normal) < 0, RSV_NONE);
     return reading;
 }
 
@@ -217,8 +218,8 @@ rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mod
 {
     rsv_context *context = solution->context;
     if (mode == RSV_PROBE_REFERENCE)
-        return rsv_probe_reference(solution->scene.scene, probes, probe_count, samples, seed,
-            readings);
+        return rsv_probe_reference(
+            solution->scene.scene, probes, probe_count, samples, seed, readings);
     rsv_status status = check_probes(probes, probe_count);
     if (status != RSV_OK) return status;
     uint32_t per_group = samples / GROUPS + (samples % GROUPS != 0);

@@ -50,7 +50,8 @@ static double residual_norm(const rsv_solution *s, const rsv_rgb *irradiance)
             sum[0] += (double)e.r * a.r, sum[1] += (double)e.g * a.g, sum[2] += (double)e.b * a.b;
         }
         for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-            rsv_rgb e = irradiance[t->tinted_column[k]], a = s->exitance_albedo[t->tinted_column[k]];
+            rsv_rgb e = irradiance[t->tinted_column[k]],
+                    a = s->exitance_albedo[t->tinted_column[k]];
             rsv_rgb w = t->tinted_weight[k];
             sum[0] += (double)e.r * a.r * w.r, sum[1] += (double)e.g * a.g * w.g;
             sum[2] += (double)e.b * a.b * w.b;
@@ -71,7 +72,8 @@ static double residual_norm(const rsv_solution *s, const rsv_rgb *irradiance)
 static rsv_status refuse_lossless(void)
 {
     return rsv_fail(RSV_ERROR_SCENE,
-        "solve: the scene is closed and absorbs nothing (albedo 1): light never dies out and there is "
+        "solve: the scene is closed and absorbs nothing (albedo 1): light never dies out and there "
+        "is "
         "no bounded answer; lower an albedo below 1 or open the scene");
 }
 
@@ -86,7 +88,8 @@ static void add_term(rsv_solution *s, const rsv_rgb *term)
     s->order_count = slot + 1;
 }
 
-static rsv_status sum_series(rsv_solution *s, uint32_t max_orders, rsv_rgb *term, rsv_rgb *next, rsv_rgb *exitance)
+static rsv_status sum_series(
+    rsv_solution *s, uint32_t max_orders, rsv_rgb *term, rsv_rgb *next, rsv_rgb *exitance)
 {
     rsv_solve_report *report = &s->report;
     size_t nodes = s->elements->node_count;
@@ -112,8 +115,7 @@ static rsv_status sum_series(rsv_solution *s, uint32_t max_orders, rsv_rgb *term
         rsv_rgb *swap = term;
         term = next;
         next = swap;
-        rsv_status status =
-            rsv_progress(s->context, "solve", (double)order / (double)max_orders);
+        rsv_status status = rsv_progress(s->context, "solve", (double)order / (double)max_orders);
         if (status != RSV_OK) return status;
     }
     return rsv_progress(s->context, "solve", 1);
@@ -137,7 +139,8 @@ rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
 {
     rsv_status status = RSV_OK;
     size_t nodes = s->elements->node_count;
-    rsv_rgb *a = rsv_alloc(s->context, nodes, sizeof *a), *b = rsv_alloc(s->context, nodes, sizeof *b);
+    rsv_rgb *a = rsv_alloc(s->context, nodes, sizeof *a),
+            *b = rsv_alloc(s->context, nodes, sizeof *b);
     rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
     s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
     bool complete = a && b && exitance && s->indirect;

@@ -19,12 +19,24 @@
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
     static const rsv_solve_desc presets[] = {
-        [RSV_QUALITY_DRAFT] = { .element_target = 3000, .rays_per_element = 256, .refinements = 0,
-            .light_samples = 16, .photon_count = 300000, .direct_levels = 2 },
-        [RSV_QUALITY_MEDIUM] = { .element_target = 7000, .rays_per_element = 512, .refinements = 2,
-            .light_samples = 16, .photon_count = 1500000, .direct_levels = 3 },
-        [RSV_QUALITY_HIGH] = { .element_target = 24000, .rays_per_element = 1024, .refinements = 2,
-            .light_samples = 32, .photon_count = 6000000, .direct_levels = 4 },
+        [RSV_QUALITY_DRAFT] = { .element_target = 3000,
+            .rays_per_element = 256,
+            .refinements = 0,
+            .light_samples = 16,
+            .photon_count = 300000,
+            .direct_levels = 2 },
+        [RSV_QUALITY_MEDIUM] = { .element_target = 7000,
+            .rays_per_element = 512,
+            .refinements = 2,
+            .light_samples = 16,
+            .photon_count = 1500000,
+            .direct_levels = 3 },
+        [RSV_QUALITY_HIGH] = { .element_target = 24000,
+            .rays_per_element = 1024,
+            .refinements = 2,
+            .light_samples = 32,
+            .photon_count = 6000000,
+            .direct_levels = 4 },
     };
     rsv_solve_desc desc = presets[quality];
     desc.direct_level = true;
@@ -34,10 +46,7 @@ rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
     return desc;
 }
 
-static bool is_power_of_two(uint32_t value)
-{
-    return value && (value & (value - 1)) == 0;
-}
+static bool is_power_of_two(uint32_t value) { return value && (value & (value - 1)) == 0; }
 
 static rsv_status check_desc(const rsv_solve_desc *desc)
 {
@@ -120,10 +129,11 @@ static rsv_status create_fine_level(rsv_solution *s)
     if (!caustics && !direct) return RSV_OK;
     rsv_source_level_desc desc = { .direct = direct,
         .photon_count = caustics ? s->desc.photon_count : 0,
-        .levels = s->desc.direct_levels, .light_samples = s->desc.light_samples,
+        .levels = s->desc.direct_levels,
+        .light_samples = s->desc.light_samples,
         .seed = s->desc.seed ^ 0x2545f491u };
-    return rsv_source_level_create(&s->scene, s->lights, s->elements, &desc, &s->fine,
-        &s->report.rays);
+    return rsv_source_level_create(
+        &s->scene, s->lights, s->elements, &desc, &s->fine, &s->report.rays);
 }
 
 /// E0 on the coarse elements: next-event estimates, gathered emission and caustics.
@@ -150,16 +160,16 @@ static rsv_status prepare_elements(rsv_solution *s)
     rsv_free(s->context, s->valid_points);
     s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);
     if (!s->valid_points) return RSV_ERROR_MEMORY;
-    status = rsv_find_buried(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed,
-        s->valid_points, &s->report.rays);
+    status = rsv_find_buried(
+        &s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed, s->valid_points, &s->report.rays);
     if (status == RSV_OK) rsv_elements_bridge_buried(s->elements, s->valid_points);
     return status;
 }
 
 static rsv_status assemble(rsv_solution *s, uint32_t rays)
 {
-    rsv_status status = rsv_transport_create(&s->scene, s->lights, s->elements, s->valid_points, rays,
-        s->desc.seed, &s->transport);
+    rsv_status status = rsv_transport_create(
+        &s->scene, s->lights, s->elements, s->valid_points, rays, s->desc.seed, &s->transport);
     if (status == RSV_OK) s->report.rays += s->transport->rays;
     return status;
 }
@@ -191,7 +201,8 @@ static rsv_status refine_by_pilot(rsv_solution *s)
     RSV_TRY(create_source(s));
     RSV_TRY(rsv_solve_neumann(s, PILOT_ORDERS));
     float mean = (float)rsv_elements_mean_luminance(s->elements, s->indirect);
-    RSV_TRY(rsv_find_bends(s->elements, s->indirect, NULL, PILOT_BEND, 0.1f * mean, mark_pair, split));
+    RSV_TRY(
+        rsv_find_bends(s->elements, s->indirect, NULL, PILOT_BEND, 0.1f * mean, mark_pair, split));
     destroy_system(s);
     RSV_TRY(split_marked(s, split));
 cleanup:
@@ -240,8 +251,8 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_solution_create(const rsv_scene *scene, const rsv_solve_desc *desc,
-    rsv_solution **solution)
+rsv_status rsv_solution_create(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
 {
     rsv_context *context = rsv_scene_get_context(scene);
     rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
@@ -280,38 +291,32 @@ const rsv_solve_report *rsv_solution_report(const rsv_solution *solution)
     return &solution->report;
 }
 
-const rsv_scene *rsv_solution_scene(const rsv_solution *solution)
-{
-    return solution->scene.scene;
-}
+const rsv_scene *rsv_solution_scene(const rsv_solution *solution) { return solution->scene.scene; }
 
-uint32_t rsv_solution_order_count(const rsv_solution *solution)
-{
-    return solution->order_count;
-}
+uint32_t rsv_solution_order_count(const rsv_solution *solution) { return solution->order_count; }
 
-rsv_rgb rsv_solution_direct(const rsv_solution *s, uint32_t face, float u, float v, bool skip_sampled)
+rsv_rgb rsv_solution_direct(
+    const rsv_solution *s, uint32_t face, float u, float v, bool skip_sampled)
 {
     rsv_rgb sum = rsv_elements_interpolate(s->elements, s->transport->gathered, face, u, v);
     if (s->fine.caustic)
         sum = rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.caustic, face, u, v));
     if (skip_sampled) return sum;
     if (s->fine.direct)
-        return rgb_add(sum,
-            rsv_elements_interpolate(s->fine.elements, s->fine.direct, face, u, v));
+        return rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.direct, face, u, v));
     return rsv_elements_interpolate(s->elements, s->source, face, u, v);
 }
 
-rsv_rgb rsv_solution_irradiance(const rsv_solution *s, uint32_t triangle, float u, float v,
-    bool back_side, uint32_t order)
+rsv_rgb rsv_solution_irradiance(
+    const rsv_solution *s, uint32_t triangle, float u, float v, bool back_side, uint32_t order)
 {
     uint32_t face = s->elements->face_of[back_side][triangle];
     if (face == RSV_NONE) return rgb_gray(0);
     if (order == 0) return rsv_solution_direct(s, face, u, v, false);
     if (order != RSV_NONE)
         return order < s->order_count
-            ? rsv_elements_interpolate(s->elements, s->order[order], face, u, v)
-            : rgb_gray(0);
+                   ? rsv_elements_interpolate(s->elements, s->order[order], face, u, v)
+                   : rgb_gray(0);
     return rgb_add(rsv_solution_direct(s, face, u, v, false),
         rsv_elements_interpolate(s->elements, s->indirect, face, u, v));
 }
@@ -321,8 +326,8 @@ rsv_status rsv_measure_assembly(const rsv_solution *s, rsv_assembly_cost *cost)
     rsv_transport *again = NULL;
     uint32_t rays = s->desc.rays_per_element;
     double start = rsv_seconds();
-    rsv_status status = rsv_transport_create(&s->scene, s->lights, s->elements, s->valid_points, rays,
-        s->desc.seed, &again);
+    rsv_status status = rsv_transport_create(
+        &s->scene, s->lights, s->elements, s->valid_points, rays, s->desc.seed, &again);
     if (status != RSV_OK) return status;
     cost->assembly_seconds = rsv_seconds() - start;
     rsv_transport_destroy(again);

@@ -16,23 +16,23 @@ struct rsv_solution {
     rsv_lights *lights;
     rsv_solve_desc desc;
 
-    rsv_elements *elements;    ///< coarse: unknowns
-    rsv_transport *transport;  ///< G
-    rsv_rgb *exitance_albedo;  ///< [node_count] K
-    uint16_t *valid_points;    ///< [node_count] receiver points that are not buried, bit by bit
-    rsv_rgb *source;           ///< [node_count] E0, all of it, on the coarse elements
+    rsv_elements *elements;   ///< coarse: unknowns
+    rsv_transport *transport; ///< G
+    rsv_rgb *exitance_albedo; ///< [node_count] K
+    uint16_t *valid_points;   ///< [node_count] receiver points that are not buried, bit by bit
+    rsv_rgb *source;          ///< [node_count] E0, all of it, on the coarse elements
     rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0
     uint32_t order_count;
-    rsv_rgb *indirect;         ///< [node_count] sum of the orders from 1 on
-    rsv_source_level fine;     ///< elements NULL = direct light is the coarse `source`
+    rsv_rgb *indirect;     ///< [node_count] sum of the orders from 1 on
+    rsv_source_level fine; ///< elements NULL = direct light is the coarse `source`
 
     rsv_solve_report report;
 };
 
 /// Direct irradiance from the fine level where there is one.
 /// @param skip_sampled leave out what next-event estimation finds: the caller does that itself
-rsv_rgb rsv_solution_direct(const rsv_solution *solution, uint32_t face, float u, float v,
-    bool skip_sampled);
+rsv_rgb rsv_solution_direct(
+    const rsv_solution *solution, uint32_t face, float u, float v, bool skip_sampled);
 
 /// Solves E = E0 + G K E by its Neumann series, keeping the orders. Fills the report.
 /// @param max_orders terms at most

@@ -27,7 +27,8 @@ _Static_assert(offsetof(rsv_ray_packet, direction_x) == offsetof(struct RTCRay16
 _Static_assert(offsetof(rsv_ray_packet, t_max) == offsetof(struct RTCRay16, tfar), "layout");
 _Static_assert(offsetof(rsv_ray_packet, normal_x) == offsetof(struct RTCRayHit16, hit), "layout");
 _Static_assert(offsetof(rsv_ray_packet, triangle) ==
-        offsetof(struct RTCRayHit16, hit) + offsetof(struct RTCHit16, primID), "layout");
+                   offsetof(struct RTCRayHit16, hit) + offsetof(struct RTCHit16, primID),
+    "layout");
 
 static void record_device_error(void *user, enum RTCError code, const char *text)
 {
@@ -111,38 +112,40 @@ void rsv_tracer_destroy(rsv_tracer *tracer)
     rsv_free(tracer->context, tracer);
 }
 
-const rsv_scene *rsv_tracer_scene(const rsv_tracer *tracer)
-{
-    return tracer->scene;
-}
+const rsv_scene *rsv_tracer_scene(const rsv_tracer *tracer) { return tracer->scene; }
 
 static struct RTCRay to_rtc(const rsv_ray *ray)
 {
-    return (struct RTCRay){ .org_x = ray->origin.x, .org_y = ray->origin.y, .org_z = ray->origin.z,
-        .dir_x = ray->direction.x, .dir_y = ray->direction.y, .dir_z = ray->direction.z,
-        .tfar = ray->t_max, .mask = UINT32_MAX };
+    return (struct RTCRay){ .org_x = ray->origin.x,
+        .org_y = ray->origin.y,
+        .org_z = ray->origin.z,
+        .dir_x = ray->direction.x,
+        .dir_y = ray->direction.y,
+        .dir_z = ray->direction.z,
+        .tfar = ray->t_max,
+        .mask = UINT32_MAX };
 }
 
 // Embree 4 dropped the context argument's type, version 3 has no arguments type.
 #if RTC_VERSION_MAJOR >= 4
-#define DECLARE_QUERY(coherent) \
-    struct RTCIntersectArguments query; \
-    rtcInitIntersectArguments(&query); \
+#define DECLARE_QUERY(coherent)                                                                    \
+    struct RTCIntersectArguments query;                                                            \
+    rtcInitIntersectArguments(&query);                                                             \
     query.flags = (coherent) ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT
-#define DECLARE_SHADOW_QUERY(coherent) \
-    struct RTCOccludedArguments query; \
-    rtcInitOccludedArguments(&query); \
+#define DECLARE_SHADOW_QUERY(coherent)                                                             \
+    struct RTCOccludedArguments query;                                                             \
+    rtcInitOccludedArguments(&query);                                                              \
     query.flags = (coherent) ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT
 #define INTERSECT(width, valid, rays) rtcIntersect##width(valid, tracer->bvh, rays, &query)
 #define OCCLUDED(width, valid, rays) rtcOccluded##width(valid, tracer->bvh, rays, &query)
 #define INTERSECT_ONE(ray) rtcIntersect1(tracer->bvh, ray, &query)
 #define OCCLUDED_ONE(ray) rtcOccluded1(tracer->bvh, ray, &query)
 #else
-#define DECLARE_QUERY(coherent) \
-    struct RTCIntersectContext query; \
-    rtcInitIntersectContext(&query); \
-    query.flags = (coherent) ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT \
-                             : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
+#define DECLARE_QUERY(coherent)                                                                    \
+    struct RTCIntersectContext query;                                                              \
+    rtcInitIntersectContext(&query);                                                               \
+    query.flags =                                                                                  \
+        (coherent) ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
 #define DECLARE_SHADOW_QUERY DECLARE_QUERY
 #define INTERSECT(width, valid, rays) rtcIntersect##width(valid, tracer->bvh, &query, rays)
 #define OCCLUDED(width, valid, rays) rtcOccluded##width(valid, tracer->bvh, &query, rays)
@@ -171,62 +174,62 @@ bool rsv_tracer_occluded(const rsv_tracer *tracer, const rsv_ray *ray)
 // Narrower packets for processors without 16 lanes: the same arrays, `width` lanes at a time.
 #define COPY_LANES(width, to, from) memcpy(to, from, (width) * sizeof(float))
 
-#define DEFINE_NARROW(width) \
-    static void load_rays_##width(struct RTCRay##width *to, const rsv_ray_packet *from, int lane) \
-    { \
-        COPY_LANES(width, to->org_x, from->origin_x + lane); \
-        COPY_LANES(width, to->org_y, from->origin_y + lane); \
-        COPY_LANES(width, to->org_z, from->origin_z + lane); \
-        COPY_LANES(width, to->tnear, from->t_min + lane); \
-        COPY_LANES(width, to->dir_x, from->direction_x + lane); \
-        COPY_LANES(width, to->dir_y, from->direction_y + lane); \
-        COPY_LANES(width, to->dir_z, from->direction_z + lane); \
-        COPY_LANES(width, to->time, from->time + lane); \
-        COPY_LANES(width, to->tfar, from->t_max + lane); \
-        COPY_LANES(width, to->mask, from->mask + lane); \
-        COPY_LANES(width, to->id, from->id + lane); \
-        COPY_LANES(width, to->flags, from->flags + lane); \
-    } \
-    static void closest_##width(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent) \
-    { \
-        DECLARE_QUERY(coherent); \
-        for (int lane = 0; lane < 16; lane += (width)) { \
-            struct RTCRayHit##width rays; \
-            _Alignas(64) int valid[width]; \
-            load_rays_##width(&rays.ray, packet, lane); \
-            for (int i = 0; i < (width); i++) { \
-                valid[i] = -1; \
-                rays.hit.primID[i] = rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID; \
-            } \
-            INTERSECT(width, valid, &rays); \
-            COPY_LANES(width, packet->t_max + lane, rays.ray.tfar); \
-            COPY_LANES(width, packet->normal_x + lane, rays.hit.Ng_x); \
-            COPY_LANES(width, packet->normal_y + lane, rays.hit.Ng_y); \
-            COPY_LANES(width, packet->normal_z + lane, rays.hit.Ng_z); \
-            COPY_LANES(width, packet->u + lane, rays.hit.u); \
-            COPY_LANES(width, packet->v + lane, rays.hit.v); \
-            COPY_LANES(width, packet->triangle + lane, rays.hit.primID); \
-        } \
-    } \
-    static void occluded_##width(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent) \
-    { \
-        DECLARE_SHADOW_QUERY(coherent); \
-        for (int lane = 0; lane < 16; lane += (width)) { \
-            struct RTCRay##width rays; \
-            _Alignas(64) int valid[width]; \
-            load_rays_##width(&rays, packet, lane); \
-            for (int i = 0; i < (width); i++) \
-                valid[i] = -1; \
-            OCCLUDED(width, valid, &rays); \
-            COPY_LANES(width, packet->t_max + lane, rays.tfar); \
-        } \
+#define DEFINE_NARROW(width)                                                                       \
+    static void load_rays_##width(struct RTCRay##width *to, const rsv_ray_packet *from, int lane)  \
+    {                                                                                              \
+        COPY_LANES(width, to->org_x, from->origin_x + lane);                                       \
+        COPY_LANES(width, to->org_y, from->origin_y + lane);                                       \
+        COPY_LANES(width, to->org_z, from->origin_z + lane);                                       \
+        COPY_LANES(width, to->tnear, from->t_min + lane);                                          \
+        COPY_LANES(width, to->dir_x, from->direction_x + lane);                                    \
+        COPY_LANES(width, to->dir_y, from->direction_y + lane);                                    \
+        COPY_LANES(width, to->dir_z, from->direction_z + lane);                                    \
+        COPY_LANES(width, to->time, from->time + lane);                                            \
+        COPY_LANES(width, to->tfar, from->t_max + lane);                                           \
+        COPY_LANES(width, to->mask, from->mask + lane);                                            \
+        COPY_LANES(width, to->id, from->id + lane);                                                \
+        COPY_LANES(width, to->flags, from->flags + lane);                                          \
+    }                                                                                              \
+    static void closest_##width(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)   \
+    {                                                                                              \
+        DECLARE_QUERY(coherent);                                                                   \
+        for (int lane = 0; lane < 16; lane += (width)) {                                           \
+            struct RTCRayHit##width rays;                                                          \
+            _Alignas(64) int valid[width];                                                         \
+            load_rays_##width(&rays.ray, packet, lane);                                            \
+            for (int i = 0; i < (width); i++) {                                                    \
+                valid[i] = -1;                                                                     \
+                rays.hit.primID[i] = rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;                 \
+            }                                                                                      \
+            INTERSECT(width, valid, &rays);                                                        \
+            COPY_LANES(width, packet->t_max + lane, rays.ray.tfar);                                \
+            COPY_LANES(width, packet->normal_x + lane, rays.hit.Ng_x);                             \
+            COPY_LANES(width, packet->normal_y + lane, rays.hit.Ng_y);                             \
+            COPY_LANES(width, packet->normal_z + lane, rays.hit.Ng_z);                             \
+            COPY_LANES(width, packet->u + lane, rays.hit.u);                                       \
+            COPY_LANES(width, packet->v + lane, rays.hit.v);                                       \
+            COPY_LANES(width, packet->triangle + lane, rays.hit.primID);                           \
+        }                                                                                          \
+    }                                                                                              \
+    static void occluded_##width(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)  \
+    {                                                                                              \
+        DECLARE_SHADOW_QUERY(coherent);                                                            \
+        for (int lane = 0; lane < 16; lane += (width)) {                                           \
+            struct RTCRay##width rays;                                                             \
+            _Alignas(64) int valid[width];                                                         \
+            load_rays_##width(&rays, packet, lane);                                                \
+            for (int i = 0; i < (width); i++)                                                      \
+                valid[i] = -1;                                                                     \
+            OCCLUDED(width, valid, &rays);                                                         \
+            COPY_LANES(width, packet->t_max + lane, rays.tfar);                                    \
+        }                                                                                          \
     }
 
 DEFINE_NARROW(8)
 DEFINE_NARROW(4)
 
-static const _Alignas(64) int all_lanes[16] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1,
-    -1, -1, -1 };
+static const _Alignas(
+    64) int all_lanes[16] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
 
 void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)
 {
