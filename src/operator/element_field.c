@@ -1,0 +1,71 @@
+/// Fields on elements: sampling a node's hat function, constraints, averages.
+#include "elements_internal.h"
+
+/// Barycentric weight of a corner with density proportional to itself over a triangle: the inverse of the
+/// distribution function 3 b^2 - 2 b^3.
+static float sample_hat(float x) { return 0.5f - sinf(asinf(1 - 2 * x) / 3); }
+
+/// The place on the face where the hat function of a cell's corner k has weight b, and the next corner c.
+static rsv_support_point place_in_cell(const rsv_elements *e, uint32_t support, float b, float c)
+{
+    const rsv_cell *cell = &e->cell[support / 4];
+    int k = (int)(support & 3);
+    float u0, v0, u1, v1, u2, v2, rest = 1 - b - c;
+    rsv_cell_corner(cell, k, &u0, &v0);
+    rsv_cell_corner(cell, (k + 1) % 3, &u1, &v1);
+    rsv_cell_corner(cell, (k + 2) % 3, &u2, &v2);
+    return (rsv_support_point){ support, b * u0 + c * u1 + rest * u2, b * v0 + c * v1 + rest * v2 };
+}
+
+void rsv_elements_sample_support(
+    const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed, rsv_support_point *points)
+{
+    uint32_t chosen = e->support_begin[node], end = e->support_begin[node + 1];
+    uint32_t stream = rsv_hash2(seed, node);
+    float total = 0;
+    for (uint32_t s = chosen; s < end; s++)
+        total += rsv_cell_area(e, e->support[s] / 4);
+    float below = 0, area = rsv_cell_area(e, e->support[chosen] / 4);
+    for (uint32_t k = 0; k < count; k++) {
+        float jitter = rsv_unit_float(rsv_hash(stream + k));
+        float target = total * ((float)k + jitter) / (float)count;
+        while (chosen + 1 < end && target >= below + area) {
+            below += area;
+            area = rsv_cell_area(e, e->support[++chosen] / 4);
+        }
+        float x, y;
+        rsv_sobol_2d(k, stream, &x, &y);
+        float b = sample_hat(x);
+        points[k] = place_in_cell(e, e->support[chosen], b, (1 - b) * y);
+    }
+}
+
+void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value)
+{
+    for (size_t h = 0; h < elements->hanging_count; h++) {
+        const rsv_hanging *hanging = &elements->hanging[h];
+        value[hanging->node] = rgb_mad(rgb_scale(value[hanging->parent[0]], 1 - hanging->weight),
+            hanging->weight, value[hanging->parent[1]]);
+    }
+}
+
+void rsv_elements_average(const rsv_elements *e, const rsv_rgb *value, rsv_rgb *average)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t node = 0; node < e->node_count; node++) {
+        rsv_rgb sum = rgb_gray(0);
+        float weight = 0;
+        for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
+            const uint32_t *corner = e->cell_node[e->support[s] / 4];
+            uint32_t k = e->support[s] & 3;
+            if (corner[k] != node) continue; // bridged
+            float area = rsv_cell_area(e, e->support[s] / 4);
+            sum = rgb_mad(sum, 0.5f * area, value[node]);
+            sum = rgb_mad(sum, 0.25f * area, value[corner[(k + 1) % 3]]);
+            sum = rgb_mad(sum, 0.25f * area, value[corner[(k + 2) % 3]]);
+            weight += area;
+        }
+        average[node] = weight > 0 ? rgb_scale(sum, 1 / weight) : value[node];
+    }
+    rsv_elements_constrain(e, average);
+}

@@ -1,0 +1,30 @@
+/// Steps of creating elements, and what they share.
+#ifndef RSV_ELEMENTS_INTERNAL_H
+#define RSV_ELEMENTS_INTERNAL_H
+
+#include "elements.h"
+
+/// Every scattering side of every triangle, welded to its neighbours.
+rsv_status rsv_elements_create_faces(rsv_elements *elements);
+rsv_status rsv_elements_copy_faces(const rsv_elements *from, rsv_elements *to);
+
+/// Regular grids of cells about `spacing` metres long.
+rsv_status rsv_elements_create_grid(rsv_elements *elements, float spacing);
+
+/// The cells of `coarser`, those marked replaced by their four children.
+rsv_status rsv_elements_split_cells(
+    const rsv_elements *coarser, const uint8_t *split, rsv_elements *finer);
+
+/// Nodes, hanging nodes and supports of finished cells.
+/// @param unbalanced out, to be freed by the caller: cells with an edge halved more than once
+rsv_status rsv_elements_number_nodes(
+    rsv_elements *elements, uint8_t **unbalanced, bool *any_unbalanced);
+
+/// Area of a cell, m2.
+RSV_INLINE float rsv_cell_area(const rsv_elements *elements, uint32_t cell)
+{
+    const rsv_cell *c = &elements->cell[cell];
+    return elements->face_area[c->face] / (float)(1u << (2 * c->level));
+}
+
+#endif
