@@ -1,61 +1,54 @@
 #include "burial.h"
 
-#include "contact.h"
+#include "hover.h"
 
-#define BURIAL_RAYS 8 ///< all of them must see backs before a point counts as buried
+typedef bool (*burial_test)(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
+    uint32_t seed, uint64_t *rays);
 
-static bool sees_back(const rsv_transport_scene *scene, const rsv_ray *ray)
-{
-    rsv_hit hit;
-    if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
-    rsv_chain chain = rsv_chain_begin(scene, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
-    return chain.back && !bsdf->double_sided && bsdf->transmission == 0;
-}
-
-static bool is_buried(const rsv_transport_scene *scene, rsv_vec3 origin, rsv_vec3 normal,
-    uint32_t seed, uint64_t *rays)
-{
-    rsv_vec3 t, b;
-    v3_frame(normal, &t, &b);
-    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
-        float x, y;
-        rsv_sobol_2d(k, seed, &x, &y);
-        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
-        ++*rays;
-        if (!sees_back(scene, &ray)) return false;
-    }
-    return true;
-}
-
-static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
-    uint32_t points, uint32_t seed, uint64_t *rays)
+/// Judges the points of one node by the given test of its place.
+/// @param obstructed out: something stands close to the node
+static uint16_t judge_points(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
+    const rsv_support_point *sample, uint32_t points, uint32_t seed, burial_test is_buried,
+    bool *obstructed, uint64_t *rays)
 {
     uint16_t valid = 0;
     uint32_t last = RSV_NONE; // points of one cell come one after the other
     bool buried = false;
     rsv_cell_shape shape;
     rsv_vec3 home = { 0 };
-    rsv_support_point sample[16];
-    rsv_elements_sample_support(e, node, points, seed, sample);
     for (uint32_t k = 0; k < points; k++) {
         uint32_t support = sample[k].support, face = e->cell[support / 4].face;
         if (support != last) {
             shape = rsv_cell_shape_of(e, support / 4);
             home = rsv_cell_hover(&shape, shape.corner[support & 3]);
-            buried = rsv_is_covered(scene->tracer, &shape, shape.corner[support & 3]) ||
-                     is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
+            bool covered = rsv_is_covered(scene->tracer, &shape, shape.corner[support & 3]);
+            *obstructed = *obstructed || covered;
+            buried =
+                covered || is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
             last = support;
         }
-        if (buried) continue;
         rsv_surface_point point = rsv_surface_point_at(
             scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
         *rays += 2;
-        if (!rsv_is_covered(scene->tracer, &shape, point.position) &&
-            !rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position)))
-            valid |= (uint16_t)(1u << k);
+        bool blocked = rsv_is_covered(scene->tracer, &shape, point.position) ||
+                       rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position));
+        *obstructed = *obstructed || blocked;
+        if (!buried && !blocked) valid |= (uint16_t)(1u << k);
     }
+    return valid;
+}
+
+static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
+    uint32_t points, uint32_t seed, uint64_t *rays)
+{
+    rsv_support_point sample[16];
+    rsv_elements_sample_support(e, node, points, seed, sample);
+    bool obstructed = false;
+    uint16_t valid =
+        judge_points(scene, e, node, sample, points, seed, rsv_is_buried, &obstructed, rays);
+    if (valid && obstructed)
+        valid = judge_points(
+            scene, e, node, sample, points, seed, rsv_is_mostly_buried, &obstructed, rays);
     return valid;
 }
 

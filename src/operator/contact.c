@@ -1,84 +1,67 @@
 #include "contact.h"
 
-#include "../core/index_map.h"
+#include "hover.h"
 
-/// Test segments run this far above the surface and inside the cell, in parts of its size.
-#define LIFT 0.02f
-#define INSET 0.05f
+#include <string.h>
 
-rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
-{
-    rsv_cell_shape shape;
-    uint32_t face = e->cell[cell].face, triangle = e->face_triangle[face];
-    rsv_surface_point point = { 0 };
-    for (int k = 0; k < 3; k++) {
-        float u, v;
-        rsv_cell_corner(&e->cell[cell], k, &u, &v);
-        point = rsv_surface_point_at(e->scene, triangle, u, v, e->face_back[face]);
-        shape.corner[k] = point.position;
-    }
-    shape.centre =
-        v3_scale(v3_add(v3_add(shape.corner[0], shape.corner[1]), shape.corner[2]), 1.0f / 3);
-    shape.normal = point.geometric;
-    shape.extent = point.extent;
-    shape.size = sqrtf(2 * ldexpf(e->face_area[face], -2 * e->cell[cell].level));
-    return shape;
-}
+#define CONTACT_LEVELS 2
+/// A cell with honest corners on both sides of a wall interpolates through it: the line over which it does is
+/// made thinner than it can be seen.
+#define THIN_WALL_LEVELS 4
 
-/// Where rays leave the cell from: clear of rounding errors, no more.
-static rsv_vec3 leave(const rsv_cell_shape *shape, rsv_vec3 place)
-{
-    rsv_vec3 inside = v3_mad(place, INSET, v3_sub(shape->centre, place));
-    return rsv_offset_origin(inside, shape->normal, shape->extent);
-}
+typedef enum cut { CUT_NONE, CUT_CONTACT, CUT_THROUGH } cut;
 
-rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
-{
-    return v3_mad(leave(shape, place), LIFT * shape->size, shape->normal);
-}
-
-bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
-{
-    rsv_ray there = { from, v3_sub(to, from), 1 };
-    return rsv_tracer_occluded(tracer, &there);
-}
-
-bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place)
-{
-    return rsv_is_blocked(tracer, leave(shape, place), rsv_cell_hover(shape, place));
-}
-
-/// Something passes through the cell, or lies on part of it.
-static bool is_cut(const rsv_tracer *tracer, const rsv_elements *e, uint32_t cell)
+/// How other geometry meets a cell: not at all, or by standing upon it, or so that corners which are not
+/// buried are kept apart.
+static cut classify(
+    const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell, uint64_t *rays)
 {
     rsv_cell_shape shape = rsv_cell_shape_of(e, cell);
     rsv_vec3 place[3];
-    int covered = 0;
+    bool covered[3], blocked[3];
+    cut found = CUT_NONE;
+    *rays += 6;
     for (int k = 0; k < 3; k++) {
         place[k] = rsv_cell_hover(&shape, shape.corner[k]);
-        covered += rsv_is_covered(tracer, &shape, shape.corner[k]);
+        covered[k] = rsv_is_covered(scene->tracer, &shape, shape.corner[k]);
     }
-    if (covered == 1 || covered == 2) return true;
+    if (covered[0] != covered[1] || covered[1] != covered[2]) found = CUT_CONTACT;
+    for (int k = 0; k < 3; k++) {
+        blocked[k] = rsv_is_blocked(scene->tracer, place[k], place[(k + 1) % 3]);
+        if (blocked[k]) found = CUT_CONTACT;
+    }
+    if (found == CUT_NONE) return found;
+    bool honest[3];
     for (int k = 0; k < 3; k++)
-        if (rsv_is_blocked(tracer, place[k], place[(k + 1) % 3])) return true;
-    return false;
+        honest[k] = !covered[k] && !rsv_is_buried(scene, place[k], shape.normal, cell, rays);
+    for (int k = 0; k < 3; k++)
+        if (blocked[k] && honest[k] && honest[(k + 1) % 3]) found = CUT_THROUGH;
+    return found;
+}
+
+static bool is_to_be_split(cut found, uint32_t level)
+{
+    return found == CUT_THROUGH || (found == CUT_CONTACT && level < CONTACT_LEVELS);
 }
 
 rsv_status rsv_elements_refine_contacts(
-    const rsv_tracer *tracer, uint32_t levels, rsv_elements **elements, uint64_t *rays)
+    const rsv_transport_scene *scene, rsv_elements **elements, uint64_t *rays)
 {
     rsv_context *context = (*elements)->context;
-    for (uint32_t level = 0; level < levels; level++) {
+    for (uint32_t level = 0; level < THIN_WALL_LEVELS; level++) {
         const rsv_elements *e = *elements;
         uint8_t *split = rsv_alloc(context, e->cell_count, 1);
         if (!split) return RSV_ERROR_MEMORY;
         size_t marked = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context)) reduction(+ : marked)
+        uint64_t traced = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context)) \
+    reduction(+ : marked, traced)
         for (size_t c = 0; c < e->cell_count; c++) {
-            split[c] = e->cell[c].level < RSV_MAX_LEVEL && is_cut(tracer, e, (uint32_t)c);
+            if (e->cell[c].level >= RSV_MAX_LEVEL) continue;
+            split[c] = is_to_be_split(classify(scene, e, (uint32_t)c, &traced), level);
             marked += split[c];
         }
-        *rays += 3 * e->cell_count;
+        *rays += traced;
         rsv_elements *finer = NULL;
         rsv_status status = marked ? rsv_elements_refine(e, split, &finer) : RSV_OK;
         rsv_free(context, split);
@@ -90,73 +73,54 @@ rsv_status rsv_elements_refine_contacts(
     return RSV_OK;
 }
 
-/// Whether something stands between two cells that share an edge.
-static bool is_walled(const rsv_tracer *tracer, const rsv_elements *e, uint32_t a, uint32_t b)
-{
-    rsv_cell_shape here = rsv_cell_shape_of(e, a), there = rsv_cell_shape_of(e, b);
-    // across a fold the straight line would run through the surface itself
-    if (v3_dot(here.normal, there.normal) < 0.999f) return false;
-    return rsv_is_blocked(
-        tracer, rsv_cell_hover(&here, here.centre), rsv_cell_hover(&there, there.centre));
-}
-
-typedef struct wall_list {
-    uint32_t
-        *other; ///< [3 * cell_count] cell across the edge opposite to a corner, RSV_NONE = none
-    uint8_t *walled; ///< [3 * cell_count]
-} wall_list;
-
-static rsv_status find_neighbours(const rsv_elements *e, wall_list *walls)
-{
-    rsv_index_map edges;
-    rsv_status status = rsv_index_map_create(e->context, 2 * e->cell_count, &edges);
-    for (size_t c = 0; c < e->cell_count && status == RSV_OK; c++) {
-        for (size_t k = 0; k < 3; k++) {
-            uint32_t p = e->cell_node[c][(k + 1) % 3], q = e->cell_node[c][(k + 2) % 3];
-            uint64_t key = p < q ? (uint64_t)p << 32 | q : (uint64_t)q << 32 | p;
-            uint32_t mine = (uint32_t)(3 * c + k), first = rsv_index_map_insert(&edges, key, mine);
-            if (first == UINT32_MAX) status = RSV_ERROR_MEMORY;
-            walls->other[mine] = RSV_NONE;
-            if (first == UINT32_MAX || first == mine) continue;
-            walls->other[mine] = first / 3;
-            walls->other[first] = (uint32_t)c;
-        }
-    }
-    rsv_index_map_destroy(&edges);
-    return status;
-}
-
-/// The cell next to `cell` around `node`, across the edge opposite to corner k; RSV_NONE at a wall.
-static uint32_t open_neighbour(const wall_list *walls, uint32_t cell, int k)
-{
-    return walls->walled[3 * cell + (uint32_t)k] ? RSV_NONE : walls->other[3 * cell + (uint32_t)k];
-}
-
 #define MAX_FAN 32 ///< cells around a node; nodes with more are left alone
 
-/// Groups the cells around a node that can be reached from each other without passing a wall.
-/// @param group [count], out @return number of groups
-static int group_fan(
-    const rsv_elements *e, const wall_list *walls, uint32_t begin, uint32_t count, int *group)
+/// The cells around a node and where they hover next to it.
+typedef struct fan {
+    uint32_t begin, count;
+    rsv_vec3 place[MAX_FAN], normal[MAX_FAN];
+} fan;
+
+static fan fan_of(const rsv_elements *e, uint32_t node)
 {
-    int groups = 0;
-    for (uint32_t s = 0; s < count; s++)
-        group[s] = -1;
-    for (uint32_t start = 0; start < count; start++) {
-        if (group[start] >= 0) continue;
+    fan f = { .begin = e->support_begin[node] };
+    f.count = e->support_begin[node + 1] - f.begin;
+    for (uint32_t s = 0; s < f.count && f.count <= MAX_FAN; s++) {
+        uint32_t support = e->support[f.begin + s];
+        rsv_cell_shape shape = rsv_cell_shape_of(e, support / 4);
+        f.place[s] = rsv_cell_hover(&shape, shape.corner[support & 3]);
+        f.normal[s] = shape.normal;
+    }
+    return f;
+}
+
+/// Whether something stands between two cells of a fan. Across a fold the straight line would run through the
+/// surface itself, so folded cells count as connected.
+static bool is_walled(const rsv_tracer *tracer, const fan *f, uint32_t a, uint32_t b)
+{
+    return v3_dot(f->normal[a], f->normal[b]) > 0.999f &&
+           rsv_is_blocked(tracer, f->place[a], f->place[b]);
+}
+
+/// Groups the cells of a fan that see each other, directly or by way of others.
+/// @param group [count], out @return number of groups
+static uint32_t group_fan(const rsv_tracer *tracer, const fan *f, uint32_t *group, uint64_t *rays)
+{
+    uint32_t groups = 0;
+    memset(group, 0xff, f->count * sizeof *group);
+    for (uint32_t start = 0; start < f->count; start++) {
+        if (group[start] != RSV_NONE) continue;
         uint32_t open[MAX_FAN], waiting = 0;
         open[waiting++] = start;
         group[start] = groups;
         while (waiting) {
-            uint32_t entry = e->support[begin + open[--waiting]], cell = entry / 4;
-            int corner = (int)(entry & 3);
-            for (int turn = 1; turn <= 2; turn++) {
-                uint32_t next = open_neighbour(walls, cell, (corner + turn) % 3);
-                for (uint32_t s = 0; next != RSV_NONE && s < count; s++) {
-                    if (e->support[begin + s] / 4 != next || group[s] >= 0) continue;
-                    group[s] = groups;
-                    open[waiting++] = s;
-                }
+            uint32_t here = open[--waiting];
+            for (uint32_t s = 0; s < f->count; s++) {
+                if (group[s] != RSV_NONE) continue;
+                ++*rays;
+                if (is_walled(tracer, f, here, s)) continue;
+                group[s] = groups;
+                open[waiting++] = s;
             }
         }
         groups++;
@@ -164,57 +128,110 @@ static int group_fan(
     return groups;
 }
 
-static bool touches_wall(const rsv_elements *e, const wall_list *walls, uint32_t node)
+/// Whether any cell around a node does not see the first one: rare, so the grouping is left to few nodes.
+static bool is_divided(
+    const rsv_tracer *tracer, const rsv_elements *e, uint32_t node, uint64_t *rays)
 {
-    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
-        uint32_t cell = e->support[s] / 4, corner = e->support[s] & 3;
-        if (walls->walled[3 * cell + (corner + 1) % 3] ||
-            walls->walled[3 * cell + (corner + 2) % 3])
-            return true;
-    }
+    if (e->node_hanging[node] != RSV_NONE) return false;
+    fan f = fan_of(e, node);
+    if (f.count > MAX_FAN) return false;
+    *rays += f.count;
+    for (uint32_t s = 1; s < f.count; s++)
+        if (is_walled(tracer, &f, 0, s)) return true;
     return false;
 }
 
-/// Splits one node; fresh nodes are numbered from *next on.
-static void separate_node(rsv_elements *e, const wall_list *walls, uint32_t node, uint32_t *next)
+/// One node per side; fresh ones are numbered from *next on.
+static void separate_node(
+    const rsv_tracer *tracer, rsv_elements *e, uint32_t node, uint32_t *next, uint64_t *rays)
 {
-    uint32_t begin = e->support_begin[node], count = e->support_begin[node + 1] - begin;
-    int group[MAX_FAN];
-    if (count > MAX_FAN || e->node_hanging[node] != RSV_NONE || !touches_wall(e, walls, node))
-        return;
-    int groups = group_fan(e, walls, begin, count, group);
-    for (uint32_t s = 0; s < count; s++)
-        if (group[s] > 0)
-            e->cell_node[e->support[begin + s] / 4][e->support[begin + s] & 3] =
-                *next + (uint32_t)group[s] - 1;
-    *next += (uint32_t)(groups - 1);
+    fan f = fan_of(e, node);
+    uint32_t group[MAX_FAN], groups = group_fan(tracer, &f, group, rays);
+    for (uint32_t s = 0; s < f.count; s++) {
+        uint32_t support = e->support[f.begin + s];
+        if (group[s] > 0) e->cell_node[support / 4][support & 3] = *next + group[s] - 1;
+    }
+    *next += groups - 1;
+}
+
+/// The larger cell on whose edge a node hangs, and the corners of that edge.
+typedef struct hanging_edge {
+    uint32_t cell;
+    int corner[2];
+} hanging_edge;
+
+static hanging_edge find_edge(const rsv_elements *e, const rsv_hanging *hanging)
+{
+    uint32_t p = hanging->parent[0];
+    for (uint32_t s = e->support_begin[p]; s < e->support_begin[p + 1]; s++) {
+        uint32_t cell = e->support[s] / 4;
+        int corner = (int)(e->support[s] & 3);
+        for (int k = 0; k < 3; k++)
+            if (k != corner && e->cell_node[cell][k] == hanging->parent[1])
+                return (hanging_edge){ cell, { corner, k } };
+    }
+    return (hanging_edge){ RSV_NONE, { 0, 0 } };
+}
+
+/// Whether a wall stands between the larger cell and the smaller ones that a hanging node belongs to.
+static bool hangs_across_wall(const rsv_tracer *tracer, const rsv_elements *e,
+    const rsv_hanging *hanging, const hanging_edge *edge)
+{
+    uint32_t support = e->support[e->support_begin[hanging->node]];
+    rsv_cell_shape small = rsv_cell_shape_of(e, support / 4);
+    rsv_cell_shape large = rsv_cell_shape_of(e, edge->cell);
+    rsv_vec3 place = small.corner[support & 3];
+    if (v3_dot(small.normal, large.normal) < 0.999f) return false;
+    return rsv_is_blocked(tracer, rsv_cell_hover(&small, place), rsv_cell_hover(&large, place));
+}
+
+/// Lets go of nodes that hang across a wall and remembers the edges of the others.
+static void release_hanging(const rsv_tracer *tracer, rsv_elements *e, hanging_edge *edge)
+{
+    size_t kept = 0;
+    for (size_t h = 0; h < e->hanging_count; h++) {
+        rsv_hanging hanging = e->hanging[h];
+        hanging_edge found = find_edge(e, &hanging);
+        bool released = found.cell != RSV_NONE && hangs_across_wall(tracer, e, &hanging, &found);
+        e->node_hanging[hanging.node] = released ? RSV_NONE : (uint32_t)kept;
+        if (released) continue;
+        e->hanging[kept] = hanging;
+        edge[kept++] = found;
+    }
+    e->hanging_count = kept;
+}
+
+/// Parents follow the larger cell to its side of a wall.
+static void reattach_hanging(rsv_elements *e, const hanging_edge *edge)
+{
+    for (size_t h = 0; h < e->hanging_count; h++)
+        for (int p = 0; p < 2 && edge[h].cell != RSV_NONE; p++)
+            e->hanging[h].parent[p] = e->cell_node[edge[h].cell][edge[h].corner[p]];
 }
 
 rsv_status rsv_elements_separate(const rsv_tracer *tracer, rsv_elements *e, uint64_t *rays)
 {
-    rsv_status status = RSV_OK;
-    wall_list walls = { rsv_alloc(e->context, 3 * e->cell_count, sizeof(uint32_t)),
-        rsv_alloc(e->context, 3 * e->cell_count, 1) };
-    if (!walls.other || !walls.walled) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
+    hanging_edge *edge = rsv_alloc(e->context, e->hanging_count, sizeof *edge);
+    uint8_t *divided = rsv_alloc(e->context, e->node_count, 1);
+    if (!edge || !divided) {
+        rsv_free(e->context, edge);
+        rsv_free(e->context, divided);
+        return RSV_ERROR_MEMORY;
     }
-    RSV_TRY(find_neighbours(e, &walls));
-    size_t walled = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) reduction(+ : walled)
-    for (size_t edge = 0; edge < 3 * e->cell_count; edge++) {
-        if (walls.other[edge] == RSV_NONE) continue;
-        walls.walled[edge] = is_walled(tracer, e, (uint32_t)(edge / 3), walls.other[edge]);
-        walled += walls.walled[edge];
-    }
-    *rays += 3 * e->cell_count;
-    if (walled == 0) goto cleanup;
+    size_t hanging_before = e->hanging_count;
+    uint64_t traced = hanging_before;
+    release_hanging(tracer, e, edge);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : traced)
+    for (size_t node = 0; node < e->node_count; node++)
+        divided[node] = is_divided(tracer, e, (uint32_t)node, &traced);
     uint32_t next = (uint32_t)e->node_count;
     for (uint32_t node = 0; node < e->node_count; node++)
-        separate_node(e, &walls, node, &next);
-    if (next > e->node_count) RSV_TRY(rsv_elements_renumber(e, next));
-cleanup:
-    rsv_free(e->context, walls.other);
-    rsv_free(e->context, walls.walled);
-    return status;
+        if (divided[node]) separate_node(tracer, e, node, &next, &traced);
+    reattach_hanging(e, edge);
+    *rays += traced;
+    rsv_free(e->context, edge);
+    rsv_free(e->context, divided);
+    bool changed = next > e->node_count || e->hanging_count < hanging_before;
+    return changed ? rsv_elements_renumber(e, next) : RSV_OK;
 }

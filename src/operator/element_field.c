@@ -17,6 +17,17 @@ static rsv_support_point place_in_cell(const rsv_elements *e, uint32_t support, 
     return (rsv_support_point){ support, b * u0 + c * u1 + rest * u2, b * v0 + c * v1 + rest * v2 };
 }
 
+void rsv_elements_place_node(
+    const rsv_elements *e, uint32_t node, uint32_t *face, float *u, float *v)
+{
+    const float inset = 0.02f;
+    uint32_t support = e->support[e->support_begin[node]];
+    rsv_support_point place = place_in_cell(e, support, 1 - 2 * inset, inset);
+    *face = e->cell[support / 4].face;
+    *u = place.u;
+    *v = place.v;
+}
+
 void rsv_elements_sample_support(
     const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed, rsv_support_point *points)
 {

@@ -168,6 +168,11 @@ rsv_surface_point rsv_surface_point_at(
 /// Area of a triangle of the scene, m2.
 float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
 
+/// Where to find a node on other elements of the same faces: its place, pulled a little into one of its own
+/// cells, so that a lookup does not end on the far side of a wall that runs along the cell's edge.
+void rsv_elements_place_node(
+    const rsv_elements *elements, uint32_t node, uint32_t *face, float *u, float *v);
+
 /// A point of a node's support.
 typedef struct rsv_support_point {
     uint32_t support; ///< cell * 4 + corner

@@ -486,14 +486,12 @@ rsv_status rsv_photon_map_shrink(const rsv_photon_map *map, const rsv_photon_map
     if (!density) return RSV_ERROR_MEMORY;
     double before = total_flux(e, irradiance);
     for (size_t node = 0; node < e->node_count; node++) {
-        uint32_t support = e->support[e->support_begin[node]];
-        const rsv_cell *cell = &e->cell[support / 4];
+        uint32_t face;
         float u, v;
-        rsv_cell_corner(cell, (int)(support & 3), &u, &v);
-        rsv_rgb around = rsv_elements_interpolate(coarse_map->elements, coarse, cell->face, u, v);
-        float expected =
-            e->node_area[node] *
-            rsv_elements_interpolate(coarse_map->elements, density, cell->face, u, v).r;
+        rsv_elements_place_node(e, (uint32_t)node, &face, &u, &v);
+        rsv_rgb around = rsv_elements_interpolate(coarse_map->elements, coarse, face, u, v);
+        float expected = e->node_area[node] *
+                         rsv_elements_interpolate(coarse_map->elements, density, face, u, v).r;
         // none where many were to be expected is as good a measurement as many
         float photons = f_max((float)map->hits[node] / 65536.0f, expected);
         float trust = photons / (photons + RSV_PHOTON_PRIOR);

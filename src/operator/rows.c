@@ -189,8 +189,9 @@ static void process_hits(const assembly *a, row_scratch *s, uint32_t node, uint3
     for (int k = 0; k < LANES; k++) {
         target[k] = hit_target(a, packet, k);
         g.side[k] = target[k].side;
-        g.u[k] = packet->u[k];
-        g.v[k] = packet->v[k];
+        bool used = target[k].kind == TARGET_LAMBERT; // other lanes may hold anything
+        g.u[k] = used ? packet->u[k] : 0;
+        g.v[k] = used ? packet->v[k] : 0;
     }
     uint32_t stream = rsv_hash2(a->seed, node) + first_ray;
     place_on_grids(&g, stream);
@@ -526,7 +527,8 @@ void rsv_transport_apply(
     const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance)
 {
     const rsv_transport *t = transport;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(t->context))
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(                           \
+    t->context)) if (rsv_transport_entries(t) > 65536) // less work than waking the threads
     for (size_t row = 0; row < t->row_count; row++) {
         rsv_rgb sum = rgb_gray(0);
         for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++)

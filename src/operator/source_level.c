@@ -117,22 +117,30 @@ cleanup:
     return status;
 }
 
+/// Whether a node is the cell's own corner k, and not one that stands in for a buried corner.
+static bool is_own_corner(const rsv_elements *e, uint32_t node, uint32_t cell, int k)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if (e->support[s] == 4 * cell + (uint32_t)k) return true;
+    return false;
+}
+
 /// Carries over the direct light of nodes whose surroundings did not change.
 static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb *old_direct,
     const float *old_deviation, uint8_t *known)
 {
     const rsv_elements *e = b->elements;
     for (size_t n = 0; n < e->node_count; n++) {
-        uint32_t support = e->support[e->support_begin[n]];
-        const rsv_cell *cell = &e->cell[support / 4];
+        uint32_t face;
         float u, v, weight[3];
-        rsv_cell_corner(cell, (int)(support & 3), &u, &v);
-        uint32_t old_cell = rsv_elements_locate(old, cell->face, u, v, weight);
-        int k = weight[0] > 0.999f ? 0 : weight[1] > 0.999f ? 1 : weight[2] > 0.999f ? 2 : -1;
+        rsv_elements_place_node(e, (uint32_t)n, &face, &u, &v);
+        uint32_t old_cell = rsv_elements_locate(old, face, u, v, weight);
+        int k = weight[0] > 0.9f ? 0 : weight[1] > 0.9f ? 1 : weight[2] > 0.9f ? 2 : -1;
         if (k < 0) continue;
         uint32_t twin = old->cell_node[old_cell][k];
         bool same = fabsf(old->node_area[twin] - e->node_area[n]) <= 1e-6f * e->node_area[n];
-        if (!same || e->node_hanging[n] != RSV_NONE) continue;
+        if (!same || e->node_hanging[n] != RSV_NONE || !is_own_corner(old, twin, old_cell, k))
+            continue;
         b->direct[n] = old_direct[twin];
         b->deviation[n] = old_deviation[twin];
         known[n] = 1;

@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-/// Splits of coarse cells through which other geometry passes.
-#define CONTACT_LEVELS 2
 /// Pilot solutions with few rays show where coarse cells are too large for the indirect light.
 #define PILOT_RAYS 64
 /// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
@@ -215,7 +213,7 @@ static rsv_status create_elements(rsv_solution *s)
     rsv_status status;
     float spacing = spacing_for(s, s->desc.element_target);
     RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
-    RSV_TRY(rsv_elements_refine_contacts(s->tracer, CONTACT_LEVELS, &s->elements, &s->report.rays));
+    RSV_TRY(rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays));
     RSV_TRY(prepare_elements(s));
     for (uint32_t pilot = 0; pilot < s->desc.refinements; pilot++)
         RSV_TRY(refine_by_pilot(s));

@@ -1,0 +1,109 @@
+#include "hover.h"
+
+#define BURIAL_RAYS 8
+#define BURIAL_MAJORITY                                                                            \
+    6 ///< so many of them must see backs before a place near other geometry is buried
+
+/// Test segments run this far above the surface and inside the cell, in parts of its size.
+#define LIFT 0.02f
+#define INSET 0.05f
+
+rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
+{
+    rsv_cell_shape shape;
+    uint32_t face = e->cell[cell].face, triangle = e->face_triangle[face];
+    rsv_surface_point point = { 0 };
+    for (int k = 0; k < 3; k++) {
+        float u, v;
+        rsv_cell_corner(&e->cell[cell], k, &u, &v);
+        point = rsv_surface_point_at(e->scene, triangle, u, v, e->face_back[face]);
+        shape.corner[k] = point.position;
+    }
+    shape.centre =
+        v3_scale(v3_add(v3_add(shape.corner[0], shape.corner[1]), shape.corner[2]), 1.0f / 3);
+    shape.normal = point.geometric;
+    shape.extent = point.extent;
+    shape.size = sqrtf(2 * ldexpf(e->face_area[face], -2 * e->cell[cell].level));
+    return shape;
+}
+
+/// Where rays leave the cell from: clear of rounding errors, no more.
+static rsv_vec3 leave(const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    rsv_vec3 inside = v3_mad(place, INSET, v3_sub(shape->centre, place));
+    return rsv_offset_origin(inside, shape->normal, shape->extent);
+}
+
+rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    return v3_mad(leave(shape, place), LIFT * shape->size, shape->normal);
+}
+
+bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
+{
+    rsv_ray there = { from, v3_sub(to, from), 1 };
+    return rsv_tracer_occluded(tracer, &there);
+}
+
+bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    return rsv_is_blocked(tracer, leave(shape, place), rsv_cell_hover(shape, place));
+}
+
+typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT } sight;
+
+/// What a ray meets first: the back of a one-sided opaque surface, or anything else.
+static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_chain *chain)
+{
+    rsv_hit hit;
+    if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return SIGHT_NOTHING;
+    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
+    *chain = rsv_chain_begin(scene, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    bool opaque = !bsdf->double_sided && bsdf->transmission == 0;
+    return chain->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
+}
+
+static rsv_ray ray_from(rsv_vec3 origin, rsv_vec3 normal, uint32_t k, uint32_t seed)
+{
+    float x, y;
+    rsv_vec3 t, b;
+    rsv_sobol_2d(k, seed, &x, &y);
+    v3_frame(normal, &t, &b);
+    rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+    return (rsv_ray){ origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
+}
+
+bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,
+    uint64_t *rays)
+{
+    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
+        rsv_chain chain;
+        rsv_ray ray = ray_from(place, normal, k, seed);
+        ++*rays;
+        if (look(scene, &ray, &chain) != SIGHT_BACK) return false;
+    }
+    return true;
+}
+
+bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
+    uint32_t seed, uint64_t *rays)
+{
+    int backs = 0;
+    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
+        rsv_chain chain;
+        rsv_ray ray = ray_from(place, normal, k, seed);
+        sight first = look(scene, &ray, &chain);
+        ++*rays;
+        if (first ==
+            SIGHT_FRONT) { // the surface met may be inside the same body: look on from there
+            rsv_surface_point point =
+                rsv_surface_point_at(scene->view, chain.triangle, chain.u, chain.v, chain.back);
+            rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
+            ray = ray_from(origin, point.geometric, k, seed + 1);
+            first = look(scene, &ray, &chain);
+            ++*rays;
+        }
+        backs += first == SIGHT_BACK;
+    }
+    return backs >= BURIAL_MAJORITY;
+}

@@ -1,0 +1,38 @@
+/// Places just above cells, and what stands between or upon them.
+#ifndef RSV_HOVER_H
+#define RSV_HOVER_H
+
+#include "chain.h"
+#include "elements.h"
+
+/// A cell in space.
+typedef struct rsv_cell_shape {
+    rsv_vec3 corner[3], centre;
+    rsv_vec3 normal; ///< unit, geometric
+    float size;      ///< edge of a right triangle of its area
+    float extent;    ///< for rsv_offset_origin
+} rsv_cell_shape;
+
+rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
+
+/// A place above the cell by a small part of its size, and a little towards its centre, so that what merely
+/// touches its border is not met. Gaps below that height count as contact.
+rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
+
+/// Whether something lies right upon the cell, between a place and where it hovers.
+bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place);
+
+/// Whether anything stands between two places.
+bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to);
+
+/// Whether a place sees nothing but the backs of one-sided opaque surfaces: it lies inside something.
+/// @param seed of the few directions that are tried
+bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,
+    uint64_t *rays);
+
+/// The same for a place close to other geometry, where what it sees may lie inside that geometry too: a floor
+/// and a rear wall that both run on into a wall see each other in there. Dearer, and satisfied by a majority.
+bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
+    uint32_t seed, uint64_t *rays);
+
+#endif
