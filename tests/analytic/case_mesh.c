@@ -6,8 +6,8 @@
 
 /// At most 64 triangles, so that next-event estimation still weighs each by its irradiance.
 #define DISK_CORNERS 64
-#define SPHERE_RINGS 32
-#define SPHERE_SECTORS 64
+#define SPHERE_RINGS 48
+#define SPHERE_SECTORS 96
 
 typedef struct case_mesh {
     rsv_vec3 *positions, *normals;

@@ -17,7 +17,7 @@ target_compile_definitions(test_validation PRIVATE RSV_VALIDATION_DEFAULT="${RSV
 function(rsv_add_validation name)
     add_test(NAME validation_${name} COMMAND test_validation ${ARGN})
     # idle threads that spin cost more than they gain where other tests run beside
-    set_tests_properties(validation_${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300
+    set_tests_properties(validation_${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 600
         ENVIRONMENT "OMP_WAIT_POLICY=passive")
 endfunction()
 
