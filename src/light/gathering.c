@@ -13,8 +13,8 @@ static double triangle_area(const rsv_scene_view *scene, size_t triangle)
     return 0.5 * v3_length(v3_cross(edge1, v3_sub(scene->position[index[2]], a)));
 }
 
-/// Adds to each group the part of the hemisphere at a surface point that it fills, cosine-weighted and
-/// without occlusion.
+/// Adds to each group the part of the hemisphere at a surface point that it fills, cosine-weighted
+/// and without occlusion.
 static void add_view(const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal)
 {
     size_t stride = lights->emitter_count / VIEW_EMITTERS + 1;

@@ -24,13 +24,14 @@ typedef struct rsv_emitter_group {
     double power;          ///< luminance flux, W (both sides if double-sided)
     double share;          ///< cosine-weighted part of the hemisphere that it fills, without
                            ///< occlusion, on average over the scene's surfaces; 0..1
-    /// Fills so much of what surfaces see that gather rays find it best: it takes no part in next-event
-    /// estimation or light shooting. In a closed uniform furnace the answer is then exact.
+    /// Fills so much of what surfaces see that gather rays find it best: it takes no part in
+    /// next-event estimation or light shooting. In a closed uniform furnace the answer is then
+    /// exact.
     bool gathered;
 } rsv_emitter_group;
 
-/// A group that fills more than this share is gathered; so are, where all emitters together fill more
-/// than the second one, those not much brighter (by the factor) than the mean of what is seen.
+/// A group that fills more than this share is gathered; so are, where all emitters together fill
+/// more than the second one, those not much brighter (by the factor) than the mean of what is seen.
 #define RSV_GATHERED_SHARE 0.25
 #define RSV_GATHERED_TOTAL_SHARE 0.5
 #define RSV_GATHERED_CONTRAST 4
@@ -51,9 +52,9 @@ typedef struct rsv_lights {
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights);
 void rsv_lights_destroy(rsv_lights *lights);
 
-/// Irradiance at `p` with unit normal `n` from a uniform polygon emitter without occlusion, divided by
-/// its radiance: int cos+ dw over the part above the horizon (Lambert's formula after clipping). The
-/// caller checks that p is on the emitting side. Exact to float rounding; robust for p in the
+/// Irradiance at `p` with unit normal `n` from a uniform polygon emitter without occlusion, divided
+/// by its radiance: int cos+ dw over the part above the horizon (Lambert's formula after clipping).
+/// The caller checks that p is on the emitting side. Exact to float rounding; robust for p in the
 /// polygon's plane.
 /// @param corner polygon, 3 <= corner_count <= 4
 float rsv_polygon_irradiance(const rsv_vec3 *corner, int corner_count, rsv_vec3 p, rsv_vec3 n);
@@ -83,7 +84,8 @@ typedef struct rsv_light_sample {
 } rsv_light_sample;
 
 /// Samples an emitter towards the receiver: uniform in the solid angle of the chosen triangle (Arvo
-/// 1995) where that is numerically sound, uniform in area otherwise. False if nothing can contribute.
+/// 1995) where that is numerically sound, uniform in area otherwise. False if nothing can
+/// contribute.
 bool rsv_local_lights_sample(const rsv_local_lights *local, float u_select, float u1, float u2,
     rsv_light_sample *sample);
 
@@ -92,8 +94,8 @@ bool rsv_local_lights_sample(const rsv_local_lights *local, float u_select, floa
 float rsv_local_lights_pdf(const rsv_local_lights *local, uint32_t emitter, rsv_vec3 direction,
     float distance);
 
-/// Light `index` of scene->light seen from `point`: unit direction to it, distance, and irradiance on a
-/// surface that faces it, without occlusion. False if nothing arrives.
+/// Light `index` of scene->light seen from `point`: unit direction to it, distance, and irradiance
+/// on a surface that faces it, without occlusion. False if nothing arrives.
 bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direction, float *distance,
     rsv_rgb *irradiance);
 

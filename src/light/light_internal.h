@@ -1,5 +1,5 @@
-/// Double-precision vectors for geometry seen from a receiver: the inputs are floats, so differences
-/// of coordinates are exact and what cancels later has digits to spare.
+/// Double-precision vectors for geometry seen from a receiver: the inputs are floats, so
+/// differences of coordinates are exact and what cancels later has digits to spare.
 #ifndef RSV_LIGHT_INTERNAL_H
 #define RSV_LIGHT_INTERNAL_H
 
@@ -44,8 +44,8 @@ RSV_INLINE rsv_double3 d3_normalize(rsv_double3 a)
 }
 RSV_INLINE rsv_vec3 d3_to_float(rsv_double3 a) { return v3((float)a.x, (float)a.y, (float)a.z); }
 
-/// Heights above a plane that rounding of the coordinates alone can produce: a few units in the last
-/// place of the largest one.
+/// Heights above a plane that rounding of the coordinates alone can produce: a few units in the
+/// last place of the largest one.
 RSV_INLINE double rsv_rounding_height(const rsv_vec3 *corner, int corner_count, rsv_vec3 p)
 {
     float largest = v3_max_abs(p);

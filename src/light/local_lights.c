@@ -1,8 +1,8 @@
 /// Next-event estimation: the emitters as one receiver sees them.
 #include "light_internal.h"
 
-/// Below this solid angle a triangle is sampled by area: the density then varies little over it, and
-/// the spherical triangle would have few digits left.
+/// Below this solid angle a triangle is sampled by area: the density then varies little over it,
+/// and the spherical triangle would have few digits left.
 #define SOLID_ANGLE_SAMPLING_MIN 1e-4
 
 /// A triangle as a point sees it: what both sampling and density decide by.
@@ -13,8 +13,8 @@ typedef struct triangle_view {
     bool by_area;
 } triangle_view;
 
-/// Half the cross product of the edges in double: the float normal of the emitter tilts its plane by
-/// more than a grazing point is above it.
+/// Half the cross product of the edges in double: the float normal of the emitter tilts its plane
+/// by more than a grazing point is above it.
 static rsv_double3 emitter_area_vector(const rsv_emitter *emitter)
 {
     return d3_scale(d3_cross(d3_between(emitter->corner[0], emitter->corner[1]),
@@ -90,7 +90,8 @@ static uint32_t select_by_power(const rsv_lights *lights, double u)
     return (uint32_t)low;
 }
 
-/// RSV_NONE if no entry has a probability; the last that has one also takes what rounding left over.
+/// RSV_NONE if no entry has a probability; the last that has one also takes what rounding left
+/// over.
 static uint32_t select_by_irradiance(const rsv_local_lights *local, float u)
 {
     uint32_t selected = RSV_NONE;

@@ -1,4 +1,5 @@
-/// Irradiance from a uniform polygon: Lambert's edge sum over the part above the receiver's horizon.
+/// Irradiance from a uniform polygon: Lambert's edge sum over the part above the receiver's
+/// horizon.
 #include "light_internal.h"
 
 #include "../core/core_internal.h"
@@ -40,8 +41,8 @@ static double angle_over_sine(double x)
     return x <= 0.5 ? sum : 0.5 * M_PI / sqrt(fmax(x * y, DBL_MIN)) - sum;
 }
 
-/// Twice one edge's term: the angle between the unit vectors a and b times the cosine between n and the
-/// normal of their plane. Made from their difference, which keeps the digits of short edges.
+/// Twice one edge's term: the angle between the unit vectors a and b times the cosine between n and
+/// the normal of their plane. Made from their difference, which keeps the digits of short edges.
 static double edge_term(rsv_double3 a, rsv_double3 b, rsv_double3 n)
 {
     rsv_double3 chord = d3_sub(b, a);
@@ -49,8 +50,8 @@ static double edge_term(rsv_double3 a, rsv_double3 b, rsv_double3 n)
     return angle_over_sine(fmin(x, 1)) * d3_dot(n, d3_cross(a, chord));
 }
 
-/// The product of the diagonals is twice the area vector; a triangle is a quadrilateral that ends where
-/// it began.
+/// The product of the diagonals is twice the area vector; a triangle is a quadrilateral that ends
+/// where it began.
 static bool is_in_plane(const rsv_double3 *corner, int count, double tolerance)
 {
     rsv_double3 normal =

@@ -1,5 +1,5 @@
-/// Uniform sampling of spherical triangles, in half-angles: no inverse cosine, no interior angle, hence
-/// no loss of digits where the triangle is small or nearly a hemisphere.
+/// Uniform sampling of spherical triangles, in half-angles: no inverse cosine, no interior angle,
+/// hence no loss of digits where the triangle is small or nearly a hemisphere.
 #include "light_internal.h"
 
 rsv_spherical_triangle rsv_spherical_triangle_from(const rsv_double3 *corner)
@@ -21,8 +21,8 @@ rsv_spherical_triangle rsv_spherical_triangle_from(const rsv_double3 *corner)
     return triangle;
 }
 
-/// The point c on the great circle from corner 0 through corner 2 that makes (corner 0, corner 1, c) a
-/// triangle of the given solid angle. With c = cos(phi) a + sin(phi) w, w the tangent at a,
+/// The point c on the great circle from corner 0 through corner 2 that makes (corner 0, corner 1,
+/// c) a triangle of the given solid angle. With c = cos(phi) a + sin(phi) w, w the tangent at a,
 ///
 ///     tan(solid_angle / 2) = tan(phi/2) |a, b, w| / (1 + a.b + tan(phi/2) b.w)
 ///

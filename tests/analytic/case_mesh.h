@@ -1,5 +1,5 @@
-/// Triangles for the surfaces of a case. Disks and spheres are scaled so that the area of the mesh is
-/// that of the true surface.
+/// Triangles for the surfaces of a case. Disks and spheres are scaled so that the area of the mesh
+/// is that of the true surface.
 #ifndef CASE_MESH_H
 #define CASE_MESH_H
 

@@ -30,8 +30,8 @@ typedef struct case_reading {
 /// Takes note of a probe before any reading: radiance probes need a camera in the scene.
 void case_bench_announce(case_bench *bench, const cJSON *probe);
 
-/// Reads one expected quantity, an object with `name` and `probe`. *known is false, and nothing is read,
-/// if this harness has no probe for it.
+/// Reads one expected quantity, an object with `name` and `probe`. *known is false, and nothing is
+/// read, if this harness has no probe for it.
 rsv_status case_bench_read(
     case_bench *bench, const cJSON *expected, case_reading *reading, bool *known);
 

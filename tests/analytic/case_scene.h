@@ -10,7 +10,8 @@ enum { CASE_MAX_SURFACES = 16, CASE_MAX_LIGHTS = 4, CASE_MAX_ZONES = 4, CASE_MAX
 
 typedef enum case_shape { CASE_QUAD, CASE_DISK, CASE_SPHERE } case_shape;
 
-/// What a part of a surface is made of. Spheres have one per zone of the polar angle, others just one.
+/// What a part of a surface is made of. Spheres have one per zone of the polar angle, others just
+/// one.
 typedef struct case_zone {
     double cos_min, cos_max;
     double rho;      ///< albedo
@@ -62,8 +63,8 @@ const case_zone *case_surface_zone(const case_surface *surface, rsv_vec3 point);
 /// Whether `point` lies on the surface, up to rounding.
 bool case_surface_contains(const case_surface *surface, rsv_vec3 point);
 
-/// A probe on the active side at `point` of the surface; where a sphere's mesh would bury it, it is moved
-/// along the radius to the mesh.
+/// A probe on the active side at `point` of the surface; where a sphere's mesh would bury it, it is
+/// moved along the radius to the mesh.
 rsv_probe case_surface_probe(const case_surface *surface, rsv_vec3 point);
 
 /// A probe at a uniformly distributed point, from two numbers in [0, 1).

@@ -2,11 +2,11 @@
 ///
 ///     test_validation [--reference] [CASE_ID_PREFIX]...
 ///
-/// A reading passes if it is within 0.5 % of the expected value and within 3 of its own standard errors
-/// (pictures in mode operator report none), plus what single precision and, on curved surfaces, the
-/// tessellation may add. About one honest reading in 200 lies beyond 3 standard errors (Student's t, 31
-/// degrees of freedom): a reading that fails is taken again, with other random numbers and half the
-/// error, and then has to pass.
+/// A reading passes if it is within 0.5 % of the expected value and within 3 of its own standard
+/// errors (pictures in mode operator report none), plus what single precision and, on curved
+/// surfaces, the tessellation may add. About one honest reading in 200 lies beyond 3 standard
+/// errors (Student's t, 31 degrees of freedom): a reading that fails is taken again, with other
+/// random numbers and half the error, and then has to pass.
 #include "case_probe.h"
 
 #include <math.h>
@@ -18,11 +18,11 @@
 
 #define RELATIVE_TOLERANCE 5e-3
 #define STANDARD_ERRORS 3
-/// Positions and sums are float, probes are lifted off their surface, and paths that survive Russian
-/// roulette too seldom to turn up in the sample do not turn up in its error either.
+/// Positions and sums are float, probes are lifted off their surface, and paths that survive
+/// Russian roulette too seldom to turn up in the sample do not turn up in its error either.
 #define ROUNDING 1e-4
-/// Facets of 64-gons and of 48 x 96 spheres that have the true area: normals are off by up to 0.033 rad,
-/// of which the square counts, and distances by 5e-4 of the radius; albedos repeat it.
+/// Facets of 64-gons and of 48 x 96 spheres that have the true area: normals are off by up to 0.033
+/// rad, of which the square counts, and distances by 5e-4 of the radius; albedos repeat it.
 #define TESSELLATION 2e-3
 /// Of the largest value of the case, where nothing is expected.
 #define ZERO_TOLERANCE 1e-4

@@ -1,5 +1,5 @@
-/// Lambert's formula against cubature and closed forms; sampling against density and against Lambert's
-/// formula; groups, selection and punctual lights.
+/// Lambert's formula against cubature and closed forms; sampling against density and against
+/// Lambert's formula; groups, selection and punctual lights.
 #include "light/light.h"
 
 #include "core/core_internal.h"
@@ -343,8 +343,8 @@ static int cell_of(const triangle *t, int steps, rsv_vec3 p, const rsv_light_sam
     return row * row + 2 * k + (between ? 1 : 0);
 }
 
-/// Chi-square of 64 cells against the share of each in the measure sampled: solid angle, or area where
-/// the triangle looks small.
+/// Chi-square of 64 cells against the share of each in the measure sampled: solid angle, or area
+/// where the triangle looks small.
 static void check_cells(const triangle *t, rsv_vec3 p, bool by_area, uint32_t seed)
 {
     enum { STEPS = 8, CELLS = STEPS * STEPS, SAMPLES = 40000 };
@@ -474,8 +474,8 @@ static void cube_side(int side, triangle *two)
     two[1] = (triangle){ { corner[0], corner[2], corner[3] } };
 }
 
-/// The walls of a furnace are gathered although each is small; a lamp in it is not, unless it shines no
-/// brighter than they do.
+/// The walls of a furnace are gathered although each is small; a lamp in it is not, unless it
+/// shines no brighter than they do.
 static void emitters_that_surround_are_gathered(void **state)
 {
     (void)state;
