@@ -65,32 +65,45 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
     return rsv_progress(e->context, "assemble", 0);
 }
 
-/// A hanging node whose one parent is buried follows the other.
-static void bridge_hanging(rsv_elements *e, const uint16_t *valid_points)
+/// Hanging nodes are as sound as their parents; one whose one parent is buried follows the other.
+static void bridge_hanging(rsv_elements *e, uint8_t *sound)
 {
     for (size_t h = 0; h < e->hanging_count; h++) {
         rsv_hanging *hanging = &e->hanging[h];
-        bool buried[2];
-        for (int p = 0; p < 2; p++)
-            buried[p] = !valid_points[hanging->parent[p]] &&
-                        e->node_hanging[hanging->parent[p]] == RSV_NONE;
-        if (buried[0] != buried[1]) hanging->weight = buried[0] ? 1 : 0;
+        uint8_t first = sound[hanging->parent[0]], second = sound[hanging->parent[1]];
+        if (first != second) hanging->weight = second ? 1 : 0;
+        sound[hanging->node] = first | second;
     }
 }
 
-void rsv_elements_bridge_buried(rsv_elements *e, const uint16_t *valid_points)
+rsv_status rsv_elements_bridge_buried(rsv_elements *e, const uint16_t *valid_points)
 {
-    bridge_hanging(e, valid_points);
+    uint8_t *sound = rsv_alloc(e->context, e->node_count, 1);
+    if (!sound) return RSV_ERROR_MEMORY;
+    for (size_t n = 0; n < e->node_count; n++)
+        sound[n] = valid_points[n] != 0;
+    bridge_hanging(e, sound);
     for (size_t c = 0; c < e->cell_count; c++) {
-        uint32_t *node = e->cell_node[c];
-        uint32_t sound[3];
+        uint32_t *node = e->cell_node[c], stand_in[3];
         int count = 0;
         for (int k = 0; k < 3; k++)
-            if (valid_points[node[k]] || e->node_hanging[node[k]] != RSV_NONE)
-                sound[count++] = node[k];
+            if (sound[node[k]]) stand_in[count++] = node[k];
         if (count == 0 || count == 3) continue;
         for (int k = 0, next = 0; k < 3; k++)
-            if (!valid_points[node[k]] && e->node_hanging[node[k]] == RSV_NONE)
-                node[k] = sound[next++ % count];
+            if (!sound[node[k]]) node[k] = stand_in[next++ % count];
+    }
+    rsv_free(e->context, sound);
+    return RSV_OK;
+}
+
+void rsv_mark_buried(const rsv_elements *e, const uint16_t *valid_points, float *deviation)
+{
+    for (size_t n = 0; n < e->node_count; n++)
+        if (!valid_points[n] && e->node_hanging[n] == RSV_NONE) deviation[n] = INFINITY;
+    for (size_t h = 0; h < e->hanging_count; h++) {
+        const rsv_hanging *hanging = &e->hanging[h];
+        float first = hanging->weight < 1 ? deviation[hanging->parent[0]] : 0;
+        float second = hanging->weight > 0 ? deviation[hanging->parent[1]] : 0;
+        deviation[hanging->node] = f_max(first, second);
     }
 }

@@ -16,6 +16,10 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
 /// Lets every cell do without its buried corners: they take the value of a corner of the same cell that
 /// is not buried, so that light does not fade to black where something stands on a surface, and does not
 /// pass through what stands there either.
-void rsv_elements_bridge_buried(rsv_elements *elements, const uint16_t *valid_points);
+rsv_status rsv_elements_bridge_buried(rsv_elements *elements, const uint16_t *valid_points);
+
+/// Marks nodes that say nothing, buried ones and those that hang on them, by an infinite deviation, so that
+/// rsv_find_bends does not take their zero for a shadow. @param deviation [node_count], others are kept
+void rsv_mark_buried(const rsv_elements *elements, const uint16_t *valid_points, float *deviation);
 
 #endif

@@ -11,8 +11,8 @@
 
 /// Splits cells that other geometry cuts, twice at most; those that reach from one side of a thin wall to the
 /// other, four times. Replaces `*elements`.
-rsv_status rsv_elements_refine_contacts(const rsv_transport_scene *scene, rsv_elements **elements,
-    uint64_t *rays);
+rsv_status rsv_elements_refine_contacts(
+    const rsv_transport_scene *scene, rsv_elements **elements, uint64_t *rays);
 
 /// Gives every side of a wall its own nodes where the wall runs along edges of cells.
 rsv_status rsv_elements_separate(const rsv_tracer *tracer, rsv_elements *elements, uint64_t *rays);

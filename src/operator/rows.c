@@ -538,3 +538,26 @@ void rsv_transport_apply(
         irradiance[row] = rgb_scale(sum, t->scale[row]);
     }
 }
+
+void rsv_transport_deviation(
+    const rsv_transport *transport, const rsv_rgb *exitance, float *deviation)
+{
+    const rsv_transport *t = transport;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(t->context))
+    for (size_t row = 0; row < t->row_count; row++) {
+        float sum = 0, squares = 0;
+        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
+            float luminance = rgb_luminance(exitance[t->column[k]]);
+            sum += luminance;
+            squares += luminance * luminance;
+        }
+        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
+            float luminance =
+                rgb_luminance(rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k]]));
+            sum += luminance;
+            squares += luminance * luminance;
+        }
+        float mean = sum * t->scale[row], variance = squares * t->scale[row] - mean * mean;
+        deviation[row] = sqrtf(f_max(variance, 0) * t->scale[row]);
+    }
+}

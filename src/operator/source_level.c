@@ -43,16 +43,17 @@ static rsv_status prepare_elements(level_builder *b)
     b->valid_points = rsv_alloc(e->context, e->node_count, sizeof *b->valid_points);
     if (!b->valid_points) return RSV_ERROR_MEMORY;
     status = rsv_find_buried(b->scene, e, RECEIVER_POINTS, b->desc->seed, b->valid_points, b->rays);
-    rsv_elements_bridge_buried(e, b->valid_points);
-    return status;
+    return status == RSV_OK ? rsv_elements_bridge_buried(e, b->valid_points) : status;
 }
 
 /// Estimates direct light at the nodes that `known` does not cover. (How many samples a node gets must not
 /// depend on its own samples: stopping early where all of them see the light would be biased.)
 static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint8_t *known)
 {
-    return rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS, samples,
-        b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
+    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS,
+        samples, b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
+    rsv_mark_buried(b->elements, b->valid_points, b->deviation);
+    return status;
 }
 
 static void free_photons(level_builder *b)

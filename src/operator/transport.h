@@ -45,6 +45,11 @@ void rsv_transport_destroy(rsv_transport *transport);
 void rsv_transport_apply(
     const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance);
 
+/// Estimated standard deviation of the luminance of each row of G exitance, from the spread of its rays.
+/// @param deviation [row_count]; 0 for rows that come out 0
+void rsv_transport_deviation(
+    const rsv_transport *transport, const rsv_rgb *exitance, float *deviation);
+
 size_t rsv_transport_entries(const rsv_transport *transport);
 
 #endif

@@ -121,18 +121,45 @@ static rsv_status sum_series(
     return rsv_progress(s->context, "solve", 1);
 }
 
+typedef struct luminance_range {
+    float low, high;
+} luminance_range;
+
+/// Luminance of a node and its neighbours.
+static luminance_range range_around(const rsv_elements *e, const rsv_rgb *value, size_t node)
+{
+    float own = rgb_luminance(value[node]);
+    luminance_range range = { own, own };
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
+        for (int k = 0; k < 3; k++) {
+            float luminance = rgb_luminance(value[e->cell_node[e->support[s] / 4][k]]);
+            range.low = f_min(range.low, luminance);
+            range.high = f_max(range.high, luminance);
+        }
+    }
+    return range;
+}
+
 /// Rows average over their node's hat function, so what was solved is M E rather than E, with M =
-/// rsv_elements_average. 3 M - 2 M^2 times it is E again to second order (M (3 M - 2 M^2) = I + O((I - M)^2)),
-/// most visibly at the borders of surfaces, and unlike 2 I - M it does not amplify noise. Where the light
-/// bends too sharply for that it could undershoot, never below 0.
+/// rsv_elements_average. 3 M - 2 M^2 times it is E again to second order (M (3 M - 2 M^2) = I +
+/// O((I - M)^2)), most visibly at the borders of surfaces, and unlike 2 I - M it does not amplify noise.
+/// Next to a jump it would overshoot: nodes there keep what was solved.
+#define SMOOTH_CONTRAST 2
+
 static void sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rgb *twice)
 {
     rsv_elements_average(e, value, once);
     rsv_elements_average(e, once, twice);
     for (size_t n = 0; n < e->node_count; n++) {
-        rsv_rgb v = rgb_sub(rgb_scale(once[n], 3), rgb_scale(twice[n], 2));
-        value[n] = rgb(f_max(v.r, 0), f_max(v.g, 0), f_max(v.b, 0));
+        luminance_range range = range_around(e, value, n);
+        rsv_rgb sharp = rgb_sub(rgb_scale(once[n], 3), rgb_scale(twice[n], 2));
+        float luminance = rgb_luminance(sharp);
+        bool smooth = range.high <= SMOOTH_CONTRAST * range.low && luminance >= range.low &&
+                      luminance <= range.high;
+        once[n] = smooth ? sharp : value[n]; // `once` is free as soon as it is read
     }
+    memcpy(value, once, e->node_count * sizeof *value);
+    rsv_elements_constrain(e, value);
 }
 
 rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)

@@ -11,8 +11,7 @@
 /// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
 #define COARSE_LIGHT_FACTOR 2
 #define PILOT_ORDERS 3
-/// Far above the pilot's noise: only gross errors are mended.
-#define PILOT_BEND 0.4f
+#define PILOT_BEND 0.2f
 
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
@@ -160,8 +159,7 @@ static rsv_status prepare_elements(rsv_solution *s)
     if (!s->valid_points) return RSV_ERROR_MEMORY;
     status = rsv_find_buried(
         &s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed, s->valid_points, &s->report.rays);
-    if (status == RSV_OK) rsv_elements_bridge_buried(s->elements, s->valid_points);
-    return status;
+    return status == RSV_OK ? rsv_elements_bridge_buried(s->elements, s->valid_points) : status;
 }
 
 static rsv_status assemble(rsv_solution *s, uint32_t rays)
@@ -193,18 +191,30 @@ static rsv_status refine_by_pilot(rsv_solution *s)
 {
     rsv_status status = RSV_OK;
     uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
-    if (!split) return RSV_ERROR_MEMORY;
+    size_t nodes = s->elements->node_count;
+    float *deviation = rsv_alloc(s->context, nodes, sizeof *deviation);
+    rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
+    if (!split || !deviation || !exitance) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
     RSV_TRY(create_albedos(s));
     RSV_TRY(assemble(s, PILOT_RAYS));
     RSV_TRY(create_source(s));
     RSV_TRY(rsv_solve_neumann(s, PILOT_ORDERS));
+    for (size_t n = 0; n < nodes; n++)
+        exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
+    rsv_transport_deviation(s->transport, exitance, deviation);
+    rsv_mark_buried(s->elements, s->valid_points, deviation);
     float mean = (float)rsv_elements_mean_luminance(s->elements, s->indirect);
-    RSV_TRY(
-        rsv_find_bends(s->elements, s->indirect, NULL, PILOT_BEND, 0.1f * mean, mark_pair, split));
+    RSV_TRY(rsv_find_bends(
+        s->elements, s->indirect, deviation, PILOT_BEND, 0.1f * mean, mark_pair, split));
     destroy_system(s);
     RSV_TRY(split_marked(s, split));
 cleanup:
     rsv_free(s->context, split);
+    rsv_free(s->context, deviation);
+    rsv_free(s->context, exitance);
     return status;
 }
 

@@ -108,7 +108,7 @@ static rows create_rows(world *w, float spacing, uint32_t ray_count)
     assert_int_equal(
         rsv_find_buried(&w->transport, r.elements, RSV_SUPPORT_POINTS, 1, r.valid_points, &r.rays),
         RSV_OK);
-    rsv_elements_bridge_buried(r.elements, r.valid_points);
+    assert_int_equal(rsv_elements_bridge_buried(r.elements, r.valid_points), RSV_OK);
     assert_int_equal(rsv_transport_create(&w->transport, w->lights, r.elements, r.valid_points,
                          ray_count, 1, &r.transport),
         RSV_OK);
