@@ -68,6 +68,10 @@ RSV_API void rsv_tracer_occluded_packet(
 /// @param extent largest absolute coordinate that entered the computation of `point`: of its triangle
 ///               (rsv_triangle_extent), or of the scene for a free point (rsv_scene_extent)
 RSV_API rsv_vec3 rsv_offset_origin(rsv_vec3 point, rsv_vec3 normal, float extent);
+/// Where the rays of a virtual receiver start: a point that lies on a surface is moved off it to the side of
+/// `normal` (unit), any other stays where it is.
+RSV_API rsv_vec3 rsv_tracer_receiver_origin(
+    const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 normal);
 RSV_API float rsv_triangle_extent(const rsv_scene_view *scene, uint32_t triangle);
 RSV_API float rsv_scene_extent(const rsv_scene_view *scene);
 

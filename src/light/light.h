@@ -7,6 +7,7 @@
 #define RSV_LIGHT_H
 
 #include "../bsdf/bsdf.h"
+#include "resolvent/trace.h"
 
 typedef struct rsv_emitter {
     rsv_vec3 corner[3];
@@ -66,14 +67,15 @@ float rsv_polygon_irradiance(const rsv_vec3 *corner, int corner_count, rsv_vec3 
 typedef struct rsv_local_lights {
     const rsv_lights *lights;
     rsv_vec3 point, normal;
-    uint32_t count;                 ///< entries below; 0 = selection by power
+    uint32_t count; ///< entries below; 0 = selection by power
     bool by_power;
     float probability[RSV_LOCAL_LIGHTS]; ///< per entry of lights->sampled
-    rsv_rgb unshadowed;             ///< irradiance of all sampled emitters without occlusion; only
-                                    ///< meaningful when !by_power
+    rsv_rgb unshadowed; ///< irradiance of all sampled emitters without occlusion; only
+                        ///< meaningful when !by_power
 } rsv_local_lights;
 
-void rsv_lights_at(const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
+void rsv_lights_at(
+    const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
 
 typedef struct rsv_light_sample {
     rsv_vec3 direction;    ///< unit, towards the source
@@ -86,17 +88,28 @@ typedef struct rsv_light_sample {
 /// Samples an emitter towards the receiver: uniform in the solid angle of the chosen triangle (Arvo
 /// 1995) where that is numerically sound, uniform in area otherwise. False if nothing can
 /// contribute.
-bool rsv_local_lights_sample(const rsv_local_lights *local, float u_select, float u1, float u2,
-    rsv_light_sample *sample);
+bool rsv_local_lights_sample(
+    const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample);
 
 /// Density with which rsv_local_lights_sample would have drawn the point at `distance` along
 /// `direction` on `emitter`.
-float rsv_local_lights_pdf(const rsv_local_lights *local, uint32_t emitter, rsv_vec3 direction,
-    float distance);
+float rsv_local_lights_pdf(
+    const rsv_local_lights *local, uint32_t emitter, rsv_vec3 direction, float distance);
 
 /// Light `index` of scene->light seen from `point`: unit direction to it, distance, and irradiance
 /// on a surface that faces it, without occlusion. False if nothing arrives.
-bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direction, float *distance,
-    rsv_rgb *irradiance);
+bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direction,
+    float *distance, rsv_rgb *irradiance);
+
+/// The segment that must be free for a sample's light to arrive, t_max = 1: from `origin` (off the receiver's
+/// surface) to the sampled point, moved off the emitter's surface likewise. Neither end depends on the
+/// other's distance, so lamps close to what they light do not shadow themselves.
+/// @param point the receiver the sample was drawn for
+rsv_ray rsv_emitter_ray(
+    const rsv_lights *lights, const rsv_light_sample *sample, rsv_vec3 point, rsv_vec3 origin);
+
+/// The same for a punctual light at `direction` and `distance` as rsv_punctual_light gives them.
+rsv_ray rsv_punctual_ray(
+    const rsv_light *light, rsv_vec3 direction, float distance, rsv_vec3 origin);
 
 #endif

@@ -47,17 +47,15 @@ static void clear_packet(rsv_ray_packet *packet)
         packet->t_max[k] = -1;
 }
 
-static void set_shadow_ray(
-    rsv_ray_packet *packet, int lane, rsv_vec3 origin, rsv_vec3 direction, float distance)
+static void set_shadow_ray(rsv_ray_packet *packet, uint32_t lane, rsv_ray ray)
 {
-    packet->origin_x[lane] = origin.x;
-    packet->origin_y[lane] = origin.y;
-    packet->origin_z[lane] = origin.z;
-    packet->direction_x[lane] = direction.x;
-    packet->direction_y[lane] = direction.y;
-    packet->direction_z[lane] = direction.z;
-    // stop short of the emitter's own surface by more than the rounding of its distance
-    packet->t_max[lane] = distance * (1 - 0x1p-14f);
+    packet->origin_x[lane] = ray.origin.x;
+    packet->origin_y[lane] = ray.origin.y;
+    packet->origin_z[lane] = ray.origin.z;
+    packet->direction_x[lane] = ray.direction.x;
+    packet->direction_y[lane] = ray.direction.y;
+    packet->direction_z[lane] = ray.direction.z;
+    packet->t_max[lane] = ray.t_max;
 }
 
 static bool faces_both(const rsv_surface_point *point, rsv_vec3 direction)
@@ -90,11 +88,13 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         rsv_sobol_2d(index, rsv_hash3(job->seed, node, 2), &select, &unused);
         rsv_light_sample sample;
         if (!rsv_local_lights_sample(&local[at], select, x, y, &sample)) continue;
-        if (!faces_both(&p->point[at], sample.direction)) continue;
         float cos = v3_dot(p->point[at].normal, sample.direction);
         contribution[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
+        // what the geometry hides from the shading normal is blocked like anything else
+        if (!faces_both(&p->point[at], sample.direction)) continue;
         entered[k] = rgb_mul(contribution[k], rsv_bsdf_entry(bsdf, cos));
-        set_shadow_ray(&packet, (int)k, p->origin[at], sample.direction, sample.distance);
+        set_shadow_ray(&packet, k,
+            rsv_emitter_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
     }
     rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
     for (int k = 0; k < LANES; k++) {
@@ -188,7 +188,8 @@ static rsv_rgb from_punctual(
                 continue;
             float cos = v3_dot(p->point[k].normal, direction);
             arriving[k] = rgb_mul(rgb_scale(arriving[k], cos), rsv_bsdf_entry(bsdf, cos));
-            set_shadow_ray(&packet, (int)k, p->origin[k], direction, distance);
+            set_shadow_ray(&packet, k,
+                rsv_punctual_ray(&job->scene->view->light[l], direction, distance, p->origin[k]));
         }
         rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
         for (uint32_t k = 0; k < p->count; k++)

@@ -233,8 +233,8 @@ static float guide(const photon_source *source, float choice, float *x, float *y
     if (choice < GUIDED_SHARE) {
         int row = invert(source->row_cdf, GUIDE_SIDE, y);
         int column = invert(source->cell_cdf + row * GUIDE_SIDE, GUIDE_SIDE, x);
-        *x = ((float)column + *x) / GUIDE_SIDE;
-        *y = ((float)row + *y) / GUIDE_SIDE;
+        *x = f_min(((float)column + *x) / GUIDE_SIDE, 0x1.fffffep-1f);
+        *y = f_min(((float)row + *y) / GUIDE_SIDE, 0x1.fffffep-1f);
     }
     int bin = (int)(*y * GUIDE_SIDE) * GUIDE_SIDE + (int)(*x * GUIDE_SIDE);
     return GUIDED_SHARE * source->density[bin] + (1 - GUIDED_SHARE);

@@ -321,7 +321,10 @@ rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_
             time_row(&a, (uint32_t)node, packets, &packet_sum, &single_sum);
             traced += rays;
         }
-        if (!packets) failed = true;
+        if (!packets) {
+#pragma omp atomic write
+            failed = true;
+        }
         rsv_free(context, packets);
     }
     *ray_count = traced;

@@ -144,13 +144,7 @@ static rsv_rgb diffuse_response(const surface *s, rsv_vec3 wi)
 static bool sees_emitter_point(
     const rsv_path_tracer *tracer, const surface *s, const rsv_light_sample *sample)
 {
-    const rsv_emitter *emitter = &tracer->lights->emitter[sample->emitter];
-    bool front = v3_dot(emitter->normal, sample->direction) < 0;
-    rsv_vec3 side = front ? emitter->normal : v3_neg(emitter->normal);
-    rsv_vec3 target = rsv_offset_origin(v3_mad(s->point, sample->distance, sample->direction), side,
-        rsv_triangle_extent(tracer->scene, emitter->triangle));
-    rsv_vec3 origin = leaving_point(s, false);
-    rsv_ray ray = { origin, v3_sub(target, origin), 1 };
+    rsv_ray ray = rsv_emitter_ray(tracer->lights, sample, s->point, leaving_point(s, false));
     return !rsv_tracer_occluded(tracer->tracer, &ray);
 }
 

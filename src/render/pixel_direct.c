@@ -4,9 +4,6 @@
 
 #include <string.h>
 
-/// Shadow rays stop short of the source by more than the rounding of its distance.
-#define STOP_SHORT (1 - 0x1p-14f)
-
 void rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution, uint32_t samples)
 {
     memset(d, 0, sizeof *d);
@@ -38,17 +35,16 @@ static rsv_direct_term *push_term(rsv_pixel_direct *d, rsv_direct_term term)
     return &d->term[d->term_count++];
 }
 
-static void push_shadow_ray(
-    rsv_pixel_direct *d, rsv_vec3 origin, rsv_vec3 direction, float distance)
+static void push_shadow_ray(rsv_pixel_direct *d, rsv_ray ray)
 {
     uint32_t k = d->pending++;
-    d->packet.origin_x[k] = origin.x;
-    d->packet.origin_y[k] = origin.y;
-    d->packet.origin_z[k] = origin.z;
-    d->packet.direction_x[k] = direction.x;
-    d->packet.direction_y[k] = direction.y;
-    d->packet.direction_z[k] = direction.z;
-    d->packet.t_max[k] = distance * STOP_SHORT;
+    d->packet.origin_x[k] = ray.origin.x;
+    d->packet.origin_y[k] = ray.origin.y;
+    d->packet.origin_z[k] = ray.origin.z;
+    d->packet.direction_x[k] = ray.direction.x;
+    d->packet.direction_y[k] = ray.direction.y;
+    d->packet.direction_z[k] = ray.direction.z;
+    d->packet.t_max[k] = ray.t_max;
     d->owner[k] = d->term_count - 1;
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
@@ -76,14 +72,16 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
     float x, y, select = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 3));
     rsv_stratified_2d(sample, d->samples, rsv_hash2(seed, 4), &x, &y);
     rsv_light_sample light;
-    bool useful =
-        rsv_local_lights_sample(&local, select, x, y, &light) && faces_both(point, light.direction);
+    bool useful = rsv_local_lights_sample(&local, select, x, y, &light);
     if (useful) {
         float cos = v3_dot(point->normal, light.direction);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
         term.sampled = rgb_scale(rgb_mul(entered, light.radiance), cos / light.pdf_solid_angle);
+        // what the geometry hides from the shading normal is blocked like anything else
+        useful = faces_both(point, light.direction);
     }
-    if (push_term(d, term) && useful) push_shadow_ray(d, origin, light.direction, light.distance);
+    if (push_term(d, term) && useful)
+        push_shadow_ray(d, rsv_emitter_ray(s->lights, &light, point->position, origin));
 }
 
 static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
@@ -102,7 +100,8 @@ static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(surface_bsdf(s, chain), cos));
         rsv_direct_term term = { .column = column,
             .sampled = rgb_scale(rgb_mul(entered, irradiance), cos) };
-        if (push_term(d, term)) push_shadow_ray(d, origin, direction, distance);
+        if (push_term(d, term))
+            push_shadow_ray(d, rsv_punctual_ray(&view->light[l], direction, distance, origin));
     }
 }
 
@@ -149,9 +148,8 @@ rsv_status rsv_pixel_direct_resolve(
     return d->status;
 }
 
-static bool is_open(const rsv_solution *s, rsv_vec3 origin, rsv_vec3 direction, float distance)
+static bool is_open(const rsv_solution *s, rsv_ray ray)
 {
-    rsv_ray ray = { origin, direction, distance * STOP_SHORT };
     return !rsv_tracer_occluded(s->tracer, &ray);
 }
 
@@ -169,7 +167,7 @@ rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rs
         float select = rsv_random_float(random), x = rsv_random_float(random);
         if (rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) &&
             faces_both(&point, light.direction) &&
-            is_open(s, origin, light.direction, light.distance)) {
+            is_open(s, rsv_emitter_ray(s->lights, &light, point.position, origin))) {
             float cos = v3_dot(point.normal, light.direction);
             rsv_rgb entered = rgb_mul(light.radiance, rsv_bsdf_entry(bsdf, cos));
             sum = rgb_scale(entered, cos / light.pdf_solid_angle);
@@ -181,7 +179,8 @@ rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rs
         rsv_rgb irradiance;
         if (!rsv_punctual_light(
                 &s->scene.view->light[l], point.position, &direction, &distance, &irradiance) ||
-            !faces_both(&point, direction) || !is_open(s, origin, direction, distance))
+            !faces_both(&point, direction) ||
+            !is_open(s, rsv_punctual_ray(&s->scene.view->light[l], direction, distance, origin)))
             continue;
         float cos = v3_dot(point.normal, direction);
         sum = rgb_add(sum, rgb_mul(rgb_scale(irradiance, cos), rsv_bsdf_entry(bsdf, cos)));

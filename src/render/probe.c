@@ -8,7 +8,6 @@
 #define ROUNDING 1e-6
 /// Sources that cover a larger share of the scene are found by gather rays even behind glass and mirrors.
 #define LARGE_SOURCE_SHARE 0.02
-#define STOP_SHORT (1 - 0x1p-14f)
 
 typedef struct probe_job {
     const rsv_solution *solution;
@@ -45,7 +44,11 @@ static void find_surface(receiver *r)
         return;
     rsv_chain chain = rsv_chain_begin(&s->scene, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
     uint32_t face = s->elements->face_of[chain.back][hit.triangle];
-    if (face == RSV_NONE) return;
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, hit.triangle, hit.u, hit.v, chain.back);
+    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[hit.triangle]];
+    // what is stored is the light that enters this surface: of use to receivers that lie flat on it
+    if (face == RSV_NONE || bsdf->coated || v3_dot(point.normal, r->normal) < 0.999f) return;
     r->caustic = rsv_elements_interpolate(s->fine.elements, s->fine.caustic, face, hit.u, hit.v);
     r->has_caustic = true;
 }
@@ -53,43 +56,79 @@ static void find_surface(receiver *r)
 static receiver set_up_receiver(const probe_job *job, const rsv_probe *probe)
 {
     receiver r = { .position = probe->position, .normal = v3_normalize(probe->normal), .job = job };
-    r.origin = rsv_offset_origin(r.position, r.normal, rsv_scene_extent(job->solution->scene.view));
+    r.origin = rsv_tracer_receiver_origin(job->solution->tracer, r.position, r.normal);
     find_surface(&r);
     return r;
 }
 
-static bool is_open(const receiver *r, rsv_vec3 direction, float distance)
+static bool is_open(const receiver *r, rsv_ray ray)
 {
-    rsv_ray ray = { r->origin, direction, distance * STOP_SHORT };
     return !rsv_tracer_occluded(r->job->solution->tracer, &ray);
 }
 
-static float ratio(float exact, float visible, float sampled)
-{
-    return sampled > 0 ? exact * (visible / sampled) : 0;
-}
+/// Sums over the light samples of one group: unshadowed, and of the visible ones.
+typedef struct emitter_sums {
+    rsv_rgb open, visible;
+} emitter_sums;
 
-/// Unshadowed irradiance in closed form times sampled visibility, as at the elements.
-static rsv_rgb from_emitters(const receiver *r, const rsv_local_lights *local, uint32_t stream)
+static emitter_sums sample_emitters(
+    const receiver *r, const rsv_local_lights *local, uint32_t stream)
 {
-    rsv_rgb visible = rgb_gray(0), sampled = rgb_gray(0);
+    emitter_sums sums = { 0 };
     uint32_t count = r->job->light_samples;
-    if (!local->by_power && rgb_is_black(local->unshadowed)) return visible;
     for (uint32_t k = 0; k < count; k++) {
         float x, y, select = rsv_stratified_1d(k, count, rsv_hash2(stream, 1));
         rsv_sobol_2d(k, rsv_hash2(stream, 2), &x, &y);
         rsv_light_sample light;
         if (!rsv_local_lights_sample(local, select, x, y, &light)) continue;
         float cos = f_max(v3_dot(r->normal, light.direction), 0);
-        rsv_rgb arriving = rgb_scale(light.radiance, cos / light.pdf_solid_angle);
-        sampled = rgb_add(sampled, arriving);
-        if (cos > 0 && is_open(r, light.direction, light.distance))
-            visible = rgb_add(visible, arriving);
+        rsv_rgb arriving = rgb_scale(light.radiance, cos / (light.pdf_solid_angle * (float)count));
+        sums.open = rgb_add(sums.open, arriving);
+        if (cos > 0 && is_open(r, rsv_emitter_ray(local->lights, &light, r->position, r->origin)))
+            sums.visible = rgb_add(sums.visible, arriving);
     }
-    if (local->by_power) return rgb_scale(visible, 1 / (float)count);
-    return rgb(ratio(local->unshadowed.r, visible.r, sampled.r),
-        ratio(local->unshadowed.g, visible.g, sampled.g),
-        ratio(local->unshadowed.b, visible.b, sampled.b));
+    return sums;
+}
+
+/// One channel of each group's estimate: unshadowed irradiance in closed form times sampled visibility, as at
+/// the elements. The ratio is taken over all groups together (a ratio of few samples is biased) and linearised
+/// for each.
+static void ratio_estimates(
+    float exact, const float visible[GROUPS], const float open[GROUPS], double value[GROUPS])
+{
+    double all_visible = 0, all_open = 0;
+    for (int g = 0; g < GROUPS; g++) {
+        all_visible += visible[g];
+        all_open += open[g];
+    }
+    if (!(all_open > 0)) return;
+    double share = all_visible / all_open;
+    for (int g = 0; g < GROUPS; g++)
+        value[g] += exact * (share + (visible[g] - share * open[g]) * GROUPS / all_open);
+}
+
+/// Adds the light of the emitters to each group's reading.
+static void add_emitters(const receiver *r, uint32_t index, double value[3][GROUPS])
+{
+    const rsv_lights *lights = r->job->solution->lights;
+    if (lights->sampled_count == 0) return;
+    rsv_local_lights local;
+    rsv_lights_at(lights, r->position, r->normal, &local);
+    if (!local.by_power && rgb_is_black(local.unshadowed)) return;
+    float visible[3][GROUPS], open[3][GROUPS];
+    for (uint32_t g = 0; g < GROUPS; g++) {
+        emitter_sums sums = sample_emitters(r, &local, rsv_hash(rsv_hash3(r->job->seed, index, g)));
+        visible[0][g] = sums.visible.r, visible[1][g] = sums.visible.g,
+        visible[2][g] = sums.visible.b;
+        open[0][g] = sums.open.r, open[1][g] = sums.open.g, open[2][g] = sums.open.b;
+    }
+    for (int c = 0; c < 3 && local.by_power; c++)
+        for (int g = 0; g < GROUPS; g++)
+            value[c][g] += visible[c][g];
+    if (local.by_power) return;
+    const float exact[3] = { local.unshadowed.r, local.unshadowed.g, local.unshadowed.b };
+    for (int c = 0; c < 3; c++)
+        ratio_estimates(exact[c], visible[c], open[c], value[c]);
 }
 
 static rsv_rgb from_punctual(const receiver *r)
@@ -103,7 +142,9 @@ static rsv_rgb from_punctual(const receiver *r)
         if (!rsv_punctual_light(&view->light[l], r->position, &direction, &distance, &irradiance))
             continue;
         float cos = v3_dot(r->normal, direction);
-        if (cos > 0 && is_open(r, direction, distance)) sum = rgb_mad(sum, cos, irradiance);
+        if (cos > 0 &&
+            is_open(r, rsv_punctual_ray(&view->light[l], direction, distance, r->origin)))
+            sum = rgb_mad(sum, cos, irradiance);
     }
     return sum;
 }
@@ -156,35 +197,33 @@ static rsv_rgb gather(const receiver *r, uint32_t stream)
     return rgb_scale(sum, RSV_PI / (float)r->job->gather_rays);
 }
 
-static float standard_error(double sum, double squares)
+/// Mean and standard error of the groups' readings.
+static void summarise(const double value[GROUPS], float *mean, float *error)
 {
-    double mean = sum / GROUPS, variance = fmax(squares / GROUPS - mean * mean, 0);
-    return (float)fmax(sqrt(variance / (GROUPS - 1)), ROUNDING * fabs(mean));
+    double sum = 0, squares = 0;
+    for (int g = 0; g < GROUPS; g++)
+        sum += value[g];
+    for (int g = 0; g < GROUPS; g++)
+        squares += (value[g] - sum / GROUPS) * (value[g] - sum / GROUPS);
+    *mean = (float)(sum / GROUPS);
+    *error = (float)fmax(sqrt(squares / (GROUPS * (GROUPS - 1.0))), ROUNDING * fabs(sum / GROUPS));
 }
 
 static rsv_probe_reading read_probe(const probe_job *job, const rsv_probe *probe, uint32_t index)
 {
     receiver r = set_up_receiver(job, probe);
     rsv_rgb steady = rgb_add(from_punctual(&r), r.caustic);
-    rsv_local_lights local = { 0 };
-    if (job->solution->lights->sampled_count)
-        rsv_lights_at(job->solution->lights, r.position, r.normal, &local);
-    double sum[3] = { 0 }, squares[3] = { 0 };
+    double value[3][GROUPS];
     for (uint32_t g = 0; g < GROUPS; g++) {
-        uint32_t stream = rsv_hash3(job->seed, index, g);
-        rsv_rgb e = rgb_add(steady, gather(&r, stream));
-        if (job->solution->lights->sampled_count)
-            e = rgb_add(e, from_emitters(&r, &local, rsv_hash(stream)));
-        const double value[3] = { e.r, e.g, e.b };
-        for (int c = 0; c < 3; c++) {
-            sum[c] += value[c];
-            squares[c] += value[c] * value[c];
-        }
+        rsv_rgb e = rgb_add(steady, gather(&r, rsv_hash3(job->seed, index, g)));
+        value[0][g] = e.r, value[1][g] = e.g, value[2][g] = e.b;
     }
-    return (rsv_probe_reading){ rgb((float)(sum[0] / GROUPS), (float)(sum[1] / GROUPS),
-                                    (float)(sum[2] / GROUPS)),
-        rgb(standard_error(sum[0], squares[0]), standard_error(sum[1], squares[1]),
-            standard_error(sum[2], squares[2])) };
+    add_emitters(&r, index, value);
+    rsv_probe_reading reading;
+    summarise(value[0], &reading.irradiance.r, &reading.standard_error.r);
+    summarise(value[1], &reading.irradiance.g, &reading.standard_error.g);
+    summarise(value[2], &reading.irradiance.b, &reading.standard_error.b);
+    return reading;
 }
 
 static rsv_probe_reading look_up(const rsv_solution *s, const rsv_probe *probe)

@@ -120,7 +120,8 @@ static void destroy_system(rsv_solution *s)
 
 static rsv_status create_fine_level(rsv_solution *s)
 {
-    bool caustics = s->desc.photon_count > 0 && rsv_photons_wanted(&s->scene, s->lights);
+    bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
+                    rsv_photons_wanted(&s->scene, s->lights);
     bool sampled = s->lights->sampled_count > 0 || s->scene.view->light_count > 0;
     bool direct = s->desc.direct_level && sampled;
     if (!caustics && !direct) return RSV_OK;

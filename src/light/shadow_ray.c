@@ -1,0 +1,19 @@
+#include "light.h"
+
+rsv_ray rsv_emitter_ray(
+    const rsv_lights *lights, const rsv_light_sample *sample, rsv_vec3 point, rsv_vec3 origin)
+{
+    const rsv_emitter *emitter = &lights->emitter[sample->emitter];
+    bool front = v3_dot(emitter->normal, sample->direction) < 0;
+    rsv_vec3 side = front ? emitter->normal : v3_neg(emitter->normal);
+    rsv_vec3 target = rsv_offset_origin(v3_mad(point, sample->distance, sample->direction), side,
+        rsv_triangle_extent(lights->scene, emitter->triangle));
+    return (rsv_ray){ origin, v3_sub(target, origin), 1 };
+}
+
+rsv_ray rsv_punctual_ray(
+    const rsv_light *light, rsv_vec3 direction, float distance, rsv_vec3 origin)
+{
+    if (!(distance < INFINITY)) return (rsv_ray){ origin, direction, INFINITY };
+    return (rsv_ray){ origin, v3_sub(light->position, origin), 1 };
+}
