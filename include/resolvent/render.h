@@ -42,7 +42,7 @@ RSV_API rsv_status rsv_render_reference(
 
 typedef enum rsv_probe_mode {
     RSV_PROBE_LOOKUP,   ///< the stored solution at the nearest surface point
-    RSV_PROBE_OPERATOR, ///< one gather through it (default)
+    RSV_PROBE_OPERATOR, ///< one gather through it, direct light sampled (default)
     RSV_PROBE_REFERENCE ///< path traced
 } rsv_probe_mode;
 

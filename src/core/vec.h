@@ -56,12 +56,12 @@ RSV_INLINE rsv_vec3 v3_max(rsv_vec3 a, rsv_vec3 b)
 {
     return v3(f_max(a.x, b.x), f_max(a.y, b.y), f_max(a.z, b.z));
 }
-/// (1 - u - v) a + u b + v c
+/// (1 - u - v) a + u b + v c, in double: a point of a triangle lies in its plane to its own last place.
 RSV_INLINE rsv_vec3 v3_barycentric(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, float u, float v)
 {
-    float w = 1 - u - v;
-    return v3(
-        w * a.x + u * b.x + v * c.x, w * a.y + u * b.y + v * c.y, w * a.z + u * b.z + v * c.z);
+    double p = u, q = v, o = 1 - p - q;
+    return v3((float)(o * a.x + p * b.x + q * c.x), (float)(o * a.y + p * b.y + q * c.y),
+        (float)(o * a.z + p * b.z + q * c.z));
 }
 
 /// Two unit tangents that make a right-handed frame (t, b, n) with unit n (Duff et al. 2017).

@@ -1,6 +1,7 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
 #include "../core/stratified.h"
 #include "../solve/solution.h"
+#include "pixel_direct.h"
 #include "resolvent/render.h"
 
 #define GROUPS 32 ///< independent randomisations: their spread is the standard error
@@ -175,8 +176,12 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
     uint32_t face = s->elements->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return radiance;
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[end->triangle]];
-    rsv_rgb irradiance = rgb_add(rsv_solution_direct(s, face, end->u, end->v, false),
-        rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
+    // Direct light at the far end is sampled there and then: what elements cannot resolve of it must not enter a
+    // reading. All further light is looked up.
+    rsv_rgb direct = rgb_add(
+        rsv_solution_direct(s, face, end->u, end->v, true), rsv_sampled_irradiance(s, end, random));
+    rsv_rgb irradiance =
+        rgb_add(direct, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
     rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, irradiance);
     return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
 }

@@ -5,10 +5,10 @@
 
 rsv_vec3 rsv_offset_origin(rsv_vec3 point, rsv_vec3 normal, float extent)
 {
-    // A point interpolated from vertices of size M is off by a few ulp(M), and the intersection test
-    // adds a few more. 64 ulp clear both: 4 um for coordinates around half a metre.
+    // The intersection test subtracts the origin from vertices of size M and is off by a few ulp(M); a point
+    // interpolated in double is off by less. 8 ulp clear both: 0.5 um for coordinates around half a metre.
     float scale = f_max(extent, v3_max_abs(point));
-    return v3_mad(point, 0x1p-17f * f_max(scale, 0x1p-60f), normal);
+    return v3_mad(point, 0x1p-20f * f_max(scale, 0x1p-60f), normal);
 }
 
 float rsv_triangle_extent(const rsv_scene_view *scene, uint32_t triangle)
@@ -26,11 +26,11 @@ float rsv_scene_extent(const rsv_scene_view *scene)
 rsv_vec3 rsv_tracer_receiver_origin(const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 normal)
 {
     const rsv_scene_view *scene = rsv_scene_get_view(rsv_tracer_scene(tracer));
-    // Looked for with the scene's rounding, moved with that of the triangle found: in a small room on a large
-    // floor the former can be millimetres.
-    rsv_vec3 above = rsv_offset_origin(point, normal, rsv_scene_extent(scene));
-    float lift = v3_length(v3_sub(above, point));
-    rsv_ray down = { above, v3_neg(normal), 2 * lift };
+    // Looked for within many times the scene's rounding (points come from text, and planes are tilted), moved by
+    // that of the triangle found: in a small room on a large floor the former can be millimetres.
+    float reach = 0x1p-16f * rsv_scene_extent(scene);
+    rsv_vec3 above = v3_mad(point, reach, normal);
+    rsv_ray down = { above, v3_neg(normal), 2 * reach };
     rsv_hit hit;
     if (!rsv_tracer_closest(tracer, &down, &hit)) return point;
     rsv_vec3 surface = v3_mad(above, -hit.t, normal);
