@@ -265,6 +265,10 @@ static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc
     if (desc->samples == 0 || (uint64_t)desc->samples * desc->width > UINT32_MAX)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "render: %u samples per pixel are not possible", desc->samples);
+    if ((uint64_t)desc->samples * desc->gather_rays > 1u << 30)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "render: %u samples of %u gather rays are too many for a pixel", desc->samples,
+            desc->gather_rays);
     if (desc->camera >= solution->scene.view->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: camera %u does not exist, the scene has %zu",
             desc->camera, solution->scene.view->camera_count);

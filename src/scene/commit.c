@@ -15,6 +15,42 @@ static bounding_box find_bounds(const rsv_scene *scene)
     return bounds;
 }
 
+/// Squares and products of coordinates must stay within float, and the scene must be larger than the rounding
+/// of where it lies.
+#define LARGEST_COORDINATE 1e9f
+#define SMALLEST_SIZE 1e-12f
+
+static const char *name_of_farthest(const rsv_scene *scene)
+{
+    uint32_t farthest = 0;
+    float distance = -1;
+    for (size_t t = 0; t < scene->triangle_count; t++) {
+        float reach = v3_max_abs(scene->position[scene->triangle[t][0]]);
+        if (reach > distance) farthest = scene->triangle_object[t];
+        distance = f_max(distance, reach);
+    }
+    return scene->object_name[farthest];
+}
+
+static rsv_status check_size(const rsv_scene *scene, bounding_box bounds)
+{
+    float reach = f_max(v3_max_abs(bounds.low), v3_max_abs(bounds.high));
+    float size = v3_max_abs(v3_sub(bounds.high, bounds.low));
+    if (!(reach <= LARGEST_COORDINATE))
+        return rsv_fail(RSV_ERROR_SCENE,
+            "object '%s' reaches to a coordinate of %.3g m: scale the scene to below %.0e m",
+            name_of_farthest(scene), reach, LARGEST_COORDINATE);
+    if (!(size >= SMALLEST_SIZE))
+        return rsv_fail(RSV_ERROR_SCENE,
+            "the whole scene is %.3g m across: scale it to more than %.0e m", size, SMALLEST_SIZE);
+    if (size < 1e-3f * reach)
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "the scene is %.3g m across but lies %.3g m from the origin: single precision leaves "
+            "it few digits; move it to the origin",
+            size, reach);
+    return RSV_OK;
+}
+
 static void fill_view(rsv_scene *scene, bounding_box bounds)
 {
     scene->view = (rsv_scene_view){
@@ -72,6 +108,7 @@ rsv_status rsv_scene_commit(rsv_scene *scene)
     if (!scene->triangle_count)
         return rsv_fail(RSV_ERROR_SCENE, "the scene has no triangles: there is nothing to light");
     bounding_box bounds = find_bounds(scene);
+    RSV_TRY(check_size(scene, bounds));
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
     if (!has_light(scene))

@@ -54,10 +54,13 @@ static rsv_status check_desc(const rsv_solve_desc *desc)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "solve: rays_per_element is %u; it must be a power of two from 64 to 4096",
             desc->rays_per_element);
-    if (!is_power_of_two(desc->light_samples) || desc->light_samples < 16)
+    if (!is_power_of_two(desc->light_samples) || desc->light_samples < 16 ||
+        desc->light_samples > 65536)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "solve: light_samples is %u; it must be a power of two of at least 16",
+            "solve: light_samples is %u; it must be a power of two from 16 to 65536",
             desc->light_samples);
+    if (desc->max_orders == 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: max_orders must be positive");
     if (!(desc->tolerance > 0))
         return rsv_fail(RSV_ERROR_ARGUMENT, "solve: tolerance must be positive");
     return RSV_OK;
@@ -232,6 +235,23 @@ cleanup:
     return status;
 }
 
+/// Errors of the operator are amplified by about 1 / (1 - norm): beyond this the reader must know.
+#define WORRYING_NORM 0.98
+
+static void warn_if_unbounded(const rsv_solution *s)
+{
+    const rsv_solve_report *report = &s->report;
+    if (report->stop_reason == RSV_STOP_MAX_ORDERS)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: stopped after %u orders of light with a residual of %.3g W/m2",
+            report->iterations, report->residual_inf);
+    else if (report->stop_reason == RSV_STOP_CONVERGED && report->norm_inf > WORRYING_NORM)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: the scene absorbs almost nothing (operator norm %.4f): small errors of the "
+            "operator weigh heavily; use a higher quality or lower the albedos",
+            report->norm_inf);
+}
+
 static rsv_status build(rsv_solution *s)
 {
     rsv_status status;
@@ -256,6 +276,7 @@ static rsv_status build(rsv_solution *s)
     s->report.entries = rsv_transport_entries(s->transport);
     RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
     s->report.time_solve = rsv_seconds() - assembled;
+    warn_if_unbounded(s);
 cleanup:
     return status;
 }

@@ -20,6 +20,8 @@ refuses 1 'cuda' render furnace "${picture[@]}" --device cuda
 refuses 1 'env' render furnace "${picture[@]}" --env sky.hdr
 refuses 1 'missing.exr' compare missing.exr missing.exr
 
+refuses 1 'gather' render furnace "${picture[@]}" --spp 65536 --gather 65536
+
 # -- broken glTF
 
 succeeds scene cornell-blocks -o box.glb
