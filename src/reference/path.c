@@ -274,12 +274,14 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
         .ior = 1,
         .diffuse = 1,
         .lambert = true };
+    rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, point, normal);
+    float lift = v3_length(v3_sub(origin, point));
     surface receiver = { .bsdf = &white,
         .point = point,
         .wo = normal,
         .geometric_normal = normal,
         .normal = normal,
-        .extent = rsv_scene_extent(tracer->scene),
+        .extent = 0x1p20f * lift, // what rsv_offset_origin makes the lift of
         .triangle = RSV_NONE,
         .front = true };
     light_path path;
