@@ -58,11 +58,6 @@ static void set_shadow_ray(rsv_ray_packet *packet, uint32_t lane, rsv_ray ray)
     packet->t_max[lane] = ray.t_max;
 }
 
-static bool faces_both(const rsv_surface_point *point, rsv_vec3 direction)
-{
-    return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
-}
-
 /// Sums over the samples of one node.
 typedef struct emitter_sums {
     rsv_rgb open;          ///< f / p, visible or not
@@ -91,7 +86,7 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         float cos = v3_dot(p->point[at].normal, sample.direction);
         contribution[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
         // what the geometry hides from the shading normal is blocked like anything else
-        if (!faces_both(&p->point[at], sample.direction)) continue;
+        if (!rsv_surface_faces(&p->point[at], sample.direction)) continue;
         entered[k] = rgb_mul(contribution[k], rsv_bsdf_entry(bsdf, cos));
         set_shadow_ray(&packet, k,
             rsv_emitter_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
@@ -184,7 +179,7 @@ static rsv_rgb from_punctual(
             if (!(p->valid >> k & 1) ||
                 !rsv_punctual_light(&job->scene->view->light[l], p->point[k].position, &direction,
                     &distance, &arriving[k]) ||
-                !faces_both(&p->point[k], direction))
+                !rsv_surface_faces(&p->point[k], direction))
                 continue;
             float cos = v3_dot(p->point[k].normal, direction);
             arriving[k] = rgb_mul(rgb_scale(arriving[k], cos), rsv_bsdf_entry(bsdf, cos));

@@ -165,6 +165,12 @@ typedef struct rsv_surface_point {
 rsv_surface_point rsv_surface_point_at(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back);
 
+/// Whether light from `direction` is above the surface by both of its normals.
+RSV_INLINE bool rsv_surface_faces(const rsv_surface_point *point, rsv_vec3 direction)
+{
+    return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
+}
+
 /// Area of a triangle of the scene, m2.
 float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
 

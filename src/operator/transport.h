@@ -3,8 +3,9 @@
 ///
 /// Row i holds the ends of its gather rays. Rays are cosine-distributed, so that each counts the same:
 /// an end without colour is a bare element index and carries the weight 1 / (rays of the row); ends of
-/// chains that met coloured glass or metal carry an RGB factor besides. Row sums are at most 1 because
-/// a ray ends once: energy conservation by construction.
+/// chains that met coloured glass or metal carry an RGB factor besides. Without coats
+/// and tints row sums are at most 1 because a ray ends once: energy conservation by construction. With them
+/// it holds on average over the rays, and a row can exceed 1 by its sampling noise.
 #ifndef RSV_TRANSPORT_H
 #define RSV_TRANSPORT_H
 

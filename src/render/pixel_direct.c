@@ -54,11 +54,6 @@ static const rsv_bsdf *surface_bsdf(const rsv_solution *s, const rsv_chain *chai
     return &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
 }
 
-static bool faces_both(const rsv_surface_point *point, rsv_vec3 direction)
-{
-    return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
-}
-
 static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
     const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column,
     uint32_t sample, uint32_t seed)
@@ -78,7 +73,7 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
         term.sampled = rgb_scale(rgb_mul(entered, light.radiance), cos / light.pdf_solid_angle);
         // what the geometry hides from the shading normal is blocked like anything else
-        useful = faces_both(point, light.direction);
+        useful = rsv_surface_faces(point, light.direction);
     }
     if (push_term(d, term) && useful)
         push_shadow_ray(d, rsv_emitter_ray(s->lights, &light, point->position, origin));
@@ -94,7 +89,7 @@ static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
         rsv_rgb irradiance;
         if (!rsv_punctual_light(
                 &view->light[l], point->position, &direction, &distance, &irradiance) ||
-            !faces_both(point, direction))
+            !rsv_surface_faces(point, direction))
             continue;
         float cos = v3_dot(point->normal, direction);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(surface_bsdf(s, chain), cos));
@@ -166,7 +161,7 @@ rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rs
         rsv_lights_at(s->lights, point.position, point.normal, &local);
         float select = rsv_random_float(random), x = rsv_random_float(random);
         if (rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) &&
-            faces_both(&point, light.direction) &&
+            rsv_surface_faces(&point, light.direction) &&
             is_open(s, rsv_emitter_ray(s->lights, &light, point.position, origin))) {
             float cos = v3_dot(point.normal, light.direction);
             rsv_rgb entered = rgb_mul(light.radiance, rsv_bsdf_entry(bsdf, cos));
@@ -179,7 +174,7 @@ rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rs
         rsv_rgb irradiance;
         if (!rsv_punctual_light(
                 &s->scene.view->light[l], point.position, &direction, &distance, &irradiance) ||
-            !faces_both(&point, direction) ||
+            !rsv_surface_faces(&point, direction) ||
             !is_open(s, rsv_punctual_ray(&s->scene.view->light[l], direction, distance, origin)))
             continue;
         float cos = v3_dot(point.normal, direction);

@@ -5,7 +5,8 @@
 ///
 ///     sum_i  S_i V_i + a_i (A_i - S_i)
 ///
-/// is unbiased, because a_i does not depend on sample i, and free of noise where all samples see the light.
+/// is free of noise where all samples see the light, and unbiased as far as the others tell nothing of sample i.
+/// Samples of a pixel are stratified against each other, so a bias of order 1 / samples remains in penumbrae.
 #ifndef RSV_PIXEL_DIRECT_H
 #define RSV_PIXEL_DIRECT_H
 
