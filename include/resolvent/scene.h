@@ -33,6 +33,18 @@ typedef struct rsv_material {
     rsv_rgb emission;           ///< emitted radiance from the front, W/(sr m2)
     bool double_sided;          ///< both sides scatter and emit alike
     bool unlit; ///< shows base_color as radiance to the camera; black in light transport
+
+    float clearcoat;           ///< share of a dielectric layer (ior 1.5) over everything else
+    float clearcoat_roughness; ///< perceptual
+    rsv_rgb sheen_color;       ///< reflectance of upright fibres at grazing angles; black = none
+    float sheen_roughness;     ///< perceptual
+    /// Share of the diffuse lobe that leaves on the other side of a thin sheet, and its tint.
+    float diffuse_transmission;
+    rsv_rgb diffuse_transmission_color;
+    /// Mean free path of light that enters and scatters below the surface, metres per channel, after
+    /// which it leaves with `base_color` as its total reflectance; black = leaves where it entered.
+    rsv_rgb scatter_distance;
+    float opacity; ///< coverage: light passes unchanged through the rest
 } rsv_material;
 
 RSV_API rsv_material rsv_default_material(void);

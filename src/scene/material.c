@@ -12,6 +12,8 @@ rsv_material rsv_default_material(void)
         .specular_color = { 1, 1, 1 },
         .attenuation_color = { 1, 1, 1 },
         .attenuation_distance = INFINITY,
+        .diffuse_transmission_color = { 1, 1, 1 },
+        .opacity = 1,
     };
 }
 
@@ -51,6 +53,14 @@ void rsv_material_clamp(const rsv_context *context, rsv_material *material)
         { clamp(&material->attenuation_distance, 1e-30f, INFINITY, INFINITY),
             "attenuation_distance" },
         { clamp_rgb(&material->emission, largest, 0), "emission" },
+        { clamp(&material->clearcoat, 0, 1, 0), "clearcoat" },
+        { clamp(&material->clearcoat_roughness, 0, 1, 0), "clearcoat_roughness" },
+        { clamp_rgb(&material->sheen_color, 1, 0), "sheen_color" },
+        { clamp(&material->sheen_roughness, 0, 1, 0), "sheen_roughness" },
+        { clamp(&material->diffuse_transmission, 0, 1, 0), "diffuse_transmission" },
+        { clamp_rgb(&material->diffuse_transmission_color, 1, 1), "diffuse_transmission_color" },
+        { clamp_rgb(&material->scatter_distance, largest, 0), "scatter_distance" },
+        { clamp(&material->opacity, 0, 1, 1), "opacity" },
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
         if (fields[i].changed)
