@@ -10,7 +10,7 @@
 
 static const char help[] = "usage: resolvent info SCENE [--json]\n"
                            "\n"
-                           "Says what SCENE (a .gltf or .glb file, or a built-in scene) holds once "
+                           "Says what SCENE (a file or a built-in scene) holds once "
                            "its instances are placed:\n"
                            "counts, bounds, area, objects, materials, lights and cameras.\n"
                            "\n"

@@ -12,7 +12,7 @@
 static const char help[] =
     "usage: resolvent render SCENE -o OUT.{exr,png,hdr} [options]\n"
     "\n"
-    "Solves the light of SCENE (a .gltf or .glb file, or a built-in scene) once and takes a "
+    "Solves the light of SCENE (a file or a built-in scene) once and takes a "
     "picture\n"
     "of it. Picture samples are radiance, linear RGB; PNG is sRGB.\n"
     "\n"

@@ -37,7 +37,8 @@ static void print_help(void)
            "`resolvent COMMAND --help` explains a command, with examples. To begin:\n\n"
            "  resolvent render cornell-spheres -o spheres.png\n"
            "  resolvent render cornell-spheres -o judge.exr --mode reference\n\n"
-           "SCENE is a glTF 2.0 file (.gltf, .glb) or the name of a built-in scene:");
+           "SCENE is a file (.gltf, .glb, .obj, .ply, .fbx, .dae, .stl) or the name of a built-in "
+           "scene:");
     for (const char *const *name = rsv_scene_builtin_names(); *name; name++)
         printf(" %s", *name);
     printf(

@@ -9,9 +9,34 @@
 extern "C" {
 #endif
 
-/// Reads a glTF 2.0 scene (.gltf, .glb) and commits it. Messages name file, node, mesh, material and
+/// An axis of a file's own coordinates.
+typedef enum rsv_axis { RSV_AXIS_X, RSV_AXIS_Y, RSV_AXIS_Z } rsv_axis;
+
+/// How to understand what a file leaves open. Start from rsv_default_load_desc().
+typedef struct rsv_load_desc {
+    /// Metres per unit of .obj, .ply and .stl, which name none (default 1). The other formats say
+    /// theirs.
+    float metres_per_unit;
+    /// The axis of .obj, .ply and .stl that points up (default y); z keeps x, as modelling tools do.
+    rsv_axis up;
+    /// Radians. Meshes without normals, glTF's apart (flat by its specification), are shaded smooth
+    /// across edges whose triangles meet at less than this angle (default 45 degrees).
+    float crease_angle;
+    /// The file will become part of another scene: nobody misses lights or cameras in it.
+    bool is_part;
+} rsv_load_desc;
+
+RSV_API rsv_load_desc rsv_default_load_desc(void);
+
+/// Reads a scene and commits it: glTF 2.0 (.gltf, .glb), Wavefront (.obj with .mtl), Stanford (.ply),
+/// .fbx, COLLADA (.dae), .stl; by extension, and by content where that says nothing. docs/formats.md
+/// tells what becomes of each format's materials. Messages name file, node, mesh, material and
 /// accessor. Files are treated as hostile: every size and index is checked.
 RSV_API rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_scene **scene);
+
+/// The same with choices. @param desc NULL = defaults
+RSV_API rsv_status rsv_scene_load_with(
+    rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_scene **scene);
 
 /// Writes a committed scene as binary glTF; what rsv_scene_load reads back is the same scene. The file
 /// appears complete or not at all.

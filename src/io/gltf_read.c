@@ -1,8 +1,9 @@
-/// From a glTF document to a committed scene.
+/// From a glTF document to a scene.
 #include "../core/core_internal.h"
 #include "../core/vec.h"
 #include "gltf_accessor.h"
-#include "resolvent/io.h"
+#include "matrix.h"
+#include "scene_read.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -190,17 +191,6 @@ cleanup:
 
 // ---- nodes ----------------------------------------------------------------------------------------
 
-static void multiply(const double a[16], const double b[16], double result[16])
-{
-    for (int column = 0; column < 4; column++)
-        for (int row = 0; row < 4; row++) {
-            double sum = 0;
-            for (int k = 0; k < 4; k++)
-                sum += a[4 * k + row] * b[4 * column + k];
-            result[4 * column + row] = sum;
-        }
-}
-
 static rsv_vec3 column_of(const double m[16], int column)
 {
     const double *c = &m[4 * column];
@@ -278,7 +268,8 @@ static rsv_status push_nodes(
                 "node '%s' is reached twice: nodes must form a tree without cycles",
                 r->document->node[node[i]].name);
         r->visited[node[i]] = true;
-        multiply(parent ? parent : identity, r->document->node[node[i]].local, r->world[node[i]]);
+        rsv_matrix_multiply(
+            parent ? parent : identity, r->document->node[node[i]].local, r->world[node[i]]);
         r->pending[(*pending_count)++] = (uint32_t)node[i];
     }
     return RSV_OK;
@@ -323,27 +314,17 @@ static rsv_status allocate(reader *r)
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-/// Puts the file's name in front of the error message.
-static rsv_status name_file(rsv_status status, const char *path)
-{
-    char message[768];
-    snprintf(message, sizeof message, "%s", rsv_last_error());
-    return rsv_fail(status, "%s: %s", path, message);
-}
-
-rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_scene **scene)
+rsv_status rsv_gltf_read(const char *path, rsv_scene *scene)
 {
     rsv_status status;
-    reader r = { .context = context };
+    rsv_context *context = rsv_scene_get_context(scene);
+    reader r = { .context = context, .scene = scene };
     RSV_TRY(rsv_gltf_open(path, &r.document));
     if (*r.document->warning)
         rsv_log(context, RSV_LOG_WARNING, "%s: %s", path, r.document->warning);
-    RSV_TRY(rsv_scene_create(context, &r.scene));
     RSV_TRY(allocate(&r));
     RSV_TRY(add_materials(&r));
     RSV_TRY(walk_nodes(&r));
-    RSV_TRY(rsv_scene_commit(r.scene));
-    *scene = r.scene;
 cleanup:
     rsv_free(context, r.first_primitive);
     rsv_free(context, r.primitive_id);
@@ -352,7 +333,5 @@ cleanup:
     rsv_free(context, r.visited);
     rsv_free(context, r.pending);
     rsv_gltf_close(r.document);
-    if (status == RSV_OK) return RSV_OK;
-    rsv_scene_destroy(r.scene);
-    return name_file(status, path);
+    return status;
 }

@@ -81,9 +81,10 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
     for (size_t i = 0; i < scene->vertex_count; i++)
         radius = f_max(radius, v3_length(v3_sub(scene->position[i], centre)));
     rsv_camera camera = rsv_camera_frame_sphere("framing", centre, radius);
-    rsv_log(scene->context, RSV_LOG_INFO,
-        "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g)", camera.position.x,
-        camera.position.y, camera.position.z);
+    if (!scene->is_part)
+        rsv_log(scene->context, RSV_LOG_INFO,
+            "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g)",
+            camera.position.x, camera.position.y, camera.position.z);
     return rsv_scene_add_camera(scene, &camera);
 }
 
@@ -111,7 +112,7 @@ rsv_status rsv_scene_commit(rsv_scene *scene)
     RSV_TRY(check_size(scene, bounds));
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
-    if (!has_light(scene))
+    if (!scene->is_part && !has_light(scene))
         rsv_log(scene->context, RSV_LOG_WARNING,
             "the scene has no light (emissive material or punctual light): pictures will be black");
     rsv_scene_release_sources(scene);

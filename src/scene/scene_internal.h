@@ -24,6 +24,7 @@ typedef struct rsv_instance {
 struct rsv_scene {
     rsv_context *context;
     bool commit_tried, committed;
+    bool is_part; ///< of another scene: neither lights nor cameras are missed
 
     rsv_material *material;
     rsv_light *light;

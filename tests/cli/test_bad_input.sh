@@ -61,6 +61,21 @@ refuses 1 'nothing\|triangle' render point.gltf "${picture[@]}"
 echo '{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ], "nodes": [ { } ] }' >empty.gltf
 refuses 1 'nothing\|mesh' render empty.gltf "${picture[@]}"
 
+# -- other formats
+
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n' >outside.obj
+refuses 1 'outside.obj' render outside.obj "${picture[@]}"
+printf 'ply\nformat ascii 1.0\nelement vertex 9\nproperty float x\nend_header\n0\n' >cut.ply
+refuses 1 'cut.ply.*cut off' info cut.ply
+for kind in obj ply fbx dae stl; do
+    : >void.$kind
+    refuses 1 "void.$kind" info void.$kind
+done
+mkfifo pipe.obj
+refuses 1 'regular file' info pipe.obj
+echo hello >hello.txt
+refuses 1 'hello.txt.*\.obj' info hello.txt
+
 # -- poor but usable: a picture, and a warning that says what it lacks
 
 gltf $triangle >dark.gltf

@@ -3,6 +3,7 @@ if(TARGET resolvent_program)
     foreach(subject usage bad_input probe render scene cancel bench)
         add_test(NAME cli_${subject} COMMAND bash
             ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_${subject}.sh $<TARGET_FILE:resolvent_program>)
+        set_tests_properties(cli_${subject} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
     endforeach()
     set_tests_properties(cli_bench PROPERTIES LABELS slow)
     # other tests would be slowed down, and the time it takes to stop with them

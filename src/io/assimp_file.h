@@ -1,0 +1,30 @@
+/// A file through Assimp's importers, and what its C structures hold as plain values.
+#ifndef RSV_ASSIMP_FILE_H
+#define RSV_ASSIMP_FILE_H
+
+#include "../scene/scene_internal.h"
+#include "scene_read.h"
+
+#include <assimp/scene.h>
+
+#define RSV_NAME_BYTES 128
+
+/// Reads and triangulates a file. Materials and other files it refers to must be regular files; those that
+/// cannot be read are named in a warning. No exception leaves it.
+/// @param imported to be released by aiReleaseImport
+rsv_status rsv_assimp_import(
+    rsv_context *context, const char *path, const struct aiScene **imported);
+
+/// A name fit for messages: printable, cut to size, `fallback` where there is none.
+/// @param name [RSV_NAME_BYTES]
+void rsv_assimp_name(const struct aiString *source, const char *fallback, char *name);
+
+/// The number that metadata holds under `key`, or `fallback`.
+double rsv_assimp_number(const struct aiMetadata *metadata, const char *key, double fallback);
+
+/// What a material of the file becomes; says in a warning what of it gets lost.
+/// @param name [RSV_NAME_BYTES] storage for material->name
+void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
+    const struct aiMaterial *source, char *name, rsv_material *material);
+
+#endif

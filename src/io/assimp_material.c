@@ -1,0 +1,205 @@
+/// Phong materials of the older formats, and metallic-roughness ones, as rsv_material.
+///
+/// Phong models state a highlight, not a reflectance, and no two programs mean the same by it. What is read
+/// here: a surface with a specular colour is a dielectric whose highlight is scaled by it, unless the
+/// file asks for ray-traced reflection (`illum` 3 and above in .mtl): then the colour is a mirror's. Opacity is
+/// coverage, except for ray-traced refraction, which is glass.
+#include "assimp_file.h"
+
+#include "../core/vec.h"
+
+#include <assimp/material.h>
+#include <string.h>
+
+#define SHARPEST_SHININESS 1000 ///< end of the scale in .mtl files: an ideal mirror
+#define BARE_ALBEDO 0.8f
+#define KEY_ILLUM "$mat.illum", 0, 0 ///< given by newer versions alone
+
+/// The terms of a Phong material.
+typedef struct phong {
+    rsv_rgb diffuse, specular, filter;
+    float shininess, opacity, ior;
+    bool traced; ///< reflection or refraction is meant to be ray-traced
+} phong;
+
+static float read_float(
+    const struct aiMaterial *source, const char *key, unsigned type, unsigned index, float fallback)
+{
+    float value;
+    unsigned count = 1;
+    bool found =
+        aiGetMaterialFloatArray(source, key, type, index, &value, &count) == aiReturn_SUCCESS &&
+        count == 1;
+    return found && isfinite(value) ? value : fallback;
+}
+
+static bool has_float(
+    const struct aiMaterial *source, const char *key, unsigned type, unsigned index)
+{
+    return isfinite(read_float(source, key, type, index, INFINITY));
+}
+
+static rsv_rgb read_color(const struct aiMaterial *source, const char *key, unsigned type,
+    unsigned index, rsv_rgb fallback)
+{
+    struct aiColor4D c;
+    if (aiGetMaterialColor(source, key, type, index, &c) != aiReturn_SUCCESS) return fallback;
+    bool usable = isfinite(c.r) && isfinite(c.g) && isfinite(c.b);
+    return usable ? rgb(f_max(c.r, 0), f_max(c.g, 0), f_max(c.b, 0)) : fallback;
+}
+
+static int read_int(
+    const struct aiMaterial *source, const char *key, unsigned type, unsigned index, int fallback)
+{
+    int value;
+    unsigned count = 1;
+    bool found =
+        aiGetMaterialIntegerArray(source, key, type, index, &value, &count) == aiReturn_SUCCESS &&
+        count == 1;
+    return found ? value : fallback;
+}
+
+static bool is_traced(const struct aiMaterial *source, rsv_file_kind kind, rsv_rgb specular)
+{
+    if (kind != RSV_FILE_OBJ) return false;
+    int illum = read_int(source, KEY_ILLUM, -1);
+    if (illum >= 0) return illum >= 3;
+    // the importer for .mtl knows illum 0 to 2 and calls all others Gouraud
+    int shading = read_int(source, AI_MATKEY_SHADING_MODEL, aiShadingMode_Phong);
+    return shading == aiShadingMode_Gouraud && !rgb_is_black(specular);
+}
+
+static phong read_phong(const struct aiMaterial *source, rsv_file_kind kind)
+{
+    phong p = { .diffuse = read_color(source, AI_MATKEY_COLOR_DIFFUSE, rgb_gray(0.8f)),
+        .specular = read_color(source, AI_MATKEY_COLOR_SPECULAR, rgb_gray(0)),
+        .filter = read_color(source, AI_MATKEY_COLOR_TRANSPARENT, rgb_gray(1)),
+        .shininess = f_max(read_float(source, AI_MATKEY_SHININESS, 0), 0),
+        .opacity = read_float(source, AI_MATKEY_OPACITY, 1),
+        .ior = read_float(source, AI_MATKEY_REFRACTI, 1) };
+    float strength = read_float(source, AI_MATKEY_SHININESS_STRENGTH, 1);
+    p.specular = rgb_scale(p.specular, f_max(strength, 0));
+    p.traced = is_traced(source, kind, p.specular);
+    return p;
+}
+
+/// alpha^2 = 2 / (n + 2) matches the width of Blinn's lobe (Walter et al. 2007); alpha = roughness^2.
+static float roughness_of(float shininess)
+{
+    return shininess >= SHARPEST_SHININESS ? 0 : powf(2 / (shininess + 2), 0.25f);
+}
+
+/// `color` divided by its largest channel; white if it is black.
+static rsv_rgb hue_of(rsv_rgb color)
+{
+    float largest = rgb_max(color);
+    return largest > 0 ? rgb_scale(color, 1 / largest) : rgb_gray(1);
+}
+
+static void become_glass(const phong *p, rsv_material *material)
+{
+    material->transmission = 1;
+    material->thickness = 1;
+    material->roughness = 0;
+    material->ior = p->ior;
+    // programs disagree on whether the filter says what passes or what does not; its hue is safe
+    material->base_color = hue_of(p->filter);
+}
+
+/// A share of ideal metal, as large as the specular colour's part of all that is reflected.
+static void become_mirror(const phong *p, rsv_material *material)
+{
+    float mirror = rgb_max(p->specular), rest = rgb_max(p->diffuse);
+    material->metallic = mirror / f_max(mirror + rest, 1);
+    material->roughness = 0;
+    if (mirror < rest) return;
+    material->metallic = 1;
+    material->base_color = p->specular;
+}
+
+static void become_plastic(const phong *p, rsv_material *material)
+{
+    material->specular = f_min(rgb_max(p->specular), 1);
+    material->specular_color = hue_of(p->specular);
+    material->roughness = roughness_of(p->shininess);
+    material->ior = p->ior > 1 ? p->ior : 1.5f;
+}
+
+static void take_phong(const struct aiMaterial *source, rsv_file_kind kind, rsv_material *material)
+{
+    phong p = read_phong(source, kind);
+    bool filters = p.filter.r != 1 || p.filter.g != 1 || p.filter.b != 1;
+    material->base_color = p.diffuse;
+    material->specular = 0;
+    material->opacity = p.opacity;
+    if (p.traced && p.ior > 1 && (filters || p.opacity < 1)) {
+        material->opacity = 1;
+        become_glass(&p, material);
+    } else if (p.traced) {
+        become_mirror(&p, material);
+    } else if (!rgb_is_black(p.specular)) {
+        become_plastic(&p, material);
+    }
+}
+
+static void take_metallic_roughness(const struct aiMaterial *source, rsv_material *material)
+{
+    rsv_rgb diffuse = read_color(source, AI_MATKEY_COLOR_DIFFUSE, rgb_gray(0.8f));
+    material->base_color = read_color(source, AI_MATKEY_BASE_COLOR, diffuse);
+    material->metallic = read_float(source, AI_MATKEY_METALLIC_FACTOR, 0);
+    material->roughness = read_float(source, AI_MATKEY_ROUGHNESS_FACTOR, 1);
+    material->opacity = read_float(source, AI_MATKEY_OPACITY, 1);
+    material->transmission = read_float(source, AI_MATKEY_TRANSMISSION_FACTOR, 0);
+    material->ior = read_float(source, AI_MATKEY_REFRACTI, 1.5f);
+    if (material->transmission > 0) material->thickness = 1;
+    material->clearcoat = read_float(source, AI_MATKEY_CLEARCOAT_FACTOR, 0);
+    material->clearcoat_roughness = read_float(source, AI_MATKEY_CLEARCOAT_ROUGHNESS_FACTOR, 0);
+    material->sheen_color = read_color(source, AI_MATKEY_SHEEN_COLOR_FACTOR, rgb_gray(0));
+    material->sheen_roughness = read_float(source, AI_MATKEY_SHEEN_ROUGHNESS_FACTOR, 0);
+}
+
+static void warn_of_losses(
+    const rsv_context *context, const struct aiMaterial *source, const rsv_material *material)
+{
+    unsigned textures = 0;
+    for (int type = aiTextureType_DIFFUSE; type <= AI_TEXTURE_TYPE_MAX; type++)
+        textures += aiGetMaterialTextureCount(source, (enum aiTextureType)type);
+    if (textures)
+        rsv_log(context, RSV_LOG_WARNING,
+            "material '%s': its textures are not used, only its colours", material->name);
+    if (material->metallic > 0 && material->metallic < 1)
+        rsv_log(context, RSV_LOG_WARNING,
+            "material '%s': its mirror reflection takes on the diffuse colour", material->name);
+}
+
+/// Scans have no materials, whatever the importer makes up for them.
+static void become_bare(rsv_material *material)
+{
+    material->base_color = rgb_gray(BARE_ALBEDO);
+    material->specular = 0;
+    material->double_sided = true;
+}
+
+void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
+    const struct aiMaterial *source, char *name, rsv_material *material)
+{
+    struct aiString given = { .length = 0 };
+    *material = rsv_default_material();
+    if (aiGetMaterialString(source, AI_MATKEY_NAME, &given) != aiReturn_SUCCESS) given.length = 0;
+    rsv_assimp_name(&given, "unnamed", name);
+    material->name = name;
+    if (kind == RSV_FILE_PLY || kind == RSV_FILE_STL) {
+        become_bare(material);
+        return;
+    }
+    if (has_float(source, AI_MATKEY_METALLIC_FACTOR) ||
+        has_float(source, AI_MATKEY_ROUGHNESS_FACTOR))
+        take_metallic_roughness(source, material);
+    else
+        take_phong(source, kind, material);
+    rsv_rgb emission = read_color(source, AI_MATKEY_COLOR_EMISSIVE, rgb_gray(0));
+    material->emission = rgb_scale(emission, read_float(source, AI_MATKEY_EMISSIVE_INTENSITY, 1));
+    // these formats show both sides of a polygon; a lamp shines from its front, as everywhere here
+    material->double_sided = rgb_is_black(material->emission);
+    warn_of_losses(context, source, material);
+}

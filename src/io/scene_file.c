@@ -1,0 +1,115 @@
+/// Which reader a file goes to.
+#include "../scene/scene_internal.h"
+#include "scene_read.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+rsv_load_desc rsv_default_load_desc(void)
+{
+    return (rsv_load_desc){ .metres_per_unit = 1, .up = RSV_AXIS_Y, .crease_angle = 0.785398163f };
+}
+
+static rsv_file_kind kind_of_extension(const char *path)
+{
+    static const struct {
+        const char *extension;
+        rsv_file_kind kind;
+    } known[] = { { ".gltf", RSV_FILE_GLTF }, { ".glb", RSV_FILE_GLTF }, { ".obj", RSV_FILE_OBJ },
+        { ".ply", RSV_FILE_PLY }, { ".fbx", RSV_FILE_FBX }, { ".dae", RSV_FILE_COLLADA },
+        { ".stl", RSV_FILE_STL } };
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof known / sizeof *known; i++)
+        if (strcasecmp(dot, known[i].extension) == 0) return known[i].kind;
+    return RSV_FILE_UNKNOWN;
+}
+
+/// By the first bytes, for files of another name.
+static rsv_file_kind kind_of_content(FILE *file)
+{
+    static const struct {
+        const char *start;
+        rsv_file_kind kind;
+    } known[] = { { "glTF", RSV_FILE_GLTF }, { "{", RSV_FILE_GLTF }, { "ply\n", RSV_FILE_PLY },
+        { "ply\r", RSV_FILE_PLY }, { "Kaydara FBX Binary", RSV_FILE_FBX },
+        { "solid ", RSV_FILE_STL } };
+    char start[32] = "";
+    size_t length = fread(start, 1, sizeof start - 1, file);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        size_t needed = strlen(known[i].start);
+        if (length >= needed && memcmp(start, known[i].start, needed) == 0) return known[i].kind;
+    }
+    return RSV_FILE_UNKNOWN;
+}
+
+/// Pipes and devices are refused: a reader could wait on one for ever.
+static rsv_status find_kind(const char *path, rsv_file_kind *kind)
+{
+    struct stat info;
+    FILE *file = NULL;
+    if (stat(path, &info) != 0)
+        return rsv_fail(RSV_ERROR_IO, "cannot be opened: %s", strerror(errno));
+    if (!S_ISREG(info.st_mode))
+        return rsv_fail(RSV_ERROR_IO, "is a folder, pipe or device, not a regular file");
+    if (!(file = fopen(path, "rb")))
+        return rsv_fail(RSV_ERROR_IO, "cannot be opened: %s", strerror(errno));
+    *kind = kind_of_extension(path);
+    if (*kind == RSV_FILE_UNKNOWN) *kind = kind_of_content(file);
+    fclose(file);
+    if (*kind == RSV_FILE_UNKNOWN)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "is not a scene that can be read; use .gltf, .glb, .obj, .ply, .fbx, .dae or .stl");
+    return RSV_OK;
+}
+
+static rsv_status check_desc(const rsv_load_desc *desc)
+{
+    if (!(desc->metres_per_unit > 0) || !isfinite(desc->metres_per_unit))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "%g metres per unit are not possible",
+            (double)desc->metres_per_unit);
+    if (!(desc->crease_angle >= 0))
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "a crease angle of %g is not possible", (double)desc->crease_angle);
+    return RSV_OK;
+}
+
+/// Puts the file's name in front of the error message.
+static rsv_status name_file(rsv_status status, const char *path)
+{
+    char message[768];
+    snprintf(message, sizeof message, "%s", rsv_last_error());
+    return rsv_fail(status, "%s: %s", path, message);
+}
+
+rsv_status rsv_scene_load_with(
+    rsv_context *context, const char *path, const rsv_load_desc *desc, rsv_scene **scene)
+{
+    rsv_status status;
+    rsv_scene *loaded = NULL;
+    rsv_file_kind kind;
+    const rsv_load_desc defaults = rsv_default_load_desc();
+    if (!desc) desc = &defaults;
+    RSV_TRY(check_desc(desc));
+    RSV_TRY(find_kind(path, &kind));
+    RSV_TRY(rsv_scene_create(context, &loaded));
+    loaded->is_part = desc->is_part;
+    if (kind == RSV_FILE_GLTF)
+        RSV_TRY(rsv_gltf_read(path, loaded));
+    else
+        RSV_TRY(rsv_assimp_read(path, kind, desc, loaded));
+    RSV_TRY(rsv_scene_commit(loaded));
+    *scene = loaded;
+    return RSV_OK;
+cleanup:
+    rsv_scene_destroy(loaded);
+    return name_file(status, path);
+}
+
+rsv_status rsv_scene_load(rsv_context *context, const char *path, rsv_scene **scene)
+{
+    return rsv_scene_load_with(context, path, NULL, scene);
+}
