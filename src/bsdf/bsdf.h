@@ -1,13 +1,19 @@
-/// How a surface scatters: a Lambert lobe under a smooth dielectric interface, an ideal mirror, an
-/// ideal dielectric, and blends of the three. Plain C, also for device code.
+/// How a surface scatters: diffuse, metal, glass and a dielectric coat, smooth or rough, in any blend.
+/// Plain C, also for device code.
 ///
-/// Frame: `wo` points away from the surface, towards where the radiance is wanted; `n` is the unit
-/// normal on wo's side (cos_o = n.wo >= 0); `front` says whether wo leaves from the front of the
-/// triangle. With m = metallic, t = transmission, s = specular, F the Fresnel reflectance:
+/// Frame: `wo` points away from the surface, towards where the radiance is wanted, `wi` towards where
+/// it comes from; `n` is the unit normal on wo's side (cos_o = n.wo >= 0); `front` says whether wo
+/// leaves from the front of the triangle. With m = metallic, t = transmission, the surface is m metal,
+/// (1 - m) t glass and (1 - m)(1 - t) coated diffuse:
 ///
-///     reflect  = m F_metal + (1 - m) s F          (F_metal: Schlick from base_color)
-///     transmit = (1 - m) t (1 - s F) base_color   (refracted if thickness > 0, else straight on)
-///     diffuse  = D T(wo),  D = (1 - m)(1 - t),  T(w) = 1 - s F(w)
+///     metal    reflects F_metal (Schlick from base_color)
+///     glass    reflects s F, transmits (1 - s F) base_color (refracted into a body if thickness > 0)
+///     coated   reflects s F and diffuses D T(wo) under it, D = (1 - m)(1 - t), T(w) = 1 - s R(w)
+///
+/// F is the Fresnel reflectance, R(w) the directional albedo of the (rough) interface, s its tint.
+/// Rough interfaces are GGX microsurfaces of width alpha = roughness^2; what they lose because one
+/// event per microsurface is not all, a lobe of Kulla and Conty's form gives back (2017; here for
+/// refraction too), so that white metal and clear glass are lossless at any roughness.
 ///
 /// The diffuse lobe is reciprocal and neither loses nor gains energy at its interface:
 ///
@@ -16,35 +22,34 @@
 /// so that its directional albedo is D base_color T(wo). It is evaluated through two factors: the
 /// light that enters, E = int L T(wi) cos dwi ("irradiance" of the operator), and the radiance that
 /// leaves, D T(wo) B / pi with B = exitance_albedo * E, exitance_albedo = base_color / T_mean.
+///
+/// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces leave unscaled: the same
+/// functions then serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
 #ifndef RSV_BSDF_H
 #define RSV_BSDF_H
 
 #include "../core/sampling.h"
+#include "fresnel.h"
+#include "ggx.h"
 #include "resolvent/scene.h"
+#include "tables.h"
 
-/// Unpolarised Fresnel reflectance of a smooth dielectric interface.
-/// @param cos_i cosine on the incident side, >= 0
-/// @param eta   ior of the far side over ior of the incident side
-/// @param cos_t cosine on the far side, >= 0; 0 on total internal reflection
-/// @return 1 on total internal reflection
-float rsv_fresnel_dielectric(float cos_i, float eta, float *cos_t);
+/// Narrower microsurfaces scatter like smooth ones: ideal reflection and refraction.
+#define RSV_SMOOTH_ALPHA 1e-3f
 
-/// Unpolarised reflectance of a conductor with complex index eta + i k (relative).
-float rsv_fresnel_conductor(float cos_i, float eta, float k);
-
-/// Hemispherical mean 2 int F cos dcos of the dielectric reflectance from outside, eta >= 1
-/// (Walsh's closed form); from inside it is 1 - (1 - mean) / eta^2.
-double rsv_fresnel_dielectric_mean(double eta);
-
-/// Material constants precomputed once per material, so that no hot loop needs Walsh's formula.
+/// Constants of a material at a point; rsv_bsdf_vary makes them from those of the material.
 typedef struct rsv_bsdf {
     rsv_rgb base_color;                         ///< metal F0 and tint of transmission
     rsv_rgb exitance_albedo;                    ///< base_color / T_mean: exitance per irradiance
     rsv_rgb absorption;                         ///< 1/m inside a solid body (Beer-Lambert)
     rsv_rgb emission;                           ///< W/(sr m2)
-    rsv_rgb specular_tint;                      ///< s * specular_color
+    rsv_rgb specular_tint;                      ///< s = specular * specular_color
     float ior, metallic, transmission, diffuse; ///< diffuse = D
-    bool solid;                                 ///< transmission refracts into a body
+    float alpha;                                ///< width of the microsurface; 0 = smooth
+    float smooth_mean;                          ///< hemispherical mean of F from outside
+    rsv_table_place alpha_place, eta_place;     ///< in the tables, if alpha > 0
+    const rsv_bsdf_tables *tables;
+    bool solid;        ///< transmission refracts into a body
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1
@@ -52,29 +57,21 @@ typedef struct rsv_bsdf {
     bool emissive; ///< emission is not black (and not unlit)
 } rsv_bsdf;
 
-/// Maps a material to the scattering model. Rough lobes are mapped to the nearest ideal ones:
-/// `approximation` receives a phrase for a warning ("rough metal (0.40) shown as an ideal mirror"),
-/// or an empty string. @param approximation [80] bytes
-rsv_bsdf rsv_bsdf_from_material(const rsv_material *material, char *approximation);
+/// Maps a material to the scattering model.
+rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);
 
-/// Weights of the branches in which light that leaves along `wo` may have arrived, and where from.
-typedef struct rsv_bsdf_branches {
-    rsv_rgb reflect, transmit;
-    rsv_rgb diffuse;             ///< D T(wo), to be multiplied by B / pi
-    rsv_vec3 reflect_direction;  ///< unit, away from the surface
-    rsv_vec3 transmit_direction; ///< unit, into the far side
-} rsv_bsdf_branches;
+/// What textures change from point to point.
+typedef struct rsv_bsdf_variation {
+    rsv_rgb base_color, emission, specular_tint;
+    float metallic, roughness, transmission;
+} rsv_bsdf_variation;
 
-rsv_bsdf_branches rsv_bsdf_evaluate_branches(
-    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
+/// The variation that leaves a material as it is.
+rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material);
 
-/// The normal for mirror and refraction branches: the shading normal, unless the mirrored direction
-/// would then end below the surface and its light be lost; then the geometric one. Both normals are
-/// unit and `geometric` is on wo's side.
-rsv_vec3 rsv_bsdf_specular_normal(rsv_vec3 shading, rsv_vec3 geometric, rsv_vec3 wo);
-
-/// T(w): share of light at cosine `cos` that passes the coat, per channel.
-rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos);
+/// The same material with other values at one point; whatever depends on the ior alone is kept. Cheap
+/// enough for every hit. What `bsdf` is - solid, double-sided, unlit - stays.
+rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
 
 typedef enum rsv_lobe {
     RSV_LOBE_NONE,
@@ -83,23 +80,82 @@ typedef enum rsv_lobe {
     RSV_LOBE_TRANSMIT
 } rsv_lobe;
 
+/// Weights of the ideal branches in which light that leaves along `wo` may have arrived, and where
+/// from.
+typedef struct rsv_bsdf_branches {
+    rsv_rgb reflect, transmit;
+    rsv_rgb diffuse;             ///< D T(wo), to be multiplied by B / pi
+    rsv_vec3 reflect_direction;  ///< unit, away from the surface
+    rsv_vec3 transmit_direction; ///< unit, into the far side
+    bool rough;                  ///< there are lobes besides that scatter into solid angles
+} rsv_bsdf_branches;
+
+/// An event of light at the surface, drawn by its physical probability; colour is left to the weight.
+typedef struct rsv_bsdf_event {
+    rsv_lobe lobe;         ///< RSV_LOBE_NONE = absorbed
+    rsv_vec3 direction;    ///< unit; where the light comes from; not set for RSV_LOBE_DIFFUSE
+    rsv_rgb weight;        ///< f cos / pdf; of the diffuse lobe D T(wo) / probability
+    float pdf_solid_angle; ///< of all rough lobes together; 0 for ideal ones; diffuse: probability
+} rsv_bsdf_event;
+
 /// A direction drawn from the BSDF.
 typedef struct rsv_bsdf_sample {
     rsv_lobe lobe;         ///< RSV_LOBE_NONE = absorbed
     rsv_vec3 direction;    ///< unit; where the light comes from
-    rsv_rgb weight;        ///< f cos / pdf; delta lobes: branch weight / probability
-    float pdf_solid_angle; ///< of the diffuse lobe including its choice; 0 for delta lobes
+    rsv_rgb weight;        ///< f cos / pdf; ideal lobes: branch weight / probability
+    float pdf_solid_angle; ///< of all lobes but ideal ones, as rsv_bsdf_pdf; 0 for ideal lobes
 } rsv_bsdf_sample;
 
-/// Draws a lobe by its weight and a direction within it. `u_lobe`, `u1`, `u2` lie in [0, 1).
-rsv_bsdf_sample rsv_bsdf_sample_direction(
+/// Value and density of the lobes that scatter into solid angles.
+typedef struct rsv_bsdf_value {
+    rsv_rgb response; ///< f |cos_i|
+    float pdf_solid_angle;
+} rsv_bsdf_value;
+
+/// Which lobes to evaluate.
+typedef enum rsv_lobe_set {
+    RSV_LOBES_ROUGH = 1,
+    RSV_LOBES_DIFFUSE = 2,
+    RSV_LOBES_ALL = 3
+} rsv_lobe_set;
+
+/// The normal for mirror and refraction branches: the shading normal, unless the mirrored direction
+/// would then end below the surface and its light be lost; then the geometric one. Both normals are
+/// unit and `geometric` is on wo's side.
+RSV_INLINE rsv_vec3 rsv_bsdf_specular_normal(rsv_vec3 shading, rsv_vec3 geometric, rsv_vec3 wo);
+
+/// T(w): share of light at cosine `cos` that passes the coat, per channel.
+RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos);
+
+RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
+
+/// Draws what happens to light that leaves along `wo`: weights are 1 wherever the surface is colourless
+/// and lossless. `u_lobe`, `u1`, `u2` lie in [0, 1).
+RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
 
-/// Value (1/sr) of the non-delta lobes for light from `wi`; 0 below the horizon. Not to be
-/// asked on a side where rsv_bsdf_evaluate_branches finds the diffuse branch black.
-rsv_rgb rsv_bsdf_eval(const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n);
+/// Draws an event and, in the diffuse lobe, its direction.
+RSV_INLINE rsv_bsdf_sample rsv_bsdf_sample_direction(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
 
-/// Density per solid angle with which rsv_bsdf_sample_direction draws `wi` by a non-delta lobe.
-float rsv_bsdf_pdf(const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n);
+/// Response to light from `wi`, on either side of the surface, of the lobes in `lobes`, and the density
+/// per solid angle with which rsv_bsdf_sample_direction draws wi by one of them.
+RSV_INLINE rsv_bsdf_value rsv_bsdf_evaluate(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front, rsv_lobe_set lobes);
+
+/// Value (1/sr) of all lobes but ideal ones.
+RSV_INLINE rsv_rgb rsv_bsdf_eval(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front);
+
+/// Density per solid angle with which rsv_bsdf_sample_direction draws `wi` by any lobe but ideal ones.
+RSV_INLINE float rsv_bsdf_pdf(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front);
+
+#include "bsdf_interface.h"
+
+#include "bsdf_evaluate.h"
+
+#include "bsdf_sample.h"
 
 #endif

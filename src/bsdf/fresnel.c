@@ -1,21 +1,4 @@
-#include "bsdf.h"
-
-float rsv_fresnel_dielectric(float cos_i, float eta, float *cos_t)
-{
-    if (eta == 1) {
-        *cos_t = cos_i;
-        return 0;
-    }
-    float sin2_t = (1 - cos_i * cos_i) / (eta * eta);
-    if (sin2_t >= 1) {
-        *cos_t = 0;
-        return 1;
-    }
-    *cos_t = sqrtf(1 - sin2_t);
-    float perpendicular = (cos_i - eta * *cos_t) / (cos_i + eta * *cos_t);
-    float parallel = (eta * cos_i - *cos_t) / (eta * cos_i + *cos_t);
-    return 0.5f * (perpendicular * perpendicular + parallel * parallel);
-}
+#include "fresnel.h"
 
 float rsv_fresnel_conductor(float cos_i, float eta, float k)
 {

@@ -1,11 +1,5 @@
 #include "bsdf.h"
 
-#include <stdio.h>
-
-/// Rougher metal reflects more like a Lambert surface than like a mirror.
-#define ROUGHEST_MIRROR 0.5f
-/// A rougher coat has no highlight worth the name.
-#define ROUGHEST_COAT 0.25f
 /// 1/m of a colour channel that nothing passes.
 #define OPAQUE_ABSORPTION 1e9f
 
@@ -21,36 +15,6 @@ static float absorption(float color, float distance)
     return f_min(-logf(color) / distance, OPAQUE_ABSORPTION);
 }
 
-static float exitance_albedo(float base_color, float specular_tint, double fresnel_mean)
-{
-    return (float)(base_color / (1 - specular_tint * fresnel_mean));
-}
-
-/// Replaces rough lobes by the nearest ideal ones and names the most visible replacement.
-static void idealise_lobes(rsv_bsdf *bsdf, float roughness, char *approximation)
-{
-    const char *phrase = NULL;
-    bool reflective = bsdf->ior > 1 && !rgb_is_black(bsdf->specular_tint);
-    if (bsdf->metallic < 1 && bsdf->transmission > 0) {
-        phrase = "rough transmission (%.2f) shown as clear";
-    } else if (bsdf->metallic < 1 && reflective) {
-        phrase = "rough reflection (%.2f) shown as a smooth coat";
-        if (roughness >= ROUGHEST_COAT) {
-            phrase = "rough reflection (%.2f) left out";
-            bsdf->specular_tint = rgb_gray(0);
-        }
-    }
-    if (bsdf->metallic > 0) {
-        phrase = "rough metal (%.2f) shown as an ideal mirror";
-        if (roughness >= ROUGHEST_MIRROR) {
-            phrase = "rough metal (%.2f) shown as diffuse";
-            bsdf->metallic = 0;
-            if (bsdf->transmission == 0) bsdf->specular_tint = rgb_gray(0);
-        }
-    }
-    if (phrase && roughness > 0) snprintf(approximation, 80, phrase, (double)roughness);
-}
-
 static rsv_bsdf unlit_bsdf(const rsv_material *material)
 {
     return (rsv_bsdf){ .emission = material->base_color,
@@ -61,33 +25,69 @@ static rsv_bsdf unlit_bsdf(const rsv_material *material)
         .unlit = true };
 }
 
-rsv_bsdf rsv_bsdf_from_material(const rsv_material *material, char *approximation)
+rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material)
 {
-    approximation[0] = 0;
-    if (material->unlit) return unlit_bsdf(material);
-    rsv_bsdf bsdf = { .base_color = material->base_color,
+    return (rsv_bsdf_variation){ .base_color = material->base_color,
         .emission = material->emission,
         .specular_tint = scaled_tint(material->specular_color, material->specular),
-        .ior = f_max(material->ior, 1),
         .metallic = material->metallic,
-        .transmission = material->transmission,
-        .emissive = !rgb_is_black(material->emission) };
-    idealise_lobes(&bsdf, material->roughness, approximation);
+        .roughness = material->roughness,
+        .transmission = material->transmission };
+}
 
-    bsdf.diffuse = (1 - bsdf.metallic) * (1 - bsdf.transmission);
-    bsdf.coated = bsdf.ior > 1 && !rgb_is_black(bsdf.specular_tint);
-    bsdf.solid = material->thickness > 0 && bsdf.transmission > 0 && bsdf.metallic < 1;
+static bool has_interface(const rsv_bsdf *bsdf)
+{
+    return bsdf->coated || bsdf->metallic > 0 || bsdf->transmission > 0;
+}
+
+static void set_exitance(rsv_bsdf *bsdf)
+{
+    float reflected = !bsdf->coated      ? 0
+                      : bsdf->alpha == 0 ? bsdf->smooth_mean
+                                         : rsv_table_mean(bsdf->tables->reflected_mean,
+                                               bsdf->eta_place, bsdf->alpha_place);
+    rsv_rgb a = bsdf->base_color, s = bsdf->specular_tint;
+    bsdf->exitance_albedo =
+        rgb(a.r / (1 - s.r * reflected), a.g / (1 - s.g * reflected), a.b / (1 - s.b * reflected));
+}
+
+rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
+{
+    rsv_bsdf varied = *bsdf;
+    if (bsdf->unlit) {
+        varied.emission = v->base_color;
+        return varied;
+    }
+    varied.base_color = v->base_color;
+    varied.emission = v->emission;
+    varied.emissive = !rgb_is_black(v->emission);
+    varied.specular_tint = v->specular_tint;
+    varied.metallic = v->metallic;
+    varied.transmission = v->transmission;
+    varied.diffuse = (1 - v->metallic) * (1 - v->transmission);
+    varied.coated = varied.ior > 1 && !rgb_is_black(v->specular_tint);
+    varied.alpha = v->roughness * v->roughness;
+    if (varied.alpha < RSV_SMOOTH_ALPHA || !has_interface(&varied)) varied.alpha = 0;
+    varied.alpha_place = rsv_table_alpha(varied.alpha);
+    varied.lambert = varied.diffuse == 1 && !varied.coated && !varied.solid;
+    set_exitance(&varied);
+    return varied;
+}
+
+rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
+{
+    if (material->unlit) return unlit_bsdf(material);
+    rsv_bsdf bsdf = { .ior = f_max(material->ior, 1), .tables = &rsv_bsdf_tables_data };
+    bsdf.smooth_mean = (float)rsv_fresnel_dielectric_mean(bsdf.ior);
+    bsdf.eta_place = rsv_table_eta(bsdf.ior);
+    bsdf.solid = material->thickness > 0 && material->transmission > 0 && material->metallic < 1;
     bsdf.double_sided = material->double_sided || bsdf.solid;
-    bsdf.lambert = bsdf.diffuse == 1 && !bsdf.coated && !bsdf.solid;
     if (bsdf.solid) {
         float distance = material->attenuation_distance;
         bsdf.absorption = rgb(absorption(material->attenuation_color.r, distance),
             absorption(material->attenuation_color.g, distance),
             absorption(material->attenuation_color.b, distance));
     }
-    double mean = bsdf.coated ? rsv_fresnel_dielectric_mean(bsdf.ior) : 0;
-    bsdf.exitance_albedo = rgb(exitance_albedo(bsdf.base_color.r, bsdf.specular_tint.r, mean),
-        exitance_albedo(bsdf.base_color.g, bsdf.specular_tint.g, mean),
-        exitance_albedo(bsdf.base_color.b, bsdf.specular_tint.b, mean));
-    return bsdf;
+    rsv_bsdf_variation variation = rsv_bsdf_variation_of(material);
+    return rsv_bsdf_vary(&bsdf, &variation);
 }

@@ -30,30 +30,43 @@ void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain,
     if (v3_dot(*shading, chain->direction) >= 0) *shading = *geometric;
 }
 
+/// The BSDF at the chain's surface and the normal it is asked with.
+static const rsv_bsdf *surface_bsdf(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *normal)
+{
+    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain->triangle]];
+    rsv_vec3 geometric;
+    rsv_chain_normals(scene, chain, normal, &geometric);
+    if (!bsdf->lambert)
+        *normal = rsv_bsdf_specular_normal(*normal, geometric, v3_neg(chain->direction));
+    return bsdf;
+}
+
 rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain)
 {
-    rsv_vec3 shading, geometric;
-    rsv_chain_normals(scene, chain, &shading, &geometric);
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain->triangle]];
-    return rsv_bsdf_evaluate_branches(bsdf, v3_neg(chain->direction), shading, !chain->back);
+    rsv_vec3 normal;
+    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal);
+    return rsv_bsdf_evaluate_branches(bsdf, v3_neg(chain->direction), normal, !chain->back);
 }
 
-/// Keeps a specular direction on the side it belongs to: interpolated normals can tilt it through the
-/// surface, where it would be lost.
-static rsv_vec3 keep_side(rsv_vec3 direction, rsv_vec3 geometric, bool transmit)
+rsv_bsdf_event rsv_chain_draw_event(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random)
 {
-    float side = v3_dot(direction, geometric), wanted = transmit ? -1.0f : 1.0f;
-    if (side * wanted > 0) return direction;
-    return v3_normalize(v3_mad(direction, wanted * 1e-3f - side, geometric));
+    rsv_vec3 normal;
+    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal);
+    float u_lobe = rsv_random_float(random), u1 = rsv_random_float(random);
+    return rsv_bsdf_draw_event(
+        bsdf, v3_neg(chain->direction), normal, !chain->back, u_lobe, u1, rsv_random_float(random));
 }
 
-bool rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
     rsv_vec3 direction, rsv_rgb weight)
 {
     rsv_surface_point point =
         rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
     rsv_vec3 leave = transmit ? v3_neg(point.geometric) : point.geometric;
-    direction = keep_side(direction, point.geometric, transmit);
+    // an interpolated normal can send light through the surface: it is lost, as to the reference
+    if (v3_dot(direction, leave) <= 0) return RSV_CHAIN_LOST;
     rsv_ray ray = { rsv_offset_origin(point.position, leave, point.extent), direction, INFINITY };
     rsv_hit hit;
     uint32_t events = chain->events + 1, rays = chain->rays + 1;
@@ -62,13 +75,13 @@ bool rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool tra
         chain->direction = direction;
         chain->weight = throughput;
         chain->rays = rays;
-        return false;
+        return RSV_CHAIN_LEFT_SCENE;
     }
     *chain = rsv_chain_begin(scene, direction, hit.triangle, hit.u, hit.v, hit.t);
     chain->weight = rgb_mul(chain->weight, throughput);
     chain->events = events;
     chain->rays = rays;
-    return true;
+    return RSV_CHAIN_MOVED;
 }
 
 static bool shows_emission(const rsv_transport_scene *scene, const rsv_chain *chain)
@@ -96,35 +109,24 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
             const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain.triangle]];
             gather.emission = rgb_add(gather.emission, rgb_mul(chain.weight, bsdf->emission));
         }
-        rsv_bsdf_branches branches = rsv_chain_branches(scene, &chain);
-        float r = rgb_max(branches.reflect), t = rgb_max(branches.transmit);
-        float d = rgb_max(branches.diffuse), sum = r + t + d;
-        // Each branch is taken with its own weight as probability; the rest of 1 is absorption. Where
-        // colours make the weights add up to more than 1, they are brought down to it.
-        float norm = f_max(sum, 1), choice = rsv_random_float(random) * norm;
         gather.chain = chain;
-        if (choice >= sum || chain.events >= RSV_CHAIN_MAX_EVENTS) return gather;
-        bool diffuse = choice < d, transmit = choice >= d + r;
-        rsv_rgb branch = diffuse    ? branches.diffuse
-                         : transmit ? branches.transmit
-                                    : branches.reflect;
-        float probability = (diffuse ? d : transmit ? t : r) / norm;
-        rsv_rgb weight = rgb_scale(branch, 1 / probability);
-        if (diffuse) {
-            gather.chain.weight = rgb_mul(chain.weight, weight);
+        rsv_bsdf_event event = rsv_chain_draw_event(scene, &chain, random);
+        if (event.lobe == RSV_LOBE_NONE || chain.events >= RSV_CHAIN_MAX_EVENTS) return gather;
+        if (event.lobe == RSV_LOBE_DIFFUSE) {
+            gather.chain.weight = rgb_mul(chain.weight, event.weight);
             gather.end = survive_roulette(&gather.chain.weight, random) ? RSV_CHAIN_DIFFUSE
                                                                         : RSV_CHAIN_ABSORBED;
             return gather;
         }
-        rsv_vec3 direction = transmit ? branches.transmit_direction : branches.reflect_direction;
-        if (!rsv_chain_step(scene, &chain, transmit, direction, weight)) {
-            gather.chain = chain;
+        bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
+        rsv_chain_move move =
+            rsv_chain_step(scene, &chain, transmit, event.direction, event.weight);
+        if (move == RSV_CHAIN_LOST) return gather;
+        gather.chain = chain;
+        if (move == RSV_CHAIN_LEFT_SCENE) {
             gather.end = RSV_CHAIN_ESCAPED;
             return gather;
         }
-        if (!survive_roulette(&chain.weight, random)) {
-            gather.chain.rays = chain.rays;
-            return gather;
-        }
+        if (!survive_roulette(&chain.weight, random)) return gather;
     }
 }

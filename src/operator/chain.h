@@ -44,9 +44,19 @@ void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain,
 /// Branch weights at the chain's surface.
 rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain);
 
+/// Draws what happens to the chain at its surface.
+rsv_bsdf_event rsv_chain_draw_event(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
+
+typedef enum rsv_chain_move {
+    RSV_CHAIN_MOVED,
+    RSV_CHAIN_LEFT_SCENE, ///< direction and weight say how
+    RSV_CHAIN_LOST ///< the direction belongs to the other side of the surface; nothing changed
+} rsv_chain_move;
+
 /// Leaves the surface by reflection or transmission and moves to the next one.
-/// @param weight multiplies the throughput @return false if the chain escaped
-bool rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+/// @param weight multiplies the throughput
+rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
     rsv_vec3 direction, rsv_rgb weight);
 
 /// What a gather chain found on its way: emission that counts, and where it ended.
@@ -60,8 +70,8 @@ typedef struct rsv_gather {
 /// Whether radiance emitted by a surface met after `events` specular events is wanted.
 typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t events);
 
-/// Follows a gather chain to its diffuse end, choosing branches at random by their weights. What the
-/// roulette leaves is colour only: a colourless chain keeps weight 1.
+/// Follows a gather chain to its diffuse end, drawing events by their probability. What the roulette
+/// leaves is colour only: a colourless chain keeps weight 1.
 rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, rsv_random *random,
     rsv_emission_filter filter, const void *user);
 

@@ -327,18 +327,15 @@ static void deposit(const photon_job *job, const rsv_chain *chain, rsv_rgb flux)
         deposit_on(&job->maps[m], chain, entered);
 }
 
-/// Leaves a surface by one of its specular branches, chosen by weight. False if the photon ends.
+/// Leaves a surface by one of its specular lobes. False if the photon ends.
 static bool scatter(const photon_job *job, rsv_chain *chain, rsv_random *random)
 {
-    rsv_bsdf_branches branches = rsv_chain_branches(job->scene, chain);
-    float r = rgb_max(branches.reflect), t = rgb_max(branches.transmit);
-    float norm = f_max(r + t, 1), choice = rsv_random_float(random) * norm;
-    if (choice >= r + t || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
-    bool transmit = choice >= r;
-    rsv_rgb branch = transmit ? branches.transmit : branches.reflect;
-    rsv_vec3 direction = transmit ? branches.transmit_direction : branches.reflect_direction;
-    float probability = (transmit ? t : r) / norm;
-    if (!rsv_chain_step(job->scene, chain, transmit, direction, rgb_scale(branch, 1 / probability)))
+    rsv_bsdf_event event = rsv_chain_draw_event(job->scene, chain, random);
+    bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
+    if (!specular || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
+    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
+    if (rsv_chain_step(job->scene, chain, transmit, event.direction, event.weight) !=
+        RSV_CHAIN_MOVED)
         return false;
     float survival = f_min(rgb_max(chain->weight), 1);
     if (rsv_random_float(random) >= survival) return false;

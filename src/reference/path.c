@@ -26,7 +26,10 @@ typedef struct light_path {
     /// With which the last surface chose the ray; 0 = next-event estimation could not have found
     /// what the ray finds.
     float pdf_solid_angle;
-    rsv_local_lights local; ///< the lights as the last diffuse surface sees them
+    /// The lights as the last surface sees them that next-event estimation knows of: above it and
+    /// below, and on which of these sides the ray left.
+    rsv_local_lights local[2];
+    bool below;
     rsv_path_light *light;
 } light_path;
 
@@ -128,38 +131,47 @@ static void add_emission(light_path *path, const surface *s, float distance)
 
     float weight = 1;
     if (path->pdf_solid_angle > 0 && !lights->group[emitter->group].gathered) {
-        float pdf_light = rsv_local_lights_pdf(&path->local, index, path->ray.direction, distance);
+        float pdf_light =
+            rsv_local_lights_pdf(&path->local[path->below], index, path->ray.direction, distance);
         weight = power_heuristic(path->pdf_solid_angle, pdf_light);
     }
     add_light(path, path->diffuse_events, rgb_scale(emitter->radiance, weight));
 }
 
-/// f cos of the diffuse lobe; black where either normal says that wi is below the surface.
-static rsv_rgb diffuse_response(const surface *s, rsv_vec3 wi)
+/// Response of the lobes in `lobes`; nothing where the normals disagree on wi's side.
+static rsv_bsdf_value respond(const surface *s, rsv_vec3 wi, rsv_lobe_set lobes)
 {
-    if (v3_dot(s->geometric_normal, wi) <= 0) return rgb_gray(0);
-    return rgb_scale(rsv_bsdf_eval(s->bsdf, wi, s->wo, s->normal), f_max(v3_dot(s->normal, wi), 0));
+    rsv_bsdf_value nothing = { rgb_gray(0), 0 };
+    if (v3_dot(s->geometric_normal, wi) * v3_dot(s->normal, wi) <= 0) return nothing;
+    return rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, lobes);
 }
 
 static bool sees_emitter_point(
-    const rsv_path_tracer *tracer, const surface *s, const rsv_light_sample *sample)
+    const rsv_path_tracer *tracer, const surface *s, const rsv_light_sample *sample, bool below)
 {
-    rsv_ray ray = rsv_emitter_ray(tracer->lights, sample, s->point, leaving_point(s, false));
+    rsv_ray ray = rsv_emitter_ray(tracer->lights, sample, s->point, leaving_point(s, below));
     return !rsv_tracer_occluded(tracer->tracer, &ray);
 }
 
+/// Adds light that arrives at the surface and scatters: diffusely, which makes it one order more, or in
+/// a rough lobe.
+static void add_scattered(light_path *path, rsv_rgb arriving, rsv_rgb diffuse, rsv_rgb rough)
+{
+    add_light(path, path->diffuse_events + 1, rgb_mul(diffuse, arriving));
+    if (!rgb_is_black(rough)) add_light(path, path->diffuse_events, rgb_mul(rough, arriving));
+}
+
 static void add_emitter_sample(
-    light_path *path, const surface *s, float u_select, float u1, float u2)
+    light_path *path, const surface *s, bool below, float u_select, float u1, float u2)
 {
     rsv_light_sample sample;
-    if (!rsv_local_lights_sample(&path->local, u_select, u1, u2, &sample)) return;
-    rsv_rgb response = diffuse_response(s, sample.direction);
-    if (rgb_is_black(response)) return;
-    if (!sees_emitter_point(path->tracer, s, &sample)) return;
-    float pdf_bsdf = rsv_bsdf_pdf(s->bsdf, sample.direction, s->wo, s->normal);
+    if (!rsv_local_lights_sample(&path->local[below], u_select, u1, u2, &sample)) return;
+    rsv_bsdf_value diffuse = respond(s, sample.direction, RSV_LOBES_DIFFUSE);
+    rsv_bsdf_value rough = respond(s, sample.direction, RSV_LOBES_ROUGH);
+    float pdf_bsdf = diffuse.pdf_solid_angle + rough.pdf_solid_angle;
+    if (pdf_bsdf == 0 || !sees_emitter_point(path->tracer, s, &sample, below)) return;
     float weight = power_heuristic(sample.pdf_solid_angle, pdf_bsdf) / sample.pdf_solid_angle;
-    add_light(
-        path, path->diffuse_events + 1, rgb_scale(rgb_mul(response, sample.radiance), weight));
+    add_scattered(path, rgb_scale(sample.radiance, weight), diffuse.response, rough.response);
 }
 
 /// Share of light that reaches the ray's origin from its end, past thin sheets alone.
@@ -181,13 +193,15 @@ static rsv_rgb straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray
 static void add_punctual_light(
     light_path *path, const surface *s, const rsv_light *light, float scale)
 {
-    rsv_ray ray = { .origin = leaving_point(s, false) };
+    rsv_ray ray;
     rsv_rgb irradiance;
     if (!rsv_punctual_light(light, s->point, &ray.direction, &ray.t_max, &irradiance)) return;
-    rsv_rgb response = diffuse_response(s, ray.direction);
-    if (rgb_is_black(response)) return;
+    rsv_bsdf_value diffuse = respond(s, ray.direction, RSV_LOBES_DIFFUSE);
+    rsv_bsdf_value rough = respond(s, ray.direction, RSV_LOBES_ROUGH);
+    if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) return;
+    ray.origin = leaving_point(s, v3_dot(s->geometric_normal, ray.direction) < 0);
     rsv_rgb arriving = rgb_mul(irradiance, straight_transmittance(path->tracer, ray));
-    add_light(path, path->diffuse_events + 1, rgb_scale(rgb_mul(response, arriving), scale));
+    add_scattered(path, rgb_scale(arriving, scale), diffuse.response, rough.response);
 }
 
 static void add_punctual_lights(light_path *path, const surface *s)
@@ -203,10 +217,26 @@ static void add_punctual_lights(light_path *path, const surface *s)
         add_punctual_light(path, s, &scene->light[i], 1);
 }
 
-static bool reflects_diffusely(const surface *s)
+/// Whether lights are found by aiming at them, above the surface and below.
+static void choose_sides(const surface *s, bool aim[2])
 {
-    rsv_rgb share = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front).diffuse;
-    return !rgb_is_black(rgb_mul(share, s->bsdf->exitance_albedo));
+    rsv_bsdf_branches branches = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front);
+    rsv_rgb diffuse = rgb_mul(branches.diffuse, s->bsdf->exitance_albedo);
+    aim[0] = branches.rough || !rgb_is_black(diffuse);
+    aim[1] = branches.rough && s->bsdf->transmission > 0;
+}
+
+static void gather_sources(light_path *path, const surface *s, float u_select, float u1, float u2)
+{
+    bool aim[2];
+    choose_sides(s, aim);
+    for (int below = 0; below < 2; below++) {
+        if (!aim[below]) continue;
+        rsv_vec3 normal = below ? v3_neg(s->normal) : s->normal;
+        rsv_lights_at(path->tracer->lights, s->point, normal, &path->local[below]);
+        add_emitter_sample(path, s, below, u_select, u1, u2);
+    }
+    if (aim[0]) add_punctual_lights(path, s);
 }
 
 /// Gathers the sources and turns the path into a new direction; false where it ends.
@@ -216,12 +246,7 @@ static bool scatter(light_path *path, const surface *s)
     next_pair(&path->numbers, &u_select, &u_lobe);
     next_pair(&path->numbers, &light_u1, &light_u2);
     next_pair(&path->numbers, &u1, &u2);
-    if (reflects_diffusely(s)) {
-        rsv_lights_at(path->tracer->lights, s->point, s->normal, &path->local);
-        add_emitter_sample(path, s, u_select, light_u1, light_u2);
-        add_punctual_lights(path, s);
-    }
-
+    gather_sources(path, s, u_select, light_u1, light_u2);
     rsv_bsdf_sample sample =
         rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
     if (sample.lobe == RSV_LOBE_NONE) return false;
@@ -230,6 +255,7 @@ static bool scatter(light_path *path, const surface *s)
     if (transmitted ? rise >= 0 : rise <= 0) return false;
     path->throughput = rgb_mul(path->throughput, sample.weight);
     path->pdf_solid_angle = sample.pdf_solid_angle;
+    path->below = transmitted;
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
     path->departure = s->point;
     path->ray = (rsv_ray){ leaving_point(s, transmitted), sample.direction, INFINITY };

@@ -10,13 +10,8 @@ static rsv_status create_bsdfs(rsv_path_tracer *tracer)
     const rsv_scene_view *scene = tracer->scene;
     tracer->bsdf = rsv_alloc(tracer->context, scene->material_count, sizeof *tracer->bsdf);
     if (!tracer->bsdf) return RSV_ERROR_MEMORY;
-    for (size_t i = 0; i < scene->material_count; i++) {
-        char approximation[80];
-        tracer->bsdf[i] = rsv_bsdf_from_material(&scene->material[i], approximation);
-        if (approximation[0])
-            rsv_log(tracer->context, RSV_LOG_WARNING, "material '%s': %s", scene->material[i].name,
-                approximation);
-    }
+    for (size_t i = 0; i < scene->material_count; i++)
+        tracer->bsdf[i] = rsv_bsdf_from_material(&scene->material[i]);
     return RSV_OK;
 }
 

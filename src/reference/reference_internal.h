@@ -14,7 +14,6 @@ typedef struct rsv_path_tracer {
     rsv_lights *lights;
 } rsv_path_tracer;
 
-/// Logs a warning for every material shown by an approximation.
 rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **tracer);
 void rsv_path_tracer_destroy(rsv_path_tracer *tracer);
 

@@ -23,7 +23,17 @@ static bool follow(const rsv_transport_scene *scene, rsv_chain *chain, bool tran
         weight = rgb_scale(weight, FAINT / carried);
     }
     rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
-    return rsv_chain_step(scene, chain, transmit, direction, weight);
+    return rsv_chain_step(scene, chain, transmit, direction, weight) == RSV_CHAIN_MOVED;
+}
+
+/// One of the directions that a rough surface scatters from; false if it has none.
+static bool follow_rough(const rsv_transport_scene *scene, rsv_chain *chain, rsv_random *random)
+{
+    rsv_bsdf_event event = rsv_chain_draw_event(scene, chain, random);
+    bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
+    if (!specular || event.pdf_solid_angle == 0 || chain->events >= MAX_EVENTS) return false;
+    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
+    return rsv_chain_step(scene, chain, transmit, event.direction, event.weight) == RSV_CHAIN_MOVED;
 }
 
 rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, rsv_chain chain, uint32_t seed,
@@ -45,6 +55,8 @@ rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, rsv_chain chain, uint
             if (depth < STACK && follow(scene, &next, transmit, &branches, &random))
                 stack[depth++] = next;
         }
+        if (branches.rough && depth < STACK && follow_rough(scene, &chain, &random))
+            stack[depth++] = chain;
     }
     return emission;
 }

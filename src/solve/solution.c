@@ -71,13 +71,8 @@ static rsv_status create_bsdfs(rsv_solution *s)
     const rsv_scene_view *view = s->scene.view;
     s->bsdf = rsv_alloc(s->context, view->material_count, sizeof *s->bsdf);
     if (!s->bsdf) return RSV_ERROR_MEMORY;
-    for (size_t m = 0; m < view->material_count; m++) {
-        char approximation[80];
-        s->bsdf[m] = rsv_bsdf_from_material(&view->material[m], approximation);
-        if (approximation[0])
-            rsv_log(s->context, RSV_LOG_WARNING, "material '%s': %s", view->material[m].name,
-                approximation);
-    }
+    for (size_t m = 0; m < view->material_count; m++)
+        s->bsdf[m] = rsv_bsdf_from_material(&view->material[m]);
     s->scene.bsdf = s->bsdf;
     return RSV_OK;
 }

@@ -179,8 +179,7 @@ static inline void world_commit(world *w)
     w->bsdf = calloc(view->material_count, sizeof *w->bsdf);
     assert_non_null(w->bsdf);
     for (size_t m = 0; m < view->material_count; m++) {
-        char approximation[80];
-        w->bsdf[m] = rsv_bsdf_from_material(&view->material[m], approximation);
+        w->bsdf[m] = rsv_bsdf_from_material(&view->material[m]);
     }
     assert_int_equal(rsv_tracer_create(w->scene, &w->tracer), RSV_OK);
     assert_int_equal(rsv_lights_create(w->scene, w->bsdf, &w->lights), RSV_OK);

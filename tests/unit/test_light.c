@@ -241,9 +241,8 @@ static void make_lights(fixture *f)
 {
     const rsv_scene_view *view = rsv_scene_get_view(f->scene);
     f->bsdf = rsv_alloc(f->context, view->material_count, sizeof *f->bsdf);
-    char approximation[80];
     for (size_t i = 0; i < view->material_count; i++)
-        f->bsdf[i] = rsv_bsdf_from_material(&view->material[i], approximation);
+        f->bsdf[i] = rsv_bsdf_from_material(&view->material[i]);
     assert_int_equal(rsv_lights_create(f->scene, f->bsdf, &f->lights), RSV_OK);
 }
 

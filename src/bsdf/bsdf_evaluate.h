@@ -1,0 +1,171 @@
+/// Values and densities of rsv_bsdf's lobes. Each lobe is a density, the one it is drawn with, times a
+/// weight, so that both come out of one sum. Included by bsdf.h alone.
+#ifndef RSV_BSDF_EVALUATE_H
+#define RSV_BSDF_EVALUATE_H
+
+RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    rsv_bsdf_branches branches = { rgb_gray(0), rgb_gray(0), rgb_gray(0), n, v3_neg(wo), false };
+    if (rsv_bsdf_is_black_side(bsdf, front)) return branches;
+    if (bsdf->lambert) {
+        branches.diffuse = rgb_gray(1);
+        return branches;
+    }
+    float cos_o = f_min(f_max(v3_dot(n, wo), 0), 1), cos_t;
+    if (rsv_bsdf_diffuses(bsdf, front))
+        branches.diffuse = rgb_scale(rsv_bsdf_entry(bsdf, cos_o), bsdf->diffuse);
+    if (bsdf->alpha > 0) {
+        branches.rough = true;
+        return branches;
+    }
+    float eta = rsv_bsdf_eta(bsdf, front), dielectric = 1 - bsdf->metallic;
+    rsv_facet_choice choice = rsv_choose_at_facet(bsdf, cos_o, eta, &cos_t);
+    branches.reflect_direction = rsv_mirrored(wo, n);
+    branches.reflect = rgb_mad(rgb_scale(choice.reflected, dielectric * choice.reflect),
+        bsdf->metallic, rsv_fresnel_schlick(bsdf->base_color, cos_o));
+    branches.transmit = rgb_scale(rgb_mul(choice.transmitted, bsdf->base_color),
+        dielectric * bsdf->transmission * (1 - choice.reflect));
+    if (bsdf->solid) branches.transmit_direction = rsv_refracted(wo, n, eta, cos_o, cos_t);
+    return branches;
+}
+
+RSV_INLINE void rsv_add_term(rsv_bsdf_value *value, float density, rsv_rgb weight)
+{
+    value->response = rgb_mad(value->response, density, weight);
+    value->pdf_solid_angle += density;
+}
+
+/// Density of reflection off a white microsurface; the masked part is left out. @param h half vector
+RSV_INLINE float rsv_reflection_density(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, rsv_vec3 h)
+{
+    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
+    float cos_h = f_max(v3_dot(wo, h), 1e-6f);
+    return rsv_ggx_visible_pdf(n, h, wo, bsdf->alpha) *
+           rsv_ggx_visibility(cos_o, cos_i, bsdf->alpha) / (4 * cos_h);
+}
+
+RSV_INLINE void rsv_add_metal(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
+{
+    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi), share = bsdf->metallic;
+    if (share == 0 || cos_i <= 0) return;
+    rsv_vec3 h = v3_normalize(v3_add(wi, wo));
+    rsv_add_term(value, share * rsv_reflection_density(bsdf, wi, wo, n, h),
+        rsv_fresnel_schlick(bsdf->base_color, v3_dot(wo, h)));
+    float missing = rsv_bsdf_missing(bsdf, false, 0, cos_o) *
+                    rsv_bsdf_missing(bsdf, false, 0, cos_i) / rsv_bsdf_missing_mean(bsdf, false, 0);
+    rsv_add_term(value, share * missing * cos_i / RSV_PI, rsv_bsdf_metal_again(bsdf));
+}
+
+/// Reflection at the dielectric interface, the coat's and the glass's alike.
+RSV_INLINE void rsv_add_interface_reflection(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    float share = 1 - bsdf->metallic, cos_t;
+    if (share == 0 || v3_dot(n, wi) <= 0) return;
+    rsv_vec3 h = v3_normalize(v3_add(wi, wo));
+    rsv_facet_choice choice =
+        rsv_choose_at_facet(bsdf, v3_dot(wo, h), rsv_bsdf_eta(bsdf, front), &cos_t);
+    rsv_add_term(value, share * choice.reflect * rsv_reflection_density(bsdf, wi, wo, n, h),
+        choice.reflected);
+}
+
+/// A body's rough surface (Walter et al. 2007); wi on the far side.
+RSV_INLINE void rsv_add_refraction(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    float eta = rsv_bsdf_eta(bsdf, front), share = (1 - bsdf->metallic) * bsdf->transmission, cos_t;
+    rsv_vec3 h = v3_mad(wo, eta, wi);
+    if (v3_dot(h, n) < 0) h = v3_neg(h);
+    float length = v3_length(h);
+    if (length < 1e-4f) return; // media of the same index: nothing bends
+    h = v3_scale(h, 1 / length);
+    float cos_oh = v3_dot(wo, h), cos_ih = v3_dot(wi, h);
+    if (cos_oh <= 0 || cos_ih >= 0) return;
+    rsv_facet_choice choice = rsv_choose_at_facet(bsdf, cos_oh, eta, &cos_t);
+    float jacobian = eta * eta * -cos_ih / (length * length);
+    float density = rsv_ggx_visible_pdf(n, h, wo, bsdf->alpha) * jacobian *
+                    rsv_ggx_visibility(v3_dot(n, wo), v3_dot(n, wi), bsdf->alpha);
+    rsv_add_term(value, share * (1 - choice.reflect) * density,
+        rgb_mul(choice.transmitted, bsdf->base_color));
+}
+
+/// A thin rough sheet: refracted twice, light leaves as if reflected, on the other side.
+RSV_INLINE void rsv_add_sheet_transmission(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
+{
+    float share = (1 - bsdf->metallic) * bsdf->transmission, cos_t;
+    rsv_vec3 above = v3_mad(wi, -2 * v3_dot(n, wi), n), h = v3_normalize(v3_add(above, wo));
+    rsv_facet_choice choice = rsv_choose_at_facet(bsdf, v3_dot(wo, h), bsdf->ior, &cos_t);
+    rsv_add_term(value,
+        share * (1 - choice.reflect) * rsv_reflection_density(bsdf, above, wo, n, h),
+        rgb_mul(choice.transmitted, bsdf->base_color));
+}
+
+/// What glass scatters more than once.
+RSV_INLINE void rsv_add_glass_again(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o, bool front)
+{
+    int here = bsdf->solid && !front, there = cos_i > 0 ? here : bsdf->solid && front;
+    float transmitted = rsv_bsdf_missing_transmitted(bsdf, here);
+    float density = rsv_bsdf_missing(bsdf, bsdf->solid, here, cos_o) *
+                    rsv_bsdf_missing(bsdf, bsdf->solid, there, cos_i) * fabsf(cos_i) /
+                    (RSV_PI * rsv_bsdf_missing_mean(bsdf, bsdf->solid, there));
+    float share = (1 - bsdf->metallic) * bsdf->transmission;
+    rsv_add_term(value, share * density * (cos_i > 0 ? 1 - transmitted : transmitted),
+        cos_i > 0 ? rgb_gray(1) : bsdf->base_color);
+}
+
+/// Chance that light which met the coat entered it, and what is then left of it.
+RSV_INLINE rsv_facet_choice rsv_choose_at_coat(const rsv_bsdf *bsdf, float cos_o)
+{
+    if (!bsdf->coated) return rsv_choice_of(rgb_gray(1), 0);
+    return rsv_choice_of(bsdf->specular_tint, rsv_bsdf_interface_albedo(bsdf, cos_o));
+}
+
+RSV_INLINE void rsv_add_diffuse(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o)
+{
+    if (cos_i <= 0) return;
+    rsv_facet_choice coat = rsv_choose_at_coat(bsdf, cos_o);
+    rsv_rgb weight = rgb_mul(coat.transmitted, rsv_bsdf_entry(bsdf, cos_i));
+    rsv_add_term(value, bsdf->diffuse * (1 - coat.reflect) * cos_i / RSV_PI,
+        rgb_mul(weight, bsdf->exitance_albedo));
+}
+
+RSV_INLINE rsv_bsdf_value rsv_bsdf_evaluate(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front, rsv_lobe_set lobes)
+{
+    rsv_bsdf_value value = { rgb_gray(0), 0 };
+    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
+    if (rsv_bsdf_is_black_side(bsdf, front) || cos_o <= 0 || cos_i == 0) return value;
+    if ((lobes & RSV_LOBES_DIFFUSE) && rsv_bsdf_diffuses(bsdf, front))
+        rsv_add_diffuse(&value, bsdf, cos_i, cos_o);
+    if (!(lobes & RSV_LOBES_ROUGH) || bsdf->alpha == 0) return value;
+    rsv_add_metal(&value, bsdf, wi, wo, n);
+    rsv_add_interface_reflection(&value, bsdf, wi, wo, n, front);
+    if (bsdf->transmission == 0 || bsdf->metallic == 1) return value;
+    if (cos_i < 0 && bsdf->solid) rsv_add_refraction(&value, bsdf, wi, wo, n, front);
+    if (cos_i < 0 && !bsdf->solid) rsv_add_sheet_transmission(&value, bsdf, wi, wo, n);
+    rsv_add_glass_again(&value, bsdf, cos_i, cos_o, front);
+    return value;
+}
+
+RSV_INLINE rsv_rgb rsv_bsdf_eval(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    float cos_i = fabsf(v3_dot(n, wi));
+    if (cos_i == 0) return rgb_gray(0);
+    rsv_rgb response = rsv_bsdf_evaluate(bsdf, wi, wo, n, front, RSV_LOBES_ALL).response;
+    return rgb_scale(response, 1 / cos_i);
+}
+
+RSV_INLINE float rsv_bsdf_pdf(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    return rsv_bsdf_evaluate(bsdf, wi, wo, n, front, RSV_LOBES_ALL).pdf_solid_angle;
+}
+
+#endif

@@ -1,0 +1,128 @@
+/// What the lobes of rsv_bsdf share: the interface between the media. Included by bsdf.h alone.
+#ifndef RSV_BSDF_INTERFACE_H
+#define RSV_BSDF_INTERFACE_H
+
+RSV_INLINE rsv_rgb rsv_one_minus(rsv_rgb a) { return rgb(1 - a.r, 1 - a.g, 1 - a.b); }
+
+RSV_INLINE rsv_vec3 rsv_mirrored(rsv_vec3 wo, rsv_vec3 h)
+{
+    return v3_normalize(v3_sub(v3_scale(h, 2 * v3_dot(h, wo)), wo));
+}
+
+RSV_INLINE rsv_vec3 rsv_bsdf_specular_normal(rsv_vec3 shading, rsv_vec3 geometric, rsv_vec3 wo)
+{
+    bool above = v3_dot(shading, wo) > 0 && v3_dot(geometric, rsv_mirrored(wo, shading)) > 0;
+    return above ? shading : geometric;
+}
+
+/// Snell's law; `eta` is the far side's ior over that of wo's side.
+RSV_INLINE rsv_vec3 rsv_refracted(rsv_vec3 wo, rsv_vec3 h, float eta, float cos_o, float cos_t)
+{
+    return v3_normalize(v3_mad(v3_scale(wo, -1 / eta), cos_o / eta - cos_t, h));
+}
+
+/// The far side's ior over that of wo's side, as reflection sees it: a thin sheet is seen from outside.
+RSV_INLINE float rsv_bsdf_eta(const rsv_bsdf *bsdf, bool front)
+{
+    return bsdf->solid && !front ? 1 / bsdf->ior : bsdf->ior;
+}
+
+/// Whether light scatters diffusely on this side: inside a body and behind one-sided surfaces not.
+RSV_INLINE bool rsv_bsdf_diffuses(const rsv_bsdf *bsdf, bool front)
+{
+    return bsdf->diffuse > 0 && (front || (bsdf->double_sided && !bsdf->solid));
+}
+
+/// Whether light that meets this side is absorbed whatever the lobes say.
+RSV_INLINE bool rsv_bsdf_is_black_side(const rsv_bsdf *bsdf, bool front)
+{
+    return !front && !bsdf->double_sided && bsdf->transmission == 0;
+}
+
+/// Reflectance at one facet: its probability and, per channel, what of the light is then left.
+typedef struct rsv_facet_choice {
+    float reflect;       ///< probability
+    rsv_rgb reflected;   ///< weight if it reflects
+    rsv_rgb transmitted; ///< weight if it does not
+} rsv_facet_choice;
+
+RSV_INLINE rsv_facet_choice rsv_choice_of(rsv_rgb tint, float reflectance)
+{
+    float largest = f_max(rgb_max(tint), 1e-6f), p = largest * reflectance;
+    rsv_facet_choice choice = { p, rgb_scale(tint, 1 / largest), rgb_gray(0) };
+    if (p < 1)
+        choice.transmitted = rgb_scale(rsv_one_minus(rgb_scale(tint, reflectance)), 1 / (1 - p));
+    return choice;
+}
+
+/// A weakened or tinted interface still reflects totally: nothing else can become of that light.
+RSV_INLINE rsv_facet_choice rsv_choose_at_facet(
+    const rsv_bsdf *bsdf, float cos_h, float eta, float *cos_t)
+{
+    float fresnel = rsv_fresnel_dielectric(f_min(cos_h, 1), eta, cos_t);
+    bool total = fresnel >= 1 && bsdf->solid;
+    return rsv_choice_of(total ? rgb_gray(1) : bsdf->specular_tint, fresnel);
+}
+
+/// R(w): directional albedo of the coat, seen from outside.
+RSV_INLINE float rsv_bsdf_interface_albedo(const rsv_bsdf *bsdf, float cos)
+{
+    float cos_t;
+    cos = f_min(f_max(cos, 0), 1);
+    if (bsdf->alpha == 0) return rsv_fresnel_dielectric(cos, bsdf->ior, &cos_t);
+    return rsv_table_dielectric(
+        bsdf->tables->reflected, bsdf->eta_place, bsdf->alpha_place, rsv_table_cos(cos));
+}
+
+RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
+{
+    if (!bsdf->coated) return rgb_gray(1);
+    return rsv_one_minus(rgb_scale(bsdf->specular_tint, rsv_bsdf_interface_albedo(bsdf, cos)));
+}
+
+// ---- what single scattering misses --------------------------------------------------------------
+
+/// Means below this come from rounding of the tables.
+#define RSV_LEAST_MISSING 1e-5f
+
+/// Energy that single scattering leaves over. A body's surface has two sides, 0 outside and 1 inside;
+/// metals and thin sheets have one.
+RSV_INLINE float rsv_bsdf_missing(const rsv_bsdf *bsdf, bool body, int side, float cos)
+{
+    rsv_table_place at = rsv_table_cos(f_min(fabsf(cos), 1));
+    float missing = body ? rsv_table_dielectric(
+                               bsdf->tables->missing[side], bsdf->eta_place, bsdf->alpha_place, at)
+                         : rsv_table_albedo(bsdf->tables->conductor_missing, bsdf->alpha_place, at);
+    return f_max(missing, 0);
+}
+
+RSV_INLINE float rsv_bsdf_missing_mean(const rsv_bsdf *bsdf, bool body, int side)
+{
+    float mean =
+        body ? rsv_table_mean(bsdf->tables->missing_mean[side], bsdf->eta_place, bsdf->alpha_place)
+             : rsv_table_line(bsdf->tables->conductor_missing_mean, bsdf->alpha_place);
+    return f_max(mean, RSV_LEAST_MISSING);
+}
+
+/// Share of what glass misses that goes on to the far side. Light balanced on both sides of a body
+/// stays so if inside share * inside mean * ior^2 = outside share * outside mean.
+RSV_INLINE float rsv_bsdf_missing_transmitted(const rsv_bsdf *bsdf, int side)
+{
+    float passed = 1 - bsdf->smooth_mean;
+    if (!bsdf->solid) return 1 - bsdf->smooth_mean * rgb_max(bsdf->specular_tint);
+    float outside = rsv_bsdf_missing_mean(bsdf, true, 0);
+    float inside = rsv_bsdf_missing_mean(bsdf, true, 1);
+    float share = passed * f_min(1, inside / outside);
+    return side == 0 ? share : share * outside / (bsdf->ior * bsdf->ior * inside);
+}
+
+/// Reflectance of metal for light that meets it more than once (Kulla and Conty).
+RSV_INLINE rsv_rgb rsv_bsdf_metal_again(const rsv_bsdf *bsdf)
+{
+    rsv_rgb f = rsv_fresnel_schlick_mean(bsdf->base_color);
+    float missing = rsv_bsdf_missing_mean(bsdf, false, 0), once = 1 - missing;
+    return rgb(f.r * f.r * once / (1 - f.r * missing), f.g * f.g * once / (1 - f.g * missing),
+        f.b * f.b * once / (1 - f.b * missing));
+}
+
+#endif

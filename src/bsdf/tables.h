@@ -1,0 +1,79 @@
+/// Directional albedos of the GGX interface, which have no closed form: tabulated by tables_generate.c
+/// when the library is built, looked up linearly. Plain C, also for device code.
+#ifndef RSV_BSDF_TABLES_H
+#define RSV_BSDF_TABLES_H
+
+#include "../core/vec.h"
+
+#define RSV_TABLE_COS 64   ///< cos = (k / 63)^2
+#define RSV_TABLE_ALPHA 40 ///< alpha = (k / 39)^2
+#define RSV_TABLE_ETA 14   ///< (eta - 1) / (eta + 1) = (k / 13)^2 / 2: from 1 to 3
+
+typedef float rsv_albedo_row[RSV_TABLE_COS];
+
+/// Means are hemispherical, 2 int f cos dcos, of the interpolated tables.
+typedef struct rsv_bsdf_tables {
+    /// Energy that single scattering by a white conductor loses: 1 - E.
+    rsv_albedo_row conductor_missing[RSV_TABLE_ALPHA];
+    float conductor_missing_mean[RSV_TABLE_ALPHA];
+    /// Reflected once by a dielectric, from outside.
+    rsv_albedo_row reflected[RSV_TABLE_ETA][RSV_TABLE_ALPHA];
+    float reflected_mean[RSV_TABLE_ETA][RSV_TABLE_ALPHA];
+    /// Neither reflected nor transmitted once by a dielectric, from [0] outside, [1] inside.
+    rsv_albedo_row missing[2][RSV_TABLE_ETA][RSV_TABLE_ALPHA];
+    float missing_mean[2][RSV_TABLE_ETA][RSV_TABLE_ALPHA];
+} rsv_bsdf_tables;
+
+extern const rsv_bsdf_tables rsv_bsdf_tables_data;
+
+/// Where a value lies between two entries of an axis.
+typedef struct rsv_table_place {
+    int index;
+    float weight; ///< of entry index + 1
+} rsv_table_place;
+
+RSV_INLINE rsv_table_place rsv_table_place_at(float x, int count)
+{
+    float scaled = f_min(f_max(x, 0), 1) * (float)(count - 1);
+    int index = (int)scaled < count - 2 ? (int)scaled : count - 2;
+    rsv_table_place place = { index, scaled - (float)index };
+    return place;
+}
+RSV_INLINE rsv_table_place rsv_table_alpha(float alpha)
+{
+    return rsv_table_place_at(sqrtf(alpha), RSV_TABLE_ALPHA);
+}
+RSV_INLINE rsv_table_place rsv_table_cos(float cos)
+{
+    return rsv_table_place_at(sqrtf(f_max(cos, 0)), RSV_TABLE_COS);
+}
+RSV_INLINE rsv_table_place rsv_table_eta(float eta)
+{
+    return rsv_table_place_at(sqrtf(2 * (eta - 1) / (eta + 1)), RSV_TABLE_ETA);
+}
+
+RSV_INLINE float rsv_table_line(const float *entry, rsv_table_place at)
+{
+    return entry[at.index] + at.weight * (entry[at.index + 1] - entry[at.index]);
+}
+/// @param row [RSV_TABLE_ALPHA]
+RSV_INLINE float rsv_table_albedo(
+    const rsv_albedo_row *row, rsv_table_place alpha, rsv_table_place cos)
+{
+    float low = rsv_table_line(row[alpha.index], cos);
+    return low + alpha.weight * (rsv_table_line(row[alpha.index + 1], cos) - low);
+}
+RSV_INLINE float rsv_table_mean(
+    const float (*mean)[RSV_TABLE_ALPHA], rsv_table_place eta, rsv_table_place alpha)
+{
+    float low = rsv_table_line(mean[eta.index], alpha);
+    return low + eta.weight * (rsv_table_line(mean[eta.index + 1], alpha) - low);
+}
+RSV_INLINE float rsv_table_dielectric(const rsv_albedo_row (*table)[RSV_TABLE_ALPHA],
+    rsv_table_place eta, rsv_table_place alpha, rsv_table_place cos)
+{
+    float low = rsv_table_albedo(table[eta.index], alpha, cos);
+    return low + eta.weight * (rsv_table_albedo(table[eta.index + 1], alpha, cos) - low);
+}
+
+#endif

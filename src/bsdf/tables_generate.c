@@ -1,0 +1,163 @@
+/// Build tool: integrates what tables.h declares and writes it as C. `tables_generate OUTPUT.c`
+///
+/// The albedo of single scattering is the mean of F G2 / G1 over visible normals; midpoints of a grid
+/// on their unit square integrate it to a few 1e-4.
+#include "fresnel.h"
+#include "ggx.h"
+#include "tables.h"
+
+#include <stdio.h>
+
+#define COLUMNS 32 ///< around the normal
+#define ROWS 96    ///< away from it, denser towards the long tail of GGX
+
+/// Single scattering seen from one direction: by white metal, and by dielectrics from both sides.
+typedef struct albedos {
+    double metal;
+    double reflected[2][RSV_TABLE_ETA], transmitted[2][RSV_TABLE_ETA];
+} albedos;
+
+static float square(int k, int count)
+{
+    float x = (float)k / (float)(count - 1);
+    return x * x;
+}
+
+/// Far side's ior over that of the side seen.
+static float eta_of(int side, int e)
+{
+    float x = 0.5f * square(e, RSV_TABLE_ETA), eta = (1 + x) / (1 - x);
+    return side ? 1 / eta : eta;
+}
+
+/// @param weight of the facet times what of its mirrored light is not masked
+static void add_facet(
+    albedos *sum, rsv_vec3 wo, rsv_vec3 h, float alpha, double weight, double seen, int side, int e)
+{
+    float eta = eta_of(side, e), cos_t, cos_h = f_max(v3_dot(wo, h), 0);
+    double fresnel = (double)rsv_fresnel_dielectric(cos_h, eta, &cos_t);
+    float down = wo.z / eta - (cos_h / eta - cos_t) * h.z;
+    sum->reflected[side][e] += weight * seen * fresnel;
+    if (down > 0)
+        sum->transmitted[side][e] +=
+            weight * (1 - fresnel) * (double)rsv_ggx_visibility(wo.z, down, alpha);
+}
+
+static albedos integrate(float cos_o, float alpha)
+{
+    albedos sum = { 0 };
+    rsv_vec3 wo = v3(sqrtf(1 - cos_o * cos_o), 0, cos_o);
+    for (int i = 0; i < COLUMNS * ROWS; i++) {
+        float u = ((float)(i % COLUMNS) + 0.5f) / COLUMNS, v = ((float)(i / COLUMNS) + 0.5f) / ROWS;
+        rsv_vec3 h = rsv_ggx_sample_visible(wo, alpha, 0.5f * u, 1 - v * v * v);
+        double weight = 3 * (double)(v * v) / (COLUMNS * ROWS);
+        float up = 2 * v3_dot(wo, h) * h.z - wo.z;
+        double seen = up > 0 ? (double)rsv_ggx_visibility(wo.z, up, alpha) : 0;
+        sum.metal += weight * seen;
+        for (int side = 0; side < 2; side++)
+            for (int e = 0; e < RSV_TABLE_ETA; e++)
+                add_facet(&sum, wo, h, alpha, weight, seen, side, e);
+    }
+    return sum;
+}
+
+static albedos smooth(float cos_o)
+{
+    albedos sum = { .metal = 1 };
+    for (int side = 0; side < 2; side++) {
+        for (int e = 0; e < RSV_TABLE_ETA; e++) {
+            float cos_t, fresnel = rsv_fresnel_dielectric(cos_o, eta_of(side, e), &cos_t);
+            sum.reflected[side][e] = (double)fresnel;
+            sum.transmitted[side][e] = 1 - (double)fresnel;
+        }
+    }
+    return sum;
+}
+
+static void fill(rsv_bsdf_tables *t, int a, int c)
+{
+    float cos_o = f_max(square(c, RSV_TABLE_COS), 1e-5f);
+    albedos seen = a ? integrate(cos_o, square(a, RSV_TABLE_ALPHA)) : smooth(cos_o);
+    t->conductor_missing[a][c] = (float)(1 - seen.metal);
+    for (int e = 0; e < RSV_TABLE_ETA; e++) {
+        t->reflected[e][a][c] = (float)seen.reflected[0][e];
+        for (int side = 0; side < 2; side++)
+            t->missing[side][e][a][c] =
+                (float)(1 - seen.reflected[side][e] - seen.transmitted[side][e]);
+    }
+}
+
+/// 2 int f cos dcos of the interpolant: linear in x = sqrt(cos), so 4 int f x^3 dx.
+static float mean(const float *row)
+{
+    enum { STEPS = 16 };
+    double sum = 0;
+    for (int k = 0; k + 1 < RSV_TABLE_COS; k++) {
+        for (int i = 0; i < STEPS; i++) {
+            double w = (i + 0.5) / STEPS, x = (k + w) / (RSV_TABLE_COS - 1);
+            sum += 4 * x * x * x * ((1 - w) * (double)row[k] + w * (double)row[k + 1]);
+        }
+    }
+    return (float)(sum / (STEPS * (RSV_TABLE_COS - 1)));
+}
+
+static void fill_means(rsv_bsdf_tables *t, int a)
+{
+    t->conductor_missing_mean[a] = mean(t->conductor_missing[a]);
+    for (int e = 0; e < RSV_TABLE_ETA; e++) {
+        t->reflected_mean[e][a] = mean(t->reflected[e][a]);
+        t->missing_mean[0][e][a] = mean(t->missing[0][e][a]);
+        t->missing_mean[1][e][a] = mean(t->missing[1][e][a]);
+    }
+}
+
+/// Writes an array of `shape` (ending in 0) with its inner braces; returns what follows it.
+static const float *print_array(FILE *file, const float *value, const int *shape)
+{
+    if (shape[0] == 0) {
+        fprintf(file, "%.7g,", (double)*value);
+        return value + 1;
+    }
+    fprintf(file, "{");
+    for (int i = 0; i < shape[0]; i++)
+        value = print_array(file, value, shape + 1);
+    fprintf(file, "},\n");
+    return value;
+}
+
+static void print_table(FILE *file, const char *name, const float *value, const int *shape)
+{
+    fprintf(file, "    .%s = ", name);
+    print_array(file, value, shape);
+}
+
+static void print_tables(FILE *file, const rsv_bsdf_tables *t)
+{
+    const int albedo_shape[] = { 2, RSV_TABLE_ETA, RSV_TABLE_ALPHA, RSV_TABLE_COS, 0 };
+    const int mean_shape[] = { 2, RSV_TABLE_ETA, RSV_TABLE_ALPHA, 0 };
+    fprintf(file, "#include \"bsdf/tables.h\"\n\nconst rsv_bsdf_tables rsv_bsdf_tables_data = {\n");
+    print_table(file, "conductor_missing", t->conductor_missing[0], albedo_shape + 2);
+    print_table(file, "conductor_missing_mean", t->conductor_missing_mean, mean_shape + 2);
+    print_table(file, "reflected", t->reflected[0][0], albedo_shape + 1);
+    print_table(file, "reflected_mean", t->reflected_mean[0], mean_shape + 1);
+    print_table(file, "missing", t->missing[0][0][0], albedo_shape);
+    print_table(file, "missing_mean", t->missing_mean[0][0], mean_shape);
+    fprintf(file, "};\n");
+}
+
+int main(int argc, char **argv)
+{
+    static rsv_bsdf_tables t;
+    FILE *file = argc == 2 ? fopen(argv[1], "w") : NULL;
+    if (!file) {
+        fprintf(stderr, "usage: tables_generate OUTPUT.c\n");
+        return 1;
+    }
+    for (int a = 0; a < RSV_TABLE_ALPHA; a++) {
+        for (int c = 0; c < RSV_TABLE_COS; c++)
+            fill(&t, a, c);
+        fill_means(&t, a);
+    }
+    print_tables(file, &t);
+    return fclose(file) == 0 ? 0 : 1;
+}

@@ -1,0 +1,141 @@
+#include "bsdf_cases.h"
+
+static rsv_material white(void)
+{
+    rsv_material material = { .base_color = { 1, 1, 1 },
+        .ior = 1.5f,
+        .specular = 1,
+        .specular_color = { 1, 1, 1 },
+        .attenuation_color = { 1, 1, 1 },
+        .attenuation_distance = INFINITY,
+        .diffuse_transmission_color = { 1, 1, 1 },
+        .opacity = 1 };
+    return material;
+}
+
+static rsv_material blend(float metallic, float transmission, float thickness, float ior)
+{
+    rsv_material material = white();
+    material.metallic = metallic;
+    material.transmission = transmission;
+    material.thickness = thickness;
+    material.ior = ior;
+    return material;
+}
+
+const bsdf_case *bsdf_cases(void)
+{
+    static bsdf_case cases[16];
+    size_t count = 0;
+    cases[count++] = (bsdf_case){ "metal", blend(1, 0, 0, 1.5f), false };
+    cases[count++] = (bsdf_case){ "coat", blend(0, 0, 0, 1.5f), false };
+    cases[count++] = (bsdf_case){ "coat of high index", blend(0, 0, 0, 2.4f), false };
+    cases[count++] = (bsdf_case){ "glass", blend(0, 1, 1, 1.5f), true };
+    cases[count++] = (bsdf_case){ "water", blend(0, 1, 1, 1.33f), true };
+    cases[count++] = (bsdf_case){ "sheet", blend(0, 1, 0, 1.5f), true };
+    cases[count++] = (bsdf_case){ "blend", blend(0.3f, 0.5f, 0, 1.5f), false };
+    cases[count] = (bsdf_case){ .name = NULL };
+    return cases;
+}
+
+rsv_bsdf bsdf_of(const bsdf_case *c, float roughness)
+{
+    rsv_material material = c->material;
+    material.roughness = roughness;
+    return rsv_bsdf_from_material(&material);
+}
+
+void bsdf_charts(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, bsdf_chart chart[2])
+{
+    float cos_t, eta = bsdf->solid && !front ? 1 / bsdf->ior : bsdf->ior;
+    rsv_fresnel_dielectric(wo.z, eta, &cos_t);
+    for (int below = 0; below < 2; below++) {
+        bsdf_chart *c = &chart[below];
+        c->wo = wo;
+        c->side = below ? -1 : 1;
+        c->half_vectors = !below || !bsdf->solid;
+        c->scale = bsdf->alpha > 0 ? bsdf->alpha : 1;
+        c->axis = c->half_vectors ? v3(0, 0, 1) : v3(-wo.x / eta, -wo.y / eta, -cos_t);
+        c->axis = v3_normalize(c->axis);
+        v3_frame(c->axis, &c->tangent, &c->bitangent);
+    }
+}
+
+/// Radius 0 .. infinity of u = 0 .. 1: grows like the scale at first, then reaches out.
+static double radius_at(const bsdf_chart *c, double u)
+{
+    return ((double)c->scale + u * u * u) * u / (1 - u);
+}
+static double radius_slope(const bsdf_chart *c, double u)
+{
+    return 3 * u * u * u / (1 - u) + ((double)c->scale + u * u * u) / ((1 - u) * (1 - u));
+}
+static double radius_inverse(const bsdf_chart *c, double radius)
+{
+    double low = 0, high = 1;
+    for (int i = 0; i < 40; i++) {
+        double middle = 0.5 * (low + high);
+        *(radius_at(c, middle) < radius ? &low : &high) = middle;
+    }
+    return low;
+}
+
+static rsv_vec3 turned(const bsdf_chart *c, double cosine, double sine, double phi)
+{
+    rsv_vec3 w = v3_scale(c->axis, (float)cosine);
+    w = v3_mad(w, (float)(sine * cos(phi)), c->tangent);
+    return v3_normalize(v3_mad(w, (float)(sine * sin(phi)), c->bitangent));
+}
+
+rsv_vec3 bsdf_chart_direction(const bsdf_chart *c, float u, float v, double *jacobian)
+{
+    double r = radius_at(c, u), phi = 2 * (double)RSV_PI * (double)v, q = 1 + r * r;
+    double per_square = 2 * (double)RSV_PI * r * radius_slope(c, u);
+    rsv_vec3 w;
+    if (c->half_vectors) { // r is the slope of the half vector
+        rsv_vec3 h = turned(c, 1 / sqrt(q), r / sqrt(q), phi);
+        double cos_h = (double)v3_dot(h, c->wo);
+        w = v3_sub(v3_scale(h, (float)(2 * cos_h)), c->wo);
+        *jacobian = per_square / (q * sqrt(q)) * 4 * fabs(cos_h);
+        if (c->side < 0) w.z = -w.z;
+        if (cos_h <= 0) *jacobian = 0;
+    } else { // r is the tangent of half the distance
+        w = turned(c, (1 - r * r) / q, 2 * r / q, phi);
+        *jacobian = per_square * 4 / (q * q);
+    }
+    if (w.z * c->side <= 0) *jacobian = 0;
+    return v3_normalize(w);
+}
+
+void bsdf_chart_locate(const bsdf_chart *c, rsv_vec3 w, float *u, float *v)
+{
+    rsv_vec3 p = w;
+    if (c->half_vectors) p = v3_normalize(v3_add(c->wo, v3(w.x, w.y, fabsf(w.z))));
+    double x = (double)v3_dot(p, c->tangent), y = (double)v3_dot(p, c->bitangent);
+    double z = (double)v3_dot(p, c->axis), across = sqrt(x * x + y * y);
+    *u = (float)radius_inverse(c, across / fmax(c->half_vectors ? z : 1 + z, 1e-9));
+    double turn = atan2(y, x) / (2 * (double)RSV_PI);
+    *v = (float)(turn < 0 ? turn + 1 : turn);
+}
+
+bsdf_integral bsdf_integrate(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, const bsdf_chart *chart, bsdf_patch p)
+{
+    const rsv_vec3 up = { 0, 0, 1 };
+    bsdf_integral sum = { 0 };
+    double area = (double)(p.u1 - p.u0) * (double)(p.v1 - p.v0) / (p.steps_u * p.steps_v);
+    for (int i = 0; i < p.steps_u * p.steps_v; i++) {
+        float x = ((float)(i % p.steps_u) + 0.5f) / (float)p.steps_u;
+        float y = ((float)(i / p.steps_u) + 0.5f) / (float)p.steps_v;
+        double jacobian;
+        rsv_vec3 wi = bsdf_chart_direction(
+            chart, p.u0 + x * (p.u1 - p.u0), p.v0 + y * (p.v1 - p.v0), &jacobian);
+        if (jacobian == 0) continue;
+        rsv_bsdf_value value = rsv_bsdf_evaluate(bsdf, wi, wo, up, front, RSV_LOBES_ALL);
+        sum.response[0] += area * jacobian * (double)value.response.r;
+        sum.response[1] += area * jacobian * (double)value.response.g;
+        sum.response[2] += area * jacobian * (double)value.response.b;
+        sum.density += area * jacobian * (double)value.pdf_solid_angle;
+    }
+    return sum;
+}

@@ -1,0 +1,247 @@
+/// What every surface must obey at any roughness and angle: energy, densities, reciprocity.
+#include "bsdf_cases.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+#include <cmocka.h>
+
+static const rsv_vec3 up = { 0, 0, 1 };
+static const float roughnesses[] = { 0, 0.05f, 0.15f, 0.35f, 0.6f, 0.85f, 1 };
+static const float cosines[] = { 0.02f, 0.06f, 0.15f, 0.4f, 0.7f, 1 };
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+static rsv_vec3 direction_at(float cos, float phi)
+{
+    float sin = sqrtf(fmaxf(1 - cos * cos, 0));
+    return v3(sin * cosf(phi), sin * sinf(phi), cos);
+}
+
+typedef void (*check)(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front);
+
+/// Every case, roughness, side and angle.
+static void for_all(check check_one)
+{
+    for (const bsdf_case *c = bsdf_cases(); c->name; c++)
+        for (size_t r = 0; r < COUNT(roughnesses); r++)
+            for (size_t k = 0; k < COUNT(cosines); k++)
+                for (int back = 0; back <= c->both_sides; back++) {
+                    rsv_bsdf bsdf = bsdf_of(c, roughnesses[r]);
+                    check_one(c, &bsdf, cosines[k], !back);
+                }
+}
+
+/// Both hemispheres.
+static bsdf_integral integrate_all(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front)
+{
+    bsdf_chart chart[2];
+    bsdf_patch all = { 0, 1, 0, 1, 384, 128 };
+    bsdf_charts(bsdf, wo, front, chart);
+    bsdf_integral above = bsdf_integrate(bsdf, wo, front, &chart[0], all);
+    bsdf_integral below = bsdf_integrate(bsdf, wo, front, &chart[1], all);
+    for (int i = 0; i < 3; i++)
+        above.response[i] += below.response[i];
+    above.density += below.density;
+    return above;
+}
+
+static int failures;
+
+static void report(bool good, const char *what, const bsdf_case *c, const rsv_bsdf *bsdf,
+    float cos_o, bool front, double value)
+{
+    if (good) return;
+    failures++;
+    print_message("%s: %s, roughness %.2f, cos %.2f, %s: %.5f\n", what, c->name,
+        (double)sqrtf(bsdf->alpha), (double)cos_o, front ? "front" : "back", value);
+}
+
+static void check_furnace(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
+{
+    rsv_vec3 wo = direction_at(cos_o, 0.4f);
+    rsv_bsdf_branches ideal = rsv_bsdf_evaluate_branches(bsdf, wo, up, front);
+    bsdf_integral integral = integrate_all(bsdf, wo, front);
+    double energy = integral.response[1] + (double)(ideal.reflect.g + ideal.transmit.g);
+    report(energy > 0.995 && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
+    double whole = integral.density + (double)(ideal.reflect.g + ideal.transmit.g);
+    report(fabs(whole - 1) < 0.005, "density", c, bsdf, cos_o, front, whole);
+}
+
+static void white_surfaces_are_lossless_and_densities_whole(void **state)
+{
+    (void)state;
+    failures = 0;
+    for_all(check_furnace);
+    assert_int_equal(failures, 0);
+}
+
+enum { BINS_U = 12, BINS_V = 8, BINS = 2 * BINS_U * BINS_V, DRAWS = 20000 };
+
+static int bin_of(const bsdf_chart chart[2], rsv_vec3 wi)
+{
+    int below = wi.z < 0;
+    float u, v;
+    bsdf_chart_locate(&chart[below], wi, &u, &v);
+    int i = (int)(u * BINS_U), j = (int)(v * BINS_V);
+    return (below * BINS_U + (i < BINS_U ? i : BINS_U - 1)) * BINS_V +
+           (j < BINS_V ? j : BINS_V - 1);
+}
+
+static void count_draws(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, const bsdf_chart chart[2],
+    int counts[BINS], int *ideal)
+{
+    rsv_random random = rsv_random_from(rsv_number_bits(wo.z), rsv_number_bits(bsdf->alpha), front);
+    *ideal = 0;
+    for (int k = 0; k < DRAWS; k++) {
+        float u = rsv_random_float(&random), x = rsv_random_float(&random);
+        rsv_bsdf_sample sample =
+            rsv_bsdf_sample_direction(bsdf, wo, up, front, u, x, rsv_random_float(&random));
+        if (sample.pdf_solid_angle > 0)
+            counts[bin_of(chart, sample.direction)]++;
+        else
+            ++*ideal;
+    }
+}
+
+/// Standard deviations by which a chi-square of `bins` bins exceeds its mean (Wilson and Hilferty 1931).
+static double excess(double chi_square, int bins)
+{
+    double spread = 2.0 / (9 * bins);
+    return (cbrt(chi_square / bins) - (1 - spread)) / sqrt(spread);
+}
+
+/// Densities come from tables that are good to 0.5 % at grazing angles, which the draws, true to the
+/// microsurface, resolve there.
+#define GRAZING 0.05f
+
+/// Bins with few expected draws are merged.
+static void check_draws(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
+{
+    if (cos_o < GRAZING) return;
+    rsv_vec3 wo = direction_at(cos_o, 0.4f);
+    bsdf_chart chart[2];
+    bsdf_charts(bsdf, wo, front, chart);
+    int counts[BINS] = { 0 }, ideal, bins = 0;
+    count_draws(bsdf, wo, front, chart, counts, &ideal);
+    double chi_square = 0, expected = 0, found = 0;
+    for (int bin = 0; bin < BINS; bin++) {
+        int i = bin / BINS_V % BINS_U, j = bin % BINS_V;
+        bsdf_patch patch = { (float)i / BINS_U, (float)(i + 1) / BINS_U, (float)j / BINS_V,
+            (float)(j + 1) / BINS_V, 8, 6 };
+        expected +=
+            DRAWS * bsdf_integrate(bsdf, wo, front, &chart[bin / (BINS_U * BINS_V)], patch).density;
+        found += counts[bin];
+        if (expected < 20) continue;
+        chi_square += (found - expected) * (found - expected) / expected;
+        bins++;
+        expected = found = 0;
+    }
+    if (bins == 0) return;
+    // 3.72 standard deviations: p = 1e-4
+    double deviations = excess(chi_square, bins);
+    report(deviations < 3.72, "chi-square", c, bsdf, cos_o, front, deviations);
+}
+
+static void draws_follow_their_density(void **state)
+{
+    (void)state;
+    failures = 0;
+    for_all(check_draws);
+    assert_int_equal(failures, 0);
+}
+
+/// f(wi, wo) / ior(wi)^2 is symmetric where radiance is basic.
+static void check_reciprocity(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
+{
+    rsv_vec3 wo = direction_at(cos_o, 0.4f);
+    for (int k = 0; k < 40; k++) {
+        float x, y;
+        rsv_sobol_2d((uint32_t)k, 7, &x, &y);
+        rsv_vec3 wi = rsv_square_to_sphere(x, y);
+        bool through = wi.z < 0, other_front = front != through;
+        float ior_o = bsdf->solid && !front ? bsdf->ior : 1;
+        float ior_i = bsdf->solid && !other_front ? bsdf->ior : 1;
+        rsv_vec3 other_up = through ? v3_neg(up) : up;
+        double there = (double)rsv_bsdf_eval(bsdf, wi, wo, up, front).g;
+        double back = (double)rsv_bsdf_eval(bsdf, wo, wi, other_up, other_front).g;
+        there /= (double)(ior_i * ior_i);
+        back /= (double)(ior_o * ior_o);
+        bool good = fabs(there - back) <= 2e-3 * fmax(there, back) + 1e-6;
+        report(good, "reciprocity", c, bsdf, cos_o, front, there / back);
+    }
+}
+
+static void scattering_is_reciprocal(void **state)
+{
+    (void)state;
+    failures = 0;
+    for_all(check_reciprocity);
+    assert_int_equal(failures, 0);
+}
+
+/// White and clear surfaces keep the weight of a path at 1, whatever happens to it.
+static void check_weights(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
+{
+    rsv_random random = rsv_random_from(1, 2, 3);
+    for (int k = 0; k < 200; k++) {
+        float u = rsv_random_float(&random), x = rsv_random_float(&random);
+        rsv_bsdf_event event = rsv_bsdf_draw_event(
+            bsdf, direction_at(cos_o, 0.4f), up, front, u, x, rsv_random_float(&random));
+        report(event.lobe != RSV_LOBE_NONE && fabsf(event.weight.g - 1) < 1e-4f, "weight", c, bsdf,
+            cos_o, front, (double)event.weight.g);
+    }
+}
+
+static void events_of_white_surfaces_weigh_one(void **state)
+{
+    (void)state;
+    failures = 0;
+    for_all(check_weights);
+    assert_int_equal(failures, 0);
+}
+
+// Values below: validation cases g.ggx.*
+static void single_scattering_matches_reference_values(void **state)
+{
+    (void)state;
+    static const struct {
+        float alpha, cos;
+        double albedo;
+    } values[] = { { 0.1f, 1, 0.988304056521 }, { 0.1f, 0.7f, 0.981418595773 },
+        { 0.1f, 0.4f, 0.95690513711 }, { 0.1f, 0.1f, 0.883455001867 }, { 0.5f, 1, 0.68784851511 },
+        { 0.5f, 0.8f, 0.682045682101 }, { 0.5f, 0.5f, 0.698250696928 },
+        { 0.5f, 0.2f, 0.789929186565 }, { 0.5f, 0.05f, 0.912547797965 }, { 1, 1, 0.30685281944 },
+        { 1, 0.8f, 0.351255827027 }, { 1, 0.5f, 0.450693855666 }, { 1, 0.2f, 0.641648106154 },
+        { 1, 0.05f, 0.847773878114 }, { 0.05f, 1, 0.997295868489 }, { 0.05f, 0.5f, 0.992715568676 },
+        { 0.05f, 0.1f, 0.911346937308 }, { 0.2f, 1, 0.947657778991 },
+        { 0.2f, 0.6f, 0.910874288799 }, { 0.2f, 0.2f, 0.858399442274 } };
+    for (size_t i = 0; i < COUNT(values); i++) {
+        float missing = rsv_table_albedo(rsv_bsdf_tables_data.conductor_missing,
+            rsv_table_alpha(values[i].alpha), rsv_table_cos(values[i].cos));
+        assert_float_equal(1 - missing, values[i].albedo, 1e-3);
+    }
+}
+
+static void mean_single_scattering_matches_reference_values(void **state)
+{
+    (void)state;
+    const float *mean = rsv_bsdf_tables_data.conductor_missing_mean;
+    assert_float_equal(1 - rsv_table_line(mean, rsv_table_alpha(0.1f)), 0.972045756819, 1e-3);
+    assert_float_equal(1 - rsv_table_line(mean, rsv_table_alpha(0.5f)), 0.700240469157, 1e-3);
+    assert_float_equal(1 - rsv_table_line(mean, rsv_table_alpha(1)), 0.40913709265, 1e-3);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(white_surfaces_are_lossless_and_densities_whole),
+        cmocka_unit_test(draws_follow_their_density),
+        cmocka_unit_test(scattering_is_reciprocal),
+        cmocka_unit_test(events_of_white_surfaces_weigh_one),
+        cmocka_unit_test(single_scattering_matches_reference_values),
+        cmocka_unit_test(mean_single_scattering_matches_reference_values),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
