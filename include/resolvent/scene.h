@@ -49,6 +49,14 @@ typedef struct rsv_material {
 
 RSV_API rsv_material rsv_default_material(void);
 
+/// A translucent material by name ("marble", "skin1", "wholemilk", ...), from coefficients that Jensen et al.
+/// measured (2001): base_color is the dipole's total reflectance, scatter_distance one reduced mean free path
+/// (marble: half a millimetre). Everything else is as in rsv_default_material. False if there is none of that name.
+RSV_API bool rsv_material_preset(const char *name, rsv_material *material);
+
+/// Names of the presets, NULL-terminated.
+RSV_API const char *const *rsv_material_preset_names(void);
+
 /// Triangles in object space.
 typedef struct rsv_mesh_desc {
     const char *name;          ///< for messages; copied

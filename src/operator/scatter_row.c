@@ -1,0 +1,196 @@
+#include "scatter_row.h"
+
+#include "elements_internal.h"
+#include "scatter_integral.h"
+
+rsv_status rsv_scatter_row_create(const rsv_scatter_sources *s, rsv_scatter_row *row)
+{
+    size_t columns = s->elements->node_count + s->cluster_count;
+    row->context = s->context;
+    row->count = 0;
+    row->column = rsv_alloc(s->context, columns, sizeof *row->column);
+    row->weight = rsv_alloc(s->context, columns, sizeof *row->weight);
+    row->listed = rsv_alloc(s->context, columns, sizeof *row->listed);
+    return row->column && row->weight && row->listed ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+void rsv_scatter_row_destroy(rsv_scatter_row *row)
+{
+    rsv_free(row->context, row->column);
+    rsv_free(row->context, row->weight);
+    rsv_free(row->context, row->listed);
+}
+
+/// Profiles end where this share of their energy lies within; the rest is spread over it.
+#define KEPT_SHARE 0.999f
+#define REACH 19.86f ///< radius of that share over d
+/// A cluster counts as one if its radius is below this share of its distance ...
+#define OPENING 0.3f
+/// ... and below this multiple of d, or the profile would decay too far over it.
+#define DECAY 2.5f
+/// Cells nearer than this multiple of their radius are integrated exactly.
+#define EXACT 3.0f
+
+/// Everything that gathering for one place needs to know.
+typedef struct gathering {
+    const rsv_scatter_sources *sources;
+    const rsv_scatter_profile *profile;
+    rsv_vec3 place;
+    float reach, flat; ///< metres: end of the profile, largest radius of a cluster
+    float nearest;     ///< metres; keeps the profile finite where a cell has no size
+    rsv_scatter_row *row;
+} gathering;
+
+static void add_entry(rsv_scatter_row *row, uint32_t column, rsv_rgb weight)
+{
+    if (!row->listed[column]) {
+        row->listed[column] = 1;
+        row->column[row->count++] = column;
+        row->weight[column] = rgb_gray(0);
+    }
+    row->weight[column] = rgb_add(row->weight[column], weight);
+}
+
+/// Mean of the profile over a piece of surface that is small against its distance, to third order: p at the centre
+/// and a quarter of the Laplacian within the surface times the mean square distance from the centre.
+/// @param centre relative to the place @param normal of the surface, at most 1 long @param spread m2
+static rsv_rgb profile_over(const gathering *g, rsv_vec3 centre, rsv_vec3 normal, float spread)
+{
+    float r = f_max(v3_length(centre), g->nearest), inverse = 1 / r;
+    float cos = v3_dot(centre, normal) * inverse, facing = f_min(cos * cos, 1);
+    float mean[3];
+    for (int c = 0; c < 3; c++) {
+        float a = 1 / (3 * g->profile->d[c]), wide = rsv_exp_negative(-r * a), sum = 0;
+        float term[2] = { wide, wide * wide * wide };
+        for (int k = 0; k < 2; k++, a *= 3) {
+            // f = exp(-a r) / r: f' = -f (a + 1/r), f'' = f ((a + 1/r)^2 + 1/r^2)
+            float slope = -(a + inverse) * inverse;
+            float bend = (a + inverse) * (a + inverse) + inverse * inverse;
+            float laplacian = bend * (1 - facing) + slope * (1 + facing);
+            sum += term[k] * f_max(1 + 0.25f * spread * laplacian, 0);
+        }
+        mean[c] = sum * inverse / (8 * RSV_PI * g->profile->d[c]);
+    }
+    return rgb(mean[0], mean[1], mean[2]);
+}
+
+static void add_exactly(const gathering *g, const rsv_vec3 corner[3], const uint32_t *node)
+{
+    rsv_rgb weight[3];
+    rsv_scatter_integrate(g->profile, corner, weight);
+    for (int i = 0; i < 3; i++)
+        add_entry(g->row, node[i], weight[i]);
+}
+
+static void add_cell(const gathering *g, uint32_t k)
+{
+    const rsv_scatter_sources *s = g->sources;
+    const uint32_t *node = s->elements->cell_node[s->cell[k]];
+    rsv_vec3 corner[3];
+    for (int i = 0; i < 3; i++)
+        corner[i] = v3_sub(s->corner[k][i], g->place);
+    rsv_vec3 centre = rsv_scatter_centroid(corner);
+    float distance = v3_length(centre), radius = 0, squares = 0;
+    for (int i = 0; i < 3; i++) {
+        float arm = v3_length(v3_sub(corner[i], centre));
+        radius = f_max(radius, arm);
+        squares += arm * arm;
+    }
+    if (distance - radius > g->reach) return;
+    if (distance < EXACT * radius) {
+        add_exactly(g, corner, node);
+        return;
+    }
+    float area = rsv_cell_area(s->elements, s->cell[k]);
+    rsv_vec3 normal =
+        v3_normalize(v3_cross(v3_sub(corner[1], corner[0]), v3_sub(corner[2], corner[0])));
+    rsv_rgb weight = rgb_scale(profile_over(g, centre, normal, squares / 12), area / 3);
+    for (int i = 0; i < 3; i++)
+        add_entry(g->row, node[i], weight);
+}
+
+static void add_cluster(const gathering *g, uint32_t index)
+{
+    const rsv_scatter_sources *s = g->sources;
+    const rsv_scatter_cluster *c = &s->cluster[index];
+    rsv_vec3 centre = v3_sub(c->centre, g->place);
+    float distance = v3_length(centre);
+    if (distance - c->radius > g->reach) return;
+    if (c->radius < OPENING * distance && c->radius < g->flat) {
+        add_entry(g->row, (uint32_t)s->elements->node_count + index,
+            rgb_scale(profile_over(g, centre, c->normal, c->spread), c->area));
+    } else if (c->right) {
+        add_cluster(g, index + 1);
+        add_cluster(g, c->right);
+    } else {
+        for (uint32_t k = c->first_cell; k < c->first_cell + c->cell_count; k++)
+            add_cell(g, k);
+    }
+}
+
+static rsv_vec3 node_position(const rsv_elements *e, uint32_t node)
+{
+    uint32_t support = e->support[e->support_begin[node]];
+    return rsv_scatter_corner(e, support / 4, (int)(support & 3));
+}
+
+/// Shares before they are divided by N.
+static void gather_profile(const rsv_scatter_sources *s, uint32_t node, rsv_scatter_row *row)
+{
+    for (uint32_t k = 0; k < row->count; k++)
+        row->listed[row->column[k]] = 0;
+    row->count = 0;
+    const rsv_scatter_body *body = &s->body[rsv_scatter_body_of(s, node)];
+    float widest = rsv_scatter_profile_widest(&body->profile);
+    gathering g = { s, &body->profile, node_position(s->elements, node), REACH * widest,
+        DECAY * widest, 1e-3f * rsv_scatter_profile_narrowest(&body->profile), row };
+    add_cluster(&g, body->root);
+    for (uint32_t k = 0; k < row->count; k++)
+        row->weight[row->column[k]] = rgb_scale(row->weight[row->column[k]], 1 / KEPT_SHARE);
+}
+
+static rsv_rgb rgb_larger(rsv_rgb a, rsv_rgb b)
+{
+    return rgb(f_max(a.r, b.r), f_max(a.g, b.g), f_max(a.b, b.b));
+}
+
+void rsv_scatter_gather(const rsv_scatter_sources *s, uint32_t node, rsv_scatter_row *row)
+{
+    gather_profile(s, node, row);
+    for (uint32_t k = 0; k < row->count; k++) {
+        uint32_t column = row->column[k];
+        rsv_rgb most = rgb_larger(s->node_sum[node], s->node_sum[column]), w = row->weight[column];
+        row->weight[column] = rgb(w.r / most.r, w.g / most.g, w.b / most.b);
+    }
+}
+
+rsv_status rsv_scatter_sum_rows(rsv_scatter_sources *s)
+{
+    const rsv_elements *e = s->elements;
+    bool failed = false;
+#pragma omp parallel num_threads(rsv_threads(s->context))
+    {
+        rsv_scatter_row row;
+        bool ready = rsv_scatter_row_create(s, &row) == RSV_OK;
+#pragma omp for schedule(dynamic, 64)
+        for (uint32_t node = 0; node < e->node_count; node++) {
+            s->node_sum[node] = rgb_gray(1);
+            bool inside = rsv_scatter_body_of(s, node) != RSV_NONE;
+            if (!inside || !ready || rsv_cancelled(s->context)) continue;
+            gather_profile(s, node, &row);
+            rsv_rgb sum = rgb_gray(0);
+            for (uint32_t k = 0; k < row.count; k++)
+                sum = rgb_add(sum, row.weight[row.column[k]]);
+            s->node_sum[node] = rgb_larger(sum, rgb_gray(1));
+        }
+        rsv_scatter_row_destroy(&row);
+        if (!ready) {
+#pragma omp atomic write
+            failed = true;
+        }
+    }
+    if (failed) return RSV_ERROR_MEMORY;
+    rsv_elements_constrain(e, s->node_sum);
+    rsv_scatter_collect(s, s->node_sum);
+    return rsv_progress(s->context, "subsurface", 0.5);
+}

@@ -1,0 +1,210 @@
+#include "subsurface.h"
+
+#include "scatter_row.h"
+
+#include <string.h>
+
+#define ROWS_PER_BLOCK 64
+
+/// The rows of a block, one after the other.
+typedef struct row_block {
+    uint32_t *column;
+    rsv_rgb *weight;
+    size_t count, column_capacity, weight_capacity;
+} row_block;
+
+static rsv_status store_row(rsv_context *context, const rsv_scatter_row *row, row_block *block)
+{
+    size_t needed = block->count + row->count;
+    rsv_status status = rsv_grow(
+        context, (void **)&block->column, &block->column_capacity, needed, sizeof *block->column);
+    if (status == RSV_OK)
+        status = rsv_grow(context, (void **)&block->weight, &block->weight_capacity, needed,
+            sizeof *block->weight);
+    if (status != RSV_OK) return status;
+    for (uint32_t k = 0; k < row->count; k++) {
+        block->column[block->count] = row->column[k];
+        block->weight[block->count++] = row->weight[row->column[k]];
+    }
+    return RSV_OK;
+}
+
+static bool has_row(const rsv_scatter_sources *s, uint32_t node)
+{
+    return s->elements->node_hanging[node] == RSV_NONE && rsv_scatter_body_of(s, node) != RSV_NONE;
+}
+
+static rsv_status gather_block(
+    rsv_subsurface *p, size_t index, rsv_scatter_row *row, row_block *block)
+{
+    size_t begin = index * ROWS_PER_BLOCK, end = begin + ROWS_PER_BLOCK;
+    if (end > p->row_count) end = p->row_count;
+    for (size_t node = begin; node < end; node++) {
+        if (!has_row(p->sources, (uint32_t)node)) continue;
+        rsv_scatter_gather(p->sources, (uint32_t)node, row);
+        rsv_status status = store_row(p->sources->context, row, block);
+        if (status != RSV_OK) return status;
+        p->row_begin[node + 1] = row->count;
+    }
+    return RSV_OK;
+}
+
+static rsv_status gather_blocks(rsv_subsurface *p, row_block *blocks, size_t block_count)
+{
+    rsv_context *context = p->sources->context;
+    rsv_status result = RSV_OK;
+#pragma omp parallel num_threads(rsv_threads(context))
+    {
+        rsv_scatter_row row;
+        rsv_status status = rsv_scatter_row_create(p->sources, &row);
+#pragma omp for schedule(dynamic, 1)
+        for (size_t k = 0; k < block_count; k++)
+            if (status == RSV_OK && !rsv_cancelled(context))
+                status = gather_block(p, k, &row, &blocks[k]);
+        rsv_scatter_row_destroy(&row);
+        if (status != RSV_OK) {
+#pragma omp critical
+            result = status;
+        }
+    }
+    if (result == RSV_ERROR_MEMORY)
+        return rsv_fail(result, "out of memory assembling subsurface scattering");
+    return result == RSV_OK ? rsv_progress(context, "subsurface", 1) : result;
+}
+
+static rsv_status join_blocks(rsv_subsurface *p, const row_block *blocks, size_t block_count)
+{
+    for (size_t row = 0; row < p->row_count; row++)
+        p->row_begin[row + 1] += p->row_begin[row];
+    size_t total = p->row_begin[p->row_count], at = 0;
+    p->column = rsv_alloc(p->sources->context, total, sizeof *p->column);
+    p->weight = rsv_alloc(p->sources->context, total, sizeof *p->weight);
+    if (!p->column || !p->weight) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < block_count; k++) {
+        if (blocks[k].count == 0) continue;
+        memcpy(p->column + at, blocks[k].column, blocks[k].count * sizeof *p->column);
+        memcpy(p->weight + at, blocks[k].weight, blocks[k].count * sizeof *p->weight);
+        at += blocks[k].count;
+    }
+    return RSV_OK;
+}
+
+static rsv_status assemble(rsv_subsurface *p)
+{
+    rsv_context *context = p->sources->context;
+    rsv_status status;
+    size_t block_count = (p->row_count + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK;
+    row_block *blocks = rsv_alloc(context, block_count, sizeof *blocks);
+    p->row_begin = rsv_alloc(context, p->row_count + 1, sizeof *p->row_begin);
+    p->entered = rsv_alloc(context, p->row_count + p->sources->cluster_count, sizeof *p->entered);
+    if (!blocks || !p->row_begin || !p->entered) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    RSV_TRY(gather_blocks(p, blocks, block_count));
+    RSV_TRY(join_blocks(p, blocks, block_count));
+cleanup:
+    for (size_t k = 0; blocks && k < block_count; k++) {
+        rsv_free(context, blocks[k].column);
+        rsv_free(context, blocks[k].weight);
+    }
+    rsv_free(context, blocks);
+    return status;
+}
+
+rsv_status rsv_subsurface_create(const rsv_elements *elements, rsv_subsurface **subsurface)
+{
+    rsv_status status;
+    rsv_scatter_sources *sources = NULL;
+    rsv_subsurface *p = NULL;
+    *subsurface = NULL;
+    RSV_TRY(rsv_scatter_sources_create(elements, &sources));
+    if (!sources) return RSV_OK;
+    p = rsv_alloc(elements->context, 1, sizeof *p);
+    if (!p) {
+        rsv_scatter_sources_destroy(sources);
+        return RSV_ERROR_MEMORY;
+    }
+    p->sources = sources;
+    p->row_count = elements->node_count;
+    RSV_TRY(assemble(p));
+    *subsurface = p;
+    p = NULL;
+cleanup:
+    rsv_subsurface_destroy(p);
+    return status;
+}
+
+void rsv_subsurface_destroy(rsv_subsurface *p)
+{
+    if (!p) return;
+    rsv_context *context = p->sources->context;
+    rsv_scatter_sources_destroy(p->sources);
+    rsv_free(context, p->row_begin);
+    rsv_free(context, p->column);
+    rsv_free(context, p->weight);
+    rsv_free(context, p->entered);
+    rsv_free(context, p);
+}
+
+size_t rsv_subsurface_entries(const rsv_subsurface *p)
+{
+    return p ? p->row_begin[p->row_count] : 0;
+}
+
+void rsv_subsurface_apply(
+    rsv_subsurface *p, const rsv_elements *e, const rsv_rgb *irradiance, rsv_rgb *diffused)
+{
+    memcpy(diffused, irradiance, e->node_count * sizeof *diffused);
+    if (!p) return;
+    memcpy(p->entered, irradiance, e->node_count * sizeof *p->entered);
+    rsv_scatter_collect(p->sources, p->entered);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (size_t row = 0; row < p->row_count; row++) {
+        if (!has_row(p->sources, (uint32_t)row)) continue;
+        rsv_rgb sum = rgb_gray(0);
+        for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++)
+            sum = rgb_add(sum, rgb_mul(p->weight[k], p->entered[p->column[k]]));
+        diffused[row] = sum;
+    }
+    rsv_elements_constrain(e, diffused);
+}
+
+static rsv_rgb product(const rsv_scatter_row *row, const rsv_rgb *field)
+{
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < row->count; k++)
+        sum = rgb_add(sum, rgb_mul(row->weight[row->column[k]], field[row->column[k]]));
+    return sum;
+}
+
+rsv_status rsv_subsurface_apply_once(const rsv_scatter_sources *s, uint32_t field_count,
+    rsv_rgb *const *field, rsv_rgb *const *diffused)
+{
+    const rsv_elements *e = s->elements;
+    bool failed = false;
+    for (uint32_t f = 0; f < field_count; f++) {
+        memcpy(diffused[f], field[f], e->node_count * sizeof **field);
+        rsv_scatter_collect(s, field[f]);
+    }
+#pragma omp parallel num_threads(rsv_threads(s->context))
+    {
+        rsv_scatter_row row;
+        bool ready = rsv_scatter_row_create(s, &row) == RSV_OK;
+#pragma omp for schedule(dynamic, 64)
+        for (uint32_t node = 0; node < e->node_count; node++) {
+            if (!ready || !has_row(s, node) || rsv_cancelled(s->context)) continue;
+            rsv_scatter_gather(s, node, &row);
+            for (uint32_t f = 0; f < field_count; f++)
+                diffused[f][node] = product(&row, field[f]);
+        }
+        rsv_scatter_row_destroy(&row);
+        if (!ready) {
+#pragma omp atomic write
+            failed = true;
+        }
+    }
+    for (uint32_t f = 0; f < field_count; f++)
+        rsv_elements_constrain(e, diffused[f]);
+    return failed ? RSV_ERROR_MEMORY : rsv_progress(s->context, "subsurface", 1);
+}

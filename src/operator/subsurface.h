@@ -1,0 +1,39 @@
+/// The scattering operator of translucent materials on elements: K = diag(albedo) P.
+///
+/// P maps the irradiance that enters to the *diffused* irradiance: what would have had to enter at a place for its
+/// exitance, had it left where it entered. Row sums are at most 1: diffusion moves light, albedo absorbs it. Rows
+/// take the irradiance to be linear between nodes and are exact integrals of the profile over it, so that a profile
+/// narrower than the elements gives the unit matrix.
+#ifndef RSV_SUBSURFACE_H
+#define RSV_SUBSURFACE_H
+
+#include "scatter_sources.h"
+
+/// P as compressed sparse rows. Far columns are clusters (mean over their cells), near ones nodes.
+typedef struct rsv_subsurface {
+    rsv_scatter_sources *sources;
+    size_t row_count;  ///< node_count
+    size_t *row_begin; ///< [row_count + 1]; nodes that hang or lie on no body have no entries
+    uint32_t *column;
+    rsv_rgb *weight;
+    rsv_rgb *entered; ///< [node_count + cluster_count] of the product in hand
+} rsv_subsurface;
+
+/// @param subsurface out; NULL if the scene has no translucent material
+rsv_status rsv_subsurface_create(const rsv_elements *elements, rsv_subsurface **subsurface);
+void rsv_subsurface_destroy(rsv_subsurface *subsurface);
+
+size_t rsv_subsurface_entries(const rsv_subsurface *subsurface);
+
+/// diffused = P irradiance on bodies, a copy elsewhere. Not to be called by two threads at a time.
+/// @param subsurface NULL = a copy everywhere @param irradiance [node_count], hanging nodes constrained
+void rsv_subsurface_apply(rsv_subsurface *subsurface, const rsv_elements *elements,
+    const rsv_rgb *irradiance, rsv_rgb *diffused);
+
+/// The same for several fields at once, without storing P: for elements that are used once.
+/// @param field in: [field_count][node_count + cluster_count], irradiance at the nodes; overwritten by clusters' means
+/// @param diffused out: [field_count][node_count]
+rsv_status rsv_subsurface_apply_once(const rsv_scatter_sources *sources, uint32_t field_count,
+    rsv_rgb *const *field, rsv_rgb *const *diffused);
+
+#endif
