@@ -134,8 +134,7 @@ static rsv_vec3 node_position(const rsv_elements *e, uint32_t node)
     return rsv_scatter_corner(e, support / 4, (int)(support & 3));
 }
 
-/// Shares before they are divided by N.
-static void gather_profile(const rsv_scatter_sources *s, uint32_t node, rsv_scatter_row *row)
+void rsv_scatter_gather(const rsv_scatter_sources *s, uint32_t node, rsv_scatter_row *row)
 {
     for (uint32_t k = 0; k < row->count; k++)
         row->listed[row->column[k]] = 0;
@@ -147,50 +146,4 @@ static void gather_profile(const rsv_scatter_sources *s, uint32_t node, rsv_scat
     add_cluster(&g, body->root);
     for (uint32_t k = 0; k < row->count; k++)
         row->weight[row->column[k]] = rgb_scale(row->weight[row->column[k]], 1 / KEPT_SHARE);
-}
-
-static rsv_rgb rgb_larger(rsv_rgb a, rsv_rgb b)
-{
-    return rgb(f_max(a.r, b.r), f_max(a.g, b.g), f_max(a.b, b.b));
-}
-
-void rsv_scatter_gather(const rsv_scatter_sources *s, uint32_t node, rsv_scatter_row *row)
-{
-    gather_profile(s, node, row);
-    for (uint32_t k = 0; k < row->count; k++) {
-        uint32_t column = row->column[k];
-        rsv_rgb most = rgb_larger(s->node_sum[node], s->node_sum[column]), w = row->weight[column];
-        row->weight[column] = rgb(w.r / most.r, w.g / most.g, w.b / most.b);
-    }
-}
-
-rsv_status rsv_scatter_sum_rows(rsv_scatter_sources *s)
-{
-    const rsv_elements *e = s->elements;
-    bool failed = false;
-#pragma omp parallel num_threads(rsv_threads(s->context))
-    {
-        rsv_scatter_row row;
-        bool ready = rsv_scatter_row_create(s, &row) == RSV_OK;
-#pragma omp for schedule(dynamic, 64)
-        for (uint32_t node = 0; node < e->node_count; node++) {
-            s->node_sum[node] = rgb_gray(1);
-            bool inside = rsv_scatter_body_of(s, node) != RSV_NONE;
-            if (!inside || !ready || rsv_cancelled(s->context)) continue;
-            gather_profile(s, node, &row);
-            rsv_rgb sum = rgb_gray(0);
-            for (uint32_t k = 0; k < row.count; k++)
-                sum = rgb_add(sum, row.weight[row.column[k]]);
-            s->node_sum[node] = rgb_larger(sum, rgb_gray(1));
-        }
-        rsv_scatter_row_destroy(&row);
-        if (!ready) {
-#pragma omp atomic write
-            failed = true;
-        }
-    }
-    if (failed) return RSV_ERROR_MEMORY;
-    rsv_elements_constrain(e, s->node_sum);
-    rsv_scatter_collect(s, s->node_sum);
-    return rsv_progress(s->context, "subsurface", 0.5);
 }

@@ -16,10 +16,8 @@ typedef struct rsv_scatter_row {
 rsv_status rsv_scatter_row_create(const rsv_scatter_sources *sources, rsv_scatter_row *row);
 void rsv_scatter_row_destroy(rsv_scatter_row *row);
 
-/// Integrates k(x, y) times the hats over the body of `node`, which must lie on one, with x the node.
+/// Integrates p(|x - y|) times the hats over the body of `node`, which must lie on one, with x the node: the share
+/// before it is divided by N.
 void rsv_scatter_gather(const rsv_scatter_sources *sources, uint32_t node, rsv_scatter_row *row);
-
-/// Fills sources->node_sum.
-rsv_status rsv_scatter_sum_rows(rsv_scatter_sources *sources);
 
 #endif

@@ -2,7 +2,6 @@
 
 #include "../core/index_map.h"
 #include "elements_internal.h"
-#include "scatter_row.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -251,13 +250,6 @@ rsv_status rsv_scatter_sources_create(const rsv_elements *elements, rsv_scatter_
     if (s->body_count == 0) goto cleanup;
     RSV_TRY(list_cells(s));
     RSV_TRY(build_trees(s));
-    s->node_sum =
-        rsv_alloc(s->context, elements->node_count + s->cluster_count, sizeof *s->node_sum);
-    if (!s->node_sum) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
-    }
-    RSV_TRY(rsv_scatter_sum_rows(s));
     *sources = s;
     s = NULL;
 cleanup:
@@ -273,6 +265,5 @@ void rsv_scatter_sources_destroy(rsv_scatter_sources *s)
     rsv_free(s->context, s->cell);
     rsv_free(s->context, s->corner);
     rsv_free(s->context, s->cluster);
-    rsv_free(s->context, s->node_sum);
     rsv_free(s->context, s);
 }

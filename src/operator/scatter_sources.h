@@ -41,7 +41,6 @@ typedef struct rsv_scatter_sources {
     uint32_t *cell;               ///< [cell_count] cells of the elements, body by body
     rsv_vec3 (*corner)[3];        ///< [cell_count] of those
     rsv_scatter_cluster *cluster; ///< [cluster_count] parents before children
-    rsv_rgb *node_sum;            ///< [node_count + cluster_count] max(1, N); 1 off all bodies
 } rsv_scatter_sources;
 
 /// @param sources out; NULL if the scene has no such material

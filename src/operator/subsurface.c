@@ -69,7 +69,7 @@ static rsv_status gather_blocks(rsv_subsurface *p, row_block *blocks, size_t blo
     }
     if (result == RSV_ERROR_MEMORY)
         return rsv_fail(result, "out of memory assembling subsurface scattering");
-    return result == RSV_OK ? rsv_progress(context, "subsurface", 1) : result;
+    return result == RSV_OK ? rsv_progress(context, "subsurface", 0.9) : result;
 }
 
 static rsv_status join_blocks(rsv_subsurface *p, const row_block *blocks, size_t block_count)
@@ -89,6 +89,35 @@ static rsv_status join_blocks(rsv_subsurface *p, const row_block *blocks, size_t
     return RSV_OK;
 }
 
+static rsv_rgb rgb_larger(rsv_rgb a, rsv_rgb b)
+{
+    return rgb(f_max(a.r, b.r), f_max(a.g, b.g), f_max(a.b, b.b));
+}
+
+/// Divides every entry by the larger one of its row's and its column's max(1, N); N is the sum of a row.
+static rsv_status keep_energy(rsv_subsurface *p)
+{
+    const rsv_scatter_sources *s = p->sources;
+    rsv_rgb *most = p->entered; // free until the first product
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
+    for (size_t row = 0; row < p->row_count; row++) {
+        rsv_rgb sum = rgb_gray(0);
+        for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++)
+            sum = rgb_add(sum, p->weight[k]);
+        most[row] = rgb_larger(sum, rgb_gray(1));
+    }
+    rsv_elements_constrain(s->elements, most);
+    rsv_scatter_collect(s, most);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
+    for (size_t row = 0; row < p->row_count; row++) {
+        for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++) {
+            rsv_rgb divisor = rgb_larger(most[row], most[p->column[k]]), w = p->weight[k];
+            p->weight[k] = rgb(w.r / divisor.r, w.g / divisor.g, w.b / divisor.b);
+        }
+    }
+    return rsv_progress(s->context, "subsurface", 1);
+}
+
 static rsv_status assemble(rsv_subsurface *p)
 {
     rsv_context *context = p->sources->context;
@@ -103,6 +132,7 @@ static rsv_status assemble(rsv_subsurface *p)
     }
     RSV_TRY(gather_blocks(p, blocks, block_count));
     RSV_TRY(join_blocks(p, blocks, block_count));
+    RSV_TRY(keep_energy(p));
 cleanup:
     for (size_t k = 0; blocks && k < block_count; k++) {
         rsv_free(context, blocks[k].column);
@@ -168,43 +198,4 @@ void rsv_subsurface_apply(
         diffused[row] = sum;
     }
     rsv_elements_constrain(e, diffused);
-}
-
-static rsv_rgb product(const rsv_scatter_row *row, const rsv_rgb *field)
-{
-    rsv_rgb sum = rgb_gray(0);
-    for (uint32_t k = 0; k < row->count; k++)
-        sum = rgb_add(sum, rgb_mul(row->weight[row->column[k]], field[row->column[k]]));
-    return sum;
-}
-
-rsv_status rsv_subsurface_apply_once(const rsv_scatter_sources *s, uint32_t field_count,
-    rsv_rgb *const *field, rsv_rgb *const *diffused)
-{
-    const rsv_elements *e = s->elements;
-    bool failed = false;
-    for (uint32_t f = 0; f < field_count; f++) {
-        memcpy(diffused[f], field[f], e->node_count * sizeof **field);
-        rsv_scatter_collect(s, field[f]);
-    }
-#pragma omp parallel num_threads(rsv_threads(s->context))
-    {
-        rsv_scatter_row row;
-        bool ready = rsv_scatter_row_create(s, &row) == RSV_OK;
-#pragma omp for schedule(dynamic, 64)
-        for (uint32_t node = 0; node < e->node_count; node++) {
-            if (!ready || !has_row(s, node) || rsv_cancelled(s->context)) continue;
-            rsv_scatter_gather(s, node, &row);
-            for (uint32_t f = 0; f < field_count; f++)
-                diffused[f][node] = product(&row, field[f]);
-        }
-        rsv_scatter_row_destroy(&row);
-        if (!ready) {
-#pragma omp atomic write
-            failed = true;
-        }
-    }
-    for (uint32_t f = 0; f < field_count; f++)
-        rsv_elements_constrain(e, diffused[f]);
-    return failed ? RSV_ERROR_MEMORY : rsv_progress(s->context, "subsurface", 1);
 }

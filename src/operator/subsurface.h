@@ -30,10 +30,4 @@ size_t rsv_subsurface_entries(const rsv_subsurface *subsurface);
 void rsv_subsurface_apply(rsv_subsurface *subsurface, const rsv_elements *elements,
     const rsv_rgb *irradiance, rsv_rgb *diffused);
 
-/// The same for several fields at once, without storing P: for elements that are used once.
-/// @param field in: [field_count][node_count + cluster_count], irradiance at the nodes; overwritten by clusters' means
-/// @param diffused out: [field_count][node_count]
-rsv_status rsv_subsurface_apply_once(const rsv_scatter_sources *sources, uint32_t field_count,
-    rsv_rgb *const *field, rsv_rgb *const *diffused);
-
 #endif

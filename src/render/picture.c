@@ -58,6 +58,38 @@ static void look_up_indirect(row_state *r, uint32_t face, float u, float v, rsv_
     }
 }
 
+/// Indirect light of a translucent surface: diffused before it is looked up.
+static void look_up_diffused(row_state *r, uint32_t face, float u, float v, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    if (r->job->layer_count == 1) {
+        add_light(r, r->column, 0, rgb_mul(weight, rsv_solution_diffused(s, face, u, v, RSV_NONE)));
+        return;
+    }
+    for (uint32_t order = 1; order < s->order_count; order++)
+        add_light(
+            r, r->column, 1 + order, rgb_mul(weight, rsv_solution_diffused(s, face, u, v, order)));
+}
+
+/// Direct light of a translucent surface: diffused, and the share of detail that only pixels or the direct level
+/// resolve. @param weight radiance at the camera per irradiance
+static void shade_translucent(row_state *r, const rsv_chain *chain, uint32_t face, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    bool final = r->job->desc->mode == RSV_RENDER_FINAL;
+    rsv_rgb direct = rsv_solution_diffused(s, face, chain->u, chain->v, 0);
+    if (final || s->fine.direct) {
+        rsv_unresolved detail = rsv_solution_unresolved(s, face, chain->u, chain->v);
+        rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
+        direct = rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
+        if (final)
+            rsv_pixel_direct_add(
+                &r->direct, s, chain, rgb_mul(weight, detail.share), r->column, r->sample, r->seed);
+    }
+    add_light(r, r->column, 1, rgb_mul(weight, direct));
+    look_up_diffused(r, face, chain->u, chain->v, weight);
+}
+
 /// One gather ray's contribution to each order at the receiver.
 static void add_gathered(row_state *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
 {
@@ -67,12 +99,15 @@ static void add_gathered(row_state *r, const rsv_gather *gather, rsv_rgb weight,
     if (face == RSV_NONE) return;
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
     weight = rgb_mul(rgb_mul(weight, chain->weight), bsdf->exitance_albedo);
-    rsv_rgb direct = rsv_solution_direct(s, face, chain->u, chain->v, true);
-    direct = rgb_add(direct, rsv_sampled_irradiance(s, chain, random));
+    bool translucent = rsv_is_translucent(s, face);
+    rsv_rgb direct = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, 0)
+                                 : rgb_add(rsv_solution_direct(s, face, chain->u, chain->v, true),
+                                       rsv_sampled_irradiance(s, chain, random));
     add_light(r, r->column, 2, rgb_mul(weight, direct));
     for (uint32_t order = 1; order < s->order_count; order++) {
-        rsv_rgb e =
-            rsv_elements_interpolate(s->elements, s->order[order], face, chain->u, chain->v);
+        rsv_rgb e = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, order)
+                                : rsv_elements_interpolate(
+                                      s->elements, s->order[order], face, chain->u, chain->v);
         uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
         add_light(r, r->column, shown, rgb_mul(weight, e));
     }
@@ -123,6 +158,10 @@ static void shade(void *user, const rsv_chain *chain, rsv_rgb weight)
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
     // radiance at the camera per irradiance of the surface
     weight = rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI);
+    if (rsv_is_translucent(s, face)) {
+        shade_translucent(r, chain, face, weight);
+        return;
+    }
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
     rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
     add_light(r, r->column, 1, rgb_mul(weight, stored));

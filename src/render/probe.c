@@ -176,6 +176,12 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
     uint32_t face = s->elements->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return radiance;
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[end->triangle]];
+    if (rsv_is_translucent(s, face)) {
+        rsv_rgb diffused = rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
+            rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
+        rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, diffused);
+        return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
+    }
     // Direct light at the far end is sampled there and then: what elements cannot resolve of it must not enter a
     // reading. All further light is looked up.
     rsv_rgb direct = rgb_add(

@@ -6,16 +6,18 @@
 
 #include <string.h>
 
-static void multiply_albedo(const rsv_solution *s, const rsv_rgb *irradiance, rsv_rgb *exitance)
+/// exitance = K irradiance
+static void scatter(const rsv_solution *s, const rsv_rgb *irradiance, rsv_rgb *exitance)
 {
+    rsv_subsurface_apply(s->subsurface, s->elements, irradiance, exitance);
     for (size_t n = 0; n < s->elements->node_count; n++)
-        exitance[n] = rgb_mul(s->exitance_albedo[n], irradiance[n]);
+        exitance[n] = rgb_mul(s->exitance_albedo[n], exitance[n]);
 }
 
 /// next = G K term, on all nodes.
 static void apply(const rsv_solution *s, const rsv_rgb *term, rsv_rgb *exitance, rsv_rgb *next)
 {
-    multiply_albedo(s, term, exitance);
+    scatter(s, term, exitance);
     rsv_transport_apply(s->transport, exitance, next);
     rsv_elements_constrain(s->elements, next);
 }
@@ -31,13 +33,17 @@ static double largest(const rsv_rgb *value, size_t count)
 /// ||G K||_inf: what comes of an irradiance of 1 everywhere.
 static double operator_norm(const rsv_solution *s, rsv_rgb *exitance, rsv_rgb *sums)
 {
-    memcpy(exitance, s->exitance_albedo, s->elements->node_count * sizeof *exitance);
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        sums[n] = rgb_gray(1);
+    scatter(s, sums, exitance);
     rsv_transport_apply(s->transport, exitance, sums);
     return largest(sums, s->elements->node_count);
 }
 
 /// ||E0 + G K E - E||_inf with sums in double.
-static double residual_norm(const rsv_solution *s, const rsv_rgb *irradiance)
+/// @param diffused P irradiance
+static double residual_norm(
+    const rsv_solution *s, const rsv_rgb *irradiance, const rsv_rgb *diffused)
 {
     const rsv_transport *t = s->transport;
     double max = 0;
@@ -46,12 +52,11 @@ static double residual_norm(const rsv_solution *s, const rsv_rgb *irradiance)
         if (t->scale[row] == 0) continue;
         double sum[3] = { 0, 0, 0 };
         for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
-            rsv_rgb e = irradiance[t->column[k]], a = s->exitance_albedo[t->column[k]];
+            rsv_rgb e = diffused[t->column[k]], a = s->exitance_albedo[t->column[k]];
             sum[0] += (double)e.r * a.r, sum[1] += (double)e.g * a.g, sum[2] += (double)e.b * a.b;
         }
         for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-            rsv_rgb e = irradiance[t->tinted_column[k]],
-                    a = s->exitance_albedo[t->tinted_column[k]];
+            rsv_rgb e = diffused[t->tinted_column[k]], a = s->exitance_albedo[t->tinted_column[k]];
             rsv_rgb w = t->tinted_weight[k];
             sum[0] += (double)e.r * a.r * w.r, sum[1] += (double)e.g * a.g * w.g;
             sum[2] += (double)e.b * a.b * w.b;
@@ -188,7 +193,8 @@ rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
         RSV_TRY(sum_series(s, max_orders, a, b, exitance));
     for (size_t n = 0; n < nodes; n++)
         a[n] = rgb_add(s->source[n], s->indirect[n]);
-    s->report.residual_inf = residual_norm(s, a);
+    rsv_subsurface_apply(s->subsurface, s->elements, a, b);
+    s->report.residual_inf = residual_norm(s, a, b);
     s->report.truncation_bound =
         s->report.norm_inf < 1 ? s->report.residual_inf / (1 - s->report.norm_inf) : INFINITY;
     s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, a);

@@ -263,6 +263,7 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(create_elements(s));
     RSV_TRY(create_albedos(s));
     RSV_TRY(assemble(s, s->desc.rays_per_element));
+    RSV_TRY(rsv_subsurface_create(s->elements, &s->subsurface));
     RSV_TRY(create_fine_level(s));
     RSV_TRY(create_source(s));
     double assembled = rsv_seconds();
@@ -270,8 +271,9 @@ static rsv_status build(rsv_solution *s)
 
     s->report.elements = s->elements->node_count;
     s->report.direct_elements = s->fine.elements ? s->fine.elements->node_count : 0;
-    s->report.entries = rsv_transport_entries(s->transport);
+    s->report.entries = rsv_transport_entries(s->transport) + rsv_subsurface_entries(s->subsurface);
     RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
+    RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - assembled;
     warn_if_unbounded(s);
 cleanup:
@@ -303,7 +305,9 @@ void rsv_solution_destroy(rsv_solution *s)
 {
     if (!s) return;
     rsv_context *context = s->context;
+    rsv_diffused_level_destroy(context, &s->diffused);
     rsv_source_level_destroy(context, &s->fine);
+    rsv_subsurface_destroy(s->subsurface);
     destroy_system(s);
     rsv_free(context, s->valid_points);
     rsv_elements_destroy(s->elements);

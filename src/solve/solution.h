@@ -3,10 +3,9 @@
 #define RSV_SOLUTION_H
 
 #include "../operator/source_level.h"
+#include "../operator/subsurface.h"
+#include "diffused_level.h"
 #include "resolvent/solve.h"
-
-/// Orders kept apart; the last one collects all higher ones.
-#define RSV_KEPT_ORDERS 8
 
 struct rsv_solution {
     rsv_context *context;
@@ -16,15 +15,17 @@ struct rsv_solution {
     rsv_lights *lights;
     rsv_solve_desc desc;
 
-    rsv_elements *elements;   ///< coarse: unknowns
-    rsv_transport *transport; ///< G
-    rsv_rgb *exitance_albedo; ///< [node_count] K
-    uint16_t *valid_points;   ///< [node_count] receiver points that are not buried, bit by bit
-    rsv_rgb *source;          ///< [node_count] E0, all of it, on the coarse elements
+    rsv_elements *elements;     ///< coarse: unknowns
+    rsv_transport *transport;   ///< G
+    rsv_rgb *exitance_albedo;   ///< [node_count] K = diag(exitance_albedo) P
+    rsv_subsurface *subsurface; ///< P; NULL = light leaves where it entered, everywhere
+    uint16_t *valid_points;     ///< [node_count] receiver points that are not buried, bit by bit
+    rsv_rgb *source;            ///< [node_count] E0, all of it, on the coarse elements
     rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0
     uint32_t order_count;
-    rsv_rgb *indirect;     ///< [node_count] sum of the orders from 1 on
-    rsv_source_level fine; ///< elements NULL = direct light is the coarse `source`
+    rsv_rgb *indirect;           ///< [node_count] sum of the orders from 1 on
+    rsv_source_level fine;       ///< elements NULL = direct light is the coarse `source`
+    rsv_diffused_level diffused; ///< what translucent surfaces show; elements NULL = there are none
 
     rsv_solve_report report;
 };

@@ -305,24 +305,6 @@ static void energy_does_not_depend_on_the_spacing(void **state)
     }
 }
 
-static void applying_once_is_applying(void **state)
-{
-    (void)state;
-    bodies b = slab(0.2f, 0.1f);
-    size_t nodes = b.elements->node_count;
-    rsv_rgb *in = calloc(nodes + b.subsurface->sources->cluster_count, sizeof *in);
-    rsv_rgb *out = calloc(nodes, sizeof *out);
-    assert_true(in && out);
-    for (uint32_t n = 0; n < nodes; n++)
-        b.in[n] = in[n] = rgb_gray(rsv_unit_float(rsv_hash(n)));
-    rsv_subsurface_apply(b.subsurface, b.elements, b.in, b.out);
-    assert_int_equal(rsv_subsurface_apply_once(b.subsurface->sources, 1, &in, &out), RSV_OK);
-    assert_memory_equal(out, b.out, nodes * sizeof *out);
-    free(in);
-    free(out);
-    end_bodies(&b);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -337,7 +319,6 @@ int main(void)
         cmocka_unit_test(a_shadow_edge_blurs_by_the_profile),
         cmocka_unit_test(nothing_gains_light),
         cmocka_unit_test(energy_does_not_depend_on_the_spacing),
-        cmocka_unit_test(applying_once_is_applying),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,214 @@
+#include "diffused_level.h"
+
+#include "../operator/burial.h"
+#include "../operator/contact.h"
+#include "../operator/elements_internal.h"
+#include "solution.h"
+
+#include <string.h>
+
+#define RECEIVER_POINTS 4
+/// Cells are split until they are this small against the narrowest d ...
+#define CELLS_PER_PROFILE 1.5f
+/// ... or this many times as many as the coarse elements.
+#define BUDGET 2
+
+static const rsv_material *face_material(const rsv_elements *e, uint32_t face)
+{
+    return &e->scene->material[e->scene->triangle_material[e->face_triangle[face]]];
+}
+
+bool rsv_is_translucent(const rsv_solution *s, uint32_t face)
+{
+    if (!s->diffused.elements) return false;
+    return s->diffused.material[s->scene.view->triangle_material[s->elements->face_triangle[face]]];
+}
+
+static bool any_translucent(rsv_solution *s)
+{
+    bool any = false;
+    for (size_t m = 0; m < s->scene.view->material_count; m++) {
+        s->diffused.material[m] = rsv_material_scatters_below(&s->scene.view->material[m]);
+        any = any || s->diffused.material[m];
+    }
+    return any;
+}
+
+static float cell_size(const rsv_elements *e, uint32_t cell)
+{
+    return sqrtf(2 * rsv_cell_area(e, cell));
+}
+
+/// Size of cells at which the translucent surfaces use up the budget.
+static float affordable_size(const rsv_solution *s)
+{
+    const rsv_elements *e = s->elements;
+    double area = 0;
+    for (uint32_t face = 0; face < e->face_count; face++)
+        if (rsv_material_scatters_below(face_material(e, face))) area += (double)e->face_area[face];
+    return (float)sqrt(area / (BUDGET * (double)s->desc.element_target));
+}
+
+/// Marks cells of translucent faces that are larger than they should be; counts them.
+static size_t mark_large(const rsv_elements *e, float affordable, uint8_t *split)
+{
+    size_t marked = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        const rsv_material *m = face_material(e, e->cell[c].face);
+        split[c] = 0;
+        if (!rsv_material_scatters_below(m) || e->cell[c].level >= RSV_MAX_LEVEL) continue;
+        rsv_scatter_profile profile = rsv_scatter_profile_of(m);
+        float wanted = rsv_scatter_profile_narrowest(&profile) / CELLS_PER_PROFILE;
+        // a split halves the size: it is worth it if the cell is more than sqrt(2) too large
+        split[c] = cell_size(e, c) > 1.4142f * f_max(wanted, affordable);
+        marked += split[c];
+    }
+    return marked;
+}
+
+/// The coarse elements, split on translucent faces.
+static rsv_status create_elements(rsv_solution *s)
+{
+    rsv_status status;
+    float affordable = affordable_size(s);
+    rsv_elements *e = NULL, *finer = NULL;
+    uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
+    if (!split) return RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_elements_refine(s->elements, split, &e)); // a copy
+    for (;;) {
+        rsv_free(s->context, split);
+        split = rsv_alloc(s->context, e->cell_count, 1);
+        if (!split) RSV_TRY(RSV_ERROR_MEMORY);
+        if (mark_large(e, affordable, split) == 0) break;
+        RSV_TRY(rsv_elements_refine(e, split, &finer));
+        rsv_elements_destroy(e);
+        e = finer;
+        finer = NULL;
+    }
+    RSV_TRY(rsv_elements_separate(s->tracer, e, &s->report.rays));
+    s->diffused.elements = e;
+    e = NULL;
+cleanup:
+    rsv_free(s->context, split);
+    rsv_elements_destroy(e);
+    return status;
+}
+
+static bool is_translucent_node(const rsv_elements *e, uint32_t node)
+{
+    return rsv_material_scatters_below(face_material(e, e->node_face[node]));
+}
+
+/// The value of a coarse or fine field at a node of the level.
+static rsv_rgb field_at(
+    const rsv_elements *level, uint32_t node, const rsv_elements *elements, const rsv_rgb *field)
+{
+    uint32_t face;
+    float u, v;
+    rsv_elements_place_node(level, node, &face, &u, &v);
+    return rsv_elements_interpolate(elements, field, face, u, v);
+}
+
+/// Direct light at the level's own nodes; what is gathered or shot comes from where it is stored.
+static rsv_status create_entered(rsv_solution *s)
+{
+    const rsv_elements *e = s->diffused.elements;
+    rsv_status status;
+    uint64_t *rays = &s->report.rays;
+    uint16_t *valid = rsv_alloc(s->context, e->node_count, sizeof *valid);
+    uint8_t *known = rsv_alloc(s->context, e->node_count, 1);
+    rsv_rgb *entered = s->diffused.entered = rsv_alloc(s->context, e->node_count, sizeof *entered);
+    if (!valid || !known || !entered) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    RSV_TRY(rsv_find_buried(&s->scene, e, RECEIVER_POINTS, s->desc.seed, valid, rays));
+    RSV_TRY(rsv_elements_bridge_buried(s->diffused.elements, valid));
+    for (uint32_t n = 0; n < e->node_count; n++)
+        known[n] = !is_translucent_node(e, n);
+    RSV_TRY(rsv_direct_irradiance(&s->scene, s->lights, e, RECEIVER_POINTS,
+        4 * s->desc.light_samples, s->desc.seed ^ 0x3c6ef372u, valid, known, entered, NULL, rays));
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (!valid[n] || known[n]) continue;
+        entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->transport->gathered));
+        if (s->fine.caustic)
+            entered[n] = rgb_add(entered[n], field_at(e, n, s->fine.elements, s->fine.caustic));
+    }
+    rsv_elements_constrain(e, entered);
+cleanup:
+    rsv_free(s->context, valid);
+    rsv_free(s->context, known);
+    return status;
+}
+
+/// order n = P of the solved irradiance of that order.
+static rsv_status diffuse_order(
+    rsv_solution *s, rsv_subsurface *p, uint32_t order, rsv_rgb *irradiance)
+{
+    const rsv_elements *e = s->diffused.elements;
+    rsv_rgb *diffused = s->diffused.order[order] =
+        rsv_alloc(s->context, e->node_count, sizeof *diffused);
+    if (!diffused) return RSV_ERROR_MEMORY;
+    for (uint32_t n = 0; order > 0 && n < e->node_count; n++)
+        if (is_translucent_node(e, n)) irradiance[n] = field_at(e, n, s->elements, s->order[order]);
+    rsv_subsurface_apply(p, e, order > 0 ? irradiance : s->diffused.entered, diffused);
+    for (uint32_t n = 0; order > 0 && n < e->node_count; n++)
+        s->diffused.indirect[n] = rgb_add(s->diffused.indirect[n], diffused[n]);
+    return RSV_OK;
+}
+
+rsv_status rsv_diffused_level_create(rsv_solution *s)
+{
+    rsv_status status = RSV_OK;
+    rsv_subsurface *p = NULL;
+    rsv_rgb *irradiance = NULL;
+    s->diffused.material = rsv_alloc(s->context, s->scene.view->material_count, 1);
+    if (!s->diffused.material) return RSV_ERROR_MEMORY;
+    if (!any_translucent(s)) return RSV_OK;
+    RSV_TRY(create_elements(s));
+    RSV_TRY(create_entered(s));
+    RSV_TRY(rsv_subsurface_create(s->diffused.elements, &p));
+    size_t nodes = s->diffused.elements->node_count;
+    irradiance = rsv_alloc(s->context, nodes, sizeof *irradiance);
+    s->diffused.indirect = rsv_alloc(s->context, nodes, sizeof *s->diffused.indirect);
+    if (!irradiance || !s->diffused.indirect) RSV_TRY(RSV_ERROR_MEMORY);
+    for (uint32_t order = 0; order < s->order_count; order++)
+        RSV_TRY(diffuse_order(s, p, order, irradiance));
+cleanup:
+    rsv_free(s->context, irradiance);
+    rsv_subsurface_destroy(p);
+    return status;
+}
+
+void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level)
+{
+    rsv_elements_destroy(level->elements);
+    rsv_free(context, level->material);
+    rsv_free(context, level->entered);
+    rsv_free(context, level->indirect);
+    for (uint32_t order = 0; order < RSV_KEPT_ORDERS; order++)
+        rsv_free(context, level->order[order]);
+    *level = (rsv_diffused_level){ 0 };
+}
+
+rsv_rgb rsv_solution_diffused(
+    const rsv_solution *s, uint32_t face, float u, float v, uint32_t order)
+{
+    const rsv_rgb *field = order == RSV_NONE ? s->diffused.indirect : s->diffused.order[order];
+    return rsv_elements_interpolate(s->diffused.elements, field, face, u, v);
+}
+
+rsv_unresolved rsv_solution_unresolved(const rsv_solution *s, uint32_t face, float u, float v)
+{
+    const rsv_elements *e = s->diffused.elements;
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
+    rsv_scatter_profile p = rsv_scatter_profile_of(face_material(e, face));
+    double finest = (double)(RSV_PI / cell_size(e, cell));
+    rsv_unresolved unresolved;
+    unresolved.known = rsv_elements_interpolate(e, s->diffused.entered, face, u, v);
+    unresolved.share = rgb((float)rsv_diffusion_transfer((double)p.d[0], finest),
+        (float)rsv_diffusion_transfer((double)p.d[1], finest),
+        (float)rsv_diffusion_transfer((double)p.d[2], finest));
+    return unresolved;
+}

@@ -1,0 +1,44 @@
+/// What translucent surfaces show: irradiance diffused below them, on elements as fine as the diffusion asks for.
+///
+/// Direct light has edges that elements do not resolve. The profile's transfer function at the finest wave that they
+/// do resolve is the share of such detail that survives diffusion: with it, what a better estimate of direct light
+/// has over the elements' own is added at each lookup. It is nothing where elements are finer than the mean free
+/// path, and everything where the mean free path is 0 and the surface Lambertian.
+#ifndef RSV_DIFFUSED_LEVEL_H
+#define RSV_DIFFUSED_LEVEL_H
+
+#include "../operator/source_level.h"
+
+struct rsv_solution;
+
+/// Orders kept apart; the last one collects all higher ones.
+#define RSV_KEPT_ORDERS 8
+
+typedef struct rsv_diffused_level {
+    rsv_elements *elements;
+    uint8_t *material; ///< [material_count] whether it diffuses light below the surface
+    rsv_rgb *entered;  ///< [node_count] direct irradiance
+    rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] P (G K)^n E0
+    rsv_rgb *indirect;               ///< [node_count] sum of the orders from 1 on
+} rsv_diffused_level;
+
+/// Builds the level of a solved solution. Leaves it empty if the scene has no translucent material.
+rsv_status rsv_diffused_level_create(struct rsv_solution *solution);
+void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level);
+
+/// Whether light leaves a face elsewhere than it entered.
+bool rsv_is_translucent(const struct rsv_solution *solution, uint32_t face);
+
+/// Diffused irradiance of one order, 0 = direct; RSV_NONE = all but the direct.
+rsv_rgb rsv_solution_diffused(
+    const struct rsv_solution *solution, uint32_t face, float u, float v, uint32_t order);
+
+/// The direct irradiance that the level knows at a place, and the share of unknown detail that survives.
+typedef struct rsv_unresolved {
+    rsv_rgb known, share;
+} rsv_unresolved;
+
+rsv_unresolved rsv_solution_unresolved(
+    const struct rsv_solution *solution, uint32_t face, float u, float v);
+
+#endif
