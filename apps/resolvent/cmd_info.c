@@ -8,14 +8,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const char help[] = "usage: resolvent info SCENE [--json]\n"
+static const char help[] = "usage: resolvent info SCENE [options]\n"
                            "\n"
                            "Says what SCENE (a file or a built-in scene) holds once "
                            "its instances are placed:\n"
                            "counts, bounds, area, objects, materials, lights and cameras.\n"
                            "\n"
-                           "  --json  print JSON\n"
-                           "\n"
+                           "  --json             print JSON\n" CLI_MESH_HELP "\n"
                            "examples:\n"
                            "  resolvent info room.glb\n"
                            "  resolvent info cornell-blocks --json\n";
@@ -283,10 +282,11 @@ static void print_text(const char *name, const rsv_scene_view *view, const total
 
 int cli_info(int argc, char **argv)
 {
-    const char *name = NULL;
+    const char *name = NULL, *mesh = NULL;
     bool json = false;
     const cli_option options[] = {
         { .name = "--json", .kind = CLI_FLAG, .value = &json },
+        CLI_MESH_OPTION(&mesh),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
@@ -294,6 +294,7 @@ int cli_info(int argc, char **argv)
     if (!cli_parse(&usage, argc, argv, &name, &exit_status)) return exit_status;
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
+    session.mesh = mesh;
     rsv_scene *scene = cli_open_scene(&session, name);
     const rsv_scene_view *view = scene ? rsv_scene_get_view(scene) : NULL;
     totals t = { 0 };

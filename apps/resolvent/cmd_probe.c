@@ -23,7 +23,7 @@ static const char help[] =
     "  -o FILE            the readings\n"
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
-    "                     reference  path traced; needs no solution\n"
+    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
     "  --quality Q        draft, medium (default) or high: of the solution\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
     "  --seed N           another set of random numbers (default 0)\n"
@@ -41,7 +41,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
     NULL };
 
 typedef struct settings {
-    const char *scene, *points, *output, *stats;
+    const char *scene, *points, *output, *stats, *mesh;
     int mode, quality;
     uint32_t samples; ///< 0 = by quality
     uint32_t threads, seed;
@@ -60,6 +60,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_MESH_OPTION(&s->mesh),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -146,6 +147,7 @@ int cli_probe(int argc, char **argv)
     exit_status = CLI_FAILURE;
     if (cli_check_output(s.output) && (!s.stats || cli_check_output(s.stats)) &&
         cli_read_points(s.points, &points) && cli_session_begin(&session, s.threads)) {
+        session.mesh = s.mesh;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);
     }

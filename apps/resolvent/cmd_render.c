@@ -23,7 +23,8 @@ static const char help[] =
     "                     operator   all light looked up in the solution: the real-time path\n"
     "                     reference  an unbiased path tracer, slow, to judge the others by\n"
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
-    "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference 64)\n"
+    "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
+    "64)\n" CLI_MESH_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
@@ -50,7 +51,7 @@ enum device { device_cpu, device_cuda };
 static const char *const device_names[] = { [device_cpu] = "cpu", [device_cuda] = "cuda", NULL };
 
 typedef struct settings {
-    const char *scene, *camera, *environment, *stats;
+    const char *scene, *camera, *environment, *stats, *mesh;
     cli_list outputs;
     cli_size size;
     int mode, quality, device;
@@ -78,6 +79,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
+        CLI_MESH_OPTION(&s->mesh),
         { .name = "--env", .kind = CLI_TEXT, .value = &s->environment },
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -240,6 +242,7 @@ int cli_render(int argc, char **argv)
     if (!check_request(&s)) return CLI_FAILURE;
     cli_session session;
     if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);
     return exit_status;

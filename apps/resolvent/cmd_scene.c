@@ -6,17 +6,22 @@
 #include <string.h>
 
 static const char help[] =
-    "usage: resolvent scene NAME -o OUT.glb\n"
+    "usage: resolvent scene NAME -o OUT.glb [--mesh FILE]\n"
     "\n"
     "Writes a built-in scene as binary glTF:\n"
     "\n"
     "  cornell-blocks   the Cornell box with its two white blocks, as published\n"
     "  cornell-spheres  the Cornell box with two glass spheres\n"
+    "  cornell-glass    the Cornell box around a body of glass\n"
+    "  cornell-marble   the same of marble\n"
+    "  character        a head and shoulders, to be lit by an environment\n"
     "  furnace          closed, every surface emits and reflects alike: the answer is known\n"
     "  two-rooms        light reaches the second room through a door ajar\n"
+    "\n" CLI_MESH_HELP "                     (default: one of our own making)\n"
     "\n"
     "examples:\n"
     "  resolvent scene cornell-spheres -o spheres.glb\n"
+    "  resolvent scene cornell-glass --mesh dragon.ply -o dragon.glb\n"
     "  resolvent info spheres.glb\n";
 
 static bool ends_in_glb(const char *path)
@@ -28,7 +33,7 @@ static bool ends_in_glb(const char *path)
 static int run(cli_session *session, const char *name, const char *output)
 {
     rsv_scene *scene = NULL;
-    rsv_status status = rsv_scene_builtin(session->context, name, &scene);
+    rsv_status status = cli_build_scene(session, name, &scene);
     if (status == RSV_OK) status = rsv_scene_save(scene, output);
     if (status != RSV_OK) cli_report_failure(session, status);
     rsv_scene_destroy(scene);
@@ -37,9 +42,10 @@ static int run(cli_session *session, const char *name, const char *output)
 
 int cli_scene(int argc, char **argv)
 {
-    const char *name = NULL, *output = NULL;
+    const char *name = NULL, *output = NULL, *mesh = NULL;
     const cli_option options[] = {
         { .name = "-o", .kind = CLI_TEXT, .value = &output },
+        CLI_MESH_OPTION(&mesh),
         { .name = NULL },
     };
     const cli_usage usage = { "scene", help, options, "NAME of a built-in scene", 1, 1 };
@@ -51,6 +57,7 @@ int cli_scene(int argc, char **argv)
     if (!cli_check_output(output)) return CLI_FAILURE;
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
+    session.mesh = mesh;
     exit_status = run(&session, name, output);
     cli_session_end(&session);
     return exit_status;

@@ -110,15 +110,36 @@ static bool is_builtin(const char *name)
     return false;
 }
 
+rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene)
+{
+    static const float crease_angle = 1.4f; // radians: scanned surfaces are smooth, coarse or fine
+    rsv_builtin_desc desc = rsv_default_builtin_desc();
+    rsv_load_desc load = rsv_default_load_desc();
+    rsv_scene *body = NULL;
+    rsv_status status = RSV_OK;
+    load.crease_angle = crease_angle;
+    load.is_part = true;
+    if (session->mesh) status = rsv_scene_load_with(session->context, session->mesh, &load, &body);
+    desc.body = body;
+    if (status == RSV_OK) status = rsv_scene_builtin_with(session->context, name, &desc, scene);
+    rsv_scene_destroy(body);
+    return status;
+}
+
 rsv_scene *cli_open_scene(cli_session *session, const char *name)
 {
     rsv_scene *scene = NULL;
     rsv_status status;
     double started = cli_seconds();
-    if (access(name, F_OK) == 0) {
+    if (session->mesh && !is_builtin(name)) {
+        cli_error(
+            "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
+        return NULL;
+    }
+    if (access(name, F_OK) == 0 && !session->mesh) {
         status = rsv_scene_load(session->context, name, &scene);
     } else if (is_builtin(name)) {
-        status = rsv_scene_builtin(session->context, name, &scene);
+        status = cli_build_scene(session, name, &scene);
     } else {
         cli_error(
             "%s: there is no such file and no built-in scene of that name; `resolvent --help` "

@@ -12,14 +12,27 @@ typedef struct cli_session {
     cli_progress progress;
     char **warnings; ///< [warning_count], owned
     size_t warning_count;
+    const char *mesh; ///< file of --mesh, the body of a built-in scene; NULL = none
     double started;   ///< cli_seconds()
     double time_load; ///< seconds spent in cli_open_scene
 } cli_session;
+
+/// The option --mesh for a command's table; its value goes to the session once that has begun.
+#define CLI_MESH_OPTION(path)                                                                      \
+    {                                                                                              \
+        .name = "--mesh", .kind = CLI_TEXT, .value = (path)                                        \
+    }
+#define CLI_MESH_HELP                                                                              \
+    "  --mesh FILE        the body in cornell-glass, cornell-marble (a dragon) or character (a "   \
+    "head)\n"
 
 /// @param session must stay where it is until cli_session_end
 /// @param threads 0 = one per processor
 bool cli_session_begin(cli_session *session, uint32_t threads);
 void cli_session_end(cli_session *session);
+
+/// Builds the built-in scene `name` around the session's mesh.
+rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene);
 
 /// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
 /// Prints what went wrong; returns NULL then.

@@ -146,9 +146,26 @@ RSV_API rsv_camera rsv_camera_look_at(
 /// Index of the camera called `name`; NULL = the first. RSV_NONE if there is none of that name.
 RSV_API uint32_t rsv_scene_find_camera(const rsv_scene *scene, const char *name);
 
-/// Builds a scene of section "Built-in scenes" of the documentation: cornell-blocks,
-/// cornell-spheres, furnace, two-rooms. Committed on return.
+/// Choices of a built-in scene. Start from rsv_default_builtin_desc().
+typedef struct rsv_builtin_desc {
+    /// A committed scene whose triangles become the body of cornell-glass, cornell-marble (a dragon, say) or
+    /// character (a head, face towards +z), y up: scaled and shifted to stand where it belongs, and turned
+    /// inside out if it faces inwards. Its materials, lights and cameras are left behind. Borrowed until the
+    /// call returns; NULL = a body of our own making.
+    const rsv_scene *body;
+    size_t
+        body_triangles; ///< about as many in that body of our own; 100..20,000,000, default 60,000
+} rsv_builtin_desc;
+
+RSV_API rsv_builtin_desc rsv_default_builtin_desc(void);
+
+/// Builds a scene of section "Built-in scenes" of the documentation: cornell-blocks, cornell-spheres,
+/// cornell-glass, cornell-marble, character, furnace, two-rooms. Committed on return.
 RSV_API rsv_status rsv_scene_builtin(rsv_context *context, const char *name, rsv_scene **scene);
+
+/// The same with choices. @param desc NULL = defaults
+RSV_API rsv_status rsv_scene_builtin_with(
+    rsv_context *context, const char *name, const rsv_builtin_desc *desc, rsv_scene **scene);
 
 /// Names of the built-in scenes, NULL-terminated.
 RSV_API const char *const *rsv_scene_builtin_names(void);

@@ -13,4 +13,11 @@ rsv_status rsv_build_cornell_spheres(rsv_scene *scene);
 rsv_status rsv_build_furnace(rsv_scene *scene);
 rsv_status rsv_build_two_rooms(rsv_scene *scene);
 
+/// The Cornell box without the blocks: walls, light and camera.
+rsv_status rsv_build_cornell_box(rsv_scene *scene);
+
+rsv_status rsv_build_cornell_glass(rsv_scene *scene, const rsv_builtin_desc *desc);
+rsv_status rsv_build_cornell_marble(rsv_scene *scene, const rsv_builtin_desc *desc);
+rsv_status rsv_build_character(rsv_scene *scene, const rsv_builtin_desc *desc);
+
 #endif

@@ -78,6 +78,17 @@ static rsv_status add_cornell_camera(rsv_scene *scene)
     return rsv_scene_add_camera(scene, &camera);
 }
 
+rsv_status rsv_build_cornell_box(rsv_scene *scene)
+{
+    rsv_status status;
+    uint32_t white;
+    RSV_TRY(add_cornell_walls(scene, &white));
+    RSV_TRY(add_cornell_light(scene));
+    RSV_TRY(add_cornell_camera(scene));
+cleanup:
+    return status;
+}
+
 rsv_status rsv_build_cornell_blocks(rsv_scene *scene)
 {
     static const float low[4][2] = { { 130, 65 }, { 82, 225 }, { 240, 272 }, { 290, 114 } };

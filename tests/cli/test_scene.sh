@@ -8,7 +8,7 @@ facts() {
     sed -E -e '/"scene":/d' -e 's/([0-9]\.[0-9]{0,4})[0-9]*/\1/g' stdout
 }
 
-for name in cornell-blocks cornell-spheres furnace two-rooms; do
+for name in cornell-blocks cornell-spheres cornell-glass cornell-marble character furnace two-rooms; do
     succeeds scene $name -o $name.glb
     [[ $(head -c 4 $name.glb) == glTF ]] || complain "$name.glb is not binary glTF"
     succeeds info $name
@@ -20,4 +20,16 @@ for name in cornell-blocks cornell-spheres furnace two-rooms; do
 done
 succeeds scene cornell-blocks -o again.glb
 cmp -s again.glb cornell-blocks.glb || complain "the same scene, written twice, differs"
+
+# -- bodies
+
+succeeds scene cornell-glass --mesh cornell-marble.glb -o given.glb
+succeeds info given.glb
+says ' glass '
+succeeds info cornell-marble --mesh cornell-marble.glb
+refuses 1 'takes no mesh' scene furnace --mesh cornell-marble.glb -o "$out/a.glb"
+refuses 1 'no built-in' info cornell-marble.glb --mesh cornell-marble.glb
+refuses 1 'nowhere.ply' scene cornell-glass --mesh nowhere.ply -o "$out/a.glb"
+echo ply >half.ply
+refuses 1 'half.ply' info character --mesh half.ply
 finish
