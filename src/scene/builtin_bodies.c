@@ -31,26 +31,23 @@ rsv_status rsv_build_cornell_glass(rsv_scene *scene, const rsv_builtin_desc *des
     return build_cornell_body(scene, desc, &glass);
 }
 
-/// Reflectance and reduced mean free paths of the marble that Jensen et al. measured (2001).
 rsv_status rsv_build_cornell_marble(rsv_scene *scene, const rsv_builtin_desc *desc)
 {
-    rsv_material marble = rsv_default_material();
+    rsv_material marble;
+    rsv_material_preset("marble", &marble);
     marble.name = "marble";
-    marble.base_color = rgb(0.83f, 0.79f, 0.75f);
     marble.roughness = 0.1f;
-    marble.scatter_distance = rgb(0.456e-3f, 0.381e-3f, 0.333e-3f);
     return build_cornell_body(scene, desc, &marble);
 }
 
-/// "Skin 2" of the same measurements, under the thin film of oil that skin has.
+/// Measured skin under the thin film of oil that skin has.
 static rsv_status add_skin(rsv_scene *scene, uint32_t *id)
 {
-    rsv_material skin = rsv_default_material();
+    rsv_material skin;
+    rsv_material_preset("skin2", &skin);
     skin.name = "skin";
-    skin.base_color = rgb(0.63f, 0.44f, 0.34f);
     skin.roughness = 0.45f;
     skin.ior = 1.4f;
-    skin.scatter_distance = rgb(0.917e-3f, 0.629e-3f, 0.559e-3f);
     return rsv_scene_add_material(scene, &skin, id);
 }
 
