@@ -17,6 +17,55 @@ extern "C" {
 
 typedef struct rsv_scene rsv_scene;
 
+/// What happens outside the unit square of texture coordinates.
+typedef enum rsv_wrap { RSV_WRAP_REPEAT, RSV_WRAP_MIRROR, RSV_WRAP_CLAMP } rsv_wrap;
+
+#define RSV_TEXTURE_MAX_SIDE 16384
+
+/// A picture to be laid on surfaces. Texture coordinate (0, 0) is its upper left corner, v runs down.
+typedef struct rsv_texture_desc {
+    const char *name;       ///< for messages; copied; NULL = "unnamed"
+    uint32_t width, height; ///< 1..RSV_TEXTURE_MAX_SIDE
+    uint32_t channel_count; ///< 1 = grey, 2 = grey and alpha, 3 = RGB, 4 = RGB and alpha
+    /// [height * width * channel_count], row 0 on top; exactly one of the two; copied
+    const uint8_t *codes; ///< 0..255 stand for 0..1
+    const float *values;  ///< linear
+    bool srgb;            ///< colour codes (not alpha) follow the sRGB curve
+    rsv_wrap wrap_u, wrap_v;
+    bool nearest; ///< seen from near, texels are squares; else they are blended
+} rsv_texture_desc;
+
+/// What of a material a texture multiplies, and by which of its channels (as in glTF).
+typedef enum rsv_texture_role {
+    RSV_TEXTURE_BASE_COLOR,                 ///< rgb
+    RSV_TEXTURE_OPACITY,                    ///< a
+    RSV_TEXTURE_METALLIC_ROUGHNESS,         ///< b metallic, g roughness
+    RSV_TEXTURE_NORMAL,                     ///< rgb: tangent-space normal, 0..1 for -1..1
+    RSV_TEXTURE_EMISSION,                   ///< rgb
+    RSV_TEXTURE_SPECULAR,                   ///< a
+    RSV_TEXTURE_SPECULAR_COLOR,             ///< rgb
+    RSV_TEXTURE_TRANSMISSION,               ///< r
+    RSV_TEXTURE_CLEARCOAT,                  ///< r
+    RSV_TEXTURE_CLEARCOAT_ROUGHNESS,        ///< g
+    RSV_TEXTURE_SHEEN_COLOR,                ///< rgb
+    RSV_TEXTURE_SHEEN_ROUGHNESS,            ///< a
+    RSV_TEXTURE_DIFFUSE_TRANSMISSION,       ///< a
+    RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR, ///< rgb
+    RSV_TEXTURE_ROLE_COUNT
+} rsv_texture_role;
+
+/// One texture of a material.
+typedef struct rsv_texture_ref {
+    rsv_texture_role role;
+    uint32_t texture;      ///< from rsv_scene_add_texture
+    uint32_t uv_set;       ///< 0 or 1
+    float transform[2][3]; ///< texture coordinate = transform * (u, v, 1)
+    float scale;           ///< RSV_TEXTURE_NORMAL: of the normal's x and y; others ignore it
+} rsv_texture_ref;
+
+/// A reference to `texture` by uv set 0 as it stands.
+RSV_API rsv_texture_ref rsv_default_texture_ref(rsv_texture_role role, uint32_t texture);
+
 /// Surface description, in the terms of glTF's metallic-roughness model and its extensions.
 typedef struct rsv_material {
     const char *name;   ///< copied; NULL = "unnamed"
@@ -45,6 +94,12 @@ typedef struct rsv_material {
     /// which it leaves with `base_color` as its total reflectance; black = leaves where it entered.
     rsv_rgb scatter_distance;
     float opacity; ///< coverage: light passes unchanged through the rest
+    /// Above 0: the surface is cut out where its opacity is below this, and opaque everywhere else.
+    float alpha_cutoff;
+
+    /// [texture_count] what varies over the surface: a texture multiplies the value above. Copied.
+    const rsv_texture_ref *textures;
+    size_t texture_count;
 } rsv_material;
 
 RSV_API rsv_material rsv_default_material(void);
@@ -65,7 +120,13 @@ typedef struct rsv_mesh_desc {
     size_t vertex_count;
     const uint32_t *indices; ///< [3 * triangle_count], or NULL = 0, 1, 2, ...
     size_t triangle_count;
-    uint32_t material; ///< from rsv_scene_add_material
+    uint32_t material;        ///< from rsv_scene_add_material
+    const float (*uvs[2])[2]; ///< [vertex_count] texture coordinates by set, or NULL
+    /// [vertex_count] direction of increasing u, and the sign of the bitangent (n x t) * w; NULL = from the
+    /// texture coordinates, where a normal map asks for them
+    const float (*tangents)[4];
+    const float (
+        *colors)[4]; ///< [vertex_count] linear RGB and opacity, multiply the material's; or NULL
 } rsv_mesh_desc;
 
 typedef enum rsv_light_kind {
@@ -98,20 +159,31 @@ typedef struct rsv_camera {
 /// The committed scene as flat arrays in world space; valid until the scene is destroyed.
 typedef struct rsv_scene_view {
     size_t vertex_count, triangle_count, material_count, light_count, camera_count, object_count;
+    size_t texture_count;
     const rsv_vec3 *position;          ///< [vertex_count]
     const rsv_vec3 *normal;            ///< [vertex_count], unit shading normals
+    const float (*uv[2])[2];           ///< [vertex_count] texture coordinates; NULL = none has any
+    const float (*tangent)[4];         ///< [vertex_count] unit, 0 = none; NULL = none has any
+    const float (*color)[4];           ///< [vertex_count] RGB and opacity; NULL = all white
     const uint32_t (*triangle)[3];     ///< [triangle_count]; counter-clockwise seen from the front
     const uint32_t *triangle_material; ///< [triangle_count]
     const uint32_t *triangle_object;   ///< [triangle_count]; one object per instanced mesh
     const rsv_material *material;      ///< [material_count]
-    const rsv_light *light;            ///< [light_count]
-    const rsv_camera *camera;          ///< [camera_count]
-    const char *const *object_name;    ///< [object_count]
+    const struct rsv_texture *texture; ///< [texture_count]; private to the library
+    const uint8_t *material_varies; ///< [material_count] 0 = the same all over; else private flags
+    const rsv_light *light;         ///< [light_count]
+    const rsv_camera *camera;       ///< [camera_count]
+    const char *const *object_name; ///< [object_count]
     rsv_vec3 bounds_min, bounds_max;
 } rsv_scene_view;
 
 RSV_API rsv_status rsv_scene_create(rsv_context *context, rsv_scene **scene);
 RSV_API void rsv_scene_destroy(rsv_scene *scene);
+
+/// Copies a texture and builds its pyramid of coarser versions, each the exact mean of the finer one in linear
+/// light. Non-finite values become 0 with a warning. RSV_ERROR_FORMAT for sizes outside the limits.
+RSV_API rsv_status rsv_scene_add_texture(
+    rsv_scene *scene, const rsv_texture_desc *texture, uint32_t *texture_id);
 
 /// Values outside their range are clamped with a warning that names the material. An albedo of 1 is
 /// kept here; whether a bounded answer exists is the solver's question.

@@ -49,6 +49,7 @@ typedef struct rsv_bsdf {
     float smooth_mean;                          ///< hemispherical mean of F from outside
     rsv_table_place alpha_place, eta_place;     ///< in the tables, if alpha > 0
     const rsv_bsdf_tables *tables;
+    float opacity;     ///< coverage; the rest of the light passes unchanged
     bool solid;        ///< transmission refracts into a body
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path

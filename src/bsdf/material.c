@@ -20,6 +20,7 @@ static rsv_bsdf unlit_bsdf(const rsv_material *material)
     return (rsv_bsdf){ .emission = material->base_color,
         .ior = 1,
         .diffuse = 1,
+        .opacity = material->opacity,
         .double_sided = material->double_sided,
         .lambert = true,
         .unlit = true };
@@ -77,11 +78,14 @@ rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
 {
     if (material->unlit) return unlit_bsdf(material);
-    rsv_bsdf bsdf = { .ior = f_max(material->ior, 1), .tables = &rsv_bsdf_tables_data };
+    rsv_bsdf bsdf = { .ior = f_max(material->ior, 1),
+        .opacity = material->opacity,
+        .tables = &rsv_bsdf_tables_data };
     bsdf.smooth_mean = (float)rsv_fresnel_dielectric_mean(bsdf.ior);
     bsdf.eta_place = rsv_table_eta(bsdf.ior);
     bsdf.solid = material->thickness > 0 && material->transmission > 0 && material->metallic < 1;
     bsdf.double_sided = material->double_sided || bsdf.solid;
+    if (bsdf.solid) bsdf.opacity = 1; // a body has no holes
     if (bsdf.solid) {
         float distance = material->attenuation_distance;
         bsdf.absorption = rgb(absorption(material->attenuation_color.r, distance),

@@ -31,6 +31,17 @@ rsv_status rsv_image_decode_hdr(
 rsv_status rsv_image_decode_ldr(
     rsv_context *context, const rsv_image_file *file, rsv_image **image);
 
+/// A picture as the codes it is stored as.
+typedef struct rsv_image_codes {
+    uint8_t *code; ///< [height * width * channel_count], row 0 on top
+    uint32_t width, height, channel_count;
+} rsv_image_codes;
+
+/// PNG and JPEG as 8-bit codes, for textures: no side above RSV_TEXTURE_MAX_SIDE, and no more pixels than the
+/// file's size can account for. Release with rsv_image_free_codes.
+rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *codes);
+void rsv_image_free_codes(rsv_image_codes *codes);
+
 /// Refuses JPEG files that stb_image (2.27) does not survive: Huffman tables of more than 256 codes
 /// overrun its arrays.
 rsv_status rsv_image_check_jpeg(const rsv_image_file *file);

@@ -1,7 +1,8 @@
 /// PNG and JPEG, through stb_image and stb_image_write.
+#include "../core/srgb.h"
 #include "../core/vec.h"
 #include "image_internal.h"
-#include "image_srgb.h"
+#include "resolvent/scene.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -102,6 +103,48 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
 cleanup:
     stbi_image_free(codes);
     return status;
+}
+
+/// Deflate packs at most 1032 bytes into one, of eight pixels each.
+#define MOST_PIXELS_PER_BYTE (1032 * 8)
+
+static rsv_status check_texture_size(const rsv_image_file *file, int width, int height)
+{
+    if (width < 1 || height < 1 || width > RSV_TEXTURE_MAX_SIDE || height > RSV_TEXTURE_MAX_SIDE)
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "cannot read '%s': %d x %d pixels are not in 1 .. %u a side", file->path, width, height,
+            RSV_TEXTURE_MAX_SIDE);
+    if ((size_t)width * (size_t)height / MOST_PIXELS_PER_BYTE > file->size)
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "cannot read '%s': %d x %d pixels cannot come out of %zu bytes", file->path, width,
+            height, file->size);
+    return RSV_OK;
+}
+
+rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *codes)
+{
+    rsv_status status = RSV_OK;
+    source info = { .file = file }, from = { .file = file };
+    int width = 0, height = 0, channels;
+    RSV_TRY(rsv_image_check_jpeg(file));
+    if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
+        RSV_TRY(fail_decoding(&info));
+    RSV_TRY(check_texture_size(file, width, height));
+    codes->code = stbi_load_from_callbacks(&source_callbacks, &from, &width, &height, &channels, 0);
+    if (!codes->code || from.exhausted) RSV_TRY(fail_decoding(&from));
+    codes->width = (uint32_t)width;
+    codes->height = (uint32_t)height;
+    codes->channel_count = (uint32_t)channels;
+    return RSV_OK;
+cleanup:
+    rsv_image_free_codes(codes);
+    return status;
+}
+
+void rsv_image_free_codes(rsv_image_codes *codes)
+{
+    stbi_image_free(codes->code);
+    *codes = (rsv_image_codes){ 0 };
 }
 
 /// The nearest code; NaN and negative light are black.

@@ -11,12 +11,13 @@
 
 typedef struct rsv_emitter {
     rsv_vec3 corner[3];
-    rsv_vec3 normal; ///< unit, geometric, front
-    rsv_rgb radiance;
+    rsv_vec3 normal;  ///< unit, geometric, front
+    rsv_rgb radiance; ///< its mean, if the emission is textured
     float area;
     uint32_t triangle; ///< in the scene
     uint32_t group;
     bool double_sided;
+    bool varies; ///< the emission is textured
 } rsv_emitter;
 
 typedef struct rsv_emitter_group {
@@ -53,6 +54,9 @@ typedef struct rsv_lights {
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights);
 void rsv_lights_destroy(rsv_lights *lights);
 
+/// Radiance of an emitter at barycentric (u, v).
+rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v);
+
 /// Irradiance at `p` with unit normal `n` from a uniform polygon emitter without occlusion, divided
 /// by its radiance: int cos+ dw over the part above the horizon (Lambert's formula after clipping).
 /// The caller checks that p is on the emitting side. Exact to float rounding; robust for p in the
@@ -70,8 +74,8 @@ typedef struct rsv_local_lights {
     uint32_t count; ///< entries below; 0 = selection by power
     bool by_power;
     float probability[RSV_LOCAL_LIGHTS]; ///< per entry of lights->sampled
-    rsv_rgb unshadowed; ///< irradiance of all sampled emitters without occlusion; only
-                        ///< meaningful when !by_power
+    rsv_rgb unshadowed; ///< irradiance of all sampled emitters without occlusion, each with its
+                        ///< mean radiance; only meaningful when !by_power
 } rsv_local_lights;
 
 void rsv_lights_at(
@@ -81,6 +85,7 @@ typedef struct rsv_light_sample {
     rsv_vec3 direction;    ///< unit, towards the source
     float distance;        ///< metres to the source; INFINITY for directional lights
     rsv_rgb radiance;      ///< arriving along direction, without occlusion
+    rsv_rgb mean_radiance; ///< of the emitter: what closed forms know of it
     float pdf_solid_angle; ///< including the selection of the emitter
     uint32_t emitter;
 } rsv_light_sample;

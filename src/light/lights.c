@@ -2,8 +2,51 @@
 #include "light_internal.h"
 
 #include "../core/core_internal.h"
+#include "../scene/material_at.h"
 
 #include <stdlib.h>
+
+/// Places on a textured emitter from which its mean radiance is estimated.
+#define RADIANCE_POINTS 64
+
+/// Where a surface does not cover, it does not shine.
+static rsv_rgb emission_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
+{
+    rsv_material m = rsv_material_at(scene, triangle, u, v, width);
+    return rgb_scale(m.emission, m.opacity);
+}
+
+/// Mean over the triangle, each place standing for its share of the area.
+static rsv_rgb mean_radiance(const rsv_scene_view *scene, uint32_t triangle, float area)
+{
+    rsv_rgb sum = rgb_gray(0);
+    float width = sqrtf(area / RADIANCE_POINTS);
+    for (uint32_t k = 0; k < RADIANCE_POINTS; k++) {
+        float x, y, u, v;
+        rsv_sobol_2d(k, 0, &x, &y);
+        rsv_square_to_triangle(x, y, &u, &v);
+        sum = rgb_add(sum, emission_at(scene, triangle, u, v, width));
+    }
+    return rgb_scale(sum, 1.0f / RADIANCE_POINTS);
+}
+
+rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v)
+{
+    const rsv_emitter *e = &lights->emitter[emitter];
+    if (!e->varies) return e->radiance;
+    return emission_at(lights->scene, e->triangle, u, v, 0);
+}
+
+static bool emission_varies(const rsv_material *m)
+{
+    if (m->alpha_cutoff == 0 && m->opacity < 1) return true;
+    for (size_t i = 0; i < m->texture_count; i++)
+        if (m->textures[i].role == RSV_TEXTURE_EMISSION ||
+            m->textures[i].role == RSV_TEXTURE_OPACITY)
+            return true;
+    return false;
+}
 
 static rsv_emitter emitter_from_triangle(
     const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle)
@@ -19,6 +62,8 @@ static rsv_emitter emitter_from_triangle(
         v3_sub(emitter.corner[1], emitter.corner[0]), v3_sub(emitter.corner[2], emitter.corner[0]));
     emitter.normal = v3_normalize(cross);
     emitter.area = 0.5f * v3_length(cross);
+    emitter.varies = emission_varies(&scene->material[scene->triangle_material[triangle]]);
+    if (emitter.varies) emitter.radiance = mean_radiance(scene, triangle, emitter.area);
     return emitter;
 }
 
@@ -95,7 +140,7 @@ static void list_sampled(rsv_lights *lights)
         lights->sampled[lights->sampled_count] = (uint32_t)i;
         lights->power_cdf[lights->sampled_count++] = sum;
     }
-    for (size_t i = 0; i < lights->sampled_count; i++)
+    for (size_t i = 0; i < lights->sampled_count && sum > 0; i++)
         lights->power_cdf[i] /= sum;
 }
 

@@ -141,6 +141,20 @@ static rsv_double3 sample_triangle(const triangle_view *view, float u1, float u2
     return d3_mad(d3_mad(point, u, view->corner[1]), v, view->corner[2]);
 }
 
+/// Radiance of the emitter's point at `towards` from the receiver.
+static rsv_rgb radiance_at(
+    const rsv_lights *lights, uint32_t emitter, const triangle_view *view, rsv_double3 towards)
+{
+    if (!lights->emitter[emitter].varies) return lights->emitter[emitter].radiance;
+    rsv_double3 edge1 = d3_sub(view->corner[1], view->corner[0]);
+    rsv_double3 edge2 = d3_sub(view->corner[2], view->corner[0]);
+    rsv_double3 place = d3_sub(towards, view->corner[0]);
+    double area = 2 * d3_dot(view->area_vector, view->area_vector);
+    double u = d3_dot(view->area_vector, d3_cross(place, edge2)) / area;
+    double v = d3_dot(view->area_vector, d3_cross(edge1, place)) / area;
+    return rsv_emitter_radiance(lights, emitter, (float)u, (float)v);
+}
+
 bool rsv_local_lights_sample(
     const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
 {
@@ -156,7 +170,8 @@ bool rsv_local_lights_sample(
     double distance = d3_length(towards);
     sample->distance = (float)distance;
     sample->direction = d3_to_float(d3_scale(towards, 1 / distance));
-    sample->radiance = emitter->radiance;
+    sample->mean_radiance = emitter->radiance;
+    sample->radiance = radiance_at(lights, sample->emitter, &view, towards);
     if (!(v3_dot(sample->direction, local->normal) > 0)) return false;
     sample->pdf_solid_angle = (float)(selection_probability(local, entry) *
                                       triangle_pdf(&view, sample->direction, sample->distance));

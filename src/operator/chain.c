@@ -5,12 +5,19 @@
 rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, rsv_vec3 direction, uint32_t triangle,
     float u, float v, float t)
 {
-    rsv_chain chain = { direction, rgb_gray(1), triangle, u, v, false, 0, 0 };
+    rsv_chain chain = { .direction = direction,
+        .weight = rgb_gray(1),
+        .triangle = triangle,
+        .u = u,
+        .v = v,
+        .spread = RSV_GATHER_SPREAD,
+        .width = RSV_GATHER_SPREAD * t };
     const uint32_t *corner = scene->view->triangle[triangle];
     rsv_vec3 a = scene->view->position[corner[0]];
     rsv_vec3 normal = v3_cross(
         v3_sub(scene->view->position[corner[1]], a), v3_sub(scene->view->position[corner[2]], a));
     chain.back = v3_dot(normal, direction) > 0;
+    // what a body is made of is the same all over
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[triangle]];
     // Arriving at the inside of a body's surface means the segment ran through the body.
     if (chain.back && bsdf->solid && !rgb_is_black(bsdf->absorption))
@@ -19,11 +26,24 @@ rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, rsv_vec3 direction, 
     return chain;
 }
 
+void rsv_chain_set_spread(rsv_chain *chain, float spread, float distance)
+{
+    chain->spread = spread;
+    chain->width = spread * distance;
+}
+
+const rsv_bsdf *rsv_chain_bsdf(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_bsdf *storage)
+{
+    return rsv_surface_bsdf(
+        scene->view, scene->bsdf, chain->triangle, chain->u, chain->v, chain->width, storage);
+}
+
 void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *shading,
     rsv_vec3 *geometric)
 {
-    rsv_surface_point point =
-        rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_surface_point point = rsv_surface_point_seen(
+        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
     *shading = point.normal;
     *geometric = point.geometric;
     // a silhouette seen under an interpolated normal that already turns away
@@ -32,9 +52,9 @@ void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain,
 
 /// The BSDF at the chain's surface and the normal it is asked with.
 static const rsv_bsdf *surface_bsdf(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *normal)
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *normal, rsv_bsdf *storage)
 {
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain->triangle]];
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, storage);
     rsv_vec3 geometric;
     rsv_chain_normals(scene, chain, normal, &geometric);
     if (!bsdf->lambert)
@@ -45,15 +65,26 @@ static const rsv_bsdf *surface_bsdf(
 rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain)
 {
     rsv_vec3 normal;
-    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal);
-    return rsv_bsdf_evaluate_branches(bsdf, v3_neg(chain->direction), normal, !chain->back);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal, &storage);
+    rsv_bsdf_branches branches =
+        rsv_bsdf_evaluate_branches(bsdf, v3_neg(chain->direction), normal, !chain->back);
+    if (bsdf->opacity >= 1) return branches;
+    branches.reflect = rgb_scale(branches.reflect, bsdf->opacity);
+    branches.diffuse = rgb_scale(branches.diffuse, bsdf->opacity);
+    branches.transmit = rgb_mad(rgb_gray(1 - bsdf->opacity), bsdf->opacity, branches.transmit);
+    branches.transmit_direction = chain->direction;
+    return branches;
 }
 
 rsv_bsdf_event rsv_chain_draw_event(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random)
 {
     rsv_vec3 normal;
-    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal, &storage);
+    if (bsdf->opacity < 1 && rsv_random_float(random) >= bsdf->opacity)
+        return (rsv_bsdf_event){ RSV_LOBE_TRANSMIT, chain->direction, rgb_gray(1), 0 };
     float u_lobe = rsv_random_float(random), u1 = rsv_random_float(random);
     return rsv_bsdf_draw_event(
         bsdf, v3_neg(chain->direction), normal, !chain->back, u_lobe, u1, rsv_random_float(random));
@@ -69,6 +100,7 @@ rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain
     if (v3_dot(direction, leave) <= 0) return RSV_CHAIN_LOST;
     rsv_ray ray = { rsv_offset_origin(point.position, leave, point.extent), direction, INFINITY };
     rsv_hit hit;
+    float spread = chain->spread, width = chain->width;
     uint32_t events = chain->events + 1, rays = chain->rays + 1;
     rsv_rgb throughput = rgb_mul(chain->weight, weight);
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit)) {
@@ -81,13 +113,18 @@ rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain
     chain->weight = rgb_mul(chain->weight, throughput);
     chain->events = events;
     chain->rays = rays;
+    chain->spread = spread;
+    chain->width = width + spread * hit.t;
     return RSV_CHAIN_MOVED;
 }
 
-static bool shows_emission(const rsv_transport_scene *scene, const rsv_chain *chain)
+/// Radiance emitted along the chain by its surface, as far as that covers.
+static rsv_rgb emission_towards(const rsv_transport_scene *scene, const rsv_chain *chain)
 {
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain->triangle]];
-    return bsdf->emissive && (!chain->back || bsdf->double_sided);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+    bool shows = bsdf->emissive && (!chain->back || bsdf->double_sided);
+    return shows ? rgb_scale(bsdf->emission, bsdf->opacity) : rgb_gray(0);
 }
 
 /// Divides by the largest channel after having survived with that probability.
@@ -105,10 +142,9 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
 {
     rsv_gather gather = { .end = RSV_CHAIN_ABSORBED };
     for (;;) {
-        if (shows_emission(scene, &chain) && filter(user, chain.triangle, chain.events)) {
-            const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain.triangle]];
-            gather.emission = rgb_add(gather.emission, rgb_mul(chain.weight, bsdf->emission));
-        }
+        if (filter(user, chain.triangle, chain.events))
+            gather.emission =
+                rgb_add(gather.emission, rgb_mul(chain.weight, emission_towards(scene, &chain)));
         gather.chain = chain;
         rsv_bsdf_event event = rsv_chain_draw_event(scene, &chain, random);
         if (event.lobe == RSV_LOBE_NONE || chain.events >= RSV_CHAIN_MAX_EVENTS) return gather;

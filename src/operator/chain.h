@@ -3,7 +3,7 @@
 #ifndef RSV_CHAIN_H
 #define RSV_CHAIN_H
 
-#include "../bsdf/bsdf.h"
+#include "../surface/surface.h"
 #include "resolvent/trace.h"
 
 /// Everything a chain needs to know of the scene.
@@ -11,7 +11,7 @@ typedef struct rsv_transport_scene {
     const rsv_scene *scene;
     const rsv_scene_view *view;
     const rsv_tracer *tracer;
-    const rsv_bsdf *bsdf; ///< [material_count]
+    const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
 } rsv_transport_scene;
 
 typedef enum rsv_chain_end {
@@ -29,7 +29,12 @@ typedef struct rsv_chain {
     bool back;       ///< arrived at the triangle's back
     uint32_t events; ///< specular events so far
     uint32_t rays;   ///< rays traced so far
+    float spread;    ///< metres by which the footprint grows per metre
+    float width;     ///< of the footprint on this surface: what textures are averaged over
 } rsv_chain;
+
+/// Footprint of a gather ray: the cone of one of about 250 that share a hemisphere.
+#define RSV_GATHER_SPREAD 0.16f
 
 #define RSV_CHAIN_MAX_EVENTS 256
 
@@ -37,14 +42,21 @@ typedef struct rsv_chain {
 rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, rsv_vec3 direction, uint32_t triangle,
     float u, float v, float t);
 
-/// Shading normal and geometric normal on the side the chain arrived from.
+/// Gives a chain at its first surface another footprint. @param distance to that surface
+void rsv_chain_set_spread(rsv_chain *chain, float spread, float distance);
+
+/// How the chain's surface scatters there. @param storage may be used to hold it
+const rsv_bsdf *rsv_chain_bsdf(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_bsdf *storage);
+
+/// Shading normal (with its normal map) and geometric normal on the side the chain arrived from.
 void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *shading,
     rsv_vec3 *geometric);
 
-/// Branch weights at the chain's surface.
+/// Branch weights at the chain's surface. What it does not cover counts as transmitted, straight on.
 rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain);
 
-/// Draws what happens to the chain at its surface.
+/// Draws what happens to the chain at its surface, which it may pass where that does not cover.
 rsv_bsdf_event rsv_chain_draw_event(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
 

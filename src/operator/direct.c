@@ -84,10 +84,11 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         rsv_light_sample sample;
         if (!rsv_local_lights_sample(&local[at], select, x, y, &sample)) continue;
         float cos = v3_dot(p->point[at].normal, sample.direction);
-        contribution[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
+        contribution[k] = rgb_scale(sample.mean_radiance, cos / sample.pdf_solid_angle);
         // what the geometry hides from the shading normal is blocked like anything else
         if (!rsv_surface_faces(&p->point[at], sample.direction)) continue;
-        entered[k] = rgb_mul(contribution[k], rsv_bsdf_entry(bsdf, cos));
+        entered[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
+        entered[k] = rgb_mul(entered[k], rsv_bsdf_entry(bsdf, cos));
         set_shadow_ray(&packet, k,
             rsv_emitter_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
     }

@@ -11,8 +11,8 @@
 #ifndef RSV_ELEMENTS_H
 #define RSV_ELEMENTS_H
 
-#include "../bsdf/bsdf.h"
 #include "../core/core_internal.h"
+#include "../surface/surface.h"
 
 #define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together
 
@@ -153,26 +153,6 @@ RSV_INLINE void rsv_cell_corner(const rsv_cell *cell, int k, float *u, float *v)
     *u = (float)(cell->i + di) * size;
     *v = (float)(cell->j + dj) * size;
 }
-
-/// A point of the surface with its two normals, on the side of its face.
-typedef struct rsv_surface_point {
-    rsv_vec3 position;
-    rsv_vec3 normal;    ///< unit shading normal
-    rsv_vec3 geometric; ///< unit geometric normal
-    float extent;       ///< for rsv_offset_origin
-} rsv_surface_point;
-
-rsv_surface_point rsv_surface_point_at(
-    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back);
-
-/// Whether light from `direction` is above the surface by both of its normals.
-RSV_INLINE bool rsv_surface_faces(const rsv_surface_point *point, rsv_vec3 direction)
-{
-    return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
-}
-
-/// Area of a triangle of the scene, m2.
-float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
 
 /// Where to find a node on other elements of the same faces: its place, pulled a little into one of its own
 /// cells, so that a lookup does not end on the far side of a wall that runs along the cell's edge.

@@ -37,14 +37,18 @@ typedef struct emission {
     rsv_rgb flux; ///< of the whole source if it all left like this: W
 } emission;
 
-static bool is_specular(const rsv_bsdf *bsdf) { return !bsdf->lambert && !bsdf->unlit; }
+static bool is_specular(const rsv_bsdf *bsdf)
+{
+    return (!bsdf->lambert && !bsdf->unlit) || bsdf->opacity < 1;
+}
 
 bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *lights)
 {
     bool specular = false, source = scene->view->light_count > 0;
     for (size_t m = 0; m < scene->view->material_count; m++)
         specular = specular || (is_specular(&scene->bsdf[m]) &&
-                                   (scene->bsdf[m].coated || scene->bsdf[m].diffuse < 1));
+                                   (scene->bsdf[m].coated || scene->bsdf[m].diffuse < 1 ||
+                                       scene->bsdf[m].opacity < 1));
     for (size_t g = 0; g < lights->group_count; g++)
         source = source || !lights->group[g].gathered;
     return specular && source;
@@ -77,7 +81,8 @@ static emission emit_from_group(
     out.origin =
         rsv_offset_origin(point, normal, rsv_triangle_extent(job->scene->view, e->triangle));
     out.direction = to_world(rsv_square_to_cosine_hemisphere(x, y), normal);
-    out.flux = rgb_scale(e->radiance, RSV_PI * (float)g->area * (e->double_sided ? 2.0f : 1.0f));
+    out.flux = rgb_scale(rsv_emitter_radiance(job->lights, index, u, v),
+        RSV_PI * (float)g->area * (e->double_sided ? 2.0f : 1.0f));
     return out;
 }
 
@@ -321,7 +326,8 @@ static void deposit(const photon_job *job, const rsv_chain *chain, rsv_rgb flux)
 {
     rsv_vec3 shading, geometric;
     rsv_chain_normals(job->scene, chain, &shading, &geometric);
-    const rsv_bsdf *bsdf = &job->scene->bsdf[job->scene->view->triangle_material[chain->triangle]];
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(job->scene, chain, &storage);
     rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, chain->direction)));
     for (size_t m = 0; m < job->map_count; m++)
         deposit_on(&job->maps[m], chain, entered);

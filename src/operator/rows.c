@@ -458,8 +458,9 @@ static rsv_status create_targets(assembly *a)
     for (size_t side = 0; side < 2 * view->triangle_count; side++) {
         const rsv_bsdf *bsdf = &a->scene->bsdf[view->triangle_material[side / 2]];
         uint32_t face = e->face_of[side & 1][side / 2];
-        bool back = side & 1, opaque_back = back && !bsdf->double_sided && bsdf->transmission == 0;
-        bool plain = bsdf->lambert && face != RSV_NONE &&
+        bool back = side & 1, opaque_back = back && !bsdf->double_sided &&
+                                            bsdf->transmission == 0 && bsdf->opacity == 1;
+        bool plain = bsdf->lambert && bsdf->opacity == 1 && face != RSV_NONE &&
                      (!bsdf->emissive || !counts_by_gathering(a->lights, (uint32_t)(side / 2), 0));
         a->target[side].kind = opaque_back ? TARGET_BLACK : plain ? TARGET_LAMBERT : TARGET_CHAIN;
         if (face == RSV_NONE) continue;

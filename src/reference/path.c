@@ -36,6 +36,7 @@ typedef struct light_path {
 /// Where a ray arrived. Normals are unit and on the side the ray came from.
 typedef struct surface {
     const rsv_bsdf *bsdf;
+    rsv_bsdf own; ///< what `bsdf` points to where the material varies
     rsv_vec3 point, wo;
     rsv_vec3 geometric_normal;
     rsv_vec3 normal; ///< for scattering
@@ -74,27 +75,23 @@ static void add_light(light_path *path, uint32_t diffuse_events, rsv_rgb radianc
     *order = rgb_add(*order, rgb_mul(path->throughput, radiance));
 }
 
-static surface surface_at(const rsv_path_tracer *tracer, const rsv_ray *ray, const rsv_hit *hit)
+/// Textures are looked up as they are: what a pixel averages is the business of its samples.
+static void meet_surface(
+    const rsv_path_tracer *tracer, const rsv_ray *ray, const rsv_hit *hit, surface *s)
 {
     const rsv_scene_view *scene = tracer->scene;
-    const uint32_t *corner = scene->triangle[hit->triangle];
-    rsv_vec3 a = scene->position[corner[0]], b = scene->position[corner[1]];
-    rsv_vec3 c = scene->position[corner[2]];
-    rsv_vec3 geometric = v3_normalize(v3_cross(v3_sub(b, a), v3_sub(c, a)));
-    rsv_vec3 shading = v3_normalize(v3_barycentric(scene->normal[corner[0]],
-        scene->normal[corner[1]], scene->normal[corner[2]], hit->u, hit->v));
-    if (v3_dot(shading, geometric) <= 0) shading = geometric;
-
-    surface s = { .bsdf = &tracer->bsdf[scene->triangle_material[hit->triangle]],
-        .point = v3_barycentric(a, b, c, hit->u, hit->v),
-        .wo = v3_neg(v3_normalize(ray->direction)),
-        .extent = rsv_triangle_extent(scene, hit->triangle),
-        .triangle = hit->triangle };
-    s.front = v3_dot(geometric, s.wo) > 0;
-    s.geometric_normal = s.front ? geometric : v3_neg(geometric);
-    s.normal = s.front ? shading : v3_neg(shading);
-    if (!s.bsdf->lambert) s.normal = rsv_bsdf_specular_normal(s.normal, s.geometric_normal, s.wo);
-    return s;
+    rsv_surface_point point =
+        rsv_surface_point_seen(scene, hit->triangle, hit->u, hit->v, false, 0);
+    s->bsdf = rsv_surface_bsdf(scene, tracer->bsdf, hit->triangle, hit->u, hit->v, 0, &s->own);
+    s->point = point.position;
+    s->wo = v3_neg(v3_normalize(ray->direction));
+    s->extent = point.extent;
+    s->triangle = hit->triangle;
+    s->front = v3_dot(point.geometric, s->wo) > 0;
+    s->geometric_normal = s->front ? point.geometric : v3_neg(point.geometric);
+    s->normal = s->front ? point.normal : v3_neg(point.normal);
+    if (!s->bsdf->lambert)
+        s->normal = rsv_bsdf_specular_normal(s->normal, s->geometric_normal, s->wo);
 }
 
 static rsv_vec3 leaving_point(const surface *s, bool transmitted)
@@ -135,7 +132,7 @@ static void add_emission(light_path *path, const surface *s, float distance)
             rsv_local_lights_pdf(&path->local[path->below], index, path->ray.direction, distance);
         weight = power_heuristic(path->pdf_solid_angle, pdf_light);
     }
-    add_light(path, path->diffuse_events, rgb_scale(emitter->radiance, weight));
+    add_light(path, path->diffuse_events, rgb_scale(s->bsdf->emission, weight));
 }
 
 /// Response of the lobes in `lobes`; nothing where the normals disagree on wi's side.
@@ -174,16 +171,24 @@ static void add_emitter_sample(
     add_scattered(path, rgb_scale(sample.radiance, weight), diffuse.response, rough.response);
 }
 
-/// Share of light that reaches the ray's origin from its end, past thin sheets alone.
+/// Share of light that passes a surface without turning: past what it does not cover, and through thin sheets.
+static rsv_rgb straight_through(const surface *s)
+{
+    rsv_rgb uncovered = rgb_gray(1 - s->bsdf->opacity);
+    if (s->bsdf->transmission == 0 || s->bsdf->solid) return uncovered;
+    rsv_rgb sheet = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front).transmit;
+    return rgb_mad(uncovered, s->bsdf->opacity, sheet);
+}
+
+/// Share of light that reaches the ray's origin from its end without turning.
 static rsv_rgb straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray)
 {
     rsv_rgb passed = rgb_gray(1);
     rsv_hit hit;
     while (!rgb_is_black(passed) && rsv_tracer_closest(tracer->tracer, &ray, &hit)) {
-        surface s = surface_at(tracer, &ray, &hit);
-        if (s.bsdf->transmission == 0 || s.bsdf->solid) return rgb_gray(0);
-        passed =
-            rgb_mul(passed, rsv_bsdf_evaluate_branches(s.bsdf, s.wo, s.normal, s.front).transmit);
+        surface s;
+        meet_surface(tracer, &ray, &hit, &s);
+        passed = rgb_mul(passed, straight_through(&s));
         ray.origin = leaving_point(&s, true);
         ray.t_max -= hit.t;
     }
@@ -271,12 +276,27 @@ static bool survives_roulette(light_path *path)
     return true;
 }
 
+/// Goes straight on where the surface does not cover. Next-event estimation sees no lamp through it.
+static bool passes(light_path *path, const surface *s)
+{
+    if (s->bsdf->opacity >= 1 || rsv_random_float(&path->numbers.random) < s->bsdf->opacity)
+        return false;
+    path->pdf_solid_angle = 0;
+    path->ray.origin = leaving_point(s, true);
+    return true;
+}
+
 static void follow(light_path *path)
 {
     rsv_hit hit;
     while (rsv_tracer_closest(path->tracer->tracer, &path->ray, &hit)) {
-        surface s = surface_at(path->tracer, &path->ray, &hit);
+        surface s;
+        meet_surface(path->tracer, &path->ray, &hit, &s);
         absorb_inside_body(path, &s);
+        if (passes(path, &s)) {
+            if (!survives_roulette(path)) break;
+            continue;
+        }
         add_emission(path, &s, hit.t);
         if (!scatter(path, &s) || !survives_roulette(path)) break;
     }
@@ -299,6 +319,7 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
         .exitance_albedo = { 1, 1, 1 },
         .ior = 1,
         .diffuse = 1,
+        .opacity = 1,
         .lambert = true };
     rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, point, normal);
     float lift = v3_length(v3_sub(origin, point));

@@ -11,7 +11,7 @@ static rsv_status create_bsdfs(rsv_path_tracer *tracer)
     tracer->bsdf = rsv_alloc(tracer->context, scene->material_count, sizeof *tracer->bsdf);
     if (!tracer->bsdf) return RSV_ERROR_MEMORY;
     for (size_t i = 0; i < scene->material_count; i++)
-        tracer->bsdf[i] = rsv_bsdf_from_material(&scene->material[i]);
+        tracer->bsdf[i] = rsv_surface_common_bsdf(scene, (uint32_t)i);
     return RSV_OK;
 }
 

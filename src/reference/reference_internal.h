@@ -3,6 +3,7 @@
 #define RSV_REFERENCE_INTERNAL_H
 
 #include "../light/light.h"
+#include "../surface/surface.h"
 #include "resolvent/trace.h"
 
 /// What paths are traced through; constant after creation and thread-safe.

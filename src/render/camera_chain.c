@@ -6,9 +6,10 @@
 
 static rsv_rgb emission_towards(const rsv_transport_scene *scene, const rsv_chain *chain)
 {
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[chain->triangle]];
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
     bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
-    return shows ? rgb_mul(chain->weight, bsdf->emission) : rgb_gray(0);
+    return shows ? rgb_mul(chain->weight, rgb_scale(bsdf->emission, bsdf->opacity)) : rgb_gray(0);
 }
 
 /// Moves one branch on; false if it ended.

@@ -19,6 +19,7 @@ typedef struct picture_job {
     const rsv_camera *camera;
     rsv_image *image;
     uint32_t layer_count; ///< of the image, layer 0 included
+    float spread;         ///< of a camera ray: the angle that it has for itself
 } picture_job;
 
 /// One row of the picture in the making.
@@ -97,7 +98,8 @@ static void add_gathered(row_state *r, const rsv_gather *gather, rsv_rgb weight,
     const rsv_chain *chain = &gather->chain;
     uint32_t face = s->elements->face_of[chain->back][chain->triangle];
     if (face == RSV_NONE) return;
-    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     weight = rgb_mul(rgb_mul(weight, chain->weight), bsdf->exitance_albedo);
     bool translucent = rsv_is_translucent(s, face);
     rsv_rgb direct = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, 0)
@@ -122,9 +124,10 @@ static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
 static void gather_indirect(row_state *r, const rsv_chain *chain, rsv_rgb weight)
 {
     const rsv_solution *s = r->job->solution;
-    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
-    rsv_surface_point point =
-        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
+    rsv_surface_point point = rsv_surface_point_seen(
+        s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
     v3_frame(point.normal, &t, &b);
     uint32_t rays = r->job->desc->gather_rays, total = rays * r->job->desc->samples;
@@ -155,7 +158,8 @@ static void shade(void *user, const rsv_chain *chain, rsv_rgb weight)
     const rsv_solution *s = r->job->solution;
     uint32_t face = s->elements->face_of[chain->back][chain->triangle];
     if (face == RSV_NONE) return;
-    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     // radiance at the camera per irradiance of the surface
     weight = rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI);
     if (rsv_is_translucent(s, face)) {
@@ -203,6 +207,7 @@ static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv
             v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
         rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, direction, packet->triangle[k],
             packet->u[k], packet->v[k], packet->t_max[k]);
+        rsv_chain_set_spread(&chain, r->job->spread, packet->t_max[k]);
         rsv_rgb emission = rsv_camera_chain(
             &r->job->solution->scene, chain, rsv_hash2(r->seed, r->sample), shade, r);
         add_light(r, r->column, 0, emission);
@@ -316,6 +321,14 @@ static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc
     return RSV_OK;
 }
 
+/// Angle between the camera rays of neighbouring samples. (Orthographic rays do not spread: textures are looked
+/// up as they are.)
+static float ray_spread(const picture_job *job)
+{
+    float angle = 2 * tanf(0.5f * job->camera->vertical_fov) / (float)job->desc->height;
+    return angle / sqrtf((float)job->desc->samples);
+}
+
 rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_status status = check_desc(solution, desc);
@@ -324,6 +337,7 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
         .desc = desc,
         .camera = &solution->scene.view->camera[desc->camera],
         .layer_count = desc->layers ? 1 + MAX_LAYERS : 1 };
+    job.spread = ray_spread(&job);
     RSV_TRY(rsv_image_create(
         solution->context, desc->width, desc->height, job.layer_count, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));

@@ -49,19 +49,13 @@ static void push_shadow_ray(rsv_pixel_direct *d, rsv_ray ray)
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
 
-static const rsv_bsdf *surface_bsdf(const rsv_solution *s, const rsv_chain *chain)
-{
-    return &s->bsdf[s->scene.view->triangle_material[chain->triangle]];
-}
-
-static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
+static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_bsdf *bsdf,
     const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column,
     uint32_t sample, uint32_t seed)
 {
     rsv_local_lights local;
     rsv_lights_at(s->lights, point->position, point->normal, &local);
     if (!local.by_power && rgb_is_black(local.unshadowed)) return;
-    const rsv_bsdf *bsdf = surface_bsdf(s, chain);
     rsv_direct_term term = { .column = column, .controlled = !local.by_power && !bsdf->coated };
     if (term.controlled) term.exact = rgb_mul(weight, local.unshadowed);
     float x, y, select = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 3));
@@ -71,7 +65,9 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
     if (useful) {
         float cos = v3_dot(point->normal, light.direction);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
-        term.sampled = rgb_scale(rgb_mul(entered, light.radiance), cos / light.pdf_solid_angle);
+        float scale = cos / light.pdf_solid_angle;
+        term.sampled = rgb_scale(rgb_mul(entered, light.radiance), scale);
+        term.control = rgb_scale(rgb_mul(entered, light.mean_radiance), scale);
         // what the geometry hides from the shading normal is blocked like anything else
         useful = rsv_surface_faces(point, light.direction);
     }
@@ -79,7 +75,7 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
         push_shadow_ray(d, rsv_emitter_ray(s->lights, &light, point->position, origin));
 }
 
-static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
+static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_bsdf *bsdf,
     const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column)
 {
     const rsv_scene_view *view = s->scene.view;
@@ -92,7 +88,7 @@ static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
             !rsv_surface_faces(point, direction))
             continue;
         float cos = v3_dot(point->normal, direction);
-        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(surface_bsdf(s, chain), cos));
+        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
         rsv_direct_term term = { .column = column,
             .sampled = rgb_scale(rgb_mul(entered, irradiance), cos) };
         if (push_term(d, term))
@@ -103,12 +99,14 @@ static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_c
 void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
     rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
 {
-    rsv_surface_point point =
-        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_surface_point point = rsv_surface_point_seen(
+        s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
     if (s->lights->sampled_count)
-        add_emitters(d, s, chain, &point, origin, weight, column, sample, seed);
-    add_punctual(d, s, chain, &point, origin, weight, column);
+        add_emitters(d, s, bsdf, &point, origin, weight, column, sample, seed);
+    add_punctual(d, s, bsdf, &point, origin, weight, column);
 }
 
 static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count)
@@ -124,7 +122,7 @@ static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count)
         sum = rgb_mad(sum, term[i].visible, term[i].sampled);
         if (!term[i].controlled || controlled < 2) continue;
         float others = (visible - term[i].visible) / (controlled - 1);
-        sum = rgb_mad(sum, others, rgb_sub(term[i].exact, term[i].sampled));
+        sum = rgb_mad(sum, others, rgb_sub(term[i].exact, term[i].control));
     }
     return sum;
 }
@@ -151,7 +149,8 @@ static bool is_open(const rsv_solution *s, rsv_ray ray)
 rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rsv_random *random)
 {
     rsv_rgb sum = rgb_gray(0);
-    const rsv_bsdf *bsdf = surface_bsdf(s, chain);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);

@@ -3,9 +3,9 @@
 /// Sample i of a pixel finds the unshadowed contribution S_i, visible or not (V_i), and knows its exact
 /// mean A_i (Lambert's formula). With a_i the mean visibility of the pixel's *other* samples,
 ///
-///     sum_i  S_i V_i + a_i (A_i - S_i)
+///     sum_i  S_i V_i + a_i (A_i - C_i)
 ///
-/// is free of noise where all samples see the light, and unbiased as far as the others tell nothing of sample i.
+/// (C_i = S_i with the mean radiance of a textured emitter) is free of noise where all samples see the light, and unbiased as far as the others tell nothing of sample i.
 /// Samples of a pixel are stratified against each other, so a bias of order 1 / samples remains in penumbrae.
 #ifndef RSV_PIXEL_DIRECT_H
 #define RSV_PIXEL_DIRECT_H
@@ -17,6 +17,7 @@ typedef struct rsv_direct_term {
     bool controlled; ///< A is known
     float visible;
     rsv_rgb exact, sampled; ///< A, S times the weight of the camera chain
+    rsv_rgb control;        ///< S with the emitter's mean radiance, which is what A knows
 } rsv_direct_term;
 
 /// The direct light of one row of pixels. Terms of a pixel must be added one after the other.

@@ -83,10 +83,10 @@ static emitter_sums sample_emitters(
         rsv_light_sample light;
         if (!rsv_local_lights_sample(local, select, x, y, &light)) continue;
         float cos = f_max(v3_dot(r->normal, light.direction), 0);
-        rsv_rgb arriving = rgb_scale(light.radiance, cos / (light.pdf_solid_angle * (float)count));
-        sums.open = rgb_add(sums.open, arriving);
+        float weight = cos / (light.pdf_solid_angle * (float)count);
+        sums.open = rgb_mad(sums.open, weight, light.mean_radiance);
         if (cos > 0 && is_open(r, rsv_emitter_ray(local->lights, &light, r->position, r->origin)))
-            sums.visible = rgb_add(sums.visible, arriving);
+            sums.visible = rgb_mad(sums.visible, weight, light.radiance);
     }
     return sums;
 }
@@ -175,7 +175,8 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
     const rsv_chain *end = &gather.chain;
     uint32_t face = s->elements->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return radiance;
-    const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[end->triangle]];
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, end, &storage);
     if (rsv_is_translucent(s, face)) {
         rsv_rgb diffused = rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
             rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));

@@ -1,4 +1,5 @@
 #include "../core/vec.h"
+#include "material_at.h"
 #include "scene_internal.h"
 
 typedef struct bounding_box {
@@ -60,18 +61,42 @@ static void fill_view(rsv_scene *scene, bounding_box bounds)
         .light_count = scene->light_count,
         .camera_count = scene->camera_count,
         .object_count = scene->object_count,
+        .texture_count = scene->texture_count,
         .position = scene->position,
         .normal = scene->normal,
+        .uv = { (const float(*)[2])scene->uv[0], (const float(*)[2])scene->uv[1] },
+        .tangent = (const float(*)[4])scene->tangent,
+        .color = (const float(*)[4])scene->color,
         .triangle = (const uint32_t(*)[3])scene->triangle,
         .triangle_material = scene->triangle_material,
         .triangle_object = scene->triangle_object,
         .material = scene->material,
+        .texture = scene->texture,
+        .material_varies = scene->material_varies,
         .light = scene->light,
         .camera = scene->camera,
         .object_name = (const char *const *)scene->object_name,
         .bounds_min = bounds.low,
         .bounds_max = bounds.high,
     };
+}
+
+/// Finds out which materials are not the same all over: textured ones, and those on coloured vertices.
+static rsv_status find_varying_materials(rsv_scene *scene)
+{
+    scene->material_varies = rsv_alloc(scene->context, scene->material_count, 1);
+    if (!scene->material_varies) return RSV_ERROR_MEMORY;
+    for (size_t m = 0; m < scene->material_count; m++)
+        if (scene->material[m].texture_count) scene->material_varies[m] = RSV_VARIES_BY_TEXTURE;
+    for (size_t t = 0; scene->color && t < scene->triangle_count; t++) {
+        uint8_t *varies = &scene->material_varies[scene->triangle_material[t]];
+        for (int k = 0; k < 3; k++) {
+            const float *c = scene->color[scene->triangle[t][k]];
+            if (c[0] != 1 || c[1] != 1 || c[2] != 1) *varies |= RSV_VARIES_BY_COLOR;
+            if (c[3] != 1) *varies |= RSV_VARIES_BY_OPACITY;
+        }
+    }
+    return RSV_OK;
 }
 
 static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
@@ -110,6 +135,7 @@ rsv_status rsv_scene_commit(rsv_scene *scene)
         return rsv_fail(RSV_ERROR_SCENE, "the scene has no triangles: there is nothing to light");
     bounding_box bounds = find_bounds(scene);
     RSV_TRY(check_size(scene, bounds));
+    RSV_TRY(find_varying_materials(scene));
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
     if (!scene->is_part && !has_light(scene))

@@ -25,6 +25,9 @@ typedef struct linear_map {
 typedef struct flattener {
     rsv_scene *scene;
     rsv_vec3 *position, *normal; ///< [largest vertex_count] in world space; normal zero = geometric
+    const rsv_mesh *mesh;        ///< at hand
+    linear_map map;
+    bool has_uv[2], has_tangent, has_color; ///< whether any mesh has
     uint32_t *emitted; ///< output vertex that carries the mesh's own normal; RSV_NONE = none
 } flattener;
 
@@ -111,17 +114,65 @@ static bool geometric_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *norma
     return true;
 }
 
-static rsv_status append_vertex(rsv_scene *scene, rsv_vec3 position, rsv_vec3 normal, uint32_t *id)
+/// A tangent in world space: along the surface, so it transforms like an edge. Mirroring swaps its hand.
+static void world_tangent(const linear_map *map, const float from[4], float to[4])
+{
+    static const double no_offset[3] = { 0, 0, 0 };
+    rsv_vec3 t = apply(map->axis, no_offset, v3(from[0], from[1], from[2]));
+    float scale = v3_max_abs(t);
+    t = scale > 0 && isfinite(scale) ? v3_normalize(v3_scale(t, 1 / scale)) : v3(0, 0, 0);
+    to[0] = t.x, to[1] = t.y, to[2] = t.z;
+    to[3] = (from[3] < 0) != map->mirrored ? -1 : 1;
+}
+
+/// Room for one more vertex in an attribute that some mesh has.
+static rsv_status grow_attribute(
+    rsv_scene *scene, bool wanted, void *array, size_t *capacity, size_t width)
+{
+    if (!wanted) return RSV_OK;
+    return rsv_grow(
+        scene->context, array, capacity, scene->vertex_count + 1, width * sizeof(float));
+}
+
+/// Writes the texture coordinates, tangent and colour of the output vertex to come; meshes without get zeros
+/// and white.
+static rsv_status append_attributes(flattener *f, uint32_t vertex)
+{
+    rsv_scene *scene = f->scene;
+    const rsv_mesh *mesh = f->mesh;
+    size_t id = scene->vertex_count;
+    rsv_status status;
+    for (int set = 0; set < 2; set++) {
+        RSV_TRY(grow_attribute(
+            scene, f->has_uv[set], (void **)&scene->uv[set], &scene->uv_capacity[set], 2));
+        for (int k = 0; k < 2 && f->has_uv[set]; k++)
+            scene->uv[set][id][k] = mesh->uv[set] ? mesh->uv[set][vertex][k] : 0;
+    }
+    RSV_TRY(grow_attribute(
+        scene, f->has_tangent, (void **)&scene->tangent, &scene->tangent_capacity, 4));
+    if (f->has_tangent) memset(scene->tangent[id], 0, sizeof scene->tangent[id]);
+    if (mesh->tangent) world_tangent(&f->map, mesh->tangent[vertex], scene->tangent[id]);
+    RSV_TRY(grow_attribute(scene, f->has_color, (void **)&scene->color, &scene->color_capacity, 4));
+    for (int k = 0; k < 4 && f->has_color; k++)
+        scene->color[id][k] = mesh->color ? mesh->color[vertex][k] : 1;
+cleanup:
+    return status;
+}
+
+/// A new output vertex from a vertex of the mesh at hand.
+static rsv_status append_vertex(flattener *f, uint32_t vertex, rsv_vec3 normal, uint32_t *id)
 {
     rsv_status status;
+    rsv_scene *scene = f->scene;
     size_t count = scene->vertex_count;
     if (count >= RSV_NONE - 1)
         return rsv_fail(RSV_ERROR_UNSUPPORTED, "scene: more than 2^32 vertices after flattening");
     RSV_TRY(rsv_grow(scene->context, (void **)&scene->position, &scene->position_capacity,
-        count + 1, sizeof position));
+        count + 1, sizeof *scene->position));
     RSV_TRY(rsv_grow(scene->context, (void **)&scene->normal, &scene->normal_capacity, count + 1,
         sizeof normal));
-    scene->position[count] = position;
+    RSV_TRY(append_attributes(f, vertex));
+    scene->position[count] = f->position[vertex];
     scene->normal[count] = normal;
     scene->vertex_count = count + 1;
     *id = (uint32_t)count;
@@ -133,12 +184,10 @@ cleanup:
 /// off with the geometric normal where it is not.
 static rsv_status emit_corner(flattener *f, uint32_t vertex, rsv_vec3 geometric, uint32_t *id)
 {
-    if (!(v3_dot(f->normal[vertex], geometric) > 0))
-        return append_vertex(f->scene, f->position[vertex], geometric, id);
+    if (!(v3_dot(f->normal[vertex], geometric) > 0)) return append_vertex(f, vertex, geometric, id);
     rsv_status status = RSV_OK;
     if (f->emitted[vertex] == RSV_NONE)
-        status =
-            append_vertex(f->scene, f->position[vertex], f->normal[vertex], &f->emitted[vertex]);
+        status = append_vertex(f, vertex, f->normal[vertex], &f->emitted[vertex]);
     *id = f->emitted[vertex];
     return status;
 }
@@ -167,8 +216,8 @@ static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
 {
     rsv_scene *scene = f->scene;
     rsv_mesh *mesh = &scene->mesh[instance->mesh];
-    linear_map map;
-    if (!make_map(instance->transform, &map)) {
+    f->mesh = mesh;
+    if (!make_map(instance->transform, &f->map)) {
         rsv_log(scene->context, RSV_LOG_WARNING,
             "node '%s': its transform is singular (a zero scale?); the node is skipped",
             instance->name);
@@ -176,11 +225,12 @@ static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
     }
     rsv_status status;
     size_t first = scene->triangle_count;
-    RSV_TRY(transform_vertices(f, mesh, &map, instance->name));
+    RSV_TRY(transform_vertices(f, mesh, &f->map, instance->name));
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *index = &mesh->index[3 * t];
         // a mirroring transform turns the winding: swapping two corners keeps the front in front
-        uint32_t corner[3] = { index[0], index[map.mirrored ? 2 : 1], index[map.mirrored ? 1 : 2] };
+        uint32_t corner[3] = { index[0], index[f->map.mirrored ? 2 : 1],
+            index[f->map.mirrored ? 1 : 2] };
         RSV_TRY(emit_triangle(f, mesh, corner));
     }
     if (scene->triangle_count > first) {
@@ -200,6 +250,10 @@ static rsv_status allocate(flattener *f)
         const rsv_mesh *mesh = &scene->mesh[scene->instance[i].mesh];
         triangles += mesh->triangle_count;
         if (mesh->vertex_count > vertices) vertices = mesh->vertex_count;
+        f->has_uv[0] |= mesh->uv[0] != NULL;
+        f->has_uv[1] |= mesh->uv[1] != NULL;
+        f->has_tangent |= mesh->tangent != NULL;
+        f->has_color |= mesh->color != NULL;
         if (triangles >= RSV_NONE)
             return rsv_fail(
                 RSV_ERROR_UNSUPPORTED, "scene: more than 2^32 triangles after flattening");

@@ -61,6 +61,7 @@ void rsv_material_clamp(const rsv_context *context, rsv_material *material)
         { clamp_rgb(&material->diffuse_transmission_color, 1, 1), "diffuse_transmission_color" },
         { clamp_rgb(&material->scatter_distance, largest, 0), "scatter_distance" },
         { clamp(&material->opacity, 0, 1, 1), "opacity" },
+        { clamp(&material->alpha_cutoff, 0, largest, 0.5f), "alpha_cutoff" },
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
         if (fields[i].changed)

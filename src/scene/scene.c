@@ -19,6 +19,10 @@ static void release_mesh(rsv_context *context, rsv_mesh *mesh)
     rsv_free(context, mesh->name);
     rsv_free(context, mesh->position);
     rsv_free(context, mesh->normal);
+    rsv_free(context, mesh->uv[0]);
+    rsv_free(context, mesh->uv[1]);
+    rsv_free(context, mesh->tangent);
+    rsv_free(context, mesh->color);
     rsv_free(context, mesh->index);
 }
 
@@ -41,8 +45,12 @@ void rsv_scene_destroy(rsv_scene *scene)
     if (!scene) return;
     rsv_context *context = scene->context;
     rsv_scene_release_sources(scene);
-    for (size_t i = 0; i < scene->material_count; i++)
+    for (size_t i = 0; i < scene->material_count; i++) {
         rsv_free(context, (void *)scene->material[i].name);
+        rsv_free(context, (void *)scene->material[i].textures);
+    }
+    for (size_t i = 0; i < scene->texture_count; i++)
+        rsv_texture_release(context, &scene->texture[i]);
     for (size_t i = 0; i < scene->light_count; i++)
         rsv_free(context, (void *)scene->light[i].name);
     for (size_t i = 0; i < scene->camera_count; i++)
@@ -54,6 +62,12 @@ void rsv_scene_destroy(rsv_scene *scene)
     rsv_free(context, scene->camera);
     rsv_free(context, scene->position);
     rsv_free(context, scene->normal);
+    rsv_free(context, scene->texture);
+    rsv_free(context, scene->material_varies);
+    rsv_free(context, scene->uv[0]);
+    rsv_free(context, scene->uv[1]);
+    rsv_free(context, scene->tangent);
+    rsv_free(context, scene->color);
     rsv_free(context, scene->triangle);
     rsv_free(context, scene->triangle_material);
     rsv_free(context, scene->triangle_object);
@@ -79,6 +93,64 @@ static rsv_status copy_name(rsv_scene *scene, const char *name, const char *fall
 
 static bool finite3(rsv_vec3 v) { return isfinite(v.x) && isfinite(v.y) && isfinite(v.z); }
 
+rsv_texture_ref rsv_default_texture_ref(rsv_texture_role role, uint32_t texture)
+{
+    return (rsv_texture_ref){
+        .role = role, .texture = texture, .transform = { { 1, 0, 0 }, { 0, 1, 0 } }, .scale = 1
+    };
+}
+
+rsv_status rsv_scene_add_texture(
+    rsv_scene *scene, const rsv_texture_desc *desc, uint32_t *texture_id)
+{
+    rsv_status status;
+    rsv_texture texture;
+    RSV_TRY(reserve_one(scene, "texture", (void **)&scene->texture, &scene->texture_capacity,
+        scene->texture_count, sizeof texture));
+    RSV_TRY(rsv_texture_create(scene->context, desc, &texture));
+    if (texture_id) *texture_id = (uint32_t)scene->texture_count;
+    scene->texture[scene->texture_count++] = texture;
+cleanup:
+    return status;
+}
+
+static rsv_status check_texture_ref(
+    const rsv_scene *scene, const rsv_texture_ref *ref, const char *material)
+{
+    if (ref->texture >= scene->texture_count)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "material '%s': texture %u does not exist", material, ref->texture);
+    if ((uint32_t)ref->role >= RSV_TEXTURE_ROLE_COUNT || ref->uv_set > 1)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "material '%s': texture %u has an unknown role or uv set %u (there are 0 and 1)",
+            material, ref->texture, ref->uv_set);
+    float sum = ref->scale;
+    for (int k = 0; k < 6; k++)
+        sum += ref->transform[k / 3][k % 3];
+    if (!isfinite(sum))
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "material '%s': the transform or scale of texture '%s' is not finite", material,
+            scene->texture[ref->texture].name);
+    return RSV_OK;
+}
+
+static rsv_status copy_texture_refs(
+    rsv_scene *scene, const rsv_material *from, const char *name, rsv_material *to)
+{
+    rsv_status status = RSV_OK;
+    rsv_texture_ref *copy = NULL;
+    to->textures = NULL;
+    if (!from->texture_count) return RSV_OK;
+    for (size_t i = 0; i < from->texture_count; i++)
+        RSV_TRY(check_texture_ref(scene, &from->textures[i], name));
+    copy = rsv_alloc(scene->context, from->texture_count, sizeof *copy);
+    if (!copy) return RSV_ERROR_MEMORY;
+    memcpy(copy, from->textures, from->texture_count * sizeof *copy);
+    to->textures = copy;
+cleanup:
+    return status;
+}
+
 rsv_status rsv_scene_add_material(
     rsv_scene *scene, const rsv_material *material, uint32_t *material_id)
 {
@@ -88,11 +160,14 @@ rsv_status rsv_scene_add_material(
     RSV_TRY(reserve_one(scene, "material", (void **)&scene->material, &scene->material_capacity,
         scene->material_count, sizeof stored));
     RSV_TRY(copy_name(scene, material->name, "unnamed", &name));
+    RSV_TRY(copy_texture_refs(scene, material, name, &stored));
     stored.name = name;
     rsv_material_clamp(scene->context, &stored);
     if (material_id) *material_id = (uint32_t)scene->material_count;
     scene->material[scene->material_count++] = stored;
+    return RSV_OK;
 cleanup:
+    rsv_free(scene->context, name);
     return status;
 }
 
@@ -138,6 +213,35 @@ static size_t normalize_normals(rsv_vec3 *normal, size_t count)
     return unusable;
 }
 
+/// A copy of `count` groups of `width` floats; what is not finite becomes 0. NULL stays NULL.
+static rsv_status copy_attribute(
+    rsv_context *context, const void *source, size_t count, size_t width, void *copy)
+{
+    if (!source) return RSV_OK;
+    float *value = rsv_alloc(context, count, width * sizeof *value);
+    if (!value) return RSV_ERROR_MEMORY;
+    memcpy(value, source, count * width * sizeof *value);
+    for (size_t i = 0; i < count * width; i++)
+        if (!isfinite(value[i])) value[i] = 0;
+    *(float **)copy = value;
+    return RSV_OK;
+}
+
+/// What varies over the surface apart from its shape.
+static rsv_status copy_attributes(rsv_scene *scene, const rsv_mesh_desc *source, rsv_mesh *mesh)
+{
+    rsv_status status;
+    size_t count = source->vertex_count;
+    for (int set = 0; set < 2; set++)
+        RSV_TRY(copy_attribute(scene->context, source->uvs[set], count, 2, &mesh->uv[set]));
+    RSV_TRY(copy_attribute(scene->context, source->tangents, count, 4, &mesh->tangent));
+    RSV_TRY(copy_attribute(scene->context, source->colors, count, 4, &mesh->color));
+    for (size_t i = 0; mesh->color && i < 4 * count; i++)
+        mesh->color[i / 4][i % 4] = f_min(f_max(mesh->color[i / 4][i % 4], 0), 1);
+cleanup:
+    return status;
+}
+
 /// Copies the arrays of a checked description. On failure the caller releases what was copied.
 static rsv_status copy_mesh(rsv_scene *scene, const rsv_mesh_desc *source, rsv_mesh *mesh)
 {
@@ -170,6 +274,7 @@ rsv_status rsv_scene_add_mesh(rsv_scene *scene, const rsv_mesh_desc *mesh, uint3
     RSV_TRY(copy_name(scene, mesh->name, "unnamed", &stored.name));
     RSV_TRY(check_mesh(scene, mesh, stored.name));
     RSV_TRY(copy_mesh(scene, mesh, &stored));
+    RSV_TRY(copy_attributes(scene, mesh, &stored));
     if (stored.normal) {
         size_t unusable = normalize_normals(stored.normal, stored.vertex_count);
         if (unusable)

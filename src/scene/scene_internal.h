@@ -4,12 +4,14 @@
 
 #include "../core/core_internal.h"
 #include "resolvent/scene.h"
+#include "texture.h"
 
 typedef struct rsv_mesh {
     char *name;
     rsv_vec3 *position;
     rsv_vec3 *normal; ///< unit, or zero where the geometric one is to be used; NULL = all of them
-    uint32_t *index;  ///< [3 * triangle_count]
+    float (*uv[2])[2], (*tangent)[4], (*color)[4]; ///< [vertex_count] each, or NULL
+    uint32_t *index;                               ///< [3 * triangle_count]
     size_t vertex_count, triangle_count;
     uint32_t material;
     size_t degenerate_count; ///< world-space triangles that flattening dropped
@@ -31,6 +33,9 @@ struct rsv_scene {
     rsv_camera *camera;
     size_t material_count, light_count, camera_count;
     size_t material_capacity, light_capacity, camera_capacity;
+    rsv_texture *texture;
+    size_t texture_count, texture_capacity;
+    uint8_t *material_varies; ///< [material_count]; filled by commit
 
     // object space; released by commit
     rsv_mesh *mesh;
@@ -39,11 +44,13 @@ struct rsv_scene {
 
     // world space; filled by commit
     rsv_vec3 *position, *normal;
+    float (*uv[2])[2], (*tangent)[4], (*color)[4]; ///< NULL = no mesh has any
     uint32_t (*triangle)[3];
     uint32_t *triangle_material, *triangle_object;
     char **object_name;
     size_t vertex_count, triangle_count, object_count;
     size_t position_capacity, normal_capacity;
+    size_t uv_capacity[2], tangent_capacity, color_capacity;
 
     rsv_scene_view view;
 };

@@ -14,6 +14,8 @@
 #define PILOT_BEND 0.2f
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
+/// Places on each element where textured albedo is looked up.
+#define ALBEDO_POINTS 16
 
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
@@ -74,7 +76,7 @@ static rsv_status create_bsdfs(rsv_solution *s)
     s->bsdf = rsv_alloc(s->context, view->material_count, sizeof *s->bsdf);
     if (!s->bsdf) return RSV_ERROR_MEMORY;
     for (size_t m = 0; m < view->material_count; m++)
-        s->bsdf[m] = rsv_bsdf_from_material(&view->material[m]);
+        s->bsdf[m] = rsv_surface_common_bsdf(view, (uint32_t)m);
     s->scene.bsdf = s->bsdf;
     return RSV_OK;
 }
@@ -90,15 +92,41 @@ static float spacing_for(const rsv_solution *s, uint32_t target)
     return area > 0 ? (float)sqrt(area / target) : 1;
 }
 
+/// Mean over the hat function of a node: irradiance is smooth there, textures are not. Weighted by the share of
+/// light that is scattered diffusely, which gather rays take care of.
+static rsv_rgb mean_albedo(const rsv_solution *s, uint32_t node)
+{
+    const rsv_elements *e = s->elements;
+    rsv_support_point sample[ALBEDO_POINTS];
+    if (e->support_begin[node] == e->support_begin[node + 1]) return rgb_gray(0); // bridged
+    rsv_elements_sample_support(e, node, ALBEDO_POINTS, s->desc.seed, sample);
+    float width = sqrtf(3 * e->node_area[node] / ALBEDO_POINTS), weights = 0;
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < ALBEDO_POINTS; k++) {
+        rsv_bsdf storage;
+        uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
+        const rsv_bsdf *bsdf = rsv_surface_bsdf(
+            s->scene.view, s->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
+        float weight = bsdf->diffuse * bsdf->opacity;
+        sum = rgb_mad(sum, weight, bsdf->exitance_albedo);
+        weights += weight;
+    }
+    return weights > 0 ? rgb_scale(sum, 1 / weights) : sum;
+}
+
 static rsv_status create_albedos(rsv_solution *s)
 {
     const rsv_elements *e = s->elements;
     s->exitance_albedo = rsv_alloc(s->context, e->node_count, sizeof *s->exitance_albedo);
     s->source = rsv_alloc(s->context, e->node_count, sizeof *s->source);
     if (!s->exitance_albedo || !s->source) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < e->node_count; n++) {
         uint32_t triangle = e->face_triangle[e->node_face[n]];
-        s->exitance_albedo[n] = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
+        uint32_t material = s->scene.view->triangle_material[triangle];
+        s->exitance_albedo[n] = s->scene.view->material_varies[material]
+                                    ? mean_albedo(s, (uint32_t)n)
+                                    : s->bsdf[material].exitance_albedo;
     }
     return RSV_OK;
 }

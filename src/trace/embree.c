@@ -3,6 +3,7 @@
 
 #include "../core/core_internal.h"
 #include "../core/vec.h"
+#include "../scene/material_at.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -29,6 +30,7 @@ _Static_assert(offsetof(rsv_ray_packet, normal_x) == offsetof(struct RTCRayHit16
 _Static_assert(offsetof(rsv_ray_packet, triangle) ==
                    offsetof(struct RTCRayHit16, hit) + offsetof(struct RTCHit16, primID),
     "layout");
+_Static_assert(offsetof(struct RTCHit, u) == 12 && offsetof(struct RTCHit, primID) == 20, "layout");
 
 static void record_device_error(void *user, enum RTCError code, const char *text)
 {
@@ -54,6 +56,30 @@ static int native_packet_width(RTCDevice device)
     return 1;
 }
 
+/// Lets rays pass where a surface is cut out. Embree calls it for every hit, in traversal order or not.
+static void reject_cut_out(const struct RTCFilterFunctionNArguments *hits)
+{
+    const rsv_scene_view *scene = hits->geometryUserPtr;
+    // RTCHitN is a run of N for each member of RTCHit; Embree's accessors are for C++ alone
+    const float *member = (const float *)hits->hit;
+    const float *u = member + 3 * hits->N, *v = member + 4 * hits->N;
+    const uint32_t *triangle = (const uint32_t *)(member + 5 * hits->N);
+    for (unsigned k = 0; k < hits->N; k++)
+        if (hits->valid[k] && rsv_is_cut_out(scene, triangle[k], u[k], v[k])) hits->valid[k] = 0;
+}
+
+/// Scenes without cut-out materials do without the filter and its cost.
+static void set_filter(RTCGeometry geometry, const rsv_scene_view *scene)
+{
+    bool wanted = false;
+    for (size_t m = 0; m < scene->material_count; m++)
+        wanted = wanted || scene->material[m].alpha_cutoff > 0;
+    if (!wanted) return;
+    rtcSetGeometryUserData(geometry, (void *)scene);
+    rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
+    rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);
+}
+
 static rsv_status build(rsv_tracer *tracer)
 {
     const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
@@ -66,6 +92,7 @@ static rsv_status build(rsv_tracer *tracer)
     if (vertices && indices) {
         memcpy(vertices, view->position, view->vertex_count * sizeof(rsv_vec3));
         memcpy(indices, view->triangle, view->triangle_count * sizeof *view->triangle);
+        set_filter(geometry, view);
         rtcCommitGeometry(geometry);
         rtcAttachGeometryByID(tracer->bvh, geometry, 0);
         rtcSetSceneFlags(tracer->bvh, RTC_SCENE_FLAG_ROBUST);

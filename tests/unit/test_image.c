@@ -1,6 +1,6 @@
+#include "core/srgb.h"
 #include "core/vec.h"
 #include "io/atomic_file.h"
-#include "io/image_srgb.h"
 #include "resolvent/image.h"
 
 #include <setjmp.h>

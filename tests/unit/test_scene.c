@@ -87,7 +87,12 @@ static void missing_normals_make_flat_triangles(void **state)
     rsv_scene *scene = new_scene(*state);
     const rsv_vec3 folded[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0.5f }, { 0, 1, 0 } };
     const uint32_t indices[6] = { 0, 1, 2, 0, 2, 3 };
-    rsv_mesh_desc mesh = { "fold", folded, NULL, 4, indices, 2, 0 };
+    rsv_mesh_desc mesh = { .name = "fold",
+        .positions = folded,
+        .vertex_count = 4,
+        .indices = indices,
+        .triangle_count = 2,
+        .material = 0 };
     const rsv_scene_view *view = commit_mesh(scene, &mesh, NULL);
     assert_int_equal(view->vertex_count, 6);
     for (size_t t = 0; t < 2; t++)
@@ -117,7 +122,12 @@ static void degenerate_triangles_get_one_warning(void **state)
     rsv_scene *scene = new_scene(f);
     const rsv_vec3 positions[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 2, 0, 0 } };
     const uint32_t indices[9] = { 0, 1, 3, 0, 1, 2, 1, 1, 2 };
-    rsv_mesh_desc mesh = { "slivers", positions, NULL, 4, indices, 3, 0 };
+    rsv_mesh_desc mesh = { .name = "slivers",
+        .positions = positions,
+        .vertex_count = 4,
+        .indices = indices,
+        .triangle_count = 3,
+        .material = 0 };
     const rsv_scene_view *view = commit_mesh(scene, &mesh, NULL);
     assert_int_equal(view->triangle_count, 1);
     assert_mentions(f->log, "mesh 'slivers': 2 degenerate");

@@ -1,6 +1,6 @@
 /// The sRGB transfer function (IEC 61966-2-1), between linear light and code values in [0, 1].
-#ifndef RSV_IMAGE_SRGB_H
-#define RSV_IMAGE_SRGB_H
+#ifndef RSV_SRGB_H
+#define RSV_SRGB_H
 
 #include <math.h>
 

@@ -1,0 +1,221 @@
+#include "texture.h"
+
+#include "../core/srgb.h"
+#include "../core/vec.h"
+
+#include <string.h>
+
+static rsv_status check_desc(const rsv_texture_desc *desc, const char *name)
+{
+    if (desc->width == 0 || desc->height == 0 || desc->width > RSV_TEXTURE_MAX_SIDE ||
+        desc->height > RSV_TEXTURE_MAX_SIDE)
+        return rsv_fail(RSV_ERROR_FORMAT, "texture '%s': %u x %u texels are not in 1 .. %u a side",
+            name, desc->width, desc->height, RSV_TEXTURE_MAX_SIDE);
+    if (desc->channel_count < 1 || desc->channel_count > 4)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "texture '%s': %u channels are not in 1 .. 4", name,
+            desc->channel_count);
+    if (!desc->codes == !desc->values)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "texture '%s': needs either codes or values, not both", name);
+    return RSV_OK;
+}
+
+/// Lays the levels out one after the other. @return texels of all of them
+static size_t plan_levels(rsv_texture *t, uint32_t width, uint32_t height)
+{
+    size_t texels = 0;
+    for (;;) {
+        t->level[t->level_count++] = (rsv_texture_level){ width, height, texels };
+        texels += (size_t)width * height;
+        if (width == 1 && height == 1) return texels;
+        width = width > 1 ? width / 2 : 1;
+        height = height > 1 ? height / 2 : 1;
+    }
+}
+
+static uint16_t to_unorm(double value) { return (uint16_t)(65535 * value + 0.5); }
+
+static void decode_codes(rsv_texture *t, const rsv_texture_desc *desc)
+{
+    uint16_t linear[256], curved[256];
+    uint32_t channels = desc->channel_count, alpha = channels % 2 == 0 ? channels - 1 : channels;
+    for (int code = 0; code < 256; code++) {
+        linear[code] = to_unorm(code / 255.0);
+        curved[code] = to_unorm(rsv_srgb_decode(code / 255.0));
+    }
+    for (size_t i = 0; i < (size_t)desc->width * desc->height; i++)
+        for (uint32_t c = 0; c < channels; c++) {
+            size_t k = i * channels + c;
+            t->unorm[k] = (desc->srgb && c != alpha ? curved : linear)[desc->codes[k]];
+        }
+}
+
+/// @return how many values were not finite
+static size_t copy_values(rsv_texture *t, const rsv_texture_desc *desc)
+{
+    size_t unusable = 0;
+    for (size_t k = 0; k < (size_t)desc->width * desc->height * desc->channel_count; k++) {
+        bool usable = isfinite(desc->values[k]);
+        t->value[k] = usable ? desc->values[k] : 0;
+        unusable += !usable;
+    }
+    return unusable;
+}
+
+static double stored(const rsv_texture *t, size_t index)
+{
+    return t->unorm ? t->unorm[index] / 65535.0 : (double)t->value[index];
+}
+
+/// How much of source texel `k` lies in [begin, end).
+static double overlap(uint32_t k, double begin, double end)
+{
+    return fmin(k + 1.0, end) - fmax(k, begin);
+}
+
+/// Mean over the area that one texel of the coarser level covers, weighted by area: odd sizes leave no texel
+/// out and count none twice.
+static void reduce_texel(rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j)
+{
+    const rsv_texture_level *to = &t->level[coarse], *from = &t->level[coarse - 1];
+    double step_x = (double)from->width / to->width, step_y = (double)from->height / to->height;
+    double left = i * step_x, right = left + step_x, top = j * step_y, bottom = top + step_y;
+    double sum[4] = { 0 };
+    for (uint32_t y = (uint32_t)top; y < from->height && y < bottom; y++)
+        for (uint32_t x = (uint32_t)left; x < from->width && x < right; x++) {
+            double weight = overlap(x, left, right) * overlap(y, top, bottom);
+            size_t texel = from->first + (size_t)y * from->width + x;
+            for (uint32_t c = 0; c < t->channel_count; c++)
+                sum[c] += weight * stored(t, texel * t->channel_count + c);
+        }
+    size_t texel = (to->first + (size_t)j * to->width + i) * t->channel_count;
+    for (uint32_t c = 0; c < t->channel_count; c++) {
+        double mean = sum[c] / (step_x * step_y);
+        if (t->unorm)
+            t->unorm[texel + c] = to_unorm(fmin(mean, 1));
+        else
+            t->value[texel + c] = (float)mean;
+    }
+}
+
+static void reduce(rsv_context *context, rsv_texture *t)
+{
+    (void)context;
+    for (uint32_t level = 1; level < t->level_count; level++) {
+        int64_t height = t->level[level].height;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(context)) if (height >= 256)
+        for (int64_t j = 0; j < height; j++)
+            for (uint32_t i = 0; i < t->level[level].width; i++)
+                reduce_texel(t, level, i, (uint32_t)j);
+    }
+}
+
+rsv_status rsv_texture_create(
+    rsv_context *context, const rsv_texture_desc *desc, rsv_texture *texture)
+{
+    const char *name = desc->name && *desc->name ? desc->name : "unnamed";
+    rsv_status status = check_desc(desc, name);
+    if (status != RSV_OK) return status;
+    *texture = (rsv_texture){ .name = rsv_copy_string(context, name),
+        .channel_count = desc->channel_count,
+        .wrap_u = desc->wrap_u,
+        .wrap_v = desc->wrap_v,
+        .nearest = desc->nearest };
+    size_t count = plan_levels(texture, desc->width, desc->height) * desc->channel_count;
+    if (desc->codes)
+        texture->unorm = rsv_alloc(context, count, sizeof *texture->unorm);
+    else
+        texture->value = rsv_alloc(context, count, sizeof *texture->value);
+    if (!texture->name || (!texture->unorm && !texture->value)) {
+        rsv_texture_release(context, texture);
+        return RSV_ERROR_MEMORY;
+    }
+    size_t unusable = 0;
+    if (desc->codes)
+        decode_codes(texture, desc);
+    else
+        unusable = copy_values(texture, desc);
+    if (unusable)
+        rsv_log(context, RSV_LOG_WARNING, "texture '%s': %zu values are not finite and count as 0",
+            name, unusable);
+    reduce(context, texture);
+    return RSV_OK;
+}
+
+void rsv_texture_release(rsv_context *context, rsv_texture *texture)
+{
+    rsv_free(context, texture->name);
+    rsv_free(context, texture->unorm);
+    rsv_free(context, texture->value);
+}
+
+// ---- lookup -------------------------------------------------------------------------------------
+
+/// Texel index for position `k` on a side of `size` texels.
+static uint32_t wrapped(int64_t k, uint32_t size, rsv_wrap wrap)
+{
+    int64_t n = size;
+    if (wrap == RSV_WRAP_CLAMP) return (uint32_t)(k < 0 ? 0 : k >= n ? n - 1 : k);
+    int64_t period = wrap == RSV_WRAP_MIRROR ? 2 * n : n;
+    k %= period;
+    if (k < 0) k += period;
+    return (uint32_t)(k < n ? k : 2 * n - 1 - k);
+}
+
+static rsv_texel texel_at(
+    const rsv_texture *t, const rsv_texture_level *level, int64_t i, int64_t j)
+{
+    uint32_t x = wrapped(i, level->width, t->wrap_u), y = wrapped(j, level->height, t->wrap_v);
+    size_t first = (level->first + (size_t)y * level->width + x) * t->channel_count;
+    float c[4];
+    for (uint32_t k = 0; k < t->channel_count; k++)
+        c[k] = t->unorm ? (float)t->unorm[first + k] * (1.0f / 65535) : t->value[first + k];
+    switch (t->channel_count) {
+    case 1:
+        return (rsv_texel){ c[0], c[0], c[0], 1 };
+    case 2:
+        return (rsv_texel){ c[0], c[0], c[0], c[1] };
+    case 3:
+        return (rsv_texel){ c[0], c[1], c[2], 1 };
+    default:
+        return (rsv_texel){ c[0], c[1], c[2], c[3] };
+    }
+}
+
+static rsv_texel mix(rsv_texel a, rsv_texel b, float share)
+{
+    return (rsv_texel){ a.r + share * (b.r - a.r), a.g + share * (b.g - a.g),
+        a.b + share * (b.b - a.b), a.a + share * (b.a - a.a) };
+}
+
+/// Coordinates far away, or none at all, are as good as 0: nothing repeats visibly out there.
+static float tame(float coordinate) { return fabsf(coordinate) < 1e7f ? coordinate : 0; }
+
+static rsv_texel bilinear(const rsv_texture *t, uint32_t index, float u, float v)
+{
+    const rsv_texture_level *level = &t->level[index];
+    float x = u * (float)level->width, y = v * (float)level->height;
+    if (t->nearest && index == 0) return texel_at(t, level, (int64_t)floorf(x), (int64_t)floorf(y));
+    float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
+    float right_share = x - 0.5f - left, bottom_share = y - 0.5f - top;
+    int64_t i = (int64_t)left, j = (int64_t)top;
+    rsv_texel upper = mix(texel_at(t, level, i, j), texel_at(t, level, i + 1, j), right_share);
+    rsv_texel lower =
+        mix(texel_at(t, level, i, j + 1), texel_at(t, level, i + 1, j + 1), right_share);
+    return mix(upper, lower, bottom_share);
+}
+
+rsv_texel rsv_texture_lookup(const rsv_texture *t, float u, float v, float level)
+{
+    u = tame(u), v = tame(v);
+    if (!(level > 0)) return bilinear(t, 0, u, v);
+    uint32_t last = t->level_count - 1;
+    if (level >= (float)last) return bilinear(t, last, u, v);
+    uint32_t finer = (uint32_t)level;
+    return mix(bilinear(t, finer, u, v), bilinear(t, finer + 1, u, v), level - (float)finer);
+}
+
+rsv_texel rsv_texture_mean(const rsv_texture *t)
+{
+    return texel_at(t, &t->level[t->level_count - 1], 0, 0);
+}

@@ -1,0 +1,48 @@
+/// A surface where light meets it: its place, its normals, how it scatters there.
+///
+/// `width` is the edge of the patch, in metres, that textures are averaged over (scene/material_at.h): 0 where the
+/// point itself is wanted, the size of a pixel for the camera, more for gather rays, which each stand for a
+/// whole cone of directions.
+#ifndef RSV_SURFACE_H
+#define RSV_SURFACE_H
+
+#include "../bsdf/bsdf.h"
+#include "../core/vec.h"
+
+/// A point of the surface with its two normals, on the side of its face.
+typedef struct rsv_surface_point {
+    rsv_vec3 position;
+    rsv_vec3 normal;    ///< unit shading normal
+    rsv_vec3 geometric; ///< unit geometric normal
+    float extent;       ///< for rsv_offset_origin
+} rsv_surface_point;
+
+/// The point with its interpolated normal, normal maps left out: what elements receive by.
+rsv_surface_point rsv_surface_point_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back);
+
+/// The point with its normal map: what is seen.
+rsv_surface_point rsv_surface_point_seen(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back, float width);
+
+/// Whether light from `direction` is above the surface by both of its normals.
+RSV_INLINE bool rsv_surface_faces(const rsv_surface_point *point, rsv_vec3 direction)
+{
+    return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
+}
+
+/// Area of a triangle of the scene, m2.
+float rsv_triangle_area(const rsv_scene_view *scene, uint32_t triangle);
+
+/// What a material's surfaces have in common: the constants of a plain one; of one that varies, its mean, with
+/// `lambert` only if it is so everywhere.
+rsv_bsdf rsv_surface_common_bsdf(const rsv_scene_view *scene, uint32_t material);
+
+/// How the surface scatters at a point.
+/// @param common [material_count] from rsv_surface_common_bsdf
+/// @param storage used where the material varies
+/// @return into `common` for plain materials, at no cost; else `storage`
+const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const rsv_bsdf *common,
+    uint32_t triangle, float u, float v, float width, rsv_bsdf *storage);
+
+#endif

@@ -1,0 +1,355 @@
+/// Textures: the pyramid, lookups, materials at a point, cut-outs, coverage, textured emitters.
+#include "core/sampling.h"
+#include "core/srgb.h"
+#include "resolvent/render.h"
+#include "resolvent/trace.h"
+#include "scene/material_at.h"
+#include "scene/scene_internal.h"
+#include "scene_fixture.h"
+
+static uint32_t add_codes(rsv_scene *scene, uint32_t width, uint32_t height, uint32_t channels,
+    const uint8_t *codes, bool srgb, bool nearest)
+{
+    uint32_t id;
+    rsv_texture_desc desc = { .name = "codes",
+        .width = width,
+        .height = height,
+        .channel_count = channels,
+        .codes = codes,
+        .srgb = srgb,
+        .nearest = nearest };
+    assert_int_equal(rsv_scene_add_texture(scene, &desc, &id), RSV_OK);
+    return id;
+}
+
+/// A square of `size` metres around `centre`, facing +z, or -z if `size` is negative; uv (0, 0) on top left.
+static void add_square(rsv_scene *scene, uint32_t material, float size, rsv_vec3 centre)
+{
+    float h = 0.5f * size, top = fabsf(h);
+    rsv_vec3 position[4] = { { -h, top, 0 }, { -h, -top, 0 }, { h, -top, 0 }, { h, top, 0 } };
+    static const float uv[4][2] = { { 0, 0 }, { 0, 1 }, { 1, 1 }, { 1, 0 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    for (int k = 0; k < 4; k++)
+        position[k] = v3_add(position[k], centre);
+    rsv_mesh_desc mesh = { .name = "square",
+        .positions = position,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = material,
+        .uvs = { uv, NULL } };
+    uint32_t id;
+    assert_int_equal(rsv_scene_add_mesh(scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(scene, id, NULL, NULL), RSV_OK);
+}
+
+static uint32_t add_textured(rsv_scene *scene, rsv_material m, rsv_texture_role role, uint32_t id)
+{
+    rsv_texture_ref ref = rsv_default_texture_ref(role, id);
+    uint32_t material;
+    m.textures = &ref;
+    m.texture_count = 1;
+    assert_int_equal(rsv_scene_add_material(scene, &m, &material), RSV_OK);
+    return material;
+}
+
+static rsv_material lambert(float albedo)
+{
+    rsv_material m = rsv_default_material();
+    m.specular = 0;
+    m.base_color = rgb_gray(albedo);
+    return m;
+}
+
+static void pyramid_keeps_the_mean_of_odd_sizes(void **state)
+{
+    fixture *f = *state;
+    enum { W = 37, H = 11 };
+    float values[H][W][3];
+    double mean[3] = { 0 };
+    for (int k = 0; k < W * H * 3; k++) {
+        values[0][k / 3][k % 3] = (float)(rsv_unit_float(rsv_hash((uint32_t)k)) * (k % 7));
+        mean[k % 3] += values[0][k / 3][k % 3] / (double)(W * H);
+    }
+    rsv_texture_desc desc = {
+        .width = W, .height = H, .channel_count = 3, .values = &values[0][0][0]
+    };
+    rsv_texture texture;
+    assert_int_equal(rsv_texture_create(f->context, &desc, &texture), RSV_OK);
+    assert_int_equal(texture.level_count, 6); // 37 18 9 4 2 1
+    rsv_texel whole = rsv_texture_mean(&texture);
+    assert_float_equal(whole.r, mean[0], 1e-5);
+    assert_float_equal(whole.g, mean[1], 1e-5);
+    assert_float_equal(whole.b, mean[2], 1e-5);
+    assert_true(whole.a == 1);
+    rsv_texture_release(f->context, &texture);
+}
+
+static void codes_are_averaged_in_linear_light(void **state)
+{
+    fixture *f = *state;
+    static const uint8_t codes[2][4] = { { 0, 0, 0, 0 }, { 255, 188, 64, 128 } };
+    rsv_texture_desc desc = { .width = 2,
+        .height = 1,
+        .channel_count = 4,
+        .codes = codes[0],
+        .srgb = true,
+        .wrap_u = RSV_WRAP_CLAMP };
+    rsv_texture texture;
+    assert_int_equal(rsv_texture_create(f->context, &desc, &texture), RSV_OK);
+    rsv_texel mean = rsv_texture_mean(&texture), last = rsv_texture_lookup(&texture, 1, 0.5f, 0);
+    // texels are kept to 16 bits
+    assert_float_equal(mean.r, 0.5, 1.0 / 65535);
+    assert_float_equal(mean.g, 0.5 * rsv_srgb_decode(188 / 255.0), 1.0 / 65535);
+    assert_float_equal(last.b, rsv_srgb_decode(64 / 255.0), 1.0 / 65535);
+    assert_float_equal(last.a, 128 / 255.0, 1.0 / 65535); // coverage is no colour
+    rsv_texture_release(f->context, &texture);
+}
+
+static float looked_up(rsv_context *context, rsv_wrap wrap, float u)
+{
+    static const uint8_t codes[4] = { 0, 51, 102, 255 };
+    rsv_texture_desc desc = {
+        .width = 4, .height = 1, .channel_count = 1, .codes = codes, .wrap_u = wrap, .nearest = true
+    };
+    rsv_texture texture;
+    assert_int_equal(rsv_texture_create(context, &desc, &texture), RSV_OK);
+    float value = rsv_texture_lookup(&texture, u, 0.5f, 0).r;
+    rsv_texture_release(context, &texture);
+    return value;
+}
+
+static void coordinates_repeat_mirror_or_stop(void **state)
+{
+    fixture *f = *state;
+    const struct {
+        rsv_wrap wrap;
+        float u, value;
+    } expected[] = {
+        { RSV_WRAP_REPEAT, 0.3f, 0.2f },
+        { RSV_WRAP_REPEAT, 1.3f, 0.2f },
+        { RSV_WRAP_REPEAT, -0.1f, 1 },
+        { RSV_WRAP_MIRROR, 1.1f, 1 },
+        { RSV_WRAP_MIRROR, -0.3f, 0.2f },
+        { RSV_WRAP_MIRROR, 2.3f, 0.2f },
+        { RSV_WRAP_CLAMP, 7, 1 },
+        { RSV_WRAP_CLAMP, -7, 0 },
+        { RSV_WRAP_REPEAT, NAN, 0 },
+        { RSV_WRAP_CLAMP, INFINITY, 0 },
+    };
+    for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
+        assert_float_equal(
+            looked_up(f->context, expected[k].wrap, expected[k].u), expected[k].value, 1e-4);
+}
+
+static void material_at_a_point_multiplies_its_texels(void **state)
+{
+    fixture *f = *state;
+    static const uint8_t codes[] = { 255, 0, 0, 0, 255, 0, 0, 0, 255, 255, 255, 255 };
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    uint32_t texture = add_codes(scene, 2, 2, 3, codes, false, true);
+    add_square(
+        scene, add_textured(scene, lambert(0.8f), RSV_TEXTURE_BASE_COLOR, texture), 2, v3(0, 0, 0));
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    // triangle 0: corners top left, bottom left, bottom right
+    rsv_rgb top_left = rsv_material_at(view, 0, 0.1f, 0.05f, 0).base_color;
+    rsv_rgb bottom_right = rsv_material_at(view, 0, 0.05f, 0.9f, 0).base_color;
+    rsv_rgb all = rsv_material_at(view, 0, 0.3f, 0.3f, INFINITY).base_color;
+    assert_float_equal(top_left.r, 0.8f, 1e-6);
+    assert_float_equal(top_left.g, 0, 1e-6);
+    assert_float_equal(bottom_right.g, 0.8f, 1e-6);
+    assert_float_equal(all.r, 0.4f, 1e-4);
+    assert_float_equal(all.b, 0.4f, 1e-4);
+    rsv_scene_destroy(scene);
+}
+
+static void normal_map_leans_as_the_picture_shows(void **state)
+{
+    fixture *f = *state;
+    static const uint8_t codes[] = { 255, 128, 128, 128, 255, 128 }; // right; up
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    uint32_t texture = add_codes(scene, 2, 1, 3, codes, false, true);
+    add_square(
+        scene, add_textured(scene, lambert(0.8f), RSV_TEXTURE_NORMAL, texture), 2, v3(0, 0, 0));
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    rsv_vec3 left = rsv_mapped_normal(view, 0, 0.1f, 0.05f, 0, v3(0, 0, 1));
+    rsv_vec3 right = rsv_mapped_normal(view, 0, 0.05f, 0.9f, 0, v3(0, 0, 1));
+    assert_true(left.x > 0.99f);
+    assert_true(right.y > 0.99f);
+    rsv_scene_destroy(scene);
+}
+
+/// A square whose left half is cut out.
+static rsv_scene *half_square(fixture *f)
+{
+    static const uint8_t codes[] = { 255, 255, 255, 0, 255, 255, 255, 255 };
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    rsv_material m = lambert(0.5f);
+    m.alpha_cutoff = 0.5f;
+    uint32_t texture = add_codes(scene, 2, 1, 4, codes, true, true);
+    add_square(scene, add_textured(scene, m, RSV_TEXTURE_OPACITY, texture), 2, v3(0, 0, 0));
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    return scene;
+}
+
+static void rays_pass_where_a_surface_is_cut_out(void **state)
+{
+    fixture *f = *state;
+    rsv_scene *scene = half_square(f);
+    rsv_tracer *tracer;
+    assert_int_equal(rsv_tracer_create(scene, &tracer), RSV_OK);
+    rsv_ray_packet closest = { 0 };
+    for (int k = 0; k < 16; k++) {
+        rsv_ray ray = { v3(-0.9f + 0.12f * (float)k, 0.3f, 1), v3(0, 0, -1), 10 };
+        bool covered = ray.origin.x > 0;
+        rsv_hit hit;
+        assert_int_equal(rsv_tracer_closest(tracer, &ray, &hit), covered);
+        assert_int_equal(rsv_tracer_occluded(tracer, &ray), covered);
+        closest.origin_x[k] = ray.origin.x;
+        closest.origin_y[k] = ray.origin.y;
+        closest.origin_z[k] = 1;
+        closest.direction_z[k] = -1;
+        closest.t_max[k] = 10;
+        closest.mask[k] = UINT32_MAX;
+    }
+    rsv_ray_packet occluded = closest;
+    rsv_tracer_closest_packet(tracer, &closest, true);
+    rsv_tracer_occluded_packet(tracer, &occluded, true);
+    for (int k = 0; k < 16; k++) {
+        assert_int_equal(closest.triangle[k] != RSV_NONE, closest.origin_x[k] > 0);
+        assert_int_equal(occluded.t_max[k]<0, closest.origin_x[k]> 0);
+    }
+    rsv_tracer_destroy(tracer);
+    rsv_scene_destroy(scene);
+}
+
+static void unusable_textures_are_refused(void **state)
+{
+    fixture *f = *state;
+    static const uint8_t code[4] = { 0 };
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    rsv_texture_desc desc = {
+        .name = "huge", .width = 100000, .height = 1, .channel_count = 1, .codes = code
+    };
+    assert_int_equal(rsv_scene_add_texture(scene, &desc, NULL), RSV_ERROR_FORMAT);
+    assert_mentions(rsv_last_error(), "texture 'huge': 100000 x 1");
+    desc.width = 0;
+    assert_int_equal(rsv_scene_add_texture(scene, &desc, NULL), RSV_ERROR_FORMAT);
+    desc.width = 1;
+    desc.codes = NULL;
+    assert_int_equal(rsv_scene_add_texture(scene, &desc, NULL), RSV_ERROR_ARGUMENT);
+    float values[3] = { NAN, INFINITY, 1 };
+    desc = (rsv_texture_desc){
+        .name = "holes", .width = 1, .height = 1, .channel_count = 3, .values = values
+    };
+    assert_int_equal(rsv_scene_add_texture(scene, &desc, NULL), RSV_OK);
+    assert_mentions(f->log, "texture 'holes': 2 values are not finite");
+
+    rsv_material m = lambert(0.5f);
+    rsv_texture_ref ref = rsv_default_texture_ref(RSV_TEXTURE_BASE_COLOR, 7);
+    m.name = "wall";
+    m.textures = &ref;
+    m.texture_count = 1;
+    assert_int_equal(rsv_scene_add_material(scene, &m, NULL), RSV_ERROR_ARGUMENT);
+    assert_mentions(rsv_last_error(), "material 'wall': texture 7 does not exist");
+    ref.texture = 0;
+    ref.uv_set = 2;
+    assert_int_equal(rsv_scene_add_material(scene, &m, NULL), RSV_ERROR_ARGUMENT);
+    ref.uv_set = 0;
+    ref.transform[1][2] = NAN;
+    assert_int_equal(rsv_scene_add_material(scene, &m, NULL), RSV_ERROR_FORMAT);
+    rsv_scene_destroy(scene);
+}
+
+// ---- light --------------------------------------------------------------------------------------
+
+static rsv_rgb read_irradiance(const rsv_scene *scene, rsv_probe_mode mode, rsv_vec3 at, rsv_vec3 n)
+{
+    rsv_probe probe = { at, n };
+    rsv_probe_reading reading;
+    if (mode == RSV_PROBE_REFERENCE) {
+        assert_int_equal(rsv_probe_reference(scene, &probe, 1, 1 << 16, 1, &reading), RSV_OK);
+        return reading.irradiance;
+    }
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_probe_irradiance(solution, mode, &probe, 1, 1 << 16, 1, &reading), RSV_OK);
+    rsv_solution_destroy(solution);
+    return reading.irradiance;
+}
+
+static void check_both_modes(const rsv_scene *scene, rsv_vec3 at, rsv_vec3 n, double expected)
+{
+    double reference = read_irradiance(scene, RSV_PROBE_REFERENCE, at, n).g;
+    double solved = read_irradiance(scene, RSV_PROBE_OPERATOR, at, n).g;
+    assert_float_equal(reference, expected, 0.01 * expected);
+    assert_float_equal(solved, expected, 0.01 * expected);
+}
+
+/// Form factor of a square of side 2 at distance 1, seen from its axis by a parallel receiver.
+static double square_form_factor(void)
+{
+    double x = 1 / sqrt(2.0);
+    return 4 / (2 * M_PI) * 2 * x * atan(x);
+}
+
+static void emitters_shine_as_bright_as_their_texels(void **state)
+{
+    fixture *f = *state;
+    // bright in the upper left and lower right quarter: half of the light, from anywhere on the axis
+    static const uint8_t codes[] = { 255, 0, 0, 255 };
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    rsv_material m = lambert(0);
+    m.emission = rgb_gray(8);
+    uint32_t texture = add_codes(scene, 2, 2, 1, codes, false, true);
+    add_square(scene, add_textured(scene, m, RSV_TEXTURE_EMISSION, texture), 2, v3(0, 0, 0));
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    double expected = 8 * M_PI * square_form_factor() / 2;
+    check_both_modes(scene, v3(0, 0, 1), v3(0, 0, -1), expected);
+    rsv_scene_destroy(scene);
+}
+
+static void blended_surfaces_let_their_share_pass(void **state)
+{
+    fixture *f = *state;
+    static const uint8_t codes[] = { 0, 51 }; // opacity 0.2
+    rsv_scene *scene;
+    uint32_t lamp_id;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    rsv_material lamp = lambert(0), veil = lambert(0);
+    lamp.emission = rgb_gray(3);
+    veil.double_sided = true;
+    assert_int_equal(rsv_scene_add_material(scene, &lamp, &lamp_id), RSV_OK);
+    add_square(scene, lamp_id, 2, v3(0, 0, 0));
+    uint32_t texture = add_codes(scene, 1, 1, 2, codes, true, false);
+    add_square(scene, add_textured(scene, veil, RSV_TEXTURE_OPACITY, texture), 8, v3(0, 0, 0.5f));
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    double expected = 0.8 * 3 * M_PI * square_form_factor();
+    check_both_modes(scene, v3(0, 0, 1), v3(0, 0, -1), expected);
+    rsv_scene_destroy(scene);
+}
+
+int main(void)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, fixture_setup, fixture_teardown)
+    const struct CMUnitTest tests[] = {
+        TEST(pyramid_keeps_the_mean_of_odd_sizes),
+        TEST(codes_are_averaged_in_linear_light),
+        TEST(coordinates_repeat_mirror_or_stop),
+        TEST(material_at_a_point_multiplies_its_texels),
+        TEST(normal_map_leans_as_the_picture_shows),
+        TEST(rays_pass_where_a_surface_is_cut_out),
+        TEST(unusable_textures_are_refused),
+        TEST(emitters_shine_as_bright_as_their_texels),
+        TEST(blended_surfaces_let_their_share_pass),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
