@@ -95,16 +95,15 @@ static double normalization(const rsv_gltf_accessor *accessor)
     }
 }
 
-static rsv_vec3 vector_at(const elements *from, size_t i, double scale)
+static void read_element(
+    const elements *from, size_t i, size_t component_count, double scale, float *value)
 {
-    float value[3];
     size_t step = component_bytes(from->component_type);
-    for (size_t k = 0; k < 3; k++) {
+    for (size_t k = 0; k < component_count; k++) {
         double v =
             scale * component(from->data + i * from->stride + k * step, from->component_type);
         value[k] = (float)(scale != 1 ? fmax(v, -1) : v);
     }
-    return (rsv_vec3){ value[0], value[1], value[2] };
 }
 
 static rsv_status refuse(int accessor, const char *owner, const char *problem)
@@ -114,8 +113,9 @@ static rsv_status refuse(int accessor, const char *owner, const char *problem)
 
 /// Replaces the elements that a sparse accessor lists.
 static const char *apply_sparse(
-    const rsv_gltf_document *document, const rsv_gltf_accessor *accessor, rsv_vec3 *vectors)
+    const rsv_gltf_document *document, const rsv_gltf_accessor *accessor, float *values_out)
 {
+    size_t width = (size_t)accessor->component_count;
     elements indices, values;
     int index_type = accessor->sparse_indices.component_type;
     if (index_type != RSV_GLTF_UNSIGNED_BYTE && index_type != RSV_GLTF_UNSIGNED_SHORT &&
@@ -125,47 +125,65 @@ static const char *apply_sparse(
         component_bytes(index_type), &indices);
     if (problem) return problem;
     problem = locate(document, accessor->sparse_values, accessor->sparse_count,
-        3 * component_bytes(accessor->span.component_type), &values);
+        width * component_bytes(accessor->span.component_type), &values);
     if (problem) return problem;
     double scale = normalization(accessor);
     for (size_t i = 0; i < accessor->sparse_count; i++) {
         size_t target = (size_t)component(indices.data + i * indices.stride, index_type);
         if (target >= accessor->count) return "has a sparse index past its end";
-        vectors[target] = vector_at(&values, i, scale);
+        read_element(&values, i, width, scale, values_out + target * width);
     }
     return NULL;
 }
 
-rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *owner, rsv_vec3 **vectors, size_t *count)
+rsv_status rsv_gltf_read_attribute(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, float **values, size_t *count, size_t *component_count)
 {
     if ((size_t)accessor >= document->accessor_count)
         return refuse(accessor, owner, "does not exist");
     const rsv_gltf_accessor *a = &document->accessor[accessor];
     int type = a->span.component_type;
-    if (a->component_count != 3 || !component_bytes(type) || type == RSV_GLTF_UNSIGNED_INT)
-        return refuse(accessor, owner, "must hold VEC3 of float or of 8- or 16-bit integers");
+    if (a->component_count < 2 || a->component_count > 4 || !component_bytes(type) ||
+        type == RSV_GLTF_UNSIGNED_INT)
+        return refuse(accessor, owner, "must hold vectors of float or of 8- or 16-bit integers");
+    size_t width = (size_t)a->component_count;
     elements from = { .data = NULL };
     const char *problem = NULL;
     if (a->span.buffer_view >= 0)
-        problem = locate(document, a->span, a->count, 3 * component_bytes(type), &from);
+        problem = locate(document, a->span, a->count, width * component_bytes(type), &from);
     else if (a->count > MAX_ZERO_FILLED)
         problem = "has no buffer view and too large a count";
     if (problem) return refuse(accessor, owner, problem);
 
-    rsv_vec3 *decoded = rsv_alloc(context, a->count, sizeof *decoded);
+    float *decoded = rsv_alloc(context, a->count, width * sizeof *decoded);
     if (!decoded) return RSV_ERROR_MEMORY;
     double scale = normalization(a);
     for (size_t i = 0; from.data && i < a->count; i++)
-        decoded[i] = vector_at(&from, i, scale);
+        read_element(&from, i, width, scale, decoded + i * width);
     if (a->sparse_count) problem = apply_sparse(document, a, decoded);
     if (problem) {
         rsv_free(context, decoded);
         return refuse(accessor, owner, problem);
     }
-    *vectors = decoded;
+    *values = decoded;
     *count = a->count;
+    *component_count = width;
     return RSV_OK;
+}
+
+rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, rsv_vec3 **vectors, size_t *count)
+{
+    float *values;
+    size_t width;
+    rsv_status status =
+        rsv_gltf_read_attribute(context, document, accessor, owner, &values, count, &width);
+    if (status != RSV_OK) return status;
+    *vectors = (rsv_vec3 *)values;
+    if (width == 3) return RSV_OK;
+    rsv_free(context, values);
+    *vectors = NULL;
+    return refuse(accessor, owner, "must hold VEC3");
 }
 
 rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,

@@ -4,8 +4,12 @@
 
 #include "gltf_document.h"
 
-/// Three-component vectors: float, or (KHR_mesh_quantization) integers. Errors name the accessor and
-/// the mesh `owner`. The caller frees `*vectors`.
+/// Vectors of two to four components: float, or (KHR_mesh_quantization) integers. Errors name the accessor and
+/// the mesh `owner`. The caller frees `*values`, [count * component_count].
+rsv_status rsv_gltf_read_attribute(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, float **values, size_t *count, size_t *component_count);
+
+/// The same, of three components.
 rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
     int accessor, const char *owner, rsv_vec3 **vectors, size_t *count);
 

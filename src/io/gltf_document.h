@@ -53,6 +53,7 @@ typedef struct rsv_gltf_accessor {
 
 typedef struct rsv_gltf_primitive {
     int position, normal, indices; ///< accessors
+    int uv[2], tangent, color;     ///< accessors
     int material;
     int mode;
     bool has_morph_targets;
@@ -72,9 +73,33 @@ typedef struct rsv_gltf_node {
     double local[16]; ///< column-major, to the parent
 } rsv_gltf_node;
 
+/// An encoded picture.
+typedef struct rsv_gltf_image {
+    const char *name;     ///< its own or its file's
+    const uint8_t *bytes; ///< NULL = in `buffer_view`, or missing
+    size_t size;
+    int buffer_view;
+} rsv_gltf_image;
+
+typedef struct rsv_gltf_texture {
+    int image;
+    rsv_wrap wrap_u, wrap_v;
+    bool nearest;
+} rsv_gltf_texture;
+
+/// Use of a texture by a material; `ref.texture` is to be set once the texture is in the scene.
+typedef struct rsv_gltf_texture_ref {
+    int texture;
+    bool srgb;
+    rsv_texture_ref ref;
+} rsv_gltf_texture_ref;
+
 typedef struct rsv_gltf_material {
-    rsv_material value;
-    bool has_texture, has_alpha;
+    rsv_material value; ///< without textures
+    const rsv_gltf_texture_ref *texture;
+    size_t texture_count;
+    const char *note; ///< what of it is approximated or ignored; "" = nothing
+    bool opaque;      ///< alpha, wherever it comes from, is ignored
 } rsv_gltf_material;
 
 typedef struct rsv_gltf_document {
@@ -84,16 +109,18 @@ typedef struct rsv_gltf_document {
     const rsv_gltf_mesh *mesh;
     const rsv_gltf_node *node;
     const rsv_gltf_material *material;
+    const rsv_gltf_texture *texture;
+    const rsv_gltf_image *image;
     const rsv_camera *camera; ///< lens and name; placed by nodes
     const rsv_light *light;   ///< kind, intensity, cone and name; placed by nodes
     const int *root;          ///< nodes of the scene to show
     size_t buffer_count, buffer_view_count, accessor_count, mesh_count, node_count, material_count,
-        camera_count, light_count, root_count;
+        camera_count, light_count, root_count, texture_count, image_count;
     const char *warning; ///< what the parser tolerated, one line; "" = nothing
 } rsv_gltf_document;
 
 /// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below.
-/// Images are not read. Error messages do not name the file.
+/// Images are read as they are, not decoded; missing ones have neither bytes nor a buffer view. Error messages do not name the file.
 rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document);
 void rsv_gltf_close(const rsv_gltf_document *document);
 

@@ -2,6 +2,7 @@
 #include "../core/core_internal.h"
 #include "../core/vec.h"
 #include "gltf_accessor.h"
+#include "gltf_texture.h"
 #include "matrix.h"
 #include "scene_read.h"
 
@@ -34,22 +35,9 @@ static bool refers(int reference, size_t count)
 
 static rsv_status add_materials(reader *r)
 {
-    rsv_status status = RSV_OK;
-    for (size_t i = 0; i < r->document->material_count; i++) {
-        const rsv_gltf_material *material = &r->document->material[i];
-        RSV_TRY(rsv_scene_add_material(r->scene, &material->value, NULL));
-        if (material->has_texture)
-            rsv_log(r->context, RSV_LOG_WARNING,
-                "material '%s': its textures are not used yet, only its factors",
-                material->value.name);
-        if (material->has_alpha)
-            rsv_log(r->context, RSV_LOG_WARNING,
-                "material '%s': its alphaMode is ignored, the surface is opaque",
-                material->value.name);
-    }
+    rsv_status status = rsv_gltf_add_materials(r->context, r->document, r->scene);
     r->material_count = (uint32_t)r->document->material_count;
     r->default_material = RSV_NONE;
-cleanup:
     return status;
 }
 
@@ -80,6 +68,7 @@ cleanup:
 /// Geometry of one primitive while it is read.
 typedef struct geometry {
     rsv_vec3 *position, *normal;
+    float *uv[2], *tangent, *color;
     uint32_t *index;
     size_t vertex_count, index_count;
 } geometry;
@@ -88,24 +77,77 @@ static void release_geometry(rsv_context *context, geometry *g)
 {
     rsv_free(context, g->position);
     rsv_free(context, g->normal);
+    rsv_free(context, g->uv[0]);
+    rsv_free(context, g->uv[1]);
+    rsv_free(context, g->tangent);
+    rsv_free(context, g->color);
     rsv_free(context, g->index);
+}
+
+static rsv_status check_count(
+    const geometry *g, const char *owner, int accessor, const char *what, size_t count)
+{
+    if (count == g->vertex_count) return RSV_OK;
+    return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d holds %zu %s for %zu positions",
+        owner, accessor, count, what, g->vertex_count);
+}
+
+/// An attribute of `width` floats per vertex; absent ones stay NULL.
+static rsv_status read_attribute(reader *r, int accessor, const char *owner, const char *what,
+    size_t width, const geometry *g, float **values)
+{
+    rsv_status status;
+    size_t count, found;
+    if (accessor < 0) return RSV_OK;
+    RSV_TRY(
+        rsv_gltf_read_attribute(r->context, r->document, accessor, owner, values, &count, &found));
+    if (found != width)
+        return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d must hold VEC%zu as %s", owner,
+            accessor, width, what);
+    status = check_count(g, owner, accessor, what, count);
+cleanup:
+    return status;
+}
+
+/// Colours of vertices have three components or four.
+static rsv_status read_colors(reader *r, int accessor, const char *owner, bool opaque, geometry *g)
+{
+    rsv_status status;
+    size_t count, width;
+    float *values = NULL;
+    if (accessor < 0) return RSV_OK;
+    RSV_TRY(
+        rsv_gltf_read_attribute(r->context, r->document, accessor, owner, &values, &count, &width));
+    if (width < 3) {
+        status = rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d must hold VEC3 or VEC4 colours",
+            owner, accessor);
+        goto cleanup;
+    }
+    RSV_TRY(check_count(g, owner, accessor, "colours", count));
+    g->color = rsv_alloc(r->context, count, 4 * sizeof *g->color);
+    if (!g->color) status = RSV_ERROR_MEMORY;
+    for (size_t i = 0; g->color && i < 4 * count; i++) {
+        size_t k = i % 4;
+        g->color[i] = k < 3 || (width == 4 && !opaque) ? values[i / 4 * width + k] : 1;
+    }
+cleanup:
+    rsv_free(r->context, values);
+    return status;
 }
 
 static rsv_status read_geometry(
     reader *r, const rsv_gltf_primitive *primitive, const char *owner, geometry *g)
 {
     rsv_status status;
+    bool opaque = primitive->material < 0 || r->document->material[primitive->material].opaque;
     RSV_TRY(rsv_gltf_read_vectors(
         r->context, r->document, primitive->position, owner, &g->position, &g->vertex_count));
-    if (primitive->normal >= 0) {
-        size_t normal_count;
-        RSV_TRY(rsv_gltf_read_vectors(
-            r->context, r->document, primitive->normal, owner, &g->normal, &normal_count));
-        if (normal_count != g->vertex_count)
-            return rsv_fail(RSV_ERROR_FORMAT,
-                "mesh '%s': accessor %d holds %zu normals for %zu positions in accessor %d", owner,
-                primitive->normal, normal_count, g->vertex_count, primitive->position);
-    }
+    RSV_TRY(read_attribute(r, primitive->normal, owner, "normals", 3, g, (float **)&g->normal));
+    for (int set = 0; set < 2; set++)
+        RSV_TRY(
+            read_attribute(r, primitive->uv[set], owner, "texture coordinates", 2, g, &g->uv[set]));
+    RSV_TRY(read_attribute(r, primitive->tangent, owner, "tangents", 4, g, &g->tangent));
+    RSV_TRY(read_colors(r, primitive->color, owner, opaque, g));
     g->index_count = g->vertex_count;
     if (primitive->indices >= 0)
         RSV_TRY(rsv_gltf_read_indices(r->context, r->document, primitive->indices, owner,
@@ -154,6 +196,10 @@ static rsv_status add_primitive(
     }
     mesh.positions = g.position;
     mesh.normals = g.normal;
+    mesh.uvs[0] = (const float(*)[2])g.uv[0];
+    mesh.uvs[1] = (const float(*)[2])g.uv[1];
+    mesh.tangents = (const float(*)[4])g.tangent;
+    mesh.colors = (const float(*)[4])g.color;
     mesh.vertex_count = g.vertex_count;
     mesh.indices = g.index;
     RSV_TRY(rsv_scene_add_mesh(r->scene, &mesh, id));

@@ -1,12 +1,10 @@
 /// tinygltf behind a C interface: parses, then copies what a scene needs into plain arrays. No exception
 /// leaves this file.
-#include "gltf_document.h"
+#include "gltf_json.hpp"
 
 extern "C" {
 #include "../core/core_internal.h"
 }
-
-#include <tiny_gltf.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -28,15 +26,7 @@ namespace
 
 constexpr int max_json_depth = 200; // tinygltf recurses into extensions and extras
 
-struct refusal {
-    rsv_status status;
-    std::string message;
-};
-
-[[noreturn]] void refuse(rsv_status status, const std::string &message)
-{
-    throw refusal{ status, message };
-}
+using namespace rsv_gltf;
 
 /// The document and what its pointers lead to.
 struct owned_document : rsv_gltf_document {
@@ -48,6 +38,9 @@ struct owned_document : rsv_gltf_document {
     std::vector<rsv_gltf_mesh> meshes;
     std::vector<rsv_gltf_node> nodes;
     std::vector<rsv_gltf_material> materials;
+    std::deque<owned_material> owned_materials;
+    std::vector<rsv_gltf_texture> textures;
+    std::vector<rsv_gltf_image> images;
     std::vector<rsv_camera> cameras;
     std::vector<rsv_light> lights;
     std::vector<int> roots;
@@ -134,9 +127,12 @@ auto set_file_size(callbacks &fs, int) -> decltype(fs.GetFileSizeInBytes, void()
 }
 template <class callbacks> void set_file_size(callbacks &, long) { (void)file_size; }
 
-bool skip_image(tinygltf::Image *, const int, std::string *, std::string *, int, int,
-    const unsigned char *, int, void *)
+/// Keeps the encoded bytes. Those in a buffer view stay where they are: tinygltf has not checked that they lie
+/// inside the buffer.
+bool keep_image(tinygltf::Image *image, const int, std::string *, std::string *, int, int,
+    const unsigned char *bytes, int size, void *)
 {
+    if (image->bufferView < 0 && size > 0) image->image.assign(bytes, bytes + size);
     return true;
 }
 
@@ -185,10 +181,13 @@ size_t json_chunk_length(const std::vector<unsigned char> &glb)
 /// Extensions that are read, or whose absence changes nothing here.
 void check_required_extensions(const tinygltf::Model &model)
 {
-    static const char *const known[] = { "KHR_lights_punctual", "KHR_materials_emissive_strength",
-        "KHR_materials_ior", "KHR_materials_specular", "KHR_materials_transmission",
-        "KHR_materials_unlit", "KHR_materials_volume", "KHR_mesh_quantization",
-        "KHR_texture_transform" };
+    static const char *const known[] = { "KHR_lights_punctual", "KHR_materials_anisotropy",
+        "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission", "KHR_materials_dispersion",
+        "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
+        "KHR_materials_pbrSpecularGlossiness", "KHR_materials_scatter", "KHR_materials_sheen",
+        "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
+        "KHR_materials_variants", "KHR_materials_volume", "KHR_materials_volume_scatter",
+        "KHR_mesh_quantization", "KHR_texture_transform" };
     for (const std::string &name : model.extensionsRequired) {
         bool found = false;
         for (const char *candidate : known)
@@ -214,7 +213,7 @@ void parse(const char *path, owned_document &document)
     fs.user_data = &folder;
     set_file_size(fs, 0);
     loader.SetFsCallbacks(fs);
-    loader.SetImageLoader(skip_image, nullptr);
+    loader.SetImageLoader(keep_image, nullptr);
 
     std::string error, image_warnings;
     bool loaded;
@@ -251,40 +250,6 @@ const char *keep_name(
 std::string numbered(const char *kind, size_t index)
 {
     return std::string(kind) + " " + std::to_string(index);
-}
-
-/// A member of an extension or of extras; NULL if absent.
-const tinygltf::Value *find(const tinygltf::Value &object, const char *key)
-{
-    if (!object.IsObject() || !object.Has(key)) return nullptr;
-    return &object.Get(key);
-}
-
-double number(const tinygltf::Value &object, const char *key, double fallback)
-{
-    const tinygltf::Value *value = find(object, key);
-    return value && value->IsNumber() ? value->GetNumberAsDouble() : fallback;
-}
-
-rsv_rgb color(const tinygltf::Value &object, const char *key, rsv_rgb fallback)
-{
-    const tinygltf::Value *value = find(object, key);
-    if (!value || !value->IsArray() || value->ArrayLen() < 3) return fallback;
-    double channel[3];
-    for (int i = 0; i < 3; i++) {
-        const tinygltf::Value &entry = value->Get(i);
-        if (!entry.IsNumber()) return fallback;
-        channel[i] = entry.GetNumberAsDouble();
-    }
-    return { static_cast<float>(channel[0]), static_cast<float>(channel[1]),
-        static_cast<float>(channel[2]) };
-}
-
-const tinygltf::Value &extension(const tinygltf::ExtensionMap &extensions, const char *name)
-{
-    static const tinygltf::Value none;
-    auto found = extensions.find(name);
-    return found == extensions.end() ? none : found->second;
 }
 
 void convert_buffers(owned_document &document)
@@ -336,22 +301,13 @@ void convert_meshes(owned_document &document)
         std::vector<rsv_gltf_primitive> primitives;
         for (const tinygltf::Primitive &p : mesh.primitives)
             primitives.push_back({ attribute(p, "POSITION"), attribute(p, "NORMAL"), p.indices,
-                p.material, p.mode, !p.targets.empty() });
+                { attribute(p, "TEXCOORD_0"), attribute(p, "TEXCOORD_1") }, attribute(p, "TANGENT"),
+                attribute(p, "COLOR_0"), p.material, p.mode, !p.targets.empty() });
         document.primitives.push_back(std::move(primitives));
         const char *name = keep_name(document, mesh.name, numbered("mesh", document.meshes.size()));
         document.meshes.push_back(
             { name, document.primitives.back().data(), document.primitives.back().size() });
     }
-}
-
-void copy_numbers(
-    const std::vector<double> &from, double *to, size_t count, const std::string &what)
-{
-    if (from.empty()) return;
-    if (from.size() != count)
-        refuse(RSV_ERROR_FORMAT, what + " must have " + std::to_string(count) + " numbers, not " +
-                                     std::to_string(from.size()));
-    std::copy(from.begin(), from.end(), to);
 }
 
 /// T * R * S, or the matrix.
@@ -420,73 +376,48 @@ void convert_roots(owned_document &document)
         if (!is_child[i]) document.roots.push_back(static_cast<int>(i));
 }
 
-bool has_texture(const tinygltf::Material &m)
-{
-    bool found = m.pbrMetallicRoughness.baseColorTexture.index >= 0 ||
-                 m.pbrMetallicRoughness.metallicRoughnessTexture.index >= 0 ||
-                 m.normalTexture.index >= 0 || m.occlusionTexture.index >= 0 ||
-                 m.emissiveTexture.index >= 0;
-    static const char *const fields[][2] = {
-        { "KHR_materials_transmission", "transmissionTexture" },
-        { "KHR_materials_volume", "thicknessTexture" },
-        { "KHR_materials_specular", "specularTexture" },
-        { "KHR_materials_specular", "specularColorTexture" },
-    };
-    for (const auto &field : fields)
-        found = found || find(extension(m.extensions, field[0]), field[1]);
-    return found;
-}
-
-/// @param factors base colour (at least 3 entries) and emission, with the specification's defaults
-rsv_material convert_factors(
-    const tinygltf::Material &source, const double base_color[4], const double emission[3])
-{
-    const tinygltf::Value &strength =
-        extension(source.extensions, "KHR_materials_emissive_strength");
-    const tinygltf::Value &ior = extension(source.extensions, "KHR_materials_ior");
-    const tinygltf::Value &specular = extension(source.extensions, "KHR_materials_specular");
-    const tinygltf::Value &transmission =
-        extension(source.extensions, "KHR_materials_transmission");
-    const tinygltf::Value &volume = extension(source.extensions, "KHR_materials_volume");
-    const rsv_rgb white = { 1, 1, 1 };
-    double scale = number(strength, "emissiveStrength", 1);
-
-    rsv_material material = rsv_default_material();
-    material.base_color = { static_cast<float>(base_color[0]), static_cast<float>(base_color[1]),
-        static_cast<float>(base_color[2]) };
-    material.metallic = static_cast<float>(source.pbrMetallicRoughness.metallicFactor);
-    material.roughness = static_cast<float>(source.pbrMetallicRoughness.roughnessFactor);
-    material.ior = static_cast<float>(number(ior, "ior", 1.5));
-    material.specular = static_cast<float>(number(specular, "specularFactor", 1));
-    material.specular_color = color(specular, "specularColorFactor", white);
-    material.transmission = static_cast<float>(number(transmission, "transmissionFactor", 0));
-    material.thickness = static_cast<float>(number(volume, "thicknessFactor", 0));
-    material.attenuation_color = color(volume, "attenuationColor", white);
-    material.attenuation_distance =
-        static_cast<float>(number(volume, "attenuationDistance", INFINITY));
-    material.emission = { static_cast<float>(emission[0] * scale),
-        static_cast<float>(emission[1] * scale), static_cast<float>(emission[2] * scale) };
-    material.double_sided = source.doubleSided;
-    material.unlit = source.extensions.count("KHR_materials_unlit") != 0;
-    return material;
-}
-
 void convert_materials(owned_document &document)
 {
     for (const tinygltf::Material &source : document.model.materials) {
-        double base_color[4] = { 1, 1, 1, 1 }, emission[3] = { 0, 0, 0 };
-        const char *name =
-            keep_name(document, source.name, numbered("material", document.materials.size()));
-        copy_numbers(source.pbrMetallicRoughness.baseColorFactor, base_color, 4,
-            std::string("baseColorFactor of material '") + name + "'");
-        copy_numbers(source.emissiveFactor, emission, 3,
-            std::string("emissiveFactor of material '") + name + "'");
-        rsv_gltf_material material{};
-        material.value = convert_factors(source, base_color, emission);
-        material.value.name = name;
-        material.has_texture = has_texture(source);
-        material.has_alpha = source.alphaMode != "OPAQUE";
-        document.materials.push_back(material);
+        document.owned_materials.emplace_back();
+        owned_material &owned = document.owned_materials.back();
+        owned.name =
+            source.name.empty() ? numbered("material", document.materials.size()) : source.name;
+        convert_material(source, owned);
+        owned.material.value.name = owned.name.c_str();
+        owned.material.note = owned.note.c_str();
+        owned.material.texture = owned.textures.data();
+        owned.material.texture_count = owned.textures.size();
+        document.materials.push_back(owned.material);
+    }
+}
+
+rsv_wrap wrap_mode(int mode)
+{
+    if (mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return RSV_WRAP_CLAMP;
+    if (mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return RSV_WRAP_MIRROR;
+    return RSV_WRAP_REPEAT;
+}
+
+void convert_textures(owned_document &document)
+{
+    const tinygltf::Model &model = document.model;
+    for (const tinygltf::Texture &source : model.textures) {
+        rsv_gltf_texture texture{ source.source, RSV_WRAP_REPEAT, RSV_WRAP_REPEAT, false };
+        if (static_cast<size_t>(source.sampler) < model.samplers.size()) {
+            const tinygltf::Sampler &sampler = model.samplers[static_cast<size_t>(source.sampler)];
+            texture.wrap_u = wrap_mode(sampler.wrapS);
+            texture.wrap_v = wrap_mode(sampler.wrapT);
+            texture.nearest = sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
+        }
+        document.textures.push_back(texture);
+    }
+    for (const tinygltf::Image &source : model.images) {
+        const std::string &name = source.name.empty() ? source.uri : source.name;
+        document.images.push_back({ keep_name(document, source.uri.empty() ? name : source.uri,
+                                        numbered("image", document.images.size())),
+            source.image.empty() ? nullptr : source.image.data(), source.image.size(),
+            source.bufferView });
     }
 }
 
@@ -550,6 +481,8 @@ void publish(owned_document &document)
     publish_array(document.meshes, document.mesh, document.mesh_count);
     publish_array(document.nodes, document.node, document.node_count);
     publish_array(document.materials, document.material, document.material_count);
+    publish_array(document.textures, document.texture, document.texture_count);
+    publish_array(document.images, document.image, document.image_count);
     publish_array(document.cameras, document.camera, document.camera_count);
     publish_array(document.lights, document.light, document.light_count);
     publish_array(document.roots, document.root, document.root_count);
@@ -557,6 +490,21 @@ void publish(owned_document &document)
 }
 
 } // namespace
+
+namespace rsv_gltf
+{
+
+void copy_numbers(
+    const std::vector<double> &from, double *to, size_t count, const std::string &what)
+{
+    if (from.empty()) return;
+    if (from.size() != count)
+        refuse(RSV_ERROR_FORMAT, what + " must have " + std::to_string(count) + " numbers, not " +
+                                     std::to_string(from.size()));
+    std::copy(from.begin(), from.end(), to);
+}
+
+} // namespace rsv_gltf
 
 rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
 {
@@ -569,6 +517,7 @@ rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
         convert_nodes(*owned);
         convert_roots(*owned);
         convert_materials(*owned);
+        convert_textures(*owned);
         convert_cameras(*owned);
         convert_lights(*owned);
         publish(*owned);

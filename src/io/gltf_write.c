@@ -154,15 +154,49 @@ static void add_dielectric(writer *w, cJSON *json, const rsv_material *m)
     add_volume(w, json, m);
 }
 
+static void add_layers(writer *w, cJSON *json, const rsv_material *m)
+{
+    if (m->clearcoat > 0) {
+        cJSON *coat = add_extension(w, json, "KHR_materials_clearcoat");
+        add_float(w, coat, "clearcoatFactor", m->clearcoat);
+        add_float(w, coat, "clearcoatRoughnessFactor", m->clearcoat_roughness);
+    }
+    if (!rgb_is_black(m->sheen_color)) {
+        cJSON *sheen = add_extension(w, json, "KHR_materials_sheen");
+        add_rgb(w, sheen, "sheenColorFactor", m->sheen_color);
+        add_float(w, sheen, "sheenRoughnessFactor", m->sheen_roughness);
+    }
+    if (m->diffuse_transmission > 0) {
+        cJSON *diffuse = add_extension(w, json, "KHR_materials_diffuse_transmission");
+        add_float(w, diffuse, "diffuseTransmissionFactor", m->diffuse_transmission);
+        add_rgb(w, diffuse, "diffuseTransmissionColorFactor", m->diffuse_transmission_color);
+    }
+    if (!rgb_is_black(m->scatter_distance)) {
+        cJSON *own = add_object(w, add_object(w, json, "extras"), "resolvent");
+        add_rgb(w, own, "scatter_distance", m->scatter_distance);
+    }
+}
+
+static void add_coverage(writer *w, cJSON *json, const rsv_material *m)
+{
+    if (m->alpha_cutoff > 0) {
+        add_string(w, json, "alphaMode", "MASK");
+        add_float(w, json, "alphaCutoff", m->alpha_cutoff);
+    } else if (m->opacity < 1) {
+        add_string(w, json, "alphaMode", "BLEND");
+    }
+}
+
 static void add_material(writer *w, cJSON *materials, const rsv_material *m)
 {
     cJSON *json = append_object(w, materials);
     add_string(w, json, "name", m->name);
     cJSON *pbr = add_object(w, json, "pbrMetallicRoughness");
-    const float base_color[4] = { m->base_color.r, m->base_color.g, m->base_color.b, 1 };
+    const float base_color[4] = { m->base_color.r, m->base_color.g, m->base_color.b, m->opacity };
     add_floats(w, pbr, "baseColorFactor", base_color, 4);
     add_float(w, pbr, "metallicFactor", m->metallic);
     add_float(w, pbr, "roughnessFactor", m->roughness);
+    add_coverage(w, json, m);
     if (m->double_sided) noted(w, cJSON_AddTrueToObject(json, "doubleSided"));
     if (m->unlit) { // excludes the extensions below, which it makes meaningless
         add_extension(w, json, "KHR_materials_unlit");
@@ -170,11 +204,15 @@ static void add_material(writer *w, cJSON *materials, const rsv_material *m)
     }
     add_emission(w, json, m->emission);
     add_dielectric(w, json, m);
+    add_layers(w, json, m);
 }
 
 static void add_materials(writer *w)
 {
     if (!w->view->material_count) return;
+    if (w->view->texture_count || w->view->color)
+        rsv_log(w->context, RSV_LOG_WARNING,
+            "textures and vertex colours are not written: materials keep their factors alone");
     cJSON *materials = add_array(w, w->root, "materials");
     for (size_t i = 0; i < w->view->material_count; i++)
         add_material(w, materials, &w->view->material[i]);

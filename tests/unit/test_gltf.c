@@ -259,8 +259,13 @@ static void every_material_light_and_camera_survives_the_file(void **state)
     const uint32_t index[12] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
     const float mirror[16] = { -1, 0, 0, 0, 0, 2, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1 };
     for (uint32_t material = 0; material < 5; material++) {
-        rsv_mesh_desc mesh = { "body", position, material % 2 ? normal : NULL, 4, index, 4,
-            material };
+        rsv_mesh_desc mesh = { .name = "body",
+            .positions = position,
+            .normals = material % 2 ? normal : NULL,
+            .vertex_count = 4,
+            .indices = index,
+            .triangle_count = 4,
+            .material = material };
         uint32_t id;
         assert_int_equal(rsv_scene_add_mesh(scene, &mesh, &id), RSV_OK);
         assert_int_equal(rsv_scene_add_instance(scene, id, NULL, NULL), RSV_OK);

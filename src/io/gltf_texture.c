@@ -1,0 +1,133 @@
+#include "gltf_texture.h"
+
+#include "image_internal.h"
+
+/// Stands for a texture that was tried and cannot be used.
+#define UNUSABLE (RSV_NONE - 1)
+
+typedef struct texture_loader {
+    rsv_context *context;
+    const rsv_gltf_document *document;
+    rsv_scene *scene;
+    uint32_t (*id)[2]; ///< [texture_count] in the scene, linear and sRGB; RSV_NONE = not tried yet
+} texture_loader;
+
+/// The encoded bytes of an image. NULL, or what is wrong.
+static const char *find_bytes(
+    const rsv_gltf_document *document, const rsv_gltf_image *image, rsv_image_file *file)
+{
+    *file = (rsv_image_file){ image->name, image->bytes, image->size };
+    if (image->bytes) return NULL;
+    if (image->buffer_view < 0)
+        return "it is missing (images must lie in the asset's folder or below)";
+    if ((size_t)image->buffer_view >= document->buffer_view_count)
+        return "its buffer view does not exist";
+    const rsv_gltf_buffer_view *view = &document->buffer_view[image->buffer_view];
+    if ((size_t)view->buffer >= document->buffer_count) return "its buffer does not exist";
+    const rsv_gltf_buffer *buffer = &document->buffer[view->buffer];
+    if (!buffer->data || view->offset > buffer->size || view->length > buffer->size - view->offset)
+        return "its buffer view reaches past the end of its buffer";
+    file->bytes = buffer->data + view->offset;
+    file->size = view->length;
+    return NULL;
+}
+
+static rsv_status read_codes(
+    const rsv_gltf_document *document, const rsv_gltf_image *image, rsv_image_codes *codes)
+{
+    rsv_image_file file;
+    const char *problem = find_bytes(document, image, &file);
+    if (problem)
+        return rsv_fail(RSV_ERROR_FORMAT, "cannot read image '%s': %s", image->name, problem);
+    return rsv_image_decode_codes(&file, codes);
+}
+
+static rsv_status add_texture(
+    texture_loader *loader, const rsv_gltf_texture *texture, bool srgb, uint32_t *id)
+{
+    const rsv_gltf_document *document = loader->document;
+    if ((size_t)texture->image >= document->image_count)
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "it has no PNG or JPEG image (other formats need extensions that are not supported)");
+    const rsv_gltf_image *image = &document->image[texture->image];
+    rsv_image_codes codes = { 0 };
+    rsv_status status = read_codes(document, image, &codes);
+    if (status != RSV_OK) return status;
+    rsv_texture_desc desc = { .name = image->name,
+        .width = codes.width,
+        .height = codes.height,
+        .channel_count = codes.channel_count,
+        .codes = codes.code,
+        .srgb = srgb,
+        .wrap_u = texture->wrap_u,
+        .wrap_v = texture->wrap_v,
+        .nearest = texture->nearest };
+    status = rsv_scene_add_texture(loader->scene, &desc, id);
+    rsv_image_free_codes(&codes);
+    return status;
+}
+
+/// The scene's id of a texture; UNUSABLE after a warning. Fails where memory runs out only.
+static rsv_status find_texture(
+    texture_loader *loader, int texture, bool srgb, const char *material, uint32_t *id)
+{
+    if ((size_t)texture >= loader->document->texture_count) {
+        *id = UNUSABLE;
+        rsv_log(loader->context, RSV_LOG_WARNING,
+            "material '%s': texture %d does not exist; the factor alone is used", material,
+            texture);
+        return RSV_OK;
+    }
+    uint32_t *known = &loader->id[texture][srgb];
+    if (*known == RSV_NONE) {
+        rsv_status status = add_texture(loader, &loader->document->texture[texture], srgb, known);
+        if (status == RSV_ERROR_MEMORY) return status;
+        if (status != RSV_OK) {
+            *known = UNUSABLE;
+            rsv_log(loader->context, RSV_LOG_WARNING,
+                "material '%s': texture %d: %s; the factor alone is used", material, texture,
+                rsv_last_error());
+        }
+    }
+    *id = *known;
+    return RSV_OK;
+}
+
+static rsv_status add_material(texture_loader *loader, const rsv_gltf_material *source)
+{
+    rsv_status status = RSV_OK;
+    rsv_material material = source->value;
+    rsv_texture_ref *ref = rsv_alloc(loader->context, source->texture_count, sizeof *ref);
+    if (!ref) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < source->texture_count; i++) {
+        const rsv_gltf_texture_ref *use = &source->texture[i];
+        uint32_t id;
+        RSV_TRY(find_texture(loader, use->texture, use->srgb, material.name, &id));
+        if (id == UNUSABLE) continue;
+        ref[material.texture_count] = use->ref;
+        ref[material.texture_count++].texture = id;
+    }
+    material.textures = ref;
+    RSV_TRY(rsv_scene_add_material(loader->scene, &material, NULL));
+    if (*source->note)
+        rsv_log(loader->context, RSV_LOG_WARNING, "material '%s': %s", material.name, source->note);
+cleanup:
+    rsv_free(loader->context, ref);
+    return status;
+}
+
+rsv_status rsv_gltf_add_materials(
+    rsv_context *context, const rsv_gltf_document *document, rsv_scene *scene)
+{
+    rsv_status status = RSV_OK;
+    texture_loader loader = { context, document, scene, NULL };
+    loader.id = rsv_alloc(context, document->texture_count, sizeof *loader.id);
+    if (!loader.id) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < document->texture_count; i++)
+        loader.id[i][0] = loader.id[i][1] = RSV_NONE;
+    for (size_t i = 0; i < document->material_count; i++)
+        RSV_TRY(add_material(&loader, &document->material[i]));
+cleanup:
+    rsv_free(context, loader.id);
+    return status;
+}

@@ -1,0 +1,12 @@
+/// Textures and materials of a glTF document, put into a scene.
+#ifndef RSV_GLTF_TEXTURE_H
+#define RSV_GLTF_TEXTURE_H
+
+#include "gltf_document.h"
+
+/// Adds all materials, in order, with the textures they use. A texture that cannot be read is named in a warning
+/// and left out: the factor that it multiplies stands alone.
+rsv_status rsv_gltf_add_materials(
+    rsv_context *context, const rsv_gltf_document *document, rsv_scene *scene);
+
+#endif
