@@ -42,7 +42,11 @@ typedef struct surface {
     rsv_vec3 normal; ///< for scattering
     float extent;    ///< for rsv_offset_origin
     uint32_t triangle;
+    float u, v;
     bool front;
+    /// Of a translucent body: light that leaves here diffusely entered elsewhere, or has just been followed to
+    /// where it entered, and its direction is all that is left to choose.
+    bool translucent, entry;
 } surface;
 
 static void next_pair(number_source *numbers, float *x, float *y)
@@ -87,6 +91,10 @@ static void meet_surface(
     s->wo = v3_neg(v3_normalize(ray->direction));
     s->extent = point.extent;
     s->triangle = hit->triangle;
+    s->u = hit->u;
+    s->v = hit->v;
+    s->translucent = tracer->bodies->triangle_body[hit->triangle] != RSV_NONE;
+    s->entry = false;
     s->front = v3_dot(point.geometric, s->wo) > 0;
     s->geometric_normal = s->front ? point.geometric : v3_neg(point.geometric);
     s->normal = s->front ? point.normal : v3_neg(point.normal);
@@ -135,11 +143,20 @@ static void add_emission(light_path *path, const surface *s, float distance)
     add_light(path, path->diffuse_events, rgb_scale(s->bsdf->emission, weight));
 }
 
+/// What of the light from wi enters a translucent body, over pi: as if it left a white one right here.
+static rsv_bsdf_value respond_to_entering(const surface *s, rsv_vec3 wi)
+{
+    float cos = f_max(v3_dot(s->normal, wi), 0);
+    return (rsv_bsdf_value){ rgb_scale(rsv_bsdf_entry(s->bsdf, cos), cos / RSV_PI), cos / RSV_PI };
+}
+
 /// Response of the lobes in `lobes`; nothing where the normals disagree on wi's side.
 static rsv_bsdf_value respond(const surface *s, rsv_vec3 wi, rsv_lobe_set lobes)
 {
     rsv_bsdf_value nothing = { rgb_gray(0), 0 };
     if (v3_dot(s->geometric_normal, wi) * v3_dot(s->normal, wi) <= 0) return nothing;
+    if (s->entry) return lobes == RSV_LOBES_DIFFUSE ? respond_to_entering(s, wi) : nothing;
+    if (s->translucent && lobes == RSV_LOBES_DIFFUSE) return nothing;
     return rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, lobes);
 }
 
@@ -225,9 +242,11 @@ static void add_punctual_lights(light_path *path, const surface *s)
 /// Whether lights are found by aiming at them, above the surface and below.
 static void choose_sides(const surface *s, bool aim[2])
 {
+    aim[0] = s->entry, aim[1] = false;
+    if (s->entry) return;
     rsv_bsdf_branches branches = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front);
     rsv_rgb diffuse = rgb_mul(branches.diffuse, s->bsdf->exitance_albedo);
-    aim[0] = branches.rough || !rgb_is_black(diffuse);
+    aim[0] = branches.rough || (!s->translucent && !rgb_is_black(diffuse));
     aim[1] = branches.rough && s->bsdf->transmission > 0;
 }
 
@@ -244,6 +263,59 @@ static void gather_sources(light_path *path, const surface *s, float u_select, f
     if (aim[0]) add_punctual_lights(path, s);
 }
 
+/// The surface where light entered that leaves at `exit`, seen as from straight above.
+static void enter_surface(const rsv_path_tracer *tracer, const surface *exit,
+    const rsv_body_point *entry, surface *result)
+{
+    rsv_vec3 above = exit->front ? entry->geometric : v3_neg(entry->geometric);
+    rsv_ray down = { v3_add(entry->point, above), v3_neg(above), 1 };
+    rsv_hit hit = { entry->triangle, 1, entry->u, entry->v };
+    meet_surface(tracer, &down, &hit, result);
+    result->entry = true;
+}
+
+/// Leaves diffusely from below a translucent surface: from where light entered, gathers the sources there and
+/// turns into a direction in which light entered.
+static bool scatter_below(light_path *path, const surface *exit, rsv_rgb leaving)
+{
+    float u_select, u_unused, light_u1, light_u2, u1, u2;
+    rsv_body_point out = { exit->point, exit->geometric_normal, exit->triangle, exit->u, exit->v };
+    rsv_body_point in;
+    rsv_rgb share;
+    if (!rsv_bodies_sample_entry(path->tracer->bodies, &out, &path->numbers.random, &in, &share))
+        return false;
+    path->throughput = rgb_mul(path->throughput, rgb_mul(leaving, share));
+    path->throughput = rgb_mul(path->throughput, exit->bsdf->exitance_albedo);
+    surface entry;
+    enter_surface(path->tracer, exit, &in, &entry);
+    next_pair(&path->numbers, &u_select, &u_unused);
+    next_pair(&path->numbers, &light_u1, &light_u2);
+    next_pair(&path->numbers, &u1, &u2);
+    gather_sources(path, &entry, u_select, light_u1, light_u2);
+
+    rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2), t, b;
+    v3_frame(entry.normal, &t, &b);
+    rsv_vec3 wi =
+        v3_normalize(v3_mad(v3_mad(v3_scale(entry.normal, local.z), local.x, t), local.y, b));
+    if (v3_dot(entry.geometric_normal, wi) <= 0) return false;
+    path->throughput = rgb_mul(path->throughput, rsv_bsdf_entry(entry.bsdf, local.z));
+    path->pdf_solid_angle = local.z / RSV_PI;
+    path->below = false;
+    path->diffuse_events++;
+    path->departure = entry.point;
+    path->ray = (rsv_ray){ leaving_point(&entry, false), wi, INFINITY };
+    return true;
+}
+
+/// An event at a translucent surface; its diffuse lobe has no direction of its own.
+static rsv_bsdf_sample sample_direction(const surface *s, float u_lobe, float u1, float u2)
+{
+    if (!s->translucent)
+        return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    return (rsv_bsdf_sample){ event.lobe, event.direction, event.weight, event.pdf_solid_angle };
+}
+
 /// Gathers the sources and turns the path into a new direction; false where it ends.
 static bool scatter(light_path *path, const surface *s)
 {
@@ -252,9 +324,10 @@ static bool scatter(light_path *path, const surface *s)
     next_pair(&path->numbers, &light_u1, &light_u2);
     next_pair(&path->numbers, &u1, &u2);
     gather_sources(path, s, u_select, light_u1, light_u2);
-    rsv_bsdf_sample sample =
-        rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    rsv_bsdf_sample sample = sample_direction(s, u_lobe, u1, u2);
     if (sample.lobe == RSV_LOBE_NONE) return false;
+    if (s->translucent && sample.lobe == RSV_LOBE_DIFFUSE)
+        return scatter_below(path, s, sample.weight);
     bool transmitted = sample.lobe == RSV_LOBE_TRANSMIT;
     float rise = v3_dot(s->geometric_normal, sample.direction);
     if (transmitted ? rise >= 0 : rise <= 0) return false;

@@ -40,6 +40,7 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **resu
     RSV_TRY(create_bsdfs(tracer));
     RSV_TRY(rsv_lights_create(scene, tracer->bsdf, &tracer->lights));
     RSV_TRY(rsv_tracer_create(scene, &tracer->tracer));
+    RSV_TRY(rsv_bodies_create(scene, tracer->tracer, &tracer->bodies));
     warn_of_unreachable_caustics(tracer);
     *result = tracer;
     tracer = NULL;
@@ -51,6 +52,7 @@ cleanup:
 void rsv_path_tracer_destroy(rsv_path_tracer *tracer)
 {
     if (!tracer) return;
+    rsv_bodies_destroy(tracer->bodies);
     rsv_tracer_destroy(tracer->tracer);
     rsv_lights_destroy(tracer->lights);
     rsv_free(tracer->context, tracer->bsdf);

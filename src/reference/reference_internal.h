@@ -5,6 +5,7 @@
 #include "../light/light.h"
 #include "../surface/surface.h"
 #include "resolvent/trace.h"
+#include "subsurface.h"
 
 /// What paths are traced through; constant after creation and thread-safe.
 typedef struct rsv_path_tracer {
@@ -13,6 +14,7 @@ typedef struct rsv_path_tracer {
     rsv_tracer *tracer;
     rsv_bsdf *bsdf; ///< [material_count]
     rsv_lights *lights;
+    rsv_bodies *bodies; ///< translucent ones
 } rsv_path_tracer;
 
 rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **tracer);
