@@ -75,7 +75,7 @@ static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, r
 
 bool cli_bench_assemble(const cli_bench_task *bench, cJSON *result)
 {
-    rsv_scene *scene = cli_open_scene(bench->session, bench->scene);
+    rsv_scene *scene = cli_open_scene(bench->session, bench->scene, NULL);
     if (!scene) return false;
     rsv_status status = RSV_ERROR_MEMORY;
     assembly_timing timing = { .packet_ratio = calloc(bench->repetitions, sizeof(double)),

@@ -67,7 +67,7 @@ static rsv_status solve_and_render(
 static bool take_picture(
     const cli_bench_task *bench, const recipe *r, uint32_t seed, rsv_image **image)
 {
-    rsv_scene *scene = cli_open_scene(bench->session, bench->scene);
+    rsv_scene *scene = cli_open_scene(bench->session, bench->scene, NULL);
     if (!scene) return false;
     rsv_status status = solve_and_render(scene, r, seed, image);
     rsv_scene_destroy(scene);

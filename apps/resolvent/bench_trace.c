@@ -248,7 +248,7 @@ static rsv_status measure_scene(const rsv_scene *scene, uint32_t threads, cJSON 
 
 bool cli_bench_trace(const cli_bench_task *bench, cJSON *result)
 {
-    rsv_scene *scene = cli_open_scene(bench->session, bench->scene);
+    rsv_scene *scene = cli_open_scene(bench->session, bench->scene, NULL);
     if (!scene) return false;
     cJSON_AddNumberToObject(result, "triangles", (double)rsv_scene_get_view(scene)->triangle_count);
     rsv_status status = measure_scene(scene, bench->threads, result);

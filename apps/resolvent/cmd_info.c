@@ -14,7 +14,7 @@ static const char help[] = "usage: resolvent info SCENE [options]\n"
                            "its instances are placed:\n"
                            "counts, bounds, area, objects, materials, lights and cameras.\n"
                            "\n"
-                           "  --json             print JSON\n" CLI_MESH_HELP "\n"
+                           "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP "\n"
                            "examples:\n"
                            "  resolvent info room.glb\n"
                            "  resolvent info cornell-blocks --json\n";
@@ -163,6 +163,16 @@ static void add_lights(cJSON *root, const rsv_scene_view *view)
     }
 }
 
+static void add_environment(cJSON *root, const rsv_scene_view *view)
+{
+    if (!view->environment) return;
+    cJSON *item = cJSON_AddObjectToObject(root, "environment");
+    cJSON_AddStringToObject(item, "name", view->environment->name);
+    cJSON_AddNumberToObject(item, "width", view->environment->width);
+    cJSON_AddNumberToObject(item, "height", view->environment->height);
+    add_number(item, "rotation_degrees", view->environment->rotation);
+}
+
 static void add_cameras(cJSON *root, const rsv_scene_view *view)
 {
     cJSON *cameras = cJSON_AddArrayToObject(root, "cameras");
@@ -189,6 +199,7 @@ static bool print_json(
     add_objects(root, view, t);
     add_materials(root, view, t);
     add_lights(root, view);
+    add_environment(root, view);
     add_cameras(root, view);
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     for (size_t i = 0; i < session->warning_count; i++)
@@ -251,6 +262,15 @@ static void print_lights(const rsv_scene_view *view)
     }
 }
 
+static void print_environment(const rsv_scene_view *view)
+{
+    if (!view->environment) return;
+    printf("\nenvironment:\n");
+    print_name(view->environment->name);
+    printf("  %u x %u, turned by %.4g degrees\n", view->environment->width,
+        view->environment->height, view->environment->rotation);
+}
+
 static void print_cameras(const rsv_scene_view *view)
 {
     printf("\ncameras: %zu\n", view->camera_count);
@@ -277,6 +297,7 @@ static void print_text(const char *name, const rsv_scene_view *view, const total
     print_objects(view, t);
     print_materials(view, t);
     print_lights(view);
+    print_environment(view);
     print_cameras(view);
 }
 
@@ -284,9 +305,11 @@ int cli_info(int argc, char **argv)
 {
     const char *name = NULL, *mesh = NULL;
     bool json = false;
+    cli_environment environment = CLI_DEFAULT_ENVIRONMENT;
     const cli_option options[] = {
         { .name = "--json", .kind = CLI_FLAG, .value = &json },
         CLI_MESH_OPTION(&mesh),
+        CLI_ENVIRONMENT_OPTIONS(&environment),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
@@ -295,7 +318,7 @@ int cli_info(int argc, char **argv)
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
-    rsv_scene *scene = cli_open_scene(&session, name);
+    rsv_scene *scene = cli_open_scene(&session, name, &environment);
     const rsv_scene_view *view = scene ? rsv_scene_get_view(scene) : NULL;
     totals t = { 0 };
     bool printed = view && add_up(view, &t);

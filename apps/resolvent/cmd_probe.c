@@ -23,7 +23,7 @@ static const char help[] =
     "  -o FILE            the readings\n"
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
-    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
+    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
     "  --quality Q        draft, medium (default) or high: of the solution\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
     "  --seed N           another set of random numbers (default 0)\n"
@@ -42,6 +42,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
+    cli_environment environment;
     int mode, quality;
     uint32_t samples; ///< 0 = by quality
     uint32_t threads, seed;
@@ -61,6 +62,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_ENVIRONMENT_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -115,7 +117,7 @@ static int run(cli_session *session, const settings *s, const cli_points *points
     double time_render = 0;
     rsv_solution *solution = NULL;
     rsv_probe_reading *readings = calloc(points->count, sizeof *readings);
-    rsv_scene *scene = cli_open_scene(session, s->scene);
+    rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
     if (!scene) goto cleanup;
     if (!readings) {
         cli_error("out of memory for %zu points", points->count);
@@ -138,7 +140,9 @@ cleanup:
 int cli_probe(int argc, char **argv)
 {
     static const uint32_t samples_by_quality[] = { 4096, 16384, 65536 };
-    settings s = { .mode = RSV_PROBE_OPERATOR, .quality = RSV_QUALITY_MEDIUM };
+    settings s = { .mode = RSV_PROBE_OPERATOR,
+        .quality = RSV_QUALITY_MEDIUM,
+        .environment = CLI_DEFAULT_ENVIRONMENT };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (s.samples == 0) s.samples = samples_by_quality[s.quality];

@@ -24,7 +24,7 @@ static const char help[] =
     "                     reference  an unbiased path tracer, slow, to judge the others by\n"
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
     "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
-    "64)\n" CLI_MESH_HELP
+    "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
@@ -51,7 +51,8 @@ enum device { device_cpu, device_cuda };
 static const char *const device_names[] = { [device_cpu] = "cpu", [device_cuda] = "cuda", NULL };
 
 typedef struct settings {
-    const char *scene, *camera, *environment, *stats, *mesh;
+    const char *scene, *camera, *stats, *mesh;
+    cli_environment environment;
     cli_list outputs;
     cli_size size;
     int mode, quality, device;
@@ -80,7 +81,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
         CLI_MESH_OPTION(&s->mesh),
-        { .name = "--env", .kind = CLI_TEXT, .value = &s->environment },
+        CLI_ENVIRONMENT_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -98,11 +99,6 @@ static bool check_request(const settings *s)
 {
     if (s->device == device_cuda) {
         cli_error("--device cuda: this build computes on the CPU only; leave the option out");
-        return false;
-    }
-    if (s->environment) {
-        cli_error("--env %s: this version has no environment light; leave the option out",
-            s->environment);
         return false;
     }
     for (size_t i = 0; i < s->outputs.count; i++)
@@ -216,7 +212,7 @@ static int run(cli_session *session, const settings *s)
     rsv_render_desc desc;
     rsv_solution *solution = NULL;
     rsv_image *image = NULL;
-    rsv_scene *scene = cli_open_scene(session, s->scene);
+    rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
     if (!scene || !describe_picture(s, scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 
@@ -236,7 +232,9 @@ cleanup:
 
 int cli_render(int argc, char **argv)
 {
-    settings s = { .mode = RSV_RENDER_FINAL, .quality = RSV_QUALITY_MEDIUM };
+    settings s = { .mode = RSV_RENDER_FINAL,
+        .quality = RSV_QUALITY_MEDIUM,
+        .environment = CLI_DEFAULT_ENVIRONMENT };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!check_request(&s)) return CLI_FAILURE;

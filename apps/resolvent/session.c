@@ -126,7 +126,20 @@ rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **s
     return status;
 }
 
-rsv_scene *cli_open_scene(cli_session *session, const char *name)
+static rsv_status add_environment(
+    cli_session *session, rsv_scene *scene, const cli_environment *environment)
+{
+    if (!environment) return RSV_OK;
+    if (environment->path)
+        return rsv_scene_load_environment(
+            scene, environment->path, environment->intensity, environment->rotation);
+    if (environment->intensity != 1 || environment->rotation != 0)
+        cli_warn(session, "--env-intensity and --env-rotate do nothing without --env");
+    return RSV_OK;
+}
+
+rsv_scene *cli_open_scene(
+    cli_session *session, const char *name, const cli_environment *environment)
 {
     rsv_scene *scene = NULL;
     rsv_status status;
@@ -147,9 +160,12 @@ rsv_scene *cli_open_scene(cli_session *session, const char *name)
             name);
         return NULL;
     }
+    if (status == RSV_OK) status = add_environment(session, scene, environment);
     session->time_load = cli_seconds() - started;
-    if (status != RSV_OK) cli_report_failure(session, status);
-    return scene;
+    if (status == RSV_OK) return scene;
+    cli_report_failure(session, status);
+    rsv_scene_destroy(scene);
+    return NULL;
 }
 
 int cli_report_failure(cli_session *session, rsv_status status)

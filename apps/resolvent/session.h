@@ -34,9 +34,36 @@ void cli_session_end(cli_session *session);
 /// Builds the built-in scene `name` around the session's mesh.
 rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene);
 
+/// The surroundings that --env, --env-intensity and --env-rotate ask for.
+typedef struct cli_environment {
+    const char *path; ///< NULL = none
+    float intensity;  ///< factor
+    float rotation;   ///< degrees
+} cli_environment;
+
+#define CLI_DEFAULT_ENVIRONMENT ((cli_environment){ .intensity = 1 })
+
+// clang-format off
+/// The options that fill a cli_environment, for a command's table.
+#define CLI_ENVIRONMENT_OPTIONS(environment)                                                       \
+    { .name = "--env", .kind = CLI_TEXT, .value = &(environment)->path },                          \
+    { .name = "--env-intensity", .kind = CLI_REAL, .value = &(environment)->intensity,             \
+      .max = 1e9 },                                                                                \
+    { .name = "--env-rotate", .kind = CLI_REAL, .value = &(environment)->rotation,                 \
+      .min = -1e4, .max = 1e4 }
+// clang-format on
+
+/// Their lines in a command's help.
+#define CLI_ENVIRONMENT_HELP                                                                       \
+    "  --env FILE         surround the scene with a latitude-longitude picture (.hdr, .exr)\n"     \
+    "  --env-intensity S  multiply its radiance by S (default 1)\n"                                \
+    "  --env-rotate DEG   turn it about the vertical, counter-clockwise from above (default 0)\n"
+
 /// Loads the file `name`, or builds the built-in scene of that name where there is no such file.
 /// Prints what went wrong; returns NULL then.
-rsv_scene *cli_open_scene(cli_session *session, const char *name);
+/// @param environment what to surround it with; NULL = nothing
+rsv_scene *cli_open_scene(
+    cli_session *session, const char *name, const cli_environment *environment);
 
 /// Whether a signal asked to stop.
 bool cli_interrupted(void);

@@ -42,6 +42,11 @@ RSV_API rsv_status rsv_scene_load_with(
 /// appears complete or not at all.
 RSV_API rsv_status rsv_scene_save(const rsv_scene *scene, const char *path);
 
+/// Reads a latitude-longitude picture (.hdr, .exr and whatever rsv_image_read reads) and surrounds the scene
+/// with it. @param intensity, rotation as in rsv_environment
+RSV_API rsv_status rsv_scene_load_environment(
+    rsv_scene *scene, const char *path, float intensity, float rotation);
+
 #ifdef __cplusplus
 }
 #endif

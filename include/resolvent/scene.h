@@ -156,6 +156,20 @@ typedef struct rsv_camera {
     float aspect;                ///< width / height for which it was made; 0 = unspecified
 } rsv_camera;
 
+/// Light from infinitely far away, as a latitude-longitude picture. Direction (x, y, z) looks up column
+/// 1/2 + atan2(z, x) / 2 pi of the width and row acos(y) / pi of the height, from the top; in between,
+/// pixels are interpolated.
+typedef struct rsv_environment {
+    const char *name;      ///< for messages; copied
+    const rsv_rgb *pixels; ///< [height * width] radiance, W/(sr m2), row-major from the top; copied
+    uint32_t width, height;
+    float intensity; ///< multiplies the pixels; 1 = as they are
+    float
+        rotation; ///< degrees by which the surroundings turn about +y, counter-clockwise from above
+} rsv_environment;
+
+#define RSV_ENVIRONMENT_MAX_PIXELS ((size_t)1 << 27) ///< 16384 x 8192
+
 /// The committed scene as flat arrays in world space; valid until the scene is destroyed.
 typedef struct rsv_scene_view {
     size_t vertex_count, triangle_count, material_count, light_count, camera_count, object_count;
@@ -174,6 +188,7 @@ typedef struct rsv_scene_view {
     const rsv_light *light;         ///< [light_count]
     const rsv_camera *camera;       ///< [camera_count]
     const char *const *object_name; ///< [object_count]
+    const rsv_environment *environment; ///< pixels with the intensity in them; NULL = black
     rsv_vec3 bounds_min, bounds_max;
 } rsv_scene_view;
 
@@ -203,6 +218,12 @@ RSV_API rsv_status rsv_scene_add_instance(
 
 RSV_API rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_light *light);
 RSV_API rsv_status rsv_scene_add_camera(rsv_scene *scene, const rsv_camera *camera);
+
+/// Surrounds the scene with `environment` (NULL = with nothing), before or after commit; solutions and pictures
+/// made earlier keep what they were made with. Pixels that are negative, infinite or not a number are
+/// repaired with a warning. RSV_ERROR_ARGUMENT for an empty picture or an unusable intensity or rotation,
+/// RSV_ERROR_UNSUPPORTED beyond RSV_ENVIRONMENT_MAX_PIXELS.
+RSV_API rsv_status rsv_scene_set_environment(rsv_scene *scene, const rsv_environment *environment);
 
 /// Flattens and checks. RSV_ERROR_SCENE if nothing remains to be drawn. A scene without a camera gets
 /// one named "framing" that shows all of it.

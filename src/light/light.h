@@ -1,5 +1,5 @@
-/// Every source of a committed scene, and how to sample them: emissive triangles ("emitters") and
-/// punctual lights.
+/// Every source of a committed scene, and how to sample them: emissive triangles ("emitters"),
+/// punctual lights and the environment.
 ///
 /// Emitters that share object and material form a group: the unit of decisions such as whether a
 /// source is so large that gathering finds it better than next-event estimation.
@@ -7,6 +7,7 @@
 #define RSV_LIGHT_H
 
 #include "../bsdf/bsdf.h"
+#include "environment.h"
 #include "resolvent/trace.h"
 
 typedef struct rsv_emitter {
@@ -48,14 +49,19 @@ typedef struct rsv_lights {
     double *power_cdf;          ///< [emitter_count of non-gathered ones], ascending to 1
     uint32_t *sampled;          ///< indices of the emitters that next-event estimation samples
     size_t sampled_count;
+    rsv_environment_light *environment; ///< NULL = black surroundings
 } rsv_lights;
 
+/// The environment stays undivided. Warns if nothing emits.
 /// @param bsdf [material_count], borrowed
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights);
 void rsv_lights_destroy(rsv_lights *lights);
 
 /// Radiance of an emitter at barycentric (u, v).
 rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v);
+
+/// Whether rsv_local_lights_sample has anything to find.
+bool rsv_lights_any_sampled(const rsv_lights *lights);
 
 /// Irradiance at `p` with unit normal `n` from a uniform polygon emitter without occlusion, divided
 /// by its radiance: int cos+ dw over the part above the horizon (Lambert's formula after clipping).
@@ -66,16 +72,17 @@ float rsv_polygon_irradiance(const rsv_vec3 *corner, int corner_count, rsv_vec3 
 
 #define RSV_LOCAL_LIGHTS 64
 
-/// The emitters as one receiver sees them: selection probabilities proportional to the unshadowed
-/// irradiance (luminance), for up to RSV_LOCAL_LIGHTS emitters; beyond that by power alone.
+/// Emitters, suns and the sampled part of the sky as one receiver sees them: selection probabilities proportional to the
+/// unshadowed irradiance (luminance), for up to RSV_LOCAL_LIGHTS emitters; more of them by power alone.
 typedef struct rsv_local_lights {
     const rsv_lights *lights;
     rsv_vec3 point, normal;
-    uint32_t count; ///< entries below; 0 = selection by power
-    bool by_power;
-    float probability[RSV_LOCAL_LIGHTS]; ///< per entry of lights->sampled
-    rsv_rgb unshadowed; ///< irradiance of all sampled emitters without occlusion, each with its
-                        ///< mean radiance; only meaningful when !by_power
+    uint32_t count; ///< emitters in `probability`, ahead of suns and sky
+    bool by_power;  ///< emitters are selected by power, with `emitter_share` for all of them
+    float emitter_share;
+    float probability[RSV_LOCAL_LIGHTS + RSV_MAX_SUNS + 1];
+    rsv_rgb unshadowed; ///< irradiance of everything sampled without occlusion, emitters with
+                        ///< their mean radiance; only meaningful when !by_power
 } rsv_local_lights;
 
 void rsv_lights_at(
@@ -83,14 +90,14 @@ void rsv_lights_at(
 
 typedef struct rsv_light_sample {
     rsv_vec3 direction;    ///< unit, towards the source
-    float distance;        ///< metres to the source; INFINITY for directional lights
+    float distance;        ///< metres to the source; INFINITY for suns and sky
     rsv_rgb radiance;      ///< arriving along direction, without occlusion
-    rsv_rgb mean_radiance; ///< of the emitter: what closed forms know of it
-    float pdf_solid_angle; ///< including the selection of the emitter
-    uint32_t emitter;
+    rsv_rgb mean_radiance; ///< of the emitter: what closed forms know of it; else the radiance
+    float pdf_solid_angle; ///< including the selection of the source
+    uint32_t emitter;      ///< RSV_NONE for suns and sky
 } rsv_light_sample;
 
-/// Samples an emitter towards the receiver: uniform in the solid angle of the chosen triangle (Arvo
+/// Samples a source towards the receiver. Emitters: uniform in the solid angle of the chosen triangle (Arvo
 /// 1995) where that is numerically sound, uniform in area otherwise. False if nothing can
 /// contribute.
 bool rsv_local_lights_sample(
@@ -101,6 +108,9 @@ bool rsv_local_lights_sample(
 float rsv_local_lights_pdf(
     const rsv_local_lights *local, uint32_t emitter, rsv_vec3 direction, float distance);
 
+/// Density with which rsv_local_lights_sample would have drawn `direction` from the sky.
+float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction);
+
 /// Light `index` of scene->light seen from `point`: unit direction to it, distance, and irradiance
 /// on a surface that faces it, without occlusion. False if nothing arrives.
 bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direction,
@@ -109,8 +119,9 @@ bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direct
 /// The segment that must be free for a sample's light to arrive, t_max = 1: from `origin` (off the receiver's
 /// surface) to the sampled point, moved off the emitter's surface likewise. Neither end depends on the
 /// other's distance, so lamps close to what they light do not shadow themselves.
+/// Rays to suns and sky have no end.
 /// @param point the receiver the sample was drawn for
-rsv_ray rsv_emitter_ray(
+rsv_ray rsv_shadow_ray(
     const rsv_lights *lights, const rsv_light_sample *sample, rsv_vec3 point, rsv_vec3 origin);
 
 /// The same for a punctual light at `direction` and `distance` as rsv_punctual_light gives them.

@@ -144,6 +144,18 @@ static void list_sampled(rsv_lights *lights)
         lights->power_cdf[i] /= sum;
 }
 
+static void warn_if_dark(const rsv_lights *lights)
+{
+    bool lit = lights->emitter_count > 0;
+    for (size_t i = 0; i < lights->scene->light_count; i++)
+        lit = lit || !rgb_is_black(lights->scene->light[i].intensity);
+    lit = lit || (lights->environment && lights->environment->sampler.flux > 0);
+    if (!lit)
+        rsv_log(lights->context, RSV_LOG_WARNING,
+            "the scene has no light (emissive material, punctual light or environment): pictures "
+            "will be black");
+}
+
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights)
 {
     rsv_status status = RSV_OK;
@@ -171,6 +183,8 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     fill_emitters(created, bsdf, keys);
     rsv_lights_choose_gathered(created);
     list_sampled(created);
+    RSV_TRY(rsv_environment_light_create(scene, &created->environment));
+    warn_if_dark(created);
     *lights = created;
     created = NULL;
 cleanup:
@@ -183,10 +197,16 @@ void rsv_lights_destroy(rsv_lights *lights)
 {
     if (!lights) return;
     rsv_context *context = lights->context;
+    rsv_environment_light_destroy(lights->environment);
     rsv_free(context, lights->emitter);
     rsv_free(context, lights->group);
     rsv_free(context, lights->triangle_emitter);
     rsv_free(context, lights->power_cdf);
     rsv_free(context, lights->sampled);
     rsv_free(context, lights);
+}
+
+bool rsv_lights_any_sampled(const rsv_lights *lights)
+{
+    return lights->sampled_count > 0 || rsv_environment_light_is_sampled(lights->environment);
 }

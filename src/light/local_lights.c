@@ -47,6 +47,54 @@ static float projected_solid_angle(const rsv_emitter *emitter, rsv_vec3 point, r
     return rsv_polygon_irradiance(emitter->corner, 3, point, normal);
 }
 
+/// The sky keeps a chance where its table says it cannot be seen: the table interpolates.
+#define LEAST_SKY_SHARE 1e-4f
+
+static uint32_t sun_count(const rsv_lights *lights)
+{
+    return lights->environment ? lights->environment->sun_count : 0;
+}
+
+/// Suns and sky come after the emitters.
+static uint32_t entry_count(const rsv_local_lights *local)
+{
+    return local->count + sun_count(local->lights) + 1;
+}
+
+/// Unshadowed irradiance of all suns and of the sky; selection in proportion to it.
+static float weigh_environment(rsv_local_lights *local)
+{
+    const rsv_environment_light *environment = local->lights->environment;
+    float *probability = local->probability + local->count, sum = 0;
+    for (uint32_t k = 0; k < sun_count(local->lights); k++) {
+        const rsv_sun *sun = &environment->sun[k];
+        float projected = sun->solid_angle * f_max(v3_dot(sun->direction, local->normal), 0);
+        local->unshadowed = rgb_mad(local->unshadowed, projected, sun->radiance);
+        sum += *probability++ = projected * rgb_luminance(sun->radiance);
+    }
+    *probability = 0;
+    if (!environment || !(environment->sampler.flux > 0)) return sum;
+    rsv_rgb open = rsv_sky_irradiance_at(&environment->open, local->normal);
+    local->unshadowed = rgb_add(local->unshadowed, open);
+    *probability = f_max(rgb_luminance(open), LEAST_SKY_SHARE * (float)environment->sampler.flux);
+    return sum + *probability;
+}
+
+static float weigh_emitters(rsv_local_lights *local)
+{
+    const rsv_lights *lights = local->lights;
+    local->count = (uint32_t)lights->sampled_count;
+    float sum = 0;
+    for (uint32_t i = 0; i < local->count; i++) {
+        const rsv_emitter *emitter = &lights->emitter[lights->sampled[i]];
+        float projected = projected_solid_angle(emitter, local->point, local->normal);
+        local->unshadowed = rgb_mad(local->unshadowed, projected, emitter->radiance);
+        local->probability[i] = projected * rgb_luminance(emitter->radiance);
+        sum += local->probability[i];
+    }
+    return sum;
+}
+
 void rsv_lights_at(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local)
 {
@@ -56,25 +104,22 @@ void rsv_lights_at(
     local->count = 0;
     local->unshadowed = rgb_gray(0);
     local->by_power = lights->sampled_count > RSV_LOCAL_LIGHTS;
-    if (local->by_power) return;
-    local->count = (uint32_t)lights->sampled_count;
-    float sum = 0;
-    for (uint32_t i = 0; i < local->count; i++) {
-        const rsv_emitter *emitter = &lights->emitter[lights->sampled[i]];
-        float projected = projected_solid_angle(emitter, point, normal);
-        local->unshadowed = rgb_mad(local->unshadowed, projected, emitter->radiance);
-        local->probability[i] = projected * rgb_luminance(emitter->radiance);
-        sum += local->probability[i];
-    }
-    for (uint32_t i = 0; i < local->count && sum > 0; i++)
-        local->probability[i] /= sum;
+    float sum = local->by_power ? 0 : weigh_emitters(local);
+    sum += weigh_environment(local);
+    local->emitter_share = !local->by_power ? 0 : sum > 0 ? 0.5f : 1;
+    for (uint32_t i = 0; i < entry_count(local) && sum > 0; i++)
+        local->probability[i] *= (1 - local->emitter_share) / sum;
+}
+
+static double power_probability(const rsv_local_lights *local, uint32_t entry)
+{
+    const double *cdf = local->lights->power_cdf;
+    return local->emitter_share * (entry ? cdf[entry] - cdf[entry - 1] : cdf[0]);
 }
 
 static double selection_probability(const rsv_local_lights *local, uint32_t entry)
 {
-    if (!local->by_power) return local->probability[entry];
-    const double *cdf = local->lights->power_cdf;
-    return entry ? cdf[entry] - cdf[entry - 1] : cdf[0];
+    return local->by_power ? power_probability(local, entry) : local->probability[entry];
 }
 
 static uint32_t select_by_power(const rsv_lights *lights, double u)
@@ -95,7 +140,7 @@ static uint32_t select_by_power(const rsv_lights *lights, double u)
 static uint32_t select_by_irradiance(const rsv_local_lights *local, float u)
 {
     uint32_t selected = RSV_NONE;
-    for (uint32_t i = 0; i < local->count && u >= 0; i++) {
+    for (uint32_t i = 0; i < entry_count(local) && u >= 0; i++) {
         if (!(local->probability[i] > 0)) continue;
         selected = i;
         u -= local->probability[i];
@@ -155,15 +200,11 @@ static rsv_rgb radiance_at(
     return rsv_emitter_radiance(lights, emitter, (float)u, (float)v);
 }
 
-bool rsv_local_lights_sample(
-    const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
+static bool sample_emitter(
+    const rsv_local_lights *local, uint32_t entry, float u1, float u2, rsv_light_sample *sample)
 {
-    const rsv_lights *lights = local->lights;
-    uint32_t entry =
-        local->by_power ? select_by_power(lights, u_select) : select_by_irradiance(local, u_select);
-    if (entry == RSV_NONE) return false;
-    sample->emitter = lights->sampled[entry];
-    const rsv_emitter *emitter = &lights->emitter[sample->emitter];
+    sample->emitter = local->lights->sampled[entry];
+    const rsv_emitter *emitter = &local->lights->emitter[sample->emitter];
     triangle_view view;
     if (!view_emitter(emitter, local->point, &view)) return false;
     rsv_double3 towards = sample_triangle(&view, u1, u2);
@@ -171,11 +212,58 @@ bool rsv_local_lights_sample(
     sample->distance = (float)distance;
     sample->direction = d3_to_float(d3_scale(towards, 1 / distance));
     sample->mean_radiance = emitter->radiance;
-    sample->radiance = radiance_at(lights, sample->emitter, &view, towards);
-    if (!(v3_dot(sample->direction, local->normal) > 0)) return false;
+    sample->radiance = radiance_at(local->lights, sample->emitter, &view, towards);
     sample->pdf_solid_angle = (float)(selection_probability(local, entry) *
                                       triangle_pdf(&view, sample->direction, sample->distance));
-    return sample->pdf_solid_angle > 0 && isfinite(sample->pdf_solid_angle);
+    return true;
+}
+
+/// A sun, or the sky beyond the last of them.
+static void sample_environment(
+    const rsv_local_lights *local, uint32_t index, float u1, float u2, rsv_light_sample *sample)
+{
+    const rsv_environment_light *environment = local->lights->environment;
+    sample->emitter = RSV_NONE;
+    sample->distance = INFINITY;
+    if (index < environment->sun_count) {
+        const rsv_sun *sun = &environment->sun[index];
+        sample->direction = rsv_sun_sample(sun, u1, u2);
+        sample->radiance = sun->radiance;
+        sample->pdf_solid_angle = 1 / sun->solid_angle;
+    } else {
+        sample->pdf_solid_angle = rsv_sky_sample(&environment->sampler, u1, u2, &sample->direction);
+        sample->radiance = rsv_sky_radiance(&environment->sampled, sample->direction);
+    }
+    sample->mean_radiance = sample->radiance;
+    sample->pdf_solid_angle *= local->probability[local->count + index];
+}
+
+bool rsv_local_lights_sample(
+    const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
+{
+    uint32_t entry;
+    bool emitter = true;
+    if (u_select < local->emitter_share) {
+        entry = select_by_power(local->lights, u_select / local->emitter_share);
+    } else {
+        entry = select_by_irradiance(local, u_select - local->emitter_share);
+        if (entry == RSV_NONE) return false;
+        emitter = entry < local->count;
+    }
+    if (!emitter)
+        sample_environment(local, entry - local->count, u1, u2, sample);
+    else if (!sample_emitter(local, entry, u1, u2, sample))
+        return false;
+    return v3_dot(sample->direction, local->normal) > 0 && sample->pdf_solid_angle > 0 &&
+           isfinite(sample->pdf_solid_angle);
+}
+
+float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction)
+{
+    const rsv_environment_light *environment = local->lights->environment;
+    if (!environment || !(v3_dot(direction, local->normal) > 0)) return 0;
+    return local->probability[local->count + environment->sun_count] *
+           rsv_sky_pdf(&environment->sampler, direction);
 }
 
 float rsv_local_lights_pdf(

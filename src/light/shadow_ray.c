@@ -1,8 +1,9 @@
 #include "light.h"
 
-rsv_ray rsv_emitter_ray(
+rsv_ray rsv_shadow_ray(
     const rsv_lights *lights, const rsv_light_sample *sample, rsv_vec3 point, rsv_vec3 origin)
 {
+    if (sample->emitter == RSV_NONE) return (rsv_ray){ origin, sample->direction, INFINITY };
     const rsv_emitter *emitter = &lights->emitter[sample->emitter];
     bool front = v3_dot(emitter->normal, sample->direction) < 0;
     rsv_vec3 side = front ? emitter->normal : v3_neg(emitter->normal);

@@ -90,7 +90,7 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         entered[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
         entered[k] = rgb_mul(entered[k], rsv_bsdf_entry(bsdf, cos));
         set_shadow_ray(&packet, k,
-            rsv_emitter_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
+            rsv_shadow_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
     }
     rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
     for (int k = 0; k < LANES; k++) {
@@ -142,7 +142,7 @@ static direct_estimate from_emitters(
     const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
 {
     direct_estimate none = { rgb_gray(0), 0 };
-    if (job->lights->sampled_count == 0) return none;
+    if (!rsv_lights_any_sampled(job->lights)) return none;
     rsv_local_lights local[LANES];
     rsv_rgb unshadowed = rgb_gray(0);
     float valid = (float)__builtin_popcount(p->valid);

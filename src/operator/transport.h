@@ -12,6 +12,7 @@
 #include "../light/light.h"
 #include "chain.h"
 #include "elements.h"
+#include "escapes.h"
 
 #define RSV_SUPPORT_POINTS 16 ///< receiver points over the support of a node, one per packet lane
 
@@ -23,8 +24,9 @@ typedef struct rsv_transport {
     size_t *tinted_begin; ///< [row_count + 1] into tinted_column and tinted_weight
     uint32_t *tinted_column;
     rsv_rgb *tinted_weight;
-    float *scale;      ///< [row_count] 1 / rays of the row that count; 0 = hanging or buried
-    rsv_rgb *gathered; ///< [row_count] irradiance emitted by sources that are found by gathering
+    float *scale;        ///< [row_count] 1 / rays of the row that count; 0 = hanging or buried
+    rsv_rgb *gathered;   ///< [row_count] irradiance emitted by sources that are found by gathering
+    rsv_escapes escapes; ///< of the rays that left the scene
     uint64_t rays;
 } rsv_transport;
 
@@ -46,10 +48,17 @@ void rsv_transport_destroy(rsv_transport *transport);
 void rsv_transport_apply(
     const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance);
 
+/// Irradiance from surroundings with the given radiance in each bin (rsv_escape_radiance): the environment's share of
+/// E0 but for what is sampled.
+/// @param irradiance [row_count]; rows of hanging and buried nodes come out 0
+void rsv_transport_environment(
+    const rsv_transport *transport, const rsv_rgb *bin_radiance, rsv_rgb *irradiance);
+
 /// Estimated standard deviation of the luminance of each row of G exitance, from the spread of its rays.
+/// @param bin_radiance of the surroundings, whose light counts too
 /// @param deviation [row_count]; 0 for rows that come out 0
-void rsv_transport_deviation(
-    const rsv_transport *transport, const rsv_rgb *exitance, float *deviation);
+void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exitance,
+    const rsv_rgb *bin_radiance, float *deviation);
 
 size_t rsv_transport_entries(const rsv_transport *transport);
 

@@ -143,6 +143,20 @@ static void add_emission(light_path *path, const surface *s, float distance)
     add_light(path, path->diffuse_events, rgb_scale(s->bsdf->emission, weight));
 }
 
+/// The surroundings, seen by a ray that left the scene.
+static void add_environment(light_path *path)
+{
+    const rsv_environment_light *environment = path->tracer->lights->environment;
+    if (!environment) return;
+    rsv_vec3 direction = v3_normalize(path->ray.direction);
+    rsv_rgb radiance = rsv_sky_radiance(&environment->whole, direction);
+    float weight = 1;
+    if (path->pdf_solid_angle > 0)
+        weight = power_heuristic(
+            path->pdf_solid_angle, rsv_local_lights_sky_pdf(&path->local[path->below], direction));
+    add_light(path, path->diffuse_events, rgb_scale(radiance, weight));
+}
+
 /// What of the light from wi enters a translucent body, over pi: as if it left a white one right here.
 static rsv_bsdf_value respond_to_entering(const surface *s, rsv_vec3 wi)
 {
@@ -160,10 +174,10 @@ static rsv_bsdf_value respond(const surface *s, rsv_vec3 wi, rsv_lobe_set lobes)
     return rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, lobes);
 }
 
-static bool sees_emitter_point(
+static bool sees_light(
     const rsv_path_tracer *tracer, const surface *s, const rsv_light_sample *sample, bool below)
 {
-    rsv_ray ray = rsv_emitter_ray(tracer->lights, sample, s->point, leaving_point(s, below));
+    rsv_ray ray = rsv_shadow_ray(tracer->lights, sample, s->point, leaving_point(s, below));
     return !rsv_tracer_occluded(tracer->tracer, &ray);
 }
 
@@ -183,7 +197,7 @@ static void add_emitter_sample(
     rsv_bsdf_value diffuse = respond(s, sample.direction, RSV_LOBES_DIFFUSE);
     rsv_bsdf_value rough = respond(s, sample.direction, RSV_LOBES_ROUGH);
     float pdf_bsdf = diffuse.pdf_solid_angle + rough.pdf_solid_angle;
-    if (pdf_bsdf == 0 || !sees_emitter_point(path->tracer, s, &sample, below)) return;
+    if (pdf_bsdf == 0 || !sees_light(path->tracer, s, &sample, below)) return;
     float weight = power_heuristic(sample.pdf_solid_angle, pdf_bsdf) / sample.pdf_solid_angle;
     add_scattered(path, rgb_scale(sample.radiance, weight), diffuse.response, rough.response);
 }
@@ -362,16 +376,20 @@ static bool passes(light_path *path, const surface *s)
 static void follow(light_path *path)
 {
     rsv_hit hit;
-    while (rsv_tracer_closest(path->tracer->tracer, &path->ray, &hit)) {
+    for (;;) {
+        if (!rsv_tracer_closest(path->tracer->tracer, &path->ray, &hit)) {
+            add_environment(path);
+            return;
+        }
         surface s;
         meet_surface(path->tracer, &path->ray, &hit, &s);
         absorb_inside_body(path, &s);
         if (passes(path, &s)) {
-            if (!survives_roulette(path)) break;
+            if (!survives_roulette(path)) return;
             continue;
         }
         add_emission(path, &s, hit.t);
-        if (!scatter(path, &s) || !survives_roulette(path)) break;
+        if (!scatter(path, &s) || !survives_roulette(path)) return;
     }
 }
 

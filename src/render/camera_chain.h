@@ -2,6 +2,7 @@
 #ifndef RSV_CAMERA_CHAIN_H
 #define RSV_CAMERA_CHAIN_H
 
+#include "../light/sky.h"
 #include "../operator/chain.h"
 
 /// Called for each diffuse interface a camera ray leads to.
@@ -10,8 +11,9 @@ typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weig
 
 /// Follows all branches that matter, deterministically; branches fainter than one part in a hundred
 /// survive by roulette, so that nothing is lost on average.
-/// @return radiance emitted towards the camera by the surfaces on the way
-rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, rsv_chain chain, uint32_t seed,
-    rsv_diffuse_end end, void *user);
+/// @param sky the surroundings
+/// @return radiance towards the camera emitted by the surfaces on the way and by the surroundings
+rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_sky *sky, rsv_chain chain,
+    uint32_t seed, rsv_diffuse_end end, void *user);
 
 #endif

@@ -20,6 +20,7 @@ typedef struct picture_job {
     rsv_image *image;
     uint32_t layer_count; ///< of the image, layer 0 included
     float spread;         ///< of a camera ray: the angle that it has for itself
+    rsv_sky sky;          ///< what lies beyond the scene
 } picture_job;
 
 /// One row of the picture in the making.
@@ -199,17 +200,20 @@ static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv
 {
     const rsv_render_desc *desc = r->job->desc;
     for (uint32_t k = 0; k < count; k++) {
-        if (packet->triangle[k] == RSV_NONE) continue;
         r->column = (first + k) / desc->samples;
         r->sample = (first + k) % desc->samples;
         r->seed = rsv_hash3(desc->seed ^ 0x6c078965u, r->row, r->column);
         rsv_vec3 direction =
             v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+        if (packet->triangle[k] == RSV_NONE) {
+            add_light(r, r->column, 0, rsv_sky_radiance(&r->job->sky, direction));
+            continue;
+        }
         rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, direction, packet->triangle[k],
             packet->u[k], packet->v[k], packet->t_max[k]);
         rsv_chain_set_spread(&chain, r->job->spread, packet->t_max[k]);
         rsv_rgb emission = rsv_camera_chain(
-            &r->job->solution->scene, chain, rsv_hash2(r->seed, r->sample), shade, r);
+            &r->job->solution->scene, &r->job->sky, chain, rsv_hash2(r->seed, r->sample), shade, r);
         add_light(r, r->column, 0, emission);
     }
 }
@@ -338,6 +342,7 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
         .camera = &solution->scene.view->camera[desc->camera],
         .layer_count = desc->layers ? 1 + MAX_LAYERS : 1 };
     job.spread = ray_spread(&job);
+    if (solution->lights->environment) job.sky = solution->lights->environment->whole;
     RSV_TRY(rsv_image_create(
         solution->context, desc->width, desc->height, job.layer_count, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));

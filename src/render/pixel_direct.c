@@ -72,7 +72,7 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_b
         useful = rsv_surface_faces(point, light.direction);
     }
     if (push_term(d, term) && useful)
-        push_shadow_ray(d, rsv_emitter_ray(s->lights, &light, point->position, origin));
+        push_shadow_ray(d, rsv_shadow_ray(s->lights, &light, point->position, origin));
 }
 
 static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_bsdf *bsdf,
@@ -104,7 +104,7 @@ void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_solution *s, const rsv_
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-    if (s->lights->sampled_count)
+    if (rsv_lights_any_sampled(s->lights))
         add_emitters(d, s, bsdf, &point, origin, weight, column, sample, seed);
     add_punctual(d, s, bsdf, &point, origin, weight, column);
 }
@@ -154,14 +154,14 @@ rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rs
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-    if (s->lights->sampled_count) {
+    if (rsv_lights_any_sampled(s->lights)) {
         rsv_local_lights local;
         rsv_light_sample light;
         rsv_lights_at(s->lights, point.position, point.normal, &local);
         float select = rsv_random_float(random), x = rsv_random_float(random);
         if (rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) &&
             rsv_surface_faces(&point, light.direction) &&
-            is_open(s, rsv_emitter_ray(s->lights, &light, point.position, origin))) {
+            is_open(s, rsv_shadow_ray(s->lights, &light, point.position, origin))) {
             float cos = v3_dot(point.normal, light.direction);
             rsv_rgb entered = rgb_mul(light.radiance, rsv_bsdf_entry(bsdf, cos));
             sum = rgb_scale(entered, cos / light.pdf_solid_angle);

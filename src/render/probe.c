@@ -85,7 +85,7 @@ static emitter_sums sample_emitters(
         float cos = f_max(v3_dot(r->normal, light.direction), 0);
         float weight = cos / (light.pdf_solid_angle * (float)count);
         sums.open = rgb_mad(sums.open, weight, light.mean_radiance);
-        if (cos > 0 && is_open(r, rsv_emitter_ray(local->lights, &light, r->position, r->origin)))
+        if (cos > 0 && is_open(r, rsv_shadow_ray(local->lights, &light, r->position, r->origin)))
             sums.visible = rgb_mad(sums.visible, weight, light.radiance);
     }
     return sums;
@@ -112,7 +112,7 @@ static void ratio_estimates(
 static void add_emitters(const receiver *r, uint32_t index, double value[3][GROUPS])
 {
     const rsv_lights *lights = r->job->solution->lights;
-    if (lights->sampled_count == 0) return;
+    if (!rsv_lights_any_sampled(lights)) return;
     rsv_local_lights local;
     rsv_lights_at(lights, r->position, r->normal, &local);
     if (!local.by_power && rgb_is_black(local.unshadowed)) return;
@@ -162,15 +162,29 @@ static bool counts(const void *user, uint32_t triangle, uint32_t events)
            (events > 0 && !r->has_caustic);
 }
 
+/// What a gather ray finds beyond the scene. Behind specular surfaces that is everything, unless the stored
+/// caustic already holds the light of the suns.
+static rsv_rgb radiance_beyond(const receiver *r, rsv_vec3 direction, uint32_t events)
+{
+    const rsv_environment_light *environment = r->job->solution->lights->environment;
+    if (!environment) return rgb_gray(0);
+    if (events == 0) return rsv_sky_radiance(&environment->gathered, direction);
+    return r->has_caustic ? rsv_environment_light_sunless(environment, direction)
+                          : rsv_sky_radiance(&environment->whole, direction);
+}
+
 static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_solution *s = r->job->solution;
     rsv_ray ray = { r->origin, direction, INFINITY };
     rsv_hit hit;
-    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return rgb_gray(0);
+    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return radiance_beyond(r, direction, 0);
     rsv_chain first = rsv_chain_begin(&s->scene, direction, hit.triangle, hit.u, hit.v, hit.t);
     rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts, r);
     rsv_rgb radiance = gather.emission;
+    if (gather.end == RSV_CHAIN_ESCAPED)
+        return rgb_add(
+            radiance, rgb_mul(gather.chain.weight, radiance_beyond(r, gather.chain.direction, 1)));
     if (gather.end != RSV_CHAIN_DIFFUSE) return radiance;
     const rsv_chain *end = &gather.chain;
     uint32_t face = s->elements->face_of[end->back][end->triangle];

@@ -76,6 +76,7 @@ static void fill_view(rsv_scene *scene, bounding_box bounds)
         .light = scene->light,
         .camera = scene->camera,
         .object_name = (const char *const *)scene->object_name,
+        .environment = scene->environment.pixels ? &scene->environment : NULL,
         .bounds_min = bounds.low,
         .bounds_max = bounds.high,
     };
@@ -113,17 +114,6 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
     return rsv_scene_add_camera(scene, &camera);
 }
 
-static bool has_light(const rsv_scene *scene)
-{
-    for (size_t i = 0; i < scene->light_count; i++)
-        if (!rgb_is_black(scene->light[i].intensity)) return true;
-    for (size_t t = 0; t < scene->triangle_count; t++) {
-        const rsv_material *material = &scene->material[scene->triangle_material[t]];
-        if (!rgb_is_black(material->emission) && !material->unlit) return true;
-    }
-    return false;
-}
-
 rsv_status rsv_scene_commit(rsv_scene *scene)
 {
     rsv_status status;
@@ -138,9 +128,6 @@ rsv_status rsv_scene_commit(rsv_scene *scene)
     RSV_TRY(find_varying_materials(scene));
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
-    if (!scene->is_part && !has_light(scene))
-        rsv_log(scene->context, RSV_LOG_WARNING,
-            "the scene has no light (emissive material or punctual light): pictures will be black");
     rsv_scene_release_sources(scene);
     scene->committed = true;
 cleanup:

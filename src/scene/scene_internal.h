@@ -26,7 +26,7 @@ typedef struct rsv_instance {
 struct rsv_scene {
     rsv_context *context;
     bool commit_tried, committed;
-    bool is_part; ///< of another scene: neither lights nor cameras are missed
+    bool is_part; ///< of another scene: no camera is missed
 
     rsv_material *material;
     rsv_light *light;
@@ -52,11 +52,16 @@ struct rsv_scene {
     size_t position_capacity, normal_capacity;
     size_t uv_capacity[2], tangent_capacity, color_capacity;
 
+    rsv_environment environment; ///< name and pixels owned; pixels NULL = none
+
     rsv_scene_view view;
 };
 
 /// Brings every value into its range, with one warning that names the material.
 void rsv_material_clamp(const rsv_context *context, rsv_material *material);
+
+/// Frees the environment's picture and name.
+void rsv_scene_release_environment(rsv_scene *scene);
 
 /// Fills the world-space arrays from meshes and instances.
 rsv_status rsv_scene_flatten(rsv_scene *scene);

@@ -119,7 +119,8 @@ static rsv_status create_albedos(rsv_solution *s)
     const rsv_elements *e = s->elements;
     s->exitance_albedo = rsv_alloc(s->context, e->node_count, sizeof *s->exitance_albedo);
     s->source = rsv_alloc(s->context, e->node_count, sizeof *s->source);
-    if (!s->exitance_albedo || !s->source) return RSV_ERROR_MEMORY;
+    s->gathered = rsv_alloc(s->context, e->node_count, sizeof *s->gathered);
+    if (!s->exitance_albedo || !s->source || !s->gathered) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < e->node_count; n++) {
         uint32_t triangle = e->face_triangle[e->node_face[n]];
@@ -140,9 +141,10 @@ static void destroy_system(rsv_solution *s)
     }
     rsv_free(s->context, s->indirect);
     rsv_free(s->context, s->source);
+    rsv_free(s->context, s->gathered);
     rsv_free(s->context, s->exitance_albedo);
     rsv_transport_destroy(s->transport);
-    s->indirect = s->source = s->exitance_albedo = NULL;
+    s->indirect = s->source = s->gathered = s->exitance_albedo = NULL;
     s->transport = NULL;
 }
 
@@ -150,7 +152,7 @@ static rsv_status create_fine_level(rsv_solution *s)
 {
     bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
                     rsv_photons_wanted(&s->scene, s->lights);
-    bool sampled = s->lights->sampled_count > 0 || s->scene.view->light_count > 0;
+    bool sampled = rsv_lights_any_sampled(s->lights) || s->scene.view->light_count > 0;
     bool direct = s->desc.direct_level && sampled;
     if (!caustics && !direct) return RSV_OK;
     rsv_source_level_desc desc = { .direct = direct,
@@ -169,11 +171,13 @@ static rsv_status create_source(rsv_solution *s)
         COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL, s->source,
         NULL, &s->report.rays);
     if (status != RSV_OK) return status;
+    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        s->source[n] = rgb_add(s->source[n], s->transport->gathered[n]);
+        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
+        s->source[n] = rgb_add(s->source[n], s->gathered[n]);
         if (s->fine.coarse_caustic) s->source[n] = rgb_add(s->source[n], s->fine.coarse_caustic[n]);
     }
-    rsv_elements_constrain(s->elements, s->transport->gathered);
+    rsv_elements_constrain(s->elements, s->gathered);
     rsv_elements_constrain(s->elements, s->source);
     return RSV_OK;
 }
@@ -233,7 +237,7 @@ static rsv_status refine_by_pilot(rsv_solution *s)
     RSV_TRY(rsv_solve_neumann(s, PILOT_ORDERS));
     for (size_t n = 0; n < nodes; n++)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
-    rsv_transport_deviation(s->transport, exitance, deviation);
+    rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
     rsv_mark_buried(s->elements, s->valid_points, deviation);
     float mean = (float)rsv_elements_mean_luminance(s->elements, s->indirect);
     RSV_TRY(rsv_find_bends(s->elements, s->indirect, deviation, PILOT_BEND, PILOT_DARK * mean,
@@ -277,6 +281,17 @@ static void warn_if_unbounded(const rsv_solution *s)
             report->norm_inf);
 }
 
+/// Tells gather rays and shadow rays what each of them finds of the surroundings.
+static rsv_status divide_environment(rsv_solution *s)
+{
+    rsv_environment_light *environment = s->lights->environment;
+    s->bin_radiance = rsv_alloc(s->context, RSV_ESCAPE_BINS, sizeof *s->bin_radiance);
+    if (!s->bin_radiance) return RSV_ERROR_MEMORY;
+    rsv_status status = environment ? rsv_environment_light_divide(environment) : RSV_OK;
+    return status == RSV_OK ? rsv_escape_radiance(s->context, environment, s->bin_radiance)
+                            : status;
+}
+
 static rsv_status build(rsv_solution *s)
 {
     rsv_status status;
@@ -288,6 +303,7 @@ static rsv_status build(rsv_solution *s)
     s->report.time_bvh = built - start;
 
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
+    RSV_TRY(divide_environment(s));
     RSV_TRY(create_elements(s));
     RSV_TRY(create_albedos(s));
     RSV_TRY(assemble(s, s->desc.rays_per_element));
@@ -338,6 +354,7 @@ void rsv_solution_destroy(rsv_solution *s)
     rsv_subsurface_destroy(s->subsurface);
     destroy_system(s);
     rsv_free(context, s->valid_points);
+    rsv_free(context, s->bin_radiance);
     rsv_elements_destroy(s->elements);
     rsv_lights_destroy(s->lights);
     rsv_tracer_destroy(s->tracer);
@@ -357,7 +374,7 @@ uint32_t rsv_solution_order_count(const rsv_solution *solution) { return solutio
 rsv_rgb rsv_solution_direct(
     const rsv_solution *s, uint32_t face, float u, float v, bool skip_sampled)
 {
-    rsv_rgb sum = rsv_elements_interpolate(s->elements, s->transport->gathered, face, u, v);
+    rsv_rgb sum = rsv_elements_interpolate(s->elements, s->gathered, face, u, v);
     if (s->fine.caustic)
         sum = rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.caustic, face, u, v));
     if (skip_sampled) return sum;

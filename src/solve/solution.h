@@ -20,6 +20,8 @@ struct rsv_solution {
     rsv_rgb *exitance_albedo;   ///< [node_count] K = diag(exitance_albedo) P
     rsv_subsurface *subsurface; ///< P; NULL = light leaves where it entered, everywhere
     uint16_t *valid_points;     ///< [node_count] receiver points that are not buried, bit by bit
+    rsv_rgb *bin_radiance;      ///< [RSV_ESCAPE_BINS] of the surroundings
+    rsv_rgb *gathered;          ///< [node_count] the part of E0 that gather rays found
     rsv_rgb *source;            ///< [node_count] E0, all of it, on the coarse elements
     rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0
     uint32_t order_count;

@@ -98,9 +98,9 @@ const char *case_scene_read(const cJSON *json, case_scene *scene)
 {
     *scene = (case_scene){ 0 };
     if (!cJSON_IsObject(json)) return "no scene";
-    if (cJSON_HasObjectItem(json, "environment") ||
-        cJSON_HasObjectItem(json, "environment_alternative"))
-        return "an environment";
+    if (cJSON_HasObjectItem(json, "environment_alternative")) return "an alternative environment";
+    const cJSON *environment = cJSON_GetObjectItem(json, "environment");
+    if (environment && !case_sky_read(environment, &scene->sky)) return "an unknown environment";
     const cJSON *surfaces = cJSON_GetObjectItem(json, "surfaces");
     const cJSON *lights = cJSON_GetObjectItem(json, "lights"), *item;
     if (cJSON_GetArraySize(surfaces) > CASE_MAX_SURFACES) return "too many surfaces";
@@ -188,6 +188,7 @@ rsv_status case_scene_build(
     rsv_scene *created = NULL;
     rsv_status status = rsv_scene_create(context, &created);
     if (status == RSV_OK) status = add_everything(created, scene, variant);
+    if (status == RSV_OK) status = case_sky_add(created, &scene->sky);
     if (status == RSV_OK) status = rsv_scene_commit(created);
     if (status == RSV_OK)
         *built = created;

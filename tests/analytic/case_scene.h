@@ -2,9 +2,7 @@
 #ifndef CASE_SCENE_H
 #define CASE_SCENE_H
 
-#include "resolvent/resolvent.h"
-
-#include <cjson/cJSON.h>
+#include "case_sky.h"
 
 enum { CASE_MAX_SURFACES = 16, CASE_MAX_LIGHTS = 4, CASE_MAX_ZONES = 4, CASE_MAX_CAMERAS = 8 };
 
@@ -46,6 +44,7 @@ typedef struct case_scene {
     int light_count;
     rsv_camera camera[CASE_MAX_CAMERAS]; ///< one per radiance probe
     int camera_count;
+    case_sky sky;
 } case_scene;
 
 /// NULL if understood, else why not.

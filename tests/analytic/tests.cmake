@@ -8,6 +8,7 @@ add_executable(test_validation
     analytic/case_mesh.c
     analytic/case_probe.c
     analytic/case_scene.c
+    analytic/case_sky.c
     analytic/validation.c
 )
 target_link_libraries(test_validation PRIVATE rsv_test_support PkgConfig::CJSON)
@@ -25,6 +26,8 @@ rsv_add_validation(view_factors a.)
 rsv_add_validation(furnaces b.)
 rsv_add_validation(enclosures c. i.)
 rsv_add_validation(direct d. f.)
+rsv_add_validation(environments e.)
+rsv_add_validation(reference_environments --reference e.)
 rsv_add_validation(rooms j.)
 # Left out here, tested above: d.rect_light.blocked_low and f.mirror_area.full. Their polygons are kilometres wide,
 # so rays leave them a millimetre off (8 ulp), which the path tracer's small standard errors resolve (0.4 %).

@@ -17,7 +17,7 @@ refuses 1 'folder' scene furnace -o no/such/folder/a.glb
 refuses 1 'gallows' scene gallows -o "$out/a.glb"
 refuses 1 'camera.*nobody' render furnace "${picture[@]}" --camera nobody
 refuses 1 'cuda' render furnace "${picture[@]}" --device cuda
-refuses 1 'env' render furnace "${picture[@]}" --env sky.hdr
+refuses 1 'sky.hdr' render furnace "${picture[@]}" --env sky.hdr
 refuses 1 'missing.exr' compare missing.exr missing.exr
 
 refuses 1 'gather' render furnace "${picture[@]}" --spp 65536 --gather 65536

@@ -1,6 +1,7 @@
 rsv_add_test(bsdf unit/test_bsdf.c)
 rsv_add_test(bsdf_lobes statistical/test_bsdf_lobes.c statistical/bsdf_cases.c)
 rsv_add_test(light unit/test_light.c)
+rsv_add_test(environment unit/test_environment.c)
 rsv_add_test(core unit/test_core.c)
 rsv_add_test(image unit/test_image.c)
 target_link_libraries(test_image PRIVATE PkgConfig::OPENEXR)

@@ -1,0 +1,59 @@
+/// The surroundings as a source of light.
+///
+/// Undivided, all of it takes part in next-event estimation (the path tracer, which combines that with its
+/// own directions). Divided, as the operator wants it,
+///
+///     whole  =  gathered  +  sampled  +  suns
+///
+/// where gather rays find `gathered`, of bounded contrast, and next-event estimation the other two: what is
+/// bright and small costs gather rays too much noise, and what is dim and large shadow rays.
+#ifndef RSV_ENVIRONMENT_H
+#define RSV_ENVIRONMENT_H
+
+#include "sky.h"
+
+/// A strong, small, bright region that was taken out of the picture: a disc of uniform radiance.
+typedef struct rsv_sun {
+    rsv_vec3 direction; ///< unit, towards its centre
+    rsv_rgb radiance;   ///< W/(sr m2)
+    float cos_radius;
+    float solid_angle; ///< sr
+} rsv_sun;
+
+#define RSV_MAX_SUNS 4
+
+typedef struct rsv_environment_light {
+    rsv_context *context;
+    rsv_sky whole; ///< what cameras see
+    rsv_sky gathered, sampled;
+    rsv_sky_sampler sampler; ///< of `sampled`
+    rsv_sky_irradiance open; ///< of `sampled`
+    rsv_rgb *whole_pixels;   ///< owned
+    rsv_rgb *calm_pixels;    ///< of `gathered`, NULL while undivided
+    rsv_rgb *bright_pixels;  ///< of `sampled`, NULL while undivided
+    rsv_sun sun[RSV_MAX_SUNS];
+    uint32_t sun_count;
+} rsv_environment_light;
+
+/// Undivided. *light is NULL if the scene has no environment.
+rsv_status rsv_environment_light_create(const rsv_scene *scene, rsv_environment_light **light);
+void rsv_environment_light_destroy(rsv_environment_light *light);
+
+/// Divides it, once.
+rsv_status rsv_environment_light_divide(rsv_environment_light *light);
+
+/// Whether next-event estimation has anything to find.
+bool rsv_environment_light_is_sampled(const rsv_environment_light *light);
+
+/// Gathered and sampled part together: all but the suns.
+rsv_rgb rsv_environment_light_sunless(const rsv_environment_light *light, rsv_vec3 direction);
+
+/// Takes the suns out of `pixels`, which have the shape of `sky` and keep the average of what surrounds each.
+/// @param sun [RSV_MAX_SUNS]
+rsv_status rsv_extract_suns(
+    rsv_context *context, const rsv_sky *sky, rsv_rgb *pixels, rsv_sun *sun, uint32_t *count);
+
+/// A direction uniformly within the disc. Its density is 1 / solid_angle.
+rsv_vec3 rsv_sun_sample(const rsv_sun *sun, float u1, float u2);
+
+#endif

@@ -1,0 +1,88 @@
+/// Irradiance of every normal from the sky, once and for all.
+#include "../core/core_internal.h"
+#include "../core/octahedral.h"
+#include "sky.h"
+
+#define NODES (RSV_SKY_IRRADIANCE_SIDE + 1)
+#define PATCH_SIDE 64 ///< octahedral patches of the sky, about 2.8 degrees wide
+
+#define PATCHES (PATCH_SIDE * PATCH_SIDE)
+#define LANES 8 ///< sums side by side, so that the compiler may use vectors
+
+/// int L w dw over each patch, a vector per channel: exact for normals that see all of the patch.
+typedef struct patch_fluxes {
+    float vector[3][3][PATCHES]; ///< by channel and coordinate
+} patch_fluxes;
+
+static void add_patch(void *user, rsv_vec3 direction, double solid_angle, rsv_rgb radiance)
+{
+    patch_fluxes *flux = user;
+    uint32_t patch = rsv_octahedral_bin(direction, PATCH_SIDE);
+    const float d[3] = { direction.x, direction.y, direction.z };
+    const float l[3] = { radiance.r, radiance.g, radiance.b };
+    for (int c = 0; c < 3; c++)
+        for (int k = 0; k < 3; k++)
+            flux->vector[c][k][patch] += (float)solid_angle * l[c] * d[k];
+}
+
+static float sum_channel(const float vector[3][PATCHES], rsv_vec3 n)
+{
+    float lane[LANES] = { 0 };
+    for (size_t p = 0; p < PATCHES; p += LANES) {
+        for (size_t k = 0; k < LANES; k++) {
+            float e = vector[0][p + k] * n.x + vector[1][p + k] * n.y + vector[2][p + k] * n.z;
+            lane[k] += e > 0 ? e : 0;
+        }
+    }
+    float sum = 0;
+    for (int k = 0; k < LANES; k++)
+        sum += lane[k];
+    return sum;
+}
+
+rsv_status rsv_sky_irradiance_create(
+    rsv_context *context, const rsv_sky *sky, rsv_sky_irradiance *irradiance)
+{
+    irradiance->node = NULL;
+    if (!sky->pixel) return RSV_OK;
+    patch_fluxes *flux = rsv_alloc(context, 1, sizeof *flux);
+    irradiance->node = rsv_alloc(context, NODES * NODES, sizeof *irradiance->node);
+    if (!flux || !irradiance->node) {
+        rsv_free(context, flux);
+        return RSV_ERROR_MEMORY;
+    }
+    rsv_sky_visit(sky, add_patch, flux);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
+    for (size_t n = 0; n < NODES * NODES; n++) {
+        float x = (float)(n % NODES) / RSV_SKY_IRRADIANCE_SIDE;
+        float y = (float)(n / NODES) / RSV_SKY_IRRADIANCE_SIDE;
+        rsv_vec3 normal = rsv_octahedral_to_direction(x, y);
+        irradiance->node[n] = rgb(sum_channel(flux->vector[0], normal),
+            sum_channel(flux->vector[1], normal), sum_channel(flux->vector[2], normal));
+    }
+    rsv_free(context, flux);
+    return RSV_OK;
+}
+
+void rsv_sky_irradiance_destroy(rsv_context *context, rsv_sky_irradiance *irradiance)
+{
+    rsv_free(context, irradiance->node);
+    irradiance->node = NULL;
+}
+
+rsv_rgb rsv_sky_irradiance_at(const rsv_sky_irradiance *irradiance, rsv_vec3 normal)
+{
+    if (!irradiance->node) return rgb_gray(0);
+    float x, y;
+    rsv_octahedral_from_direction(normal, &x, &y);
+    x *= RSV_SKY_IRRADIANCE_SIDE;
+    y *= RSV_SKY_IRRADIANCE_SIDE;
+    uint32_t i = (uint32_t)x, j = (uint32_t)y;
+    i = i < RSV_SKY_IRRADIANCE_SIDE ? i : RSV_SKY_IRRADIANCE_SIDE - 1;
+    j = j < RSV_SKY_IRRADIANCE_SIDE ? j : RSV_SKY_IRRADIANCE_SIDE - 1;
+    float fx = x - (float)i, fy = y - (float)j;
+    const rsv_rgb *node = irradiance->node + (size_t)j * NODES + i;
+    rsv_rgb above = rgb_mad(rgb_scale(node[0], 1 - fx), fx, node[1]);
+    rsv_rgb below = rgb_mad(rgb_scale(node[NODES], 1 - fx), fx, node[NODES + 1]);
+    return rgb_mad(rgb_scale(above, 1 - fy), fy, below);
+}

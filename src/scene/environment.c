@@ -1,0 +1,112 @@
+/// The surroundings: taking over their picture, whatever is in it.
+#include "../core/vec.h"
+#include "scene_internal.h"
+
+#include <string.h>
+
+/// Products and sums over the sphere must stay within float. (The sun seen from Earth: 2e7.)
+#define LARGEST_RADIANCE 1e12f
+
+void rsv_scene_release_environment(rsv_scene *scene)
+{
+    rsv_free(scene->context, (void *)scene->environment.name);
+    rsv_free(scene->context, (void *)scene->environment.pixels);
+    scene->environment = (rsv_environment){ 0 };
+    scene->view.environment = NULL;
+}
+
+static rsv_status check_environment(const rsv_environment *environment, const char *name)
+{
+    uint32_t width = environment->width, height = environment->height;
+    if (!environment->pixels || width == 0 || height == 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "environment '%s': a picture of %u x %u pixels", name,
+            width, height);
+    if ((size_t)width * height > RSV_ENVIRONMENT_MAX_PIXELS)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "environment '%s': %u x %u pixels are more than %zu: scale the picture down", name,
+            width, height, RSV_ENVIRONMENT_MAX_PIXELS);
+    if (!(environment->intensity >= 0 && environment->intensity <= LARGEST_RADIANCE))
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "environment '%s': an intensity of %g; it must be from 0 to %g", name,
+            environment->intensity, LARGEST_RADIANCE);
+    if (!isfinite(environment->rotation))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "environment '%s': the rotation is not finite", name);
+    return RSV_OK;
+}
+
+/// What a saturated pixel is taken for: the brightest value that was recorded.
+static float largest_recorded(const rsv_environment *environment)
+{
+    const float *value = &environment->pixels[0].r;
+    float largest = 0;
+    for (size_t i = 0; i < 3 * (size_t)environment->width * environment->height; i++)
+        if (isfinite(value[i])) largest = f_max(value[i], largest);
+    return largest;
+}
+
+/// Radiance of one channel of a pixel; `*repaired` if it had none.
+static float usable_radiance(float value, float intensity, float brightest, bool *repaired)
+{
+    if (!(value >= 0)) { // negative or not a number
+        *repaired = true;
+        return 0;
+    }
+    if (!isfinite(value)) {
+        *repaired = true;
+        value = brightest;
+    }
+    double radiance = (double)value * intensity;
+    *repaired = *repaired || radiance > LARGEST_RADIANCE;
+    return radiance > LARGEST_RADIANCE ? LARGEST_RADIANCE : (float)radiance;
+}
+
+/// Copies the pixels, intensity included; returns how many had to be repaired.
+static size_t copy_pixels(const rsv_environment *environment, rsv_rgb *pixels)
+{
+    float brightest = largest_recorded(environment), intensity = environment->intensity;
+    size_t repaired_count = 0;
+    for (size_t i = 0; i < (size_t)environment->width * environment->height; i++) {
+        rsv_rgb value = environment->pixels[i];
+        bool repaired = false;
+        pixels[i] = rgb(usable_radiance(value.r, intensity, brightest, &repaired),
+            usable_radiance(value.g, intensity, brightest, &repaired),
+            usable_radiance(value.b, intensity, brightest, &repaired));
+        repaired_count += repaired;
+    }
+    return repaired_count;
+}
+
+rsv_status rsv_scene_set_environment(rsv_scene *scene, const rsv_environment *environment)
+{
+    rsv_status status = RSV_OK;
+    rsv_context *context = scene->context;
+    if (!environment) {
+        rsv_scene_release_environment(scene);
+        return RSV_OK;
+    }
+    char *name = rsv_copy_string(context, environment->name ? environment->name : "unnamed");
+    rsv_rgb *pixels = NULL;
+    if (!name) return RSV_ERROR_MEMORY;
+    RSV_TRY(check_environment(environment, name));
+    size_t count = (size_t)environment->width * environment->height;
+    pixels = rsv_alloc(context, count, sizeof *pixels);
+    RSV_TRY(pixels ? RSV_OK : RSV_ERROR_MEMORY);
+    size_t repaired = copy_pixels(environment, pixels);
+    if (repaired)
+        rsv_log(context, RSV_LOG_WARNING,
+            "environment '%s': %zu of %zu pixels are negative, infinite or not a number; they "
+            "count "
+            "as black, infinite ones as the brightest finite value",
+            name, repaired, count);
+    rsv_scene_release_environment(scene);
+    scene->environment = *environment;
+    scene->environment.name = name;
+    scene->environment.pixels = pixels;
+    scene->environment.intensity = 1;
+    scene->view.environment = &scene->environment;
+    return RSV_OK;
+cleanup:
+    rsv_free(context, name);
+    rsv_free(context, pixels);
+    return status;
+}
