@@ -130,7 +130,7 @@ static rsv_status create_entered(rsv_solution *s)
         4 * s->desc.light_samples, s->desc.seed ^ 0x3c6ef372u, valid, known, entered, NULL, rays));
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (!valid[n] || known[n]) continue;
-        entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->transport->gathered));
+        entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->gathered));
         if (s->fine.caustic)
             entered[n] = rgb_add(entered[n], field_at(e, n, s->fine.elements, s->fine.caustic));
     }

@@ -156,8 +156,8 @@ static void suns_leave_the_picture_with_their_energy(void **state)
     rsv_rgb after = rsv_sky_flux(&sky);
     assert_float_equal(after.r + sun->radiance.r * sun->solid_angle, before.r, 1e-3 * before.r);
     assert_float_equal(after.b + sun->radiance.b * sun->solid_angle, before.b, 1e-3 * before.b);
-    assert_float_equal(after.b, 4 * RSV_PI, 0.02); // the sky's blue alone
-    assert_float_equal(sun->solid_angle, RSV_PI * 3.0462e-4, 5e-5);
+    assert_float_equal(after.b, 4 * RSV_PI, 0.02);                    // the sky's blue alone
+    assert_float_equal(sun->solid_angle, RSV_PI * 3.0462e-4, 1.5e-4); // two pixels
     // turned by 0.3 turns, which lowers the azimuth
     float phi = atan2f(-0.2f, 0.8f) - 0.6f * RSV_PI, r = sqrtf(0.68f / 0.77f);
     rsv_vec3 expected = v3(r * cosf(phi), 0.3f / sqrtf(0.77f), r * sinf(phi));
