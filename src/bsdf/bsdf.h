@@ -21,7 +21,12 @@
 ///
 /// so that its directional albedo is D base_color T(wo). It is evaluated through two factors: the
 /// light that enters, E = int L T(wi) cos dwi ("irradiance" of the operator), and the radiance that
-/// leaves, D T(wo) B / pi with B = exitance_albedo * E, exitance_albedo = base_color / T_mean.
+/// leaves, D T(wo) B / pi with B = exitance_albedo * E, exitance_albedo = base_color / T_mean. A share of
+/// it leaves thin sheets on the other side; no elements keep that, it scatters like a rough lobe.
+///
+/// Over all this lie sheen and a clear coat (ior 1.5). Each reflects by itself, c R(w), and dims the
+/// diffuse lobe by 1 - c R on both ways, which joins T, and all other lobes by 1 - c max R of both
+/// ways: symmetric, exact for mirrors, and never more than what is left.
 ///
 /// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces leave unscaled: the same
 /// functions then serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
@@ -37,6 +42,9 @@
 /// Narrower microsurfaces scatter like smooth ones: ideal reflection and refraction.
 #define RSV_SMOOTH_ALPHA 1e-3f
 
+/// Of the layer of KHR_materials_clearcoat.
+#define RSV_CLEARCOAT_IOR 1.5f
+
 /// Constants of a material at a point; rsv_bsdf_vary makes them from those of the material.
 typedef struct rsv_bsdf {
     rsv_rgb base_color;                         ///< metal F0 and tint of transmission
@@ -46,14 +54,22 @@ typedef struct rsv_bsdf {
     rsv_rgb specular_tint;                      ///< s = specular * specular_color
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
-    float smooth_mean;                          ///< hemispherical mean of F from outside
-    rsv_table_place alpha_place, eta_place;     ///< in the tables, if alpha > 0
+    float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
+    rsv_rgb sheen;                              ///< reflectance at grazing angles
+    float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power
+    float passed;          ///< share of light that leaves diffusely on the other side, like D
+    rsv_rgb passed_albedo; ///< its tint / T_mean
+    float smooth_mean;     ///< hemispherical mean of F from outside
+    rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
+    rsv_table_place clearcoat_place, clearcoat_eta_place;
     const rsv_bsdf_tables *tables;
     float opacity;     ///< coverage; the rest of the light passes unchanged
     bool solid;        ///< transmission refracts into a body
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1
+    bool layered;      ///< there is a clear coat or sheen
+    bool rough;        ///< some lobe but the diffuse one scatters into a solid angle
     bool unlit;
     bool emissive; ///< emission is not black (and not unlit)
 } rsv_bsdf;
@@ -63,8 +79,9 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);
 
 /// What textures change from point to point.
 typedef struct rsv_bsdf_variation {
-    rsv_rgb base_color, emission, specular_tint;
-    float metallic, roughness, transmission;
+    rsv_rgb base_color, emission, specular_tint, sheen_color, diffuse_transmission_color;
+    float metallic, roughness, transmission, clearcoat, clearcoat_roughness, sheen_roughness;
+    float diffuse_transmission;
 } rsv_bsdf_variation;
 
 /// The variation that leaves a material as it is.
@@ -154,6 +171,8 @@ RSV_INLINE float rsv_bsdf_pdf(
     const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front);
 
 #include "bsdf_interface.h"
+
+#include "bsdf_layers.h"
 
 #include "bsdf_evaluate.h"
 

@@ -3,6 +3,20 @@
 #ifndef RSV_BSDF_EVALUATE_H
 #define RSV_BSDF_EVALUATE_H
 
+/// Ideal branches of the base, as if there were no layers.
+RSV_INLINE void rsv_set_ideal_branches(
+    rsv_bsdf_branches *branches, const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    float cos_o = f_min(f_max(v3_dot(n, wo), 0), 1), cos_t;
+    float eta = rsv_bsdf_eta(bsdf, front), dielectric = 1 - bsdf->metallic;
+    rsv_facet_choice choice = rsv_choose_at_facet(bsdf, cos_o, eta, &cos_t);
+    branches->reflect = rgb_mad(rgb_scale(choice.reflected, dielectric * choice.reflect),
+        bsdf->metallic, rsv_fresnel_schlick(bsdf->base_color, cos_o));
+    branches->transmit = rgb_scale(rgb_mul(choice.transmitted, bsdf->base_color),
+        dielectric * bsdf->transmission * (1 - choice.reflect));
+    if (bsdf->solid) branches->transmit_direction = rsv_refracted(wo, n, eta, cos_o, cos_t);
+}
+
 RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front)
 {
@@ -12,38 +26,20 @@ RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
         branches.diffuse = rgb_gray(1);
         return branches;
     }
-    float cos_o = f_min(f_max(v3_dot(n, wo), 0), 1), cos_t;
+    float cos_o = f_min(f_max(v3_dot(n, wo), 0), 1);
+    branches.rough = bsdf->rough;
+    branches.reflect_direction = rsv_mirrored(wo, n);
     if (rsv_bsdf_diffuses(bsdf, front))
         branches.diffuse = rgb_scale(rsv_bsdf_entry(bsdf, cos_o), bsdf->diffuse);
-    if (bsdf->alpha > 0) {
-        branches.rough = true;
-        return branches;
-    }
-    float eta = rsv_bsdf_eta(bsdf, front), dielectric = 1 - bsdf->metallic;
-    rsv_facet_choice choice = rsv_choose_at_facet(bsdf, cos_o, eta, &cos_t);
-    branches.reflect_direction = rsv_mirrored(wo, n);
-    branches.reflect = rgb_mad(rgb_scale(choice.reflected, dielectric * choice.reflect),
-        bsdf->metallic, rsv_fresnel_schlick(bsdf->base_color, cos_o));
-    branches.transmit = rgb_scale(rgb_mul(choice.transmitted, bsdf->base_color),
-        dielectric * bsdf->transmission * (1 - choice.reflect));
-    if (bsdf->solid) branches.transmit_direction = rsv_refracted(wo, n, eta, cos_o, cos_t);
+    if (bsdf->alpha == 0) rsv_set_ideal_branches(&branches, bsdf, wo, n, front);
+    if (!rsv_bsdf_meets_layers(bsdf, front)) return branches;
+    rsv_rgb left = rsv_bsdf_passage(bsdf, cos_o).light;
+    branches.reflect = rgb_mul(branches.reflect, left);
+    branches.transmit = rgb_mul(branches.transmit, left);
+    if (bsdf->clearcoat_alpha == 0)
+        branches.reflect =
+            rgb_add(branches.reflect, rgb_gray(rsv_bsdf_clearcoat_albedo(bsdf, cos_o)));
     return branches;
-}
-
-RSV_INLINE void rsv_add_term(rsv_bsdf_value *value, float density, rsv_rgb weight)
-{
-    value->response = rgb_mad(value->response, density, weight);
-    value->pdf_solid_angle += density;
-}
-
-/// Density of reflection off a white microsurface; the masked part is left out. @param h half vector
-RSV_INLINE float rsv_reflection_density(
-    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, rsv_vec3 h)
-{
-    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
-    float cos_h = f_max(v3_dot(wo, h), 1e-6f);
-    return rsv_ggx_visible_pdf(n, h, wo, bsdf->alpha) *
-           rsv_ggx_visibility(cos_o, cos_i, bsdf->alpha) / (4 * cos_h);
 }
 
 RSV_INLINE void rsv_add_metal(
@@ -52,7 +48,7 @@ RSV_INLINE void rsv_add_metal(
     float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi), share = bsdf->metallic;
     if (share == 0 || cos_i <= 0) return;
     rsv_vec3 h = v3_normalize(v3_add(wi, wo));
-    rsv_add_term(value, share * rsv_reflection_density(bsdf, wi, wo, n, h),
+    rsv_add_term(value, share * rsv_reflection_density(bsdf->alpha, wi, wo, n, h),
         rsv_fresnel_schlick(bsdf->base_color, v3_dot(wo, h)));
     float missing = rsv_bsdf_missing(bsdf, false, 0, cos_o) *
                     rsv_bsdf_missing(bsdf, false, 0, cos_i) / rsv_bsdf_missing_mean(bsdf, false, 0);
@@ -68,7 +64,7 @@ RSV_INLINE void rsv_add_interface_reflection(
     rsv_vec3 h = v3_normalize(v3_add(wi, wo));
     rsv_facet_choice choice =
         rsv_choose_at_facet(bsdf, v3_dot(wo, h), rsv_bsdf_eta(bsdf, front), &cos_t);
-    rsv_add_term(value, share * choice.reflect * rsv_reflection_density(bsdf, wi, wo, n, h),
+    rsv_add_term(value, share * choice.reflect * rsv_reflection_density(bsdf->alpha, wi, wo, n, h),
         choice.reflected);
 }
 
@@ -100,7 +96,7 @@ RSV_INLINE void rsv_add_sheet_transmission(
     rsv_vec3 above = v3_mad(wi, -2 * v3_dot(n, wi), n), h = v3_normalize(v3_add(above, wo));
     rsv_facet_choice choice = rsv_choose_at_facet(bsdf, v3_dot(wo, h), bsdf->ior, &cos_t);
     rsv_add_term(value,
-        share * (1 - choice.reflect) * rsv_reflection_density(bsdf, above, wo, n, h),
+        share * (1 - choice.reflect) * rsv_reflection_density(bsdf->alpha, above, wo, n, h),
         rgb_mul(choice.transmitted, bsdf->base_color));
 }
 
@@ -118,21 +114,36 @@ RSV_INLINE void rsv_add_glass_again(
         cos_i > 0 ? rgb_gray(1) : bsdf->base_color);
 }
 
-/// Chance that light which met the coat entered it, and what is then left of it.
-RSV_INLINE rsv_facet_choice rsv_choose_at_coat(const rsv_bsdf *bsdf, float cos_o)
-{
-    if (!bsdf->coated) return rsv_choice_of(rgb_gray(1), 0);
-    return rsv_choice_of(bsdf->specular_tint, rsv_bsdf_interface_albedo(bsdf, cos_o));
-}
-
 RSV_INLINE void rsv_add_diffuse(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o)
 {
     if (cos_i <= 0) return;
-    rsv_facet_choice coat = rsv_choose_at_coat(bsdf, cos_o);
-    rsv_rgb weight = rgb_mul(coat.transmitted, rsv_bsdf_entry(bsdf, cos_i));
-    rsv_add_term(value, bsdf->diffuse * (1 - coat.reflect) * cos_i / RSV_PI,
+    rsv_rgb weight = rgb_mul(rsv_bsdf_entry_weight(bsdf, cos_o), rsv_bsdf_entry(bsdf, cos_i));
+    rsv_add_term(value, bsdf->diffuse * rsv_bsdf_entry_chance(bsdf, cos_o) * cos_i / RSV_PI,
         rgb_mul(weight, bsdf->exitance_albedo));
+}
+
+/// Diffuse light that leaves a thin sheet on the other side.
+RSV_INLINE void rsv_add_passed(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o)
+{
+    if (cos_i >= 0 || bsdf->passed == 0) return;
+    rsv_rgb weight = rgb_mul(rsv_bsdf_entry_weight(bsdf, cos_o), rsv_bsdf_entry(bsdf, -cos_i));
+    rsv_add_term(value, bsdf->passed * rsv_bsdf_entry_chance(bsdf, cos_o) * -cos_i / RSV_PI,
+        rgb_mul(weight, bsdf->passed_albedo));
+}
+
+/// The base's lobes that are neither ideal nor diffuse.
+RSV_INLINE void rsv_add_rough_base(
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
+    rsv_add_metal(value, bsdf, wi, wo, n);
+    rsv_add_interface_reflection(value, bsdf, wi, wo, n, front);
+    if (bsdf->transmission == 0 || bsdf->metallic == 1) return;
+    if (cos_i < 0 && bsdf->solid) rsv_add_refraction(value, bsdf, wi, wo, n, front);
+    if (cos_i < 0 && !bsdf->solid) rsv_add_sheet_transmission(value, bsdf, wi, wo, n);
+    rsv_add_glass_again(value, bsdf, cos_i, cos_o, front);
 }
 
 RSV_INLINE rsv_bsdf_value rsv_bsdf_evaluate(
@@ -141,15 +152,13 @@ RSV_INLINE rsv_bsdf_value rsv_bsdf_evaluate(
     rsv_bsdf_value value = { rgb_gray(0), 0 };
     float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
     if (rsv_bsdf_is_black_side(bsdf, front) || cos_o <= 0 || cos_i == 0) return value;
+    if ((lobes & RSV_LOBES_ROUGH) && bsdf->rough) {
+        if (bsdf->alpha > 0) rsv_add_rough_base(&value, bsdf, wi, wo, n, front);
+        if (rsv_bsdf_meets_layers(bsdf, front)) rsv_add_layers(&value, bsdf, wi, wo, n);
+        rsv_add_passed(&value, bsdf, cos_i, cos_o);
+    }
     if ((lobes & RSV_LOBES_DIFFUSE) && rsv_bsdf_diffuses(bsdf, front))
         rsv_add_diffuse(&value, bsdf, cos_i, cos_o);
-    if (!(lobes & RSV_LOBES_ROUGH) || bsdf->alpha == 0) return value;
-    rsv_add_metal(&value, bsdf, wi, wo, n);
-    rsv_add_interface_reflection(&value, bsdf, wi, wo, n, front);
-    if (bsdf->transmission == 0 || bsdf->metallic == 1) return value;
-    if (cos_i < 0 && bsdf->solid) rsv_add_refraction(&value, bsdf, wi, wo, n, front);
-    if (cos_i < 0 && !bsdf->solid) rsv_add_sheet_transmission(&value, bsdf, wi, wo, n);
-    rsv_add_glass_again(&value, bsdf, cos_i, cos_o, front);
     return value;
 }
 

@@ -36,7 +36,7 @@ RSV_INLINE bool rsv_bsdf_diffuses(const rsv_bsdf *bsdf, bool front)
 /// Whether light that meets this side is absorbed whatever the lobes say.
 RSV_INLINE bool rsv_bsdf_is_black_side(const rsv_bsdf *bsdf, bool front)
 {
-    return !front && !bsdf->double_sided && bsdf->transmission == 0;
+    return !front && !bsdf->double_sided && bsdf->transmission == 0 && bsdf->passed == 0;
 }
 
 /// Reflectance at one facet: its probability and, per channel, what of the light is then left.
@@ -74,10 +74,20 @@ RSV_INLINE float rsv_bsdf_interface_albedo(const rsv_bsdf *bsdf, float cos)
         bsdf->tables->reflected, bsdf->eta_place, bsdf->alpha_place, rsv_table_cos(cos));
 }
 
-RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
+RSV_INLINE void rsv_add_term(rsv_bsdf_value *value, float density, rsv_rgb weight)
 {
-    if (!bsdf->coated) return rgb_gray(1);
-    return rsv_one_minus(rgb_scale(bsdf->specular_tint, rsv_bsdf_interface_albedo(bsdf, cos)));
+    value->response = rgb_mad(value->response, density, weight);
+    value->pdf_solid_angle += density;
+}
+
+/// Density of reflection off a white microsurface; the masked part is left out. @param h half vector
+RSV_INLINE float rsv_reflection_density(
+    float alpha, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, rsv_vec3 h)
+{
+    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
+    float cos_h = f_max(v3_dot(wo, h), 1e-6f);
+    return rsv_ggx_visible_pdf(n, h, wo, alpha) * rsv_ggx_visibility(cos_o, cos_i, alpha) /
+           (4 * cos_h);
 }
 
 // ---- what single scattering misses --------------------------------------------------------------

@@ -5,11 +5,16 @@
 #ifndef RSV_BSDF_SAMPLE_H
 #define RSV_BSDF_SAMPLE_H
 
+/// Rejection ends even where rounding leaves nothing to accept.
+#define RSV_MOST_TRIES 4096
+
 /// A draw in the making.
 typedef struct rsv_bsdf_draw {
     const rsv_bsdf *bsdf;
     rsv_vec3 wo, n, h; ///< h: facet, = n if the interface is smooth
     bool front;
+    bool ideal;      ///< the direction comes from an ideal lobe
+    bool entered;    ///< it left through the coat diffusely: the weight knows the layers already
     rsv_random rest; ///< numbers for what seldom needs them
 } rsv_bsdf_draw;
 
@@ -55,7 +60,8 @@ RSV_INLINE bool rsv_leaves(rsv_bsdf_draw *draw, rsv_vec3 wi, bool reflected)
 {
     float cos_i = v3_dot(draw->n, wi);
     if (reflected ? cos_i <= 0 : cos_i >= 0) return false;
-    if (draw->bsdf->alpha == 0) return true;
+    draw->ideal = draw->bsdf->alpha == 0;
+    if (draw->ideal) return true;
     float visibility = rsv_ggx_visibility(v3_dot(draw->n, draw->wo), cos_i, draw->bsdf->alpha);
     return rsv_random_float(&draw->rest) < visibility;
 }
@@ -64,7 +70,7 @@ RSV_INLINE bool rsv_leaves(rsv_bsdf_draw *draw, rsv_vec3 wi, bool reflected)
 RSV_INLINE rsv_vec3 rsv_draw_missing(rsv_bsdf_draw *draw, bool body, int side, float sign)
 {
     rsv_vec3 local = v3(0, 0, 1);
-    for (int tries = 0; tries < 4096; tries++) {
+    for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
         float x = rsv_random_float(&draw->rest);
         local = rsv_square_to_cosine_hemisphere(x, rsv_random_float(&draw->rest));
         float missing = rsv_bsdf_missing(draw->bsdf, body, side, local.z);
@@ -137,18 +143,90 @@ RSV_INLINE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
         return rsv_reflects_at_coat(draw, u, &event)
                    ? event
                    : rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
-    rsv_facet_choice coat = rsv_choose_at_coat(bsdf, v3_dot(draw->n, draw->wo));
-    if (rsv_split_number(&u, coat.reflect)) {
+    float cos_o = v3_dot(draw->n, draw->wo);
+    float reflected = rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o);
+    if (rsv_split_number(&u, reflected)) {
         // the chance is the mean over facets, so a facet is wanted that does reflect
-        for (int tries = 0; tries < 4096; tries++) {
+        for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
             if (rsv_reflects_at_coat(draw, bsdf->alpha > 0 ? u : 0, &event)) return event;
             rsv_draw_facet(draw, rsv_random_float(&draw->rest), rsv_random_float(&draw->rest));
             u = rsv_random_float(&draw->rest);
         }
         return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
     }
-    event = rsv_event(RSV_LOBE_DIFFUSE, draw->n, coat.transmitted);
-    event.pdf_solid_angle = bsdf->diffuse * (1 - coat.reflect);
+    event = rsv_event(RSV_LOBE_DIFFUSE, draw->n, rsv_bsdf_entry_weight(bsdf, cos_o));
+    event.pdf_solid_angle = bsdf->diffuse * rsv_bsdf_entry_chance(bsdf, cos_o);
+    float both = bsdf->diffuse + bsdf->passed;
+    if (bsdf->passed > 0 && u * both >= bsdf->diffuse) {
+        float x = rsv_random_float(&draw->rest);
+        rsv_vec3 local = rsv_square_to_cosine_hemisphere(x, rsv_random_float(&draw->rest));
+        event.lobe = RSV_LOBE_TRANSMIT;
+        draw->entered = true;
+        event.direction = rsv_from_frame(v3(local.x, local.y, -local.z), draw->n);
+        event.weight =
+            rgb_mul(event.weight, rgb_mul(bsdf->passed_albedo, rsv_bsdf_entry(bsdf, local.z)));
+    }
+    return event;
+}
+
+/// Off the clear coat: by a facet that does reflect, as its chance was taken already.
+RSV_INLINE rsv_bsdf_event rsv_draw_clearcoat(rsv_bsdf_draw *draw, float u1, float u2)
+{
+    float alpha = draw->bsdf->clearcoat_alpha, cos_t;
+    rsv_vec3 wo = rsv_to_frame(draw->wo, draw->n);
+    draw->ideal = alpha == 0;
+    if (draw->ideal)
+        return rsv_event(RSV_LOBE_REFLECT, rsv_mirrored(draw->wo, draw->n), rgb_gray(1));
+    for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
+        rsv_vec3 h = rsv_ggx_sample_visible(wo, alpha, u1, u2), wi = rsv_mirrored(wo, h);
+        float chance = rsv_fresnel_dielectric(f_min(v3_dot(wo, h), 1), RSV_CLEARCOAT_IOR, &cos_t);
+        chance *= wi.z > 0 ? rsv_ggx_visibility(wo.z, wi.z, alpha) : 0;
+        if (rsv_random_float(&draw->rest) < chance)
+            return rsv_event(RSV_LOBE_REFLECT, rsv_from_frame(wi, draw->n), rgb_gray(1));
+        u1 = rsv_random_float(&draw->rest);
+        u2 = rsv_random_float(&draw->rest);
+    }
+    return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
+}
+
+/// 1 - cos has the density of a Beta variable of k + 1 and 2: a product of two powers.
+RSV_INLINE rsv_bsdf_event rsv_draw_sheen(rsv_bsdf_draw *draw)
+{
+    float k = draw->bsdf->sheen_power, phi = 2 * RSV_PI * rsv_random_float(&draw->rest);
+    float x = powf(1 - rsv_random_float(&draw->rest), 1 / (k + 1));
+    float cos = 1 - x * powf(1 - rsv_random_float(&draw->rest), 1 / (k + 2));
+    float sin = sqrtf(f_max(1 - cos * cos, 0));
+    rsv_vec3 local = v3(sin * cosf(phi), sin * sinf(phi), f_max(cos, 1e-6f));
+    rsv_rgb tint = rgb_scale(draw->bsdf->sheen, 1 / rgb_max(draw->bsdf->sheen));
+    return rsv_event(RSV_LOBE_REFLECT, rsv_from_frame(local, draw->n), tint);
+}
+
+RSV_INLINE rsv_bsdf_event rsv_draw_base(rsv_bsdf_draw *draw, float u, float u1, float u2)
+{
+    rsv_draw_facet(draw, u1, u2);
+    if (rsv_split_number(&u, draw->bsdf->metallic)) return rsv_draw_metal(draw);
+    if (rsv_split_number(&u, draw->bsdf->transmission)) return rsv_draw_glass(draw, u);
+    return rsv_draw_coated(draw, u);
+}
+
+/// The layers' lobes, or one of the base's if that gets back out through them.
+RSV_INLINE rsv_bsdf_event rsv_draw_layered(rsv_bsdf_draw *draw, float u, float u1, float u2)
+{
+    const rsv_bsdf *bsdf = draw->bsdf;
+    float cos_o = v3_dot(draw->n, draw->wo), coat = rsv_bsdf_clearcoat_albedo(bsdf, cos_o);
+    if (rsv_split_number(&u, coat)) return rsv_draw_clearcoat(draw, u1, u2);
+    bool fibres = rsv_split_number(&u, rgb_max(bsdf->sheen) * rsv_bsdf_sheen_albedo(bsdf, cos_o));
+    rsv_bsdf_event event = fibres ? rsv_draw_sheen(draw) : rsv_draw_base(draw, u, u1, u2);
+    if (event.lobe == RSV_LOBE_NONE || event.lobe == RSV_LOBE_DIFFUSE) return event;
+    float cos_i = v3_dot(draw->n, event.direction);
+    if (draw->entered) return event;
+    float way_in = 1 - coat, way_out = 1 - rsv_bsdf_clearcoat_albedo(bsdf, cos_i);
+    rsv_layer_passage both = rsv_bsdf_passage_both(bsdf, cos_i, cos_o);
+    float chance =
+        fibres ? f_min(way_out / way_in, 1) : both.chance / rsv_bsdf_passage(bsdf, cos_o).chance;
+    if (rsv_random_float(&draw->rest) >= chance)
+        return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
+    if (!fibres) event.weight = rgb_mul(event.weight, rgb_scale(both.light, 1 / both.chance));
     return event;
 }
 
@@ -162,17 +240,16 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
         rsv_bsdf_event diffuse = { RSV_LOBE_DIFFUSE, n, rgb_gray(1), 1 };
         return diffuse;
     }
-    rsv_bsdf_draw draw = { bsdf, wo, n, n, front,
+    rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false,
         rsv_random_from(rsv_number_bits(u_lobe), rsv_number_bits(u1), rsv_number_bits(u2)) };
-    rsv_draw_facet(&draw, u1, u2);
-    rsv_bsdf_event event = rsv_split_number(&u_lobe, bsdf->metallic) ? rsv_draw_metal(&draw)
-                           : rsv_split_number(&u_lobe, bsdf->transmission)
-                               ? rsv_draw_glass(&draw, u_lobe)
-                               : rsv_draw_coated(&draw, u_lobe);
-    bool directed = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (directed && bsdf->alpha > 0)
-        event.pdf_solid_angle =
-            rsv_bsdf_evaluate(bsdf, event.direction, wo, n, front, RSV_LOBES_ALL).pdf_solid_angle;
+    rsv_bsdf_event event = rsv_bsdf_meets_layers(bsdf, front)
+                               ? rsv_draw_layered(&draw, u_lobe, u1, u2)
+                               : rsv_draw_base(&draw, u_lobe, u1, u2);
+    if (event.lobe == RSV_LOBE_DIFFUSE) return event;
+    // 0 where the direction came from an ideal lobe, as no density is found there but by accident
+    event.pdf_solid_angle = event.lobe == RSV_LOBE_NONE || draw.ideal
+                                ? 0
+                                : rsv_bsdf_pdf(bsdf, event.direction, wo, n, front);
     return event;
 }
 

@@ -33,24 +33,57 @@ rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material)
         .specular_tint = scaled_tint(material->specular_color, material->specular),
         .metallic = material->metallic,
         .roughness = material->roughness,
-        .transmission = material->transmission };
+        .transmission = material->transmission,
+        .sheen_color = material->sheen_color,
+        .diffuse_transmission_color = material->diffuse_transmission_color,
+        .clearcoat = material->clearcoat,
+        .clearcoat_roughness = material->clearcoat_roughness,
+        .sheen_roughness = material->sheen_roughness,
+        .diffuse_transmission = material->diffuse_transmission };
 }
 
-static bool has_interface(const rsv_bsdf *bsdf)
+static float width_of(float roughness)
 {
-    return bsdf->coated || bsdf->metallic > 0 || bsdf->transmission > 0;
+    float alpha = roughness * roughness;
+    return alpha < RSV_SMOOTH_ALPHA ? 0 : alpha;
 }
 
-static void set_exitance(rsv_bsdf *bsdf)
+static void set_layers(rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
 {
-    float reflected = !bsdf->coated      ? 0
-                      : bsdf->alpha == 0 ? bsdf->smooth_mean
-                                         : rsv_table_mean(bsdf->tables->reflected_mean,
-                                               bsdf->eta_place, bsdf->alpha_place);
-    rsv_rgb a = bsdf->base_color, s = bsdf->specular_tint;
-    bsdf->exitance_albedo =
-        rgb(a.r / (1 - s.r * reflected), a.g / (1 - s.g * reflected), a.b / (1 - s.b * reflected));
+    bsdf->clearcoat = v->clearcoat;
+    bsdf->clearcoat_alpha = width_of(v->clearcoat_roughness);
+    bsdf->clearcoat_place = rsv_table_alpha(bsdf->clearcoat_alpha);
+    bsdf->sheen = v->sheen_color;
+    bsdf->sheen_power = 2 / f_max(v->sheen_roughness, 0.1f);
+    bsdf->layered = v->clearcoat > 0 || !rgb_is_black(v->sheen_color);
 }
+
+/// T_mean, by Gauss's rule of eight points in x = sqrt(cos), 4 int T x^3 dx.
+static rsv_rgb mean_entry(const rsv_bsdf *bsdf)
+{
+    static const float place[4] = { 0.1834346424956498f, 0.5255324099163290f, 0.7966664774136267f,
+        0.9602898564975363f };
+    static const float weight[4] = { 0.3626837833783620f, 0.3137066458778873f, 0.2223810344533745f,
+        0.1012285362903763f };
+    rsv_rgb sum = rgb_gray(0);
+    for (int k = 0; k < 8; k++) {
+        float x = 0.5f + (k & 1 ? 0.5f : -0.5f) * place[k / 2];
+        sum = rgb_mad(sum, 2 * weight[k / 2] * x * x * x, rsv_bsdf_entry(bsdf, x * x));
+    }
+    return sum;
+}
+
+static rsv_rgb entry_mean(const rsv_bsdf *bsdf)
+{
+    if (!bsdf->coated) return rgb_gray(1);
+    if (bsdf->layered) return mean_entry(bsdf);
+    float reflected = bsdf->alpha == 0 ? bsdf->smooth_mean
+                                       : rsv_table_mean(bsdf->tables->reflected_mean,
+                                             bsdf->eta_place, bsdf->alpha_place);
+    return rsv_one_minus(rgb_scale(bsdf->specular_tint, reflected));
+}
+
+static rsv_rgb divided(rsv_rgb a, rsv_rgb b) { return rgb(a.r / b.r, a.g / b.g, a.b / b.b); }
 
 rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
 {
@@ -65,13 +98,21 @@ rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
     varied.specular_tint = v->specular_tint;
     varied.metallic = v->metallic;
     varied.transmission = v->transmission;
-    varied.diffuse = (1 - v->metallic) * (1 - v->transmission);
-    varied.coated = varied.ior > 1 && !rgb_is_black(v->specular_tint);
-    varied.alpha = v->roughness * v->roughness;
-    if (varied.alpha < RSV_SMOOTH_ALPHA || !has_interface(&varied)) varied.alpha = 0;
+    float under = (1 - v->metallic) * (1 - v->transmission);
+    varied.passed = bsdf->solid ? 0 : under * v->diffuse_transmission;
+    varied.diffuse = under - varied.passed;
+    varied.alpha = width_of(v->roughness);
+    set_layers(&varied, v);
+    bool coat = varied.ior > 1 && !rgb_is_black(v->specular_tint);
+    varied.coated = coat || varied.layered;
+    if (!coat && v->metallic == 0 && v->transmission == 0) varied.alpha = 0;
     varied.alpha_place = rsv_table_alpha(varied.alpha);
     varied.lambert = varied.diffuse == 1 && !varied.coated && !varied.solid;
-    set_exitance(&varied);
+    varied.rough = varied.alpha > 0 || varied.passed > 0 || !rgb_is_black(varied.sheen) ||
+                   (v->clearcoat > 0 && varied.clearcoat_alpha > 0);
+    rsv_rgb mean = entry_mean(&varied);
+    varied.exitance_albedo = divided(v->base_color, mean);
+    varied.passed_albedo = divided(v->diffuse_transmission_color, mean);
     return varied;
 }
 
@@ -83,6 +124,7 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
         .tables = &rsv_bsdf_tables_data };
     bsdf.smooth_mean = (float)rsv_fresnel_dielectric_mean(bsdf.ior);
     bsdf.eta_place = rsv_table_eta(bsdf.ior);
+    bsdf.clearcoat_eta_place = rsv_table_eta(RSV_CLEARCOAT_IOR);
     bsdf.solid = material->thickness > 0 && material->transmission > 0 && material->metallic < 1;
     bsdf.double_sided = material->double_sided || bsdf.solid;
     if (bsdf.solid) bsdf.opacity = 1; // a body has no holes

@@ -261,7 +261,7 @@ static void choose_sides(const surface *s, bool aim[2])
     rsv_bsdf_branches branches = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front);
     rsv_rgb diffuse = rgb_mul(branches.diffuse, s->bsdf->exitance_albedo);
     aim[0] = branches.rough || (!s->translucent && !rgb_is_black(diffuse));
-    aim[1] = branches.rough && s->bsdf->transmission > 0;
+    aim[1] = branches.rough && (s->bsdf->transmission > 0 || s->bsdf->passed > 0);
 }
 
 static void gather_sources(light_path *path, const surface *s, float u_select, float u1, float u2)

@@ -34,6 +34,19 @@ const bsdf_case *bsdf_cases(void)
     cases[count++] = (bsdf_case){ "water", blend(0, 1, 1, 1.33f), true };
     cases[count++] = (bsdf_case){ "sheet", blend(0, 1, 0, 1.5f), true };
     cases[count++] = (bsdf_case){ "blend", blend(0.3f, 0.5f, 0, 1.5f), false };
+    rsv_material layered = blend(0, 0, 0, 1.5f);
+    layered.clearcoat = 1;
+    layered.clearcoat_roughness = 0.3f;
+    cases[count++] = (bsdf_case){ "clear coat", layered, false };
+    layered = blend(0, 0, 0, 1.5f);
+    layered.sheen_color = rgb(1, 0.6f, 0.2f);
+    layered.sheen_roughness = 0.4f;
+    layered.specular = 0;
+    cases[count++] = (bsdf_case){ "sheen", layered, false };
+    layered = blend(0, 0, 0, 1.5f);
+    layered.diffuse_transmission = 0.6f;
+    layered.double_sided = true;
+    cases[count++] = (bsdf_case){ "leaf", layered, true };
     cases[count] = (bsdf_case){ .name = NULL };
     return cases;
 }
