@@ -98,7 +98,8 @@ typedef struct rsv_gltf_material {
     rsv_material value; ///< without textures
     const rsv_gltf_texture_ref *texture;
     size_t texture_count;
-    const char *note; ///< what of it is approximated or ignored; "" = nothing
+    const char *note;   ///< what of it is approximated or ignored; "" = nothing
+    const char *remark; ///< what is left out because it changes nothing here; "" = nothing
     bool opaque;      ///< alpha, wherever it comes from, is ignored
 } rsv_gltf_material;
 

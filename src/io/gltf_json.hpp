@@ -74,7 +74,7 @@ void copy_numbers(
 struct owned_material {
     rsv_gltf_material material{};
     std::vector<rsv_gltf_texture_ref> textures;
-    std::string name, note;
+    std::string name, note, remark;
 };
 
 void convert_material(const tinygltf::Material &source, owned_material &result);

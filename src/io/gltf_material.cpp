@@ -67,6 +67,7 @@ void add_texture(
     to.textures.push_back(ref);
 }
 
+/// Adds to the one line that will be shown.
 void add_note(owned_material &to, const std::string &text) { to.note += "; " + text; }
 
 /// Base colour, its texture and alpha.
@@ -232,9 +233,10 @@ void note_ignored(const tinygltf::Material &source, owned_material &to)
     for (const char *name : ignored)
         if (source.extensions.count(name)) add_note(to, std::string(name) + " is ignored");
     if (source.occlusionTexture.index >= 0)
-        add_note(to, "its occlusion texture is ignored: light is computed instead");
+        to.remark += "; its occlusion texture is left out: light is computed instead";
     if (find(extension(source.extensions, "KHR_materials_volume"), "thicknessTexture"))
-        add_note(to, "its thickness texture is ignored: bodies are as thick as they are modelled");
+        to.remark +=
+            "; its thickness texture is left out: bodies are as thick as they are modelled";
 }
 
 } // namespace
@@ -260,7 +262,8 @@ void convert_material(const tinygltf::Material &source, owned_material &to)
             source.normalTexture.extensions),
         source.normalTexture.scale);
     note_ignored(source, to);
-    if (!to.note.empty()) to.note.erase(0, 2); // the first separator
+    to.note.erase(0, 2); // the first separator
+    to.remark.erase(0, 2);
 }
 
 } // namespace rsv_gltf

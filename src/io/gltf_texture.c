@@ -111,6 +111,8 @@ static rsv_status add_material(texture_loader *loader, const rsv_gltf_material *
     RSV_TRY(rsv_scene_add_material(loader->scene, &material, NULL));
     if (*source->note)
         rsv_log(loader->context, RSV_LOG_WARNING, "material '%s': %s", material.name, source->note);
+    if (*source->remark)
+        rsv_log(loader->context, RSV_LOG_INFO, "material '%s': %s", material.name, source->remark);
 cleanup:
     rsv_free(loader->context, ref);
     return status;

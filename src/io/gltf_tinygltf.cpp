@@ -386,6 +386,7 @@ void convert_materials(owned_document &document)
         convert_material(source, owned);
         owned.material.value.name = owned.name.c_str();
         owned.material.note = owned.note.c_str();
+        owned.material.remark = owned.remark.c_str();
         owned.material.texture = owned.textures.data();
         owned.material.texture_count = owned.textures.size();
         document.materials.push_back(owned.material);

@@ -1,0 +1,68 @@
+/// Files of a test, in a folder of their own.
+#ifndef RSV_TEST_FILE_FIXTURE_H
+#define RSV_TEST_FILE_FIXTURE_H
+
+#include "scene_fixture.h"
+
+#include <dirent.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/// A folder for one test's files.
+typedef struct folder {
+    char path[128];
+} folder;
+
+static inline folder new_folder(void)
+{
+    folder made;
+    const char *root = getenv("TMPDIR");
+    snprintf(made.path, sizeof made.path, "%.80s/resolvent-gltf-XXXXXX", root ? root : "/tmp");
+    assert_non_null(mkdtemp(made.path));
+    return made;
+}
+
+static inline void remove_folder(const char *path)
+{
+    DIR *directory = opendir(path);
+    assert_non_null(directory);
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        char name[512];
+        if (entry->d_name[0] == '.') continue;
+        snprintf(name, sizeof name, "%.200s/%s", path, entry->d_name);
+        if (unlink(name) != 0) remove_folder(name);
+    }
+    closedir(directory);
+    rmdir(path);
+}
+
+static inline const char *path_in(const folder *f, const char *name)
+{
+    static char path[256];
+    snprintf(path, sizeof path, "%s/%s", f->path, name);
+    return path;
+}
+
+static inline void write_bytes(const char *path, const void *data, size_t bytes)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, bytes, file), bytes);
+    fclose(file);
+}
+
+static inline uint8_t *read_bytes(const char *path, size_t *bytes)
+{
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *bytes = (size_t)ftell(file);
+    rewind(file);
+    uint8_t *data = malloc(*bytes + 1);
+    assert_non_null(data);
+    assert_int_equal(fread(data, 1, *bytes, file), *bytes);
+    fclose(file);
+    return data;
+}
+
+#endif
