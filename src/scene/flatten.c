@@ -295,6 +295,9 @@ rsv_status rsv_scene_flatten(rsv_scene *scene)
 {
     rsv_status status;
     flattener f = { .scene = scene };
+    for (size_t i = 0; i < scene->mesh_count; i++)
+        RSV_TRY(rsv_mesh_create_tangents(
+            scene->context, &scene->material[scene->mesh[i].material], &scene->mesh[i]));
     RSV_TRY(allocate(&f));
     for (size_t i = 0; i < scene->instance_count; i++)
         RSV_TRY(flatten_instance(&f, &scene->instance[i]));

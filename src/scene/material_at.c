@@ -171,7 +171,7 @@ bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, flo
 
 // ---- normal maps --------------------------------------------------------------------------------
 
-/// Interpolated tangent and hand of the triangle's vertices; false if they have none.
+/// Interpolated tangent and hand of the triangle's vertices; false if one has none.
 static bool vertex_tangent(const rsv_scene_view *scene, const uint32_t *corner, float u, float v,
     rsv_vec3 *tangent, float *hand)
 {
@@ -180,6 +180,7 @@ static bool vertex_tangent(const rsv_scene_view *scene, const uint32_t *corner, 
     for (int k = 0; k < 3; k++) {
         const float *from = scene->tangent[corner[k]];
         t[k] = v3(from[0], from[1], from[2]);
+        if (v3_max_abs(t[k]) == 0) return false;
     }
     *tangent = v3_barycentric(t[0], t[1], t[2], u, v);
     *hand = scene->tangent[corner[0]][3];

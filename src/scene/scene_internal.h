@@ -63,6 +63,10 @@ void rsv_material_clamp(const rsv_context *context, rsv_material *material);
 /// Frees the environment's picture and name.
 void rsv_scene_release_environment(rsv_scene *scene);
 
+/// Gives a smooth mesh under a normal map tangents, if it comes without.
+rsv_status rsv_mesh_create_tangents(
+    rsv_context *context, const rsv_material *material, rsv_mesh *mesh);
+
 /// Fills the world-space arrays from meshes and instances.
 rsv_status rsv_scene_flatten(rsv_scene *scene);
 

@@ -181,6 +181,38 @@ static void normal_map_leans_as_the_picture_shows(void **state)
     rsv_scene_destroy(scene);
 }
 
+/// Two triangles that meet at an angle, with one smooth normal and different directions of u on each.
+static void normal_map_is_continuous_across_smooth_edges(void **state)
+{
+    fixture *f = *state;
+    static const uint8_t codes[3] = { 200, 90, 200 };
+    static const rsv_vec3 position[4] = { { -1, 0, -1 }, { 0, -1, 0 }, { 0, 1, 0 }, { 1, 0, -1 } };
+    static const rsv_vec3 normal[4] = { { -1, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 }, { 1, 0, 1 } };
+    static const float uv[4][2] = { { 0, 0.4f }, { 0.5f, 1 }, { 0.6f, 0 }, { 1, 0.8f } };
+    static const uint32_t index[6] = { 0, 1, 2, 2, 1, 3 };
+    rsv_scene *scene;
+    uint32_t id;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    uint32_t texture = add_codes(scene, 1, 1, 3, codes, false, false);
+    rsv_mesh_desc mesh = { .name = "fold",
+        .positions = position,
+        .normals = normal,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = add_textured(scene, lambert(0.5f), RSV_TEXTURE_NORMAL, texture),
+        .uvs = { uv, NULL } };
+    assert_int_equal(rsv_scene_add_mesh(scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(scene, id, NULL, NULL), RSV_OK);
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    rsv_vec3 one = rsv_mapped_normal(view, 0, 0.7f, 0.3f, 0, v3(0, 0, 1));
+    rsv_vec3 other = rsv_mapped_normal(view, 1, 0.7f, 0, 0, v3(0, 0, 1));
+    assert_float_equal(v3_dot(one, other), 1, 1e-6);
+    assert_true(one.x > 0.3f);
+    rsv_scene_destroy(scene);
+}
+
 /// A square whose left half is cut out.
 static rsv_scene *half_square(fixture *f)
 {
@@ -401,6 +433,7 @@ int main(void)
         TEST(coordinates_repeat_mirror_or_stop),
         TEST(material_at_a_point_multiplies_its_texels),
         TEST(normal_map_leans_as_the_picture_shows),
+        TEST(normal_map_is_continuous_across_smooth_edges),
         TEST(rays_pass_where_a_surface_is_cut_out),
         TEST(unusable_textures_are_refused),
         TEST(emitters_shine_as_bright_as_their_texels),
