@@ -22,6 +22,10 @@ static const char help[] =
     "                                (default)\n"
     "                     operator   all light looked up in the solution: the real-time path\n"
     "                     reference  an unbiased path tracer, slow, to judge the others by\n"
+    "                     occlusion  the classic baseline: ambient occlusion by rays, times "
+    "albedo\n"
+    "                     occlusion-screen  the same from the depth buffer alone, as in games\n"
+    "  --occlusion-distance M  modes occlusion: metres beyond which nothing occludes\n"
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
     "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
     "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
@@ -45,6 +49,8 @@ enum { default_longer_side = 512 };
 static const char *const mode_names[] = { [RSV_RENDER_OPERATOR] = "operator",
     [RSV_RENDER_FINAL] = "final",
     [RSV_RENDER_REFERENCE] = "reference",
+    [RSV_RENDER_OCCLUSION] = "occlusion",
+    [RSV_RENDER_OCCLUSION_SCREEN] = "occlusion-screen",
     NULL };
 
 enum device { device_cpu, device_cuda };
@@ -58,7 +64,7 @@ typedef struct settings {
     int mode, quality, device;
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, seed, gather_rays;
-    float exposure;
+    float exposure, occlusion_distance;
     bool layers;
 } settings;
 
@@ -75,6 +81,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--gather", .kind = CLI_COUNT, .value = &s->gather_rays, .max = 1 << 16 },
+        { .name = "--occlusion-distance",
+            .kind = CLI_REAL,
+            .value = &s->occlusion_distance,
+            .max = 1e9 },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
         { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
@@ -150,6 +160,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->height = size.height;
     desc->samples = s->samples ? s->samples : default_samples(s);
     desc->gather_rays = s->gather_rays;
+    desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
     desc->seed = s->seed;
     return true;
@@ -193,13 +204,17 @@ static rsv_status render(const settings *s, const rsv_scene *scene, const rsv_re
     rsv_solution **solution, rsv_image **image, cli_stats *stats)
 {
     rsv_status status = RSV_OK;
-    bool is_reference = desc->mode == RSV_RENDER_REFERENCE;
-    if (!is_reference) status = solve(s, scene, solution);
+    bool is_solved = desc->mode == RSV_RENDER_OPERATOR || desc->mode == RSV_RENDER_FINAL;
+    if (is_solved) status = solve(s, scene, solution);
     if (status != RSV_OK) return status;
     double started = cli_seconds();
     stats->standard_error = NAN;
-    status = is_reference ? rsv_render_reference(scene, desc, image, &stats->standard_error)
-                          : rsv_render(*solution, desc, image);
+    if (is_solved)
+        status = rsv_render(*solution, desc, image);
+    else if (desc->mode == RSV_RENDER_REFERENCE)
+        status = rsv_render_reference(scene, desc, image, &stats->standard_error);
+    else
+        status = rsv_render_occlusion(scene, desc, image);
     stats->time_render = cli_seconds() - started;
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     return status;

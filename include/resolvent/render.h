@@ -11,9 +11,11 @@ extern "C" {
 #endif
 
 typedef enum rsv_render_mode {
-    RSV_RENDER_OPERATOR, ///< camera chains + lookup of the solved light
-    RSV_RENDER_FINAL,    ///< direct light per pixel, the rest from the operator
-    RSV_RENDER_REFERENCE ///< unbiased path tracing; needs no solution
+    RSV_RENDER_OPERATOR,  ///< camera chains + lookup of the solved light
+    RSV_RENDER_FINAL,     ///< direct light per pixel, the rest from the operator
+    RSV_RENDER_REFERENCE, ///< unbiased path tracing; needs no solution
+    RSV_RENDER_OCCLUSION, ///< the classic baseline: ambient occlusion by rays, times ambient light
+    RSV_RENDER_OCCLUSION_SCREEN ///< the same from the depth buffer alone
 } rsv_render_mode;
 
 /// Start from rsv_default_render_desc().
@@ -23,8 +25,12 @@ typedef struct rsv_render_desc {
     uint32_t samples; ///< camera rays per pixel (box filter)
     uint32_t camera;  ///< index in the scene
     uint32_t
-        gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up
-    bool layers;     ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
+        gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up;
+                     ///< modes occlusion: rays or points per surface seen, 0 = 16
+    /// Modes occlusion: metres beyond which nothing occludes; 0 = none (rays), a twentieth of the scene's
+    /// diagonal (screen).
+    float occlusion_distance;
+    bool layers; ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
     uint32_t seed;
 } rsv_render_desc;
 
@@ -33,6 +39,12 @@ RSV_API rsv_render_desc rsv_default_render_desc(void);
 /// Renders modes operator and final.
 RSV_API rsv_status rsv_render(
     const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image);
+
+/// Renders the modes occlusion: albedo times unoccluded share of the hemisphere, under a sky of
+/// radiance 1, plus emission; every surface counts as diffuse, nothing reflects. The form by rays converges
+/// to the cosine-weighted share (Zhukov et al. 1998); the screen-space form takes one camera ray per pixel.
+RSV_API rsv_status rsv_render_occlusion(
+    const rsv_scene *scene, const rsv_render_desc *desc, rsv_image **image);
 
 /// Renders mode reference: next-event estimation and BSDF sampling combined by MIS, Russian roulette.
 /// With desc->layers: emission, direct, bounce1, ... by the number of diffuse reflections.

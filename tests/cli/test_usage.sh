@@ -30,7 +30,8 @@ refuses 2 'takes no value' render furnace -o "$out/a.png" --layers=yes
 for size in 0x10 10 10x 10x-1 axb 10x10x10 1e9x1 '' 99999999999999999999x1; do
     refuses 2 'WIDTHxHEIGHT' render furnace -o "$out/a.png" --size "$size"
 done
-refuses 2 'one of operator, final, reference' render furnace -o "$out/a.png" --mode fast
+refuses 2 'one of operator, final, reference, occlusion, occlusion-screen' render furnace -o "$out/a.png" --mode fast
+refuses 2 'a number from' render furnace -o "$out/a.png" --occlusion-distance -1
 refuses 2 'one of draft, medium, high' render furnace -o "$out/a.png" --quality=best
 refuses 2 'whole number' render furnace -o "$out/a.png" --spp 0
 refuses 2 'whole number' render furnace -o "$out/a.png" --spp 1.5
