@@ -6,6 +6,7 @@
 #include "resolvent/image.h"
 
 #include <cJSON.h>
+#include <math.h>
 #include <stdio.h>
 
 static const char help[] =
@@ -21,6 +22,8 @@ static const char help[] =
     "  mean_ratio             mean(B) / mean(A), and the same per channel\n"
     "  median_relative_error  median over the pixels, of luminance\n"
     "\n"
+    "  -o FILE       write |B - A| as a picture\n"
+    "  --gain X      that many times as bright (default 1)\n"
     "  --layer NAME  compare the layers of that name (see `resolvent render --layers`)\n"
     "  --json        print JSON\n"
     "\n"
@@ -30,7 +33,8 @@ static const char help[] =
 
 typedef struct settings {
     const char *path[2];
-    const char *layer;
+    const char *layer, *output;
+    float gain;
     bool json;
 } settings;
 
@@ -77,6 +81,24 @@ static bool print_json(const rsv_image_difference *d)
     return printed;
 }
 
+static rsv_status write_difference(
+    cli_session *session, const settings *s, rsv_image *const image[2], const uint32_t layer[2])
+{
+    uint32_t width = rsv_image_width(image[0]), height = rsv_image_height(image[0]);
+    rsv_image *difference;
+    rsv_status status = rsv_image_create(session->context, width, height, 1, &difference);
+    if (status != RSV_OK) return status;
+    const rsv_rgb *a = rsv_image_const_pixels(image[0], layer[0]);
+    const rsv_rgb *b = rsv_image_const_pixels(image[1], layer[1]);
+    rsv_rgb *out = rsv_image_pixels(difference, 0);
+    for (size_t i = 0; i < (size_t)width * height; i++)
+        out[i] = (rsv_rgb){ s->gain * fabsf(b[i].r - a[i].r), s->gain * fabsf(b[i].g - a[i].g),
+            s->gain * fabsf(b[i].b - a[i].b) };
+    status = rsv_image_write(difference, s->output, 0);
+    rsv_image_destroy(difference);
+    return status;
+}
+
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
@@ -87,6 +109,7 @@ static int run(cli_session *session, const settings *s)
 
     rsv_image_difference difference;
     rsv_status status = rsv_image_compare(image[0], layer[0], image[1], layer[1], &difference);
+    if (status == RSV_OK && s->output) status = write_difference(session, s, image, layer);
     if (status != RSV_OK) {
         cli_report_failure(session, status);
     } else if (!s->json) {
@@ -104,8 +127,10 @@ cleanup:
 
 int cli_compare(int argc, char **argv)
 {
-    settings s = { 0 };
+    settings s = { .gain = 1 };
     const cli_option options[] = {
+        { .name = "-o", .kind = CLI_TEXT, .value = &s.output },
+        { .name = "--gain", .kind = CLI_REAL, .value = &s.gain, .min = 0, .max = 1e6 },
         { .name = "--layer", .kind = CLI_TEXT, .value = &s.layer },
         { .name = "--json", .kind = CLI_FLAG, .value = &s.json },
         { .name = NULL },
@@ -113,6 +138,10 @@ int cli_compare(int argc, char **argv)
     const cli_usage usage = { "compare", help, options, "A B", 2, 2 };
     int exit_status;
     if (!cli_parse(&usage, argc, argv, s.path, &exit_status)) return exit_status;
+    if (s.output && rsv_image_check_output(s.output) != RSV_OK) {
+        cli_error("%s", rsv_last_error());
+        return CLI_FAILURE;
+    }
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     exit_status = run(&session, &s);

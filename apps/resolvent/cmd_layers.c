@@ -1,6 +1,7 @@
 #include "command.h"
 #include "options.h"
 #include "session.h"
+#include "sheet.h"
 
 #include "resolvent/image.h"
 
@@ -26,7 +27,7 @@ static const char help[] =
 /// Mean luminance that every layer is brought to, within a quarter of a stop.
 static const double mean_luminance = 0.18;
 
-enum { gap = 4, max_count = 64 }; ///< pixels between the layers; most of them
+enum { max_count = 64 };
 
 typedef struct settings {
     const char *input, *output;
@@ -47,27 +48,6 @@ static float layer_exposure(const rsv_image *image, uint32_t layer)
     return (float)(round(2 * log2(mean_luminance * (double)count / sum)) / 2);
 }
 
-static void paste_layer(const rsv_image *image, uint32_t layer, float scale, rsv_image *sheet,
-    uint32_t left, uint32_t top)
-{
-    uint32_t width = rsv_image_width(image), height = rsv_image_height(image);
-    const rsv_rgb *from = rsv_image_const_pixels(image, layer);
-    for (uint32_t y = 0; y < height; y++) {
-        rsv_rgb *to =
-            rsv_image_pixels(sheet, 0) + (size_t)(top + y) * rsv_image_width(sheet) + left;
-        for (uint32_t x = 0; x < width; x++, from++)
-            to[x] = (rsv_rgb){ scale * from->r, scale * from->g, scale * from->b };
-    }
-}
-
-static void paint_white(rsv_image *sheet)
-{
-    rsv_rgb *pixel = rsv_image_pixels(sheet, 0);
-    size_t count = (size_t)rsv_image_width(sheet) * rsv_image_height(sheet);
-    for (size_t i = 0; i < count; i++)
-        pixel[i] = (rsv_rgb){ 1, 1, 1 };
-}
-
 /// The layers of the first orders of light, as they follow upon each other: files keep them by name.
 static uint32_t find_orders(const rsv_image *image, uint32_t capacity, uint32_t *layers)
 {
@@ -86,17 +66,11 @@ static uint32_t find_orders(const rsv_image *image, uint32_t capacity, uint32_t 
 static rsv_status make_sheet(rsv_context *context, const settings *s, const rsv_image *image,
     const uint32_t *layers, uint32_t count, rsv_image **sheet)
 {
-    uint32_t columns = count < s->columns ? count : s->columns;
-    uint32_t rows = (count + columns - 1) / columns;
-    uint32_t across = rsv_image_width(image) + gap, down = rsv_image_height(image) + gap;
-    rsv_status status =
-        rsv_image_create(context, columns * across - gap, rows * down - gap, 1, sheet);
+    rsv_status status = cli_sheet_create(context, image, count, s->columns, sheet);
     if (status != RSV_OK) return status;
-    paint_white(*sheet);
     for (uint32_t i = 0; i < count; i++) {
         float stops = layer_exposure(image, layers[i]);
-        paste_layer(
-            image, layers[i], exp2f(stops), *sheet, i % columns * across, i / columns * down);
+        cli_sheet_paste(*sheet, image, layers[i], exp2f(stops), i, s->columns);
         printf("%-10s %+.1f\n", rsv_image_layer_name(image, layers[i]), (double)stops);
     }
     return RSV_OK;

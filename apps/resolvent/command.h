@@ -12,6 +12,7 @@ int cli_render(int argc, char **argv);
 int cli_probe(int argc, char **argv);
 int cli_compare(int argc, char **argv);
 int cli_layers(int argc, char **argv);
+int cli_sheet(int argc, char **argv);
 int cli_scene(int argc, char **argv);
 int cli_info(int argc, char **argv);
 int cli_bench(int argc, char **argv);

@@ -19,6 +19,7 @@ static const command commands[] = {
     { "probe", cli_probe, "irradiance at the points of a CSV file, with its standard error" },
     { "compare", cli_compare, "how one picture differs from another" },
     { "layers", cli_layers, "the layers of a picture side by side" },
+    { "sheet", cli_sheet, "pictures side by side" },
     { "scene", cli_scene, "write a built-in scene as a .glb file" },
     { "info", cli_info, "what a scene holds: counts, bounds, materials, lights, cameras" },
     { "bench", cli_bench, "measure this machine" },

@@ -4,6 +4,7 @@
 
 #include "../core/core_internal.h"
 #include "../core/stratified.h"
+#include "../scene/material_at.h"
 #include "../trace/camera_ray.h"
 
 #include <string.h>
@@ -18,22 +19,22 @@ rsv_seen_surface rsv_see_surface(const rsv_occlusion_job *job, float x, float y)
     rsv_seen_surface seen = { .hit = false };
     rsv_hit hit;
     if (!rsv_tracer_closest(job->tracer, &ray, &hit)) return seen;
-    const rsv_material *material = &job->view->material[job->view->triangle_material[hit.triangle]];
+    rsv_material material = rsv_material_at(job->view, hit.triangle, hit.u, hit.v, 0);
     seen.hit = true;
     seen.point = rsv_surface_point_at(job->view, hit.triangle, hit.u, hit.v, false);
     bool back = v3_dot(seen.point.geometric, ray.direction) > 0;
     if (back) seen.point = rsv_surface_point_at(job->view, hit.triangle, hit.u, hit.v, true);
-    if (back && !material->double_sided && material->transmission == 0) return seen;
-    if (material->unlit) {
-        seen.emission = material->base_color;
+    if (back && !material.double_sided && material.transmission == 0) return seen;
+    if (material.unlit) {
+        seen.emission = material.base_color;
         return seen;
     }
-    seen.ambient = material->base_color;
-    if (!back || material->double_sided) seen.emission = material->emission;
+    seen.ambient = material.base_color;
+    if (!back || material.double_sided) seen.emission = material.emission;
     return seen;
 }
 
-/// Share of `count` of the pixel's rays that nothing stops.
+/// Share of the directions of one camera ray, of `total` in the pixel, that nothing hides.
 static float find_openness(const rsv_occlusion_job *job, const rsv_surface_point *point,
     uint32_t first, uint32_t total, uint32_t seed)
 {

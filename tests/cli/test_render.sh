@@ -43,4 +43,16 @@ warns '\.exr'
 succeeds layers operator1.exr -o sheet.png --columns 2 --count 3
 [[ $(cut -d' ' -f1 stdout | xargs) == 'emission direct bounce1' ]] || complain "not the orders' names"
 refuses 1 'has no layers' layers sheet.png -o "$out/nothing.png"
+
+# -- occlusion, differences and sheets
+
+for mode in occlusion occlusion-screen; do
+    succeeds render cornell-blocks -o $mode.exr "${small[@]}" --mode $mode --occlusion-distance 0.2
+done
+succeeds compare occlusion.exr occlusion-screen.exr -o difference.exr --gain 4
+succeeds compare occlusion.exr occlusion.exr
+says '^rmse  *0$'
+succeeds sheet occlusion.exr occlusion-screen.exr difference.exr -o sheet.exr --columns 2
+succeeds render cornell-blocks -o larger.exr --size 40x24 --mode occlusion --spp 1
+refuses 1 'larger.exr' sheet occlusion.exr larger.exr -o "$out/a.png"
 finish

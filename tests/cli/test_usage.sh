@@ -5,7 +5,7 @@ source "$(dirname "$0")/support.sh"
 succeeds --help
 says 'usage: resolvent'
 succeeds --version
-for command in render probe compare layers scene info bench; do
+for command in render probe compare layers sheet scene info bench; do
     succeeds $command --help
     says "usage: resolvent $command"
     says 'examples:'
@@ -47,4 +47,7 @@ refuses 2 'belong to bench quality' bench trace --plot "$out/a.svg"
 refuses 2 'even number' bench quality --reference one.exr
 refuses 2 'is missing' layers one.exr
 refuses 1 'one.exr' layers one.exr -o "$out/a.png"
+refuses 2 'is missing' sheet -o "$out/a.png"
+refuses 2 'is missing' sheet one.exr
+refuses 1 'one.exr' sheet one.exr -o "$out/a.png"
 finish
