@@ -40,9 +40,10 @@ RSV_API rsv_render_desc rsv_default_render_desc(void);
 RSV_API rsv_status rsv_render(
     const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image);
 
-/// Renders the modes occlusion: albedo times unoccluded share of the hemisphere, under a sky of
-/// radiance 1, plus emission; every surface counts as diffuse, nothing reflects. The form by rays converges
-/// to the cosine-weighted share (Zhukov et al. 1998); the screen-space form takes one camera ray per pixel.
+/// Renders the modes occlusion: albedo times unoccluded share of the hemisphere times what a white surface would
+/// reflect of the environment, or of a sky of radiance 1 where there is none, plus emission. Every surface counts as
+/// diffuse, lights other than the environment are left out. The form by rays converges to the cosine-weighted share (Zhukov
+/// et al. 1998); the screen-space form takes one camera ray per pixel.
 RSV_API rsv_status rsv_render_occlusion(
     const rsv_scene *scene, const rsv_render_desc *desc, rsv_image **image);
 

@@ -13,12 +13,22 @@
 #define LANES RSV_PACKET_WIDTH
 #define SCREEN_REACH 0.05f ///< default of the screen-space form, as a share of the scene's diagonal
 
+/// What a white surface without obstacles reflects.
+static rsv_rgb ambient_radiance(const rsv_occlusion_job *job, rsv_vec3 normal)
+{
+    if (!job->sky.pixel) return rgb_gray(1);
+    return rgb_scale(rsv_sky_irradiance_at(&job->sky_irradiance, normal), 1 / RSV_PI);
+}
+
 rsv_seen_surface rsv_see_surface(const rsv_occlusion_job *job, float x, float y)
 {
     rsv_ray ray = rsv_camera_ray(job->camera, job->desc->width, job->desc->height, x, y);
     rsv_seen_surface seen = { .hit = false };
     rsv_hit hit;
-    if (!rsv_tracer_closest(job->tracer, &ray, &hit)) return seen;
+    if (!rsv_tracer_closest(job->tracer, &ray, &hit)) {
+        if (job->sky.pixel) seen.emission = rsv_sky_radiance(&job->sky, ray.direction);
+        return seen;
+    }
     rsv_material material = rsv_material_at(job->view, hit.triangle, hit.u, hit.v, 0);
     seen.hit = true;
     seen.point = rsv_surface_point_at(job->view, hit.triangle, hit.u, hit.v, false);
@@ -29,7 +39,7 @@ rsv_seen_surface rsv_see_surface(const rsv_occlusion_job *job, float x, float y)
         seen.emission = material.base_color;
         return seen;
     }
-    seen.ambient = material.base_color;
+    seen.ambient = rgb_mul(material.base_color, ambient_radiance(job, seen.point.normal));
     if (!back || material.double_sided) seen.emission = material.emission;
     return seen;
 }
@@ -77,7 +87,6 @@ static rsv_rgb render_pixel(const rsv_occlusion_job *job, uint32_t column, uint3
         float x, y;
         rsv_stratified_2d(i, samples, seed, &x, &y);
         rsv_seen_surface seen = rsv_see_surface(job, (float)column + x, (float)row + y);
-        if (!seen.hit) continue;
         float openness = 0;
         if (!rgb_is_black(seen.ambient))
             openness = find_openness(
@@ -144,6 +153,8 @@ rsv_status rsv_render_occlusion(
     RSV_TRY(rsv_image_create(job.context, desc->width, desc->height, 1, &job.image));
     RSV_TRY(rsv_tracer_create(scene, &tracer));
     job.tracer = tracer;
+    if (view->environment) job.sky = rsv_sky_from_environment(view->environment);
+    RSV_TRY(rsv_sky_irradiance_create(job.context, &job.sky, &job.sky_irradiance));
     job.camera = &view->camera[desc->camera];
     job.samples = desc->gather_rays ? desc->gather_rays : DEFAULT_SAMPLES;
     job.distance = default_distance(view, desc);
@@ -155,6 +166,7 @@ rsv_status rsv_render_occlusion(
     job.image = NULL;
 cleanup:
     rsv_tracer_destroy(tracer);
+    rsv_sky_irradiance_destroy(job.context, &job.sky_irradiance);
     rsv_image_destroy(job.image);
     return status;
 }

@@ -2,6 +2,7 @@
 #ifndef RSV_OCCLUSION_H
 #define RSV_OCCLUSION_H
 
+#include "../light/sky.h"
 #include "../operator/elements.h"
 #include "resolvent/render.h"
 #include "resolvent/trace.h"
@@ -14,6 +15,8 @@ typedef struct rsv_occlusion_job {
     const rsv_render_desc *desc;
     uint32_t samples; ///< directions of an estimate
     float distance;   ///< metres; what is farther away does not occlude
+    rsv_sky sky;      ///< without pixels: of radiance 1 for surfaces, black for the camera
+    rsv_sky_irradiance sky_irradiance;
     rsv_image *image;
 } rsv_occlusion_job;
 
@@ -21,8 +24,8 @@ typedef struct rsv_occlusion_job {
 typedef struct rsv_seen_surface {
     bool hit;
     rsv_surface_point point; ///< normals on the viewer's side
-    rsv_rgb ambient;         ///< radiance under an unoccluded sky of radiance 1
-    rsv_rgb emission;
+    rsv_rgb ambient;         ///< radiance under the unoccluded sky
+    rsv_rgb emission;        ///< of the surface, or of the sky where there is none
 } rsv_seen_surface;
 
 /// @param x, y in pixels, as rsv_camera_ray takes them

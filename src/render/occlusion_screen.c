@@ -126,9 +126,8 @@ static void shade(screen *s)
         for (uint32_t column = 0; column < width; column++) {
             size_t pixel = (size_t)row * width + column;
             const rsv_seen_surface *seen = &s->seen[pixel];
-            if (seen->hit)
-                out[pixel] =
-                    rgb_mad(seen->emission, blurred_openness(s, column, row), seen->ambient);
+            float openness = seen->hit ? blurred_openness(s, column, row) : 0;
+            out[pixel] = rgb_mad(seen->emission, openness, seen->ambient);
         }
 }
 

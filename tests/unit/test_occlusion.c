@@ -114,6 +114,28 @@ static void a_sphere_hides_the_square_of_radius_over_distance(void **state)
     rsv_scene_destroy(scene);
 }
 
+static void the_environment_colours_surfaces_and_background(void **state)
+{
+    uint32_t grey;
+    const rsv_rgb pixels[2] = { { 1, 2, 3 }, { 1, 2, 3 } };
+    const rsv_environment environment = { "even", pixels, 2, 1, 1, 0 };
+    rsv_scene *scene = empty_scene(*state, &grey);
+    add_floor(scene, grey);
+    assert_int_equal(rsv_scene_set_environment(scene, &environment), RSV_OK);
+    rsv_render_desc desc = narrow_view(scene, v3(0, 1, 0), v3(0, 1, -1), 16);
+    for (int mode = 0; mode < 2; mode++) {
+        rsv_image *image;
+        desc.mode = mode ? RSV_RENDER_OCCLUSION_SCREEN : RSV_RENDER_OCCLUSION;
+        assert_int_equal(rsv_render_occlusion(scene, &desc, &image), RSV_OK);
+        const rsv_rgb *top = rsv_image_const_pixels(image, 0), *bottom = top + 255;
+        assert_float_equal(top->b, 3, 1e-5f);
+        assert_float_equal(bottom->b, 3 * ALBEDO, 0.01f);
+        assert_float_equal(bottom->r, 1 * ALBEDO, 0.01f);
+        rsv_image_destroy(image);
+    }
+    rsv_scene_destroy(scene);
+}
+
 static void threads_do_not_change_occlusion(void **state)
 {
     fixture *f = *state;
@@ -245,6 +267,7 @@ int main(void)
         CASE(a_wall_hides_half_of_what_it_rises_above),
         CASE(corners_of_two_and_three_walls_see_a_half_and_a_quarter),
         CASE(a_sphere_hides_the_square_of_radius_over_distance),
+        CASE(the_environment_colours_surfaces_and_background),
         CASE(threads_do_not_change_occlusion),
         CASE(a_plane_does_not_occlude_itself_on_the_screen),
         CASE(a_corner_is_darker_on_the_screen_within_the_reach_alone),
