@@ -24,10 +24,11 @@ void rsv_scatter_row_destroy(rsv_scatter_row *row)
 /// Profiles end where this share of their energy lies within; the rest is spread over it.
 #define KEPT_SHARE 0.999f
 #define REACH 19.86f ///< radius of that share over d
-/// A cluster counts as one if its radius is below this share of its distance ...
+/// A cluster counts as one if its radius is below this share of its distance and this multiple of d, over which
+/// profile and light change together; or below a smaller share of its distance, where little is left of either.
 #define OPENING 0.3f
-/// ... and below this multiple of d, or the profile would decay too far over it.
-#define DECAY 2.5f
+#define DECAY 1.0f
+#define FAR_OPENING 0.12f
 /// Cells nearer than this multiple of their radius are integrated exactly.
 #define EXACT 3.0f
 
@@ -116,7 +117,8 @@ static void add_cluster(const gathering *g, uint32_t index)
     rsv_vec3 centre = v3_sub(c->centre, g->place);
     float distance = v3_length(centre);
     if (distance - c->radius > g->reach) return;
-    if (c->radius < OPENING * distance && c->radius < g->flat) {
+    float allowed = f_min(OPENING * distance, f_max(FAR_OPENING * distance, g->flat));
+    if (c->radius < allowed) {
         add_entry(g->row, (uint32_t)s->elements->node_count + index,
             rgb_scale(profile_over(g, centre, c->normal, c->spread), c->area));
     } else if (c->right) {
