@@ -6,10 +6,10 @@
 #define REACH 27.0f ///< over d: all but one ten-thousandth
 #define MAX_HITS 64
 /// Points strewn over a body: so many per d^2, within bounds; and probe rays for each.
-#define POINTS_PER_D2 16.0
+#define POINTS_PER_D2 8.0
 #define FEWEST_POINTS 512.0
-#define MOST_POINTS 8192.0
-#define PROBES 768u
+#define MOST_POINTS 4096.0
+#define PROBES 384u
 /// Points that an average of N takes in.
 #define AVERAGED 12.0
 

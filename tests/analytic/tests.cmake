@@ -35,3 +35,9 @@ rsv_add_validation(reference_direct --reference a.p a.o d.p d.s d.di d.rect_ligh
     d.rect_light.f d.rect_light.blocked_m d.rect_light.blocked_h f.mirror_area.p j.)
 rsv_add_validation(reference_enclosures --reference b.furnace_box.1 b.furnace_object b.sphere_
     c.two_plates.0p5 c.concentric.1_2 c.cube.rho0p5 i.)
+
+add_executable(test_profiles analytic/profiles.c)
+target_link_libraries(test_profiles PRIVATE rsv_test_support PkgConfig::CJSON)
+target_compile_definitions(test_profiles PRIVATE RSV_VALIDATION_DEFAULT="${RSV_VALIDATION}")
+add_test(NAME profiles COMMAND test_profiles)
+set_tests_properties(profiles PROPERTIES SKIP_RETURN_CODE 77)
