@@ -65,14 +65,17 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
     return rsv_progress(e->context, "assemble", 0);
 }
 
-/// Hanging nodes are as sound as their parents; one whose one parent is buried follows the other.
+/// Hanging nodes are as sound as their parents; those with a buried parent follow the others.
 static void bridge_hanging(rsv_elements *e, uint8_t *sound)
 {
     for (size_t h = 0; h < e->hanging_count; h++) {
         rsv_hanging *hanging = &e->hanging[h];
-        uint8_t first = sound[hanging->parent[0]], second = sound[hanging->parent[1]];
-        if (first != second) hanging->weight = second ? 1 : 0;
-        sound[hanging->node] = first | second;
+        float left = 0;
+        for (int p = 0; p < RSV_PARENTS; p++)
+            left += sound[hanging->parent[p]] ? hanging->weight[p] : 0;
+        sound[hanging->node] = left > 0;
+        for (int p = 0; p < RSV_PARENTS && left > 0; p++)
+            hanging->weight[p] = sound[hanging->parent[p]] ? hanging->weight[p] / left : 0;
     }
 }
 
@@ -102,8 +105,9 @@ void rsv_mark_buried(const rsv_elements *e, const uint16_t *valid_points, float 
         if (!valid_points[n] && e->node_hanging[n] == RSV_NONE) deviation[n] = INFINITY;
     for (size_t h = 0; h < e->hanging_count; h++) {
         const rsv_hanging *hanging = &e->hanging[h];
-        float first = hanging->weight < 1 ? deviation[hanging->parent[0]] : 0;
-        float second = hanging->weight > 0 ? deviation[hanging->parent[1]] : 0;
-        deviation[hanging->node] = f_max(first, second);
+        float largest = 0;
+        for (int p = 0; p < RSV_PARENTS; p++)
+            if (hanging->weight[p] > 0) largest = f_max(largest, deviation[hanging->parent[p]]);
+        deviation[hanging->node] = largest;
     }
 }

@@ -1,12 +1,15 @@
 #include "contact.h"
 
+#include "elements_internal.h"
 #include "hover.h"
 
 #include <string.h>
 
-#define CONTACT_LEVELS 2
+/// Cells under what stands on them are split down to this part of the spacing.
+#define CONTACT_SIZE 0.25f
 /// A cell with honest corners on both sides of a wall interpolates through it: the line over which it does is
 /// made thinner than it can be seen.
+#define THIN_WALL_SIZE 0.0625f
 #define THIN_WALL_LEVELS 4
 
 typedef enum cut { CUT_NONE, CUT_CONTACT, CUT_THROUGH } cut;
@@ -39,9 +42,13 @@ static cut classify(
     return found;
 }
 
-static bool is_to_be_split(cut found, uint32_t level)
+static bool is_to_be_split(
+    const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell, uint64_t *rays)
 {
-    return found == CUT_THROUGH || (found == CUT_CONTACT && level < CONTACT_LEVELS);
+    float size = sqrtf(2 * rsv_cell_area(e, cell));
+    if (size <= THIN_WALL_SIZE * e->spacing || e->cell[cell].level >= RSV_MAX_LEVEL) return false;
+    cut found = classify(scene, e, cell, rays);
+    return found == CUT_THROUGH || (found == CUT_CONTACT && size > CONTACT_SIZE * e->spacing);
 }
 
 rsv_status rsv_elements_refine_contacts(
@@ -57,8 +64,7 @@ rsv_status rsv_elements_refine_contacts(
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context)) \
     reduction(+ : marked, traced)
         for (size_t c = 0; c < e->cell_count; c++) {
-            if (e->cell[c].level >= RSV_MAX_LEVEL) continue;
-            split[c] = is_to_be_split(classify(scene, e, (uint32_t)c, &traced), level);
+            split[c] = is_to_be_split(scene, e, (uint32_t)c, &traced);
             marked += split[c];
         }
         *rays += traced;

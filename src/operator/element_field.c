@@ -55,8 +55,10 @@ void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value)
 {
     for (size_t h = 0; h < elements->hanging_count; h++) {
         const rsv_hanging *hanging = &elements->hanging[h];
-        value[hanging->node] = rgb_mad(rgb_scale(value[hanging->parent[0]], 1 - hanging->weight),
-            hanging->weight, value[hanging->parent[1]]);
+        rsv_rgb sum = rgb_scale(value[hanging->parent[0]], hanging->weight[0]);
+        for (int p = 1; p < RSV_PARENTS; p++)
+            sum = rgb_mad(sum, hanging->weight[p], value[hanging->parent[p]]);
+        value[hanging->node] = sum;
     }
 }
 

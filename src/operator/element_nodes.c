@@ -72,7 +72,8 @@ static rsv_status add_hanging(
         e->context, (void **)&e->hanging, &f->capacity, e->hanging_count + 1, sizeof *e->hanging);
     if (status != RSV_OK) return status;
     e->node_hanging[node] = (uint32_t)e->hanging_count;
-    e->hanging[e->hanging_count++] = (rsv_hanging){ node, { a, b }, weight };
+    e->hanging[e->hanging_count++] =
+        (rsv_hanging){ node, { a, b, a, a }, { 1 - weight, weight, 0, 0 } };
     return RSV_OK;
 }
 
@@ -152,8 +153,8 @@ static rsv_status create_supports(rsv_elements *e)
     for (size_t h = e->hanging_count; h-- > 0;) {
         const rsv_hanging *hanging = &e->hanging[h];
         float area = e->node_area[hanging->node];
-        e->node_area[hanging->parent[0]] += (1 - hanging->weight) * area;
-        e->node_area[hanging->parent[1]] += hanging->weight * area;
+        for (int p = 0; p < RSV_PARENTS; p++)
+            e->node_area[hanging->parent[p]] += hanging->weight[p] * area;
         e->node_area[hanging->node] = 0;
     }
     return RSV_OK;

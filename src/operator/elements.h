@@ -24,16 +24,20 @@ typedef struct rsv_cell {
     uint8_t level, flipped;
 } rsv_cell;
 
-/// A node whose value is (1 - weight) * parent[0] + weight * parent[1].
+#define RSV_PARENTS 4
+
+/// A node whose value is the weighted mean of other nodes: of two where it hangs on the edge of a larger cell, of up
+/// to four where its mesh is finer than wanted (cluster.h).
 typedef struct rsv_hanging {
-    uint32_t node, parent[2];
-    float weight;
+    uint32_t node, parent[RSV_PARENTS];
+    float weight[RSV_PARENTS]; ///< sum 1; parents of weight 0 count for nothing
 } rsv_hanging;
 
 typedef struct rsv_elements {
     rsv_context *context;
     const rsv_scene_view *scene;
     const rsv_bsdf *bsdf; ///< [material_count], borrowed
+    float spacing;        ///< metres between nodes that was asked for
 
     uint32_t *face_of[2]; ///< [triangle_count] front and back; RSV_NONE = does not scatter
     size_t face_count;

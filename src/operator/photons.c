@@ -401,13 +401,12 @@ static void settle_hanging(rsv_photon_map *map)
     const rsv_elements *e = map->elements;
     for (size_t h = e->hanging_count; h-- > 0;) {
         const rsv_hanging *hanging = &e->hanging[h];
-        const double share[2] = { 1 - hanging->weight, hanging->weight };
-        for (int p = 0; p < 2; p++) {
+        for (int p = 0; p < RSV_PARENTS; p++) {
+            double share = hanging->weight[p];
             for (int c = 0; c < 3; c++)
                 map->flux[hanging->parent[p]][c] +=
-                    (int64_t)llrint(share[p] * (double)map->flux[hanging->node][c]);
-            map->hits[hanging->parent[p]] +=
-                (uint64_t)(share[p] * (double)map->hits[hanging->node]);
+                    (int64_t)llrint(share * (double)map->flux[hanging->node][c]);
+            map->hits[hanging->parent[p]] += (uint64_t)(share * (double)map->hits[hanging->node]);
         }
     }
 }

@@ -3,6 +3,7 @@
 #include "bend.h"
 #include "burial.h"
 #include "contact.h"
+#include "elements_internal.h"
 
 #include <string.h>
 
@@ -97,6 +98,19 @@ static void mark_caustic(void *user, uint32_t cell, uint32_t other)
     b->split[other] |= caught_enough(b, other);
 }
 
+static float cell_size(const rsv_elements *e, size_t cell)
+{
+    return sqrtf(2 * rsv_cell_area(e, (uint32_t)cell));
+}
+
+/// Whether a cell has the size that splitting a cell of the coarse spacing at every level leads to: meshes that are
+/// finer from the start need no more.
+static bool is_finest(const level_builder *b, size_t cell)
+{
+    uint32_t levels = b->desc->levels + (b->caustic ? CAUSTIC_LEVELS : 0);
+    return cell_size(b->elements, cell) * (float)(4u << levels) <= b->elements->spacing;
+}
+
 /// Marks the cells on both sides of every edge across which light bends; counts them.
 static rsv_status mark_cells(level_builder *b, uint32_t level, size_t *marked)
 {
@@ -111,7 +125,7 @@ static rsv_status mark_cells(level_builder *b, uint32_t level, size_t *marked)
     }
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
-        if (e->cell[c].level >= RSV_MAX_LEVEL) b->split[c] = 0;
+        if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c)) b->split[c] = 0;
         *marked += b->split[c];
     }
 cleanup:
@@ -221,7 +235,8 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     *level = (rsv_source_level){ 0 };
     b.split = rsv_alloc(context, coarse->cell_count, 1);
     if (!b.split) return RSV_ERROR_MEMORY;
-    if (desc->direct) memset(b.split, 1, coarse->cell_count);
+    for (size_t c = 0; desc->direct && c < coarse->cell_count; c++)
+        b.split[c] = cell_size(coarse, c) > 0.25f * coarse->spacing;
     RSV_TRY(rsv_elements_refine(coarse, b.split, &b.elements));
     RSV_TRY(prepare_elements(&b));
     if (desc->direct) {

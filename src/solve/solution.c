@@ -2,6 +2,7 @@
 
 #include "../operator/bend.h"
 #include "../operator/burial.h"
+#include "../operator/cluster.h"
 #include "../operator/contact.h"
 
 #include <string.h>
@@ -11,6 +12,8 @@
 /// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
 #define COARSE_LIGHT_FACTOR 2
 #define PILOT_ORDERS 3
+/// Meshes finer than the wanted spacing keep nodes this part of it apart: they are curved and fold.
+#define CLUSTER_RADIUS 0.25f
 #define PILOT_BEND 0.2f
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
@@ -182,10 +185,13 @@ static rsv_status create_source(rsv_solution *s)
     return RSV_OK;
 }
 
-/// Elements ready to receive: walls kept apart, buried points known, buried corners bridged.
+/// Elements ready to receive: walls kept apart, fine meshes clustered, buried points known, buried corners
+/// bridged.
 static rsv_status prepare_elements(rsv_solution *s)
 {
     rsv_status status = rsv_elements_separate(s->tracer, s->elements, &s->report.rays);
+    if (status == RSV_OK)
+        status = rsv_elements_cluster(s->elements, CLUSTER_RADIUS * s->elements->spacing);
     if (status != RSV_OK) return status;
     rsv_free(s->context, s->valid_points);
     s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);

@@ -135,10 +135,12 @@ static void constrain(const series *q, double (*value)[3])
 {
     const rsv_elements *e = q->s->elements;
     for (size_t h = 0; h < e->hanging_count; h++)
-        for (int c = 0; c < 3; c++)
-            value[e->hanging[h].node][c] =
-                (1 - e->hanging[h].weight) * value[e->hanging[h].parent[0]][c] +
-                e->hanging[h].weight * value[e->hanging[h].parent[1]][c];
+        for (int c = 0; c < 3; c++) {
+            double sum = 0;
+            for (int p = 0; p < RSV_PARENTS; p++)
+                sum += e->hanging[h].weight[p] * value[e->hanging[h].parent[p]][c];
+            value[e->hanging[h].node][c] = sum;
+        }
 }
 
 static double channel(rsv_rgb value, int c)
