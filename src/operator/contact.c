@@ -5,12 +5,13 @@
 
 #include <string.h>
 
-/// Cells under what stands on them are split down to this part of the spacing.
-#define CONTACT_SIZE 0.25f
+#define CONTACT_LEVELS 2
+/// Smaller cells, as parts of the spacing, are left alone: they come from meshes finer than wanted.
+#define CONTACT_SIZE 0.125f
 /// A cell with honest corners on both sides of a wall interpolates through it: the line over which it does is
 /// made thinner than it can be seen.
-#define THIN_WALL_SIZE 0.0625f
 #define THIN_WALL_LEVELS 4
+#define THIN_WALL_SIZE 0.03f
 
 typedef enum cut { CUT_NONE, CUT_CONTACT, CUT_THROUGH } cut;
 
@@ -42,13 +43,14 @@ static cut classify(
     return found;
 }
 
-static bool is_to_be_split(
-    const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell, uint64_t *rays)
+static bool is_to_be_split(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,
+    uint32_t level, uint64_t *rays)
 {
     float size = sqrtf(2 * rsv_cell_area(e, cell));
     if (size <= THIN_WALL_SIZE * e->spacing || e->cell[cell].level >= RSV_MAX_LEVEL) return false;
+    bool large = level < CONTACT_LEVELS && size > CONTACT_SIZE * e->spacing;
     cut found = classify(scene, e, cell, rays);
-    return found == CUT_THROUGH || (found == CUT_CONTACT && size > CONTACT_SIZE * e->spacing);
+    return found == CUT_THROUGH || (found == CUT_CONTACT && large);
 }
 
 rsv_status rsv_elements_refine_contacts(
@@ -64,7 +66,7 @@ rsv_status rsv_elements_refine_contacts(
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context)) \
     reduction(+ : marked, traced)
         for (size_t c = 0; c < e->cell_count; c++) {
-            split[c] = is_to_be_split(scene, e, (uint32_t)c, &traced);
+            split[c] = is_to_be_split(scene, e, (uint32_t)c, level, &traced);
             marked += split[c];
         }
         *rays += traced;

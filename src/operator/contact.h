@@ -9,8 +9,8 @@
 #include "chain.h"
 #include "elements.h"
 
-/// Splits cells that other geometry cuts, down to a quarter of the elements' spacing; those that reach from one side
-/// of a thin wall to the other, further. Replaces `*elements`.
+/// Splits cells that other geometry cuts, twice at most; those that reach from one side of a thin wall to the
+/// other, four times. Cells far smaller than the spacing are left alone. Replaces `*elements`.
 rsv_status rsv_elements_refine_contacts(
     const rsv_transport_scene *scene, rsv_elements **elements, uint64_t *rays);
 
