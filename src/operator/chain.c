@@ -50,8 +50,7 @@ void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain,
     if (v3_dot(*shading, chain->direction) >= 0) *shading = *geometric;
 }
 
-/// The BSDF at the chain's surface and the normal it is asked with.
-static const rsv_bsdf *surface_bsdf(
+const rsv_bsdf *rsv_chain_scattering(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *normal, rsv_bsdf *storage)
 {
     const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, storage);
@@ -66,7 +65,7 @@ rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv
 {
     rsv_vec3 normal;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal, &storage);
+    const rsv_bsdf *bsdf = rsv_chain_scattering(scene, chain, &normal, &storage);
     rsv_bsdf_branches branches =
         rsv_bsdf_evaluate_branches(bsdf, v3_neg(chain->direction), normal, !chain->back);
     if (bsdf->opacity >= 1) return branches;
@@ -82,7 +81,7 @@ rsv_bsdf_event rsv_chain_draw_event(
 {
     rsv_vec3 normal;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = surface_bsdf(scene, chain, &normal, &storage);
+    const rsv_bsdf *bsdf = rsv_chain_scattering(scene, chain, &normal, &storage);
     if (bsdf->opacity < 1 && rsv_random_float(random) >= bsdf->opacity)
         return (rsv_bsdf_event){ RSV_LOBE_TRANSMIT, chain->direction, rgb_gray(1), 0 };
     float u_lobe = rsv_random_float(random), u1 = rsv_random_float(random);

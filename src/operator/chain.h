@@ -53,6 +53,10 @@ const rsv_bsdf *rsv_chain_bsdf(
 void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *shading,
     rsv_vec3 *geometric);
 
+/// The same, with the normal that the BSDF is to be asked with: the one seen, unless it would lose what is mirrored.
+const rsv_bsdf *rsv_chain_scattering(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *normal, rsv_bsdf *storage);
+
 /// Branch weights at the chain's surface. What it does not cover counts as transmitted, straight on.
 rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain);
 

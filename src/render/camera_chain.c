@@ -1,76 +1,96 @@
 #include "camera_chain.h"
 
+#include "rough_light.h"
+
 #define FAINT 0.01f ///< branches below this weight play roulette
 #define MAX_EVENTS 64
 #define STACK 64
 
-static rsv_rgb emission_towards(const rsv_transport_scene *scene, const rsv_chain *chain)
+/// A chain at a surface, and how it left the one before.
+typedef struct link {
+    rsv_chain chain;
+    rsv_rough_departure departure;
+} link;
+
+/// The links still to be followed, and what the others found.
+typedef struct tree {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    rsv_random random;
+    link stack[STACK];
+    int depth;
+    rsv_rgb radiance;
+} tree;
+
+static void add_emission(tree *t, const link *at)
 {
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+    const rsv_chain *chain = &at->chain;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(t->scene, chain, &storage);
     bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
-    return shows ? rgb_mul(chain->weight, rgb_scale(bsdf->emission, bsdf->opacity)) : rgb_gray(0);
+    if (!shows) return;
+    float weight = rsv_rough_emission_weight(t->scene, t->lights, chain, &at->departure);
+    rsv_rgb emission = rgb_scale(bsdf->emission, weight * bsdf->opacity);
+    t->radiance = rgb_add(t->radiance, rgb_mul(chain->weight, emission));
 }
 
-/// Moves one branch on; false if it ended, in the sky with the radiance from there.
-static bool leave(const rsv_transport_scene *scene, const rsv_sky *sky, rsv_chain *chain,
-    bool transmit, rsv_vec3 direction, rsv_rgb weight, rsv_rgb *radiance)
+/// Moves one branch on: to the next link or to the sky.
+static void leave(tree *t, link next, bool transmit, rsv_vec3 direction, rsv_rgb weight)
 {
-    rsv_chain_move move = rsv_chain_step(scene, chain, transmit, direction, weight);
-    if (move == RSV_CHAIN_LEFT_SCENE) {
-        rsv_rgb beyond = rsv_sky_radiance(sky, chain->direction);
-        *radiance = rgb_add(*radiance, rgb_mul(chain->weight, beyond));
-    }
-    return move == RSV_CHAIN_MOVED;
+    if (t->depth == STACK) return;
+    rsv_chain_move move = rsv_chain_step(t->scene, &next.chain, transmit, direction, weight);
+    if (move == RSV_CHAIN_MOVED) t->stack[t->depth++] = next;
+    if (move != RSV_CHAIN_LEFT_SCENE || !t->lights->environment) return;
+    rsv_rgb beyond = rsv_sky_radiance(&t->lights->environment->whole, direction);
+    float share = rsv_rough_sky_weight(t->lights, direction, &next.departure);
+    t->radiance = rgb_add(t->radiance, rgb_mul(next.chain.weight, rgb_scale(beyond, share)));
 }
 
 /// One branch of a smooth surface.
-static bool follow(const rsv_transport_scene *scene, const rsv_sky *sky, rsv_chain *chain,
-    bool transmit, const rsv_bsdf_branches *branches, rsv_random *random, rsv_rgb *radiance)
+static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branches *branches)
 {
     rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
-    float carried = rgb_max(rgb_mul(chain->weight, weight));
-    if (carried <= 0 || chain->events >= MAX_EVENTS) return false;
+    float carried = rgb_max(rgb_mul(at->chain.weight, weight));
+    if (carried <= 0 || at->chain.events >= MAX_EVENTS) return;
     if (carried < FAINT) {
-        if (rsv_random_float(random) * FAINT >= carried) return false;
+        if (rsv_random_float(&t->random) * FAINT >= carried) return;
         weight = rgb_scale(weight, FAINT / carried);
     }
     rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
-    return leave(scene, sky, chain, transmit, direction, weight, radiance);
+    leave(t, (link){ .chain = at->chain }, transmit, direction, weight);
 }
 
-/// One of the directions that a rough surface scatters from; false if it has none.
-static bool follow_rough(const rsv_transport_scene *scene, const rsv_sky *sky, rsv_chain *chain,
-    rsv_random *random, rsv_rgb *radiance)
+/// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
+static void follow_rough(tree *t, const link *at)
 {
-    rsv_bsdf_event event = rsv_chain_draw_event(scene, chain, random);
+    const rsv_chain *chain = &at->chain;
+    t->radiance = rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, &t->random));
+    rsv_bsdf_event event = rsv_chain_draw_event(t->scene, chain, &t->random);
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!specular || event.pdf_solid_angle == 0 || chain->events >= MAX_EVENTS) return false;
-    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
-    return leave(scene, sky, chain, transmit, event.direction, event.weight, radiance);
+    if (!specular || event.pdf_solid_angle == 0 || chain->events >= MAX_EVENTS) return;
+    link next = { *chain, rsv_rough_depart(t->scene, chain, event.direction) };
+    leave(t, next, event.lobe == RSV_LOBE_TRANSMIT, event.direction, event.weight);
 }
 
-rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_sky *sky, rsv_chain chain,
-    uint32_t seed, rsv_diffuse_end end, void *user)
+rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
+    rsv_chain chain, uint32_t seed, rsv_diffuse_end end, void *user)
 {
-    rsv_chain stack[STACK];
-    int depth = 0;
-    rsv_rgb radiance = rgb_gray(0);
-    rsv_random random = rsv_random_from(seed, chain.triangle, 0x17c3u);
-    stack[depth++] = chain;
-    while (depth > 0) {
-        chain = stack[--depth];
-        radiance = rgb_add(radiance, emission_towards(scene, &chain));
-        rsv_bsdf_branches branches = rsv_chain_branches(scene, &chain);
+    tree t; // its stack need not be cleared
+    t.scene = scene;
+    t.lights = lights;
+    t.random = rsv_random_from(seed, chain.triangle, 0x17c3u);
+    t.radiance = rgb_gray(0);
+    t.depth = 1;
+    t.stack[0] = (link){ .chain = chain };
+    while (t.depth > 0) {
+        link at = t.stack[--t.depth];
+        add_emission(&t, &at);
+        rsv_bsdf_branches branches = rsv_chain_branches(scene, &at.chain);
         if (!rgb_is_black(branches.diffuse))
-            end(user, &chain, rgb_mul(chain.weight, branches.diffuse));
-        for (int transmit = 0; transmit < 2; transmit++) {
-            rsv_chain next = chain;
-            if (depth < STACK && follow(scene, sky, &next, transmit, &branches, &random, &radiance))
-                stack[depth++] = next;
-        }
-        if (branches.rough && depth < STACK && follow_rough(scene, sky, &chain, &random, &radiance))
-            stack[depth++] = chain;
+            end(user, &at.chain, rgb_mul(at.chain.weight, branches.diffuse));
+        follow(&t, &at, false, &branches);
+        follow(&t, &at, true, &branches);
+        if (branches.rough) follow_rough(&t, &at);
     }
-    return radiance;
+    return t.radiance;
 }

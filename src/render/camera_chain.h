@@ -2,18 +2,17 @@
 #ifndef RSV_CAMERA_CHAIN_H
 #define RSV_CAMERA_CHAIN_H
 
-#include "../light/sky.h"
+#include "../light/light.h"
 #include "../operator/chain.h"
 
 /// Called for each diffuse interface a camera ray leads to.
 /// @param weight radiance at the camera per B / pi of the surface
 typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weight);
 
-/// Follows all branches that matter, deterministically; branches fainter than one part in a hundred
-/// survive by roulette, so that nothing is lost on average.
-/// @param sky the surroundings
+/// Follows all ideal branches that matter, deterministically; branches fainter than one part in a hundred
+/// survive by roulette, so that nothing is lost on average. Rough surfaces send on one branch at random.
 /// @return radiance towards the camera emitted by the surfaces on the way and by the surroundings
-rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_sky *sky, rsv_chain chain,
-    uint32_t seed, rsv_diffuse_end end, void *user);
+rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
+    rsv_chain chain, uint32_t seed, rsv_diffuse_end end, void *user);
 
 #endif

@@ -212,8 +212,8 @@ static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv
         rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, direction, packet->triangle[k],
             packet->u[k], packet->v[k], packet->t_max[k]);
         rsv_chain_set_spread(&chain, r->job->spread, packet->t_max[k]);
-        rsv_rgb emission = rsv_camera_chain(
-            &r->job->solution->scene, &r->job->sky, chain, rsv_hash2(r->seed, r->sample), shade, r);
+        rsv_rgb emission = rsv_camera_chain(&r->job->solution->scene, r->job->solution->lights,
+            chain, rsv_hash2(r->seed, r->sample), shade, r);
         add_light(r, r->column, 0, emission);
     }
 }

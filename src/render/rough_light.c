@@ -1,0 +1,124 @@
+#include "rough_light.h"
+
+/// The chain's surface as sources light it.
+typedef struct rough_surface {
+    const rsv_bsdf *bsdf;
+    rsv_bsdf storage;
+    rsv_surface_point point;
+    rsv_vec3 wo, normal;
+    bool front;
+} rough_surface;
+
+static void meet(const rsv_transport_scene *scene, const rsv_chain *chain, rough_surface *surface)
+{
+    surface->bsdf = rsv_chain_scattering(scene, chain, &surface->normal, &surface->storage);
+    surface->point = rsv_surface_point_seen(
+        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    surface->wo = v3_neg(chain->direction);
+    surface->front = !chain->back;
+}
+
+/// Response of the rough lobes; nothing where the normals disagree on wi's side.
+static rsv_bsdf_value respond(const rough_surface *s, rsv_vec3 wi)
+{
+    rsv_bsdf_value value = { rgb_gray(0), 0 };
+    if (v3_dot(s->point.geometric, wi) * v3_dot(s->normal, wi) <= 0) return value;
+    value = rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, RSV_LOBES_ROUGH);
+    value.response = rgb_scale(value.response, s->bsdf->opacity);
+    value.pdf_solid_angle *= s->bsdf->opacity;
+    return value;
+}
+
+static float power_heuristic(float own, float other)
+{
+    float ratio = other / own;
+    return 1 / (1 + ratio * ratio);
+}
+
+static rsv_vec3 leaving_point(const rough_surface *s, rsv_vec3 direction)
+{
+    rsv_vec3 side = s->point.geometric;
+    if (v3_dot(side, direction) < 0) side = v3_neg(side);
+    return rsv_offset_origin(s->point.position, side, s->point.extent);
+}
+
+rsv_rough_departure rsv_rough_depart(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 direction)
+{
+    rough_surface s;
+    meet(scene, chain, &s);
+    bool below = v3_dot(s.normal, direction) < 0;
+    return (rsv_rough_departure){ s.point.position, below ? v3_neg(s.normal) : s.normal,
+        respond(&s, direction).pdf_solid_angle };
+}
+
+static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rough_surface *s, rsv_vec3 side, rsv_random *random)
+{
+    rsv_local_lights local;
+    rsv_light_sample light;
+    rsv_lights_at(lights, s->point.position, side, &local);
+    float select = rsv_random_float(random), x = rsv_random_float(random);
+    if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light))
+        return rgb_gray(0);
+    rsv_bsdf_value value = respond(s, light.direction);
+    if (value.pdf_solid_angle == 0) return rgb_gray(0);
+    rsv_ray ray =
+        rsv_shadow_ray(lights, &light, s->point.position, leaving_point(s, light.direction));
+    if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
+    float weight = power_heuristic(light.pdf_solid_angle, value.pdf_solid_angle);
+    return rgb_scale(rgb_mul(value.response, light.radiance), weight / light.pdf_solid_angle);
+}
+
+static rsv_rgb punctual_light(
+    const rsv_transport_scene *scene, const rough_surface *s, const rsv_light *light)
+{
+    rsv_vec3 direction;
+    float distance;
+    rsv_rgb irradiance;
+    if (!rsv_punctual_light(light, s->point.position, &direction, &distance, &irradiance))
+        return rgb_gray(0);
+    rsv_bsdf_value value = respond(s, direction);
+    if (value.pdf_solid_angle == 0) return rgb_gray(0);
+    rsv_ray ray = rsv_punctual_ray(light, direction, distance, leaving_point(s, direction));
+    if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
+    return rgb_mul(value.response, irradiance);
+}
+
+rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rsv_chain *chain, rsv_random *random)
+{
+    rough_surface s;
+    meet(scene, chain, &s);
+    rsv_rgb sum = sampled_light(scene, lights, &s, s.normal, random);
+    if (s.bsdf->transmission > 0 || s.bsdf->passed > 0)
+        sum = rgb_add(sum, sampled_light(scene, lights, &s, v3_neg(s.normal), random));
+    for (size_t l = 0; l < scene->view->light_count; l++)
+        sum = rgb_add(sum, punctual_light(scene, &s, &scene->view->light[l]));
+    return rgb_mul(chain->weight, sum);
+}
+
+float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rsv_chain *chain, const rsv_rough_departure *departure)
+{
+    uint32_t emitter = lights->triangle_emitter[chain->triangle];
+    if (departure->pdf_solid_angle == 0 || emitter == RSV_NONE ||
+        lights->group[lights->emitter[emitter].group].gathered)
+        return 1;
+    rsv_surface_point point =
+        rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_local_lights local;
+    rsv_lights_at(lights, departure->point, departure->side, &local);
+    float distance = v3_length(v3_sub(point.position, departure->point));
+    float pdf = rsv_local_lights_pdf(&local, emitter, chain->direction, distance);
+    return power_heuristic(departure->pdf_solid_angle, pdf);
+}
+
+float rsv_rough_sky_weight(
+    const rsv_lights *lights, rsv_vec3 direction, const rsv_rough_departure *departure)
+{
+    if (departure->pdf_solid_angle == 0) return 1;
+    rsv_local_lights local;
+    rsv_lights_at(lights, departure->point, departure->side, &local);
+    return power_heuristic(departure->pdf_solid_angle, rsv_local_lights_sky_pdf(&local, direction));
+}
