@@ -8,6 +8,7 @@
 
 #include "../bsdf/bsdf.h"
 #include "environment.h"
+#include "light_tree.h"
 #include "resolvent/trace.h"
 
 typedef struct rsv_emitter {
@@ -46,9 +47,12 @@ typedef struct rsv_lights {
     rsv_emitter_group *group;
     size_t emitter_count, group_count;
     uint32_t *triangle_emitter; ///< [triangle_count]; RSV_NONE = not an emitter
-    double *power_cdf;          ///< [emitter_count of non-gathered ones], ascending to 1
     uint32_t *sampled;          ///< indices of the emitters that next-event estimation samples
     size_t sampled_count;
+    rsv_light_tree *emitter_tree; ///< over `sampled`; NULL = RSV_LOCAL_LIGHTS or fewer
+    uint32_t *punctual;           ///< [light_count] those that shine: distant ones, then the others
+    size_t distant_count, punctual_count;
+    rsv_light_tree *punctual_tree; ///< over those not distant; NULL = RSV_SUMMED_LIGHTS or fewer
     rsv_environment_light *environment; ///< NULL = black surroundings
 } rsv_lights;
 
@@ -73,16 +77,16 @@ float rsv_polygon_irradiance(const rsv_vec3 *corner, int corner_count, rsv_vec3 
 #define RSV_LOCAL_LIGHTS 64
 
 /// Emitters, suns and the sampled part of the sky as one receiver sees them: selection probabilities proportional to the
-/// unshadowed irradiance (luminance), for up to RSV_LOCAL_LIGHTS emitters; more of them by power alone.
+/// unshadowed irradiance (luminance), for up to RSV_LOCAL_LIGHTS emitters; more of them by a light tree.
 typedef struct rsv_local_lights {
     const rsv_lights *lights;
     rsv_vec3 point, normal;
     uint32_t count; ///< emitters in `probability`, ahead of suns and sky
-    bool by_power;  ///< emitters are selected by power, with `emitter_share` for all of them
+    bool by_tree;   ///< emitters are selected by the tree, with `emitter_share` for all of them
     float emitter_share;
     float probability[RSV_LOCAL_LIGHTS + RSV_MAX_SUNS + 1];
     rsv_rgb unshadowed; ///< irradiance of everything sampled without occlusion, emitters with
-                        ///< their mean radiance; only meaningful when !by_power
+                        ///< their mean radiance; only meaningful when !by_tree
 } rsv_local_lights;
 
 void rsv_lights_at(
@@ -111,6 +115,25 @@ float rsv_local_lights_pdf(
 /// Density with which rsv_local_lights_sample would have drawn `direction` from the sky.
 float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction);
 
+#define RSV_SUMMED_LIGHTS 16 ///< punctual lights of which each is worth a shadow ray
+#define RSV_PUNCTUAL_PICKS 4 ///< shadow rays where there are more
+
+/// Punctual lights that stand for all at a point: each of them, or distant ones and RSV_PUNCTUAL_PICKS of the
+/// others, drawn by the tree.
+uint32_t rsv_punctual_count(const rsv_lights *lights);
+typedef struct rsv_punctual_sample {
+    const rsv_light *light;
+    rsv_vec3 direction; ///< unit, towards it
+    float distance;     ///< INFINITY for distant ones
+    rsv_rgb irradiance; ///< on a surface that faces it, without occlusion, times what it stands for
+} rsv_punctual_sample;
+
+/// The k-th of those. False if nothing arrives.
+/// @param normal unit; zero = light from everywhere counts
+/// @param u in [0, 1), the same for all k
+bool rsv_punctual_at(const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, uint32_t k, float u,
+    rsv_punctual_sample *sample);
+
 /// Light `index` of scene->light seen from `point`: unit direction to it, distance, and irradiance
 /// on a surface that faces it, without occlusion. False if nothing arrives.
 bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direction,
@@ -124,8 +147,7 @@ bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direct
 rsv_ray rsv_shadow_ray(
     const rsv_lights *lights, const rsv_light_sample *sample, rsv_vec3 point, rsv_vec3 origin);
 
-/// The same for a punctual light at `direction` and `distance` as rsv_punctual_light gives them.
-rsv_ray rsv_punctual_ray(
-    const rsv_light *light, rsv_vec3 direction, float distance, rsv_vec3 origin);
+/// The same for a punctual light.
+rsv_ray rsv_punctual_ray(const rsv_punctual_sample *sample, rsv_vec3 origin);
 
 #endif

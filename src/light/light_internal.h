@@ -57,6 +57,9 @@ RSV_INLINE double rsv_rounding_height(const rsv_vec3 *corner, int corner_count, 
 /// Whether `point` is above a side that emits, by more than the rounding of its coordinates.
 bool rsv_emitter_faces(const rsv_emitter *emitter, rsv_vec3 point);
 
+/// Builds the trees, where there are enough lights for them.
+rsv_status rsv_lights_plant_trees(rsv_lights *lights);
+
 /// Sets `share` and `gathered` of every group.
 void rsv_lights_choose_gathered(rsv_lights *lights);
 

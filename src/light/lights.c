@@ -130,25 +130,31 @@ static void fill_emitters(rsv_lights *lights, const rsv_bsdf *bsdf, const emitte
     }
 }
 
-/// Lists the emitters of groups that are not gathered, with their powers summed.
+/// Lists the emitters of groups that are not gathered.
 static void list_sampled(rsv_lights *lights)
 {
-    double sum = 0;
-    for (size_t i = 0; i < lights->emitter_count; i++) {
-        if (lights->group[lights->emitter[i].group].gathered) continue;
-        sum += emitter_power(&lights->emitter[i]);
-        lights->sampled[lights->sampled_count] = (uint32_t)i;
-        lights->power_cdf[lights->sampled_count++] = sum;
+    for (size_t i = 0; i < lights->emitter_count; i++)
+        if (!lights->group[lights->emitter[i].group].gathered)
+            lights->sampled[lights->sampled_count++] = (uint32_t)i;
+}
+
+static bool is_distant(const rsv_light *light) { return light->kind == RSV_LIGHT_DIRECTIONAL; }
+
+/// Lists the punctual lights that are not black, distant ones first.
+static void list_punctual(rsv_lights *lights)
+{
+    const rsv_scene_view *scene = lights->scene;
+    for (int distant = 1; distant >= 0; distant--) {
+        for (size_t i = 0; i < scene->light_count; i++)
+            if (is_distant(&scene->light[i]) == distant && !rgb_is_black(scene->light[i].intensity))
+                lights->punctual[lights->punctual_count++] = (uint32_t)i;
+        if (distant) lights->distant_count = lights->punctual_count;
     }
-    for (size_t i = 0; i < lights->sampled_count && sum > 0; i++)
-        lights->power_cdf[i] /= sum;
 }
 
 static void warn_if_dark(const rsv_lights *lights)
 {
-    bool lit = lights->emitter_count > 0;
-    for (size_t i = 0; i < lights->scene->light_count; i++)
-        lit = lit || !rgb_is_black(lights->scene->light[i].intensity);
+    bool lit = lights->emitter_count > 0 || lights->punctual_count > 0;
     lit = lit || (lights->environment && lights->environment->sampler.flux > 0);
     if (!lit)
         rsv_log(lights->context, RSV_LOG_WARNING,
@@ -173,16 +179,18 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     created->group = rsv_alloc(context, count, sizeof *created->group);
     created->triangle_emitter =
         rsv_alloc(context, view->triangle_count, sizeof *created->triangle_emitter);
-    created->power_cdf = rsv_alloc(context, count, sizeof *created->power_cdf);
+    created->punctual = rsv_alloc(context, view->light_count, sizeof *created->punctual);
     created->sampled = rsv_alloc(context, count, sizeof *created->sampled);
     bool complete = created->emitter && created->group && created->triangle_emitter &&
-                    created->power_cdf && created->sampled;
+                    created->punctual && created->sampled;
     RSV_TRY(complete ? RSV_OK : RSV_ERROR_MEMORY);
     for (size_t i = 0; i < view->triangle_count; i++)
         created->triangle_emitter[i] = RSV_NONE;
     fill_emitters(created, bsdf, keys);
     rsv_lights_choose_gathered(created);
     list_sampled(created);
+    list_punctual(created);
+    RSV_TRY(rsv_lights_plant_trees(created));
     RSV_TRY(rsv_environment_light_create(scene, &created->environment));
     warn_if_dark(created);
     *lights = created;
@@ -201,7 +209,9 @@ void rsv_lights_destroy(rsv_lights *lights)
     rsv_free(context, lights->emitter);
     rsv_free(context, lights->group);
     rsv_free(context, lights->triangle_emitter);
-    rsv_free(context, lights->power_cdf);
+    rsv_free(context, lights->punctual);
+    rsv_light_tree_destroy(lights->emitter_tree);
+    rsv_light_tree_destroy(lights->punctual_tree);
     rsv_free(context, lights->sampled);
     rsv_free(context, lights);
 }

@@ -103,36 +103,19 @@ void rsv_lights_at(
     local->normal = normal;
     local->count = 0;
     local->unshadowed = rgb_gray(0);
-    local->by_power = lights->sampled_count > RSV_LOCAL_LIGHTS;
-    float sum = local->by_power ? 0 : weigh_emitters(local);
+    local->by_tree = lights->emitter_tree != NULL;
+    float sum = local->by_tree ? 0 : weigh_emitters(local);
     sum += weigh_environment(local);
-    local->emitter_share = !local->by_power ? 0 : sum > 0 ? 0.5f : 1;
+    local->emitter_share = !local->by_tree ? 0 : sum > 0 ? 0.5f : 1;
     for (uint32_t i = 0; i < entry_count(local) && sum > 0; i++)
         local->probability[i] *= (1 - local->emitter_share) / sum;
 }
 
-static double power_probability(const rsv_local_lights *local, uint32_t entry)
-{
-    const double *cdf = local->lights->power_cdf;
-    return local->emitter_share * (entry ? cdf[entry] - cdf[entry - 1] : cdf[0]);
-}
-
 static double selection_probability(const rsv_local_lights *local, uint32_t entry)
 {
-    return local->by_power ? power_probability(local, entry) : local->probability[entry];
-}
-
-static uint32_t select_by_power(const rsv_lights *lights, double u)
-{
-    size_t low = 0, high = lights->sampled_count - 1;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (u < lights->power_cdf[middle])
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return (uint32_t)low;
+    if (!local->by_tree) return local->probability[entry];
+    return local->emitter_share * rsv_light_tree_probability(local->lights->emitter_tree,
+                                      local->point, local->normal, entry);
 }
 
 /// RSV_NONE if no entry has a probability; the last that has one also takes what rounding left
@@ -200,8 +183,9 @@ static rsv_rgb radiance_at(
     return rsv_emitter_radiance(lights, emitter, (float)u, (float)v);
 }
 
-static bool sample_emitter(
-    const rsv_local_lights *local, uint32_t entry, float u1, float u2, rsv_light_sample *sample)
+/// @param probability of having selected this one
+static bool sample_emitter(const rsv_local_lights *local, uint32_t entry, float probability,
+    float u1, float u2, rsv_light_sample *sample)
 {
     sample->emitter = local->lights->sampled[entry];
     const rsv_emitter *emitter = &local->lights->emitter[sample->emitter];
@@ -213,8 +197,8 @@ static bool sample_emitter(
     sample->direction = d3_to_float(d3_scale(towards, 1 / distance));
     sample->mean_radiance = emitter->radiance;
     sample->radiance = radiance_at(local->lights, sample->emitter, &view, towards);
-    sample->pdf_solid_angle = (float)(selection_probability(local, entry) *
-                                      triangle_pdf(&view, sample->direction, sample->distance));
+    sample->pdf_solid_angle =
+        (float)(probability * triangle_pdf(&view, sample->direction, sample->distance));
     return true;
 }
 
@@ -238,23 +222,30 @@ static void sample_environment(
     sample->pdf_solid_angle *= local->probability[local->count + index];
 }
 
+/// Emitters of the tree have the first `emitter_share` of the numbers.
+static bool sample_any(
+    const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
+{
+    if (u_select < local->emitter_share) {
+        uint32_t entry;
+        float probability = rsv_light_tree_sample(local->lights->emitter_tree, local->point,
+            local->normal, u_select / local->emitter_share, &entry);
+        return probability > 0 &&
+               sample_emitter(local, entry, local->emitter_share * probability, u1, u2, sample);
+    }
+    uint32_t entry = select_by_irradiance(local, u_select - local->emitter_share);
+    if (entry == RSV_NONE) return false;
+    if (entry < local->count)
+        return sample_emitter(local, entry, local->probability[entry], u1, u2, sample);
+    sample_environment(local, entry - local->count, u1, u2, sample);
+    return true;
+}
+
 bool rsv_local_lights_sample(
     const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
 {
-    uint32_t entry;
-    bool emitter = true;
-    if (u_select < local->emitter_share) {
-        entry = select_by_power(local->lights, u_select / local->emitter_share);
-    } else {
-        entry = select_by_irradiance(local, u_select - local->emitter_share);
-        if (entry == RSV_NONE) return false;
-        emitter = entry < local->count;
-    }
-    if (!emitter)
-        sample_environment(local, entry - local->count, u1, u2, sample);
-    else if (!sample_emitter(local, entry, u1, u2, sample))
-        return false;
-    return v3_dot(sample->direction, local->normal) > 0 && sample->pdf_solid_angle > 0 &&
+    return sample_any(local, u_select, u1, u2, sample) &&
+           v3_dot(sample->direction, local->normal) > 0 && sample->pdf_solid_angle > 0 &&
            isfinite(sample->pdf_solid_angle);
 }
 

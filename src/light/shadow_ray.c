@@ -15,9 +15,8 @@ rsv_ray rsv_shadow_ray(
     return (rsv_ray){ origin, v3_sub(target, origin), 1 };
 }
 
-rsv_ray rsv_punctual_ray(
-    const rsv_light *light, rsv_vec3 direction, float distance, rsv_vec3 origin)
+rsv_ray rsv_punctual_ray(const rsv_punctual_sample *sample, rsv_vec3 origin)
 {
-    if (!(distance < INFINITY)) return (rsv_ray){ origin, direction, INFINITY };
-    return (rsv_ray){ origin, v3_sub(light->position, origin), 1 };
+    if (!(sample->distance < INFINITY)) return (rsv_ray){ origin, sample->direction, INFINITY };
+    return (rsv_ray){ origin, v3_sub(sample->light->position, origin), 1 };
 }

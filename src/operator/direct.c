@@ -1,5 +1,7 @@
 #include "direct.h"
 
+#include "../core/stratified.h"
+
 #include <string.h>
 
 #define LANES 16
@@ -89,8 +91,8 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         if (!rsv_surface_faces(&p->point[at], sample.direction)) continue;
         entered[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
         entered[k] = rgb_mul(entered[k], rsv_bsdf_entry(bsdf, cos));
-        set_shadow_ray(&packet, k,
-            rsv_shadow_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
+        set_shadow_ray(
+            &packet, k, rsv_shadow_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
     }
     rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
     for (int k = 0; k < LANES; k++) {
@@ -146,20 +148,20 @@ static direct_estimate from_emitters(
     rsv_local_lights local[LANES];
     rsv_rgb unshadowed = rgb_gray(0);
     float valid = (float)__builtin_popcount(p->valid);
-    bool by_power = false;
+    bool by_tree = false;
     for (uint32_t k = 0; k < p->count; k++) {
         if (!(p->valid >> k & 1)) continue;
         rsv_lights_at(job->lights, p->point[k].position, p->point[k].normal, &local[k]);
         unshadowed = rgb_mad(unshadowed, 1 / valid, local[k].unshadowed);
-        by_power = by_power || local[k].by_power;
+        by_tree = by_tree || local[k].by_tree;
     }
-    if (!by_power && rgb_is_black(unshadowed)) return none;
+    if (!by_tree && rgb_is_black(unshadowed)) return none;
     emitter_sums sums = { 0 };
     for (uint32_t first = 0; first < job->samples; first += LANES)
         sample_emitters(job, node, first, p, local, node_bsdf(job, node), &sums);
     *rays += job->samples;
     float count = (float)job->samples * valid / (float)p->count;
-    return by_power ? from_mean(&sums, count) : from_ratio(&sums, unshadowed, count);
+    return by_tree ? from_mean(&sums, count) : from_ratio(&sums, unshadowed, count);
 }
 
 static rsv_rgb from_punctual(
@@ -167,25 +169,24 @@ static rsv_rgb from_punctual(
 {
     rsv_rgb sum = rgb_gray(0);
     const rsv_bsdf *bsdf = node_bsdf(job, node);
-    for (size_t l = 0; l < job->scene->view->light_count; l++) {
+    for (uint32_t l = 0; l < rsv_punctual_count(job->lights); l++) {
         rsv_ray_packet packet;
         rsv_rgb arriving[LANES];
         memset(&packet, 0, sizeof packet);
         memset(packet.mask, 0xff, sizeof packet.mask);
         clear_packet(&packet);
         for (uint32_t k = 0; k < p->count; k++) {
-            rsv_vec3 direction;
-            float distance;
+            const rsv_surface_point *point = &p->point[k];
+            rsv_punctual_sample light;
+            float u = rsv_stratified_1d(k, p->count, rsv_hash3(job->seed, node, 3));
             arriving[k] = rgb_gray(0);
             if (!(p->valid >> k & 1) ||
-                !rsv_punctual_light(&job->scene->view->light[l], p->point[k].position, &direction,
-                    &distance, &arriving[k]) ||
-                !rsv_surface_faces(&p->point[k], direction))
+                !rsv_punctual_at(job->lights, point->position, point->normal, l, u, &light) ||
+                !rsv_surface_faces(point, light.direction))
                 continue;
-            float cos = v3_dot(p->point[k].normal, direction);
-            arriving[k] = rgb_mul(rgb_scale(arriving[k], cos), rsv_bsdf_entry(bsdf, cos));
-            set_shadow_ray(&packet, k,
-                rsv_punctual_ray(&job->scene->view->light[l], direction, distance, p->origin[k]));
+            float cos = v3_dot(point->normal, light.direction);
+            arriving[k] = rgb_mul(rgb_scale(light.irradiance, cos), rsv_bsdf_entry(bsdf, cos));
+            set_shadow_ray(&packet, k, rsv_punctual_ray(&light, p->origin[k]));
         }
         rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
         for (uint32_t k = 0; k < p->count; k++)

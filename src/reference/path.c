@@ -7,8 +7,6 @@
 #define FIRST_ROULETTE_BOUNCE 5
 /// Ends even lossless paths. Above albedo^2 of anything that occurs, or the variance were infinite.
 #define LARGEST_SURVIVAL 0.999f
-/// With more punctual lights than this, one is chosen at random.
-#define MAX_SUMMED_LIGHTS 16
 
 typedef struct number_source {
     rsv_path_id id;
@@ -226,31 +224,28 @@ static rsv_rgb straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray
     return passed;
 }
 
-static void add_punctual_light(
-    light_path *path, const surface *s, const rsv_light *light, float scale)
+static void add_punctual_light(light_path *path, const surface *s, const rsv_punctual_sample *light)
 {
-    rsv_ray ray;
-    rsv_rgb irradiance;
-    if (!rsv_punctual_light(light, s->point, &ray.direction, &ray.t_max, &irradiance)) return;
-    rsv_bsdf_value diffuse = respond(s, ray.direction, RSV_LOBES_DIFFUSE);
-    rsv_bsdf_value rough = respond(s, ray.direction, RSV_LOBES_ROUGH);
+    rsv_bsdf_value diffuse = respond(s, light->direction, RSV_LOBES_DIFFUSE);
+    rsv_bsdf_value rough = respond(s, light->direction, RSV_LOBES_ROUGH);
     if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) return;
-    ray.origin = leaving_point(s, v3_dot(s->geometric_normal, ray.direction) < 0);
-    rsv_rgb arriving = rgb_mul(irradiance, straight_transmittance(path->tracer, ray));
-    add_scattered(path, rgb_scale(arriving, scale), diffuse.response, rough.response);
+    bool below = v3_dot(s->geometric_normal, light->direction) < 0;
+    rsv_ray ray = { leaving_point(s, below), light->direction, light->distance };
+    rsv_rgb arriving = rgb_mul(light->irradiance, straight_transmittance(path->tracer, ray));
+    add_scattered(path, arriving, diffuse.response, rough.response);
 }
 
-static void add_punctual_lights(light_path *path, const surface *s)
+/// @param both_sides light from below counts, too
+static void add_punctual_lights(light_path *path, const surface *s, bool both_sides)
 {
-    const rsv_scene_view *scene = path->tracer->scene;
-    size_t count = scene->light_count;
-    if (count > MAX_SUMMED_LIGHTS) {
-        size_t chosen = (size_t)((double)rsv_random_float(&path->numbers.random) * (double)count);
-        add_punctual_light(path, s, &scene->light[chosen], (float)count);
-        return;
+    const rsv_lights *lights = path->tracer->lights;
+    rsv_vec3 normal = both_sides ? v3(0, 0, 0) : s->normal;
+    float u = lights->punctual_tree ? rsv_random_float(&path->numbers.random) : 0;
+    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
+        rsv_punctual_sample light;
+        if (rsv_punctual_at(lights, s->point, normal, k, u, &light))
+            add_punctual_light(path, s, &light);
     }
-    for (size_t i = 0; i < count; i++)
-        add_punctual_light(path, s, &scene->light[i], 1);
 }
 
 /// Whether lights are found by aiming at them, above the surface and below.
@@ -274,7 +269,7 @@ static void gather_sources(light_path *path, const surface *s, float u_select, f
         rsv_lights_at(path->tracer->lights, s->point, normal, &path->local[below]);
         add_emitter_sample(path, s, below, u_select, u1, u2);
     }
-    if (aim[0]) add_punctual_lights(path, s);
+    if (aim[0] || aim[1]) add_punctual_lights(path, s, aim[1]);
 }
 
 /// The surface where light entered that leaves at `exit`, seen as from straight above.

@@ -55,8 +55,8 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_b
 {
     rsv_local_lights local;
     rsv_lights_at(s->lights, point->position, point->normal, &local);
-    if (!local.by_power && rgb_is_black(local.unshadowed)) return;
-    rsv_direct_term term = { .column = column, .controlled = !local.by_power && !bsdf->coated };
+    if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
+    rsv_direct_term term = { .column = column, .controlled = !local.by_tree && !bsdf->coated };
     if (term.controlled) term.exact = rgb_mul(weight, local.unshadowed);
     float x, y, select = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 3));
     rsv_stratified_2d(sample, d->samples, rsv_hash2(seed, 4), &x, &y);
@@ -76,23 +76,20 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_b
 }
 
 static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_bsdf *bsdf,
-    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column)
+    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column,
+    uint32_t sample, uint32_t seed)
 {
-    const rsv_scene_view *view = s->scene.view;
-    for (size_t l = 0; l < view->light_count; l++) {
-        rsv_vec3 direction;
-        float distance;
-        rsv_rgb irradiance;
-        if (!rsv_punctual_light(
-                &view->light[l], point->position, &direction, &distance, &irradiance) ||
-            !rsv_surface_faces(point, direction))
+    float u = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 5));
+    for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
+        rsv_punctual_sample light;
+        if (!rsv_punctual_at(s->lights, point->position, point->normal, k, u, &light) ||
+            !rsv_surface_faces(point, light.direction))
             continue;
-        float cos = v3_dot(point->normal, direction);
+        float cos = v3_dot(point->normal, light.direction);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
         rsv_direct_term term = { .column = column,
-            .sampled = rgb_scale(rgb_mul(entered, irradiance), cos) };
-        if (push_term(d, term))
-            push_shadow_ray(d, rsv_punctual_ray(&view->light[l], direction, distance, origin));
+            .sampled = rgb_scale(rgb_mul(entered, light.irradiance), cos) };
+        if (push_term(d, term)) push_shadow_ray(d, rsv_punctual_ray(&light, origin));
     }
 }
 
@@ -106,7 +103,7 @@ void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_solution *s, const rsv_
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
     if (rsv_lights_any_sampled(s->lights))
         add_emitters(d, s, bsdf, &point, origin, weight, column, sample, seed);
-    add_punctual(d, s, bsdf, &point, origin, weight, column);
+    add_punctual(d, s, bsdf, &point, origin, weight, column, sample, seed);
 }
 
 static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count)
@@ -167,17 +164,15 @@ rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rs
             sum = rgb_scale(entered, cos / light.pdf_solid_angle);
         }
     }
-    for (size_t l = 0; l < s->scene.view->light_count; l++) {
-        rsv_vec3 direction;
-        float distance;
-        rsv_rgb irradiance;
-        if (!rsv_punctual_light(
-                &s->scene.view->light[l], point.position, &direction, &distance, &irradiance) ||
-            !rsv_surface_faces(&point, direction) ||
-            !is_open(s, rsv_punctual_ray(&s->scene.view->light[l], direction, distance, origin)))
+    float u = rsv_random_float(random);
+    for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
+        rsv_punctual_sample light;
+        if (!rsv_punctual_at(s->lights, point.position, point.normal, k, u, &light) ||
+            !rsv_surface_faces(&point, light.direction) ||
+            !is_open(s, rsv_punctual_ray(&light, origin)))
             continue;
-        float cos = v3_dot(point.normal, direction);
-        sum = rgb_add(sum, rgb_mul(rgb_scale(irradiance, cos), rsv_bsdf_entry(bsdf, cos)));
+        float cos = v3_dot(point.normal, light.direction);
+        sum = rgb_add(sum, rgb_mul(rgb_scale(light.irradiance, cos), rsv_bsdf_entry(bsdf, cos)));
     }
     return sum;
 }

@@ -115,7 +115,7 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
     if (!rsv_lights_any_sampled(lights)) return;
     rsv_local_lights local;
     rsv_lights_at(lights, r->position, r->normal, &local);
-    if (!local.by_power && rgb_is_black(local.unshadowed)) return;
+    if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
     float visible[3][GROUPS], open[3][GROUPS];
     for (uint32_t g = 0; g < GROUPS; g++) {
         emitter_sums sums = sample_emitters(r, &local, rsv_hash(rsv_hash3(r->job->seed, index, g)));
@@ -123,31 +123,43 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
         visible[2][g] = sums.visible.b;
         open[0][g] = sums.open.r, open[1][g] = sums.open.g, open[2][g] = sums.open.b;
     }
-    for (int c = 0; c < 3 && local.by_power; c++)
+    for (int c = 0; c < 3 && local.by_tree; c++)
         for (int g = 0; g < GROUPS; g++)
             value[c][g] += visible[c][g];
-    if (local.by_power) return;
+    if (local.by_tree) return;
     const float exact[3] = { local.unshadowed.r, local.unshadowed.g, local.unshadowed.b };
     for (int c = 0; c < 3; c++)
         ratio_estimates(exact[c], visible[c], open[c], value[c]);
 }
 
-static rsv_rgb from_punctual(const receiver *r)
+/// @param u chooses among many lights
+static rsv_rgb from_punctual(const receiver *r, float u)
 {
-    const rsv_scene_view *view = r->job->solution->scene.view;
+    const rsv_lights *lights = r->job->solution->lights;
     rsv_rgb sum = rgb_gray(0);
-    for (size_t l = 0; l < view->light_count; l++) {
-        rsv_vec3 direction;
-        float distance;
-        rsv_rgb irradiance;
-        if (!rsv_punctual_light(&view->light[l], r->position, &direction, &distance, &irradiance))
-            continue;
-        float cos = v3_dot(r->normal, direction);
-        if (cos > 0 &&
-            is_open(r, rsv_punctual_ray(&view->light[l], direction, distance, r->origin)))
-            sum = rgb_mad(sum, cos, irradiance);
+    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
+        rsv_punctual_sample light;
+        if (!rsv_punctual_at(lights, r->position, r->normal, k, u, &light)) continue;
+        float cos = v3_dot(r->normal, light.direction);
+        if (cos > 0 && is_open(r, rsv_punctual_ray(&light, r->origin)))
+            sum = rgb_mad(sum, cos, light.irradiance);
     }
     return sum;
+}
+
+/// Adds the light of punctual sources to each group's reading: the same to all, unless lights are drawn.
+static void add_punctual(const receiver *r, uint32_t index, double value[3][GROUPS])
+{
+    uint32_t count = r->job->solution->lights->punctual_tree ? r->job->light_samples : 1;
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t g = 0; g < GROUPS; g++) {
+        uint32_t stream = rsv_hash(rsv_hash3(r->job->seed, index, g) + 1);
+        if (g == 0 || count > 1) sum = rgb_gray(0);
+        for (uint32_t k = 0; k < count && (g == 0 || count > 1); k++)
+            sum = rgb_mad(
+                sum, 1 / (float)count, from_punctual(r, rsv_stratified_1d(k, count, stream)));
+        value[0][g] += sum.r, value[1][g] += sum.g, value[2][g] += sum.b;
+    }
 }
 
 /// Gathered sources always count; the others do behind specular surfaces, unless the stored caustic
@@ -238,13 +250,13 @@ static void summarise(const double value[GROUPS], float *mean, float *error)
 static rsv_probe_reading read_probe(const probe_job *job, const rsv_probe *probe, uint32_t index)
 {
     receiver r = set_up_receiver(job, probe);
-    rsv_rgb steady = rgb_add(from_punctual(&r), r.caustic);
     double value[3][GROUPS];
     for (uint32_t g = 0; g < GROUPS; g++) {
-        rsv_rgb e = rgb_add(steady, gather(&r, rsv_hash3(job->seed, index, g)));
+        rsv_rgb e = rgb_add(r.caustic, gather(&r, rsv_hash3(job->seed, index, g)));
         value[0][g] = e.r, value[1][g] = e.g, value[2][g] = e.b;
     }
     add_emitters(&r, index, value);
+    add_punctual(&r, index, value);
     rsv_probe_reading reading;
     summarise(value[0], &reading.irradiance.r, &reading.standard_error.r);
     summarise(value[1], &reading.irradiance.g, &reading.standard_error.g);

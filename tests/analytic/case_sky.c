@@ -7,7 +7,8 @@
 /// Pixels of 0.35 degrees; each holds the mean over subdivisions, as discs and horizons have edges.
 #define SKY_WIDTH 1024
 #define SKY_HEIGHT 512
-#define SUBDIVISIONS 3
+#define SUBDIVISIONS 2
+#define EDGE_SUBDIVISIONS 24
 
 static void read_numbers(const cJSON *json, double *value, int count)
 {
@@ -108,17 +109,34 @@ bool case_sky_read(const cJSON *json, case_sky *sky)
     return sky->kind != CASE_SKY_NONE && is_positive(sky);
 }
 
+static void direction_at(double u, double v, double *d)
+{
+    double phi = 2 * M_PI * (u - 0.5), theta = M_PI * v;
+    d[0] = sin(theta) * cos(phi), d[1] = cos(theta), d[2] = sin(theta) * sin(phi);
+}
+
+/// Only discs have edges that do not run between pixels.
+static int subdivisions(const case_sky *sky, int column, int row)
+{
+    double d[3];
+    direction_at((column + 0.5) / SKY_WIDTH, (row + 0.5) / SKY_HEIGHT, d);
+    double cosine = d[0] * sky->axis[0] + d[1] * sky->axis[1] + d[2] * sky->axis[2];
+    double from_edge = fabs(acos(fmin(fmax(cosine, -1), 1)) - acos(sky->cos_radius));
+    bool edge = sky->kind == CASE_SKY_DISC && from_edge < 2 * M_PI / SKY_HEIGHT;
+    return edge ? EDGE_SUBDIVISIONS : SUBDIVISIONS;
+}
+
 /// Mean over a pixel.
 static float pixel_radiance(const case_sky *sky, int column, int row)
 {
     double sum = 0, weight = 0;
-    for (int k = 0; k < SUBDIVISIONS * SUBDIVISIONS; k++) {
-        double u = (column + (k % SUBDIVISIONS + 0.5) / SUBDIVISIONS) / SKY_WIDTH;
-        double v = (row + ((double)(k / SUBDIVISIONS) + 0.5) / SUBDIVISIONS) / SKY_HEIGHT;
-        double phi = 2 * M_PI * (u - 0.5), theta = M_PI * v;
-        double d[3] = { sin(theta) * cos(phi), cos(theta), sin(theta) * sin(phi) };
-        sum += sin(theta) * radiance_at(sky, d);
-        weight += sin(theta);
+    int side = subdivisions(sky, column, row);
+    for (int k = 0; k < side * side; k++) {
+        double u = (column + (k % side + 0.5) / side) / SKY_WIDTH, d[3];
+        double v = (row + ((double)(k / side) + 0.5) / side) / SKY_HEIGHT;
+        direction_at(u, v, d);
+        sum += sin(M_PI * v) * radiance_at(sky, d);
+        weight += sin(M_PI * v);
     }
     return (float)(sum / weight);
 }
