@@ -39,17 +39,19 @@ typedef struct gathering {
     rsv_vec3 place;
     float reach, flat; ///< metres: end of the profile, largest radius of a cluster
     float nearest;     ///< metres; keeps the profile finite where a cell has no size
+    float share;       ///< of the row, of this place
     rsv_scatter_row *row;
 } gathering;
 
-static void add_entry(rsv_scatter_row *row, uint32_t column, rsv_rgb weight)
+static void add_entry(const gathering *g, uint32_t column, rsv_rgb weight)
 {
+    rsv_scatter_row *row = g->row;
     if (!row->listed[column]) {
         row->listed[column] = 1;
         row->column[row->count++] = column;
         row->weight[column] = rgb_gray(0);
     }
-    row->weight[column] = rgb_add(row->weight[column], weight);
+    row->weight[column] = rgb_mad(row->weight[column], g->share, weight);
 }
 
 /// Mean of the profile over a piece of surface that is small against its distance, to third order: p at the centre
@@ -80,7 +82,7 @@ static void add_exactly(const gathering *g, const rsv_vec3 corner[3], const uint
     rsv_rgb weight[3];
     rsv_scatter_integrate(g->profile, corner, weight);
     for (int i = 0; i < 3; i++)
-        add_entry(g->row, node[i], weight[i]);
+        add_entry(g, node[i], weight[i]);
 }
 
 static void add_cell(const gathering *g, uint32_t k)
@@ -107,7 +109,7 @@ static void add_cell(const gathering *g, uint32_t k)
         v3_normalize(v3_cross(v3_sub(corner[1], corner[0]), v3_sub(corner[2], corner[0])));
     rsv_rgb weight = rgb_scale(profile_over(g, centre, normal, squares / 12), area / 3);
     for (int i = 0; i < 3; i++)
-        add_entry(g->row, node[i], weight);
+        add_entry(g, node[i], weight);
 }
 
 static void add_cluster(const gathering *g, uint32_t index)
@@ -119,7 +121,7 @@ static void add_cluster(const gathering *g, uint32_t index)
     if (distance - c->radius > g->reach) return;
     float allowed = f_min(OPENING * distance, f_max(FAR_OPENING * distance, g->flat));
     if (c->radius < allowed) {
-        add_entry(g->row, (uint32_t)s->elements->node_count + index,
+        add_entry(g, (uint32_t)s->elements->node_count + index,
             rgb_scale(profile_over(g, centre, c->normal, c->spread), c->area));
     } else if (c->right) {
         add_cluster(g, index + 1);
@@ -128,6 +130,59 @@ static void add_cluster(const gathering *g, uint32_t index)
         for (uint32_t k = c->first_cell; k < c->first_cell + c->cell_count; k++)
             add_cell(g, k);
     }
+}
+
+/// Whether the cells around a node leave a gap, as at creases and borders. Around inner nodes every neighbour belongs
+/// to two of them.
+static bool is_border(const rsv_elements *e, uint32_t node)
+{
+    uint32_t begin = e->support_begin[node], end = e->support_begin[node + 1];
+    for (uint32_t i = 2 * begin; i < 2 * end; i++) {
+        uint32_t support = e->support[i / 2], cells = 0;
+        uint32_t neighbour = e->cell_node[support / 4][((support & 3) + 1 + (i & 1)) % 3];
+        for (uint32_t j = begin; j < end; j++)
+            for (uint32_t k = 0; k < 3; k++)
+                cells += e->cell_node[e->support[j] / 4][k] == neighbour;
+        if (cells < 2) return true;
+    }
+    return false;
+}
+
+/// How far into each of its cells a border node is looked at.
+#define INSET 0.15f
+
+/// Light at the very border is half the other side's, but only over the reach of the profile; the node stands for
+/// its cells. So it gathers a little inside each, for the light as it is interpolated there. What the elements
+/// do not resolve of it is taken to be as at the node, so that a vanishing profile gives the unit matrix.
+static void gather_inside(gathering *g, uint32_t support, float share)
+{
+    const rsv_scatter_sources *s = g->sources;
+    uint32_t cell = support / 4, own = support & 3;
+    rsv_vec3 corner[3], sum = v3(0, 0, 0);
+    for (int k = 0; k < 3; k++) {
+        corner[k] = rsv_scatter_corner(s->elements, cell, k);
+        sum = v3_add(sum, corner[k]);
+    }
+    g->place = v3_mad(v3_scale(sum, INSET), 1 - 3 * INSET, corner[own]);
+    g->share = share;
+    add_cluster(g, s->body[s->face_body[s->elements->cell[cell].face]].root);
+    double finest = (double)(RSV_PI / sqrtf(2 * rsv_cell_area(s->elements, cell)));
+    rsv_rgb kept = rgb((float)rsv_diffusion_transfer((double)g->profile->d[0], finest),
+        (float)rsv_diffusion_transfer((double)g->profile->d[1], finest),
+        (float)rsv_diffusion_transfer((double)g->profile->d[2], finest));
+    for (uint32_t k = 0; k < 3; k++)
+        add_entry(
+            g, s->elements->cell_node[cell][k], rgb_scale(kept, k == own ? 2 * INSET : -INSET));
+}
+
+static void gather_at_border(gathering *g, uint32_t node)
+{
+    const rsv_elements *e = g->sources->elements;
+    float area = 0;
+    for (uint32_t k = e->support_begin[node]; k < e->support_begin[node + 1]; k++)
+        area += rsv_cell_area(e, e->support[k] / 4);
+    for (uint32_t k = e->support_begin[node]; k < e->support_begin[node + 1] && area > 0; k++)
+        gather_inside(g, e->support[k], rsv_cell_area(e, e->support[k] / 4) / area);
 }
 
 static rsv_vec3 node_position(const rsv_elements *e, uint32_t node)
@@ -144,8 +199,11 @@ void rsv_scatter_gather(const rsv_scatter_sources *s, uint32_t node, rsv_scatter
     const rsv_scatter_body *body = &s->body[rsv_scatter_body_of(s, node)];
     float widest = rsv_scatter_profile_widest(&body->profile);
     gathering g = { s, &body->profile, node_position(s->elements, node), REACH * widest,
-        DECAY * widest, 1e-3f * rsv_scatter_profile_narrowest(&body->profile), row };
-    add_cluster(&g, body->root);
+        DECAY * widest, 1e-3f * rsv_scatter_profile_narrowest(&body->profile), 1, row };
+    if (is_border(s->elements, node))
+        gather_at_border(&g, node);
+    else
+        add_cluster(&g, body->root);
     for (uint32_t k = 0; k < row->count; k++)
         row->weight[row->column[k]] = rgb_scale(row->weight[row->column[k]], 1 / KEPT_SHARE);
 }
