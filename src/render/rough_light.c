@@ -71,18 +71,13 @@ static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights 
 }
 
 static rsv_rgb punctual_light(
-    const rsv_transport_scene *scene, const rough_surface *s, const rsv_light *light)
+    const rsv_transport_scene *scene, const rough_surface *s, const rsv_punctual_sample *light)
 {
-    rsv_vec3 direction;
-    float distance;
-    rsv_rgb irradiance;
-    if (!rsv_punctual_light(light, s->point.position, &direction, &distance, &irradiance))
-        return rgb_gray(0);
-    rsv_bsdf_value value = respond(s, direction);
+    rsv_bsdf_value value = respond(s, light->direction);
     if (value.pdf_solid_angle == 0) return rgb_gray(0);
-    rsv_ray ray = rsv_punctual_ray(light, direction, distance, leaving_point(s, direction));
+    rsv_ray ray = rsv_punctual_ray(light, leaving_point(s, light->direction));
     if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
-    return rgb_mul(value.response, irradiance);
+    return rgb_mul(value.response, light->irradiance);
 }
 
 rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
@@ -93,8 +88,12 @@ rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *ligh
     rsv_rgb sum = sampled_light(scene, lights, &s, s.normal, random);
     if (s.bsdf->transmission > 0 || s.bsdf->passed > 0)
         sum = rgb_add(sum, sampled_light(scene, lights, &s, v3_neg(s.normal), random));
-    for (size_t l = 0; l < scene->view->light_count; l++)
-        sum = rgb_add(sum, punctual_light(scene, &s, &scene->view->light[l]));
+    float u = rsv_random_float(random);
+    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
+        rsv_punctual_sample light;
+        if (rsv_punctual_at(lights, s.point.position, v3(0, 0, 0), k, u, &light))
+            sum = rgb_add(sum, punctual_light(scene, &s, &light));
+    }
     return rgb_mul(chain->weight, sum);
 }
 
