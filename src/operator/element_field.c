@@ -62,6 +62,19 @@ void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value)
     }
 }
 
+void rsv_elements_constrain_transpose(const rsv_elements *elements, rsv_rgb *weight)
+{
+    for (size_t h = elements->hanging_count; h-- > 0;) { // children come after their parents
+        const rsv_hanging *hanging = &elements->hanging[h];
+        rsv_rgb own = weight[hanging->node];
+        weight[hanging->node] = rgb_gray(0);
+        for (int p = 0; p < RSV_PARENTS; p++) {
+            rsv_rgb *parent = &weight[hanging->parent[p]];
+            *parent = rgb_mad(*parent, hanging->weight[p], own);
+        }
+    }
+}
+
 void rsv_elements_average(const rsv_elements *e, const rsv_rgb *value, rsv_rgb *average)
 {
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))

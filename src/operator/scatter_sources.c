@@ -233,6 +233,33 @@ void rsv_scatter_collect(const rsv_scatter_sources *s, rsv_rgb *value)
     }
 }
 
+static void spread_leaf(
+    const rsv_scatter_sources *s, const rsv_scatter_cluster *c, rsv_rgb mean, rsv_rgb *weight)
+{
+    float share = c->area > 0 ? 1 / c->area : 0;
+    for (uint32_t k = c->first_cell; k < c->first_cell + c->cell_count; k++)
+        for (int corner = 0; corner < 3; corner++) {
+            rsv_rgb *node = &weight[s->elements->cell_node[s->cell[k]][corner]];
+            *node = rgb_mad(*node, share * rsv_cell_area(s->elements, s->cell[k]) / 3, mean);
+        }
+}
+
+void rsv_scatter_collect_transpose(const rsv_scatter_sources *s, rsv_rgb *weight)
+{
+    rsv_rgb *mean = weight + s->elements->node_count;
+    for (size_t i = 0; i < s->cluster_count; i++) {
+        const rsv_scatter_cluster *c = &s->cluster[i];
+        if (c->right == 0) {
+            spread_leaf(s, c, mean[i], weight);
+            continue;
+        }
+        float left = s->cluster[i + 1].area, right = s->cluster[c->right].area;
+        float share = left + right > 0 ? left / (left + right) : 0;
+        mean[i + 1] = rgb_mad(mean[i + 1], share, mean[i]);
+        mean[c->right] = rgb_mad(mean[c->right], 1 - share, mean[i]);
+    }
+}
+
 rsv_status rsv_scatter_sources_create(const rsv_elements *elements, rsv_scatter_sources **sources)
 {
     rsv_status status;

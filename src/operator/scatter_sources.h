@@ -54,6 +54,10 @@ uint32_t rsv_scatter_body_of(const rsv_scatter_sources *sources, uint32_t node);
 /// @param value [node_count + cluster_count], hanging nodes constrained
 void rsv_scatter_collect(const rsv_scatter_sources *sources, rsv_rgb *value);
 
+/// The transposed of that: hands weights on clusters to the nodes of their cells.
+/// @param weight [node_count + cluster_count]; those of clusters are used up
+void rsv_scatter_collect_transpose(const rsv_scatter_sources *sources, rsv_rgb *weight);
+
 /// A corner of a cell of the elements, and the centre of three corners.
 rsv_vec3 rsv_scatter_corner(const rsv_elements *elements, uint32_t cell, int k);
 rsv_vec3 rsv_scatter_centroid(const rsv_vec3 corner[3]);

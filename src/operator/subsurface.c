@@ -199,3 +199,26 @@ void rsv_subsurface_apply(
     }
     rsv_elements_constrain(e, diffused);
 }
+
+void rsv_subsurface_apply_transpose(
+    rsv_subsurface *p, const rsv_elements *e, rsv_rgb *diffused, rsv_rgb *irradiance)
+{
+    if (!p) {
+        memcpy(irradiance, diffused, e->node_count * sizeof *irradiance);
+        return;
+    }
+    rsv_elements_constrain_transpose(e, diffused);
+    memset(p->entered, 0, (p->row_count + p->sources->cluster_count) * sizeof *p->entered);
+    for (size_t row = 0; row < p->row_count; row++) {
+        if (!has_row(p->sources, (uint32_t)row)) {
+            p->entered[row] = rgb_add(p->entered[row], diffused[row]);
+            continue;
+        }
+        for (size_t k = p->row_begin[row]; k < p->row_begin[row + 1]; k++) {
+            rsv_rgb *entered = &p->entered[p->column[k]];
+            *entered = rgb_add(*entered, rgb_mul(p->weight[k], diffused[row]));
+        }
+    }
+    rsv_scatter_collect_transpose(p->sources, p->entered);
+    memcpy(irradiance, p->entered, e->node_count * sizeof *irradiance);
+}

@@ -30,4 +30,10 @@ size_t rsv_subsurface_entries(const rsv_subsurface *subsurface);
 void rsv_subsurface_apply(rsv_subsurface *subsurface, const rsv_elements *elements,
     const rsv_rgb *irradiance, rsv_rgb *diffused);
 
+/// irradiance = P* diffused: how much the irradiance that enters matters where diffused irradiance has the weights
+/// `diffused`. Not to be called by two threads at a time.
+/// @param diffused is used up
+void rsv_subsurface_apply_transpose(rsv_subsurface *subsurface, const rsv_elements *elements,
+    rsv_rgb *diffused, rsv_rgb *irradiance);
+
 #endif

@@ -1,0 +1,15 @@
+/// Rows of G for several fields at once: an entry is read once for all of them.
+#ifndef RSV_TRANSPORT_ROWS_H
+#define RSV_TRANSPORT_ROWS_H
+
+#include "transport.h"
+
+/// irradiance = G exitance in rows [begin, end). Fields are [row_count x fields], node by node.
+void rsv_transport_gather(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
+    size_t begin, size_t end, rsv_rgb *irradiance);
+
+/// residual = source + G exitance - irradiance, with sums in double.
+void rsv_transport_residual(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
+    const rsv_rgb *source, const rsv_rgb *irradiance, rsv_rgb *residual);
+
+#endif

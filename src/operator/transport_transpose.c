@@ -1,0 +1,114 @@
+#include "transport_columns.h"
+
+#include <string.h>
+
+/// Counts entries by column into begin[column + 1] and adds them up.
+static void count_columns(const uint32_t *column, size_t entries, size_t columns, size_t *begin)
+{
+    for (size_t k = 0; k < entries; k++)
+        begin[column[k] + 1]++;
+    for (size_t c = 0; c < columns; c++)
+        begin[c + 1] += begin[c];
+}
+
+/// Goes through the rows in their order, so that each column lists its rows in order.
+static void fill(rsv_transport_columns *c, size_t *next, size_t *next_tinted)
+{
+    const rsv_transport *t = c->transport;
+    memcpy(next, c->column_begin, t->row_count * sizeof *next);
+    memcpy(next_tinted, c->tinted_begin, t->row_count * sizeof *next_tinted);
+    for (size_t row = 0; row < t->row_count; row++) {
+        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++)
+            c->row[next[t->column[k]]++] = (uint32_t)row;
+        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
+            size_t at = next_tinted[t->tinted_column[k]]++;
+            c->tinted_row[at] = (uint32_t)row;
+            c->tinted_weight[at] = t->tinted_weight[k];
+        }
+    }
+}
+
+rsv_status rsv_transport_columns_create(const rsv_transport *t, rsv_transport_columns **columns)
+{
+    rsv_context *context = t->context;
+    rsv_status status = RSV_OK;
+    size_t entries = t->row_begin[t->row_count], tinted = t->tinted_begin[t->row_count];
+    size_t *next = rsv_alloc(context, t->row_count, sizeof *next);
+    size_t *next_tinted = rsv_alloc(context, t->row_count, sizeof *next_tinted);
+    rsv_transport_columns *c = rsv_alloc(context, 1, sizeof *c);
+    *columns = NULL;
+    if (!c || !next || !next_tinted) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    c->transport = t;
+    c->column_begin = rsv_alloc(context, t->row_count + 1, sizeof *c->column_begin);
+    c->row = rsv_alloc(context, entries, sizeof *c->row);
+    c->tinted_begin = rsv_alloc(context, t->row_count + 1, sizeof *c->tinted_begin);
+    c->tinted_row = rsv_alloc(context, tinted, sizeof *c->tinted_row);
+    c->tinted_weight = rsv_alloc(context, tinted, sizeof *c->tinted_weight);
+    if (!c->column_begin || !c->row || !c->tinted_begin || !c->tinted_row || !c->tinted_weight) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    count_columns(t->column, entries, t->row_count, c->column_begin);
+    count_columns(t->tinted_column, tinted, t->row_count, c->tinted_begin);
+    fill(c, next, next_tinted);
+    *columns = c;
+cleanup:
+    rsv_free(context, next);
+    rsv_free(context, next_tinted);
+    if (status != RSV_OK && c) {
+        c->transport = t; // knows the context
+        rsv_transport_columns_destroy(c);
+    }
+    return status;
+}
+
+void rsv_transport_columns_destroy(rsv_transport_columns *c)
+{
+    if (!c) return;
+    rsv_context *context = c->transport->context;
+    rsv_free(context, c->column_begin);
+    rsv_free(context, c->row);
+    rsv_free(context, c->tinted_begin);
+    rsv_free(context, c->tinted_row);
+    rsv_free(context, c->tinted_weight);
+    rsv_free(context, c);
+}
+
+void rsv_transport_apply_transpose(const rsv_transport_columns *columns, const rsv_rgb *irradiance,
+    rsv_rgb *scratch, rsv_rgb *exitance)
+{
+    const rsv_transport_columns *c = columns;
+    const rsv_transport *t = c->transport;
+    for (size_t row = 0; row < t->row_count; row++)
+        scratch[row] = rgb_scale(irradiance[row], t->scale[row]);
+#pragma omp parallel for schedule(dynamic, 256)                                                    \
+    num_threads(rsv_threads(t->context)) if (rsv_transport_entries(t) > 65536)
+    for (size_t node = 0; node < t->row_count; node++) {
+        rsv_rgb sum = rgb_gray(0);
+        for (size_t k = c->column_begin[node]; k < c->column_begin[node + 1]; k++)
+            sum = rgb_add(sum, scratch[c->row[k]]);
+        for (size_t k = c->tinted_begin[node]; k < c->tinted_begin[node + 1]; k++)
+            sum = rgb_add(sum, rgb_mul(c->tinted_weight[k], scratch[c->tinted_row[k]]));
+        exitance[node] = sum;
+    }
+}
+
+size_t rsv_transport_shoot(const rsv_transport_columns *columns, size_t node, rsv_rgb exitance,
+    size_t stride, rsv_rgb *irradiance)
+{
+    const rsv_transport_columns *c = columns;
+    const float *scale = c->transport->scale;
+    for (size_t k = c->column_begin[node]; k < c->column_begin[node + 1]; k++) {
+        rsv_rgb *e = &irradiance[c->row[k] * stride];
+        *e = rgb_mad(*e, scale[c->row[k]], exitance);
+    }
+    for (size_t k = c->tinted_begin[node]; k < c->tinted_begin[node + 1]; k++) {
+        rsv_rgb *e = &irradiance[c->tinted_row[k] * stride];
+        *e = rgb_mad(*e, scale[c->tinted_row[k]], rgb_mul(c->tinted_weight[k], exitance));
+    }
+    return c->column_begin[node + 1] - c->column_begin[node] + c->tinted_begin[node + 1] -
+           c->tinted_begin[node];
+}
