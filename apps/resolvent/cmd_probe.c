@@ -26,6 +26,8 @@ static const char help[] =
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
     "  --quality Q        draft, medium (default) or high: of the solution\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
+    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
+    "                     gmres or two-grid: how the equation is solved\n"
     "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the readings do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
@@ -43,7 +45,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
-    int mode, quality;
+    int mode, quality, solver;
     uint32_t samples; ///< 0 = by quality
     uint32_t threads, seed;
 } settings;
@@ -58,6 +60,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .kind = CLI_CHOICE,
             .value = &s->quality,
             .choices = cli_quality_names },
+        { .name = "--solver",
+            .kind = CLI_CHOICE,
+            .value = &s->solver,
+            .choices = cli_solver_names },
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
@@ -81,6 +87,7 @@ static rsv_status read_light(const settings *s, const rsv_scene *scene, const cl
     bool is_reference = s->mode == RSV_PROBE_REFERENCE;
     if (!is_reference) {
         rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+        desc.solver = (rsv_solver)s->solver;
         desc.seed = s->seed;
         status = rsv_solution_create(scene, &desc, solution);
         if (status != RSV_OK) return status;

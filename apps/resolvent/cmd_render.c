@@ -33,6 +33,8 @@ static const char help[] =
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
     "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
+    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
+    "                     gmres or two-grid: how the equation is solved\n"
     "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the picture does not depend on it\n"
     "  --device cpu       where to compute\n"
@@ -61,7 +63,7 @@ typedef struct settings {
     cli_environment environment;
     cli_list outputs;
     cli_size size;
-    int mode, quality, device;
+    int mode, quality, solver, device;
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, seed, gather_rays;
     float exposure, occlusion_distance;
@@ -78,6 +80,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .kind = CLI_CHOICE,
             .value = &s->quality,
             .choices = cli_quality_names },
+        { .name = "--solver",
+            .kind = CLI_CHOICE,
+            .value = &s->solver,
+            .choices = cli_solver_names },
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--gather", .kind = CLI_COUNT, .value = &s->gather_rays, .max = 1 << 16 },
@@ -170,6 +176,7 @@ static rsv_status solve(const settings *s, const rsv_scene *scene, rsv_solution 
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
+    desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
     return rsv_solution_create(scene, &desc, solution);
 }

@@ -11,6 +11,9 @@ const char *const cli_quality_names[] = { [RSV_QUALITY_DRAFT] = "draft",
     [RSV_QUALITY_HIGH] = "high",
     NULL };
 
+const char *const cli_solver_names[] = { "auto", "neumann", "gauss-seidel", "southwell",
+    "chebyshev", "bicgstab", "gmres", "two-grid", NULL };
+
 static const char *stop_reason_name(rsv_stop_reason reason)
 {
     switch (reason) {
@@ -20,6 +23,12 @@ static const char *stop_reason_name(rsv_stop_reason reason)
         return "max_orders";
     case RSV_STOP_NO_LIGHT:
         return "no_light";
+    case RSV_STOP_STAGNATED:
+        return "stagnated";
+    case RSV_STOP_DIVERGED:
+        return "diverged";
+    case RSV_STOP_BREAKDOWN:
+        return "breakdown";
     }
     return "unknown";
 }
@@ -51,12 +60,19 @@ static void add_settings(cJSON *root, const cli_stats *stats)
     cJSON_AddNumberToObject(root, "seed", stats->seed);
 }
 
+static void add_text(cJSON *object, const char *name, const char *text)
+{
+    cJSON_AddItemToObject(object, name, text ? cJSON_CreateString(text) : cJSON_CreateNull());
+}
+
 /// cJSON writes NAN as null: what was not solved has no norm and no residual.
 static void add_solution(cJSON *root, const cli_stats *stats)
 {
-    static const rsv_solve_report nothing = {
-        .norm_inf = NAN, .residual_inf = NAN, .truncation_bound = NAN, .mean_irradiance = NAN
-    };
+    static const rsv_solve_report nothing = { .norm_inf = NAN,
+        .spectral_radius = NAN,
+        .residual_inf = NAN,
+        .truncation_bound = NAN,
+        .mean_irradiance = NAN };
     const rsv_solve_report *report = stats->report ? stats->report : &nothing;
     double rays = (double)report->rays;
     cJSON_AddNumberToObject(root, "elements", (double)report->elements);
@@ -67,11 +83,13 @@ static void add_solution(cJSON *root, const cli_stats *stats)
         root, "rays_per_second", report->time_assemble > 0 ? rays / report->time_assemble : NAN);
     cJSON_AddNumberToObject(root, "iterations", report->iterations);
     cJSON_AddNumberToObject(root, "order_count", stats->order_count);
-    if (stats->report)
-        cJSON_AddStringToObject(root, "stop_reason", stop_reason_name(report->stop_reason));
-    else
-        cJSON_AddNullToObject(root, "stop_reason");
+    add_text(root, "stop_reason", stats->report ? stop_reason_name(report->stop_reason) : NULL);
+    add_text(root, "solver", stats->report ? rsv_solver_name(report->solver) : NULL);
+    add_text(root, "solver_reason", stats->report ? report->solver_reason : NULL);
     cJSON_AddNumberToObject(root, "norm_inf", report->norm_inf);
+    cJSON_AddNumberToObject(root, "spectral_radius", report->spectral_radius);
+    cJSON_AddNumberToObject(
+        root, "neumann_terms", report->neumann_terms ? (double)report->neumann_terms : NAN);
     cJSON_AddNumberToObject(root, "residual_inf", report->residual_inf);
     cJSON_AddNumberToObject(root, "truncation_bound", report->truncation_bound);
     cJSON_AddNumberToObject(root, "mean_irradiance", report->mean_irradiance);

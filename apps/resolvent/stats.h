@@ -22,6 +22,9 @@ typedef struct cli_stats {
 /// Names of the qualities, in the order of rsv_quality; NULL-terminated.
 extern const char *const cli_quality_names[];
 
+/// Names of the solvers, in the order of rsv_solver; NULL-terminated.
+extern const char *const cli_solver_names[];
+
 /// Says what went wrong on standard error.
 bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats);
 

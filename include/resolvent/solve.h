@@ -11,6 +11,21 @@ extern "C" {
 
 typedef enum rsv_quality { RSV_QUALITY_DRAFT, RSV_QUALITY_MEDIUM, RSV_QUALITY_HIGH } rsv_quality;
 
+/// How E = E0 + G K E is solved. docs/theory.md says what each of them does.
+typedef enum rsv_solver {
+    RSV_SOLVER_AUTO,    ///< the cheapest one, by the spectral radius and the size
+    RSV_SOLVER_NEUMANN, ///< bounce after bounce
+    RSV_SOLVER_GAUSS_SEIDEL,
+    RSV_SOLVER_SOUTHWELL, ///< shooting: progressive radiosity; not with translucent materials
+    RSV_SOLVER_CHEBYSHEV,
+    RSV_SOLVER_BICGSTAB,
+    RSV_SOLVER_GMRES,
+    RSV_SOLVER_TWO_GRID
+} rsv_solver;
+
+/// "auto", "neumann", "gauss-seidel", ... in the order of rsv_solver; NULL beyond the last.
+RSV_API const char *rsv_solver_name(rsv_solver solver);
+
 /// Start from rsv_default_solve_desc().
 typedef struct rsv_solve_desc {
     uint32_t
@@ -22,7 +37,8 @@ typedef struct rsv_solve_desc {
     uint32_t direct_levels; ///< subdivisions of the direct level below the coarse one where direct
                             ///< light changes quickly
     bool direct_level;      ///< false = leave direct light to the renderer (mode `final`)
-    uint32_t max_orders;    ///< Neumann terms at most
+    rsv_solver solver;      ///< of the orders beyond those that are kept one by one
+    uint32_t max_orders;    ///< applications of the operator at most
     float tolerance;        ///< stop when the truncation bound is below this share of mean E
     uint32_t seed;
 } rsv_solve_desc;
@@ -32,7 +48,10 @@ RSV_API rsv_solve_desc rsv_default_solve_desc(rsv_quality quality);
 typedef enum rsv_stop_reason {
     RSV_STOP_CONVERGED,
     RSV_STOP_MAX_ORDERS,
-    RSV_STOP_NO_LIGHT
+    RSV_STOP_NO_LIGHT,
+    RSV_STOP_STAGNATED, ///< the residual stopped falling
+    RSV_STOP_DIVERGED,  ///< it grew
+    RSV_STOP_BREAKDOWN  ///< the solver had to divide by nothing
 } rsv_stop_reason;
 
 /// What happened, and how good the answer is. Times in seconds.
@@ -42,9 +61,14 @@ typedef struct rsv_solve_report {
     size_t direct_elements;  ///< elements of the direct level
     size_t entries;          ///< stored entries of G
     uint64_t rays;           ///< traced during assembly
-    uint32_t iterations;     ///< Neumann terms summed
+    uint32_t iterations;     ///< applications of G K
+    rsv_solver solver;       ///< that was used, not RSV_SOLVER_AUTO
+    char solver_reason[192]; ///< why, in a sentence
     double norm_inf;         ///< ||G K||_inf, largest row sum over rows and channels
-    double residual_inf;     ///< ||E0 + G K E - E||_inf, W/m2, accumulated in double
+    double spectral_radius;  ///< of G K, estimated from the orders of light; 0 = too few orders
+    uint32_t
+        neumann_terms;   ///< orders that the Neumann series takes, as the spectral radius predicts
+    double residual_inf; ///< ||E0 + G K E - E||_inf, W/m2, accumulated in double
     double truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2
     double mean_irradiance;  ///< area-weighted mean of E, luminance
     double time_bvh, time_assemble, time_solve;
@@ -69,6 +93,22 @@ RSV_API uint32_t rsv_solution_order_count(const rsv_solution *solution);
 /// @param back_side the back of a double-sided surface
 RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t triangle, float u,
     float v, bool back_side, uint32_t order);
+
+/// What a solver did.
+typedef struct rsv_solver_cost {
+    rsv_solver solver; ///< in the end, where RSV_SOLVER_AUTO was asked for
+    rsv_stop_reason stop_reason;
+    double applications; ///< of G K, or passes over its entries that cost as much
+    double seconds;      ///< all included: transposed copies, coarse levels, observing
+    double residual;     ///< largest max |residual| / max E0 of a colour channel
+} rsv_solver_cost;
+
+/// Solves the coarse system of a solution once more, from nothing and without keeping orders apart.
+/// @param tolerance of the residual, on the scale of rsv_solver_cost
+/// @param observe called whenever the solver knows a residual; NULL = nobody listens
+RSV_API rsv_status rsv_measure_solver(const rsv_solution *solution, rsv_solver solver,
+    double tolerance, void (*observe)(void *user, double applications, double residual), void *user,
+    rsv_solver_cost *cost);
 
 /// What assembly costs beside ray tracing alone.
 typedef struct rsv_assembly_cost {

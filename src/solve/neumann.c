@@ -1,26 +1,15 @@
-/// E = sum (G K)^n E0. The series converges because ||G K|| < 1; its last term is also the residual of
-/// the sum so far, so the truncation bound costs nothing.
+/// E = sum (G K)^n E0. The first orders are kept one by one, as layers of pictures; what follows them is kept as
+/// one, and a faster solver may find it.
 #include "solution.h"
 
 #include "../operator/bend.h"
+#include "choose_solver.h"
+#include "fredholm.h"
+#include "linear_solver.h"
+#include "transport_map.h"
 
+#include <stdio.h>
 #include <string.h>
-
-/// exitance = K irradiance
-static void scatter(const rsv_solution *s, const rsv_rgb *irradiance, rsv_rgb *exitance)
-{
-    rsv_subsurface_apply(s->subsurface, s->elements, irradiance, exitance);
-    for (size_t n = 0; n < s->elements->node_count; n++)
-        exitance[n] = rgb_mul(s->exitance_albedo[n], exitance[n]);
-}
-
-/// next = G K term, on all nodes.
-static void apply(const rsv_solution *s, const rsv_rgb *term, rsv_rgb *exitance, rsv_rgb *next)
-{
-    scatter(s, term, exitance);
-    rsv_transport_apply(s->transport, exitance, next);
-    rsv_elements_constrain(s->elements, next);
-}
 
 static double largest(const rsv_rgb *value, size_t count)
 {
@@ -30,56 +19,61 @@ static double largest(const rsv_rgb *value, size_t count)
     return max;
 }
 
-/// ||G K||_inf: what comes of an irradiance of 1 everywhere.
-static double operator_norm(const rsv_solution *s, rsv_rgb *exitance, rsv_rgb *sums)
+/// What the solution of one system needs beside the solution.
+typedef struct series {
+    rsv_solution *s;
+    rsv_transport_map *map;
+    rsv_rgb *term, *next;
+    double target;    ///< W/m2: a residual that is small enough
+    double resolvent; ///< bound of ||(I - G K)^-1||_inf
+} series;
+
+static void apply(const series *q, const rsv_rgb *field, rsv_rgb *image)
 {
-    for (size_t n = 0; n < s->elements->node_count; n++)
-        sums[n] = rgb_gray(1);
-    scatter(s, sums, exitance);
-    rsv_transport_apply(s->transport, exitance, sums);
-    return largest(sums, s->elements->node_count);
+    q->map->linear.table->apply(q->map, 3, &field->r, &image->r);
 }
 
-/// ||E0 + G K E - E||_inf with sums in double.
-/// @param diffused P irradiance
-static double residual_norm(
-    const rsv_solution *s, const rsv_rgb *irradiance, const rsv_rgb *diffused)
+/// ||G K||_inf: what comes of an irradiance of 1 everywhere.
+static double operator_norm(const series *q)
 {
-    const rsv_transport *t = s->transport;
+    size_t nodes = q->s->elements->node_count;
+    for (size_t n = 0; n < nodes; n++)
+        q->next[n] = rgb_gray(1);
+    apply(q, q->next, q->term);
+    return largest(q->term, nodes);
+}
+
+/// ||E0 + G K E - E||_inf with sums in double. Hanging nodes are no unknowns.
+static double residual_norm(const series *q, rsv_rgb *irradiance, rsv_rgb *residual)
+{
+    const rsv_solution *s = q->s;
     double max = 0;
-#pragma omp parallel for reduction(max : max) num_threads(rsv_threads(s->context))
-    for (size_t row = 0; row < t->row_count; row++) {
-        if (t->scale[row] == 0) continue;
-        double sum[3] = { 0, 0, 0 };
-        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
-            rsv_rgb e = diffused[t->column[k]], a = s->exitance_albedo[t->column[k]];
-            sum[0] += (double)e.r * a.r, sum[1] += (double)e.g * a.g, sum[2] += (double)e.b * a.b;
-        }
-        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-            rsv_rgb e = diffused[t->tinted_column[k]], a = s->exitance_albedo[t->tinted_column[k]];
-            rsv_rgb w = t->tinted_weight[k];
-            sum[0] += (double)e.r * a.r * w.r, sum[1] += (double)e.g * a.g * w.g;
-            sum[2] += (double)e.b * a.b * w.b;
-        }
-        rsv_rgb e = irradiance[row], e0 = s->source[row];
-        max = fmax(max, fabs(e0.r + sum[0] * t->scale[row] - e.r));
-        max = fmax(max, fabs(e0.g + sum[1] * t->scale[row] - e.g));
-        max = fmax(max, fabs(e0.b + sum[2] * t->scale[row] - e.b));
+    q->map->linear.table->residual(q->map, 3, &s->source->r, &irradiance->r, &residual->r);
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        if (s->transport->scale[n] == 0) continue;
+        rsv_rgb r = residual[n];
+        max = fmax(max, fmax(fabs(r.r), fmax(fabs(r.g), fabs(r.b))));
     }
     return max;
 }
 
-/// A norm of 1 leaves the series without a bound. It still converges in an open scene, term by term
-/// smaller; in a closed lossless one the terms stay as they are.
-#define LOSSLESS_ORDERS 64
-#define LOSSLESS_RATIO 0.9999
-
-static rsv_status refuse_lossless(void)
+/// A norm of 1 bounds nothing. In an open scene later orders still die out; in a closed lossless one they do not,
+/// and there is no answer.
+static rsv_status refuse_lossless(series *q)
 {
+    rsv_alternative a;
+    rsv_status status = rsv_transport_map_transpose(q->map);
+    if (status == RSV_OK) status = rsv_fredholm_alternative(&q->map->linear, &q->s->source->r, &a);
+    if (status != RSV_OK) return status;
+    q->resolvent = a.radius.resolvent;
+    if (a.unique) return RSV_OK;
     return rsv_fail(RSV_ERROR_SCENE,
-        "solve: the scene is closed and absorbs nothing (albedo 1): light never dies out and there "
-        "is "
-        "no bounded answer; lower an albedo below 1 or open the scene");
+        "solve: the scene is closed and absorbs nothing (albedo 1): E = G K E has solutions of its "
+        "own (spectral radius %.5f); the light is %s them, so that %s; lower an albedo below 1 or "
+        "open the scene",
+        a.radius.power, a.compatibility > 1e-6 ? "incompatible with" : "compatible with",
+        a.compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
+                               : "there are many answers");
 }
 
 static void add_term(rsv_solution *s, const rsv_rgb *term)
@@ -93,33 +87,114 @@ static void add_term(rsv_solution *s, const rsv_rgb *term)
     s->order_count = slot + 1;
 }
 
-static rsv_status sum_series(
-    rsv_solution *s, uint32_t max_orders, rsv_rgb *term, rsv_rgb *next, rsv_rgb *exitance)
+/// What another solver finds beyond the present term goes to the last order. Its rounding must not darken anything.
+static void add_rest(series *q, const rsv_rgb *sum)
 {
+    for (size_t n = 0; n < q->s->elements->node_count; n++) {
+        rsv_rgb rest = rgb_sub(sum[n], q->term[n]);
+        q->next[n] = rgb(f_max(rest.r, 0), f_max(rest.g, 0), f_max(rest.b, 0));
+    }
+    rsv_elements_constrain(q->s->elements, q->next);
+    add_term(q->s, q->next);
+}
+
+/// Solves rest = term + G K rest by the solver of the report; if that was our own choice and it fails, by the
+/// series after all.
+static rsv_status solve_rest(series *q, uint32_t max_applications)
+{
+    rsv_solve_report *report = &q->s->report;
+    rsv_linear_report linear;
+    size_t nodes = q->s->elements->node_count;
+    rsv_rgb *rest = rsv_alloc(q->s->context, nodes, sizeof *rest);
+    if (!rest) return RSV_ERROR_MEMORY;
+    rsv_linear_desc desc = {
+        .solver = report->solver, .absolute = q->target, .max_applications = max_applications
+    };
+    rsv_status status = RSV_OK;
+    if (report->solver == RSV_SOLVER_SOUTHWELL) RSV_TRY(rsv_transport_map_transpose(q->map));
+    rsv_transport_map_mask(q->map, 1, q->term);
+    RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &rest->r, &linear));
+    report->iterations += (uint32_t)ceil(linear.applications);
+    bool failed = linear.stop_reason > RSV_STOP_NO_LIGHT;
+    if (failed && q->s->desc.solver == RSV_SOLVER_AUTO) {
+        size_t length = strlen(report->solver_reason);
+        snprintf(report->solver_reason + length, sizeof report->solver_reason - length,
+            "; %s failed", rsv_solver_name(report->solver));
+        report->solver = desc.solver = RSV_SOLVER_NEUMANN;
+        RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &rest->r, &linear));
+        report->iterations += (uint32_t)ceil(linear.applications);
+    }
+    report->stop_reason = linear.stop_reason;
+    add_rest(q, rest);
+cleanup:
+    rsv_free(q->s->context, rest);
+    return status;
+}
+
+/// Chooses the solver of all orders beyond those kept one by one.
+static void choose_solver(series *q, double size)
+{
+    rsv_solve_report *report = &q->s->report;
+    rsv_solver_question question = { .wanted = q->s->desc.solver,
+        .norm_inf = report->norm_inf,
+        .spectral_radius = report->spectral_radius,
+        .terms = rsv_neumann_terms(report->spectral_radius, size, q->target),
+        .map = &q->map->linear };
+    report->solver =
+        rsv_choose_solver(&question, report->solver_reason, sizeof report->solver_reason);
+}
+
+/// <term, G K term> / <term, term> with the weights area x albedo. By reciprocity G K is symmetric in that product, so
+/// this is a Rayleigh quotient: below the spectral radius, by the square of the distance from the slowest mode.
+static double rayleigh_quotient(const rsv_solution *s, const rsv_rgb *term, const rsv_rgb *next)
+{
+    double image[3] = { 0 }, square[3] = { 0 }, most = 0;
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        rsv_rgb weighted =
+            rgb_scale(rgb_mul(s->exitance_albedo[n], term[n]), s->elements->node_area[n]);
+        const rsv_rgb to[2] = { rgb_mul(weighted, next[n]), rgb_mul(weighted, term[n]) };
+        image[0] += (double)to[0].r, image[1] += (double)to[0].g, image[2] += (double)to[0].b;
+        square[0] += (double)to[1].r, square[1] += (double)to[1].g, square[2] += (double)to[1].b;
+    }
+    for (int c = 0; c < 3; c++)
+        if (square[c] > 0) most = fmax(most, image[c] / square[c]);
+    return most;
+}
+
+/// Notes how fast the orders fall, from the last two of them.
+static void note_radius(series *q, uint32_t order, const rsv_rgb *term, const rsv_rgb *next)
+{
+    rsv_solve_report *report = &q->s->report;
+    double size = largest(next, q->s->elements->node_count);
+    report->spectral_radius = rayleigh_quotient(q->s, term, next);
+    report->neumann_terms = order + rsv_neumann_terms(report->spectral_radius, size, q->target);
+}
+
+static rsv_status sum_series(series *q, uint32_t max_orders)
+{
+    rsv_solution *s = q->s;
     rsv_solve_report *report = &s->report;
     size_t nodes = s->elements->node_count;
-    double mean = rsv_elements_mean_luminance(s->elements, s->source), previous = 0;
-    bool bounded = report->norm_inf < 1;
-    double margin = bounded ? 1 - report->norm_inf : 1e-3;
-    memcpy(term, s->source, nodes * sizeof *term);
+    memcpy(q->term, s->source, nodes * sizeof *q->term);
     report->stop_reason = RSV_STOP_MAX_ORDERS;
     for (uint32_t order = 1; order <= max_orders; order++) {
-        apply(s, term, exitance, next);
-        add_term(s, next);
+        apply(q, q->term, q->next);
+        rsv_elements_constrain(s->elements, q->next);
+        add_term(s, q->next);
         report->iterations = order;
-        double size = largest(next, nodes);
-        if (!isfinite(size)) return refuse_lossless();
-        if (!bounded && order == LOSSLESS_ORDERS && size > LOSSLESS_RATIO * previous)
-            return refuse_lossless();
-        // what the missing terms can still add, on the scale of the light there is
-        if (size / margin <= s->desc.tolerance * mean) {
+        double size = largest(q->next, nodes);
+        rsv_rgb *swap = q->term;
+        q->term = q->next;
+        q->next = swap;
+        if (order < RSV_KEPT_ORDERS) note_radius(q, order, q->next, q->term);
+        if (size <= q->target) {
             report->stop_reason = RSV_STOP_CONVERGED;
             break;
         }
-        previous = size;
-        rsv_rgb *swap = term;
-        term = next;
-        next = swap;
+        if (order == RSV_KEPT_ORDERS - 2) choose_solver(q, size);
+        if (order == RSV_KEPT_ORDERS - 2 && report->solver != RSV_SOLVER_NEUMANN &&
+            order < max_orders)
+            return solve_rest(q, max_orders - order);
         rsv_status status = rsv_progress(s->context, "solve", (double)order / (double)max_orders);
         if (status != RSV_OK) return status;
     }
@@ -167,43 +242,70 @@ static void sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rg
     rsv_elements_constrain(e, value);
 }
 
-rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
+static rsv_status create_orders(rsv_solution *s)
 {
-    rsv_status status = RSV_OK;
     size_t nodes = s->elements->node_count;
-    rsv_rgb *a = rsv_alloc(s->context, nodes, sizeof *a),
-            *b = rsv_alloc(s->context, nodes, sizeof *b);
-    rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
     s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
-    bool complete = a && b && exitance && s->indirect;
+    if (!s->indirect) return RSV_ERROR_MEMORY;
     for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
         s->order[k] = rsv_alloc(s->context, nodes, sizeof *s->order[k]);
-        complete = complete && s->order[k];
-    }
-    if (!complete) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
+        if (!s->order[k]) return RSV_ERROR_MEMORY;
     }
     memcpy(s->order[0], s->source, nodes * sizeof *s->source);
     s->order_count = 1;
-    s->report.norm_inf = operator_norm(s, exitance, a);
-    if (largest(s->source, nodes) == 0)
-        s->report.stop_reason = RSV_STOP_NO_LIGHT;
-    else
-        RSV_TRY(sum_series(s, max_orders, a, b, exitance));
-    for (size_t n = 0; n < nodes; n++)
-        a[n] = rgb_add(s->source[n], s->indirect[n]);
-    rsv_subsurface_apply(s->subsurface, s->elements, a, b);
-    s->report.residual_inf = residual_norm(s, a, b);
-    s->report.truncation_bound =
-        s->report.norm_inf < 1 ? s->report.residual_inf / (1 - s->report.norm_inf) : INFINITY;
-    s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, a);
+    return RSV_OK;
+}
+
+/// Sums the orders, after finding out by how much a residual can be amplified.
+static rsv_status solve(series *q, uint32_t max_orders)
+{
+    rsv_solution *s = q->s;
+    rsv_solve_report *report = &s->report;
+    double mean = rsv_elements_mean_luminance(s->elements, s->source);
+    report->solver = RSV_SOLVER_NEUMANN;
+    snprintf(report->solver_reason, sizeof report->solver_reason, "few orders are enough");
+    report->norm_inf = operator_norm(q);
+    q->resolvent = 1 / (1 - report->norm_inf);
+    if (largest(s->source, s->elements->node_count) == 0) {
+        report->stop_reason = RSV_STOP_NO_LIGHT;
+        return RSV_OK;
+    }
+    rsv_status status = report->norm_inf >= RSV_LOSSLESS ? refuse_lossless(q) : RSV_OK;
+    if (status != RSV_OK) return status;
+    // what the missing terms can still add, on the scale of the light there is
+    q->target = s->desc.tolerance * mean / q->resolvent;
+    return sum_series(q, max_orders);
+}
+
+static void report_error(const series *q, rsv_rgb *irradiance, rsv_rgb *scratch)
+{
+    rsv_solution *s = q->s;
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        irradiance[n] = rgb_add(s->source[n], s->indirect[n]);
+    s->report.residual_inf = residual_norm(q, irradiance, scratch);
+    s->report.truncation_bound = s->report.residual_inf * q->resolvent;
+    s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, irradiance);
+}
+
+rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
+{
+    rsv_status status;
+    size_t nodes = s->elements->node_count;
+    series q = { .s = s,
+        .term = rsv_alloc(s->context, nodes, sizeof *q.term),
+        .next = rsv_alloc(s->context, nodes, sizeof *q.next) };
+    RSV_TRY(q.term && q.next ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(create_orders(s));
+    RSV_TRY(rsv_transport_map_create(
+        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &q.map));
+    RSV_TRY(solve(&q, max_orders));
+    report_error(&q, q.term, q.next);
     for (uint32_t order = 1; order < s->order_count; order++)
-        sharpen(s->elements, s->order[order], a, b);
-    sharpen(s->elements, s->indirect, a, b);
+        sharpen(s->elements, s->order[order], q.term, q.next);
+    sharpen(s->elements, s->indirect, q.term, q.next);
 cleanup:
-    rsv_free(s->context, a);
-    rsv_free(s->context, b);
-    rsv_free(s->context, exitance);
+    rsv_transport_map_destroy(q.map);
+    rsv_free(s->context, q.term);
+    rsv_free(s->context, q.next);
     return status;
 }

@@ -280,6 +280,11 @@ static void warn_if_unbounded(const rsv_solution *s)
         rsv_log(s->context, RSV_LOG_WARNING,
             "solve: stopped after %u orders of light with a residual of %.3g W/m2",
             report->iterations, report->residual_inf);
+    else if (report->stop_reason > RSV_STOP_NO_LIGHT)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: solver %s gave up after %u applications with a residual of %.3g W/m2; leave "
+            "the choice to 'auto'",
+            rsv_solver_name(report->solver), report->iterations, report->residual_inf);
     else if (report->stop_reason == RSV_STOP_CONVERGED && report->norm_inf > WORRYING_NORM)
         rsv_log(s->context, RSV_LOG_WARNING,
             "solve: the scene absorbs almost nothing (operator norm %.4f): small errors of the "

@@ -15,13 +15,19 @@ for mode in final operator reference; do
 done
 
 keys=(elements entries rays rays_per_second time_s load bvh assemble solve render total iterations norm_inf
-    peak_rss_bytes residual_inf truncation_bound order_count direct_elements stop_reason mode quality
+    peak_rss_bytes residual_inf truncation_bound solver solver_reason spectral_radius neumann_terms order_count direct_elements stop_reason mode quality
     width height spp threads seed warnings)
 for key in "${keys[@]}"; do
     grep -q "\"$key\":" final2.json || complain "the statistics lack '$key'"
 done
 grep -q '"stop_reason":.*"converged"' final2.json || complain "the solution did not converge"
 ! grep -q '"elements":[[:space:]]*0,' final2.json || complain "no elements"
+
+for solver in two-grid gmres southwell; do
+    succeeds render furnace -o $solver.exr --size 16x16 --quality draft --spp 1 --solver $solver \
+        --stats $solver.json
+    grep -q "\"solver\":[[:space:]]*\"$solver\"" $solver.json || complain "--solver $solver was not heard"
+done
 
 succeeds compare final1.exr operator1.exr
 says '^mean_ratio '

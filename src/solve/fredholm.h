@@ -1,0 +1,23 @@
+/// The Fredholm alternative: either E = E0 + G K E has one solution for every E0, or E = G K E has solutions of its
+/// own, and then E0 must have no part along the solutions w of the adjoint w = (G K)* w.
+#ifndef RSV_FREDHOLM_H
+#define RSV_FREDHOLM_H
+
+#include "spectrum.h"
+
+/// A spectral radius from here on is 1 to the precision of the operator.
+#define RSV_LOSSLESS 0.9999
+
+typedef struct rsv_alternative {
+    bool unique; ///< every source has one solution
+    rsv_spectral_radius radius;
+    double
+        compatibility; ///< <w, E0> / (|w| |E0|) with w >= 0 from the adjoint; 0 = the source is compatible
+} rsv_alternative;
+
+/// Decides between the two. Knows at once where the norm of A is below 1.
+/// @param map knows its transposed @param source [count x 3]
+rsv_status rsv_fredholm_alternative(
+    const rsv_linear_map *map, const float *source, rsv_alternative *alternative);
+
+#endif

@@ -1,0 +1,251 @@
+#include "solver_run.h"
+
+#include <math.h>
+#include <string.h>
+
+/// A cycle that leaves more than this of the residual has not helped; a few of those in a row are the end.
+#define POOR_REDUCTION 0.9
+#define POOR_CYCLES 3
+/// Within a cycle: checks without an improvement by half a percent.
+#define PATIENCE 64
+#define IMPROVEMENT 0.995
+#define BLOW_UP 1e6
+
+typedef struct solver_entry {
+    rsv_improve improve;
+    bool rows, columns, groups; ///< what it needs of a map
+} solver_entry;
+
+static const solver_entry solvers[] = {
+    [RSV_SOLVER_NEUMANN] = { .improve = rsv_improve_series },
+    [RSV_SOLVER_GAUSS_SEIDEL] = { .improve = rsv_improve_gauss_seidel, .rows = true },
+    [RSV_SOLVER_SOUTHWELL] = { .improve = rsv_improve_southwell, .columns = true },
+    [RSV_SOLVER_CHEBYSHEV] = { .improve = rsv_improve_chebyshev },
+    [RSV_SOLVER_BICGSTAB] = { .improve = rsv_improve_bicgstab },
+    [RSV_SOLVER_GMRES] = { .improve = rsv_improve_gmres },
+    [RSV_SOLVER_TWO_GRID] = { .improve = rsv_improve_two_grid, .groups = true },
+};
+
+const char *rsv_solver_name(rsv_solver solver)
+{
+    static const char *const names[] = { [RSV_SOLVER_AUTO] = "auto",
+        [RSV_SOLVER_NEUMANN] = "neumann",
+        [RSV_SOLVER_GAUSS_SEIDEL] = "gauss-seidel",
+        [RSV_SOLVER_SOUTHWELL] = "southwell",
+        [RSV_SOLVER_CHEBYSHEV] = "chebyshev",
+        [RSV_SOLVER_BICGSTAB] = "bicgstab",
+        [RSV_SOLVER_GMRES] = "gmres",
+        [RSV_SOLVER_TWO_GRID] = "two-grid" };
+    return (size_t)solver < sizeof names / sizeof names[0] ? names[solver] : NULL;
+}
+
+rsv_linear_desc rsv_default_linear_desc(rsv_solver solver)
+{
+    return (rsv_linear_desc){ .solver = solver, .relative = 1e-5, .max_applications = 10000 };
+}
+
+bool rsv_solver_fits(rsv_solver solver, const rsv_linear_map *map)
+{
+    const solver_entry *needs = &solvers[solver];
+    const rsv_linear_map_table *has = map->table;
+    return needs->improve && (!needs->rows || (has->gather_rows && has->scatter_rows)) &&
+           (!needs->columns || has->shoot) && (!needs->groups || (has->sum_groups && map->group));
+}
+
+void rsv_run_apply(rsv_solver_run *run, const float *field, float *image)
+{
+    run->map->table->apply(run->map->data, run->shape.columns, field, image);
+    run->applications += 1;
+}
+
+float *rsv_run_field(const rsv_solver_run *run)
+{
+    return rsv_alloc(run->shape.context, run->shape.count, run->shape.columns * sizeof(float));
+}
+
+double *rsv_run_numbers(const rsv_solver_run *run, size_t count)
+{
+    return rsv_alloc(run->shape.context, count * run->shape.columns, sizeof(double));
+}
+
+/// How far the worst column is from its goal, as a factor; at most 1 = all have converged.
+static double excess(const rsv_solver_run *run)
+{
+    double worst = 0;
+    for (size_t c = 0; c < run->shape.columns; c++) {
+        if (run->size[c] == 0) continue;
+        double factor = run->size[c] / run->goal[c];
+        if (!(factor <= worst)) worst = factor;
+    }
+    return worst;
+}
+
+static void tell(const rsv_solver_run *run)
+{
+    if (!run->desc->observe) return;
+    double largest = 0;
+    for (size_t c = 0; c < run->shape.columns; c++)
+        if (run->source_size[c] > 0) largest = fmax(largest, run->size[c] / run->source_size[c]);
+    run->desc->observe(run->desc->user, run->applications, largest);
+}
+
+bool rsv_run_goes_on(rsv_solver_run *run)
+{
+    double now = excess(run);
+    tell(run);
+    if (!(now < BLOW_UP * run->best)) {
+        run->blew_up = true;
+        return false;
+    }
+    if (now < IMPROVEMENT * run->best) {
+        run->best = now;
+        run->waiting = 0;
+    } else if (++run->waiting >= PATIENCE) {
+        return false;
+    }
+    double budget = run->desc->max_applications;
+    run->status = rsv_progress(run->shape.context, "solve", fmin(run->applications / budget, 0.99));
+    return now > 1 && run->applications < budget && run->status == RSV_OK && !run->broke_down;
+}
+
+/// Residual of x and its sizes.
+static void form_residual(rsv_solver_run *run, const float *source, const float *x, float *residual)
+{
+    const rsv_linear_map_table *table = run->map->table;
+    run->applications += 1;
+    if (table->residual) {
+        table->residual(run->map->data, run->shape.columns, source, x, residual);
+    } else {
+        table->apply(run->map->data, run->shape.columns, x, residual);
+        rsv_columns_sum(&run->shape, source, residual);
+        rsv_columns_subtract(&run->shape, x, residual);
+    }
+    rsv_columns_max(&run->shape, residual, run->size);
+}
+
+/// Columns that have converged take no part in the next cycle.
+static void freeze_columns(const rsv_solver_run *run, float *residual)
+{
+    size_t columns = run->shape.columns;
+    for (size_t c = 0; c < columns; c++) {
+        if (rsv_run_active(run, c)) continue;
+        for (size_t n = 0; n < run->shape.count; n++)
+            residual[n * columns + c] = 0;
+    }
+}
+
+static bool is_zero(const float *field, size_t values)
+{
+    for (size_t k = 0; k < values; k++)
+        if (field[k] != 0) return false;
+    return true;
+}
+
+static rsv_stop_reason reason_to_fail(const rsv_solver_run *run)
+{
+    return run->broke_down ? RSV_STOP_BREAKDOWN
+           : run->blew_up  ? RSV_STOP_DIVERGED
+                           : RSV_STOP_STAGNATED;
+}
+
+/// One cycle: a correction, kept if it helps. @return the part of the excess that it left
+static rsv_status run_cycle(rsv_solver_run *run, const float *source, float *solution,
+    float *residual, float *trial, double *left)
+{
+    size_t bytes = run->shape.count * run->shape.columns * sizeof *trial;
+    double before = excess(run);
+    memset(trial, 0, bytes);
+    freeze_columns(run, residual);
+    run->best = before;
+    run->waiting = 0;
+    run->broke_down = run->blew_up = false;
+    rsv_status status = solvers[run->desc->solver].improve(run, residual, trial);
+    if (status == RSV_OK) status = run->status;
+    if (status != RSV_OK) return status;
+    rsv_columns_sum(&run->shape, solution, trial);
+    form_residual(run, source, trial, residual);
+    *left = excess(run) / before;
+    if (*left <= 1)
+        memcpy(solution, trial, bytes);
+    else
+        form_residual(run, source, solution, residual);
+    tell(run);
+    return RSV_OK;
+}
+
+static rsv_status iterate(rsv_solver_run *run, const float *source, float *solution,
+    float *residual, float *trial, rsv_linear_report *report)
+{
+    uint32_t poor = 0;
+    while (excess(run) > 1) {
+        double left;
+        if (run->applications >= run->desc->max_applications) {
+            report->stop_reason = RSV_STOP_MAX_ORDERS;
+            return RSV_OK;
+        }
+        rsv_status status = run_cycle(run, source, solution, residual, trial, &left);
+        if (status != RSV_OK) return status;
+        report->cycles++;
+        poor = left < POOR_REDUCTION ? 0 : poor + 1;
+        if (!(left <= 1) || poor >= POOR_CYCLES) {
+            report->stop_reason = reason_to_fail(run);
+            return RSV_OK;
+        }
+    }
+    report->stop_reason = RSV_STOP_CONVERGED;
+    return RSV_OK;
+}
+
+/// Residual and sizes of the first guess; the zero field needs no application.
+static void start(rsv_solver_run *run, const float *source, const float *solution, float *residual)
+{
+    size_t values = run->shape.count * run->shape.columns;
+    rsv_columns_max(&run->shape, source, run->source_size);
+    for (size_t c = 0; c < run->shape.columns; c++)
+        run->goal[c] = fmax(run->desc->relative * run->source_size[c], run->desc->absolute);
+    if (is_zero(solution, values)) {
+        memcpy(residual, source, values * sizeof *residual);
+        memcpy(run->size, run->source_size, run->shape.columns * sizeof *run->size);
+    } else {
+        form_residual(run, source, solution, residual);
+    }
+    tell(run);
+}
+
+rsv_status rsv_linear_solve(const rsv_linear_map *map, size_t columns, const float *source,
+    const rsv_linear_desc *desc, float *solution, rsv_linear_report *report)
+{
+    rsv_status status = RSV_OK;
+    rsv_solver_run run = { .map = map,
+        .desc = desc,
+        .shape = { .context = map->context, .count = map->count, .columns = columns } };
+    *report = (rsv_linear_report){ 0 };
+    if (!rsv_solver_fits(desc->solver, map))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "solve: solver '%s' does not fit this operator; choose another one or 'auto'",
+            rsv_solver_name(desc->solver));
+    float *residual = rsv_run_field(&run), *trial = rsv_run_field(&run);
+    run.source_size = rsv_run_numbers(&run, 1);
+    run.goal = rsv_run_numbers(&run, 1);
+    run.size = rsv_run_numbers(&run, 1);
+    run.shape.partial =
+        rsv_alloc(map->context, rsv_partial_length(map->count, columns), sizeof(double));
+    if (!residual || !trial || !run.source_size || !run.goal || !run.size || !run.shape.partial) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    start(&run, source, solution, residual);
+    RSV_TRY(iterate(&run, source, solution, residual, trial, report));
+    report->applications = run.applications;
+    for (size_t c = 0; c < columns; c++)
+        report->residual = fmax(report->residual, run.size[c]);
+cleanup:
+    rsv_coarse_level_destroy(run.coarse);
+    rsv_free(map->context, residual);
+    rsv_free(map->context, trial);
+    rsv_free(map->context, run.source_size);
+    rsv_free(map->context, run.goal);
+    rsv_free(map->context, run.size);
+    rsv_free(map->context, run.shape.partial);
+    return status;
+}

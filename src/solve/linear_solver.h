@@ -1,0 +1,45 @@
+/// Solvers of x = b + A x behind one interface.
+///
+/// Each solver knows one thing: to find a correction d with (I - A) d close to a given residual. The driver adds
+/// it, forms the new residual afresh with sums in double, and decides whether to go on. So rounding of the stored
+/// floats cannot build up, Krylov methods restart for free, and stagnation looks the same for all of them.
+///
+/// Columns of a field are systems of their own; one that has converged, or whose source is 0, is left alone.
+#ifndef RSV_LINEAR_SOLVER_H
+#define RSV_LINEAR_SOLVER_H
+
+#include "linear_map.h"
+#include "resolvent/solve.h"
+
+typedef struct rsv_linear_desc {
+    rsv_solver solver; ///< not RSV_SOLVER_AUTO
+    double relative;   ///< a column has converged when max |residual| <= relative max |source| ...
+    double absolute;   ///< ... or max |residual| <= absolute
+    double max_applications;
+    double spectral_radius; ///< of A as far as known, for Chebyshev; 0 = estimate it on the way
+    /// Called whenever a residual is known: applications of A so far, and the largest max |residual| / max |source|
+    /// of a column. NULL = nobody listens
+    void (*observe)(void *user, double applications, double residual);
+    void *user;
+} rsv_linear_desc;
+
+typedef struct rsv_linear_report {
+    rsv_stop_reason stop_reason;
+    double applications; ///< of A, or passes over its entries that cost as much
+    double residual;     ///< largest |residual|, accumulated in double
+    uint32_t cycles;     ///< corrections added
+} rsv_linear_report;
+
+/// Relative 1e-5, any number of applications up to 10 000, no spectral radius.
+rsv_linear_desc rsv_default_linear_desc(rsv_solver solver);
+
+/// Whether the map has what the solver needs (rows, columns, groups).
+bool rsv_solver_fits(rsv_solver solver, const rsv_linear_map *map);
+
+/// Solves x = source + A x.
+/// @param source, solution [count x columns]; the first guess in, the best found out
+/// @return RSV_OK even if not converged: see report->stop_reason
+rsv_status rsv_linear_solve(const rsv_linear_map *map, size_t columns, const float *source,
+    const rsv_linear_desc *desc, float *solution, rsv_linear_report *report);
+
+#endif

@@ -1,0 +1,83 @@
+#include "choose_solver.h"
+#include "linear_solver.h"
+#include "solution.h"
+#include "spectrum.h"
+#include "transport_map.h"
+
+/// Orders of light that show how fast they die out, before a solver is chosen.
+#define SCOUT_TERMS 5
+
+/// Passes on what a solver tells, after what was there before it.
+typedef struct listener {
+    void (*observe)(void *user, double applications, double residual);
+    void *user;
+    double before;   ///< applications of an earlier solver
+    double residual; ///< the last one
+} listener;
+
+static void listen(void *user, double applications, double residual)
+{
+    listener *l = user;
+    l->residual = residual;
+    if (l->observe) l->observe(l->user, l->before + applications, residual);
+}
+
+static rsv_status run(const rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
+    listener *l, rsv_rgb *irradiance, rsv_solver_cost *cost)
+{
+    rsv_linear_report report;
+    desc->observe = listen;
+    desc->user = l;
+    l->before = cost->applications;
+    rsv_status status =
+        rsv_linear_solve(&map->linear, 3, &s->source->r, desc, &irradiance->r, &report);
+    cost->solver = desc->solver;
+    cost->stop_reason = report.stop_reason;
+    cost->applications += report.applications;
+    cost->residual = l->residual;
+    return status;
+}
+
+/// A few orders of light, then the choice that they suggest.
+static rsv_status scout(const rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
+    listener *l, rsv_rgb *irradiance, rsv_solver_cost *cost)
+{
+    char reason[sizeof s->report.solver_reason];
+    desc->solver = RSV_SOLVER_NEUMANN;
+    desc->max_applications = SCOUT_TERMS;
+    rsv_status status = run(map, s, desc, l, irradiance, cost);
+    if (status != RSV_OK || cost->stop_reason == RSV_STOP_CONVERGED) return status;
+    double radius = s->report.spectral_radius;
+    rsv_solver_question question = { .norm_inf = s->report.norm_inf,
+        .spectral_radius = radius,
+        .terms = rsv_neumann_terms(radius, l->residual, desc->relative),
+        .map = &map->linear };
+    desc->solver = rsv_choose_solver(&question, reason, sizeof reason);
+    desc->max_applications = s->desc.max_orders;
+    return run(map, s, desc, l, irradiance, cost);
+}
+
+rsv_status rsv_measure_solver(const rsv_solution *s, rsv_solver solver, double tolerance,
+    void (*observe)(void *user, double applications, double residual), void *user,
+    rsv_solver_cost *cost)
+{
+    double start = rsv_seconds();
+    rsv_transport_map *map = NULL;
+    rsv_status status = RSV_OK;
+    listener l = { .observe = observe, .user = user };
+    rsv_rgb *irradiance = rsv_alloc(s->context, s->elements->node_count, sizeof *irradiance);
+    if (!irradiance) return RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_transport_map_create(
+        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map));
+    if (solver == RSV_SOLVER_SOUTHWELL) RSV_TRY(rsv_transport_map_transpose(map));
+    rsv_linear_desc desc = rsv_default_linear_desc(solver);
+    desc.relative = tolerance;
+    desc.max_applications = s->desc.max_orders;
+    *cost = (rsv_solver_cost){ 0 };
+    RSV_TRY((solver == RSV_SOLVER_AUTO ? scout : run)(map, s, &desc, &l, irradiance, cost));
+    cost->seconds = rsv_seconds() - start;
+cleanup:
+    rsv_transport_map_destroy(map);
+    rsv_free(s->context, irradiance);
+    return status;
+}

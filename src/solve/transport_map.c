@@ -1,0 +1,250 @@
+#include "transport_map.h"
+
+#include "../operator/transport_rows.h"
+#include "node_groups.h"
+
+#include <string.h>
+
+static const rsv_rgb *rgb_field(const float *field) { return (const rsv_rgb *)field; }
+
+/// Exitance of all nodes: hanging ones filled in, then diffused below the surface, then K's albedo.
+static void scatter(rsv_transport_map *m, size_t fields, const rsv_rgb *field, rsv_rgb *exitance)
+{
+    size_t nodes = m->linear.count;
+    for (size_t f = 0; f < fields; f++) {
+        for (size_t n = 0; n < nodes; n++)
+            m->filled[n] = field[n * fields + f];
+        rsv_elements_constrain(m->elements, m->filled);
+        rsv_subsurface_apply(m->subsurface, m->elements, m->filled, m->scattered);
+        for (size_t n = 0; n < nodes; n++)
+            exitance[n * fields + f] = rgb_mul(m->albedo[n], m->scattered[n]);
+    }
+}
+
+static void apply(void *data, size_t columns, const float *field, float *image)
+{
+    rsv_transport_map *m = data;
+    size_t fields = columns / 3;
+    scatter(m, fields, rgb_field(field), m->exitance);
+    rsv_transport_gather(m->transport, fields, m->exitance, 0, m->linear.count, (rsv_rgb *)image);
+}
+
+static void residual(
+    void *data, size_t columns, const float *source, const float *field, float *difference)
+{
+    rsv_transport_map *m = data;
+    size_t fields = columns / 3;
+    scatter(m, fields, rgb_field(field), m->exitance);
+    rsv_transport_residual(m->transport, fields, m->exitance, rgb_field(source), rgb_field(field),
+        (rsv_rgb *)difference);
+}
+
+/// K* G* on one field after the other.
+static void apply_transpose(void *data, size_t columns, const float *field, float *image)
+{
+    rsv_transport_map *m = data;
+    size_t fields = columns / 3, nodes = m->linear.count;
+    for (size_t f = 0; f < fields; f++) {
+        for (size_t n = 0; n < nodes; n++)
+            m->filled[n] = rgb_field(field)[n * fields + f];
+        rsv_transport_apply_transpose(m->columns, m->filled, m->exitance, m->scattered);
+        for (size_t n = 0; n < nodes; n++)
+            m->scattered[n] = rgb_mul(m->albedo[n], m->scattered[n]);
+        rsv_subsurface_apply_transpose(m->subsurface, m->elements, m->scattered, m->filled);
+        rsv_elements_constrain_transpose(m->elements, m->filled);
+        for (size_t n = 0; n < nodes; n++)
+            ((rsv_rgb *)image)[n * fields + f] = m->filled[n];
+    }
+}
+
+/// A part of the rows leaves out what depends on others: hanging nodes and translucent bodies.
+static void scatter_rows(
+    void *data, size_t columns, const float *field, size_t begin, size_t end, float *scattered)
+{
+    rsv_transport_map *m = data;
+    size_t fields = columns / 3;
+    rsv_rgb *exitance = (rsv_rgb *)scattered;
+    if (begin == 0 && end == m->linear.count) {
+        scatter(m, fields, rgb_field(field), exitance);
+        return;
+    }
+    const rsv_subsurface *p = m->subsurface;
+    for (size_t n = begin; n < end; n++) {
+        if (m->elements->node_hanging[n] != RSV_NONE ||
+            (p && p->row_begin[n] != p->row_begin[n + 1]))
+            continue;
+        for (size_t f = 0; f < fields; f++)
+            exitance[n * fields + f] = rgb_mul(m->albedo[n], rgb_field(field)[n * fields + f]);
+    }
+}
+
+static void gather_rows(
+    void *data, size_t columns, const float *scattered, size_t begin, size_t end, float *image)
+{
+    const rsv_transport_map *m = data;
+    rsv_transport_gather(
+        m->transport, columns / 3, rgb_field(scattered), begin, end, (rsv_rgb *)image);
+}
+
+/// Shoots from a node and from the hanging nodes that follow it. @return entries read
+static size_t shoot_node(
+    const rsv_transport_map *m, size_t node, rsv_rgb amount, size_t fields, rsv_rgb *irradiance)
+{
+    size_t entries =
+        rsv_transport_shoot(m->columns, node, rgb_mul(m->albedo[node], amount), fields, irradiance);
+    for (uint32_t k = m->child_begin[node]; k < m->child_begin[node + 1]; k++) {
+        const rsv_hanging *h = &m->elements->hanging[m->child[k] / RSV_PARENTS];
+        rsv_rgb part = rgb_scale(amount, h->weight[m->child[k] % RSV_PARENTS]);
+        entries += shoot_node(m, h->node, part, fields, irradiance);
+    }
+    return entries;
+}
+
+static double shoot(void *data, size_t columns, size_t node, const float *amount, float *field)
+{
+    const rsv_transport_map *m = data;
+    size_t fields = columns / 3, entries = 0, all = rsv_transport_entries(m->transport);
+    for (size_t f = 0; f < fields; f++)
+        entries += shoot_node(m, node, rgb_field(amount)[f], fields, (rsv_rgb *)field + f);
+    return all ? (double)entries / ((double)all * (double)fields) : 0;
+}
+
+static void add_entry(double *sums, size_t groups, size_t at, rsv_rgb value)
+{
+    size_t channel = groups * groups;
+    sums[at] += (double)value.r;
+    sums[channel + at] += (double)value.g;
+    sums[2 * channel + at] += (double)value.b;
+}
+
+/// Light that leaves a translucent body is taken to leave where it entered: close enough between groups.
+static void sum_groups(void *data, double *sums)
+{
+    const rsv_transport_map *m = data;
+    const rsv_transport *t = m->transport;
+    size_t groups = m->linear.group_count;
+    for (size_t row = 0; row < t->row_count; row++) {
+        if (m->linear.group[row] == RSV_NONE) continue;
+        size_t first = m->linear.group[row] * groups;
+        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
+            uint32_t node = t->column[k];
+            add_entry(
+                sums, groups, first + m->place[node], rgb_scale(m->albedo[node], t->scale[row]));
+        }
+        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
+            uint32_t node = t->tinted_column[k];
+            rsv_rgb albedo = rgb_mul(m->albedo[node], t->tinted_weight[k]);
+            add_entry(sums, groups, first + m->place[node], rgb_scale(albedo, t->scale[row]));
+        }
+    }
+}
+
+static const rsv_linear_map_table rows_only = { .apply = apply,
+    .residual = residual,
+    .scatter_rows = scatter_rows,
+    .gather_rows = gather_rows,
+    .sum_groups = sum_groups };
+
+static const rsv_linear_map_table rows_and_columns = { .apply = apply,
+    .apply_transpose = apply_transpose,
+    .residual = residual,
+    .scatter_rows = scatter_rows,
+    .gather_rows = gather_rows,
+    .shoot = shoot,
+    .sum_groups = sum_groups };
+
+/// A column of A is not known where light leaves elsewhere than it entered.
+static const rsv_linear_map_table rows_and_transposed = { .apply = apply,
+    .apply_transpose = apply_transpose,
+    .residual = residual,
+    .scatter_rows = scatter_rows,
+    .gather_rows = gather_rows,
+    .sum_groups = sum_groups };
+
+rsv_status rsv_transport_map_create(const rsv_elements *elements, const rsv_transport *transport,
+    rsv_subsurface *subsurface, const rsv_rgb *albedo, size_t fields, rsv_transport_map **map)
+{
+    rsv_context *context = elements->context;
+    rsv_status status = RSV_OK;
+    size_t nodes = elements->node_count;
+    rsv_transport_map *m = rsv_alloc(context, 1, sizeof *m);
+    if (!m) return RSV_ERROR_MEMORY;
+    m->linear =
+        (rsv_linear_map){ .context = context, .table = &rows_only, .data = m, .count = nodes };
+    m->transport = transport;
+    m->elements = elements;
+    m->albedo = albedo;
+    m->subsurface = subsurface;
+    m->fields = fields;
+    m->filled = rsv_alloc(context, nodes, sizeof *m->filled);
+    m->scattered = rsv_alloc(context, nodes, sizeof *m->scattered);
+    m->exitance = rsv_alloc(context, nodes, fields * sizeof *m->exitance);
+    m->group = rsv_alloc(context, nodes, sizeof *m->group);
+    m->place = rsv_alloc(context, nodes, sizeof *m->place);
+    if (!m->filled || !m->scattered || !m->exitance || !m->group || !m->place) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    RSV_TRY(rsv_group_nodes(elements, m->place, &m->linear.group_count));
+    for (size_t n = 0; n < nodes; n++)
+        m->group[n] = elements->node_hanging[n] == RSV_NONE ? m->place[n] : RSV_NONE;
+    m->linear.group = m->group;
+    *map = m;
+    m = NULL;
+cleanup:
+    rsv_transport_map_destroy(m);
+    return status;
+}
+
+/// Lists hanging nodes by their parents, as RSV_PARENTS x index + which parent.
+static rsv_status list_children(rsv_transport_map *m)
+{
+    const rsv_elements *e = m->elements;
+    rsv_context *context = m->linear.context;
+    size_t links = RSV_PARENTS * e->hanging_count;
+    uint32_t *begin = m->child_begin = rsv_alloc(context, e->node_count + 2, sizeof *begin);
+    m->child = rsv_alloc(context, links, sizeof *m->child);
+    if (!begin || !m->child) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < links; k++) {
+        const rsv_hanging *h = &e->hanging[k / RSV_PARENTS];
+        begin[h->parent[k % RSV_PARENTS] + 2] += h->weight[k % RSV_PARENTS] > 0;
+    }
+    for (size_t n = 0; n <= e->node_count; n++)
+        begin[n + 1] += begin[n];
+    // begin[n + 1] now is where n's list starts, and moves to its end as the list fills
+    for (size_t k = 0; k < links; k++) {
+        const rsv_hanging *h = &e->hanging[k / RSV_PARENTS];
+        if (h->weight[k % RSV_PARENTS] > 0)
+            m->child[begin[h->parent[k % RSV_PARENTS] + 1]++] = (uint32_t)k;
+    }
+    return RSV_OK;
+}
+
+rsv_status rsv_transport_map_transpose(rsv_transport_map *m)
+{
+    if (m->columns) return RSV_OK;
+    rsv_status status = list_children(m);
+    if (status == RSV_OK) status = rsv_transport_columns_create(m->transport, &m->columns);
+    if (status == RSV_OK)
+        m->linear.table = m->subsurface ? &rows_and_transposed : &rows_and_columns;
+    return status;
+}
+
+void rsv_transport_map_mask(const rsv_transport_map *m, size_t fields, rsv_rgb *field)
+{
+    for (size_t n = 0; n < m->linear.count; n++)
+        if (m->elements->node_hanging[n] != RSV_NONE)
+            memset(field + n * fields, 0, fields * sizeof *field);
+}
+
+void rsv_transport_map_destroy(rsv_transport_map *m)
+{
+    if (!m) return;
+    rsv_context *context = m->linear.context;
+    void *arrays[] = { m->filled, m->scattered, m->exitance, m->group, m->place, m->child_begin,
+        m->child };
+    for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
+        rsv_free(context, arrays[k]);
+    rsv_transport_columns_destroy(m->columns);
+    rsv_free(context, m);
+}
