@@ -64,6 +64,9 @@ void rsv_lights_destroy(rsv_lights *lights);
 /// Radiance of an emitter at barycentric (u, v).
 rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v);
 
+/// Luminance flux of both sides that emit, W.
+double rsv_emitter_power(const rsv_emitter *emitter);
+
 /// Whether rsv_local_lights_sample has anything to find.
 bool rsv_lights_any_sampled(const rsv_lights *lights);
 
@@ -114,6 +117,8 @@ float rsv_local_lights_pdf(
 
 /// Density with which rsv_local_lights_sample would have drawn `direction` from the sky.
 float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction);
+/// The same for sun k, if the direction lies within it.
+float rsv_local_lights_sun_pdf(const rsv_local_lights *local, uint32_t k, rsv_vec3 direction);
 
 #define RSV_SUMMED_LIGHTS 16 ///< punctual lights of which each is worth a shadow ray
 #define RSV_PUNCTUAL_PICKS 4 ///< shadow rays where there are more

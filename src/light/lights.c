@@ -67,7 +67,7 @@ static rsv_emitter emitter_from_triangle(
     return emitter;
 }
 
-static double emitter_power(const rsv_emitter *emitter)
+double rsv_emitter_power(const rsv_emitter *emitter)
 {
     int sides = emitter->double_sided ? 2 : 1;
     return sides * (double)RSV_PI * rgb_luminance(emitter->radiance) * emitter->area;
@@ -126,7 +126,7 @@ static void fill_emitters(rsv_lights *lights, const rsv_bsdf *bsdf, const emitte
         rsv_emitter_group *group = &lights->group[emitter->group];
         group->count++;
         group->area += emitter->area;
-        group->power += emitter_power(emitter);
+        group->power += rsv_emitter_power(emitter);
     }
 }
 

@@ -257,6 +257,13 @@ float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction
            rsv_sky_pdf(&environment->sampler, direction);
 }
 
+float rsv_local_lights_sun_pdf(const rsv_local_lights *local, uint32_t k, rsv_vec3 direction)
+{
+    const rsv_sun *sun = &local->lights->environment->sun[k];
+    if (v3_dot(direction, sun->direction) < sun->cos_radius) return 0;
+    return local->probability[local->count + k] / sun->solid_angle;
+}
+
 float rsv_local_lights_pdf(
     const rsv_local_lights *local, uint32_t emitter, rsv_vec3 direction, float distance)
 {

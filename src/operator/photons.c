@@ -1,27 +1,44 @@
 #include "photons.h"
 
+#include "../core/alias_table.h"
+
+#include <stdlib.h>
 #include <string.h>
 
 #define GUIDE_SIDE 64     ///< bins of a source's guide along each side of its unit square
 #define GUIDE_RAYS 4      ///< pilot rays per bin
 #define GUIDED_SHARE 0.9f ///< the rest is emitted as the source would by itself
 #define PHOTONS_PER_CHUNK 4096
+/// The strongest lights have a guide each; all others share one.
+#define OWN_GUIDES 63
 
-/// One source of light paths, with a guide over the unit square that its directions come from.
+typedef enum origin_kind { ORIGIN_GROUP, ORIGIN_LIGHT, ORIGIN_SUN } origin_kind;
+
+/// A group of emitters, a punctual light or a sun.
+typedef struct photon_origin {
+    origin_kind kind;
+    uint32_t index;
+    double flux; ///< luminance, W
+} photon_origin;
+
+/// Origins of light paths with one guide over the unit square that their directions come from.
 typedef struct photon_source {
-    uint32_t group;  ///< emitter group, or
-    uint32_t light;  ///< punctual light; the other is RSV_NONE
-    double flux;     ///< luminance, W
-    double share;    ///< of all photons
-    float useful;    ///< share of pilot rays that met specular surfaces
-    float *row_cdf;  ///< [GUIDE_SIDE]
-    float *cell_cdf; ///< [GUIDE_SIDE * GUIDE_SIDE], per row
-    float *density;  ///< [GUIDE_SIDE * GUIDE_SIDE] of the guided distribution over the square
+    uint32_t first, count; ///< origins
+    double flux;           ///< of all of them: luminance, W
+    double share;          ///< of all photons
+    float useful;          ///< share of pilot rays that met specular surfaces
+    float *row_cdf;        ///< [GUIDE_SIDE]
+    float *cell_cdf;       ///< [GUIDE_SIDE * GUIDE_SIDE], per row
+    float *density;        ///< [GUIDE_SIDE * GUIDE_SIDE] of the guided distribution over the square
 } photon_source;
 
 typedef struct photon_job {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
+    photon_origin *origin;          ///< the strongest first
+    rsv_alias_entry *origin_table;  ///< [origin_count] by flux within each source
+    rsv_alias_entry *emitter_table; ///< [emitter_count] by power within each group
+    size_t origin_count;
     photon_source *source;
     size_t source_count;
     rsv_vec3 centre; ///< of the scene's bounding sphere
@@ -51,6 +68,7 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
                                        scene->bsdf[m].opacity < 1));
     for (size_t g = 0; g < lights->group_count; g++)
         source = source || !lights->group[g].gathered;
+    source = source || (lights->environment && lights->environment->sun_count > 0);
     return specular && source;
 }
 
@@ -67,10 +85,8 @@ static emission emit_from_group(
     const photon_job *job, uint32_t group, float x, float y, rsv_random *random)
 {
     const rsv_emitter_group *g = &job->lights->group[group];
-    double target = rsv_random_float(random) * g->area;
-    uint32_t index = g->first;
-    while (index + 1 < g->first + g->count && target >= job->lights->emitter[index].area)
-        target -= job->lights->emitter[index++].area;
+    uint32_t index = g->first + rsv_alias_table_draw(job->emitter_table + g->first, g->count,
+                                    rsv_random_float(random));
     const rsv_emitter *e = &job->lights->emitter[index];
     float u, v;
     rsv_square_to_triangle(rsv_random_float(random), rsv_random_float(random), &u, &v);
@@ -81,25 +97,38 @@ static emission emit_from_group(
     out.origin =
         rsv_offset_origin(point, normal, rsv_triangle_extent(job->scene->view, e->triangle));
     out.direction = to_world(rsv_square_to_cosine_hemisphere(x, y), normal);
+    double probability = rsv_emitter_power(e) / g->power;
     out.flux = rgb_scale(rsv_emitter_radiance(job->lights, index, u, v),
-        RSV_PI * (float)g->area * (e->double_sided ? 2.0f : 1.0f));
+        (float)(M_PI * e->area * (e->double_sided ? 2 : 1) / probability));
     return out;
+}
+
+/// Parallel light that fills the scene's bounding sphere.
+static emission emit_from_afar(
+    const photon_job *job, rsv_vec3 travels, rsv_rgb irradiance, float x, float y)
+{
+    float dx, dy;
+    rsv_square_to_disk(x, y, &dx, &dy);
+    rsv_vec3 offset = to_world(v3(dx * job->radius, dy * job->radius, -2 * job->radius), travels);
+    return (emission){ v3_add(job->centre, offset), travels,
+        rgb_scale(irradiance, RSV_PI * job->radius * job->radius) };
+}
+
+static emission emit_from_sun(
+    const photon_job *job, uint32_t index, float x, float y, rsv_random *random)
+{
+    const rsv_sun *sun = &job->lights->environment->sun[index];
+    float u = rsv_random_float(random);
+    rsv_vec3 towards = rsv_sun_sample(sun, u, rsv_random_float(random));
+    return emit_from_afar(job, v3_neg(towards), rgb_scale(sun->radiance, sun->solid_angle), x, y);
 }
 
 static emission emit_from_light(const photon_job *job, uint32_t light_index, float x, float y)
 {
     const rsv_light *light = &job->scene->view->light[light_index];
     emission out = { .origin = light->position };
-    if (light->kind == RSV_LIGHT_DIRECTIONAL) {
-        float dx, dy;
-        rsv_square_to_disk(x, y, &dx, &dy);
-        rsv_vec3 offset =
-            to_world(v3(dx * job->radius, dy * job->radius, -2 * job->radius), light->direction);
-        out.origin = v3_add(job->centre, offset);
-        out.direction = light->direction;
-        out.flux = rgb_scale(light->intensity, RSV_PI * job->radius * job->radius);
-        return out;
-    }
+    if (light->kind == RSV_LIGHT_DIRECTIONAL)
+        return emit_from_afar(job, light->direction, light->intensity, x, y);
     float solid_angle = 4 * RSV_PI;
     if (light->kind == RSV_LIGHT_POINT) {
         out.direction = rsv_square_to_sphere(x, y);
@@ -122,8 +151,16 @@ static emission emit_from_light(const photon_job *job, uint32_t light_index, flo
 static emission emit(
     const photon_job *job, const photon_source *source, float x, float y, rsv_random *random)
 {
-    return source->group != RSV_NONE ? emit_from_group(job, source->group, x, y, random)
-                                     : emit_from_light(job, source->light, x, y);
+    uint32_t drawn = 0;
+    if (source->count > 1)
+        drawn = rsv_alias_table_draw(
+            job->origin_table + source->first, source->count, rsv_random_float(random));
+    const photon_origin *origin = &job->origin[source->first + drawn];
+    emission out = origin->kind == ORIGIN_GROUP ? emit_from_group(job, origin->index, x, y, random)
+                   : origin->kind == ORIGIN_SUN ? emit_from_sun(job, origin->index, x, y, random)
+                                                : emit_from_light(job, origin->index, x, y);
+    if (source->count > 1) out.flux = rgb_scale(out.flux, (float)(source->flux / origin->flux));
+    return out;
 }
 
 // ---- guides -------------------------------------------------------------------------------------
@@ -255,33 +292,100 @@ static double light_flux(const photon_job *job, const rsv_light *light)
     return intensity * 2 * RSV_PI * (1 - cos_outer);
 }
 
-static rsv_status create_sources(photon_job *job, uint64_t *rays)
+static double sun_flux(const photon_job *job, const rsv_sun *sun)
+{
+    return (double)rgb_luminance(sun->radiance) * sun->solid_angle * M_PI * job->radius *
+           job->radius;
+}
+
+static void add_origin(photon_job *job, origin_kind kind, uint32_t index, double flux)
+{
+    if (flux > 0) job->origin[job->origin_count++] = (photon_origin){ kind, index, flux };
+}
+
+static int compare_origins(const void *left, const void *right)
+{
+    const photon_origin *a = left, *b = right;
+    if (a->flux != b->flux) return a->flux < b->flux ? 1 : -1;
+    if (a->kind != b->kind) return a->kind < b->kind ? -1 : 1;
+    return (a->index > b->index) - (a->index < b->index);
+}
+
+/// Everything that photons start from, the strongest first.
+static rsv_status list_origins(photon_job *job)
 {
     const rsv_lights *lights = job->lights;
     const rsv_scene_view *view = job->scene->view;
-    job->source =
-        rsv_alloc(lights->context, lights->group_count + view->light_count, sizeof *job->source);
-    if (!job->source) return RSV_ERROR_MEMORY;
+    uint32_t suns = lights->environment ? lights->environment->sun_count : 0;
+    size_t capacity = lights->group_count + view->light_count + suns;
+    job->origin = rsv_alloc(lights->context, capacity, sizeof *job->origin);
+    if (!job->origin) return RSV_ERROR_MEMORY;
     for (uint32_t g = 0; g < lights->group_count; g++)
-        if (!lights->group[g].gathered)
-            job->source[job->source_count++] =
-                (photon_source){ .group = g, .light = RSV_NONE, .flux = lights->group[g].power };
+        if (!lights->group[g].gathered) add_origin(job, ORIGIN_GROUP, g, lights->group[g].power);
     for (uint32_t l = 0; l < view->light_count; l++)
-        job->source[job->source_count++] = (photon_source){
-            .group = RSV_NONE, .light = l, .flux = light_flux(job, &view->light[l])
-        };
+        add_origin(job, ORIGIN_LIGHT, l, light_flux(job, &view->light[l]));
+    for (uint32_t k = 0; k < suns; k++)
+        add_origin(job, ORIGIN_SUN, k, sun_flux(job, &lights->environment->sun[k]));
+    qsort(job->origin, job->origin_count, sizeof *job->origin, compare_origins);
+    return RSV_OK;
+}
 
+/// Tables to draw an emitter of a group, and an origin among those that share a guide.
+static rsv_status create_tables(photon_job *job)
+{
+    const rsv_lights *lights = job->lights;
+    rsv_context *context = lights->context;
+    rsv_status status = RSV_OK;
+    size_t count =
+        lights->emitter_count > job->origin_count ? lights->emitter_count : job->origin_count;
+    double *weight = rsv_alloc(context, count, sizeof *weight);
+    job->emitter_table = rsv_alloc(context, lights->emitter_count, sizeof *job->emitter_table);
+    job->origin_table = rsv_alloc(context, job->origin_count, sizeof *job->origin_table);
+    if (!weight || !job->emitter_table || !job->origin_table) RSV_TRY(RSV_ERROR_MEMORY);
+    for (size_t i = 0; i < lights->emitter_count; i++)
+        weight[i] = rsv_emitter_power(&lights->emitter[i]);
+    for (size_t g = 0; g < lights->group_count; g++) {
+        uint32_t first = lights->group[g].first;
+        RSV_TRY(rsv_alias_table_fill(
+            context, weight + first, lights->group[g].count, job->emitter_table + first));
+    }
+    for (size_t k = 0; k < job->origin_count; k++)
+        weight[k] = job->origin[k].flux;
+    for (size_t s = 0; s < job->source_count; s++) {
+        uint32_t first = job->source[s].first;
+        RSV_TRY(rsv_alias_table_fill(
+            context, weight + first, job->source[s].count, job->origin_table + first));
+    }
+cleanup:
+    rsv_free(context, weight);
+    return status;
+}
+
+static rsv_status create_sources(photon_job *job, uint64_t *rays)
+{
+    rsv_status status;
+    RSV_TRY(list_origins(job));
+    job->source = rsv_alloc(job->lights->context, OWN_GUIDES + 1, sizeof *job->source);
+    if (!job->source) return RSV_ERROR_MEMORY;
+    for (uint32_t k = 0; k < job->origin_count; k++) {
+        bool own = k <= OWN_GUIDES;
+        photon_source *source = &job->source[own ? job->source_count++ : OWN_GUIDES];
+        if (own) source->first = k;
+        source->count++;
+        source->flux += job->origin[k].flux;
+    }
+    RSV_TRY(create_tables(job));
     double total = 0;
     for (size_t s = 0; s < job->source_count; s++) {
         photon_source *source = &job->source[s];
-        rsv_status status = create_guide(job, source, (uint32_t)s, rays);
-        if (status != RSV_OK) return status;
+        RSV_TRY(create_guide(job, source, (uint32_t)s, rays));
         source->share = source->flux * (source->useful + 1e-3);
         total += source->share;
     }
     for (size_t s = 0; s < job->source_count && total > 0; s++)
         job->source[s].share /= total;
-    return RSV_OK;
+cleanup:
+    return status;
 }
 
 static void destroy_sources(photon_job *job)
@@ -292,6 +396,9 @@ static void destroy_sources(photon_job *job)
         rsv_free(job->lights->context, job->source[s].density);
     }
     rsv_free(job->lights->context, job->source);
+    rsv_free(job->lights->context, job->origin);
+    rsv_free(job->lights->context, job->origin_table);
+    rsv_free(job->lights->context, job->emitter_table);
 }
 
 // ---- paths --------------------------------------------------------------------------------------

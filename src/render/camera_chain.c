@@ -40,10 +40,9 @@ static void leave(tree *t, link next, bool transmit, rsv_vec3 direction, rsv_rgb
     if (t->depth == STACK) return;
     rsv_chain_move move = rsv_chain_step(t->scene, &next.chain, transmit, direction, weight);
     if (move == RSV_CHAIN_MOVED) t->stack[t->depth++] = next;
-    if (move != RSV_CHAIN_LEFT_SCENE || !t->lights->environment) return;
-    rsv_rgb beyond = rsv_sky_radiance(&t->lights->environment->whole, direction);
-    float share = rsv_rough_sky_weight(t->lights, direction, &next.departure);
-    t->radiance = rgb_add(t->radiance, rgb_mul(next.chain.weight, rgb_scale(beyond, share)));
+    if (move != RSV_CHAIN_LEFT_SCENE) return;
+    rsv_rgb beyond = rsv_rough_sky(t->lights, direction, &next.departure);
+    t->radiance = rgb_add(t->radiance, rgb_mul(next.chain.weight, beyond));
 }
 
 /// One branch of a smooth surface.

@@ -113,11 +113,21 @@ float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_ligh
     return power_heuristic(departure->pdf_solid_angle, pdf);
 }
 
-float rsv_rough_sky_weight(
+rsv_rgb rsv_rough_sky(
     const rsv_lights *lights, rsv_vec3 direction, const rsv_rough_departure *departure)
 {
-    if (departure->pdf_solid_angle == 0) return 1;
+    const rsv_environment_light *environment = lights->environment;
+    float own = departure->pdf_solid_angle;
+    if (!environment) return rgb_gray(0);
+    if (own == 0) return rsv_sky_radiance(&environment->whole, direction);
     rsv_local_lights local;
     rsv_lights_at(lights, departure->point, departure->side, &local);
-    return power_heuristic(departure->pdf_solid_angle, rsv_local_lights_sky_pdf(&local, direction));
+    rsv_rgb sum = rsv_sky_radiance(&environment->gathered, direction);
+    float weight = power_heuristic(own, rsv_local_lights_sky_pdf(&local, direction));
+    sum = rgb_mad(sum, weight, rsv_sky_radiance(&environment->sampled, direction));
+    for (uint32_t k = 0; k < environment->sun_count; k++) {
+        float pdf = rsv_local_lights_sun_pdf(&local, k, direction);
+        if (pdf > 0) sum = rgb_mad(sum, power_heuristic(own, pdf), environment->sun[k].radiance);
+    }
+    return sum;
 }

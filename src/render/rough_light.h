@@ -24,8 +24,9 @@ rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *ligh
 float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_chain *chain, const rsv_rough_departure *departure);
 
-/// Weight of the sky that the chain has left the scene to.
-float rsv_rough_sky_weight(
+/// Radiance of the sky that the chain has left the scene to. What rough surfaces aim at is weighed part by part, as
+/// it is drawn; what is gathered counts in full.
+rsv_rgb rsv_rough_sky(
     const rsv_lights *lights, rsv_vec3 direction, const rsv_rough_departure *departure);
 
 #endif
