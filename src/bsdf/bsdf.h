@@ -148,6 +148,10 @@ RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos);
 RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
 
+/// Part of [0, 1), from 0 on, in which `u_lobe` makes rsv_bsdf_draw_event draw another lobe than the diffuse one.
+RSV_INLINE float rsv_bsdf_specular_chance(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front);
+
 /// Draws what happens to light that leaves along `wo`: weights are 1 wherever the surface is colourless
 /// and lossless. `u_lobe`, `u1`, `u2` lie in [0, 1).
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(

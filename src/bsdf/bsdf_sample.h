@@ -230,6 +230,19 @@ RSV_INLINE rsv_bsdf_event rsv_draw_layered(rsv_bsdf_draw *draw, float u, float u
     return event;
 }
 
+RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    float cos_o = f_max(v3_dot(n, wo), 0);
+    if (!rsv_bsdf_diffuses(bsdf, front) || bsdf->passed > 0) return 1;
+    // in the order in which draws split u_lobe: the diffuse lobe has its last part
+    float diffuse = (1 - bsdf->metallic) * (1 - bsdf->transmission) *
+                    (1 - rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o));
+    if (rsv_bsdf_meets_layers(bsdf, front))
+        diffuse *= (1 - rsv_bsdf_clearcoat_albedo(bsdf, cos_o)) *
+                   (1 - rgb_max(bsdf->sheen) * rsv_bsdf_sheen_albedo(bsdf, cos_o));
+    return 1 - diffuse;
+}
+
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
 {

@@ -64,6 +64,10 @@ rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv
 rsv_bsdf_event rsv_chain_draw_event(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
 
+/// Draws among what is neither diffuse nor a gap in the surface's cover; the weight holds the chance of these.
+rsv_bsdf_event rsv_chain_draw_specular(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
+
 typedef enum rsv_chain_move {
     RSV_CHAIN_MOVED,
     RSV_CHAIN_LEFT_SCENE, ///< direction and weight say how

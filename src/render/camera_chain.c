@@ -64,7 +64,7 @@ static void follow_rough(tree *t, const link *at)
 {
     const rsv_chain *chain = &at->chain;
     t->radiance = rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, &t->random));
-    rsv_bsdf_event event = rsv_chain_draw_event(t->scene, chain, &t->random);
+    rsv_bsdf_event event = rsv_chain_draw_specular(t->scene, chain, &t->random);
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
     if (!specular || event.pdf_solid_angle == 0 || chain->events >= MAX_EVENTS) return;
     link next = { *chain, rsv_rough_depart(t->scene, chain, event.direction) };

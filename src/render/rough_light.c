@@ -25,7 +25,8 @@ static rsv_bsdf_value respond(const rough_surface *s, rsv_vec3 wi)
     if (v3_dot(s->point.geometric, wi) * v3_dot(s->normal, wi) <= 0) return value;
     value = rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, RSV_LOBES_ROUGH);
     value.response = rgb_scale(value.response, s->bsdf->opacity);
-    value.pdf_solid_angle *= s->bsdf->opacity;
+    float chance = rsv_bsdf_specular_chance(s->bsdf, s->wo, s->normal, s->front);
+    if (value.pdf_solid_angle > 0) value.pdf_solid_angle /= chance;
     return value;
 }
 
