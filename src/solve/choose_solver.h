@@ -2,7 +2,6 @@
 #ifndef RSV_CHOOSE_SOLVER_H
 #define RSV_CHOOSE_SOLVER_H
 
-#include "linear_map.h"
 #include "resolvent/solve.h"
 
 /// What is known when the choice is made.
@@ -10,7 +9,7 @@ typedef struct rsv_solver_question {
     rsv_solver wanted;
     double norm_inf, spectral_radius;
     uint32_t terms; ///< that the Neumann series would still take
-    const rsv_linear_map *map;
+    size_t node_count;
 } rsv_solver_question;
 
 /// @param reason a sentence, [reason_bytes]

@@ -22,7 +22,7 @@ static void listen(void *user, double applications, double residual)
     if (l->observe) l->observe(l->user, l->before + applications, residual);
 }
 
-static rsv_status run(const rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
+static rsv_status run(rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
     listener *l, rsv_rgb *irradiance, rsv_solver_cost *cost)
 {
     rsv_linear_report report;
@@ -39,7 +39,7 @@ static rsv_status run(const rsv_transport_map *map, const rsv_solution *s, rsv_l
 }
 
 /// A few orders of light, then the choice that they suggest.
-static rsv_status scout(const rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
+static rsv_status scout(rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
     listener *l, rsv_rgb *irradiance, rsv_solver_cost *cost)
 {
     char reason[sizeof s->report.solver_reason];
@@ -51,10 +51,11 @@ static rsv_status scout(const rsv_transport_map *map, const rsv_solution *s, rsv
     rsv_solver_question question = { .norm_inf = s->report.norm_inf,
         .spectral_radius = radius,
         .terms = rsv_neumann_terms(radius, l->residual, desc->relative),
-        .map = &map->linear };
+        .node_count = map->linear.count };
     desc->solver = rsv_choose_solver(&question, reason, sizeof reason);
     desc->max_applications = s->desc.max_orders;
-    return run(map, s, desc, l, irradiance, cost);
+    status = rsv_transport_map_prepare(map, desc->solver);
+    return status != RSV_OK ? status : run(map, s, desc, l, irradiance, cost);
 }
 
 rsv_status rsv_measure_solver(const rsv_solution *s, rsv_solver solver, double tolerance,
@@ -69,7 +70,7 @@ rsv_status rsv_measure_solver(const rsv_solution *s, rsv_solver solver, double t
     if (!irradiance) return RSV_ERROR_MEMORY;
     RSV_TRY(rsv_transport_map_create(
         s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map));
-    if (solver == RSV_SOLVER_SOUTHWELL) RSV_TRY(rsv_transport_map_transpose(map));
+    RSV_TRY(rsv_transport_map_prepare(map, solver));
     rsv_linear_desc desc = rsv_default_linear_desc(solver);
     desc.relative = tolerance;
     desc.max_applications = s->desc.max_orders;

@@ -111,7 +111,7 @@ static rsv_status solve_rest(series *q, uint32_t max_applications)
         .solver = report->solver, .absolute = q->target, .max_applications = max_applications
     };
     rsv_status status = RSV_OK;
-    if (report->solver == RSV_SOLVER_SOUTHWELL) RSV_TRY(rsv_transport_map_transpose(q->map));
+    RSV_TRY(rsv_transport_map_prepare(q->map, report->solver));
     rsv_transport_map_mask(q->map, 1, q->term);
     RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &rest->r, &linear));
     report->iterations += (uint32_t)ceil(linear.applications);
@@ -139,7 +139,7 @@ static void choose_solver(series *q, double size)
         .norm_inf = report->norm_inf,
         .spectral_radius = report->spectral_radius,
         .terms = rsv_neumann_terms(report->spectral_radius, size, q->target),
-        .map = &q->map->linear };
+        .node_count = q->s->elements->node_count };
     report->solver =
         rsv_choose_solver(&question, report->solver_reason, sizeof report->solver_reason);
 }

@@ -179,16 +179,10 @@ rsv_status rsv_transport_map_create(const rsv_elements *elements, const rsv_tran
     m->filled = rsv_alloc(context, nodes, sizeof *m->filled);
     m->scattered = rsv_alloc(context, nodes, sizeof *m->scattered);
     m->exitance = rsv_alloc(context, nodes, fields * sizeof *m->exitance);
-    m->group = rsv_alloc(context, nodes, sizeof *m->group);
-    m->place = rsv_alloc(context, nodes, sizeof *m->place);
-    if (!m->filled || !m->scattered || !m->exitance || !m->group || !m->place) {
+    if (!m->filled || !m->scattered || !m->exitance) {
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
-    RSV_TRY(rsv_group_nodes(elements, m->place, &m->linear.group_count));
-    for (size_t n = 0; n < nodes; n++)
-        m->group[n] = elements->node_hanging[n] == RSV_NONE ? m->place[n] : RSV_NONE;
-    m->linear.group = m->group;
     *map = m;
     m = NULL;
 cleanup:
@@ -228,6 +222,27 @@ rsv_status rsv_transport_map_transpose(rsv_transport_map *m)
     if (status == RSV_OK)
         m->linear.table = m->subsurface ? &rows_and_transposed : &rows_and_columns;
     return status;
+}
+
+static rsv_status add_groups(rsv_transport_map *m)
+{
+    if (m->group) return RSV_OK;
+    size_t nodes = m->linear.count;
+    m->group = rsv_alloc(m->linear.context, nodes, sizeof *m->group);
+    m->place = rsv_alloc(m->linear.context, nodes, sizeof *m->place);
+    if (!m->group || !m->place) return RSV_ERROR_MEMORY;
+    rsv_status status = rsv_group_nodes(m->elements, m->place, &m->linear.group_count);
+    if (status != RSV_OK) return status;
+    for (size_t n = 0; n < nodes; n++)
+        m->group[n] = m->elements->node_hanging[n] == RSV_NONE ? m->place[n] : RSV_NONE;
+    m->linear.group = m->group;
+    return RSV_OK;
+}
+
+rsv_status rsv_transport_map_prepare(rsv_transport_map *m, rsv_solver solver)
+{
+    if (solver == RSV_SOLVER_SOUTHWELL) return rsv_transport_map_transpose(m);
+    return solver == RSV_SOLVER_TWO_GRID ? add_groups(m) : RSV_OK;
 }
 
 void rsv_transport_map_mask(const rsv_transport_map *m, size_t fields, rsv_rgb *field)

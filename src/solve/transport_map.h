@@ -8,6 +8,7 @@
 #include "../operator/subsurface.h"
 #include "../operator/transport_columns.h"
 #include "linear_map.h"
+#include "resolvent/solve.h"
 
 typedef struct rsv_transport_map {
     rsv_linear_map linear; ///< what solvers get
@@ -33,6 +34,9 @@ void rsv_transport_map_destroy(rsv_transport_map *map);
 
 /// Adds the columns of G, without which the map knows neither its transposed nor how to shoot.
 rsv_status rsv_transport_map_transpose(rsv_transport_map *map);
+
+/// Adds what a solver needs beyond rows: columns, or groups of nodes.
+rsv_status rsv_transport_map_prepare(rsv_transport_map *map, rsv_solver solver);
 
 /// Sets a field to 0 at hanging nodes.
 void rsv_transport_map_mask(const rsv_transport_map *map, size_t fields, rsv_rgb *field);
