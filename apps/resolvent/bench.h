@@ -32,8 +32,17 @@ bool cli_bench_quality(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_quality(const struct cJSON *result);
 
 /// Writes the curve of cli_bench_quality as comma-separated text, and as a log-log plot in SVG.
-bool cli_write_quality_csv(const char *path, const struct cJSON *result);
-bool cli_write_quality_plot(const char *path, const struct cJSON *result);
+/// @param scenes the results as an array; the first one counts
+bool cli_write_quality_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_quality_plot(const char *path, const struct cJSON *scenes);
+
+/// Residual over applications of the operator, and over time, for every solver.
+bool cli_bench_solvers(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_solvers(const struct cJSON *result);
+
+/// Writes the curves of all scenes: comma-separated text, and a plot with one row per scene.
+bool cli_write_solvers_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_solvers_plot(const char *path, const struct cJSON *scenes);
 
 /// A number of a JSON object; NAN if it holds none of that name.
 double cli_json_number(const struct cJSON *object, const char *name);

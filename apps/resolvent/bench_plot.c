@@ -1,5 +1,6 @@
 #include "bench.h"
 #include "output_file.h"
+#include "plot.h"
 
 #include <cJSON.h>
 #include <math.h>
@@ -7,8 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool cli_write_quality_csv(const char *path, const cJSON *result)
+bool cli_write_quality_csv(const char *path, const cJSON *scenes)
 {
+    const cJSON *result = cJSON_GetArrayItem(scenes, 0);
     static const char *const columns[] = { "seconds", "cpu_seconds", "median_relative_error",
         "error_without_reference", "relative_mse", "mean_ratio", "time_factor" };
     enum { column_count = sizeof columns / sizeof columns[0] };
@@ -34,27 +36,10 @@ bool cli_write_quality_csv(const char *path, const cJSON *result)
     return written;
 }
 
-/// A range of values shown on a logarithmic axis between two places of the picture.
-typedef struct log_axis {
-    double low, high; ///< powers of ten
-    double from, to;  ///< pixels
-} log_axis;
-
-typedef struct plot {
-    FILE *svg;
-    log_axis time, error;
-} plot;
-
 enum { plot_width = 720, plot_height = 440 };
 
-static double place(const log_axis *axis, double value)
-{
-    return axis->from +
-           (axis->to - axis->from) * log10(value / axis->low) / log10(axis->high / axis->low);
-}
-
 /// Whole decades around what the points, and the reference continued to them, cover.
-static void fit_axes(plot *p, const cJSON *points)
+static void fit_axes(cli_plot *p, const cJSON *points)
 {
     double low_time = INFINITY, high_time = 0, low_error = INFINITY, high_error = 0;
     const cJSON *point;
@@ -67,42 +52,14 @@ static void fit_axes(plot *p, const cJSON *points)
         low_error = fmin(low_error, error);
         high_error = fmax(high_error, error);
     }
-    p->time = (log_axis){ pow(10, floor(log10(low_time))), pow(10, ceil(log10(high_time))), 70,
-        plot_width - 20 };
-    p->error = (log_axis){ pow(10, floor(log10(low_error))), pow(10, ceil(log10(high_error))),
-        plot_height - 60, 20 };
-}
-
-static void draw_line(const plot *p, const double from[2], const double to[2], const char *style)
-{
-    fprintf(p->svg, "<path d='M%.1f %.1fL%.1f %.1f' class='%s'/>\n", place(&p->time, from[0]),
-        place(&p->error, from[1]), place(&p->time, to[0]), place(&p->error, to[1]), style);
-}
-
-static void draw_time_grid(const plot *p)
-{
-    for (double decade = p->time.low; decade < 1.5 * p->time.high; decade *= 10) {
-        for (int digit = 1; digit < 10 && digit * decade < 1.01 * p->time.high; digit++)
-            draw_line(p, (double[]){ digit * decade, p->error.low },
-                (double[]){ digit * decade, p->error.high }, digit == 1 ? "decade" : "grid");
-        fprintf(p->svg, "<text x='%.1f' y='%.1f' text-anchor='middle'>%g s</text>\n",
-            place(&p->time, decade), p->error.from + 20, decade);
-    }
-}
-
-static void draw_error_grid(const plot *p)
-{
-    for (double decade = p->error.low; decade < 1.5 * p->error.high; decade *= 10) {
-        for (int digit = 1; digit < 10 && digit * decade < 1.01 * p->error.high; digit++)
-            draw_line(p, (double[]){ p->time.low, digit * decade },
-                (double[]){ p->time.high, digit * decade }, digit == 1 ? "decade" : "grid");
-        fprintf(p->svg, "<text x='%.1f' y='%.1f' text-anchor='end'>%g %%</text>\n",
-            p->time.from - 8, place(&p->error, decade) + 4, 100 * decade);
-    }
+    p->x = (cli_axis){ .from = 70, .to = plot_width - 20, .format = "%g s", .unit = 1 };
+    p->y = (cli_axis){ .from = plot_height - 60, .to = 20, .format = "%g %%", .unit = 0.01 };
+    cli_axis_cover(&p->x, low_time, high_time);
+    cli_axis_cover(&p->y, low_error, high_error);
 }
 
 /// The points of one mode, joined and named.
-static void draw_series(const plot *p, const cJSON *points, const char *mode)
+static void draw_series(const cli_plot *p, const cJSON *points, const char *mode)
 {
     double before[2] = { 0 };
     const cJSON *point;
@@ -111,8 +68,8 @@ static void draw_series(const plot *p, const cJSON *points, const char *mode)
         if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(point, "mode")), mode) != 0) continue;
         double here[2] = { cli_json_number(point, "seconds"),
             cli_json_number(point, "error_without_reference") };
-        double x = place(&p->time, here[0]), y = place(&p->error, here[1]);
-        if (before[0] > 0) draw_line(p, before, here, mode);
+        double x = cli_axis_place(&p->x, here[0]), y = cli_axis_place(&p->y, here[1]);
+        if (before[0] > 0) cli_plot_line(p, before, here, mode);
         fprintf(p->svg, "<circle cx='%.1f' cy='%.1f' r='4' class='%s'/>\n", x, y, mode);
         fprintf(p->svg, "<text x='%.1f' y='%.1f'>%s</text>\n", x + 9, y - 6,
             cJSON_GetStringValue(cJSON_GetObjectItem(point, "name")));
@@ -121,7 +78,7 @@ static void draw_series(const plot *p, const cJSON *points, const char *mode)
 }
 
 /// The reference mode continued as 1 / sqrt(time) to the best picture's error.
-static void draw_extrapolation(const plot *p, const cJSON *points)
+static void draw_extrapolation(const cli_plot *p, const cJSON *points)
 {
     const cJSON *last = cJSON_GetArrayItem(points, cJSON_GetArraySize(points) - 1), *point;
     double end[2] = { 0, INFINITY };
@@ -134,10 +91,10 @@ static void draw_extrapolation(const plot *p, const cJSON *points)
     }
     double start[2] = { cli_json_number(last, "seconds"),
         cli_json_number(last, "error_without_reference") };
-    draw_line(p, start, end, "continued");
+    cli_plot_line(p, start, end, "continued");
 }
 
-static void draw_plot(plot *p, const cJSON *points)
+static void draw_plot(const cli_plot *p, const cJSON *points)
 {
     fprintf(p->svg,
         "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %d %d' font-family='sans-serif' "
@@ -147,8 +104,7 @@ static void draw_plot(plot *p, const cJSON *points)
         "circle.reference{fill:#2a5d9f}</style>\n<rect width='100%%' height='100%%' "
         "fill='#fff'/>\n",
         plot_width, plot_height);
-    draw_time_grid(p);
-    draw_error_grid(p);
+    cli_plot_grid(p);
     draw_extrapolation(p, points);
     draw_series(p, points, "final");
     draw_series(p, points, "reference");
@@ -159,11 +115,12 @@ static void draw_plot(plot *p, const cJSON *points)
         plot_width / 2, plot_height - 16, plot_height / 2 - 20);
 }
 
-bool cli_write_quality_plot(const char *path, const cJSON *result)
+bool cli_write_quality_plot(const char *path, const cJSON *scenes)
 {
+    const cJSON *result = cJSON_GetArrayItem(scenes, 0);
     char *text = NULL;
     size_t length = 0;
-    plot p = { .svg = open_memstream(&text, &length) };
+    cli_plot p = { .svg = open_memstream(&text, &length) };
     if (!p.svg) return false;
     const cJSON *points = cJSON_GetObjectItem(result, "points");
     fit_axes(&p, points);

@@ -24,14 +24,16 @@ static const char help[] =
     "            reference. 'corrected' is the median error without the reference's own, which\n"
     "            the difference of its two halves tells; 'factor' is how many times longer mode\n"
     "            reference would take for it, its error falling as 1/sqrt(time)\n"
+    "  solvers   residual over applications of the operator and over time, for every solver, down\n"
+    "            to 1e-5; on cornell-blocks and on bright-box, a closed box of albedo 0.95\n"
     "\n"
     "  --threads N       default: one per processor\n"
-    "  --repeat N        assemble, quality: time everything N times (default 5; quality 3)\n"
+    "  --repeat N        all but trace: time everything N times (default 5; quality 3)\n"
     "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n"
-    "  --csv FILE        quality: the table as comma-separated text\n"
-    "  --plot FILE.svg   quality: the curve, log-log\n"
+    "  --csv FILE        quality, solvers: the table as comma-separated text\n"
+    "  --plot FILE.svg   quality, solvers: the curves\n"
     "  --json            print JSON\n"
     "\n"
     "examples:\n"
@@ -43,14 +45,21 @@ typedef struct benchmark {
     const char *name;
     bool (*run)(const cli_bench_task *bench, cJSON *result);
     void (*print)(const cJSON *result);
+    bool (*write_csv)(const char *path, const cJSON *scenes); ///< or NULL, as write_plot
+    bool (*write_plot)(const char *path, const cJSON *scenes);
     const char *scenes[2]; ///< where none is given
     uint32_t repetitions;  ///< likewise
 } benchmark;
 
 static const benchmark benchmarks[] = {
-    { "trace", cli_bench_trace, cli_print_trace, { "cornell-blocks", "cornell-spheres" }, 1 },
-    { "assemble", cli_bench_assemble, cli_print_assemble, { "cornell-blocks" }, 5 },
-    { "quality", cli_bench_quality, cli_print_quality, { "cornell-blocks" }, 3 },
+    { "trace", cli_bench_trace, cli_print_trace, .scenes = { "cornell-blocks", "cornell-spheres" },
+        .repetitions = 1 },
+    { "assemble", cli_bench_assemble, cli_print_assemble, .scenes = { "cornell-blocks" },
+        .repetitions = 5 },
+    { "quality", cli_bench_quality, cli_print_quality, cli_write_quality_csv,
+        cli_write_quality_plot, { "cornell-blocks" }, 3 },
+    { "solvers", cli_bench_solvers, cli_print_solvers, cli_write_solvers_csv,
+        cli_write_solvers_plot, { "cornell-blocks", "bright-box" }, 5 },
 };
 
 static const benchmark *find_benchmark(const char *name)
@@ -97,16 +106,19 @@ static cJSON *measure(const benchmark *b, const settings *s, const char *scene)
     return NULL;
 }
 
-/// Prints the result, and writes the files that were asked for.
-static bool report(const benchmark *b, const settings *s, const cJSON *result)
+static void report(const benchmark *b, const settings *s, const cJSON *result)
 {
     cli_progress_clear(&s->bench.session->progress);
-    if (!s->json) {
-        printf("%s\n", cJSON_GetStringValue(cJSON_GetObjectItem(result, "scene")));
-        b->print(result);
-    }
-    return (!s->csv || cli_write_quality_csv(s->csv, result)) &&
-           (!s->plot || cli_write_quality_plot(s->plot, result));
+    if (s->json) return;
+    printf("%s\n", cJSON_GetStringValue(cJSON_GetObjectItem(result, "scene")));
+    b->print(result);
+}
+
+/// The files that were asked for.
+static bool write_files(const benchmark *b, const settings *s, const cJSON *results)
+{
+    return (!s->csv || b->write_csv(s->csv, results)) &&
+           (!s->plot || b->write_plot(s->plot, results));
 }
 
 static int run(const benchmark *b, const settings *s)
@@ -122,8 +134,9 @@ static int run(const benchmark *b, const settings *s)
         cJSON *result = measure(b, s, scenes[i]);
         if (!result) goto cleanup;
         cJSON_AddItemToArray(results, result);
-        if (!report(b, s, result)) goto cleanup;
+        report(b, s, result);
     }
+    if (!write_files(b, s, results)) goto cleanup;
     if (!s->json || cli_write_json(NULL, root)) exit_status = CLI_SUCCESS;
 
 cleanup:
@@ -131,13 +144,14 @@ cleanup:
     return exit_status;
 }
 
-/// Options that only the curve of error over time understands.
+/// Options that only some benchmarks understand.
 static int check_settings(const benchmark *b, const settings *s)
 {
-    bool is_quality = b->run == cli_bench_quality;
     size_t references = s->bench.references.count;
-    if (!is_quality && (references || s->csv || s->plot))
-        return cli_usage_error("bench", "--reference, --csv and --plot belong to bench quality");
+    if (references && b->run != cli_bench_quality)
+        return cli_usage_error("bench", "--reference belongs to bench quality");
+    if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
+        return cli_usage_error("bench", "--csv and --plot belong to bench quality and solvers");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)))

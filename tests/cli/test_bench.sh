@@ -10,6 +10,14 @@ says '^  final, medium '
 grep -q '</svg>' curve.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf curve.svg curve.csv || complain "the curve holds what is no number"
 
+succeeds bench solvers bright-box --repeat 1 --csv solvers.csv --plot solvers.svg
+says '^  auto .*gmres '
+! grep -q 'not converged' stdout || complain "a solver gave up"
+grep -q '^bright-box,two-grid,' solvers.csv || complain "the table lacks a solver"
+grep -q '</svg>' solvers.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf solvers.svg solvers.csv || complain "the curves hold what is no number"
+refuses 2 'belong to bench' bench trace --plot trace.svg
+
 for seed in 1 2; do
     succeeds render cornell-blocks -o small$seed.exr "${small[@]}" --mode reference --seed $seed
 done
