@@ -52,8 +52,8 @@ enum { panel_width = 480, panel_height = 360, legend_height = 40 };
 /// The columns of a history, and what is plotted over them.
 enum { applications, seconds, residual };
 
-/// Range of a column over all solvers of a scene; what is 0 has no place on a logarithmic axis.
-static void cover(cli_axis *axis, const cJSON *scene, int column)
+/// Range of a column over all solvers of a scene, `decades` at most: what is below has no place on the axis.
+static void cover(cli_axis *axis, const cJSON *scene, int column, double decades)
 {
     double low = INFINITY, high = 0;
     const cJSON *solver, *row;
@@ -66,6 +66,7 @@ static void cover(cli_axis *axis, const cJSON *scene, int column)
             high = fmax(high, value);
         }
     }
+    low = fmax(low, high * pow(10, -decades));
     cli_axis_cover(axis, low, high > low ? high : 10 * low);
 }
 
@@ -76,7 +77,7 @@ static void draw_curve(const cli_plot *p, const cJSON *solver, int column)
     cJSON_ArrayForEach(row, cJSON_GetObjectItem(solver, "history"))
     {
         double here[2] = { number_at(row, column), number_at(row, residual) };
-        if (here[0] <= 0 || here[1] <= 0) continue;
+        if (here[0] < p->x.low || here[1] < p->y.low) continue;
         if (before[0] > 0) cli_plot_line(p, before, here, text_of(solver, "name"));
         memcpy(before, here, sizeof before);
     }
@@ -91,8 +92,8 @@ static void draw_panel(FILE *svg, const cJSON *scene, int index, int column)
             .format = column == seconds ? "%g ms" : "%g",
             .unit = column == seconds ? 1e-3 : 1 },
         .y = { .from = top + panel_height - 60, .to = top + 30, .format = "%.0e", .unit = 1 } };
-    cover(&p.x, scene, column);
-    cover(&p.y, scene, residual);
+    cover(&p.x, scene, column, column == seconds ? 2.5 : 2);
+    cover(&p.y, scene, residual, 8);
     cli_plot_grid(&p);
     const cJSON *solver;
     cJSON_ArrayForEach(solver, cJSON_GetObjectItem(scene, "solvers"))
