@@ -1,4 +1,4 @@
-/// Rows of G for several fields at once: an entry is read once for all of them.
+/// Rows of G for several fields at once: a row comes from memory once for all of them.
 #ifndef RSV_TRANSPORT_ROWS_H
 #define RSV_TRANSPORT_ROWS_H
 

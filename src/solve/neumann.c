@@ -6,6 +6,7 @@
 #include "choose_solver.h"
 #include "fredholm.h"
 #include "linear_solver.h"
+#include "sharpen.h"
 #include "transport_map.h"
 
 #include <stdio.h>
@@ -201,47 +202,6 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
     return rsv_progress(s->context, "solve", 1);
 }
 
-typedef struct luminance_range {
-    float low, high;
-} luminance_range;
-
-/// Luminance of a node and its neighbours.
-static luminance_range range_around(const rsv_elements *e, const rsv_rgb *value, size_t node)
-{
-    float own = rgb_luminance(value[node]);
-    luminance_range range = { own, own };
-    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
-        for (int k = 0; k < 3; k++) {
-            float luminance = rgb_luminance(value[e->cell_node[e->support[s] / 4][k]]);
-            range.low = f_min(range.low, luminance);
-            range.high = f_max(range.high, luminance);
-        }
-    }
-    return range;
-}
-
-/// Rows average over their node's hat function, so what was solved is M E rather than E, with M =
-/// rsv_elements_average. 3 M - 2 M^2 times it is E again to second order (M (3 M - 2 M^2) = I +
-/// O((I - M)^2)), most visibly at the borders of surfaces, and unlike 2 I - M it does not amplify noise.
-/// Next to a jump it would overshoot: nodes there keep what was solved.
-#define SMOOTH_CONTRAST 2
-
-static void sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rgb *twice)
-{
-    rsv_elements_average(e, value, once);
-    rsv_elements_average(e, once, twice);
-    for (size_t n = 0; n < e->node_count; n++) {
-        luminance_range range = range_around(e, value, n);
-        rsv_rgb sharp = rgb_sub(rgb_scale(once[n], 3), rgb_scale(twice[n], 2));
-        float luminance = rgb_luminance(sharp);
-        bool smooth = range.high <= SMOOTH_CONTRAST * range.low && luminance >= range.low &&
-                      luminance <= range.high;
-        once[n] = smooth ? sharp : value[n]; // `once` is free as soon as it is read
-    }
-    memcpy(value, once, e->node_count * sizeof *value);
-    rsv_elements_constrain(e, value);
-}
-
 static rsv_status create_orders(rsv_solution *s)
 {
     size_t nodes = s->elements->node_count;
@@ -301,8 +261,8 @@ rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
     RSV_TRY(solve(&q, max_orders));
     report_error(&q, q.term, q.next);
     for (uint32_t order = 1; order < s->order_count; order++)
-        sharpen(s->elements, s->order[order], q.term, q.next);
-    sharpen(s->elements, s->indirect, q.term, q.next);
+        rsv_sharpen(s->elements, s->order[order], q.term, q.next);
+    rsv_sharpen(s->elements, s->indirect, q.term, q.next);
 cleanup:
     rsv_transport_map_destroy(q.map);
     rsv_free(s->context, q.term);

@@ -109,34 +109,42 @@ static double shoot(void *data, size_t columns, size_t node, const float *amount
     return all ? (double)entries / ((double)all * (double)fields) : 0;
 }
 
-static void add_entry(double *sums, size_t groups, size_t at, rsv_rgb value)
+static void add_entry(double *sums, size_t groups, uint32_t group, rsv_rgb value)
 {
     size_t channel = groups * groups;
-    sums[at] += (double)value.r;
-    sums[channel + at] += (double)value.g;
-    sums[2 * channel + at] += (double)value.b;
+    sums[group] += (double)value.r;
+    sums[channel + group] += (double)value.g;
+    sums[2 * channel + group] += (double)value.b;
 }
 
-/// Light that leaves a translucent body is taken to leave where it entered: close enough between groups.
+/// The entries of one row, into the row of its group.
+static void sum_row(const rsv_transport_map *m, size_t row, double *sums)
+{
+    const rsv_transport *t = m->transport;
+    size_t groups = m->linear.group_count;
+    double *own = sums + m->linear.group[row] * groups;
+    for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
+        uint32_t node = t->column[k];
+        add_entry(own, groups, m->place[node], rgb_scale(m->albedo[node], t->scale[row]));
+    }
+    for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
+        uint32_t node = t->tinted_column[k];
+        rsv_rgb albedo = rgb_mul(m->albedo[node], t->tinted_weight[k]);
+        add_entry(own, groups, m->place[node], rgb_scale(albedo, t->scale[row]));
+    }
+}
+
+/// Light that leaves a translucent body is taken to leave where it entered: close enough between groups. Threads take
+/// stripes of groups and go through all rows for them: each sum has the order of the rows.
 static void sum_groups(void *data, double *sums)
 {
     const rsv_transport_map *m = data;
-    const rsv_transport *t = m->transport;
-    size_t groups = m->linear.group_count;
-    for (size_t row = 0; row < t->row_count; row++) {
-        if (m->linear.group[row] == RSV_NONE) continue;
-        size_t first = m->linear.group[row] * groups;
-        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
-            uint32_t node = t->column[k];
-            add_entry(
-                sums, groups, first + m->place[node], rgb_scale(m->albedo[node], t->scale[row]));
-        }
-        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-            uint32_t node = t->tinted_column[k];
-            rsv_rgb albedo = rgb_mul(m->albedo[node], t->tinted_weight[k]);
-            add_entry(sums, groups, first + m->place[node], rgb_scale(albedo, t->scale[row]));
-        }
-    }
+    enum { stripes = 16 };
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(m->linear.context))
+    for (uint32_t stripe = 0; stripe < stripes; stripe++)
+        for (size_t row = 0; row < m->linear.count; row++)
+            if (m->linear.group[row] != RSV_NONE && m->linear.group[row] % stripes == stripe)
+                sum_row(m, row, sums);
 }
 
 static const rsv_linear_map_table rows_only = { .apply = apply,

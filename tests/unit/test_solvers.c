@@ -248,6 +248,32 @@ static void many_columns_are_solved_like_one(void **state)
     world_end(w);
 }
 
+static void memory_that_runs_out_is_an_error(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    dense_map *m = dense_begin(w->context, 8);
+    fill_like_transport(m, 0.9, true);
+    float b[24], known[24];
+    known_system(m, known, b);
+    for (int k = 0; k < solver_count; k++) {
+        rsv_linear_desc desc = rsv_default_linear_desc(all_solvers[k]);
+        rsv_linear_report report;
+        rsv_status status = RSV_ERROR_MEMORY;
+        long before = w->alive;
+        for (long allocations = 0; status != RSV_OK; allocations++) {
+            float x[24] = { 0 };
+            w->until_failure = allocations;
+            status = rsv_linear_solve(&m->linear, 3, b, &desc, x, &report);
+            w->until_failure = -1;
+            assert_true(status == RSV_OK || status == RSV_ERROR_MEMORY);
+            assert_int_equal(w->alive, before);
+        }
+    }
+    free(m);
+    world_end(w);
+}
+
 // ---- spectra ------------------------------------------------------------------------------------
 
 static void power_iteration_brackets_the_spectral_radius(void **state)
@@ -414,6 +440,34 @@ static void the_report_names_solver_and_reason(void **state)
     discard(&slow);
 }
 
+/// Two light sources at once, on one pass over the entries.
+static void lights_are_solved_side_by_side(void **state)
+{
+    (void)state;
+    solved q = solve_scene(world_builtin(2, "cornell-blocks"), 400, RSV_SOLVER_AUTO);
+    size_t nodes = q.s->elements->node_count;
+    rsv_rgb *both = calloc(2 * nodes, sizeof *both), *x = calloc(2 * nodes, sizeof *x);
+    assert_true(both && x);
+    for (size_t n = 0; n < nodes; n++) {
+        both[2 * n] = q.source[n];
+        both[2 * n + 1] = n % 2 ? q.source[n] : rgb_gray(0);
+    }
+    rsv_linear_desc desc = rsv_default_linear_desc(RSV_SOLVER_GMRES);
+    rsv_linear_report report;
+    assert_int_equal(rsv_linear_solve(&q.map->linear, 6, &both->r, &desc, &x->r, &report), RSV_OK);
+    assert_int_equal(report.stop_reason, RSV_STOP_CONVERGED);
+    float *first = solve_with(&q, RSV_SOLVER_GMRES, &report);
+    for (size_t n = 0; n < nodes; n++) {
+        q.source[n] = both[2 * n + 1];
+        assert_close(x[2 * n].g, first[3 * n + 1], 1e-4 * (1 + (double)first[3 * n + 1]));
+    }
+    float *second = solve_with(&q, RSV_SOLVER_NEUMANN, &report);
+    for (size_t n = 0; n < nodes; n++)
+        assert_close(x[2 * n + 1].g, second[3 * n + 1], 1e-4 * (1 + (double)second[3 * n + 1]));
+    free(both), free(x), free(first), free(second);
+    discard(&q);
+}
+
 static uint64_t hash_of_solvers(int threads)
 {
     solved q = solve_scene(create_bright_box(threads, 0.8f), 1500, RSV_SOLVER_AUTO);
@@ -570,10 +624,12 @@ int main(void)
         cmocka_unit_test(a_breakdown_is_named),
         cmocka_unit_test(a_budget_of_applications_is_kept),
         cmocka_unit_test(many_columns_are_solved_like_one),
+        cmocka_unit_test(memory_that_runs_out_is_an_error),
         cmocka_unit_test(power_iteration_brackets_the_spectral_radius),
         cmocka_unit_test(solvers_agree_on_scenes),
         cmocka_unit_test(the_automatic_solver_needs_a_third_of_the_series),
         cmocka_unit_test(the_report_names_solver_and_reason),
+        cmocka_unit_test(lights_are_solved_side_by_side),
         cmocka_unit_test(solvers_give_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(importance_and_light_give_the_same_reading),
         cmocka_unit_test(importance_follows_tinted_glass_and_hanging_nodes),

@@ -1,0 +1,41 @@
+#include "sharpen.h"
+
+#include <string.h>
+
+/// Brightest neighbour : darkest, beyond which there is a jump.
+#define SMOOTH_CONTRAST 2
+
+typedef struct luminance_range {
+    float low, high;
+} luminance_range;
+
+/// Luminance of a node and its neighbours.
+static luminance_range range_around(const rsv_elements *e, const rsv_rgb *value, size_t node)
+{
+    float own = rgb_luminance(value[node]);
+    luminance_range range = { own, own };
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
+        for (int k = 0; k < 3; k++) {
+            float luminance = rgb_luminance(value[e->cell_node[e->support[s] / 4][k]]);
+            range.low = f_min(range.low, luminance);
+            range.high = f_max(range.high, luminance);
+        }
+    }
+    return range;
+}
+
+void rsv_sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rgb *twice)
+{
+    rsv_elements_average(e, value, once);
+    rsv_elements_average(e, once, twice);
+    for (size_t n = 0; n < e->node_count; n++) {
+        luminance_range range = range_around(e, value, n);
+        rsv_rgb sharp = rgb_sub(rgb_scale(once[n], 3), rgb_scale(twice[n], 2));
+        float luminance = rgb_luminance(sharp);
+        bool smooth = range.high <= SMOOTH_CONTRAST * range.low && luminance >= range.low &&
+                      luminance <= range.high;
+        once[n] = smooth ? sharp : value[n]; // `once` is free as soon as it is read
+    }
+    memcpy(value, once, e->node_count * sizeof *value);
+    rsv_elements_constrain(e, value);
+}
