@@ -9,6 +9,7 @@
 
 /// Pilot solutions with few rays show where coarse cells are too large for the indirect light.
 #define PILOT_RAYS 128
+#define FEWEST_RAYS 64
 /// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
 #define COARSE_LIGHT_FACTOR 2
 #define PILOT_ORDERS 3
@@ -56,7 +57,7 @@ static rsv_status check_desc(const rsv_solve_desc *desc)
 {
     if (desc->element_target == 0)
         return rsv_fail(RSV_ERROR_ARGUMENT, "solve: element_target must be positive");
-    if (!is_power_of_two(desc->rays_per_element) || desc->rays_per_element < 64 ||
+    if (!is_power_of_two(desc->rays_per_element) || desc->rays_per_element < FEWEST_RAYS ||
         desc->rays_per_element > 4096)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "solve: rays_per_element is %u; it must be a power of two from 64 to 4096",
@@ -209,6 +210,15 @@ static rsv_status assemble(rsv_solution *s, uint32_t rays)
     return status;
 }
 
+/// Where nothing reflects diffusely, irradiance is of no consequence: what cameras and probes see comes straight
+/// from the sources.
+static bool reflects_diffusely(const rsv_solution *s)
+{
+    for (size_t m = 0; m < s->scene.view->material_count; m++)
+        if (s->bsdf[m].diffuse > 0 && !rgb_is_black(s->bsdf[m].exitance_albedo)) return true;
+    return false;
+}
+
 static void mark_pair(void *user, uint32_t cell, uint32_t other)
 {
     uint8_t *split = user;
@@ -226,7 +236,8 @@ static rsv_status split_marked(rsv_solution *s, const uint8_t *split)
 }
 
 /// Splits coarse cells over which the first few orders of a pilot solution bend.
-static rsv_status refine_by_pilot(rsv_solution *s)
+/// @param refined out: false if there are none
+static rsv_status refine_by_pilot(rsv_solution *s, bool *refined)
 {
     rsv_status status = RSV_OK;
     uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
@@ -249,7 +260,8 @@ static rsv_status refine_by_pilot(rsv_solution *s)
     RSV_TRY(rsv_find_bends(s->elements, s->indirect, deviation, PILOT_BEND, PILOT_DARK * mean,
         RSV_BENDS_AND_BORDERS, mark_pair, split));
     destroy_system(s);
-    RSV_TRY(split_marked(s, split));
+    *refined = memchr(split, 1, s->elements->cell_count) != NULL;
+    if (*refined) RSV_TRY(split_marked(s, split));
 cleanup:
     rsv_free(s->context, split);
     rsv_free(s->context, deviation);
@@ -264,8 +276,9 @@ static rsv_status create_elements(rsv_solution *s)
     RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
     RSV_TRY(rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays));
     RSV_TRY(prepare_elements(s));
-    for (uint32_t pilot = 0; pilot < s->desc.refinements; pilot++)
-        RSV_TRY(refine_by_pilot(s));
+    bool refined = reflects_diffusely(s);
+    for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++)
+        RSV_TRY(refine_by_pilot(s, &refined));
 cleanup:
     return status;
 }
@@ -317,7 +330,7 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(divide_environment(s));
     RSV_TRY(create_elements(s));
     RSV_TRY(create_albedos(s));
-    RSV_TRY(assemble(s, s->desc.rays_per_element));
+    RSV_TRY(assemble(s, reflects_diffusely(s) ? s->desc.rays_per_element : FEWEST_RAYS));
     RSV_TRY(rsv_subsurface_create(s->elements, &s->subsurface));
     RSV_TRY(create_fine_level(s));
     RSV_TRY(create_source(s));
