@@ -349,6 +349,8 @@ static void a_closed_lossless_scene_is_refused(void **state)
     assert_null(s);
     assert_non_null(strstr(rsv_last_error(), "closed"));
     assert_non_null(strstr(rsv_last_error(), "albedo"));
+    assert_non_null(strstr(rsv_last_error(), "spectral radius 1.0"));
+    assert_non_null(strstr(rsv_last_error(), "incompatible"));
     world_end(w);
 }
 
