@@ -2,28 +2,62 @@
 
 #include "elements.h"
 
-rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, rsv_vec3 direction, uint32_t triangle,
-    float u, float v, float t)
+static uint32_t chain_material(const rsv_transport_scene *scene, const rsv_chain *chain)
 {
-    rsv_chain chain = { .direction = direction,
-        .weight = rgb_gray(1),
-        .triangle = triangle,
-        .u = u,
-        .v = v,
-        .spread = RSV_GATHER_SPREAD,
-        .width = RSV_GATHER_SPREAD * t };
+    return scene->view->triangle_material[chain->triangle];
+}
+
+/// Moves to a surface at the end of a segment of length `t`; direction and medium are set.
+static void arrive(const rsv_transport_scene *scene, rsv_chain *chain, uint32_t triangle, float u,
+    float v, float t)
+{
+    chain->triangle = triangle;
+    chain->u = u;
+    chain->v = v;
+    chain->width += chain->spread * t;
     const uint32_t *corner = scene->view->triangle[triangle];
     rsv_vec3 a = scene->view->position[corner[0]];
     rsv_vec3 normal = v3_cross(
         v3_sub(scene->view->position[corner[1]], a), v3_sub(scene->view->position[corner[2]], a));
-    chain.back = v3_dot(normal, direction) > 0;
+    chain->back = v3_dot(normal, chain->direction) > 0;
     // what a body is made of is the same all over
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[triangle]];
-    // Arriving at the inside of a body's surface means the segment ran through the body.
-    if (chain.back && bsdf->solid && !rgb_is_black(bsdf->absorption))
-        chain.weight = rgb(expf(-bsdf->absorption.r * t), expf(-bsdf->absorption.g * t),
-            expf(-bsdf->absorption.b * t));
+    if (scene->bsdf[chain_material(scene, chain)].solid) {
+        if (chain->back) rsv_medium_arrive_inside(&chain->medium, chain_material(scene, chain));
+        if (!chain->settled) chain->start_ior = rsv_medium_ior(&chain->medium, scene->bsdf);
+        chain->settled = true;
+    }
+    if (chain->medium.depth)
+        chain->weight =
+            rgb_mul(chain->weight, rsv_medium_transmittance(&chain->medium, scene->bsdf, t));
+}
+
+rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, const rsv_medium *medium,
+    rsv_vec3 direction, uint32_t triangle, float u, float v, float t)
+{
+    rsv_chain chain = {
+        .direction = direction, .weight = rgb_gray(1), .start_ior = 1, .spread = RSV_GATHER_SPREAD
+    };
+    if (medium && medium->depth) {
+        chain.medium = *medium;
+        chain.start_ior = rsv_medium_ior(medium, scene->bsdf);
+    }
+    arrive(scene, &chain, triangle, u, v, t);
     return chain;
+}
+
+rsv_rgb rsv_chain_throughput(
+    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_medium *medium)
+{
+    float ratio = chain->start_ior / rsv_medium_ior(medium, scene->bsdf);
+    return rgb_scale(chain->weight, ratio * ratio);
+}
+
+rsv_medium rsv_chain_medium_beyond(const rsv_transport_scene *scene, const rsv_chain *chain)
+{
+    rsv_medium medium = chain->medium;
+    uint32_t material = chain_material(scene, chain);
+    if (scene->bsdf[material].solid) rsv_medium_cross(&medium, material, chain->back);
+    return medium;
 }
 
 void rsv_chain_set_spread(rsv_chain *chain, float spread, float distance)
@@ -114,21 +148,14 @@ rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain
     if (v3_dot(direction, leave) <= 0) return RSV_CHAIN_LOST;
     rsv_ray ray = { rsv_offset_origin(point.position, leave, point.extent), direction, INFINITY };
     rsv_hit hit;
-    float spread = chain->spread, width = chain->width;
-    uint32_t events = chain->events + 1, rays = chain->rays + 1;
-    rsv_rgb throughput = rgb_mul(chain->weight, weight);
-    if (!rsv_tracer_closest(scene->tracer, &ray, &hit)) {
-        chain->direction = direction;
-        chain->weight = throughput;
-        chain->rays = rays;
-        return RSV_CHAIN_LEFT_SCENE;
-    }
-    *chain = rsv_chain_begin(scene, direction, hit.triangle, hit.u, hit.v, hit.t);
-    chain->weight = rgb_mul(chain->weight, throughput);
-    chain->events = events;
-    chain->rays = rays;
-    chain->spread = spread;
-    chain->width = width + spread * hit.t;
+    bool meets = rsv_tracer_closest(scene->tracer, &ray, &hit);
+    if (transmit) chain->medium = rsv_chain_medium_beyond(scene, chain);
+    chain->direction = direction;
+    chain->weight = rgb_mul(chain->weight, weight);
+    chain->rays++;
+    if (!meets) return RSV_CHAIN_LEFT_SCENE;
+    chain->events++;
+    arrive(scene, chain, hit.triangle, hit.u, hit.v, hit.t);
     return RSV_CHAIN_MOVED;
 }
 
@@ -158,7 +185,8 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
     for (;;) {
         if (filter(user, chain.triangle, chain.events))
             gather.emission =
-                rgb_add(gather.emission, rgb_mul(chain.weight, emission_towards(scene, &chain)));
+                rgb_add(gather.emission, rgb_mul(rsv_chain_throughput(scene, &chain, &chain.medium),
+                                             emission_towards(scene, &chain)));
         gather.chain = chain;
         rsv_bsdf_event event = rsv_chain_draw_event(scene, &chain, random);
         if (event.lobe == RSV_LOBE_NONE || chain.events >= RSV_CHAIN_MAX_EVENTS) return gather;
@@ -166,6 +194,7 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
             gather.chain.weight = rgb_mul(chain.weight, event.weight);
             gather.end = survive_roulette(&gather.chain.weight, random) ? RSV_CHAIN_DIFFUSE
                                                                         : RSV_CHAIN_ABSORBED;
+            gather.chain.weight = rsv_chain_throughput(scene, &gather.chain, &gather.chain.medium);
             return gather;
         }
         bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
@@ -174,6 +203,7 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
         if (move == RSV_CHAIN_LOST) return gather;
         gather.chain = chain;
         if (move == RSV_CHAIN_LEFT_SCENE) {
+            gather.chain.weight = rsv_chain_throughput(scene, &chain, &chain.medium);
             gather.end = RSV_CHAIN_ESCAPED;
             return gather;
         }

@@ -3,6 +3,7 @@
 #ifndef RSV_CHAIN_H
 #define RSV_CHAIN_H
 
+#include "../surface/medium.h"
 #include "../surface/surface.h"
 #include "resolvent/trace.h"
 
@@ -12,6 +13,7 @@ typedef struct rsv_transport_scene {
     const rsv_scene_view *view;
     const rsv_tracer *tracer;
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
+    rsv_media media;
 } rsv_transport_scene;
 
 typedef enum rsv_chain_end {
@@ -23,7 +25,10 @@ typedef enum rsv_chain_end {
 /// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.
 typedef struct rsv_chain {
     rsv_vec3 direction; ///< unit, of the segment that arrived here
-    rsv_rgb weight;     ///< throughput up to this surface, the media of all segments included
+    rsv_rgb weight;     ///< throughput of basic radiance up to this surface, all media included
+    rsv_medium medium;  ///< that the segment ran through
+    float start_ior;    ///< of the medium that the chain started in
+    bool settled;       ///< has met the surface of a body, and so knows where it started
     uint32_t triangle;
     float u, v;
     bool back;       ///< arrived at the triangle's back
@@ -39,8 +44,17 @@ typedef struct rsv_chain {
 #define RSV_CHAIN_MAX_EVENTS 256
 
 /// The chain at its first surface, hit by a ray along unit `direction` at distance `t`.
-rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, rsv_vec3 direction, uint32_t triangle,
-    float u, float v, float t);
+/// @param medium that it starts in; NULL = outside all bodies
+rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, const rsv_medium *medium,
+    rsv_vec3 direction, uint32_t triangle, float u, float v, float t);
+
+/// Radiance at the chain's start per radiance in `medium` at its present end: its weight and the
+/// factor for media of different index.
+rsv_rgb rsv_chain_throughput(
+    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_medium *medium);
+
+/// The medium on the far side of the chain's surface.
+rsv_medium rsv_chain_medium_beyond(const rsv_transport_scene *scene, const rsv_chain *chain);
 
 /// Gives a chain at its first surface another footprint. @param distance to that surface
 void rsv_chain_set_spread(rsv_chain *chain, float spread, float distance);
@@ -82,8 +96,9 @@ rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain
 /// What a gather chain found on its way: emission that counts, and where it ended.
 typedef struct rsv_gather {
     rsv_chain_end end;
-    rsv_chain chain; ///< at the diffuse interface, if end is RSV_CHAIN_DIFFUSE; its weight includes
-                     ///< the coat of that interface
+    rsv_chain
+        chain; ///< at the diffuse interface, if end is RSV_CHAIN_DIFFUSE; its weight is then the
+               ///< throughput of radiance, the coat of that interface included
     rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
 } rsv_gather;
 

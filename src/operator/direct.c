@@ -10,6 +10,7 @@
 typedef struct node_points {
     rsv_surface_point point[LANES];
     rsv_vec3 origin[LANES];
+    rsv_medium medium; ///< of the first of them that is not buried
     uint32_t count;
     uint16_t valid;
 } node_points;
@@ -41,6 +42,16 @@ static void set_up_points(const direct_job *job, uint32_t node, uint16_t valid, 
         p->origin[k] =
             rsv_offset_origin(p->point[k].position, p->point[k].geometric, p->point[k].extent);
     }
+    uint32_t speaks = (uint32_t)__builtin_ctz(valid);
+    p->medium = rsv_medium_above(&job->scene->media, p->origin[speaks], p->point[speaks].geometric);
+}
+
+/// What is left of light that crosses the medium of the points, and then their coat.
+static rsv_rgb entering(const direct_job *job, const node_points *p, const rsv_bsdf *bsdf,
+    rsv_rgb light, float distance, float cos)
+{
+    rsv_rgb passed = rsv_medium_transmittance(&p->medium, job->scene->bsdf, distance);
+    return rgb_mul(rgb_mul(light, passed), rsv_bsdf_entry(bsdf, cos));
 }
 
 static void clear_packet(rsv_ray_packet *packet)
@@ -90,7 +101,7 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         // what the geometry hides from the shading normal is blocked like anything else
         if (!rsv_surface_faces(&p->point[at], sample.direction)) continue;
         entered[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
-        entered[k] = rgb_mul(entered[k], rsv_bsdf_entry(bsdf, cos));
+        entered[k] = entering(job, p, bsdf, entered[k], sample.distance, cos);
         set_shadow_ray(
             &packet, k, rsv_shadow_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
     }
@@ -185,7 +196,8 @@ static rsv_rgb from_punctual(
                 !rsv_surface_faces(point, light.direction))
                 continue;
             float cos = v3_dot(point->normal, light.direction);
-            arriving[k] = rgb_mul(rgb_scale(light.irradiance, cos), rsv_bsdf_entry(bsdf, cos));
+            arriving[k] =
+                entering(job, p, bsdf, rgb_scale(light.irradiance, cos), light.distance, cos);
             set_shadow_ray(&packet, k, rsv_punctual_ray(&light, p->origin[k]));
         }
         rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);

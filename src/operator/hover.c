@@ -58,7 +58,7 @@ static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_chai
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return SIGHT_NOTHING;
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
-    *chain = rsv_chain_begin(scene, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    *chain = rsv_chain_begin(scene, NULL, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
     bool opaque = !bsdf->double_sided && bsdf->transmission == 0 && bsdf->opacity == 1;
     return chain->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
 }

@@ -19,6 +19,7 @@ typedef struct photon_origin {
     origin_kind kind;
     uint32_t index;
     double flux; ///< luminance, W
+    rsv_medium medium;
 } photon_origin;
 
 /// Origins of light paths with one guide over the unit square that their directions come from.
@@ -52,6 +53,7 @@ typedef struct photon_job {
 typedef struct emission {
     rsv_vec3 origin, direction;
     rsv_rgb flux; ///< of the whole source if it all left like this: W
+    const rsv_medium *medium;
 } emission;
 
 static bool is_specular(const rsv_bsdf *bsdf)
@@ -110,8 +112,9 @@ static emission emit_from_afar(
     float dx, dy;
     rsv_square_to_disk(x, y, &dx, &dy);
     rsv_vec3 offset = to_world(v3(dx * job->radius, dy * job->radius, -2 * job->radius), travels);
-    return (emission){ v3_add(job->centre, offset), travels,
-        rgb_scale(irradiance, RSV_PI * job->radius * job->radius) };
+    return (emission){ .origin = v3_add(job->centre, offset),
+        .direction = travels,
+        .flux = rgb_scale(irradiance, RSV_PI * job->radius * job->radius) };
 }
 
 static emission emit_from_sun(
@@ -159,6 +162,7 @@ static emission emit(
     emission out = origin->kind == ORIGIN_GROUP ? emit_from_group(job, origin->index, x, y, random)
                    : origin->kind == ORIGIN_SUN ? emit_from_sun(job, origin->index, x, y, random)
                                                 : emit_from_light(job, origin->index, x, y);
+    out.medium = &origin->medium;
     if (source->count > 1) out.flux = rgb_scale(out.flux, (float)(source->flux / origin->flux));
     return out;
 }
@@ -170,7 +174,8 @@ static bool first_hit(const photon_job *job, const emission *e, rsv_chain *chain
     rsv_ray ray = { e->origin, e->direction, INFINITY };
     rsv_hit hit;
     if (!rsv_tracer_closest(job->scene->tracer, &ray, &hit)) return false;
-    *chain = rsv_chain_begin(job->scene, e->direction, hit.triangle, hit.u, hit.v, hit.t);
+    *chain =
+        rsv_chain_begin(job->scene, e->medium, e->direction, hit.triangle, hit.u, hit.v, hit.t);
     return true;
 }
 
@@ -298,9 +303,30 @@ static double sun_flux(const photon_job *job, const rsv_sun *sun)
            job->radius;
 }
 
+/// One point of a group speaks for all.
+static rsv_medium group_medium(const photon_job *job, uint32_t group)
+{
+    const rsv_emitter *e = &job->lights->emitter[job->lights->group[group].first];
+    rsv_vec3 centre = v3_barycentric(e->corner[0], e->corner[1], e->corner[2], 1.0f / 3, 1.0f / 3);
+    float extent = rsv_triangle_extent(job->scene->view, e->triangle);
+    return rsv_medium_above(
+        &job->scene->media, rsv_offset_origin(centre, e->normal, extent), e->normal);
+}
+
+static rsv_medium origin_medium(const photon_job *job, origin_kind kind, uint32_t index)
+{
+    if (kind == ORIGIN_GROUP) return group_medium(job, index);
+    const rsv_light *light = &job->scene->view->light[index];
+    if (kind == ORIGIN_SUN || light->kind == RSV_LIGHT_DIRECTIONAL)
+        return (rsv_medium){ .depth = 0 };
+    return rsv_medium_above(&job->scene->media, light->position, v3(0, 1, 0));
+}
+
 static void add_origin(photon_job *job, origin_kind kind, uint32_t index, double flux)
 {
-    if (flux > 0) job->origin[job->origin_count++] = (photon_origin){ kind, index, flux };
+    if (!(flux > 0)) return;
+    job->origin[job->origin_count++] =
+        (photon_origin){ kind, index, flux, origin_medium(job, kind, index) };
 }
 
 static int compare_origins(const void *left, const void *right)

@@ -14,6 +14,9 @@ typedef struct receiver {
     float bitangent_x[LANES], bitangent_y[LANES], bitangent_z[LANES];
     float normal_x[LANES], normal_y[LANES], normal_z[LANES];
     float geometric_x[LANES], geometric_y[LANES], geometric_z[LANES];
+    const rsv_bsdf *bsdf;
+    rsv_medium medium;
+    bool tints; ///< even what comes from plain surfaces: through a coat or a medium
 } receiver;
 
 /// One side of a triangle as the end of a ray, in eight bytes: what process_hits needs of it.
@@ -58,6 +61,19 @@ typedef struct assembly {
     rsv_escape_list *escape_block; ///< [block_count]
     size_t block_count;
 } assembly;
+
+/// What holds for the node as a whole. One of its points speaks for its medium.
+static void set_up_node(const assembly *a, uint32_t node, receiver *r)
+{
+    uint32_t face = a->elements->node_face[node];
+    uint32_t material = a->scene->view->triangle_material[a->elements->face_triangle[face]];
+    uint32_t k = a->valid_points[node] ? (uint32_t)__builtin_ctz(a->valid_points[node]) : 0;
+    r->bsdf = &a->scene->bsdf[material];
+    r->medium =
+        rsv_medium_above(&a->scene->media, v3(r->origin_x[k], r->origin_y[k], r->origin_z[k]),
+            v3(r->geometric_x[k], r->geometric_y[k], r->geometric_z[k]));
+    r->tints = r->bsdf->coated || rsv_medium_absorbs(&r->medium, a->scene->bsdf);
+}
 
 static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
 {
@@ -135,13 +151,13 @@ static void record_end(
 
 /// The general case: specular surfaces, coats, emission.
 static void follow_chain(const assembly *a, row_scratch *s, uint32_t node, uint32_t ray,
-    const rsv_bsdf *receiver_bsdf, float cos_receiver, const rsv_ray_packet *packet, int k)
+    const receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
 {
     rsv_random random = rsv_random_from(a->seed ^ 0x51ed270bu, node, ray);
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_chain chain = rsv_chain_begin(
-        a->scene, direction, packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
-    chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(receiver_bsdf, cos_receiver));
+    rsv_chain chain = rsv_chain_begin(a->scene, &r->medium, direction, packet->triangle[k],
+        packet->u[k], packet->v[k], packet->t_max[k]);
+    chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(r->bsdf, cos_receiver));
     rsv_gather gather = rsv_chain_gather(a->scene, chain, &random, counts_by_gathering, a->lights);
     s->emission = rgb_add(s->emission, gather.emission);
     s->rays += gather.chain.rays;
@@ -185,15 +201,15 @@ static ray_target hit_target(const assembly *a, const rsv_ray_packet *packet, in
     return a->target[2 * (size_t)triangle + back];
 }
 
-static void record_sky(row_scratch *s, const rsv_bsdf *receiver_bsdf, float cos_receiver,
-    const rsv_ray_packet *packet, int k)
+static void record_sky(
+    row_scratch *s, const receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
 {
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(receiver_bsdf, cos_receiver), 0);
+    rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(r->bsdf, cos_receiver), 0);
 }
 
 static void process_hits(const assembly *a, row_scratch *s, uint32_t node, uint32_t first_ray,
-    const rsv_bsdf *receiver_bsdf, const float *cos_receiver, const rsv_ray_packet *packet)
+    const receiver *r, const float *cos_receiver, const rsv_ray_packet *packet)
 {
     const rsv_elements *e = a->elements;
     grid_places g;
@@ -211,11 +227,11 @@ static void process_hits(const assembly *a, row_scratch *s, uint32_t node, uint3
         uint32_t ray = first_ray + (uint32_t)k;
         if (target[k].kind == TARGET_BLACK) continue;
         if (target[k].kind == TARGET_SKY) {
-            record_sky(s, receiver_bsdf, cos_receiver[k], packet, k);
+            record_sky(s, r, cos_receiver[k], packet, k);
             continue;
         }
-        if (target[k].kind == TARGET_CHAIN || receiver_bsdf->coated) {
-            follow_chain(a, s, node, ray, receiver_bsdf, cos_receiver[k], packet, k);
+        if (target[k].kind == TARGET_CHAIN || r->tints) {
+            follow_chain(a, s, node, ray, r, cos_receiver[k], packet, k);
             continue;
         }
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
@@ -234,13 +250,12 @@ static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
 {
     receiver r;
     set_up_receiver(a, node, &r);
+    set_up_node(a, node, &r);
     uint32_t rays = a->directions.count;
     memset(s->column, 0xff, rays * sizeof *s->column);
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
     s->emission = rgb_gray(0);
-    uint32_t face = a->elements->node_face[node];
-    uint32_t material = a->scene->view->triangle_material[a->elements->face_triangle[face]];
     size_t set = (size_t)(rsv_hash2(a->seed, node) % RSV_DIRECTION_SETS) * rays;
     rsv_ray_packet packet = { 0 };
     memset(packet.mask, 0xff, sizeof packet.mask);
@@ -249,7 +264,7 @@ static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
         aim_packet(&r, a->valid_points[node], a->directions.x + set + first,
             a->directions.y + set + first, z, &packet);
         rsv_tracer_closest_packet(a->scene->tracer, &packet, false);
-        process_hits(a, s, node, first, &a->scene->bsdf[material], z, &packet);
+        process_hits(a, s, node, first, &r, z, &packet);
     }
     s->rays += rays;
 }

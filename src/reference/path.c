@@ -19,7 +19,10 @@ typedef struct light_path {
     number_source numbers;
     rsv_ray ray;
     rsv_vec3 departure; ///< point of the surface that the ray left
-    rsv_rgb throughput;
+    rsv_rgb throughput; ///< of basic radiance (surface/medium.h)
+    rsv_medium medium;  ///< that the ray runs through
+    float start_ior;    ///< of the medium that the path started in
+    bool settled;       ///< has met the surface of a body, and so knows where it started
     uint32_t bounces, diffuse_events;
     /// With which the last surface chose the ray; 0 = next-event estimation could not have found
     /// what the ray finds.
@@ -58,13 +61,16 @@ static void next_pair(number_source *numbers, float *x, float *y)
     }
 }
 
-static void start_path(
-    light_path *path, const rsv_path_tracer *tracer, rsv_path_id id, rsv_path_light *light)
+static void start_path(light_path *path, const rsv_path_tracer *tracer, const rsv_medium *medium,
+    rsv_path_id id, rsv_path_light *light)
 {
     *light = (rsv_path_light){ 0 };
     path->tracer = tracer;
     path->numbers = (number_source){ id, 0, rsv_random_from(id.sample, id.stream, 0) };
     path->throughput = rgb_gray(1);
+    path->medium = *medium;
+    path->start_ior = rsv_medium_ior(medium, tracer->bsdf);
+    path->settled = false;
     path->bounces = path->diffuse_events = 0;
     path->pdf_solid_angle = 0;
     path->light = light;
@@ -106,13 +112,40 @@ static rsv_vec3 leaving_point(const surface *s, bool transmitted)
     return rsv_offset_origin(s->point, side, s->extent);
 }
 
-static void absorb_inside_body(light_path *path, const surface *s)
+static uint32_t material_of(const light_path *path, const surface *s)
 {
-    if (s->front || !s->bsdf->solid) return;
+    return path->tracer->scene->triangle_material[s->triangle];
+}
+
+/// Learns from the surface of a body what the ray has run through, and lets that absorb.
+static void cross_medium(light_path *path, const surface *s)
+{
     float distance = v3_length(v3_sub(s->point, path->departure));
-    rsv_rgb a = s->bsdf->absorption;
-    rsv_rgb passed = rgb(expf(-a.r * distance), expf(-a.g * distance), expf(-a.b * distance));
-    path->throughput = rgb_mul(path->throughput, passed);
+    const rsv_bsdf *bsdf = path->tracer->bsdf;
+    if (s->bsdf->solid) {
+        if (!s->front) rsv_medium_arrive_inside(&path->medium, material_of(path, s));
+        if (!path->settled) path->start_ior = rsv_medium_ior(&path->medium, bsdf);
+        path->settled = true;
+    }
+    path->throughput =
+        rgb_mul(path->throughput, rsv_medium_transmittance(&path->medium, bsdf, distance));
+}
+
+/// The medium on either side of a surface that the path has come to.
+static rsv_medium medium_beside(const light_path *path, const surface *s, bool below)
+{
+    rsv_medium medium = path->medium;
+    if (below && s->bsdf->solid) rsv_medium_cross(&medium, material_of(path, s), !s->front);
+    return medium;
+}
+
+/// Radiance at the path's start per radiance of a source in `medium`, at that distance from the path's
+/// end, but for the throughput.
+static rsv_rgb from_source(const light_path *path, const rsv_medium *medium, float distance)
+{
+    const rsv_bsdf *bsdf = path->tracer->bsdf;
+    float ratio = path->start_ior / rsv_medium_ior(medium, bsdf);
+    return rgb_scale(rsv_medium_transmittance(medium, bsdf, distance), ratio * ratio);
 }
 
 /// Weight of a sample drawn with density `own` that another technique draws with density `other`.
@@ -126,7 +159,7 @@ static void add_emission(light_path *path, const surface *s, float distance)
 {
     const rsv_lights *lights = path->tracer->lights;
     if (s->bsdf->unlit && path->diffuse_events == 0 && (s->front || s->bsdf->double_sided))
-        add_light(path, 0, s->bsdf->emission);
+        add_light(path, 0, rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission));
     uint32_t index = lights->triangle_emitter[s->triangle];
     if (index == RSV_NONE) return;
     const rsv_emitter *emitter = &lights->emitter[index];
@@ -138,7 +171,8 @@ static void add_emission(light_path *path, const surface *s, float distance)
             rsv_local_lights_pdf(&path->local[path->below], index, path->ray.direction, distance);
         weight = power_heuristic(path->pdf_solid_angle, pdf_light);
     }
-    add_light(path, path->diffuse_events, rgb_scale(s->bsdf->emission, weight));
+    rsv_rgb arriving = rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission);
+    add_light(path, path->diffuse_events, rgb_scale(arriving, weight));
 }
 
 /// The surroundings, seen by a ray that left the scene.
@@ -152,7 +186,8 @@ static void add_environment(light_path *path)
     if (path->pdf_solid_angle > 0)
         weight = power_heuristic(
             path->pdf_solid_angle, rsv_local_lights_sky_pdf(&path->local[path->below], direction));
-    add_light(path, path->diffuse_events, rgb_scale(radiance, weight));
+    rsv_rgb arriving = rgb_mul(from_source(path, &path->medium, 0), radiance);
+    add_light(path, path->diffuse_events, rgb_scale(arriving, weight));
 }
 
 /// What of the light from wi enters a translucent body, over pi: as if it left a white one right here.
@@ -197,7 +232,9 @@ static void add_emitter_sample(
     float pdf_bsdf = diffuse.pdf_solid_angle + rough.pdf_solid_angle;
     if (pdf_bsdf == 0 || !sees_light(path->tracer, s, &sample, below)) return;
     float weight = power_heuristic(sample.pdf_solid_angle, pdf_bsdf) / sample.pdf_solid_angle;
-    add_scattered(path, rgb_scale(sample.radiance, weight), diffuse.response, rough.response);
+    rsv_medium medium = medium_beside(path, s, below);
+    rsv_rgb arriving = rgb_mul(from_source(path, &medium, sample.distance), sample.radiance);
+    add_scattered(path, rgb_scale(arriving, weight), diffuse.response, rough.response);
 }
 
 /// Share of light that passes a surface without turning: past what it does not cover, and through thin sheets.
@@ -231,7 +268,9 @@ static void add_punctual_light(light_path *path, const surface *s, const rsv_pun
     if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) return;
     bool below = v3_dot(s->geometric_normal, light->direction) < 0;
     rsv_ray ray = { leaving_point(s, below), light->direction, light->distance };
+    rsv_medium medium = medium_beside(path, s, below);
     rsv_rgb arriving = rgb_mul(light->irradiance, straight_transmittance(path->tracer, ray));
+    arriving = rgb_mul(arriving, from_source(path, &medium, light->distance));
     add_scattered(path, arriving, diffuse.response, rough.response);
 }
 
@@ -343,6 +382,7 @@ static bool scatter(light_path *path, const surface *s)
     path->throughput = rgb_mul(path->throughput, sample.weight);
     path->pdf_solid_angle = sample.pdf_solid_angle;
     path->below = transmitted;
+    path->medium = medium_beside(path, s, transmitted);
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
     path->departure = s->point;
     path->ray = (rsv_ray){ leaving_point(s, transmitted), sample.direction, INFINITY };
@@ -364,6 +404,7 @@ static bool passes(light_path *path, const surface *s)
     if (s->bsdf->opacity >= 1 || rsv_random_float(&path->numbers.random) < s->bsdf->opacity)
         return false;
     path->pdf_solid_angle = 0;
+    path->departure = s->point;
     path->ray.origin = leaving_point(s, true);
     return true;
 }
@@ -378,7 +419,7 @@ static void follow(light_path *path)
         }
         surface s;
         meet_surface(path->tracer, &path->ray, &hit, &s);
-        absorb_inside_body(path, &s);
+        cross_medium(path, &s);
         if (passes(path, &s)) {
             if (!survives_roulette(path)) return;
             continue;
@@ -388,18 +429,18 @@ static void follow(light_path *path)
     }
 }
 
-void rsv_trace_camera_path(
-    const rsv_path_tracer *tracer, const rsv_ray *ray, rsv_path_id id, rsv_path_light *light)
+void rsv_trace_camera_path(const rsv_path_tracer *tracer, const rsv_ray *ray,
+    const rsv_medium *medium, rsv_path_id id, rsv_path_light *light)
 {
     light_path path;
-    start_path(&path, tracer, id, light);
+    start_path(&path, tracer, medium, id, light);
     path.ray = *ray;
     path.departure = ray->origin;
     follow(&path);
 }
 
 void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
-    rsv_path_id id, rsv_path_light *light)
+    const rsv_medium *medium, rsv_path_id id, rsv_path_light *light)
 {
     static const rsv_bsdf white = { .base_color = { 1, 1, 1 },
         .exitance_albedo = { 1, 1, 1 },
@@ -418,7 +459,7 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
         .triangle = RSV_NONE,
         .front = true };
     light_path path;
-    start_path(&path, tracer, id, light);
+    start_path(&path, tracer, medium, id, light);
     if (scatter(&path, &receiver)) follow(&path);
 }
 

@@ -40,6 +40,7 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **resu
     RSV_TRY(create_bsdfs(tracer));
     RSV_TRY(rsv_lights_create(scene, tracer->bsdf, &tracer->lights));
     RSV_TRY(rsv_tracer_create(scene, &tracer->tracer));
+    tracer->media = rsv_media_of(tracer->scene, tracer->tracer, tracer->bsdf);
     RSV_TRY(rsv_bodies_create(scene, tracer->tracer, &tracer->bodies));
     warn_of_unreachable_caustics(tracer);
     *result = tracer;

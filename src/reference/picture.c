@@ -25,6 +25,7 @@ typedef struct row_statistics {
 typedef struct picture_job {
     const rsv_path_tracer *tracer;
     const rsv_camera *camera;
+    rsv_medium medium; ///< the camera's
     const rsv_render_desc *desc;
     rsv_image *image;
     row_statistics *row; ///< [height]
@@ -88,7 +89,8 @@ static void render_pixel(const picture_job *picture, uint32_t x, uint32_t y, row
         rsv_ray ray = rsv_camera_ray(
             picture->camera, desc->width, desc->height, (float)x + dx, (float)y + dy);
         rsv_path_light light;
-        rsv_trace_camera_path(picture->tracer, &ray, (rsv_path_id){ i, stream }, &light);
+        rsv_trace_camera_path(
+            picture->tracer, &ray, &picture->medium, (rsv_path_id){ i, stream }, &light);
         if (!add_sample(&sum, &light)) row->rejected++;
     }
     store_pixel(picture, (size_t)y * desc->width + x, &sum);
@@ -176,6 +178,8 @@ rsv_status rsv_render_reference(
     RSV_TRY(rsv_path_tracer_create(scene, &tracer));
     picture.tracer = tracer;
     picture.camera = &view->camera[desc->camera];
+    picture.medium =
+        rsv_medium_above(&tracer->media, picture.camera->position, picture.camera->forward);
     picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);
     if (!picture.row) RSV_TRY(RSV_ERROR_MEMORY);
     RSV_TRY(render_rows(&picture));

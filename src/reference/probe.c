@@ -19,9 +19,11 @@ static group_mean measure_group(const rsv_path_tracer *tracer, rsv_vec3 point, r
     uint32_t samples, uint32_t stream)
 {
     group_mean group = { 0 };
+    rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, point, normal);
+    rsv_medium medium = rsv_medium_above(&tracer->media, origin, normal);
     for (uint32_t i = 0; i < samples; i++) {
         rsv_path_light light;
-        rsv_trace_receiver_path(tracer, point, normal, (rsv_path_id){ i, stream }, &light);
+        rsv_trace_receiver_path(tracer, point, normal, &medium, (rsv_path_id){ i, stream }, &light);
         rsv_rgb radiance = rsv_path_light_total(&light);
         if (!isfinite(rgb_luminance(radiance))) {
             group.rejected++;

@@ -3,6 +3,7 @@
 #define RSV_REFERENCE_INTERNAL_H
 
 #include "../light/light.h"
+#include "../surface/medium.h"
 #include "../surface/surface.h"
 #include "resolvent/trace.h"
 #include "subsurface.h"
@@ -15,6 +16,7 @@ typedef struct rsv_path_tracer {
     rsv_bsdf *bsdf; ///< [material_count]
     rsv_lights *lights;
     rsv_bodies *bodies; ///< translucent ones
+    rsv_media media;
 } rsv_path_tracer;
 
 rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **tracer);
@@ -34,15 +36,16 @@ typedef struct rsv_path_id {
     uint32_t sample, stream;
 } rsv_path_id;
 
-/// Radiance that arrives along a camera ray.
-void rsv_trace_camera_path(
-    const rsv_path_tracer *tracer, const rsv_ray *ray, rsv_path_id id, rsv_path_light *light);
+/// Radiance that arrives along a camera ray. @param medium the camera's
+void rsv_trace_camera_path(const rsv_path_tracer *tracer, const rsv_ray *ray,
+    const rsv_medium *medium, rsv_path_id id, rsv_path_light *light);
 
 /// Radiance that a white Lambert surface at `point` would reflect (irradiance / pi). Order 0 stays
 /// black.
 /// @param point possibly on a surface, whose side `normal` (unit) tells
+/// @param medium above it
 void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
-    rsv_path_id id, rsv_path_light *light);
+    const rsv_medium *medium, rsv_path_id id, rsv_path_light *light);
 
 /// Sum over the orders.
 rsv_rgb rsv_path_light_total(const rsv_path_light *light);

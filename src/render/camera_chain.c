@@ -31,7 +31,8 @@ static void add_emission(tree *t, const link *at)
     if (!shows) return;
     float weight = rsv_rough_emission_weight(t->scene, t->lights, chain, &at->departure);
     rsv_rgb emission = rgb_scale(bsdf->emission, weight * bsdf->opacity);
-    t->radiance = rgb_add(t->radiance, rgb_mul(chain->weight, emission));
+    rsv_rgb throughput = rsv_chain_throughput(t->scene, chain, &chain->medium);
+    t->radiance = rgb_add(t->radiance, rgb_mul(throughput, emission));
 }
 
 /// Moves one branch on: to the next link or to the sky.
@@ -42,7 +43,8 @@ static void leave(tree *t, link next, bool transmit, rsv_vec3 direction, rsv_rgb
     if (move == RSV_CHAIN_MOVED) t->stack[t->depth++] = next;
     if (move != RSV_CHAIN_LEFT_SCENE) return;
     rsv_rgb beyond = rsv_rough_sky(t->lights, direction, &next.departure);
-    t->radiance = rgb_add(t->radiance, rgb_mul(next.chain.weight, beyond));
+    rsv_rgb throughput = rsv_chain_throughput(t->scene, &next.chain, &next.chain.medium);
+    t->radiance = rgb_add(t->radiance, rgb_mul(throughput, beyond));
 }
 
 /// One branch of a smooth surface.
@@ -86,7 +88,9 @@ rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lig
         add_emission(&t, &at);
         rsv_bsdf_branches branches = rsv_chain_branches(scene, &at.chain);
         if (!rgb_is_black(branches.diffuse))
-            end(user, &at.chain, rgb_mul(at.chain.weight, branches.diffuse));
+            end(user, &at.chain,
+                rgb_mul(
+                    rsv_chain_throughput(scene, &at.chain, &at.chain.medium), branches.diffuse));
         follow(&t, &at, false, &branches);
         follow(&t, &at, true, &branches);
         if (branches.rough) follow_rough(&t, &at);

@@ -17,6 +17,7 @@ typedef struct picture_job {
     const rsv_solution *solution;
     const rsv_render_desc *desc;
     const rsv_camera *camera;
+    rsv_medium medium; ///< the camera's
     rsv_image *image;
     uint32_t layer_count; ///< of the image, layer 0 included
     float spread;         ///< of a camera ray: the angle that it has for itself
@@ -143,8 +144,8 @@ static void gather_indirect(row_state *r, const rsv_chain *chain, rsv_rgb weight
             !rsv_tracer_closest(s->tracer, &ray, &hit))
             continue;
         rsv_random random = rsv_random_from(r->seed, r->sample, 97 + k);
-        rsv_chain first =
-            rsv_chain_begin(&s->scene, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+        rsv_chain first = rsv_chain_begin(
+            &s->scene, &chain->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
         rsv_gather gather = rsv_chain_gather(&s->scene, first, &random, no_emission, NULL);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z));
         if (gather.end == RSV_CHAIN_DIFFUSE)
@@ -209,8 +210,8 @@ static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv
             add_light(r, r->column, 0, rsv_sky_radiance(&r->job->sky, direction));
             continue;
         }
-        rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, direction, packet->triangle[k],
-            packet->u[k], packet->v[k], packet->t_max[k]);
+        rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, &r->job->medium, direction,
+            packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
         rsv_chain_set_spread(&chain, r->job->spread, packet->t_max[k]);
         rsv_rgb emission = rsv_camera_chain(&r->job->solution->scene, r->job->solution->lights,
             chain, rsv_hash2(r->seed, r->sample), shade, r);
@@ -342,6 +343,8 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
         .camera = &solution->scene.view->camera[desc->camera],
         .layer_count = desc->layers ? 1 + MAX_LAYERS : 1 };
     job.spread = ray_spread(&job);
+    job.medium =
+        rsv_medium_above(&solution->scene.media, job.camera->position, job.camera->forward);
     if (solution->lights->environment) job.sky = solution->lights->environment->whole;
     RSV_TRY(rsv_image_create(
         solution->context, desc->width, desc->height, job.layer_count, &job.image));

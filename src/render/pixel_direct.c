@@ -49,14 +49,41 @@ static void push_shadow_ray(rsv_pixel_direct *d, rsv_ray ray)
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
 
-static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_bsdf *bsdf,
-    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column,
-    uint32_t sample, uint32_t seed)
+/// A diffuse surface as sources light it.
+typedef struct lit_point {
+    const rsv_bsdf *bsdf;
+    rsv_bsdf storage;
+    rsv_surface_point point;
+    rsv_vec3 origin;          ///< of shadow rays
+    const rsv_medium *medium; ///< above it
+    const rsv_bsdf *media;    ///< [material_count]
+} lit_point;
+
+static void set_up_point(
+    const rsv_solution *s, const rsv_chain *chain, rsv_surface_point point, lit_point *lit)
 {
+    lit->bsdf = rsv_chain_bsdf(&s->scene, chain, &lit->storage);
+    lit->point = point;
+    lit->origin = rsv_offset_origin(point.position, point.geometric, point.extent);
+    lit->medium = &chain->medium;
+    lit->media = s->bsdf;
+}
+
+/// Share of light from a source at that distance that enters the surface.
+static rsv_rgb entry(const lit_point *lit, float distance, float cos)
+{
+    return rgb_mul(rsv_bsdf_entry(lit->bsdf, cos),
+        rsv_medium_transmittance(lit->medium, lit->media, distance));
+}
+
+static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const lit_point *lit,
+    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
+{
+    const rsv_surface_point *point = &lit->point;
     rsv_local_lights local;
     rsv_lights_at(s->lights, point->position, point->normal, &local);
     if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
-    rsv_direct_term term = { .column = column, .controlled = !local.by_tree && !bsdf->coated };
+    rsv_direct_term term = { .column = column, .controlled = !local.by_tree && !lit->bsdf->coated };
     if (term.controlled) term.exact = rgb_mul(weight, local.unshadowed);
     float x, y, select = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 3));
     rsv_stratified_2d(sample, d->samples, rsv_hash2(seed, 4), &x, &y);
@@ -64,21 +91,21 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const rsv_b
     bool useful = rsv_local_lights_sample(&local, select, x, y, &light);
     if (useful) {
         float cos = v3_dot(point->normal, light.direction);
-        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
+        rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
         float scale = cos / light.pdf_solid_angle;
         term.sampled = rgb_scale(rgb_mul(entered, light.radiance), scale);
-        term.control = rgb_scale(rgb_mul(entered, light.mean_radiance), scale);
+        term.control = rgb_scale(rgb_mul(weight, light.mean_radiance), scale);
         // what the geometry hides from the shading normal is blocked like anything else
         useful = rsv_surface_faces(point, light.direction);
     }
     if (push_term(d, term) && useful)
-        push_shadow_ray(d, rsv_shadow_ray(s->lights, &light, point->position, origin));
+        push_shadow_ray(d, rsv_shadow_ray(s->lights, &light, point->position, lit->origin));
 }
 
-static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_bsdf *bsdf,
-    const rsv_surface_point *point, rsv_vec3 origin, rsv_rgb weight, uint32_t column,
-    uint32_t sample, uint32_t seed)
+static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const lit_point *lit,
+    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
 {
+    const rsv_surface_point *point = &lit->point;
     float u = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 5));
     for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
         rsv_punctual_sample light;
@@ -86,24 +113,23 @@ static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const rsv_b
             !rsv_surface_faces(point, light.direction))
             continue;
         float cos = v3_dot(point->normal, light.direction);
-        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, cos));
+        rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
         rsv_direct_term term = { .column = column,
             .sampled = rgb_scale(rgb_mul(entered, light.irradiance), cos) };
-        if (push_term(d, term)) push_shadow_ray(d, rsv_punctual_ray(&light, origin));
+        if (push_term(d, term)) push_shadow_ray(d, rsv_punctual_ray(&light, lit->origin));
     }
 }
 
 void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
     rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
 {
-    rsv_surface_point point = rsv_surface_point_seen(
-        s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
-    rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-    if (rsv_lights_any_sampled(s->lights))
-        add_emitters(d, s, bsdf, &point, origin, weight, column, sample, seed);
-    add_punctual(d, s, bsdf, &point, origin, weight, column, sample, seed);
+    lit_point lit;
+    set_up_point(s, chain,
+        rsv_surface_point_seen(
+            s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width),
+        &lit);
+    if (rsv_lights_any_sampled(s->lights)) add_emitters(d, s, &lit, weight, column, sample, seed);
+    add_punctual(d, s, &lit, weight, column, sample, seed);
 }
 
 static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count)
@@ -143,36 +169,40 @@ static bool is_open(const rsv_solution *s, rsv_ray ray)
     return !rsv_tracer_occluded(s->tracer, &ray);
 }
 
+static rsv_rgb sampled_emitter(const rsv_solution *s, const lit_point *lit, rsv_random *random)
+{
+    rsv_local_lights local;
+    rsv_light_sample light;
+    const rsv_surface_point *point = &lit->point;
+    rsv_lights_at(s->lights, point->position, point->normal, &local);
+    float select = rsv_random_float(random), x = rsv_random_float(random);
+    if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) ||
+        !rsv_surface_faces(point, light.direction) ||
+        !is_open(s, rsv_shadow_ray(s->lights, &light, point->position, lit->origin)))
+        return rgb_gray(0);
+    float cos = v3_dot(point->normal, light.direction);
+    rsv_rgb entered = rgb_mul(light.radiance, entry(lit, light.distance, cos));
+    return rgb_scale(entered, cos / light.pdf_solid_angle);
+}
+
 rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rsv_random *random)
 {
+    lit_point lit;
+    set_up_point(s, chain,
+        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back),
+        &lit);
     rsv_rgb sum = rgb_gray(0);
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
-    rsv_surface_point point =
-        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back);
-    rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-    if (rsv_lights_any_sampled(s->lights)) {
-        rsv_local_lights local;
-        rsv_light_sample light;
-        rsv_lights_at(s->lights, point.position, point.normal, &local);
-        float select = rsv_random_float(random), x = rsv_random_float(random);
-        if (rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) &&
-            rsv_surface_faces(&point, light.direction) &&
-            is_open(s, rsv_shadow_ray(s->lights, &light, point.position, origin))) {
-            float cos = v3_dot(point.normal, light.direction);
-            rsv_rgb entered = rgb_mul(light.radiance, rsv_bsdf_entry(bsdf, cos));
-            sum = rgb_scale(entered, cos / light.pdf_solid_angle);
-        }
-    }
+    if (rsv_lights_any_sampled(s->lights)) sum = sampled_emitter(s, &lit, random);
     float u = rsv_random_float(random);
     for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
         rsv_punctual_sample light;
-        if (!rsv_punctual_at(s->lights, point.position, point.normal, k, u, &light) ||
-            !rsv_surface_faces(&point, light.direction) ||
-            !is_open(s, rsv_punctual_ray(&light, origin)))
+        if (!rsv_punctual_at(s->lights, lit.point.position, lit.point.normal, k, u, &light) ||
+            !rsv_surface_faces(&lit.point, light.direction) ||
+            !is_open(s, rsv_punctual_ray(&light, lit.origin)))
             continue;
-        float cos = v3_dot(point.normal, light.direction);
-        sum = rgb_add(sum, rgb_mul(rgb_scale(light.irradiance, cos), rsv_bsdf_entry(bsdf, cos)));
+        float cos = v3_dot(lit.point.normal, light.direction);
+        rsv_rgb entered = rgb_mul(light.irradiance, entry(&lit, light.distance, cos));
+        sum = rgb_mad(sum, cos, entered);
     }
     return sum;
 }

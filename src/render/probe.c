@@ -19,6 +19,7 @@ typedef struct probe_job {
 
 typedef struct receiver {
     rsv_vec3 position, origin, normal;
+    rsv_medium medium;
     rsv_rgb caustic; ///< stored, where the receiver lies on a surface
     bool has_caustic;
     const probe_job *job;
@@ -43,7 +44,8 @@ static void find_surface(receiver *r)
     rsv_hit hit;
     if (!s->fine.caustic || r->job->gather_caustics || !rsv_tracer_closest(s->tracer, &ray, &hit))
         return;
-    rsv_chain chain = rsv_chain_begin(&s->scene, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_chain chain =
+        rsv_chain_begin(&s->scene, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
     uint32_t face = s->elements->face_of[chain.back][hit.triangle];
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, hit.triangle, hit.u, hit.v, chain.back);
@@ -58,6 +60,7 @@ static receiver set_up_receiver(const probe_job *job, const rsv_probe *probe)
 {
     receiver r = { .position = probe->position, .normal = v3_normalize(probe->normal), .job = job };
     r.origin = rsv_tracer_receiver_origin(job->solution->tracer, r.position, r.normal);
+    r.medium = rsv_medium_above(&job->solution->scene.media, r.origin, r.normal);
     find_surface(&r);
     return r;
 }
@@ -65,6 +68,12 @@ static receiver set_up_receiver(const probe_job *job, const rsv_probe *probe)
 static bool is_open(const receiver *r, rsv_ray ray)
 {
     return !rsv_tracer_occluded(r->job->solution->tracer, &ray);
+}
+
+/// What the receiver's medium leaves of light from a source at that distance.
+static rsv_rgb passed(const receiver *r, float distance)
+{
+    return rsv_medium_transmittance(&r->medium, r->job->solution->bsdf, distance);
 }
 
 /// Sums over the light samples of one group: unshadowed, and of the visible ones.
@@ -86,7 +95,8 @@ static emitter_sums sample_emitters(
         float weight = cos / (light.pdf_solid_angle * (float)count);
         sums.open = rgb_mad(sums.open, weight, light.mean_radiance);
         if (cos > 0 && is_open(r, rsv_shadow_ray(local->lights, &light, r->position, r->origin)))
-            sums.visible = rgb_mad(sums.visible, weight, light.radiance);
+            sums.visible =
+                rgb_mad(sums.visible, weight, rgb_mul(light.radiance, passed(r, light.distance)));
     }
     return sums;
 }
@@ -142,7 +152,7 @@ static rsv_rgb from_punctual(const receiver *r, float u)
         if (!rsv_punctual_at(lights, r->position, r->normal, k, u, &light)) continue;
         float cos = v3_dot(r->normal, light.direction);
         if (cos > 0 && is_open(r, rsv_punctual_ray(&light, r->origin)))
-            sum = rgb_mad(sum, cos, light.irradiance);
+            sum = rgb_mad(sum, cos, rgb_mul(light.irradiance, passed(r, light.distance)));
     }
     return sum;
 }
@@ -191,7 +201,8 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
     rsv_ray ray = { r->origin, direction, INFINITY };
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return radiance_beyond(r, direction, 0);
-    rsv_chain first = rsv_chain_begin(&s->scene, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_chain first =
+        rsv_chain_begin(&s->scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
     rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts, r);
     rsv_rgb radiance = gather.emission;
     if (gather.end == RSV_CHAIN_ESCAPED)

@@ -7,6 +7,8 @@ typedef struct rough_surface {
     rsv_surface_point point;
     rsv_vec3 wo, normal;
     bool front;
+    const rsv_transport_scene *scene;
+    const rsv_chain *chain;
 } rough_surface;
 
 static void meet(const rsv_transport_scene *scene, const rsv_chain *chain, rough_surface *surface)
@@ -16,6 +18,17 @@ static void meet(const rsv_transport_scene *scene, const rsv_chain *chain, rough
         scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
     surface->wo = v3_neg(chain->direction);
     surface->front = !chain->back;
+    surface->scene = scene;
+    surface->chain = chain;
+}
+
+/// Radiance at the chain's start per radiance that sources send from that distance along `wi`.
+static rsv_rgb throughput(const rough_surface *s, rsv_vec3 wi, float distance)
+{
+    rsv_medium medium = s->chain->medium;
+    if (v3_dot(s->normal, wi) < 0) medium = rsv_chain_medium_beyond(s->scene, s->chain);
+    return rgb_mul(rsv_chain_throughput(s->scene, s->chain, &medium),
+        rsv_medium_transmittance(&medium, s->scene->bsdf, distance));
 }
 
 /// Response of the rough lobes; nothing where the normals disagree on wi's side.
@@ -68,7 +81,8 @@ static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights 
         rsv_shadow_ray(lights, &light, s->point.position, leaving_point(s, light.direction));
     if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
     float weight = power_heuristic(light.pdf_solid_angle, value.pdf_solid_angle);
-    return rgb_scale(rgb_mul(value.response, light.radiance), weight / light.pdf_solid_angle);
+    rsv_rgb arriving = rgb_mul(throughput(s, light.direction, light.distance), light.radiance);
+    return rgb_scale(rgb_mul(value.response, arriving), weight / light.pdf_solid_angle);
 }
 
 static rsv_rgb punctual_light(
@@ -78,7 +92,8 @@ static rsv_rgb punctual_light(
     if (value.pdf_solid_angle == 0) return rgb_gray(0);
     rsv_ray ray = rsv_punctual_ray(light, leaving_point(s, light->direction));
     if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
-    return rgb_mul(value.response, light->irradiance);
+    return rgb_mul(value.response,
+        rgb_mul(throughput(s, light->direction, light->distance), light->irradiance));
 }
 
 rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
@@ -95,7 +110,7 @@ rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *ligh
         if (rsv_punctual_at(lights, s.point.position, v3(0, 0, 0), k, u, &light))
             sum = rgb_add(sum, punctual_light(scene, &s, &light));
     }
-    return rgb_mul(chain->weight, sum);
+    return sum;
 }
 
 float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,

@@ -323,6 +323,7 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(create_bsdfs(s));
     RSV_TRY(rsv_tracer_create(s->scene.scene, &s->tracer));
     s->scene.tracer = s->tracer;
+    s->scene.media = rsv_media_of(s->scene.view, s->tracer, s->bsdf);
     double built = rsv_seconds();
     s->report.time_bvh = built - start;
 

@@ -38,7 +38,9 @@ static rsv_status find_solution(
     for (; i < bench->solution_count; i++) {
         *found = &bench->solution[i];
         case_variant known = bench->solution[i].variant;
-        if (known.black == variant.black && known.emitters == variant.emitters) return RSV_OK;
+        if (known.black == variant.black && known.emitters == variant.emitters &&
+            known.sky == variant.sky)
+            return RSV_OK;
     }
     if (i == CASE_MAX_VARIANTS) abort();
     case_solution created = { .variant = variant };
@@ -170,7 +172,8 @@ static rsv_status read_mean(
     return status;
 }
 
-static rsv_status read_radiance(case_bench *bench, uint32_t camera, case_reading *reading)
+static rsv_status read_radiance(
+    case_bench *bench, case_variant variant, uint32_t camera, case_reading *reading)
 {
     const case_solution *solution;
     rsv_image *image = NULL;
@@ -178,7 +181,7 @@ static rsv_status read_radiance(case_bench *bench, uint32_t camera, case_reading
     rsv_render_desc desc = rsv_default_render_desc();
     desc.width = desc.height = 1;
     desc.camera = camera;
-    rsv_status status = find_solution(bench, (case_variant){ 0 }, &solution);
+    rsv_status status = find_solution(bench, variant, &solution);
     if (status == RSV_OK && bench->mode == RSV_PROBE_REFERENCE) {
         desc.mode = RSV_RENDER_REFERENCE;
         desc.samples = 1u << 16;
@@ -208,19 +211,31 @@ static rsv_vec3 vector(const cJSON *object, const char *name)
     return case_vector(cJSON_GetObjectItem(object, name));
 }
 
-void case_bench_announce(case_bench *bench, const cJSON *probe)
+static void add_camera(case_scene *scene, rsv_vec3 position, rsv_vec3 forward)
 {
-    if (strcmp(text(probe, "type"), "radiance") != 0) return;
-    if (bench->scene.camera_count == CASE_MAX_CAMERAS) abort();
-    rsv_vec3 forward = v3_normalize(vector(probe, "direction")), right, up;
+    if (scene->camera_count == CASE_MAX_CAMERAS) abort();
+    rsv_vec3 right, up;
     v3_frame(forward, &up, &right);
-    bench->scene.camera[bench->scene.camera_count++] = (rsv_camera){ .name = "probe",
-        .position = vector(probe, "origin"),
+    scene->camera[scene->camera_count++] = (rsv_camera){ .name = "probe",
+        .position = position,
         .right = right,
         .up = up,
         .forward = forward,
         .vertical_extent = 1e-4f,
         .aspect = 1 };
+}
+
+/// What names this has no probe in the file: straight up, from below the interface.
+static const char below_interface[] = "L_transmitted_normal";
+
+void case_bench_announce(case_bench *bench, const cJSON *expected)
+{
+    const cJSON *probe = cJSON_GetObjectItem(expected, "probe");
+    if (strcmp(text(expected, "name"), below_interface) == 0)
+        add_camera(&bench->scene, v3(0, 0, -1), v3(0, 0, 1));
+    if (strcmp(text(probe, "type"), "radiance") == 0)
+        add_camera(
+            &bench->scene, vector(probe, "origin"), v3_normalize(vector(probe, "direction")));
 }
 
 /// The camera that case_bench_announce made for a radiance probe.
@@ -340,6 +355,8 @@ static rsv_status read_by_name(
 {
     const char mean_irradiance[] = "H_mean_", *from = strstr(name, "_from_");
     uint32_t all = (1u << bench->scene.surface_count) - 1;
+    if (strcmp(name, below_interface) == 0)
+        return read_radiance(bench, (case_variant){ .sky = true }, 0, reading);
     if (strcmp(name, "B_area_mean") == 0) return read_mean_radiosity(bench, all, reading);
     if (strncmp(name, mean_irradiance, strlen(mean_irradiance)) == 0 && from) {
         case_variant variant = { .emitters = wall_group(from + strlen("_from_")) };
@@ -365,9 +382,12 @@ rsv_status case_bench_read(
     *known = true;
     *reading = (case_reading){ 0 };
     if (cJSON_HasObjectItem(probe, "divide_by")) type = "unknown";
+    // gather paths meet the sky behind an interface, but no point
+    bool alternative = strncmp(text(expected, "name"), "E_uniform_env", 13) == 0;
+    if (bench->scene.sky_is_alternative && *type && !alternative) type = "unknown";
     if (!*type) return read_by_name(bench, text(expected, "name"), reading, known);
     if (strcmp(type, "irradiance") == 0)
-        return read_point(bench, (case_variant){ 0 }, receiver, reading);
+        return read_point(bench, (case_variant){ .sky = alternative }, receiver, reading);
     if (strcmp(type, "direct_irradiance") == 0)
         return read_point(bench, (case_variant){ .black = true }, receiver, reading);
     if (strcmp(type, "indirect_irradiance") == 0) return read_indirect(bench, receiver, reading);
@@ -377,7 +397,8 @@ rsv_status case_bench_read(
     if (strcmp(type, "flux") == 0) return read_flux(bench, probe, reading);
     if (strcmp(type, "form_factor") == 0) return read_form_factor(bench, probe, reading);
     if (strcmp(type, "radiance") == 0)
-        return read_radiance(bench, find_camera(&bench->scene, probe), reading);
+        return read_radiance(
+            bench, (case_variant){ 0 }, find_camera(&bench->scene, probe), reading);
     *known = false;
     return RSV_OK;
 }

@@ -27,8 +27,8 @@ typedef struct case_reading {
     double value, standard_error;
 } case_reading;
 
-/// Takes note of a probe before any reading: radiance probes need a camera in the scene.
-void case_bench_announce(case_bench *bench, const cJSON *probe);
+/// Takes note of an expected quantity before any reading: radiances need a camera in the scene.
+void case_bench_announce(case_bench *bench, const cJSON *expected);
 
 /// Reads one expected quantity, an object with `name` and `probe`. *known is false, and nothing is
 /// read, if this harness has no probe for it.

@@ -98,8 +98,9 @@ const char *case_scene_read(const cJSON *json, case_scene *scene)
 {
     *scene = (case_scene){ 0 };
     if (!cJSON_IsObject(json)) return "no scene";
-    if (cJSON_HasObjectItem(json, "environment_alternative")) return "an alternative environment";
-    const cJSON *environment = cJSON_GetObjectItem(json, "environment");
+    const cJSON *environment = cJSON_GetObjectItem(json, "environment_alternative");
+    scene->sky_is_alternative = environment != NULL;
+    if (!environment) environment = cJSON_GetObjectItem(json, "environment");
     if (environment && !case_sky_read(environment, &scene->sky)) return "an unknown environment";
     const cJSON *surfaces = cJSON_GetObjectItem(json, "surfaces");
     const cJSON *lights = cJSON_GetObjectItem(json, "lights"), *item;
@@ -175,7 +176,8 @@ static rsv_status add_everything(
             status = add_zone(scene, surface, zone);
         }
     }
-    for (int i = 0; i < description->light_count && status == RSV_OK && !variant.emitters; i++)
+    bool lit = !variant.emitters && !variant.sky;
+    for (int i = 0; i < description->light_count && status == RSV_OK && lit; i++)
         status = rsv_scene_add_light(scene, &description->light[i]);
     for (int i = 0; i < description->camera_count && status == RSV_OK; i++)
         status = rsv_scene_add_camera(scene, &description->camera[i]);
@@ -188,7 +190,8 @@ rsv_status case_scene_build(
     rsv_scene *created = NULL;
     rsv_status status = rsv_scene_create(context, &created);
     if (status == RSV_OK) status = add_everything(created, scene, variant);
-    if (status == RSV_OK) status = case_sky_add(created, &scene->sky);
+    if (status == RSV_OK && (variant.sky || !scene->sky_is_alternative))
+        status = case_sky_add(created, &scene->sky);
     if (status == RSV_OK) status = rsv_scene_commit(created);
     if (status == RSV_OK)
         *built = created;

@@ -35,6 +35,7 @@ typedef struct case_surface {
 typedef struct case_variant {
     bool black;        ///< albedos 0: direct light alone
     uint32_t emitters; ///< bit per surface that emits M = 1, nothing else does; 0 = as listed
+    bool sky;          ///< the alternative sky in place of the lights
 } case_variant;
 
 typedef struct case_scene {
@@ -45,6 +46,7 @@ typedef struct case_scene {
     rsv_camera camera[CASE_MAX_CAMERAS]; ///< one per radiance probe
     int camera_count;
     case_sky sky;
+    bool sky_is_alternative; ///< there only in the variant that asks for it
 } case_scene;
 
 /// NULL if understood, else why not.

@@ -29,7 +29,7 @@
 #define ZERO_TOLERANCE 1e-4
 
 static const char *const families[] = { "a.", "b.furnace_box", "b.furnace_object", "b.box_mean",
-    "b.sphere_", "c.two_plates", "c.concentric", "c.cube.", "d.", "e.", "f.mirror_",
+    "b.sphere_", "c.two_plates", "c.concentric", "c.cube.", "d.", "e.", "f.interface", "f.mirror_",
     "i.cube_reciprocity", "j.cie5p2", "j.cie5p3", "j.cie5p4", "j.cie5p6", "j.cie5p7", "j.cie5p8" };
 
 typedef struct score {
@@ -144,7 +144,7 @@ static void run_case(rsv_context *context, rsv_probe_mode mode, const cJSON *ite
     }
     const cJSON *expected;
     cJSON_ArrayForEach(expected, cJSON_GetObjectItem(item, "expected"))
-        case_bench_announce(&bench, cJSON_GetObjectItem(expected, "probe"));
+        case_bench_announce(&bench, expected);
     cJSON_ArrayForEach(expected, cJSON_GetObjectItem(item, "expected"))
         run_quantity(&bench, item, expected, tally);
     tally->cases++;

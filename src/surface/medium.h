@@ -1,0 +1,56 @@
+/// What light runs through: the bodies that a segment of a path lies in, and how they dim it.
+///
+/// Paths know their medium by the surfaces they pass: below the front of a solid body it is inside, beyond
+/// the back outside. Who arrives at the back of a body has been inside, whatever was thought before: this
+/// settles the medium of paths that start at an unknown one, and of meshes that have holes or overlap.
+///
+/// Scattering functions deal in basic radiance L / ior^2 (bsdf/bsdf.h), which smooth and rough interfaces
+/// and diffuse surfaces alike leave unscaled. Sources and receivers deal in radiance, so a path that ends
+/// in another medium than it started in takes one factor (ior of its start / ior of its end)^2. Photons
+/// carry flux, which takes none.
+#ifndef RSV_MEDIUM_H
+#define RSV_MEDIUM_H
+
+#include "../bsdf/bsdf.h"
+#include "../core/vec.h"
+#include "resolvent/trace.h"
+
+/// More bodies than this within each other are left out, the outermost first.
+#define RSV_MEDIUM_DEPTH 4
+
+/// The bodies that hold a place, by material, the outermost first. All zero: outside all bodies.
+typedef struct rsv_medium {
+    uint32_t body[RSV_MEDIUM_DEPTH];
+    uint32_t depth;
+} rsv_medium;
+
+/// Has come to the surface of a solid body from inside: adds the body if the medium lacks it.
+void rsv_medium_arrive_inside(rsv_medium *medium, uint32_t material);
+
+/// Passes the surface of a solid body. @param back from inside
+void rsv_medium_cross(rsv_medium *medium, uint32_t material, bool back);
+
+/// Of the innermost body; 1 outside. @param bsdf [material_count]
+float rsv_medium_ior(const rsv_medium *medium, const rsv_bsdf *bsdf);
+
+bool rsv_medium_absorbs(const rsv_medium *medium, const rsv_bsdf *bsdf);
+
+/// What is left of light after `distance` metres (Beer-Lambert). Whoever sees an infinite distance lies in
+/// a body without an end, whose surface is not all there: nothing is taken away.
+rsv_rgb rsv_medium_transmittance(const rsv_medium *medium, const rsv_bsdf *bsdf, float distance);
+
+/// Where to look up the medium of a place.
+typedef struct rsv_media {
+    const rsv_scene_view *view;
+    const rsv_tracer *tracer;
+    const rsv_bsdf *bsdf; ///< [material_count]
+    bool bodies;          ///< there are solid ones
+} rsv_media;
+
+rsv_media rsv_media_of(const rsv_scene_view *view, const rsv_tracer *tracer, const rsv_bsdf *bsdf);
+
+/// The medium above a place: told by the first solid surface that one of a few rays meets there.
+/// @param origin off its surface @param normal unit
+rsv_medium rsv_medium_above(const rsv_media *media, rsv_vec3 origin, rsv_vec3 normal);
+
+#endif
