@@ -157,6 +157,10 @@ RSV_INLINE float rsv_bsdf_specular_chance(
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
 
+/// Draws among the lobes that are not diffuse, with the chance of these in the weight; the density is not divided by it.
+RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_specular(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);
+
 /// Draws an event and, in the diffuse lobe, its direction.
 RSV_INLINE rsv_bsdf_sample rsv_bsdf_sample_direction(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2);

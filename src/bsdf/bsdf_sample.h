@@ -266,6 +266,41 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
     return event;
 }
 
+/// The coat alone, weighted by the chance that a facet reflects instead of drawn by it: most do not.
+RSV_INLINE rsv_bsdf_event rsv_draw_weighted_coat(rsv_bsdf_draw *draw, float u1, float u2)
+{
+    const rsv_bsdf *bsdf = draw->bsdf;
+    rsv_draw_facet(draw, u1, u2);
+    float cos_t, cos_h = f_max(v3_dot(draw->wo, draw->h), 0);
+    rsv_vec3 wi = rsv_mirrored(draw->wo, draw->h);
+    float cos_i = v3_dot(draw->n, wi);
+    if (cos_i <= 0) return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
+    rsv_facet_choice choice =
+        rsv_choose_at_facet(bsdf, cos_h, rsv_bsdf_eta(bsdf, draw->front), &cos_t);
+    float visible = rsv_ggx_visibility(v3_dot(draw->n, draw->wo), cos_i, bsdf->alpha);
+    return rsv_event(RSV_LOBE_REFLECT, wi, rgb_scale(choice.reflected, choice.reflect * visible));
+}
+
+RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_specular(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
+{
+    float chance = rsv_bsdf_specular_chance(bsdf, wo, n, front);
+    bool coat_alone = chance < 1 && bsdf->alpha > 0 && bsdf->metallic == 0 &&
+                      bsdf->transmission == 0 && v3_dot(n, wo) > 0 &&
+                      !rsv_bsdf_meets_layers(bsdf, front);
+    rsv_bsdf_event event;
+    if (coat_alone) {
+        rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, rsv_random_from(0, 0, 0) };
+        event = rsv_draw_weighted_coat(&draw, u1, u2);
+        if (event.lobe != RSV_LOBE_NONE)
+            event.pdf_solid_angle = rsv_bsdf_pdf(bsdf, event.direction, wo, n, front);
+        return event;
+    }
+    event = rsv_bsdf_draw_event(bsdf, wo, n, front, chance * u_lobe, u1, u2);
+    event.weight = rgb_scale(event.weight, chance);
+    return event;
+}
+
 RSV_INLINE rsv_bsdf_sample rsv_bsdf_sample_direction(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
 {

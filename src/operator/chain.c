@@ -129,12 +129,10 @@ rsv_bsdf_event rsv_chain_draw_specular(
     rsv_vec3 normal, wo = v3_neg(chain->direction);
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_scattering(scene, chain, &normal, &storage);
-    float chance = rsv_bsdf_specular_chance(bsdf, wo, normal, !chain->back);
-    float u_lobe = chance * rsv_random_float(random), u1 = rsv_random_float(random);
-    rsv_bsdf_event event =
-        rsv_bsdf_draw_event(bsdf, wo, normal, !chain->back, u_lobe, u1, rsv_random_float(random));
-    event.weight = rgb_scale(event.weight, chance * bsdf->opacity);
-    if (event.pdf_solid_angle > 0) event.pdf_solid_angle /= chance;
+    float u_lobe = rsv_random_float(random), u1 = rsv_random_float(random);
+    rsv_bsdf_event event = rsv_bsdf_draw_specular(
+        bsdf, wo, normal, !chain->back, u_lobe, u1, rsv_random_float(random));
+    event.weight = rgb_scale(event.weight, bsdf->opacity);
     return event;
 }
 

@@ -16,6 +16,10 @@
 /// Meshes finer than the wanted spacing keep nodes this part of it apart: they are curved and fold.
 #define CLUSTER_RADIUS 0.25f
 #define PILOT_BEND 0.2f
+#define LARGEST_BEND 2.0f
+/// Pilots may bring the number of nodes to this many times what was asked for. A split adds about so many.
+#define MOST_NODES 8
+#define NODES_PER_SPLIT 2
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
 /// Places on each element where textured albedo is looked up.
@@ -235,6 +239,36 @@ static rsv_status split_marked(rsv_solution *s, const uint8_t *split)
     return prepare_elements(s);
 }
 
+static size_t count_marked(const uint8_t *split, size_t count)
+{
+    size_t marked = 0;
+    for (size_t c = 0; c < count; c++)
+        marked += split[c];
+    return marked;
+}
+
+/// Marks the cells over which indirect light bends, the strongest bends alone where all of them would take more nodes
+/// than there should be. @param any out: false if none are marked
+static rsv_status mark_bends(
+    const rsv_solution *s, const float *deviation, uint8_t *split, bool *any)
+{
+    const rsv_elements *e = s->elements;
+    float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, s->indirect);
+    size_t rows = 0, most = (size_t)MOST_NODES * s->desc.element_target;
+    for (size_t n = 0; n < e->node_count; n++)
+        rows += s->valid_points[n] != 0;
+    *any = false;
+    for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
+        memset(split, 0, e->cell_count);
+        rsv_status status = rsv_find_bends(
+            e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
+        size_t marked = count_marked(split, e->cell_count);
+        *any = marked > 0 && rows + NODES_PER_SPLIT * marked <= most;
+        if (status != RSV_OK || marked == 0 || *any) return status;
+    }
+    return RSV_OK;
+}
+
 /// Splits coarse cells over which the first few orders of a pilot solution bend.
 /// @param refined out: false if there are none
 static rsv_status refine_by_pilot(rsv_solution *s, bool *refined)
@@ -256,11 +290,8 @@ static rsv_status refine_by_pilot(rsv_solution *s, bool *refined)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
     rsv_mark_buried(s->elements, s->valid_points, deviation);
-    float mean = (float)rsv_elements_mean_luminance(s->elements, s->indirect);
-    RSV_TRY(rsv_find_bends(s->elements, s->indirect, deviation, PILOT_BEND, PILOT_DARK * mean,
-        RSV_BENDS_AND_BORDERS, mark_pair, split));
+    RSV_TRY(mark_bends(s, deviation, split, refined));
     destroy_system(s);
-    *refined = memchr(split, 1, s->elements->cell_count) != NULL;
     if (*refined) RSV_TRY(split_marked(s, split));
 cleanup:
     rsv_free(s->context, split);
