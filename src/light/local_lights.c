@@ -95,6 +95,9 @@ static float weigh_emitters(rsv_local_lights *local)
     return sum;
 }
 
+/// Of lamps and of the sky at every receiver: the stronger of the two may be hidden from all of a room.
+#define LEAST_SHARE 0.25f
+
 void rsv_lights_at(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local)
 {
@@ -104,11 +107,14 @@ void rsv_lights_at(
     local->count = 0;
     local->unshadowed = rgb_gray(0);
     local->by_tree = lights->emitter_tree != NULL;
-    float sum = local->by_tree ? 0 : weigh_emitters(local);
-    sum += weigh_environment(local);
-    local->emitter_share = !local->by_tree ? 0 : sum > 0 ? 0.5f : 1;
-    for (uint32_t i = 0; i < entry_count(local) && sum > 0; i++)
-        local->probability[i] *= (1 - local->emitter_share) / sum;
+    float emitters = local->by_tree ? 0 : weigh_emitters(local), sky = weigh_environment(local);
+    local->emitter_share = !local->by_tree ? 0 : sky > 0 ? 0.5f : 1;
+    float share = emitters > 0 ? emitters / (emitters + sky) : 0;
+    if (emitters > 0 && sky > 0) share = f_min(f_max(share, LEAST_SHARE), 1 - LEAST_SHARE);
+    for (uint32_t i = 0; i < local->count && emitters > 0; i++)
+        local->probability[i] *= share / emitters;
+    for (uint32_t i = local->count; i < entry_count(local) && sky > 0; i++)
+        local->probability[i] *= (1 - f_max(share, local->emitter_share)) / sky;
 }
 
 static double selection_probability(const rsv_local_lights *local, uint32_t entry)
