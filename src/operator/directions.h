@@ -19,4 +19,10 @@ rsv_status rsv_directions_create(
     rsv_context *context, uint32_t count, uint32_t seed, rsv_directions *directions);
 void rsv_directions_destroy(rsv_directions *directions);
 
+/// Index of the first direction that a node uses.
+RSV_INLINE size_t rsv_directions_of(const rsv_directions *directions, uint32_t seed, uint32_t node)
+{
+    return (size_t)(rsv_hash2(seed, node) % RSV_DIRECTION_SETS) * directions->count;
+}
+
 #endif

@@ -1,5 +1,6 @@
 /// Assembly of G: gather rays from every node's support to the diffuse ends of their chains.
 #include "directions.h"
+#include "receiver_points.h"
 #include "transport.h"
 
 #include <string.h>
@@ -7,13 +8,9 @@
 #define LANES RSV_SUPPORT_POINTS
 #define ROWS_PER_BLOCK 64
 
-/// The receiver points of one node, side by side, one per lane.
+/// The receiver points of one node and what holds for the node as a whole.
 typedef struct receiver {
-    _Alignas(64) float origin_x[LANES], origin_y[LANES], origin_z[LANES];
-    float tangent_x[LANES], tangent_y[LANES], tangent_z[LANES];
-    float bitangent_x[LANES], bitangent_y[LANES], bitangent_z[LANES];
-    float normal_x[LANES], normal_y[LANES], normal_z[LANES];
-    float geometric_x[LANES], geometric_y[LANES], geometric_z[LANES];
+    rsv_receiver_points points;
     const rsv_bsdf *bsdf;
     rsv_medium medium;
     bool tints; ///< even what comes from plain surfaces: through a coat or a medium
@@ -62,64 +59,19 @@ typedef struct assembly {
     size_t block_count;
 } assembly;
 
-/// What holds for the node as a whole. One of its points speaks for its medium.
-static void set_up_node(const assembly *a, uint32_t node, receiver *r)
+static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
 {
+    rsv_receiver_points *p = &r->points;
+    rsv_receiver_points_set_up(a->elements, node, a->seed, p);
     uint32_t face = a->elements->node_face[node];
     uint32_t material = a->scene->view->triangle_material[a->elements->face_triangle[face]];
+    // one of the points speaks for the medium of all
     uint32_t k = a->valid_points[node] ? (uint32_t)__builtin_ctz(a->valid_points[node]) : 0;
     r->bsdf = &a->scene->bsdf[material];
     r->medium =
-        rsv_medium_above(&a->scene->media, v3(r->origin_x[k], r->origin_y[k], r->origin_z[k]),
-            v3(r->geometric_x[k], r->geometric_y[k], r->geometric_z[k]));
+        rsv_medium_above(&a->scene->media, v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]),
+            v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]));
     r->tints = r->bsdf->coated || rsv_medium_absorbs(&r->medium, a->scene->bsdf);
-}
-
-static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
-{
-    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(a->seed, node, 0x7a3du));
-    float cos_turn = cosf(turn), sin_turn = sinf(turn);
-    rsv_support_point sample[LANES];
-    rsv_elements_sample_support(a->elements, node, LANES, a->seed, sample);
-    for (uint32_t k = 0; k < LANES; k++) {
-        uint32_t face = a->elements->cell[sample[k].support / 4].face;
-        rsv_surface_point point =
-            rsv_surface_point_at(a->scene->view, a->elements->face_triangle[face], sample[k].u,
-                sample[k].v, a->elements->face_back[face]);
-        rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-        rsv_vec3 t, b;
-        v3_frame(point.normal, &t, &b);
-        rsv_vec3 tangent = v3_mad(v3_scale(t, cos_turn), sin_turn, b);
-        rsv_vec3 bitangent = v3_mad(v3_scale(b, cos_turn), -sin_turn, t);
-        r->origin_x[k] = origin.x, r->origin_y[k] = origin.y, r->origin_z[k] = origin.z;
-        r->tangent_x[k] = tangent.x, r->tangent_y[k] = tangent.y, r->tangent_z[k] = tangent.z;
-        r->bitangent_x[k] = bitangent.x, r->bitangent_y[k] = bitangent.y;
-        r->bitangent_z[k] = bitangent.z;
-        r->normal_x[k] = point.normal.x, r->normal_y[k] = point.normal.y;
-        r->normal_z[k] = point.normal.z;
-        r->geometric_x[k] = point.geometric.x, r->geometric_y[k] = point.geometric.y;
-        r->geometric_z[k] = point.geometric.z;
-    }
-}
-
-/// Rays of buried points are left out. Rays that an interpolated normal sends below the surface start dead
-/// too, but count: they carry nothing.
-static void aim_packet(const receiver *r, uint16_t valid, const float *x, const float *y,
-    const float *z, rsv_ray_packet *packet)
-{
-    for (int k = 0; k < LANES; k++) {
-        float dx = x[k] * r->tangent_x[k] + y[k] * r->bitangent_x[k] + z[k] * r->normal_x[k];
-        float dy = x[k] * r->tangent_y[k] + y[k] * r->bitangent_y[k] + z[k] * r->normal_y[k];
-        float dz = x[k] * r->tangent_z[k] + y[k] * r->bitangent_z[k] + z[k] * r->normal_z[k];
-        float above = dx * r->geometric_x[k] + dy * r->geometric_y[k] + dz * r->geometric_z[k];
-        packet->origin_x[k] = r->origin_x[k];
-        packet->origin_y[k] = r->origin_y[k];
-        packet->origin_z[k] = r->origin_z[k];
-        packet->direction_x[k] = dx;
-        packet->direction_y[k] = dy;
-        packet->direction_z[k] = dz;
-        packet->t_max[k] = above > 0 && (valid >> k & 1) ? INFINITY : -1;
-    }
 }
 
 /// Light of gathered sources counts however it arrives; that of the others is the business of
@@ -250,18 +202,17 @@ static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
 {
     receiver r;
     set_up_receiver(a, node, &r);
-    set_up_node(a, node, &r);
     uint32_t rays = a->directions.count;
     memset(s->column, 0xff, rays * sizeof *s->column);
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
     s->emission = rgb_gray(0);
-    size_t set = (size_t)(rsv_hash2(a->seed, node) % RSV_DIRECTION_SETS) * rays;
+    size_t set = rsv_directions_of(&a->directions, a->seed, node);
     rsv_ray_packet packet = { 0 };
     memset(packet.mask, 0xff, sizeof packet.mask);
     for (uint32_t first = 0; first < rays; first += LANES) {
         const float *z = a->directions.z + set + first;
-        aim_packet(&r, a->valid_points[node], a->directions.x + set + first,
+        rsv_receiver_points_aim(&r.points, a->valid_points[node], a->directions.x + set + first,
             a->directions.y + set + first, z, &packet);
         rsv_tracer_closest_packet(a->scene->tracer, &packet, false);
         process_hits(a, s, node, first, &r, z, &packet);
@@ -299,73 +250,6 @@ static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, si
     rsv_status status = s->tinted_count ? store_tinted(t->context, s, &a->block[block]) : RSV_OK;
     if (status != RSV_OK) return status;
     return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &a->escape_block[block]);
-}
-
-/// Seconds to trace the packets of one row, aimed beforehand.
-static void time_row(const assembly *a, uint32_t node, rsv_ray_packet *packets,
-    double *packet_seconds, double *single_seconds)
-{
-    receiver r;
-    set_up_receiver(a, node, &r);
-    uint32_t rays = a->directions.count, count = rays / LANES;
-    size_t set = (size_t)(rsv_hash2(a->seed, node) % RSV_DIRECTION_SETS) * rays;
-    for (uint32_t p = 0; p < count; p++) {
-        size_t first = set + (size_t)p * LANES;
-        memset(packets[p].mask, 0xff, sizeof packets[p].mask);
-        aim_packet(&r, a->valid_points[node], a->directions.x + first, a->directions.y + first,
-            a->directions.z + first, &packets[p]);
-    }
-    double start = rsv_seconds();
-    for (uint32_t p = 0; p < count; p++) {
-        for (int k = 0; k < LANES; k++) {
-            rsv_hit hit;
-            rsv_ray ray = { v3(packets[p].origin_x[k], packets[p].origin_y[k],
-                                packets[p].origin_z[k]),
-                v3(packets[p].direction_x[k], packets[p].direction_y[k], packets[p].direction_z[k]),
-                INFINITY };
-            if (packets[p].t_max[k] > 0) rsv_tracer_closest(a->scene->tracer, &ray, &hit);
-        }
-    }
-    double middle = rsv_seconds();
-    for (uint32_t p = 0; p < count; p++)
-        rsv_tracer_closest_packet(a->scene->tracer, &packets[p], false);
-    *single_seconds += middle - start;
-    *packet_seconds += rsv_seconds() - middle;
-}
-
-rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_elements *elements,
-    const uint16_t *valid_points, uint32_t rays, uint32_t seed, uint64_t *ray_count,
-    double *packet_seconds, double *single_seconds)
-{
-    rsv_context *context = elements->context;
-    assembly a = {
-        .scene = scene, .elements = elements, .valid_points = valid_points, .seed = seed
-    };
-    rsv_status status = rsv_directions_create(context, rays, seed, &a.directions);
-    if (status != RSV_OK) return status;
-    double packet_sum = 0, single_sum = 0;
-    uint64_t traced = 0;
-    bool failed = false;
-#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : packet_sum, single_sum, traced)
-    {
-        rsv_ray_packet *packets = rsv_alloc(context, rays / LANES, sizeof *packets);
-#pragma omp for schedule(dynamic, ROWS_PER_BLOCK)
-        for (size_t node = 0; node < elements->node_count; node++) {
-            if (!packets || valid_points[node] == 0) continue;
-            time_row(&a, (uint32_t)node, packets, &packet_sum, &single_sum);
-            traced += rays;
-        }
-        if (!packets) {
-#pragma omp atomic write
-            failed = true;
-        }
-        rsv_free(context, packets);
-    }
-    *ray_count = traced;
-    *packet_seconds = packet_sum / rsv_threads(context);
-    *single_seconds = single_sum / rsv_threads(context);
-    rsv_directions_destroy(&a.directions);
-    return failed ? RSV_ERROR_MEMORY : RSV_OK;
 }
 
 static rsv_status create_scratch(rsv_context *context, uint32_t rays, row_scratch *s)
@@ -547,78 +431,4 @@ cleanup:
     rsv_free(context, a.tinted_length);
     rsv_directions_destroy(&a.directions);
     return status;
-}
-
-void rsv_transport_destroy(rsv_transport *transport)
-{
-    if (!transport) return;
-    rsv_context *context = transport->context;
-    void *arrays[] = { transport->row_begin, transport->column, transport->tinted_begin,
-        transport->tinted_column, transport->tinted_weight, transport->scale, transport->gathered };
-    for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
-        rsv_free(context, arrays[k]);
-    rsv_escapes_destroy(context, &transport->escapes);
-    rsv_free(context, transport);
-}
-
-size_t rsv_transport_entries(const rsv_transport *transport)
-{
-    return transport->row_begin[transport->row_count] +
-           transport->tinted_begin[transport->row_count];
-}
-
-void rsv_transport_apply(
-    const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance)
-{
-    const rsv_transport *t = transport;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(                           \
-    t->context)) if (rsv_transport_entries(t) > 65536) // less work than waking the threads
-    for (size_t row = 0; row < t->row_count; row++) {
-        rsv_rgb sum = rgb_gray(0);
-        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++)
-            sum = rgb_add(sum, exitance[t->column[k]]);
-        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++)
-            sum = rgb_add(sum, rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k]]));
-        irradiance[row] = rgb_scale(sum, t->scale[row]);
-    }
-}
-
-void rsv_transport_environment(
-    const rsv_transport *transport, const rsv_rgb *bin_radiance, rsv_rgb *irradiance)
-{
-    const rsv_transport *t = transport;
-    for (size_t row = 0; row < t->row_count; row++) {
-        rsv_rgb sum = rsv_escapes_sum(&t->escapes, row, bin_radiance);
-        irradiance[row] = rgb_scale(sum, RSV_PI * t->scale[row]);
-    }
-}
-
-/// Measured standard deviation of stratified rows over that of as many independent rays: 0.52 at 64 rays, 0.40
-/// at 1024 (cornell-blocks).
-#define STRATIFIED 0.45f
-
-void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exitance,
-    const rsv_rgb *bin_radiance, float *deviation)
-{
-    const rsv_transport *t = transport;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(t->context))
-    for (size_t row = 0; row < t->row_count; row++) {
-        float sum = 0, squares = 0;
-        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
-            float luminance = rgb_luminance(exitance[t->column[k]]);
-            sum += luminance;
-            squares += luminance * luminance;
-        }
-        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-            float luminance =
-                rgb_luminance(rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k]]));
-            sum += luminance;
-            squares += luminance * luminance;
-        }
-        // radiance of the surroundings against exitance of surfaces
-        sum += RSV_PI * rgb_luminance(rsv_escapes_sum(&t->escapes, row, bin_radiance));
-        squares += RSV_PI * RSV_PI * rsv_escapes_sum_squares(&t->escapes, row, bin_radiance);
-        float mean = sum * t->scale[row], variance = squares * t->scale[row] - mean * mean;
-        deviation[row] = STRATIFIED * sqrtf(f_max(variance, 0) * t->scale[row]);
-    }
 }
