@@ -199,7 +199,7 @@ static rsv_status add_followers(clustering *c)
     if (!hanging) return RSV_ERROR_MEMORY;
     for (uint32_t n = 0; n < e->node_count; n++)
         if (c->fine[n]) hanging[next++] = follower_of(c, n);
-    memcpy(hanging + next, e->hanging, e->hanging_count * sizeof *hanging);
+    if (e->hanging_count) memcpy(hanging + next, e->hanging, e->hanging_count * sizeof *hanging);
     rsv_free(e->context, e->hanging);
     e->hanging = hanging;
     e->hanging_count = count;
