@@ -60,9 +60,10 @@ typedef struct rsv_context_desc {
     /// Called from the calling thread during long work, with `fraction` in [0, 1] within the named
     /// phase. Return false to cancel. NULL = no progress.
     bool (*progress)(void *user, const char *phase, double fraction);
-    /// Allocator: returns `bytes` bytes aligned to 64, or NULL. NULL = the C library's.
+    /// Allocator: returns `bytes` bytes aligned to 64, or NULL; worker threads call it at the same time.
+    /// NULL = the C library's.
     void *(*allocate)(void *user, size_t bytes);
-    /// Frees what `allocate` returned; set both or neither.
+    /// Frees what `allocate` returned, from any thread; set both or neither.
     void (*release)(void *user, void *memory);
     /// Passed to every callback.
     void *user;

@@ -8,6 +8,7 @@
 
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,9 +17,9 @@
 
 typedef struct fixture {
     rsv_context *context;
-    char log[65536];         ///< all messages, one a line, warnings marked "warning: "
-    size_t allocations_left; ///< SIZE_MAX = unlimited; at 0 every allocation fails
-    size_t allocations_alive;
+    char log[65536];                ///< all messages, one a line, warnings marked "warning: "
+    atomic_size_t allocations_left; ///< SIZE_MAX = unlimited; at 0 every allocation fails
+    atomic_size_t allocations_alive;
 } fixture;
 
 static inline void fixture_log(void *user, rsv_log_level level, const char *message)
