@@ -1,0 +1,119 @@
+/// A room with a lamp and a ball of each rough kind: the operator's picture against the reference's.
+#include "resolvent/render.h"
+#include "resolvent/solve.h"
+#include "unit/light_fixture.h"
+
+/// Of the mean over the picture.
+#define TOLERANCE 5e-3
+/// The reference's own standard error, at most; a large lamp keeps it small.
+#define NOISE (TOLERANCE / 3)
+
+static rsv_material ball_material(float metallic, float transmission, float roughness)
+{
+    rsv_material material = rsv_default_material();
+    material.base_color = rgb(0.9f, 0.8f, 0.6f);
+    material.metallic = metallic;
+    material.transmission = transmission;
+    material.thickness = transmission;
+    material.roughness = roughness;
+    return material;
+}
+
+/// Red to the left, green to the right, a lamp under the ceiling.
+static world *room_with_ball(rsv_material ball)
+{
+    world *w = world_begin(2);
+    rsv_material wall = rsv_default_material();
+    wall.specular = 0;
+    wall.base_color = rgb(0.7f, 0.6f, 0.5f);
+    world_room(w, world_material(w, wall), v3(-1, -1, -1), v3(1, 1, 1));
+    rsv_material lamp = wall;
+    lamp.base_color = rgb_gray(0);
+    lamp.emission = rgb_gray(3);
+    world_quad(w, world_material(w, lamp), v3(-0.7f, 0.99f, -0.7f), v3(0.7f, 0.99f, -0.7f),
+        v3(0.7f, 0.99f, 0.7f), v3(-0.7f, 0.99f, 0.7f));
+    world_sphere(w, world_material(w, ball), v3(0, -0.4f, -0.1f), 0.55f, 4);
+    rsv_camera camera = rsv_camera_look_at("eye", v3(0, 0, 0.98f), v3(0, -0.2f, -1), 1.4f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    return w;
+}
+
+static double mean_luminance(const rsv_image *image)
+{
+    const rsv_rgb *pixels = rsv_image_const_pixels(image, 0);
+    size_t count = (size_t)rsv_image_width(image) * rsv_image_height(image);
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += (double)rgb_luminance(pixels[i]);
+    return sum / (double)count;
+}
+
+static void check_ball(rsv_material ball)
+{
+    world *w = room_with_ball(ball);
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solution *solution;
+    rsv_image *reference, *found;
+    double error;
+    assert_int_equal(rsv_solution_create(w->scene, &solve, &solution), RSV_OK);
+    rsv_render_desc desc = rsv_default_render_desc();
+    desc.width = desc.height = 32;
+    desc.samples = 192;
+    assert_int_equal(rsv_render_reference(w->scene, &desc, &reference, &error), RSV_OK);
+    desc.samples = 64;
+    desc.mode = RSV_RENDER_OPERATOR;
+    assert_int_equal(rsv_render(solution, &desc, &found), RSV_OK);
+    double expected = mean_luminance(reference);
+    print_message(
+        "mean %.5f, reference %.5f +- %.2f %%\n", mean_luminance(found), expected, 100 * error);
+    assert_true(error < NOISE);
+    assert_float_equal(mean_luminance(found), expected, TOLERANCE * expected);
+    rsv_image_destroy(reference);
+    rsv_image_destroy(found);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static void rough_metal_agrees_with_the_reference(void **state)
+{
+    (void)state;
+    check_ball(ball_material(1, 0, 0.4f));
+}
+
+static void rough_glass_agrees_with_the_reference(void **state)
+{
+    (void)state;
+    check_ball(ball_material(0, 1, 0.4f));
+}
+
+static void layers_agree_with_the_reference(void **state)
+{
+    (void)state;
+    rsv_material ball = ball_material(0.3f, 0, 0.5f);
+    ball.clearcoat = 1;
+    ball.clearcoat_roughness = 0.15f;
+    ball.sheen_color = rgb(0.3f, 0.5f, 0.7f);
+    ball.sheen_roughness = 0.5f;
+    check_ball(ball);
+}
+
+static void leaves_agree_with_the_reference(void **state)
+{
+    (void)state;
+    rsv_material ball = ball_material(0, 0, 0.6f);
+    ball.diffuse_transmission = 0.5f;
+    ball.double_sided = true;
+    check_ball(ball);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rough_metal_agrees_with_the_reference),
+        cmocka_unit_test(rough_glass_agrees_with_the_reference),
+        cmocka_unit_test(layers_agree_with_the_reference),
+        cmocka_unit_test(leaves_agree_with_the_reference),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
