@@ -58,7 +58,7 @@ typedef enum rsv_stop_reason {
 typedef struct rsv_solve_report {
     rsv_stop_reason stop_reason;
     size_t elements;         ///< coarse elements: unknowns of the linear system
-    size_t direct_elements;  ///< elements of the direct level
+    size_t direct_elements;  ///< elements of the direct and caustic levels
     size_t entries;          ///< stored entries of G
     uint64_t rays;           ///< traced during assembly
     uint32_t iterations;     ///< applications of G K

@@ -42,7 +42,8 @@ static void find_surface(receiver *r)
     float lift = v3_length(v3_sub(r->origin, r->position));
     rsv_ray ray = { r->origin, v3_neg(r->normal), 4 * lift };
     rsv_hit hit;
-    if (!s->fine.caustic || r->job->gather_caustics || !rsv_tracer_closest(s->tracer, &ray, &hit))
+    if (!s->caustics.caustic || r->job->gather_caustics ||
+        !rsv_tracer_closest(s->tracer, &ray, &hit))
         return;
     rsv_chain chain =
         rsv_chain_begin(&s->scene, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
@@ -52,7 +53,8 @@ static void find_surface(receiver *r)
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[hit.triangle]];
     // what is stored is the light that enters this surface: of use to receivers that lie flat on it
     if (face == RSV_NONE || bsdf->coated || v3_dot(point.normal, r->normal) < 0.999f) return;
-    r->caustic = rsv_elements_interpolate(s->fine.elements, s->fine.caustic, face, hit.u, hit.v);
+    r->caustic =
+        rsv_elements_interpolate(s->caustics.elements, s->caustics.caustic, face, hit.u, hit.v);
     r->has_caustic = true;
 }
 

@@ -131,8 +131,9 @@ static rsv_status create_entered(rsv_solution *s)
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (!valid[n] || known[n]) continue;
         entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->gathered));
-        if (s->fine.caustic)
-            entered[n] = rgb_add(entered[n], field_at(e, n, s->fine.elements, s->fine.caustic));
+        if (s->caustics.caustic)
+            entered[n] =
+                rgb_add(entered[n], field_at(e, n, s->caustics.elements, s->caustics.caustic));
     }
     rsv_elements_constrain(e, entered);
 cleanup:

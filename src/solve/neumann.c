@@ -205,8 +205,9 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
 static rsv_status create_orders(rsv_solution *s)
 {
     size_t nodes = s->elements->node_count;
+    s->irradiance = rsv_alloc(s->context, nodes, sizeof *s->irradiance);
     s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
-    if (!s->indirect) return RSV_ERROR_MEMORY;
+    if (!s->irradiance || !s->indirect) return RSV_ERROR_MEMORY;
     for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
         s->order[k] = rsv_alloc(s->context, nodes, sizeof *s->order[k]);
         if (!s->order[k]) return RSV_ERROR_MEMORY;
@@ -237,14 +238,14 @@ static rsv_status solve(series *q, uint32_t max_orders)
     return sum_series(q, max_orders);
 }
 
-static void report_error(const series *q, rsv_rgb *irradiance, rsv_rgb *scratch)
+static void report_error(const series *q, rsv_rgb *scratch)
 {
     rsv_solution *s = q->s;
     for (size_t n = 0; n < s->elements->node_count; n++)
-        irradiance[n] = rgb_add(s->source[n], s->indirect[n]);
-    s->report.residual_inf = residual_norm(q, irradiance, scratch);
+        s->irradiance[n] = rgb_add(s->source[n], s->indirect[n]);
+    s->report.residual_inf = residual_norm(q, s->irradiance, scratch);
     s->report.truncation_bound = s->report.residual_inf * q->resolvent;
-    s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, irradiance);
+    s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, s->irradiance);
 }
 
 rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
@@ -259,7 +260,7 @@ rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
     RSV_TRY(rsv_transport_map_create(
         s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &q.map));
     RSV_TRY(solve(&q, max_orders));
-    report_error(&q, q.term, q.next);
+    report_error(&q, q.next);
     for (uint32_t order = 1; order < s->order_count; order++)
         rsv_sharpen(s->elements, s->order[order], q.term, q.next);
     rsv_sharpen(s->elements, s->indirect, q.term, q.next);

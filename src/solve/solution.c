@@ -147,29 +147,36 @@ static void destroy_system(rsv_solution *s)
         rsv_free(s->context, s->order[k]);
         s->order[k] = NULL;
     }
+    rsv_free(s->context, s->irradiance);
     rsv_free(s->context, s->indirect);
     rsv_free(s->context, s->source);
     rsv_free(s->context, s->gathered);
     rsv_free(s->context, s->exitance_albedo);
     rsv_transport_destroy(s->transport);
-    s->indirect = s->source = s->gathered = s->exitance_albedo = NULL;
+    s->irradiance = s->indirect = s->source = s->gathered = s->exitance_albedo = NULL;
     s->transport = NULL;
 }
 
-static rsv_status create_fine_level(rsv_solution *s)
+/// Caustics have elements of their own: they are the same whether direct light is left to the renderer or not.
+static rsv_status create_fine_levels(rsv_solution *s)
 {
     bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
                     rsv_photons_wanted(&s->scene, s->lights);
     bool sampled = rsv_lights_any_sampled(s->lights) || s->scene.view->light_count > 0;
-    bool direct = s->desc.direct_level && sampled;
-    if (!caustics && !direct) return RSV_OK;
-    rsv_source_level_desc desc = { .direct = direct,
-        .photon_count = caustics ? s->desc.photon_count : 0,
-        .levels = s->desc.direct_levels,
+    rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
         .light_samples = s->desc.light_samples,
         .seed = s->desc.seed ^ 0x2545f491u };
-    return rsv_source_level_create(
-        &s->scene, s->lights, s->elements, &desc, &s->fine, &s->report.rays);
+    rsv_source_level_desc direct_desc = desc, caustic_desc = desc;
+    direct_desc.direct = true;
+    caustic_desc.photon_count = s->desc.photon_count;
+    rsv_status status = RSV_OK;
+    if (s->desc.direct_level && sampled)
+        status = rsv_source_level_create(
+            &s->scene, s->lights, s->elements, &direct_desc, &s->fine, &s->report.rays);
+    if (status == RSV_OK && caustics)
+        status = rsv_source_level_create(
+            &s->scene, s->lights, s->elements, &caustic_desc, &s->caustics, &s->report.rays);
+    return status;
 }
 
 /// E0 on the coarse elements: next-event estimates, gathered emission and caustics.
@@ -183,7 +190,8 @@ static rsv_status create_source(rsv_solution *s)
     for (size_t n = 0; n < s->elements->node_count; n++) {
         s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
         s->source[n] = rgb_add(s->source[n], s->gathered[n]);
-        if (s->fine.coarse_caustic) s->source[n] = rgb_add(s->source[n], s->fine.coarse_caustic[n]);
+        if (s->caustics.coarse_caustic)
+            s->source[n] = rgb_add(s->source[n], s->caustics.coarse_caustic[n]);
     }
     rsv_elements_constrain(s->elements, s->gathered);
     rsv_elements_constrain(s->elements, s->source);
@@ -347,6 +355,11 @@ static rsv_status divide_environment(rsv_solution *s)
                             : status;
 }
 
+static size_t count_nodes(const rsv_elements *elements)
+{
+    return elements ? elements->node_count : 0;
+}
+
 static rsv_status build(rsv_solution *s)
 {
     rsv_status status;
@@ -364,13 +377,13 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(create_albedos(s));
     RSV_TRY(assemble(s, reflects_diffusely(s) ? s->desc.rays_per_element : FEWEST_RAYS));
     RSV_TRY(rsv_subsurface_create(s->elements, &s->subsurface));
-    RSV_TRY(create_fine_level(s));
+    RSV_TRY(create_fine_levels(s));
     RSV_TRY(create_source(s));
     double assembled = rsv_seconds();
     s->report.time_assemble = assembled - built;
 
     s->report.elements = s->elements->node_count;
-    s->report.direct_elements = s->fine.elements ? s->fine.elements->node_count : 0;
+    s->report.direct_elements = count_nodes(s->fine.elements) + count_nodes(s->caustics.elements);
     s->report.entries = rsv_transport_entries(s->transport) + rsv_subsurface_entries(s->subsurface);
     RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
     RSV_TRY(rsv_diffused_level_create(s));
@@ -407,6 +420,7 @@ void rsv_solution_destroy(rsv_solution *s)
     rsv_context *context = s->context;
     rsv_diffused_level_destroy(context, &s->diffused);
     rsv_source_level_destroy(context, &s->fine);
+    rsv_source_level_destroy(context, &s->caustics);
     rsv_subsurface_destroy(s->subsurface);
     destroy_system(s);
     rsv_free(context, s->valid_points);
@@ -431,8 +445,9 @@ rsv_rgb rsv_solution_direct(
     const rsv_solution *s, uint32_t face, float u, float v, bool skip_sampled)
 {
     rsv_rgb sum = rsv_elements_interpolate(s->elements, s->gathered, face, u, v);
-    if (s->fine.caustic)
-        sum = rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.caustic, face, u, v));
+    if (s->caustics.caustic)
+        sum = rgb_add(
+            sum, rsv_elements_interpolate(s->caustics.elements, s->caustics.caustic, face, u, v));
     if (skip_sampled) return sum;
     if (s->fine.direct)
         return rgb_add(sum, rsv_elements_interpolate(s->fine.elements, s->fine.direct, face, u, v));

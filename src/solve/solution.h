@@ -23,10 +23,12 @@ struct rsv_solution {
     rsv_rgb *bin_radiance;      ///< [RSV_ESCAPE_BINS] of the surroundings
     rsv_rgb *gathered;          ///< [node_count] the part of E0 that gather rays found
     rsv_rgb *source;            ///< [node_count] E0, all of it, on the coarse elements
-    rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0
+    rsv_rgb *irradiance;        ///< [node_count] E = E0 + G K E, as solved
+    rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0, sharpened from n = 1 on
     uint32_t order_count;
     rsv_rgb *indirect;           ///< [node_count] sum of the orders from 1 on
-    rsv_source_level fine;       ///< elements NULL = direct light is the coarse `source`
+    rsv_source_level fine;       ///< direct; elements NULL = direct light is the coarse `source`
+    rsv_source_level caustics;   ///< elements NULL = there are none
     rsv_diffused_level diffused; ///< what translucent surfaces show; elements NULL = there are none
 
     rsv_solve_report report;

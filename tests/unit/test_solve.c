@@ -290,6 +290,24 @@ static void too_few_orders_are_reported(void **state)
     world_end(w);
 }
 
+static void caustics_do_not_depend_on_who_finds_direct_light(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-spheres");
+    rsv_solve_desc desc = small_desc(200);
+    rsv_solution *with = solve_with(w, &desc);
+    desc.direct_level = false;
+    rsv_solution *without = solve_with(w, &desc);
+    size_t nodes = with->caustics.elements->node_count;
+    assert_non_null(with->fine.direct);
+    assert_null(without->fine.elements);
+    assert_int_equal(without->caustics.elements->node_count, nodes);
+    assert_memory_equal(with->caustics.caustic, without->caustics.caustic, nodes * sizeof(rsv_rgb));
+    rsv_solution_destroy(with);
+    rsv_solution_destroy(without);
+    world_end(w);
+}
+
 static uint64_t hash_of_solution_with(int threads)
 {
     world *w = world_builtin(threads, "cornell-spheres");
@@ -300,7 +318,8 @@ static uint64_t hash_of_solution_with(int threads)
     uint64_t hash = hash_bytes(HASH_START, s->indirect, nodes * sizeof *s->indirect);
     hash = hash_bytes(hash, s->source, nodes * sizeof *s->source);
     hash = hash_bytes(hash, s->fine.direct, s->fine.elements->node_count * sizeof(rsv_rgb));
-    hash = hash_bytes(hash, s->fine.caustic, s->fine.elements->node_count * sizeof(rsv_rgb));
+    hash =
+        hash_bytes(hash, s->caustics.caustic, s->caustics.elements->node_count * sizeof(rsv_rgb));
     rsv_solution_destroy(s);
     world_end(w);
     return hash;
@@ -523,6 +542,7 @@ int main(void)
         cmocka_unit_test(the_report_tells_the_truth),
         cmocka_unit_test(the_report_counts_what_was_built),
         cmocka_unit_test(too_few_orders_are_reported),
+        cmocka_unit_test(caustics_do_not_depend_on_who_finds_direct_light),
         cmocka_unit_test(solutions_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(a_closed_lossless_scene_is_refused),
         cmocka_unit_test(an_open_lossless_scene_is_solved),
