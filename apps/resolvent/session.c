@@ -103,13 +103,6 @@ void cli_session_end(cli_session *session)
     *session = (cli_session){ 0 };
 }
 
-static bool is_builtin(const char *name)
-{
-    for (const char *const *builtin = rsv_scene_builtin_names(); *builtin; builtin++)
-        if (strcmp(*builtin, name) == 0) return true;
-    return false;
-}
-
 rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **scene)
 {
     static const float crease_angle = 1.4f; // radians: scanned surfaces are smooth, coarse or fine
@@ -144,14 +137,14 @@ rsv_scene *cli_open_scene(
     rsv_scene *scene = NULL;
     rsv_status status;
     double started = cli_seconds();
-    if (session->mesh && !is_builtin(name)) {
+    if (session->mesh && !rsv_scene_is_builtin(name)) {
         cli_error(
             "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
         return NULL;
     }
     if (access(name, F_OK) == 0 && !session->mesh) {
         status = rsv_scene_load(session->context, name, &scene);
-    } else if (is_builtin(name)) {
+    } else if (rsv_scene_is_builtin(name)) {
         status = cli_build_scene(session, name, &scene);
     } else {
         cli_error(

@@ -253,12 +253,17 @@ typedef struct rsv_builtin_desc {
 RSV_API rsv_builtin_desc rsv_default_builtin_desc(void);
 
 /// Builds a scene of section "Built-in scenes" of the documentation: cornell-blocks, cornell-spheres,
-/// cornell-glass, cornell-marble, character, furnace, two-rooms. Committed on return.
+/// cornell-glass, cornell-marble, character, furnace, two-rooms, gallery, terraces. Committed on return.
+/// @param name the last two take a size behind a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6" about a
+/// million triangles (default 1e5)
 RSV_API rsv_status rsv_scene_builtin(rsv_context *context, const char *name, rsv_scene **scene);
 
 /// The same with choices. @param desc NULL = defaults
 RSV_API rsv_status rsv_scene_builtin_with(
     rsv_context *context, const char *name, const rsv_builtin_desc *desc, rsv_scene **scene);
+
+/// Whether `name`, with or without a size, names a built-in scene.
+RSV_API bool rsv_scene_is_builtin(const char *name);
 
 /// Names of the built-in scenes, NULL-terminated.
 RSV_API const char *const *rsv_scene_builtin_names(void);

@@ -1,17 +1,34 @@
 #include "builtin.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const char *const builtin_names[] = { "cornell-blocks", "cornell-spheres", "cornell-glass",
-    "cornell-marble", "character", "furnace", "two-rooms", NULL };
+    "cornell-marble", "character", "furnace", "two-rooms", "gallery", "terraces", NULL };
 
-/// In the order of their names; one of the two.
+/// What a scene is measured in, if its size can be chosen.
+typedef struct size_range {
+    const char *unit;
+    double standard, least, most;
+} size_range;
+
+/// In the order of their names; one of the three.
 static const struct {
     rsv_status (*build)(rsv_scene *);
     rsv_status (*build_around)(rsv_scene *, const rsv_builtin_desc *);
-} generators[] = { { rsv_build_cornell_blocks, NULL }, { rsv_build_cornell_spheres, NULL },
-    { NULL, rsv_build_cornell_glass }, { NULL, rsv_build_cornell_marble },
-    { NULL, rsv_build_character }, { rsv_build_furnace, NULL }, { rsv_build_two_rooms, NULL } };
+    rsv_status (*build_sized)(rsv_scene *, double size);
+    size_range size;
+} generators[] = {
+    { .build = rsv_build_cornell_blocks },
+    { .build = rsv_build_cornell_spheres },
+    { .build_around = rsv_build_cornell_glass },
+    { .build_around = rsv_build_cornell_marble },
+    { .build_around = rsv_build_character },
+    { .build = rsv_build_furnace },
+    { .build = rsv_build_two_rooms },
+    { .build_sized = rsv_build_gallery, .size = { "rooms", 6, 1, 10000 } },
+    { .build_sized = rsv_build_terraces, .size = { "triangles", 1e5, 5000, 1e8 } },
+};
 
 const char *const *rsv_scene_builtin_names(void) { return builtin_names; }
 
@@ -20,14 +37,51 @@ rsv_builtin_desc rsv_default_builtin_desc(void)
     return (rsv_builtin_desc){ .body_triangles = 60000 };
 }
 
-static rsv_status generate(size_t i, const rsv_builtin_desc *desc, rsv_scene *scene)
+/// Index of the scene that `name`, up to its size, names; of the NULL at the end if there is none.
+static size_t find_builtin(const char *name)
 {
+    size_t length = strcspn(name, ":"), i = 0;
+    while (builtin_names[i] &&
+           (strlen(builtin_names[i]) != length || strncmp(builtin_names[i], name, length) != 0))
+        i++;
+    return i;
+}
+
+bool rsv_scene_is_builtin(const char *name) { return builtin_names[find_builtin(name)] != NULL; }
+
+/// Reads the size behind the colon in a scene's name.
+static rsv_status read_size(size_t i, const char *name, double *size)
+{
+    const size_range *range = &generators[i].size;
+    const char *text = strchr(name, ':');
+    char *end;
+    *size = range->standard;
+    if (!text) return RSV_OK;
+    if (!generators[i].build_sized)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "scene '%s': %s has no size to choose; leave out '%s'",
+            name, builtin_names[i], text);
+    *size = strtod(text + 1, &end);
+    if (end == text + 1 || *end || !(*size >= range->least && *size <= range->most) ||
+        *size != floor(*size))
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "scene '%s': behind the colon belongs a whole number of %s from %.0f to %.0f", name,
+            range->unit, range->least, range->most);
+    return RSV_OK;
+}
+
+static rsv_status generate(
+    size_t i, const char *name, const rsv_builtin_desc *desc, rsv_scene *scene)
+{
+    double size;
+    rsv_status status = read_size(i, name, &size);
+    if (status != RSV_OK) return status;
     if (generators[i].build_around) return generators[i].build_around(scene, desc);
     if (desc->body)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "scene '%s' takes no mesh; cornell-glass, cornell-marble and character do",
             builtin_names[i]);
-    return generators[i].build(scene);
+    return generators[i].build_sized ? generators[i].build_sized(scene, size)
+                                     : generators[i].build(scene);
 }
 
 rsv_status rsv_scene_builtin_with(
@@ -36,21 +90,19 @@ rsv_status rsv_scene_builtin_with(
     rsv_status status;
     rsv_scene *built = NULL;
     const rsv_builtin_desc defaults = rsv_default_builtin_desc();
-    size_t i = 0;
+    size_t i = find_builtin(name);
     if (!desc) desc = &defaults;
-    while (builtin_names[i] && strcmp(builtin_names[i], name) != 0)
-        i++;
     if (!builtin_names[i])
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "there is no built-in scene '%s'; use cornell-blocks, cornell-spheres, cornell-glass, "
-            "cornell-marble, character, furnace or two-rooms",
+            "cornell-marble, character, furnace, two-rooms, gallery or terraces",
             name);
     if (desc->body_triangles < 100 || desc->body_triangles > 20000000)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "a body of %zu triangles is not possible; ask for 100 to 20,000,000",
             desc->body_triangles);
     RSV_TRY(rsv_scene_create(context, &built));
-    RSV_TRY(generate(i, desc, built));
+    RSV_TRY(generate(i, name, desc, built));
     RSV_TRY(rsv_scene_commit(built));
     *scene = built;
     return RSV_OK;

@@ -13,6 +13,11 @@ rsv_status rsv_build_cornell_spheres(rsv_scene *scene);
 rsv_status rsv_build_furnace(rsv_scene *scene);
 rsv_status rsv_build_two_rooms(rsv_scene *scene);
 
+/// @param rooms a whole number of them
+rsv_status rsv_build_gallery(rsv_scene *scene, double rooms);
+/// @param triangles about as many
+rsv_status rsv_build_terraces(rsv_scene *scene, double triangles);
+
 /// The Cornell box without the blocks: walls, light and camera.
 rsv_status rsv_build_cornell_box(rsv_scene *scene);
 

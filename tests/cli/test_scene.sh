@@ -8,7 +8,7 @@ facts() {
     sed -E -e '/"scene":/d' -e 's/([0-9]\.[0-9]{0,4})[0-9]*/\1/g' stdout
 }
 
-for name in cornell-blocks cornell-spheres cornell-glass cornell-marble character furnace two-rooms; do
+for name in cornell-blocks cornell-spheres cornell-glass cornell-marble character furnace two-rooms gallery:2 terraces:5000; do
     succeeds scene $name -o $name.glb
     [[ $(head -c 4 $name.glb) == glTF ]] || complain "$name.glb is not binary glTF"
     succeeds info $name
@@ -20,6 +20,17 @@ for name in cornell-blocks cornell-spheres cornell-glass cornell-marble characte
 done
 succeeds scene cornell-blocks -o again.glb
 cmp -s again.glb cornell-blocks.glb || complain "the same scene, written twice, differs"
+
+# -- sizes
+
+succeeds info terraces:20000
+says 'terraces:20000: [12][0-9][0-9][0-9][0-9] triangles'
+succeeds render gallery:1 -o "$out/one.png" "${small[@]}"
+rm "$out/one.png"
+refuses 1 'whole number of rooms' info gallery:2.5
+refuses 1 'from 5000 to 100000000' render terraces:1e12 -o "$out/a.png"
+refuses 1 'no size to choose' info furnace:3
+refuses 1 'no built-in' info gallerie:3
 
 # -- bodies
 

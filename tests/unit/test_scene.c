@@ -411,11 +411,55 @@ static void the_two_rooms_share_floor_and_ceiling(void **state)
     rsv_scene_destroy(scene);
 }
 
+static double area_of(const rsv_scene_view *view)
+{
+    double area = 0;
+    for (size_t t = 0; t < view->triangle_count; t++) {
+        const uint32_t *k = view->triangle[t];
+        rsv_vec3 a = view->position[k[0]], b = view->position[k[1]], c = view->position[k[2]];
+        area += 0.5 * (double)v3_length(v3_cross(v3_sub(b, a), v3_sub(c, a)));
+    }
+    return area;
+}
+
+static void terraces_grow_and_keep_their_detail(void **state)
+{
+    const double sizes[] = { 3e4, 1e5, 3e5 };
+    const char *const names[] = { "terraces:30000", "terraces:1e5", "terraces:3e5" };
+    for (int i = 0; i < 3; i++) {
+        rsv_scene *scene = builtin(*state, names[i]);
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        assert_float_equal(view->triangle_count / sizes[i], 1, 0.08);
+        // squares of 25 cm, nothing twice and nothing missing: wells and pyramids close over the streets
+        assert_float_equal(area_of(view) / view->triangle_count, 0.03125, 1e-4);
+        double plan = 0;
+        for (size_t t = 0; t < view->triangle_count; t++)
+            plan += 0.03125 * (double)geometric_normal(view, t).y;
+        rsv_vec3 size = v3_sub(view->bounds_max, view->bounds_min);
+        assert_true(plan <= (double)(size.x * size.z) * 1.0001);
+        assert_float_equal(fmod(plan, 100), 0, 0.01); // whole blocks
+        rsv_scene_destroy(scene);
+    }
+}
+
+static void every_room_of_the_gallery_has_its_lights(void **state)
+{
+    rsv_scene *scene = builtin(*state, "gallery:11");
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    size_t panels = 0;
+    for (size_t t = 0; t < view->triangle_count; t++)
+        panels += !strcmp(object_of(view, t), "panel");
+    assert_int_equal(panels, 2 * 11);
+    assert_int_equal(view->light_count, 3 * 11);
+    assert_float_equal(view->bounds_max.x - view->bounds_min.x, 11 * 6 + 0.4f, 1e-3f);
+    rsv_scene_destroy(scene);
+}
+
 static void exhaustion_is_an_error_and_leaks_nothing(void **state)
 {
     fixture *f = *state;
-    const char *const names[2] = { "two-rooms", "cornell-spheres" };
-    for (int i = 0; i < 2; i++) {
+    const char *const names[] = { "two-rooms", "cornell-spheres", "gallery:1", "terraces:5000" };
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         size_t alive = f->allocations_alive;
         rsv_scene *scene = NULL;
         rsv_status status = RSV_ERROR_MEMORY;
@@ -456,6 +500,8 @@ int main(void)
         SCENE_TEST(glass_spheres_are_closed_fine_and_apart),
         SCENE_TEST(the_furnace_faces_inwards),
         SCENE_TEST(the_two_rooms_share_floor_and_ceiling),
+        SCENE_TEST(terraces_grow_and_keep_their_detail),
+        SCENE_TEST(every_room_of_the_gallery_has_its_lights),
         SCENE_TEST(exhaustion_is_an_error_and_leaks_nothing),
     };
     return cmocka_run_group_tests_name("scene", tests, NULL, NULL);
