@@ -97,7 +97,7 @@ void rsv_log(const rsv_context *context, rsv_log_level level, const char *format
     context->desc.log(context->desc.user, level, message);
 }
 
-void *rsv_alloc(rsv_context *context, size_t count, size_t size)
+void *rsv_reserve(rsv_context *context, size_t count, size_t size)
 {
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX - 127) {
@@ -107,11 +107,14 @@ void *rsv_alloc(rsv_context *context, size_t count, size_t size)
     }
     bytes = (bytes / 64 + 1) * 64;
     void *memory = context->desc.allocate(context->desc.user, bytes);
-    if (!memory) {
-        rsv_fail(RSV_ERROR_MEMORY, "out of memory: cannot allocate %zu bytes", bytes);
-        return NULL;
-    }
-    memset(memory, 0, bytes);
+    if (!memory) rsv_fail(RSV_ERROR_MEMORY, "out of memory: cannot allocate %zu bytes", bytes);
+    return memory;
+}
+
+void *rsv_alloc(rsv_context *context, size_t count, size_t size)
+{
+    void *memory = rsv_reserve(context, count, size);
+    if (memory) memset(memory, 0, (count * size / 64 + 1) * 64);
     return memory;
 }
 

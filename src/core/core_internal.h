@@ -25,6 +25,8 @@ void rsv_log(const rsv_context *context, rsv_log_level level, const char *format
 /// Zeroed array of `count` elements of `size` bytes, aligned to 64; never NULL for count 0. Overflow
 /// and exhaustion set the error message and return NULL. Thread-safe.
 void *rsv_alloc(rsv_context *context, size_t count, size_t size);
+/// The same without zeros: what is never written takes no memory, so that a generous bound costs nothing.
+void *rsv_reserve(rsv_context *context, size_t count, size_t size);
 void rsv_free(rsv_context *context, void *memory);
 
 /// Grows `*array` (capacity in elements at `*capacity`) to hold at least `needed` elements, keeping

@@ -118,7 +118,7 @@ static void append(rsv_escape_list *list, const uint16_t *bin, size_t count,
 rsv_status rsv_escapes_store(rsv_context *context, rsv_escapes *escapes, size_t index,
     const rsv_escape_row *row, rsv_escape_list *list)
 {
-    escapes->begin[index + 1] = row->count; // summed up when the lists are joined
+    escapes->begin[index + 1] = row->count; // summed up in the end
     escapes->tinted_begin[index + 1] = row->tinted_count;
     rsv_status status =
         reserve(context, list, list->count + row->count, list->tinted_count + row->tinted_count);
@@ -127,23 +127,24 @@ rsv_status rsv_escapes_store(rsv_context *context, rsv_escapes *escapes, size_t 
     return status;
 }
 
-rsv_status rsv_escapes_join(rsv_context *context, rsv_escapes *escapes, size_t row_count,
-    rsv_escape_list *lists, size_t list_count)
+rsv_status rsv_escapes_append(rsv_context *context, rsv_escapes *escapes, rsv_escape_list *list)
+{
+    rsv_escape_list *all = &escapes->list;
+    rsv_status status =
+        reserve(context, all, all->count + list->count, all->tinted_count + list->tinted_count);
+    if (status == RSV_OK)
+        append(
+            all, list->bin, list->count, list->tinted_bin, list->tinted_weight, list->tinted_count);
+    list->count = list->tinted_count = 0;
+    return status;
+}
+
+void rsv_escapes_finish(rsv_escapes *escapes, size_t row_count)
 {
     for (size_t row = 0; row < row_count; row++) {
         escapes->begin[row + 1] += escapes->begin[row];
         escapes->tinted_begin[row + 1] += escapes->tinted_begin[row];
     }
-    rsv_status status = reserve(
-        context, &escapes->list, escapes->begin[row_count], escapes->tinted_begin[row_count]);
-    for (size_t k = 0; k < list_count; k++) {
-        rsv_escape_list *list = &lists[k];
-        if (status == RSV_OK)
-            append(&escapes->list, list->bin, list->count, list->tinted_bin, list->tinted_weight,
-                list->tinted_count);
-        rsv_escape_list_destroy(context, list);
-    }
-    return status;
 }
 
 void rsv_escape_list_destroy(rsv_context *context, rsv_escape_list *list)

@@ -51,9 +51,10 @@ void rsv_escapes_destroy(rsv_context *context, rsv_escapes *escapes);
 /// Appends row `index` to a list of consecutive rows. Different lists may grow at the same time.
 rsv_status rsv_escapes_store(rsv_context *context, rsv_escapes *escapes, size_t index,
     const rsv_escape_row *row, rsv_escape_list *list);
-/// Joins the lists, in order, and frees them.
-rsv_status rsv_escapes_join(rsv_context *context, rsv_escapes *escapes, size_t row_count,
-    rsv_escape_list *lists, size_t list_count);
+/// Moves a list of rows behind those of all lists before; it is empty then.
+rsv_status rsv_escapes_append(rsv_context *context, rsv_escapes *escapes, rsv_escape_list *list);
+/// To be called once all lists are appended.
+void rsv_escapes_finish(rsv_escapes *escapes, size_t row_count);
 void rsv_escape_list_destroy(rsv_context *context, rsv_escape_list *list);
 
 /// Sum over a row of weight times radiance.

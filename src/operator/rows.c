@@ -7,6 +7,8 @@
 
 #define LANES RSV_SUPPORT_POINTS
 #define ROWS_PER_BLOCK 64
+/// Blocks that are traced before their rows move to the operator: enough to keep all threads busy to the end.
+#define BLOCKS_PER_THREAD 64
 
 /// The receiver points of one node and what holds for the node as a whole.
 typedef struct receiver {
@@ -36,12 +38,14 @@ typedef struct row_scratch {
     uint64_t rays;
 } row_scratch;
 
-/// Tinted ends of a block of rows; concatenated at the end.
-typedef struct tinted_block {
-    uint32_t *column;
-    rsv_rgb *weight;
-    size_t count, column_capacity, weight_capacity;
-} tinted_block;
+/// Rows on their way to the operator.
+typedef struct row_block {
+    uint32_t *column, *tinted_column;
+    rsv_rgb *tinted_weight;
+    size_t count, tinted_count;
+    size_t column_capacity, tinted_column_capacity, tinted_weight_capacity;
+    rsv_escape_list escapes;
+} row_block;
 
 typedef struct assembly {
     const rsv_transport_scene *scene;
@@ -52,11 +56,10 @@ typedef struct assembly {
     rsv_directions directions;
     rsv_transport *transport;
     uint32_t seed;
-    uint32_t *row_length;    ///< [row_count]
-    uint32_t *tinted_length; ///< [row_count]
-    tinted_block *block;
-    rsv_escape_list *escape_block; ///< [block_count]
-    size_t block_count;
+    row_scratch *scratch; ///< [threads]
+    row_block *block;     ///< [wave_size]
+    size_t block_count, wave_size;
+    size_t entries, tinted_entries; ///< in the operator
 } assembly;
 
 static void set_up_receiver(const assembly *a, uint32_t node, receiver *r)
@@ -220,41 +223,42 @@ static void trace_row(const assembly *a, uint32_t node, row_scratch *s)
     s->rays += rays;
 }
 
-static rsv_status store_tinted(rsv_context *context, const row_scratch *s, tinted_block *block)
+static rsv_status reserve_row(rsv_context *context, row_block *block, size_t count, size_t tinted)
 {
-    size_t needed = block->count + s->tinted_count;
-    rsv_status status = rsv_grow(
-        context, (void **)&block->column, &block->column_capacity, needed, sizeof *block->column);
-    if (status == RSV_OK)
-        status = rsv_grow(context, (void **)&block->weight, &block->weight_capacity, needed,
-            sizeof *block->weight);
-    if (status != RSV_OK) return status;
-    memcpy(block->column + block->count, s->tinted_column, s->tinted_count * sizeof *block->column);
-    memcpy(block->weight + block->count, s->tinted_weight, s->tinted_count * sizeof *block->weight);
-    block->count = needed;
-    return RSV_OK;
+    rsv_status status;
+    RSV_TRY(rsv_grow(context, (void **)&block->column, &block->column_capacity,
+        block->count + count, sizeof *block->column));
+    RSV_TRY(rsv_grow(context, (void **)&block->tinted_column, &block->tinted_column_capacity,
+        block->tinted_count + tinted, sizeof *block->tinted_column));
+    RSV_TRY(rsv_grow(context, (void **)&block->tinted_weight, &block->tinted_weight_capacity,
+        block->tinted_count + tinted, sizeof *block->tinted_weight));
+cleanup:
+    return status;
 }
 
-static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, size_t block)
+static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, row_block *block)
 {
     rsv_transport *t = a->transport;
-    uint32_t rays = a->directions.count, length = 0;
-    uint32_t *column = t->column + (size_t)node * rays;
+    uint32_t rays = a->directions.count;
+    rsv_status status = reserve_row(t->context, block, rays, s->tinted_count);
+    if (status != RSV_OK) return status;
+    size_t first = block->count;
     for (uint32_t ray = 0; ray < rays; ray++)
-        if (s->column[ray] != RSV_NONE) column[length++] = s->column[ray];
+        if (s->column[ray] != RSV_NONE) block->column[block->count++] = s->column[ray];
+    for (uint32_t k = 0; k < s->tinted_count; k++) {
+        block->tinted_column[block->tinted_count] = s->tinted_column[k];
+        block->tinted_weight[block->tinted_count++] = s->tinted_weight[k];
+    }
+    t->row_begin[node + 1] = block->count - first; // summed up in the end
+    t->tinted_begin[node + 1] = s->tinted_count;
     int points = __builtin_popcount(a->valid_points[node]);
     t->scale[node] = (float)LANES / ((float)rays * (float)points);
     t->gathered[node] = rgb_scale(s->emission, RSV_PI * t->scale[node]);
-    a->row_length[node] = length;
-    a->tinted_length[node] = s->tinted_count;
-    rsv_status status = s->tinted_count ? store_tinted(t->context, s, &a->block[block]) : RSV_OK;
-    if (status != RSV_OK) return status;
-    return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &a->escape_block[block]);
+    return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &block->escapes);
 }
 
 static rsv_status create_scratch(rsv_context *context, uint32_t rays, row_scratch *s)
 {
-    memset(s, 0, sizeof *s);
     s->column = rsv_alloc(context, rays, sizeof *s->column);
     s->tinted_column = rsv_alloc(context, rays, sizeof *s->tinted_column);
     s->tinted_weight = rsv_alloc(context, rays, sizeof *s->tinted_weight);
@@ -270,9 +274,9 @@ static void destroy_scratch(rsv_context *context, row_scratch *s)
     rsv_escape_row_destroy(context, &s->escapes);
 }
 
-static rsv_status trace_block(assembly *a, size_t block, row_scratch *scratch)
+static rsv_status trace_block(assembly *a, size_t index, row_scratch *scratch, row_block *block)
 {
-    size_t begin = block * ROWS_PER_BLOCK, end = begin + ROWS_PER_BLOCK;
+    size_t begin = index * ROWS_PER_BLOCK, end = begin + ROWS_PER_BLOCK;
     if (end > a->elements->node_count) end = a->elements->node_count;
     for (size_t node = begin; node < end; node++) {
         if (a->valid_points[node] == 0) continue; // hanging or buried
@@ -283,89 +287,129 @@ static rsv_status trace_block(assembly *a, size_t block, row_scratch *scratch)
     return RSV_OK;
 }
 
-static rsv_status trace_all(assembly *a)
+static rsv_status trace_wave(assembly *a, size_t first)
 {
     rsv_context *context = a->transport->context;
+    size_t end = first + a->wave_size < a->block_count ? first + a->wave_size : a->block_count;
     rsv_status result = RSV_OK;
-    size_t done = 0;
-    uint64_t rays = 0;
-#pragma omp parallel num_threads(rsv_threads(context)) reduction(+ : rays)
-    {
-        row_scratch scratch;
-        rsv_status status = create_scratch(context, a->directions.count, &scratch);
-#pragma omp for schedule(dynamic, 1)
-        for (size_t block = 0; block < a->block_count; block++) {
-            if (status == RSV_OK && !rsv_cancelled(context))
-                status = trace_block(a, block, &scratch);
-            size_t finished;
+    size_t done = first;
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
+    for (size_t index = first; index < end; index++) {
+        rsv_status status = RSV_OK;
+        if (!rsv_cancelled(context))
+            status =
+                trace_block(a, index, &a->scratch[rsv_thread_index()], &a->block[index - first]);
+        size_t finished;
 #pragma omp atomic capture
-            finished = ++done;
-            if (rsv_thread_index() == 0)
-                rsv_progress(context, "assemble", (double)finished / (double)a->block_count);
-        }
-        rays += scratch.rays;
-        destroy_scratch(context, &scratch);
+        finished = ++done;
+        if (rsv_thread_index() == 0)
+            rsv_progress(context, "assemble", (double)finished / (double)a->block_count);
         if (status != RSV_OK) {
 #pragma omp critical
             result = status;
         }
     }
-    a->transport->rays = rays;
-    if (result == RSV_ERROR_MEMORY)
-        return rsv_fail(result, "out of memory assembling the operator");
-    return result == RSV_OK ? rsv_progress(context, "assemble", 1) : result;
+    return result;
 }
 
-/// Moves the rows together and shrinks the arrays to what they hold.
-static rsv_status compact(assembly *a)
+/// Moves the rows of a block behind those of all blocks before.
+static rsv_status append_block(assembly *a, row_block *block)
 {
     rsv_transport *t = a->transport;
-    size_t rays = a->directions.count;
-    for (size_t row = 0; row < t->row_count; row++) {
-        t->row_begin[row + 1] = t->row_begin[row] + a->row_length[row];
-        t->tinted_begin[row + 1] = t->tinted_begin[row] + a->tinted_length[row];
+    if (block->count)
+        memcpy(t->column + a->entries, block->column, block->count * sizeof *t->column);
+    if (block->tinted_count) {
+        memcpy(t->tinted_column + a->tinted_entries, block->tinted_column,
+            block->tinted_count * sizeof *t->tinted_column);
+        memcpy(t->tinted_weight + a->tinted_entries, block->tinted_weight,
+            block->tinted_count * sizeof *t->tinted_weight);
     }
-    uint32_t *column = rsv_alloc(t->context, t->row_begin[t->row_count], sizeof *column);
-    size_t tinted = t->tinted_begin[t->row_count];
-    t->tinted_column = rsv_alloc(t->context, tinted, sizeof *t->tinted_column);
-    t->tinted_weight = rsv_alloc(t->context, tinted, sizeof *t->tinted_weight);
-    if (!column || !t->tinted_column || !t->tinted_weight) {
-        rsv_free(t->context, column);
-        return RSV_ERROR_MEMORY;
-    }
-    for (size_t row = 0; row < t->row_count; row++)
-        memcpy(column + t->row_begin[row], t->column + row * rays,
-            a->row_length[row] * sizeof *column);
-    rsv_free(t->context, t->column);
-    t->column = column;
-    size_t at = 0;
-    for (size_t block = 0; block < a->block_count; block++) {
-        if (a->block[block].count == 0) continue;
-        memcpy(t->tinted_column + at, a->block[block].column,
-            a->block[block].count * sizeof *t->tinted_column);
-        memcpy(t->tinted_weight + at, a->block[block].weight,
-            a->block[block].count * sizeof *t->tinted_weight);
-        at += a->block[block].count;
-    }
-    return rsv_escapes_join(t->context, &t->escapes, t->row_count, a->escape_block, a->block_count);
+    a->entries += block->count;
+    a->tinted_entries += block->tinted_count;
+    block->count = block->tinted_count = 0;
+    return rsv_escapes_append(t->context, &t->escapes, &block->escapes);
 }
 
-static rsv_status create_empty(
-    const rsv_elements *elements, uint32_t rays, rsv_transport **transport)
+static void sum_up_rows(rsv_transport *t)
+{
+    for (size_t row = 0; row < t->row_count; row++) {
+        t->row_begin[row + 1] += t->row_begin[row];
+        t->tinted_begin[row + 1] += t->tinted_begin[row];
+    }
+    rsv_escapes_finish(&t->escapes, t->row_count);
+}
+
+static rsv_status trace_all(assembly *a)
+{
+    rsv_context *context = a->transport->context;
+    rsv_status status = RSV_OK;
+    for (size_t first = 0; first < a->block_count; first += a->wave_size) {
+        RSV_TRY(trace_wave(a, first));
+        RSV_TRY(rsv_cancelled(context) ? rsv_progress(context, "assemble", 1) : RSV_OK);
+        for (size_t k = 0; k < a->wave_size; k++)
+            RSV_TRY(append_block(a, &a->block[k]));
+    }
+    sum_up_rows(a->transport);
+    for (int thread = 0; thread < rsv_threads(context); thread++)
+        a->transport->rays += a->scratch[thread].rays;
+    RSV_TRY(rsv_progress(context, "assemble", 1));
+cleanup:
+    if (status == RSV_ERROR_MEMORY)
+        return rsv_fail(status, "out of memory assembling the operator");
+    return status;
+}
+
+/// Room for rows of `rays` entries each; what they do not fill is never touched.
+static rsv_status create_empty(const rsv_elements *elements, const uint16_t *valid_points,
+    uint32_t rays, rsv_transport **transport)
 {
     rsv_context *context = elements->context;
-    size_t rows = elements->node_count;
+    size_t rows = elements->node_count, most = 0;
     rsv_transport *t = *transport = rsv_alloc(context, 1, sizeof *t);
     if (!t) return RSV_ERROR_MEMORY;
+    for (size_t row = 0; row < rows; row++)
+        most += valid_points[row] ? rays : 0;
     t->context = context;
     t->row_count = rows;
     t->row_begin = rsv_alloc(context, rows + 1, sizeof *t->row_begin);
-    t->column = rsv_alloc(context, rows * rays, sizeof *t->column);
+    t->column = rsv_reserve(context, most, sizeof *t->column);
     t->tinted_begin = rsv_alloc(context, rows + 1, sizeof *t->tinted_begin);
+    t->tinted_column = rsv_reserve(context, most, sizeof *t->tinted_column);
+    t->tinted_weight = rsv_reserve(context, most, sizeof *t->tinted_weight);
     t->scale = rsv_alloc(context, rows, sizeof *t->scale);
     t->gathered = rsv_alloc(context, rows, sizeof *t->gathered);
-    bool complete = t->row_begin && t->column && t->tinted_begin && t->scale && t->gathered;
+    bool complete = t->row_begin && t->column && t->tinted_begin && t->tinted_column &&
+                    t->tinted_weight && t->scale && t->gathered;
     return complete ? rsv_escapes_create(context, rows, &t->escapes) : RSV_ERROR_MEMORY;
+}
+
+static rsv_status create_workers(assembly *a)
+{
+    rsv_context *context = a->elements->context;
+    size_t threads = (size_t)rsv_threads(context);
+    rsv_status status = RSV_OK;
+    a->wave_size = BLOCKS_PER_THREAD * threads;
+    a->block = rsv_alloc(context, a->wave_size, sizeof *a->block);
+    a->scratch = rsv_alloc(context, threads, sizeof *a->scratch);
+    if (!a->block || !a->scratch) return RSV_ERROR_MEMORY;
+    for (size_t thread = 0; thread < threads && status == RSV_OK; thread++)
+        status = create_scratch(context, a->directions.count, &a->scratch[thread]);
+    return status;
+}
+
+static void destroy_workers(assembly *a)
+{
+    rsv_context *context = a->elements->context;
+    for (int thread = 0; a->scratch && thread < rsv_threads(context); thread++)
+        destroy_scratch(context, &a->scratch[thread]);
+    for (size_t k = 0; a->block && k < a->wave_size; k++) {
+        rsv_free(context, a->block[k].column);
+        rsv_free(context, a->block[k].tinted_column);
+        rsv_free(context, a->block[k].tinted_weight);
+        rsv_escape_list_destroy(context, &a->block[k].escapes);
+    }
+    rsv_free(context, a->block);
+    rsv_free(context, a->scratch);
 }
 
 static rsv_status create_targets(assembly *a)
@@ -403,32 +447,15 @@ rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_ligh
         .block_count = (elements->node_count + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK };
     RSV_TRY(rsv_directions_create(context, rays, seed, &a.directions));
     RSV_TRY(create_targets(&a));
-    RSV_TRY(create_empty(elements, rays, &a.transport));
-    a.row_length = rsv_alloc(context, elements->node_count, sizeof *a.row_length);
-    a.tinted_length = rsv_alloc(context, elements->node_count, sizeof *a.tinted_length);
-    a.block = rsv_alloc(context, a.block_count, sizeof *a.block);
-    a.escape_block = rsv_alloc(context, a.block_count, sizeof *a.escape_block);
-    if (!a.row_length || !a.tinted_length || !a.block || !a.escape_block) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
-    }
+    RSV_TRY(create_empty(elements, valid_points, rays, &a.transport));
+    RSV_TRY(create_workers(&a));
     RSV_TRY(trace_all(&a));
-    RSV_TRY(compact(&a));
     *transport = a.transport;
     a.transport = NULL;
 cleanup:
     rsv_transport_destroy(a.transport);
-    for (size_t block = 0; a.block && block < a.block_count; block++) {
-        rsv_free(context, a.block[block].column);
-        rsv_free(context, a.block[block].weight);
-    }
-    for (size_t block = 0; a.escape_block && block < a.block_count; block++)
-        rsv_escape_list_destroy(context, &a.escape_block[block]);
-    rsv_free(context, a.escape_block);
-    rsv_free(context, a.block);
+    destroy_workers(&a);
     rsv_free(context, a.target);
-    rsv_free(context, a.row_length);
-    rsv_free(context, a.tinted_length);
     rsv_directions_destroy(&a.directions);
     return status;
 }
