@@ -23,7 +23,8 @@ static const char help[] =
     "  -o FILE            the readings\n"
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
-    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
+    "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
+        CLI_ENVIRONMENT_HELP
     "  --quality Q        draft, medium (default) or high: of the solution\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
@@ -81,7 +82,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 }
 
 static rsv_status read_light(const settings *s, const rsv_scene *scene, const cli_points *points,
-    rsv_probe_reading *readings, rsv_solution **solution, double *time_render)
+    rsv_probe_reading *readings, rsv_solution **solution, rsv_certificate *certificate,
+    double *time_render)
 {
     rsv_status status = RSV_OK;
     bool is_reference = s->mode == RSV_PROBE_REFERENCE;
@@ -90,6 +92,8 @@ static rsv_status read_light(const settings *s, const rsv_scene *scene, const cl
         desc.solver = (rsv_solver)s->solver;
         desc.seed = s->seed;
         status = rsv_solution_create(scene, &desc, solution);
+        if (status == RSV_OK)
+            status = cli_certify_briefly(s->stats, *solution, s->seed, certificate);
         if (status != RSV_OK) return status;
     }
     double started = cli_seconds();
@@ -101,8 +105,8 @@ static rsv_status read_light(const settings *s, const rsv_scene *scene, const cl
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
 
-static bool write_stats(
-    const cli_session *session, const settings *s, const rsv_solution *solution, double time_render)
+static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution,
+    const rsv_certificate *certificate, double time_render)
 {
     cli_stats stats = { .command = "probe",
         .scene = s->scene,
@@ -112,6 +116,7 @@ static bool write_stats(
         .threads = cli_thread_count(s->threads),
         .seed = s->seed,
         .report = solution ? rsv_solution_report(solution) : NULL,
+        .certificate = solution ? certificate : NULL,
         .order_count = solution ? rsv_solution_order_count(solution) : 0,
         .standard_error = NAN,
         .time_render = time_render };
@@ -122,6 +127,7 @@ static int run(cli_session *session, const settings *s, const cli_points *points
 {
     int exit_status = CLI_FAILURE;
     double time_render = 0;
+    rsv_certificate certificate;
     rsv_solution *solution = NULL;
     rsv_probe_reading *readings = calloc(points->count, sizeof *readings);
     rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
@@ -130,11 +136,12 @@ static int run(cli_session *session, const settings *s, const cli_points *points
         cli_error("out of memory for %zu points", points->count);
         goto cleanup;
     }
-    rsv_status status = read_light(s, scene, points, readings, &solution, &time_render);
+    rsv_status status =
+        read_light(s, scene, points, readings, &solution, &certificate, &time_render);
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (cli_write_readings(s->output, points, readings) &&
-             (!s->stats || write_stats(session, s, solution, time_render)))
+             (!s->stats || write_stats(session, s, solution, &certificate, time_render)))
         exit_status = CLI_SUCCESS;
 
 cleanup:

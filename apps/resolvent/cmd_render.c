@@ -190,7 +190,7 @@ static rsv_status write_pictures(const settings *s, const rsv_image *image)
 }
 
 static bool write_stats(const cli_session *session, const settings *s, const rsv_render_desc *desc,
-    const rsv_solution *solution, cli_stats *stats)
+    const rsv_solution *solution, const rsv_certificate *certificate, cli_stats *stats)
 {
     stats->command = "render";
     stats->scene = s->scene;
@@ -202,17 +202,20 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->seed;
     stats->report = solution ? rsv_solution_report(solution) : NULL;
+    stats->certificate = solution ? certificate : NULL;
     stats->order_count = solution ? rsv_solution_order_count(solution) : 0;
     return cli_write_stats(s->stats, session, stats);
 }
 
 /// Solves where the mode wants it, and takes the picture.
 static rsv_status render(const settings *s, const rsv_scene *scene, const rsv_render_desc *desc,
-    rsv_solution **solution, rsv_image **image, cli_stats *stats)
+    rsv_solution **solution, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
 {
     rsv_status status = RSV_OK;
     bool is_solved = desc->mode == RSV_RENDER_OPERATOR || desc->mode == RSV_RENDER_FINAL;
     if (is_solved) status = solve(s, scene, solution);
+    if (is_solved && status == RSV_OK)
+        status = cli_certify_briefly(s->stats, *solution, s->seed, certificate);
     if (status != RSV_OK) return status;
     double started = cli_seconds();
     stats->standard_error = NAN;
@@ -232,17 +235,18 @@ static int run(cli_session *session, const settings *s)
     int exit_status = CLI_FAILURE;
     cli_stats stats = { 0 };
     rsv_render_desc desc;
+    rsv_certificate certificate;
     rsv_solution *solution = NULL;
     rsv_image *image = NULL;
     rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
     if (!scene || !describe_picture(s, scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 
-    rsv_status status = render(s, scene, &desc, &solution, &image, &stats);
+    rsv_status status = render(s, scene, &desc, &solution, &certificate, &image, &stats);
     if (status == RSV_OK) status = write_pictures(s, image);
     if (status != RSV_OK)
         cli_report_failure(session, status);
-    else if (!s->stats || write_stats(session, s, &desc, solution, &stats))
+    else if (!s->stats || write_stats(session, s, &desc, solution, &certificate, &stats))
         exit_status = CLI_SUCCESS;
 
 cleanup:

@@ -96,6 +96,30 @@ static void add_solution(cJSON *root, const cli_stats *stats)
     cJSON_AddNumberToObject(root, "standard_error", stats->standard_error);
 }
 
+static void add_interval(cJSON *object, const char *name, const double interval[2])
+{
+    cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(interval, 2));
+}
+
+/// W/m2, luminance. cJSON writes an infinite bound as null.
+static void add_certificate(cJSON *root, const rsv_certificate *c)
+{
+    if (!c) {
+        cJSON_AddNullToObject(root, "certificate");
+        return;
+    }
+    cJSON *object = cJSON_AddObjectToObject(root, "certificate");
+    cJSON_AddNumberToObject(object, "samples", c->samples);
+    cJSON_AddNumberToObject(object, "residual_rms", c->residual_rms);
+    add_interval(object, "residual_ci95", c->residual_ci95);
+    cJSON_AddNumberToObject(object, "error_bound_rms", c->error_bound_rms);
+    cJSON_AddNumberToObject(object, "error_estimate_rms", c->error_estimate_rms);
+    add_interval(object, "error_estimate_ci95", c->error_estimate_ci95);
+    cJSON_AddNumberToObject(object, "irradiance_rms", c->irradiance_rms);
+    cJSON_AddNumberToObject(object, "max_albedo", c->max_albedo);
+    cJSON_AddNumberToObject(object, "rays", (double)c->rays);
+}
+
 /// Microseconds are digits enough.
 static void add_seconds(cJSON *times, const char *phase, double seconds)
 {
@@ -112,6 +136,7 @@ static void add_times(cJSON *root, const cli_session *session, const cli_stats *
     add_seconds(times, "assemble", report->time_assemble);
     add_seconds(times, "solve", report->time_solve);
     add_seconds(times, "render", stats->time_render);
+    add_seconds(times, "certify", stats->certificate ? stats->certificate->seconds : 0);
     add_seconds(times, "total", cli_seconds() - session->started);
 }
 
@@ -122,11 +147,21 @@ static void add_warnings(cJSON *root, const cli_session *session)
         cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings[i]));
 }
 
+rsv_status cli_certify_briefly(
+    const char *path, const rsv_solution *solution, uint32_t seed, rsv_certificate *certificate)
+{
+    if (!path) return RSV_OK;
+    rsv_certify_desc desc = rsv_brief_certify_desc();
+    desc.seed = seed;
+    return rsv_certify(solution, &desc, certificate);
+}
+
 bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats)
 {
     cJSON *root = cJSON_CreateObject();
     add_settings(root, stats);
     add_solution(root, stats);
+    add_certificate(root, stats->certificate);
     add_times(root, session, stats);
     cJSON_AddNumberToObject(root, "peak_rss_bytes", peak_rss_bytes());
     add_warnings(root, session);

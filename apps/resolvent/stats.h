@@ -4,7 +4,7 @@
 
 #include "session.h"
 
-#include "resolvent/solve.h"
+#include "resolvent/certify.h"
 
 /// What a run did. Numbers that do not exist for it (no operator in mode reference) are NAN or 0 and
 /// appear as null.
@@ -13,7 +13,8 @@ typedef struct cli_stats {
     rsv_quality quality;
     uint32_t width, height, samples; ///< 0 = not a picture
     uint32_t threads, seed;
-    const rsv_solve_report *report; ///< NULL = nothing was solved
+    const rsv_solve_report *report;     ///< NULL = nothing was solved
+    const rsv_certificate *certificate; ///< NULL = nothing was solved
     uint32_t order_count;
     double standard_error; ///< of the picture's mean, relative; NAN = unknown
     double time_render;
@@ -24,6 +25,10 @@ extern const char *const cli_quality_names[];
 
 /// Names of the solvers, in the order of rsv_solver; NULL-terminated.
 extern const char *const cli_solver_names[];
+
+/// The short certificate of a solution, where `path` says that statistics are wanted.
+rsv_status cli_certify_briefly(
+    const char *path, const rsv_solution *solution, uint32_t seed, rsv_certificate *certificate);
 
 /// Says what went wrong on standard error.
 bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats);

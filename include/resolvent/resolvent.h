@@ -3,6 +3,7 @@
 #ifndef RESOLVENT_H
 #define RESOLVENT_H
 
+#include "resolvent/certify.h"
 #include "resolvent/core.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"

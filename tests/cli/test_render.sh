@@ -16,7 +16,8 @@ done
 
 keys=(elements entries rays rays_per_second time_s load bvh assemble solve render total iterations norm_inf
     peak_rss_bytes residual_inf truncation_bound solver solver_reason spectral_radius neumann_terms order_count direct_elements stop_reason mode quality
-    width height spp threads seed warnings)
+    width height spp threads seed warnings certificate samples residual_rms residual_ci95 error_bound_rms
+    error_estimate_rms irradiance_rms)
 for key in "${keys[@]}"; do
     grep -q "\"$key\":" final2.json || complain "the statistics lack '$key'"
 done

@@ -25,5 +25,6 @@ rsv_add_test(translucent statistical/test_translucent.c)
 rsv_add_test(media statistical/test_media.c)
 rsv_add_test(rough_box statistical/test_rough_box.c)
 rsv_add_test(solvers unit/test_solvers.c)
+rsv_add_test(certify unit/test_certify.c)
 # long sums of what the unit tests of bsdf and subsurface run through the sanitizers
 set_tests_properties(bsdf_lobes translucent PROPERTIES LABELS slow)

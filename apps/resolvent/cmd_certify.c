@@ -1,0 +1,162 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "stats.h"
+
+#include <math.h>
+#include <stdio.h>
+
+static const char help[] =
+    "usage: resolvent certify SCENE [options]\n"
+    "\n"
+    "Solves the light of SCENE and says how wrong the solution is. At random points of the "
+    "surfaces\n"
+    "the stored irradiance is compared with one more gather of rays through the continuous "
+    "equation,\n"
+    "with random numbers that the solution never saw. Prints W/m2 (luminance, root mean square\n"
+    "over the surfaces) and percent of the irradiance:\n"
+    "\n"
+    "  irradiance  of the solution\n"
+    "  residual    what it lacks in the equation, with a 95 % confidence interval\n"
+    "  bound       no error is larger: residual / (1 - largest albedo), at the interval's upper "
+    "end\n"
+    "  estimate    the error itself, from one more solve with the residual\n"
+    "\n"
+    "  --samples N        points, 16 to 16777216 (default 4096)\n"
+    "  --rays N           gather rays of each of the two estimates at a point (default 128)\n"
+    "  --quality Q        draft, medium (default) or high: of the solution\n"
+    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
+    "                     gmres or two-grid: how the equation is solved\n" CLI_MESH_HELP
+        CLI_ENVIRONMENT_HELP "  --seed N           another set of random numbers (default 0)\n"
+    "  --threads N        default: one per processor; the numbers do not depend on it\n"
+    "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
+    "\n"
+    "examples:\n"
+    "  resolvent certify cornell-blocks\n"
+    "  resolvent certify room.glb --quality high --samples 20000 --stats room.json\n";
+
+typedef struct settings {
+    const char *scene, *stats, *mesh;
+    cli_environment environment;
+    int quality, solver;
+    rsv_certify_desc certify;
+    uint32_t threads, seed;
+} settings;
+
+static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
+{
+    const cli_option options[] = {
+        { .name = "--samples",
+            .kind = CLI_COUNT,
+            .value = &s->certify.samples,
+            .min = 16,
+            .max = 1 << 24 },
+        { .name = "--rays",
+            .kind = CLI_COUNT,
+            .value = &s->certify.gather_rays,
+            .min = 1,
+            .max = 1 << 16 },
+        { .name = "--quality",
+            .kind = CLI_CHOICE,
+            .value = &s->quality,
+            .choices = cli_quality_names },
+        { .name = "--solver",
+            .kind = CLI_CHOICE,
+            .value = &s->solver,
+            .choices = cli_solver_names },
+        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_MESH_OPTION(&s->mesh),
+        CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "certify", help, options, "SCENE", 1, 1 };
+    return cli_parse(&usage, argc, argv, &s->scene, exit_status);
+}
+
+static rsv_status solve_and_certify(const settings *s, const rsv_scene *scene,
+    rsv_solution **solution, rsv_certificate *certificate)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+    rsv_certify_desc certify = s->certify;
+    desc.solver = (rsv_solver)s->solver;
+    desc.seed = certify.seed = s->seed;
+    rsv_status status = rsv_solution_create(scene, &desc, solution);
+    return status == RSV_OK ? rsv_certify(*solution, &certify, certificate) : status;
+}
+
+/// A value, relative to the irradiance; and an interval where there is one.
+static void print_row(
+    const rsv_certificate *c, const char *name, double value, const double interval[2])
+{
+    double percent = c->irradiance_rms > 0 ? 100 / c->irradiance_rms : 0;
+    printf("%-11s %11.4g W/m2", name, value);
+    if (value != c->irradiance_rms) printf(" %9.3f %%", percent * value);
+    if (interval)
+        printf("   (95 %%: %.3f .. %.3f %%)", percent * interval[0], percent * interval[1]);
+    putchar('\n');
+}
+
+static void print_certificate(const rsv_certificate *c)
+{
+    printf("%u points, largest albedo %.3f\n", c->samples, c->max_albedo);
+    print_row(c, "irradiance", c->irradiance_rms, NULL);
+    print_row(c, "residual", c->residual_rms, c->residual_ci95);
+    print_row(c, "bound", c->error_bound_rms, NULL);
+    print_row(c, "estimate", c->error_estimate_rms, c->error_estimate_ci95);
+}
+
+static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution,
+    const rsv_certificate *certificate)
+{
+    cli_stats stats = { .command = "certify",
+        .scene = s->scene,
+        .mode = "operator",
+        .quality = (rsv_quality)s->quality,
+        .samples = s->certify.samples,
+        .threads = cli_thread_count(s->threads),
+        .seed = s->seed,
+        .report = rsv_solution_report(solution),
+        .certificate = certificate,
+        .order_count = rsv_solution_order_count(solution),
+        .standard_error = NAN };
+    return cli_write_stats(s->stats, session, &stats);
+}
+
+static int run(cli_session *session, const settings *s)
+{
+    int exit_status = CLI_FAILURE;
+    rsv_solution *solution = NULL;
+    rsv_certificate certificate;
+    rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
+    if (!scene) return CLI_FAILURE;
+    rsv_status status = solve_and_certify(s, scene, &solution, &certificate);
+    if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
+    if (status != RSV_OK) {
+        cli_report_failure(session, status);
+    } else {
+        cli_progress_clear(&session->progress);
+        print_certificate(&certificate);
+        if (!s->stats || write_stats(session, s, solution, &certificate)) exit_status = CLI_SUCCESS;
+    }
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+    return exit_status;
+}
+
+int cli_certify(int argc, char **argv)
+{
+    settings s = { .quality = RSV_QUALITY_MEDIUM,
+        .certify = rsv_default_certify_desc(),
+        .environment = CLI_DEFAULT_ENVIRONMENT };
+    int exit_status;
+    if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
+    if (s.stats && !cli_check_output(s.stats)) return CLI_FAILURE;
+    cli_session session;
+    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    session.mesh = s.mesh;
+    exit_status = run(&session, &s);
+    cli_session_end(&session);
+    return exit_status;
+}

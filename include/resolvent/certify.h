@@ -1,0 +1,82 @@
+/// @file certify.h
+/// How wrong a solution is: a certificate that trusts nothing of how the solution was made.
+///
+/// Let E~ be what rsv_solution_irradiance returns at every point of every diffuse surface. Its residual
+///
+///     r(x) = E0(x) + (G K E~)(x) - E~(x)
+///
+/// is estimated at random points of the surfaces by one more gather, without elements at the receiving end, and
+/// with random numbers that the build never used. The error e = E - E~ obeys e = r + G K e, and in the area-weighted
+/// mean square G K shrinks by the largest albedo at least, so that
+///
+///     RMS(e) <= RMS(r) / (1 - max albedo)
+///
+/// whatever is wrong with E~: elements too large, too few rays, too few orders. docs/certificate.md says how, and
+/// what is not claimed.
+#ifndef RESOLVENT_CERTIFY_H
+#define RESOLVENT_CERTIFY_H
+
+#include "resolvent/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Start from rsv_default_certify_desc().
+typedef struct rsv_certify_desc {
+    uint32_t samples;       ///< points on the surfaces, 16..2^24, default 4096; rounded up to even
+    uint32_t gather_rays;   ///< of each of the two estimates at a point, 1..2^16, default 128
+    uint32_t light_samples; ///< shadow rays likewise, 2..2^16, default 32
+    uint32_t seed;          ///< any: independent of the solution's, even if equal
+} rsv_certify_desc;
+
+RSV_API rsv_certify_desc rsv_default_certify_desc(void);
+
+/// A smaller sample that costs little beside a solve: for a first idea of the error.
+RSV_API rsv_certify_desc rsv_brief_certify_desc(void);
+
+/// Luminance of irradiance, W/m2, area-weighted over all sides of surfaces that have a diffuse lobe and are not
+/// inside other geometry.
+typedef struct rsv_certificate {
+    uint32_t samples; ///< points that count
+    double residual_rms;
+    double residual_ci95[2]; ///< 95 % confidence interval of the true RMS(r)
+    double
+        error_bound_rms; ///< residual_ci95[1] / (1 - max_albedo); INFINITY from an albedo of 1 on
+    double error_estimate_rms; ///< of e itself, from one solve with the residual
+    double error_estimate_ci95[2];
+    double irradiance_rms; ///< of E~: what makes the others relative
+    double max_albedo;     ///< largest of the surfaces
+    uint64_t rays;
+    double seconds;
+} rsv_certificate;
+
+/// Examines a solution. Solutions without a direct level leave direct light to the renderer: it then counts as
+/// exact. Surfaces without a diffuse lobe have no irradiance: where there are no others, all numbers are 0.
+/// Caustics of punctual lights cannot be found by gathering: a warning says where they are taken on trust.
+/// @param desc NULL = defaults
+RSV_API rsv_status rsv_certify(
+    const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate);
+
+/// What certificates are judged by: irradiance at random points, path traced twice over, by the reference that knows
+/// nothing of elements or operators.
+typedef struct rsv_truth rsv_truth;
+
+/// Points uniform in area where irradiance enters diffuse lobes unchanged: coated surfaces are left out.
+/// @param solution any of the scene: it tells where the points may lie
+/// @param points 16..2^24 @param paths of each of the two readings at a point
+RSV_API rsv_status rsv_truth_create(const rsv_solution *solution, uint32_t points, uint32_t paths,
+    uint32_t seed, rsv_truth **truth);
+RSV_API void rsv_truth_destroy(rsv_truth *truth);
+
+/// True error of a solution, luminance, W/m2: the root of the mean product of both readings' differences from it, in
+/// which their noise cancels. Counts direct light even where the solution leaves it to the renderer.
+/// @param solution of the truth's scene @param ci95 its 95 % confidence interval
+RSV_API rsv_status rsv_truth_error(
+    const rsv_truth *truth, const rsv_solution *solution, double *error_rms, double ci95[2]);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

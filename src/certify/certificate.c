@@ -1,0 +1,210 @@
+#include "resolvent/certify.h"
+
+#include "error_field.h"
+#include "moments.h"
+
+/// Separates the points from all that the build draws from its seed.
+#define SEED_OF_POINTS 0x7f4a7c15u
+
+/// What is worked on.
+typedef struct examination {
+    const rsv_solution *solution;
+    rsv_certify_desc desc;
+    rsv_face_areas areas;
+    rsv_residual_sample *sample; ///< [desc.samples]
+    double *value;               ///< [desc.samples] scratch: one number per valid sample
+    rsv_error_field field;
+    rsv_certificate *certificate;
+} examination;
+
+rsv_certify_desc rsv_default_certify_desc(void)
+{
+    return (rsv_certify_desc){ .samples = 4096, .gather_rays = 128, .light_samples = 32 };
+}
+
+rsv_certify_desc rsv_brief_certify_desc(void)
+{
+    return (rsv_certify_desc){ .samples = 256, .gather_rays = 64, .light_samples = 16 };
+}
+
+static rsv_status check_range(const char *name, uint32_t value, uint32_t least, uint32_t most)
+{
+    if (value >= least && value <= most) return RSV_OK;
+    return rsv_fail(
+        RSV_ERROR_ARGUMENT, "certify: %s is %u; it must be %u to %u", name, value, least, most);
+}
+
+static rsv_status check_desc(const rsv_certify_desc *desc)
+{
+    rsv_status status = check_range("samples", desc->samples, 16, 1u << 24);
+    if (status == RSV_OK) status = check_range("gather_rays", desc->gather_rays, 1, 1u << 16);
+    if (status == RSV_OK) status = check_range("light_samples", desc->light_samples, 2, 1u << 16);
+    return status;
+}
+
+static bool is_finite(const rsv_residual *r)
+{
+    return isfinite(rgb_luminance(r->residual[0]) + rgb_luminance(r->residual[1]) +
+                    rgb_luminance(r->irradiance[0]) + rgb_luminance(r->irradiance[1]));
+}
+
+static rsv_status take_samples(examination *x)
+{
+    const rsv_solution *s = x->solution;
+    rsv_context *context = s->context;
+    rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
+    uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
+    size_t done = 0;
+    uint64_t rays = 0;
+#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context)) reduction(+ : rays)
+    for (uint32_t k = 0; k < count; k++) {
+        if (rsv_cancelled(context)) continue;
+        rsv_residual_sample *sample = &x->sample[k];
+        // each set is spread over all surfaces
+        sample->point = rsv_face_areas_draw(&x->areas, k / RSV_SAMPLE_SETS, count / RSV_SAMPLE_SETS,
+            rsv_hash2(seed, k % RSV_SAMPLE_SETS));
+        uint32_t stream = rsv_hash3(seed, k, 0x1b87u);
+        if (!rsv_point_is_buried(&s->scene, s->elements, &sample->point, stream, &rays)) {
+            sample->at = rsv_residual_at(&job, &sample->point, stream);
+            sample->valid = is_finite(&sample->at);
+            rays += sample->at.rays;
+        }
+        size_t finished;
+#pragma omp atomic capture
+        finished = ++done;
+        if (rsv_thread_index() == 0)
+            rsv_progress(context, "certify", (double)finished / (double)count);
+    }
+    x->certificate->rays += rays;
+    if (job.stored_caustics)
+        rsv_log(context, RSV_LOG_WARNING,
+            "certify: caustics of punctual lights are taken from the solution: no gather ray can "
+            "find such lights");
+    return rsv_progress(context, "certify", 1);
+}
+
+typedef double (*sample_value)(const examination *x, size_t k);
+
+/// Moments of one number of each sample.
+static rsv_moments moments(examination *x, sample_value value_of)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < x->desc.samples; k++)
+        if (x->sample[k].valid) x->value[count++] = value_of(x, k);
+    return rsv_moments_of(x->value, count);
+}
+
+static double luminance(rsv_rgb color) { return (double)rgb_luminance(color); }
+
+static double squared_residual(const examination *x, size_t k)
+{
+    const rsv_residual *r = &x->sample[k].at;
+    return luminance(r->residual[0]) * luminance(r->residual[1]);
+}
+
+static double squared_irradiance(const examination *x, size_t k)
+{
+    const rsv_residual *r = &x->sample[k].at;
+    return luminance(r->irradiance[0]) * luminance(r->irradiance[1]);
+}
+
+/// r^2 + 2 r s, with s predicted by the samples of the other set: nothing in a product shares its noise.
+static double squared_error_but_reflected(const examination *x, size_t k)
+{
+    const rsv_residual_sample *sample = &x->sample[k];
+    const rsv_rgb *reflected = x->field.reflected[(k + 1) % RSV_SAMPLE_SETS];
+    double s = luminance(rsv_error_field_at(x->solution, reflected, &sample->point));
+    double r = luminance(sample->at.residual[0]) + luminance(sample->at.residual[1]);
+    return squared_residual(x, k) + r * s;
+}
+
+/// Mean of the product of both predictions of s: an unbiased estimate of its mean square.
+static double mean_squared_reflected(const examination *x)
+{
+    const rsv_elements *e = x->solution->elements;
+    double sum = 0, area = 0;
+    for (size_t n = 0; n < e->node_count; n++) {
+        sum += (double)e->node_area[n] * luminance(x->field.reflected[0][n]) *
+               luminance(x->field.reflected[1][n]);
+        area += (double)e->node_area[n];
+    }
+    return area > 0 ? sum / area : 0;
+}
+
+static double largest_albedo(const examination *x)
+{
+    const rsv_solution *s = x->solution;
+    float largest = 0;
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        largest = f_max(largest, rgb_max(s->exitance_albedo[n]));
+    for (size_t k = 0; k < x->desc.samples; k++)
+        largest = f_max(largest, rgb_max(x->sample[k].at.albedo));
+    return (double)largest;
+}
+
+static void judge_residual(examination *x)
+{
+    rsv_certificate *c = x->certificate;
+    for (size_t k = 0; k < x->desc.samples; k++)
+        c->samples += x->sample[k].valid;
+    rsv_moments residual = rsv_moments_root(moments(x, squared_residual));
+    c->residual_rms = residual.mean;
+    c->residual_ci95[0] = residual.ci95[0], c->residual_ci95[1] = residual.ci95[1];
+    c->irradiance_rms = rsv_moments_root(moments(x, squared_irradiance)).mean;
+    c->max_albedo = largest_albedo(x);
+    c->error_bound_rms =
+        c->max_albedo < 1 ? c->residual_ci95[1] / (1 - c->max_albedo) : (double)INFINITY;
+}
+
+static rsv_status judge_error(examination *x)
+{
+    rsv_certificate *c = x->certificate;
+    if (c->samples == 0) return RSV_OK;
+    double area = rsv_face_areas_total(&x->areas) / x->desc.samples;
+    rsv_status status =
+        rsv_error_field_create(x->solution, x->sample, x->desc.samples, area, &x->field);
+    if (status != RSV_OK) return status;
+    rsv_moments error = moments(x, squared_error_but_reflected);
+    double reflected = mean_squared_reflected(x);
+    error.mean += reflected, error.ci95[0] += reflected, error.ci95[1] += reflected;
+    error = rsv_moments_root(error);
+    c->error_estimate_rms = error.mean;
+    c->error_estimate_ci95[0] = error.ci95[0], c->error_estimate_ci95[1] = error.ci95[1];
+    return RSV_OK;
+}
+
+static rsv_status examine(examination *x)
+{
+    const rsv_solution *s = x->solution;
+    rsv_status status = RSV_OK;
+    if (s->elements->face_count == 0) return RSV_OK;
+    RSV_TRY(rsv_face_areas_create(s->elements, &x->areas));
+    x->sample = rsv_alloc(s->context, x->desc.samples, sizeof *x->sample);
+    x->value = rsv_alloc(s->context, x->desc.samples, sizeof *x->value);
+    RSV_TRY(x->sample && x->value ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(take_samples(x));
+    judge_residual(x);
+    RSV_TRY(judge_error(x));
+cleanup:
+    rsv_error_field_destroy(s->context, &x->field);
+    rsv_face_areas_destroy(&x->areas);
+    rsv_free(s->context, x->sample);
+    rsv_free(s->context, x->value);
+    return status;
+}
+
+rsv_status rsv_certify(
+    const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate)
+{
+    double start = rsv_seconds();
+    examination x = { .solution = solution,
+        .desc = desc ? *desc : rsv_default_certify_desc(),
+        .certificate = certificate };
+    rsv_status status = check_desc(&x.desc);
+    if (status != RSV_OK) return status;
+    x.desc.samples += x.desc.samples % RSV_SAMPLE_SETS;
+    *certificate = (rsv_certificate){ 0 };
+    status = examine(&x);
+    certificate->seconds = rsv_seconds() - start;
+    return status;
+}

@@ -1,0 +1,37 @@
+/// From the residual to the error: e = r + s with s = (I - G K)^-1 G K r, what the residual becomes after one or more
+/// reflections.
+///
+/// s is smooth, and integrals over all residuals smooth away the noise of each: a few thousand points determine it on
+/// the solution's own elements, by its own operator. Of r itself, which no element could hold, only mean squares
+/// are ever formed.
+#ifndef RSV_ERROR_FIELD_H
+#define RSV_ERROR_FIELD_H
+
+#include "../solve/transport_map.h"
+#include "residual.h"
+
+/// Two independent samples of residuals, and the reflected error that each of them predicts.
+#define RSV_SAMPLE_SETS 2
+
+typedef struct rsv_error_field {
+    rsv_rgb *reflected[RSV_SAMPLE_SETS]; ///< [node_count] s, W/m2
+} rsv_error_field;
+
+/// A residual at a point.
+typedef struct rsv_residual_sample {
+    rsv_face_point point;
+    rsv_residual at;
+    bool valid; ///< not buried
+} rsv_residual_sample;
+
+/// Sample k belongs to set k % RSV_SAMPLE_SETS.
+/// @param area of the surfaces that one valid sample stands for, m2
+rsv_status rsv_error_field_create(const rsv_solution *solution, const rsv_residual_sample *sample,
+    size_t count, double area, rsv_error_field *field);
+void rsv_error_field_destroy(rsv_context *context, rsv_error_field *field);
+
+/// s as the samples of one set predict it.
+rsv_rgb rsv_error_field_at(
+    const rsv_solution *solution, const rsv_rgb *reflected, const rsv_face_point *point);
+
+#endif

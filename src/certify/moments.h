@@ -1,0 +1,20 @@
+/// Mean of independent samples and how well it is known.
+#ifndef RSV_MOMENTS_H
+#define RSV_MOMENTS_H
+
+#include "../core/core_internal.h"
+
+typedef struct rsv_moments {
+    double mean;
+    double ci95[2]; ///< confidence interval of the mean
+} rsv_moments;
+
+/// The interval is Student's, moved by Johnson's correction for skew samples (Johnson 1978, "Modified t tests and
+/// confidence intervals for asymmetrical populations"): mean squares have a long upper tail, and the plain
+/// interval would end too low.
+rsv_moments rsv_moments_of(const double *sample, size_t count);
+
+/// Square roots, those of negative estimates 0.
+rsv_moments rsv_moments_root(rsv_moments squares);
+
+#endif

@@ -1,0 +1,249 @@
+#include "residual.h"
+
+#include "../core/stratified.h"
+#include "../render/pixel_direct.h"
+
+/// The surface point at which light is gathered.
+typedef struct receiver {
+    const rsv_residual_job *job;
+    const rsv_bsdf *bsdf; ///< how light enters there
+    rsv_bsdf storage;
+    rsv_surface_point point;
+    rsv_vec3 origin, tangent, bitangent;
+    rsv_medium medium;
+    rsv_residual *result;
+} receiver;
+
+rsv_residual_job rsv_residual_job_of(
+    const rsv_solution *s, uint32_t gather_rays, uint32_t light_samples)
+{
+    return (rsv_residual_job){ .solution = s,
+        .gather_rays = gather_rays,
+        .light_samples = light_samples,
+        .stored_caustics = s->caustics.caustic && s->lights->punctual_count > 0,
+        .exact_direct = !s->desc.direct_level };
+}
+
+static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p, receiver *r)
+{
+    const rsv_solution *s = job->solution;
+    uint32_t triangle = s->elements->face_triangle[p->face];
+    r->job = job;
+    r->bsdf = rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
+    r->point =
+        rsv_surface_point_at(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face]);
+    r->origin = rsv_offset_origin(r->point.position, r->point.geometric, r->point.extent);
+    r->medium = rsv_medium_above(&s->scene.media, r->origin, r->point.geometric);
+    v3_frame(r->point.normal, &r->tangent, &r->bitangent);
+}
+
+static bool is_open(const receiver *r, rsv_ray ray)
+{
+    r->result->rays++;
+    return !rsv_tracer_occluded(r->job->solution->tracer, &ray);
+}
+
+/// Share of light from that distance and under that angle that enters the surface.
+static rsv_rgb entry(const receiver *r, float distance, float cos)
+{
+    return rgb_mul(rsv_bsdf_entry(r->bsdf, cos),
+        rsv_medium_transmittance(&r->medium, r->job->solution->bsdf, distance));
+}
+
+/// One shadow ray: what arrives if it is open, and what closed forms know of it.
+typedef struct light_trial {
+    rsv_rgb light, control;
+    bool open;
+} light_trial;
+
+static light_trial try_light(const receiver *r, const rsv_local_lights *local, rsv_random *random)
+{
+    light_trial trial = { 0 };
+    rsv_light_sample light;
+    float select = rsv_random_float(random), x = rsv_random_float(random);
+    if (!rsv_local_lights_sample(local, select, x, rsv_random_float(random), &light)) return trial;
+    float cos = v3_dot(r->point.normal, light.direction);
+    if (cos <= 0) return trial;
+    float scale = cos / light.pdf_solid_angle;
+    trial.control = rgb_scale(light.mean_radiance, scale);
+    trial.light = rgb_scale(rgb_mul(light.radiance, entry(r, light.distance, cos)), scale);
+    trial.open = rsv_surface_faces(&r->point, light.direction) &&
+                 is_open(r, rsv_shadow_ray(local->lights, &light, r->point.position, r->origin));
+    return trial;
+}
+
+/// With S_i, V_i, C_i the light, visibility and control of sample i, A the mean of C and a_i the mean visibility of
+/// the other samples: mean of S_i V_i + a_i (A - C_i). Samples are independent, so the second term is 0 on
+/// average; where all of them see the light, it takes away all noise.
+static rsv_rgb from_emitters(const receiver *r, rsv_random *random)
+{
+    const rsv_lights *lights = r->job->solution->lights;
+    rsv_rgb sum = rgb_gray(0), rest = rgb_gray(0), open_rest = rgb_gray(0);
+    float open = 0, count = (float)r->job->light_samples;
+    if (!rsv_lights_any_sampled(lights)) return sum;
+    rsv_local_lights local;
+    rsv_lights_at(lights, r->point.position, r->point.normal, &local);
+    if (!local.by_tree && rgb_is_black(local.unshadowed)) return sum;
+    for (uint32_t k = 0; k < r->job->light_samples; k++) {
+        light_trial trial = try_light(r, &local, random);
+        rsv_rgb difference = rgb_sub(local.unshadowed, trial.control);
+        rest = rgb_add(rest, difference);
+        if (!trial.open) continue;
+        sum = rgb_add(sum, trial.light);
+        open_rest = rgb_add(open_rest, difference);
+        open += 1;
+    }
+    if (!local.by_tree && !r->bsdf->coated)
+        sum = rgb_mad(sum, 1 / (count - 1), rgb_sub(rgb_scale(rest, open), open_rest));
+    return rgb_scale(sum, 1 / count);
+}
+
+static rsv_rgb from_punctual(const receiver *r, float u)
+{
+    const rsv_lights *lights = r->job->solution->lights;
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
+        rsv_punctual_sample light;
+        if (!rsv_punctual_at(lights, r->point.position, r->point.normal, k, u, &light) ||
+            !rsv_surface_faces(&r->point, light.direction))
+            continue;
+        float cos = v3_dot(r->point.normal, light.direction);
+        if (is_open(r, rsv_punctual_ray(&light, r->origin)))
+            sum = rgb_mad(sum, cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
+    }
+    return sum;
+}
+
+/// What next-event estimation finds.
+static rsv_rgb sampled_direct(const receiver *r, uint32_t stream)
+{
+    rsv_random random = rsv_random_from(stream, 1, 0x51f2u);
+    rsv_rgb sum = from_emitters(r, &random), punctual = rgb_gray(0);
+    uint32_t count = r->job->solution->lights->punctual_tree ? r->job->light_samples : 1;
+    for (uint32_t k = 0; k < count; k++)
+        punctual = rgb_add(punctual, from_punctual(r, rsv_random_float(&random)));
+    return rgb_mad(sum, 1 / (float)count, punctual);
+}
+
+/// Gathered sources always count, the others behind specular surfaces: those are caustics.
+static bool counts(const void *user, uint32_t triangle, uint32_t events)
+{
+    const rsv_residual_job *job = user;
+    const rsv_lights *lights = job->solution->lights;
+    uint32_t emitter = lights->triangle_emitter[triangle];
+    if (emitter == RSV_NONE) return false;
+    return lights->group[lights->emitter[emitter].group].gathered ||
+           (events > 0 && !job->stored_caustics);
+}
+
+static rsv_rgb radiance_beyond(const rsv_residual_job *job, rsv_vec3 direction, uint32_t events)
+{
+    const rsv_environment_light *environment = job->solution->lights->environment;
+    if (!environment) return rgb_gray(0);
+    if (events == 0) return rsv_sky_radiance(&environment->gathered, direction);
+    return job->stored_caustics ? rsv_environment_light_sunless(environment, direction)
+                                : rsv_sky_radiance(&environment->whole, direction);
+}
+
+/// E~ at the end of a gather ray; diffused below the surface where that is translucent.
+static rsv_rgb stored_at(const receiver *r, uint32_t face, const rsv_chain *end, rsv_random *random)
+{
+    const rsv_solution *s = r->job->solution;
+    if (rsv_is_translucent(s, face))
+        return rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
+            rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
+    if (!r->job->exact_direct)
+        return rsv_solution_irradiance(s, end->triangle, end->u, end->v, end->back, RSV_NONE);
+    r->result->rays++;
+    rsv_rgb direct = rgb_add(
+        rsv_solution_direct(s, face, end->u, end->v, true), rsv_sampled_irradiance(s, end, random));
+    return rgb_add(
+        direct, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
+}
+
+static rsv_rgb radiance_at_end(const receiver *r, const rsv_chain *end, rsv_random *random)
+{
+    const rsv_solution *s = r->job->solution;
+    uint32_t face = s->elements->face_of[end->back][end->triangle];
+    if (face == RSV_NONE) return rgb_gray(0);
+    rsv_bsdf storage;
+    rsv_rgb albedo = rsv_chain_bsdf(&s->scene, end, &storage)->exitance_albedo;
+    rsv_rgb *most = &r->result->albedo;
+    *most = rgb(f_max(most->r, albedo.r), f_max(most->g, albedo.g), f_max(most->b, albedo.b));
+    rsv_rgb exitance = rgb_mul(albedo, stored_at(r, face, end, random));
+    return rgb_scale(rgb_mul(end->weight, exitance), 1 / RSV_PI);
+}
+
+static rsv_rgb gather_one(
+    const receiver *r, rsv_vec3 direction, rsv_rgb entered, rsv_random *random)
+{
+    const rsv_residual_job *job = r->job;
+    const rsv_transport_scene *scene = &job->solution->scene;
+    rsv_ray ray = { r->origin, direction, INFINITY };
+    rsv_hit hit;
+    r->result->rays++;
+    if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
+        return rgb_mul(entered, radiance_beyond(job, direction, 0));
+    rsv_chain first =
+        rsv_chain_begin(scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_chain_set_spread(&first, 0, hit.t);
+    first.weight = rgb_mul(first.weight, entered);
+    rsv_gather gather = rsv_chain_gather(scene, first, random, counts, job);
+    r->result->rays += gather.chain.rays;
+    if (gather.end == RSV_CHAIN_ESCAPED)
+        return rgb_add(gather.emission,
+            rgb_mul(gather.chain.weight, radiance_beyond(job, gather.chain.direction, 1)));
+    if (gather.end != RSV_CHAIN_DIFFUSE) return gather.emission;
+    return rgb_add(gather.emission, radiance_at_end(r, &gather.chain, random));
+}
+
+/// Gather rays find small lamps through glass now and then only: where caustics are bright, more rays are due. What
+/// decides is the stored caustic, not what rays have found, so that nothing is biased.
+static uint32_t ray_count(const receiver *r, rsv_rgb stored_caustic)
+{
+    float mean = (float)r->job->solution->report.mean_irradiance;
+    float share = mean > 0 ? f_min(rgb_luminance(stored_caustic) / mean, 1) : 0;
+    return r->job->gather_rays * (r->job->stored_caustics ? 1 : 1 + (uint32_t)(15 * share));
+}
+
+static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
+{
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < count; k++) {
+        float x, y;
+        rsv_sobol_2d(k, stream, &x, &y);
+        rsv_random random = rsv_random_from(stream, k, 0x2f6u);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        rsv_vec3 direction =
+            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->point.normal);
+        // what an interpolated normal sends below the surface counts, and finds nothing
+        if (v3_dot(direction, r->point.geometric) <= 0) continue;
+        sum = rgb_add(sum, gather_one(r, direction, rsv_bsdf_entry(r->bsdf, d.z), &random));
+    }
+    return rgb_scale(sum, RSV_PI / (float)count);
+}
+
+rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *p, uint32_t stream)
+{
+    const rsv_solution *s = job->solution;
+    rsv_residual result = { 0 };
+    receiver r = { .result = &result };
+    set_up_receiver(job, p, &r);
+    rsv_rgb stored = rgb_add(rsv_solution_direct(s, p->face, p->u, p->v, job->exact_direct),
+        rsv_elements_interpolate(s->elements, s->indirect, p->face, p->u, p->v));
+    rsv_rgb caustic = rgb_gray(0);
+    if (s->caustics.caustic)
+        caustic = rsv_elements_interpolate(
+            s->caustics.elements, s->caustics.caustic, p->face, p->u, p->v);
+    uint32_t rays = ray_count(&r, caustic);
+    if (!job->stored_caustics) caustic = rgb_gray(0);
+    for (uint32_t half = 0; half < 2; half++) {
+        uint32_t own = rsv_hash3(stream, half, 0xc3a5u);
+        rsv_rgb direct = sampled_direct(&r, own);
+        rsv_rgb found = rgb_add(caustic, gather(&r, rays, own));
+        if (!job->exact_direct) found = rgb_add(found, direct);
+        result.residual[half] = rgb_sub(found, stored);
+        result.irradiance[half] = job->exact_direct ? rgb_add(stored, direct) : stored;
+    }
+    return result;
+}

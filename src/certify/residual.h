@@ -1,0 +1,40 @@
+/// The residual of the continuous equation at one point: E0 + G K E~ - E~.
+///
+/// Everything but E~ itself is estimated without bias, from rays and nothing that elements store:
+///
+/// - sources by next-event estimation, with unshadowed light in closed form as control variate; its factor for one
+///   sample comes from the *other* samples, which are independent, so that nothing is biased;
+/// - gathered sources, the sky and caustics by the gather rays that meet them;
+/// - G K E~ by gather rays that look E~ up where they end, under the textures as they are there.
+///
+/// Two things are taken from the solution: what translucent surfaces show (the diffusion below them is the
+/// operator's), and caustics where punctual lights cast them, which no gather ray can find.
+#ifndef RSV_RESIDUAL_H
+#define RSV_RESIDUAL_H
+
+#include "../solve/solution.h"
+#include "surface_points.h"
+
+typedef struct rsv_residual_job {
+    const rsv_solution *solution;
+    uint32_t gather_rays, light_samples; ///< of one estimate
+    bool stored_caustics;                ///< caustics are taken from the solution
+    bool exact_direct; ///< the renderer estimates direct light itself: E~ has no error there
+} rsv_residual_job;
+
+/// Two independent estimates at one point.
+typedef struct rsv_residual {
+    rsv_rgb residual[2];
+    rsv_rgb irradiance[2]; ///< E~; the two differ if direct light is exact
+    rsv_rgb albedo;        ///< largest of the surfaces that gather rays ended on
+    uint64_t rays;
+} rsv_residual;
+
+rsv_residual_job rsv_residual_job_of(
+    const rsv_solution *solution, uint32_t gather_rays, uint32_t light_samples);
+
+/// @param stream differs between points; the estimates of different streams are independent
+rsv_residual rsv_residual_at(
+    const rsv_residual_job *job, const rsv_face_point *point, uint32_t stream);
+
+#endif

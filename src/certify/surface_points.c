@@ -1,0 +1,75 @@
+#include "surface_points.h"
+
+rsv_status rsv_face_areas_create(const rsv_elements *e, rsv_face_areas *areas)
+{
+    areas->elements = e;
+    areas->below = rsv_alloc(e->context, e->face_count + 1, sizeof *areas->below);
+    if (!areas->below) return RSV_ERROR_MEMORY;
+    for (size_t f = 0; f < e->face_count; f++)
+        areas->below[f + 1] = areas->below[f] + (double)e->face_area[f];
+    return RSV_OK;
+}
+
+void rsv_face_areas_destroy(rsv_face_areas *areas)
+{
+    if (areas->elements) rsv_free(areas->elements->context, areas->below);
+    *areas = (rsv_face_areas){ 0 };
+}
+
+double rsv_face_areas_total(const rsv_face_areas *areas)
+{
+    return areas->below[areas->elements->face_count];
+}
+
+/// The face that holds the given sum of areas.
+static uint32_t face_at(const rsv_face_areas *areas, double area)
+{
+    size_t low = 0, high = areas->elements->face_count - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (areas->below[middle + 1] > area)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return (uint32_t)low;
+}
+
+rsv_face_point rsv_face_areas_draw(
+    const rsv_face_areas *areas, uint32_t index, uint32_t count, uint32_t seed)
+{
+    rsv_random random = rsv_random_from(seed, index, 0x9d2cu);
+    double strip = ((double)index + (double)rsv_random_float(&random)) / count;
+    rsv_face_point point = { .face = face_at(areas, strip * rsv_face_areas_total(areas)) };
+    float x = rsv_random_float(&random);
+    rsv_square_to_triangle(x, rsv_random_float(&random), &point.u, &point.v);
+    return point;
+}
+
+/// Whether something separates the point from a corner of its cell: then the point may be within it.
+static bool is_obstructed(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 home)
+{
+    for (int k = 0; k < 3; k++)
+        if (rsv_is_covered(tracer, shape, shape->corner[k]) ||
+            rsv_is_blocked(tracer, home, rsv_cell_hover(shape, shape->corner[k])))
+            return true;
+    return false;
+}
+
+bool rsv_point_is_buried(const rsv_transport_scene *scene, const rsv_elements *e,
+    const rsv_face_point *point, uint32_t seed, uint64_t *rays)
+{
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(e, point->face, point->u, point->v, weight);
+    rsv_cell_shape shape = rsv_cell_shape_of(e, cell);
+    rsv_vec3 place = rsv_surface_point_at(
+        e->scene, e->face_triangle[point->face], point->u, point->v, e->face_back[point->face])
+                         .position;
+    rsv_vec3 home = rsv_cell_hover(&shape, place);
+    *rays += 7;
+    if (rsv_is_covered(scene->tracer, &shape, place) ||
+        rsv_is_buried(scene, home, shape.normal, seed, rays))
+        return true;
+    return is_obstructed(scene->tracer, &shape, home) &&
+           rsv_is_mostly_buried(scene, home, shape.normal, seed, rays);
+}

@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Certificates: what is printed and written, the same for any number of threads, and refusals.
+source "$(dirname "$0")/support.sh"
+
+for threads in 1 2; do
+    succeeds certify furnace --quality draft --samples 64 --rays 32 --threads $threads \
+        --stats furnace$threads.json
+    cp stdout furnace$threads
+done
+cmp -s furnace1 furnace2 || complain "threads change the certificate"
+says '^irradiance .* W/m2'
+says '^residual .*95 %:'
+says '^bound '
+says '^estimate .*95 %:'
+for key in certificate samples residual_rms residual_ci95 error_bound_rms error_estimate_rms irradiance_rms; do
+    grep -q "\"$key\":" furnace1.json || complain "the statistics lack '$key'"
+done
+succeeds certify furnace --quality draft --samples 64 --rays 32 --seed 5
+! cmp -s stdout furnace1 || complain "the seed changes nothing"
+
+refuses 2 'SCENE is missing' certify
+refuses 2 '16 to 16777216' certify furnace --samples 0
+refuses 2 '16 to 16777216' certify furnace --samples -4
+refuses 2 '16 to 16777216' certify furnace --samples 99999999999
+refuses 2 '1 to 65536' certify furnace --rays 0
+refuses 1 'no such file' certify "$work/absent.glb"
+refuses 1 'absent' certify furnace --stats "$work/absent/stats.json"
+
+finish

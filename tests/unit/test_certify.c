@@ -1,0 +1,293 @@
+/// The certificate: exact where the error is known, bounded by truth where it is not, the same for any number of
+/// threads, and patient with scenes that have nothing to certify.
+#include "resolvent/certify.h"
+
+#include "solve/solution.h"
+
+#include "light_fixture.h"
+
+static rsv_solution *solve(const world *w, const rsv_solve_desc *desc)
+{
+    rsv_solution *solution;
+    if (rsv_solution_create(w->scene, desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());
+    return solution;
+}
+
+static rsv_solve_desc draft(uint32_t elements)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = elements;
+    return desc;
+}
+
+static rsv_certificate certify(const rsv_solution *s, uint32_t samples, uint32_t seed)
+{
+    rsv_certificate c;
+    rsv_certify_desc desc = rsv_default_certify_desc();
+    desc.samples = samples;
+    desc.seed = seed;
+    if (rsv_certify(s, &desc, &c) != RSV_OK) fail_msg("%s", rsv_last_error());
+    return c;
+}
+
+static void scale(rsv_rgb *field, size_t count, float factor)
+{
+    for (size_t n = 0; field && n < count; n++)
+        field[n] = rgb_scale(field[n], factor);
+}
+
+/// Puts a known error of (factor - 1) E~ into everything that lookups read.
+static void scale_solution(rsv_solution *s, float factor)
+{
+    size_t nodes = s->elements->node_count;
+    scale(s->indirect, nodes, factor);
+    scale(s->gathered, nodes, factor);
+    scale(s->source, nodes, factor);
+    if (s->fine.elements) scale(s->fine.direct, s->fine.elements->node_count, factor);
+    if (s->caustics.elements) scale(s->caustics.caustic, s->caustics.elements->node_count, factor);
+}
+
+/// A closed room whose walls emit 1 W/m2 and reflect `albedo`: E = 1 / (1 - albedo) everywhere.
+static world *create_furnace(float albedo)
+{
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, albedo, 1 / RSV_PI), v3(-0.3f, 0, 0), v3(1, 0.8f, 1.7f));
+    world_commit(w);
+    return w;
+}
+
+// ---- known errors -------------------------------------------------------------------------------
+
+static void a_furnace_is_certified_exact(void **state)
+{
+    (void)state;
+    world *w = create_furnace(0.8f);
+    rsv_solve_desc desc = draft(200);
+    desc.tolerance = 1e-6f;
+    rsv_solution *s = solve(w, &desc);
+    rsv_certificate c = certify(s, 512, 1);
+    assert_float_equal(c.irradiance_rms, 5, 1e-3);
+    assert_float_equal(c.max_albedo, 0.8, 1e-6);
+    assert_true(c.error_bound_rms < 1e-4 * c.irradiance_rms); // no ray brings anything but E / pi
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// A constant error of a furnace shrinks to 1 - albedo of it in the residual: the bound is met with equality.
+static void a_known_error_of_a_furnace_is_found(void **state)
+{
+    (void)state;
+    world *w = create_furnace(0.8f);
+    rsv_solve_desc desc = draft(200);
+    desc.tolerance = 1e-6f;
+    rsv_solution *s = solve(w, &desc);
+    scale_solution(s, 1.02f);
+    rsv_certificate c = certify(s, 512, 1);
+    assert_float_equal(c.residual_rms, 0.2 * 0.1, 2e-5);
+    assert_float_equal(c.error_bound_rms, 0.1, 2e-4);
+    assert_float_equal(c.error_estimate_rms, 0.1, 5e-3); // s is known as well as 512 points tell
+    assert_true(c.error_bound_rms > 0.1 * (1 - 1e-3));
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+static void a_known_error_of_a_room_is_found(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_solve_desc desc = draft(2000);
+    rsv_solution *s = solve(w, &desc);
+    rsv_certificate before = certify(s, 1024, 2);
+    scale_solution(s, 1.2f);
+    rsv_certificate after = certify(s, 1024, 2);
+    double known = 0.2 * before.irradiance_rms;
+    // the solution's own error is another: the two add up somehow
+    assert_true(fabs(after.error_estimate_rms - known) < 0.05 * known + before.error_estimate_rms);
+    assert_true(after.error_bound_rms > known - before.error_bound_rms);
+    assert_true(
+        after.error_estimate_ci95[0] < known && known < after.error_estimate_ci95[1] * 1.05);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+// ---- true errors --------------------------------------------------------------------------------
+
+/// @param tolerance of the estimate, relative: what so few points can tell
+static void check_against_truth(
+    const char *scene, const rsv_solve_desc *desc, uint32_t paths, double tolerance)
+{
+    world *w = world_builtin(2, scene);
+    rsv_solution *s = solve(w, desc);
+    rsv_truth *truth;
+    double error, interval[2];
+    assert_int_equal(rsv_truth_create(s, 1000, paths, 5, &truth), RSV_OK);
+    assert_int_equal(rsv_truth_error(truth, s, &error, interval), RSV_OK);
+    rsv_certificate c = certify(s, 2048, 3);
+    print_message("%s: true error %.4f (%.4f .. %.4f), estimate %.4f (%.4f .. %.4f), bound %.4f of "
+                  "%.4f W/m2\n",
+        scene, error, interval[0], interval[1], c.error_estimate_rms, c.error_estimate_ci95[0],
+        c.error_estimate_ci95[1], c.error_bound_rms, c.irradiance_rms);
+    assert_true(error < c.error_bound_rms);
+    assert_true(c.error_bound_rms < 10 * error);
+    assert_true(c.error_estimate_ci95[0] < interval[1]);
+    assert_true(interval[0] < c.error_estimate_ci95[1]);
+    assert_true(fabs(c.error_estimate_rms - error) < tolerance * error);
+    rsv_truth_destroy(truth);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// Elements far too large for shadows and corners: nothing but discretisation errs.
+static void a_coarse_solution_confesses(void **state)
+{
+    (void)state;
+    rsv_solve_desc desc = draft(60);
+    desc.rays_per_element = 1024;
+    desc.direct_levels = 0;
+    check_against_truth("cornell-blocks", &desc, 96, 0.2);
+}
+
+/// Few rays: the error is noise.
+static void a_noisy_solution_confesses(void **state)
+{
+    (void)state;
+    rsv_solve_desc desc = draft(1000);
+    desc.rays_per_element = 64;
+    check_against_truth("cornell-blocks", &desc, 384, 0.2);
+}
+
+/// Most of the error lies in two small spots: few points find them.
+static void a_solution_without_caustics_confesses(void **state)
+{
+    (void)state;
+    rsv_solve_desc desc = draft(2000);
+    desc.photon_count = 0;
+    check_against_truth("cornell-spheres", &desc, 192, 0.6);
+}
+
+// ---- what else is promised ----------------------------------------------------------------------
+
+static void direct_light_left_to_the_renderer_counts_as_exact(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_solve_desc desc = draft(400);
+    desc.direct_levels = 0;
+    rsv_solution *s = solve(w, &desc);
+    rsv_certificate with = certify(s, 512, 1);
+    rsv_solution_destroy(s);
+    desc.direct_level = false;
+    s = solve(w, &desc);
+    rsv_certificate without = certify(s, 512, 1);
+    assert_true(without.error_estimate_rms < 0.6 * with.error_estimate_rms);
+    assert_float_equal(without.irradiance_rms, with.irradiance_rms, 0.03 * with.irradiance_rms);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void)state;
+    rsv_certificate c[2];
+    for (int threads = 1; threads <= 2; threads++) {
+        world *w = world_builtin(threads, "cornell-spheres");
+        rsv_solve_desc desc = draft(300);
+        desc.photon_count = 20000;
+        rsv_solution *s = solve(w, &desc);
+        c[threads - 1] = certify(s, 100, 1);
+        rsv_solution_destroy(s);
+        world_end(w);
+    }
+    assert_true(c[0].residual_rms == c[1].residual_rms && c[0].rays == c[1].rays);
+    assert_true(c[0].residual_ci95[1] == c[1].residual_ci95[1]);
+    assert_true(c[0].error_estimate_rms == c[1].error_estimate_rms);
+    assert_true(c[0].irradiance_rms == c[1].irradiance_rms);
+    assert_true(c[0].error_estimate_rms > 0);
+}
+
+static void check_nothing(world *w)
+{
+    world_commit(w);
+    rsv_solve_desc desc = draft(100);
+    rsv_solution *s = solve(w, &desc);
+    rsv_certificate c = certify(s, 64, 1);
+    assert_true(c.residual_rms == 0 && c.error_bound_rms == 0 && c.error_estimate_rms == 0);
+    assert_true(c.residual_ci95[0] == 0 && c.residual_ci95[1] == 0 && c.irradiance_rms == 0);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+static void darkness_is_exact(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
+    check_nothing(w);
+}
+
+static void a_scene_without_diffuse_surfaces_has_no_error(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_material(w, mirror_material(0.5f)), v3(0, 0, 0), v3(1, 1, 1));
+    check_nothing(w);
+}
+
+static void unusable_numbers_of_samples_are_refused(void **state)
+{
+    (void)state;
+    world *w = create_furnace(0.5f);
+    rsv_solve_desc desc = draft(60);
+    rsv_solution *s = solve(w, &desc);
+    const rsv_certify_desc bad[] = { { 0, 64, 16, 0 }, { (1u << 24) + 1, 64, 16, 0 },
+        { 64, 0, 16, 0 }, { 64, 64, 1, 0 }, { 64, UINT32_MAX, 16, 0 } };
+    rsv_certificate c;
+    for (size_t k = 0; k < sizeof bad / sizeof bad[0]; k++) {
+        assert_int_equal(rsv_certify(s, &bad[k], &c), RSV_ERROR_ARGUMENT);
+        assert_non_null(strstr(rsv_last_error(), "it must be"));
+    }
+    rsv_truth *truth;
+    assert_int_equal(rsv_truth_create(s, 0, 16, 0, &truth), RSV_ERROR_ARGUMENT);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+static void memory_may_run_out_anywhere(void **state)
+{
+    (void)state;
+    world *w = create_furnace(0.5f);
+    rsv_solve_desc desc = draft(60);
+    rsv_solution *s = solve(w, &desc);
+    rsv_certify_desc small = { .samples = 16, .gather_rays = 4, .light_samples = 2 };
+    rsv_certificate c;
+    rsv_status status = RSV_ERROR_MEMORY;
+    long alive = w->alive;
+    for (long successes = 0; status != RSV_OK; successes++) {
+        w->until_failure = successes;
+        status = rsv_certify(s, &small, &c);
+        w->until_failure = -1;
+        if (status != RSV_OK) assert_int_equal(status, RSV_ERROR_MEMORY);
+        assert_int_equal(w->alive, alive);
+    }
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_furnace_is_certified_exact),
+        cmocka_unit_test(a_known_error_of_a_furnace_is_found),
+        cmocka_unit_test(a_known_error_of_a_room_is_found),
+        cmocka_unit_test(a_coarse_solution_confesses),
+        cmocka_unit_test(a_noisy_solution_confesses),
+        cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(darkness_is_exact),
+        cmocka_unit_test(a_scene_without_diffuse_surfaces_has_no_error),
+        cmocka_unit_test(unusable_numbers_of_samples_are_refused),
+        cmocka_unit_test(memory_may_run_out_anywhere),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
