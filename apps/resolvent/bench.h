@@ -15,8 +15,13 @@ typedef struct cli_bench_task {
     uint32_t threads;           ///< at least 1
     uint32_t repetitions;       ///< what is timed is timed this often
     uint32_t reference_samples; ///< quality: camera rays per pixel of the reference
+    uint32_t paths;             ///< certificate: of each reading of the truth, 0 = default
     cli_list references;        ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;
+
+/// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, others are those of
+/// cli_open_scene. NULL after a message.
+rsv_scene *cli_open_bench_scene(const cli_bench_task *bench);
 
 /// Rays per second against one scene: single and in packets, coherent and not, nearest and any hit.
 /// Like the others, says what went wrong on standard error.
@@ -43,6 +48,14 @@ void cli_print_solvers(const struct cJSON *result);
 /// Writes the curves of all scenes: comma-separated text, and a plot with one row per scene.
 bool cli_write_solvers_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_solvers_plot(const char *path, const struct cJSON *scenes);
+
+/// Bounds and estimates of certificates beside true errors, over qualities and seeds.
+bool cli_bench_certificate(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_certificate(const struct cJSON *result);
+/// @param scenes the results as an array
+void cli_print_certificate_summary(const struct cJSON *scenes);
+bool cli_write_certificate_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_certificate_plot(const char *path, const struct cJSON *scenes);
 
 /// A number of a JSON object; NAN if it holds none of that name.
 double cli_json_number(const struct cJSON *object, const char *name);

@@ -35,48 +35,6 @@ static void remember(void *user, double applications, double residual)
     row[2] = residual;
 }
 
-/// A closed box of albedo 0.95 with a lamp in it: hardly anything is absorbed, and the series takes its time.
-static rsv_status create_bright_box(rsv_context *context, rsv_scene **scene)
-{
-    static const rsv_vec3 corner[8] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 },
-        { 0, 0, 1.5f }, { 1, 0, 1.5f }, { 0, 1, 1.5f }, { 1, 1, 1.5f } };
-    static const uint32_t inwards[36] = { 0, 1, 3, 0, 3, 2, 4, 7, 5, 4, 6, 7, 0, 2, 6, 0, 6, 4, 1,
-        5, 7, 1, 7, 3, 0, 4, 5, 0, 5, 1, 2, 3, 7, 2, 7, 6 };
-    rsv_material white = rsv_default_material();
-    white.base_color = (rsv_rgb){ 0.95f, 0.95f, 0.95f };
-    white.metallic = 0;
-    white.specular = 0;
-    rsv_light lamp = { .name = "lamp",
-        .kind = RSV_LIGHT_POINT,
-        .position = { 0.3f, 0.8f, 1.1f },
-        .intensity = { 1, 1, 1 } };
-    rsv_mesh_desc box = { .name = "box",
-        .positions = corner,
-        .vertex_count = 8,
-        .indices = inwards,
-        .triangle_count = 12 };
-    uint32_t mesh;
-    rsv_status status = rsv_scene_create(context, scene);
-    if (status == RSV_OK) status = rsv_scene_add_material(*scene, &white, &box.material);
-    if (status == RSV_OK) status = rsv_scene_add_mesh(*scene, &box, &mesh);
-    if (status == RSV_OK) status = rsv_scene_add_instance(*scene, mesh, NULL, NULL);
-    if (status == RSV_OK) status = rsv_scene_add_light(*scene, &lamp);
-    if (status == RSV_OK) status = rsv_scene_commit(*scene);
-    return status;
-}
-
-static rsv_scene *open_scene(const cli_bench_task *bench)
-{
-    if (strcmp(bench->scene, "bright-box") != 0)
-        return cli_open_scene(bench->session, bench->scene, NULL);
-    rsv_scene *scene = NULL;
-    rsv_status status = create_bright_box(bench->session->context, &scene);
-    if (status == RSV_OK) return scene;
-    cli_report_failure(bench->session, status);
-    rsv_scene_destroy(scene);
-    return NULL;
-}
-
 /// The fastest of the repetitions. @return what they cost
 static rsv_status time_solver(const rsv_solution *solution, rsv_solver solver, uint32_t repetitions,
     history *fastest, rsv_solver_cost *cost)
@@ -132,7 +90,7 @@ static rsv_status measure_all(
 
 bool cli_bench_solvers(const cli_bench_task *bench, cJSON *result)
 {
-    rsv_scene *scene = open_scene(bench);
+    rsv_scene *scene = cli_open_bench_scene(bench);
     if (!scene) return false;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     desc.direct_level = false;

@@ -26,14 +26,17 @@ static const char help[] =
     "            reference would take for it, its error falling as 1/sqrt(time)\n"
     "  solvers   residual over applications of the operator and over time, for every solver, down\n"
     "            to 1e-5; on cornell-blocks and on bright-box, a closed box of albedo 0.95\n"
+    "  certificate  bounds and estimates of `certify` beside the true error against path tracing,\n"
+    "            for four qualities and two seeds, on five scenes\n"
     "\n"
     "  --threads N       default: one per processor\n"
     "  --repeat N        all but trace: time everything N times (default 5; quality 3)\n"
     "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n"
-    "  --csv FILE        quality, solvers: the table as comma-separated text\n"
-    "  --plot FILE.svg   quality, solvers: the curves\n"
+    "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
+    "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
+    "  --plot FILE.svg   likewise: the curves\n"
     "  --json            print JSON\n"
     "\n"
     "examples:\n"
@@ -41,25 +44,52 @@ static const char help[] =
     "  resolvent bench assemble\n"
     "  resolvent bench quality --spp 4096 --plot quality.svg\n";
 
+enum { BENCH_SCENES = 5 };
+
 typedef struct benchmark {
     const char *name;
     bool (*run)(const cli_bench_task *bench, cJSON *result);
     void (*print)(const cJSON *result);
     bool (*write_csv)(const char *path, const cJSON *scenes); ///< or NULL, as write_plot
     bool (*write_plot)(const char *path, const cJSON *scenes);
-    const char *scenes[2]; ///< where none is given
-    uint32_t repetitions;  ///< likewise
+    const char *scenes[BENCH_SCENES];           ///< where none is given
+    uint32_t repetitions;                       ///< likewise
+    void (*print_summary)(const cJSON *scenes); ///< of all of them, or NULL
 } benchmark;
 
 static const benchmark benchmarks[] = {
-    { "trace", cli_bench_trace, cli_print_trace, .scenes = { "cornell-blocks", "cornell-spheres" },
+    { .name = "trace",
+        .run = cli_bench_trace,
+        .print = cli_print_trace,
+        .scenes = { "cornell-blocks", "cornell-spheres" },
         .repetitions = 1 },
-    { "assemble", cli_bench_assemble, cli_print_assemble, .scenes = { "cornell-blocks" },
+    { .name = "assemble",
+        .run = cli_bench_assemble,
+        .print = cli_print_assemble,
+        .scenes = { "cornell-blocks" },
         .repetitions = 5 },
-    { "quality", cli_bench_quality, cli_print_quality, cli_write_quality_csv,
-        cli_write_quality_plot, { "cornell-blocks" }, 3 },
-    { "solvers", cli_bench_solvers, cli_print_solvers, cli_write_solvers_csv,
-        cli_write_solvers_plot, { "cornell-blocks", "bright-box" }, 5 },
+    { .name = "quality",
+        .run = cli_bench_quality,
+        .print = cli_print_quality,
+        .write_csv = cli_write_quality_csv,
+        .write_plot = cli_write_quality_plot,
+        .scenes = { "cornell-blocks" },
+        .repetitions = 3 },
+    { .name = "solvers",
+        .run = cli_bench_solvers,
+        .print = cli_print_solvers,
+        .write_csv = cli_write_solvers_csv,
+        .write_plot = cli_write_solvers_plot,
+        .scenes = { "cornell-blocks", "bright-box" },
+        .repetitions = 5 },
+    { .name = "certificate",
+        .run = cli_bench_certificate,
+        .print = cli_print_certificate,
+        .print_summary = cli_print_certificate_summary,
+        .write_csv = cli_write_certificate_csv,
+        .write_plot = cli_write_certificate_plot,
+        .scenes = { "cornell-blocks", "two-rooms", "bright-box", "gallery:2", "cornell-spheres" },
+        .repetitions = 1 },
 };
 
 static const benchmark *find_benchmark(const char *name)
@@ -124,7 +154,9 @@ static bool write_files(const benchmark *b, const settings *s, const cJSON *resu
 static int run(const benchmark *b, const settings *s)
 {
     const char *const *scenes = s->operand[1] ? &s->operand[1] : b->scenes;
-    size_t scene_count = s->operand[1] || !b->scenes[1] ? 1 : 2;
+    size_t scene_count = 1;
+    while (!s->operand[1] && scene_count < BENCH_SCENES && b->scenes[scene_count])
+        scene_count++;
     int exit_status = CLI_FAILURE;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "bench", b->name);
@@ -136,6 +168,7 @@ static int run(const benchmark *b, const settings *s)
         cJSON_AddItemToArray(results, result);
         report(b, s, result);
     }
+    if (b->print_summary && !s->json) b->print_summary(results);
     if (!write_files(b, s, results)) goto cleanup;
     if (!s->json || cli_write_json(NULL, root)) exit_status = CLI_SUCCESS;
 
@@ -151,7 +184,8 @@ static int check_settings(const benchmark *b, const settings *s)
     if (references && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--reference belongs to bench quality");
     if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
-        return cli_usage_error("bench", "--csv and --plot belong to bench quality and solvers");
+        return cli_usage_error(
+            "bench", "--csv and --plot belong to bench quality, solvers and certificate");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)))
@@ -191,6 +225,7 @@ int cli_bench(int argc, char **argv)
             .value = &bench->reference_samples,
             .min = 2,
             .max = 1 << 24 },
+        { .name = "--paths", .kind = CLI_COUNT, .value = &bench->paths, .min = 32, .max = 1 << 24 },
         { .name = "--reference", .kind = CLI_LIST, .value = &bench->references },
         { .name = "--csv", .kind = CLI_TEXT, .value = &s.csv },
         { .name = "--plot", .kind = CLI_TEXT, .value = &s.plot },

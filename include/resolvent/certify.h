@@ -16,6 +16,7 @@
 #ifndef RESOLVENT_CERTIFY_H
 #define RESOLVENT_CERTIFY_H
 
+#include "resolvent/image.h"
 #include "resolvent/solve.h"
 
 #ifdef __cplusplus
@@ -24,9 +25,9 @@ extern "C" {
 
 /// Start from rsv_default_certify_desc().
 typedef struct rsv_certify_desc {
-    uint32_t samples;       ///< points on the surfaces, 16..2^24, default 4096; rounded up to even
-    uint32_t gather_rays;   ///< of each of the two estimates at a point, 1..2^16, default 128
-    uint32_t light_samples; ///< shadow rays likewise, 2..2^16, default 32
+    uint32_t samples;       ///< points on the surfaces, 16..2^24, default 2048; rounded up to even
+    uint32_t gather_rays;   ///< of each of the two estimates at a point, 1..2^16, default 512
+    uint32_t light_samples; ///< shadow rays likewise, 2..2^16, default 64
     uint32_t seed;          ///< any: independent of the solution's, even if equal
 } rsv_certify_desc;
 
@@ -57,6 +58,28 @@ typedef struct rsv_certificate {
 /// @param desc NULL = defaults
 RSV_API rsv_status rsv_certify(
     const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate);
+
+/// A picture of where the error is. Start from rsv_default_heat_map_desc().
+typedef struct rsv_heat_map_desc {
+    uint32_t width, height; ///< pixels, 16 x 32 at least: a colour bar takes the lowest 12 rows
+    uint32_t camera;        ///< index in the scene
+    uint32_t gather_rays;   ///< of each of the two estimates per pixel, default 128
+} rsv_heat_map_desc;
+
+RSV_API rsv_heat_map_desc rsv_default_heat_map_desc(void);
+
+#define RSV_HEAT_MAP_LOW                                                                           \
+    1e-3 ///< relative error at the left end of the colour bar; ticks every decade
+#define RSV_HEAT_MAP_HIGH 1.0
+
+/// Certifies a solution, and shows the estimated error of the irradiance of each surface seen: its root mean square over
+/// some pixels around, relative to the certificate's irradiance_rms. Layer 0 is coloured, black to white over
+/// RSV_HEAT_MAP_LOW to RSV_HEAT_MAP_HIGH on a logarithmic scale, what has no irradiance grey; layer
+/// "relative_error" holds the numbers.
+/// @param certify, desc NULL = defaults
+RSV_API rsv_status rsv_certify_picture(const rsv_solution *solution,
+    const rsv_certify_desc *certify, const rsv_heat_map_desc *desc, rsv_certificate *certificate,
+    rsv_image **image);
 
 /// What certificates are judged by: irradiance at random points, path traced twice over, by the reference that knows
 /// nothing of elements or operators.

@@ -13,18 +13,18 @@ typedef struct examination {
     rsv_face_areas areas;
     rsv_residual_sample *sample; ///< [desc.samples]
     double *value;               ///< [desc.samples] scratch: one number per valid sample
-    rsv_error_field field;
+    rsv_error_field *field;
     rsv_certificate *certificate;
 } examination;
 
 rsv_certify_desc rsv_default_certify_desc(void)
 {
-    return (rsv_certify_desc){ .samples = 4096, .gather_rays = 128, .light_samples = 32 };
+    return (rsv_certify_desc){ .samples = 2048, .gather_rays = 512, .light_samples = 64 };
 }
 
 rsv_certify_desc rsv_brief_certify_desc(void)
 {
-    return (rsv_certify_desc){ .samples = 256, .gather_rays = 64, .light_samples = 16 };
+    return (rsv_certify_desc){ .samples = 128, .gather_rays = 256, .light_samples = 32 };
 }
 
 static rsv_status check_range(const char *name, uint32_t value, uint32_t least, uint32_t most)
@@ -112,7 +112,7 @@ static double squared_irradiance(const examination *x, size_t k)
 static double squared_error_but_reflected(const examination *x, size_t k)
 {
     const rsv_residual_sample *sample = &x->sample[k];
-    const rsv_rgb *reflected = x->field.reflected[(k + 1) % RSV_SAMPLE_SETS];
+    const rsv_rgb *reflected = x->field->reflected[(k + 1) % RSV_SAMPLE_SETS];
     double s = luminance(rsv_error_field_at(x->solution, reflected, &sample->point));
     double r = luminance(sample->at.residual[0]) + luminance(sample->at.residual[1]);
     return squared_residual(x, k) + r * s;
@@ -124,8 +124,8 @@ static double mean_squared_reflected(const examination *x)
     const rsv_elements *e = x->solution->elements;
     double sum = 0, area = 0;
     for (size_t n = 0; n < e->node_count; n++) {
-        sum += (double)e->node_area[n] * luminance(x->field.reflected[0][n]) *
-               luminance(x->field.reflected[1][n]);
+        sum += (double)e->node_area[n] * luminance(x->field->reflected[0][n]) *
+               luminance(x->field->reflected[1][n]);
         area += (double)e->node_area[n];
     }
     return area > 0 ? sum / area : 0;
@@ -162,7 +162,7 @@ static rsv_status judge_error(examination *x)
     if (c->samples == 0) return RSV_OK;
     double area = rsv_face_areas_total(&x->areas) / x->desc.samples;
     rsv_status status =
-        rsv_error_field_create(x->solution, x->sample, x->desc.samples, area, &x->field);
+        rsv_error_field_create(x->solution, x->sample, x->desc.samples, area, x->field);
     if (status != RSV_OK) return status;
     rsv_moments error = moments(x, squared_error_but_reflected);
     double reflected = mean_squared_reflected(x);
@@ -186,25 +186,35 @@ static rsv_status examine(examination *x)
     judge_residual(x);
     RSV_TRY(judge_error(x));
 cleanup:
-    rsv_error_field_destroy(s->context, &x->field);
     rsv_face_areas_destroy(&x->areas);
     rsv_free(s->context, x->sample);
     rsv_free(s->context, x->value);
     return status;
 }
 
-rsv_status rsv_certify(
-    const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate)
+rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *desc,
+    rsv_certificate *certificate, rsv_error_field *field)
 {
     double start = rsv_seconds();
     examination x = { .solution = solution,
         .desc = desc ? *desc : rsv_default_certify_desc(),
+        .field = field,
         .certificate = certificate };
+    *field = (rsv_error_field){ 0 };
     rsv_status status = check_desc(&x.desc);
     if (status != RSV_OK) return status;
     x.desc.samples += x.desc.samples % RSV_SAMPLE_SETS;
     *certificate = (rsv_certificate){ 0 };
     status = examine(&x);
     certificate->seconds = rsv_seconds() - start;
+    return status;
+}
+
+rsv_status rsv_certify(
+    const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate)
+{
+    rsv_error_field field;
+    rsv_status status = rsv_examine(solution, desc, certificate, &field);
+    rsv_error_field_destroy(solution->context, &field);
     return status;
 }

@@ -9,6 +9,7 @@
 
 #include "../solve/transport_map.h"
 #include "residual.h"
+#include "resolvent/certify.h"
 
 /// Two independent samples of residuals, and the reflected error that each of them predicts.
 #define RSV_SAMPLE_SETS 2
@@ -29,6 +30,11 @@ typedef struct rsv_residual_sample {
 rsv_status rsv_error_field_create(const rsv_solution *solution, const rsv_residual_sample *sample,
     size_t count, double area, rsv_error_field *field);
 void rsv_error_field_destroy(rsv_context *context, rsv_error_field *field);
+
+/// rsv_certify, and the field that it found on the way.
+/// @param field to be destroyed by the caller, whatever is returned; its fields stay NULL where nothing is diffuse
+rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *desc,
+    rsv_certificate *certificate, rsv_error_field *field);
 
 /// s as the samples of one set predict it.
 rsv_rgb rsv_error_field_at(

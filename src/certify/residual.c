@@ -208,7 +208,7 @@ static uint32_t ray_count(const receiver *r, rsv_rgb stored_caustic)
 
 static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
 {
-    rsv_rgb sum = rgb_gray(0);
+    double sum[3] = { 0 }; // residuals are small differences of these sums
     for (uint32_t k = 0; k < count; k++) {
         float x, y;
         rsv_sobol_2d(k, stream, &x, &y);
@@ -218,9 +218,11 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
             v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->point.normal);
         // what an interpolated normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, r->point.geometric) <= 0) continue;
-        sum = rgb_add(sum, gather_one(r, direction, rsv_bsdf_entry(r->bsdf, d.z), &random));
+        rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->bsdf, d.z), &random);
+        sum[0] += (double)found.r, sum[1] += (double)found.g, sum[2] += (double)found.b;
     }
-    return rgb_scale(sum, RSV_PI / (float)count);
+    double scale = (double)RSV_PI / count;
+    return rgb((float)(scale * sum[0]), (float)(scale * sum[1]), (float)(scale * sum[2]));
 }
 
 rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *p, uint32_t stream)

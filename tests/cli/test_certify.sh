@@ -18,6 +18,17 @@ done
 succeeds certify furnace --quality draft --samples 64 --rays 32 --seed 5
 ! cmp -s stdout furnace1 || complain "the seed changes nothing"
 
+for threads in 1 2; do
+    succeeds certify cornell-blocks --quality draft --samples 16 --rays 8 --threads $threads \
+        --heatmap heat$threads.exr --size 48x40
+done
+cmp -s heat1.exr heat2.exr || complain "threads change the picture of the error"
+succeeds certify furnace --quality draft --samples 16 --rays 8 --heatmap heat.png --size 32x32
+[[ -s heat.png ]] || complain "no picture of the error"
+
+refuses 1 'camera' certify furnace --heatmap "$out/a.png" --camera nobody
+refuses 1 'heat.tiff' certify furnace --heatmap "$out/heat.tiff"
+refuses 2 'WIDTHxHEIGHT' certify furnace --heatmap "$out/a.png" --size 8x8
 refuses 2 'SCENE is missing' certify
 refuses 2 '16 to 16777216' certify furnace --samples 0
 refuses 2 '16 to 16777216' certify furnace --samples -4

@@ -25,6 +25,8 @@ static rsv_certificate certify(const rsv_solution *s, uint32_t samples, uint32_t
     rsv_certificate c;
     rsv_certify_desc desc = rsv_default_certify_desc();
     desc.samples = samples;
+    desc.gather_rays = 128;
+    desc.light_samples = 32;
     desc.seed = seed;
     if (rsv_certify(s, &desc, &c) != RSV_OK) fail_msg("%s", rsv_last_error());
     return c;
@@ -205,6 +207,41 @@ static void threads_change_nothing(void **state)
     assert_true(c[0].error_estimate_rms > 0);
 }
 
+/// A tile of the floor is told a lie: there the picture is bright, elsewhere it is not.
+static void the_picture_shows_where_the_error_is(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t lit = world_lambert(w, 0.5f, 1), liar = world_lambert(w, 0.5f, 1);
+    world_room(w, lit, v3(0, 0, 0), v3(1, 1, 1));
+    world_box(w, liar, v3(0.6f, 0.4f, 0.4f), v3(0.8f, 0.6f, 0.6f));
+    rsv_camera camera =
+        rsv_camera_look_at("front", v3(0.5f, 0.5f, 0.95f), v3(0.5f, 0.5f, 0), 1.2f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    rsv_solve_desc desc = draft(300);
+    rsv_solution *s = solve(w, &desc);
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        uint32_t triangle = s->elements->face_triangle[s->elements->node_face[n]];
+        if (w->transport.view->triangle_material[triangle] != liar) continue;
+        s->indirect[n] = rgb_scale(s->indirect[n], 1.5f);
+    }
+    rsv_certify_desc certify_desc = { .samples = 256, .gather_rays = 64, .light_samples = 8 };
+    rsv_heat_map_desc map = { .width = 64, .height = 76, .gather_rays = 32 };
+    rsv_certificate c;
+    rsv_image *image;
+    assert_int_equal(rsv_certify_picture(s, &certify_desc, &map, &c, &image), RSV_OK);
+    const rsv_rgb *number = rsv_image_const_pixels(image, 1);
+    // E = 2 pi everywhere, half of it indirect
+    assert_float_equal(number[32 * 64 + 46].r, 0.25, 0.05); // the box
+    assert_true(number[32 * 64 + 10].r < 0.05);             // the wall
+    map.width = 0;
+    assert_int_equal(rsv_certify_picture(s, NULL, &map, &c, &image), RSV_ERROR_ARGUMENT);
+    rsv_image_destroy(image);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
 static void check_nothing(world *w)
 {
     world_commit(w);
@@ -284,6 +321,7 @@ int main(void)
         cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
         cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(the_picture_shows_where_the_error_is),
         cmocka_unit_test(darkness_is_exact),
         cmocka_unit_test(a_scene_without_diffuse_surfaces_has_no_error),
         cmocka_unit_test(unusable_numbers_of_samples_are_refused),
