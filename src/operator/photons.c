@@ -7,7 +7,7 @@
 
 #define GUIDE_SIDE 64     ///< bins of a source's guide along each side of its unit square
 #define GUIDE_RAYS 4      ///< pilot rays per bin
-#define GUIDED_SHARE 0.9f ///< the rest is emitted as the source would by itself
+#define GUIDED_SHARE 0.9f ///< the rest goes everywhere alike, as the source would by itself
 #define PHOTONS_PER_CHUNK 4096
 /// The strongest lights have a guide each; all others share one.
 #define OWN_GUIDES 63
@@ -197,17 +197,19 @@ static float accumulate(const float *weight, float *cdf, int count)
 
 static void finish_guide(photon_source *source, const float *useful)
 {
+    const int bins = GUIDE_SIDE * GUIDE_SIDE;
     float row_sum[GUIDE_SIDE], total = 0;
+    for (int k = 0; k < bins; k++)
+        total += useful[k];
+    source->useful = total / ((float)bins * GUIDE_RAYS);
+    for (int k = 0; k < bins; k++)
+        source->density[k] =
+            total > 0 ? GUIDED_SHARE * useful[k] * (float)bins / total + (1 - GUIDED_SHARE) : 1;
     for (int row = 0; row < GUIDE_SIDE; row++) {
-        row_sum[row] =
-            accumulate(useful + row * GUIDE_SIDE, source->cell_cdf + row * GUIDE_SIDE, GUIDE_SIDE);
-        total += row_sum[row];
+        int first = row * GUIDE_SIDE;
+        row_sum[row] = accumulate(source->density + first, source->cell_cdf + first, GUIDE_SIDE);
     }
     accumulate(row_sum, source->row_cdf, GUIDE_SIDE);
-    const float bins = GUIDE_SIDE * GUIDE_SIDE;
-    source->useful = total / (bins * GUIDE_RAYS);
-    for (int k = 0; k < GUIDE_SIDE * GUIDE_SIDE; k++)
-        source->density[k] = total > 0 ? useful[k] * bins / total : 1;
 }
 
 static void pilot_bin(
@@ -264,27 +266,31 @@ static rsv_status create_guide(
     return status;
 }
 
+/// Entry of a cumulative table that holds x, which becomes its place within it.
 static int invert(const float *cdf, int count, float *x)
 {
-    int k = 0;
-    while (k + 1 < count && *x >= cdf[k])
-        k++;
+    int k = 0, last = count - 1;
+    while (k < last) {
+        int middle = (k + last) / 2;
+        if (*x < cdf[middle])
+            last = middle;
+        else
+            k = middle + 1;
+    }
     float low = k ? cdf[k - 1] : 0, width = cdf[k] - low;
     *x = width > 0 ? f_min((*x - low) / width, 0x1.fffffep-1f) : 0.5f;
     return k;
 }
 
-/// Warps a uniform point of the unit square by the guide; returns the density there.
-static float guide(const photon_source *source, float choice, float *x, float *y)
+/// Warps a uniform point of the unit square by the guide, neighbours to neighbours, so that points of a
+/// quasi-random set stay spread out. Returns the density there.
+static float guide(const photon_source *source, float *x, float *y)
 {
-    if (choice < GUIDED_SHARE) {
-        int row = invert(source->row_cdf, GUIDE_SIDE, y);
-        int column = invert(source->cell_cdf + row * GUIDE_SIDE, GUIDE_SIDE, x);
-        *x = f_min(((float)column + *x) / GUIDE_SIDE, 0x1.fffffep-1f);
-        *y = f_min(((float)row + *y) / GUIDE_SIDE, 0x1.fffffep-1f);
-    }
-    int bin = (int)(*y * GUIDE_SIDE) * GUIDE_SIDE + (int)(*x * GUIDE_SIDE);
-    return GUIDED_SHARE * source->density[bin] + (1 - GUIDED_SHARE);
+    int row = invert(source->row_cdf, GUIDE_SIDE, y);
+    int column = invert(source->cell_cdf + row * GUIDE_SIDE, GUIDE_SIDE, x);
+    *x = f_min(((float)column + *x) / GUIDE_SIDE, 0x1.fffffep-1f);
+    *y = f_min(((float)row + *y) / GUIDE_SIDE, 0x1.fffffep-1f);
+    return source->density[row * GUIDE_SIDE + column];
 }
 
 // ---- sources ------------------------------------------------------------------------------------
@@ -488,7 +494,7 @@ static uint64_t shoot_one(
     rsv_random random = rsv_random_from(job->seed ^ 0x3c6ef35fu, id, index);
     float x, y;
     rsv_sobol_2d(index, rsv_hash2(job->seed, id), &x, &y);
-    float density = guide(source, rsv_random_float(&random), &x, &y);
+    float density = guide(source, &x, &y);
     emission e = emit(job, source, x, y, &random);
     rsv_chain chain;
     if (!first_hit(job, &e, &chain) || !hits_specular(job, &chain)) return 1;

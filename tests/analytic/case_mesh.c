@@ -70,39 +70,45 @@ static bool disk_mesh(const case_surface *surface, case_mesh *mesh)
     return true;
 }
 
-static int zone_rings(const case_zone *zone)
+static int sector_count(const case_surface *surface)
+{
+    return SPHERE_SECTORS * surface->refinement;
+}
+
+static int zone_rings(const case_surface *surface, const case_zone *zone)
 {
     double share = (acos(zone->cos_min) - acos(zone->cos_max)) / (double)RSV_PI;
-    return (int)fmax(lround(SPHERE_RINGS * share), 2);
+    return (int)fmax(lround(SPHERE_RINGS * surface->refinement * share), 2);
 }
 
 /// Direction of vertex (ring, sector) of a zone's grid of polar angles and azimuths.
-static rsv_vec3 grid_direction(const case_zone *zone, int ring, int sector)
+static rsv_vec3 grid_direction(
+    const case_surface *surface, const case_zone *zone, int ring, int sector)
 {
     double low = acos(zone->cos_min), high = acos(zone->cos_max);
-    double polar = low + (high - low) * ring / zone_rings(zone);
-    double azimuth = 2 * (double)RSV_PI * sector / SPHERE_SECTORS;
+    double polar = low + (high - low) * ring / zone_rings(surface, zone);
+    double azimuth = 2 * (double)RSV_PI * sector / sector_count(surface);
     return v3(
         (float)(sin(polar) * cos(azimuth)), (float)(sin(polar) * sin(azimuth)), (float)cos(polar));
 }
 
 static bool sphere_mesh(const case_surface *surface, const case_zone *zone, case_mesh *mesh)
 {
-    int rings = zone_rings(zone);
-    size_t vertices = (size_t)(rings + 1) * SPHERE_SECTORS;
-    if (!mesh_reserve(mesh, vertices, 2 * (size_t)rings * SPHERE_SECTORS)) return false;
+    int rings = zone_rings(surface, zone), sectors = sector_count(surface);
+    size_t vertices = (size_t)(rings + 1) * (size_t)sectors;
+    if (!mesh_reserve(mesh, vertices, 2 * (size_t)rings * (size_t)sectors)) return false;
     for (int ring = 0; ring <= rings; ring++)
-        for (int sector = 0; sector < SPHERE_SECTORS; sector++) {
-            rsv_vec3 outward = grid_direction(zone, ring, sector);
+        for (int sector = 0; sector < sectors; sector++) {
+            rsv_vec3 outward = grid_direction(surface, zone, ring, sector);
             mesh_vertex(mesh, v3_mad(surface->center, (float)surface->mesh_radius, outward),
                 surface->inside ? v3_neg(outward) : outward);
         }
     for (int ring = 0; ring < rings; ring++)
-        for (int sector = 0; sector < SPHERE_SECTORS; sector++) {
-            size_t row = (size_t)ring * SPHERE_SECTORS,
-                   next = (size_t)(sector + 1) % SPHERE_SECTORS;
+        for (int sector = 0; sector < sectors; sector++) {
+            size_t row = (size_t)ring * (size_t)sectors,
+                   next = (size_t)(sector + 1) % (size_t)sectors;
             size_t a = row + (size_t)sector, b = row + next;
-            size_t c = b + SPHERE_SECTORS, d = a + SPHERE_SECTORS;
+            size_t c = b + (size_t)sectors, d = a + (size_t)sectors;
             bool at_south = ring == 0 && zone->cos_min == -1;
             bool at_north = ring == rings - 1 && zone->cos_max == 1;
             if (!at_south) mesh_triangle(mesh, a, surface->inside ? c : b, surface->inside ? b : c);
@@ -142,13 +148,14 @@ double case_mesh_distance(const case_surface *surface, rsv_vec3 direction)
     const case_zone *zone = case_surface_zone(surface, v3_add(surface->center, direction));
     double low = acos(zone->cos_min), high = acos(zone->cos_max);
     double polar = acos(fmax(-1, fmin(1, direction.z))), azimuth = atan2(direction.y, direction.x);
-    int rings = zone_rings(zone);
+    int rings = zone_rings(surface, zone);
     int ring = (int)fmin(fmax((polar - low) / (high - low) * rings, 0), rings - 1);
-    int sector = (int)floor(azimuth / (2 * (double)RSV_PI) * SPHERE_SECTORS);
+    int sector = (int)floor(azimuth / (2 * (double)RSV_PI) * sector_count(surface));
     // the four corners of a cell lie in a plane: its diagonals span it
-    rsv_vec3 a = grid_direction(zone, ring, sector), b = grid_direction(zone, ring, sector + 1);
-    rsv_vec3 c = grid_direction(zone, ring + 1, sector + 1),
-             d = grid_direction(zone, ring + 1, sector);
+    rsv_vec3 a = grid_direction(surface, zone, ring, sector),
+             b = grid_direction(surface, zone, ring, sector + 1);
+    rsv_vec3 c = grid_direction(surface, zone, ring + 1, sector + 1),
+             d = grid_direction(surface, zone, ring + 1, sector);
     rsv_vec3 normal = v3_normalize(v3_cross(v3_sub(c, a), v3_sub(d, b)));
     rsv_vec3 middle = v3_scale(v3_add(v3_add(a, b), v3_add(c, d)), 0.25f);
     return surface->mesh_radius * v3_dot(normal, middle) / v3_dot(normal, direction);

@@ -1,5 +1,7 @@
 #include "case_probe.h"
 
+#include "case_receiver.h"
+
 #include "core/sampling.h"
 
 #include <stdlib.h>
@@ -15,10 +17,24 @@
 #define MAX_POINTS 512
 #define SAMPLES_PER_POINT 32
 
+/// Where points of light are seen in mirrors and glass: light paths shot, the radius over which a point's reading
+/// is averaged, and the size of the elements that it is stored on. Irradiance bends by 0.1 % over it.
+#define PHOTONS (1u << 20)
+#define PHOTONS_AGAIN (3u << 20)
+#define RECEIVER_RADIUS 0.1
+#define RECEIVER_RADIUS_BEHIND_LENS 0.07
+#define RECEIVER_SPACING 0.02
+
 /// offset + weight * reading
 static case_reading affine(case_reading reading, double offset, double weight)
 {
     return (case_reading){ offset + weight * reading.value, weight * reading.standard_error };
+}
+
+/// Of the pilot run (0) or the one that counts (1).
+static uint32_t run_seed(const case_bench *bench, uint32_t run)
+{
+    return 1 + run + (bench->again ? 2 : 0);
 }
 
 static rsv_status make_solution(const case_bench *bench, case_solution *created)
@@ -27,6 +43,14 @@ static rsv_status make_solution(const case_bench *bench, case_solution *created)
         case_scene_build(bench->context, &bench->scene, created->variant, &created->scene);
     if (status != RSV_OK || bench->mode == RSV_PROBE_REFERENCE) return status;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    if (bench->scene.receiver.name) {
+        double area = case_receiver_area(&bench->scene);
+        desc.element_target = (uint32_t)(area / (RECEIVER_SPACING * RECEIVER_SPACING));
+        desc.photon_count = created->variant.again ? PHOTONS_AGAIN : PHOTONS;
+        desc.seed = run_seed(bench, 0);
+        desc.direct_level = false;
+        desc.direct_levels = 0;
+    }
     return rsv_solution_create(created->scene, &desc, &created->solution);
 }
 
@@ -39,7 +63,7 @@ static rsv_status find_solution(
         *found = &bench->solution[i];
         case_variant known = bench->solution[i].variant;
         if (known.black == variant.black && known.emitters == variant.emitters &&
-            known.sky == variant.sky)
+            known.sky == variant.sky && known.again == variant.again)
             return RSV_OK;
     }
     if (i == CASE_MAX_VARIANTS) abort();
@@ -72,12 +96,6 @@ static double wanted_factor(const case_bench *bench, case_reading pilot)
     return pilot.standard_error > 0 && pilot.value != 0 ? ratio * ratio : 1;
 }
 
-/// Of the pilot run (0) or the one that counts (1).
-static uint32_t run_seed(const case_bench *bench, uint32_t run)
-{
-    return 1 + run + (bench->again ? 2 : 0);
-}
-
 /// Irradiance at one point. A pilot run sizes the run that counts, which has a seed of its own.
 static rsv_status read_point(
     case_bench *bench, case_variant variant, rsv_probe probe, case_reading *reading)
@@ -92,6 +110,22 @@ static rsv_status read_point(
         *reading = (case_reading){ (double)raw.irradiance.g, (double)raw.standard_error.g };
         samples = fmin(fmax(samples * wanted_factor(bench, *reading), PILOT_SAMPLES), MAX_SAMPLES);
     }
+    return status;
+}
+
+/// Irradiance stored on the plate that the receivers lie on, averaged over a disk.
+static rsv_status read_stored(
+    case_bench *bench, rsv_vec3 center, double radius, case_reading *reading)
+{
+    const case_solution *solution;
+    rsv_probe points[CASE_RECEIVER_POINTS];
+    rsv_probe_reading raw[CASE_RECEIVER_POINTS];
+    size_t count = case_receiver_disk(&bench->scene, center, radius, points);
+    rsv_status status = find_solution(bench, (case_variant){ .again = bench->again }, &solution);
+    if (status == RSV_OK)
+        status = read_probes(bench, solution, points, count, 32, run_seed(bench, 1), raw);
+    for (size_t i = 0; i < count && status == RSV_OK; i++)
+        reading->value += (double)raw[i].irradiance.g / (double)count;
     return status;
 }
 
@@ -228,6 +262,21 @@ static void add_camera(case_scene *scene, rsv_vec3 position, rsv_vec3 forward)
 /// What names this has no probe in the file: straight up, from below the interface.
 static const char below_interface[] = "L_transmitted_normal";
 
+/// At a point or over a disk.
+static bool is_irradiance(const cJSON *probe)
+{
+    const char *type = text(probe, "type");
+    return strcmp(type, "irradiance") == 0 || strcmp(type, "disk_irradiance") == 0;
+}
+
+static double radius_of(const case_scene *scene, const cJSON *probe)
+{
+    const cJSON *radius = cJSON_GetObjectItem(probe, "radius");
+    if (radius) return cJSON_GetNumberValue(radius);
+    bool lens = scene->surface[0].shape == CASE_SPHERE;
+    return lens ? RECEIVER_RADIUS_BEHIND_LENS : RECEIVER_RADIUS;
+}
+
 void case_bench_announce(case_bench *bench, const cJSON *expected)
 {
     const cJSON *probe = cJSON_GetObjectItem(expected, "probe");
@@ -236,6 +285,9 @@ void case_bench_announce(case_bench *bench, const cJSON *expected)
     if (strcmp(text(probe, "type"), "radiance") == 0)
         add_camera(
             &bench->scene, vector(probe, "origin"), v3_normalize(vector(probe, "direction")));
+    if (is_irradiance(probe) && case_receiver_needed(&bench->scene))
+        case_receiver_cover(&bench->scene, vector(probe, "point"), vector(probe, "normal"),
+            radius_of(&bench->scene, probe));
 }
 
 /// The camera that case_bench_announce made for a radiance probe.
@@ -382,9 +434,14 @@ rsv_status case_bench_read(
     *known = true;
     *reading = (case_reading){ 0 };
     if (cJSON_HasObjectItem(probe, "divide_by")) type = "unknown";
-    // gather paths meet the sky behind an interface, but no point
     bool alternative = strncmp(text(expected, "name"), "E_uniform_env", 13) == 0;
-    if (bench->scene.sky_is_alternative && *type && !alternative) type = "unknown";
+    if (case_receiver_needed(&bench->scene) && is_irradiance(probe) && !alternative) {
+        // the paths of the reference meet no point of light in a mirror
+        *known = bench->mode != RSV_PROBE_REFERENCE;
+        return *known ? read_stored(
+                            bench, vector(probe, "point"), radius_of(&bench->scene, probe), reading)
+                      : RSV_OK;
+    }
     if (!*type) return read_by_name(bench, text(expected, "name"), reading, known);
     if (strcmp(type, "irradiance") == 0)
         return read_point(bench, (case_variant){ .sky = alternative }, receiver, reading);

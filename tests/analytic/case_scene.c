@@ -72,8 +72,6 @@ static const char *read_surface(const cJSON *json, case_surface *surface)
     read_zones(json, surface);
     if (names(json, "bsdf", "mirror")) surface->bsdf = CASE_MIRROR;
     if (names(json, "bsdf", "dielectric")) surface->bsdf = CASE_DIELECTRIC;
-    if (surface->bsdf == CASE_MIRROR && surface->zone[0].rho != 1)
-        return "a mirror of constant reflectance below 1, which no metal has";
     return read_shape(json, surface);
 }
 
@@ -94,6 +92,9 @@ static void read_light(const cJSON *json, rsv_light *light)
     }
 }
 
+/// Each facet of a glass sphere throws a spot of its own: these are to be small beside what is read.
+#define LENS_REFINEMENT 8
+
 const char *case_scene_read(const cJSON *json, case_scene *scene)
 {
     *scene = (case_scene){ 0 };
@@ -113,8 +114,8 @@ const char *case_scene_read(const cJSON *json, case_scene *scene)
     }
     cJSON_ArrayForEach(item, lights) read_light(item, &scene->light[scene->light_count++]);
     for (int i = 0; i < scene->surface_count; i++) {
-        if (scene->surface[i].bsdf == CASE_MIRROR && scene->light_count)
-            return "a punctual light in a mirror, which no gather path can meet";
+        bool lens = scene->light_count && scene->surface[i].bsdf == CASE_DIELECTRIC;
+        scene->surface[i].refinement = lens ? LENS_REFINEMENT : 1;
         case_mesh_measure(&scene->surface[i]);
     }
     return NULL;
@@ -130,6 +131,9 @@ static rsv_material surface_material(const case_surface *surface, const case_zon
     material.double_sided = surface->two_sided;
     material.emission = rgb_gray((float)(zone->exitance / (double)RSV_PI));
     if (surface->bsdf == CASE_MIRROR) {
+        // no metal reflects alike at all angles, but a perfect one may have holes: nothing is behind these
+        material.base_color = rgb_gray(1);
+        material.opacity = (float)zone->rho;
         material.metallic = 1;
         material.roughness = 0;
     } else if (surface->bsdf == CASE_DIELECTRIC) {
@@ -154,6 +158,19 @@ static rsv_status add_zone(rsv_scene *scene, const case_surface *surface, case_z
     return status;
 }
 
+/// Mirrors and interfaces without an end, as far as points of light are seen in them: rays leave polygons that are
+/// kilometres wide millimetres off.
+#define SPECULAR_EXTENT 5
+
+static case_surface cropped(const case_scene *scene, const case_surface *surface)
+{
+    case_surface result = *surface;
+    rsv_vec3 extent = v3(SPECULAR_EXTENT, SPECULAR_EXTENT, SPECULAR_EXTENT);
+    for (int i = 0; i < 4 && scene->light_count && surface->bsdf != CASE_DIFFUSE; i++)
+        result.corner[i] = v3_min(v3_max(surface->corner[i], v3_neg(extent)), extent);
+    return result;
+}
+
 /// Some cases are lights alone, and a scene needs a triangle: a black speck out of everybody's way.
 static rsv_status add_speck(rsv_scene *scene)
 {
@@ -168,14 +185,17 @@ static rsv_status add_everything(
 {
     rsv_status status = description->surface_count ? RSV_OK : add_speck(scene);
     for (int i = 0; i < description->surface_count; i++) {
-        const case_surface *surface = &description->surface[i];
-        for (int k = 0; k < surface->zone_count && status == RSV_OK; k++) {
-            case_zone zone = surface->zone[k];
+        case_surface surface = description->surface[i];
+        if (!variant.sky) surface = cropped(description, &surface);
+        for (int k = 0; k < surface.zone_count && status == RSV_OK; k++) {
+            case_zone zone = surface.zone[k];
             if (variant.emitters) zone.exitance = variant.emitters >> i & 1;
-            if (variant.black && surface->bsdf == CASE_DIFFUSE) zone.rho = 0;
-            status = add_zone(scene, surface, zone);
+            if (variant.black && surface.bsdf == CASE_DIFFUSE) zone.rho = 0;
+            status = add_zone(scene, &surface, zone);
         }
     }
+    if (status == RSV_OK && description->receiver.name && !variant.sky)
+        status = add_zone(scene, &description->receiver, description->receiver.zone[0]);
     bool lit = !variant.emitters && !variant.sky;
     for (int i = 0; i < description->light_count && status == RSV_OK && lit; i++)
         status = rsv_scene_add_light(scene, &description->light[i]);

@@ -24,6 +24,7 @@ typedef struct case_surface {
     double radius;
     bool inside;        ///< sphere: the inside is the active side
     double mesh_radius; ///< sphere: of the vertices of its mesh
+    int refinement;     ///< sphere: makes its facets so many times smaller
     enum { CASE_DIFFUSE, CASE_MIRROR, CASE_DIELECTRIC } bsdf;
     double ior;
     bool two_sided;
@@ -36,6 +37,7 @@ typedef struct case_variant {
     bool black;        ///< albedos 0: direct light alone
     uint32_t emitters; ///< bit per surface that emits M = 1, nothing else does; 0 = as listed
     bool sky;          ///< the alternative sky in place of the lights
+    bool again;        ///< solved once more, with more photons
 } case_variant;
 
 typedef struct case_scene {
@@ -47,6 +49,7 @@ typedef struct case_scene {
     int camera_count;
     case_sky sky;
     bool sky_is_alternative; ///< there only in the variant that asks for it
+    case_surface receiver;   ///< black, not under the alternative sky; no name = none
 } case_scene;
 
 /// NULL if understood, else why not.

@@ -7,6 +7,7 @@ endif()
 add_executable(test_validation
     analytic/case_mesh.c
     analytic/case_probe.c
+    analytic/case_receiver.c
     analytic/case_scene.c
     analytic/case_sky.c
     analytic/validation.c
