@@ -30,6 +30,10 @@ typedef struct rsv_render_desc {
     /// Modes occlusion: metres beyond which nothing occludes; 0 = none (rays), a twentieth of the scene's
     /// diagonal (screen).
     float occlusion_distance;
+    uint32_t chain_depth; ///< mirror and glass events along a camera ray at most; default 64
+    /// Modes operator and final: all pixels take their samples at the same places, the first at their centre,
+    /// as frames do (frame.h); else each has a pattern of its own.
+    bool shared_pattern;
     bool layers; ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
     uint32_t seed;
 } rsv_render_desc;

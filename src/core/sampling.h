@@ -93,6 +93,19 @@ RSV_INLINE void rsv_sobol_2d(uint32_t index, uint32_t seed, float *x, float *y)
     *y = rsv_unit_float(rsv_owen_scramble(rsv_sobol_second(shuffled), rsv_hash2(seed, 1)));
 }
 
+/// Place `index` of a (0, 2)-sequence that starts at the centre of the unit square.
+RSV_INLINE void rsv_shared_place(uint32_t index, float *x, float *y)
+{
+    *x = rsv_unit_float(rsv_reverse_bits(index) + 0x80000000u);
+    *y = rsv_unit_float(rsv_sobol_second(index) + 0x80000000u);
+}
+
+/// Random number of a pixel, from which those of its samples come.
+RSV_INLINE uint32_t rsv_pixel_seed(uint32_t seed, uint32_t row, uint32_t column)
+{
+    return rsv_hash3(seed ^ 0x6c078965u, row, column);
+}
+
 /// Uniform disk, area-preserving and continuous (Shirley and Chiu 1997).
 RSV_INLINE void rsv_square_to_disk(float x, float y, float *dx, float *dy)
 {

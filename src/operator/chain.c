@@ -136,24 +136,42 @@ rsv_bsdf_event rsv_chain_draw_specular(
     return event;
 }
 
-rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
-    rsv_vec3 direction, rsv_rgb weight)
+bool rsv_chain_depart(const rsv_transport_scene *scene, const rsv_chain *chain, bool transmit,
+    rsv_vec3 direction, rsv_ray *ray)
 {
     rsv_surface_point point =
         rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
     rsv_vec3 leave = transmit ? v3_neg(point.geometric) : point.geometric;
+    *ray = (rsv_ray){ rsv_offset_origin(point.position, leave, point.extent), direction, INFINITY };
     // an interpolated normal can send light through the surface: it is lost, as to the reference
-    if (v3_dot(direction, leave) <= 0) return RSV_CHAIN_LOST;
-    rsv_ray ray = { rsv_offset_origin(point.position, leave, point.extent), direction, INFINITY };
-    rsv_hit hit;
-    bool meets = rsv_tracer_closest(scene->tracer, &ray, &hit);
+    return v3_dot(direction, leave) > 0;
+}
+
+void rsv_chain_set_out(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+    rsv_vec3 direction, rsv_rgb weight)
+{
     if (transmit) chain->medium = rsv_chain_medium_beyond(scene, chain);
     chain->direction = direction;
     chain->weight = rgb_mul(chain->weight, weight);
     chain->rays++;
-    if (!meets) return RSV_CHAIN_LEFT_SCENE;
+}
+
+void rsv_chain_arrive(const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit)
+{
     chain->events++;
-    arrive(scene, chain, hit.triangle, hit.u, hit.v, hit.t);
+    arrive(scene, chain, hit->triangle, hit->u, hit->v, hit->t);
+}
+
+rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+    rsv_vec3 direction, rsv_rgb weight)
+{
+    rsv_ray ray;
+    rsv_hit hit;
+    if (!rsv_chain_depart(scene, chain, transmit, direction, &ray)) return RSV_CHAIN_LOST;
+    bool meets = rsv_tracer_closest(scene->tracer, &ray, &hit);
+    rsv_chain_set_out(scene, chain, transmit, direction, weight);
+    if (!meets) return RSV_CHAIN_LEFT_SCENE;
+    rsv_chain_arrive(scene, chain, &hit);
     return RSV_CHAIN_MOVED;
 }
 

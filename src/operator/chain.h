@@ -93,6 +93,14 @@ typedef enum rsv_chain_move {
 rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
     rsv_vec3 direction, rsv_rgb weight);
 
+/// rsv_chain_step in parts, for those who trace many rays side by side: the ray that leaves the surface (false =
+/// lost), the chain on its way along it, and its arrival.
+bool rsv_chain_depart(const rsv_transport_scene *scene, const rsv_chain *chain, bool transmit,
+    rsv_vec3 direction, rsv_ray *ray);
+void rsv_chain_set_out(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+    rsv_vec3 direction, rsv_rgb weight);
+void rsv_chain_arrive(const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit);
+
 /// What a gather chain found on its way: emission that counts, and where it ended.
 typedef struct rsv_gather {
     rsv_chain_end end;

@@ -33,9 +33,12 @@ typedef struct picture_job {
 
 rsv_render_desc rsv_default_render_desc(void)
 {
-    return (rsv_render_desc){
-        .mode = RSV_RENDER_FINAL, .width = 512, .height = 512, .samples = 16, .seed = 1
-    };
+    return (rsv_render_desc){ .mode = RSV_RENDER_FINAL,
+        .width = 512,
+        .height = 512,
+        .samples = 16,
+        .chain_depth = 64,
+        .seed = 1 };
 }
 
 static void add_rgb(double sum[3], rsv_rgb value)

@@ -3,24 +3,37 @@
 #include "rough_light.h"
 
 #define FAINT 0.01f ///< branches below this weight play roulette
-#define MAX_EVENTS 64
 #define STACK 64
 
 /// A chain at a surface, and how it left the one before.
 typedef struct link {
     rsv_chain chain;
     rsv_rough_departure departure;
+    uint32_t path; ///< names the branches that led here; seeds what is drawn here
 } link;
 
 /// The links still to be followed, and what the others found.
 typedef struct tree {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
-    rsv_random random;
+    uint32_t max_events;
+    rsv_random random; ///< of the link in hand
     link stack[STACK];
     int depth;
     rsv_rgb radiance;
 } tree;
+
+bool rsv_branch_survives(const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight)
+{
+    float carried = rgb_max(rgb_mul(chain->weight, *weight));
+    if (carried <= 0) return false;
+    if (carried >= FAINT) return true;
+    if (rsv_unit_float(rsv_hash2(path, transmit)) * FAINT >= carried) return false;
+    *weight = rgb_scale(*weight, FAINT / carried);
+    return true;
+}
+
+uint32_t rsv_branch_path(uint32_t path, bool transmit) { return rsv_hash2(path, 2 + transmit); }
 
 static void add_emission(tree *t, const link *at)
 {
@@ -51,38 +64,38 @@ static void leave(tree *t, link next, bool transmit, rsv_vec3 direction, rsv_rgb
 static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branches *branches)
 {
     rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
-    float carried = rgb_max(rgb_mul(at->chain.weight, weight));
-    if (carried <= 0 || at->chain.events >= MAX_EVENTS) return;
-    if (carried < FAINT) {
-        if (rsv_random_float(&t->random) * FAINT >= carried) return;
-        weight = rgb_scale(weight, FAINT / carried);
-    }
+    if (at->chain.events >= t->max_events ||
+        !rsv_branch_survives(&at->chain, at->path, transmit, &weight))
+        return;
     rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
-    leave(t, (link){ .chain = at->chain }, transmit, direction, weight);
+    link next = { .chain = at->chain, .path = rsv_branch_path(at->path, transmit) };
+    leave(t, next, transmit, direction, weight);
 }
 
 /// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
 static void follow_rough(tree *t, const link *at)
 {
     const rsv_chain *chain = &at->chain;
+    t->random = rsv_random_from(at->path, chain->triangle, 0x17c3u);
     t->radiance = rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, &t->random));
     rsv_bsdf_event event = rsv_chain_draw_specular(t->scene, chain, &t->random);
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!specular || event.pdf_solid_angle == 0 || chain->events >= MAX_EVENTS) return;
-    link next = { *chain, rsv_rough_depart(t->scene, chain, event.direction) };
+    if (!specular || event.pdf_solid_angle == 0 || chain->events >= t->max_events) return;
+    link next = { *chain, rsv_rough_depart(t->scene, chain, event.direction),
+        rsv_branch_path(at->path, false) };
     leave(t, next, event.lobe == RSV_LOBE_TRANSMIT, event.direction, event.weight);
 }
 
 rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
-    rsv_chain chain, uint32_t seed, rsv_diffuse_end end, void *user)
+    rsv_chain chain, uint32_t path, uint32_t max_events, rsv_diffuse_end end, void *user)
 {
     tree t; // its stack need not be cleared
     t.scene = scene;
     t.lights = lights;
-    t.random = rsv_random_from(seed, chain.triangle, 0x17c3u);
+    t.max_events = max_events;
     t.radiance = rgb_gray(0);
     t.depth = 1;
-    t.stack[0] = (link){ .chain = chain };
+    t.stack[0] = (link){ .chain = chain, .path = path };
     while (t.depth > 0) {
         link at = t.stack[--t.depth];
         add_emission(&t, &at);

@@ -5,14 +5,26 @@
 #include "../light/light.h"
 #include "../operator/chain.h"
 
+/// Specular events along a branch that are enough for any picture.
+#define RSV_CAMERA_CHAIN_DEPTH 64
+
 /// Called for each diffuse interface a camera ray leads to.
 /// @param weight radiance at the camera per B / pi of the surface
 typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weight);
 
 /// Follows all ideal branches that matter, deterministically; branches fainter than one part in a hundred
 /// survive by roulette, so that nothing is lost on average. Rough surfaces send on one branch at random.
+/// @param path names the branches that led to the chain's surface; of a camera ray, its random number. What is
+///             drawn depends on it alone, so a chain may be followed in any order, or be continued midway.
+/// @param max_events specular events along a branch at most
 /// @return radiance towards the camera emitted by the surfaces on the way and by the surroundings
 rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
-    rsv_chain chain, uint32_t seed, rsv_diffuse_end end, void *user);
+    rsv_chain chain, uint32_t path, uint32_t max_events, rsv_diffuse_end end, void *user);
+
+/// Whether an ideal branch is to be followed. @param weight of the branch; made up for those that are not
+bool rsv_branch_survives(const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight);
+
+/// The path of the link at the end of an ideal branch.
+uint32_t rsv_branch_path(uint32_t path, bool transmit);
 
 #endif

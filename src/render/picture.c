@@ -20,7 +20,7 @@ typedef struct picture_job {
     rsv_medium medium; ///< the camera's
     rsv_image *image;
     uint32_t layer_count; ///< of the image, layer 0 included
-    float spread;         ///< of a camera ray: the angle that it has for itself
+    float spread;         ///< of a camera ray: the angle of a pixel
     rsv_sky sky;          ///< what lies beyond the scene
 } picture_job;
 
@@ -184,7 +184,10 @@ static void aim(const row_state *r, uint32_t first, uint32_t count, rsv_ray_pack
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t column = (first + k) / desc->samples, sample = (first + k) % desc->samples;
         float x, y;
-        rsv_stratified_2d(sample, desc->samples, rsv_hash3(desc->seed, r->row, column), &x, &y);
+        if (desc->shared_pattern)
+            rsv_shared_place(sample, &x, &y);
+        else
+            rsv_stratified_2d(sample, desc->samples, rsv_hash3(desc->seed, r->row, column), &x, &y);
         rsv_ray ray = rsv_camera_ray(
             r->job->camera, desc->width, desc->height, (float)column + x, (float)r->row + y);
         packet->origin_x[k] = ray.origin.x;
@@ -197,13 +200,20 @@ static void aim(const row_state *r, uint32_t first, uint32_t count, rsv_ray_pack
     }
 }
 
+/// The angle that a sample has for itself. Shared patterns refine with every sample, whatever their number will be.
+static float spread_of(const picture_job *job, uint32_t sample)
+{
+    return job->spread /
+           sqrtf((float)(job->desc->shared_pattern ? sample + 1 : job->desc->samples));
+}
+
 static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv_ray_packet *packet)
 {
     const rsv_render_desc *desc = r->job->desc;
     for (uint32_t k = 0; k < count; k++) {
         r->column = (first + k) / desc->samples;
         r->sample = (first + k) % desc->samples;
-        r->seed = rsv_hash3(desc->seed ^ 0x6c078965u, r->row, r->column);
+        r->seed = rsv_pixel_seed(desc->seed, r->row, r->column);
         rsv_vec3 direction =
             v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
         if (packet->triangle[k] == RSV_NONE) {
@@ -212,9 +222,9 @@ static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv
         }
         rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, &r->job->medium, direction,
             packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
-        rsv_chain_set_spread(&chain, r->job->spread, packet->t_max[k]);
+        rsv_chain_set_spread(&chain, spread_of(r->job, r->sample), packet->t_max[k]);
         rsv_rgb emission = rsv_camera_chain(&r->job->solution->scene, r->job->solution->lights,
-            chain, rsv_hash2(r->seed, r->sample), shade, r);
+            chain, rsv_hash2(r->seed, r->sample), desc->chain_depth, shade, r);
         add_light(r, r->column, 0, emission);
     }
 }
@@ -326,14 +336,6 @@ static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc
     return RSV_OK;
 }
 
-/// Angle between the camera rays of neighbouring samples. (Orthographic rays do not spread: textures are looked
-/// up as they are.)
-static float ray_spread(const picture_job *job)
-{
-    float angle = 2 * tanf(0.5f * job->camera->vertical_fov) / (float)job->desc->height;
-    return angle / sqrtf((float)job->desc->samples);
-}
-
 rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_status status = check_desc(solution, desc);
@@ -342,7 +344,7 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
         .desc = desc,
         .camera = &solution->scene.view->camera[desc->camera],
         .layer_count = desc->layers ? 1 + MAX_LAYERS : 1 };
-    job.spread = ray_spread(&job);
+    job.spread = rsv_camera_spread(job.camera, desc->height);
     job.medium =
         rsv_medium_above(&solution->scene.media, job.camera->position, job.camera->forward);
     if (solution->lights->environment) job.sky = solution->lights->environment->whole;

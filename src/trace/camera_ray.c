@@ -14,3 +14,8 @@ rsv_ray rsv_camera_ray(const rsv_camera *camera, uint32_t width, uint32_t height
         return (rsv_ray){ v3_add(camera->position, offset), camera->forward, INFINITY };
     return (rsv_ray){ camera->position, v3_normalize(v3_add(camera->forward, offset)), INFINITY };
 }
+
+float rsv_camera_spread(const rsv_camera *camera, uint32_t height)
+{
+    return 2 * tanf(0.5f * camera->vertical_fov) / (float)height;
+}

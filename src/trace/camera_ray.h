@@ -10,4 +10,8 @@
 /// @return unit direction, t_max infinite
 rsv_ray rsv_camera_ray(const rsv_camera *camera, uint32_t width, uint32_t height, float x, float y);
 
+/// Angle between the rays through neighbouring pixels, radians. (Orthographic rays do not spread: textures are looked
+/// up as they are.)
+float rsv_camera_spread(const rsv_camera *camera, uint32_t height);
+
 #endif
