@@ -5,6 +5,7 @@
 
 #include "resolvent/certify.h"
 #include "resolvent/core.h"
+#include "resolvent/frame.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"
 #include "resolvent/render.h"

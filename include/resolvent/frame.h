@@ -1,0 +1,99 @@
+/// @file frame.h
+/// Pictures from a solution at interactive rates: `operator` mode as an object that keeps what frames share.
+///
+/// Creation bakes what every plain diffuse surface shows into one table, so that a pixel costs a camera ray and
+/// a lookup; mirrors, glass, textures and translucent surfaces cost a chain each. A frame takes one sample per
+/// pixel, at the same place in all of them. While cameras rest, frames add up to the picture that rsv_render makes
+/// with rsv_render_desc.shared_pattern and as many samples. Nothing is allocated after creation.
+#ifndef RESOLVENT_FRAME_H
+#define RESOLVENT_FRAME_H
+
+#include "resolvent/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Instructions that frames are computed with. All of them give the same picture, bit by bit.
+typedef enum rsv_instructions {
+    RSV_INSTRUCTIONS_BEST, ///< the widest that the processor has
+    RSV_INSTRUCTIONS_PORTABLE,
+    RSV_INSTRUCTIONS_AVX2,
+    RSV_INSTRUCTIONS_AVX512
+} rsv_instructions;
+
+/// "best", "portable", "avx2", "avx512"; NULL beyond the last.
+RSV_API const char *rsv_instructions_name(rsv_instructions instructions);
+
+#define RSV_MAX_EYES 2
+
+/// Start from rsv_default_frame_desc().
+typedef struct rsv_frame_desc {
+    uint32_t width, height; ///< of one eye's picture
+    uint32_t eyes;          ///< pictures per frame that share everything but the camera: 1 or 2
+    uint32_t chain_depth;   ///< mirror and glass events along a camera ray at most; default 8
+    uint32_t seed;          ///< of rough reflections and faint branches
+    rsv_instructions instructions;
+} rsv_frame_desc;
+
+RSV_API rsv_frame_desc rsv_default_frame_desc(void);
+
+/// Milliseconds of the last frame, and its chains.
+typedef struct rsv_frame_stats {
+    double total_ms;
+    double camera_ms;  ///< camera rays and lookups, mean over the threads
+    double chain_ms;   ///< mirrors, glass and all that is not in the table
+    double display_ms; ///< adding up and tone mapping
+    uint64_t chain_rays;
+    uint32_t samples; ///< frames that have added up
+} rsv_frame_stats;
+
+typedef struct rsv_frame_renderer rsv_frame_renderer;
+
+/// The solution must outlive the renderer.
+RSV_API rsv_status rsv_frame_renderer_create(
+    const rsv_solution *solution, const rsv_frame_desc *desc, rsv_frame_renderer **renderer);
+RSV_API void rsv_frame_renderer_destroy(rsv_frame_renderer *renderer);
+
+/// Which light to show, and how.
+typedef struct rsv_frame_view {
+    rsv_camera camera[RSV_MAX_EYES];
+    float exposure; ///< in stops: codes are those of radiance x 2^exposure
+    bool
+        soft; ///< compress highlights, x (1 + x / 16) / (1 + x) (Reinhard et al. 2002), or else clip
+} rsv_frame_view;
+
+/// Renders one more frame, starting over where a camera has moved.
+/// @param stats may be NULL
+RSV_API rsv_status rsv_frame_render(
+    rsv_frame_renderer *renderer, const rsv_frame_view *view, rsv_frame_stats *stats);
+
+/// Chooses the light that is shown from the next frame on.
+/// @param layer RSV_NONE = all; 0 = emission, 1 = direct, 1 + n = n bounces
+RSV_API void rsv_frame_renderer_show(rsv_frame_renderer *renderer, uint32_t layer);
+
+/// Takes the solution's light over again after it has changed, and starts over. Costs about as much as a frame.
+RSV_API void rsv_frame_renderer_refresh(rsv_frame_renderer *renderer);
+
+/// The picture on show: [height * width] red, green, blue and 255, sRGB. Valid until the renderer is destroyed.
+RSV_API const uint8_t (*rsv_frame_pixels(const rsv_frame_renderer *renderer, uint32_t eye))[4];
+
+/// Mean radiance of the frames that have added up. @param radiance [height * width]
+RSV_API void rsv_frame_radiance(
+    const rsv_frame_renderer *renderer, uint32_t eye, rsv_rgb *radiance);
+
+/// The instructions in use, never RSV_INSTRUCTIONS_BEST.
+RSV_API rsv_instructions rsv_frame_instructions(const rsv_frame_renderer *renderer);
+
+/// A camera moved sideways for one of two eyes. @param eye 0 = left @param separation metres between them
+RSV_API rsv_camera rsv_camera_eye(const rsv_camera *camera, uint32_t eye, float separation);
+
+/// Traces the camera rays of a frame through the ray tracer, in the same packets and tiles, and does nothing with
+/// what they meet: what a frame costs at least. @return seconds
+RSV_API double rsv_frame_trace_only(rsv_frame_renderer *renderer, const rsv_frame_view *view);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

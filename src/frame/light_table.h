@@ -1,0 +1,121 @@
+/// What plain surfaces show, ready to be looked up from (triangle, u, v).
+///
+/// The fields of a solution live on several subdivisions of the same triangles: the coarse elements, the direct and the
+/// caustic level. Within a cell of their common refinement all of them are linear, so one table holds their sum, times
+/// albedo / pi and with the emission added: radiance at the three corners of each cell.
+#ifndef RSV_LIGHT_TABLE_H
+#define RSV_LIGHT_TABLE_H
+
+#include "../solve/solution.h"
+#include "resolvent/frame.h"
+
+/// Radiance at the corners; the fourth component of the first one is the index of the first of four children, as an
+/// integer, or 0 if the cell is not split.
+typedef struct rsv_light_cell {
+    float corner[3][4];
+} rsv_light_cell;
+
+typedef enum rsv_shown_kind {
+    RSV_SHOWN_STORED, ///< the table has all of it
+    RSV_SHOWN_CHAIN,  ///< mirror, glass, texture, ...: to be followed
+    RSV_SHOWN_SKY
+} rsv_shown_kind;
+
+/// One side of a triangle.
+typedef struct rsv_shown_side {
+    uint32_t cell;  ///< first of its grid
+    uint16_t level; ///< of the grid: 2^level cells along an edge
+    uint16_t kind;
+} rsv_shown_side;
+
+typedef struct rsv_light_table {
+    rsv_context *context;
+    const rsv_solution *solution;
+    uint32_t layer;          ///< on show, RSV_NONE = all
+    rsv_shown_side *side[2]; ///< [triangle_count + 1] front and back; the last: no triangle
+    uint32_t triangle_count;
+    uint32_t *face_cell; ///< [face_count + 1] first cell of each face
+    rsv_light_cell *cell;
+    size_t cell_count;
+} rsv_light_table;
+
+rsv_status rsv_light_table_create(const rsv_solution *solution, rsv_light_table *table);
+void rsv_light_table_destroy(rsv_light_table *table);
+
+/// Fills the cells from the solution's fields. @param layer as for rsv_frame_renderer_show
+void rsv_light_table_bake(rsv_light_table *table, uint32_t layer);
+
+/// Irradiance of the layer on show at a diffuse surface of any kind.
+rsv_rgb rsv_shown_irradiance(const rsv_light_table *table, uint32_t face, float u, float v);
+
+RSV_INLINE bool rsv_shows_emission(const rsv_light_table *table)
+{
+    return table->layer == RSV_NONE || table->layer == 0;
+}
+
+RSV_INLINE const rsv_shown_side *rsv_shown_side_of(
+    const rsv_light_table *table, uint32_t triangle, bool back)
+{
+    return &table->side[back][triangle < table->triangle_count ? triangle : table->triangle_count];
+}
+
+/// A place in the grid of a side: the cell of the grid, and weights of its corners.
+typedef struct rsv_grid_place {
+    uint32_t cell;
+    float b0, b1, b2;
+} rsv_grid_place;
+
+/// As rsv_elements_locate, without the descent.
+RSV_INLINE rsv_grid_place rsv_place_in_grid(rsv_shown_side side, float u, float v)
+{
+    int cells = 1 << side.level;
+    float x = u * (float)cells, y = v * (float)cells;
+    int i = (int)x, j = (int)y;
+    j = j < 0 ? 0 : j;
+    j = j > cells - 1 ? cells - 1 : j;
+    i = i < 0 ? 0 : i;
+    i = i > cells - 1 - j ? cells - 1 - j : i;
+    float fx = x - (float)i, fy = y - (float)j;
+    int flipped = (fx + fy > 1) & (i + j < cells - 1);
+    rsv_grid_place place;
+    place.cell = side.cell + (uint32_t)(j * (2 * cells - j) + 2 * i + flipped);
+    place.b0 = flipped ? fx + fy - 1 : 1 - fx - fy;
+    place.b1 = flipped ? 1 - fx : fx;
+    place.b2 = flipped ? 1 - fy : fy;
+    return place;
+}
+
+typedef float rsv_float4 __attribute__((vector_size(16), aligned(16)));
+
+RSV_INLINE uint32_t rsv_light_cell_child(const rsv_light_cell *cell)
+{
+    uint32_t child;
+    __builtin_memcpy(&child, &cell->corner[0][3], sizeof child);
+    return child;
+}
+
+/// Radiance at a place; its fourth component means nothing.
+RSV_INLINE rsv_float4 rsv_light_at(const rsv_light_cell *cells, rsv_grid_place place)
+{
+    const rsv_light_cell *cell = cells + place.cell;
+    float b0 = place.b0, b1 = place.b1, b2 = place.b2;
+    for (uint32_t child = rsv_light_cell_child(cell); child; child = rsv_light_cell_child(cell)) {
+        if (b0 >= 0.5f) {
+            b0 = 2 * b0 - 1, b1 *= 2, b2 *= 2;
+        } else if (b1 >= 0.5f) {
+            b1 = 2 * b1 - 1, b0 *= 2, b2 *= 2, child += 1;
+        } else if (b2 >= 0.5f) {
+            b2 = 2 * b2 - 1, b0 *= 2, b1 *= 2, child += 2;
+        } else {
+            b0 = 1 - 2 * b0, b1 = 1 - 2 * b1, b2 = 1 - 2 * b2, child += 3;
+        }
+        cell = cells + child;
+    }
+    b0 = f_min(f_max(b0, 0), 1);
+    b1 = f_min(f_max(b1, 0), 1 - b0);
+    b2 = 1 - b0 - b1;
+    const rsv_float4 *corner = (const rsv_float4 *)cell->corner;
+    return corner[0] * b0 + corner[1] * b1 + corner[2] * b2;
+}
+
+#endif

@@ -1,0 +1,379 @@
+/// Frames against the pictures of rsv_render, across instructions, threads and eyes.
+#include "resolvent/frame.h"
+
+#include "core/srgb.h"
+#include "light_fixture.h"
+#include "resolvent/render.h"
+
+enum { width = 70, height = 50, pixel_count = width * height };
+
+static rsv_solution *solve(const world *w)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 600;
+    desc.rays_per_element = 64;
+    desc.photon_count = 20000;
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    return solution;
+}
+
+static rsv_frame_desc frame_desc(void)
+{
+    rsv_frame_desc desc = rsv_default_frame_desc();
+    desc.width = width;
+    desc.height = height;
+    return desc;
+}
+
+static rsv_frame_renderer *begin_frames(const rsv_solution *solution, const rsv_frame_desc *desc)
+{
+    rsv_frame_renderer *renderer;
+    rsv_status status = rsv_frame_renderer_create(solution, desc, &renderer);
+    if (status != RSV_OK) fail_msg("%s", rsv_last_error());
+    return renderer;
+}
+
+static rsv_frame_view view_of(const world *w)
+{
+    const rsv_camera *camera = rsv_scene_get_view(w->scene)->camera;
+    return (rsv_frame_view){ .camera = { camera[0], camera[0] } };
+}
+
+static void render_frames(rsv_frame_renderer *renderer, const rsv_frame_view *view, int count)
+{
+    for (int k = 0; k < count; k++)
+        assert_int_equal(rsv_frame_render(renderer, view, NULL), RSV_OK);
+}
+
+static rsv_image *render_picture(const rsv_solution *solution, uint32_t samples, bool layers)
+{
+    rsv_render_desc desc = rsv_default_render_desc();
+    desc.mode = RSV_RENDER_OPERATOR;
+    desc.width = width;
+    desc.height = height;
+    desc.samples = samples;
+    desc.chain_depth = 8;
+    desc.shared_pattern = true;
+    desc.layers = layers;
+    rsv_image *image;
+    assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
+    return image;
+}
+
+static bool alike(float a, float b) { return fabsf(a - b) <= 1e-5f * (1 + fabsf(b)); }
+
+/// Pixels that differ by more than rounding.
+static size_t count_different(rsv_frame_renderer *renderer, const rsv_rgb *picture)
+{
+    static rsv_rgb shown[pixel_count];
+    size_t different = 0;
+    rsv_frame_radiance(renderer, 0, shown);
+    for (size_t k = 0; k < pixel_count; k++)
+        different += !alike(shown[k].r, picture[k].r) || !alike(shown[k].g, picture[k].g) ||
+                     !alike(shown[k].b, picture[k].b);
+    return different;
+}
+
+// ---- the same picture ---------------------------------------------------------------------------
+
+static void check_frames(world *w, uint32_t samples, size_t allowed)
+{
+    rsv_solution *solution = solve(w);
+    rsv_image *picture = render_picture(solution, samples, false);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    render_frames(renderer, &view, (int)samples);
+    size_t different = count_different(renderer, rsv_image_const_pixels(picture, 0));
+    if (different > allowed) fail_msg("%zu pixels differ", different);
+    rsv_image_destroy(picture);
+    rsv_frame_renderer_destroy(renderer);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static void frames_add_up_to_the_picture(void **state)
+{
+    (void)state;
+    check_frames(world_builtin(2, "cornell-blocks"), 1, 0);
+    check_frames(world_builtin(2, "cornell-blocks"), 5, 0);
+}
+
+/// Packets and single rays round differently. Behind a few curved surfaces that can end a chain beyond an edge.
+static void chains_add_up_to_the_picture(void **state)
+{
+    (void)state;
+    check_frames(world_builtin(2, "cornell-spheres"), 2, pixel_count / 200);
+}
+
+/// Mirror, rough metal, coat, a back side, a sky, and a camera inside glass.
+static world *mixed_world(bool inside)
+{
+    world *w = world_begin(2);
+    rsv_material metal = mirror_material(0.8f), coated = lambert_material(0.6f, 0);
+    metal.roughness = 0.4f;
+    coated.specular = 1;
+    coated.roughness = 0;
+    rsv_material dim_glass = glass_material();
+    dim_glass.attenuation_color = rgb(0.9f, 0.5f, 0.7f);
+    dim_glass.attenuation_distance = 1;
+    world_quad(
+        w, world_lambert(w, 0.7f, 0), v3(-3, -1, 3), v3(3, -1, 3), v3(3, -1, -3), v3(-3, -1, -3));
+    world_quad(w, world_lambert(w, 0, 5), v3(-1, 2, -1), v3(1, 2, -1), v3(1, 2, 1), v3(-1, 2, 1));
+    world_quad(
+        w, world_lambert(w, 0.5f, 0), v3(2, -1, 0), v3(2, 1, 0), v3(1, 1, -1), v3(1, -1, -1));
+    world_box(w, world_material(w, mirror_material(0.9f)), v3(-2, -1, -2), v3(-1, 1, -1));
+    world_sphere(w, world_material(w, metal), v3(-0.9f, -0.5f, 0.5f), 0.4f, 3);
+    world_sphere(w, world_material(w, coated), v3(0.9f, -0.5f, 0.6f), 0.4f, 3);
+    if (inside) world_sphere(w, world_material(w, dim_glass), v3(0, 0.5f, 5), 1.5f, 3);
+    rsv_camera camera = rsv_camera_look_at("front", v3(0, 0.5f, 5), v3(0, 0, 0), 0.9f, 1);
+    rsv_rgb sky[2] = { { 0.5f, 0.6f, 0.9f }, { 0.2f, 0.2f, 0.1f } };
+    rsv_environment environment = { .pixels = sky, .width = 1, .height = 2, .intensity = 1 };
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_set_environment(w->scene, &environment), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+static void surfaces_of_all_kinds_add_up_to_the_picture(void **state)
+{
+    (void)state;
+    check_frames(mixed_world(false), 3, pixel_count / 200);
+    check_frames(mixed_world(true), 1, pixel_count / 200);
+}
+
+static void layers_are_shown(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_solution *solution = solve(w);
+    rsv_image *picture = render_picture(solution, 1, true);
+    rsv_image *whole = render_picture(solution, 1, false);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    for (uint32_t layer = 0; layer < 4; layer++) {
+        rsv_frame_renderer_show(renderer, layer);
+        render_frames(renderer, &view, 1);
+        assert_int_equal(count_different(renderer, rsv_image_const_pixels(picture, 1 + layer)), 0);
+    }
+    rsv_frame_renderer_show(renderer, RSV_NONE);
+    render_frames(renderer, &view, 1);
+    assert_int_equal(count_different(renderer, rsv_image_const_pixels(whole, 0)), 0);
+    rsv_image_destroy(whole);
+    rsv_image_destroy(picture);
+    rsv_frame_renderer_destroy(renderer);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+// ---- however it is computed ---------------------------------------------------------------------
+
+static uint64_t hash_of_frames(const rsv_solution *solution, const rsv_frame_desc *desc,
+    const rsv_frame_view *view, uint32_t eye)
+{
+    static rsv_rgb radiance[pixel_count];
+    rsv_frame_renderer *renderer = begin_frames(solution, desc);
+    render_frames(renderer, view, 3);
+    rsv_frame_radiance(renderer, eye, radiance);
+    uint64_t hash = hash_bytes(HASH_START, radiance, sizeof radiance);
+    hash = hash_bytes(hash, rsv_frame_pixels(renderer, eye), 4 * pixel_count);
+    rsv_frame_renderer_destroy(renderer);
+    return hash;
+}
+
+static void all_instructions_give_the_same_bytes(void **state)
+{
+    (void)state;
+    world *w = mixed_world(false);
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    uint64_t best = hash_of_frames(solution, &desc, &view, 0);
+    for (desc.instructions = RSV_INSTRUCTIONS_PORTABLE; rsv_instructions_name(desc.instructions);
+         desc.instructions++) {
+        rsv_frame_renderer *renderer;
+        rsv_status status = rsv_frame_renderer_create(solution, &desc, &renderer);
+        if (status == RSV_ERROR_UNSUPPORTED) {
+            print_message("skipped: no %s here\n", rsv_instructions_name(desc.instructions));
+            continue;
+        }
+        assert_int_equal(status, RSV_OK);
+        rsv_frame_renderer_destroy(renderer);
+        assert_true(hash_of_frames(solution, &desc, &view, 0) == best);
+    }
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static uint64_t hash_with_threads(int threads)
+{
+    world *w = world_builtin(threads, "cornell-spheres");
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    uint64_t hash = hash_of_frames(solution, &desc, &view, 0);
+    rsv_solution_destroy(solution);
+    world_end(w);
+    return hash;
+}
+
+static void any_number_of_threads_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    assert_true(hash_with_threads(1) == hash_with_threads(3));
+}
+
+static void each_eye_has_a_picture_of_its_own(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w), single = view;
+    for (uint32_t eye = 0; eye < 2; eye++)
+        view.camera[eye] = rsv_camera_eye(&view.camera[eye], eye, 0.063f);
+    for (uint32_t eye = 0; eye < 2; eye++) {
+        desc.eyes = 2;
+        uint64_t both = hash_of_frames(solution, &desc, &view, eye);
+        desc.eyes = 1;
+        single.camera[0] = view.camera[eye];
+        assert_true(hash_of_frames(solution, &desc, &single, 0) == both);
+    }
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+// ---- frame after frame --------------------------------------------------------------------------
+
+static void frames_start_over_when_the_camera_moves(void **state)
+{
+    (void)state;
+    world *w = world_builtin(1, "cornell-blocks");
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    rsv_frame_stats stats;
+    render_frames(renderer, &view, 2);
+    view.camera[0].position.x += 0.01f;
+    assert_int_equal(rsv_frame_render(renderer, &view, &stats), RSV_OK);
+    assert_int_equal(stats.samples, 1);
+    view.exposure = 1; // shown otherwise, the light is the same
+    assert_int_equal(rsv_frame_render(renderer, &view, &stats), RSV_OK);
+    assert_int_equal(stats.samples, 2);
+    rsv_frame_renderer_refresh(renderer);
+    assert_int_equal(rsv_frame_render(renderer, &view, &stats), RSV_OK);
+    assert_int_equal(stats.samples, 1);
+    rsv_frame_renderer_destroy(renderer);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static void frames_allocate_nothing(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-spheres");
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    w->until_failure = 0; // the next allocation fails
+    for (int k = 0; k < 20; k++) {
+        view.camera[0].position.x += 1e-3f * (float)(k & 4);
+        render_frames(renderer, &view, 1);
+    }
+    rsv_frame_renderer_show(renderer, 2);
+    render_frames(renderer, &view, 1);
+    assert_int_equal(w->until_failure, 0);
+    w->until_failure = -1;
+    rsv_frame_renderer_destroy(renderer);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static void failing_allocations_leave_nothing_behind(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *renderer = NULL;
+    rsv_status status = RSV_ERROR_MEMORY;
+    for (int k = 0; status == RSV_ERROR_MEMORY; k++) {
+        w->until_failure = k;
+        status = rsv_frame_renderer_create(solution, &desc, &renderer);
+    }
+    assert_int_equal(status, RSV_OK);
+    w->until_failure = -1;
+    rsv_frame_renderer_destroy(renderer);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static void codes_follow_the_srgb_curve(void **state)
+{
+    (void)state;
+    world *w = world_builtin(1, "cornell-blocks");
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    view.exposure = 1.5f;
+    static rsv_rgb shown[pixel_count];
+    render_frames(renderer, &view, 2);
+    rsv_frame_radiance(renderer, 0, shown);
+    for (size_t k = 0; k < pixel_count; k++) {
+        double linear = fmin((double)shown[k].g * exp2(1.5), 1);
+        assert_close(rsv_frame_pixels(renderer, 0)[k][1], 255 * rsv_srgb_encode(linear), 0.52);
+        assert_int_equal(rsv_frame_pixels(renderer, 0)[k][3], 255);
+    }
+    rsv_frame_renderer_destroy(renderer);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static void unusable_wishes_are_refused(void **state)
+{
+    (void)state;
+    world *w = world_builtin(1, "cornell-blocks");
+    rsv_solution *solution = solve(w);
+    rsv_frame_renderer *renderer;
+    rsv_frame_desc desc = frame_desc();
+    desc.width = 0;
+    assert_int_equal(rsv_frame_renderer_create(solution, &desc, &renderer), RSV_ERROR_ARGUMENT);
+    desc = frame_desc();
+    desc.eyes = 3;
+    assert_int_equal(rsv_frame_renderer_create(solution, &desc, &renderer), RSV_ERROR_ARGUMENT);
+    desc = frame_desc();
+    renderer = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    view.camera[0].position.x = NAN;
+    assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_ERROR_ARGUMENT);
+    view = view_of(w);
+    view.exposure = INFINITY;
+    assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_ERROR_ARGUMENT);
+    rsv_frame_renderer_destroy(renderer);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(frames_add_up_to_the_picture),
+        cmocka_unit_test(chains_add_up_to_the_picture),
+        cmocka_unit_test(surfaces_of_all_kinds_add_up_to_the_picture),
+        cmocka_unit_test(layers_are_shown),
+        cmocka_unit_test(all_instructions_give_the_same_bytes),
+        cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
+        cmocka_unit_test(each_eye_has_a_picture_of_its_own),
+        cmocka_unit_test(frames_start_over_when_the_camera_moves),
+        cmocka_unit_test(frames_allocate_nothing),
+        cmocka_unit_test(failing_allocations_leave_nothing_behind),
+        cmocka_unit_test(codes_follow_the_srgb_curve),
+        cmocka_unit_test(unusable_wishes_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
