@@ -14,6 +14,8 @@ static const char help[] =
     "  cornell-spheres  the Cornell box with two glass spheres\n"
     "  cornell-glass    the Cornell box around a body of glass\n"
     "  cornell-marble   the same of marble\n"
+    "  cornell-plaster  the same of plaster\n"
+    "  cornell-showcase the same, smaller, behind two glass spheres\n"
     "  character        a head and shoulders, to be lit by an environment\n"
     "  furnace          closed, every surface emits and reflects alike: the answer is known\n"
     "  two-rooms        light reaches the second room through a door ajar\n"

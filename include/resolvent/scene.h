@@ -241,8 +241,8 @@ RSV_API uint32_t rsv_scene_find_camera(const rsv_scene *scene, const char *name)
 
 /// Choices of a built-in scene. Start from rsv_default_builtin_desc().
 typedef struct rsv_builtin_desc {
-    /// A committed scene whose triangles become the body of cornell-glass, cornell-marble (a dragon, say) or
-    /// character (a head, face towards +z), y up: scaled and shifted to stand where it belongs, and turned
+    /// A committed scene whose triangles become the body of cornell-glass, cornell-marble (a dragon, say),
+    /// cornell-plaster, cornell-showcase or character (a head, face towards +z), y up: scaled and shifted to stand where it belongs, and turned
     /// inside out if it faces inwards. Its materials, lights and cameras are left behind. Borrowed until the
     /// call returns; NULL = a body of our own making.
     const rsv_scene *body;
@@ -253,7 +253,7 @@ typedef struct rsv_builtin_desc {
 RSV_API rsv_builtin_desc rsv_default_builtin_desc(void);
 
 /// Builds a scene of section "Built-in scenes" of the documentation: cornell-blocks, cornell-spheres,
-/// cornell-glass, cornell-marble, character, furnace, two-rooms, gallery, terraces. Committed on return.
+/// cornell-glass, cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, gallery, terraces. Committed on return.
 /// @param name the last two take a size behind a colon: "gallery:20" has 20 rooms (default 6), "terraces:1e6" about a
 /// million triangles (default 1e5)
 RSV_API rsv_status rsv_scene_builtin(rsv_context *context, const char *name, rsv_scene **scene);

@@ -4,7 +4,8 @@
 #include <string.h>
 
 static const char *const builtin_names[] = { "cornell-blocks", "cornell-spheres", "cornell-glass",
-    "cornell-marble", "character", "furnace", "two-rooms", "gallery", "terraces", NULL };
+    "cornell-marble", "cornell-plaster", "cornell-showcase", "character", "furnace", "two-rooms",
+    "gallery", "terraces", NULL };
 
 /// What a scene is measured in, if its size can be chosen.
 typedef struct size_range {
@@ -23,6 +24,8 @@ static const struct {
     { .build = rsv_build_cornell_spheres },
     { .build_around = rsv_build_cornell_glass },
     { .build_around = rsv_build_cornell_marble },
+    { .build_around = rsv_build_cornell_plaster },
+    { .build_around = rsv_build_cornell_showcase },
     { .build_around = rsv_build_character },
     { .build = rsv_build_furnace },
     { .build = rsv_build_two_rooms },
@@ -78,7 +81,8 @@ static rsv_status generate(
     if (generators[i].build_around) return generators[i].build_around(scene, desc);
     if (desc->body)
         return rsv_fail(RSV_ERROR_ARGUMENT,
-            "scene '%s' takes no mesh; cornell-glass, cornell-marble and character do",
+            "scene '%s' takes no mesh; cornell-glass, -marble, -plaster, -showcase and character "
+            "do",
             builtin_names[i]);
     return generators[i].build_sized ? generators[i].build_sized(scene, size)
                                      : generators[i].build(scene);
@@ -95,7 +99,8 @@ rsv_status rsv_scene_builtin_with(
     if (!builtin_names[i])
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "there is no built-in scene '%s'; use cornell-blocks, cornell-spheres, cornell-glass, "
-            "cornell-marble, character, furnace, two-rooms, gallery or terraces",
+            "cornell-marble, cornell-plaster, cornell-showcase, character, furnace, two-rooms, "
+            "gallery or terraces",
             name);
     if (desc->body_triangles < 100 || desc->body_triangles > 20000000)
         return rsv_fail(RSV_ERROR_ARGUMENT,

@@ -23,6 +23,8 @@ rsv_status rsv_build_cornell_box(rsv_scene *scene);
 
 rsv_status rsv_build_cornell_glass(rsv_scene *scene, const rsv_builtin_desc *desc);
 rsv_status rsv_build_cornell_marble(rsv_scene *scene, const rsv_builtin_desc *desc);
+rsv_status rsv_build_cornell_plaster(rsv_scene *scene, const rsv_builtin_desc *desc);
+rsv_status rsv_build_cornell_showcase(rsv_scene *scene, const rsv_builtin_desc *desc);
 rsv_status rsv_build_character(rsv_scene *scene, const rsv_builtin_desc *desc);
 
 #endif

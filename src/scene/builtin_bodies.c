@@ -21,13 +21,19 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_build_cornell_glass(rsv_scene *scene, const rsv_builtin_desc *desc)
+static rsv_material glass_material(void)
 {
     rsv_material glass = rsv_default_material();
     glass.name = "glass";
     glass.roughness = 0;
     glass.transmission = 1;
     glass.thickness = 0.1f;
+    return glass;
+}
+
+rsv_status rsv_build_cornell_glass(rsv_scene *scene, const rsv_builtin_desc *desc)
+{
+    rsv_material glass = glass_material();
     return build_cornell_body(scene, desc, &glass);
 }
 
@@ -38,6 +44,47 @@ rsv_status rsv_build_cornell_marble(rsv_scene *scene, const rsv_builtin_desc *de
     marble.name = "marble";
     marble.roughness = 0.1f;
     return build_cornell_body(scene, desc, &marble);
+}
+
+static rsv_material plaster_material(void)
+{
+    rsv_material plaster = rsv_default_material();
+    plaster.name = "plaster";
+    plaster.base_color = rgb(0.725f, 0.71f, 0.68f);
+    plaster.specular = 0;
+    return plaster;
+}
+
+rsv_status rsv_build_cornell_plaster(rsv_scene *scene, const rsv_builtin_desc *desc)
+{
+    rsv_material plaster = plaster_material();
+    return build_cornell_body(scene, desc, &plaster);
+}
+
+/// Two glass spheres before a body of plaster.
+rsv_status rsv_build_cornell_showcase(rsv_scene *scene, const rsv_builtin_desc *desc)
+{
+    const float radius = 0.09f;
+    const rsv_vec3 centre[2] = { { -0.15f, radius + GAP, -0.12f },
+        { -0.4f, radius + GAP, -0.12f } };
+    rsv_status status;
+    uint32_t glass;
+    rsv_material plaster = plaster_material(), clear = glass_material();
+    rsv_body body = { .name = plaster.name,
+        .given = desc->body,
+        .stand_in = rsv_sculpture_knot(),
+        .triangles = desc->body_triangles,
+        .foot = { -0.276f, GAP, -0.38f },
+        .size = { 0.34f, 0.3f, 0.28f } };
+    RSV_TRY(rsv_build_cornell_box(scene));
+    RSV_TRY(rsv_scene_add_material(scene, &plaster, &body.material));
+    RSV_TRY(rsv_scene_add_material(scene, &clear, &glass));
+    RSV_TRY(rsv_add_body(scene, &body));
+    for (int k = 0; k < 2; k++)
+        RSV_TRY(rsv_add_sphere(
+            (rsv_shape){ scene, "glass sphere", glass, NULL }, centre[k], radius, 5));
+cleanup:
+    return status;
 }
 
 /// Measured skin under the thin film of oil that skin has.

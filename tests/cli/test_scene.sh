@@ -8,7 +8,7 @@ facts() {
     sed -E -e '/"scene":/d' -e 's/([0-9]\.[0-9]{0,4})[0-9]*/\1/g' stdout
 }
 
-for name in cornell-blocks cornell-spheres cornell-glass cornell-marble character furnace two-rooms gallery:2 terraces:5000; do
+for name in cornell-blocks cornell-spheres cornell-glass cornell-marble cornell-plaster cornell-showcase character furnace two-rooms gallery:2 terraces:5000; do
     succeeds scene $name -o $name.glb
     [[ $(head -c 4 $name.glb) == glTF ]] || complain "$name.glb is not binary glTF"
     succeeds info $name

@@ -11,7 +11,7 @@ for command in render probe certify compare layers sheet scene info bench; do
     says 'examples:'
     refuses 2 "resolvent $command --help" $command --no-such-option
 done
-for name in cornell-blocks cornell-spheres cornell-glass cornell-marble character furnace two-rooms gallery terraces; do
+for name in cornell-blocks cornell-spheres cornell-glass cornell-marble cornell-plaster cornell-showcase character furnace two-rooms gallery terraces; do
     succeeds scene --help
     says $name
 done
