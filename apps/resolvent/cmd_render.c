@@ -1,4 +1,5 @@
 #include "command.h"
+#include "error_target.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -34,7 +35,7 @@ static const char help[] =
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
     "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n"
+    "                     gmres or two-grid: how the equation is solved\n" CLI_ERROR_TARGET_HELP
     "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the picture does not depend on it\n"
     "  --device cpu       where to compute\n"
@@ -43,6 +44,7 @@ static const char help[] =
     "examples:\n"
     "  resolvent render cornell-spheres -o spheres.png\n"
     "  resolvent render room.glb -o room.exr -o room.png --size 1280x720 --quality high\n"
+    "  resolvent render room.glb -o room.exr --quality draft --error 2% --max-time 600\n"
     "  resolvent render room.glb -o orders.exr --mode operator --layers\n"
     "  resolvent render room.glb -o judge.exr --mode reference --spp 1024 --stats judge.json\n";
 
@@ -61,6 +63,7 @@ static const char *const device_names[] = { [device_cpu] = "cpu", [device_cuda] 
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
+    cli_error_target target;
     cli_list outputs;
     cli_size size;
     int mode, quality, solver, device;
@@ -98,6 +101,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
         CLI_MESH_OPTION(&s->mesh),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -172,13 +176,17 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     return true;
 }
 
-static rsv_status solve(const settings *s, const rsv_scene *scene, rsv_solution **solution)
+/// @param certificate filled where the statistics want it
+static rsv_status solve(const settings *s, const rsv_scene *scene, rsv_solution **solution,
+    rsv_certificate *certificate)
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
-    return rsv_solution_create(scene, &desc, solution);
+    rsv_status status = cli_solve(scene, &desc, &s->target, solution, certificate);
+    if (status != RSV_OK || s->target.share > 0) return status;
+    return cli_certify_briefly(s->stats, *solution, s->seed, certificate);
 }
 
 static rsv_status write_pictures(const settings *s, const rsv_image *image)
@@ -213,9 +221,7 @@ static rsv_status render(const settings *s, const rsv_scene *scene, const rsv_re
 {
     rsv_status status = RSV_OK;
     bool is_solved = desc->mode == RSV_RENDER_OPERATOR || desc->mode == RSV_RENDER_FINAL;
-    if (is_solved) status = solve(s, scene, solution);
-    if (is_solved && status == RSV_OK)
-        status = cli_certify_briefly(s->stats, *solution, s->seed, certificate);
+    if (is_solved) status = solve(s, scene, solution, certificate);
     if (status != RSV_OK) return status;
     double started = cli_seconds();
     stats->standard_error = NAN;
