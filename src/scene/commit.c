@@ -114,13 +114,9 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
     return rsv_scene_add_camera(scene, &camera);
 }
 
-rsv_status rsv_scene_commit(rsv_scene *scene)
+rsv_status rsv_scene_finish(rsv_scene *scene)
 {
     rsv_status status;
-    if (scene->commit_tried)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: it was committed already, or failed to");
-    scene->commit_tried = true;
-    RSV_TRY(rsv_scene_flatten(scene));
     if (!scene->triangle_count)
         return rsv_fail(RSV_ERROR_SCENE, "the scene has no triangles: there is nothing to light");
     bounding_box bounds = find_bounds(scene);
@@ -129,7 +125,16 @@ rsv_status rsv_scene_commit(rsv_scene *scene)
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
     rsv_scene_release_sources(scene);
-    scene->committed = true;
+    scene->commit_tried = scene->committed = true;
 cleanup:
     return status;
+}
+
+rsv_status rsv_scene_commit(rsv_scene *scene)
+{
+    if (scene->commit_tried)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "scene: it was committed already, or failed to");
+    scene->commit_tried = true;
+    rsv_status status = rsv_scene_flatten(scene);
+    return status == RSV_OK ? rsv_scene_finish(scene) : status;
 }

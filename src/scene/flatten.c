@@ -99,8 +99,7 @@ static rsv_status transform_vertices(
     return RSV_OK;
 }
 
-/// Unit geometric normal of a triangle; false if it is degenerate.
-static bool geometric_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *normal)
+bool rsv_triangle_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *normal)
 {
     double ab[3] = { (double)b.x - a.x, (double)b.y - a.y, (double)b.z - a.z };
     double ac[3] = { (double)c.x - a.x, (double)c.y - a.y, (double)c.z - a.z };
@@ -196,7 +195,7 @@ static rsv_status emit_triangle(flattener *f, rsv_mesh *mesh, const uint32_t cor
 {
     rsv_scene *scene = f->scene;
     rsv_vec3 normal;
-    if (!geometric_normal(
+    if (!rsv_triangle_normal(
             f->position[corner[0]], f->position[corner[1]], f->position[corner[2]], &normal)) {
         mesh->degenerate_count++;
         return RSV_OK;

@@ -14,9 +14,6 @@ static rsv_status check_desc(const rsv_texture_desc *desc, const char *name)
     if (desc->channel_count < 1 || desc->channel_count > 4)
         return rsv_fail(RSV_ERROR_ARGUMENT, "texture '%s': %u channels are not in 1 .. 4", name,
             desc->channel_count);
-    if (!desc->codes == !desc->values)
-        return rsv_fail(
-            RSV_ERROR_ARGUMENT, "texture '%s': needs either codes or values, not both", name);
     return RSV_OK;
 }
 
@@ -110,26 +107,52 @@ static void reduce(rsv_context *context, rsv_texture *t)
     }
 }
 
-rsv_status rsv_texture_create(
-    rsv_context *context, const rsv_texture_desc *desc, rsv_texture *texture)
+static const char *name_of(const rsv_texture_desc *desc)
 {
-    const char *name = desc->name && *desc->name ? desc->name : "unnamed";
-    rsv_status status = check_desc(desc, name);
+    return desc->name && *desc->name ? desc->name : "unnamed";
+}
+
+/// A texture without texels.
+static rsv_status create_blank(
+    rsv_context *context, const rsv_texture_desc *desc, bool floats, rsv_texture *texture)
+{
+    rsv_status status = check_desc(desc, name_of(desc));
     if (status != RSV_OK) return status;
-    *texture = (rsv_texture){ .name = rsv_copy_string(context, name),
+    *texture = (rsv_texture){ .name = rsv_copy_string(context, name_of(desc)),
         .channel_count = desc->channel_count,
         .wrap_u = desc->wrap_u,
         .wrap_v = desc->wrap_v,
         .nearest = desc->nearest };
     size_t count = plan_levels(texture, desc->width, desc->height) * desc->channel_count;
-    if (desc->codes)
-        texture->unorm = rsv_alloc(context, count, sizeof *texture->unorm);
-    else
+    if (floats)
         texture->value = rsv_alloc(context, count, sizeof *texture->value);
-    if (!texture->name || (!texture->unorm && !texture->value)) {
-        rsv_texture_release(context, texture);
-        return RSV_ERROR_MEMORY;
-    }
+    else
+        texture->unorm = rsv_alloc(context, count, sizeof *texture->unorm);
+    if (texture->name && (texture->unorm || texture->value)) return RSV_OK;
+    rsv_texture_release(context, texture);
+    return RSV_ERROR_MEMORY;
+}
+
+rsv_status rsv_texture_create_linear(rsv_context *context, const rsv_texture_desc *desc,
+    const uint16_t *linear, rsv_texture *texture)
+{
+    rsv_status status = create_blank(context, desc, false, texture);
+    if (status != RSV_OK) return status;
+    size_t count = (size_t)desc->width * desc->height * desc->channel_count;
+    memcpy(texture->unorm, linear, count * sizeof *linear);
+    reduce(context, texture);
+    return RSV_OK;
+}
+
+rsv_status rsv_texture_create(
+    rsv_context *context, const rsv_texture_desc *desc, rsv_texture *texture)
+{
+    const char *name = name_of(desc);
+    if (!desc->codes == !desc->values)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "texture '%s': needs either codes or values, not both", name);
+    rsv_status status = create_blank(context, desc, desc->values != NULL, texture);
+    if (status != RSV_OK) return status;
     size_t unusable = 0;
     if (desc->codes)
         decode_codes(texture, desc);

@@ -32,6 +32,10 @@ typedef struct rsv_texel {
 
 rsv_status rsv_texture_create(
     rsv_context *context, const rsv_texture_desc *desc, rsv_texture *texture);
+/// The same from linear codes, as `unorm` of a texture holds them.
+/// @param desc without codes and values @param linear [height * width * channel_count]
+rsv_status rsv_texture_create_linear(rsv_context *context, const rsv_texture_desc *desc,
+    const uint16_t *linear, rsv_texture *texture);
 void rsv_texture_release(rsv_context *context, rsv_texture *texture);
 
 /// Trilinear lookup. @param level of the pyramid, with fraction; below 0 counts as 0, beyond the last as the last

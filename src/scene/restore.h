@@ -1,0 +1,24 @@
+/// A committed scene from what is kept of one: the same again, bit for bit.
+#ifndef RSV_RESTORE_H
+#define RSV_RESTORE_H
+
+#include "resolvent/scene.h"
+
+/// A texture at its full resolution.
+typedef struct rsv_texture_parts {
+    rsv_texture_desc desc;  ///< with neither codes nor values
+    const uint16_t *linear; ///< [height * width * channel_count] 0..65535 for 0..1; or
+    const float *value;     ///< the same as floats
+} rsv_texture_parts;
+
+/// Everything is borrowed, nothing trusted. Of the view, textures, variations and bounds are not looked at.
+typedef struct rsv_scene_parts {
+    rsv_scene_view view;
+    const rsv_texture_parts *texture; ///< [view.texture_count]
+} rsv_scene_parts;
+
+/// RSV_ERROR_FORMAT for what no committed scene holds: indices past the end, triangles without area, normals that
+/// are not unit or on the wrong side, and whatever the functions of scene.h refuse.
+rsv_status rsv_scene_restore(rsv_context *context, const rsv_scene_parts *parts, rsv_scene **scene);
+
+#endif
