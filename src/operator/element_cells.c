@@ -111,8 +111,7 @@ rsv_status rsv_elements_create_grid(rsv_elements *e, float spacing)
     return RSV_OK;
 }
 
-/// The k-th child: 0..2 keep a corner of the parent, 3 is the middle one, turned over.
-static rsv_cell child_cell(rsv_cell parent, int k)
+rsv_cell rsv_child_cell(rsv_cell parent, int k)
 {
     rsv_cell child = parent;
     child.level++;
@@ -158,7 +157,7 @@ static void emit_slot(splitter *s, size_t old_slot, size_t slot)
         if (was_split)
             emit_slot(s, (content & ~RSV_SLOT_SPLIT) + k, first + k);
         else
-            emit_cell(s, first + k, child_cell(s->old->cell[content], (int)k));
+            emit_cell(s, first + k, rsv_child_cell(s->old->cell[content], (int)k));
     }
 }
 

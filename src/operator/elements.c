@@ -1,7 +1,7 @@
 #include "elements_internal.h"
 
-static rsv_status create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf, float spacing,
-    rsv_context *context, rsv_elements **elements)
+rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf,
+    float spacing, rsv_context *context, rsv_elements **elements)
 {
     rsv_elements *e = rsv_alloc(context, 1, sizeof *e);
     if (!e) return RSV_ERROR_MEMORY;
@@ -18,7 +18,8 @@ static rsv_status refine_once(const rsv_elements *coarser, const uint8_t *split,
 {
     rsv_status status;
     rsv_elements *e = NULL;
-    RSV_TRY(create_empty(coarser->scene, coarser->bsdf, coarser->spacing, coarser->context, &e));
+    RSV_TRY(rsv_elements_create_empty(
+        coarser->scene, coarser->bsdf, coarser->spacing, coarser->context, &e));
     RSV_TRY(rsv_elements_copy_faces(coarser, e));
     RSV_TRY(rsv_elements_split_cells(coarser, split, e));
     RSV_TRY(rsv_elements_number_nodes(e, unbalanced, any_unbalanced));
@@ -57,8 +58,8 @@ rsv_status rsv_elements_create(
     rsv_elements *e = NULL;
     uint8_t *unbalanced = NULL;
     bool any_unbalanced = false;
-    RSV_TRY(
-        create_empty(rsv_scene_get_view(scene), bsdf, spacing, rsv_scene_get_context(scene), &e));
+    RSV_TRY(rsv_elements_create_empty(
+        rsv_scene_get_view(scene), bsdf, spacing, rsv_scene_get_context(scene), &e));
     RSV_TRY(rsv_elements_create_faces(e));
     RSV_TRY(rsv_elements_create_grid(e, spacing));
     status = rsv_elements_number_nodes(e, &unbalanced, &any_unbalanced);

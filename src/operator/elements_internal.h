@@ -4,6 +4,10 @@
 
 #include "elements.h"
 
+/// Nothing but what all elements of a scene share.
+rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf,
+    float spacing, rsv_context *context, rsv_elements **elements);
+
 /// Every scattering side of every triangle, welded to its neighbours.
 rsv_status rsv_elements_create_faces(rsv_elements *elements);
 rsv_status rsv_elements_copy_faces(const rsv_elements *from, rsv_elements *to);
@@ -14,6 +18,9 @@ rsv_status rsv_elements_create_grid(rsv_elements *elements, float spacing);
 /// The cells of `coarser`, those marked replaced by their four children.
 rsv_status rsv_elements_split_cells(
     const rsv_elements *coarser, const uint8_t *split, rsv_elements *finer);
+
+/// The children of a cell: 0..2 keep a corner of the parent, 3 is the middle one, turned over.
+rsv_cell rsv_child_cell(rsv_cell parent, int k);
 
 /// Nodes, hanging nodes and supports of finished cells.
 /// @param unbalanced out, to be freed by the caller: cells with an edge halved more than once

@@ -165,14 +165,48 @@ cleanup:
     return status;
 }
 
+static void free_rows(rsv_context *context, const rsv_subsurface *rows)
+{
+    rsv_free(context, rows->row_begin);
+    rsv_free(context, rows->column);
+    rsv_free(context, rows->weight);
+}
+
+rsv_status rsv_subsurface_restore(
+    const rsv_elements *elements, const rsv_subsurface *rows, rsv_subsurface **subsurface)
+{
+    rsv_status status;
+    rsv_context *context = elements->context;
+    rsv_scatter_sources *sources = NULL;
+    rsv_subsurface *p = rsv_alloc(context, 1, sizeof *p);
+    if (!p) RSV_TRY(RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_scatter_sources_create(elements, &sources));
+    if (!sources)
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "subsurface: there is no translucent material"));
+    size_t columns = rows->row_count + sources->cluster_count;
+    for (size_t k = 0; k < rows->row_begin[rows->row_count]; k++)
+        if (rows->column[k] >= columns)
+            RSV_TRY(rsv_fail(
+                RSV_ERROR_FORMAT, "subsurface: column %u of %zu", rows->column[k], columns));
+    *p = *rows;
+    p->sources = sources;
+    p->entered = rsv_alloc(context, columns, sizeof *p->entered);
+    if (!p->entered) RSV_TRY(RSV_ERROR_MEMORY);
+    *subsurface = p;
+    return RSV_OK;
+cleanup:
+    free_rows(context, rows);
+    rsv_scatter_sources_destroy(sources);
+    rsv_free(context, p);
+    return status;
+}
+
 void rsv_subsurface_destroy(rsv_subsurface *p)
 {
     if (!p) return;
     rsv_context *context = p->sources->context;
     rsv_scatter_sources_destroy(p->sources);
-    rsv_free(context, p->row_begin);
-    rsv_free(context, p->column);
-    rsv_free(context, p->weight);
+    free_rows(context, p);
     rsv_free(context, p->entered);
     rsv_free(context, p);
 }

@@ -23,6 +23,12 @@ typedef struct rsv_subsurface {
 rsv_status rsv_subsurface_create(const rsv_elements *elements, rsv_subsurface **subsurface);
 void rsv_subsurface_destroy(rsv_subsurface *subsurface);
 
+/// P from its rows; RSV_ERROR_FORMAT if their columns are past the end, or if the elements have no translucent
+/// material.
+/// @param rows taken over with their arrays, even on failure: row_count, row_begin, column, weight; row_begin is sound
+rsv_status rsv_subsurface_restore(
+    const rsv_elements *elements, const rsv_subsurface *rows, rsv_subsurface **subsurface);
+
 size_t rsv_subsurface_entries(const rsv_subsurface *subsurface);
 
 /// diffused = P irradiance on bodies, a copy elsewhere. Not to be called by two threads at a time.

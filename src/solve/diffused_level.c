@@ -24,14 +24,20 @@ bool rsv_is_translucent(const rsv_solution *s, uint32_t face)
     return s->diffused.material[s->scene.view->triangle_material[s->elements->face_triangle[face]]];
 }
 
-static bool any_translucent(rsv_solution *s)
+rsv_status rsv_diffused_level_name_materials(rsv_solution *s)
 {
-    bool any = false;
-    for (size_t m = 0; m < s->scene.view->material_count; m++) {
+    size_t count = s->scene.view->material_count;
+    s->diffused.material = rsv_alloc(s->context, count, 1);
+    if (!s->diffused.material) return RSV_ERROR_MEMORY;
+    for (size_t m = 0; m < count; m++)
         s->diffused.material[m] = rsv_material_scatters_below(&s->scene.view->material[m]);
-        any = any || s->diffused.material[m];
-    }
-    return any;
+    return RSV_OK;
+}
+
+static bool any_translucent(const rsv_solution *s)
+{
+    size_t count = s->scene.view->material_count;
+    return count && memchr(s->diffused.material, 1, count);
 }
 
 static float cell_size(const rsv_elements *e, uint32_t cell)
@@ -163,8 +169,7 @@ rsv_status rsv_diffused_level_create(rsv_solution *s)
     rsv_status status = RSV_OK;
     rsv_subsurface *p = NULL;
     rsv_rgb *irradiance = NULL;
-    s->diffused.material = rsv_alloc(s->context, s->scene.view->material_count, 1);
-    if (!s->diffused.material) return RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_diffused_level_name_materials(s));
     if (!any_translucent(s)) return RSV_OK;
     RSV_TRY(create_elements(s));
     RSV_TRY(create_entered(s));

@@ -22,6 +22,9 @@ typedef struct rsv_diffused_level {
     rsv_rgb *indirect;               ///< [node_count] sum of the orders from 1 on
 } rsv_diffused_level;
 
+/// Finds out which materials are translucent. Part of creating the level.
+rsv_status rsv_diffused_level_name_materials(struct rsv_solution *solution);
+
 /// Builds the level of a solved solution. Leaves it empty if the scene has no translucent material.
 rsv_status rsv_diffused_level_create(struct rsv_solution *solution);
 void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level);

@@ -360,7 +360,7 @@ static size_t count_nodes(const rsv_elements *elements)
     return elements ? elements->node_count : 0;
 }
 
-static rsv_status build(rsv_solution *s)
+static rsv_status prepare(rsv_solution *s)
 {
     rsv_status status;
     double start = rsv_seconds();
@@ -368,11 +368,36 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(rsv_tracer_create(s->scene.scene, &s->tracer));
     s->scene.tracer = s->tracer;
     s->scene.media = rsv_media_of(s->scene.view, s->tracer, s->bsdf);
-    double built = rsv_seconds();
-    s->report.time_bvh = built - start;
-
+    s->report.time_bvh = rsv_seconds() - start;
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
     RSV_TRY(divide_environment(s));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_solution_prepare(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
+{
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_status status = check_desc(desc);
+    if (status != RSV_OK) return status;
+    rsv_solution *s = rsv_alloc(context, 1, sizeof *s);
+    if (!s) return RSV_ERROR_MEMORY;
+    s->context = context;
+    s->desc = *desc;
+    s->scene = (rsv_transport_scene){ .scene = scene, .view = rsv_scene_get_view(scene) };
+    status = prepare(s);
+    if (status == RSV_OK)
+        *solution = s;
+    else
+        rsv_solution_destroy(s);
+    return status;
+}
+
+static rsv_status build(rsv_solution *s)
+{
+    rsv_status status;
+    double start = rsv_seconds();
     RSV_TRY(create_elements(s));
     RSV_TRY(create_albedos(s));
     RSV_TRY(assemble(s, reflects_diffusely(s) ? s->desc.rays_per_element : FEWEST_RAYS));
@@ -380,7 +405,7 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(create_fine_levels(s));
     RSV_TRY(create_source(s));
     double assembled = rsv_seconds();
-    s->report.time_assemble = assembled - built;
+    s->report.time_assemble = assembled - start;
 
     s->report.elements = s->elements->node_count;
     s->report.direct_elements = count_nodes(s->fine.elements) + count_nodes(s->caustics.elements);
@@ -396,15 +421,10 @@ cleanup:
 rsv_status rsv_solution_create(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
 {
-    rsv_context *context = rsv_scene_get_context(scene);
     rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
-    rsv_status status = check_desc(&settings);
+    rsv_solution *s = NULL;
+    rsv_status status = rsv_solution_prepare(scene, &settings, &s);
     if (status != RSV_OK) return status;
-    rsv_solution *s = rsv_alloc(context, 1, sizeof *s);
-    if (!s) return RSV_ERROR_MEMORY;
-    s->context = context;
-    s->desc = settings;
-    s->scene = (rsv_transport_scene){ .scene = scene, .view = rsv_scene_get_view(scene) };
     status = build(s);
     if (status != RSV_OK) {
         rsv_solution_destroy(s);

@@ -34,6 +34,11 @@ struct rsv_solution {
     rsv_solve_report report;
 };
 
+/// A solution of nothing yet: surfaces, rays and lights of a scene.
+/// @param desc checked here
+rsv_status rsv_solution_prepare(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution);
+
 /// Direct irradiance from the fine level where there is one.
 /// @param skip_sampled leave out what next-event estimation finds: the caller does that itself
 rsv_rgb rsv_solution_direct(
