@@ -1,8 +1,8 @@
 #include "command.h"
-#include "error_target.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
+#include "subject.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -23,6 +23,8 @@ static const char help[] =
     "end\n"
     "  estimate    the error itself, from one more solve with the residual\n"
     "\n"
+    "SCENE may be a file of `resolvent solve`, which is solved already.\n"
+    "\n"
     "  --samples N        points, 16 to 16777216 (default 2048)\n"
     "  --rays N           gather rays of each of the two estimates at a point (default 512)\n"
     "  --quality Q        draft, medium (default) or high: of the solution\n"
@@ -39,13 +41,11 @@ static const char help[] =
     "examples:\n"
     "  resolvent certify cornell-blocks\n"
     "  resolvent certify cornell-blocks --quality draft --heatmap error.png\n"
-    "  resolvent certify room.glb --quality draft --error 2%\n"
     "  resolvent certify room.glb --quality high --samples 20000 --stats room.json\n";
 
 typedef struct settings {
     const char *scene, *stats, *mesh, *heat_map, *camera;
     cli_size size;
-    cli_error_target target;
     cli_environment environment;
     int quality, solver;
     rsv_certify_desc certify;
@@ -77,7 +77,6 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
-        CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--heatmap", .kind = CLI_TEXT, .value = &s->heat_map },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
@@ -105,14 +104,14 @@ static rsv_status certify(
     return status;
 }
 
-static rsv_status solve_and_certify(const settings *s, const rsv_scene *scene,
-    rsv_solution **solution, rsv_certificate *certificate)
+static rsv_status solve_and_certify(
+    cli_session *session, const settings *s, cli_subject *subject, rsv_certificate *certificate)
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
-    rsv_status status = cli_solve(scene, &desc, &s->target, solution, certificate);
-    return status == RSV_OK ? certify(s, *solution, certificate) : status;
+    rsv_status status = cli_solve_subject(session, &desc, subject);
+    return status == RSV_OK ? certify(s, subject->solution, certificate) : status;
 }
 
 /// A value, relative to the irradiance; and an interval where there is one.
@@ -156,27 +155,26 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
-    rsv_solution *solution = NULL;
     rsv_certificate certificate;
-    rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
-    if (!scene) return CLI_FAILURE;
-    if (rsv_scene_find_camera(scene, s->camera) == RSV_NONE) {
+    cli_subject subject;
+    if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
+    if (rsv_scene_find_camera(subject.scene, s->camera) == RSV_NONE) {
         cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
             s->camera ? s->camera : "", s->scene);
-        rsv_scene_destroy(scene);
+        cli_close_subject(&subject);
         return CLI_FAILURE;
     }
-    rsv_status status = solve_and_certify(s, scene, &solution, &certificate);
+    rsv_status status = solve_and_certify(session, s, &subject, &certificate);
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     if (status != RSV_OK) {
         cli_report_failure(session, status);
     } else {
         cli_progress_clear(&session->progress);
         print_certificate(&certificate);
-        if (!s->stats || write_stats(session, s, solution, &certificate)) exit_status = CLI_SUCCESS;
+        if (!s->stats || write_stats(session, s, subject.solution, &certificate))
+            exit_status = CLI_SUCCESS;
     }
-    rsv_solution_destroy(solution);
-    rsv_scene_destroy(scene);
+    cli_close_subject(&subject);
     return exit_status;
 }
 

@@ -1,23 +1,25 @@
 #include "command.h"
 #include "options.h"
 #include "output_file.h"
-#include "session.h"
+#include "subject.h"
 
 #include <cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-static const char help[] = "usage: resolvent info SCENE [options]\n"
-                           "\n"
-                           "Says what SCENE (a file or a built-in scene) holds once "
-                           "its instances are placed:\n"
-                           "counts, bounds, area, objects, materials, lights and cameras.\n"
-                           "\n"
-                           "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP "\n"
-                           "examples:\n"
-                           "  resolvent info room.glb\n"
-                           "  resolvent info cornell-blocks --json\n";
+static const char help[] =
+    "usage: resolvent info SCENE [options]\n"
+    "\n"
+    "Says what SCENE (a file or a built-in scene) holds once "
+    "its instances are placed:\n"
+    "counts, bounds, area, objects, materials, lights and cameras. Of a file of\n"
+    "`resolvent solve` it also says what was solved.\n"
+    "\n"
+    "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP "\n"
+    "examples:\n"
+    "  resolvent info room.glb\n"
+    "  resolvent info cornell-blocks --json\n";
 
 /// What triangles amount to, by object and by material.
 typedef struct totals {
@@ -173,6 +175,21 @@ static void add_environment(cJSON *root, const rsv_scene_view *view)
     add_number(item, "rotation_degrees", view->environment->rotation);
 }
 
+static void add_operator(cJSON *root, const rsv_solution *solution)
+{
+    if (!solution) return;
+    const rsv_solve_report *report = rsv_solution_report(solution);
+    cJSON *item = cJSON_AddObjectToObject(root, "operator");
+    cJSON_AddNumberToObject(item, "elements", (double)report->elements);
+    cJSON_AddNumberToObject(item, "direct_elements", (double)report->direct_elements);
+    cJSON_AddNumberToObject(item, "entries", (double)report->entries);
+    cJSON_AddNumberToObject(item, "norm_inf", report->norm_inf);
+    cJSON_AddNumberToObject(item, "spectral_radius", report->spectral_radius);
+    cJSON_AddNumberToObject(item, "mean_irradiance", report->mean_irradiance);
+    cJSON_AddNumberToObject(item, "truncation_bound", report->truncation_bound);
+    cJSON_AddStringToObject(item, "solver", rsv_solver_name(report->solver));
+}
+
 static void add_cameras(cJSON *root, const rsv_scene_view *view)
 {
     cJSON *cameras = cJSON_AddArrayToObject(root, "cameras");
@@ -187,8 +204,9 @@ static void add_cameras(cJSON *root, const rsv_scene_view *view)
 }
 
 static bool print_json(
-    const cli_session *session, const char *name, const rsv_scene_view *view, const totals *t)
+    const cli_session *session, const char *name, const cli_subject *subject, const totals *t)
 {
+    const rsv_scene_view *view = rsv_scene_get_view(subject->scene);
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "scene", name);
     cJSON_AddNumberToObject(root, "triangle_count", (double)view->triangle_count);
@@ -201,6 +219,7 @@ static bool print_json(
     add_lights(root, view);
     add_environment(root, view);
     add_cameras(root, view);
+    add_operator(root, subject->solution);
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
     for (size_t i = 0; i < session->warning_count; i++)
         cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings[i]));
@@ -287,8 +306,21 @@ static void print_cameras(const rsv_scene_view *view)
     }
 }
 
-static void print_text(const char *name, const rsv_scene_view *view, const totals *t)
+static void print_operator(const rsv_solution *solution)
 {
+    if (!solution) return;
+    const rsv_solve_report *report = rsv_solution_report(solution);
+    printf("\nsolved operator:\n");
+    printf("  %zu elements, %zu of direct light and caustics, %zu entries\n", report->elements,
+        report->direct_elements, report->entries);
+    printf("  norm %.4f, spectral radius %.4f\n", report->norm_inf, report->spectral_radius);
+    printf("  mean irradiance %.5g W/m2, truncated by %.2g at most, by solver %s\n",
+        report->mean_irradiance, report->truncation_bound, rsv_solver_name(report->solver));
+}
+
+static void print_text(const char *name, const cli_subject *subject, const totals *t)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(subject->scene);
     rsv_vec3 low = view->bounds_min, high = view->bounds_max;
     printf("%s: %zu triangles, %zu vertices, %.6g m2\n", name, view->triangle_count,
         view->vertex_count, t->area);
@@ -299,6 +331,7 @@ static void print_text(const char *name, const rsv_scene_view *view, const total
     print_lights(view);
     print_environment(view);
     print_cameras(view);
+    print_operator(subject->solution);
 }
 
 int cli_info(int argc, char **argv)
@@ -318,14 +351,14 @@ int cli_info(int argc, char **argv)
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
-    rsv_scene *scene = cli_open_scene(&session, name, &environment);
-    const rsv_scene_view *view = scene ? rsv_scene_get_view(scene) : NULL;
+    cli_subject subject;
     totals t = { 0 };
-    bool printed = view && add_up(view, &t);
-    if (printed && json) printed = print_json(&session, name, view, &t);
-    if (printed && !json) print_text(name, view, &t);
+    bool printed = cli_open_subject(&session, name, &environment, &subject) &&
+                   add_up(rsv_scene_get_view(subject.scene), &t);
+    if (printed && json) printed = print_json(&session, name, &subject, &t);
+    if (printed && !json) print_text(name, &subject, &t);
     free_totals(&t);
-    rsv_scene_destroy(scene);
+    cli_close_subject(&subject);
     cli_session_end(&session);
     return printed ? CLI_SUCCESS : CLI_FAILURE;
 }

@@ -3,6 +3,7 @@
 #include "output_file.h"
 #include "points_csv.h"
 #include "stats.h"
+#include "subject.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +19,7 @@ static const char help[] =
     "A point is a virtual receiver: it casts no shadow. A point on a surface is taken to be on "
     "the\n"
     "side its normal points to.\n"
+    "SCENE may be a file of `resolvent solve`, which is solved already.\n"
     "\n"
     "  --points FILE      the points\n"
     "  -o FILE            the readings\n"
@@ -81,8 +83,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-static rsv_status read_light(const settings *s, const rsv_scene *scene, const cli_points *points,
-    rsv_probe_reading *readings, rsv_solution **solution, rsv_certificate *certificate,
+static rsv_status read_light(cli_session *session, const settings *s, const cli_points *points,
+    rsv_probe_reading *readings, cli_subject *subject, rsv_certificate *certificate,
     double *time_render)
 {
     rsv_status status = RSV_OK;
@@ -91,16 +93,16 @@ static rsv_status read_light(const settings *s, const rsv_scene *scene, const cl
         rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
         desc.solver = (rsv_solver)s->solver;
         desc.seed = s->seed;
-        status = rsv_solution_create(scene, &desc, solution);
+        status = cli_solve_subject(session, &desc, subject);
         if (status == RSV_OK)
-            status = cli_certify_briefly(s->stats, *solution, s->seed, certificate);
+            status = cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);
         if (status != RSV_OK) return status;
     }
     double started = cli_seconds();
-    status = is_reference ? rsv_probe_reference(
-                                scene, points->probe, points->count, s->samples, s->seed, readings)
-                          : rsv_probe_irradiance(*solution, (rsv_probe_mode)s->mode, points->probe,
-                                points->count, s->samples, s->seed, readings);
+    status = is_reference ? rsv_probe_reference(subject->scene, points->probe, points->count,
+                                s->samples, s->seed, readings)
+                          : rsv_probe_irradiance(subject->solution, (rsv_probe_mode)s->mode,
+                                points->probe, points->count, s->samples, s->seed, readings);
     *time_render = cli_seconds() - started;
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
@@ -128,26 +130,26 @@ static int run(cli_session *session, const settings *s, const cli_points *points
     int exit_status = CLI_FAILURE;
     double time_render = 0;
     rsv_certificate certificate;
-    rsv_solution *solution = NULL;
+    cli_subject subject = { 0 };
     rsv_probe_reading *readings = calloc(points->count, sizeof *readings);
-    rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
-    if (!scene) goto cleanup;
+    if (!cli_open_subject(session, s->scene, &s->environment, &subject)) goto cleanup;
     if (!readings) {
         cli_error("out of memory for %zu points", points->count);
         goto cleanup;
     }
     rsv_status status =
-        read_light(s, scene, points, readings, &solution, &certificate, &time_render);
+        read_light(session, s, points, readings, &subject, &certificate, &time_render);
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (cli_write_readings(s->output, points, readings) &&
-             (!s->stats || write_stats(session, s, solution, &certificate, time_render)))
+             (!s->stats ||
+                 write_stats(session, s, s->mode == RSV_PROBE_REFERENCE ? NULL : subject.solution,
+                     &certificate, time_render)))
         exit_status = CLI_SUCCESS;
 
 cleanup:
     free(readings);
-    rsv_solution_destroy(solution);
-    rsv_scene_destroy(scene);
+    cli_close_subject(&subject);
     return exit_status;
 }
 

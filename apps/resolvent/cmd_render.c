@@ -1,8 +1,8 @@
 #include "command.h"
-#include "error_target.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
+#include "subject.h"
 
 #include "resolvent/render.h"
 
@@ -13,9 +13,10 @@
 static const char help[] =
     "usage: resolvent render SCENE -o OUT.{exr,png,hdr} [options]\n"
     "\n"
-    "Solves the light of SCENE (a file or a built-in scene) once and takes a "
-    "picture\n"
-    "of it. Picture samples are radiance, linear RGB; PNG is sRGB.\n"
+    "Solves the light of SCENE (a file or a built-in scene; or a file of `resolvent solve`, which "
+    "is\n"
+    "solved already) once and takes a picture of it. Picture samples are radiance, linear RGB; PNG "
+    "is sRGB.\n"
     "\n"
     "  -o FILE            the picture; repeat it for more than one format\n"
     "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
@@ -35,7 +36,7 @@ static const char help[] =
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
     "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n" CLI_ERROR_TARGET_HELP
+    "                     gmres or two-grid: how the equation is solved\n"
     "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the picture does not depend on it\n"
     "  --device cpu       where to compute\n"
@@ -44,7 +45,6 @@ static const char help[] =
     "examples:\n"
     "  resolvent render cornell-spheres -o spheres.png\n"
     "  resolvent render room.glb -o room.exr -o room.png --size 1280x720 --quality high\n"
-    "  resolvent render room.glb -o room.exr --quality draft --error 2% --max-time 600\n"
     "  resolvent render room.glb -o orders.exr --mode operator --layers\n"
     "  resolvent render room.glb -o judge.exr --mode reference --spp 1024 --stats judge.json\n";
 
@@ -63,7 +63,6 @@ static const char *const device_names[] = { [device_cpu] = "cpu", [device_cuda] 
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
-    cli_error_target target;
     cli_list outputs;
     cli_size size;
     int mode, quality, solver, device;
@@ -101,7 +100,6 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
         CLI_MESH_OPTION(&s->mesh),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
-        CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -176,17 +174,19 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     return true;
 }
 
-/// @param certificate filled where the statistics want it
-static rsv_status solve(const settings *s, const rsv_scene *scene, rsv_solution **solution,
-    rsv_certificate *certificate)
+/// Whether the picture is one of a solution.
+static bool is_solved(const settings *s)
+{
+    return s->mode == RSV_RENDER_OPERATOR || s->mode == RSV_RENDER_FINAL;
+}
+
+static rsv_status solve(cli_session *session, const settings *s, cli_subject *subject)
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
-    rsv_status status = cli_solve(scene, &desc, &s->target, solution, certificate);
-    if (status != RSV_OK || s->target.share > 0) return status;
-    return cli_certify_briefly(s->stats, *solution, s->seed, certificate);
+    return cli_solve_subject(session, &desc, subject);
 }
 
 static rsv_status write_pictures(const settings *s, const rsv_image *image)
@@ -216,21 +216,22 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
 }
 
 /// Solves where the mode wants it, and takes the picture.
-static rsv_status render(const settings *s, const rsv_scene *scene, const rsv_render_desc *desc,
-    rsv_solution **solution, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
+static rsv_status render(cli_session *session, const settings *s, const rsv_render_desc *desc,
+    cli_subject *subject, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
 {
     rsv_status status = RSV_OK;
-    bool is_solved = desc->mode == RSV_RENDER_OPERATOR || desc->mode == RSV_RENDER_FINAL;
-    if (is_solved) status = solve(s, scene, solution, certificate);
+    if (is_solved(s)) status = solve(session, s, subject);
+    if (is_solved(s) && status == RSV_OK)
+        status = cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);
     if (status != RSV_OK) return status;
     double started = cli_seconds();
     stats->standard_error = NAN;
-    if (is_solved)
-        status = rsv_render(*solution, desc, image);
+    if (is_solved(s))
+        status = rsv_render(subject->solution, desc, image);
     else if (desc->mode == RSV_RENDER_REFERENCE)
-        status = rsv_render_reference(scene, desc, image, &stats->standard_error);
+        status = rsv_render_reference(subject->scene, desc, image, &stats->standard_error);
     else
-        status = rsv_render_occlusion(scene, desc, image);
+        status = rsv_render_occlusion(subject->scene, desc, image);
     stats->time_render = cli_seconds() - started;
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     return status;
@@ -242,23 +243,23 @@ static int run(cli_session *session, const settings *s)
     cli_stats stats = { 0 };
     rsv_render_desc desc;
     rsv_certificate certificate;
-    rsv_solution *solution = NULL;
     rsv_image *image = NULL;
-    rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
-    if (!scene || !describe_picture(s, scene, &desc)) goto cleanup;
+    cli_subject subject;
+    if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
+    if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 
-    rsv_status status = render(s, scene, &desc, &solution, &certificate, &image, &stats);
+    rsv_status status = render(session, s, &desc, &subject, &certificate, &image, &stats);
     if (status == RSV_OK) status = write_pictures(s, image);
     if (status != RSV_OK)
         cli_report_failure(session, status);
-    else if (!s->stats || write_stats(session, s, &desc, solution, &certificate, &stats))
+    else if (!s->stats || write_stats(session, s, &desc, is_solved(s) ? subject.solution : NULL,
+                              &certificate, &stats))
         exit_status = CLI_SUCCESS;
 
 cleanup:
     rsv_image_destroy(image);
-    rsv_solution_destroy(solution);
-    rsv_scene_destroy(scene);
+    cli_close_subject(&subject);
     return exit_status;
 }
 

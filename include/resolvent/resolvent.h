@@ -8,6 +8,7 @@
 #include "resolvent/frame.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"
+#include "resolvent/opfile.h"
 #include "resolvent/render.h"
 #include "resolvent/scene.h"
 #include "resolvent/solve.h"

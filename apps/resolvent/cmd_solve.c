@@ -1,0 +1,115 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "stats.h"
+#include "subject.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: resolvent solve SCENE -o FILE.safetensors [options]\n"
+    "\n"
+    "Solves the light of SCENE (a file or a built-in scene) and keeps it: scene, light-transport\n"
+    "operator and solution in one file that `render`, `probe`, `relight` and `info` take in place "
+    "of\n"
+    "a scene, and that numpy reads without us (docs/operator-files.md).\n"
+    "\n"
+    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
+    "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
+    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
+    "                     gmres or two-grid: how the equation is solved\n"
+    "  --seed N           another set of random numbers (default 0)\n"
+    "  --threads N        default: one per processor; the file does not depend on it\n"
+    "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
+    "\n"
+    "examples:\n"
+    "  resolvent solve room.glb -o room.safetensors --quality high\n"
+    "  resolvent render room.safetensors -o room.png\n";
+
+typedef struct settings {
+    const char *scene, *output, *stats, *mesh;
+    cli_environment environment;
+    int quality, solver;
+    uint32_t threads, seed;
+} settings;
+
+static bool ends_in(const char *text, const char *end)
+{
+    size_t length = strlen(text), tail = strlen(end);
+    return length > tail && strcmp(text + length - tail, end) == 0;
+}
+
+static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
+{
+    const cli_option options[] = {
+        { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
+        { .name = "--quality",
+            .kind = CLI_CHOICE,
+            .value = &s->quality,
+            .choices = cli_quality_names },
+        { .name = "--solver",
+            .kind = CLI_CHOICE,
+            .value = &s->solver,
+            .choices = cli_solver_names },
+        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_MESH_OPTION(&s->mesh),
+        CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "solve", help, options, "SCENE", 1, 1 };
+    if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
+    if (s->output && ends_in(s->output, ".safetensors")) return true;
+    *exit_status = s->output
+                       ? cli_usage_error("solve", "-o '%s' does not end in .safetensors", s->output)
+                       : cli_usage_error("solve", "-o FILE.safetensors is missing");
+    return false;
+}
+
+static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution)
+{
+    cli_stats stats = { .command = "solve",
+        .scene = s->scene,
+        .mode = "solve",
+        .quality = (rsv_quality)s->quality,
+        .threads = cli_thread_count(s->threads),
+        .seed = s->seed,
+        .report = rsv_solution_report(solution),
+        .order_count = rsv_solution_order_count(solution),
+        .standard_error = NAN };
+    return cli_write_stats(s->stats, session, &stats);
+}
+
+static int run(cli_session *session, const settings *s)
+{
+    int exit_status = CLI_FAILURE;
+    cli_subject subject = { .scene = cli_open_scene(session, s->scene, &s->environment) };
+    if (!subject.scene) return CLI_FAILURE;
+    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+    desc.solver = (rsv_solver)s->solver;
+    desc.seed = s->seed;
+    rsv_status status = cli_solve_subject(session, &desc, &subject);
+    if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);
+    if (status != RSV_OK)
+        cli_report_failure(session, status);
+    else if (!s->stats || write_stats(session, s, subject.solution))
+        exit_status = CLI_SUCCESS;
+    cli_close_subject(&subject);
+    return exit_status;
+}
+
+int cli_solve(int argc, char **argv)
+{
+    settings s = { .quality = RSV_QUALITY_MEDIUM, .environment = CLI_DEFAULT_ENVIRONMENT };
+    int exit_status;
+    if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
+    if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats))) return CLI_FAILURE;
+    cli_session session;
+    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    session.mesh = s.mesh;
+    exit_status = run(&session, &s);
+    cli_session_end(&session);
+    return exit_status;
+}

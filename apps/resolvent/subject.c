@@ -1,0 +1,53 @@
+#include "subject.h"
+
+#include "command.h"
+
+/// Options that belong to the solve of a scene.
+static bool refuse_scene_options(
+    const cli_session *session, const char *name, const cli_environment *environment)
+{
+    if (session->mesh) {
+        cli_error("--mesh %s: '%s' is a solved operator with a scene of its own; solve anew",
+            session->mesh, name);
+        return false;
+    }
+    bool surrounded = environment && (environment->path || environment->intensity != 1 ||
+                                         environment->rotation != 0);
+    if (surrounded)
+        cli_error("--env: '%s' is a solved operator with surroundings of its own; `resolvent "
+                  "relight` turns and scales those, new ones need a new solve",
+            name);
+    return !surrounded;
+}
+
+bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
+    cli_subject *subject)
+{
+    *subject = (cli_subject){ 0 };
+    if (!rsv_is_operator_file(name)) {
+        subject->scene = cli_open_scene(session, name, environment);
+        return subject->scene != NULL;
+    }
+    if (!refuse_scene_options(session, name, environment)) return false;
+    double started = cli_seconds();
+    rsv_status status =
+        rsv_solution_load(session->context, name, &subject->scene, &subject->solution);
+    session->time_load = cli_seconds() - started;
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc, cli_subject *subject)
+{
+    if (!subject->solution) return rsv_solution_create(subject->scene, desc, &subject->solution);
+    if (desc->solver != RSV_SOLVER_AUTO)
+        cli_warn(session, "--solver does nothing: the operator file holds a solution");
+    return RSV_OK;
+}
+
+void cli_close_subject(cli_subject *subject)
+{
+    rsv_solution_destroy(subject->solution);
+    rsv_scene_destroy(subject->scene);
+    *subject = (cli_subject){ 0 };
+}

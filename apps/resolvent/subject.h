@@ -1,0 +1,25 @@
+/// What a command works on: a scene, or an operator file with the scene in it.
+#ifndef CLI_SUBJECT_H
+#define CLI_SUBJECT_H
+
+#include "session.h"
+
+#include "resolvent/opfile.h"
+
+typedef struct cli_subject {
+    rsv_scene *scene;
+    rsv_solution *solution; ///< NULL = not solved yet
+} cli_subject;
+
+/// Opens an operator file, or as cli_open_scene does. Prints what went wrong; false then.
+/// @param environment as in cli_open_scene; operator files have theirs
+bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
+    cli_subject *subject);
+
+/// Solves the subject unless it is solved already; warns then if a solver was asked for.
+rsv_status cli_solve_subject(
+    cli_session *session, const rsv_solve_desc *desc, cli_subject *subject);
+
+void cli_close_subject(cli_subject *subject);
+
+#endif

@@ -1,0 +1,37 @@
+/// @file opfile.h
+/// Solved operators as files: written once, then rendered, probed, certified and relit without tracing a ray for them.
+///
+/// A file stands alone: it holds the scene, the elements, G, K, the sources and the solution, in the safetensors layout
+/// (a JSON header and flat arrays), so that any language reads it in a few lines. docs/operator-files.md names
+/// every array; samples/python/solve_operator.py reads one and solves it again.
+#ifndef RESOLVENT_OPFILE_H
+#define RESOLVENT_OPFILE_H
+
+#include "resolvent/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Writes a solution with its scene. The same solution gives the same bytes, up to the times in its report, which are left
+/// out. The file appears complete or not at all.
+/// @param scene_name what the scene is called, for `info` and messages; NULL = "unnamed"
+RSV_API rsv_status rsv_solution_save(
+    const rsv_solution *solution, const char *scene_name, const char *path);
+
+/// Reads what rsv_solution_save wrote: pictures and probes of it are the same bytes as of the solution that was saved. The
+/// file is mapped and may be gone afterwards. It is treated as hostile: RSV_ERROR_IO if it cannot be read,
+/// RSV_ERROR_FORMAT if it is cut off, foreign, changed (SHA-256) or inconsistent, RSV_ERROR_UNSUPPORTED if its
+/// format is of another version.
+/// @param scene, solution out; to be destroyed by the caller, the solution first
+RSV_API rsv_status rsv_solution_load(
+    rsv_context *context, const char *path, rsv_scene **scene, rsv_solution **solution);
+
+/// Whether a file looks like an operator file rather than a scene, by its first bytes. It may still be damaged.
+RSV_API bool rsv_is_operator_file(const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

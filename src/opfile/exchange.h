@@ -1,0 +1,59 @@
+/// The parts of an operator file, each written and read by one description.
+#ifndef RSV_EXCHANGE_H
+#define RSV_EXCHANGE_H
+
+#include "../solve/solution.h"
+#include "tensor_file.h"
+
+rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene);
+rsv_status rsv_read_scene(rsv_tensor_file *file, rsv_scene **scene);
+
+/// The text of a note that is a JSON object of numbers: the fields of a struct by name.
+typedef enum rsv_field_kind {
+    RSV_FIELD_U32,
+    RSV_FIELD_BOOL,
+    RSV_FIELD_FLOAT,
+    RSV_FIELD_DOUBLE,
+    RSV_FIELD_U64,
+    RSV_FIELD_TEXT ///< char array
+} rsv_field_kind;
+
+typedef struct rsv_field {
+    const char *name;
+    rsv_field_kind kind;
+    size_t offset, bytes;
+} rsv_field;
+
+rsv_status rsv_write_fields(rsv_tensor_file *file, const char *note, const rsv_field *field,
+    size_t field_count, const void *object);
+/// Fields that the note lacks stay as they are. RSV_ERROR_FORMAT for numbers that do not fit their fields.
+rsv_status rsv_read_fields(rsv_tensor_file *file, const char *note, const rsv_field *field,
+    size_t field_count, void *object);
+
+/// A note that is a JSON array of texts.
+rsv_status rsv_write_names(
+    rsv_tensor_file *file, const char *note, const char *const *name, size_t count);
+/// @param names out: `count` of them, whose texts belong to *list; free that with cJSON_Delete
+rsv_status rsv_read_names(
+    rsv_tensor_file *file, const char *note, size_t count, const char **names, cJSON **list);
+
+/// One set of elements, under the prefix.
+/// @param prefix of the tensors, such as "element."
+rsv_status rsv_write_elements(
+    rsv_tensor_file *file, const char *prefix, const rsv_elements *elements);
+/// @param alike elements of the same scene; NULL = these are the first
+rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix,
+    const rsv_solution *solution, const rsv_elements *alike, rsv_elements **elements);
+
+/// G, K, sources and solution: all of a solution but its scene and elements.
+rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_solution *solution);
+rsv_status rsv_read_desc(rsv_tensor_file *file, rsv_solve_desc *desc);
+rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *solution);
+
+/// Prefixes of the sets of elements.
+#define RSV_COARSE_PREFIX "element."
+#define RSV_DIRECT_PREFIX "direct."
+#define RSV_CAUSTIC_PREFIX "caustic."
+#define RSV_DIFFUSED_PREFIX "diffused."
+
+#endif

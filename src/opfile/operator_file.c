@@ -1,0 +1,107 @@
+/// A solution as a file that stands alone.
+#include "resolvent/opfile.h"
+
+#include "exchange.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FORMAT_NAME "resolvent-operator"
+#define FORMAT_VERSION 1
+
+// ---- writing --------------------------------------------------------------------------------------
+
+static rsv_status write_provenance(rsv_tensor_file *file, const char *scene_name)
+{
+    rsv_status status;
+    char version[16];
+    snprintf(version, sizeof version, "%d", FORMAT_VERSION);
+    RSV_TRY(rsv_note_set(file, "format", FORMAT_NAME));
+    RSV_TRY(rsv_note_set(file, "format_version", version));
+    RSV_TRY(rsv_note_set(file, "program_version", rsv_version()));
+    RSV_TRY(rsv_note_set(file, "scene", scene_name ? scene_name : "unnamed"));
+    RSV_TRY(rsv_note_set(file, "units",
+        "W/m2 per linear RGB channel (irradiance), metres, y up; E = source + G K E"));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_solution_save(const rsv_solution *solution, const char *scene_name, const char *path)
+{
+    rsv_tensor_file file;
+    rsv_status status = rsv_tensor_file_begin(solution->context, path, &file);
+    if (status != RSV_OK) return status;
+    RSV_TRY(write_provenance(&file, scene_name));
+    RSV_TRY(rsv_write_scene(&file, solution->scene.scene));
+    RSV_TRY(rsv_write_solution(&file, solution));
+    RSV_TRY(rsv_tensor_file_write(&file));
+cleanup:
+    rsv_tensor_file_end(&file);
+    return status;
+}
+
+// ---- reading --------------------------------------------------------------------------------------
+
+static rsv_status check_provenance(const rsv_tensor_file *file)
+{
+    const char *format = rsv_note_get(file, "format");
+    const char *text = rsv_note_get(file, "format_version");
+    if (!format || strcmp(format, FORMAT_NAME) != 0 || !text)
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "%s: it is a safetensors file, but no operator; `resolvent solve` writes those",
+            file->path);
+    long version = strtol(text, NULL, 10);
+    if (version == FORMAT_VERSION) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "%s: its format version is %.16s, this program reads version %d: %s", file->path, text,
+        FORMAT_VERSION,
+        version > FORMAT_VERSION ? "use a newer Resolvent or solve anew" : "solve anew");
+}
+
+/// Messages of other rooms do not know of the file.
+static rsv_status name_file(const char *path, rsv_status status)
+{
+    char message[768];
+    size_t length = strlen(path);
+    if (status != RSV_ERROR_FORMAT && status != RSV_ERROR_ARGUMENT) return status;
+    snprintf(message, sizeof message, "%s", rsv_last_error());
+    if (strncmp(message, path, length) == 0) return status;
+    return rsv_fail(RSV_ERROR_FORMAT, "%s: %s; the file was changed, solve anew", path, message);
+}
+
+rsv_status rsv_solution_load(
+    rsv_context *context, const char *path, rsv_scene **scene, rsv_solution **solution)
+{
+    rsv_tensor_file file;
+    rsv_scene *read_scene = NULL;
+    rsv_solution *s = NULL;
+    rsv_solve_desc desc;
+    rsv_status status = rsv_tensor_file_open(context, path, &file);
+    if (status != RSV_OK) return status;
+    RSV_TRY(check_provenance(&file));
+    RSV_TRY(rsv_tensor_file_verify(&file));
+    RSV_TRY(rsv_read_scene(&file, &read_scene));
+    RSV_TRY(rsv_read_desc(&file, &desc));
+    RSV_TRY(rsv_solution_prepare(read_scene, &desc, &s));
+    RSV_TRY(rsv_read_solution(&file, s));
+    *scene = read_scene;
+    *solution = s;
+    read_scene = NULL;
+    s = NULL;
+cleanup:
+    rsv_solution_destroy(s);
+    rsv_scene_destroy(read_scene);
+    rsv_tensor_file_end(&file);
+    return name_file(path, status);
+}
+
+bool rsv_is_operator_file(const char *path)
+{
+    uint8_t start[9];
+    FILE *file = fopen(path, "rb");
+    bool read = file && fread(start, 1, sizeof start, file) == sizeof start;
+    if (file) fclose(file);
+    // a length below 4 GiB ends in zeros, which no text does; then comes a JSON object
+    return read && start[8] == '{' && !start[4] && !start[5] && !start[6] && !start[7];
+}

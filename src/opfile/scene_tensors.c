@@ -1,0 +1,396 @@
+/// The scene: what a committed one holds, array by array.
+#include "../scene/restore.h"
+#include "../scene/texture.h"
+#include "exchange.h"
+#include "table.h"
+
+#include <stdio.h>
+#include <string.h>
+
+_Static_assert(sizeof(rsv_light_kind) == 4 && sizeof(rsv_texture_role) == 4 &&
+                   sizeof(rsv_wrap) == 4 && sizeof(bool) == 1,
+    "tables hold enumerations as U32 and flags as U8");
+
+#define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
+
+static const rsv_column material_columns[] = {
+    RSV_FLOATS(rsv_material, base_color, 3),
+    RSV_FLOATS(rsv_material, metallic, 1),
+    RSV_FLOATS(rsv_material, roughness, 1),
+    RSV_FLOATS(rsv_material, ior, 1),
+    RSV_FLOATS(rsv_material, specular, 1),
+    RSV_FLOATS(rsv_material, specular_color, 3),
+    RSV_FLOATS(rsv_material, transmission, 1),
+    RSV_FLOATS(rsv_material, thickness, 1),
+    RSV_FLOATS(rsv_material, attenuation_color, 3),
+    RSV_FLOATS(rsv_material, attenuation_distance, 1),
+    RSV_FLOATS(rsv_material, emission, 3),
+    RSV_FLAG(rsv_material, double_sided),
+    RSV_FLAG(rsv_material, unlit),
+    RSV_FLOATS(rsv_material, clearcoat, 1),
+    RSV_FLOATS(rsv_material, clearcoat_roughness, 1),
+    RSV_FLOATS(rsv_material, sheen_color, 3),
+    RSV_FLOATS(rsv_material, sheen_roughness, 1),
+    RSV_FLOATS(rsv_material, diffuse_transmission, 1),
+    RSV_FLOATS(rsv_material, diffuse_transmission_color, 3),
+    RSV_FLOATS(rsv_material, scatter_distance, 3),
+    RSV_FLOATS(rsv_material, opacity, 1),
+    RSV_FLOATS(rsv_material, alpha_cutoff, 1),
+};
+
+static const rsv_column light_columns[] = {
+    RSV_CHOICE(rsv_light, kind, RSV_LIGHT_DIRECTIONAL + 1),
+    RSV_FLOATS(rsv_light, position, 3),
+    RSV_FLOATS(rsv_light, direction, 3),
+    RSV_FLOATS(rsv_light, intensity, 3),
+    RSV_FLOATS(rsv_light, inner_cone_angle, 1),
+    RSV_FLOATS(rsv_light, outer_cone_angle, 1),
+    RSV_FLOATS(rsv_light, exponent, 1),
+};
+
+static const rsv_column camera_columns[] = {
+    RSV_FLOATS(rsv_camera, position, 3),
+    RSV_FLOATS(rsv_camera, right, 3),
+    RSV_FLOATS(rsv_camera, up, 3),
+    RSV_FLOATS(rsv_camera, forward, 3),
+    RSV_FLOATS(rsv_camera, vertical_fov, 1),
+    RSV_FLOATS(rsv_camera, vertical_extent, 1),
+    RSV_FLOATS(rsv_camera, aspect, 1),
+};
+
+/// A texture of a material, and whose it is.
+typedef struct texture_use {
+    uint32_t material;
+    rsv_texture_ref ref;
+} texture_use;
+
+static const rsv_column use_columns[] = {
+    RSV_CHOICE(texture_use, material, UINT32_MAX),
+    { "role", RSV_TENSOR_U32, 1, offsetof(texture_use, ref.role), RSV_TEXTURE_ROLE_COUNT },
+    { "texture", RSV_TENSOR_U32, 1, offsetof(texture_use, ref.texture), UINT32_MAX },
+    { "uv_set", RSV_TENSOR_U32, 1, offsetof(texture_use, ref.uv_set), 2 },
+    { "transform", RSV_TENSOR_F32, 6, offsetof(texture_use, ref.transform), 0 },
+    { "scale", RSV_TENSOR_F32, 1, offsetof(texture_use, ref.scale), 0 },
+};
+
+static const rsv_column texture_columns[] = {
+    RSV_CHOICE(rsv_texture_desc, wrap_u, RSV_WRAP_CLAMP + 1),
+    RSV_CHOICE(rsv_texture_desc, wrap_v, RSV_WRAP_CLAMP + 1),
+    RSV_FLAG(rsv_texture_desc, nearest),
+};
+
+static const rsv_column environment_columns[] = {
+    RSV_FLOATS(rsv_environment, rotation, 1),
+};
+
+#define WRITE_TABLE(file, columns, rows, count)                                                    \
+    rsv_write_table(file, columns, COUNT_OF(columns), rows, count, sizeof *(rows))
+#define READ_TABLE(file, columns, rows, count)                                                     \
+    rsv_read_table(file, columns, COUNT_OF(columns), &(rows), count, sizeof *(rows))
+
+// ---- names ----------------------------------------------------------------------------------------
+
+/// Names that are fields of structs.
+static rsv_status write_struct_names(rsv_tensor_file *file, const char *note, const void *first,
+    size_t offset, size_t stride, size_t count)
+{
+    const char **name = rsv_alloc(file->context, count, sizeof *name);
+    if (!name) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < count; k++)
+        name[k] = *(const char *const *)((const char *)first + k * stride + offset);
+    rsv_status status = rsv_write_names(file, note, name, count);
+    rsv_free(file->context, name);
+    return status;
+}
+
+static rsv_status read_struct_names(rsv_tensor_file *file, const char *note, void *first,
+    size_t offset, size_t stride, size_t count, cJSON **list)
+{
+    const char **name = rsv_alloc(file->context, count, sizeof *name);
+    if (!name) return RSV_ERROR_MEMORY;
+    rsv_status status = rsv_read_names(file, note, count, name, list);
+    for (size_t k = 0; status == RSV_OK && k < count; k++)
+        *(const char **)((char *)first + k * stride + offset) = name[k];
+    rsv_free(file->context, name);
+    return status;
+}
+
+#define WRITE_NAMES(file, note, rows, count)                                                       \
+    write_struct_names(file, note, rows, offsetof(__typeof__(*(rows)), name), sizeof *(rows), count)
+#define READ_NAMES(file, note, rows, count, list)                                                  \
+    read_struct_names(                                                                             \
+        file, note, rows, offsetof(__typeof__(*(rows)), name), sizeof *(rows), count, list)
+
+// ---- writing --------------------------------------------------------------------------------------
+
+static rsv_status write_texture_uses(rsv_tensor_file *file, const rsv_scene_view *view)
+{
+    size_t count = 0;
+    for (size_t m = 0; m < view->material_count; m++)
+        count += view->material[m].texture_count;
+    texture_use *use = rsv_alloc(file->context, count, sizeof *use);
+    if (!use) return RSV_ERROR_MEMORY;
+    count = 0;
+    for (size_t m = 0; m < view->material_count; m++)
+        for (size_t k = 0; k < view->material[m].texture_count; k++)
+            use[count++] = (texture_use){ (uint32_t)m, view->material[m].textures[k] };
+    rsv_tensor_prefix(file, "scene.texture_use.");
+    rsv_status status = WRITE_TABLE(file, use_columns, use, count);
+    rsv_free(file->context, use);
+    return status;
+}
+
+static rsv_status write_texels(rsv_tensor_file *file, const rsv_texture *texture, size_t index)
+{
+    char name[32];
+    const size_t shape[3] = { texture->level[0].height, texture->level[0].width,
+        texture->channel_count };
+    snprintf(name, sizeof name, "%zu", index);
+    return rsv_tensor_add(file, name, texture->unorm ? RSV_TENSOR_U16 : RSV_TENSOR_F32, 3, shape,
+        texture->unorm ? (const void *)texture->unorm : texture->value);
+}
+
+static rsv_status write_textures(rsv_tensor_file *file, const rsv_scene_view *view)
+{
+    rsv_status status;
+    rsv_texture_desc *desc = rsv_alloc(file->context, view->texture_count, sizeof *desc);
+    if (!desc) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < view->texture_count; k++)
+        desc[k] = (rsv_texture_desc){ .name = view->texture[k].name,
+            .wrap_u = view->texture[k].wrap_u,
+            .wrap_v = view->texture[k].wrap_v,
+            .nearest = view->texture[k].nearest };
+    rsv_tensor_prefix(file, "scene.texture.");
+    RSV_TRY(WRITE_TABLE(file, texture_columns, desc, view->texture_count));
+    RSV_TRY(WRITE_NAMES(file, "scene.texture.name", desc, view->texture_count));
+    for (size_t k = 0; k < view->texture_count; k++)
+        RSV_TRY(write_texels(file, &view->texture[k], k));
+cleanup:
+    rsv_free(file->context, desc);
+    return status;
+}
+
+static rsv_status write_environment(rsv_tensor_file *file, const rsv_environment *environment)
+{
+    if (!environment) return RSV_OK;
+    const size_t shape[3] = { environment->height, environment->width, 3 };
+    rsv_status status;
+    rsv_tensor_prefix(file, "scene.environment.");
+    RSV_TRY(WRITE_TABLE(file, environment_columns, environment, 1));
+    RSV_TRY(WRITE_NAMES(file, "scene.environment.name", environment, 1));
+    status = rsv_tensor_add(file, "radiance", RSV_TENSOR_F32, 3, shape, environment->pixels);
+cleanup:
+    return status;
+}
+
+/// The arrays of the geometry, in both directions.
+static rsv_status exchange_geometry(rsv_tensor_file *file, rsv_scene_view *view)
+{
+    rsv_status status;
+    rsv_tensor_type f32 = RSV_TENSOR_F32, u32 = RSV_TENSOR_U32;
+    size_t *vertices = &view->vertex_count, *triangles = &view->triangle_count;
+    rsv_tensor_prefix(file, "scene.");
+    RSV_TRY(rsv_tensor_exchange(file, "vertex.position", f32, 3, &view->position, vertices));
+    RSV_TRY(rsv_tensor_exchange(file, "vertex.normal", f32, 3, &view->normal, vertices));
+    RSV_TRY(rsv_tensor_exchange_optional(file, "vertex.uv0", f32, 2, &view->uv[0], vertices));
+    RSV_TRY(rsv_tensor_exchange_optional(file, "vertex.uv1", f32, 2, &view->uv[1], vertices));
+    RSV_TRY(rsv_tensor_exchange_optional(file, "vertex.tangent", f32, 4, &view->tangent, vertices));
+    RSV_TRY(rsv_tensor_exchange_optional(file, "vertex.color", f32, 4, &view->color, vertices));
+    RSV_TRY(rsv_tensor_exchange(file, "triangle.vertex", u32, 3, &view->triangle, triangles));
+    RSV_TRY(rsv_tensor_exchange(
+        file, "triangle.material", u32, 1, &view->triangle_material, triangles));
+    RSV_TRY(
+        rsv_tensor_exchange(file, "triangle.object", u32, 1, &view->triangle_object, triangles));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene)
+{
+    rsv_status status;
+    rsv_scene_view view = *rsv_scene_get_view(scene);
+    RSV_TRY(exchange_geometry(file, &view));
+    RSV_TRY(rsv_write_names(file, "scene.object.name", view.object_name, view.object_count));
+    rsv_tensor_prefix(file, "scene.material.");
+    RSV_TRY(WRITE_TABLE(file, material_columns, view.material, view.material_count));
+    RSV_TRY(WRITE_NAMES(file, "scene.material.name", view.material, view.material_count));
+    rsv_tensor_prefix(file, "scene.light.");
+    RSV_TRY(WRITE_TABLE(file, light_columns, view.light, view.light_count));
+    RSV_TRY(WRITE_NAMES(file, "scene.light.name", view.light, view.light_count));
+    rsv_tensor_prefix(file, "scene.camera.");
+    RSV_TRY(WRITE_TABLE(file, camera_columns, view.camera, view.camera_count));
+    RSV_TRY(WRITE_NAMES(file, "scene.camera.name", view.camera, view.camera_count));
+    RSV_TRY(write_texture_uses(file, &view));
+    RSV_TRY(write_textures(file, &view));
+    RSV_TRY(write_environment(file, view.environment));
+cleanup:
+    return status;
+}
+
+// ---- reading --------------------------------------------------------------------------------------
+
+enum { OBJECT_NAMES, MATERIAL_NAMES, LIGHT_NAMES, CAMERA_NAMES, TEXTURE_NAMES, SKY_NAME, LISTS };
+
+/// What has been read so far; the scene copies it.
+typedef struct scene_reader {
+    rsv_tensor_file *file;
+    rsv_scene_parts parts;
+    rsv_material *material;
+    rsv_light *light;
+    rsv_camera *camera;
+    const char **object_name;
+    rsv_texture_parts *texture;
+    rsv_texture_desc *desc; ///< [texture_count]
+    texture_use *use;       ///< by material
+    rsv_texture_ref *ref;   ///< [use_count] of those
+    rsv_environment *environment;
+    cJSON *list[LISTS]; ///< names
+} scene_reader;
+
+static rsv_status read_objects(scene_reader *r)
+{
+    rsv_scene_view *view = &r->parts.view;
+    size_t objects = 0; // as many as there are triangles, at most
+    for (size_t t = 0; t < view->triangle_count; t++)
+        if (view->triangle_object[t] >= objects) objects = (size_t)view->triangle_object[t] + 1;
+    if (objects > view->triangle_count)
+        return rsv_tensor_fail(r->file, "triangle.object", "names more objects than triangles");
+    r->object_name = rsv_alloc(r->file->context, objects, sizeof *r->object_name);
+    if (!r->object_name) return RSV_ERROR_MEMORY;
+    view->object_count = objects;
+    view->object_name = r->object_name;
+    return rsv_read_names(
+        r->file, "scene.object.name", objects, r->object_name, &r->list[OBJECT_NAMES]);
+}
+
+/// Hands materials their textures, which are listed by material.
+static rsv_status read_texture_uses(scene_reader *r)
+{
+    rsv_status status;
+    size_t count = RSV_ANY_COUNT;
+    rsv_tensor_prefix(r->file, "scene.texture_use.");
+    RSV_TRY(READ_TABLE(r->file, use_columns, r->use, &count));
+    r->ref = rsv_alloc(r->file->context, count, sizeof *r->ref);
+    if (!r->ref) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < count; k++) {
+        uint32_t m = r->use[k].material;
+        if (m >= r->parts.view.material_count || (k && m < r->use[k - 1].material))
+            return rsv_tensor_fail(r->file, "material", "is out of order");
+        r->ref[k] = r->use[k].ref;
+        if (!r->material[m].texture_count) r->material[m].textures = &r->ref[k];
+        r->material[m].texture_count++;
+    }
+cleanup:
+    return status;
+}
+
+static rsv_status read_texels(scene_reader *r, size_t index)
+{
+    char name[32];
+    snprintf(name, sizeof name, "%zu", index);
+    const rsv_tensor *tensor = rsv_tensor_find(r->file, name);
+    bool is_linear = tensor && tensor->type == RSV_TENSOR_U16;
+    bool sound = tensor && tensor->rank == 3 && (is_linear || tensor->type == RSV_TENSOR_F32);
+    for (int k = 0; sound && k < 3; k++)
+        sound = tensor->shape[k] >= 1 && tensor->shape[k] <= RSV_TEXTURE_MAX_SIDE;
+    if (!sound) return rsv_tensor_fail(r->file, name, "is no texture");
+    rsv_texture_parts *parts = &r->texture[index];
+    parts->desc = r->desc[index];
+    parts->desc.height = (uint32_t)tensor->shape[0];
+    parts->desc.width = (uint32_t)tensor->shape[1];
+    parts->desc.channel_count = (uint32_t)tensor->shape[2];
+    parts->linear = is_linear ? tensor->data : NULL;
+    parts->value = is_linear ? NULL : tensor->data;
+    return RSV_OK;
+}
+
+static rsv_status read_textures(scene_reader *r)
+{
+    rsv_status status;
+    size_t count = RSV_ANY_COUNT;
+    rsv_tensor_prefix(r->file, "scene.texture.");
+    RSV_TRY(READ_TABLE(r->file, texture_columns, r->desc, &count));
+    RSV_TRY(READ_NAMES(r->file, "scene.texture.name", r->desc, count, &r->list[TEXTURE_NAMES]));
+    r->texture = rsv_alloc(r->file->context, count, sizeof *r->texture);
+    if (!r->texture) return RSV_ERROR_MEMORY;
+    r->parts.texture = r->texture;
+    r->parts.view.texture_count = count;
+    for (size_t k = 0; k < count; k++)
+        RSV_TRY(read_texels(r, k));
+cleanup:
+    return status;
+}
+
+static rsv_status read_environment(scene_reader *r)
+{
+    rsv_status status;
+    size_t one = 1;
+    rsv_tensor_prefix(r->file, "scene.environment.");
+    const rsv_tensor *radiance = rsv_tensor_find(r->file, "radiance");
+    if (!radiance) return RSV_OK;
+    if (radiance->type != RSV_TENSOR_F32 || radiance->rank != 3 || radiance->shape[2] != 3 ||
+        radiance->shape[0] > RSV_ENVIRONMENT_MAX_PIXELS ||
+        radiance->shape[1] > RSV_ENVIRONMENT_MAX_PIXELS)
+        return rsv_tensor_fail(r->file, "radiance", "is no picture");
+    RSV_TRY(READ_TABLE(r->file, environment_columns, r->environment, &one));
+    RSV_TRY(READ_NAMES(r->file, "scene.environment.name", r->environment, 1, &r->list[SKY_NAME]));
+    r->environment->pixels = radiance->data;
+    r->environment->height = (uint32_t)radiance->shape[0];
+    r->environment->width = (uint32_t)radiance->shape[1];
+    r->environment->intensity = 1;
+    r->parts.view.environment = r->environment;
+cleanup:
+    return status;
+}
+
+static rsv_status read_tables(scene_reader *r)
+{
+    rsv_status status;
+    rsv_scene_view *view = &r->parts.view;
+    size_t materials = RSV_ANY_COUNT, lights = RSV_ANY_COUNT, cameras = RSV_ANY_COUNT;
+    rsv_tensor_prefix(r->file, "scene.material.");
+    RSV_TRY(READ_TABLE(r->file, material_columns, r->material, &materials));
+    RSV_TRY(READ_NAMES(
+        r->file, "scene.material.name", r->material, materials, &r->list[MATERIAL_NAMES]));
+    rsv_tensor_prefix(r->file, "scene.light.");
+    RSV_TRY(READ_TABLE(r->file, light_columns, r->light, &lights));
+    RSV_TRY(READ_NAMES(r->file, "scene.light.name", r->light, lights, &r->list[LIGHT_NAMES]));
+    rsv_tensor_prefix(r->file, "scene.camera.");
+    RSV_TRY(READ_TABLE(r->file, camera_columns, r->camera, &cameras));
+    RSV_TRY(READ_NAMES(r->file, "scene.camera.name", r->camera, cameras, &r->list[CAMERA_NAMES]));
+    if (cameras == 0) RSV_TRY(rsv_tensor_fail(r->file, "position", "lists no camera"));
+    view->material = r->material, view->material_count = materials;
+    view->light = r->light, view->light_count = lights;
+    view->camera = r->camera, view->camera_count = cameras;
+cleanup:
+    return status;
+}
+
+static void free_reader(scene_reader *r)
+{
+    const rsv_scene_view *view = &r->parts.view;
+    const void *arrays[] = { view->position, view->normal, view->uv[0], view->uv[1], view->tangent,
+        view->color, view->triangle, view->triangle_material, view->triangle_object, r->material,
+        r->light, r->camera, r->object_name, r->texture, r->desc, r->use, r->ref, r->environment };
+    for (size_t k = 0; k < COUNT_OF(arrays); k++)
+        rsv_free(r->file->context, (void *)arrays[k]);
+    for (int k = 0; k < LISTS; k++)
+        cJSON_Delete(r->list[k]);
+}
+
+rsv_status rsv_read_scene(rsv_tensor_file *file, rsv_scene **scene)
+{
+    rsv_status status;
+    scene_reader r = { .file = file };
+    r.parts.view.vertex_count = r.parts.view.triangle_count = RSV_ANY_COUNT;
+    RSV_TRY(exchange_geometry(file, &r.parts.view));
+    RSV_TRY(read_objects(&r));
+    RSV_TRY(read_tables(&r));
+    RSV_TRY(read_texture_uses(&r));
+    RSV_TRY(read_textures(&r));
+    RSV_TRY(read_environment(&r));
+    RSV_TRY(rsv_scene_restore(file->context, &r.parts, scene));
+cleanup:
+    free_reader(&r);
+    return status;
+}

@@ -1,0 +1,298 @@
+/// G, K, sources and solution.
+#include "exchange.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
+
+// clang-format off
+#define DESC_FIELD(kind, field)                                                                    \
+    { #field, kind, offsetof(rsv_solve_desc, field), sizeof((rsv_solve_desc *)0)->field }
+#define REPORT_FIELD(kind, field)                                                                  \
+    { #field, kind, offsetof(rsv_solve_report, field), sizeof((rsv_solve_report *)0)->field }
+// clang-format on
+
+static const rsv_field desc_fields[] = {
+    DESC_FIELD(RSV_FIELD_U32, element_target),
+    DESC_FIELD(RSV_FIELD_U32, rays_per_element),
+    DESC_FIELD(RSV_FIELD_U32, refinements),
+    DESC_FIELD(RSV_FIELD_U32, light_samples),
+    DESC_FIELD(RSV_FIELD_U32, photon_count),
+    DESC_FIELD(RSV_FIELD_U32, direct_levels),
+    DESC_FIELD(RSV_FIELD_BOOL, direct_level),
+    DESC_FIELD(RSV_FIELD_U32, solver),
+    DESC_FIELD(RSV_FIELD_U32, max_orders),
+    DESC_FIELD(RSV_FIELD_FLOAT, tolerance),
+    DESC_FIELD(RSV_FIELD_U32, seed),
+};
+
+static const rsv_field report_fields[] = {
+    REPORT_FIELD(RSV_FIELD_U32, stop_reason),
+    REPORT_FIELD(RSV_FIELD_U64, elements),
+    REPORT_FIELD(RSV_FIELD_U64, direct_elements),
+    REPORT_FIELD(RSV_FIELD_U64, entries),
+    REPORT_FIELD(RSV_FIELD_U64, rays),
+    REPORT_FIELD(RSV_FIELD_U32, iterations),
+    REPORT_FIELD(RSV_FIELD_U32, solver),
+    REPORT_FIELD(RSV_FIELD_TEXT, solver_reason),
+    REPORT_FIELD(RSV_FIELD_DOUBLE, norm_inf),
+    REPORT_FIELD(RSV_FIELD_DOUBLE, spectral_radius),
+    REPORT_FIELD(RSV_FIELD_U32, neumann_terms),
+    REPORT_FIELD(RSV_FIELD_DOUBLE, residual_inf),
+    REPORT_FIELD(RSV_FIELD_DOUBLE, truncation_bound),
+    REPORT_FIELD(RSV_FIELD_DOUBLE, mean_irradiance),
+};
+
+_Static_assert(sizeof(rsv_solver) == 4 && sizeof(rsv_stop_reason) == 4, "enumerations are U32");
+
+// ---- what both directions share -------------------------------------------------------------------
+
+/// A field [count] of RGB values that must be finite, and not negative where `least` is 0.
+static rsv_status exchange_rgb(
+    rsv_tensor_file *file, const char *name, rsv_rgb **field, size_t count, float least)
+{
+    rsv_status status = rsv_tensor_exchange_optional(file, name, RSV_TENSOR_F32, 3, field, &count);
+    if (status == RSV_OK && file->reading && *field)
+        status = rsv_check_numbers(file, name, &(*field)->r, 3 * count, least);
+    return status;
+}
+
+static rsv_status need(const rsv_tensor_file *file, const char *name, const void *array)
+{
+    return array ? RSV_OK : rsv_tensor_fail(file, name, "is missing");
+}
+
+/// Compressed rows: starts, columns below `bound`, and weights where there are any.
+static rsv_status exchange_rows(rsv_tensor_file *file, const char *name, rsv_tensor_type type,
+    size_t rows, size_t bound, size_t **begin, void *column, rsv_rgb **weight)
+{
+    char start_name[64], column_name[64], weight_name[64];
+    size_t starts = rows + 1, entries = file->reading ? RSV_ANY_COUNT : (*begin)[rows];
+    snprintf(start_name, sizeof start_name, "%srow_start", name);
+    snprintf(
+        column_name, sizeof column_name, "%s%s", name, type == RSV_TENSOR_U16 ? "bin" : "column");
+    snprintf(weight_name, sizeof weight_name, "%sweight", name);
+    rsv_status status;
+    RSV_TRY(rsv_tensor_exchange(file, start_name, RSV_TENSOR_U64, 1, begin, &starts));
+    RSV_TRY(rsv_tensor_exchange(file, column_name, type, 1, column, &entries));
+    if (weight)
+        RSV_TRY(rsv_tensor_exchange(file, weight_name, RSV_TENSOR_F32, 3, weight, &entries));
+    if (!file->reading) return RSV_OK;
+    if (weight)
+        RSV_TRY(rsv_check_numbers(file, weight_name, &(*weight)->r, 3 * entries, -INFINITY));
+    RSV_TRY(rsv_check_rows(file, start_name, *begin, rows, entries));
+    if (type == RSV_TENSOR_U32)
+        RSV_TRY(rsv_check_indices(file, column_name, *(uint32_t **)column, entries, bound));
+    for (size_t k = 0; type == RSV_TENSOR_U16 && k < entries; k++)
+        if ((*(uint16_t **)column)[k] >= bound)
+            RSV_TRY(rsv_tensor_fail(
+                file, column_name, "refers to bin %u of %zu", (*(uint16_t **)column)[k], bound));
+cleanup:
+    return status;
+}
+
+static rsv_status exchange_transport(rsv_tensor_file *file, rsv_transport *t)
+{
+    rsv_status status;
+    size_t rows = t->row_count, bins = RSV_ESCAPE_BINS;
+    rsv_tensor_type u16 = RSV_TENSOR_U16, u32 = RSV_TENSOR_U32;
+    rsv_tensor_prefix(file, "transport.");
+    RSV_TRY(exchange_rows(file, "", u32, rows, rows, &t->row_begin, &t->column, NULL));
+    RSV_TRY(exchange_rows(
+        file, "tinted.", u32, rows, rows, &t->tinted_begin, &t->tinted_column, &t->tinted_weight));
+    RSV_TRY(rsv_tensor_exchange(file, "scale", RSV_TENSOR_F32, 1, &t->scale, &rows));
+    if (file->reading) RSV_TRY(rsv_check_numbers(file, "scale", t->scale, rows, 0));
+    RSV_TRY(exchange_rgb(file, "gathered", &t->gathered, rows, 0));
+    RSV_TRY(need(file, "gathered", t->gathered));
+    rsv_tensor_prefix(file, "escape.");
+    rsv_escapes *e = &t->escapes;
+    RSV_TRY(exchange_rows(file, "", u16, rows, bins, &e->begin, &e->list.bin, NULL));
+    RSV_TRY(exchange_rows(file, "tinted.", u16, rows, bins, &e->tinted_begin, &e->list.tinted_bin,
+        &e->list.tinted_weight));
+    e->list.count = e->begin[rows];
+    e->list.tinted_count = e->tinted_begin[rows];
+cleanup:
+    return status;
+}
+
+/// E0, its gathered part, E and its orders on the coarse elements.
+static rsv_status exchange_system(rsv_tensor_file *file, rsv_solution *s)
+{
+    rsv_status status;
+    size_t nodes = s->elements->node_count, valid = nodes;
+    char name[32];
+    rsv_tensor_prefix(file, NULL);
+    RSV_TRY(exchange_rgb(file, "albedo", &s->exitance_albedo, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "source", &s->source, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "source.gathered", &s->gathered, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "irradiance", &s->irradiance, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "shown.indirect", &s->indirect, nodes, -INFINITY));
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        snprintf(name, sizeof name, "shown.order%u", k);
+        if (!file->reading && k >= s->order_count) break;
+        RSV_TRY(exchange_rgb(file, name, &s->order[k], nodes, -INFINITY));
+        if (file->reading && s->order[k]) s->order_count = k + 1;
+        if (!s->order[k]) break;
+    }
+    RSV_TRY(rsv_tensor_exchange(
+        file, RSV_COARSE_PREFIX "valid_points", RSV_TENSOR_U16, 1, &s->valid_points, &valid));
+    RSV_TRY(need(file, "albedo", s->exitance_albedo));
+    RSV_TRY(need(file, "source", s->source));
+    RSV_TRY(need(file, "source.gathered", s->gathered));
+    RSV_TRY(need(file, "irradiance", s->irradiance));
+    RSV_TRY(need(file, "shown.indirect", s->indirect));
+    RSV_TRY(need(file, "shown.order0", s->order[0]));
+cleanup:
+    return status;
+}
+
+static rsv_status exchange_level(
+    rsv_tensor_file *file, const char *prefix, rsv_source_level *level, size_t coarse_nodes)
+{
+    rsv_status status;
+    if (!level->elements) return RSV_OK;
+    size_t nodes = level->elements->node_count;
+    rsv_tensor_prefix(file, prefix);
+    RSV_TRY(exchange_rgb(
+        file, "irradiance", level->caustic ? &level->caustic : &level->direct, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "coarse", &level->coarse_caustic, coarse_nodes, 0));
+cleanup:
+    return status;
+}
+
+static rsv_status exchange_diffused(rsv_tensor_file *file, rsv_solution *s)
+{
+    rsv_status status;
+    rsv_diffused_level *d = &s->diffused;
+    char name[32];
+    if (!d->elements) return RSV_OK;
+    size_t nodes = d->elements->node_count;
+    rsv_tensor_prefix(file, RSV_DIFFUSED_PREFIX);
+    RSV_TRY(exchange_rgb(file, "entered", &d->entered, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "indirect", &d->indirect, nodes, -INFINITY));
+    RSV_TRY(need(file, "entered", d->entered));
+    RSV_TRY(need(file, "indirect", d->indirect));
+    for (uint32_t k = 0; k < s->order_count; k++) {
+        snprintf(name, sizeof name, "order%u", k);
+        RSV_TRY(exchange_rgb(file, name, &d->order[k], nodes, -INFINITY));
+        RSV_TRY(need(file, name, d->order[k]));
+    }
+cleanup:
+    return status;
+}
+
+// ---- writing --------------------------------------------------------------------------------------
+
+static rsv_status write_subsurface(rsv_tensor_file *file, const rsv_subsurface *subsurface)
+{
+    if (!subsurface) return RSV_OK;
+    rsv_subsurface p = *subsurface;
+    rsv_tensor_prefix(file, "subsurface.");
+    return exchange_rows(
+        file, "", RSV_TENSOR_U32, p.row_count, 0, &p.row_begin, &p.column, &p.weight);
+}
+
+rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_solution *solution)
+{
+    rsv_status status;
+    rsv_solution s = *solution;
+    rsv_transport t = *solution->transport;
+    size_t coarse = s.elements->node_count;
+    RSV_TRY(rsv_write_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), &s.desc));
+    RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &s.report));
+    RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, s.elements));
+    RSV_TRY(exchange_transport(file, &t));
+    RSV_TRY(write_subsurface(file, s.subsurface));
+    RSV_TRY(exchange_system(file, &s));
+    RSV_TRY(rsv_write_elements(file, RSV_DIRECT_PREFIX, s.fine.elements));
+    RSV_TRY(exchange_level(file, RSV_DIRECT_PREFIX, &s.fine, coarse));
+    RSV_TRY(rsv_write_elements(file, RSV_CAUSTIC_PREFIX, s.caustics.elements));
+    RSV_TRY(exchange_level(file, RSV_CAUSTIC_PREFIX, &s.caustics, coarse));
+    RSV_TRY(rsv_write_elements(file, RSV_DIFFUSED_PREFIX, s.diffused.elements));
+    RSV_TRY(exchange_diffused(file, &s));
+cleanup:
+    return status;
+}
+
+// ---- reading --------------------------------------------------------------------------------------
+
+static rsv_status read_transport(rsv_tensor_file *file, rsv_solution *s)
+{
+    s->transport = rsv_alloc(s->context, 1, sizeof *s->transport);
+    if (!s->transport) return RSV_ERROR_MEMORY;
+    s->transport->context = s->context;
+    s->transport->row_count = s->elements->node_count;
+    return exchange_transport(file, s->transport);
+}
+
+static rsv_status read_subsurface(rsv_tensor_file *file, rsv_solution *s)
+{
+    rsv_status status;
+    rsv_subsurface rows = { .row_count = s->elements->node_count };
+    rsv_tensor_prefix(file, "subsurface.");
+    if (!rsv_tensor_find(file, "row_start")) return RSV_OK;
+    status = exchange_rows(file, "", RSV_TENSOR_U32, rows.row_count, SIZE_MAX, &rows.row_begin,
+        &rows.column, &rows.weight);
+    if (status == RSV_OK) return rsv_subsurface_restore(s->elements, &rows, &s->subsurface);
+    rsv_free(s->context, rows.row_begin);
+    rsv_free(s->context, rows.column);
+    rsv_free(s->context, rows.weight);
+    return status;
+}
+
+static rsv_status read_caustics(rsv_tensor_file *file, rsv_solution *s)
+{
+    rsv_status status;
+    rsv_source_level *level = &s->caustics;
+    RSV_TRY(rsv_read_elements(file, RSV_CAUSTIC_PREFIX, s, s->elements, &level->elements));
+    RSV_TRY(exchange_level(file, RSV_CAUSTIC_PREFIX, level, s->elements->node_count));
+    // both levels keep their field under the same name
+    level->caustic = level->direct;
+    level->direct = NULL;
+    if (level->elements) RSV_TRY(need(file, "irradiance", level->caustic));
+    if (level->elements) RSV_TRY(need(file, "coarse", level->coarse_caustic));
+cleanup:
+    return status;
+}
+
+static rsv_status check_report(const rsv_tensor_file *file, const rsv_solution *s)
+{
+    const rsv_solve_report *r = &s->report;
+    bool sound = r->stop_reason <= RSV_STOP_BREAKDOWN && r->solver <= RSV_SOLVER_TWO_GRID &&
+                 s->desc.solver <= RSV_SOLVER_TWO_GRID;
+    return sound ? RSV_OK
+                 : rsv_fail(RSV_ERROR_FORMAT,
+                       "%s: note 'report' or 'solve' names no known solver "
+                       "or reason to stop; solve anew",
+                       file->path);
+}
+
+rsv_status rsv_read_desc(rsv_tensor_file *file, rsv_solve_desc *desc)
+{
+    *desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    return rsv_read_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), desc);
+}
+
+rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *s)
+{
+    rsv_status status;
+    double time_bvh = s->report.time_bvh;
+    RSV_TRY(rsv_read_fields(file, "report", report_fields, COUNT_OF(report_fields), &s->report));
+    s->report.time_bvh = time_bvh;
+    RSV_TRY(check_report(file, s));
+    RSV_TRY(rsv_read_elements(file, RSV_COARSE_PREFIX, s, NULL, &s->elements));
+    RSV_TRY(read_transport(file, s));
+    RSV_TRY(read_subsurface(file, s));
+    RSV_TRY(exchange_system(file, s));
+    RSV_TRY(rsv_read_elements(file, RSV_DIRECT_PREFIX, s, s->elements, &s->fine.elements));
+    RSV_TRY(exchange_level(file, RSV_DIRECT_PREFIX, &s->fine, s->elements->node_count));
+    if (s->fine.elements) RSV_TRY(need(file, "irradiance", s->fine.direct));
+    RSV_TRY(read_caustics(file, s));
+    RSV_TRY(rsv_read_elements(file, RSV_DIFFUSED_PREFIX, s, s->elements, &s->diffused.elements));
+    RSV_TRY(rsv_diffused_level_name_materials(s));
+    RSV_TRY(exchange_diffused(file, s));
+cleanup:
+    return status;
+}
