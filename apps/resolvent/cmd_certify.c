@@ -1,4 +1,5 @@
 #include "command.h"
+#include "error_target.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -41,11 +42,13 @@ static const char help[] =
     "examples:\n"
     "  resolvent certify cornell-blocks\n"
     "  resolvent certify cornell-blocks --quality draft --heatmap error.png\n"
+    "  resolvent certify room.glb --quality draft --error 2%\n"
     "  resolvent certify room.glb --quality high --samples 20000 --stats room.json\n";
 
 typedef struct settings {
     const char *scene, *stats, *mesh, *heat_map, *camera;
     cli_size size;
+    cli_error_target target;
     cli_environment environment;
     int quality, solver;
     rsv_certify_desc certify;
@@ -77,6 +80,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--heatmap", .kind = CLI_TEXT, .value = &s->heat_map },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
@@ -110,7 +114,7 @@ static rsv_status solve_and_certify(
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
-    rsv_status status = cli_solve_subject(session, &desc, subject);
+    rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
     return status == RSV_OK ? certify(s, subject->solution, certificate) : status;
 }
 

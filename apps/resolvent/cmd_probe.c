@@ -93,7 +93,7 @@ static rsv_status read_light(cli_session *session, const settings *s, const cli_
         rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
         desc.solver = (rsv_solver)s->solver;
         desc.seed = s->seed;
-        status = cli_solve_subject(session, &desc, subject);
+        status = cli_solve_subject(session, &desc, NULL, subject, certificate);
         if (status == RSV_OK)
             status = cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);
         if (status != RSV_OK) return status;

@@ -1,4 +1,5 @@
 #include "command.h"
+#include "error_target.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -36,7 +37,7 @@ static const char help[] =
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
     "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n"
+    "                     gmres or two-grid: how the equation is solved\n" CLI_ERROR_TARGET_HELP
     "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the picture does not depend on it\n"
     "  --device cpu       where to compute\n"
@@ -45,6 +46,7 @@ static const char help[] =
     "examples:\n"
     "  resolvent render cornell-spheres -o spheres.png\n"
     "  resolvent render room.glb -o room.exr -o room.png --size 1280x720 --quality high\n"
+    "  resolvent render room.glb -o room.exr --quality draft --error 2% --max-time 600\n"
     "  resolvent render room.glb -o orders.exr --mode operator --layers\n"
     "  resolvent render room.glb -o judge.exr --mode reference --spp 1024 --stats judge.json\n";
 
@@ -63,6 +65,7 @@ static const char *const device_names[] = { [device_cpu] = "cpu", [device_cuda] 
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
+    cli_error_target target;
     cli_list outputs;
     cli_size size;
     int mode, quality, solver, device;
@@ -100,6 +103,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
         CLI_MESH_OPTION(&s->mesh),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -180,13 +184,18 @@ static bool is_solved(const settings *s)
     return s->mode == RSV_RENDER_OPERATOR || s->mode == RSV_RENDER_FINAL;
 }
 
-static rsv_status solve(cli_session *session, const settings *s, cli_subject *subject)
+/// @param certificate filled where the statistics want it
+static rsv_status solve(
+    cli_session *session, const settings *s, cli_subject *subject, rsv_certificate *certificate)
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
-    return cli_solve_subject(session, &desc, subject);
+    bool is_certified = !subject->solution && s->target.share > 0;
+    rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
+    if (status != RSV_OK || is_certified) return status;
+    return cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);
 }
 
 static rsv_status write_pictures(const settings *s, const rsv_image *image)
@@ -220,9 +229,7 @@ static rsv_status render(cli_session *session, const settings *s, const rsv_rend
     cli_subject *subject, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
 {
     rsv_status status = RSV_OK;
-    if (is_solved(s)) status = solve(session, s, subject);
-    if (is_solved(s) && status == RSV_OK)
-        status = cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);
+    if (is_solved(s)) status = solve(session, s, subject, certificate);
     if (status != RSV_OK) return status;
     double started = cli_seconds();
     stats->standard_error = NAN;

@@ -18,7 +18,7 @@ static const char help[] =
     "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n"
+    "                     gmres or two-grid: how the equation is solved\n" CLI_ERROR_TARGET_HELP
     "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the file does not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
@@ -30,6 +30,7 @@ static const char help[] =
 typedef struct settings {
     const char *scene, *output, *stats, *mesh;
     cli_environment environment;
+    cli_error_target target;
     int quality, solver;
     uint32_t threads, seed;
 } settings;
@@ -56,6 +57,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -90,7 +92,8 @@ static int run(cli_session *session, const settings *s)
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
-    rsv_status status = cli_solve_subject(session, &desc, &subject);
+    rsv_certificate certificate;
+    rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
     if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);
     if (status != RSV_OK)
         cli_report_failure(session, status);

@@ -66,6 +66,23 @@ static bool read_real(const char *text, const cli_option *option, float *real)
     return true;
 }
 
+/// "1%" or "0.01".
+static bool read_share(const char *text, const cli_option *option, float *share)
+{
+    char number[32];
+    size_t length = strlen(text);
+    if (length == 0 || length >= sizeof number) return false;
+    bool percent = text[length - 1] == '%';
+    memcpy(number, text, length + 1);
+    if (percent) number[length - 1] = '\0';
+    double value;
+    if (!read_number(number, &value)) return false;
+    if (percent) value /= 100;
+    if (value < option->min || value > option->max) return false;
+    *share = (float)value;
+    return true;
+}
+
 static bool append(cli_list *list, const char *text)
 {
     if (list->count == CLI_LIST_CAPACITY) return false;
@@ -88,6 +105,8 @@ static bool store_value(const cli_option *option, const char *text)
         return read_count(text, option, option->value);
     case CLI_REAL:
         return read_real(text, option, option->value);
+    case CLI_SHARE:
+        return read_share(text, option, option->value);
     case CLI_CHOICE:
         return read_choice(text, option, option->value);
     case CLI_SIZE:
@@ -109,6 +128,10 @@ static int report_bad_value(const cli_usage *usage, const cli_option *option, co
         break;
     case CLI_REAL:
         snprintf(expected, sizeof expected, "a number from %g to %g", option->min, option->max);
+        break;
+    case CLI_SHARE:
+        snprintf(expected, sizeof expected, "a share from %g%% to %g%%", 100 * option->min,
+            100 * option->max);
         break;
     case CLI_SIZE:
         snprintf(expected, sizeof expected, "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f",

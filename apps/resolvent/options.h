@@ -22,6 +22,7 @@ typedef enum cli_option_kind {
     CLI_LIST,   ///< cli_list *
     CLI_COUNT,  ///< uint32_t *, in [min, max]
     CLI_REAL,   ///< float *, in [min, max]
+    CLI_SHARE,  ///< float *, in [min, max]: 0.01 or 1%
     CLI_CHOICE, ///< int *: index of the value among `choices`
     CLI_SIZE    ///< cli_size *: WIDTHxHEIGHT, each in [min, max]
 } cli_option_kind;

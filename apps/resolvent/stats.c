@@ -115,6 +115,8 @@ static void add_certificate(cJSON *root, const rsv_certificate *c)
     cJSON_AddNumberToObject(object, "error_bound_rms", c->error_bound_rms);
     cJSON_AddNumberToObject(object, "error_estimate_rms", c->error_estimate_rms);
     add_interval(object, "error_estimate_ci95", c->error_estimate_ci95);
+    cJSON_AddNumberToObject(object, "residual_direct_rms", c->residual_direct_rms);
+    cJSON_AddNumberToObject(object, "residual_gathered_rms", c->residual_gathered_rms);
     cJSON_AddNumberToObject(object, "irradiance_rms", c->irradiance_rms);
     cJSON_AddNumberToObject(object, "max_albedo", c->max_albedo);
     cJSON_AddNumberToObject(object, "rays", (double)c->rays);

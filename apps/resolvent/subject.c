@@ -37,11 +37,15 @@ bool cli_open_subject(cli_session *session, const char *name, const cli_environm
     return status == RSV_OK;
 }
 
-rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc, cli_subject *subject)
+rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
+    const cli_error_target *target, cli_subject *subject, rsv_certificate *certificate)
 {
-    if (!subject->solution) return rsv_solution_create(subject->scene, desc, &subject->solution);
-    if (desc->solver != RSV_SOLVER_AUTO)
-        cli_warn(session, "--solver does nothing: the operator file holds a solution");
+    static const cli_error_target none = { 0 };
+    if (!target) target = &none;
+    if (!subject->solution)
+        return cli_solve_to_target(subject->scene, desc, target, &subject->solution, certificate);
+    if (desc->solver != RSV_SOLVER_AUTO || target->share > 0)
+        cli_warn(session, "--solver and --error do nothing: the operator file holds a solution");
     return RSV_OK;
 }
 

@@ -2,6 +2,7 @@
 #ifndef CLI_SUBJECT_H
 #define CLI_SUBJECT_H
 
+#include "error_target.h"
 #include "session.h"
 
 #include "resolvent/opfile.h"
@@ -16,9 +17,10 @@ typedef struct cli_subject {
 bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
     cli_subject *subject);
 
-/// Solves the subject unless it is solved already; warns then if a solver was asked for.
-rsv_status cli_solve_subject(
-    cli_session *session, const rsv_solve_desc *desc, cli_subject *subject);
+/// Solves the subject unless it is solved already; warns then of options that do nothing.
+/// @param target NULL = none @param certificate of the solution, where there is a target
+rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
+    const cli_error_target *target, cli_subject *subject, rsv_certificate *certificate);
 
 void cli_close_subject(cli_subject *subject);
 

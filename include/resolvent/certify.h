@@ -46,8 +46,11 @@ typedef struct rsv_certificate {
         error_bound_rms; ///< residual_ci95[1] / (1 - max_albedo); INFINITY from an albedo of 1 on
     double error_estimate_rms; ///< of e itself, from one solve with the residual
     double error_estimate_ci95[2];
-    double irradiance_rms; ///< of E~: what makes the others relative
-    double max_albedo;     ///< largest of the surfaces
+    double
+        residual_direct_rms; ///< the part of r in direct light that shadow rays find; 0 where that is exact
+    double residual_gathered_rms; ///< the rest: indirect light, gathered sources, caustics
+    double irradiance_rms;        ///< of E~: what makes the others relative
+    double max_albedo;            ///< largest of the surfaces
     uint64_t rays;
     double seconds;
 } rsv_certificate;
@@ -58,6 +61,34 @@ typedef struct rsv_certificate {
 /// @param desc NULL = defaults
 RSV_API rsv_status rsv_certify(
     const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate);
+
+/// How good a solution must be, and what it may cost. Start from rsv_default_error_target().
+typedef struct rsv_error_target {
+    double relative_error; ///< RMS(e) / irradiance_rms, 1e-4..1: 0.01 = 1 %
+    size_t max_elements;   ///< of all levels together (default 5,000,000)
+    double max_seconds;    ///< for everything (default INFINITY)
+    uint32_t max_rounds;   ///< solutions built at most (default 8)
+} rsv_error_target;
+
+RSV_API rsv_error_target rsv_default_error_target(double relative_error);
+
+typedef enum rsv_error_stop {
+    RSV_ERROR_TARGET_REACHED,
+    RSV_ERROR_TARGET_MAX_ELEMENTS, ///< one more round would have exceeded this
+    RSV_ERROR_TARGET_MAX_SECONDS,
+    RSV_ERROR_TARGET_MAX_ROUNDS
+} rsv_error_stop;
+
+/// Solves, certifies and refines until the certificate says that the target is reached, by the *estimate* of the error at
+/// the upper end of its interval: the bound would ask for several times the accuracy, and so for tens of times
+/// the work. What is refined is what errs most: elements and rays of the operator, or those of direct light. Every
+/// round is logged; so is the budget that stopped them.
+/// @param start of the first round; NULL = draft
+/// @param solution the last one, whatever stopped the rounds
+/// @param certificate its certificate
+RSV_API rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *start,
+    const rsv_error_target *target, rsv_solution **solution, rsv_certificate *certificate,
+    rsv_error_stop *stop);
 
 /// A picture of where the error is. Start from rsv_default_heat_map_desc().
 typedef struct rsv_heat_map_desc {

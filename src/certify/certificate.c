@@ -102,6 +102,19 @@ static double squared_residual(const examination *x, size_t k)
     return luminance(r->residual[0]) * luminance(r->residual[1]);
 }
 
+static double squared_direct(const examination *x, size_t k)
+{
+    const rsv_residual *r = &x->sample[k].at;
+    return luminance(r->direct[0]) * luminance(r->direct[1]);
+}
+
+static double squared_gathered(const examination *x, size_t k)
+{
+    const rsv_residual *r = &x->sample[k].at;
+    return (luminance(r->residual[0]) - luminance(r->direct[0])) *
+           (luminance(r->residual[1]) - luminance(r->direct[1]));
+}
+
 static double squared_irradiance(const examination *x, size_t k)
 {
     const rsv_residual *r = &x->sample[k].at;
@@ -150,6 +163,8 @@ static void judge_residual(examination *x)
     rsv_moments residual = rsv_moments_root(moments(x, squared_residual));
     c->residual_rms = residual.mean;
     c->residual_ci95[0] = residual.ci95[0], c->residual_ci95[1] = residual.ci95[1];
+    c->residual_direct_rms = rsv_moments_root(moments(x, squared_direct)).mean;
+    c->residual_gathered_rms = rsv_moments_root(moments(x, squared_gathered)).mean;
     c->irradiance_rms = rsv_moments_root(moments(x, squared_irradiance)).mean;
     c->max_albedo = largest_albedo(x);
     c->error_bound_rms =

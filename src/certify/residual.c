@@ -231,8 +231,11 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
     rsv_residual result = { 0 };
     receiver r = { .result = &result };
     set_up_receiver(job, p, &r);
-    rsv_rgb stored = rgb_add(rsv_solution_direct(s, p->face, p->u, p->v, job->exact_direct),
-        rsv_elements_interpolate(s->elements, s->indirect, p->face, p->u, p->v));
+    rsv_rgb unsampled = rsv_solution_direct(s, p->face, p->u, p->v, true);
+    rsv_rgb all = rsv_solution_direct(s, p->face, p->u, p->v, job->exact_direct);
+    rsv_rgb stored_direct = rgb_sub(all, unsampled);
+    rsv_rgb stored =
+        rgb_add(all, rsv_elements_interpolate(s->elements, s->indirect, p->face, p->u, p->v));
     rsv_rgb caustic = rgb_gray(0);
     if (s->caustics.caustic)
         caustic = rsv_elements_interpolate(
@@ -243,7 +246,10 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
         uint32_t own = rsv_hash3(stream, half, 0xc3a5u);
         rsv_rgb direct = sampled_direct(&r, own);
         rsv_rgb found = rgb_add(caustic, gather(&r, rays, own));
-        if (!job->exact_direct) found = rgb_add(found, direct);
+        if (!job->exact_direct) {
+            found = rgb_add(found, direct);
+            result.direct[half] = rgb_sub(direct, stored_direct);
+        }
         result.residual[half] = rgb_sub(found, stored);
         result.irradiance[half] = job->exact_direct ? rgb_add(stored, direct) : stored;
     }

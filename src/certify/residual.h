@@ -25,6 +25,7 @@ typedef struct rsv_residual_job {
 /// Two independent estimates at one point.
 typedef struct rsv_residual {
     rsv_rgb residual[2];
+    rsv_rgb direct[2];     ///< the part of it in what next-event estimation finds
     rsv_rgb irradiance[2]; ///< E~; the two differ if direct light is exact
     rsv_rgb albedo;        ///< largest of the surfaces that gather rays ended on
     uint64_t rays;

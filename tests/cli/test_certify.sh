@@ -26,6 +26,13 @@ cmp -s heat1.exr heat2.exr || complain "threads change the picture of the error"
 succeeds certify furnace --quality draft --samples 16 --rays 8 --heatmap heat.png --size 32x32
 [[ -s heat.png ]] || complain "no picture of the error"
 
+succeeds certify furnace --quality draft --error 3%
+succeeds certify cornell-blocks --quality draft --error 0.001 --max-elements 1000
+warns 'budget of elements'
+refuses 2 'share from 0.01% to 100%' certify furnace --error 0
+refuses 2 'share from' certify furnace --error 200%
+refuses 2 'share from' render furnace -o "$out/a.png" --error %
+
 refuses 1 'camera' certify furnace --heatmap "$out/a.png" --camera nobody
 refuses 1 'heat.tiff' certify furnace --heatmap "$out/heat.tiff"
 refuses 2 'WIDTHxHEIGHT' certify furnace --heatmap "$out/a.png" --size 8x8

@@ -167,6 +167,78 @@ static void a_solution_without_caustics_confesses(void **state)
     check_against_truth("cornell-spheres", &desc, 192, 0.6);
 }
 
+// ---- error targets ------------------------------------------------------------------------------
+
+static rsv_solution *pursue(
+    const world *w, const rsv_error_target *target, rsv_certificate *c, rsv_error_stop expected)
+{
+    rsv_solve_desc desc = draft(60);
+    rsv_solution *s;
+    rsv_error_stop stop;
+    desc.rays_per_element = 64;
+    desc.direct_levels = 0;
+    if (rsv_solve_to_error(w->scene, &desc, target, &s, c, &stop) != RSV_OK)
+        fail_msg("%s", rsv_last_error());
+    assert_int_equal(stop, expected);
+    return s;
+}
+
+static void refinement_reaches_its_target(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_error_target target = rsv_default_error_target(0.04);
+    rsv_certificate c;
+    rsv_solution *s = pursue(w, &target, &c, RSV_ERROR_TARGET_REACHED);
+    assert_true(c.error_estimate_ci95[1] <= 0.04 * c.irradiance_rms);
+    // other points agree
+    rsv_certificate other = certify(s, 1024, 77);
+    assert_true(other.error_estimate_ci95[0] <= 0.04 * other.irradiance_rms);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+static void budgets_end_refinement(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_certificate c;
+    rsv_error_target target = rsv_default_error_target(0.01);
+    target.max_elements = 1500;
+    rsv_solution *s = pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_ELEMENTS);
+    const rsv_solve_report *report = rsv_solution_report(s);
+    assert_true(report->elements + report->direct_elements <= 1500);
+    rsv_solution_destroy(s);
+    target = rsv_default_error_target(0.01);
+    target.max_rounds = 1;
+    rsv_solution_destroy(pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_ROUNDS));
+    target = rsv_default_error_target(0.01);
+    target.max_seconds = 1e-6;
+    rsv_solution_destroy(pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_SECONDS));
+    world_end(w);
+}
+
+static void unusable_targets_are_refused(void **state)
+{
+    (void)state;
+    world *w = create_furnace(0.5f);
+    rsv_solution *s = NULL;
+    rsv_certificate c;
+    rsv_error_stop stop;
+    const double bad[] = { 0, -1, 1.5, 1e-9, NAN };
+    for (int k = 0; k < 5; k++) {
+        rsv_error_target target = rsv_default_error_target(bad[k]);
+        assert_int_equal(
+            rsv_solve_to_error(w->scene, NULL, &target, &s, &c, &stop), RSV_ERROR_ARGUMENT);
+        assert_null(s);
+    }
+    rsv_error_target target = rsv_default_error_target(0.01);
+    target.max_elements = 0;
+    assert_int_equal(
+        rsv_solve_to_error(w->scene, NULL, &target, &s, &c, &stop), RSV_ERROR_ARGUMENT);
+    world_end(w);
+}
+
 // ---- what else is promised ----------------------------------------------------------------------
 
 static void direct_light_left_to_the_renderer_counts_as_exact(void **state)
@@ -319,6 +391,9 @@ int main(void)
         cmocka_unit_test(a_coarse_solution_confesses),
         cmocka_unit_test(a_noisy_solution_confesses),
         cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(refinement_reaches_its_target),
+        cmocka_unit_test(budgets_end_refinement),
+        cmocka_unit_test(unusable_targets_are_refused),
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
