@@ -11,12 +11,13 @@ struct cJSON;
 /// What to measure, and with what.
 typedef struct cli_bench_task {
     cli_session *session;
-    const char *scene;          ///< file or built-in scene
-    uint32_t threads;           ///< at least 1
-    uint32_t repetitions;       ///< what is timed is timed this often
-    uint32_t reference_samples; ///< quality: camera rays per pixel of the reference
-    uint32_t paths;             ///< certificate: of each reading of the truth, 0 = default
-    cli_list references;        ///< quality: pictures whose mean is the reference; none = render it
+    const char *scene;           ///< file or built-in scene
+    cli_environment environment; ///< what surrounds it in bench quality
+    uint32_t threads;            ///< at least 1
+    uint32_t repetitions;        ///< what is timed is timed this often
+    uint32_t reference_samples;  ///< quality: camera rays per pixel of the reference
+    uint32_t paths;              ///< certificate: of each reading of the truth, 0 = default
+    cli_list references; ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;
 
 /// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, others are those of

@@ -12,7 +12,8 @@ bool cli_write_quality_csv(const char *path, const cJSON *scenes)
 {
     const cJSON *result = cJSON_GetArrayItem(scenes, 0);
     static const char *const columns[] = { "seconds", "cpu_seconds", "median_relative_error",
-        "error_without_reference", "relative_mse", "mean_ratio", "time_factor" };
+        "error_without_reference", "time_factor", "relative_mse", "mse_without_reference",
+        "mse_time_factor", "mean_ratio" };
     enum { column_count = sizeof columns / sizeof columns[0] };
     char *text = NULL;
     size_t length = 0;
@@ -58,19 +59,25 @@ static void fit_axes(cli_plot *p, const cJSON *points)
     cli_axis_cover(&p->y, low_error, high_error);
 }
 
-/// The points of one mode, joined and named.
-static void draw_series(const cli_plot *p, const cJSON *points, const char *mode)
+static bool belongs_to(const cJSON *point, const char *curve)
+{
+    const char *name = cJSON_GetStringValue(cJSON_GetObjectItem(point, "curve"));
+    return name && strcmp(name, curve) == 0;
+}
+
+/// The points of one curve, joined and named.
+static void draw_curve(const cli_plot *p, const cJSON *points, const char *curve)
 {
     double before[2] = { 0 };
     const cJSON *point;
     cJSON_ArrayForEach(point, points)
     {
-        if (strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(point, "mode")), mode) != 0) continue;
+        if (!belongs_to(point, curve)) continue;
         double here[2] = { cli_json_number(point, "seconds"),
             cli_json_number(point, "error_without_reference") };
         double x = cli_axis_place(&p->x, here[0]), y = cli_axis_place(&p->y, here[1]);
-        if (before[0] > 0) cli_plot_line(p, before, here, mode);
-        fprintf(p->svg, "<circle cx='%.1f' cy='%.1f' r='4' class='%s'/>\n", x, y, mode);
+        if (before[0] > 0) cli_plot_line(p, before, here, curve);
+        fprintf(p->svg, "<circle cx='%.1f' cy='%.1f' r='4' class='%s'/>\n", x, y, curve);
         fprintf(p->svg, "<text x='%.1f' y='%.1f'>%s</text>\n", x + 9, y - 6,
             cJSON_GetStringValue(cJSON_GetObjectItem(point, "name")));
         memcpy(before, here, sizeof before);
@@ -85,7 +92,7 @@ static void draw_extrapolation(const cli_plot *p, const cJSON *points)
     cJSON_ArrayForEach(point, points)
     {
         double error = cli_json_number(point, "error_without_reference");
-        if (error >= end[1]) continue;
+        if (!belongs_to(point, "final") || error >= end[1]) continue;
         end[0] = cli_json_number(point, "reference_seconds");
         end[1] = error;
     }
@@ -106,8 +113,8 @@ static void draw_plot(const cli_plot *p, const cJSON *points)
         plot_width, plot_height);
     cli_plot_grid(p);
     draw_extrapolation(p, points);
-    draw_series(p, points, "final");
-    draw_series(p, points, "reference");
+    draw_curve(p, points, "final");
+    draw_curve(p, points, "reference");
     fprintf(p->svg,
         "<text x='%d' y='%d' text-anchor='middle'>time from scene to picture</text>\n"
         "<text transform='translate(16 %d) rotate(-90)' text-anchor='middle'>median relative "

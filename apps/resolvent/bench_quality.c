@@ -16,19 +16,22 @@ enum { judge_seed = 1000 };
 
 typedef struct recipe {
     const char *name;
+    const char *curve; ///< pictures of one curve are joined in the plot; NULL = not drawn
     rsv_render_mode mode;
-    rsv_quality quality; ///< of mode final
+    rsv_quality quality; ///< of the solution
     uint32_t samples;
 } recipe;
 
 static const recipe recipes[] = {
-    { "final, draft", RSV_RENDER_FINAL, RSV_QUALITY_DRAFT, 9 },
-    { "final, medium", RSV_RENDER_FINAL, RSV_QUALITY_MEDIUM, 9 },
-    { "final, high", RSV_RENDER_FINAL, RSV_QUALITY_HIGH, 9 },
-    { "reference, 1 spp", RSV_RENDER_REFERENCE, 0, 1 },
-    { "reference, 4 spp", RSV_RENDER_REFERENCE, 0, 4 },
-    { "reference, 16 spp", RSV_RENDER_REFERENCE, 0, 16 },
-    { "reference, 64 spp", RSV_RENDER_REFERENCE, 0, 64 },
+    { "final, draft", "final", RSV_RENDER_FINAL, RSV_QUALITY_DRAFT, 9 },
+    { "final, medium", "final", RSV_RENDER_FINAL, RSV_QUALITY_MEDIUM, 9 },
+    { "final, high", "final", RSV_RENDER_FINAL, RSV_QUALITY_HIGH, 9 },
+    { "final, medium, 64 spp", NULL, RSV_RENDER_FINAL, RSV_QUALITY_MEDIUM, 64 },
+    { "operator, medium, 64 spp", NULL, RSV_RENDER_OPERATOR, RSV_QUALITY_MEDIUM, 64 },
+    { "reference, 1 spp", "reference", RSV_RENDER_REFERENCE, 0, 1 },
+    { "reference, 4 spp", "reference", RSV_RENDER_REFERENCE, 0, 4 },
+    { "reference, 16 spp", "reference", RSV_RENDER_REFERENCE, 0, 16 },
+    { "reference, 64 spp", "reference", RSV_RENDER_REFERENCE, 0, 64 },
 };
 enum { recipe_count = sizeof recipes / sizeof recipes[0] };
 
@@ -42,7 +45,7 @@ typedef struct judge {
 typedef struct outcome {
     double seconds, cpu_seconds;
     rsv_image_difference difference;
-    double error; ///< median relative error without the reference's share
+    double median_error, relative_mse; ///< without the reference's share
 } outcome;
 
 static rsv_status solve_and_render(
@@ -55,7 +58,7 @@ static rsv_status solve_and_render(
     picture.seed = seed;
     if (r->mode == RSV_RENDER_REFERENCE) return rsv_render_reference(scene, &picture, image, NULL);
     rsv_solve_desc desc = rsv_default_solve_desc(r->quality);
-    desc.direct_level = false;
+    desc.direct_level = r->mode == RSV_RENDER_OPERATOR;
     rsv_solution *solution = NULL;
     rsv_status status = rsv_solution_create(scene, &desc, &solution);
     if (status == RSV_OK) status = rsv_render(solution, &picture, image);
@@ -67,7 +70,7 @@ static rsv_status solve_and_render(
 static bool take_picture(
     const cli_bench_task *bench, const recipe *r, uint32_t seed, rsv_image **image)
 {
-    rsv_scene *scene = cli_open_scene(bench->session, bench->scene, NULL);
+    rsv_scene *scene = cli_open_scene(bench->session, bench->scene, &bench->environment);
     if (!scene) return false;
     rsv_status status = solve_and_render(scene, r, seed, image);
     rsv_scene_destroy(scene);
@@ -111,7 +114,9 @@ static bool judge_picture(
     const cli_bench_task *bench, size_t index, size_t count, rsv_image **image)
 {
     if (bench->references.count == 0) {
-        recipe r = { "", RSV_RENDER_REFERENCE, 0, bench->reference_samples / (uint32_t)count };
+        recipe r = { .name = "",
+            .mode = RSV_RENDER_REFERENCE,
+            .samples = bench->reference_samples / (uint32_t)count };
         return take_picture(bench, &r, judge_seed + (uint32_t)index, image);
     }
     rsv_context *context = bench->session->context;
@@ -185,11 +190,10 @@ cleanup:
     return made;
 }
 
-/// Independent errors add in squares; less than a tenth of what was measured cannot be told from it.
-static double error_without(double own, double measured)
+/// Squares of independent errors add; less than a hundredth of what was measured cannot be told from it.
+static double square_without(double own, double measured)
 {
-    double rest = fmax(measured * measured - own * own, 0.01 * measured * measured);
-    return fmax(sqrt(rest), 1e-6);
+    return fmax(fmax(measured - own, 0.01 * measured), 1e-12);
 }
 
 static bool measure(const cli_bench_task *bench, const judge *j, const recipe *r, outcome *out)
@@ -202,32 +206,41 @@ static bool measure(const cli_bench_task *bench, const judge *j, const recipe *r
         measured = status == RSV_OK;
     }
     rsv_image_destroy(image);
-    out->error = error_without(j->median_error, out->difference.median_relative_error);
+    double median = out->difference.median_relative_error;
+    out->median_error = sqrt(square_without(j->median_error * j->median_error, median * median));
+    out->relative_mse = square_without(j->relative_mse, out->difference.relative_mse);
     return measured;
 }
 
-/// Seconds after which the reference mode would be as good: its error falls as 1 / sqrt(time).
-static double reference_seconds(const outcome *longest, double error)
+/// Seconds after which the reference mode would have as small a square error, which falls as 1 / time.
+static double reference_seconds(const outcome *longest, double square, double square_of_longest)
 {
-    double ratio = longest->error / error;
-    return longest->seconds * ratio * ratio;
+    return longest->seconds * square_of_longest / square;
 }
 
 static cJSON *describe(const recipe *r, const outcome *out, const outcome *longest)
 {
     cJSON *point = cJSON_CreateObject();
     cJSON_AddStringToObject(point, "name", r->name);
-    cJSON_AddStringToObject(point, "mode", r->mode == RSV_RENDER_REFERENCE ? "reference" : "final");
+    static const char *const modes[] = { [RSV_RENDER_REFERENCE] = "reference",
+        [RSV_RENDER_FINAL] = "final",
+        [RSV_RENDER_OPERATOR] = "operator" };
+    cJSON_AddStringToObject(point, "mode", modes[r->mode]);
+    if (r->curve) cJSON_AddStringToObject(point, "curve", r->curve);
     cJSON_AddNumberToObject(point, "spp", r->samples);
     cJSON_AddNumberToObject(point, "seconds", out->seconds);
     cJSON_AddNumberToObject(point, "cpu_seconds", out->cpu_seconds);
     cJSON_AddNumberToObject(point, "median_relative_error", out->difference.median_relative_error);
-    cJSON_AddNumberToObject(point, "error_without_reference", out->error);
+    cJSON_AddNumberToObject(point, "error_without_reference", out->median_error);
     cJSON_AddNumberToObject(point, "relative_mse", out->difference.relative_mse);
     cJSON_AddNumberToObject(point, "mean_ratio", out->difference.mean_ratio);
-    double as_good = reference_seconds(longest, out->error);
+    double as_good = reference_seconds(longest, out->median_error * out->median_error,
+        longest->median_error * longest->median_error);
     cJSON_AddNumberToObject(point, "reference_seconds", as_good);
     cJSON_AddNumberToObject(point, "time_factor", as_good / out->seconds);
+    double as_clean = reference_seconds(longest, out->relative_mse, longest->relative_mse);
+    cJSON_AddNumberToObject(point, "mse_without_reference", out->relative_mse);
+    cJSON_AddNumberToObject(point, "mse_time_factor", as_clean / out->seconds);
     return point;
 }
 
@@ -252,13 +265,13 @@ bool cli_bench_quality(const cli_bench_task *bench, cJSON *result)
 
 static void print_point(const cJSON *point)
 {
-    printf("  %-18s %8.3g %8.3g %8.3g %% %8.3g %% %10.3g %9.4f %8.3g\n",
+    printf("  %-24s %8.3g %8.3g %8.3g %% %8.3g %% %8.3g %10.3g %8.3g %9.4f\n",
         cJSON_GetStringValue(cJSON_GetObjectItem(point, "name")), cli_json_number(point, "seconds"),
         cli_json_number(point, "cpu_seconds"),
         100 * cli_json_number(point, "median_relative_error"),
         100 * cli_json_number(point, "error_without_reference"),
-        cli_json_number(point, "relative_mse"), cli_json_number(point, "mean_ratio"),
-        cli_json_number(point, "time_factor"));
+        cli_json_number(point, "time_factor"), cli_json_number(point, "mse_without_reference"),
+        cli_json_number(point, "mse_time_factor"), cli_json_number(point, "mean_ratio"));
 }
 
 void cli_print_quality(const cJSON *result)
@@ -267,7 +280,7 @@ void cli_print_quality(const cJSON *result)
     printf("  the reference's own median error is %.3g %%, its relative MSE %.3g\n",
         100 * cli_json_number(reference, "median_relative_error"),
         cli_json_number(reference, "relative_mse"));
-    printf("  %-18s %8s %8s %10s %10s %10s %9s %8s\n", "picture", "time s", "cpu s", "median",
-        "corrected", "rel. MSE", "mean", "factor");
+    printf("  %-24s %8s %8s %10s %10s %8s %10s %8s %9s\n", "picture", "time s", "cpu s", "median",
+        "corrected", "factor", "rel. MSE", "factor", "mean");
     cJSON_ArrayForEach(point, cJSON_GetObjectItem(result, "points")) print_point(point);
 }

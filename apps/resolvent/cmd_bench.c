@@ -20,10 +20,11 @@ static const char help[] =
     "            the ray tracer alone, in packets and one by one; ratios of neighbouring passes.\n"
     "            SCENE must be all Lambertian\n"
     "  quality   error over time at 256x256, from scene to picture: mode final with 9 rays per\n"
-    "            pixel in all qualities, mode reference with 1 to 64, all against one converged\n"
-    "            reference. 'corrected' is the median error without the reference's own, which\n"
-    "            the difference of its two halves tells; 'factor' is how many times longer mode\n"
-    "            reference would take for it, its error falling as 1/sqrt(time)\n"
+    "            pixel in all qualities and with 64, mode operator, mode reference with 1 to 64,\n"
+    "            all against one converged reference. 'corrected' is the median error without\n"
+    "            the reference's own, which the difference of its two halves tells, and so is\n"
+    "            the relative MSE; each 'factor' is how many times longer mode reference would\n"
+    "            take for the figure before it, its error falling as 1/sqrt(time)\n"
     "  solvers   residual over applications of the operator and over time, for every solver, down\n"
     "            to 1e-5; on cornell-blocks and on bright-box, a closed box of albedo 0.95\n"
     "  certificate  bounds and estimates of `certify` beside the true error against path tracing,\n"
@@ -33,7 +34,8 @@ static const char help[] =
     "  --repeat N        all but trace: time everything N times (default 5; quality 3)\n"
     "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
-    "                    seeds; repeat it, an even number of times\n"
+    "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
+        CLI_ENVIRONMENT_HELP
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -102,7 +104,7 @@ static const benchmark *find_benchmark(const char *name)
 typedef struct settings {
     const char *operand[2]; ///< name of the benchmark, scene or NULL
     cli_bench_task bench;   ///< what the benchmarks share
-    const char *csv, *plot;
+    const char *csv, *plot, *mesh;
     bool json;
 } settings;
 
@@ -186,6 +188,8 @@ static int check_settings(const benchmark *b, const settings *s)
     if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
         return cli_usage_error(
             "bench", "--csv and --plot belong to bench quality, solvers and certificate");
+    if (s->bench.environment.path && b->run != cli_bench_quality)
+        return cli_usage_error("bench", "--env belongs to bench quality");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)))
@@ -201,6 +205,7 @@ static int measure_and_report(settings *s)
     if (exit_status != CLI_SUCCESS) return exit_status;
     cli_session session;
     if (!cli_session_begin(&session, s->bench.threads)) return CLI_FAILURE;
+    session.mesh = s->mesh;
     s->bench.session = &session;
     s->bench.threads = cli_thread_count(s->bench.threads);
     if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
@@ -211,7 +216,7 @@ static int measure_and_report(settings *s)
 
 int cli_bench(int argc, char **argv)
 {
-    settings s = { .bench.reference_samples = 1024 };
+    settings s = { .bench = { .reference_samples = 1024, .environment = CLI_DEFAULT_ENVIRONMENT } };
     cli_bench_task *bench = &s.bench;
     const cli_option options[] = {
         { .name = "--threads", .kind = CLI_COUNT, .value = &bench->threads, .max = 1024 },
@@ -227,6 +232,8 @@ int cli_bench(int argc, char **argv)
             .max = 1 << 24 },
         { .name = "--paths", .kind = CLI_COUNT, .value = &bench->paths, .min = 32, .max = 1 << 24 },
         { .name = "--reference", .kind = CLI_LIST, .value = &bench->references },
+        CLI_MESH_OPTION(&s.mesh),
+        CLI_ENVIRONMENT_OPTIONS(&bench->environment),
         { .name = "--csv", .kind = CLI_TEXT, .value = &s.csv },
         { .name = "--plot", .kind = CLI_TEXT, .value = &s.plot },
         { .name = "--json", .kind = CLI_FLAG, .value = &s.json },

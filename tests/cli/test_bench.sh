@@ -6,7 +6,8 @@ succeeds bench assemble --repeat 2
 says 'same packets, traced only'
 succeeds bench quality --spp 4 --repeat 1 --csv curve.csv --plot curve.svg
 says '^  final, medium '
-[[ $(wc -l <curve.csv) == 8 ]] || complain "the table has not one line per picture"
+says '^  operator, medium'
+[[ $(wc -l <curve.csv) == 10 ]] || complain "the table has not one line per picture"
 grep -q '</svg>' curve.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf curve.svg curve.csv || complain "the curve holds what is no number"
 
