@@ -1,6 +1,7 @@
 #include "fredholm.h"
 
 #include <math.h>
+#include <string.h>
 
 /// Light that has not begun to die out after so many orders never will.
 #define MAX_STEPS 64
@@ -40,4 +41,21 @@ rsv_status rsv_fredholm_alternative(
 cleanup:
     rsv_free(map->context, vector);
     return status;
+}
+
+rsv_status rsv_survival(
+    const rsv_linear_map *map, const float *area, uint32_t orders, float *survival)
+{
+    float *next = rsv_alloc(map->context, 3 * map->count, sizeof *next);
+    if (!next) return RSV_ERROR_MEMORY;
+    for (size_t i = 0; i < 3 * map->count; i++)
+        survival[i] = area[i / 3];
+    for (uint32_t order = 0; order < orders; order++) {
+        map->table->apply_transpose(map->data, 3, survival, next);
+        memcpy(survival, next, 3 * map->count * sizeof *next);
+    }
+    for (size_t i = 0; i < 3 * map->count; i++)
+        survival[i] = area[i / 3] > 0 ? survival[i] / area[i / 3] : 0;
+    rsv_free(map->context, next);
+    return RSV_OK;
 }

@@ -20,4 +20,11 @@ typedef struct rsv_alternative {
 rsv_status rsv_fredholm_alternative(
     const rsv_linear_map *map, const float *source, rsv_alternative *alternative);
 
+/// Which share of the light that arrives at a node is still under way after `orders` more bounces:
+/// (A*)^orders area / area.
+/// @param map knows its transposed @param area [count] of the nodes, m2
+/// @param survival [count x 3]; 0 where a node has no area
+rsv_status rsv_survival(
+    const rsv_linear_map *map, const float *area, uint32_t orders, float *survival);
+
 #endif

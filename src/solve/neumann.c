@@ -58,23 +58,77 @@ static double residual_norm(const series *q, rsv_rgb *irradiance, rsv_rgb *resid
     return max;
 }
 
-/// A norm of 1 bounds nothing. In an open scene later orders still die out; in a closed lossless one they do not,
-/// and there is no answer.
-static rsv_status refuse_lossless(series *q)
+/// A place that still holds more than half of its light after so many orders is a pocket.
+#define POCKET_ORDERS 256
+
+/// Less of the light than this may be lost in pockets that are left dark.
+#define POCKET_SHARE 0.01
+
+/// Share of the source's light that is caught in pockets: the largest of the channels.
+static double caught_share(const rsv_solution *s, const float *survival)
 {
-    rsv_alternative a;
-    rsv_status status = rsv_transport_map_transpose(q->map);
-    if (status == RSV_OK) status = rsv_fredholm_alternative(&q->map->linear, &q->s->source->r, &a);
-    if (status != RSV_OK) return status;
-    q->resolvent = a.radius.resolvent;
-    if (a.unique) return RSV_OK;
+    double most = 0;
+    for (size_t c = 0; c < 3; c++) {
+        double caught = 0, all = 0;
+        for (size_t n = 0; n < s->elements->node_count; n++) {
+            double light = s->elements->node_area[n] * (&s->source[n].r)[c];
+            all += light;
+            caught += light * survival[3 * n + c];
+        }
+        if (all > 0) most = fmax(most, caught / all);
+    }
+    return most;
+}
+
+/// Leaves pockets dark: no light starts there, none arrives.
+static void close_pockets(rsv_solution *s, const float *survival)
+{
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        const float *share = &survival[3 * n];
+        if (fmaxf(share[0], fmaxf(share[1], share[2])) <= 0.5f) continue;
+        s->transport->scale[n] = 0;
+        s->source[n] = s->order[0][n] = rgb_gray(0);
+        s->pocket_area += s->elements->node_area[n];
+    }
+}
+
+static rsv_status refuse_lossless(const rsv_alternative *a)
+{
     return rsv_fail(RSV_ERROR_SCENE,
         "solve: the scene is closed and absorbs nothing (albedo 1): E = G K E has solutions of its "
         "own (spectral radius %.5f); the light is %s them, so that %s; lower an albedo below 1 or "
         "open the scene",
-        a.radius.power, a.compatibility > 1e-6 ? "incompatible with" : "compatible with",
-        a.compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
-                               : "there are many answers");
+        a->radius.power, a->compatibility > 1e-6 ? "incompatible with" : "compatible with",
+        a->compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
+                                : "there are many answers");
+}
+
+/// A norm of 1 bounds nothing. In an open scene later orders still die out; in a closed lossless one they do not,
+/// and there is no answer. Lossless pockets that hardly any light enters, such as the inside of a white cushion, are
+/// left dark: the answer next to them is bounded.
+static rsv_status check_losses(series *q)
+{
+    rsv_solution *s = q->s;
+    rsv_alternative a;
+    float *survival = NULL;
+    rsv_status status;
+    s->pocket_area = 0;
+    RSV_TRY(rsv_transport_map_transpose(q->map));
+    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &s->source->r, &a));
+    q->resolvent = a.radius.resolvent;
+    if (a.unique) return RSV_OK;
+    survival = rsv_alloc(s->context, 3 * s->elements->node_count, sizeof *survival);
+    RSV_TRY(survival ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_survival(&q->map->linear, s->elements->node_area, POCKET_ORDERS, survival));
+    RSV_TRY(caught_share(s, survival) < POCKET_SHARE ? RSV_OK : refuse_lossless(&a));
+    close_pockets(s, survival);
+    s->report.norm_inf = operator_norm(q);
+    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &s->source->r, &a));
+    q->resolvent = a.radius.resolvent;
+    RSV_TRY(a.unique ? RSV_OK : refuse_lossless(&a));
+cleanup:
+    rsv_free(s->context, survival);
+    return status;
 }
 
 static void add_term(rsv_solution *s, const rsv_rgb *term)
@@ -231,7 +285,7 @@ static rsv_status solve(series *q, uint32_t max_orders)
         report->stop_reason = RSV_STOP_NO_LIGHT;
         return RSV_OK;
     }
-    rsv_status status = report->norm_inf >= RSV_LOSSLESS ? refuse_lossless(q) : RSV_OK;
+    rsv_status status = report->norm_inf >= RSV_LOSSLESS ? check_losses(q) : RSV_OK;
     if (status != RSV_OK) return status;
     // what the missing terms can still add, on the scale of the light there is
     q->target = s->desc.tolerance * mean / q->resolvent;

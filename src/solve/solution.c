@@ -328,6 +328,11 @@ cleanup:
 static void warn_if_unbounded(const rsv_solution *s)
 {
     const rsv_solve_report *report = &s->report;
+    if (s->pocket_area > 0)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: %.3g m2 of surfaces that absorb nothing enclose pockets which hardly any light "
+            "enters, and are left dark there; lower their albedo below 1",
+            s->pocket_area);
     if (report->stop_reason == RSV_STOP_MAX_ORDERS)
         rsv_log(s->context, RSV_LOG_WARNING,
             "solve: stopped after %u orders of light with a residual of %.3g W/m2",

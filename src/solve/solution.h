@@ -26,6 +26,7 @@ struct rsv_solution {
     rsv_rgb *irradiance;        ///< [node_count] E = E0 + G K E, as solved
     rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0, sharpened from n = 1 on
     uint32_t order_count;
+    double pocket_area; ///< m2 of elements left dark, as they absorb nothing and hardly see light
     rsv_rgb *indirect;           ///< [node_count] sum of the orders from 1 on
     rsv_source_level fine;       ///< direct; elements NULL = direct light is the coarse `source`
     rsv_source_level caustics;   ///< elements NULL = there are none

@@ -386,6 +386,33 @@ static void an_open_lossless_scene_is_solved(void **state)
     world_end(w);
 }
 
+/// A sealed white room inside another one: the light outside is no worse for it.
+static void lossless_pockets_are_left_dark(void **state)
+{
+    (void)state;
+    double outside[2];
+    for (int sealed = 0; sealed < 2; sealed++) {
+        world *w = world_begin(2);
+        world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
+        world_room(
+            w, world_lambert(w, sealed ? 1 : 0.5f, 0), v3(0.3f, 0.2f, 0.3f), v3(0.6f, 0.5f, 0.6f));
+        rsv_light lamp = { .name = "lamp",
+            .kind = RSV_LIGHT_POINT,
+            .position = v3(0.5f, 0.8f, 0.4f),
+            .intensity = rgb_gray(1) };
+        assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+        world_commit(w);
+        rsv_solution *s = solve(w, 200);
+        assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_CONVERGED);
+        outside[sealed] = rsv_solution_irradiance(s, 0, 0.3f, 0.3f, false, RSV_NONE).g;
+        assert_close(s->pocket_area, sealed ? 6 * 0.09 : 0, 1e-3);
+        assert_true(rgb_is_black(rsv_solution_irradiance(s, 12, 0.3f, 0.3f, false, RSV_NONE)));
+        rsv_solution_destroy(s);
+        world_end(w);
+    }
+    assert_close(outside[1], outside[0], 1e-5 * outside[0]);
+}
+
 static void a_scene_without_light_is_black_and_says_so(void **state)
 {
     (void)state;
@@ -546,6 +573,7 @@ int main(void)
         cmocka_unit_test(solutions_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(a_closed_lossless_scene_is_refused),
         cmocka_unit_test(an_open_lossless_scene_is_solved),
+        cmocka_unit_test(lossless_pockets_are_left_dark),
         cmocka_unit_test(a_scene_without_light_is_black_and_says_so),
         cmocka_unit_test(a_scene_of_glass_alone_is_no_trouble),
         cmocka_unit_test(bad_descriptors_are_refused_by_name),
