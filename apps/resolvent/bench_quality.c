@@ -9,8 +9,6 @@
 #include <stdlib.h>
 #include <time.h>
 
-enum { picture_size = 256 };
-
 /// Seeds of the reference, unlike any that the measured pictures use.
 enum { judge_seed = 1000 };
 
@@ -49,11 +47,11 @@ typedef struct outcome {
 } outcome;
 
 static rsv_status solve_and_render(
-    const rsv_scene *scene, const recipe *r, uint32_t seed, rsv_image **image)
+    const rsv_scene *scene, const recipe *r, uint32_t size, uint32_t seed, rsv_image **image)
 {
     rsv_render_desc picture = rsv_default_render_desc();
     picture.mode = r->mode;
-    picture.width = picture.height = picture_size;
+    picture.width = picture.height = size;
     picture.samples = r->samples;
     picture.seed = seed;
     if (r->mode == RSV_RENDER_REFERENCE) return rsv_render_reference(scene, &picture, image, NULL);
@@ -72,7 +70,7 @@ static bool take_picture(
 {
     rsv_scene *scene = cli_open_scene(bench->session, bench->scene, &bench->environment);
     if (!scene) return false;
-    rsv_status status = solve_and_render(scene, r, seed, image);
+    rsv_status status = solve_and_render(scene, r, bench->size, seed, image);
     rsv_scene_destroy(scene);
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     if (status != RSV_OK) cli_report_failure(bench->session, status);
@@ -145,12 +143,12 @@ static bool gather_halves(const cli_bench_task *bench, size_t count, rsv_image *
         rsv_image *picture = NULL;
         if (!judge_picture(bench, i, count, &picture)) return false;
         bool fits =
-            rsv_image_width(picture) == picture_size && rsv_image_height(picture) == picture_size;
+            rsv_image_width(picture) == bench->size && rsv_image_height(picture) == bench->size;
         if (fits)
             add_pixels(half[i % 2], 2.0f / (float)count, picture);
         else
-            cli_error("%s: a reference must have %d x %d pixels", bench->references.item[i],
-                picture_size, picture_size);
+            cli_error("%s: a reference must have %u x %u pixels", bench->references.item[i],
+                bench->size, bench->size);
         rsv_image_destroy(picture);
         if (!fits) return false;
     }
@@ -167,9 +165,8 @@ static bool make_judge(const cli_bench_task *bench, judge *j)
     rsv_status status = RSV_OK;
     bool made = false;
     for (int i = 0; i < 2 && status == RSV_OK; i++)
-        status = rsv_image_create(context, picture_size, picture_size, 1, &half[i]);
-    if (status == RSV_OK)
-        status = rsv_image_create(context, picture_size, picture_size, 1, &j->mean);
+        status = rsv_image_create(context, bench->size, bench->size, 1, &half[i]);
+    if (status == RSV_OK) status = rsv_image_create(context, bench->size, bench->size, 1, &j->mean);
     if (status == RSV_OK && !gather_halves(bench, count, half)) goto cleanup;
     if (status == RSV_OK) {
         add_pixels(j->mean, 0.5f, half[0]);

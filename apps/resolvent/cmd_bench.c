@@ -19,7 +19,7 @@ static const char help[] =
     "  assemble  rays per second of the operator's assembly, beside the very same rays through\n"
     "            the ray tracer alone, in packets and one by one; ratios of neighbouring passes.\n"
     "            SCENE must be all Lambertian\n"
-    "  quality   error over time at 256x256, from scene to picture: mode final with 9 rays per\n"
+    "  quality   error over time, from scene to picture: mode final with 9 rays per\n"
     "            pixel in all qualities and with 64, mode operator, mode reference with 1 to 64,\n"
     "            all against one converged reference. 'corrected' is the median error without\n"
     "            the reference's own, which the difference of its two halves tells, and so is\n"
@@ -32,6 +32,7 @@ static const char help[] =
     "\n"
     "  --threads N       default: one per processor\n"
     "  --repeat N        all but trace: time everything N times (default 5; quality 3)\n"
+    "  --size N          quality: pixels along each side of the pictures (default 256)\n"
     "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
@@ -216,7 +217,9 @@ static int measure_and_report(settings *s)
 
 int cli_bench(int argc, char **argv)
 {
-    settings s = { .bench = { .reference_samples = 1024, .environment = CLI_DEFAULT_ENVIRONMENT } };
+    settings s = {
+        .bench = { .size = 256, .reference_samples = 1024, .environment = CLI_DEFAULT_ENVIRONMENT }
+    };
     cli_bench_task *bench = &s.bench;
     const cli_option options[] = {
         { .name = "--threads", .kind = CLI_COUNT, .value = &bench->threads, .max = 1024 },
@@ -225,6 +228,7 @@ int cli_bench(int argc, char **argv)
             .value = &bench->repetitions,
             .min = 1,
             .max = 1000 },
+        { .name = "--size", .kind = CLI_COUNT, .value = &bench->size, .min = 1, .max = 8192 },
         { .name = "--spp",
             .kind = CLI_COUNT,
             .value = &bench->reference_samples,

@@ -322,8 +322,8 @@ cleanup:
     return status;
 }
 
-/// Errors of the operator are amplified by about 1 / (1 - norm): beyond this the reader must know.
-#define WORRYING_NORM 0.98
+/// Errors of the operator are amplified by about 1 / (1 - spectral radius): beyond this the reader must know.
+#define WORRYING_RADIUS 0.98
 
 static void warn_if_unbounded(const rsv_solution *s)
 {
@@ -342,11 +342,12 @@ static void warn_if_unbounded(const rsv_solution *s)
             "solve: solver %s gave up after %u applications with a residual of %.3g W/m2; leave "
             "the choice to 'auto'",
             rsv_solver_name(report->solver), report->iterations, report->residual_inf);
-    else if (report->stop_reason == RSV_STOP_CONVERGED && report->norm_inf > WORRYING_NORM)
+    else if (report->stop_reason == RSV_STOP_CONVERGED && report->norm_inf > WORRYING_RADIUS &&
+             report->spectral_radius > WORRYING_RADIUS)
         rsv_log(s->context, RSV_LOG_WARNING,
-            "solve: the scene absorbs almost nothing (operator norm %.4f): small errors of the "
+            "solve: the scene absorbs almost nothing (spectral radius %.4f): small errors of the "
             "operator weigh heavily; use a higher quality or lower the albedos",
-            report->norm_inf);
+            report->spectral_radius);
 }
 
 /// Tells gather rays and shadow rays what each of them finds of the surroundings.

@@ -4,7 +4,7 @@ source "$(dirname "$0")/support.sh"
 
 succeeds bench assemble --repeat 2
 says 'same packets, traced only'
-succeeds bench quality --spp 4 --repeat 1 --csv curve.csv --plot curve.svg
+succeeds bench quality --size 32 --spp 4 --repeat 1 --csv curve.csv --plot curve.svg
 says '^  final, medium '
 says '^  operator, medium'
 [[ $(wc -l <curve.csv) == 10 ]] || complain "the table has not one line per picture"
