@@ -36,6 +36,8 @@ static const char help[] =
     "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
     "  --heatmap FILE     a picture of where the error is (.png; .exr holds the numbers as well):\n"
     "                     black 0.1 %, then ticks at 1 % and 10 %, white 100 % of the irradiance\n"
+    "  --goal             solve for the camera's picture alone, and certify its mean luminance "
+    "too\n"
     "  --camera NAME      of the picture: one of `resolvent info SCENE` (default: the first)\n"
     "  --size WxH         of the picture (default 256x256)\n"
     "\n"
@@ -53,7 +55,14 @@ typedef struct settings {
     int quality, solver;
     rsv_certify_desc certify;
     uint32_t threads, seed;
+    bool goal;
 } settings;
+
+/// What a run found out.
+typedef struct findings {
+    rsv_certificate certificate;
+    rsv_goal_certificate goal;
+} findings;
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
@@ -83,6 +92,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--heatmap", .kind = CLI_TEXT, .value = &s->heat_map },
+        { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 32, .max = 16384 },
         { .name = NULL },
@@ -109,13 +119,20 @@ static rsv_status certify(
 }
 
 static rsv_status solve_and_certify(
-    cli_session *session, const settings *s, cli_subject *subject, rsv_certificate *certificate)
+    cli_session *session, const settings *s, cli_subject *subject, findings *found)
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+    uint32_t camera = rsv_scene_find_camera(subject->scene, s->camera);
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
-    rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
-    return status == RSV_OK ? certify(s, subject->solution, certificate) : status;
+    if (s->goal) desc.goal_camera = camera;
+    rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, &found->certificate);
+    if (status == RSV_OK) status = certify(s, subject->solution, &found->certificate);
+    rsv_certify_desc certify_desc = s->certify;
+    certify_desc.seed = s->seed;
+    if (status == RSV_OK && s->goal)
+        status = rsv_certify_goal(subject->solution, &certify_desc, camera, &found->goal);
+    return status;
 }
 
 /// A value, relative to the irradiance; and an interval where there is one.
@@ -139,8 +156,15 @@ static void print_certificate(const rsv_certificate *c)
     print_row(c, "estimate", c->error_estimate_rms, c->error_estimate_ci95);
 }
 
+static void print_goal(const rsv_goal_certificate *g)
+{
+    double percent = g->reading > 0 ? 100 / g->reading : 0;
+    printf("picture     %11.4g W/(sr m2), %.3f %% missing   (95 %%: %.3f .. %.3f %%)\n", g->reading,
+        percent * g->error, percent * g->error_ci95[0], percent * g->error_ci95[1]);
+}
+
 static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution,
-    const rsv_certificate *certificate)
+    const findings *found)
 {
     cli_stats stats = { .command = "certify",
         .scene = s->scene,
@@ -150,7 +174,8 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
         .threads = cli_thread_count(s->threads),
         .seed = s->seed,
         .report = rsv_solution_report(solution),
-        .certificate = certificate,
+        .certificate = &found->certificate,
+        .goal = s->goal ? &found->goal : NULL,
         .order_count = rsv_solution_order_count(solution),
         .standard_error = NAN };
     return cli_write_stats(s->stats, session, &stats);
@@ -159,7 +184,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
-    rsv_certificate certificate;
+    findings found;
     cli_subject subject;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     if (rsv_scene_find_camera(subject.scene, s->camera) == RSV_NONE) {
@@ -168,14 +193,15 @@ static int run(cli_session *session, const settings *s)
         cli_close_subject(&subject);
         return CLI_FAILURE;
     }
-    rsv_status status = solve_and_certify(session, s, &subject, &certificate);
+    rsv_status status = solve_and_certify(session, s, &subject, &found);
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     if (status != RSV_OK) {
         cli_report_failure(session, status);
     } else {
         cli_progress_clear(&session->progress);
-        print_certificate(&certificate);
-        if (!s->stats || write_stats(session, s, subject.solution, &certificate))
+        print_certificate(&found.certificate);
+        if (s->goal) print_goal(&found.goal);
+        if (!s->stats || write_stats(session, s, subject.solution, &found))
             exit_status = CLI_SUCCESS;
     }
     cli_close_subject(&subject);

@@ -33,6 +33,7 @@ static const char help[] =
     "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
     "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
+    "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
     "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
@@ -72,7 +73,7 @@ typedef struct settings {
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, seed, gather_rays;
     float exposure, occlusion_distance;
-    bool layers;
+    bool layers, goal;
 } settings;
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
@@ -91,6 +92,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .choices = cli_solver_names },
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
+        { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
         { .name = "--gather", .kind = CLI_COUNT, .value = &s->gather_rays, .max = 1 << 16 },
         { .name = "--occlusion-distance",
             .kind = CLI_REAL,
@@ -192,6 +194,7 @@ static rsv_status solve(
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
     desc.solver = (rsv_solver)s->solver;
     desc.seed = s->seed;
+    if (s->goal) desc.goal_camera = rsv_scene_find_camera(subject->scene, s->camera);
     bool is_certified = !subject->solution && s->target.share > 0;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
     if (status != RSV_OK || is_certified) return status;

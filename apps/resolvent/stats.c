@@ -122,6 +122,16 @@ static void add_certificate(cJSON *root, const rsv_certificate *c)
     cJSON_AddNumberToObject(object, "rays", (double)c->rays);
 }
 
+/// Mean luminance of a camera's picture, W/(sr m2).
+static void add_goal(cJSON *root, const rsv_goal_certificate *g)
+{
+    if (!g) return;
+    cJSON *object = cJSON_AddObjectToObject(root, "goal_certificate");
+    cJSON_AddNumberToObject(object, "reading", g->reading);
+    cJSON_AddNumberToObject(object, "error", g->error);
+    add_interval(object, "error_ci95", g->error_ci95);
+}
+
 /// Microseconds are digits enough.
 static void add_seconds(cJSON *times, const char *phase, double seconds)
 {
@@ -164,6 +174,7 @@ bool cli_write_stats(const char *path, const cli_session *session, const cli_sta
     add_settings(root, stats);
     add_solution(root, stats);
     add_certificate(root, stats->certificate);
+    add_goal(root, stats->goal);
     add_times(root, session, stats);
     cJSON_AddNumberToObject(root, "peak_rss_bytes", peak_rss_bytes());
     add_warnings(root, session);

@@ -15,6 +15,7 @@ typedef struct cli_stats {
     uint32_t threads, seed;
     const rsv_solve_report *report;     ///< NULL = nothing was solved
     const rsv_certificate *certificate; ///< NULL = nothing was solved
+    const rsv_goal_certificate *goal;   ///< NULL = there was none
     uint32_t order_count;
     double standard_error; ///< of the picture's mean, relative; NAN = unknown
     double time_render;

@@ -62,6 +62,20 @@ typedef struct rsv_certificate {
 RSV_API rsv_status rsv_certify(
     const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate);
 
+/// The error of one camera's picture: of its mean luminance, as far as it comes from diffuse surfaces.
+typedef struct rsv_goal_certificate {
+    double reading; ///< what the solution says, W/(sr m2)
+    double error;   ///< estimate of how much is missing there (negative: too much)
+    double error_ci95[2];
+} rsv_goal_certificate;
+
+/// With w the camera's weights and z = (I - (G K)*)^-1 w, the adjoint solution, the error <w, e> of the reading <w, E~> is
+/// <z, r>: residuals at points drawn by importance. Their signs count, so unlike in rsv_certify one estimate at a point
+/// would do, and what errs where the camera does not look is weighted by what comes of it.
+/// @param desc NULL = defaults
+RSV_API rsv_status rsv_certify_goal(const rsv_solution *solution, const rsv_certify_desc *desc,
+    uint32_t camera, rsv_goal_certificate *certificate);
+
 /// How good a solution must be, and what it may cost. Start from rsv_default_error_target().
 typedef struct rsv_error_target {
     double relative_error; ///< RMS(e) / irradiance_rms, 1e-4..1: 0.01 = 1 %

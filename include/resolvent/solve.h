@@ -40,6 +40,9 @@ typedef struct rsv_solve_desc {
     rsv_solver solver;      ///< of the orders beyond those that are kept one by one
     uint32_t max_orders;    ///< applications of the operator at most
     float tolerance;        ///< stop when the truncation bound is below this share of mean E
+    /// Index of a camera whose picture is all that matters: elements are spent on what it sees and on what lights
+    /// that, by importance (the adjoint solution). RSV_NONE (default) = all surfaces matter alike.
+    uint32_t goal_camera;
     uint32_t seed;
 } rsv_solve_desc;
 

@@ -111,6 +111,17 @@ static bool is_finest(const level_builder *b, size_t cell)
     return cell_size(b->elements, cell) * (float)(4u << levels) <= b->elements->spacing;
 }
 
+/// Whether a cell lies in one that is not worth splitting.
+static bool is_hidden(const level_builder *b, uint32_t cell)
+{
+    if (!b->desc->hidden) return false;
+    float u[3], v[3], weight[3];
+    for (int k = 0; k < 3; k++)
+        rsv_cell_corner(&b->elements->cell[cell], k, &u[k], &v[k]);
+    return b->desc->hidden[rsv_elements_locate(b->coarse, b->elements->cell[cell].face,
+        (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3, weight)];
+}
+
 /// Marks the cells on both sides of every edge across which light bends; counts them.
 static rsv_status mark_cells(level_builder *b, uint32_t level, size_t *marked)
 {
@@ -125,7 +136,9 @@ static rsv_status mark_cells(level_builder *b, uint32_t level, size_t *marked)
     }
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
-        if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c)) b->split[c] = 0;
+        if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c) ||
+            (b->split[c] && is_hidden(b, (uint32_t)c)))
+            b->split[c] = 0;
         *marked += b->split[c];
     }
 cleanup:
@@ -236,7 +249,8 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     b.split = rsv_alloc(context, coarse->cell_count, 1);
     if (!b.split) return RSV_ERROR_MEMORY;
     for (size_t c = 0; desc->direct && c < coarse->cell_count; c++)
-        b.split[c] = cell_size(coarse, c) > 0.25f * coarse->spacing;
+        b.split[c] =
+            cell_size(coarse, c) > 0.25f * coarse->spacing && !(desc->hidden && desc->hidden[c]);
     RSV_TRY(rsv_elements_refine(coarse, b.split, &b.elements));
     RSV_TRY(prepare_elements(&b));
     if (desc->direct) {

@@ -12,6 +12,8 @@ typedef struct rsv_source_level_desc {
     uint32_t photon_count;  ///< 0 = no caustics wanted
     uint32_t levels;        ///< splits below the coarse elements at most
     uint32_t light_samples; ///< shadow rays per node
+    const uint8_t *hidden;  ///< [cell_count of the coarse elements] non-zero = not worth splitting;
+                            ///< NULL = all are
     uint32_t seed;
 } rsv_source_level_desc;
 

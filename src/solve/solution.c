@@ -4,6 +4,8 @@
 #include "../operator/burial.h"
 #include "../operator/cluster.h"
 #include "../operator/contact.h"
+#include "../operator/elements_internal.h"
+#include "goal.h"
 
 #include <string.h>
 
@@ -22,6 +24,10 @@
 #define NODES_PER_SPLIT 2
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
+/// Elements are split for a goal until they are at most this much larger than wanted.
+#define GOAL_TOLERANCE 1.4f
+/// From this factor on, elements are not worth splitting where light bends.
+#define GOAL_IDLE 1.5f
 /// Places on each element where textured albedo is looked up.
 #define ALBEDO_POINTS 16
 
@@ -51,6 +57,7 @@ rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
     desc.direct_level = true;
     desc.max_orders = 4096;
     desc.tolerance = 1e-4f;
+    desc.goal_camera = RSV_NONE;
     desc.seed = 1;
     return desc;
 }
@@ -166,16 +173,25 @@ static rsv_status create_fine_levels(rsv_solution *s)
     rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
         .light_samples = s->desc.light_samples,
         .seed = s->desc.seed ^ 0x2545f491u };
+    rsv_status status = RSV_OK;
+    uint8_t *hidden = NULL;
+    if (s->desc.goal_camera != RSV_NONE) {
+        hidden = rsv_alloc(s->context, s->elements->cell_count, 1);
+        RSV_TRY(hidden ? RSV_OK : RSV_ERROR_MEMORY);
+        RSV_TRY(rsv_goal_hidden_cells(s, s->desc.goal_camera, hidden));
+    }
+    desc.hidden = hidden;
     rsv_source_level_desc direct_desc = desc, caustic_desc = desc;
     direct_desc.direct = true;
     caustic_desc.photon_count = s->desc.photon_count;
-    rsv_status status = RSV_OK;
     if (s->desc.direct_level && sampled)
         status = rsv_source_level_create(
             &s->scene, s->lights, s->elements, &direct_desc, &s->fine, &s->report.rays);
     if (status == RSV_OK && caustics)
         status = rsv_source_level_create(
             &s->scene, s->lights, s->elements, &caustic_desc, &s->caustics, &s->report.rays);
+cleanup:
+    rsv_free(s->context, hidden);
     return status;
 }
 
@@ -255,10 +271,17 @@ static size_t count_marked(const uint8_t *split, size_t count)
     return marked;
 }
 
+/// Leaves cells alone whose light hardly matters to the goal.
+static void unmark_idle(const rsv_goal *goal, const rsv_elements *e, uint8_t *split)
+{
+    for (uint32_t c = 0; goal->elements && c < e->cell_count; c++)
+        if (split[c] && rsv_goal_size_at(goal, e, c) > GOAL_IDLE) split[c] = 0;
+}
+
 /// Marks the cells over which indirect light bends, the strongest bends alone where all of them would take more nodes
 /// than there should be. @param any out: false if none are marked
 static rsv_status mark_bends(
-    const rsv_solution *s, const float *deviation, uint8_t *split, bool *any)
+    const rsv_solution *s, const rsv_goal *goal, const float *deviation, uint8_t *split, bool *any)
 {
     const rsv_elements *e = s->elements;
     float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, s->indirect);
@@ -270,6 +293,7 @@ static rsv_status mark_bends(
         memset(split, 0, e->cell_count);
         rsv_status status = rsv_find_bends(
             e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
+        unmark_idle(goal, e, split);
         size_t marked = count_marked(split, e->cell_count);
         *any = marked > 0 && rows + NODES_PER_SPLIT * marked <= most;
         if (status != RSV_OK || marked == 0 || *any) return status;
@@ -279,7 +303,7 @@ static rsv_status mark_bends(
 
 /// Splits coarse cells over which the first few orders of a pilot solution bend.
 /// @param refined out: false if there are none
-static rsv_status refine_by_pilot(rsv_solution *s, bool *refined)
+static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *refined)
 {
     rsv_status status = RSV_OK;
     uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
@@ -298,7 +322,7 @@ static rsv_status refine_by_pilot(rsv_solution *s, bool *refined)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
     rsv_mark_buried(s->elements, s->valid_points, deviation);
-    RSV_TRY(mark_bends(s, deviation, split, refined));
+    RSV_TRY(mark_bends(s, goal, deviation, split, refined));
     destroy_system(s);
     if (*refined) RSV_TRY(split_marked(s, split));
 cleanup:
@@ -308,17 +332,53 @@ cleanup:
     return status;
 }
 
+/// Splits cells that are too large for what they matter; one round halves them.
+static rsv_status split_for_goal(rsv_solution *s, const rsv_goal *goal)
+{
+    const rsv_elements *e = s->elements;
+    uint8_t *split = rsv_alloc(s->context, e->cell_count, 1);
+    if (!split) return RSV_ERROR_MEMORY;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        float size = sqrtf(2 * rsv_cell_area(e, c));
+        split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
+                   size > GOAL_TOLERANCE * e->spacing * rsv_goal_size_at(goal, e, c);
+    }
+    rsv_status status = split_marked(s, split);
+    rsv_free(s->context, split);
+    return status;
+}
+
+/// Learns on coarse elements what matters to the goal, and refines them accordingly.
+static rsv_status refine_for_goal(rsv_solution *s, rsv_goal *goal)
+{
+    rsv_status status;
+    RSV_TRY(create_albedos(s));
+    RSV_TRY(assemble(s, PILOT_RAYS));
+    RSV_TRY(rsv_goal_create(s, s->desc.goal_camera, goal));
+    destroy_system(s);
+    for (float size = RSV_GOAL_COARSEST; size > 1; size /= 2)
+        RSV_TRY(split_for_goal(s, goal));
+cleanup:
+    return status;
+}
+
 static rsv_status create_elements(rsv_solution *s)
 {
     rsv_status status;
+    rsv_goal goal = { 0 };
+    bool has_goal = s->desc.goal_camera != RSV_NONE && reflects_diffusely(s);
     float spacing = spacing_for(s, s->desc.element_target);
-    RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, spacing, &s->elements));
+    RSV_TRY(rsv_elements_create(
+        s->scene.scene, s->bsdf, has_goal ? RSV_GOAL_COARSEST * spacing : spacing, &s->elements));
+    s->elements->spacing = spacing;
     RSV_TRY(rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays));
     RSV_TRY(prepare_elements(s));
+    if (has_goal) RSV_TRY(refine_for_goal(s, &goal));
     bool refined = reflects_diffusely(s);
     for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++)
-        RSV_TRY(refine_by_pilot(s, &refined));
+        RSV_TRY(refine_by_pilot(s, &goal, &refined));
 cleanup:
+    rsv_goal_destroy(&goal);
     return status;
 }
 
@@ -428,6 +488,10 @@ rsv_status rsv_solution_create(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
 {
     rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    size_t cameras = rsv_scene_get_view(scene)->camera_count;
+    if (settings.goal_camera != RSV_NONE && settings.goal_camera >= cameras)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: goal_camera is %u; the scene has %zu cameras",
+            settings.goal_camera, cameras);
     rsv_solution *s = NULL;
     rsv_status status = rsv_solution_prepare(scene, &settings, &s);
     if (status != RSV_OK) return status;

@@ -27,6 +27,10 @@ succeeds certify furnace --quality draft --samples 16 --rays 8 --heatmap heat.pn
 [[ -s heat.png ]] || complain "no picture of the error"
 
 succeeds certify furnace --quality draft --error 3%
+succeeds certify furnace --quality draft --samples 16 --rays 8 --goal --stats goal.json
+says '^picture .* missing'
+grep -q '"goal_certificate":' goal.json || complain "the statistics lack the goal"
+succeeds render furnace -o goal.exr --quality draft --size 16x16 --goal
 succeeds certify cornell-blocks --quality draft --error 0.001 --max-elements 1000
 warns 'budget of elements'
 refuses 2 'share from 0.01% to 100%' certify furnace --error 0

@@ -167,6 +167,81 @@ static void a_solution_without_caustics_confesses(void **state)
     check_against_truth("cornell-spheres", &desc, 192, 0.6);
 }
 
+// ---- goals --------------------------------------------------------------------------------------
+
+/// The adjoint identity <w, e> = <z, r>, with an error that is known: what scaling adds to the reading.
+static void the_error_of_a_picture_is_found_by_importance(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.8f, 1 / RSV_PI), v3(0, 0, 0), v3(1, 1, 1));
+    rsv_camera camera =
+        rsv_camera_look_at("corner", v3(0.2f, 0.3f, 0.9f), v3(0.8f, 0.5f, 0), 0.9f, 1.5f);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    rsv_solve_desc desc = draft(200);
+    desc.tolerance = 1e-6f;
+    rsv_solution *s = solve(w, &desc);
+    scale_solution(s, 1.02f);
+    rsv_certify_desc certify_desc = { .samples = 512, .gather_rays = 64, .light_samples = 4 };
+    rsv_goal_certificate c;
+    assert_int_equal(rsv_certify_goal(s, &certify_desc, 0, &c), RSV_OK);
+    // E = 5 all over, B = 0.8 * 5
+    assert_close(c.reading, 1.02 * 4 / (double)RSV_PI, 2e-3);
+    assert_close(c.error, -0.02 * 4 / (double)RSV_PI, 1e-3 * 4 / (double)RSV_PI);
+    assert_true(c.error_ci95[0] <= c.error && c.error <= c.error_ci95[1]);
+    assert_int_equal(rsv_certify_goal(s, &certify_desc, 7, &c), RSV_ERROR_ARGUMENT);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+static void a_rooms_picture_errs_as_importance_says(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_solve_desc desc = draft(1500);
+    rsv_solution *s = solve(w, &desc);
+    rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 128, .light_samples = 16 };
+    rsv_goal_certificate before, after;
+    assert_int_equal(rsv_certify_goal(s, &certify_desc, 0, &before), RSV_OK);
+    scale_solution(s, 0.8f);
+    assert_int_equal(rsv_certify_goal(s, &certify_desc, 0, &after), RSV_OK);
+    assert_true(fabs(before.error) < 0.02 * before.reading);
+    assert_close(after.reading, 0.8 * before.reading, 1e-4 * before.reading);
+    assert_close(after.error - before.error, 0.2 * before.reading, 0.01 * before.reading);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// What a camera does not see, and what does not light it, gets few elements.
+static void a_goal_spends_elements_where_they_count(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "two-rooms");
+    rsv_solve_desc desc = draft(1200);
+    desc.direct_levels = 1;
+    rsv_solution *all = solve(w, &desc);
+    desc.goal_camera = 0;
+    rsv_solution *goal = solve(w, &desc);
+    const rsv_solve_report *a = rsv_solution_report(all), *g = rsv_solution_report(goal);
+    assert_true(3 * (g->elements + g->direct_elements) < a->elements + a->direct_elements);
+    rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 64, .light_samples = 16 };
+    rsv_goal_certificate of_all, of_goal;
+    assert_int_equal(rsv_certify_goal(all, &certify_desc, 0, &of_all), RSV_OK);
+    assert_int_equal(rsv_certify_goal(goal, &certify_desc, 0, &of_goal), RSV_OK);
+    // both pictures agree, each within its own certificate
+    double truth[2] = { of_all.reading + of_all.error, of_goal.reading + of_goal.error };
+    double doubt = of_all.error_ci95[1] - of_all.error + of_goal.error_ci95[1] - of_goal.error;
+    assert_close(truth[0], truth[1], doubt + 0.02 * of_all.reading);
+    desc.goal_camera = 99;
+    rsv_solution *none = NULL;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &none), RSV_ERROR_ARGUMENT);
+    assert_null(none);
+    rsv_solution_destroy(all);
+    rsv_solution_destroy(goal);
+    world_end(w);
+}
+
 // ---- error targets ------------------------------------------------------------------------------
 
 static rsv_solution *pursue(
@@ -391,6 +466,9 @@ int main(void)
         cmocka_unit_test(a_coarse_solution_confesses),
         cmocka_unit_test(a_noisy_solution_confesses),
         cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
+        cmocka_unit_test(a_rooms_picture_errs_as_importance_says),
+        cmocka_unit_test(a_goal_spends_elements_where_they_count),
         cmocka_unit_test(refinement_reaches_its_target),
         cmocka_unit_test(budgets_end_refinement),
         cmocka_unit_test(unusable_targets_are_refused),

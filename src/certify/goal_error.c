@@ -1,0 +1,188 @@
+/// <z, r>: the error of one picture, from residuals where they matter to it.
+#include "../operator/elements_internal.h"
+#include "../solve/goal.h"
+#include "moments.h"
+#include "residual.h"
+#include "resolvent/certify.h"
+
+#define SEED_OF_GOAL 0x94d049bbu
+/// Camera rays each way that weigh what is seen.
+#define SIDE 256
+/// Part of the points that are spread evenly, lest a spot of no importance on elements have some in truth.
+#define EVEN_SHARE 0.1
+
+typedef struct goal_job {
+    const rsv_solution *solution;
+    rsv_certify_desc desc;
+    uint32_t seed;
+    rsv_rgb *density; ///< [node_count] z per area
+    double *below;    ///< [cell_count + 1] chances of the cells before each
+    double *term;     ///< [desc.samples] (z r) / density of the point
+} goal_job;
+
+static double importance_of(const goal_job *job, uint32_t cell)
+{
+    const uint32_t *node = job->solution->elements->cell_node[cell];
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        rsv_rgb d = job->density[node[k]];
+        sum += (double)(fabsf(d.r) + fabsf(d.g) + fabsf(d.b));
+    }
+    return sum / 3;
+}
+
+/// Chances of cells: by importance times area, but for a share by area alone.
+static void set_chances(goal_job *job)
+{
+    const rsv_elements *e = job->solution->elements;
+    double total = 0, area = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        total += importance_of(job, c) * (double)rsv_cell_area(e, c);
+        area += (double)rsv_cell_area(e, c);
+    }
+    double even = total > 0 ? EVEN_SHARE : 1;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        double by_area = (double)rsv_cell_area(e, c) / area;
+        double chance = even * by_area;
+        if (total > 0)
+            chance += (1 - even) * importance_of(job, c) * (double)rsv_cell_area(e, c) / total;
+        job->below[c + 1] = job->below[c] + chance;
+    }
+}
+
+static uint32_t cell_at(const goal_job *job, double chance)
+{
+    size_t low = 0, high = job->solution->elements->cell_count - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (job->below[middle + 1] > chance)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return (uint32_t)low;
+}
+
+/// Point k, one per strip of equal chance. @return its density, 1/m2
+static double draw_point(const goal_job *job, uint32_t k, rsv_face_point *point)
+{
+    const rsv_elements *e = job->solution->elements;
+    rsv_random random = rsv_random_from(job->seed, k, 0x41d3u);
+    double total = job->below[e->cell_count];
+    double strip = ((double)k + (double)rsv_random_float(&random)) / job->desc.samples;
+    uint32_t cell = cell_at(job, strip * total);
+    float x = rsv_random_float(&random), s, t, u[3], v[3];
+    rsv_square_to_triangle(x, rsv_random_float(&random), &s, &t);
+    for (int corner = 0; corner < 3; corner++)
+        rsv_cell_corner(&e->cell[cell], corner, &u[corner], &v[corner]);
+    *point = (rsv_face_point){ e->cell[cell].face, (1 - s - t) * u[0] + s * u[1] + t * u[2],
+        (1 - s - t) * v[0] + s * v[1] + t * v[2] };
+    double chance = (job->below[cell + 1] - job->below[cell]) / total;
+    return chance / (double)rsv_cell_area(e, cell);
+}
+
+static double measure_term(const goal_job *job, const rsv_residual_job *residual, uint32_t k)
+{
+    const rsv_solution *s = job->solution;
+    rsv_face_point point;
+    uint64_t rays = 0;
+    uint32_t stream = rsv_hash3(job->seed, k, 0x2ab1u);
+    double density = draw_point(job, k, &point);
+    if (!(density > 0) || rsv_point_is_buried(&s->scene, s->elements, &point, stream, &rays))
+        return 0;
+    rsv_residual r = rsv_residual_at(residual, &point, stream);
+    rsv_rgb z = rsv_elements_interpolate(s->elements, job->density, point.face, point.u, point.v);
+    rsv_rgb term = rgb_mul(z, rgb_scale(rgb_add(r.residual[0], r.residual[1]), 0.5f));
+    double value = ((double)term.r + (double)term.g + (double)term.b) / density;
+    return isfinite(value) ? value : 0;
+}
+
+static rsv_status measure_terms(goal_job *job)
+{
+    rsv_context *context = job->solution->context;
+    rsv_residual_job residual =
+        rsv_residual_job_of(job->solution, job->desc.gather_rays, job->desc.light_samples);
+#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context))
+    for (uint32_t k = 0; k < job->desc.samples; k++)
+        if (!rsv_cancelled(context)) job->term[k] = measure_term(job, &residual, k);
+    return rsv_progress(context, "certify", 1);
+}
+
+/// E~ at a node; the coarse elements' own direct light where the solution leaves that to the renderer.
+static rsv_rgb irradiance_at_node(const rsv_solution *s, uint32_t node)
+{
+    const rsv_elements *e = s->elements;
+    uint32_t face;
+    float u, v;
+    if (!s->desc.direct_level || e->support_begin[node] == e->support_begin[node + 1])
+        return rgb_add(s->source[node], s->indirect[node]);
+    rsv_elements_place_node(e, node, &face, &u, &v);
+    return rsv_solution_irradiance(s, e->face_triangle[face], u, v, e->face_back[face], RSV_NONE);
+}
+
+/// <w, E~>: what the picture shows of diffuse surfaces.
+static double reading_of(const rsv_solution *s, const rsv_rgb *weight)
+{
+    double sum = 0;
+    for (uint32_t n = 0; n < s->elements->node_count; n++) {
+        if (rgb_is_black(weight[n])) continue;
+        rsv_rgb seen = rgb_mul(weight[n], irradiance_at_node(s, n));
+        sum += (double)seen.r + (double)seen.g + (double)seen.b;
+    }
+    return sum;
+}
+
+static rsv_status find_importance(goal_job *job, uint32_t camera, rsv_goal_certificate *certificate)
+{
+    const rsv_solution *s = job->solution;
+    rsv_status status;
+    rsv_rgb *weight = rsv_alloc(s->context, s->elements->node_count, sizeof *weight);
+    RSV_TRY(weight ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_goal_weights(s, camera, SIDE, weight));
+    certificate->reading = reading_of(s, weight);
+    RSV_TRY(rsv_goal_importance(s, weight, job->density));
+    rsv_goal_density(s->elements, job->density);
+cleanup:
+    rsv_free(s->context, weight);
+    return status;
+}
+
+static rsv_status check(const rsv_solution *s, const rsv_certify_desc *desc, uint32_t camera)
+{
+    if (camera >= s->scene.view->camera_count)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "certify: camera %u does not exist, the scene has %zu",
+            camera, s->scene.view->camera_count);
+    if (desc->samples < 16 || desc->samples > 1u << 24 || desc->gather_rays < 1 ||
+        desc->gather_rays > 1u << 16 || desc->light_samples < 2 || desc->light_samples > 1u << 16)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "certify: samples (%u) must be 16 to 16777216, gather_rays (%u) 1 to 65536, "
+            "light_samples (%u) 2 to 65536",
+            desc->samples, desc->gather_rays, desc->light_samples);
+    return RSV_OK;
+}
+
+rsv_status rsv_certify_goal(const rsv_solution *s, const rsv_certify_desc *desc, uint32_t camera,
+    rsv_goal_certificate *certificate)
+{
+    rsv_status status;
+    goal_job job = { .solution = s, .desc = desc ? *desc : rsv_default_certify_desc() };
+    *certificate = (rsv_goal_certificate){ 0 };
+    RSV_TRY(check(s, &job.desc, camera));
+    if (s->elements->cell_count == 0) return RSV_OK;
+    job.seed = rsv_hash2(job.desc.seed, SEED_OF_GOAL);
+    job.density = rsv_alloc(s->context, s->elements->node_count, sizeof *job.density);
+    job.below = rsv_alloc(s->context, s->elements->cell_count + 1, sizeof *job.below);
+    job.term = rsv_alloc(s->context, job.desc.samples, sizeof *job.term);
+    RSV_TRY(job.density && job.below && job.term ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(find_importance(&job, camera, certificate));
+    set_chances(&job);
+    RSV_TRY(measure_terms(&job));
+    rsv_moments error = rsv_moments_of(job.term, job.desc.samples);
+    certificate->error = error.mean;
+    certificate->error_ci95[0] = error.ci95[0], certificate->error_ci95[1] = error.ci95[1];
+cleanup:
+    rsv_free(s->context, job.density);
+    rsv_free(s->context, job.below);
+    rsv_free(s->context, job.term);
+    return status;
+}

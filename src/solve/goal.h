@@ -1,0 +1,47 @@
+/// Elements for one picture: importance says where errors are seen.
+///
+/// w is what a unit of irradiance at each node adds to the picture's mean luminance, and z = (I - (G K)*)^-1 w what a unit
+/// of *source* there does, after all reflections. An element far from what matters may be larger: by the root of how
+/// much less important its area is, since what it adds to the picture's squared error goes with both.
+#ifndef RSV_GOAL_H
+#define RSV_GOAL_H
+
+#include "../operator/elements.h"
+#include "resolvent/solve.h"
+
+struct rsv_solution;
+
+/// Elements of a goal start larger by this, and are split where that is too large.
+#define RSV_GOAL_COARSEST 4.0f
+
+/// How much larger than usual elements may be.
+typedef struct rsv_goal {
+    rsv_elements *elements; ///< where that was found out
+    rsv_rgb *size;          ///< [node_count] factor 1..RSV_GOAL_COARSEST, in all channels
+} rsv_goal;
+
+/// w of a camera's picture, times the weights of luminance: <w, E> over the free nodes and channels is the mean
+/// luminance that comes from diffuse surfaces.
+/// @param side camera rays across and down @param weight [node_count] of solution->elements
+rsv_status rsv_goal_weights(
+    const struct rsv_solution *solution, uint32_t camera, uint32_t side, rsv_rgb *weight);
+
+/// z for given w. Needs rows and albedos, no solution. @param importance [node_count]
+rsv_status rsv_goal_importance(
+    const struct rsv_solution *solution, const rsv_rgb *weight, rsv_rgb *importance);
+
+/// Importance per area, for evaluation between nodes. @param importance in and out, hanging nodes filled
+void rsv_goal_density(const rsv_elements *elements, rsv_rgb *importance);
+
+/// Finds the sizes for a camera's picture from rows and albedos on coarse elements.
+rsv_status rsv_goal_create(const struct rsv_solution *solution, uint32_t camera, rsv_goal *goal);
+void rsv_goal_destroy(rsv_goal *goal);
+
+/// How much larger than usual a cell of finer elements may be.
+float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *elements, uint32_t cell);
+
+/// Cells whose light the camera does not see. @param hidden [cell_count] of solution->elements
+rsv_status rsv_goal_hidden_cells(
+    const struct rsv_solution *solution, uint32_t camera, uint8_t *hidden);
+
+#endif
