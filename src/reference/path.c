@@ -30,6 +30,7 @@ typedef struct light_path {
     /// The lights as the last surface sees them that next-event estimation knows of: above it and
     /// below, and on which of these sides the ray left.
     rsv_local_lights local[2];
+    bool aimed[2]; ///< whether they are set
     bool below;
     rsv_path_light *light;
 } light_path;
@@ -300,15 +301,14 @@ static void choose_sides(const surface *s, bool aim[2])
 
 static void gather_sources(light_path *path, const surface *s, float u_select, float u1, float u2)
 {
-    bool aim[2];
-    choose_sides(s, aim);
+    choose_sides(s, path->aimed);
     for (int below = 0; below < 2; below++) {
-        if (!aim[below]) continue;
+        if (!path->aimed[below]) continue;
         rsv_vec3 normal = below ? v3_neg(s->normal) : s->normal;
         rsv_lights_at(path->tracer->lights, s->point, normal, &path->local[below]);
         add_emitter_sample(path, s, below, u_select, u1, u2);
     }
-    if (aim[0] || aim[1]) add_punctual_lights(path, s, aim[1]);
+    if (path->aimed[0] || path->aimed[1]) add_punctual_lights(path, s, path->aimed[1]);
 }
 
 /// The surface where light entered that leaves at `exit`, seen as from straight above.
@@ -334,6 +334,7 @@ static bool scatter_below(light_path *path, const surface *exit, rsv_rgb leaving
         return false;
     path->throughput = rgb_mul(path->throughput, rgb_mul(leaving, share));
     path->throughput = rgb_mul(path->throughput, exit->bsdf->exitance_albedo);
+    if (rgb_is_black(path->throughput)) return false;
     surface entry;
     enter_surface(path->tracer, exit, &in, &entry);
     next_pair(&path->numbers, &u_select, &u_unused);
@@ -380,7 +381,8 @@ static bool scatter(light_path *path, const surface *s)
     float rise = v3_dot(s->geometric_normal, sample.direction);
     if (transmitted ? rise >= 0 : rise <= 0) return false;
     path->throughput = rgb_mul(path->throughput, sample.weight);
-    path->pdf_solid_angle = sample.pdf_solid_angle;
+    if (rgb_is_black(path->throughput)) return false;
+    path->pdf_solid_angle = path->aimed[transmitted] ? sample.pdf_solid_angle : 0;
     path->below = transmitted;
     path->medium = medium_beside(path, s, transmitted);
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;

@@ -298,6 +298,24 @@ static void rectangular_light_matches_lamberts_formula(void **state)
     finish(f);
 }
 
+/// Black walls aim at no light, so nothing that their paths find may be weighed against aiming.
+static void black_rooms_show_their_lamp_alone(void **state)
+{
+    (void)state;
+    fixture *f = start(0);
+    rsv_shape room = { f->scene, "room", add_lambert(f, 0, 0), NULL };
+    assert_int_equal(rsv_add_room(room, v3(-1, -1, -1), v3(1, 1, 1)), RSV_OK);
+    uint32_t lamp = add_lambert(f, 0, 3);
+    add_quad(f, lamp, v3(-0.2f, -0.2f, 0.9f), v3(-0.2f, 0.2f, 0.9f), v3(0.2f, 0.2f, 0.9f),
+        v3(0.2f, -0.2f, 0.9f));
+    commit_with_camera(f, v3(0, 0, 0), v3(0.5f, 0, -1), 60);
+    double error;
+    rsv_image *image = render(f, 32, 64, false, &error);
+    assert_float_equal(mean_green(image, 0), 0, 0);
+    rsv_image_destroy(image);
+    finish(f);
+}
+
 static void near_rectangular_light_matches_lamberts_formula(void **state)
 {
     (void)state;
@@ -518,6 +536,7 @@ int main(void)
         cmocka_unit_test(many_point_lights_add_up),
         cmocka_unit_test(point_light_shines_through_thin_glass),
         cmocka_unit_test(rectangular_light_matches_lamberts_formula),
+        cmocka_unit_test(black_rooms_show_their_lamp_alone),
         cmocka_unit_test(near_rectangular_light_matches_lamberts_formula),
         cmocka_unit_test(mirror_adds_the_clipped_image_of_the_light),
         cmocka_unit_test(interreflection_in_a_cube_matches_the_continuous_solution),
