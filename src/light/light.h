@@ -1,5 +1,6 @@
 /// Every source of a committed scene, and how to sample them: emissive triangles ("emitters"),
-/// punctual lights and the environment.
+/// punctual lights and the environment. Triangles of textured brightness are divided into cells that are emitters each,
+/// so that all that is chosen by brightness is chosen by the texture's.
 ///
 /// Emitters that share object and material form a group: the unit of decisions such as whether a
 /// source is so large that gathering finds it better than next-event estimation.
@@ -17,7 +18,9 @@ typedef struct rsv_emitter {
     rsv_rgb radiance; ///< its mean, if the emission is textured
     float area;
     uint32_t triangle; ///< in the scene
+    float u[3], v[3];  ///< of the corners, on that triangle
     uint32_t group;
+    uint8_t level; ///< the triangle is divided into 4^level emitters
     bool double_sided;
     bool varies; ///< the emission is textured
 } rsv_emitter;
@@ -46,7 +49,7 @@ typedef struct rsv_lights {
     rsv_emitter *emitter;
     rsv_emitter_group *group;
     size_t emitter_count, group_count;
-    uint32_t *triangle_emitter; ///< [triangle_count]; RSV_NONE = not an emitter
+    uint32_t *triangle_emitter; ///< [triangle_count] the first of its emitters; RSV_NONE = none
     uint32_t *sampled;          ///< indices of the emitters that next-event estimation samples
     size_t sampled_count;
     rsv_light_tree *emitter_tree; ///< over `sampled`; NULL = RSV_LOCAL_LIGHTS or fewer
@@ -61,7 +64,10 @@ typedef struct rsv_lights {
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights);
 void rsv_lights_destroy(rsv_lights *lights);
 
-/// Radiance of an emitter at barycentric (u, v).
+/// The emitter at barycentric (u, v) of a triangle; RSV_NONE = it does not emit.
+uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v);
+
+/// Radiance of an emitter at barycentric (u, v) of the emitter itself.
 rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v);
 
 /// Luminance flux of both sides that emit, W.

@@ -57,6 +57,13 @@ RSV_INLINE double rsv_rounding_height(const rsv_vec3 *corner, int corner_count, 
 /// Whether `point` is above a side that emits, by more than the rounding of its coordinates.
 bool rsv_emitter_faces(const rsv_emitter *emitter, rsv_vec3 point);
 
+/// Whether a surface of this material is brighter here than there.
+bool rsv_emission_varies(const rsv_material *material);
+
+/// One of the 4^level cells of a triangle, with its mean radiance; all of its group is left to be set.
+rsv_emitter rsv_emitter_create(
+    const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell);
+
 /// Builds the trees, where there are enough lights for them.
 rsv_status rsv_lights_plant_trees(rsv_lights *lights);
 

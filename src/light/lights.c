@@ -2,76 +2,8 @@
 #include "light_internal.h"
 
 #include "../core/core_internal.h"
-#include "../scene/material_at.h"
 
 #include <stdlib.h>
-
-/// Places on a textured emitter from which its mean radiance is estimated.
-#define RADIANCE_POINTS 64
-
-/// Where a surface does not cover, it does not shine.
-static rsv_rgb emission_at(
-    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
-{
-    rsv_material m = rsv_material_at(scene, triangle, u, v, width);
-    return rgb_scale(m.emission, m.opacity);
-}
-
-/// Mean over the triangle, each place standing for its share of the area.
-static rsv_rgb mean_radiance(const rsv_scene_view *scene, uint32_t triangle, float area)
-{
-    rsv_rgb sum = rgb_gray(0);
-    float width = sqrtf(area / RADIANCE_POINTS);
-    for (uint32_t k = 0; k < RADIANCE_POINTS; k++) {
-        float x, y, u, v;
-        rsv_sobol_2d(k, 0, &x, &y);
-        rsv_square_to_triangle(x, y, &u, &v);
-        sum = rgb_add(sum, emission_at(scene, triangle, u, v, width));
-    }
-    return rgb_scale(sum, 1.0f / RADIANCE_POINTS);
-}
-
-rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v)
-{
-    const rsv_emitter *e = &lights->emitter[emitter];
-    if (!e->varies) return e->radiance;
-    return emission_at(lights->scene, e->triangle, u, v, 0);
-}
-
-static bool emission_varies(const rsv_material *m)
-{
-    if (m->alpha_cutoff == 0 && m->opacity < 1) return true;
-    for (size_t i = 0; i < m->texture_count; i++)
-        if (m->textures[i].role == RSV_TEXTURE_EMISSION ||
-            m->textures[i].role == RSV_TEXTURE_OPACITY)
-            return true;
-    return false;
-}
-
-static rsv_emitter emitter_from_triangle(
-    const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle)
-{
-    const uint32_t *index = scene->triangle[triangle];
-    const rsv_bsdf *material = &bsdf[scene->triangle_material[triangle]];
-    rsv_emitter emitter = {
-        .radiance = material->emission, .triangle = triangle, .double_sided = material->double_sided
-    };
-    for (int i = 0; i < 3; i++)
-        emitter.corner[i] = scene->position[index[i]];
-    rsv_vec3 cross = v3_cross(
-        v3_sub(emitter.corner[1], emitter.corner[0]), v3_sub(emitter.corner[2], emitter.corner[0]));
-    emitter.normal = v3_normalize(cross);
-    emitter.area = 0.5f * v3_length(cross);
-    emitter.varies = emission_varies(&scene->material[scene->triangle_material[triangle]]);
-    if (emitter.varies) emitter.radiance = mean_radiance(scene, triangle, emitter.area);
-    return emitter;
-}
-
-double rsv_emitter_power(const rsv_emitter *emitter)
-{
-    int sides = emitter->double_sided ? 2 : 1;
-    return sides * (double)RSV_PI * rgb_luminance(emitter->radiance) * emitter->area;
-}
 
 /// What orders the emitters: those of one group (object, material) side by side.
 typedef struct emitter_key {
@@ -94,7 +26,7 @@ static bool is_emissive(const rsv_bsdf *bsdf)
 }
 
 /// Keys of the emissive triangles, in order.
-static rsv_status collect_emitters(rsv_context *context, const rsv_scene_view *scene,
+static rsv_status collect_triangles(rsv_context *context, const rsv_scene_view *scene,
     const rsv_bsdf *bsdf, emitter_key **keys, size_t *count)
 {
     *count = 0;
@@ -114,20 +46,52 @@ static bool same_group(const emitter_key *a, const emitter_key *b)
     return a->object == b->object && a->material == b->material;
 }
 
-static void fill_emitters(rsv_lights *lights, const rsv_bsdf *bsdf, const emitter_key *keys)
+static void add_emitter(rsv_lights *lights, const rsv_emitter *emitter)
 {
-    for (size_t i = 0; i < lights->emitter_count; i++) {
+    rsv_emitter_group *group = &lights->group[emitter->group];
+    group->count++;
+    group->area += emitter->area;
+    group->power += rsv_emitter_power(emitter);
+    lights->emitter[lights->emitter_count++] = *emitter;
+}
+
+static void fill_emitters(
+    rsv_lights *lights, const rsv_bsdf *bsdf, const emitter_key *keys, size_t count, int level)
+{
+    const rsv_scene_view *scene = lights->scene;
+    for (size_t i = 0; i < count; i++) {
         if (i == 0 || !same_group(&keys[i], &keys[i - 1]))
-            lights->group[lights->group_count++].first = (uint32_t)i;
-        rsv_emitter *emitter = &lights->emitter[i];
-        *emitter = emitter_from_triangle(lights->scene, bsdf, keys[i].triangle);
-        emitter->group = (uint32_t)lights->group_count - 1;
-        lights->triangle_emitter[emitter->triangle] = (uint32_t)i;
-        rsv_emitter_group *group = &lights->group[emitter->group];
-        group->count++;
-        group->area += emitter->area;
-        group->power += rsv_emitter_power(emitter);
+            lights->group[lights->group_count++].first = (uint32_t)lights->emitter_count;
+        lights->triangle_emitter[keys[i].triangle] = (uint32_t)lights->emitter_count;
+        bool varies = rsv_emission_varies(&scene->material[keys[i].material]);
+        uint32_t cells = varies ? 1u << 2 * level : 1;
+        for (uint32_t cell = 0; cell < cells; cell++) {
+            rsv_emitter emitter =
+                rsv_emitter_create(scene, bsdf, keys[i].triangle, varies ? level : 0, cell);
+            emitter.group = (uint32_t)lights->group_count - 1;
+            add_emitter(lights, &emitter);
+        }
     }
+}
+
+/// Textured triangles are divided into 4^MOST_LEVEL cells at most, as far as all emitters together stay few enough for
+/// closed forms, or at least for a tree that is quickly built.
+#define MOST_LEVEL 3
+#define MOST_CELLS 4096
+
+/// @param count in: triangles; out: emitters that they are divided into
+static int cell_level(const rsv_scene_view *scene, const emitter_key *keys, size_t *count)
+{
+    size_t varying = 0;
+    for (size_t i = 0; i < *count; i++)
+        varying += rsv_emission_varies(&scene->material[keys[i].material]);
+    size_t plain = *count - varying;
+    size_t most = plain + 4 * varying <= RSV_LOCAL_LIGHTS ? RSV_LOCAL_LIGHTS : MOST_CELLS;
+    int level = 0;
+    while (varying && level < MOST_LEVEL && plain + (varying << 2 * (level + 1)) <= most)
+        level++;
+    *count = plain + (varying << 2 * level);
+    return level;
 }
 
 /// Lists the emitters of groups that are not gathered.
@@ -173,20 +137,21 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     if (!created) return RSV_ERROR_MEMORY;
     created->context = context;
     created->scene = view;
-    RSV_TRY(collect_emitters(context, view, bsdf, &keys, &count));
-    created->emitter_count = count;
-    created->emitter = rsv_alloc(context, count, sizeof *created->emitter);
+    RSV_TRY(collect_triangles(context, view, bsdf, &keys, &count));
+    size_t emitters = count;
+    int level = cell_level(view, keys, &emitters);
+    created->emitter = rsv_alloc(context, emitters, sizeof *created->emitter);
     created->group = rsv_alloc(context, count, sizeof *created->group);
     created->triangle_emitter =
         rsv_alloc(context, view->triangle_count, sizeof *created->triangle_emitter);
     created->punctual = rsv_alloc(context, view->light_count, sizeof *created->punctual);
-    created->sampled = rsv_alloc(context, count, sizeof *created->sampled);
+    created->sampled = rsv_alloc(context, emitters, sizeof *created->sampled);
     bool complete = created->emitter && created->group && created->triangle_emitter &&
                     created->punctual && created->sampled;
     RSV_TRY(complete ? RSV_OK : RSV_ERROR_MEMORY);
     for (size_t i = 0; i < view->triangle_count; i++)
         created->triangle_emitter[i] = RSV_NONE;
-    fill_emitters(created, bsdf, keys);
+    fill_emitters(created, bsdf, keys, count, level);
     rsv_lights_choose_gathered(created);
     list_sampled(created);
     list_punctual(created);

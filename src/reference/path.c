@@ -161,7 +161,7 @@ static void add_emission(light_path *path, const surface *s, float distance)
     const rsv_lights *lights = path->tracer->lights;
     if (s->bsdf->unlit && path->diffuse_events == 0 && (s->front || s->bsdf->double_sided))
         add_light(path, 0, rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission));
-    uint32_t index = lights->triangle_emitter[s->triangle];
+    uint32_t index = rsv_emitter_at(lights, s->triangle, s->u, s->v);
     if (index == RSV_NONE) return;
     const rsv_emitter *emitter = &lights->emitter[index];
     if (!s->front && !emitter->double_sided) return;

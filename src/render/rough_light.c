@@ -116,7 +116,7 @@ rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *ligh
 float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_chain *chain, const rsv_rough_departure *departure)
 {
-    uint32_t emitter = lights->triangle_emitter[chain->triangle];
+    uint32_t emitter = rsv_emitter_at(lights, chain->triangle, chain->u, chain->v);
     if (departure->pdf_solid_angle == 0 || emitter == RSV_NONE ||
         lights->group[lights->emitter[emitter].group].gathered)
         return 1;

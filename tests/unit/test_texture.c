@@ -348,6 +348,43 @@ static void emitters_shine_as_bright_as_their_texels(void **state)
     rsv_scene_destroy(scene);
 }
 
+/// One texel of 256 shines: chosen by area, one sample in 256 would find it, and their relative standard deviation
+/// would be 16.
+static void textured_emitters_are_sampled_by_brightness(void **state)
+{
+    enum { SIDE = 16, SAMPLES = 4096 };
+    fixture *f = *state;
+    uint8_t codes[SIDE * SIDE] = { 0 };
+    codes[5 * SIDE + 9] = 255;
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    rsv_material m = lambert(0);
+    m.emission = rgb_gray(100);
+    uint32_t texture = add_codes(scene, SIDE, SIDE, 1, codes, false, true);
+    add_square(scene, add_textured(scene, m, RSV_TEXTURE_EMISSION, texture), 2, v3(0, 0, 0));
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    // the texel's solid angle, almost straight ahead
+    double x = 2 * 9.5 / SIDE - 1, y = 2 * 5.5 / SIDE - 1, square = 1 + x * x + y * y;
+    double expected = 100 * (2.0 / SIDE) * (2.0 / SIDE) / (square * square);
+    double by_area = 16 / sqrt(SAMPLES) * expected;
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solution *solution;
+    rsv_probe probe = { v3(0, 0, 1), v3(0, 0, -1) };
+    rsv_probe_reading traced, solved;
+    assert_int_equal(rsv_probe_reference(scene, &probe, 1, SAMPLES, 1, &traced), RSV_OK);
+    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    // one sample in four casts a shadow ray there
+    assert_int_equal(
+        rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 8 * SAMPLES, 1, &solved),
+        RSV_OK);
+    assert_float_equal(traced.irradiance.g, expected, 4 * traced.standard_error.g);
+    assert_float_equal(solved.irradiance.g, expected, 4 * solved.standard_error.g);
+    assert_true(traced.standard_error.g < 0.25 * by_area);
+    assert_true(solved.standard_error.g < 0.25 * by_area);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+}
+
 static void blended_surfaces_let_their_share_pass(void **state)
 {
     fixture *f = *state;
@@ -437,6 +474,7 @@ int main(void)
         TEST(rays_pass_where_a_surface_is_cut_out),
         TEST(unusable_textures_are_refused),
         TEST(emitters_shine_as_bright_as_their_texels),
+        TEST(textured_emitters_are_sampled_by_brightness),
         TEST(blended_surfaces_let_their_share_pass),
         TEST(textured_furnace_is_uniform),
     };

@@ -1,0 +1,121 @@
+/// Emissive triangles and, where textures make their brightness vary, the cells of a subdivision of them.
+#include "light_internal.h"
+
+#include "../core/core_internal.h"
+#include "../scene/material_at.h"
+
+/// Places on a textured emitter from which its mean radiance is estimated.
+#define RADIANCE_POINTS 64
+
+/// Where a surface does not cover, it does not shine.
+static rsv_rgb emission_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
+{
+    rsv_material m = rsv_material_at(scene, triangle, u, v, width);
+    return rgb_scale(m.emission, m.opacity);
+}
+
+/// From coordinates on the emitter to those of its triangle.
+static void to_triangle(const rsv_emitter *e, float *u, float *v)
+{
+    float x = *u, y = *v;
+    *u = e->u[0] + x * (e->u[1] - e->u[0]) + y * (e->u[2] - e->u[0]);
+    *v = e->v[0] + x * (e->v[1] - e->v[0]) + y * (e->v[2] - e->v[0]);
+}
+
+/// Mean over the emitter, each place standing for its share of the area.
+static rsv_rgb mean_radiance(const rsv_scene_view *scene, const rsv_emitter *e)
+{
+    rsv_rgb sum = rgb_gray(0);
+    float width = sqrtf(e->area / RADIANCE_POINTS);
+    for (uint32_t k = 0; k < RADIANCE_POINTS; k++) {
+        float x, y, u, v;
+        rsv_sobol_2d(k, 0, &x, &y);
+        rsv_square_to_triangle(x, y, &u, &v);
+        to_triangle(e, &u, &v);
+        sum = rgb_add(sum, emission_at(scene, e->triangle, u, v, width));
+    }
+    return rgb_scale(sum, 1.0f / RADIANCE_POINTS);
+}
+
+rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v)
+{
+    const rsv_emitter *e = &lights->emitter[emitter];
+    if (!e->varies) return e->radiance;
+    to_triangle(e, &u, &v);
+    return emission_at(lights->scene, e->triangle, u, v, 0);
+}
+
+bool rsv_emission_varies(const rsv_material *m)
+{
+    if (m->alpha_cutoff == 0 && m->opacity < 1) return true;
+    for (size_t i = 0; i < m->texture_count; i++)
+        if (m->textures[i].role == RSV_TEXTURE_EMISSION ||
+            m->textures[i].role == RSV_TEXTURE_OPACITY)
+            return true;
+    return false;
+}
+
+/// Corners of a cell: two bits of its index per level say which of the four parts it lies in, the last of which is
+/// the middle one.
+static void cell_corners(int level, uint32_t cell, float u[3], float v[3])
+{
+    u[0] = 0, u[1] = 1, u[2] = 0;
+    v[0] = 0, v[1] = 0, v[2] = 1;
+    while (level-- > 0) {
+        uint32_t part = cell >> 2 * level & 3;
+        float mu[3], mv[3]; // middle of the side opposite to each corner
+        for (int k = 0; k < 3; k++) {
+            mu[k] = 0.5f * (u[(k + 1) % 3] + u[(k + 2) % 3]);
+            mv[k] = 0.5f * (v[(k + 1) % 3] + v[(k + 2) % 3]);
+        }
+        for (uint32_t k = 0; k < 3; k++) {
+            if (k == part) continue;
+            uint32_t side = part == 3 ? k : 3 - k - part;
+            u[k] = mu[side];
+            v[k] = mv[side];
+        }
+    }
+}
+
+uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v)
+{
+    uint32_t first = lights->triangle_emitter[triangle], cell = 0;
+    if (first == RSV_NONE) return RSV_NONE;
+    float b[3] = { 1 - u - v, u, v };
+    for (int level = lights->emitter[first].level; level > 0; level--) {
+        uint32_t part = b[0] >= 0.5f ? 0 : b[1] >= 0.5f ? 1 : b[2] >= 0.5f ? 2 : 3;
+        for (uint32_t k = 0; k < 3; k++)
+            b[k] = part == 3 ? 1 - 2 * b[k] : 2 * b[k] - (k == part ? 1 : 0);
+        cell = 4 * cell + part;
+    }
+    return first + cell;
+}
+
+rsv_emitter rsv_emitter_create(
+    const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell)
+{
+    const uint32_t *index = scene->triangle[triangle];
+    const rsv_bsdf *material = &bsdf[scene->triangle_material[triangle]];
+    rsv_emitter emitter = { .radiance = material->emission,
+        .triangle = triangle,
+        .level = (uint8_t)level,
+        .double_sided = material->double_sided };
+    cell_corners(level, cell, emitter.u, emitter.v);
+    for (int i = 0; i < 3; i++)
+        emitter.corner[i] = v3_barycentric(scene->position[index[0]], scene->position[index[1]],
+            scene->position[index[2]], emitter.u[i], emitter.v[i]);
+    rsv_vec3 cross = v3_cross(
+        v3_sub(emitter.corner[1], emitter.corner[0]), v3_sub(emitter.corner[2], emitter.corner[0]));
+    emitter.normal = v3_normalize(cross);
+    emitter.area = 0.5f * v3_length(cross);
+    emitter.varies = rsv_emission_varies(&scene->material[scene->triangle_material[triangle]]);
+    if (emitter.varies) emitter.radiance = mean_radiance(scene, &emitter);
+    return emitter;
+}
+
+double rsv_emitter_power(const rsv_emitter *emitter)
+{
+    int sides = emitter->double_sided ? 2 : 1;
+    return sides * (double)RSV_PI * rgb_luminance(emitter->radiance) * emitter->area;
+}
