@@ -11,7 +11,7 @@ static const char help[] =
     "usage: resolvent solve SCENE -o FILE.safetensors [options]\n"
     "\n"
     "Solves the light of SCENE (a file or a built-in scene) and keeps it: scene, light-transport\n"
-    "operator and solution in one file that `render`, `probe`, `relight` and `info` take in place "
+    "operator and solution in one file that `render`, `probe`, `certify` and `info` take in place "
     "of\n"
     "a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"

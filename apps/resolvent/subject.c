@@ -14,8 +14,8 @@ static bool refuse_scene_options(
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
     if (surrounded)
-        cli_error("--env: '%s' is a solved operator with surroundings of its own; `resolvent "
-                  "relight` turns and scales those, new ones need a new solve",
+        cli_error("--env: '%s' is a solved operator with surroundings of its own; new ones need a "
+                  "new solve",
             name);
     return !surrounded;
 }
