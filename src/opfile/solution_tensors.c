@@ -26,6 +26,7 @@ static const rsv_field desc_fields[] = {
     DESC_FIELD(RSV_FIELD_U32, max_orders),
     DESC_FIELD(RSV_FIELD_FLOAT, tolerance),
     DESC_FIELD(RSV_FIELD_U32, seed),
+    DESC_FIELD(RSV_FIELD_U32, goal_camera),
 };
 
 static const rsv_field report_fields[] = {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
 # The sample that reads an operator file with numpy arrives at our solution.
+samples=$(cd "$(dirname "$0")/../../samples/python" && pwd)
 source "$(dirname "$0")/support.sh"
 
 python3 -c 'import numpy, scipy' 2>/dev/null || {
@@ -7,5 +8,5 @@ python3 -c 'import numpy, scipy' 2>/dev/null || {
     exit 77
 }
 succeeds solve two-rooms -o rooms.safetensors --quality draft
-python3 "$(dirname "$0")/../../samples/python/solve_operator.py" rooms.safetensors || complain "another solution"
+python3 "$samples/solve_operator.py" rooms.safetensors || complain "another solution"
 finish
