@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #define FORMAT_NAME "resolvent-operator"
 #define FORMAT_VERSION 1
@@ -99,6 +100,9 @@ cleanup:
 bool rsv_is_operator_file(const char *path)
 {
     uint8_t start[9];
+    struct stat info;
+    // a pipe would keep us waiting for whoever writes to it
+    if (stat(path, &info) != 0 || !S_ISREG(info.st_mode)) return false;
     FILE *file = fopen(path, "rb");
     bool read = file && fread(start, 1, sizeof start, file) == sizeof start;
     if (file) fclose(file);

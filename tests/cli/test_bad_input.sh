@@ -61,6 +61,14 @@ refuses 1 'nothing\|triangle' render point.gltf "${picture[@]}"
 echo '{ "asset": { "version": "2.0" }, "scene": 0, "scenes": [ { "nodes": [ 0 ] } ], "nodes": [ { } ] }' >empty.gltf
 refuses 1 'nothing\|mesh' render empty.gltf "${picture[@]}"
 
+gltf $triangle | sed 's/"scene": 0/"extensionsRequired": [ "ACME_magic" ], &/' >magic.gltf
+refuses 1 'magic.gltf.*ACME_magic' render magic.gltf "${picture[@]}"
+gltf $triangle | sed 's/{ "mesh": 0 }/{ "name": "dot", "mesh": 0, "scale": [ 0, 0, 0 ] }/' >dot.gltf
+refuses 1 'dot.gltf.*triangle' render dot.gltf "${picture[@]}"
+warns 'dot.*scale'
+printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 5 +X 7\n\x80\x80\x80\x81' >cut.hdr
+refuses 1 'cut.hdr' render furnace "${picture[@]}" --env cut.hdr
+
 # -- other formats
 
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n' >outside.obj
@@ -87,5 +95,14 @@ rm -f "$out"/*
 gltf $triangle 3 '{ "name": "snow", "pbrMetallicRoughness": { "baseColorFactor": [ 1, 1, 1, 1 ], "metallicFactor": 0 },
     "emissiveFactor": [ 1, 1, 1 ] }' >white.gltf
 succeeds render white.gltf "${picture[@]}"
+gltf $triangle 3 '{ "name": "fog", "extensions": { "KHR_materials_ior": { "ior": 0.5 } } }' >thin.gltf
+printf '#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x80\x80\x81' >one.hdr
+succeeds render thin.gltf "${picture[@]}" --env one.hdr
+warns 'fog.*ior'
+rm -f "$out"/*
+lights='"extensions": { "KHR_lights_punctual": { "lights": [ { "type": "spot", "spot": { "outerConeAngle": 0 } } ] } }'
+gltf $triangle | sed "s/\"scene\": 0/$lights, &/
+    s/{ \"mesh\": 0 }/{ \"mesh\": 0, \"extensions\": { \"KHR_lights_punctual\": { \"light\": 0 } } }/" >needle.gltf
+succeeds render needle.gltf "${picture[@]}"
 rm -f "$out"/*
 finish

@@ -352,6 +352,28 @@ static void a_room_under_a_sun_agrees_with_the_reference(void **state)
     check_room(sunny_sky);
 }
 
+static void one_pixel_is_a_constant_sky(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    add_quad(w, v3(-1, 0, 1), v3(2, 0, 0), v3(0, 0, -2), 0.5f);
+    rsv_rgb pixel = { 2, 2, 2 };
+    surround(w, picture(&pixel, 1, 1));
+    world_commit(w);
+    rsv_probe probe = { v3(0, 0.1f, 0), v3(0, 1, 0) };
+    rsv_probe_reading solved, traced;
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    assert_int_equal(
+        rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 1024, 1, &solved), RSV_OK);
+    assert_int_equal(rsv_probe_reference(w->scene, &probe, 1, 1024, 1, &traced), RSV_OK);
+    assert_float_equal(solved.irradiance.g, 2 * RSV_PI, 1e-3);
+    assert_float_equal(traced.irradiance.g, 2 * RSV_PI, 0.02);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
 static void broken_pictures_are_repaired_or_refused(void **state)
 {
     (void)state;
@@ -391,6 +413,7 @@ int main(void)
         cmocka_unit_test(turning_the_sky_takes_no_new_rays),
         cmocka_unit_test(a_room_under_a_contrasty_sky_agrees_with_the_reference),
         cmocka_unit_test(a_room_under_a_sun_agrees_with_the_reference),
+        cmocka_unit_test(one_pixel_is_a_constant_sky),
         cmocka_unit_test(broken_pictures_are_repaired_or_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
