@@ -71,14 +71,14 @@ static void add_emission(rsv_chain_queue *q, const rsv_chain *chain, rsv_rgb thr
 }
 
 /// Sets one ideal branch out.
-static void queue_branch(rsv_chain_queue *q, const rsv_chain *chain, uint32_t path, bool transmit,
-    const rsv_bsdf_branches *branches)
+static void queue_branch(rsv_chain_queue *q, const rsv_chain *chain, const rsv_surface_point *point,
+    uint32_t path, bool transmit, const rsv_bsdf_branches *branches)
 {
     rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
     rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
     rsv_ray ray;
     if (chain->events >= q->max_events || !rsv_branch_survives(chain, path, transmit, &weight) ||
-        !rsv_chain_depart(q->scene, chain, transmit, direction, &ray))
+        !rsv_chain_depart(point, transmit, direction, &ray))
         return;
     rsv_chain_traveller *t = &q->traveller[transmit][q->waiting[transmit]++];
     t->chain = *chain;
@@ -104,7 +104,9 @@ void rsv_chain_queue_add(rsv_chain_queue *q, const rsv_chain *chain, uint32_t pa
         add_light(q, pixel, rgb_mul(throughput, rgb(light[0], light[1], light[2])));
         return;
     }
-    rsv_bsdf_branches branches = rsv_chain_branches(q->scene, chain);
+    rsv_surface_point point = rsv_surface_point_seen(
+        q->scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    rsv_bsdf_branches branches = rsv_chain_branches_at(q->scene, chain, &point);
     if (branches.rough || !has_room(q)) {
         follow_at_once(q, chain, path);
         return;
@@ -112,8 +114,8 @@ void rsv_chain_queue_add(rsv_chain_queue *q, const rsv_chain *chain, uint32_t pa
     add_emission(q, chain, throughput);
     if (!rgb_is_black(branches.diffuse))
         add_diffuse(q, chain, rgb_mul(throughput, branches.diffuse));
-    queue_branch(q, chain, path, false, &branches);
-    queue_branch(q, chain, path, true, &branches);
+    queue_branch(q, chain, &point, path, false, &branches);
+    queue_branch(q, chain, &point, path, true, &branches);
 }
 
 static void load_lane(rsv_ray_packet *p, uint32_t k, const rsv_chain_traveller *t)

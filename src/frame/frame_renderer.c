@@ -225,14 +225,9 @@ static bool same_view(const rsv_camera *a, const rsv_camera *b)
 
 static void set_aim(const rsv_frame_renderer *r, eye_picture *e)
 {
-    bool orthographic = e->camera.vertical_fov == 0;
-    float half = orthographic ? e->camera.vertical_extent : tanf(e->camera.vertical_fov / 2);
-    e->aim = (rsv_frame_aim){ .camera = e->camera,
+    e->aim = (rsv_frame_aim){ .lens = rsv_lens_of(&e->camera, r->desc.width, r->desc.height),
         .width = r->desc.width,
-        .height = r->desc.height,
-        .half_width = 0.5f * (float)r->desc.width,
-        .half_height = 0.5f * (float)r->desc.height,
-        .pixel_size = 2 * half / (float)r->desc.height };
+        .height = r->desc.height };
     rsv_shared_place(e->samples, &e->aim.place_x, &e->aim.place_y);
     e->spread = rsv_camera_spread(&e->camera, r->desc.height) / sqrtf((float)(e->samples + 1));
 }

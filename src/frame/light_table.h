@@ -79,9 +79,10 @@ RSV_INLINE rsv_grid_place rsv_place_in_grid(rsv_shown_side side, float u, float 
     int flipped = (fx + fy > 1) & (i + j < cells - 1);
     rsv_grid_place place;
     place.cell = side.cell + (uint32_t)(j * (2 * cells - j) + 2 * i + flipped);
-    place.b0 = flipped ? fx + fy - 1 : 1 - fx - fy;
-    place.b1 = flipped ? 1 - fx : fx;
-    place.b2 = flipped ? 1 - fy : fy;
+    // what rounding puts outside the cell is moved to its border
+    place.b0 = f_min(f_max(flipped ? fx + fy - 1 : 1 - fx - fy, 0), 1);
+    place.b1 = f_min(f_max(flipped ? 1 - fx : fx, 0), 1 - place.b0);
+    place.b2 = 1 - place.b0 - place.b1;
     return place;
 }
 
@@ -94,28 +95,30 @@ RSV_INLINE uint32_t rsv_light_cell_child(const rsv_light_cell *cell)
     return child;
 }
 
+/// Moves on to the part of a split cell that holds the place, until it is whole.
+RSV_INLINE rsv_grid_place rsv_descend(const rsv_light_cell *cells, rsv_grid_place at)
+{
+    for (uint32_t child = rsv_light_cell_child(cells + at.cell); child;
+         child = rsv_light_cell_child(cells + at.cell)) {
+        float b0 = 2 * at.b0, b1 = 2 * at.b1, b2 = 2 * at.b2;
+        if (b0 >= 1)
+            at = (rsv_grid_place){ child, b0 - 1, b1, b2 };
+        else if (b1 >= 1)
+            at = (rsv_grid_place){ child + 1, b0, b1 - 1, b2 };
+        else if (b2 >= 1)
+            at = (rsv_grid_place){ child + 2, b0, b1, b2 - 1 };
+        else
+            at = (rsv_grid_place){ child + 3, 1 - b0, 1 - b1, 1 - b2 };
+    }
+    return at;
+}
+
 /// Radiance at a place; its fourth component means nothing.
 RSV_INLINE rsv_float4 rsv_light_at(const rsv_light_cell *cells, rsv_grid_place place)
 {
-    const rsv_light_cell *cell = cells + place.cell;
-    float b0 = place.b0, b1 = place.b1, b2 = place.b2;
-    for (uint32_t child = rsv_light_cell_child(cell); child; child = rsv_light_cell_child(cell)) {
-        if (b0 >= 0.5f) {
-            b0 = 2 * b0 - 1, b1 *= 2, b2 *= 2;
-        } else if (b1 >= 0.5f) {
-            b1 = 2 * b1 - 1, b0 *= 2, b2 *= 2, child += 1;
-        } else if (b2 >= 0.5f) {
-            b2 = 2 * b2 - 1, b0 *= 2, b1 *= 2, child += 2;
-        } else {
-            b0 = 1 - 2 * b0, b1 = 1 - 2 * b1, b2 = 1 - 2 * b2, child += 3;
-        }
-        cell = cells + child;
-    }
-    b0 = f_min(f_max(b0, 0), 1);
-    b1 = f_min(f_max(b1, 0), 1 - b0);
-    b2 = 1 - b0 - b1;
-    const rsv_float4 *corner = (const rsv_float4 *)cell->corner;
-    return corner[0] * b0 + corner[1] * b1 + corner[2] * b2;
+    rsv_grid_place at = rsv_descend(cells, place);
+    const rsv_float4 *corner = (const rsv_float4 *)cells[at.cell].corner;
+    return corner[0] * at.b0 + corner[1] * at.b1 + corner[2] * at.b2;
 }
 
 #endif

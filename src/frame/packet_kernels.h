@@ -3,6 +3,7 @@
 #ifndef RSV_PACKET_KERNELS_H
 #define RSV_PACKET_KERNELS_H
 
+#include "../trace/camera_ray.h"
 #include "light_table.h"
 #include "resolvent/trace.h"
 
@@ -13,11 +14,9 @@
 
 /// How a frame's camera rays run.
 typedef struct rsv_frame_aim {
-    rsv_camera camera;
+    rsv_lens lens;
     uint32_t width, height;
-    float half_width, half_height; ///< pixels
-    float pixel_size;              ///< at distance 1, or metres where orthographic
-    float place_x, place_y;        ///< of the sample within each pixel
+    float place_x, place_y; ///< of the sample within each pixel
 } rsv_frame_aim;
 
 /// From radiance to codes.

@@ -6,13 +6,14 @@
 static void aim_packet(
     const rsv_frame_aim *restrict a, uint32_t column, uint32_t row, rsv_ray_packet *restrict p)
 {
-    const rsv_camera *c = &a->camera;
+    const rsv_lens *lens = &a->lens;
+    const rsv_camera *c = &lens->camera;
     bool orthographic = c->vertical_fov == 0;
     for (int k = 0; k < LANES; k++) {
-        // the arithmetic of rsv_camera_ray
+        // the arithmetic of rsv_lens_ray
         int i = (int)column + k % RSV_BLOCK, j = (int)row + k / RSV_BLOCK;
-        float across = ((float)i + a->place_x - a->half_width) * a->pixel_size;
-        float upwards = (a->half_height - ((float)j + a->place_y)) * a->pixel_size;
+        float across = ((float)i + a->place_x - lens->half_width) * lens->pixel_size;
+        float upwards = (lens->half_height - ((float)j + a->place_y)) * lens->pixel_size;
         float x = c->right.x * across + upwards * c->up.x;
         float y = c->right.y * across + upwards * c->up.y;
         float z = c->right.z * across + upwards * c->up.z;
@@ -29,23 +30,59 @@ static void aim_packet(
     }
 }
 
-static uint32_t look_up_packet(const rsv_light_table *restrict table,
-    const rsv_ray_packet *restrict p, float (*restrict radiance)[4])
+/// Sides that the rays met, lane by lane. @return lanes whose side is not RSV_SHOWN_STORED
+static inline uint32_t find_sides(const rsv_light_table *restrict table,
+    const rsv_ray_packet *restrict p, int *restrict first_cell, int *restrict level)
 {
-    _Alignas(64) rsv_shown_side side[LANES];
-    _Alignas(64) rsv_grid_place place[LANES];
+    _Alignas(64) int back[LANES];
     uint32_t left = 0;
     for (int k = 0; k < LANES; k++) {
         float cos = p->normal_x[k] * p->direction_x[k] + p->normal_y[k] * p->direction_y[k] +
                     p->normal_z[k] * p->direction_z[k];
-        side[k] = *rsv_shown_side_of(table, p->triangle[k], cos > 0);
-        left |= (uint32_t)(side[k].kind != RSV_SHOWN_STORED) << k;
+        back[k] = cos > 0;
     }
-    for (int k = 0; k < LANES; k++)
-        place[k] = rsv_place_in_grid(side[k], p->u[k], p->v[k]);
     for (int k = 0; k < LANES; k++) {
+        rsv_shown_side side = *rsv_shown_side_of(table, p->triangle[k], back[k]);
+        first_cell[k] = (int)side.cell;
+        level[k] = side.level;
+        left |= (uint32_t)(side.kind != RSV_SHOWN_STORED) << k;
+    }
+    return left;
+}
+
+static uint32_t look_up_packet(const rsv_light_table *restrict table,
+    const rsv_ray_packet *restrict p, float (*restrict radiance)[4])
+{
+    _Alignas(64) int cell[LANES], level[LANES];
+    _Alignas(64) float b0[LANES], b1[LANES], b2[LANES];
+    uint32_t left = find_sides(table, p, cell, level);
+    for (int k = 0; k < LANES; k++) { // rsv_place_in_grid, in a form that vectorises
+        int cells = 1 << level[k], last = cells - 1;
+        float x = p->u[k] * (float)cells, y = p->v[k] * (float)cells;
+        int i = (int)x, j = (int)y;
+        j = j < 0 ? 0 : j;
+        j = j > last ? last : j;
+        i = i < 0 ? 0 : i;
+        i = i > last - j ? last - j : i;
+        float fx = x - (float)i, fy = y - (float)j;
+        int flipped = (fx + fy > 1 ? 1 : 0) & (i + j < last ? 1 : 0);
+        cell[k] += j * (cells + cells - j) + i + i + flipped;
+        b0[k] = f_min(f_max(flipped ? fx + fy - 1 : 1 - fx - fy, 0), 1);
+        b1[k] = f_min(f_max(flipped ? 1 - fx : fx, 0), 1 - b0[k]);
+        b2[k] = 1 - b0[k] - b1[k];
+    }
+    const rsv_light_cell *cells = table->cell;
+    for (int k = 0; k < LANES; k++) { // apart from the next loop: branches would hold up its loads
+        if (!rsv_light_cell_child(cells + cell[k])) continue;
+        rsv_grid_place place = { (uint32_t)cell[k], b0[k], b1[k], b2[k] };
+        place = rsv_descend(cells, place);
+        cell[k] = (int)place.cell;
+        b0[k] = place.b0, b1[k] = place.b1, b2[k] = place.b2;
+    }
+    for (int k = 0; k < LANES; k++) {
+        const rsv_float4 *corner = (const rsv_float4 *)cells[cell[k]].corner;
         rsv_float4 *out = (rsv_float4 *)radiance[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK];
-        *out = rsv_light_at(table->cell, place[k]);
+        *out = corner[0] * b0[k] + corner[1] * b1[k] + corner[2] * b2[k];
     }
     return left;
 }
@@ -62,20 +99,31 @@ static inline float srgb_code(float x)
     return 255 * (x <= 0.0031308f ? 12.92f * x : curve);
 }
 
-static void display_row(const rsv_frame_tone *tone, uint32_t count,
-    const float (*restrict radiance)[4], float (*restrict sum)[4], uint8_t (*restrict pixel)[4])
+/// Compiled once for each choice of `first` and `soft`.
+static inline __attribute__((always_inline)) void display(bool first, bool soft, float scale,
+    uint32_t count, const float *restrict in, float *restrict total, uint8_t *restrict out)
 {
-    const float *restrict in = radiance[0];
-    float *restrict total = sum[0];
-    uint8_t *restrict out = pixel[0];
-    float kept = tone->first ? 0.0f : 1.0f, scale = tone->scale;
-    bool soft = tone->soft;
     for (uint32_t k = 0; k < 4 * count; k++) {
-        total[k] = kept * total[k] + in[k];
-        float x = f_max(total[k] * scale, 0);
+        float sum = first ? in[k] : total[k] + in[k];
+        total[k] = sum;
+        float x = f_max(sum * scale, 0);
         x = soft ? x * (1 + x * (1.0f / 16)) / (1 + x) : x;
         out[k] = (uint8_t)(int)(srgb_code(f_min(x, 1)) + 0.5f);
     }
+}
+
+static void display_row(const rsv_frame_tone *tone, uint32_t count,
+    const float (*restrict radiance)[4], float (*restrict sum)[4], uint8_t (*restrict pixel)[4])
+{
+    const float *in = radiance[0];
+    float *total = sum[0];
+    uint8_t *out = pixel[0];
+    if (tone->first && tone->soft)
+        display(true, true, tone->scale, count, in, total, out);
+    else if (tone->first)
+        display(true, false, tone->scale, count, in, total, out);
+    else
+        display(false, tone->soft, tone->scale, count, in, total, out);
     for (uint32_t k = 0; k < count; k++)
         pixel[k][3] = 255;
 }

@@ -73,33 +73,49 @@ const rsv_bsdf *rsv_chain_bsdf(
         scene->view, scene->bsdf, chain->triangle, chain->u, chain->v, chain->width, storage);
 }
 
+static rsv_surface_point seen_point(const rsv_transport_scene *scene, const rsv_chain *chain)
+{
+    return rsv_surface_point_seen(
+        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+}
+
+/// The shading normal, or the geometric one for a silhouette seen under an interpolated normal that already turns away.
+static rsv_vec3 facing_normal(const rsv_chain *chain, const rsv_surface_point *seen)
+{
+    return v3_dot(seen->normal, chain->direction) >= 0 ? seen->geometric : seen->normal;
+}
+
 void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *shading,
     rsv_vec3 *geometric)
 {
-    rsv_surface_point point = rsv_surface_point_seen(
-        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    *shading = point.normal;
+    rsv_surface_point point = seen_point(scene, chain);
+    *shading = facing_normal(chain, &point);
     *geometric = point.geometric;
-    // a silhouette seen under an interpolated normal that already turns away
-    if (v3_dot(*shading, chain->direction) >= 0) *shading = *geometric;
+}
+
+static const rsv_bsdf *scattering_at(const rsv_transport_scene *scene, const rsv_chain *chain,
+    const rsv_surface_point *seen, rsv_vec3 *normal, rsv_bsdf *storage)
+{
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, storage);
+    *normal = facing_normal(chain, seen);
+    if (!bsdf->lambert)
+        *normal = rsv_bsdf_specular_normal(*normal, seen->geometric, v3_neg(chain->direction));
+    return bsdf;
 }
 
 const rsv_bsdf *rsv_chain_scattering(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *normal, rsv_bsdf *storage)
 {
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, storage);
-    rsv_vec3 geometric;
-    rsv_chain_normals(scene, chain, normal, &geometric);
-    if (!bsdf->lambert)
-        *normal = rsv_bsdf_specular_normal(*normal, geometric, v3_neg(chain->direction));
-    return bsdf;
+    rsv_surface_point seen = seen_point(scene, chain);
+    return scattering_at(scene, chain, &seen, normal, storage);
 }
 
-rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain)
+rsv_bsdf_branches rsv_chain_branches_at(
+    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_surface_point *seen)
 {
     rsv_vec3 normal;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_scattering(scene, chain, &normal, &storage);
+    const rsv_bsdf *bsdf = scattering_at(scene, chain, seen, &normal, &storage);
     rsv_bsdf_branches branches =
         rsv_bsdf_evaluate_branches(bsdf, v3_neg(chain->direction), normal, !chain->back);
     if (bsdf->opacity >= 1) return branches;
@@ -108,6 +124,12 @@ rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv
     branches.transmit = rgb_mad(rgb_gray(1 - bsdf->opacity), bsdf->opacity, branches.transmit);
     branches.transmit_direction = chain->direction;
     return branches;
+}
+
+rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain)
+{
+    rsv_surface_point seen = seen_point(scene, chain);
+    return rsv_chain_branches_at(scene, chain, &seen);
 }
 
 rsv_bsdf_event rsv_chain_draw_event(
@@ -136,13 +158,12 @@ rsv_bsdf_event rsv_chain_draw_specular(
     return event;
 }
 
-bool rsv_chain_depart(const rsv_transport_scene *scene, const rsv_chain *chain, bool transmit,
-    rsv_vec3 direction, rsv_ray *ray)
+bool rsv_chain_depart(
+    const rsv_surface_point *point, bool transmit, rsv_vec3 direction, rsv_ray *ray)
 {
-    rsv_surface_point point =
-        rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
-    rsv_vec3 leave = transmit ? v3_neg(point.geometric) : point.geometric;
-    *ray = (rsv_ray){ rsv_offset_origin(point.position, leave, point.extent), direction, INFINITY };
+    rsv_vec3 leave = transmit ? v3_neg(point->geometric) : point->geometric;
+    *ray =
+        (rsv_ray){ rsv_offset_origin(point->position, leave, point->extent), direction, INFINITY };
     // an interpolated normal can send light through the surface: it is lost, as to the reference
     return v3_dot(direction, leave) > 0;
 }
@@ -167,7 +188,9 @@ rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain
 {
     rsv_ray ray;
     rsv_hit hit;
-    if (!rsv_chain_depart(scene, chain, transmit, direction, &ray)) return RSV_CHAIN_LOST;
+    rsv_surface_point point =
+        rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
+    if (!rsv_chain_depart(&point, transmit, direction, &ray)) return RSV_CHAIN_LOST;
     bool meets = rsv_tracer_closest(scene->tracer, &ray, &hit);
     rsv_chain_set_out(scene, chain, transmit, direction, weight);
     if (!meets) return RSV_CHAIN_LEFT_SCENE;

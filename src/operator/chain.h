@@ -74,6 +74,10 @@ const rsv_bsdf *rsv_chain_scattering(
 /// Branch weights at the chain's surface. What it does not cover counts as transmitted, straight on.
 rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain);
 
+/// The same at a surface point that is known, with its normal map.
+rsv_bsdf_branches rsv_chain_branches_at(
+    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_surface_point *seen);
+
 /// Draws what happens to the chain at its surface, which it may pass where that does not cover.
 rsv_bsdf_event rsv_chain_draw_event(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
@@ -93,10 +97,10 @@ typedef enum rsv_chain_move {
 rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
     rsv_vec3 direction, rsv_rgb weight);
 
-/// rsv_chain_step in parts, for those who trace many rays side by side: the ray that leaves the surface (false =
+/// rsv_chain_step in parts, for those who trace many rays side by side: the ray that leaves a surface point (false =
 /// lost), the chain on its way along it, and its arrival.
-bool rsv_chain_depart(const rsv_transport_scene *scene, const rsv_chain *chain, bool transmit,
-    rsv_vec3 direction, rsv_ray *ray);
+bool rsv_chain_depart(
+    const rsv_surface_point *point, bool transmit, rsv_vec3 direction, rsv_ray *ray);
 void rsv_chain_set_out(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
     rsv_vec3 direction, rsv_rgb weight);
 void rsv_chain_arrive(const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit);

@@ -10,6 +10,16 @@
 /// @return unit direction, t_max infinite
 rsv_ray rsv_camera_ray(const rsv_camera *camera, uint32_t width, uint32_t height, float x, float y);
 
+/// What the rays of one picture have in common, for those who make many.
+typedef struct rsv_lens {
+    rsv_camera camera;
+    float half_width, half_height; ///< pixels
+    float pixel_size;              ///< at distance 1, or metres where orthographic
+} rsv_lens;
+
+rsv_lens rsv_lens_of(const rsv_camera *camera, uint32_t width, uint32_t height);
+rsv_ray rsv_lens_ray(const rsv_lens *lens, float x, float y);
+
 /// Angle between the rays through neighbouring pixels, radians. (Orthographic rays do not spread: textures are looked
 /// up as they are.)
 float rsv_camera_spread(const rsv_camera *camera, uint32_t height);
