@@ -51,6 +51,18 @@ RSV_API rsv_status rsv_render(
 RSV_API rsv_status rsv_render_occlusion(
     const rsv_scene *scene, const rsv_render_desc *desc, rsv_image **image);
 
+/// The modes occlusion for many pictures of one scene: ray tracer and buffers are kept.
+typedef struct rsv_occlusion rsv_occlusion;
+
+/// The scene must outlive it.
+RSV_API rsv_status rsv_occlusion_create(
+    const rsv_scene *scene, const rsv_render_desc *desc, rsv_occlusion **occlusion);
+RSV_API void rsv_occlusion_destroy(rsv_occlusion *occlusion);
+
+/// @param image of the size asked for at creation
+RSV_API rsv_status rsv_occlusion_render(
+    rsv_occlusion *occlusion, const rsv_camera *camera, rsv_image *image);
+
 /// Renders mode reference: next-event estimation and BSDF sampling combined by MIS, Russian roulette.
 /// With desc->layers: emission, direct, bounce1, ... by the number of diffuse reflections.
 /// @param standard_error of the picture's mean luminance, relative to it; may be NULL

@@ -5,7 +5,6 @@
 #include "../core/core_internal.h"
 #include "../core/stratified.h"
 #include "../scene/material_at.h"
-#include "../trace/camera_ray.h"
 
 #include <string.h>
 
@@ -14,39 +13,71 @@
 #define SCREEN_REACH 0.05f ///< default of the screen-space form, as a share of the scene's diagonal
 
 /// What a white surface without obstacles reflects.
-static rsv_rgb ambient_radiance(const rsv_occlusion_job *job, rsv_vec3 normal)
+static rsv_rgb ambient_radiance(const rsv_occlusion *o, rsv_vec3 normal)
 {
-    if (!job->sky.pixel) return rgb_gray(1);
-    return rgb_scale(rsv_sky_irradiance_at(&job->sky_irradiance, normal), 1 / RSV_PI);
+    if (!o->sky.pixel) return rgb_gray(1);
+    return rgb_scale(rsv_sky_irradiance_at(&o->sky_irradiance, normal), 1 / RSV_PI);
 }
 
-rsv_seen_surface rsv_see_surface(const rsv_occlusion_job *job, float x, float y)
+static rsv_seen_surface surface_at(
+    const rsv_occlusion *o, rsv_vec3 direction, uint32_t triangle, float u, float v)
 {
-    rsv_ray ray = rsv_camera_ray(job->camera, job->desc->width, job->desc->height, x, y);
-    rsv_seen_surface seen = { .hit = false };
-    rsv_hit hit;
-    if (!rsv_tracer_closest(job->tracer, &ray, &hit)) {
-        if (job->sky.pixel) seen.emission = rsv_sky_radiance(&job->sky, ray.direction);
+    rsv_seen_surface seen = { .hit = true };
+    const rsv_scene_view *view = o->view;
+    uint32_t index = view->triangle_material[triangle];
+    rsv_material varied;
+    const rsv_material *material = &view->material[index];
+    if (view->material_varies[index]) {
+        varied = rsv_material_at(view, triangle, u, v, 0);
+        material = &varied;
+    }
+    seen.point = rsv_surface_point_at(view, triangle, u, v, false);
+    bool back = v3_dot(seen.point.geometric, direction) > 0;
+    if (back) {
+        seen.point.geometric = v3_neg(seen.point.geometric);
+        seen.point.normal = v3_neg(seen.point.normal);
+    }
+    if (back && !material->double_sided && material->transmission == 0) return seen;
+    if (material->unlit) {
+        seen.emission = material->base_color;
         return seen;
     }
-    rsv_material material = rsv_material_at(job->view, hit.triangle, hit.u, hit.v, 0);
-    seen.hit = true;
-    seen.point = rsv_surface_point_at(job->view, hit.triangle, hit.u, hit.v, false);
-    bool back = v3_dot(seen.point.geometric, ray.direction) > 0;
-    if (back) seen.point = rsv_surface_point_at(job->view, hit.triangle, hit.u, hit.v, true);
-    if (back && !material.double_sided && material.transmission == 0) return seen;
-    if (material.unlit) {
-        seen.emission = material.base_color;
-        return seen;
-    }
-    seen.ambient = rgb_mul(material.base_color, ambient_radiance(job, seen.point.normal));
-    if (!back || material.double_sided) seen.emission = material.emission;
+    seen.ambient = rgb_mul(material->base_color, ambient_radiance(o, seen.point.normal));
+    if (!back || material->double_sided) seen.emission = material->emission;
     return seen;
 }
 
+void rsv_see_surfaces(const rsv_occlusion_job *job, uint32_t count, const float *x, const float *y,
+    rsv_seen_surface *seen)
+{
+    const rsv_occlusion *o = job->shared;
+    rsv_ray_packet packet = { 0 };
+    memset(packet.mask, 0xff, sizeof packet.mask);
+    for (uint32_t k = 0; k < LANES; k++) {
+        uint32_t place = k < count ? k : 0;
+        rsv_ray ray = rsv_lens_ray(&job->lens, x[place], y[place]);
+        packet.origin_x[k] = ray.origin.x;
+        packet.origin_y[k] = ray.origin.y;
+        packet.origin_z[k] = ray.origin.z;
+        packet.direction_x[k] = ray.direction.x;
+        packet.direction_y[k] = ray.direction.y;
+        packet.direction_z[k] = ray.direction.z;
+        packet.t_max[k] = k < count ? INFINITY : -1;
+    }
+    rsv_tracer_closest_packet(o->tracer, &packet, true);
+    for (uint32_t k = 0; k < count; k++) {
+        rsv_vec3 direction =
+            v3(packet.direction_x[k], packet.direction_y[k], packet.direction_z[k]);
+        if (packet.triangle[k] != RSV_NONE)
+            seen[k] = surface_at(o, direction, packet.triangle[k], packet.u[k], packet.v[k]);
+        else
+            seen[k] = (rsv_seen_surface){ .emission = rsv_sky_radiance(&o->sky, direction) };
+    }
+}
+
 /// Share of the directions of one camera ray, of `total` in the pixel, that nothing hides.
-static float find_openness(const rsv_occlusion_job *job, const rsv_surface_point *point,
-    uint32_t first, uint32_t total, uint32_t seed)
+static float find_openness(const rsv_occlusion *job, const rsv_surface_point *point, uint32_t first,
+    uint32_t total, uint32_t seed)
 {
     rsv_vec3 origin = rsv_offset_origin(point->position, point->geometric, point->extent), t, b;
     uint32_t open = 0;
@@ -78,40 +109,50 @@ static float find_openness(const rsv_occlusion_job *job, const rsv_surface_point
     return (float)open / (float)job->samples;
 }
 
-static rsv_rgb render_pixel(const rsv_occlusion_job *job, uint32_t column, uint32_t row)
+/// One row: camera rays in packets, then the rays of each surface that they meet.
+static void render_row(const rsv_occlusion_job *job, uint32_t row, rsv_rgb *pixels)
 {
-    uint32_t samples = job->desc->samples, total = samples * job->samples;
-    uint32_t seed = rsv_hash3(job->desc->seed, row, column);
-    rsv_rgb sum = rgb_gray(0);
-    for (uint32_t i = 0; i < samples; i++) {
-        float x, y;
-        rsv_stratified_2d(i, samples, seed, &x, &y);
-        rsv_seen_surface seen = rsv_see_surface(job, (float)column + x, (float)row + y);
-        float openness = 0;
-        if (!rgb_is_black(seen.ambient))
-            openness = find_openness(
-                job, &seen.point, i * job->samples, total, rsv_hash2(seed, 0x5bd1e995u));
-        sum = rgb_add(sum, rgb_mad(seen.emission, openness, seen.ambient));
+    const rsv_occlusion *o = job->shared;
+    uint32_t samples = o->desc.samples, width = o->desc.width;
+    memset(pixels, 0, width * sizeof *pixels);
+    for (uint32_t first = 0; first < width * samples; first += LANES) {
+        uint32_t left = width * samples - first, count = left < LANES ? left : LANES;
+        float x[LANES], y[LANES];
+        rsv_seen_surface seen[LANES];
+        for (uint32_t k = 0; k < count; k++) {
+            uint32_t column = (first + k) / samples, i = (first + k) % samples;
+            rsv_stratified_2d(i, samples, rsv_hash3(o->desc.seed, row, column), &x[k], &y[k]);
+            x[k] += (float)column, y[k] += (float)row;
+        }
+        rsv_see_surfaces(job, count, x, y, seen);
+        for (uint32_t k = 0; k < count; k++) {
+            uint32_t column = (first + k) / samples, i = (first + k) % samples;
+            uint32_t seed = rsv_hash2(rsv_hash3(o->desc.seed, row, column), 0x5bd1e995u);
+            float openness = 0;
+            if (!rgb_is_black(seen[k].ambient))
+                openness =
+                    find_openness(o, &seen[k].point, i * o->samples, samples * o->samples, seed);
+            rsv_rgb light = rgb_mad(seen[k].emission, openness, seen[k].ambient);
+            pixels[column] = rgb_mad(pixels[column], 1 / (float)samples, light);
+        }
     }
-    return rgb_scale(sum, 1 / (float)samples);
 }
 
 rsv_status rsv_render_ray_occlusion(const rsv_occlusion_job *job)
 {
-    uint32_t width = job->desc->width, height = job->desc->height, done = 0;
+    const rsv_occlusion *o = job->shared;
+    uint32_t width = o->desc.width, height = o->desc.height, done = 0;
     rsv_rgb *pixels = rsv_image_pixels(job->image, 0);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(job->context))
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(o->context))
     for (uint32_t row = 0; row < height; row++) {
-        if (rsv_cancelled(job->context)) continue;
-        for (uint32_t column = 0; column < width; column++)
-            pixels[(size_t)row * width + column] = render_pixel(job, column, row);
+        if (rsv_cancelled(o->context)) continue;
+        render_row(job, row, pixels + (size_t)row * width);
         uint32_t finished;
 #pragma omp atomic capture
         finished = ++done;
-        if (rsv_thread_index() == 0)
-            rsv_progress(job->context, "render", (double)finished / height);
+        if (rsv_thread_index() == 0) rsv_progress(o->context, "render", (double)finished / height);
     }
-    return rsv_progress(job->context, "render", 1);
+    return rsv_progress(o->context, "render", 1);
 }
 
 static rsv_status check_desc(const rsv_scene_view *view, const rsv_render_desc *desc)
@@ -142,31 +183,64 @@ static float default_distance(const rsv_scene_view *view, const rsv_render_desc 
     return SCREEN_REACH * v3_length(v3_sub(view->bounds_max, view->bounds_min));
 }
 
+rsv_status rsv_occlusion_create(
+    const rsv_scene *scene, const rsv_render_desc *desc, rsv_occlusion **occlusion)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    rsv_status status = check_desc(view, desc);
+    if (status != RSV_OK) return status;
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_occlusion *o = rsv_alloc(context, 1, sizeof *o);
+    if (!o) return RSV_ERROR_MEMORY;
+    o->context = context;
+    o->view = view;
+    o->desc = *desc;
+    o->samples = desc->gather_rays ? desc->gather_rays : DEFAULT_SAMPLES;
+    o->distance = default_distance(view, desc);
+    if (view->environment) o->sky = rsv_sky_from_environment(view->environment);
+    RSV_TRY(rsv_tracer_create(scene, &o->tracer));
+    RSV_TRY(rsv_sky_irradiance_create(context, &o->sky, &o->sky_irradiance));
+    if (desc->mode == RSV_RENDER_OCCLUSION_SCREEN) RSV_TRY(rsv_occlusion_screen_create(o));
+    *occlusion = o;
+    return RSV_OK;
+cleanup:
+    rsv_occlusion_destroy(o);
+    return status;
+}
+
+void rsv_occlusion_destroy(rsv_occlusion *o)
+{
+    if (!o) return;
+    rsv_occlusion_screen_destroy(o);
+    rsv_tracer_destroy(o->tracer);
+    rsv_sky_irradiance_destroy(o->context, &o->sky_irradiance);
+    rsv_free(o->context, o);
+}
+
+rsv_status rsv_occlusion_render(rsv_occlusion *o, const rsv_camera *camera, rsv_image *image)
+{
+    rsv_occlusion_job job = { o, rsv_lens_of(camera, o->desc.width, o->desc.height), image };
+    if (rsv_image_width(image) != o->desc.width || rsv_image_height(image) != o->desc.height)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "occlusion: the image is not %ux%u", o->desc.width, o->desc.height);
+    return o->screen ? rsv_render_screen_occlusion(&job) : rsv_render_ray_occlusion(&job);
+}
+
 rsv_status rsv_render_occlusion(
     const rsv_scene *scene, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_status status;
-    rsv_tracer *tracer = NULL;
-    const rsv_scene_view *view = rsv_scene_get_view(scene);
-    rsv_occlusion_job job = { .context = rsv_scene_get_context(scene), .view = view, .desc = desc };
-    RSV_TRY(check_desc(view, desc));
-    RSV_TRY(rsv_image_create(job.context, desc->width, desc->height, 1, &job.image));
-    RSV_TRY(rsv_tracer_create(scene, &tracer));
-    job.tracer = tracer;
-    if (view->environment) job.sky = rsv_sky_from_environment(view->environment);
-    RSV_TRY(rsv_sky_irradiance_create(job.context, &job.sky, &job.sky_irradiance));
-    job.camera = &view->camera[desc->camera];
-    job.samples = desc->gather_rays ? desc->gather_rays : DEFAULT_SAMPLES;
-    job.distance = default_distance(view, desc);
-    if (desc->mode == RSV_RENDER_OCCLUSION)
-        RSV_TRY(rsv_render_ray_occlusion(&job));
-    else
-        RSV_TRY(rsv_render_screen_occlusion(&job));
-    *image = job.image;
-    job.image = NULL;
+    rsv_occlusion *occlusion = NULL;
+    rsv_image *picture = NULL;
+    rsv_context *context = rsv_scene_get_context(scene);
+    RSV_TRY(rsv_occlusion_create(scene, desc, &occlusion));
+    RSV_TRY(rsv_image_create(context, desc->width, desc->height, 1, &picture));
+    RSV_TRY(
+        rsv_occlusion_render(occlusion, &rsv_scene_get_view(scene)->camera[desc->camera], picture));
+    *image = picture;
+    picture = NULL;
 cleanup:
-    rsv_tracer_destroy(tracer);
-    rsv_sky_irradiance_destroy(job.context, &job.sky_irradiance);
-    rsv_image_destroy(job.image);
+    rsv_occlusion_destroy(occlusion);
+    rsv_image_destroy(picture);
     return status;
 }

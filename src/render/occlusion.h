@@ -4,19 +4,27 @@
 
 #include "../light/sky.h"
 #include "../operator/elements.h"
+#include "../trace/camera_ray.h"
 #include "resolvent/render.h"
 #include "resolvent/trace.h"
 
-typedef struct rsv_occlusion_job {
+/// What pictures of one scene and size share.
+struct rsv_occlusion {
     rsv_context *context;
     const rsv_scene_view *view;
-    const rsv_tracer *tracer;
-    const rsv_camera *camera;
-    const rsv_render_desc *desc;
+    rsv_tracer *tracer;
+    rsv_render_desc desc;
     uint32_t samples; ///< directions of an estimate
     float distance;   ///< metres; what is farther away does not occlude
     rsv_sky sky;      ///< without pixels: of radiance 1 for surfaces, black for the camera
     rsv_sky_irradiance sky_irradiance;
+    struct rsv_occlusion_screen *screen; ///< buffers of the screen-space form; NULL = by rays
+};
+
+/// One picture in the making.
+typedef struct rsv_occlusion_job {
+    const rsv_occlusion *shared;
+    rsv_lens lens;
     rsv_image *image;
 } rsv_occlusion_job;
 
@@ -28,10 +36,15 @@ typedef struct rsv_seen_surface {
     rsv_rgb emission;        ///< of the surface, or of the sky where there is none
 } rsv_seen_surface;
 
-/// @param x, y in pixels, as rsv_camera_ray takes them
-rsv_seen_surface rsv_see_surface(const rsv_occlusion_job *job, float x, float y);
+/// The surfaces seen through places of the picture, traced as one packet.
+/// @param count up to RSV_PACKET_WIDTH @param x, y [count] in pixels, as rsv_camera_ray takes them
+void rsv_see_surfaces(const rsv_occlusion_job *job, uint32_t count, const float *x, const float *y,
+    rsv_seen_surface *seen);
 
 rsv_status rsv_render_ray_occlusion(const rsv_occlusion_job *job);
 rsv_status rsv_render_screen_occlusion(const rsv_occlusion_job *job);
+
+rsv_status rsv_occlusion_screen_create(rsv_occlusion *occlusion);
+void rsv_occlusion_screen_destroy(rsv_occlusion *occlusion);
 
 #endif
