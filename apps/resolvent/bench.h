@@ -59,6 +59,22 @@ void cli_print_certificate_summary(const struct cJSON *scenes);
 bool cli_write_certificate_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_certificate_plot(const char *path, const struct cJSON *scenes);
 
+/// Whole frames beside bare tracing of their camera rays, the price of a second eye, and what 10,000 frames leave behind.
+bool cli_bench_fps(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_fps(const struct cJSON *result);
+bool cli_write_fps_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_fps_plot(const char *path, const struct cJSON *scenes);
+
+/// Frames against ambient occlusion over the size of the mesh (figure 8 of the paper).
+bool cli_bench_fig8(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_fig8(const struct cJSON *result);
+bool cli_write_fig8_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_fig8_plot(const char *path, const struct cJSON *scenes);
+
+/// Writes members of JSON objects as comma-separated text, one row per object, which starts with its member "scene".
+bool cli_write_columns(
+    const char *path, const struct cJSON *rows, const char *const *columns, size_t column_count);
+
 /// A number of a JSON object; NAN if it holds none of that name.
 double cli_json_number(const struct cJSON *object, const char *name);
 

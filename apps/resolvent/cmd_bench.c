@@ -27,11 +27,17 @@ static const char help[] =
     "            take for the figure before it, its error falling as 1/sqrt(time)\n"
     "  solvers   residual over applications of the operator and over time, for every solver, down\n"
     "            to 1e-5; on cornell-blocks and on bright-box, a closed box of albedo 0.95\n"
+    "  fps       frames of a camera that moves, beside bare tracing of their camera rays, at\n"
+    "            1280x720; the price of a second eye at 1920x1080; what 10,000 frames leave\n"
+    "            behind. On cornell-plaster and cornell-showcase with 100,000 triangles\n"
+    "  fig8      frames per second against ambient occlusion, by rays and from the depth buffer,\n"
+    "            over meshes of 128, 512, 1024 and 3096 KB\n"
     "  certificate  bounds and estimates of `certify` beside the true error against path tracing,\n"
     "            for four qualities and two seeds, on five scenes\n"
     "\n"
     "  --threads N       default: one per processor\n"
-    "  --repeat N        all but trace: time everything N times (default 5; quality 3)\n"
+    "  --repeat N        all but trace: time everything N times (default 5; quality 3,\n"
+    "                    fps and fig8 21)\n"
     "  --size N          quality: pixels along each side of the pictures (default 256)\n"
     "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
@@ -85,6 +91,20 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_solvers_plot,
         .scenes = { "cornell-blocks", "bright-box" },
         .repetitions = 5 },
+    { .name = "fps",
+        .run = cli_bench_fps,
+        .print = cli_print_fps,
+        .write_csv = cli_write_fps_csv,
+        .write_plot = cli_write_fps_plot,
+        .scenes = { "cornell-plaster", "cornell-showcase" },
+        .repetitions = 21 },
+    { .name = "fig8",
+        .run = cli_bench_fig8,
+        .print = cli_print_fig8,
+        .write_csv = cli_write_fig8_csv,
+        .write_plot = cli_write_fig8_plot,
+        .scenes = { "cornell-plaster" },
+        .repetitions = 21 },
     { .name = "certificate",
         .run = cli_bench_certificate,
         .print = cli_print_certificate,
@@ -189,6 +209,9 @@ static int check_settings(const benchmark *b, const settings *s)
     if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
         return cli_usage_error(
             "bench", "--csv and --plot belong to bench quality, solvers and certificate");
+    if (s->mesh && b->run == cli_bench_fig8)
+        return cli_usage_error(
+            "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
     if (s->bench.environment.path && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--env belongs to bench quality");
     if (references % 2)

@@ -75,6 +75,19 @@ static bool on_progress(void *user, const char *phase, double fraction)
     return !cli_interrupted();
 }
 
+static void *allocate(void *user, size_t bytes)
+{
+    cli_session *session = user;
+    session->allocations++;
+    return aligned_alloc(64, bytes);
+}
+
+static void release(void *user, void *memory)
+{
+    (void)user;
+    free(memory);
+}
+
 bool cli_session_begin(cli_session *session, uint32_t threads)
 {
     *session = (cli_session){ .started = cli_seconds() };
@@ -83,6 +96,8 @@ bool cli_session_begin(cli_session *session, uint32_t threads)
     desc.thread_count = (int)threads;
     desc.log = on_log;
     desc.progress = on_progress;
+    desc.allocate = allocate;
+    desc.release = release;
     desc.user = session;
     if (rsv_context_create(&desc, &session->context) != RSV_OK) {
         cli_error("%s", rsv_last_error());

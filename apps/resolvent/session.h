@@ -7,14 +7,17 @@
 
 #include "resolvent/io.h"
 
+#include <stdatomic.h>
+
 typedef struct cli_session {
     rsv_context *context;
     cli_progress progress;
     char **warnings; ///< [warning_count], owned
     size_t warning_count;
-    const char *mesh; ///< file of --mesh, the body of a built-in scene; NULL = none
-    double started;   ///< cli_seconds()
-    double time_load; ///< seconds spent in cli_open_scene
+    const char *mesh;          ///< file of --mesh, the body of a built-in scene; NULL = none
+    double started;            ///< cli_seconds()
+    atomic_ullong allocations; ///< of the context so far
+    double time_load;          ///< seconds spent in cli_open_scene
 } cli_session;
 
 /// The option --mesh for a command's table; its value goes to the session once that has begun.

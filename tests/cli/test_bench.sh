@@ -17,6 +17,11 @@ says '^  auto .*gmres '
 grep -q '^bright-box,two-grid,' solvers.csv || complain "the table lacks a solver"
 grep -q '</svg>' solvers.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf solvers.svg solvers.csv || complain "the curves hold what is no number"
+succeeds bench fps cornell-blocks --repeat 2 --csv fps.csv --plot fps.svg
+says ' 0 allocations'
+grep -q '^cornell-blocks,' fps.csv || complain "the table lacks the scene"
+grep -q '</svg>' fps.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf fps.svg fps.csv || complain "the bars hold what is no number"
 refuses 2 'belong to bench' bench trace --plot trace.svg
 
 for seed in 1 2; do
