@@ -205,6 +205,56 @@ static void events_of_white_surfaces_weigh_one(void **state)
     assert_int_equal(failures, 0);
 }
 
+static rsv_material layered_base(float metallic, float transmission, float thickness)
+{
+    rsv_material material = bsdf_cases()[0].material;
+    material.metallic = metallic;
+    material.transmission = transmission;
+    material.thickness = thickness;
+    return material;
+}
+
+/// Mean weight of drawn directions: the share of light from wo's side that is scattered at all.
+static double drawn_energy(const rsv_bsdf *bsdf, float cos_o)
+{
+    enum { COUNT_DRAWN = 16384 };
+    rsv_random random = rsv_random_from(1, 2, 3);
+    double sum = 0;
+    for (uint32_t k = 0; k < COUNT_DRAWN; k++) {
+        float u1, u2, u = rsv_random_float(&random);
+        rsv_sobol_2d(k, 1, &u1, &u2);
+        rsv_bsdf_sample sample =
+            rsv_bsdf_sample_direction(bsdf, direction_at(cos_o, 0), up, true, u, u1, u2);
+        if (sample.lobe != RSV_LOBE_NONE) sum += (double)sample.weight.g;
+    }
+    return sum / COUNT_DRAWN;
+}
+
+/// Coat and sheen over every base that a file can put below them. They may keep light that the base sends up, more so
+/// the rougher it is (docs/materials.md), but never add to it.
+static void layers_add_nothing_to_any_base(void **state)
+{
+    (void)state;
+    const rsv_material bases[] = { layered_base(0, 0, 0), layered_base(1, 0, 0),
+        layered_base(0, 1, 1), layered_base(0, 1, 0), layered_base(0.5f, 0.5f, 0) };
+    for (size_t b = 0; b < COUNT(bases); b++)
+        for (int layers = 1; layers < 4; layers++)
+            for (size_t r = 0; r < COUNT(roughnesses); r += 2)
+                for (size_t k = 0; k < COUNT(cosines); k++) {
+                    rsv_material material = bases[b];
+                    material.roughness = roughnesses[r];
+                    material.clearcoat = layers & 1 ? 1 : 0;
+                    material.clearcoat_roughness = 0.3f;
+                    material.sheen_color = rgb_gray(layers & 2 ? 1 : 0);
+                    material.sheen_roughness = 0.7f;
+                    rsv_bsdf bsdf = rsv_bsdf_from_material(&material);
+                    double energy = drawn_energy(&bsdf, cosines[k]);
+                    if (!(energy > 0.8 && energy < 1.002))
+                        fail_msg("base %zu, layers %d, roughness %.2f, cos %.2f: %.5f", b, layers,
+                            (double)roughnesses[r], (double)cosines[k], energy);
+                }
+}
+
 // Values below: validation cases g.ggx.*
 static void single_scattering_matches_reference_values(void **state)
 {
@@ -243,6 +293,7 @@ int main(void)
         cmocka_unit_test(draws_follow_their_density),
         cmocka_unit_test(scattering_is_reciprocal),
         cmocka_unit_test(events_of_white_surfaces_weigh_one),
+        cmocka_unit_test(layers_add_nothing_to_any_base),
         cmocka_unit_test(single_scattering_matches_reference_values),
         cmocka_unit_test(mean_single_scattering_matches_reference_values),
     };
