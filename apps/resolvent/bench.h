@@ -75,6 +75,12 @@ bool cli_write_fig8_plot(const char *path, const struct cJSON *scenes);
 bool cli_write_columns(
     const char *path, const struct cJSON *rows, const char *const *columns, size_t column_count);
 
+/// Error of the first camera's picture over elements, with and without that picture as the goal.
+bool cli_bench_goal(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_goal(const struct cJSON *result);
+bool cli_write_goal_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_goal_plot(const char *path, const struct cJSON *scenes);
+
 /// A number of a JSON object; NAN if it holds none of that name.
 double cli_json_number(const struct cJSON *object, const char *name);
 

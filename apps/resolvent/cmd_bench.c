@@ -34,6 +34,9 @@ static const char help[] =
     "            over meshes of 128, 512, 1024 and 3096 KB\n"
     "  certificate  bounds and estimates of `certify` beside the true error against path tracing,\n"
     "            for four qualities and two seeds, on five scenes\n"
+    "  goal      error of the first camera's picture over elements, with and without --goal, "
+    "against\n"
+    "            one finer solution; on two-rooms and gallery:2\n"
     "\n"
     "  --threads N       default: one per processor\n"
     "  --repeat N        all but trace: time everything N times (default 5; quality 3,\n"
@@ -105,6 +108,13 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_fig8_plot,
         .scenes = { "cornell-plaster" },
         .repetitions = 21 },
+    { .name = "goal",
+        .run = cli_bench_goal,
+        .print = cli_print_goal,
+        .write_csv = cli_write_goal_csv,
+        .write_plot = cli_write_goal_plot,
+        .scenes = { "two-rooms", "gallery:2" },
+        .repetitions = 1 },
     { .name = "certificate",
         .run = cli_bench_certificate,
         .print = cli_print_certificate,

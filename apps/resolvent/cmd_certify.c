@@ -36,6 +36,9 @@ static const char help[] =
     "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
     "  --heatmap FILE     a picture of where the error is (.png; .exr holds the numbers as well):\n"
     "                     black 0.1 %, then ticks at 1 % and 10 %, white 100 % of the irradiance\n"
+    "  --split            how much of the error comes from the solver, from too few rays and from "
+    "too\n"
+    "                     large elements; solves once more\n"
     "  --goal             solve for the camera's picture alone, and certify its mean luminance "
     "too\n"
     "  --camera NAME      of the picture: one of `resolvent info SCENE` (default: the first)\n"
@@ -55,13 +58,14 @@ typedef struct settings {
     int quality, solver;
     rsv_certify_desc certify;
     uint32_t threads, seed;
-    bool goal;
+    bool goal, split;
 } settings;
 
 /// What a run found out.
 typedef struct findings {
     rsv_certificate certificate;
     rsv_goal_certificate goal;
+    rsv_error_split split;
 } findings;
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
@@ -93,6 +97,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--heatmap", .kind = CLI_TEXT, .value = &s->heat_map },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
+        { .name = "--split", .kind = CLI_FLAG, .value = &s->split },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 32, .max = 16384 },
         { .name = NULL },
@@ -132,6 +137,8 @@ static rsv_status solve_and_certify(
     certify_desc.seed = s->seed;
     if (status == RSV_OK && s->goal)
         status = rsv_certify_goal(subject->solution, &certify_desc, camera, &found->goal);
+    if (status == RSV_OK && s->split)
+        status = rsv_split_error(subject->solution, &found->certificate, &found->split);
     return status;
 }
 
@@ -156,6 +163,13 @@ static void print_certificate(const rsv_certificate *c)
     print_row(c, "estimate", c->error_estimate_rms, c->error_estimate_ci95);
 }
 
+static void print_split(const rsv_certificate *c, const rsv_error_split *split)
+{
+    print_row(c, "truncation", split->truncation, NULL);
+    print_row(c, "sampling", split->sampling, NULL);
+    print_row(c, "elements", split->discretisation, NULL);
+}
+
 static void print_goal(const rsv_goal_certificate *g)
 {
     double percent = g->reading > 0 ? 100 / g->reading : 0;
@@ -176,6 +190,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
         .report = rsv_solution_report(solution),
         .certificate = &found->certificate,
         .goal = s->goal ? &found->goal : NULL,
+        .split = s->split ? &found->split : NULL,
         .order_count = rsv_solution_order_count(solution),
         .standard_error = NAN };
     return cli_write_stats(s->stats, session, &stats);
@@ -200,6 +215,7 @@ static int run(cli_session *session, const settings *s)
     } else {
         cli_progress_clear(&session->progress);
         print_certificate(&found.certificate);
+        if (s->split) print_split(&found.certificate, &found.split);
         if (s->goal) print_goal(&found.goal);
         if (!s->stats || write_stats(session, s, subject.solution, &found))
             exit_status = CLI_SUCCESS;

@@ -122,6 +122,16 @@ static void add_certificate(cJSON *root, const rsv_certificate *c)
     cJSON_AddNumberToObject(object, "rays", (double)c->rays);
 }
 
+/// W/m2, luminance.
+static void add_split(cJSON *root, const rsv_error_split *split)
+{
+    if (!split) return;
+    cJSON *object = cJSON_AddObjectToObject(root, "error_split");
+    cJSON_AddNumberToObject(object, "truncation", split->truncation);
+    cJSON_AddNumberToObject(object, "sampling", split->sampling);
+    cJSON_AddNumberToObject(object, "discretisation", split->discretisation);
+}
+
 /// Mean luminance of a camera's picture, W/(sr m2).
 static void add_goal(cJSON *root, const rsv_goal_certificate *g)
 {
@@ -174,6 +184,7 @@ bool cli_write_stats(const char *path, const cli_session *session, const cli_sta
     add_settings(root, stats);
     add_solution(root, stats);
     add_certificate(root, stats->certificate);
+    add_split(root, stats->split);
     add_goal(root, stats->goal);
     add_times(root, session, stats);
     cJSON_AddNumberToObject(root, "peak_rss_bytes", peak_rss_bytes());

@@ -16,6 +16,7 @@ typedef struct cli_stats {
     const rsv_solve_report *report;     ///< NULL = nothing was solved
     const rsv_certificate *certificate; ///< NULL = nothing was solved
     const rsv_goal_certificate *goal;   ///< NULL = there was none
+    const rsv_error_split *split;       ///< likewise
     uint32_t order_count;
     double standard_error; ///< of the picture's mean, relative; NAN = unknown
     double time_render;

@@ -62,6 +62,18 @@ typedef struct rsv_certificate {
 RSV_API rsv_status rsv_certify(
     const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate);
 
+/// Where an error comes from, luminance, W/m2. Squares add up to that of the certificate's estimate.
+typedef struct rsv_error_split {
+    double truncation;     ///< the solver's: at most this (the report's truncation_bound)
+    double sampling;       ///< too few rays, shadow rays or photons: what another seed changes
+    double discretisation; ///< the rest: elements too large
+} rsv_error_split;
+
+/// Splits a certified error. Solves once more with another seed: two solutions that differ in their random numbers
+/// alone, elements refined by noisy pilots included, differ by sqrt(2) times the sampling error of each.
+RSV_API rsv_status rsv_split_error(
+    const rsv_solution *solution, const rsv_certificate *certificate, rsv_error_split *split);
+
 /// The error of one camera's picture: of its mean luminance, as far as it comes from diffuse surfaces.
 typedef struct rsv_goal_certificate {
     double reading; ///< what the solution says, W/(sr m2)

@@ -13,7 +13,8 @@
 #define MOST_DIRECT_LEVELS 8
 #define MOST_PHOTONS 500000000u
 #define REFINEMENTS 3
-/// A certificate that cannot tell is given more points, up to so many.
+/// A certificate that cannot tell is given more points, from the first number up to the second.
+#define FIRST_SAMPLES 512
 #define MOST_SAMPLES 65536
 
 typedef struct pursuit {
@@ -179,6 +180,7 @@ rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *star
         .desc = start ? *start : rsv_default_solve_desc(RSV_QUALITY_DRAFT),
         .certify = rsv_default_certify_desc(),
         .certificate = certificate };
+    p.certify.samples = FIRST_SAMPLES;
     p.certify.seed = p.desc.seed;
     RSV_TRY(check_target(target));
     do {

@@ -27,7 +27,9 @@ succeeds certify furnace --quality draft --samples 16 --rays 8 --heatmap heat.pn
 [[ -s heat.png ]] || complain "no picture of the error"
 
 succeeds certify furnace --quality draft --error 3%
-succeeds certify furnace --quality draft --samples 16 --rays 8 --goal --stats goal.json
+succeeds certify furnace --quality draft --samples 16 --rays 8 --goal --split --stats goal.json
+says '^sampling '
+grep -q '"discretisation":' goal.json || complain "the statistics lack the split"
 says '^picture .* missing'
 grep -q '"goal_certificate":' goal.json || complain "the statistics lack the goal"
 succeeds render furnace -o goal.exr --quality draft --size 16x16 --goal

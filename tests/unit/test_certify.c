@@ -122,9 +122,9 @@ static void check_against_truth(
     rsv_solution *s = solve(w, desc);
     rsv_truth *truth;
     double error, interval[2];
-    assert_int_equal(rsv_truth_create(s, 1000, paths, 5, &truth), RSV_OK);
+    assert_int_equal(rsv_truth_create(s, 800, paths, 5, &truth), RSV_OK);
     assert_int_equal(rsv_truth_error(truth, s, &error, interval), RSV_OK);
-    rsv_certificate c = certify(s, 2048, 3);
+    rsv_certificate c = certify(s, 1024, 3);
     print_message("%s: true error %.4f (%.4f .. %.4f), estimate %.4f (%.4f .. %.4f), bound %.4f of "
                   "%.4f W/m2\n",
         scene, error, interval[0], interval[1], c.error_estimate_rms, c.error_estimate_ci95[0],
@@ -155,7 +155,7 @@ static void a_noisy_solution_confesses(void **state)
     (void)state;
     rsv_solve_desc desc = draft(1000);
     desc.rays_per_element = 64;
-    check_against_truth("cornell-blocks", &desc, 384, 0.2);
+    check_against_truth("cornell-blocks", &desc, 256, 0.2);
 }
 
 /// Most of the error lies in two small spots: few points find them.
@@ -164,7 +164,34 @@ static void a_solution_without_caustics_confesses(void **state)
     (void)state;
     rsv_solve_desc desc = draft(2000);
     desc.photon_count = 0;
-    check_against_truth("cornell-spheres", &desc, 192, 0.6);
+    check_against_truth("cornell-spheres", &desc, 128, 0.6);
+}
+
+/// Few rays on many elements, then many rays on few elements.
+static void the_split_knows_noise_from_large_elements(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_error_split split[2];
+    for (int coarse = 0; coarse < 2; coarse++) {
+        rsv_solve_desc desc = draft(coarse ? 60 : 2000);
+        desc.rays_per_element = coarse ? 1024 : 64;
+        desc.direct_level = !coarse; // shadow rays are noise too
+        rsv_solution *s = solve(w, &desc);
+        rsv_certificate c = certify(s, 1024, 1);
+        assert_int_equal(rsv_split_error(s, &c, &split[coarse]), RSV_OK);
+        double sum = split[coarse].truncation * split[coarse].truncation +
+                     split[coarse].sampling * split[coarse].sampling +
+                     split[coarse].discretisation * split[coarse].discretisation;
+        assert_close(sqrt(sum), c.error_estimate_rms, 1e-6);
+        assert_true(split[coarse].truncation < 0.01 * c.error_estimate_rms);
+        rsv_solution_destroy(s);
+    }
+    assert_true(split[0].sampling > split[0].discretisation);
+    print_message(
+        "coarse: sampling %.4f, discretisation %.4f\n", split[1].sampling, split[1].discretisation);
+    assert_true(split[1].discretisation > 2 * split[1].sampling);
+    world_end(w);
 }
 
 // ---- goals --------------------------------------------------------------------------------------
@@ -284,7 +311,7 @@ static void budgets_end_refinement(void **state)
     const rsv_solve_report *report = rsv_solution_report(s);
     assert_true(report->elements + report->direct_elements <= 1500);
     rsv_solution_destroy(s);
-    target = rsv_default_error_target(0.01);
+    target.max_elements = SIZE_MAX;
     target.max_rounds = 1;
     rsv_solution_destroy(pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_ROUNDS));
     target = rsv_default_error_target(0.01);
@@ -466,6 +493,7 @@ int main(void)
         cmocka_unit_test(a_coarse_solution_confesses),
         cmocka_unit_test(a_noisy_solution_confesses),
         cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(the_split_knows_noise_from_large_elements),
         cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
         cmocka_unit_test(a_rooms_picture_errs_as_importance_says),
         cmocka_unit_test(a_goal_spends_elements_where_they_count),

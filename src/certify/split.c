@@ -1,0 +1,66 @@
+#include "../solve/solution.h"
+#include "resolvent/certify.h"
+#include "surface_points.h"
+
+/// Points at which two solutions are compared: lookups cost next to nothing.
+#define POINTS 50000
+#define OTHER_SEED 0x6a09e667u
+
+static double luminance_at(const rsv_solution *s, const rsv_face_point *p)
+{
+    rsv_rgb e = rgb_add(rsv_solution_direct(s, p->face, p->u, p->v, !s->desc.direct_level),
+        rsv_elements_interpolate(s->elements, s->indirect, p->face, p->u, p->v));
+    return (double)rgb_luminance(e);
+}
+
+/// Mean square of the difference of two solutions of one scene.
+static rsv_status mean_squared_difference(
+    const rsv_solution *a, const rsv_solution *b, double *mean)
+{
+    rsv_context *context = a->context;
+    rsv_face_areas areas = { 0 };
+    rsv_status status = RSV_ERROR_MEMORY;
+    double *square = rsv_alloc(context, POINTS, sizeof *square);
+    uint8_t *valid = rsv_alloc(context, POINTS, 1);
+    if (!square || !valid) goto cleanup;
+    RSV_TRY(rsv_face_areas_create(a->elements, &areas));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
+    for (uint32_t k = 0; k < POINTS; k++) {
+        uint64_t rays = 0;
+        rsv_face_point p = rsv_face_areas_draw(&areas, k, POINTS, OTHER_SEED);
+        valid[k] = !rsv_point_is_buried(&a->scene, a->elements, &p, k, &rays);
+        double difference = luminance_at(a, &p) - luminance_at(b, &p);
+        square[k] = difference * difference;
+    }
+    double sum = 0, count = 0;
+    for (uint32_t k = 0; k < POINTS; k++) {
+        sum += valid[k] ? square[k] : 0;
+        count += valid[k];
+    }
+    *mean = count > 0 ? sum / count : 0;
+cleanup:
+    rsv_face_areas_destroy(&areas);
+    rsv_free(context, square);
+    rsv_free(context, valid);
+    return status;
+}
+
+rsv_status rsv_split_error(
+    const rsv_solution *s, const rsv_certificate *certificate, rsv_error_split *split)
+{
+    rsv_solution *other = NULL;
+    rsv_solve_desc desc = s->desc;
+    double difference, error = certificate->error_estimate_rms;
+    rsv_status status = RSV_OK;
+    *split = (rsv_error_split){ .truncation = fmin(s->report.truncation_bound, error) };
+    if (s->elements->face_count == 0) return RSV_OK;
+    desc.seed = rsv_hash2(desc.seed, OTHER_SEED);
+    RSV_TRY(rsv_solution_create(s->scene.scene, &desc, &other));
+    RSV_TRY(mean_squared_difference(s, other, &difference));
+    double rest = error * error - split->truncation * split->truncation;
+    split->sampling = sqrt(fmin(difference / 2, rest));
+    split->discretisation = sqrt(fmax(rest - difference / 2, 0));
+cleanup:
+    rsv_solution_destroy(other);
+    return status;
+}
