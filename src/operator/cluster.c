@@ -9,6 +9,13 @@
 /// Leaders lead this many radii far.
 #define REACH 2.0f
 
+/// Leaders are about so many radii apart.
+#define LEADER_SPACING 1.2f
+/// Leaders of less weight say little about the field around a follower.
+#define LEAST_WEIGHT 0.05f
+/// Standard deviations of noise that pass for no difference.
+#define NOISE 2.0f
+
 /// Leaders that reach a node, the nearest ones.
 typedef struct leaders {
     uint32_t node[RSV_PARENTS]; ///< by distance; RSV_NONE = free
@@ -23,16 +30,22 @@ typedef struct front_node {
 
 typedef struct clustering {
     rsv_elements *e;
-    float radius;
+    float *radius;            ///< [node_count]
     rsv_vec3 *place, *normal; ///< [node_count]
     uint8_t *fine;            ///< [node_count] may follow
     leaders *led;             ///< [node_count]
     float *distance;          ///< [node_count] from the leader in hand
+    float reach;              ///< of that leader
     front_node *front;        ///< binary heap, nearest first
     size_t front_count, front_capacity;
     uint32_t *visited; ///< nodes whose distance is set
     size_t visited_count, visited_capacity;
 } clustering;
+
+static float radius_around(const rsv_elements *e, uint32_t cell)
+{
+    return ldexpf(e->cluster_radius, -e->face_halvings[e->cell[cell].face]);
+}
 
 static void set_up_node(clustering *c, uint32_t node)
 {
@@ -42,6 +55,9 @@ static void set_up_node(clustering *c, uint32_t node)
     for (uint32_t s = begin; s < end; s++)
         fine = fine && e->cell[e->support[s] / 4].level == 0;
     c->fine[node] = fine;
+    c->radius[node] = e->cluster_radius;
+    for (uint32_t s = begin; s < end; s++)
+        c->radius[node] = f_min(c->radius[node], radius_around(e, e->support[s] / 4));
     c->distance[node] = INFINITY;
     for (int p = 0; p < RSV_PARENTS; p++) {
         c->led[node].node[p] = RSV_NONE;
@@ -86,7 +102,7 @@ static front_node pop(clustering *c)
 
 static rsv_status reach(clustering *c, uint32_t node, float distance)
 {
-    if (distance >= c->distance[node] || distance >= REACH * c->radius) return RSV_OK;
+    if (distance >= c->distance[node] || distance >= c->reach) return RSV_OK;
     if (c->distance[node] == INFINITY) {
         rsv_status status = rsv_grow(c->e->context, (void **)&c->visited, &c->visited_capacity,
             c->visited_count + 1, sizeof *c->visited);
@@ -100,7 +116,8 @@ static rsv_status reach(clustering *c, uint32_t node, float distance)
 static float way(const clustering *c, uint32_t from, uint32_t to)
 {
     float turn = acosf(f_min(f_max(v3_dot(c->normal[from], c->normal[to]), -1), 1));
-    return v3_length(v3_sub(c->place[to], c->place[from])) + c->radius * turn / TURN_PER_RADIUS;
+    return v3_length(v3_sub(c->place[to], c->place[from])) +
+           c->e->cluster_radius * turn / TURN_PER_RADIUS;
 }
 
 static rsv_status reach_neighbours(clustering *c, uint32_t node, float distance)
@@ -133,6 +150,7 @@ static void add_leader(leaders *led, uint32_t leader, float distance)
 static rsv_status lead(clustering *c, uint32_t leader)
 {
     c->visited_count = c->front_count = 0;
+    c->reach = REACH * c->radius[leader];
     rsv_status status = reach(c, leader, 0);
     while (status == RSV_OK && c->front_count > 0) {
         front_node here = pop(c);
@@ -163,7 +181,7 @@ static rsv_status choose_leaders(clustering *c)
         if (!c->fine[n] && e->node_hanging[n] == RSV_NONE && touches_fine_node(c, n))
             status = lead(c, n);
     for (uint32_t n = 0; n < e->node_count && status == RSV_OK; n++) {
-        if (!c->fine[n] || c->led[n].distance[0] < c->radius) continue;
+        if (!c->fine[n] || c->led[n].distance[0] < c->radius[n]) continue;
         c->fine[n] = 0;
         status = lead(c, n);
     }
@@ -176,7 +194,7 @@ static rsv_hanging follower_of(const clustering *c, uint32_t node)
     rsv_hanging follower = { .node = node };
     float sum = 0;
     for (int p = 0; p < RSV_PARENTS; p++) {
-        float closeness = f_max(0, 1 - led->distance[p] / (REACH * c->radius));
+        float closeness = f_max(0, 1 - led->distance[p] / (REACH * c->radius[node]));
         follower.parent[p] = led->node[p] == RSV_NONE ? led->node[0] : led->node[p];
         follower.weight[p] = closeness * closeness;
         sum += follower.weight[p];
@@ -203,6 +221,7 @@ static rsv_status add_followers(clustering *c)
     rsv_free(e->context, e->hanging);
     e->hanging = hanging;
     e->hanging_count = count;
+    e->follower_count = followers;
     for (size_t h = 0; h < count; h++)
         e->node_hanging[hanging[h].node] = (uint32_t)h;
     return rsv_elements_renumber(e, e->node_count);
@@ -211,18 +230,21 @@ static rsv_status add_followers(clustering *c)
 rsv_status rsv_elements_cluster(rsv_elements *e, float radius)
 {
     rsv_status status = RSV_ERROR_MEMORY;
-    clustering c = { .e = e, .radius = radius };
+    clustering c = { .e = e };
+    e->cluster_radius = radius;
+    c.radius = rsv_alloc(e->context, e->node_count, sizeof *c.radius);
     c.place = rsv_alloc(e->context, e->node_count, sizeof *c.place);
     c.normal = rsv_alloc(e->context, e->node_count, sizeof *c.normal);
     c.fine = rsv_alloc(e->context, e->node_count, sizeof *c.fine);
     c.led = rsv_alloc(e->context, e->node_count, sizeof *c.led);
     c.distance = rsv_alloc(e->context, e->node_count, sizeof *c.distance);
-    if (!c.place || !c.normal || !c.fine || !c.led || !c.distance) goto cleanup;
+    if (!c.radius || !c.place || !c.normal || !c.fine || !c.led || !c.distance) goto cleanup;
     for (uint32_t n = 0; n < e->node_count; n++)
         set_up_node(&c, n);
     RSV_TRY(choose_leaders(&c));
     RSV_TRY(add_followers(&c));
 cleanup:
+    rsv_free(e->context, c.radius);
     rsv_free(e->context, c.place);
     rsv_free(e->context, c.normal);
     rsv_free(e->context, c.fine);
@@ -231,4 +253,52 @@ cleanup:
     rsv_free(e->context, c.front);
     rsv_free(e->context, c.visited);
     return status;
+}
+
+bool rsv_cell_follows(const rsv_elements *e, uint32_t cell)
+{
+    for (int k = 0; k < 3; k++)
+        if (e->node_hanging[e->cell_node[cell][k]] < e->follower_count) return true;
+    return false;
+}
+
+float rsv_cell_spacing(const rsv_elements *e, uint32_t cell)
+{
+    float size = sqrtf(2 * rsv_cell_area(e, cell));
+    return rsv_cell_follows(e, cell) ? f_max(size, LEADER_SPACING * radius_around(e, cell)) : size;
+}
+
+/// No more than there are nodes: half a one for each cell.
+float rsv_cell_new_leaders(const rsv_elements *e, uint32_t cell)
+{
+    float radius = radius_around(e, cell);
+    return f_min(0.5f, 2 * rsv_cell_area(e, cell) / (radius * radius));
+}
+
+/// Whether the luminances of the leaders of one follower lie further apart than threshold, floor and noise allow.
+static bool leaders_disagree(const rsv_hanging *follower, const rsv_rgb *value,
+    const float *deviation, float threshold, float floor)
+{
+    uint32_t darkest = follower->parent[0], brightest = darkest;
+    for (int p = 1; p < RSV_PARENTS; p++) {
+        uint32_t leader = follower->parent[p];
+        if (follower->weight[p] < LEAST_WEIGHT) continue;
+        if (rgb_luminance(value[leader]) < rgb_luminance(value[darkest])) darkest = leader;
+        if (rgb_luminance(value[leader]) > rgb_luminance(value[brightest])) brightest = leader;
+    }
+    float low = rgb_luminance(value[darkest]), high = rgb_luminance(value[brightest]);
+    float noise = hypotf(deviation[darkest], deviation[brightest]);
+    return high - low > threshold * (0.5f * (low + high) + floor) + NOISE * noise;
+}
+
+void rsv_find_cluster_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
+    float threshold, float floor, rsv_bend_found found, void *user)
+{
+    for (size_t h = 0; h < e->follower_count; h++) {
+        const rsv_hanging *follower = &e->hanging[h];
+        if (!leaders_disagree(follower, value, deviation, threshold, floor)) continue;
+        for (uint32_t s = e->support_begin[follower->node];
+             s < e->support_begin[follower->node + 1]; s++)
+            found(user, e->support[s] / 4, e->support[s] / 4);
+    }
 }

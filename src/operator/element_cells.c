@@ -25,12 +25,13 @@ rsv_status rsv_elements_create_faces(rsv_elements *e)
     e->face_triangle = rsv_alloc(context, e->face_count, sizeof *e->face_triangle);
     e->face_back = rsv_alloc(context, e->face_count, sizeof *e->face_back);
     e->face_level = rsv_alloc(context, e->face_count, sizeof *e->face_level);
+    e->face_halvings = rsv_alloc(context, e->face_count, sizeof *e->face_halvings);
     e->face_slot = rsv_alloc(context, e->face_count, sizeof *e->face_slot);
     e->face_area = rsv_alloc(context, e->face_count, sizeof *e->face_area);
     e->face_corner = rsv_alloc(context, e->face_count, sizeof *e->face_corner);
     e->face_edge = rsv_alloc(context, e->face_count, sizeof *e->face_edge);
-    if (!e->face_triangle || !e->face_back || !e->face_level || !e->face_slot || !e->face_area ||
-        !e->face_corner || !e->face_edge)
+    if (!e->face_triangle || !e->face_back || !e->face_level || !e->face_halvings ||
+        !e->face_slot || !e->face_area || !e->face_corner || !e->face_edge)
         return RSV_ERROR_MEMORY;
     for (int side = 0; side < 2; side++) {
         for (size_t t = 0; t < scene->triangle_count; t++) {
@@ -59,6 +60,7 @@ rsv_status rsv_elements_copy_faces(const rsv_elements *from, rsv_elements *to)
     COPY_ARRAY(face_triangle, to->face_count);
     COPY_ARRAY(face_back, to->face_count);
     COPY_ARRAY(face_level, to->face_count);
+    COPY_ARRAY(face_halvings, to->face_count);
     COPY_ARRAY(face_slot, to->face_count);
     COPY_ARRAY(face_area, to->face_count);
     COPY_ARRAY(face_corner, to->face_count);

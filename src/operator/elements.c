@@ -100,8 +100,9 @@ void rsv_elements_destroy(rsv_elements *e)
     if (!e) return;
     rsv_context *context = e->context;
     void *arrays[] = { e->face_of[0], e->face_of[1], e->face_triangle, e->face_back, e->face_level,
-        e->face_slot, e->face_area, e->face_corner, e->face_edge, e->slot, e->cell, e->cell_node,
-        e->node_face, e->node_area, e->support_begin, e->support, e->hanging, e->node_hanging };
+        e->face_halvings, e->face_slot, e->face_area, e->face_corner, e->face_edge, e->slot,
+        e->cell, e->cell_node, e->node_face, e->node_area, e->support_begin, e->support, e->hanging,
+        e->node_hanging };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_free(context, e);

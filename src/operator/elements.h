@@ -44,6 +44,7 @@ typedef struct rsv_elements {
     uint32_t *face_triangle; ///< [face_count]
     uint8_t *face_back;      ///< [face_count]
     uint8_t *face_level;     ///< [face_count] of the regular grid
+    uint8_t *face_halvings;  ///< [face_count] of the radius of clusters there (cluster.h)
     uint32_t *face_slot;     ///< [face_count] first slot of the grid
     float *face_area;        ///< [face_count] m2
     uint32_t (
@@ -64,6 +65,8 @@ typedef struct rsv_elements {
     uint32_t *support_begin; ///< [node_count + 1]
     uint32_t *support;       ///< cell * 4 + corner, the cells around each node
 
+    float cluster_radius;  ///< metres, before halvings; 0 = no clusters yet
+    size_t follower_count; ///< the first of `hanging` follow leaders, the others hang on edges
     size_t hanging_count;
     rsv_hanging *hanging;   ///< parents before children
     uint32_t *node_hanging; ///< [node_count] index into `hanging`, RSV_NONE = free node

@@ -54,6 +54,20 @@ static void add_entry(const gathering *g, uint32_t column, rsv_rgb weight)
     row->weight[column] = rgb_mad(row->weight[column], g->share, weight);
 }
 
+/// Hanging nodes hold what their parents hold, which get the entry: a fine mesh makes no longer rows.
+static void add_node(const gathering *g, uint32_t node, rsv_rgb weight)
+{
+    uint32_t index = g->sources->elements->node_hanging[node];
+    if (index == RSV_NONE) {
+        add_entry(g, node, weight);
+        return;
+    }
+    const rsv_hanging *hanging = &g->sources->elements->hanging[index];
+    for (int p = 0; p < RSV_PARENTS; p++)
+        if (hanging->weight[p] > 0)
+            add_node(g, hanging->parent[p], rgb_scale(weight, hanging->weight[p]));
+}
+
 /// Mean of the profile over a piece of surface that is small against its distance, to third order: p at the centre
 /// and a quarter of the Laplacian within the surface times the mean square distance from the centre.
 /// @param centre relative to the place @param normal of the surface, at most 1 long @param spread m2
@@ -82,7 +96,7 @@ static void add_exactly(const gathering *g, const rsv_vec3 corner[3], const uint
     rsv_rgb weight[3];
     rsv_scatter_integrate(g->profile, corner, weight);
     for (int i = 0; i < 3; i++)
-        add_entry(g, node[i], weight[i]);
+        add_node(g, node[i], weight[i]);
 }
 
 static void add_cell(const gathering *g, uint32_t k)
@@ -109,7 +123,7 @@ static void add_cell(const gathering *g, uint32_t k)
         v3_normalize(v3_cross(v3_sub(corner[1], corner[0]), v3_sub(corner[2], corner[0])));
     rsv_rgb weight = rgb_scale(profile_over(g, centre, normal, squares / 12), area / 3);
     for (int i = 0; i < 3; i++)
-        add_entry(g, node[i], weight);
+        add_node(g, node[i], weight);
 }
 
 static void add_cluster(const gathering *g, uint32_t index)
@@ -171,7 +185,7 @@ static void gather_inside(gathering *g, uint32_t support, float share)
         (float)rsv_diffusion_transfer((double)g->profile->d[1], finest),
         (float)rsv_diffusion_transfer((double)g->profile->d[2], finest));
     for (uint32_t k = 0; k < 3; k++)
-        add_entry(
+        add_node(
             g, s->elements->cell_node[cell][k], rgb_scale(kept, k == own ? 2 * INSET : -INSET));
 }
 

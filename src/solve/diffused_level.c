@@ -1,6 +1,7 @@
 #include "diffused_level.h"
 
 #include "../operator/burial.h"
+#include "../operator/cluster.h"
 #include "../operator/contact.h"
 #include "../operator/elements_internal.h"
 #include "solution.h"
@@ -12,6 +13,8 @@
 #define CELLS_PER_PROFILE 1.5f
 /// ... or this many times as many as the coarse elements.
 #define BUDGET 2
+/// Nodes of finer meshes follow leaders within this share of that size.
+#define CLUSTER_SHARE 0.7f
 
 static const rsv_material *face_material(const rsv_elements *e, uint32_t face)
 {
@@ -45,6 +48,21 @@ static float cell_size(const rsv_elements *e, uint32_t cell)
     return sqrtf(2 * rsv_cell_area(e, cell));
 }
 
+static float wanted_size(const rsv_material *m)
+{
+    rsv_scatter_profile profile = rsv_scatter_profile_of(m);
+    return rsv_scatter_profile_narrowest(&profile) / CELLS_PER_PROFILE;
+}
+
+static float finest_wanted(const rsv_solution *s)
+{
+    const rsv_scene_view *view = s->scene.view;
+    float finest = INFINITY;
+    for (size_t m = 0; m < view->material_count; m++)
+        if (s->diffused.material[m]) finest = f_min(finest, wanted_size(&view->material[m]));
+    return finest;
+}
+
 /// Size of cells at which the translucent surfaces use up the budget.
 static float affordable_size(const rsv_solution *s)
 {
@@ -63,10 +81,8 @@ static size_t mark_large(const rsv_elements *e, float affordable, uint8_t *split
         const rsv_material *m = face_material(e, e->cell[c].face);
         split[c] = 0;
         if (!rsv_material_scatters_below(m) || e->cell[c].level >= RSV_MAX_LEVEL) continue;
-        rsv_scatter_profile profile = rsv_scatter_profile_of(m);
-        float wanted = rsv_scatter_profile_narrowest(&profile) / CELLS_PER_PROFILE;
         // a split halves the size: it is worth it if the cell is more than sqrt(2) too large
-        split[c] = cell_size(e, c) > 1.4142f * f_max(wanted, affordable);
+        split[c] = cell_size(e, c) > 1.4142f * f_max(wanted_size(m), affordable);
         marked += split[c];
     }
     return marked;
@@ -92,6 +108,7 @@ static rsv_status create_elements(rsv_solution *s)
         finer = NULL;
     }
     RSV_TRY(rsv_elements_separate(s->tracer, e, &s->report.rays));
+    RSV_TRY(rsv_elements_cluster(e, CLUSTER_SHARE * f_max(finest_wanted(s), affordable)));
     s->diffused.elements = e;
     e = NULL;
 cleanup:
@@ -210,7 +227,7 @@ rsv_unresolved rsv_solution_unresolved(const rsv_solution *s, uint32_t face, flo
     float weight[3];
     uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
     rsv_scatter_profile p = rsv_scatter_profile_of(face_material(e, face));
-    double finest = (double)(RSV_PI / cell_size(e, cell));
+    double finest = (double)(RSV_PI / rsv_cell_spacing(e, cell));
     rsv_unresolved unresolved;
     unresolved.known = rsv_elements_interpolate(e, s->diffused.entered, face, u, v);
     unresolved.share = rgb((float)rsv_diffusion_transfer((double)p.d[0], finest),

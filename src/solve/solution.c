@@ -15,8 +15,10 @@
 /// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
 #define COARSE_LIGHT_FACTOR 2
 #define PILOT_ORDERS 3
-/// Meshes finer than the wanted spacing keep nodes this part of it apart: they are curved and fold.
-#define CLUSTER_RADIUS 0.25f
+/// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
+/// light changes quickly.
+#define CLUSTER_RADIUS 1.0f
+#define CLUSTER_RADIUS_WITHOUT_PILOTS 0.5f
 #define PILOT_BEND 0.2f
 #define LARGEST_BEND 2.0f
 /// Pilots may bring the number of nodes to this many times what was asked for. A split adds about so many.
@@ -220,7 +222,9 @@ static rsv_status prepare_elements(rsv_solution *s)
 {
     rsv_status status = rsv_elements_separate(s->tracer, s->elements, &s->report.rays);
     if (status == RSV_OK)
-        status = rsv_elements_cluster(s->elements, CLUSTER_RADIUS * s->elements->spacing);
+        status = rsv_elements_cluster(s->elements,
+            s->elements->spacing *
+                (s->desc.refinements ? CLUSTER_RADIUS : CLUSTER_RADIUS_WITHOUT_PILOTS));
     if (status != RSV_OK) return status;
     rsv_free(s->context, s->valid_points);
     s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);
@@ -263,12 +267,27 @@ static rsv_status split_marked(rsv_solution *s, const uint8_t *split)
     return prepare_elements(s);
 }
 
-static size_t count_marked(const uint8_t *split, size_t count)
+/// Rows that refining the marked cells adds, about.
+static double rows_for(const rsv_elements *e, const uint8_t *marked, bool *any)
 {
-    size_t marked = 0;
-    for (size_t c = 0; c < count; c++)
-        marked += split[c];
-    return marked;
+    double rows = 0;
+    *any = false;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (!marked[c]) continue;
+        *any = true;
+        rows += rsv_cell_follows(e, c) ? (double)rsv_cell_new_leaders(e, c) : NODES_PER_SPLIT;
+    }
+    return rows;
+}
+
+/// Where a mesh is finer than its clusters, these shrink rather than its triangles.
+static void shrink_clusters(rsv_elements *e, uint8_t *marked)
+{
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (!marked[c] || !rsv_cell_follows(e, c)) continue;
+        e->face_halvings[e->cell[c].face]++;
+        marked[c] = 0;
+    }
 }
 
 /// Leaves cells alone whose light hardly matters to the goal.
@@ -293,10 +312,11 @@ static rsv_status mark_bends(
         memset(split, 0, e->cell_count);
         rsv_status status = rsv_find_bends(
             e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
+        rsv_find_cluster_bends(e, s->indirect, deviation, bend, dark, mark_pair, split);
         unmark_idle(goal, e, split);
-        size_t marked = count_marked(split, e->cell_count);
-        *any = marked > 0 && rows + NODES_PER_SPLIT * marked <= most;
-        if (status != RSV_OK || marked == 0 || *any) return status;
+        bool marked;
+        *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
+        if (status != RSV_OK || !marked || *any) return status;
     }
     return RSV_OK;
 }
@@ -324,7 +344,9 @@ static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *r
     rsv_mark_buried(s->elements, s->valid_points, deviation);
     RSV_TRY(mark_bends(s, goal, deviation, split, refined));
     destroy_system(s);
-    if (*refined) RSV_TRY(split_marked(s, split));
+    if (!*refined) goto cleanup;
+    shrink_clusters(s->elements, split);
+    RSV_TRY(split_marked(s, split));
 cleanup:
     rsv_free(s->context, split);
     rsv_free(s->context, deviation);
