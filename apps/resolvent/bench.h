@@ -81,6 +81,13 @@ void cli_print_goal(const struct cJSON *result);
 bool cli_write_goal_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_goal_plot(const char *path, const struct cJSON *scenes);
 
+/// Time and memory of a solution over the size of a scene, at a spacing of elements that stays what it is.
+bool cli_bench_scale(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_scale(const struct cJSON *result);
+void cli_print_scale_summary(const struct cJSON *scenes);
+bool cli_write_scale_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_scale_plot(const char *path, const struct cJSON *scenes);
+
 /// A number of a JSON object; NAN if it holds none of that name.
 double cli_json_number(const struct cJSON *object, const char *name);
 

@@ -31,7 +31,8 @@ static const char help[] =
     "  --quality Q        draft, medium (default) or high: of the solution\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
     "                     gmres or two-grid: how the equation is solved\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP "  --seed N           another set of random numbers (default 0)\n"
+        CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
+    "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the numbers do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
     "  --heatmap FILE     a picture of where the error is (.png; .exr holds the numbers as well):\n"
@@ -55,6 +56,7 @@ typedef struct settings {
     cli_size size;
     cli_error_target target;
     cli_environment environment;
+    cli_budget budget;
     int quality, solver;
     rsv_certify_desc certify;
     uint32_t threads, seed;
@@ -92,6 +94,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_BUDGET_OPTIONS(&s->budget),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -126,10 +129,8 @@ static rsv_status certify(
 static rsv_status solve_and_certify(
     cli_session *session, const settings *s, cli_subject *subject, findings *found)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+    rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
     uint32_t camera = rsv_scene_find_camera(subject->scene, s->camera);
-    desc.solver = (rsv_solver)s->solver;
-    desc.seed = s->seed;
     if (s->goal) desc.goal_camera = camera;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, &found->certificate);
     if (status == RSV_OK) status = certify(s, subject->solution, &found->certificate);

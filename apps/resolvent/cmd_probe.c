@@ -26,7 +26,7 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP
+        CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
     "  --quality Q        draft, medium (default) or high: of the solution\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
@@ -48,6 +48,7 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
+    cli_budget budget;
     int mode, quality, solver;
     uint32_t samples; ///< 0 = by quality
     uint32_t threads, seed;
@@ -71,6 +72,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_BUDGET_OPTIONS(&s->budget),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -90,9 +92,7 @@ static rsv_status read_light(cli_session *session, const settings *s, const cli_
     rsv_status status = RSV_OK;
     bool is_reference = s->mode == RSV_PROBE_REFERENCE;
     if (!is_reference) {
-        rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
-        desc.solver = (rsv_solver)s->solver;
-        desc.seed = s->seed;
+        rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
         status = cli_solve_subject(session, &desc, NULL, subject, certificate);
         if (status == RSV_OK)
             status = cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);

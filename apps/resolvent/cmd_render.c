@@ -31,7 +31,7 @@ static const char help[] =
     "  --occlusion-distance M  modes occlusion: metres beyond which nothing occludes\n"
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
     "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
-    "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
+    "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
@@ -67,6 +67,7 @@ typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
     cli_error_target target;
+    cli_budget budget;
     cli_list outputs;
     cli_size size;
     int mode, quality, solver, device;
@@ -104,6 +105,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_BUDGET_OPTIONS(&s->budget),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -190,10 +192,8 @@ static bool is_solved(const settings *s)
 static rsv_status solve(
     cli_session *session, const settings *s, cli_subject *subject, rsv_certificate *certificate)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
+    rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
-    desc.solver = (rsv_solver)s->solver;
-    desc.seed = s->seed;
     if (s->goal) desc.goal_camera = rsv_scene_find_camera(subject->scene, s->camera);
     bool is_certified = !subject->solution && s->target.share > 0;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);

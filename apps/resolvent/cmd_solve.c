@@ -15,7 +15,7 @@ static const char help[] =
     "of\n"
     "a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
-    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP
+    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
     "                     gmres or two-grid: how the equation is solved\n" CLI_ERROR_TARGET_HELP
@@ -31,6 +31,7 @@ typedef struct settings {
     const char *scene, *output, *stats, *mesh;
     cli_environment environment;
     cli_error_target target;
+    cli_budget budget;
     int quality, solver;
     uint32_t threads, seed;
 } settings;
@@ -56,6 +57,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
+        CLI_BUDGET_OPTIONS(&s->budget),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -89,9 +91,7 @@ static int run(cli_session *session, const settings *s)
     int exit_status = CLI_FAILURE;
     cli_subject subject = { .scene = cli_open_scene(session, s->scene, &s->environment) };
     if (!subject.scene) return CLI_FAILURE;
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)s->quality);
-    desc.solver = (rsv_solver)s->solver;
-    desc.seed = s->seed;
+    rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
     rsv_certificate certificate;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
     if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);

@@ -6,7 +6,7 @@ rsv_status cli_solve_to_target(const rsv_scene *scene, const rsv_solve_desc *des
     if (target->share == 0) return rsv_solution_create(scene, desc, solution);
     rsv_error_target goal = rsv_default_error_target((double)target->share);
     rsv_error_stop stop;
-    if (target->max_elements) goal.max_elements = target->max_elements;
+    if (desc->max_elements) goal.max_elements = desc->max_elements;
     if (target->max_seconds > 0) goal.max_seconds = (double)target->max_seconds;
     return rsv_solve_to_error(scene, desc, &goal, solution, certificate, &stop);
 }

@@ -83,6 +83,25 @@ static bool read_share(const char *text, const cli_option *option, float *share)
     return true;
 }
 
+/// A positive number with a unit; without one it would be anybody's guess.
+static bool read_bytes(const char *text, size_t *bytes)
+{
+    static const struct {
+        const char *name;
+        double bytes;
+    } unit[] = { { "KiB", 1024.0 }, { "MiB", 1048576.0 }, { "GiB", 1073741824.0 },
+        { "TiB", 1099511627776.0 }, { "KB", 1e3 }, { "MB", 1e6 }, { "GB", 1e9 }, { "TB", 1e12 } };
+    char *end;
+    double number = strtod(text, &end);
+    if (end == text || !(number > 0) || *text == '+') return false;
+    for (size_t k = 0; k < sizeof unit / sizeof *unit; k++) {
+        if (strcmp(end, unit[k].name) != 0 || number * unit[k].bytes > 1e18) continue;
+        *bytes = (size_t)(number * unit[k].bytes);
+        return *bytes > 0;
+    }
+    return false;
+}
+
 static bool append(cli_list *list, const char *text)
 {
     if (list->count == CLI_LIST_CAPACITY) return false;
@@ -109,6 +128,8 @@ static bool store_value(const cli_option *option, const char *text)
         return read_share(text, option, option->value);
     case CLI_CHOICE:
         return read_choice(text, option, option->value);
+    case CLI_BYTES:
+        return read_bytes(text, option->value);
     case CLI_SIZE:
         return read_size(text, option, option->value);
     }
@@ -136,6 +157,9 @@ static int report_bad_value(const cli_usage *usage, const cli_option *option, co
     case CLI_SIZE:
         snprintf(expected, sizeof expected, "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f",
             option->min, option->max);
+        break;
+    case CLI_BYTES:
+        snprintf(expected, sizeof expected, "an amount of memory such as 500MiB or 2GiB");
         break;
     case CLI_CHOICE:
         expected[0] = '\0';

@@ -24,6 +24,7 @@ typedef enum cli_option_kind {
     CLI_REAL,   ///< float *, in [min, max]
     CLI_SHARE,  ///< float *, in [min, max]: 0.01 or 1%
     CLI_CHOICE, ///< int *: index of the value among `choices`
+    CLI_BYTES,  ///< size_t *: 300MiB, 2GiB, 1.5GB, ...
     CLI_SIZE    ///< cli_size *: WIDTHxHEIGHT, each in [min, max]
 } cli_option_kind;
 

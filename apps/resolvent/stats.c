@@ -77,7 +77,9 @@ static void add_solution(cJSON *root, const cli_stats *stats)
     double rays = (double)report->rays;
     cJSON_AddNumberToObject(root, "elements", (double)report->elements);
     cJSON_AddNumberToObject(root, "direct_elements", (double)report->direct_elements);
+    cJSON_AddNumberToObject(root, "rows", (double)report->rows);
     cJSON_AddNumberToObject(root, "entries", (double)report->entries);
+    cJSON_AddNumberToObject(root, "operator_bytes", (double)report->bytes);
     cJSON_AddNumberToObject(root, "rays", rays);
     cJSON_AddNumberToObject(
         root, "rays_per_second", report->time_assemble > 0 ? rays / report->time_assemble : NAN);

@@ -37,6 +37,16 @@ bool cli_open_subject(cli_session *session, const char *name, const cli_environm
     return status == RSV_OK;
 }
 
+rsv_solve_desc cli_describe_solve(int quality, int solver, uint32_t seed, const cli_budget *budget)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)quality);
+    desc.solver = (rsv_solver)solver;
+    desc.seed = seed;
+    desc.max_elements = budget->elements;
+    desc.max_bytes = budget->bytes;
+    return desc;
+}
+
 rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
     const cli_error_target *target, cli_subject *subject, rsv_certificate *certificate)
 {

@@ -17,6 +17,28 @@ typedef struct cli_subject {
 bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
     cli_subject *subject);
 
+/// What --max-elements and --max-memory allow; 0 = anything.
+typedef struct cli_budget {
+    uint32_t elements;
+    size_t bytes;
+} cli_budget;
+
+// clang-format off
+/// The options that fill a cli_budget, for a command's table.
+#define CLI_BUDGET_OPTIONS(budget)                                                                 \
+    { .name = "--max-elements", .kind = CLI_COUNT, .value = &(budget)->elements, .min = 1,         \
+      .max = UINT32_MAX },                                                                         \
+    { .name = "--max-memory", .kind = CLI_BYTES, .value = &(budget)->bytes }
+// clang-format on
+
+/// Their lines in a command's help.
+#define CLI_BUDGET_HELP                                                                            \
+    "  --max-elements N   rows of the operator at most: a coarser solution where N are too few\n"  \
+    "  --max-memory SIZE  memory of the program at most, such as 2GiB; likewise\n"
+
+/// What --quality, --solver, --seed and the budgets make of a solution's description.
+rsv_solve_desc cli_describe_solve(int quality, int solver, uint32_t seed, const cli_budget *budget);
+
 /// Solves the subject unless it is solved already; warns then of options that do nothing.
 /// @param target NULL = none @param certificate of the solution, where there is a target
 rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,

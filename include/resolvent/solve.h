@@ -44,6 +44,10 @@ typedef struct rsv_solve_desc {
     /// that, by importance (the adjoint solution). RSV_NONE (default) = all surfaces matter alike.
     uint32_t goal_camera;
     uint32_t seed;
+    size_t max_elements; ///< rows of the operator at most: elements are larger then; 0 = no limit
+    size_t
+        max_bytes; ///< of memory for the whole process, as far as the solution can keep it by larger
+                   ///< elements and fewer rays; 0 = no limit
 } rsv_solve_desc;
 
 RSV_API rsv_solve_desc rsv_default_solve_desc(rsv_quality quality);
@@ -62,7 +66,9 @@ typedef struct rsv_solve_report {
     rsv_stop_reason stop_reason;
     size_t elements;         ///< coarse elements: unknowns of the linear system
     size_t direct_elements;  ///< elements of the direct and caustic levels
+    size_t rows;             ///< coarse elements with a row of their own: the others follow or hang
     size_t entries;          ///< stored entries of G
+    size_t bytes;            ///< of the elements of all levels, with one field each, and of G and K
     uint64_t rays;           ///< traced during assembly
     uint32_t iterations;     ///< applications of G K
     rsv_solver solver;       ///< that was used, not RSV_SOLVER_AUTO

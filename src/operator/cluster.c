@@ -9,8 +9,6 @@
 /// Leaders lead this many radii far.
 #define REACH 2.0f
 
-/// Leaders are about so many radii apart.
-#define LEADER_SPACING 1.2f
 /// Leaders of less weight say little about the field around a follower.
 #define LEAST_WEIGHT 0.05f
 /// Standard deviations of noise that pass for no difference.
@@ -262,10 +260,20 @@ bool rsv_cell_follows(const rsv_elements *e, uint32_t cell)
     return false;
 }
 
+/// Twice the area of a cell is that of the hats at its corners where nothing follows.
 float rsv_cell_spacing(const rsv_elements *e, uint32_t cell)
 {
-    float size = sqrtf(2 * rsv_cell_area(e, cell));
-    return rsv_cell_follows(e, cell) ? f_max(size, LEADER_SPACING * radius_around(e, cell)) : size;
+    float largest = 2 * rsv_cell_area(e, cell);
+    for (int k = 0; k < 3 && e->cell[cell].level == 0; k++) {
+        uint32_t index = e->node_hanging[e->cell_node[cell][k]];
+        if (index == RSV_NONE) continue;
+        const rsv_hanging *follower = &e->hanging[index];
+        float area = 0;
+        for (int p = 0; p < RSV_PARENTS; p++)
+            area += follower->weight[p] * e->node_area[follower->parent[p]];
+        largest = f_max(largest, area);
+    }
+    return sqrtf(largest);
 }
 
 /// No more than there are nodes: half a one for each cell.

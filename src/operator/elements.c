@@ -107,3 +107,16 @@ void rsv_elements_destroy(rsv_elements *e)
         rsv_free(context, arrays[k]);
     rsv_free(context, e);
 }
+
+size_t rsv_elements_bytes(const rsv_elements *e)
+{
+    size_t per_face = sizeof *e->face_triangle + sizeof *e->face_back + sizeof *e->face_level +
+                      sizeof *e->face_halvings + sizeof *e->face_slot + sizeof *e->face_area +
+                      sizeof *e->face_corner + sizeof *e->face_edge;
+    size_t per_cell = sizeof *e->cell + sizeof *e->cell_node + 3 * sizeof *e->support;
+    size_t per_node = sizeof *e->node_face + sizeof *e->node_area + sizeof *e->support_begin +
+                      sizeof *e->node_hanging;
+    return e->scene->triangle_count * 2 * sizeof *e->face_of[0] + e->face_count * per_face +
+           e->slot_count * sizeof *e->slot + e->cell_count * per_cell + e->node_count * per_node +
+           e->hanging_count * sizeof *e->hanging;
+}

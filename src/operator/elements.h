@@ -89,6 +89,9 @@ rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
 
 void rsv_elements_destroy(rsv_elements *elements);
 
+/// Memory they take.
+size_t rsv_elements_bytes(const rsv_elements *elements);
+
 /// Cell that contains barycentric (u, v) of `face`, and the weights of its three nodes there.
 RSV_INLINE uint32_t rsv_elements_locate(
     const rsv_elements *elements, uint32_t face, float u, float v, float weight[3])

@@ -254,6 +254,7 @@ static rsv_status store_row(assembly *a, uint32_t node, const row_scratch *s, ro
     int points = __builtin_popcount(a->valid_points[node]);
     t->scale[node] = (float)LANES / ((float)rays * (float)points);
     t->gathered[node] = rgb_scale(s->emission, RSV_PI * t->scale[node]);
+    if (!a->scene->view->environment) return RSV_OK; // nobody will ask where rays escaped to
     return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &block->escapes);
 }
 

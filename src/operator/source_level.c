@@ -228,7 +228,7 @@ static rsv_status refine(level_builder *b)
         if (!b->split) return RSV_ERROR_MEMORY;
         size_t marked;
         RSV_TRY(mark_cells(b, level, &marked));
-        if (marked == 0) break;
+        if (marked == 0 || b->elements->cell_count + 3 * marked > b->desc->max_cells) break;
         RSV_TRY(split_once(b));
     }
     if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count));

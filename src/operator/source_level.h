@@ -11,6 +11,7 @@ typedef struct rsv_source_level_desc {
     bool direct;            ///< next-event estimates wanted
     uint32_t photon_count;  ///< 0 = no caustics wanted
     uint32_t levels;        ///< splits below the coarse elements at most
+    size_t max_cells;       ///< no more splits that lead beyond
     uint32_t light_samples; ///< shadow rays per node
     const uint8_t *hidden;  ///< [cell_count of the coarse elements] non-zero = not worth splitting;
                             ///< NULL = all are

@@ -216,6 +216,12 @@ size_t rsv_subsurface_entries(const rsv_subsurface *p)
     return p ? p->row_begin[p->row_count] : 0;
 }
 
+size_t rsv_subsurface_bytes(const rsv_subsurface *p)
+{
+    return rsv_subsurface_entries(p) * (p ? sizeof *p->column + sizeof *p->weight : 0) +
+           (p ? p->row_count * sizeof *p->row_begin : 0);
+}
+
 void rsv_subsurface_apply(
     rsv_subsurface *p, const rsv_elements *e, const rsv_rgb *irradiance, rsv_rgb *diffused)
 {

@@ -30,6 +30,8 @@ rsv_status rsv_subsurface_restore(
     const rsv_elements *elements, const rsv_subsurface *rows, rsv_subsurface **subsurface);
 
 size_t rsv_subsurface_entries(const rsv_subsurface *subsurface);
+/// Memory of its rows. @param subsurface NULL = 0
+size_t rsv_subsurface_bytes(const rsv_subsurface *subsurface);
 
 /// diffused = P irradiance on bodies, a copy elsewhere. Not to be called by two threads at a time.
 /// @param subsurface NULL = a copy everywhere @param irradiance [node_count], hanging nodes constrained

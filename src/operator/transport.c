@@ -19,6 +19,19 @@ size_t rsv_transport_entries(const rsv_transport *transport)
            transport->tinted_begin[transport->row_count];
 }
 
+size_t rsv_transport_bytes(const rsv_transport *t)
+{
+    const rsv_escape_list *l = &t->escapes.list;
+    size_t per_row = sizeof *t->row_begin + sizeof *t->tinted_begin + sizeof *t->scale +
+                     sizeof *t->gathered + sizeof *t->escapes.begin +
+                     sizeof *t->escapes.tinted_begin;
+    size_t tinted = t->tinted_begin[t->row_count];
+    return t->row_count * per_row + t->row_begin[t->row_count] * sizeof *t->column +
+           tinted * (sizeof *t->tinted_column + sizeof *t->tinted_weight) +
+           l->bin_capacity * sizeof *l->bin + l->tinted_bin_capacity * sizeof *l->tinted_bin +
+           l->tinted_weight_capacity * sizeof *l->tinted_weight;
+}
+
 void rsv_transport_apply(
     const rsv_transport *transport, const rsv_rgb *exitance, rsv_rgb *irradiance)
 {

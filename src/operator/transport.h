@@ -62,4 +62,7 @@ void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exit
 
 size_t rsv_transport_entries(const rsv_transport *transport);
 
+/// Memory it takes.
+size_t rsv_transport_bytes(const rsv_transport *transport);
+
 #endif

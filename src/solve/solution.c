@@ -5,6 +5,7 @@
 #include "../operator/cluster.h"
 #include "../operator/contact.h"
 #include "../operator/elements_internal.h"
+#include "budget.h"
 #include "goal.h"
 
 #include <string.h>
@@ -24,6 +25,10 @@
 /// Pilots may bring the number of nodes to this many times what was asked for. A split adds about so many.
 #define MOST_NODES 8
 #define NODES_PER_SPLIT 2
+/// Where budgets are exceeded, elements grow by this factor at most at a time, as long as that leaves fewer than this
+/// part of them.
+#define LARGEST_STEP 4.0f
+#define LEAST_PROGRESS 0.95
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
 /// Elements are split for a goal until they are at most this much larger than wanted.
@@ -173,6 +178,7 @@ static rsv_status create_fine_levels(rsv_solution *s)
                     rsv_photons_wanted(&s->scene, s->lights);
     bool sampled = rsv_lights_any_sampled(s->lights) || s->scene.view->light_count > 0;
     rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
+        .max_cells = rsv_budget_cells(s),
         .light_samples = s->desc.light_samples,
         .seed = s->desc.seed ^ 0x2545f491u };
     rsv_status status = RSV_OK;
@@ -304,9 +310,8 @@ static rsv_status mark_bends(
 {
     const rsv_elements *e = s->elements;
     float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, s->indirect);
-    size_t rows = 0, most = (size_t)MOST_NODES * s->desc.element_target;
-    for (size_t n = 0; n < e->node_count; n++)
-        rows += s->valid_points[n] != 0;
+    size_t rows = rsv_solution_rows(s), most = (size_t)MOST_NODES * s->desc.element_target;
+    if (most > rsv_budget_rows(s)) most = rsv_budget_rows(s);
     *any = false;
     for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
         memset(split, 0, e->cell_count);
@@ -384,23 +389,46 @@ cleanup:
     return status;
 }
 
-static rsv_status create_elements(rsv_solution *s)
+/// @param spacing metres, wanted
+static rsv_status create_elements_of(rsv_solution *s, float spacing)
 {
     rsv_status status;
     rsv_goal goal = { 0 };
     bool has_goal = s->desc.goal_camera != RSV_NONE && reflects_diffusely(s);
-    float spacing = spacing_for(s, s->desc.element_target);
     RSV_TRY(rsv_elements_create(
         s->scene.scene, s->bsdf, has_goal ? RSV_GOAL_COARSEST * spacing : spacing, &s->elements));
     s->elements->spacing = spacing;
     RSV_TRY(rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays));
     RSV_TRY(prepare_elements(s));
-    if (has_goal) RSV_TRY(refine_for_goal(s, &goal));
-    bool refined = reflects_diffusely(s);
+    bool refined = reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
+    if (has_goal && refined) RSV_TRY(refine_for_goal(s, &goal));
     for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++)
         RSV_TRY(refine_by_pilot(s, &goal, &refined));
 cleanup:
     rsv_goal_destroy(&goal);
+    return status;
+}
+
+/// Creates elements, larger ones as long as there are more than budgets allow.
+static rsv_status create_elements(rsv_solution *s)
+{
+    rsv_status status;
+    float wanted = spacing_for(s, s->desc.element_target), spacing = wanted;
+    size_t before = SIZE_MAX;
+    RSV_TRY(rsv_budget_open(s));
+    for (;;) {
+        RSV_TRY(create_elements_of(s, spacing));
+        while (rsv_solution_rows(s) > rsv_budget_rows(s) && rsv_budget_halve_rays(s)) {}
+        size_t rows = rsv_solution_rows(s), most = rsv_budget_rows(s);
+        if (rows <= most) break;
+        if ((double)rows > LEAST_PROGRESS * (double)before) RSV_TRY(rsv_budget_refuse(s, rows));
+        before = rows;
+        spacing *= f_min(sqrtf(1.2f * (float)rows / ((float)most + 1)), LARGEST_STEP);
+        rsv_elements_destroy(s->elements);
+        s->elements = NULL;
+    }
+    rsv_budget_report(s, wanted);
+cleanup:
     return status;
 }
 
@@ -473,6 +501,7 @@ rsv_status rsv_solution_prepare(
     if (!s) return RSV_ERROR_MEMORY;
     s->context = context;
     s->desc = *desc;
+    s->wanted_rays = desc->rays_per_element;
     s->scene = (rsv_transport_scene){ .scene = scene, .view = rsv_scene_get_view(scene) };
     status = prepare(s);
     if (status == RSV_OK)
@@ -496,11 +525,13 @@ static rsv_status build(rsv_solution *s)
     s->report.time_assemble = assembled - start;
 
     s->report.elements = s->elements->node_count;
+    s->report.rows = rsv_solution_rows(s);
     s->report.direct_elements = count_nodes(s->fine.elements) + count_nodes(s->caustics.elements);
     s->report.entries = rsv_transport_entries(s->transport) + rsv_subsurface_entries(s->subsurface);
     RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - assembled;
+    s->report.bytes = rsv_solution_bytes(s);
     warn_if_unbounded(s);
 cleanup:
     return status;

@@ -1,6 +1,7 @@
 /// Piecewise linear elements: exact on planes, continuous across everything that is smooth, separate
 /// across everything that is not.
 #include "light_fixture.h"
+#include "operator/cluster.h"
 #include "operator/elements.h"
 
 /// Corners of a rectangle with two points inside: six triangles of very different sizes.
@@ -508,6 +509,101 @@ static void nodes_are_drawn_by_their_weights(void **state)
     world_end(w);
 }
 
+#define MESH_SIDE 40 // squares along a square of 4 m, two triangles each
+
+/// A plane meshed far more finely than its spacing of 1 m.
+static rsv_elements *create_fine_plane(world **w)
+{
+    static rsv_vec3 corner[(MESH_SIDE + 1) * (MESH_SIDE + 1)];
+    static uint32_t index[6 * MESH_SIDE * MESH_SIDE];
+    uint32_t row = MESH_SIDE + 1, *next = index;
+    for (uint32_t k = 0; k < row * row; k++)
+        corner[k] = v3(4.0f * (float)(k % row) / MESH_SIDE, 4.0f * (float)(k / row) / MESH_SIDE, 0);
+    for (uint32_t j = 0; j < MESH_SIDE; j++)
+        for (uint32_t i = 0; i < MESH_SIDE; i++) {
+            uint32_t a = j * row + i, b = a + row;
+            const uint32_t square[6] = { a, a + 1, b + 1, a, b + 1, b };
+            memcpy(next, square, sizeof square);
+            next += 6;
+        }
+    *w = world_begin(1);
+    world_triangles(
+        *w, world_lambert(*w, 0.5f, 0), corner, row * row, index, 2 * MESH_SIDE * MESH_SIDE);
+    return create_elements(*w, 1);
+}
+
+static size_t count_leaders(const rsv_elements *e) { return e->node_count - e->hanging_count; }
+
+static void nodes_of_fine_meshes_follow_near_leaders(void **state)
+{
+    (void)state;
+    world *w;
+    rsv_elements *e = create_fine_plane(&w);
+    assert_int_equal(rsv_elements_cluster(e, 0.5f), RSV_OK);
+    // discs of 0.5 m cover 16 m2: 21 at the least; discs of 0.25 m, which do not overlap, fill no more than 0.9069 of
+    // 4.5 m squared: 93 at the most
+    assert_in_range(count_leaders(e), 21, 93);
+    double area = 0;
+    for (size_t n = 0; n < e->node_count; n++)
+        area += e->node_area[n];
+    assert_close(area, 16, 1e-4);
+    for (size_t h = 0; h < e->follower_count; h++) {
+        const rsv_hanging *f = &e->hanging[h];
+        float sum = 0, nearest = INFINITY;
+        for (int p = 0; p < RSV_PARENTS; p++) {
+            assert_int_equal(e->node_hanging[f->parent[p]], RSV_NONE);
+            sum += f->weight[p];
+            rsv_vec3 apart = v3_sub(node_place(e, f->node), node_place(e, f->parent[p]));
+            if (f->weight[p] > 0) nearest = f_min(nearest, v3_length(apart));
+        }
+        assert_close(sum, 1, 1e-5);
+        assert_true(nearest <= 0.5f);
+    }
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
+static void mark_cell(void *user, uint32_t cell, uint32_t other)
+{
+    (void)other;
+    ((uint8_t *)user)[cell] = 1;
+}
+
+static void clusters_shrink_where_leaders_disagree(void **state)
+{
+    (void)state;
+    world *w;
+    rsv_elements *e = create_fine_plane(&w), *finer;
+    assert_int_equal(rsv_elements_cluster(e, 0.5f), RSV_OK);
+    size_t leaders = count_leaders(e);
+    rsv_rgb *value = calloc(e->node_count, sizeof *value);
+    float *deviation = calloc(e->node_count, sizeof *deviation);
+    uint8_t *marked = calloc(e->cell_count, 1), *none = calloc(e->cell_count, 1);
+    for (uint32_t n = 0; n < e->node_count; n++) // a step at x = 1
+        value[n] = rgb_gray(node_place(e, n).x < 1 ? 1 : 2);
+    rsv_elements_constrain(e, value);
+    rsv_find_cluster_bends(e, value, deviation, 0.2f, 0, mark_cell, marked);
+    double expected = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (!marked[c]) continue;
+        rsv_vec3 place = corner_place(e, c, 0);
+        assert_true(fabsf(place.x - 1) < 1.3f);
+        expected += (double)rsv_cell_new_leaders(e, c);
+        e->face_halvings[e->cell[c].face]++;
+    }
+    assert_int_equal(rsv_elements_refine(e, none, &finer), RSV_OK);
+    assert_int_equal(rsv_elements_cluster(finer, 0.5f), RSV_OK);
+    double added = (double)(count_leaders(finer) - leaders);
+    assert_true(added > 0.3 * expected && added < 2 * expected);
+    free(value);
+    free(deviation);
+    free(marked);
+    free(none);
+    rsv_elements_destroy(e);
+    rsv_elements_destroy(finer);
+    world_end(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -526,6 +622,8 @@ int main(void)
         cmocka_unit_test(points_of_one_cell_come_one_after_the_other),
         cmocka_unit_test(averages_match_sampled_means),
         cmocka_unit_test(nodes_are_drawn_by_their_weights),
+        cmocka_unit_test(nodes_of_fine_meshes_follow_near_leaders),
+        cmocka_unit_test(clusters_shrink_where_leaders_disagree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

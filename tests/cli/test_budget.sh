@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# --max-elements and --max-memory are kept by a coarser solution and a line that says so, or refused in one line.
+source "$(dirname "$0")/support.sh"
+
+# value NAME: a number of stats.json
+value() { sed -n "s/^.*\"$1\":[[:space:]]*\([0-9]*\).*$/\1/p" stats.json; }
+
+# at_most NAME LIMIT
+at_most() { (($(value "$1") <= $2)) || complain "$1 is $(value "$1"), more than $2"; }
+
+succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 400 --stats stats.json
+warns 'coarser than asked for'
+at_most rows 400
+succeeds render gallery:1 -o "$out/a.png" "${small[@]}" --quality medium --max-elements 3000 --stats stats.json
+at_most rows 3000
+succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 100000 --stats stats.json
+grep -q 'coarser' stderr && complain "a budget that is large enough is spoken of"
+rm -f "$out"/*
+
+refuses 1 'elements is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 3
+refuses 1 'memory budget of 5 MiB is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory 5MiB
+refuses 1 'memory budget of 40 MiB is too small' render terraces:3e5 -o "$out/a.png" "${small[@]}" --max-memory 40MiB
+for amount in 2 -1GiB 0MiB 1e30TiB nanGiB GiB 1gib '3 GiB'; do
+    refuses 2 'amount of memory' render cornell-blocks -o "$out/a.png" --max-memory "$amount"
+done
+refuses 2 'whole number' probe cornell-blocks --points p.csv -o "$out/a.csv" --max-elements 0
+
+# of the whole program, where sanitizers and their shadows are not part of it
+if ! grep -q -a __asan_init "$program"; then
+    succeeds render terraces:1e5 -o "$out/a.png" "${small[@]}" --quality medium --max-memory 150MiB --stats stats.json
+    warns 'coarser than asked for'
+    at_most peak_rss_bytes $((150 << 20))
+fi
+rm -f "$out"/*
+finish
