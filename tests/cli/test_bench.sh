@@ -22,6 +22,12 @@ says ' 0 allocations'
 grep -q '^cornell-blocks,' fps.csv || complain "the table lacks the scene"
 grep -q '</svg>' fps.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf fps.svg fps.csv || complain "the bars hold what is no number"
+
+succeeds bench scale terraces:5000 --csv scale.csv --plot scale.svg
+says 'bytes per element'
+grep -q '^terraces:5000,' scale.csv || complain "the table lacks the scene"
+grep -q '</svg>' scale.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf scale.svg scale.csv || complain "the curves hold what is no number"
 refuses 2 'belong to bench' bench trace --plot trace.svg
 
 for seed in 1 2; do
