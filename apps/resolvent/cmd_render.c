@@ -51,8 +51,6 @@ static const char help[] =
     "  resolvent render room.glb -o orders.exr --mode operator --layers\n"
     "  resolvent render room.glb -o judge.exr --mode reference --spp 1024 --stats judge.json\n";
 
-enum { default_longer_side = 512 };
-
 static const char *const mode_names[] = { [RSV_RENDER_OPERATOR] = "operator",
     [RSV_RENDER_FINAL] = "final",
     [RSV_RENDER_REFERENCE] = "reference",
@@ -150,16 +148,6 @@ static uint32_t default_samples(const settings *s)
     return s->mode == RSV_RENDER_REFERENCE ? 64 : by_quality[s->quality];
 }
 
-/// 512 on the longer side, in the camera's aspect.
-static cli_size default_size(const rsv_camera *camera)
-{
-    float aspect = camera->aspect > 0 ? camera->aspect : 1;
-    float shorter = roundf(default_longer_side * fminf(aspect, 1 / aspect));
-    uint32_t side = shorter < 1 ? 1 : (uint32_t)shorter;
-    return aspect >= 1 ? (cli_size){ default_longer_side, side }
-                       : (cli_size){ side, default_longer_side };
-}
-
 static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_render_desc *desc)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
@@ -170,7 +158,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
             s->camera ? s->camera : "", s->scene);
         return false;
     }
-    cli_size size = s->size.width ? s->size : default_size(&view->camera[desc->camera]);
+    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[desc->camera]);
     desc->mode = (rsv_render_mode)s->mode;
     desc->width = size.width;
     desc->height = size.height;

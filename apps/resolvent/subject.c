@@ -2,6 +2,10 @@
 
 #include "command.h"
 
+#include <math.h>
+
+enum { default_longer_side = 512 };
+
 /// Options that belong to the solve of a scene.
 static bool refuse_scene_options(
     const cli_session *session, const char *name, const cli_environment *environment)
@@ -64,4 +68,13 @@ void cli_close_subject(cli_subject *subject)
     rsv_solution_destroy(subject->solution);
     rsv_scene_destroy(subject->scene);
     *subject = (cli_subject){ 0 };
+}
+
+cli_size cli_default_size(const rsv_camera *camera)
+{
+    float aspect = camera->aspect > 0 ? camera->aspect : 1;
+    float shorter = roundf(default_longer_side * fminf(aspect, 1 / aspect));
+    uint32_t side = shorter < 1 ? 1 : (uint32_t)shorter;
+    return aspect >= 1 ? (cli_size){ default_longer_side, side }
+                       : (cli_size){ side, default_longer_side };
 }

@@ -46,4 +46,7 @@ rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
 
 void cli_close_subject(cli_subject *subject);
 
+/// Pixels of a picture where none are asked for: 512 on the longer side, in the camera's aspect.
+cli_size cli_default_size(const rsv_camera *camera);
+
 #endif

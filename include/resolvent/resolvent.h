@@ -9,6 +9,7 @@
 #include "resolvent/image.h"
 #include "resolvent/io.h"
 #include "resolvent/opfile.h"
+#include "resolvent/relight.h"
 #include "resolvent/render.h"
 #include "resolvent/scene.h"
 #include "resolvent/solve.h"

@@ -62,8 +62,10 @@ static rsv_status list_origins(rsv_photon_origins *o)
     if (!o->origin) return RSV_ERROR_MEMORY;
     for (uint32_t g = 0; g < lights->group_count; g++)
         if (!lights->group[g].gathered) add_origin(o, RSV_ORIGIN_GROUP, g, lights->group[g].power);
-    for (uint32_t l = 0; l < view->light_count; l++)
+    for (size_t k = 0; k < lights->punctual_count; k++) {
+        uint32_t l = lights->punctual[k];
         add_origin(o, RSV_ORIGIN_LIGHT, l, light_flux(o, &view->light[l]));
+    }
     for (uint32_t k = 0; k < suns; k++)
         add_origin(o, RSV_ORIGIN_SUN, k, sun_flux(o, &lights->environment->sun[k]));
     qsort(o->origin, o->count, sizeof *o->origin, compare_origins);

@@ -50,6 +50,11 @@ rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_solution *solutio
 rsv_status rsv_read_desc(rsv_tensor_file *file, rsv_solve_desc *desc);
 rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *solution);
 
+/// E0 light by light.
+rsv_status rsv_write_basis(
+    rsv_tensor_file *file, const rsv_solution *solution, const rsv_light_basis *basis);
+rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *solution);
+
 /// Prefixes of the sets of elements.
 #define RSV_COARSE_PREFIX "element."
 #define RSV_DIRECT_PREFIX "direct."

@@ -31,13 +31,17 @@ cleanup:
 rsv_status rsv_solution_save(const rsv_solution *solution, const char *scene_name, const char *path)
 {
     rsv_tensor_file file;
+    rsv_light_basis *own = NULL;
     rsv_status status = rsv_tensor_file_begin(solution->context, path, &file);
     if (status != RSV_OK) return status;
     RSV_TRY(write_provenance(&file, scene_name));
     RSV_TRY(rsv_write_scene(&file, solution->scene.scene));
     RSV_TRY(rsv_write_solution(&file, solution));
+    if (!solution->basis) RSV_TRY(rsv_light_basis_create(solution, &own));
+    RSV_TRY(rsv_write_basis(&file, solution, own ? own : solution->basis));
     RSV_TRY(rsv_tensor_file_write(&file));
 cleanup:
+    rsv_light_basis_destroy(own);
     rsv_tensor_file_end(&file);
     return status;
 }
@@ -86,6 +90,7 @@ rsv_status rsv_solution_load(
     RSV_TRY(rsv_read_desc(&file, &desc));
     RSV_TRY(rsv_solution_prepare(read_scene, &desc, &s));
     RSV_TRY(rsv_read_solution(&file, s));
+    RSV_TRY(rsv_read_basis(&file, s));
     *scene = read_scene;
     *solution = s;
     read_scene = NULL;

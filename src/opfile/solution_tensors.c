@@ -297,3 +297,54 @@ rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *s)
 cleanup:
     return status;
 }
+
+// ---- light by light -------------------------------------------------------------------------------
+
+static const char *const part_names[RSV_LIGHT_FIELDS] = { "source", "coarse_caustic", "direct",
+    "caustic" };
+
+/// Parts that a solution has no field for are left out.
+static rsv_status exchange_part(
+    rsv_tensor_file *file, const rsv_solution *s, size_t index, rsv_light_part *part)
+{
+    rsv_status status = RSV_OK;
+    char prefix[32];
+    snprintf(prefix, sizeof prefix, "light.%zu.", index);
+    rsv_tensor_prefix(file, prefix);
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
+        size_t length = rsv_light_field_length(s, field);
+        rsv_rgb **array = rsv_light_part_field(part, field);
+        if (!length) continue;
+        RSV_TRY(exchange_rgb(file, part_names[field], array, length, 0));
+        if (file->reading) RSV_TRY(need(file, part_names[field], *array));
+    }
+cleanup:
+    return status;
+}
+
+rsv_status rsv_write_basis(
+    rsv_tensor_file *file, const rsv_solution *s, const rsv_light_basis *basis)
+{
+    rsv_status status;
+    const char **name = rsv_alloc(file->context, basis->source_count, sizeof *name);
+    if (!name) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < basis->source_count; k++)
+        name[k] = basis->source[k].name;
+    RSV_TRY(rsv_write_names(file, "light.name", name, basis->source_count));
+    for (size_t k = 0; k < basis->source_count; k++)
+        RSV_TRY(exchange_part(file, s, k, &basis->part[k]));
+cleanup:
+    rsv_free(file->context, name);
+    return status;
+}
+
+rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *s)
+{
+    rsv_status status;
+    RSV_TRY(rsv_light_basis_create_empty(s, &s->basis));
+    bool many = s->basis->source_count > 1 && s->basis->source_count <= RSV_MAX_LIGHT_PARTS;
+    for (size_t k = 0; many && k < s->basis->source_count; k++)
+        RSV_TRY(exchange_part(file, s, k, &s->basis->part[k]));
+cleanup:
+    return status;
+}

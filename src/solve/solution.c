@@ -511,6 +511,42 @@ rsv_status rsv_solution_prepare(
     return status;
 }
 
+rsv_status rsv_solution_refresh(rsv_solution *s)
+{
+    rsv_status status;
+    rsv_lights *before = s->lights;
+    s->lights = NULL;
+    for (size_t m = 0; m < s->scene.view->material_count; m++)
+        s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, (uint32_t)m);
+    RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
+    RSV_TRY(rsv_lights_gather_like(s->lights, before));
+    rsv_free(s->context, s->bin_radiance);
+    RSV_TRY(divide_environment(s));
+cleanup:
+    rsv_lights_destroy(before);
+    return status;
+}
+
+rsv_status rsv_solution_solve_again(rsv_solution *s)
+{
+    rsv_status status;
+    double start = rsv_seconds();
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        rsv_free(s->context, s->order[k]);
+        s->order[k] = NULL;
+    }
+    rsv_free(s->context, s->irradiance);
+    rsv_free(s->context, s->indirect);
+    s->irradiance = s->indirect = NULL;
+    RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
+    rsv_diffused_level_destroy(s->context, &s->diffused);
+    RSV_TRY(rsv_diffused_level_create(s));
+    s->report.time_solve = rsv_seconds() - start;
+    warn_if_unbounded(s);
+cleanup:
+    return status;
+}
+
 static rsv_status build(rsv_solution *s)
 {
     rsv_status status;
@@ -561,6 +597,7 @@ void rsv_solution_destroy(rsv_solution *s)
 {
     if (!s) return;
     rsv_context *context = s->context;
+    rsv_light_basis_destroy(s->basis);
     rsv_diffused_level_destroy(context, &s->diffused);
     rsv_source_level_destroy(context, &s->fine);
     rsv_source_level_destroy(context, &s->caustics);

@@ -5,6 +5,7 @@
 #include "../operator/source_level.h"
 #include "../operator/subsurface.h"
 #include "diffused_level.h"
+#include "light_basis.h"
 #include "resolvent/solve.h"
 
 struct rsv_solution {
@@ -29,10 +30,12 @@ struct rsv_solution {
     rsv_rgb *order[RSV_KEPT_ORDERS]; ///< [node_count] (G K)^n E0, sharpened from n = 1 on
     uint32_t order_count;
     double pocket_area; ///< m2 of elements left dark, as they absorb nothing and hardly see light
-    rsv_rgb *indirect;           ///< [node_count] sum of the orders from 1 on
+    rsv_rgb *indirect;  ///< [node_count] sum of the orders from 1 on
     rsv_source_level fine;       ///< direct; elements NULL = direct light is the coarse `source`
     rsv_source_level caustics;   ///< elements NULL = there are none
     rsv_diffused_level diffused; ///< what translucent surfaces show; elements NULL = there are none
+
+    rsv_light_basis *basis; ///< parts of E0; NULL = not found yet
 
     rsv_solve_report report;
 };
@@ -41,6 +44,12 @@ struct rsv_solution {
 /// @param desc checked here
 rsv_status rsv_solution_prepare(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution);
+
+/// Finds surfaces and lights again after the scene's strengths and colours changed; what is gathered stays so.
+rsv_status rsv_solution_refresh(rsv_solution *solution);
+
+/// Solves again, after sources or albedos changed.
+rsv_status rsv_solution_solve_again(rsv_solution *solution);
 
 /// Direct irradiance from the fine level where there is one.
 /// @param skip_sampled leave out what next-event estimation finds: the caller does that itself

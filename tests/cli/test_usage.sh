@@ -5,7 +5,7 @@ source "$(dirname "$0")/support.sh"
 succeeds --help
 says 'usage: resolvent'
 succeeds --version
-for command in render solve probe certify compare layers sheet scene info bench; do
+for command in render solve relight probe certify compare layers sheet scene info bench; do
     succeeds $command --help
     says "usage: resolvent $command"
     says 'examples:'

@@ -1,0 +1,255 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "stats.h"
+#include "subject.h"
+
+#include "resolvent/relight.h"
+#include "resolvent/render.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "usage: resolvent relight OPERATOR -o OUT.{exr,png,hdr,safetensors} [options]\n"
+    "\n"
+    "Changes lights and colours of a file of `resolvent solve`, solves again on the same operator "
+    "(no\n"
+    "ray is traced for it), and takes a picture or keeps the result as an operator file.\n"
+    "\n"
+    "  -o FILE            the picture or operator file; repeat it for more than one\n"
+    "  --light NAME=SCALE[,R,G,B]  multiply a light by SCALE, or by SCALE times R, G, B; NAME is "
+    "a\n"
+    "                     punctual light or a material that emits\n"
+    "  --albedo MATERIAL=R,G,B  another base color for a plain diffuse material\n"
+    "  --env-intensity S  multiply the surroundings by S\n"
+    "  --mode MODE        final (default) or operator, as for `render`\n"
+    "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
+    "  --spp N            camera rays per pixel (default 9)\n"
+    "  --camera NAME      one of `resolvent info OPERATOR` (default: the first)\n"
+    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
+    "  --seed N           another set of random numbers for the picture (default 0)\n"
+    "  --threads N        default: one per processor; the result does not depend on it\n"
+    "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
+    "\n"
+    "examples:\n"
+    "  resolvent relight room.safetensors --light lamp=0.5,1,0.8,0.6 -o evening.png\n"
+    "  resolvent relight room.safetensors --light sun=0 --albedo wall=0.2,0.3,0.8 -o "
+    "night.safetensors\n";
+
+static const char *const mode_names[] = {
+    [RSV_RENDER_OPERATOR] = "operator", [RSV_RENDER_FINAL] = "final", NULL
+};
+
+typedef struct settings {
+    const char *scene, *camera, *stats;
+    cli_list outputs, lights, albedos;
+    cli_size size;
+    int mode;
+    uint32_t samples, threads, seed;
+    float exposure, env_intensity;
+    rsv_light_scale light[CLI_LIST_CAPACITY + 1];
+    rsv_albedo_change albedo[CLI_LIST_CAPACITY];
+    char *name[2 * CLI_LIST_CAPACITY]; ///< owned copies for the two above
+    rsv_relight_desc relight;
+} settings;
+
+// ---- options --------------------------------------------------------------------------------------
+
+/// Cuts "NAME=1,2,..." into name and numbers. @return how many numbers; 0 = it is nothing of the kind
+static size_t cut_change(char *text, float number[4])
+{
+    size_t count = 0;
+    char *next = strrchr(text, '=');
+    if (!next || next == text) return 0;
+    *next++ = '\0';
+    for (;;) {
+        char *end;
+        number[count++] = strtof(next, &end);
+        if (end == next || !isfinite(number[count - 1]) || (*end && *end != ',')) return 0;
+        if (!*end) return count;
+        if (count == 4) return 0;
+        next = end + 1;
+    }
+}
+
+/// The changes that options ask for; false after saying what is wrong.
+static bool read_changes(settings *s)
+{
+    float v[4];
+    size_t names = 0;
+    for (size_t k = 0; k < s->lights.count; k++) {
+        char *name = s->name[names++] = strdup(s->lights.item[k]);
+        size_t count = name ? cut_change(name, v) : 0;
+        if (count != 1 && count != 4) {
+            cli_usage_error("relight", "--light: '%s' is not NAME=SCALE or NAME=SCALE,R,G,B",
+                s->lights.item[k]);
+            return false;
+        }
+        rsv_rgb color = count == 4 ? (rsv_rgb){ v[1], v[2], v[3] } : (rsv_rgb){ 1, 1, 1 };
+        s->light[k] = (rsv_light_scale){ name, { v[0] * color.r, v[0] * color.g, v[0] * color.b } };
+    }
+    for (size_t k = 0; k < s->albedos.count; k++) {
+        char *name = s->name[names++] = strdup(s->albedos.item[k]);
+        if (!name || cut_change(name, v) != 3) {
+            cli_usage_error("relight", "--albedo: '%s' is not MATERIAL=R,G,B", s->albedos.item[k]);
+            return false;
+        }
+        s->albedo[k] = (rsv_albedo_change){ name, { v[0], v[1], v[2] } };
+    }
+    size_t lights = s->lights.count;
+    if (s->env_intensity != 1)
+        s->light[lights++] = (rsv_light_scale){ "environment",
+            { s->env_intensity, s->env_intensity, s->env_intensity } };
+    s->relight = (rsv_relight_desc){ s->light, lights, s->albedo, s->albedos.count };
+    return true;
+}
+
+static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
+{
+    const cli_option options[] = {
+        { .name = "-o", .kind = CLI_LIST, .value = &s->outputs },
+        { .name = "--light", .kind = CLI_LIST, .value = &s->lights },
+        { .name = "--albedo", .kind = CLI_LIST, .value = &s->albedos },
+        { .name = "--env-intensity", .kind = CLI_REAL, .value = &s->env_intensity, .max = 1e6 },
+        { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
+        { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 32768 },
+        { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
+        { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
+        { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
+        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
+        { .name = NULL },
+    };
+    const cli_usage usage = { "relight", help, options, "OPERATOR", 1, 1 };
+    if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
+    *exit_status = CLI_BAD_USAGE;
+    if (s->outputs.count == 0) {
+        cli_usage_error("relight", "-o OUT.{exr,png,hdr,safetensors} is missing");
+        return false;
+    }
+    return read_changes(s);
+}
+
+static bool is_operator_name(const char *path)
+{
+    const char *extension = strrchr(path, '.');
+    return extension && strcmp(extension, ".safetensors") == 0;
+}
+
+static bool check_outputs(const settings *s)
+{
+    for (size_t k = 0; k < s->outputs.count; k++) {
+        if (is_operator_name(s->outputs.item[k])) {
+            if (!cli_check_output(s->outputs.item[k])) return false;
+        } else if (rsv_image_check_output(s->outputs.item[k]) != RSV_OK) {
+            cli_error("%s", rsv_last_error());
+            return false;
+        }
+    }
+    return !s->stats || cli_check_output(s->stats);
+}
+
+// ---- work -----------------------------------------------------------------------------------------
+
+static rsv_status render(
+    const settings *s, const rsv_solution *solution, uint32_t camera, rsv_image **image)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_solution_scene(solution));
+    rsv_render_desc desc = rsv_default_render_desc();
+    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[camera]);
+    desc.mode = (rsv_render_mode)s->mode;
+    desc.camera = camera;
+    desc.width = size.width;
+    desc.height = size.height;
+    desc.samples = s->samples;
+    desc.seed = s->seed;
+    return rsv_render(solution, &desc, image);
+}
+
+/// Everything after the solve; the picture is taken once, whatever number of files wants it.
+static rsv_status write_outputs(
+    const settings *s, const rsv_solution *solution, uint32_t camera, double *time_render)
+{
+    rsv_status status = RSV_OK;
+    rsv_image *image = NULL;
+    double started = cli_seconds();
+    for (size_t k = 0; k < s->outputs.count && status == RSV_OK; k++) {
+        const char *path = s->outputs.item[k];
+        if (is_operator_name(path)) {
+            status = rsv_solution_save(solution, s->scene, path);
+            continue;
+        }
+        if (!image) status = render(s, solution, camera, &image);
+        if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
+        if (status == RSV_OK) status = rsv_image_write(image, path, s->exposure);
+    }
+    rsv_image_destroy(image);
+    *time_render = cli_seconds() - started;
+    return status;
+}
+
+static bool write_stats(
+    const cli_session *session, const settings *s, const rsv_solution *solution, double time_render)
+{
+    cli_stats stats = { .command = "relight",
+        .scene = s->scene,
+        .mode = mode_names[s->mode],
+        .quality = RSV_QUALITY_MEDIUM,
+        .samples = s->samples,
+        .threads = cli_thread_count(s->threads),
+        .seed = s->seed,
+        .report = rsv_solution_report(solution),
+        .order_count = rsv_solution_order_count(solution),
+        .standard_error = NAN,
+        .time_render = time_render };
+    return cli_write_stats(s->stats, session, &stats);
+}
+
+static int run(cli_session *session, const settings *s)
+{
+    int exit_status = CLI_FAILURE;
+    cli_subject subject;
+    if (!rsv_is_operator_file(s->scene)) {
+        cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
+                  "one",
+            s->scene);
+        return CLI_FAILURE;
+    }
+    if (!cli_open_subject(session, s->scene, NULL, &subject)) return CLI_FAILURE;
+    uint32_t camera = rsv_scene_find_camera(subject.scene, s->camera);
+    if (camera == RSV_NONE) {
+        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
+            s->camera ? s->camera : "", s->scene);
+        goto cleanup;
+    }
+    double time_render = 0;
+    rsv_status status = rsv_solution_relight(subject.solution, subject.scene, &s->relight);
+    if (status == RSV_OK) status = write_outputs(s, subject.solution, camera, &time_render);
+    if (status != RSV_OK)
+        cli_report_failure(session, status);
+    else if (!s->stats || write_stats(session, s, subject.solution, time_render))
+        exit_status = CLI_SUCCESS;
+cleanup:
+    cli_close_subject(&subject);
+    return exit_status;
+}
+
+int cli_relight(int argc, char **argv)
+{
+    settings s = { .mode = RSV_RENDER_FINAL, .samples = 9, .env_intensity = 1 };
+    int exit_status;
+    cli_session session;
+    if (parse_settings(&s, argc, argv, &exit_status)) {
+        exit_status = CLI_FAILURE;
+        if (check_outputs(&s) && cli_session_begin(&session, s.threads)) {
+            exit_status = run(&session, &s);
+            cli_session_end(&session);
+        }
+    }
+    for (size_t k = 0; k < sizeof s.name / sizeof *s.name; k++)
+        free(s.name[k]);
+    return exit_status;
+}

@@ -1,0 +1,32 @@
+/// One source of light by itself, all others switched off.
+#ifndef RSV_SOLO_H
+#define RSV_SOLO_H
+
+#include "light.h"
+
+typedef enum rsv_source_kind {
+    RSV_SOURCE_MATERIAL, ///< all that emits by one material
+    RSV_SOURCE_LIGHT,    ///< a punctual light
+    RSV_SOURCE_SURROUNDINGS
+} rsv_source_kind;
+
+typedef struct rsv_source {
+    rsv_source_kind kind;
+    uint32_t index; ///< of the material or light
+    const char *name;
+} rsv_source;
+
+/// The sources of a scene: materials first, then lights, then the surroundings. @param sources out, to be freed
+rsv_status rsv_list_sources(const rsv_lights *lights, rsv_source **sources, size_t *count);
+
+/// What next-event estimation and light shooting find of one source. Borrows from `lights`.
+rsv_status rsv_solo_create(const rsv_lights *lights, const rsv_source *source, rsv_lights **solo);
+void rsv_solo_destroy(rsv_lights *solo);
+
+/// Lets the same emitters be found by gathering as in `like`, lights of the same scene at other strengths.
+rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like);
+
+/// Whether a material emits and is found by gathering.
+bool rsv_is_gathered(const rsv_lights *lights, uint32_t material);
+
+#endif

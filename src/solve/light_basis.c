@@ -1,0 +1,181 @@
+#include "light_basis.h"
+
+#include "../operator/burial.h"
+#include "solution.h"
+
+#include <string.h>
+
+enum { DIRECT, COARSE_CAUSTIC, FINE, CAUSTIC };
+/// As when the levels were built (source_level.c, solution.c).
+#define FINE_POINTS 4
+#define FINE_FACTOR 4
+#define COARSE_FACTOR 2
+
+rsv_rgb **rsv_light_part_field(rsv_light_part *part, size_t field)
+{
+    rsv_rgb **const fields[RSV_LIGHT_FIELDS] = { &part->direct, &part->coarse_caustic, &part->fine,
+        &part->caustic };
+    return fields[field];
+}
+
+size_t rsv_light_field_length(const rsv_solution *s, size_t field)
+{
+    switch (field) {
+    case DIRECT:
+        return s->elements->node_count;
+    case COARSE_CAUSTIC:
+        return s->caustics.elements ? s->elements->node_count : 0;
+    case FINE:
+        return s->fine.elements ? s->fine.elements->node_count : 0;
+    default:
+        return s->caustics.elements ? s->caustics.elements->node_count : 0;
+    }
+}
+
+static float positive(float value) { return f_max(value, 0); }
+
+void rsv_light_total(const rsv_solution *s, size_t field, rsv_rgb *total)
+{
+    const rsv_rgb *from = field == FINE      ? s->fine.direct
+                          : field == CAUSTIC ? s->caustics.caustic
+                          : field == DIRECT  ? s->source
+                                             : s->caustics.coarse_caustic;
+    size_t length = rsv_light_field_length(s, field);
+    if (length) memcpy(total, from, length * sizeof *total);
+    for (size_t n = 0; field == DIRECT && n < length; n++) {
+        rsv_rgb rest = rgb_sub(total[n], s->gathered[n]);
+        if (s->caustics.coarse_caustic) rest = rgb_sub(rest, s->caustics.coarse_caustic[n]);
+        total[n] = rgb(positive(rest.r), positive(rest.g), positive(rest.b));
+    }
+}
+
+rsv_status rsv_light_basis_create_empty(const rsv_solution *s, rsv_light_basis **basis)
+{
+    rsv_status status;
+    rsv_light_basis *b = rsv_alloc(s->context, 1, sizeof *b);
+    if (!b) return RSV_ERROR_MEMORY;
+    b->context = s->context;
+    RSV_TRY(rsv_list_sources(s->lights, &b->source, &b->source_count));
+    b->part = rsv_alloc(s->context, b->source_count, sizeof *b->part);
+    if (!b->part) RSV_TRY(RSV_ERROR_MEMORY);
+    *basis = b;
+    b = NULL;
+cleanup:
+    rsv_light_basis_destroy(b);
+    return status;
+}
+
+void rsv_light_basis_destroy(rsv_light_basis *b)
+{
+    if (!b) return;
+    for (size_t k = 0; b->part && k < b->source_count; k++)
+        for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+            rsv_free(b->context, *rsv_light_part_field(&b->part[k], field));
+    rsv_free(b->context, b->part);
+    rsv_free(b->context, b->source);
+    rsv_free(b->context, b);
+}
+
+static rsv_status allocate_part(const rsv_solution *s, rsv_light_part *part)
+{
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
+        size_t length = rsv_light_field_length(s, field);
+        rsv_rgb **array = rsv_light_part_field(part, field);
+        if (length) *array = rsv_alloc(s->context, length, sizeof **array);
+        if (length && !*array) return RSV_ERROR_MEMORY;
+    }
+    return RSV_OK;
+}
+
+static rsv_status shoot_alone(const rsv_solution *s, const rsv_lights *solo, rsv_light_part *part)
+{
+    uint64_t rays = 0;
+    rsv_photon_map map[2] = { 0 };
+    const rsv_elements *const targets[2] = { s->caustics.elements, s->elements };
+    rsv_status status = rsv_photons_shoot(
+        &s->scene, solo, s->desc.photon_count, s->desc.seed, targets, map, 2, &rays);
+    if (status == RSV_OK) {
+        rsv_photon_map_irradiance(&map[0], part->caustic);
+        rsv_photon_map_irradiance(&map[1], part->coarse_caustic);
+    }
+    rsv_photon_map_destroy(&map[0]);
+    rsv_photon_map_destroy(&map[1]);
+    return status;
+}
+
+/// Estimates of one source by itself.
+/// @param fine_valid receiver points of the direct level
+static rsv_status estimate_alone(const rsv_solution *s, const rsv_source *source,
+    const uint16_t *fine_valid, rsv_light_part *part)
+{
+    rsv_status status;
+    uint64_t rays = 0;
+    rsv_lights *solo = NULL;
+    RSV_TRY(allocate_part(s, part));
+    RSV_TRY(rsv_solo_create(s->lights, source, &solo));
+    RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->elements, RSV_SUPPORT_POINTS,
+        COARSE_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL, part->direct,
+        NULL, &rays));
+    if (part->fine)
+        RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->fine.elements, FINE_POINTS,
+            FINE_FACTOR * s->desc.light_samples, s->desc.seed, fine_valid, NULL, part->fine, NULL,
+            &rays));
+    if (part->caustic) RSV_TRY(shoot_alone(s, solo, part));
+cleanup:
+    rsv_solo_destroy(solo);
+    return status;
+}
+
+/// value's share of sum; equal shares where nothing was found by anyone.
+static float share(float value, float sum, size_t count)
+{
+    return sum > 0 ? value / sum : 1 / (float)count;
+}
+
+/// Divides the whole of a field in proportion to what each source gave by itself.
+static rsv_status divide(const rsv_solution *s, rsv_light_basis *b, size_t field)
+{
+    size_t length = rsv_light_field_length(s, field), count = b->source_count;
+    rsv_rgb *total = rsv_alloc(s->context, length, sizeof *total);
+    if (!total) return RSV_ERROR_MEMORY;
+    rsv_light_total(s, field, total);
+    for (size_t n = 0; n < length; n++) {
+        rsv_rgb sum = rgb_gray(0);
+        for (size_t k = 0; k < count; k++)
+            sum = rgb_add(sum, (*rsv_light_part_field(&b->part[k], field))[n]);
+        for (size_t k = 0; k < count; k++) {
+            rsv_rgb *value = *rsv_light_part_field(&b->part[k], field) + n;
+            *value =
+                rgb_mul(total[n], rgb(share(value->r, sum.r, count), share(value->g, sum.g, count),
+                                      share(value->b, sum.b, count)));
+        }
+    }
+    rsv_free(s->context, total);
+    return RSV_OK;
+}
+
+rsv_status rsv_light_basis_create(const rsv_solution *s, rsv_light_basis **basis)
+{
+    rsv_status status;
+    uint64_t rays = 0;
+    rsv_light_basis *b = NULL;
+    uint16_t *valid = NULL;
+    RSV_TRY(rsv_light_basis_create_empty(s, &b));
+    bool many = b->source_count > 1 && b->source_count <= RSV_MAX_LIGHT_PARTS;
+    if (many && s->fine.elements) {
+        valid = rsv_alloc(s->context, s->fine.elements->node_count, sizeof *valid);
+        if (!valid) RSV_TRY(RSV_ERROR_MEMORY);
+        RSV_TRY(rsv_find_buried(
+            &s->scene, s->fine.elements, FINE_POINTS, s->desc.seed ^ 0x2545f491u, valid, &rays));
+    }
+    for (size_t k = 0; many && k < b->source_count; k++)
+        RSV_TRY(estimate_alone(s, &b->source[k], valid, &b->part[k]));
+    for (size_t field = 0; many && field < RSV_LIGHT_FIELDS; field++)
+        RSV_TRY(divide(s, b, field));
+    *basis = b;
+    b = NULL;
+cleanup:
+    rsv_free(s->context, valid);
+    rsv_light_basis_destroy(b);
+    return status;
+}

@@ -1,0 +1,45 @@
+/// E0 light by light: parts that add up to the whole, so that scaling them relights a scene without a ray.
+///
+/// Each source is sampled by itself; then every value of the whole is divided in proportion to those estimates. So
+/// the whole stays what it was, byte by byte, and where one source shines alone its part is exact.
+#ifndef RSV_LIGHT_BASIS_H
+#define RSV_LIGHT_BASIS_H
+
+#include "../light/solo.h"
+
+struct rsv_solution;
+
+/// The fields of one source, on their own sets of elements; NULL where the solution has none.
+typedef struct rsv_light_part {
+    rsv_rgb *direct;         ///< on the coarse elements, next-event estimates
+    rsv_rgb *coarse_caustic; ///< likewise, caustics
+    rsv_rgb *fine;           ///< of the direct level
+    rsv_rgb *caustic;        ///< of the caustic level
+} rsv_light_part;
+
+#define RSV_LIGHT_FIELDS 4
+
+typedef struct rsv_light_basis {
+    rsv_context *context;
+    size_t source_count;
+    rsv_source *source;   ///< [source_count] names are the scene's
+    rsv_light_part *part; ///< [source_count]
+} rsv_light_basis;
+
+/// The fields of a part in order, and how long they are; 0 = the solution has none.
+rsv_rgb **rsv_light_part_field(rsv_light_part *part, size_t field);
+size_t rsv_light_field_length(const struct rsv_solution *solution, size_t field);
+
+/// @param basis out; without parts if there are fewer than two sources, or more than RSV_MAX_LIGHT_PARTS
+rsv_status rsv_light_basis_create(const struct rsv_solution *solution, rsv_light_basis **basis);
+/// A basis whose parts are to be filled.
+rsv_status rsv_light_basis_create_empty(
+    const struct rsv_solution *solution, rsv_light_basis **basis);
+void rsv_light_basis_destroy(rsv_light_basis *basis);
+
+#define RSV_MAX_LIGHT_PARTS 64
+
+/// What the next-event estimates and caustics of a solution are, all sources together. @param total [length of field]
+void rsv_light_total(const struct rsv_solution *solution, size_t field, rsv_rgb *total);
+
+#endif

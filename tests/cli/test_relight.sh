@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Other lights on a solved operator: pictures scale as light does, and names that are none are answered.
+source "$(dirname "$0")/support.sh"
+
+box=(--size 32x32 --spp 4 --threads 2)
+succeeds solve cornell-blocks -o box.safetensors --quality draft --threads 2
+succeeds render box.safetensors -o once.exr "${box[@]}"
+succeeds relight box.safetensors -o same.exr "${box[@]}"
+succeeds compare once.exr same.exr
+says '^mean_ratio *1.00000'
+succeeds relight box.safetensors --light light=3 -o thrice.exr -o thrice.safetensors "${box[@]}" --stats relight.json
+succeeds compare once.exr thrice.exr
+says '^mean_ratio *3.0000'
+grep -q '"command":.*"relight"' relight.json || complain "no statistics"
+succeeds render thrice.safetensors -o again.exr "${box[@]}"
+cmp -s thrice.exr again.exr || complain "the file that was kept gives another picture"
+succeeds relight box.safetensors --light light=1,1,0,0 --albedo white=0.2,0.2,0.2 -o red.exr "${box[@]}"
+
+refuses 1 "'moon'.*'light'" relight box.safetensors --light moon=2 -o "$out/a.png"
+refuses 1 "'gold'.*'white'" relight box.safetensors --albedo gold=1,1,0 -o "$out/a.png"
+refuses 1 'environment' relight box.safetensors --env-intensity 2 -o "$out/a.png"
+refuses 1 'no operator file' relight cornell-blocks -o "$out/a.png"
+refuses 1 'camera' relight box.safetensors --camera nobody -o "$out/a.png"
+refuses 1 'folder' relight box.safetensors -o no/such/folder/a.safetensors
+refuses 2 'NAME=SCALE' relight box.safetensors --light light -o "$out/a.png"
+refuses 2 'NAME=SCALE' relight box.safetensors --light light=1,2 -o "$out/a.png"
+refuses 2 'MATERIAL=R,G,B' relight box.safetensors --albedo white=1 -o "$out/a.png"
+refuses 2 'missing' relight box.safetensors
+finish

@@ -1,0 +1,159 @@
+/// Relighting against fresh solutions of the changed scene.
+#include "resolvent/relight.h"
+
+#include "light_fixture.h"
+#include "scene/scene_internal.h"
+#include "solve/solution.h"
+
+static rsv_scene *own_scene(world *w) { return w->scene; }
+
+/// A box with a lamp and two punctual lights in it.
+static world *lit_box(const float scale[3])
+{
+    world *w = world_builtin(2, "cornell-spheres");
+    rsv_scene *scene = own_scene(w);
+    for (size_t m = 0; m < scene->material_count; m++)
+        scene->material[m].emission = rgb_scale(scene->material[m].emission, scale[0]);
+    rsv_light light = { .name = "bulb",
+        .kind = RSV_LIGHT_POINT,
+        .position = { 0.1f, 0.4f, 0.05f },
+        .intensity = { 0.2f * scale[1], 0.1f * scale[1], 0.1f * scale[1] } };
+    scene->committed = false; // for what is added to a built-in scene
+    assert_int_equal(rsv_scene_add_light(scene, &light), RSV_OK);
+    light.name = "torch";
+    light.kind = RSV_LIGHT_SPOT;
+    light.direction = v3(0, -1, 0.1f);
+    light.outer_cone_angle = 0.8f;
+    light.intensity = rgb(0.1f * scale[2], 0.2f * scale[2], 0.3f * scale[2]);
+    assert_int_equal(rsv_scene_add_light(scene, &light), RSV_OK);
+    scene->committed = true;
+    scene->view.light = scene->light;
+    scene->view.light_count = scene->light_count;
+    return w;
+}
+
+/// Without pilots, so that elements do not depend on the light, and without photons, whose aim does.
+static rsv_solution *solve(const world *w, bool direct_level)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 300;
+    desc.rays_per_element = 64;
+    desc.refinements = 0;
+    desc.photon_count = 0;
+    desc.direct_level = direct_level;
+    desc.tolerance = 1e-6f;
+    rsv_solution *s;
+    if (rsv_solution_create(w->scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
+    return s;
+}
+
+static double largest_difference(const rsv_rgb *a, const rsv_rgb *b, size_t count)
+{
+    double difference = 0, size = 0;
+    for (size_t n = 0; n < count; n++) {
+        difference = fmax(difference, fabs((double)a[n].r - b[n].r));
+        difference = fmax(difference, fabs((double)a[n].g - b[n].g));
+        difference = fmax(difference, fabs((double)a[n].b - b[n].b));
+        size = fmax(size, rgb_max(b[n]));
+    }
+    return difference / size;
+}
+
+static void relight(world *w, rsv_solution *s, const rsv_relight_desc *desc)
+{
+    if (rsv_solution_relight(s, own_scene(w), desc) != RSV_OK) fail_msg("%s", rsv_last_error());
+}
+
+static void scaled_lights_are_those_of_a_fresh_solve(void **state)
+{
+    (void)state;
+    const rsv_light_scale scales[] = { { "light", { 0.5f, 0.5f, 0.5f } }, { "bulb", { 3, 3, 3 } },
+        { "torch", { 0, 0, 0 } } };
+    const rsv_relight_desc desc = { .light = scales, .light_count = 3 };
+    world *w = lit_box((float[]){ 1, 1, 1 }), *other = lit_box((float[]){ 0.5f, 3, 0 });
+    rsv_solution *relit = solve(w, false), *fresh = solve(other, false);
+    relight(w, relit, &desc);
+    size_t nodes = fresh->elements->node_count;
+    assert_int_equal(relit->elements->node_count, nodes);
+    assert_true(largest_difference(relit->source, fresh->source, nodes) < 1e-4);
+    assert_true(largest_difference(relit->irradiance, fresh->irradiance, nodes) < 1e-4);
+    rsv_solution_destroy(relit);
+    rsv_solution_destroy(fresh);
+    world_end(w);
+    world_end(other);
+}
+
+static void scaling_nothing_changes_nothing(void **state)
+{
+    (void)state;
+    const rsv_relight_desc desc = { 0 };
+    world *w = lit_box((float[]){ 1, 1, 1 });
+    rsv_solution *before = solve(w, true), *after = solve(w, true);
+    relight(w, after, &desc);
+    size_t nodes = before->elements->node_count, fine = before->fine.elements->node_count;
+    assert_true(largest_difference(after->irradiance, before->irradiance, nodes) < 1e-6);
+    assert_true(largest_difference(after->fine.direct, before->fine.direct, fine) < 1e-6);
+    rsv_solution_destroy(before);
+    rsv_solution_destroy(after);
+    world_end(w);
+}
+
+static void changed_albedos_are_those_of_a_fresh_solve(void **state)
+{
+    (void)state;
+    const rsv_albedo_change change = { "red", { 0.1f, 0.2f, 0.7f } };
+    const rsv_relight_desc desc = { .albedo = &change, .albedo_count = 1 };
+    world *w = lit_box((float[]){ 1, 1, 1 }), *other = lit_box((float[]){ 1, 1, 1 });
+    for (size_t m = 0; m < own_scene(other)->material_count; m++)
+        if (strcmp(own_scene(other)->material[m].name, "red") == 0)
+            own_scene(other)->material[m].base_color = change.base_color;
+    rsv_solution *relit = solve(w, false), *fresh = solve(other, false);
+    relight(w, relit, &desc);
+    size_t nodes = fresh->elements->node_count;
+    assert_true(largest_difference(relit->irradiance, fresh->irradiance, nodes) < 1e-4);
+    rsv_solution_destroy(relit);
+    rsv_solution_destroy(fresh);
+    world_end(w);
+    world_end(other);
+}
+
+static void check_refused(
+    world *w, rsv_solution *s, const rsv_relight_desc *desc, const char *what, const char *listed)
+{
+    assert_int_not_equal(rsv_solution_relight(s, own_scene(w), desc), RSV_OK);
+    assert_non_null(strstr(rsv_last_error(), what));
+    assert_non_null(strstr(rsv_last_error(), listed));
+}
+
+static void unknown_names_are_answered_by_the_known_ones(void **state)
+{
+    (void)state;
+    world *w = lit_box((float[]){ 1, 1, 1 });
+    rsv_solution *s = solve(w, false);
+    const rsv_light_scale moon = { "moon", { 1, 1, 1 } }, dark = { "bulb", { -1, 1, 1 } };
+    const rsv_albedo_change gold = { "gold", { 1, 1, 1 } }, glass = { "glass", { 1, 1, 1 } },
+                            bright = { "red", { 2, 1, 1 } };
+    check_refused(
+        w, s, &(rsv_relight_desc){ .light = &moon, .light_count = 1 }, "'moon'", "'bulb', 'torch'");
+    check_refused(
+        w, s, &(rsv_relight_desc){ .light = &dark, .light_count = 1 }, "'bulb'", "from 0");
+    check_refused(
+        w, s, &(rsv_relight_desc){ .albedo = &gold, .albedo_count = 1 }, "'gold'", "'red'");
+    check_refused(
+        w, s, &(rsv_relight_desc){ .albedo = &glass, .albedo_count = 1 }, "'glass'", "anew");
+    check_refused(
+        w, s, &(rsv_relight_desc){ .albedo = &bright, .albedo_count = 1 }, "'red'", "0 .. 1");
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(scaled_lights_are_those_of_a_fresh_solve),
+        cmocka_unit_test(scaling_nothing_changes_nothing),
+        cmocka_unit_test(changed_albedos_are_those_of_a_fresh_solve),
+        cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
