@@ -27,12 +27,8 @@ static const char help[] =
     "SCENE may be a file of `resolvent solve`, which is solved already.\n"
     "\n"
     "  --samples N        points, 16 to 16777216 (default 2048)\n"
-    "  --rays N           gather rays of each of the two estimates at a point (default 512)\n"
-    "  --quality Q        draft, medium (default) or high: of the solution\n"
-    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
-    "  --seed N           another set of random numbers (default 0)\n"
+    "  --rays N           gather rays of each of the two estimates at a point (default "
+    "512)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor; the numbers do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
     "  --heatmap FILE     a picture of where the error is (.png; .exr holds the numbers as well):\n"
@@ -56,10 +52,9 @@ typedef struct settings {
     cli_size size;
     cli_error_target target;
     cli_environment environment;
-    cli_budget budget;
-    int quality, solver;
+    cli_solve_choice solve;
     rsv_certify_desc certify;
-    uint32_t threads, seed;
+    uint32_t threads;
     bool goal, split;
 } settings;
 
@@ -83,18 +78,9 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->certify.gather_rays,
             .min = 1,
             .max = 1 << 16 },
-        { .name = "--quality",
-            .kind = CLI_CHOICE,
-            .value = &s->quality,
-            .choices = cli_quality_names },
-        { .name = "--solver",
-            .kind = CLI_CHOICE,
-            .value = &s->solver,
-            .choices = cli_solver_names },
-        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
-        CLI_BUDGET_OPTIONS(&s->budget),
+        CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -114,7 +100,7 @@ static rsv_status certify(
     const settings *s, const rsv_solution *solution, rsv_certificate *certificate)
 {
     rsv_certify_desc desc = s->certify;
-    desc.seed = s->seed;
+    desc.seed = s->solve.seed;
     if (!s->heat_map) return rsv_certify(solution, &desc, certificate);
     rsv_image *image = NULL;
     rsv_heat_map_desc map = rsv_default_heat_map_desc();
@@ -129,13 +115,13 @@ static rsv_status certify(
 static rsv_status solve_and_certify(
     cli_session *session, const settings *s, cli_subject *subject, findings *found)
 {
-    rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
     uint32_t camera = rsv_scene_find_camera(subject->scene, s->camera);
     if (s->goal) desc.goal_camera = camera;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, &found->certificate);
     if (status == RSV_OK) status = certify(s, subject->solution, &found->certificate);
     rsv_certify_desc certify_desc = s->certify;
-    certify_desc.seed = s->seed;
+    certify_desc.seed = s->solve.seed;
     if (status == RSV_OK && s->goal)
         status = rsv_certify_goal(subject->solution, &certify_desc, camera, &found->goal);
     if (status == RSV_OK && s->split)
@@ -184,10 +170,10 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     cli_stats stats = { .command = "certify",
         .scene = s->scene,
         .mode = "operator",
-        .quality = (rsv_quality)s->quality,
+        .quality = (rsv_quality)s->solve.quality,
         .samples = s->certify.samples,
         .threads = cli_thread_count(s->threads),
-        .seed = s->seed,
+        .seed = s->solve.seed,
         .report = rsv_solution_report(solution),
         .certificate = &found->certificate,
         .goal = s->goal ? &found->goal : NULL,
@@ -236,7 +222,7 @@ static bool check_outputs(const settings *s)
 
 int cli_certify(int argc, char **argv)
 {
-    settings s = { .quality = RSV_QUALITY_MEDIUM,
+    settings s = { .solve = CLI_DEFAULT_SOLVE,
         .certify = rsv_default_certify_desc(),
         .environment = CLI_DEFAULT_ENVIRONMENT };
     int exit_status;

@@ -26,12 +26,8 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
-    "  --quality Q        draft, medium (default) or high: of the solution\n"
+        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
-    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n"
-    "  --seed N           another set of random numbers (default 0)\n"
     "  --threads N        default: one per processor; the readings do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
     "\n"
@@ -48,10 +44,10 @@ static const char *const mode_names[] = { [RSV_PROBE_LOOKUP] = "lookup",
 typedef struct settings {
     const char *scene, *points, *output, *stats, *mesh;
     cli_environment environment;
-    cli_budget budget;
-    int mode, quality, solver;
+    cli_solve_choice solve;
+    int mode;
     uint32_t samples; ///< 0 = by quality
-    uint32_t threads, seed;
+    uint32_t threads;
 } settings;
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
@@ -60,19 +56,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
-        { .name = "--quality",
-            .kind = CLI_CHOICE,
-            .value = &s->quality,
-            .choices = cli_quality_names },
-        { .name = "--solver",
-            .kind = CLI_CHOICE,
-            .value = &s->solver,
-            .choices = cli_solver_names },
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
-        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
-        CLI_BUDGET_OPTIONS(&s->budget),
+        CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -92,17 +79,17 @@ static rsv_status read_light(cli_session *session, const settings *s, const cli_
     rsv_status status = RSV_OK;
     bool is_reference = s->mode == RSV_PROBE_REFERENCE;
     if (!is_reference) {
-        rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
+        rsv_solve_desc desc = cli_describe_solve(&s->solve);
         status = cli_solve_subject(session, &desc, NULL, subject, certificate);
         if (status == RSV_OK)
-            status = cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);
+            status = cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
         if (status != RSV_OK) return status;
     }
     double started = cli_seconds();
     status = is_reference ? rsv_probe_reference(subject->scene, points->probe, points->count,
-                                s->samples, s->seed, readings)
+                                s->samples, s->solve.seed, readings)
                           : rsv_probe_irradiance(subject->solution, (rsv_probe_mode)s->mode,
-                                points->probe, points->count, s->samples, s->seed, readings);
+                                points->probe, points->count, s->samples, s->solve.seed, readings);
     *time_render = cli_seconds() - started;
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
@@ -113,10 +100,10 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     cli_stats stats = { .command = "probe",
         .scene = s->scene,
         .mode = mode_names[s->mode],
-        .quality = (rsv_quality)s->quality,
+        .quality = (rsv_quality)s->solve.quality,
         .samples = s->samples,
         .threads = cli_thread_count(s->threads),
-        .seed = s->seed,
+        .seed = s->solve.seed,
         .report = solution ? rsv_solution_report(solution) : NULL,
         .certificate = solution ? certificate : NULL,
         .order_count = solution ? rsv_solution_order_count(solution) : 0,
@@ -157,11 +144,11 @@ int cli_probe(int argc, char **argv)
 {
     static const uint32_t samples_by_quality[] = { 4096, 16384, 65536 };
     settings s = { .mode = RSV_PROBE_OPERATOR,
-        .quality = RSV_QUALITY_MEDIUM,
+        .solve = CLI_DEFAULT_SOLVE,
         .environment = CLI_DEFAULT_ENVIRONMENT };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
-    if (s.samples == 0) s.samples = samples_by_quality[s.quality];
+    if (s.samples == 0) s.samples = samples_by_quality[s.solve.quality];
     cli_points points = { 0 };
     cli_session session;
     exit_status = CLI_FAILURE;

@@ -29,17 +29,13 @@ static const char help[] =
     "albedo\n"
     "                     occlusion-screen  the same from the depth buffer alone, as in games\n"
     "  --occlusion-distance M  modes occlusion: metres beyond which nothing occludes\n"
-    "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
     "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
-    "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
+    "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
-    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
-    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n" CLI_ERROR_TARGET_HELP
-    "  --seed N           another set of random numbers (default 0)\n"
+    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n" CLI_ERROR_TARGET_HELP
     "  --threads N        default: one per processor; the picture does not depend on it\n"
     "  --device cpu       where to compute\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
@@ -65,12 +61,12 @@ typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
     cli_error_target target;
-    cli_budget budget;
+    cli_solve_choice solve;
     cli_list outputs;
     cli_size size;
-    int mode, quality, solver, device;
+    int mode, device;
     uint32_t samples; ///< 0 = by mode and quality
-    uint32_t threads, seed, gather_rays;
+    uint32_t threads, gather_rays;
     float exposure, occlusion_distance;
     bool layers, goal;
 } settings;
@@ -81,14 +77,6 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "-o", .kind = CLI_LIST, .value = &s->outputs },
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 32768 },
         { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
-        { .name = "--quality",
-            .kind = CLI_CHOICE,
-            .value = &s->quality,
-            .choices = cli_quality_names },
-        { .name = "--solver",
-            .kind = CLI_CHOICE,
-            .value = &s->solver,
-            .choices = cli_solver_names },
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
@@ -99,11 +87,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .max = 1e9 },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
         { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
-        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
         CLI_MESH_OPTION(&s->mesh),
-        CLI_BUDGET_OPTIONS(&s->budget),
+        CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -145,7 +132,7 @@ static bool writes_exr(const settings *s)
 static uint32_t default_samples(const settings *s)
 {
     static const uint32_t by_quality[] = { 4, 9, 16 };
-    return s->mode == RSV_RENDER_REFERENCE ? 64 : by_quality[s->quality];
+    return s->mode == RSV_RENDER_REFERENCE ? 64 : by_quality[s->solve.quality];
 }
 
 static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_render_desc *desc)
@@ -166,7 +153,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
-    desc->seed = s->seed;
+    desc->seed = s->solve.seed;
     return true;
 }
 
@@ -180,13 +167,13 @@ static bool is_solved(const settings *s)
 static rsv_status solve(
     cli_session *session, const settings *s, cli_subject *subject, rsv_certificate *certificate)
 {
-    rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
     if (s->goal) desc.goal_camera = rsv_scene_find_camera(subject->scene, s->camera);
     bool is_certified = !subject->solution && s->target.share > 0;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, certificate);
     if (status != RSV_OK || is_certified) return status;
-    return cli_certify_briefly(s->stats, subject->solution, s->seed, certificate);
+    return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
 }
 
 static rsv_status write_pictures(const settings *s, const rsv_image *image)
@@ -203,12 +190,12 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->command = "render";
     stats->scene = s->scene;
     stats->mode = mode_names[s->mode];
-    stats->quality = (rsv_quality)s->quality;
+    stats->quality = (rsv_quality)s->solve.quality;
     stats->width = desc->width;
     stats->height = desc->height;
     stats->samples = desc->samples;
     stats->threads = cli_thread_count(s->threads);
-    stats->seed = s->seed;
+    stats->seed = s->solve.seed;
     stats->report = solution ? rsv_solution_report(solution) : NULL;
     stats->certificate = solution ? certificate : NULL;
     stats->order_count = solution ? rsv_solution_order_count(solution) : 0;
@@ -263,9 +250,9 @@ cleanup:
 
 int cli_render(int argc, char **argv)
 {
-    settings s = { .mode = RSV_RENDER_FINAL,
-        .quality = RSV_QUALITY_MEDIUM,
-        .environment = CLI_DEFAULT_ENVIRONMENT };
+    settings s = {
+        .mode = RSV_RENDER_FINAL, .solve = CLI_DEFAULT_SOLVE, .environment = CLI_DEFAULT_ENVIRONMENT
+    };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!check_request(&s)) return CLI_FAILURE;

@@ -16,11 +16,8 @@ static const char help[] =
     "of\n"
     "a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
-    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_BUDGET_HELP
-    "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"
-    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, bicgstab,\n"
-    "                     gmres or two-grid: how the equation is solved\n" CLI_ERROR_TARGET_HELP
-    "  --seed N           another set of random numbers (default 0)\n"
+    "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+        CLI_ERROR_TARGET_HELP
     "  --threads N        default: one per processor; the file does not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
     "\n"
@@ -32,9 +29,8 @@ typedef struct settings {
     const char *scene, *output, *stats, *mesh;
     cli_environment environment;
     cli_error_target target;
-    cli_budget budget;
-    int quality, solver;
-    uint32_t threads, seed;
+    cli_solve_choice solve;
+    uint32_t threads;
 } settings;
 
 static bool ends_in(const char *text, const char *end)
@@ -47,18 +43,9 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
-        { .name = "--quality",
-            .kind = CLI_CHOICE,
-            .value = &s->quality,
-            .choices = cli_quality_names },
-        { .name = "--solver",
-            .kind = CLI_CHOICE,
-            .value = &s->solver,
-            .choices = cli_solver_names },
-        { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
-        CLI_BUDGET_OPTIONS(&s->budget),
+        CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -78,9 +65,9 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     cli_stats stats = { .command = "solve",
         .scene = s->scene,
         .mode = "solve",
-        .quality = (rsv_quality)s->quality,
+        .quality = (rsv_quality)s->solve.quality,
         .threads = cli_thread_count(s->threads),
-        .seed = s->seed,
+        .seed = s->solve.seed,
         .report = rsv_solution_report(solution),
         .order_count = rsv_solution_order_count(solution),
         .standard_error = NAN };
@@ -92,7 +79,7 @@ static int run(cli_session *session, const settings *s)
     int exit_status = CLI_FAILURE;
     cli_subject subject = { .scene = cli_open_scene(session, s->scene, &s->environment) };
     if (!subject.scene) return CLI_FAILURE;
-    rsv_solve_desc desc = cli_describe_solve(s->quality, s->solver, s->seed, &s->budget);
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
     rsv_certificate certificate;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
     if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);
@@ -106,7 +93,7 @@ static int run(cli_session *session, const settings *s)
 
 int cli_solve(int argc, char **argv)
 {
-    settings s = { .quality = RSV_QUALITY_MEDIUM, .environment = CLI_DEFAULT_ENVIRONMENT };
+    settings s = { .solve = CLI_DEFAULT_SOLVE, .environment = CLI_DEFAULT_ENVIRONMENT };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats))) return CLI_FAILURE;

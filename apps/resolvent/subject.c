@@ -41,13 +41,13 @@ bool cli_open_subject(cli_session *session, const char *name, const cli_environm
     return status == RSV_OK;
 }
 
-rsv_solve_desc cli_describe_solve(int quality, int solver, uint32_t seed, const cli_budget *budget)
+rsv_solve_desc cli_describe_solve(const cli_solve_choice *choice)
 {
-    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)quality);
-    desc.solver = (rsv_solver)solver;
-    desc.seed = seed;
-    desc.max_elements = budget->elements;
-    desc.max_bytes = budget->bytes;
+    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)choice->quality);
+    desc.solver = (rsv_solver)choice->solver;
+    desc.seed = choice->seed;
+    desc.max_elements = choice->max_elements;
+    desc.max_bytes = choice->max_bytes;
     return desc;
 }
 

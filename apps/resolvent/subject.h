@@ -4,6 +4,7 @@
 
 #include "error_target.h"
 #include "session.h"
+#include "stats.h"
 
 #include "resolvent/opfile.h"
 
@@ -17,27 +18,40 @@ typedef struct cli_subject {
 bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
     cli_subject *subject);
 
-/// What --max-elements and --max-memory allow; 0 = anything.
-typedef struct cli_budget {
-    uint32_t elements;
-    size_t bytes;
-} cli_budget;
+/// How a scene is to be solved: --quality, --solver, --seed, --max-elements and --max-memory.
+typedef struct cli_solve_choice {
+    int quality, solver; ///< rsv_quality, rsv_solver
+    uint32_t seed;
+    uint32_t max_elements; ///< 0 = any number, as max_bytes
+    size_t max_bytes;
+} cli_solve_choice;
+
+#define CLI_DEFAULT_SOLVE ((cli_solve_choice){ .quality = RSV_QUALITY_MEDIUM })
 
 // clang-format off
-/// The options that fill a cli_budget, for a command's table.
-#define CLI_BUDGET_OPTIONS(budget)                                                                 \
-    { .name = "--max-elements", .kind = CLI_COUNT, .value = &(budget)->elements, .min = 1,         \
+/// The options that fill a cli_solve_choice, for a command's table.
+#define CLI_SOLVE_OPTIONS(choice)                                                                  \
+    { .name = "--quality", .kind = CLI_CHOICE, .value = &(choice)->quality,                        \
+      .choices = cli_quality_names },                                                              \
+    { .name = "--solver", .kind = CLI_CHOICE, .value = &(choice)->solver,                          \
+      .choices = cli_solver_names },                                                               \
+    { .name = "--seed", .kind = CLI_COUNT, .value = &(choice)->seed, .max = UINT32_MAX },          \
+    { .name = "--max-elements", .kind = CLI_COUNT, .value = &(choice)->max_elements, .min = 1,     \
       .max = UINT32_MAX },                                                                         \
-    { .name = "--max-memory", .kind = CLI_BYTES, .value = &(budget)->bytes }
+    { .name = "--max-memory", .kind = CLI_BYTES, .value = &(choice)->max_bytes }
 // clang-format on
 
 /// Their lines in a command's help.
-#define CLI_BUDGET_HELP                                                                            \
+#define CLI_SOLVE_HELP                                                                             \
+    "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"    \
+    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, "           \
+    "bicgstab,\n"                                                                                  \
+    "                     gmres or two-grid: how the equation is solved\n"                         \
+    "  --seed N           another set of random numbers (default 0)\n"                             \
     "  --max-elements N   rows of the operator at most: a coarser solution where N are too few\n"  \
     "  --max-memory SIZE  memory of the program at most, such as 2GiB; likewise\n"
 
-/// What --quality, --solver, --seed and the budgets make of a solution's description.
-rsv_solve_desc cli_describe_solve(int quality, int solver, uint32_t seed, const cli_budget *budget);
+rsv_solve_desc cli_describe_solve(const cli_solve_choice *choice);
 
 /// Solves the subject unless it is solved already; warns then of options that do nothing.
 /// @param target NULL = none @param certificate of the solution, where there is a target
