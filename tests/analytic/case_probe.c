@@ -1,5 +1,6 @@
 #include "case_probe.h"
 
+#include "case_lens.h"
 #include "case_receiver.h"
 
 #include "core/sampling.h"
@@ -18,9 +19,9 @@
 #define SAMPLES_PER_POINT 32
 
 /// Where points of light are seen in mirrors and glass: light paths shot, the radius over which a point's reading
-/// is averaged, and the size of the elements that it is stored on. Irradiance bends by 0.1 % over it.
+/// is averaged, and the size of the elements that it is stored on. Irradiance bends by 0.1 % over it, except behind
+/// a lens, where what averaging does is known (case_lens.h).
 #define PHOTONS (1u << 20)
-#define PHOTONS_AGAIN (3u << 20)
 #define RECEIVER_RADIUS 0.1
 #define RECEIVER_RADIUS_BEHIND_LENS 0.07
 #define RECEIVER_SPACING 0.02
@@ -34,7 +35,7 @@ static case_reading affine(case_reading reading, double offset, double weight)
 /// Of the pilot run (0) or the one that counts (1).
 static uint32_t run_seed(const case_bench *bench, uint32_t run)
 {
-    return 1 + run + (bench->again ? 2 : 0);
+    return 1 + run + 2 * bench->opinion;
 }
 
 static rsv_status make_solution(const case_bench *bench, case_solution *created)
@@ -43,11 +44,11 @@ static rsv_status make_solution(const case_bench *bench, case_solution *created)
         case_scene_build(bench->context, &bench->scene, created->variant, &created->scene);
     if (status != RSV_OK || bench->mode == RSV_PROBE_REFERENCE) return status;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    desc.seed = run_seed(bench, 0);
     if (bench->scene.receiver.name) {
         double area = case_receiver_area(&bench->scene);
         desc.element_target = (uint32_t)(area / (RECEIVER_SPACING * RECEIVER_SPACING));
-        desc.photon_count = created->variant.again ? PHOTONS_AGAIN : PHOTONS;
-        desc.seed = run_seed(bench, 0);
+        desc.photon_count = PHOTONS;
         desc.direct_level = false;
         desc.direct_levels = 0;
     }
@@ -63,7 +64,7 @@ static rsv_status find_solution(
         *found = &bench->solution[i];
         case_variant known = bench->solution[i].variant;
         if (known.black == variant.black && known.emitters == variant.emitters &&
-            known.sky == variant.sky && known.again == variant.again)
+            known.sky == variant.sky)
             return RSV_OK;
     }
     if (i == CASE_MAX_VARIANTS) abort();
@@ -89,9 +90,9 @@ static rsv_status read_probes(const case_bench *bench, const case_solution *solu
 }
 
 /// How many times as many samples bring the standard error down to what is wanted.
-static double wanted_factor(const case_bench *bench, case_reading pilot)
+static double wanted_factor(case_reading pilot)
 {
-    double wanted = WANTED_RELATIVE_ERROR * fabs(pilot.value) / (bench->again ? 2 : 1);
+    double wanted = WANTED_RELATIVE_ERROR * fabs(pilot.value);
     double ratio = pilot.standard_error / wanted;
     return pilot.standard_error > 0 && pilot.value != 0 ? ratio * ratio : 1;
 }
@@ -108,7 +109,7 @@ static rsv_status read_point(
         status =
             read_probes(bench, solution, &probe, 1, (uint32_t)samples, run_seed(bench, run), &raw);
         *reading = (case_reading){ (double)raw.irradiance.g, (double)raw.standard_error.g };
-        samples = fmin(fmax(samples * wanted_factor(bench, *reading), PILOT_SAMPLES), MAX_SAMPLES);
+        samples = fmin(fmax(samples * wanted_factor(*reading), PILOT_SAMPLES), MAX_SAMPLES);
     }
     return status;
 }
@@ -121,7 +122,7 @@ static rsv_status read_stored(
     rsv_probe points[CASE_RECEIVER_POINTS];
     rsv_probe_reading raw[CASE_RECEIVER_POINTS];
     size_t count = case_receiver_disk(&bench->scene, center, radius, points);
-    rsv_status status = find_solution(bench, (case_variant){ .again = bench->again }, &solution);
+    rsv_status status = find_solution(bench, (case_variant){ 0 }, &solution);
     if (status == RSV_OK)
         status = read_probes(bench, solution, points, count, 32, run_seed(bench, 1), raw);
     for (size_t i = 0; i < count && status == RSV_OK; i++)
@@ -199,8 +200,8 @@ static rsv_status read_mean(
     uint32_t points = PILOT_POINTS;
     for (uint32_t run = 0; run < 2 && status == RSV_OK; run++) {
         status = read_replicates(bench, solution, surfaces, points, run_seed(bench, run), reading);
-        double wanted = points * wanted_factor(bench, *reading);
-        while (points < wanted && points < (bench->again ? 4 : 1) * MAX_POINTS)
+        double wanted = points * wanted_factor(*reading);
+        while (points < wanted && points < MAX_POINTS)
             points *= 2;
     }
     return status;
@@ -275,6 +276,19 @@ static double radius_of(const case_scene *scene, const cJSON *probe)
     if (radius) return cJSON_GetNumberValue(radius);
     bool lens = scene->surface[0].shape == CASE_SPHERE;
     return lens ? RECEIVER_RADIUS_BEHIND_LENS : RECEIVER_RADIUS;
+}
+
+/// Reads what the plate stores; of a point behind a lens, what the disk that stands for it did not average away.
+static rsv_status read_received(case_bench *bench, const cJSON *probe, case_reading *reading)
+{
+    const case_surface *lens = &bench->scene.surface[0];
+    rsv_vec3 point = vector(probe, "point"), offset = v3_sub(point, lens->center);
+    double radius = radius_of(&bench->scene, probe);
+    rsv_status status = read_stored(bench, point, radius, reading);
+    if (lens->shape == CASE_SPHERE && !cJSON_HasObjectItem(probe, "radius"))
+        reading->value /= case_lens_blur(lens->ior, fabs((double)offset.z) / lens->radius,
+            hypot((double)offset.x, (double)offset.y) / lens->radius, radius / lens->radius);
+    return status;
 }
 
 void case_bench_announce(case_bench *bench, const cJSON *expected)
@@ -438,9 +452,7 @@ rsv_status case_bench_read(
     if (case_receiver_needed(&bench->scene) && is_irradiance(probe) && !alternative) {
         // the paths of the reference meet no point of light in a mirror
         *known = bench->mode != RSV_PROBE_REFERENCE;
-        return *known ? read_stored(
-                            bench, vector(probe, "point"), radius_of(&bench->scene, probe), reading)
-                      : RSV_OK;
+        return *known ? read_received(bench, probe, reading) : RSV_OK;
     }
     if (!*type) return read_by_name(bench, text(expected, "name"), reading, known);
     if (strcmp(type, "irradiance") == 0)

@@ -17,7 +17,7 @@ typedef struct case_solution {
 typedef struct case_bench {
     rsv_context *context;
     rsv_probe_mode mode; ///< operator or reference
-    bool again;          ///< second opinion: other random numbers, half the error
+    uint32_t opinion;    ///< of solutions and probes with random numbers of their own
     case_scene scene;
     case_solution solution[CASE_MAX_VARIANTS]; ///< made when first wanted
     int solution_count;
@@ -35,7 +35,7 @@ void case_bench_announce(case_bench *bench, const cJSON *expected);
 rsv_status case_bench_read(
     case_bench *bench, const cJSON *expected, case_reading *reading, bool *known);
 
-/// Frees what the readings made.
+/// Frees what the readings made; further readings make it again.
 void case_bench_close(case_bench *bench);
 
 #endif

@@ -37,7 +37,6 @@ typedef struct case_variant {
     bool black;        ///< albedos 0: direct light alone
     uint32_t emitters; ///< bit per surface that emits M = 1, nothing else does; 0 = as listed
     bool sky;          ///< the alternative sky in place of the lights
-    bool again;        ///< solved once more, with more photons
 } case_variant;
 
 typedef struct case_scene {

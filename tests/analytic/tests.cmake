@@ -5,6 +5,7 @@ else()
 endif()
 
 add_executable(test_validation
+    analytic/case_lens.c
     analytic/case_mesh.c
     analytic/case_probe.c
     analytic/case_receiver.c
