@@ -43,7 +43,9 @@ static rsv_status make_solution(const case_bench *bench, case_solution *created)
     rsv_status status =
         case_scene_build(bench->context, &bench->scene, created->variant, &created->scene);
     if (status != RSV_OK || bench->mode == RSV_PROBE_REFERENCE) return status;
-    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    // light that nothing reflects comes from the sources alone, however it is stored
+    bool reflects = !created->variant.black && case_scene_reflects(&bench->scene);
+    rsv_solve_desc desc = rsv_default_solve_desc(reflects ? RSV_QUALITY_MEDIUM : RSV_QUALITY_DRAFT);
     desc.seed = run_seed(bench, 0);
     if (bench->scene.receiver.name) {
         double area = case_receiver_area(&bench->scene);

@@ -293,3 +293,13 @@ rsv_probe case_surface_sample(const case_surface *surface, float x, float y)
     }
     return case_surface_probe(surface, point);
 }
+
+bool case_scene_reflects(const case_scene *scene)
+{
+    for (int i = 0; i < scene->surface_count; i++) {
+        const case_surface *surface = &scene->surface[i];
+        for (int z = 0; z < surface->zone_count; z++)
+            if (surface->zone[z].rho > 0) return true;
+    }
+    return false;
+}

@@ -76,4 +76,7 @@ rsv_probe case_surface_sample(const case_surface *surface, float x, float y);
 /// Three numbers; zero if absent.
 rsv_vec3 case_vector(const cJSON *json);
 
+/// Whether any surface has an albedo.
+bool case_scene_reflects(const case_scene *scene);
+
 #endif
