@@ -66,11 +66,11 @@ static rsv_status find_solution(
         *found = &bench->solution[i];
         case_variant known = bench->solution[i].variant;
         if (known.black == variant.black && known.emitters == variant.emitters &&
-            known.sky == variant.sky)
+            known.sky == variant.sky && bench->solution[i].opinion == bench->opinion)
             return RSV_OK;
     }
-    if (i == CASE_MAX_VARIANTS) abort();
-    case_solution created = { .variant = variant };
+    if (i == CASE_MAX_VARIANTS * (1 + CASE_OPINIONS)) abort();
+    case_solution created = { .variant = variant, .opinion = bench->opinion };
     rsv_status status = make_solution(bench, &created);
     bench->solution[i] = created;
     *found = &bench->solution[i];

@@ -4,11 +4,15 @@
 
 #include "case_scene.h"
 
-enum { CASE_MAX_VARIANTS = 12 };
+enum {
+    CASE_MAX_VARIANTS = 12,
+    CASE_OPINIONS = 5 ///< second ones, beside opinion 0
+};
 
 /// One variant of the scene, built and, in mode operator, solved.
 typedef struct case_solution {
     case_variant variant;
+    uint32_t opinion;
     rsv_scene *scene;
     rsv_solution *solution;
 } case_solution;
@@ -19,7 +23,7 @@ typedef struct case_bench {
     rsv_probe_mode mode; ///< operator or reference
     uint32_t opinion;    ///< of solutions and probes with random numbers of their own
     case_scene scene;
-    case_solution solution[CASE_MAX_VARIANTS]; ///< made when first wanted
+    case_solution solution[CASE_MAX_VARIANTS * (1 + CASE_OPINIONS)]; ///< made when first wanted
     int solution_count;
 } case_bench;
 
@@ -35,7 +39,7 @@ void case_bench_announce(case_bench *bench, const cJSON *expected);
 rsv_status case_bench_read(
     case_bench *bench, const cJSON *expected, case_reading *reading, bool *known);
 
-/// Frees what the readings made; further readings make it again.
+/// Frees what the readings made.
 void case_bench_close(case_bench *bench);
 
 #endif

@@ -16,8 +16,6 @@
 
 #define SKIPPED 77 ///< CTest's SKIP_RETURN_CODE
 
-#define OPINIONS 5
-
 #define RELATIVE_TOLERANCE 5e-3
 /// What cases.json recommends for light that a lens focuses.
 #define CAUSTIC_TOLERANCE 1e-2
@@ -115,28 +113,21 @@ static void report(
     tally->largest_relative_error = fmax(tally->largest_relative_error, fabs(relative));
 }
 
-/// Solutions that one opinion made are of no use to the next.
-static void change_opinion(case_bench *bench, uint32_t opinion)
-{
-    if (bench->opinion != opinion) case_bench_close(bench);
-    bench->opinion = opinion;
-}
-
 /// Mean of several solutions' readings; no error if the readings have none.
 static rsv_status read_again(case_bench *bench, const cJSON *expected, case_reading *reading)
 {
     double sum = 0, squares = 0, own = reading->standard_error;
     rsv_status status = RSV_OK;
-    for (uint32_t k = 1; k <= OPINIONS && status == RSV_OK; k++) {
+    for (uint32_t k = 1; k <= CASE_OPINIONS && status == RSV_OK; k++) {
         bool known;
-        change_opinion(bench, k);
+        bench->opinion = k;
         status = case_bench_read(bench, expected, reading, &known);
         sum += reading->value;
         squares += reading->value * reading->value;
     }
-    change_opinion(bench, 0);
-    double mean = sum / OPINIONS, variance = fmax(0, squares / OPINIONS - mean * mean);
-    *reading = (case_reading){ mean, own > 0 ? sqrt(variance / (OPINIONS - 1)) : 0 };
+    bench->opinion = 0;
+    double mean = sum / CASE_OPINIONS, variance = fmax(0, squares / CASE_OPINIONS - mean * mean);
+    *reading = (case_reading){ mean, own > 0 ? sqrt(variance / (CASE_OPINIONS - 1)) : 0 };
     return status;
 }
 
