@@ -69,8 +69,11 @@ rsv_status rsv_elements_copy_faces(const rsv_elements *from, rsv_elements *to)
     return RSV_OK;
 }
 
+/// Cells of slivers may be this many times as many along an edge as their area asks for.
+#define SLIVER_FACTOR 4.0f
+
 /// Grid level at which a face's cells are about `spacing` long. Slivers count by a quarter of their
-/// length, or their cells would be far too many across.
+/// length, or their cells would be far too many across; the thinnest by their area.
 static uint8_t grid_level(const rsv_scene_view *scene, uint32_t triangle, float spacing)
 {
     const uint32_t *corner = scene->triangle[triangle];
@@ -79,7 +82,8 @@ static uint8_t grid_level(const rsv_scene_view *scene, uint32_t triangle, float 
         rsv_vec3 edge = v3_sub(scene->position[corner[k]], scene->position[corner[(k + 1) % 3]]);
         longest = f_max(longest, v3_length(edge));
     }
-    float size = f_max(1.4f * sqrtf(2 * rsv_triangle_area(scene, triangle)), 0.25f * longest);
+    float wide = 1.4f * sqrtf(2 * rsv_triangle_area(scene, triangle));
+    float size = f_max(wide, f_min(0.25f * longest, SLIVER_FACTOR * wide));
     int level = (int)ceilf(log2f(f_max(size / (1.4f * spacing), 1e-6f)) - 0.5f);
     return (uint8_t)(level < 0 ? 0 : level > 10 ? 10 : level);
 }
