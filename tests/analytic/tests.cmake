@@ -16,27 +16,30 @@ add_executable(test_validation
 target_link_libraries(test_validation PRIVATE rsv_test_support PkgConfig::CJSON)
 target_compile_definitions(test_validation PRIVATE RSV_VALIDATION_DEFAULT="${RSV_VALIDATION}")
 
-# rsv_add_validation(NAME argument...): some families of cases in one mode.
-function(rsv_add_validation name)
+# rsv_add_validation(NAME LABELS argument...): some cases in one mode. What `./dev test` runs is labelled slow, for the
+# sanitizers do without it; all cases, labelled long, are run by `./dev validate`.
+function(rsv_add_validation name labels)
     add_test(NAME validation_${name} COMMAND test_validation ${ARGN})
     # idle threads that spin cost more than they gain where other tests run beside
-    set_tests_properties(validation_${name} PROPERTIES LABELS slow SKIP_RETURN_CODE 77 TIMEOUT 600
+    set_tests_properties(validation_${name} PROPERTIES LABELS "${labels}" SKIP_RETURN_CODE 77 TIMEOUT 1200
         ENVIRONMENT "OMP_WAIT_POLICY=passive")
 endfunction()
 
-rsv_add_validation(view_factors a.)
-rsv_add_validation(furnaces b.)
-rsv_add_validation(enclosures c. i.)
-rsv_add_validation(direct d. f.)
-rsv_add_validation(environments e.)
-rsv_add_validation(reference_environments --reference e.)
-rsv_add_validation(rooms j.)
+rsv_add_validation(view_factors slow a.pa a.pe a.po a.disks.1_1 a.disks.0 a.o)
+rsv_add_validation(furnaces slow b.furnace b.sphere_p b.box_mean.1)
+rsv_add_validation(enclosures slow c.two_plates.0p5 c.concentric.1_1 c.concentric.1_2 c.cube i.)
+rsv_add_validation(direct slow d. f.i f.m f.caustic.n1p33)
+rsv_add_validation(environments slow e.)
+rsv_add_validation(rooms slow j.cie5p2 j.cie5p3 j.cie5p4.ce j.cie5p6 j.cie5p7 j.cie5p8.cube_points_rho0p5 j.cie5p9)
+rsv_add_validation(reference slow --reference a.po b.furnace_object.g d.s d.di d.rect_light.n c.cube.rho0p5 e.l
+    j.cie5p4.ce)
+
+rsv_add_validation(all "slow;long" a. b. c. d. e. f. i. j.)
 # Left out here, tested above: d.rect_light.blocked_low and f.mirror_area.full. Their polygons are kilometres wide,
 # so rays leave them a millimetre off (8 ulp), which the path tracer's small standard errors resolve (0.4 %).
-rsv_add_validation(reference_direct --reference a.p a.o d.p d.s d.di d.rect_light.c d.rect_light.n
-    d.rect_light.f d.rect_light.blocked_m d.rect_light.blocked_h f.mirror_area.p j.)
-rsv_add_validation(reference_enclosures --reference b.furnace_box.1 b.furnace_object b.sphere_
-    c.two_plates.0p5 c.concentric.1_2 c.cube.rho0p5 i.)
+rsv_add_validation(reference_all "slow;long" --reference a.p a.o b.furnace_box.1 b.furnace_object b.sphere_
+    c.two_plates.0p5 c.concentric.1_2 c.cube.rho0p5 d.p d.s d.di d.rect_light.c d.rect_light.n d.rect_light.f
+    d.rect_light.blocked_m d.rect_light.blocked_h e. f.mirror_area.p i. j.)
 
 add_executable(test_profiles analytic/profiles.c)
 target_link_libraries(test_profiles PRIVATE rsv_test_support PkgConfig::CJSON)

@@ -2,7 +2,7 @@
 # Benchmarks: what they print, the table and the plot. How fast the machine is, is no test's business.
 source "$(dirname "$0")/support.sh"
 
-succeeds bench assemble --repeat 2
+succeeds bench assemble --repeat 1
 says 'same packets, traced only'
 succeeds bench quality --size 32 --spp 4 --repeat 1 --csv curve.csv --plot curve.svg
 says '^  final, medium '

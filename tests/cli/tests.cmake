@@ -6,7 +6,8 @@ if(TARGET resolvent_program)
         set_tests_properties(cli_${subject} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
     endforeach()
     set_tests_properties(cli_python PROPERTIES SKIP_RETURN_CODE 77)
-    set_tests_properties(cli_bench PROPERTIES LABELS slow)
+    # what they run, the sanitizers see in the unit tests
+    set_tests_properties(cli_bench cli_render cli_certify PROPERTIES LABELS slow)
     # other tests would be slowed down, and the time it takes to stop with them
     set_tests_properties(cli_cancel PROPERTIES RUN_SERIAL TRUE)
 endif()

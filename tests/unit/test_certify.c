@@ -5,6 +5,7 @@
 #include "solve/solution.h"
 
 #include "light_fixture.h"
+#include "slow_tests.h"
 
 static rsv_solution *solve(const world *w, const rsv_solve_desc *desc)
 {
@@ -484,19 +485,15 @@ static void memory_may_run_out_anywhere(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(a_furnace_is_certified_exact),
         cmocka_unit_test(a_known_error_of_a_furnace_is_found),
         cmocka_unit_test(a_known_error_of_a_room_is_found),
         cmocka_unit_test(a_coarse_solution_confesses),
-        cmocka_unit_test(a_noisy_solution_confesses),
-        cmocka_unit_test(a_solution_without_caustics_confesses),
-        cmocka_unit_test(the_split_knows_noise_from_large_elements),
         cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
         cmocka_unit_test(a_rooms_picture_errs_as_importance_says),
-        cmocka_unit_test(a_goal_spends_elements_where_they_count),
         cmocka_unit_test(refinement_reaches_its_target),
         cmocka_unit_test(budgets_end_refinement),
         cmocka_unit_test(unusable_targets_are_refused),
@@ -508,5 +505,11 @@ int main(void)
         cmocka_unit_test(unusable_numbers_of_samples_are_refused),
         cmocka_unit_test(memory_may_run_out_anywhere),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(a_noisy_solution_confesses),
+        cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(the_split_knows_noise_from_large_elements),
+        cmocka_unit_test(a_goal_spends_elements_where_they_count),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

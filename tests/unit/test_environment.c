@@ -1,5 +1,6 @@
 /// Environments: lookup, sampling, irradiance, division, suns, and their way through operator and reference.
 #include "light_fixture.h"
+#include "slow_tests.h"
 
 #include "core/octahedral.h"
 #include "light/environment.h"
@@ -399,9 +400,9 @@ static void broken_pictures_are_repaired_or_refused(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(directions_look_up_the_documented_pixels),
         cmocka_unit_test(turning_moves_the_sky_counter_clockwise_from_above),
         cmocka_unit_test(the_sampler_draws_what_its_density_says),
@@ -410,11 +411,13 @@ int main(void)
         cmocka_unit_test(windows_are_no_suns),
         cmocka_unit_test(the_parts_add_up_to_the_whole),
         cmocka_unit_test(a_constant_sky_is_exact),
-        cmocka_unit_test(turning_the_sky_takes_no_new_rays),
-        cmocka_unit_test(a_room_under_a_contrasty_sky_agrees_with_the_reference),
-        cmocka_unit_test(a_room_under_a_sun_agrees_with_the_reference),
         cmocka_unit_test(one_pixel_is_a_constant_sky),
         cmocka_unit_test(broken_pictures_are_repaired_or_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(turning_the_sky_takes_no_new_rays),
+        cmocka_unit_test(a_room_under_a_contrasty_sky_agrees_with_the_reference),
+        cmocka_unit_test(a_room_under_a_sun_agrees_with_the_reference),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -1,6 +1,7 @@
 /// glTF: what is written is read back; every encoding the format allows; hostile and broken files.
 #include "file_fixture.h"
 #include "scene_fixture.h"
+#include "slow_tests.h"
 
 #include "resolvent/io.h"
 
@@ -739,10 +740,9 @@ static void broken_assets_fail_cleanly(void **state)
 #define GLTF_TEST(function)                                                                        \
     cmocka_unit_test_setup_teardown(function, fixture_setup, fixture_teardown)
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
-        GLTF_TEST(builtin_scenes_survive_the_file),
+    const struct CMUnitTest quick[] = {
         GLTF_TEST(every_material_light_and_camera_survives_the_file),
         GLTF_TEST(the_writer_leaves_nothing_half_written),
         GLTF_TEST(chunks_are_aligned_and_add_up),
@@ -763,5 +763,8 @@ int main(void)
         GLTF_TEST(interiors_load),
         GLTF_TEST(broken_assets_fail_cleanly),
     };
-    return cmocka_run_group_tests_name("gltf", tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        GLTF_TEST(builtin_scenes_survive_the_file),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

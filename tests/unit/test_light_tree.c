@@ -1,5 +1,6 @@
 /// The light tree: what it draws, how often, and how well; ten thousand lights of each kind.
 #include "light_fixture.h"
+#include "slow_tests.h"
 
 #include "light/light_tree.h"
 #include "resolvent/render.h"
@@ -248,14 +249,16 @@ static void the_operator_agrees_with_the_reference(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(probabilities_sum_to_one_and_are_those_drawn),
         cmocka_unit_test(trees_are_shallow_whatever_the_lights),
         cmocka_unit_test(ten_thousand_emitters_take_few_samples),
         cmocka_unit_test(ten_thousand_punctual_lights_take_few_samples),
+    };
+    const struct CMUnitTest slow[] = {
         cmocka_unit_test(the_operator_agrees_with_the_reference),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -30,5 +30,8 @@ rsv_add_test(media statistical/test_media.c)
 rsv_add_test(rough_box statistical/test_rough_box.c)
 rsv_add_test(solvers unit/test_solvers.c)
 rsv_add_test(certify unit/test_certify.c)
-# long sums of what the unit tests of bsdf and subsurface run through the sanitizers
-set_tests_properties(bsdf_lobes translucent PROPERTIES LABELS slow)
+# long sums of what other tests run through the sanitizers
+set_tests_properties(bsdf_lobes translucent media rough_box PROPERTIES LABELS slow)
+foreach(name IN ITEMS environment light_tree gltf certify)
+    rsv_add_slow_half(${name})
+endforeach()

@@ -1,0 +1,19 @@
+/// Programs of two halves: quick tests, which the sanitizers run as well, and long sums.
+#ifndef SLOW_TESTS_H
+#define SLOW_TESTS_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#include <string.h>
+
+/// Exit status of a test program that takes `slow` as its only argument (see rsv_add_slow_half in CMakeLists.txt).
+#define RUN_HALF(argc, argv, quick, slow)                                                          \
+    ((argc) > 1 && strcmp((argv)[1], "slow") == 0 ? cmocka_run_group_tests(slow, NULL, NULL)       \
+                                                  : cmocka_run_group_tests(quick, NULL, NULL))
+
+#endif
