@@ -32,6 +32,7 @@ static void catch_signals(rsv_context *context)
     interruptible = context;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error of writing, not an end
 }
 
 bool cli_interrupted(void) { return interrupted != 0; }

@@ -53,7 +53,7 @@ typedef struct rsv_context rsv_context;
 
 /// How a context behaves. Start from rsv_default_context_desc().
 typedef struct rsv_context_desc {
-    /// Worker threads; 0 = one per processor. Results do not depend on it.
+    /// Worker threads; 0 = one per processor, or OMP_NUM_THREADS. Results do not depend on it.
     int thread_count;
     /// Receives notes and warnings, one line each without a newline; NULL = silent.
     void (*log)(void *user, rsv_log_level level, const char *message);

@@ -78,7 +78,7 @@ typedef struct rsv_solve_report {
     uint32_t
         neumann_terms;   ///< orders that the Neumann series takes, as the spectral radius predicts
     double residual_inf; ///< ||E0 + G K E - E||_inf, W/m2, accumulated in double
-    double truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2
+    double truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2: of the system, before what rows blur is sharpened
     double mean_irradiance;  ///< area-weighted mean of E, luminance
     double time_bvh, time_assemble, time_solve;
 } rsv_solve_report;

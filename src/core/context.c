@@ -51,7 +51,7 @@ rsv_status rsv_context_create(const rsv_context_desc *desc, rsv_context **contex
     created->desc = settings;
     created->thread_count = settings.thread_count;
 #if defined(_OPENMP)
-    if (created->thread_count == 0) created->thread_count = omp_get_num_procs();
+    if (created->thread_count == 0) created->thread_count = omp_get_max_threads();
 #else
     created->thread_count = 1;
 #endif

@@ -1,6 +1,7 @@
 #include "scene_internal.h"
 
 #include <math.h>
+#include <string.h>
 
 rsv_material rsv_default_material(void)
 {
@@ -66,6 +67,9 @@ void rsv_material_clamp(const rsv_context *context, rsv_material *material)
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
         if (fields[i].changed)
             rsv_log(context, RSV_LOG_WARNING,
-                "material '%s': %s was outside its range and is clamped", material->name,
-                fields[i].field);
+                "material '%s': %s was outside its range and is clamped%s", material->name,
+                fields[i].field,
+                strstr(fields[i].field, "color")
+                    ? ": a surface that returns more light than it receives has no bounded answer"
+                    : "");
 }

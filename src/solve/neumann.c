@@ -153,8 +153,7 @@ static void add_rest(series *q, const rsv_rgb *sum)
     add_term(q->s, q->next);
 }
 
-/// Solves rest = term + G K rest by the solver of the report; if that was our own choice and it fails, by the
-/// series after all.
+/// Solves rest = term + G K rest by the solver of the report; if that was our own choice and it fails, by GMRES.
 static rsv_status solve_rest(series *q, uint32_t max_applications)
 {
     rsv_solve_report *report = &q->s->report;
@@ -175,7 +174,8 @@ static rsv_status solve_rest(series *q, uint32_t max_applications)
         size_t length = strlen(report->solver_reason);
         snprintf(report->solver_reason + length, sizeof report->solver_reason - length,
             "; %s failed", rsv_solver_name(report->solver));
-        report->solver = desc.solver = RSV_SOLVER_NEUMANN;
+        report->solver = desc.solver = RSV_SOLVER_GMRES;
+        RSV_TRY(rsv_transport_map_prepare(q->map, report->solver));
         RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &rest->r, &linear));
         report->iterations += (uint32_t)ceil(linear.applications);
     }
@@ -184,6 +184,22 @@ static rsv_status solve_rest(series *q, uint32_t max_applications)
 cleanup:
     rsv_free(q->s->context, rest);
     return status;
+}
+
+/// Rounding of stored irradiance, as a share of it, that no residual gets below.
+#define ROUNDING 2.5e-7
+
+/// Where little is absorbed, irradiance grows so far beyond its source that the wanted residual is less than rounding
+/// leaves: asks for no less. Orders beyond the present term are taken to fall by the spectral radius.
+static void keep_target_in_reach(series *q, const rsv_rgb *term)
+{
+    const rsv_solution *s = q->s;
+    size_t nodes = s->elements->node_count;
+    double radius = fmin(fmax(s->report.spectral_radius, 0), RSV_LOSSLESS), most = 0;
+    for (size_t n = 0; n < nodes; n++)
+        most = fmax(most, (double)rgb_max(rgb_add(s->source[n], s->indirect[n])));
+    most += radius / (1 - radius) * largest(term, nodes);
+    q->target = fmax(q->target, ROUNDING * most);
 }
 
 /// Chooses the solver of all orders beyond those kept one by one.
@@ -246,7 +262,10 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
             report->stop_reason = RSV_STOP_CONVERGED;
             break;
         }
-        if (order == RSV_KEPT_ORDERS - 2) choose_solver(q, size);
+        if (order == RSV_KEPT_ORDERS - 2) {
+            keep_target_in_reach(q, q->term);
+            choose_solver(q, size);
+        }
         if (order == RSV_KEPT_ORDERS - 2 && report->solver != RSV_SOLVER_NEUMANN &&
             order < max_orders)
             return solve_rest(q, max_orders - order);
@@ -300,6 +319,9 @@ static void report_error(const series *q, rsv_rgb *scratch)
     s->report.residual_inf = residual_norm(q, s->irradiance, scratch);
     s->report.truncation_bound = s->report.residual_inf * q->resolvent;
     s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, s->irradiance);
+    // a solver that rounding stopped has arrived if what is left is small enough all the same
+    if (s->report.stop_reason == RSV_STOP_STAGNATED && s->report.residual_inf <= q->target)
+        s->report.stop_reason = RSV_STOP_CONVERGED;
 }
 
 rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)

@@ -41,9 +41,10 @@ bool rsv_tracer_nearest(const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 norma
         float u, v;
         closest_on_triangle(a, b, c, point, &u, &v);
         float distance = v3_length(v3_sub(v3_barycentric(a, b, c, u, v), point));
-        bool turned_away = v3_dot(v3_cross(v3_sub(b, a), v3_sub(c, a)), normal) <= 0;
-        if (distance < best[turned_away].t)
-            best[turned_away] = (rsv_hit){ (uint32_t)t, distance, u, v };
+        // a back counts only where there is something to see on it
+        bool faces = v3_dot(v3_cross(v3_sub(b, a), v3_sub(c, a)), normal) > 0;
+        bool unseen = !faces && !scene->material[scene->triangle_material[t]].double_sided;
+        if (distance < best[unseen].t) best[unseen] = (rsv_hit){ (uint32_t)t, distance, u, v };
     }
     *hit = best[0].triangle != RSV_NONE ? best[0] : best[1];
     return hit->triangle != RSV_NONE;

@@ -1,5 +1,6 @@
 /// The solution E = E0 + G K E: furnaces with a closed answer, a truthful report, refusals, and memory that
 /// runs out anywhere.
+#include "resolvent/render.h"
 #include "solve/solution.h"
 
 #include "light_fixture.h"
@@ -74,6 +75,50 @@ static void a_furnace_glows_by_one_over_one_minus_albedo(void **state)
     check_furnace(0.5f);
     check_furnace(0.9f);
     check_furnace(0.99f);
+}
+
+/// A room whose walls glow and reflect on both sides: outside, nothing reflects anything back.
+static world *create_two_sided_furnace(float albedo)
+{
+    world *w = world_begin(1);
+    rsv_material material = lambert_material(albedo, 1 / RSV_PI);
+    material.double_sided = true;
+    world_room(w, world_material(w, material), v3(0, 0, 0), v3(1, 1, 1));
+    world_commit(w);
+    return w;
+}
+
+/// The smallest residual that stored floats can have is no small share of the source there.
+static void hardly_absorbing_furnaces_converge(void **state)
+{
+    (void)state;
+    const float albedo[] = { 0.98f, 0.999f, 0.9995f };
+    for (int k = 0; k < 6; k++) {
+        float rho = albedo[k % 3];
+        world *w = k < 3 ? create_furnace(rho) : create_two_sided_furnace(rho);
+        rsv_solution *s = solve(w, 150);
+        assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_CONVERGED);
+        assert_true(rsv_solution_report(s)->iterations < 200);
+        const double expected = 1 / (1 - (double)rho);
+        assert_close(radiosity(s, rho, 0, 0.3f, 0.3f), expected, 2e-3 * expected);
+        rsv_solution_destroy(s);
+        world_end(w);
+    }
+}
+
+static void lookups_find_the_side_that_a_probe_lies_on(void **state)
+{
+    (void)state;
+    world *w = create_two_sided_furnace(0.5f);
+    rsv_solution *s = solve(w, 150);
+    const rsv_probe probe[2] = { { v3(0.3f, 0.4f, 0), v3(0, 0, 1) },
+        { v3(0.3f, 0.4f, 0), v3(0, 0, -1) } };
+    rsv_probe_reading reading[2];
+    assert_int_equal(rsv_probe_irradiance(s, RSV_PROBE_LOOKUP, probe, 2, 1, 1, reading), RSV_OK);
+    assert_close(reading[0].irradiance.g, 2, 4e-3);
+    assert_close(reading[1].irradiance.g, 0, 1e-6);
+    rsv_solution_destroy(s);
+    world_end(w);
 }
 
 static void orders_of_a_furnace_are_powers_of_its_albedo(void **state)
@@ -563,6 +608,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_furnace_glows_by_one_over_one_minus_albedo),
+        cmocka_unit_test(hardly_absorbing_furnaces_converge),
+        cmocka_unit_test(lookups_find_the_side_that_a_probe_lies_on),
         cmocka_unit_test(orders_of_a_furnace_are_powers_of_its_albedo),
         cmocka_unit_test(orders_sum_to_the_solution),
         cmocka_unit_test(backs_of_one_sided_surfaces_are_black),
