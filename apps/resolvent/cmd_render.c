@@ -116,6 +116,8 @@ static bool check_request(const settings *s)
         if (rsv_image_check_output(s->outputs.item[i]) != RSV_OK) {
             cli_error("%s", rsv_last_error());
             return false;
+        } else if (!cli_check_apart(s->stats, s->outputs.item[i])) {
+            return false;
         }
     return !s->stats || cli_check_output(s->stats);
 }

@@ -96,7 +96,9 @@ int cli_solve(int argc, char **argv)
     settings s = { .solve = CLI_DEFAULT_SOLVE, .environment = CLI_DEFAULT_ENVIRONMENT };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
-    if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats))) return CLI_FAILURE;
+    if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats)) ||
+        !cli_check_apart(s.output, s.scene) || !cli_check_apart(s.stats, s.output))
+        return CLI_FAILURE;
     cli_session session;
     if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
     session.mesh = s.mesh;

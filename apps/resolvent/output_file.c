@@ -46,6 +46,21 @@ bool cli_check_output(const char *path)
     return true;
 }
 
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat one, other;
+    if (strcmp(a, b) == 0) return true;
+    return stat(a, &one) == 0 && stat(b, &other) == 0 && one.st_dev == other.st_dev &&
+           one.st_ino == other.st_ino;
+}
+
+bool cli_check_apart(const char *path, const char *other)
+{
+    if (!path || !other || is_special_file(path) || !is_same_file(path, other)) return true;
+    cli_error("%s: would overwrite '%s'; write to another file", path, other);
+    return false;
+}
+
 static bool write_all(int file, const char *text, size_t length)
 {
     while (length > 0) {

@@ -7,6 +7,10 @@
 /// Whether `path` can be written, to be asked before long work; says why not on standard error.
 bool cli_check_output(const char *path);
 
+/// Whether `path`, to be written, is another file than `other`, which would be lost (either may be NULL: none); says so on
+/// standard error if not.
+bool cli_check_apart(const char *path, const char *other);
+
 /// Writes next to `path`, then renames; a device or pipe is written in place. Says what went wrong on
 /// standard error.
 bool cli_write_file(const char *path, const char *text, size_t length);

@@ -21,6 +21,8 @@ for mode in lookup reference; do
     succeeds probe furnace --points points.csv -o "$out/$mode.csv" "${draft[@]}" --mode $mode
 done
 rm -f "$out"/*
+refuses 1 'would overwrite' probe furnace --points points.csv -o points.csv "${draft[@]}"
+[[ $(wc -l <points.csv) == 4 ]] || complain "points were overwritten"
 
 # refuses_line NUMBER PATTERN LINE...
 refuses_line() {
