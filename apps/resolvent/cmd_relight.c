@@ -24,6 +24,8 @@ static const char help[] =
     "                     punctual light or a material that emits\n"
     "  --albedo MATERIAL=R,G,B  another base color for a plain diffuse material\n"
     "  --env-intensity S  multiply the surroundings by S\n"
+    "  --env-rotate DEG   turn them to DEG degrees about the vertical, counter-clockwise from "
+    "above\n"
     "  --mode MODE        final (default) or operator, as for `render`\n"
     "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
     "  --spp N            camera rays per pixel (default 9)\n"
@@ -48,7 +50,7 @@ typedef struct settings {
     cli_size size;
     int mode;
     uint32_t samples, threads, seed;
-    float exposure, env_intensity;
+    float exposure, env_intensity, env_rotate;
     rsv_light_scale light[CLI_LIST_CAPACITY + 1];
     rsv_albedo_change albedo[CLI_LIST_CAPACITY];
     char *name[2 * CLI_LIST_CAPACITY]; ///< owned copies for the two above
@@ -102,7 +104,9 @@ static bool read_changes(settings *s)
     if (s->env_intensity != 1)
         s->light[lights++] = (rsv_light_scale){ "environment",
             { s->env_intensity, s->env_intensity, s->env_intensity } };
-    s->relight = (rsv_relight_desc){ s->light, lights, s->albedo, s->albedos.count };
+    bool turn = isfinite(s->env_rotate);
+    s->relight = (rsv_relight_desc){ s->light, lights, s->albedo, s->albedos.count, turn,
+        turn ? s->env_rotate : 0 };
     return true;
 }
 
@@ -113,6 +117,11 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--light", .kind = CLI_LIST, .value = &s->lights },
         { .name = "--albedo", .kind = CLI_LIST, .value = &s->albedos },
         { .name = "--env-intensity", .kind = CLI_REAL, .value = &s->env_intensity, .max = 1e6 },
+        { .name = "--env-rotate",
+            .kind = CLI_REAL,
+            .value = &s->env_rotate,
+            .min = -36000,
+            .max = 36000 },
         { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 32768 },
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
@@ -239,7 +248,7 @@ cleanup:
 
 int cli_relight(int argc, char **argv)
 {
-    settings s = { .mode = RSV_RENDER_FINAL, .samples = 9, .env_intensity = 1 };
+    settings s = { .mode = RSV_RENDER_FINAL, .samples = 9, .env_intensity = 1, .env_rotate = NAN };
     int exit_status;
     cli_session session;
     if (parse_settings(&s, argc, argv, &exit_status)) {

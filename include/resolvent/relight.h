@@ -26,13 +26,17 @@ typedef struct rsv_relight_desc {
     size_t light_count;
     const rsv_albedo_change *albedo; ///< [albedo_count]
     size_t albedo_count;
+    bool turn;      ///< whether the surroundings turn to `rotation`
+    float rotation; ///< degrees about +y, counter-clockwise from above, as in rsv_environment
 } rsv_relight_desc;
 
 /// Changes a solution from rsv_solution_load and its scene in place and solves again: E0 is the sum of the sources'
 /// parts, each times its scale. The parts come from the file, or are sampled here if it has none. What translucent
-/// bodies show directly is sampled anew. Nobody else may use solution or scene meanwhile.
+/// bodies show directly is sampled anew, and so are the suns of surroundings that turn; the rest of these is known
+/// direction by direction. Nobody else may use solution or scene meanwhile.
 ///
-/// RSV_ERROR_ARGUMENT for unknown names (the message lists the known ones) and factors out of range,
+/// RSV_ERROR_ARGUMENT for unknown names (the message lists the known ones), factors out of range and surroundings that
+/// are to turn where there are none,
 /// RSV_ERROR_UNSUPPORTED for materials whose colour is part of G, and for unequal scales of lamps that only
 /// gather rays find. After other errors the solution may be used no more.
 /// @param scene that of the solution

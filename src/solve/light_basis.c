@@ -65,12 +65,17 @@ cleanup:
     return status;
 }
 
+void rsv_light_part_free(rsv_context *context, rsv_light_part *part)
+{
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+        rsv_free(context, *rsv_light_part_field(part, field));
+}
+
 void rsv_light_basis_destroy(rsv_light_basis *b)
 {
     if (!b) return;
     for (size_t k = 0; b->part && k < b->source_count; k++)
-        for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
-            rsv_free(b->context, *rsv_light_part_field(&b->part[k], field));
+        rsv_light_part_free(b->context, &b->part[k]);
     rsv_free(b->context, b->part);
     rsv_free(b->context, b->source);
     rsv_free(b->context, b);
@@ -126,6 +131,29 @@ cleanup:
     return status;
 }
 
+/// Receiver points of the direct level that are not inside anything. @param valid out, NULL if there is no such level
+static rsv_status find_fine_valid(const rsv_solution *s, uint16_t **valid)
+{
+    uint64_t rays = 0;
+    *valid = NULL;
+    if (!s->fine.elements) return RSV_OK;
+    *valid = rsv_alloc(s->context, s->fine.elements->node_count, sizeof **valid);
+    if (!*valid) return RSV_ERROR_MEMORY;
+    return rsv_find_buried(
+        &s->scene, s->fine.elements, FINE_POINTS, s->desc.seed ^ 0x2545f491u, *valid, &rays);
+}
+
+rsv_status rsv_light_part_estimate(
+    const rsv_solution *s, const rsv_source *source, rsv_light_part *part)
+{
+    uint16_t *valid;
+    rsv_status status = find_fine_valid(s, &valid);
+    if (status == RSV_OK) status = estimate_alone(s, source, valid, part);
+    rsv_free(s->context, valid);
+    if (status == RSV_OK && part->fine) rsv_elements_constrain(s->fine.elements, part->fine);
+    return status;
+}
+
 /// value's share of sum; equal shares where nothing was found by anyone.
 static float share(float value, float sum, size_t count)
 {
@@ -157,17 +185,11 @@ static rsv_status divide(const rsv_solution *s, rsv_light_basis *b, size_t field
 rsv_status rsv_light_basis_create(const rsv_solution *s, rsv_light_basis **basis)
 {
     rsv_status status;
-    uint64_t rays = 0;
     rsv_light_basis *b = NULL;
     uint16_t *valid = NULL;
     RSV_TRY(rsv_light_basis_create_empty(s, &b));
     bool many = b->source_count > 1 && b->source_count <= RSV_MAX_LIGHT_PARTS;
-    if (many && s->fine.elements) {
-        valid = rsv_alloc(s->context, s->fine.elements->node_count, sizeof *valid);
-        if (!valid) RSV_TRY(RSV_ERROR_MEMORY);
-        RSV_TRY(rsv_find_buried(
-            &s->scene, s->fine.elements, FINE_POINTS, s->desc.seed ^ 0x2545f491u, valid, &rays));
-    }
+    if (many) RSV_TRY(find_fine_valid(s, &valid));
     for (size_t k = 0; many && k < b->source_count; k++)
         RSV_TRY(estimate_alone(s, &b->source[k], valid, &b->part[k]));
     for (size_t field = 0; many && field < RSV_LIGHT_FIELDS; field++)

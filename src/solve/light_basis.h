@@ -35,6 +35,11 @@ rsv_status rsv_light_basis_create(const struct rsv_solution *solution, rsv_light
 /// A basis whose parts are to be filled.
 rsv_status rsv_light_basis_create_empty(
     const struct rsv_solution *solution, rsv_light_basis **basis);
+/// Samples one source by itself, with the lights as they are now. @param part out, empty before; to be freed by
+/// rsv_light_part_free even after an error
+rsv_status rsv_light_part_estimate(
+    const struct rsv_solution *solution, const rsv_source *source, rsv_light_part *part);
+void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
 void rsv_light_basis_destroy(rsv_light_basis *basis);
 
 #define RSV_MAX_LIGHT_PARTS 64

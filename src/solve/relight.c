@@ -15,6 +15,7 @@ typedef struct relighting {
     const rsv_light_basis *basis;
     rsv_rgb *scale;   ///< [source_count]
     rsv_rgb gathered; ///< of the lamps that gather rays find
+    bool turned;      ///< the surroundings: what was sampled of them is of no use
 } relighting;
 
 // ---- what is asked for ----------------------------------------------------------------------------
@@ -116,6 +117,16 @@ static rsv_status check_albedo(const rsv_scene *scene, const rsv_albedo_change *
                      change->material);
 }
 
+static rsv_status check_turn(const rsv_scene *scene, const rsv_relight_desc *desc)
+{
+    if (!desc->turn) return RSV_OK;
+    if (!scene->environment.pixels)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there are no surroundings to turn");
+    return isfinite(desc->rotation)
+               ? RSV_OK
+               : rsv_fail(RSV_ERROR_ARGUMENT, "relight: the rotation must be finite");
+}
+
 // ---- the scene ------------------------------------------------------------------------------------
 
 static rsv_status scale_surroundings(rsv_scene *scene, float scale)
@@ -131,6 +142,7 @@ static rsv_status scale_surroundings(rsv_scene *scene, float scale)
 static rsv_status change_scene(relighting *r, const rsv_relight_desc *desc)
 {
     rsv_status status = RSV_OK;
+    if (desc->turn) r->scene->environment.rotation = desc->rotation;
     for (size_t k = 0; k < r->basis->source_count; k++) {
         const rsv_source *source = &r->basis->source[k];
         rsv_rgb *strength =
@@ -153,6 +165,12 @@ cleanup:
 
 // ---- E0 -------------------------------------------------------------------------------------------
 
+static rsv_rgb part_scale(const relighting *r, size_t source)
+{
+    bool surroundings = r->basis->source[source].kind == RSV_SOURCE_SURROUNDINGS;
+    return r->turned && surroundings ? rgb_gray(0) : r->scale[source];
+}
+
 /// A field of the new E0: the parts times their factors.
 static void combine(const relighting *r, size_t field, rsv_rgb *sum)
 {
@@ -160,23 +178,31 @@ static void combine(const relighting *r, size_t field, rsv_rgb *sum)
     size_t length = rsv_light_field_length(r->s, field);
     if (b->source_count == 1) {
         for (size_t n = 0; n < length; n++)
-            sum[n] = rgb_mul(r->scale[0], sum[n]);
+            sum[n] = rgb_mul(part_scale(r, 0), sum[n]);
         return;
     }
     for (size_t n = 0; n < length; n++) {
         sum[n] = rgb_gray(0);
         for (size_t k = 0; k < b->source_count; k++)
             sum[n] = rgb_add(
-                sum[n], rgb_mul(r->scale[k], (*rsv_light_part_field(&b->part[k], field))[n]));
+                sum[n], rgb_mul(part_scale(r, k), (*rsv_light_part_field(&b->part[k], field))[n]));
     }
+}
+
+static void find_targets(rsv_solution *s, rsv_rgb *target[RSV_LIGHT_FIELDS])
+{
+    target[0] = s->source;
+    target[1] = s->caustics.coarse_caustic;
+    target[2] = s->fine.direct;
+    target[3] = s->caustics.caustic;
 }
 
 /// Replaces everything of E0 but for what rows gathered; the coarse whole comes first, as it is found by difference.
 static rsv_status scale_sources(relighting *r)
 {
     rsv_solution *s = r->s;
-    rsv_rgb *const target[RSV_LIGHT_FIELDS] = { s->source, s->caustics.coarse_caustic,
-        s->fine.direct, s->caustics.caustic };
+    rsv_rgb *target[RSV_LIGHT_FIELDS];
+    find_targets(s, target);
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
         size_t length = rsv_light_field_length(s, field);
         if (!length) continue;
@@ -188,6 +214,30 @@ static rsv_status scale_sources(relighting *r)
         rsv_free(s->context, sum);
     }
     return RSV_OK;
+}
+
+/// Adds what next-event estimates and photons find of the surroundings as they stand now.
+static rsv_status sample_surroundings(relighting *r)
+{
+    rsv_solution *s = r->s;
+    rsv_status status;
+    rsv_source *source = NULL;
+    rsv_light_part part = { 0 };
+    rsv_rgb *target[RSV_LIGHT_FIELDS];
+    size_t count, k = 0;
+    find_targets(s, target);
+    RSV_TRY(rsv_list_sources(s->lights, &source, &count));
+    while (k < count && source[k].kind != RSV_SOURCE_SURROUNDINGS)
+        k++;
+    if (k == count) goto cleanup; // switched off
+    RSV_TRY(rsv_light_part_estimate(s, &source[k], &part));
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+        for (size_t n = 0; n < rsv_light_field_length(s, field); n++)
+            target[field][n] = rgb_add(target[field][n], (*rsv_light_part_field(&part, field))[n]);
+cleanup:
+    rsv_light_part_free(s->context, &part);
+    rsv_free(s->context, source);
+    return status;
 }
 
 /// What rows gathered, from the emission and the bins as they are now; and all of E0 on the coarse elements.
@@ -238,9 +288,12 @@ rsv_status rsv_solution_relight(rsv_solution *s, rsv_scene *scene, const rsv_rel
     RSV_TRY(find_gathered_scale(&r));
     for (size_t i = 0; i < desc->albedo_count; i++)
         RSV_TRY(check_albedo(scene, &desc->albedo[i]));
+    RSV_TRY(check_turn(scene, desc));
+    r.turned = desc->turn;
     RSV_TRY(scale_sources(&r));
     RSV_TRY(change_scene(&r, desc));
     RSV_TRY(rsv_solution_refresh(s));
+    if (r.turned) RSV_TRY(sample_surroundings(&r));
     gather_sources(&r);
     change_albedos(&r, desc);
     RSV_TRY(rsv_solution_solve_again(s));

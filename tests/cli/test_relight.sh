@@ -16,6 +16,20 @@ succeeds render thrice.safetensors -o again.exr "${box[@]}"
 cmp -s thrice.exr again.exr || complain "the file that was kept gives another picture"
 succeeds relight box.safetensors --light light=1,1,0,0 --albedo white=0.2,0.2,0.2 -o red.exr "${box[@]}"
 
+# a sky that turns is the sky that was turned before
+succeeds render cornell-spheres -o sky.hdr --size 64x32 --mode operator --quality draft --spp 1 --threads 2
+open=(--size 48x48 --spp 4 --threads 2)
+succeeds solve terraces:5000 --env sky.hdr -o open.safetensors --quality draft --threads 2
+succeeds relight open.safetensors --env-rotate 75 --env-intensity 2 -o turned.exr "${open[@]}"
+succeeds render terraces:5000 --env sky.hdr --env-rotate 75 --env-intensity 2 -o anew.exr --quality draft "${open[@]}"
+succeeds compare anew.exr turned.exr
+says '^mean_ratio *\(1.000\|0.999\)'
+says '^relative_mse *[0-9.]*e-0[5-9]\|^relative_mse *[0-9.]*e-1'
+succeeds render open.safetensors -o unturned.exr "${open[@]}"
+succeeds compare anew.exr unturned.exr
+! grep -q '^mean_ratio *2' stdout || complain "the sky did not turn"
+
+refuses 1 'no surroundings' relight box.safetensors --env-rotate 5 -o "$out/a.png"
 refuses 1 "'moon'.*'light'" relight box.safetensors --light moon=2 -o "$out/a.png"
 refuses 1 "'gold'.*'white'" relight box.safetensors --albedo gold=1,1,0 -o "$out/a.png"
 refuses 1 'environment' relight box.safetensors --env-intensity 2 -o "$out/a.png"
