@@ -1,4 +1,5 @@
 #include "command.h"
+#include "light_script.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -7,7 +8,9 @@
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
 
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +29,10 @@ static const char help[] =
     "  --env-intensity S  multiply the surroundings by S\n"
     "  --env-rotate DEG   turn them to DEG degrees about the vertical, counter-clockwise from "
     "above\n"
+    "  --script FILE      a picture for every frame of a script; -o day-%04d.png numbers them.\n"
+    "                     Lines of FRAME light.NAME=SCALE[,R,G,B] albedo.MATERIAL=R,G,B\n"
+    "                     env-rotate=DEG env-intensity=S; what lies between two lines changes "
+    "evenly\n"
     "  --mode MODE        final (default) or operator, as for `render`\n"
     "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
     "  --spp N            camera rays per pixel (default 9)\n"
@@ -37,6 +44,7 @@ static const char help[] =
     "\n"
     "examples:\n"
     "  resolvent relight room.safetensors --light lamp=0.5,1,0.8,0.6 -o evening.png\n"
+    "  resolvent relight room.safetensors --script day.txt -o day-%03d.png --size 320x180\n"
     "  resolvent relight room.safetensors --light sun=0 --albedo wall=0.2,0.3,0.8 -o "
     "night.safetensors\n";
 
@@ -45,36 +53,21 @@ static const char *const mode_names[] = {
 };
 
 typedef struct settings {
-    const char *scene, *camera, *stats;
+    const char *scene, *camera, *stats, *script;
     cli_list outputs, lights, albedos;
     cli_size size;
     int mode;
     uint32_t samples, threads, seed;
     float exposure, env_intensity, env_rotate;
-    rsv_light_scale light[CLI_LIST_CAPACITY + 1];
-    rsv_albedo_change albedo[CLI_LIST_CAPACITY];
+    cli_light_script animation;
+    rsv_light_scale light[CLI_LIST_CAPACITY + 1 + CLI_MAX_TRACKS];
+    rsv_albedo_change albedo[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
     char *name[2 * CLI_LIST_CAPACITY]; ///< owned copies for the two above
-    rsv_relight_desc relight;
+    rsv_relight_desc still;            ///< what options ask for
+    rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
 } settings;
 
 // ---- options --------------------------------------------------------------------------------------
-
-/// Cuts "NAME=1,2,..." into name and numbers. @return how many numbers; 0 = it is nothing of the kind
-static size_t cut_change(char *text, float number[4])
-{
-    size_t count = 0;
-    char *next = strrchr(text, '=');
-    if (!next || next == text) return 0;
-    *next++ = '\0';
-    for (;;) {
-        char *end;
-        number[count++] = strtof(next, &end);
-        if (end == next || !isfinite(number[count - 1]) || (*end && *end != ',')) return 0;
-        if (!*end) return count;
-        if (count == 4) return 0;
-        next = end + 1;
-    }
-}
 
 /// The changes that options ask for; false after saying what is wrong.
 static bool read_changes(settings *s)
@@ -83,7 +76,7 @@ static bool read_changes(settings *s)
     size_t names = 0;
     for (size_t k = 0; k < s->lights.count; k++) {
         char *name = s->name[names++] = strdup(s->lights.item[k]);
-        size_t count = name ? cut_change(name, v) : 0;
+        size_t count = name ? cli_cut_change(name, v) : 0;
         if (count != 1 && count != 4) {
             cli_usage_error("relight", "--light: '%s' is not NAME=SCALE or NAME=SCALE,R,G,B",
                 s->lights.item[k]);
@@ -94,7 +87,7 @@ static bool read_changes(settings *s)
     }
     for (size_t k = 0; k < s->albedos.count; k++) {
         char *name = s->name[names++] = strdup(s->albedos.item[k]);
-        if (!name || cut_change(name, v) != 3) {
+        if (!name || cli_cut_change(name, v) != 3) {
             cli_usage_error("relight", "--albedo: '%s' is not MATERIAL=R,G,B", s->albedos.item[k]);
             return false;
         }
@@ -105,7 +98,7 @@ static bool read_changes(settings *s)
         s->light[lights++] = (rsv_light_scale){ "environment",
             { s->env_intensity, s->env_intensity, s->env_intensity } };
     bool turn = isfinite(s->env_rotate);
-    s->relight = (rsv_relight_desc){ s->light, lights, s->albedo, s->albedos.count, turn,
+    s->still = (rsv_relight_desc){ s->light, lights, s->albedo, s->albedos.count, turn,
         turn ? s->env_rotate : 0 };
     return true;
 }
@@ -129,6 +122,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -139,7 +133,9 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         cli_usage_error("relight", "-o OUT.{exr,png,hdr,safetensors} is missing");
         return false;
     }
-    return read_changes(s);
+    if (!read_changes(s)) return false;
+    *exit_status = CLI_FAILURE;
+    return !s->script || cli_read_light_script(s->script, &s->animation);
 }
 
 static bool is_operator_name(const char *path)
@@ -148,15 +144,73 @@ static bool is_operator_name(const char *path)
     return extension && strcmp(extension, ".safetensors") == 0;
 }
 
+// ---- frames ---------------------------------------------------------------------------------------
+
+/// Changes of one frame: options first, what a script says of the same thing overrules them.
+static void enter_frame(settings *s, uint32_t frame)
+{
+    s->relight = s->still;
+    for (size_t k = 0; k < s->animation.track_count; k++) {
+        const cli_track *track = &s->animation.track[k];
+        float v[3];
+        cli_track_at(track, frame, v);
+        rsv_rgb value = { v[0], v[1], v[2] };
+        if (track->kind == CLI_TRACK_LIGHT)
+            s->light[s->relight.light_count++] = (rsv_light_scale){ track->name, value };
+        else if (track->kind == CLI_TRACK_ALBEDO)
+            s->albedo[s->relight.albedo_count++] = (rsv_albedo_change){ track->name, value };
+        else if (track->kind == CLI_TRACK_INTENSITY)
+            s->light[s->relight.light_count++] =
+                (rsv_light_scale){ "environment", { v[0], v[0], v[0] } };
+        else
+            s->relight.turn = true, s->relight.rotation = v[0];
+    }
+}
+
+/// Where the number of a frame goes: the length of "%0Nd" or "%d", 0 if there is none.
+static size_t number_at(const char *path, const char **start, int *digits)
+{
+    char *end;
+    *start = strchr(path, '%');
+    if (!*start) return 0;
+    *digits = (int)strtol(*start + 1, &end, 10);
+    return *end == 'd' && *digits >= 0 && *digits < 10 && !strchr(end, '%')
+               ? (size_t)(end + 1 - *start)
+               : 0;
+}
+
+/// @return false if the name is too long, or has no place for a number and needs one
+static bool output_path(const settings *s, size_t output, uint32_t frame, char path[PATH_MAX])
+{
+    const char *pattern = s->outputs.item[output], *start;
+    int digits, length;
+    size_t cut = s->script ? number_at(pattern, &start, &digits) : 0;
+    if (s->script && !cut) return false;
+    length = cut ? snprintf(path, PATH_MAX, "%.*s%0*u%s", (int)(start - pattern), pattern, digits,
+                       frame, start + cut)
+                 : snprintf(path, PATH_MAX, "%s", pattern);
+    return length > 0 && length < PATH_MAX;
+}
+
+static bool check_output(const char *path)
+{
+    if (is_operator_name(path)) return cli_check_output(path);
+    if (rsv_image_check_output(path) == RSV_OK) return true;
+    cli_error("%s", rsv_last_error());
+    return false;
+}
+
 static bool check_outputs(const settings *s)
 {
+    char path[PATH_MAX];
     for (size_t k = 0; k < s->outputs.count; k++) {
-        if (is_operator_name(s->outputs.item[k])) {
-            if (!cli_check_output(s->outputs.item[k])) return false;
-        } else if (rsv_image_check_output(s->outputs.item[k]) != RSV_OK) {
-            cli_error("%s", rsv_last_error());
+        if (!output_path(s, k, s->animation.last, path)) {
+            cli_error("-o %s: with --script a name says where the number of the frame goes, as in "
+                      "frame-%%04d.png",
+                s->outputs.item[k]);
             return false;
         }
+        if (!check_output(path) || !cli_check_apart(s->stats, path)) return false;
     }
     return !s->stats || cli_check_output(s->stats);
 }
@@ -179,14 +233,15 @@ static rsv_status render(
 }
 
 /// Everything after the solve; the picture is taken once, whatever number of files wants it.
-static rsv_status write_outputs(
-    const settings *s, const rsv_solution *solution, uint32_t camera, double *time_render)
+static rsv_status write_outputs(const settings *s, const rsv_solution *solution, uint32_t camera,
+    uint32_t frame, double *time_render)
 {
+    char path[PATH_MAX];
     rsv_status status = RSV_OK;
     rsv_image *image = NULL;
     double started = cli_seconds();
     for (size_t k = 0; k < s->outputs.count && status == RSV_OK; k++) {
-        const char *path = s->outputs.item[k];
+        if (!output_path(s, k, frame, path)) continue; // check_outputs saw to it
         if (is_operator_name(path)) {
             status = rsv_solution_save(solution, s->scene, path);
             continue;
@@ -217,17 +272,12 @@ static bool write_stats(
     return cli_write_stats(s->stats, session, &stats);
 }
 
-static int run(cli_session *session, const settings *s)
+/// One frame, from the file to what is written; the last one's statistics are those of the run.
+static bool run_frame(cli_session *session, settings *s, uint32_t frame)
 {
-    int exit_status = CLI_FAILURE;
+    bool good = false;
     cli_subject subject;
-    if (!rsv_is_operator_file(s->scene)) {
-        cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
-                  "one",
-            s->scene);
-        return CLI_FAILURE;
-    }
-    if (!cli_open_subject(session, s->scene, NULL, &subject)) return CLI_FAILURE;
+    if (!cli_open_subject(session, s->scene, NULL, &subject)) return false;
     uint32_t camera = rsv_scene_find_camera(subject.scene, s->camera);
     if (camera == RSV_NONE) {
         cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
@@ -235,15 +285,30 @@ static int run(cli_session *session, const settings *s)
         goto cleanup;
     }
     double time_render = 0;
+    enter_frame(s, frame);
     rsv_status status = rsv_solution_relight(subject.solution, subject.scene, &s->relight);
-    if (status == RSV_OK) status = write_outputs(s, subject.solution, camera, &time_render);
+    if (status == RSV_OK) status = write_outputs(s, subject.solution, camera, frame, &time_render);
     if (status != RSV_OK)
         cli_report_failure(session, status);
-    else if (!s->stats || write_stats(session, s, subject.solution, time_render))
-        exit_status = CLI_SUCCESS;
+    else
+        good = !s->stats || frame < s->animation.last ||
+               write_stats(session, s, subject.solution, time_render);
 cleanup:
     cli_close_subject(&subject);
-    return exit_status;
+    return good;
+}
+
+static int run(cli_session *session, settings *s)
+{
+    if (!rsv_is_operator_file(s->scene)) {
+        cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
+                  "one",
+            s->scene);
+        return CLI_FAILURE;
+    }
+    for (uint32_t frame = s->animation.first; frame <= s->animation.last; frame++)
+        if (!run_frame(session, s, frame)) return CLI_FAILURE;
+    return CLI_SUCCESS;
 }
 
 int cli_relight(int argc, char **argv)
@@ -258,6 +323,7 @@ int cli_relight(int argc, char **argv)
             cli_session_end(&session);
         }
     }
+    cli_free_light_script(&s.animation);
     for (size_t k = 0; k < sizeof s.name / sizeof *s.name; k++)
         free(s.name[k]);
     return exit_status;

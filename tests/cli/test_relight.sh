@@ -29,6 +29,22 @@ succeeds render open.safetensors -o unturned.exr "${open[@]}"
 succeeds compare anew.exr unturned.exr
 ! grep -q '^mean_ratio *2' stdout || complain "the sky did not turn"
 
+# a script: frames are what options ask for, one by one
+printf '%s\n' '# evening' '3 light.light=1 albedo.white=0.7,0.7,0.7' '5 "light.light=0.5,1,0.5,0"' >evening.txt
+succeeds relight box.safetensors --script evening.txt -o frame%03d.exr "${box[@]}" --mode operator
+[[ $(echo frame*) == 'frame003.exr frame004.exr frame005.exr' ]] || complain "frames are $(echo frame*)"
+succeeds relight box.safetensors --light light=1,0.75,0.625,0.5 --albedo white=0.7,0.7,0.7 -o between.exr "${box[@]}" --mode operator
+cmp -s frame004.exr between.exr || complain "between two lines light changes evenly"
+refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a.png"
+refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a%d%d.png"
+refuses 1 'none.txt' relight box.safetensors --script none.txt -o "$out/a%d.png"
+for line in '9 lamp=1' '9 light.light=1,2' '9 env-rotate=x' 'nine light.light=1' '-1 light.light=1' '2 light.light=1' '9 albedo.=1,1,1'; do
+    printf '3 light.light=1\n%s\n' "$line" >bad.txt
+    refuses 1 'bad.txt:2: ' relight box.safetensors --script bad.txt -o "$out/a%d.png"
+done
+: >empty.txt
+refuses 1 'changes nothing' relight box.safetensors --script empty.txt -o "$out/a%d.png"
+
 refuses 1 'no surroundings' relight box.safetensors --env-rotate 5 -o "$out/a.png"
 refuses 1 "'moon'.*'light'" relight box.safetensors --light moon=2 -o "$out/a.png"
 refuses 1 "'gold'.*'white'" relight box.safetensors --albedo gold=1,1,0 -o "$out/a.png"

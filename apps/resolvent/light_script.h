@@ -1,0 +1,52 @@
+/// Light that changes over time: what `resolvent relight --script` reads.
+///
+///     # frame  what it is then; in between it changes evenly
+///     0        env-rotate=0    light.sun=1           "light.desk lamp=0"
+///     120                      light.sun=1,1,0.7,0.4
+///     239      env-rotate=180  light.sun=0           "light.desk lamp=1" albedo.wall=0.2,0.3,0.8
+#ifndef CLI_LIGHT_SCRIPT_H
+#define CLI_LIGHT_SCRIPT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { CLI_MAX_TRACKS = 64, CLI_MAX_FRAME = 1000000 };
+
+typedef enum cli_track_kind {
+    CLI_TRACK_LIGHT,     ///< light.NAME=SCALE[,R,G,B]: three factors
+    CLI_TRACK_ALBEDO,    ///< albedo.MATERIAL=R,G,B
+    CLI_TRACK_INTENSITY, ///< env-intensity=S
+    CLI_TRACK_ROTATION   ///< env-rotate=DEG
+} cli_track_kind;
+
+typedef struct cli_key {
+    uint32_t frame;
+    float value[3];
+} cli_key;
+
+/// All that a script says of one thing.
+typedef struct cli_track {
+    cli_track_kind kind;
+    char *name; ///< of the light or material
+    cli_key *key;
+    size_t key_count; ///< frames increase
+} cli_track;
+
+typedef struct cli_light_script {
+    cli_track track[CLI_MAX_TRACKS];
+    size_t track_count;
+    uint32_t first, last; ///< frames
+} cli_light_script;
+
+/// Says on standard error which line is wrong, and why. @param script to be freed even after an error
+bool cli_read_light_script(const char *path, cli_light_script *script);
+void cli_free_light_script(cli_light_script *script);
+
+/// Linear between keys, constant before the first and after the last.
+void cli_track_at(const cli_track *track, uint32_t frame, float value[3]);
+
+/// Cuts "NAME=1,2,..." into name and at most four numbers. @return how many; 0 = it is nothing of the kind
+size_t cli_cut_change(char *text, float number[4]);
+
+#endif
