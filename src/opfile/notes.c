@@ -2,6 +2,7 @@
 #include "exchange.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static rsv_status fail_memory(const rsv_tensor_file *file)
@@ -61,6 +62,14 @@ static bool store(const rsv_field *field, const cJSON *item, void *place)
     return true;
 }
 
+/// All 17 digits: the JSON library is content with a number that is almost the same.
+static cJSON *add_number(cJSON *json, const char *name, double value)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%.17g", value);
+    return cJSON_AddRawToObject(json, name, text);
+}
+
 static rsv_status write_json(rsv_tensor_file *file, const char *note, cJSON *json, bool complete)
 {
     char *text = complete ? cJSON_PrintUnformatted(json) : NULL;
@@ -79,9 +88,8 @@ rsv_status rsv_write_fields(rsv_tensor_file *file, const char *note, const rsv_f
         const char *place = (const char *)object + field[k].offset;
         bool is_text = field[k].kind == RSV_FIELD_TEXT;
         if (!is_text && !isfinite(number_of(&field[k], place))) continue; // JSON has no infinity
-        cJSON *item =
-            is_text ? cJSON_AddStringToObject(json, field[k].name, place)
-                    : cJSON_AddNumberToObject(json, field[k].name, number_of(&field[k], place));
+        cJSON *item = is_text ? cJSON_AddStringToObject(json, field[k].name, place)
+                              : add_number(json, field[k].name, number_of(&field[k], place));
         complete = complete && item;
     }
     return write_json(file, note, json, complete);
