@@ -68,6 +68,18 @@ static cJSON *describe(rsv_solver solver, const rsv_solver_cost *cost, const his
     return object;
 }
 
+/// Applications are short: so many pairs of them and the bare loop are timed.
+enum { APPLICATION_PAIRS = 31 };
+
+static rsv_status measure_application(const rsv_solution *solution, cJSON *result)
+{
+    double ratio[APPLICATION_PAIRS];
+    rsv_status status = rsv_measure_application(solution, APPLICATION_PAIRS, ratio);
+    if (status == RSV_OK)
+        cJSON_AddNumberToObject(result, "bare_gather_ratio", cli_median(ratio, APPLICATION_PAIRS));
+    return status;
+}
+
 static rsv_status measure_all(
     const cli_bench_task *bench, const rsv_solution *solution, cJSON *result)
 {
@@ -77,7 +89,7 @@ static rsv_status measure_all(
     cJSON_AddNumberToObject(result, "norm_inf", report->norm_inf);
     cJSON_AddNumberToObject(result, "spectral_radius", report->spectral_radius);
     cJSON *solvers = cJSON_AddArrayToObject(result, "solvers");
-    rsv_status status = RSV_OK;
+    rsv_status status = measure_application(solution, result);
     for (rsv_solver solver = 0; rsv_solver_name(solver) && status == RSV_OK; solver++) {
         history h = { 0 };
         rsv_solver_cost cost = { 0 };
@@ -121,6 +133,8 @@ void cli_print_solvers(const cJSON *result)
     printf("  %.0f elements, %.3g M entries, norm %.4f, spectral radius %.4f\n",
         cli_json_number(result, "elements"), 1e-6 * cli_json_number(result, "entries"),
         cli_json_number(result, "norm_inf"), cli_json_number(result, "spectral_radius"));
+    printf("  bare gather loop : application  %.3f median\n",
+        cli_json_number(result, "bare_gather_ratio"));
     printf("  %-14s %-14s %12s %10s %10s %14s\n", "asked for", "solver", "applications", "time ms",
         "residual", "time:neumann");
     cJSON_ArrayForEach(solver, cJSON_GetObjectItem(result, "solvers"))

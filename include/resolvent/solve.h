@@ -103,6 +103,11 @@ RSV_API uint32_t rsv_solution_order_count(const rsv_solution *solution);
 RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t triangle, float u,
     float v, bool back_side, uint32_t order);
 
+/// Times an application of G K beside a bare loop that sums a field over the same indices, one right after the other.
+/// @param ratio out, [repetitions] the bare loop's time over the application's
+RSV_API rsv_status rsv_measure_application(
+    const rsv_solution *solution, uint32_t repetitions, double *ratio);
+
 /// What a solver did.
 typedef struct rsv_solver_cost {
     rsv_solver solver; ///< in the end, where RSV_SOLVER_AUTO was asked for

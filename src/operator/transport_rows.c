@@ -36,6 +36,15 @@ void rsv_transport_gather(const rsv_transport *t, size_t fields, const rsv_rgb *
     }
 }
 
+void rsv_transport_gather_only(const rsv_transport *t, const rsv_rgb *field, rsv_rgb *sum)
+{
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
+    for (size_t row = 0; row < t->row_count; row++) {
+        size_t first = t->row_begin[row];
+        sum[row] = sum_ends(t->column + first, t->row_begin[row + 1] - first, field, 1);
+    }
+}
+
 static void add_row(const rsv_transport *t, size_t row, size_t fields, size_t field,
     const rsv_rgb *exitance, double sum[3])
 {

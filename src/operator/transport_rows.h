@@ -8,6 +8,10 @@
 void rsv_transport_gather(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     size_t begin, size_t end, rsv_rgb *irradiance);
 
+/// Reads what an application reads and does nothing else: per row the sum of a field at its ends. What an application
+/// could cost at best.
+void rsv_transport_gather_only(const rsv_transport *transport, const rsv_rgb *field, rsv_rgb *sum);
+
 /// residual = source + G exitance - irradiance, with sums in double.
 void rsv_transport_residual(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     const rsv_rgb *source, const rsv_rgb *irradiance, rsv_rgb *residual);

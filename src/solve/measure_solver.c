@@ -1,3 +1,4 @@
+#include "../operator/transport_rows.h"
 #include "choose_solver.h"
 #include "linear_solver.h"
 #include "solution.h"
@@ -80,5 +81,29 @@ rsv_status rsv_measure_solver(const rsv_solution *s, rsv_solver solver, double t
 cleanup:
     rsv_transport_map_destroy(map);
     rsv_free(s->context, irradiance);
+    return status;
+}
+
+rsv_status rsv_measure_application(const rsv_solution *s, uint32_t repetitions, double *ratio)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    size_t nodes = s->elements->node_count;
+    rsv_transport_map *map = NULL;
+    rsv_rgb *image = rsv_alloc(s->context, nodes, sizeof *image);
+    rsv_rgb *bare = rsv_alloc(s->context, nodes, sizeof *bare);
+    if (!image || !bare) goto cleanup;
+    RSV_TRY(rsv_transport_map_create(
+        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map));
+    for (uint32_t k = 0; k < repetitions; k++) {
+        double start = rsv_seconds();
+        map->linear.table->apply(map, 3, &s->irradiance->r, &image->r);
+        double applied = rsv_seconds();
+        rsv_transport_gather_only(s->transport, s->irradiance, bare);
+        ratio[k] = (rsv_seconds() - applied) / (applied - start);
+    }
+cleanup:
+    rsv_transport_map_destroy(map);
+    rsv_free(s->context, image);
+    rsv_free(s->context, bare);
     return status;
 }

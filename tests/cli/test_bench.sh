@@ -13,6 +13,7 @@ grep -q '</svg>' curve.svg || complain "the plot is incomplete"
 
 succeeds bench solvers bright-box --repeat 1 --csv solvers.csv --plot solvers.svg
 says '^  auto .*gmres '
+says 'bare gather loop : application'
 ! grep -q 'not converged' stdout || complain "a solver gave up"
 grep -q '^bright-box,two-grid,' solvers.csv || complain "the table lacks a solver"
 grep -q '</svg>' solvers.svg || complain "the plot is incomplete"
