@@ -57,7 +57,7 @@ static void add_diffuse(void *user, const rsv_chain *chain, rsv_rgb weight)
 static void follow_at_once(rsv_chain_queue *q, const rsv_chain *chain, uint32_t path)
 {
     rsv_rgb found =
-        rsv_camera_chain(q->scene, q->lights, *chain, path, q->max_events, add_diffuse, q);
+        rsv_camera_chain(q->scene, q->lights, *chain, path, q->max_events, false, add_diffuse, q);
     if (rsv_shows_emission(q->table)) add_light(q, q->pixel, found);
 }
 

@@ -108,6 +108,7 @@ typedef struct rsv_light_sample {
     rsv_rgb mean_radiance; ///< of the emitter: what closed forms know of it; else the radiance
     float pdf_solid_angle; ///< including the selection of the source
     uint32_t emitter;      ///< RSV_NONE for suns and sky
+    bool from_sky;         ///< not from an emitter or a sun
 } rsv_light_sample;
 
 /// Samples a source towards the receiver. Emitters: uniform in the solid angle of the chosen triangle (Arvo

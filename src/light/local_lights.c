@@ -194,6 +194,7 @@ static bool sample_emitter(const rsv_local_lights *local, uint32_t entry, float 
     float u1, float u2, rsv_light_sample *sample)
 {
     sample->emitter = local->lights->sampled[entry];
+    sample->from_sky = false;
     const rsv_emitter *emitter = &local->lights->emitter[sample->emitter];
     triangle_view view;
     if (!view_emitter(emitter, local->point, &view)) return false;
@@ -215,6 +216,7 @@ static void sample_environment(
     const rsv_environment_light *environment = local->lights->environment;
     sample->emitter = RSV_NONE;
     sample->distance = INFINITY;
+    sample->from_sky = index >= environment->sun_count;
     if (index < environment->sun_count) {
         const rsv_sun *sun = &environment->sun[index];
         sample->direction = rsv_sun_sample(sun, u1, u2);

@@ -2,7 +2,12 @@
 
 #include "../core/vec.h"
 
-#define GUIDED_SHARE 0.9f ///< the rest goes everywhere alike, as the source would by itself
+#define GUIDED_SHARE 0.6f
+#define EVEN_SHARE                                                                                 \
+    0.3f ///< to all bins alike: their pilot rays are few. The rest goes as the source would by itself
+#define OUTSIDE                                                                                    \
+    0.01f            ///< part of what is useful that may be left beyond each side of the finer bins
+#define OUTER_BINS 4 ///< lines kept there
 
 /// Cumulative sums of a row or column of weights, normalised; returns the sum.
 static float accumulate(const float *weight, float *cdf, int count)
@@ -15,21 +20,87 @@ static float accumulate(const float *weight, float *cdf, int count)
     return sum;
 }
 
+static float bin_area(const rsv_guide_grid *grid, int bin)
+{
+    int row = bin / RSV_GUIDE_SIDE, column = bin % RSV_GUIDE_SIDE;
+    return (grid->x[column + 1] - grid->x[column]) * (grid->y[row + 1] - grid->y[row]);
+}
+
 static void tabulate(rsv_photon_guide *guide, const float *useful)
 {
     const int bins = RSV_GUIDE_SIDE * RSV_GUIDE_SIDE;
-    float row_sum[RSV_GUIDE_SIDE], total = 0;
+    float row_sum[RSV_GUIDE_SIDE], mass[RSV_GUIDE_SIDE], total = 0;
     for (int k = 0; k < bins; k++)
-        total += useful[k];
-    guide->useful = total / ((float)bins * RSV_GUIDE_RAYS);
-    for (int k = 0; k < bins; k++)
+        total += useful[k] * bin_area(&guide->grid, k);
+    guide->useful = total / RSV_GUIDE_RAYS;
+    for (int k = 0; k < bins; k++) {
+        float even = 1 / (bin_area(&guide->grid, k) * (float)bins);
+        float guided = total > 0 ? useful[k] / total : even;
         guide->density[k] =
-            total > 0 ? GUIDED_SHARE * useful[k] * (float)bins / total + (1 - GUIDED_SHARE) : 1;
+            GUIDED_SHARE * guided + EVEN_SHARE * even + (1 - GUIDED_SHARE - EVEN_SHARE);
+    }
     for (int row = 0; row < RSV_GUIDE_SIDE; row++) {
         int first = row * RSV_GUIDE_SIDE;
-        row_sum[row] = accumulate(guide->density + first, guide->cell_cdf + first, RSV_GUIDE_SIDE);
+        for (int k = 0; k < RSV_GUIDE_SIDE; k++)
+            mass[k] = guide->density[first + k] * bin_area(&guide->grid, first + k);
+        row_sum[row] = accumulate(mass, guide->cell_cdf + first, RSV_GUIDE_SIDE);
     }
     accumulate(row_sum, guide->row_cdf, RSV_GUIDE_SIDE);
+}
+
+// ---- grid ---------------------------------------------------------------------------------------
+
+rsv_guide_grid rsv_guide_grid_even(void)
+{
+    rsv_guide_grid grid;
+    for (int k = 0; k <= RSV_GUIDE_SIDE; k++)
+        grid.x[k] = grid.y[k] = (float)k / RSV_GUIDE_SIDE;
+    return grid;
+}
+
+/// Lines that hold all but the outermost parts of a weight between them, with one bin to spare.
+static void enclose(const float *weight, int *low, int *high)
+{
+    float cdf[RSV_GUIDE_SIDE];
+    accumulate(weight, cdf, RSV_GUIDE_SIDE);
+    for (*low = 0; *low < RSV_GUIDE_SIDE - 1 && cdf[*low] < OUTSIDE; ++*low) {}
+    for (*high = RSV_GUIDE_SIDE - 1; *high > *low && cdf[*high - 1] > 1 - OUTSIDE; --*high) {}
+    *low = *low > 0 ? *low - 1 : 0;
+    *high = *high < RSV_GUIDE_SIDE - 1 ? *high + 2 : RSV_GUIDE_SIDE;
+}
+
+/// Lines evenly from line `low` to line `high` of before, and a few outside.
+static void draw_together(float *line, int low, int high)
+{
+    float begin = line[low], end = line[high];
+    int before = begin > 0 ? OUTER_BINS : 0, after = end < 1 ? OUTER_BINS : 0;
+    int inner = RSV_GUIDE_SIDE - before - after;
+    for (int k = 0; k <= before; k++)
+        line[k] = before ? begin * (float)k / (float)before : begin;
+    for (int k = 0; k <= inner; k++)
+        line[before + k] = begin + (end - begin) * (float)k / (float)inner;
+    for (int k = 1; k <= after; k++)
+        line[before + inner + k] = end + (1 - end) * (float)k / (float)after;
+    line[RSV_GUIDE_SIDE] = 1;
+}
+
+bool rsv_guide_grid_zoom(rsv_guide_grid *grid, const float *useful)
+{
+    float column[RSV_GUIDE_SIDE] = { 0 }, row[RSV_GUIDE_SIDE] = { 0 }, total = 0;
+    for (int k = 0; k < RSV_GUIDE_SIDE * RSV_GUIDE_SIDE; k++) {
+        float worth = useful[k] * bin_area(grid, k);
+        column[k % RSV_GUIDE_SIDE] += worth;
+        row[k / RSV_GUIDE_SIDE] += worth;
+        total += worth;
+    }
+    if (!(total > 0)) return false;
+    int left, right, top, bottom;
+    enclose(column, &left, &right);
+    enclose(row, &top, &bottom);
+    if ((right - left) * (bottom - top) > RSV_GUIDE_SIDE * RSV_GUIDE_SIDE / 4) return false;
+    draw_together(grid->x, left, right);
+    draw_together(grid->y, top, bottom);
+    return true;
 }
 
 /// Neighbouring bins get part of a bin's weight: what the few pilot rays missed at an object's rim.
@@ -49,9 +120,10 @@ static void blur(const float *in, float *out)
 }
 
 rsv_status rsv_photon_guide_create(
-    rsv_context *context, const float *useful, rsv_photon_guide *guide)
+    rsv_context *context, const rsv_guide_grid *grid, const float *useful, rsv_photon_guide *guide)
 {
     const size_t bins = RSV_GUIDE_SIDE * RSV_GUIDE_SIDE;
+    guide->grid = *grid;
     guide->row_cdf = rsv_alloc(context, RSV_GUIDE_SIDE, sizeof(float));
     guide->cell_cdf = rsv_alloc(context, bins, sizeof(float));
     guide->density = rsv_alloc(context, bins, sizeof(float));
@@ -88,11 +160,17 @@ static int invert(const float *cdf, int count, float *x)
     return k;
 }
 
+/// From the place in a bin to that in the square.
+static float place(const float *line, float within)
+{
+    return f_min(line[0] + (line[1] - line[0]) * within, 0x1.fffffep-1f);
+}
+
 float rsv_photon_guide_warp(const rsv_photon_guide *guide, float *x, float *y)
 {
     int row = invert(guide->row_cdf, RSV_GUIDE_SIDE, y);
     int column = invert(guide->cell_cdf + row * RSV_GUIDE_SIDE, RSV_GUIDE_SIDE, x);
-    *x = f_min(((float)column + *x) / RSV_GUIDE_SIDE, 0x1.fffffep-1f);
-    *y = f_min(((float)row + *y) / RSV_GUIDE_SIDE, 0x1.fffffep-1f);
+    *x = place(guide->grid.x + column, *x);
+    *y = place(guide->grid.y + row, *y);
     return guide->density[row * RSV_GUIDE_SIDE + column];
 }

@@ -1,5 +1,8 @@
 /// Where a source of photons sees what is worth hitting: a distribution over the unit square from which the
 /// directions of its rays come.
+///
+/// Its bins form a grid whose lines lie close together where there is something to hit: a sun that shines on a
+/// landscape finds the window of the one room in it.
 #ifndef RSV_PHOTON_GUIDE_H
 #define RSV_PHOTON_GUIDE_H
 
@@ -8,16 +11,30 @@
 #define RSV_GUIDE_SIDE 64 ///< bins along each side of the square
 #define RSV_GUIDE_RAYS 4  ///< pilot rays per bin
 
+/// Lines between the bins, from 0 to 1.
+typedef struct rsv_guide_grid {
+    float x[RSV_GUIDE_SIDE + 1], y[RSV_GUIDE_SIDE + 1];
+} rsv_guide_grid;
+
 typedef struct rsv_photon_guide {
-    float useful;    ///< share of pilot rays that were worth their while
+    rsv_guide_grid grid;
+    float useful;    ///< mean worth of the source's rays
     float *row_cdf;  ///< [RSV_GUIDE_SIDE]
     float *cell_cdf; ///< [RSV_GUIDE_SIDE * RSV_GUIDE_SIDE], per row
     float *density;  ///< [RSV_GUIDE_SIDE * RSV_GUIDE_SIDE] over the square; nowhere 0
 } rsv_photon_guide;
 
-/// @param useful [RSV_GUIDE_SIDE * RSV_GUIDE_SIDE] how many of a bin's pilot rays were useful
+/// Bins of one size.
+rsv_guide_grid rsv_guide_grid_even(void);
+
+/// Draws the lines of a grid together around what was found useful. False if that is not worth it: it lies
+/// all over the finer part of the grid.
+/// @param useful [RSV_GUIDE_SIDE * RSV_GUIDE_SIDE] sum of the worth of each bin's pilot rays
+bool rsv_guide_grid_zoom(rsv_guide_grid *grid, const float *useful);
+
+/// @param useful as above, on `grid`
 rsv_status rsv_photon_guide_create(
-    rsv_context *context, const float *useful, rsv_photon_guide *guide);
+    rsv_context *context, const rsv_guide_grid *grid, const float *useful, rsv_photon_guide *guide);
 void rsv_photon_guide_destroy(rsv_context *context, rsv_photon_guide *guide);
 
 /// Warps a uniform point of the unit square by the guide, neighbours to neighbours, so that points of a

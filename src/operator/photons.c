@@ -8,6 +8,10 @@
 #define PHOTONS_PER_CHUNK 4096
 /// The strongest origins have a guide each; all others share one.
 #define OWN_GUIDES 63
+/// Rounds of pilot rays, each on bins that are finer where the last ones found something.
+#define MOST_PILOTS 4
+/// Worth of photons whose first landing is of no use; later ones may be.
+#define UNWANTED 0.1f
 
 /// Origins of light paths that share one guide.
 typedef struct photon_source {
@@ -24,8 +28,7 @@ typedef struct photon_job {
     photon_source source[OWN_GUIDES + 1];
     size_t source_count;
     uint32_t seed;
-    rsv_photon_map *maps;
-    size_t map_count;
+    const rsv_photon_sink *sink;
 } photon_job;
 
 static bool is_specular(const rsv_bsdf *bsdf)
@@ -63,18 +66,68 @@ static bool hits_specular(const photon_job *job, const rsv_chain *chain)
 
 // ---- sources ------------------------------------------------------------------------------------
 
-static void pilot_bin(
-    const photon_job *job, const photon_source *source, uint32_t id, int bin, float *useful)
+/// Draws a specular event of a photon. At its first surface it always leaves, with less flux, so that faint coats have
+/// as many photons as their light is worth.
+static rsv_bsdf_event draw(const photon_job *job, const rsv_chain *chain, rsv_random *random)
+{
+    rsv_bsdf storage;
+    bool covered = rsv_chain_bsdf(job->scene, chain, &storage)->opacity >= 1;
+    return covered && chain->events == 0 ? rsv_chain_draw_specular(job->scene, chain, random)
+                                         : rsv_chain_draw_event(job->scene, chain, random);
+}
+
+/// Leaves a surface by one of its specular lobes. False if the photon ends.
+/// @param level weight that photons keep: what the first surface leaves of them
+static bool scatter(const photon_job *job, rsv_chain *chain, float *level, rsv_random *random)
+{
+    rsv_bsdf_event event = draw(job, chain, random);
+    bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
+    if (!specular || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
+    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
+    if (rsv_chain_step(job->scene, chain, transmit, event.direction, event.weight) !=
+        RSV_CHAIN_MOVED)
+        return false;
+    float left = rgb_max(chain->weight);
+    if (chain->events == 1) *level = left;
+    if (left >= *level) return left > 0;
+    if (rsv_random_float(random) * *level >= left) return false;
+    chain->weight = rgb_scale(chain->weight, *level / left);
+    return true;
+}
+
+/// What a photon that has met a specular surface is worth: the share of its flux that goes on to another surface where
+/// it is wanted.
+static float worth(const photon_job *job, rsv_chain *chain, rsv_random *random)
+{
+    float level;
+    if (!scatter(job, chain, &level, random)) return 0;
+    bool wanted = !job->sink->wants || job->sink->wants(job->sink->user, chain);
+    return f_min(level, 1) * (wanted ? 1 : UNWANTED);
+}
+
+static void pilot_bin(const photon_job *job, const photon_source *source, uint32_t id,
+    const rsv_guide_grid *grid, int bin, float *useful)
 {
     rsv_random random = rsv_random_from(job->seed ^ 0x9107u, id, (uint32_t)bin);
+    const float *across = grid->x + bin % RSV_GUIDE_SIDE, *down = grid->y + bin / RSV_GUIDE_SIDE;
+    useful[bin] = 0;
     for (int k = 0; k < RSV_GUIDE_RAYS; k++) {
-        float x = ((float)(bin % RSV_GUIDE_SIDE) + rsv_random_float(&random)) / RSV_GUIDE_SIDE;
-        float y = ((float)(bin / RSV_GUIDE_SIDE) + rsv_random_float(&random)) / RSV_GUIDE_SIDE;
+        float x = across[0] + (across[1] - across[0]) * rsv_random_float(&random);
+        float y = down[0] + (down[1] - down[0]) * rsv_random_float(&random);
         rsv_photon_emission e =
             rsv_photon_emit(&job->origins, source->first, source->count, x, y, &random);
         rsv_chain chain;
-        if (first_hit(job, &e, &chain) && hits_specular(job, &chain)) useful[bin] += 1;
+        if (first_hit(job, &e, &chain) && hits_specular(job, &chain))
+            useful[bin] += worth(job, &chain, &random);
     }
+}
+
+static void pilot(const photon_job *job, const photon_source *source, uint32_t id,
+    const rsv_guide_grid *grid, float *useful)
+{
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(job->lights->context))
+    for (int bin = 0; bin < RSV_GUIDE_SIDE * RSV_GUIDE_SIDE; bin++)
+        pilot_bin(job, source, id, grid, bin, useful);
 }
 
 static rsv_status create_guide(
@@ -82,13 +135,15 @@ static rsv_status create_guide(
 {
     rsv_context *context = job->lights->context;
     const int bins = RSV_GUIDE_SIDE * RSV_GUIDE_SIDE;
+    rsv_guide_grid grid = rsv_guide_grid_even();
     float *useful = rsv_alloc(context, (size_t)bins, sizeof *useful);
     if (!useful) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
-    for (int bin = 0; bin < bins; bin++)
-        pilot_bin(job, source, id, bin, useful);
-    *rays += (uint64_t)bins * RSV_GUIDE_RAYS;
-    rsv_status status = rsv_photon_guide_create(context, useful, &source->guide);
+    uint64_t rounds = 1;
+    pilot(job, source, id, &grid, useful);
+    for (; rounds < MOST_PILOTS && rsv_guide_grid_zoom(&grid, useful); rounds++)
+        pilot(job, source, id, &grid, useful);
+    *rays += rounds * (uint64_t)bins * RSV_GUIDE_RAYS;
+    rsv_status status = rsv_photon_guide_create(context, &grid, useful, &source->guide);
     rsv_free(context, useful);
     return status;
 }
@@ -131,34 +186,6 @@ static void destroy_sources(photon_job *job)
 
 // ---- paths --------------------------------------------------------------------------------------
 
-static void deposit(const photon_job *job, const rsv_chain *chain, rsv_rgb flux)
-{
-    rsv_vec3 shading, geometric;
-    rsv_chain_normals(job->scene, chain, &shading, &geometric);
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(job->scene, chain, &storage);
-    rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, chain->direction)));
-    for (size_t m = 0; m < job->map_count; m++)
-        rsv_photon_map_deposit(
-            &job->maps[m], chain->back, chain->triangle, chain->u, chain->v, entered);
-}
-
-/// Leaves a surface by one of its specular lobes. False if the photon ends.
-static bool scatter(const photon_job *job, rsv_chain *chain, rsv_random *random)
-{
-    rsv_bsdf_event event = rsv_chain_draw_event(job->scene, chain, random);
-    bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!specular || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
-    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
-    if (rsv_chain_step(job->scene, chain, transmit, event.direction, event.weight) !=
-        RSV_CHAIN_MOVED)
-        return false;
-    float survival = f_min(rgb_max(chain->weight), 1);
-    if (rsv_random_float(random) >= survival) return false;
-    chain->weight = rgb_scale(chain->weight, 1 / survival);
-    return true;
-}
-
 static uint64_t shoot_one(
     const photon_job *job, const photon_source *source, uint32_t id, uint32_t index, uint32_t count)
 {
@@ -171,8 +198,9 @@ static uint64_t shoot_one(
     rsv_chain chain;
     if (!first_hit(job, &e, &chain) || !hits_specular(job, &chain)) return 1;
     rsv_rgb flux = rgb_scale(e.flux, 1 / (density * (float)count));
-    while (scatter(job, &chain, &random))
-        deposit(job, &chain, rgb_mul(flux, chain.weight));
+    float level;
+    while (scatter(job, &chain, &level, &random))
+        job->sink->land(job->sink->user, &chain, rgb_mul(flux, chain.weight));
     return 1 + chain.rays;
 }
 
@@ -182,12 +210,17 @@ static rsv_status shoot_source(const photon_job *job, const photon_source *sourc
     rsv_context *context = job->lights->context;
     uint64_t traced = 0;
     uint32_t chunks = (count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK;
-#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context)) reduction(+ : traced)
+#pragma omp parallel for ordered schedule(dynamic, 1) num_threads(rsv_threads(context))            \
+    reduction(+ : traced)
     for (uint32_t chunk = 0; chunk < chunks; chunk++) {
         if (rsv_cancelled(context)) continue;
         uint32_t begin = chunk * PHOTONS_PER_CHUNK, end = begin + PHOTONS_PER_CHUNK;
         for (uint32_t i = begin; i < (end < count ? end : count); i++)
             traced += shoot_one(job, source, id, i, count);
+#pragma omp ordered
+        {
+            if (job->sink->collect) job->sink->collect(job->sink->user);
+        }
         if (rsv_thread_index() == 0)
             rsv_progress(context, "caustics", done + source->share * chunk / chunks);
     }
@@ -203,25 +236,64 @@ static double total_flux(const photon_job *job)
     return total;
 }
 
+static rsv_status shoot_all(const photon_job *job, uint32_t count, uint64_t *rays)
+{
+    rsv_status status = RSV_OK;
+    double done = 0;
+    for (size_t s = 0; s < job->source_count; s++) {
+        uint32_t share = (uint32_t)ceil(job->source[s].share * count);
+        if (share) RSV_TRY(shoot_source(job, &job->source[s], (uint32_t)s, share, done, rays));
+        done += job->source[s].share;
+    }
+cleanup:
+    return status;
+}
+
+rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t count, uint32_t seed, const rsv_photon_sink *sink, uint64_t *rays)
+{
+    photon_job job = { .scene = scene, .lights = lights, .seed = seed, .sink = sink };
+    rsv_status status = create_sources(&job, rays);
+    if (status == RSV_OK) status = shoot_all(&job, count, rays);
+    destroy_sources(&job);
+    return status;
+}
+
+// ---- maps ---------------------------------------------------------------------------------------
+
+typedef struct map_set {
+    const rsv_transport_scene *scene;
+    rsv_photon_map *map;
+    size_t count;
+} map_set;
+
+static void deposit(void *user, const rsv_chain *chain, rsv_rgb flux)
+{
+    const map_set *maps = user;
+    rsv_vec3 shading, geometric;
+    rsv_chain_normals(maps->scene, chain, &shading, &geometric);
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(maps->scene, chain, &storage);
+    rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, chain->direction)));
+    for (size_t m = 0; m < maps->count; m++)
+        rsv_photon_map_deposit(
+            &maps->map[m], chain->back, chain->triangle, chain->u, chain->v, entered);
+}
+
 rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
     size_t map_count, uint64_t *rays)
 {
     rsv_status status = RSV_OK;
-    double done = 0;
-    photon_job job = {
-        .scene = scene, .lights = lights, .seed = seed, .maps = maps, .map_count = map_count
-    };
+    map_set set = { scene, maps, map_count };
+    const rsv_photon_sink sink = { &set, deposit, NULL, NULL };
+    photon_job job = { .scene = scene, .lights = lights, .seed = seed, .sink = &sink };
     memset(maps, 0, map_count * sizeof *maps);
     RSV_TRY(create_sources(&job, rays));
     for (size_t m = 0; m < map_count; m++)
         RSV_TRY(rsv_photon_map_create(
             lights->context, elements[m], fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
-    for (size_t s = 0; s < job.source_count; s++) {
-        uint32_t share = (uint32_t)ceil(job.source[s].share * count);
-        if (share) RSV_TRY(shoot_source(&job, &job.source[s], (uint32_t)s, share, done, rays));
-        done += job.source[s].share;
-    }
+    RSV_TRY(shoot_all(&job, count, rays));
     for (size_t m = 0; m < map_count; m++)
         rsv_photon_map_settle(&maps[m]);
 cleanup:

@@ -10,6 +10,7 @@ typedef struct link {
     rsv_chain chain;
     rsv_rough_departure departure;
     uint32_t path; ///< names the branches that led here; seeds what is drawn here
+    bool shot;     ///< photons bring what sources send here
 } link;
 
 /// The links still to be followed, and what the others found.
@@ -17,6 +18,7 @@ typedef struct tree {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
     uint32_t max_events;
+    bool shot;         ///< light that a wide lobe is the last to scatter is brought by photons
     rsv_random random; ///< of the link in hand
     link stack[STACK];
     int depth;
@@ -68,7 +70,7 @@ static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branch
         !rsv_branch_survives(&at->chain, at->path, transmit, &weight))
         return;
     rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
-    link next = { .chain = at->chain, .path = rsv_branch_path(at->path, transmit) };
+    link next = { at->chain, { .shot = at->shot }, rsv_branch_path(at->path, transmit), at->shot };
     leave(t, next, transmit, direction, weight);
 }
 
@@ -77,22 +79,26 @@ static void follow_rough(tree *t, const link *at)
 {
     const rsv_chain *chain = &at->chain;
     t->random = rsv_random_from(at->path, chain->triangle, 0x17c3u);
-    t->radiance = rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, &t->random));
+    t->radiance =
+        rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, at->shot, &t->random));
     rsv_bsdf_event event = rsv_chain_draw_specular(t->scene, chain, &t->random);
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
     if (!specular || event.pdf_solid_angle == 0 || chain->events >= t->max_events) return;
     link next = { *chain, rsv_rough_depart(t->scene, chain, event.direction),
-        rsv_branch_path(at->path, false) };
+        rsv_branch_path(at->path, false), at->shot };
+    next.departure.shot = at->shot;
+    if (t->shot && chain->events == 0) next.shot = rsv_rough_is_wide(t->scene, chain);
     leave(t, next, event.lobe == RSV_LOBE_TRANSMIT, event.direction, event.weight);
 }
 
 rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
-    rsv_chain chain, uint32_t path, uint32_t max_events, rsv_diffuse_end end, void *user)
+    rsv_chain chain, uint32_t path, uint32_t max_events, bool shot, rsv_diffuse_end end, void *user)
 {
     tree t; // its stack need not be cleared
     t.scene = scene;
     t.lights = lights;
     t.max_events = max_events;
+    t.shot = shot;
     t.radiance = rgb_gray(0);
     t.depth = 1;
     t.stack[0] = (link){ .chain = chain, .path = path };

@@ -17,9 +17,11 @@ typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weig
 /// @param path names the branches that led to the chain's surface; of a camera ray, its random number. What is
 ///             drawn depends on it alone, so a chain may be followed in any order, or be continued midway.
 /// @param max_events specular events along a branch at most
+/// @param shot leave out what rsv_add_shot_light adds
 /// @return radiance towards the camera emitted by the surfaces on the way and by the surroundings
 rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
-    rsv_chain chain, uint32_t path, uint32_t max_events, rsv_diffuse_end end, void *user);
+    rsv_chain chain, uint32_t path, uint32_t max_events, bool shot, rsv_diffuse_end end,
+    void *user);
 
 /// Whether an ideal branch is to be followed. @param weight of the branch; made up for those that are not
 bool rsv_branch_survives(const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight);

@@ -5,6 +5,7 @@
 #include "camera_chain.h"
 #include "pixel_direct.h"
 #include "resolvent/render.h"
+#include "shot_light.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -22,6 +23,7 @@ typedef struct picture_job {
     uint32_t layer_count; ///< of the image, layer 0 included
     float spread;         ///< of a camera ray: the angle of a pixel
     rsv_sky sky;          ///< what lies beyond the scene
+    bool shot;            ///< light over wide lobes is shot from the sources
 } picture_job;
 
 /// One row of the picture in the making.
@@ -224,7 +226,7 @@ static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv
             packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
         rsv_chain_set_spread(&chain, spread_of(r->job, r->sample), packet->t_max[k]);
         rsv_rgb emission = rsv_camera_chain(&r->job->solution->scene, r->job->solution->lights,
-            chain, rsv_hash2(r->seed, r->sample), desc->chain_depth, shade, r);
+            chain, rsv_hash2(r->seed, r->sample), desc->chain_depth, r->job->shot, shade, r);
         add_light(r, r->column, 0, emission);
     }
 }
@@ -350,8 +352,11 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
     if (solution->lights->environment) job.sky = solution->lights->environment->whole;
     RSV_TRY(rsv_image_create(
         solution->context, desc->width, desc->height, job.layer_count, &job.image));
+    job.shot =
+        desc->mode == RSV_RENDER_FINAL && !desc->shared_pattern && rsv_shot_light_wanted(solution);
     RSV_TRY(name_layers(job.image, job.layer_count));
     RSV_TRY(render_rows(&job));
+    if (job.shot) RSV_TRY(rsv_add_shot_light(solution, desc, &job.medium, job.image));
     *image = job.image;
     return RSV_OK;
 cleanup:

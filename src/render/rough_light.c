@@ -1,5 +1,8 @@
 #include "rough_light.h"
 
+/// Width of the microsurface from which on lobes count as wide.
+#define WIDE_ALPHA 0.25f
+
 /// The chain's surface as sources light it.
 typedef struct rough_surface {
     const rsv_bsdf *bsdf;
@@ -43,6 +46,24 @@ static rsv_bsdf_value respond(const rough_surface *s, rsv_vec3 wi)
     return value;
 }
 
+bool rsv_rough_is_wide(const rsv_transport_scene *scene, const rsv_chain *chain)
+{
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+    bool narrow = bsdf->alpha > 0 && bsdf->alpha < WIDE_ALPHA;
+    bool narrow_coat =
+        bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0 && bsdf->clearcoat_alpha < WIDE_ALPHA;
+    return bsdf->rough && !narrow && !narrow_coat;
+}
+
+rsv_rgb rsv_rough_response(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 wi)
+{
+    rough_surface s;
+    meet(scene, chain, &s);
+    rsv_bsdf_value value = respond(&s, wi);
+    return value.pdf_solid_angle > 0 ? rgb_mul(value.response, throughput(&s, wi, 0)) : rgb_gray(0);
+}
+
 static float power_heuristic(float own, float other)
 {
     float ratio = other / own;
@@ -63,11 +84,11 @@ rsv_rough_departure rsv_rough_depart(
     meet(scene, chain, &s);
     bool below = v3_dot(s.normal, direction) < 0;
     return (rsv_rough_departure){ s.point.position, below ? v3_neg(s.normal) : s.normal,
-        respond(&s, direction).pdf_solid_angle };
+        respond(&s, direction).pdf_solid_angle, false };
 }
 
 static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rough_surface *s, rsv_vec3 side, rsv_random *random)
+    const rough_surface *s, rsv_vec3 side, bool shot, rsv_random *random)
 {
     rsv_local_lights local;
     rsv_light_sample light;
@@ -76,7 +97,7 @@ static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights 
     if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light))
         return rgb_gray(0);
     rsv_bsdf_value value = respond(s, light.direction);
-    if (value.pdf_solid_angle == 0) return rgb_gray(0);
+    if (value.pdf_solid_angle == 0 || (shot && !light.from_sky)) return rgb_gray(0);
     rsv_ray ray =
         rsv_shadow_ray(lights, &light, s->point.position, leaving_point(s, light.direction));
     if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
@@ -97,15 +118,15 @@ static rsv_rgb punctual_light(
 }
 
 rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_chain *chain, rsv_random *random)
+    const rsv_chain *chain, bool shot, rsv_random *random)
 {
     rough_surface s;
     meet(scene, chain, &s);
-    rsv_rgb sum = sampled_light(scene, lights, &s, s.normal, random);
+    rsv_rgb sum = sampled_light(scene, lights, &s, s.normal, shot, random);
     if (s.bsdf->transmission > 0 || s.bsdf->passed > 0)
-        sum = rgb_add(sum, sampled_light(scene, lights, &s, v3_neg(s.normal), random));
+        sum = rgb_add(sum, sampled_light(scene, lights, &s, v3_neg(s.normal), shot, random));
     float u = rsv_random_float(random);
-    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
+    for (uint32_t k = 0; !shot && k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
         if (rsv_punctual_at(lights, s.point.position, v3(0, 0, 0), k, u, &light))
             sum = rgb_add(sum, punctual_light(scene, &s, &light));
@@ -117,9 +138,9 @@ float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_ligh
     const rsv_chain *chain, const rsv_rough_departure *departure)
 {
     uint32_t emitter = rsv_emitter_at(lights, chain->triangle, chain->u, chain->v);
-    if (departure->pdf_solid_angle == 0 || emitter == RSV_NONE ||
-        lights->group[lights->emitter[emitter].group].gathered)
-        return 1;
+    if (emitter == RSV_NONE || lights->group[lights->emitter[emitter].group].gathered) return 1;
+    if (departure->shot) return 0;
+    if (departure->pdf_solid_angle == 0) return 1;
     rsv_surface_point point =
         rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
     rsv_local_lights local;
@@ -135,13 +156,15 @@ rsv_rgb rsv_rough_sky(
     const rsv_environment_light *environment = lights->environment;
     float own = departure->pdf_solid_angle;
     if (!environment) return rgb_gray(0);
-    if (own == 0) return rsv_sky_radiance(&environment->whole, direction);
+    if (own == 0 && !departure->shot) return rsv_sky_radiance(&environment->whole, direction);
+    rsv_rgb sum = rsv_sky_radiance(&environment->gathered, direction);
+    rsv_rgb sampled = rsv_sky_radiance(&environment->sampled, direction);
+    if (own == 0) return rgb_add(sum, sampled);
     rsv_local_lights local;
     rsv_lights_at(lights, departure->point, departure->side, &local);
-    rsv_rgb sum = rsv_sky_radiance(&environment->gathered, direction);
     float weight = power_heuristic(own, rsv_local_lights_sky_pdf(&local, direction));
-    sum = rgb_mad(sum, weight, rsv_sky_radiance(&environment->sampled, direction));
-    for (uint32_t k = 0; k < environment->sun_count; k++) {
+    sum = rgb_mad(sum, weight, sampled);
+    for (uint32_t k = 0; !departure->shot && k < environment->sun_count; k++) {
         float pdf = rsv_local_lights_sun_pdf(&local, k, direction);
         if (pdf > 0) sum = rgb_mad(sum, power_heuristic(own, pdf), environment->sun[k].radiance);
     }

@@ -10,15 +10,26 @@
 typedef struct rsv_rough_departure {
     rsv_vec3 point, side;  ///< of the surface; unit normal on the side that the chain left to
     float pdf_solid_angle; ///< 0 = not from a rough surface: nothing has been aimed at
+    bool
+        shot; ///< emitters that are not gathered, suns and punctual lights are left out: shot_light.h
 } rsv_rough_departure;
 
 /// The departure of a chain from its rough surface along `direction`.
 rsv_rough_departure rsv_rough_depart(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 direction);
 
+/// Whether the lobes of the chain's rough surface are all so wide that a light path which ends there is likely to reach
+/// any eye.
+bool rsv_rough_is_wide(const rsv_transport_scene *scene, const rsv_chain *chain);
+
+/// What the rough lobes of the chain's surface make of light from unit direction `wi`: radiance at the chain's start
+/// per irradiance on a surface that faces it.
+rsv_rgb rsv_rough_response(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 wi);
+
 /// Radiance that the chain's rough surface scatters towards the camera from sources aimed at.
+/// @param shot leaves out those of rsv_rough_departure.shot
 rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_chain *chain, rsv_random *random);
+    const rsv_chain *chain, bool shot, rsv_random *random);
 
 /// Weight of the emission of the surface that the chain has come to.
 float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,

@@ -20,6 +20,17 @@ typedef struct rsv_lens {
 rsv_lens rsv_lens_of(const rsv_camera *camera, uint32_t width, uint32_t height);
 rsv_ray rsv_lens_ray(const rsv_lens *lens, float x, float y);
 
+/// A point as the camera sees it, if nothing hides it.
+typedef struct rsv_lens_view {
+    float x, y;            ///< place in the picture, pixels
+    rsv_vec3 direction;    ///< unit, from the camera to the point
+    float distance;        ///< metres
+    float pixels_per_area; ///< pixels that a square metre there covers which faces the camera
+} rsv_lens_view;
+
+/// The inverse of rsv_lens_ray. False for points behind the camera.
+bool rsv_lens_see(const rsv_lens *lens, rsv_vec3 point, rsv_lens_view *view);
+
 /// Angle between the rays through neighbouring pixels, radians. (Orthographic rays do not spread: textures are looked
 /// up as they are.)
 float rsv_camera_spread(const rsv_camera *camera, uint32_t height);

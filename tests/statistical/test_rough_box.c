@@ -107,9 +107,78 @@ static void leaves_agree_with_the_reference(void **state)
     check_ball(ball);
 }
 
+/// A metal ball between a small lamp and a ceiling under a matt coat: light that only few rays of the coat would find.
+static world *room_with_glint(void)
+{
+    world *w = world_begin(2);
+    rsv_material wall = rsv_default_material();
+    wall.roughness = 1;
+    wall.base_color = rgb_gray(0.1f);
+    world_room(w, world_material(w, wall), v3(-1, -1, -1), v3(1, 1, 1));
+    rsv_material lamp = wall;
+    lamp.specular = 0;
+    lamp.base_color = rgb_gray(0);
+    lamp.emission = rgb_gray(300);
+    world_quad(w, world_material(w, lamp), v3(-0.05f, 0.99f, -0.05f), v3(0.05f, 0.99f, -0.05f),
+        v3(0.05f, 0.99f, 0.05f), v3(-0.05f, 0.99f, 0.05f));
+    world_sphere(w, world_material(w, ball_material(1, 0, 0.3f)), v3(0.3f, -0.8f, -0.1f), 0.15f, 4);
+    rsv_camera camera =
+        rsv_camera_look_at("eye", v3(0, -0.9f, 0.98f), v3(-0.5f, 1, -0.8f), 0.4f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    return w;
+}
+
+/// The layer of light that specular events alone bring: luminance [SIDE * SIDE].
+#define SIDE 32
+static void render_glints(
+    const rsv_solution *solution, rsv_render_mode mode, uint32_t samples, double *glint)
+{
+    rsv_render_desc desc = rsv_default_render_desc();
+    rsv_image *image;
+    desc.mode = mode;
+    desc.width = desc.height = SIDE;
+    desc.samples = samples;
+    desc.layers = true;
+    assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
+    const rsv_rgb *pixels = rsv_image_const_pixels(image, 1);
+    for (size_t i = 0; i < SIDE * SIDE; i++)
+        glint[i] = (double)rgb_luminance(pixels[i]);
+    rsv_image_destroy(image);
+}
+
+static double mean_of(const double *value)
+{
+    double sum = 0;
+    for (size_t i = 0; i < SIDE * SIDE; i++)
+        sum += value[i];
+    return sum / (SIDE * SIDE);
+}
+
+static void matt_coats_show_glints_without_specks(void **state)
+{
+    (void)state;
+    world *w = room_with_glint();
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(w->scene, &solve, &solution), RSV_OK);
+    double shot[SIDE * SIDE], gathered[SIDE * SIDE];
+    render_glints(solution, RSV_RENDER_FINAL, 4, shot);
+    render_glints(solution, RSV_RENDER_OPERATOR, 1024, gathered);
+    double mean = mean_of(gathered), worst = 0;
+    for (size_t i = 0; i < SIDE * SIDE; i++)
+        worst = fmax(worst, fabs(shot[i] - gathered[i]));
+    print_message("mean %g, gathered %g; farthest apart %g\n", mean_of(shot), mean, worst);
+    assert_float_equal(mean_of(shot), mean, 0.01 * mean);
+    assert_true(worst < mean);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(matt_coats_show_glints_without_specks),
         cmocka_unit_test(rough_metal_agrees_with_the_reference),
         cmocka_unit_test(rough_glass_agrees_with_the_reference),
         cmocka_unit_test(layers_agree_with_the_reference),

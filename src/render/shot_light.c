@@ -1,0 +1,144 @@
+#include "shot_light.h"
+
+#include "../operator/photons.h"
+#include "../trace/camera_ray.h"
+#include "rough_light.h"
+
+#define FEWEST_PATHS (1u << 18)
+
+typedef struct shot_splat {
+    size_t pixel;
+    rsv_rgb radiance;
+} shot_splat;
+
+/// The splats of one thread since they were last collected.
+typedef struct splat_list {
+    shot_splat *splat;
+    size_t count, capacity;
+    rsv_status status;
+} splat_list;
+
+typedef struct shot_job {
+    const rsv_solution *solution;
+    const rsv_render_desc *desc;
+    const rsv_medium *medium;
+    rsv_lens lens;
+    float spread; ///< of a camera ray, as camera chains have it
+    rsv_image *image;
+    splat_list *list; ///< [threads]
+} shot_job;
+
+bool rsv_shot_light_wanted(const rsv_solution *s)
+{
+    bool rough = false;
+    for (size_t m = 0; m < s->scene.view->material_count; m++)
+        rough = rough || s->bsdf[m].rough;
+    return rough && rsv_photons_wanted(&s->scene, s->lights);
+}
+
+static void push(const shot_job *job, shot_splat splat)
+{
+    splat_list *list = &job->list[rsv_thread_index()];
+    if (list->status == RSV_OK)
+        list->status = rsv_grow(job->solution->context, (void **)&list->splat, &list->capacity,
+            list->count + 1, sizeof *list->splat);
+    if (list->status == RSV_OK) list->splat[list->count++] = splat;
+}
+
+/// Whether the point is in the picture, and where.
+static bool in_picture(const shot_job *job, rsv_vec3 point, rsv_lens_view *view)
+{
+    return rsv_lens_see(&job->lens, point, view) && view->x >= 0 && view->y >= 0 &&
+           view->x < (float)job->desc->width && view->y < (float)job->desc->height;
+}
+
+static bool hidden(const shot_job *job, const rsv_surface_point *point, const rsv_lens_view *view)
+{
+    rsv_vec3 side = point->geometric, towards = v3_neg(view->direction);
+    if (v3_dot(side, towards) < 0) side = v3_neg(side);
+    rsv_ray ray = { rsv_offset_origin(point->position, side, point->extent), towards,
+        view->distance };
+    return rsv_tracer_occluded(job->solution->tracer, &ray);
+}
+
+/// Joins the end of a light path to the camera, as the surface that a camera chain meets first. False if it is seen by
+/// no camera ray, or does not scatter widely.
+static bool join(const shot_job *job, const rsv_chain *end, rsv_lens_view *view, rsv_chain *seen)
+{
+    const rsv_transport_scene *scene = &job->solution->scene;
+    rsv_surface_point point =
+        rsv_surface_point_at(scene->view, end->triangle, end->u, end->v, end->back);
+    if (end->events >= job->desc->chain_depth || !in_picture(job, point.position, view))
+        return false;
+    *seen = rsv_chain_begin(
+        scene, job->medium, view->direction, end->triangle, end->u, end->v, view->distance);
+    rsv_chain_set_spread(seen, job->spread, view->distance);
+    return rsv_rough_is_wide(scene, seen) && !hidden(job, &point, view);
+}
+
+static bool is_seen(void *user, const rsv_chain *end)
+{
+    rsv_lens_view view;
+    rsv_chain seen;
+    return join(user, end, &view, &seen);
+}
+
+static void add_light_path(void *user, const rsv_chain *end, rsv_rgb flux)
+{
+    const shot_job *job = user;
+    const rsv_transport_scene *scene = &job->solution->scene;
+    rsv_lens_view view;
+    rsv_chain seen;
+    if (!join(job, end, &view, &seen)) return;
+    rsv_rgb response = rsv_rough_response(scene, &seen, v3_neg(end->direction));
+    // a photon's flux is spread over the true surface, the response counts irradiance by the shading normal (Veach
+    // 1997, 5.3)
+    rsv_vec3 geometric =
+        rsv_surface_point_at(scene->view, end->triangle, end->u, end->v, end->back).geometric;
+    float arrives = fabsf(v3_dot(geometric, end->direction));
+    float leaves = fabsf(v3_dot(geometric, view.direction));
+    if (rgb_is_black(response) || !(arrives > 0)) return;
+    size_t pixel = (size_t)view.y * job->desc->width + (size_t)view.x;
+    float scale = view.pixels_per_area * leaves / arrives;
+    push(job, (shot_splat){ pixel, rgb_scale(rgb_mul(flux, response), scale) });
+}
+
+static void collect(void *user)
+{
+    const shot_job *job = user;
+    splat_list *list = &job->list[rsv_thread_index()];
+    uint32_t layers = rsv_image_layer_count(job->image) > 1 ? 2 : 1;
+    for (uint32_t layer = 0; layer < layers; layer++) {
+        rsv_rgb *out = rsv_image_pixels(job->image, layer);
+        for (size_t k = 0; k < list->count; k++)
+            out[list->splat[k].pixel] = rgb_add(out[list->splat[k].pixel], list->splat[k].radiance);
+    }
+    list->count = 0;
+}
+
+rsv_status rsv_add_shot_light(const rsv_solution *solution, const rsv_render_desc *desc,
+    const rsv_medium *medium, rsv_image *image)
+{
+    rsv_context *context = solution->context;
+    const rsv_camera *camera = &solution->scene.view->camera[desc->camera];
+    uint64_t paths = (uint64_t)desc->width * desc->height * desc->samples, rays = 0;
+    int threads = rsv_threads(context);
+    shot_job job = { .solution = solution,
+        .desc = desc,
+        .medium = medium,
+        .lens = rsv_lens_of(camera, desc->width, desc->height),
+        .spread = rsv_camera_spread(camera, desc->height) / sqrtf((float)desc->samples),
+        .image = image };
+    job.list = rsv_alloc(context, (size_t)threads, sizeof *job.list);
+    if (!job.list) return RSV_ERROR_MEMORY;
+    paths = paths < FEWEST_PATHS ? FEWEST_PATHS : paths > INT32_MAX ? INT32_MAX : paths;
+    const rsv_photon_sink sink = { &job, add_light_path, collect, is_seen };
+    rsv_status status = rsv_photons_trace(&solution->scene, solution->lights, (uint32_t)paths,
+        rsv_hash2(desc->seed, 0x51a7u), &sink, &rays);
+    for (int k = 0; k < threads; k++) {
+        if (status == RSV_OK) status = job.list[k].status;
+        rsv_free(context, job.list[k].splat);
+    }
+    rsv_free(context, job.list);
+    return status;
+}

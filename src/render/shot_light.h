@@ -1,0 +1,23 @@
+/// Light that reaches the camera over a wide lobe after specular events, `C W S+ L`: shot from the sources
+/// and joined to the camera (Dutre et al. 1993).
+///
+/// A camera ray that a nearly matt coat scatters meets a small lamp or a sun behind another rough surface so seldom
+/// that a picture shows specks instead of their light. Light paths that end on the coat are many and weak. Each
+/// path has one owner, by its events alone: W is the first surface that the camera sees, all of its lobes are wide
+/// (rsv_rough_is_wide), and the source is one that photons start from. All others are left to camera chains.
+#ifndef RSV_SHOT_LIGHT_H
+#define RSV_SHOT_LIGHT_H
+
+#include "../solve/solution.h"
+#include "resolvent/render.h"
+
+/// Whether there may be any.
+bool rsv_shot_light_wanted(const rsv_solution *solution);
+
+/// Adds it to the picture and, where there are layers, to that of emission. One light path per camera ray, but no fewer
+/// than a few hundred thousand.
+/// @param medium that the camera is in
+rsv_status rsv_add_shot_light(const rsv_solution *solution, const rsv_render_desc *desc,
+    const rsv_medium *medium, rsv_image *image);
+
+#endif
