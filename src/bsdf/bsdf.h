@@ -24,9 +24,16 @@
 /// leaves, D T(wo) B / pi with B = exitance_albedo * E, exitance_albedo = base_color / T_mean. A share of
 /// it leaves thin sheets on the other side; no elements keep that, it scatters like a rough lobe.
 ///
-/// Over all this lie sheen and a clear coat (ior 1.5). Each reflects by itself, c R(w), and dims the
-/// diffuse lobe by 1 - c R on both ways, which joins T, and all other lobes by 1 - c max R of both
-/// ways: symmetric, exact for mirrors, and never more than what is left.
+/// Over all this lie sheen and a clear coat (ior 1.5). Each reflects by itself, c R(w); the rest, L(w) =
+/// (1 - c R)(1 - c S), reaches the base. What a white base sends up and the layers send back to it must
+/// come out in the end, so that a base of albedo A(wo) has L(wo) A(wo) under them. The diffuse lobe's T
+/// takes L as a factor. Any other lobe becomes
+///
+///     f(wi, wo) a(wi) a(wo),  a(w) = L(w) / s(w),  s(wo) = mean of a over where f sends light from wo
+///
+/// which is symmetric and lossless. For a mirror s = a, the factor is L; if f were diffuse, a = L / sqrt(L_mean),
+/// as in T; rough lobes lie between, where balance.c finds s. What refracts into a body is dimmed by L(wo);
+/// from inside a body the layers are not met.
 ///
 /// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces leave unscaled: the same
 /// functions then serve radiance and photons, and f(wi, wo) / ior(wi)^2 is symmetric.
@@ -55,6 +62,7 @@ typedef struct rsv_bsdf {
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
     float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
+    float sheen_mean;                           ///< hemispherical mean of S(w) (1 - c R(w))
     rsv_rgb sheen;                              ///< reflectance at grazing angles
     float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power
     float passed;          ///< share of light that leaves diffusely on the other side, like D
@@ -62,6 +70,7 @@ typedef struct rsv_bsdf {
     float smooth_mean;     ///< hemispherical mean of F from outside
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
+    rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
     const rsv_bsdf_tables *tables;
     float opacity;     ///< coverage; the rest of the light passes unchanged
     bool solid;        ///< transmission refracts into a body
@@ -73,6 +82,9 @@ typedef struct rsv_bsdf {
     bool unlit;
     bool emissive; ///< emission is not black (and not unlit)
 } rsv_bsdf;
+
+/// Sets `balance` of a layered surface from all else (balance.c).
+void rsv_bsdf_balance_layers(rsv_bsdf *bsdf);
 
 /// Maps a material to the scattering model.
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);

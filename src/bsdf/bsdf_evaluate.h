@@ -133,17 +133,63 @@ RSV_INLINE void rsv_add_passed(
         rgb_mul(weight, bsdf->passed_albedo));
 }
 
-/// The base's lobes that are neither ideal nor diffuse.
+/// Adds lobes of the base that the layers leave `factor` of. @param chance of drawing them
+RSV_INLINE void rsv_add_dimmed(
+    rsv_bsdf_value *value, const rsv_bsdf_value *base, float chance, rsv_rgb factor)
+{
+    value->response = rgb_add(value->response, rgb_mul(base->response, factor));
+    value->pdf_solid_angle += chance * base->pdf_solid_angle;
+}
+
+/// The base's lobes that are neither ideal nor diffuse: of metal, off the interface, the rest of glass.
+typedef struct rsv_rough_base {
+    rsv_bsdf_value metal, interface, glass;
+} rsv_rough_base;
+
+RSV_INLINE rsv_rough_base rsv_evaluate_rough_base(
+    const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
+{
+    rsv_bsdf_value none = { rgb_gray(0), 0 };
+    rsv_rough_base base = { none, none, none };
+    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
+    rsv_add_metal(&base.metal, bsdf, wi, wo, n);
+    rsv_add_interface_reflection(&base.interface, bsdf, wi, wo, n, front);
+    if (bsdf->transmission == 0 || bsdf->metallic == 1) return base;
+    if (cos_i < 0 && bsdf->solid) rsv_add_refraction(&base.glass, bsdf, wi, wo, n, front);
+    if (cos_i < 0 && !bsdf->solid) rsv_add_sheet_transmission(&base.glass, bsdf, wi, wo, n);
+    rsv_add_glass_again(&base.glass, bsdf, cos_i, cos_o, front);
+    return base;
+}
+
+/// The two sides of a sheet together spread light as white metal does.
+RSV_INLINE void rsv_add_layered_base(rsv_bsdf_value *value, const rsv_bsdf *bsdf,
+    const rsv_rough_base *base, float cos_i, float cos_o)
+{
+    rsv_layer_passage passage = rsv_bsdf_passage(bsdf, cos_o);
+    float sheet = bsdf->solid ? 0 : bsdf->transmission;
+    rsv_rgb metal = rgb_gray(0), interface = rgb_gray(0);
+    if (bsdf->metallic > 0 || sheet > 0)
+        metal = rsv_bsdf_both_ways(bsdf, RSV_SPREAD_METAL, cos_i, cos_o);
+    if (bsdf->metallic < 1)
+        interface = rsv_bsdf_both_ways(bsdf, RSV_SPREAD_INTERFACE, cos_i, cos_o);
+    rsv_rgb body = cos_i < 0 ? passage.light : interface;
+    rsv_add_dimmed(value, &base->metal, passage.chance, metal);
+    rsv_add_dimmed(value, &base->interface, passage.chance,
+        rgb_mad(interface, sheet, rgb_sub(metal, interface)));
+    rsv_add_dimmed(value, &base->glass, passage.chance, bsdf->solid ? body : metal);
+}
+
 RSV_INLINE void rsv_add_rough_base(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
 {
-    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
-    rsv_add_metal(value, bsdf, wi, wo, n);
-    rsv_add_interface_reflection(value, bsdf, wi, wo, n, front);
-    if (bsdf->transmission == 0 || bsdf->metallic == 1) return;
-    if (cos_i < 0 && bsdf->solid) rsv_add_refraction(value, bsdf, wi, wo, n, front);
-    if (cos_i < 0 && !bsdf->solid) rsv_add_sheet_transmission(value, bsdf, wi, wo, n);
-    rsv_add_glass_again(value, bsdf, cos_i, cos_o, front);
+    rsv_rough_base base = rsv_evaluate_rough_base(bsdf, wi, wo, n, front);
+    if (rsv_bsdf_meets_layers(bsdf, front)) {
+        rsv_add_layered_base(value, bsdf, &base, v3_dot(n, wi), v3_dot(n, wo));
+        return;
+    }
+    rsv_add_dimmed(value, &base.metal, 1, rgb_gray(1));
+    rsv_add_dimmed(value, &base.interface, 1, rgb_gray(1));
+    rsv_add_dimmed(value, &base.glass, 1, rgb_gray(1));
 }
 
 RSV_INLINE rsv_bsdf_value rsv_bsdf_evaluate(

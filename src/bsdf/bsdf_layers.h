@@ -2,7 +2,8 @@
 ///
 /// Sheen has the directional albedo c S(w), S(w) = (1 - cos)^k, in the one reciprocal form that knows no
 /// azimuth, c S(wi) S(wo) / (pi S_mean): light off fibres that stand up, brightest along the surface. k
-/// falls with roughness so that the albedo follows the one of Charlie (Estevez and Kulla 2017).
+/// falls with roughness so that the albedo follows the one of Charlie (Estevez and Kulla 2017). Under a
+/// clear coat, S has the factor 1 - c R of that.
 #ifndef RSV_BSDF_LAYERS_H
 #define RSV_BSDF_LAYERS_H
 
@@ -37,26 +38,36 @@ typedef struct rsv_layer_passage {
     rsv_rgb light;
 } rsv_layer_passage;
 
-RSV_INLINE rsv_layer_passage rsv_passage(const rsv_bsdf *bsdf, float coat, float sheen)
+/// L(w)
+RSV_INLINE rsv_layer_passage rsv_bsdf_passage(const rsv_bsdf *bsdf, float cos)
 {
-    rsv_layer_passage passage = { (1 - coat) * (1 - rgb_max(bsdf->sheen) * sheen),
-        rgb_scale(rsv_one_minus(rgb_scale(bsdf->sheen, sheen)), 1 - coat) };
+    float coat = 1 - rsv_bsdf_clearcoat_albedo(bsdf, cos), sheen = rsv_bsdf_sheen_albedo(bsdf, cos);
+    rsv_layer_passage passage = { coat * (1 - rgb_max(bsdf->sheen) * sheen),
+        rgb_scale(rsv_one_minus(rgb_scale(bsdf->sheen, sheen)), coat) };
     return passage;
 }
 
-/// Of light on one of its ways.
-RSV_INLINE rsv_layer_passage rsv_bsdf_passage(const rsv_bsdf *bsdf, float cos)
+/// L / s; s^2 can come out too small only by interpolation where L is next to nothing.
+RSV_INLINE float rsv_balanced(float left, float gap)
 {
-    return rsv_passage(
-        bsdf, rsv_bsdf_clearcoat_albedo(bsdf, cos), rsv_bsdf_sheen_albedo(bsdf, cos));
+    return left > 0 ? left / sqrtf(f_max(left + gap, 0.25f * left)) : 0;
 }
 
-/// Of light that the base scatters in any but the diffuse lobe.
-RSV_INLINE rsv_layer_passage rsv_bsdf_passage_both(const rsv_bsdf *bsdf, float cos_i, float cos_o)
+/// a(w) for light that spreads like RSV_SPREAD_*.
+RSV_INLINE rsv_rgb rsv_bsdf_way(const rsv_bsdf *bsdf, int spread, float cos)
 {
-    return rsv_passage(bsdf,
-        f_max(rsv_bsdf_clearcoat_albedo(bsdf, cos_i), rsv_bsdf_clearcoat_albedo(bsdf, cos_o)),
-        f_max(rsv_bsdf_sheen_albedo(bsdf, cos_i), rsv_bsdf_sheen_albedo(bsdf, cos_o)));
+    rsv_rgb left = rsv_bsdf_passage(bsdf, cos).light;
+    rsv_table_place at = rsv_table_place_at(sqrtf(fabsf(cos)), RSV_SPREAD_COS);
+    const rsv_rgb *gap = &bsdf->balance[spread][at.index];
+    rsv_rgb here = rgb_mad(gap[0], at.weight, rgb_sub(gap[1], gap[0]));
+    return rgb(
+        rsv_balanced(left.r, here.r), rsv_balanced(left.g, here.g), rsv_balanced(left.b, here.b));
+}
+
+/// a(wi) a(wo)
+RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float cos_i, float cos_o)
+{
+    return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
 RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
@@ -91,31 +102,24 @@ RSV_INLINE float rsv_clearcoat_density(const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_ve
            rsv_reflection_density(bsdf->clearcoat_alpha, wi, wo, n, h);
 }
 
-/// Density of directions off the fibres: S(wi) cos / (pi S_mean).
-RSV_INLINE float rsv_sheen_density(const rsv_bsdf *bsdf, float cos_i)
+/// S(w) as the coat leaves it.
+RSV_INLINE float rsv_bsdf_coated_sheen(const rsv_bsdf *bsdf, float cos)
 {
-    float k = bsdf->sheen_power, mean = 2 / ((k + 1) * (k + 2));
-    return rsv_bsdf_sheen_albedo(bsdf, cos_i) * cos_i / (RSV_PI * mean);
+    return rsv_bsdf_sheen_albedo(bsdf, cos) * (1 - rsv_bsdf_clearcoat_albedo(bsdf, cos));
 }
 
-/// The layers' own lobes, and the base's dimmed by them. @param base in, directed lobes; out, all
+/// The layers' own lobes.
 RSV_INLINE void rsv_add_layers(
-    rsv_bsdf_value *base, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
+    rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
 {
-    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
-    rsv_layer_passage passage = rsv_bsdf_passage_both(bsdf, cos_i, cos_o);
-    base->response = rgb_mul(base->response, passage.light);
-    base->pdf_solid_angle *= passage.chance;
+    float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi), largest = rgb_max(bsdf->sheen);
     if (cos_i <= 0) return;
     if (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0)
-        rsv_add_term(base, bsdf->clearcoat * rsv_clearcoat_density(bsdf, wi, wo, n), rgb_gray(1));
-    float largest = rgb_max(bsdf->sheen);
+        rsv_add_term(value, bsdf->clearcoat * rsv_clearcoat_density(bsdf, wi, wo, n), rgb_gray(1));
     if (largest == 0) return;
-    // fibres lie under the coat
-    float coat =
-        f_max(rsv_bsdf_clearcoat_albedo(bsdf, cos_i), rsv_bsdf_clearcoat_albedo(bsdf, cos_o));
-    float share = (1 - coat) * largest * rsv_bsdf_sheen_albedo(bsdf, cos_o);
-    rsv_add_term(base, share * rsv_sheen_density(bsdf, cos_i), rgb_scale(bsdf->sheen, 1 / largest));
+    float density = rsv_bsdf_coated_sheen(bsdf, cos_i) * cos_i / (RSV_PI * bsdf->sheen_mean);
+    rsv_add_term(value, largest * rsv_bsdf_coated_sheen(bsdf, cos_o) * density,
+        rgb_scale(bsdf->sheen, 1 / largest));
 }
 
 #endif

@@ -1,6 +1,7 @@
 /// Sampling of rsv_bsdf: facets are drawn as they are visible, reflect or transmit by their
 /// reflectance, and count only if the light is not masked on its other leg; what is masked scatters
-/// again. Every step has the probability of the physical event, so no weights arise but colours.
+/// again. Every step has the probability of the physical event, so no weights arise but colours, and
+/// under layers a(wi) / s(wo) of rough lobes (bsdf.h), which is 1 in the mean.
 /// Included by bsdf.h alone.
 #ifndef RSV_BSDF_SAMPLE_H
 #define RSV_BSDF_SAMPLE_H
@@ -15,6 +16,7 @@ typedef struct rsv_bsdf_draw {
     bool front;
     bool ideal;      ///< the direction comes from an ideal lobe
     bool entered;    ///< it left through the coat diffusely: the weight knows the layers already
+    int spread;      ///< RSV_SPREAD_* of the base's lobe
     rsv_random rest; ///< numbers for what seldom needs them
 } rsv_bsdf_draw;
 
@@ -107,6 +109,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_glass_again(rsv_bsdf_draw *draw)
 RSV_INLINE rsv_bsdf_event rsv_draw_glass(rsv_bsdf_draw *draw, float u)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
+    draw->spread = bsdf->solid ? RSV_SPREAD_INTERFACE : RSV_SPREAD_METAL;
     float cos_t, cos_h = f_max(v3_dot(draw->wo, draw->h), 0);
     float eta = rsv_bsdf_eta(bsdf, draw->front);
     rsv_facet_choice choice = rsv_choose_at_facet(bsdf, cos_h, eta, &cos_t);
@@ -139,6 +142,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
     rsv_bsdf_event event;
+    draw->spread = RSV_SPREAD_INTERFACE;
     if (!rsv_bsdf_diffuses(bsdf, draw->front))
         return rsv_reflects_at_coat(draw, u, &event)
                    ? event
@@ -189,15 +193,25 @@ RSV_INLINE rsv_bsdf_event rsv_draw_clearcoat(rsv_bsdf_draw *draw, float u1, floa
     return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
 }
 
-/// 1 - cos has the density of a Beta variable of k + 1 and 2: a product of two powers.
+/// Cosine of density S cos: 1 - cos is a Beta variable of k + 1 and 2, a product of two powers.
+RSV_INLINE float rsv_draw_sheen_cos(rsv_bsdf_draw *draw)
+{
+    float k = draw->bsdf->sheen_power, x = powf(1 - rsv_random_float(&draw->rest), 1 / (k + 1));
+    return f_max(1 - x * powf(1 - rsv_random_float(&draw->rest), 1 / (k + 2)), 1e-6f);
+}
+
+/// Off the fibres, where the coat lets the light out.
 RSV_INLINE rsv_bsdf_event rsv_draw_sheen(rsv_bsdf_draw *draw)
 {
-    float k = draw->bsdf->sheen_power, phi = 2 * RSV_PI * rsv_random_float(&draw->rest);
-    float x = powf(1 - rsv_random_float(&draw->rest), 1 / (k + 1));
-    float cos = 1 - x * powf(1 - rsv_random_float(&draw->rest), 1 / (k + 2));
+    const rsv_bsdf *bsdf = draw->bsdf;
+    float cos = rsv_draw_sheen_cos(draw), phi = 2 * RSV_PI * rsv_random_float(&draw->rest);
+    for (int tries = 0; bsdf->clearcoat > 0 && tries < RSV_MOST_TRIES; tries++) {
+        if (rsv_random_float(&draw->rest) >= rsv_bsdf_clearcoat_albedo(bsdf, cos)) break;
+        cos = rsv_draw_sheen_cos(draw);
+    }
     float sin = sqrtf(f_max(1 - cos * cos, 0));
-    rsv_vec3 local = v3(sin * cosf(phi), sin * sinf(phi), f_max(cos, 1e-6f));
-    rsv_rgb tint = rgb_scale(draw->bsdf->sheen, 1 / rgb_max(draw->bsdf->sheen));
+    rsv_vec3 local = v3(sin * cosf(phi), sin * sinf(phi), cos);
+    rsv_rgb tint = rgb_scale(bsdf->sheen, 1 / rgb_max(bsdf->sheen));
     return rsv_event(RSV_LOBE_REFLECT, rsv_from_frame(local, draw->n), tint);
 }
 
@@ -209,24 +223,29 @@ RSV_INLINE rsv_bsdf_event rsv_draw_base(rsv_bsdf_draw *draw, float u, float u1, 
     return rsv_draw_coated(draw, u);
 }
 
-/// The layers' lobes, or one of the base's if that gets back out through them.
+/// What the layers leave of light that the base sent from `direction`.
+RSV_INLINE rsv_rgb rsv_left_by_layers(const rsv_bsdf_draw *draw, rsv_vec3 direction)
+{
+    float cos_o = v3_dot(draw->n, draw->wo), cos_i = v3_dot(draw->n, direction);
+    bool refracted = draw->bsdf->solid && cos_i < 0;
+    if (draw->ideal || refracted) return rsv_bsdf_passage(draw->bsdf, cos_o).light;
+    return rsv_bsdf_both_ways(draw->bsdf, draw->spread, cos_i, cos_o);
+}
+
+/// The layers' lobes, or else the base's.
 RSV_INLINE rsv_bsdf_event rsv_draw_layered(rsv_bsdf_draw *draw, float u, float u1, float u2)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
     float cos_o = v3_dot(draw->n, draw->wo), coat = rsv_bsdf_clearcoat_albedo(bsdf, cos_o);
     if (rsv_split_number(&u, coat)) return rsv_draw_clearcoat(draw, u1, u2);
-    bool fibres = rsv_split_number(&u, rgb_max(bsdf->sheen) * rsv_bsdf_sheen_albedo(bsdf, cos_o));
-    rsv_bsdf_event event = fibres ? rsv_draw_sheen(draw) : rsv_draw_base(draw, u, u1, u2);
-    if (event.lobe == RSV_LOBE_NONE || event.lobe == RSV_LOBE_DIFFUSE) return event;
-    float cos_i = v3_dot(draw->n, event.direction);
-    if (draw->entered) return event;
-    float way_in = 1 - coat, way_out = 1 - rsv_bsdf_clearcoat_albedo(bsdf, cos_i);
-    rsv_layer_passage both = rsv_bsdf_passage_both(bsdf, cos_i, cos_o);
-    float chance =
-        fibres ? f_min(way_out / way_in, 1) : both.chance / rsv_bsdf_passage(bsdf, cos_o).chance;
-    if (rsv_random_float(&draw->rest) >= chance)
-        return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
-    if (!fibres) event.weight = rgb_mul(event.weight, rgb_scale(both.light, 1 / both.chance));
+    if (rsv_split_number(&u, rgb_max(bsdf->sheen) * rsv_bsdf_sheen_albedo(bsdf, cos_o)))
+        return rsv_draw_sheen(draw);
+    rsv_bsdf_event event = rsv_draw_base(draw, u, u1, u2);
+    if (event.lobe == RSV_LOBE_NONE || event.lobe == RSV_LOBE_DIFFUSE || draw->entered)
+        return event;
+    rsv_rgb left = rsv_left_by_layers(draw, event.direction);
+    float chance = f_max(rsv_bsdf_passage(bsdf, cos_o).chance, 1e-9f);
+    event.weight = rgb_mul(event.weight, rgb_scale(left, 1 / chance));
     return event;
 }
 
@@ -253,7 +272,7 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_event(
         rsv_bsdf_event diffuse = { RSV_LOBE_DIFFUSE, n, rgb_gray(1), 1 };
         return diffuse;
     }
-    rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false,
+    rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, RSV_SPREAD_METAL,
         rsv_random_from(rsv_number_bits(u_lobe), rsv_number_bits(u1), rsv_number_bits(u2)) };
     rsv_bsdf_event event = rsv_bsdf_meets_layers(bsdf, front)
                                ? rsv_draw_layered(&draw, u_lobe, u1, u2)
@@ -290,7 +309,7 @@ RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_specular(
                       !rsv_bsdf_meets_layers(bsdf, front);
     rsv_bsdf_event event;
     if (coat_alone) {
-        rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, rsv_random_from(0, 0, 0) };
+        rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, 0, rsv_random_from(0, 0, 0) };
         event = rsv_draw_weighted_coat(&draw, u1, u2);
         if (event.lobe != RSV_LOBE_NONE)
             event.pdf_solid_angle = rsv_bsdf_pdf(bsdf, event.direction, wo, n, front);

@@ -48,18 +48,10 @@ static float width_of(float roughness)
     return alpha < RSV_SMOOTH_ALPHA ? 0 : alpha;
 }
 
-static void set_layers(rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
-{
-    bsdf->clearcoat = v->clearcoat;
-    bsdf->clearcoat_alpha = width_of(v->clearcoat_roughness);
-    bsdf->clearcoat_place = rsv_table_alpha(bsdf->clearcoat_alpha);
-    bsdf->sheen = v->sheen_color;
-    bsdf->sheen_power = 2 / f_max(v->sheen_roughness, 0.1f);
-    bsdf->layered = v->clearcoat > 0 || !rgb_is_black(v->sheen_color);
-}
+typedef rsv_rgb (*cosine_function)(const rsv_bsdf *bsdf, float cos);
 
-/// T_mean, by Gauss's rule of eight points in x = sqrt(cos), 4 int T x^3 dx.
-static rsv_rgb mean_entry(const rsv_bsdf *bsdf)
+/// 2 int f cos dcos, by Gauss's rule of eight points in x = sqrt(cos), 4 int f x^3 dx.
+static rsv_rgb hemispherical_mean(const rsv_bsdf *bsdf, cosine_function f)
 {
     static const float place[4] = { 0.1834346424956498f, 0.5255324099163290f, 0.7966664774136267f,
         0.9602898564975363f };
@@ -68,15 +60,38 @@ static rsv_rgb mean_entry(const rsv_bsdf *bsdf)
     rsv_rgb sum = rgb_gray(0);
     for (int k = 0; k < 8; k++) {
         float x = 0.5f + (k & 1 ? 0.5f : -0.5f) * place[k / 2];
-        sum = rgb_mad(sum, 2 * weight[k / 2] * x * x * x, rsv_bsdf_entry(bsdf, x * x));
+        sum = rgb_mad(sum, 2 * weight[k / 2] * x * x * x, f(bsdf, x * x));
     }
     return sum;
+}
+
+static rsv_rgb coated_sheen(const rsv_bsdf *bsdf, float cos)
+{
+    return rgb_gray(rsv_bsdf_coated_sheen(bsdf, cos));
+}
+
+static float sheen_mean(const rsv_bsdf *bsdf)
+{
+    float k = bsdf->sheen_power;
+    if (bsdf->clearcoat == 0) return 2 / ((k + 1) * (k + 2));
+    return hemispherical_mean(bsdf, coated_sheen).r;
+}
+
+static void set_layers(rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
+{
+    bsdf->clearcoat = v->clearcoat;
+    bsdf->clearcoat_alpha = width_of(v->clearcoat_roughness);
+    bsdf->clearcoat_place = rsv_table_alpha(bsdf->clearcoat_alpha);
+    bsdf->sheen = v->sheen_color;
+    bsdf->sheen_power = 2 / f_max(v->sheen_roughness, 0.1f);
+    bsdf->layered = v->clearcoat > 0 || !rgb_is_black(v->sheen_color);
+    if (!rgb_is_black(v->sheen_color)) bsdf->sheen_mean = sheen_mean(bsdf);
 }
 
 static rsv_rgb entry_mean(const rsv_bsdf *bsdf)
 {
     if (!bsdf->coated) return rgb_gray(1);
-    if (bsdf->layered) return mean_entry(bsdf);
+    if (bsdf->layered) return hemispherical_mean(bsdf, rsv_bsdf_entry);
     float reflected = bsdf->alpha == 0 ? bsdf->smooth_mean
                                        : rsv_table_mean(bsdf->tables->reflected_mean,
                                              bsdf->eta_place, bsdf->alpha_place);
@@ -113,6 +128,7 @@ rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
     rsv_rgb mean = entry_mean(&varied);
     varied.exitance_albedo = divided(v->base_color, mean);
     varied.passed_albedo = divided(v->diffuse_transmission_color, mean);
+    rsv_bsdf_balance_layers(&varied);
     return varied;
 }
 

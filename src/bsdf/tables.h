@@ -9,7 +9,18 @@
 #define RSV_TABLE_ALPHA 40 ///< alpha = (k / 39)^2
 #define RSV_TABLE_ETA 14   ///< (eta - 1) / (eta + 1) = (k / 13)^2 / 2: from 1 to 3
 
+#define RSV_LOW_IOR 1.5f
+#define RSV_HIGH_IOR 3.0f
+#define RSV_SPREAD_COS 24 ///< cos = (k / 23)^2
+
 typedef float rsv_albedo_row[RSV_TABLE_COS];
+
+/// Light off white metal with all that it scatters again, or reflected once by a dielectric.
+enum { RSV_SPREAD_METAL, RSV_SPREAD_INTERFACE, RSV_SPREADS };
+
+/// Where a rough surface sends light: [j][k] of what comes in at cosine k, the share that leaves about
+/// cosine j, so that sum_j [j][k] f(cos_j) is its integral of f, linear in sqrt(cos) between entries.
+typedef float rsv_spread[RSV_SPREAD_COS][RSV_SPREAD_COS];
 
 /// Means are hemispherical, 2 int f cos dcos, of the interpolated tables.
 typedef struct rsv_bsdf_tables {
@@ -22,6 +33,8 @@ typedef struct rsv_bsdf_tables {
     /// Neither reflected nor transmitted once by a dielectric, from [0] outside, [1] inside.
     rsv_albedo_row missing[2][RSV_TABLE_ETA][RSV_TABLE_ALPHA];
     float missing_mean[2][RSV_TABLE_ETA][RSV_TABLE_ALPHA];
+    rsv_spread metal_spread[RSV_TABLE_ALPHA];        ///< lossless
+    rsv_spread interface_spread[2][RSV_TABLE_ALPHA]; ///< of ior RSV_LOW_IOR, RSV_HIGH_IOR
 } rsv_bsdf_tables;
 
 extern const rsv_bsdf_tables rsv_bsdf_tables_data;

@@ -101,6 +101,74 @@ static float mean(const float *row)
     return (float)(sum / (STEPS * (RSV_TABLE_COS - 1)));
 }
 
+/// Shares a unit of light between the two entries about its cosine.
+static void spread_at(double row[RSV_SPREAD_COS], double x, double amount)
+{
+    double place = x * (RSV_SPREAD_COS - 1);
+    int j = place < RSV_SPREAD_COS - 2 ? (int)place : RSV_SPREAD_COS - 2;
+    row[j] += amount * (j + 1 - place);
+    row[j + 1] += amount * (place - j);
+}
+
+/// What is scattered once, as in `integrate`. @param ior of a dielectric; 0 = metal @return its sum
+static double spread_once(double row[RSV_SPREAD_COS], float ior, float cos_o, float alpha)
+{
+    double sum = 0;
+    rsv_vec3 wo = v3(sqrtf(1 - cos_o * cos_o), 0, cos_o);
+    for (int i = 0; i < COLUMNS * ROWS; i++) {
+        float u = ((float)(i % COLUMNS) + 0.5f) / COLUMNS, v = ((float)(i / COLUMNS) + 0.5f) / ROWS;
+        rsv_vec3 h = rsv_ggx_sample_visible(wo, alpha, 0.5f * u, 1 - v * v * v);
+        float cos_t, cos_h = f_max(v3_dot(wo, h), 0), up = 2 * cos_h * h.z - wo.z;
+        if (up <= 0) continue;
+        float amount = 3 * v * v / (COLUMNS * ROWS) * rsv_ggx_visibility(wo.z, up, alpha);
+        if (ior > 0) amount *= rsv_fresnel_dielectric(cos_h, ior, &cos_t);
+        spread_at(row, sqrt((double)up), (double)amount);
+        sum += (double)amount;
+    }
+    return sum;
+}
+
+/// Adds what is scattered again, of density missing(cos) cos.
+static void spread_again(double row[RSV_SPREAD_COS], const float *missing, double amount)
+{
+    enum { STEPS = 1024 };
+    double all[RSV_SPREAD_COS] = { 0 }, sum = 0;
+    for (int k = 0; k < STEPS; k++) {
+        double x = (k + 0.5) / STEPS;
+        spread_at(all, x,
+            x * x * x *
+                (double)rsv_table_line(missing, rsv_table_place_at((float)x, RSV_TABLE_COS)));
+    }
+    for (int j = 0; j < RSV_SPREAD_COS; j++)
+        sum += all[j];
+    for (int j = 0; j < RSV_SPREAD_COS; j++)
+        row[j] += amount * all[j] / sum;
+}
+
+/// @param ior of a dielectric; 0 = metal
+static void fill_spread(rsv_spread spread, const float *missing, float ior, int a, int k)
+{
+    double row[RSV_SPREAD_COS] = { 0 };
+    float cos_t, cos_o = f_max(square(k, RSV_SPREAD_COS), 1e-5f);
+    if (a == 0) {
+        row[k] = ior > 0 ? (double)rsv_fresnel_dielectric(cos_o, ior, &cos_t) : 1;
+    } else {
+        double once = spread_once(row, ior, cos_o, square(a, RSV_TABLE_ALPHA));
+        if (ior == 0) spread_again(row, missing, 1 - once);
+    }
+    for (int j = 0; j < RSV_SPREAD_COS; j++)
+        spread[j][k] = (float)row[j];
+}
+
+static void fill_spreads(rsv_bsdf_tables *t, int a)
+{
+    for (int k = 0; k < RSV_SPREAD_COS; k++) {
+        fill_spread(t->metal_spread[a], t->conductor_missing[a], 0, a, k);
+        fill_spread(t->interface_spread[0][a], NULL, RSV_LOW_IOR, a, k);
+        fill_spread(t->interface_spread[1][a], NULL, RSV_HIGH_IOR, a, k);
+    }
+}
+
 static void fill_means(rsv_bsdf_tables *t, int a)
 {
     t->conductor_missing_mean[a] = mean(t->conductor_missing[a]);
@@ -135,6 +203,7 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
 {
     const int albedo_shape[] = { 2, RSV_TABLE_ETA, RSV_TABLE_ALPHA, RSV_TABLE_COS, 0 };
     const int mean_shape[] = { 2, RSV_TABLE_ETA, RSV_TABLE_ALPHA, 0 };
+    const int spread_shape[] = { 2, RSV_TABLE_ALPHA, RSV_SPREAD_COS, RSV_SPREAD_COS, 0 };
     fprintf(file, "#include \"bsdf/tables.h\"\n\nconst rsv_bsdf_tables rsv_bsdf_tables_data = {\n");
     print_table(file, "conductor_missing", t->conductor_missing[0], albedo_shape + 2);
     print_table(file, "conductor_missing_mean", t->conductor_missing_mean, mean_shape + 2);
@@ -142,6 +211,8 @@ static void print_tables(FILE *file, const rsv_bsdf_tables *t)
     print_table(file, "reflected_mean", t->reflected_mean[0], mean_shape + 1);
     print_table(file, "missing", t->missing[0][0][0], albedo_shape);
     print_table(file, "missing_mean", t->missing_mean[0][0], mean_shape);
+    print_table(file, "metal_spread", t->metal_spread[0][0], spread_shape + 1);
+    print_table(file, "interface_spread", t->interface_spread[0][0][0], spread_shape);
     fprintf(file, "};\n");
 }
 
@@ -156,6 +227,7 @@ int main(int argc, char **argv)
     for (int a = 0; a < RSV_TABLE_ALPHA; a++) {
         for (int c = 0; c < RSV_TABLE_COS; c++)
             fill(&t, a, c);
+        fill_spreads(&t, a);
         fill_means(&t, a);
     }
     print_tables(file, &t);

@@ -47,6 +47,16 @@ const bsdf_case *bsdf_cases(void)
     layered.diffuse_transmission = 0.6f;
     layered.double_sided = true;
     cases[count++] = (bsdf_case){ "leaf", layered, true };
+    layered = blend(1, 0, 0, 1.5f);
+    layered.clearcoat = 1;
+    layered.clearcoat_roughness = 0.3f;
+    cases[count++] = (bsdf_case){ "metal under clear coat", layered, false };
+    layered.sheen_color = rgb(0.3f, 1, 1);
+    layered.sheen_roughness = 0.7f;
+    layered.transmission = 0.5f;
+    layered.metallic = 0.5f;
+    layered.double_sided = true;
+    cases[count++] = (bsdf_case){ "blend under both layers", layered, true };
     cases[count] = (bsdf_case){ .name = NULL };
     return cases;
 }
