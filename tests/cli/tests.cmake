@@ -7,7 +7,7 @@ if(TARGET resolvent_program)
     endforeach()
     set_tests_properties(cli_python PROPERTIES SKIP_RETURN_CODE 77)
     # what they run, the sanitizers see in the unit tests
-    set_tests_properties(cli_bench cli_render cli_certify PROPERTIES LABELS slow)
+    set_tests_properties(cli_bench cli_render cli_certify cli_relight cli_scene PROPERTIES LABELS slow)
     # other tests would be slowed down, and the time it takes to stop with them
     set_tests_properties(cli_cancel PROPERTIES RUN_SERIAL TRUE)
 endif()

@@ -93,9 +93,9 @@ static void hardly_absorbing_furnaces_converge(void **state)
 {
     (void)state;
     const float albedo[] = { 0.98f, 0.999f, 0.9995f };
-    for (int k = 0; k < 6; k++) {
-        float rho = albedo[k % 3];
-        world *w = k < 3 ? create_furnace(rho) : create_two_sided_furnace(rho);
+    for (int k = 0; k < 3; k++) {
+        float rho = albedo[k];
+        world *w = k == 0 ? create_furnace(rho) : create_two_sided_furnace(rho);
         rsv_solution *s = solve(w, 150);
         assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_CONVERGED);
         assert_true(rsv_solution_report(s)->iterations < 200);
