@@ -21,26 +21,14 @@ double rsv_face_areas_total(const rsv_face_areas *areas)
     return areas->below[areas->elements->face_count];
 }
 
-/// The face that holds the given sum of areas.
-static uint32_t face_at(const rsv_face_areas *areas, double area)
-{
-    size_t low = 0, high = areas->elements->face_count - 1;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (areas->below[middle + 1] > area)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return (uint32_t)low;
-}
-
 rsv_face_point rsv_face_areas_draw(
     const rsv_face_areas *areas, uint32_t index, uint32_t count, uint32_t seed)
 {
     rsv_random random = rsv_random_from(seed, index, 0x9d2cu);
     double strip = ((double)index + (double)rsv_random_float(&random)) / count;
-    rsv_face_point point = { .face = face_at(areas, strip * rsv_face_areas_total(areas)) };
+    rsv_face_point point = { .face = (uint32_t)rsv_interval_at(areas->below + 1,
+                                 areas->elements->face_count,
+                                 strip * rsv_face_areas_total(areas)) };
     float x = rsv_random_float(&random);
     rsv_square_to_triangle(x, rsv_random_float(&random), &point.u, &point.v);
     return point;

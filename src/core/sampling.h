@@ -107,6 +107,36 @@ RSV_INLINE uint32_t rsv_pixel_seed(uint32_t seed, uint32_t row, uint32_t column)
 }
 
 /// Uniform disk, area-preserving and continuous (Shirley and Chiu 1997).
+/// Entry of a cumulative table [count], from above 0 to its total, that holds `value`.
+RSV_INLINE size_t rsv_interval_at(const double *cumulative, size_t count, double value)
+{
+    size_t low = 0, high = count - 1;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (value < cumulative[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+/// Entry of a cumulative table [count] that ends at 1 which holds *x; *x becomes its place within that entry, in [0, 1).
+RSV_INLINE uint32_t rsv_invert_cdf(const float *cdf, uint32_t count, float *x)
+{
+    uint32_t low = 0, high = count - 1;
+    while (low < high) {
+        uint32_t middle = (low + high) / 2;
+        if (*x < cdf[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    float begin = low ? cdf[low - 1] : 0, width = cdf[low] - begin;
+    *x = width > 0 ? f_min(f_max((*x - begin) / width, 0), 0x1.fffffep-1f) : 0.5f;
+    return low;
+}
+
 RSV_INLINE void rsv_square_to_disk(float x, float y, float *dx, float *dy)
 {
     float a = 2 * x - 1, b = 2 * y - 1;

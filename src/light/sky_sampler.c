@@ -107,27 +107,11 @@ void rsv_sky_sampler_destroy(rsv_context *context, rsv_sky_sampler *sampler)
     *sampler = (rsv_sky_sampler){ 0 };
 }
 
-/// First entry above *x; *x becomes its place within that entry, in [0, 1).
-static uint32_t invert(const float *cdf, uint32_t count, float *x)
-{
-    uint32_t low = 0, high = count - 1;
-    while (low < high) {
-        uint32_t middle = (low + high) / 2;
-        if (*x < cdf[middle])
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    float begin = low ? cdf[low - 1] : 0, width = cdf[low] - begin;
-    *x = width > 0 ? f_min(f_max((*x - begin) / width, 0), 0x1.fffffep-1f) : 0.5f;
-    return low;
-}
-
 float rsv_sky_sample(const rsv_sky_sampler *sampler, float u1, float u2, rsv_vec3 *direction)
 {
-    uint32_t row = invert(sampler->row_cdf, sampler->rows, &u2);
+    uint32_t row = rsv_invert_cdf(sampler->row_cdf, sampler->rows, &u2);
     size_t first = (size_t)row * sampler->columns;
-    uint32_t column = invert(sampler->cell_cdf + first, sampler->columns, &u1);
+    uint32_t column = rsv_invert_cdf(sampler->cell_cdf + first, sampler->columns, &u1);
     double upper, lower, left, width;
     row_edges(sampler, row, &upper, &lower);
     column_edges(sampler, column, &left, &width);

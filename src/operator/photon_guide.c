@@ -1,5 +1,6 @@
 #include "photon_guide.h"
 
+#include "../core/sampling.h"
 #include "../core/vec.h"
 
 #define GUIDED_SHARE 0.6f
@@ -144,22 +145,6 @@ void rsv_photon_guide_destroy(rsv_context *context, rsv_photon_guide *guide)
     rsv_free(context, guide->density);
 }
 
-/// Entry of a cumulative table that holds x, which becomes its place within it.
-static int invert(const float *cdf, int count, float *x)
-{
-    int k = 0, last = count - 1;
-    while (k < last) {
-        int middle = (k + last) / 2;
-        if (*x < cdf[middle])
-            last = middle;
-        else
-            k = middle + 1;
-    }
-    float low = k ? cdf[k - 1] : 0, width = cdf[k] - low;
-    *x = width > 0 ? f_min((*x - low) / width, 0x1.fffffep-1f) : 0.5f;
-    return k;
-}
-
 /// From the place in a bin to that in the square.
 static float place(const float *line, float within)
 {
@@ -168,8 +153,8 @@ static float place(const float *line, float within)
 
 float rsv_photon_guide_warp(const rsv_photon_guide *guide, float *x, float *y)
 {
-    int row = invert(guide->row_cdf, RSV_GUIDE_SIDE, y);
-    int column = invert(guide->cell_cdf + row * RSV_GUIDE_SIDE, RSV_GUIDE_SIDE, x);
+    uint32_t row = rsv_invert_cdf(guide->row_cdf, RSV_GUIDE_SIDE, y);
+    uint32_t column = rsv_invert_cdf(guide->cell_cdf + row * RSV_GUIDE_SIDE, RSV_GUIDE_SIDE, x);
     *x = place(guide->grid.x + column, *x);
     *y = place(guide->grid.y + row, *y);
     return guide->density[row * RSV_GUIDE_SIDE + column];
