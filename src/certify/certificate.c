@@ -27,21 +27,6 @@ rsv_certify_desc rsv_brief_certify_desc(void)
     return (rsv_certify_desc){ .samples = 128, .gather_rays = 256, .light_samples = 32 };
 }
 
-static rsv_status check_range(const char *name, uint32_t value, uint32_t least, uint32_t most)
-{
-    if (value >= least && value <= most) return RSV_OK;
-    return rsv_fail(
-        RSV_ERROR_ARGUMENT, "certify: %s is %u; it must be %u to %u", name, value, least, most);
-}
-
-static rsv_status check_desc(const rsv_certify_desc *desc)
-{
-    rsv_status status = check_range("samples", desc->samples, 16, 1u << 24);
-    if (status == RSV_OK) status = check_range("gather_rays", desc->gather_rays, 1, 1u << 16);
-    if (status == RSV_OK) status = check_range("light_samples", desc->light_samples, 2, 1u << 16);
-    return status;
-}
-
 static bool is_finite(const rsv_residual *r)
 {
     return isfinite(rgb_luminance(r->residual[0]) + rgb_luminance(r->residual[1]) +
@@ -216,7 +201,7 @@ rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *des
         .field = field,
         .certificate = certificate };
     *field = (rsv_error_field){ 0 };
-    rsv_status status = check_desc(&x.desc);
+    rsv_status status = rsv_check_certify_desc(&x.desc);
     if (status != RSV_OK) return status;
     x.desc.samples += x.desc.samples % RSV_SAMPLE_SETS;
     *certificate = (rsv_certificate){ 0 };

@@ -50,19 +50,6 @@ static void set_chances(goal_job *job)
     }
 }
 
-static uint32_t cell_at(const goal_job *job, double chance)
-{
-    size_t low = 0, high = job->solution->elements->cell_count - 1;
-    while (low < high) {
-        size_t middle = (low + high) / 2;
-        if (job->below[middle + 1] > chance)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return (uint32_t)low;
-}
-
 /// Point k, one per strip of equal chance. @return its density, 1/m2
 static double draw_point(const goal_job *job, uint32_t k, rsv_face_point *point)
 {
@@ -70,7 +57,7 @@ static double draw_point(const goal_job *job, uint32_t k, rsv_face_point *point)
     rsv_random random = rsv_random_from(job->seed, k, 0x41d3u);
     double total = job->below[e->cell_count];
     double strip = ((double)k + (double)rsv_random_float(&random)) / job->desc.samples;
-    uint32_t cell = cell_at(job, strip * total);
+    uint32_t cell = (uint32_t)rsv_interval_at(job->below + 1, e->cell_count, strip * total);
     float x = rsv_random_float(&random), s, t, u[3], v[3];
     rsv_square_to_triangle(x, rsv_random_float(&random), &s, &t);
     for (int corner = 0; corner < 3; corner++)
@@ -152,13 +139,7 @@ static rsv_status check(const rsv_solution *s, const rsv_certify_desc *desc, uin
     if (camera >= s->scene.view->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "certify: camera %u does not exist, the scene has %zu",
             camera, s->scene.view->camera_count);
-    if (desc->samples < 16 || desc->samples > 1u << 24 || desc->gather_rays < 1 ||
-        desc->gather_rays > 1u << 16 || desc->light_samples < 2 || desc->light_samples > 1u << 16)
-        return rsv_fail(RSV_ERROR_ARGUMENT,
-            "certify: samples (%u) must be 16 to 16777216, gather_rays (%u) 1 to 65536, "
-            "light_samples (%u) 2 to 65536",
-            desc->samples, desc->gather_rays, desc->light_samples);
-    return RSV_OK;
+    return rsv_check_certify_desc(desc);
 }
 
 rsv_status rsv_certify_goal(const rsv_solution *s, const rsv_certify_desc *desc, uint32_t camera,

@@ -255,3 +255,18 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
     }
     return result;
 }
+
+static rsv_status check_range(const char *name, uint32_t value, uint32_t least, uint32_t most)
+{
+    if (value >= least && value <= most) return RSV_OK;
+    return rsv_fail(
+        RSV_ERROR_ARGUMENT, "certify: %s is %u; it must be %u to %u", name, value, least, most);
+}
+
+rsv_status rsv_check_certify_desc(const rsv_certify_desc *desc)
+{
+    rsv_status status = check_range("samples", desc->samples, 16, 1u << 24);
+    if (status == RSV_OK) status = check_range("gather_rays", desc->gather_rays, 1, 1u << 16);
+    if (status == RSV_OK) status = check_range("light_samples", desc->light_samples, 2, 1u << 16);
+    return status;
+}

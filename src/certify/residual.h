@@ -13,6 +13,7 @@
 #define RSV_RESIDUAL_H
 
 #include "../solve/solution.h"
+#include "resolvent/certify.h"
 #include "surface_points.h"
 
 typedef struct rsv_residual_job {
@@ -37,5 +38,8 @@ rsv_residual_job rsv_residual_job_of(
 /// @param stream differs between points; the estimates of different streams are independent
 rsv_residual rsv_residual_at(
     const rsv_residual_job *job, const rsv_face_point *point, uint32_t stream);
+
+/// Whether the numbers of samples are in their ranges.
+rsv_status rsv_check_certify_desc(const rsv_certify_desc *desc);
 
 #endif
