@@ -1,7 +1,6 @@
 #include "scene_internal.h"
 
 #include <math.h>
-#include <string.h>
 
 rsv_material rsv_default_material(void)
 {
@@ -38,38 +37,39 @@ static bool clamp_rgb(rsv_rgb *value, float high, float fallback)
 void rsv_material_clamp(const rsv_context *context, rsv_material *material)
 {
     static const float largest = 1e30f; // products of a few such values stay finite in double
+    static const char unbounded[] =
+        ": a surface that returns more light than it receives has no bounded answer";
     const struct {
         bool changed;
         const char *field;
+        const char *why;
     } fields[] = {
-        { clamp_rgb(&material->base_color, 1, 1), "base_color" },
-        { clamp(&material->metallic, 0, 1, 0), "metallic" },
-        { clamp(&material->roughness, 0, 1, 1), "roughness" },
-        { clamp(&material->ior, 1, largest, 1.5f), "ior" },
-        { clamp(&material->specular, 0, 1, 1), "specular" },
-        { clamp_rgb(&material->specular_color, 1, 1), "specular_color" },
-        { clamp(&material->transmission, 0, 1, 0), "transmission" },
-        { clamp(&material->thickness, 0, largest, 0), "thickness" },
-        { clamp_rgb(&material->attenuation_color, 1, 1), "attenuation_color" },
+        { clamp_rgb(&material->base_color, 1, 1), "base_color", unbounded },
+        { clamp(&material->metallic, 0, 1, 0), "metallic", "" },
+        { clamp(&material->roughness, 0, 1, 1), "roughness", "" },
+        { clamp(&material->ior, 1, largest, 1.5f), "ior", "" },
+        { clamp(&material->specular, 0, 1, 1), "specular", "" },
+        { clamp_rgb(&material->specular_color, 1, 1), "specular_color", unbounded },
+        { clamp(&material->transmission, 0, 1, 0), "transmission", "" },
+        { clamp(&material->thickness, 0, largest, 0), "thickness", "" },
+        { clamp_rgb(&material->attenuation_color, 1, 1), "attenuation_color", unbounded },
         { clamp(&material->attenuation_distance, 1e-30f, INFINITY, INFINITY),
-            "attenuation_distance" },
-        { clamp_rgb(&material->emission, largest, 0), "emission" },
-        { clamp(&material->clearcoat, 0, 1, 0), "clearcoat" },
-        { clamp(&material->clearcoat_roughness, 0, 1, 0), "clearcoat_roughness" },
-        { clamp_rgb(&material->sheen_color, 1, 0), "sheen_color" },
-        { clamp(&material->sheen_roughness, 0, 1, 0), "sheen_roughness" },
-        { clamp(&material->diffuse_transmission, 0, 1, 0), "diffuse_transmission" },
-        { clamp_rgb(&material->diffuse_transmission_color, 1, 1), "diffuse_transmission_color" },
-        { clamp_rgb(&material->scatter_distance, largest, 0), "scatter_distance" },
-        { clamp(&material->opacity, 0, 1, 1), "opacity" },
-        { clamp(&material->alpha_cutoff, 0, largest, 0.5f), "alpha_cutoff" },
+            "attenuation_distance", "" },
+        { clamp_rgb(&material->emission, largest, 0), "emission", "" },
+        { clamp(&material->clearcoat, 0, 1, 0), "clearcoat", "" },
+        { clamp(&material->clearcoat_roughness, 0, 1, 0), "clearcoat_roughness", "" },
+        { clamp_rgb(&material->sheen_color, 1, 0), "sheen_color", unbounded },
+        { clamp(&material->sheen_roughness, 0, 1, 0), "sheen_roughness", "" },
+        { clamp(&material->diffuse_transmission, 0, 1, 0), "diffuse_transmission", "" },
+        { clamp_rgb(&material->diffuse_transmission_color, 1, 1), "diffuse_transmission_color",
+            unbounded },
+        { clamp_rgb(&material->scatter_distance, largest, 0), "scatter_distance", "" },
+        { clamp(&material->opacity, 0, 1, 1), "opacity", "" },
+        { clamp(&material->alpha_cutoff, 0, largest, 0.5f), "alpha_cutoff", "" },
     };
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
         if (fields[i].changed)
             rsv_log(context, RSV_LOG_WARNING,
                 "material '%s': %s was outside its range and is clamped%s", material->name,
-                fields[i].field,
-                strstr(fields[i].field, "color")
-                    ? ": a surface that returns more light than it receives has no bounded answer"
-                    : "");
+                fields[i].field, fields[i].why);
 }
