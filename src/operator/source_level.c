@@ -7,11 +7,8 @@
 
 #include <string.h>
 
-#define RECEIVER_POINTS 4
 /// Caustics have sharper edges than shadows: they may split cells this many times more.
 #define CAUSTIC_LEVELS 2
-/// Nodes of split cells lie where shadows end: they get more shadow rays.
-#define PENUMBRA_FACTOR 4
 /// Cells are split where irradiance bends by more than this share of the local level.
 #define BEND 0.1f
 /// Below this share of the scene's mean irradiance, a bend is invisible.
@@ -43,7 +40,8 @@ static rsv_status prepare_elements(level_builder *b)
     if (status != RSV_OK) return status;
     b->valid_points = rsv_alloc(e->context, e->node_count, sizeof *b->valid_points);
     if (!b->valid_points) return RSV_ERROR_MEMORY;
-    status = rsv_find_buried(b->scene, e, RECEIVER_POINTS, b->desc->seed, b->valid_points, b->rays);
+    status =
+        rsv_find_buried(b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->valid_points, b->rays);
     return status == RSV_OK ? rsv_elements_bridge_buried(e, b->valid_points) : status;
 }
 
@@ -51,7 +49,7 @@ static rsv_status prepare_elements(level_builder *b)
 /// depend on its own samples: stopping early where all of them see the light would be biased.)
 static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint8_t *known)
 {
-    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RECEIVER_POINTS,
+    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RSV_LEVEL_POINTS,
         samples, b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
     rsv_mark_buried(b->elements, b->valid_points, b->deviation);
     return status;
@@ -206,7 +204,7 @@ static rsv_status split_once(level_builder *b)
             goto cleanup;
         }
         carry_over(b, old, old_direct, old_deviation, known);
-        RSV_TRY(estimate_direct(b, PENUMBRA_FACTOR * b->desc->light_samples, known));
+        RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, known));
     }
 cleanup:
     rsv_free(context, known);

@@ -7,6 +7,10 @@
 #include "direct.h"
 #include "photons.h"
 
+#define RSV_LEVEL_POINTS 4 ///< receiver points over the support of a node
+/// Nodes of split cells lie where shadows end: they get so many times the shadow rays.
+#define RSV_PENUMBRA_FACTOR 4
+
 typedef struct rsv_source_level_desc {
     bool direct;            ///< next-event estimates wanted
     uint32_t photon_count;  ///< 0 = no caustics wanted

@@ -6,10 +6,6 @@
 #include <string.h>
 
 enum { DIRECT, COARSE_CAUSTIC, FINE, CAUSTIC };
-/// As when the levels were built (source_level.c, solution.c).
-#define FINE_POINTS 4
-#define FINE_FACTOR 4
-#define COARSE_FACTOR 2
 
 rsv_rgb **rsv_light_part_field(rsv_light_part *part, size_t field)
 {
@@ -32,16 +28,19 @@ size_t rsv_light_field_length(const rsv_solution *s, size_t field)
     }
 }
 
+rsv_rgb *rsv_light_field(const rsv_solution *s, size_t field)
+{
+    rsv_rgb *const fields[RSV_LIGHT_FIELDS] = { s->source, s->caustics.coarse_caustic,
+        s->fine.direct, s->caustics.caustic };
+    return fields[field];
+}
+
 static float positive(float value) { return f_max(value, 0); }
 
 void rsv_light_total(const rsv_solution *s, size_t field, rsv_rgb *total)
 {
-    const rsv_rgb *from = field == FINE      ? s->fine.direct
-                          : field == CAUSTIC ? s->caustics.caustic
-                          : field == DIRECT  ? s->source
-                                             : s->caustics.coarse_caustic;
     size_t length = rsv_light_field_length(s, field);
-    if (length) memcpy(total, from, length * sizeof *total);
+    if (length) memcpy(total, rsv_light_field(s, field), length * sizeof *total);
     for (size_t n = 0; field == DIRECT && n < length; n++) {
         rsv_rgb rest = rgb_sub(total[n], s->gathered[n]);
         if (s->caustics.coarse_caustic) rest = rgb_sub(rest, s->caustics.coarse_caustic[n]);
@@ -119,12 +118,12 @@ static rsv_status estimate_alone(const rsv_solution *s, const rsv_source *source
     RSV_TRY(allocate_part(s, part));
     RSV_TRY(rsv_solo_create(s->lights, source, &solo));
     RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->elements, RSV_SUPPORT_POINTS,
-        COARSE_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL, part->direct,
-        NULL, &rays));
+        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
+        part->direct, NULL, &rays));
     if (part->fine)
-        RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->fine.elements, FINE_POINTS,
-            FINE_FACTOR * s->desc.light_samples, s->desc.seed, fine_valid, NULL, part->fine, NULL,
-            &rays));
+        RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->fine.elements, RSV_LEVEL_POINTS,
+            RSV_PENUMBRA_FACTOR * s->desc.light_samples, s->desc.seed, fine_valid, NULL, part->fine,
+            NULL, &rays));
     if (part->caustic) RSV_TRY(shoot_alone(s, solo, part));
 cleanup:
     rsv_solo_destroy(solo);
@@ -140,7 +139,7 @@ static rsv_status find_fine_valid(const rsv_solution *s, uint16_t **valid)
     *valid = rsv_alloc(s->context, s->fine.elements->node_count, sizeof **valid);
     if (!*valid) return RSV_ERROR_MEMORY;
     return rsv_find_buried(
-        &s->scene, s->fine.elements, FINE_POINTS, s->desc.seed ^ 0x2545f491u, *valid, &rays);
+        &s->scene, s->fine.elements, RSV_LEVEL_POINTS, rsv_level_seed(s), *valid, &rays);
 }
 
 rsv_status rsv_light_part_estimate(

@@ -44,6 +44,9 @@ void rsv_light_basis_destroy(rsv_light_basis *basis);
 
 #define RSV_MAX_LIGHT_PARTS 64
 
+/// Where the solution keeps a field; all its sources together, in the first one with what rows gathered and caustics.
+rsv_rgb *rsv_light_field(const struct rsv_solution *solution, size_t field);
+
 /// What the next-event estimates and caustics of a solution are, all sources together. @param total [length of field]
 void rsv_light_total(const struct rsv_solution *solution, size_t field, rsv_rgb *total);
 

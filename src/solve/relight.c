@@ -189,20 +189,10 @@ static void combine(const relighting *r, size_t field, rsv_rgb *sum)
     }
 }
 
-static void find_targets(rsv_solution *s, rsv_rgb *target[RSV_LIGHT_FIELDS])
-{
-    target[0] = s->source;
-    target[1] = s->caustics.coarse_caustic;
-    target[2] = s->fine.direct;
-    target[3] = s->caustics.caustic;
-}
-
 /// Replaces everything of E0 but for what rows gathered; the coarse whole comes first, as it is found by difference.
 static rsv_status scale_sources(relighting *r)
 {
     rsv_solution *s = r->s;
-    rsv_rgb *target[RSV_LIGHT_FIELDS];
-    find_targets(s, target);
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
         size_t length = rsv_light_field_length(s, field);
         if (!length) continue;
@@ -210,7 +200,7 @@ static rsv_status scale_sources(relighting *r)
         if (!sum) return RSV_ERROR_MEMORY;
         rsv_light_total(s, field, sum);
         combine(r, field, sum);
-        memcpy(target[field], sum, length * sizeof *sum);
+        memcpy(rsv_light_field(s, field), sum, length * sizeof *sum);
         rsv_free(s->context, sum);
     }
     return RSV_OK;
@@ -223,17 +213,17 @@ static rsv_status sample_surroundings(relighting *r)
     rsv_status status;
     rsv_source *source = NULL;
     rsv_light_part part = { 0 };
-    rsv_rgb *target[RSV_LIGHT_FIELDS];
     size_t count, k = 0;
-    find_targets(s, target);
     RSV_TRY(rsv_list_sources(s->lights, &source, &count));
     while (k < count && source[k].kind != RSV_SOURCE_SURROUNDINGS)
         k++;
     if (k == count) goto cleanup; // switched off
     RSV_TRY(rsv_light_part_estimate(s, &source[k], &part));
-    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
+        rsv_rgb *whole = rsv_light_field(s, field), *found = *rsv_light_part_field(&part, field);
         for (size_t n = 0; n < rsv_light_field_length(s, field); n++)
-            target[field][n] = rgb_add(target[field][n], (*rsv_light_part_field(&part, field))[n]);
+            whole[n] = rgb_add(whole[n], found[n]);
+    }
 cleanup:
     rsv_light_part_free(s->context, &part);
     rsv_free(s->context, source);

@@ -13,8 +13,6 @@
 /// Pilot solutions with few rays show where coarse cells are too large for the indirect light.
 #define PILOT_RAYS 128
 #define FEWEST_RAYS 64
-/// Coarse elements are few and each feeds all others: their direct light gets more shadow rays.
-#define COARSE_LIGHT_FACTOR 2
 #define PILOT_ORDERS 3
 /// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
 /// light changes quickly.
@@ -180,7 +178,7 @@ static rsv_status create_fine_levels(rsv_solution *s)
     rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
         .max_cells = rsv_budget_cells(s),
         .light_samples = s->desc.light_samples,
-        .seed = s->desc.seed ^ 0x2545f491u };
+        .seed = rsv_level_seed(s) };
     rsv_status status = RSV_OK;
     uint8_t *hidden = NULL;
     if (s->desc.goal_camera != RSV_NONE) {
@@ -207,8 +205,8 @@ cleanup:
 static rsv_status create_source(rsv_solution *s)
 {
     rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL, s->source,
-        NULL, &s->report.rays);
+        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
+        s->source, NULL, &s->report.rays);
     if (status != RSV_OK) return status;
     rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
     for (size_t n = 0; n < s->elements->node_count; n++) {
@@ -342,7 +340,7 @@ static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *r
     RSV_TRY(create_albedos(s));
     RSV_TRY(assemble(s, PILOT_RAYS));
     RSV_TRY(create_source(s));
-    RSV_TRY(rsv_solve_neumann(s, PILOT_ORDERS));
+    RSV_TRY(rsv_solve_orders(s, PILOT_ORDERS));
     for (size_t n = 0; n < nodes; n++)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
@@ -538,7 +536,7 @@ rsv_status rsv_solution_solve_again(rsv_solution *s)
     rsv_free(s->context, s->irradiance);
     rsv_free(s->context, s->indirect);
     s->irradiance = s->indirect = NULL;
-    RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
+    RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
     rsv_diffused_level_destroy(s->context, &s->diffused);
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - start;
@@ -564,7 +562,7 @@ static rsv_status build(rsv_solution *s)
     s->report.rows = rsv_solution_rows(s);
     s->report.direct_elements = count_nodes(s->fine.elements) + count_nodes(s->caustics.elements);
     s->report.entries = rsv_transport_entries(s->transport) + rsv_subsurface_entries(s->subsurface);
-    RSV_TRY(rsv_solve_neumann(s, s->desc.max_orders));
+    RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - assembled;
     s->report.bytes = rsv_solution_bytes(s);

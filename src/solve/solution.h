@@ -48,6 +48,15 @@ rsv_status rsv_solution_prepare(
 /// Finds surfaces and lights again after the scene's strengths and colours changed; what is gathered stays so.
 rsv_status rsv_solution_refresh(rsv_solution *solution);
 
+/// Coarse elements are few and each feeds all others: their direct light gets so many times the shadow rays.
+#define RSV_COARSE_LIGHT_FACTOR 2
+
+/// Of the random numbers of the direct and caustic levels.
+static inline uint32_t rsv_level_seed(const rsv_solution *solution)
+{
+    return solution->desc.seed ^ 0x2545f491u;
+}
+
 /// Solves again, after sources or albedos changed.
 rsv_status rsv_solution_solve_again(rsv_solution *solution);
 
@@ -56,8 +65,9 @@ rsv_status rsv_solution_solve_again(rsv_solution *solution);
 rsv_rgb rsv_solution_direct(
     const rsv_solution *solution, uint32_t face, float u, float v, bool skip_sampled);
 
-/// Solves E = E0 + G K E by its Neumann series, keeping the orders. Fills the report.
-/// @param max_orders terms at most
-rsv_status rsv_solve_neumann(rsv_solution *solution, uint32_t max_orders);
+/// Solves E = E0 + G K E: keeps the first orders of light one by one, leaves the rest to the solver that the description
+/// asks for or the norm suggests. Fills the report.
+/// @param max_orders applications of G K at most
+rsv_status rsv_solve_orders(rsv_solution *solution, uint32_t max_orders);
 
 #endif

@@ -153,7 +153,8 @@ static void add_rest(series *q, const rsv_rgb *sum)
     add_term(q->s, q->next);
 }
 
-/// Solves rest = term + G K rest by the solver of the report; if that was our own choice and it fails, by GMRES.
+/// Solves rest = term + G K rest by the solver of the report; if that was our own choice and it fails, by GMRES or, if
+/// that was it, by the series.
 static rsv_status solve_rest(series *q, uint32_t max_applications)
 {
     rsv_solve_report *report = &q->s->report;
@@ -174,7 +175,8 @@ static rsv_status solve_rest(series *q, uint32_t max_applications)
         size_t length = strlen(report->solver_reason);
         snprintf(report->solver_reason + length, sizeof report->solver_reason - length,
             "; %s failed", rsv_solver_name(report->solver));
-        report->solver = desc.solver = RSV_SOLVER_GMRES;
+        report->solver = desc.solver =
+            report->solver == RSV_SOLVER_GMRES ? RSV_SOLVER_NEUMANN : RSV_SOLVER_GMRES;
         RSV_TRY(rsv_transport_map_prepare(q->map, report->solver));
         RSV_TRY(rsv_linear_solve(&q->map->linear, 3, &q->term->r, &desc, &rest->r, &linear));
         report->iterations += (uint32_t)ceil(linear.applications);
@@ -324,7 +326,7 @@ static void report_error(const series *q, rsv_rgb *scratch)
         s->report.stop_reason = RSV_STOP_CONVERGED;
 }
 
-rsv_status rsv_solve_neumann(rsv_solution *s, uint32_t max_orders)
+rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
 {
     rsv_status status;
     size_t nodes = s->elements->node_count;
