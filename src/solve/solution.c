@@ -1,40 +1,17 @@
 #include "solution.h"
 
-#include "../operator/bend.h"
-#include "../operator/burial.h"
-#include "../operator/cluster.h"
-#include "../operator/contact.h"
 #include "../operator/elements_internal.h"
 #include "budget.h"
+#include "coarse_elements.h"
 #include "goal.h"
+#include "pilot.h"
+#include "source.h"
+#include "system.h"
 
-#include <string.h>
-
-/// Pilot solutions with few rays show where coarse cells are too large for the indirect light.
-#define PILOT_RAYS 128
-#define FEWEST_RAYS 64
-#define PILOT_ORDERS 3
-/// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
-/// light changes quickly.
-#define CLUSTER_RADIUS 1.0f
-#define CLUSTER_RADIUS_WITHOUT_PILOTS 0.5f
-#define PILOT_BEND 0.2f
-#define LARGEST_BEND 2.0f
-/// Pilots may bring the number of nodes to this many times what was asked for. A split adds about so many.
-#define MOST_NODES 8
-#define NODES_PER_SPLIT 2
 /// Where budgets are exceeded, elements grow by this factor at most at a time, as long as that leaves fewer than this
 /// part of them.
 #define LARGEST_STEP 4.0f
 #define LEAST_PROGRESS 0.95
-/// Part of the mean indirect light below which nobody sees a relative error.
-#define PILOT_DARK 0.02f
-/// Elements are split for a goal until they are at most this much larger than wanted.
-#define GOAL_TOLERANCE 1.4f
-/// From this factor on, elements are not worth splitting where light bends.
-#define GOAL_IDLE 1.5f
-/// Places on each element where textured albedo is looked up.
-#define ALBEDO_POINTS 16
 
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
@@ -73,7 +50,7 @@ static rsv_status check_desc(const rsv_solve_desc *desc)
 {
     if (desc->element_target == 0)
         return rsv_fail(RSV_ERROR_ARGUMENT, "solve: element_target must be positive");
-    if (!is_power_of_two(desc->rays_per_element) || desc->rays_per_element < FEWEST_RAYS ||
+    if (!is_power_of_two(desc->rays_per_element) || desc->rays_per_element < RSV_FEWEST_RAYS ||
         desc->rays_per_element > 4096)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "solve: rays_per_element is %u; it must be a power of two from 64 to 4096",
@@ -112,301 +89,6 @@ static float spacing_for(const rsv_solution *s, uint32_t target)
     return area > 0 ? (float)sqrt(area / target) : 1;
 }
 
-/// Mean over the hat function of a node: irradiance is smooth there, textures are not. Weighted by the share of
-/// light that is scattered diffusely, which gather rays take care of.
-static rsv_rgb mean_albedo(const rsv_solution *s, uint32_t node)
-{
-    const rsv_elements *e = s->elements;
-    rsv_support_point sample[ALBEDO_POINTS];
-    if (e->support_begin[node] == e->support_begin[node + 1]) return rgb_gray(0); // bridged
-    rsv_elements_sample_support(e, node, ALBEDO_POINTS, s->desc.seed, sample);
-    float width = sqrtf(3 * e->node_area[node] / ALBEDO_POINTS), weights = 0;
-    rsv_rgb sum = rgb_gray(0);
-    for (uint32_t k = 0; k < ALBEDO_POINTS; k++) {
-        rsv_bsdf storage;
-        uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
-        const rsv_bsdf *bsdf = rsv_surface_bsdf(
-            s->scene.view, s->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
-        float weight = bsdf->diffuse * bsdf->opacity;
-        sum = rgb_mad(sum, weight, bsdf->exitance_albedo);
-        weights += weight;
-    }
-    return weights > 0 ? rgb_scale(sum, 1 / weights) : sum;
-}
-
-static rsv_status create_albedos(rsv_solution *s)
-{
-    const rsv_elements *e = s->elements;
-    s->exitance_albedo = rsv_alloc(s->context, e->node_count, sizeof *s->exitance_albedo);
-    s->source = rsv_alloc(s->context, e->node_count, sizeof *s->source);
-    s->gathered = rsv_alloc(s->context, e->node_count, sizeof *s->gathered);
-    if (!s->exitance_albedo || !s->source || !s->gathered) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
-    for (size_t n = 0; n < e->node_count; n++) {
-        uint32_t triangle = e->face_triangle[e->node_face[n]];
-        uint32_t material = s->scene.view->triangle_material[triangle];
-        s->exitance_albedo[n] = s->scene.view->material_varies[material]
-                                    ? mean_albedo(s, (uint32_t)n)
-                                    : s->bsdf[material].exitance_albedo;
-    }
-    return RSV_OK;
-}
-
-/// Everything that belongs to one set of coarse elements: G, K, E0 and the solution.
-static void destroy_system(rsv_solution *s)
-{
-    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
-        rsv_free(s->context, s->order[k]);
-        s->order[k] = NULL;
-    }
-    rsv_free(s->context, s->irradiance);
-    rsv_free(s->context, s->indirect);
-    rsv_free(s->context, s->source);
-    rsv_free(s->context, s->gathered);
-    rsv_free(s->context, s->exitance_albedo);
-    rsv_transport_destroy(s->transport);
-    s->irradiance = s->indirect = s->source = s->gathered = s->exitance_albedo = NULL;
-    s->transport = NULL;
-}
-
-/// Caustics have elements of their own: they are the same whether direct light is left to the renderer or not.
-static rsv_status create_fine_levels(rsv_solution *s)
-{
-    bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
-                    rsv_photons_wanted(&s->scene, s->lights);
-    bool sampled = rsv_lights_any_sampled(s->lights) || s->scene.view->light_count > 0;
-    rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
-        .max_cells = rsv_budget_cells(s),
-        .light_samples = s->desc.light_samples,
-        .seed = rsv_level_seed(s) };
-    rsv_status status = RSV_OK;
-    uint8_t *hidden = NULL;
-    if (s->desc.goal_camera != RSV_NONE) {
-        hidden = rsv_alloc(s->context, s->elements->cell_count, 1);
-        RSV_TRY(hidden ? RSV_OK : RSV_ERROR_MEMORY);
-        RSV_TRY(rsv_goal_hidden_cells(s, s->desc.goal_camera, hidden));
-    }
-    desc.hidden = hidden;
-    rsv_source_level_desc direct_desc = desc, caustic_desc = desc;
-    direct_desc.direct = true;
-    caustic_desc.photon_count = s->desc.photon_count;
-    if (s->desc.direct_level && sampled)
-        status = rsv_source_level_create(
-            &s->scene, s->lights, s->elements, &direct_desc, &s->fine, &s->report.rays);
-    if (status == RSV_OK && caustics)
-        status = rsv_source_level_create(
-            &s->scene, s->lights, s->elements, &caustic_desc, &s->caustics, &s->report.rays);
-cleanup:
-    rsv_free(s->context, hidden);
-    return status;
-}
-
-/// E0 on the coarse elements: next-event estimates, gathered emission and caustics.
-static rsv_status create_source(rsv_solution *s)
-{
-    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
-        s->source, NULL, &s->report.rays);
-    if (status != RSV_OK) return status;
-    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
-    for (size_t n = 0; n < s->elements->node_count; n++) {
-        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
-        s->source[n] = rgb_add(s->source[n], s->gathered[n]);
-        if (s->caustics.coarse_caustic)
-            s->source[n] = rgb_add(s->source[n], s->caustics.coarse_caustic[n]);
-    }
-    rsv_elements_constrain(s->elements, s->gathered);
-    rsv_elements_constrain(s->elements, s->source);
-    return RSV_OK;
-}
-
-/// Elements ready to receive: walls kept apart, fine meshes clustered, buried points known, buried corners
-/// bridged.
-static rsv_status prepare_elements(rsv_solution *s)
-{
-    rsv_status status = rsv_elements_separate(s->tracer, s->elements, &s->report.rays);
-    if (status == RSV_OK)
-        status = rsv_elements_cluster(s->elements,
-            s->elements->spacing *
-                (s->desc.refinements ? CLUSTER_RADIUS : CLUSTER_RADIUS_WITHOUT_PILOTS));
-    if (status != RSV_OK) return status;
-    rsv_free(s->context, s->valid_points);
-    s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);
-    if (!s->valid_points) return RSV_ERROR_MEMORY;
-    status = rsv_find_buried(
-        &s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed, s->valid_points, &s->report.rays);
-    return status == RSV_OK ? rsv_elements_bridge_buried(s->elements, s->valid_points) : status;
-}
-
-static rsv_status assemble(rsv_solution *s, uint32_t rays)
-{
-    rsv_status status = rsv_transport_create(
-        &s->scene, s->lights, s->elements, s->valid_points, rays, s->desc.seed, &s->transport);
-    if (status == RSV_OK) s->report.rays += s->transport->rays;
-    return status;
-}
-
-/// Where nothing reflects diffusely, irradiance is of no consequence: what cameras and probes see comes straight
-/// from the sources.
-static bool reflects_diffusely(const rsv_solution *s)
-{
-    for (size_t m = 0; m < s->scene.view->material_count; m++)
-        if (s->bsdf[m].diffuse > 0 && !rgb_is_black(s->bsdf[m].exitance_albedo)) return true;
-    return false;
-}
-
-static void mark_pair(void *user, uint32_t cell, uint32_t other)
-{
-    uint8_t *split = user;
-    split[cell] = split[other] = 1;
-}
-
-static rsv_status split_marked(rsv_solution *s, const uint8_t *split)
-{
-    rsv_elements *finer = NULL;
-    rsv_status status = rsv_elements_refine(s->elements, split, &finer);
-    if (status != RSV_OK) return status;
-    rsv_elements_destroy(s->elements);
-    s->elements = finer;
-    return prepare_elements(s);
-}
-
-/// Rows that refining the marked cells adds, about.
-static double rows_for(const rsv_elements *e, const uint8_t *marked, bool *any)
-{
-    double rows = 0;
-    *any = false;
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (!marked[c]) continue;
-        *any = true;
-        rows += rsv_cell_follows(e, c) ? (double)rsv_cell_new_leaders(e, c) : NODES_PER_SPLIT;
-    }
-    return rows;
-}
-
-/// Where a mesh is finer than its clusters, these shrink rather than its triangles.
-static void shrink_clusters(rsv_elements *e, uint8_t *marked)
-{
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (!marked[c] || !rsv_cell_follows(e, c)) continue;
-        e->face_halvings[e->cell[c].face]++;
-        marked[c] = 0;
-    }
-}
-
-/// Leaves cells alone whose light hardly matters to the goal.
-static void unmark_idle(const rsv_goal *goal, const rsv_elements *e, uint8_t *split)
-{
-    for (uint32_t c = 0; goal->elements && c < e->cell_count; c++)
-        if (split[c] && rsv_goal_size_at(goal, e, c) > GOAL_IDLE) split[c] = 0;
-}
-
-/// Marks the cells over which indirect light bends, the strongest bends alone where all of them would take more nodes
-/// than there should be. @param any out: false if none are marked
-static rsv_status mark_bends(
-    const rsv_solution *s, const rsv_goal *goal, const float *deviation, uint8_t *split, bool *any)
-{
-    const rsv_elements *e = s->elements;
-    float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, s->indirect);
-    size_t rows = rsv_solution_rows(s), most = (size_t)MOST_NODES * s->desc.element_target;
-    if (most > rsv_budget_rows(s)) most = rsv_budget_rows(s);
-    *any = false;
-    for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
-        memset(split, 0, e->cell_count);
-        rsv_status status = rsv_find_bends(
-            e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
-        rsv_find_cluster_bends(e, s->indirect, deviation, bend, dark, mark_pair, split);
-        unmark_idle(goal, e, split);
-        bool marked;
-        *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
-        if (status != RSV_OK || !marked || *any) return status;
-    }
-    return RSV_OK;
-}
-
-/// Splits coarse cells over which the first few orders of a pilot solution bend.
-/// @param refined out: false if there are none
-static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *refined)
-{
-    rsv_status status = RSV_OK;
-    uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
-    size_t nodes = s->elements->node_count;
-    float *deviation = rsv_alloc(s->context, nodes, sizeof *deviation);
-    rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
-    if (!split || !deviation || !exitance) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
-    }
-    RSV_TRY(create_albedos(s));
-    RSV_TRY(assemble(s, PILOT_RAYS));
-    RSV_TRY(create_source(s));
-    RSV_TRY(rsv_solve_orders(s, PILOT_ORDERS));
-    for (size_t n = 0; n < nodes; n++)
-        exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
-    rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
-    rsv_mark_buried(s->elements, s->valid_points, deviation);
-    RSV_TRY(mark_bends(s, goal, deviation, split, refined));
-    destroy_system(s);
-    if (!*refined) goto cleanup;
-    shrink_clusters(s->elements, split);
-    RSV_TRY(split_marked(s, split));
-cleanup:
-    rsv_free(s->context, split);
-    rsv_free(s->context, deviation);
-    rsv_free(s->context, exitance);
-    return status;
-}
-
-/// Splits cells that are too large for what they matter; one round halves them.
-static rsv_status split_for_goal(rsv_solution *s, const rsv_goal *goal)
-{
-    const rsv_elements *e = s->elements;
-    uint8_t *split = rsv_alloc(s->context, e->cell_count, 1);
-    if (!split) return RSV_ERROR_MEMORY;
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        float size = sqrtf(2 * rsv_cell_area(e, c));
-        split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
-                   size > GOAL_TOLERANCE * e->spacing * rsv_goal_size_at(goal, e, c);
-    }
-    rsv_status status = split_marked(s, split);
-    rsv_free(s->context, split);
-    return status;
-}
-
-/// Learns on coarse elements what matters to the goal, and refines them accordingly.
-static rsv_status refine_for_goal(rsv_solution *s, rsv_goal *goal)
-{
-    rsv_status status;
-    RSV_TRY(create_albedos(s));
-    RSV_TRY(assemble(s, PILOT_RAYS));
-    RSV_TRY(rsv_goal_create(s, s->desc.goal_camera, goal));
-    destroy_system(s);
-    for (float size = RSV_GOAL_COARSEST; size > 1; size /= 2)
-        RSV_TRY(split_for_goal(s, goal));
-cleanup:
-    return status;
-}
-
-/// @param spacing metres, wanted
-static rsv_status create_elements_of(rsv_solution *s, float spacing)
-{
-    rsv_status status;
-    rsv_goal goal = { 0 };
-    bool has_goal = s->desc.goal_camera != RSV_NONE && reflects_diffusely(s);
-    RSV_TRY(rsv_elements_create(
-        s->scene.scene, s->bsdf, has_goal ? RSV_GOAL_COARSEST * spacing : spacing, &s->elements));
-    s->elements->spacing = spacing;
-    RSV_TRY(rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays));
-    RSV_TRY(prepare_elements(s));
-    bool refined = reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
-    if (has_goal && refined) RSV_TRY(refine_for_goal(s, &goal));
-    for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++)
-        RSV_TRY(refine_by_pilot(s, &goal, &refined));
-cleanup:
-    rsv_goal_destroy(&goal);
-    return status;
-}
-
 /// Creates elements, larger ones as long as there are more than budgets allow.
 static rsv_status create_elements(rsv_solution *s)
 {
@@ -415,7 +97,9 @@ static rsv_status create_elements(rsv_solution *s)
     size_t before = SIZE_MAX;
     RSV_TRY(rsv_budget_open(s));
     for (;;) {
-        RSV_TRY(create_elements_of(s, spacing));
+        RSV_TRY(rsv_coarse_elements_create(
+            s, spacing, rsv_pilot_has_goal(s) ? RSV_GOAL_COARSEST * spacing : spacing));
+        RSV_TRY(rsv_pilot_refine(s));
         while (rsv_solution_rows(s) > rsv_budget_rows(s) && rsv_budget_halve_rays(s)) {}
         size_t rows = rsv_solution_rows(s), most = rsv_budget_rows(s);
         if (rows <= most) break;
@@ -458,17 +142,6 @@ static void warn_if_unbounded(const rsv_solution *s)
             report->spectral_radius);
 }
 
-/// Tells gather rays and shadow rays what each of them finds of the surroundings.
-static rsv_status divide_environment(rsv_solution *s)
-{
-    rsv_environment_light *environment = s->lights->environment;
-    s->bin_radiance = rsv_alloc(s->context, RSV_ESCAPE_BINS, sizeof *s->bin_radiance);
-    if (!s->bin_radiance) return RSV_ERROR_MEMORY;
-    rsv_status status = environment ? rsv_environment_light_divide(environment) : RSV_OK;
-    return status == RSV_OK ? rsv_escape_radiance(s->context, environment, s->bin_radiance)
-                            : status;
-}
-
 static size_t count_nodes(const rsv_elements *elements)
 {
     return elements ? elements->node_count : 0;
@@ -484,7 +157,7 @@ static rsv_status prepare(rsv_solution *s)
     s->scene.media = rsv_media_of(s->scene.view, s->tracer, s->bsdf);
     s->report.time_bvh = rsv_seconds() - start;
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
-    RSV_TRY(divide_environment(s));
+    RSV_TRY(rsv_source_divide_environment(s));
 cleanup:
     return status;
 }
@@ -519,7 +192,7 @@ rsv_status rsv_solution_refresh(rsv_solution *s)
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
     RSV_TRY(rsv_lights_gather_like(s->lights, before));
     rsv_free(s->context, s->bin_radiance);
-    RSV_TRY(divide_environment(s));
+    RSV_TRY(rsv_source_divide_environment(s));
 cleanup:
     rsv_lights_destroy(before);
     return status;
@@ -550,11 +223,12 @@ static rsv_status build(rsv_solution *s)
     rsv_status status;
     double start = rsv_seconds();
     RSV_TRY(create_elements(s));
-    RSV_TRY(create_albedos(s));
-    RSV_TRY(assemble(s, reflects_diffusely(s) ? s->desc.rays_per_element : FEWEST_RAYS));
+    RSV_TRY(rsv_system_create_fields(s));
+    RSV_TRY(rsv_system_assemble(
+        s, rsv_reflects_diffusely(s) ? s->desc.rays_per_element : RSV_FEWEST_RAYS));
     RSV_TRY(rsv_subsurface_create(s->elements, &s->subsurface));
-    RSV_TRY(create_fine_levels(s));
-    RSV_TRY(create_source(s));
+    RSV_TRY(rsv_source_create_levels(s));
+    RSV_TRY(rsv_source_create(s));
     double assembled = rsv_seconds();
     s->report.time_assemble = assembled - start;
 
@@ -600,7 +274,7 @@ void rsv_solution_destroy(rsv_solution *s)
     rsv_source_level_destroy(context, &s->fine);
     rsv_source_level_destroy(context, &s->caustics);
     rsv_subsurface_destroy(s->subsurface);
-    destroy_system(s);
+    rsv_system_destroy(s);
     rsv_free(context, s->valid_points);
     rsv_free(context, s->bin_radiance);
     rsv_elements_destroy(s->elements);

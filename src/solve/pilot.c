@@ -1,0 +1,167 @@
+#include "pilot.h"
+
+#include "../operator/bend.h"
+#include "../operator/burial.h"
+#include "../operator/cluster.h"
+#include "../operator/elements_internal.h"
+#include "budget.h"
+#include "coarse_elements.h"
+#include "goal.h"
+#include "source.h"
+#include "system.h"
+
+#include <string.h>
+
+#define PILOT_RAYS 128
+#define PILOT_ORDERS 3
+#define PILOT_BEND 0.2f
+#define LARGEST_BEND 2.0f
+/// Pilots may bring the number of nodes to this many times what was asked for. A split adds about so many.
+#define MOST_NODES 8
+#define NODES_PER_SPLIT 2
+/// Part of the mean indirect light below which nobody sees a relative error.
+#define PILOT_DARK 0.02f
+/// Elements are split for a goal until they are at most this much larger than wanted.
+#define GOAL_TOLERANCE 1.4f
+/// From this factor on, elements are not worth splitting where light bends.
+#define GOAL_IDLE 1.5f
+
+static void mark_pair(void *user, uint32_t cell, uint32_t other)
+{
+    uint8_t *split = user;
+    split[cell] = split[other] = 1;
+}
+
+/// Rows that refining the marked cells adds, about.
+static double rows_for(const rsv_elements *e, const uint8_t *marked, bool *any)
+{
+    double rows = 0;
+    *any = false;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (!marked[c]) continue;
+        *any = true;
+        rows += rsv_cell_follows(e, c) ? (double)rsv_cell_new_leaders(e, c) : NODES_PER_SPLIT;
+    }
+    return rows;
+}
+
+/// Where a mesh is finer than its clusters, these shrink rather than its triangles.
+static void shrink_clusters(rsv_elements *e, uint8_t *marked)
+{
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (!marked[c] || !rsv_cell_follows(e, c)) continue;
+        e->face_halvings[e->cell[c].face]++;
+        marked[c] = 0;
+    }
+}
+
+/// Leaves cells alone whose light hardly matters to the goal.
+static void unmark_idle(const rsv_goal *goal, const rsv_elements *e, uint8_t *split)
+{
+    for (uint32_t c = 0; goal->elements && c < e->cell_count; c++)
+        if (split[c] && rsv_goal_size_at(goal, e, c) > GOAL_IDLE) split[c] = 0;
+}
+
+/// Marks the cells over which indirect light bends, the strongest bends alone where all of them would take more nodes
+/// than there should be. @param any out: false if none are marked
+static rsv_status mark_bends(
+    const rsv_solution *s, const rsv_goal *goal, const float *deviation, uint8_t *split, bool *any)
+{
+    const rsv_elements *e = s->elements;
+    float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, s->indirect);
+    size_t rows = rsv_solution_rows(s), most = (size_t)MOST_NODES * s->desc.element_target;
+    if (most > rsv_budget_rows(s)) most = rsv_budget_rows(s);
+    *any = false;
+    for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
+        memset(split, 0, e->cell_count);
+        rsv_status status = rsv_find_bends(
+            e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
+        rsv_find_cluster_bends(e, s->indirect, deviation, bend, dark, mark_pair, split);
+        unmark_idle(goal, e, split);
+        bool marked;
+        *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
+        if (status != RSV_OK || !marked || *any) return status;
+    }
+    return RSV_OK;
+}
+
+/// Splits coarse cells over which the first few orders of a pilot solution bend.
+/// @param refined out: false if there are none
+static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *refined)
+{
+    rsv_status status = RSV_OK;
+    uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
+    size_t nodes = s->elements->node_count;
+    float *deviation = rsv_alloc(s->context, nodes, sizeof *deviation);
+    rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
+    if (!split || !deviation || !exitance) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    RSV_TRY(rsv_system_create_fields(s));
+    RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
+    RSV_TRY(rsv_source_create(s));
+    RSV_TRY(rsv_solve_orders(s, PILOT_ORDERS));
+    for (size_t n = 0; n < nodes; n++)
+        exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
+    rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
+    rsv_mark_buried(s->elements, s->valid_points, deviation);
+    RSV_TRY(mark_bends(s, goal, deviation, split, refined));
+    rsv_system_destroy(s);
+    if (!*refined) goto cleanup;
+    shrink_clusters(s->elements, split);
+    RSV_TRY(rsv_coarse_elements_split(s, split));
+cleanup:
+    rsv_free(s->context, split);
+    rsv_free(s->context, deviation);
+    rsv_free(s->context, exitance);
+    return status;
+}
+
+/// Splits cells that are too large for what they matter; one round halves them.
+static rsv_status split_for_goal(rsv_solution *s, const rsv_goal *goal)
+{
+    const rsv_elements *e = s->elements;
+    uint8_t *split = rsv_alloc(s->context, e->cell_count, 1);
+    if (!split) return RSV_ERROR_MEMORY;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        float size = sqrtf(2 * rsv_cell_area(e, c));
+        split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
+                   size > GOAL_TOLERANCE * e->spacing * rsv_goal_size_at(goal, e, c);
+    }
+    rsv_status status = rsv_coarse_elements_split(s, split);
+    rsv_free(s->context, split);
+    return status;
+}
+
+/// Learns on coarse elements what matters to the goal, and refines them accordingly.
+static rsv_status refine_for_goal(rsv_solution *s, rsv_goal *goal)
+{
+    rsv_status status;
+    RSV_TRY(rsv_system_create_fields(s));
+    RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
+    RSV_TRY(rsv_goal_create(s, s->desc.goal_camera, goal));
+    rsv_system_destroy(s);
+    for (float size = RSV_GOAL_COARSEST; size > 1; size /= 2)
+        RSV_TRY(split_for_goal(s, goal));
+cleanup:
+    return status;
+}
+
+bool rsv_pilot_has_goal(const rsv_solution *s)
+{
+    return s->desc.goal_camera != RSV_NONE && rsv_reflects_diffusely(s);
+}
+
+rsv_status rsv_pilot_refine(rsv_solution *s)
+{
+    rsv_status status = RSV_OK;
+    rsv_goal goal = { 0 };
+    bool refined = rsv_reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
+    if (rsv_pilot_has_goal(s) && refined) RSV_TRY(refine_for_goal(s, &goal));
+    for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++)
+        RSV_TRY(refine_by_pilot(s, &goal, &refined));
+cleanup:
+    rsv_goal_destroy(&goal);
+    return status;
+}

@@ -1,0 +1,63 @@
+#include "source.h"
+
+#include "budget.h"
+#include "goal.h"
+
+rsv_status rsv_source_create_levels(rsv_solution *s)
+{
+    bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
+                    rsv_photons_wanted(&s->scene, s->lights);
+    bool sampled = rsv_lights_any_sampled(s->lights) || s->scene.view->light_count > 0;
+    rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
+        .max_cells = rsv_budget_cells(s),
+        .light_samples = s->desc.light_samples,
+        .seed = rsv_level_seed(s) };
+    rsv_status status = RSV_OK;
+    uint8_t *hidden = NULL;
+    if (s->desc.goal_camera != RSV_NONE) {
+        hidden = rsv_alloc(s->context, s->elements->cell_count, 1);
+        RSV_TRY(hidden ? RSV_OK : RSV_ERROR_MEMORY);
+        RSV_TRY(rsv_goal_hidden_cells(s, s->desc.goal_camera, hidden));
+    }
+    desc.hidden = hidden;
+    rsv_source_level_desc direct_desc = desc, caustic_desc = desc;
+    direct_desc.direct = true;
+    caustic_desc.photon_count = s->desc.photon_count;
+    if (s->desc.direct_level && sampled)
+        status = rsv_source_level_create(
+            &s->scene, s->lights, s->elements, &direct_desc, &s->fine, &s->report.rays);
+    if (status == RSV_OK && caustics)
+        status = rsv_source_level_create(
+            &s->scene, s->lights, s->elements, &caustic_desc, &s->caustics, &s->report.rays);
+cleanup:
+    rsv_free(s->context, hidden);
+    return status;
+}
+
+rsv_status rsv_source_create(rsv_solution *s)
+{
+    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
+        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
+        s->source, NULL, &s->report.rays);
+    if (status != RSV_OK) return status;
+    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
+        s->source[n] = rgb_add(s->source[n], s->gathered[n]);
+        if (s->caustics.coarse_caustic)
+            s->source[n] = rgb_add(s->source[n], s->caustics.coarse_caustic[n]);
+    }
+    rsv_elements_constrain(s->elements, s->gathered);
+    rsv_elements_constrain(s->elements, s->source);
+    return RSV_OK;
+}
+
+rsv_status rsv_source_divide_environment(rsv_solution *s)
+{
+    rsv_environment_light *environment = s->lights->environment;
+    s->bin_radiance = rsv_alloc(s->context, RSV_ESCAPE_BINS, sizeof *s->bin_radiance);
+    if (!s->bin_radiance) return RSV_ERROR_MEMORY;
+    rsv_status status = environment ? rsv_environment_light_divide(environment) : RSV_OK;
+    return status == RSV_OK ? rsv_escape_radiance(s->context, environment, s->bin_radiance)
+                            : status;
+}

@@ -1,0 +1,17 @@
+/// E0: what arrives from the sources, on the coarse elements and on finer levels of its own.
+#ifndef RSV_SOURCE_H
+#define RSV_SOURCE_H
+
+#include "solution.h"
+
+/// Tells gather rays and shadow rays what each of them finds of the surroundings.
+rsv_status rsv_source_divide_environment(rsv_solution *solution);
+
+/// Direct light and caustics on finer elements, where they are wanted. Caustics have elements of their own: they are
+/// the same whether direct light is left to the renderer or not.
+rsv_status rsv_source_create_levels(rsv_solution *solution);
+
+/// E0 on the coarse elements: next-event estimates, gathered emission and caustics. Needs rows.
+rsv_status rsv_source_create(rsv_solution *solution);
+
+#endif

@@ -1,0 +1,77 @@
+#include "system.h"
+
+#include "../operator/elements_internal.h"
+
+/// Places on each element where textured albedo is looked up.
+#define ALBEDO_POINTS 16
+
+bool rsv_reflects_diffusely(const rsv_solution *s)
+{
+    for (size_t m = 0; m < s->scene.view->material_count; m++)
+        if (s->bsdf[m].diffuse > 0 && !rgb_is_black(s->bsdf[m].exitance_albedo)) return true;
+    return false;
+}
+
+/// Mean over the hat function of a node: irradiance is smooth there, textures are not. Weighted by the share of
+/// light that is scattered diffusely, which gather rays take care of.
+static rsv_rgb mean_albedo(const rsv_solution *s, uint32_t node)
+{
+    const rsv_elements *e = s->elements;
+    rsv_support_point sample[ALBEDO_POINTS];
+    if (e->support_begin[node] == e->support_begin[node + 1]) return rgb_gray(0); // bridged
+    rsv_elements_sample_support(e, node, ALBEDO_POINTS, s->desc.seed, sample);
+    float width = sqrtf(3 * e->node_area[node] / ALBEDO_POINTS), weights = 0;
+    rsv_rgb sum = rgb_gray(0);
+    for (uint32_t k = 0; k < ALBEDO_POINTS; k++) {
+        rsv_bsdf storage;
+        uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
+        const rsv_bsdf *bsdf = rsv_surface_bsdf(
+            s->scene.view, s->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
+        float weight = bsdf->diffuse * bsdf->opacity;
+        sum = rgb_mad(sum, weight, bsdf->exitance_albedo);
+        weights += weight;
+    }
+    return weights > 0 ? rgb_scale(sum, 1 / weights) : sum;
+}
+
+rsv_status rsv_system_create_fields(rsv_solution *s)
+{
+    const rsv_elements *e = s->elements;
+    s->exitance_albedo = rsv_alloc(s->context, e->node_count, sizeof *s->exitance_albedo);
+    s->source = rsv_alloc(s->context, e->node_count, sizeof *s->source);
+    s->gathered = rsv_alloc(s->context, e->node_count, sizeof *s->gathered);
+    if (!s->exitance_albedo || !s->source || !s->gathered) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t triangle = e->face_triangle[e->node_face[n]];
+        uint32_t material = s->scene.view->triangle_material[triangle];
+        s->exitance_albedo[n] = s->scene.view->material_varies[material]
+                                    ? mean_albedo(s, (uint32_t)n)
+                                    : s->bsdf[material].exitance_albedo;
+    }
+    return RSV_OK;
+}
+
+rsv_status rsv_system_assemble(rsv_solution *s, uint32_t rays)
+{
+    rsv_status status = rsv_transport_create(
+        &s->scene, s->lights, s->elements, s->valid_points, rays, s->desc.seed, &s->transport);
+    if (status == RSV_OK) s->report.rays += s->transport->rays;
+    return status;
+}
+
+void rsv_system_destroy(rsv_solution *s)
+{
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        rsv_free(s->context, s->order[k]);
+        s->order[k] = NULL;
+    }
+    rsv_free(s->context, s->irradiance);
+    rsv_free(s->context, s->indirect);
+    rsv_free(s->context, s->source);
+    rsv_free(s->context, s->gathered);
+    rsv_free(s->context, s->exitance_albedo);
+    rsv_transport_destroy(s->transport);
+    s->irradiance = s->indirect = s->source = s->gathered = s->exitance_albedo = NULL;
+    s->transport = NULL;
+}
