@@ -1,10 +1,11 @@
 # What `cmake --install` leaves: headers, library, program, and how CMake and pkg-config find them.
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/resolvent)
 
-install(TARGETS resolvent EXPORT resolventTargets
+install(TARGETS resolvent resolvent_rt EXPORT resolventTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(FILES ${PROJECT_SOURCE_DIR}/rt/resolvent_rt.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT resolventTargets NAMESPACE resolvent:: DESTINATION ${package_folder})
 if(TARGET resolvent_program)
     set_target_properties(resolvent_program PROPERTIES
@@ -25,3 +26,5 @@ file(RELATIVE_PATH RSV_PC_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
 set(RSV_PC_PRIVATE_LIBS "-lembree${embree_VERSION_MAJOR} ${OpenMP_C_FLAGS} -lstdc++ -lm")
 configure_file(${PROJECT_SOURCE_DIR}/cmake/resolvent.pc.in ${PROJECT_BINARY_DIR}/resolvent.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/resolvent.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+configure_file(${PROJECT_SOURCE_DIR}/cmake/resolvent_rt.pc.in ${PROJECT_BINARY_DIR}/resolvent_rt.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/resolvent_rt.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

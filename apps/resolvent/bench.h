@@ -34,6 +34,10 @@ void cli_print_trace(const struct cJSON *result);
 bool cli_bench_assemble(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_assemble(const struct cJSON *result);
 
+/// The runtime for engines: light of 100,000 receivers from 4 lights. Takes no scene.
+bool cli_bench_relight(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_relight(const struct cJSON *result);
+
 /// Error over time, from scene to picture: mode final by quality, mode reference by samples.
 bool cli_bench_quality(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_quality(const struct cJSON *result);

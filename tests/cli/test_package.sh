@@ -13,12 +13,16 @@ cmake --install "$build" --prefix "$prefix" >/dev/null
 
 mkdir "$work/outside"
 cp "$source/samples/minimal.c" "$work/outside"
+echo '#include <resolvent_rt.h>
+int main(void) { return !rsv_rt_status_text(RSV_RT_OK); }' >"$work/outside/engine.c"
 cat >"$work/outside/CMakeLists.txt" <<'TEXT'
 cmake_minimum_required(VERSION 3.22)
 project(outside LANGUAGES C)
 find_package(resolvent 0.1 REQUIRED)
 add_executable(minimal minimal.c)
 target_link_libraries(minimal PRIVATE resolvent::resolvent)
+add_executable(engine engine.c)
+target_link_libraries(engine PRIVATE resolvent::rt)
 TEXT
 cmake -S "$work/outside" -B "$work/outside/build" -DCMAKE_PREFIX_PATH="$prefix" >/dev/null
 cmake --build "$work/outside/build" >/dev/null
@@ -28,7 +32,11 @@ export PKG_CONFIG_PATH
 [[ $(pkg-config --variable=prefix resolvent) -ef $prefix ]]
 cc "$source/samples/minimal.c" -o "$work/minimal" $(pkg-config --cflags --libs --static resolvent)
 
+cc "$work/outside/engine.c" -o "$work/engine" $(pkg-config --cflags --libs resolvent_rt)
+
 cd "$work"
+outside/build/engine
+./engine
 outside/build/minimal
 mv minimal.png first.png
 ./minimal

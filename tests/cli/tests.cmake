@@ -11,6 +11,11 @@ if(TARGET resolvent_program)
     # other tests would be slowed down, and the time it takes to stop with them
     set_tests_properties(cli_cancel PROPERTIES RUN_SERIAL TRUE)
 endif()
+if(TARGET resolvent_program AND TARGET sample_engine_loop)
+    add_test(NAME cli_runtime COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_runtime.sh
+        $<TARGET_FILE:resolvent_program> $<TARGET_FILE:sample_engine_loop>)
+    set_tests_properties(cli_runtime PROPERTIES LABELS slow ENVIRONMENT "${RSV_LEAKS}")
+endif()
 if(TARGET sample_minimal)
     add_test(NAME sample_minimal COMMAND sample_minimal)
 endif()

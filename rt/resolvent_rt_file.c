@@ -1,0 +1,262 @@
+#include "resolvent_rt_file.h"
+
+#include <cjson/cJSON.h>
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int fail(rsv_rt_file *file, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(file->message, sizeof file->message, format, arguments);
+    va_end(arguments);
+    return -1;
+}
+
+// ---- the file -------------------------------------------------------------------------------------
+
+static int read_all(rsv_rt_file *file, const char *path)
+{
+    FILE *stream = fopen(path, "rb");
+    long size = -1;
+    int result = 0;
+    if (!stream) return fail(file, "%s: cannot be opened", path);
+    if (fseek(stream, 0, SEEK_END) == 0) size = ftell(stream);
+    if (size < 8 || fseek(stream, 0, SEEK_SET) != 0) {
+        result = fail(file, "%s: it is too short for a safetensors file", path);
+    } else {
+        file->size = (size_t)size;
+        file->bytes = malloc(file->size);
+        if (!file->bytes)
+            result = fail(file, "%s: out of memory", path);
+        else if (fread(file->bytes, 1, file->size, stream) != file->size)
+            result = fail(file, "%s: it cannot be read", path);
+    }
+    fclose(stream);
+    return result;
+}
+
+int rsv_rt_file_open(rsv_rt_file *file, const char *path)
+{
+    uint64_t length = 0;
+    memset(file, 0, sizeof *file);
+    if (read_all(file, path) != 0) return -1;
+    for (int k = 7; k >= 0; k--)
+        length = length << 8 | file->bytes[k];
+    if (length > file->size - 8)
+        return fail(file, "%s: it is cut off, or not a safetensors file", path);
+    file->header = cJSON_ParseWithLength((const char *)file->bytes + 8, (size_t)length);
+    if (!cJSON_IsObject(file->header)) return fail(file, "%s: its header is no JSON object", path);
+    file->data = 8 + (size_t)length;
+    return 0;
+}
+
+void rsv_rt_file_close(rsv_rt_file *file)
+{
+    cJSON_Delete(file->header);
+    free(file->bytes);
+    free(file->owned);
+    file->header = NULL;
+    file->bytes = NULL;
+    file->owned = NULL;
+}
+
+static const char *note(const rsv_rt_file *file, const char *name)
+{
+    const cJSON *notes = cJSON_GetObjectItemCaseSensitive(file->header, "__metadata__");
+    const char *text = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(notes, name));
+    return text ? text : "";
+}
+
+// ---- arrays ---------------------------------------------------------------------------------------
+
+static size_t type_bytes(const char *type)
+{
+    return !strcmp(type, "U64")                           ? 8
+           : !strcmp(type, "U32") || !strcmp(type, "F32") ? 4
+           : !strcmp(type, "U16")                         ? 2
+                                                          : 1;
+}
+
+/// Whether there is such an array; it may still be damaged.
+static int has(const rsv_rt_file *file, const char *name)
+{
+    return cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(file->header, name));
+}
+
+const void *rsv_rt_file_array(rsv_rt_file *file, const char *name, const char *type, size_t *count)
+{
+    const cJSON *entry = cJSON_GetObjectItemCaseSensitive(file->header, name);
+    const cJSON *range = cJSON_GetObjectItemCaseSensitive(entry, "data_offsets");
+    const char *its = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(entry, "dtype"));
+    const cJSON *first = cJSON_GetArrayItem(range, 0), *last = cJSON_GetArrayItem(range, 1);
+    size_t bytes = type_bytes(type), room = file->size - file->data, begin, end;
+    if (!its || strcmp(its, type) != 0 || !cJSON_IsNumber(first) || !cJSON_IsNumber(last)) {
+        fail(file, "array '%s' is missing, or not of type %s", name, type);
+        return NULL;
+    }
+    if (!(first->valuedouble >= 0 && first->valuedouble <= last->valuedouble &&
+            last->valuedouble <= (double)room)) {
+        fail(file, "array '%s' reaches beyond the end of the file", name);
+        return NULL;
+    }
+    begin = (size_t)first->valuedouble;
+    end = (size_t)last->valuedouble;
+    if ((end - begin) % bytes || (file->data + begin) % bytes) {
+        fail(file, "array '%s' is not aligned to its numbers", name);
+        return NULL;
+    }
+    if (count) *count = (end - begin) / bytes;
+    return file->bytes + file->data + begin;
+}
+
+/// An array that must have so many numbers.
+static const void *sized(rsv_rt_file *file, const char *name, const char *type, size_t wanted)
+{
+    size_t count;
+    const void *array = rsv_rt_file_array(file, name, type, &count);
+    if (!array || count == wanted) return array;
+    fail(file, "array '%s' has %zu numbers instead of %zu", name, count, wanted);
+    return NULL;
+}
+
+/// Length of one dimension of an array; 0 if it has no such dimension.
+static uint32_t extent(const rsv_rt_file *file, const char *name, int dimension)
+{
+    const cJSON *entry = cJSON_GetObjectItemCaseSensitive(file->header, name);
+    const cJSON *shape = cJSON_GetObjectItemCaseSensitive(entry, "shape");
+    const cJSON *length = cJSON_GetArrayItem(shape, dimension);
+    int whole = cJSON_IsNumber(length) && length->valuedouble >= 0 &&
+                length->valuedouble <= (double)UINT32_MAX;
+    return whole ? (uint32_t)length->valuedouble : 0;
+}
+
+/// The names are one JSON text in the notes: parsed once, kept in the header.
+static const cJSON *light_names(const rsv_rt_file *file)
+{
+    cJSON *names = cJSON_GetObjectItemCaseSensitive(file->header, "light.name");
+    if (names) return names;
+    names = cJSON_Parse(note(file, "light.name"));
+    if (names) cJSON_AddItemToObject(file->header, "light.name", names);
+    return names;
+}
+
+const char *rsv_rt_file_light(const rsv_rt_file *file, uint32_t light)
+{
+    return cJSON_GetStringValue(cJSON_GetArrayItem(light_names(file), (int)light));
+}
+
+// ---- the operator ---------------------------------------------------------------------------------
+
+static int read_tinted(rsv_rt_file *file, rsv_rt_operator *t, size_t *entries)
+{
+    *entries = 0;
+    if (!has(file, "transport.tinted.column")) return 0;
+    t->tinted_row_start =
+        sized(file, "transport.tinted.row_start", "U64", (size_t)t->element_count + 1);
+    t->tinted_column = rsv_rt_file_array(file, "transport.tinted.column", "U32", entries);
+    if (!t->tinted_row_start || !t->tinted_column) return -1;
+    t->tinted_weight = sized(file, "transport.tinted.weight", "F32", 3 * *entries);
+    return t->tinted_weight ? 0 : -1;
+}
+
+static int read_hanging(rsv_rt_file *file, rsv_rt_operator *t)
+{
+    size_t count;
+    if (!has(file, "element.hanging.node")) return 0;
+    t->hanging_node = rsv_rt_file_array(file, "element.hanging.node", "U32", &count);
+    if (!t->hanging_node) return -1;
+    t->hanging_count = (uint32_t)count;
+    t->hanging_parent = sized(file, "element.hanging.parent", "U32", 4 * count);
+    t->hanging_weight = sized(file, "element.hanging.weight", "F32", 4 * count);
+    return t->hanging_parent && t->hanging_weight ? 0 : -1;
+}
+
+int rsv_rt_file_operator(rsv_rt_file *file, rsv_rt_operator *t)
+{
+    size_t entries, tinted, count;
+    memset(t, 0, sizeof *t);
+    if (strcmp(note(file, "format"), "resolvent-operator") != 0)
+        return fail(file, "it is not an operator file");
+    if (has(file, "subsurface.column"))
+        return fail(
+            file, "it has translucent materials; bake a basis, which holds their light too");
+    t->scale = rsv_rt_file_array(file, "transport.scale", "F32", &count);
+    if (!t->scale) return -1;
+    t->element_count = (uint32_t)count;
+    t->row_start = sized(file, "transport.row_start", "U64", count + 1);
+    t->column = rsv_rt_file_array(file, "transport.column", "U32", &entries);
+    t->albedo = sized(file, "albedo", "F32", 3 * count);
+    if (!t->row_start || !t->column || !t->albedo) return -1;
+    if (read_tinted(file, t, &tinted) != 0 || read_hanging(file, t) != 0) return -1;
+    rsv_rt_status status = rsv_rt_operator_check(t, entries, tinted);
+    return status == RSV_RT_OK ? 0 : fail(file, "%s", rsv_rt_status_text(status));
+}
+
+// ---- direct light ---------------------------------------------------------------------------------
+
+/// Adds an array of the file, if it is there.
+static int add(rsv_rt_file *file, const char *name, size_t count, float *sum)
+{
+    if (!has(file, name)) return 0;
+    const float *array = sized(file, name, "F32", count);
+    if (!array) return -1;
+    for (size_t k = 0; k < count; k++)
+        sum[k] += array[k];
+    return 0;
+}
+
+/// Every light by itself, and what the rows gathered.
+static int add_parts(rsv_rt_file *file, uint32_t lights, size_t floats)
+{
+    char name[64];
+    for (uint32_t l = 0; l < lights; l++) {
+        float *value = file->owned + l * floats;
+        snprintf(name, sizeof name, "light.%u.source", l);
+        if (add(file, name, floats, value) != 0) return -1;
+        snprintf(name, sizeof name, "light.%u.coarse_caustic", l);
+        if (add(file, name, floats, value) != 0) return -1;
+    }
+    return add(file, "source.gathered", floats, file->owned + lights * floats);
+}
+
+int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct)
+{
+    size_t floats;
+    memset(direct, 0, sizeof *direct);
+    if (!rsv_rt_file_array(file, "source", "F32", &floats)) return -1;
+    uint32_t lights = (uint32_t)cJSON_GetArraySize(light_names(file));
+    int apart = has(file, "light.0.source");
+    uint32_t count = apart ? lights + 1 : 1; // one light alone is the whole
+    file->owned = calloc(floats ? floats : 1, count * sizeof(float));
+    if (!file->owned) return fail(file, "out of memory");
+    if ((apart ? add_parts(file, lights, floats) : add(file, "source", floats, file->owned)) != 0)
+        return -1;
+    direct->light_count = count;
+    direct->receiver_count = (uint32_t)(floats / 3);
+    direct->value_count = 1;
+    direct->value = file->owned;
+    return 0;
+}
+
+// ---- baked bases ----------------------------------------------------------------------------------
+
+int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
+{
+    const char *name = "basis.value";
+    memset(basis, 0, sizeof *basis);
+    if (strcmp(note(file, "format"), "resolvent-light-basis") != 0)
+        return fail(file, "it holds no light basis");
+    basis->light_count = extent(file, name, 0);
+    basis->receiver_count = extent(file, name, 1);
+    basis->value_count = extent(file, name, 2) / 3;
+    basis->value = sized(file, name, "F32",
+        (size_t)basis->light_count * basis->receiver_count * basis->value_count * 3);
+    if (!basis->value) return -1;
+    if (basis->value_count && (uint32_t)cJSON_GetArraySize(light_names(file)) == basis->light_count)
+        return 0;
+    return fail(file, "it names other lights than it holds");
+}

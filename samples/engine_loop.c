@@ -1,0 +1,77 @@
+/// What an engine does: reads a solved operator once, then follows its own lights from frame to frame, within a budget.
+///
+///     engine_loop OPERATOR.safetensors [FRAMES]
+///
+/// The lights of the scene take turns. Direct light is theirs, light by light, as the file holds it; an engine may as well
+/// put its own there. Bounced light follows by 200,000 operations a frame.
+#include <resolvent_rt_file.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { OPERATIONS_PER_FRAME = 200000, TURN = 8 };
+
+typedef struct engine {
+    rsv_rt_file file;
+    rsv_rt_operator transport;
+    rsv_rt_basis lights; // direct light, light by light
+    rsv_rt_solver solver;
+    float *scale, *direct, *irradiance, *exitance;
+} engine;
+
+static int load(engine *e, const char *path)
+{
+    if (rsv_rt_file_open(&e->file, path) != 0 ||
+        rsv_rt_file_operator(&e->file, &e->transport) != 0 ||
+        rsv_rt_file_direct(&e->file, &e->lights) != 0)
+        return -1;
+    size_t elements = e->transport.element_count;
+    e->scale = calloc(3 * (size_t)e->lights.light_count, sizeof *e->scale);
+    e->direct = calloc(3 * elements, sizeof *e->direct);
+    e->irradiance = calloc(3 * elements, sizeof *e->irradiance);
+    e->exitance = malloc(4 * elements * sizeof *e->exitance);
+    if (!e->scale || !e->direct || !e->irradiance || !e->exitance) return -1;
+    rsv_rt_solver_begin(&e->solver, &e->transport, e->irradiance, e->exitance);
+    return 0;
+}
+
+/// One light after the other shines, each for some frames.
+static void animate(engine *e, int frame)
+{
+    uint32_t lit = (uint32_t)(frame / TURN) % e->lights.light_count;
+    for (uint32_t k = 0; k < 3 * e->lights.light_count; k++)
+        e->scale[k] = k / 3 == lit;
+}
+
+static void draw(const engine *e, int frame)
+{
+    double sum = 0;
+    for (size_t k = 1; k < 3 * (size_t)e->transport.element_count; k += 3)
+        sum += e->irradiance[k];
+    printf("frame %3d: mean green irradiance %.4g W/m2, last change %.2g\n", frame,
+        sum / e->transport.element_count, e->solver.change);
+}
+
+int main(int argc, char **argv)
+{
+    engine e;
+    memset(&e, 0, sizeof e);
+    int frames = argc > 2 ? atoi(argv[2]) : 3 * TURN;
+    int failed = argc < 2 || load(&e, argv[1]) != 0;
+    if (failed)
+        fprintf(stderr, "error: %s\n", argc < 2 ? "usage: engine_loop OPERATOR" : e.file.message);
+    for (int frame = 0; !failed && frame < frames; frame++) {
+        animate(&e, frame);
+        rsv_rt_relight(
+            &e.lights, e.scale, e.lights.light_count, 0, e.lights.receiver_count, e.direct);
+        rsv_rt_solver_update(&e.solver, e.direct, OPERATIONS_PER_FRAME);
+        draw(&e, frame);
+    }
+    rsv_rt_file_close(&e.file);
+    free(e.scale);
+    free(e.direct);
+    free(e.irradiance);
+    free(e.exitance);
+    return failed;
+}

@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# The headless engine loop on a file that the program wrote.
+# usage: test_runtime.sh PROGRAM ENGINE_LOOP
+source "$(dirname "$0")/support.sh"
+program_of_engine=$2
+
+succeeds solve cornell-blocks -o rooms.safetensors --quality draft
+"$program_of_engine" rooms.safetensors 12 >stdout 2>stderr || complain "the engine loop fails"
+says 'frame  11: mean green irradiance [0-9]'
+"$program_of_engine" /dev/null >stdout 2>stderr && complain "an empty file is taken for an operator"
+warns 'too short'
+succeeds bench relight --json
+says '"ms":'
+finish

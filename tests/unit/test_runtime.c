@@ -1,0 +1,203 @@
+/// The runtime for engines against the library, by way of the files that both read.
+#include "resolvent/opfile.h"
+#include "resolvent/relight.h"
+#include "resolvent_rt_file.h"
+
+#include "file_fixture.h"
+#include "light_fixture.h"
+#include "solve/solution.h"
+
+/// A lamp and spotlights, in rooms with glass and metal, and elements that hang.
+typedef struct solved_file {
+    folder place;
+    char path[256];
+    rsv_context *context;
+} solved_file;
+
+static int write_operator(void **state)
+{
+    solved_file *f = calloc(1, sizeof *f);
+    rsv_scene *scene;
+    rsv_solution *s;
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 300;
+    desc.rays_per_element = 64;
+    desc.photon_count = 0;
+    desc.refinements = 1;
+    desc.direct_levels = 0;
+    desc.tolerance = 1e-6f;
+    f->place = new_folder();
+    snprintf(f->path, sizeof f->path, "%s", path_in(&f->place, "gallery.safetensors"));
+    assert_int_equal(rsv_context_create(NULL, &f->context), RSV_OK);
+    assert_int_equal(rsv_scene_builtin(f->context, "gallery:2", &scene), RSV_OK);
+    if (rsv_solution_create(scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
+    assert_int_equal(rsv_solution_save(s, "gallery:2", f->path), RSV_OK);
+    rsv_solution_destroy(s);
+    rsv_scene_destroy(scene);
+    *state = f;
+    return 0;
+}
+
+static int remove_operator(void **state)
+{
+    solved_file *f = *state;
+    remove_folder(f->place.path);
+    rsv_context_destroy(f->context);
+    free(f);
+    return 0;
+}
+
+/// Factors that differ from light to light; lights of one name share theirs. What rows gathered stays.
+static void choose_scales(const rsv_rt_file *file, uint32_t count, float (*scale)[3])
+{
+    for (uint32_t l = 0; l < count; l++) {
+        const char *name = rsv_rt_file_light(file, l);
+        float strength = name ? 0.25f + (float)(strlen(name) % 5) : 1;
+        scale[l][0] = strength;
+        scale[l][1] = name ? 0.5f : 1;
+        scale[l][2] = name ? 2 / strength : 1;
+    }
+}
+
+/// The library's answer.
+static void relight(const solved_file *f, const rsv_rt_file *file, uint32_t count,
+    float (*scale)[3], rsv_scene **scene, rsv_solution **s)
+{
+    rsv_light_scale light[64];
+    uint32_t named = 0;
+    for (uint32_t l = 0; l < count && rsv_rt_file_light(file, l); l++)
+        light[named++] = (rsv_light_scale){ rsv_rt_file_light(file, l),
+            { scale[l][0], scale[l][1], scale[l][2] } };
+    const rsv_relight_desc desc = { .light = light, .light_count = named };
+    assert_int_equal(rsv_solution_load(f->context, f->path, scene, s), RSV_OK);
+    if (rsv_solution_relight(*s, *scene, &desc) != RSV_OK) fail_msg("%s", rsv_last_error());
+}
+
+static double largest_difference(const float *a, const rsv_rgb *b, size_t count)
+{
+    double difference = 0, size = 0;
+    for (size_t k = 0; k < 3 * count; k++) {
+        difference = fmax(difference, fabs((double)a[k] - (&b->r)[k]));
+        size = fmax(size, (&b->r)[k]);
+    }
+    return difference / size;
+}
+
+static int always(void *user)
+{
+    (void)user;
+    return 1;
+}
+
+typedef struct engine {
+    rsv_rt_file file;
+    rsv_rt_operator transport;
+    rsv_rt_basis direct;
+    float *irradiance, *exitance, *source;
+} engine;
+
+static void start(engine *e, const char *path)
+{
+    if (rsv_rt_file_open(&e->file, path) || rsv_rt_file_operator(&e->file, &e->transport) ||
+        rsv_rt_file_direct(&e->file, &e->direct))
+        fail_msg("%s", e->file.message);
+    size_t count = e->transport.element_count;
+    assert_int_equal(e->direct.receiver_count, count);
+    e->irradiance = calloc(3 * count, sizeof *e->irradiance);
+    e->source = calloc(3 * count, sizeof *e->source);
+    e->exitance = aligned_alloc(16, 4 * count * sizeof *e->exitance);
+}
+
+static void stop(engine *e)
+{
+    free(e->irradiance);
+    free(e->source);
+    free(e->exitance);
+    rsv_rt_file_close(&e->file);
+}
+
+static void solve(engine *e)
+{
+    rsv_rt_solver solver;
+    rsv_rt_solver_begin(&solver, &e->transport, e->irradiance, e->exitance);
+    assert_int_equal(
+        rsv_rt_solver_update_while(&solver, e->source, 1e-6f, 100000, always, NULL), 1);
+}
+
+static void the_operator_route_is_relight(void **state)
+{
+    engine e;
+    rsv_scene *scene;
+    rsv_solution *s;
+    float scale[64][3];
+    start(&e, ((solved_file *)*state)->path);
+    assert_true(e.transport.hanging_count > 0 && e.direct.light_count > 2);
+    choose_scales(&e.file, e.direct.light_count, scale);
+    relight(*state, &e.file, e.direct.light_count, scale, &scene, &s);
+    assert_int_equal(rsv_rt_relight(&e.direct, &scale[0][0], e.direct.light_count, 0,
+                         e.direct.receiver_count, e.source),
+        RSV_RT_OK);
+    solve(&e);
+    assert_true(largest_difference(e.irradiance, s->irradiance, s->elements->node_count) < 1e-4);
+    rsv_solution_destroy(s);
+    rsv_scene_destroy(scene);
+    stop(&e);
+}
+
+static void the_basis_route_is_relight(void **state)
+{
+    engine e;
+    rsv_scene *scene;
+    rsv_solution *s;
+    float scale[64][3];
+    start(&e, ((solved_file *)*state)->path);
+    uint32_t lights = e.direct.light_count, count = e.transport.element_count;
+    choose_scales(&e.file, lights, scale);
+    relight(*state, &e.file, lights, scale, &scene, &s);
+    float *value = malloc((size_t)lights * count * 3 * sizeof *value);
+    for (uint32_t l = 0; l < lights; l++) { // what each light does by itself
+        memcpy(e.source, e.direct.value + (size_t)l * count * 3, count * 3 * sizeof *value);
+        memset(e.irradiance, 0, count * 3 * sizeof *value);
+        solve(&e);
+        memcpy(value + (size_t)l * count * 3, e.irradiance, count * 3 * sizeof *value);
+    }
+    const rsv_rt_basis basis = { lights, count, 1, value };
+    rsv_rt_relight(&basis, &scale[0][0], lights, 0, count, e.irradiance);
+    assert_true(largest_difference(e.irradiance, s->irradiance, count) < 1e-4);
+    free(value);
+    rsv_solution_destroy(s);
+    rsv_scene_destroy(scene);
+    stop(&e);
+}
+
+static void damaged_files_are_refused(void **state)
+{
+    const solved_file *f = *state;
+    size_t bytes;
+    rsv_rt_file file;
+    rsv_rt_operator transport;
+    uint8_t *all = read_bytes(f->path, &bytes);
+    const char *path = path_in(&f->place, "damaged.safetensors");
+    const size_t length[] = { 0, 7, 100, bytes / 8 };
+    for (size_t k = 0; k < sizeof length / sizeof length[0]; k++) {
+        write_bytes(path, all, length[k]);
+        assert_false(rsv_rt_file_open(&file, path) == 0 &&
+                     rsv_rt_file_operator(&file, &transport) == 0);
+        assert_true(file.message[0]);
+        rsv_rt_file_close(&file);
+    }
+    assert_int_equal(rsv_rt_file_open(&file, path_in(&f->place, "nowhere")), -1);
+    assert_non_null(strstr(file.message, "nowhere"));
+    rsv_rt_file_close(&file);
+    free(all);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_operator_route_is_relight),
+        cmocka_unit_test(the_basis_route_is_relight),
+        cmocka_unit_test(damaged_files_are_refused),
+    };
+    return cmocka_run_group_tests(tests, write_operator, remove_operator);
+}
