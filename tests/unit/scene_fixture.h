@@ -19,6 +19,7 @@ typedef struct fixture {
     rsv_context *context;
     char log[65536];                ///< all messages, one a line, warnings marked "warning: "
     atomic_size_t allocations_left; ///< SIZE_MAX = unlimited; at 0 every allocation fails
+    atomic_bool fails_once;         ///< only the next of them does; false again when it has
     atomic_size_t allocations_alive;
 } fixture;
 
@@ -33,7 +34,11 @@ static inline void fixture_log(void *user, rsv_log_level level, const char *mess
 static inline void *fixture_allocate(void *user, size_t bytes)
 {
     fixture *f = user;
-    if (!f->allocations_left) return NULL;
+    if (!f->allocations_left) {
+        if (f->fails_once) f->allocations_left = SIZE_MAX;
+        f->fails_once = false;
+        return NULL;
+    }
     if (f->allocations_left != SIZE_MAX) f->allocations_left--;
     f->allocations_alive++;
     return aligned_alloc(64, bytes);
