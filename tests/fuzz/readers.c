@@ -1,0 +1,117 @@
+#include "readers.h"
+
+#include "light_script.h"
+#include "opfile/sha256.h"
+#include "opfile/tensor_file.h"
+#include "points_csv.h"
+#include "resolvent/image.h"
+#include "resolvent/io.h"
+#include "resolvent/opfile.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static void read_scene(const char *path)
+{
+    rsv_context *context = NULL;
+    rsv_scene *scene = NULL;
+    if (rsv_context_create(NULL, &context) != RSV_OK) abort();
+    if (rsv_scene_load(context, path, &scene) == RSV_OK) rsv_scene_destroy(scene);
+    rsv_context_destroy(context);
+}
+
+static void read_image(const char *path)
+{
+    rsv_context *context = NULL;
+    rsv_image *image = NULL;
+    if (rsv_context_create(NULL, &context) != RSV_OK) abort();
+    if (rsv_image_read(context, path, &image) == RSV_OK) rsv_image_destroy(image);
+    rsv_context_destroy(context);
+}
+
+/// Where the digits of the checksum stand; NULL if nowhere.
+static char *find_checksum(char *bytes, size_t size)
+{
+    static const char key[] = "\"" RSV_CHECKSUM_NOTE "\":\"";
+    char *found = memmem(bytes, size, key, sizeof key - 1);
+    if (!found) return NULL;
+    char *digits = found + sizeof key - 1;
+    return (size_t)(bytes + size - digits) >= RSV_SHA256_DIGITS ? digits : NULL;
+}
+
+/// Puts in the checksum that belongs to the content: else any change would be found by it, and nothing else be tried.
+static void mend_checksum(char *bytes, size_t size)
+{
+    char *place = find_checksum(bytes, size), digits[RSV_SHA256_DIGITS + 1];
+    if (!place) return;
+    memset(place, '0', RSV_SHA256_DIGITS);
+    rsv_sha256 hash = rsv_sha256_begin();
+    rsv_sha256_add(&hash, bytes, size);
+    rsv_sha256_end(&hash, digits);
+    memcpy(place, digits, RSV_SHA256_DIGITS);
+}
+
+static void read_operator(const char *path)
+{
+    rsv_context *context = NULL;
+    rsv_scene *scene = NULL;
+    rsv_solution *solution = NULL;
+    if (rsv_context_create(NULL, &context) != RSV_OK) abort();
+    if (rsv_solution_load(context, path, &scene, &solution) == RSV_OK) {
+        rsv_solution_destroy(solution);
+        rsv_scene_destroy(scene);
+    }
+    rsv_context_destroy(context);
+}
+
+static void read_points(const char *path)
+{
+    cli_points points = { 0 };
+    cli_read_points(path, &points);
+    cli_free_points(&points);
+}
+
+static void read_script(const char *path)
+{
+    cli_light_script script;
+    cli_read_light_script(path, &script);
+    cli_free_light_script(&script);
+}
+
+typedef struct reader {
+    const char *extension;
+    void (*read)(const char *path);
+} reader;
+
+static const reader readers[] = { { ".glb", read_scene }, { ".gltf", read_scene },
+    { ".obj", read_scene }, { ".ply", read_scene }, { ".stl", read_scene }, { ".dae", read_scene },
+    { ".fbx", read_scene }, { ".exr", read_image }, { ".hdr", read_image }, { ".png", read_image },
+    { ".jpg", read_image }, { ".safetensors", read_operator }, { ".csv", read_points },
+    { ".txt", read_script } };
+
+static const reader *find_reader(const char *extension)
+{
+    for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
+        if (strcmp(extension, readers[k].extension) == 0) return &readers[k];
+    fprintf(stderr, "no reader for '%s'\n", extension);
+    abort();
+}
+
+void fuzz_read(const char *extension, const uint8_t *data, size_t size)
+{
+    const reader *reader = find_reader(extension);
+    char path[4096], *bytes = malloc(size + 1);
+    const char *folder = getenv("TMPDIR");
+    snprintf(path, sizeof path, "%s/resolvent-fuzz-%ld%s", folder ? folder : "/tmp", (long)getpid(),
+        extension);
+    FILE *file = fopen(path, "wb");
+    if (!file || !bytes) abort();
+    memcpy(bytes, data, size);
+    if (reader->read == read_operator) mend_checksum(bytes, size);
+    if (fwrite(bytes, 1, size, file) != size || fclose(file) != 0) abort();
+    free(bytes);
+    reader->read(path);
+    unlink(path);
+}

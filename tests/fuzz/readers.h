@@ -1,0 +1,13 @@
+/// Every reader of files behind one call, for fuzzing and for replaying what fuzzing found.
+#ifndef RSV_FUZZ_READERS_H
+#define RSV_FUZZ_READERS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/// Reads a file of these bytes by the reader of the extension: .glb .gltf .obj .ply .stl .dae .fbx .exr .hdr .png .jpg
+/// .safetensors (checksum mended first, so that what lies behind it is reached), .csv of points, .txt of light that
+/// changes. Refusing the file is fine; crashing, hanging or leaking is not.
+void fuzz_read(const char *extension, const uint8_t *data, size_t size);
+
+#endif

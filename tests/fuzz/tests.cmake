@@ -1,0 +1,22 @@
+# What fuzzing tries: each reader of files. The preset `fuzz` makes a libFuzzer program of every one; the others
+# replay seeds and what was found once.
+set(RSV_APP ${PROJECT_SOURCE_DIR}/apps/resolvent)
+add_library(rsv_fuzz_readers STATIC fuzz/readers.c ${RSV_APP}/points_csv.c
+    ${RSV_APP}/light_script.c ${RSV_APP}/output_file.c ${RSV_APP}/session.c ${RSV_APP}/progress.c)
+target_link_libraries(rsv_fuzz_readers PUBLIC rsv_test_support PkgConfig::CJSON)
+target_include_directories(rsv_fuzz_readers PRIVATE ${RSV_APP})
+
+if(RSV_FUZZ)
+    foreach(extension IN ITEMS glb gltf obj ply stl dae fbx exr hdr png jpg safetensors csv txt)
+        add_executable(fuzz_${extension} fuzz/fuzz.c)
+        target_compile_definitions(fuzz_${extension} PRIVATE FUZZ_EXTENSION=".${extension}")
+        target_link_libraries(fuzz_${extension} PRIVATE rsv_fuzz_readers -fsanitize=fuzzer)
+    endforeach()
+endif()
+
+add_executable(fuzz_replay fuzz/replay.c)
+target_link_libraries(fuzz_replay PRIVATE rsv_fuzz_readers)
+file(GLOB RSV_FUZZ_FILES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/seeds/*
+    ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/found/*)
+add_test(NAME fuzz_replay COMMAND fuzz_replay ${RSV_FUZZ_FILES})
+set_tests_properties(fuzz_replay PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
