@@ -88,7 +88,12 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
         { .name = "--split", .kind = CLI_FLAG, .value = &s->split },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
-        { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 32, .max = 16384 },
+        { .name = "--size",
+            .kind = CLI_SIZE,
+            .value = &s->size,
+            .min = 32,
+            .max = 16384,
+            .goes_with = "--heatmap" },
         { .name = NULL },
     };
     const cli_usage usage = { "certify", help, options, "SCENE", 1, 1 };

@@ -105,11 +105,22 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return true;
 }
 
+/// Whether the picture is one of a solution.
+static bool is_solved(const settings *s)
+{
+    return s->mode == RSV_RENDER_OPERATOR || s->mode == RSV_RENDER_FINAL;
+}
+
 /// What this build cannot do, and outputs that cannot be written, are said before the long work.
 static bool check_request(const settings *s)
 {
     if (s->device == device_cuda) {
         cli_error("--device cuda: this build computes on the CPU only; leave the option out");
+        return false;
+    }
+    if (!is_solved(s) && (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal)) {
+        cli_error("--mode %s solves nothing: leave out --solver, --error and --goal",
+            mode_names[s->mode]);
         return false;
     }
     for (size_t i = 0; i < s->outputs.count; i++)
@@ -157,12 +168,6 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->layers = s->layers;
     desc->seed = s->solve.seed;
     return true;
-}
-
-/// Whether the picture is one of a solution.
-static bool is_solved(const settings *s)
-{
-    return s->mode == RSV_RENDER_OPERATOR || s->mode == RSV_RENDER_FINAL;
 }
 
 /// @param certificate filled where the statistics want it

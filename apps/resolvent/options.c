@@ -186,11 +186,13 @@ static const cli_option *find_option(const cli_usage *usage, const char *argumen
 }
 
 /// Reads the option at argv[*index] and moves *index past its value.
-static int parse_option(const cli_usage *usage, int argc, char **argv, int *index)
+/// @param given bit n for option n
+static int parse_option(const cli_usage *usage, int argc, char **argv, int *index, uint64_t *given)
 {
     const char *argument = argv[(*index)++];
     const cli_option *option = find_option(usage, argument);
     if (!option) return cli_usage_error(usage->command, "'%s' is not an option", argument);
+    *given |= UINT64_C(1) << (option - usage->options);
     const char *value = strchr(argument, '=');
     if (option->kind == CLI_FLAG) {
         if (value) return cli_usage_error(usage->command, "%s takes no value", option->name);
@@ -205,10 +207,24 @@ static int parse_option(const cli_usage *usage, int argc, char **argv, int *inde
     return store_value(option, value) ? CLI_SUCCESS : report_bad_value(usage, option, value);
 }
 
+/// Options that do nothing without others must not look as if they did.
+static int check_company(const cli_usage *usage, uint64_t given)
+{
+    for (const cli_option *option = usage->options; option->name; option++) {
+        if (!(given >> (option - usage->options) & 1) || !option->goes_with) continue;
+        const cli_option *other = find_option(usage, option->goes_with);
+        if (!(given >> (other - usage->options) & 1))
+            return cli_usage_error(
+                usage->command, "%s does nothing without %s", option->name, other->name);
+    }
+    return CLI_SUCCESS;
+}
+
 bool cli_parse(
     const cli_usage *usage, int argc, char **argv, const char **operands, int *exit_status)
 {
     size_t operand_count = 0;
+    uint64_t given = 0;
     bool options_ended = false;
     for (size_t i = 0; i < usage->operand_max; i++)
         operands[i] = NULL;
@@ -223,7 +239,7 @@ bool cli_parse(
             options_ended = true;
             i++;
         } else if (!options_ended && argument[0] == '-') {
-            *exit_status = parse_option(usage, argc, argv, &i);
+            *exit_status = parse_option(usage, argc, argv, &i, &given);
         } else if (operand_count < usage->operand_max) {
             operands[operand_count++] = argv[i++];
         } else {
@@ -236,5 +252,6 @@ bool cli_parse(
         *exit_status = cli_usage_error(usage->command, "%s is missing", usage->operands);
         return false;
     }
-    return true;
+    *exit_status = check_company(usage, given);
+    return *exit_status == CLI_SUCCESS;
 }

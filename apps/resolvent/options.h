@@ -34,12 +34,13 @@ typedef struct cli_option {
     void *value; ///< what the option fills; holds the default before
     double min, max;
     const char *const *choices; ///< NULL-terminated
+    const char *goes_with;      ///< an option without which this one does nothing; NULL = none
 } cli_option;
 
 typedef struct cli_usage {
     const char *command;       ///< "render", as in `resolvent render --help`
     const char *help;          ///< what --help prints
-    const cli_option *options; ///< ends with a NULL name
+    const cli_option *options; ///< ends with a NULL name; 64 at most
     const char *operands;      ///< names of the positional arguments, for messages: "SCENE"
     size_t operand_min, operand_max;
 } cli_usage;

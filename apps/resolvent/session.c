@@ -164,7 +164,7 @@ rsv_scene *cli_open_scene(
         status = cli_build_scene(session, name, &scene);
     } else {
         cli_error(
-            "%s: there is no such file and no built-in scene of that name; `resolvent --help` "
+            "'%s': there is no such file and no built-in scene of that name; `resolvent --help` "
             "lists those",
             name);
         return NULL;

@@ -26,6 +26,10 @@ refuses 2 'is missing' render furnace
 refuses 2 'one argument too many' render furnace two-rooms -o "$out/a.png"
 refuses 2 'needs a value' render furnace -o
 refuses 2 'needs a value' render furnace -o "$out/a.png" --camera --layers
+refuses 2 'does nothing without --error' render furnace -o "$out/a.png" --max-time 5
+refuses 2 'does nothing without --heatmap' certify furnace --size 64x64
+refuses 1 'solves nothing' render furnace -o "$out/a.png" --mode reference --error 1%
+refuses 1 "'': there is no such file" info ''
 refuses 2 'takes no value' render furnace -o "$out/a.png" --layers=yes
 for size in 0x10 10 10x 10x-1 axb 10x10x10 1e9x1 '' 99999999999999999999x1; do
     refuses 2 'WIDTHxHEIGHT' render furnace -o "$out/a.png" --size "$size"
