@@ -91,7 +91,7 @@ static const reader readers[] = { { ".glb", read_scene }, { ".gltf", read_scene 
     { ".jpg", read_image }, { ".safetensors", read_operator }, { ".csv", read_points },
     { ".txt", read_script } };
 
-static const reader *find_reader(const char *extension)
+static const reader *reader_of(const char *extension)
 {
     for (size_t k = 0; k < sizeof readers / sizeof *readers; k++)
         if (strcmp(extension, readers[k].extension) == 0) return &readers[k];
@@ -101,7 +101,7 @@ static const reader *find_reader(const char *extension)
 
 void fuzz_read(const char *extension, const uint8_t *data, size_t size)
 {
-    const reader *reader = find_reader(extension);
+    const reader *chosen = reader_of(extension);
     char path[4096], *bytes = malloc(size + 1);
     const char *folder = getenv("TMPDIR");
     snprintf(path, sizeof path, "%s/resolvent-fuzz-%ld%s", folder ? folder : "/tmp", (long)getpid(),
@@ -109,9 +109,9 @@ void fuzz_read(const char *extension, const uint8_t *data, size_t size)
     FILE *file = fopen(path, "wb");
     if (!file || !bytes) abort();
     memcpy(bytes, data, size);
-    if (reader->read == read_operator) mend_checksum(bytes, size);
+    if (chosen->read == read_operator) mend_checksum(bytes, size);
     if (fwrite(bytes, 1, size, file) != size || fclose(file) != 0) abort();
     free(bytes);
-    reader->read(path);
+    chosen->read(path);
     unlink(path);
 }
