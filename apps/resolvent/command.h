@@ -11,6 +11,7 @@ enum cli_exit_status { CLI_SUCCESS = 0, CLI_FAILURE = 1, CLI_BAD_USAGE = 2 };
 int cli_solve(int argc, char **argv);
 int cli_relight(int argc, char **argv);
 int cli_render(int argc, char **argv);
+int cli_bake(int argc, char **argv);
 int cli_probe(int argc, char **argv);
 int cli_certify(int argc, char **argv);
 int cli_compare(int argc, char **argv);

@@ -191,7 +191,9 @@ static rsv_status emit_corner(flattener *f, uint32_t vertex, rsv_vec3 geometric,
     return status;
 }
 
-static rsv_status emit_triangle(flattener *f, rsv_mesh *mesh, const uint32_t corner[3])
+/// @param source its index within the mesh
+static rsv_status emit_triangle(
+    flattener *f, rsv_mesh *mesh, uint32_t source, const uint32_t corner[3])
 {
     rsv_scene *scene = f->scene;
     rsv_vec3 normal;
@@ -206,6 +208,7 @@ static rsv_status emit_triangle(flattener *f, rsv_mesh *mesh, const uint32_t cor
         RSV_TRY(emit_corner(f, corner[i], normal, &scene->triangle[t][i]));
     scene->triangle_material[t] = mesh->material;
     scene->triangle_object[t] = (uint32_t)scene->object_count;
+    scene->triangle_source[t] = source;
     scene->triangle_count = t + 1;
 cleanup:
     return status;
@@ -230,9 +233,10 @@ static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
         // a mirroring transform turns the winding: swapping two corners keeps the front in front
         uint32_t corner[3] = { index[0], index[f->map.mirrored ? 2 : 1],
             index[f->map.mirrored ? 1 : 2] };
-        RSV_TRY(emit_triangle(f, mesh, corner));
+        RSV_TRY(emit_triangle(f, mesh, (uint32_t)t, corner));
     }
     if (scene->triangle_count > first) {
+        scene->object_instance[scene->object_count] = (uint32_t)(instance - scene->instance);
         scene->object_name[scene->object_count++] = instance->name;
         instance->name = NULL;
     }
@@ -260,12 +264,15 @@ static rsv_status allocate(flattener *f)
     scene->triangle = rsv_alloc(scene->context, triangles, sizeof *scene->triangle);
     scene->triangle_material = rsv_alloc(scene->context, triangles, sizeof(uint32_t));
     scene->triangle_object = rsv_alloc(scene->context, triangles, sizeof(uint32_t));
+    scene->triangle_source = rsv_alloc(scene->context, triangles, sizeof(uint32_t));
+    scene->object_instance = rsv_alloc(scene->context, scene->instance_count, sizeof(uint32_t));
     scene->object_name = rsv_alloc(scene->context, scene->instance_count, sizeof(char *));
     f->position = rsv_alloc(scene->context, vertices, sizeof *f->position);
     f->normal = rsv_alloc(scene->context, vertices, sizeof *f->normal);
     f->emitted = rsv_alloc(scene->context, vertices, sizeof *f->emitted);
     bool complete = scene->triangle && scene->triangle_material && scene->triangle_object &&
-                    scene->object_name && f->position && f->normal && f->emitted;
+                    scene->triangle_source && scene->object_instance && scene->object_name &&
+                    f->position && f->normal && f->emitted;
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 

@@ -72,6 +72,8 @@ void rsv_scene_destroy(rsv_scene *scene)
     rsv_free(context, scene->triangle);
     rsv_free(context, scene->triangle_material);
     rsv_free(context, scene->triangle_object);
+    rsv_free(context, scene->triangle_source);
+    rsv_free(context, scene->object_instance);
     rsv_free(context, scene->object_name);
     rsv_free(context, scene);
 }

@@ -47,6 +47,8 @@ struct rsv_scene {
     float (*uv[2])[2], (*tangent)[4], (*color)[4]; ///< NULL = no mesh has any
     uint32_t (*triangle)[3];
     uint32_t *triangle_material, *triangle_object;
+    uint32_t *triangle_source; ///< triangle within its mesh; NULL = not known (scenes restored)
+    uint32_t *object_instance; ///< which call of rsv_scene_add_instance placed it; likewise
     char **object_name;
     size_t vertex_count, triangle_count, object_count;
     size_t position_capacity, normal_capacity;

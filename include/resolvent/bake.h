@@ -1,0 +1,61 @@
+/// @file bake.h
+/// Solved light in files that others read: in vertices, in lightmaps, in grids of probes.
+///
+/// The scene's own glTF file is the start: its JSON is changed in places, so that nodes, animations, cameras, extras and
+/// unknown extensions come out as they went in. docs/bake.md says what is written.
+#ifndef RESOLVENT_BAKE_H
+#define RESOLVENT_BAKE_H
+
+#include "resolvent/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Start from rsv_default_bake_desc().
+typedef struct rsv_bake_desc {
+    /// Vertices: surfaces are tessellated, down to the elements, until light between vertices is off by no more than
+    /// this share of itself; 0.002..1, default 0.02.
+    float tolerance;
+    bool unlit; ///< mark what only reflects diffusely as KHR_materials_unlit: viewers add no light
+    /// Lightmaps: texels per metre; 0 = so many that the map is `map_size` texels wide.
+    float density;
+    uint32_t
+        map_size; ///< texels along a side, 16..8192, default 1024; with a density: the largest allowed
+    uint32_t padding; ///< texels between charts, 1..16, default 2
+    bool
+        keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
+    bool basis;             ///< also write what each light does by itself, for the runtime
+    float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
+    uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 256
+    bool dry_run;           ///< find out what would come out, write nothing
+} rsv_bake_desc;
+
+RSV_API rsv_bake_desc rsv_default_bake_desc(void);
+
+/// What came out.
+typedef struct rsv_bake_report {
+    size_t vertices, triangles; ///< of what carries light, after tessellation
+    size_t input_triangles;
+    size_t charts;
+    uint32_t map_width, map_height; ///< texels
+    float density;                  ///< texels per metre
+    double coverage;                ///< share of the map's texels that some surface shows
+    double largest_seam; ///< largest jump of light across charts on smooth surfaces, relative
+    uint32_t probe_count[3];
+    size_t valid_probes;
+    float light_scale; ///< W/m2 that the largest code of the file stands for
+    size_t lights;     ///< of the basis
+} rsv_bake_report;
+
+/// Light in COLOR_0: irradiance / pi / light_scale, so that base colour times it is what is seen.
+/// @param input the .gltf or .glb file that the solution's scene was loaded from @param output .glb
+/// @param desc NULL = defaults
+RSV_API rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *input,
+    const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,27 @@
+#include "bake_desc.h"
+
+#include "../core/core_internal.h"
+
+rsv_bake_desc rsv_default_bake_desc(void)
+{
+    return (rsv_bake_desc){
+        .tolerance = 0.02f, .map_size = 1024, .padding = 2, .keep_uv = true, .probe_samples = 256
+    };
+}
+
+rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
+{
+    if (!(desc->tolerance >= 0.002f && desc->tolerance <= 1))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the tolerance must be from 0.002 to 1");
+    if (!(desc->density >= 0 && desc->density <= 1e6f))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: texels per metre must be from 0 to 1e6");
+    if (desc->map_size < 16 || desc->map_size > 8192)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the map's size must be from 16 to 8192 texels");
+    if (desc->padding < 1 || desc->padding > 16)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the padding must be from 1 to 16 texels");
+    if (!(desc->probe_spacing >= 0 && desc->probe_spacing <= 1e6f))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the probes' spacing must be from 0 to 1e6 m");
+    if (desc->probe_samples < 32 || desc->probe_samples > 65536)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: a probe's samples must be from 32 to 65536");
+    return RSV_OK;
+}

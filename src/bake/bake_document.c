@@ -1,0 +1,303 @@
+#include "bake_document.h"
+
+#include "../io/atomic_file.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define GLB_MAGIC 0x46546c67u
+#define GLB_JSON 0x4e4f534au
+#define GLB_BINARY 0x004e4942u
+
+// ---- reading --------------------------------------------------------------------------------------
+
+static uint32_t little_endian(const uint8_t *b)
+{
+    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
+}
+
+/// The whole file, with a 0 behind it. The parser has read it before: it is no larger than memory.
+static rsv_status read_file(const rsv_bake_document *d, uint8_t **bytes, size_t *count)
+{
+    rsv_status status = RSV_OK;
+    FILE *file = fopen(d->path, "rb");
+    long size = -1;
+    *bytes = NULL;
+    if (file && fseek(file, 0, SEEK_END) == 0) size = ftell(file);
+    if (size >= 0) *bytes = rsv_alloc(d->context, (size_t)size + 1, 1);
+    if (size >= 0 && !*bytes) status = RSV_ERROR_MEMORY;
+    if (size < 0 || (*bytes && (fseek(file, 0, SEEK_SET) ||
+                                   fread(*bytes, 1, (size_t)size, file) != (size_t)size)))
+        status = rsv_fail(RSV_ERROR_IO, "%s: it cannot be read", d->path);
+    *count = size < 0 ? 0 : (size_t)size;
+    if (file) fclose(file);
+    return status;
+}
+
+static rsv_status parse_json(rsv_bake_document *d)
+{
+    rsv_status status;
+    uint8_t *bytes = NULL;
+    size_t count;
+    RSV_TRY(read_file(d, &bytes, &count));
+    const char *text = (const char *)bytes;
+    if (count >= 20 && little_endian(bytes) == GLB_MAGIC) {
+        size_t length = little_endian(bytes + 12);
+        text += 20;
+        count = length < count - 20 ? length : count - 20;
+    }
+    d->root = cJSON_ParseWithLength(text, count);
+    if (!cJSON_IsObject(d->root))
+        status = rsv_fail(RSV_ERROR_FORMAT, "%s: its JSON cannot be read", d->path);
+cleanup:
+    rsv_free(d->context, bytes);
+    return status;
+}
+
+static size_t append_bytes(rsv_bake_document *d, const void *data, size_t count)
+{
+    size_t begin = (d->byte_count + 3) & ~(size_t)3;
+    if (rsv_grow(d->context, (void **)&d->bytes, &d->byte_capacity, begin + count + 4, 1) !=
+        RSV_OK) {
+        d->exhausted = true;
+        return 0;
+    }
+    memset(d->bytes + d->byte_count, 0, begin - d->byte_count);
+    if (count) memcpy(d->bytes + begin, data, count);
+    d->byte_count = begin + count;
+    return begin;
+}
+
+static double number_of(const cJSON *object, const char *name, double otherwise)
+{
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, name);
+    return cJSON_IsNumber(item) ? item->valuedouble : otherwise;
+}
+
+/// Joins all buffers into one, which keeps what else is said of the first.
+static rsv_status join_buffers(rsv_bake_document *d)
+{
+    const rsv_gltf_document *gltf = d->gltf;
+    size_t *begin = rsv_alloc(d->context, gltf->buffer_count, sizeof *begin);
+    if (!begin) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < gltf->buffer_count; k++)
+        begin[k] = append_bytes(d, gltf->buffer[k].data, gltf->buffer[k].size);
+    cJSON *view, *buffers = rsv_bake_array(d, d->root, "buffers");
+    cJSON_ArrayForEach(view, cJSON_GetObjectItemCaseSensitive(d->root, "bufferViews"))
+    {
+        double buffer = number_of(view, "buffer", 0), offset = number_of(view, "byteOffset", 0);
+        if (!(buffer >= 0 && buffer < (double)gltf->buffer_count)) continue;
+        if (buffer == 0 && begin[0] == 0) continue;
+        rsv_bake_number(d, view, "buffer", 0);
+        rsv_bake_number(d, view, "byteOffset", offset + (double)begin[(size_t)buffer]);
+    }
+    while (cJSON_GetArraySize(buffers) > 1)
+        cJSON_DeleteItemFromArray(buffers, 1);
+    if (!cJSON_GetArraySize(buffers)) rsv_bake_append(d, buffers, cJSON_CreateObject());
+    cJSON_DeleteItemFromObjectCaseSensitive(cJSON_GetArrayItem(buffers, 0), "uri");
+    rsv_free(d->context, begin);
+    return RSV_OK;
+}
+
+static const char *mime_type(const uint8_t *bytes, size_t count)
+{
+    static const uint8_t png[] = { 0x89, 'P', 'N', 'G' }, jpeg[] = { 0xff, 0xd8, 0xff };
+    if (count > 4 && memcmp(bytes, png, sizeof png) == 0) return "image/png";
+    if (count > 4 && memcmp(bytes, jpeg, sizeof jpeg) == 0) return "image/jpeg";
+    return NULL;
+}
+
+/// Takes pictures in that lie beside the file.
+static void embed_images(rsv_bake_document *d)
+{
+    size_t k = 0;
+    cJSON *image;
+    cJSON_ArrayForEach(image, cJSON_GetObjectItemCaseSensitive(d->root, "images"))
+    {
+        if (k >= d->gltf->image_count) break;
+        const rsv_gltf_image *data = &d->gltf->image[k++];
+        const char *uri = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(image, "uri"));
+        const char *type = data->bytes ? mime_type(data->bytes, data->size) : NULL;
+        if (!uri || strncmp(uri, "data:", 5) == 0 || !type) continue;
+        cJSON_DeleteItemFromObjectCaseSensitive(image, "uri");
+        rsv_bake_number(d, image, "bufferView", rsv_bake_add_view(d, data->bytes, data->size, 0));
+        rsv_bake_string(d, image, "mimeType", type);
+    }
+}
+
+rsv_status rsv_bake_document_open(rsv_context *context, const char *path, rsv_bake_document *d)
+{
+    rsv_status status;
+    *d = (rsv_bake_document){ .context = context, .path = path };
+    status = rsv_gltf_open(path, &d->gltf);
+    if (status != RSV_OK) {
+        char message[512];
+        snprintf(message, sizeof message, "%s", rsv_last_error());
+        status = rsv_fail(status, "%s: %s", path, message);
+        goto cleanup;
+    }
+    RSV_TRY(parse_json(d));
+    RSV_TRY(join_buffers(d));
+    embed_images(d);
+cleanup:
+    if (status != RSV_OK) rsv_bake_document_close(d);
+    return status;
+}
+
+void rsv_bake_document_close(rsv_bake_document *d)
+{
+    rsv_gltf_close(d->gltf);
+    cJSON_Delete(d->root);
+    rsv_free(d->context, d->bytes);
+    *d = (rsv_bake_document){ .context = d->context };
+}
+
+// ---- changing -------------------------------------------------------------------------------------
+
+static cJSON *noted(rsv_bake_document *d, cJSON *item)
+{
+    d->exhausted |= !item;
+    return item;
+}
+
+cJSON *rsv_bake_array(rsv_bake_document *d, cJSON *parent, const char *name)
+{
+    cJSON *array = cJSON_GetObjectItemCaseSensitive(parent, name);
+    return array ? array : noted(d, cJSON_AddArrayToObject(parent, name));
+}
+
+cJSON *rsv_bake_object(rsv_bake_document *d, cJSON *parent, const char *name)
+{
+    cJSON *object = cJSON_GetObjectItemCaseSensitive(parent, name);
+    return object ? object : noted(d, cJSON_AddObjectToObject(parent, name));
+}
+
+static void put(rsv_bake_document *d, cJSON *parent, const char *name, cJSON *item)
+{
+    if (!noted(d, item)) return;
+    if (cJSON_GetObjectItemCaseSensitive(parent, name))
+        d->exhausted |= !cJSON_ReplaceItemInObjectCaseSensitive(parent, name, item);
+    else
+        d->exhausted |= !cJSON_AddItemToObject(parent, name, item);
+}
+
+void rsv_bake_number(rsv_bake_document *d, cJSON *parent, const char *name, double value)
+{
+    put(d, parent, name, cJSON_CreateNumber(value));
+}
+
+void rsv_bake_string(rsv_bake_document *d, cJSON *parent, const char *name, const char *value)
+{
+    put(d, parent, name, cJSON_CreateString(value));
+}
+
+int rsv_bake_append(rsv_bake_document *d, cJSON *array, cJSON *item)
+{
+    if (!noted(d, item) || !array || !cJSON_AddItemToArray(array, item)) d->exhausted = true;
+    return cJSON_GetArraySize(array) - 1;
+}
+
+cJSON *rsv_bake_extension(rsv_bake_document *d, cJSON *parent, const char *name)
+{
+    cJSON *used = rsv_bake_array(d, d->root, "extensionsUsed");
+    const cJSON *entry;
+    bool listed = false;
+    cJSON_ArrayForEach(entry, used) if (cJSON_IsString(entry)) listed |=
+        strcmp(entry->valuestring, name) == 0;
+    if (!listed) rsv_bake_append(d, used, cJSON_CreateString(name));
+    return rsv_bake_object(d, rsv_bake_object(d, parent, "extensions"), name);
+}
+
+int rsv_bake_add_view(rsv_bake_document *d, const void *data, size_t bytes, int target)
+{
+    size_t begin = append_bytes(d, data, bytes);
+    cJSON *view = noted(d, cJSON_CreateObject());
+    rsv_bake_number(d, view, "buffer", 0);
+    rsv_bake_number(d, view, "byteOffset", (double)begin);
+    rsv_bake_number(d, view, "byteLength", (double)bytes);
+    if (target) rsv_bake_number(d, view, "target", target);
+    return rsv_bake_append(d, rsv_bake_array(d, d->root, "bufferViews"), view);
+}
+
+static int add_accessor(
+    rsv_bake_document *d, int view, int component, size_t count, const char *type)
+{
+    cJSON *accessor = noted(d, cJSON_CreateObject());
+    rsv_bake_number(d, accessor, "bufferView", view);
+    rsv_bake_number(d, accessor, "componentType", component);
+    rsv_bake_number(d, accessor, "count", (double)count);
+    rsv_bake_string(d, accessor, "type", type);
+    return rsv_bake_append(d, rsv_bake_array(d, d->root, "accessors"), accessor);
+}
+
+int rsv_bake_add_floats(
+    rsv_bake_document *d, const float *data, size_t count, int width, bool bounded)
+{
+    static const char *const type[] = { "", "SCALAR", "VEC2", "VEC3", "VEC4" };
+    size_t floats = count * (size_t)width;
+    int view = rsv_bake_add_view(d, data, floats * sizeof *data, 34962);
+    int index = add_accessor(d, view, RSV_GLTF_FLOAT, count, type[width]);
+    if (!bounded || !count) return index;
+    cJSON *accessor = cJSON_GetArrayItem(rsv_bake_array(d, d->root, "accessors"), index);
+    cJSON *min = rsv_bake_array(d, accessor, "min"), *max = rsv_bake_array(d, accessor, "max");
+    for (size_t c = 0; c < (size_t)width; c++) {
+        float low = data[c], high = data[c];
+        for (size_t k = c; k < floats; k += (size_t)width) {
+            low = data[k] < low ? data[k] : low;
+            high = data[k] > high ? data[k] : high;
+        }
+        rsv_bake_append(d, min, cJSON_CreateNumber((double)low));
+        rsv_bake_append(d, max, cJSON_CreateNumber((double)high));
+    }
+    return index;
+}
+
+int rsv_bake_add_indices(rsv_bake_document *d, const uint32_t *index, size_t count)
+{
+    int view = rsv_bake_add_view(d, index, count * sizeof *index, 34963);
+    return add_accessor(d, view, RSV_GLTF_UNSIGNED_INT, count, "SCALAR");
+}
+
+// ---- writing --------------------------------------------------------------------------------------
+
+static void append_chunk(
+    rsv_atomic_file *file, uint32_t type, const void *data, size_t bytes, uint8_t padding)
+{
+    const uint8_t pad[4] = { padding, padding, padding, padding };
+    size_t rest = -bytes & 3;
+    const uint32_t header[2] = { (uint32_t)(bytes + rest), type };
+    rsv_atomic_file_append(file, header, sizeof header);
+    rsv_atomic_file_append(file, data, bytes);
+    rsv_atomic_file_append(file, pad, rest);
+}
+
+rsv_status rsv_bake_document_write(rsv_bake_document *d, const char *path)
+{
+    rsv_status status;
+    rsv_atomic_file file = { .descriptor = -1 };
+    cJSON *buffer = cJSON_GetArrayItem(rsv_bake_array(d, d->root, "buffers"), 0);
+    rsv_bake_number(d, buffer, "byteLength", (double)d->byte_count);
+    char *text = cJSON_PrintUnformatted(d->root);
+    if (d->exhausted || !text) {
+        status = rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory writing it", path);
+        goto cleanup;
+    }
+    size_t length = strlen(text),
+           total = 28 + ((length + 3) & ~3ull) + ((d->byte_count + 3) & ~3ull);
+    if (total > UINT32_MAX) {
+        status =
+            rsv_fail(RSV_ERROR_UNSUPPORTED, "%s: it would exceed 4 GiB, the most of a .glb", path);
+        goto cleanup;
+    }
+    const uint32_t header[3] = { GLB_MAGIC, 2, (uint32_t)total };
+    RSV_TRY(rsv_atomic_file_open(&file, path));
+    rsv_atomic_file_append(&file, header, sizeof header);
+    append_chunk(&file, GLB_JSON, text, length, ' ');
+    append_chunk(&file, GLB_BINARY, d->bytes, d->byte_count, 0);
+    status = rsv_atomic_file_commit(&file);
+cleanup:
+    rsv_atomic_file_discard(&file);
+    cJSON_free(text);
+    return status;
+}

@@ -1,0 +1,50 @@
+/// A glTF file to be changed in places: its JSON as it stands, and all its buffers as one.
+///
+/// What is not touched stays: nodes, animations, cameras, extras, extensions that nobody here knows. Buffers and pictures
+/// beside the file are taken in, so that the result stands alone.
+#ifndef RSV_BAKE_DOCUMENT_H
+#define RSV_BAKE_DOCUMENT_H
+
+#include "../core/core_internal.h"
+#include "../io/gltf_document.h"
+
+#include <cjson/cJSON.h>
+
+typedef struct rsv_bake_document {
+    rsv_context *context;
+    const char *path;              ///< borrowed
+    const rsv_gltf_document *gltf; ///< the same file, parsed
+    cJSON *root;
+    uint8_t *bytes; ///< of the only buffer
+    size_t byte_count, byte_capacity;
+    bool exhausted; ///< something could not be allocated; told when it is written
+} rsv_bake_document;
+
+rsv_status rsv_bake_document_open(
+    rsv_context *context, const char *path, rsv_bake_document *document);
+void rsv_bake_document_close(rsv_bake_document *document);
+/// Writes binary glTF. The file appears complete or not at all.
+rsv_status rsv_bake_document_write(rsv_bake_document *document, const char *path);
+
+/// The array `name` of an object, made if it is missing. NULL on exhaustion, as the others.
+cJSON *rsv_bake_array(rsv_bake_document *document, cJSON *parent, const char *name);
+/// The object `name` likewise.
+cJSON *rsv_bake_object(rsv_bake_document *document, cJSON *parent, const char *name);
+void rsv_bake_number(rsv_bake_document *document, cJSON *parent, const char *name, double value);
+void rsv_bake_string(
+    rsv_bake_document *document, cJSON *parent, const char *name, const char *value);
+/// Appends an item and returns its index.
+int rsv_bake_append(rsv_bake_document *document, cJSON *array, cJSON *item);
+/// An object for extension `name` of `parent`, which is listed as used.
+cJSON *rsv_bake_extension(rsv_bake_document *document, cJSON *parent, const char *name);
+
+/// Appends data as a buffer view of its own. @param target 34962 vertices, 34963 indices, 0 = neither @return its index
+int rsv_bake_add_view(rsv_bake_document *document, const void *data, size_t bytes, int target);
+
+/// Appends vectors of floats as an accessor. @param width 1..4 @param bounded whether to add min and max
+int rsv_bake_add_floats(
+    rsv_bake_document *document, const float *data, size_t count, int width, bool bounded);
+/// Appends indices.
+int rsv_bake_add_indices(rsv_bake_document *document, const uint32_t *index, size_t count);
+
+#endif

@@ -1,0 +1,170 @@
+#include "bake_part.h"
+
+#include "../io/gltf_accessor.h"
+#include "../io/matrix.h"
+#include "../scene/scene_internal.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct walker {
+    const rsv_bake_document *document;
+    rsv_bake_parts *parts;
+    double (*world)[16]; ///< [node_count]
+    uint32_t *pending;   ///< [node_count]
+} walker;
+
+// ---- geometry -------------------------------------------------------------------------------------
+
+/// Corners of triangle `t` of a list, strip or fan.
+static void find_corners(int mode, size_t t, size_t corner[3])
+{
+    const size_t list[3] = { 3 * t, 3 * t + 1, 3 * t + 2 };
+    const size_t strip[3] = { t, t + 1 + t % 2, t + 2 - t % 2 }, fan[3] = { t + 1, t + 2, 0 };
+    const size_t *from = mode == RSV_GLTF_TRIANGLES        ? list
+                         : mode == RSV_GLTF_TRIANGLE_STRIP ? strip
+                                                           : fan;
+    memcpy(corner, from, sizeof list);
+}
+
+static rsv_status read_part(
+    const rsv_bake_document *d, const rsv_gltf_primitive *primitive, rsv_bake_part *part)
+{
+    rsv_status status;
+    uint32_t *index = NULL;
+    size_t count;
+    RSV_TRY(rsv_gltf_read_vectors(d->context, d->gltf, primitive->position, part->label,
+        &part->position, &part->vertex_count));
+    count = part->vertex_count;
+    if (primitive->indices >= 0)
+        RSV_TRY(rsv_gltf_read_indices(d->context, d->gltf, primitive->indices, part->label,
+            part->vertex_count, &index, &count));
+    part->triangle_count = primitive->mode == RSV_GLTF_TRIANGLES ? count / 3
+                           : count < 3                           ? 0
+                                                                 : count - 2;
+    part->corner = rsv_alloc(d->context, part->triangle_count, sizeof *part->corner);
+    part->triangle = rsv_alloc(d->context, part->triangle_count, sizeof *part->triangle);
+    RSV_TRY(part->corner && part->triangle ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t t = 0; t < part->triangle_count; t++) {
+        size_t at[3];
+        find_corners(primitive->mode, t, at);
+        part->triangle[t] = RSV_NONE;
+        for (int k = 0; k < 3; k++)
+            part->corner[t][k] = index ? index[at[k]] : (uint32_t)at[k];
+    }
+cleanup:
+    rsv_free(d->context, index);
+    return status;
+}
+
+static bool mirrors(const double m[16])
+{
+    double x = m[5] * m[10] - m[6] * m[9], y = m[6] * m[8] - m[4] * m[10];
+    double z = m[4] * m[9] - m[5] * m[8];
+    return m[0] * x + m[1] * y + m[2] * z < 0;
+}
+
+// ---- nodes ----------------------------------------------------------------------------------------
+
+/// The primitives that loading a scene turns into instances, in the same order.
+static rsv_status add_parts(walker *w, uint32_t index)
+{
+    rsv_status status = RSV_OK;
+    const rsv_gltf_document *gltf = w->document->gltf;
+    const rsv_gltf_node *node = &gltf->node[index];
+    if (node->mesh < 0) return RSV_OK;
+    const rsv_gltf_mesh *mesh = &gltf->mesh[node->mesh];
+    for (size_t k = 0; k < mesh->primitive_count; k++) {
+        const rsv_gltf_primitive *primitive = &mesh->primitive[k];
+        if (primitive->position < 0 || primitive->mode < RSV_GLTF_TRIANGLES ||
+            primitive->mode > RSV_GLTF_TRIANGLE_FAN)
+            continue;
+        rsv_bake_parts *parts = w->parts;
+        RSV_TRY(rsv_grow(parts->context, (void **)&parts->part, &parts->capacity, parts->count + 1,
+            sizeof *parts->part));
+        rsv_bake_part *part = &parts->part[parts->count];
+        *part = (rsv_bake_part){ .node = index,
+            .mesh = (uint32_t)node->mesh,
+            .primitive = (uint32_t)k,
+            .instance = (uint32_t)parts->count,
+            .mirrored = mirrors(w->world[index]) };
+        snprintf(part->label, sizeof part->label, "%.100s, primitive %zu", mesh->name, k);
+        parts->count++;
+        RSV_TRY(read_part(w->document, primitive, part));
+    }
+cleanup:
+    return status;
+}
+
+static void push_nodes(
+    walker *w, const int *node, size_t count, const double *parent, size_t *pending)
+{
+    static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+    for (size_t k = count; k-- > 0;) {
+        rsv_matrix_multiply(
+            parent ? parent : identity, w->document->gltf->node[node[k]].local, w->world[node[k]]);
+        w->pending[(*pending)++] = (uint32_t)node[k];
+    }
+}
+
+/// Loading the scene has shown that nodes form a forest.
+static rsv_status walk(walker *w)
+{
+    const rsv_gltf_document *gltf = w->document->gltf;
+    size_t pending = 0;
+    push_nodes(w, gltf->root, gltf->root_count, NULL, &pending);
+    while (pending) {
+        uint32_t index = w->pending[--pending];
+        const rsv_gltf_node *node = &gltf->node[index];
+        rsv_status status = add_parts(w, index);
+        if (status != RSV_OK) return status;
+        push_nodes(w, node->child, node->child_count, w->world[index], &pending);
+    }
+    return RSV_OK;
+}
+
+/// Tells each part which triangles of the scene are its own.
+static rsv_status match(const rsv_bake_document *d, const rsv_scene *scene, rsv_bake_parts *parts)
+{
+    bool fits = scene->triangle_source != NULL;
+    for (size_t t = 0; fits && t < scene->triangle_count; t++) {
+        uint32_t instance = scene->object_instance[scene->triangle_object[t]];
+        rsv_bake_part *part = instance < parts->count ? &parts->part[instance] : NULL;
+        fits = part && scene->triangle_source[t] < part->triangle_count;
+        if (fits) part->triangle[scene->triangle_source[t]] = (uint32_t)t;
+    }
+    if (fits) return RSV_OK;
+    return rsv_fail(RSV_ERROR_ARGUMENT,
+        "%s: bake: the solved scene was not loaded from this file as it is now", d->path);
+}
+
+rsv_status rsv_bake_parts_create(
+    const rsv_bake_document *d, const rsv_solution *solution, rsv_bake_parts *parts)
+{
+    rsv_status status;
+    size_t nodes = d->gltf->node_count;
+    *parts = (rsv_bake_parts){ .context = d->context };
+    walker w = { .document = d,
+        .parts = parts,
+        .world = rsv_alloc(d->context, nodes, sizeof *w.world),
+        .pending = rsv_alloc(d->context, nodes, sizeof *w.pending) };
+    RSV_TRY(w.world && w.pending ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(walk(&w));
+    RSV_TRY(match(d, rsv_solution_scene(solution), parts));
+cleanup:
+    rsv_free(d->context, w.world);
+    rsv_free(d->context, w.pending);
+    if (status != RSV_OK) rsv_bake_parts_destroy(parts);
+    return status;
+}
+
+void rsv_bake_parts_destroy(rsv_bake_parts *parts)
+{
+    for (size_t k = 0; k < parts->count; k++) {
+        rsv_free(parts->context, parts->part[k].position);
+        rsv_free(parts->context, parts->part[k].corner);
+        rsv_free(parts->context, parts->part[k].triangle);
+    }
+    rsv_free(parts->context, parts->part);
+    *parts = (rsv_bake_parts){ .context = parts->context };
+}

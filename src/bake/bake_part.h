@@ -1,0 +1,41 @@
+/// What of a glTF file carries light: a primitive of a mesh, once for every node that shows it.
+#ifndef RSV_BAKE_PART_H
+#define RSV_BAKE_PART_H
+
+#include "../solve/solution.h"
+#include "bake_document.h"
+
+typedef struct rsv_bake_part {
+    uint32_t node, mesh, primitive; ///< of the file
+    uint32_t instance;              ///< of the scene
+    bool mirrored;                  ///< its node turns the winding
+    char label[160];                ///< for messages
+    // of the primitive, in its own space
+    rsv_vec3 *position; ///< [vertex_count]
+    size_t vertex_count;
+    uint32_t (*corner)[3]; ///< [triangle_count]
+    size_t triangle_count;
+    uint32_t *triangle; ///< [triangle_count] of the scene; RSV_NONE = of no area
+} rsv_bake_part;
+
+typedef struct rsv_bake_parts {
+    rsv_context *context;
+    rsv_bake_part *part;
+    size_t count, capacity;
+} rsv_bake_parts;
+
+/// Lists the parts in the order of the scene's instances. RSV_ERROR_ARGUMENT if the scene was not loaded from
+/// this file.
+rsv_status rsv_bake_parts_create(
+    const rsv_bake_document *document, const rsv_solution *solution, rsv_bake_parts *parts);
+void rsv_bake_parts_destroy(rsv_bake_parts *parts);
+
+/// The scene's barycentric coordinates for weights of the corners of the file's triangle.
+static inline void rsv_bake_place(
+    const rsv_bake_part *part, float weight1, float weight2, float *u, float *v)
+{
+    *u = part->mirrored ? weight2 : weight1;
+    *v = part->mirrored ? weight1 : weight2;
+}
+
+#endif

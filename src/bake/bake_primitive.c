@@ -1,0 +1,184 @@
+#include "bake_primitive.h"
+
+#include "../core/vec.h"
+#include "../io/gltf_accessor.h"
+
+#include <string.h>
+
+static cJSON *item(const cJSON *parent, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(parent, name);
+}
+
+static int reference(const cJSON *parent, const char *name)
+{
+    const cJSON *number = item(parent, name);
+    return cJSON_IsNumber(number) ? number->valueint : -1;
+}
+
+// ---- meshes of their own --------------------------------------------------------------------------
+
+static void count_uses(const cJSON *nodes, uint32_t *uses, size_t mesh_count)
+{
+    const cJSON *node;
+    cJSON_ArrayForEach(node, nodes)
+    {
+        int mesh = reference(node, "mesh");
+        if (mesh >= 0 && (size_t)mesh < mesh_count) uses[mesh]++;
+    }
+}
+
+/// The mesh that a node shows alone: a copy, if others show it too.
+static cJSON *own_mesh(rsv_bake_document *d, const rsv_bake_part *part, bool shared)
+{
+    cJSON *meshes = item(d->root, "meshes");
+    cJSON *mesh = cJSON_GetArrayItem(meshes, (int)part->mesh);
+    if (!shared) return mesh;
+    cJSON *copy = cJSON_Duplicate(mesh, true);
+    int index = rsv_bake_append(d, meshes, copy);
+    rsv_bake_number(d, cJSON_GetArrayItem(item(d->root, "nodes"), (int)part->node), "mesh", index);
+    return copy;
+}
+
+rsv_status rsv_bake_separate(rsv_bake_document *d, const rsv_bake_parts *parts, cJSON ***primitive)
+{
+    rsv_status status;
+    size_t meshes = d->gltf->mesh_count;
+    uint32_t *uses = rsv_alloc(d->context, meshes, sizeof *uses);
+    cJSON **json = rsv_alloc(d->context, parts->count, sizeof *json), *mesh = NULL;
+    RSV_TRY(uses && json ? RSV_OK : RSV_ERROR_MEMORY);
+    count_uses(item(d->root, "nodes"), uses, meshes);
+    for (size_t k = 0; k < parts->count; k++) {
+        const rsv_bake_part *part = &parts->part[k];
+        if (k == 0 || part[-1].node != part->node) mesh = own_mesh(d, part, uses[part->mesh] > 1);
+        json[k] = cJSON_GetArrayItem(item(mesh, "primitives"), (int)part->primitive);
+        RSV_TRY(json[k] ? RSV_OK : rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory", d->path));
+    }
+    *primitive = json;
+    json = NULL;
+cleanup:
+    rsv_free(d->context, uses);
+    rsv_free(d->context, json);
+    return status;
+}
+
+cJSON *rsv_bake_material(const rsv_bake_document *d, const cJSON *primitive)
+{
+    int material = reference(primitive, "material");
+    return material < 0 ? NULL : cJSON_GetArrayItem(item(d->root, "materials"), material);
+}
+
+// ---- vertices -------------------------------------------------------------------------------------
+
+/// Attributes whose mean is what lies between.
+static bool is_blendable(const char *name)
+{
+    return !strcmp(name, "POSITION") || !strcmp(name, "NORMAL") || !strcmp(name, "TANGENT") ||
+           !strncmp(name, "TEXCOORD_", 9) || !strncmp(name, "COLOR_", 6);
+}
+
+bool rsv_bake_may_divide(const cJSON *primitive)
+{
+    const cJSON *attribute;
+    if (item(primitive, "targets")) return false;
+    cJSON_ArrayForEach(attribute, item(primitive, "attributes"))
+    {
+        if (!is_blendable(attribute->string)) return false;
+    }
+    return true;
+}
+
+/// Values of all of a mesh's attributes: those of the file, then middles.
+static void blend(const rsv_bake_mesh *mesh, size_t width, const float *from, float *to)
+{
+    for (size_t n = 0; n < mesh->attribute_count; n++) {
+        uint32_t a = mesh->parent[n][0], b = mesh->parent[n][1];
+        for (size_t c = 0; c < width; c++)
+            to[n * width + c] =
+                a == b ? from[a * width + c] : 0.5f * (to[a * width + c] + to[b * width + c]);
+    }
+}
+
+/// Directions stay unit; the fourth number of a tangent, its side, stays a sign.
+static void normalize(float *value, size_t count, size_t width)
+{
+    for (size_t n = 0; n < count; n++) {
+        float *v = value + n * width;
+        rsv_vec3 unit = v3(v[0], v[1], v[2]);
+        float length = v3_length(unit);
+        unit = length > 0 ? v3_scale(unit, 1 / length) : v3(0, 1, 0);
+        v[0] = unit.x, v[1] = unit.y, v[2] = unit.z;
+        if (width == 4) v[3] = v[3] < 0 ? -1 : 1;
+    }
+}
+
+/// An attribute of the file at the vertices of a mesh.
+static rsv_status read_blended(const rsv_bake_document *d, int accessor, const rsv_bake_part *part,
+    const rsv_bake_mesh *mesh, float **value, size_t *width)
+{
+    rsv_status status;
+    float *from = NULL, *all = NULL, *to = NULL;
+    size_t count;
+    RSV_TRY(
+        rsv_gltf_read_attribute(d->context, d->gltf, accessor, part->label, &from, &count, width));
+    all = rsv_alloc(d->context, mesh->attribute_count, *width * sizeof *all);
+    to = rsv_alloc(d->context, mesh->vertex_count, *width * sizeof *to);
+    RSV_TRY(all && to ? RSV_OK : RSV_ERROR_MEMORY);
+    blend(mesh, *width, from, all);
+    for (size_t n = 0; n < mesh->vertex_count; n++)
+        memcpy(to + n * *width, all + mesh->attribute[n] * *width, *width * sizeof *to);
+    *value = to;
+    to = NULL;
+cleanup:
+    rsv_free(d->context, from);
+    rsv_free(d->context, all);
+    rsv_free(d->context, to);
+    return status;
+}
+
+static rsv_status replace_attribute(
+    rsv_bake_document *d, cJSON *attribute, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
+{
+    float *value;
+    size_t width;
+    const char *name = attribute->string;
+    rsv_status status = read_blended(d, attribute->valueint, part, mesh, &value, &width);
+    if (status != RSV_OK) return status;
+    if (!strcmp(name, "NORMAL") || !strcmp(name, "TANGENT"))
+        normalize(value, mesh->vertex_count, width);
+    cJSON_SetNumberValue(attribute,
+        rsv_bake_add_floats(d, value, mesh->vertex_count, (int)width, !strcmp(name, "POSITION")));
+    rsv_free(d->context, value);
+    return RSV_OK;
+}
+
+rsv_status rsv_bake_read_colors(const rsv_bake_document *d, const cJSON *primitive,
+    const rsv_bake_part *part, const rsv_bake_mesh *mesh, float **color, size_t *width)
+{
+    int accessor = reference(item(primitive, "attributes"), "COLOR_0");
+    size_t count;
+    *color = NULL;
+    *width = 3;
+    if (accessor < 0) return RSV_OK;
+    return mesh->changed ? read_blended(d, accessor, part, mesh, color, width)
+                         : rsv_gltf_read_attribute(
+                               d->context, d->gltf, accessor, part->label, color, &count, width);
+}
+
+rsv_status rsv_bake_replace_vertices(
+    rsv_bake_document *d, cJSON *primitive, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
+{
+    cJSON *attribute;
+    cJSON_ArrayForEach(attribute, item(primitive, "attributes"))
+    {
+        if (strcmp(attribute->string, "COLOR_0") == 0) continue; // light takes its place
+        rsv_status status = replace_attribute(d, attribute, part, mesh);
+        if (status != RSV_OK) return status;
+    }
+    cJSON_DeleteItemFromObjectCaseSensitive(primitive, "mode");
+    cJSON *extensions = item(primitive, "extensions");
+    cJSON_DeleteItemFromObjectCaseSensitive(extensions, "KHR_draco_mesh_compression");
+    rsv_bake_number(d, primitive, "indices",
+        rsv_bake_add_indices(d, mesh->corner[0], 3 * mesh->triangle_count));
+    return RSV_OK;
+}

@@ -1,0 +1,351 @@
+#include "bake_tessellate.h"
+
+#include "../core/index_map.h"
+#include "../core/vec.h"
+
+#include <string.h>
+
+#define DEEPEST 9
+/// Values are taken this part of the way from a corner to the middle of its cell: on the right side of jumps.
+#define PULL 1e-3f
+/// Vertices are doubled where light differs by more than this.
+#define JUMP 0.02f
+
+/// A corner of a cell within one triangle of the file.
+typedef struct corner {
+    float w1, w2;       ///< weights of the triangle's corners 1 and 2
+    uint32_t place;     ///< equal where positions are
+    uint32_t attribute; ///< index into the mesh's `parent`
+} corner;
+
+typedef struct tessellator {
+    const rsv_solution *s;
+    const rsv_bake_part *part;
+    const rsv_bake_tessellation *desc;
+    rsv_bake_mesh *mesh;
+    uint32_t *vertex_place; ///< [vertex_count of the part]
+    uint32_t place_count;
+    rsv_index_map middle_place; ///< of two places
+    rsv_index_map middle;       ///< of two attributes
+    uint32_t *first_vertex;     ///< [attribute_count] of the mesh's vertices
+    size_t first_capacity;
+    uint8_t *split; ///< of the quadtree at hand, in the order of a heap
+    uint32_t t;     ///< triangle at hand
+    int depth;      ///< of its quadtree
+} tessellator;
+
+static uint64_t pair_key(uint32_t a, uint32_t b)
+{
+    return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
+}
+
+// ---- light ----------------------------------------------------------------------------------------
+
+static rsv_bake_receiver receiver_at(const tessellator *q, float w1, float w2)
+{
+    rsv_bake_receiver r = { .triangle = q->part->triangle[q->t] };
+    rsv_bake_place(q->part, w1, w2, &r.u, &r.v);
+    return r;
+}
+
+/// Irradiance at a corner, a little on the way to (m1, m2).
+static rsv_rgb light_at(const tessellator *q, float w1, float w2, float m1, float m2)
+{
+    rsv_bake_receiver r = receiver_at(q, w1 + PULL * (m1 - w1), w2 + PULL * (m2 - w2));
+    return rsv_solution_irradiance(q->s, r.triangle, r.u, r.v, false, RSV_NONE);
+}
+
+static float difference(rsv_rgb a, rsv_rgb b)
+{
+    return fabsf(a.r - b.r) + fabsf(a.g - b.g) + fabsf(a.b - b.b);
+}
+
+static bool is_close(const tessellator *q, rsv_rgb a, rsv_rgb b, float tolerance)
+{
+    return difference(a, b) <= tolerance * (a.r + a.g + a.b + q->desc->dark);
+}
+
+// ---- deciding -------------------------------------------------------------------------------------
+
+/// Whether cell `node` must stay divided. @param c weights of its corners
+static bool decide(tessellator *q, size_t node, int depth, const float (*c)[2])
+{
+    if (depth == q->depth) return false;
+    float m[3][2], centre[2];
+    for (int axis = 0; axis < 2; axis++) {
+        centre[axis] = (c[0][axis] + c[1][axis] + c[2][axis]) / 3;
+        for (int k = 0; k < 3; k++)
+            m[k][axis] = 0.5f * (c[k][axis] + c[(k + 1) % 3][axis]);
+    }
+    const float child[4][3][2] = {
+        { { c[0][0], c[0][1] }, { m[0][0], m[0][1] }, { m[2][0], m[2][1] } },
+        { { m[0][0], m[0][1] }, { c[1][0], c[1][1] }, { m[1][0], m[1][1] } },
+        { { m[2][0], m[2][1] }, { m[1][0], m[1][1] }, { c[2][0], c[2][1] } },
+        { { m[1][0], m[1][1] }, { m[2][0], m[2][1] }, { m[0][0], m[0][1] } },
+    };
+    bool split = false;
+    for (size_t k = 0; k < 4; k++)
+        split |= decide(q, 4 * node + 1 + k, depth + 1, child[k]);
+    rsv_rgb light[3];
+    for (int k = 0; k < 3 && !split; k++)
+        light[k] = light_at(q, c[k][0], c[k][1], centre[0], centre[1]);
+    for (int k = 0; k < 3 && !split; k++) {
+        rsv_rgb linear = rgb_scale(rgb_add(light[k], light[(k + 1) % 3]), 0.5f);
+        rsv_rgb truth = light_at(q, m[k][0], m[k][1], centre[0], centre[1]);
+        split = !is_close(q, truth, linear, q->desc->tolerance);
+    }
+    q->split[node] = split;
+    return split;
+}
+
+static int depth_of(const tessellator *q)
+{
+    const rsv_scene_view *view = q->s->scene.view;
+    const uint32_t *v = view->triangle[q->part->triangle[q->t]];
+    float longest = 0;
+    for (int k = 0; k < 3; k++)
+        longest =
+            f_max(longest, v3_length(v3_sub(view->position[v[k]], view->position[v[(k + 1) % 3]])));
+    int depth = 0;
+    while (depth < DEEPEST && longest > q->desc->finest) {
+        longest *= 0.5f;
+        depth++;
+    }
+    return depth;
+}
+
+// ---- dividing -------------------------------------------------------------------------------------
+
+/// Place in the middle of two. @param make false = RSV_NONE if nobody divides that edge
+static uint32_t middle_place(tessellator *q, uint32_t a, uint32_t b, bool make)
+{
+    if (!make) return rsv_index_map_find(&q->middle_place, pair_key(a, b));
+    uint32_t place = rsv_index_map_insert(&q->middle_place, pair_key(a, b), q->place_count);
+    q->place_count += place == q->place_count;
+    return place;
+}
+
+/// Gives the edges of divided cells their middles.
+static void mark(tessellator *q, size_t node, int depth, const uint32_t place[3])
+{
+    if (depth == q->depth || !q->split[node]) return;
+    uint32_t m[3];
+    for (int k = 0; k < 3; k++)
+        m[k] = middle_place(q, place[k], place[(k + 1) % 3], true);
+    const uint32_t child[4][3] = { { place[0], m[0], m[2] }, { m[0], place[1], m[1] },
+        { m[2], m[1], place[2] }, { m[1], m[2], m[0] } };
+    for (size_t k = 0; k < 4; k++)
+        mark(q, 4 * node + 1 + k, depth + 1, child[k]);
+}
+
+static rsv_status divide(tessellator *q)
+{
+    static const float whole[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
+    uint32_t place[3];
+    q->depth = depth_of(q);
+    decide(q, 0, 0, whole);
+    for (int k = 0; k < 3; k++)
+        place[k] = q->vertex_place[q->part->corner[q->t][k]];
+    mark(q, 0, 0, place);
+    return rsv_cancelled(q->s->context) ? RSV_ERROR_CANCELLED : RSV_OK;
+}
+
+/// Numbers the vertices of the file by where they are.
+static rsv_status number_places(tessellator *q)
+{
+    rsv_status status;
+    rsv_index_map map = { 0 };
+    const rsv_bake_part *part = q->part;
+    q->vertex_place = rsv_alloc(q->s->context, part->vertex_count, sizeof *q->vertex_place);
+    RSV_TRY(q->vertex_place ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_index_map_create(q->s->context, part->vertex_count, &map));
+    for (size_t n = 0; n < part->vertex_count; n++) {
+        uint32_t bits[3];
+        memcpy(bits, &part->position[n], sizeof bits);
+        // positions that differ but share a key are told apart by nobody: 64 bits of 96 must do
+        uint64_t key =
+            ((uint64_t)bits[0] << 32 | bits[1]) ^ (uint64_t)bits[2] * 0x9e3779b97f4a7c15u;
+        q->vertex_place[n] = rsv_index_map_insert(&map, key, q->place_count);
+        RSV_TRY(q->vertex_place[n] == RSV_NONE ? RSV_ERROR_MEMORY : RSV_OK);
+        q->place_count += q->vertex_place[n] == q->place_count;
+    }
+cleanup:
+    rsv_index_map_destroy(&map);
+    return status;
+}
+
+// ---- writing --------------------------------------------------------------------------------------
+
+static rsv_status add_attribute(tessellator *q, uint32_t a, uint32_t b)
+{
+    rsv_status status;
+    rsv_bake_mesh *mesh = q->mesh;
+    size_t count = mesh->attribute_count;
+    RSV_TRY(rsv_grow(mesh->context, (void **)&mesh->parent, &mesh->attribute_capacity, count + 1,
+        sizeof *mesh->parent));
+    RSV_TRY(rsv_grow(mesh->context, (void **)&q->first_vertex, &q->first_capacity, count + 1,
+        sizeof *q->first_vertex));
+    mesh->parent[count][0] = a;
+    mesh->parent[count][1] = b;
+    q->first_vertex[count] = RSV_NONE;
+    mesh->attribute_count++;
+cleanup:
+    return status;
+}
+
+static rsv_status middle_of(tessellator *q, const corner *a, const corner *b, corner *middle)
+{
+    uint32_t fresh = (uint32_t)q->mesh->attribute_count;
+    *middle = (corner){ .w1 = 0.5f * (a->w1 + b->w1),
+        .w2 = 0.5f * (a->w2 + b->w2),
+        .place = middle_place(q, a->place, b->place, false),
+        .attribute =
+            rsv_index_map_insert(&q->middle, pair_key(a->attribute, b->attribute), fresh) };
+    if (middle->attribute == RSV_NONE) return RSV_ERROR_MEMORY;
+    return middle->attribute == fresh ? add_attribute(q, a->attribute, b->attribute) : RSV_OK;
+}
+
+static rsv_status add_vertex(tessellator *q, const corner *c, rsv_rgb light, uint32_t *vertex)
+{
+    rsv_status status;
+    rsv_bake_mesh *mesh = q->mesh;
+    size_t count = mesh->vertex_count;
+    void **const arrays[] = { (void **)&mesh->attribute, (void **)&mesh->receiver,
+        (void **)&mesh->light, (void **)&mesh->next };
+    const size_t sizes[] = { sizeof *mesh->attribute, sizeof *mesh->receiver, sizeof *mesh->light,
+        sizeof *mesh->next };
+    for (int k = 0; k < 4; k++)
+        RSV_TRY(rsv_grow(mesh->context, arrays[k], &mesh->vertex_capacity[k], count + 1, sizes[k]));
+    mesh->attribute[count] = c->attribute;
+    mesh->receiver[count] = receiver_at(q, c->w1, c->w2);
+    mesh->light[count] = light;
+    mesh->next[count] = q->first_vertex[c->attribute];
+    mesh->changed |= mesh->next[count] != RSV_NONE;
+    q->first_vertex[c->attribute] = *vertex = (uint32_t)count;
+    mesh->vertex_count++;
+cleanup:
+    return status;
+}
+
+/// The vertex of a corner: one that is there already, if the same light falls on it.
+static rsv_status find_vertex(
+    tessellator *q, const corner *c, const float centre[2], uint32_t *vertex)
+{
+    rsv_rgb light = light_at(q, c->w1, c->w2, centre[0], centre[1]);
+    *vertex = q->first_vertex[c->attribute];
+    while (*vertex != RSV_NONE && !is_close(q, q->mesh->light[*vertex], light, JUMP))
+        *vertex = q->mesh->next[*vertex];
+    if (*vertex != RSV_NONE) return RSV_OK;
+    rsv_status status = add_vertex(q, c, light, vertex);
+    if (status == RSV_OK) // once more where it will be read: a little inside
+        q->mesh->receiver[*vertex] =
+            receiver_at(q, c->w1 + PULL * (centre[0] - c->w1), c->w2 + PULL * (centre[1] - c->w2));
+    return status;
+}
+
+static rsv_status add_triangle(tessellator *q, const corner *a, const corner *b, const corner *c)
+{
+    rsv_status status;
+    rsv_bake_mesh *mesh = q->mesh;
+    const float centre[2] = { (a->w1 + b->w1 + c->w1) / 3, (a->w2 + b->w2 + c->w2) / 3 };
+    const corner *at[3] = { a, b, c };
+    RSV_TRY(rsv_grow(mesh->context, (void **)&mesh->corner, &mesh->triangle_capacity,
+        mesh->triangle_count + 1, sizeof *mesh->corner));
+    for (int k = 0; k < 3; k++)
+        RSV_TRY(find_vertex(q, at[k], centre, &mesh->corner[mesh->triangle_count][k]));
+    mesh->triangle_count++;
+cleanup:
+    return status;
+}
+
+/// Cuts a cell along the middles that its edges have, on whichever side they are needed.
+static rsv_status emit(tessellator *q, const corner c[3])
+{
+    rsv_status status = RSV_OK;
+    corner m[3];
+    bool cut[3];
+    int cuts = 0, k = 0;
+    for (int e = 0; e < 3; e++) {
+        const corner *from = &c[e], *to = &c[(e + 1) % 3];
+        cut[e] = middle_place(q, from->place, to->place, false) != RSV_NONE;
+        cuts += cut[e];
+        if (cut[e]) RSV_TRY(middle_of(q, from, to, &m[e]));
+    }
+    if (cuts == 0) return add_triangle(q, &c[0], &c[1], &c[2]);
+    if (cuts == 3) {
+        RSV_TRY(emit(q, (corner[]){ c[0], m[0], m[2] }));
+        RSV_TRY(emit(q, (corner[]){ m[0], c[1], m[1] }));
+        RSV_TRY(emit(q, (corner[]){ m[2], m[1], c[2] }));
+        return emit(q, (corner[]){ m[1], m[2], m[0] });
+    }
+    // from the first cut edge that does not follow another one
+    while (!(cut[k] && !cut[(k + 2) % 3]))
+        k++;
+    const corner *a = &c[k], *b = &c[(k + 1) % 3], *d = &c[(k + 2) % 3];
+    RSV_TRY(emit(q, (corner[]){ *a, m[k], *d }));
+    if (cuts == 1) return emit(q, (corner[]){ m[k], *b, *d });
+    const corner *n = &m[(k + 1) % 3];
+    RSV_TRY(emit(q, (corner[]){ m[k], *b, *n }));
+    RSV_TRY(emit(q, (corner[]){ m[k], *n, *d }));
+cleanup:
+    return status;
+}
+
+static rsv_status write_triangle(tessellator *q)
+{
+    corner c[3];
+    for (int k = 0; k < 3; k++) {
+        uint32_t vertex = q->part->corner[q->t][k];
+        c[k] = (corner){
+            .w1 = k == 1, .w2 = k == 2, .place = q->vertex_place[vertex], .attribute = vertex
+        };
+    }
+    return emit(q, c);
+}
+
+static rsv_status tessellate(tessellator *q)
+{
+    rsv_status status = RSV_OK;
+    const rsv_bake_part *part = q->part;
+    size_t cells = ((size_t)1 << 2 * DEEPEST) / 3 + 1; // all that are divided at most
+    q->split = rsv_alloc(q->s->context, cells, 1);
+    RSV_TRY(q->split ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(number_places(q));
+    RSV_TRY(rsv_index_map_create(q->s->context, part->vertex_count, &q->middle_place));
+    RSV_TRY(rsv_index_map_create(q->s->context, part->vertex_count, &q->middle));
+    for (uint32_t n = 0; n < part->vertex_count; n++)
+        RSV_TRY(add_attribute(q, n, n));
+    for (q->t = 0; q->desc->divide && q->t < part->triangle_count; q->t++)
+        if (part->triangle[q->t] != RSV_NONE) RSV_TRY(divide(q));
+    for (q->t = 0; q->t < part->triangle_count; q->t++)
+        if (part->triangle[q->t] != RSV_NONE) RSV_TRY(write_triangle(q));
+    q->mesh->changed |= q->mesh->attribute_count > part->vertex_count;
+cleanup:
+    return status;
+}
+
+rsv_status rsv_bake_tessellate(const rsv_solution *solution, const rsv_bake_part *part,
+    const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh)
+{
+    *mesh = (rsv_bake_mesh){ .context = solution->context };
+    tessellator q = { .s = solution, .part = part, .desc = desc, .mesh = mesh };
+    rsv_status status = tessellate(&q);
+    rsv_free(solution->context, q.vertex_place);
+    rsv_free(solution->context, q.first_vertex);
+    rsv_free(solution->context, q.split);
+    rsv_index_map_destroy(&q.middle_place);
+    rsv_index_map_destroy(&q.middle);
+    if (status != RSV_OK) rsv_bake_mesh_destroy(mesh);
+    return status;
+}
+
+void rsv_bake_mesh_destroy(rsv_bake_mesh *mesh)
+{
+    rsv_free(mesh->context, mesh->parent);
+    rsv_free(mesh->context, mesh->attribute);
+    rsv_free(mesh->context, mesh->receiver);
+    rsv_free(mesh->context, mesh->light);
+    rsv_free(mesh->context, mesh->next);
+    rsv_free(mesh->context, mesh->corner);
+    *mesh = (rsv_bake_mesh){ .context = mesh->context };
+}

@@ -1,0 +1,44 @@
+/// Triangles divided until light that is linear between vertices is the light there is.
+///
+/// Each triangle of a part is a quadtree down to cells of the finest elements; from the leaves up, four children
+/// become one where light in the middle of its edges is what its corners say. Where neighbours differ in depth, the
+/// larger ones are cut along the points on their edges, so that there are no cracks. Vertices are doubled where light
+/// jumps: at creases, and where a wall stands on a floor.
+#ifndef RSV_BAKE_TESSELLATE_H
+#define RSV_BAKE_TESSELLATE_H
+
+#include "bake_part.h"
+
+/// Where on the scene's surfaces a value is taken.
+typedef struct rsv_bake_receiver {
+    uint32_t triangle; ///< RSV_NONE = nowhere: dark
+    float u, v;
+} rsv_bake_receiver;
+
+typedef struct rsv_bake_mesh {
+    rsv_context *context;
+    uint32_t (*parent)
+        [2]; ///< [attribute_count] a vertex of the file twice, or two earlier ones: their middle
+    size_t attribute_count, attribute_capacity;
+    uint32_t *attribute;         ///< [vertex_count] index into `parent`
+    rsv_bake_receiver *receiver; ///< [vertex_count]
+    rsv_rgb *light;              ///< [vertex_count] irradiance
+    uint32_t *next; ///< [vertex_count] another vertex of the same attributes; RSV_NONE = last
+    size_t vertex_count, vertex_capacity[4];
+    uint32_t (*corner)[3]; ///< [triangle_count]
+    size_t triangle_count, triangle_capacity;
+    bool changed; ///< vertices are not those of the file
+} rsv_bake_mesh;
+
+typedef struct rsv_bake_tessellation {
+    float finest;    ///< metres: cells are not divided below
+    float tolerance; ///< relative error of light in the middle of edges
+    float dark;      ///< W/m2 beside which errors are measured
+    bool divide;     ///< false = only vertices may be doubled
+} rsv_bake_tessellation;
+
+rsv_status rsv_bake_tessellate(const rsv_solution *solution, const rsv_bake_part *part,
+    const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh);
+void rsv_bake_mesh_destroy(rsv_bake_mesh *mesh);
+
+#endif

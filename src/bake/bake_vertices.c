@@ -1,0 +1,235 @@
+/// Light in the vertices of a glTF file.
+#include "resolvent/bake.h"
+
+#include "bake_basis.h"
+#include "bake_desc.h"
+#include "bake_primitive.h"
+
+#include <string.h>
+
+#define PI_F 3.14159265f
+/// Share of the mean irradiance beside which nobody sees an error.
+#define DARK 0.05f
+
+typedef struct vertex_bake {
+    const rsv_solution *s;
+    const rsv_bake_desc *desc;
+    rsv_bake_document document;
+    rsv_bake_parts parts;
+    cJSON **primitive;   ///< [parts.count]
+    rsv_bake_mesh *mesh; ///< [parts.count]; without vertices = carries no light
+} vertex_bake;
+
+/// Whether a part has anything that scatters diffusely: its base colour is what light multiplies.
+static bool carries_light(const vertex_bake *b, const rsv_bake_part *part)
+{
+    for (size_t t = 0; t < part->triangle_count; t++)
+        if (part->triangle[t] != RSV_NONE)
+            return b->s->elements->face_of[0][part->triangle[t]] != RSV_NONE;
+    return false;
+}
+
+static rsv_status tessellate(vertex_bake *b)
+{
+    rsv_status status = RSV_OK;
+    const rsv_solution *s = b->s;
+    rsv_bake_tessellation desc = { .tolerance = b->desc->tolerance,
+        .finest = s->elements->spacing / (float)(1 << s->desc.direct_levels),
+        .dark = DARK * 3 * (float)s->report.mean_irradiance };
+    for (size_t k = 0; k < b->parts.count; k++) {
+        if (!carries_light(b, &b->parts.part[k])) continue;
+        desc.divide = rsv_bake_may_divide(b->primitive[k]);
+        RSV_TRY(rsv_bake_tessellate(s, &b->parts.part[k], &desc, &b->mesh[k]));
+        RSV_TRY(rsv_progress(s->context, "bake", (double)(k + 1) / (double)b->parts.count));
+    }
+cleanup:
+    return status;
+}
+
+/// The brightest vertex is 1: colours of vertices may not exceed that.
+static float find_scale(const vertex_bake *b)
+{
+    float most = 0;
+    for (size_t k = 0; k < b->parts.count; k++)
+        for (size_t n = 0; n < b->mesh[k].vertex_count; n++)
+            most = f_max(most, rgb_max(b->mesh[k].light[n]) / PI_F);
+    return most > 0 ? most : 1;
+}
+
+/// Vertices that keep the order of the file: those that no triangle uses stay dark.
+static rsv_status restore_order(
+    vertex_bake *b, size_t k, rsv_bake_receiver **receiver, rsv_rgb **light)
+{
+    const rsv_bake_mesh *mesh = &b->mesh[k];
+    size_t count = mesh->changed ? mesh->vertex_count : b->parts.part[k].vertex_count;
+    *receiver = rsv_alloc(b->s->context, count, sizeof **receiver);
+    *light = rsv_alloc(b->s->context, count, sizeof **light);
+    if (!*receiver || !*light) return RSV_ERROR_MEMORY;
+    for (size_t n = 0; n < count; n++)
+        (*receiver)[n].triangle = RSV_NONE;
+    for (size_t n = 0; n < mesh->vertex_count; n++) {
+        size_t to = mesh->changed ? n : mesh->attribute[n];
+        (*receiver)[to] = mesh->receiver[n];
+        (*light)[to] = mesh->light[n];
+    }
+    return RSV_OK;
+}
+
+/// Puts the light of a mesh in the order in which it is written.
+static rsv_status settle(vertex_bake *b, size_t k)
+{
+    rsv_bake_mesh *mesh = &b->mesh[k];
+    rsv_bake_receiver *receiver;
+    rsv_rgb *light;
+    rsv_status status = restore_order(b, k, &receiver, &light);
+    rsv_free(b->s->context, mesh->receiver);
+    rsv_free(b->s->context, mesh->light);
+    mesh->receiver = receiver;
+    mesh->light = light;
+    if (!mesh->changed) mesh->vertex_count = b->parts.part[k].vertex_count;
+    return status;
+}
+
+/// COLOR_0: light times the colour that vertices had.
+/// @param old [vertex_count x width], NULL = white
+static rsv_status write_colors(
+    vertex_bake *b, size_t k, float scale, const float *old, size_t width)
+{
+    const rsv_bake_mesh *mesh = &b->mesh[k];
+    float *color = rsv_alloc(b->s->context, mesh->vertex_count, width * sizeof *color);
+    if (!color) return RSV_ERROR_MEMORY;
+    for (size_t n = 0; n < mesh->vertex_count; n++)
+        for (size_t c = 0; c < width; c++) {
+            float light = c < 3 ? f_min((&mesh->light[n].r)[c] / (PI_F * scale), 1) : 1;
+            color[n * width + c] = old ? light * old[n * width + c] : light;
+        }
+    rsv_bake_number(&b->document, cJSON_GetObjectItemCaseSensitive(b->primitive[k], "attributes"),
+        "COLOR_0", rsv_bake_add_floats(&b->document, color, mesh->vertex_count, (int)width, false));
+    rsv_free(b->s->context, color);
+    return RSV_OK;
+}
+
+static rsv_status write_part(vertex_bake *b, size_t k, float scale)
+{
+    rsv_status status;
+    const rsv_bake_part *part = &b->parts.part[k];
+    float *old;
+    size_t width;
+    RSV_TRY(rsv_bake_read_colors(&b->document, b->primitive[k], part, &b->mesh[k], &old, &width));
+    if (b->mesh[k].changed)
+        RSV_TRY(rsv_bake_replace_vertices(&b->document, b->primitive[k], part, &b->mesh[k]));
+    RSV_TRY(settle(b, k));
+    RSV_TRY(write_colors(b, k, scale, old, width));
+cleanup:
+    rsv_free(b->s->context, old);
+    return status;
+}
+
+/// What an unlit material may not have beside it: other models of how it scatters.
+static void drop_models(cJSON *material)
+{
+    cJSON *extensions = cJSON_GetObjectItemCaseSensitive(material, "extensions");
+    cJSON *next, *extension = extensions ? extensions->child : NULL;
+    for (; extension; extension = next) {
+        next = extension->next;
+        if (strncmp(extension->string, "KHR_materials_", 14) == 0)
+            cJSON_Delete(cJSON_DetachItemViaPointer(extensions, extension));
+    }
+}
+
+static void mark_unlit(vertex_bake *b, const cJSON *primitive, const rsv_bake_part *part)
+{
+    const rsv_scene_view *view = b->s->scene.view;
+    cJSON *material = rsv_bake_material(&b->document, primitive);
+    const rsv_material *m = NULL;
+    for (size_t t = 0; t < part->triangle_count && !m; t++)
+        if (part->triangle[t] != RSV_NONE)
+            m = &view->material[view->triangle_material[part->triangle[t]]];
+    // what shines by itself, or is more than diffuse, needs the material that it has
+    bool plain = m && rgb_is_black(m->emission) && m->metallic == 0 && m->transmission == 0;
+    if (!material || !plain) return;
+    drop_models(material);
+    rsv_bake_extension(&b->document, material, "KHR_materials_unlit");
+}
+
+/// What the numbers of the file stand for.
+static void write_scale(rsv_bake_document *d, float scale)
+{
+    cJSON *own = rsv_bake_object(
+        d, rsv_bake_object(d, rsv_bake_object(d, d->root, "asset"), "extras"), "resolvent");
+    rsv_bake_string(d, own, "light", "COLOR_0 = irradiance / (pi light_scale)");
+    rsv_bake_number(d, own, "light_scale", (double)scale);
+}
+
+static rsv_status write_light(vertex_bake *b, float scale)
+{
+    rsv_status status = RSV_OK;
+    for (size_t k = 0; k < b->parts.count; k++) {
+        if (!b->mesh[k].vertex_count) continue;
+        RSV_TRY(write_part(b, k, scale));
+        if (b->desc->unlit) mark_unlit(b, b->primitive[k], &b->parts.part[k]);
+    }
+    write_scale(&b->document, scale);
+cleanup:
+    return status;
+}
+
+/// What each light does, vertex after vertex of all that carries light, in the order of the file's nodes.
+static rsv_status write_basis(vertex_bake *b, const char *output, size_t *lights)
+{
+    size_t count = 0, at = 0;
+    for (size_t k = 0; k < b->parts.count; k++)
+        count += b->mesh[k].vertex_count;
+    rsv_bake_receiver *all = rsv_alloc(b->s->context, count, sizeof *all);
+    if (!all) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < b->parts.count; k++) {
+        const rsv_bake_mesh *mesh = &b->mesh[k];
+        if (!mesh->vertex_count) continue;
+        memcpy(all + at, mesh->receiver, mesh->vertex_count * sizeof *all);
+        cJSON *extras = rsv_bake_object(&b->document, b->primitive[k], "extras");
+        rsv_bake_number(&b->document, extras, "resolvent_first_receiver", (double)at);
+        at += mesh->vertex_count;
+    }
+    rsv_status status = rsv_bake_write_basis(b->s, all, count, "vertex", output, lights);
+    rsv_free(b->s->context, all);
+    return status;
+}
+
+static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *report)
+{
+    *report = (rsv_bake_report){ .light_scale = scale };
+    for (size_t k = 0; k < b->parts.count; k++) {
+        report->vertices += b->mesh[k].vertex_count;
+        report->triangles += b->mesh[k].triangle_count;
+        if (b->mesh[k].vertex_count) report->input_triangles += b->parts.part[k].triangle_count;
+    }
+}
+
+rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *input, const char *output,
+    const rsv_bake_desc *desc, rsv_bake_report *report)
+{
+    rsv_status status;
+    rsv_bake_desc defaults = rsv_default_bake_desc();
+    vertex_bake b = { .s = solution, .desc = desc ? desc : &defaults };
+    RSV_TRY(rsv_bake_check_desc(b.desc));
+    RSV_TRY(rsv_bake_document_open(solution->context, input, &b.document));
+    RSV_TRY(rsv_bake_parts_create(&b.document, solution, &b.parts));
+    RSV_TRY(rsv_bake_separate(&b.document, &b.parts, &b.primitive));
+    b.mesh = rsv_alloc(solution->context, b.parts.count, sizeof *b.mesh);
+    RSV_TRY(b.mesh ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(tessellate(&b));
+    float scale = find_scale(&b);
+    fill_report(&b, scale, report);
+    if (b.desc->dry_run) goto cleanup;
+    RSV_TRY(write_light(&b, scale));
+    if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
+    RSV_TRY(rsv_bake_document_write(&b.document, output));
+cleanup:
+    for (size_t k = 0; b.mesh && k < b.parts.count; k++)
+        if (b.mesh[k].context) rsv_bake_mesh_destroy(&b.mesh[k]);
+    rsv_free(solution->context, b.mesh);
+    rsv_free(solution->context, b.primitive);
+    rsv_bake_parts_destroy(&b.parts);
+    rsv_bake_document_close(&b.document);
+    return status;
+}

@@ -1,0 +1,233 @@
+#include "light_response.h"
+
+#include "linear_solver.h"
+#include "transport_map.h"
+
+#include <string.h>
+
+/// Of the residual: far below what anybody sees.
+#define TOLERANCE 1e-6
+
+typedef struct builder {
+    const rsv_solution *s;
+    const rsv_light_basis *basis;
+    rsv_light_responses *r;
+    size_t *group;            ///< [source_count] which response a source belongs to
+    size_t gathered;          ///< the response of lamps that rows gathered
+    size_t surroundings;      ///< that of the surroundings; SIZE_MAX = none
+    rsv_rgb *source, *solved; ///< [node_count x responses]
+} builder;
+
+// ---- grouping -------------------------------------------------------------------------------------
+
+static size_t find_name(const rsv_light_responses *r, const char *name)
+{
+    size_t k = 0;
+    while (k < r->count && strcmp(r->name[k], name) != 0)
+        k++;
+    return k;
+}
+
+static void group_sources(builder *b)
+{
+    b->gathered = b->surroundings = SIZE_MAX;
+    for (size_t k = 0; k < b->basis->source_count; k++) {
+        const rsv_source *source = &b->basis->source[k];
+        bool gathered =
+            source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(b->s->lights, source->index);
+        size_t own = find_name(b->r, source->name);
+        if (gathered && b->gathered != SIZE_MAX) own = b->gathered;
+        if (own == b->r->count) b->r->name[b->r->count++] = source->name;
+        if (gathered) b->gathered = own;
+        if (source->kind == RSV_SOURCE_SURROUNDINGS) b->surroundings = own;
+        b->group[k] = own;
+    }
+}
+
+// ---- direct light ---------------------------------------------------------------------------------
+
+static void add_field(rsv_rgb *sum, const rsv_rgb *value, size_t count)
+{
+    for (size_t n = 0; sum && value && n < count; n++)
+        sum[n] = rgb_add(sum[n], value[n]);
+}
+
+/// What a response owns of its own: direct light of one group.
+static rsv_status create_fields(const builder *b, rsv_solution *light)
+{
+    const rsv_solution *s = b->s;
+    size_t nodes = s->elements->node_count;
+    *light = *s;
+    light->fine.direct = light->caustics.caustic = NULL;
+    light->source = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
+    light->gathered = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
+    light->indirect = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
+    bool complete = light->source && light->gathered && light->indirect;
+    if (s->fine.direct) {
+        light->fine.direct = rsv_alloc(s->context, s->fine.elements->node_count, sizeof(rsv_rgb));
+        complete = complete && light->fine.direct;
+    }
+    if (s->caustics.caustic) {
+        light->caustics.caustic =
+            rsv_alloc(s->context, s->caustics.elements->node_count, sizeof(rsv_rgb));
+        complete = complete && light->caustics.caustic;
+    }
+    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+/// What rows gathered: of lamps, or of the surroundings, which are the rest.
+static void divide_gathered(const builder *b)
+{
+    const rsv_solution *s = b->s;
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        rsv_rgb lamps = b->gathered == SIZE_MAX ? rgb_gray(0) : s->transport->gathered[n];
+        if (b->gathered != SIZE_MAX) b->r->light[b->gathered].gathered[n] = lamps;
+        if (b->surroundings != SIZE_MAX) {
+            rsv_rgb *own = &b->r->light[b->surroundings].gathered[n];
+            *own = rgb_add(*own, rgb_sub(s->gathered[n], lamps));
+        }
+    }
+    for (size_t k = 0; k < b->r->count; k++)
+        rsv_elements_constrain(s->elements, b->r->light[k].gathered);
+}
+
+static rsv_status divide_direct(const builder *b)
+{
+    const rsv_solution *s = b->s;
+    rsv_status status = RSV_OK;
+    size_t nodes = s->elements->node_count;
+    for (size_t k = 0; k < b->r->count; k++)
+        RSV_TRY(create_fields(b, &b->r->light[k]));
+    for (size_t k = 0; k < b->basis->source_count; k++) {
+        const rsv_light_part *part = &b->basis->part[k];
+        rsv_solution *light = &b->r->light[b->group[k]];
+        add_field(light->source, part->direct, nodes);
+        add_field(light->source, part->coarse_caustic, nodes);
+        if (s->fine.direct) add_field(light->fine.direct, part->fine, s->fine.elements->node_count);
+        if (s->caustics.caustic)
+            add_field(light->caustics.caustic, part->caustic, s->caustics.elements->node_count);
+    }
+    divide_gathered(b);
+    for (size_t k = 0; k < b->r->count; k++)
+        add_field(b->r->light[k].source, b->r->light[k].gathered, nodes);
+cleanup:
+    return status;
+}
+
+// ---- bounces --------------------------------------------------------------------------------------
+
+/// All responses at once: they share every pass over G.
+static rsv_status solve(builder *b)
+{
+    const rsv_solution *s = b->s;
+    rsv_status status;
+    rsv_transport_map *map = NULL;
+    rsv_linear_report report;
+    size_t nodes = s->elements->node_count, count = b->r->count;
+    rsv_linear_desc desc = rsv_default_linear_desc(s->report.solver);
+    desc.relative = TOLERANCE;
+    b->source = rsv_alloc(s->context, nodes, count * sizeof *b->source);
+    b->solved = rsv_alloc(s->context, nodes, count * sizeof *b->solved);
+    RSV_TRY(b->source && b->solved ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t n = 0; n < nodes; n++)
+        for (size_t k = 0; k < count; k++)
+            b->source[n * count + k] = b->r->light[k].source[n];
+    RSV_TRY(rsv_transport_map_create(
+        s->elements, s->transport, s->subsurface, s->exitance_albedo, count, &map));
+    RSV_TRY(rsv_transport_map_prepare(map, desc.solver));
+    rsv_transport_map_mask(map, count, b->source);
+    RSV_TRY(
+        rsv_linear_solve(&map->linear, 3 * count, &b->source->r, &desc, &b->solved->r, &report));
+cleanup:
+    rsv_transport_map_destroy(map);
+    return status;
+}
+
+static float share(float part, float sum, size_t count)
+{
+    return sum > 0 ? part / sum : 1 / (float)count;
+}
+
+/// Divides the indirect light that is shown in proportion to what each response has of it as solved.
+static void divide_indirect(const builder *b)
+{
+    const rsv_solution *s = b->s;
+    size_t count = b->r->count;
+    for (size_t n = 0; n < s->elements->node_count; n++) {
+        const rsv_rgb *source = b->source + n * count, whole = s->indirect[n];
+        rsv_rgb *part = b->solved + n * count, sum = rgb_gray(0);
+        for (size_t k = 0; k < count; k++) {
+            rsv_rgb rest = rgb_sub(part[k], source[k]);
+            part[k] = rgb(f_max(rest.r, 0), f_max(rest.g, 0), f_max(rest.b, 0));
+            sum = rgb_add(sum, part[k]);
+        }
+        for (size_t k = 0; k < count; k++)
+            b->r->light[k].indirect[n] =
+                rgb_mul(whole, rgb(share(part[k].r, sum.r, count), share(part[k].g, sum.g, count),
+                                   share(part[k].b, sum.b, count)));
+    }
+    for (size_t k = 0; k < count; k++)
+        rsv_elements_constrain(s->elements, b->r->light[k].indirect);
+}
+
+// ---- the whole ------------------------------------------------------------------------------------
+
+static rsv_status create_groups(builder *b)
+{
+    size_t sources = b->basis->source_count;
+    if (sources > RSV_MAX_LIGHT_PARTS)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "light by light: the scene has %zu lights; at most %d are kept apart", sources,
+            RSV_MAX_LIGHT_PARTS);
+    b->group = rsv_alloc(b->s->context, sources, sizeof *b->group);
+    b->r->name = rsv_alloc(b->s->context, sources, sizeof *b->r->name);
+    b->r->light = rsv_alloc(b->s->context, sources, sizeof *b->r->light);
+    if (!b->group || !b->r->name || !b->r->light) return RSV_ERROR_MEMORY;
+    group_sources(b);
+    return RSV_OK;
+}
+
+rsv_status rsv_light_responses_create(const rsv_solution *s, rsv_light_responses **responses)
+{
+    rsv_status status;
+    rsv_light_basis *own = NULL;
+    builder b = { .s = s, .basis = s->basis, .r = rsv_alloc(s->context, 1, sizeof *b.r) };
+    RSV_TRY(b.r ? RSV_OK : RSV_ERROR_MEMORY);
+    b.r->context = s->context;
+    if (!b.basis) RSV_TRY(rsv_light_basis_create(s, &own));
+    if (!b.basis) b.basis = own;
+    RSV_TRY(create_groups(&b));
+    if (b.basis->source_count == 1) {
+        *b.r->light = *s; // one source alone is the whole
+    } else {
+        b.r->owned = true;
+        RSV_TRY(divide_direct(&b));
+        RSV_TRY(solve(&b));
+        divide_indirect(&b);
+    }
+    *responses = b.r;
+    b.r = NULL;
+cleanup:
+    rsv_light_responses_destroy(b.r);
+    rsv_light_basis_destroy(own);
+    rsv_free(s->context, b.group);
+    rsv_free(s->context, b.source);
+    rsv_free(s->context, b.solved);
+    return status;
+}
+
+void rsv_light_responses_destroy(rsv_light_responses *r)
+{
+    if (!r) return;
+    for (size_t k = 0; r->owned && k < r->count; k++) {
+        rsv_solution *light = &r->light[k];
+        rsv_free(r->context, light->source);
+        rsv_free(r->context, light->gathered);
+        rsv_free(r->context, light->indirect);
+        rsv_free(r->context, light->fine.direct);
+        rsv_free(r->context, light->caustics.caustic);
+    }
+    rsv_free(r->context, r->light);
+    rsv_free(r->context, r->name);
+    rsv_free(r->context, r);
+}

@@ -1,0 +1,63 @@
+#!/usr/bin/env bash
+# Baked files: what they show is what `render` shows, and what was in the file stays in it.
+source "$(dirname "$0")/support.sh"
+
+number() { sed -n "s/^[[:space:]]*\"$2\":[[:space:]]*\([^,]*\),\{0,1\}\$/\1/p" "$1" | head -n 1; }
+
+# an unlit file read back shows base colour times COLOR_0: the solved light over its scale
+succeeds bake cornell-blocks -o box.glb --to vertex --unlit --basis --quality draft --stats box.json
+exposure=$(awk -v s="$(number box.json light_scale)" 'BEGIN { print log(s) / log(2) }')
+succeeds render box.glb -o baked.png --exposure "$exposure" --size 96x96 --spp 16 --quality draft
+succeeds render cornell-blocks -o own.png --mode operator --size 96x96 --spp 16 --quality draft
+succeeds compare own.png baked.png --json
+ratio=$(number stdout mean_ratio)
+awk -v r="$ratio" 'BEGIN { exit !(r > 0.98 && r < 1.02) }' || complain "the baked box is $ratio times as bright"
+[[ -s box.light.safetensors ]] || complain "no basis was written"
+
+# animations, extras and extensions that nobody knows come out as they went in
+succeeds scene cornell-blocks -o plain.glb
+python3 - <<'TEXT' || complain "the test file cannot be made"
+import json, struct
+raw = open("plain.glb", "rb").read()
+n = struct.unpack("<I", raw[12:16])[0]
+g, binary = json.loads(raw[20:20 + n]), raw[28 + n:]
+times = len(binary)
+binary += struct.pack("<8f", 0, 1, 0, 0, 0, 0, 1, 0)
+g["buffers"][0] = {"byteLength": len(binary), "uri": "kept.bin", "name": "all"}
+g["bufferViews"] += [{"buffer": 0, "byteOffset": times, "byteLength": 8}, {"buffer": 0, "byteOffset": times + 8, "byteLength": 24}]
+v, a = len(g["bufferViews"]), len(g["accessors"])
+g["accessors"] += [{"bufferView": v - 2, "componentType": 5126, "count": 2, "type": "SCALAR", "min": [0], "max": [1]},
+                   {"bufferView": v - 1, "componentType": 5126, "count": 2, "type": "VEC3"}]
+g["animations"] = [{"name": "rise", "samplers": [{"input": a, "output": a + 1}],
+                    "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]
+g["extensionsUsed"].append("ACME_unknown")
+g["extensions"] = {**g.get("extensions", {}), "ACME_unknown": {"answer": 42.125, "list": [1, {"deep": None}]}}
+g["nodes"][0]["extras"] = {"designer": "J. D\u00f6", "tags": ["a", "b"]}
+g["materials"][0]["extras"] = {"price": 1e-7}
+g["scenes"][0]["name"] = "room"
+open("kept.bin", "wb").write(binary)
+json.dump(g, open("kept.gltf", "w"))
+TEXT
+succeeds bake kept.gltf -o "$out/kept.glb" --to vertex --quality draft
+python3 - "$out/kept.glb" <<'TEXT' || complain "something of the file was lost"
+import json, struct, sys
+before = json.load(open("kept.gltf"))
+raw = open(sys.argv[1], "rb").read()
+after = json.loads(raw[20:20 + struct.unpack("<I", raw[12:16])[0]])
+for key in "animations", "nodes", "scenes", "materials", "cameras", "extensions", "extensionsUsed":
+    assert before.get(key) == after.get(key), key
+old = len(before["accessors"])
+assert before["accessors"] == after["accessors"][:old]
+assert before["asset"]["version"] == after["asset"]["version"]
+assert after["buffers"][0]["name"] == "all" and "uri" not in after["buffers"][0]
+TEXT
+rm -f "$out"/*
+
+succeeds bake plain.glb -o "$out/none.glb" --to vertex --quality draft --dry-run
+says '^vertices '
+[[ -z $(ls -A "$out") ]] || complain "a dry run wrote something"
+refuses 2 '--to' bake cornell-blocks -o "$out/x.glb"
+refuses 2 'glb' bake cornell-blocks -o "$out/x.png" --to vertex
+refuses 2 'tolerance' bake cornell-blocks -o "$out/x.glb" --to vertex --tolerance 0
+refuses 1 'nowhere' bake nowhere.glb -o "$out/x.glb" --to vertex
+finish
