@@ -362,7 +362,11 @@ static rsv_bsdf_sample sample_direction(const surface *s, float u_lobe, float u1
     if (!s->translucent)
         return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
     rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
-    return (rsv_bsdf_sample){ event.lobe, event.direction, event.weight, event.pdf_solid_angle };
+    rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
+    // lights are aimed at for the rough lobes alone: weighed by the same density, the two add up to one
+    if (sample.pdf_solid_angle > 0)
+        sample.pdf_solid_angle = respond(s, event.direction, RSV_LOBES_ROUGH).pdf_solid_angle;
+    return sample;
 }
 
 /// Gathers the sources and turns the path into a new direction; false where it ends.
