@@ -26,12 +26,16 @@ static const char help[] =
     "a\n"
     "                     punctual light or a material that emits\n"
     "  --albedo MATERIAL=R,G,B  another base color for a plain diffuse material\n"
+    "  --move NAME=X,Y,Z  a light in another place, so many metres from where it is; lamps take "
+    "their\n"
+    "                     triangles along\n"
     "  --env-intensity S  multiply the surroundings by S\n"
     "  --env-rotate DEG   turn them to DEG degrees about the vertical, counter-clockwise from "
     "above\n"
     "  --script FILE      a picture for every frame of a script; -o day-%04d.png numbers them.\n"
     "                     Lines of FRAME light.NAME=SCALE[,R,G,B] albedo.MATERIAL=R,G,B\n"
-    "                     env-rotate=DEG env-intensity=S; what lies between two lines changes "
+    "                     move.NAME=X,Y,Z env-rotate=DEG env-intensity=S; what lies between two "
+    "lines changes "
     "evenly\n"
     "  --mode MODE        final (default) or operator, as for `render`\n"
     "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
@@ -54,7 +58,7 @@ static const char *const mode_names[] = {
 
 typedef struct settings {
     const char *scene, *camera, *stats, *script;
-    cli_list outputs, lights, albedos;
+    cli_list outputs, lights, albedos, moves;
     cli_size size;
     int mode;
     uint32_t samples, threads, seed;
@@ -62,7 +66,8 @@ typedef struct settings {
     cli_light_script animation;
     rsv_light_scale light[CLI_LIST_CAPACITY + 1 + CLI_MAX_TRACKS];
     rsv_albedo_change albedo[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
-    char *name[2 * CLI_LIST_CAPACITY]; ///< owned copies for the two above
+    rsv_light_move move[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
+    char *name[3 * CLI_LIST_CAPACITY]; ///< owned copies for the three above
     rsv_relight_desc still;            ///< what options ask for
     rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
 } settings;
@@ -93,13 +98,27 @@ static bool read_changes(settings *s)
         }
         s->albedo[k] = (rsv_albedo_change){ name, { v[0], v[1], v[2] } };
     }
+    for (size_t k = 0; k < s->moves.count; k++) {
+        char *name = s->name[names++] = strdup(s->moves.item[k]);
+        if (!name || cli_cut_change(name, v) != 3) {
+            cli_usage_error("relight", "--move: '%s' is not NAME=X,Y,Z", s->moves.item[k]);
+            return false;
+        }
+        s->move[k] = (rsv_light_move){ name, { v[0], v[1], v[2] } };
+    }
     size_t lights = s->lights.count;
     if (s->env_intensity != 1)
         s->light[lights++] = (rsv_light_scale){ "environment",
             { s->env_intensity, s->env_intensity, s->env_intensity } };
     bool turn = isfinite(s->env_rotate);
-    s->still = (rsv_relight_desc){ s->light, lights, s->albedo, s->albedos.count, turn,
-        turn ? s->env_rotate : 0 };
+    s->still = (rsv_relight_desc){ .light = s->light,
+        .light_count = lights,
+        .albedo = s->albedo,
+        .albedo_count = s->albedos.count,
+        .move = s->move,
+        .move_count = s->moves.count,
+        .turn = turn,
+        .rotation = turn ? s->env_rotate : 0 };
     return true;
 }
 
@@ -109,6 +128,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "-o", .kind = CLI_LIST, .value = &s->outputs },
         { .name = "--light", .kind = CLI_LIST, .value = &s->lights },
         { .name = "--albedo", .kind = CLI_LIST, .value = &s->albedos },
+        { .name = "--move", .kind = CLI_LIST, .value = &s->moves },
         { .name = "--env-intensity", .kind = CLI_REAL, .value = &s->env_intensity, .max = 1e6 },
         { .name = "--env-rotate",
             .kind = CLI_REAL,
@@ -159,6 +179,9 @@ static void enter_frame(settings *s, uint32_t frame)
             s->light[s->relight.light_count++] = (rsv_light_scale){ track->name, value };
         else if (track->kind == CLI_TRACK_ALBEDO)
             s->albedo[s->relight.albedo_count++] = (rsv_albedo_change){ track->name, value };
+        else if (track->kind == CLI_TRACK_MOVE)
+            s->move[s->relight.move_count++] =
+                (rsv_light_move){ track->name, { v[0], v[1], v[2] } };
         else if (track->kind == CLI_TRACK_INTENSITY)
             s->light[s->relight.light_count++] =
                 (rsv_light_scale){ "environment", { v[0], v[0], v[0] } };

@@ -16,6 +16,7 @@ enum { CLI_MAX_TRACKS = 64, CLI_MAX_FRAME = 1000000 };
 typedef enum cli_track_kind {
     CLI_TRACK_LIGHT,     ///< light.NAME=SCALE[,R,G,B]: three factors
     CLI_TRACK_ALBEDO,    ///< albedo.MATERIAL=R,G,B
+    CLI_TRACK_MOVE,      ///< move.NAME=X,Y,Z
     CLI_TRACK_INTENSITY, ///< env-intensity=S
     CLI_TRACK_ROTATION   ///< env-rotate=DEG
 } cli_track_kind;

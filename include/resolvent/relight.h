@@ -21,27 +21,87 @@ typedef struct rsv_albedo_change {
     rsv_rgb base_color; ///< 0..1
 } rsv_albedo_change;
 
+/// A source in another place: a punctual light that is not distant, or all triangles of an emissive material.
+typedef struct rsv_light_move {
+    const char *name;
+    rsv_vec3 offset; ///< metres from where it began, at most 1e6 along each axis
+} rsv_light_move;
+
+/// What is not named is as it was when relighting began.
 typedef struct rsv_relight_desc {
-    const rsv_light_scale *light; ///< [light_count]; sources that are not named stay as they are
+    const rsv_light_scale *light; ///< [light_count]
     size_t light_count;
     const rsv_albedo_change *albedo; ///< [albedo_count]
     size_t albedo_count;
+    const rsv_light_move *move; ///< [move_count]
+    size_t move_count;
     bool turn;      ///< whether the surroundings turn to `rotation`
     float rotation; ///< degrees about +y, counter-clockwise from above, as in rsv_environment
 } rsv_relight_desc;
 
 /// Changes a solution from rsv_solution_load and its scene in place and solves again: E0 is the sum of the sources'
 /// parts, each times its scale. The parts come from the file, or are sampled here if it has none. What translucent
-/// bodies show directly is sampled anew, and so are the suns of surroundings that turn; the rest of these is known
-/// direction by direction. Nobody else may use solution or scene meanwhile.
+/// bodies show directly is sampled anew, and so are lights that move and the suns of surroundings that turn; the rest of
+/// these is known direction by direction. Nobody else may use solution or scene meanwhile.
 ///
-/// RSV_ERROR_ARGUMENT for unknown names (the message lists the known ones), factors out of range and surroundings that
-/// are to turn where there are none,
-/// RSV_ERROR_UNSUPPORTED for materials whose colour is part of G, and for unequal scales of lamps that only
-/// gather rays find. After other errors the solution may be used no more.
+/// Rows of G stay as they are: a lamp that moves takes its light and the shadows in it along, but what its own body
+/// hides of other lights and of what surfaces reflect stays hidden where it began.
+///
+/// RSV_ERROR_ARGUMENT for unknown names (the message lists the known ones), factors and offsets out of range and
+/// surroundings that are to turn where there are none,
+/// RSV_ERROR_UNSUPPORTED for materials whose colour is part of G, for unequal scales of lamps that only
+/// gather rays find, and for moving these or what is infinitely far away. After other errors the solution may be used no
+/// more.
 /// @param scene that of the solution
 RSV_API rsv_status rsv_solution_relight(
     rsv_solution *solution, rsv_scene *scene, const rsv_relight_desc *desc);
+
+/// The same over and over, while somebody looks on: keeps the parts of E0 and starts each solve from the last.
+typedef struct rsv_relighter rsv_relighter;
+
+/// Solution and scene must outlive it. They stay as they were last put.
+/// @param scene that of the solution
+RSV_API rsv_status rsv_relighter_create(
+    rsv_solution *solution, rsv_scene *scene, rsv_relighter **relighter);
+RSV_API void rsv_relighter_destroy(rsv_relighter *relighter);
+
+/// What can be changed of a source, and how it stands.
+typedef struct rsv_relight_source {
+    const char *name;
+    rsv_rgb
+        strength; ///< of an unscaled lamp its radiance, of a light its intensity, of surroundings 1
+    rsv_rgb scale;     ///< present
+    rsv_vec3 position; ///< present; of a lamp, the mean of its vertices
+    bool movable;
+} rsv_relight_source;
+
+RSV_API size_t rsv_relighter_source_count(const rsv_relighter *relighter);
+RSV_API rsv_relight_source rsv_relighter_source(const rsv_relighter *relighter, size_t index);
+
+/// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it. Rays are traced for sources that stand
+/// elsewhere than at the last call, few of them until the light settles. Errors as in rsv_solution_relight; the first
+/// two kinds leave everything as it was.
+/// @param desc against how things were when the relighter was created
+RSV_API rsv_status rsv_relighter_change(rsv_relighter *relighter, const rsv_relight_desc *desc);
+
+typedef struct rsv_relight_progress {
+    uint32_t orders; ///< applications of G K in this step
+    double residual; ///< largest change of the last of them, relative to the largest E0
+    bool converged;  ///< residual <= 1e-3
+} rsv_relight_progress;
+
+/// Carries the solution towards the present sources, one application of G K at least, until it has converged or
+/// the time is over. Does nothing once it has. Orders of light and translucent surfaces stay as they last settled.
+/// @param progress may be NULL
+RSV_API rsv_status rsv_relighter_step(
+    rsv_relighter *relighter, double milliseconds, rsv_relight_progress *progress);
+
+/// Makes everything exact: sources that moved with all their rays, every order of light, translucent surfaces. Then the
+/// solution is what rsv_solution_relight makes of it. Does nothing where it is exact already.
+RSV_API rsv_status rsv_relighter_settle(rsv_relighter *relighter);
+
+/// Whether nothing is left for rsv_relighter_settle.
+RSV_API bool rsv_relighter_is_settled(const rsv_relighter *relighter);
 
 #ifdef __cplusplus
 }

@@ -8,16 +8,21 @@
 
 rsv_status rsv_chain_queue_create(const rsv_light_table *table, rsv_chain_queue *q)
 {
-    const rsv_solution *s = table->solution;
-    *q = (rsv_chain_queue){ .table = table, .scene = &s->scene, .lights = s->lights };
+    *q = (rsv_chain_queue){ .table = table, .scene = &table->solution->scene };
     memset(q->packet.mask, 0xff, sizeof q->packet.mask);
-    if (s->lights->environment) q->sky = s->lights->environment->whole;
+    rsv_chain_queue_refresh(q);
     for (int kind = 0; kind < 2; kind++) {
         q->traveller[kind] =
             rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->traveller[kind]);
         if (!q->traveller[kind]) return RSV_ERROR_MEMORY;
     }
     return RSV_OK;
+}
+
+void rsv_chain_queue_refresh(rsv_chain_queue *q)
+{
+    q->lights = q->table->solution->lights;
+    q->sky = q->lights->environment ? q->lights->environment->whole : (rsv_sky){ 0 };
 }
 
 void rsv_chain_queue_destroy(rsv_chain_queue *q)

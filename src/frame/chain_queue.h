@@ -34,6 +34,8 @@ typedef struct rsv_chain_queue {
 } rsv_chain_queue;
 
 rsv_status rsv_chain_queue_create(const rsv_light_table *table, rsv_chain_queue *queue);
+/// Takes the solution's lights over again.
+void rsv_chain_queue_refresh(rsv_chain_queue *queue);
 void rsv_chain_queue_destroy(rsv_chain_queue *queue);
 
 /// A chain that has arrived at a surface: adds what that shows and queues its branches.

@@ -337,6 +337,8 @@ void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
 
 void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
 {
+    for (int k = 0; k < r->thread_count; k++)
+        rsv_chain_queue_refresh(&r->worker[k].queue);
     rsv_light_table_bake(&r->table, r->table.layer);
     start_over(r);
 }

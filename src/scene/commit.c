@@ -82,6 +82,13 @@ static void fill_view(rsv_scene *scene, bounding_box bounds)
     };
 }
 
+void rsv_scene_update_bounds(rsv_scene *scene)
+{
+    bounding_box bounds = find_bounds(scene);
+    scene->view.bounds_min = bounds.low;
+    scene->view.bounds_max = bounds.high;
+}
+
 /// Finds out which materials are not the same all over: textured ones, and those on coloured vertices.
 static rsv_status find_varying_materials(rsv_scene *scene)
 {

@@ -78,6 +78,9 @@ bool rsv_triangle_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *normal);
 /// Checks what was flattened and makes it the committed scene.
 rsv_status rsv_scene_finish(rsv_scene *scene);
 
+/// Finds the bounds of a committed scene again, after vertices were moved.
+void rsv_scene_update_bounds(rsv_scene *scene);
+
 /// A camera that shows the whole sphere from the front and a little above.
 rsv_camera rsv_camera_frame_sphere(const char *name, rsv_vec3 centre, float radius);
 

@@ -85,19 +85,20 @@ static rsv_status allocate_part(const rsv_solution *s, rsv_light_part *part)
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
         size_t length = rsv_light_field_length(s, field);
         rsv_rgb **array = rsv_light_part_field(part, field);
-        if (length) *array = rsv_alloc(s->context, length, sizeof **array);
+        if (length && !*array) *array = rsv_alloc(s->context, length, sizeof **array);
         if (length && !*array) return RSV_ERROR_MEMORY;
     }
     return RSV_OK;
 }
 
-static rsv_status shoot_alone(const rsv_solution *s, const rsv_lights *solo, rsv_light_part *part)
+static rsv_status shoot_alone(
+    const rsv_solution *s, const rsv_lights *solo, uint32_t photons, rsv_light_part *part)
 {
     uint64_t rays = 0;
     rsv_photon_map map[2] = { 0 };
     const rsv_elements *const targets[2] = { s->caustics.elements, s->elements };
-    rsv_status status = rsv_photons_shoot(
-        &s->scene, solo, s->desc.photon_count, s->desc.seed, targets, map, 2, &rays);
+    rsv_status status =
+        rsv_photons_shoot(&s->scene, solo, photons, rsv_level_seed(s), targets, map, 2, &rays);
     if (status == RSV_OK) {
         rsv_photon_map_irradiance(&map[0], part->caustic);
         rsv_photon_map_irradiance(&map[1], part->coarse_caustic);
@@ -107,31 +108,34 @@ static rsv_status shoot_alone(const rsv_solution *s, const rsv_lights *solo, rsv
     return status;
 }
 
-/// Estimates of one source by itself.
-/// @param fine_valid receiver points of the direct level
-static rsv_status estimate_alone(const rsv_solution *s, const rsv_source *source,
-    const uint16_t *fine_valid, rsv_light_part *part)
+rsv_light_effort rsv_full_light_effort(const rsv_solution *s, const uint16_t *valid)
+{
+    return (rsv_light_effort){ .coarse_samples = RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples,
+        .fine_samples = RSV_PENUMBRA_FACTOR * s->desc.light_samples,
+        .photons = s->desc.photon_count,
+        .valid = valid };
+}
+
+rsv_status rsv_light_part_estimate(const rsv_solution *s, const rsv_lights *lights,
+    const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part)
 {
     rsv_status status;
     uint64_t rays = 0;
     rsv_lights *solo = NULL;
     RSV_TRY(allocate_part(s, part));
-    RSV_TRY(rsv_solo_create(s->lights, source, &solo));
+    RSV_TRY(rsv_solo_create(lights, source, &solo));
     RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->elements, RSV_SUPPORT_POINTS,
-        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
-        part->direct, NULL, &rays));
+        effort->coarse_samples, s->desc.seed, s->valid_points, NULL, part->direct, NULL, &rays));
     if (part->fine)
         RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->fine.elements, RSV_LEVEL_POINTS,
-            RSV_PENUMBRA_FACTOR * s->desc.light_samples, s->desc.seed, fine_valid, NULL, part->fine,
-            NULL, &rays));
-    if (part->caustic) RSV_TRY(shoot_alone(s, solo, part));
+            effort->fine_samples, rsv_level_seed(s), effort->valid, NULL, part->fine, NULL, &rays));
+    if (part->caustic) RSV_TRY(shoot_alone(s, solo, effort->photons, part));
 cleanup:
     rsv_solo_destroy(solo);
     return status;
 }
 
-/// Receiver points of the direct level that are not inside anything. @param valid out, NULL if there is no such level
-static rsv_status find_fine_valid(const rsv_solution *s, uint16_t **valid)
+rsv_status rsv_find_fine_valid(const rsv_solution *s, uint16_t **valid)
 {
     uint64_t rays = 0;
     *valid = NULL;
@@ -140,17 +144,6 @@ static rsv_status find_fine_valid(const rsv_solution *s, uint16_t **valid)
     if (!*valid) return RSV_ERROR_MEMORY;
     return rsv_find_buried(
         &s->scene, s->fine.elements, RSV_LEVEL_POINTS, rsv_level_seed(s), *valid, &rays);
-}
-
-rsv_status rsv_light_part_estimate(
-    const rsv_solution *s, const rsv_source *source, rsv_light_part *part)
-{
-    uint16_t *valid;
-    rsv_status status = find_fine_valid(s, &valid);
-    if (status == RSV_OK) status = estimate_alone(s, source, valid, part);
-    rsv_free(s->context, valid);
-    if (status == RSV_OK && part->fine) rsv_elements_constrain(s->fine.elements, part->fine);
-    return status;
 }
 
 /// value's share of sum; equal shares where nothing was found by anyone.
@@ -188,9 +181,10 @@ rsv_status rsv_light_basis_create(const rsv_solution *s, rsv_light_basis **basis
     uint16_t *valid = NULL;
     RSV_TRY(rsv_light_basis_create_empty(s, &b));
     bool many = b->source_count > 1 && b->source_count <= RSV_MAX_LIGHT_PARTS;
-    if (many) RSV_TRY(find_fine_valid(s, &valid));
+    if (many) RSV_TRY(rsv_find_fine_valid(s, &valid));
+    rsv_light_effort effort = rsv_full_light_effort(s, valid);
     for (size_t k = 0; many && k < b->source_count; k++)
-        RSV_TRY(estimate_alone(s, &b->source[k], valid, &b->part[k]));
+        RSV_TRY(rsv_light_part_estimate(s, s->lights, &b->source[k], &effort, &b->part[k]));
     for (size_t field = 0; many && field < RSV_LIGHT_FIELDS; field++)
         RSV_TRY(divide(s, b, field));
     *basis = b;

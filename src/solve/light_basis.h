@@ -35,10 +35,23 @@ rsv_status rsv_light_basis_create(const struct rsv_solution *solution, rsv_light
 /// A basis whose parts are to be filled.
 rsv_status rsv_light_basis_create_empty(
     const struct rsv_solution *solution, rsv_light_basis **basis);
-/// Samples one source by itself, with the lights as they are now. @param part out, empty before; to be freed by
+/// What samples of one source may cost, beside `valid`: receiver points of the direct level that are not inside anything.
+typedef struct rsv_light_effort {
+    uint32_t coarse_samples, fine_samples; ///< shadow rays per element of either level
+    uint32_t photons;
+    const uint16_t *valid;
+} rsv_light_effort;
+
+/// All that the solution's own description asks for. @param valid borrowed
+rsv_light_effort rsv_full_light_effort(const struct rsv_solution *solution, const uint16_t *valid);
+
+/// @param valid out, to be freed; NULL if there is no direct level
+rsv_status rsv_find_fine_valid(const struct rsv_solution *solution, uint16_t **valid);
+
+/// Samples one of the lights by itself. @param part its arrays are created where it has none; to be freed by
 /// rsv_light_part_free even after an error
-rsv_status rsv_light_part_estimate(
-    const struct rsv_solution *solution, const rsv_source *source, rsv_light_part *part);
+rsv_status rsv_light_part_estimate(const struct rsv_solution *solution, const rsv_lights *lights,
+    const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part);
 void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
 void rsv_light_basis_destroy(rsv_light_basis *basis);
 

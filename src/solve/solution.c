@@ -182,19 +182,18 @@ rsv_status rsv_solution_prepare(
     return status;
 }
 
-rsv_status rsv_solution_refresh(rsv_solution *s)
+rsv_status rsv_solution_refresh(rsv_solution *s, const rsv_lights *like)
 {
     rsv_status status;
-    rsv_lights *before = s->lights;
+    rsv_lights_destroy(s->lights);
     s->lights = NULL;
     for (size_t m = 0; m < s->scene.view->material_count; m++)
         s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, (uint32_t)m);
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
-    RSV_TRY(rsv_lights_gather_like(s->lights, before));
+    RSV_TRY(rsv_lights_gather_like(s->lights, like));
     rsv_free(s->context, s->bin_radiance);
     RSV_TRY(rsv_source_divide_environment(s));
 cleanup:
-    rsv_lights_destroy(before);
     return status;
 }
 

@@ -45,8 +45,9 @@ struct rsv_solution {
 rsv_status rsv_solution_prepare(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution);
 
-/// Finds surfaces and lights again after the scene's strengths and colours changed; what is gathered stays so.
-rsv_status rsv_solution_refresh(rsv_solution *solution);
+/// Finds surfaces and lights again after the scene's strengths and colours changed.
+/// @param like lights of the same scene: what they gather is gathered
+rsv_status rsv_solution_refresh(rsv_solution *solution, const rsv_lights *like);
 
 /// Coarse elements are few and each feeds all others: their direct light gets so many times the shadow rays.
 #define RSV_COARSE_LIGHT_FACTOR 2

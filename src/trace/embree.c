@@ -1,5 +1,5 @@
 /// The only file that knows Embree. Works with Embree 3.13 and 4.
-#include "resolvent/trace.h"
+#include "tracer_update.h"
 
 #include "../core/core_internal.h"
 #include "../core/vec.h"
@@ -129,6 +129,19 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
 cleanup:
     rsv_tracer_destroy(tracer);
     return status;
+}
+
+rsv_status rsv_tracer_update(rsv_tracer *tracer)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
+    RTCGeometry geometry = rtcGetGeometry(tracer->bvh, 0);
+    void *vertices = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    memcpy(vertices, view->position, view->vertex_count * sizeof(rsv_vec3));
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
+    rtcCommitGeometry(geometry);
+    rtcSetSceneBuildQuality(tracer->bvh, RTC_BUILD_QUALITY_MEDIUM); // built in half the time
+    rtcCommitScene(tracer->bvh);
+    return check_device(tracer);
 }
 
 void rsv_tracer_destroy(rsv_tracer *tracer)

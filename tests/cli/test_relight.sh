@@ -16,6 +16,13 @@ succeeds render thrice.safetensors -o again.exr "${box[@]}"
 cmp -s thrice.exr again.exr || complain "the file that was kept gives another picture"
 succeeds relight box.safetensors --light light=1,1,0,0 --albedo white=0.2,0.2,0.2 -o red.exr "${box[@]}"
 
+# a lamp that is moved out of the box through its ceiling leaves it dark
+succeeds relight box.safetensors --move light=0,0.2,0 -o moved.exr "${box[@]}"
+succeeds compare once.exr moved.exr
+says '^mean_ratio *0.0'
+succeeds relight box.safetensors --move light=0,0,0 -o unmoved.exr "${box[@]}"
+cmp -s same.exr unmoved.exr || complain "a light that stays changes the picture"
+
 # a sky that turns is the sky that was turned before
 succeeds render cornell-spheres -o sky.hdr --size 64x32 --mode operator --quality draft --spp 1 --threads 2
 open=(--size 48x48 --spp 4 --threads 2)
@@ -30,10 +37,10 @@ succeeds compare anew.exr unturned.exr
 ! grep -q '^mean_ratio *2' stdout || complain "the sky did not turn"
 
 # a script: frames are what options ask for, one by one
-printf '%s\n' '# evening' '3 light.light=1 albedo.white=0.7,0.7,0.7' '5 "light.light=0.5,1,0.5,0"' >evening.txt
+printf '%s\n' '# evening' '3 light.light=1 albedo.white=0.7,0.7,0.7 move.light=0,0,0' '5 "light.light=0.5,1,0.5,0" move.light=0.1,0,0' >evening.txt
 succeeds relight box.safetensors --script evening.txt -o frame%03d.exr "${box[@]}" --mode operator
 [[ $(echo frame*) == 'frame003.exr frame004.exr frame005.exr' ]] || complain "frames are $(echo frame*)"
-succeeds relight box.safetensors --light light=1,0.75,0.625,0.5 --albedo white=0.7,0.7,0.7 -o between.exr "${box[@]}" --mode operator
+succeeds relight box.safetensors --light light=1,0.75,0.625,0.5 --move light=0.05,0,0 --albedo white=0.7,0.7,0.7 -o between.exr "${box[@]}" --mode operator
 cmp -s frame004.exr between.exr || complain "between two lines light changes evenly"
 refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a.png"
 refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a%d%d.png"
@@ -54,6 +61,9 @@ refuses 1 'camera' relight box.safetensors --camera nobody -o "$out/a.png"
 refuses 1 'folder' relight box.safetensors -o no/such/folder/a.safetensors
 refuses 2 'NAME=SCALE' relight box.safetensors --light light -o "$out/a.png"
 refuses 2 'NAME=SCALE' relight box.safetensors --light light=1,2 -o "$out/a.png"
+refuses 1 "'moon'.*'light'" relight box.safetensors --move moon=0,1,0 -o "$out/a.png"
+refuses 1 'moved by' relight box.safetensors --move light=0,1e9,0 -o "$out/a.png"
+refuses 2 'NAME=X,Y,Z' relight box.safetensors --move light=1 -o "$out/a.png"
 refuses 2 'MATERIAL=R,G,B' relight box.safetensors --albedo white=1 -o "$out/a.png"
 refuses 2 'missing' relight box.safetensors
 finish

@@ -3,6 +3,7 @@
 
 #include "core/srgb.h"
 #include "light_fixture.h"
+#include "resolvent/relight.h"
 #include "resolvent/render.h"
 
 enum { width = 70, height = 50, pixel_count = width * height };
@@ -271,6 +272,30 @@ static void frames_start_over_when_the_camera_moves(void **state)
     world_end(w);
 }
 
+/// Relit in place, sky, mirrors and all: the picture is that of a new renderer.
+static void frames_follow_the_light(void **state)
+{
+    (void)state;
+    const rsv_light_scale dim = { "environment", { 0.3f, 0.3f, 0.3f } };
+    const rsv_relight_desc change = { .light = &dim, .light_count = 1 };
+    world *w = mixed_world(false);
+    rsv_solution *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *before = begin_frames(solution, &desc);
+    rsv_frame_view view = view_of(w);
+    render_frames(before, &view, 1);
+    assert_int_equal(rsv_solution_relight(solution, w->scene, &change), RSV_OK);
+    rsv_frame_renderer_refresh(before);
+    rsv_frame_renderer *after = begin_frames(solution, &desc);
+    render_frames(before, &view, 1);
+    render_frames(after, &view, 1);
+    assert_memory_equal(rsv_frame_pixels(before, 0), rsv_frame_pixels(after, 0), 4 * pixel_count);
+    rsv_frame_renderer_destroy(before);
+    rsv_frame_renderer_destroy(after);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
 static void frames_allocate_nothing(void **state)
 {
     (void)state;
@@ -370,6 +395,7 @@ int main(void)
         cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
         cmocka_unit_test(each_eye_has_a_picture_of_its_own),
         cmocka_unit_test(frames_start_over_when_the_camera_moves),
+        cmocka_unit_test(frames_follow_the_light),
         cmocka_unit_test(frames_allocate_nothing),
         cmocka_unit_test(failing_allocations_leave_nothing_behind),
         cmocka_unit_test(codes_follow_the_srgb_curve),

@@ -147,6 +147,170 @@ static void unknown_names_are_answered_by_the_known_ones(void **state)
     world_end(w);
 }
 
+// ---- lights that move ------------------------------------------------------------------------------
+
+/// A yard with low walls under a black-bodied lamp. All surfaces lie below the lamp, so that no light goes from one
+/// to another through the places where it may hang: G does not depend on those.
+static world *yard(rsv_vec3 offset)
+{
+    world *w = world_begin(2);
+    uint32_t gray = world_lambert(w, 0.6f, 0), red = world_lambert(w, 0.5f, 0);
+    rsv_material lamp = lambert_material(0, 9);
+    lamp.name = "lamp";
+    uint32_t light = world_material(w, lamp);
+    world_quad(w, gray, v3(-2, 0, 2), v3(2, 0, 2), v3(2, 0, -2), v3(-2, 0, -2));
+    world_quad(w, red, v3(-2, 0, -2), v3(2, 0, -2), v3(2, 1, -2), v3(-2, 1, -2));
+    world_box(w, gray, v3(0.2f, 0, -1), v3(1, 0.8f, -0.2f));
+    float x = offset.x, y = 2 + offset.y, z = offset.z;
+    world_quad(w, light, v3(x - 0.3f, y, z - 0.3f), v3(x + 0.3f, y, z - 0.3f),
+        v3(x + 0.3f, y, z + 0.3f), v3(x - 0.3f, y, z + 0.3f));
+    rsv_light bulb = { .name = "bulb",
+        .kind = RSV_LIGHT_POINT,
+        .position = v3_add(v3(-1, 1.5f, 1), offset),
+        .intensity = { 1, 2, 3 } };
+    assert_int_equal(rsv_scene_add_light(w->scene, &bulb), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+/// B = K E: what anybody sees of a solution. The black body of the lamp has rows of its own, from where it began.
+static rsv_rgb *exitance(const rsv_solution *s)
+{
+    rsv_rgb *b = malloc(s->elements->node_count * sizeof *b);
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        b[n] = rgb_mul(s->exitance_albedo[n], s->irradiance[n]);
+    return b;
+}
+
+static void check_moved(bool direct_level)
+{
+    const rsv_vec3 offset = { -0.7f, 0.4f, 0.5f };
+    const rsv_light_move moves[] = { { "lamp", offset }, { "bulb", offset } };
+    const rsv_relight_desc desc = { .move = moves, .move_count = 2 };
+    world *w = yard(v3(0, 0, 0)), *other = yard(offset);
+    rsv_solution *relit = solve(w, direct_level), *fresh = solve(other, direct_level);
+    relight(w, relit, &desc);
+    size_t nodes = fresh->elements->node_count;
+    assert_int_equal(relit->elements->node_count, nodes);
+    assert_true(largest_difference(relit->source, fresh->source, nodes) < 1e-4);
+    rsv_rgb *seen = exitance(relit), *wanted = exitance(fresh);
+    assert_true(largest_difference(seen, wanted, nodes) < 1e-4);
+    free(seen);
+    free(wanted);
+    rsv_solution_destroy(relit);
+    rsv_solution_destroy(fresh);
+    world_end(w);
+    world_end(other);
+}
+
+static void moved_lights_are_those_of_a_fresh_solve(void **state)
+{
+    (void)state;
+    check_moved(false);
+    check_moved(true);
+}
+
+static void begin_relighting(world *w, rsv_solution *s, rsv_relighter **r)
+{
+    if (rsv_relighter_create(s, own_scene(w), r) != RSV_OK) fail_msg("%s", rsv_last_error());
+}
+
+static void change(rsv_relighter *r, const rsv_relight_desc *desc)
+{
+    if (rsv_relighter_change(r, desc) != RSV_OK) fail_msg("%s", rsv_last_error());
+}
+
+/// Through all kinds of change and back: what remains is what one change would have made, and then nothing at all.
+static void only_the_last_change_counts(void **state)
+{
+    (void)state;
+    const rsv_light_move move = { "lamp", { 0.5f, 0.1f, 0 } };
+    const rsv_light_scale off = { "lamp", { 0, 0, 0 } }, blue = { "bulb", { 0, 1, 3 } };
+    const rsv_albedo_change dark = { "lambert", { 0.1f, 0.1f, 0.1f } };
+    const rsv_relight_desc first = { .light = &off,
+        .light_count = 1,
+        .move = &move,
+        .move_count = 1,
+        .albedo = &dark,
+        .albedo_count = 1 };
+    const rsv_relight_desc second = {
+        .light = &blue, .light_count = 1, .move = &move, .move_count = 1
+    };
+    const rsv_relight_desc third = { 0 };
+    world *w = yard(v3(0, 0, 0)), *other = yard(v3(0, 0, 0));
+    rsv_solution *s = solve(w, true), *once = solve(other, true);
+    size_t nodes = s->elements->node_count, fine = s->fine.elements->node_count;
+    rsv_rgb *began = malloc(nodes * sizeof *began);
+    memcpy(began, s->irradiance, nodes * sizeof *began);
+    rsv_relighter *r;
+    begin_relighting(w, s, &r);
+    assert_true(rsv_relighter_is_settled(r));
+    change(r, &first);
+    assert_int_equal(rsv_relighter_step(r, 0, NULL), RSV_OK);
+    change(r, &second);
+    assert_false(rsv_relighter_is_settled(r));
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    relight(other, once, &second);
+    assert_memory_equal(s->irradiance, once->irradiance, nodes * sizeof *began);
+    assert_memory_equal(s->fine.direct, once->fine.direct, fine * sizeof *began);
+    change(r, &third);
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    assert_true(largest_difference(s->irradiance, began, nodes) < 0.05); // sampled anew, by itself
+    rsv_relighter_destroy(r);
+    free(began);
+    rsv_solution_destroy(s);
+    rsv_solution_destroy(once);
+    world_end(w);
+    world_end(other);
+}
+
+/// What steps lead to is the solution, but for the orders that nobody sees; none of them allocates anything.
+static void steps_lead_to_the_solution(void **state)
+{
+    (void)state;
+    const rsv_light_scale scales[] = { { "light", { 0.1f, 2, 2 } }, { "bulb", { 9, 9, 9 } } };
+    const rsv_relight_desc desc = { .light = scales, .light_count = 2 };
+    world *w = lit_box((float[]){ 1, 1, 1 });
+    rsv_solution *s = solve(w, true);
+    size_t nodes = s->elements->node_count;
+    rsv_rgb *stepped = malloc(nodes * sizeof *stepped);
+    rsv_relighter *r;
+    rsv_relight_progress progress;
+    begin_relighting(w, s, &r);
+    change(r, &desc);
+    long alive = w->alive;
+    w->until_failure = 0;
+    for (int k = 0; k < 100; k++) {
+        assert_int_equal(rsv_relighter_step(r, 0, &progress), RSV_OK);
+        if (progress.converged) break;
+        assert_int_equal(progress.orders, 1);
+    }
+    w->until_failure = -1;
+    assert_int_equal(w->alive, alive);
+    assert_true(progress.converged);
+    memcpy(stepped, s->irradiance, nodes * sizeof *stepped);
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    // the last change was 1e-3 at most; those that follow fall by the norm of G K, here 0.73
+    assert_true(largest_difference(stepped, s->irradiance, nodes) < 1e-3 / (1 - 0.73));
+    rsv_relighter_destroy(r);
+    free(stepped);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+static void what_cannot_move_is_refused(void **state)
+{
+    (void)state;
+    world *w = lit_box((float[]){ 1, 1, 1 });
+    rsv_solution *s = solve(w, false);
+    const rsv_light_move moon = { "moon", { 0, 1, 0 } }, far = { "bulb", { NAN, 0, 0 } };
+    check_refused(
+        w, s, &(rsv_relight_desc){ .move = &moon, .move_count = 1 }, "'moon'", "'bulb', 'torch'");
+    check_refused(w, s, &(rsv_relight_desc){ .move = &far, .move_count = 1 }, "'bulb'", "moved by");
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -154,6 +318,10 @@ int main(void)
         cmocka_unit_test(scaling_nothing_changes_nothing),
         cmocka_unit_test(changed_albedos_are_those_of_a_fresh_solve),
         cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
+        cmocka_unit_test(moved_lights_are_those_of_a_fresh_solve),
+        cmocka_unit_test(only_the_last_change_counts),
+        cmocka_unit_test(steps_lead_to_the_solution),
+        cmocka_unit_test(what_cannot_move_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

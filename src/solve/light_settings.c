@@ -1,0 +1,198 @@
+#include "light_settings.h"
+
+#include "../scene/scene_internal.h"
+#include "../subsurface/scatter_profile.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#define LARGEST_SCALE 1e6f
+#define LARGEST_OFFSET 1e6f ///< metres
+
+rsv_status rsv_light_settings_allocate(
+    rsv_context *context, size_t sources, size_t materials, rsv_light_settings *s)
+{
+    s->scale = rsv_alloc(context, sources, sizeof *s->scale);
+    s->offset = rsv_alloc(context, sources, sizeof *s->offset);
+    s->base_color = rsv_alloc(context, materials, sizeof *s->base_color);
+    return s->scale && s->offset && s->base_color ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+void rsv_light_settings_free(rsv_context *context, rsv_light_settings *s)
+{
+    rsv_free(context, s->scale);
+    rsv_free(context, s->offset);
+    rsv_free(context, s->base_color);
+    *s = (rsv_light_settings){ 0 };
+}
+
+// ---- lights -----------------------------------------------------------------------------------
+
+static rsv_status fail_unknown_light(const rsv_light_settings_home *home, const char *name)
+{
+    char known[512] = "";
+    for (size_t k = 0; k < home->source_count; k++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s'%s'", k ? ", " : "", home->source[k].name);
+    }
+    return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there is no light '%s'; there are: %s", name,
+        *known ? known : "none");
+}
+
+static bool is_scale(float value) { return value >= 0 && value <= LARGEST_SCALE; }
+
+static rsv_status read_scale(
+    const rsv_light_settings_home *home, const rsv_light_scale *light, rsv_light_settings *wanted)
+{
+    bool known = false, gray = light->scale.r == light->scale.g && light->scale.g == light->scale.b;
+    if (!is_scale(light->scale.r) || !is_scale(light->scale.g) || !is_scale(light->scale.b))
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "relight: the factors of light '%s' must be from 0 to %g", light->name, LARGEST_SCALE);
+    for (size_t k = 0; k < home->source_count; k++) {
+        if (strcmp(home->source[k].name, light->name) != 0) continue;
+        if (home->source[k].kind == RSV_SOURCE_SURROUNDINGS && !gray)
+            return rsv_fail(
+                RSV_ERROR_UNSUPPORTED, "relight: the environment takes one factor for all colours");
+        wanted->scale[k] = light->scale;
+        known = true;
+    }
+    return known ? RSV_OK : fail_unknown_light(home, light->name);
+}
+
+static rsv_status check_movable(const rsv_light_settings_home *home, const rsv_source *source)
+{
+    if (source->kind == RSV_SOURCE_SURROUNDINGS ||
+        (source->kind == RSV_SOURCE_LIGHT &&
+            home->scene->light[source->index].kind == RSV_LIGHT_DIRECTIONAL))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "relight: light '%s' comes from infinitely far away: there is nothing to move",
+            source->name);
+    if (source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(home->lights, source->index))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "relight: lamp '%s' fills much of the view and is part of the operator; move it in the "
+            "scene and solve anew",
+            source->name);
+    return RSV_OK;
+}
+
+static rsv_status read_move(
+    const rsv_light_settings_home *home, const rsv_light_move *move, rsv_light_settings *wanted)
+{
+    bool known = false;
+    rsv_vec3 offset = move->offset;
+    if (!isfinite(offset.x + offset.y + offset.z) || v3_max_abs(offset) > LARGEST_OFFSET)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: light '%s' cannot be moved by more than %g m",
+            move->name, LARGEST_OFFSET);
+    for (size_t k = 0; k < home->source_count; k++) {
+        if (strcmp(home->source[k].name, move->name) != 0) continue;
+        rsv_status status = check_movable(home, &home->source[k]);
+        if (status != RSV_OK) return status;
+        wanted->offset[k] = offset;
+        known = true;
+    }
+    return known ? RSV_OK : fail_unknown_light(home, move->name);
+}
+
+rsv_status rsv_gathered_scale(
+    const rsv_light_settings_home *home, const rsv_light_settings *settings, rsv_rgb *scale)
+{
+    const char *first = NULL;
+    *scale = rgb_gray(1);
+    for (size_t k = 0; k < home->source_count; k++) {
+        const rsv_source *source = &home->source[k];
+        if (source->kind != RSV_SOURCE_MATERIAL || !rsv_is_gathered(home->lights, source->index))
+            continue;
+        rsv_rgb own = settings->scale[k];
+        if (first && (own.r != scale->r || own.g != scale->g || own.b != scale->b))
+            return rsv_fail(RSV_ERROR_UNSUPPORTED,
+                "relight: lamps '%s' and '%s' fill much of the view and are stored together; scale "
+                "both alike or solve anew",
+                first, source->name);
+        first = source->name;
+        *scale = own;
+    }
+    return RSV_OK;
+}
+
+// ---- materials ----------------------------------------------------------------------------------
+
+static rsv_status find_material(const rsv_scene *scene, const char *name, uint32_t *material)
+{
+    char known[512] = "";
+    for (*material = 0; *material < scene->material_count; ++*material) {
+        size_t used = strlen(known);
+        if (strcmp(scene->material[*material].name, name) == 0) return RSV_OK;
+        snprintf(known + used, sizeof known - used, "%s'%s'", *material ? ", " : "",
+            scene->material[*material].name);
+    }
+    return rsv_fail(
+        RSV_ERROR_ARGUMENT, "relight: there is no material '%s'; there are: %s", name, known);
+}
+
+static bool is_share(float value) { return value >= 0 && value <= 1; }
+
+static rsv_status read_albedo(
+    const rsv_scene *scene, const rsv_albedo_change *change, rsv_light_settings *wanted)
+{
+    uint32_t m;
+    rsv_rgb c = change->base_color;
+    rsv_status status = find_material(scene, change->material, &m);
+    if (status != RSV_OK) return status;
+    const rsv_material *material = &scene->material[m];
+    if (!is_share(c.r) || !is_share(c.g) || !is_share(c.b))
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "relight: the colour of material '%s' must be in 0 .. 1", change->material);
+    bool plain = material->metallic == 0 && material->transmission == 0 && material->opacity == 1 &&
+                 material->diffuse_transmission == 0 && !scene->material_varies[m] &&
+                 !rsv_material_scatters_below(material);
+    if (!plain)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "relight: the colour of material '%s' is part of the operator (metal, glass, "
+            "texture, ...); solve anew",
+            change->material);
+    wanted->base_color[m] = c;
+    return RSV_OK;
+}
+
+// ---- all of it ----------------------------------------------------------------------------------
+
+static void begin_as_home(const rsv_light_settings_home *home, rsv_light_settings *wanted)
+{
+    size_t sources = home->source_count;
+    if (sources) memcpy(wanted->scale, home->settings->scale, sources * sizeof *wanted->scale);
+    if (sources) memcpy(wanted->offset, home->settings->offset, sources * sizeof *wanted->offset);
+    memcpy(wanted->base_color, home->settings->base_color,
+        home->scene->material_count * sizeof *wanted->base_color);
+    wanted->rotation = home->settings->rotation;
+}
+
+static rsv_status read_turn(
+    const rsv_scene *scene, const rsv_relight_desc *desc, rsv_light_settings *wanted)
+{
+    if (!desc->turn) return RSV_OK;
+    if (!scene->environment.pixels)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there are no surroundings to turn");
+    if (!isfinite(desc->rotation))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: the rotation must be finite");
+    wanted->rotation = desc->rotation;
+    return RSV_OK;
+}
+
+rsv_status rsv_light_settings_read(
+    const rsv_light_settings_home *home, const rsv_relight_desc *desc, rsv_light_settings *wanted)
+{
+    rsv_status status;
+    rsv_rgb gathered;
+    begin_as_home(home, wanted);
+    for (size_t i = 0; i < desc->light_count; i++)
+        RSV_TRY(read_scale(home, &desc->light[i], wanted));
+    RSV_TRY(rsv_gathered_scale(home, wanted, &gathered));
+    for (size_t i = 0; i < desc->move_count; i++)
+        RSV_TRY(read_move(home, &desc->move[i], wanted));
+    for (size_t i = 0; i < desc->albedo_count; i++)
+        RSV_TRY(read_albedo(home->scene, &desc->albedo[i], wanted));
+    RSV_TRY(read_turn(home->scene, desc, wanted));
+cleanup:
+    return status;
+}
