@@ -19,6 +19,7 @@ static const command commands[] = {
     { "solve", cli_solve, "the solved operator of a scene, kept in a file" },
     { "relight", cli_relight, "a solved operator under other lights and colours" },
     { "bake", cli_bake, "solved light in a glTF file, for engines and web pages" },
+    { "view", cli_view, "a window onto the light of a scene, or frames of one by a script" },
     { "probe", cli_probe, "irradiance at the points of a CSV file, with its standard error" },
     { "certify", cli_certify, "how wrong the solved light of a scene is: a bound and an estimate" },
     { "compare", cli_compare, "how one picture differs from another" },

@@ -62,6 +62,7 @@ static void draw_bar(const cli_progress *progress, double fraction, const char *
 
 void cli_progress_update(cli_progress *progress, const char *phase, double fraction)
 {
+    if (progress->muted) return;
     double now = cli_seconds();
     bool new_phase = strncmp(progress->phase, phase, sizeof progress->phase - 1) != 0;
     if (new_phase) {

@@ -7,6 +7,7 @@
 typedef struct cli_progress {
     bool terminal;
     bool bar_shown;
+    bool muted; ///< shows nothing
     char phase[32];
     double work_started; ///< seconds, cli_seconds()
     double phase_started;

@@ -120,7 +120,8 @@ RSV_API rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_de
 typedef struct rsv_heat_map_desc {
     uint32_t width, height; ///< pixels, 16 x 32 at least: a colour bar takes the lowest 12 rows
     uint32_t camera;        ///< index in the scene
-    uint32_t gather_rays;   ///< of each of the two estimates per pixel, default 128
+    const rsv_camera *viewpoint; ///< one that is not in the scene, instead; borrowed. NULL = none
+    uint32_t gather_rays;        ///< of each of the two estimates per pixel, default 128
 } rsv_heat_map_desc;
 
 RSV_API rsv_heat_map_desc rsv_default_heat_map_desc(void);

@@ -24,6 +24,8 @@ typedef struct rsv_render_desc {
     uint32_t width, height;
     uint32_t samples; ///< camera rays per pixel (box filter)
     uint32_t camera;  ///< index in the scene
+    /// Modes operator and final: a camera that is not in the scene, instead; borrowed. NULL = none
+    const rsv_camera *viewpoint;
     uint32_t
         gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up;
                      ///< modes occlusion: rays or points per surface seen, 0 = 16

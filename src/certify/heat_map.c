@@ -23,6 +23,7 @@ typedef struct heat_job {
     const rsv_solution *solution;
     const rsv_error_field *field;
     rsv_heat_map_desc desc;
+    const rsv_camera *camera;
     rsv_residual_job residual;
     rsv_medium medium; ///< the camera's
     uint32_t seed;
@@ -50,9 +51,8 @@ static void keep_brightest(void *user, const rsv_chain *chain, rsv_rgb weight)
 static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_point *point)
 {
     const rsv_solution *s = job->solution;
-    const rsv_camera *camera = &s->scene.view->camera[job->desc.camera];
-    rsv_ray ray =
-        rsv_camera_ray(camera, job->desc.width, job->desc.height, (float)x + 0.5f, (float)y + 0.5f);
+    rsv_ray ray = rsv_camera_ray(
+        job->camera, job->desc.width, job->desc.height, (float)x + 0.5f, (float)y + 0.5f);
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return false;
     brightest_end end = { 0 };
@@ -204,8 +204,8 @@ rsv_status rsv_certify_picture(const rsv_solution *s, const rsv_certify_desc *ce
     RSV_TRY(check_desc(s, &job.desc));
     RSV_TRY(rsv_examine(s, &sampling, certificate, &field));
     job.residual = rsv_residual_job_of(s, job.desc.gather_rays, sampling.light_samples);
-    const rsv_camera *camera = &s->scene.view->camera[job.desc.camera];
-    job.medium = rsv_medium_above(&s->scene.media, camera->position, camera->forward);
+    job.camera = job.desc.viewpoint ? job.desc.viewpoint : &s->scene.view->camera[job.desc.camera];
+    job.medium = rsv_medium_above(&s->scene.media, job.camera->position, job.camera->forward);
     job.pixel = rsv_alloc(s->context, (size_t)job.desc.width * job.desc.height, sizeof *job.pixel);
     RSV_TRY(job.pixel ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_image_create(s->context, job.desc.width, job.desc.height, 2, &image));

@@ -344,7 +344,7 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
     if (status != RSV_OK) return status;
     picture_job job = { .solution = solution,
         .desc = desc,
-        .camera = &solution->scene.view->camera[desc->camera],
+        .camera = desc->viewpoint ? desc->viewpoint : &solution->scene.view->camera[desc->camera],
         .layer_count = desc->layers ? 1 + MAX_LAYERS : 1 };
     job.spread = rsv_camera_spread(job.camera, desc->height);
     job.medium =
@@ -356,7 +356,7 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
         desc->mode == RSV_RENDER_FINAL && !desc->shared_pattern && rsv_shot_light_wanted(solution);
     RSV_TRY(name_layers(job.image, job.layer_count));
     RSV_TRY(render_rows(&job));
-    if (job.shot) RSV_TRY(rsv_add_shot_light(solution, desc, &job.medium, job.image));
+    if (job.shot) RSV_TRY(rsv_add_shot_light(solution, desc, job.camera, &job.medium, job.image));
     *image = job.image;
     return RSV_OK;
 cleanup:

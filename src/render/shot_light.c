@@ -117,10 +117,9 @@ static void collect(void *user)
 }
 
 rsv_status rsv_add_shot_light(const rsv_solution *solution, const rsv_render_desc *desc,
-    const rsv_medium *medium, rsv_image *image)
+    const rsv_camera *camera, const rsv_medium *medium, rsv_image *image)
 {
     rsv_context *context = solution->context;
-    const rsv_camera *camera = &solution->scene.view->camera[desc->camera];
     uint64_t paths = (uint64_t)desc->width * desc->height * desc->samples, rays = 0;
     int threads = rsv_threads(context);
     shot_job job = { .solution = solution,

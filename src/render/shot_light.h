@@ -18,6 +18,6 @@ bool rsv_shot_light_wanted(const rsv_solution *solution);
 /// than a few hundred thousand.
 /// @param medium that the camera is in
 rsv_status rsv_add_shot_light(const rsv_solution *solution, const rsv_render_desc *desc,
-    const rsv_medium *medium, rsv_image *image);
+    const rsv_camera *camera, const rsv_medium *medium, rsv_image *image);
 
 #endif

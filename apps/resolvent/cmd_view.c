@@ -1,0 +1,321 @@
+#include "command.h"
+#include "options.h"
+#include "output_file.h"
+#include "subject.h"
+#include "view/view_hud.h"
+#include "view/view_script.h"
+#include "view/view_window.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static const char help_head[] =
+    "usage: resolvent view SCENE [options]\n"
+    "\n"
+    "Opens a window onto the light of SCENE (a file, a built-in scene, or a file of `resolvent\n"
+    "solve`): fly through it, drag lights, change their strength and colour, see each order of\n"
+    "light by itself. F1 in the window lists keys and mouse.\n"
+    "\n"
+    "  --size WxH         pixels of the window (default 960x540)\n"
+    "  --camera NAME      to begin with\n"
+    "  --budget MS        milliseconds of a frame for orders of light while it changes (default "
+    "8)\n"
+    "  --script FILE      commands by frame: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
+    "  --frames N         close after N frames\n"
+    "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
+    "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
+        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "  --threads N        default: one per processor\n"
+    "\n"
+    "commands of scripts:\n";
+
+static const char help_tail[] =
+    "\n"
+    "examples:\n"
+    "  resolvent view cornell-spheres\n"
+    "  resolvent view room.safetensors --size 1920x1080\n"
+    "  printf '0 select light.light\\n0-59 orbit 2 0\\n30 intensity 2\\n' >tour.txt\n"
+    "  resolvent view cornell-blocks --script tour.txt --record tour\n";
+
+typedef struct settings {
+    const char *scene, *camera, *script, *record, *mesh;
+    cli_environment environment;
+    cli_solve_choice solve;
+    cli_size size;
+    uint32_t frames, threads; ///< 0 = as long as it takes; one per processor
+    float budget_ms;
+} settings;
+
+/// Everything that is open.
+typedef struct viewer {
+    const settings *settings;
+    cli_session *session;
+    cli_subject subject;
+    rsv_relighter *relighter;
+    cli_view_frames *frames;
+    cli_view_state state;
+    cli_view_script script;
+    cli_view_hud hud;
+    cli_canvas canvas;
+    cli_window *window;          ///< NULL = recording
+    uint32_t frame, frame_count; ///< so far; at most
+} viewer;
+
+// ---- options ----------------------------------------------------------------------------------------
+
+static void print_help(void)
+{
+    fputs(help_head, stdout);
+    fputs(cli_view_command_help, stdout);
+    fputs(help_tail, stdout);
+}
+
+static bool wants_help(int argc, char **argv)
+{
+    for (int k = 0; k < argc; k++)
+        if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) return true;
+    return false;
+}
+
+static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
+{
+    const cli_option options[] = {
+        { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 16384 },
+        { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
+        { .name = "--budget", .kind = CLI_REAL, .value = &s->budget_ms, .max = 1e6 },
+        { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
+        { .name = "--frames",
+            .kind = CLI_COUNT,
+            .value = &s->frames,
+            .min = 1,
+            .max = CLI_VIEW_MOST_FRAMES },
+        { .name = "--record", .kind = CLI_TEXT, .value = &s->record },
+        { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_MESH_OPTION(&s->mesh),
+        CLI_SOLVE_OPTIONS(&s->solve),
+        CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        { .name = NULL },
+    };
+    const cli_usage usage = { "view", help_head, options, "SCENE", 1, 1 };
+    return cli_parse(&usage, argc, argv, &s->scene, exit_status);
+}
+
+// ---- opening ------------------------------------------------------------------------------------------
+
+static bool report(viewer *v, rsv_status status)
+{
+    if (status != RSV_OK) cli_report_failure(v->session, status);
+    return status == RSV_OK;
+}
+
+static bool begin_state(viewer *v)
+{
+    uint32_t layers = 1 + rsv_solution_order_count(v->subject.solution);
+    uint32_t camera = rsv_scene_find_camera(v->subject.scene, v->settings->camera);
+    if (camera == RSV_NONE) {
+        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them",
+            v->settings->scene, v->settings->camera, v->settings->scene);
+        return false;
+    }
+    if (!cli_view_state_begin(v->relighter, v->subject.scene, layers, &v->state)) {
+        cli_error("out of memory");
+        return false;
+    }
+    v->state.camera = v->state.scene->camera[camera];
+    return true;
+}
+
+/// The folder for frames, made if it is not there.
+static bool make_folder(const char *path)
+{
+    struct stat info;
+    if (mkdir(path, 0777) == 0 || (stat(path, &info) == 0 && S_ISDIR(info.st_mode))) return true;
+    cli_error("--record %s: the folder cannot be made: %s", path, strerror(errno));
+    return false;
+}
+
+static bool set_canvas(cli_canvas *canvas, uint32_t width, uint32_t height)
+{
+    if (canvas->pixel && canvas->width == width && canvas->height == height) return true;
+    free(canvas->pixel);
+    *canvas = (cli_canvas){ width, height, calloc((size_t)width * height, 4) };
+    if (!canvas->pixel) cli_error("out of memory");
+    return canvas->pixel != NULL;
+}
+
+static bool open_light(viewer *v)
+{
+    const settings *s = v->settings;
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
+    if (!report(v, cli_solve_subject(v->session, &desc, NULL, &v->subject, NULL))) return false;
+    if (!report(v, rsv_relighter_create(v->subject.solution, v->subject.scene, &v->relighter)))
+        return false;
+    double budget = s->record ? 0 : (double)s->budget_ms;
+    return report(v, cli_view_frames_create(v->subject.solution, v->relighter, budget, &v->frames));
+}
+
+static uint32_t count_frames(const viewer *v)
+{
+    uint32_t scripted = cli_view_script_length(&v->script);
+    if (v->settings->frames) return v->settings->frames;
+    if (!v->settings->record) return UINT32_MAX;
+    return scripted ? scripted : 1;
+}
+
+/// What can be wrong at once is said before the long work.
+static bool open_viewer(viewer *v)
+{
+    const settings *s = v->settings;
+    char title[CLI_VIEW_TEXT_LENGTH];
+    if (s->script && !cli_read_view_script(s->script, &v->script)) return false;
+    v->frame_count = count_frames(v);
+    snprintf(title, sizeof title, "%.200s - resolvent", s->scene);
+    if (s->record && !make_folder(s->record)) return false;
+    if (!s->record) v->window = cli_window_open(title, s->size.width, s->size.height);
+    if (!s->record && !v->window) return false;
+    const char *slash = strrchr(s->scene, '/');
+    v->hud.scene = slash ? slash + 1 : s->scene;
+    return open_light(v) && begin_state(v) && set_canvas(&v->canvas, s->size.width, s->size.height);
+}
+
+static void close_viewer(viewer *v)
+{
+    cli_window_close(v->window);
+    cli_free_view_script(&v->script);
+    cli_view_state_free(&v->state);
+    cli_view_frames_destroy(v->frames);
+    rsv_relighter_destroy(v->relighter);
+    cli_close_subject(&v->subject);
+    free(v->canvas.pixel);
+}
+
+// ---- frames ---------------------------------------------------------------------------------------------
+
+/// From the window: what cannot be done is said there.
+static void obey(void *user, const char *text)
+{
+    viewer *v = user;
+    cli_view_command command;
+    v->hud.message[0] = '\0';
+    if (cli_read_view_command(text, &command, v->hud.message))
+        cli_view_apply(&v->state, &command, v->hud.message);
+}
+
+static bool run_script(viewer *v)
+{
+    char problem[CLI_VIEW_TEXT_LENGTH];
+    for (size_t k = 0; k < v->script.line_count; k++) {
+        const cli_view_script_line *line = &v->script.line[k];
+        if (v->frame < line->first || v->frame > line->last) continue;
+        if (cli_view_apply(&v->state, &line->command, problem)) continue;
+        cli_error("%s:%zu: %s", v->script.path, line->number, problem);
+        return false;
+    }
+    return true;
+}
+
+/// Says what became of a file that was asked for; only scripts must not go on without it.
+static bool note_saved(viewer *v, rsv_status status, const char *path)
+{
+    snprintf(v->hud.message, sizeof v->hud.message, "%s%.200s",
+        status == RSV_OK ? "" : "not written: ", status == RSV_OK ? path : rsv_last_error());
+    return status == RSV_OK || (v->window && !v->script.path) || report(v, status);
+}
+
+static bool save_wanted(viewer *v)
+{
+    cli_view_state *s = &v->state;
+    bool good = true;
+    if (s->screenshot[0])
+        good = note_saved(
+            v, cli_view_save_picture(v->frames, &v->canvas, s->screenshot), s->screenshot);
+    if (s->panorama[0] && good)
+        good =
+            note_saved(v, cli_view_save_panorama(v->subject.solution, s, s->panorama), s->panorama);
+    s->screenshot[0] = s->panorama[0] = '\0';
+    return good;
+}
+
+static bool record(viewer *v)
+{
+    char path[PATH_MAX];
+    int length = snprintf(path, sizeof path, "%s/frame-%04u.png", v->settings->record, v->frame);
+    if (length < 0 || length >= PATH_MAX) {
+        cli_error("--record %s: the name is too long", v->settings->record);
+        return false;
+    }
+    return report(v, cli_view_save_picture(v->frames, &v->canvas, path));
+}
+
+/// A change of the light that cannot be made is said in the window, where one can go on.
+static bool make_frame(viewer *v, cli_view_timing *timing)
+{
+    rsv_status status = cli_view_frames_next(v->frames, &v->state, &v->canvas, timing);
+    bool refused = status == RSV_ERROR_ARGUMENT || status == RSV_ERROR_UNSUPPORTED;
+    if (refused && v->window) {
+        snprintf(v->hud.message, sizeof v->hud.message, "%.250s", rsv_last_error());
+        return true;
+    }
+    return report(v, status);
+}
+
+static bool run_frame(viewer *v)
+{
+    cli_view_timing timing;
+    if (!run_script(v) || !make_frame(v, &timing) || !save_wanted(v)) return false;
+    cli_view_hud_note(&v->hud, &timing);
+    cli_view_hud_draw(&v->hud, &v->state, &v->canvas);
+    bool good = v->window ? cli_window_show(v->window, &v->canvas) : record(v);
+    v->frame++;
+    return good;
+}
+
+/// @return whether there is anything to draw on
+static bool listen(viewer *v)
+{
+    uint32_t width, height;
+    bool rests = v->frame > 0 && !v->script.path && cli_view_frames_at_rest(v->frames);
+    cli_window_size(v->window, &width, &height);
+    cli_window_listen(v->window, 0.4f * v->state.reach, rests || !width, obey, v);
+    cli_window_size(v->window, &width, &height);
+    return width > 0 && set_canvas(&v->canvas, width, height);
+}
+
+static bool run(viewer *v)
+{
+    while (v->frame < v->frame_count && !v->state.quit) {
+        if (cli_interrupted()) return report(v, RSV_ERROR_CANCELLED);
+        if (v->window && !listen(v)) continue;
+        if (!run_frame(v)) return false;
+    }
+    return true;
+}
+
+int cli_view(int argc, char **argv)
+{
+    settings s = { .environment = CLI_DEFAULT_ENVIRONMENT,
+        .solve = CLI_DEFAULT_SOLVE,
+        .size = { 960, 540 },
+        .budget_ms = 8 };
+    cli_session session;
+    int exit_status;
+    if (wants_help(argc, argv)) {
+        print_help();
+        return CLI_SUCCESS;
+    }
+    if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
+    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    session.mesh = s.mesh;
+    viewer v = { .settings = &s, .session = &session };
+    bool good = open_viewer(&v);
+    cli_progress_clear(&session.progress);
+    session.progress.muted = true; // from here on frames show how far things are
+    good = good && run(&v);
+    close_viewer(&v);
+    cli_session_end(&session);
+    return good ? CLI_SUCCESS : CLI_FAILURE;
+}

@@ -1,0 +1,137 @@
+#include "view_command.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Arguments: t = a word, n = a number.
+typedef struct word {
+    const char *name;
+    cli_view_verb verb;
+    const char *arguments;
+} word;
+
+static const word words[] = {
+    { "albedo", CLI_VIEW_ALBEDO, "tnnn" },
+    { "brighten", CLI_VIEW_BRIGHTEN, "n" },
+    { "camera", CLI_VIEW_CAMERA, "t" },
+    { "color", CLI_VIEW_COLOR, "nnn" },
+    { "dolly", CLI_VIEW_DOLLY, "n" },
+    { "drag", CLI_VIEW_DRAG, "nn" },
+    { "env-rotate", CLI_VIEW_ENV_ROTATE, "n" },
+    { "expose", CLI_VIEW_EXPOSE, "n" },
+    { "exposure", CLI_VIEW_EXPOSURE, "n" },
+    { "fly", CLI_VIEW_FLY, "nnn" },
+    { "intensity", CLI_VIEW_INTENSITY, "n" },
+    { "layer", CLI_VIEW_LAYER, "t" },
+    { "look", CLI_VIEW_LOOK, "nn" },
+    { "mode", CLI_VIEW_MODE, "t" },
+    { "move", CLI_VIEW_MOVE, "nnn" },
+    { "nudge", CLI_VIEW_NUDGE, "nnn" },
+    { "orbit", CLI_VIEW_ORBIT, "nn" },
+    { "panorama", CLI_VIEW_PANORAMA, "t" },
+    { "pick", CLI_VIEW_PICK, "nn" },
+    { "quit", CLI_VIEW_QUIT, "" },
+    { "release", CLI_VIEW_RELEASE, "" },
+    { "reset", CLI_VIEW_RESET, "" },
+    { "screenshot", CLI_VIEW_SCREENSHOT, "t" },
+    { "select", CLI_VIEW_SELECT, "t" },
+    { "separation", CLI_VIEW_SEPARATION, "n" },
+    { "show", CLI_VIEW_SHOW, "t" },
+    { "tint", CLI_VIEW_TINT, "nnn" },
+    { "tone", CLI_VIEW_TONE, "t" },
+    { "turn", CLI_VIEW_TURN, "n" },
+};
+
+const char cli_view_command_help[] =
+    "  orbit YAW PITCH        about the middle of the scene, degrees\n"
+    "  look YAW PITCH         about the camera, degrees\n"
+    "  fly RIGHT UP FORWARD   metres\n"
+    "  dolly FACTOR           distance times FACTOR\n"
+    "  camera NAME            one of the scene's\n"
+    "  select ITEM            light.NAME, albedo.MATERIAL or environment; next, previous, none\n"
+    "  intensity SCALE        of the light selected; `brighten STOPS` changes it\n"
+    "  color R G B            factors of a light, or a material's albedo; `tint R G B` adds\n"
+    "  move X Y Z             the light selected, metres from its place in the scene; `nudge` "
+    "adds\n"
+    "  albedo MATERIAL R G B  another base color\n"
+    "  env-rotate DEG         the surroundings; `turn DEG` adds\n"
+    "  mode NAME              operator, final, occlusion, occlusion-screen, error, next\n"
+    "  layer NAME             all, emission, direct, a number of bounces, next, previous\n"
+    "  exposure STOPS         `expose STOPS` adds\n"
+    "  tone NAME              clip, soft, next\n"
+    "  show WHAT              hud, help, stereo, markers: on if off, off if on\n"
+    "  separation METRES      between the eyes of stereo\n"
+    "  pick X Y, drag DX DY, release   the mouse; the picture is 1 wide and 1 high\n"
+    "  screenshot FILE        the picture without anything over it: .png, .exr, .hdr\n"
+    "  panorama FILE          all around the camera, latitude over longitude\n"
+    "  reset                  everything as it began\n"
+    "  quit\n";
+
+static const word *find_word(const char *name)
+{
+    for (size_t k = 0; k < sizeof words / sizeof words[0]; k++)
+        if (strcmp(words[k].name, name) == 0) return &words[k];
+    return NULL;
+}
+
+/// The next word, or what stands between double quotes, into `token`; false at the end.
+static bool cut(const char **rest, char *token)
+{
+    const char *start = *rest + strspn(*rest, " \t\r\n");
+    if (!*start || *start == '#') return false;
+    bool quoted = *start == '"';
+    start += quoted;
+    size_t length = strcspn(start, quoted ? "\"" : " \t\r\n");
+    *rest = start + length + (quoted && start[length] == '"');
+    if (length >= CLI_VIEW_TEXT_LENGTH) length = CLI_VIEW_TEXT_LENGTH - 1;
+    memcpy(token, start, length);
+    token[length] = '\0';
+    return true;
+}
+
+static bool read_number(const char *token, float *number)
+{
+    char *end;
+    *number = strtof(token, &end);
+    return end != token && !*end && fabsf(*number) <= 1e6f;
+}
+
+static bool complain(char *problem, const char *format, const char *a, const char *b)
+{
+    snprintf(problem, CLI_VIEW_TEXT_LENGTH, format, a, b);
+    return false;
+}
+
+static bool read_arguments(
+    const word *known, const char *rest, cli_view_command *command, char *problem)
+{
+    char token[CLI_VIEW_TEXT_LENGTH];
+    size_t numbers = 0;
+    for (const char *kind = known->arguments; *kind; kind++) {
+        if (!cut(&rest, token))
+            return complain(
+                problem, "'%s' needs %s more", known->name, *kind == 'n' ? "a number" : "a word");
+        if (*kind == 't')
+            memcpy(command->text, token, sizeof token);
+        else if (!read_number(token, &command->number[numbers++]))
+            return complain(
+                problem, "'%s': '%.60s' is no number from -1e6 to 1e6", known->name, token);
+    }
+    return !cut(&rest, token) ||
+           complain(problem, "'%s': '%.60s' is one word too many", known->name, token);
+}
+
+bool cli_read_view_command(const char *line, cli_view_command *command, char *problem)
+{
+    char name[CLI_VIEW_TEXT_LENGTH];
+    *command = (cli_view_command){ .number = { 0 } };
+    if (!cut(&line, name)) return complain(problem, "a command is missing%s%s", "", "");
+    const word *known = find_word(name);
+    if (!known)
+        return complain(
+            problem, "'%.60s' is no command; `resolvent view --help` lists them%s", name, "");
+    command->verb = known->verb;
+    return read_arguments(known, line, command, problem);
+}

@@ -1,0 +1,56 @@
+/// What can be asked of the view, as text: scripts, keys and the mouse all speak it.
+///
+///     orbit 15 -5        select "light.desk lamp"        mode occlusion
+#ifndef CLI_VIEW_COMMAND_H
+#define CLI_VIEW_COMMAND_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef enum cli_view_verb {
+    CLI_VIEW_ALBEDO,
+    CLI_VIEW_BRIGHTEN,
+    CLI_VIEW_CAMERA,
+    CLI_VIEW_COLOR,
+    CLI_VIEW_DOLLY,
+    CLI_VIEW_DRAG,
+    CLI_VIEW_ENV_ROTATE,
+    CLI_VIEW_EXPOSE,
+    CLI_VIEW_EXPOSURE,
+    CLI_VIEW_FLY,
+    CLI_VIEW_INTENSITY,
+    CLI_VIEW_LAYER,
+    CLI_VIEW_LOOK,
+    CLI_VIEW_MODE,
+    CLI_VIEW_MOVE,
+    CLI_VIEW_NUDGE,
+    CLI_VIEW_ORBIT,
+    CLI_VIEW_PANORAMA,
+    CLI_VIEW_PICK,
+    CLI_VIEW_QUIT,
+    CLI_VIEW_RELEASE,
+    CLI_VIEW_RESET,
+    CLI_VIEW_SCREENSHOT,
+    CLI_VIEW_SELECT,
+    CLI_VIEW_SEPARATION,
+    CLI_VIEW_SHOW,
+    CLI_VIEW_TINT,
+    CLI_VIEW_TONE,
+    CLI_VIEW_TURN
+} cli_view_verb;
+
+enum { CLI_VIEW_TEXT_LENGTH = 256 };
+
+typedef struct cli_view_command {
+    cli_view_verb verb;
+    float number[3];
+    char text[CLI_VIEW_TEXT_LENGTH];
+} cli_view_command;
+
+/// Reads one command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes
+bool cli_read_view_command(const char *line, cli_view_command *command, char *problem);
+
+/// The words and what follows them, for --help: one line each.
+extern const char cli_view_command_help[];
+
+#endif

@@ -1,0 +1,279 @@
+#include "view_frames.h"
+
+#include "../progress.h"
+#include "view_still.h"
+
+#include "resolvent/frame.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/// Frames without a change after which the light is made exact.
+#define FRAMES_TO_SETTLE 8
+/// Samples after which nobody sees a further one.
+#define ENOUGH_SAMPLES 1024
+
+struct cli_view_frames {
+    rsv_solution *solution;
+    rsv_relighter *relighter;
+    double budget_ms;
+    cli_view_changes changes;
+    uint32_t light_changes; ///< of the state that the light is of
+    uint32_t quiet_frames;  ///< since it last changed
+    bool converged;
+
+    uint32_t width, height, eyes; ///< of one eye's picture
+    rsv_frame_renderer *renderer;
+    cli_still still[RSV_MAX_EYES];
+    cli_view_mode mode;              ///< of the last frame
+    rsv_camera camera[RSV_MAX_EYES]; ///< likewise
+    bool shows_still;
+    uint32_t samples;
+};
+
+static double now_ms(void) { return 1e3 * cli_seconds(); }
+
+static rsv_context *context_of(const cli_view_frames *f)
+{
+    return rsv_scene_get_context(rsv_solution_scene(f->solution));
+}
+
+rsv_status cli_view_frames_create(
+    rsv_solution *solution, rsv_relighter *relighter, double budget_ms, cli_view_frames **frames)
+{
+    size_t items = rsv_relighter_source_count(relighter) +
+                   rsv_scene_get_view(rsv_solution_scene(solution))->material_count + 1;
+    cli_view_frames *f = calloc(1, sizeof *f);
+    if (!f) return RSV_ERROR_MEMORY;
+    f->solution = solution;
+    f->relighter = relighter;
+    f->budget_ms = budget_ms;
+    f->converged = true;
+    f->changes.light = calloc(items, sizeof *f->changes.light);
+    f->changes.albedo = calloc(items, sizeof *f->changes.albedo);
+    f->changes.move = calloc(items, sizeof *f->changes.move);
+    if (!f->changes.light || !f->changes.albedo || !f->changes.move) {
+        cli_view_frames_destroy(f);
+        return RSV_ERROR_MEMORY;
+    }
+    *frames = f;
+    return RSV_OK;
+}
+
+static void free_pictures(cli_view_frames *f)
+{
+    rsv_frame_renderer_destroy(f->renderer);
+    f->renderer = NULL;
+    for (int k = 0; k < RSV_MAX_EYES; k++)
+        cli_still_free(&f->still[k]);
+}
+
+void cli_view_frames_destroy(cli_view_frames *f)
+{
+    if (!f) return;
+    free_pictures(f);
+    free(f->changes.light);
+    free(f->changes.albedo);
+    free(f->changes.move);
+    free(f);
+}
+
+/// Pictures of the right size.
+static rsv_status fit(cli_view_frames *f, const cli_view_state *state, const cli_canvas *canvas)
+{
+    uint32_t eyes = state->stereo && canvas->width > 1 ? 2 : 1, width = canvas->width / eyes;
+    rsv_frame_desc desc = rsv_default_frame_desc();
+    if (f->renderer && width == f->width && canvas->height == f->height && eyes == f->eyes)
+        return RSV_OK;
+    free_pictures(f);
+    desc.width = f->width = width;
+    desc.height = f->height = canvas->height;
+    desc.eyes = f->eyes = eyes;
+    rsv_status status = rsv_frame_renderer_create(f->solution, &desc, &f->renderer);
+    for (uint32_t k = 0; k < eyes && status == RSV_OK; k++)
+        status = cli_still_resize(f->solution, width, f->height, &f->still[k]);
+    return status;
+}
+
+// ---- light ------------------------------------------------------------------------------------------
+
+static void start_over(cli_view_frames *f)
+{
+    for (uint32_t k = 0; k < f->eyes; k++)
+        f->still[k].samples = 0;
+}
+
+/// Follows the state, one step per frame, and makes all exact once nothing has changed for some frames.
+static rsv_status update_light(
+    cli_view_frames *f, const cli_view_state *state, cli_view_timing *timing)
+{
+    rsv_status status = RSV_OK;
+    rsv_relight_progress progress = { .converged = true };
+    double start = now_ms();
+    bool changed = state->light_changes != f->light_changes;
+    f->quiet_frames = changed ? 0 : f->quiet_frames + 1;
+    if (changed) {
+        rsv_relight_desc desc = cli_view_relighting(state, &f->changes);
+        f->light_changes = state->light_changes;
+        status = rsv_relighter_change(f->relighter, &desc);
+        f->converged = false;
+    }
+    if (status == RSV_OK && !f->converged)
+        status = rsv_relighter_step(f->relighter, f->budget_ms, &progress);
+    bool settles = f->converged && f->quiet_frames >= FRAMES_TO_SETTLE &&
+                   !rsv_relighter_is_settled(f->relighter);
+    if (status == RSV_OK && settles) status = rsv_relighter_settle(f->relighter);
+    bool stepped = progress.orders > 0;
+    f->converged = f->converged || progress.converged;
+    timing->residual = progress.residual;
+    timing->light_ms = now_ms() - start;
+    if (status != RSV_OK || !(stepped || settles || changed)) return status;
+    start = now_ms();
+    rsv_frame_renderer_refresh(f->renderer);
+    start_over(f);
+    timing->refresh_ms = now_ms() - start;
+    return RSV_OK;
+}
+
+// ---- pictures ---------------------------------------------------------------------------------------
+
+static void aim(const cli_view_frames *f, const cli_view_state *state, rsv_camera camera[])
+{
+    camera[0] = state->camera;
+    for (uint32_t k = 0; k < f->eyes && f->eyes > 1; k++)
+        camera[k] = rsv_camera_eye(&state->camera, k, state->separation);
+}
+
+/// Whether frames go on where they were; pictures at rest start over if not.
+static bool keep_still(cli_view_frames *f, const cli_view_state *state, const rsv_camera camera[])
+{
+    bool same = state->mode == f->mode && f->samples > 0 &&
+                memcmp(camera, f->camera, f->eyes * sizeof *camera) == 0;
+    f->mode = state->mode;
+    memcpy(f->camera, camera, f->eyes * sizeof *camera);
+    if (!same) start_over(f);
+    return same;
+}
+
+static rsv_status render_frame(cli_view_frames *f, const cli_view_state *state,
+    const rsv_camera camera[], cli_canvas *canvas, cli_view_timing *timing)
+{
+    rsv_frame_view view = { .exposure = state->exposure, .soft = state->soft };
+    rsv_frame_stats stats;
+    memcpy(view.camera, camera, f->eyes * sizeof *camera);
+    rsv_frame_renderer_show(f->renderer, state->layer);
+    rsv_status status = rsv_frame_render(f->renderer, &view, &stats);
+    if (status != RSV_OK) return status;
+    timing->camera_ms = stats.camera_ms;
+    timing->chain_ms = stats.chain_ms;
+    timing->display_ms = stats.display_ms;
+    timing->chain_rays = stats.chain_rays;
+    f->samples = stats.samples;
+    for (uint32_t k = 0; k < f->eyes; k++)
+        for (uint32_t y = 0; y < f->height; y++)
+            memcpy(canvas->pixel + (size_t)y * canvas->width + (size_t)k * f->width,
+                rsv_frame_pixels(f->renderer, k) + (size_t)y * f->width,
+                f->width * sizeof *canvas->pixel);
+    return RSV_OK;
+}
+
+static rsv_status render_still(cli_view_frames *f, const cli_view_state *state,
+    const rsv_camera camera[], cli_canvas *canvas, cli_view_timing *timing)
+{
+    rsv_status status = RSV_OK;
+    double start = now_ms();
+    bool measures = state->mode == CLI_VIEW_ERROR; // its colours mean numbers: no exposure
+    for (uint32_t k = 0; k < f->eyes && status == RSV_OK; k++) {
+        status = cli_still_add(&f->still[k], state->mode, &camera[k]);
+        cli_still_show(&f->still[k], measures ? 0 : state->exposure, state->soft && !measures,
+            k * f->width, canvas);
+    }
+    f->samples = f->still[0].samples;
+    timing->still_ms = now_ms() - start;
+    return status;
+}
+
+rsv_status cli_view_frames_next(
+    cli_view_frames *f, cli_view_state *state, cli_canvas *canvas, cli_view_timing *timing)
+{
+    double start = now_ms();
+    rsv_camera camera[RSV_MAX_EYES];
+    *timing = (cli_view_timing){ .samples = 0 };
+    rsv_status status = fit(f, state, canvas);
+    if (status != RSV_OK) return status;
+    state->aspect = (float)f->width / (float)f->height;
+    status = update_light(f, state, timing);
+    if (status != RSV_OK) return status;
+    aim(f, state, camera);
+    bool rests = keep_still(f, state, camera) && f->converged;
+    bool occlusion = state->mode == CLI_VIEW_OCCLUSION || state->mode == CLI_VIEW_OCCLUSION_SCREEN;
+    f->shows_still = state->mode != CLI_VIEW_OPERATOR && (rests || occlusion);
+    status = f->shows_still ? render_still(f, state, camera, canvas, timing)
+                            : render_frame(f, state, camera, canvas, timing);
+    timing->samples = f->samples;
+    timing->eyes = f->eyes;
+    timing->total_ms = now_ms() - start;
+    return status;
+}
+
+bool cli_view_frames_at_rest(const cli_view_frames *f)
+{
+    bool settled = rsv_relighter_is_settled(f->relighter);
+    return settled &&
+           (f->shows_still ? cli_still_is_done(&f->still[0], f->mode)
+                           : f->mode == CLI_VIEW_OPERATOR && f->samples >= ENOUGH_SAMPLES);
+}
+
+// ---- files ------------------------------------------------------------------------------------------
+
+static float decoded(uint8_t code)
+{
+    float x = (float)code / 255;
+    return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
+}
+
+static void copy_shown(const cli_canvas *canvas, rsv_image *image)
+{
+    rsv_rgb *out = rsv_image_pixels(image, 0);
+    for (size_t k = 0; k < (size_t)canvas->width * canvas->height; k++)
+        out[k] = (rsv_rgb){ decoded(canvas->pixel[k][0]), decoded(canvas->pixel[k][1]),
+            decoded(canvas->pixel[k][2]) };
+}
+
+static bool is_png(const char *path)
+{
+    const char *extension = strrchr(path, '.');
+    return extension && strcmp(extension, ".png") == 0;
+}
+
+/// Eyes side by side, in linear radiance.
+static rsv_status copy_radiance(const cli_view_frames *f, rsv_image *image)
+{
+    rsv_rgb *eye = malloc((size_t)f->width * f->height * sizeof *eye);
+    if (!eye) return RSV_ERROR_MEMORY;
+    for (uint32_t k = 0; k < f->eyes; k++) {
+        const rsv_rgb *from = f->shows_still ? f->still[k].radiance : eye;
+        if (!f->shows_still) rsv_frame_radiance(f->renderer, k, eye);
+        for (uint32_t y = 0; y < f->height; y++)
+            memcpy(rsv_image_pixels(image, 0) + (size_t)y * rsv_image_width(image) +
+                       (size_t)k * f->width,
+                from + (size_t)y * f->width, f->width * sizeof *eye);
+    }
+    free(eye);
+    return RSV_OK;
+}
+
+rsv_status cli_view_save_picture(
+    const cli_view_frames *f, const cli_canvas *canvas, const char *path)
+{
+    rsv_image *image = NULL;
+    rsv_status status = rsv_image_create(context_of(f), canvas->width, canvas->height, 1, &image);
+    if (status == RSV_OK && is_png(path))
+        copy_shown(canvas, image);
+    else if (status == RSV_OK)
+        status = copy_radiance(f, image);
+    if (status == RSV_OK) status = rsv_image_write(image, path, 0);
+    rsv_image_destroy(image);
+    return status;
+}

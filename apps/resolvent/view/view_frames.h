@@ -1,0 +1,45 @@
+/// From a view's state to pixels: keeps the light up to date and the pictures of the mode on show.
+#ifndef CLI_VIEW_FRAMES_H
+#define CLI_VIEW_FRAMES_H
+
+#include "view_canvas.h"
+#include "view_state.h"
+
+/// Milliseconds of one frame by stage, and what it achieved.
+typedef struct cli_view_timing {
+    double light_ms;   ///< sources changed and orders added
+    double refresh_ms; ///< fields brought to the frames
+    double camera_ms, chain_ms, display_ms;
+    double still_ms; ///< pictures of modes other than operator
+    double total_ms; ///< all of it; what is drawn over the picture is not in it
+    uint64_t chain_rays;
+    uint32_t samples; ///< that have added up
+    uint32_t eyes;
+    double residual; ///< of the light; 0 = exact
+} cli_view_timing;
+
+typedef struct cli_view_frames cli_view_frames;
+
+/// @param budget_ms of a frame for orders of light; 0 = one order per frame, so that the same frames come out every
+/// time
+rsv_status cli_view_frames_create(
+    rsv_solution *solution, rsv_relighter *relighter, double budget_ms, cli_view_frames **frames);
+void cli_view_frames_destroy(cli_view_frames *frames);
+
+/// Makes the next frame. Nothing is allocated while size and mode stay, but by modes final and error at rest.
+/// @param canvas as large as the frame is to be @param state its aspect is set
+rsv_status cli_view_frames_next(
+    cli_view_frames *frames, cli_view_state *state, cli_canvas *canvas, cli_view_timing *timing);
+
+/// Whether a further frame would look the same.
+bool cli_view_frames_at_rest(const cli_view_frames *frames);
+
+/// Writes the picture of the last frame: .png as shown, others as radiance.
+rsv_status cli_view_save_picture(
+    const cli_view_frames *frames, const cli_canvas *canvas, const char *path);
+
+/// Writes an equirectangular picture of all that surrounds the camera; what is ahead is in its middle.
+rsv_status cli_view_save_panorama(
+    const rsv_solution *solution, const cli_view_state *state, const char *path);
+
+#endif

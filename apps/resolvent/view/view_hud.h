@@ -1,0 +1,23 @@
+/// What is drawn over the picture: numbers, a graph of the frames, what is selected, rings around lights, help.
+#ifndef CLI_VIEW_HUD_H
+#define CLI_VIEW_HUD_H
+
+#include "view_frames.h"
+
+enum { CLI_VIEW_HISTORY = 120 };
+
+typedef struct cli_view_hud {
+    const char *scene;                  ///< name, borrowed
+    double history[CLI_VIEW_HISTORY];   ///< milliseconds of the last frames, a ring
+    uint32_t frame;                     ///< frames so far
+    cli_view_timing mean;               ///< running, so that digits can be read
+    char message[CLI_VIEW_TEXT_LENGTH]; ///< "" = none
+    uint32_t message_frames;            ///< that it has been shown for
+} cli_view_hud;
+
+/// Takes the numbers of a frame in.
+void cli_view_hud_note(cli_view_hud *hud, const cli_view_timing *timing);
+
+void cli_view_hud_draw(const cli_view_hud *hud, const cli_view_state *state, cli_canvas *canvas);
+
+#endif

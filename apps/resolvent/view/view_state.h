@@ -1,0 +1,95 @@
+/// What the view shows: where from, in which mode, under which light. Commands change it; nothing here draws or solves.
+#ifndef CLI_VIEW_STATE_H
+#define CLI_VIEW_STATE_H
+
+#include "view_command.h"
+
+#include "resolvent/relight.h"
+
+typedef enum cli_view_mode {
+    CLI_VIEW_OPERATOR,
+    CLI_VIEW_FINAL,
+    CLI_VIEW_OCCLUSION,
+    CLI_VIEW_OCCLUSION_SCREEN,
+    CLI_VIEW_ERROR, ///< heat map of the certificate
+    CLI_VIEW_MODE_COUNT
+} cli_view_mode;
+
+/// "operator", "final", ...
+extern const char *const cli_view_mode_names[];
+
+typedef enum cli_view_kind {
+    CLI_VIEW_LIGHT,
+    CLI_VIEW_ENVIRONMENT,
+    CLI_VIEW_MATERIAL
+} cli_view_kind;
+
+/// Something whose light or colour can be changed.
+typedef struct cli_view_item {
+    cli_view_kind kind;
+    const char *name; ///< borrowed from the scene
+    rsv_rgb color;    ///< factors of a light, base colour of a material
+    float scale;      ///< of a light
+    rsv_vec3 offset;  ///< likewise, from `home`
+    rsv_vec3 home;
+    rsv_rgb glow; ///< a light's own colour, the largest component 1
+    bool movable;
+} cli_view_item;
+
+typedef struct cli_view_state {
+    const rsv_scene_view *scene;
+    float aspect; ///< of one eye's picture
+    rsv_vec3 pivot;
+    float reach; ///< metres from the pivot to the farthest corner of the scene
+
+    rsv_camera camera;
+    cli_view_item *item; ///< [item_count] lights first
+    size_t item_count;
+    float env_rotation;
+    size_t selected;     ///< item_count = none
+    bool grabbed;        ///< the item selected follows the mouse
+    cli_view_item *home; ///< [item_count] as they began
+    float home_rotation;
+
+    cli_view_mode mode;
+    uint32_t layer, layer_count; ///< RSV_NONE = all
+    float exposure;              ///< stops
+    bool soft;
+    bool stereo, hud, help, markers;
+    float separation; ///< of the eyes, metres
+
+    uint32_t light_changes; ///< counts everything that changes the light
+    bool quit;
+    char screenshot[CLI_VIEW_TEXT_LENGTH]; ///< files wanted; "" = none
+    char panorama[CLI_VIEW_TEXT_LENGTH];
+} cli_view_state;
+
+/// @param layer_count of the solution: emission and its orders
+/// @param state to be freed by cli_view_state_free even after an error
+bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene,
+    uint32_t layer_count, cli_view_state *state);
+void cli_view_state_free(cli_view_state *state);
+
+/// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed then
+bool cli_view_apply(cli_view_state *state, const cli_view_command *command, char *problem);
+
+/// Room for what cli_view_relighting points to.
+typedef struct cli_view_changes {
+    rsv_light_scale *light;    ///< [item_count]
+    rsv_albedo_change *albedo; ///< [item_count]
+    rsv_light_move *move;      ///< [item_count]
+} cli_view_changes;
+
+/// All that differs from how things began.
+rsv_relight_desc cli_view_relighting(const cli_view_state *state, const cli_view_changes *room);
+
+/// The item called so ("light.NAME", "albedo.MATERIAL", "environment"); item_count = none.
+size_t cli_view_find_item(const cli_view_state *state, const char *name);
+
+/// The same words for an item. @param text [CLI_VIEW_TEXT_LENGTH]
+void cli_view_item_name(const cli_view_item *item, char *text);
+
+/// Where a light is seen in the picture of the camera. @return metres in front of it, 0 or less = not seen
+float cli_view_place(const cli_view_state *state, const cli_view_item *item, float place[2]);
+
+#endif

@@ -1,0 +1,108 @@
+#!/usr/bin/env bash
+# The view without hands: recorded frames, files, scripts that are wrong, and a window on a display of its own.
+source "$(dirname "$0")/support.sh"
+unset DISPLAY WAYLAND_DISPLAY
+
+succeeds solve cornell-blocks -o box.safetensors --quality draft --threads 2
+view=(view box.safetensors --threads 2)
+cat >tour.txt <<'TXT'
+# light three times as bright, then a camera that moves, then all there is to see
+0    show hud
+0    show markers
+15   screenshot once.exr
+16   select light.light
+16   intensity 3
+60   screenshot thrice.exr
+61-62 orbit 3 -1
+63   mode occlusion
+64   show stereo
+65   show stereo
+65   mode final
+67   mode error
+70   mode operator
+70   layer direct
+71   layer 1
+72   panorama around.png
+TXT
+succeeds "${view[@]}" --size 96x64 --script tour.txt --record first
+[[ $(ls first | wc -l) == 73 ]] || complain "frames are $(ls first | wc -l), not 73"
+for pair in '0 15' '15 40' '40 61' '61 62' '62 63' '63 64' '64 66' '66 69' '69 70' '70 71'; do
+    read -r a b <<<"$pair"
+    cmp -s "first/frame-00$(printf %02d "$a").png" "first/frame-00$(printf %02d "$b").png" &&
+        complain "frames $a and $b are alike"
+done
+# at rest, frames add up to the picture that `render` takes; light that changed settles to what `relight` finds
+succeeds render box.safetensors -o still.exr --mode operator --size 96x64 --spp 16 --threads 2
+succeeds compare still.exr once.exr
+says '^mean_ratio *\(1.00\|0.99\)'
+succeeds compare once.exr thrice.exr
+says '^mean_ratio *3.0'
+(($(wc -c <around.png) > 20000)) || complain "there is nothing to see around the camera"
+# the same frames every time, on any number of threads
+succeeds "${view[@]}" --size 96x64 --script tour.txt --frames 30 --record again --threads 1
+for frame in 0005 0020 0029; do
+    cmp -s first/frame-$frame.png again/frame-$frame.png || complain "frame $frame differs the second time"
+done
+succeeds "${view[@]}" --size 64x48 --record single
+[[ $(ls single) == frame-0000.png ]] || complain "without a script one frame is enough"
+
+# scripts with errors name the line, and nothing is solved for those that cannot be read
+wrong() {
+    printf '%s\n' '# a comment' '0 orbit 1 1' "$1" >bad.txt
+    refuses 1 "bad.txt:3: .*$2" "${view[@]}" --size 32x32 --script bad.txt --record "$work/frames"
+}
+wrong 'orbit 1 1' 'expected FRAME'
+wrong '2-1 orbit 1 1' 'expected FRAME'
+wrong '-1 orbit 1 1' 'expected FRAME'
+wrong '99999999999 orbit 1 1' 'expected FRAME'
+wrong '1' 'expected FRAME'
+wrong '1 ' 'command is missing'
+wrong '1 jump' 'jump.*--help'
+wrong '1 orbit 1' 'orbit.*a number more'
+wrong '1 orbit x 1' 'no number'
+wrong '1 quit now' 'too many'
+wrong '1 select light.moon' "no 'light.moon'"
+wrong '1 env-rotate 5' 'no surroundings'
+wrong '1 camera nobody' 'no camera'
+refuses 1 'none.txt' "${view[@]}" --script none.txt --record "$work/frames"
+refuses 1 'folder' "${view[@]}" --record no/such/folder
+refuses 1 'camera' "${view[@]}" --camera nobody --record "$work/frames"
+refuses 2 'SCENE' view
+refuses 2 'size' "${view[@]}" --size 0x0
+printf '0 screenshot no/such/folder/a.png\n' >bad.txt
+refuses 1 'no/such/folder' "${view[@]}" --size 32x32 --script bad.txt --record "$work/frames"
+
+# no display
+refuses 1 '\(no window\|no display\).*--record' "${view[@]}" --frames 1
+
+# a window, where there are both SDL2 and a server to show it
+if grep -q 'without SDL2' stderr || ! command -v Xvfb >/dev/null; then
+    echo "the window was not tested: no $(grep -q 'without SDL2' stderr && echo SDL2 || echo Xvfb) here"
+    finish
+fi
+mkdir screen
+Xvfb -displayfd 3 -screen 0 640x480x24 -fbdir screen -nolisten tcp 3>display >/dev/null 2>&1 &
+server=$!
+trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
+for ((k = 0; k < 100; k++)); do
+    [[ -s display ]] && break
+    sleep 0.1
+done
+export DISPLAY=:$(cat display) SDL_VIDEODRIVER=x11
+printf '%s\n' '0 show hud' '0 show markers' '7 screenshot window.png' '8 quit' >window.txt
+succeeds "${view[@]}" --size 96x64 --script window.txt
+cmp -s window.png first/frame-0007.png || complain "the window shows another picture than is recorded"
+printf '%s\n' '0-100000 orbit 0.1 0' >window.txt
+"$program" "${view[@]}" --size 400x300 --script window.txt >stdout 2>stderr </dev/null &
+shown=$!
+for ((k = 0; k < 600; k++)); do
+    lit=$(tr -d '\0\377' <screen/Xvfb_screen0 | wc -c)
+    ((lit > 100000)) && break
+    kill -0 $shown 2>/dev/null || break
+    sleep 0.1
+done
+((lit > 100000)) || complain "the screen stays dark: $lit bytes are neither black nor white"
+kill -TERM $shown
+wait $shown && complain "an interrupted view claims success"
+grep -q cancelled stderr || complain "an interrupted view does not say so"
+finish
