@@ -5,7 +5,7 @@ source "$(dirname "$0")/support.sh"
 succeeds --help
 says 'usage: resolvent'
 succeeds --version
-for command in render solve relight probe certify compare layers sheet scene info bench; do
+for command in render solve relight view probe certify compare layers sheet scene info bench; do
     succeeds $command --help
     says "usage: resolvent $command"
     says 'examples:'
@@ -20,7 +20,6 @@ done
 
 refuses 2 'no command'
 refuses 2 'is not a command' paint
-refuses 2 'is not a command' view
 refuses 2 'SCENE is missing' render -o "$out/a.png"
 refuses 2 'is missing' render furnace
 refuses 2 'one argument too many' render furnace two-rooms -o "$out/a.png"
