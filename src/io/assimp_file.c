@@ -1,5 +1,7 @@
 #include "assimp_file.h"
 
+#include "trial.h"
+
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -102,37 +104,60 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
     free(file);
 }
 
-/// The importer's message as part of one line.
-static rsv_status fail_import(void)
+/// @return NULL if it cannot be read; aiGetErrorString says why
+static const struct aiScene *import(const char *path, file_access *access)
 {
-    char message[400];
+    // validation first: the later steps trust the indices of what was read
+    static const unsigned steps =
+        aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType;
+    struct aiFileIO io = { open_file, close_file, (aiUserData)access };
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    if (!properties) return NULL;
+    aiSetImportPropertyInteger(
+        properties, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, 0);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, steps, &io, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
+}
+
+/// The importer's message as part of one line.
+static void copy_message(char *message)
+{
     size_t length = 0;
-    for (const char *c = aiGetErrorString(); *c && length < sizeof message - 1; c++)
+    for (const char *c = aiGetErrorString(); *c && length < RSV_TRIAL_MESSAGE_BYTES - 1; c++)
         message[length++] = iscntrl((unsigned char)*c) ? ' ' : *c;
     while (length && (message[length - 1] == ' ' || message[length - 1] == '.'))
         length--;
     message[length] = 0;
-    return rsv_fail(
-        RSV_ERROR_FORMAT, "cannot be read: %s", *message ? message : "its content is malformed");
+    if (!length) snprintf(message, RSV_TRIAL_MESSAGE_BYTES, "its content is malformed");
+}
+
+static bool try_import(void *user, char *message)
+{
+    file_access access = { .missing_count = 0 };
+    if (import(user, &access)) return true;
+    copy_message(message);
+    return false;
+}
+
+/// Importers crash on some malformed files; there is nobody to mend them here.
+static rsv_status try_apart(const char *path)
+{
+    struct stat info;
+    if (stat(path, &info) != 0) return rsv_fail(RSV_ERROR_IO, "cannot be read");
+    return rsv_trial(try_import, (void *)path, (size_t)info.st_size);
 }
 
 rsv_status rsv_assimp_import(
     rsv_context *context, const char *path, const struct aiScene **imported)
 {
-    // validation first: the later steps trust the indices of what was read
-    static const unsigned steps =
-        aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType;
+    rsv_status status = try_apart(path);
+    if (status != RSV_OK) return status;
     file_access access = { .missing_count = 0 };
-    struct aiFileIO io = { open_file, close_file, (aiUserData)&access };
-    struct aiPropertyStore *properties = aiCreatePropertyStore();
-    if (!properties) return rsv_fail(RSV_ERROR_MEMORY, "out of memory");
-    aiSetImportPropertyInteger(
-        properties, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
-    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, 0);
-    *imported = aiImportFileExWithProperties(path, steps, &io, properties);
-    aiReleasePropertyStore(properties);
-    if (!*imported) return fail_import();
+    *imported = import(path, &access);
+    if (!*imported) return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: %s", aiGetErrorString());
     for (size_t i = 0; i < access.missing_count; i++)
         rsv_log(context, RSV_LOG_WARNING, "%s: refers to '%s', which cannot be read", path,
             access.missing[i]);

@@ -9,8 +9,9 @@
 
 #define RSV_NAME_BYTES 128
 
-/// Reads and triangulates a file. Materials and other files it refers to must be regular files; those that
-/// cannot be read are named in a warning. No exception leaves it.
+/// Reads and triangulates a file, in a copy of the process first: no exception, crash or endless loop of an importer
+/// leaves it. Materials and other files it refers to must be regular files; those that cannot be read are named in a
+/// warning.
 /// @param imported to be released by aiReleaseImport
 rsv_status rsv_assimp_import(
     rsv_context *context, const char *path, const struct aiScene **imported);
