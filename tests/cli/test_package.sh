@@ -10,6 +10,16 @@ prefix=$work/prefix
 
 cmake --install "$build" --prefix "$prefix" >/dev/null
 "$prefix/bin/resolvent" --version
+[[ -s $prefix/share/man/man1/resolvent-render.1 ]]
+
+# what bash offers
+COMP_WORDS=("$prefix/bin/resolvent" rend) COMP_CWORD=1
+source "$prefix/share/bash-completion/completions/resolvent"
+_resolvent
+[[ ${COMPREPLY[*]} == render ]]
+COMP_WORDS=("$prefix/bin/resolvent" render --expo) COMP_CWORD=2
+_resolvent
+[[ ${COMPREPLY[*]} == --exposure ]]
 
 mkdir "$work/outside"
 cp "$source/samples/minimal.c" "$work/outside"
@@ -41,4 +51,12 @@ outside/build/minimal
 mv minimal.png first.png
 ./minimal
 cmp first.png minimal.png
+
+# the package for Debian and Ubuntu, unpacked somewhere else
+if command -v dpkg-shlibdeps >/dev/null; then
+    cpack --config "$build/CPackConfig.cmake" -B "$work" >/dev/null
+    dpkg-deb --field "$work"/resolvent_*.deb Depends | grep -q libembree
+    dpkg-deb --extract "$work"/resolvent_*.deb "$work/unpacked"
+    "$work/unpacked/usr/bin/resolvent" info furnace >/dev/null
+fi
 echo "all passed"

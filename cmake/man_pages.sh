@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# Manual pages out of what the program says of itself, so that both say the same.
+# usage: man_pages.sh PROGRAM FOLDER
+set -euo pipefail
+program=$1 folder=$2
+mkdir -p "$folder"
+version=$("$program" --version)
+
+# page NAME SUMMARY: a manual page around the text on standard input
+page() {
+    printf '.TH %s 1 "" "%s" "User Commands"\n' "${1^^}" "$version"
+    printf '.SH NAME\n%s \\- %s\n.SH DESCRIPTION\n.nf\n' "${1//-/\\-}" "$2"
+    sed -e 's/\\/\\e/g' -e "s/^[.']/\\\\\\&&/" -e 's/-/\\-/g'
+    printf '.fi\n.SH SEE ALSO\n'
+}
+
+overview=$("$program" --help)
+others=()
+while read -r command summary; do
+    {
+        "$program" "$command" --help | page "resolvent-$command" "$summary"
+        echo '.BR resolvent (1)'
+    } >"$folder/resolvent-$command.1"
+    others+=("resolvent-$command")
+done < <(sed -n '/^commands:/,/^$/s/^  \([a-z]\)/\1/p' <<<"$overview")
+{
+    page resolvent "global illumination by solving the light-transport operator" <<<"$overview"
+    printf '.BR %s (1),\n' "${others[@]}" | sed '$s/,$//'
+} >"$folder/resolvent.1"
