@@ -67,6 +67,8 @@ typedef struct rsv_context_desc {
     void (*release)(void *user, void *memory);
     /// Passed to every callback.
     void *user;
+    /// Processes that share the work (resolvent/team.h); borrowed. NULL = this one alone.
+    struct rsv_team *team;
 } rsv_context_desc;
 
 RSV_API rsv_context_desc rsv_default_context_desc(void);

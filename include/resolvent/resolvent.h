@@ -14,6 +14,7 @@
 #include "resolvent/render.h"
 #include "resolvent/scene.h"
 #include "resolvent/solve.h"
+#include "resolvent/team.h"
 #include "resolvent/trace.h"
 
 #endif

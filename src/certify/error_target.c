@@ -1,5 +1,5 @@
 /// Refinement until the certificate is content.
-#include "../core/core_internal.h"
+#include "../core/team.h"
 #include "resolvent/certify.h"
 
 #include <math.h>
@@ -143,14 +143,15 @@ static bool is_over(const pursuit *p, rsv_error_stop *stop)
 {
     const rsv_solve_report *report = rsv_solution_report(p->solution);
     double elements = (double)(report->elements + report->direct_elements);
-    double spent = rsv_seconds() - p->started;
+    double planned =
+        rsv_team_largest(p->context, rsv_seconds() - p->started + p->cost * p->round_seconds);
     if (relative(p, p->certificate->error_estimate_ci95[1]) <= p->target->relative_error)
         *stop = RSV_ERROR_TARGET_REACHED;
     else if (p->rounds >= p->target->max_rounds)
         *stop = RSV_ERROR_TARGET_MAX_ROUNDS;
     else if (p->size * elements > (double)p->target->max_elements)
         *stop = RSV_ERROR_TARGET_MAX_ELEMENTS;
-    else if (spent + p->cost * p->round_seconds > p->target->max_seconds)
+    else if (planned > p->target->max_seconds)
         *stop = RSV_ERROR_TARGET_MAX_SECONDS;
     else
         return false;

@@ -1,4 +1,5 @@
 #include "core_internal.h"
+#include "team.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -15,6 +16,7 @@ struct rsv_context {
     rsv_context_desc desc;
     int thread_count;
     atomic_bool cancelled;
+    rsv_status team_status; ///< the failure of another process
 };
 
 static _Thread_local char last_error[1024] = "no error";
@@ -157,6 +159,28 @@ int rsv_thread_index(void)
 #endif
 }
 
+rsv_team *rsv_team_of(const rsv_context *context)
+{
+    rsv_team *team = context->desc.team;
+    return team && team->size > 1 ? team : NULL;
+}
+
+rsv_team_place rsv_team_place_of(const rsv_context *context)
+{
+    const rsv_team *team = rsv_team_of(context);
+    return team ? (rsv_team_place){ team->rank, team->size } : (rsv_team_place){ 0, 1 };
+}
+
+rsv_status rsv_team_meet(rsv_context *context, rsv_status status)
+{
+    if (context->team_status != RSV_OK) return context->team_status;
+    status = rsv_team_agree(context->desc.team, status, NULL);
+    if (status == RSV_OK) return status;
+    context->team_status = status;
+    rsv_context_cancel(context);
+    return status;
+}
+
 bool rsv_cancelled(const rsv_context *context)
 {
     return atomic_load_explicit(&context->cancelled, memory_order_relaxed);
@@ -164,8 +188,11 @@ bool rsv_cancelled(const rsv_context *context)
 
 rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction)
 {
+    rsv_team *team = rsv_team_of(context);
+    if (team) fraction = team->table->progress(team, phase, fraction);
     if (context->desc.progress && !context->desc.progress(context->desc.user, phase, fraction))
         rsv_context_cancel(context);
+    if (context->team_status != RSV_OK) return context->team_status;
     return rsv_cancelled(context) ? rsv_fail(RSV_ERROR_CANCELLED, "cancelled during '%s'", phase)
                                   : RSV_OK;
 }

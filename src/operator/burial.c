@@ -1,5 +1,6 @@
 #include "burial.h"
 
+#include "../core/team.h"
 #include "hover.h"
 
 typedef bool (*burial_test)(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
@@ -55,13 +56,17 @@ static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements 
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t points,
     uint32_t seed, uint16_t *valid_points, uint64_t *rays)
 {
+    rsv_team_place place = rsv_team_place_of(e->context);
     uint64_t traced = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
-    for (size_t node = 0; node < e->node_count; node++)
+    for (size_t node = 0; node < e->node_count; node++) {
+        if (!rsv_team_owns(place, node)) continue;
         valid_points[node] = e->node_hanging[node] == RSV_NONE
                                  ? judge_node(scene, e, (uint32_t)node, points, seed, &traced)
                                  : 0;
-    *rays += traced;
+    }
+    *rays += rsv_team_total(e->context, traced);
+    rsv_team_merge(e->context, valid_points, sizeof *valid_points, e->node_count);
     return rsv_progress(e->context, "assemble", 0);
 }
 

@@ -1,5 +1,6 @@
 #include "contact.h"
 
+#include "../core/team.h"
 #include "elements_internal.h"
 #include "hover.h"
 
@@ -227,12 +228,16 @@ rsv_status rsv_elements_separate(const rsv_tracer *tracer, rsv_elements *e, uint
         return RSV_ERROR_MEMORY;
     }
     size_t hanging_before = e->hanging_count;
-    uint64_t traced = hanging_before;
+    rsv_team_place place = rsv_team_place_of(e->context);
+    uint64_t traced = 0;
     release_hanging(tracer, e, edge);
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
     reduction(+ : traced)
     for (size_t node = 0; node < e->node_count; node++)
-        divided[node] = is_divided(tracer, e, (uint32_t)node, &traced);
+        if (rsv_team_owns(place, node))
+            divided[node] = is_divided(tracer, e, (uint32_t)node, &traced);
+    rsv_team_merge(e->context, divided, sizeof *divided, e->node_count);
+    traced = rsv_team_total(e->context, traced) + hanging_before;
     uint32_t next = (uint32_t)e->node_count;
     for (uint32_t node = 0; node < e->node_count; node++)
         if (divided[node]) separate_node(tracer, e, node, &next, &traced);

@@ -1,6 +1,7 @@
 #include "direct.h"
 
 #include "../core/stratified.h"
+#include "../core/team.h"
 
 #include <string.h>
 
@@ -215,11 +216,13 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
 {
     rsv_context *context = elements->context;
     direct_job job = { scene, lights, elements, points, samples, seed };
+    rsv_team_place place = rsv_team_place_of(context);
     uint64_t traced = 0;
     size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : traced)
     for (size_t node = 0; node < elements->node_count; node++) {
-        if ((known && known[node]) || rsv_cancelled(context)) continue;
+        if (!rsv_team_owns(place, node) || (known && known[node]) || rsv_cancelled(context))
+            continue;
         irradiance[node] = rgb_gray(0);
         if (deviation) deviation[node] = 0;
         if (!valid_points[node]) continue;
@@ -231,10 +234,13 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
         if (deviation) deviation[node] = emitters.deviation;
         if (rsv_thread_index() == 0 && (++done & 1023) == 0)
             rsv_progress(context, "direct",
-                fmin((double)(done * (size_t)rsv_threads(context)) / (double)elements->node_count,
+                fmin((double)(done * place.size * (size_t)rsv_threads(context)) /
+                         (double)elements->node_count,
                     1));
     }
-    *rays += traced;
+    *rays += rsv_team_total(context, traced);
+    rsv_team_merge(context, irradiance, sizeof *irradiance, elements->node_count);
+    if (deviation) rsv_team_merge(context, deviation, sizeof *deviation, elements->node_count);
     rsv_elements_constrain(elements, irradiance);
     return rsv_progress(context, "direct", 1);
 }

@@ -1,5 +1,7 @@
 #include "photon_map.h"
 
+#include "../core/team.h"
+
 rsv_status rsv_photon_map_create(
     rsv_context *context, const rsv_elements *elements, double unit, rsv_photon_map *map)
 {
@@ -44,6 +46,13 @@ void rsv_photon_map_deposit(
 #pragma omp atomic
         map->hits[node] += share;
     }
+}
+
+void rsv_photon_map_unite(rsv_photon_map *map)
+{
+    size_t nodes = map->elements->node_count;
+    rsv_team_sum(map->context, &map->flux[0][0], 3 * nodes);
+    rsv_team_sum(map->context, (int64_t *)map->hits, nodes);
 }
 
 void rsv_photon_map_settle(rsv_photon_map *map)

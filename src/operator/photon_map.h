@@ -22,6 +22,9 @@ rsv_status rsv_photon_map_create(
 void rsv_photon_map_deposit(
     rsv_photon_map *map, bool back, uint32_t triangle, float u, float v, rsv_rgb flux);
 
+/// Adds up what the processes of a team have caught. Before rsv_photon_map_settle.
+void rsv_photon_map_unite(rsv_photon_map *map);
+
 /// Hanging nodes own no area: gives what landed on them to their parents. Once, after the last photon.
 void rsv_photon_map_settle(rsv_photon_map *map);
 

@@ -1,5 +1,6 @@
 #include "photons.h"
 
+#include "../core/team.h"
 #include "photon_guide.h"
 #include "photon_origin.h"
 
@@ -29,6 +30,7 @@ typedef struct photon_job {
     size_t source_count;
     uint32_t seed;
     const rsv_photon_sink *sink;
+    rsv_team_place place; ///< in the team whose processes take turns with chunks
 } photon_job;
 
 static bool is_specular(const rsv_bsdf *bsdf)
@@ -212,7 +214,7 @@ static rsv_status shoot_source(const photon_job *job, const photon_source *sourc
     uint32_t chunks = (count + PHOTONS_PER_CHUNK - 1) / PHOTONS_PER_CHUNK;
 #pragma omp parallel for ordered schedule(dynamic, 1) num_threads(rsv_threads(context))            \
     reduction(+ : traced)
-    for (uint32_t chunk = 0; chunk < chunks; chunk++) {
+    for (uint32_t chunk = job->place.rank; chunk < chunks; chunk += job->place.size) {
         if (rsv_cancelled(context)) continue;
         uint32_t begin = chunk * PHOTONS_PER_CHUNK, end = begin + PHOTONS_PER_CHUNK;
         for (uint32_t i = begin; i < (end < count ? end : count); i++)
@@ -224,7 +226,7 @@ static rsv_status shoot_source(const photon_job *job, const photon_source *sourc
         if (rsv_thread_index() == 0)
             rsv_progress(context, "caustics", done + source->share * chunk / chunks);
     }
-    *rays += traced;
+    *rays += job->place.size > 1 ? rsv_team_total(context, traced) : traced;
     return rsv_progress(context, "caustics", fmin(done + source->share, 1));
 }
 
@@ -252,7 +254,9 @@ cleanup:
 rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint32_t count, uint32_t seed, const rsv_photon_sink *sink, uint64_t *rays)
 {
-    photon_job job = { .scene = scene, .lights = lights, .seed = seed, .sink = sink };
+    photon_job job = {
+        .scene = scene, .lights = lights, .seed = seed, .sink = sink, .place = { 0, 1 }
+    };
     rsv_status status = create_sources(&job, rays);
     if (status == RSV_OK) status = shoot_all(&job, count, rays);
     destroy_sources(&job);
@@ -287,15 +291,21 @@ rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights 
     rsv_status status = RSV_OK;
     map_set set = { scene, maps, map_count };
     const rsv_photon_sink sink = { &set, deposit, NULL, NULL };
-    photon_job job = { .scene = scene, .lights = lights, .seed = seed, .sink = &sink };
+    photon_job job = { .scene = scene,
+        .lights = lights,
+        .seed = seed,
+        .sink = &sink,
+        .place = rsv_team_place_of(lights->context) };
     memset(maps, 0, map_count * sizeof *maps);
     RSV_TRY(create_sources(&job, rays));
     for (size_t m = 0; m < map_count; m++)
         RSV_TRY(rsv_photon_map_create(
             lights->context, elements[m], fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
     RSV_TRY(shoot_all(&job, count, rays));
-    for (size_t m = 0; m < map_count; m++)
+    for (size_t m = 0; m < map_count; m++) {
+        rsv_photon_map_unite(&maps[m]);
         rsv_photon_map_settle(&maps[m]);
+    }
 cleanup:
     destroy_sources(&job);
     return status;

@@ -10,6 +10,7 @@ void rsv_transport_destroy(rsv_transport *transport)
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_escapes_destroy(context, &transport->escapes);
+    rsv_division_destroy(transport->division);
     rsv_free(context, transport);
 }
 
@@ -46,6 +47,7 @@ void rsv_transport_apply(
             sum = rgb_add(sum, rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k]]));
         irradiance[row] = rgb_scale(sum, t->scale[row]);
     }
+    rsv_division_share(t->division, irradiance, sizeof *irradiance);
 }
 
 void rsv_transport_environment(
@@ -56,6 +58,7 @@ void rsv_transport_environment(
         rsv_rgb sum = rsv_escapes_sum(&t->escapes, row, bin_radiance);
         irradiance[row] = rgb_scale(sum, RSV_PI * t->scale[row]);
     }
+    rsv_division_share(t->division, irradiance, sizeof *irradiance);
 }
 
 /// Measured standard deviation of stratified rows over that of as many independent rays: 0.52 at 64 rays, 0.40
@@ -86,4 +89,5 @@ void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exit
         float mean = sum * t->scale[row], variance = squares * t->scale[row] - mean * mean;
         deviation[row] = STRATIFIED * sqrtf(f_max(variance, 0) * t->scale[row]);
     }
+    rsv_division_share(t->division, deviation, sizeof *deviation);
 }

@@ -11,6 +11,7 @@
 
 #include "../light/light.h"
 #include "chain.h"
+#include "division.h"
 #include "elements.h"
 #include "escapes.h"
 
@@ -28,9 +29,12 @@ typedef struct rsv_transport {
     rsv_rgb *gathered;   ///< [row_count] irradiance emitted by sources that are found by gathering
     rsv_escapes escapes; ///< of the rays that left the scene
     uint64_t rays;
+    /// Of the rows among processes: rows of others are empty here but for `scale` and `gathered`. NULL = all are here
+    rsv_division *division;
 } rsv_transport;
 
-/// Traces the rows of all free nodes that are not buried.
+/// Traces the rows of all free nodes that are not buried; in a team, those of this process's part. Products with fields
+/// come out whole in all of them all the same.
 /// @param valid_points [node_count] from rsv_find_buried with RSV_SUPPORT_POINTS points and the same seed
 /// @param rays per row, a power of two >= 16
 rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
@@ -60,6 +64,15 @@ void rsv_transport_environment(
 void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exitance,
     const rsv_rgb *bin_radiance, float *deviation);
 
+/// Brings the rows of all processes to all of them, for what needs columns or the rows in turn.
+rsv_status rsv_transport_complete(rsv_transport *transport);
+
+/// Where the rows of a list begin when all are there: row_begin, tinted_begin or one of the escapes.
+/// @param whole out: [row_count + 1], to be freed
+rsv_status rsv_transport_whole_begin(
+    const rsv_transport *transport, const size_t *begin, size_t **whole);
+
+/// Of the rows that are here.
 size_t rsv_transport_entries(const rsv_transport *transport);
 
 /// Memory it takes.

@@ -34,6 +34,7 @@ void rsv_transport_gather(const rsv_transport *t, size_t fields, const rsv_rgb *
             irradiance[row * fields + f] = rgb_scale(sum, t->scale[row]);
         }
     }
+    rsv_division_share(t->division, irradiance, fields * sizeof *irradiance);
 }
 
 void rsv_transport_gather_only(const rsv_transport *t, const rsv_rgb *field, rsv_rgb *sum)
@@ -74,4 +75,5 @@ void rsv_transport_residual(const rsv_transport *t, size_t fields, const rsv_rgb
                 (float)(source[k].b + sum[2] * scale - irradiance[k].b));
         }
     }
+    rsv_division_share(t->division, residual, fields * sizeof *residual);
 }

@@ -1,5 +1,7 @@
 #include "budget.h"
 
+#include "../core/team.h"
+
 #include <stdio.h>
 #include <unistd.h>
 
@@ -32,7 +34,8 @@ static double mebibytes(double bytes) { return bytes / (1 << 20); }
 rsv_status rsv_budget_open(rsv_solution *s)
 {
     if (s->desc.max_bytes == 0) return RSV_OK;
-    size_t resident = resident_bytes(), most = s->desc.max_bytes;
+    size_t resident = (size_t)rsv_team_largest(s->context, (double)resident_bytes());
+    size_t most = s->desc.max_bytes;
     double left = most > resident ? PLANNED * (double)(most - resident) : 0;
     double mesh = (double)BYTES_PER_TRIANGLE * (double)s->scene.view->triangle_count;
     s->bytes_left = (size_t)left;

@@ -1,5 +1,6 @@
 #include "solution.h"
 
+#include "../core/team.h"
 #include "../operator/elements_internal.h"
 #include "budget.h"
 #include "coarse_elements.h"
@@ -234,7 +235,8 @@ static rsv_status build(rsv_solution *s)
     s->report.elements = s->elements->node_count;
     s->report.rows = rsv_solution_rows(s);
     s->report.direct_elements = count_nodes(s->fine.elements) + count_nodes(s->caustics.elements);
-    s->report.entries = rsv_transport_entries(s->transport) + rsv_subsurface_entries(s->subsurface);
+    s->report.entries = rsv_team_total(s->context, rsv_transport_entries(s->transport)) +
+                        rsv_subsurface_entries(s->subsurface);
     RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - assembled;

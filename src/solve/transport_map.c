@@ -169,7 +169,7 @@ static const rsv_linear_map_table rows_and_transposed = { .apply = apply,
     .gather_rows = gather_rows,
     .sum_groups = sum_groups };
 
-rsv_status rsv_transport_map_create(const rsv_elements *elements, const rsv_transport *transport,
+rsv_status rsv_transport_map_create(const rsv_elements *elements, rsv_transport *transport,
     rsv_subsurface *subsurface, const rsv_rgb *albedo, size_t fields, rsv_transport_map **map)
 {
     rsv_context *context = elements->context;
@@ -225,7 +225,8 @@ static rsv_status list_children(rsv_transport_map *m)
 rsv_status rsv_transport_map_transpose(rsv_transport_map *m)
 {
     if (m->columns) return RSV_OK;
-    rsv_status status = list_children(m);
+    rsv_status status = rsv_transport_complete(m->transport);
+    if (status == RSV_OK) status = list_children(m);
     if (status == RSV_OK) status = rsv_transport_columns_create(m->transport, &m->columns);
     if (status == RSV_OK)
         m->linear.table = m->subsurface ? &rows_and_transposed : &rows_and_columns;
@@ -250,6 +251,10 @@ static rsv_status add_groups(rsv_transport_map *m)
 rsv_status rsv_transport_map_prepare(rsv_transport_map *m, rsv_solver solver)
 {
     if (solver == RSV_SOLVER_SOUTHWELL) return rsv_transport_map_transpose(m);
+    if (solver == RSV_SOLVER_GAUSS_SEIDEL || solver == RSV_SOLVER_TWO_GRID) {
+        rsv_status status = rsv_transport_complete(m->transport);
+        if (status != RSV_OK) return status;
+    }
     return solver == RSV_SOLVER_TWO_GRID ? add_groups(m) : RSV_OK;
 }
 

@@ -12,7 +12,7 @@
 
 typedef struct rsv_transport_map {
     rsv_linear_map linear; ///< what solvers get
-    const rsv_transport *transport;
+    rsv_transport *transport;
     const rsv_elements *elements;
     const rsv_rgb *albedo;          ///< [node_count]
     rsv_subsurface *subsurface;     ///< NULL = none
@@ -26,9 +26,10 @@ typedef struct rsv_transport_map {
     uint32_t *child;                ///< indices into elements->hanging
 } rsv_transport_map;
 
-/// Borrows all that it is made of. Not to be used by two threads at a time.
+/// Borrows all that it is made of; where a solver needs rows or columns, they are brought together (rsv_transport_complete).
+/// Not to be used by two threads at a time.
 /// @param fields RGB fields at once, at most
-rsv_status rsv_transport_map_create(const rsv_elements *elements, const rsv_transport *transport,
+rsv_status rsv_transport_map_create(const rsv_elements *elements, rsv_transport *transport,
     rsv_subsurface *subsurface, const rsv_rgb *albedo, size_t fields, rsv_transport_map **map);
 void rsv_transport_map_destroy(rsv_transport_map *map);
 

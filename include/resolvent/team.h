@@ -1,0 +1,70 @@
+/// @file team.h
+/// Processes that share one job, on one machine or many: `mpirun -n 8 resolvent solve ...`.
+///
+/// All run the same program with the same arguments. Each holds the scene, its elements and the fields on them; the rows
+/// of G, most of the memory and of the time, are divided. Whatever one process computes is handed to the others bit by
+/// bit, so that results and files do not depend on how many there are (docs/cluster.md).
+///
+/// How they talk is the business of a plug-in that knows MPI, loaded when it is wanted: the library itself needs none.
+#ifndef RESOLVENT_TEAM_H
+#define RESOLVENT_TEAM_H
+
+#include "resolvent/core.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define RSV_MESSAGE_BYTES 1024 ///< of the longest error message
+
+typedef struct rsv_team rsv_team;
+
+/// What the plug-in offers. All but `progress` are collective: every process calls them, in the same order,
+/// from the thread that entered the library. Broken lines end the program: there is nobody left to tell.
+typedef struct rsv_team_table {
+    /// Items [begin[r], begin[r + 1]) of `array` are known to process r before, to all afterwards.
+    /// @param begin [size + 1]
+    void (*share)(rsv_team *team, void *array, size_t item_bytes, const size_t *begin);
+    /// Each value becomes its sum over the processes.
+    void (*sum)(rsv_team *team, int64_t *value, size_t count);
+    /// The largest value of any process.
+    int64_t (*largest)(rsv_team *team, int64_t value);
+    /// All have what process `from` has.
+    void (*copy)(rsv_team *team, uint32_t from, void *data, size_t bytes);
+    /// Tells process 0 how far this one is; there, the mean of what was heard last of the same phase.
+    double (*progress)(rsv_team *team, const char *phase, double fraction);
+    void (*leave)(rsv_team *team);
+    /// Solvers and eigenvalues by PETSc and SLEPc (src/dist/krylov.h).
+    const struct rsv_krylov_table *krylov;
+} rsv_team_table;
+
+struct rsv_team {
+    const rsv_team_table *table;
+    uint32_t rank, size; ///< this process, of so many
+    bool parted;         ///< after a failure they no longer talk
+    const char *
+        petsc_options; ///< besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve
+};
+
+/// How many processes a launcher (mpirun, srun) started together, and which of them this is, by what it left in the
+/// environment; 1 and 0 if none did.
+RSV_API uint32_t rsv_team_launched(uint32_t *rank);
+
+/// Joins the processes of a launcher, or a team of one where there is none.
+/// @return RSV_ERROR_UNSUPPORTED if the plug-in is not installed
+RSV_API rsv_status rsv_team_join(rsv_team **team);
+
+/// All leave together, after they agreed that their work is done or has failed. @param team NULL is allowed
+RSV_API void rsv_team_leave(rsv_team *team);
+
+/// All meet, wherever in the library each of them is: the failure of one is the failure of all, and rsv_last_error() says
+/// the same everywhere. To be called with RSV_OK at the end of a run, and with its failure by whoever has one.
+/// @param team NULL = alone @param message of the failure; NULL = rsv_last_error()
+/// @return `status`, or the failure of the first process that has one
+RSV_API rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *message);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,154 @@
+#include "team.h"
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PLUG_IN "libresolvent_dist.so"
+
+static uint32_t number_of(const char *variable)
+{
+    const char *text = getenv(variable);
+    return text ? (uint32_t)strtoul(text, NULL, 10) : 0;
+}
+
+uint32_t rsv_team_launched(uint32_t *rank)
+{
+    static const char *const names[][2] = { { "OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK" },
+        { "PMI_SIZE", "PMI_RANK" } };
+    *rank = 0;
+    for (size_t k = 0; k < sizeof names / sizeof names[0]; k++) {
+        uint32_t size = number_of(names[k][0]);
+        if (size < 2) continue;
+        *rank = number_of(names[k][1]);
+        return size;
+    }
+    return 1;
+}
+
+rsv_status rsv_team_join(rsv_team **team)
+{
+    char message[RSV_MESSAGE_BYTES] = "";
+    void *library = dlopen(PLUG_IN, RTLD_NOW | RTLD_GLOBAL); // MPI's own plug-ins look for it there
+    if (!library)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "several processes, and PETSc, need the plug-in " PLUG_IN
+            ", which is built where MPI, PETSc and SLEPc are installed (./dev cluster): %s",
+            dlerror());
+    rsv_team_open open = (rsv_team_open)dlsym(library, RSV_TEAM_OPEN);
+    if (!open)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, PLUG_IN " is not of this program; install it anew");
+    rsv_status status = open(rsv_version(), team, message);
+    return status == RSV_OK ? RSV_OK : rsv_fail(status, "%s", message);
+}
+
+void rsv_team_leave(rsv_team *team)
+{
+    if (team) team->table->leave(team);
+}
+
+/// The first process that fails has the largest key.
+static int64_t failure_key(const rsv_team *team, rsv_status status)
+{
+    return status == RSV_OK ? 0 : ((int64_t)(team->size - team->rank) << 8) + (int64_t)status;
+}
+
+rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
+{
+    if (!team || team->size == 1 || team->parted) return status;
+    int64_t worst = team->table->largest(team, failure_key(team, status));
+    if (worst == 0) return RSV_OK;
+    uint32_t failed = team->size - (uint32_t)(worst >> 8);
+    char message[RSV_MESSAGE_BYTES];
+    snprintf(message, sizeof message, "%s", reason ? reason : rsv_last_error());
+    team->parted = true;
+    team->table->copy(team, failed, message, sizeof message);
+    message[sizeof message - 1] = '\0';
+    if (failed == 0) return rsv_fail((rsv_status)(worst & 255), "%s", message);
+    return rsv_fail((rsv_status)(worst & 255), "process %u of %u: %s", failed, team->size, message);
+}
+
+/// The items of one owner, in their blocks, next to each other; or back from there.
+typedef struct packing {
+    char *items, *packed;
+    size_t item_bytes, count;
+} packing;
+
+/// Moves the blocks of `owner`, which start at item `at` when packed. @return where the next owner's start
+static size_t move_blocks(const packing *p, rsv_team_place owner, size_t at, bool unpack)
+{
+    size_t stride = (size_t)owner.size * RSV_TEAM_BLOCK;
+    for (size_t first = (size_t)owner.rank * RSV_TEAM_BLOCK; first < p->count; first += stride) {
+        size_t left = p->count - first, length = left < RSV_TEAM_BLOCK ? left : RSV_TEAM_BLOCK;
+        char *there = p->packed + at * p->item_bytes, *here = p->items + first * p->item_bytes;
+        memcpy(unpack ? here : there, unpack ? there : here, length * p->item_bytes);
+        at += length;
+    }
+    return at;
+}
+
+void rsv_team_merge(rsv_context *context, void *array, size_t item_bytes, size_t count)
+{
+    rsv_team_place place = rsv_team_place_of(context);
+    if (place.size == 1) return;
+    size_t *begin = rsv_alloc(context, (size_t)place.size + 1, sizeof *begin);
+    packing p = { array, rsv_reserve(context, count, item_bytes), item_bytes, count };
+    bool complete = begin && p.packed;
+    if (rsv_team_meet(context, complete ? RSV_OK : RSV_ERROR_MEMORY) == RSV_OK && complete) {
+        for (uint32_t rank = 0; rank < place.size; rank++)
+            begin[rank + 1] =
+                move_blocks(&p, (rsv_team_place){ rank, place.size }, begin[rank], false);
+        rsv_team_share(context, p.packed, item_bytes, begin);
+        for (uint32_t rank = 0; rank < place.size; rank++)
+            move_blocks(&p, (rsv_team_place){ rank, place.size }, begin[rank], true);
+    }
+    rsv_free(context, begin);
+    rsv_free(context, p.packed);
+}
+
+void rsv_team_share(rsv_context *context, void *array, size_t item_bytes, const size_t *begin)
+{
+    rsv_team *team = rsv_team_of(context);
+    if (team && rsv_team_meet(context, RSV_OK) == RSV_OK)
+        team->table->share(team, array, item_bytes, begin);
+}
+
+void rsv_team_sum(rsv_context *context, int64_t *value, size_t count)
+{
+    rsv_team *team = rsv_team_of(context);
+    if (team && rsv_team_meet(context, RSV_OK) == RSV_OK) team->table->sum(team, value, count);
+}
+
+void rsv_team_copy(rsv_context *context, void *data, size_t bytes)
+{
+    rsv_team *team = rsv_team_of(context);
+    if (team && rsv_team_meet(context, RSV_OK) == RSV_OK) team->table->copy(team, 0, data, bytes);
+}
+
+uint64_t rsv_team_total(rsv_context *context, uint64_t value)
+{
+    int64_t sum = (int64_t)value;
+    rsv_team_sum(context, &sum, 1);
+    return (uint64_t)sum;
+}
+
+double rsv_team_largest(rsv_context *context, double value)
+{
+    rsv_team *team = rsv_team_of(context);
+    if (!team || rsv_team_meet(context, RSV_OK) != RSV_OK) return value;
+    return (double)team->table->largest(team, (int64_t)(value * 1e6)) * 1e-6;
+}
+
+rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *text)
+{
+    char first[256];
+    rsv_status status = RSV_OK;
+    snprintf(first, sizeof first, "%s", text);
+    rsv_team_copy(context, first, sizeof first);
+    if (strncmp(first, text, sizeof first - 1) != 0)
+        status = rsv_fail(RSV_ERROR_ARGUMENT,
+            "its %s is not that of process 0 (%.64s instead of %.64s); all must be given the same",
+            what, text, first);
+    return rsv_team_meet(context, status);
+}

@@ -1,0 +1,54 @@
+/// Sharing among the processes of a context's team. Alone, all of this does nothing and costs nothing.
+///
+/// Two ways to divide work: items in blocks that take turns (rsv_team_owns, rsv_team_merge), for loops whose items cost
+/// about the same; and parts of a curve (operator/division.h), for the rows of G.
+///
+/// A failure of any process is noted in the context of all: rsv_cancelled() is true from then on, and rsv_progress()
+/// returns what failed. So loops between collective calls need not know of teams.
+#ifndef RSV_CORE_TEAM_H
+#define RSV_CORE_TEAM_H
+
+#include "core_internal.h"
+#include "resolvent/team.h"
+
+#define RSV_TEAM_BLOCK 64 ///< items that stay together
+
+/// The plug-in's one symbol, and what it must say of itself.
+#define RSV_TEAM_OPEN "rsv_dist_join"
+typedef rsv_status (*rsv_team_open)(const char *version, rsv_team **team, char *message);
+
+/// Which process this is, of how many.
+typedef struct rsv_team_place {
+    uint32_t rank, size;
+} rsv_team_place;
+
+/// NULL = alone.
+rsv_team *rsv_team_of(const rsv_context *context);
+rsv_team_place rsv_team_place_of(const rsv_context *context);
+
+/// Whether it is this process's turn to compute item `index`.
+static inline bool rsv_team_owns(rsv_team_place place, size_t index)
+{
+    return index / RSV_TEAM_BLOCK % place.size == place.rank;
+}
+
+/// Hands all items of `array` to all, each from its owner.
+void rsv_team_merge(rsv_context *context, void *array, size_t item_bytes, size_t count);
+
+/// The collective calls of the team.
+void rsv_team_share(rsv_context *context, void *array, size_t item_bytes, const size_t *begin);
+void rsv_team_sum(rsv_context *context, int64_t *value, size_t count);
+void rsv_team_copy(rsv_context *context, void *data, size_t bytes); ///< from process 0
+/// One count, over all processes.
+uint64_t rsv_team_total(rsv_context *context, uint64_t value);
+
+/// The largest value of any process, to a millionth: what time and memory are judged by, so that all decide alike.
+double rsv_team_largest(rsv_context *context, double value);
+
+/// The failure of one is the failure of all.
+rsv_status rsv_team_meet(rsv_context *context, rsv_status status);
+
+/// Fails unless all processes have the same text. @param what "scene", for the message
+rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *text);
+
+#endif

@@ -1,0 +1,150 @@
+#include "division.h"
+
+#include "../core/team.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BITS 20 ///< of each coordinate
+
+typedef struct place {
+    uint64_t key;
+    uint32_t node;
+} place;
+
+/// Index along Hilbert's curve of a point of a grid of 2^BITS cells a side: the transpose of the index by exchanges and
+/// inversions, then Gray decoded (Skilling 2004, "Programming the Hilbert curve").
+static uint64_t hilbert_index(uint32_t x[3])
+{
+    for (uint32_t bit = 1u << (BITS - 1); bit > 1; bit >>= 1) {
+        uint32_t below = bit - 1;
+        for (int k = 0; k < 3; k++) {
+            uint32_t swap = (x[0] ^ x[k]) & below;
+            if (x[k] & bit)
+                x[0] ^= below;
+            else
+                x[0] ^= swap, x[k] ^= swap;
+        }
+    }
+    x[1] ^= x[0];
+    x[2] ^= x[1];
+    uint32_t parity = 0;
+    for (uint32_t bit = 1u << (BITS - 1); bit > 1; bit >>= 1)
+        if (x[2] & bit) parity ^= bit - 1;
+    uint64_t index = 0;
+    for (int bit = BITS - 1; bit >= 0; bit--)
+        for (int k = 0; k < 3; k++)
+            index = index << 1 | ((x[k] ^ parity) >> bit & 1);
+    return index;
+}
+
+static rsv_vec3 node_position(const rsv_elements *e, uint32_t node)
+{
+    uint32_t face;
+    float u, v;
+    rsv_elements_place_node(e, node, &face, &u, &v);
+    return rsv_surface_point_at(e->scene, e->face_triangle[face], u, v, e->face_back[face])
+        .position;
+}
+
+static uint32_t grid_step(float x, float low, float extent)
+{
+    float share = extent > 0 ? f_min(f_max((x - low) / extent, 0), 1) : 0;
+    return (uint32_t)(share * (float)((1u << BITS) - 1));
+}
+
+/// Nodes at one place keep their order.
+static int compare_places(const void *left, const void *right)
+{
+    const place *a = left, *b = right;
+    if (a->key != b->key) return a->key < b->key ? -1 : 1;
+    return (a->node > b->node) - (a->node < b->node);
+}
+
+static void walk_curve(const rsv_elements *e, place *places)
+{
+    rsv_vec3 low = e->scene->bounds_min, high = e->scene->bounds_max;
+    float extent = f_max(f_max(high.x - low.x, high.y - low.y), high.z - low.z);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        rsv_vec3 p = node_position(e, (uint32_t)n);
+        uint32_t step[3] = { grid_step(p.x, low.x, extent), grid_step(p.y, low.y, extent),
+            grid_step(p.z, low.z, extent) };
+        places[n] = (place){ hilbert_index(step), (uint32_t)n };
+    }
+    qsort(places, e->node_count, sizeof *places, compare_places);
+}
+
+rsv_status rsv_division_create(const rsv_elements *e, rsv_division **division)
+{
+    rsv_context *context = e->context;
+    rsv_status status = RSV_OK;
+    place *places = rsv_alloc(context, e->node_count, sizeof *places);
+    rsv_division *d = rsv_alloc(context, 1, sizeof *d);
+    if (!places || !d) {
+        rsv_free(context, d);
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    *division = d;
+    d->context = context;
+    d->node_count = e->node_count;
+    d->order = rsv_alloc(context, e->node_count, sizeof *d->order);
+    d->cost = rsv_alloc(context, e->node_count, sizeof *d->cost);
+    if (!d->order || !d->cost) {
+        status = RSV_ERROR_MEMORY;
+        goto cleanup;
+    }
+    walk_curve(e, places);
+    for (size_t k = 0; k < e->node_count; k++)
+        d->order[k] = places[k].node;
+cleanup:
+    rsv_free(context, places);
+    return status;
+}
+
+void rsv_division_destroy(rsv_division *d)
+{
+    if (!d) return;
+    rsv_free(d->context, d->order);
+    rsv_free(d->context, d->begin);
+    rsv_free(d->context, d->cost);
+    rsv_free(d->context, d);
+}
+
+rsv_status rsv_division_cut(rsv_division *d, uint32_t part, uint32_t part_count)
+{
+    rsv_free(d->context, d->begin);
+    d->begin = rsv_alloc(d->context, (size_t)part_count + 1, sizeof *d->begin);
+    if (!d->begin) return RSV_ERROR_MEMORY;
+    d->part = part;
+    d->part_count = part_count;
+    double total = 0, sum = 0;
+    for (size_t n = 0; n < d->node_count; n++)
+        total += (double)d->cost[n];
+    uint32_t cut = 1;
+    for (size_t k = 0; k < d->node_count; k++) {
+        // a row belongs to the part in which the middle of its cost lies
+        double half = 0.5 * (double)d->cost[d->order[k]];
+        for (; cut < part_count && sum + half > total * cut / part_count; cut++)
+            d->begin[cut] = k;
+        sum += 2 * half;
+    }
+    for (; cut <= part_count; cut++)
+        d->begin[cut] = d->node_count;
+    return RSV_OK;
+}
+
+void rsv_division_share(const rsv_division *d, void *field, size_t item_bytes)
+{
+    if (!d || !rsv_team_of(d->context)) return;
+    char *items = field, *packed = rsv_reserve(d->context, d->node_count, item_bytes);
+    if (rsv_team_meet(d->context, packed ? RSV_OK : RSV_ERROR_MEMORY) == RSV_OK && packed) {
+        for (size_t k = d->begin[d->part]; k < d->begin[d->part + 1]; k++)
+            memcpy(packed + k * item_bytes, items + d->order[k] * item_bytes, item_bytes);
+        rsv_team_share(d->context, packed, item_bytes, d->begin);
+        for (size_t k = 0; k < d->node_count; k++)
+            memcpy(items + d->order[k] * item_bytes, packed + k * item_bytes, item_bytes);
+    }
+    rsv_free(d->context, packed);
+}

@@ -1,0 +1,78 @@
+/// What rows of G cost, measured on a few rays of a few of them.
+#include "../core/team.h"
+#include "row_tracer.h"
+
+#include <time.h>
+
+/// Rows along the curve that are taken to cost alike, and the rays of the one in their middle that tell how much.
+#define STRETCH 16
+#define RAYS 64
+
+static double thread_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/// Nodes with a row, along the curve. @return how many
+static size_t list_rows(const rsv_row_tracer *tracer, const rsv_division *d, uint32_t *along)
+{
+    size_t rows = 0;
+    for (size_t k = 0; k < d->node_count; k++)
+        if (tracer->valid_points[d->order[k]]) along[rows++] = d->order[k];
+    return rows;
+}
+
+static rsv_status measure(
+    const rsv_row_tracer *tracer, const uint32_t *along, size_t rows, int64_t *nanoseconds)
+{
+    rsv_context *context = tracer->elements->context;
+    rsv_team_place place = rsv_team_place_of(context);
+    rsv_status result = RSV_OK;
+#pragma omp parallel num_threads(rsv_threads(context))
+    {
+        rsv_row_scratch scratch;
+        rsv_status status = rsv_row_scratch_create(context, RAYS, &scratch);
+#pragma omp for schedule(dynamic, 16)
+        for (size_t k = 0; k < (rows + STRETCH - 1) / STRETCH; k++) {
+            if (k % place.size != place.rank || status != RSV_OK || rsv_cancelled(context))
+                continue;
+            size_t middle = k * STRETCH + STRETCH / 2;
+            double start = thread_seconds();
+            rsv_row_trace(tracer, along[middle < rows ? middle : rows - 1], &scratch);
+            nanoseconds[k] = (int64_t)(1e9 * (thread_seconds() - start));
+        }
+        rsv_row_scratch_destroy(context, &scratch);
+        if (status != RSV_OK) {
+#pragma omp critical
+            result = status;
+        }
+    }
+    return rsv_team_meet(context, result);
+}
+
+rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division)
+{
+    rsv_context *context = tracer->elements->context;
+    rsv_status status;
+    size_t nodes = tracer->elements->node_count, stretches = nodes / STRETCH + 1;
+    rsv_row_tracer probe = *tracer;
+    probe.target = NULL;
+    probe.directions = (rsv_directions){ 0 };
+    uint32_t *along = rsv_alloc(context, nodes, sizeof *along);
+    int64_t *nanoseconds = rsv_alloc(context, stretches, sizeof *nanoseconds);
+    RSV_TRY(along && nanoseconds ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_row_tracer_begin(&probe, RAYS));
+    RSV_TRY(rsv_division_create(tracer->elements, division));
+    size_t rows = list_rows(&probe, *division, along);
+    RSV_TRY(measure(&probe, along, rows, nanoseconds));
+    rsv_team_sum(context, nanoseconds, stretches);
+    for (size_t k = 0; k < rows; k++)
+        (*division)->cost[along[k]] = (float)nanoseconds[k / STRETCH];
+cleanup:
+    rsv_row_tracer_end(&probe);
+    rsv_free(context, along);
+    rsv_free(context, nanoseconds);
+    return status;
+}

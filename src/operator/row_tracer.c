@@ -1,0 +1,235 @@
+#include "row_tracer.h"
+
+#include "receiver_points.h"
+
+#include <string.h>
+
+#define LANES RSV_SUPPORT_POINTS
+
+/// The receiver points of one node and what holds for the node as a whole.
+typedef struct receiver {
+    rsv_receiver_points points;
+    const rsv_bsdf *bsdf;
+    rsv_medium medium;
+    bool tints; ///< even what comes from plain surfaces: through a coat or a medium
+} receiver;
+
+enum { TARGET_BLACK, TARGET_LAMBERT, TARGET_CHAIN, TARGET_SKY };
+
+static void set_up_receiver(const rsv_row_tracer *tracer, uint32_t node, receiver *r)
+{
+    rsv_receiver_points *p = &r->points;
+    rsv_receiver_points_set_up(tracer->elements, node, tracer->seed, p);
+    uint32_t face = tracer->elements->node_face[node];
+    uint32_t material =
+        tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];
+    // one of the points speaks for the medium of all
+    uint32_t k =
+        tracer->valid_points[node] ? (uint32_t)__builtin_ctz(tracer->valid_points[node]) : 0;
+    r->bsdf = &tracer->scene->bsdf[material];
+    r->medium =
+        rsv_medium_above(&tracer->scene->media, v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]),
+            v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]));
+    r->tints = r->bsdf->coated || rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
+}
+
+/// Light of gathered sources counts however it arrives; that of the others is the business of
+/// next-event estimation and light shooting.
+static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t events)
+{
+    (void)events;
+    const rsv_lights *lights = user;
+    uint32_t emitter = lights->triangle_emitter[triangle];
+    return emitter != RSV_NONE && lights->group[lights->emitter[emitter].group].gathered;
+}
+
+static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+    const rsv_chain *chain, float random)
+{
+    uint32_t face = tracer->elements->face_of[chain->back][chain->triangle];
+    if (face == RSV_NONE) return;
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(tracer->elements, face, chain->u, chain->v, weight);
+    uint32_t node = rsv_elements_pick_node(tracer->elements, cell, weight, random);
+    rsv_rgb w = chain->weight;
+    if (fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f) {
+        s->column[ray] = node;
+        return;
+    }
+    s->tinted_column[s->tinted_count] = node;
+    s->tinted_weight[s->tinted_count++] = w;
+}
+
+/// The general case: specular surfaces, coats, emission.
+static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t node,
+    uint32_t ray, const receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
+{
+    rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, node, ray);
+    rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    rsv_chain chain = rsv_chain_begin(tracer->scene, &r->medium, direction, packet->triangle[k],
+        packet->u[k], packet->v[k], packet->t_max[k]);
+    chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(r->bsdf, cos_receiver));
+    rsv_gather gather =
+        rsv_chain_gather(tracer->scene, chain, &random, counts_by_gathering, tracer->lights);
+    s->emission = rgb_add(s->emission, gather.emission);
+    s->rays += gather.chain.rays;
+    if (gather.end == RSV_CHAIN_DIFFUSE)
+        record_end(tracer, s, ray, &gather.chain, rsv_random_float(&random));
+    else if (gather.end == RSV_CHAIN_ESCAPED)
+        rsv_escape_row_add(&s->escapes, gather.chain.direction, gather.chain.weight, 1);
+}
+
+/// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.
+typedef struct grid_places {
+    _Alignas(64) float side[LANES], u[LANES], v[LANES];
+    _Alignas(64) int32_t index[LANES], corner[LANES];
+} grid_places;
+
+static void place_on_grids(grid_places *g, uint32_t stream)
+{
+    for (int k = 0; k < LANES; k++) {
+        float x = g->u[k] * g->side[k], y = g->v[k] * g->side[k];
+        int32_t side = (int32_t)g->side[k], j = (int32_t)y, i = (int32_t)x;
+        j = j > side - 1 ? side - 1 : j;
+        i = i > side - 1 - j ? side - 1 - j : i;
+        float fx = x - (float)i, fy = y - (float)j;
+        int32_t flipped = (fx + fy > 1) & (i + j < side - 1);
+        float b0 = flipped ? fx + fy - 1 : 1 - fx - fy, b1 = flipped ? 1 - fx : fx;
+        float random = rsv_unit_float(rsv_hash(stream + (uint32_t)k));
+        g->index[k] = j * (2 * side - j) + 2 * i + flipped;
+        g->corner[k] = (random >= b0) + (random >= b0 + b1);
+    }
+}
+
+static rsv_ray_target hit_target(const rsv_row_tracer *tracer, const rsv_ray_packet *packet, int k)
+{
+    uint32_t triangle = packet->triangle[k];
+    if (triangle == RSV_NONE)
+        return (rsv_ray_target){ .kind = packet->t_max[k] > 0 ? TARGET_SKY : TARGET_BLACK };
+    bool back = packet->normal_x[k] * packet->direction_x[k] +
+                    packet->normal_y[k] * packet->direction_y[k] +
+                    packet->normal_z[k] * packet->direction_z[k] >
+                0;
+    return tracer->target[2 * (size_t)triangle + back];
+}
+
+static void record_sky(
+    rsv_row_scratch *s, const receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
+{
+    rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(r->bsdf, cos_receiver), 0);
+}
+
+static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t node,
+    uint32_t first_ray, const receiver *r, const float *cos_receiver, const rsv_ray_packet *packet)
+{
+    const rsv_elements *e = tracer->elements;
+    grid_places g;
+    rsv_ray_target target[LANES];
+    for (int k = 0; k < LANES; k++) {
+        target[k] = hit_target(tracer, packet, k);
+        g.side[k] = target[k].side;
+        bool used = target[k].kind == TARGET_LAMBERT; // other lanes may hold anything
+        g.u[k] = used ? packet->u[k] : 0;
+        g.v[k] = used ? packet->v[k] : 0;
+    }
+    uint32_t stream = rsv_hash2(tracer->seed, node) + first_ray;
+    place_on_grids(&g, stream);
+    for (int k = 0; k < LANES; k++) {
+        uint32_t ray = first_ray + (uint32_t)k;
+        if (target[k].kind == TARGET_BLACK) continue;
+        if (target[k].kind == TARGET_SKY) {
+            record_sky(s, r, cos_receiver[k], packet, k);
+            continue;
+        }
+        if (target[k].kind == TARGET_CHAIN || r->tints) {
+            follow_chain(tracer, s, node, ray, r, cos_receiver[k], packet, k);
+            continue;
+        }
+        uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
+        if (slot & RSV_SLOT_SPLIT) {
+            float weight[3], random = rsv_unit_float(rsv_hash(stream + (uint32_t)k));
+            uint32_t cell =
+                rsv_elements_locate(e, target[k].face, packet->u[k], packet->v[k], weight);
+            s->column[ray] = rsv_elements_pick_node(e, cell, weight, random);
+        } else {
+            s->column[ray] = e->cell_node[slot][g.corner[k]];
+        }
+    }
+}
+
+void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *s)
+{
+    receiver r;
+    set_up_receiver(tracer, node, &r);
+    uint32_t rays = tracer->directions.count;
+    memset(s->column, 0xff, rays * sizeof *s->column);
+    s->tinted_count = 0;
+    s->escapes.count = s->escapes.tinted_count = 0;
+    s->emission = rgb_gray(0);
+    size_t set = rsv_directions_of(&tracer->directions, tracer->seed, node);
+    rsv_ray_packet packet = { 0 };
+    memset(packet.mask, 0xff, sizeof packet.mask);
+    for (uint32_t first = 0; first < rays; first += LANES) {
+        const float *z = tracer->directions.z + set + first;
+        rsv_receiver_points_aim(&r.points, tracer->valid_points[node],
+            tracer->directions.x + set + first, tracer->directions.y + set + first, z, &packet);
+        rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
+        process_hits(tracer, s, node, first, &r, z, &packet);
+    }
+    s->rays += rays;
+}
+
+rsv_status rsv_row_scratch_create(rsv_context *context, uint32_t rays, rsv_row_scratch *s)
+{
+    s->column = rsv_alloc(context, rays, sizeof *s->column);
+    s->tinted_column = rsv_alloc(context, rays, sizeof *s->tinted_column);
+    s->tinted_weight = rsv_alloc(context, rays, sizeof *s->tinted_weight);
+    bool complete = s->column && s->tinted_column && s->tinted_weight;
+    return complete ? rsv_escape_row_create(context, rays, &s->escapes) : RSV_ERROR_MEMORY;
+}
+
+void rsv_row_scratch_destroy(rsv_context *context, rsv_row_scratch *s)
+{
+    rsv_free(context, s->column);
+    rsv_free(context, s->tinted_column);
+    rsv_free(context, s->tinted_weight);
+    rsv_escape_row_destroy(context, &s->escapes);
+}
+
+static rsv_status create_targets(rsv_row_tracer *tracer)
+{
+    const rsv_scene_view *view = tracer->scene->view;
+    const rsv_elements *e = tracer->elements;
+    tracer->target = rsv_alloc(e->context, 2 * view->triangle_count, sizeof *tracer->target);
+    if (!tracer->target) return RSV_ERROR_MEMORY;
+    for (size_t side = 0; side < 2 * view->triangle_count; side++) {
+        const rsv_bsdf *bsdf = &tracer->scene->bsdf[view->triangle_material[side / 2]];
+        uint32_t face = e->face_of[side & 1][side / 2];
+        bool back = side & 1, opaque_back = back && !bsdf->double_sided &&
+                                            bsdf->transmission == 0 && bsdf->opacity == 1;
+        bool plain =
+            bsdf->lambert && bsdf->opacity == 1 && face != RSV_NONE &&
+            (!bsdf->emissive || !counts_by_gathering(tracer->lights, (uint32_t)(side / 2), 0));
+        tracer->target[side].kind = opaque_back ? TARGET_BLACK
+                                    : plain     ? TARGET_LAMBERT
+                                                : TARGET_CHAIN;
+        if (face == RSV_NONE) continue;
+        tracer->target[side].face = face;
+        tracer->target[side].side = (uint16_t)(1u << e->face_level[face]);
+    }
+    return RSV_OK;
+}
+
+rsv_status rsv_row_tracer_begin(rsv_row_tracer *tracer, uint32_t rays)
+{
+    rsv_status status =
+        rsv_directions_create(tracer->elements->context, rays, tracer->seed, &tracer->directions);
+    return status == RSV_OK ? create_targets(tracer) : status;
+}
+
+void rsv_row_tracer_end(rsv_row_tracer *tracer)
+{
+    rsv_free(tracer->elements->context, tracer->target);
+    rsv_directions_destroy(&tracer->directions);
+}

@@ -1,0 +1,52 @@
+/// One row of G: gather rays from a node's support, each followed to the diffuse end of its chain.
+#ifndef RSV_ROW_TRACER_H
+#define RSV_ROW_TRACER_H
+
+#include "directions.h"
+#include "division.h"
+#include "transport.h"
+
+/// One side of a triangle as the end of a ray, in eight bytes: all that most ends need.
+typedef struct rsv_ray_target {
+    uint32_t face;
+    uint16_t side; ///< cells along an edge of the face's grid
+    uint8_t kind;
+} rsv_ray_target;
+
+/// What rows have in common; borrowed but for targets and directions.
+typedef struct rsv_row_tracer {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    const rsv_elements *elements;
+    const uint16_t *valid_points; ///< [node_count] from rsv_find_buried
+    uint32_t seed;
+    rsv_ray_target *target; ///< [2 * triangle_count] front and back of each triangle
+    rsv_directions directions;
+} rsv_row_tracer;
+
+/// What the rays of one row found.
+typedef struct rsv_row_scratch {
+    uint32_t *column; ///< [rays] RSV_NONE = nothing
+    uint32_t tinted_count;
+    uint32_t *tinted_column; ///< [rays]
+    rsv_rgb *tinted_weight;
+    rsv_escape_row escapes;
+    rsv_rgb emission;
+    uint64_t rays; ///< of all rows so far
+} rsv_row_scratch;
+
+/// Adds targets and directions to what the other fields say.
+/// @param rays per row
+rsv_status rsv_row_tracer_begin(rsv_row_tracer *tracer, uint32_t rays);
+void rsv_row_tracer_end(rsv_row_tracer *tracer);
+
+rsv_status rsv_row_scratch_create(rsv_context *context, uint32_t rays, rsv_row_scratch *scratch);
+void rsv_row_scratch_destroy(rsv_context *context, rsv_row_scratch *scratch);
+
+/// @param node neither hanging nor buried @param scratch the calling thread's
+void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *scratch);
+
+/// The curve through all nodes with what their rows cost, measured on a few. @param tracer its directions do not matter
+rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division);
+
+#endif

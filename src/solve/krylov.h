@@ -1,0 +1,44 @@
+/// The system (I - G K) x = b as solvers outside of this library see it: rows and fields divided among the processes of
+/// a team. PETSc's are reached through the team's plug-in (src/dist).
+#ifndef RSV_KRYLOV_H
+#define RSV_KRYLOV_H
+
+#include "../operator/subsurface.h"
+#include "../operator/transport.h"
+
+typedef struct rsv_krylov rsv_krylov;
+
+/// What it is made of; borrowed.
+typedef struct rsv_krylov_system {
+    rsv_team *team;
+    const rsv_transport *transport; ///< the rows of this process, and whose the others are
+    const rsv_elements *elements;   ///< which nodes hang
+    const rsv_rgb *albedo;          ///< [node_count]
+    int threads;
+    /// exitance = K field on all nodes, where light leaves elsewhere than it entered; NULL = K is the albedo alone
+    void (*scatter)(void *user, const rsv_rgb *field, rsv_rgb *exitance);
+    void *user;
+} rsv_krylov_system;
+
+/// What one application of G K has to move.
+typedef struct rsv_krylov_traffic {
+    size_t received; ///< numbers that this process needs from others
+    size_t senders;  ///< processes that they come from
+} rsv_krylov_traffic;
+
+/// All calls are collective. Failures are alike in all processes and leave their text in `message` [RSV_MESSAGE_BYTES].
+struct rsv_krylov_table {
+    rsv_status (*create)(const rsv_krylov_system *system, rsv_krylov **krylov, char *message);
+    void (*destroy)(rsv_krylov *krylov);
+    /// Solves (I - G K) correction = residual for whole RGB fields, known to all processes before and after.
+    /// @param relative tolerance, unless PETSc's options say another @param applications of G K, out
+    /// @param converged out: false if the method gave up
+    rsv_status (*solve)(rsv_krylov *krylov, const rsv_rgb *residual, double relative,
+        rsv_rgb *correction, double *applications, bool *converged, char *message);
+    /// The eigenvalues of G K, of all channels together, that are largest by magnitude.
+    /// @param count wanted in, found out @param value [2 x count] real and imaginary parts
+    rsv_status (*eigenvalues)(rsv_krylov *krylov, size_t *count, double *value, char *message);
+    rsv_krylov_traffic (*traffic)(const rsv_krylov *krylov);
+};
+
+#endif
