@@ -51,7 +51,7 @@ static int open_temporary(rsv_atomic_file *file, int folder_length)
             return -1;
         }
         int descriptor =
-            open(file->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, PERMISSIONS_NEW_FILE);
+            open(file->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, PERMISSIONS_NEW_FILE);
         if (descriptor >= 0 || errno != EEXIST) return descriptor;
     }
     return -1;
@@ -76,6 +76,20 @@ rsv_status rsv_atomic_file_open(rsv_atomic_file *file, const char *path)
     return RSV_OK;
 }
 
+rsv_status rsv_atomic_file_join(rsv_atomic_file *file, const char *temporary)
+{
+    *file = (rsv_atomic_file){ .descriptor = open(temporary, O_WRONLY | O_CLOEXEC) };
+    return file->descriptor >= 0 ? RSV_OK : fail_write(temporary, errno);
+}
+
+rsv_status rsv_atomic_file_close(rsv_atomic_file *file)
+{
+    if (!file->error && fsync(file->descriptor) != 0) file->error = errno;
+    if (close(file->descriptor) != 0 && !file->error) file->error = errno;
+    file->descriptor = -1;
+    return file->error ? fail_write("its part of the file", file->error) : RSV_OK;
+}
+
 void rsv_atomic_file_append(rsv_atomic_file *file, const void *data, size_t bytes)
 {
     rsv_atomic_file_write_at(file, file->end, data, bytes);
@@ -98,6 +112,22 @@ void rsv_atomic_file_write_at(
     if (offset > file->end) file->end = offset;
 }
 
+void rsv_atomic_file_read_at(rsv_atomic_file *file, uint64_t offset, void *data, size_t bytes)
+{
+    char *next = data;
+    while (bytes > 0 && !file->error) {
+        ssize_t got = pread(file->descriptor, next, bytes, (off_t)offset);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) {
+            file->error = got < 0 ? errno : EIO;
+            return;
+        }
+        next += got;
+        offset += (uint64_t)got;
+        bytes -= (size_t)got;
+    }
+}
+
 rsv_status rsv_atomic_file_commit(rsv_atomic_file *file)
 {
     if (!file->error && fsync(file->descriptor) != 0) file->error = errno;
@@ -114,5 +144,5 @@ void rsv_atomic_file_discard(rsv_atomic_file *file)
     if (file->descriptor < 0) return;
     close(file->descriptor);
     file->descriptor = -1;
-    unlink(file->temporary);
+    if (*file->temporary) unlink(file->temporary); // of a part, it is another process's
 }

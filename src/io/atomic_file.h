@@ -26,9 +26,17 @@ typedef struct rsv_atomic_file {
 /// a failure nothing is left behind and rsv_atomic_file_discard does nothing.
 rsv_status rsv_atomic_file_open(rsv_atomic_file *file, const char *path);
 
+/// Opens the temporary file of another process, to write into it; ends with rsv_atomic_file_close.
+rsv_status rsv_atomic_file_join(rsv_atomic_file *file, const char *temporary);
+/// Flushes to the disk and closes, and leaves the commit to the process that opened the file.
+rsv_status rsv_atomic_file_close(rsv_atomic_file *file);
+
 void rsv_atomic_file_append(rsv_atomic_file *file, const void *data, size_t bytes);
 void rsv_atomic_file_write_at(
     rsv_atomic_file *file, uint64_t offset, const void *data, size_t bytes);
+
+/// What was written before.
+void rsv_atomic_file_read_at(rsv_atomic_file *file, uint64_t offset, void *data, size_t bytes);
 
 /// Flushes to the disk and renames. On failure of this or any earlier write the temporary is
 /// removed and the target is as it was.

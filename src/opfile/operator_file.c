@@ -1,7 +1,9 @@
 /// A solution as a file that stands alone.
 #include "resolvent/opfile.h"
 
+#include "../core/team.h"
 #include "exchange.h"
+#include "sha256.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -44,6 +46,25 @@ cleanup:
     rsv_light_basis_destroy(own);
     rsv_tensor_file_end(&file);
     return status;
+}
+
+// ---- comparing ------------------------------------------------------------------------------------
+
+rsv_status rsv_scene_compare(const rsv_scene *scene)
+{
+    rsv_tensor_file file;
+    rsv_context *context = rsv_scene_get_context(scene);
+    if (!rsv_team_of(context)) return RSV_OK;
+    char text[96], digits[RSV_SHA256_DIGITS + 1];
+    rsv_status status = rsv_tensor_file_begin(context, "scene", &file);
+    if (status == RSV_OK) status = rsv_write_scene(&file, scene);
+    if (status == RSV_OK) {
+        rsv_tensor_file_digest(&file, digits);
+        snprintf(text, sizeof text, "%s %s", rsv_version(), digits);
+    }
+    rsv_tensor_file_end(&file);
+    status = rsv_team_meet(context, status);
+    return status == RSV_OK ? rsv_team_compare(context, "program version or scene", text) : status;
 }
 
 // ---- reading --------------------------------------------------------------------------------------

@@ -66,20 +66,31 @@ static rsv_status need(const rsv_tensor_file *file, const char *name, const void
 }
 
 /// Compressed rows: starts, columns below `bound`, and weights where there are any.
+/// @param divided the operator whose rows they are, if other processes have some of them; NULL = all are here
 static rsv_status exchange_rows(rsv_tensor_file *file, const char *name, rsv_tensor_type type,
-    size_t rows, size_t bound, size_t **begin, void *column, rsv_rgb **weight)
+    size_t rows, size_t bound, const rsv_transport *divided, size_t **begin, void *column,
+    rsv_rgb **weight)
 {
     char start_name[64], column_name[64], weight_name[64];
     size_t starts = rows + 1, entries = file->reading ? RSV_ANY_COUNT : (*begin)[rows];
+    size_t *whole = NULL;
     snprintf(start_name, sizeof start_name, "%srow_start", name);
     snprintf(
         column_name, sizeof column_name, "%s%s", name, type == RSV_TENSOR_U16 ? "bin" : "column");
     snprintf(weight_name, sizeof weight_name, "%sweight", name);
     rsv_status status;
-    RSV_TRY(rsv_tensor_exchange(file, start_name, RSV_TENSOR_U64, 1, begin, &starts));
+    if (divided) {
+        RSV_TRY(rsv_transport_whole_begin(divided, *begin, &whole));
+        entries = whole[rows];
+        RSV_TRY(rsv_tensor_give(file, start_name, RSV_TENSOR_U64, 1, starts, whole));
+    } else {
+        RSV_TRY(rsv_tensor_exchange(file, start_name, RSV_TENSOR_U64, 1, begin, &starts));
+    }
     RSV_TRY(rsv_tensor_exchange(file, column_name, type, 1, column, &entries));
+    if (divided) rsv_tensor_divide(file, rows, *begin, whole);
     if (weight)
         RSV_TRY(rsv_tensor_exchange(file, weight_name, RSV_TENSOR_F32, 3, weight, &entries));
+    if (weight && divided) rsv_tensor_divide(file, rows, *begin, whole);
     if (!file->reading) return RSV_OK;
     if (weight)
         RSV_TRY(rsv_check_numbers(file, weight_name, &(*weight)->r, 3 * entries, -INFINITY));
@@ -100,18 +111,19 @@ static rsv_status exchange_transport(rsv_tensor_file *file, rsv_transport *t)
     size_t rows = t->row_count, bins = RSV_ESCAPE_BINS;
     rsv_tensor_type u16 = RSV_TENSOR_U16, u32 = RSV_TENSOR_U32;
     rsv_tensor_prefix(file, "transport.");
-    RSV_TRY(exchange_rows(file, "", u32, rows, rows, &t->row_begin, &t->column, NULL));
-    RSV_TRY(exchange_rows(
-        file, "tinted.", u32, rows, rows, &t->tinted_begin, &t->tinted_column, &t->tinted_weight));
+    const rsv_transport *divided = t->division ? t : NULL;
+    RSV_TRY(exchange_rows(file, "", u32, rows, rows, divided, &t->row_begin, &t->column, NULL));
+    RSV_TRY(exchange_rows(file, "tinted.", u32, rows, rows, divided, &t->tinted_begin,
+        &t->tinted_column, &t->tinted_weight));
     RSV_TRY(rsv_tensor_exchange(file, "scale", RSV_TENSOR_F32, 1, &t->scale, &rows));
     if (file->reading) RSV_TRY(rsv_check_numbers(file, "scale", t->scale, rows, 0));
     RSV_TRY(exchange_rgb(file, "gathered", &t->gathered, rows, 0));
     RSV_TRY(need(file, "gathered", t->gathered));
     rsv_tensor_prefix(file, "escape.");
     rsv_escapes *e = &t->escapes;
-    RSV_TRY(exchange_rows(file, "", u16, rows, bins, &e->begin, &e->list.bin, NULL));
-    RSV_TRY(exchange_rows(file, "tinted.", u16, rows, bins, &e->tinted_begin, &e->list.tinted_bin,
-        &e->list.tinted_weight));
+    RSV_TRY(exchange_rows(file, "", u16, rows, bins, divided, &e->begin, &e->list.bin, NULL));
+    RSV_TRY(exchange_rows(file, "tinted.", u16, rows, bins, divided, &e->tinted_begin,
+        &e->list.tinted_bin, &e->list.tinted_weight));
     e->list.count = e->begin[rows];
     e->list.tinted_count = e->tinted_begin[rows];
 cleanup:
@@ -192,7 +204,7 @@ static rsv_status write_subsurface(rsv_tensor_file *file, const rsv_subsurface *
     rsv_subsurface p = *subsurface;
     rsv_tensor_prefix(file, "subsurface.");
     return exchange_rows(
-        file, "", RSV_TENSOR_U32, p.row_count, 0, &p.row_begin, &p.column, &p.weight);
+        file, "", RSV_TENSOR_U32, p.row_count, 0, NULL, &p.row_begin, &p.column, &p.weight);
 }
 
 rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_solution *solution)
@@ -234,8 +246,8 @@ static rsv_status read_subsurface(rsv_tensor_file *file, rsv_solution *s)
     rsv_subsurface rows = { .row_count = s->elements->node_count };
     rsv_tensor_prefix(file, "subsurface.");
     if (!rsv_tensor_find(file, "row_start")) return RSV_OK;
-    status = exchange_rows(file, "", RSV_TENSOR_U32, rows.row_count, SIZE_MAX, &rows.row_begin,
-        &rows.column, &rows.weight);
+    status = exchange_rows(file, "", RSV_TENSOR_U32, rows.row_count, SIZE_MAX, NULL,
+        &rows.row_begin, &rows.column, &rows.weight);
     if (status == RSV_OK) return rsv_subsurface_restore(s->elements, &rows, &s->subsurface);
     rsv_free(s->context, rows.row_begin);
     rsv_free(s->context, rows.column);

@@ -103,6 +103,15 @@ rsv_status rsv_tensor_give(rsv_tensor_file *file, const char *name, rsv_tensor_t
     return status;
 }
 
+void rsv_tensor_divide(
+    rsv_tensor_file *file, size_t row_count, const size_t *own, const size_t *whole)
+{
+    rsv_tensor *tensor = &file->tensor[file->count - 1];
+    tensor->row_count = row_count;
+    tensor->own_begin = own;
+    tensor->whole_begin = whole;
+}
+
 static rsv_status take(rsv_tensor_file *file, const rsv_tensor *tensor, const char *name,
     rsv_tensor_type type, size_t width, void **array, size_t *count)
 {

@@ -28,6 +28,10 @@ typedef struct rsv_tensor {
     size_t shape[RSV_TENSOR_RANK];
     const void *data; ///< borrowed, or of the mapped file
     void *owned;      ///< the same, to be freed with the file; NULL = borrowed
+    /// In a team, of rows of numbers of which `data` holds this process's alone: where they begin there and in the
+    /// whole, [row_count + 1]; the process that has a row writes it. NULL = all have all
+    const size_t *own_begin, *whole_begin;
+    size_t row_count;
 } rsv_tensor;
 
 typedef struct rsv_tensor_file {
@@ -51,13 +55,18 @@ size_t rsv_tensor_length(const rsv_tensor *tensor);
 
 rsv_status rsv_tensor_file_begin(
     rsv_context *context, const char *path, rsv_tensor_file *file); ///< for writing
-/// Writes all that was exchanged. The file appears complete or not at all.
+/// Writes all that was exchanged. The file appears complete or not at all. The processes of a team write one file
+/// together, which is the same as that of one process.
 rsv_status rsv_tensor_file_write(rsv_tensor_file *file);
 
 /// Maps a file and checks its header; nothing else of it is read.
 rsv_status rsv_tensor_file_open(rsv_context *context, const char *path, rsv_tensor_file *file);
 /// Compares the checksum with the file's content.
 rsv_status rsv_tensor_file_verify(const rsv_tensor_file *file);
+
+/// SHA-256 of what was exchanged for writing: arrays with their names, and notes.
+/// @param digits [RSV_SHA256_DIGITS + 1]
+void rsv_tensor_file_digest(const rsv_tensor_file *file, char *digits);
 
 void rsv_tensor_file_end(rsv_tensor_file *file);
 
@@ -87,6 +96,9 @@ rsv_status rsv_tensor_give(rsv_tensor_file *file, const char *name, rsv_tensor_t
 /// Adds an array of any shape. @param data borrowed
 rsv_status rsv_tensor_add(rsv_tensor_file *file, const char *name, rsv_tensor_type type,
     uint32_t rank, const size_t *shape, const void *data);
+/// Says that the array just exchanged holds the rows of this process alone. @param own, whole borrowed
+void rsv_tensor_divide(
+    rsv_tensor_file *file, size_t row_count, const size_t *own, const size_t *whole);
 /// NULL if there is none of that name (the prefix is put before it).
 const rsv_tensor *rsv_tensor_find(const rsv_tensor_file *file, const char *name);
 
