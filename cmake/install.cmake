@@ -4,6 +4,9 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/resolvent)
 install(TARGETS resolvent resolvent_rt EXPORT resolventTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET resolvent_dist)
+    install(TARGETS resolvent_dist LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/rt/resolvent_rt.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT resolventTargets NAMESPACE resolvent:: DESTINATION ${package_folder})

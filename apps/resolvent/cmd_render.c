@@ -1,4 +1,5 @@
 #include "command.h"
+#include "crew.h"
 #include "error_target.h"
 #include "options.h"
 #include "output_file.h"
@@ -186,7 +187,7 @@ static rsv_status solve(
 static rsv_status write_pictures(const settings *s, const rsv_image *image)
 {
     rsv_status status = RSV_OK;
-    for (size_t i = 0; i < s->outputs.count && status == RSV_OK; i++)
+    for (size_t i = 0; cli_crew_speaks() && i < s->outputs.count && status == RSV_OK; i++)
         status = rsv_image_write(image, s->outputs.item[i], s->exposure);
     return status;
 }

@@ -1,5 +1,6 @@
 /// The `resolvent` program: finds the command and hands over.
 #include "command.h"
+#include "crew.h"
 #include "options.h"
 
 #include "resolvent/scene.h"
@@ -66,6 +67,14 @@ static int flush_results(int exit_status)
     return CLI_FAILURE;
 }
 
+/// What is not worth sharing, the first process does alone.
+static int run_command(const command *found, int argc, char **argv)
+{
+    bool shared = found->run == cli_render || found->run == cli_solve;
+    if (!shared) return cli_crew_speaks() ? found->run(argc, argv) : CLI_SUCCESS;
+    return cli_crew_join() ? cli_crew_leave(found->run(argc, argv)) : CLI_FAILURE;
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) return cli_usage_error(NULL, "no command given");
@@ -80,5 +89,5 @@ int main(int argc, char **argv)
     }
     const command *found = find_command(argv[1]);
     if (!found) return cli_usage_error(NULL, "'%s' is not a command", argv[1]);
-    return flush_results(found->run(argc - 2, argv + 2));
+    return flush_results(run_command(found, argc - 2, argv + 2));
 }

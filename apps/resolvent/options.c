@@ -1,6 +1,7 @@
 #include "options.h"
 
 #include "command.h"
+#include "crew.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -11,6 +12,7 @@
 int cli_usage_error(const char *command, const char *format, ...)
 {
     va_list arguments;
+    if (!cli_crew_speaks()) return CLI_BAD_USAGE;
     va_start(arguments, format);
     fputs("error: ", stderr);
     vfprintf(stderr, format, arguments);

@@ -1,6 +1,7 @@
 #include "session.h"
 
 #include "command.h"
+#include "crew.h"
 
 #include <signal.h>
 #include <stdarg.h>
@@ -39,16 +40,22 @@ bool cli_interrupted(void) { return interrupted != 0; }
 
 void cli_error(const char *format, ...)
 {
+    char message[RSV_MESSAGE_BYTES];
+    const char *agreed = message;
     va_list arguments;
     va_start(arguments, format);
-    fputs("error: ", stderr);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
+    if (cli_crew() && !cli_crew()->parted) {
+        rsv_team_agree(cli_crew(), RSV_ERROR_ARGUMENT, message);
+        if (cli_crew()->parted) agreed = rsv_last_error();
+    }
+    if (cli_crew_speaks()) fprintf(stderr, "error: %s\n", agreed);
 }
 
 void cli_warn(cli_session *session, const char *message)
 {
+    if (!cli_crew_speaks()) return;
     cli_progress_clear(&session->progress);
     fprintf(stderr, "warning: %s\n", message);
     char **grown = realloc(session->warnings, (session->warning_count + 1) * sizeof *grown);
@@ -63,7 +70,7 @@ static void on_log(void *user, rsv_log_level level, const char *message)
     cli_session *session = user;
     if (level == RSV_LOG_WARNING) {
         cli_warn(session, message);
-    } else {
+    } else if (cli_crew_speaks()) {
         cli_progress_clear(&session->progress);
         fprintf(stderr, "note: %s\n", message);
     }
@@ -72,7 +79,7 @@ static void on_log(void *user, rsv_log_level level, const char *message)
 static bool on_progress(void *user, const char *phase, double fraction)
 {
     cli_session *session = user;
-    cli_progress_update(&session->progress, phase, fraction);
+    if (cli_crew_speaks()) cli_progress_update(&session->progress, phase, fraction);
     return !cli_interrupted();
 }
 
@@ -100,6 +107,7 @@ bool cli_session_begin(cli_session *session, uint32_t threads)
     desc.allocate = allocate;
     desc.release = release;
     desc.user = session;
+    desc.team = cli_crew();
     if (rsv_context_create(&desc, &session->context) != RSV_OK) {
         cli_error("%s", rsv_last_error());
         return false;
@@ -170,6 +178,7 @@ rsv_scene *cli_open_scene(
         return NULL;
     }
     if (status == RSV_OK) status = add_environment(session, scene, environment);
+    if (status == RSV_OK) status = rsv_scene_compare(scene);
     session->time_load = cli_seconds() - started;
     if (status == RSV_OK) return scene;
     cli_report_failure(session, status);
@@ -180,10 +189,11 @@ rsv_scene *cli_open_scene(
 int cli_report_failure(cli_session *session, rsv_status status)
 {
     cli_progress_clear(&session->progress);
-    if (status == RSV_ERROR_CANCELLED)
-        fputs("cancelled\n", stderr);
-    else
+    status = rsv_team_agree(cli_crew(), status, NULL);
+    if (status != RSV_ERROR_CANCELLED)
         cli_error("%s", rsv_last_error());
+    else if (cli_crew_speaks())
+        fputs("cancelled\n", stderr);
     return CLI_FAILURE;
 }
 

@@ -6,6 +6,7 @@
 #include "progress.h"
 
 #include "resolvent/io.h"
+#include "resolvent/opfile.h"
 
 #include <stdatomic.h>
 

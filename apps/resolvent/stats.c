@@ -1,5 +1,6 @@
 #include "stats.h"
 
+#include "crew.h"
 #include "output_file.h"
 
 #include <cJSON.h>
@@ -182,6 +183,7 @@ rsv_status cli_certify_briefly(
 
 bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats)
 {
+    if (!cli_crew_speaks()) return true;
     cJSON *root = cJSON_CreateObject();
     add_settings(root, stats);
     add_solution(root, stats);

@@ -8,6 +8,11 @@ if(TARGET resolvent_program)
     set_tests_properties(cli_python PROPERTIES SKIP_RETURN_CODE 77)
     # what they run, the sanitizers see in the unit tests
     set_tests_properties(cli_bake cli_bench cli_render cli_certify cli_relight cli_view cli_scene PROPERTIES LABELS slow)
+    add_test(NAME cli_cluster COMMAND bash
+        ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_cluster.sh $<TARGET_FILE:resolvent_program>)
+    # MPI and PETSc keep what they allocate to the end
+    set_tests_properties(cli_cluster PROPERTIES SKIP_RETURN_CODE 77 LABELS "cluster;slow"
+        ENVIRONMENT "OMP_WAIT_POLICY=passive")
     # other tests would be slowed down, and the time it takes to stop with them
     set_tests_properties(cli_cancel PROPERTIES RUN_SERIAL TRUE)
 endif()

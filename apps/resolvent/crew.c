@@ -1,0 +1,56 @@
+#include "crew.h"
+
+#include "command.h"
+#include "session.h"
+
+#include <stdio.h>
+
+/// Belongs to the process, as MPI does.
+static rsv_team *crew;
+
+rsv_team *cli_crew(void) { return crew; }
+
+bool cli_crew_speaks(void)
+{
+    uint32_t rank;
+    if (crew) return crew->rank == 0;
+    rsv_team_launched(&rank);
+    return rank == 0;
+}
+
+static bool join(void)
+{
+    if (rsv_team_join(&crew) == RSV_OK) return true;
+    cli_error("%s", rsv_last_error());
+    return false;
+}
+
+bool cli_crew_join(void)
+{
+    uint32_t rank;
+    if (rsv_team_launched(&rank) == 1) return true;
+    if (!join()) return false;
+    return crew->rank == 0 || freopen("/dev/null", "w", stdout) != NULL;
+}
+
+bool cli_crew_join_for_petsc(const char *petsc_options)
+{
+    if (!crew && !join()) return false;
+    crew->petsc_options = petsc_options;
+    return true;
+}
+
+int cli_crew_leave(int exit_status)
+{
+    if (!crew) return exit_status;
+    bool parted = crew->parted;
+    rsv_status status = exit_status == CLI_SUCCESS ? RSV_OK : RSV_ERROR_ARGUMENT;
+    status = rsv_team_agree(crew, status, "");
+    if (status != RSV_OK && exit_status == CLI_SUCCESS) {
+        if (!parted && crew->rank == 0) fprintf(stderr, "error: %s\n", rsv_last_error());
+        exit_status = CLI_FAILURE;
+    }
+    rsv_team_leave(crew);
+    crew = NULL;
+    return exit_status;
+}
