@@ -113,7 +113,9 @@ static rsv_status reach(clustering *c, uint32_t node, float distance)
 
 static float way(const clustering *c, uint32_t from, uint32_t to)
 {
-    float turn = acosf(f_min(f_max(v3_dot(c->normal[from], c->normal[to]), -1), 1));
+    // 2 asin(chord / 2), to 1 % below a right angle
+    float chord = v3_length(v3_sub(c->normal[to], c->normal[from]));
+    float turn = chord * (1 + chord * chord / 24);
     return v3_length(v3_sub(c->place[to], c->place[from])) +
            c->e->cluster_radius * turn / TURN_PER_RADIUS;
 }
@@ -153,6 +155,8 @@ static rsv_status lead(clustering *c, uint32_t leader)
     while (status == RSV_OK && c->front_count > 0) {
         front_node here = pop(c);
         if (here.distance > c->distance[here.node]) continue; // a shorter way was found since
+        // who has nearer ones, leads its neighbours to those
+        if (here.distance >= c->led[here.node].distance[RSV_PARENTS - 1]) continue;
         add_leader(&c->led[here.node], leader, here.distance);
         status = reach_neighbours(c, here.node, here.distance);
     }
@@ -237,6 +241,7 @@ rsv_status rsv_elements_cluster(rsv_elements *e, float radius)
     c.led = rsv_alloc(e->context, e->node_count, sizeof *c.led);
     c.distance = rsv_alloc(e->context, e->node_count, sizeof *c.distance);
     if (!c.radius || !c.place || !c.normal || !c.fine || !c.led || !c.distance) goto cleanup;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (uint32_t n = 0; n < e->node_count; n++)
         set_up_node(&c, n);
     RSV_TRY(choose_leaders(&c));

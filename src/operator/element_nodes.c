@@ -19,11 +19,13 @@ static lattice_point corner_point(const rsv_cell *cell, int k)
     return (lattice_point){ (cell->i + di) << shift, (cell->j + dj) << shift };
 }
 
+#define BETWEEN_CORNERS (1ull << 62) ///< the least key that is not a corner's
+
 static uint64_t edge_key(
     const rsv_elements *e, uint32_t face, int edge, int from, int to, uint32_t t)
 {
     bool forward = e->face_corner[face][from] < e->face_corner[face][to];
-    return 1ull << 62 | (uint64_t)e->face_edge[face][edge] << 15 | (forward ? t : LATTICE - t);
+    return BETWEEN_CORNERS | (uint64_t)e->face_edge[face][edge] << 15 | (forward ? t : LATTICE - t);
 }
 
 /// Identity of a lattice point: faces that share a welded corner or edge give it the same key.
@@ -39,25 +41,62 @@ static uint64_t node_key(const rsv_elements *e, uint32_t face, lattice_point p)
     return 2ull << 62 | (uint64_t)face << 28 | (uint64_t)p.i << 14 | p.j;
 }
 
-static rsv_status number_nodes(rsv_elements *e, rsv_index_map *nodes)
+/// Nodes by their keys. Those at corners of triangles, most of them in fine meshes, need no hashing.
+typedef struct node_table {
+    uint32_t *at_corner;   ///< [3 face_count] by welded corner; RSV_NONE = none yet
+    rsv_index_map between; ///< of all other keys
+} node_table;
+
+static rsv_status create_table(const rsv_elements *e, node_table *nodes)
 {
+    size_t finer = 0;
+    for (size_t c = 0; c < e->cell_count; c++)
+        finer += e->cell[c].level > 0;
+    nodes->at_corner = rsv_alloc(e->context, 3 * e->face_count, sizeof *nodes->at_corner);
+    if (!nodes->at_corner) return RSV_ERROR_MEMORY;
+    memset(nodes->at_corner, 0xff, 3 * e->face_count * sizeof *nodes->at_corner);
+    return rsv_index_map_create(e->context, finer * 2 / 3 + 16, &nodes->between);
+}
+
+static void destroy_table(rsv_context *context, node_table *nodes)
+{
+    rsv_free(context, nodes->at_corner);
+    rsv_index_map_destroy(&nodes->between);
+}
+
+/// The node at a lattice point, a fresh one if there is none yet. @return UINT32_MAX if memory is short
+static uint32_t node_at(rsv_elements *e, node_table *nodes, uint32_t face, lattice_point p)
+{
+    uint64_t key = node_key(e, face, p);
+    uint32_t fresh = (uint32_t)e->node_count;
+    if (key >= BETWEEN_CORNERS) {
+        uint32_t node = rsv_index_map_insert(&nodes->between, key, fresh);
+        e->node_count += node == fresh;
+        return node;
+    }
+    if (nodes->at_corner[key] == RSV_NONE) nodes->at_corner[key] = (uint32_t)e->node_count++;
+    return nodes->at_corner[key];
+}
+
+static rsv_status number_nodes(rsv_elements *e, node_table *nodes)
+{
+    e->node_count = 0;
     e->cell_node = rsv_alloc(e->context, e->cell_count, sizeof *e->cell_node);
     if (!e->cell_node) return RSV_ERROR_MEMORY;
     for (size_t c = 0; c < e->cell_count; c++) {
         for (int k = 0; k < 3; k++) {
-            uint64_t key = node_key(e, e->cell[c].face, corner_point(&e->cell[c], k));
-            uint32_t node = rsv_index_map_insert(nodes, key, (uint32_t)nodes->count);
-            if (node == UINT32_MAX) return RSV_ERROR_MEMORY;
-            e->cell_node[c][k] = node;
+            e->cell_node[c][k] = node_at(e, nodes, e->cell[c].face, corner_point(&e->cell[c], k));
+            if (e->cell_node[c][k] == UINT32_MAX) return RSV_ERROR_MEMORY;
         }
     }
-    e->node_count = nodes->count;
     return RSV_OK;
 }
 
 typedef struct hanging_finder {
     rsv_elements *e;
-    const rsv_index_map *nodes;
+    const rsv_index_map *nodes; ///< between corners
+    uint8_t *face_finest;       ///< [face_count] level of the smallest cells
+    uint8_t *edge_finest;       ///< [3 face_count] by welded edge, of the faces that share it
     size_t capacity;
     uint8_t *unbalanced; ///< [cell_count] edge halved more than once
     bool any_unbalanced;
@@ -96,22 +135,50 @@ static rsv_status find_between(hanging_finder *f, uint32_t cell, uint32_t a, uin
     return status;
 }
 
+/// Notes how small cells are in each face and beside each edge. @return the level of the smallest of all
+static int find_finest(hanging_finder *f)
+{
+    const rsv_elements *e = f->e;
+    int finest = 0;
+    for (size_t c = 0; c < e->cell_count; c++) {
+        uint8_t *in_face = &f->face_finest[e->cell[c].face], level = e->cell[c].level;
+        *in_face = level > *in_face ? level : *in_face;
+        finest = level > finest ? level : finest;
+    }
+    for (size_t face = 0; face < e->face_count; face++) {
+        for (int k = 0; k < 3; k++) {
+            uint8_t *beside = &f->edge_finest[e->face_edge[face][k]];
+            *beside = f->face_finest[face] > *beside ? f->face_finest[face] : *beside;
+        }
+    }
+    return finest;
+}
+
+/// Whether smaller cells may touch a cell: most are spared the search.
+static bool may_meet_smaller(const hanging_finder *f, const rsv_cell *cell)
+{
+    if (f->face_finest[cell->face] > cell->level) return true;
+    const uint32_t *edge = f->e->face_edge[cell->face];
+    for (int k = 0; k < 3; k++)
+        if (f->edge_finest[edge[k]] > cell->level) return true;
+    return false;
+}
+
 /// Cells are visited from coarse to fine, so that parents come before their children.
 static rsv_status find_hanging(hanging_finder *f)
 {
     rsv_elements *e = f->e;
     e->node_hanging = rsv_alloc(e->context, e->node_count, sizeof *e->node_hanging);
     f->unbalanced = rsv_alloc(e->context, e->cell_count, 1);
-    if (!e->node_hanging || !f->unbalanced) return RSV_ERROR_MEMORY;
+    f->face_finest = rsv_alloc(e->context, e->face_count, 1);
+    f->edge_finest = rsv_alloc(e->context, 3 * e->face_count, 1);
+    if (!e->node_hanging || !f->unbalanced || !f->face_finest || !f->edge_finest)
+        return RSV_ERROR_MEMORY;
     memset(e->node_hanging, 0xff, e->node_count * sizeof *e->node_hanging);
-    int coarsest = RSV_MAX_LEVEL, finest = 0;
-    for (size_t c = 0; c < e->cell_count; c++) {
-        coarsest = e->cell[c].level < coarsest ? e->cell[c].level : coarsest;
-        finest = e->cell[c].level > finest ? e->cell[c].level : finest;
-    }
-    for (int level = coarsest; level <= finest; level++) {
+    int finest = find_finest(f);
+    for (int level = 0; level < finest; level++) {
         for (size_t c = 0; c < e->cell_count; c++) {
-            if (e->cell[c].level != level) continue;
+            if (e->cell[c].level != level || !may_meet_smaller(f, &e->cell[c])) continue;
             for (int k = 0; k < 3; k++) {
                 int l = (k + 1) % 3;
                 rsv_status status =
@@ -182,15 +249,17 @@ rsv_status rsv_elements_renumber(rsv_elements *e, size_t node_count)
 rsv_status rsv_elements_number_nodes(rsv_elements *e, uint8_t **unbalanced, bool *any_unbalanced)
 {
     rsv_status status;
-    rsv_index_map nodes = { 0 };
-    hanging_finder finder = { .e = e, .nodes = &nodes };
-    RSV_TRY(rsv_index_map_create(e->context, e->cell_count * 2 / 3 + 16, &nodes));
+    node_table nodes = { 0 };
+    hanging_finder finder = { .e = e, .nodes = &nodes.between };
+    RSV_TRY(create_table(e, &nodes));
     RSV_TRY(number_nodes(e, &nodes));
     RSV_TRY(find_hanging(&finder));
     RSV_TRY(create_supports(e));
     *any_unbalanced = finder.any_unbalanced;
 cleanup:
     *unbalanced = finder.unbalanced;
-    rsv_index_map_destroy(&nodes);
+    rsv_free(e->context, finder.face_finest);
+    rsv_free(e->context, finder.edge_finest);
+    destroy_table(e->context, &nodes);
     return status;
 }

@@ -12,12 +12,14 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
 {
     rsv_cell_shape shape;
     uint32_t face = e->cell[cell].face, triangle = e->face_triangle[face];
-    rsv_surface_point point = { 0 };
+    const uint32_t *vertex = e->scene->triangle[triangle];
+    rsv_surface_point point =
+        rsv_surface_point_at(e->scene, triangle, 1.0f / 3, 1.0f / 3, e->face_back[face]);
     for (int k = 0; k < 3; k++) {
         float u, v;
         rsv_cell_corner(&e->cell[cell], k, &u, &v);
-        point = rsv_surface_point_at(e->scene, triangle, u, v, e->face_back[face]);
-        shape.corner[k] = point.position;
+        shape.corner[k] = v3_barycentric(e->scene->position[vertex[0]],
+            e->scene->position[vertex[1]], e->scene->position[vertex[2]], u, v);
     }
     shape.centre =
         v3_scale(v3_add(v3_add(shape.corner[0], shape.corner[1]), shape.corner[2]), 1.0f / 3);
