@@ -93,6 +93,13 @@ RSV_INLINE void rsv_sobol_2d(uint32_t index, uint32_t seed, float *x, float *y)
     *y = rsv_unit_float(rsv_owen_scramble(rsv_sobol_second(shuffled), rsv_hash2(seed, 1)));
 }
 
+/// The first coordinate of that alone.
+RSV_INLINE float rsv_sobol_1d(uint32_t index, uint32_t seed)
+{
+    uint32_t shuffled = rsv_owen_scramble(index, rsv_hash2(seed, 2));
+    return rsv_unit_float(rsv_owen_scramble(rsv_reverse_bits(shuffled), rsv_hash2(seed, 0)));
+}
+
 /// Place `index` of a (0, 2)-sequence that starts at the centre of the unit square.
 RSV_INLINE void rsv_shared_place(uint32_t index, float *x, float *y)
 {

@@ -54,13 +54,13 @@ static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements 
 }
 
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t points,
-    uint32_t seed, uint16_t *valid_points, uint64_t *rays)
+    uint32_t seed, const uint8_t *known, uint16_t *valid_points, uint64_t *rays)
 {
     rsv_team_place place = rsv_team_place_of(e->context);
     uint64_t traced = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
     for (size_t node = 0; node < e->node_count; node++) {
-        if (!rsv_team_owns(place, node)) continue;
+        if (!rsv_team_owns(place, node) || (known && known[node])) continue;
         valid_points[node] = e->node_hanging[node] == RSV_NONE
                                  ? judge_node(scene, e, (uint32_t)node, points, seed, &traced)
                                  : 0;

@@ -9,9 +9,10 @@
 /// cell, is not buried (nothing lies right upon it, and it sees something else than the backs of one-sided
 /// opaque surfaces), and if nothing stands between the two or right upon the point: otherwise the point is inside other geometry, or on the far side of a wall.
 /// @param points per node, at most 16; the same points as rsv_elements_sample_support draws
+/// @param known [node_count] non-zero = valid_points of this node stand already; NULL = none
 /// @param valid_points [node_count], out: bit k = point k counts; 0 = the node is buried (or hangs)
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *elements,
-    uint32_t points, uint32_t seed, uint16_t *valid_points, uint64_t *rays);
+    uint32_t points, uint32_t seed, const uint8_t *known, uint16_t *valid_points, uint64_t *rays);
 
 /// Lets every cell do without its buried corners: they take the value of a corner of the same cell that
 /// is not buried, so that light does not fade to black where something stands on a surface, and does not

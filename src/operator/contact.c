@@ -218,7 +218,8 @@ static void reattach_hanging(rsv_elements *e, const hanging_edge *edge)
             e->hanging[h].parent[p] = e->cell_node[edge[h].cell][edge[h].corner[p]];
 }
 
-rsv_status rsv_elements_separate(const rsv_tracer *tracer, rsv_elements *e, uint64_t *rays)
+rsv_status rsv_elements_separate(
+    const rsv_tracer *tracer, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
 {
     hanging_edge *edge = rsv_alloc(e->context, e->hanging_count, sizeof *edge);
     uint8_t *divided = rsv_alloc(e->context, e->node_count, 1);
@@ -233,9 +234,12 @@ rsv_status rsv_elements_separate(const rsv_tracer *tracer, rsv_elements *e, uint
     release_hanging(tracer, e, edge);
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
     reduction(+ : traced)
-    for (size_t node = 0; node < e->node_count; node++)
-        if (rsv_team_owns(place, node))
-            divided[node] = is_divided(tracer, e, (uint32_t)node, &traced);
+    for (uint32_t node = 0; node < e->node_count; node++) {
+        if (!rsv_team_owns(place, node)) continue;
+        // walls took away some of the cells around each node that they divided: such have no twin
+        bool whole = earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE;
+        divided[node] = !whole && is_divided(tracer, e, node, &traced);
+    }
     rsv_team_merge(e->context, divided, sizeof *divided, e->node_count);
     traced = rsv_team_total(e->context, traced) + hanging_before;
     uint32_t next = (uint32_t)e->node_count;

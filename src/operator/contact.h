@@ -15,6 +15,9 @@ rsv_status rsv_elements_refine_contacts(
     const rsv_transport_scene *scene, rsv_elements **elements, uint64_t *rays);
 
 /// Gives every side of a wall its own nodes where the wall runs along edges of cells.
-rsv_status rsv_elements_separate(const rsv_tracer *tracer, rsv_elements *elements, uint64_t *rays);
+/// @param earlier elements of the same faces on which that was done: only where cells changed since may there be more to
+///                do; NULL = everywhere
+rsv_status rsv_elements_separate(
+    const rsv_tracer *tracer, const rsv_elements *earlier, rsv_elements *elements, uint64_t *rays);
 
 #endif

@@ -92,9 +92,9 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         uint32_t at = k % p->count, index = first_sample + k;
         contribution[k] = entered[k] = rgb_gray(0);
         if (!(p->valid >> at & 1)) continue;
-        float x, y, select, unused;
+        float x, y;
         rsv_sobol_2d(index, rsv_hash3(job->seed, node, 1), &x, &y);
-        rsv_sobol_2d(index, rsv_hash3(job->seed, node, 2), &select, &unused);
+        float select = rsv_sobol_1d(index, rsv_hash3(job->seed, node, 2));
         rsv_light_sample sample;
         if (!rsv_local_lights_sample(&local[at], select, x, y, &sample)) continue;
         float cos = v3_dot(p->point[at].normal, sample.direction);

@@ -28,6 +28,38 @@ void rsv_elements_place_node(
     *v = place.v;
 }
 
+static float support_area(const rsv_elements *e, uint32_t node)
+{
+    float area = 0;
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        area += rsv_cell_area(e, e->support[s] / 4);
+    return area;
+}
+
+/// Whether a node is the cell's own corner k, and not one that stands in for a buried corner.
+static bool is_own_corner(const rsv_elements *e, uint32_t node, uint32_t cell, uint32_t k)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if (e->support[s] == 4 * cell + k) return true;
+    return false;
+}
+
+uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_elements *other)
+{
+    uint32_t face, k = 0;
+    float u, v, weight[3];
+    rsv_elements_place_node(e, node, &face, &u, &v);
+    uint32_t cell = rsv_elements_locate(other, face, u, v, weight);
+    while (k < 3 && weight[k] <= 0.9f)
+        k++;
+    if (k == 3) return RSV_NONE;
+    uint32_t twin = other->cell_node[cell][k];
+    if (!is_own_corner(other, twin, cell, k)) return RSV_NONE;
+    // splits and walls leave a node less of its surroundings
+    float area = support_area(e, node);
+    return fabsf(support_area(other, twin) - area) <= 1e-6f * area ? twin : RSV_NONE;
+}
+
 void rsv_elements_sample_support(
     const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed, rsv_support_point *points)
 {

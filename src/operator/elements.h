@@ -172,6 +172,11 @@ RSV_INLINE void rsv_cell_corner(const rsv_cell *cell, int k, float *u, float *v)
 void rsv_elements_place_node(
     const rsv_elements *elements, uint32_t node, uint32_t *face, float *u, float *v);
 
+/// The node of other elements of the same faces that has the very same cells around it, or RSV_NONE: what was found
+/// over its support stands. Either may hang.
+uint32_t rsv_elements_find_twin(
+    const rsv_elements *elements, uint32_t node, const rsv_elements *other);
+
 /// A point of a node's support.
 typedef struct rsv_support_point {
     uint32_t support; ///< cell * 4 + corner

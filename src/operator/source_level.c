@@ -26,23 +26,67 @@ typedef struct level_builder {
     rsv_rgb *direct;
     float *deviation; ///< of direct
     uint16_t *valid_points;
+    uint8_t *known;        ///< [node_count] whose surroundings the last split left as they were
     rsv_photon_map map[2]; ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
     uint8_t *split; ///< [cell_count]
     uint64_t *rays;
 } level_builder;
 
+/// What was known on the elements before a split.
+typedef struct earlier_level {
+    rsv_elements *elements;
+    rsv_rgb *direct;
+    float *deviation;
+    uint16_t *valid_points;
+} earlier_level;
+
+/// Takes over what is known of nodes whose surroundings did not change.
+static void carry_over(level_builder *b, const earlier_level *earlier)
+{
+    const rsv_elements *e = b->elements;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t twin = rsv_elements_find_twin(e, (uint32_t)n, earlier->elements);
+        if (twin == RSV_NONE || earlier->elements->node_hanging[twin] != RSV_NONE ||
+            e->node_hanging[n] != RSV_NONE)
+            continue;
+        b->known[n] = 1;
+        b->valid_points[n] = earlier->valid_points[twin];
+        if (!b->direct) continue;
+        b->direct[n] = earlier->direct[twin];
+        b->deviation[n] = earlier->deviation[twin];
+    }
+}
+
+static rsv_status allocate_fields(level_builder *b)
+{
+    rsv_context *context = b->coarse->context;
+    size_t nodes = b->elements->node_count;
+    b->valid_points = rsv_alloc(context, nodes, sizeof *b->valid_points);
+    b->known = rsv_alloc(context, nodes, sizeof *b->known);
+    if (!b->valid_points || !b->known) return RSV_ERROR_MEMORY;
+    if (!b->desc->direct) return RSV_OK;
+    b->direct = rsv_alloc(context, nodes, sizeof *b->direct);
+    b->deviation = rsv_alloc(context, nodes, sizeof *b->deviation);
+    return b->direct && b->deviation ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
 /// Elements ready to receive: walls kept apart, buried corners bridged.
-static rsv_status prepare_elements(level_builder *b)
+/// @param earlier NULL = nothing is known yet
+static rsv_status prepare_elements(level_builder *b, const earlier_level *earlier)
 {
     rsv_elements *e = b->elements;
-    rsv_status status = rsv_elements_separate(b->scene->tracer, e, b->rays);
-    if (status != RSV_OK) return status;
-    b->valid_points = rsv_alloc(e->context, e->node_count, sizeof *b->valid_points);
-    if (!b->valid_points) return RSV_ERROR_MEMORY;
-    status =
-        rsv_find_buried(b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->valid_points, b->rays);
-    return status == RSV_OK ? rsv_elements_bridge_buried(e, b->valid_points) : status;
+    rsv_status status;
+    RSV_TRY(
+        rsv_elements_separate(b->scene->tracer, earlier ? earlier->elements : NULL, e, b->rays));
+    RSV_TRY(allocate_fields(b));
+    if (earlier) carry_over(b, earlier);
+    RSV_TRY(rsv_find_buried(
+        b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->known, b->valid_points, b->rays));
+    RSV_TRY(rsv_elements_bridge_buried(e, b->valid_points));
+cleanup:
+    return status;
 }
 
 /// Estimates direct light at the nodes that `known` does not cover. (How many samples a node gets must not
@@ -52,6 +96,40 @@ static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint
     rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RSV_LEVEL_POINTS,
         samples, b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
     rsv_mark_buried(b->elements, b->valid_points, b->deviation);
+    return status;
+}
+
+/// Whether the shadow rays from each corner of the cell that a fresh node lies in all met the same: no shadow ends
+/// there.
+static bool is_unbroken(const rsv_elements *e, uint32_t node, const earlier_level *earlier)
+{
+    uint32_t face;
+    float u, v, weight[3];
+    rsv_elements_place_node(e, node, &face, &u, &v);
+    uint32_t cell = rsv_elements_locate(earlier->elements, face, u, v, weight);
+    const uint32_t *corner = earlier->elements->cell_node[cell];
+    return earlier->deviation[corner[0]] + earlier->deviation[corner[1]] +
+               earlier->deviation[corner[2]] ==
+           0;
+}
+
+/// Estimates direct light at fresh nodes, with more samples where shadows may end.
+static rsv_status estimate_fresh(level_builder *b, const earlier_level *earlier)
+{
+    const rsv_elements *e = b->elements;
+    uint32_t samples = b->desc->light_samples;
+    rsv_status status;
+    uint8_t *skip = rsv_alloc(e->context, e->node_count, 1);
+    if (!skip) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++)
+        skip[n] = b->known[n] || !is_unbroken(e, (uint32_t)n, earlier);
+    RSV_TRY(estimate_direct(b, samples, skip));
+    for (size_t n = 0; n < e->node_count; n++)
+        skip[n] = b->known[n] || !skip[n];
+    RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * samples, skip));
+cleanup:
+    rsv_free(e->context, skip);
     return status;
 }
 
@@ -143,41 +221,17 @@ cleanup:
     return status;
 }
 
-/// Whether a node is the cell's own corner k, and not one that stands in for a buried corner.
-static bool is_own_corner(const rsv_elements *e, uint32_t node, uint32_t cell, int k)
+/// Takes the fields away from the builder, which starts anew.
+static earlier_level set_aside(level_builder *b)
 {
-    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
-        if (e->support[s] == 4 * cell + (uint32_t)k) return true;
-    return false;
-}
-
-/// Carries over the direct light of nodes whose surroundings did not change.
-static void carry_over(level_builder *b, const rsv_elements *old, const rsv_rgb *old_direct,
-    const float *old_deviation, uint8_t *known)
-{
-    const rsv_elements *e = b->elements;
-    for (size_t n = 0; n < e->node_count; n++) {
-        uint32_t face;
-        float u, v, weight[3];
-        rsv_elements_place_node(e, (uint32_t)n, &face, &u, &v);
-        uint32_t old_cell = rsv_elements_locate(old, face, u, v, weight);
-        int k = weight[0] > 0.9f ? 0 : weight[1] > 0.9f ? 1 : weight[2] > 0.9f ? 2 : -1;
-        if (k < 0) continue;
-        uint32_t twin = old->cell_node[old_cell][k];
-        bool same = fabsf(old->node_area[twin] - e->node_area[n]) <= 1e-6f * e->node_area[n];
-        if (!same || e->node_hanging[n] != RSV_NONE || !is_own_corner(old, twin, old_cell, k))
-            continue;
-        b->direct[n] = old_direct[twin];
-        b->deviation[n] = old_deviation[twin];
-        known[n] = 1;
-    }
-}
-
-static rsv_status allocate_direct(level_builder *b)
-{
-    b->direct = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->direct);
-    b->deviation = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->deviation);
-    return b->direct && b->deviation ? RSV_OK : RSV_ERROR_MEMORY;
+    earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points };
+    rsv_free(b->coarse->context, b->known);
+    b->elements = NULL;
+    b->direct = NULL;
+    b->deviation = NULL;
+    b->valid_points = NULL;
+    b->known = NULL;
+    return earlier;
 }
 
 /// Replaces the elements by finer ones and updates direct light on them.
@@ -185,32 +239,15 @@ static rsv_status split_once(level_builder *b)
 {
     rsv_context *context = b->coarse->context;
     rsv_status status;
-    rsv_elements *old = b->elements;
-    rsv_rgb *old_direct = b->direct;
-    float *old_deviation = b->deviation;
-    uint8_t *known = NULL;
-    b->elements = NULL;
-    b->direct = NULL;
-    b->deviation = NULL;
-    rsv_free(context, b->valid_points);
-    b->valid_points = NULL;
-    RSV_TRY(rsv_elements_refine(old, b->split, &b->elements));
-    RSV_TRY(prepare_elements(b));
-    if (b->desc->direct) {
-        RSV_TRY(allocate_direct(b));
-        known = rsv_alloc(context, b->elements->node_count, 1);
-        if (!known) {
-            status = RSV_ERROR_MEMORY;
-            goto cleanup;
-        }
-        carry_over(b, old, old_direct, old_deviation, known);
-        RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, known));
-    }
+    earlier_level earlier = set_aside(b);
+    RSV_TRY(rsv_elements_refine(earlier.elements, b->split, &b->elements));
+    RSV_TRY(prepare_elements(b, &earlier));
+    if (b->desc->direct) RSV_TRY(estimate_fresh(b, &earlier));
 cleanup:
-    rsv_free(context, known);
-    rsv_free(context, old_direct);
-    rsv_free(context, old_deviation);
-    rsv_elements_destroy(old);
+    rsv_free(context, earlier.direct);
+    rsv_free(context, earlier.deviation);
+    rsv_free(context, earlier.valid_points);
+    rsv_elements_destroy(earlier.elements);
     return status;
 }
 
@@ -250,11 +287,8 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
         b.split[c] =
             cell_size(coarse, c) > 0.25f * coarse->spacing && !(desc->hidden && desc->hidden[c]);
     RSV_TRY(rsv_elements_refine(coarse, b.split, &b.elements));
-    RSV_TRY(prepare_elements(&b));
-    if (desc->direct) {
-        RSV_TRY(allocate_direct(&b));
-        RSV_TRY(estimate_direct(&b, desc->light_samples, NULL));
-    }
+    RSV_TRY(prepare_elements(&b, NULL));
+    if (desc->direct) RSV_TRY(estimate_direct(&b, desc->light_samples, NULL));
     RSV_TRY(refine(&b));
     if (b.caustic) {
         level->coarse_caustic =
@@ -276,6 +310,7 @@ cleanup:
     rsv_free(context, b.direct);
     rsv_free(context, b.deviation);
     rsv_free(context, b.valid_points);
+    rsv_free(context, b.known);
     free_photons(&b);
     rsv_elements_destroy(b.elements);
     return status;

@@ -8,7 +8,7 @@
 #include "photons.h"
 
 #define RSV_LEVEL_POINTS 4 ///< receiver points over the support of a node
-/// Nodes of split cells lie where shadows end: they get so many times the shadow rays.
+/// Nodes of split cells in which a shadow ends get so many times the shadow rays.
 #define RSV_PENUMBRA_FACTOR 4
 
 typedef struct rsv_source_level_desc {

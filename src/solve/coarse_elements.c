@@ -9,20 +9,42 @@
 #define CLUSTER_RADIUS 1.0f
 #define CLUSTER_RADIUS_WITHOUT_PILOTS 0.5f
 
-static rsv_status prepare_elements(rsv_solution *s)
+/// Finds the receiver points that are not buried, anew where the cells around a node are not those of `earlier`.
+/// @param earlier NULL = everywhere @param earlier_points of those elements
+static rsv_status find_valid_points(
+    rsv_solution *s, const rsv_elements *earlier, const uint16_t *earlier_points)
 {
-    rsv_status status = rsv_elements_separate(s->tracer, s->elements, &s->report.rays);
-    if (status == RSV_OK)
-        status = rsv_elements_cluster(s->elements,
-            s->elements->spacing *
-                (s->desc.refinements ? CLUSTER_RADIUS : CLUSTER_RADIUS_WITHOUT_PILOTS));
-    if (status != RSV_OK) return status;
-    rsv_free(s->context, s->valid_points);
-    s->valid_points = rsv_alloc(s->context, s->elements->node_count, sizeof *s->valid_points);
-    if (!s->valid_points) return RSV_ERROR_MEMORY;
-    status = rsv_find_buried(
-        &s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed, s->valid_points, &s->report.rays);
-    return status == RSV_OK ? rsv_elements_bridge_buried(s->elements, s->valid_points) : status;
+    const rsv_elements *e = s->elements;
+    rsv_status status;
+    uint8_t *known = rsv_alloc(s->context, e->node_count, 1);
+    uint16_t *valid = s->valid_points =
+        rsv_alloc(s->context, e->node_count, sizeof *s->valid_points);
+    RSV_TRY(known && valid ? RSV_OK : RSV_ERROR_MEMORY);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t twin = earlier ? rsv_elements_find_twin(e, (uint32_t)n, earlier) : RSV_NONE;
+        known[n] = twin != RSV_NONE && earlier->node_hanging[twin] == RSV_NONE &&
+                   e->node_hanging[n] == RSV_NONE;
+        if (known[n]) valid[n] = earlier_points[twin];
+    }
+    RSV_TRY(rsv_find_buried(
+        &s->scene, e, RSV_SUPPORT_POINTS, s->desc.seed, known, valid, &s->report.rays));
+cleanup:
+    rsv_free(s->context, known);
+    return status;
+}
+
+static rsv_status prepare_elements(
+    rsv_solution *s, const rsv_elements *earlier, const uint16_t *earlier_points)
+{
+    rsv_status status;
+    float part = s->desc.refinements ? CLUSTER_RADIUS : CLUSTER_RADIUS_WITHOUT_PILOTS;
+    RSV_TRY(rsv_elements_separate(s->tracer, earlier, s->elements, &s->report.rays));
+    RSV_TRY(rsv_elements_cluster(s->elements, part * s->elements->spacing));
+    RSV_TRY(find_valid_points(s, earlier, earlier_points));
+    RSV_TRY(rsv_elements_bridge_buried(s->elements, s->valid_points));
+cleanup:
+    return status;
 }
 
 rsv_status rsv_coarse_elements_create(rsv_solution *s, float spacing, float largest)
@@ -30,16 +52,22 @@ rsv_status rsv_coarse_elements_create(rsv_solution *s, float spacing, float larg
     rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, largest, &s->elements);
     if (status != RSV_OK) return status;
     s->elements->spacing = spacing;
+    rsv_free(s->context, s->valid_points);
+    s->valid_points = NULL;
     status = rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays);
-    return status == RSV_OK ? prepare_elements(s) : status;
+    return status == RSV_OK ? prepare_elements(s, NULL, NULL) : status;
 }
 
 rsv_status rsv_coarse_elements_split(rsv_solution *s, const uint8_t *split)
 {
-    rsv_elements *finer = NULL;
-    rsv_status status = rsv_elements_refine(s->elements, split, &finer);
+    rsv_elements *earlier = s->elements, *finer = NULL;
+    uint16_t *earlier_points = s->valid_points;
+    rsv_status status = rsv_elements_refine(earlier, split, &finer);
     if (status != RSV_OK) return status;
-    rsv_elements_destroy(s->elements);
     s->elements = finer;
-    return prepare_elements(s);
+    s->valid_points = NULL;
+    status = prepare_elements(s, earlier, earlier_points);
+    rsv_free(s->context, earlier_points);
+    rsv_elements_destroy(earlier);
+    return status;
 }

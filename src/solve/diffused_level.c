@@ -107,7 +107,7 @@ static rsv_status create_elements(rsv_solution *s)
         e = finer;
         finer = NULL;
     }
-    RSV_TRY(rsv_elements_separate(s->tracer, e, &s->report.rays));
+    RSV_TRY(rsv_elements_separate(s->tracer, NULL, e, &s->report.rays));
     RSV_TRY(rsv_elements_cluster(e, CLUSTER_SHARE * f_max(finest_wanted(s), affordable)));
     s->diffused.elements = e;
     e = NULL;
@@ -145,7 +145,7 @@ static rsv_status create_entered(rsv_solution *s)
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
-    RSV_TRY(rsv_find_buried(&s->scene, e, RECEIVER_POINTS, s->desc.seed, valid, rays));
+    RSV_TRY(rsv_find_buried(&s->scene, e, RECEIVER_POINTS, s->desc.seed, NULL, valid, rays));
     RSV_TRY(rsv_elements_bridge_buried(s->diffused.elements, valid));
     for (uint32_t n = 0; n < e->node_count; n++)
         known[n] = !is_translucent_node(e, n);

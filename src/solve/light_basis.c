@@ -143,7 +143,7 @@ rsv_status rsv_find_fine_valid(const rsv_solution *s, uint16_t **valid)
     *valid = rsv_alloc(s->context, s->fine.elements->node_count, sizeof **valid);
     if (!*valid) return RSV_ERROR_MEMORY;
     return rsv_find_buried(
-        &s->scene, s->fine.elements, RSV_LEVEL_POINTS, rsv_level_seed(s), *valid, &rays);
+        &s->scene, s->fine.elements, RSV_LEVEL_POINTS, rsv_level_seed(s), NULL, *valid, &rays);
 }
 
 /// value's share of sum; equal shares where nothing was found by anyone.

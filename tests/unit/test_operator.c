@@ -102,11 +102,11 @@ static rows create_rows(world *w, float spacing, uint32_t ray_count)
     rows r = { .w = w };
     world_commit(w);
     assert_int_equal(rsv_elements_create(w->scene, w->bsdf, spacing, &r.elements), RSV_OK);
-    assert_int_equal(rsv_elements_separate(w->tracer, r.elements, &r.rays), RSV_OK);
+    assert_int_equal(rsv_elements_separate(w->tracer, NULL, r.elements, &r.rays), RSV_OK);
     r.valid_points = calloc(r.elements->node_count, sizeof *r.valid_points);
     assert_non_null(r.valid_points);
-    assert_int_equal(
-        rsv_find_buried(&w->transport, r.elements, RSV_SUPPORT_POINTS, 1, r.valid_points, &r.rays),
+    assert_int_equal(rsv_find_buried(&w->transport, r.elements, RSV_SUPPORT_POINTS, 1, NULL,
+                         r.valid_points, &r.rays),
         RSV_OK);
     assert_int_equal(rsv_elements_bridge_buried(r.elements, r.valid_points), RSV_OK);
     assert_int_equal(rsv_transport_create(&w->transport, w->lights, r.elements, r.valid_points,
@@ -323,7 +323,7 @@ static void split_cells_receive_their_share(void **state)
     r.elements = finer;
     r.valid_points = realloc(r.valid_points, finer->node_count * sizeof *r.valid_points);
     assert_int_equal(
-        rsv_find_buried(&w->transport, finer, RSV_SUPPORT_POINTS, 1, r.valid_points, &r.rays),
+        rsv_find_buried(&w->transport, finer, RSV_SUPPORT_POINTS, 1, NULL, r.valid_points, &r.rays),
         RSV_OK);
     assert_int_equal(rsv_transport_create(
                          &w->transport, w->lights, finer, r.valid_points, 1024, 1, &r.transport),
