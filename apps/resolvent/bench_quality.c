@@ -35,8 +35,8 @@ enum { recipe_count = sizeof recipes / sizeof recipes[0] };
 
 /// What the pictures are held against, and how far it is itself from the truth.
 typedef struct judge {
-    rsv_image *mean;
-    double median_error, relative_mse; ///< NAN = unknown
+    rsv_image *half[2], *mean; ///< two independent pictures, and their mean
+    double median_error, relative_mse;
 } judge;
 
 /// What was measured of one recipe.
@@ -136,55 +136,60 @@ static void add_pixels(rsv_image *sum, float weight, const rsv_image *image)
     }
 }
 
-/// Adds the pictures up by turns into two halves, each scaled to be a picture of its own.
-static bool gather_halves(const cli_bench_task *bench, size_t count, rsv_image *const half[2])
+/// Adds the pictures up by turns into two halves, each scaled to be a picture of its own, and into their mean.
+static bool gather_halves(const cli_bench_task *bench, size_t count, judge *j)
 {
     for (size_t i = 0; i < count; i++) {
         rsv_image *picture = NULL;
         if (!judge_picture(bench, i, count, &picture)) return false;
         bool fits =
             rsv_image_width(picture) == bench->size && rsv_image_height(picture) == bench->size;
-        if (fits)
-            add_pixels(half[i % 2], 2.0f / (float)count, picture);
-        else
+        if (fits) {
+            add_pixels(j->half[i % 2], 2.0f / (float)count, picture);
+            add_pixels(j->mean, 1.0f / (float)count, picture);
+        } else {
             cli_error("%s: a reference must have %u x %u pixels", bench->references.item[i],
                 bench->size, bench->size);
+        }
         rsv_image_destroy(picture);
         if (!fits) return false;
     }
     return true;
 }
 
+static rsv_status judge_by(const judge *j, const rsv_image *image, rsv_image_judgement *judgement)
+{
+    return rsv_image_judge(
+        (const rsv_image *const *)j->half, (const uint32_t[2]){ 0, 0 }, image, 0, judgement);
+}
+
 /// The reference is the mean of two independent halves; half their difference is its own error.
 static bool make_judge(const cli_bench_task *bench, judge *j)
 {
     size_t count = bench->references.count ? bench->references.count : 2;
-    rsv_context *context = bench->session->context;
-    rsv_image *half[2] = { NULL, NULL };
+    rsv_image **const image[3] = { &j->half[0], &j->half[1], &j->mean };
     rsv_image_difference apart;
+    rsv_image_judgement own;
     rsv_status status = RSV_OK;
-    bool made = false;
-    for (int i = 0; i < 2 && status == RSV_OK; i++)
-        status = rsv_image_create(context, bench->size, bench->size, 1, &half[i]);
-    if (status == RSV_OK) status = rsv_image_create(context, bench->size, bench->size, 1, &j->mean);
-    if (status == RSV_OK && !gather_halves(bench, count, half)) goto cleanup;
-    if (status == RSV_OK) {
-        add_pixels(j->mean, 0.5f, half[0]);
-        add_pixels(j->mean, 0.5f, half[1]);
-        status = rsv_image_compare(half[0], 0, half[1], 0, &apart);
-    }
+    for (int i = 0; i < 3 && status == RSV_OK; i++)
+        status = rsv_image_create(bench->session->context, bench->size, bench->size, 1, image[i]);
+    if (status == RSV_OK && !gather_halves(bench, count, j)) return false;
+    if (status == RSV_OK) status = rsv_image_compare(j->half[0], 0, j->half[1], 0, &apart);
+    if (status == RSV_OK) status = judge_by(j, j->mean, &own);
     if (status != RSV_OK) {
         cli_report_failure(bench->session, status);
-        goto cleanup;
+        return false;
     }
     j->median_error = apart.median_relative_error / 2;
-    j->relative_mse = apart.relative_mse / 4;
-    made = true;
+    j->relative_mse = own.reference_mse;
+    return true;
+}
 
-cleanup:
-    rsv_image_destroy(half[0]);
-    rsv_image_destroy(half[1]);
-    return made;
+static void release_judge(judge *j)
+{
+    rsv_image_destroy(j->half[0]);
+    rsv_image_destroy(j->half[1]);
+    rsv_image_destroy(j->mean);
 }
 
 /// Squares of independent errors add; less than a hundredth of what was measured cannot be told from it.
@@ -196,16 +201,19 @@ static double square_without(double own, double measured)
 static bool measure(const cli_bench_task *bench, const judge *j, const recipe *r, outcome *out)
 {
     rsv_image *image = NULL;
+    rsv_image_judgement judgement = { 0 };
     bool measured = time_picture(bench, r, &image, out);
     if (measured) {
         rsv_status status = rsv_image_compare(j->mean, 0, image, 0, &out->difference);
+        if (status == RSV_OK) status = judge_by(j, image, &judgement);
         if (status != RSV_OK) cli_report_failure(bench->session, status);
         measured = status == RSV_OK;
     }
     rsv_image_destroy(image);
     double median = out->difference.median_relative_error;
     out->median_error = sqrt(square_without(j->median_error * j->median_error, median * median));
-    out->relative_mse = square_without(j->relative_mse, out->difference.relative_mse);
+    // less than its standard error cannot be told from none
+    out->relative_mse = fmax(judgement.relative_mse, judgement.relative_mse_error);
     return measured;
 }
 
@@ -248,7 +256,7 @@ bool cli_bench_quality(const cli_bench_task *bench, cJSON *result)
     bool measured = make_judge(bench, &j);
     for (size_t i = 0; i < recipe_count && measured; i++)
         measured = measure(bench, &j, &recipes[i], &outcomes[i]);
-    rsv_image_destroy(j.mean);
+    release_judge(&j);
     if (!measured) return false;
     cJSON *reference = cJSON_AddObjectToObject(result, "reference");
     cJSON_AddNumberToObject(reference, "median_relative_error", j.median_error);

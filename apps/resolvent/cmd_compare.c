@@ -24,15 +24,23 @@ static const char help[] =
     "\n"
     "  -o FILE       write |B - A| as a picture\n"
     "  --gain X      that many times as bright (default 1)\n"
+    "  --twin FILE   A made once more with another --seed: A is then the mean of the two, and "
+    "their\n"
+    "                noise, which does not correlate, is told from the error of B:\n"
+    "                  without_noise    relative MSE of B against the truth, give or take its "
+    "standard\n"
+    "                                   error; A^2 is that of the mean over 5 x 5 pixels\n"
+    "                  noise_of_a       relative MSE of A against the truth\n"
     "  --layer NAME  compare the layers of that name (see `resolvent render --layers`)\n"
     "  --json        print JSON\n"
     "\n"
     "examples:\n"
     "  resolvent compare reference.exr operator.exr\n"
-    "  resolvent compare a.exr b.exr --layer bounce1 --json\n";
+    "  resolvent compare a.exr b.exr --layer bounce1 --json\n"
+    "  resolvent compare seed1.exr final.exr --twin seed2.exr\n";
 
 typedef struct settings {
-    const char *path[2];
+    const char *path[3]; ///< A, B and A's twin, or NULL
     const char *layer, *output;
     float gain;
     bool json;
@@ -55,8 +63,16 @@ static bool read_layer(
     return false;
 }
 
-static void print_text(const rsv_image_difference *d)
+/// What was found; `judgement` only with a twin.
+typedef struct findings {
+    rsv_image_difference difference;
+    rsv_image_judgement judgement;
+    bool judged;
+} findings;
+
+static void print_text(const findings *f)
 {
+    const rsv_image_difference *d = &f->difference;
     const double *ratio = d->channel_mean_ratio;
     printf("rmse                   %.6g\n", d->rmse);
     printf("relative_mse           %.6g\n", d->relative_mse);
@@ -64,10 +80,15 @@ static void print_text(const rsv_image_difference *d)
     printf("mean_ratio             %.6f  (r %.6f, g %.6f, b %.6f)\n", d->mean_ratio, ratio[0],
         ratio[1], ratio[2]);
     printf("median_relative_error  %.6g\n", d->median_relative_error);
+    if (!f->judged) return;
+    printf("without_noise          %.6g  (+- %.2g)\n", f->judgement.relative_mse,
+        f->judgement.relative_mse_error);
+    printf("noise_of_a             %.6g\n", f->judgement.reference_mse);
 }
 
-static bool print_json(const rsv_image_difference *d)
+static bool print_json(const findings *f)
 {
+    const rsv_image_difference *d = &f->difference;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddNumberToObject(root, "rmse", d->rmse);
     cJSON_AddNumberToObject(root, "relative_mse", d->relative_mse);
@@ -76,13 +97,18 @@ static bool print_json(const rsv_image_difference *d)
     cJSON_AddItemToObject(
         root, "channel_mean_ratio", cJSON_CreateDoubleArray(d->channel_mean_ratio, 3));
     cJSON_AddNumberToObject(root, "median_relative_error", d->median_relative_error);
+    if (f->judged) {
+        cJSON_AddNumberToObject(root, "without_noise", f->judgement.relative_mse);
+        cJSON_AddNumberToObject(root, "without_noise_error", f->judgement.relative_mse_error);
+        cJSON_AddNumberToObject(root, "noise_of_a", f->judgement.reference_mse);
+    }
     bool printed = cli_write_json(NULL, root);
     cJSON_Delete(root);
     return printed;
 }
 
 static rsv_status write_difference(
-    cli_session *session, const settings *s, rsv_image *const image[2], const uint32_t layer[2])
+    cli_session *session, const settings *s, rsv_image *const *image, const uint32_t *layer)
 {
     uint32_t width = rsv_image_width(image[0]), height = rsv_image_height(image[0]);
     rsv_image *difference;
@@ -99,29 +125,49 @@ static rsv_status write_difference(
     return status;
 }
 
+/// Judges B by A and its twin, and leaves their mean in A.
+static rsv_status judge(
+    rsv_image *const image[3], const uint32_t layer[3], rsv_image_judgement *judgement)
+{
+    const rsv_image *const reference[2] = { image[0], image[2] };
+    const uint32_t reference_layer[2] = { layer[0], layer[2] };
+    rsv_status status = rsv_image_judge(reference, reference_layer, image[1], layer[1], judgement);
+    if (status != RSV_OK) return status;
+    rsv_rgb *a = rsv_image_pixels(image[0], layer[0]);
+    const rsv_rgb *twin = rsv_image_const_pixels(image[2], layer[2]);
+    size_t count = (size_t)rsv_image_width(image[0]) * rsv_image_height(image[0]);
+    for (size_t i = 0; i < count; i++)
+        a[i] = (rsv_rgb){ 0.5f * (a[i].r + twin[i].r), 0.5f * (a[i].g + twin[i].g),
+            0.5f * (a[i].b + twin[i].b) };
+    return RSV_OK;
+}
+
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
-    rsv_image *image[2] = { NULL, NULL };
-    uint32_t layer[2];
-    for (int i = 0; i < 2; i++)
-        if (!read_layer(session, s->path[i], s->layer, &image[i], &layer[i])) goto cleanup;
-
-    rsv_image_difference difference;
-    rsv_status status = rsv_image_compare(image[0], layer[0], image[1], layer[1], &difference);
+    rsv_image *image[3] = { NULL, NULL, NULL };
+    uint32_t layer[3];
+    findings found = { .judged = s->path[2] != NULL };
+    rsv_status status = RSV_OK;
+    for (int i = 0; i < 3; i++)
+        if (s->path[i] && !read_layer(session, s->path[i], s->layer, &image[i], &layer[i]))
+            goto cleanup;
+    if (found.judged) status = judge(image, layer, &found.judgement);
+    if (status == RSV_OK)
+        status = rsv_image_compare(image[0], layer[0], image[1], layer[1], &found.difference);
     if (status == RSV_OK && s->output) status = write_difference(session, s, image, layer);
     if (status != RSV_OK) {
         cli_report_failure(session, status);
     } else if (!s->json) {
-        print_text(&difference);
+        print_text(&found);
         exit_status = CLI_SUCCESS;
-    } else if (print_json(&difference)) {
+    } else if (print_json(&found)) {
         exit_status = CLI_SUCCESS;
     }
 
 cleanup:
-    rsv_image_destroy(image[0]);
-    rsv_image_destroy(image[1]);
+    for (int i = 0; i < 3; i++)
+        rsv_image_destroy(image[i]);
     return exit_status;
 }
 
@@ -132,6 +178,7 @@ int cli_compare(int argc, char **argv)
         { .name = "-o", .kind = CLI_TEXT, .value = &s.output },
         { .name = "--gain", .kind = CLI_REAL, .value = &s.gain, .min = 0, .max = 1e6 },
         { .name = "--layer", .kind = CLI_TEXT, .value = &s.layer },
+        { .name = "--twin", .kind = CLI_TEXT, .value = &s.path[2] },
         { .name = "--json", .kind = CLI_FLAG, .value = &s.json },
         { .name = NULL },
     };

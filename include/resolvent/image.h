@@ -55,6 +55,20 @@ typedef struct rsv_image_difference {
 RSV_API rsv_status rsv_image_compare(const rsv_image *a, uint32_t layer_a, const rsv_image *b,
     uint32_t layer_b, rsv_image_difference *difference);
 
+/// What two pictures of one truth, each with noise of its own, say of a third.
+typedef struct rsv_image_judgement {
+    /// Mean of (b - a0) (b - a1) / (m^2 + 0.01 mean(a)^2), where m is the mean of both a over 5 x 5 pixels: noise that
+    /// does not correlate cancels, so this is how far b is from the truth, and can come out below 0.
+    double relative_mse;
+    double relative_mse_error; ///< its standard error, pixels taken for independent
+    double reference_mse;      ///< relative MSE of the mean of the two themselves
+} rsv_image_judgement;
+
+/// Judges the picture b by two independent references of the same size, such as path-traced ones with different seeds.
+/// Unlike the noise of a single reference, that of two does not count as an error of b.
+RSV_API rsv_status rsv_image_judge(const rsv_image *const a[2], const uint32_t layer_a[2],
+    const rsv_image *b, uint32_t layer_b, rsv_image_judgement *judgement);
+
 #ifdef __cplusplus
 }
 #endif

@@ -25,7 +25,7 @@ static rsv_status check_layer(const rsv_image *image, uint32_t layer, const char
     return RSV_OK;
 }
 
-static rsv_status check_pair(
+rsv_status rsv_image_check_pair(
     const rsv_image *a, uint32_t layer_a, const rsv_image *b, uint32_t layer_b)
 {
     if (rsv_image_width(a) != rsv_image_width(b) || rsv_image_height(a) != rsv_image_height(b))
@@ -107,7 +107,7 @@ static rsv_status compare_luminance(rsv_context *context, const rsv_rgb *a, cons
 rsv_status rsv_image_compare(const rsv_image *a, uint32_t layer_a, const rsv_image *b,
     uint32_t layer_b, rsv_image_difference *difference)
 {
-    rsv_status status = check_pair(a, layer_a, b, layer_b);
+    rsv_status status = rsv_image_check_pair(a, layer_a, b, layer_b);
     if (status != RSV_OK) return status;
     const rsv_rgb *pixels_a = rsv_image_const_pixels(a, layer_a);
     const rsv_rgb *pixels_b = rsv_image_const_pixels(b, layer_b);

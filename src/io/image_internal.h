@@ -19,6 +19,11 @@ typedef struct rsv_image_file {
 
 rsv_context *rsv_image_context(const rsv_image *image);
 
+/// Whether two layers can be compared: pictures of one size, whose every value is finite.
+/// @param a the reference
+rsv_status rsv_image_check_pair(
+    const rsv_image *a, uint32_t layer_a, const rsv_image *b, uint32_t layer_b);
+
 /// RSV_ERROR_FORMAT, naming the file, unless a picture of that size may be read.
 rsv_status rsv_image_check_size(const char *path, int64_t width, int64_t height);
 

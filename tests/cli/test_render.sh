@@ -36,6 +36,8 @@ says '^median_relative_error '
 succeeds compare final1.exr final2.exr --layer direct --json
 says '"rmse":[[:space:]]*0,'
 refuses 1 "has no layer 'rainbow'" compare final1.exr final2.exr --layer rainbow
+succeeds compare reference1.exr final1.exr --twin reference1.exr
+says without_noise
 succeeds compare reference1.exr reference1.exr
 says '^mean_ratio *1.000000'
 

@@ -1,3 +1,4 @@
+#include "core/sampling.h"
 #include "core/srgb.h"
 #include "core/vec.h"
 #include "io/atomic_file.h"
@@ -760,6 +761,37 @@ static void compare_matches_hand_computation(void **state)
     rsv_image_destroy(b);
 }
 
+/// Two references with noise of 30 % around a gradient, and a picture that is 2 % too bright everywhere.
+static void the_noise_of_two_references_is_no_error(void **state)
+{
+    (void)state;
+    const uint32_t side = 128, layers[2] = { 0, 0 };
+    rsv_image *a[2], *b;
+    rsv_random random = rsv_random_from(1, 2, 3);
+    assert_int_equal(rsv_image_create(context, side, side, 1, &b), RSV_OK);
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(rsv_image_create(context, side, side, 1, &a[k]), RSV_OK);
+    for (uint32_t i = 0; i < side * side; i++) {
+        float truth = 1 + (float)(i % side) / (float)side;
+        rsv_image_pixels(b, 0)[i] = rgb_gray(1.02f * truth);
+        for (int k = 0; k < 2; k++) {
+            float noise = 0.3f * sqrtf(12) * (rsv_random_float(&random) - 0.5f);
+            rsv_image_pixels(a[k], 0)[i] = rgb_gray(truth * (1 + noise));
+        }
+    }
+    rsv_image_difference d;
+    rsv_image_judgement j;
+    assert_int_equal(rsv_image_compare(a[0], 0, b, 0, &d), RSV_OK);
+    assert_int_equal(rsv_image_judge((const rsv_image *const *)a, layers, b, 0, &j), RSV_OK);
+    assert_true(d.relative_mse > 0.05);
+    assert_float_equal(j.reference_mse, 0.3 * 0.3 / 2, 0.002);
+    assert_float_equal(j.relative_mse_error, 0.3 * 0.3 / side, 1e-4);
+    assert_float_equal(j.relative_mse, 0.02 * 0.02, 4 * j.relative_mse_error);
+    rsv_image_destroy(a[0]);
+    rsv_image_destroy(a[1]);
+    rsv_image_destroy(b);
+}
+
 static void equal_pictures_compare_as_equal(void **state)
 {
     (void)state;
@@ -823,6 +855,7 @@ int main(void)
         IMAGE_TEST(writers_of_one_name_do_not_clash),
         IMAGE_TEST(layers_have_distinct_names),
         IMAGE_TEST(compare_matches_hand_computation),
+        IMAGE_TEST(the_noise_of_two_references_is_no_error),
         IMAGE_TEST(equal_pictures_compare_as_equal),
         IMAGE_TEST(compare_refuses_what_has_no_answer),
     };
