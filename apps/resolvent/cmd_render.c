@@ -31,7 +31,9 @@ static const char help[] =
     "                     occlusion-screen  the same from the depth buffer alone, as in games\n"
     "  --occlusion-distance M  modes occlusion: metres beyond which nothing occludes\n"
     "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
-    "64)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+    "64)\n"
+    "  --noise P%         final and operator: up to 64 times as many where pixels are noisier than\n"
+    "                     that (default 0: the same everywhere)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
@@ -68,7 +70,7 @@ typedef struct settings {
     int mode, device;
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, gather_rays;
-    float exposure, occlusion_distance;
+    float exposure, occlusion_distance, noise;
     bool layers, goal;
 } settings;
 
@@ -79,6 +81,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 32768 },
         { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
+        { .name = "--noise", .kind = CLI_SHARE, .value = &s->noise, .min = 0, .max = 1 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
         { .name = "--gather", .kind = CLI_COUNT, .value = &s->gather_rays, .max = 1 << 16 },
@@ -119,8 +122,9 @@ static bool check_request(const settings *s)
         cli_error("--device cuda: this build computes on the CPU only; leave the option out");
         return false;
     }
-    if (!is_solved(s) && (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal)) {
-        cli_error("--mode %s solves nothing: leave out --solver, --error and --goal",
+    if (!is_solved(s) && (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal ||
+                             s->noise > 0)) {
+        cli_error("--mode %s solves nothing: leave out --solver, --error, --goal and --noise",
             mode_names[s->mode]);
         return false;
     }
@@ -164,6 +168,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->width = size.width;
     desc->height = size.height;
     desc->samples = s->samples ? s->samples : default_samples(s);
+    desc->noise = s->noise;
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;

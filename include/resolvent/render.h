@@ -18,11 +18,17 @@ typedef enum rsv_render_mode {
     RSV_RENDER_OCCLUSION_SCREEN ///< the same from the depth buffer alone
 } rsv_render_mode;
 
+/// See rsv_render_desc.noise.
+#define RSV_MOST_SAMPLES 64
+
 /// Start from rsv_default_render_desc().
 typedef struct rsv_render_desc {
     rsv_render_mode mode;
     uint32_t width, height;
     uint32_t samples; ///< camera rays per pixel (box filter)
+    /// Modes operator and final: wanted standard error of a pixel, as a share of what is around it; the noisy ones get up
+    /// to RSV_MOST_SAMPLES times as many camera rays. Default 0 = `samples` everywhere.
+    float noise;
     uint32_t camera;  ///< index in the scene
     /// Modes operator and final: a camera that is not in the scene, instead; borrowed. NULL = none
     const rsv_camera *viewpoint;

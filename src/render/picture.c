@@ -4,6 +4,7 @@
 #include "../trace/camera_ray.h"
 #include "camera_chain.h"
 #include "pixel_direct.h"
+#include "pixel_noise.h"
 #include "resolvent/render.h"
 #include "shot_light.h"
 
@@ -20,21 +21,39 @@ typedef struct picture_job {
     const rsv_camera *camera;
     rsv_medium medium; ///< the camera's
     rsv_image *image;
-    uint32_t layer_count; ///< of the image, layer 0 included
-    float spread;         ///< of a camera ray: the angle of a pixel
-    rsv_sky sky;          ///< what lies beyond the scene
-    bool shot;            ///< light over wide lobes is shot from the sources
+    uint32_t layer_count;   ///< of the image, layer 0 included
+    float spread;           ///< of a camera ray: the angle of a pixel
+    rsv_sky sky;            ///< what lies beyond the scene
+    bool shot;              ///< light over wide lobes is shot from the sources
+    uint32_t seed;          ///< of the pass
+    rsv_pixel_noise *noise; ///< [height * width] found by the first pass; NULL = nobody asks
+    const uint32_t *extra;  ///< [height * width] camera rays of a second pass; NULL in the first
 } picture_job;
+
+/// Camera rays of one row, traced together.
+typedef struct ray_batch {
+    rsv_ray_packet packet;
+    uint32_t column[LANES], sample[LANES], count;
+} ray_batch;
 
 /// One row of the picture in the making.
 typedef struct row_state {
     const picture_job *job;
     rsv_rgb *layer[1 + MAX_LAYERS]; ///< [width] each
+    rsv_pixel_noise *noise;         ///< [width] of this row and pass
     rsv_pixel_direct direct;
+    ray_batch batch;
     uint32_t row;
     // what rsv_camera_chain's callback needs to know of the ray in hand
-    uint32_t column, sample, seed;
+    uint32_t column, sample, samples, seed;
 } row_state;
+
+/// Camera rays that this pass sends through a pixel.
+static uint32_t samples_of(const row_state *r, uint32_t column)
+{
+    const picture_job *job = r->job;
+    return job->extra ? job->extra[(size_t)r->row * job->desc->width + column] : job->desc->samples;
+}
 
 /// Adds radiance to the picture and, where wanted, to the layer of its order: 0 = emission, 1 = direct.
 static void add_light(row_state *r, uint32_t column, uint32_t order, rsv_rgb radiance)
@@ -44,9 +63,11 @@ static void add_light(row_state *r, uint32_t column, uint32_t order, rsv_rgb rad
         r->layer[1 + order][column] = rgb_add(r->layer[1 + order][column], radiance);
 }
 
-static void add_direct_light(void *user, uint32_t column, rsv_rgb radiance)
+static void add_direct_light(void *user, uint32_t column, rsv_rgb radiance, float squares)
 {
-    add_light(user, column, 1, radiance);
+    row_state *r = user;
+    add_light(r, column, 1, radiance);
+    rsv_pixel_noise_add_direct(&r->noise[column], rgb_luminance(radiance), squares);
 }
 
 static void look_up_indirect(row_state *r, uint32_t face, float u, float v, rsv_rgb weight)
@@ -88,8 +109,8 @@ static void shade_translucent(row_state *r, const rsv_chain *chain, uint32_t fac
         rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
         direct = rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
         if (final)
-            rsv_pixel_direct_add(
-                &r->direct, s, chain, rgb_mul(weight, detail.share), r->column, r->sample, r->seed);
+            rsv_pixel_direct_add(&r->direct, s, chain, rgb_mul(weight, detail.share), r->column,
+                r->sample, r->samples, r->seed);
     }
     add_light(r, r->column, 1, rgb_mul(weight, direct));
     look_up_diffused(r, face, chain->u, chain->v, weight);
@@ -134,7 +155,7 @@ static void gather_indirect(row_state *r, const rsv_chain *chain, rsv_rgb weight
         s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
     v3_frame(point.normal, &t, &b);
-    uint32_t rays = r->job->desc->gather_rays, total = rays * r->job->desc->samples;
+    uint32_t rays = r->job->desc->gather_rays, total = rays * r->samples;
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
         rsv_stratified_2d(r->sample * rays + k, total, rsv_hash2(r->seed, 11), &x, &y);
@@ -173,88 +194,118 @@ static void shade(void *user, const rsv_chain *chain, rsv_rgb weight)
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
     rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
     add_light(r, r->column, 1, rgb_mul(weight, stored));
-    if (final) rsv_pixel_direct_add(&r->direct, s, chain, weight, r->column, r->sample, r->seed);
+    if (final)
+        rsv_pixel_direct_add(
+            &r->direct, s, chain, weight, r->column, r->sample, r->samples, r->seed);
     if (final && r->job->desc->gather_rays)
         gather_indirect(r, chain, weight);
     else
         look_up_indirect(r, face, chain->u, chain->v, weight);
 }
 
-static void aim(const row_state *r, uint32_t first, uint32_t count, rsv_ray_packet *packet)
+/// Adds a camera ray to the batch, which has room for it.
+static void aim(row_state *r, uint32_t column, uint32_t sample, uint32_t samples)
 {
     const rsv_render_desc *desc = r->job->desc;
-    for (uint32_t k = 0; k < LANES; k++) {
-        uint32_t column = (first + k) / desc->samples, sample = (first + k) % desc->samples;
-        float x, y;
-        if (desc->shared_pattern)
-            rsv_shared_place(sample, &x, &y);
-        else
-            rsv_stratified_2d(sample, desc->samples, rsv_hash3(desc->seed, r->row, column), &x, &y);
-        rsv_ray ray = rsv_camera_ray(
-            r->job->camera, desc->width, desc->height, (float)column + x, (float)r->row + y);
-        packet->origin_x[k] = ray.origin.x;
-        packet->origin_y[k] = ray.origin.y;
-        packet->origin_z[k] = ray.origin.z;
-        packet->direction_x[k] = ray.direction.x;
-        packet->direction_y[k] = ray.direction.y;
-        packet->direction_z[k] = ray.direction.z;
-        packet->t_max[k] = k < count ? INFINITY : -1;
-    }
+    ray_batch *batch = &r->batch;
+    float x, y;
+    if (desc->shared_pattern)
+        rsv_shared_place(sample, &x, &y);
+    else
+        rsv_stratified_2d(sample, samples, rsv_hash3(r->job->seed, r->row, column), &x, &y);
+    rsv_ray ray = rsv_camera_ray(
+        r->job->camera, desc->width, desc->height, (float)column + x, (float)r->row + y);
+    uint32_t k = batch->count++;
+    batch->column[k] = column;
+    batch->sample[k] = sample;
+    batch->packet.origin_x[k] = ray.origin.x;
+    batch->packet.origin_y[k] = ray.origin.y;
+    batch->packet.origin_z[k] = ray.origin.z;
+    batch->packet.direction_x[k] = ray.direction.x;
+    batch->packet.direction_y[k] = ray.direction.y;
+    batch->packet.direction_z[k] = ray.direction.z;
+    batch->packet.t_max[k] = INFINITY;
 }
 
 /// The angle that a sample has for itself. Shared patterns refine with every sample, whatever their number will be.
-static float spread_of(const picture_job *job, uint32_t sample)
+static float spread_of(const row_state *r)
 {
-    return job->spread /
-           sqrtf((float)(job->desc->shared_pattern ? sample + 1 : job->desc->samples));
+    uint32_t samples = r->job->desc->shared_pattern ? r->sample + 1 : r->job->desc->samples;
+    return r->job->spread / sqrtf((float)samples);
 }
 
-static void shade_packet(row_state *r, uint32_t first, uint32_t count, const rsv_ray_packet *packet)
+/// What the ray in lane k of the batch sees.
+static void shade_ray(row_state *r, uint32_t k)
 {
-    const rsv_render_desc *desc = r->job->desc;
-    for (uint32_t k = 0; k < count; k++) {
-        r->column = (first + k) / desc->samples;
-        r->sample = (first + k) % desc->samples;
-        r->seed = rsv_pixel_seed(desc->seed, r->row, r->column);
-        rsv_vec3 direction =
-            v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-        if (packet->triangle[k] == RSV_NONE) {
-            add_light(r, r->column, 0, rsv_sky_radiance(&r->job->sky, direction));
-            continue;
-        }
-        rsv_chain chain = rsv_chain_begin(&r->job->solution->scene, &r->job->medium, direction,
-            packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
-        rsv_chain_set_spread(&chain, spread_of(r->job, r->sample), packet->t_max[k]);
-        rsv_rgb emission = rsv_camera_chain(&r->job->solution->scene, r->job->solution->lights,
-            chain, rsv_hash2(r->seed, r->sample), desc->chain_depth, r->job->shot, shade, r);
-        add_light(r, r->column, 0, emission);
+    const picture_job *job = r->job;
+    const rsv_ray_packet *packet = &r->batch.packet;
+    rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    if (packet->triangle[k] == RSV_NONE) {
+        add_light(r, r->column, 0, rsv_sky_radiance(&job->sky, direction));
+        return;
     }
+    rsv_chain chain = rsv_chain_begin(&job->solution->scene, &job->medium, direction,
+        packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
+    rsv_chain_set_spread(&chain, spread_of(r), packet->t_max[k]);
+    rsv_rgb emission = rsv_camera_chain(&job->solution->scene, job->solution->lights, chain,
+        rsv_hash2(r->seed, r->sample), job->desc->chain_depth, job->shot, shade, r);
+    add_light(r, r->column, 0, emission);
+}
+
+static void trace_batch(row_state *r)
+{
+    ray_batch *batch = &r->batch;
+    for (uint32_t k = batch->count; k < LANES; k++)
+        batch->packet.t_max[k] = -1;
+    rsv_tracer_closest_packet(r->job->solution->tracer, &batch->packet, true);
+    for (uint32_t k = 0; k < batch->count; k++) {
+        r->column = batch->column[k];
+        r->sample = batch->sample[k];
+        r->samples = samples_of(r, r->column);
+        r->seed = rsv_pixel_seed(r->job->seed, r->row, r->column);
+        rsv_rgb before = r->layer[0][r->column];
+        shade_ray(r, k);
+        rsv_rgb seen = rgb_sub(r->layer[0][r->column], before);
+        rsv_pixel_noise_add(&r->noise[r->column], rgb_luminance(seen));
+    }
+    batch->count = 0;
+}
+
+/// Averages a pixel of one layer over its samples; those of a second pass join the first's.
+static void average(const row_state *r, uint32_t layer, uint32_t column)
+{
+    const picture_job *job = r->job;
+    rsv_rgb *out = rsv_image_pixels(job->image, layer) + (size_t)r->row * job->desc->width + column;
+    uint32_t samples = samples_of(r, column), before = job->extra ? job->desc->samples : 0;
+    if (samples == 0) return;
+    rsv_rgb sum = rgb_mad(r->layer[layer][column], (float)before, *out);
+    rsv_rgb mean = rgb_scale(sum, 1 / (float)(before + samples));
+    // the control variate of a nearly black pixel can end a hair below zero
+    *out = rgb(f_max(mean.r, 0), f_max(mean.g, 0), f_max(mean.b, 0));
 }
 
 static rsv_status render_row(row_state *r, uint32_t row)
 {
-    const rsv_render_desc *desc = r->job->desc;
-    uint32_t width = desc->width;
+    const picture_job *job = r->job;
+    uint32_t width = job->desc->width;
     r->row = row;
-    for (uint32_t layer = 0; layer < r->job->layer_count; layer++)
+    for (uint32_t layer = 0; layer < job->layer_count; layer++)
         memset(r->layer[layer], 0, width * sizeof(rsv_rgb));
-    rsv_ray_packet packet = { 0 };
-    memset(packet.mask, 0xff, sizeof packet.mask);
-    for (uint32_t first = 0; first < width * desc->samples; first += LANES) {
-        uint32_t left = width * desc->samples - first, count = left < LANES ? left : LANES;
-        aim(r, first, count, &packet);
-        rsv_tracer_closest_packet(r->job->solution->tracer, &packet, true);
-        shade_packet(r, first, count, &packet);
-    }
-    rsv_status status = rsv_pixel_direct_resolve(&r->direct, add_direct_light, r);
-    for (uint32_t layer = 0; layer < r->job->layer_count; layer++) {
-        rsv_rgb *out = rsv_image_pixels(r->job->image, layer) + (size_t)row * width;
-        for (uint32_t x = 0; x < width; x++) {
-            rsv_rgb mean = rgb_scale(r->layer[layer][x], 1 / (float)desc->samples);
-            // the control variate of a nearly black pixel can end a hair below zero
-            out[x] = rgb(f_max(mean.r, 0), f_max(mean.g, 0), f_max(mean.b, 0));
+    memset(r->noise, 0, width * sizeof *r->noise);
+    for (uint32_t column = 0; column < width; column++) {
+        uint32_t samples = samples_of(r, column);
+        for (uint32_t sample = 0; sample < samples; sample++) {
+            aim(r, column, sample, samples);
+            if (r->batch.count == LANES) trace_batch(r);
         }
     }
+    if (r->batch.count) trace_batch(r);
+    rsv_status status = rsv_pixel_direct_resolve(&r->direct, add_direct_light, r);
+    for (uint32_t layer = 0; layer < job->layer_count; layer++)
+        for (uint32_t column = 0; column < width; column++)
+            average(r, layer, column);
+    if (job->noise && !job->extra)
+        memcpy(job->noise + (size_t)row * width, r->noise, width * sizeof *r->noise);
     return status;
 }
 
@@ -262,7 +313,10 @@ static rsv_status create_row(const picture_job *job, row_state *r)
 {
     memset(r, 0, sizeof *r);
     r->job = job;
-    rsv_pixel_direct_begin(&r->direct, job->solution, job->desc->samples);
+    memset(r->batch.packet.mask, 0xff, sizeof r->batch.packet.mask);
+    rsv_pixel_direct_begin(&r->direct, job->solution);
+    r->noise = rsv_alloc(job->solution->context, job->desc->width, sizeof *r->noise);
+    if (!r->noise) return RSV_ERROR_MEMORY;
     for (uint32_t layer = 0; layer < job->layer_count; layer++) {
         r->layer[layer] = rsv_alloc(job->solution->context, job->desc->width, sizeof(rsv_rgb));
         if (!r->layer[layer]) return RSV_ERROR_MEMORY;
@@ -274,6 +328,7 @@ static void destroy_row(row_state *r)
 {
     for (uint32_t layer = 0; layer < r->job->layer_count; layer++)
         rsv_free(r->job->solution->context, r->layer[layer]);
+    rsv_free(r->job->solution->context, r->noise);
     rsv_pixel_direct_end(&r->direct);
 }
 
@@ -305,6 +360,31 @@ static rsv_status render_rows(const picture_job *job)
     return result == RSV_OK ? rsv_progress(context, "render", 1) : result;
 }
 
+/// All pixels alike, then those that are noisier than wanted again.
+static rsv_status render_passes(picture_job *job)
+{
+    rsv_context *context = job->solution->context;
+    const rsv_render_desc *desc = job->desc;
+    size_t pixels = (size_t)desc->width * desc->height;
+    rsv_status status = RSV_OK;
+    uint32_t *extra = NULL;
+    job->seed = desc->seed;
+    if (desc->noise <= 0 || desc->shared_pattern) return render_rows(job);
+    job->noise = rsv_alloc(context, pixels, sizeof *job->noise);
+    extra = rsv_alloc(context, pixels, sizeof *extra);
+    if (!job->noise || !extra) status = RSV_ERROR_MEMORY;
+    if (status == RSV_OK) status = render_rows(job);
+    if (status == RSV_OK) {
+        rsv_plan_samples(job->image, job->noise, desc->samples, desc->noise, extra);
+        job->extra = extra;
+        job->seed = rsv_hash2(desc->seed, 0x2be7u);
+        status = render_rows(job);
+    }
+    rsv_free(context, job->noise);
+    rsv_free(context, extra);
+    return status;
+}
+
 static rsv_status name_layers(rsv_image *image, uint32_t layer_count)
 {
     rsv_status status = RSV_OK;
@@ -330,6 +410,9 @@ static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "render: %u samples of %u gather rays are too many for a pixel", desc->samples,
             desc->gather_rays);
+    if (!(desc->noise >= 0 && desc->noise <= 1))
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "render: a noise of %g is not in 0 .. 1", (double)desc->noise);
     if (desc->camera >= solution->scene.view->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: camera %u does not exist, the scene has %zu",
             desc->camera, solution->scene.view->camera_count);
@@ -355,7 +438,7 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
     job.shot =
         desc->mode == RSV_RENDER_FINAL && !desc->shared_pattern && rsv_shot_light_wanted(solution);
     RSV_TRY(name_layers(job.image, job.layer_count));
-    RSV_TRY(render_rows(&job));
+    RSV_TRY(render_passes(&job));
     if (job.shot) RSV_TRY(rsv_add_shot_light(solution, desc, job.camera, &job.medium, job.image));
     *image = job.image;
     return RSV_OK;

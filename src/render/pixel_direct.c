@@ -4,13 +4,12 @@
 
 #include <string.h>
 
-void rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution, uint32_t samples)
+void rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution)
 {
     memset(d, 0, sizeof *d);
     memset(d->packet.mask, 0xff, sizeof d->packet.mask);
     d->context = solution->context;
     d->tracer = solution->tracer;
-    d->samples = samples;
 }
 
 void rsv_pixel_direct_end(rsv_pixel_direct *d) { rsv_free(d->context, d->term); }
@@ -76,17 +75,24 @@ static rsv_rgb entry(const lit_point *lit, float distance, float cos)
         rsv_medium_transmittance(lit->medium, lit->media, distance));
 }
 
+/// Which of a pixel's camera rays the light is for.
+typedef struct pixel_sample {
+    uint32_t column, index, count, seed;
+} pixel_sample;
+
 static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const lit_point *lit,
-    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
+    rsv_rgb weight, pixel_sample sample)
 {
     const rsv_surface_point *point = &lit->point;
     rsv_local_lights local;
     rsv_lights_at(s->lights, point->position, point->normal, &local);
     if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
-    rsv_direct_term term = { .column = column, .controlled = !local.by_tree && !lit->bsdf->coated };
+    rsv_direct_term term = { .column = sample.column,
+        .sample = sample.index,
+        .controlled = !local.by_tree && !lit->bsdf->coated };
     if (term.controlled) term.exact = rgb_mul(weight, local.unshadowed);
-    float x, y, select = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 3));
-    rsv_stratified_2d(sample, d->samples, rsv_hash2(seed, 4), &x, &y);
+    float x, y, select = rsv_stratified_1d(sample.index, sample.count, rsv_hash2(sample.seed, 3));
+    rsv_stratified_2d(sample.index, sample.count, rsv_hash2(sample.seed, 4), &x, &y);
     rsv_light_sample light;
     bool useful = rsv_local_lights_sample(&local, select, x, y, &light);
     if (useful) {
@@ -103,10 +109,10 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const lit_p
 }
 
 static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const lit_point *lit,
-    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
+    rsv_rgb weight, pixel_sample sample)
 {
     const rsv_surface_point *point = &lit->point;
-    float u = rsv_stratified_1d(sample, d->samples, rsv_hash2(seed, 5));
+    float u = rsv_stratified_1d(sample.index, sample.count, rsv_hash2(sample.seed, 5));
     for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
         rsv_punctual_sample light;
         if (!rsv_punctual_at(s->lights, point->position, point->normal, k, u, &light) ||
@@ -114,51 +120,61 @@ static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const lit_p
             continue;
         float cos = v3_dot(point->normal, light.direction);
         rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
-        rsv_direct_term term = { .column = column,
+        rsv_direct_term term = { .column = sample.column,
+            .sample = sample.index,
             .sampled = rgb_scale(rgb_mul(entered, light.irradiance), cos) };
         if (push_term(d, term)) push_shadow_ray(d, rsv_punctual_ray(&light, lit->origin));
     }
 }
 
 void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
-    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed)
+    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t samples, uint32_t seed)
 {
+    pixel_sample of = { column, sample, samples, seed };
     lit_point lit;
     set_up_point(s, chain,
         rsv_surface_point_seen(
             s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width),
         &lit);
-    if (rsv_lights_any_sampled(s->lights)) add_emitters(d, s, &lit, weight, column, sample, seed);
-    add_punctual(d, s, &lit, weight, column, sample, seed);
+    if (rsv_lights_any_sampled(s->lights)) add_emitters(d, s, &lit, weight, of);
+    add_punctual(d, s, &lit, weight, of);
 }
 
-static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count)
+static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *squares)
 {
     rsv_rgb sum = rgb_gray(0);
-    float visible = 0, controlled = 0;
+    float visible = 0, controlled = 0, of_sample = 0;
     for (size_t i = 0; i < count; i++) {
         if (!term[i].controlled) continue;
         visible += term[i].visible;
         controlled += 1;
     }
+    *squares = 0;
     for (size_t i = 0; i < count; i++) {
-        sum = rgb_mad(sum, term[i].visible, term[i].sampled);
-        if (!term[i].controlled || controlled < 2) continue;
-        float others = (visible - term[i].visible) / (controlled - 1);
-        sum = rgb_mad(sum, others, rgb_sub(term[i].exact, term[i].control));
+        rsv_rgb light = rgb_scale(term[i].sampled, term[i].visible);
+        if (term[i].controlled && controlled > 1) {
+            float others = (visible - term[i].visible) / (controlled - 1);
+            light = rgb_mad(light, others, rgb_sub(term[i].exact, term[i].control));
+        }
+        sum = rgb_add(sum, light);
+        of_sample += rgb_luminance(light);
+        if (i + 1 < count && term[i + 1].sample == term[i].sample) continue;
+        *squares += of_sample * of_sample;
+        of_sample = 0;
     }
     return sum;
 }
 
-rsv_status rsv_pixel_direct_resolve(
-    rsv_pixel_direct *d, void (*add)(void *user, uint32_t column, rsv_rgb radiance), void *user)
+rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *d, rsv_pixel_direct_sink add, void *user)
 {
     trace_pending(d);
     for (size_t begin = 0, end; begin < d->term_count; begin = end) {
         uint32_t column = d->term[begin].column;
         for (end = begin; end < d->term_count && d->term[end].column == column; end++)
             ;
-        add(user, column, resolve_pixel(d->term + begin, end - begin));
+        float squares;
+        rsv_rgb light = resolve_pixel(d->term + begin, end - begin, &squares);
+        add(user, column, light, squares);
     }
     d->term_count = 0;
     return d->status;

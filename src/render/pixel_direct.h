@@ -13,7 +13,7 @@
 #include "../solve/solution.h"
 
 typedef struct rsv_direct_term {
-    uint32_t column;
+    uint32_t column, sample;
     bool controlled; ///< A is known
     float visible;
     rsv_rgb exact, sampled; ///< A, S times the weight of the camera chain
@@ -24,7 +24,6 @@ typedef struct rsv_direct_term {
 typedef struct rsv_pixel_direct {
     rsv_context *context;
     const rsv_tracer *tracer;
-    uint32_t samples; ///< per pixel
     rsv_direct_term *term;
     size_t term_count, term_capacity;
     rsv_ray_packet packet; ///< shadow rays not traced yet
@@ -33,18 +32,22 @@ typedef struct rsv_pixel_direct {
     rsv_status status;
 } rsv_pixel_direct;
 
-void rsv_pixel_direct_begin(
-    rsv_pixel_direct *direct, const rsv_solution *solution, uint32_t samples);
+void rsv_pixel_direct_begin(rsv_pixel_direct *direct, const rsv_solution *solution);
 void rsv_pixel_direct_end(rsv_pixel_direct *direct);
 
 /// Adds the sampled light of all sources at the chain's surface.
 /// @param weight radiance at the camera per irradiance
+/// @param sample of `samples` in the pixel
 void rsv_pixel_direct_add(rsv_pixel_direct *direct, const rsv_solution *solution,
-    const rsv_chain *chain, rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t seed);
+    const rsv_chain *chain, rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t samples,
+    uint32_t seed);
+
+/// Called for each pixel with the sum over its samples, and the sum of the squares of their luminance.
+typedef void (*rsv_pixel_direct_sink)(void *user, uint32_t column, rsv_rgb radiance, float squares);
 
 /// Traces what is pending, hands each pixel's light to `add` and starts over.
-rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *direct,
-    void (*add)(void *user, uint32_t column, rsv_rgb radiance), void *user);
+rsv_status rsv_pixel_direct_resolve(
+    rsv_pixel_direct *direct, rsv_pixel_direct_sink add, void *user);
 
 /// One-sample estimate of the irradiance that next-event estimation finds at the chain's surface.
 rsv_rgb rsv_sampled_irradiance(

@@ -36,6 +36,9 @@ says '^median_relative_error '
 succeeds compare final1.exr final2.exr --layer direct --json
 says '"rmse":[[:space:]]*0,'
 refuses 1 "has no layer 'rainbow'" compare final1.exr final2.exr --layer rainbow
+succeeds render cornell-spheres -o calm.exr "${draft[@]}" --noise 5%
+! cmp -s calm.exr final1.exr || complain "--noise changes nothing"
+refuses 1 "leave out" render furnace -o no.exr --mode reference --noise 2%
 succeeds compare reference1.exr final1.exr --twin reference1.exr
 says without_noise
 succeeds compare reference1.exr reference1.exr

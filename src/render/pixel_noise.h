@@ -1,0 +1,41 @@
+/// How noisy pixels are, and how many more camera rays that calls for.
+///
+/// Rays are given by the noise of a pixel's neighbours, not by its own: its mean then knows nothing of the number of its
+/// samples and stays what it is on average, whereas pixels that happen to look calm would keep what they missed.
+#ifndef RSV_PIXEL_NOISE_H
+#define RSV_PIXEL_NOISE_H
+
+#include "../core/vec.h"
+#include "resolvent/render.h"
+
+/// Sums over the camera rays of a pixel, of luminance: direct light is apart, as it becomes known later.
+typedef struct rsv_pixel_noise {
+    float sum, squares;
+    float direct_sum, direct_squares;
+} rsv_pixel_noise;
+
+/// Adds what one camera ray found but for its direct light.
+RSV_INLINE void rsv_pixel_noise_add(rsv_pixel_noise *noise, float luminance)
+{
+    noise->sum += luminance;
+    noise->squares += luminance * luminance;
+}
+
+/// Adds the direct light of all of them.
+RSV_INLINE void rsv_pixel_noise_add_direct(rsv_pixel_noise *noise, float sum, float squares)
+{
+    noise->direct_sum += sum;
+    noise->direct_squares += squares;
+}
+
+/// Plans the second pass over a picture.
+/// @param image   its first layer is the picture after the first pass
+/// @param noise   [height * width] of that pass
+/// @param samples of each pixel in that pass
+/// @param wanted  standard error of a pixel's luminance, as a share of that around it (a tenth of the picture's mean
+///                counts as the least)
+/// @param extra   out, [height * width] camera rays
+void rsv_plan_samples(const rsv_image *image, const rsv_pixel_noise *noise, uint32_t samples,
+    float wanted, uint32_t *extra);
+
+#endif
