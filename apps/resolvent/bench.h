@@ -25,6 +25,9 @@ typedef struct cli_bench_task {
 /// cli_open_scene. NULL after a message.
 rsv_scene *cli_open_bench_scene(const cli_bench_task *bench);
 
+/// Opens the task's scene; the body of a built-in one has about so many triangles. NULL after a message.
+rsv_scene *cli_open_bench_body(const cli_bench_task *bench, size_t triangles);
+
 /// Rays per second against one scene: single and in packets, coherent and not, nearest and any hit.
 /// Like the others, says what went wrong on standard error.
 bool cli_bench_trace(const cli_bench_task *bench, struct cJSON *result);
@@ -68,6 +71,11 @@ bool cli_bench_fps(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_fps(const struct cJSON *result);
 bool cli_write_fps_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_fps_plot(const char *path, const struct cJSON *scenes);
+
+/// A light moved, and the strengths of all changed: what that costs until E0 is right, and until E is.
+bool cli_bench_move(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_move(const struct cJSON *result);
+bool cli_write_move_csv(const char *path, const struct cJSON *scenes);
 
 /// Frames against ambient occlusion over the size of the mesh (figure 8 of the paper).
 bool cli_bench_fig8(const cli_bench_task *bench, struct cJSON *result);

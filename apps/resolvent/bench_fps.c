@@ -181,19 +181,6 @@ static rsv_status measure_steady_state(
 
 // ---- all of it ----------------------------------------------------------------------------------
 
-static rsv_scene *open_scene(const cli_bench_task *bench)
-{
-    if (bench->session->mesh || !rsv_scene_is_builtin(bench->scene))
-        return cli_open_scene(bench->session, bench->scene, NULL);
-    rsv_scene *scene = NULL;
-    rsv_builtin_desc desc = rsv_default_builtin_desc();
-    desc.body_triangles = body_triangles;
-    rsv_status status =
-        rsv_scene_builtin_with(bench->session->context, bench->scene, &desc, &scene);
-    if (status != RSV_OK) cli_report_failure(bench->session, status);
-    return status == RSV_OK ? scene : NULL;
-}
-
 static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, cJSON *result)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
@@ -209,7 +196,7 @@ static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, c
 
 bool cli_bench_fps(const cli_bench_task *bench, cJSON *result)
 {
-    rsv_scene *scene = open_scene(bench);
+    rsv_scene *scene = cli_open_bench_body(bench, body_triangles);
     if (!scene) return false;
     cJSON_AddNumberToObject(result, "triangles", (double)rsv_scene_get_view(scene)->triangle_count);
     rsv_status status = measure(bench, scene, result);

@@ -43,3 +43,16 @@ rsv_scene *cli_open_bench_scene(const cli_bench_task *bench)
     rsv_scene_destroy(scene);
     return NULL;
 }
+
+rsv_scene *cli_open_bench_body(const cli_bench_task *bench, size_t triangles)
+{
+    if (bench->session->mesh || !rsv_scene_is_builtin(bench->scene))
+        return cli_open_scene(bench->session, bench->scene, NULL);
+    rsv_scene *scene = NULL;
+    rsv_builtin_desc desc = rsv_default_builtin_desc();
+    desc.body_triangles = triangles;
+    rsv_status status =
+        rsv_scene_builtin_with(bench->session->context, bench->scene, &desc, &scene);
+    if (status != RSV_OK) cli_report_failure(bench->session, status);
+    return status == RSV_OK ? scene : NULL;
+}

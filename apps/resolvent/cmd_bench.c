@@ -32,6 +32,8 @@ static const char help[] =
     "  fps       frames of a camera that moves, beside bare tracing of their camera rays, at\n"
     "            1280x720; the price of a second eye at 1920x1080; what 10,000 frames leave\n"
     "            behind. On cornell-plaster and cornell-showcase with 100,000 triangles\n"
+    "  move      milliseconds until all is lit anew: one light moved, and strengths of all lights\n"
+    "            changed. On cornell-plaster and cornell-showcase with 200,000 triangles\n"
     "  fig8      frames per second against ambient occlusion, by rays and from the depth buffer,\n"
     "            over meshes of 128, 512, 1024 and 3096 KB\n"
     "  certificate  bounds and estimates of `certify` beside the true error against path tracing,\n"
@@ -118,6 +120,12 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_fig8_plot,
         .scenes = { "cornell-plaster" },
         .repetitions = 21 },
+    { .name = "move",
+        .run = cli_bench_move,
+        .print = cli_print_move,
+        .write_csv = cli_write_move_csv,
+        .scenes = { "cornell-plaster", "cornell-showcase" },
+        .repetitions = 9 },
     { .name = "goal",
         .run = cli_bench_goal,
         .print = cli_print_goal,

@@ -75,13 +75,16 @@ RSV_INLINE uint32_t rsv_owen_scramble(uint32_t x, uint32_t seed)
 }
 
 /// Second dimension of the Sobol sequence; the first is rsv_reverse_bits(index). Together they are a
-/// (0, 2)-sequence.
+/// (0, 2)-sequence. Its matrix is Pascal's triangle modulo 2, where entry (p, j) is 1 if the bits of p are among those of
+/// j (Lucas): bit p of the result, from the top, sums the bits j of the index over these, one bit of p at a time.
 RSV_INLINE uint32_t rsv_sobol_second(uint32_t index)
 {
-    uint32_t result = 0;
-    for (uint32_t direction = 0x80000000u; index; index >>= 1, direction ^= direction >> 1)
-        if (index & 1) result ^= direction;
-    return result;
+    uint32_t x = rsv_reverse_bits(index);
+    x ^= x << 1 & 0xaaaaaaaau;
+    x ^= x << 2 & 0xccccccccu;
+    x ^= x << 4 & 0xf0f0f0f0u;
+    x ^= x << 8 & 0xff00ff00u;
+    return x ^ (x << 16 & 0xffff0000u);
 }
 
 /// Point `index` of an Owen-scrambled (0, 2)-sequence; different seeds are independent randomisations.

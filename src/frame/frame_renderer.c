@@ -5,11 +5,15 @@
 #include <string.h>
 
 #define TILE_PIXELS (RSV_TILE * RSV_TILE)
+/// Blocks in hand at a time: being traced, located and looked up.
+#define STAGES 3
 
 /// What one thread works with.
 typedef struct worker {
     _Alignas(64) float radiance[TILE_PIXELS][4];
-    rsv_ray_packet packet;
+    rsv_ray_packet packet[STAGES]; ///< of the last blocks
+    rsv_packet_places places[STAGES];
+    uint32_t left[STAGES]; ///< lanes of theirs that are to be followed
     rsv_chain_queue queue;
     double camera_seconds, chain_seconds, display_seconds; ///< of the frame
 } worker;
@@ -80,7 +84,8 @@ static rsv_status create_workers(rsv_frame_renderer *r)
     rsv_status status = RSV_OK;
     for (int k = 0; k < r->thread_count && status == RSV_OK; k++) {
         worker *w = &r->worker[k];
-        memset(w->packet.mask, 0xff, sizeof w->packet.mask);
+        for (int stage = 0; stage < STAGES; stage++)
+            memset(w->packet[stage].mask, 0xff, sizeof w->packet[stage].mask);
         status = rsv_chain_queue_create(&r->table, &w->queue);
         w->queue.max_events = r->desc.chain_depth;
         w->queue.radiance = w->radiance;
@@ -132,6 +137,7 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
 typedef struct tile {
     eye_picture *eye;
     uint32_t column, row, width, height; ///< pixels inside the picture
+    uint32_t blocks_across;
 } tile;
 
 static tile tile_at(rsv_frame_renderer *r, uint32_t index)
@@ -142,15 +148,15 @@ static tile tile_at(rsv_frame_renderer *r, uint32_t index)
         .row = within / r->tiles_across * RSV_TILE };
     t.width = r->desc.width - t.column < RSV_TILE ? r->desc.width - t.column : RSV_TILE;
     t.height = r->desc.height - t.row < RSV_TILE ? r->desc.height - t.row : RSV_TILE;
+    t.blocks_across = (t.width + RSV_BLOCK - 1) / RSV_BLOCK;
     return t;
 }
 
 /// Starts the chain of a pixel that is not in the table.
 /// @param pixel within the tile
-static void begin_chain(
-    const rsv_frame_renderer *r, const tile *t, worker *w, uint32_t lane, uint32_t pixel)
+static void begin_chain(const rsv_frame_renderer *r, const tile *t, worker *w,
+    const rsv_ray_packet *p, uint32_t lane, uint32_t pixel)
 {
-    const rsv_ray_packet *p = &w->packet;
     rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
     memset(w->radiance[pixel], 0, sizeof w->radiance[pixel]);
     if (p->triangle[lane] == RSV_NONE) {
@@ -165,26 +171,53 @@ static void begin_chain(
     rsv_chain_queue_add(&w->queue, &chain, path, pixel);
 }
 
-/// @param left lanes to be followed
+/// Starts those of a block.
 static void begin_chains(const rsv_frame_renderer *r, const tile *t, worker *w, uint32_t column,
-    uint32_t row, uint32_t left)
+    uint32_t row, uint32_t stage)
 {
-    for (; left; left &= left - 1) {
+    for (uint32_t left = w->left[stage]; left; left &= left - 1) {
         uint32_t lane = (uint32_t)__builtin_ctz(left);
         uint32_t x = column + lane % RSV_BLOCK, y = row + lane / RSV_BLOCK;
-        if (x < t->width && y < t->height) begin_chain(r, t, w, lane, y * RSV_TILE + x);
+        if (x < t->width && y < t->height)
+            begin_chain(r, t, w, &w->packet[stage], lane, y * RSV_TILE + x);
     }
 }
 
-static void render_block(
-    const rsv_frame_renderer *r, const tile *t, worker *w, uint32_t column, uint32_t row)
+static void trace_block(const rsv_frame_renderer *r, const tile *t, worker *w, uint32_t block)
 {
-    r->kernels->aim(&t->eye->aim, t->column + column, t->row + row, &w->packet);
-    rsv_tracer_closest_packet(r->solution->tracer, &w->packet, true);
-    uint32_t left =
-        r->kernels->look_up(&r->table, &w->packet, w->radiance + row * RSV_TILE + column);
-    if (t->eye->medium.depth) left = 0xffff; // seen from within a body: dimmed on the way
-    if (left) begin_chains(r, t, w, column, row, left);
+    rsv_ray_packet *packet = &w->packet[block % STAGES];
+    uint32_t column = block % t->blocks_across * RSV_BLOCK,
+             row = block / t->blocks_across * RSV_BLOCK;
+    r->kernels->aim(&t->eye->aim, t->column + column, t->row + row, packet);
+    rsv_tracer_closest_packet(r->solution->tracer, packet, true);
+    r->kernels->approach(&r->table, packet);
+}
+
+static void locate_block(const rsv_frame_renderer *r, const tile *t, worker *w, uint32_t block)
+{
+    uint32_t stage = block % STAGES;
+    w->left[stage] = r->kernels->locate(&r->table, &w->packet[stage], &w->places[stage]);
+    if (t->eye->medium.depth) w->left[stage] = 0xffff; // seen from within a body: dimmed on the way
+}
+
+static void look_up_block(const rsv_frame_renderer *r, const tile *t, worker *w, uint32_t block)
+{
+    uint32_t stage = block % STAGES;
+    uint32_t column = block % t->blocks_across * RSV_BLOCK,
+             row = block / t->blocks_across * RSV_BLOCK;
+    r->kernels->look_up(&r->table, &w->places[stage], w->radiance + row * RSV_TILE + column);
+    if (w->left[stage]) begin_chains(r, t, w, column, row, stage);
+}
+
+/// Every block one step behind the one after it.
+static void render_blocks(const rsv_frame_renderer *r, const tile *t, worker *w)
+{
+    uint32_t blocks = t->blocks_across * ((t->height + RSV_BLOCK - 1) / RSV_BLOCK);
+    for (uint32_t block = 0; block < blocks + STAGES - 1; block++) {
+        if (block < blocks) trace_block(r, t, w, block);
+        if (block >= 1 && block - 1 < blocks) locate_block(r, t, w, block - 1);
+        if (block >= 2) look_up_block(r, t, w, block - 2);
+    }
 }
 
 static void display_tile(const rsv_frame_renderer *r, const tile *t, worker *w)
@@ -200,9 +233,7 @@ static void render_tile(rsv_frame_renderer *r, uint32_t index, worker *w)
 {
     tile t = tile_at(r, index);
     double start = rsv_seconds();
-    for (uint32_t row = 0; row < t.height; row += RSV_BLOCK)
-        for (uint32_t column = 0; column < t.width; column += RSV_BLOCK)
-            render_block(r, &t, w, column, row);
+    render_blocks(r, &t, w);
     double traced = rsv_seconds();
     rsv_chain_queue_run(&w->queue);
     double followed = rsv_seconds();
@@ -311,7 +342,7 @@ double rsv_frame_trace_only(rsv_frame_renderer *r, const rsv_frame_view *view)
     uint32_t tiles = r->tile_count * r->desc.eyes;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(r->thread_count)
     for (uint32_t index = 0; index < tiles; index++) {
-        rsv_ray_packet *packet = &r->worker[rsv_thread_index()].packet;
+        rsv_ray_packet *packet = r->worker[rsv_thread_index()].packet;
         tile t = tile_at(r, index);
         for (uint32_t row = 0; row < t.height; row += RSV_BLOCK)
             for (uint32_t column = 0; column < t.width; column += RSV_BLOCK) {

@@ -197,9 +197,9 @@ static void fill_sides(rsv_light_table *t)
 {
     for (int back = 0; back < 2; back++) {
         for (uint32_t k = 0; k < t->triangle_count; k++)
-            t->side[back][k] = shown_side(t, k, back);
+            t->side[k][back] = shown_side(t, k, back);
         bool sky = t->solution->lights->environment != NULL;
-        t->side[back][t->triangle_count] =
+        t->side[t->triangle_count][back] =
             (rsv_shown_side){ 0, 0, sky ? RSV_SHOWN_SKY : RSV_SHOWN_STORED };
     }
 }
@@ -232,9 +232,8 @@ rsv_status rsv_light_table_create(const rsv_solution *s, rsv_light_table *t)
     *t = (rsv_light_table){ .context = s->context, .solution = s };
     t->triangle_count = (uint32_t)s->scene.view->triangle_count;
     t->face_cell = rsv_alloc(s->context, s->elements->face_count + 1, sizeof *t->face_cell);
-    for (int back = 0; back < 2; back++)
-        t->side[back] = rsv_alloc(s->context, (size_t)t->triangle_count + 1, sizeof *t->side[back]);
-    if (!t->face_cell || !t->side[0] || !t->side[1]) goto cleanup;
+    t->side = rsv_alloc(s->context, (size_t)t->triangle_count + 1, sizeof *t->side);
+    if (!t->face_cell || !t->side) goto cleanup;
     RSV_TRY(number_cells(t));
     status = RSV_ERROR_MEMORY;
     t->cell = rsv_alloc(s->context, t->cell_count, sizeof *t->cell);
@@ -250,8 +249,7 @@ cleanup:
 void rsv_light_table_destroy(rsv_light_table *t)
 {
     if (!t->context) return;
-    rsv_free(t->context, t->side[0]);
-    rsv_free(t->context, t->side[1]);
+    rsv_free(t->context, t->side);
     rsv_free(t->context, t->face_cell);
     rsv_free(t->context, t->cell);
     *t = (rsv_light_table){ 0 };

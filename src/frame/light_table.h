@@ -31,8 +31,8 @@ typedef struct rsv_shown_side {
 typedef struct rsv_light_table {
     rsv_context *context;
     const rsv_solution *solution;
-    uint32_t layer;          ///< on show, RSV_NONE = all
-    rsv_shown_side *side[2]; ///< [triangle_count + 1] front and back; the last: no triangle
+    uint32_t layer;            ///< on show, RSV_NONE = all
+    rsv_shown_side (*side)[2]; ///< [triangle_count + 1] front and back; the last: no triangle
     uint32_t triangle_count;
     uint32_t *face_cell; ///< [face_count + 1] first cell of each face
     rsv_light_cell *cell;
@@ -56,7 +56,7 @@ RSV_INLINE bool rsv_shows_emission(const rsv_light_table *table)
 RSV_INLINE const rsv_shown_side *rsv_shown_side_of(
     const rsv_light_table *table, uint32_t triangle, bool back)
 {
-    return &table->side[back][triangle < table->triangle_count ? triangle : table->triangle_count];
+    return &table->side[triangle < table->triangle_count ? triangle : table->triangle_count][back];
 }
 
 /// A place in the grid of a side: the cell of the grid, and weights of its corners.

@@ -26,13 +26,25 @@ typedef struct rsv_frame_tone {
     bool first; ///< sample of its pixel: sums start over
 } rsv_frame_tone;
 
+/// Where the rays of a packet ended: cells of the light table, and weights of their corners.
+typedef struct rsv_packet_places {
+    int cell[RSV_PACKET_WIDTH];
+    float b0[RSV_PACKET_WIDTH], b1[RSV_PACKET_WIDTH], b2[RSV_PACKET_WIDTH];
+} __attribute__((aligned(64))) rsv_packet_places;
+
+/// From a packet to its radiance in three steps. Each asks the memory for what the next one reads, so that other
+/// packets' steps between them hide the waiting.
 typedef struct rsv_packet_kernels {
     /// Camera rays of the block whose upper left pixel is (column, row); lanes outside the picture are switched off.
     void (*aim)(const rsv_frame_aim *aim, uint32_t column, uint32_t row, rsv_ray_packet *packet);
-    /// Radiance of what the packet's rays met, a block of a tile's pixels.
-    /// @param radiance [RSV_BLOCK][RSV_TILE] @return lanes whose side is not RSV_SHOWN_STORED, a bit each
-    uint32_t (*look_up)(
-        const rsv_light_table *table, const rsv_ray_packet *packet, float (*radiance)[4]);
+    /// Once its rays are traced.
+    void (*approach)(const rsv_light_table *table, const rsv_ray_packet *packet);
+    /// Finds the cells of what the rays met. @return lanes whose side is not RSV_SHOWN_STORED, a bit each
+    uint32_t (*locate)(
+        const rsv_light_table *table, const rsv_ray_packet *packet, rsv_packet_places *places);
+    /// Their radiance, a block of a tile's pixels. @param radiance [RSV_BLOCK][RSV_TILE]
+    void (*look_up)(
+        const rsv_light_table *table, const rsv_packet_places *places, float (*radiance)[4]);
     /// Adds a row of samples to its sums, and shows them.
     /// @param sum, radiance [count] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, uint32_t count, const float (*radiance)[4],

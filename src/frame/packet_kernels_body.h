@@ -1,6 +1,8 @@
 /// Included once per instruction set, with RSV_KERNELS the name of its table.
 #include "packet_kernels.h"
 
+#include <string.h>
+
 #define LANES RSV_PACKET_WIDTH
 
 static void aim_packet(
@@ -50,13 +52,19 @@ static inline uint32_t find_sides(const rsv_light_table *restrict table,
     return left;
 }
 
-static uint32_t look_up_packet(const rsv_light_table *restrict table,
-    const rsv_ray_packet *restrict p, float (*restrict radiance)[4])
+static void approach_packet(const rsv_light_table *restrict table, const rsv_ray_packet *restrict p)
 {
-    _Alignas(64) int cell[LANES], level[LANES];
-    _Alignas(64) float b0[LANES], b1[LANES], b2[LANES];
-    uint32_t left = find_sides(table, p, cell, level);
-    for (int k = 0; k < LANES; k++) { // rsv_place_in_grid, in a form that vectorises
+    for (int k = 0; k < LANES; k++)
+        __builtin_prefetch(rsv_shown_side_of(table, p->triangle[k], false));
+}
+
+/// rsv_place_in_grid, in a form that vectorises.
+static uint32_t locate_packet(const rsv_light_table *restrict table,
+    const rsv_ray_packet *restrict p, rsv_packet_places *restrict at)
+{
+    _Alignas(64) int level[LANES];
+    uint32_t left = find_sides(table, p, at->cell, level);
+    for (int k = 0; k < LANES; k++) {
         int cells = 1 << level[k], last = cells - 1;
         float x = p->u[k] * (float)cells, y = p->v[k] * (float)cells;
         int i = (int)x, j = (int)y;
@@ -66,25 +74,27 @@ static uint32_t look_up_packet(const rsv_light_table *restrict table,
         i = i > last - j ? last - j : i;
         float fx = x - (float)i, fy = y - (float)j;
         int flipped = (fx + fy > 1 ? 1 : 0) & (i + j < last ? 1 : 0);
-        cell[k] += j * (cells + cells - j) + i + i + flipped;
-        b0[k] = f_min(f_max(flipped ? fx + fy - 1 : 1 - fx - fy, 0), 1);
-        b1[k] = f_min(f_max(flipped ? 1 - fx : fx, 0), 1 - b0[k]);
-        b2[k] = 1 - b0[k] - b1[k];
+        at->cell[k] += j * (cells + cells - j) + i + i + flipped;
+        at->b0[k] = f_min(f_max(flipped ? fx + fy - 1 : 1 - fx - fy, 0), 1);
+        at->b1[k] = f_min(f_max(flipped ? 1 - fx : fx, 0), 1 - at->b0[k]);
+        at->b2[k] = 1 - at->b0[k] - at->b1[k];
     }
-    const rsv_light_cell *cells = table->cell;
-    for (int k = 0; k < LANES; k++) { // apart from the next loop: branches would hold up its loads
-        if (!rsv_light_cell_child(cells + cell[k])) continue;
-        rsv_grid_place place = { (uint32_t)cell[k], b0[k], b1[k], b2[k] };
-        place = rsv_descend(cells, place);
-        cell[k] = (int)place.cell;
-        b0[k] = place.b0, b1[k] = place.b1, b2[k] = place.b2;
-    }
-    for (int k = 0; k < LANES; k++) {
-        const rsv_float4 *corner = (const rsv_float4 *)cells[cell[k]].corner;
-        rsv_float4 *out = (rsv_float4 *)radiance[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK];
-        *out = corner[0] * b0[k] + corner[1] * b1[k] + corner[2] * b2[k];
+    for (int k = 0; k < LANES; k++) { // a cell may lie across two lines of the cache
+        __builtin_prefetch(table->cell[at->cell[k]].corner[0]);
+        __builtin_prefetch(table->cell[at->cell[k]].corner[2]);
     }
     return left;
+}
+
+static void look_up_packet(const rsv_light_table *restrict table,
+    const rsv_packet_places *restrict at, float (*restrict radiance)[4])
+{
+    const rsv_light_cell *cells = table->cell;
+    for (int k = 0; k < LANES; k++) {
+        rsv_grid_place place = { (uint32_t)at->cell[k], at->b0[k], at->b1[k], at->b2[k] };
+        rsv_float4 *out = (rsv_float4 *)radiance[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK];
+        *out = rsv_light_at(cells, place);
+    }
 }
 
 /// The sRGB curve over [0, 1] times 255: a polynomial in x^(1/4), off by 0.013 codes at most.
@@ -124,8 +134,15 @@ static void display_row(const rsv_frame_tone *tone, uint32_t count,
         display(true, false, tone->scale, count, in, total, out);
     else
         display(false, tone->soft, tone->scale, count, in, total, out);
-    for (uint32_t k = 0; k < count; k++)
-        pixel[k][3] = 255;
+    const uint8_t opaque[4] = { 0, 0, 0, 255 };
+    uint32_t code, alpha;
+    memcpy(&alpha, opaque, sizeof alpha);
+    for (uint32_t k = 0; k < count; k++) { // as one word, which vectorises
+        memcpy(&code, pixel[k], sizeof code);
+        code |= alpha;
+        memcpy(pixel[k], &code, sizeof code);
+    }
 }
 
-const rsv_packet_kernels RSV_KERNELS = { aim_packet, look_up_packet, display_row };
+const rsv_packet_kernels RSV_KERNELS = { aim_packet, approach_packet, locate_packet, look_up_packet,
+    display_row };

@@ -1,0 +1,156 @@
+/// Relighting while somebody looks on: strengths of all lights changed, and one light moved.
+#include "bench.h"
+
+#include "resolvent/relight.h"
+
+#include <cJSON.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/// About 100,000 vertices, each of which receives light.
+enum { body_triangles = 200000, most_sources = 64, most_steps = 1000 };
+
+/// Metres that the light moves by, to and fro.
+static const float stride = 0.01f;
+
+/// What one kind of change took, [repetitions] each.
+typedef struct change_times {
+    double *source_ms; ///< until E0 is that of the new lights
+    double *solve_ms;  ///< until the residual is below 1e-3 of it
+    double *orders;
+} change_times;
+
+static rsv_status measure_change(
+    rsv_relighter *relighter, const rsv_relight_desc *desc, const change_times *t, uint32_t k)
+{
+    rsv_relight_progress progress = { .converged = false };
+    double start = cli_seconds(), orders = 0;
+    rsv_status status = rsv_relighter_change(relighter, desc);
+    double changed = cli_seconds();
+    for (int step = 0; status == RSV_OK && !progress.converged && step < most_steps; step++) {
+        status = rsv_relighter_step(relighter, 0, &progress);
+        orders += progress.orders;
+    }
+    t->source_ms[k] = 1e3 * (changed - start);
+    t->solve_ms[k] = 1e3 * (cli_seconds() - changed);
+    t->orders[k] = orders;
+    return status;
+}
+
+/// All strengths up and down in turn.
+static rsv_status change_strengths(rsv_relighter *relighter, const change_times *t, uint32_t k)
+{
+    rsv_light_scale scale[most_sources];
+    float factor = k % 2 ? 0.5f : 2;
+    size_t count = rsv_relighter_source_count(relighter);
+    for (size_t i = 0; i < count; i++)
+        scale[i] = (rsv_light_scale){ rsv_relighter_source(relighter, i).name,
+            { factor, factor, factor } };
+    const rsv_relight_desc desc = { .light = scale, .light_count = count };
+    return measure_change(relighter, &desc, t, k);
+}
+
+static rsv_status move_light(
+    rsv_relighter *relighter, size_t source, const change_times *t, uint32_t k)
+{
+    const rsv_light_move move = { rsv_relighter_source(relighter, source).name,
+        { k % 2 ? stride : -stride, 0, 0 } };
+    const rsv_relight_desc desc = { .move = &move, .move_count = 1 };
+    return measure_change(relighter, &desc, t, k);
+}
+
+static size_t find_movable(const rsv_relighter *relighter)
+{
+    size_t k = 0, count = rsv_relighter_source_count(relighter);
+    while (k < count && !rsv_relighter_source(relighter, k).movable)
+        k++;
+    return k;
+}
+
+static void add_medians(
+    cJSON *result, const char *const names[3], const change_times *t, uint32_t count)
+{
+    cJSON_AddNumberToObject(result, names[0], cli_median(t->source_ms, count));
+    cJSON_AddNumberToObject(result, names[1], cli_median(t->solve_ms, count));
+    cJSON_AddNumberToObject(result, names[2], cli_median(t->orders, count));
+}
+
+static rsv_status measure_relighter(
+    const cli_bench_task *bench, rsv_relighter *relighter, cJSON *result)
+{
+    static const char *const of_strengths[] = { "scaled_source_ms", "scaled_solve_ms",
+        "scaled_orders" };
+    static const char *const of_moves[] = { "moved_source_ms", "moved_solve_ms", "moved_orders" };
+    uint32_t repetitions = bench->repetitions;
+    double *times = calloc(3 * repetitions, sizeof *times);
+    const change_times t = { times, times + repetitions, times + 2 * repetitions };
+    rsv_status status = times ? RSV_OK : RSV_ERROR_MEMORY;
+    for (uint32_t k = 0; k < repetitions && !status && !cli_interrupted(); k++)
+        status = change_strengths(relighter, &t, k);
+    if (!status) add_medians(result, of_strengths, &t, repetitions);
+    size_t movable = find_movable(relighter);
+    bool moves = movable < rsv_relighter_source_count(relighter);
+    for (uint32_t k = 0; k < repetitions && moves && !status && !cli_interrupted(); k++)
+        status = move_light(relighter, movable, &t, k);
+    if (!status && moves) add_medians(result, of_moves, &t, repetitions);
+    double start = cli_seconds();
+    if (!status) status = rsv_relighter_settle(relighter);
+    cJSON_AddNumberToObject(result, "settle_ms", 1e3 * (cli_seconds() - start));
+    free(times);
+    return status;
+}
+
+static rsv_status measure(const cli_bench_task *bench, rsv_scene *scene, cJSON *result)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solution *solution = NULL;
+    rsv_relighter *relighter = NULL;
+    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    if (!status) status = rsv_relighter_create(solution, scene, &relighter);
+    if (!status) {
+        const rsv_solve_report *report = rsv_solution_report(solution);
+        cJSON_AddNumberToObject(result, "receivers", (double)report->elements);
+        cJSON_AddNumberToObject(result, "direct_elements", (double)report->direct_elements);
+        cJSON_AddNumberToObject(result, "entries", (double)report->entries);
+        status = measure_relighter(bench, relighter, result);
+    }
+    if (!status && cli_interrupted()) status = RSV_ERROR_CANCELLED;
+    rsv_relighter_destroy(relighter);
+    rsv_solution_destroy(solution);
+    return status;
+}
+
+bool cli_bench_move(const cli_bench_task *bench, cJSON *result)
+{
+    rsv_scene *scene = cli_open_bench_body(bench, body_triangles);
+    if (!scene) return false;
+    rsv_status status = measure(bench, scene, result);
+    rsv_scene_destroy(scene);
+    if (status != RSV_OK) cli_report_failure(bench->session, status);
+    return status == RSV_OK;
+}
+
+void cli_print_move(const cJSON *result)
+{
+    printf("  %.0f receivers, %.0f entries; %.0f elements of direct light and caustics\n",
+        cli_json_number(result, "receivers"), cli_json_number(result, "entries"),
+        cli_json_number(result, "direct_elements"));
+    printf("  all strengths changed  sources %.1f ms, to a residual of 1e-3 %.1f ms (%.0f orders)\n",
+        cli_json_number(result, "scaled_source_ms"), cli_json_number(result, "scaled_solve_ms"),
+        cli_json_number(result, "scaled_orders"));
+    if (cJSON_GetObjectItem(result, "moved_source_ms"))
+        printf("  one light moved        its light %.1f ms, to a residual of 1e-3 %.1f ms (%.0f "
+               "orders)\n",
+            cli_json_number(result, "moved_source_ms"), cli_json_number(result, "moved_solve_ms"),
+            cli_json_number(result, "moved_orders"));
+    printf("  exact                  %.1f ms\n", cli_json_number(result, "settle_ms"));
+}
+
+bool cli_write_move_csv(const char *path, const cJSON *scenes)
+{
+    static const char *const columns[] = { "receivers", "direct_elements", "entries",
+        "scaled_source_ms", "scaled_solve_ms", "scaled_orders", "moved_source_ms",
+        "moved_solve_ms", "moved_orders", "settle_ms" };
+    return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
+}
