@@ -2,6 +2,9 @@
 #include "packet_kernels.h"
 
 #include <string.h>
+#if defined(__SSE2__)
+#include <xmmintrin.h>
+#endif
 
 #define LANES RSV_PACKET_WIDTH
 
@@ -36,18 +39,22 @@ static void aim_packet(
 static inline uint32_t find_sides(const rsv_light_table *restrict table,
     const rsv_ray_packet *restrict p, int *restrict first_cell, int *restrict level)
 {
-    _Alignas(64) int back[LANES];
-    uint32_t left = 0;
-    for (int k = 0; k < LANES; k++) {
+    _Alignas(64) uint32_t index[LANES];
+    _Alignas(64) rsv_shown_side side[LANES];
+    const rsv_shown_side *sides = table->side[0];
+    uint32_t left = 0, none = table->triangle_count;
+    for (int k = 0; k < LANES; k++) { // rsv_shown_side_of
         float cos = p->normal_x[k] * p->direction_x[k] + p->normal_y[k] * p->direction_y[k] +
                     p->normal_z[k] * p->direction_z[k];
-        back[k] = cos > 0;
+        uint32_t triangle = p->triangle[k] < none ? p->triangle[k] : none;
+        index[k] = 2 * triangle + (cos > 0 ? 1 : 0);
     }
+    for (int k = 0; k < LANES; k++)
+        side[k] = sides[index[k]];
     for (int k = 0; k < LANES; k++) {
-        rsv_shown_side side = *rsv_shown_side_of(table, p->triangle[k], back[k]);
-        first_cell[k] = (int)side.cell;
-        level[k] = side.level;
-        left |= (uint32_t)(side.kind != RSV_SHOWN_STORED) << k;
+        first_cell[k] = (int)side[k].cell;
+        level[k] = side[k].level;
+        left |= (uint32_t)(side[k].kind != RSV_SHOWN_STORED) << k;
     }
     return left;
 }
@@ -115,11 +122,22 @@ static inline __attribute__((always_inline)) void display(bool first, bool soft,
 {
     for (uint32_t k = 0; k < 4 * count; k++) {
         float sum = first ? in[k] : total[k] + in[k];
-        total[k] = sum;
+        if (!first) total[k] = sum;
         float x = f_max(sum * scale, 0);
         x = soft ? x * (1 + x * (1.0f / 16)) / (1 + x) : x;
         out[k] = (uint8_t)(int)(srgb_code(f_min(x, 1)) + 0.5f);
     }
+}
+
+/// First sums, past the caches: while the camera moves nobody reads them.
+static void begin_sums(uint32_t count, const float *restrict in, float *restrict total)
+{
+#if defined(__SSE2__)
+    for (uint32_t k = 0; k < 4 * count; k += 4)
+        _mm_stream_ps(total + k, _mm_load_ps(in + k));
+#else
+    memcpy(total, in, 4 * count * sizeof *in);
+#endif
 }
 
 static void display_row(const rsv_frame_tone *tone, uint32_t count,
@@ -134,6 +152,7 @@ static void display_row(const rsv_frame_tone *tone, uint32_t count,
         display(true, false, tone->scale, count, in, total, out);
     else
         display(false, tone->soft, tone->scale, count, in, total, out);
+    if (tone->first) begin_sums(count, in, total);
     const uint8_t opaque[4] = { 0, 0, 0, 255 };
     uint32_t code, alpha;
     memcpy(&alpha, opaque, sizeof alpha);
