@@ -24,6 +24,17 @@ grep -q '^cornell-blocks,' fps.csv || complain "the table lacks the scene"
 grep -q '</svg>' fps.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf fps.svg fps.csv || complain "the bars hold what is no number"
 
+succeeds bench move cornell-blocks --repeat 1 --csv move.csv
+says 'one light moved'
+grep -q '^cornell-blocks,' move.csv || complain "the table lacks the scene"
+! grep -q -e nan -e inf move.csv || complain "the table holds what is no number"
+succeeds bench fig8 cornell-blocks --repeat 1 --csv fig8.csv --plot fig8.svg
+says '^  3096 KB '
+says 'of the smallest'
+[[ $(wc -l <fig8.csv) == 5 ]] || complain "the table has not one line per mesh"
+grep -q '</svg>' fig8.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf fig8.svg fig8.csv || complain "the bars hold what is no number"
+
 succeeds bench scale terraces:5000 --csv scale.csv --plot scale.svg
 says 'bytes per element'
 grep -q '^terraces:5000,' scale.csv || complain "the table lacks the scene"
