@@ -206,6 +206,29 @@ static rsv_hanging follower_of(const clustering *c, uint32_t node)
     return follower;
 }
 
+/// Tells leaders who follows them: what they receive must be what arrives at all of these on average.
+static rsv_status list_followers(rsv_elements *e)
+{
+    e->led_begin = rsv_alloc(e->context, e->node_count + 1, sizeof *e->led_begin);
+    e->led = rsv_alloc(e->context, e->follower_count * RSV_PARENTS, sizeof *e->led);
+    if (!e->led_begin || !e->led) return RSV_ERROR_MEMORY;
+    for (size_t h = 0; h < e->follower_count; h++)
+        for (int p = 0; p < RSV_PARENTS; p++)
+            if (e->hanging[h].weight[p] > 0) e->led_begin[e->hanging[h].parent[p]]++;
+    for (size_t n = 0; n < e->node_count; n++)
+        e->led_begin[n + 1] += e->led_begin[n];
+    for (size_t h = e->follower_count; h-- > 0;) {
+        const rsv_hanging *follower = &e->hanging[h];
+        for (int p = 0; p < RSV_PARENTS; p++) {
+            if (!(follower->weight[p] > 0)) continue;
+            // filled from the back, so that led_begin ends up where each list starts
+            e->led[--e->led_begin[follower->parent[p]]] =
+                (rsv_led){ follower->node, follower->weight[p] };
+        }
+    }
+    return RSV_OK;
+}
+
 /// Followers come before what hangs on them: parents before children.
 static rsv_status add_followers(clustering *c)
 {
@@ -226,7 +249,8 @@ static rsv_status add_followers(clustering *c)
     e->follower_count = followers;
     for (size_t h = 0; h < count; h++)
         e->node_hanging[hanging[h].node] = (uint32_t)h;
-    return rsv_elements_renumber(e, e->node_count);
+    rsv_status status = rsv_elements_renumber(e, e->node_count);
+    return status == RSV_OK ? list_followers(e) : status;
 }
 
 rsv_status rsv_elements_cluster(rsv_elements *e, float radius)

@@ -28,11 +28,57 @@ void rsv_elements_place_node(
     *v = place.v;
 }
 
+/// Goes through the cells around a node, and then through those around each node that follows it.
+typedef struct support_walk {
+    const rsv_elements *elements;
+    uint32_t lot, lots;    ///< followers visited, the node itself ahead of them
+    uint32_t support, end; ///< of the lot in hand
+    float weight;          ///< of the node's value in that of the follower
+} support_walk;
+
+static void enter_lot(support_walk *w, uint32_t node, float weight)
+{
+    w->support = w->elements->support_begin[node];
+    w->end = w->elements->support_begin[node + 1];
+    w->weight = weight;
+}
+
+static support_walk walk_support(const rsv_elements *e, uint32_t node)
+{
+    support_walk w = { .elements = e };
+    if (e->led_begin) {
+        w.lot = e->led_begin[node];
+        w.lots = e->led_begin[node + 1];
+    }
+    enter_lot(&w, node, 1);
+    return w;
+}
+
+static float area_in_hand(const support_walk *w)
+{
+    return w->weight * rsv_cell_area(w->elements, w->elements->support[w->support] / 4);
+}
+
+static bool walk_on(support_walk *w)
+{
+    if (++w->support < w->end) return true;
+    if (w->lot == w->lots) {
+        w->support--; // rounding must not lead beyond the last one
+        return false;
+    }
+    const rsv_led *led = &w->elements->led[w->lot++];
+    enter_lot(w, led->follower, led->weight);
+    return true;
+}
+
+/// Area of everything whose light a node receives, in so far as it does.
 static float support_area(const rsv_elements *e, uint32_t node)
 {
+    support_walk walk = walk_support(e, node);
     float area = 0;
-    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
-        area += rsv_cell_area(e, e->support[s] / 4);
+    do
+        area += area_in_hand(&walk);
+    while (walk_on(&walk));
     return area;
 }
 
@@ -55,7 +101,7 @@ uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_
     if (k == 3) return RSV_NONE;
     uint32_t twin = other->cell_node[cell][k];
     if (!is_own_corner(other, twin, cell, k)) return RSV_NONE;
-    // splits and walls leave a node less of its surroundings
+    // splits and walls leave a node less of its surroundings, and clusters are divided anew
     float area = support_area(e, node);
     return fabsf(support_area(other, twin) - area) <= 1e-6f * area ? twin : RSV_NONE;
 }
@@ -63,23 +109,20 @@ uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_
 void rsv_elements_sample_support(
     const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed, rsv_support_point *points)
 {
-    uint32_t chosen = e->support_begin[node], end = e->support_begin[node + 1];
     uint32_t stream = rsv_hash2(seed, node);
-    float total = 0;
-    for (uint32_t s = chosen; s < end; s++)
-        total += rsv_cell_area(e, e->support[s] / 4);
-    float below = 0, area = rsv_cell_area(e, e->support[chosen] / 4);
+    support_walk walk = walk_support(e, node);
+    float total = support_area(e, node), below = 0, area = area_in_hand(&walk);
     for (uint32_t k = 0; k < count; k++) {
         float jitter = rsv_unit_float(rsv_hash(stream + k));
         float target = total * ((float)k + jitter) / (float)count;
-        while (chosen + 1 < end && target >= below + area) {
+        while (target >= below + area && walk_on(&walk)) {
             below += area;
-            area = rsv_cell_area(e, e->support[++chosen] / 4);
+            area = area_in_hand(&walk);
         }
         float x, y;
         rsv_sobol_2d(k, stream, &x, &y);
         float b = sample_hat(x);
-        points[k] = place_in_cell(e, e->support[chosen], b, (1 - b) * y);
+        points[k] = place_in_cell(e, e->support[walk.support], b, (1 - b) * y);
     }
 }
 

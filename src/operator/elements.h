@@ -33,6 +33,12 @@ typedef struct rsv_hanging {
     float weight[RSV_PARENTS]; ///< sum 1; parents of weight 0 count for nothing
 } rsv_hanging;
 
+/// A node that follows a leader (cluster.h), and the weight of the leader's value in its own.
+typedef struct rsv_led {
+    uint32_t follower;
+    float weight;
+} rsv_led;
+
 typedef struct rsv_elements {
     rsv_context *context;
     const rsv_scene_view *scene;
@@ -70,6 +76,8 @@ typedef struct rsv_elements {
     size_t hanging_count;
     rsv_hanging *hanging;   ///< parents before children
     uint32_t *node_hanging; ///< [node_count] index into `hanging`, RSV_NONE = free node
+    uint32_t *led_begin;    ///< [node_count + 1] into `led`; NULL = no clusters
+    rsv_led *led;           ///< those that follow each node
 } rsv_elements;
 
 #define RSV_SLOT_SPLIT 0x80000000u
@@ -183,8 +191,8 @@ typedef struct rsv_support_point {
     float u, v;       ///< place on the cell's face
 } rsv_support_point;
 
-/// A stratified sample of a node's support with density proportional to its hat function. Points of one cell
-/// come one after the other.
+/// A stratified sample of a node's support with density proportional to its hat function, those of its followers
+/// included in so far as they take its value. Points of one cell come one after the other.
 /// @param seed differs between independent samples @param points [count]
 void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t count,
     uint32_t seed, rsv_support_point *points);
