@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static bool side_scatters(const rsv_bsdf *bsdf, bool back)
+bool rsv_side_scatters(const rsv_bsdf *bsdf, bool back)
 {
     return bsdf->diffuse > 0 && (!back || (bsdf->double_sided && !bsdf->solid));
 }
@@ -18,7 +18,7 @@ rsv_status rsv_elements_create_faces(rsv_elements *e)
         e->face_of[side] = rsv_alloc(context, scene->triangle_count, sizeof(uint32_t));
         if (!e->face_of[side]) return RSV_ERROR_MEMORY;
         for (size_t t = 0; t < scene->triangle_count; t++) {
-            bool scatters = side_scatters(&e->bsdf[scene->triangle_material[t]], side);
+            bool scatters = rsv_side_scatters(&e->bsdf[scene->triangle_material[t]], side);
             e->face_of[side][t] = scatters ? (uint32_t)e->face_count++ : RSV_NONE;
         }
     }
@@ -69,30 +69,20 @@ rsv_status rsv_elements_copy_faces(const rsv_elements *from, rsv_elements *to)
     return RSV_OK;
 }
 
-/// Cells of slivers may be this many times as many along an edge as their area asks for.
-#define SLIVER_FACTOR 4.0f
-
-/// Grid level at which a face's cells are about `spacing` long. Slivers count by a quarter of their
-/// length, or their cells would be far too many across; the thinnest by their area.
-static uint8_t grid_level(const rsv_scene_view *scene, uint32_t triangle, float spacing)
+/// Level of a face's regular grid: that of its largest cell.
+static uint8_t grid_level(const rsv_elements *e, const rsv_spacing *spacing, size_t face)
 {
-    const uint32_t *corner = scene->triangle[triangle];
-    float longest = 0;
-    for (int k = 0; k < 3; k++) {
-        rsv_vec3 edge = v3_sub(scene->position[corner[k]], scene->position[corner[(k + 1) % 3]]);
-        longest = f_max(longest, v3_length(edge));
-    }
-    float wide = 1.4f * sqrtf(2 * rsv_triangle_area(scene, triangle));
-    float size = f_max(wide, f_min(0.25f * longest, SLIVER_FACTOR * wide));
-    int level = (int)ceilf(log2f(f_max(size / (1.4f * spacing), 1e-6f)) - 0.5f);
-    return (uint8_t)(level < 0 ? 0 : level > 10 ? 10 : level);
+    if (!spacing->scene)
+        return (uint8_t)rsv_spacing_level(e->scene, e->face_triangle[face], spacing->metres);
+    return (uint8_t)rsv_spacing_divide(spacing, e->face_triangle[face], e->face_back[face])
+        .coarsest;
 }
 
-rsv_status rsv_elements_create_grid(rsv_elements *e, float spacing)
+rsv_status rsv_elements_create_grid(rsv_elements *e, const rsv_spacing *spacing)
 {
     size_t count = 0;
     for (size_t face = 0; face < e->face_count; face++) {
-        e->face_level[face] = grid_level(e->scene, e->face_triangle[face], spacing);
+        e->face_level[face] = grid_level(e, spacing, face);
         e->face_slot[face] = (uint32_t)count;
         count += (size_t)1 << (2 * e->face_level[face]);
         if (count >= RSV_SLOT_SPLIT)

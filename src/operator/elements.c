@@ -51,15 +51,15 @@ static rsv_status balance(rsv_elements **current, uint8_t *unbalanced, bool any_
     return status;
 }
 
-rsv_status rsv_elements_create(
-    const rsv_scene *scene, const rsv_bsdf *bsdf, float spacing, rsv_elements **elements)
+static rsv_status create_grids(const rsv_scene *scene, const rsv_bsdf *bsdf,
+    const rsv_spacing *spacing, rsv_elements **elements)
 {
     rsv_status status;
     rsv_elements *e = NULL;
     uint8_t *unbalanced = NULL;
     bool any_unbalanced = false;
     RSV_TRY(rsv_elements_create_empty(
-        rsv_scene_get_view(scene), bsdf, spacing, rsv_scene_get_context(scene), &e));
+        rsv_scene_get_view(scene), bsdf, spacing->metres, rsv_scene_get_context(scene), &e));
     RSV_TRY(rsv_elements_create_faces(e));
     RSV_TRY(rsv_elements_create_grid(e, spacing));
     status = rsv_elements_number_nodes(e, &unbalanced, &any_unbalanced);
@@ -72,6 +72,39 @@ rsv_status rsv_elements_create(
     return RSV_OK;
 cleanup:
     rsv_elements_destroy(e);
+    return status;
+}
+
+/// Cells larger than usual that do not lie in the open.
+static size_t mark_too_large(const rsv_elements *e, const rsv_spacing *spacing, uint8_t *split)
+{
+    size_t marked = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        split[c] = rsv_spacing_is_exceeded(spacing, e, c);
+        marked += split[c];
+    }
+    return marked;
+}
+
+rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf,
+    const rsv_spacing *spacing, rsv_elements **elements)
+{
+    rsv_elements *e = NULL, *finer = NULL;
+    rsv_status status = create_grids(scene, bsdf, spacing, &e);
+    for (bool done = false; status == RSV_OK && !done;) {
+        uint8_t *split = rsv_alloc(e->context, e->cell_count, 1);
+        if (!split) status = RSV_ERROR_MEMORY;
+        done = !split || mark_too_large(e, spacing, split) == 0;
+        if (!done) status = rsv_elements_refine(e, split, &finer);
+        rsv_free(e->context, split);
+        if (done || status != RSV_OK) continue;
+        rsv_elements_destroy(e);
+        e = finer;
+    }
+    if (status == RSV_OK)
+        *elements = e;
+    else
+        rsv_elements_destroy(e);
     return status;
 }
 

@@ -82,9 +82,11 @@ typedef struct rsv_elements {
 
 #define RSV_SLOT_SPLIT 0x80000000u
 
-/// Grids with cells of about `spacing` metres on every face with a diffuse lobe.
-rsv_status rsv_elements_create(
-    const rsv_scene *scene, const rsv_bsdf *bsdf, float spacing, rsv_elements **elements);
+struct rsv_spacing; // spacing.h
+
+/// Cells of about that spacing on every face with a diffuse lobe, larger ones where it lies in the open.
+rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf,
+    const struct rsv_spacing *spacing, rsv_elements **elements);
 
 /// The same elements with the marked cells split 4-to-1, and further cells where needed so that cells
 /// that share an edge differ by one level at most.

@@ -3,6 +3,7 @@
 #define RSV_ELEMENTS_INTERNAL_H
 
 #include "elements.h"
+#include "spacing.h"
 
 /// Nothing but what all elements of a scene share.
 rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf,
@@ -12,8 +13,11 @@ rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf
 rsv_status rsv_elements_create_faces(rsv_elements *elements);
 rsv_status rsv_elements_copy_faces(const rsv_elements *from, rsv_elements *to);
 
-/// Regular grids of cells about `spacing` metres long.
-rsv_status rsv_elements_create_grid(rsv_elements *elements, float spacing);
+/// Whether light that arrives on a side of a triangle is scattered diffusely, and so has elements.
+bool rsv_side_scatters(const rsv_bsdf *bsdf, bool back);
+
+/// Regular grids, whose cells are as large as the largest of the face may be.
+rsv_status rsv_elements_create_grid(rsv_elements *elements, const rsv_spacing *spacing);
 
 /// The cells of `coarser`, those marked replaced by their four children.
 rsv_status rsv_elements_split_cells(

@@ -16,6 +16,8 @@
 /// A cell's bend in caustic light is more than noise if one of its nodes has caught this many photons. (One,
 /// not all: the rim of a caustic is dark on one side.)
 #define PHOTONS_TO_SPLIT 24.0f
+/// Cells are at most so much larger than the spacing, but in the open.
+#define OPEN_TOLERANCE 1.5f
 
 typedef struct level_builder {
     const rsv_transport_scene *scene;
@@ -187,6 +189,23 @@ static bool is_finest(const level_builder *b, size_t cell)
     return cell_size(b->elements, cell) * (float)(4u << levels) <= b->elements->spacing;
 }
 
+/// Rounds of splits that bring the largest cells, out in the open, to the size of the others.
+static uint32_t rounds_in_the_open(const rsv_elements *e)
+{
+    float largest = 0;
+    for (size_t c = 0; c < e->cell_count; c++)
+        largest = f_max(largest, cell_size(e, c));
+    return (uint32_t)f_max(ceilf(log2f(f_max(largest / e->spacing, 1e-6f))), 0);
+}
+
+/// Whether direct light may split a cell in this round: after the last common one, those still larger than the others.
+static bool is_in_turn(const level_builder *b, size_t cell, uint32_t round)
+{
+    const rsv_elements *e = b->elements;
+    return round < b->desc->levels ||
+           cell_size(e, cell) * (float)(1u << b->desc->levels) > OPEN_TOLERANCE * e->spacing;
+}
+
 /// Whether a cell lies in one that is not worth splitting.
 static bool is_hidden(const level_builder *b, uint32_t cell)
 {
@@ -199,12 +218,12 @@ static bool is_hidden(const level_builder *b, uint32_t cell)
 }
 
 /// Marks the cells on both sides of every edge across which light bends; counts them.
-static rsv_status mark_cells(level_builder *b, uint32_t level, size_t *marked)
+static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
 {
     const rsv_elements *e = b->elements;
     rsv_status status = RSV_OK;
     float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
-    if (b->direct && level < b->desc->levels)
+    if (b->direct)
         RSV_TRY(rsv_find_bends(e, b->direct, b->deviation, BEND, dark, RSV_BENDS, mark_direct, b));
     if (b->caustic) {
         float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
@@ -213,7 +232,7 @@ static rsv_status mark_cells(level_builder *b, uint32_t level, size_t *marked)
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
         if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c) ||
-            (b->split[c] && is_hidden(b, (uint32_t)c)))
+            (b->direct && !is_in_turn(b, c, round)) || (b->split[c] && is_hidden(b, (uint32_t)c)))
             b->split[c] = 0;
         *marked += b->split[c];
     }
@@ -255,14 +274,15 @@ static rsv_status refine(level_builder *b)
 {
     rsv_context *context = b->coarse->context;
     rsv_status status = RSV_OK;
-    uint32_t levels = b->desc->levels + (b->desc->photon_count ? CAUSTIC_LEVELS : 0);
-    for (uint32_t level = 0; level < levels; level++) {
+    uint32_t rounds = b->desc->levels +
+                      (b->desc->photon_count ? CAUSTIC_LEVELS : rounds_in_the_open(b->elements));
+    for (uint32_t round = 0; round < rounds; round++) {
         if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
         rsv_free(context, b->split);
         b->split = rsv_alloc(context, b->elements->cell_count, 1);
         if (!b->split) return RSV_ERROR_MEMORY;
         size_t marked;
-        RSV_TRY(mark_cells(b, level, &marked));
+        RSV_TRY(mark_cells(b, round, &marked));
         if (marked == 0 || b->elements->cell_count + 3 * marked > b->desc->max_cells) break;
         RSV_TRY(split_once(b));
     }

@@ -47,11 +47,13 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_coarse_elements_create(rsv_solution *s, float spacing, float largest)
+rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
 {
-    rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, largest, &s->elements);
+    rsv_spacing first = s->spacing;
+    first.metres *= coarsening;
+    rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, &first, &s->elements);
     if (status != RSV_OK) return status;
-    s->elements->spacing = spacing;
+    s->elements->spacing = s->spacing.metres;
     rsv_free(s->context, s->valid_points);
     s->valid_points = NULL;
     status = rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays);

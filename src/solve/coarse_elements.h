@@ -5,8 +5,8 @@
 
 #include "solution.h"
 
-/// @param spacing metres, wanted @param largest metres; elements start with it, to be split where that is too large
-rsv_status rsv_coarse_elements_create(rsv_solution *solution, float spacing, float largest);
+/// @param coarsening elements start larger than the solution's spacing by this factor, to be split where that is too large
+rsv_status rsv_coarse_elements_create(rsv_solution *solution, float coarsening);
 
 /// @param split [cell_count] cells to split
 rsv_status rsv_coarse_elements_split(rsv_solution *solution, const uint8_t *split);

@@ -127,7 +127,8 @@ static rsv_status split_for_goal(rsv_solution *s, const rsv_goal *goal)
     for (uint32_t c = 0; c < e->cell_count; c++) {
         float size = sqrtf(2 * rsv_cell_area(e, c));
         split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
-                   size > GOAL_TOLERANCE * e->spacing * rsv_goal_size_at(goal, e, c);
+                   size > GOAL_TOLERANCE * e->spacing * rsv_goal_size_at(goal, e, c) &&
+                   !rsv_spacing_lets_grow(&s->spacing, e, c);
     }
     rsv_status status = rsv_coarse_elements_split(s, split);
     rsv_free(s->context, split);

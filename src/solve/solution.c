@@ -79,34 +79,23 @@ static rsv_status create_bsdfs(rsv_solution *s)
     return RSV_OK;
 }
 
-/// Edge of the cells that put about `target` nodes on everything that scatters diffusely.
-static float spacing_for(const rsv_solution *s, uint32_t target)
-{
-    const rsv_scene_view *view = s->scene.view;
-    double area = 0;
-    for (size_t t = 0; t < view->triangle_count; t++)
-        if (s->bsdf[view->triangle_material[t]].diffuse > 0)
-            area += rsv_triangle_area(view, (uint32_t)t);
-    return area > 0 ? (float)sqrt(area / target) : 1;
-}
-
 /// Creates elements, larger ones as long as there are more than budgets allow.
 static rsv_status create_elements(rsv_solution *s)
 {
     rsv_status status;
-    float wanted = spacing_for(s, s->desc.element_target), spacing = wanted;
+    s->spacing = rsv_spacing_for(&s->scene, s->desc.element_target);
+    float wanted = s->spacing.metres;
     size_t before = SIZE_MAX;
     RSV_TRY(rsv_budget_open(s));
     for (;;) {
-        RSV_TRY(rsv_coarse_elements_create(
-            s, spacing, rsv_pilot_has_goal(s) ? RSV_GOAL_COARSEST * spacing : spacing));
+        RSV_TRY(rsv_coarse_elements_create(s, rsv_pilot_has_goal(s) ? RSV_GOAL_COARSEST : 1));
         RSV_TRY(rsv_pilot_refine(s));
         while (rsv_solution_rows(s) > rsv_budget_rows(s) && rsv_budget_halve_rays(s)) {}
         size_t rows = rsv_solution_rows(s), most = rsv_budget_rows(s);
         if (rows <= most) break;
         if ((double)rows > LEAST_PROGRESS * (double)before) RSV_TRY(rsv_budget_refuse(s, rows));
         before = rows;
-        spacing *= f_min(sqrtf(1.2f * (float)rows / ((float)most + 1)), LARGEST_STEP);
+        s->spacing.metres *= f_min(sqrtf(1.2f * (float)rows / ((float)most + 1)), LARGEST_STEP);
         rsv_elements_destroy(s->elements);
         s->elements = NULL;
     }

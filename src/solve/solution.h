@@ -3,6 +3,7 @@
 #define RSV_SOLUTION_H
 
 #include "../operator/source_level.h"
+#include "../operator/spacing.h"
 #include "../operator/subsurface.h"
 #include "diffused_level.h"
 #include "light_basis.h"
@@ -18,6 +19,7 @@ struct rsv_solution {
     uint32_t wanted_rays; ///< that were asked for
     size_t bytes_left;    ///< of the memory budget, for elements, rows and levels
 
+    rsv_spacing spacing;        ///< of the coarse elements
     rsv_elements *elements;     ///< coarse: unknowns
     rsv_transport *transport;   ///< G
     rsv_rgb *exitance_albedo;   ///< [node_count] K = diag(exitance_albedo) P

@@ -4,6 +4,7 @@
 #include "../core/core_internal.h"
 #include "../core/vec.h"
 #include "../scene/material_at.h"
+#include "near.h"
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -209,6 +210,29 @@ bool rsv_tracer_occluded(const rsv_tracer *tracer, const rsv_ray *ray)
     DECLARE_SHADOW_QUERY(false);
     OCCLUDED_ONE(&query_ray);
     return query_ray.tfar < 0;
+}
+
+typedef struct near_visit {
+    rsv_near_visitor visit;
+    void *user;
+} near_visit;
+
+static bool visit_primitive(struct RTCPointQueryFunctionArguments *arguments)
+{
+    const near_visit *v = arguments->userPtr;
+    float before = arguments->query->radius;
+    v->visit(v->user, arguments->primID, &arguments->query->radius);
+    return arguments->query->radius < before;
+}
+
+void rsv_tracer_visit_near(
+    const rsv_tracer *tracer, rsv_vec3 point, float radius, rsv_near_visitor visit, void *user)
+{
+    struct RTCPointQuery query = { .x = point.x, .y = point.y, .z = point.z, .radius = radius };
+    struct RTCPointQueryContext context;
+    near_visit v = { visit, user };
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(tracer->bvh, &query, &context, visit_primitive, &v);
 }
 
 // Narrower packets for processors without 16 lanes: the same arrays, `width` lanes at a time.

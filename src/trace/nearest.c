@@ -1,5 +1,5 @@
-/// Nearest surface point. Rare (a handful of probes), so every triangle is looked at.
-#include "resolvent/trace.h"
+/// Surfaces near a point.
+#include "near.h"
 
 #include "../core/vec.h"
 
@@ -30,6 +30,17 @@ static void closest_on_triangle(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 p, 
     }
 }
 
+float rsv_triangle_distance(
+    const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 point, float *u, float *v)
+{
+    rsv_vec3 a = scene->position[scene->triangle[triangle][0]];
+    rsv_vec3 b = scene->position[scene->triangle[triangle][1]];
+    rsv_vec3 c = scene->position[scene->triangle[triangle][2]];
+    closest_on_triangle(a, b, c, point, u, v);
+    return v3_length(v3_sub(v3_barycentric(a, b, c, *u, *v), point));
+}
+
+/// Rare (a handful of probes), so every triangle is looked at.
 bool rsv_tracer_nearest(const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 normal, rsv_hit *hit)
 {
     const rsv_scene_view *scene = rsv_scene_get_view(rsv_tracer_scene(tracer));
@@ -38,9 +49,7 @@ bool rsv_tracer_nearest(const rsv_tracer *tracer, rsv_vec3 point, rsv_vec3 norma
         rsv_vec3 a = scene->position[scene->triangle[t][0]];
         rsv_vec3 b = scene->position[scene->triangle[t][1]];
         rsv_vec3 c = scene->position[scene->triangle[t][2]];
-        float u, v;
-        closest_on_triangle(a, b, c, point, &u, &v);
-        float distance = v3_length(v3_sub(v3_barycentric(a, b, c, u, v), point));
+        float u, v, distance = rsv_triangle_distance(scene, (uint32_t)t, point, &u, &v);
         // a back counts only where there is something to see on it
         bool faces = v3_dot(v3_cross(v3_sub(b, a), v3_sub(c, a)), normal) > 0;
         bool unseen = !faces && !scene->material[scene->triangle_material[t]].double_sided;

@@ -2,6 +2,7 @@
 #include "light_fixture.h"
 #include "operator/bend.h"
 #include "operator/elements.h"
+#include "operator/spacing.h"
 
 #define SIDE 4.0f
 
@@ -32,7 +33,9 @@ static flat_square create_square(float (*field)(float x))
     flat_square s = { .w = world_begin(1) };
     world_triangles(s.w, world_lambert(s.w, 0.5f, 0), corner, 4, index, 2);
     world_commit(s.w);
-    assert_int_equal(rsv_elements_create(s.w->scene, s.w->bsdf, 0.5f, &s.elements), RSV_OK);
+    assert_int_equal(
+        rsv_elements_create(s.w->scene, s.w->bsdf, &(rsv_spacing){ .metres = 0.5f }, &s.elements),
+        RSV_OK);
     s.value = calloc(s.elements->node_count, sizeof *s.value);
     s.marked = calloc(s.elements->cell_count, 1);
     assert_non_null(s.value);

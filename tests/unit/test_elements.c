@@ -2,7 +2,8 @@
 /// across everything that is not.
 #include "light_fixture.h"
 #include "operator/cluster.h"
-#include "operator/elements.h"
+#include "operator/elements_internal.h"
+#include "operator/spacing.h"
 
 /// Corners of a rectangle with two points inside: six triangles of very different sizes.
 static const rsv_vec3 plane_corner[] = { { 0, 0, 0 }, { 4, 0, 0 }, { 4, 3, 0 }, { 0, 3, 0 },
@@ -14,7 +15,8 @@ static rsv_elements *create_elements(world *w, float spacing)
 {
     world_commit(w);
     rsv_elements *e;
-    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, spacing, &e), RSV_OK);
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = spacing }, &e), RSV_OK);
     return e;
 }
 
@@ -569,6 +571,38 @@ static void mark_cell(void *user, uint32_t cell, uint32_t other)
     ((uint8_t *)user)[cell] = 1;
 }
 
+/// Integral of x^2 over the elements, from points of their supports.
+static double sampled_integral(const rsv_elements *e)
+{
+    double sum = 0;
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        rsv_support_point point[256];
+        rsv_elements_sample_support(e, n, 256, 1, point);
+        for (int k = 0; k < 256; k++) {
+            float x =
+                place_on_face(e, e->cell[point[k].support / 4].face, point[k].u, point[k].v).x;
+            sum += (double)e->node_area[n] / 256 * (double)(x * x);
+        }
+    }
+    return sum;
+}
+
+/// A leader at the rim of a chair's seat must not receive for all of it what arrives at the rim.
+static void leaders_receive_for_all_that_follow_them(void **state)
+{
+    (void)state;
+    const float radius[] = { 0.5f, 20 }; // of many leaders, of one in the corner
+    for (int k = 0; k < 2; k++) {
+        world *w;
+        rsv_elements *e = create_fine_plane(&w);
+        assert_int_equal(rsv_elements_cluster(e, radius[k]), RSV_OK);
+        assert_close(sampled_integral(e), 4 * 64.0 / 3, k ? 5 : 1);
+        rsv_elements_destroy(e);
+        world_end(w);
+    }
+}
+
 static void clusters_shrink_where_leaders_disagree(void **state)
 {
     (void)state;
@@ -604,6 +638,81 @@ static void clusters_shrink_where_leaders_disagree(void **state)
     world_end(w);
 }
 
+#define TARGET 2000
+
+static void spacing_is_even_in_closed_rooms(void **state)
+{
+    (void)state;
+    const rsv_vec3 high[] = { { 1, 1, 1 }, { 8, 2, 3 }, { 10, 5, 10 } };
+    for (int k = 0; k < 3; k++) {
+        world *w = world_begin(1);
+        uint32_t white = world_lambert(w, 0.7f, 0);
+        world_room(w, white, v3(0, 0, 0), high[k]);
+        world_commit(w);
+        float x = high[k].x, y = high[k].y, z = high[k].z;
+        rsv_spacing spacing = rsv_spacing_for(&w->transport, TARGET);
+        assert_close(spacing.metres, sqrt(2 * (double)(x * y + y * z + z * x) / TARGET), 1e-4);
+        rsv_elements *e;
+        assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
+        for (uint32_t c = 0; c < e->cell_count; c++)
+            assert_false(rsv_spacing_lets_grow(&spacing, e, c));
+        rsv_elements_destroy(e);
+        world_end(w);
+    }
+}
+
+/// A house of 6 m without a floor of its own, on a plain of 200 m.
+static world *create_house(float plain)
+{
+    world *w = world_begin(1);
+    uint32_t white = world_lambert(w, 0.7f, 0);
+    world_quad(w, white, v3(-plain, 0, plain), v3(plain, 0, plain), v3(plain, 0, -plain),
+        v3(-plain, 0, -plain));
+    world_box(w, white, v3(-3, -0.1f, -3), v3(-2.8f, 3, 3));
+    world_box(w, white, v3(2.8f, -0.1f, -3), v3(3, 3, 3));
+    world_box(w, white, v3(-3, -0.1f, -3), v3(3, 3, -2.8f));
+    world_box(w, white, v3(-3, 3, -3), v3(3, 3.2f, 3));
+    return w;
+}
+
+static void plains_around_a_house_take_few_elements(void **state)
+{
+    (void)state;
+    world *w = create_house(100);
+    world_commit(w);
+    rsv_spacing spacing = rsv_spacing_for(&w->transport, TARGET);
+    assert_in_range(spacing.metres * 100, 10, 100); // 4.5 m if the plain took its share
+    rsv_elements *e;
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
+    assert_in_range(e->node_count, TARGET / 4, 4 * TARGET);
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        rsv_vec3 place = corner_place(e, c, 0);
+        float far = f_max(fabsf(place.x), fabsf(place.z));
+        float size = sqrtf(2 * rsv_cell_area(e, c)) / spacing.metres;
+        if (far < 3) assert_true(size < 1.5f);
+        if (far > 90) assert_true(size > 8);
+    }
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
+static void bare_planes_have_elements_of_one_size(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    world_triangles(w, world_lambert(w, 0.5f, 0), plane_corner, 6, plane_index, 6);
+    world_commit(w);
+    rsv_spacing even = { .metres = sqrtf((float)PLANE_AREA / TARGET) };
+    rsv_spacing spacing = rsv_spacing_for(&w->transport, TARGET);
+    rsv_elements *e, *expected;
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &even, &expected), RSV_OK);
+    assert_int_equal(e->node_count, expected->node_count);
+    rsv_elements_destroy(e);
+    rsv_elements_destroy(expected);
+    world_end(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -623,6 +732,10 @@ int main(void)
         cmocka_unit_test(averages_match_sampled_means),
         cmocka_unit_test(nodes_are_drawn_by_their_weights),
         cmocka_unit_test(nodes_of_fine_meshes_follow_near_leaders),
+        cmocka_unit_test(leaders_receive_for_all_that_follow_them),
+        cmocka_unit_test(spacing_is_even_in_closed_rooms),
+        cmocka_unit_test(plains_around_a_house_take_few_elements),
+        cmocka_unit_test(bare_planes_have_elements_of_one_size),
         cmocka_unit_test(clusters_shrink_where_leaders_disagree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

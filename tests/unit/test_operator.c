@@ -4,6 +4,7 @@
 #include "operator/contact.h"
 #include "operator/directions.h"
 #include "operator/photons.h"
+#include "operator/spacing.h"
 #include "resolvent/render.h"
 
 // ---- directions ---------------------------------------------------------------------------------
@@ -101,7 +102,9 @@ static rows create_rows(world *w, float spacing, uint32_t ray_count)
 {
     rows r = { .w = w };
     world_commit(w);
-    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, spacing, &r.elements), RSV_OK);
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = spacing }, &r.elements),
+        RSV_OK);
     assert_int_equal(rsv_elements_separate(w->tracer, NULL, r.elements, &r.rays), RSV_OK);
     r.valid_points = calloc(r.elements->node_count, sizeof *r.valid_points);
     assert_non_null(r.valid_points);
@@ -529,7 +532,9 @@ static shot shoot(world *w, float spacing, uint32_t count)
 {
     shot s = { .w = w };
     world_commit(w);
-    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, spacing, &s.elements), RSV_OK);
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = spacing }, &s.elements),
+        RSV_OK);
     const rsv_elements *const target[1] = { s.elements };
     assert_int_equal(
         rsv_photons_shoot(&w->transport, w->lights, count, 1, target, &s.map, 1, &s.rays), RSV_OK);

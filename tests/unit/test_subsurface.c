@@ -2,6 +2,7 @@
 #include "light_fixture.h"
 #include "operator/scatter_integral.h"
 #include "operator/scatter_row.h"
+#include "operator/spacing.h"
 #include "operator/subsurface.h"
 #include "subsurface/dipole.h"
 
@@ -141,7 +142,9 @@ static bodies spread_over(world *w, float spacing)
 {
     bodies b = { .w = w };
     world_commit(w);
-    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, spacing, &b.elements), RSV_OK);
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = spacing }, &b.elements),
+        RSV_OK);
     assert_int_equal(rsv_subsurface_create(b.elements, &b.subsurface), RSV_OK);
     b.in = calloc(b.elements->node_count, sizeof *b.in);
     b.out = calloc(b.elements->node_count, sizeof *b.out);
