@@ -12,13 +12,14 @@
 #include <unistd.h>
 
 static const char help[] =
-    "usage: resolvent bake SCENE -o OUT.glb --to vertex [options]\n"
+    "usage: resolvent bake SCENE -o OUT.glb --to vertex|lightmap [options]\n"
     "\n"
     "Solves the light of SCENE and writes it into a copy of its glTF file for engines and web\n"
     "pages. All else of the file stays as it is: nodes, animations, cameras, extras, extensions.\n"
     "Scenes that are no glTF file become one first. docs/bake.md says what is written.\n"
     "\n"
     "  --to vertex        light in COLOR_0, surfaces tessellated where light asks for it\n"
+    "  --to lightmap      irradiance in a texture (MOZ_lightmap), and as OUT.lightmap.exr\n"
     "  -o OUT.glb         the file to write\n"
     "  --basis            also write what each light does by itself: OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
@@ -26,19 +27,26 @@ static const char help[] =
     "\n"
     "  --tolerance SHARE  vertex: error of light between vertices (default 2%)\n"
     "  --unlit            vertex: mark diffuse materials KHR_materials_unlit, for viewers\n"
+    "  --map-size N       lightmap: texels along a side at most (default 1024; up to\n"
+    "                     4096 where there are many small surfaces)\n"
+    "  --density D        lightmap: texels per metre (default: as many as fit)\n"
+    "  --padding N        lightmap: texels between charts (default 2)\n"
+    "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
     "\n"
     "examples:\n"
     "  resolvent bake room.glb -o room-lit.glb --to vertex --unlit\n"
+    "  resolvent bake room.glb -o room-map.glb --to lightmap --map-size 2048\n"
     "  resolvent bake cornell-blocks -o box.glb --to vertex --basis --quality high\n";
 
 typedef rsv_status (*bake_function)(const rsv_solution *solution, const char *input,
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
-static const char *const target_names[] = { "vertex", NULL };
-static const bake_function bake_to[] = { rsv_bake_vertices };
+static const char *const target_names[] = { "vertex", "lightmap", NULL };
+static const bake_function bake_to[] = { rsv_bake_vertices, rsv_bake_lightmap };
+enum { TO_VERTEX, TO_LIGHTMAP };
 
 typedef struct settings {
     const char *scene, *output, *stats, *mesh;
@@ -46,6 +54,7 @@ typedef struct settings {
     cli_environment environment;
     cli_solve_choice solve;
     uint32_t threads;
+    bool new_uv;
     rsv_bake_desc bake;
 } settings;
 
@@ -68,6 +77,14 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .min = 0.002,
             .max = 1 },
         { .name = "--unlit", .kind = CLI_FLAG, .value = &s->bake.unlit },
+        { .name = "--map-size",
+            .kind = CLI_COUNT,
+            .value = &s->bake.map_size,
+            .min = 16,
+            .max = 8192 },
+        { .name = "--density", .kind = CLI_REAL, .value = &s->bake.density, .max = 1e6 },
+        { .name = "--padding", .kind = CLI_COUNT, .value = &s->bake.padding, .min = 1, .max = 16 },
+        { .name = "--new-uv", .kind = CLI_FLAG, .value = &s->new_uv },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
@@ -78,7 +95,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     const cli_usage usage = { "bake", help, options, "SCENE", 1, 1 };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (s->target < 0)
-        *exit_status = cli_usage_error("bake", "--to vertex is missing");
+        *exit_status = cli_usage_error("bake", "--to vertex or lightmap is missing");
     else if (!s->output)
         *exit_status = cli_usage_error("bake", "-o OUT.glb is missing");
     else if (!ends_in(s->output, ".glb"))
@@ -101,12 +118,36 @@ static rsv_scene *open_as_gltf(
     return NULL;
 }
 
-static void print_report(const rsv_bake_report *r)
+static void print_report(const settings *s, const rsv_bake_report *r)
 {
-    printf(
-        "vertices    %zu, %zu triangles (of %zu)\n", r->vertices, r->triangles, r->input_triangles);
+    if (s->target == TO_VERTEX)
+        printf("vertices    %zu, %zu triangles (of %zu)\n", r->vertices, r->triangles,
+            r->input_triangles);
+    if (s->target == TO_LIGHTMAP)
+        printf("map         %u x %u texels, %.4g per metre, %zu charts\n"
+               "coverage    %.1f %%\n"
+               "seams       %.2f %% at most\n",
+            r->map_width, r->map_height, (double)r->density, r->charts, 100 * r->coverage,
+            100 * r->largest_seam);
     printf("light scale %.4g\n", (double)r->light_scale);
     if (r->lights) printf("lights      %zu\n", r->lights);
+}
+
+static void add_numbers(cJSON *root, const settings *s, const rsv_bake_report *r)
+{
+    cJSON_AddNumberToObject(root, "light_scale", (double)r->light_scale);
+    if (s->target == TO_VERTEX) {
+        cJSON_AddNumberToObject(root, "vertices", (double)r->vertices);
+        cJSON_AddNumberToObject(root, "triangles", (double)r->triangles);
+    }
+    if (s->target == TO_LIGHTMAP) {
+        cJSON_AddNumberToObject(root, "map_width", r->map_width);
+        cJSON_AddNumberToObject(root, "map_height", r->map_height);
+        cJSON_AddNumberToObject(root, "density", (double)r->density);
+        cJSON_AddNumberToObject(root, "charts", (double)r->charts);
+        cJSON_AddNumberToObject(root, "coverage", r->coverage);
+        cJSON_AddNumberToObject(root, "largest_seam", r->largest_seam);
+    }
 }
 
 static bool write_stats(const cli_session *session, const settings *s, const rsv_bake_report *r)
@@ -115,9 +156,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     cJSON_AddStringToObject(root, "command", "bake");
     cJSON_AddStringToObject(root, "scene", s->scene);
     cJSON_AddStringToObject(root, "to", target_names[s->target]);
-    cJSON_AddNumberToObject(root, "vertices", (double)r->vertices);
-    cJSON_AddNumberToObject(root, "triangles", (double)r->triangles);
-    cJSON_AddNumberToObject(root, "light_scale", (double)r->light_scale);
+    add_numbers(root, s, r);
     cJSON_AddNumberToObject(root, "time_s", cli_seconds() - session->started);
     bool written = cli_write_json(s->stats, root);
     cJSON_Delete(root);
@@ -136,7 +175,7 @@ static int bake(cli_session *session, const settings *s, const rsv_scene *scene,
     rsv_solution_destroy(solution);
     if (status != RSV_OK) return cli_report_failure(session, status);
     cli_progress_clear(&session->progress);
-    print_report(&report);
+    print_report(s, &report);
     return !s->stats || write_stats(session, s, &report) ? CLI_SUCCESS : CLI_FAILURE;
 }
 
@@ -160,6 +199,7 @@ int cli_bake(int argc, char **argv)
         .bake = rsv_default_bake_desc() };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
+    s.bake.keep_uv = !s.new_uv;
     if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats)) ||
         !cli_check_apart(s.output, s.scene) || !cli_check_apart(s.stats, s.output))
         return CLI_FAILURE;

@@ -18,10 +18,9 @@ typedef struct rsv_bake_desc {
     /// this share of itself; 0.002..1, default 0.02.
     float tolerance;
     bool unlit; ///< mark what only reflects diffusely as KHR_materials_unlit: viewers add no light
-    /// Lightmaps: texels per metre; 0 = so many that the map is `map_size` texels wide.
-    float density;
+    float density; ///< lightmaps: texels per metre; 0 = as many as fit
     uint32_t
-        map_size; ///< texels along a side, 16..8192, default 1024; with a density: the largest allowed
+        map_size; ///< texels along a side at most, 16..8192; 0 = 1024, up to 4096 for many charts
     uint32_t padding; ///< texels between charts, 1..16, default 2
     bool
         keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
@@ -52,6 +51,11 @@ typedef struct rsv_bake_report {
 /// @param input the .gltf or .glb file that the solution's scene was loaded from @param output .glb
 /// @param desc NULL = defaults
 RSV_API rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *input,
+    const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
+
+/// Irradiance in a picture: MOZ_lightmap with linear 8-bit codes in the file, and OUT.lightmap.exr beside it in full
+/// precision. Second texture coordinates of the file are used where they are in the unit square and do not overlap.
+RSV_API rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input,
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
 #ifdef __cplusplus

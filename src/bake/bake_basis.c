@@ -20,13 +20,8 @@ static void evaluate(const rsv_light_responses *responses, const rsv_bake_receiv
     for (size_t l = 0; l < responses->count; l++) {
         const rsv_solution *light = &responses->light[l];
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(responses->context))
-        for (size_t n = 0; n < count; n++) {
-            const rsv_bake_receiver *r = &receiver[n];
-            value[l * count + n] =
-                r->triangle == RSV_NONE
-                    ? rgb_gray(0)
-                    : rsv_solution_irradiance(light, r->triangle, r->u, r->v, false, RSV_NONE);
-        }
+        for (size_t n = 0; n < count; n++)
+            value[l * count + n] = rsv_bake_irradiance(light, &receiver[n]);
     }
 }
 

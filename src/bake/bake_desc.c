@@ -4,9 +4,8 @@
 
 rsv_bake_desc rsv_default_bake_desc(void)
 {
-    return (rsv_bake_desc){
-        .tolerance = 0.02f, .map_size = 1024, .padding = 2, .keep_uv = true, .probe_samples = 256
-    };
+    return (
+        rsv_bake_desc){ .tolerance = 0.02f, .padding = 2, .keep_uv = true, .probe_samples = 256 };
 }
 
 rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
@@ -15,7 +14,7 @@ rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the tolerance must be from 0.002 to 1");
     if (!(desc->density >= 0 && desc->density <= 1e6f))
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: texels per metre must be from 0 to 1e6");
-    if (desc->map_size < 16 || desc->map_size > 8192)
+    if (desc->map_size && (desc->map_size < 16 || desc->map_size > 8192))
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the map's size must be from 16 to 8192 texels");
     if (desc->padding < 1 || desc->padding > 16)
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the padding must be from 1 to 16 texels");

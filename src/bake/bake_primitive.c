@@ -136,15 +136,71 @@ cleanup:
     return status;
 }
 
+static int component_bytes(int type)
+{
+    return type == RSV_GLTF_BYTE || type == RSV_GLTF_UNSIGNED_BYTE     ? 1
+           : type == RSV_GLTF_SHORT || type == RSV_GLTF_UNSIGNED_SHORT ? 2
+                                                                       : 4;
+}
+
+/// Integers are copied as they are: joints, weights, and whatever nobody here knows.
+static rsv_status copy_attribute(
+    rsv_bake_document *d, cJSON *attribute, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
+{
+    const rsv_gltf_accessor *a = &d->gltf->accessor[attribute->valueint];
+    const rsv_gltf_buffer_view *view =
+        a->span.buffer_view >= 0 && (size_t)a->span.buffer_view < d->gltf->buffer_view_count
+            ? &d->gltf->buffer_view[a->span.buffer_view]
+            : NULL;
+    size_t bytes = (size_t)(a->component_count * component_bytes(a->span.component_type));
+    size_t stride = view && view->stride ? view->stride : bytes, padded = (bytes + 3) & ~(size_t)3;
+    if (!view || a->sparse_count || a->count < part->vertex_count ||
+        (size_t)view->buffer >= d->gltf->buffer_count ||
+        view->offset + a->span.offset + stride * (a->count - 1) + bytes >
+            d->gltf->buffer[view->buffer].size)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "mesh '%s': accessor %d ('%s') is sparse or out of range and cannot be copied",
+            part->label, attribute->valueint, attribute->string);
+    uint8_t *copy = rsv_alloc(d->context, mesh->vertex_count, padded);
+    if (!copy) return RSV_ERROR_MEMORY;
+    const uint8_t *data = d->gltf->buffer[view->buffer].data + view->offset + a->span.offset;
+    for (size_t n = 0; n < mesh->vertex_count; n++)
+        memcpy(copy + n * padded, data + mesh->attribute[n] * stride, bytes);
+    cJSON *json =
+        cJSON_Duplicate(cJSON_GetArrayItem(item(d->root, "accessors"), attribute->valueint), true);
+    int place = rsv_bake_add_view(d, copy, mesh->vertex_count * padded, 34962);
+    rsv_bake_number(
+        d, cJSON_GetArrayItem(item(d->root, "bufferViews"), place), "byteStride", (double)padded);
+    rsv_bake_number(d, json, "bufferView", place);
+    rsv_bake_number(d, json, "count", (double)mesh->vertex_count);
+    cJSON_DeleteItemFromObjectCaseSensitive(json, "byteOffset");
+    cJSON_DeleteItemFromObjectCaseSensitive(json, "min");
+    cJSON_DeleteItemFromObjectCaseSensitive(json, "max");
+    cJSON_SetNumberValue(attribute, rsv_bake_append(d, item(d->root, "accessors"), json));
+    rsv_free(d->context, copy);
+    return RSV_OK;
+}
+
+static bool is_accessor(const rsv_bake_document *d, const cJSON *attribute)
+{
+    return cJSON_IsNumber(attribute) && attribute->valueint >= 0 &&
+           (size_t)attribute->valueint < d->gltf->accessor_count;
+}
+
 static rsv_status replace_attribute(
     rsv_bake_document *d, cJSON *attribute, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
 {
     float *value;
     size_t width;
     const char *name = attribute->string;
+    bool divided = mesh->attribute_count > part->vertex_count;
+    if (!is_accessor(d, attribute)) return RSV_OK;
+    const rsv_gltf_accessor *a = &d->gltf->accessor[attribute->valueint];
+    if (!is_blendable(name) && (a->span.component_type != RSV_GLTF_FLOAT || a->component_count < 2))
+        return copy_attribute(d, attribute, part, mesh);
     rsv_status status = read_blended(d, attribute->valueint, part, mesh, &value, &width);
     if (status != RSV_OK) return status;
-    if (!strcmp(name, "NORMAL") || !strcmp(name, "TANGENT"))
+    if (divided && (!strcmp(name, "NORMAL") || !strcmp(name, "TANGENT")))
         normalize(value, mesh->vertex_count, width);
     cJSON_SetNumberValue(attribute,
         rsv_bake_add_floats(d, value, mesh->vertex_count, (int)width, !strcmp(name, "POSITION")));
@@ -165,16 +221,26 @@ rsv_status rsv_bake_read_colors(const rsv_bake_document *d, const cJSON *primiti
                                d->context, d->gltf, accessor, part->label, color, &count, width);
 }
 
-rsv_status rsv_bake_replace_vertices(
-    rsv_bake_document *d, cJSON *primitive, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
+static rsv_status replace_attributes(
+    rsv_bake_document *d, cJSON *attributes, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
 {
     cJSON *attribute;
-    cJSON_ArrayForEach(attribute, item(primitive, "attributes"))
+    cJSON_ArrayForEach(attribute, attributes)
     {
-        if (strcmp(attribute->string, "COLOR_0") == 0) continue; // light takes its place
         rsv_status status = replace_attribute(d, attribute, part, mesh);
         if (status != RSV_OK) return status;
     }
+    return RSV_OK;
+}
+
+rsv_status rsv_bake_replace_vertices(
+    rsv_bake_document *d, cJSON *primitive, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
+{
+    rsv_status status = replace_attributes(d, item(primitive, "attributes"), part, mesh);
+    cJSON *target;
+    cJSON_ArrayForEach(target, item(primitive, "targets")) if (status == RSV_OK) status =
+        replace_attributes(d, target, part, mesh);
+    if (status != RSV_OK) return status;
     cJSON_DeleteItemFromObjectCaseSensitive(primitive, "mode");
     cJSON *extensions = item(primitive, "extensions");
     cJSON_DeleteItemFromObjectCaseSensitive(extensions, "KHR_draco_mesh_compression");

@@ -17,7 +17,6 @@ rsv_status rsv_bake_read_colors(const rsv_bake_document *document, const cJSON *
     const rsv_bake_part *part, const rsv_bake_mesh *mesh, float **color, size_t *width);
 
 /// Replaces vertices and indices by those of a mesh: attributes in the middle of edges are means.
-/// COLOR_0 is left for the light.
 rsv_status rsv_bake_replace_vertices(rsv_bake_document *document, cJSON *primitive,
     const rsv_bake_part *part, const rsv_bake_mesh *mesh);
 

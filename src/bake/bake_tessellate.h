@@ -8,12 +8,7 @@
 #define RSV_BAKE_TESSELLATE_H
 
 #include "bake_part.h"
-
-/// Where on the scene's surfaces a value is taken.
-typedef struct rsv_bake_receiver {
-    uint32_t triangle; ///< RSV_NONE = nowhere: dark
-    float u, v;
-} rsv_bake_receiver;
+#include "bake_receiver.h"
 
 typedef struct rsv_bake_mesh {
     rsv_context *context;

@@ -179,3 +179,38 @@ rsv_status rsv_image_encode_png(const rsv_image *image, float exposure, rsv_atom
     rsv_free(rsv_image_context(image), codes);
     return status;
 }
+
+typedef struct growing_bytes {
+    rsv_context *context;
+    uint8_t *bytes;
+    size_t count, capacity;
+    rsv_status status;
+} growing_bytes;
+
+static void append_to_memory(void *user, void *data, int size)
+{
+    growing_bytes *g = user;
+    size_t needed = g->count + (size_t)size;
+    if (g->status == RSV_OK)
+        g->status = rsv_grow(g->context, (void **)&g->bytes, &g->capacity, needed, 1);
+    if (g->status != RSV_OK) return;
+    memcpy(g->bytes + g->count, data, (size_t)size);
+    g->count = needed;
+}
+
+rsv_status rsv_image_png_from_codes(rsv_context *context, const uint8_t (*codes)[3], uint32_t width,
+    uint32_t height, uint8_t **bytes, size_t *count)
+{
+    growing_bytes g = { .context = context };
+    if (!stbi_write_png_to_func(
+            append_to_memory, &g, (int)width, (int)height, 3, codes, (int)(3 * width)) &&
+        g.status == RSV_OK)
+        g.status = rsv_fail(RSV_ERROR_MEMORY, "out of memory compressing a picture");
+    if (g.status != RSV_OK) {
+        rsv_free(context, g.bytes);
+        return g.status;
+    }
+    *bytes = g.bytes;
+    *count = g.count;
+    return RSV_OK;
+}

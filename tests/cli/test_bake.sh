@@ -56,6 +56,27 @@ rm -f "$out"/*
 succeeds bake plain.glb -o "$out/none.glb" --to vertex --quality draft --dry-run
 says '^vertices '
 [[ -z $(ls -A "$out") ]] || complain "a dry run wrote something"
+# a lightmap: irradiance in a texture and beside it, by texture coordinates that were not there before
+succeeds bake two-rooms -o map.glb --to lightmap --quality draft --map-size 256 --basis --stats map.json
+awk -v c="$(number map.json coverage)" -v s="$(number map.json largest_seam)" 'BEGIN { exit !(c > 0.7 && s < 0.01) }' ||
+    complain "coverage $(number map.json coverage), seams $(number map.json largest_seam)"
+[[ -s map.lightmap.exr && -s map.light.safetensors ]] || complain "a file is missing beside the map"
+python3 - <<'TEXT' || complain "the map is not in the file as it should be"
+import json, struct
+raw = open("map.glb", "rb").read()
+g = json.loads(raw[20:20 + struct.unpack("<I", raw[12:16])[0]])
+lit = [m for m in g["materials"] if "MOZ_lightmap" in m.get("extensions", {})]
+assert lit and all(m["extensions"]["MOZ_lightmap"]["intensity"] > 0 for m in lit)
+assert all("TEXCOORD_1" in p["attributes"] for mesh in g["meshes"] for p in mesh["primitives"]
+           if "MOZ_lightmap" in g["materials"][p["material"]].get("extensions", {}))
+TEXT
+# baked once more, its second texture coordinates are kept; one of them out of range, they are made anew
+succeeds bake map.glb -o again.glb --to lightmap --quality draft --map-size 256 --dry-run
+! grep -q 'new ones are made' stderr || complain "texture coordinates of our own are refused"
+run bake plain.glb -o "$out/x.glb" --to lightmap --quality draft --map-size 16
+((status == 1)) || complain "16 charts fit into 16 x 16 texels"
+warns 'do not fit'
+[[ -z $(ls -A "$out") ]] || complain "a map that does not fit was written"
 refuses 2 '--to' bake cornell-blocks -o "$out/x.glb"
 refuses 2 'glb' bake cornell-blocks -o "$out/x.png" --to vertex
 refuses 2 'tolerance' bake cornell-blocks -o "$out/x.glb" --to vertex --tolerance 0

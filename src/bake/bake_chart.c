@@ -1,0 +1,249 @@
+#include "bake_chart.h"
+
+#include "../core/index_map.h"
+#include "../core/vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define CREASE 0.77f   ///< cosine: neighbours that meet sharper are in different charts
+#define DEVIATION 0.6f ///< cosine between a triangle's normal and that of the first
+
+/// What a part's triangles are to each other.
+typedef struct surface {
+    const rsv_bake_part *part;
+    rsv_vec3 (*corner)[3];    ///< [triangle_count] world space, in the order of the file
+    rsv_vec3 *normal;         ///< [triangle_count]
+    uint32_t (*neighbour)[3]; ///< [triangle_count] across edges 0-1, 1-2, 2-0; RSV_NONE = none
+    uint32_t *queue;          ///< [triangle_count]
+    uint8_t *taken;           ///< [triangle_count]
+} surface;
+
+// ---- the surface ----------------------------------------------------------------------------------
+
+static void find_corners(surface *f, const rsv_scene_view *view)
+{
+    for (size_t t = 0; t < f->part->triangle_count; t++) {
+        if (f->part->triangle[t] == RSV_NONE) continue;
+        const uint32_t *v = view->triangle[f->part->triangle[t]];
+        const int order[3] = { 0, f->part->mirrored ? 2 : 1, f->part->mirrored ? 1 : 2 };
+        for (int k = 0; k < 3; k++)
+            f->corner[t][k] = view->position[v[order[k]]];
+        rsv_vec3 cross = v3_cross(v3_sub(view->position[v[1]], view->position[v[0]]),
+            v3_sub(view->position[v[2]], view->position[v[0]]));
+        f->normal[t] = v3_normalize(cross);
+    }
+}
+
+static uint64_t hash_point(rsv_vec3 p)
+{
+    uint32_t bits[3];
+    memcpy(bits, &p, sizeof bits);
+    uint64_t h = ((uint64_t)bits[0] << 32 | bits[1]) * 0xbf58476d1ce4e5b9u;
+    return (h ^ h >> 29 ^ bits[2]) * 0x94d049bb133111ebu;
+}
+
+/// The same for both directions of an edge.
+static uint64_t edge_key(rsv_vec3 a, rsv_vec3 b) { return hash_point(a) + hash_point(b); }
+
+/// Two triangles to an edge are neighbours; where more meet, the third and later ones are nobody's.
+static rsv_status find_neighbours(rsv_context *context, surface *f)
+{
+    rsv_status status;
+    rsv_index_map edges = { 0 };
+    size_t count = f->part->triangle_count;
+    memset(f->neighbour, 0xff, count * sizeof *f->neighbour);
+    RSV_TRY(rsv_index_map_create(context, 2 * count, &edges));
+    for (size_t t = 0; t < count; t++) {
+        if (f->part->triangle[t] == RSV_NONE) continue;
+        for (size_t k = 0; k < 3; k++) {
+            uint32_t own = (uint32_t)(3 * t + k);
+            uint64_t key = edge_key(f->corner[t][k], f->corner[t][(k + 1) % 3]);
+            uint32_t other = rsv_index_map_insert(&edges, key, own);
+            RSV_TRY(other == RSV_NONE ? RSV_ERROR_MEMORY : RSV_OK);
+            if (other == own || f->neighbour[other / 3][other % 3] != RSV_NONE) continue;
+            f->neighbour[other / 3][other % 3] = (uint32_t)t;
+            f->neighbour[t][k] = other / 3;
+        }
+    }
+cleanup:
+    rsv_index_map_destroy(&edges);
+    return status;
+}
+
+static void destroy_surface(rsv_context *context, surface *f)
+{
+    rsv_free(context, f->corner);
+    rsv_free(context, f->normal);
+    rsv_free(context, f->neighbour);
+    rsv_free(context, f->queue);
+    rsv_free(context, f->taken);
+}
+
+static rsv_status create_surface(const rsv_solution *s, const rsv_bake_part *part, surface *f)
+{
+    rsv_context *context = s->context;
+    size_t count = part->triangle_count;
+    *f = (surface){ .part = part,
+        .corner = rsv_alloc(context, count, sizeof *f->corner),
+        .normal = rsv_alloc(context, count, sizeof *f->normal),
+        .neighbour = rsv_alloc(context, count, sizeof *f->neighbour),
+        .queue = rsv_alloc(context, count, sizeof *f->queue),
+        .taken = rsv_alloc(context, count, 1) };
+    if (!f->corner || !f->normal || !f->neighbour || !f->queue || !f->taken)
+        return RSV_ERROR_MEMORY;
+    find_corners(f, s->scene.view);
+    return find_neighbours(context, f);
+}
+
+// ---- growing --------------------------------------------------------------------------------------
+
+/// Triangles around `seed` that lie flat with it, into the queue. @return how many
+static size_t grow(surface *f, uint32_t seed, const uint8_t *layer)
+{
+    size_t count = 1;
+    f->queue[0] = seed;
+    f->taken[seed] = 1;
+    for (size_t k = 0; k < count; k++) {
+        uint32_t t = f->queue[k];
+        for (int e = 0; e < 3; e++) {
+            uint32_t n = f->neighbour[t][e];
+            if (n == RSV_NONE || f->taken[n] || (layer && layer[n] != layer[seed])) continue;
+            if (v3_dot(f->normal[n], f->normal[t]) < CREASE) continue;
+            if (v3_dot(f->normal[n], f->normal[seed]) < DEVIATION) continue;
+            f->taken[n] = 1;
+            f->queue[count++] = n;
+        }
+    }
+    return count;
+}
+
+/// A chart's own axes: along its longest border edge, which in a rectangle is a side.
+static void find_axes(const surface *f, size_t count, rsv_vec3 axis[2])
+{
+    rsv_vec3 normal = v3(0, 0, 0), longest = v3(1, 0, 0);
+    float most = 0;
+    for (size_t k = 0; k < count; k++) {
+        uint32_t t = f->queue[k];
+        normal = v3_add(normal, v3_cross(v3_sub(f->corner[t][1], f->corner[t][0]),
+                                    v3_sub(f->corner[t][2], f->corner[t][0])));
+        for (int e = 0; e < 3; e++) {
+            rsv_vec3 edge = v3_sub(f->corner[t][(e + 1) % 3], f->corner[t][e]);
+            uint32_t n = f->neighbour[t][e];
+            bool border = n == RSV_NONE || v3_dot(f->normal[n], f->normal[t]) < CREASE;
+            if (!border && count > 1) continue;
+            if (v3_length(edge) > most) most = v3_length(edge), longest = edge;
+        }
+    }
+    if (f->part->mirrored) normal = v3_neg(normal);
+    if (most == 0) longest = v3_sub(f->corner[f->queue[0]][1], f->corner[f->queue[0]][0]);
+    normal = v3_normalize(normal);
+    axis[0] = v3_normalize(v3_sub(longest, v3_scale(normal, v3_dot(longest, normal))));
+    axis[1] = v3_cross(normal, axis[0]);
+}
+
+/// Room for one more chart of so many triangles. @return where its corners go
+static rsv_status begin_chart(
+    rsv_bake_charts *c, uint32_t part, size_t count, rsv_bake_chart **chart)
+{
+    rsv_status status;
+    size_t needed = c->triangle_count + count;
+    RSV_TRY(rsv_grow(c->context, (void **)&c->chart, &c->capacity, c->count + 1, sizeof *c->chart));
+    RSV_TRY(rsv_grow(
+        c->context, (void **)&c->triangle, &c->triangle_capacity, needed, sizeof *c->triangle));
+    RSV_TRY(
+        rsv_grow(c->context, (void **)&c->corner, &c->corner_capacity, needed, sizeof *c->corner));
+    *chart = &c->chart[c->count++];
+    **chart = (rsv_bake_chart){
+        .part = part, .first = (uint32_t)c->triangle_count, .triangle_count = (uint32_t)count
+    };
+    c->triangle_count = needed;
+cleanup:
+    return status;
+}
+
+/// Shifts corners so that the chart begins at 0 along both axes, and measures it.
+static void settle_chart(rsv_bake_charts *c, rsv_bake_chart *chart)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        float low = INFINITY, high = -INFINITY;
+        for (size_t k = chart->first; k < chart->first + chart->triangle_count; k++)
+            for (int v = 0; v < 3; v++) {
+                low = f_min(low, c->corner[k][v][axis]);
+                high = f_max(high, c->corner[k][v][axis]);
+            }
+        for (size_t k = chart->first; k < chart->first + chart->triangle_count; k++)
+            for (int v = 0; v < 3; v++)
+                c->corner[k][v][axis] -= low;
+        chart->size[axis] = high - low;
+    }
+}
+
+static rsv_status add_chart(rsv_bake_charts *c, const surface *f, uint32_t part, size_t count)
+{
+    rsv_bake_chart *chart;
+    rsv_vec3 axis[2];
+    rsv_status status = begin_chart(c, part, count, &chart);
+    if (status != RSV_OK) return status;
+    find_axes(f, count, axis);
+    for (size_t k = 0; k < count; k++) {
+        c->triangle[chart->first + k] = f->queue[k];
+        for (int v = 0; v < 3; v++)
+            for (int a = 0; a < 2; a++)
+                c->corner[chart->first + k][v][a] =
+                    v3_dot(axis[a], v3_sub(f->corner[f->queue[k]][v], f->corner[f->queue[0]][0]));
+    }
+    settle_chart(c, chart);
+    return RSV_OK;
+}
+
+rsv_status rsv_bake_add_charts(rsv_bake_charts *c, const rsv_solution *solution,
+    const rsv_bake_part *part, uint32_t part_index, const uint8_t *layer)
+{
+    surface f;
+    rsv_status status = create_surface(solution, part, &f);
+    for (uint32_t t = 0; status == RSV_OK && t < part->triangle_count; t++)
+        if (part->triangle[t] != RSV_NONE && !f.taken[t])
+            status = add_chart(c, &f, part_index, grow(&f, t, layer));
+    destroy_surface(solution->context, &f);
+    return status;
+}
+
+// ---- charts of the file ---------------------------------------------------------------------------
+
+rsv_status rsv_bake_keep_chart(rsv_bake_charts *c, const rsv_solution *solution,
+    const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2])
+{
+    rsv_bake_chart *chart;
+    size_t count = 0;
+    double area = 0, uv_area = 0;
+    for (size_t t = 0; t < part->triangle_count; t++) {
+        if (part->triangle[t] == RSV_NONE) continue;
+        const uint32_t *v = part->corner[t];
+        area += (double)rsv_triangle_area(solution->scene.view, part->triangle[t]);
+        uv_area += 0.5 * fabs((double)(uv[v[1]][0] - uv[v[0]][0]) * (uv[v[2]][1] - uv[v[0]][1]) -
+                              (double)(uv[v[2]][0] - uv[v[0]][0]) * (uv[v[1]][1] - uv[v[0]][1]));
+        count++;
+    }
+    float metres = uv_area > 0 ? (float)sqrt(area / uv_area) : 0;
+    rsv_status status = begin_chart(c, part_index, count, &chart);
+    if (status != RSV_OK) return status;
+    count = chart->first;
+    for (uint32_t t = 0; t < part->triangle_count; t++) {
+        if (part->triangle[t] == RSV_NONE) continue;
+        for (int k = 0; k < 3; k++)
+            for (int a = 0; a < 2; a++)
+                c->corner[count][k][a] = metres * uv[part->corner[t][k]][a];
+        c->triangle[count++] = t;
+    }
+    settle_chart(c, chart);
+    return RSV_OK;
+}
+
+void rsv_bake_charts_destroy(rsv_bake_charts *c)
+{
+    rsv_free(c->context, c->chart);
+    rsv_free(c->context, c->triangle);
+    rsv_free(c->context, c->corner);
+    *c = (rsv_bake_charts){ .context = c->context };
+}

@@ -1,0 +1,52 @@
+/// Charts: pieces of surfaces that lie flat in a lightmap.
+///
+/// Triangles that meet at less than a crease, and whose normals stay near that of the first, are projected along
+/// their mean normal. Walls and floors become rectangles this way, undistorted; curved surfaces are compressed to
+/// less than 0.6 nowhere. A part whose own second texture coordinates do not overlap is one chart as it is.
+#ifndef RSV_BAKE_CHART_H
+#define RSV_BAKE_CHART_H
+
+#include "bake_part.h"
+
+typedef struct rsv_bake_chart {
+    uint32_t part;
+    uint32_t first, triangle_count; ///< in rsv_bake_charts.triangle
+    float size[2];                  ///< metres
+    // of the map, once packed
+    uint32_t texels[2]; ///< whole ones, at least 2: borders lie in the middle of the first and last
+    uint32_t at[2];     ///< the first of them
+} rsv_bake_chart;
+
+typedef struct rsv_bake_charts {
+    rsv_context *context;
+    rsv_bake_chart *chart;
+    size_t count, capacity;
+    uint32_t *triangle;    ///< of the part, chart after chart
+    float (*corner)[3][2]; ///< [triangle_count] metres from the chart's own corner
+    size_t triangle_count, triangle_capacity, corner_capacity;
+} rsv_bake_charts;
+
+/// Divides a part into charts.
+/// @param layer [triangle_count of the part] only triangles of one layer lie in a chart; NULL = all are of one
+rsv_status rsv_bake_add_charts(rsv_bake_charts *charts, const rsv_solution *solution,
+    const rsv_bake_part *part, uint32_t part_index, const uint8_t *layer);
+
+/// Makes one chart of a part's texture coordinates.
+/// @param uv [vertex_count of the part]
+rsv_status rsv_bake_keep_chart(rsv_bake_charts *charts, const rsv_solution *solution,
+    const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2]);
+
+void rsv_bake_charts_destroy(rsv_bake_charts *charts);
+
+/// Position of a chart's triangle corner in the map, texels.
+static inline void rsv_bake_chart_point(
+    const rsv_bake_chart *chart, const float corner[2], float point[2])
+{
+    for (int axis = 0; axis < 2; axis++) {
+        float spans = (float)(chart->texels[axis] - 1);
+        point[axis] = (float)chart->at[axis] + 0.5f +
+                      (chart->size[axis] > 0 ? corner[axis] / chart->size[axis] * spans : 0);
+    }
+}
+
+#endif

@@ -1,0 +1,245 @@
+#include "bake_seam.h"
+
+#include "../core/vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// Light below this share of the mean is dark: nobody sees relative jumps there.
+#define DARK 0.05f
+/// Samples along a border edge: so many to a texel, at most so many in all.
+#define SAMPLES_PER_TEXEL 2
+#define MOST_SAMPLES 64
+/// Passes over all samples, first towards what was solved, then towards each other, until jumps are no larger.
+#define TRUE_PASSES 5
+#define CHECKED_PASSES 20
+#define MOST_PASSES 1000
+#define CLOSED 0.005
+/// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
+#define STIFFNESS 0.2f
+/// Cosine between normals from which on a surface is smooth, and share by which light may differ on both sides.
+#define SMOOTH 0.94f
+#define CONTINUOUS 0.002f
+
+/// An edge of a triangle in a chart, known by its ends in space.
+typedef struct border {
+    uint64_t key;
+    uint32_t chart, k, edge; ///< triangle of the charts; the edge from corner `edge`
+    rsv_vec3 from, to;
+} border;
+
+/// A place on two borders: what is known there, and where the map shows it.
+typedef struct seam_sample {
+    rsv_rgb solved;
+    float point[2][2]; ///< texels
+} seam_sample;
+
+typedef struct seam_search {
+    const rsv_solution *s;
+    const rsv_bake_charts *charts;
+    const rsv_bake_parts *parts;
+    rsv_bake_map *map;
+    float dark;
+    seam_sample *sample;
+    size_t count, capacity;
+} seam_search;
+
+static uint64_t hash_point(rsv_vec3 p)
+{
+    uint32_t bits[3];
+    memcpy(bits, &p, sizeof bits);
+    uint64_t h = ((uint64_t)bits[0] << 32 | bits[1]) * 0xbf58476d1ce4e5b9u;
+    return (h ^ h >> 29 ^ bits[2]) * 0x94d049bb133111ebu;
+}
+
+static int compare_borders(const void *a, const void *b)
+{
+    const border *x = a, *y = b;
+    if (x->key != y->key) return x->key < y->key ? -1 : 1;
+    return (x->k > y->k) - (x->k < y->k);
+}
+
+static rsv_vec3 corner_of(const seam_search *q, const border *b, uint32_t corner)
+{
+    const rsv_bake_part *part = &q->parts->part[q->charts->chart[b->chart].part];
+    const rsv_scene_view *view = q->s->scene.view;
+    static const uint32_t swapped[3] = { 0, 2, 1 };
+    corner %= 3;
+    const uint32_t *v = view->triangle[part->triangle[q->charts->triangle[b->k]]];
+    return view->position[v[part->mirrored ? swapped[corner] : corner]];
+}
+
+static rsv_vec3 normal_of(const seam_search *q, const border *b)
+{
+    rsv_vec3 a = corner_of(q, b, 0);
+    rsv_vec3 n = v3_cross(v3_sub(corner_of(q, b, 1), a), v3_sub(corner_of(q, b, 2), a));
+    bool mirrored = q->parts->part[q->charts->chart[b->chart].part].mirrored;
+    return v3_normalize(mirrored ? v3_neg(n) : n);
+}
+
+/// Where the map shows share `t` of the way along an edge, and the light there as solved.
+static rsv_rgb light_on(const seam_search *q, const border *b, float t, float point[2])
+{
+    const rsv_bake_chart *chart = &q->charts->chart[b->chart];
+    const rsv_bake_part *part = &q->parts->part[chart->part];
+    float w[3] = { 0, 0, 0 }, corner[2];
+    w[b->edge] = 1 - t;
+    w[(b->edge + 1) % 3] = t;
+    for (int a = 0; a < 2; a++)
+        corner[a] = w[0] * q->charts->corner[b->k][0][a] + w[1] * q->charts->corner[b->k][1][a] +
+                    w[2] * q->charts->corner[b->k][2][a];
+    rsv_bake_chart_point(chart, corner, point);
+    // a little inside: on the right side of what stands on the edge
+    for (int k = 0; k < 3; k++)
+        w[k] += 1e-3f * (1.0f / 3 - w[k]);
+    float u, v;
+    rsv_bake_place(part, w[1], w[2], &u, &v);
+    return rsv_solution_irradiance(
+        q->s, part->triangle[q->charts->triangle[b->k]], u, v, false, RSV_NONE);
+}
+
+static float largest_difference(rsv_rgb a, rsv_rgb b)
+{
+    return f_max(fabsf(a.r - b.r), f_max(fabsf(a.g - b.g), fabsf(a.b - b.b)));
+}
+
+static int sample_count(const seam_search *q, const border *b)
+{
+    float from[2], to[2];
+    light_on(q, b, 0, from);
+    light_on(q, b, 1, to);
+    float texels = hypotf(to[0] - from[0], to[1] - from[1]);
+    return 2 + (int)f_min(SAMPLES_PER_TEXEL * texels, MOST_SAMPLES - 2);
+}
+
+/// Samples of two borders that are one edge in space, where surface and light go on smoothly.
+static rsv_status add_samples(seam_search *q, const border *x, const border *y)
+{
+    rsv_status status = RSV_OK;
+    bool reversed = hash_point(x->from) != hash_point(y->from);
+    if (v3_dot(normal_of(q, x), normal_of(q, y)) < SMOOTH) return RSV_OK;
+    int count = sample_count(q, x), other = sample_count(q, y);
+    count = other > count ? other : count;
+    for (int k = 0; k < count; k++) {
+        seam_sample sample;
+        float t = ((float)k + 0.5f) / (float)count;
+        rsv_rgb a = light_on(q, x, t, sample.point[0]);
+        rsv_rgb b = light_on(q, y, reversed ? 1 - t : t, sample.point[1]);
+        sample.solved = rgb_scale(rgb_add(a, b), 0.5f);
+        if (largest_difference(a, b) > CONTINUOUS * f_max(rgb_max(a), q->dark)) continue;
+        RSV_TRY(rsv_grow(
+            q->s->context, (void **)&q->sample, &q->capacity, q->count + 1, sizeof *q->sample));
+        q->sample[q->count++] = sample;
+    }
+cleanup:
+    return status;
+}
+
+static size_t list_borders(const seam_search *q, border *list)
+{
+    size_t count = 0;
+    for (uint32_t c = 0; c < q->charts->count; c++) {
+        const rsv_bake_chart *chart = &q->charts->chart[c];
+        for (uint32_t k = chart->first; k < chart->first + chart->triangle_count; k++)
+            for (uint32_t e = 0; e < 3; e++) {
+                border b = { .chart = c, .k = k, .edge = e };
+                b.from = corner_of(q, &b, e);
+                b.to = corner_of(q, &b, e + 1);
+                b.key = hash_point(b.from) + hash_point(b.to);
+                list[count++] = b;
+            }
+    }
+    return count;
+}
+
+static rsv_status find_samples(seam_search *q)
+{
+    rsv_status status;
+    border *list = rsv_alloc(q->s->context, 3 * q->charts->triangle_count, sizeof *list);
+    RSV_TRY(list ? RSV_OK : RSV_ERROR_MEMORY);
+    size_t count = list_borders(q, list);
+    qsort(list, count, sizeof *list, compare_borders);
+    for (size_t k = 1; k < count; k++)
+        if (list[k].key == list[k - 1].key && list[k].chart != list[k - 1].chart)
+            RSV_TRY(add_samples(q, &list[k - 1], &list[k]));
+cleanup:
+    rsv_free(q->s->context, list);
+    return status;
+}
+
+/// The four texels that filtering mixes at a point.
+typedef struct footprint {
+    size_t texel[4];
+    float weight[4];
+    float give[4];    ///< how readily each changes
+    float compliance; ///< sum of give weight^2
+    rsv_rgb shown;
+} footprint;
+
+static footprint footprint_of(const rsv_bake_map *map, const float point[2])
+{
+    footprint f = { .compliance = 0, .shown = { 0, 0, 0 } };
+    uint32_t at[2];
+    float part[2];
+    rsv_bake_map_locate(map, point, at, part);
+    for (uint32_t k = 0; k < 4; k++) {
+        uint32_t right = k & 1, below = k >> 1;
+        f.texel[k] = (size_t)(at[1] + below) * map->width + at[0] + right;
+        f.weight[k] = (right ? part[0] : 1 - part[0]) * (below ? part[1] : 1 - part[1]);
+        f.give[k] = map->distance[f.texel[k]] > 0 ? 1 : STIFFNESS;
+        f.compliance += f.give[k] * f.weight[k] * f.weight[k];
+        f.shown = rgb_mad(f.shown, f.weight[k], map->light[f.texel[k]]);
+    }
+    return f;
+}
+
+/// Adds to what the map shows at a point by the smallest change of its texels.
+static void add_at(rsv_bake_map *map, const footprint *f, rsv_rgb more)
+{
+    for (int k = 0; k < 4; k++) {
+        rsv_rgb *light = &map->light[f->texel[k]];
+        *light = rgb_mad(*light, f->give[k] * f->weight[k] / f->compliance, more);
+        *light = rgb(f_max(light->r, 0), f_max(light->g, 0), f_max(light->b, 0));
+    }
+}
+
+/// One step of Kaczmarz's method (1937): makes both sides show the same, and with `truly` what was solved.
+static void close_at(rsv_bake_map *map, const seam_sample *sample, bool truly)
+{
+    footprint a = footprint_of(map, sample->point[0]), b = footprint_of(map, sample->point[1]);
+    float share = a.compliance / (a.compliance + b.compliance);
+    rsv_rgb jump = rgb_sub(b.shown, a.shown);
+    add_at(map, &a, truly ? rgb_sub(sample->solved, a.shown) : rgb_scale(jump, share));
+    add_at(map, &b, truly ? rgb_sub(sample->solved, b.shown) : rgb_scale(jump, share - 1));
+}
+
+static double largest_jump(const seam_search *q)
+{
+    double most = 0;
+    for (size_t k = 0; k < q->count; k++) {
+        const seam_sample *sample = &q->sample[k];
+        float jump = largest_difference(rsv_bake_map_lookup(q->map, sample->point[0]),
+            rsv_bake_map_lookup(q->map, sample->point[1]));
+        most = fmax(most, (double)(jump / f_max(rgb_max(sample->solved), q->dark)));
+    }
+    return most;
+}
+
+rsv_status rsv_bake_close_seams(const rsv_solution *solution, const rsv_bake_charts *charts,
+    const rsv_bake_parts *parts, rsv_bake_map *map, double *largest)
+{
+    seam_search q = { .s = solution,
+        .charts = charts,
+        .parts = parts,
+        .map = map,
+        .dark = DARK * (float)solution->report.mean_irradiance };
+    rsv_status status = find_samples(&q);
+    *largest = largest_jump(&q);
+    for (int pass = 0; status == RSV_OK && pass<MOST_PASSES && * largest> CLOSED; pass++) {
+        for (size_t k = 0; k < q.count; k++)
+            close_at(map, &q.sample[k], pass < TRUE_PASSES);
+        if (pass % CHECKED_PASSES == CHECKED_PASSES - 1) *largest = largest_jump(&q);
+    }
+    rsv_free(solution->context, q.sample);
+    return status;
+}
