@@ -1,0 +1,83 @@
+// The page in headless Chromium: the baked box looks like our own picture, follows its light, and says what is wrong.
+// usage: test_page.mjs WEB_FOLDER BUILT_PAGE [SCREENSHOT.png]
+import { createServer } from "node:http";
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { join, normalize, resolve } from "node:path";
+
+const [web, page_folder, screenshot] = process.argv.slice(2);
+const { chromium } = createRequire(resolve(web, "package.json"))("playwright-core");
+const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
+let failures = 0;
+
+function check(condition, what) {
+    if (!condition) console.log("FAILED:", what);
+    failures += !condition;
+}
+
+const server = createServer(async (request, response) => {
+    const path = normalize(new URL(request.url, "http://localhost").pathname).replace(/\/$/, "/index.html");
+    try {
+        let body = await readFile(join(page_folder, path.replace("/truncated/", "/scene/")));
+        if (path.startsWith("/truncated/")) body = body.subarray(0, body.length / 2);
+        response.setHeader("content-type", types[path.slice(path.lastIndexOf("."))] ?? "application/octet-stream");
+        response.end(body);
+    } catch {
+        response.statusCode = 404;
+        response.end();
+    }
+}).listen(0);
+const address = `http://localhost:${server.address().port}/`;
+const browser = await chromium.launch({
+    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+});
+
+async function open(query, setup) {
+    const page = await browser.newPage({ viewport: { width: 256, height: 256 } });
+    if (setup) await page.addInitScript(setup);
+    await page.goto(address + query);
+    await page.evaluate(() => window.page.then(() => true));
+    return page;
+}
+
+const page = await open("");
+const difference = await page.evaluate(() => window.page.then((shown) => shown.compareWith("scene/box-operator.png")));
+console.log("mean difference per channel:", difference.map((d) => `${(100 * d).toFixed(2)} %`).join(", "));
+check(difference.every((d) => d <= 0.02), "the box differs from our own picture");
+if (screenshot) {
+    await page.setViewportSize({ width: 720, height: 540 });
+    await page.screenshot({ path: screenshot });
+    await page.setViewportSize({ width: 256, height: 256 });
+}
+await page.evaluate(() => {
+    const slider = document.querySelector("[data-light]");
+    slider.value = 0;
+    slider.dispatchEvent(new Event("input"));
+});
+const dark = await page.evaluate(() => window.page.then((shown) => shown.basis.irradiance.every((value) => value === 0)));
+check(dark, "the only light is off, and it is not dark");
+
+// last, as it takes the memory of the basis that is shown
+const milliseconds = await page.evaluate(() => window.page.then(({ basis }) => {
+    const [lights, receivers, passes] = [4, 100000, 50];
+    const many = new basis.constructor(basis.runtime, ["a", "b", "c", "d"], [lights, receivers, 3],
+        new Float32Array(lights * receivers * 3).fill(0.5));
+    const scales = many.names.map((_, k) => [k, 1, 0.5]);
+    const start = performance.now();
+    for (let k = 0; k < passes; k++) many.relight(scales);
+    return (performance.now() - start) / passes;
+}));
+console.log(`100,000 receivers, 4 lights: ${milliseconds.toFixed(3)} ms`);
+
+const truncated = await open("?scene=truncated/box");
+check(await truncated.locator("#message").innerText().then((text) => /cannot be shown/.test(text)), "a scene cut off");
+const absent = await open("?scene=scene/nowhere");
+check(await absent.locator("#message").innerText().then((text) => /missing/.test(text)), "a missing scene");
+const plain = await open("", () => { HTMLCanvasElement.prototype.getContext = () => null; });
+check(await plain.locator("#still").isVisible(), "no WebGL, and no still picture");
+
+await browser.close();
+server.close();
+if (!failures) console.log("all passed");
+process.exit(failures ? 1 : 0);

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# The page with a scene baked just now, in headless Chromium; and the validator's word on baked files.
+# usage: test_web.sh PROGRAM SOURCE_FOLDER
+set -euo pipefail
+
+program=$1 source=$2
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+skip() {
+    echo "skipped: $*"
+    exit 77
+}
+
+[[ -d $source/web/node_modules ]] || skip "web/node_modules is absent; ./dev test or 'npm ci' in web installs it"
+for tool in node clang wasm-ld chromium; do
+    command -v "$tool" >/dev/null || skip "$tool is not installed"
+done
+CHROMIUM=$(command -v chromium)
+export CHROMIUM
+
+page=$work/page
+(cd "$source/web" && npx vite build --outDir "$page" --logLevel warn)
+"$source/rt/build_wasm.sh" "$page/resolvent_rt.wasm"
+mkdir "$page/scene"
+"$program" bake cornell-blocks -o "$page/scene/box.glb" --to vertex --basis --quality draft
+"$program" render cornell-blocks -o "$page/scene/box-operator.png" --mode operator --quality draft \
+    --size 256x256 --spp 16
+cp "$page/scene/box-operator.png" "$page/scene/box.png"
+"$program" bake cornell-blocks -o "$work/unlit.glb" --to vertex --unlit --quality draft
+"$program" bake cornell-blocks -o "$work/map.glb" --to lightmap --map-size 256 --quality draft
+node "$source/tests/web/validate.mjs" "$source/web" "$page/scene/box.glb" "$work/unlit.glb" "$work/map.glb"
+node "$source/tests/web/test_page.mjs" "$source/web" "$page"

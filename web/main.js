@@ -1,0 +1,133 @@
+/// The page: a baked scene under lights that can be dimmed and coloured. ?scene=FOLDER/NAME chooses another one.
+import * as THREE from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+import { VRButton } from "three/addons/webxr/VRButton.js";
+import { LightBasis } from "./runtime.js";
+import { BakedScene } from "./scene.js";
+
+const element = (id) => document.getElementById(id);
+const name = new URLSearchParams(location.search).get("scene") ?? "scene/box";
+
+function say(message) {
+    element("message").textContent = message;
+    element("message").hidden = false;
+}
+
+async function fetchBytes(path) {
+    const response = await fetch(path).catch(() => null);
+    const type = response?.headers.get("content-type") ?? "";
+    if (!response?.ok || type.startsWith("text/html")) throw new Error(`${path} is missing`);
+    return response.arrayBuffer();
+}
+
+function showStill() {
+    element("still").src = `${name}.png`;
+    element("still").hidden = false;
+}
+
+/// The renderer; null where the browser has no WebGL.
+function createRenderer() {
+    try {
+        const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+        renderer.setPixelRatio(devicePixelRatio);
+        element("view").append(renderer.domElement);
+        return renderer;
+    } catch {
+        return null;
+    }
+}
+
+/// A slider and a colour for each light.
+function addControls(scene, basis, redraw) {
+    const scales = basis.names.map(() => [1, 1, 1]);
+    basis.names.forEach((light, index) => {
+        const label = document.createElement("label");
+        const strength = Object.assign(document.createElement("input"), { type: "range", min: 0, max: 4, step: 0.01, value: 1 });
+        const color = Object.assign(document.createElement("input"), { type: "color", value: "#ffffff" });
+        strength.dataset.light = light;
+        const update = () => {
+            scales[index] = new THREE.Color(color.value).toArray().map((c) => c * strength.value);
+            scene.scaleLamps(light, scales[index]);
+            scene.show(basis.relight(scales));
+            element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} receivers`;
+            redraw();
+        };
+        strength.oninput = color.oninput = update;
+        label.append(light, strength, color);
+        element("lights").append(label);
+    });
+    scene.show(basis.relight(scales));
+    element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} receivers`;
+}
+
+async function loadBasis(scene, redraw) {
+    const [module, file] = await Promise.all([fetchBytes("resolvent_rt.wasm"), fetchBytes(`${name}.light.safetensors`)]);
+    const basis = await LightBasis.create(module, file);
+    scene.checkBasis(basis);
+    addControls(scene, basis, redraw);
+    return basis;
+}
+
+/// Mean difference per channel between what is shown and a picture, 0..1.
+async function compareWith(renderer, draw, url) {
+    const picture = new Image();
+    picture.src = url;
+    await picture.decode();
+    draw();
+    const pixels = [renderer.domElement, picture].map((source) => {
+        const canvas = new OffscreenCanvas(picture.naturalWidth, picture.naturalHeight);
+        const context = canvas.getContext("2d");
+        context.drawImage(source, 0, 0, canvas.width, canvas.height);
+        return context.getImageData(0, 0, canvas.width, canvas.height).data;
+    });
+    const sums = [0, 0, 0];
+    for (let k = 0; k < pixels[0].length; k++)
+        if (k % 4 < 3) sums[k % 4] += Math.abs(pixels[0][k] - pixels[1][k]);
+    return sums.map((sum) => sum / 255 / (pixels[0].length / 4));
+}
+
+async function main() {
+    element("compare").onchange = () => element("compare").checked ? showStill() : (element("still").hidden = true);
+    const renderer = createRenderer();
+    if (!renderer) {
+        showStill();
+        say("This browser shows no WebGL: here is a still picture instead.");
+        return {};
+    }
+    const scene = await BakedScene.load(await fetchBytes(`${name}.glb`));
+    const world = new THREE.Scene();
+    world.add(scene.root);
+    const camera = new THREE.PerspectiveCamera().copy(scene.camera, false);
+    scene.camera.matrixWorld.decompose(camera.position, camera.quaternion, camera.scale);
+    const middle = new THREE.Box3().setFromObject(scene.root).getCenter(new THREE.Vector3());
+    const ahead = new THREE.Vector3(0, 0, -1).applyQuaternion(camera.quaternion);
+    const controls = new OrbitControls(camera, renderer.domElement);
+    controls.target.copy(camera.position).addScaledVector(ahead, camera.position.distanceTo(middle));
+    controls.update();
+    const draw = () => renderer.render(world, camera);
+    const resize = () => {
+        camera.aspect = innerWidth / innerHeight;
+        camera.updateProjectionMatrix();
+        renderer.setSize(innerWidth, innerHeight);
+        draw();
+    };
+    element("exposure").oninput = () => { scene.exposure.value = 2 ** element("exposure").value; draw(); };
+    element("wireframe").onchange = () => { scene.setWireframe(element("wireframe").checked); draw(); };
+    controls.addEventListener("change", draw);
+    addEventListener("resize", resize);
+    resize();
+    if (await navigator.xr?.isSessionSupported("immersive-vr").catch(() => false)) {
+        renderer.xr.enabled = true;
+        renderer.setAnimationLoop(draw);
+        document.body.append(VRButton.createButton(renderer));
+    }
+    const basis = await loadBasis(scene, draw).catch((error) => { say(`The lights cannot be changed: ${error.message}.`); return null; });
+    draw();
+    return { basis, compareWith: (url) => compareWith(renderer, draw, url) };
+}
+
+// what tests wait for
+window.page = main().catch((error) => {
+    say(`The scene cannot be shown: ${error.message}.`);
+    return {};
+});
