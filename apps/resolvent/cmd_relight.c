@@ -1,4 +1,5 @@
 #include "command.h"
+#include "crew.h"
 #include "light_script.h"
 #include "options.h"
 #include "output_file.h"
@@ -329,8 +330,11 @@ static int run(cli_session *session, settings *s)
             s->scene);
         return CLI_FAILURE;
     }
+    // several processes take turns with the frames, the first of them with the last, whose statistics count
     for (uint32_t frame = s->animation.first; frame <= s->animation.last; frame++)
-        if (!run_frame(session, s, frame)) return CLI_FAILURE;
+        if ((s->animation.last - frame) % cli_crew_size() == cli_crew_rank() &&
+            !run_frame(session, s, frame))
+            return CLI_FAILURE;
     return CLI_SUCCESS;
 }
 
@@ -341,6 +345,7 @@ int cli_relight(int argc, char **argv)
     cli_session session;
     if (parse_settings(&s, argc, argv, &exit_status)) {
         exit_status = CLI_FAILURE;
+        cli_crew_disperse();
         if (check_outputs(&s) && cli_session_begin(&session, s.threads)) {
             exit_status = run(&session, &s);
             cli_session_end(&session);

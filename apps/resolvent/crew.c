@@ -8,7 +8,21 @@
 /// Belongs to the process, as MPI does.
 static rsv_team *crew;
 
-rsv_team *cli_crew(void) { return crew; }
+static bool dispersed;
+
+rsv_team *cli_crew(void) { return dispersed ? NULL : crew; }
+
+void cli_crew_disperse(void) { dispersed = true; }
+
+uint32_t cli_crew_rank(void) { return crew ? crew->rank : 0; }
+
+uint32_t cli_crew_size(void) { return crew ? crew->size : 1; }
+
+const char *cli_crew_fail(rsv_status status, const char *message)
+{
+    if (crew && !crew->parted) rsv_team_agree(crew, status, message);
+    return crew && crew->parted ? rsv_last_error() : message;
+}
 
 bool cli_crew_speaks(void)
 {

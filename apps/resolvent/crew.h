@@ -13,8 +13,16 @@ bool cli_crew_join_for_petsc(const char *petsc_options);
 /// Leaves with them. @return the exit status: a failure if any of them has failed
 int cli_crew_leave(int exit_status);
 
-/// NULL = alone.
+/// From now on each works for itself, on frames of its own; they meet again when they leave.
+void cli_crew_disperse(void);
+
+/// Those to share work with; NULL = alone.
 rsv_team *cli_crew(void);
+/// Which of how many this is, whether they share work or not.
+uint32_t cli_crew_rank(void);
+uint32_t cli_crew_size(void);
+/// Tells the others of a failure. @return the message of the first that failed
+const char *cli_crew_fail(rsv_status status, const char *message);
 /// Whether this is the one that speaks.
 bool cli_crew_speaks(void);
 

@@ -70,9 +70,10 @@ static int flush_results(int exit_status)
 /// What is not worth sharing, the first process does alone.
 static int run_command(const command *found, int argc, char **argv)
 {
-    bool shared = found->run == cli_render || found->run == cli_solve;
-    if (!shared) return cli_crew_speaks() ? found->run(argc, argv) : CLI_SUCCESS;
-    return cli_crew_join() ? cli_crew_leave(found->run(argc, argv)) : CLI_FAILURE;
+    bool shared = found->run == cli_render || found->run == cli_solve || found->run == cli_relight;
+    if (!shared && !cli_crew_speaks()) return CLI_SUCCESS;
+    if (shared && !cli_crew_join()) return CLI_FAILURE;
+    return cli_crew_leave(found->run(argc, argv));
 }
 
 int main(int argc, char **argv)

@@ -41,15 +41,11 @@ bool cli_interrupted(void) { return interrupted != 0; }
 void cli_error(const char *format, ...)
 {
     char message[RSV_MESSAGE_BYTES];
-    const char *agreed = message;
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    if (cli_crew() && !cli_crew()->parted) {
-        rsv_team_agree(cli_crew(), RSV_ERROR_ARGUMENT, message);
-        if (cli_crew()->parted) agreed = rsv_last_error();
-    }
+    const char *agreed = cli_crew_fail(RSV_ERROR_ARGUMENT, message);
     if (cli_crew_speaks()) fprintf(stderr, "error: %s\n", agreed);
 }
 
@@ -189,9 +185,9 @@ rsv_scene *cli_open_scene(
 int cli_report_failure(cli_session *session, rsv_status status)
 {
     cli_progress_clear(&session->progress);
-    status = rsv_team_agree(cli_crew(), status, NULL);
+    const char *message = cli_crew_fail(status, rsv_last_error());
     if (status != RSV_ERROR_CANCELLED)
-        cli_error("%s", rsv_last_error());
+        cli_error("%s", message);
     else if (cli_crew_speaks())
         fputs("cancelled\n", stderr);
     return CLI_FAILURE;

@@ -159,6 +159,8 @@ int rsv_thread_index(void)
 #endif
 }
 
+rsv_team *rsv_context_team(const rsv_context *context) { return context->desc.team; }
+
 rsv_team *rsv_team_of(const rsv_context *context)
 {
     rsv_team *team = context->desc.team;

@@ -72,15 +72,15 @@ rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
 /// The items of one owner, in their blocks, next to each other; or back from there.
 typedef struct packing {
     char *items, *packed;
-    size_t item_bytes, count;
+    size_t item_bytes, count, block;
 } packing;
 
 /// Moves the blocks of `owner`, which start at item `at` when packed. @return where the next owner's start
 static size_t move_blocks(const packing *p, rsv_team_place owner, size_t at, bool unpack)
 {
-    size_t stride = (size_t)owner.size * RSV_TEAM_BLOCK;
-    for (size_t first = (size_t)owner.rank * RSV_TEAM_BLOCK; first < p->count; first += stride) {
-        size_t left = p->count - first, length = left < RSV_TEAM_BLOCK ? left : RSV_TEAM_BLOCK;
+    size_t stride = (size_t)owner.size * p->block;
+    for (size_t first = (size_t)owner.rank * p->block; first < p->count; first += stride) {
+        size_t left = p->count - first, length = left < p->block ? left : p->block;
         char *there = p->packed + at * p->item_bytes, *here = p->items + first * p->item_bytes;
         memcpy(unpack ? here : there, unpack ? there : here, length * p->item_bytes);
         at += length;
@@ -88,12 +88,13 @@ static size_t move_blocks(const packing *p, rsv_team_place owner, size_t at, boo
     return at;
 }
 
-void rsv_team_merge(rsv_context *context, void *array, size_t item_bytes, size_t count)
+void rsv_team_merge(
+    rsv_context *context, void *array, size_t item_bytes, size_t count, size_t block)
 {
     rsv_team_place place = rsv_team_place_of(context);
     if (place.size == 1) return;
     size_t *begin = rsv_alloc(context, (size_t)place.size + 1, sizeof *begin);
-    packing p = { array, rsv_reserve(context, count, item_bytes), item_bytes, count };
+    packing p = { array, rsv_reserve(context, count, item_bytes), item_bytes, count, block };
     bool complete = begin && p.packed;
     if (rsv_team_meet(context, complete ? RSV_OK : RSV_ERROR_MEMORY) == RSV_OK && complete) {
         for (uint32_t rank = 0; rank < place.size; rank++)

@@ -11,7 +11,7 @@
 #include "core_internal.h"
 #include "resolvent/team.h"
 
-#define RSV_TEAM_BLOCK 64 ///< items that stay together
+#define RSV_TEAM_BLOCK 64 ///< nodes that stay together
 
 /// The plug-in's one symbol, and what it must say of itself.
 #define RSV_TEAM_OPEN "rsv_dist_join"
@@ -22,18 +22,21 @@ typedef struct rsv_team_place {
     uint32_t rank, size;
 } rsv_team_place;
 
-/// NULL = alone.
+/// The context's team, be it of one process; NULL = it has none.
+rsv_team *rsv_context_team(const rsv_context *context);
+/// A team of several processes; NULL = alone.
 rsv_team *rsv_team_of(const rsv_context *context);
 rsv_team_place rsv_team_place_of(const rsv_context *context);
 
-/// Whether it is this process's turn to compute item `index`.
-static inline bool rsv_team_owns(rsv_team_place place, size_t index)
+/// Whether it is this process's turn to compute item `index`, one of blocks of so many.
+static inline bool rsv_team_owns(rsv_team_place place, size_t index, size_t block)
 {
-    return index / RSV_TEAM_BLOCK % place.size == place.rank;
+    return index / block % place.size == place.rank;
 }
 
 /// Hands all items of `array` to all, each from its owner.
-void rsv_team_merge(rsv_context *context, void *array, size_t item_bytes, size_t count);
+void rsv_team_merge(
+    rsv_context *context, void *array, size_t item_bytes, size_t count, size_t block);
 
 /// The collective calls of the team.
 void rsv_team_share(rsv_context *context, void *array, size_t item_bytes, const size_t *begin);

@@ -60,13 +60,13 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
     uint64_t traced = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
     for (size_t node = 0; node < e->node_count; node++) {
-        if (!rsv_team_owns(place, node) || (known && known[node])) continue;
+        if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
         valid_points[node] = e->node_hanging[node] == RSV_NONE
                                  ? judge_node(scene, e, (uint32_t)node, points, seed, &traced)
                                  : 0;
     }
     *rays += rsv_team_total(e->context, traced);
-    rsv_team_merge(e->context, valid_points, sizeof *valid_points, e->node_count);
+    rsv_team_merge(e->context, valid_points, sizeof *valid_points, e->node_count, RSV_TEAM_BLOCK);
     return rsv_progress(e->context, "assemble", 0);
 }
 

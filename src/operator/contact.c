@@ -235,12 +235,12 @@ rsv_status rsv_elements_separate(
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
     reduction(+ : traced)
     for (uint32_t node = 0; node < e->node_count; node++) {
-        if (!rsv_team_owns(place, node)) continue;
+        if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK)) continue;
         // walls took away some of the cells around each node that they divided: such have no twin
         bool whole = earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE;
         divided[node] = !whole && is_divided(tracer, e, node, &traced);
     }
-    rsv_team_merge(e->context, divided, sizeof *divided, e->node_count);
+    rsv_team_merge(e->context, divided, sizeof *divided, e->node_count, RSV_TEAM_BLOCK);
     traced = rsv_team_total(e->context, traced) + hanging_before;
     uint32_t next = (uint32_t)e->node_count;
     for (uint32_t node = 0; node < e->node_count; node++)

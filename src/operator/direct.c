@@ -221,7 +221,8 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
     size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context)) reduction(+ : traced)
     for (size_t node = 0; node < elements->node_count; node++) {
-        if (!rsv_team_owns(place, node) || (known && known[node]) || rsv_cancelled(context))
+        if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node]) ||
+            rsv_cancelled(context))
             continue;
         irradiance[node] = rgb_gray(0);
         if (deviation) deviation[node] = 0;
@@ -239,8 +240,9 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
                     1));
     }
     *rays += rsv_team_total(context, traced);
-    rsv_team_merge(context, irradiance, sizeof *irradiance, elements->node_count);
-    if (deviation) rsv_team_merge(context, deviation, sizeof *deviation, elements->node_count);
+    rsv_team_merge(context, irradiance, sizeof *irradiance, elements->node_count, RSV_TEAM_BLOCK);
+    if (deviation)
+        rsv_team_merge(context, deviation, sizeof *deviation, elements->node_count, RSV_TEAM_BLOCK);
     rsv_elements_constrain(elements, irradiance);
     return rsv_progress(context, "direct", 1);
 }

@@ -1,4 +1,4 @@
-#include "../core/core_internal.h"
+#include "../core/team.h"
 #include "../trace/camera_ray.h"
 #include "reference_internal.h"
 #include "resolvent/render.h"
@@ -106,18 +106,31 @@ static void render_pixel(const picture_job *picture, uint32_t x, uint32_t y, row
 static rsv_status render_rows(const picture_job *picture)
 {
     rsv_context *context = picture->tracer->context;
+    rsv_team_place place = rsv_team_place_of(context);
     uint32_t height = picture->desc->height, rows_done = 0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
-    for (uint32_t y = 0; y < height; y++) {
+    for (uint32_t y = place.rank; y < height; y += place.size) {
         if (rsv_cancelled(context)) continue;
         for (uint32_t x = 0; x < picture->desc->width; x++)
             render_pixel(picture, x, y, &picture->row[y]);
         uint32_t done;
 #pragma omp atomic capture
         done = ++rows_done;
-        rsv_poll_progress(context, phase, done, height);
+        rsv_poll_progress(context, phase, done, (height + place.size - 1) / place.size);
     }
-    return rsv_progress(context, phase, 1);
+    return rsv_team_meet(context, rsv_progress(context, phase, 1));
+}
+
+/// In a team, rows from the processes that took their turn with them.
+static rsv_status unite_rows(const picture_job *picture)
+{
+    rsv_context *context = picture->tracer->context;
+    uint32_t width = picture->desc->width, height = picture->desc->height;
+    for (uint32_t layer = 0; layer < rsv_image_layer_count(picture->image); layer++)
+        rsv_team_merge(
+            context, rsv_image_pixels(picture->image, layer), width * sizeof(rsv_rgb), height, 1);
+    rsv_team_merge(context, picture->row, sizeof *picture->row, height, 1);
+    return rsv_team_meet(context, RSV_OK);
 }
 
 /// Standard error of the picture's mean luminance over that mean. One sample per pixel says nothing
@@ -186,6 +199,7 @@ rsv_status rsv_render_reference(
     picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);
     if (!picture.row) RSV_TRY(RSV_ERROR_MEMORY);
     RSV_TRY(render_rows(&picture));
+    RSV_TRY(unite_rows(&picture));
 
     row_statistics all = sum_rows(&picture);
     if (all.rejected)

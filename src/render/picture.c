@@ -1,5 +1,6 @@
 /// Modes operator and final: camera chains, then the solved light.
 #include "../core/stratified.h"
+#include "../core/team.h"
 #include "../solve/solution.h"
 #include "../trace/camera_ray.h"
 #include "camera_chain.h"
@@ -332,23 +333,37 @@ static void destroy_row(row_state *r)
     rsv_pixel_direct_end(&r->direct);
 }
 
+/// In a team, rows of pixels from the processes that took their turn with them.
+static rsv_status unite_rows(const picture_job *job)
+{
+    rsv_context *context = job->solution->context;
+    size_t width = job->desc->width, height = job->desc->height;
+    for (uint32_t layer = 0; layer < job->layer_count; layer++)
+        rsv_team_merge(
+            context, rsv_image_pixels(job->image, layer), width * sizeof(rsv_rgb), height, 1);
+    if (job->noise) rsv_team_merge(context, job->noise, width * sizeof *job->noise, height, 1);
+    return rsv_team_meet(context, RSV_OK);
+}
+
 static rsv_status render_rows(const picture_job *job)
 {
     rsv_context *context = job->solution->context;
     rsv_status result = RSV_OK;
+    rsv_team_place place = rsv_team_place_of(context);
     uint32_t done = 0;
 #pragma omp parallel num_threads(rsv_threads(context))
     {
         row_state state;
         rsv_status status = create_row(job, &state);
 #pragma omp for schedule(dynamic, 1)
-        for (uint32_t row = 0; row < job->desc->height; row++) {
+        for (uint32_t row = place.rank; row < job->desc->height; row += place.size) {
             if (status == RSV_OK && !rsv_cancelled(context)) status = render_row(&state, row);
             uint32_t finished;
 #pragma omp atomic capture
             finished = ++done;
             if (rsv_thread_index() == 0)
-                rsv_progress(context, "render", (double)finished / job->desc->height);
+                rsv_progress(
+                    context, "render", fmin((double)finished * place.size / job->desc->height, 1));
         }
         destroy_row(&state);
         if (status != RSV_OK) {
@@ -356,8 +371,10 @@ static rsv_status render_rows(const picture_job *job)
             result = status;
         }
     }
-    if (result == RSV_ERROR_MEMORY) return rsv_fail(result, "out of memory rendering");
-    return result == RSV_OK ? rsv_progress(context, "render", 1) : result;
+    if (result == RSV_ERROR_MEMORY) result = rsv_fail(result, "out of memory rendering");
+    if (result == RSV_OK) result = rsv_progress(context, "render", 1);
+    result = rsv_team_meet(context, result);
+    return result == RSV_OK ? unite_rows(job) : result;
 }
 
 /// All pixels alike, then those that are noisier than wanted again.
