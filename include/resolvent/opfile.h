@@ -30,6 +30,12 @@ RSV_API rsv_status rsv_solution_load(
 /// Whether a file looks like an operator file rather than a scene, by its first bytes. It may still be damaged.
 RSV_API bool rsv_is_operator_file(const char *path);
 
+#define RSV_FINGERPRINT_DIGITS 64
+
+/// SHA-256 of all that a scene holds. @param digits out, in hexadecimal
+RSV_API rsv_status rsv_scene_fingerprint(
+    const rsv_scene *scene, char digits[RSV_FINGERPRINT_DIGITS + 1]);
+
 /// In a team, fails unless all processes hold the same scene and run the same version of the program.
 RSV_API rsv_status rsv_scene_compare(const rsv_scene *scene);
 

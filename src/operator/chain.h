@@ -14,6 +14,7 @@ typedef struct rsv_transport_scene {
     const rsv_tracer *tracer;
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
     rsv_media media;
+    const char *checkpoint; ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
 } rsv_transport_scene;
 
 typedef enum rsv_chain_end {

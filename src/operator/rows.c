@@ -1,6 +1,6 @@
 /// Assembly of G: rows traced in blocks by all threads, then moved to the operator in their order.
 #include "../core/team.h"
-#include "row_tracer.h"
+#include "checkpoint.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,10 +16,12 @@ typedef struct row_block {
     size_t count, tinted_count;
     size_t column_capacity, tinted_column_capacity, tinted_weight_capacity;
     rsv_escape_list escapes;
+    rsv_checkpoint_block kept;
 } row_block;
 
 typedef struct assembly {
     rsv_row_tracer tracer;
+    rsv_checkpoint *checkpoint; ///< NULL = rows are not kept
     rsv_transport *transport;
     rsv_division *division; ///< until the transport has it
     uint32_t *node;         ///< [row_count] whose rows are traced here, in ascending order
@@ -65,15 +67,26 @@ static rsv_status store_row(assembly *a, uint32_t node, const rsv_row_scratch *s
     return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &block->escapes);
 }
 
+/// Traces a row unless an earlier run did.
+static rsv_status find_row(assembly *a, uint32_t node, rsv_row_scratch *scratch, row_block *block)
+{
+    uint64_t before = scratch->rays;
+    if (rsv_checkpoint_take(a->checkpoint, node, scratch)) return RSV_OK;
+    rsv_row_trace(&a->tracer, node, scratch);
+    if (!a->checkpoint) return RSV_OK;
+    return rsv_checkpoint_keep(a->checkpoint, node, scratch, scratch->rays - before, &block->kept);
+}
+
 static rsv_status trace_block(assembly *a, size_t index, rsv_row_scratch *scratch, row_block *block)
 {
     size_t begin = index * ROWS_PER_BLOCK, end = begin + ROWS_PER_BLOCK;
     if (end > a->row_count) end = a->row_count;
     for (size_t k = begin; k < end; k++) {
-        rsv_row_trace(&a->tracer, a->node[k], scratch);
-        rsv_status status = store_row(a, a->node[k], scratch, block);
+        rsv_status status = find_row(a, a->node[k], scratch, block);
+        if (status == RSV_OK) status = store_row(a, a->node[k], scratch, block);
         if (status != RSV_OK) return status;
     }
+    rsv_checkpoint_write(a->checkpoint, &block->kept);
     return RSV_OK;
 }
 
@@ -203,6 +216,7 @@ static void destroy_workers(assembly *a)
         rsv_free(context, a->block[k].tinted_column);
         rsv_free(context, a->block[k].tinted_weight);
         rsv_escape_list_destroy(context, &a->block[k].escapes);
+        rsv_free(context, a->block[k].kept.byte);
     }
     rsv_free(context, a->block);
     rsv_free(context, a->scratch);
@@ -234,6 +248,7 @@ static rsv_status list_rows(assembly *a)
 static void end_assembly(assembly *a)
 {
     destroy_workers(a);
+    rsv_checkpoint_close(a->checkpoint);
     rsv_free(a->tracer.elements->context, a->node);
     rsv_row_tracer_end(&a->tracer);
 }
@@ -260,6 +275,7 @@ rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_ligh
     a.transport->division = a.division;
     a.division = NULL;
     RSV_TRY(create_workers(&a));
+    RSV_TRY(rsv_checkpoint_open(&a.tracer, &a.checkpoint));
     RSV_TRY(trace_all(&a));
     RSV_TRY(share_rows(a.transport));
     *transport = a.transport;

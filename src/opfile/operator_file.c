@@ -50,21 +50,27 @@ cleanup:
 
 // ---- comparing ------------------------------------------------------------------------------------
 
-rsv_status rsv_scene_compare(const rsv_scene *scene)
+_Static_assert(RSV_FINGERPRINT_DIGITS == RSV_SHA256_DIGITS, "a fingerprint is a SHA-256");
+
+rsv_status rsv_scene_fingerprint(const rsv_scene *scene, char digits[RSV_FINGERPRINT_DIGITS + 1])
 {
     rsv_tensor_file file;
-    rsv_context *context = rsv_scene_get_context(scene);
-    if (!rsv_team_of(context)) return RSV_OK;
-    char text[96], digits[RSV_SHA256_DIGITS + 1];
-    rsv_status status = rsv_tensor_file_begin(context, "scene", &file);
+    rsv_status status = rsv_tensor_file_begin(rsv_scene_get_context(scene), "scene", &file);
     if (status == RSV_OK) status = rsv_write_scene(&file, scene);
-    if (status == RSV_OK) {
-        rsv_tensor_file_digest(&file, digits);
-        snprintf(text, sizeof text, "%s %s", rsv_version(), digits);
-    }
+    if (status == RSV_OK) rsv_tensor_file_digest(&file, digits);
     rsv_tensor_file_end(&file);
-    status = rsv_team_meet(context, status);
-    return status == RSV_OK ? rsv_team_compare(context, "program version or scene", text) : status;
+    return status;
+}
+
+rsv_status rsv_scene_compare(const rsv_scene *scene)
+{
+    rsv_context *context = rsv_scene_get_context(scene);
+    char text[96], digits[RSV_FINGERPRINT_DIGITS + 1];
+    if (!rsv_team_of(context)) return RSV_OK;
+    rsv_status status = rsv_team_meet(context, rsv_scene_fingerprint(scene, digits));
+    if (status != RSV_OK) return status;
+    snprintf(text, sizeof text, "%s %s", rsv_version(), digits);
+    return rsv_team_compare(context, "program version or scene", text);
 }
 
 // ---- reading --------------------------------------------------------------------------------------

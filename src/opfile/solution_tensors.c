@@ -273,8 +273,8 @@ cleanup:
 static rsv_status check_report(const rsv_tensor_file *file, const rsv_solution *s)
 {
     const rsv_solve_report *r = &s->report;
-    bool sound = r->stop_reason <= RSV_STOP_BREAKDOWN && r->solver <= RSV_SOLVER_TWO_GRID &&
-                 s->desc.solver <= RSV_SOLVER_TWO_GRID;
+    bool sound = r->stop_reason <= RSV_STOP_BREAKDOWN && r->solver <= RSV_SOLVER_PETSC &&
+                 s->desc.solver <= RSV_SOLVER_PETSC;
     return sound ? RSV_OK
                  : rsv_fail(RSV_ERROR_FORMAT,
                        "%s: note 'report' or 'solve' names no known solver "
@@ -285,7 +285,9 @@ static rsv_status check_report(const rsv_tensor_file *file, const rsv_solution *
 rsv_status rsv_read_desc(rsv_tensor_file *file, rsv_solve_desc *desc)
 {
     *desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
-    return rsv_read_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), desc);
+    rsv_status status = rsv_read_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), desc);
+    if (desc->solver == RSV_SOLVER_PETSC) desc->solver = RSV_SOLVER_AUTO; // not everywhere at hand
+    return status;
 }
 
 rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *s)
