@@ -204,7 +204,7 @@ int cli_bake(int argc, char **argv)
         !cli_check_apart(s.output, s.scene) || !cli_check_apart(s.stats, s.output))
         return CLI_FAILURE;
     cli_session session;
-    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
     session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);

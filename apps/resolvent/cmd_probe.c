@@ -155,7 +155,7 @@ int cli_probe(int argc, char **argv)
     if (cli_check_output(s.output) && (!s.stats || cli_check_output(s.stats)) &&
         cli_check_apart(s.output, s.points) && cli_check_apart(s.stats, s.points) &&
         cli_check_apart(s.stats, s.output) && cli_read_points(s.points, &points) &&
-        cli_session_begin(&session, s.threads)) {
+        cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
         session.mesh = s.mesh;
         exit_status = run(&session, &s, &points);
         cli_session_end(&session);

@@ -270,7 +270,7 @@ int cli_render(int argc, char **argv)
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!check_request(&s)) return CLI_FAILURE;
     cli_session session;
-    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
     session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);

@@ -4,8 +4,12 @@
 #include "stats.h"
 #include "subject.h"
 
+#include <errno.h>
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char help[] =
     "usage: resolvent solve SCENE -o FILE.safetensors [options]\n"
@@ -18,6 +22,10 @@ static const char help[] =
     "\n"
     "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
         CLI_ERROR_TARGET_HELP
+    "  --eigenvalues N    print the N largest eigenvalues of the operator, found by SLEPc\n"
+    "  --checkpoint DIR   keep rows in DIR while they are traced: a run that is killed goes on "
+    "there, and\n"
+    "                     ends with the same file; to be deleted afterwards\n"
     "  --threads N        default: one per processor; the file does not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
     "\n"
@@ -25,11 +33,15 @@ static const char help[] =
     "  resolvent solve room.glb -o room.safetensors --quality high\n"
     "  resolvent render room.safetensors -o room.png\n";
 
+enum { MOST_EIGENVALUES = 256 };
+
 typedef struct settings {
     const char *scene, *output, *stats, *mesh;
     cli_environment environment;
     cli_error_target target;
     cli_solve_choice solve;
+    const char *checkpoint;
+    uint32_t eigenvalues;
     uint32_t threads;
 } settings;
 
@@ -43,6 +55,11 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
+        { .name = "--checkpoint", .kind = CLI_TEXT, .value = &s->checkpoint },
+        { .name = "--eigenvalues",
+            .kind = CLI_COUNT,
+            .value = &s->eigenvalues,
+            .max = MOST_EIGENVALUES },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
@@ -74,6 +91,33 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, &stats);
 }
 
+/// Creates the folder DIR/VERSION-FINGERPRINT: rows of one scene and one version of the program.
+static bool prepare_checkpoint(const settings *s, const rsv_scene *scene, char folder[PATH_MAX])
+{
+    char digits[RSV_FINGERPRINT_DIGITS + 1];
+    if (rsv_scene_fingerprint(scene, digits) != RSV_OK) {
+        cli_error("%s", rsv_last_error());
+        return false;
+    }
+    int length = snprintf(folder, PATH_MAX, "%s/%s-%.16s", s->checkpoint, rsv_version(), digits);
+    bool made = length < PATH_MAX && (mkdir(s->checkpoint, 0777) == 0 || errno == EEXIST) &&
+                (mkdir(folder, 0777) == 0 || errno == EEXIST);
+    if (!made)
+        cli_error("--checkpoint %s: cannot make the folder: %s", s->checkpoint, strerror(errno));
+    return made;
+}
+
+static rsv_status print_eigenvalues(const settings *s, const rsv_solution *solution)
+{
+    double value[2 * MOST_EIGENVALUES];
+    size_t count = s->eigenvalues;
+    if (count == 0) return RSV_OK;
+    rsv_status status = rsv_leading_eigenvalues(solution, &count, value);
+    for (size_t k = 0; status == RSV_OK && k < count; k++)
+        printf("eigenvalue %zu: %.6f%+.6fi\n", k + 1, value[2 * k], value[2 * k + 1]);
+    return status;
+}
+
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
@@ -81,12 +125,19 @@ static int run(cli_session *session, const settings *s)
     if (!subject.scene) return CLI_FAILURE;
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     rsv_certificate certificate;
+    char folder[PATH_MAX];
+    if (s->checkpoint) {
+        if (!prepare_checkpoint(s, subject.scene, folder)) goto cleanup;
+        desc.checkpoint = folder;
+    }
     rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
+    if (status == RSV_OK) status = print_eigenvalues(s, subject.solution);
     if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (!s->stats || write_stats(session, s, subject.solution))
         exit_status = CLI_SUCCESS;
+cleanup:
     cli_close_subject(&subject);
     return exit_status;
 }
@@ -100,7 +151,8 @@ int cli_solve(int argc, char **argv)
         !cli_check_apart(s.output, s.scene) || !cli_check_apart(s.stats, s.output))
         return CLI_FAILURE;
     cli_session session;
-    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    if (s.eigenvalues && !s.solve.petsc) s.solve.petsc = "";
+    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
     session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);

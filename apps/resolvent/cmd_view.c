@@ -308,7 +308,7 @@ int cli_view(int argc, char **argv)
         return CLI_SUCCESS;
     }
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
-    if (!cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
     session.mesh = s.mesh;
     viewer v = { .settings = &s, .session = &session };
     bool good = open_viewer(&v);

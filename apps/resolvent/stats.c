@@ -13,7 +13,7 @@ const char *const cli_quality_names[] = { [RSV_QUALITY_DRAFT] = "draft",
     NULL };
 
 const char *const cli_solver_names[] = { "auto", "neumann", "gauss-seidel", "southwell",
-    "chebyshev", "bicgstab", "gmres", "two-grid", NULL };
+    "chebyshev", "bicgstab", "gmres", "two-grid", "petsc", NULL };
 
 static const char *stop_reason_name(rsv_stop_reason reason)
 {

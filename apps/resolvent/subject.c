@@ -1,6 +1,7 @@
 #include "subject.h"
 
 #include "command.h"
+#include "crew.h"
 
 #include <math.h>
 
@@ -42,10 +43,20 @@ bool cli_open_subject(cli_session *session, const char *name, const cli_environm
     return status == RSV_OK;
 }
 
+static bool wants_petsc(const cli_solve_choice *choice)
+{
+    return choice->petsc || choice->solver == RSV_SOLVER_PETSC;
+}
+
+bool cli_prepare_solve(const cli_solve_choice *choice)
+{
+    return !wants_petsc(choice) || cli_crew_join_for_petsc(choice->petsc);
+}
+
 rsv_solve_desc cli_describe_solve(const cli_solve_choice *choice)
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)choice->quality);
-    desc.solver = (rsv_solver)choice->solver;
+    desc.solver = wants_petsc(choice) ? RSV_SOLVER_PETSC : (rsv_solver)choice->solver;
     desc.seed = choice->seed;
     desc.max_elements = choice->max_elements;
     desc.max_bytes = choice->max_bytes;

@@ -24,6 +24,7 @@ typedef struct cli_solve_choice {
     uint32_t seed;
     uint32_t max_elements; ///< 0 = any number, as max_bytes
     size_t max_bytes;
+    const char *petsc; ///< options of PETSc, which is to solve; NULL = none were given
 } cli_solve_choice;
 
 #define CLI_DEFAULT_SOLVE ((cli_solve_choice){ .quality = RSV_QUALITY_MEDIUM })
@@ -38,7 +39,8 @@ typedef struct cli_solve_choice {
     { .name = "--seed", .kind = CLI_COUNT, .value = &(choice)->seed, .max = UINT32_MAX },          \
     { .name = "--max-elements", .kind = CLI_COUNT, .value = &(choice)->max_elements, .min = 1,     \
       .max = UINT32_MAX },                                                                         \
-    { .name = "--max-memory", .kind = CLI_BYTES, .value = &(choice)->max_bytes }
+    { .name = "--max-memory", .kind = CLI_BYTES, .value = &(choice)->max_bytes },                  \
+    { .name = "--petsc", .kind = CLI_TEXT, .value = &(choice)->petsc }
 // clang-format on
 
 /// Their lines in a command's help.
@@ -46,10 +48,14 @@ typedef struct cli_solve_choice {
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"    \
     "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, "           \
     "bicgstab,\n"                                                                                  \
-    "                     gmres or two-grid: how the equation is solved\n"                         \
+    "                     gmres, two-grid or petsc: how the equation is solved\n"                  \
+    "  --petsc OPTIONS    solve with PETSc, by its options: \"-ksp_type bcgs -ksp_monitor\"\n"     \
     "  --seed N           another set of random numbers (default 0)\n"                             \
     "  --max-elements N   rows of the operator at most: a coarser solution where N are too few\n"  \
     "  --max-memory SIZE  memory of the program at most, such as 2GiB; likewise\n"
+
+/// Loads the plug-in for PETSc if that is to solve. Before the session begins; prints what went wrong.
+bool cli_prepare_solve(const cli_solve_choice *choice);
 
 rsv_solve_desc cli_describe_solve(const cli_solve_choice *choice);
 

@@ -20,7 +20,8 @@ typedef enum rsv_solver {
     RSV_SOLVER_CHEBYSHEV,
     RSV_SOLVER_BICGSTAB,
     RSV_SOLVER_GMRES,
-    RSV_SOLVER_TWO_GRID
+    RSV_SOLVER_TWO_GRID,
+    RSV_SOLVER_PETSC ///< KSP of PETSc, by its own options; in a context with a team, be it of one process (team.h)
 } rsv_solver;
 
 /// "auto", "neumann", "gauss-seidel", ... in the order of rsv_solver; NULL beyond the last.
@@ -48,6 +49,9 @@ typedef struct rsv_solve_desc {
     size_t
         max_bytes; ///< of memory for the whole process, as far as the solution can keep it by larger
                    ///< elements and fewer rays; 0 = no limit
+    /// Folder that keeps rows of G while they are traced, so that a run that is killed goes on where it was; for one scene
+    /// (rsv_scene_fingerprint) and one version of the library. It must exist; borrowed. NULL (default) = none.
+    const char *checkpoint;
 } rsv_solve_desc;
 
 RSV_API rsv_solve_desc rsv_default_solve_desc(rsv_quality quality);
@@ -78,8 +82,9 @@ typedef struct rsv_solve_report {
     uint32_t
         neumann_terms;   ///< orders that the Neumann series takes, as the spectral radius predicts
     double residual_inf; ///< ||E0 + G K E - E||_inf, W/m2, accumulated in double
-    double truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2: of the system, before what rows blur is sharpened
-    double mean_irradiance;  ///< area-weighted mean of E, luminance
+    double
+        truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2: of the system, before what rows blur is sharpened
+    double mean_irradiance; ///< area-weighted mean of E, luminance
     double time_bvh, time_assemble, time_solve;
 } rsv_solve_report;
 
@@ -107,6 +112,12 @@ RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t t
 /// @param ratio out, [repetitions] the bare loop's time over the application's
 RSV_API rsv_status rsv_measure_application(
     const rsv_solution *solution, uint32_t repetitions, double *ratio);
+
+/// The eigenvalues of G K that are largest by magnitude, those of all colour channels together, by SLEPc and its options.
+/// In a context with a team, be it of one process.
+/// @param count wanted in, found out @param value out, [2 x count]: real and imaginary parts
+RSV_API rsv_status rsv_leading_eigenvalues(
+    const rsv_solution *solution, size_t *count, double *value);
 
 /// What a solver did.
 typedef struct rsv_solver_cost {

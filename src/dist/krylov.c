@@ -32,9 +32,7 @@ static PetscErrorCode start(rsv_team *team)
     PetscCall(SlepcInitialized(&started));
     if (!started) {
         PETSC_COMM_WORLD = rsv_dist_communicator(team);
-        // signals are the program's; misspelt options are said at the end
-        PetscCall(PetscOptionsSetValue(NULL, "-no_signal_handler", "true"));
-        PetscCall(PetscOptionsSetValue(NULL, "-options_left", "true"));
+        PetscCall(PetscOptionsSetValue(NULL, "-no_signal_handler", "true")); // the program has its own
         PetscCall(SlepcInitializeNoArguments());
         if (team->petsc_options) PetscCall(PetscOptionsInsertString(NULL, team->petsc_options));
     }
@@ -44,9 +42,12 @@ static PetscErrorCode start(rsv_team *team)
 void rsv_krylov_end(void)
 {
     PetscBool started;
+    PetscInt unused = 0;
     PetscCallVoid(SlepcInitialized(&started));
     if (!started) return;
-    PETSC_STDOUT = stderr; // warnings of options that nobody asked for
+    PETSC_STDOUT = stderr;
+    PetscCallVoid(PetscOptionsAllUsed(NULL, &unused));
+    if (unused) PetscCallVoid(PetscOptionsLeft(NULL)); // misspelt ones are among them
     PetscCallVoid(SlepcFinalize());
 }
 
@@ -126,16 +127,18 @@ static rsv_status create(const rsv_krylov_system *system, rsv_krylov **krylov, c
     return status;
 }
 
-/// An option -ksp_rtol stays: it is set again after ours.
 static PetscErrorCode run(rsv_krylov *k, const rsv_rgb *residual, double relative,
     rsv_rgb *correction, double *applications, bool *converged)
 {
+    PetscBool given;
     PetscInt steps;
     KSPConvergedReason reason;
     PetscFunctionBeginUser;
     PetscCall(rsv_dist_set(&k->rows, residual, k->right));
-    PetscCall(KSPSetTolerances(k->solver, relative, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
-    PetscCall(KSPSetFromOptions(k->solver));
+    PetscCall(PetscOptionsHasName(NULL, NULL, "-ksp_rtol", &given));
+    if (!given)
+        PetscCall(
+            KSPSetTolerances(k->solver, relative, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
     PetscCall(KSPSolve(k->solver, k->right, k->left));
     PetscCall(KSPGetIterationNumber(k->solver, &steps));
     PetscCall(KSPGetConvergedReason(k->solver, &reason));

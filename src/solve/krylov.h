@@ -5,6 +5,7 @@
 
 #include "../operator/subsurface.h"
 #include "../operator/transport.h"
+#include "resolvent/team.h"
 
 typedef struct rsv_krylov rsv_krylov;
 

@@ -30,6 +30,11 @@ typedef struct rsv_linear_map_table {
     /// field += A times `amount` at one node: a column of A. NULL = not known
     /// @param amount [columns] @return the share of A's entries that this took
     double (*shoot)(void *data, size_t columns, size_t node, const float *amount, float *field);
+    /// correction with (I - A) correction close to a residual, by a solver outside of this library. NULL = there is none
+    /// @param relative length of the new residual over that of the old one @param applications of A, out
+    /// @param converged out: false if that solver gave up
+    rsv_status (*correct)(void *data, size_t columns, const float *residual, double relative,
+        float *correction, double *applications, bool *converged);
     /// Sums of A's entries over pairs of groups, channel by channel; may be an approximation. NULL = not known
     /// @param sums [3 x group_count x group_count], zero before
     void (*sum_groups)(void *data, double *sums);

@@ -13,7 +13,7 @@
 
 typedef struct solver_entry {
     rsv_improve improve;
-    bool rows, columns, groups; ///< what it needs of a map
+    bool rows, columns, groups, outside; ///< what it needs of a map
 } solver_entry;
 
 static const solver_entry solvers[] = {
@@ -24,6 +24,7 @@ static const solver_entry solvers[] = {
     [RSV_SOLVER_BICGSTAB] = { .improve = rsv_improve_bicgstab },
     [RSV_SOLVER_GMRES] = { .improve = rsv_improve_gmres },
     [RSV_SOLVER_TWO_GRID] = { .improve = rsv_improve_two_grid, .groups = true },
+    [RSV_SOLVER_PETSC] = { .improve = rsv_improve_outside, .outside = true },
 };
 
 const char *rsv_solver_name(rsv_solver solver)
@@ -35,7 +36,8 @@ const char *rsv_solver_name(rsv_solver solver)
         [RSV_SOLVER_CHEBYSHEV] = "chebyshev",
         [RSV_SOLVER_BICGSTAB] = "bicgstab",
         [RSV_SOLVER_GMRES] = "gmres",
-        [RSV_SOLVER_TWO_GRID] = "two-grid" };
+        [RSV_SOLVER_TWO_GRID] = "two-grid",
+        [RSV_SOLVER_PETSC] = "petsc" };
     return (size_t)solver < sizeof names / sizeof names[0] ? names[solver] : NULL;
 }
 
@@ -49,7 +51,8 @@ bool rsv_solver_fits(rsv_solver solver, const rsv_linear_map *map)
     const solver_entry *needs = &solvers[solver];
     const rsv_linear_map_table *has = map->table;
     return needs->improve && (!needs->rows || (has->gather_rows && has->scatter_rows)) &&
-           (!needs->columns || has->shoot) && (!needs->groups || (has->sum_groups && map->group));
+           (!needs->columns || has->shoot) && (!needs->groups || (has->sum_groups && map->group)) &&
+           (!needs->outside || has->correct);
 }
 
 void rsv_run_apply(rsv_solver_run *run, const float *field, float *image)

@@ -163,7 +163,9 @@ rsv_status rsv_solution_prepare(
     s->context = context;
     s->desc = *desc;
     s->wanted_rays = desc->rays_per_element;
-    s->scene = (rsv_transport_scene){ .scene = scene, .view = rsv_scene_get_view(scene) };
+    s->scene = (rsv_transport_scene){
+        .scene = scene, .view = rsv_scene_get_view(scene), .checkpoint = desc->checkpoint
+    };
     status = prepare(s);
     if (status == RSV_OK)
         *solution = s;

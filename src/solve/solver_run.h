@@ -35,6 +35,7 @@ rsv_status rsv_improve_chebyshev(rsv_solver_run *run, float *residual, float *co
 rsv_status rsv_improve_bicgstab(rsv_solver_run *run, float *residual, float *correction);
 rsv_status rsv_improve_gmres(rsv_solver_run *run, float *residual, float *correction);
 rsv_status rsv_improve_two_grid(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_outside(rsv_solver_run *run, float *residual, float *correction);
 
 void rsv_coarse_level_destroy(rsv_coarse_level *coarse);
 

@@ -1,5 +1,6 @@
 #include "transport_map.h"
 
+#include "../core/team.h"
 #include "../operator/transport_rows.h"
 #include "node_groups.h"
 
@@ -147,6 +148,64 @@ static void sum_groups(void *data, double *sums)
                 sum_row(m, row, sums);
 }
 
+/// One RGB field after the other.
+static rsv_status correct(void *data, size_t columns, const float *residual, double relative,
+    float *correction, double *applications, bool *converged)
+{
+    rsv_transport_map *m = data;
+    size_t fields = columns / 3, nodes = m->linear.count;
+    const struct rsv_krylov_table *krylov = rsv_context_team(m->linear.context)->table->krylov;
+    char message[RSV_MESSAGE_BYTES];
+    *applications = 0;
+    *converged = true;
+    for (size_t f = 0; f < fields; f++) {
+        double steps;
+        bool arrived;
+        for (size_t n = 0; n < nodes; n++)
+            m->filled[n] = rgb_field(residual)[n * fields + f];
+        rsv_status status =
+            krylov->solve(m->krylov, m->filled, relative, m->exitance, &steps, &arrived, message);
+        if (status != RSV_OK) return rsv_fail(status, "solve: %s", message);
+        for (size_t n = 0; n < nodes; n++)
+            ((rsv_rgb *)correction)[n * fields + f] = m->exitance[n];
+        *applications += steps / (double)fields;
+        *converged = *converged && arrived;
+    }
+    return RSV_OK;
+}
+
+/// K on one field, for PETSc.
+static void scatter_whole(void *user, const rsv_rgb *field, rsv_rgb *exitance)
+{
+    scatter(user, 1, field, exitance);
+}
+
+static rsv_status add_krylov(rsv_transport_map *m)
+{
+    rsv_team *team = rsv_context_team(m->linear.context);
+    char message[RSV_MESSAGE_BYTES];
+    if (m->krylov) return RSV_OK;
+    if (!team)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "solve: solver 'petsc' needs a context with a team, be it of one process");
+    const rsv_krylov_system system = { .team = team,
+        .transport = m->transport,
+        .elements = m->elements,
+        .albedo = m->albedo,
+        .threads = rsv_threads(m->linear.context),
+        .scatter = m->subsurface ? scatter_whole : NULL,
+        .user = m };
+    rsv_status status = team->table->krylov->create(&system, &m->krylov, message);
+    return status == RSV_OK ? RSV_OK : rsv_fail(status, "solve: %s", message);
+}
+
+static const rsv_linear_map_table rows_and_krylov = { .apply = apply,
+    .residual = residual,
+    .scatter_rows = scatter_rows,
+    .gather_rows = gather_rows,
+    .correct = correct,
+    .sum_groups = sum_groups };
+
 static const rsv_linear_map_table rows_only = { .apply = apply,
     .residual = residual,
     .scatter_rows = scatter_rows,
@@ -250,6 +309,11 @@ static rsv_status add_groups(rsv_transport_map *m)
 
 rsv_status rsv_transport_map_prepare(rsv_transport_map *m, rsv_solver solver)
 {
+    if (solver == RSV_SOLVER_PETSC) {
+        rsv_status status = add_krylov(m);
+        if (status == RSV_OK) m->linear.table = &rows_and_krylov;
+        return status;
+    }
     if (solver == RSV_SOLVER_SOUTHWELL) return rsv_transport_map_transpose(m);
     if (solver == RSV_SOLVER_GAUSS_SEIDEL || solver == RSV_SOLVER_TWO_GRID) {
         rsv_status status = rsv_transport_complete(m->transport);
@@ -274,5 +338,6 @@ void rsv_transport_map_destroy(rsv_transport_map *m)
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_transport_columns_destroy(m->columns);
+    if (m->krylov) rsv_context_team(context)->table->krylov->destroy(m->krylov);
     rsv_free(context, m);
 }

@@ -7,6 +7,7 @@
 
 #include "../operator/subsurface.h"
 #include "../operator/transport_columns.h"
+#include "krylov.h"
 #include "linear_map.h"
 #include "resolvent/solve.h"
 
@@ -24,6 +25,7 @@ typedef struct rsv_transport_map {
     rsv_transport_columns *columns; ///< NULL until rsv_transport_map_transpose
     uint32_t *child_begin;          ///< [node_count + 1] hanging nodes by parent; likewise
     uint32_t *child;                ///< indices into elements->hanging
+    rsv_krylov *krylov;             ///< PETSc's view of it; NULL until rsv_transport_map_prepare
 } rsv_transport_map;
 
 /// Borrows all that it is made of; where a solver needs rows or columns, they are brought together (rsv_transport_complete).
@@ -36,7 +38,7 @@ void rsv_transport_map_destroy(rsv_transport_map *map);
 /// Adds the columns of G, without which the map knows neither its transposed nor how to shoot.
 rsv_status rsv_transport_map_transpose(rsv_transport_map *map);
 
-/// Adds what a solver needs beyond rows: columns, or groups of nodes.
+/// Adds what a solver needs beyond rows: columns, groups of nodes, or PETSc.
 rsv_status rsv_transport_map_prepare(rsv_transport_map *map, rsv_solver solver);
 
 /// Sets a field to 0 at hanging nodes.
