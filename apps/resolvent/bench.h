@@ -100,6 +100,12 @@ void cli_print_scale_summary(const struct cJSON *scenes);
 bool cli_write_scale_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_scale_plot(const char *path, const struct cJSON *scenes);
 
+/// How evenly rows can be divided among processes, and what those would have to tell each other.
+bool cli_bench_cluster(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_cluster(const struct cJSON *result);
+bool cli_write_cluster_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_cluster_plot(const char *path, const struct cJSON *scenes);
+
 /// A number of a JSON object; NAN if it holds none of that name.
 double cli_json_number(const struct cJSON *object, const char *name);
 

@@ -25,7 +25,8 @@ static const char help[] =
     "            the reference's own, which the difference of its two halves tells, and so is\n"
     "            the relative MSE; each 'factor' is how many times longer mode reference would\n"
     "            take for the figure before it, its error falling as 1/sqrt(time)\n"
-    "  relight   the runtime for engines on one thread: 100,000 receivers under 4 lights, without a\n"
+    "  relight   the runtime for engines on one thread: 100,000 receivers under 4 lights, without "
+    "a\n"
     "            scene\n"
     "  solvers   residual over applications of the operator and over time, for every solver, down\n"
     "            to 1e-5; on cornell-blocks and on bright-box, a closed box of albedo 0.95\n"
@@ -41,6 +42,9 @@ static const char help[] =
     "  goal      error of the first camera's picture over elements, with and without --goal, "
     "against\n"
     "            one finer solution; on two-rooms and gallery:2\n"
+    "  cluster   how evenly 2 to 64 processes would share the rows, and what they would have to "
+    "tell\n"
+    "            each other for one application of the operator; no other process is needed\n"
     "  scale     time and memory of a solution, and how they grow with the scene: terraces of\n"
     "            1e4 to 1e7 triangles with elements two metres apart (a scene of your own: medium\n"
     "            quality). Takes about 6 GB and a quarter of an hour\n"
@@ -140,6 +144,13 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_certificate_csv,
         .write_plot = cli_write_certificate_plot,
         .scenes = { "cornell-blocks", "two-rooms", "bright-box", "gallery:2", "cornell-spheres" },
+        .repetitions = 1 },
+    { .name = "cluster",
+        .run = cli_bench_cluster,
+        .print = cli_print_cluster,
+        .write_csv = cli_write_cluster_csv,
+        .write_plot = cli_write_cluster_plot,
+        .scenes = { "terraces:1e5", "terraces:1e6" },
         .repetitions = 1 },
     { .name = "scale",
         .run = cli_bench_scale,

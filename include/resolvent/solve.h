@@ -135,6 +135,21 @@ RSV_API rsv_status rsv_measure_solver(const rsv_solution *solution, rsv_solver s
     double tolerance, void (*observe)(void *user, double applications, double residual), void *user,
     rsv_solver_cost *cost);
 
+/// What it would mean to divide the rows of G among processes, by numbers that do not depend on how many there are.
+typedef struct rsv_division_cost {
+    uint32_t parts;
+    double imbalance;     ///< time that tracing the dearest part took, over the mean of all parts
+    double received_mean; ///< numbers that a part needs from others for one application of G K
+    double received_most; ///< of the part that needs most
+    double senders_mean;  ///< parts that they come from
+} rsv_division_cost;
+
+/// Divides the rows of a solution as a team of so many processes would, by costs measured on a few of them, then traces
+/// all once more to see what the parts cost.
+/// @param parts [count] @param cost out, [count]
+RSV_API rsv_status rsv_measure_division(
+    const rsv_solution *solution, const uint32_t *parts, size_t count, rsv_division_cost *cost);
+
 /// What assembly costs beside ray tracing alone.
 typedef struct rsv_assembly_cost {
     uint64_t rays;           ///< first-hit rays of the rows
