@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 static const char help[] =
-    "usage: resolvent bake SCENE -o OUT.glb --to vertex|lightmap [options]\n"
+    "usage: resolvent bake SCENE -o OUT.glb --to vertex|lightmap|probes [options]\n"
     "\n"
     "Solves the light of SCENE and writes it into a copy of its glTF file for engines and web\n"
     "pages. All else of the file stays as it is: nodes, animations, cameras, extras, extensions.\n"
@@ -20,7 +20,8 @@ static const char help[] =
     "\n"
     "  --to vertex        light in COLOR_0, surfaces tessellated where light asks for it\n"
     "  --to lightmap      irradiance in a texture (MOZ_lightmap), and as OUT.lightmap.exr\n"
-    "  -o OUT.glb         the file to write\n"
+    "  --to probes        a grid of spherical harmonics, for what moves: OUT.json and OUT.bin\n"
+    "  -o OUT             the file to write: .glb, probes .json\n"
     "  --basis            also write what each light does by itself: OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
     "  --dry-run          say what would come out, write nothing\n"
@@ -32,6 +33,8 @@ static const char help[] =
     "  --density D        lightmap: texels per metre (default: as many as fit)\n"
     "  --padding N        lightmap: texels between charts (default 2)\n"
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
+    "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
+    "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
     "\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
@@ -44,9 +47,9 @@ static const char help[] =
 typedef rsv_status (*bake_function)(const rsv_solution *solution, const char *input,
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
-static const char *const target_names[] = { "vertex", "lightmap", NULL };
-static const bake_function bake_to[] = { rsv_bake_vertices, rsv_bake_lightmap };
-enum { TO_VERTEX, TO_LIGHTMAP };
+static const char *const target_names[] = { "vertex", "lightmap", "probes", NULL };
+static const bake_function bake_to[] = { rsv_bake_vertices, rsv_bake_lightmap, rsv_bake_probes };
+enum { TO_VERTEX, TO_LIGHTMAP, TO_PROBES };
 
 typedef struct settings {
     const char *scene, *output, *stats, *mesh;
@@ -84,6 +87,12 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .max = 8192 },
         { .name = "--density", .kind = CLI_REAL, .value = &s->bake.density, .max = 1e6 },
         { .name = "--padding", .kind = CLI_COUNT, .value = &s->bake.padding, .min = 1, .max = 16 },
+        { .name = "--spacing", .kind = CLI_REAL, .value = &s->bake.probe_spacing, .max = 1e6 },
+        { .name = "--probe-samples",
+            .kind = CLI_COUNT,
+            .value = &s->bake.probe_samples,
+            .min = 32,
+            .max = 65536 },
         { .name = "--new-uv", .kind = CLI_FLAG, .value = &s->new_uv },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
@@ -95,11 +104,14 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     const cli_usage usage = { "bake", help, options, "SCENE", 1, 1 };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
     if (s->target < 0)
-        *exit_status = cli_usage_error("bake", "--to vertex or lightmap is missing");
+        *exit_status = cli_usage_error("bake", "--to vertex, lightmap or probes is missing");
     else if (!s->output)
         *exit_status = cli_usage_error("bake", "-o OUT.glb is missing");
-    else if (!ends_in(s->output, ".glb"))
-        *exit_status = cli_usage_error("bake", "-o '%s' does not end in .glb", s->output);
+    else if (!ends_in(s->output, s->target == TO_PROBES ? ".json" : ".glb"))
+        *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output,
+            s->target == TO_PROBES ? ".json" : ".glb");
+    else if (s->target == TO_PROBES && s->bake.basis)
+        *exit_status = cli_usage_error("bake", "--basis does not go with --to probes");
     else
         return true;
     return false;
@@ -129,7 +141,11 @@ static void print_report(const settings *s, const rsv_bake_report *r)
                "seams       %.2f %% at most\n",
             r->map_width, r->map_height, (double)r->density, r->charts, 100 * r->coverage,
             100 * r->largest_seam);
-    printf("light scale %.4g\n", (double)r->light_scale);
+    if (s->target == TO_PROBES)
+        printf("probes      %u x %u x %u, %zu valid\n", r->probe_count[0], r->probe_count[1],
+            r->probe_count[2], r->valid_probes);
+    else
+        printf("light scale %.4g\n", (double)r->light_scale);
     if (r->lights) printf("lights      %zu\n", r->lights);
 }
 
@@ -140,6 +156,8 @@ static void add_numbers(cJSON *root, const settings *s, const rsv_bake_report *r
         cJSON_AddNumberToObject(root, "vertices", (double)r->vertices);
         cJSON_AddNumberToObject(root, "triangles", (double)r->triangles);
     }
+    if (s->target == TO_PROBES)
+        cJSON_AddNumberToObject(root, "valid_probes", (double)r->valid_probes);
     if (s->target == TO_LIGHTMAP) {
         cJSON_AddNumberToObject(root, "map_width", r->map_width);
         cJSON_AddNumberToObject(root, "map_height", r->map_height);
@@ -182,7 +200,7 @@ static int bake(cli_session *session, const settings *s, const rsv_scene *scene,
 static int run(cli_session *session, const settings *s)
 {
     char temporary[4096] = "";
-    bool gltf = ends_in(s->scene, ".gltf") || ends_in(s->scene, ".glb");
+    bool gltf = ends_in(s->scene, ".gltf") || ends_in(s->scene, ".glb") || s->target == TO_PROBES;
     rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
     if (scene && !gltf) scene = open_as_gltf(session, s, scene, temporary, sizeof temporary);
     int exit_status = scene ? bake(session, s, scene, gltf ? s->scene : temporary) : CLI_FAILURE;

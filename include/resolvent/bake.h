@@ -26,7 +26,7 @@ typedef struct rsv_bake_desc {
         keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
     bool basis;             ///< also write what each light does by itself, for the runtime
     float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
-    uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 256
+    uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
     bool dry_run;           ///< find out what would come out, write nothing
 } rsv_bake_desc;
 
@@ -56,6 +56,12 @@ RSV_API rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *i
 /// Irradiance in a picture: MOZ_lightmap with linear 8-bit codes in the file, and OUT.lightmap.exr beside it in full
 /// precision. Second texture coordinates of the file are used where they are in the unit square and do not overlap.
 RSV_API rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input,
+    const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
+
+/// Radiance around the points of a grid, in spherical harmonics of order 2, for what moves: OUT.json and OUT.bin. Probes
+/// that see mostly backs of surfaces are inside something and invalid.
+/// @param input not needed; may be NULL @param output .json
+RSV_API rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input,
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
 #ifdef __cplusplus

@@ -5,7 +5,7 @@
 rsv_bake_desc rsv_default_bake_desc(void)
 {
     return (
-        rsv_bake_desc){ .tolerance = 0.02f, .padding = 2, .keep_uv = true, .probe_samples = 256 };
+        rsv_bake_desc){ .tolerance = 0.02f, .padding = 2, .keep_uv = true, .probe_samples = 64 };
 }
 
 rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)

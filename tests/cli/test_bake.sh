@@ -77,6 +77,25 @@ run bake plain.glb -o "$out/x.glb" --to lightmap --quality draft --map-size 16
 ((status == 1)) || complain "16 charts fit into 16 x 16 texels"
 warns 'do not fit'
 [[ -z $(ls -A "$out") ]] || complain "a map that does not fit was written"
+# probes in a furnace: radiance is the same from everywhere, and what `probe` reads is pi times it
+succeeds bake furnace -o probes.json --to probes --spacing 0.25 --quality draft
+says '^probes      4 x 4 x 4, 64 valid'
+printf 'x,y,z,nx,ny,nz\n0.4,0.5,0.6,0,0,1\n' >points.csv
+succeeds probe furnace --points points.csv -o readings.csv --quality draft
+python3 - <<'TEXT' || complain "the probes do not hold the furnace's light"
+import csv, json, struct
+grid = json.load(open("probes.json"))
+data = open(grid["data"], "rb").read()
+count = grid["coefficients"]["shape"][0]
+sh = struct.unpack(f"<{count * 27}f", data[:count * 108])
+assert data[grid["valid"]["byteOffset"]:] == b"\1" * count
+irradiance = float(list(csv.reader(open("readings.csv")))[1][6])
+for probe in range(count):
+    mean = 0.88622693 * sh[27 * probe]
+    assert abs(mean - irradiance) < 0.02 * irradiance, (mean, irradiance)
+    assert all(abs(sh[27 * probe + k]) < 0.05 * irradiance for k in range(3, 27))
+TEXT
+refuses 2 'json' bake furnace -o "$out/x.glb" --to probes
 refuses 2 '--to' bake cornell-blocks -o "$out/x.glb"
 refuses 2 'glb' bake cornell-blocks -o "$out/x.png" --to vertex
 refuses 2 'tolerance' bake cornell-blocks -o "$out/x.glb" --to vertex --tolerance 0
