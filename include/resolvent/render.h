@@ -40,7 +40,8 @@ typedef struct rsv_render_desc {
     float occlusion_distance;
     uint32_t chain_depth; ///< mirror and glass events along a camera ray at most; default 64
     /// Modes operator and final: all pixels take their samples at the same places, the first at their centre,
-    /// as frames do (frame.h); else each has a pattern of its own.
+    /// as frames do (frame.h); else each has a pattern of its own, and noise may be reduced as above and by shooting
+    /// light at matt coats.
     bool shared_pattern;
     bool layers; ///< add one layer per order of T^n Le: emission, direct, bounce1, ...
     uint32_t seed;

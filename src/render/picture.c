@@ -452,8 +452,7 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
     if (solution->lights->environment) job.sky = solution->lights->environment->whole;
     RSV_TRY(rsv_image_create(
         solution->context, desc->width, desc->height, job.layer_count, &job.image));
-    job.shot =
-        desc->mode == RSV_RENDER_FINAL && !desc->shared_pattern && rsv_shot_light_wanted(solution);
+    job.shot = !desc->shared_pattern && rsv_shot_light_wanted(solution);
     RSV_TRY(name_layers(job.image, job.layer_count));
     RSV_TRY(render_passes(&job));
     if (job.shot) RSV_TRY(rsv_add_shot_light(solution, desc, job.camera, &job.medium, job.image));

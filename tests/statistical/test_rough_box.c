@@ -131,15 +131,17 @@ static world *room_with_glint(void)
 }
 
 /// The layer of light that specular events alone bring: luminance [SIDE * SIDE].
+/// @param gathered all of it is met by chance: nothing is shot where samples have shared places
 #define SIDE 32
-static void render_glints(
-    const rsv_solution *solution, rsv_render_mode mode, uint32_t samples, double *glint)
+static void render_glints(const rsv_solution *solution, rsv_render_mode mode, bool gathered,
+    uint32_t samples, double *glint)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     rsv_image *image;
     desc.mode = mode;
     desc.width = desc.height = SIDE;
     desc.samples = samples;
+    desc.shared_pattern = gathered;
     desc.layers = true;
     desc.seed = samples;
     assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
@@ -165,9 +167,9 @@ static void matt_coats_show_glints_without_specks(void **state)
     rsv_solution *solution;
     assert_int_equal(rsv_solution_create(w->scene, &solve, &solution), RSV_OK);
     double shot[SIDE * SIDE], finely[SIDE * SIDE], gathered[SIDE * SIDE];
-    render_glints(solution, RSV_RENDER_FINAL, 4, shot);
-    render_glints(solution, RSV_RENDER_FINAL, 1023, finely);
-    render_glints(solution, RSV_RENDER_OPERATOR, 1024, gathered);
+    render_glints(solution, RSV_RENDER_OPERATOR, false, 4, shot);
+    render_glints(solution, RSV_RENDER_FINAL, false, 1023, finely);
+    render_glints(solution, RSV_RENDER_OPERATOR, true, 1024, gathered);
     double mean = mean_of(gathered), squares = 0;
     for (size_t i = 0; i < SIDE * SIDE; i++)
         squares += (shot[i] - finely[i]) * (shot[i] - finely[i]);
