@@ -30,6 +30,8 @@ static const char help[] =
     "  --move NAME=X,Y,Z  a light in another place, so many metres from where it is; lamps take "
     "their\n"
     "                     triangles along\n"
+    "  --add NAME=X,Y,Z,I a point light of I W/sr at a place of the scene; --light NAME=1,R,G,B "
+    "colours it\n"
     "  --env-intensity S  multiply the surroundings by S\n"
     "  --env-rotate DEG   turn them to DEG degrees about the vertical, counter-clockwise from "
     "above\n"
@@ -59,7 +61,7 @@ static const char *const mode_names[] = {
 
 typedef struct settings {
     const char *scene, *camera, *stats, *script;
-    cli_list outputs, lights, albedos, moves;
+    cli_list outputs, lights, albedos, moves, added;
     cli_size size;
     int mode;
     uint32_t samples, threads, seed;
@@ -68,7 +70,8 @@ typedef struct settings {
     rsv_light_scale light[CLI_LIST_CAPACITY + 1 + CLI_MAX_TRACKS];
     rsv_albedo_change albedo[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
     rsv_light_move move[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
-    char *name[3 * CLI_LIST_CAPACITY]; ///< owned copies for the three above
+    rsv_light add[CLI_LIST_CAPACITY];
+    char *name[4 * CLI_LIST_CAPACITY]; ///< owned copies for the four above
     rsv_relight_desc still;            ///< what options ask for
     rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
 } settings;
@@ -107,6 +110,18 @@ static bool read_changes(settings *s)
         }
         s->move[k] = (rsv_light_move){ name, { v[0], v[1], v[2] } };
     }
+    for (size_t k = 0; k < s->added.count; k++) {
+        char *name = s->name[names++] = strdup(s->added.item[k]);
+        if (!name || cli_cut_change(name, v) != 4 || v[3] < 0) {
+            cli_usage_error(
+                "relight", "--add: '%s' is not NAME=X,Y,Z,I with I from 0 on", s->added.item[k]);
+            return false;
+        }
+        s->add[k] = (rsv_light){ .name = name,
+            .kind = RSV_LIGHT_POINT,
+            .position = { v[0], v[1], v[2] },
+            .intensity = { v[3], v[3], v[3] } };
+    }
     size_t lights = s->lights.count;
     if (s->env_intensity != 1)
         s->light[lights++] = (rsv_light_scale){ "environment",
@@ -130,6 +145,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--light", .kind = CLI_LIST, .value = &s->lights },
         { .name = "--albedo", .kind = CLI_LIST, .value = &s->albedos },
         { .name = "--move", .kind = CLI_LIST, .value = &s->moves },
+        { .name = "--add", .kind = CLI_LIST, .value = &s->added },
         { .name = "--env-intensity", .kind = CLI_REAL, .value = &s->env_intensity, .max = 1e6 },
         { .name = "--env-rotate",
             .kind = CLI_REAL,
@@ -296,6 +312,18 @@ static bool write_stats(
     return cli_write_stats(s->stats, session, &stats);
 }
 
+static rsv_status relight(const settings *s, const cli_subject *subject)
+{
+    rsv_relighter *relighter = NULL;
+    rsv_status status = rsv_relighter_create(subject->solution, subject->scene, &relighter);
+    for (size_t k = 0; k < s->added.count && status == RSV_OK; k++)
+        status = rsv_relighter_add_light(relighter, &s->add[k]);
+    if (status == RSV_OK) status = rsv_relighter_change(relighter, &s->relight);
+    if (status == RSV_OK) status = rsv_relighter_settle(relighter);
+    rsv_relighter_destroy(relighter);
+    return status;
+}
+
 /// One frame, from the file to what is written; the last one's statistics are those of the run.
 static bool run_frame(cli_session *session, settings *s, uint32_t frame)
 {
@@ -310,7 +338,7 @@ static bool run_frame(cli_session *session, settings *s, uint32_t frame)
     }
     double time_render = 0;
     enter_frame(s, frame);
-    rsv_status status = rsv_solution_relight(subject.solution, subject.scene, &s->relight);
+    rsv_status status = relight(s, &subject);
     if (status == RSV_OK) status = write_outputs(s, subject.solution, camera, frame, &time_render);
     if (status != RSV_OK)
         cli_report_failure(session, status);

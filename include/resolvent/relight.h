@@ -78,6 +78,14 @@ typedef struct rsv_relight_source {
 RSV_API size_t rsv_relighter_source_count(const rsv_relighter *relighter);
 RSV_API rsv_relight_source rsv_relighter_source(const rsv_relighter *relighter, size_t index);
 
+/// Adds a punctual light to scene and solution; the last source then. It can be named like the others, and a desc that does
+/// not name it leaves it as it was added. Its caustics are found where the scene had any before.
+/// RSV_ERROR_ARGUMENT if there is a source of that name, or as in rsv_scene_add_light, RSV_ERROR_UNSUPPORTED beyond
+/// RSV_MAX_RELIGHT_SOURCES.
+RSV_API rsv_status rsv_relighter_add_light(rsv_relighter *relighter, const rsv_light *light);
+
+#define RSV_MAX_RELIGHT_SOURCES 64
+
 /// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it. Rays are traced for sources that stand
 /// elsewhere than at the last call, few of them until the light settles. Errors as in rsv_solution_relight; the first
 /// two kinds leave everything as it was.

@@ -353,6 +353,17 @@ cleanup:
     return status;
 }
 
+rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light)
+{
+    bool committed = scene->committed;
+    scene->committed = false;
+    rsv_status status = rsv_scene_add_light(scene, light);
+    scene->committed = committed;
+    scene->view.light = scene->light;
+    scene->view.light_count = scene->light_count;
+    return status;
+}
+
 static rsv_status check_camera(const rsv_camera *camera, const char *name)
 {
     bool finite = finite3(camera->position) && finite3(camera->right) && finite3(camera->up) &&

@@ -78,6 +78,9 @@ bool rsv_triangle_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *normal);
 /// Checks what was flattened and makes it the committed scene.
 rsv_status rsv_scene_finish(rsv_scene *scene);
 
+/// Adds a punctual light to a committed scene; the view's array of lights may move.
+rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light);
+
 /// Finds the bounds of a committed scene again, after vertices were moved.
 void rsv_scene_update_bounds(rsv_scene *scene);
 

@@ -6,6 +6,7 @@
 #define RSV_LIGHT_BASIS_H
 
 #include "../light/solo.h"
+#include "resolvent/relight.h"
 
 struct rsv_solution;
 
@@ -55,7 +56,7 @@ rsv_status rsv_light_part_estimate(const struct rsv_solution *solution, const rs
 void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
 void rsv_light_basis_destroy(rsv_light_basis *basis);
 
-#define RSV_MAX_LIGHT_PARTS 64
+#define RSV_MAX_LIGHT_PARTS RSV_MAX_RELIGHT_SOURCES
 
 /// Where the solution keeps a field; all its sources together, in the first one with what rows gathered and caustics.
 rsv_rgb *rsv_light_field(const struct rsv_solution *solution, size_t field);

@@ -65,6 +65,26 @@ static rsv_status take_basis(rsv_relighter *r)
                      r->basis->source_count, RSV_MAX_LIGHT_PARTS);
 }
 
+/// Makes room in a basis for all sources that there may ever be.
+static rsv_status make_room(rsv_relighter *r)
+{
+    rsv_light_basis *b = r->basis;
+    rsv_source *source = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *source);
+    rsv_light_part *part = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *part);
+    if (!source || !part) {
+        rsv_free(r->context, source);
+        rsv_free(r->context, part);
+        return RSV_ERROR_MEMORY;
+    }
+    memcpy(source, b->source, b->source_count * sizeof *source);
+    memcpy(part, b->part, b->source_count * sizeof *part);
+    rsv_free(r->context, b->source);
+    rsv_free(r->context, b->part);
+    b->source = source;
+    b->part = part;
+    return RSV_OK;
+}
+
 /// The part of a source that is the only one is all there is.
 static rsv_status fill_single_part(rsv_relighter *r)
 {
@@ -114,7 +134,7 @@ static void note_settings(rsv_relighter *r)
 
 static rsv_status allocate(rsv_relighter *r)
 {
-    size_t sources = r->basis->source_count, materials = r->scene->material_count;
+    size_t sources = RSV_MAX_LIGHT_PARTS, materials = r->scene->material_count;
     rsv_light_settings *settings[] = { &r->home, &r->now, &r->wanted };
     for (int k = 0; k < 3; k++)
         if (rsv_light_settings_allocate(r->context, sources, materials, settings[k]) != RSV_OK)
@@ -163,6 +183,7 @@ rsv_status rsv_relighter_create(rsv_solution *s, rsv_scene *scene, rsv_relighter
     if (!r) return RSV_ERROR_MEMORY;
     *r = (rsv_relighter){ .context = s->context, .s = s, .scene = scene, .settled = true };
     RSV_TRY(take_basis(r));
+    RSV_TRY(make_room(r));
     RSV_TRY(fill_single_part(r));
     RSV_TRY(allocate(r));
     note_settings(r);
@@ -324,15 +345,56 @@ cleanup:
     return status;
 }
 
+/// Few rays, for a light that will soon be elsewhere.
+static rsv_light_effort rough_effort(const rsv_relighter *r)
+{
+    return (rsv_light_effort){ .coarse_samples = ROUGH_SAMPLES,
+        .fine_samples = ROUGH_SAMPLES,
+        .photons = r->s->desc.photon_count / ROUGH_PHOTON_SHARE,
+        .valid = r->valid };
+}
+
+static rsv_status check_added(const rsv_relighter *r, const rsv_light *light)
+{
+    const rsv_light_basis *b = r->basis;
+    for (size_t k = 0; k < b->source_count; k++)
+        if (light->name && strcmp(b->source[k].name, light->name) == 0)
+            return rsv_fail(
+                RSV_ERROR_ARGUMENT, "relight: there is a light '%s' already", light->name);
+    if (b->source_count == RSV_MAX_LIGHT_PARTS)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "relight: at most %d lights are kept apart",
+            RSV_MAX_LIGHT_PARTS);
+    return RSV_OK;
+}
+
+rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
+{
+    rsv_light_basis *b = r->basis;
+    size_t k = b->source_count;
+    rsv_light_effort rough = rough_effort(r);
+    rsv_status status = check_added(r, light);
+    if (status == RSV_OK) status = rsv_scene_append_light(r->scene, light);
+    if (status != RSV_OK) return status;
+    uint32_t index = (uint32_t)r->scene->light_count - 1;
+    const rsv_light *added = &r->scene->light[index];
+    b->source[k] = (rsv_source){ RSV_SOURCE_LIGHT, index, added->name };
+    r->strength[k] = added->intensity;
+    r->place[k].centre = added->position;
+    r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
+    r->stale[k] = true;
+    b->source_count++;
+    r->settled = false;
+    r->residual = INFINITY;
+    status = sample_stale(r, &rough);
+    return status == RSV_OK ? update_sources(r) : status;
+}
+
 rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
 {
     rsv_light_settings_home home = home_of(r);
     rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
     if (status != RSV_OK) return status;
-    rsv_light_effort rough = { .coarse_samples = ROUGH_SAMPLES,
-        .fine_samples = ROUGH_SAMPLES,
-        .photons = r->s->desc.photon_count / ROUGH_PHOTON_SHARE,
-        .valid = r->valid };
+    rsv_light_effort rough = rough_effort(r);
     bool body, moved = move_sources(r, &body);
     set_colors(r);
     rsv_light_settings before = r->now;

@@ -61,6 +61,11 @@ refuses 1 'camera' relight box.safetensors --camera nobody -o "$out/a.png"
 refuses 1 'folder' relight box.safetensors -o no/such/folder/a.safetensors
 refuses 2 'NAME=SCALE' relight box.safetensors --light light -o "$out/a.png"
 refuses 2 'NAME=SCALE' relight box.safetensors --light light=1,2 -o "$out/a.png"
+succeeds relight box.safetensors --add spark=0.3,0.3,0.3,0.1 --light light=0 --light spark=1,1,0.2,0.2 -o spark.exr "${box[@]}" --mode operator
+succeeds compare once.exr spark.exr
+says '^mean_ratio *0*[0-9.]*[1-9]'
+refuses 1 'already' relight box.safetensors --add light=0,0,0,1 -o "$out/a.png"
+refuses 2 'NAME=X,Y,Z,I' relight box.safetensors --add spark=1,2,3 -o "$out/a.png"
 refuses 1 "'moon'.*'light'" relight box.safetensors --move moon=0,1,0 -o "$out/a.png"
 refuses 1 'moved by' relight box.safetensors --move light=0,1e9,0 -o "$out/a.png"
 refuses 2 'NAME=X,Y,Z' relight box.safetensors --move light=1 -o "$out/a.png"

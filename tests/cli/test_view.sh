@@ -19,6 +19,7 @@ cat >tour.txt <<'TXT'
 65   show stereo
 65   mode final
 67   mode error
+69   add spark 0.3 0.3 0.3
 70   mode operator
 70   layer direct
 71   layer 1

@@ -210,6 +210,14 @@ static void moved_lights_are_those_of_a_fresh_solve(void **state)
     check_moved(true);
 }
 
+static rsv_light spark(void)
+{
+    return (rsv_light){ .name = "spark",
+        .kind = RSV_LIGHT_POINT,
+        .position = { 0.5f, 1.2f, 1.1f },
+        .intensity = { 3, 1, 1 } };
+}
+
 static void begin_relighting(world *w, rsv_solution *s, rsv_relighter **r)
 {
     if (rsv_relighter_create(s, own_scene(w), r) != RSV_OK) fail_msg("%s", rsv_last_error());
@@ -260,6 +268,43 @@ static void only_the_last_change_counts(void **state)
     free(began);
     rsv_solution_destroy(s);
     rsv_solution_destroy(once);
+    world_end(w);
+    world_end(other);
+}
+
+/// A light that comes later, moved and scaled besides, is one that had been there from the start.
+static void added_lights_are_those_of_a_fresh_solve(void **state)
+{
+    (void)state;
+    const rsv_light_scale twice = { "spark", { 2, 2, 2 } };
+    const rsv_light_move lift = { "spark", { 0, 0.3f, 0 } };
+    const rsv_relight_desc desc = {
+        .light = &twice, .light_count = 1, .move = &lift, .move_count = 1
+    };
+    rsv_light light = spark(), there = spark();
+    there.intensity = rgb_scale(light.intensity, 2);
+    there.position.y += 0.3f;
+    world *w = yard(v3(0, 0, 0)), *other = yard(v3(0, 0, 0));
+    assert_int_equal(rsv_scene_append_light(own_scene(other), &there), RSV_OK);
+    rsv_solution *s = solve(w, true), *fresh = solve(other, true);
+    rsv_relighter *r;
+    begin_relighting(w, s, &r);
+    size_t sources = rsv_relighter_source_count(r);
+    assert_int_equal(rsv_relighter_add_light(r, &light), RSV_OK);
+    assert_int_equal(rsv_relighter_source_count(r), sources + 1);
+    assert_string_equal(rsv_relighter_source(r, sources).name, "spark");
+    assert_int_equal(rsv_relighter_add_light(r, &light), RSV_ERROR_ARGUMENT);
+    change(r, &desc);
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    size_t nodes = fresh->elements->node_count;
+    rsv_rgb *seen = exitance(s), *wanted = exitance(fresh);
+    assert_true(largest_difference(s->source, fresh->source, nodes) < 1e-4);
+    assert_true(largest_difference(seen, wanted, nodes) < 1e-4);
+    free(seen);
+    free(wanted);
+    rsv_relighter_destroy(r);
+    rsv_solution_destroy(s);
+    rsv_solution_destroy(fresh);
     world_end(w);
     world_end(other);
 }
@@ -320,6 +365,7 @@ int main(void)
         cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
         cmocka_unit_test(moved_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(only_the_last_change_counts),
+        cmocka_unit_test(added_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(steps_lead_to_the_solution),
         cmocka_unit_test(what_cannot_move_is_refused),
     };

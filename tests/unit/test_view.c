@@ -106,6 +106,29 @@ static void what_is_not_there_cannot_be_changed(void **state)
     close_stage(s);
 }
 
+static void lights_can_be_added(void **state)
+{
+    (void)state;
+    stage *s = open_stage();
+    size_t count = s->state.item_count;
+    assert_true(say(s, "add spark 0.1 0.2 0.3"));
+    assert_false(say(s, "add spark 0 0 0"));
+    assert_int_equal(s->state.selected, count);
+    assert_int_equal(cli_view_find_item(&s->state, "light.spark"), count);
+    rsv_light light = cli_view_added_light(&s->state, 0);
+    assert_int_equal(rsv_relighter_add_light(s->relighter, &light), RSV_OK);
+    assert_true(say(s, "move 0 0.1 0") && say(s, "intensity 2"));
+    for (int k = 1; k < CLI_VIEW_MOST_ADDED; k++) {
+        char text[CLI_VIEW_TEXT_LENGTH];
+        snprintf(text, sizeof text, "add \"spark %d\" 0 0 0", k);
+        assert_true(say(s, text));
+    }
+    assert_false(say(s, "add straw 0 0 0"));
+    assert_true(say(s, "reset"));
+    assert_true(s->state.item[count].scale == 0);
+    close_stage(s);
+}
+
 static void orbiting_keeps_the_pivot_in_place(void **state)
 {
     (void)state;
@@ -246,6 +269,7 @@ int main(void)
         cmocka_unit_test(all_keys_stand_for_commands),
         cmocka_unit_test(what_is_no_command_is_refused),
         cmocka_unit_test(what_is_not_there_cannot_be_changed),
+        cmocka_unit_test(lights_can_be_added),
         cmocka_unit_test(orbiting_keeps_the_pivot_in_place),
         cmocka_unit_test(nobody_looks_past_the_zenith),
         cmocka_unit_test(a_light_stays_under_the_mouse),

@@ -13,6 +13,7 @@ typedef struct word {
 } word;
 
 static const word words[] = {
+    { "add", CLI_VIEW_ADD, "tnnn" },
     { "albedo", CLI_VIEW_ALBEDO, "tnnn" },
     { "brighten", CLI_VIEW_BRIGHTEN, "n" },
     { "camera", CLI_VIEW_CAMERA, "t" },
@@ -55,6 +56,7 @@ const char cli_view_command_help[] =
     "  color R G B            factors of a light, or a material's albedo; `tint R G B` adds\n"
     "  move X Y Z             the light selected, metres from its place in the scene; `nudge` "
     "adds\n"
+    "  add NAME X Y Z         a point light at a place of the scene, which is selected then\n"
     "  albedo MATERIAL R G B  another base color\n"
     "  env-rotate DEG         the surroundings; `turn DEG` adds\n"
     "  mode NAME              operator, final, occlusion, occlusion-screen, error, next\n"

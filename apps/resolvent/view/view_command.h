@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 typedef enum cli_view_verb {
+    CLI_VIEW_ADD,
     CLI_VIEW_ALBEDO,
     CLI_VIEW_BRIGHTEN,
     CLI_VIEW_CAMERA,

@@ -20,6 +20,7 @@ struct cli_view_frames {
     double budget_ms;
     cli_view_changes changes;
     uint32_t light_changes; ///< of the state that the light is of
+    size_t added_count;     ///< likewise
     uint32_t quiet_frames;  ///< since it last changed
     bool converged;
 
@@ -43,7 +44,8 @@ rsv_status cli_view_frames_create(
     rsv_solution *solution, rsv_relighter *relighter, double budget_ms, cli_view_frames **frames)
 {
     size_t items = rsv_relighter_source_count(relighter) +
-                   rsv_scene_get_view(rsv_solution_scene(solution))->material_count + 1;
+                   rsv_scene_get_view(rsv_solution_scene(solution))->material_count +
+                   CLI_VIEW_MOST_ADDED;
     cli_view_frames *f = calloc(1, sizeof *f);
     if (!f) return RSV_ERROR_MEMORY;
     f->solution = solution;
@@ -104,6 +106,16 @@ static void start_over(cli_view_frames *f)
         f->still[k].samples = 0;
 }
 
+static rsv_status add_lights(cli_view_frames *f, const cli_view_state *state)
+{
+    rsv_status status = RSV_OK;
+    while (status == RSV_OK && f->added_count < state->added_count) {
+        rsv_light light = cli_view_added_light(state, f->added_count++);
+        status = rsv_relighter_add_light(f->relighter, &light);
+    }
+    return status;
+}
+
 /// Follows the state, one step per frame, and makes all exact once nothing has changed for some frames.
 static rsv_status update_light(
     cli_view_frames *f, const cli_view_state *state, cli_view_timing *timing)
@@ -116,7 +128,8 @@ static rsv_status update_light(
     if (changed) {
         rsv_relight_desc desc = cli_view_relighting(state, &f->changes);
         f->light_changes = state->light_changes;
-        status = rsv_relighter_change(f->relighter, &desc);
+        status = add_lights(f, state);
+        if (status == RSV_OK) status = rsv_relighter_change(f->relighter, &desc);
         f->converged = false;
     }
     if (status == RSV_OK && !f->converged)

@@ -95,7 +95,8 @@ bool cli_view_state_begin(
     const rsv_relighter *relighter, const rsv_scene *scene, uint32_t layer_count, cli_view_state *s)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
-    size_t most = rsv_relighter_source_count(relighter) + view->material_count;
+    size_t most =
+        rsv_relighter_source_count(relighter) + view->material_count + CLI_VIEW_MOST_ADDED;
     *s = (cli_view_state){ .scene = view,
         .aspect = 1,
         .layer_count = layer_count,
@@ -265,6 +266,44 @@ static bool set_albedo(cli_view_state *s, const cli_view_command *c, char *probl
     return set_color(s, index, (rsv_rgb){ c->number[0], c->number[1], c->number[2] }, problem);
 }
 
+// ---- lights that are added ------------------------------------------------------------------------------
+
+/// Of their intensity over the square of the scene's size: about what lights a room well.
+#define ADDED_INTENSITY 0.25f
+
+static bool add_light(cli_view_state *s, const cli_view_command *c, char *problem)
+{
+    char name[CLI_VIEW_TEXT_LENGTH];
+    snprintf(name, sizeof name, "light.%.240s", c->text);
+    if (s->added_count == CLI_VIEW_MOST_ADDED || strlen(c->text) >= CLI_VIEW_NAME_LENGTH)
+        return fail(problem, "there is no room for one more light '%.60s'", c->text);
+    if (cli_view_find_item(s, name) < s->item_count)
+        return fail(problem, "there is a '%.100s' already", name);
+    char *own = s->added_name[s->added_count++];
+    memcpy(own, c->text, strlen(c->text) + 1);
+    s->selected = s->item_count++;
+    s->item[s->selected] = s->home[s->selected] = (cli_view_item){ .kind = CLI_VIEW_LIGHT,
+        .name = own,
+        .color = { 1, 1, 1 },
+        .scale = 1,
+        .home = { c->number[0], c->number[1], c->number[2] },
+        .glow = { 1, 1, 1 },
+        .movable = true };
+    s->home[s->selected].scale = 0; // `reset` switches it off
+    s->light_changes++;
+    return true;
+}
+
+rsv_light cli_view_added_light(const cli_view_state *s, size_t index)
+{
+    const cli_view_item *item = &s->item[s->item_count - s->added_count + index];
+    float intensity = ADDED_INTENSITY * s->reach * s->reach;
+    return (rsv_light){ .name = item->name,
+        .kind = RSV_LIGHT_POINT,
+        .position = item->home,
+        .intensity = { intensity, intensity, intensity } };
+}
+
 // ---- mouse ------------------------------------------------------------------------------------------
 
 /// The light whose marker is nearest to a place in the picture.
@@ -416,6 +455,8 @@ bool cli_view_apply(cli_view_state *s, const cli_view_command *c, char *problem)
 {
     const float *n = c->number;
     switch (c->verb) {
+    case CLI_VIEW_ADD:
+        return add_light(s, c, problem);
     case CLI_VIEW_ALBEDO:
         return set_albedo(s, c, problem);
     case CLI_VIEW_BRIGHTEN:

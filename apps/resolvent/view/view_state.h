@@ -36,6 +36,8 @@ typedef struct cli_view_item {
     bool movable;
 } cli_view_item;
 
+enum { CLI_VIEW_MOST_ADDED = 16, CLI_VIEW_NAME_LENGTH = 64 };
+
 typedef struct cli_view_state {
     const rsv_scene_view *scene;
     float aspect; ///< of one eye's picture
@@ -50,6 +52,8 @@ typedef struct cli_view_state {
     bool grabbed;        ///< the item selected follows the mouse
     cli_view_item *home; ///< [item_count] as they began
     float home_rotation;
+    size_t added_count; ///< lights that were added: the last items
+    char added_name[CLI_VIEW_MOST_ADDED][CLI_VIEW_NAME_LENGTH];
 
     cli_view_mode mode;
     uint32_t layer, layer_count; ///< RSV_NONE = all
@@ -72,6 +76,9 @@ void cli_view_state_free(cli_view_state *state);
 
 /// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed then
 bool cli_view_apply(cli_view_state *state, const cli_view_command *command, char *problem);
+
+/// One of the lights that were added, for the relighter.
+rsv_light cli_view_added_light(const cli_view_state *state, size_t index);
 
 /// Room for what cli_view_relighting points to.
 typedef struct cli_view_changes {
