@@ -19,6 +19,17 @@ typedef struct surface {
     uint8_t *taken;           ///< [triangle_count]
 } surface;
 
+/// Positions that are equal bit by bit have equal numbers.
+static uint64_t hash_point(rsv_vec3 p)
+{
+    uint32_t bits[3];
+    memcpy(bits, &p, sizeof bits);
+    uint64_t h = ((uint64_t)bits[0] << 32 | bits[1]) * 0xbf58476d1ce4e5b9u;
+    return (h ^ h >> 29 ^ bits[2]) * 0x94d049bb133111ebu;
+}
+
+uint64_t rsv_bake_edge_key(rsv_vec3 a, rsv_vec3 b) { return hash_point(a) + hash_point(b); }
+
 // ---- the surface ----------------------------------------------------------------------------------
 
 static void find_corners(surface *f, const rsv_scene_view *view)
@@ -35,17 +46,6 @@ static void find_corners(surface *f, const rsv_scene_view *view)
     }
 }
 
-static uint64_t hash_point(rsv_vec3 p)
-{
-    uint32_t bits[3];
-    memcpy(bits, &p, sizeof bits);
-    uint64_t h = ((uint64_t)bits[0] << 32 | bits[1]) * 0xbf58476d1ce4e5b9u;
-    return (h ^ h >> 29 ^ bits[2]) * 0x94d049bb133111ebu;
-}
-
-/// The same for both directions of an edge.
-static uint64_t edge_key(rsv_vec3 a, rsv_vec3 b) { return hash_point(a) + hash_point(b); }
-
 /// Two triangles to an edge are neighbours; where more meet, the third and later ones are nobody's.
 static rsv_status find_neighbours(rsv_context *context, surface *f)
 {
@@ -58,7 +58,7 @@ static rsv_status find_neighbours(rsv_context *context, surface *f)
         if (f->part->triangle[t] == RSV_NONE) continue;
         for (size_t k = 0; k < 3; k++) {
             uint32_t own = (uint32_t)(3 * t + k);
-            uint64_t key = edge_key(f->corner[t][k], f->corner[t][(k + 1) % 3]);
+            uint64_t key = rsv_bake_edge_key(f->corner[t][k], f->corner[t][(k + 1) % 3]);
             uint32_t other = rsv_index_map_insert(&edges, key, own);
             RSV_TRY(other == RSV_NONE ? RSV_ERROR_MEMORY : RSV_OK);
             if (other == own || f->neighbour[other / 3][other % 3] != RSV_NONE) continue;

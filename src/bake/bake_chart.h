@@ -36,6 +36,9 @@ rsv_status rsv_bake_add_charts(rsv_bake_charts *charts, const rsv_solution *solu
 rsv_status rsv_bake_keep_chart(rsv_bake_charts *charts, const rsv_solution *solution,
     const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2]);
 
+/// A number for an edge in space, the same for both directions.
+uint64_t rsv_bake_edge_key(rsv_vec3 a, rsv_vec3 b);
+
 void rsv_bake_charts_destroy(rsv_bake_charts *charts);
 
 /// Position of a chart's triangle corner in the map, texels.

@@ -168,3 +168,11 @@ void rsv_bake_parts_destroy(rsv_bake_parts *parts)
     rsv_free(parts->context, parts->part);
     *parts = (rsv_bake_parts){ .context = parts->context };
 }
+
+bool rsv_bake_carries_light(const rsv_solution *solution, const rsv_bake_part *part)
+{
+    for (size_t t = 0; t < part->triangle_count; t++)
+        if (part->triangle[t] != RSV_NONE)
+            return solution->elements->face_of[0][part->triangle[t]] != RSV_NONE;
+    return false;
+}

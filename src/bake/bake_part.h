@@ -30,6 +30,9 @@ rsv_status rsv_bake_parts_create(
     const rsv_bake_document *document, const rsv_solution *solution, rsv_bake_parts *parts);
 void rsv_bake_parts_destroy(rsv_bake_parts *parts);
 
+/// Whether anything of a part scatters diffusely: its base colour is what light multiplies.
+bool rsv_bake_carries_light(const rsv_solution *solution, const rsv_bake_part *part);
+
 /// The scene's barycentric coordinates for weights of the corners of the file's triangle.
 static inline void rsv_bake_place(
     const rsv_bake_part *part, float weight1, float weight2, float *u, float *v)

@@ -44,14 +44,6 @@ typedef struct seam_search {
     size_t count, capacity;
 } seam_search;
 
-static uint64_t hash_point(rsv_vec3 p)
-{
-    uint32_t bits[3];
-    memcpy(bits, &p, sizeof bits);
-    uint64_t h = ((uint64_t)bits[0] << 32 | bits[1]) * 0xbf58476d1ce4e5b9u;
-    return (h ^ h >> 29 ^ bits[2]) * 0x94d049bb133111ebu;
-}
-
 static int compare_borders(const void *a, const void *b)
 {
     const border *x = a, *y = b;
@@ -116,7 +108,7 @@ static int sample_count(const seam_search *q, const border *b)
 static rsv_status add_samples(seam_search *q, const border *x, const border *y)
 {
     rsv_status status = RSV_OK;
-    bool reversed = hash_point(x->from) != hash_point(y->from);
+    bool reversed = memcmp(&x->from, &y->from, sizeof x->from) != 0;
     if (v3_dot(normal_of(q, x), normal_of(q, y)) < SMOOTH) return RSV_OK;
     int count = sample_count(q, x), other = sample_count(q, y);
     count = other > count ? other : count;
@@ -145,7 +137,7 @@ static size_t list_borders(const seam_search *q, border *list)
                 border b = { .chart = c, .k = k, .edge = e };
                 b.from = corner_of(q, &b, e);
                 b.to = corner_of(q, &b, e + 1);
-                b.key = hash_point(b.from) + hash_point(b.to);
+                b.key = rsv_bake_edge_key(b.from, b.to);
                 list[count++] = b;
             }
     }

@@ -20,15 +20,6 @@ typedef struct vertex_bake {
     rsv_bake_mesh *mesh; ///< [parts.count]; without vertices = carries no light
 } vertex_bake;
 
-/// Whether a part has anything that scatters diffusely: its base colour is what light multiplies.
-static bool carries_light(const vertex_bake *b, const rsv_bake_part *part)
-{
-    for (size_t t = 0; t < part->triangle_count; t++)
-        if (part->triangle[t] != RSV_NONE)
-            return b->s->elements->face_of[0][part->triangle[t]] != RSV_NONE;
-    return false;
-}
-
 static rsv_status tessellate(vertex_bake *b)
 {
     rsv_status status = RSV_OK;
@@ -37,7 +28,7 @@ static rsv_status tessellate(vertex_bake *b)
         .finest = s->elements->spacing / (float)(1 << s->desc.direct_levels),
         .dark = DARK * 3 * (float)s->report.mean_irradiance };
     for (size_t k = 0; k < b->parts.count; k++) {
-        if (!carries_light(b, &b->parts.part[k])) continue;
+        if (!rsv_bake_carries_light(s, &b->parts.part[k])) continue;
         desc.divide = rsv_bake_may_divide(b->primitive[k]);
         RSV_TRY(rsv_bake_tessellate(s, &b->parts.part[k], &desc, &b->mesh[k]));
         RSV_TRY(rsv_progress(s->context, "bake", (double)(k + 1) / (double)b->parts.count));

@@ -1,0 +1,248 @@
+#include "bake_layout.h"
+
+#include "../core/vec.h"
+#include "../io/gltf_accessor.h"
+#include "bake_pack.h"
+
+/// Attempts to undo overlaps within charts, and to find a density that fits.
+#define MOST_ROUNDS 4
+#define MOST_SIZES 12
+/// Part of the texels that a full map could hold at best: where the search for a density begins.
+#define FULLEST 0.98
+/// A larger map must show this much more.
+#define WORTH_IT 1.02f
+/// Sides of maps where none is asked for, and the part of them that charts of a few texels may fill.
+#define FIRST_SIDE 1024
+#define LAST_SIDE 4096
+#define SMALL_CHARTS 0.4
+/// Texels along a side by which the second texture coordinates of a file are judged.
+#define CHECK_TEXELS 256
+
+// ---- texture coordinates of the file --------------------------------------------------------------
+
+/// Why a part's second texture coordinates cannot hold light; NULL = they can.
+static rsv_status judge_uv(
+    const rsv_bake_layout *b, size_t k, const float (*uv)[2], const char **why)
+{
+    rsv_status status;
+    const rsv_bake_part *part = &b->parts->part[k];
+    rsv_bake_charts charts = { .context = b->s->context };
+    rsv_bake_map map = { 0 };
+    uint8_t *overlap = NULL;
+    size_t upon = 0;
+    *why = NULL;
+    for (size_t n = 0; n < part->vertex_count && !*why; n++)
+        for (int c = 0; c < 2; c++)
+            if (!(uv[n][c] >= -1e-4f && uv[n][c] <= 1.0001f)) *why = "leave the unit square";
+    if (*why) return RSV_OK;
+    RSV_TRY(rsv_bake_keep_chart(&charts, b->s, part, 0, uv));
+    overlap = rsv_alloc(b->s->context, charts.triangle_count, 1);
+    RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
+    charts.chart->texels[0] = charts.chart->texels[1] = CHECK_TEXELS;
+    RSV_TRY(rsv_bake_map_create(&charts, part, CHECK_TEXELS, CHECK_TEXELS, 1, &map, overlap));
+    for (size_t t = 0; t < charts.triangle_count; t++)
+        upon += overlap[t];
+    if (upon) *why = "overlap";
+    if (charts.chart->size[0] == 0 || charts.chart->size[1] == 0) *why = "have no area";
+cleanup:
+    rsv_bake_map_destroy(b->s->context, &map);
+    rsv_bake_charts_destroy(&charts);
+    rsv_free(b->s->context, overlap);
+    return status;
+}
+
+static rsv_status read_uv(rsv_bake_layout *b, size_t k)
+{
+    const rsv_bake_part *part = &b->parts->part[k];
+    int accessor = b->document->gltf->mesh[part->mesh].primitive[part->primitive].uv[1];
+    size_t count, width;
+    const char *why;
+    if (!b->desc->keep_uv || accessor < 0) return RSV_OK;
+    rsv_status status = rsv_gltf_read_attribute(
+        b->s->context, b->document->gltf, accessor, part->label, &b->uv[k], &count, &width);
+    if (status == RSV_OK) status = judge_uv(b, k, (const float(*)[2])b->uv[k], &why);
+    if (status != RSV_OK || !why) return status;
+    rsv_log(b->s->context, RSV_LOG_WARNING,
+        "mesh '%s': its second texture coordinates %s; new ones are made", part->label, why);
+    rsv_free(b->s->context, b->uv[k]);
+    b->uv[k] = NULL;
+    return RSV_OK;
+}
+
+// ---- charts and their places ----------------------------------------------------------------------
+
+static rsv_status make_charts(rsv_bake_layout *b)
+{
+    rsv_status status = RSV_OK;
+    rsv_bake_charts_destroy(&b->charts);
+    for (uint32_t k = 0; k < b->parts->count; k++) {
+        const rsv_bake_part *part = &b->parts->part[k];
+        if (!rsv_bake_carries_light(b->s, part)) continue;
+        if (b->uv[k])
+            RSV_TRY(rsv_bake_keep_chart(&b->charts, b->s, part, k, (const float(*)[2])b->uv[k]));
+        else
+            RSV_TRY(rsv_bake_add_charts(&b->charts, b->s, part, k, b->layer[k]));
+    }
+    if (!b->charts.count)
+        status = rsv_fail(RSV_ERROR_SCENE,
+            "%s: bake: nothing here reflects diffusely, so there is no light to keep",
+            b->document->path);
+cleanup:
+    return status;
+}
+
+static double charts_area(const rsv_bake_charts *c)
+{
+    double area = 0;
+    for (size_t k = 0; k < c->count; k++)
+        area += (double)c->chart[k].size[0] * (double)c->chart[k].size[1];
+    return area;
+}
+
+/// Texels along a side at most: as asked for, or so many that charts of a few texels do not fill the map.
+static uint32_t largest_side(const rsv_bake_layout *b)
+{
+    uint32_t side = b->desc->map_size, least = b->desc->padding + 2;
+    if (side) return side;
+    double needed = (double)b->charts.count * least * least;
+    for (side = FIRST_SIDE; side < LAST_SIDE && needed > SMALL_CHARTS * side * side;)
+        side *= 2;
+    return side;
+}
+
+/// The largest density, up to `most`, at which everything fits; 0 = none does.
+static rsv_status find_density(
+    rsv_bake_layout *b, uint32_t width, uint32_t rows, float most, float *density, uint32_t *height)
+{
+    rsv_status status;
+    float low = 0, high = most, middle = most;
+    *density = 0;
+    for (int k = 0; k < MOST_SIZES; k++) {
+        uint32_t needed;
+        RSV_TRY(rsv_bake_pack(&b->charts, middle, b->desc->padding, width, rows, &needed));
+        if (needed != UINT32_MAX) {
+            *density = low = middle;
+            *height = needed;
+        } else {
+            high = middle;
+        }
+        if (low == most) break;
+        middle = low > 0 ? sqrtf(low * high) : 0.5f * high;
+    }
+cleanup:
+    return status;
+}
+
+/// Packs at the density asked for or, where that is too much or none is asked for, at the largest that fits: in
+/// the shape of map that allows the most, and in the smallest of those.
+static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
+{
+    rsv_status status;
+    uint32_t side = largest_side(b);
+    float most = (float)sqrt(FULLEST * side * side / charts_area(&b->charts));
+    if (b->desc->density > 0) most = f_min(b->desc->density, most);
+    b->density = 0;
+    for (uint32_t eighths = 3; eighths <= 8; eighths++) {
+        uint32_t tried = side * eighths / 8, needed = 0;
+        float density;
+        RSV_TRY(find_density(b, tried, side, most, &density, &needed));
+        bool better = density > WORTH_IT * b->density;
+        if (density == 0 || !better) continue;
+        b->density = density;
+        *width = tried;
+        *height = needed;
+    }
+    if (b->density == 0)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "bake: %zu charts do not fit into %u x %u texels; ask for a larger map",
+            b->charts.count, side, side);
+    if (b->density < b->desc->density)
+        rsv_log(b->s->context, RSV_LOG_WARNING,
+            "bake: %.4g texels per metre instead of %.4g, to fit into %u x %u texels",
+            (double)b->density, (double)b->desc->density, side, side);
+    RSV_TRY(rsv_bake_pack(&b->charts, b->density, b->desc->padding, *width, side, height));
+    *height = (*height + 3) & ~3u;
+cleanup:
+    return status;
+}
+
+/// Moves triangles that lie upon others to one layer up. @return whether there are any
+static bool set_apart(rsv_bake_layout *b, const uint8_t *overlap, rsv_status *status)
+{
+    bool any = false;
+    for (size_t c = 0; c < b->charts.count; c++) {
+        const rsv_bake_chart *chart = &b->charts.chart[c];
+        for (uint32_t k = chart->first; k < chart->first + chart->triangle_count; k++) {
+            if (!overlap[k] || b->uv[chart->part] || chart->triangle_count == 1) continue;
+            uint8_t **layer = &b->layer[chart->part];
+            if (!*layer)
+                *layer = rsv_alloc(
+                    b->s->context, b->parts->part[chart->part].triangle_count, sizeof **layer);
+            if (!*layer) *status = RSV_ERROR_MEMORY;
+            if (!*layer) return false;
+            (*layer)[b->charts.triangle[k]]++;
+            any = true;
+        }
+    }
+    return any;
+}
+
+static rsv_status lay_out(rsv_bake_layout *b)
+{
+    rsv_status status = RSV_OK;
+    bool again = true;
+    for (int round = 0; round < MOST_ROUNDS && again; round++) {
+        uint32_t width = 0, height = 0;
+        RSV_TRY(make_charts(b));
+        RSV_TRY(pack(b, &width, &height));
+        rsv_bake_map_destroy(b->s->context, &b->map);
+        uint8_t *overlap = rsv_alloc(b->s->context, b->charts.triangle_count, 1);
+        RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
+        status = rsv_bake_map_create(
+            &b->charts, b->parts->part, width, height, b->desc->padding, &b->map, overlap);
+        again = status == RSV_OK && set_apart(b, overlap, &status);
+        rsv_free(b->s->context, overlap);
+        RSV_TRY(status);
+        RSV_TRY(rsv_progress(b->s->context, "bake", 0.2 * (round + 1)));
+    }
+cleanup:
+    return status;
+}
+
+static rsv_status find_uvs(rsv_bake_layout *b)
+{
+    rsv_status status;
+    b->uv = rsv_alloc(b->s->context, b->parts->count, sizeof *b->uv);
+    b->layer = rsv_alloc(b->s->context, b->parts->count, sizeof *b->layer);
+    RSV_TRY(b->uv && b->layer ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < b->parts->count; k++)
+        if (rsv_bake_carries_light(b->s, &b->parts->part[k])) RSV_TRY(read_uv(b, k));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_bake_layout_create(const rsv_solution *solution, const rsv_bake_desc *desc,
+    const rsv_bake_document *document, const rsv_bake_parts *parts, rsv_bake_layout *b)
+{
+    *b = (rsv_bake_layout){ .s = solution,
+        .desc = desc,
+        .document = document,
+        .parts = parts,
+        .charts.context = solution->context };
+    rsv_status status = find_uvs(b);
+    return status == RSV_OK ? lay_out(b) : status;
+}
+
+void rsv_bake_layout_destroy(rsv_bake_layout *b)
+{
+    if (!b->s) return;
+    rsv_context *context = b->s->context;
+    for (size_t k = 0; k < b->parts->count; k++) {
+        if (b->uv) rsv_free(context, b->uv[k]);
+        if (b->layer) rsv_free(context, b->layer[k]);
+    }
+    rsv_free(context, b->uv);
+    rsv_free(context, b->layer);
+    rsv_bake_map_destroy(context, &b->map);
+    rsv_bake_charts_destroy(&b->charts);
+}
