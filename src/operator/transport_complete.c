@@ -22,7 +22,7 @@ static void pack(const rsv_division *d, uint32_t part, const size_t *begin, cons
 {
     for (size_t k = d->begin[part]; k < d->begin[part + 1]; k++) {
         size_t first = begin[d->order[k]], bytes = (begin[d->order[k] + 1] - first) * item_bytes;
-        memcpy(packed, items + first * item_bytes, bytes);
+        if (bytes) memcpy(packed, items + first * item_bytes, bytes);
         packed += bytes;
     }
 }
@@ -32,7 +32,7 @@ static void unpack(
 {
     for (size_t k = 0; k < d->node_count; k++) {
         size_t first = begin[d->order[k]], bytes = (begin[d->order[k] + 1] - first) * item_bytes;
-        memcpy(items + first * item_bytes, packed, bytes);
+        if (bytes) memcpy(items + first * item_bytes, packed, bytes);
         packed += bytes;
     }
 }

@@ -151,6 +151,7 @@ static void write_rows(const rsv_tensor *t, uint64_t offset, rsv_atomic_file *ou
 {
     size_t bytes = rsv_tensor_type_bytes(t->type) * (t->rank > 1 ? t->shape[1] : 1);
     const uint8_t *data = t->data;
+    if (t->own_begin[t->row_count] == 0) return; // of none of these rows there is anything here
     for (size_t row = 0; row < t->row_count;) {
         size_t first = row, from = t->own_begin[row];
         // a row that is not here ends the piece, unless nobody has anything of it

@@ -91,7 +91,7 @@ static void parts_cost_the_same(void **state)
 /// What all threads do, and what came of it.
 typedef struct job {
     const char *scene, *other_scene; ///< of process 1, if not NULL
-    const char *path;
+    const char *path, *checkpoint;
     rsv_solver solver;
     bool complete;
     size_t allocations; ///< that process 1 may make; 0 = any number
@@ -126,6 +126,7 @@ static rsv_status solve_and_save(rsv_context *context, const job *j, const char 
     desc.refinements = 1;
     desc.photon_count = 4000;
     desc.solver = j->solver;
+    desc.checkpoint = j->checkpoint;
     RSV_TRY(rsv_scene_builtin(context, name, scene));
     RSV_TRY(rsv_scene_compare(*scene));
     RSV_TRY(rsv_solution_create(*scene, &desc, solution));
@@ -183,6 +184,7 @@ static void check_same_file(job base, uint32_t size)
     snprintf(many, sizeof many, "%s", path_in(&f, "many.safetensors"));
     job alone = base, together = base;
     alone.path = one;
+    alone.checkpoint = NULL;
     together.path = many;
     run_member(NULL, &alone);
     assert_int_equal(alone.status[0], RSV_OK);
@@ -204,9 +206,7 @@ static void check_same_file(job base, uint32_t size)
 static void the_file_does_not_depend_on_the_number_of_processes(void **state)
 {
     (void)state;
-    const job spheres = { .scene = "cornell-spheres" };
-    check_same_file(spheres, 2);
-    check_same_file(spheres, 3);
+    check_same_file((job){ .scene = "cornell-spheres" }, 3);
 }
 
 static void rows_brought_together_are_those_of_one_process(void **state)
@@ -215,6 +215,34 @@ static void rows_brought_together_are_those_of_one_process(void **state)
     check_same_file((job){ .scene = "cornell-blocks", .complete = true }, 3);
     check_same_file((job){ .scene = "cornell-blocks", .solver = RSV_SOLVER_SOUTHWELL }, 2);
     check_same_file((job){ .scene = "cornell-blocks", .solver = RSV_SOLVER_TWO_GRID }, 2);
+}
+
+/// Cuts the files of a folder off in the middle of a row.
+static void cut_files(const char *path)
+{
+    DIR *directory = opendir(path);
+    assert_non_null(directory);
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        char name[512];
+        struct stat info;
+        if (entry->d_name[0] == '.') continue;
+        snprintf(name, sizeof name, "%.200s/%.200s", path, entry->d_name);
+        assert_int_equal(stat(name, &info), 0);
+        assert_int_equal(truncate(name, info.st_size * 3 / 5), 0);
+    }
+    closedir(directory);
+}
+
+static void a_run_cut_off_goes_on_with_the_same_bytes(void **state)
+{
+    (void)state;
+    folder rows = new_folder();
+    job first = { .scene = "cornell-blocks", .checkpoint = rows.path };
+    run_team(3, run_member, &first);
+    assert_int_equal(first.status[0], RSV_OK);
+    cut_files(rows.path);
+    check_same_file((job){ .scene = "cornell-blocks", .checkpoint = rows.path }, 2);
+    remove_folder(rows.path);
 }
 
 static void most_processes_may_have_next_to_nothing_to_do(void **state)
@@ -269,6 +297,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(parts_cost_the_same, fixture_setup, fixture_teardown),
         cmocka_unit_test(the_file_does_not_depend_on_the_number_of_processes),
         cmocka_unit_test(rows_brought_together_are_those_of_one_process),
+        cmocka_unit_test(a_run_cut_off_goes_on_with_the_same_bytes),
         cmocka_unit_test(most_processes_may_have_next_to_nothing_to_do),
         cmocka_unit_test(the_failure_of_one_is_the_failure_of_all),
         cmocka_unit_test(different_scenes_are_refused),
