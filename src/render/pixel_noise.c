@@ -55,8 +55,8 @@ void rsv_plan_samples(const rsv_image *image, const rsv_pixel_noise *noise, uint
             look_around(&map, x, y, &luminance, &spread);
             float square = wanted * wanted * (luminance * luminance + floor);
             float of_one = samples > 1 ? spread / (float)(samples - 1) : 0;
-            // in the order that lets a black picture ask for nothing
             float most = (float)samples * RSV_MOST_SAMPLES;
+            // where nothing is seen, nothing is divided by nothing
             float needed = of_one > 0 ? f_min(of_one / square, most) : 0;
             extra[(size_t)y * map.width + x] =
                 needed > (float)samples ? (uint32_t)(needed - (float)samples) : 0;
