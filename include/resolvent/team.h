@@ -34,7 +34,7 @@ typedef struct rsv_team_table {
     /// Tells process 0 how far this one is; there, the mean of what was heard last of the same phase.
     double (*progress)(rsv_team *team, const char *phase, double fraction);
     void (*leave)(rsv_team *team);
-    /// Solvers and eigenvalues by PETSc and SLEPc (src/dist/krylov.h).
+    /// Solvers and eigenvalues by PETSc and SLEPc (src/solve/krylov.h).
     const struct rsv_krylov_table *krylov;
 } rsv_team_table;
 
