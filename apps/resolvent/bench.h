@@ -17,6 +17,7 @@ typedef struct cli_bench_task {
     uint32_t repetitions;        ///< what is timed is timed this often
     uint32_t size;               ///< quality: pixels along each side
     uint32_t reference_samples;  ///< quality: camera rays per pixel of the reference
+    int quality;                 ///< levels: an rsv_quality
     uint32_t paths;              ///< certificate: of each reading of the truth, 0 = default
     cli_list references; ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;
@@ -92,6 +93,12 @@ bool cli_bench_goal(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_goal(const struct cJSON *result);
 bool cli_write_goal_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_goal_plot(const char *path, const struct cJSON *scenes);
+
+/// Rays over error of indirect light: on elements of its own, and on one level of elements as fine as direct light's.
+bool cli_bench_levels(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_levels(const struct cJSON *result);
+bool cli_write_levels_csv(const char *path, const struct cJSON *scenes);
+bool cli_write_levels_plot(const char *path, const struct cJSON *scenes);
 
 /// Time and memory of a solution over the size of a scene, at a spacing of elements that stays what it is.
 bool cli_bench_scale(const cli_bench_task *bench, struct cJSON *result);

@@ -1,6 +1,7 @@
 #include "bench.h"
 #include "command.h"
 #include "output_file.h"
+#include "stats.h"
 
 #include <cJSON.h>
 #include <math.h>
@@ -42,6 +43,8 @@ static const char help[] =
     "  goal      error of the first camera's picture over elements, with and without --goal, "
     "against\n"
     "            one finer solution; on two-rooms and gallery:2\n"
+    "  levels    rays that the indirect light of a picture takes for an error of 1 %: on elements\n"
+    "            of its own, beside one level of elements as fine as direct light's\n"
     "  cluster   how evenly 2 to 64 processes would share the rows, and what they would have to "
     "tell\n"
     "            each other for one application of the operator; no other process is needed\n"
@@ -57,6 +60,7 @@ static const char help[] =
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP
+    "  --quality Q       levels: draft, medium (default) or high: which elements are compared\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -136,6 +140,13 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_goal_csv,
         .write_plot = cli_write_goal_plot,
         .scenes = { "two-rooms", "gallery:2" },
+        .repetitions = 1 },
+    { .name = "levels",
+        .run = cli_bench_levels,
+        .print = cli_print_levels,
+        .write_csv = cli_write_levels_csv,
+        .write_plot = cli_write_levels_plot,
+        .scenes = { "cornell-blocks" },
         .repetitions = 1 },
     { .name = "certificate",
         .run = cli_bench_certificate,
@@ -256,13 +267,15 @@ static int check_settings(const benchmark *b, const settings *s)
     if (references && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--reference belongs to bench quality");
     if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
-        return cli_usage_error(
-            "bench", "--csv and --plot belong to bench quality, solvers, certificate and scale");
+        return cli_usage_error("bench", "--csv and --plot belong to bench quality, solvers, "
+                                        "certificate, goal, levels, fps, fig8 and scale");
     if (s->mesh && b->run == cli_bench_fig8)
         return cli_usage_error(
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
     if (s->bench.environment.path && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--env belongs to bench quality");
+    if (s->bench.quality != RSV_QUALITY_MEDIUM && b->run != cli_bench_levels)
+        return cli_usage_error("bench", "--quality belongs to bench levels");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)))
@@ -289,9 +302,10 @@ static int measure_and_report(settings *s)
 
 int cli_bench(int argc, char **argv)
 {
-    settings s = {
-        .bench = { .size = 256, .reference_samples = 1024, .environment = CLI_DEFAULT_ENVIRONMENT }
-    };
+    settings s = { .bench = { .size = 256,
+                       .reference_samples = 1024,
+                       .quality = RSV_QUALITY_MEDIUM,
+                       .environment = CLI_DEFAULT_ENVIRONMENT } };
     cli_bench_task *bench = &s.bench;
     const cli_option options[] = {
         { .name = "--threads", .kind = CLI_COUNT, .value = &bench->threads, .max = 1024 },
@@ -306,6 +320,10 @@ int cli_bench(int argc, char **argv)
             .value = &bench->reference_samples,
             .min = 2,
             .max = 1 << 24 },
+        { .name = "--quality",
+            .kind = CLI_CHOICE,
+            .value = &bench->quality,
+            .choices = cli_quality_names },
         { .name = "--paths", .kind = CLI_COUNT, .value = &bench->paths, .min = 32, .max = 1 << 24 },
         { .name = "--reference", .kind = CLI_LIST, .value = &bench->references },
         CLI_MESH_OPTION(&s.mesh),

@@ -40,6 +40,14 @@ says 'bytes per element'
 grep -q '^terraces:5000,' scale.csv || complain "the table lacks the scene"
 grep -q '</svg>' scale.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf scale.svg scale.csv || complain "the curves hold what is no number"
+succeeds bench levels furnace --quality draft --csv levels.csv --plot levels.svg
+says 'times those of two'
+grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
+    complain "the table lacks one of the methods"
+grep -q '</svg>' levels.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
+refuses 2 'belongs to bench levels' bench trace --quality draft
+
 refuses 2 'belong to bench' bench trace --plot trace.svg
 
 for seed in 1 2; do
