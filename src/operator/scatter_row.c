@@ -30,7 +30,7 @@ void rsv_scatter_row_destroy(rsv_scatter_row *row)
 #define DECAY 1.0f
 #define FAR_OPENING 0.12f
 /// Cells nearer than this multiple of their radius are integrated exactly.
-#define EXACT 3.0f
+#define EXACT 2.0f
 
 /// Everything that gathering for one place needs to know.
 typedef struct gathering {
