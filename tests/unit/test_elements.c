@@ -448,6 +448,46 @@ static void support_samples_follow_the_hat_function(void **state)
     world_end(w);
 }
 
+/// Whether two nodes have cells of the same area around them, which on a plane are the same if their places are.
+static bool same_surroundings(
+    const rsv_elements *a, uint32_t node, const rsv_elements *b, uint32_t other)
+{
+    const rsv_elements *of[2] = { a, b };
+    uint32_t index[2] = { node, other };
+    double area[2] = { 0 };
+    for (int i = 0; i < 2; i++)
+        for (uint32_t s = of[i]->support_begin[index[i]]; s < of[i]->support_begin[index[i] + 1];
+             s++)
+            area[i] += (double)rsv_cell_area(of[i], of[i]->support[s] / 4);
+    rsv_vec3 step = v3_sub(node_place(a, node), node_place(b, other));
+    return v3_length(step) < 1e-4f && fabs(area[0] - area[1]) < 1e-5 * area[0];
+}
+
+static void twins_are_nodes_whose_cells_a_split_left_alone(void **state)
+{
+    (void)state;
+    world *w;
+    rsv_elements *e = create_plane(&w, 0.5f), *finer;
+    e = refine_at_random(e, 1, 0.3f, 8);
+    uint8_t *split = calloc(e->cell_count, 1);
+    assert_non_null(split);
+    split[7] = 1;
+    assert_int_equal(rsv_elements_refine(e, split, &finer), RSV_OK);
+    size_t twins = 0;
+    for (uint32_t n = 0; n < finer->node_count; n++) {
+        uint32_t expected = RSV_NONE;
+        for (uint32_t m = 0; m < e->node_count; m++)
+            if (same_surroundings(finer, n, e, m)) expected = m;
+        assert_int_equal(rsv_elements_find_twin(finer, n, e), expected);
+        twins += expected != RSV_NONE;
+    }
+    assert_true(twins > 0 && twins < e->node_count);
+    free(split);
+    rsv_elements_destroy(finer);
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
 static void points_of_one_cell_come_one_after_the_other(void **state)
 {
     (void)state;
@@ -729,6 +769,7 @@ int main(void)
         cmocka_unit_test(sides_of_double_sided_surfaces_have_nodes_of_their_own),
         cmocka_unit_test(support_samples_follow_the_hat_function),
         cmocka_unit_test(points_of_one_cell_come_one_after_the_other),
+        cmocka_unit_test(twins_are_nodes_whose_cells_a_split_left_alone),
         cmocka_unit_test(averages_match_sampled_means),
         cmocka_unit_test(nodes_are_drawn_by_their_weights),
         cmocka_unit_test(nodes_of_fine_meshes_follow_near_leaders),
