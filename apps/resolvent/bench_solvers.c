@@ -90,7 +90,7 @@ static rsv_status measure_all(
     cJSON_AddNumberToObject(result, "spectral_radius", report->spectral_radius);
     cJSON *solvers = cJSON_AddArrayToObject(result, "solvers");
     rsv_status status = measure_application(solution, result);
-    for (rsv_solver solver = 0; rsv_solver_name(solver) && status == RSV_OK; solver++) {
+    for (rsv_solver solver = 0; solver < RSV_SOLVER_PETSC && status == RSV_OK; solver++) {
         history h = { 0 };
         rsv_solver_cost cost = { 0 };
         status = time_solver(solution, solver, bench->repetitions, &h, &cost);

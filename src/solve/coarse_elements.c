@@ -9,6 +9,12 @@
 #define CLUSTER_RADIUS 1.0f
 #define CLUSTER_RADIUS_WITHOUT_PILOTS 0.5f
 
+/// Where all points of a node or none are buried, those drawn for another number of the same node are as well.
+static bool holds_for_all_points(uint16_t valid)
+{
+    return valid == 0 || valid == (1u << RSV_SUPPORT_POINTS) - 1;
+}
+
 /// Finds the receiver points that are not buried, anew where the cells around a node are not those of `earlier`.
 /// @param earlier NULL = everywhere @param earlier_points of those elements
 static rsv_status find_valid_points(
@@ -24,7 +30,7 @@ static rsv_status find_valid_points(
     for (size_t n = 0; n < e->node_count; n++) {
         uint32_t twin = earlier ? rsv_elements_find_twin(e, (uint32_t)n, earlier) : RSV_NONE;
         known[n] = twin != RSV_NONE && earlier->node_hanging[twin] == RSV_NONE &&
-                   e->node_hanging[n] == RSV_NONE;
+                   e->node_hanging[n] == RSV_NONE && holds_for_all_points(earlier_points[twin]);
         if (known[n]) valid[n] = earlier_points[twin];
     }
     RSV_TRY(rsv_find_buried(
