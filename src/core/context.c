@@ -175,8 +175,10 @@ rsv_team_place rsv_team_place_of(const rsv_context *context)
 
 rsv_status rsv_team_meet(rsv_context *context, rsv_status status)
 {
+    rsv_team *team = rsv_team_of(context);
+    if (!team) return status; // a process alone may go on after a failure
     if (context->team_status != RSV_OK) return context->team_status;
-    status = rsv_team_agree(context->desc.team, status, NULL);
+    status = rsv_team_agree(team, status, NULL);
     if (status == RSV_OK) return status;
     context->team_status = status;
     rsv_context_cancel(context);
