@@ -88,10 +88,10 @@ static rsv_status transform_vertices(
 {
     for (size_t i = 0; i < mesh->vertex_count; i++) {
         rsv_vec3 p = apply(map->axis, map->offset, mesh->position[i]);
-        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z))
+        if (!rsv_within_reach(p))
             return rsv_fail(RSV_ERROR_FORMAT,
-                "node '%s': its transform takes vertex %zu of mesh '%s' beyond the range of float",
-                object, i, mesh->name);
+                "node '%s': vertex %zu of mesh '%s' is farther than %g m from the origin", object, i,
+                mesh->name, (double)RSV_FARTHEST);
         f->position[i] = p;
         f->normal[i] = mesh->normal ? apply_normal(map, mesh->normal[i]) : v3(0, 0, 0);
         f->emitted[i] = RSV_NONE;

@@ -318,6 +318,10 @@ static rsv_status check_light(const rsv_light *light, const char *name)
         light->exponent < 0)
         return rsv_fail(
             RSV_ERROR_FORMAT, "light '%s': position, direction or exponent is not usable", name);
+    if (light->kind != RSV_LIGHT_DIRECTIONAL && !rsv_within_reach(light->position))
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "light '%s': it is farther than %g m from the origin; make it directional", name,
+            (double)RSV_FARTHEST);
     float sum = light->intensity.r + light->intensity.g + light->intensity.b;
     if (!isfinite(sum) ||
         f_min(light->intensity.r, f_min(light->intensity.g, light->intensity.b)) < 0)
@@ -366,7 +370,7 @@ rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light)
 
 static rsv_status check_camera(const rsv_camera *camera, const char *name)
 {
-    bool finite = finite3(camera->position) && finite3(camera->right) && finite3(camera->up) &&
+    bool finite = rsv_within_reach(camera->position) && finite3(camera->right) && finite3(camera->up) &&
                   finite3(camera->forward) && isfinite(camera->aspect) && camera->aspect >= 0;
     if (!finite)
         return rsv_fail(

@@ -6,6 +6,8 @@
 #include "resolvent/scene.h"
 #include "texture.h"
 
+#include <math.h>
+
 typedef struct rsv_mesh {
     char *name;
     rsv_vec3 *position;
@@ -64,6 +66,15 @@ void rsv_material_clamp(const rsv_context *context, rsv_material *material);
 
 /// Frees the environment's picture and name.
 void rsv_scene_release_environment(rsv_scene *scene);
+
+/// Metres along an axis. Beyond, products of lengths leave the range of float, and ray tracers refuse to look (Embree at
+/// 1.8e18).
+#define RSV_FARTHEST 1e12f
+
+static inline bool rsv_within_reach(rsv_vec3 p)
+{
+    return fabsf(p.x) <= RSV_FARTHEST && fabsf(p.y) <= RSV_FARTHEST && fabsf(p.z) <= RSV_FARTHEST;
+}
 
 /// Gives a smooth mesh under a normal map tangents, if it comes without.
 rsv_status rsv_mesh_create_tangents(
