@@ -5,6 +5,7 @@
 #include "file_fixture.h"
 #include "light_fixture.h"
 #include "opfile/sha256.h"
+#include "slow_tests.h"
 #include "solve/solution.h"
 
 #include <cjson/cJSON.h>
@@ -456,13 +457,13 @@ static void indices_out_of_range_are_refused(void **state)
 {
     (void)state;
     static const char *const tensors[] = { "transport.column", "transport.tinted.column",
-        "transport.row_start", "escape.row_start", "subsurface.column",
-        "subsurface.row_start", "scene.triangle.vertex", "scene.triangle.material",
-        "scene.triangle.object", "scene.texture_use.texture", "scene.texture_use.role",
-        "scene.texture.wrap_u", "scene.light.kind", "element.cell.node", "element.face",
-        "element.face.level", "element.cell.split", "element.support.start",
-        "element.support.corner", "direct.hanging.parent", "direct.hanging.node",
-        "direct.cell.node", "caustic.cell.node", "diffused.cell.node" };
+        "transport.row_start", "escape.row_start", "subsurface.column", "subsurface.row_start",
+        "scene.triangle.vertex", "scene.triangle.material", "scene.triangle.object",
+        "scene.texture_use.texture", "scene.texture_use.role", "scene.texture.wrap_u",
+        "scene.light.kind", "element.cell.node", "element.face", "element.face.level",
+        "element.cell.split", "element.support.start", "element.support.corner",
+        "direct.hanging.parent", "direct.hanging.node", "direct.cell.node", "caustic.cell.node",
+        "diffused.cell.node" };
     static const uint8_t ones[8] = { 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff };
     specimen s = new_specimen();
     for (size_t k = 0; k < sizeof tensors / sizeof *tensors; k++)
@@ -579,9 +580,9 @@ static void checksums_are_sha256(void **state)
     }
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(checksums_are_sha256),
         cmocka_unit_test(a_scene_with_everything_comes_back_bit_by_bit),
         cmocka_unit_test(caustics_come_back),
@@ -593,9 +594,11 @@ int main(void)
         cmocka_unit_test(foreign_files_are_refused),
         cmocka_unit_test(indices_out_of_range_are_refused),
         cmocka_unit_test(numbers_that_are_none_are_refused),
-        cmocka_unit_test(no_signed_content_leads_astray),
         cmocka_unit_test(elements_of_another_scene_are_refused),
         cmocka_unit_test(exhausted_memory_is_an_error),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(no_signed_content_leads_astray),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

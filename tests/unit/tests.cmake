@@ -37,6 +37,6 @@ rsv_add_test(solvers unit/test_solvers.c)
 rsv_add_test(certify unit/test_certify.c)
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bsdf_lobes faults translucent media rough_box PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify)
+foreach(name IN ITEMS environment light_tree gltf certify opfile)
     rsv_add_slow_half(${name})
 endforeach()
