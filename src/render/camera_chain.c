@@ -2,10 +2,7 @@
 
 #include "rough_light.h"
 
-/// Branches below this weight play roulette: few at the first surface, whose reflections are to be calm, more behind it,
-/// where a facetted body of glass would have hundreds of them.
-#define FAINT_AT_FIRST 0.01f
-#define FAINT 0.1f
+#define FAINT 0.01f ///< branches below this weight play roulette
 #define STACK 64
 
 /// A chain at a surface, and how it left the one before.
@@ -31,11 +28,10 @@ typedef struct tree {
 bool rsv_branch_survives(const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight)
 {
     float carried = rgb_max(rgb_mul(chain->weight, *weight));
-    float faint = chain->events == 0 ? FAINT_AT_FIRST : FAINT;
     if (carried <= 0) return false;
-    if (carried >= faint) return true;
-    if (rsv_unit_float(rsv_hash2(path, transmit)) * faint >= carried) return false;
-    *weight = rgb_scale(*weight, faint / carried);
+    if (carried >= FAINT) return true;
+    if (rsv_unit_float(rsv_hash2(path, transmit)) * FAINT >= carried) return false;
+    *weight = rgb_scale(*weight, FAINT / carried);
     return true;
 }
 

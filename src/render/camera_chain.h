@@ -12,9 +12,8 @@
 /// @param weight radiance at the camera per B / pi of the surface
 typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weight);
 
-/// Follows all ideal branches that matter, deterministically; those fainter than one part in a hundred, or in ten behind
-/// the first surface, survive by roulette, so that nothing is lost on average. Rough surfaces send on one branch at
-/// random.
+/// Follows all ideal branches that matter, deterministically; branches fainter than one part in a hundred
+/// survive by roulette, so that nothing is lost on average. Rough surfaces send on one branch at random.
 /// @param path names the branches that led to the chain's surface; of a camera ray, its random number. What is
 ///             drawn depends on it alone, so a chain may be followed in any order, or be continued midway.
 /// @param max_events specular events along a branch at most
