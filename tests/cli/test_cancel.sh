@@ -2,15 +2,32 @@
 # An interrupted run stops soon, says so in one line, and leaves nothing.
 source "$(dirname "$0")/support.sh"
 
+# listens PROCESS: whether it catches interrupts yet. Until then one would be lost, for a shell's background processes
+# ignore them, and the work would run to its end.
+listens() {
+    local caught
+    caught=$(sed -n 's/^SigCgt:[[:space:]]*//p' "/proc/$1/status")
+    ((16#${caught:-0} & 2))
+}
+
 # cancels SIGNAL ARGUMENT...: long work, stopped half a second after it began
 cancels() {
-    local signal=$1 process
+    local signal=$1 process tries
     shift
     "$program" "$@" >stdout 2>stderr </dev/null &
     process=$!
+    for ((tries = 0; tries < 300; tries++)); do
+        listens $process && break
+        sleep 0.1
+    done
     sleep 0.5
     kill -s "$signal" $process
     local started=$SECONDS
+    for ((tries = 0; tries < 300; tries++)); do
+        kill -0 $process 2>/dev/null || break
+        sleep 0.1
+    done
+    ((tries < 300)) || kill -s KILL $process
     status=0
     wait $process || status=$?
     ((status == 1)) || complain "exit status $status, not 1, after $signal: $*"
