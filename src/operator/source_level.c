@@ -270,6 +270,15 @@ cleanup:
     return status;
 }
 
+/// Cells at most: in the rounds that only cells in the open need, no more than closed scenes have where light bends
+/// everywhere.
+static size_t most_cells(const level_builder *b, uint32_t round)
+{
+    bool common = round < b->desc->levels || b->desc->photon_count > 0;
+    size_t all_split = b->coarse->cell_count << (2 * (b->desc->levels + 1));
+    return common || b->desc->max_cells < all_split ? b->desc->max_cells : all_split;
+}
+
 static rsv_status refine(level_builder *b)
 {
     rsv_context *context = b->coarse->context;
@@ -283,7 +292,7 @@ static rsv_status refine(level_builder *b)
         if (!b->split) return RSV_ERROR_MEMORY;
         size_t marked;
         RSV_TRY(mark_cells(b, round, &marked));
-        if (marked == 0 || b->elements->cell_count + 3 * marked > b->desc->max_cells) break;
+        if (marked == 0 || b->elements->cell_count + 3 * marked > most_cells(b, round)) break;
         RSV_TRY(split_once(b));
     }
     if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count));

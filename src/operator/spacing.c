@@ -10,7 +10,7 @@
 #define REACHES 4.0f
 /// What rises by less than this part of its coordinates lies in the same plane.
 #define RISE 1e-5f
-/// Levels that elements grow by at most: a plain with nothing on it has elements of one size, as many as wanted.
+/// Levels that elements grow by at most.
 #define MOST_GROWTH 4
 /// The search for the surface that counts ends when it changes by less.
 #define SETTLED 0.02
@@ -193,5 +193,8 @@ rsv_spacing rsv_spacing_for(const rsv_transport_scene *scene, uint32_t target)
         if (counts > (1 - SETTLED) * area) break;
         area = counts;
     }
+    // a plain with nothing on it: where all is as open as can be, one size fits all
+    if (ldexp(area, 2 * MOST_GROWTH) < (1 + SETTLED) * all)
+        return (rsv_spacing){ (float)sqrt(all / target), INFINITY, NULL };
     return spacing;
 }

@@ -745,6 +745,8 @@ static void bare_planes_have_elements_of_one_size(void **state)
     rsv_spacing even = { .metres = sqrtf((float)PLANE_AREA / TARGET) };
     rsv_spacing spacing = rsv_spacing_for(&w->transport, TARGET);
     rsv_elements *e, *expected;
+    assert_float_equal(
+        spacing.metres, even.metres, 1e-3 * even.metres); // what direct light starts from
     assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
     assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &even, &expected), RSV_OK);
     assert_int_equal(e->node_count, expected->node_count);

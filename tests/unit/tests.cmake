@@ -40,5 +40,3 @@ set_tests_properties(bsdf_lobes faults translucent media rough_box PROPERTIES LA
 foreach(name IN ITEMS environment light_tree gltf certify opfile)
     rsv_add_slow_half(${name})
 endforeach()
-# ten thousand lights beside a path tracer take minutes: `./dev validate` runs them
-set_tests_properties(light_tree_slow PROPERTIES LABELS "long;slow")
