@@ -61,12 +61,6 @@ typedef struct settings {
     rsv_bake_desc bake;
 } settings;
 
-static bool ends_in(const char *text, const char *end)
-{
-    size_t length = strlen(text), tail = strlen(end);
-    return length > tail && strcmp(text + length - tail, end) == 0;
-}
-
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -107,7 +101,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status = cli_usage_error("bake", "--to vertex, lightmap or probes is missing");
     else if (!s->output)
         *exit_status = cli_usage_error("bake", "-o OUT.glb is missing");
-    else if (!ends_in(s->output, s->target == TO_PROBES ? ".json" : ".glb"))
+    else if (!cli_ends_in(s->output, s->target == TO_PROBES ? ".json" : ".glb"))
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output,
             s->target == TO_PROBES ? ".json" : ".glb");
     else if (s->target == TO_PROBES && s->bake.basis)
@@ -200,7 +194,7 @@ static int bake(cli_session *session, const settings *s, const rsv_scene *scene,
 static int run(cli_session *session, const settings *s)
 {
     char temporary[4096] = "";
-    bool gltf = ends_in(s->scene, ".gltf") || ends_in(s->scene, ".glb") || s->target == TO_PROBES;
+    bool gltf = cli_ends_in(s->scene, ".gltf") || cli_ends_in(s->scene, ".glb") || s->target == TO_PROBES;
     rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
     if (scene && !gltf) scene = open_as_gltf(session, s, scene, temporary, sizeof temporary);
     int exit_status = scene ? bake(session, s, scene, gltf ? s->scene : temporary) : CLI_FAILURE;

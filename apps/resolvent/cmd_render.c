@@ -140,10 +140,8 @@ static bool check_request(const settings *s)
 
 static bool writes_exr(const settings *s)
 {
-    for (size_t i = 0; i < s->outputs.count; i++) {
-        const char *extension = strrchr(s->outputs.item[i], '.');
-        if (extension && strcmp(extension, ".exr") == 0) return true;
-    }
+    for (size_t i = 0; i < s->outputs.count; i++)
+        if (cli_ends_in(s->outputs.item[i], ".exr")) return true;
     return false;
 }
 

@@ -29,12 +29,6 @@ static const char help[] =
     "  resolvent scene cornell-glass --mesh dragon.ply -o dragon.glb\n"
     "  resolvent info spheres.glb\n";
 
-static bool ends_in_glb(const char *path)
-{
-    const char *extension = strrchr(path, '.');
-    return extension && strcmp(extension, ".glb") == 0;
-}
-
 static int run(cli_session *session, const char *name, const char *output)
 {
     rsv_scene *scene = NULL;
@@ -57,7 +51,7 @@ int cli_scene(int argc, char **argv)
     int exit_status;
     if (!cli_parse(&usage, argc, argv, &name, &exit_status)) return exit_status;
     if (!output) return cli_usage_error("scene", "-o OUT.glb is missing");
-    if (!ends_in_glb(output))
+    if (!cli_ends_in(output, ".glb"))
         return cli_usage_error("scene", "-o: '%s' does not end in .glb", output);
     if (!cli_check_output(output)) return CLI_FAILURE;
     cli_session session;

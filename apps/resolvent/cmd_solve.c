@@ -45,12 +45,6 @@ typedef struct settings {
     uint32_t threads;
 } settings;
 
-static bool ends_in(const char *text, const char *end)
-{
-    size_t length = strlen(text), tail = strlen(end);
-    return length > tail && strcmp(text + length - tail, end) == 0;
-}
-
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -70,7 +64,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     };
     const cli_usage usage = { "solve", help, options, "SCENE", 1, 1 };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
-    if (s->output && ends_in(s->output, ".safetensors")) return true;
+    if (s->output && cli_ends_in(s->output, ".safetensors")) return true;
     *exit_status = s->output
                        ? cli_usage_error("solve", "-o '%s' does not end in .safetensors", s->output)
                        : cli_usage_error("solve", "-o FILE.safetensors is missing");

@@ -1,7 +1,6 @@
 #include "crew.h"
 
 #include "command.h"
-#include "session.h"
 
 #include <stdio.h>
 
@@ -35,7 +34,7 @@ bool cli_crew_speaks(void)
 static bool join(void)
 {
     if (rsv_team_join(&crew) == RSV_OK) return true;
-    cli_error("%s", rsv_last_error());
+    if (cli_crew_speaks()) fprintf(stderr, "error: %s\n", rsv_last_error());
     return false;
 }
 

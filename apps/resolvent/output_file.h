@@ -4,6 +4,9 @@
 
 #include "resolvent/core.h"
 
+/// Whether the file's name has the extension `end` (".glb"), in letters large or small.
+bool cli_ends_in(const char *path, const char *end);
+
 /// Whether `path` can be written, to be asked before long work; says why not on standard error.
 bool cli_check_output(const char *path);
 

@@ -39,7 +39,8 @@ static size_t space_in_use(void)
 /// Crashes end the copy without a core file, a report or a handler of the caller's.
 static void prepare_copy(size_t bytes)
 {
-    static const int deadly[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGINT, SIGTERM };
+    static const int deadly[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU, SIGINT,
+        SIGTERM };
     for (size_t k = 0; k < sizeof deadly / sizeof *deadly; k++)
         signal(deadly[k], SIG_DFL);
     int nowhere = open("/dev/null", O_WRONLY);

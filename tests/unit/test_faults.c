@@ -1,6 +1,8 @@
 /// Memory that runs out: whichever allocation fails, the work ends with an error and leaves nothing behind.
+#include "resolvent/bake.h"
 #include "resolvent/certify.h"
 #include "resolvent/frame.h"
+#include "resolvent/io.h"
 #include "resolvent/opfile.h"
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
@@ -89,10 +91,17 @@ static void fail_each(
         if (failed && status != RSV_ERROR_MEMORY)
             fail_msg("%s: allocation %zu of %zu failed, the run ended with %d", scene, k, count,
                 (int)status);
+        if (!failed && status != RSV_OK) // a failure before this one was not forgotten
+            fail_msg("%s: no allocation failed, the run ended with %d: %s", scene, (int)status,
+                rsv_last_error());
         if (f->allocations_alive != alive)
             fail_msg("%s: allocation %zu of %zu failed, %zd were left", scene, k, count,
                 (ssize_t)(f->allocations_alive - alive));
     }
+    products after = { 0 };
+    if (run(f, scene, &after) != RSV_OK)
+        fail_msg("%s: after all those failures: %s", scene, rsv_last_error());
+    destroy(&after);
 }
 
 static rsv_status run_file(fixture *f, const char *scene, products *p)
@@ -130,6 +139,33 @@ static rsv_status run_certificate(fixture *f, const char *scene, products *p)
     return status == RSV_OK ? rsv_certify_goal(p->solution, &desc, 0, &goal) : status;
 }
 
+static rsv_status run_bakes(fixture *f, const char *scene, products *p)
+{
+    folder made = new_folder();
+    char input[160], output[160];
+    snprintf(input, sizeof input, "%s/input.glb", made.path);
+    snprintf(output, sizeof output, "%s/output.glb", made.path);
+    rsv_status status = rsv_scene_builtin(f->context, scene, &p->scene);
+    if (status == RSV_OK) status = rsv_scene_save(p->scene, input);
+    rsv_scene_destroy(p->scene);
+    p->scene = NULL;
+    if (status == RSV_OK) status = rsv_scene_load(f->context, input, &p->scene);
+    rsv_solve_desc solve_desc = smallest();
+    if (status == RSV_OK) status = rsv_solution_create(p->scene, &solve_desc, &p->solution);
+    rsv_bake_desc desc = rsv_default_bake_desc();
+    desc.map_size = 64;
+    desc.probe_samples = 32;
+    desc.probe_spacing = 0.5F;
+    desc.tolerance = 0.5F;
+    rsv_bake_report report;
+    if (status == RSV_OK) status = rsv_bake_vertices(p->solution, input, output, &desc, &report);
+    if (status == RSV_OK) status = rsv_bake_lightmap(p->solution, input, output, &desc, &report);
+    snprintf(output, sizeof output, "%s/output.json", made.path);
+    if (status == RSV_OK) status = rsv_bake_probes(p->solution, NULL, output, &desc, &report);
+    remove_folder(made.path);
+    return status;
+}
+
 static rsv_status run_frames(fixture *f, const char *scene, products *p)
 {
     rsv_frame_renderer *renderer = NULL;
@@ -157,6 +193,11 @@ static void certificates_survive_failing_memory(void **state)
     fail_each(*state, run_certificate, "cornell-blocks");
 }
 
+static void bakes_survive_failing_memory(void **state)
+{
+    fail_each(*state, run_bakes, "cornell-blocks");
+}
+
 static void frames_survive_failing_memory(void **state)
 {
     fail_each(*state, run_frames, "cornell-spheres");
@@ -171,6 +212,8 @@ int main(void)
             operator_files_survive_failing_memory, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             certificates_survive_failing_memory, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            bakes_survive_failing_memory, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             frames_survive_failing_memory, fixture_setup, fixture_teardown),
     };
