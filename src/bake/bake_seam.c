@@ -1,5 +1,7 @@
 #include "bake_seam.h"
 
+#include "bake_stitch.h"
+
 #include "../core/vec.h"
 
 #include <stdlib.h>
@@ -10,13 +12,6 @@
 /// Samples along a border edge: so many to a texel, at most so many in all.
 #define SAMPLES_PER_TEXEL 2
 #define MOST_SAMPLES 64
-/// Passes over all samples, first towards what was solved, then towards each other, until jumps are no larger.
-#define TRUE_PASSES 5
-#define CHECKED_PASSES 20
-#define MOST_PASSES 1000
-#define CLOSED 0.005
-/// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
-#define STIFFNESS 0.2f
 /// Cosine between normals from which on a surface is smooth, and share by which light may differ on both sides.
 #define SMOOTH 0.94f
 #define CONTINUOUS 0.002f
@@ -28,19 +23,12 @@ typedef struct border {
     rsv_vec3 from, to;
 } border;
 
-/// A place on two borders: what is known there, and where the map shows it.
-typedef struct seam_sample {
-    rsv_rgb solved;
-    float point[2][2]; ///< texels
-} seam_sample;
-
 typedef struct seam_search {
     const rsv_solution *s;
     const rsv_bake_charts *charts;
     const rsv_bake_parts *parts;
-    rsv_bake_map *map;
     float dark;
-    seam_sample *sample;
+    rsv_bake_stitch *stitch;
     size_t count, capacity;
 } seam_search;
 
@@ -104,8 +92,8 @@ static int sample_count(const seam_search *q, const border *b)
     return 2 + (int)f_min(SAMPLES_PER_TEXEL * texels, MOST_SAMPLES - 2);
 }
 
-/// Samples of two borders that are one edge in space, where surface and light go on smoothly.
-static rsv_status add_samples(seam_search *q, const border *x, const border *y)
+/// Stitches of two borders that are one edge in space, where surface and light go on smoothly.
+static rsv_status add_stitches(seam_search *q, const border *x, const border *y)
 {
     rsv_status status = RSV_OK;
     bool reversed = memcmp(&x->from, &y->from, sizeof x->from) != 0;
@@ -113,15 +101,17 @@ static rsv_status add_samples(seam_search *q, const border *x, const border *y)
     int count = sample_count(q, x), other = sample_count(q, y);
     count = other > count ? other : count;
     for (int k = 0; k < count; k++) {
-        seam_sample sample;
+        rsv_bake_stitch stitch;
         float t = ((float)k + 0.5f) / (float)count;
-        rsv_rgb a = light_on(q, x, t, sample.point[0]);
-        rsv_rgb b = light_on(q, y, reversed ? 1 - t : t, sample.point[1]);
-        sample.solved = rgb_scale(rgb_add(a, b), 0.5f);
-        if (largest_difference(a, b) > CONTINUOUS * f_max(rgb_max(a), q->dark)) continue;
+        rsv_rgb a = light_on(q, x, t, stitch.point[0]);
+        rsv_rgb b = light_on(q, y, reversed ? 1 - t : t, stitch.point[1]);
+        stitch.solved = rgb_scale(rgb_add(a, b), 0.5f);
+        stitch.scale = f_max(rgb_max(stitch.solved), q->dark);
+        bool continuous = largest_difference(a, b) <= CONTINUOUS * stitch.scale;
+        if (!continuous || !(stitch.scale > 0)) continue;
         RSV_TRY(rsv_grow(
-            q->s->context, (void **)&q->sample, &q->capacity, q->count + 1, sizeof *q->sample));
-        q->sample[q->count++] = sample;
+            q->s->context, (void **)&q->stitch, &q->capacity, q->count + 1, sizeof *q->stitch));
+        q->stitch[q->count++] = stitch;
     }
 cleanup:
     return status;
@@ -144,7 +134,7 @@ static size_t list_borders(const seam_search *q, border *list)
     return count;
 }
 
-static rsv_status find_samples(seam_search *q)
+static rsv_status find_stitches(seam_search *q)
 {
     rsv_status status;
     border *list = rsv_alloc(q->s->context, 3 * q->charts->triangle_count, sizeof *list);
@@ -153,68 +143,10 @@ static rsv_status find_samples(seam_search *q)
     qsort(list, count, sizeof *list, compare_borders);
     for (size_t k = 1; k < count; k++)
         if (list[k].key == list[k - 1].key && list[k].chart != list[k - 1].chart)
-            RSV_TRY(add_samples(q, &list[k - 1], &list[k]));
+            RSV_TRY(add_stitches(q, &list[k - 1], &list[k]));
 cleanup:
     rsv_free(q->s->context, list);
     return status;
-}
-
-/// The four texels that filtering mixes at a point.
-typedef struct footprint {
-    size_t texel[4];
-    float weight[4];
-    float give[4];    ///< how readily each changes
-    float compliance; ///< sum of give weight^2
-    rsv_rgb shown;
-} footprint;
-
-static footprint footprint_of(const rsv_bake_map *map, const float point[2])
-{
-    footprint f = { .compliance = 0, .shown = { 0, 0, 0 } };
-    uint32_t at[2];
-    float part[2];
-    rsv_bake_map_locate(map, point, at, part);
-    for (uint32_t k = 0; k < 4; k++) {
-        uint32_t right = k & 1, below = k >> 1;
-        f.texel[k] = (size_t)(at[1] + below) * map->width + at[0] + right;
-        f.weight[k] = (right ? part[0] : 1 - part[0]) * (below ? part[1] : 1 - part[1]);
-        f.give[k] = map->distance[f.texel[k]] > 0 ? 1 : STIFFNESS;
-        f.compliance += f.give[k] * f.weight[k] * f.weight[k];
-        f.shown = rgb_mad(f.shown, f.weight[k], map->light[f.texel[k]]);
-    }
-    return f;
-}
-
-/// Adds to what the map shows at a point by the smallest change of its texels.
-static void add_at(rsv_bake_map *map, const footprint *f, rsv_rgb more)
-{
-    for (int k = 0; k < 4; k++) {
-        rsv_rgb *light = &map->light[f->texel[k]];
-        *light = rgb_mad(*light, f->give[k] * f->weight[k] / f->compliance, more);
-        *light = rgb(f_max(light->r, 0), f_max(light->g, 0), f_max(light->b, 0));
-    }
-}
-
-/// One step of Kaczmarz's method (1937): makes both sides show the same, and with `truly` what was solved.
-static void close_at(rsv_bake_map *map, const seam_sample *sample, bool truly)
-{
-    footprint a = footprint_of(map, sample->point[0]), b = footprint_of(map, sample->point[1]);
-    float share = a.compliance / (a.compliance + b.compliance);
-    rsv_rgb jump = rgb_sub(b.shown, a.shown);
-    add_at(map, &a, truly ? rgb_sub(sample->solved, a.shown) : rgb_scale(jump, share));
-    add_at(map, &b, truly ? rgb_sub(sample->solved, b.shown) : rgb_scale(jump, share - 1));
-}
-
-static double largest_jump(const seam_search *q)
-{
-    double most = 0;
-    for (size_t k = 0; k < q->count; k++) {
-        const seam_sample *sample = &q->sample[k];
-        float jump = largest_difference(rsv_bake_map_lookup(q->map, sample->point[0]),
-            rsv_bake_map_lookup(q->map, sample->point[1]));
-        most = fmax(most, (double)(jump / f_max(rgb_max(sample->solved), q->dark)));
-    }
-    return most;
 }
 
 rsv_status rsv_bake_close_seams(const rsv_solution *solution, const rsv_bake_charts *charts,
@@ -223,15 +155,10 @@ rsv_status rsv_bake_close_seams(const rsv_solution *solution, const rsv_bake_cha
     seam_search q = { .s = solution,
         .charts = charts,
         .parts = parts,
-        .map = map,
         .dark = DARK * (float)solution->report.mean_irradiance };
-    rsv_status status = find_samples(&q);
-    *largest = largest_jump(&q);
-    for (int pass = 0; status == RSV_OK && pass<MOST_PASSES && * largest> CLOSED; pass++) {
-        for (size_t k = 0; k < q.count; k++)
-            close_at(map, &q.sample[k], pass < TRUE_PASSES);
-        if (pass % CHECKED_PASSES == CHECKED_PASSES - 1) *largest = largest_jump(&q);
-    }
-    rsv_free(solution->context, q.sample);
+    rsv_status status = find_stitches(&q);
+    if (status == RSV_OK)
+        status = rsv_bake_stitch_up(solution->context, q.stitch, q.count, map, largest);
+    rsv_free(solution->context, q.stitch);
     return status;
 }

@@ -1,0 +1,236 @@
+#include "bake_stitch.h"
+
+#include "../core/vec.h"
+
+/// Passes towards what was solved, before both sides are drawn together.
+#define TRUE_PASSES 5
+/// A jump that nobody sees, how often that is asked, and when it is given up.
+#define CLOSED 0.005
+#define STEPS_PER_LOOK 25
+#define MOST_STEPS 2000
+/// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
+#define STIFFNESS 0.2f
+
+/// The four texels that filtering mixes at a point.
+typedef struct footprint {
+    size_t texel[4];
+    float weight[4];
+    float give[4];    ///< how readily each changes
+    float compliance; ///< sum of give weight^2
+    rsv_rgb shown;
+} footprint;
+
+static footprint footprint_of(const rsv_bake_map *map, const float point[2])
+{
+    footprint f = { .compliance = 0, .shown = { 0, 0, 0 } };
+    uint32_t at[2];
+    float part[2];
+    rsv_bake_map_locate(map, point, at, part);
+    for (uint32_t k = 0; k < 4; k++) {
+        uint32_t right = k & 1, below = k >> 1;
+        f.texel[k] = (size_t)(at[1] + below) * map->width + at[0] + right;
+        f.weight[k] = (right ? part[0] : 1 - part[0]) * (below ? part[1] : 1 - part[1]);
+        f.give[k] = map->distance[f.texel[k]] > 0 ? 1 : STIFFNESS;
+        f.compliance += f.give[k] * f.weight[k] * f.weight[k];
+        f.shown = rgb_mad(f.shown, f.weight[k], map->light[f.texel[k]]);
+    }
+    return f;
+}
+
+static rsv_rgb lit(rsv_rgb light)
+{
+    return rgb(f_max(light.r, 0), f_max(light.g, 0), f_max(light.b, 0));
+}
+
+/// One step of Kaczmarz's method (1937): shows at a point what was solved, by the smallest change of texels.
+static void show_truly(rsv_bake_map *map, const float point[2], rsv_rgb solved)
+{
+    footprint f = footprint_of(map, point);
+    rsv_rgb more = rgb_sub(solved, f.shown);
+    for (int k = 0; k < 4; k++) {
+        rsv_rgb *light = &map->light[f.texel[k]];
+        *light = lit(rgb_mad(*light, f.give[k] * f.weight[k] / f.compliance, more));
+    }
+}
+
+static double largest_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitch, size_t count)
+{
+    double most = 0;
+    for (size_t k = 0; k < count; k++) {
+        rsv_rgb jump = rgb_sub(rsv_bake_map_lookup(map, stitch[k].point[0]),
+            rsv_bake_map_lookup(map, stitch[k].point[1]));
+        float size = f_max(fabsf(jump.r), f_max(fabsf(jump.g), fabsf(jump.b)));
+        most = fmax(most, (double)(size / stitch[k].scale));
+    }
+    return most;
+}
+
+// ---- drawing both sides together ------------------------------------------------------------------
+
+/// Relative jumps as a linear map of the texels: row k is what its second side shows less its first.
+typedef struct jumps {
+    size_t count, texel_count;
+    uint32_t (*texel)[8]; ///< [count] among those that any stitch touches
+    float (*weight)[8];   ///< [count] filtering over scale, times the root of the texel's give
+    size_t *place;        ///< [texel_count] in the map
+    float *root;          ///< [texel_count] of the texel's give
+    // of the iteration
+    rsv_rgb *jump, *change;        ///< [count]: what is left, and what a step changes of it
+    rsv_rgb *step, *slope, *moved; ///< [texel_count]
+} jumps;
+
+static void destroy_jumps(rsv_context *context, jumps *j)
+{
+    rsv_free(context, j->texel);
+    rsv_free(context, j->weight);
+    rsv_free(context, j->place);
+    rsv_free(context, j->root);
+    rsv_free(context, j->jump);
+    rsv_free(context, j->change);
+    rsv_free(context, j->step);
+    rsv_free(context, j->slope);
+    rsv_free(context, j->moved);
+}
+
+/// @param number [texels of the map] of those touched so far, plus one; 0 = none
+static void add_side(jumps *j, const rsv_bake_map *map, uint32_t *number, size_t row, uint32_t side,
+    const rsv_bake_stitch *stitch)
+{
+    footprint f = footprint_of(map, stitch->point[side]);
+    float sign = side ? 1 : -1;
+    for (uint32_t k = 0; k < 4; k++) {
+        uint32_t *own = &number[f.texel[k]];
+        if (!*own) {
+            j->place[j->texel_count] = f.texel[k];
+            j->root[j->texel_count++] = sqrtf(f.give[k]);
+            *own = (uint32_t)j->texel_count;
+        }
+        j->texel[row][4 * side + k] = *own - 1;
+        j->weight[row][4 * side + k] = sign * f.weight[k] * sqrtf(f.give[k]) / stitch->scale;
+    }
+}
+
+static rsv_status create_jumps(rsv_context *context, const rsv_bake_map *map,
+    const rsv_bake_stitch *stitch, size_t count, jumps *j)
+{
+    rsv_status status;
+    size_t texels = (size_t)map->width * map->height,
+           most = count < texels / 8 ? 8 * count : texels;
+    uint32_t *number = rsv_alloc(context, texels, sizeof *number);
+    *j = (jumps){ .count = count,
+        .texel = rsv_alloc(context, count, sizeof *j->texel),
+        .weight = rsv_alloc(context, count, sizeof *j->weight),
+        .place = rsv_alloc(context, most, sizeof *j->place),
+        .root = rsv_alloc(context, most, sizeof *j->root),
+        .jump = rsv_alloc(context, count, sizeof *j->jump),
+        .change = rsv_alloc(context, count, sizeof *j->change),
+        .step = rsv_alloc(context, most, sizeof *j->step),
+        .slope = rsv_alloc(context, most, sizeof *j->slope),
+        .moved = rsv_alloc(context, most, sizeof *j->moved) };
+    RSV_TRY(number && j->texel && j->weight && j->place && j->root && j->jump && j->change &&
+                    j->step && j->slope && j->moved
+                ? RSV_OK
+                : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < count; k++)
+        for (uint32_t side = 0; side < 2; side++)
+            add_side(j, map, number, k, side, &stitch[k]);
+cleanup:
+    rsv_free(context, number);
+    return status;
+}
+
+static double square(const rsv_rgb *v, size_t count)
+{
+    double sum = 0;
+    for (size_t k = 0; k < count; k++)
+        sum += (double)(v[k].r * v[k].r + v[k].g * v[k].g + v[k].b * v[k].b);
+    return sum;
+}
+
+static void apply(const jumps *j, const rsv_rgb *texel, rsv_rgb *jump)
+{
+    for (size_t k = 0; k < j->count; k++) {
+        jump[k] = rgb_gray(0);
+        for (int i = 0; i < 8; i++)
+            jump[k] = rgb_mad(jump[k], j->weight[k][i], texel[j->texel[k][i]]);
+    }
+}
+
+static void apply_transpose(const jumps *j, const rsv_rgb *jump, rsv_rgb *texel)
+{
+    for (size_t t = 0; t < j->texel_count; t++)
+        texel[t] = rgb_gray(0);
+    for (size_t k = 0; k < j->count; k++)
+        for (int i = 0; i < 8; i++) {
+            rsv_rgb *own = &texel[j->texel[k][i]];
+            *own = rgb_mad(*own, j->weight[k][i], jump[k]);
+        }
+}
+
+static void add_scaled(rsv_rgb *sum, float factor, const rsv_rgb *v, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        sum[k] = rgb_mad(sum[k], factor, v[k]);
+}
+
+/// Conjugate gradients for least squares (Hestenes and Stiefel 1952). @return whether more may come of it
+static bool draw_together(jumps *j, double *slope)
+{
+    for (int k = 0; k<STEPS_PER_LOOK && * slope> 0; k++) {
+        apply(j, j->step, j->change);
+        double curvature = square(j->change, j->count), before = *slope;
+        if (!(curvature > 0)) return false;
+        float length = (float)(*slope / curvature);
+        add_scaled(j->moved, length, j->step, j->texel_count);
+        add_scaled(j->jump, -length, j->change, j->count);
+        apply_transpose(j, j->jump, j->slope);
+        *slope = square(j->slope, j->texel_count);
+        for (size_t t = 0; t < j->texel_count; t++)
+            j->step[t] = rgb_mad(j->slope[t], (float)(*slope / before), j->step[t]);
+    }
+    return *slope > 0;
+}
+
+static double largest_left(const jumps *j)
+{
+    float most = 0;
+    for (size_t k = 0; k < j->count; k++)
+        most = f_max(
+            most, f_max(fabsf(j->jump[k].r), f_max(fabsf(j->jump[k].g), fabsf(j->jump[k].b))));
+    return (double)most;
+}
+
+static void close_jumps(jumps *j, rsv_bake_map *map)
+{
+    for (size_t t = 0; t < j->texel_count; t++)
+        j->slope[t] = rgb_scale(map->light[j->place[t]], -1 / j->root[t]);
+    apply(j, j->slope, j->jump);
+    apply_transpose(j, j->jump, j->slope);
+    for (size_t t = 0; t < j->texel_count; t++)
+        j->step[t] = j->slope[t];
+    double slope = square(j->slope, j->texel_count);
+    for (int steps = 0; steps < MOST_STEPS && largest_left(j) > CLOSED; steps += STEPS_PER_LOOK)
+        if (!draw_together(j, &slope)) break;
+    for (size_t t = 0; t < j->texel_count; t++) {
+        rsv_rgb *light = &map->light[j->place[t]];
+        *light = lit(rgb_mad(*light, j->root[t], j->moved[t]));
+    }
+}
+
+rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitch, size_t count,
+    rsv_bake_map *map, double *largest)
+{
+    *largest = largest_jump(map, stitch, count);
+    if (*largest <= CLOSED) return RSV_OK;
+    for (int pass = 0; pass < TRUE_PASSES; pass++)
+        for (size_t k = 0; k < count; k++) {
+            show_truly(map, stitch[k].point[0], stitch[k].solved);
+            show_truly(map, stitch[k].point[1], stitch[k].solved);
+        }
+    jumps j;
+    rsv_status status = create_jumps(context, map, stitch, count, &j);
+    if (status == RSV_OK) close_jumps(&j, map);
+    destroy_jumps(context, &j);
+    *largest = largest_jump(map, stitch, count);
+    return status;
+}

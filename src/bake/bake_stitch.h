@@ -1,0 +1,20 @@
+/// Making a lightmap show the same on both sides of a seam.
+#ifndef RSV_BAKE_STITCH_H
+#define RSV_BAKE_STITCH_H
+
+#include "bake_texels.h"
+
+/// A place on the borders of two charts: what is known there, and where the map shows it.
+typedef struct rsv_bake_stitch {
+    rsv_rgb solved;
+    float point[2][2]; ///< texels
+    float scale;       ///< light there, or what counts as dark: jumps are relative to it
+} rsv_bake_stitch;
+
+/// Changes texels as little as it takes, mostly those beyond borders, until filtering shows what was solved and then, more
+/// strictly, the same light on both sides.
+/// @param largest out: the largest jump left, relative to the light there
+rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitch, size_t count,
+    rsv_bake_map *map, double *largest);
+
+#endif
