@@ -8,6 +8,8 @@
 #define CLOSED 0.005
 #define STEPS_PER_LOOK 25
 #define MOST_STEPS 2000
+/// Light below 0 is cut off, which opens jumps again, ever smaller ones.
+#define MOST_ROUNDS 10
 /// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
 #define STIFFNESS 0.2f
 
@@ -202,8 +204,10 @@ static double largest_left(const jumps *j)
 
 static void close_jumps(jumps *j, rsv_bake_map *map)
 {
-    for (size_t t = 0; t < j->texel_count; t++)
+    for (size_t t = 0; t < j->texel_count; t++) {
         j->slope[t] = rgb_scale(map->light[j->place[t]], -1 / j->root[t]);
+        j->moved[t] = rgb_gray(0);
+    }
     apply(j, j->slope, j->jump);
     apply_transpose(j, j->jump, j->slope);
     for (size_t t = 0; t < j->texel_count; t++)
@@ -229,8 +233,10 @@ rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitc
         }
     jumps j;
     rsv_status status = create_jumps(context, map, stitch, count, &j);
-    if (status == RSV_OK) close_jumps(&j, map);
+    for (int round = 0; status == RSV_OK && round < MOST_ROUNDS && *largest > CLOSED; round++) {
+        close_jumps(&j, map);
+        *largest = largest_jump(map, stitch, count);
+    }
     destroy_jumps(context, &j);
-    *largest = largest_jump(map, stitch, count);
     return status;
 }
