@@ -83,10 +83,6 @@ static rsv_status make_charts(rsv_bake_layout *b)
         else
             RSV_TRY(rsv_bake_add_charts(&b->charts, b->s, part, k, b->layer[k]));
     }
-    if (!b->charts.count)
-        status = rsv_fail(RSV_ERROR_SCENE,
-            "%s: bake: nothing here reflects diffusely, so there is no light to keep",
-            b->document->path);
 cleanup:
     return status;
 }

@@ -138,6 +138,23 @@ static rsv_status match(const rsv_bake_document *d, const rsv_scene *scene, rsv_
         "%s: bake: the solved scene was not loaded from this file as it is now", d->path);
 }
 
+bool rsv_bake_carries_light(const rsv_solution *solution, const rsv_bake_part *part)
+{
+    for (size_t t = 0; t < part->triangle_count; t++)
+        if (part->triangle[t] != RSV_NONE)
+            return solution->elements->face_of[0][part->triangle[t]] != RSV_NONE;
+    return false;
+}
+
+static rsv_status check_lit(
+    const rsv_bake_document *d, const rsv_solution *solution, const rsv_bake_parts *parts)
+{
+    for (size_t k = 0; k < parts->count; k++)
+        if (rsv_bake_carries_light(solution, &parts->part[k])) return RSV_OK;
+    return rsv_fail(RSV_ERROR_SCENE,
+        "%s: bake: nothing here reflects diffusely, so there is no light to keep", d->path);
+}
+
 rsv_status rsv_bake_parts_create(
     const rsv_bake_document *d, const rsv_solution *solution, rsv_bake_parts *parts)
 {
@@ -151,6 +168,7 @@ rsv_status rsv_bake_parts_create(
     RSV_TRY(w.world && w.pending ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(walk(&w));
     RSV_TRY(match(d, rsv_solution_scene(solution), parts));
+    RSV_TRY(check_lit(d, solution, parts));
 cleanup:
     rsv_free(d->context, w.world);
     rsv_free(d->context, w.pending);
@@ -167,12 +185,4 @@ void rsv_bake_parts_destroy(rsv_bake_parts *parts)
     }
     rsv_free(parts->context, parts->part);
     *parts = (rsv_bake_parts){ .context = parts->context };
-}
-
-bool rsv_bake_carries_light(const rsv_solution *solution, const rsv_bake_part *part)
-{
-    for (size_t t = 0; t < part->triangle_count; t++)
-        if (part->triangle[t] != RSV_NONE)
-            return solution->elements->face_of[0][part->triangle[t]] != RSV_NONE;
-    return false;
 }

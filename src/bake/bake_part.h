@@ -25,7 +25,7 @@ typedef struct rsv_bake_parts {
 } rsv_bake_parts;
 
 /// Lists the parts in the order of the scene's instances. RSV_ERROR_ARGUMENT if the scene was not loaded from
-/// this file.
+/// this file, RSV_ERROR_SCENE if no part carries light.
 rsv_status rsv_bake_parts_create(
     const rsv_bake_document *document, const rsv_solution *solution, rsv_bake_parts *parts);
 void rsv_bake_parts_destroy(rsv_bake_parts *parts);

@@ -99,5 +99,18 @@ refuses 2 'json' bake furnace -o "$out/x.glb" --to probes
 refuses 2 '--to' bake cornell-blocks -o "$out/x.glb"
 refuses 2 'glb' bake cornell-blocks -o "$out/x.png" --to vertex
 refuses 2 'tolerance' bake cornell-blocks -o "$out/x.glb" --to vertex --tolerance 0
+python3 - >mirror.gltf <<'TEXT'
+import base64, json, struct
+corners = base64.b64encode(struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)).decode()
+print(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+    "materials": [{"pbrMetallicRoughness": {"metallicFactor": 1, "roughnessFactor": 0}}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+        "min": [0, 0, 0], "max": [1, 1, 0]}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64," + corners}]}))
+TEXT
+refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to vertex --quality draft
+refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to lightmap --quality draft
 refuses 1 'nowhere' bake nowhere.glb -o "$out/x.glb" --to vertex
 finish
