@@ -106,9 +106,9 @@ static rsv_status add_stitches(seam_search *q, const border *x, const border *y)
         rsv_rgb a = light_on(q, x, t, stitch.point[0]);
         rsv_rgb b = light_on(q, y, reversed ? 1 - t : t, stitch.point[1]);
         stitch.solved = rgb_scale(rgb_add(a, b), 0.5f);
-        stitch.scale = f_max(rgb_max(stitch.solved), q->dark);
-        bool continuous = largest_difference(a, b) <= CONTINUOUS * stitch.scale;
-        if (!continuous || !(stitch.scale > 0)) continue;
+        stitch.least = f_max(rgb_max(stitch.solved), q->dark);
+        bool continuous = largest_difference(a, b) <= CONTINUOUS * stitch.least;
+        if (!continuous || !(stitch.least > 0)) continue;
         RSV_TRY(rsv_grow(
             q->s->context, (void **)&q->stitch, &q->capacity, q->count + 1, sizeof *q->stitch));
         q->stitch[q->count++] = stitch;

@@ -9,7 +9,7 @@
 #define STEPS_PER_LOOK 25
 #define MOST_STEPS 2000
 /// Light below 0 is cut off, which opens jumps again, ever smaller ones.
-#define MOST_ROUNDS 10
+#define MOST_ROUNDS 40
 /// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
 #define STIFFNESS 0.2f
 
@@ -55,14 +55,23 @@ static void show_truly(rsv_bake_map *map, const float point[2], rsv_rgb solved)
     }
 }
 
+/// What a jump is seen against.
+static float brightness(const rsv_bake_map *map, const rsv_bake_stitch *stitch, rsv_rgb *jump)
+{
+    rsv_rgb a = rsv_bake_map_lookup(map, stitch->point[0]);
+    rsv_rgb b = rsv_bake_map_lookup(map, stitch->point[1]);
+    if (jump) *jump = rgb_sub(b, a);
+    return f_max(stitch->least, 0.5f * rgb_max(rgb_add(a, b)));
+}
+
 static double largest_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitch, size_t count)
 {
     double most = 0;
     for (size_t k = 0; k < count; k++) {
-        rsv_rgb jump = rgb_sub(rsv_bake_map_lookup(map, stitch[k].point[0]),
-            rsv_bake_map_lookup(map, stitch[k].point[1]));
+        rsv_rgb jump;
+        float against = brightness(map, &stitch[k], &jump);
         float size = f_max(fabsf(jump.r), f_max(fabsf(jump.g), fabsf(jump.b)));
-        most = fmax(most, (double)(size / stitch[k].scale));
+        most = fmax(most, (double)(size / against));
     }
     return most;
 }
@@ -73,7 +82,7 @@ static double largest_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitc
 typedef struct jumps {
     size_t count, texel_count;
     uint32_t (*texel)[8]; ///< [count] among those that any stitch touches
-    float (*weight)[8];   ///< [count] filtering over scale, times the root of the texel's give
+    float (*weight)[8];   ///< [count] filtering over brightness, times the root of the texel's give
     size_t *place;        ///< [texel_count] in the map
     float *root;          ///< [texel_count] of the texel's give
     // of the iteration
@@ -99,7 +108,7 @@ static void add_side(jumps *j, const rsv_bake_map *map, uint32_t *number, size_t
     const rsv_bake_stitch *stitch)
 {
     footprint f = footprint_of(map, stitch->point[side]);
-    float sign = side ? 1 : -1;
+    float factor = (side ? 1 : -1) / brightness(map, stitch, NULL);
     for (uint32_t k = 0; k < 4; k++) {
         uint32_t *own = &number[f.texel[k]];
         if (!*own) {
@@ -108,7 +117,7 @@ static void add_side(jumps *j, const rsv_bake_map *map, uint32_t *number, size_t
             *own = (uint32_t)j->texel_count;
         }
         j->texel[row][4 * side + k] = *own - 1;
-        j->weight[row][4 * side + k] = sign * f.weight[k] * sqrtf(f.give[k]) / stitch->scale;
+        j->weight[row][4 * side + k] = factor * f.weight[k] * sqrtf(f.give[k]);
     }
 }
 
@@ -233,7 +242,7 @@ rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitc
         }
     jumps j;
     rsv_status status = create_jumps(context, map, stitch, count, &j);
-    for (int round = 0; status == RSV_OK && round < MOST_ROUNDS && *largest > CLOSED; round++) {
+    for (int round = 0; status == RSV_OK && round<MOST_ROUNDS && * largest> CLOSED; round++) {
         close_jumps(&j, map);
         *largest = largest_jump(map, stitch, count);
     }

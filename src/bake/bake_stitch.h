@@ -8,7 +8,8 @@
 typedef struct rsv_bake_stitch {
     rsv_rgb solved;
     float point[2][2]; ///< texels
-    float scale;       ///< light there, or what counts as dark: jumps are relative to it
+    float
+        least; ///< light there, or what counts as dark: jumps are relative to it or, where the map is brighter, to that
 } rsv_bake_stitch;
 
 /// Changes texels as little as it takes, mostly those beyond borders, until filtering shows what was solved and then, more
