@@ -1,0 +1,147 @@
+#include "frame_tile.h"
+
+#include <string.h>
+
+rsv_status rsv_tile_worker_create(
+    const rsv_tiling *tiling, uint32_t chain_depth, rsv_tile_worker *w)
+{
+    for (int stage = 0; stage < RSV_STAGES; stage++)
+        memset(w->packet[stage].mask, 0xff, sizeof w->packet[stage].mask);
+    rsv_status status = rsv_chain_queue_create(tiling->table, &w->queue);
+    w->queue.max_events = chain_depth;
+    w->queue.radiance = w->radiance;
+    return status;
+}
+
+void rsv_tile_worker_destroy(rsv_tile_worker *w) { rsv_chain_queue_destroy(&w->queue); }
+
+/// A tile in the hands of a worker.
+typedef struct tile {
+    const rsv_tiling *tiling;
+    rsv_eye_picture *eye;
+    rsv_tile_worker *worker;
+    uint32_t column, row, width, height; ///< pixels inside the picture
+    uint32_t blocks_across, block_count;
+} tile;
+
+static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
+
+static tile tile_at(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t index, rsv_tile_worker *worker)
+{
+    tile t = { .tiling = tiling,
+        .eye = eye,
+        .worker = worker,
+        .column = index % tiling->across * RSV_TILE,
+        .row = index / tiling->across * RSV_TILE };
+    t.width = smaller(tiling->width - t.column, RSV_TILE);
+    t.height = smaller(tiling->height - t.row, RSV_TILE);
+    t.blocks_across = (t.width + RSV_BLOCK - 1) / RSV_BLOCK;
+    t.block_count = t.blocks_across * ((t.height + RSV_BLOCK - 1) / RSV_BLOCK);
+    return t;
+}
+
+/// Starts the chain of a pixel that is not in the table.
+/// @param pixel within the tile
+static void begin_chain(const tile *t, const rsv_ray_packet *p, uint32_t lane, uint32_t pixel)
+{
+    rsv_tile_worker *w = t->worker;
+    rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
+    memset(w->radiance[pixel], 0, sizeof w->radiance[pixel]);
+    if (p->triangle[lane] == RSV_NONE) {
+        rsv_chain_queue_add_sky(&w->queue, direction, rgb_gray(1), pixel);
+        return;
+    }
+    rsv_chain chain = rsv_chain_begin(&t->tiling->solution->scene, &t->eye->medium, direction,
+        p->triangle[lane], p->u[lane], p->v[lane], p->t_max[lane]);
+    rsv_chain_set_spread(&chain, t->eye->spread, p->t_max[lane]);
+    uint32_t row = t->row + pixel / RSV_TILE, column = t->column + pixel % RSV_TILE;
+    uint32_t path = rsv_hash2(rsv_pixel_seed(t->tiling->seed, row, column), t->eye->samples);
+    rsv_chain_queue_add(&w->queue, &chain, path, pixel);
+}
+
+/// Starts those of a block.
+static void begin_chains(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
+{
+    for (uint32_t left = t->worker->left[stage]; left; left &= left - 1) {
+        uint32_t lane = (uint32_t)__builtin_ctz(left);
+        uint32_t x = column + lane % RSV_BLOCK, y = row + lane / RSV_BLOCK;
+        if (x < t->width && y < t->height)
+            begin_chain(t, &t->worker->packet[stage], lane, y * RSV_TILE + x);
+    }
+}
+
+static void trace_block(const tile *t, uint32_t block)
+{
+    const rsv_tiling *tiling = t->tiling;
+    rsv_ray_packet *packet = &t->worker->packet[block % RSV_STAGES];
+    uint32_t column = block % t->blocks_across * RSV_BLOCK,
+             row = block / t->blocks_across * RSV_BLOCK;
+    tiling->kernels->aim(&t->eye->aim, t->column + column, t->row + row, packet);
+    rsv_tracer_closest_packet(tiling->solution->tracer, packet, true);
+}
+
+static void locate_block(const tile *t, uint32_t block)
+{
+    rsv_tile_worker *w = t->worker;
+    uint32_t stage = block % RSV_STAGES;
+    w->left[stage] =
+        t->tiling->kernels->locate(t->tiling->table, &w->packet[stage], &w->places[stage]);
+    if (t->eye->medium.depth) w->left[stage] = 0xffff; // seen from within a body: dimmed on the way
+}
+
+static void look_up_block(const tile *t, uint32_t block)
+{
+    rsv_tile_worker *w = t->worker;
+    uint32_t stage = block % RSV_STAGES;
+    uint32_t column = block % t->blocks_across * RSV_BLOCK,
+             row = block / t->blocks_across * RSV_BLOCK;
+    t->tiling->kernels->look_up(
+        t->tiling->table, &w->places[stage], w->radiance + row * RSV_TILE + column);
+    if (w->left[stage]) begin_chains(t, column, row, stage);
+}
+
+/// Every block one step behind the one after it.
+static void render_blocks(const tile *t)
+{
+    for (uint32_t block = 0; block < t->block_count + RSV_STAGES - 1; block++) {
+        if (block < t->block_count) {
+            trace_block(t, block);
+            t->tiling->kernels->approach(t->tiling->table, &t->worker->packet[block % RSV_STAGES]);
+        }
+        if (block >= 1 && block - 1 < t->block_count) locate_block(t, block - 1);
+        if (block >= 2) look_up_block(t, block - 2);
+    }
+}
+
+static void display(const tile *t)
+{
+    for (uint32_t y = 0; y < t->height; y++) {
+        size_t first = (size_t)(t->row + y) * t->tiling->width + t->column;
+        t->tiling->kernels->display(&t->eye->tone, t->width, t->worker->radiance + y * RSV_TILE,
+            t->eye->sum + first, t->eye->pixel + first);
+    }
+}
+
+void rsv_tile_render(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t index, rsv_tile_worker *w)
+{
+    tile t = tile_at(tiling, eye, index, w);
+    double start = rsv_seconds();
+    render_blocks(&t);
+    double traced = rsv_seconds();
+    rsv_chain_queue_run(&w->queue);
+    double followed = rsv_seconds();
+    display(&t);
+    w->camera_seconds += traced - start;
+    w->chain_seconds += followed - traced;
+    w->display_seconds += rsv_seconds() - followed;
+}
+
+void rsv_tile_trace_only(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t index, rsv_tile_worker *w)
+{
+    tile t = tile_at(tiling, eye, index, w);
+    for (uint32_t block = 0; block < t.block_count; block++)
+        trace_block(&t, block);
+}

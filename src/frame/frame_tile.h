@@ -1,0 +1,58 @@
+/// Tiles of a picture: what one thread renders at a time.
+#ifndef RSV_FRAME_TILE_H
+#define RSV_FRAME_TILE_H
+
+#include "chain_queue.h"
+#include "packet_kernels.h"
+
+/// Blocks in hand at a time: being traced, located and looked up.
+#define RSV_STAGES 3
+
+#define RSV_TILE_PIXELS (RSV_TILE * RSV_TILE)
+
+/// What one thread works with.
+typedef struct rsv_tile_worker {
+    _Alignas(64) float radiance[RSV_TILE_PIXELS][4];
+    rsv_ray_packet packet[RSV_STAGES]; ///< of the last blocks
+    rsv_packet_places places[RSV_STAGES];
+    uint32_t left[RSV_STAGES]; ///< lanes of theirs that are to be followed
+    rsv_chain_queue queue;
+    double camera_seconds, chain_seconds, display_seconds; ///< of the frame
+} rsv_tile_worker;
+
+/// One eye's picture.
+typedef struct rsv_eye_picture {
+    float (*sum)[4];     ///< [height * width] radiance of all samples
+    uint8_t (*pixel)[4]; ///< [height * width]
+    uint32_t samples;    ///< in the sums
+    rsv_camera camera;   ///< that they are of
+    // of the frame in the making
+    rsv_frame_aim aim;
+    rsv_frame_tone tone;
+    rsv_medium medium; ///< the camera's
+    float spread;
+} rsv_eye_picture;
+
+/// What all tiles have in common.
+typedef struct rsv_tiling {
+    const rsv_solution *solution;
+    const rsv_light_table *table;
+    const rsv_packet_kernels *kernels;
+    uint32_t width, height;      ///< of a picture
+    uint32_t across, tile_count; ///< tiles of a picture
+    uint32_t seed;
+} rsv_tiling;
+
+rsv_status rsv_tile_worker_create(
+    const rsv_tiling *tiling, uint32_t chain_depth, rsv_tile_worker *worker);
+void rsv_tile_worker_destroy(rsv_tile_worker *worker);
+
+/// Adds one sample to each pixel and shows the sums.
+void rsv_tile_render(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
+
+/// Traces the camera rays alone.
+void rsv_tile_trace_only(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
+
+#endif
