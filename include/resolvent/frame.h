@@ -8,7 +8,7 @@
 #ifndef RESOLVENT_FRAME_H
 #define RESOLVENT_FRAME_H
 
-#include "resolvent/solve.h"
+#include "resolvent/mover.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -74,6 +74,11 @@ RSV_API void rsv_frame_renderer_show(rsv_frame_renderer *renderer, uint32_t laye
 
 /// Takes the solution's light over again after it has changed, and starts over. Costs about as much as a frame.
 RSV_API void rsv_frame_renderer_refresh(rsv_frame_renderer *renderer);
+
+/// Shows an object that moves, with its shadow, in all light but not in single layers; NULL = none. To be called again
+/// whenever it was placed or lit anew: frames start over.
+/// @param mover of the same solution; borrowed
+RSV_API void rsv_frame_renderer_put(rsv_frame_renderer *renderer, const rsv_mover *mover);
 
 /// The picture on show: [height * width] red, green, blue and 255, sRGB. Valid until the renderer is destroyed.
 RSV_API const uint8_t (*rsv_frame_pixels(const rsv_frame_renderer *renderer, uint32_t eye))[4];

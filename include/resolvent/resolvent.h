@@ -9,6 +9,7 @@
 #include "resolvent/frame.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"
+#include "resolvent/mover.h"
 #include "resolvent/opfile.h"
 #include "resolvent/relight.h"
 #include "resolvent/render.h"

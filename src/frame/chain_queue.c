@@ -44,6 +44,22 @@ void rsv_chain_queue_add_sky(rsv_chain_queue *q, rsv_vec3 direction, rsv_rgb wei
         add_light(q, pixel, rgb_mul(weight, rsv_sky_radiance(&q->sky, direction)));
 }
 
+static rsv_rgb without(rsv_rgb a, rsv_rgb b)
+{
+    return rgb(f_max(a.r - b.r, 0), f_max(a.g - b.g, 0), f_max(a.b - b.b, 0));
+}
+
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
+    float u, float v, bool back, uint32_t stream, rsv_rgb shown)
+{
+    const rsv_solution *s = table->solution;
+    if (s->elements->face_of[back][triangle] == RSV_NONE) return shown;
+    rsv_surface_point point = rsv_surface_point_at(s->scene.view, triangle, u, v, back);
+    rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
+    rsv_rgb kept = rsv_mover_shadow(mover, &point, stream);
+    return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
+}
+
 /// A diffuse surface that is not in the table. @param weight radiance at the camera per B / pi
 static void add_diffuse(void *user, const rsv_chain *chain, rsv_rgb weight)
 {
@@ -54,6 +70,11 @@ static void add_diffuse(void *user, const rsv_chain *chain, rsv_rgb weight)
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(q->scene, chain, &storage);
     rsv_rgb shown = rsv_shown_irradiance(q->table, face, chain->u, chain->v);
+    if (q->mover) {
+        rsv_surface_point point =
+            rsv_surface_point_at(q->scene->view, chain->triangle, chain->u, chain->v, chain->back);
+        shown = without(shown, rsv_mover_shadow(q->mover, &point, q->path));
+    }
     add_light(
         q, q->pixel, rgb_mul(rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI), shown));
 }
@@ -101,12 +122,17 @@ static bool has_room(const rsv_chain_queue *q)
 void rsv_chain_queue_add(rsv_chain_queue *q, const rsv_chain *chain, uint32_t path, uint32_t pixel)
 {
     q->pixel = pixel;
+    q->path = path;
     rsv_rgb throughput = rsv_chain_throughput(q->scene, chain, &chain->medium);
     rsv_shown_side side = *rsv_shown_side_of(q->table, chain->triangle, chain->back);
     if (side.kind == RSV_SHOWN_STORED) {
         rsv_float4 light =
             rsv_light_at(q->table->cell, rsv_place_in_grid(side, chain->u, chain->v));
-        add_light(q, pixel, rgb_mul(throughput, rgb(light[0], light[1], light[2])));
+        rsv_rgb shown = rgb(light[0], light[1], light[2]);
+        if (q->mover)
+            shown = rsv_shade_stored(
+                q->table, q->mover, chain->triangle, chain->u, chain->v, chain->back, path, shown);
+        add_light(q, pixel, rgb_mul(throughput, shown));
         return;
     }
     rsv_surface_point point = rsv_surface_point_seen(
@@ -132,6 +158,16 @@ static void load_lane(rsv_ray_packet *p, uint32_t k, const rsv_chain_traveller *
     p->direction_y[k] = t->chain.direction.y;
     p->direction_z[k] = t->chain.direction.z;
     p->t_max[k] = INFINITY;
+}
+
+/// Ends a chain at the mover.
+static void meet_mover(rsv_chain_queue *q, uint32_t k, const rsv_chain_traveller *t)
+{
+    const rsv_chain *chain = &t->chain;
+    rsv_rgb dimmed = rsv_medium_transmittance(&chain->medium, q->scene->bsdf, q->body.t_max[k]);
+    rsv_rgb throughput = rsv_chain_throughput(q->scene, chain, &chain->medium);
+    rsv_rgb shown = rsv_mover_shown(q->mover, &q->body, k);
+    add_light(q, t->pixel, rgb_mul(rgb_mul(throughput, dimmed), shown));
 }
 
 static void arrive(rsv_chain_queue *q, uint32_t k, rsv_chain_traveller *t)
@@ -164,8 +200,13 @@ static void run_packet(rsv_chain_queue *q)
     }
     rsv_tracer_closest_packet(q->scene->tracer, &q->packet, true);
     q->rays += count;
-    for (uint32_t k = 0; k < count; k++)
-        arrive(q, k, &traveller[k]);
+    uint32_t met = q->mover ? rsv_mover_meet(q->mover, &q->packet, &q->body) : 0;
+    for (uint32_t k = 0; k < count; k++) {
+        if (met >> k & 1)
+            meet_mover(q, k, &traveller[k]);
+        else
+            arrive(q, k, &traveller[k]);
+    }
 }
 
 void rsv_chain_queue_run(rsv_chain_queue *q)

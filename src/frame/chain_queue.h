@@ -7,6 +7,7 @@
 
 #include "../operator/chain.h"
 #include "light_table.h"
+#include "mover_internal.h"
 
 /// Waiting branches of one kind at most; further ones are followed at once.
 #define RSV_QUEUE_CAPACITY 1280
@@ -28,9 +29,11 @@ typedef struct rsv_chain_queue {
     float (*radiance)[4];              ///< of pixels; what chains find is added
     uint32_t waiting[2];               ///< reflected, transmitted
     rsv_chain_traveller *traveller[2]; ///< [RSV_QUEUE_CAPACITY]
+    const rsv_mover *mover;            ///< NULL = none
     uint64_t rays;
     rsv_ray_packet packet;
-    uint32_t pixel; ///< of the chain in hand
+    rsv_ray_packet body;  ///< its rays as the mover meets them
+    uint32_t pixel, path; ///< of the chain in hand
 } rsv_chain_queue;
 
 rsv_status rsv_chain_queue_create(const rsv_light_table *table, rsv_chain_queue *queue);
@@ -45,6 +48,10 @@ void rsv_chain_queue_add(
 /// What lies beyond the scene.
 void rsv_chain_queue_add_sky(
     rsv_chain_queue *queue, rsv_vec3 direction, rsv_rgb weight, uint32_t pixel);
+
+/// What a surface in the table shows with the mover's shadow on it. @param shown without
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
+    float u, float v, bool back, uint32_t stream, rsv_rgb shown);
 
 /// Follows all that wait to their ends.
 void rsv_chain_queue_run(rsv_chain_queue *queue);

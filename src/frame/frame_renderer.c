@@ -8,6 +8,7 @@ struct rsv_frame_renderer {
     const rsv_solution *solution;
     rsv_frame_desc desc;
     rsv_light_table table;
+    const rsv_mover *mover; ///< NULL = none
     rsv_tiling tiling;
     rsv_eye_picture eye[RSV_MAX_EYES];
     rsv_tile_worker *worker; ///< [thread_count]
@@ -198,6 +199,7 @@ rsv_status rsv_frame_render(
     for (uint32_t k = 0; k < r->desc.eyes; k++)
         begin_eye(r, &r->eye[k], view, k);
     begin_workers(r);
+    r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;
     for_tiles(r, rsv_tile_render);
     for (uint32_t k = 0; k < r->desc.eyes; k++)
         r->eye[k].samples++;
@@ -224,6 +226,12 @@ void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
 {
     if (layer == r->table.layer) return;
     rsv_light_table_bake(&r->table, layer);
+    start_over(r);
+}
+
+void rsv_frame_renderer_put(rsv_frame_renderer *r, const rsv_mover *mover)
+{
+    r->mover = mover;
     start_over(r);
 }
 

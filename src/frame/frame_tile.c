@@ -41,6 +41,13 @@ static tile tile_at(
     return t;
 }
 
+/// Names the sample of a pixel. @param pixel within the tile
+static uint32_t path_of(const tile *t, uint32_t pixel)
+{
+    uint32_t row = t->row + pixel / RSV_TILE, column = t->column + pixel % RSV_TILE;
+    return rsv_hash2(rsv_pixel_seed(t->tiling->seed, row, column), t->eye->samples);
+}
+
 /// Starts the chain of a pixel that is not in the table.
 /// @param pixel within the tile
 static void begin_chain(const tile *t, const rsv_ray_packet *p, uint32_t lane, uint32_t pixel)
@@ -55,9 +62,7 @@ static void begin_chain(const tile *t, const rsv_ray_packet *p, uint32_t lane, u
     rsv_chain chain = rsv_chain_begin(&t->tiling->solution->scene, &t->eye->medium, direction,
         p->triangle[lane], p->u[lane], p->v[lane], p->t_max[lane]);
     rsv_chain_set_spread(&chain, t->eye->spread, p->t_max[lane]);
-    uint32_t row = t->row + pixel / RSV_TILE, column = t->column + pixel % RSV_TILE;
-    uint32_t path = rsv_hash2(rsv_pixel_seed(t->tiling->seed, row, column), t->eye->samples);
-    rsv_chain_queue_add(&w->queue, &chain, path, pixel);
+    rsv_chain_queue_add(&w->queue, &chain, path_of(t, pixel), pixel);
 }
 
 /// Starts those of a block.
@@ -69,6 +74,32 @@ static void begin_chains(const tile *t, uint32_t column, uint32_t row, uint32_t 
         if (x < t->width && y < t->height)
             begin_chain(t, &t->worker->packet[stage], lane, y * RSV_TILE + x);
     }
+}
+
+/// Puts the object before what a block shows, and its shadow on it.
+static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
+{
+    rsv_tile_worker *w = t->worker;
+    const rsv_ray_packet *p = &w->packet[stage];
+    uint32_t met = rsv_mover_meet(t->tiling->mover, p, &w->body);
+    for (uint32_t lane = 0; lane < RSV_PACKET_WIDTH; lane++) {
+        uint32_t pixel = (row + lane / RSV_BLOCK) * RSV_TILE + column + lane % RSV_BLOCK;
+        float *radiance = w->radiance[pixel];
+        rsv_rgb shown = rgb(radiance[0], radiance[1], radiance[2]);
+        if (met >> lane & 1)
+            shown = rgb_mul(rsv_mover_shown(t->tiling->mover, &w->body, lane),
+                rsv_medium_transmittance(
+                    &t->eye->medium, t->tiling->solution->bsdf, w->body.t_max[lane]));
+        else if (!(w->left[stage] >> lane & 1) && p->triangle[lane] != RSV_NONE) {
+            float cos = p->normal_x[lane] * p->direction_x[lane] +
+                        p->normal_y[lane] * p->direction_y[lane] +
+                        p->normal_z[lane] * p->direction_z[lane];
+            shown = rsv_shade_stored(t->tiling->table, t->tiling->mover, p->triangle[lane],
+                p->u[lane], p->v[lane], cos > 0, path_of(t, pixel), shown);
+        }
+        radiance[0] = shown.r, radiance[1] = shown.g, radiance[2] = shown.b;
+    }
+    w->left[stage] &= ~met;
 }
 
 static void trace_block(const tile *t, uint32_t block)
@@ -98,6 +129,7 @@ static void look_up_block(const tile *t, uint32_t block)
              row = block / t->blocks_across * RSV_BLOCK;
     t->tiling->kernels->look_up(
         t->tiling->table, &w->places[stage], w->radiance + row * RSV_TILE + column);
+    if (t->tiling->mover) show_mover(t, column, row, stage);
     if (w->left[stage]) begin_chains(t, column, row, stage);
 }
 
@@ -128,6 +160,7 @@ void rsv_tile_render(
 {
     tile t = tile_at(tiling, eye, index, w);
     double start = rsv_seconds();
+    w->queue.mover = tiling->mover;
     render_blocks(&t);
     double traced = rsv_seconds();
     rsv_chain_queue_run(&w->queue);

@@ -16,6 +16,7 @@ typedef struct rsv_tile_worker {
     rsv_ray_packet packet[RSV_STAGES]; ///< of the last blocks
     rsv_packet_places places[RSV_STAGES];
     uint32_t left[RSV_STAGES]; ///< lanes of theirs that are to be followed
+    rsv_ray_packet body;       ///< camera rays as a mover meets them
     rsv_chain_queue queue;
     double camera_seconds, chain_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
@@ -41,6 +42,7 @@ typedef struct rsv_tiling {
     uint32_t width, height;      ///< of a picture
     uint32_t across, tile_count; ///< tiles of a picture
     uint32_t seed;
+    const rsv_mover *mover; ///< of the frame in the making; NULL = none
 } rsv_tiling;
 
 rsv_status rsv_tile_worker_create(

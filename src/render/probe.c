@@ -2,6 +2,7 @@
 #include "../core/stratified.h"
 #include "../solve/solution.h"
 #include "pixel_direct.h"
+#include "probe_gather.h"
 #include "resolvent/render.h"
 
 #define GROUPS 32 ///< independent randomisations: their spread is the standard error
@@ -10,19 +11,12 @@
 /// Sources that cover a larger share of the scene are found by gather rays even behind glass and mirrors.
 #define LARGE_SOURCE_SHARE 0.02
 
-typedef struct probe_job {
-    const rsv_solution *solution;
-    uint32_t gather_rays, light_samples; ///< per group
-    uint32_t seed;
-    bool gather_caustics; ///< all sources are large
-} probe_job;
-
 typedef struct receiver {
     rsv_vec3 position, origin, normal;
     rsv_medium medium;
     rsv_rgb caustic; ///< stored, where the receiver lies on a surface
     bool has_caustic;
-    const probe_job *job;
+    const rsv_probe_job *job;
 } receiver;
 
 static bool all_sources_large(const rsv_solution *s)
@@ -58,7 +52,7 @@ static void find_surface(receiver *r)
     r->has_caustic = true;
 }
 
-static receiver set_up_receiver(const probe_job *job, const rsv_probe *probe)
+static receiver set_up_receiver(const rsv_probe_job *job, const rsv_probe *probe)
 {
     receiver r = { .position = probe->position, .normal = v3_normalize(probe->normal), .job = job };
     r.origin = rsv_tracer_receiver_origin(job->solution->tracer, r.position, r.normal);
@@ -260,7 +254,7 @@ static void summarise(const double value[GROUPS], float *mean, float *error)
     *error = (float)fmax(sqrt(squares / (GROUPS * (GROUPS - 1.0))), ROUNDING * fabs(sum / GROUPS));
 }
 
-static rsv_probe_reading read_probe(const probe_job *job, const rsv_probe *probe, uint32_t index)
+rsv_probe_reading rsv_probe_read(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index)
 {
     receiver r = set_up_receiver(job, probe);
     double value[3][GROUPS];
@@ -268,13 +262,24 @@ static rsv_probe_reading read_probe(const probe_job *job, const rsv_probe *probe
         rsv_rgb e = rgb_add(r.caustic, gather(&r, rsv_hash3(job->seed, index, g)));
         value[0][g] = e.r, value[1][g] = e.g, value[2][g] = e.b;
     }
-    add_emitters(&r, index, value);
-    add_punctual(&r, index, value);
+    if (job->sources) {
+        add_emitters(&r, index, value);
+        add_punctual(&r, index, value);
+    }
     rsv_probe_reading reading;
     summarise(value[0], &reading.irradiance.r, &reading.standard_error.r);
     summarise(value[1], &reading.irradiance.g, &reading.standard_error.g);
     summarise(value[2], &reading.irradiance.b, &reading.standard_error.b);
     return reading;
+}
+
+rsv_probe_job rsv_probe_job_of(
+    const rsv_solution *solution, uint32_t samples, uint32_t seed, bool sources)
+{
+    uint32_t per_group = samples / GROUPS + (samples % GROUPS != 0);
+    if (per_group < 2) per_group = 2;
+    return (rsv_probe_job){ solution, per_group, per_group / 4 < 4 ? 4 : per_group / 4, seed,
+        all_sources_large(solution), sources };
 }
 
 static rsv_probe_reading look_up(const rsv_solution *s, const rsv_probe *probe)
@@ -312,16 +317,13 @@ rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mod
             solution->scene.scene, probes, probe_count, samples, seed, readings);
     rsv_status status = check_probes(probes, probe_count);
     if (status != RSV_OK) return status;
-    uint32_t per_group = samples / GROUPS + (samples % GROUPS != 0);
-    if (per_group < 2) per_group = 2;
-    probe_job job = { solution, per_group, per_group / 4 < 4 ? 4 : per_group / 4, seed,
-        all_sources_large(solution) };
+    rsv_probe_job job = rsv_probe_job_of(solution, samples, seed, true);
     size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
     for (size_t k = 0; k < probe_count; k++) {
         if (rsv_cancelled(context)) continue;
         readings[k] = mode == RSV_PROBE_LOOKUP ? look_up(solution, &probes[k])
-                                               : read_probe(&job, &probes[k], (uint32_t)k);
+                                               : rsv_probe_read(&job, &probes[k], (uint32_t)k);
         size_t finished;
 #pragma omp atomic capture
         finished = ++done;

@@ -1,0 +1,56 @@
+/// @file mover.h
+/// A rigid object that moves through a solved scene: lit by it and seen in it, without being part of the operator.
+///
+/// Direct light on it is traced at its vertices, shadows of scene and object included. Indirect light comes from probes in
+/// spherical harmonics of order 2 (Ramamoorthi and Hanrahan 2001) on a grid that fills the scene; they are lit where the
+/// object comes to, and what a wall hides from a point of the object takes no part there. In frames (frame.h) its image
+/// through glass and smooth mirrors and its shadow in the light of sources are traced.
+///
+/// Left out: what the object hides of indirect light, caustics and rough reflections, and what it reflects back. Its
+/// surfaces count as diffuse, with their material's base color.
+#ifndef RESOLVENT_MOVER_H
+#define RESOLVENT_MOVER_H
+
+#include "resolvent/solve.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// Start from rsv_default_mover_desc().
+typedef struct rsv_mover_desc {
+    float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
+    uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
+    uint32_t light_samples; ///< shadow rays per vertex or shadowed point, 1..64, default 16
+} rsv_mover_desc;
+
+RSV_API rsv_mover_desc rsv_default_mover_desc(void);
+
+typedef struct rsv_mover rsv_mover;
+
+/// The object stands where its scene has it. RSV_ERROR_ARGUMENT for values out of range.
+/// @param solution must outlive the mover @param body committed; its triangles are the object. Must outlive the mover too
+/// @param desc NULL = defaults
+RSV_API rsv_status rsv_mover_create(const rsv_solution *solution, const rsv_scene *body,
+    const rsv_mover_desc *desc, rsv_mover **mover);
+RSV_API void rsv_mover_destroy(rsv_mover *mover);
+
+/// Puts the object in another place and lights it there.
+/// @param offset metres from where its scene has it, at most 1e6 along each axis
+/// @param turn degrees about the vertical through its middle, counter-clockwise from above
+RSV_API rsv_status rsv_mover_place(rsv_mover *mover, rsv_vec3 offset, float turn);
+
+/// Lights it anew after the solution's light has changed.
+RSV_API void rsv_mover_refresh(rsv_mover *mover);
+
+/// Irradiance that its vertices show, W/m2, [vertex_count of its scene].
+RSV_API const rsv_rgb *rsv_mover_irradiance(const rsv_mover *mover);
+
+/// Where a point of its scene is now.
+RSV_API rsv_vec3 rsv_mover_point(const rsv_mover *mover, rsv_vec3 point);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

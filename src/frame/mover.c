@@ -1,0 +1,179 @@
+#include "mover_internal.h"
+
+#include <string.h>
+
+rsv_mover_desc rsv_default_mover_desc(void)
+{
+    return (rsv_mover_desc){ .probe_samples = 64, .light_samples = 16 };
+}
+
+// ---- place --------------------------------------------------------------------------------------
+
+rsv_vec3 rsv_mover_turn(const rsv_mover *m, rsv_vec3 d)
+{
+    return v3(m->cosine * d.x + m->sine * d.z, d.y, m->cosine * d.z - m->sine * d.x);
+}
+
+rsv_vec3 rsv_mover_turn_back(const rsv_mover *m, rsv_vec3 d)
+{
+    return v3(m->cosine * d.x - m->sine * d.z, d.y, m->cosine * d.z + m->sine * d.x);
+}
+
+rsv_vec3 rsv_mover_point(const rsv_mover *m, rsv_vec3 p)
+{
+    return v3_add(rsv_mover_turn(m, v3_sub(p, m->middle)), v3_add(m->middle, m->offset));
+}
+
+rsv_vec3 rsv_mover_point_back(const rsv_mover *m, rsv_vec3 p)
+{
+    rsv_vec3 from_middle = v3_sub(p, v3_add(m->middle, m->offset));
+    return v3_add(rsv_mover_turn_back(m, from_middle), m->middle);
+}
+
+// ---- light --------------------------------------------------------------------------------------
+
+/// A ball around what shines from a finite distance.
+static void bound_lamps(rsv_mover *m)
+{
+    const rsv_lights *lights = m->solution->lights;
+    const rsv_scene_view *scene = lights->scene;
+    rsv_vec3 low = v3(INFINITY, INFINITY, INFINITY), high = v3_neg(low);
+    for (size_t k = 0; k < lights->sampled_count; k++)
+        for (int c = 0; c < 3; c++) {
+            rsv_vec3 p = lights->emitter[lights->sampled[k]].corner[c];
+            low = v3_min(low, p), high = v3_max(high, p);
+        }
+    for (size_t k = lights->distant_count; k < lights->punctual_count; k++) {
+        rsv_vec3 p = scene->light[lights->punctual[k]].position;
+        low = v3_min(low, p), high = v3_max(high, p);
+    }
+    m->lamps_bounded = !lights->environment && lights->distant_count == 0;
+    m->lamps = (rsv_ball){ v3_scale(v3_add(low, high), 0.5f), 0.5f * v3_length(v3_sub(high, low)) };
+}
+
+/// Lights the probes around all vertices.
+static void light_probes(rsv_mover *m)
+{
+    for (size_t v = 0; v < m->body->vertex_count; v++) {
+        size_t probe[8];
+        float weight[8];
+        rsv_probe_grid_around(&m->grid, rsv_mover_point(m, m->body->position[v]), probe, weight);
+        for (int k = 0; k < 8; k++)
+            if (weight[k] > 0 && m->grid.valid[probe[k]] && !m->grid.lit[probe[k]])
+                rsv_probe_grid_light(&m->grid, probe[k]);
+    }
+}
+
+static rsv_rgb irradiance_at(const rsv_mover *m, size_t vertex)
+{
+    rsv_vec3 point = rsv_mover_point(m, m->body->position[vertex]);
+    rsv_vec3 normal = rsv_mover_turn(m, m->body->normal[vertex]);
+    float extent =
+        v3_max_abs(point) + rsv_scene_extent(m->body) + rsv_scene_extent(m->solution->scene.view);
+    rsv_vec3 origin = rsv_offset_origin(point, normal, extent);
+    rsv_aimed_ray aimed[RSV_MOST_AIMED];
+    uint32_t stream = rsv_hash2((uint32_t)vertex, 0x6d6fu);
+    uint32_t count = rsv_mover_aim(m, point, normal, origin, stream, aimed);
+    rsv_rgb sum = rsv_probe_grid_irradiance(&m->grid, point, normal);
+    for (uint32_t k = 0; k < count; k++)
+        if (!rsv_mover_occludes(m, &aimed[k].ray) &&
+            !rsv_tracer_occluded(m->solution->tracer, &aimed[k].ray))
+            sum = rgb_add(sum, aimed[k].irradiance);
+    return sum;
+}
+
+static void light_vertices(rsv_mover *m)
+{
+    light_probes(m);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(m->context))
+    for (size_t v = 0; v < m->body->vertex_count; v++)
+        m->irradiance[v] = irradiance_at(m, v);
+}
+
+void rsv_mover_refresh(rsv_mover *m)
+{
+    bound_lamps(m);
+    rsv_probe_grid_darken(&m->grid);
+    light_vertices(m);
+}
+
+rsv_status rsv_mover_place(rsv_mover *m, rsv_vec3 offset, float turn)
+{
+    if (!isfinite(offset.x + offset.y + offset.z + turn) || v3_max_abs(offset) > 1e6f)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "mover: its place must be within 1e6 m and its turn finite");
+    float angle = fmodf(turn, 360) * (RSV_PI / 180);
+    m->offset = offset;
+    m->sine = sinf(angle);
+    m->cosine = cosf(angle);
+    m->ball.centre = v3_add(m->middle, offset);
+    light_vertices(m);
+    return RSV_OK;
+}
+
+const rsv_rgb *rsv_mover_irradiance(const rsv_mover *m) { return m->irradiance; }
+
+// ---- creation -----------------------------------------------------------------------------------
+
+static rsv_status check_desc(const rsv_mover_desc *d)
+{
+    if (!(d->probe_spacing >= 0 && isfinite(d->probe_spacing)))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "mover: a probe spacing of %g m is not 0 or more",
+            (double)d->probe_spacing);
+    if (d->probe_samples < 32 || d->probe_samples > 65536)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "mover: %u rays per direction are not in 32 .. 65536",
+            d->probe_samples);
+    if (d->light_samples < 1 || d->light_samples > 64)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "mover: %u shadow rays are not in 1 .. 64", d->light_samples);
+    return RSV_OK;
+}
+
+static void set_body(rsv_mover *m)
+{
+    const rsv_scene_view *b = m->body;
+    m->middle = v3_scale(v3_add(b->bounds_min, b->bounds_max), 0.5f);
+    m->ball.centre = m->middle;
+    for (size_t v = 0; v < b->vertex_count; v++)
+        m->ball.radius = f_max(m->ball.radius, v3_length(v3_sub(b->position[v], m->middle)));
+    for (size_t k = 0; k < b->material_count; k++)
+        m->albedo[k] = b->material[k].base_color;
+    m->cosine = 1;
+}
+
+rsv_status rsv_mover_create(const rsv_solution *solution, const rsv_scene *body,
+    const rsv_mover_desc *desc, rsv_mover **mover)
+{
+    rsv_mover_desc settings = desc ? *desc : rsv_default_mover_desc();
+    rsv_status status = check_desc(&settings);
+    if (status != RSV_OK) return status;
+    rsv_mover *m = rsv_alloc(solution->context, 1, sizeof *m);
+    if (!m) return RSV_ERROR_MEMORY;
+    m->context = solution->context;
+    m->solution = solution;
+    m->body = rsv_scene_get_view(body);
+    m->desc = settings;
+    m->irradiance = rsv_alloc(m->context, m->body->vertex_count, sizeof *m->irradiance);
+    m->albedo = rsv_alloc(m->context, m->body->material_count, sizeof *m->albedo);
+    RSV_TRY(m->irradiance && m->albedo ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_tracer_create(body, &m->tracer));
+    RSV_TRY(rsv_probe_grid_create(
+        solution, settings.probe_spacing, settings.probe_samples, false, &m->grid));
+    set_body(m);
+    rsv_mover_refresh(m);
+    *mover = m;
+    return RSV_OK;
+cleanup:
+    rsv_mover_destroy(m);
+    return status;
+}
+
+void rsv_mover_destroy(rsv_mover *m)
+{
+    if (!m) return;
+    rsv_probe_grid_destroy(&m->grid);
+    rsv_tracer_destroy(m->tracer);
+    rsv_free(m->context, m->irradiance);
+    rsv_free(m->context, m->albedo);
+    rsv_free(m->context, m);
+}

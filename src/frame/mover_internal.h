@@ -1,0 +1,61 @@
+/// Movers as frames see them.
+#ifndef RSV_MOVER_INTERNAL_H
+#define RSV_MOVER_INTERNAL_H
+
+#include "../render/probe_grid.h"
+#include "resolvent/mover.h"
+#include "resolvent/trace.h"
+
+/// A sphere.
+typedef struct rsv_ball {
+    rsv_vec3 centre;
+    float radius;
+} rsv_ball;
+
+struct rsv_mover {
+    rsv_context *context;
+    const rsv_solution *solution;
+    const rsv_scene_view *body;
+    rsv_tracer *tracer; ///< of the body, where its scene has it
+    rsv_mover_desc desc;
+    rsv_probe_grid grid; ///< without light straight from sources
+    rsv_rgb *irradiance; ///< [vertex_count]
+    rsv_rgb *albedo;     ///< [material_count]
+    rsv_vec3 middle;     ///< that it turns about
+    rsv_vec3 offset;
+    float sine, cosine; ///< of the turn
+    rsv_ball ball;      ///< around it, in the world
+    rsv_ball lamps;     ///< around all sources
+    bool lamps_bounded; ///< false: some are infinitely far away
+};
+
+/// Between the world and the body's scene; lengths are kept.
+rsv_vec3 rsv_mover_turn(const rsv_mover *mover, rsv_vec3 direction);
+rsv_vec3 rsv_mover_turn_back(const rsv_mover *mover, rsv_vec3 direction);
+rsv_vec3 rsv_mover_point_back(const rsv_mover *mover, rsv_vec3 point);
+
+bool rsv_mover_occludes(const rsv_mover *mover, const rsv_ray *ray);
+
+/// What the rays of a packet meet of the object before they end where they do. @param body scratch
+/// @return lanes that meet it, a bit each; their hits are in `body`
+uint32_t rsv_mover_meet(const rsv_mover *mover, const rsv_ray_packet *packet, rsv_ray_packet *body);
+
+/// Radiance of the object at a hit of rsv_mover_meet.
+rsv_rgb rsv_mover_shown(const rsv_mover *mover, const rsv_ray_packet *body, uint32_t lane);
+
+/// A ray towards a source, and the irradiance it brings if nothing is in its way.
+typedef struct rsv_aimed_ray {
+    rsv_ray ray;
+    rsv_rgb irradiance;
+} rsv_aimed_ray;
+
+#define RSV_MOST_AIMED 192
+
+/// Samples all sources. @param ray [RSV_MOST_AIMED] out @return how many
+uint32_t rsv_mover_aim(const rsv_mover *mover, rsv_vec3 point, rsv_vec3 normal, rsv_vec3 origin,
+    uint32_t stream, rsv_aimed_ray *ray);
+
+/// Irradiance that the object keeps from a point of the scene's surfaces.
+rsv_rgb rsv_mover_shadow(const rsv_mover *mover, const rsv_surface_point *point, uint32_t stream);
+
+#endif

@@ -1,0 +1,132 @@
+#include "mover_internal.h"
+
+#include "../core/stratified.h"
+
+bool rsv_mover_occludes(const rsv_mover *m, const rsv_ray *ray)
+{
+    rsv_ray turned = { rsv_mover_point_back(m, ray->origin), rsv_mover_turn_back(m, ray->direction),
+        ray->t_max };
+    return rsv_tracer_occluded(m->tracer, &turned);
+}
+
+// ---- what is seen of it ---------------------------------------------------------------------------
+
+static void turn_rays(const rsv_mover *m, const rsv_ray_packet *from, rsv_ray_packet *to)
+{
+    for (int k = 0; k < RSV_PACKET_WIDTH; k++) {
+        rsv_vec3 origin =
+            rsv_mover_point_back(m, v3(from->origin_x[k], from->origin_y[k], from->origin_z[k]));
+        rsv_vec3 direction = rsv_mover_turn_back(
+            m, v3(from->direction_x[k], from->direction_y[k], from->direction_z[k]));
+        to->origin_x[k] = origin.x, to->origin_y[k] = origin.y, to->origin_z[k] = origin.z;
+        to->direction_x[k] = direction.x;
+        to->direction_y[k] = direction.y;
+        to->direction_z[k] = direction.z;
+        to->t_min[k] = to->time[k] = 0;
+        to->t_max[k] = from->t_max[k];
+        to->mask[k] = UINT32_MAX;
+        to->id[k] = to->flags[k] = 0;
+    }
+}
+
+uint32_t rsv_mover_meet(const rsv_mover *m, const rsv_ray_packet *packet, rsv_ray_packet *body)
+{
+    uint32_t met = 0;
+    turn_rays(m, packet, body);
+    rsv_tracer_closest_packet(m->tracer, body, true);
+    for (uint32_t k = 0; k < RSV_PACKET_WIDTH; k++)
+        met |= (uint32_t)(packet->t_max[k] > 0 && body->triangle[k] != RSV_NONE) << k;
+    return met;
+}
+
+rsv_rgb rsv_mover_shown(const rsv_mover *m, const rsv_ray_packet *p, uint32_t k)
+{
+    float cos = p->normal_x[k] * p->direction_x[k] + p->normal_y[k] * p->direction_y[k] +
+                p->normal_z[k] * p->direction_z[k];
+    if (cos > 0) return rgb_gray(0); // the back of its surface
+    const uint32_t *corner = m->body->triangle[p->triangle[k]];
+    rsv_rgb irradiance = rgb_scale(m->irradiance[corner[0]], 1 - p->u[k] - p->v[k]);
+    irradiance = rgb_mad(irradiance, p->u[k], m->irradiance[corner[1]]);
+    irradiance = rgb_mad(irradiance, p->v[k], m->irradiance[corner[2]]);
+    rsv_rgb albedo = m->albedo[m->body->triangle_material[p->triangle[k]]];
+    return rgb_scale(rgb_mul(albedo, irradiance), 1 / RSV_PI);
+}
+
+// ---- light from sources ---------------------------------------------------------------------------
+
+static float ratio(float exact, float sampled) { return sampled > 0 ? exact / sampled : 1; }
+
+/// Emitters, suns and sky. Where their unshadowed light is known in closed form, samples are scaled to it.
+static uint32_t aim_at_emitters(const rsv_mover *m, const rsv_local_lights *local, rsv_vec3 origin,
+    uint32_t stream, rsv_aimed_ray *ray)
+{
+    uint32_t samples = m->desc.light_samples, count = 0;
+    rsv_rgb open = rgb_gray(0);
+    for (uint32_t k = 0; k < samples; k++) {
+        rsv_light_sample light;
+        float x, y, select = rsv_stratified_1d(k, samples, rsv_hash2(stream, 1));
+        rsv_stratified_2d(k, samples, rsv_hash2(stream, 2), &x, &y);
+        if (!rsv_local_lights_sample(local, select, x, y, &light)) continue;
+        float cos = v3_dot(local->normal, light.direction);
+        if (cos <= 0) continue;
+        float weight = cos / (light.pdf_solid_angle * (float)samples);
+        open = rgb_mad(open, weight, light.mean_radiance);
+        ray[count].ray = rsv_shadow_ray(local->lights, &light, local->point, origin);
+        ray[count++].irradiance = rgb_scale(light.radiance, weight);
+    }
+    if (local->by_tree) return count;
+    rsv_rgb scale = rgb(ratio(local->unshadowed.r, open.r), ratio(local->unshadowed.g, open.g),
+        ratio(local->unshadowed.b, open.b));
+    for (uint32_t k = 0; k < count; k++)
+        ray[k].irradiance = rgb_mul(ray[k].irradiance, scale);
+    return count;
+}
+
+uint32_t rsv_mover_aim(const rsv_mover *m, rsv_vec3 point, rsv_vec3 normal, rsv_vec3 origin,
+    uint32_t stream, rsv_aimed_ray *ray)
+{
+    const rsv_lights *lights = m->solution->lights;
+    uint32_t count = 0;
+    if (rsv_lights_any_sampled(lights)) {
+        rsv_local_lights local;
+        rsv_lights_at(lights, point, normal, &local);
+        count = aim_at_emitters(m, &local, origin, stream, ray);
+    }
+    float u = rsv_unit_float(rsv_hash2(stream, 3));
+    for (uint32_t k = 0; k < rsv_punctual_count(lights) && count < RSV_MOST_AIMED; k++) {
+        rsv_punctual_sample light;
+        if (!rsv_punctual_at(lights, point, normal, k, u, &light)) continue;
+        float cos = v3_dot(normal, light.direction);
+        if (cos <= 0) continue;
+        ray[count].ray = rsv_punctual_ray(&light, origin);
+        ray[count++].irradiance = rgb_scale(light.irradiance, cos);
+    }
+    return count;
+}
+
+/// Whether the object may lie between a point and some lamp: segments from a point into a ball stay within the ball's
+/// radius of the one to its centre.
+static bool may_shade(const rsv_mover *m, rsv_vec3 point)
+{
+    if (!m->lamps_bounded) return true;
+    rsv_vec3 way = v3_sub(m->lamps.centre, point), to = v3_sub(m->ball.centre, point);
+    float length = v3_dot(way, way);
+    float along = length > 0 ? f_min(f_max(v3_dot(to, way) / length, 0), 1) : 0;
+    rsv_vec3 apart = v3_mad(to, -along, way);
+    float reach = m->lamps.radius + m->ball.radius;
+    return v3_dot(apart, apart) <= reach * reach;
+}
+
+rsv_rgb rsv_mover_shadow(const rsv_mover *m, const rsv_surface_point *point, uint32_t stream)
+{
+    rsv_rgb kept = rgb_gray(0);
+    if (!may_shade(m, point->position)) return kept;
+    rsv_aimed_ray aimed[RSV_MOST_AIMED];
+    rsv_vec3 origin = rsv_offset_origin(point->position, point->geometric, point->extent);
+    uint32_t count = rsv_mover_aim(m, point->position, point->normal, origin, stream, aimed);
+    for (uint32_t k = 0; k < count; k++)
+        if (rsv_mover_occludes(m, &aimed[k].ray) &&
+            !rsv_tracer_occluded(m->solution->tracer, &aimed[k].ray))
+            kept = rgb_add(kept, aimed[k].irradiance);
+    return kept;
+}

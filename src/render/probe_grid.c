@@ -1,0 +1,227 @@
+#include "probe_grid.h"
+
+#include <string.h>
+
+#define PI 3.14159265358979323846
+#define NORMALS 32
+#define HARMONICS RSV_PROBE_HARMONICS
+#define MOST_PROBES ((size_t)1 << 20)
+/// Without a spacing, so many probes along the longest side.
+#define PROBES_ALONG 16
+/// A probe that sees more backs than this share is inside something.
+#define MOST_BACKS 0.25f
+
+/// Of radiance in irradiance, by harmonic.
+static const double kept[HARMONICS] = { PI, 2 * PI / 3, 2 * PI / 3, 2 * PI / 3, PI / 4, PI / 4,
+    PI / 4, PI / 4, PI / 4 };
+
+/// @param weight sum 1
+static void choose_normals(rsv_vec3 normal[NORMALS], double weight[NORMALS])
+{
+    const float golden = 1.6180339887f;
+    int n = 0;
+    for (int k = 0; k < 12; k++) { // cyclic permutations of (0, +-1, +-golden)
+        float v[3] = { 0, 0, 0 };
+        v[(k / 4 + 1) % 3] = k & 1 ? -1.0f : 1.0f;
+        v[(k / 4 + 2) % 3] = k & 2 ? -golden : golden;
+        normal[n] = v3_normalize(v3(v[0], v[1], v[2]));
+        weight[n++] = 5.0 / 168;
+    }
+    for (int k = 0; k < 8; k++) {
+        normal[n] = v3_normalize(v3(k & 1 ? -1 : 1, k & 2 ? -1 : 1, k & 4 ? -1 : 1));
+        weight[n++] = 9.0 / 280;
+    }
+    for (int k = 0; k < 12; k++) { // cyclic permutations of (0, +-golden, +-1 / golden)
+        float v[3] = { 0, 0, 0 };
+        v[(k / 4 + 1) % 3] = k & 1 ? -golden : golden;
+        v[(k / 4 + 2) % 3] = k & 2 ? -1 / golden : 1 / golden;
+        normal[n] = v3_normalize(v3(v[0], v[1], v[2]));
+        weight[n++] = 9.0 / 280;
+    }
+}
+
+/// Real spherical harmonics of a unit vector, in the order (0,0) (1,-1) (1,0) (1,1) (2,-2) .. (2,2).
+static void harmonics(rsv_vec3 n, double y[HARMONICS])
+{
+    double x = (double)n.x, v = (double)n.y, z = (double)n.z;
+    const double value[HARMONICS] = { 0.28209479177, 0.48860251190 * v, 0.48860251190 * z,
+        0.48860251190 * x, 1.09254843059 * x * v, 1.09254843059 * v * z,
+        0.31539156525 * (3 * z * z - 1), 1.09254843059 * x * z, 0.54627421529 * (x * x - v * v) };
+    memcpy(y, value, sizeof value);
+}
+
+// ---- the grid -------------------------------------------------------------------------------------
+
+static rsv_status lay_grid(rsv_probe_grid *g, float spacing)
+{
+    const rsv_scene_view *view = g->solution->scene.view;
+    rsv_vec3 extent = v3_sub(view->bounds_max, view->bounds_min);
+    if (spacing <= 0) spacing = v3_max_abs(extent) / PROBES_ALONG;
+    double all = 1;
+    float *origin = &g->origin.x, *step = &g->spacing.x;
+    for (int a = 0; a < 3; a++) {
+        float length = (&extent.x)[a], cells = ceilf(length / spacing - 1e-3f);
+        all *= fmax((double)cells, 1);
+        if (all > (double)MOST_PROBES)
+            return rsv_fail(RSV_ERROR_ARGUMENT,
+                "probes %g m apart would be more than %zu; ask for a wider spacing",
+                (double)spacing, MOST_PROBES);
+        g->size[a] = cells < 1 ? 1 : (uint32_t)cells;
+        step[a] = length > 0 ? length / (float)g->size[a] : spacing;
+        origin[a] = (&view->bounds_min.x)[a] + 0.5f * step[a];
+    }
+    g->count = (size_t)all;
+    return RSV_OK;
+}
+
+static rsv_vec3 place_of(const rsv_probe_grid *g, size_t probe)
+{
+    size_t x = probe % g->size[0], y = probe / g->size[0] % g->size[1];
+    size_t z = probe / g->size[0] / g->size[1];
+    return v3(g->origin.x + (float)x * g->spacing.x, g->origin.y + (float)y * g->spacing.y,
+        g->origin.z + (float)z * g->spacing.z);
+}
+
+/// Whether a ray from a probe meets the back of something opaque.
+static bool sees_back(const rsv_probe_grid *g, rsv_vec3 from, rsv_vec3 direction)
+{
+    const rsv_scene_view *view = g->solution->scene.view;
+    const rsv_ray ray = { .origin = from, .direction = direction, .t_max = INFINITY };
+    rsv_hit hit;
+    if (!rsv_tracer_closest(g->solution->tracer, &ray, &hit)) return false;
+    const uint32_t *v = view->triangle[hit.triangle];
+    const rsv_material *m = &view->material[view->triangle_material[hit.triangle]];
+    rsv_vec3 normal = v3_cross(v3_sub(view->position[v[1]], view->position[v[0]]),
+        v3_sub(view->position[v[2]], view->position[v[0]]));
+    return v3_dot(normal, direction) > 0 && !m->double_sided && m->transmission == 0;
+}
+
+static void find_valid(rsv_probe_grid *g)
+{
+    rsv_vec3 normal[NORMALS];
+    double weight[NORMALS];
+    choose_normals(normal, weight);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(g->solution->context))
+    for (size_t k = 0; k < g->count; k++) {
+        rsv_vec3 place = place_of(g, k);
+        int backs = 0;
+        for (int n = 0; n < NORMALS; n++)
+            backs += sees_back(g, place, normal[n]);
+        g->valid[k] = (float)backs <= MOST_BACKS * NORMALS;
+    }
+}
+
+rsv_status rsv_probe_grid_create(
+    const rsv_solution *solution, float spacing, uint32_t samples, bool sources, rsv_probe_grid *g)
+{
+    *g = (rsv_probe_grid){ .solution = solution,
+        .job = rsv_probe_job_of(solution, samples, solution->desc.seed, sources) };
+    rsv_status status = lay_grid(g, spacing);
+    if (status != RSV_OK) return status;
+    g->coefficient = rsv_alloc(solution->context, g->count, sizeof *g->coefficient);
+    g->valid = rsv_alloc(solution->context, g->count, 1);
+    g->lit = rsv_alloc(solution->context, g->count, 1);
+    if (g->coefficient && g->valid && g->lit) {
+        find_valid(g);
+        return RSV_OK;
+    }
+    rsv_probe_grid_destroy(g);
+    return RSV_ERROR_MEMORY;
+}
+
+void rsv_probe_grid_destroy(rsv_probe_grid *g)
+{
+    if (!g->solution) return;
+    rsv_free(g->solution->context, g->coefficient);
+    rsv_free(g->solution->context, g->valid);
+    rsv_free(g->solution->context, g->lit);
+    *g = (rsv_probe_grid){ 0 };
+}
+
+// ---- light ----------------------------------------------------------------------------------------
+
+static void add_reading(rsv_rgb irradiance, rsv_vec3 normal, double weight, double sum[][3])
+{
+    double y[HARMONICS];
+    harmonics(normal, y);
+    for (int h = 0; h < HARMONICS; h++)
+        for (int c = 0; c < 3; c++)
+            sum[h][c] += 4 * PI * weight * y[h] / kept[h] * (double)(&irradiance.r)[c];
+}
+
+void rsv_probe_grid_light(rsv_probe_grid *g, size_t probe)
+{
+    const rsv_solution *s = g->solution;
+    rsv_vec3 normal[NORMALS], place = place_of(g, probe);
+    double weight[NORMALS], sum[HARMONICS][3] = { { 0 } };
+    rsv_rgb irradiance[NORMALS];
+    choose_normals(normal, weight);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(s->context))
+    for (int n = 0; n < NORMALS; n++) {
+        const rsv_probe receiver = { .position = place, .normal = normal[n] };
+        irradiance[n] = rsv_probe_read(&g->job, &receiver, (uint32_t)n).irradiance;
+    }
+    for (int n = 0; n < NORMALS; n++)
+        add_reading(irradiance[n], normal[n], weight[n], sum);
+    for (int h = 0; h < HARMONICS; h++)
+        g->coefficient[probe][h] = rgb((float)sum[h][0], (float)sum[h][1], (float)sum[h][2]);
+    g->lit[probe] = 1;
+}
+
+void rsv_probe_grid_darken(rsv_probe_grid *g) { memset(g->lit, 0, g->count); }
+
+void rsv_probe_grid_around(
+    const rsv_probe_grid *g, rsv_vec3 point, size_t probe[8], float weight[8])
+{
+    size_t low[3], high[3];
+    float share[3];
+    for (int a = 0; a < 3; a++) {
+        float last = (float)(g->size[a] - 1);
+        float at = ((&point.x)[a] - (&g->origin.x)[a]) / (&g->spacing.x)[a];
+        at = f_min(f_max(at, 0), last);
+        low[a] = (size_t)at;
+        high[a] = low[a] + 1 < g->size[a] ? low[a] + 1 : low[a];
+        share[a] = at - (float)low[a];
+    }
+    for (int k = 0; k < 8; k++) {
+        size_t x = k & 1 ? high[0] : low[0], y = k & 2 ? high[1] : low[1];
+        size_t z = k & 4 ? high[2] : low[2];
+        probe[k] = (z * g->size[1] + y) * g->size[0] + x;
+        weight[k] = (k & 1 ? share[0] : 1 - share[0]) * (k & 2 ? share[1] : 1 - share[1]) *
+                    (k & 4 ? share[2] : 1 - share[2]);
+    }
+}
+
+static rsv_rgb irradiance_of(const rsv_rgb *coefficient, rsv_vec3 normal)
+{
+    double y[HARMONICS];
+    rsv_rgb sum = rgb_gray(0);
+    harmonics(normal, y);
+    for (int h = 0; h < HARMONICS; h++)
+        sum = rgb_mad(sum, (float)(kept[h] * y[h]), coefficient[h]);
+    return rgb(f_max(sum.r, 0), f_max(sum.g, 0), f_max(sum.b, 0));
+}
+
+static bool sees_probe(const rsv_probe_grid *g, rsv_vec3 origin, size_t probe)
+{
+    rsv_ray ray = { origin, v3_sub(place_of(g, probe), origin), 1 };
+    return !rsv_tracer_occluded(g->solution->tracer, &ray);
+}
+
+rsv_rgb rsv_probe_grid_irradiance(const rsv_probe_grid *g, rsv_vec3 point, rsv_vec3 normal)
+{
+    const rsv_solution *s = g->solution;
+    size_t probe[8];
+    float weight[8], total = 0;
+    rsv_rgb sum = rgb_gray(0);
+    rsv_vec3 origin = rsv_offset_origin(point, normal, rsv_scene_extent(s->scene.view));
+    rsv_probe_grid_around(g, point, probe, weight);
+    for (int k = 0; k < 8; k++) {
+        if (weight[k] <= 0 || !g->lit[probe[k]] || !sees_probe(g, origin, probe[k])) continue;
+        sum = rgb_mad(sum, weight[k], irradiance_of(g->coefficient[probe[k]], normal));
+        total += weight[k];
+    }
+    if (total > 0) return rgb_scale(sum, 1 / total);
+    const rsv_probe receiver = { .position = point, .normal = normal };
+    return rsv_probe_read(&g->job, &receiver, 0).irradiance;
+}
