@@ -152,7 +152,7 @@ static rsv_photon_emission emit_from_group(
     bool back = e->double_sided && (rsv_random_bits(random) & 1u);
     rsv_vec3 normal = back ? v3_neg(e->normal) : e->normal;
     rsv_vec3 point = v3_barycentric(e->corner[0], e->corner[1], e->corner[2], u, v);
-    rsv_photon_emission out;
+    rsv_photon_emission out = { .medium = NULL };
     out.origin = rsv_offset_origin(point, normal, rsv_triangle_extent(o->scene->view, e->triangle));
     out.direction = to_world(rsv_square_to_cosine_hemisphere(x, y), normal);
     double probability = rsv_emitter_power(e) / g->power;

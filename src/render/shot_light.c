@@ -4,7 +4,8 @@
 #include "../trace/camera_ray.h"
 #include "rough_light.h"
 
-#define FEWEST_PATHS (1u << 18)
+/// As many paths as camera rays, but a picture of a few pixels is still lit by so many.
+#define FEWEST_PATHS (1u << 16)
 
 typedef struct shot_splat {
     size_t pixel;
