@@ -25,7 +25,7 @@ rsv_add_test(faults unit/test_faults.c)
 rsv_add_test(relight unit/test_relight.c)
 set(view_folder ${PROJECT_SOURCE_DIR}/apps/resolvent/view)
 rsv_add_test(view unit/test_view.c ${view_folder}/view_camera.c ${view_folder}/view_command.c
-    ${view_folder}/view_keys.c ${view_folder}/view_state.c)
+    ${view_folder}/view_items.c ${view_folder}/view_keys.c ${view_folder}/view_state.c)
 rsv_add_test(opfile unit/test_opfile.c)
 target_link_libraries(test_opfile PRIVATE PkgConfig::CJSON)
 rsv_add_test(render unit/test_render.c)
