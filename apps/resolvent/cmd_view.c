@@ -22,6 +22,9 @@ static const char help_head[] =
     "\n"
     "  --size WxH         pixels of the window (default 960x540)\n"
     "  --camera NAME      to begin with\n"
+    "  --object FILE      a rigid object that moves: drag its ring, or `place` it in a script; lit "
+    "by\n"
+    "                     the scene, with its shadow and its images (docs/view.md)\n"
     "  --budget MS        milliseconds of a frame for orders of light while it changes (default "
     "8)\n"
     "  --script FILE      commands by frame: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
@@ -41,7 +44,7 @@ static const char help_tail[] =
     "  resolvent view cornell-blocks --script tour.txt --record tour\n";
 
 typedef struct settings {
-    const char *scene, *camera, *script, *record, *mesh;
+    const char *scene, *camera, *script, *record, *mesh, *object;
     cli_environment environment;
     cli_solve_choice solve;
     cli_size size;
@@ -54,6 +57,7 @@ typedef struct viewer {
     const settings *settings;
     cli_session *session;
     cli_subject subject;
+    rsv_scene *body; ///< that moves; NULL = none
     rsv_relighter *relighter;
     cli_view_frames *frames;
     cli_view_state state;
@@ -85,6 +89,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     const cli_option options[] = {
         { .name = "--size", .kind = CLI_SIZE, .value = &s->size, .min = 1, .max = 16384 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
+        { .name = "--object", .kind = CLI_TEXT, .value = &s->object },
         { .name = "--budget", .kind = CLI_REAL, .value = &s->budget_ms, .max = 1e6 },
         { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
         { .name = "--frames",
@@ -120,7 +125,7 @@ static bool begin_state(viewer *v)
             v->settings->scene, v->settings->camera, v->settings->scene);
         return false;
     }
-    if (!cli_view_state_begin(v->relighter, v->subject.scene, layers, &v->state)) {
+    if (!cli_view_state_begin(v->relighter, v->subject.scene, layers, v->body, &v->state)) {
         cli_error("out of memory");
         return false;
     }
@@ -154,8 +159,10 @@ static bool open_light(viewer *v)
     if (!report(v, cli_solve_subject(v->session, &desc, NULL, &v->subject, NULL))) return false;
     if (!report(v, rsv_relighter_create(v->subject.solution, v->subject.scene, &v->relighter)))
         return false;
+    if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;
     double budget = s->record ? 0 : (double)s->budget_ms;
-    return report(v, cli_view_frames_create(v->subject.solution, v->relighter, budget, &v->frames));
+    return report(
+        v, cli_view_frames_create(v->subject.solution, v->relighter, v->body, budget, &v->frames));
 }
 
 static uint32_t count_frames(const viewer *v)
@@ -188,6 +195,7 @@ static void close_viewer(viewer *v)
     cli_free_view_script(&v->script);
     cli_view_state_free(&v->state);
     cli_view_frames_destroy(v->frames);
+    rsv_scene_destroy(v->body);
     rsv_relighter_destroy(v->relighter);
     cli_close_subject(&v->subject);
     free(v->canvas.pixel);

@@ -47,6 +47,28 @@ done
 succeeds "${view[@]}" --size 64x48 --record single
 [[ $(ls single) == frame-0000.png ]] || complain "without a script one frame is enough"
 
+# an object that moves, the same way every time
+cat >tetrahedron.obj <<'OBJ'
+v 0 0 0
+v 0.15 0 0
+v 0 0 -0.15
+v 0 0.15 0
+f 1 3 2
+f 1 2 4
+f 2 3 4
+f 1 4 3
+OBJ
+printf '%s\n' '0 show hud' '0 show markers' '1 place -0.4 0.1 -0.1 30' '2 select object' '2 nudge 0.05 0 0' >roll.txt
+for folder in roll roll-again; do
+    succeeds "${view[@]}" --size 96x64 --object tetrahedron.obj --script roll.txt --record $folder
+done
+for pair in '0 1' '1 2'; do
+    read -r a b <<<"$pair"
+    cmp -s "roll/frame-000$a.png" "roll/frame-000$b.png" && complain "the object stays where it was in frame $b"
+done
+cmp -s roll/frame-0002.png roll-again/frame-0002.png || complain "the object looks different the second time"
+refuses 1 'nothing.obj' "${view[@]}" --object nothing.obj --record "$work/frames"
+
 # scripts with errors name the line, and nothing is solved for those that cannot be read
 wrong() {
     printf '%s\n' '# a comment' '0 orbit 1 1' "$1" >bad.txt
@@ -58,6 +80,7 @@ wrong '-1 orbit 1 1' 'expected FRAME'
 wrong '99999999999 orbit 1 1' 'expected FRAME'
 wrong '1' 'expected FRAME'
 wrong '1 ' 'command is missing'
+wrong '1 place 0 0 0 0' 'no object'
 wrong '1 jump' 'jump.*--help'
 wrong '1 orbit 1' 'orbit.*a number more'
 wrong '1 orbit x 1' 'no number'

@@ -34,8 +34,8 @@ static stage *open_stage(void)
     desc.rays_per_element = 64;
     assert_int_equal(rsv_solution_create(s->w->scene, &desc, &s->solution), RSV_OK);
     assert_int_equal(rsv_relighter_create(s->solution, s->w->scene, &s->relighter), RSV_OK);
-    assert_true(cli_view_state_begin(
-        s->relighter, s->w->scene, 1 + rsv_solution_order_count(s->solution), &s->state));
+    assert_true(cli_view_state_begin(s->relighter, s->w->scene,
+        1 + rsv_solution_order_count(s->solution), s->w->scene, &s->state));
     s->state.aspect = 1.5f;
     return s;
 }
@@ -263,6 +263,29 @@ static void layers_and_modes_go_round(void **state)
     close_stage(s);
 }
 
+static void an_object_moves_without_the_light(void **state)
+{
+    (void)state;
+    stage *s = open_stage();
+    uint32_t light = s->state.light_changes, object = s->state.object_changes;
+    assert_true(say(s, "place 0.1 0.2 -0.3 45"));
+    assert_true(say(s, "select object"));
+    assert_true(say(s, "nudge 0.1 0 0"));
+    const cli_view_item *item = &s->state.item[s->state.object];
+    assert_float_equal(item->offset.x, 0.2f, 1e-6f);
+    assert_float_equal(item->offset.z, -0.3f, 1e-6f);
+    assert_float_equal(s->state.object_turn, 45, 0);
+    assert_int_equal(s->state.light_changes, light);
+    assert_int_equal(s->state.object_changes, object + 2);
+    assert_false(say(s, "intensity 2"));
+    assert_false(say(s, "color 1 0 0"));
+    assert_true(say(s, "reset"));
+    assert_float_equal(s->state.item[s->state.object].offset.x, 0, 0);
+    s->state.object = SIZE_MAX;
+    assert_false(say(s, "place 0 0 0 0"));
+    close_stage(s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -276,6 +299,7 @@ int main(void)
         cmocka_unit_test(changes_reach_the_relighter),
         cmocka_unit_test(extremes_are_survived),
         cmocka_unit_test(layers_and_modes_go_round),
+        cmocka_unit_test(an_object_moves_without_the_light),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -33,6 +33,7 @@ static const word words[] = {
     { "orbit", CLI_VIEW_ORBIT, "nn" },
     { "panorama", CLI_VIEW_PANORAMA, "t" },
     { "pick", CLI_VIEW_PICK, "nn" },
+    { "place", CLI_VIEW_PLACE, "nnnn" },
     { "quit", CLI_VIEW_QUIT, "" },
     { "release", CLI_VIEW_RELEASE, "" },
     { "reset", CLI_VIEW_RESET, "" },
@@ -51,11 +52,14 @@ const char cli_view_command_help[] =
     "  fly RIGHT UP FORWARD   metres\n"
     "  dolly FACTOR           distance times FACTOR\n"
     "  camera NAME            one of the scene's\n"
-    "  select ITEM            light.NAME, albedo.MATERIAL or environment; next, previous, none\n"
+    "  select ITEM            light.NAME, albedo.MATERIAL, environment or object; next, previous,\n"
+    "                         none\n"
     "  intensity SCALE        of the light selected; `brighten STOPS` changes it\n"
     "  color R G B            factors of a light, or a material's albedo; `tint R G B` adds\n"
-    "  move X Y Z             the light selected, metres from its place in the scene; `nudge` "
+    "  move X Y Z             the light or object selected, metres from its first place; `nudge` "
     "adds\n"
+    "  place X Y Z DEG        the object, metres from its place in its file, turned about the "
+    "vertical\n"
     "  add NAME X Y Z         a point light at a place of the scene, which is selected then\n"
     "  albedo MATERIAL R G B  another base color\n"
     "  env-rotate DEG         the surroundings; `turn DEG` adds\n"

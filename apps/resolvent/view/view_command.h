@@ -28,6 +28,7 @@ typedef enum cli_view_verb {
     CLI_VIEW_ORBIT,
     CLI_VIEW_PANORAMA,
     CLI_VIEW_PICK,
+    CLI_VIEW_PLACE,
     CLI_VIEW_QUIT,
     CLI_VIEW_RELEASE,
     CLI_VIEW_RESET,
@@ -44,7 +45,7 @@ enum { CLI_VIEW_TEXT_LENGTH = 256 };
 
 typedef struct cli_view_command {
     cli_view_verb verb;
-    float number[3];
+    float number[4];
     char text[CLI_VIEW_TEXT_LENGTH];
 } cli_view_command;
 

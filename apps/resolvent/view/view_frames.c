@@ -4,6 +4,7 @@
 #include "view_still.h"
 
 #include "resolvent/frame.h"
+#include "resolvent/mover.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,6 +19,8 @@ struct cli_view_frames {
     rsv_solution *solution;
     rsv_relighter *relighter;
     double budget_ms;
+    rsv_mover *mover;        ///< NULL = none
+    uint32_t object_changes; ///< of the state that its place is of
     cli_view_changes changes;
     uint32_t light_changes; ///< of the state that the light is of
     size_t added_count;     ///< likewise
@@ -40,8 +43,8 @@ static rsv_context *context_of(const cli_view_frames *f)
     return rsv_scene_get_context(rsv_solution_scene(f->solution));
 }
 
-rsv_status cli_view_frames_create(
-    rsv_solution *solution, rsv_relighter *relighter, double budget_ms, cli_view_frames **frames)
+rsv_status cli_view_frames_create(rsv_solution *solution, rsv_relighter *relighter,
+    const rsv_scene *body, double budget_ms, cli_view_frames **frames)
 {
     size_t items = rsv_relighter_source_count(relighter) +
                    rsv_scene_get_view(rsv_solution_scene(solution))->material_count +
@@ -59,8 +62,12 @@ rsv_status cli_view_frames_create(
         cli_view_frames_destroy(f);
         return RSV_ERROR_MEMORY;
     }
-    *frames = f;
-    return RSV_OK;
+    rsv_status status = body ? rsv_mover_create(solution, body, NULL, &f->mover) : RSV_OK;
+    if (status == RSV_OK)
+        *frames = f;
+    else
+        cli_view_frames_destroy(f);
+    return status;
 }
 
 static void free_pictures(cli_view_frames *f)
@@ -75,6 +82,7 @@ void cli_view_frames_destroy(cli_view_frames *f)
 {
     if (!f) return;
     free_pictures(f);
+    rsv_mover_destroy(f->mover);
     free(f->changes.light);
     free(f->changes.albedo);
     free(f->changes.move);
@@ -93,6 +101,7 @@ static rsv_status fit(cli_view_frames *f, const cli_view_state *state, const cli
     desc.height = f->height = canvas->height;
     desc.eyes = f->eyes = eyes;
     rsv_status status = rsv_frame_renderer_create(f->solution, &desc, &f->renderer);
+    if (status == RSV_OK) rsv_frame_renderer_put(f->renderer, f->mover);
     for (uint32_t k = 0; k < eyes && status == RSV_OK; k++)
         status = cli_still_resize(f->solution, width, f->height, &f->still[k]);
     return status;
@@ -145,7 +154,23 @@ static rsv_status update_light(
     start = now_ms();
     rsv_frame_renderer_refresh(f->renderer);
     start_over(f);
+    if (f->mover) rsv_mover_refresh(f->mover);
     timing->refresh_ms = now_ms() - start;
+    return RSV_OK;
+}
+
+/// Puts the object where it is to be.
+static rsv_status update_object(
+    cli_view_frames *f, const cli_view_state *state, cli_view_timing *timing)
+{
+    if (!f->mover || state->object_changes == f->object_changes) return RSV_OK;
+    double start = now_ms();
+    rsv_status status =
+        rsv_mover_place(f->mover, state->item[state->object].offset, state->object_turn);
+    if (status != RSV_OK) return status;
+    f->object_changes = state->object_changes;
+    rsv_frame_renderer_put(f->renderer, f->mover);
+    timing->object_ms = now_ms() - start;
     return RSV_OK;
 }
 
@@ -217,6 +242,7 @@ rsv_status cli_view_frames_next(
     if (status != RSV_OK) return status;
     state->aspect = (float)f->width / (float)f->height;
     status = update_light(f, state, timing);
+    if (status == RSV_OK) status = update_object(f, state, timing);
     if (status != RSV_OK) return status;
     aim(f, state, camera);
     bool rests = keep_still(f, state, camera) && f->converged;

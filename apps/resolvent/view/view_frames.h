@@ -8,6 +8,7 @@
 /// Milliseconds of one frame by stage, and what it achieved.
 typedef struct cli_view_timing {
     double light_ms;   ///< sources changed and orders added
+    double object_ms;  ///< the object placed and lit
     double refresh_ms; ///< fields brought to the frames
     double camera_ms, chain_ms, display_ms;
     double still_ms; ///< pictures of modes other than operator
@@ -20,10 +21,11 @@ typedef struct cli_view_timing {
 
 typedef struct cli_view_frames cli_view_frames;
 
+/// @param body an object that moves, seen in mode operator; NULL = none; borrowed
 /// @param budget_ms of a frame for orders of light; 0 = one order per frame, so that the same frames come out every
 /// time
-rsv_status cli_view_frames_create(
-    rsv_solution *solution, rsv_relighter *relighter, double budget_ms, cli_view_frames **frames);
+rsv_status cli_view_frames_create(rsv_solution *solution, rsv_relighter *relighter,
+    const rsv_scene *body, double budget_ms, cli_view_frames **frames);
 void cli_view_frames_destroy(cli_view_frames *frames);
 
 /// Makes the next frame. Nothing is allocated while size and mode stay, but by modes final and error at rest.

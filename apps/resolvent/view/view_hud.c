@@ -225,6 +225,9 @@ static void value_text(const cli_view_state *state, const cli_view_item *item, c
     else if (item->kind == CLI_VIEW_ENVIRONMENT)
         snprintf(text, CLI_VIEW_TEXT_LENGTH, "x %.2f, %.0f deg", (double)item->scale,
             (double)state->env_rotation);
+    else if (item->kind == CLI_VIEW_OBJECT)
+        snprintf(text, CLI_VIEW_TEXT_LENGTH, "%.2f %.2f %.2f m", (double)item->offset.x,
+            (double)item->offset.y, (double)item->offset.z);
     else
         snprintf(text, CLI_VIEW_TEXT_LENGTH, "x %.2f", (double)item->scale);
 }

@@ -3,6 +3,7 @@
 #include "view_camera.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +34,20 @@ static bool is_surroundings(const cli_view_state *s, size_t source, size_t count
     return s->scene->environment && source + 1 == count; // they come last
 }
 
-void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter)
+static void list_object(cli_view_state *s, const rsv_scene_view *body)
+{
+    const rsv_vec3 *low = &body->bounds_min, *high = &body->bounds_max;
+    s->object = s->item_count++;
+    s->home[s->object] = (cli_view_item){ .kind = CLI_VIEW_OBJECT,
+        .name = "object",
+        .color = { 1, 1, 1 },
+        .scale = 1,
+        .home = { 0.5f * (low->x + high->x), 0.5f * (low->y + high->y), 0.5f * (low->z + high->z) },
+        .glow = { 1, 1, 1 },
+        .movable = true };
+}
+
+void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter, const rsv_scene *body)
 {
     size_t sources = rsv_relighter_source_count(relighter);
     for (size_t k = 0; k < sources; k++) {
@@ -54,11 +68,13 @@ void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter)
                 .name = s->scene->material[m].name,
                 .color = s->scene->material[m].base_color,
                 .scale = 1 };
+    s->object = SIZE_MAX;
+    if (body) list_object(s, rsv_scene_get_view(body));
 }
 
 static const char *prefix_of(cli_view_kind kind)
 {
-    static const char *const prefixes[] = { "light.", "", "albedo." };
+    static const char *const prefixes[] = { "light.", "", "albedo.", "" };
     return prefixes[kind];
 }
 
@@ -82,9 +98,7 @@ float cli_view_place(const cli_view_state *s, const cli_view_item *item, float p
 {
     rsv_vec3 at = { item->home.x + item->offset.x, item->home.y + item->offset.y,
         item->home.z + item->offset.z };
-    return item->kind == CLI_VIEW_LIGHT && item->movable
-               ? cli_camera_project(&s->camera, s->aspect, at, place)
-               : 0;
+    return item->movable ? cli_camera_project(&s->camera, s->aspect, at, place) : 0;
 }
 
 // ---- commands that concern what is selected ----------------------------------------------------------
@@ -109,8 +123,8 @@ bool cli_view_select(cli_view_state *s, const char *name, char *problem)
         s->selected = cli_view_find_item(s, name);
     else
         return cli_view_fail(problem,
-            "there is no '%.100s' to select; Tab goes through light.NAME, environment and "
-            "albedo.MATERIAL",
+            "there is no '%.100s' to select; Tab goes through light.NAME, environment, "
+            "albedo.MATERIAL and object",
             name);
     return true;
 }
@@ -118,8 +132,8 @@ bool cli_view_select(cli_view_state *s, const char *name, char *problem)
 /// The item selected, if it is of the right kind.
 static cli_view_item *selected_light(cli_view_state *s, char *problem)
 {
-    if (s->selected < s->item_count && s->item[s->selected].kind != CLI_VIEW_MATERIAL)
-        return &s->item[s->selected];
+    cli_view_item *item = s->selected < s->item_count ? &s->item[s->selected] : NULL;
+    if (item && item->kind != CLI_VIEW_MATERIAL && item->kind != CLI_VIEW_OBJECT) return item;
     cli_view_fail(problem, "no light is selected%s", "");
     return NULL;
 }
@@ -148,6 +162,8 @@ bool cli_view_set_color(cli_view_state *s, size_t index, rsv_rgb color, char *pr
 {
     if (index >= s->item_count) return cli_view_fail(problem, "nothing is selected%s", "");
     cli_view_item *item = &s->item[index];
+    if (item->kind == CLI_VIEW_OBJECT)
+        return cli_view_fail(problem, "the object keeps its colors%s", "");
     float most = item->kind == CLI_VIEW_MATERIAL ? 1 : 1000;
     bool good = color.r >= 0 && color.g >= 0 && color.b >= 0 && color.r <= most &&
                 color.g <= most && color.b <= most;
@@ -174,23 +190,52 @@ bool cli_view_tint(cli_view_state *s, const float by[3], char *problem)
 
 float cli_view_within(float value, float most) { return fminf(fmaxf(value, -most), most); }
 
+/// The item selected, if it has a place.
+static cli_view_item *selected_thing(cli_view_state *s, char *problem)
+{
+    cli_view_item *item = s->selected < s->item_count ? &s->item[s->selected] : NULL;
+    if (item && item->movable) return item;
+    if (item && item->kind != CLI_VIEW_MATERIAL)
+        cli_view_fail(problem, "'%.100s' cannot be moved", item->name);
+    else
+        cli_view_fail(problem, "no light is selected%s", "");
+    return NULL;
+}
+
+static void move_item(cli_view_state *s, cli_view_item *item, rsv_vec3 offset)
+{
+    float most = FARTHEST * s->reach;
+    item->offset = (rsv_vec3){ cli_view_within(offset.x, most), cli_view_within(offset.y, most),
+        cli_view_within(offset.z, most) };
+    if (item->kind == CLI_VIEW_OBJECT)
+        s->object_changes++;
+    else
+        s->light_changes++;
+}
+
 bool cli_view_move_to(cli_view_state *s, rsv_vec3 offset, char *problem)
 {
-    cli_view_item *light = selected_light(s, problem);
-    if (!light) return false;
-    if (!light->movable) return cli_view_fail(problem, "'%.100s' cannot be moved", light->name);
-    float most = FARTHEST * s->reach;
-    light->offset = (rsv_vec3){ cli_view_within(offset.x, most), cli_view_within(offset.y, most),
-        cli_view_within(offset.z, most) };
-    s->light_changes++;
-    return true;
+    cli_view_item *item = selected_thing(s, problem);
+    if (item) move_item(s, item, offset);
+    return item != NULL;
 }
 
 bool cli_view_nudge(cli_view_state *s, rsv_vec3 by, char *problem)
 {
-    cli_view_item *light = selected_light(s, problem);
-    rsv_vec3 o = light ? light->offset : (rsv_vec3){ 0 };
-    return light && cli_view_move_to(s, (rsv_vec3){ o.x + by.x, o.y + by.y, o.z + by.z }, problem);
+    cli_view_item *item = selected_thing(s, problem);
+    rsv_vec3 o = item ? item->offset : (rsv_vec3){ 0 };
+    if (item) move_item(s, item, (rsv_vec3){ o.x + by.x, o.y + by.y, o.z + by.z });
+    return item != NULL;
+}
+
+bool cli_view_place_object(cli_view_state *s, const float place[4], char *problem)
+{
+    if (s->object >= s->item_count)
+        return cli_view_fail(
+            problem, "there is no object to place; --object FILE brings one%s", "");
+    s->object_turn = place[3];
+    move_item(s, &s->item[s->object], (rsv_vec3){ place[0], place[1], place[2] });
+    return true;
 }
 
 bool cli_view_set_albedo(cli_view_state *s, const cli_view_command *c, char *problem)
@@ -256,6 +301,7 @@ rsv_relight_desc cli_view_relighting(const cli_view_state *s, const cli_view_cha
                 room->albedo[desc.albedo_count++] = (rsv_albedo_change){ item->name, c };
             continue;
         }
+        if (item->kind == CLI_VIEW_OBJECT) continue;
         rsv_rgb scale = { clamped(item->scale * c.r, LARGEST_SCALE),
             clamped(item->scale * c.g, LARGEST_SCALE), clamped(item->scale * c.b, LARGEST_SCALE) };
         if (!same(scale, (rsv_rgb){ 1, 1, 1 }))

@@ -39,15 +39,17 @@ static void reset(cli_view_state *s)
     s->layer = RSV_NONE;
     s->exposure = 0;
     s->soft = false;
+    s->object_turn = 0;
     s->light_changes++;
+    s->object_changes++;
 }
 
-bool cli_view_state_begin(
-    const rsv_relighter *relighter, const rsv_scene *scene, uint32_t layer_count, cli_view_state *s)
+bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene,
+    uint32_t layer_count, const rsv_scene *body, cli_view_state *s)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     size_t most =
-        rsv_relighter_source_count(relighter) + view->material_count + CLI_VIEW_MOST_ADDED;
+        rsv_relighter_source_count(relighter) + view->material_count + 1 + CLI_VIEW_MOST_ADDED;
     *s = (cli_view_state){ .scene = view,
         .aspect = 1,
         .layer_count = layer_count,
@@ -58,9 +60,9 @@ bool cli_view_state_begin(
     s->item = calloc(most + 1, sizeof *s->item);
     s->home = calloc(most + 1, sizeof *s->home);
     if (!s->item || !s->home) return false;
-    cli_view_list_items(s, relighter);
+    cli_view_list_items(s, relighter, body);
     reset(s);
-    s->light_changes = 0;
+    s->light_changes = s->object_changes = 0;
     return true;
 }
 
@@ -73,7 +75,7 @@ void cli_view_state_free(cli_view_state *s)
 
 // ---- mouse ------------------------------------------------------------------------------------------
 
-/// The light whose marker is nearest to a place in the picture.
+/// The light or object whose marker is nearest to a place in the picture.
 static void pick(cli_view_state *s, float x, float y)
 {
     float nearest = PICK_RADIUS;
@@ -248,6 +250,8 @@ bool cli_view_apply(cli_view_state *s, const cli_view_command *c, char *problem)
         return cli_view_move_to(s, (rsv_vec3){ n[0], n[1], n[2] }, problem);
     case CLI_VIEW_NUDGE:
         return cli_view_nudge(s, (rsv_vec3){ n[0], n[1], n[2] }, problem);
+    case CLI_VIEW_PLACE:
+        return cli_view_place_object(s, n, problem);
     case CLI_VIEW_SELECT:
         return cli_view_select(s, c->text, problem);
     case CLI_VIEW_SHOW:

@@ -21,7 +21,8 @@ extern const char *const cli_view_mode_names[];
 typedef enum cli_view_kind {
     CLI_VIEW_LIGHT,
     CLI_VIEW_ENVIRONMENT,
-    CLI_VIEW_MATERIAL
+    CLI_VIEW_MATERIAL,
+    CLI_VIEW_OBJECT ///< that moves; the last but for lights that were added
 } cli_view_kind;
 
 /// Something whose light or colour can be changed.
@@ -62,16 +63,19 @@ typedef struct cli_view_state {
     bool stereo, hud, help, markers;
     float separation; ///< of the eyes, metres
 
-    uint32_t light_changes; ///< counts everything that changes the light
+    size_t object;           ///< the item that moves; SIZE_MAX = none
+    float object_turn;       ///< degrees
+    uint32_t light_changes;  ///< counts everything that changes the light
+    uint32_t object_changes; ///< and the object's place
     bool quit;
     char screenshot[CLI_VIEW_TEXT_LENGTH]; ///< files wanted; "" = none
     char panorama[CLI_VIEW_TEXT_LENGTH];
 } cli_view_state;
 
-/// @param layer_count of the solution: emission and its orders
+/// @param layer_count of the solution: emission and its orders @param body an object that moves; NULL = none
 /// @param state to be freed by cli_view_state_free even after an error
 bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene,
-    uint32_t layer_count, cli_view_state *state);
+    uint32_t layer_count, const rsv_scene *body, cli_view_state *state);
 void cli_view_state_free(cli_view_state *state);
 
 /// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed then
