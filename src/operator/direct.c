@@ -6,6 +6,8 @@
 #include <string.h>
 
 #define LANES 16
+/// Points that are looked at first where `samples` is less than LANES.
+#define GLANCE_POINTS 4
 
 /// The receiver points of one node.
 typedef struct node_points {
@@ -13,6 +15,7 @@ typedef struct node_points {
     rsv_vec3 origin[LANES];
     rsv_medium medium; ///< of the first of them that is not buried
     uint32_t count;
+    uint32_t samples, lanes; ///< all of them, and how many at a time
     uint16_t valid;
 } node_points;
 
@@ -29,6 +32,7 @@ static const rsv_bsdf *node_bsdf(const direct_job *job, uint32_t node)
     return &job->scene->bsdf[job->scene->view->triangle_material[triangle]];
 }
 
+/// @param valid points wanted
 static void set_up_points(const direct_job *job, uint32_t node, uint16_t valid, node_points *p)
 {
     const rsv_elements *e = job->elements;
@@ -37,6 +41,7 @@ static void set_up_points(const direct_job *job, uint32_t node, uint16_t valid, 
     rsv_support_point sample[LANES];
     rsv_elements_sample_support(e, node, p->count, job->seed, sample);
     for (uint32_t k = 0; k < p->count; k++) {
+        if (!(valid >> k & 1)) continue;
         uint32_t face = e->cell[sample[k].support / 4].face;
         p->point[k] = rsv_surface_point_at(
             job->scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
@@ -77,9 +82,10 @@ typedef struct emitter_sums {
     rsv_rgb open;          ///< f / p, visible or not
     rsv_rgb visible;       ///< f / p of the visible ones that enters the surface
     float visible_squared; ///< luminance
+    uint32_t seen, hidden; ///< how many
 } emitter_sums;
 
-/// Sixteen shadow rays: lane = point + points * repetition.
+/// Up to sixteen shadow rays: lane = point + points * repetition.
 static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first_sample,
     const node_points *p, const rsv_local_lights *local, const rsv_bsdf *bsdf, emitter_sums *sums)
 {
@@ -88,7 +94,7 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
     memset(&packet, 0, sizeof packet);
     memset(packet.mask, 0xff, sizeof packet.mask);
     clear_packet(&packet);
-    for (uint32_t k = 0; k < LANES; k++) {
+    for (uint32_t k = 0; k < p->lanes; k++) {
         uint32_t at = k % p->count, index = first_sample + k;
         contribution[k] = entered[k] = rgb_gray(0);
         if (!(p->valid >> at & 1)) continue;
@@ -107,9 +113,12 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
             &packet, k, rsv_shadow_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
     }
     rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
-    for (int k = 0; k < LANES; k++) {
+    for (uint32_t k = 0; k < p->lanes; k++) {
+        bool seen = packet.t_max[k] > 0;
         sums->open = rgb_add(sums->open, contribution[k]);
-        if (!(packet.t_max[k] > 0)) continue;
+        sums->seen += seen;
+        sums->hidden += !seen && !rgb_is_black(contribution[k]);
+        if (!seen) continue;
         float luminance = rgb_luminance(entered[k]);
         sums->visible = rgb_add(sums->visible, entered[k]);
         sums->visible_squared += luminance * luminance;
@@ -125,6 +134,7 @@ static float ratio(float unshadowed, float visible, float open)
 typedef struct direct_estimate {
     rsv_rgb irradiance;
     float deviation;
+    bool partial; ///< some of the points are in the shadow, others are not
 } direct_estimate;
 
 /// Stratified samples of one visibility boundary scatter less than independent ones, by about this factor.
@@ -136,7 +146,7 @@ static direct_estimate from_ratio(const emitter_sums *sums, rsv_rgb unshadowed, 
     direct_estimate e = { rgb(ratio(unshadowed.r, sums->visible.r, sums->open.r),
                               ratio(unshadowed.g, sums->visible.g, sums->open.g),
                               ratio(unshadowed.b, sums->visible.b, sums->open.b)),
-        0 };
+        0, sums->seen > 0 && sums->hidden > 0 };
     float open = rgb_luminance(sums->open), share = rgb_luminance(sums->visible) / open;
     if (open > 0)
         e.deviation =
@@ -146,7 +156,7 @@ static direct_estimate from_ratio(const emitter_sums *sums, rsv_rgb unshadowed, 
 
 static direct_estimate from_mean(const emitter_sums *sums, float count)
 {
-    direct_estimate e = { rgb_scale(sums->visible, 1 / count), 0 };
+    direct_estimate e = { rgb_scale(sums->visible, 1 / count), 0, true };
     float mean = rgb_luminance(e.irradiance);
     e.deviation = sqrtf(f_max(sums->visible_squared / count - mean * mean, 0) / count);
     return e;
@@ -155,7 +165,7 @@ static direct_estimate from_mean(const emitter_sums *sums, float count)
 static direct_estimate from_emitters(
     const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
 {
-    direct_estimate none = { rgb_gray(0), 0 };
+    direct_estimate none = { rgb_gray(0), 0, false };
     if (!rsv_lights_any_sampled(job->lights)) return none;
     rsv_local_lights local[LANES];
     rsv_rgb unshadowed = rgb_gray(0);
@@ -169,15 +179,16 @@ static direct_estimate from_emitters(
     }
     if (!by_tree && rgb_is_black(unshadowed)) return none;
     emitter_sums sums = { 0 };
-    for (uint32_t first = 0; first < job->samples; first += LANES)
+    for (uint32_t first = 0; first < p->samples; first += p->lanes)
         sample_emitters(job, node, first, p, local, node_bsdf(job, node), &sums);
-    *rays += job->samples;
-    float count = (float)job->samples * valid / (float)p->count;
+    *rays += p->samples;
+    float count = (float)p->samples * valid / (float)p->count;
     return by_tree ? from_mean(&sums, count) : from_ratio(&sums, unshadowed, count);
 }
 
+/// @param partial set where some points are in the shadow of a light and others are not
 static rsv_rgb from_punctual(
-    const direct_job *job, uint32_t node, const node_points *p, uint64_t *rays)
+    const direct_job *job, uint32_t node, const node_points *p, bool *partial, uint64_t *rays)
 {
     rsv_rgb sum = rgb_gray(0);
     const rsv_bsdf *bsdf = node_bsdf(job, node);
@@ -202,11 +213,43 @@ static rsv_rgb from_punctual(
             set_shadow_ray(&packet, k, rsv_punctual_ray(&light, p->origin[k]));
         }
         rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
-        for (uint32_t k = 0; k < p->count; k++)
-            if (packet.t_max[k] > 0) sum = rgb_add(sum, arriving[k]);
+        uint32_t seen = 0, hidden = 0;
+        for (uint32_t k = 0; k < p->count; k++) {
+            bool passes = packet.t_max[k] > 0;
+            if (passes) sum = rgb_add(sum, arriving[k]);
+            seen += passes;
+            hidden += !passes && !rgb_is_black(arriving[k]);
+        }
+        *partial = *partial || (seen > 0 && hidden > 0);
         *rays += p->count;
     }
     return rgb_scale(sum, 1 / (float)__builtin_popcount(p->valid));
+}
+
+static direct_estimate estimate(
+    const direct_job *job, uint32_t node, node_points *p, uint16_t valid, uint64_t *rays)
+{
+    set_up_points(job, node, valid, p);
+    direct_estimate e = from_emitters(job, node, p, rays);
+    rsv_rgb punctual = from_punctual(job, node, p, &e.partial, rays);
+    e.irradiance = rgb_add(e.irradiance, punctual);
+    return e;
+}
+
+/// The first few of the points, one ray to the emitters each.
+static direct_estimate glance(const direct_job *job, uint32_t node, uint16_t valid, uint64_t *rays)
+{
+    node_points p = { .samples = job->points, .lanes = job->points };
+    uint32_t few = 0;
+    for (uint32_t k = 0; k < GLANCE_POINTS && valid; k++, valid &= (uint16_t)(valid - 1))
+        few |= valid & -(uint32_t)valid;
+    return estimate(job, node, &p, (uint16_t)few, rays);
+}
+
+static direct_estimate look(const direct_job *job, uint32_t node, uint16_t valid, uint64_t *rays)
+{
+    node_points p = { .samples = job->samples < LANES ? LANES : job->samples, .lanes = LANES };
+    return estimate(job, node, &p, valid, rays);
 }
 
 rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lights *lights,
@@ -216,6 +259,7 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
 {
     rsv_context *context = elements->context;
     direct_job job = { scene, lights, elements, points, samples, seed };
+    bool glances = samples < LANES && !lights->emitter_tree;
     rsv_team_place place = rsv_team_place_of(context);
     uint64_t traced = 0;
     size_t done = 0;
@@ -227,12 +271,11 @@ rsv_status rsv_direct_irradiance(const rsv_transport_scene *scene, const rsv_lig
         irradiance[node] = rgb_gray(0);
         if (deviation) deviation[node] = 0;
         if (!valid_points[node]) continue;
-        node_points p;
-        set_up_points(&job, (uint32_t)node, valid_points[node], &p);
-        direct_estimate emitters = from_emitters(&job, (uint32_t)node, &p, &traced);
-        irradiance[node] =
-            rgb_add(emitters.irradiance, from_punctual(&job, (uint32_t)node, &p, &traced));
-        if (deviation) deviation[node] = emitters.deviation;
+        direct_estimate e = { .partial = true };
+        if (glances) e = glance(&job, (uint32_t)node, valid_points[node], &traced);
+        if (e.partial) e = look(&job, (uint32_t)node, valid_points[node], &traced);
+        irradiance[node] = e.irradiance;
+        if (deviation) deviation[node] = e.deviation;
         if (rsv_thread_index() == 0 && (++done & 1023) == 0)
             rsv_progress(context, "direct",
                 fmin((double)(done * place.size * (size_t)rsv_threads(context)) /

@@ -12,7 +12,8 @@
 /// without noise; in penumbrae the ratio's bias is of order 1 / samples and far below its noise.
 ///
 /// @param points per node, 4 or 16
-/// @param samples shadow rays per node to emitters, a multiple of 16; punctual lights get one per point
+/// @param samples shadow rays per node to emitters, a multiple of 16; punctual lights get one per point. Less than 16: a
+///                glance from four points, and 16 rays where these see not the same
 /// @param valid_points [node_count] from rsv_find_buried with the same points and seed
 /// @param known [node_count] non-zero = the irradiance of this node stands already; NULL = none
 /// @param deviation [node_count] estimated standard deviation of the luminance of each estimate; NULL = not

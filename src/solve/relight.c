@@ -17,7 +17,8 @@
 #define CONVERGED 1e-3
 /// Photons of a source on the move, as a share of all.
 #define ROUGH_PHOTON_SHARE 16
-#define ROUGH_SAMPLES 16
+/// A glance, and more rays in penumbrae alone.
+#define ROUGH_SAMPLES 4
 
 struct rsv_relighter {
     rsv_context *context;
