@@ -1,0 +1,240 @@
+/// E0 as a sum over its sources, each part times its factor or sampled again where its source stands elsewhere.
+#include "../trace/tracer_update.h"
+#include "relighter.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Photons of a source on the move, as a share of all.
+#define ROUGH_PHOTON_SHARE 16
+/// A glance, and more rays in penumbrae alone.
+#define ROUGH_SAMPLES 4
+
+static rsv_light_settings_home home_of(const rsv_relighter *r)
+{
+    return (rsv_light_settings_home){ r->scene, r->lights, r->basis->source, r->basis->source_count,
+        &r->home };
+}
+
+rsv_rgb *rsv_source_strength(rsv_scene *scene, const rsv_source *source)
+{
+    switch (source->kind) {
+    case RSV_SOURCE_MATERIAL:
+        return &scene->material[source->index].emission;
+    case RSV_SOURCE_LIGHT:
+        return &scene->light[source->index].intensity;
+    default:
+        return NULL;
+    }
+}
+
+size_t rsv_surroundings_length(const rsv_scene *scene)
+{
+    return (size_t)scene->environment.width * scene->environment.height;
+}
+
+// ---- the scene ------------------------------------------------------------------------------------
+
+/// @param scale [source_count] NULL = the strengths that the sources began with
+static void set_strengths(rsv_relighter *r, const rsv_rgb *scale)
+{
+    for (size_t k = 0; k < r->basis->source_count; k++) {
+        rsv_rgb factor = scale ? scale[k] : rgb_gray(1);
+        rsv_rgb *strength = rsv_source_strength(r->scene, &r->basis->source[k]);
+        if (strength) {
+            *strength = rgb_mul(r->strength[k], factor);
+            continue;
+        }
+        rsv_rgb *pixel = (rsv_rgb *)r->scene->environment.pixels;
+        for (size_t p = 0; p < rsv_surroundings_length(r->scene); p++)
+            pixel[p] = rgb_mul(r->environment[p], factor);
+    }
+}
+
+static bool same_place(rsv_vec3 a, rsv_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+/// Marks sources that are to stand elsewhere, and puts them there. @param body out: whether triangles moved
+static bool move_sources(rsv_relighter *r, bool *body)
+{
+    bool any = false;
+    *body = false;
+    for (size_t k = 0; k < r->basis->source_count; k++) {
+        const rsv_source *source = &r->basis->source[k];
+        bool turned =
+            source->kind == RSV_SOURCE_SURROUNDINGS && r->wanted.rotation != r->now.rotation;
+        bool moved = !same_place(r->wanted.offset[k], r->now.offset[k]);
+        if (moved) rsv_light_place_move(r->scene, source, &r->place[k], r->wanted.offset[k]);
+        *body = *body || (moved && r->place[k].vertex_count > 0);
+        r->stale[k] = r->stale[k] || moved || turned;
+        any = any || moved || turned;
+    }
+    r->scene->environment.rotation = r->wanted.rotation;
+    return any;
+}
+
+/// Gives a material another colour, and so K at its elements.
+static void set_color(rsv_relighter *r, uint32_t material, rsv_rgb color)
+{
+    rsv_solution *s = r->s;
+    r->scene->material[material].base_color = color;
+    rsv_rgb albedo = rsv_surface_common_bsdf(s->scene.view, material).exitance_albedo;
+    for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
+        uint32_t triangle = s->elements->face_triangle[s->elements->node_face[n]];
+        if (s->scene.view->triangle_material[triangle] == material) s->exitance_albedo[n] = albedo;
+    }
+}
+
+static bool same_color(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+static void set_colors(rsv_relighter *r)
+{
+    for (uint32_t m = 0; m < r->scene->material_count; m++)
+        if (!same_color(r->now.base_color[m], r->wanted.base_color[m]))
+            set_color(r, m, r->wanted.base_color[m]);
+}
+
+// ---- E0 -------------------------------------------------------------------------------------------
+
+rsv_status rsv_relighter_find_lights(rsv_relighter *r)
+{
+    rsv_solution *s = r->s;
+    rsv_lights *found = NULL;
+    rsv_status status;
+    for (size_t m = 0; m < s->scene.view->material_count; m++)
+        s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, (uint32_t)m);
+    RSV_TRY(rsv_lights_create(r->scene, s->bsdf, &found));
+    RSV_TRY(rsv_lights_gather_like(found, r->lights ? r->lights : s->lights));
+    if (found->environment) RSV_TRY(rsv_environment_light_divide(found->environment));
+    rsv_lights_destroy(r->lights);
+    r->lights = found;
+    found = NULL;
+cleanup:
+    rsv_lights_destroy(found);
+    return status;
+}
+
+rsv_status rsv_relighter_sample_stale(rsv_relighter *r, const rsv_light_effort *effort)
+{
+    rsv_status status = RSV_OK;
+    set_strengths(r, NULL);
+    RSV_TRY(rsv_relighter_find_lights(r));
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        if (r->stale[k])
+            RSV_TRY(rsv_light_part_estimate(
+                r->s, r->lights, &r->basis->source[k], effort, &r->basis->part[k]));
+cleanup:
+    return status;
+}
+
+/// A field of the new E0: the parts times their factors.
+static void combine(const rsv_relighter *r, size_t field)
+{
+    const rsv_light_basis *b = r->basis;
+    size_t length = rsv_light_field_length(r->s, field);
+    rsv_rgb *sum = rsv_light_field(r->s, field);
+    for (size_t n = 0; n < length; n++) {
+        rsv_rgb total = rgb_gray(0);
+        for (size_t k = 0; k < b->source_count; k++)
+            total = rgb_add(
+                total, rgb_mul(r->now.scale[k], (*rsv_light_part_field(&b->part[k], field))[n]));
+        sum[n] = total;
+    }
+}
+
+/// What rows gathered, from the emission and the bins as they are now; and all of E0 on the coarse elements.
+static void gather_sources(rsv_relighter *r, rsv_rgb scale)
+{
+    rsv_solution *s = r->s;
+    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
+    for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
+        s->transport->gathered[n] = rgb_mul(r->gathered[n], scale);
+        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
+        s->source[n] = rgb_add(s->source[n], s->gathered[n]);
+        if (s->caustics.coarse_caustic)
+            s->source[n] = rgb_add(s->source[n], s->caustics.coarse_caustic[n]);
+    }
+    rsv_elements_constrain(s->elements, s->gathered);
+    rsv_elements_constrain(s->elements, s->source);
+}
+
+rsv_status rsv_relighter_update_sources(rsv_relighter *r)
+{
+    rsv_status status;
+    rsv_rgb gathered;
+    rsv_light_settings_home home = home_of(r);
+    set_strengths(r, r->now.scale);
+    RSV_TRY(rsv_solution_refresh(r->s, r->lights));
+    RSV_TRY(rsv_gathered_scale(&home, &r->now, &gathered));
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+        combine(r, field);
+    gather_sources(r, gathered);
+cleanup:
+    return status;
+}
+
+/// Few rays, for a light that will soon be elsewhere.
+static rsv_light_effort rough_effort(const rsv_relighter *r)
+{
+    return (rsv_light_effort){ .coarse_samples = ROUGH_SAMPLES,
+        .fine_samples = ROUGH_SAMPLES,
+        .photons = r->s->desc.photon_count / ROUGH_PHOTON_SHARE,
+        .valid = r->valid };
+}
+
+static rsv_status check_added(const rsv_relighter *r, const rsv_light *light)
+{
+    const rsv_light_basis *b = r->basis;
+    for (size_t k = 0; k < b->source_count; k++)
+        if (light->name && strcmp(b->source[k].name, light->name) == 0)
+            return rsv_fail(
+                RSV_ERROR_ARGUMENT, "relight: there is a light '%s' already", light->name);
+    if (b->source_count == RSV_MAX_LIGHT_PARTS)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "relight: at most %d lights are kept apart",
+            RSV_MAX_LIGHT_PARTS);
+    return RSV_OK;
+}
+
+rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
+{
+    rsv_light_basis *b = r->basis;
+    size_t k = b->source_count;
+    rsv_light_effort rough = rough_effort(r);
+    rsv_status status = check_added(r, light);
+    if (status == RSV_OK) status = rsv_scene_append_light(r->scene, light);
+    if (status != RSV_OK) return status;
+    uint32_t index = (uint32_t)r->scene->light_count - 1;
+    const rsv_light *added = &r->scene->light[index];
+    b->source[k] = (rsv_source){ RSV_SOURCE_LIGHT, index, added->name };
+    r->strength[k] = added->intensity;
+    r->place[k].centre = added->position;
+    r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
+    r->stale[k] = true;
+    b->source_count++;
+    r->settled = false;
+    r->residual = INFINITY;
+    status = rsv_relighter_sample_stale(r, &rough);
+    return status == RSV_OK ? rsv_relighter_update_sources(r) : status;
+}
+
+rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
+{
+    rsv_light_settings_home home = home_of(r);
+    rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
+    if (status != RSV_OK) return status;
+    rsv_light_effort rough = rough_effort(r);
+    bool body, moved = move_sources(r, &body);
+    set_colors(r);
+    rsv_light_settings before = r->now;
+    r->now = r->wanted;
+    r->wanted = before;
+    r->settled = false;
+    r->residual = INFINITY;
+    if (body) {
+        rsv_scene_update_bounds(r->scene);
+        RSV_TRY(rsv_tracer_update(r->s->tracer));
+    }
+    if (moved) RSV_TRY(rsv_relighter_sample_stale(r, &rough));
+    RSV_TRY(rsv_relighter_update_sources(r));
+cleanup:
+    return status;
+}

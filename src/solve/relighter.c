@@ -1,0 +1,142 @@
+#include "relighter.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Takes over the solution's basis: once anything is scaled, its parts are no longer those of the solution.
+static rsv_status take_basis(rsv_relighter *r)
+{
+    rsv_solution *s = r->s;
+    if (!s->basis) {
+        rsv_status status = rsv_light_basis_create(s, &s->basis);
+        if (status != RSV_OK) return status;
+    }
+    r->basis = s->basis;
+    s->basis = NULL;
+    return r->basis->source_count <= RSV_MAX_LIGHT_PARTS
+               ? RSV_OK
+               : rsv_fail(RSV_ERROR_UNSUPPORTED,
+                     "relight: the scene has %zu lights; at most %d are kept apart",
+                     r->basis->source_count, RSV_MAX_LIGHT_PARTS);
+}
+
+/// Makes room in a basis for all sources that there may ever be.
+static rsv_status make_room(rsv_relighter *r)
+{
+    rsv_light_basis *b = r->basis;
+    rsv_source *source = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *source);
+    rsv_light_part *part = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *part);
+    if (!source || !part) {
+        rsv_free(r->context, source);
+        rsv_free(r->context, part);
+        return RSV_ERROR_MEMORY;
+    }
+    memcpy(source, b->source, b->source_count * sizeof *source);
+    memcpy(part, b->part, b->source_count * sizeof *part);
+    rsv_free(r->context, b->source);
+    rsv_free(r->context, b->part);
+    b->source = source;
+    b->part = part;
+    return RSV_OK;
+}
+
+/// The part of a source that is the only one is all there is.
+static rsv_status fill_single_part(rsv_relighter *r)
+{
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS && r->basis->source_count == 1; field++) {
+        size_t length = rsv_light_field_length(r->s, field);
+        rsv_rgb **part = rsv_light_part_field(&r->basis->part[0], field);
+        if (!length || *part) continue;
+        *part = rsv_alloc(r->context, length, sizeof **part);
+        if (!*part) return RSV_ERROR_MEMORY;
+        rsv_light_total(r->s, field, *part);
+    }
+    return RSV_OK;
+}
+
+static void note_settings(rsv_relighter *r)
+{
+    for (size_t k = 0; k < r->basis->source_count; k++) {
+        const rsv_rgb *strength = rsv_source_strength(r->scene, &r->basis->source[k]);
+        r->strength[k] = strength ? *strength : rgb_gray(1);
+        r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
+    }
+    for (size_t m = 0; m < r->scene->material_count; m++)
+        r->home.base_color[m] = r->now.base_color[m] = r->scene->material[m].base_color;
+    r->home.rotation = r->now.rotation = r->scene->environment.rotation;
+    memcpy(r->gathered, r->s->transport->gathered, rsv_relighter_nodes(r) * sizeof *r->gathered);
+    if (r->environment)
+        memcpy(r->environment, r->scene->environment.pixels,
+            rsv_surroundings_length(r->scene) * sizeof *r->environment);
+}
+
+static rsv_status allocate(rsv_relighter *r)
+{
+    size_t sources = RSV_MAX_LIGHT_PARTS, materials = r->scene->material_count;
+    rsv_light_settings *settings[] = { &r->home, &r->now, &r->wanted };
+    for (int k = 0; k < 3; k++)
+        if (rsv_light_settings_allocate(r->context, sources, materials, settings[k]) != RSV_OK)
+            return RSV_ERROR_MEMORY;
+    r->strength = rsv_alloc(r->context, sources, sizeof *r->strength);
+    r->place = rsv_alloc(r->context, sources, sizeof *r->place);
+    r->stale = rsv_alloc(r->context, sources, sizeof *r->stale);
+    r->gathered = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->gathered);
+    r->next = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->next);
+    r->scratch = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->scratch);
+    bool surrounded = r->scene->environment.pixels != NULL;
+    if (surrounded)
+        r->environment =
+            rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
+    return r->strength && r->place && r->stale && r->gathered && r->next && r->scratch &&
+                   (r->environment || !surrounded)
+               ? RSV_OK
+               : RSV_ERROR_MEMORY;
+}
+
+rsv_status rsv_relighter_create(rsv_solution *s, rsv_scene *scene, rsv_relighter **relighter)
+{
+    rsv_status status;
+    if (rsv_solution_scene(s) != scene)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: the scene is not the solution's");
+    rsv_relighter *r = rsv_alloc(s->context, 1, sizeof *r);
+    if (!r) return RSV_ERROR_MEMORY;
+    *r = (rsv_relighter){ .context = s->context, .s = s, .scene = scene, .settled = true };
+    RSV_TRY(take_basis(r));
+    RSV_TRY(make_room(r));
+    RSV_TRY(fill_single_part(r));
+    RSV_TRY(allocate(r));
+    note_settings(r);
+    RSV_TRY(rsv_light_places_find(scene, r->basis->source, r->basis->source_count, r->place));
+    RSV_TRY(rsv_relighter_find_lights(r));
+    RSV_TRY(rsv_find_fine_valid(s, &r->valid));
+    RSV_TRY(rsv_transport_map_create(
+        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &r->map));
+    *relighter = r;
+    return RSV_OK;
+cleanup:
+    rsv_relighter_destroy(r);
+    return status;
+}
+
+void rsv_relighter_destroy(rsv_relighter *r)
+{
+    if (!r) return;
+    rsv_context *context = r->context;
+    size_t sources = r->basis ? r->basis->source_count : 0;
+    rsv_transport_map_destroy(r->map);
+    rsv_light_places_free(context, r->place, sources);
+    rsv_light_settings_free(context, &r->home);
+    rsv_light_settings_free(context, &r->now);
+    rsv_light_settings_free(context, &r->wanted);
+    rsv_lights_destroy(r->lights);
+    rsv_free(context, r->place);
+    rsv_free(context, r->strength);
+    rsv_free(context, r->stale);
+    rsv_free(context, r->gathered);
+    rsv_free(context, r->environment);
+    rsv_free(context, r->next);
+    rsv_free(context, r->scratch);
+    rsv_free(context, r->valid);
+    rsv_light_basis_destroy(r->basis);
+    rsv_free(context, r);
+}

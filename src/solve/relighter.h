@@ -1,0 +1,51 @@
+/// A relighter: what it keeps, and E0 of the sources as they stand.
+#ifndef RSV_RELIGHTER_H
+#define RSV_RELIGHTER_H
+
+#include "../scene/scene_internal.h"
+#include "light_places.h"
+#include "light_settings.h"
+#include "resolvent/relight.h"
+#include "solution.h"
+#include "transport_map.h"
+
+struct rsv_relighter {
+    rsv_context *context;
+    rsv_solution *s;
+    rsv_scene *scene;
+    rsv_light_basis *basis; ///< parts of E0 at the strengths that the sources began with
+    rsv_lights *lights;     ///< at those strengths, where they stand now
+    uint16_t *valid;        ///< receiver points of the direct level
+    rsv_rgb *gathered;      ///< [node_count] emission that rows found, at those strengths
+    rsv_rgb *environment;   ///< pixels at those strengths; NULL = no surroundings
+    rsv_rgb *strength;      ///< [source_count]
+    rsv_light_place *place; ///< [source_count]
+    rsv_light_settings home, now, wanted;
+    bool *stale; ///< [source_count] to be sampled in full before the light has settled
+    rsv_transport_map *map;
+    rsv_rgb *next, *scratch; ///< [node_count]
+    double residual;
+    bool settled;
+};
+
+static inline size_t rsv_relighter_nodes(const rsv_relighter *r)
+{
+    return r->s->elements->node_count;
+}
+
+/// The strength of a source in the scene; NULL for surroundings.
+rsv_rgb *rsv_source_strength(rsv_scene *scene, const rsv_source *source);
+
+/// Pixels of the surroundings.
+size_t rsv_surroundings_length(const rsv_scene *scene);
+
+/// The lights of the scene as it stands, divided between rays that gather and rays that aim as the operator has it.
+rsv_status rsv_relighter_find_lights(rsv_relighter *relighter);
+
+/// Samples the sources that are marked, at the strengths that they began with.
+rsv_status rsv_relighter_sample_stale(rsv_relighter *relighter, const rsv_light_effort *effort);
+
+/// Brings scene, lights and E0 to the present settings, after parts have changed.
+rsv_status rsv_relighter_update_sources(rsv_relighter *relighter);
+
+#endif
