@@ -13,6 +13,8 @@
 /// made thinner than it can be seen.
 #define THIN_WALL_LEVELS 4
 #define THIN_WALL_SIZE 0.03f
+/// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
+#define NODES_PER_SPLIT 2
 
 typedef enum cut { CUT_NONE, CUT_CONTACT, CUT_THROUGH } cut;
 
@@ -44,33 +46,78 @@ static cut classify(
     return found;
 }
 
-static bool is_to_be_split(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,
-    uint32_t level, uint64_t *rays)
+static float cell_size(const rsv_elements *e, uint32_t cell)
 {
-    float size = sqrtf(2 * rsv_cell_area(e, cell));
-    if (size <= THIN_WALL_SIZE * e->spacing || e->cell[cell].level >= RSV_MAX_LEVEL) return false;
-    bool large = level < CONTACT_LEVELS && size > CONTACT_SIZE * e->spacing;
-    cut found = classify(scene, e, cell, rays);
-    return found == CUT_THROUGH || (found == CUT_CONTACT && large);
+    return sqrtf(2 * rsv_cell_area(e, cell));
+}
+
+/// Whether a cell that is cut so is to be split once it went through so many splits.
+/// @param size of the cell @param least smaller cells are left alone in any case
+static bool is_worth_splitting(cut found, float size, float spacing, float least, uint32_t splits)
+{
+    if (found == CUT_THROUGH)
+        return splits < THIN_WALL_LEVELS && size > f_max(least, THIN_WALL_SIZE * spacing);
+    return found == CUT_CONTACT && splits < CONTACT_LEVELS &&
+           size > f_max(least, CONTACT_SIZE * spacing);
+}
+
+/// Nodes that further splits would add if no cell below some size were split. What cuts a cell is taken for a line: it
+/// meets twice as many cells of half the size.
+static double nodes_for(const rsv_elements *e, const uint8_t *cuts, float least, uint32_t splits)
+{
+    double cells = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        float size = cell_size(e, c);
+        for (uint32_t k = 0; is_worth_splitting(cuts[c], size, e->spacing, least, splits + k);
+             k++) {
+            cells += 1 << k;
+            size /= 2;
+        }
+    }
+    return NODES_PER_SPLIT * cells;
+}
+
+/// The size below which cells have to be left alone so that there are about `most_nodes` more at the most.
+/// @param least size that is known to be too small @param splits that the cells went through
+static float affordable_size(
+    const rsv_elements *e, const uint8_t *cuts, size_t most_nodes, float least, uint32_t splits)
+{
+    while (nodes_for(e, cuts, least, splits) > (double)most_nodes)
+        least *= 1.2f;
+    return least;
+}
+
+/// @param cuts [cell_count], out
+static void find_cuts(const rsv_transport_scene *scene, const rsv_elements *e, float least,
+    uint8_t *cuts, uint64_t *rays)
+{
+    uint64_t traced = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : traced)
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        if (cell_size(e, c) > least && e->cell[c].level < RSV_MAX_LEVEL)
+            cuts[c] = (uint8_t)classify(scene, e, c, &traced);
+    *rays += traced;
 }
 
 rsv_status rsv_elements_refine_contacts(
-    const rsv_transport_scene *scene, rsv_elements **elements, uint64_t *rays)
+    const rsv_transport_scene *scene, size_t most_nodes, rsv_elements **elements, uint64_t *rays)
 {
     rsv_context *context = (*elements)->context;
+    float least = THIN_WALL_SIZE * (*elements)->spacing;
+    size_t most = (*elements)->node_count + most_nodes;
     for (uint32_t level = 0; level < THIN_WALL_LEVELS; level++) {
         const rsv_elements *e = *elements;
         uint8_t *split = rsv_alloc(context, e->cell_count, 1);
         if (!split) return RSV_ERROR_MEMORY;
         size_t marked = 0;
-        uint64_t traced = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context)) \
-    reduction(+ : marked, traced)
-        for (size_t c = 0; c < e->cell_count; c++) {
-            split[c] = is_to_be_split(scene, e, (uint32_t)c, level, &traced);
+        find_cuts(scene, e, least, split, rays);
+        size_t left = most > e->node_count ? most - e->node_count : 0;
+        least = affordable_size(e, split, left, least, level);
+        for (uint32_t c = 0; c < e->cell_count; c++) {
+            split[c] = is_worth_splitting(split[c], cell_size(e, c), e->spacing, least, level);
             marked += split[c];
         }
-        *rays += traced;
         rsv_elements *finer = NULL;
         rsv_status status = marked ? rsv_elements_refine(e, split, &finer) : RSV_OK;
         rsv_free(context, split);

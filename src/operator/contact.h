@@ -10,9 +10,11 @@
 #include "elements.h"
 
 /// Splits cells that other geometry cuts, twice at most; those that reach from one side of a thin wall to the
-/// other, four times. Cells far smaller than the spacing are left alone. Replaces `*elements`.
+/// other, four times. Cells far smaller than the spacing are left alone, and larger ones, too, where meshes run through
+/// each other so much that there would be too many nodes. Replaces `*elements`.
+/// @param most_nodes that are added, about
 rsv_status rsv_elements_refine_contacts(
-    const rsv_transport_scene *scene, rsv_elements **elements, uint64_t *rays);
+    const rsv_transport_scene *scene, size_t most_nodes, rsv_elements **elements, uint64_t *rays);
 
 /// Gives every side of a wall its own nodes where the wall runs along edges of cells.
 /// @param earlier elements of the same faces on which that was done: only where cells changed since may there be more to

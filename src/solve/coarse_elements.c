@@ -9,6 +9,9 @@
 #define CLUSTER_RADIUS 1.0f
 #define CLUSTER_RADIUS_WITHOUT_PILOTS 0.5f
 
+/// Splits at contacts may add this many nodes times the root of those that were asked for: they lie along lines.
+#define CONTACT_NODES 300
+
 /// Where all points of a node or none are buried, those drawn for another number of the same node are as well.
 static bool holds_for_all_points(uint16_t valid)
 {
@@ -62,7 +65,8 @@ rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
     s->elements->spacing = s->spacing.metres;
     rsv_free(s->context, s->valid_points);
     s->valid_points = NULL;
-    status = rsv_elements_refine_contacts(&s->scene, &s->elements, &s->report.rays);
+    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(s->desc.element_target));
+    status = rsv_elements_refine_contacts(&s->scene, most_nodes, &s->elements, &s->report.rays);
     return status == RSV_OK ? prepare_elements(s, NULL, NULL) : status;
 }
 

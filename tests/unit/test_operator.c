@@ -749,6 +749,41 @@ static void a_thick_wall_that_just_touches_keeps_light_out(void **state)
     check_leaks((split_room){ -0.0777f, 0.05f, 0 }, 0.01f, 0.01f);
 }
 
+/// Nodes that splits at contacts add to boards that run through each other, 8 one way and 8 the other.
+static size_t nodes_at_contacts(size_t most_nodes)
+{
+    world *w = world_begin(1);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    for (int k = 0; k < 8; k++) {
+        float x = 0.25f * (float)k;
+        world_box(w, paint, v3(x, -0.1f, 0), v3(x + 0.1f, 2, 0.1f));
+        world_box(w, paint, v3(-0.1f, x, 0.05f), v3(2, x + 0.1f, 0.15f));
+    }
+    world_commit(w);
+    rsv_elements *e;
+    uint64_t rays = 0;
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.2f }, &e), RSV_OK);
+    size_t before = e->node_count;
+    assert_int_equal(rsv_elements_refine_contacts(&w->transport, most_nodes, &e, &rays), RSV_OK);
+    size_t added = e->node_count - before;
+    rsv_elements_destroy(e);
+    world_end(w);
+    return added;
+}
+
+static void contacts_take_no_more_nodes_than_allowed(void **state)
+{
+    (void)state;
+    size_t wanted = nodes_at_contacts(1 << 20);
+    for (size_t most = wanted / 2; most > wanted / 64; most /= 2) {
+        size_t added = nodes_at_contacts(most);
+        if (added == 0 || added > most)
+            fail_msg("%zu nodes were added, %zu allowed, %zu wanted", added, most, wanted);
+    }
+    assert_int_equal(nodes_at_contacts(0), 0);
+}
+
 /// Nodes under a box are black; the floor beside it must not be.
 static void the_floor_beside_a_box_is_not_darkened(void **state)
 {
@@ -808,6 +843,7 @@ int main(void)
         cmocka_unit_test(a_thin_wall_on_the_grid_keeps_light_out),
         cmocka_unit_test(a_thick_wall_keeps_light_out),
         cmocka_unit_test(a_thick_wall_that_just_touches_keeps_light_out),
+        cmocka_unit_test(contacts_take_no_more_nodes_than_allowed),
         cmocka_unit_test(the_floor_beside_a_box_is_not_darkened),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
