@@ -170,7 +170,7 @@ static rsv_status update_object(
     if (status != RSV_OK) return status;
     f->object_changes = state->object_changes;
     rsv_frame_renderer_put(f->renderer, f->mover);
-    timing->object_ms = now_ms() - start;
+    timing->light_ms += now_ms() - start;
     return RSV_OK;
 }
 

@@ -7,8 +7,7 @@
 
 /// Milliseconds of one frame by stage, and what it achieved.
 typedef struct cli_view_timing {
-    double light_ms;   ///< sources changed and orders added
-    double object_ms;  ///< the object placed and lit
+    double light_ms;   ///< sources changed, orders added, the object placed
     double refresh_ms; ///< fields brought to the frames
     double camera_ms, chain_ms, display_ms;
     double still_ms; ///< pictures of modes other than operator
