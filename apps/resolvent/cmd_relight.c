@@ -1,6 +1,7 @@
 #include "command.h"
 #include "crew.h"
 #include "light_script.h"
+#include "object_picture.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -37,9 +38,11 @@ static const char help[] =
     "above\n"
     "  --script FILE      a picture for every frame of a script; -o day-%04d.png numbers them.\n"
     "                     Lines of FRAME light.NAME=SCALE[,R,G,B] albedo.MATERIAL=R,G,B\n"
-    "                     move.NAME=X,Y,Z env-rotate=DEG env-intensity=S; what lies between two "
-    "lines changes "
-    "evenly\n"
+    "                     move.NAME=X,Y,Z place.object=X,Y,Z env-rotate=DEG env-intensity=S;\n"
+    "                     what lies between two lines changes evenly\n"
+    "  --object FILE      a rigid object, lit and shown in --mode operator without solving for "
+    "it;\n"
+    "                     a script places it, metres from where its file has it (docs/view.md)\n"
     "  --mode MODE        final (default) or operator, as for `render`\n"
     "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
     "  --spp N            camera rays per pixel (default 9)\n"
@@ -60,13 +63,15 @@ static const char *const mode_names[] = {
 };
 
 typedef struct settings {
-    const char *scene, *camera, *stats, *script;
+    const char *scene, *camera, *stats, *script, *object;
     cli_list outputs, lights, albedos, moves, added;
     cli_size size;
     int mode;
     uint32_t samples, threads, seed;
     float exposure, env_intensity, env_rotate;
     cli_light_script animation;
+    rsv_scene *body; ///< the object; NULL = none
+    rsv_vec3 place;  ///< in the frame in hand
     rsv_light_scale light[CLI_LIST_CAPACITY + 1 + CLI_MAX_TRACKS];
     rsv_albedo_change albedo[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
     rsv_light_move move[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
@@ -138,6 +143,17 @@ static bool read_changes(settings *s)
     return true;
 }
 
+/// A script that places an object needs one.
+static bool check_places(const settings *s)
+{
+    for (size_t k = 0; k < s->animation.track_count && !s->object; k++)
+        if (s->animation.track[k].kind == CLI_TRACK_PLACE) {
+            cli_error("%s: there is no object to place; --object FILE brings one", s->script);
+            return false;
+        }
+    return true;
+}
+
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -159,6 +175,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        { .name = "--object", .kind = CLI_TEXT, .value = &s->object },
         { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -170,9 +187,13 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         cli_usage_error("relight", "-o OUT.{exr,png,hdr,safetensors} is missing");
         return false;
     }
+    if (s->object && s->mode != RSV_RENDER_OPERATOR) {
+        cli_usage_error("relight", "--object: objects that move are shown in --mode operator");
+        return false;
+    }
     if (!read_changes(s)) return false;
     *exit_status = CLI_FAILURE;
-    return !s->script || cli_read_light_script(s->script, &s->animation);
+    return !s->script || (cli_read_light_script(s->script, &s->animation) && check_places(s));
 }
 
 static bool is_operator_name(const char *path)
@@ -199,6 +220,8 @@ static void enter_frame(settings *s, uint32_t frame)
         else if (track->kind == CLI_TRACK_MOVE)
             s->move[s->relight.move_count++] =
                 (rsv_light_move){ track->name, { v[0], v[1], v[2] } };
+        else if (track->kind == CLI_TRACK_PLACE)
+            s->place = (rsv_vec3){ v[0], v[1], v[2] };
         else if (track->kind == CLI_TRACK_INTENSITY)
             s->light[s->relight.light_count++] =
                 (rsv_light_scale){ "environment", { v[0], v[0], v[0] } };
@@ -269,7 +292,8 @@ static rsv_status render(
     desc.height = size.height;
     desc.samples = s->samples;
     desc.seed = s->seed;
-    return rsv_render(solution, &desc, image);
+    return s->body ? cli_render_object(solution, s->body, s->place, &desc, image)
+                   : rsv_render(solution, &desc, image);
 }
 
 /// Everything after the solve; the picture is taken once, whatever number of files wants it.
@@ -358,6 +382,7 @@ static int run(cli_session *session, settings *s)
             s->scene);
         return CLI_FAILURE;
     }
+    if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
     // several processes take turns with the frames, the first of them with the last, whose statistics count
     for (uint32_t frame = s->animation.first; frame <= s->animation.last; frame++)
         if ((s->animation.last - frame) % cli_crew_size() == cli_crew_rank() &&
@@ -376,6 +401,7 @@ int cli_relight(int argc, char **argv)
         cli_crew_disperse();
         if (check_outputs(&s) && cli_session_begin(&session, s.threads)) {
             exit_status = run(&session, &s);
+            rsv_scene_destroy(s.body);
             cli_session_end(&session);
         }
     }

@@ -57,13 +57,14 @@ static size_t identify(const char *target, cli_track_kind *kind, const char **na
         cli_track_kind kind;
         size_t values;
     } known[] = { { "light.", CLI_TRACK_LIGHT, 4 }, { "albedo.", CLI_TRACK_ALBEDO, 3 },
-        { "move.", CLI_TRACK_MOVE, 3 }, { "env-intensity", CLI_TRACK_INTENSITY, 1 },
-        { "env-rotate", CLI_TRACK_ROTATION, 1 } };
+        { "move.", CLI_TRACK_MOVE, 3 }, { "place.", CLI_TRACK_PLACE, 3 },
+        { "env-intensity", CLI_TRACK_INTENSITY, 1 }, { "env-rotate", CLI_TRACK_ROTATION, 1 } };
     for (size_t k = 0; k < sizeof known / sizeof known[0]; k++) {
         size_t length = strlen(known[k].prefix);
         bool named = known[k].values > 1;
         if (strncmp(target, known[k].prefix, length) != 0) continue;
         if (named ? !target[length] : target[length]) continue;
+        if (known[k].kind == CLI_TRACK_PLACE && strcmp(target + length, "object") != 0) continue;
         *kind = known[k].kind;
         *name = target + length;
         return known[k].values;
@@ -104,8 +105,8 @@ static bool read_change(
     size_t count = cli_cut_change(word, number), wanted = identify(word, &kind, &name);
     if (wanted == 0)
         return complain(line,
-            "expected light.NAME=, move.NAME=, albedo.MATERIAL=, env-rotate= or env-intensity= "
-            "instead of ",
+            "expected light.NAME=, move.NAME=, albedo.MATERIAL=, place.object=, env-rotate= or "
+            "env-intensity= instead of ",
             word);
     bool scale_alone = kind == CLI_TRACK_LIGHT && count == 1;
     if (count != wanted && !scale_alone)

@@ -42,6 +42,13 @@ succeeds relight box.safetensors --script evening.txt -o frame%03d.exr "${box[@]
 [[ $(echo frame*) == 'frame003.exr frame004.exr frame005.exr' ]] || complain "frames are $(echo frame*)"
 succeeds relight box.safetensors --light light=1,0.75,0.625,0.5 --move light=0.05,0,0 --albedo white=0.7,0.7,0.7 -o between.exr "${box[@]}" --mode operator
 cmp -s frame004.exr between.exr || complain "between two lines light changes evenly"
+# an object on its way, without solving for it
+printf '%s\n' 'v 0 0 0' 'v 0.15 0 0' 'v 0 0 -0.15' 'v 0 0.15 0' 'f 1 3 2' 'f 1 2 4' 'f 2 3 4' 'f 1 4 3' >body.obj
+printf '%s\n' '0 place.object=-0.4,0.1,-0.1' '1 place.object=-0.2,0.2,-0.1' >way.txt
+succeeds relight box.safetensors --object body.obj --script way.txt -o way%d.png "${box[@]}" --mode operator
+cmp -s way0.png way1.png && complain "the object stays where it was"
+refuses 1 'no object' relight box.safetensors --script way.txt -o "$out/a%d.png"
+refuses 2 'mode operator' relight box.safetensors --object body.obj --script way.txt -o "$out/a%d.png"
 refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a.png"
 refuses 1 'number of the frame' relight box.safetensors --script evening.txt -o "$out/a%d%d.png"
 refuses 1 'none.txt' relight box.safetensors --script none.txt -o "$out/a%d.png"
