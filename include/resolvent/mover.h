@@ -21,7 +21,9 @@ extern "C" {
 typedef struct rsv_mover_desc {
     float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
     uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
-    uint32_t light_samples; ///< shadow rays per vertex or shadowed point, 1..64, default 16
+    uint32_t
+        light_samples; ///< shadow rays per vertex, 1..64, default 16; a quarter of them per pixel in
+                       ///< its shadow and frame
 } rsv_mover_desc;
 
 RSV_API rsv_mover_desc rsv_default_mover_desc(void);

@@ -73,7 +73,7 @@ static rsv_rgb irradiance_at(const rsv_mover *m, size_t vertex)
     rsv_vec3 origin = rsv_offset_origin(point, normal, extent);
     rsv_aimed_ray aimed[RSV_MOST_AIMED];
     uint32_t stream = rsv_hash2((uint32_t)vertex, 0x6d6fu);
-    uint32_t count = rsv_mover_aim(m, point, normal, origin, stream, aimed);
+    uint32_t count = rsv_mover_aim(m, point, normal, origin, m->desc.light_samples, stream, aimed);
     rsv_rgb sum = rsv_probe_grid_irradiance(&m->grid, point, normal);
     for (uint32_t k = 0; k < count; k++)
         if (!rsv_mover_occludes(m, &aimed[k].ray) &&

@@ -51,9 +51,9 @@ typedef struct rsv_aimed_ray {
 
 #define RSV_MOST_AIMED 192
 
-/// Samples all sources. @param ray [RSV_MOST_AIMED] out @return how many
+/// Samples all sources. @param samples of emitters, suns and sky @param ray [RSV_MOST_AIMED] out @return how many
 uint32_t rsv_mover_aim(const rsv_mover *mover, rsv_vec3 point, rsv_vec3 normal, rsv_vec3 origin,
-    uint32_t stream, rsv_aimed_ray *ray);
+    uint32_t samples, uint32_t stream, rsv_aimed_ray *ray);
 
 /// Irradiance that the object keeps from a point of the scene's surfaces.
 rsv_rgb rsv_mover_shadow(const rsv_mover *mover, const rsv_surface_point *point, uint32_t stream);

@@ -57,10 +57,10 @@ rsv_rgb rsv_mover_shown(const rsv_mover *m, const rsv_ray_packet *p, uint32_t k)
 static float ratio(float exact, float sampled) { return sampled > 0 ? exact / sampled : 1; }
 
 /// Emitters, suns and sky. Where their unshadowed light is known in closed form, samples are scaled to it.
-static uint32_t aim_at_emitters(const rsv_mover *m, const rsv_local_lights *local, rsv_vec3 origin,
+static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, uint32_t samples,
     uint32_t stream, rsv_aimed_ray *ray)
 {
-    uint32_t samples = m->desc.light_samples, count = 0;
+    uint32_t count = 0;
     rsv_rgb open = rgb_gray(0);
     for (uint32_t k = 0; k < samples; k++) {
         rsv_light_sample light;
@@ -83,14 +83,14 @@ static uint32_t aim_at_emitters(const rsv_mover *m, const rsv_local_lights *loca
 }
 
 uint32_t rsv_mover_aim(const rsv_mover *m, rsv_vec3 point, rsv_vec3 normal, rsv_vec3 origin,
-    uint32_t stream, rsv_aimed_ray *ray)
+    uint32_t samples, uint32_t stream, rsv_aimed_ray *ray)
 {
     const rsv_lights *lights = m->solution->lights;
     uint32_t count = 0;
     if (rsv_lights_any_sampled(lights)) {
         rsv_local_lights local;
         rsv_lights_at(lights, point, normal, &local);
-        count = aim_at_emitters(m, &local, origin, stream, ray);
+        count = aim_at_emitters(&local, origin, samples, stream, ray);
     }
     float u = rsv_unit_float(rsv_hash2(stream, 3));
     for (uint32_t k = 0; k < rsv_punctual_count(lights) && count < RSV_MOST_AIMED; k++) {
@@ -104,28 +104,45 @@ uint32_t rsv_mover_aim(const rsv_mover *m, rsv_vec3 point, rsv_vec3 normal, rsv_
     return count;
 }
 
-/// Whether the object may lie between a point and some lamp: segments from a point into a ball stay within the ball's
-/// radius of the one to its centre.
-static bool may_shade(const rsv_mover *m, rsv_vec3 point)
+/// Whether the object may lie between a point and some lamp: whether its ball meets the cone from the point to the ball
+/// around the lamps. At a share s of the way to their middle, the cone is s times as wide as that ball.
+static bool may_shade(const rsv_mover *m, const rsv_surface_point *point)
 {
+    rsv_vec3 to = v3_sub(m->ball.centre, point->position);
+    if (v3_dot(to, point->geometric) < -m->ball.radius) return false;
     if (!m->lamps_bounded) return true;
-    rsv_vec3 way = v3_sub(m->lamps.centre, point), to = v3_sub(m->ball.centre, point);
-    float length = v3_dot(way, way);
-    float along = length > 0 ? f_min(f_max(v3_dot(to, way) / length, 0), 1) : 0;
+    rsv_vec3 way = v3_sub(m->lamps.centre, point->position);
+    float length = v3_length(way);
+    if (!(length > 0)) return true;
+    float along = v3_dot(to, way) / (length * length);
+    float slack =
+        (m->lamps.radius + m->ball.radius) / length; // a share where both meet is no farther off
+    if (along < -slack || along > 1 + slack) return false;
+    float widest = f_min(f_max(along, 0) + slack, 1);
     rsv_vec3 apart = v3_mad(to, -along, way);
-    float reach = m->lamps.radius + m->ball.radius;
-    return v3_dot(apart, apart) <= reach * reach;
+    return v3_length(apart) <= m->ball.radius + widest * m->lamps.radius;
+}
+
+/// Whether a ray passes the object's ball: most do.
+static bool misses_ball(const rsv_mover *m, const rsv_ray *ray)
+{
+    rsv_vec3 to = v3_sub(m->ball.centre, ray->origin);
+    float along = v3_dot(to, ray->direction) / v3_dot(ray->direction, ray->direction);
+    rsv_vec3 apart = v3_mad(to, -f_max(along, 0), ray->direction);
+    return v3_length(apart) > 1.001f * m->ball.radius;
 }
 
 rsv_rgb rsv_mover_shadow(const rsv_mover *m, const rsv_surface_point *point, uint32_t stream)
 {
     rsv_rgb kept = rgb_gray(0);
-    if (!may_shade(m, point->position)) return kept;
+    if (!may_shade(m, point)) return kept;
     rsv_aimed_ray aimed[RSV_MOST_AIMED];
     rsv_vec3 origin = rsv_offset_origin(point->position, point->geometric, point->extent);
-    uint32_t count = rsv_mover_aim(m, point->position, point->normal, origin, stream, aimed);
+    uint32_t samples = (m->desc.light_samples + 3) / 4;
+    uint32_t count =
+        rsv_mover_aim(m, point->position, point->normal, origin, samples, stream, aimed);
     for (uint32_t k = 0; k < count; k++)
-        if (rsv_mover_occludes(m, &aimed[k].ray) &&
+        if (!misses_ball(m, &aimed[k].ray) && rsv_mover_occludes(m, &aimed[k].ray) &&
             !rsv_tracer_occluded(m->solution->tracer, &aimed[k].ray))
             kept = rgb_add(kept, aimed[k].irradiance);
     return kept;
