@@ -2,6 +2,7 @@
 #include "error_target.h"
 #include "options.h"
 #include "output_file.h"
+#include "points_csv.h"
 #include "stats.h"
 #include "subject.h"
 
@@ -38,6 +39,9 @@ static const char help[] =
     "                     large elements; solves once more\n"
     "  --goal             solve for the camera's picture alone, and certify its mean luminance "
     "too\n"
+    "  --points FILE.csv  solve for the mean irradiance at these points alone (x,y,z,nx,ny,nz as "
+    "for\n"
+    "                     `resolvent probe`), and certify that too\n"
     "  --camera NAME      of the picture: one of `resolvent info SCENE` (default: the first)\n"
     "  --size WxH         of the picture (default 256x256)\n"
     "\n"
@@ -48,7 +52,8 @@ static const char help[] =
     "  resolvent certify room.glb --quality high --samples 20000 --stats room.json\n";
 
 typedef struct settings {
-    const char *scene, *stats, *mesh, *heat_map, *camera;
+    const char *scene, *stats, *mesh, *heat_map, *camera, *points;
+    cli_points sensors; ///< of --points
     cli_size size;
     cli_error_target target;
     cli_environment environment;
@@ -86,6 +91,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--heatmap", .kind = CLI_TEXT, .value = &s->heat_map },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
+        { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
         { .name = "--split", .kind = CLI_FLAG, .value = &s->split },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
         { .name = "--size",
@@ -97,7 +103,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = NULL },
     };
     const cli_usage usage = { "certify", help, options, "SCENE", 1, 1 };
-    return cli_parse(&usage, argc, argv, &s->scene, exit_status);
+    if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
+    if (!s->goal || !s->points) return true;
+    *exit_status = cli_usage_error("certify", "--goal and --points: one goal is all there can be");
+    return false;
 }
 
 /// The certificate, and the picture of the error where one is wanted.
@@ -117,18 +126,27 @@ static rsv_status certify(
     return status;
 }
 
+static rsv_status certify_goal(
+    const settings *s, const rsv_solution *solution, uint32_t camera, rsv_goal_certificate *goal)
+{
+    rsv_certify_desc desc = s->certify;
+    desc.seed = s->solve.seed;
+    if (s->points)
+        return rsv_certify_points(solution, &desc, s->sensors.probe, s->sensors.count, goal);
+    return s->goal ? rsv_certify_goal(solution, &desc, camera, goal) : RSV_OK;
+}
+
 static rsv_status solve_and_certify(
     cli_session *session, const settings *s, cli_subject *subject, findings *found)
 {
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     uint32_t camera = rsv_scene_find_camera(subject->scene, s->camera);
     if (s->goal) desc.goal_camera = camera;
+    desc.goal_points = s->sensors.probe;
+    desc.goal_point_count = s->sensors.count;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, &found->certificate);
     if (status == RSV_OK) status = certify(s, subject->solution, &found->certificate);
-    rsv_certify_desc certify_desc = s->certify;
-    certify_desc.seed = s->solve.seed;
-    if (status == RSV_OK && s->goal)
-        status = rsv_certify_goal(subject->solution, &certify_desc, camera, &found->goal);
+    if (status == RSV_OK) status = certify_goal(s, subject->solution, camera, &found->goal);
     if (status == RSV_OK && s->split)
         status = rsv_split_error(subject->solution, &found->certificate, &found->split);
     return status;
@@ -162,10 +180,10 @@ static void print_split(const rsv_certificate *c, const rsv_error_split *split)
     print_row(c, "elements", split->discretisation, NULL);
 }
 
-static void print_goal(const rsv_goal_certificate *g)
+static void print_goal(const char *name, const char *unit, const rsv_goal_certificate *g)
 {
     double percent = g->reading > 0 ? 100 / g->reading : 0;
-    printf("picture     %11.4g W/(sr m2), %.3f %% missing   (95 %%: %.3f .. %.3f %%)\n", g->reading,
+    printf("%-11s %11.4g %s, %.3f %% missing   (95 %%: %.3f .. %.3f %%)\n", name, g->reading, unit,
         percent * g->error, percent * g->error_ci95[0], percent * g->error_ci95[1]);
 }
 
@@ -181,7 +199,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
         .seed = s->solve.seed,
         .report = rsv_solution_report(solution),
         .certificate = &found->certificate,
-        .goal = s->goal ? &found->goal : NULL,
+        .goal = s->goal || s->points ? &found->goal : NULL,
         .split = s->split ? &found->split : NULL,
         .order_count = rsv_solution_order_count(solution),
         .standard_error = NAN };
@@ -208,7 +226,8 @@ static int run(cli_session *session, const settings *s)
         cli_progress_clear(&session->progress);
         print_certificate(&found.certificate);
         if (s->split) print_split(&found.certificate, &found.split);
-        if (s->goal) print_goal(&found.goal);
+        if (s->goal) print_goal("picture", "W/(sr m2)", &found.goal);
+        if (s->points) print_goal("points", "W/m2", &found.goal);
         if (!s->stats || write_stats(session, s, subject.solution, &found))
             exit_status = CLI_SUCCESS;
     }
@@ -216,8 +235,10 @@ static int run(cli_session *session, const settings *s)
     return exit_status;
 }
 
-static bool check_outputs(const settings *s)
+static bool check_files(settings *s)
 {
+    if (s->points && !cli_read_points(s->points, &s->sensors)) return false;
+    if (!cli_check_apart(s->stats, s->points)) return false;
     if (s->heat_map && rsv_image_check_output(s->heat_map) != RSV_OK) {
         cli_error("%s", rsv_last_error());
         return false;
@@ -232,11 +253,13 @@ int cli_certify(int argc, char **argv)
         .environment = CLI_DEFAULT_ENVIRONMENT };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
-    if (!check_outputs(&s)) return CLI_FAILURE;
     cli_session session;
-    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
-    session.mesh = s.mesh;
-    exit_status = run(&session, &s);
-    cli_session_end(&session);
+    exit_status = CLI_FAILURE;
+    if (check_files(&s) && cli_prepare_solve(&s.solve) && cli_session_begin(&session, s.threads)) {
+        session.mesh = s.mesh;
+        exit_status = run(&session, &s);
+        cli_session_end(&session);
+    }
+    cli_free_points(&s.sensors);
     return exit_status;
 }

@@ -27,6 +27,7 @@ static const char help[] =
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+    "  --goal             spend elements on what these points see and on what lights that\n"
     "  --samples N        rays or paths per point (default by quality: 4096, 16384, 65536)\n"
     "  --threads N        default: one per processor; the readings do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
@@ -48,6 +49,7 @@ typedef struct settings {
     int mode;
     uint32_t samples; ///< 0 = by quality
     uint32_t threads;
+    bool goal;
 } settings;
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
@@ -56,6 +58,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--mode", .kind = CLI_CHOICE, .value = &s->mode, .choices = mode_names },
+        { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
         { .name = "--samples", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 30 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
@@ -66,9 +69,14 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     };
     const cli_usage usage = { "probe", help, options, "SCENE", 1, 1 };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
-    if (s->points && s->output) return true;
-    *exit_status =
-        cli_usage_error("probe", "%s is missing", s->points ? "-o OUT.csv" : "--points IN.csv");
+    if (!s->points || !s->output)
+        *exit_status =
+            cli_usage_error("probe", "%s is missing", s->points ? "-o OUT.csv" : "--points IN.csv");
+    else if (s->goal && s->mode == RSV_PROBE_REFERENCE)
+        *exit_status =
+            cli_usage_error("probe", "--mode reference solves nothing: leave out --goal");
+    else
+        return true;
     return false;
 }
 
@@ -80,6 +88,7 @@ static rsv_status read_light(cli_session *session, const settings *s, const cli_
     bool is_reference = s->mode == RSV_PROBE_REFERENCE;
     if (!is_reference) {
         rsv_solve_desc desc = cli_describe_solve(&s->solve);
+        if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
         status = cli_solve_subject(session, &desc, NULL, subject, certificate);
         if (status == RSV_OK)
             status = cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);

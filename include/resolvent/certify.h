@@ -74,9 +74,10 @@ typedef struct rsv_error_split {
 RSV_API rsv_status rsv_split_error(
     const rsv_solution *solution, const rsv_certificate *certificate, rsv_error_split *split);
 
-/// The error of one camera's picture: of its mean luminance, as far as it comes from diffuse surfaces.
+/// The error of one camera's picture, or of what sensors read: of the mean luminance, as far as it comes from diffuse
+/// surfaces.
 typedef struct rsv_goal_certificate {
-    double reading; ///< what the solution says, W/(sr m2)
+    double reading; ///< what the solution says, W/(sr m2); of sensors W/m2
     double error;   ///< estimate of how much is missing there (negative: too much)
     double error_ci95[2];
 } rsv_goal_certificate;
@@ -87,6 +88,11 @@ typedef struct rsv_goal_certificate {
 /// @param desc NULL = defaults
 RSV_API rsv_status rsv_certify_goal(const rsv_solution *solution, const rsv_certify_desc *desc,
     uint32_t camera, rsv_goal_certificate *certificate);
+
+/// The same of sensors: of the mean of their irradiances, but for what reaches them from sources without a diffuse
+/// surface in between (rsv_probe_irradiance samples that for itself).
+RSV_API rsv_status rsv_certify_points(const rsv_solution *solution, const rsv_certify_desc *desc,
+    const rsv_probe *points, size_t point_count, rsv_goal_certificate *certificate);
 
 /// How good a solution must be, and what it may cost. Start from rsv_default_error_target().
 typedef struct rsv_error_target {

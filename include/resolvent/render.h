@@ -84,13 +84,6 @@ typedef enum rsv_probe_mode {
     RSV_PROBE_REFERENCE ///< path traced
 } rsv_probe_mode;
 
-/// A virtual receiver: casts no shadow. A point on a surface is taken to be on the side its normal
-/// points to.
-typedef struct rsv_probe {
-    rsv_vec3 position;
-    rsv_vec3 normal; ///< normalised by the callee
-} rsv_probe;
-
 typedef struct rsv_probe_reading {
     rsv_rgb irradiance;     ///< W/m2
     rsv_rgb standard_error; ///< W/m2, from independent randomisations

@@ -27,6 +27,13 @@ typedef enum rsv_solver {
 /// "auto", "neumann", "gauss-seidel", ... in the order of rsv_solver; NULL beyond the last.
 RSV_API const char *rsv_solver_name(rsv_solver solver);
 
+/// A virtual receiver: casts no shadow. A point on a surface is taken to be on the side its normal
+/// points to.
+typedef struct rsv_probe {
+    rsv_vec3 position;
+    rsv_vec3 normal; ///< normalised by the callee
+} rsv_probe;
+
 /// Start from rsv_default_solve_desc().
 typedef struct rsv_solve_desc {
     uint32_t
@@ -44,6 +51,9 @@ typedef struct rsv_solve_desc {
     /// Index of a camera whose picture is all that matters: elements are spent on what it sees and on what lights
     /// that, by importance (the adjoint solution). RSV_NONE (default) = all surfaces matter alike.
     uint32_t goal_camera;
+    /// Instead of a camera: sensors whose mean reading, as rsv_probe_irradiance gives it, is all that matters. Copied.
+    const rsv_probe *goal_points;
+    size_t goal_point_count; ///< 0 (default) = none
     uint32_t seed;
     size_t max_elements; ///< rows of the operator at most: elements are larger then; 0 = no limit
     size_t

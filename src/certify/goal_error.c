@@ -1,4 +1,4 @@
-/// <z, r>: the error of one picture, from residuals where they matter to it.
+/// <z, r>: the error of one picture or of sensors' mean reading, from residuals where they matter to it.
 #include "../operator/elements_internal.h"
 #include "../solve/goal.h"
 #include "moments.h"
@@ -6,7 +6,7 @@
 #include "resolvent/certify.h"
 
 #define SEED_OF_GOAL 0x94d049bbu
-/// Camera rays each way that weigh what is seen.
+/// Rays each way that weigh what is seen.
 #define SIDE 256
 /// Part of the points that are spread evenly, lest a spot of no importance on elements have some in truth.
 #define EVEN_SHARE 0.1
@@ -107,7 +107,7 @@ static rsv_rgb irradiance_at_node(const rsv_solution *s, uint32_t node)
     return rsv_solution_irradiance(s, e->face_triangle[face], u, v, e->face_back[face], RSV_NONE);
 }
 
-/// <w, E~>: what the picture shows of diffuse surfaces.
+/// <w, E~>: what the goal sees of diffuse surfaces.
 static double reading_of(const rsv_solution *s, const rsv_rgb *weight)
 {
     double sum = 0;
@@ -119,13 +119,14 @@ static double reading_of(const rsv_solution *s, const rsv_rgb *weight)
     return sum;
 }
 
-static rsv_status find_importance(goal_job *job, uint32_t camera, rsv_goal_certificate *certificate)
+static rsv_status find_importance(
+    goal_job *job, const rsv_goal_aim *aim, rsv_goal_certificate *certificate)
 {
     const rsv_solution *s = job->solution;
     rsv_status status;
     rsv_rgb *weight = rsv_alloc(s->context, s->elements->node_count, sizeof *weight);
     RSV_TRY(weight ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_goal_weights(s, camera, SIDE, weight));
+    RSV_TRY(rsv_goal_weights(s, aim, SIDE, weight));
     certificate->reading = reading_of(s, weight);
     RSV_TRY(rsv_goal_importance(s, weight, job->density));
     rsv_goal_density(s->elements, job->density);
@@ -134,28 +135,20 @@ cleanup:
     return status;
 }
 
-static rsv_status check(const rsv_solution *s, const rsv_certify_desc *desc, uint32_t camera)
-{
-    if (camera >= s->scene.view->camera_count)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "certify: camera %u does not exist, the scene has %zu",
-            camera, s->scene.view->camera_count);
-    return rsv_check_certify_desc(desc);
-}
-
-rsv_status rsv_certify_goal(const rsv_solution *s, const rsv_certify_desc *desc, uint32_t camera,
-    rsv_goal_certificate *certificate)
+static rsv_status certify_aim(const rsv_solution *s, const rsv_certify_desc *desc,
+    const rsv_goal_aim *aim, rsv_goal_certificate *certificate)
 {
     rsv_status status;
     goal_job job = { .solution = s, .desc = desc ? *desc : rsv_default_certify_desc() };
     *certificate = (rsv_goal_certificate){ 0 };
-    RSV_TRY(check(s, &job.desc, camera));
+    RSV_TRY(rsv_check_certify_desc(&job.desc));
     if (s->elements->cell_count == 0) return RSV_OK;
     job.seed = rsv_hash2(job.desc.seed, SEED_OF_GOAL);
     job.density = rsv_alloc(s->context, s->elements->node_count, sizeof *job.density);
     job.below = rsv_alloc(s->context, s->elements->cell_count + 1, sizeof *job.below);
     job.term = rsv_alloc(s->context, job.desc.samples, sizeof *job.term);
     RSV_TRY(job.density && job.below && job.term ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(find_importance(&job, camera, certificate));
+    RSV_TRY(find_importance(&job, aim, certificate));
     set_chances(&job);
     RSV_TRY(measure_terms(&job));
     rsv_moments error = rsv_moments_of(job.term, job.desc.samples);
@@ -166,4 +159,23 @@ cleanup:
     rsv_free(s->context, job.below);
     rsv_free(s->context, job.term);
     return status;
+}
+
+rsv_status rsv_certify_goal(const rsv_solution *s, const rsv_certify_desc *desc, uint32_t camera,
+    rsv_goal_certificate *certificate)
+{
+    rsv_goal_aim aim = { .camera = camera };
+    if (camera >= s->scene.view->camera_count)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "certify: camera %u does not exist, the scene has %zu",
+            camera, s->scene.view->camera_count);
+    return certify_aim(s, desc, &aim, certificate);
+}
+
+rsv_status rsv_certify_points(const rsv_solution *s, const rsv_certify_desc *desc,
+    const rsv_probe *points, size_t point_count, rsv_goal_certificate *certificate)
+{
+    rsv_goal_aim aim = { RSV_NONE, points, point_count };
+    if (point_count == 0) return rsv_fail(RSV_ERROR_ARGUMENT, "certify: there are no points");
+    rsv_status status = rsv_check_probes(points, point_count);
+    return status == RSV_OK ? certify_aim(s, desc, &aim, certificate) : status;
 }

@@ -1,5 +1,6 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
 #include "../core/stratified.h"
+#include "../solve/goal.h"
 #include "../solve/solution.h"
 #include "pixel_direct.h"
 #include "probe_gather.h"
@@ -296,17 +297,6 @@ static rsv_probe_reading look_up(const rsv_solution *s, const rsv_probe *probe)
     return reading;
 }
 
-static rsv_status check_probes(const rsv_probe *probes, size_t count)
-{
-    for (size_t k = 0; k < count; k++) {
-        rsv_vec3 p = probes[k].position, n = probes[k].normal;
-        if (!isfinite(p.x + p.y + p.z) || !isfinite(n.x + n.y + n.z) || v3_length(n) == 0)
-            return rsv_fail(RSV_ERROR_ARGUMENT,
-                "probe %zu: position and normal must be finite, the normal not zero", k);
-    }
-    return RSV_OK;
-}
-
 rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mode,
     const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
     rsv_probe_reading *readings)
@@ -315,7 +305,7 @@ rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mod
     if (mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(
             solution->scene.scene, probes, probe_count, samples, seed, readings);
-    rsv_status status = check_probes(probes, probe_count);
+    rsv_status status = rsv_check_probes(probes, probe_count);
     if (status != RSV_OK) return status;
     rsv_probe_job job = rsv_probe_job_of(solution, samples, seed, true);
     size_t done = 0;

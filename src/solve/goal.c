@@ -1,76 +1,15 @@
 #include "goal.h"
 
-#include "../core/stratified.h"
-#include "../trace/camera_ray.h"
 #include "linear_solver.h"
 #include "solution.h"
 #include "transport_map.h"
 
-/// Camera rays each way: to weigh, and to tell what is seen at all.
+/// Rays each way that weigh what is seen.
 #define PILOT_SIDE 128
-#define VIEW_SIDE 384
 /// Relative residual of the adjoint solve.
 #define ACCURACY 1e-4
 /// Part of the typical density of importance from which on elements have their usual size.
 #define FULL_SIZE 0.5f
-
-static bool counts_nothing(const void *user, uint32_t triangle, uint32_t events)
-{
-    (void)user, (void)triangle, (void)events;
-    return false;
-}
-
-/// One ray of the picture: to the diffuse surface that it leads to.
-static bool follow(const rsv_solution *s, const rsv_ray *ray, const rsv_medium *medium,
-    rsv_random *random, rsv_chain *end)
-{
-    rsv_hit hit;
-    if (!rsv_tracer_closest(s->tracer, ray, &hit)) return false;
-    rsv_chain first =
-        rsv_chain_begin(&s->scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts_nothing, NULL);
-    *end = gather.chain;
-    return gather.end == RSV_CHAIN_DIFFUSE;
-}
-
-static void add_weight(const rsv_solution *s, const rsv_chain *end, float share, rsv_rgb *weight)
-{
-    const rsv_elements *e = s->elements;
-    uint32_t face = e->face_of[end->back][end->triangle];
-    if (face == RSV_NONE) return;
-    rsv_bsdf storage;
-    float w[3];
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, end, &storage);
-    rsv_rgb seen = rgb_scale(rgb_mul(end->weight, bsdf->exitance_albedo), share / RSV_PI);
-    // luminance is linear: its weights go along
-    seen = rgb(rgb_luminance(rgb(seen.r, 0, 0)), rgb_luminance(rgb(0, seen.g, 0)),
-        rgb_luminance(rgb(0, 0, seen.b)));
-    const uint32_t *node = e->cell_node[rsv_elements_locate(e, face, end->u, end->v, w)];
-    for (int k = 0; k < 3; k++)
-        weight[node[k]] = rgb_mad(weight[node[k]], w[k], seen);
-}
-
-rsv_status rsv_goal_weights(
-    const rsv_solution *s, uint32_t camera_index, uint32_t side, rsv_rgb *weight)
-{
-    const rsv_camera *camera = &s->scene.view->camera[camera_index];
-    rsv_medium medium = rsv_medium_above(&s->scene.media, camera->position, camera->forward);
-    float aspect = camera->aspect > 0 ? camera->aspect : 1;
-    uint32_t height = 1024, width = (uint32_t)fmaxf(height * aspect, 1);
-    for (size_t n = 0; n < s->elements->node_count; n++)
-        weight[n] = rgb_gray(0);
-    for (uint32_t k = 0; k < side * side; k++) {
-        rsv_random random = rsv_random_from(s->desc.seed, k, 0x60a1u);
-        float x = ((float)(k % side) + rsv_random_float(&random)) / (float)side;
-        float y = ((float)(k / side) + rsv_random_float(&random)) / (float)side;
-        rsv_ray ray = rsv_camera_ray(camera, width, height, x * (float)width, y * (float)height);
-        rsv_chain end;
-        if (follow(s, &ray, &medium, &random, &end))
-            add_weight(s, &end, 1 / (float)(side * side), weight);
-    }
-    rsv_elements_constrain_transpose(s->elements, weight);
-    return rsv_progress(s->context, "goal", 1);
-}
 
 rsv_status rsv_goal_importance(const rsv_solution *s, const rsv_rgb *weight, rsv_rgb *importance)
 {
@@ -131,15 +70,16 @@ static rsv_status copy_elements(const rsv_elements *e, rsv_elements **copy)
     return status;
 }
 
-rsv_status rsv_goal_create(const rsv_solution *s, uint32_t camera, rsv_goal *goal)
+rsv_status rsv_goal_create(const rsv_solution *s, rsv_goal *goal)
 {
+    rsv_goal_aim aim = rsv_goal_aim_of(s);
     size_t nodes = s->elements->node_count;
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_rgb *weight = rsv_alloc(s->context, nodes, sizeof *weight);
     rsv_rgb *importance = rsv_alloc(s->context, nodes, sizeof *importance);
     rsv_rgb *size = NULL;
     if (!weight || !importance) goto cleanup;
-    RSV_TRY(rsv_goal_weights(s, camera, PILOT_SIDE, weight));
+    RSV_TRY(rsv_goal_weights(s, &aim, PILOT_SIDE, weight));
     RSV_TRY(rsv_goal_importance(s, weight, importance));
     rsv_goal_density(s->elements, importance);
     set_sizes(s->elements, importance);
@@ -175,20 +115,4 @@ float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *e, uint32_t cel
     return rsv_elements_interpolate(goal->elements, goal->size, e->cell[cell].face,
         (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3)
         .g;
-}
-
-rsv_status rsv_goal_hidden_cells(const rsv_solution *s, uint32_t camera, uint8_t *hidden)
-{
-    const rsv_elements *e = s->elements;
-    rsv_rgb *weight = rsv_alloc(s->context, e->node_count, sizeof *weight);
-    if (!weight) return RSV_ERROR_MEMORY;
-    rsv_status status = rsv_goal_weights(s, camera, VIEW_SIDE, weight);
-    rsv_elements_constrain(e, weight);
-    for (size_t c = 0; c < e->cell_count; c++) {
-        const uint32_t *node = e->cell_node[c];
-        hidden[c] =
-            sum_of(weight[node[0]]) + sum_of(weight[node[1]]) + sum_of(weight[node[2]]) <= 0;
-    }
-    rsv_free(s->context, weight);
-    return status;
 }

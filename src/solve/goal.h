@@ -1,6 +1,6 @@
-/// Elements for one picture: importance says where errors are seen.
+/// Elements for one picture, or for the readings of sensors: importance says where errors are seen.
 ///
-/// w is what a unit of irradiance at each node adds to the picture's mean luminance, and z = (I - (G K)*)^-1 w what a unit
+/// w is what a unit of irradiance at each node adds to the goal, the picture's mean luminance or the readings' mean, and z = (I - (G K)*)^-1 w what a unit
 /// of *source* there does, after all reflections. An element far from what matters may be larger: by the root of how
 /// much less important its area is, since what it adds to the picture's squared error goes with both.
 #ifndef RSV_GOAL_H
@@ -20,11 +20,25 @@ typedef struct rsv_goal {
     rsv_rgb *size;          ///< [node_count] factor 1..RSV_GOAL_COARSEST, in all channels
 } rsv_goal;
 
-/// w of a camera's picture, times the weights of luminance: <w, E> over the free nodes and channels is the mean
-/// luminance that comes from diffuse surfaces.
-/// @param side camera rays across and down @param weight [node_count] of solution->elements
+/// What matters: a camera's picture, or the mean reading of sensors.
+typedef struct rsv_goal_aim {
+    uint32_t camera;        ///< RSV_NONE = the sensors
+    const rsv_probe *point; ///< [point_count]
+    size_t point_count;
+} rsv_goal_aim;
+
+/// What a solution is made for.
+rsv_goal_aim rsv_goal_aim_of(const struct rsv_solution *solution);
+bool rsv_goal_is_wanted(const rsv_goal_aim *aim);
+
+/// RSV_ERROR_ARGUMENT where one is no receiver.
+rsv_status rsv_check_probes(const rsv_probe *probes, size_t count);
+
+/// w, times the weights of luminance: <w, E> over the free nodes and channels is the mean luminance of the picture, or
+/// the mean luminance of the readings, as far as it comes from diffuse surfaces.
+/// @param side camera rays across and down; sensors share as many @param weight [node_count] of solution->elements
 rsv_status rsv_goal_weights(
-    const struct rsv_solution *solution, uint32_t camera, uint32_t side, rsv_rgb *weight);
+    const struct rsv_solution *solution, const rsv_goal_aim *aim, uint32_t side, rsv_rgb *weight);
 
 /// z for given w. Needs rows and albedos, no solution. @param importance [node_count]
 rsv_status rsv_goal_importance(
@@ -33,15 +47,15 @@ rsv_status rsv_goal_importance(
 /// Importance per area, for evaluation between nodes. @param importance in and out, hanging nodes filled
 void rsv_goal_density(const rsv_elements *elements, rsv_rgb *importance);
 
-/// Finds the sizes for a camera's picture from rows and albedos on coarse elements.
-rsv_status rsv_goal_create(const struct rsv_solution *solution, uint32_t camera, rsv_goal *goal);
+/// Finds the sizes for what a solution is made for from rows and albedos on coarse elements.
+rsv_status rsv_goal_create(const struct rsv_solution *solution, rsv_goal *goal);
 void rsv_goal_destroy(rsv_goal *goal);
 
 /// How much larger than usual a cell of finer elements may be.
 float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *elements, uint32_t cell);
 
-/// Cells whose light the camera does not see. @param hidden [cell_count] of solution->elements
+/// Cells whose light no ray of the goal sees. @param hidden [cell_count] of solution->elements
 rsv_status rsv_goal_hidden_cells(
-    const struct rsv_solution *solution, uint32_t camera, uint8_t *hidden);
+    const struct rsv_solution *solution, const rsv_goal_aim *aim, uint8_t *hidden);
 
 #endif

@@ -141,7 +141,7 @@ static rsv_status refine_for_goal(rsv_solution *s, rsv_goal *goal)
     rsv_status status;
     RSV_TRY(rsv_system_create_fields(s));
     RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
-    RSV_TRY(rsv_goal_create(s, s->desc.goal_camera, goal));
+    RSV_TRY(rsv_goal_create(s, goal));
     rsv_system_destroy(s);
     for (float size = RSV_GOAL_COARSEST; size > 1; size /= 2)
         RSV_TRY(split_for_goal(s, goal));
@@ -151,7 +151,8 @@ cleanup:
 
 bool rsv_pilot_has_goal(const rsv_solution *s)
 {
-    return s->desc.goal_camera != RSV_NONE && rsv_reflects_diffusely(s);
+    rsv_goal_aim aim = rsv_goal_aim_of(s);
+    return rsv_goal_is_wanted(&aim) && rsv_reflects_diffusely(s);
 }
 
 rsv_status rsv_pilot_refine(rsv_solution *s)

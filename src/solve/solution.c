@@ -9,6 +9,8 @@
 #include "source.h"
 #include "system.h"
 
+#include <string.h>
+
 /// Where budgets are exceeded, elements grow by this factor at most at a time, as long as that leaves fewer than this
 /// part of them.
 #define LARGEST_STEP 4.0f
@@ -152,6 +154,19 @@ cleanup:
     return status;
 }
 
+static rsv_status keep_goal_points(rsv_solution *s)
+{
+    size_t count = s->desc.goal_point_count;
+    const rsv_probe *points = s->desc.goal_points;
+    s->desc.goal_points = NULL;
+    if (count == 0) return RSV_OK;
+    s->goal_points = rsv_alloc(s->context, count, sizeof *points);
+    if (!s->goal_points) return RSV_ERROR_MEMORY;
+    memcpy(s->goal_points, points, count * sizeof *points);
+    s->desc.goal_points = s->goal_points;
+    return RSV_OK;
+}
+
 rsv_status rsv_solution_prepare(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
 {
@@ -166,7 +181,8 @@ rsv_status rsv_solution_prepare(
     s->scene = (rsv_transport_scene){
         .scene = scene, .view = rsv_scene_get_view(scene), .checkpoint = desc->checkpoint
     };
-    status = prepare(s);
+    status = keep_goal_points(s);
+    if (status == RSV_OK) status = prepare(s);
     if (status == RSV_OK)
         *solution = s;
     else
@@ -237,16 +253,26 @@ cleanup:
     return status;
 }
 
+static rsv_status check_goal(const rsv_solve_desc *desc, size_t cameras)
+{
+    if (desc->goal_camera == RSV_NONE)
+        return rsv_check_probes(desc->goal_points, desc->goal_point_count);
+    if (desc->goal_point_count > 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "solve: goal_camera and goal_points are both given; one goal is all there can be");
+    if (desc->goal_camera >= cameras)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: goal_camera is %u; the scene has %zu cameras",
+            desc->goal_camera, cameras);
+    return RSV_OK;
+}
+
 rsv_status rsv_solution_create(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
 {
     rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
-    size_t cameras = rsv_scene_get_view(scene)->camera_count;
-    if (settings.goal_camera != RSV_NONE && settings.goal_camera >= cameras)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: goal_camera is %u; the scene has %zu cameras",
-            settings.goal_camera, cameras);
     rsv_solution *s = NULL;
-    rsv_status status = rsv_solution_prepare(scene, &settings, &s);
+    rsv_status status = check_goal(&settings, rsv_scene_get_view(scene)->camera_count);
+    if (status == RSV_OK) status = rsv_solution_prepare(scene, &settings, &s);
     if (status != RSV_OK) return status;
     status = build(s);
     if (status != RSV_OK) {
@@ -267,6 +293,7 @@ void rsv_solution_destroy(rsv_solution *s)
     rsv_source_level_destroy(context, &s->caustics);
     rsv_subsurface_destroy(s->subsurface);
     rsv_system_destroy(s);
+    rsv_free(context, s->goal_points);
     rsv_free(context, s->valid_points);
     rsv_free(context, s->bin_radiance);
     rsv_elements_destroy(s->elements);

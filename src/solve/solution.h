@@ -15,9 +15,10 @@ struct rsv_solution {
     rsv_tracer *tracer;
     rsv_bsdf *bsdf;
     rsv_lights *lights;
-    rsv_solve_desc desc;  ///< with fewer rays than was asked for where a budget wants that
-    uint32_t wanted_rays; ///< that were asked for
-    size_t bytes_left;    ///< of the memory budget, for elements, rows and levels
+    rsv_solve_desc desc;    ///< with fewer rays than was asked for where a budget wants that
+    rsv_probe *goal_points; ///< a copy: desc.goal_points; NULL = none
+    uint32_t wanted_rays;   ///< that were asked for
+    size_t bytes_left;      ///< of the memory budget, for elements, rows and levels
 
     rsv_spacing spacing;        ///< of the coarse elements
     rsv_elements *elements;     ///< coarse: unknowns

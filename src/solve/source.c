@@ -14,10 +14,11 @@ rsv_status rsv_source_create_levels(rsv_solution *s)
         .seed = rsv_level_seed(s) };
     rsv_status status = RSV_OK;
     uint8_t *hidden = NULL;
-    if (s->desc.goal_camera != RSV_NONE) {
+    rsv_goal_aim aim = rsv_goal_aim_of(s);
+    if (rsv_goal_is_wanted(&aim)) {
         hidden = rsv_alloc(s->context, s->elements->cell_count, 1);
         RSV_TRY(hidden ? RSV_OK : RSV_ERROR_MEMORY);
-        RSV_TRY(rsv_goal_hidden_cells(s, s->desc.goal_camera, hidden));
+        RSV_TRY(rsv_goal_hidden_cells(s, &aim, hidden));
     }
     desc.hidden = hidden;
     rsv_source_level_desc direct_desc = desc, caustic_desc = desc;

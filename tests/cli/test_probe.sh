@@ -20,7 +20,9 @@ cmp -s "$out/a.csv" "$out/again.csv" || complain "readings can be read back; sam
 for mode in lookup reference; do
     succeeds probe furnace --points points.csv -o "$out/$mode.csv" "${draft[@]}" --mode $mode
 done
+succeeds probe furnace --points points.csv -o "$out/goal.csv" "${draft[@]}" --goal
 rm -f "$out"/*
+refuses 2 'solves nothing' probe furnace --points points.csv -o "$out/a.csv" --mode reference --goal
 refuses 1 'would overwrite' probe furnace --points points.csv -o points.csv "${draft[@]}"
 [[ $(wc -l <points.csv) == 4 ]] || complain "points were overwritten"
 

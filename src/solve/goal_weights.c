@@ -1,0 +1,136 @@
+#include "../core/stratified.h"
+#include "../trace/camera_ray.h"
+#include "goal.h"
+#include "solution.h"
+
+/// Rays of each sensor at least, however many share the rays of a goal.
+#define FEWEST_SENSOR_RAYS 64u
+/// Rays each way that tell what is seen at all.
+#define VIEW_SIDE 384
+
+rsv_goal_aim rsv_goal_aim_of(const rsv_solution *s)
+{
+    return (rsv_goal_aim){ s->desc.goal_camera, s->desc.goal_points, s->desc.goal_point_count };
+}
+
+bool rsv_goal_is_wanted(const rsv_goal_aim *aim)
+{
+    return aim->camera != RSV_NONE || aim->point_count > 0;
+}
+
+rsv_status rsv_check_probes(const rsv_probe *probes, size_t count)
+{
+    for (size_t k = 0; k < count; k++) {
+        rsv_vec3 p = probes[k].position, n = probes[k].normal;
+        if (!isfinite(p.x + p.y + p.z) || !isfinite(n.x + n.y + n.z) || v3_length(n) == 0)
+            return rsv_fail(RSV_ERROR_ARGUMENT,
+                "probe %zu: position and normal must be finite, the normal not zero", k);
+    }
+    return RSV_OK;
+}
+
+static bool counts_nothing(const void *user, uint32_t triangle, uint32_t events)
+{
+    (void)user, (void)triangle, (void)events;
+    return false;
+}
+
+/// One ray of the goal: to the diffuse surface that it leads to.
+static bool follow(const rsv_solution *s, const rsv_ray *ray, const rsv_medium *medium,
+    rsv_random *random, rsv_chain *end)
+{
+    rsv_hit hit;
+    if (!rsv_tracer_closest(s->tracer, ray, &hit)) return false;
+    rsv_chain first =
+        rsv_chain_begin(&s->scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts_nothing, NULL);
+    *end = gather.chain;
+    return gather.end == RSV_CHAIN_DIFFUSE;
+}
+
+/// @param share of the goal that the radiance of this ray is
+static void add_weight(const rsv_solution *s, const rsv_chain *end, float share, rsv_rgb *weight)
+{
+    const rsv_elements *e = s->elements;
+    uint32_t face = e->face_of[end->back][end->triangle];
+    if (face == RSV_NONE) return;
+    rsv_bsdf storage;
+    float w[3];
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, end, &storage);
+    rsv_rgb seen = rgb_scale(rgb_mul(end->weight, bsdf->exitance_albedo), share / RSV_PI);
+    // luminance is linear: its weights go along
+    seen = rgb(rgb_luminance(rgb(seen.r, 0, 0)), rgb_luminance(rgb(0, seen.g, 0)),
+        rgb_luminance(rgb(0, 0, seen.b)));
+    const uint32_t *node = e->cell_node[rsv_elements_locate(e, face, end->u, end->v, w)];
+    for (int k = 0; k < 3; k++)
+        weight[node[k]] = rgb_mad(weight[node[k]], w[k], seen);
+}
+
+static void weigh_picture(const rsv_solution *s, uint32_t index, uint32_t side, rsv_rgb *weight)
+{
+    const rsv_camera *camera = &s->scene.view->camera[index];
+    rsv_medium medium = rsv_medium_above(&s->scene.media, camera->position, camera->forward);
+    float aspect = camera->aspect > 0 ? camera->aspect : 1;
+    uint32_t height = 1024, width = (uint32_t)fmaxf(height * aspect, 1);
+    for (uint32_t k = 0; k < side * side; k++) {
+        rsv_random random = rsv_random_from(s->desc.seed, k, 0x60a1u);
+        float x = ((float)(k % side) + rsv_random_float(&random)) / (float)side;
+        float y = ((float)(k / side) + rsv_random_float(&random)) / (float)side;
+        rsv_ray ray = rsv_camera_ray(camera, width, height, x * (float)width, y * (float)height);
+        rsv_chain end;
+        if (follow(s, &ray, &medium, &random, &end))
+            add_weight(s, &end, 1 / (float)(side * side), weight);
+    }
+}
+
+/// A gather ray counts pi / rays times the radiance it finds.
+static void weigh_reading(
+    const rsv_solution *s, const rsv_goal_aim *aim, size_t index, uint32_t rays, rsv_rgb *weight)
+{
+    rsv_vec3 normal = v3_normalize(aim->point[index].normal), t, b;
+    rsv_vec3 origin = rsv_tracer_receiver_origin(s->tracer, aim->point[index].position, normal);
+    rsv_medium medium = rsv_medium_above(&s->scene.media, origin, normal);
+    uint32_t stream = rsv_hash3(s->desc.seed, (uint32_t)index, 0x5e45u);
+    v3_frame(normal, &t, &b);
+    for (uint32_t k = 0; k < rays; k++) {
+        float x, y;
+        rsv_sobol_2d(k, stream, &x, &y);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        rsv_random random = rsv_random_from(stream, k, 0x2f6u);
+        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
+        rsv_chain end;
+        if (follow(s, &ray, &medium, &random, &end))
+            add_weight(s, &end, RSV_PI / ((float)rays * (float)aim->point_count), weight);
+    }
+}
+
+rsv_status rsv_goal_weights(
+    const rsv_solution *s, const rsv_goal_aim *aim, uint32_t side, rsv_rgb *weight)
+{
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        weight[n] = rgb_gray(0);
+    if (aim->camera != RSV_NONE) weigh_picture(s, aim->camera, side, weight);
+    for (size_t k = 0; k < aim->point_count; k++) {
+        uint32_t rays = (uint32_t)(side * side / aim->point_count);
+        if (rsv_cancelled(s->context)) break;
+        weigh_reading(s, aim, k, rays > FEWEST_SENSOR_RAYS ? rays : FEWEST_SENSOR_RAYS, weight);
+    }
+    rsv_elements_constrain_transpose(s->elements, weight);
+    return rsv_progress(s->context, "goal", 1);
+}
+
+rsv_status rsv_goal_hidden_cells(const rsv_solution *s, const rsv_goal_aim *aim, uint8_t *hidden)
+{
+    const rsv_elements *e = s->elements;
+    rsv_rgb *weight = rsv_alloc(e->context, e->node_count, sizeof *weight);
+    if (!weight) return RSV_ERROR_MEMORY;
+    rsv_status status = rsv_goal_weights(s, aim, VIEW_SIDE, weight);
+    rsv_elements_constrain(e, weight);
+    for (size_t c = 0; c < e->cell_count; c++) {
+        hidden[c] = 1;
+        for (int k = 0; k < 3; k++)
+            if (!rgb_is_black(weight[e->cell_node[c][k]])) hidden[c] = 0;
+    }
+    rsv_free(s->context, weight);
+    return status;
+}
