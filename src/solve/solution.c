@@ -11,10 +11,12 @@
 
 #include <string.h>
 
-/// Where budgets are exceeded, elements grow by this factor at most at a time, as long as that leaves fewer than this
-/// part of them.
+/// Where budgets are exceeded, elements grow by this factor at most at a time; always by it, and no pilot splits them, as
+/// soon as a step leaves more than this part of them.
 #define LARGEST_STEP 4.0f
 #define LEAST_PROGRESS 0.95
+/// Elements that are larger than wanted by this factor are as few as the surfaces can have.
+#define COARSEST 1e3f
 
 rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
 {
@@ -88,16 +90,19 @@ static rsv_status create_elements(rsv_solution *s)
     s->spacing = rsv_spacing_for(&s->scene, s->desc.element_target);
     float wanted = s->spacing.metres;
     size_t before = SIZE_MAX;
+    bool stalled = false;
     RSV_TRY(rsv_budget_open(s));
     for (;;) {
         RSV_TRY(rsv_coarse_elements_create(s, rsv_pilot_has_goal(s) ? RSV_GOAL_COARSEST : 1));
-        RSV_TRY(rsv_pilot_refine(s));
+        if (!stalled) RSV_TRY(rsv_pilot_refine(s));
         while (rsv_solution_rows(s) > rsv_budget_rows(s) && rsv_budget_halve_rays(s)) {}
         size_t rows = rsv_solution_rows(s), most = rsv_budget_rows(s);
         if (rows <= most) break;
-        if ((double)rows > LEAST_PROGRESS * (double)before) RSV_TRY(rsv_budget_refuse(s, rows));
+        if (s->spacing.metres > COARSEST * wanted) RSV_TRY(rsv_budget_refuse(s, rows));
+        stalled = stalled || (double)rows > LEAST_PROGRESS * (double)before;
         before = rows;
-        s->spacing.metres *= f_min(sqrtf(1.2f * (float)rows / ((float)most + 1)), LARGEST_STEP);
+        float step = sqrtf(1.2f * (float)rows / ((float)most + 1));
+        s->spacing.metres *= stalled ? LARGEST_STEP : f_min(step, LARGEST_STEP);
         rsv_elements_destroy(s->elements);
         s->elements = NULL;
     }

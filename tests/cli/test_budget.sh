@@ -18,6 +18,11 @@ grep -q 'coarser' stderr && complain "a budget that is large enough is spoken of
 rm -f "$out"/*
 
 refuses 1 'elements is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 3
+# as many as the line asks for are enough
+enough=$(sed -n 's/^.* take \([0-9]*\) at the least.*$/\1/p' stderr)
+succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements "${enough:-1}" --stats stats.json
+at_most rows "${enough:-1}"
+rm -f "$out"/*
 refuses 1 'memory budget of 5 MiB is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory 5MiB
 refuses 1 'memory budget of 40 MiB is too small' render terraces:3e5 -o "$out/a.png" "${small[@]}" --max-memory 40MiB
 for amount in 2 -1GiB 0MiB 1e30TiB nanGiB GiB 1gib '3 GiB'; do
