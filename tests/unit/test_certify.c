@@ -270,6 +270,37 @@ static void a_goal_spends_elements_where_they_count(void **state)
     world_end(w);
 }
 
+/// What sensors in the dark room read takes fewer elements when it is all that matters, and is as right.
+static void sensors_are_goals_as_cameras_are(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "two-rooms");
+    const rsv_probe sensors[2] = { { { -2.5f, 0.9f, 0.3f }, { 0, 1, 0 } },
+        { { -2, 1.2f, 0.5f }, { 1, 0, 0 } } };
+    rsv_solve_desc desc = draft(1200);
+    desc.direct_levels = 1;
+    rsv_solution *all = solve(w, &desc);
+    desc.goal_points = sensors;
+    desc.goal_point_count = 2;
+    rsv_solution *goal = solve(w, &desc);
+    const rsv_solve_report *a = rsv_solution_report(all), *g = rsv_solution_report(goal);
+    assert_true(2 * (g->elements + g->direct_elements) < a->elements + a->direct_elements);
+    rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 64, .light_samples = 16 };
+    rsv_goal_certificate of_all, of_goal;
+    assert_int_equal(rsv_certify_points(all, &certify_desc, sensors, 2, &of_all), RSV_OK);
+    assert_int_equal(rsv_certify_points(goal, &certify_desc, sensors, 2, &of_goal), RSV_OK);
+    double truth[2] = { of_all.reading + of_all.error, of_goal.reading + of_goal.error };
+    double doubt = of_all.error_ci95[1] - of_all.error + of_goal.error_ci95[1] - of_goal.error;
+    assert_close(truth[0], truth[1], doubt + 0.02 * of_all.reading);
+    desc.goal_camera = 0; // one goal is all there can be
+    rsv_solution *none = NULL;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &none), RSV_ERROR_ARGUMENT);
+    assert_int_equal(rsv_certify_points(goal, NULL, sensors, 0, &of_goal), RSV_ERROR_ARGUMENT);
+    rsv_solution_destroy(all);
+    rsv_solution_destroy(goal);
+    world_end(w);
+}
+
 // ---- error targets ------------------------------------------------------------------------------
 
 static rsv_solution *pursue(
@@ -510,6 +541,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(the_split_knows_noise_from_large_elements),
         cmocka_unit_test(a_goal_spends_elements_where_they_count),
+        cmocka_unit_test(sensors_are_goals_as_cameras_are),
     };
     return RUN_HALF(argc, argv, quick, slow);
 }
