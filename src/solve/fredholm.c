@@ -6,8 +6,7 @@
 /// Light that has not begun to die out after so many orders never will.
 #define MAX_STEPS 64
 
-/// <w, source> / (|w| |source|), the largest of the channels.
-static double compatibility(const float *w, const float *source, size_t count)
+static double cosine_between(const float *w, const float *source, size_t count)
 {
     double most = 0;
     for (size_t c = 0; c < 3; c++) {
@@ -22,23 +21,32 @@ static double compatibility(const float *w, const float *source, size_t count)
     return most;
 }
 
-rsv_status rsv_fredholm_alternative(
-    const rsv_linear_map *map, const float *source, rsv_alternative *alternative)
+static rsv_status iterate(
+    const rsv_linear_map *map, bool transposed, float *vector, rsv_spectral_radius *radius)
 {
-    rsv_status status;
+    rsv_power_desc desc = {
+        .max_steps = MAX_STEPS, .gap = -1, .doubt = RSV_LOSSLESS, .transposed = transposed
+    };
+    return vector ? rsv_power_iteration(map, &desc, vector, radius) : RSV_ERROR_MEMORY;
+}
+
+rsv_status rsv_fredholm_alternative(const rsv_linear_map *map, rsv_alternative *alternative)
+{
     float *vector = rsv_alloc(map->context, 3 * map->count, sizeof *vector);
-    rsv_power_desc desc = { .max_steps = MAX_STEPS, .gap = -1, .doubt = RSV_LOSSLESS };
     *alternative = (rsv_alternative){ 0 };
-    if (!vector) return RSV_ERROR_MEMORY;
-    RSV_TRY(rsv_power_iteration(map, &desc, vector, &alternative->radius));
-    alternative->unique = alternative->radius.power < RSV_LOSSLESS;
-    if (!alternative->unique) {
-        rsv_spectral_radius adjoint;
-        desc.transposed = true;
-        RSV_TRY(rsv_power_iteration(map, &desc, vector, &adjoint));
-        alternative->compatibility = compatibility(vector, source, map->count);
-    }
-cleanup:
+    rsv_status status = iterate(map, false, vector, &alternative->radius);
+    alternative->unique = status == RSV_OK && alternative->radius.power < RSV_LOSSLESS;
+    rsv_free(map->context, vector);
+    return status;
+}
+
+rsv_status rsv_fredholm_compatibility(
+    const rsv_linear_map *map, const float *source, double *compatibility)
+{
+    rsv_spectral_radius adjoint;
+    float *vector = rsv_alloc(map->context, 3 * map->count, sizeof *vector);
+    rsv_status status = iterate(map, true, vector, &adjoint);
+    *compatibility = status == RSV_OK ? cosine_between(vector, source, map->count) : NAN;
     rsv_free(map->context, vector);
     return status;
 }

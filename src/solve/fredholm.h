@@ -11,14 +11,16 @@
 typedef struct rsv_alternative {
     bool unique; ///< every source has one solution
     rsv_spectral_radius radius;
-    double
-        compatibility; ///< <w, E0> / (|w| |E0|) with w >= 0 from the adjoint; 0 = the source is compatible
 } rsv_alternative;
 
 /// Decides between the two. Knows at once where the norm of A is below 1.
+rsv_status rsv_fredholm_alternative(const rsv_linear_map *map, rsv_alternative *alternative);
+
+/// How far a source is from having no part along the solutions w >= 0 of the adjoint.
 /// @param map knows its transposed @param source [count x 3]
-rsv_status rsv_fredholm_alternative(
-    const rsv_linear_map *map, const float *source, rsv_alternative *alternative);
+/// @param compatibility out: <w, E0> / (|w| |E0|), the largest of the channels; 0 = the source is compatible
+rsv_status rsv_fredholm_compatibility(
+    const rsv_linear_map *map, const float *source, double *compatibility);
 
 /// Which share of the light that arrives at a node is still under way after `orders` more bounces:
 /// (A*)^orders area / area.

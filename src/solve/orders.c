@@ -92,15 +92,19 @@ static void close_pockets(rsv_solution *s, const float *survival)
     }
 }
 
-static rsv_status refuse_lossless(const rsv_alternative *a)
+static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
 {
+    double compatibility;
+    rsv_status status =
+        rsv_fredholm_compatibility(&q->map->linear, &q->s->source->r, &compatibility);
+    if (status != RSV_OK) return status;
     return rsv_fail(RSV_ERROR_SCENE,
         "solve: the scene is closed and absorbs nothing (albedo 1): E = G K E has solutions of its "
         "own (spectral radius %.5f); the light is %s them, so that %s; lower an albedo below 1 or "
         "open the scene",
-        a->radius.power, a->compatibility > 1e-6 ? "incompatible with" : "compatible with",
-        a->compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
-                                : "there are many answers");
+        a->radius.power, compatibility > 1e-6 ? "incompatible with" : "compatible with",
+        compatibility > 1e-6 ? "it never dies out and there is no bounded answer"
+                             : "there are many answers");
 }
 
 /// A norm of 1 bounds nothing. In an open scene later orders still die out; in a closed lossless one they do not,
@@ -113,19 +117,19 @@ static rsv_status check_losses(series *q)
     float *survival = NULL;
     rsv_status status;
     s->pocket_area = 0;
-    RSV_TRY(rsv_transport_map_transpose(q->map));
-    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &s->source->r, &a));
+    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &a));
     q->resolvent = a.radius.resolvent;
     if (a.unique) return RSV_OK;
+    RSV_TRY(rsv_transport_map_transpose(q->map));
     survival = rsv_alloc(s->context, 3 * s->elements->node_count, sizeof *survival);
     RSV_TRY(survival ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_survival(&q->map->linear, s->elements->node_area, POCKET_ORDERS, survival));
-    RSV_TRY(caught_share(s, survival) < POCKET_SHARE ? RSV_OK : refuse_lossless(&a));
+    RSV_TRY(caught_share(s, survival) < POCKET_SHARE ? RSV_OK : refuse_lossless(q, &a));
     close_pockets(s, survival);
     s->report.norm_inf = operator_norm(q);
-    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &s->source->r, &a));
+    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &a));
     q->resolvent = a.radius.resolvent;
-    RSV_TRY(a.unique ? RSV_OK : refuse_lossless(&a));
+    RSV_TRY(a.unique ? RSV_OK : refuse_lossless(q, &a));
 cleanup:
     rsv_free(s->context, survival);
     return status;

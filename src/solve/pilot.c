@@ -62,6 +62,13 @@ static void unmark_idle(const rsv_goal *goal, const rsv_elements *e, uint8_t *sp
         if (split[c] && rsv_goal_size_at(goal, e, c) > GOAL_IDLE) split[c] = 0;
 }
 
+/// Rows that pilots may bring the solution to.
+static size_t most_rows(const rsv_solution *s)
+{
+    size_t most = (size_t)MOST_NODES * s->desc.element_target, budget = rsv_budget_rows(s);
+    return most < budget ? most : budget;
+}
+
 /// Marks the cells over which indirect light bends, the strongest bends alone where all of them would take more nodes
 /// than there should be. @param any out: false if none are marked
 static rsv_status mark_bends(
@@ -69,8 +76,7 @@ static rsv_status mark_bends(
 {
     const rsv_elements *e = s->elements;
     float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, s->indirect);
-    size_t rows = rsv_solution_rows(s), most = (size_t)MOST_NODES * s->desc.element_target;
-    if (most > rsv_budget_rows(s)) most = rsv_budget_rows(s);
+    size_t rows = rsv_solution_rows(s), most = most_rows(s);
     *any = false;
     for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
         memset(split, 0, e->cell_count);
@@ -161,8 +167,10 @@ rsv_status rsv_pilot_refine(rsv_solution *s)
     rsv_goal goal = { 0 };
     bool refined = rsv_reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
     if (rsv_pilot_has_goal(s) && refined) RSV_TRY(refine_for_goal(s, &goal));
-    for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++)
+    for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++) {
+        if (rsv_solution_rows(s) >= most_rows(s)) break;
         RSV_TRY(refine_by_pilot(s, &goal, &refined));
+    }
 cleanup:
     rsv_goal_destroy(&goal);
     return status;
