@@ -14,6 +14,18 @@ bash -euo pipefail commands.sh >log 2>&1 || {
 for picture in spheres room again evening evening-00 evening-05; do
     [[ -s $picture.png ]] || complain "$picture.png is missing"
 done
+# every example of all pages: its command and options exist
+docs=$(dirname "$page")
+mapfile -t examples < <(cat "$docs"/*.md "$docs/../README.md" |
+    sed -n 's/"[^"]*"//g; s/ && /\n/g; s/^ *\(mpirun -n [0-9]* \)\{0,1\}\(resolvent [a-z]\)/\2/p' | grep '^resolvent ' | sort -u)
+((${#examples[@]} > 30)) || complain "only ${#examples[@]} examples were found"
+for example in "${examples[@]}"; do
+    read -r _ command rest <<<"$example"
+    [[ -s $command.help ]] || "$program" "$command" --help >"$command.help" || complain "no such command: $example"
+    for option in $(grep -oE -- ' --?[a-z][a-z-]*' <<<" $rest"); do
+        grep -qE -- "(^|[ ,])$option([ ,=]|\$)" "$command.help" || complain "$option is no option: $example"
+    done
+done
 # pages that it points to
 grep -o '](\([^)#]*\)' "$page" | cut -c3- | while read -r target; do
     [[ -e $(dirname "$page")/$target ]] || echo "$target"
