@@ -55,6 +55,7 @@
 /// Constants of a material at a point; rsv_bsdf_vary makes them from those of the material.
 typedef struct rsv_bsdf {
     rsv_rgb base_color;                         ///< metal F0 and tint of transmission
+    rsv_rgb entry_mean;                         ///< T_mean
     rsv_rgb exitance_albedo;                    ///< base_color / T_mean: exitance per irradiance
     rsv_rgb absorption;                         ///< 1/m inside a solid body (Beer-Lambert)
     rsv_rgb emission;                           ///< W/(sr m2)

@@ -98,6 +98,18 @@ static rsv_rgb entry_mean(const rsv_bsdf *bsdf)
     return rsv_one_minus(rgb_scale(bsdf->specular_tint, reflected));
 }
 
+static bool equal(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
+/// Whether all that `entry_mean` and `balance` follow from is the same: most textures vary no more than the base color.
+static bool same_interface(const rsv_bsdf *a, const rsv_bsdf *b)
+{
+    return a->coated == b->coated && a->layered == b->layered && a->alpha == b->alpha &&
+           a->metallic == b->metallic && a->transmission == b->transmission &&
+           a->clearcoat == b->clearcoat && a->clearcoat_alpha == b->clearcoat_alpha &&
+           a->sheen_power == b->sheen_power && equal(a->sheen, b->sheen) &&
+           equal(a->specular_tint, b->specular_tint);
+}
+
 static rsv_rgb divided(rsv_rgb a, rsv_rgb b) { return rgb(a.r / b.r, a.g / b.g, a.b / b.b); }
 
 rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
@@ -125,10 +137,12 @@ rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
     varied.lambert = varied.diffuse == 1 && !varied.coated && !varied.solid;
     varied.rough = varied.alpha > 0 || varied.passed > 0 || !rgb_is_black(varied.sheen) ||
                    (v->clearcoat > 0 && varied.clearcoat_alpha > 0);
-    rsv_rgb mean = entry_mean(&varied);
-    varied.exitance_albedo = divided(v->base_color, mean);
-    varied.passed_albedo = divided(v->diffuse_transmission_color, mean);
-    rsv_bsdf_balance_layers(&varied);
+    if (rgb_is_black(bsdf->entry_mean) || !same_interface(&varied, bsdf)) {
+        varied.entry_mean = entry_mean(&varied);
+        rsv_bsdf_balance_layers(&varied);
+    }
+    varied.exitance_albedo = divided(v->base_color, varied.entry_mean);
+    varied.passed_albedo = divided(v->diffuse_transmission_color, varied.entry_mean);
     return varied;
 }
 
