@@ -1,6 +1,7 @@
 /// E0 as a sum over its sources, each part times its factor or sampled again where its source stands elsewhere.
 #include "../trace/tracer_update.h"
 #include "relighter.h"
+#include "source.h"
 
 #include <math.h>
 #include <string.h>
@@ -145,16 +146,9 @@ static void combine(const rsv_relighter *r, size_t field)
 static void gather_sources(rsv_relighter *r, rsv_rgb scale)
 {
     rsv_solution *s = r->s;
-    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
-    for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
+    for (size_t n = 0; n < rsv_relighter_nodes(r); n++)
         s->transport->gathered[n] = rgb_mul(r->gathered[n], scale);
-        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
-        s->source[n] = rgb_add(s->source[n], s->gathered[n]);
-        if (s->caustics.coarse_caustic)
-            s->source[n] = rgb_add(s->source[n], s->caustics.coarse_caustic[n]);
-    }
-    rsv_elements_constrain(s->elements, s->gathered);
-    rsv_elements_constrain(s->elements, s->source);
+    rsv_source_add_gathered(s);
 }
 
 rsv_status rsv_relighter_update_sources(rsv_relighter *r)

@@ -35,12 +35,8 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_source_create(rsv_solution *s)
+void rsv_source_add_gathered(rsv_solution *s)
 {
-    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
-        s->source, NULL, &s->report.rays);
-    if (status != RSV_OK) return status;
     rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
     for (size_t n = 0; n < s->elements->node_count; n++) {
         s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
@@ -50,7 +46,15 @@ rsv_status rsv_source_create(rsv_solution *s)
     }
     rsv_elements_constrain(s->elements, s->gathered);
     rsv_elements_constrain(s->elements, s->source);
-    return RSV_OK;
+}
+
+rsv_status rsv_source_create(rsv_solution *s)
+{
+    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
+        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
+        s->source, NULL, &s->report.rays);
+    if (status == RSV_OK) rsv_source_add_gathered(s);
+    return status;
 }
 
 rsv_status rsv_source_divide_environment(rsv_solution *s)
