@@ -233,7 +233,6 @@ static void the_operator_agrees_with_the_reference(void **state)
     const rsv_probe probes[2] = { { { 0, 0, 0 }, { 0, 1, 0 } }, { { 1, 0.4f, 30 }, { 0, -1, 0 } } };
     rsv_probe_reading a[2], b[2];
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.direct_levels = 1; // so many lights bend the light of every element
     rsv_solution *solution;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
     assert_int_equal(
