@@ -17,7 +17,7 @@ typedef struct cli_bench_task {
     uint32_t repetitions;        ///< what is timed is timed this often
     uint32_t size;               ///< quality: pixels along each side
     uint32_t reference_samples;  ///< quality: camera rays per pixel of the reference
-    int quality;                 ///< levels: an rsv_quality
+    int quality;                 ///< levels and quality: an rsv_quality
     uint32_t paths;              ///< certificate: of each reading of the truth, 0 = default
     cli_list references; ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;

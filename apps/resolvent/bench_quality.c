@@ -249,13 +249,19 @@ static cJSON *describe(const recipe *r, const outcome *out, const outcome *longe
     return point;
 }
 
+static bool is_asked_for(const recipe *r, const cli_bench_task *bench)
+{
+    return (int)r->quality <= bench->quality;
+}
+
 bool cli_bench_quality(const cli_bench_task *bench, cJSON *result)
 {
     judge j = { 0 };
     outcome outcomes[recipe_count] = { 0 };
     bool measured = make_judge(bench, &j);
     for (size_t i = 0; i < recipe_count && measured; i++)
-        measured = measure(bench, &j, &recipes[i], &outcomes[i]);
+        measured =
+            !is_asked_for(&recipes[i], bench) || measure(bench, &j, &recipes[i], &outcomes[i]);
     release_judge(&j);
     if (!measured) return false;
     cJSON *reference = cJSON_AddObjectToObject(result, "reference");
@@ -263,8 +269,9 @@ bool cli_bench_quality(const cli_bench_task *bench, cJSON *result)
     cJSON_AddNumberToObject(reference, "relative_mse", j.relative_mse);
     cJSON *points = cJSON_AddArrayToObject(result, "points");
     for (size_t i = 0; i < recipe_count; i++)
-        cJSON_AddItemToArray(
-            points, describe(&recipes[i], &outcomes[i], &outcomes[recipe_count - 1]));
+        if (is_asked_for(&recipes[i], bench))
+            cJSON_AddItemToArray(
+                points, describe(&recipes[i], &outcomes[i], &outcomes[recipe_count - 1]));
     return true;
 }
 

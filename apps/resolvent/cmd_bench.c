@@ -60,7 +60,8 @@ static const char help[] =
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP
-    "  --quality Q       levels: draft, medium (default) or high: which elements are compared\n"
+    "  --quality Q       draft, medium or high. levels: which elements are compared (default\n"
+    "                    medium); quality: the best solution to compare (default high)\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -81,6 +82,7 @@ typedef struct benchmark {
     bool (*write_plot)(const char *path, const cJSON *scenes);
     const char *scenes[BENCH_SCENES];           ///< where none is given
     uint32_t repetitions;                       ///< likewise
+    int quality;                                ///< likewise, where it is an option
     void (*print_summary)(const cJSON *scenes); ///< of all of them, or NULL
 } benchmark;
 
@@ -101,7 +103,8 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_quality_csv,
         .write_plot = cli_write_quality_plot,
         .scenes = { "cornell-blocks" },
-        .repetitions = 3 },
+        .repetitions = 3,
+        .quality = RSV_QUALITY_HIGH },
     { .name = "relight",
         .run = cli_bench_relight,
         .print = cli_print_relight,
@@ -147,7 +150,8 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_levels_csv,
         .write_plot = cli_write_levels_plot,
         .scenes = { "cornell-blocks" },
-        .repetitions = 1 },
+        .repetitions = 1,
+        .quality = RSV_QUALITY_MEDIUM },
     { .name = "certificate",
         .run = cli_bench_certificate,
         .print = cli_print_certificate,
@@ -274,8 +278,8 @@ static int check_settings(const benchmark *b, const settings *s)
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
     if (s->bench.environment.path && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--env belongs to bench quality");
-    if (s->bench.quality != RSV_QUALITY_MEDIUM && b->run != cli_bench_levels)
-        return cli_usage_error("bench", "--quality belongs to bench levels");
+    if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality)
+        return cli_usage_error("bench", "--quality belongs to bench levels and quality");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)))
@@ -295,6 +299,7 @@ static int measure_and_report(settings *s)
     s->bench.session = &session;
     s->bench.threads = cli_thread_count(s->bench.threads);
     if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
+    if (s->bench.quality < 0) s->bench.quality = b->quality;
     exit_status = run(b, s);
     cli_session_end(&session);
     return exit_status;
@@ -304,7 +309,7 @@ int cli_bench(int argc, char **argv)
 {
     settings s = { .bench = { .size = 256,
                        .reference_samples = 1024,
-                       .quality = RSV_QUALITY_MEDIUM,
+                       .quality = -1,
                        .environment = CLI_DEFAULT_ENVIRONMENT } };
     cli_bench_task *bench = &s.bench;
     const cli_option options[] = {

@@ -4,10 +4,10 @@ source "$(dirname "$0")/support.sh"
 
 succeeds bench assemble --repeat 1
 says 'same packets, traced only'
-succeeds bench quality --size 32 --spp 4 --repeat 1 --csv curve.csv --plot curve.svg
-says '^  final, medium '
-says '^  operator, medium'
-[[ $(wc -l <curve.csv) == 10 ]] || complain "the table has not one line per picture"
+succeeds bench quality --size 32 --spp 4 --repeat 1 --quality draft --csv curve.csv --plot curve.svg
+says '^  final, draft '
+! grep -q 'medium' stdout || complain "a better quality than the one asked for was measured"
+[[ $(wc -l <curve.csv) == 6 ]] || complain "the table has not one line per picture"
 grep -q '</svg>' curve.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf curve.svg curve.csv || complain "the curve holds what is no number"
 
@@ -46,7 +46,7 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
     complain "the table lacks one of the methods"
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
-refuses 2 'belongs to bench levels' bench trace --quality draft
+refuses 2 'belongs to bench levels and quality' bench trace --quality draft
 
 refuses 2 'belong to bench' bench trace --plot trace.svg
 
