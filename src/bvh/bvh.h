@@ -1,0 +1,68 @@
+/// An 8-wide bounding volume hierarchy for devices: compressed nodes of 80 bytes after Ylitie, Karras
+/// and Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs" (2017).
+///
+/// Built on the host, plain data afterwards: two arrays that can be copied to any memory. bvh_trace.h
+/// follows rays through them, on the host and on devices alike, and finds what src/trace finds, up to ties.
+#ifndef RSV_BVH_H
+#define RSV_BVH_H
+
+#include "resolvent/scene.h"
+
+/// No path through the nodes is longer, whatever the triangles.
+#define RSV_BVH_DEPTH 64
+/// Triangles of a leaf at most.
+#define RSV_BVH_LEAF 3
+
+/// Eight children in slots. A slot's bits 0, 1 and 2 say that its child lies on the far side along +x, +y and
+/// +z, as far as that can be had: for a ray towards +x +y +z, slots count from near to far.
+///
+/// Boxes are stored on a grid: along each axis, child k reaches from origin + low[k] * 2^exponent to
+/// origin + high[k] * 2^exponent. Arrays of eight bytes are pairs of words, the first child in the lowest byte.
+typedef struct rsv_bvh_node {
+    float origin[3];
+    /// + 127, a byte for each axis; the highest byte has a bit for each slot with an inner child.
+    uint32_t exponents;
+    uint32_t first_child; ///< nodes of inner children follow each other in the order of their slots
+    uint32_t first_triangle; ///< of the leaves
+    /// A byte for each slot. 0 = empty; inner child: 1 << 5 | (24 + slot); leaf: a bit from 5 on for each
+    /// triangle, and the first of them relative to first_triangle in bits 0 to 4.
+    uint32_t meta[2];
+    uint32_t low[3][2], high[3][2];
+} __attribute__((aligned(16))) rsv_bvh_node;
+
+/// Corners, and which triangle of the scene it is.
+typedef struct rsv_bvh_triangle {
+    rsv_vec3 a;
+    uint32_t index;
+    rsv_vec3 b;
+    uint32_t unused_b;
+    rsv_vec3 c;
+    uint32_t unused_c;
+} __attribute__((aligned(16))) rsv_bvh_triangle;
+
+/// The arrays, wherever they lie.
+typedef struct rsv_bvh_view {
+    const rsv_bvh_node *node;            ///< [node_count]; the first is the root
+    const rsv_bvh_triangle *triangle;    ///< [triangle_count] in the order of the leaves
+    uint32_t node_count, triangle_count; ///< 0 nodes: nothing to hit
+} rsv_bvh_view;
+
+typedef struct rsv_bvh {
+    rsv_context *context;
+    rsv_bvh_view view;
+    rsv_bvh_node *node;
+    rsv_bvh_triangle *triangle;
+} rsv_bvh;
+
+/// Builds it over triangles with finite corners. The same bytes for any thread count.
+/// @param triangle [triangle_count] indices into `position` @param bvh out
+rsv_status rsv_bvh_build(rsv_context *context, const rsv_vec3 *position,
+    const uint32_t (*triangle)[3], size_t triangle_count, rsv_bvh *bvh);
+
+/// Over a committed scene. RSV_ERROR_UNSUPPORTED where a material is cut out (alpha_cutoff): rays could not
+/// pass its holes.
+rsv_status rsv_bvh_build_scene(const rsv_scene *scene, rsv_bvh *bvh);
+
+void rsv_bvh_destroy(rsv_bvh *bvh);
+
+#endif
