@@ -42,7 +42,8 @@ typedef enum rsv_status {
     RSV_ERROR_UNSUPPORTED, ///< well-formed, but asks for something this build cannot do
     RSV_ERROR_SCENE,       ///< a scene without a bounded or meaningful answer
     RSV_ERROR_MEMORY,      ///< out of memory
-    RSV_ERROR_CANCELLED    ///< stopped by the progress callback or rsv_context_cancel
+    RSV_ERROR_CANCELLED,   ///< stopped by the progress callback or rsv_context_cancel
+    RSV_ERROR_DEVICE       ///< the device (resolvent/device.h) failed in the middle of its work
 } rsv_status;
 
 typedef enum rsv_log_level { RSV_LOG_INFO, RSV_LOG_WARNING } rsv_log_level;
@@ -69,6 +70,8 @@ typedef struct rsv_context_desc {
     void *user;
     /// Processes that share the work (resolvent/team.h); borrowed. NULL = this one alone.
     struct rsv_team *team;
+    /// Where the operator is applied and solved (resolvent/device.h); borrowed. NULL = on the processor.
+    struct rsv_device *device;
 } rsv_context_desc;
 
 RSV_API rsv_context_desc rsv_default_context_desc(void);

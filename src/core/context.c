@@ -1,4 +1,5 @@
 #include "core_internal.h"
+#include "device.h"
 #include "team.h"
 
 #include <errno.h>
@@ -16,7 +17,10 @@ struct rsv_context {
     rsv_context_desc desc;
     int thread_count;
     atomic_bool cancelled;
-    rsv_status team_status; ///< the failure of another process
+    rsv_status team_status;   ///< the failure of another process
+    rsv_status device_status; ///< why the device did not do what it was asked for
+    bool device_lost;
+    char device_message[RSV_DEVICE_MESSAGE_BYTES];
 };
 
 static _Thread_local char last_error[1024] = "no error";
@@ -185,6 +189,23 @@ rsv_status rsv_team_meet(rsv_context *context, rsv_status status)
     return status;
 }
 
+rsv_device *rsv_context_device(const rsv_context *context)
+{
+    return context->device_lost ? NULL : context->desc.device;
+}
+
+rsv_status rsv_device_failed(rsv_context *context, rsv_status status, const char *message)
+{
+    context->device_lost = context->device_lost || status == RSV_ERROR_DEVICE;
+    if (context->desc.device->desc.optional) {
+        rsv_log(context, RSV_LOG_WARNING, "device: %s; the processor does it", message);
+        return RSV_OK;
+    }
+    context->device_status = status;
+    snprintf(context->device_message, sizeof context->device_message, "%s", message);
+    return rsv_fail(status, "device: %s", message);
+}
+
 bool rsv_cancelled(const rsv_context *context)
 {
     return atomic_load_explicit(&context->cancelled, memory_order_relaxed);
@@ -197,6 +218,8 @@ rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction
     if (context->desc.progress && !context->desc.progress(context->desc.user, phase, fraction))
         rsv_context_cancel(context);
     if (context->team_status != RSV_OK) return context->team_status;
+    if (context->device_status != RSV_OK)
+        return rsv_fail(context->device_status, "device: %s", context->device_message);
     return rsv_cancelled(context) ? rsv_fail(RSV_ERROR_CANCELLED, "cancelled during '%s'", phase)
                                   : RSV_OK;
 }

@@ -26,6 +26,7 @@ static void apply(void *data, size_t columns, const float *field, float *image)
 {
     rsv_transport_map *m = data;
     size_t fields = columns / 3;
+    if (rsv_device_map_apply(m->device, fields, rgb_field(field), (rsv_rgb *)image)) return;
     scatter(m, fields, rgb_field(field), m->exitance);
     rsv_transport_gather(m->transport, fields, m->exitance, 0, m->linear.count, (rsv_rgb *)image);
 }
@@ -35,6 +36,9 @@ static void residual(
 {
     rsv_transport_map *m = data;
     size_t fields = columns / 3;
+    if (rsv_device_map_residual(
+            m->device, fields, rgb_field(source), rgb_field(field), (rsv_rgb *)difference))
+        return;
     scatter(m, fields, rgb_field(field), m->exitance);
     rsv_transport_residual(m->transport, fields, m->exitance, rgb_field(source), rgb_field(field),
         (rsv_rgb *)difference);
@@ -250,6 +254,7 @@ rsv_status rsv_transport_map_create(const rsv_elements *elements, rsv_transport 
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
+    if (!subsurface) RSV_TRY(rsv_device_map_create(elements, transport, albedo, &m->device));
     *map = m;
     m = NULL;
 cleanup:
@@ -338,6 +343,7 @@ void rsv_transport_map_destroy(rsv_transport_map *m)
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_transport_columns_destroy(m->columns);
+    rsv_device_map_destroy(m->device);
     if (m->krylov) rsv_context_team(context)->table->krylov->destroy(m->krylov);
     rsv_free(context, m);
 }

@@ -7,6 +7,7 @@
 
 #include "../operator/subsurface.h"
 #include "../operator/transport_columns.h"
+#include "device_map.h"
 #include "krylov.h"
 #include "linear_map.h"
 #include "resolvent/solve.h"
@@ -25,6 +26,7 @@ typedef struct rsv_transport_map {
     rsv_transport_columns *columns; ///< NULL until rsv_transport_map_transpose
     uint32_t *child_begin;          ///< [node_count + 1] hanging nodes by parent; likewise
     uint32_t *child;                ///< indices into elements->hanging
+    rsv_device_map *device;         ///< the same on the context's device; NULL = there is none
     rsv_krylov *krylov;             ///< PETSc's view of it; NULL until rsv_transport_map_prepare
 } rsv_transport_map;
 

@@ -1,0 +1,36 @@
+/// What a plug-in for a device offers the library. Rooms that know work for a device declare a table of it and use the
+/// one that rsv_device_table points to.
+#ifndef RSV_CORE_DEVICE_H
+#define RSV_CORE_DEVICE_H
+
+#include "resolvent/device.h"
+
+#define RSV_DEVICE_MESSAGE_BYTES 512
+
+/// The plug-in's one symbol, and what it must say of itself.
+#define RSV_DEVICE_OPEN "rsv_gpu_open"
+typedef rsv_status (*rsv_device_opener)(
+    const char *version, const rsv_device_desc *desc, rsv_device **device, char *message);
+
+/// Failures leave their text in `message` [RSV_DEVICE_MESSAGE_BYTES].
+typedef struct rsv_device_table {
+    void (*close)(rsv_device *device);
+    const struct rsv_device_transport_table *transport; ///< solve/device_transport.h
+} rsv_device_table;
+
+struct rsv_device {
+    const rsv_device_table *table;
+    rsv_device_desc desc;
+    rsv_device_info info;
+};
+
+/// The context's device; NULL = none, or it has failed.
+rsv_device *rsv_context_device(const rsv_context *context);
+
+/// Notes that the device cannot do something: with a warning where it is optional, else as the failure that each
+/// rsv_progress() returns from now on. Callers that cannot return it let the processor do the work, so that no result is
+/// ever wrong. A device that failed in the middle of its work (RSV_ERROR_DEVICE) is not used again.
+/// @return RSV_OK where it is optional, else `status`
+rsv_status rsv_device_failed(rsv_context *context, rsv_status status, const char *message);
+
+#endif

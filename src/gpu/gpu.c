@@ -1,0 +1,30 @@
+/// What all devices share.
+#include "gpu.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+/// Vector loads want 16, cache lines 128.
+#define ALIGNMENT ((size_t)256)
+
+void rsv_gpu_fail(rsv_gpu *gpu, rsv_status status, const char *format, ...)
+{
+    va_list arguments;
+    if (gpu->status != RSV_OK) return;
+    gpu->status = status;
+    va_start(arguments, format);
+    vsnprintf(gpu->message, sizeof gpu->message, format, arguments);
+    va_end(arguments);
+}
+
+void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size)
+{
+    size_t at = block->placed;
+    if (size > 0 && count > (SIZE_MAX - at - ALIGNMENT) / size)
+        block->placed = SIZE_MAX - ALIGNMENT; // more than any device has
+    else
+        block->placed = (at + count * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    if (block->base) return block->base + at;
+    block->bytes = block->placed;
+    return NULL;
+}

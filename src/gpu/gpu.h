@@ -1,0 +1,99 @@
+/// The device as the plug-in's host code sees it: one queue, memory, recordings. Plain C; what a kernel is, launch.h says.
+///
+/// Two libraries are made of the same sources. In one, `gpu_cuda.cu` is the device and kernels run there. In the other,
+/// `gpu_emulated.c` is a device made of host memory and loops: it runs every line of the plug-in but the launches
+/// themselves, under any sanitizer, with memory limits and failures as a test wants them.
+///
+/// Work is queued and done in order. No call but rsv_gpu_wait needs its answer checked: the first failure is kept, all
+/// that comes after it does nothing, and rsv_gpu_wait tells.
+#ifndef RSV_GPU_H
+#define RSV_GPU_H
+
+#include "../core/device.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// What plug-in code knows of an open device. A back end's own type starts with it.
+typedef struct rsv_gpu {
+    rsv_device device; ///< as the library knows it
+    rsv_status status; ///< of the first failure
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+} rsv_gpu;
+
+/// Opens the device of this back end. @param message of a failure, [RSV_DEVICE_MESSAGE_BYTES]
+rsv_status rsv_gpu_create(const rsv_device_desc *desc, rsv_gpu **gpu, char *message);
+void rsv_gpu_destroy(rsv_gpu *gpu);
+
+/// What a device says whose memory is too small: what takes how many MiB, and which device has how many.
+#define RSV_GPU_TOO_SMALL                                                                          \
+    "%s would take %.0f MiB, and %s has %.0f MiB free; use a lower quality or --device cpu"
+
+/// Notes a failure, unless there was one.
+void rsv_gpu_fail(rsv_gpu *gpu, rsv_status status, const char *format, ...) RSV_PRINTF(3, 4);
+
+/// Waits until all is done. @param message of the first failure, [RSV_DEVICE_MESSAGE_BYTES]; as it was if there is none
+rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message);
+
+// ---- memory --------------------------------------------------------------------------------------
+
+/// One allocation that holds all arrays of a task, so that a card that is too small says so before the work starts.
+/// A layout is a function that places its arrays in a block; it runs twice, first to measure, then to place:
+///
+///     static void lay_out(sums *s, rsv_gpu_block *block)
+///     {
+///         s->value = rsv_gpu_place(block, s->count, sizeof *s->value);
+///         s->total = rsv_gpu_place(block, 1, sizeof *s->total);
+///     }
+///     ...
+///     lay_out(s, &s->block);
+///     rsv_gpu_reserve(gpu, &s->block, "the sums");
+///     lay_out(s, &s->block);
+typedef struct rsv_gpu_block {
+    char *base; ///< on the device; NULL = being measured
+    size_t bytes, placed;
+} rsv_gpu_block;
+
+/// @return the array's address on the device, aligned to 256 bytes; NULL while measuring
+void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size);
+
+/// Allocates what was measured, uninitialised. @param what takes the memory: for the message
+void rsv_gpu_reserve(rsv_gpu *gpu, rsv_gpu_block *block, const char *what);
+/// Waits for the queue and frees.
+void rsv_gpu_release(rsv_gpu *gpu, rsv_gpu_block *block);
+
+/// Host memory may be changed or freed as soon as the call returns.
+void rsv_gpu_upload(rsv_gpu *gpu, void *device, const void *host, size_t bytes);
+/// Waits for the queue: `host` is complete when the call returns.
+void rsv_gpu_download(rsv_gpu *gpu, void *host, const void *device, size_t bytes);
+void rsv_gpu_copy(rsv_gpu *gpu, void *to, const void *from, size_t bytes);
+/// All bytes 0.
+void rsv_gpu_clear(rsv_gpu *gpu, void *device, size_t bytes);
+
+// ---- recordings ----------------------------------------------------------------------------------
+
+/// A sequence of launches, copies on the device and clears that is queued as one (a CUDA graph): launches take
+/// microseconds each, which a solver's small kernels would spend waiting.
+typedef struct rsv_gpu_recording rsv_gpu_recording;
+
+/// What is queued from here on is noted down instead of done.
+void rsv_gpu_record(rsv_gpu *gpu);
+/// @return NULL after a failure, with which rsv_gpu_replay does nothing
+rsv_gpu_recording *rsv_gpu_recorded(rsv_gpu *gpu);
+void rsv_gpu_replay(rsv_gpu *gpu, rsv_gpu_recording *recording);
+void rsv_gpu_forget(rsv_gpu_recording *recording);
+
+// ---- time ----------------------------------------------------------------------------------------
+
+enum { RSV_GPU_MARKS = 2 };
+/// Notes when the queue gets here. @param mark 0 or 1
+void rsv_gpu_mark(rsv_gpu *gpu, uint32_t mark);
+/// Seconds from mark 0 to mark 1, measured by the device; waits for both.
+double rsv_gpu_marked_seconds(rsv_gpu *gpu);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,3 @@
+/// Kernels for the device.
+#define RSV_KERNELS_HERE
+#include "transport_kernels.h"

@@ -1,0 +1,62 @@
+/// Kernels. A kernel is a plain inline function in a header that is C17 and CUDA alike; this file makes it run on the
+/// device, or in a loop on the host where the device is emulated.
+///
+/// 1. One call per item:
+///
+///        typedef struct rsv_scale_args { const float *x; float factor; float *y; } rsv_scale_args;
+///        RSV_INLINE void rsv_scale_item(const rsv_scale_args *a, uint32_t i) { a->y[i] = a->factor * a->x[i]; }
+///        RSV_KERNEL(scale, rsv_scale_args, rsv_scale_item)
+///
+///    Host code then has `rsv_launch_scale(gpu, &args, count)`. Items run in any order and at the same time: the emulated
+///    device runs the last one first, so that a test sees who depends on the order.
+///
+/// 2. One sum per item, by RSV_LANES lanes: a warp on the device. `lane` is called for each of them, `add` joins their
+///    values pairwise, always the same pairs, and `store` gets the sum:
+///
+///        RSV_INLINE double rsv_dot_lane(const rsv_dot_args *a, uint32_t chunk, uint32_t lane);
+///        RSV_INLINE double rsv_dot_add(double a, double b);
+///        RSV_INLINE void rsv_dot_store(const rsv_dot_args *a, uint32_t chunk, double sum);
+///        RSV_KERNEL_SUM(dot, rsv_dot_args, double, rsv_dot_lane, rsv_dot_add, rsv_dot_store)
+///
+///    Both devices form the same sums in the same order: what the emulated one finds, the other finds to the last bit,
+///    as long as both compilers leave out contractions (they are told to) and library functions.
+///
+/// Pointers in `args` are device addresses. The structure itself is copied when the launch is queued: at most
+/// RSV_ARGS_BYTES. Headers with kernels end in `_kernels.h`. They are included three times: by host code, which sees
+/// prototypes of the launches; by `kernels_cuda.cu` and by `kernels_emulated.c`, which define RSV_KERNELS_HERE and get the
+/// launches themselves.
+#ifndef RSV_LAUNCH_H
+#define RSV_LAUNCH_H
+
+#include "../core/vec.h"
+#include "gpu.h"
+
+#define RSV_LANES 32
+#define RSV_ARGS_BYTES 1024
+
+/// Independent iterations whose loads should be in flight together.
+#if defined(__CUDACC__)
+#define RSV_UNROLL _Pragma("unroll 4")
+#else
+#define RSV_UNROLL
+#endif
+
+#if defined(__cplusplus)
+#define RSV_LAUNCH(name, args)                                                                     \
+    extern "C" void rsv_launch_##name(rsv_gpu *gpu, const args *a, size_t count)
+#else
+#define RSV_LAUNCH(name, args) void rsv_launch_##name(rsv_gpu *gpu, const args *a, size_t count)
+#endif
+
+#if !defined(RSV_KERNELS_HERE)
+
+#define RSV_KERNEL(name, args, body) RSV_LAUNCH(name, args);
+#define RSV_KERNEL_SUM(name, args, value, lane, add, store) RSV_LAUNCH(name, args);
+
+#elif defined(__CUDACC__)
+#include "launch_cuda.h"
+#else
+#include "launch_emulated.h"
+#endif
+
+#endif

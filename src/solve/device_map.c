@@ -1,0 +1,78 @@
+#include "device_map.h"
+
+#include "../core/team.h"
+
+struct rsv_device_map {
+    rsv_context *context;
+    const rsv_device_transport_table *table;
+    rsv_parents parents;
+    rsv_device_transport *transport; ///< NULL = the device has failed
+};
+
+rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transport *transport,
+    const rsv_rgb *albedo, rsv_device_map **map)
+{
+    rsv_context *context = elements->context;
+    rsv_device *device = rsv_context_device(context);
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    rsv_status status;
+    *map = NULL;
+    if (!device || rsv_team_of(context)) return RSV_OK; // in a team, rows are divided
+    rsv_device_map *m = rsv_alloc(context, 1, sizeof *m);
+    if (!m) return RSV_ERROR_MEMORY;
+    m->context = context;
+    m->table = device->table->transport;
+    RSV_TRY(rsv_parents_create(elements, &m->parents));
+    const rsv_device_system system = { .node_count = elements->node_count,
+        .row_begin = transport->row_begin,
+        .tinted_begin = transport->tinted_begin,
+        .column = transport->column,
+        .tinted_column = transport->tinted_column,
+        .tinted_weight = transport->tinted_weight,
+        .scale = transport->scale,
+        .albedo = albedo,
+        .parents = m->parents };
+    status = m->table->create(device, &system, &m->transport, message);
+    if (status != RSV_OK) RSV_TRY(rsv_device_failed(context, status, message));
+    if (m->transport) {
+        *map = m;
+        m = NULL;
+    }
+cleanup:
+    rsv_device_map_destroy(m);
+    return status;
+}
+
+void rsv_device_map_destroy(rsv_device_map *m)
+{
+    if (!m) return;
+    if (m->transport) m->table->destroy(m->transport);
+    rsv_parents_destroy(m->context, &m->parents);
+    rsv_free(m->context, m);
+}
+
+/// Whether a call went well; after a failure there is no device for this map any more.
+static bool succeeded(rsv_device_map *m, rsv_status status, const char *message)
+{
+    if (status == RSV_OK) return true;
+    m->table->destroy(m->transport);
+    m->transport = NULL;
+    rsv_device_failed(m->context, status, message);
+    return false;
+}
+
+bool rsv_device_map_apply(rsv_device_map *m, size_t fields, const rsv_rgb *field, rsv_rgb *image)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    if (!m || !m->transport) return false;
+    return succeeded(m, m->table->apply(m->transport, fields, field, image, message), message);
+}
+
+bool rsv_device_map_residual(rsv_device_map *m, size_t fields, const rsv_rgb *source,
+    const rsv_rgb *field, rsv_rgb *residual)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    if (!m || !m->transport) return false;
+    return succeeded(
+        m, m->table->residual(m->transport, fields, source, field, residual, message), message);
+}

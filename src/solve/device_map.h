@@ -1,0 +1,26 @@
+/// The linear map A = G K where the context's device has a copy of it, as long as that lasts.
+///
+/// What the device cannot do the caller does: results never depend on whether it could (core/device.h says who hears of
+/// it).
+#ifndef RSV_DEVICE_MAP_H
+#define RSV_DEVICE_MAP_H
+
+#include "../operator/transport.h"
+#include "device_transport.h"
+
+typedef struct rsv_device_map rsv_device_map;
+
+/// @param albedo [node_count], borrowed like the rest @param map out; NULL = there is no device for it
+/// @return the device's failure, unless it is optional
+rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transport *transport,
+    const rsv_rgb *albedo, rsv_device_map **map);
+void rsv_device_map_destroy(rsv_device_map *map);
+
+/// image = A field. @param map NULL = there is no device @return false = the caller has to do it
+bool rsv_device_map_apply(rsv_device_map *map, size_t fields, const rsv_rgb *field, rsv_rgb *image);
+
+/// residual = source + A field - field, likewise.
+bool rsv_device_map_residual(rsv_device_map *map, size_t fields, const rsv_rgb *source,
+    const rsv_rgb *field, rsv_rgb *residual);
+
+#endif

@@ -1,0 +1,36 @@
+/// The linear map A = G K on a device: what a plug-in gets of a scene's operator, and what it offers.
+#ifndef RSV_DEVICE_TRANSPORT_H
+#define RSV_DEVICE_TRANSPORT_H
+
+#include "../core/device.h"
+#include "parents.h"
+
+/// All borrowed. Rows and parents are copied to the device once; `scale` and `albedo` are read again by each call, since
+/// relighting and lossless pockets change them.
+typedef struct rsv_device_system {
+    size_t node_count;
+    const size_t *row_begin, *tinted_begin; ///< as in rsv_transport
+    const uint32_t *column, *tinted_column;
+    const rsv_rgb *tinted_weight;
+    const float *scale;    ///< [node_count]
+    const rsv_rgb *albedo; ///< [node_count]
+    rsv_parents parents;
+} rsv_device_system;
+
+typedef struct rsv_device_transport rsv_device_transport;
+
+/// Fields are [node_count x fields], node by node. Failures leave their text in `message` [RSV_DEVICE_MESSAGE_BYTES], and
+/// what should have come out undefined.
+typedef struct rsv_device_transport_table {
+    rsv_status (*create)(rsv_device *device, const rsv_device_system *system,
+        rsv_device_transport **transport, char *message);
+    void (*destroy)(rsv_device_transport *transport);
+    /// image = A field
+    rsv_status (*apply)(rsv_device_transport *transport, size_t fields, const rsv_rgb *field,
+        rsv_rgb *image, char *message);
+    /// residual = source + A field - field, with sums in double
+    rsv_status (*residual)(rsv_device_transport *transport, size_t fields, const rsv_rgb *source,
+        const rsv_rgb *field, rsv_rgb *residual, char *message);
+} rsv_device_transport_table;
+
+#endif

@@ -1,0 +1,236 @@
+/// The GPU's code, on a device that the processor emulates: everything but the launches themselves. `test_gpu cuda` runs
+/// the same on a real device and is skipped where there is none.
+#include "resolvent/device.h"
+
+#include "scene_fixture.h"
+#include "solve/solution.h"
+#include "solve/transport_map.h"
+
+enum { SKIPPED = 77 };
+
+/// Which device the tests are about.
+static rsv_device_kind kind = RSV_DEVICE_EMULATED;
+
+static rsv_device_desc device_desc(void)
+{
+    rsv_device_desc desc = rsv_default_device_desc();
+    desc.kind = kind;
+    return desc;
+}
+
+/// A small solution, and the device it was found on.
+typedef struct rig {
+    fixture f;
+    rsv_device *device;
+    rsv_scene *scene;
+    rsv_solution *solution;
+} rig;
+
+/// @param desc NULL = no device @return what solving says
+static rsv_status start(rig *r, const char *scene, const rsv_device_desc *desc)
+{
+    rsv_context_desc context = rsv_default_context_desc();
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    *r = (rig){ .f = { .allocations_left = SIZE_MAX } };
+    if (desc) assert_int_equal(rsv_device_open(desc, &r->device), RSV_OK);
+    context.log = fixture_log;
+    context.user = &r->f;
+    context.device = r->device;
+    assert_int_equal(rsv_context_create(&context, &r->f.context), RSV_OK);
+    assert_int_equal(rsv_scene_builtin(r->f.context, scene, &r->scene), RSV_OK);
+    solve.element_target = 400;
+    solve.rays_per_element = 64;
+    solve.refinements = 1;
+    solve.photon_count = 4000;
+    solve.direct_levels = 1;
+    return rsv_solution_create(r->scene, &solve, &r->solution);
+}
+
+static void finish(rig *r)
+{
+    rsv_solution_destroy(r->solution);
+    rsv_scene_destroy(r->scene);
+    rsv_context_destroy(r->f.context);
+    rsv_device_close(r->device);
+}
+
+/// Largest difference of two fields, relative to the largest value.
+static double difference(const rsv_rgb *a, const rsv_rgb *b, size_t count)
+{
+    double most = 0, size = 0;
+    for (size_t k = 0; k < 3 * count; k++) {
+        most = fmax(most, fabs((double)(&a->r)[k] - (double)(&b->r)[k]));
+        size = fmax(size, fabs((double)(&b->r)[k]));
+    }
+    return most / size;
+}
+
+static rsv_rgb *noise(size_t count)
+{
+    rsv_rgb *field = malloc(count * sizeof *field);
+    for (size_t k = 0; k < count; k++)
+        field[k] = rgb((float)(k * 7919 % 1009) / 1009, (float)(k * 104729 % 997) / 997, 0.5f);
+    return field;
+}
+
+// ---- products ------------------------------------------------------------------------------------
+
+/// Float sums of some hundred terms in another order.
+#define ROUNDING 1e-6
+
+/// A and the residual of three fields at once, on the device and on the processor.
+static void compare_products(const char *scene)
+{
+    rig r;
+    rsv_device_desc desc = device_desc();
+    rsv_transport_map *map;
+    assert_int_equal(start(&r, scene, &desc), RSV_OK);
+    const rsv_solution *s = r.solution;
+    size_t values = 3 * s->elements->node_count;
+    assert_true(s->elements->hanging_count > 0);
+    assert_int_equal(rsv_transport_map_create(
+                         s->elements, s->transport, s->subsurface, s->exitance_albedo, 3, &map),
+        RSV_OK);
+    assert_non_null(map->device);
+    const rsv_linear_map_table *table = map->linear.table;
+    rsv_device_map *device = map->device;
+    rsv_rgb *field = noise(values), *source = noise(values);
+    rsv_rgb *here = calloc(values, sizeof *here), *there = calloc(values, sizeof *there);
+    table->apply(map, 9, &field->r, &there->r);
+    map->device = NULL;
+    table->apply(map, 9, &field->r, &here->r);
+    assert_true(difference(there, here, values) < ROUNDING);
+    table->residual(map, 9, &source->r, &field->r, &here->r);
+    map->device = device;
+    table->residual(map, 9, &source->r, &field->r, &there->r);
+    assert_true(difference(there, here, values) < 1e-7); // rounded once, at the end
+    free(field), free(source), free(here), free(there);
+    rsv_transport_map_destroy(map);
+    finish(&r);
+}
+
+static void products_are_those_of_the_processor(void **state)
+{
+    (void)state;
+    compare_products("cornell-spheres"); // tinted rows
+    compare_products("two-rooms");
+}
+
+static void solutions_are_those_of_the_processor(void **state)
+{
+    (void)state;
+    rig there, here;
+    rsv_device_desc desc = device_desc();
+    assert_int_equal(start(&there, "two-rooms", &desc), RSV_OK);
+    assert_int_equal(start(&here, "two-rooms", NULL), RSV_OK);
+    size_t nodes = here.solution->elements->node_count;
+    assert_int_equal(there.solution->elements->node_count, nodes);
+    // both solve to a residual of 1e-4 of the mean; the pilot's splits are the same
+    assert_true(difference(there.solution->irradiance, here.solution->irradiance, nodes) < 1e-5);
+    finish(&there);
+    finish(&here);
+}
+
+// ---- what can go wrong ---------------------------------------------------------------------------
+
+static void a_device_that_is_too_small_is_an_error_that_says_how_small(void **state)
+{
+    (void)state;
+    rig r;
+    rsv_device_desc desc = device_desc();
+    desc.max_bytes = 3 << 20; // the draft's operator takes some 100 kB, its fields little more
+    assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_OK);
+    finish(&r);
+    desc.max_bytes = 16 << 10;
+    assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_ERROR_MEMORY);
+    assert_mentions(rsv_last_error(), "the operator would take");
+    assert_mentions(rsv_last_error(), "0 MiB free");
+    finish(&r);
+}
+
+static void where_the_device_is_optional_the_processor_steps_in(void **state)
+{
+    (void)state;
+    rig r, here;
+    rsv_device_desc desc = device_desc();
+    desc.max_bytes = 16 << 10;
+    desc.optional = true;
+    assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_OK);
+    assert_int_equal(start(&here, "cornell-blocks", NULL), RSV_OK);
+    assert_mentions(r.f.log, "warning: device: the operator would take");
+    size_t bytes = here.solution->elements->node_count * sizeof(rsv_rgb);
+    assert_memory_equal(r.solution->irradiance, here.solution->irradiance, bytes);
+    finish(&r);
+    finish(&here);
+}
+
+/// At any launch: an error, or the same answer where the device is optional.
+static void a_lost_device_is_an_error_or_none(void **state)
+{
+    (void)state;
+    rig r, here;
+    rsv_device_desc desc = device_desc();
+    assert_int_equal(start(&here, "cornell-blocks", NULL), RSV_OK);
+    size_t nodes = here.solution->elements->node_count;
+    for (desc.fail_after = 1; desc.fail_after < 20; desc.fail_after += 5) {
+        desc.optional = false;
+        assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_ERROR_DEVICE);
+        assert_mentions(rsv_last_error(), "device: emulated device is lost");
+        finish(&r);
+        desc.optional = true;
+        assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_OK);
+        assert_mentions(r.f.log, "warning: device: emulated device is lost");
+        assert_true(difference(r.solution->irradiance, here.solution->irradiance, nodes) < 1e-5);
+        finish(&r);
+    }
+    finish(&here);
+}
+
+// ---- opening -------------------------------------------------------------------------------------
+
+static void a_device_that_is_not_there_is_refused(void **state)
+{
+    (void)state;
+    rsv_device *device = NULL;
+    rsv_device_desc desc = rsv_default_device_desc();
+    desc.kind = RSV_DEVICE_CUDA;
+    if (rsv_device_open(&desc, &device) == RSV_OK) {
+        assert_true(strlen(rsv_device_get_info(device)->name) > 0);
+        rsv_device_close(device);
+        skip(); // there is one
+    }
+    assert_mentions(rsv_last_error(), "device: ");
+    assert_true(strstr(rsv_last_error(), "nvcc") || strstr(rsv_last_error(), "driver"));
+}
+
+/// Whether a real device can be tested; says why not.
+static bool is_there(void)
+{
+    rsv_device *device = NULL;
+    rsv_device_desc desc = device_desc();
+    if (rsv_device_open(&desc, &device) != RSV_OK) {
+        printf("skipped: %s\n", rsv_last_error());
+        return false;
+    }
+    rsv_device_close(device);
+    return true;
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest any[] = {
+        cmocka_unit_test(products_are_those_of_the_processor),
+        cmocka_unit_test(solutions_are_those_of_the_processor),
+        cmocka_unit_test(a_device_that_is_too_small_is_an_error_that_says_how_small),
+        cmocka_unit_test(where_the_device_is_optional_the_processor_steps_in),
+    };
+    const struct CMUnitTest emulated[] = {
+        cmocka_unit_test(a_lost_device_is_an_error_or_none),
+        cmocka_unit_test(a_device_that_is_not_there_is_refused),
+    };
+    if (argc > 1 && strcmp(argv[1], "cuda") == 0) kind = RSV_DEVICE_CUDA;
+    if (!is_there()) return SKIPPED;
+    int failures = cmocka_run_group_tests(any, NULL, NULL);
+    if (kind == RSV_DEVICE_EMULATED) failures += cmocka_run_group_tests(emulated, NULL, NULL);
+    return failures;
+}
