@@ -6,6 +6,7 @@
 #include "../trace/camera_ray.h"
 #include "light_table.h"
 #include "resolvent/trace.h"
+#include "tone.h"
 
 /// Pixels of a packet lie in a block of this side; its first eight lanes are the upper half.
 #define RSV_BLOCK 4
@@ -18,13 +19,6 @@ typedef struct rsv_frame_aim {
     uint32_t width, height;
     float place_x, place_y; ///< of the sample within each pixel
 } rsv_frame_aim;
-
-/// From radiance to codes.
-typedef struct rsv_frame_tone {
-    float scale; ///< 2^exposure / samples
-    bool soft;
-    bool first; ///< sample of its pixel: sums start over
-} rsv_frame_tone;
 
 /// Where the rays of a packet ended: cells of the light table, and weights of their corners.
 typedef struct rsv_packet_places {

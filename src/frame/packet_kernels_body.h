@@ -104,18 +104,6 @@ static void look_up_packet(const rsv_light_table *restrict table,
     }
 }
 
-/// The sRGB curve over [0, 1] times 255: a polynomial in x^(1/4), off by 0.013 codes at most.
-static inline float srgb_code(float x)
-{
-    float q = sqrtf(sqrtf(x));
-    float curve = 0.0764924974571757f;
-    curve = curve * q - 0.3234316818625122f;
-    curve = curve * q + 1.1120896146387176f;
-    curve = curve * q + 0.1999536208759521f;
-    curve = curve * q - 0.06508130912720766f;
-    return 255 * (x <= 0.0031308f ? 12.92f * x : curve);
-}
-
 /// Compiled once for each choice of `first` and `soft`.
 static inline __attribute__((always_inline)) void display(bool first, bool soft, float scale,
     uint32_t count, const float *restrict in, float *restrict total, uint8_t *restrict out)
@@ -123,9 +111,7 @@ static inline __attribute__((always_inline)) void display(bool first, bool soft,
     for (uint32_t k = 0; k < 4 * count; k++) {
         float sum = first ? in[k] : total[k] + in[k];
         if (!first) total[k] = sum;
-        float x = f_max(sum * scale, 0);
-        x = soft ? x * (1 + x * (1.0f / 16)) / (1 + x) : x;
-        out[k] = (uint8_t)(int)(srgb_code(f_min(x, 1)) + 0.5f);
+        out[k] = rsv_tone_code(sum * scale, soft);
     }
 }
 

@@ -1,4 +1,6 @@
 /// A latitude-longitude picture of the sky: lookup, importance sampling, irradiance by normal.
+///
+/// What is inline here serves device code too.
 #ifndef RSV_SKY_H
 #define RSV_SKY_H
 
@@ -14,9 +16,45 @@ typedef struct rsv_sky {
 
 rsv_sky rsv_sky_from_environment(const rsv_environment *environment);
 
+/// Place of a direction in the picture, in pixels from the top left corner.
+RSV_INLINE void rsv_sky_locate(const rsv_sky *sky, rsv_vec3 direction, float *x, float *y)
+{
+    float u = 0.5f + atan2f(direction.z, direction.x) * (0.5f / RSV_PI) + sky->turn;
+    float v =
+        atan2f(sqrtf(direction.x * direction.x + direction.z * direction.z), direction.y) / RSV_PI;
+    *x = (u - floorf(u)) * (float)sky->width;
+    *y = v * (float)sky->height;
+}
+
+RSV_INLINE uint32_t rsv_sky_wrap(int32_t column, uint32_t width)
+{
+    return column < 0 ? width - 1 : (uint32_t)column < width ? (uint32_t)column : 0;
+}
+
+RSV_INLINE uint32_t rsv_sky_clamp_row(int32_t row, uint32_t height)
+{
+    return row < 0 ? 0 : (uint32_t)row < height ? (uint32_t)row : height - 1;
+}
+
 /// Radiance that arrives from unit `direction`, interpolated between pixel centres; the outermost half rows
 /// continue to the poles.
-rsv_rgb rsv_sky_radiance(const rsv_sky *sky, rsv_vec3 direction);
+RSV_INLINE rsv_rgb rsv_sky_radiance(const rsv_sky *sky, rsv_vec3 direction)
+{
+    if (!sky->pixel) return rgb_gray(0);
+    float x, y;
+    rsv_sky_locate(sky, direction, &x, &y);
+    float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
+    float fx = x - 0.5f - left, fy = y - 0.5f - top;
+    uint32_t c0 = rsv_sky_wrap((int32_t)left, sky->width),
+             c1 = rsv_sky_wrap((int32_t)left + 1, sky->width);
+    const rsv_rgb *upper =
+        sky->pixel + (size_t)rsv_sky_clamp_row((int32_t)top, sky->height) * sky->width;
+    const rsv_rgb *lower =
+        sky->pixel + (size_t)rsv_sky_clamp_row((int32_t)top + 1, sky->height) * sky->width;
+    rsv_rgb above = rgb_mad(rgb_scale(upper[c0], 1 - fx), fx, upper[c1]);
+    rsv_rgb below = rgb_mad(rgb_scale(lower[c0], 1 - fx), fx, lower[c1]);
+    return rgb_mad(rgb_scale(above, 1 - fy), fy, below);
+}
 
 /// The pixel that unit `direction` falls into.
 void rsv_sky_pixel_at(const rsv_sky *sky, rsv_vec3 direction, uint32_t *column, uint32_t *row);

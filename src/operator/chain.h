@@ -3,19 +3,7 @@
 #ifndef RSV_CHAIN_H
 #define RSV_CHAIN_H
 
-#include "../surface/medium.h"
-#include "../surface/surface.h"
-#include "resolvent/trace.h"
-
-/// Everything a chain needs to know of the scene.
-typedef struct rsv_transport_scene {
-    const rsv_scene *scene;
-    const rsv_scene_view *view;
-    const rsv_tracer *tracer;
-    const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
-    rsv_media media;
-    const char *checkpoint; ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
-} rsv_transport_scene;
+#include "chain_walk.h"
 
 typedef enum rsv_chain_end {
     RSV_CHAIN_ESCAPED,
@@ -23,42 +11,7 @@ typedef enum rsv_chain_end {
     RSV_CHAIN_DIFFUSE
 } rsv_chain_end;
 
-/// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.
-typedef struct rsv_chain {
-    rsv_vec3 direction; ///< unit, of the segment that arrived here
-    rsv_rgb weight;     ///< throughput of basic radiance up to this surface, all media included
-    rsv_medium medium;  ///< that the segment ran through
-    float start_ior;    ///< of the medium that the chain started in
-    bool settled;       ///< has met the surface of a body, and so knows where it started
-    uint32_t triangle;
-    float u, v;
-    bool back;       ///< arrived at the triangle's back
-    uint32_t events; ///< specular events so far
-    uint32_t rays;   ///< rays traced so far
-    float spread;    ///< metres by which the footprint grows per metre
-    float width;     ///< of the footprint on this surface: what textures are averaged over
-} rsv_chain;
-
-/// Footprint of a gather ray: the cone of one of about 250 that share a hemisphere.
-#define RSV_GATHER_SPREAD 0.16f
-
 #define RSV_CHAIN_MAX_EVENTS 256
-
-/// The chain at its first surface, hit by a ray along unit `direction` at distance `t`.
-/// @param medium that it starts in; NULL = outside all bodies
-rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, const rsv_medium *medium,
-    rsv_vec3 direction, uint32_t triangle, float u, float v, float t);
-
-/// Radiance at the chain's start per radiance in `medium` at its present end: its weight and the
-/// factor for media of different index.
-rsv_rgb rsv_chain_throughput(
-    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_medium *medium);
-
-/// The medium on the far side of the chain's surface.
-rsv_medium rsv_chain_medium_beyond(const rsv_transport_scene *scene, const rsv_chain *chain);
-
-/// Gives a chain at its first surface another footprint. @param distance to that surface
-void rsv_chain_set_spread(rsv_chain *chain, float spread, float distance);
 
 /// How the chain's surface scatters there. @param storage may be used to hold it
 const rsv_bsdf *rsv_chain_bsdf(
@@ -93,18 +46,11 @@ typedef enum rsv_chain_move {
     RSV_CHAIN_LOST ///< the direction belongs to the other side of the surface; nothing changed
 } rsv_chain_move;
 
-/// Leaves the surface by reflection or transmission and moves to the next one.
+/// Leaves the surface by reflection or transmission and moves to the next one (rsv_chain_depart, rsv_chain_set_out and
+/// rsv_chain_arrive in one).
 /// @param weight multiplies the throughput
 rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
     rsv_vec3 direction, rsv_rgb weight);
-
-/// rsv_chain_step in parts, for those who trace many rays side by side: the ray that leaves a surface point (false =
-/// lost), the chain on its way along it, and its arrival.
-bool rsv_chain_depart(
-    const rsv_surface_point *point, bool transmit, rsv_vec3 direction, rsv_ray *ray);
-void rsv_chain_set_out(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
-    rsv_vec3 direction, rsv_rgb weight);
-void rsv_chain_arrive(const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit);
 
 /// What a gather chain found on its way: emission that counts, and where it ended.
 typedef struct rsv_gather {

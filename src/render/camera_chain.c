@@ -2,7 +2,6 @@
 
 #include "rough_light.h"
 
-#define FAINT 0.01f ///< branches below this weight play roulette
 #define STACK 64
 
 /// A chain at a surface, and how it left the one before.
@@ -24,18 +23,6 @@ typedef struct tree {
     int depth;
     rsv_rgb radiance;
 } tree;
-
-bool rsv_branch_survives(const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight)
-{
-    float carried = rgb_max(rgb_mul(chain->weight, *weight));
-    if (carried <= 0) return false;
-    if (carried >= FAINT) return true;
-    if (rsv_unit_float(rsv_hash2(path, transmit)) * FAINT >= carried) return false;
-    *weight = rgb_scale(*weight, FAINT / carried);
-    return true;
-}
-
-uint32_t rsv_branch_path(uint32_t path, bool transmit) { return rsv_hash2(path, 2 + transmit); }
 
 static void add_emission(tree *t, const link *at)
 {

@@ -4,6 +4,7 @@
 
 #include "../light/light.h"
 #include "../operator/chain.h"
+#include "branch.h"
 
 /// Specular events along a branch that are enough for any picture.
 #define RSV_CAMERA_CHAIN_DEPTH 64
@@ -22,11 +23,5 @@ typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weig
 rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
     rsv_chain chain, uint32_t path, uint32_t max_events, bool shot, rsv_diffuse_end end,
     void *user);
-
-/// Whether an ideal branch is to be followed. @param weight of the branch; made up for those that are not
-bool rsv_branch_survives(const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight);
-
-/// The path of the link at the end of an ideal branch.
-uint32_t rsv_branch_path(uint32_t path, bool transmit);
 
 #endif

@@ -8,6 +8,8 @@
 /// and diffuse surfaces alike leave unscaled. Sources and receivers deal in radiance, so a path that ends
 /// in another medium than it started in takes one factor (ior of its start / ior of its end)^2. Photons
 /// carry flux, which takes none.
+///
+/// What is inline here serves device code too.
 #ifndef RSV_MEDIUM_H
 #define RSV_MEDIUM_H
 
@@ -24,20 +26,78 @@ typedef struct rsv_medium {
     uint32_t depth;
 } rsv_medium;
 
+/// Place of the innermost body of this material, -1 = none.
+RSV_INLINE int rsv_medium_find(const rsv_medium *medium, uint32_t material)
+{
+    int k = (int)medium->depth;
+    while (--k >= 0 && medium->body[k] != material)
+        ;
+    return k;
+}
+
+RSV_INLINE void rsv_medium_remove(rsv_medium *medium, int place)
+{
+    medium->depth--;
+    for (int k = place; k < (int)medium->depth; k++)
+        medium->body[k] = medium->body[k + 1];
+}
+
+/// Passes the surface of a solid body inwards.
+RSV_INLINE void rsv_medium_enter(rsv_medium *medium, uint32_t material)
+{
+    if (medium->depth == RSV_MEDIUM_DEPTH) rsv_medium_remove(medium, 0);
+    medium->body[medium->depth++] = material;
+}
+
+RSV_INLINE void rsv_medium_leave(rsv_medium *medium, uint32_t material)
+{
+    int place = rsv_medium_find(medium, material);
+    if (place >= 0) rsv_medium_remove(medium, place);
+}
+
 /// Has come to the surface of a solid body from inside: adds the body if the medium lacks it.
-void rsv_medium_arrive_inside(rsv_medium *medium, uint32_t material);
+RSV_INLINE void rsv_medium_arrive_inside(rsv_medium *medium, uint32_t material)
+{
+    if (rsv_medium_find(medium, material) < 0) rsv_medium_enter(medium, material);
+}
 
 /// Passes the surface of a solid body. @param back from inside
-void rsv_medium_cross(rsv_medium *medium, uint32_t material, bool back);
+RSV_INLINE void rsv_medium_cross(rsv_medium *medium, uint32_t material, bool back)
+{
+    if (back)
+        rsv_medium_leave(medium, material);
+    else
+        rsv_medium_enter(medium, material);
+}
+
+/// The innermost body; NULL outside. @param bsdf [material_count]
+RSV_INLINE const rsv_bsdf *rsv_medium_body(const rsv_medium *medium, const rsv_bsdf *bsdf)
+{
+    return medium->depth ? &bsdf[medium->body[medium->depth - 1]] : NULL;
+}
 
 /// Of the innermost body; 1 outside. @param bsdf [material_count]
-float rsv_medium_ior(const rsv_medium *medium, const rsv_bsdf *bsdf);
+RSV_INLINE float rsv_medium_ior(const rsv_medium *medium, const rsv_bsdf *bsdf)
+{
+    const rsv_bsdf *body = rsv_medium_body(medium, bsdf);
+    return body ? body->ior : 1;
+}
 
-bool rsv_medium_absorbs(const rsv_medium *medium, const rsv_bsdf *bsdf);
+RSV_INLINE bool rsv_medium_absorbs(const rsv_medium *medium, const rsv_bsdf *bsdf)
+{
+    const rsv_bsdf *body = rsv_medium_body(medium, bsdf);
+    return body && !rgb_is_black(body->absorption);
+}
 
 /// What is left of light after `distance` metres (Beer-Lambert). Whoever sees an infinite distance lies in
 /// a body without an end, whose surface is not all there: nothing is taken away.
-rsv_rgb rsv_medium_transmittance(const rsv_medium *medium, const rsv_bsdf *bsdf, float distance);
+RSV_INLINE rsv_rgb rsv_medium_transmittance(
+    const rsv_medium *medium, const rsv_bsdf *bsdf, float distance)
+{
+    if (!rsv_medium_absorbs(medium, bsdf) || !(distance < INFINITY)) return rgb_gray(1);
+    rsv_rgb a = rsv_medium_body(medium, bsdf)->absorption;
+    return rgb(expf(-a.r * distance), expf(-a.g * distance), expf(-a.b * distance));
+}
 
 /// Where to look up the medium of a place.
 typedef struct rsv_media {

@@ -3,6 +3,8 @@
 /// `width` is the edge of the patch, in metres, that textures are averaged over (scene/material_at.h): 0 where the
 /// point itself is wanted, the size of a pixel for the camera, more for gather rays, which each stand for a
 /// whole cone of directions.
+///
+/// What is inline here serves device code too.
 #ifndef RSV_SURFACE_H
 #define RSV_SURFACE_H
 
@@ -18,8 +20,25 @@ typedef struct rsv_surface_point {
 } rsv_surface_point;
 
 /// The point with its interpolated normal, normal maps left out: what elements receive by.
-rsv_surface_point rsv_surface_point_at(
-    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back);
+RSV_INLINE rsv_surface_point rsv_surface_point_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back)
+{
+    const uint32_t *corner = scene->triangle[triangle];
+    rsv_vec3 a = scene->position[corner[0]], b = scene->position[corner[1]];
+    rsv_vec3 c = scene->position[corner[2]];
+    rsv_surface_point point;
+    point.position = v3_barycentric(a, b, c, u, v);
+    point.geometric = v3_normalize(v3_cross(v3_sub(b, a), v3_sub(c, a)));
+    point.normal = v3_normalize(v3_barycentric(
+        scene->normal[corner[0]], scene->normal[corner[1]], scene->normal[corner[2]], u, v));
+    if (v3_dot(point.normal, point.geometric) <= 0) point.normal = point.geometric;
+    if (back) {
+        point.geometric = v3_neg(point.geometric);
+        point.normal = v3_neg(point.normal);
+    }
+    point.extent = f_max(v3_max_abs(a), f_max(v3_max_abs(b), v3_max_abs(c)));
+    return point;
+}
 
 /// The point with its normal map: what is seen.
 rsv_surface_point rsv_surface_point_seen(

@@ -1,24 +1,11 @@
 #include "camera_ray.h"
 
-#include "../core/vec.h"
-
 rsv_lens rsv_lens_of(const rsv_camera *camera, uint32_t width, uint32_t height)
 {
     bool orthographic = camera->vertical_fov == 0;
     float half = orthographic ? camera->vertical_extent : tanf(camera->vertical_fov / 2);
     return (
         rsv_lens){ *camera, 0.5f * (float)width, 0.5f * (float)height, 2 * half / (float)height };
-}
-
-rsv_ray rsv_lens_ray(const rsv_lens *lens, float x, float y)
-{
-    const rsv_camera *camera = &lens->camera;
-    float across = (x - lens->half_width) * lens->pixel_size;
-    float upwards = (lens->half_height - y) * lens->pixel_size;
-    rsv_vec3 offset = v3_mad(v3_scale(camera->right, across), upwards, camera->up);
-    if (camera->vertical_fov == 0)
-        return (rsv_ray){ v3_add(camera->position, offset), camera->forward, INFINITY };
-    return (rsv_ray){ camera->position, v3_normalize(v3_add(camera->forward, offset)), INFINITY };
 }
 
 bool rsv_lens_see(const rsv_lens *lens, rsv_vec3 point, rsv_lens_view *view)

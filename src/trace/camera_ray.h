@@ -2,6 +2,7 @@
 #ifndef RSV_CAMERA_RAY_H
 #define RSV_CAMERA_RAY_H
 
+#include "../core/vec.h"
 #include "resolvent/trace.h"
 
 /// Ray through a point of a `width` x `height` picture. The vertical field of view is the camera's,
@@ -18,7 +19,21 @@ typedef struct rsv_lens {
 } rsv_lens;
 
 rsv_lens rsv_lens_of(const rsv_camera *camera, uint32_t width, uint32_t height);
-rsv_ray rsv_lens_ray(const rsv_lens *lens, float x, float y);
+
+/// For device code too.
+RSV_INLINE rsv_ray rsv_lens_ray(const rsv_lens *lens, float x, float y)
+{
+    const rsv_camera *camera = &lens->camera;
+    float across = (x - lens->half_width) * lens->pixel_size;
+    float upwards = (lens->half_height - y) * lens->pixel_size;
+    rsv_vec3 offset = v3_mad(v3_scale(camera->right, across), upwards, camera->up);
+    rsv_ray ray = { camera->position, camera->forward, INFINITY };
+    if (camera->vertical_fov == 0)
+        ray.origin = v3_add(camera->position, offset);
+    else
+        ray.direction = v3_normalize(v3_add(camera->forward, offset));
+    return ray;
+}
 
 /// A point as the camera sees it, if nothing hides it.
 typedef struct rsv_lens_view {

@@ -1,14 +1,10 @@
 /// Robust ray origins: no fixed epsilon, no ray ever starts behind the surface it leaves.
+#include "offset.h"
 #include "resolvent/trace.h"
-
-#include "../core/vec.h"
 
 rsv_vec3 rsv_offset_origin(rsv_vec3 point, rsv_vec3 normal, float extent)
 {
-    // The intersection test subtracts the origin from vertices of size M and is off by a few ulp(M); a point
-    // interpolated in double is off by less. 8 ulp clear both: 0.5 um for coordinates around half a metre.
-    float scale = f_max(extent, v3_max_abs(point));
-    return v3_mad(point, 0x1p-20f * f_max(scale, 0x1p-60f), normal);
+    return rsv_moved_off(point, normal, extent);
 }
 
 float rsv_triangle_extent(const rsv_scene_view *scene, uint32_t triangle)

@@ -1,0 +1,177 @@
+/// Chains on their way from surface to surface, but for the tracing: plain C, also for device code.
+#ifndef RSV_CHAIN_WALK_H
+#define RSV_CHAIN_WALK_H
+
+#include "../surface/medium.h"
+#include "../surface/surface.h"
+#include "../trace/offset.h"
+#include "resolvent/trace.h"
+
+/// Everything a chain needs to know of the scene.
+typedef struct rsv_transport_scene {
+    const rsv_scene *scene;
+    const rsv_scene_view *view;
+    const rsv_tracer *tracer;
+    const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
+    rsv_media media;
+    const char
+        *checkpoint; ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
+} rsv_transport_scene;
+
+/// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.
+typedef struct rsv_chain {
+    rsv_vec3 direction; ///< unit, of the segment that arrived here
+    rsv_rgb weight;     ///< throughput of basic radiance up to this surface, all media included
+    rsv_medium medium;  ///< that the segment ran through
+    float start_ior;    ///< of the medium that the chain started in
+    bool settled;       ///< has met the surface of a body, and so knows where it started
+    uint32_t triangle;
+    float u, v;
+    bool back;       ///< arrived at the triangle's back
+    uint32_t events; ///< specular events so far
+    uint32_t rays;   ///< rays traced so far
+    float spread;    ///< metres by which the footprint grows per metre
+    float width;     ///< of the footprint on this surface: what textures are averaged over
+} rsv_chain;
+
+/// Footprint of a gather ray: the cone of one of about 250 that share a hemisphere.
+#define RSV_GATHER_SPREAD 0.16f
+
+RSV_INLINE uint32_t rsv_chain_material(const rsv_transport_scene *scene, const rsv_chain *chain)
+{
+    return scene->view->triangle_material[chain->triangle];
+}
+
+/// Moves to the surface that a segment ends at; direction and medium are set.
+RSV_INLINE void rsv_chain_end_segment(
+    const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit)
+{
+    chain->triangle = hit->triangle;
+    chain->u = hit->u;
+    chain->v = hit->v;
+    chain->width += chain->spread * hit->t;
+    const uint32_t *corner = scene->view->triangle[hit->triangle];
+    rsv_vec3 a = scene->view->position[corner[0]];
+    rsv_vec3 normal = v3_cross(
+        v3_sub(scene->view->position[corner[1]], a), v3_sub(scene->view->position[corner[2]], a));
+    uint32_t material = rsv_chain_material(scene, chain);
+    chain->back = v3_dot(normal, chain->direction) > 0;
+    // what a body is made of is the same all over
+    if (scene->bsdf[material].solid) {
+        if (chain->back) rsv_medium_arrive_inside(&chain->medium, material);
+        if (!chain->settled) chain->start_ior = rsv_medium_ior(&chain->medium, scene->bsdf);
+        chain->settled = true;
+    }
+    if (chain->medium.depth)
+        chain->weight =
+            rgb_mul(chain->weight, rsv_medium_transmittance(&chain->medium, scene->bsdf, hit->t));
+}
+
+/// The chain at its first surface, hit by a ray along unit `direction` at distance `t`.
+/// @param medium that it starts in; NULL = outside all bodies
+RSV_INLINE rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, const rsv_medium *medium,
+    rsv_vec3 direction, uint32_t triangle, float u, float v, float t)
+{
+    const rsv_medium outside = { { 0 }, 0 };
+    rsv_hit hit = { triangle, t, u, v };
+    rsv_chain chain;
+    chain.direction = direction;
+    chain.weight = rgb_gray(1);
+    chain.medium = medium ? *medium : outside;
+    chain.start_ior = rsv_medium_ior(&chain.medium, scene->bsdf);
+    chain.settled = false;
+    chain.events = chain.rays = 0;
+    chain.spread = RSV_GATHER_SPREAD;
+    chain.width = 0;
+    rsv_chain_end_segment(scene, &chain, &hit);
+    return chain;
+}
+
+/// Radiance at the chain's start per radiance in `medium` at its present end: its weight and the
+/// factor for media of different index.
+RSV_INLINE rsv_rgb rsv_chain_throughput(
+    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_medium *medium)
+{
+    float ratio = chain->start_ior / rsv_medium_ior(medium, scene->bsdf);
+    return rgb_scale(chain->weight, ratio * ratio);
+}
+
+/// The medium on the far side of the chain's surface.
+RSV_INLINE rsv_medium rsv_chain_medium_beyond(
+    const rsv_transport_scene *scene, const rsv_chain *chain)
+{
+    rsv_medium medium = chain->medium;
+    uint32_t material = rsv_chain_material(scene, chain);
+    if (scene->bsdf[material].solid) rsv_medium_cross(&medium, material, chain->back);
+    return medium;
+}
+
+/// Gives a chain at its first surface another footprint. @param distance to that surface
+RSV_INLINE void rsv_chain_set_spread(rsv_chain *chain, float spread, float distance)
+{
+    chain->spread = spread;
+    chain->width = spread * distance;
+}
+
+/// The shading normal, or the geometric one for a silhouette seen under an interpolated normal that already turns away.
+RSV_INLINE rsv_vec3 rsv_chain_facing_normal(const rsv_chain *chain, const rsv_surface_point *seen)
+{
+    return v3_dot(seen->normal, chain->direction) >= 0 ? seen->geometric : seen->normal;
+}
+
+/// The normal to ask the surface's BSDF with: the one seen, unless it would lose what is mirrored.
+RSV_INLINE rsv_vec3 rsv_chain_bsdf_normal(
+    const rsv_bsdf *bsdf, const rsv_chain *chain, const rsv_surface_point *seen)
+{
+    rsv_vec3 normal = rsv_chain_facing_normal(chain, seen);
+    if (bsdf->lambert) return normal;
+    return rsv_bsdf_specular_normal(normal, seen->geometric, v3_neg(chain->direction));
+}
+
+/// Branch weights at a surface point that is known, with how it scatters. What the surface does not cover counts as
+/// transmitted, straight on.
+RSV_INLINE rsv_bsdf_branches rsv_chain_branches_of(
+    const rsv_bsdf *bsdf, const rsv_chain *chain, const rsv_surface_point *seen)
+{
+    rsv_vec3 normal = rsv_chain_bsdf_normal(bsdf, chain, seen);
+    rsv_bsdf_branches branches =
+        rsv_bsdf_evaluate_branches(bsdf, v3_neg(chain->direction), normal, !chain->back);
+    if (bsdf->opacity >= 1) return branches;
+    branches.reflect = rgb_scale(branches.reflect, bsdf->opacity);
+    branches.diffuse = rgb_scale(branches.diffuse, bsdf->opacity);
+    branches.transmit = rgb_mad(rgb_gray(1 - bsdf->opacity), bsdf->opacity, branches.transmit);
+    branches.transmit_direction = chain->direction;
+    return branches;
+}
+
+/// The ray that leaves a surface point; false = lost, for the direction belongs to the other side of the surface.
+RSV_INLINE bool rsv_chain_depart(
+    const rsv_surface_point *point, bool transmit, rsv_vec3 direction, rsv_ray *ray)
+{
+    rsv_vec3 leave = transmit ? v3_neg(point->geometric) : point->geometric;
+    ray->origin = rsv_moved_off(point->position, leave, point->extent);
+    ray->direction = direction;
+    ray->t_max = INFINITY;
+    // an interpolated normal can send light through the surface: it is lost, as to the reference
+    return v3_dot(direction, leave) > 0;
+}
+
+/// The chain on its way along that ray. @param weight multiplies the throughput
+RSV_INLINE void rsv_chain_set_out(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
+    rsv_vec3 direction, rsv_rgb weight)
+{
+    if (transmit) chain->medium = rsv_chain_medium_beyond(scene, chain);
+    chain->direction = direction;
+    chain->weight = rgb_mul(chain->weight, weight);
+    chain->rays++;
+}
+
+/// Its arrival.
+RSV_INLINE void rsv_chain_arrive(
+    const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit)
+{
+    chain->events++;
+    rsv_chain_end_segment(scene, chain, hit);
+}
+
+#endif
