@@ -1,5 +1,6 @@
 #include "command.h"
 #include "crew.h"
+#include "device.h"
 #include "light_script.h"
 #include "object_picture.h"
 #include "options.h"
@@ -49,7 +50,8 @@ static const char help[] =
     "  --camera NAME      one of `resolvent info OPERATOR` (default: the first)\n"
     "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
     "  --seed N           another set of random numbers for the picture (default 0)\n"
-    "  --threads N        default: one per processor; the result does not depend on it\n"
+    "  --threads N        default: one per processor; the result does not depend on "
+    "it\n" CLI_DEVICE_HELP
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
     "\n"
     "examples:\n"
@@ -66,7 +68,7 @@ typedef struct settings {
     const char *scene, *camera, *stats, *script, *object;
     cli_list outputs, lights, albedos, moves, added;
     cli_size size;
-    int mode;
+    int mode, device;
     uint32_t samples, threads, seed;
     float exposure, env_intensity, env_rotate;
     cli_light_script animation;
@@ -175,6 +177,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
         { .name = "--seed", .kind = CLI_COUNT, .value = &s->seed, .max = UINT32_MAX },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_DEVICE_OPTION(&s->device),
         { .name = "--object", .kind = CLI_TEXT, .value = &s->object },
         { .name = "--script", .kind = CLI_TEXT, .value = &s->script },
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
@@ -399,7 +402,8 @@ int cli_relight(int argc, char **argv)
     if (parse_settings(&s, argc, argv, &exit_status)) {
         exit_status = CLI_FAILURE;
         cli_crew_disperse();
-        if (check_outputs(&s) && cli_session_begin(&session, s.threads)) {
+        if (check_outputs(&s) && cli_device_open(s.device) &&
+            cli_session_begin(&session, s.threads)) {
             exit_status = run(&session, &s);
             rsv_scene_destroy(s.body);
             cli_session_end(&session);

@@ -1,5 +1,6 @@
 #include "command.h"
 #include "crew.h"
+#include "device.h"
 #include "error_target.h"
 #include "options.h"
 #include "output_file.h"
@@ -32,15 +33,17 @@ static const char help[] =
     "  --occlusion-distance M  modes occlusion: metres beyond which nothing occludes\n"
     "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
     "64)\n"
-    "  --noise P%         final and operator: up to 64 times as many where pixels are noisier than\n"
-    "                     that (default 0: the same everywhere)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+    "  --noise P%         final and operator: up to 64 times as many where pixels are noisier "
+    "than\n"
+    "                     that (default 0: the same everywhere)\n" CLI_MESH_HELP
+        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
     "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n" CLI_ERROR_TARGET_HELP
-    "  --threads N        default: one per processor; the picture does not depend on it\n"
-    "  --device cpu       where to compute\n"
+    "  --threads N        default: one per processor; the picture does not depend on "
+    "it\n" CLI_DEVICE_HELP
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
     "\n"
     "examples:\n"
@@ -56,9 +59,6 @@ static const char *const mode_names[] = { [RSV_RENDER_OPERATOR] = "operator",
     [RSV_RENDER_OCCLUSION] = "occlusion",
     [RSV_RENDER_OCCLUSION_SCREEN] = "occlusion-screen",
     NULL };
-
-enum device { device_cpu, device_cuda };
-static const char *const device_names[] = { [device_cpu] = "cpu", [device_cuda] = "cuda", NULL };
 
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
@@ -92,7 +92,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
         { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
-        { .name = "--device", .kind = CLI_CHOICE, .value = &s->device, .choices = device_names },
+        CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
@@ -118,13 +118,10 @@ static bool is_solved(const settings *s)
 /// What this build cannot do, and outputs that cannot be written, are said before the long work.
 static bool check_request(const settings *s)
 {
-    if (s->device == device_cuda) {
-        cli_error("--device cuda: this build computes on the CPU only; leave the option out");
-        return false;
-    }
     if (!is_solved(s) && (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal ||
-                             s->noise > 0)) {
-        cli_error("--mode %s solves nothing: leave out --solver, --error, --goal and --noise",
+                             s->noise > 0 || s->device != CLI_DEVICE_CPU)) {
+        cli_error(
+            "--mode %s solves nothing: leave out --solver, --error, --goal, --noise and --device",
             mode_names[s->mode]);
         return false;
     }
@@ -268,7 +265,9 @@ int cli_render(int argc, char **argv)
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!check_request(&s)) return CLI_FAILURE;
     cli_session session;
-    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    if (!cli_prepare_solve(&s.solve) || !cli_device_open(s.device) ||
+        !cli_session_begin(&session, s.threads))
+        return CLI_FAILURE;
     session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);

@@ -1,4 +1,5 @@
 #include "command.h"
+#include "device.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -26,7 +27,8 @@ static const char help[] =
     "  --checkpoint DIR   keep rows in DIR while they are traced: a run that is killed goes on "
     "there, and\n"
     "                     ends with the same file; to be deleted afterwards\n"
-    "  --threads N        default: one per processor; the file does not depend on it\n"
+    "  --threads N        default: one per processor; the file does not depend on "
+    "it\n" CLI_DEVICE_HELP
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
     "\n"
     "examples:\n"
@@ -43,6 +45,7 @@ typedef struct settings {
     const char *checkpoint;
     uint32_t eigenvalues;
     uint32_t threads;
+    int device;
 } settings;
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
@@ -55,6 +58,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->eigenvalues,
             .max = MOST_EIGENVALUES },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
@@ -146,7 +150,9 @@ int cli_solve(int argc, char **argv)
         return CLI_FAILURE;
     cli_session session;
     if (s.eigenvalues && !s.solve.petsc) s.solve.petsc = "";
-    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    if (!cli_prepare_solve(&s.solve) || !cli_device_open(s.device) ||
+        !cli_session_begin(&session, s.threads))
+        return CLI_FAILURE;
     session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);

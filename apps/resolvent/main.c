@@ -1,6 +1,7 @@
 /// The `resolvent` program: finds the command and hands over.
 #include "command.h"
 #include "crew.h"
+#include "device.h"
 #include "options.h"
 
 #include "resolvent/scene.h"
@@ -73,7 +74,9 @@ static int run_command(const command *found, int argc, char **argv)
     bool shared = found->run == cli_render || found->run == cli_solve || found->run == cli_relight;
     if (!shared && !cli_crew_speaks()) return CLI_SUCCESS;
     if (shared && !cli_crew_join()) return CLI_FAILURE;
-    return cli_crew_leave(found->run(argc, argv));
+    int exit_status = found->run(argc, argv);
+    cli_device_close();
+    return cli_crew_leave(exit_status);
 }
 
 int main(int argc, char **argv)

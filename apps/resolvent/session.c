@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "crew.h"
+#include "device.h"
 
 #include <signal.h>
 #include <stdarg.h>
@@ -104,6 +105,7 @@ bool cli_session_begin(cli_session *session, uint32_t threads)
     desc.release = release;
     desc.user = session;
     desc.team = cli_crew();
+    desc.device = cli_device();
     if (rsv_context_create(&desc, &session->context) != RSV_OK) {
         cli_error("%s", rsv_last_error());
         return false;

@@ -1,6 +1,7 @@
 #include "stats.h"
 
 #include "crew.h"
+#include "device.h"
 #include "output_file.h"
 
 #include <cJSON.h>
@@ -58,6 +59,8 @@ static void add_settings(cJSON *root, const cli_stats *stats)
     add_if_positive(root, "height", stats->height);
     cJSON_AddNumberToObject(root, "spp", stats->samples);
     cJSON_AddNumberToObject(root, "threads", stats->threads);
+    cJSON_AddStringToObject(
+        root, "device", cli_device() ? rsv_device_get_info(cli_device())->name : "cpu");
     cJSON_AddNumberToObject(root, "seed", stats->seed);
 }
 

@@ -47,7 +47,7 @@ rsv_status look(rsv_device_info *info, char *message)
     cudaError_t error = cudaGetDeviceCount(&count);
     if (driver == 0) {
         snprintf(message, RSV_DEVICE_MESSAGE_BYTES,
-            "there is no NVIDIA driver; install it, or leave --device cuda out");
+            "there is no NVIDIA driver; install it, or compute on the processor");
         return RSV_ERROR_UNSUPPORTED;
     }
     if (error == cudaSuccess && count > 0) error = cudaGetDeviceProperties(&properties, 0);

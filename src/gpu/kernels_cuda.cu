@@ -1,3 +1,4 @@
 /// Kernels for the device.
 #define RSV_KERNELS_HERE
+#include "solver_kernels.h"
 #include "transport_kernels.h"

@@ -35,6 +35,7 @@ static void lay_out_rows(rsv_device_transport *t)
     g->scale = t->scale = rsv_gpu_place(b, nodes, sizeof *t->scale);
     l->albedo = t->albedo = rsv_gpu_place(b, nodes, sizeof *t->albedo);
     g->exitance = l->exitance = rsv_gpu_place(b, nodes, sizeof *l->exitance);
+    rsv_gpu_solver_lay_out(t, b);
 }
 
 static void upload_rows(rsv_device_transport *t)
@@ -77,6 +78,8 @@ static void make_room(rsv_device_transport *t, size_t fields)
 static void destroy(rsv_device_transport *t)
 {
     if (!t) return;
+    for (int k = 0; k < RSV_DEVICE_SOLVERS; k++)
+        rsv_gpu_forget(t->steps[k]);
     rsv_gpu_release(t->gpu, &t->rows);
     rsv_gpu_release(t->gpu, &t->room);
     free(t);
@@ -107,14 +110,18 @@ static rsv_status create(rsv_device *device, const rsv_device_system *system,
 
 // ---- products ------------------------------------------------------------------------------------
 
-/// Brings what may have changed since the last call, and a field.
-static void begin(rsv_device_transport *t, size_t fields, const rsv_rgb *field)
+void rsv_gpu_transport_refresh(rsv_device_transport *t)
 {
     size_t nodes = t->system.node_count;
-    make_room(t, fields);
     rsv_gpu_upload(t->gpu, t->scale, t->system.scale, nodes * sizeof *t->scale);
     rsv_gpu_upload(t->gpu, t->albedo, t->system.albedo, nodes * sizeof *t->albedo);
-    rsv_gpu_upload(t->gpu, t->field, field, nodes * fields * sizeof *field);
+}
+
+static void begin(rsv_device_transport *t, size_t fields, const rsv_rgb *field)
+{
+    make_room(t, fields);
+    rsv_gpu_transport_refresh(t);
+    rsv_gpu_upload(t->gpu, t->field, field, t->system.node_count * fields * sizeof *field);
 }
 
 static rsv_status finish(rsv_device_transport *t, size_t fields, rsv_rgb *image, char *message)
@@ -123,10 +130,9 @@ static rsv_status finish(rsv_device_transport *t, size_t fields, rsv_rgb *image,
     return rsv_gpu_wait(t->gpu, message);
 }
 
-typedef void (*gather_launch)(rsv_gpu *gpu, const rsv_gather_args *args, size_t count);
-
 /// Field `f` of `fields`, from t->field to t->image.
-static void queue_product(rsv_device_transport *t, size_t fields, size_t f, gather_launch launch)
+static void queue_product(
+    rsv_device_transport *t, size_t fields, size_t f, rsv_gather_launch launch)
 {
     rsv_leave_args leave = t->leave;
     rsv_gather_args gather = t->gather;
@@ -134,6 +140,18 @@ static void queue_product(rsv_device_transport *t, size_t fields, size_t f, gath
     leave.field = gather.field = t->field + f;
     gather.source = t->source + f;
     gather.image = t->image + f;
+    rsv_launch_leave(t->gpu, &leave, t->system.node_count);
+    launch(t->gpu, &gather, t->system.node_count);
+}
+
+void rsv_gpu_product(
+    rsv_device_transport *t, const rsv_rgb *field, rsv_rgb *image, rsv_gather_launch launch)
+{
+    rsv_leave_args leave = t->leave;
+    rsv_gather_args gather = t->gather;
+    leave.fields = gather.fields = 1;
+    leave.field = gather.field = field;
+    gather.image = image;
     rsv_launch_leave(t->gpu, &leave, t->system.node_count);
     launch(t->gpu, &gather, t->system.node_count);
 }
@@ -157,4 +175,5 @@ static rsv_status residual(rsv_device_transport *t, size_t fields, const rsv_rgb
     return finish(t, fields, difference, message);
 }
 
-const rsv_device_transport_table rsv_gpu_transport = { create, destroy, apply, residual };
+const rsv_device_transport_table rsv_gpu_transport = { create, destroy, apply, residual,
+    rsv_gpu_solve };

@@ -3,7 +3,9 @@
 #define RSV_GPU_TRANSPORT_H
 
 #include "../solve/device_transport.h"
-#include "transport_kernels.h"
+#include "solver_kernels.h"
+
+enum { RSV_DEVICE_SOLVERS = 3 };
 
 struct rsv_device_transport {
     rsv_gpu *gpu;
@@ -15,11 +17,27 @@ struct rsv_device_transport {
     rsv_rgb *albedo; ///< [node_count] as are the next two
     float *scale;
     rsv_rgb *field, *source, *image; ///< [node_count x fields]
+    rsv_solver_args solver;          ///< arrays of the solvers, [node_count]
+    rsv_gpu_recording
+        *steps[RSV_DEVICE_SOLVERS]; ///< some steps of each of them; NULL = not yet recorded
 };
 
 extern const rsv_device_transport_table rsv_gpu_transport;
 
-/// Queues image = A field. Both on the device, [node_count].
-void rsv_gpu_transport_apply(rsv_device_transport *transport, const rsv_rgb *field, rsv_rgb *image);
+typedef void (*rsv_gather_launch)(rsv_gpu *gpu, const rsv_gather_args *args, size_t count);
+
+/// Queues a product of one field on the device, [node_count]: image = A field, or what else `launch` makes of it.
+void rsv_gpu_product(rsv_device_transport *transport, const rsv_rgb *field, rsv_rgb *image,
+    rsv_gather_launch launch);
+
+/// Brings to the device what may have changed since the last call.
+void rsv_gpu_transport_refresh(rsv_device_transport *transport);
+
+/// Arrays of the solvers, for the layout of the transport.
+void rsv_gpu_solver_lay_out(rsv_device_transport *transport, rsv_gpu_block *block);
+
+/// As rsv_device_transport_table.solve.
+rsv_status rsv_gpu_solve(rsv_device_transport *transport, rsv_device_solve *solve,
+    const rsv_rgb *residual, rsv_rgb *correction, char *message);
 
 #endif

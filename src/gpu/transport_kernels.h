@@ -95,7 +95,17 @@ RSV_INLINE void rsv_gather_store(const rsv_gather_args *a, uint32_t row, rsv_rgb
 
 RSV_KERNEL_SUM(gather, rsv_gather_args, rsv_rgb, rsv_gather_lane, rgb_add, rsv_gather_store)
 
-/// The same with sums in double.
+/// image = field - A field
+RSV_INLINE void rsv_gather_system_store(const rsv_gather_args *a, uint32_t row, rsv_rgb sum)
+{
+    size_t k = (size_t)row * a->fields;
+    a->image[k] = rgb_sub(a->field[k], rgb_scale(sum, a->scale[row]));
+}
+
+RSV_KERNEL_SUM(
+    gather_system, rsv_gather_args, rsv_rgb, rsv_gather_lane, rgb_add, rsv_gather_system_store)
+
+/// The residual, with sums in double.
 typedef struct rsv_double3 {
     double x, y, z;
 } rsv_double3;

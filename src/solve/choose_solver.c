@@ -22,6 +22,8 @@ rsv_solver rsv_choose_solver(const rsv_solver_question *q, char *reason, size_t 
     rsv_solver solver;
     if (q->terms <= FEW_TERMS)
         solver = RSV_SOLVER_NEUMANN, because = "that is few";
+    else if (q->on_device)
+        solver = RSV_SOLVER_BICGSTAB, because = "its steps need no word from the processor";
     else if (q->spectral_radius >= SLOW_RADIUS && q->node_count >= MIN_NODES)
         solver = RSV_SOLVER_TWO_GRID, because = "steps of two grids do not depend on it";
     else if (q->node_count > MANY_NODES)

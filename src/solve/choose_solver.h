@@ -10,6 +10,7 @@ typedef struct rsv_solver_question {
     double norm_inf, spectral_radius;
     uint32_t terms; ///< that the Neumann series would still take
     size_t node_count;
+    bool on_device; ///< whether BiCGStab would run on a device
 } rsv_solver_question;
 
 /// @param reason a sentence, [reason_bytes]

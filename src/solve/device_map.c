@@ -51,21 +51,21 @@ void rsv_device_map_destroy(rsv_device_map *m)
     rsv_free(m->context, m);
 }
 
-/// Whether a call went well; after a failure there is no device for this map any more.
-static bool succeeded(rsv_device_map *m, rsv_status status, const char *message)
+/// There is no device for this map any more. @return as rsv_device_failed
+static rsv_status lose(rsv_device_map *m, rsv_status status, const char *message)
 {
-    if (status == RSV_OK) return true;
     m->table->destroy(m->transport);
     m->transport = NULL;
-    rsv_device_failed(m->context, status, message);
-    return false;
+    return rsv_device_failed(m->context, status, message);
 }
 
 bool rsv_device_map_apply(rsv_device_map *m, size_t fields, const rsv_rgb *field, rsv_rgb *image)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     if (!m || !m->transport) return false;
-    return succeeded(m, m->table->apply(m->transport, fields, field, image, message), message);
+    rsv_status status = m->table->apply(m->transport, fields, field, image, message);
+    if (status != RSV_OK) lose(m, status, message);
+    return status == RSV_OK;
 }
 
 bool rsv_device_map_residual(rsv_device_map *m, size_t fields, const rsv_rgb *source,
@@ -73,6 +73,29 @@ bool rsv_device_map_residual(rsv_device_map *m, size_t fields, const rsv_rgb *so
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     if (!m || !m->transport) return false;
-    return succeeded(
-        m, m->table->residual(m->transport, fields, source, field, residual, message), message);
+    rsv_status status = m->table->residual(m->transport, fields, source, field, residual, message);
+    if (status != RSV_OK) lose(m, status, message);
+    return status == RSV_OK;
+}
+
+bool rsv_device_map_solves(const rsv_device_map *m, rsv_solver solver)
+{
+    return m && m->transport &&
+           (solver == RSV_SOLVER_NEUMANN || solver == RSV_SOLVER_CHEBYSHEV ||
+               solver == RSV_SOLVER_BICGSTAB);
+}
+
+static bool is_cancelled(void *context) { return rsv_cancelled(context); }
+
+rsv_status rsv_device_map_solve(
+    rsv_device_map *m, rsv_device_solve *solve, const rsv_rgb *residual, rsv_rgb *correction)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    solve->stops = is_cancelled;
+    solve->user = m->context;
+    rsv_status status = m->table->solve(m->transport, solve, residual, correction, message);
+    if (status == RSV_OK) return RSV_OK;
+    solve->converged = false;
+    solve->applications = 0;
+    return lose(m, status, message);
 }

@@ -23,4 +23,12 @@ bool rsv_device_map_apply(rsv_device_map *map, size_t fields, const rsv_rgb *fie
 bool rsv_device_map_residual(rsv_device_map *map, size_t fields, const rsv_rgb *source,
     const rsv_rgb *field, rsv_rgb *residual);
 
+/// Whether the device runs this solver by itself.
+bool rsv_device_map_solves(const rsv_device_map *map, rsv_solver solver);
+
+/// A correction as rsv_device_solve says, for one field. Where an optional device fails there is none: `correction` stays
+/// as it was, not converged, after no application.
+rsv_status rsv_device_map_solve(
+    rsv_device_map *map, rsv_device_solve *solve, const rsv_rgb *residual, rsv_rgb *correction);
+
 #endif

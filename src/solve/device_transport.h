@@ -4,6 +4,7 @@
 
 #include "../core/device.h"
 #include "parents.h"
+#include "resolvent/solve.h"
 
 /// All borrowed. Rows and parents are copied to the device once; `scale` and `albedo` are read again by each call, since
 /// relighting and lossless pockets change them.
@@ -19,6 +20,17 @@ typedef struct rsv_device_system {
 
 typedef struct rsv_device_transport rsv_device_transport;
 
+/// What is wanted of a correction d with (I - A) d close to a residual, and what came of it.
+typedef struct rsv_device_solve {
+    rsv_solver solver;         ///< RSV_SOLVER_NEUMANN, RSV_SOLVER_CHEBYSHEV or RSV_SOLVER_BICGSTAB
+    double relative;           ///< max |new residual| over max |residual|, channel by channel
+    double max_applications;   ///< of A
+    bool (*stops)(void *user); ///< asked now and then
+    void *user;
+    double applications; ///< out
+    bool converged;      ///< out
+} rsv_device_solve;
+
 /// Fields are [node_count x fields], node by node. Failures leave their text in `message` [RSV_DEVICE_MESSAGE_BYTES], and
 /// what should have come out undefined.
 typedef struct rsv_device_transport_table {
@@ -31,6 +43,9 @@ typedef struct rsv_device_transport_table {
     /// residual = source + A field - field, with sums in double
     rsv_status (*residual)(rsv_device_transport *transport, size_t fields, const rsv_rgb *source,
         const rsv_rgb *field, rsv_rgb *residual, char *message);
+    /// Solves for one field. @param correction out: the best that was found, converged or not
+    rsv_status (*solve)(rsv_device_transport *transport, rsv_device_solve *solve,
+        const rsv_rgb *residual, rsv_rgb *correction, char *message);
 } rsv_device_transport_table;
 
 #endif

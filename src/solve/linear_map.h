@@ -31,7 +31,8 @@ typedef struct rsv_linear_map_table {
     /// @param amount [columns] @return the share of A's entries that this took
     double (*shoot)(void *data, size_t columns, size_t node, const float *amount, float *field);
     /// correction with (I - A) correction close to a residual, by a solver outside of this library. NULL = there is none
-    /// @param relative length of the new residual over that of the old one @param applications of A, out
+    /// @param relative length of the new residual over that of the old one
+    /// @param applications of A: at most so many, as far as that solver can be told, in; so many, out
     /// @param converged out: false if that solver gave up
     rsv_status (*correct)(void *data, size_t columns, const float *residual, double relative,
         float *correction, double *applications, bool *converged);
@@ -49,6 +50,8 @@ typedef struct rsv_linear_map {
         group; ///< [count] a coarse level: nodes that are alike; RSV_NONE = a row of A that is 0. NULL =
                ///< there is no coarse level
     size_t group_count;
+    bool
+        outside; ///< whether `correct` does what a solver of this library would: it is the same, elsewhere
 } rsv_linear_map;
 
 /// A* as a map of its own. It knows neither rows, columns nor groups.

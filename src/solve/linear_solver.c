@@ -162,7 +162,9 @@ static rsv_status run_cycle(rsv_solver_run *run, const float *source, float *sol
     run->best = before;
     run->waiting = 0;
     run->broke_down = run->blew_up = false;
-    rsv_status status = solvers[run->desc->solver].improve(run, residual, trial);
+    rsv_improve improve =
+        run->map->outside ? rsv_improve_outside : solvers[run->desc->solver].improve;
+    rsv_status status = improve(run, residual, trial);
     if (status == RSV_OK) status = run->status;
     if (status != RSV_OK) return status;
     rsv_columns_sum(&run->shape, solution, trial);

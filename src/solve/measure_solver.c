@@ -52,7 +52,8 @@ static rsv_status scout(rsv_transport_map *map, const rsv_solution *s, rsv_linea
     rsv_solver_question question = { .norm_inf = s->report.norm_inf,
         .spectral_radius = radius,
         .terms = rsv_neumann_terms(radius, l->residual, desc->relative),
-        .node_count = map->linear.count };
+        .node_count = map->linear.count,
+        .on_device = rsv_device_map_solves(map->device, RSV_SOLVER_BICGSTAB) };
     desc->solver = rsv_choose_solver(&question, reason, sizeof reason);
     desc->max_applications = s->desc.max_orders;
     status = rsv_transport_map_prepare(map, desc->solver);

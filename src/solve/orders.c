@@ -216,7 +216,8 @@ static void choose_solver(series *q, double size)
         .norm_inf = report->norm_inf,
         .spectral_radius = report->spectral_radius,
         .terms = rsv_neumann_terms(report->spectral_radius, size, q->target),
-        .node_count = q->s->elements->node_count };
+        .node_count = q->s->elements->node_count,
+        .on_device = rsv_device_map_solves(q->map->device, RSV_SOLVER_BICGSTAB) };
     report->solver =
         rsv_choose_solver(&question, report->solver_reason, sizeof report->solver_reason);
 }

@@ -1,4 +1,4 @@
-/// Corrections by a solver that the map brings along, such as PETSc's.
+/// Corrections by a solver that the map brings along, such as PETSc's or one on a device.
 #include "solver_run.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 rsv_status rsv_improve_outside(rsv_solver_run *run, float *residual, float *correction)
 {
-    double reduction = 1, applications = 0;
+    double reduction = 1, applications = run->desc->max_applications - run->applications;
     bool converged = false;
     for (size_t c = 0; c < run->shape.columns; c++)
         if (rsv_run_active(run, c)) reduction = fmin(reduction, run->goal[c] / run->size[c]);

@@ -153,8 +153,8 @@ static void sum_groups(void *data, double *sums)
 }
 
 /// One RGB field after the other.
-static rsv_status correct(void *data, size_t columns, const float *residual, double relative,
-    float *correction, double *applications, bool *converged)
+static rsv_status correct_by_krylov(void *data, size_t columns, const float *residual,
+    double relative, float *correction, double *applications, bool *converged)
 {
     rsv_transport_map *m = data;
     size_t fields = columns / 3, nodes = m->linear.count;
@@ -203,30 +203,25 @@ static rsv_status add_krylov(rsv_transport_map *m)
     return status == RSV_OK ? RSV_OK : rsv_fail(status, "solve: %s", message);
 }
 
-static const rsv_linear_map_table rows_and_krylov = { .apply = apply,
-    .residual = residual,
-    .scatter_rows = scatter_rows,
-    .gather_rows = gather_rows,
-    .correct = correct,
-    .sum_groups = sum_groups };
+/// The same on the device.
+static rsv_status correct_on_device(void *data, size_t columns, const float *residual,
+    double relative, float *correction, double *applications, bool *converged)
+{
+    rsv_transport_map *m = data;
+    rsv_device_solve solve = {
+        .solver = m->device_solver, .relative = relative, .max_applications = *applications
+    };
+    RSV_ASSERT(columns == 3);
+    (void)columns;
+    rsv_status status =
+        rsv_device_map_solve(m->device, &solve, rgb_field(residual), (rsv_rgb *)correction);
+    m->linear.outside = rsv_device_map_solves(m->device, m->device_solver);
+    *applications = solve.applications;
+    *converged = solve.converged;
+    return status;
+}
 
 static const rsv_linear_map_table rows_only = { .apply = apply,
-    .residual = residual,
-    .scatter_rows = scatter_rows,
-    .gather_rows = gather_rows,
-    .sum_groups = sum_groups };
-
-static const rsv_linear_map_table rows_and_columns = { .apply = apply,
-    .apply_transpose = apply_transpose,
-    .residual = residual,
-    .scatter_rows = scatter_rows,
-    .gather_rows = gather_rows,
-    .shoot = shoot,
-    .sum_groups = sum_groups };
-
-/// A column of A is not known where light leaves elsewhere than it entered.
-static const rsv_linear_map_table rows_and_transposed = { .apply = apply,
-    .apply_transpose = apply_transpose,
     .residual = residual,
     .scatter_rows = scatter_rows,
     .gather_rows = gather_rows,
@@ -241,7 +236,8 @@ rsv_status rsv_transport_map_create(const rsv_elements *elements, rsv_transport 
     rsv_transport_map *m = rsv_alloc(context, 1, sizeof *m);
     if (!m) return RSV_ERROR_MEMORY;
     m->linear =
-        (rsv_linear_map){ .context = context, .table = &rows_only, .data = m, .count = nodes };
+        (rsv_linear_map){ .context = context, .table = &m->table, .data = m, .count = nodes };
+    m->table = rows_only;
     m->transport = transport;
     m->elements = elements;
     m->albedo = albedo;
@@ -292,9 +288,10 @@ rsv_status rsv_transport_map_transpose(rsv_transport_map *m)
     rsv_status status = rsv_transport_complete(m->transport);
     if (status == RSV_OK) status = list_children(m);
     if (status == RSV_OK) status = rsv_transport_columns_create(m->transport, &m->columns);
-    if (status == RSV_OK)
-        m->linear.table = m->subsurface ? &rows_and_transposed : &rows_and_columns;
-    return status;
+    if (status != RSV_OK) return status;
+    m->table.apply_transpose = apply_transpose;
+    if (!m->subsurface) m->table.shoot = shoot; // else light leaves elsewhere than it entered
+    return RSV_OK;
 }
 
 static rsv_status add_groups(rsv_transport_map *m)
@@ -314,9 +311,15 @@ static rsv_status add_groups(rsv_transport_map *m)
 
 rsv_status rsv_transport_map_prepare(rsv_transport_map *m, rsv_solver solver)
 {
+    m->linear.outside = m->fields == 1 && rsv_device_map_solves(m->device, solver);
+    if (m->linear.outside) {
+        m->table.correct = correct_on_device;
+        m->device_solver = solver;
+        return RSV_OK;
+    }
     if (solver == RSV_SOLVER_PETSC) {
         rsv_status status = add_krylov(m);
-        if (status == RSV_OK) m->linear.table = &rows_and_krylov;
+        if (status == RSV_OK) m->table.correct = correct_by_krylov;
         return status;
     }
     if (solver == RSV_SOLVER_SOUTHWELL) return rsv_transport_map_transpose(m);

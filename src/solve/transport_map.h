@@ -13,7 +13,8 @@
 #include "resolvent/solve.h"
 
 typedef struct rsv_transport_map {
-    rsv_linear_map linear; ///< what solvers get
+    rsv_linear_map linear;      ///< what solvers get
+    rsv_linear_map_table table; ///< of that; grows with what the map is prepared for
     rsv_transport *transport;
     const rsv_elements *elements;
     const rsv_rgb *albedo;          ///< [node_count]
@@ -27,6 +28,7 @@ typedef struct rsv_transport_map {
     uint32_t *child_begin;          ///< [node_count + 1] hanging nodes by parent; likewise
     uint32_t *child;                ///< indices into elements->hanging
     rsv_device_map *device;         ///< the same on the context's device; NULL = there is none
+    rsv_solver device_solver;       ///< that it was prepared for
     rsv_krylov *krylov;             ///< PETSc's view of it; NULL until rsv_transport_map_prepare
 } rsv_transport_map;
 

@@ -16,7 +16,7 @@ refuses 1 'is a folder' render furnace "${picture[@]}" --stats "$out"
 refuses 1 'folder' scene furnace -o no/such/folder/a.glb
 refuses 1 'gallows' scene gallows -o "$out/a.glb"
 refuses 1 'camera.*nobody' render furnace "${picture[@]}" --camera nobody
-refuses 1 'cuda' render furnace "${picture[@]}" --device cuda
+CUDA_VISIBLE_DEVICES= refuses 1 'error: device: ' render furnace "${picture[@]}" --device cuda
 refuses 1 'sky.hdr' render furnace "${picture[@]}" --env sky.hdr
 refuses 1 'missing.exr' compare missing.exr missing.exr
 

@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# --device: what a GPU does, by the device that the processor emulates; and what is said where there is none.
+source "$(dirname "$0")/support.sh"
+export CUDA_VISIBLE_DEVICES=
+
+draft=(--quality draft --max-elements 400)
+
+# -- the same pictures
+
+succeeds render cornell-spheres -o here.exr "${small[@]}" --max-elements 400
+succeeds render cornell-spheres -o there.exr "${small[@]}" --max-elements 400 --device emulated --stats there.json
+grep -q '"device":[[:space:]]*"emulated device"' there.json || complain "the statistics do not name the device"
+succeeds compare here.exr there.exr --json
+ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
+[[ $ratio == 1 || $ratio == 1.0000* || $ratio == 0.9999* ]] || complain "mean ratio '$ratio' between devices"
+
+# -- relighting
+
+succeeds solve cornell-blocks -o blocks.safetensors "${draft[@]}" --device emulated --solver chebyshev
+for device in cpu emulated; do
+    succeeds relight blocks.safetensors -o $device.exr --light light=0.5 --size 32x24 --spp 1 --device $device
+done
+succeeds compare cpu.exr emulated.exr --json
+ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
+[[ $ratio == 1 || $ratio == 1.0000* || $ratio == 0.9999* ]] || complain "mean ratio '$ratio' between devices"
+
+# -- no device
+
+refuses 1 'device: ' solve cornell-blocks -o no.safetensors "${draft[@]}" --device cuda
+succeeds solve cornell-blocks -o auto.safetensors "${draft[@]}" --device auto
+grep -q 'note: device: .*computing on the processor' stderr || complain "--device auto does not say that there is none"
+refuses 2 'device' solve cornell-blocks -o no.safetensors --device tpu
+refuses 1 'device' render furnace -o no.png "${small[@]}" --mode reference --device auto
+
+finish
