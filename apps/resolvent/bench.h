@@ -113,6 +113,10 @@ void cli_print_cluster(const struct cJSON *result);
 bool cli_write_cluster_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_cluster_plot(const char *path, const struct cJSON *scenes);
 
+/// The GPU: the operator beside copies of memory, solvers, relighting by factors. Printed as a Markdown table.
+bool cli_bench_gpu(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_gpu(const struct cJSON *result);
+
 /// A number of a JSON object; NAN if it holds none of that name.
 double cli_json_number(const struct cJSON *object, const char *name);
 

@@ -1,5 +1,6 @@
 #include "bench.h"
 #include "command.h"
+#include "device.h"
 #include "output_file.h"
 #include "stats.h"
 
@@ -48,6 +49,9 @@ static const char help[] =
     "  cluster   how evenly 2 to 64 processes would share the rows, and what they would have to "
     "tell\n"
     "            each other for one application of the operator; no other process is needed\n"
+    "  gpu       the device of --device: the operator beside copies of its memory, solvers, a "
+    "million\n"
+    "            receivers relit; as a Markdown table\n"
     "  scale     time and memory of a solution, and how they grow with the scene: terraces of\n"
     "            1e4 to 1e7 triangles with elements two metres apart (a scene of your own: medium\n"
     "            quality). Takes about 6 GB and a quarter of an hour\n"
@@ -61,12 +65,14 @@ static const char help[] =
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP
     "  --quality Q       draft, medium or high. levels: which elements are compared (default\n"
-    "                    medium); quality: the best solution to compare (default high)\n"
+    "                    medium); quality: the best solution to compare (default high); gpu: of "
+    "the\n"
+    "                    operator (default high)\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
     "  --json            print JSON\n"
-    "\n"
+    "  --stats FILE.json the same, in a file\n" CLI_DEVICE_HELP "\n"
     "examples:\n"
     "  resolvent bench trace room.glb --threads 1 --json\n"
     "  resolvent bench assemble\n"
@@ -167,6 +173,12 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_cluster_plot,
         .scenes = { "terraces:1e5", "terraces:1e6" },
         .repetitions = 1 },
+    { .name = "gpu",
+        .run = cli_bench_gpu,
+        .print = cli_print_gpu,
+        .scenes = { "cornell-blocks" },
+        .repetitions = 21,
+        .quality = RSV_QUALITY_HIGH },
     { .name = "scale",
         .run = cli_bench_scale,
         .print = cli_print_scale,
@@ -187,7 +199,8 @@ static const benchmark *find_benchmark(const char *name)
 typedef struct settings {
     const char *operand[2]; ///< name of the benchmark, scene or NULL
     cli_bench_task bench;   ///< what the benchmarks share
-    const char *csv, *plot, *mesh;
+    const char *csv, *plot, *mesh, *stats;
+    int device;
     bool json;
 } settings;
 
@@ -255,6 +268,7 @@ static int run(const benchmark *b, const settings *s)
     }
     if (b->print_summary && !s->json) b->print_summary(results);
     if (!write_files(b, s, results)) goto cleanup;
+    if (s->stats && !cli_write_json(s->stats, root)) goto cleanup;
     if (!s->json || cli_write_json(NULL, root)) exit_status = CLI_SUCCESS;
 
 cleanup:
@@ -278,11 +292,13 @@ static int check_settings(const benchmark *b, const settings *s)
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
     if (s->bench.environment.path && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--env belongs to bench quality");
-    if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality)
-        return cli_usage_error("bench", "--quality belongs to bench levels and quality");
+    if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
+        b->run != cli_bench_gpu)
+        return cli_usage_error("bench", "--quality belongs to bench levels, quality and gpu");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
-    if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)))
+    if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)) ||
+        (s->stats && !cli_check_output(s->stats)))
         return CLI_FAILURE;
     return CLI_SUCCESS;
 }
@@ -294,7 +310,8 @@ static int measure_and_report(settings *s)
     int exit_status = check_settings(b, s);
     if (exit_status != CLI_SUCCESS) return exit_status;
     cli_session session;
-    if (!cli_session_begin(&session, s->bench.threads)) return CLI_FAILURE;
+    if (!cli_device_open(s->device) || !cli_session_begin(&session, s->bench.threads))
+        return CLI_FAILURE;
     session.mesh = s->mesh;
     s->bench.session = &session;
     s->bench.threads = cli_thread_count(s->bench.threads);
@@ -336,6 +353,8 @@ int cli_bench(int argc, char **argv)
         { .name = "--csv", .kind = CLI_TEXT, .value = &s.csv },
         { .name = "--plot", .kind = CLI_TEXT, .value = &s.plot },
         { .name = "--json", .kind = CLI_FLAG, .value = &s.json },
+        { .name = "--stats", .kind = CLI_TEXT, .value = &s.stats },
+        CLI_DEVICE_OPTION(&s.device),
         { .name = NULL },
     };
     const cli_usage usage = { "bench", help, options, "NAME of a benchmark", 1, 2 };

@@ -48,6 +48,32 @@ RSV_API rsv_status rsv_device_open(const rsv_device_desc *desc, rsv_device **dev
 RSV_API void rsv_device_close(rsv_device *device);
 RSV_API const rsv_device_info *rsv_device_get_info(const rsv_device *device);
 
+// ---- relighting by factors -----------------------------------------------------------------------
+
+/// What each light does by itself, at any receivers, resident on a device: vertices, texels of a lightmap, elements.
+/// Light is linear: E = sum of scale[l] x value[l] (as rsv_rt_relight does on a processor).
+typedef struct rsv_device_basis rsv_device_basis;
+
+/// @param value [light_count][receiver_count][3], copied
+/// @return RSV_ERROR_MEMORY if the device is too small for it
+RSV_API rsv_status rsv_device_basis_create(rsv_device *device, uint32_t light_count,
+    size_t receiver_count, const float *value, rsv_device_basis **basis);
+/// Before its device is closed. @param basis NULL is allowed
+RSV_API void rsv_device_basis_destroy(rsv_device_basis *basis);
+
+/// Irradiance of all receivers under other strengths of the lights; done when the call returns.
+/// @param scale [light_count] 1 = as given at creation
+/// @param irradiance out, [receiver_count]; NULL = it stays on the device
+RSV_API rsv_status rsv_device_basis_relight(
+    rsv_device_basis *basis, const rsv_rgb *scale, rsv_rgb *irradiance);
+
+/// Where on the device the irradiance lies, for other code that runs there: [receiver_count].
+RSV_API const rsv_rgb *rsv_device_basis_address(const rsv_device_basis *basis);
+
+/// Times relighting with all scales brought anew, by the device's clock. @param seconds out, [repetitions]
+RSV_API rsv_status rsv_device_basis_measure(
+    rsv_device_basis *basis, uint32_t repetitions, double *seconds);
+
 #ifdef __cplusplus
 }
 #endif

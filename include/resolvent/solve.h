@@ -123,6 +123,14 @@ RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t t
 RSV_API rsv_status rsv_measure_application(
     const rsv_solution *solution, uint32_t repetitions, double *ratio);
 
+/// Times an application of G K on the device of the solution's context, and copies there, by its clock. The solution
+/// must have no translucent materials.
+/// @param copy_rate out, [repetitions]: bytes per second, read and written, of copies too large for any cache
+/// @param seconds out, [repetitions]: of an application
+/// @param bytes out: that an application must move at least
+RSV_API rsv_status rsv_measure_device(const rsv_solution *solution, uint32_t repetitions,
+    double *copy_rate, double *seconds, size_t *bytes);
+
 /// The eigenvalues of G K that are largest by magnitude, those of all colour channels together, by SLEPc and its options.
 /// In a context with a team, be it of one process.
 /// @param count wanted in, found out @param value out, [2 x count]: real and imaginary parts

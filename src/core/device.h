@@ -16,6 +16,7 @@ typedef rsv_status (*rsv_device_opener)(
 typedef struct rsv_device_table {
     void (*close)(rsv_device *device);
     const struct rsv_device_transport_table *transport; ///< solve/device_transport.h
+    const struct rsv_device_basis_table *basis;         ///< solve/device_basis.h
 } rsv_device_table;
 
 struct rsv_device {

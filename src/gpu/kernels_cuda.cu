@@ -1,4 +1,5 @@
 /// Kernels for the device.
 #define RSV_KERNELS_HERE
+#include "basis_kernels.h"
 #include "solver_kernels.h"
 #include "transport_kernels.h"

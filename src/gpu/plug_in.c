@@ -1,5 +1,5 @@
 /// The plug-in's entrance.
-#include "gpu.h"
+#include "basis.h"
 #include "transport.h"
 
 #include <stdio.h>
@@ -7,7 +7,9 @@
 
 static void close_device(rsv_device *device) { rsv_gpu_destroy((rsv_gpu *)device); }
 
-static const rsv_device_table table = { .close = close_device, .transport = &rsv_gpu_transport };
+static const rsv_device_table table = {
+    .close = close_device, .transport = &rsv_gpu_transport, .basis = &rsv_gpu_basis
+};
 
 /// As rsv_device_opener. The library checks the version because tables change between versions.
 RSV_API rsv_status rsv_gpu_open(

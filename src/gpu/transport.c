@@ -175,5 +175,9 @@ static rsv_status residual(rsv_device_transport *t, size_t fields, const rsv_rgb
     return finish(t, fields, difference, message);
 }
 
-const rsv_device_transport_table rsv_gpu_transport = { create, destroy, apply, residual,
-    rsv_gpu_solve };
+const rsv_device_transport_table rsv_gpu_transport = { .create = create,
+    .destroy = destroy,
+    .apply = apply,
+    .residual = residual,
+    .solve = rsv_gpu_solve,
+    .measure = rsv_gpu_measure };

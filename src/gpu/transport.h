@@ -36,6 +36,10 @@ void rsv_gpu_transport_refresh(rsv_device_transport *transport);
 /// Arrays of the solvers, for the layout of the transport.
 void rsv_gpu_solver_lay_out(rsv_device_transport *transport, rsv_gpu_block *block);
 
+/// As rsv_device_transport_table.measure.
+rsv_status rsv_gpu_measure(rsv_device_transport *transport, uint32_t repetitions, double *copy_rate,
+    double *seconds, size_t *bytes, char *message);
+
 /// As rsv_device_transport_table.solve.
 rsv_status rsv_gpu_solve(rsv_device_transport *transport, rsv_device_solve *solve,
     const rsv_rgb *residual, rsv_rgb *correction, char *message);

@@ -99,3 +99,18 @@ rsv_status rsv_device_map_solve(
     solve->applications = 0;
     return lose(m, status, message);
 }
+
+rsv_status rsv_device_map_measure(
+    rsv_device_map *m, uint32_t repetitions, double *copy_rate, double *seconds, size_t *bytes)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    if (!m || !m->transport)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "device: there is none that holds this operator; translucent scenes stay with the "
+            "processor");
+    rsv_status status =
+        m->table->measure(m->transport, repetitions, copy_rate, seconds, bytes, message);
+    if (status == RSV_OK) return RSV_OK;
+    lose(m, status, message);
+    return rsv_fail(status, "device: %s", message); // nobody else can do this
+}

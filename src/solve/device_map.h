@@ -26,6 +26,10 @@ bool rsv_device_map_residual(rsv_device_map *map, size_t fields, const rsv_rgb *
 /// Whether the device runs this solver by itself.
 bool rsv_device_map_solves(const rsv_device_map *map, rsv_solver solver);
 
+/// As rsv_measure_device.
+rsv_status rsv_device_map_measure(
+    rsv_device_map *map, uint32_t repetitions, double *copy_rate, double *seconds, size_t *bytes);
+
 /// A correction as rsv_device_solve says, for one field. Where an optional device fails there is none: `correction` stays
 /// as it was, not converged, after no application.
 rsv_status rsv_device_map_solve(

@@ -46,6 +46,9 @@ typedef struct rsv_device_transport_table {
     /// Solves for one field. @param correction out: the best that was found, converged or not
     rsv_status (*solve)(rsv_device_transport *transport, rsv_device_solve *solve,
         const rsv_rgb *residual, rsv_rgb *correction, char *message);
+    /// As rsv_measure_device.
+    rsv_status (*measure)(rsv_device_transport *transport, uint32_t repetitions, double *copy_rate,
+        double *seconds, size_t *bytes, char *message);
 } rsv_device_transport_table;
 
 #endif

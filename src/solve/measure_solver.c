@@ -108,3 +108,15 @@ cleanup:
     rsv_free(s->context, bare);
     return status;
 }
+
+rsv_status rsv_measure_device(
+    const rsv_solution *s, uint32_t repetitions, double *copy_rate, double *seconds, size_t *bytes)
+{
+    rsv_transport_map *map = NULL;
+    rsv_status status = rsv_transport_map_create(
+        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map);
+    if (status == RSV_OK)
+        status = rsv_device_map_measure(map->device, repetitions, copy_rate, seconds, bytes);
+    rsv_transport_map_destroy(map);
+    return status;
+}

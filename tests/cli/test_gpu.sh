@@ -24,6 +24,15 @@ succeeds compare cpu.exr emulated.exr --json
 ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
 [[ $ratio == 1 || $ratio == 1.0000* || $ratio == 0.9999* ]] || complain "mean ratio '$ratio' between devices"
 
+# -- the bench
+
+succeeds bench gpu cornell-blocks --quality draft --repeat 1 --device emulated --stats bench.json
+says '^| the same, of the copy.s rate | [0-9.]* % | 60 % |'
+says '^| bicgstab to a residual of 1e-05'
+says '^| 1000000 receivers relit'
+grep -q '"name":[[:space:]]*"emulated device"' bench.json || complain "the JSON does not name the device"
+refuses 1 'which device' bench gpu
+
 # -- no device
 
 refuses 1 'device: ' solve cornell-blocks -o no.safetensors "${draft[@]}" --device cuda

@@ -119,6 +119,25 @@ static void products_are_those_of_the_processor(void **state)
     compare_products("two-rooms");
 }
 
+static void a_product_moves_each_of_its_arrays_once_at_least(void **state)
+{
+    (void)state;
+    rig r;
+    rsv_device_desc desc = device_desc();
+    double rate[2], seconds[2];
+    size_t bytes;
+    assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_OK);
+    assert_int_equal(rsv_measure_device(r.solution, 2, rate, seconds, &bytes), RSV_OK);
+    assert_true(rate[1] > 0 && seconds[1] > 0);
+    assert_true(bytes > r.solution->transport->row_begin[r.solution->elements->node_count] * 4);
+    assert_true(bytes < 2 * r.solution->report.bytes);
+    finish(&r);
+    assert_int_equal(start(&r, "cornell-blocks", NULL), RSV_OK);
+    assert_int_equal(
+        rsv_measure_device(r.solution, 2, rate, seconds, &bytes), RSV_ERROR_UNSUPPORTED);
+    finish(&r);
+}
+
 // ---- solvers -------------------------------------------------------------------------------------
 
 /// Solves E = E0 + A E. @return applications of A
@@ -182,6 +201,39 @@ static void solutions_are_those_of_the_processor(void **state)
     assert_true(difference(there.solution->irradiance, here.solution->irradiance, nodes) < 1e-5);
     finish(&there);
     finish(&here);
+}
+
+// ---- relighting by factors -----------------------------------------------------------------------
+
+static void relit_receivers_get_every_light_times_its_scale(void **state)
+{
+    (void)state;
+    enum { lights = 5, receivers = 1237 };
+    const rsv_rgb scale[lights] = { { 1, 0, 2 }, { 0, 0, 0 }, { 0.5f, 3, 1 }, { 2, 1, 1 },
+        { 0.125f, 7, 0.3f } };
+    rsv_device_desc desc = device_desc();
+    rsv_device *device;
+    rsv_device_basis *basis;
+    double seconds[3];
+    assert_int_equal(rsv_device_open(&desc, &device), RSV_OK);
+    rsv_rgb *value = noise((size_t)lights * receivers), *light = calloc(receivers, sizeof *light);
+    assert_int_equal(rsv_device_basis_create(device, lights, receivers, &value->r, &basis), RSV_OK);
+    assert_int_equal(rsv_device_basis_relight(basis, scale, light), RSV_OK);
+    for (size_t k = 0; k < receivers; k++) {
+        rsv_rgb sum = rgb_gray(0);
+        for (size_t l = 0; l < lights; l++)
+            sum = rgb_add(sum, rgb_mul(scale[l], value[l * receivers + k]));
+        assert_memory_equal(&light[k], &sum, sizeof sum); // in the same order
+    }
+    assert_int_equal(rsv_device_basis_relight(basis, scale, NULL), RSV_OK);
+    assert_non_null(rsv_device_basis_address(basis));
+    assert_int_equal(rsv_device_basis_measure(basis, 3, seconds), RSV_OK);
+    assert_true(seconds[0] > 0 && seconds[0] < 10);
+    assert_int_equal(
+        rsv_device_basis_create(device, 1, SIZE_MAX / 8, NULL, &basis), RSV_ERROR_UNSUPPORTED);
+    rsv_device_basis_destroy(basis);
+    rsv_device_close(device);
+    free(value), free(light);
 }
 
 // ---- what can go wrong ---------------------------------------------------------------------------
@@ -275,8 +327,10 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest any[] = {
         cmocka_unit_test(products_are_those_of_the_processor),
+        cmocka_unit_test(a_product_moves_each_of_its_arrays_once_at_least),
         cmocka_unit_test(solvers_find_what_those_of_the_processor_find),
         cmocka_unit_test(solutions_are_those_of_the_processor),
+        cmocka_unit_test(relit_receivers_get_every_light_times_its_scale),
         cmocka_unit_test(a_device_that_is_too_small_is_an_error_that_says_how_small),
         cmocka_unit_test(where_the_device_is_optional_the_processor_steps_in),
     };
