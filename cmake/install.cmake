@@ -14,7 +14,7 @@ install(FILES ${PROJECT_SOURCE_DIR}/rt/resolvent_rt.h DESTINATION ${CMAKE_INSTAL
 install(EXPORT resolventTargets NAMESPACE resolvent:: DESTINATION ${package_folder})
 if(TARGET resolvent_program)
     set_target_properties(resolvent_program PROPERTIES
-        INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}")
+        INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR};$ORIGIN/../lib")
     install(TARGETS resolvent_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 

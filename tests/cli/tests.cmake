@@ -32,4 +32,5 @@ endif()
 if(TARGET resolvent_program AND NOT RSV_SANITIZE)
     add_test(NAME package COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_package.sh
         ${CMAKE_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+    add_test(NAME bundle COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_bundle.sh ${CMAKE_BINARY_DIR})
 endif()
