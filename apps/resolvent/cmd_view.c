@@ -1,4 +1,5 @@
 #include "command.h"
+#include "device.h"
 #include "options.h"
 #include "output_file.h"
 #include "subject.h"
@@ -31,8 +32,8 @@ static const char help_head[] =
     "  --frames N         close after N frames\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP "  --threads N        default: one per processor\n"
-    "\n"
+        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+    "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
     "commands of scripts:\n";
 
 static const char help_tail[] =
@@ -49,6 +50,7 @@ typedef struct settings {
     cli_solve_choice solve;
     cli_size size;
     uint32_t frames, threads; ///< 0 = as long as it takes; one per processor
+    int device;
     float budget_ms;
 } settings;
 
@@ -99,6 +101,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .max = CLI_VIEW_MOST_FRAMES },
         { .name = "--record", .kind = CLI_TEXT, .value = &s->record },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
+        CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
@@ -316,7 +319,9 @@ int cli_view(int argc, char **argv)
         return CLI_SUCCESS;
     }
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
-    if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
+    if (!cli_prepare_solve(&s.solve) || !cli_device_open(s.device) ||
+        !cli_session_begin(&session, s.threads))
+        return CLI_FAILURE;
     session.mesh = s.mesh;
     viewer v = { .settings = &s, .session = &session };
     bool good = open_viewer(&v);

@@ -1,5 +1,5 @@
 #include "../trace/camera_ray.h"
-#include "frame_tile.h"
+#include "frame_device.h"
 
 #include <string.h>
 
@@ -13,6 +13,8 @@ struct rsv_frame_renderer {
     rsv_eye_picture eye[RSV_MAX_EYES];
     rsv_tile_worker *worker; ///< [thread_count]
     int thread_count;
+    rsv_frame_device *device; ///< NULL = none
+    bool on_device;           ///< the last frame is there
 };
 
 rsv_frame_desc rsv_default_frame_desc(void)
@@ -87,6 +89,7 @@ rsv_status rsv_frame_renderer_create(
     RSV_TRY(create_eyes(r));
     RSV_TRY(rsv_light_table_create(solution, &r->table));
     RSV_TRY(create_workers(r));
+    RSV_TRY(rsv_frame_device_create(&r->table, &r->desc, &r->device));
     *renderer = r;
     return RSV_OK;
 cleanup:
@@ -104,6 +107,7 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
         rsv_free(r->context, r->eye[k].sum);
         rsv_free(r->context, r->eye[k].pixel);
     }
+    rsv_frame_device_destroy(r->device);
     rsv_light_table_destroy(&r->table);
     rsv_free(r->context, r);
 }
@@ -141,6 +145,18 @@ static void begin_eye(
     e->tone = (rsv_frame_tone){ .scale = exp2f(view->exposure) / (float)(e->samples + 1),
         .soft = view->soft,
         .first = e->samples == 0 };
+}
+
+static void begin_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
+{
+    for (uint32_t k = 0; k < r->desc.eyes; k++)
+        begin_eye(r, &r->eye[k], view, k);
+}
+
+static void start_over(rsv_frame_renderer *r)
+{
+    for (uint32_t k = 0; k < RSV_MAX_EYES; k++)
+        r->eye[k].samples = 0;
 }
 
 static void begin_workers(rsv_frame_renderer *r)
@@ -190,17 +206,35 @@ static void for_tiles(rsv_frame_renderer *r, tile_work work)
         work(&r->tiling, &r->eye[k / each], k % each, &r->worker[rsv_thread_index()]);
 }
 
+/// Sums do not move between device and processor: they start over where they change places.
+static rsv_status render_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
+{
+    bool was_on_device = r->on_device;
+    rsv_status status = RSV_OK;
+    r->on_device = false;
+    if (!r->tiling.mover)
+        status =
+            rsv_frame_device_render(r->device, r->eye, &r->worker[0].queue.rays, &r->on_device);
+    if (status != RSV_OK || r->on_device) return status;
+    if (was_on_device) {
+        start_over(r);
+        begin_eyes(r, view);
+    }
+    for_tiles(r, rsv_tile_render);
+    return RSV_OK;
+}
+
 rsv_status rsv_frame_render(
     rsv_frame_renderer *r, const rsv_frame_view *view, rsv_frame_stats *stats)
 {
     rsv_status status = check_view(r, view);
     if (status != RSV_OK) return status;
     double start = rsv_seconds();
-    for (uint32_t k = 0; k < r->desc.eyes; k++)
-        begin_eye(r, &r->eye[k], view, k);
+    begin_eyes(r, view);
     begin_workers(r);
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;
-    for_tiles(r, rsv_tile_render);
+    status = render_eyes(r, view);
+    if (status != RSV_OK) return status;
     for (uint32_t k = 0; k < r->desc.eyes; k++)
         r->eye[k].samples++;
     if (stats) sum_stats(r, rsv_seconds() - start, stats);
@@ -210,22 +244,16 @@ rsv_status rsv_frame_render(
 double rsv_frame_trace_only(rsv_frame_renderer *r, const rsv_frame_view *view)
 {
     double start = rsv_seconds();
-    for (uint32_t k = 0; k < r->desc.eyes; k++)
-        begin_eye(r, &r->eye[k], view, k);
+    begin_eyes(r, view);
     for_tiles(r, rsv_tile_trace_only);
     return rsv_seconds() - start;
-}
-
-static void start_over(rsv_frame_renderer *r)
-{
-    for (uint32_t k = 0; k < RSV_MAX_EYES; k++)
-        r->eye[k].samples = 0;
 }
 
 void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
 {
     if (layer == r->table.layer) return;
     rsv_light_table_bake(&r->table, layer);
+    rsv_frame_device_refresh(r->device);
     start_over(r);
 }
 
@@ -240,17 +268,20 @@ void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
     for (int k = 0; k < r->thread_count; k++)
         rsv_chain_queue_refresh(&r->worker[k].queue);
     rsv_light_table_bake(&r->table, r->table.layer);
+    rsv_frame_device_refresh(r->device);
     start_over(r);
 }
 
 const uint8_t (*rsv_frame_pixels(const rsv_frame_renderer *r, uint32_t eye))[4]
 {
+    if (r->on_device) rsv_frame_device_pixels(r->device, eye, r->eye[eye].pixel);
     return (const uint8_t(*)[4])r->eye[eye].pixel;
 }
 
 void rsv_frame_radiance(const rsv_frame_renderer *r, uint32_t eye, rsv_rgb *radiance)
 {
     float scale = 1 / (float)(r->eye[eye].samples ? r->eye[eye].samples : 1);
+    if (r->on_device) rsv_frame_device_sums(r->device, eye, r->eye[eye].sum);
     size_t pixels = (size_t)r->desc.width * r->desc.height;
     for (size_t k = 0; k < pixels; k++) {
         const float *sum = r->eye[eye].sum[k];

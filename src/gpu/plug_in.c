@@ -1,5 +1,6 @@
 /// The plug-in's entrance.
 #include "basis.h"
+#include "frames.h"
 #include "transport.h"
 
 #include <stdio.h>
@@ -8,7 +9,10 @@
 static void close_device(rsv_device *device) { rsv_gpu_destroy((rsv_gpu *)device); }
 
 static const rsv_device_table table = {
-    .close = close_device, .transport = &rsv_gpu_transport, .basis = &rsv_gpu_basis
+    .close = close_device,
+    .transport = &rsv_gpu_transport,
+    .basis = &rsv_gpu_basis,
+    .frames = &rsv_gpu_frames,
 };
 
 /// As rsv_device_opener. The library checks the version because tables change between versions.

@@ -24,6 +24,17 @@ succeeds compare cpu.exr emulated.exr --json
 ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
 [[ $ratio == 1 || $ratio == 1.0000* || $ratio == 0.9999* ]] || complain "mean ratio '$ratio' between devices"
 
+# -- frames
+
+succeeds solve cornell-blocks -o box.safetensors "${draft[@]}"
+echo '0 show hud' >plain.txt # it counts milliseconds
+for device in cpu emulated; do
+    succeeds view box.safetensors --size 48x32 --script plain.txt --frames 2 --record $device --device $device
+done
+succeeds compare cpu/frame-0001.png emulated/frame-0001.png --json
+ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
+[[ $ratio == 1 || $ratio == 1.0000* || $ratio == 0.9999* ]] || complain "mean ratio '$ratio' between frames"
+
 # -- the bench
 
 succeeds bench gpu cornell-blocks --quality draft --repeat 1 --device emulated --stats bench.json

@@ -47,7 +47,8 @@ static inline void world_release(void *user, void *memory)
     free(memory);
 }
 
-static inline world *world_begin(int threads)
+/// @param device NULL = none
+static inline world *world_begin_on(int threads, struct rsv_device *device)
 {
     world *w = calloc(1, sizeof *w);
     assert_non_null(w);
@@ -57,17 +58,25 @@ static inline world *world_begin(int threads)
     desc.allocate = world_allocate;
     desc.release = world_release;
     desc.user = w;
+    desc.device = device;
     assert_int_equal(rsv_context_create(&desc, &w->context), RSV_OK);
     assert_int_equal(rsv_scene_create(w->context, &w->scene), RSV_OK);
     return w;
 }
 
-static inline world *world_builtin(int threads, const char *name)
+static inline world *world_begin(int threads) { return world_begin_on(threads, NULL); }
+
+static inline world *world_builtin_on(int threads, struct rsv_device *device, const char *name)
 {
-    world *w = world_begin(threads);
+    world *w = world_begin_on(threads, device);
     rsv_scene_destroy(w->scene);
     assert_int_equal(rsv_scene_builtin(w->context, name, &w->scene), RSV_OK);
     return w;
+}
+
+static inline world *world_builtin(int threads, const char *name)
+{
+    return world_builtin_on(threads, NULL, name);
 }
 
 /// Releases everything and checks that nothing leaked through the context.

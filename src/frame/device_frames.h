@@ -1,0 +1,64 @@
+/// Frames on a device: what a plug-in gets of a solved scene, and what it offers.
+#ifndef RSV_DEVICE_FRAMES_H
+#define RSV_DEVICE_FRAMES_H
+
+#include "../bvh/bvh.h"
+#include "../core/device.h"
+#include "../light/sky.h"
+#include "../surface/medium.h"
+#include "../trace/camera_ray.h"
+#include "light_cells.h"
+#include "resolvent/frame.h"
+#include "tone.h"
+
+/// Branches of chains are followed in waves, with room for each: deeper ones are for the processor.
+#define RSV_DEVICE_CHAIN_DEPTH 64
+
+/// A scene to make pictures of. All borrowed and copied to the device.
+typedef struct rsv_device_stage {
+    const rsv_scene_view *scene;
+    const rsv_bsdf *
+        bsdf; ///< [material_count] of those in use, all the same over their surface and without rough lobes
+    rsv_bvh_view bvh;
+    const rsv_shown_side (*side)[2]; ///< [triangle_count + 1] as in rsv_light_table
+    size_t cell_count;
+    uint32_t width, height, eyes, chain_depth, seed; ///< as in rsv_frame_desc
+} rsv_device_stage;
+
+/// What is shown on it.
+typedef struct rsv_device_light {
+    const rsv_light_cell *cell; ///< [cell_count]
+    rsv_sky sky;
+    bool emission; ///< sources are shown, too
+} rsv_device_light;
+
+/// A frame of one eye.
+typedef struct rsv_device_eye {
+    rsv_lens lens;
+    float place_x, place_y; ///< of the sample within each pixel
+    float spread;
+    rsv_medium medium; ///< the camera's
+    rsv_frame_tone tone;
+    uint32_t samples; ///< before this one
+} rsv_device_eye;
+
+typedef struct rsv_device_frames rsv_device_frames;
+
+/// Failures leave their text in `message` [RSV_DEVICE_MESSAGE_BYTES], and what should have come out undefined.
+typedef struct rsv_device_frames_table {
+    rsv_status (*create)(rsv_device *device, const rsv_device_stage *stage,
+        rsv_device_frames **frames, char *message);
+    void (*destroy)(rsv_device_frames *frames);
+    /// To be called before the first frame, and when the light has changed.
+    rsv_status (*set_light)(
+        rsv_device_frames *frames, const rsv_device_light *light, char *message);
+    /// Adds one sample to each pixel and shows the sums. @param eye [eyes] @param chain_rays out
+    rsv_status (*render)(
+        rsv_device_frames *frames, const rsv_device_eye *eye, uint64_t *chain_rays, char *message);
+    /// Codes of one eye's picture, and its sums. @param pixel, sum [height * width]
+    rsv_status (*pixels)(
+        rsv_device_frames *frames, uint32_t eye, uint8_t (*pixel)[4], char *message);
+    rsv_status (*sums)(rsv_device_frames *frames, uint32_t eye, float (*sum)[4], char *message);
+} rsv_device_frames_table;
+
+#endif

@@ -1,0 +1,175 @@
+#include "frame_device.h"
+
+#include <stdio.h>
+
+struct rsv_frame_device {
+    rsv_context *context;
+    const rsv_light_table *table;
+    uint32_t eyes;
+    const rsv_device_frames_table *device;
+    rsv_device_frames *frames; ///< NULL = it has failed
+    bool dim;                  ///< the table's light is not there yet
+    bool fresh[RSV_MAX_EYES];  ///< codes that nobody has fetched yet
+};
+
+// ---- what can be shown --------------------------------------------------------------------------
+
+/// What keeps a device from showing a material; NULL = nothing.
+static const char *obstacle(const rsv_solution *s, uint32_t material)
+{
+    const rsv_bsdf *bsdf = &s->bsdf[material];
+    if (s->scene.view->material[material].alpha_cutoff > 0) return "is cut out";
+    if (s->scene.view->material_varies[material]) return "varies over its surface";
+    if (s->diffused.material && s->diffused.material[material]) return "is translucent";
+    if (bsdf->rough) return "is rough and shiny";
+    if (bsdf->diffuse > 0 && !bsdf->lambert) return "is diffuse under a coat";
+    return NULL;
+}
+
+/// Notes the first material in use that a device cannot show.
+static bool can_show(const rsv_solution *s, const rsv_frame_desc *desc)
+{
+    const rsv_scene_view *view = s->scene.view;
+    if (desc->chain_depth > RSV_DEVICE_CHAIN_DEPTH) {
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "frames are made by the processor: the device follows chains to depth %d, not %u",
+            RSV_DEVICE_CHAIN_DEPTH, desc->chain_depth);
+        return false;
+    }
+    for (size_t t = 0; t < view->triangle_count; t++) {
+        uint32_t material = view->triangle_material[t];
+        const char *why = obstacle(s, material);
+        if (!why) continue;
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "frames are made by the processor: material '%s' %s, which the device does not show",
+            view->material[material].name, why);
+        return false;
+    }
+    return true;
+}
+
+// ---- creation -----------------------------------------------------------------------------------
+
+static rsv_status bring_stage(
+    rsv_frame_device *d, rsv_device *device, const rsv_frame_desc *desc, const rsv_bvh *bvh)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    const rsv_solution *s = d->table->solution;
+    const rsv_device_stage stage = { .scene = s->scene.view,
+        .bsdf = s->bsdf,
+        .bvh = bvh->view,
+        .side = (const rsv_shown_side(*)[2])d->table->side,
+        .cell_count = d->table->cell_count,
+        .width = desc->width,
+        .height = desc->height,
+        .eyes = desc->eyes,
+        .chain_depth = desc->chain_depth,
+        .seed = desc->seed };
+    rsv_status status = d->device->create(device, &stage, &d->frames, message);
+    return status == RSV_OK ? RSV_OK : rsv_device_failed(d->context, status, message);
+}
+
+rsv_status rsv_frame_device_create(
+    const rsv_light_table *table, const rsv_frame_desc *desc, rsv_frame_device **made)
+{
+    rsv_status status = RSV_OK;
+    const rsv_solution *s = table->solution;
+    rsv_device *device = rsv_context_device(s->context);
+    rsv_bvh bvh = { 0 };
+    *made = NULL;
+    if (!device || !can_show(s, desc)) return RSV_OK;
+    rsv_frame_device *d = rsv_alloc(s->context, 1, sizeof *d);
+    if (!d) return RSV_ERROR_MEMORY;
+    *d = (rsv_frame_device){ .context = s->context,
+        .table = table,
+        .eyes = desc->eyes,
+        .device = device->table->frames,
+        .dim = true };
+    RSV_TRY(rsv_bvh_build_scene(s->scene.scene, &bvh));
+    RSV_TRY(bring_stage(d, device, desc, &bvh));
+    if (d->frames) {
+        *made = d;
+        d = NULL;
+    }
+cleanup:
+    rsv_bvh_destroy(&bvh);
+    rsv_frame_device_destroy(d);
+    return status;
+}
+
+void rsv_frame_device_destroy(rsv_frame_device *d)
+{
+    if (!d) return;
+    if (d->frames) d->device->destroy(d->frames);
+    rsv_free(d->context, d);
+}
+
+void rsv_frame_device_refresh(rsv_frame_device *d)
+{
+    if (d) d->dim = true;
+}
+
+// ---- frames -------------------------------------------------------------------------------------
+
+/// After a failure there are no frames on the device any more.
+static rsv_status check(rsv_frame_device *d, rsv_status status, const char *message)
+{
+    if (status == RSV_OK) return RSV_OK;
+    d->device->destroy(d->frames);
+    d->frames = NULL;
+    return rsv_device_failed(d->context, status, message);
+}
+
+static rsv_status bring_light(rsv_frame_device *d)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    const rsv_lights *lights = d->table->solution->lights;
+    const rsv_device_light light = { .cell = d->table->cell,
+        .sky = lights->environment ? lights->environment->whole : (rsv_sky){ 0 },
+        .emission = rsv_shows_emission(d->table) };
+    if (!d->dim) return RSV_OK;
+    d->dim = false;
+    return check(d, d->device->set_light(d->frames, &light, message), message);
+}
+
+static rsv_device_eye eye_of(const rsv_eye_picture *e)
+{
+    return (rsv_device_eye){ .lens = e->aim.lens,
+        .place_x = e->aim.place_x,
+        .place_y = e->aim.place_y,
+        .spread = e->spread,
+        .medium = e->medium,
+        .tone = e->tone,
+        .samples = e->samples };
+}
+
+rsv_status rsv_frame_device_render(
+    rsv_frame_device *d, const rsv_eye_picture *picture, uint64_t *chain_rays, bool *done)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    rsv_device_eye eye[RSV_MAX_EYES];
+    rsv_status status = d && d->frames ? bring_light(d) : RSV_OK;
+    *done = false;
+    if (status != RSV_OK || !d || !d->frames) return status;
+    for (uint32_t k = 0; k < d->eyes; k++) {
+        eye[k] = eye_of(&picture[k]);
+        d->fresh[k] = true;
+    }
+    status = check(d, d->device->render(d->frames, eye, chain_rays, message), message);
+    *done = d->frames != NULL;
+    return status;
+}
+
+void rsv_frame_device_pixels(rsv_frame_device *d, uint32_t eye, uint8_t (*pixel)[4])
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    if (!d->frames || !d->fresh[eye]) return;
+    d->fresh[eye] = false;
+    check(d, d->device->pixels(d->frames, eye, pixel, message), message);
+}
+
+void rsv_frame_device_sums(rsv_frame_device *d, uint32_t eye, float (*sum)[4])
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    if (d->frames) check(d, d->device->sums(d->frames, eye, sum, message), message);
+}

@@ -1,0 +1,29 @@
+/// Frames made by the context's device, as long as that lasts. What it cannot do the caller does (core/device.h says
+/// who hears of it).
+#ifndef RSV_FRAME_DEVICE_H
+#define RSV_FRAME_DEVICE_H
+
+#include "device_frames.h"
+#include "frame_tile.h"
+
+typedef struct rsv_frame_device rsv_frame_device;
+
+/// @param table borrowed @param made out; NULL = there is no device, or it cannot show this scene, which is logged
+/// @return the device's failure, unless it is optional
+rsv_status rsv_frame_device_create(
+    const rsv_light_table *table, const rsv_frame_desc *desc, rsv_frame_device **made);
+void rsv_frame_device_destroy(rsv_frame_device *device);
+
+/// The table's light has changed.
+void rsv_frame_device_refresh(rsv_frame_device *device);
+
+/// Adds one sample to each pixel. @param device NULL = there is none @param eye [eyes]
+/// @param done out: false = the caller has to do it @return the device's failure, unless it is optional
+rsv_status rsv_frame_device_render(
+    rsv_frame_device *device, const rsv_eye_picture *eye, uint64_t *chain_rays, bool *done);
+
+/// Brings the last frame: its codes, unless `pixel` has them from an earlier call, and its sums.
+void rsv_frame_device_pixels(rsv_frame_device *device, uint32_t eye, uint8_t (*pixel)[4]);
+void rsv_frame_device_sums(rsv_frame_device *device, uint32_t eye, float (*sum)[4]);
+
+#endif
