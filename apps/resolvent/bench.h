@@ -113,6 +113,11 @@ void cli_print_cluster(const struct cJSON *result);
 bool cli_write_cluster_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_cluster_plot(const char *path, const struct cJSON *scenes);
 
+/// Processes beside threads, and scenes that grow with the processes, where there is an mpirun. @param result also of
+/// cli_bench_cluster
+bool cli_measure_scaling(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_scaling(const struct cJSON *result);
+
 /// The GPU: the operator beside copies of memory, solvers, relighting by factors. Printed as a Markdown table.
 bool cli_bench_gpu(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_gpu(const struct cJSON *result);

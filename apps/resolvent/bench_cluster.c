@@ -52,7 +52,7 @@ bool cli_bench_cluster(const cli_bench_task *bench, cJSON *result)
         cli_report_failure(bench->session, status);
     rsv_solution_destroy(solution);
     rsv_scene_destroy(scene);
-    return status == RSV_OK;
+    return status == RSV_OK && cli_measure_scaling(bench, result);
 }
 
 void cli_print_cluster(const cJSON *result)
@@ -66,6 +66,7 @@ void cli_print_cluster(const cJSON *result)
         printf("  %5.0f %14.3f %15.0f %12.0f %8.1f\n", cli_json_number(division, "parts"),
             cli_json_number(division, "imbalance"), cli_json_number(division, "received_mean"),
             cli_json_number(division, "received_most"), cli_json_number(division, "senders_mean"));
+    cli_print_scaling(result);
 }
 
 /// The divisions of all scenes, each with the scene's name.

@@ -44,7 +44,10 @@ static void add_numbers(
     cJSON_AddNumberToObject(result, "peak_rss_bytes", peak_bytes());
     cJSON_AddNumberToObject(result, "seconds", seconds[0]);
     cJSON_AddNumberToObject(result, "processor_seconds", seconds[1]);
+    cJSON_AddNumberToObject(result, "assemble_seconds", report->time_assemble);
     cJSON_AddNumberToObject(result, "solve_seconds", report->time_solve);
+    cJSON_AddNumberToObject(result, "assemble_critical", report->critical_assemble);
+    cJSON_AddNumberToObject(result, "solve_critical", report->critical_solve);
 }
 
 bool cli_bench_scale(const cli_bench_task *bench, cJSON *result)
@@ -53,9 +56,10 @@ bool cli_bench_scale(const cli_bench_task *bench, cJSON *result)
     if (!scene) return false;
     size_t triangles = rsv_scene_get_view(scene)->triangle_count;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
-    desc.direct_level = false;
-    if (strncmp(bench->scene, "terraces", strlen("terraces")) == 0)
+    if (strncmp(bench->scene, "terraces", strlen("terraces")) == 0) {
+        desc.direct_level = false;
         desc.element_target = (uint32_t)(triangles / TRIANGLES_PER_ELEMENT);
+    }
     rsv_solution *solution = NULL;
     double started = cli_seconds(), worked = processor_seconds();
     rsv_status status = rsv_solution_create(scene, &desc, &solution);

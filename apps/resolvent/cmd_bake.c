@@ -1,3 +1,4 @@
+#include "checkpoint.h"
 #include "command.h"
 #include "options.h"
 #include "output_file.h"
@@ -35,7 +36,7 @@ static const char help[] =
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
     "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
-    "\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+    "\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
     "\n"
@@ -56,6 +57,7 @@ typedef struct settings {
     int target; ///< index into target_names; -1 = missing
     cli_environment environment;
     cli_solve_choice solve;
+    cli_checkpoint checkpoint;
     uint32_t threads;
     bool new_uv;
     rsv_bake_desc bake;
@@ -91,6 +93,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
+        CLI_CHECKPOINT_OPTIONS(&s->checkpoint),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -176,11 +179,12 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
 }
 
 /// Solves and bakes. @param input the scene's glTF file
-static int bake(cli_session *session, const settings *s, const rsv_scene *scene, const char *input)
+static int bake(cli_session *session, settings *s, const rsv_scene *scene, const char *input)
 {
     rsv_solution *solution = NULL;
     rsv_bake_report report = { 0 };
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    if (!cli_checkpoint_prepare(session, &s->checkpoint, scene, &desc)) return CLI_FAILURE;
     rsv_status status = rsv_solution_create(scene, &desc, &solution);
     if (status == RSV_OK)
         status = bake_to[s->target](solution, input, s->output, &s->bake, &report);
@@ -191,10 +195,11 @@ static int bake(cli_session *session, const settings *s, const rsv_scene *scene,
     return !s->stats || write_stats(session, s, &report) ? CLI_SUCCESS : CLI_FAILURE;
 }
 
-static int run(cli_session *session, const settings *s)
+static int run(cli_session *session, settings *s)
 {
     char temporary[4096] = "";
-    bool gltf = cli_ends_in(s->scene, ".gltf") || cli_ends_in(s->scene, ".glb") || s->target == TO_PROBES;
+    bool gltf =
+        cli_ends_in(s->scene, ".gltf") || cli_ends_in(s->scene, ".glb") || s->target == TO_PROBES;
     rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
     if (scene && !gltf) scene = open_as_gltf(session, s, scene, temporary, sizeof temporary);
     int exit_status = scene ? bake(session, s, scene, gltf ? s->scene : temporary) : CLI_FAILURE;

@@ -1,5 +1,6 @@
 #include "bench.h"
 #include "command.h"
+#include "crew.h"
 #include "device.h"
 #include "output_file.h"
 #include "stats.h"
@@ -48,7 +49,9 @@ static const char help[] =
     "            of its own, beside one level of elements as fine as direct light's\n"
     "  cluster   how evenly 2 to 64 processes would share the rows, and what they would have to "
     "tell\n"
-    "            each other for one application of the operator; no other process is needed\n"
+    "            each other for one application of the operator; then, where there is an mpirun,\n"
+    "            how fast 1, 2 and 4 of them are beside threads, and on scenes that grow with "
+    "them\n"
     "  gpu       the device of --device: the operator beside copies of its memory, solvers, a "
     "million\n"
     "            receivers relit; as a Markdown table\n"
@@ -171,8 +174,8 @@ static const benchmark benchmarks[] = {
         .print = cli_print_cluster,
         .write_csv = cli_write_cluster_csv,
         .write_plot = cli_write_cluster_plot,
-        .scenes = { "terraces:1e5", "terraces:1e6" },
-        .repetitions = 1 },
+        .scenes = { "terraces:1e5", "terraces:1e6", "gallery:1" },
+        .repetitions = 3 },
     { .name = "gpu",
         .run = cli_bench_gpu,
         .print = cli_print_gpu,
@@ -245,6 +248,7 @@ static void report(const benchmark *b, const settings *s, const cJSON *result)
 /// The files that were asked for.
 static bool write_files(const benchmark *b, const settings *s, const cJSON *results)
 {
+    if (!cli_crew_speaks()) return true;
     return (!s->csv || b->write_csv(s->csv, results)) &&
            (!s->plot || b->write_plot(s->plot, results));
 }

@@ -1,3 +1,4 @@
+#include "checkpoint.h"
 #include "command.h"
 #include "device.h"
 #include "options.h"
@@ -5,12 +6,9 @@
 #include "stats.h"
 #include "subject.h"
 
-#include <errno.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char help[] =
     "usage: resolvent solve SCENE -o FILE.safetensors [options]\n"
@@ -22,11 +20,8 @@ static const char help[] =
     "a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
     "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
-        CLI_ERROR_TARGET_HELP
+        CLI_ERROR_TARGET_HELP CLI_CHECKPOINT_HELP
     "  --eigenvalues N    print the N largest eigenvalues of the operator, found by SLEPc\n"
-    "  --checkpoint DIR   keep rows in DIR while they are traced: a run that is killed goes on "
-    "there, and\n"
-    "                     ends with the same file; to be deleted afterwards\n"
     "  --threads N        default: one per processor; the file does not depend on "
     "it\n" CLI_DEVICE_HELP
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
@@ -42,7 +37,7 @@ typedef struct settings {
     cli_environment environment;
     cli_error_target target;
     cli_solve_choice solve;
-    const char *checkpoint;
+    cli_checkpoint checkpoint;
     uint32_t eigenvalues;
     uint32_t threads;
     int device;
@@ -52,7 +47,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
-        { .name = "--checkpoint", .kind = CLI_TEXT, .value = &s->checkpoint },
+        CLI_CHECKPOINT_OPTIONS(&s->checkpoint),
         { .name = "--eigenvalues",
             .kind = CLI_COUNT,
             .value = &s->eigenvalues,
@@ -89,22 +84,6 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, &stats);
 }
 
-/// Creates the folder DIR/VERSION-FINGERPRINT: rows of one scene and one version of the program.
-static bool prepare_checkpoint(const settings *s, const rsv_scene *scene, char folder[PATH_MAX])
-{
-    char digits[RSV_FINGERPRINT_DIGITS + 1];
-    if (rsv_scene_fingerprint(scene, digits) != RSV_OK) {
-        cli_error("%s", rsv_last_error());
-        return false;
-    }
-    int length = snprintf(folder, PATH_MAX, "%s/%s-%.16s", s->checkpoint, rsv_version(), digits);
-    bool made = length < PATH_MAX && (mkdir(s->checkpoint, 0777) == 0 || errno == EEXIST) &&
-                (mkdir(folder, 0777) == 0 || errno == EEXIST);
-    if (!made)
-        cli_error("--checkpoint %s: cannot make the folder: %s", s->checkpoint, strerror(errno));
-    return made;
-}
-
 static rsv_status print_eigenvalues(const settings *s, const rsv_solution *solution)
 {
     double value[2 * MOST_EIGENVALUES];
@@ -116,18 +95,14 @@ static rsv_status print_eigenvalues(const settings *s, const rsv_solution *solut
     return status;
 }
 
-static int run(cli_session *session, const settings *s)
+static int run(cli_session *session, settings *s)
 {
     int exit_status = CLI_FAILURE;
     cli_subject subject = { .scene = cli_open_scene(session, s->scene, &s->environment) };
     if (!subject.scene) return CLI_FAILURE;
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     rsv_certificate certificate;
-    char folder[PATH_MAX];
-    if (s->checkpoint) {
-        if (!prepare_checkpoint(s, subject.scene, folder)) goto cleanup;
-        desc.checkpoint = folder;
-    }
+    if (!cli_checkpoint_prepare(session, &s->checkpoint, subject.scene, &desc)) goto cleanup;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
     if (status == RSV_OK) status = print_eigenvalues(s, subject.solution);
     if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);

@@ -71,7 +71,9 @@ static int flush_results(int exit_status)
 /// What is not worth sharing, the first process does alone.
 static int run_command(const command *found, int argc, char **argv)
 {
-    bool shared = found->run == cli_render || found->run == cli_solve || found->run == cli_relight;
+    bool shared = found->run == cli_render || found->run == cli_solve ||
+                  found->run == cli_relight ||
+                  (found->run == cli_bench && argc > 0 && strcmp(argv[0], "scale") == 0);
     if (!shared && !cli_crew_speaks()) return CLI_SUCCESS;
     if (shared && !cli_crew_join()) return CLI_FAILURE;
     int exit_status = found->run(argc, argv);

@@ -190,6 +190,9 @@ int cli_report_failure(cli_session *session, rsv_status status)
     const char *message = cli_crew_fail(status, rsv_last_error());
     if (status != RSV_ERROR_CANCELLED)
         cli_error("%s", message);
+    else if (cli_crew_speaks() && session->checkpoint)
+        fprintf(stderr, "cancelled; the same command goes on with the rows kept in '%s'\n",
+            session->checkpoint);
     else if (cli_crew_speaks())
         fputs("cancelled\n", stderr);
     return CLI_FAILURE;

@@ -96,6 +96,9 @@ typedef struct rsv_solve_report {
         truncation_bound; ///< residual_inf / (1 - norm_inf), W/m2: of the system, before what rows blur is sharpened
     double mean_irradiance; ///< area-weighted mean of E, luminance
     double time_bvh, time_assemble, time_solve;
+    /// Seconds of a processor that assembly and solve take on their critical path: of the calling thread; with several
+    /// processes, of the slowest from meeting to meeting. Other work on the machine does not lengthen them.
+    double critical_assemble, critical_solve;
 } rsv_solve_report;
 
 /// Elements, operator and solved irradiance of one scene. Constant after creation; thread-safe.

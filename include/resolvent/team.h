@@ -42,6 +42,9 @@ struct rsv_team {
     const rsv_team_table *table;
     uint32_t rank, size; ///< this process, of so many
     bool parted;         ///< after a failure they no longer talk
+    double
+        path; ///< processor seconds of the slowest from meeting to meeting, summed: the critical path
+    double met; ///< processor seconds of the calling thread when they last met
     const char *
         petsc_options; ///< besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve
 };

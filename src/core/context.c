@@ -224,9 +224,13 @@ rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction
                                   : RSV_OK;
 }
 
-double rsv_seconds(void)
+static double read_clock(clockid_t clock)
 {
     struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+double rsv_seconds(void) { return read_clock(CLOCK_MONOTONIC); }
+
+double rsv_thread_seconds(void) { return read_clock(CLOCK_THREAD_CPUTIME_ID); }

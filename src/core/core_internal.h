@@ -53,4 +53,7 @@ rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction
 /// Seconds on a monotonic clock.
 double rsv_seconds(void);
 
+/// Seconds of a processor that the calling thread has had.
+double rsv_thread_seconds(void);
+
 #endif

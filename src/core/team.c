@@ -48,16 +48,30 @@ void rsv_team_leave(rsv_team *team)
     if (team) team->table->leave(team);
 }
 
+/// One number tells two things: failures in the upper bits, and below them how long it took to get here.
+#define TIME_BITS 40 // of microseconds: twelve days
+
 /// The first process that fails has the largest key.
 static int64_t failure_key(const rsv_team *team, rsv_status status)
 {
     return status == RSV_OK ? 0 : ((int64_t)(team->size - team->rank) << 8) + (int64_t)status;
 }
 
+/// @return the largest key of any process; the slowest prolongs the critical path
+static int64_t meet(rsv_team *team, int64_t key)
+{
+    const int64_t time_mask = ((int64_t)1 << TIME_BITS) - 1;
+    int64_t microseconds = (int64_t)(1e6 * (rsv_thread_seconds() - team->met));
+    int64_t largest = team->table->largest(team, (key << TIME_BITS) + (microseconds & time_mask));
+    team->path += 1e-6 * (double)(largest & time_mask);
+    team->met = rsv_thread_seconds();
+    return largest >> TIME_BITS;
+}
+
 rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
 {
     if (!team || team->size == 1 || team->parted) return status;
-    int64_t worst = team->table->largest(team, failure_key(team, status));
+    int64_t worst = meet(team, failure_key(team, status));
     if (worst == 0) return RSV_OK;
     uint32_t failed = team->size - (uint32_t)(worst >> 8);
     char message[RSV_MESSAGE_BYTES];
@@ -139,6 +153,14 @@ double rsv_team_largest(rsv_context *context, double value)
     rsv_team *team = rsv_team_of(context);
     if (!team || rsv_team_meet(context, RSV_OK) != RSV_OK) return value;
     return (double)team->table->largest(team, (int64_t)(value * 1e6)) * 1e-6;
+}
+
+double rsv_team_path(rsv_context *context)
+{
+    rsv_team *team = rsv_team_of(context);
+    if (!team) return rsv_thread_seconds();
+    rsv_team_meet(context, RSV_OK);
+    return team->path;
 }
 
 rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *text)

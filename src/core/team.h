@@ -48,6 +48,9 @@ uint64_t rsv_team_total(rsv_context *context, uint64_t value);
 /// The largest value of any process, to a millionth: what time and memory are judged by, so that all decide alike.
 double rsv_team_largest(rsv_context *context, double value);
 
+/// Processor seconds along the critical path so far; only differences mean something. Waiting for others is not work.
+double rsv_team_path(rsv_context *context);
+
 /// The failure of one is the failure of all.
 rsv_status rsv_team_meet(rsv_context *context, rsv_status status);
 

@@ -108,15 +108,29 @@ void rsv_division_destroy(rsv_division *d)
     if (!d) return;
     rsv_free(d->context, d->order);
     rsv_free(d->context, d->begin);
+    rsv_free(d->context, d->row_begin);
     rsv_free(d->context, d->cost);
     rsv_free(d->context, d);
+}
+
+static void count_rows(rsv_division *d)
+{
+    size_t rows = 0;
+    for (uint32_t part = 0; part < d->part_count; part++) {
+        d->row_begin[part] = rows;
+        for (size_t k = d->begin[part]; k < d->begin[part + 1]; k++)
+            rows += d->cost[d->order[k]] > 0;
+    }
+    d->row_begin[d->part_count] = rows;
 }
 
 rsv_status rsv_division_cut(rsv_division *d, uint32_t part, uint32_t part_count)
 {
     rsv_free(d->context, d->begin);
+    rsv_free(d->context, d->row_begin);
     d->begin = rsv_alloc(d->context, (size_t)part_count + 1, sizeof *d->begin);
-    if (!d->begin) return RSV_ERROR_MEMORY;
+    d->row_begin = rsv_alloc(d->context, (size_t)part_count + 1, sizeof *d->row_begin);
+    if (!d->begin || !d->row_begin) return RSV_ERROR_MEMORY;
     d->part = part;
     d->part_count = part_count;
     double total = 0, sum = 0;
@@ -132,19 +146,40 @@ rsv_status rsv_division_cut(rsv_division *d, uint32_t part, uint32_t part_count)
     }
     for (; cut <= part_count; cut++)
         d->begin[cut] = d->node_count;
+    count_rows(d);
     return RSV_OK;
+}
+
+/// Colours, which are most of what is shared, at once; all else by the library.
+static void copy_item(char *to, const char *from, size_t bytes)
+{
+    if (bytes == sizeof(rsv_rgb))
+        memcpy(to, from, sizeof(rsv_rgb));
+    else
+        memcpy(to, from, bytes);
+}
+
+/// Moves the items of a part's rows next to each other; or back from there.
+static void move_part(
+    const rsv_division *d, uint32_t part, char *items, char *packed, size_t bytes, bool unpack)
+{
+    size_t at = d->row_begin[part];
+    for (size_t k = d->begin[part]; k < d->begin[part + 1]; k++) {
+        if (d->cost[d->order[k]] <= 0) continue;
+        char *here = items + d->order[k] * bytes, *there = packed + at++ * bytes;
+        copy_item(unpack ? here : there, unpack ? there : here, bytes);
+    }
 }
 
 void rsv_division_share(const rsv_division *d, void *field, size_t item_bytes)
 {
     if (!d || !rsv_team_of(d->context)) return;
-    char *items = field, *packed = rsv_reserve(d->context, d->node_count, item_bytes);
+    char *packed = rsv_reserve(d->context, d->node_count, item_bytes);
     if (rsv_team_meet(d->context, packed ? RSV_OK : RSV_ERROR_MEMORY) == RSV_OK && packed) {
-        for (size_t k = d->begin[d->part]; k < d->begin[d->part + 1]; k++)
-            memcpy(packed + k * item_bytes, items + d->order[k] * item_bytes, item_bytes);
-        rsv_team_share(d->context, packed, item_bytes, d->begin);
-        for (size_t k = 0; k < d->node_count; k++)
-            memcpy(items + d->order[k] * item_bytes, packed + k * item_bytes, item_bytes);
+        move_part(d, d->part, field, packed, item_bytes, false);
+        rsv_team_share(d->context, packed, item_bytes, d->row_begin);
+        for (uint32_t part = 0; part < d->part_count; part++)
+            if (part != d->part) move_part(d, part, field, packed, item_bytes, true);
     }
     rsv_free(d->context, packed);
 }

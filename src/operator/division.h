@@ -13,7 +13,8 @@ typedef struct rsv_division {
     uint32_t part, part_count; ///< this process's
     uint32_t *order;           ///< [node_count] nodes along the curve
     size_t *begin;             ///< [part_count + 1] into order
-    float *cost;               ///< [node_count] predicted, by node; any unit
+    size_t *row_begin;         ///< [part_count + 1] likewise, only nodes with a row being counted
+    float *cost;               ///< [node_count] predicted, by node; any unit; 0 = it has no row
 } rsv_division;
 
 /// Nodes along a Hilbert curve, and no parts yet.
@@ -24,7 +25,8 @@ void rsv_division_destroy(rsv_division *division);
 /// @param part which of them is this process's
 rsv_status rsv_division_cut(rsv_division *division, uint32_t part, uint32_t part_count);
 
-/// Hands a field, known to each process in its own part, to all. @param division NULL = there is nothing to do
+/// Hands a field, known to each process in its own part, to all. Nodes without a row are left out: all must know theirs.
+/// @param division NULL = there is nothing to do
 void rsv_division_share(const rsv_division *division, void *field, size_t item_bytes);
 
 #endif

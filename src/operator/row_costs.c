@@ -2,18 +2,9 @@
 #include "../core/team.h"
 #include "row_tracer.h"
 
-#include <time.h>
-
 /// Rows along the curve that are taken to cost alike, and the rays of the one in their middle that tell how much.
 #define STRETCH 16
 #define RAYS 64
-
-static double thread_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /// Nodes with a row, along the curve. @return how many
 static size_t list_rows(const rsv_row_tracer *tracer, const rsv_division *d, uint32_t *along)
@@ -39,9 +30,9 @@ static rsv_status measure(
             if (k % place.size != place.rank || status != RSV_OK || rsv_cancelled(context))
                 continue;
             size_t middle = k * STRETCH + STRETCH / 2;
-            double start = thread_seconds();
+            double start = rsv_thread_seconds();
             rsv_row_trace(tracer, along[middle < rows ? middle : rows - 1], &scratch);
-            nanoseconds[k] = (int64_t)(1e9 * (thread_seconds() - start));
+            nanoseconds[k] = (int64_t)(1e9 * (rsv_thread_seconds() - start));
         }
         rsv_row_scratch_destroy(context, &scratch);
         if (status != RSV_OK) {
@@ -69,7 +60,7 @@ rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division)
     RSV_TRY(measure(&probe, along, rows, nanoseconds));
     rsv_team_sum(context, nanoseconds, stretches);
     for (size_t k = 0; k < rows; k++)
-        (*division)->cost[along[k]] = (float)nanoseconds[k / STRETCH];
+        (*division)->cost[along[k]] = f_max((float)nanoseconds[k / STRETCH], 1);
 cleanup:
     rsv_row_tracer_end(&probe);
     rsv_free(context, along);

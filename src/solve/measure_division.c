@@ -3,14 +3,6 @@
 #include "solution.h"
 
 #include <string.h>
-#include <time.h>
-
-static double thread_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 /// Traces all rows once more and notes the time of each, along the curve.
 static rsv_status time_rows(
@@ -26,9 +18,9 @@ static rsv_status time_rows(
         for (size_t k = 0; k < division->node_count; k++) {
             uint32_t node = division->order[k];
             if (status != RSV_OK || !tracer->valid_points[node] || rsv_cancelled(context)) continue;
-            double start = thread_seconds();
+            double start = rsv_thread_seconds();
             rsv_row_trace(tracer, node, &scratch);
-            seconds[k] = (float)(thread_seconds() - start);
+            seconds[k] = (float)(rsv_thread_seconds() - start);
         }
         rsv_row_scratch_destroy(context, &scratch);
         if (status != RSV_OK) {

@@ -233,7 +233,7 @@ cleanup:
 static rsv_status build(rsv_solution *s)
 {
     rsv_status status;
-    double start = rsv_seconds();
+    double start = rsv_seconds(), path = rsv_team_path(s->context);
     RSV_TRY(create_elements(s));
     RSV_TRY(rsv_system_create_fields(s));
     RSV_TRY(rsv_system_assemble(
@@ -241,8 +241,9 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(rsv_subsurface_create(s->elements, &s->subsurface));
     RSV_TRY(rsv_source_create_levels(s));
     RSV_TRY(rsv_source_create(s));
-    double assembled = rsv_seconds();
+    double assembled = rsv_seconds(), path_assembled = rsv_team_path(s->context);
     s->report.time_assemble = assembled - start;
+    s->report.critical_assemble = path_assembled - path;
 
     s->report.elements = s->elements->node_count;
     s->report.rows = rsv_solution_rows(s);
@@ -252,6 +253,7 @@ static rsv_status build(rsv_solution *s)
     RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - assembled;
+    s->report.critical_solve = rsv_team_path(s->context) - path_assembled;
     s->report.bytes = rsv_solution_bytes(s);
     warn_if_unbounded(s);
 cleanup:

@@ -40,6 +40,12 @@ says 'bytes per element'
 grep -q '^terraces:5000,' scale.csv || complain "the table lacks the scene"
 grep -q '</svg>' scale.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf scale.svg scale.csv || complain "the curves hold what is no number"
+PATH=$work succeeds bench cluster terraces:5000 --csv cluster.csv --plot cluster.svg
+says '^     64 '
+says 'no mpirun'
+grep -q '^terraces:5000,' cluster.csv || complain "the table lacks the scene"
+grep -q '</svg>' cluster.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf cluster.svg cluster.csv || complain "the curves hold what is no number"
 succeeds bench levels furnace --quality draft --csv levels.csv --plot levels.svg
 says 'times those of two'
 grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||

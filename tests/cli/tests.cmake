@@ -13,6 +13,15 @@ if(TARGET resolvent_program)
     # MPI and PETSc keep what they allocate to the end
     set_tests_properties(cli_cluster PROPERTIES SKIP_RETURN_CODE 77 LABELS "cluster;slow"
         ENVIRONMENT "OMP_WAIT_POLICY=passive")
+    add_test(NAME cli_scaling COMMAND bash
+        ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_scaling.sh $<TARGET_FILE:resolvent_program>)
+    set_tests_properties(cli_scaling PROPERTIES SKIP_RETURN_CODE 77 LABELS "cluster;long"
+        ENVIRONMENT "OMP_WAIT_POLICY=passive")
+    add_test(NAME cli_kill COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_kill.sh $<TARGET_FILE:resolvent_program>)
+    add_test(NAME cli_kill_200 COMMAND bash
+        ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_kill.sh $<TARGET_FILE:resolvent_program> 200)
+    set_tests_properties(cli_kill PROPERTIES LABELS slow)
+    set_tests_properties(cli_kill_200 PROPERTIES LABELS long)
     # other tests would be slowed down, and the time it takes to stop with them
     set_tests_properties(cli_cancel PROPERTIES RUN_SERIAL TRUE)
 endif()

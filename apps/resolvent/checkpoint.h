@@ -1,0 +1,35 @@
+/// The options --checkpoint and --resume of commands that solve for long.
+#ifndef CLI_CHECKPOINT_H
+#define CLI_CHECKPOINT_H
+
+#include "options.h"
+#include "session.h"
+
+#include <limits.h>
+
+typedef struct cli_checkpoint {
+    const char *folder; ///< NULL = none
+    bool resume;        ///< an earlier run must have begun
+    char
+        rows[PATH_MAX]; ///< FOLDER/VERSION-FINGERPRINT: of one scene and one version of the program
+} cli_checkpoint;
+
+// clang-format off
+#define CLI_CHECKPOINT_OPTIONS(checkpoint)                                                         \
+    { .name = "--checkpoint", .kind = CLI_TEXT, .value = &(checkpoint)->folder },                  \
+    { .name = "--resume", .kind = CLI_FLAG, .value = &(checkpoint)->resume,                        \
+      .goes_with = "--checkpoint" }
+// clang-format on
+
+#define CLI_CHECKPOINT_HELP                                                                        \
+    "  --checkpoint DIR   keep rows in DIR while they are traced: the same command, after an\n"    \
+    "                     interrupt or a crash, goes on there, and ends with the same bytes; to\n" \
+    "                     be deleted afterwards\n"                                                 \
+    "  --resume           refuse to begin anew: DIR must hold rows of this scene\n"
+
+/// Makes the folder for a scene's rows, and lets the solve use it. Does nothing where none is asked for.
+/// @return false after a message
+bool cli_checkpoint_prepare(
+    cli_session *session, cli_checkpoint *checkpoint, const rsv_scene *scene, rsv_solve_desc *desc);
+
+#endif
