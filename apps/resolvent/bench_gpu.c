@@ -1,8 +1,6 @@
-#include "bench.h"
+#include "bench_gpu.h"
 #include "device.h"
 #include "stats.h"
-
-#include "resolvent/solve.h"
 
 #include <cJSON.h>
 #include <stdio.h>
@@ -104,6 +102,7 @@ bool cli_bench_gpu(const cli_bench_task *bench, cJSON *result)
     for (size_t k = 0; k < sizeof timed / sizeof timed[0] && status == RSV_OK; k++)
         status = measure_solver(bench, solution, timed[k], solvers);
     if (status == RSV_OK) status = measure_relighting(bench, result);
+    if (status == RSV_OK) status = cli_measure_gpu_frames(bench, solution, result);
     rsv_solution_destroy(solution);
     rsv_scene_destroy(scene);
     if (status != RSV_OK) cli_report_failure(bench->session, status);
@@ -138,6 +137,9 @@ void cli_print_gpu(const cJSON *result)
             text(solver, "name"), goal, cli_json_number(solver, "applications"),
             1e3 * cli_json_number(solver, "seconds"));
     }
-    printf("| %d receivers relit, %d lights | %.4g ms | 1 ms |\n\n", RECEIVERS, LIGHTS,
+    printf("| %d receivers relit, %d lights | %.4g ms | 1 ms |\n", RECEIVERS, LIGHTS,
         1e3 * cli_json_number(result, "relight_seconds"));
+    printf("| frames of %.0fx%.0f | %.4g/s | 1000/s; 500/s with glass spheres |\n\n",
+        cli_json_number(result, "frame_width"), cli_json_number(result, "frame_height"),
+        1 / cli_json_number(result, "frame_seconds"));
 }

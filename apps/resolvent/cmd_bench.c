@@ -54,7 +54,7 @@ static const char help[] =
     "them\n"
     "  gpu       the device of --device: the operator beside copies of its memory, solvers, a "
     "million\n"
-    "            receivers relit; as a Markdown table\n"
+    "            receivers relit, frames of 1920x1080; as a Markdown table\n"
     "  scale     time and memory of a solution, and how they grow with the scene: terraces of\n"
     "            1e4 to 1e7 triangles with elements two metres apart (a scene of your own: medium\n"
     "            quality). Takes about 6 GB and a quarter of an hour\n"
