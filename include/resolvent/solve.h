@@ -126,8 +126,7 @@ RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t t
 RSV_API rsv_status rsv_measure_application(
     const rsv_solution *solution, uint32_t repetitions, double *ratio);
 
-/// Times an application of G K on the device of the solution's context, and copies there, by its clock. The solution
-/// must have no translucent materials.
+/// Times an application of G K on the device of the solution's context, and copies there, by its clock.
 /// @param copy_rate out, [repetitions]: bytes per second, read and written, of copies too large for any cache
 /// @param seconds out, [repetitions]: of an application
 /// @param bytes out: that an application must move at least

@@ -17,6 +17,14 @@ void rsv_gpu_fail(rsv_gpu *gpu, rsv_status status, const char *format, ...)
     va_end(arguments);
 }
 
+rsv_status rsv_gpu_report(rsv_gpu *gpu, char *message)
+{
+    rsv_status status = gpu->status;
+    if (status != RSV_OK) snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "%s", gpu->message);
+    if (status != RSV_ERROR_DEVICE) gpu->status = RSV_OK;
+    return status;
+}
+
 void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size)
 {
     size_t at = block->placed;

@@ -34,8 +34,12 @@ void rsv_gpu_destroy(rsv_gpu *gpu);
 /// Notes a failure, unless there was one.
 void rsv_gpu_fail(rsv_gpu *gpu, rsv_status status, const char *format, ...) RSV_PRINTF(3, 4);
 
-/// Waits until all is done. @param message of the first failure, [RSV_DEVICE_MESSAGE_BYTES]; as it was if there is none
+/// Waits until all is done. A failure that leaves the device whole, such as too little memory, is forgotten once it is
+/// told: less may go well. @param message of the first failure, [RSV_DEVICE_MESSAGE_BYTES]; as it was if there is none
 rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message);
+
+/// Tells the first failure and forgets it as rsv_gpu_wait does, without waiting; for back ends.
+rsv_status rsv_gpu_report(rsv_gpu *gpu, char *message);
 
 // ---- memory --------------------------------------------------------------------------------------
 

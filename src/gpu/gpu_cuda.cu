@@ -111,8 +111,7 @@ rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message)
 {
     cuda_gpu *c = cuda_of(gpu);
     if (c->stream && gpu->status == RSV_OK) check(gpu, cudaStreamSynchronize(c->stream), "working");
-    if (gpu->status != RSV_OK) snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "%s", gpu->message);
-    return gpu->status;
+    return rsv_gpu_report(gpu, message);
 }
 
 // ---- memory --------------------------------------------------------------------------------------

@@ -56,11 +56,7 @@ rsv_status rsv_gpu_create(const rsv_device_desc *desc, rsv_gpu **gpu, char *mess
 
 void rsv_gpu_destroy(rsv_gpu *gpu) { free(gpu); }
 
-rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message)
-{
-    if (gpu->status != RSV_OK) snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "%s", gpu->message);
-    return gpu->status;
-}
+rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message) { return rsv_gpu_report(gpu, message); }
 
 // ---- memory --------------------------------------------------------------------------------------
 

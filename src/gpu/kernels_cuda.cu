@@ -2,6 +2,7 @@
 #define RSV_KERNELS_HERE
 #include "basis_kernels.h"
 #include "compact_kernels.h"
+#include "diffusion_kernels.h"
 #include "frame_kernels.h"
 #include "solver_kernels.h"
 #include "transport_kernels.h"

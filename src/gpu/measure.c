@@ -28,12 +28,13 @@ static void measure_copy(rsv_gpu *gpu, uint32_t repetitions, double *rate)
 }
 
 /// What an application must move at least: each array of it once.
-static size_t application_bytes(const rsv_device_system *s)
+static size_t application_bytes(const rsv_device_transport *t)
 {
+    const rsv_device_system *s = &t->system;
     size_t nodes = s->node_count, entries = s->row_begin[nodes], tinted = s->tinted_begin[nodes];
     size_t rows = 2 * sizeof *s->row_begin + sizeof *s->scale + sizeof *s->parents.begin;
     size_t fields = 2 * sizeof(rsv_rgb) + sizeof *s->albedo + 2 * sizeof(rsv_rgb4);
-    return nodes * (rows + fields) + entries * sizeof *s->column +
+    return rsv_gpu_diffusion_bytes(t) + nodes * (rows + fields) + entries * sizeof *s->column +
            tinted * (sizeof *s->tinted_column + sizeof *s->tinted_weight);
 }
 
@@ -62,7 +63,7 @@ static void measure_application(rsv_device_transport *t, uint32_t repetitions, d
 rsv_status rsv_gpu_measure(rsv_device_transport *t, uint32_t repetitions, double *copy_rate,
     double *seconds, size_t *bytes, char *message)
 {
-    *bytes = application_bytes(&t->system);
+    *bytes = application_bytes(t);
     measure_copy(t->gpu, repetitions, copy_rate);
     measure_application(t, repetitions, seconds);
     return rsv_gpu_wait(t->gpu, message);

@@ -35,16 +35,21 @@ static void lay_out_rows(rsv_device_transport *t)
     g->scale = t->scale = rsv_gpu_place(b, nodes, sizeof *t->scale);
     l->albedo = t->albedo = rsv_gpu_place(b, nodes, sizeof *t->albedo);
     g->exitance = l->exitance = rsv_gpu_place(b, nodes, sizeof *l->exitance);
+    rsv_gpu_diffusion_lay_out(t, b);
     rsv_gpu_solver_lay_out(t, b);
+}
+
+void rsv_gpu_upload_all(rsv_gpu *gpu, const rsv_gpu_array *array, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        rsv_gpu_upload(gpu, (void *)array[k].to, array[k].from, array[k].count * array[k].size);
 }
 
 static void upload_rows(rsv_device_transport *t)
 {
     const rsv_device_system *s = &t->system;
-    const struct {
-        const void *to, *from;
-        size_t count, size;
-    } array[] = { { t->gather.row_begin, s->row_begin, s->node_count + 1, sizeof *s->row_begin },
+    const rsv_gpu_array array[] = { { t->gather.row_begin, s->row_begin, s->node_count + 1,
+                                        sizeof *s->row_begin },
         { t->gather.column, s->column, entries(t), sizeof *s->column },
         { t->gather.tinted_begin, s->tinted_begin, s->node_count + 1, sizeof *s->tinted_begin },
         { t->gather.tinted_column, s->tinted_column, tinted_entries(t), sizeof *s->tinted_column },
@@ -52,8 +57,8 @@ static void upload_rows(rsv_device_transport *t)
         { t->leave.parent_begin, s->parents.begin, s->node_count + 1, sizeof *s->parents.begin },
         { t->leave.parent, s->parents.node, parent_count(t), sizeof *s->parents.node },
         { t->leave.parent_weight, s->parents.weight, parent_count(t), sizeof *s->parents.weight } };
-    for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
-        rsv_gpu_upload(t->gpu, (void *)array[k].to, array[k].from, array[k].count * array[k].size);
+    rsv_gpu_upload_all(t->gpu, array, sizeof array / sizeof array[0]);
+    rsv_gpu_diffusion_upload(t);
 }
 
 static void lay_out_room(rsv_device_transport *t, size_t fields)
@@ -130,29 +135,41 @@ static rsv_status finish(rsv_device_transport *t, size_t fields, rsv_rgb *image,
     return rsv_gpu_wait(t->gpu, message);
 }
 
+/// Queues exitance = K field, whose value of node n is at n x fields.
+static void scatter(rsv_device_transport *t, const rsv_rgb *field, size_t fields)
+{
+    rsv_leave_args leave = t->leave;
+    leave.field = field;
+    leave.fields = (uint32_t)fields;
+    if (t->system.diffusion) {
+        rsv_gpu_diffuse(t, &leave);
+        leave.field = t->diffuse.diffused;
+        leave.fields = 1;
+    }
+    rsv_launch_leave(t->gpu, &leave, t->system.node_count);
+}
+
 /// Field `f` of `fields`, from t->field to t->image.
 static void queue_product(
     rsv_device_transport *t, size_t fields, size_t f, rsv_gather_launch launch)
 {
-    rsv_leave_args leave = t->leave;
     rsv_gather_args gather = t->gather;
-    leave.fields = gather.fields = (uint32_t)fields;
-    leave.field = gather.field = t->field + f;
+    gather.fields = (uint32_t)fields;
+    gather.field = t->field + f;
     gather.source = t->source + f;
     gather.image = t->image + f;
-    rsv_launch_leave(t->gpu, &leave, t->system.node_count);
+    scatter(t, gather.field, fields);
     launch(t->gpu, &gather, t->system.node_count);
 }
 
 void rsv_gpu_product(
     rsv_device_transport *t, const rsv_rgb *field, rsv_rgb *image, rsv_gather_launch launch)
 {
-    rsv_leave_args leave = t->leave;
     rsv_gather_args gather = t->gather;
-    leave.fields = gather.fields = 1;
-    leave.field = gather.field = field;
+    gather.fields = 1;
+    gather.field = field;
     gather.image = image;
-    rsv_launch_leave(t->gpu, &leave, t->system.node_count);
+    scatter(t, field, 1);
     launch(t->gpu, &gather, t->system.node_count);
 }
 

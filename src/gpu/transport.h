@@ -3,6 +3,7 @@
 #define RSV_GPU_TRANSPORT_H
 
 #include "../solve/device_transport.h"
+#include "diffusion_kernels.h"
 #include "solver_kernels.h"
 
 enum { RSV_DEVICE_SOLVERS = 3 };
@@ -14,7 +15,8 @@ struct rsv_device_transport {
     rsv_gpu_block rows, room;
     rsv_leave_args leave;
     rsv_gather_args gather;
-    rsv_rgb *albedo; ///< [node_count] as are the next two
+    rsv_diffuse_args diffuse; ///< where system.diffusion is
+    rsv_rgb *albedo;          ///< [node_count] as are the next two
     float *scale;
     rsv_rgb *field, *source, *image; ///< [node_count x fields]
     rsv_solver_args solver;          ///< arrays of the solvers, [node_count]
@@ -32,6 +34,21 @@ void rsv_gpu_product(rsv_device_transport *transport, const rsv_rgb *field, rsv_
 
 /// Brings to the device what may have changed since the last call.
 void rsv_gpu_transport_refresh(rsv_device_transport *transport);
+
+/// An array of the host and where it goes.
+typedef struct rsv_gpu_array {
+    const void *to, *from;
+    size_t count, size;
+} rsv_gpu_array;
+
+void rsv_gpu_upload_all(rsv_gpu *gpu, const rsv_gpu_array *array, size_t count);
+
+/// Diffusion below the surfaces of translucent bodies; all of it nothing where there are none.
+void rsv_gpu_diffusion_lay_out(rsv_device_transport *transport, rsv_gpu_block *block);
+void rsv_gpu_diffusion_upload(rsv_device_transport *transport);
+size_t rsv_gpu_diffusion_bytes(const rsv_device_transport *transport); ///< that it must move
+/// Queues diffuse.diffused = P field where there are bodies. @param entering its field counts
+void rsv_gpu_diffuse(rsv_device_transport *transport, const rsv_leave_args *entering);
 
 /// Arrays of the solvers, for the layout of the transport.
 void rsv_gpu_solver_lay_out(rsv_device_transport *transport, rsv_gpu_block *block);

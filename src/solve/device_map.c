@@ -6,11 +6,12 @@ struct rsv_device_map {
     rsv_context *context;
     const rsv_device_transport_table *table;
     rsv_parents parents;
+    rsv_diffusion_rows diffusion;
     rsv_device_transport *transport; ///< NULL = the device has failed
 };
 
 rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transport *transport,
-    const rsv_rgb *albedo, rsv_device_map **map)
+    const rsv_subsurface *subsurface, const rsv_rgb *albedo, rsv_device_map **map)
 {
     rsv_context *context = elements->context;
     rsv_device *device = rsv_context_device(context);
@@ -23,6 +24,7 @@ rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transpo
     m->context = context;
     m->table = device->table->transport;
     RSV_TRY(rsv_parents_create(elements, &m->parents));
+    if (subsurface) RSV_TRY(rsv_diffusion_rows_create(subsurface, &m->diffusion));
     const rsv_device_system system = { .node_count = elements->node_count,
         .row_begin = transport->row_begin,
         .tinted_begin = transport->tinted_begin,
@@ -31,7 +33,8 @@ rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transpo
         .tinted_weight = transport->tinted_weight,
         .scale = transport->scale,
         .albedo = albedo,
-        .parents = m->parents };
+        .parents = m->parents,
+        .diffusion = subsurface ? &m->diffusion : NULL };
     status = m->table->create(device, &system, &m->transport, message);
     if (status != RSV_OK) RSV_TRY(rsv_device_failed(context, status, message));
     if (m->transport) {
@@ -48,6 +51,7 @@ void rsv_device_map_destroy(rsv_device_map *m)
     if (!m) return;
     if (m->transport) m->table->destroy(m->transport);
     rsv_parents_destroy(m->context, &m->parents);
+    rsv_diffusion_rows_destroy(m->context, &m->diffusion);
     rsv_free(m->context, m);
 }
 
@@ -105,9 +109,7 @@ rsv_status rsv_device_map_measure(
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     if (!m || !m->transport)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "device: there is none that holds this operator; translucent scenes stay with the "
-            "processor");
+        return rsv_fail(RSV_ERROR_UNSUPPORTED, "device: there is none that holds this operator");
     rsv_status status =
         m->table->measure(m->transport, repetitions, copy_rate, seconds, bytes, message);
     if (status == RSV_OK) return RSV_OK;

@@ -5,15 +5,16 @@
 #ifndef RSV_DEVICE_MAP_H
 #define RSV_DEVICE_MAP_H
 
+#include "../operator/subsurface.h"
 #include "../operator/transport.h"
 #include "device_transport.h"
 
 typedef struct rsv_device_map rsv_device_map;
 
-/// @param albedo [node_count], borrowed like the rest @param map out; NULL = there is no device for it
+/// @param albedo [node_count], borrowed like the rest @param subsurface NULL = none @param map out; NULL = there is no device for it
 /// @return the device's failure, unless it is optional
 rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transport *transport,
-    const rsv_rgb *albedo, rsv_device_map **map);
+    const rsv_subsurface *subsurface, const rsv_rgb *albedo, rsv_device_map **map);
 void rsv_device_map_destroy(rsv_device_map *map);
 
 /// image = A field. @param map NULL = there is no device @return false = the caller has to do it

@@ -3,6 +3,7 @@
 #define RSV_DEVICE_TRANSPORT_H
 
 #include "../core/device.h"
+#include "diffusion_rows.h"
 #include "parents.h"
 #include "resolvent/solve.h"
 
@@ -16,6 +17,7 @@ typedef struct rsv_device_system {
     const float *scale;    ///< [node_count]
     const rsv_rgb *albedo; ///< [node_count]
     rsv_parents parents;
+    const rsv_diffusion_rows *diffusion; ///< NULL = light leaves where it entered, everywhere
 } rsv_device_system;
 
 typedef struct rsv_device_transport rsv_device_transport;

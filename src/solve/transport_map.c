@@ -250,7 +250,7 @@ rsv_status rsv_transport_map_create(const rsv_elements *elements, rsv_transport 
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
-    if (!subsurface) RSV_TRY(rsv_device_map_create(elements, transport, albedo, &m->device));
+    RSV_TRY(rsv_device_map_create(elements, transport, subsurface, albedo, &m->device));
     *map = m;
     m = NULL;
 cleanup:
