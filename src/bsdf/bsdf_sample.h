@@ -249,9 +249,35 @@ RSV_INLINE rsv_bsdf_event rsv_draw_layered(rsv_bsdf_draw *draw, float u, float u
     return event;
 }
 
+/// Whether the base is rough glass that lets nothing in, such as a screen that is off: drawn by its chance, light that
+/// it reflects would be one draw in 25.
+RSV_INLINE bool rsv_bsdf_is_black_glass(const rsv_bsdf *bsdf, bool front)
+{
+    return front && bsdf->alpha > 0 && bsdf->metallic == 0 && bsdf->transmission == 1 &&
+           !bsdf->layered && rgb_is_black(bsdf->base_color);
+}
+
+/// Shares of light that black glass reflects off one facet, and off several.
+typedef struct rsv_glass_shares {
+    float once, again;
+} rsv_glass_shares;
+
+RSV_INLINE rsv_glass_shares rsv_black_glass_shares(const rsv_bsdf *bsdf, float cos_o)
+{
+    rsv_glass_shares shares = {
+        rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o),
+        rsv_bsdf_missing(bsdf, bsdf->solid, 0, cos_o) * (1 - rsv_bsdf_missing_transmitted(bsdf, 0))
+    };
+    return shares;
+}
+
 RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front)
 {
     float cos_o = f_max(v3_dot(n, wo), 0);
+    if (rsv_bsdf_is_black_glass(bsdf, front)) {
+        rsv_glass_shares shares = rsv_black_glass_shares(bsdf, cos_o);
+        return shares.once + shares.again;
+    }
     if (!rsv_bsdf_diffuses(bsdf, front) || bsdf->passed > 0) return 1;
     // in the order in which draws split u_lobe: the diffuse lobe has its last part
     float diffuse = (1 - bsdf->metallic) * (1 - bsdf->transmission) *
@@ -300,17 +326,33 @@ RSV_INLINE rsv_bsdf_event rsv_draw_weighted_coat(rsv_bsdf_draw *draw, float u1, 
     return rsv_event(RSV_LOBE_REFLECT, wi, rgb_scale(choice.reflected, choice.reflect * visible));
 }
 
+/// What black glass reflects.
+RSV_INLINE rsv_bsdf_event rsv_draw_black_glass(
+    rsv_bsdf_draw *draw, float u_lobe, float u1, float u2)
+{
+    rsv_glass_shares shares = rsv_black_glass_shares(draw->bsdf, v3_dot(draw->n, draw->wo));
+    float both = shares.once + shares.again;
+    if (u_lobe * both < shares.again)
+        return rsv_event(
+            RSV_LOBE_REFLECT, rsv_draw_missing(draw, draw->bsdf->solid, 0, 1), rgb_gray(both));
+    rsv_bsdf_event event = rsv_draw_weighted_coat(draw, u1, u2);
+    event.weight = rgb_scale(event.weight, both / f_max(shares.once, 1e-9f));
+    return event;
+}
+
 RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_specular(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
 {
     float chance = rsv_bsdf_specular_chance(bsdf, wo, n, front);
-    bool coat_alone = chance < 1 && bsdf->alpha > 0 && bsdf->metallic == 0 &&
-                      bsdf->transmission == 0 && v3_dot(n, wo) > 0 &&
-                      !rsv_bsdf_meets_layers(bsdf, front);
+    bool faces = v3_dot(n, wo) > 0, black_glass = faces && rsv_bsdf_is_black_glass(bsdf, front);
+    bool coat_alone = faces && chance < 1 && bsdf->alpha > 0 && bsdf->metallic == 0 &&
+                      bsdf->transmission == 0 && !rsv_bsdf_meets_layers(bsdf, front);
     rsv_bsdf_event event;
-    if (coat_alone) {
-        rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, 0, rsv_random_from(0, 0, 0) };
-        event = rsv_draw_weighted_coat(&draw, u1, u2);
+    if (coat_alone || black_glass) {
+        rsv_bsdf_draw draw = { bsdf, wo, n, n, front, false, false, 0,
+            rsv_random_from(rsv_number_bits(u_lobe), rsv_number_bits(u1), rsv_number_bits(u2)) };
+        event = black_glass ? rsv_draw_black_glass(&draw, u_lobe, u1, u2)
+                            : rsv_draw_weighted_coat(&draw, u1, u2);
         if (event.lobe != RSV_LOBE_NONE)
             event.pdf_solid_angle = rsv_bsdf_pdf(bsdf, event.direction, wo, n, front);
         return event;
