@@ -82,8 +82,8 @@ static void add_diffuse(void *user, const rsv_chain *chain, rsv_rgb weight)
 /// Leaves a chain to rsv_camera_chain.
 static void follow_at_once(rsv_chain_queue *q, const rsv_chain *chain, uint32_t path)
 {
-    rsv_rgb found =
-        rsv_camera_chain(q->scene, q->lights, *chain, path, q->max_events, false, add_diffuse, q);
+    rsv_rgb found = rsv_camera_chain(
+        q->scene, q->lights, *chain, path, NULL, q->max_events, false, add_diffuse, q);
     if (rsv_shows_emission(q->table)) add_light(q, q->pixel, found);
 }
 

@@ -59,14 +59,12 @@ rsv_bsdf_event rsv_chain_draw_event(
 }
 
 rsv_bsdf_event rsv_chain_draw_specular(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random)
+    const rsv_transport_scene *scene, const rsv_chain *chain, const float u[3])
 {
     rsv_vec3 normal, wo = v3_neg(chain->direction);
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_scattering(scene, chain, &normal, &storage);
-    float u_lobe = rsv_random_float(random), u1 = rsv_random_float(random);
-    rsv_bsdf_event event = rsv_bsdf_draw_specular(
-        bsdf, wo, normal, !chain->back, u_lobe, u1, rsv_random_float(random));
+    rsv_bsdf_event event = rsv_bsdf_draw_specular(bsdf, wo, normal, !chain->back, u[0], u[1], u[2]);
     event.weight = rgb_scale(event.weight, bsdf->opacity);
     return event;
 }

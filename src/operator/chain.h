@@ -37,8 +37,9 @@ rsv_bsdf_event rsv_chain_draw_event(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
 
 /// Draws among what is neither diffuse nor a gap in the surface's cover; the weight holds the chance of these.
+/// @param u for the lobe and for the direction within it, in [0, 1)
 rsv_bsdf_event rsv_chain_draw_specular(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
+    const rsv_transport_scene *scene, const rsv_chain *chain, const float u[3]);
 
 typedef enum rsv_chain_move {
     RSV_CHAIN_MOVED,

@@ -74,8 +74,11 @@ static rsv_bsdf_event draw(const photon_job *job, const rsv_chain *chain, rsv_ra
 {
     rsv_bsdf storage;
     bool covered = rsv_chain_bsdf(job->scene, chain, &storage)->opacity >= 1;
-    return covered && chain->events == 0 ? rsv_chain_draw_specular(job->scene, chain, random)
-                                         : rsv_chain_draw_event(job->scene, chain, random);
+    if (!covered || chain->events > 0) return rsv_chain_draw_event(job->scene, chain, random);
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(random);
+    return rsv_chain_draw_specular(job->scene, chain, u);
 }
 
 /// Leaves a surface by one of its specular lobes. False if the photon ends.

@@ -17,8 +17,8 @@ typedef struct tree {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
     uint32_t max_events;
-    bool shot;         ///< light that a wide lobe is the last to scatter is brought by photons
-    rsv_random random; ///< of the link in hand
+    const rsv_pixel_sample *sample;
+    bool shot; ///< light that a wide lobe is the last to scatter is brought by photons
     link stack[STACK];
     int depth;
     rsv_rgb radiance;
@@ -61,29 +61,75 @@ static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branch
     leave(t, next, transmit, direction, weight);
 }
 
-/// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
-static void follow_rough(tree *t, const link *at)
+/// What a rough surface draws.
+typedef struct rough_numbers {
+    float kept, light[3], direction[3];
+} rough_numbers;
+
+static rough_numbers draw_numbers(const tree *t, const link *at)
 {
-    const rsv_chain *chain = &at->chain;
-    t->random = rsv_random_from(at->path, chain->triangle, 0x17c3u);
+    rough_numbers n;
+    if (t->sample && at->chain.events == 0) {
+        n.kept = rsv_pixel_sample_1d(*t->sample, 20);
+        n.light[0] = rsv_pixel_sample_1d(*t->sample, 21);
+        rsv_pixel_sample_2d(*t->sample, 22, &n.light[1], &n.light[2]);
+        n.direction[0] = rsv_pixel_sample_1d(*t->sample, 23);
+        rsv_pixel_sample_2d(*t->sample, 24, &n.direction[1], &n.direction[2]);
+        return n;
+    }
+    rsv_random random = rsv_random_from(at->path, at->chain.triangle, 0x17c3u);
+    n.kept = rsv_random_float(&random);
+    for (int k = 0; k < 3; k++)
+        n.light[k] = rsv_random_float(&random);
+    for (int k = 0; k < 3; k++)
+        n.direction[k] = rsv_random_float(&random);
+    return n;
+}
+
+/// Rough lobes are looked at as often as they are this many times the diffuse one's share.
+#define ROUGH_WORTH 10
+
+/// Chance of looking at rough lobes: wide ones that are faint beside the diffuse one are not worth two rays each time.
+static float chance_of_looking(
+    const tree *t, const rsv_chain *chain, const rsv_bsdf_branches *branches)
+{
+    if (!rsv_rough_is_wide(t->scene, chain)) return 1;
+    rsv_vec3 normal;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_scattering(t->scene, chain, &normal, &storage);
+    float rough = rsv_bsdf_specular_chance(bsdf, v3_neg(chain->direction), normal, !chain->back);
+    float diffuse = rgb_max(rgb_mul(branches->diffuse, bsdf->exitance_albedo));
+    return ROUGH_WORTH * rough < diffuse ? ROUGH_WORTH * rough / diffuse : 1;
+}
+
+/// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
+static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
+{
+    rough_numbers numbers = draw_numbers(t, &at);
+    float chance = chance_of_looking(t, &at.chain, branches);
+    if (numbers.kept >= chance) return;
+    at.chain.weight = rgb_scale(at.chain.weight, 1 / chance);
+    const rsv_chain *chain = &at.chain;
     t->radiance =
-        rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, at->shot, &t->random));
-    rsv_bsdf_event event = rsv_chain_draw_specular(t->scene, chain, &t->random);
+        rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, at.shot, numbers.light));
+    rsv_bsdf_event event = rsv_chain_draw_specular(t->scene, chain, numbers.direction);
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
     if (!specular || event.pdf_solid_angle == 0 || chain->events >= t->max_events) return;
     link next = { *chain, rsv_rough_depart(t->scene, chain, event.direction),
-        rsv_branch_path(at->path, false), at->shot };
-    next.departure.shot = at->shot;
+        rsv_branch_path(at.path, false), at.shot };
+    next.departure.shot = at.shot;
     if (t->shot && chain->events == 0) next.shot = rsv_rough_is_wide(t->scene, chain);
     leave(t, next, event.lobe == RSV_LOBE_TRANSMIT, event.direction, event.weight);
 }
 
 rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
-    rsv_chain chain, uint32_t path, uint32_t max_events, bool shot, rsv_diffuse_end end, void *user)
+    rsv_chain chain, uint32_t path, const rsv_pixel_sample *sample, uint32_t max_events, bool shot,
+    rsv_diffuse_end end, void *user)
 {
     tree t; // its stack need not be cleared
     t.scene = scene;
     t.lights = lights;
+    t.sample = sample;
     t.max_events = max_events;
     t.shot = shot;
     t.radiance = rgb_gray(0);
@@ -99,7 +145,7 @@ rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lig
                     rsv_chain_throughput(scene, &at.chain, &at.chain.medium), branches.diffuse));
         follow(&t, &at, false, &branches);
         follow(&t, &at, true, &branches);
-        if (branches.rough) follow_rough(&t, &at);
+        if (branches.rough) follow_rough(&t, at, &branches);
     }
     return t.radiance;
 }

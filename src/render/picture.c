@@ -1,5 +1,4 @@
 /// Modes operator and final: camera chains, then the solved light.
-#include "../core/stratified.h"
 #include "../core/team.h"
 #include "../solve/solution.h"
 #include "../trace/camera_ray.h"
@@ -46,7 +45,8 @@ typedef struct row_state {
     ray_batch batch;
     uint32_t row;
     // what rsv_camera_chain's callback needs to know of the ray in hand
-    uint32_t column, sample, samples, seed;
+    uint32_t column;
+    rsv_pixel_sample sample;
 } row_state;
 
 /// Camera rays that this pass sends through a pixel.
@@ -110,8 +110,8 @@ static void shade_translucent(row_state *r, const rsv_chain *chain, uint32_t fac
         rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
         direct = rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
         if (final)
-            rsv_pixel_direct_add(&r->direct, s, chain, rgb_mul(weight, detail.share), r->column,
-                r->sample, r->samples, r->seed);
+            rsv_pixel_direct_add(
+                &r->direct, chain, rgb_mul(weight, detail.share), r->column, r->sample);
     }
     add_light(r, r->column, 1, rgb_mul(weight, direct));
     look_up_diffused(r, face, chain->u, chain->v, weight);
@@ -156,10 +156,10 @@ static void gather_indirect(row_state *r, const rsv_chain *chain, rsv_rgb weight
         s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
     v3_frame(point.normal, &t, &b);
-    uint32_t rays = r->job->desc->gather_rays, total = rays * r->samples;
+    uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
-        rsv_stratified_2d(r->sample * rays + k, total, rsv_hash2(r->seed, 11), &x, &y);
+        rsv_stratified_2d(r->sample.index * rays + k, total, rsv_hash2(r->sample.seed, 11), &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point.normal),
             INFINITY };
@@ -167,7 +167,7 @@ static void gather_indirect(row_state *r, const rsv_chain *chain, rsv_rgb weight
         if (v3_dot(ray.direction, point.geometric) <= 0 ||
             !rsv_tracer_closest(s->tracer, &ray, &hit))
             continue;
-        rsv_random random = rsv_random_from(r->seed, r->sample, 97 + k);
+        rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
         rsv_chain first = rsv_chain_begin(
             &s->scene, &chain->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
         rsv_gather gather = rsv_chain_gather(&s->scene, first, &random, no_emission, NULL);
@@ -195,9 +195,7 @@ static void shade(void *user, const rsv_chain *chain, rsv_rgb weight)
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
     rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
     add_light(r, r->column, 1, rgb_mul(weight, stored));
-    if (final)
-        rsv_pixel_direct_add(
-            &r->direct, s, chain, weight, r->column, r->sample, r->samples, r->seed);
+    if (final) rsv_pixel_direct_add(&r->direct, chain, weight, r->column, r->sample);
     if (final && r->job->desc->gather_rays)
         gather_indirect(r, chain, weight);
     else
@@ -231,7 +229,7 @@ static void aim(row_state *r, uint32_t column, uint32_t sample, uint32_t samples
 /// The angle that a sample has for itself. Shared patterns refine with every sample, whatever their number will be.
 static float spread_of(const row_state *r)
 {
-    uint32_t samples = r->job->desc->shared_pattern ? r->sample + 1 : r->job->desc->samples;
+    uint32_t samples = r->job->desc->shared_pattern ? r->sample.index + 1 : r->job->desc->samples;
     return r->job->spread / sqrtf((float)samples);
 }
 
@@ -249,7 +247,8 @@ static void shade_ray(row_state *r, uint32_t k)
         packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
     rsv_chain_set_spread(&chain, spread_of(r), packet->t_max[k]);
     rsv_rgb emission = rsv_camera_chain(&job->solution->scene, job->solution->lights, chain,
-        rsv_hash2(r->seed, r->sample), job->desc->chain_depth, job->shot, shade, r);
+        rsv_hash2(r->sample.seed, r->sample.index), job->desc->shared_pattern ? NULL : &r->sample,
+        job->desc->chain_depth, job->shot, shade, r);
     add_light(r, r->column, 0, emission);
 }
 
@@ -261,9 +260,8 @@ static void trace_batch(row_state *r)
     rsv_tracer_closest_packet(r->job->solution->tracer, &batch->packet, true);
     for (uint32_t k = 0; k < batch->count; k++) {
         r->column = batch->column[k];
-        r->sample = batch->sample[k];
-        r->samples = samples_of(r, r->column);
-        r->seed = rsv_pixel_seed(r->job->seed, r->row, r->column);
+        r->sample = (rsv_pixel_sample){ batch->sample[k], samples_of(r, r->column),
+            rsv_pixel_seed(r->job->seed, r->row, r->column) };
         rsv_rgb before = r->layer[0][r->column];
         shade_ray(r, k);
         rsv_rgb seen = rgb_sub(r->layer[0][r->column], before);
@@ -301,7 +299,7 @@ static rsv_status render_row(row_state *r, uint32_t row)
         }
     }
     if (r->batch.count) trace_batch(r);
-    rsv_status status = rsv_pixel_direct_resolve(&r->direct, add_direct_light, r);
+    rsv_status status = rsv_pixel_direct_resolve(&r->direct, r->noise, add_direct_light, r);
     for (uint32_t layer = 0; layer < job->layer_count; layer++)
         for (uint32_t column = 0; column < width; column++)
             average(r, layer, column);
@@ -315,7 +313,8 @@ static rsv_status create_row(const picture_job *job, row_state *r)
     memset(r, 0, sizeof *r);
     r->job = job;
     memset(r->batch.packet.mask, 0xff, sizeof r->batch.packet.mask);
-    rsv_pixel_direct_begin(&r->direct, job->solution);
+    rsv_status status = rsv_pixel_direct_begin(&r->direct, job->solution, job->desc->width);
+    if (status != RSV_OK) return status;
     r->noise = rsv_alloc(job->solution->context, job->desc->width, sizeof *r->noise);
     if (!r->noise) return RSV_ERROR_MEMORY;
     for (uint32_t layer = 0; layer < job->layer_count; layer++) {

@@ -1,40 +1,70 @@
 #include "pixel_direct.h"
 
-#include "../core/stratified.h"
-
 #include <string.h>
 
-void rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution)
+/// Shadow rays of a sample at most, the first included.
+#define MOST_RAYS 8
+/// What a camera ray costs, in shadow rays.
+#define CAMERA_RAY_COST 5
+/// Samples whose light is this share of the brightest of their pixel, or less, are content with one.
+#define FAINT_SHARE 0.2f
+/// Pixels to either side that a pixel asks how noisy it is.
+#define NEIGHBOURS 2
+
+rsv_status rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution, uint32_t width)
 {
     memset(d, 0, sizeof *d);
     memset(d->packet.mask, 0xff, sizeof d->packet.mask);
-    d->context = solution->context;
-    d->tracer = solution->tracer;
+    d->solution = solution;
+    d->width = width;
+    d->tally = rsv_alloc(solution->context, width, sizeof *d->tally);
+    return d->tally ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-void rsv_pixel_direct_end(rsv_pixel_direct *d) { rsv_free(d->context, d->term); }
+void rsv_pixel_direct_end(rsv_pixel_direct *d)
+{
+    rsv_context *context = d->solution->context;
+    rsv_free(context, d->tally);
+    rsv_free(context, d->term);
+    rsv_free(context, d->spot);
+}
 
 static void trace_pending(rsv_pixel_direct *d)
 {
     for (uint32_t k = d->pending; k < RSV_PACKET_WIDTH; k++)
         d->packet.t_max[k] = -1;
-    if (d->pending) rsv_tracer_occluded_packet(d->tracer, &d->packet, true);
-    for (uint32_t k = 0; k < d->pending; k++)
-        d->term[d->owner[k]].visible = d->packet.t_max[k] > 0;
+    if (d->pending) rsv_tracer_occluded_packet(d->solution->tracer, &d->packet, true);
+    for (uint32_t k = 0; k < d->pending; k++) {
+        if (!(d->packet.t_max[k] > 0)) continue;
+        rsv_direct_term *term = &d->term[d->owner[k]];
+        term->arrived = rgb_add(term->arrived, d->carried[k]);
+        term->seen++;
+    }
     d->pending = 0;
 }
 
-static rsv_direct_term *push_term(rsv_pixel_direct *d, rsv_direct_term term)
+static bool push_term(rsv_pixel_direct *d, rsv_direct_term term)
 {
     if (d->status == RSV_OK)
-        d->status = rsv_grow(
-            d->context, (void **)&d->term, &d->term_capacity, d->term_count + 1, sizeof *d->term);
-    if (d->status != RSV_OK) return NULL;
-    d->term[d->term_count] = term;
-    return &d->term[d->term_count++];
+        d->status = rsv_grow(d->solution->context, (void **)&d->term, &d->term_capacity,
+            d->term_count + 1, sizeof *d->term);
+    if (d->status == RSV_OK) d->term[d->term_count++] = term;
+    return d->status == RSV_OK;
 }
 
-static void push_shadow_ray(rsv_pixel_direct *d, rsv_ray ray)
+/// Of the last term.
+static void push_spot(
+    rsv_pixel_direct *d, const rsv_chain *chain, rsv_rgb weight, rsv_pixel_sample sample)
+{
+    if (d->status == RSV_OK)
+        d->status = rsv_grow(d->solution->context, (void **)&d->spot, &d->spot_capacity,
+            d->spot_count + 1, sizeof *d->spot);
+    if (d->status == RSV_OK)
+        d->spot[d->spot_count++] = (rsv_direct_spot){ *chain, weight, sample, d->term_count - 1 };
+}
+
+/// @param carried what the ray brings to its term if it is free
+static void push_shadow_ray(rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_rgb carried)
 {
     uint32_t k = d->pending++;
     d->packet.origin_x[k] = ray.origin.x;
@@ -44,7 +74,8 @@ static void push_shadow_ray(rsv_pixel_direct *d, rsv_ray ray)
     d->packet.direction_y[k] = ray.direction.y;
     d->packet.direction_z[k] = ray.direction.z;
     d->packet.t_max[k] = ray.t_max;
-    d->owner[k] = d->term_count - 1;
+    d->owner[k] = term;
+    d->carried[k] = carried;
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
 
@@ -75,86 +106,164 @@ static rsv_rgb entry(const lit_point *lit, float distance, float cos)
         rsv_medium_transmittance(lit->medium, lit->media, distance));
 }
 
-/// Which of a pixel's camera rays the light is for.
-typedef struct pixel_sample {
-    uint32_t column, index, count, seed;
-} pixel_sample;
-
-static void add_emitters(rsv_pixel_direct *d, const rsv_solution *s, const lit_point *lit,
-    rsv_rgb weight, pixel_sample sample)
+/// Sends a shadow ray of a term to one of the emitters.
+static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
+    const lit_point *lit, rsv_rgb weight, rsv_pixel_sample sample)
 {
     const rsv_surface_point *point = &lit->point;
-    rsv_local_lights local;
-    rsv_lights_at(s->lights, point->position, point->normal, &local);
-    if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
-    rsv_direct_term term = { .column = sample.column,
-        .sample = sample.index,
-        .controlled = !local.by_tree && !lit->bsdf->coated };
-    if (term.controlled) term.exact = rgb_mul(weight, local.unshadowed);
-    float x, y, select = rsv_stratified_1d(sample.index, sample.count, rsv_hash2(sample.seed, 3));
-    rsv_stratified_2d(sample.index, sample.count, rsv_hash2(sample.seed, 4), &x, &y);
+    float x, y, select = rsv_pixel_sample_1d(sample, 3);
+    rsv_pixel_sample_2d(sample, 4, &x, &y);
+    d->term[term].rays++;
     rsv_light_sample light;
-    bool useful = rsv_local_lights_sample(&local, select, x, y, &light);
-    if (useful) {
-        float cos = v3_dot(point->normal, light.direction);
-        rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
-        float scale = cos / light.pdf_solid_angle;
-        term.sampled = rgb_scale(rgb_mul(entered, light.radiance), scale);
-        term.control = rgb_scale(rgb_mul(weight, light.mean_radiance), scale);
-        // what the geometry hides from the shading normal is blocked like anything else
-        useful = rsv_surface_faces(point, light.direction);
-    }
-    if (push_term(d, term) && useful)
-        push_shadow_ray(d, rsv_shadow_ray(s->lights, &light, point->position, lit->origin));
+    if (!rsv_local_lights_sample(local, select, x, y, &light)) return;
+    float cos = v3_dot(point->normal, light.direction), scale = cos / light.pdf_solid_angle;
+    rsv_rgb known = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), light.mean_radiance);
+    d->term[term].control = rgb_mad(d->term[term].control, scale, known);
+    // what the geometry hides from the shading normal is blocked like anything else
+    if (!rsv_surface_faces(point, light.direction)) return;
+    rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
+    push_shadow_ray(d, term,
+        rsv_shadow_ray(d->solution->lights, &light, point->position, lit->origin),
+        rgb_scale(rgb_mul(entered, light.radiance), scale));
 }
 
-static void add_punctual(rsv_pixel_direct *d, const rsv_solution *s, const lit_point *lit,
-    rsv_rgb weight, pixel_sample sample)
+static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_point *lit,
+    rsv_rgb weight, uint32_t column, rsv_pixel_sample sample)
+{
+    rsv_local_lights local;
+    rsv_lights_at(d->solution->lights, lit->point.position, lit->point.normal, &local);
+    if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
+    rsv_direct_term term = {
+        .column = column, .sample = sample.index, .controlled = !local.by_tree
+    };
+    if (term.controlled)
+        term.exact = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), local.unshadowed);
+    if (!push_term(d, term)) return;
+    if (term.controlled) push_spot(d, chain, weight, sample);
+    aim(d, d->term_count - 1, &local, lit, weight, sample);
+}
+
+static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weight, uint32_t column,
+    rsv_pixel_sample sample)
 {
     const rsv_surface_point *point = &lit->point;
-    float u = rsv_stratified_1d(sample.index, sample.count, rsv_hash2(sample.seed, 5));
-    for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
+    const rsv_lights *lights = d->solution->lights;
+    float u = rsv_pixel_sample_1d(sample, 5);
+    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
-        if (!rsv_punctual_at(s->lights, point->position, point->normal, k, u, &light) ||
+        if (!rsv_punctual_at(lights, point->position, point->normal, k, u, &light) ||
             !rsv_surface_faces(point, light.direction))
             continue;
         float cos = v3_dot(point->normal, light.direction);
         rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
-        rsv_direct_term term = { .column = sample.column,
-            .sample = sample.index,
-            .sampled = rgb_scale(rgb_mul(entered, light.irradiance), cos) };
-        if (push_term(d, term)) push_shadow_ray(d, rsv_punctual_ray(&light, lit->origin));
+        rsv_direct_term term = { .column = column, .sample = sample.index, .rays = 1 };
+        if (push_term(d, term))
+            push_shadow_ray(d, d->term_count - 1, rsv_punctual_ray(&light, lit->origin),
+                rgb_scale(rgb_mul(entered, light.irradiance), cos));
     }
 }
 
-void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_solution *s, const rsv_chain *chain,
-    rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t samples, uint32_t seed)
+static void set_up_seen(const rsv_solution *s, const rsv_chain *chain, lit_point *lit)
 {
-    pixel_sample of = { column, sample, samples, seed };
-    lit_point lit;
     set_up_point(s, chain,
         rsv_surface_point_seen(
             s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width),
-        &lit);
-    if (rsv_lights_any_sampled(s->lights)) add_emitters(d, s, &lit, weight, of);
-    add_punctual(d, s, &lit, weight, of);
+        lit);
+}
+
+void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_chain *chain, rsv_rgb weight,
+    uint32_t column, rsv_pixel_sample sample)
+{
+    lit_point lit;
+    set_up_seen(d->solution, chain, &lit);
+    if (rsv_lights_any_sampled(d->solution->lights))
+        add_emitters(d, chain, &lit, weight, column, sample);
+    add_punctual(d, &lit, weight, column, sample);
+}
+
+// ---- penumbrae ----------------------------------------------------------------------------------
+
+static void tally_rays(rsv_pixel_direct *d)
+{
+    memset(d->tally, 0, d->width * sizeof *d->tally);
+    for (size_t k = 0; k < d->spot_count; k++) {
+        const rsv_direct_term *term = &d->term[d->spot[k].term];
+        rsv_shadow_tally *tally = &d->tally[term->column];
+        float luminance = rgb_luminance(term->exact);
+        tally->rays += term->rays;
+        tally->seen += term->seen;
+        tally->brightest = f_max(tally->brightest, luminance);
+        tally->squares += luminance * luminance;
+    }
+}
+
+/// Further shadow rays of each sample of a pixel, by its neighbours.
+static uint32_t further_rays(
+    const rsv_pixel_direct *d, const rsv_pixel_noise *noise, uint32_t column)
+{
+    rsv_shadow_tally around = { 0 };
+    uint32_t first = column > NEIGHBOURS ? column - NEIGHBOURS : 0;
+    float spread = 0;
+    for (uint32_t k = first; k <= column + NEIGHBOURS && k < d->width; k++) {
+        if (k == column) continue;
+        around.rays += d->tally[k].rays;
+        around.seen += d->tally[k].seen;
+        around.squares += d->tally[k].squares;
+        spread += rsv_pixel_noise_spread(&noise[k]);
+    }
+    if (around.seen == 0 || around.seen == around.rays) return 0;
+    float share = (float)around.seen / (float)around.rays;
+    float visibility = around.squares * share * (1 - share);
+    // nothing but visibility is uncertain
+    if (spread * (MOST_RAYS * MOST_RAYS) <= CAMERA_RAY_COST * visibility) return MOST_RAYS - 1;
+    float rays = sqrtf(CAMERA_RAY_COST * visibility / spread);
+    return rays > 1 ? (uint32_t)(rays - 0.5f) : 0;
+}
+
+static void send_further_rays(rsv_pixel_direct *d, const rsv_direct_spot *spot, uint32_t further)
+{
+    const rsv_solution *s = d->solution;
+    lit_point lit;
+    rsv_local_lights local;
+    set_up_seen(s, &spot->chain, &lit);
+    rsv_lights_at(s->lights, lit.point.position, lit.point.normal, &local);
+    rsv_pixel_sample sample = { spot->sample.index * further, spot->sample.count * further,
+        rsv_hash2(spot->sample.seed, 6) };
+    for (uint32_t ray = 0; ray < further; ray++, sample.index++)
+        aim(d, spot->term, &local, &lit, spot->weight, sample);
+}
+
+static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *noise)
+{
+    tally_rays(d);
+    for (size_t k = 0; k < d->spot_count; k++) {
+        const rsv_direct_term *term = &d->term[d->spot[k].term];
+        float least = FAINT_SHARE * d->tally[term->column].brightest;
+        if (rgb_luminance(term->exact) <= least) continue;
+        uint32_t further = further_rays(d, noise, term->column);
+        if (further) send_further_rays(d, &d->spot[k], further);
+    }
+    trace_pending(d);
 }
 
 static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *squares)
 {
     rsv_rgb sum = rgb_gray(0);
-    float visible = 0, controlled = 0, of_sample = 0;
+    uint32_t seen = 0, rays = 0;
+    float of_sample = 0;
     for (size_t i = 0; i < count; i++) {
         if (!term[i].controlled) continue;
-        visible += term[i].visible;
-        controlled += 1;
+        seen += term[i].seen;
+        rays += term[i].rays;
     }
     *squares = 0;
     for (size_t i = 0; i < count; i++) {
-        rsv_rgb light = rgb_scale(term[i].sampled, term[i].visible);
-        if (term[i].controlled && controlled > 1) {
-            float others = (visible - term[i].visible) / (controlled - 1);
-            light = rgb_mad(light, others, rgb_sub(term[i].exact, term[i].control));
+        float share = 1 / (float)term[i].rays;
+        rsv_rgb light = rgb_scale(term[i].arrived, share);
+        if (term[i].controlled && rays > term[i].rays) {
+            float others = (float)(seen - term[i].seen) / (float)(rays - term[i].rays);
+            light =
+                rgb_mad(light, others, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));
         }
         sum = rgb_add(sum, light);
         of_sample += rgb_luminance(light);
@@ -165,9 +274,11 @@ static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *s
     return sum;
 }
 
-rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *d, rsv_pixel_direct_sink add, void *user)
+rsv_status rsv_pixel_direct_resolve(
+    rsv_pixel_direct *d, const rsv_pixel_noise *noise, rsv_pixel_direct_sink add, void *user)
 {
     trace_pending(d);
+    look_into_penumbrae(d, noise);
     for (size_t begin = 0, end; begin < d->term_count; begin = end) {
         uint32_t column = d->term[begin].column;
         for (end = begin; end < d->term_count && d->term[end].column == column; end++)
@@ -176,7 +287,7 @@ rsv_status rsv_pixel_direct_resolve(rsv_pixel_direct *d, rsv_pixel_direct_sink a
         rsv_rgb light = resolve_pixel(d->term + begin, end - begin, &squares);
         add(user, column, light, squares);
     }
-    d->term_count = 0;
+    d->term_count = d->spot_count = 0;
     return d->status;
 }
 

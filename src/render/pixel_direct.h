@@ -5,49 +5,78 @@
 ///
 ///     sum_i  S_i V_i + a_i (A_i - C_i)
 ///
-/// (C_i = S_i with the mean radiance of a textured emitter) is free of noise where all samples see the light, and unbiased as far as the others tell nothing of sample i.
-/// Samples of a pixel are stratified against each other, so a bias of order 1 / samples remains in penumbrae.
+/// (C_i = S_i with the mean radiance of a textured emitter and the mean transmission of a coat) is free of noise where
+/// all samples see the light, and unbiased as far as the others tell nothing of sample i. Samples of a pixel are
+/// stratified against each other, so a bias of order 1 / samples remains in penumbrae.
+///
+/// Where sources are seen in part, samples send further shadow rays: as many as balance what such a ray costs against
+/// what a camera ray does, sqrt(variance of visibility / variance of all else * cost of a camera ray / of a shadow ray)
+/// (Bolin and Meyer 1997). The variances are those of the pixel's neighbours: one that asked its own samples would stop
+/// where they happen to agree, and be wrong on average.
 #ifndef RSV_PIXEL_DIRECT_H
 #define RSV_PIXEL_DIRECT_H
 
 #include "../solve/solution.h"
+#include "pixel_noise.h"
+#include "pixel_sample.h"
 
+/// What one sample finds by its shadow rays to one source or, chosen among them, to all emitters.
 typedef struct rsv_direct_term {
     uint32_t column, sample;
     bool controlled; ///< A is known
-    float visible;
-    rsv_rgb exact, sampled; ///< A, S times the weight of the camera chain
-    rsv_rgb control;        ///< S with the emitter's mean radiance, which is what A knows
+    uint32_t rays, seen;
+    rsv_rgb exact;   ///< A times the weight of the camera chain, as all that follows
+    rsv_rgb arrived; ///< sum of S V over the rays
+    rsv_rgb control; ///< sum of C over the rays
 } rsv_direct_term;
+
+/// A surface that may want further shadow rays.
+typedef struct rsv_direct_spot {
+    rsv_chain chain;
+    rsv_rgb weight;
+    rsv_pixel_sample sample;
+    size_t term;
+} rsv_direct_spot;
+
+/// What the controlled terms of a pixel have found by their first shadow rays.
+typedef struct rsv_shadow_tally {
+    uint32_t rays, seen;
+    float brightest,
+        squares; ///< of the luminance that each could bring: the greatest, and their sum
+} rsv_shadow_tally;
 
 /// The direct light of one row of pixels. Terms of a pixel must be added one after the other.
 typedef struct rsv_pixel_direct {
-    rsv_context *context;
-    const rsv_tracer *tracer;
+    const rsv_solution *solution;
+    uint32_t width;
+    rsv_shadow_tally *tally; ///< [width]
     rsv_direct_term *term;
-    size_t term_count, term_capacity;
+    rsv_direct_spot *spot;
+    size_t term_count, term_capacity, spot_count, spot_capacity;
     rsv_ray_packet packet; ///< shadow rays not traced yet
     uint32_t pending;
-    size_t owner[RSV_PACKET_WIDTH]; ///< their terms
+    size_t owner[RSV_PACKET_WIDTH];    ///< their terms
+    rsv_rgb carried[RSV_PACKET_WIDTH]; ///< what arrives if they are free
     rsv_status status;
 } rsv_pixel_direct;
 
-void rsv_pixel_direct_begin(rsv_pixel_direct *direct, const rsv_solution *solution);
+/// @param width of the picture
+rsv_status rsv_pixel_direct_begin(
+    rsv_pixel_direct *direct, const rsv_solution *solution, uint32_t width);
 void rsv_pixel_direct_end(rsv_pixel_direct *direct);
 
 /// Adds the sampled light of all sources at the chain's surface.
 /// @param weight radiance at the camera per irradiance
-/// @param sample of `samples` in the pixel
-void rsv_pixel_direct_add(rsv_pixel_direct *direct, const rsv_solution *solution,
-    const rsv_chain *chain, rsv_rgb weight, uint32_t column, uint32_t sample, uint32_t samples,
-    uint32_t seed);
+void rsv_pixel_direct_add(rsv_pixel_direct *direct, const rsv_chain *chain, rsv_rgb weight,
+    uint32_t column, rsv_pixel_sample sample);
 
 /// Called for each pixel with the sum over its samples, and the sum of the squares of their luminance.
 typedef void (*rsv_pixel_direct_sink)(void *user, uint32_t column, rsv_rgb radiance, float squares);
 
-/// Traces what is pending, hands each pixel's light to `add` and starts over.
+/// Sends further shadow rays, hands each pixel's light to `add` and starts over.
+/// @param noise [width] of all light but the direct
 rsv_status rsv_pixel_direct_resolve(
-    rsv_pixel_direct *direct, rsv_pixel_direct_sink add, void *user);
+    rsv_pixel_direct *direct, const rsv_pixel_noise *noise, rsv_pixel_direct_sink add, void *user);
 
 /// One-sample estimate of the irradiance that next-event estimation finds at the chain's surface.
 rsv_rgb rsv_sampled_irradiance(

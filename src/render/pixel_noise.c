@@ -3,16 +3,14 @@
 typedef struct noise_map {
     const rsv_rgb *pixel;
     const rsv_pixel_noise *noise;
-    uint32_t width, height, samples;
+    uint32_t width, height;
 } noise_map;
 
 /// Sum of squared deviations of the luminance of camera rays. Stratification makes their mean better than this tells.
-static float spread_of(const rsv_pixel_noise *n, uint32_t samples)
+static float spread_of(const rsv_pixel_noise *n)
 {
-    float count = (float)samples;
-    float spread = n->squares - n->sum * n->sum / count;
-    float direct_spread = n->direct_squares - n->direct_sum * n->direct_sum / count;
-    return f_max(spread, 0) + f_max(direct_spread, 0);
+    float direct = n->direct_squares - n->direct_sum * n->direct_sum / (float)n->count;
+    return rsv_pixel_noise_spread(n) + f_max(direct, 0);
 }
 
 static double mean_luminance(const noise_map *map)
@@ -35,7 +33,7 @@ static void look_around(
             if (i == x && j == y) continue;
             size_t k = (size_t)j * map->width + i;
             *luminance += rgb_luminance(map->pixel[k]);
-            *spread += spread_of(&map->noise[k], map->samples);
+            *spread += spread_of(&map->noise[k]);
             count++;
         }
     }
@@ -47,7 +45,7 @@ void rsv_plan_samples(const rsv_image *image, const rsv_pixel_noise *noise, uint
     float wanted, uint32_t *extra)
 {
     noise_map map = { rsv_image_const_pixels(image, 0), noise, rsv_image_width(image),
-        rsv_image_height(image), samples };
+        rsv_image_height(image) };
     float floor = 0.01f * (float)(mean_luminance(&map) * mean_luminance(&map));
     for (uint32_t y = 0; y < map.height; y++) {
         for (uint32_t x = 0; x < map.width; x++) {

@@ -10,6 +10,7 @@
 
 /// Sums over the camera rays of a pixel, of luminance: direct light is apart, as it becomes known later.
 typedef struct rsv_pixel_noise {
+    uint32_t count; ///< camera rays
     float sum, squares;
     float direct_sum, direct_squares;
 } rsv_pixel_noise;
@@ -17,8 +18,16 @@ typedef struct rsv_pixel_noise {
 /// Adds what one camera ray found but for its direct light.
 RSV_INLINE void rsv_pixel_noise_add(rsv_pixel_noise *noise, float luminance)
 {
+    noise->count++;
     noise->sum += luminance;
     noise->squares += luminance * luminance;
+}
+
+/// Sum of squared deviations among the camera rays, direct light left out.
+RSV_INLINE float rsv_pixel_noise_spread(const rsv_pixel_noise *noise)
+{
+    if (noise->count == 0) return 0;
+    return f_max(noise->squares - noise->sum * noise->sum / (float)noise->count, 0);
 }
 
 /// Adds the direct light of all of them.

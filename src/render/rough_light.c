@@ -88,14 +88,12 @@ rsv_rough_departure rsv_rough_depart(
 }
 
 static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rough_surface *s, rsv_vec3 side, bool shot, rsv_random *random)
+    const rough_surface *s, rsv_vec3 side, bool shot, const float u[3])
 {
     rsv_local_lights local;
     rsv_light_sample light;
     rsv_lights_at(lights, s->point.position, side, &local);
-    float select = rsv_random_float(random), x = rsv_random_float(random);
-    if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light))
-        return rgb_gray(0);
+    if (!rsv_local_lights_sample(&local, u[0], u[1], u[2], &light)) return rgb_gray(0);
     rsv_bsdf_value value = respond(s, light.direction);
     if (value.pdf_solid_angle == 0 || (shot && !light.from_sky)) return rgb_gray(0);
     rsv_ray ray =
@@ -118,17 +116,16 @@ static rsv_rgb punctual_light(
 }
 
 rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_chain *chain, bool shot, rsv_random *random)
+    const rsv_chain *chain, bool shot, const float u[3])
 {
     rough_surface s;
     meet(scene, chain, &s);
-    rsv_rgb sum = sampled_light(scene, lights, &s, s.normal, shot, random);
+    rsv_rgb sum = sampled_light(scene, lights, &s, s.normal, shot, u);
     if (s.bsdf->transmission > 0 || s.bsdf->passed > 0)
-        sum = rgb_add(sum, sampled_light(scene, lights, &s, v3_neg(s.normal), shot, random));
-    float u = rsv_random_float(random);
+        sum = rgb_add(sum, sampled_light(scene, lights, &s, v3_neg(s.normal), shot, u));
     for (uint32_t k = 0; !shot && k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
-        if (rsv_punctual_at(lights, s.point.position, v3(0, 0, 0), k, u, &light))
+        if (rsv_punctual_at(lights, s.point.position, v3(0, 0, 0), k, u[0], &light))
             sum = rgb_add(sum, punctual_light(scene, &s, &light));
     }
     return sum;

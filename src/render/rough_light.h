@@ -28,8 +28,9 @@ rsv_rgb rsv_rough_response(const rsv_transport_scene *scene, const rsv_chain *ch
 
 /// Radiance that the chain's rough surface scatters towards the camera from sources aimed at.
 /// @param shot leaves out those of rsv_rough_departure.shot
+/// @param u for the choice of a source and for the place on it, in [0, 1)
 rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_chain *chain, bool shot, rsv_random *random);
+    const rsv_chain *chain, bool shot, const float u[3]);
 
 /// Weight of the emission of the surface that the chain has come to.
 float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,
