@@ -53,10 +53,7 @@ static void upload_scene(rsv_device_frames *f)
     const rsv_scene_view *view = f->stage.scene;
     const rsv_gpu_stage *s = &f->there;
     const rsv_bvh_view *bvh = &f->stage.bvh;
-    const struct {
-        const void *to, *from;
-        size_t count, size;
-    } array[] = { { f->view_there, &f->view, 1, sizeof f->view },
+    const rsv_gpu_array array[] = { { f->view_there, &f->view, 1, sizeof f->view },
         { f->view.position, view->position, view->vertex_count, sizeof(rsv_vec3) },
         { f->view.normal, view->normal, view->vertex_count, sizeof(rsv_vec3) },
         { f->view.triangle, view->triangle, view->triangle_count, sizeof *view->triangle },
@@ -66,8 +63,7 @@ static void upload_scene(rsv_device_frames *f)
         { s->bvh.node, bvh->node, bvh->node_count, sizeof *bvh->node },
         { s->bvh.triangle, bvh->triangle, bvh->triangle_count, sizeof *bvh->triangle },
         { s->side, f->stage.side, view->triangle_count + 1, sizeof *f->stage.side } };
-    for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
-        rsv_gpu_upload(f->gpu, (void *)array[k].to, array[k].from, array[k].count * array[k].size);
+    rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
 }
 
 static void lay_out_room(rsv_device_frames *f)

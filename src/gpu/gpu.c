@@ -36,3 +36,9 @@ void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size)
     block->bytes = block->placed;
     return NULL;
 }
+
+void rsv_gpu_upload_all(rsv_gpu *gpu, const rsv_gpu_array *array, size_t count)
+{
+    for (size_t k = 0; k < count; k++)
+        rsv_gpu_upload(gpu, (void *)array[k].to, array[k].from, array[k].count * array[k].size);
+}

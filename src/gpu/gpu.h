@@ -68,8 +68,17 @@ void rsv_gpu_reserve(rsv_gpu *gpu, rsv_gpu_block *block, const char *what);
 /// Waits for the queue and frees.
 void rsv_gpu_release(rsv_gpu *gpu, rsv_gpu_block *block);
 
-/// Host memory may be changed or freed as soon as the call returns.
+/// Host memory must stay as it is until the queue has been waited for.
 void rsv_gpu_upload(rsv_gpu *gpu, void *device, const void *host, size_t bytes);
+
+/// An array of the host and where it goes.
+typedef struct rsv_gpu_array {
+    const void *to, *from;
+    size_t count, size;
+} rsv_gpu_array;
+
+void rsv_gpu_upload_all(rsv_gpu *gpu, const rsv_gpu_array *array, size_t count);
+
 /// Waits for the queue: `host` is complete when the call returns.
 void rsv_gpu_download(rsv_gpu *gpu, void *host, const void *device, size_t bytes);
 void rsv_gpu_copy(rsv_gpu *gpu, void *to, const void *from, size_t bytes);

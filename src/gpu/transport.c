@@ -39,12 +39,6 @@ static void lay_out_rows(rsv_device_transport *t)
     rsv_gpu_solver_lay_out(t, b);
 }
 
-void rsv_gpu_upload_all(rsv_gpu *gpu, const rsv_gpu_array *array, size_t count)
-{
-    for (size_t k = 0; k < count; k++)
-        rsv_gpu_upload(gpu, (void *)array[k].to, array[k].from, array[k].count * array[k].size);
-}
-
 static void upload_rows(rsv_device_transport *t)
 {
     const rsv_device_system *s = &t->system;

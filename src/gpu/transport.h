@@ -35,14 +35,6 @@ void rsv_gpu_product(rsv_device_transport *transport, const rsv_rgb *field, rsv_
 /// Brings to the device what may have changed since the last call.
 void rsv_gpu_transport_refresh(rsv_device_transport *transport);
 
-/// An array of the host and where it goes.
-typedef struct rsv_gpu_array {
-    const void *to, *from;
-    size_t count, size;
-} rsv_gpu_array;
-
-void rsv_gpu_upload_all(rsv_gpu *gpu, const rsv_gpu_array *array, size_t count);
-
 /// Diffusion below the surfaces of translucent bodies; all of it nothing where there are none.
 void rsv_gpu_diffusion_lay_out(rsv_device_transport *transport, rsv_gpu_block *block);
 void rsv_gpu_diffusion_upload(rsv_device_transport *transport);

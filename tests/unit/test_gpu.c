@@ -35,6 +35,8 @@ static rsv_status start(rig *r, const char *scene, const rsv_device_desc *desc)
     *r = (rig){ .f = { .allocations_left = SIZE_MAX } };
     if (desc) assert_int_equal(rsv_device_open(desc, &r->device), RSV_OK);
     context.log = fixture_log;
+    context.allocate = fixture_allocate;
+    context.release = fixture_release;
     context.user = &r->f;
     context.device = r->device;
     assert_int_equal(rsv_context_create(&context, &r->f.context), RSV_OK);
@@ -57,6 +59,7 @@ static void finish(rig *r)
     rsv_scene_destroy(r->scene);
     rsv_context_destroy(r->f.context);
     rsv_device_close(r->device);
+    assert_int_equal(r->f.allocations_alive, 0);
 }
 
 /// Largest difference of two fields, relative to the largest value.
@@ -257,6 +260,26 @@ static void a_device_that_is_too_small_is_an_error_that_says_how_small(void **st
     finish(&r);
 }
 
+static void memory_of_the_host_that_runs_out_is_an_error_and_nothing_leaks(void **state)
+{
+    (void)state;
+    rig r;
+    rsv_device_desc desc = device_desc();
+    rsv_transport_map *map = NULL;
+    assert_int_equal(start(&r, "cornell-marble", &desc), RSV_OK);
+    const rsv_solution *s = r.solution;
+    for (size_t left = 0; !map; left++) {
+        r.f.allocations_left = left;
+        rsv_status status = rsv_transport_map_create(
+            s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map);
+        assert_int_equal(status, map ? RSV_OK : RSV_ERROR_MEMORY);
+    }
+    assert_non_null(map->device);
+    r.f.allocations_left = SIZE_MAX;
+    rsv_transport_map_destroy(map);
+    finish(&r);
+}
+
 static void less_may_go_well_after_too_much(void **state)
 {
     (void)state;
@@ -354,6 +377,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(solutions_are_those_of_the_processor),
         cmocka_unit_test(relit_receivers_get_every_light_times_its_scale),
         cmocka_unit_test(a_device_that_is_too_small_is_an_error_that_says_how_small),
+        cmocka_unit_test(memory_of_the_host_that_runs_out_is_an_error_and_nothing_leaks),
         cmocka_unit_test(less_may_go_well_after_too_much),
         cmocka_unit_test(where_the_device_is_optional_the_processor_steps_in),
     };
