@@ -193,6 +193,7 @@ rsv_gpu_recording *rsv_gpu_recorded(rsv_gpu *gpu)
     rsv_gpu_recording *made = (rsv_gpu_recording *)calloc(1, sizeof *made);
     // a stream that captures is brought out of it even after a failure
     cudaError_t error = cudaStreamEndCapture(cuda_of(gpu)->stream, &graph);
+    if (error != cudaSuccess) cudaGetLastError(); // as above
     if (!made) rsv_gpu_fail(gpu, RSV_ERROR_MEMORY, "out of memory");
     if (gpu->status == RSV_OK && check(gpu, error, "recording"))
         check(gpu, cudaGraphInstantiate(&made->graph, graph, 0), "recording");

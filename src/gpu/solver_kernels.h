@@ -15,21 +15,21 @@ typedef struct rsv_solver_state {
     double size[3], goal[3];                    ///< max |residual|: present, and small enough
     double rho[3], alpha[3], omega[3], beta[3]; ///< BiCGStab's; omega is Chebyshev's as well
     double shadow_length[3];
-    double radius[3],
-        start[3];          ///< Chebyshev's: spectral radius, and sizes when the acceleration began
+    double radius[3];      ///< Chebyshev's: the spectral radius as far as it has shown
+    double start[3];       ///< and sizes when the acceleration began
     uint32_t plain, steps; ///< plain terms so far, and steps of the acceleration
     uint32_t broke_down;   ///< whether something had to be divided by nothing
-    uint32_t unused;
 } rsv_solver_state;
 
 /// Fields are [node_count].
 typedef struct rsv_solver_args {
     rsv_solver_state *state;
-    struct rsv_totals *part; ///< [RSV_NODES_PER_SUM-th part of the nodes]
+    struct rsv_totals *part; ///< [part_count] of RSV_NODES_PER_SUM nodes each
     uint32_t node_count, part_count;
     rsv_rgb *residual, *correction;
-    rsv_rgb *shadow, *p, *v,
-        *t;               ///< p: Chebyshev's direction; v: its image, and the series' next term
+    rsv_rgb *shadow, *t;
+    rsv_rgb *p;           ///< Chebyshev's direction
+    rsv_rgb *v;           ///< its image, and the series' next term
     const rsv_rgb *a, *b; ///< what is reduced
     double relative;      ///< of the sizes in the beginning
 } rsv_solver_args;
@@ -143,7 +143,7 @@ RSV_INLINE void rsv_begin_store(const rsv_solver_args *a, uint32_t item, rsv_tot
         s->omega[c] = 1;
         s->alpha[c] = s->beta[c] = s->radius[c] = s->start[c] = 0;
     }
-    s->plain = s->steps = s->broke_down = s->unused = 0;
+    s->plain = s->steps = s->broke_down = 0;
 }
 
 RSV_KERNEL_DECIDE(begin, rsv_begin_store)
@@ -277,7 +277,7 @@ RSV_INLINE void rsv_half_step_item(const rsv_solver_args *a, uint32_t n)
 
 RSV_KERNEL(bicgstab_half_step, rsv_solver_args, rsv_half_step_item)
 
-/// omega = <t, residual> / <t, t>, and the sizes of the residual before: none may be divided by once it has arrived.
+/// omega = <t, residual> / <t, t>; t = 0 where the half step has found the answer.
 RSV_INLINE void rsv_omega_store(const rsv_solver_args *a, uint32_t item, rsv_totals sum)
 {
     (void)item;
