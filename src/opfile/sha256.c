@@ -40,7 +40,8 @@ static void compress(uint32_t *state, const uint8_t *block)
         uint32_t s0 = rotate(s[0], 2) ^ rotate(s[0], 13) ^ rotate(s[0], 22);
         uint32_t majority = (s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]);
         uint32_t t1 = s[7] + s1 + choice + round_constant[t] + word[t];
-        memmove(s + 1, s, 7 * sizeof *s);
+        for (int k = 7; k > 0; k--) // unrolled, unlike a call of memmove
+            s[k] = s[k - 1];
         s[4] += t1;
         s[0] = t1 + s0 + majority;
     }
