@@ -90,14 +90,11 @@ static rough_numbers draw_numbers(const tree *t, const link *at)
 #define ROUGH_WORTH 10
 
 /// Chance of looking at rough lobes: wide ones that are faint beside the diffuse one are not worth two rays each time.
-static float chance_of_looking(
-    const tree *t, const rsv_chain *chain, const rsv_bsdf_branches *branches)
+static float chance_of_looking(const rsv_rough_surface *surface, const rsv_bsdf_branches *branches)
 {
-    if (!rsv_rough_is_wide(t->scene, chain)) return 1;
-    rsv_vec3 normal;
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_scattering(t->scene, chain, &normal, &storage);
-    float rough = rsv_bsdf_specular_chance(bsdf, v3_neg(chain->direction), normal, !chain->back);
+    const rsv_bsdf *bsdf = surface->bsdf;
+    if (!rsv_rough_is_wide(bsdf)) return 1;
+    float rough = rsv_bsdf_specular_chance(bsdf, surface->wo, surface->normal, surface->front);
     float diffuse = rgb_max(rgb_mul(branches->diffuse, bsdf->exitance_albedo));
     return ROUGH_WORTH * rough < diffuse ? ROUGH_WORTH * rough / diffuse : 1;
 }
@@ -105,20 +102,21 @@ static float chance_of_looking(
 /// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
 static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
 {
+    rsv_rough_surface surface;
+    rsv_rough_meet(t->scene, &at.chain, &surface);
     rough_numbers numbers = draw_numbers(t, &at);
-    float chance = chance_of_looking(t, &at.chain, branches);
+    float chance = chance_of_looking(&surface, branches);
     if (numbers.kept >= chance) return;
     at.chain.weight = rgb_scale(at.chain.weight, 1 / chance);
-    const rsv_chain *chain = &at.chain;
     t->radiance =
-        rgb_add(t->radiance, rsv_rough_light(t->scene, t->lights, chain, at.shot, numbers.light));
-    rsv_bsdf_event event = rsv_chain_draw_specular(t->scene, chain, numbers.direction);
+        rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
+    rsv_bsdf_event event = rsv_rough_draw(&surface, numbers.direction);
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!specular || event.pdf_solid_angle == 0 || chain->events >= t->max_events) return;
-    link next = { *chain, rsv_rough_depart(t->scene, chain, event.direction),
+    if (!specular || event.pdf_solid_angle == 0 || at.chain.events >= t->max_events) return;
+    link next = { at.chain, rsv_rough_depart(&surface, event.direction),
         rsv_branch_path(at.path, false), at.shot };
     next.departure.shot = at.shot;
-    if (t->shot && chain->events == 0) next.shot = rsv_rough_is_wide(t->scene, chain);
+    if (t->shot && at.chain.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);
     leave(t, next, event.lobe == RSV_LOBE_TRANSMIT, event.direction, event.weight);
 }
 

@@ -3,30 +3,19 @@
 /// Width of the microsurface from which on lobes count as wide.
 #define WIDE_ALPHA 0.25f
 
-/// The chain's surface as sources light it.
-typedef struct rough_surface {
-    const rsv_bsdf *bsdf;
-    rsv_bsdf storage;
-    rsv_surface_point point;
-    rsv_vec3 wo, normal;
-    bool front;
-    const rsv_transport_scene *scene;
-    const rsv_chain *chain;
-} rough_surface;
-
-static void meet(const rsv_transport_scene *scene, const rsv_chain *chain, rough_surface *surface)
+void rsv_rough_meet(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_rough_surface *s)
 {
-    surface->bsdf = rsv_chain_scattering(scene, chain, &surface->normal, &surface->storage);
-    surface->point = rsv_surface_point_seen(
+    s->scene = scene;
+    s->chain = chain;
+    s->bsdf = rsv_chain_scattering(scene, chain, &s->normal, &s->storage);
+    s->point = rsv_surface_point_seen(
         scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    surface->wo = v3_neg(chain->direction);
-    surface->front = !chain->back;
-    surface->scene = scene;
-    surface->chain = chain;
+    s->wo = v3_neg(chain->direction);
+    s->front = !chain->back;
 }
 
 /// Radiance at the chain's start per radiance that sources send from that distance along `wi`.
-static rsv_rgb throughput(const rough_surface *s, rsv_vec3 wi, float distance)
+static rsv_rgb throughput(const rsv_rough_surface *s, rsv_vec3 wi, float distance)
 {
     rsv_medium medium = s->chain->medium;
     if (v3_dot(s->normal, wi) < 0) medium = rsv_chain_medium_beyond(s->scene, s->chain);
@@ -35,7 +24,7 @@ static rsv_rgb throughput(const rough_surface *s, rsv_vec3 wi, float distance)
 }
 
 /// Response of the rough lobes; nothing where the normals disagree on wi's side.
-static rsv_bsdf_value respond(const rough_surface *s, rsv_vec3 wi)
+static rsv_bsdf_value respond(const rsv_rough_surface *s, rsv_vec3 wi)
 {
     rsv_bsdf_value value = { rgb_gray(0), 0 };
     if (v3_dot(s->point.geometric, wi) * v3_dot(s->normal, wi) <= 0) return value;
@@ -46,22 +35,18 @@ static rsv_bsdf_value respond(const rough_surface *s, rsv_vec3 wi)
     return value;
 }
 
-bool rsv_rough_is_wide(const rsv_transport_scene *scene, const rsv_chain *chain)
+bool rsv_rough_is_wide(const rsv_bsdf *bsdf)
 {
-    rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
     bool narrow = bsdf->alpha > 0 && bsdf->alpha < WIDE_ALPHA;
     bool narrow_coat =
         bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0 && bsdf->clearcoat_alpha < WIDE_ALPHA;
     return bsdf->rough && !narrow && !narrow_coat;
 }
 
-rsv_rgb rsv_rough_response(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 wi)
+rsv_rgb rsv_rough_response(const rsv_rough_surface *s, rsv_vec3 wi)
 {
-    rough_surface s;
-    meet(scene, chain, &s);
-    rsv_bsdf_value value = respond(&s, wi);
-    return value.pdf_solid_angle > 0 ? rgb_mul(value.response, throughput(&s, wi, 0)) : rgb_gray(0);
+    rsv_bsdf_value value = respond(s, wi);
+    return value.pdf_solid_angle > 0 ? rgb_mul(value.response, throughput(s, wi, 0)) : rgb_gray(0);
 }
 
 static float power_heuristic(float own, float other)
@@ -70,25 +55,30 @@ static float power_heuristic(float own, float other)
     return 1 / (1 + ratio * ratio);
 }
 
-static rsv_vec3 leaving_point(const rough_surface *s, rsv_vec3 direction)
+static rsv_vec3 leaving_point(const rsv_rough_surface *s, rsv_vec3 direction)
 {
     rsv_vec3 side = s->point.geometric;
     if (v3_dot(side, direction) < 0) side = v3_neg(side);
     return rsv_offset_origin(s->point.position, side, s->point.extent);
 }
 
-rsv_rough_departure rsv_rough_depart(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 direction)
+rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *s, const float u[3])
 {
-    rough_surface s;
-    meet(scene, chain, &s);
-    bool below = v3_dot(s.normal, direction) < 0;
-    return (rsv_rough_departure){ s.point.position, below ? v3_neg(s.normal) : s.normal,
-        respond(&s, direction).pdf_solid_angle, false };
+    rsv_bsdf_event event =
+        rsv_bsdf_draw_specular(s->bsdf, s->wo, s->normal, s->front, u[0], u[1], u[2]);
+    event.weight = rgb_scale(event.weight, s->bsdf->opacity);
+    return event;
 }
 
-static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rough_surface *s, rsv_vec3 side, bool shot, const float u[3])
+rsv_rough_departure rsv_rough_depart(const rsv_rough_surface *s, rsv_vec3 direction)
+{
+    bool below = v3_dot(s->normal, direction) < 0;
+    return (rsv_rough_departure){ s->point.position, below ? v3_neg(s->normal) : s->normal,
+        respond(s, direction).pdf_solid_angle, false };
+}
+
+static rsv_rgb sampled_light(const rsv_rough_surface *s, const rsv_lights *lights, rsv_vec3 side,
+    bool shot, const float u[3])
 {
     rsv_local_lights local;
     rsv_light_sample light;
@@ -98,35 +88,32 @@ static rsv_rgb sampled_light(const rsv_transport_scene *scene, const rsv_lights 
     if (value.pdf_solid_angle == 0 || (shot && !light.from_sky)) return rgb_gray(0);
     rsv_ray ray =
         rsv_shadow_ray(lights, &light, s->point.position, leaving_point(s, light.direction));
-    if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
+    if (rsv_tracer_occluded(s->scene->tracer, &ray)) return rgb_gray(0);
     float weight = power_heuristic(light.pdf_solid_angle, value.pdf_solid_angle);
     rsv_rgb arriving = rgb_mul(throughput(s, light.direction, light.distance), light.radiance);
     return rgb_scale(rgb_mul(value.response, arriving), weight / light.pdf_solid_angle);
 }
 
-static rsv_rgb punctual_light(
-    const rsv_transport_scene *scene, const rough_surface *s, const rsv_punctual_sample *light)
+static rsv_rgb punctual_light(const rsv_rough_surface *s, const rsv_punctual_sample *light)
 {
     rsv_bsdf_value value = respond(s, light->direction);
     if (value.pdf_solid_angle == 0) return rgb_gray(0);
     rsv_ray ray = rsv_punctual_ray(light, leaving_point(s, light->direction));
-    if (rsv_tracer_occluded(scene->tracer, &ray)) return rgb_gray(0);
+    if (rsv_tracer_occluded(s->scene->tracer, &ray)) return rgb_gray(0);
     return rgb_mul(value.response,
         rgb_mul(throughput(s, light->direction, light->distance), light->irradiance));
 }
 
-rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_chain *chain, bool shot, const float u[3])
+rsv_rgb rsv_rough_light(
+    const rsv_rough_surface *s, const rsv_lights *lights, bool shot, const float u[3])
 {
-    rough_surface s;
-    meet(scene, chain, &s);
-    rsv_rgb sum = sampled_light(scene, lights, &s, s.normal, shot, u);
-    if (s.bsdf->transmission > 0 || s.bsdf->passed > 0)
-        sum = rgb_add(sum, sampled_light(scene, lights, &s, v3_neg(s.normal), shot, u));
+    rsv_rgb sum = sampled_light(s, lights, s->normal, shot, u);
+    if (s->bsdf->transmission > 0 || s->bsdf->passed > 0)
+        sum = rgb_add(sum, sampled_light(s, lights, v3_neg(s->normal), shot, u));
     for (uint32_t k = 0; !shot && k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
-        if (rsv_punctual_at(lights, s.point.position, v3(0, 0, 0), k, u[0], &light))
-            sum = rgb_add(sum, punctual_light(scene, &s, &light));
+        if (rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light))
+            sum = rgb_add(sum, punctual_light(s, &light));
     }
     return sum;
 }

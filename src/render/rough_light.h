@@ -14,23 +14,40 @@ typedef struct rsv_rough_departure {
         shot; ///< emitters that are not gathered, suns and punctual lights are left out: shot_light.h
 } rsv_rough_departure;
 
-/// The departure of a chain from its rough surface along `direction`.
-rsv_rough_departure rsv_rough_depart(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 direction);
+/// A rough surface that a chain has come to, as sources light it: what its textures make of it is looked up once.
+typedef struct rsv_rough_surface {
+    const rsv_transport_scene *scene;
+    const rsv_chain *chain;
+    const rsv_bsdf *bsdf; ///< into the scene's, or `storage`: the surface is not to be copied
+    rsv_bsdf storage;
+    rsv_surface_point point;
+    rsv_vec3 wo, normal;
+    bool front;
+} rsv_rough_surface;
 
-/// Whether the lobes of the chain's rough surface are all so wide that a light path which ends there is likely to reach
-/// any eye.
-bool rsv_rough_is_wide(const rsv_transport_scene *scene, const rsv_chain *chain);
+/// @param chain borrowed
+void rsv_rough_meet(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_rough_surface *surface);
 
-/// What the rough lobes of the chain's surface make of light from unit direction `wi`: radiance at the chain's start
-/// per irradiance on a surface that faces it.
-rsv_rgb rsv_rough_response(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 wi);
+/// Whether the lobes of a rough surface are all so wide that a light path which ends there is likely to reach any eye.
+bool rsv_rough_is_wide(const rsv_bsdf *bsdf);
 
-/// Radiance that the chain's rough surface scatters towards the camera from sources aimed at.
+/// What the rough lobes make of light from unit direction `wi`: radiance at the chain's start per irradiance on a
+/// surface that faces it.
+rsv_rgb rsv_rough_response(const rsv_rough_surface *surface, rsv_vec3 wi);
+
+/// Radiance that the surface scatters towards the camera from sources aimed at.
 /// @param shot leaves out those of rsv_rough_departure.shot
 /// @param u for the choice of a source and for the place on it, in [0, 1)
-rsv_rgb rsv_rough_light(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_chain *chain, bool shot, const float u[3]);
+rsv_rgb rsv_rough_light(
+    const rsv_rough_surface *surface, const rsv_lights *lights, bool shot, const float u[3]);
+
+/// Draws a direction from all lobes but the diffuse one, with their chance in the weight.
+/// @param u for the lobe and for the direction within it, in [0, 1)
+rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *surface, const float u[3]);
+
+/// The departure of the chain along `direction`.
+rsv_rough_departure rsv_rough_depart(const rsv_rough_surface *surface, rsv_vec3 direction);
 
 /// Weight of the emission of the surface that the chain has come to.
 float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,

@@ -74,7 +74,8 @@ static bool join(const shot_job *job, const rsv_chain *end, rsv_lens_view *view,
     *seen = rsv_chain_begin(
         scene, job->medium, view->direction, end->triangle, end->u, end->v, view->distance);
     rsv_chain_set_spread(seen, job->spread, view->distance);
-    return rsv_rough_is_wide(scene, seen) && !hidden(job, &point, view);
+    rsv_bsdf storage;
+    return rsv_rough_is_wide(rsv_chain_bsdf(scene, seen, &storage)) && !hidden(job, &point, view);
 }
 
 static bool is_seen(void *user, const rsv_chain *end)
@@ -91,7 +92,9 @@ static void add_light_path(void *user, const rsv_chain *end, rsv_rgb flux)
     rsv_lens_view view;
     rsv_chain seen;
     if (!join(job, end, &view, &seen)) return;
-    rsv_rgb response = rsv_rough_response(scene, &seen, v3_neg(end->direction));
+    rsv_rough_surface surface;
+    rsv_rough_meet(scene, &seen, &surface);
+    rsv_rgb response = rsv_rough_response(&surface, v3_neg(end->direction));
     // a photon's flux is spread over the true surface, the response counts irradiance by the shading normal (Veach
     // 1997, 5.3)
     rsv_vec3 geometric =
