@@ -21,6 +21,7 @@ bool cli_device_open(int choice)
     rsv_device_desc desc = rsv_default_device_desc();
     if (choice == CLI_DEVICE_CPU) return true;
     desc.kind = choice == CLI_DEVICE_EMULATED ? RSV_DEVICE_EMULATED : RSV_DEVICE_CUDA;
+    desc.rows = choice != CLI_DEVICE_EMULATED; // whose single thread would take minutes
     desc.optional = choice == CLI_DEVICE_AUTO;
     if (rsv_device_open(&desc, &device) == RSV_OK) return true;
     if (!desc.optional) {

@@ -17,6 +17,7 @@ typedef struct rsv_device_table {
     void (*close)(rsv_device *device);
     const struct rsv_device_transport_table *transport; ///< solve/device_transport.h
     const struct rsv_device_basis_table *basis;         ///< solve/device_basis.h
+    const struct rsv_device_rows_table *rows;           ///< operator/device_rows.h
     const struct rsv_device_frames_table *frames;       ///< frame/device_frames.h
 } rsv_device_table;
 

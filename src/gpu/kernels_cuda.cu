@@ -4,5 +4,6 @@
 #include "compact_kernels.h"
 #include "diffusion_kernels.h"
 #include "frame_kernels.h"
+#include "row_kernels.h"
 #include "solver_kernels.h"
 #include "transport_kernels.h"

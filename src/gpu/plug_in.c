@@ -1,6 +1,7 @@
 /// The plug-in's entrance.
 #include "basis.h"
 #include "frames.h"
+#include "rows.h"
 #include "transport.h"
 
 #include <stdio.h>
@@ -13,6 +14,7 @@ static const rsv_device_table table = {
     .transport = &rsv_gpu_transport,
     .basis = &rsv_gpu_basis,
     .frames = &rsv_gpu_frames,
+    .rows = &rsv_gpu_rows,
 };
 
 /// As rsv_device_opener. The library checks the version because tables change between versions.

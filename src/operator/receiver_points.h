@@ -9,7 +9,7 @@
 /// Points of one node side by side, one per lane of a packet, each with a frame about its shading normal. All frames of
 /// a node are turned by the same random angle.
 typedef struct rsv_receiver_points {
-    _Alignas(64) float origin_x[RSV_SUPPORT_POINTS];
+    float origin_x[RSV_SUPPORT_POINTS];
     float origin_y[RSV_SUPPORT_POINTS], origin_z[RSV_SUPPORT_POINTS];
     float tangent_x[RSV_SUPPORT_POINTS], tangent_y[RSV_SUPPORT_POINTS];
     float tangent_z[RSV_SUPPORT_POINTS];
@@ -18,7 +18,7 @@ typedef struct rsv_receiver_points {
     float normal_x[RSV_SUPPORT_POINTS], normal_y[RSV_SUPPORT_POINTS], normal_z[RSV_SUPPORT_POINTS];
     float geometric_x[RSV_SUPPORT_POINTS], geometric_y[RSV_SUPPORT_POINTS];
     float geometric_z[RSV_SUPPORT_POINTS];
-} rsv_receiver_points;
+} __attribute__((aligned(64))) rsv_receiver_points;
 
 void rsv_receiver_points_set_up(
     const rsv_elements *elements, uint32_t node, uint32_t seed, rsv_receiver_points *points);

@@ -1,22 +1,10 @@
 #include "row_tracer.h"
 
-#include "receiver_points.h"
-
 #include <string.h>
 
 #define LANES RSV_SUPPORT_POINTS
 
-/// The receiver points of one node and what holds for the node as a whole.
-typedef struct receiver {
-    rsv_receiver_points points;
-    const rsv_bsdf *bsdf;
-    rsv_medium medium;
-    bool tints; ///< even what comes from plain surfaces: through a coat or a medium
-} receiver;
-
-enum { TARGET_BLACK, TARGET_LAMBERT, TARGET_CHAIN, TARGET_SKY };
-
-static void set_up_receiver(const rsv_row_tracer *tracer, uint32_t node, receiver *r)
+void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
 {
     rsv_receiver_points *p = &r->points;
     rsv_receiver_points_set_up(tracer->elements, node, tracer->seed, p);
@@ -24,8 +12,9 @@ static void set_up_receiver(const rsv_row_tracer *tracer, uint32_t node, receive
     uint32_t material =
         tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];
     // one of the points speaks for the medium of all
-    uint32_t k =
-        tracer->valid_points[node] ? (uint32_t)__builtin_ctz(tracer->valid_points[node]) : 0;
+    r->node = node;
+    r->valid = tracer->valid_points[node];
+    uint32_t k = r->valid ? (uint32_t)__builtin_ctz(r->valid) : 0;
     r->bsdf = &tracer->scene->bsdf[material];
     r->medium =
         rsv_medium_above(&tracer->scene->media, v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]),
@@ -62,7 +51,8 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
 
 /// The general case: specular surfaces, coats, emission.
 static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t node,
-    uint32_t ray, const receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
+    uint32_t ray, const rsv_row_receiver *r, float cos_receiver, const rsv_ray_packet *packet,
+    int k)
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, node, ray);
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
@@ -105,7 +95,7 @@ static rsv_ray_target hit_target(const rsv_row_tracer *tracer, const rsv_ray_pac
 {
     uint32_t triangle = packet->triangle[k];
     if (triangle == RSV_NONE)
-        return (rsv_ray_target){ .kind = packet->t_max[k] > 0 ? TARGET_SKY : TARGET_BLACK };
+        return (rsv_ray_target){ .kind = packet->t_max[k] > 0 ? RSV_TARGET_SKY : RSV_TARGET_BLACK };
     bool back = packet->normal_x[k] * packet->direction_x[k] +
                     packet->normal_y[k] * packet->direction_y[k] +
                     packet->normal_z[k] * packet->direction_z[k] >
@@ -113,15 +103,16 @@ static rsv_ray_target hit_target(const rsv_row_tracer *tracer, const rsv_ray_pac
     return tracer->target[2 * (size_t)triangle + back];
 }
 
-static void record_sky(
-    rsv_row_scratch *s, const receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
+static void record_sky(rsv_row_scratch *s, const rsv_row_receiver *r, float cos_receiver,
+    const rsv_ray_packet *packet, int k)
 {
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
     rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(r->bsdf, cos_receiver), 0);
 }
 
 static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t node,
-    uint32_t first_ray, const receiver *r, const float *cos_receiver, const rsv_ray_packet *packet)
+    uint32_t first_ray, const rsv_row_receiver *r, const float *cos_receiver,
+    const rsv_ray_packet *packet)
 {
     const rsv_elements *e = tracer->elements;
     grid_places g;
@@ -129,7 +120,7 @@ static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     for (int k = 0; k < LANES; k++) {
         target[k] = hit_target(tracer, packet, k);
         g.side[k] = target[k].side;
-        bool used = target[k].kind == TARGET_LAMBERT; // other lanes may hold anything
+        bool used = target[k].kind == RSV_TARGET_LAMBERT; // other lanes may hold anything
         g.u[k] = used ? packet->u[k] : 0;
         g.v[k] = used ? packet->v[k] : 0;
     }
@@ -137,12 +128,12 @@ static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     place_on_grids(&g, stream);
     for (int k = 0; k < LANES; k++) {
         uint32_t ray = first_ray + (uint32_t)k;
-        if (target[k].kind == TARGET_BLACK) continue;
-        if (target[k].kind == TARGET_SKY) {
+        if (target[k].kind == RSV_TARGET_BLACK) continue;
+        if (target[k].kind == RSV_TARGET_SKY) {
             record_sky(s, r, cos_receiver[k], packet, k);
             continue;
         }
-        if (target[k].kind == TARGET_CHAIN || r->tints) {
+        if (target[k].kind == RSV_TARGET_CHAIN || r->tints) {
             follow_chain(tracer, s, node, ray, r, cos_receiver[k], packet, k);
             continue;
         }
@@ -158,26 +149,59 @@ static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     }
 }
 
-void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *s)
+static void clear_scratch(rsv_row_scratch *s)
 {
-    receiver r;
-    set_up_receiver(tracer, node, &r);
-    uint32_t rays = tracer->directions.count;
-    memset(s->column, 0xff, rays * sizeof *s->column);
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
     s->emission = rgb_gray(0);
-    size_t set = rsv_directions_of(&tracer->directions, tracer->seed, node);
+}
+
+/// Aims the packet of sixteen rays from `first` on. @return cosines at the receiver
+static const float *aim(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t first, rsv_ray_packet *packet)
+{
+    const rsv_directions *d = &tracer->directions;
+    size_t at = rsv_directions_of(d, tracer->seed, r->node) + first;
+    rsv_receiver_points_aim(&r->points, r->valid, d->x + at, d->y + at, d->z + at, packet);
+    return d->z + at;
+}
+
+void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *s)
+{
+    rsv_row_receiver r;
+    rsv_row_receive(tracer, node, &r);
+    uint32_t rays = tracer->directions.count;
+    memset(s->column, 0xff, rays * sizeof *s->column);
+    clear_scratch(s);
     rsv_ray_packet packet = { 0 };
     memset(packet.mask, 0xff, sizeof packet.mask);
     for (uint32_t first = 0; first < rays; first += LANES) {
-        const float *z = tracer->directions.z + set + first;
-        rsv_receiver_points_aim(&r.points, tracer->valid_points[node],
-            tracer->directions.x + set + first, tracer->directions.y + set + first, z, &packet);
+        const float *z = aim(tracer, &r, first, &packet);
         rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
         process_hits(tracer, s, node, first, &r, z, &packet);
     }
     s->rays += rays;
+}
+
+void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
+    const rsv_row_ends *ends, rsv_row_scratch *s)
+{
+    memcpy(s->column, ends->column, tracer->directions.count * sizeof *s->column);
+    clear_scratch(s);
+    rsv_ray_packet packet = { 0 };
+    for (size_t n = 0; n < ends->left_count; n++) {
+        uint32_t ray = ends->left[n], k = ray % LANES;
+        const float *z = aim(tracer, r, ray - k, &packet);
+        packet.triangle[k] = ends->hit[n].triangle;
+        packet.u[k] = ends->hit[n].u;
+        packet.v[k] = ends->hit[n].v;
+        packet.t_max[k] = ends->hit[n].t;
+        if (packet.triangle[k] == RSV_NONE)
+            record_sky(s, r, z[k], &packet, (int)k);
+        else
+            follow_chain(tracer, s, r->node, ray, r, z[k], &packet, (int)k);
+    }
+    s->rays += tracer->directions.count;
 }
 
 rsv_status rsv_row_scratch_create(rsv_context *context, uint32_t rays, rsv_row_scratch *s)
@@ -211,9 +235,9 @@ static rsv_status create_targets(rsv_row_tracer *tracer)
         bool plain =
             bsdf->lambert && bsdf->opacity == 1 && face != RSV_NONE &&
             (!bsdf->emissive || !counts_by_gathering(tracer->lights, (uint32_t)(side / 2), 0));
-        tracer->target[side].kind = opaque_back ? TARGET_BLACK
-                                    : plain     ? TARGET_LAMBERT
-                                                : TARGET_CHAIN;
+        tracer->target[side].kind = opaque_back ? RSV_TARGET_BLACK
+                                    : plain     ? RSV_TARGET_LAMBERT
+                                                : RSV_TARGET_CHAIN;
         if (face == RSV_NONE) continue;
         tracer->target[side].face = face;
         tracer->target[side].side = (uint16_t)(1u << e->face_level[face]);

@@ -4,14 +4,10 @@
 
 #include "directions.h"
 #include "division.h"
+#include "row_rays.h"
 #include "transport.h"
 
-/// One side of a triangle as the end of a ray, in eight bytes: all that most ends need.
-typedef struct rsv_ray_target {
-    uint32_t face;
-    uint16_t side; ///< cells along an edge of the face's grid
-    uint8_t kind;
-} rsv_ray_target;
+#define RSV_ROW_BLOCK 64 ///< rows that a thread takes at a time
 
 /// What rows have in common; borrowed but for targets and directions.
 typedef struct rsv_row_tracer {
@@ -45,6 +41,12 @@ void rsv_row_scratch_destroy(rsv_context *context, rsv_row_scratch *scratch);
 
 /// @param node neither hanging nor buried @param scratch the calling thread's
 void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *scratch);
+
+/// rsv_row_trace in parts, for those who trace the rays of many rows side by side: where they leave, and what becomes of
+/// their ends. @param receiver that of the row
+void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *receiver);
+void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *receiver,
+    const rsv_row_ends *ends, rsv_row_scratch *scratch);
 
 /// The curve through all nodes with what their rows cost, measured on a few. @param tracer its directions do not matter
 rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division);

@@ -1,11 +1,11 @@
 /// Assembly of G: rows traced in blocks by all threads, then moved to the operator in their order.
 #include "../core/team.h"
 #include "checkpoint.h"
+#include "row_device.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-#define ROWS_PER_BLOCK 64
 /// Blocks that are traced before their rows move to the operator: enough to keep all threads busy to the end.
 #define BLOCKS_PER_THREAD 64
 
@@ -30,6 +30,8 @@ typedef struct assembly {
     row_block *block;         ///< [wave_size]
     size_t block_count, wave_size;
     size_t entries, tinted_entries; ///< in the operator
+    rsv_row_device *device;         ///< that traces rays; NULL = none
+    bool on_device;                 ///< it has traced those of the wave
 } assembly;
 
 static rsv_status reserve_row(rsv_context *context, row_block *block, size_t count, size_t tinted)
@@ -67,9 +69,14 @@ static rsv_status store_row(assembly *a, uint32_t node, const rsv_row_scratch *s
     return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &block->escapes);
 }
 
-/// Traces a row unless an earlier run did.
-static rsv_status find_row(assembly *a, uint32_t node, rsv_row_scratch *scratch, row_block *block)
+/// Traces a row unless an earlier run or the device did. @param index of the row in the wave
+static rsv_status find_row(
+    assembly *a, uint32_t node, size_t index, rsv_row_scratch *scratch, row_block *block)
 {
+    if (a->on_device) {
+        rsv_row_device_finish(a->device, index, scratch);
+        return RSV_OK;
+    }
     uint64_t before = scratch->rays;
     if (rsv_checkpoint_take(a->checkpoint, node, scratch)) return RSV_OK;
     rsv_row_trace(&a->tracer, node, scratch);
@@ -77,17 +84,28 @@ static rsv_status find_row(assembly *a, uint32_t node, rsv_row_scratch *scratch,
     return rsv_checkpoint_keep(a->checkpoint, node, scratch, scratch->rays - before, &block->kept);
 }
 
-static rsv_status trace_block(assembly *a, size_t index, rsv_row_scratch *scratch, row_block *block)
+/// @param wave its first block
+static rsv_status trace_block(
+    assembly *a, size_t wave, size_t index, rsv_row_scratch *scratch, row_block *block)
 {
-    size_t begin = index * ROWS_PER_BLOCK, end = begin + ROWS_PER_BLOCK;
+    size_t begin = index * RSV_ROW_BLOCK, end = begin + RSV_ROW_BLOCK;
     if (end > a->row_count) end = a->row_count;
     for (size_t k = begin; k < end; k++) {
-        rsv_status status = find_row(a, a->node[k], scratch, block);
+        size_t in_wave = k - wave * RSV_ROW_BLOCK;
+        rsv_status status = find_row(a, a->node[k], in_wave, scratch, block);
         if (status == RSV_OK) status = store_row(a, a->node[k], scratch, block);
         if (status != RSV_OK) return status;
     }
     rsv_checkpoint_write(a->checkpoint, &block->kept);
     return RSV_OK;
+}
+
+/// Has the device trace the rays of a wave, if there is one.
+static rsv_status trace_on_device(assembly *a, size_t first)
+{
+    size_t begin = first * RSV_ROW_BLOCK, count = a->wave_size * RSV_ROW_BLOCK;
+    if (count > a->row_count - begin) count = a->row_count - begin;
+    return rsv_row_device_trace(a->device, a->node + begin, count, &a->on_device);
 }
 
 static rsv_status trace_wave(assembly *a, size_t first)
@@ -100,8 +118,8 @@ static rsv_status trace_wave(assembly *a, size_t first)
     for (size_t index = first; index < end; index++) {
         rsv_status status = RSV_OK;
         if (!rsv_cancelled(context))
-            status =
-                trace_block(a, index, &a->scratch[rsv_thread_index()], &a->block[index - first]);
+            status = trace_block(
+                a, first, index, &a->scratch[rsv_thread_index()], &a->block[index - first]);
         size_t finished;
 #pragma omp atomic capture
         finished = ++done;
@@ -147,6 +165,7 @@ static rsv_status trace_all(assembly *a)
     rsv_context *context = a->transport->context;
     rsv_status status = RSV_OK;
     for (size_t first = 0; first < a->block_count; first += a->wave_size) {
+        RSV_TRY(trace_on_device(a, first));
         RSV_TRY(trace_wave(a, first));
         RSV_TRY(rsv_cancelled(context) ? rsv_progress(context, "assemble", 1) : RSV_OK);
         for (size_t k = 0; k < a->wave_size; k++)
@@ -197,7 +216,8 @@ static rsv_status create_workers(assembly *a)
     rsv_context *context = a->tracer.elements->context;
     size_t threads = (size_t)rsv_threads(context);
     rsv_status status = RSV_OK;
-    a->wave_size = BLOCKS_PER_THREAD * threads;
+    a->wave_size =
+        a->device ? rsv_row_device_most(a->device) / RSV_ROW_BLOCK : BLOCKS_PER_THREAD * threads;
     a->block = rsv_alloc(context, a->wave_size, sizeof *a->block);
     a->scratch = rsv_alloc(context, threads, sizeof *a->scratch);
     if (!a->block || !a->scratch) return RSV_ERROR_MEMORY;
@@ -241,13 +261,14 @@ static rsv_status list_rows(assembly *a)
         if (a->tracer.valid_points[node]) a->node[a->row_count++] = node;
     }
     if (division) qsort(a->node, a->row_count, sizeof *a->node, compare_nodes);
-    a->block_count = (a->row_count + ROWS_PER_BLOCK - 1) / ROWS_PER_BLOCK;
+    a->block_count = (a->row_count + RSV_ROW_BLOCK - 1) / RSV_ROW_BLOCK;
     return RSV_OK;
 }
 
 static void end_assembly(assembly *a)
 {
     destroy_workers(a);
+    rsv_row_device_destroy(a->device);
     rsv_checkpoint_close(a->checkpoint);
     rsv_free(a->tracer.elements->context, a->node);
     rsv_row_tracer_end(&a->tracer);
@@ -274,8 +295,9 @@ rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_ligh
     RSV_TRY(create_empty(&a, rays, &a.transport));
     a.transport->division = a.division;
     a.division = NULL;
-    RSV_TRY(create_workers(&a));
     RSV_TRY(rsv_checkpoint_open(&a.tracer, &a.checkpoint));
+    RSV_TRY(a.checkpoint ? RSV_OK : rsv_row_device_create(&a.tracer, a.row_count, &a.device));
+    RSV_TRY(create_workers(&a));
     RSV_TRY(trace_all(&a));
     RSV_TRY(share_rows(a.transport));
     *transport = a.transport;

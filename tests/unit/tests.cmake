@@ -26,6 +26,7 @@ rsv_add_test(faults unit/test_faults.c)
 rsv_add_test(relight unit/test_relight.c)
 rsv_add_gpu_test(gpu unit/test_gpu.c)
 rsv_add_gpu_test(gpu_frames unit/test_gpu_frames.c)
+rsv_add_gpu_test(gpu_rows unit/test_gpu_rows.c)
 set(view_folder ${PROJECT_SOURCE_DIR}/apps/resolvent/view)
 rsv_add_test(view unit/test_view.c ${view_folder}/view_camera.c ${view_folder}/view_command.c
     ${view_folder}/view_items.c ${view_folder}/view_keys.c ${view_folder}/view_state.c)

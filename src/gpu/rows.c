@@ -1,0 +1,139 @@
+/// Rays of rows of G on the device.
+#include "rows.h"
+#include "compact.h"
+#include "row_kernels.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+struct rsv_device_rows {
+    rsv_gpu *gpu;
+    rsv_device_rows_desc desc; ///< on the host; its arrays are valid during creation alone
+    rsv_gpu_block scene, room;
+    rsv_elements elements; ///< with addresses on the device
+    rsv_elements *elements_there;
+    rsv_row_args args;
+    rsv_row_receiver *receiver;
+    uint32_t *left;
+    rsv_compactor compactor;
+};
+
+static size_t direction_count(const rsv_device_rows *r)
+{
+    return (size_t)RSV_DIRECTION_SETS * r->desc.directions->count;
+}
+
+static void lay_out_scene(rsv_device_rows *r)
+{
+    rsv_gpu_block *b = &r->scene;
+    const rsv_device_rows_desc *d = &r->desc;
+    const rsv_elements *e = d->elements;
+    rsv_row_args *a = &r->args;
+    a->bvh.node = rsv_gpu_place(b, d->bvh.node_count, sizeof *a->bvh.node);
+    a->bvh.triangle = rsv_gpu_place(b, d->bvh.triangle_count, sizeof *a->bvh.triangle);
+    a->position = rsv_gpu_place(b, d->scene->vertex_count, sizeof *a->position);
+    a->triangle = rsv_gpu_place(b, d->scene->triangle_count, sizeof *a->triangle);
+    a->target = rsv_gpu_place(b, 2 * d->scene->triangle_count, sizeof *a->target);
+    a->x = rsv_gpu_place(b, direction_count(r), sizeof *a->x);
+    a->y = rsv_gpu_place(b, direction_count(r), sizeof *a->y);
+    a->z = rsv_gpu_place(b, direction_count(r), sizeof *a->z);
+    a->elements = r->elements_there = rsv_gpu_place(b, 1, sizeof *r->elements_there);
+    r->elements.face_level = rsv_gpu_place(b, e->face_count, sizeof *e->face_level);
+    r->elements.face_slot = rsv_gpu_place(b, e->face_count, sizeof *e->face_slot);
+    r->elements.slot = rsv_gpu_place(b, e->slot_count, sizeof *e->slot);
+    r->elements.cell_node = rsv_gpu_place(b, e->cell_count, sizeof *e->cell_node);
+}
+
+static void upload_scene(rsv_device_rows *r)
+{
+    const rsv_device_rows_desc *d = &r->desc;
+    const rsv_elements *e = d->elements;
+    const rsv_row_args *a = &r->args;
+    const struct {
+        const void *to, *from;
+        size_t count, size;
+    } array[] = { { a->bvh.node, d->bvh.node, d->bvh.node_count, sizeof *d->bvh.node },
+        { a->bvh.triangle, d->bvh.triangle, d->bvh.triangle_count, sizeof *d->bvh.triangle },
+        { a->position, d->scene->position, d->scene->vertex_count, sizeof *a->position },
+        { a->triangle, d->scene->triangle, d->scene->triangle_count, sizeof *a->triangle },
+        { a->target, d->target, 2 * d->scene->triangle_count, sizeof *a->target },
+        { a->x, d->directions->x, direction_count(r), sizeof *a->x },
+        { a->y, d->directions->y, direction_count(r), sizeof *a->y },
+        { a->z, d->directions->z, direction_count(r), sizeof *a->z },
+        { r->elements_there, &r->elements, 1, sizeof r->elements },
+        { r->elements.face_level, e->face_level, e->face_count, sizeof *e->face_level },
+        { r->elements.face_slot, e->face_slot, e->face_count, sizeof *e->face_slot },
+        { r->elements.slot, e->slot, e->slot_count, sizeof *e->slot },
+        { r->elements.cell_node, e->cell_node, e->cell_count, sizeof *e->cell_node } };
+    for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
+        rsv_gpu_upload(r->gpu, (void *)array[k].to, array[k].from, array[k].count * array[k].size);
+}
+
+static void lay_out_room(rsv_device_rows *r)
+{
+    rsv_gpu_block *b = &r->room;
+    rsv_row_args *a = &r->args;
+    size_t rays = (size_t)r->desc.most * a->rays;
+    a->receiver = r->receiver = rsv_gpu_place(b, r->desc.most, sizeof *r->receiver);
+    a->column = rsv_gpu_place(b, rays, sizeof *a->column);
+    a->is_left = rsv_gpu_place(b, rays, sizeof *a->is_left);
+    a->hit = rsv_gpu_place(b, rays, sizeof *a->hit);
+    a->left = r->left = rsv_gpu_place(b, rays, sizeof *r->left);
+    a->left_hit = rsv_gpu_place(b, rays, sizeof *a->left_hit);
+    rsv_compactor_place(&r->compactor, b, rays);
+}
+
+static void destroy(rsv_device_rows *r)
+{
+    if (!r) return;
+    rsv_gpu_release(r->gpu, &r->scene);
+    rsv_gpu_release(r->gpu, &r->room);
+    free(r);
+}
+
+static rsv_status create(
+    rsv_device *device, const rsv_device_rows_desc *desc, rsv_device_rows **rows, char *message)
+{
+    rsv_device_rows *r = calloc(1, sizeof *r);
+    if (!r) {
+        snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
+        return RSV_ERROR_MEMORY;
+    }
+    r->gpu = (rsv_gpu *)device;
+    r->desc = *desc;
+    r->args.rays = desc->directions->count;
+    r->args.seed = desc->seed;
+    r->args.sky = desc->sky;
+    r->args.bvh = desc->bvh;
+    lay_out_scene(r);
+    rsv_gpu_reserve(r->gpu, &r->scene, "the scene of the rows");
+    lay_out_scene(r);
+    lay_out_room(r);
+    rsv_gpu_reserve(r->gpu, &r->room, "the rays of the rows");
+    lay_out_room(r);
+    upload_scene(r);
+    rsv_status status = rsv_gpu_wait(r->gpu, message);
+    if (status == RSV_OK)
+        *rows = r;
+    else
+        destroy(r);
+    return status;
+}
+
+static rsv_status trace(rsv_device_rows *r, const rsv_row_receiver *receiver, uint32_t count,
+    rsv_device_ends *ends, char *message)
+{
+    rsv_gpu *gpu = r->gpu;
+    size_t rays = (size_t)count * r->args.rays;
+    rsv_gpu_upload(gpu, r->receiver, receiver, count * sizeof *receiver);
+    rsv_launch_row_ray(gpu, &r->args, rays);
+    uint32_t left = rsv_compact(gpu, &r->compactor, r->args.is_left, rays, r->left);
+    rsv_launch_row_left(gpu, &r->args, left);
+    rsv_gpu_download(gpu, ends->column, r->args.column, rays * sizeof *ends->column);
+    rsv_gpu_download(gpu, ends->left, r->left, left * sizeof *ends->left);
+    rsv_gpu_download(gpu, ends->hit, r->args.left_hit, left * sizeof *ends->hit);
+    ends->left_count = left;
+    return rsv_gpu_wait(gpu, message);
+}
+
+const rsv_device_rows_table rsv_gpu_rows = { create, destroy, trace };

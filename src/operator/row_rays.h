@@ -1,0 +1,41 @@
+/// The rays of a row of G and where they end, for device code too.
+#ifndef RSV_ROW_RAYS_H
+#define RSV_ROW_RAYS_H
+
+#include "../surface/medium.h"
+#include "receiver_points.h"
+
+typedef enum rsv_target_kind {
+    RSV_TARGET_BLACK,
+    RSV_TARGET_LAMBERT,
+    RSV_TARGET_CHAIN,
+    RSV_TARGET_SKY
+} rsv_target_kind;
+
+/// One side of a triangle as the end of a ray, in eight bytes: all that most ends need.
+typedef struct rsv_ray_target {
+    uint32_t face;
+    uint16_t side; ///< cells along an edge of the face's grid
+    uint8_t kind;
+} rsv_ray_target;
+
+/// The receiver points of one node and what holds for the node as a whole.
+typedef struct rsv_row_receiver {
+    rsv_receiver_points points;
+    const rsv_bsdf *bsdf;
+    rsv_medium medium;
+    uint32_t node;
+    uint16_t valid; ///< bit k = point k counts
+    bool tints;     ///< even what comes from plain surfaces: through a coat or a medium
+} rsv_row_receiver;
+
+/// Ends of a row's rays that somebody else has traced.
+typedef struct rsv_row_ends {
+    const uint32_t
+        *column; ///< [rays] the node where light comes from; RSV_NONE = nowhere, or left to be done
+    const uint32_t *left; ///< [left_count] rays to be followed on, ascending
+    const rsv_hit *hit;   ///< [left_count] what these have met; triangle RSV_NONE = the sky
+    size_t left_count;
+} rsv_row_ends;
+
+#endif
