@@ -83,14 +83,15 @@ static cJSON *run_program(char *const *argument, double *processor_seconds)
 }
 
 /// Solves a scene as `bench scale` does. @return its numbers; NULL as run_program
-static cJSON *run_setup(const setup *s, double *processor_seconds)
+static cJSON *run_setup(const cli_bench_task *bench, const setup *s, double *processor_seconds)
 {
     char processes[16], threads[16], program[4096] = "";
     snprintf(processes, sizeof processes, "%u", s->processes);
     snprintf(threads, sizeof threads, "%u", s->threads);
     if (readlink(PROGRAM, program, sizeof program - 1) < 0) return NULL;
     char *argument[] = { LAUNCHER, "-n", processes, program, "bench", "scale", (char *)s->scene,
-        "--threads", threads, "--json", NULL };
+        "--threads", threads, "--json", bench->session->mesh ? "--mesh" : NULL,
+        (char *)bench->session->mesh, NULL };
     cJSON *printed = run_program(s->processes > 1 ? argument : argument + 3, processor_seconds);
     cJSON *numbers = cJSON_DetachItemFromArray(cJSON_GetObjectItem(printed, "scenes"), 0);
     cJSON_Delete(printed);
@@ -109,11 +110,11 @@ static void keep_least(cJSON *result, const char *name, double value)
 }
 
 /// Each setup once, what took least so far being kept. @return false: a run failed
-static bool run_round(const setup *setups, size_t count, cJSON *list)
+static bool run_round(const cli_bench_task *bench, const setup *setups, size_t count, cJSON *list)
 {
     for (size_t k = 0; k < count; k++) {
         double processor_seconds;
-        cJSON *numbers = run_setup(&setups[k], &processor_seconds);
+        cJSON *numbers = run_setup(bench, &setups[k], &processor_seconds);
         if (!numbers) return false;
         cJSON *item = cJSON_GetArrayItem(list, (int)k);
         for (int p = 0; p < phase_count; p++)
@@ -126,7 +127,7 @@ static bool run_round(const setup *setups, size_t count, cJSON *list)
 }
 
 /// Setups in turn, so that what else the machine does weighs on all of them alike.
-static bool run_rounds(const setup *setups, size_t count, uint32_t rounds, cJSON *list)
+static bool run_rounds(const cli_bench_task *bench, const setup *setups, size_t count, cJSON *list)
 {
     for (size_t k = 0; k < count; k++) {
         cJSON *item = cJSON_CreateObject();
@@ -136,8 +137,8 @@ static bool run_rounds(const setup *setups, size_t count, uint32_t rounds, cJSON
         cJSON_AddItemToArray(list, item);
     }
     bool complete = true;
-    for (uint32_t round = 0; round < rounds && complete; round++)
-        complete = run_round(setups, count, list);
+    for (uint32_t round = 0; round < bench->repetitions && complete; round++)
+        complete = run_round(bench, setups, count, list);
     return complete;
 }
 
@@ -146,7 +147,7 @@ static bool measure_strong(const cli_bench_task *bench, cJSON *list)
 {
     const setup setups[] = { { 1, 1, bench->scene }, { 1, 2, bench->scene }, { 2, 1, bench->scene },
         { 4, 1, bench->scene } };
-    return run_rounds(setups, sizeof setups / sizeof setups[0], bench->repetitions, list);
+    return run_rounds(bench, setups, sizeof setups / sizeof setups[0], list);
 }
 
 /// Scenes that grow with the processes, up to the one named if it is not too small for that.
@@ -159,7 +160,7 @@ static bool measure_weak(const cli_bench_task *bench, cJSON *list)
         snprintf(name[k], sizeof name[k], "terraces:%.0f", triangles / (4 >> k));
         setups[k] = (setup){ 1u << k, 1, name[k] };
     }
-    return run_rounds(setups, 3, bench->repetitions, list);
+    return run_rounds(bench, setups, 3, list);
 }
 
 bool cli_measure_scaling(const cli_bench_task *bench, cJSON *result)
