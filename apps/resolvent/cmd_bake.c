@@ -33,6 +33,8 @@ static const char help[] =
     "                     4096 where there are many small surfaces)\n"
     "  --density D        lightmap: texels per metre (default: as many as fit)\n"
     "  --padding N        lightmap: texels between charts (default 2)\n"
+    "  --directional      lightmap: also where light comes from, for normal maps:\n"
+    "                     OUT.lightmap-x.exr, -y and -z\n"
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
     "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
@@ -89,6 +91,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->bake.probe_samples,
             .min = 32,
             .max = 65536 },
+        { .name = "--directional", .kind = CLI_FLAG, .value = &s->bake.directional },
         { .name = "--new-uv", .kind = CLI_FLAG, .value = &s->new_uv },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
@@ -109,6 +112,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             s->target == TO_PROBES ? ".json" : ".glb");
     else if (s->target == TO_PROBES && s->bake.basis)
         *exit_status = cli_usage_error("bake", "--basis does not go with --to probes");
+    else if (s->target != TO_LIGHTMAP && s->bake.directional)
+        *exit_status = cli_usage_error("bake", "--directional goes with --to lightmap");
     else
         return true;
     return false;

@@ -24,6 +24,7 @@ typedef struct rsv_bake_desc {
     uint32_t padding; ///< texels between charts, 1..16, default 2
     bool
         keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
+    bool directional;       ///< lightmaps: also where light comes from, for normal maps
     bool basis;             ///< also write what each light does by itself, for the runtime
     float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
     uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
@@ -54,7 +55,7 @@ RSV_API rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *i
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
 /// Irradiance in a picture: MOZ_lightmap with linear 8-bit codes in the file, and OUT.lightmap.exr beside it in full
-/// precision. Second texture coordinates of the file are used where they are in the unit square and do not overlap.
+/// precision, for normal maps also OUT.lightmap-x.exr, -y and -z (desc->directional). Second texture coordinates of the file are used where they are in the unit square and do not overlap.
 RSV_API rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input,
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 

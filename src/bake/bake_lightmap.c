@@ -7,6 +7,7 @@
 #include "../io/image_internal.h"
 #include "bake_basis.h"
 #include "bake_desc.h"
+#include "bake_directions.h"
 #include "bake_layout.h"
 #include "bake_primitive.h"
 #include "bake_seam.h"
@@ -87,19 +88,48 @@ cleanup:
     return status;
 }
 
-/// The same in full precision, beside the file: "room.glb" -> "room.lightmap.exr".
-static rsv_status write_exr(const lightmap_bake *b, const char *output)
+/// A picture of the map's size in full precision, beside the file: "room.glb" -> "room.lightmap.exr".
+static rsv_status write_exr(
+    const lightmap_bake *b, const char *output, const char *suffix, const rsv_rgb *texel)
 {
     rsv_image *image = NULL;
     char path[RSV_PATH_BYTES];
-    snprintf(path, sizeof path, "%.*s.lightmap.exr", (int)(strlen(output) - 4), output);
+    snprintf(path, sizeof path, "%.*s.%s.exr", (int)(strlen(output) - 4), output, suffix);
     rsv_status status =
         rsv_image_create(b->s->context, b->layout.map.width, b->layout.map.height, 1, &image);
     if (status != RSV_OK) return status;
-    memcpy(rsv_image_pixels(image, 0), b->layout.map.light,
-        (size_t)b->layout.map.width * b->layout.map.height * sizeof *b->layout.map.light);
+    memcpy(rsv_image_pixels(image, 0), texel,
+        (size_t)b->layout.map.width * b->layout.map.height * sizeof *texel);
     status = rsv_image_write(image, path, 0);
     rsv_image_destroy(image);
+    return status;
+}
+
+/// Where the light of each texel comes from: V of bake_directions.h, a picture for each of its components.
+static rsv_status write_directions(const lightmap_bake *b, const char *output)
+{
+    rsv_status status;
+    const rsv_bake_map *map = &b->layout.map;
+    size_t texels = (size_t)map->width * map->height;
+    rsv_bake_directions directions;
+    rsv_rgb *axis[3] = { NULL };
+    RSV_TRY(rsv_bake_directions_create(b->s, &directions));
+    for (int a = 0; a < 3; a++)
+        axis[a] = rsv_alloc(b->s->context, texels, sizeof *axis[a]);
+    RSV_TRY(axis[0] && axis[1] && axis[2] ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < texels; k++) {
+        rsv_rgb v[3];
+        rsv_bake_directions_at(&directions, &map->receiver[k], v);
+        for (int a = 0; a < 3; a++)
+            axis[a][k] = rgb_mul(v[a], map->light[k]);
+    }
+    static const char *const suffixes[] = { "lightmap-x", "lightmap-y", "lightmap-z" };
+    for (int a = 0; a < 3; a++)
+        RSV_TRY(write_exr(b, output, suffixes[a], axis[a]));
+cleanup:
+    for (int a = 0; a < 3; a++)
+        rsv_free(b->s->context, axis[a]);
+    rsv_bake_directions_destroy(&directions);
     return status;
 }
 
@@ -207,7 +237,8 @@ static rsv_status write_file(lightmap_bake *b, const char *output)
     for (uint32_t k = 0; k < b->parts.count; k++)
         if (rsv_bake_carries_light(b->s, &b->parts.part[k]))
             RSV_TRY(write_part(b, k, texture, set));
-    RSV_TRY(write_exr(b, output));
+    RSV_TRY(write_exr(b, output, "lightmap", b->layout.map.light));
+    if (b->desc->directional) RSV_TRY(write_directions(b, output));
     RSV_TRY(rsv_bake_document_write(&b->document, output));
 cleanup:
     return status;

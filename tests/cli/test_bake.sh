@@ -57,7 +57,11 @@ succeeds bake plain.glb -o "$out/none.glb" --to vertex --quality draft --dry-run
 says '^vertices '
 [[ -z $(ls -A "$out") ]] || complain "a dry run wrote something"
 # a lightmap: irradiance in a texture and beside it, by texture coordinates that were not there before
-succeeds bake two-rooms -o map.glb --to lightmap --quality draft --map-size 256 --basis --stats map.json
+succeeds bake two-rooms -o map.glb --to lightmap --quality draft --map-size 256 --basis --directional --stats map.json
+for axis in x y z; do
+    [[ -s map.lightmap-$axis.exr ]] || complain "map.lightmap-$axis.exr is missing"
+done
+refuses 2 'goes with --to lightmap' bake two-rooms -o "$out/a.glb" --to vertex --directional
 awk -v c="$(number map.json coverage)" -v s="$(number map.json largest_seam)" 'BEGIN { exit !(c > 0.7 && s < 0.01) }' ||
     complain "coverage $(number map.json coverage), seams $(number map.json largest_seam)"
 [[ -s map.lightmap.exr && -s map.light.safetensors ]] || complain "a file is missing beside the map"

@@ -1,0 +1,92 @@
+/// Light for normals that are not the surface's own.
+#include "bake/bake_directions.h"
+#include "resolvent/render.h"
+#include "unit/scene_fixture.h"
+
+#define TILT 0.5235988f // 30 degrees, not what the fit looks at
+#define TURNS 4
+
+/// Sums over places and channels.
+typedef struct judgement {
+    double flat, directional; ///< errors relative to what the surface's own normal reads
+    size_t readings;
+} judgement;
+
+static float channel(rsv_rgb c, int k) { return k == 0 ? c.r : k == 1 ? c.g : c.b; }
+
+/// Irradiance for a normal m, as docs/bake.md tells shaders to reconstruct it.
+static float reconstruct(float e, const rsv_rgb v[3], rsv_vec3 m, int c)
+{
+    float along = m.x * channel(v[0], c) + m.y * channel(v[1], c) + m.z * channel(v[2], c);
+    return f_max(0, e * (1 + along) / 2);
+}
+
+static void judge_place(const rsv_bake_directions *d, uint32_t triangle, judgement *j)
+{
+    const rsv_solution *s = d->solution;
+    const rsv_bake_receiver receiver = { .triangle = triangle, .u = 0.3f, .v = 0.4f };
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, triangle, receiver.u, receiver.v, false);
+    rsv_rgb v[3];
+    rsv_bake_directions_at(d, &receiver, v);
+    rsv_probe probe[TURNS + 1] = { { point.position, point.normal } };
+    rsv_vec3 x, y;
+    v3_frame(point.normal, &x, &y);
+    for (int k = 0; k < TURNS; k++) {
+        float turn = (float)k * RSV_PI / 2;
+        rsv_vec3 towards = v3_mad(v3_scale(x, cosf(turn)), sinf(turn), y);
+        probe[k + 1] = (rsv_probe){ point.position,
+            v3_mad(v3_scale(point.normal, cosf(TILT)), sinf(TILT), towards) };
+    }
+    rsv_probe_reading reading[TURNS + 1];
+    assert_int_equal(
+        rsv_probe_irradiance(s, RSV_PROBE_REFERENCE, probe, TURNS + 1, 4096, 1, reading), RSV_OK);
+    for (int k = 1; k <= TURNS; k++)
+        for (int c = 0; c < 3; c++) {
+            float e = channel(reading[0].irradiance, c), truth = channel(reading[k].irradiance, c);
+            if (!(e > 0)) continue;
+            float told = reconstruct(e, v, probe[k].normal, c);
+            j->flat += (double)(fabsf(e - truth) / e);
+            j->directional += (double)(fabsf(told - truth) / e);
+            j->readings++;
+        }
+}
+
+static rsv_solution *solve(rsv_scene *scene)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    return solution;
+}
+
+static void light_for_tilted_normals_is_what_is_measured(void **state)
+{
+    fixture *f = *state;
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_builtin(f->context, "cornell-blocks", &scene), RSV_OK);
+    rsv_solution *solution = solve(scene);
+    rsv_bake_directions directions;
+    assert_int_equal(rsv_bake_directions_create(solution, &directions), RSV_OK);
+    judgement j = { 0 };
+    for (uint32_t t = 0; t < solution->scene.view->triangle_count; t++)
+        if (solution->elements->face_of[0][t] != RSV_NONE &&
+            solution->lights->triangle_emitter[t] == RSV_NONE)
+            judge_place(&directions, t, &j);
+    assert_true(j.readings > 300);
+    print_message("mean errors: flat %.3f, directional %.3f\n", j.flat / (double)j.readings,
+        j.directional / (double)j.readings);
+    assert_true(j.directional < 0.65 * j.flat);
+    rsv_bake_directions_destroy(&directions);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(
+            light_for_tilted_normals_is_what_is_measured, fixture_setup, fixture_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
