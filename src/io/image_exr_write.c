@@ -73,6 +73,17 @@ static void aim_channels(exr_encode_pipeline_t *encoder, const rsv_image *image,
     }
 }
 
+/// Readers take a chunk of the size of its pixels for pixels, but OpenEXR 3.1 writes compressed ones that happen to be
+/// of that size: those are stored as pixels. @param encoder its encoding_user_data is the library's own compress_fn
+static exr_result_t compress_chunk(exr_encode_pipeline_t *encoder)
+{
+    exr_result_t (*const *compress)(exr_encode_pipeline_t *) = encoder->encoding_user_data;
+    exr_result_t result = (*compress)(encoder);
+    if (result == EXR_ERR_SUCCESS && encoder->compressed_bytes == encoder->packed_bytes)
+        memcpy(encoder->compressed_buffer, encoder->packed_buffer, encoder->packed_bytes);
+    return result;
+}
+
 static rsv_status write_chunks(
     const rsv_exr_stream *stream, exr_context_t exr, const rsv_image *image)
 {
@@ -87,6 +98,9 @@ static rsv_status write_chunks(
                                              : exr_encoding_update(exr, 0, &chunk, &encoder)));
         aim_channels(&encoder, image, y);
         RSV_TRY(rsv_exr_check(stream, exr_encoding_choose_default_routines(exr, 0, &encoder)));
+        exr_result_t (*compress)(exr_encode_pipeline_t *) = encoder.compress_fn;
+        encoder.encoding_user_data = &compress;
+        encoder.compress_fn = compress_chunk;
         RSV_TRY(rsv_exr_check(stream, exr_encoding_run(exr, 0, &encoder)));
     }
 cleanup:
