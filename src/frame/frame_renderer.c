@@ -266,7 +266,7 @@ void rsv_frame_renderer_put(rsv_frame_renderer *r, const rsv_mover *mover)
 void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
 {
     for (int k = 0; k < r->thread_count; k++)
-        rsv_chain_queue_refresh(&r->worker[k].queue);
+        rsv_chain_light_refresh(&r->worker[k].queue.light);
     rsv_light_table_bake(&r->table, r->table.layer);
     rsv_frame_device_refresh(r->device);
     start_over(r);

@@ -7,9 +7,9 @@ rsv_status rsv_tile_worker_create(
 {
     for (int stage = 0; stage < RSV_STAGES; stage++)
         memset(w->packet[stage].mask, 0xff, sizeof w->packet[stage].mask);
-    rsv_status status = rsv_chain_queue_create(tiling->table, &w->queue);
-    w->queue.max_events = chain_depth;
-    w->queue.radiance = w->radiance;
+    rsv_status status = rsv_chain_queue_create(tiling->table, tiling->kernels, &w->queue);
+    w->queue.light.max_events = chain_depth;
+    w->queue.light.radiance = w->radiance;
     return status;
 }
 
@@ -56,7 +56,8 @@ static void begin_chain(const tile *t, const rsv_ray_packet *p, uint32_t lane, u
     rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
     memset(w->radiance[pixel], 0, sizeof w->radiance[pixel]);
     if (p->triangle[lane] == RSV_NONE) {
-        rsv_chain_queue_add_sky(&w->queue, direction, rgb_gray(1), pixel);
+        w->queue.light.pixel = pixel;
+        rsv_add_sky(&w->queue.light, direction, rgb_gray(1));
         return;
     }
     rsv_chain chain = rsv_chain_begin(&t->tiling->solution->scene, &t->eye->medium, direction,
@@ -90,13 +91,9 @@ static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t st
             shown = rgb_mul(rsv_mover_shown(t->tiling->mover, &w->body, lane),
                 rsv_medium_transmittance(
                     &t->eye->medium, t->tiling->solution->bsdf, w->body.t_max[lane]));
-        else if (!(w->left[stage] >> lane & 1) && p->triangle[lane] != RSV_NONE) {
-            float cos = p->normal_x[lane] * p->direction_x[lane] +
-                        p->normal_y[lane] * p->direction_y[lane] +
-                        p->normal_z[lane] * p->direction_z[lane];
+        else if (!(w->left[stage] >> lane & 1) && p->triangle[lane] != RSV_NONE)
             shown = rsv_shade_stored(t->tiling->table, t->tiling->mover, p->triangle[lane],
-                p->u[lane], p->v[lane], cos > 0, path_of(t, pixel), shown);
-        }
+                p->u[lane], p->v[lane], rsv_packet_meets_back(p, lane), path_of(t, pixel), shown);
         radiance[0] = shown.r, radiance[1] = shown.g, radiance[2] = shown.b;
     }
     w->left[stage] &= ~met;
@@ -160,7 +157,7 @@ void rsv_tile_render(
 {
     tile t = tile_at(tiling, eye, index, w);
     double start = rsv_seconds();
-    w->queue.mover = tiling->mover;
+    w->queue.light.mover = tiling->mover;
     render_blocks(&t);
     double traced = rsv_seconds();
     rsv_chain_queue_run(&w->queue);

@@ -3,10 +3,6 @@
 #define RSV_FRAME_TILE_H
 
 #include "chain_queue.h"
-#include "packet_kernels.h"
-
-/// Blocks in hand at a time: being traced, located and looked up.
-#define RSV_STAGES 3
 
 #define RSV_TILE_PIXELS (RSV_TILE * RSV_TILE)
 

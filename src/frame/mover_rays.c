@@ -1,6 +1,7 @@
 #include "mover_internal.h"
 
 #include "../core/stratified.h"
+#include "packet_kernels.h"
 
 bool rsv_mover_occludes(const rsv_mover *m, const rsv_ray *ray)
 {
@@ -41,9 +42,7 @@ uint32_t rsv_mover_meet(const rsv_mover *m, const rsv_ray_packet *packet, rsv_ra
 
 rsv_rgb rsv_mover_shown(const rsv_mover *m, const rsv_ray_packet *p, uint32_t k)
 {
-    float cos = p->normal_x[k] * p->direction_x[k] + p->normal_y[k] * p->direction_y[k] +
-                p->normal_z[k] * p->direction_z[k];
-    if (cos > 0) return rgb_gray(0); // the back of its surface
+    if (rsv_packet_meets_back(p, k)) return rgb_gray(0);
     const uint32_t *corner = m->body->triangle[p->triangle[k]];
     rsv_rgb irradiance = rgb_scale(m->irradiance[corner[0]], 1 - p->u[k] - p->v[k]);
     irradiance = rgb_mad(irradiance, p->u[k], m->irradiance[corner[1]]);

@@ -13,6 +13,9 @@
 /// Blocks share a tile of this side, the unit of work of a thread.
 #define RSV_TILE 32
 
+/// Packets in hand at a time: being traced, located and looked up.
+#define RSV_STAGES 3
+
 /// How a frame's camera rays run.
 typedef struct rsv_frame_aim {
     rsv_lens lens;
@@ -25,6 +28,20 @@ typedef struct rsv_packet_places {
     int cell[RSV_PACKET_WIDTH];
     float b0[RSV_PACKET_WIDTH], b1[RSV_PACKET_WIDTH], b2[RSV_PACKET_WIDTH];
 } __attribute__((aligned(64))) rsv_packet_places;
+
+RSV_INLINE rsv_grid_place rsv_packet_place(const rsv_packet_places *places, uint32_t lane)
+{
+    return rsv_grid_place_of(
+        (uint32_t)places->cell[lane], places->b0[lane], places->b1[lane], places->b2[lane]);
+}
+
+/// Whether a ray ended at the back of a triangle.
+RSV_INLINE bool rsv_packet_meets_back(const rsv_ray_packet *p, uint32_t lane)
+{
+    return p->normal_x[lane] * p->direction_x[lane] + p->normal_y[lane] * p->direction_y[lane] +
+               p->normal_z[lane] * p->direction_z[lane] >
+           0;
+}
 
 /// From a packet to its radiance in three steps. Each asks the memory for what the next one reads, so that other
 /// packets' steps between them hide the waiting.

@@ -44,10 +44,8 @@ static inline uint32_t find_sides(const rsv_light_table *restrict table,
     const rsv_shown_side *sides = table->side[0];
     uint32_t left = 0, none = table->triangle_count;
     for (int k = 0; k < LANES; k++) { // rsv_shown_side_of
-        float cos = p->normal_x[k] * p->direction_x[k] + p->normal_y[k] * p->direction_y[k] +
-                    p->normal_z[k] * p->direction_z[k];
         uint32_t triangle = p->triangle[k] < none ? p->triangle[k] : none;
-        index[k] = 2 * triangle + (cos > 0 ? 1 : 0);
+        index[k] = 2 * triangle + (rsv_packet_meets_back(p, (uint32_t)k) ? 1 : 0);
     }
     for (int k = 0; k < LANES; k++)
         side[k] = sides[index[k]];

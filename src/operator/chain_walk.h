@@ -42,20 +42,27 @@ RSV_INLINE uint32_t rsv_chain_material(const rsv_transport_scene *scene, const r
     return scene->view->triangle_material[chain->triangle];
 }
 
+/// Whether a segment ends at the back of a triangle.
+RSV_INLINE bool rsv_meets_back(
+    const rsv_transport_scene *scene, uint32_t triangle, rsv_vec3 direction)
+{
+    const uint32_t *corner = scene->view->triangle[triangle];
+    rsv_vec3 a = scene->view->position[corner[0]];
+    rsv_vec3 normal = v3_cross(
+        v3_sub(scene->view->position[corner[1]], a), v3_sub(scene->view->position[corner[2]], a));
+    return v3_dot(normal, direction) > 0;
+}
+
 /// Moves to the surface that a segment ends at; direction and medium are set.
 RSV_INLINE void rsv_chain_end_segment(
-    const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit)
+    const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit, bool back)
 {
     chain->triangle = hit->triangle;
     chain->u = hit->u;
     chain->v = hit->v;
     chain->width += chain->spread * hit->t;
-    const uint32_t *corner = scene->view->triangle[hit->triangle];
-    rsv_vec3 a = scene->view->position[corner[0]];
-    rsv_vec3 normal = v3_cross(
-        v3_sub(scene->view->position[corner[1]], a), v3_sub(scene->view->position[corner[2]], a));
+    chain->back = back;
     uint32_t material = rsv_chain_material(scene, chain);
-    chain->back = v3_dot(normal, chain->direction) > 0;
     // what a body is made of is the same all over
     if (scene->bsdf[material].solid) {
         if (chain->back) rsv_medium_arrive_inside(&chain->medium, material);
@@ -83,7 +90,7 @@ RSV_INLINE rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, const rsv
     chain.events = chain.rays = 0;
     chain.spread = RSV_GATHER_SPREAD;
     chain.width = 0;
-    rsv_chain_end_segment(scene, &chain, &hit);
+    rsv_chain_end_segment(scene, &chain, &hit, rsv_meets_back(scene, triangle, direction));
     return chain;
 }
 
@@ -166,12 +173,19 @@ RSV_INLINE void rsv_chain_set_out(const rsv_transport_scene *scene, rsv_chain *c
     chain->rays++;
 }
 
+/// Its arrival, where the side of the surface is known.
+RSV_INLINE void rsv_chain_arrive_at(
+    const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit, bool back)
+{
+    chain->events++;
+    rsv_chain_end_segment(scene, chain, hit, back);
+}
+
 /// Its arrival.
 RSV_INLINE void rsv_chain_arrive(
     const rsv_transport_scene *scene, rsv_chain *chain, const rsv_hit *hit)
 {
-    chain->events++;
-    rsv_chain_end_segment(scene, chain, hit);
+    rsv_chain_arrive_at(scene, chain, hit, rsv_meets_back(scene, hit->triangle, chain->direction));
 }
 
 #endif

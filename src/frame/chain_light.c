@@ -1,0 +1,87 @@
+#include "chain_light.h"
+
+#include "../render/camera_chain.h"
+
+void rsv_chain_light_refresh(rsv_chain_light *l)
+{
+    l->lights = l->table->solution->lights;
+    l->sky = l->lights->environment ? l->lights->environment->whole : (rsv_sky){ 0 };
+}
+
+static void add(rsv_chain_light *l, rsv_rgb light)
+{
+    float *sum = l->radiance[l->pixel];
+    sum[0] += light.r, sum[1] += light.g, sum[2] += light.b;
+}
+
+void rsv_add_sky(rsv_chain_light *l, rsv_vec3 direction, rsv_rgb weight)
+{
+    if (l->sky.pixel && rsv_shows_emission(l->table))
+        add(l, rgb_mul(weight, rsv_sky_radiance(&l->sky, direction)));
+}
+
+static rsv_rgb without(rsv_rgb a, rsv_rgb b)
+{
+    return rgb(f_max(a.r - b.r, 0), f_max(a.g - b.g, 0), f_max(a.b - b.b, 0));
+}
+
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
+    float u, float v, bool back, uint32_t stream, rsv_rgb shown)
+{
+    const rsv_solution *s = table->solution;
+    if (s->elements->face_of[back][triangle] == RSV_NONE) return shown;
+    rsv_surface_point point = rsv_surface_point_at(s->scene.view, triangle, u, v, back);
+    rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
+    rsv_rgb kept = rsv_mover_shadow(mover, &point, stream);
+    return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
+}
+
+void rsv_add_stored(rsv_chain_light *l, const rsv_chain *chain, rsv_grid_place place)
+{
+    rsv_float4 light = rsv_light_at(l->table->cell, place);
+    rsv_rgb shown = rgb(light[0], light[1], light[2]);
+    if (l->mover)
+        shown = rsv_shade_stored(
+            l->table, l->mover, chain->triangle, chain->u, chain->v, chain->back, l->path, shown);
+    add(l, rgb_mul(rsv_chain_throughput(l->scene, chain, &chain->medium), shown));
+}
+
+void rsv_add_emission(
+    rsv_chain_light *l, const rsv_chain *chain, const rsv_bsdf *bsdf, rsv_rgb throughput)
+{
+    bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
+    if (shows && rsv_shows_emission(l->table))
+        add(l, rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity)));
+}
+
+void rsv_add_diffuse_end(void *light, const rsv_chain *chain, rsv_rgb weight)
+{
+    rsv_chain_light *l = light;
+    const rsv_solution *s = l->table->solution;
+    uint32_t face = s->elements->face_of[chain->back][chain->triangle];
+    if (face == RSV_NONE) return;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(l->scene, chain, &storage);
+    rsv_rgb shown = rsv_shown_irradiance(l->table, face, chain->u, chain->v);
+    if (l->mover) {
+        rsv_surface_point point =
+            rsv_surface_point_at(l->scene->view, chain->triangle, chain->u, chain->v, chain->back);
+        shown = without(shown, rsv_mover_shadow(l->mover, &point, l->path));
+    }
+    add(l, rgb_mul(rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI), shown));
+}
+
+void rsv_add_whole_chain(rsv_chain_light *l, const rsv_chain *chain)
+{
+    rsv_rgb found = rsv_camera_chain(
+        l->scene, l->lights, *chain, l->path, NULL, l->max_events, false, rsv_add_diffuse_end, l);
+    if (rsv_shows_emission(l->table)) add(l, found);
+}
+
+void rsv_add_mover(
+    rsv_chain_light *l, const rsv_chain *chain, const rsv_ray_packet *body, uint32_t lane)
+{
+    rsv_rgb dimmed = rsv_medium_transmittance(&chain->medium, l->scene->bsdf, body->t_max[lane]);
+    rsv_rgb throughput = rsv_chain_throughput(l->scene, chain, &chain->medium);
+    add(l, rgb_mul(rgb_mul(throughput, dimmed), rsv_mover_shown(l->mover, body, lane)));
+}

@@ -1,0 +1,48 @@
+/// What chains show where they end or scatter, added to their pixels.
+#ifndef RSV_CHAIN_LIGHT_H
+#define RSV_CHAIN_LIGHT_H
+
+#include "../operator/chain.h"
+#include "light_table.h"
+#include "mover_internal.h"
+
+typedef struct rsv_chain_light {
+    const rsv_light_table *table;
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    rsv_sky sky;
+    uint32_t max_events;
+    const rsv_mover *mover; ///< NULL = none
+    float (*radiance)[4];   ///< of pixels
+    uint32_t pixel, path;   ///< of the chain in hand; path as in camera_chain.h
+} rsv_chain_light;
+
+/// Takes the solution's lights over again.
+void rsv_chain_light_refresh(rsv_chain_light *light);
+
+/// What lies beyond the scene.
+void rsv_add_sky(rsv_chain_light *light, rsv_vec3 direction, rsv_rgb weight);
+
+/// What the table has of a chain's surface.
+void rsv_add_stored(rsv_chain_light *light, const rsv_chain *chain, rsv_grid_place place);
+
+/// What the surface sends out by itself. @param bsdf of the surface
+void rsv_add_emission(
+    rsv_chain_light *light, const rsv_chain *chain, const rsv_bsdf *bsdf, rsv_rgb throughput);
+
+/// A diffuse surface that is not in the table, for rsv_camera_chain too.
+/// @param light an rsv_chain_light @param weight radiance at the camera per B / pi
+void rsv_add_diffuse_end(void *light, const rsv_chain *chain, rsv_rgb weight);
+
+/// All of a chain, followed to its ends one by one.
+void rsv_add_whole_chain(rsv_chain_light *light, const rsv_chain *chain);
+
+/// The mover, where it ends a chain. @param body, lane its hit
+void rsv_add_mover(
+    rsv_chain_light *light, const rsv_chain *chain, const rsv_ray_packet *body, uint32_t lane);
+
+/// What a surface in the table shows with the mover's shadow on it. @param shown without
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
+    float u, float v, bool back, uint32_t stream, rsv_rgb shown);
+
+#endif
