@@ -102,6 +102,27 @@ rsv_rt_status rsv_rt_relight(const rsv_rt_basis *basis, const float *scale, uint
     return RSV_RT_OK;
 }
 
+/// The part of a number after the point, 0..1, also of negative ones; 0 of what is too large to have one.
+static float fraction(float a)
+{
+    if (!(a > -1e6f && a < 1e6f)) return 0;
+    a -= (float)(int32_t)a;
+    return a < 0 ? a + 1 : a;
+}
+
+void rsv_rt_turn(float turn, const float color[3], uint32_t turns, float *scale)
+{
+    float at = fraction(turn) * (float)turns;
+    uint32_t before = (uint32_t)at;
+    float share = at - (float)before;
+    for (uint32_t k = 0; k < 3 * turns; k++)
+        scale[k] = 0;
+    for (int c = 0; c < 3 && turns > 0; c++) {
+        scale[3 * (before % turns) + c] += (1 - share) * color[c];
+        scale[3 * ((before + 1) % turns) + c] += share * color[c];
+    }
+}
+
 // ---- operator -------------------------------------------------------------------------------------
 
 static rsv_rt_status check_rows(

@@ -58,6 +58,13 @@ typedef struct rsv_rt_basis {
 rsv_rt_status rsv_rt_relight(const rsv_rt_basis *basis, const float *scale, uint32_t scale_count,
     uint32_t first, uint32_t count, float *out);
 
+/// Scales of surroundings that a basis holds at `turns` angles, evenly spread over a full turn: the two angles next to the
+/// wanted one share it, in proportion. So light is as baked at each of them, and changes evenly in between.
+/// @param turn share of a full turn beyond the first angle, counter-clockwise from above; any number
+/// @param color [3] strength of the surroundings, 1 = as baked
+/// @param scale out, [turns][3]
+void rsv_rt_turn(float turn, const float color[3], uint32_t turns, float *scale);
+
 // ---- operator -------------------------------------------------------------------------------------
 
 /// G and K by rows, as operator files hold them. Row i of G has the weight scale[i] in each of its columns.

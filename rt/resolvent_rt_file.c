@@ -250,6 +250,8 @@ int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
     memset(basis, 0, sizeof *basis);
     if (strcmp(note(file, "format"), "resolvent-light-basis") != 0)
         return fail(file, "it holds no light basis");
+    if (strcmp(note(file, "format_version"), "1") && strcmp(note(file, "format_version"), "2"))
+        return fail(file, "it is a light basis of a version that is not known here");
     basis->light_count = extent(file, name, 0);
     basis->receiver_count = extent(file, name, 1);
     basis->value_count = extent(file, name, 2) / 3;
@@ -259,4 +261,16 @@ int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
     if (basis->value_count && (uint32_t)cJSON_GetArraySize(light_names(file)) == basis->light_count)
         return 0;
     return fail(file, "it names other lights than it holds");
+}
+
+rsv_rt_file_turns rsv_rt_file_find_turns(const rsv_rt_file *file, const rsv_rt_basis *basis)
+{
+    rsv_rt_file_turns turns = { 0, 0, 0 };
+    unsigned long count = strtoul(note(file, "surroundings.turns"), NULL, 10);
+    if (count < 2 || count > basis->light_count) return turns;
+    turns.count = (uint32_t)count;
+    turns.first = basis->light_count - turns.count;
+    turns.rotation = strtof(note(file, "surroundings.rotation"), NULL);
+    if (!(turns.rotation - turns.rotation == 0)) turns.rotation = 0;
+    return turns;
 }

@@ -42,6 +42,14 @@ int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct);
 /// The basis of a file that `resolvent bake` wrote.
 int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis);
 
+/// Surroundings of a basis that can be turned by rsv_rt_turn: the last `count` lights, all of one name.
+typedef struct rsv_rt_file_turns {
+    uint32_t first, count; ///< lights of the basis; count 0 = there are none to be turned
+    float rotation;        ///< degrees of the first one, as `--env-rotate` has it
+} rsv_rt_file_turns;
+
+rsv_rt_file_turns rsv_rt_file_find_turns(const rsv_rt_file *file, const rsv_rt_basis *basis);
+
 #ifdef __cplusplus
 }
 #endif

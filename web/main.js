@@ -2,8 +2,10 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { VRButton } from "three/addons/webxr/VRButton.js";
+import { addControls } from "./controls.js";
 import { LightBasis } from "./runtime.js";
 import { BakedScene } from "./scene.js";
+import { Sky } from "./sky.js";
 
 const element = (id) => document.getElementById(id);
 const name = new URLSearchParams(location.search).get("scene") ?? "scene/box";
@@ -37,34 +39,17 @@ function createRenderer() {
     }
 }
 
-/// A slider and a colour for each light.
-function addControls(scene, basis, redraw) {
-    const scales = basis.names.map(() => [1, 1, 1]);
-    basis.names.forEach((light, index) => {
-        const label = document.createElement("label");
-        const strength = Object.assign(document.createElement("input"), { type: "range", min: 0, max: 4, step: 0.01, value: 1 });
-        const color = Object.assign(document.createElement("input"), { type: "color", value: "#ffffff" });
-        strength.dataset.light = light;
-        const update = () => {
-            scales[index] = new THREE.Color(color.value).toArray().map((c) => c * strength.value);
-            scene.scaleLamps(light, scales[index]);
-            scene.show(basis.relight(scales));
-            element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} receivers`;
-            redraw();
-        };
-        strength.oninput = color.oninput = update;
-        label.append(light, strength, color);
-        element("lights").append(label);
-    });
-    scene.show(basis.relight(scales));
-    element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} receivers`;
-}
-
-async function loadBasis(scene, redraw) {
+async function loadBasis(scene, sky, redraw) {
     const [module, file] = await Promise.all([fetchBytes("resolvent_rt.wasm"), fetchBytes(`${name}.light.safetensors`)]);
     const basis = await LightBasis.create(module, file);
     scene.checkBasis(basis);
-    addControls(scene, basis, redraw);
+    addControls(element("lights"), basis, (scales, degrees) => {
+        scene.show(basis.relight(scales, degrees));
+        basis.names.forEach((light, k) => scene.scaleLamps(light, scales[k]));
+        sky?.turn(degrees, Math.max(...(scales[basis.names.indexOf("environment")] ?? [0])));
+        element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} receivers`;
+        redraw();
+    });
     return basis;
 }
 
@@ -97,6 +82,7 @@ async function main() {
     const scene = await BakedScene.load(await fetchBytes(`${name}.glb`));
     const world = new THREE.Scene();
     world.add(scene.root);
+    const sky = await Sky.load(`${name}.hdr`, world);
     const camera = new THREE.PerspectiveCamera().copy(scene.camera, false);
     scene.camera.matrixWorld.decompose(camera.position, camera.quaternion, camera.scale);
     const middle = new THREE.Box3().setFromObject(scene.root).getCenter(new THREE.Vector3());
@@ -111,7 +97,11 @@ async function main() {
         renderer.setSize(innerWidth, innerHeight);
         draw();
     };
-    element("exposure").oninput = () => { scene.exposure.value = 2 ** element("exposure").value; draw(); };
+    element("exposure").oninput = () => {
+        scene.exposure.value = 2 ** element("exposure").value;
+        sky?.expose(scene.exposure.value);
+        draw();
+    };
     element("wireframe").onchange = () => { scene.setWireframe(element("wireframe").checked); draw(); };
     controls.addEventListener("change", draw);
     addEventListener("resize", resize);
@@ -121,7 +111,7 @@ async function main() {
         renderer.setAnimationLoop(draw);
         document.body.append(VRButton.createButton(renderer));
     }
-    const basis = await loadBasis(scene, draw).catch((error) => { say(`The lights cannot be changed: ${error.message}.`); return null; });
+    const basis = await loadBasis(scene, sky, draw).catch((error) => { say(`The lights cannot be changed: ${error.message}.`); return null; });
     draw();
     return { basis, compareWith: (url) => compareWith(renderer, draw, url) };
 }

@@ -31,21 +31,31 @@ export class LightBasis {
     static async create(module, file) {
         const tensors = readTensors(file);
         if (tensors.notes.format !== "resolvent-light-basis") throw new Error("the file holds no light basis");
+        if (!["1", "2"].includes(tensors.notes.format_version))
+            throw new Error("the light basis is of a version that is not known here");
         const names = JSON.parse(tensors.notes["light.name"] ?? "[]");
         const { shape, values } = tensors.floats("basis.value");
         if (names.length !== shape[0])
             throw new Error(`the light basis names ${names.length} lights and holds ${shape[0]}`);
+        const turns = Number(tensors.notes["surroundings.turns"] ?? 1);
+        if (!(turns >= 1 && turns <= shape[0])) throw new Error("the light basis has no such turns of the sky");
         const { instance } = await WebAssembly.instantiate(module);
-        return new LightBasis(instance.exports, names, shape, values);
+        const basis = new LightBasis(instance.exports, names, shape, values, turns);
+        basis.rotation = Number(tensors.notes["surroundings.rotation"] ?? 0);
+        return basis;
     }
 
-    constructor(runtime, names, [lights, receivers, width], values) {
+    /// @param turns how many of the last lights are one sky at evenly spread angles, the first at `rotation` degrees
+    constructor(runtime, names, [lights, receivers, width], values, turns = 1) {
         this.runtime = runtime;
-        this.names = names;
+        this.names = names.slice(0, lights - turns + 1);
+        this.turns = turns;
+        this.rotation = 0;
         this.receiverCount = receivers;
         this.milliseconds = 0;
         this.basis = (runtime.__heap_base.value + 15) & ~15;
-        this.value = this.basis + 16;
+        this.sky = this.basis + 16;
+        this.value = this.sky + 16;
         this.scale = this.value + 4 * values.length;
         this.out = this.scale + 12 * lights;
         const needed = this.out + 4 * receivers * width - runtime.memory.buffer.byteLength;
@@ -54,14 +64,20 @@ export class LightBasis {
         new Uint32Array(memory, this.basis, 4).set([lights, receivers, width / 3, this.value]);
         new Float32Array(memory, this.value, values.length).set(values);
         this.scales = new Float32Array(memory, this.scale, 3 * lights).fill(1);
+        this.skyScale = new Float32Array(memory, this.sky, 3);
         this.irradiance = new Float32Array(memory, this.out, receivers * width);
     }
 
-    /// @param scales [lights][3], 1 = as baked
-    relight(scales) {
+    /// @param scales one [r, g, b] for each of `names`, 1 = as baked @param degrees of the sky, where it can be turned
+    relight(scales, degrees = this.rotation) {
+        const last = scales.length - 1;
         this.scales.set(scales.flat());
         const start = performance.now();
-        const status = this.runtime.rsv_rt_relight(this.basis, this.scale, scales.length, 0, this.receiverCount, this.out);
+        if (this.turns > 1) {
+            this.skyScale.set(scales[last]);
+            this.runtime.rsv_rt_turn((degrees - this.rotation) / 360, this.sky, this.turns, this.scale + 12 * last);
+        }
+        const status = this.runtime.rsv_rt_relight(this.basis, this.scale, last + this.turns, 0, this.receiverCount, this.out);
         this.milliseconds = performance.now() - start;
         if (status !== 0) throw new Error(`${scales.length} light scales do not fit ${this.names.length} lights`);
         return this.irradiance;

@@ -25,6 +25,8 @@ static const char help[] =
     "  -o OUT             the file to write: .glb, probes .json\n"
     "  --basis            also write what each light does by itself: OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
+    "  --env-turns N      with --basis: surroundings at N angles of a full turn (1..64), so that\n"
+    "                     they can be turned at run time (default 1: as they are)\n"
     "  --dry-run          say what would come out, write nothing\n"
     "\n"
     "  --tolerance SHARE  vertex: error of light between vertices (default 2%)\n"
@@ -71,6 +73,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--to", .kind = CLI_CHOICE, .value = &s->target, .choices = target_names },
         { .name = "--basis", .kind = CLI_FLAG, .value = &s->bake.basis },
+        { .name = "--env-turns", .kind = CLI_COUNT, .value = &s->bake.turns, .min = 1, .max = 64 },
         { .name = "--dry-run", .kind = CLI_FLAG, .value = &s->bake.dry_run },
         { .name = "--tolerance",
             .kind = CLI_SHARE,
@@ -112,6 +115,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             s->target == TO_PROBES ? ".json" : ".glb");
     else if (s->target == TO_PROBES && s->bake.basis)
         *exit_status = cli_usage_error("bake", "--basis does not go with --to probes");
+    else if (s->bake.turns > 1 && !s->bake.basis)
+        *exit_status = cli_usage_error("bake", "--env-turns goes with --basis");
     else if (s->target != TO_LIGHTMAP && s->bake.directional)
         *exit_status = cli_usage_error("bake", "--directional goes with --to lightmap");
     else

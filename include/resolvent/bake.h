@@ -24,8 +24,11 @@ typedef struct rsv_bake_desc {
     uint32_t padding; ///< texels between charts, 1..16, default 2
     bool
         keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
-    bool directional;       ///< lightmaps: also where light comes from, for normal maps
-    bool basis;             ///< also write what each light does by itself, for the runtime
+    bool directional; ///< lightmaps: also where light comes from, for normal maps
+    bool basis;       ///< also write what each light does by itself, for the runtime
+    /// Angles, evenly spread over a full turn about the vertical, at which a basis holds the surroundings; 1..64, default 1:
+    /// as they are.
+    uint32_t turns;
     float probe_spacing;    ///< metres; 0 = a sixteenth of the scene's longest side
     uint32_t probe_samples; ///< rays per direction of a probe, 32..65536, default 64
     bool dry_run;           ///< find out what would come out, write nothing
@@ -45,7 +48,7 @@ typedef struct rsv_bake_report {
     uint32_t probe_count[3];
     size_t valid_probes;
     float light_scale; ///< W/m2 that the largest code of the file stands for
-    size_t lights;     ///< of the basis
+    size_t lights;     ///< of the basis, surroundings counted at every angle
 } rsv_bake_report;
 
 /// Light in COLOR_0: irradiance / pi / light_scale, so that base colour times it is what is seen.

@@ -2,6 +2,8 @@
 
 #include "../io/atomic_file.h"
 #include "../opfile/exchange.h"
+#include "../solve/light_response.h"
+#include "../solve/turned_surroundings.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -14,44 +16,132 @@ static void name_file(const char *output, char path[RSV_PATH_BYTES])
     snprintf(path, RSV_PATH_BYTES, "%.*s.light.safetensors", (int)length, output);
 }
 
-static void evaluate(const rsv_light_responses *responses, const rsv_bake_receiver *receiver,
-    size_t count, rsv_rgb *value)
+// ---- reading --------------------------------------------------------------------------------------
+
+static rsv_status read_surfaces(
+    const rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value)
 {
-    for (size_t l = 0; l < responses->count; l++) {
-        const rsv_solution *light = &responses->light[l];
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(responses->context))
-        for (size_t n = 0; n < count; n++)
-            value[l * count + n] = rsv_bake_irradiance(light, &receiver[n]);
-    }
+    const rsv_bake_receiver *receiver = reader->receiver;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(light->context))
+    for (size_t n = 0; n < reader->count; n++)
+        value[n] = rsv_bake_irradiance(light, &receiver[n]);
+    return RSV_OK;
 }
 
-rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_receiver *receiver,
-    size_t count, const char *kind, const char *output, size_t *lights)
+rsv_bake_reader rsv_bake_surface_reader(
+    const char *kind, const rsv_bake_receiver *receiver, size_t count)
+{
+    return (rsv_bake_reader){ kind, receiver, count, 1, read_surfaces };
+}
+
+/// A basis on its way into its file.
+typedef struct basis {
+    const rsv_solution *s;
+    const rsv_bake_reader *reader;
+    rsv_light_responses *responses;
+    size_t turned; ///< angles of the surroundings beyond the first
+    size_t count;  ///< of all: responses, then those angles
+    rsv_rgb *value;
+    const char **name; ///< [count]
+} basis;
+
+static rsv_rgb *values_of(const basis *b, size_t light)
+{
+    return b->value + light * b->reader->count * b->reader->width;
+}
+
+static rsv_status read_turned(basis *b)
+{
+    rsv_status status = RSV_OK;
+    float first = b->s->scene.view->environment->rotation;
+    for (size_t k = 1; k <= b->turned; k++) {
+        rsv_solution sky;
+        float rotation = first + 360 * (float)k / (float)(b->turned + 1);
+        status = rsv_turned_surroundings_solve(b->s, rotation, &sky);
+        if (status == RSV_OK)
+            status = b->reader->read(b->reader, &sky, values_of(b, b->responses->count + k - 1));
+        rsv_turned_surroundings_free(&sky);
+        if (status == RSV_OK)
+            status = rsv_progress(b->s->context, "turn", (double)k / (double)b->turned);
+        if (status != RSV_OK) break;
+    }
+    return status;
+}
+
+static rsv_status read_lights(basis *b)
+{
+    rsv_status status = RSV_OK;
+    const rsv_light_responses *responses = b->responses;
+    b->count = responses->count + b->turned;
+    b->value =
+        rsv_alloc(b->s->context, b->count * b->reader->count, b->reader->width * sizeof *b->value);
+    b->name = rsv_alloc(b->s->context, b->count, sizeof *b->name);
+    RSV_TRY(b->value && b->name ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < b->count; k++)
+        b->name[k] = k < responses->count ? responses->name[k] : "environment";
+    for (size_t k = 0; k < responses->count; k++)
+        RSV_TRY(b->reader->read(b->reader, &responses->light[k], values_of(b, k)));
+    if (b->turned) RSV_TRY(read_turned(b));
+cleanup:
+    return status;
+}
+
+// ---- the file -------------------------------------------------------------------------------------
+
+/// Surroundings that turn are told apart by their number: what comes last.
+static rsv_status check_turns(const basis *b)
+{
+    if (!b->s->scene.view->environment)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "bake: there are no surroundings to be turned; give them, or leave out the turns");
+    if (!b->responses->sky_last)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "bake: a light is named 'environment' as the surroundings are: they cannot be turned "
+            "by themselves; rename it");
+    return RSV_OK;
+}
+
+static rsv_status describe(const basis *b, rsv_tensor_file *file)
 {
     rsv_status status;
-    rsv_light_responses *responses = NULL;
-    rsv_rgb *value = NULL;
+    char text[32];
+    RSV_TRY(rsv_note_set(file, "format", "resolvent-light-basis"));
+    RSV_TRY(rsv_note_set(file, "format_version", b->turned ? "2" : "1"));
+    RSV_TRY(rsv_note_set(file, "units", "W/m2 per linear RGB channel (irradiance)"));
+    RSV_TRY(rsv_note_set(file, "receivers", b->reader->kind));
+    RSV_TRY(rsv_write_names(file, "light.name", b->name, b->count));
+    if (b->turned) {
+        snprintf(text, sizeof text, "%zu", b->turned + 1);
+        RSV_TRY(rsv_note_set(file, "surroundings.turns", text));
+        snprintf(text, sizeof text, "%.9g", (double)b->s->scene.view->environment->rotation);
+        RSV_TRY(rsv_note_set(file, "surroundings.rotation", text));
+    }
+cleanup:
+    return status;
+}
+
+rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_reader *reader,
+    const rsv_bake_desc *desc, const char *output, size_t *lights)
+{
+    rsv_status status;
+    basis b = { .s = solution, .reader = reader, .turned = desc->turns - 1 };
     char path[RSV_PATH_BYTES];
     name_file(output, path);
     rsv_tensor_file file;
     status = rsv_tensor_file_begin(solution->context, path, &file);
     if (status != RSV_OK) return status;
-    RSV_TRY(rsv_light_responses_create(solution, &responses));
-    *lights = responses->count;
-    value = rsv_alloc(solution->context, responses->count * count, sizeof *value);
-    RSV_TRY(value ? RSV_OK : RSV_ERROR_MEMORY);
-    evaluate(responses, receiver, count, value);
-    const size_t shape[3] = { responses->count, count, 3 };
-    RSV_TRY(rsv_note_set(&file, "format", "resolvent-light-basis"));
-    RSV_TRY(rsv_note_set(&file, "format_version", "1"));
-    RSV_TRY(rsv_note_set(&file, "units", "W/m2 per linear RGB channel (irradiance)"));
-    RSV_TRY(rsv_note_set(&file, "receivers", kind));
-    RSV_TRY(rsv_write_names(&file, "light.name", responses->name, responses->count));
-    RSV_TRY(rsv_tensor_add(&file, "basis.value", RSV_TENSOR_F32, 3, shape, value));
+    RSV_TRY(rsv_light_responses_create(solution, &b.responses));
+    if (b.turned) RSV_TRY(check_turns(&b));
+    RSV_TRY(read_lights(&b));
+    *lights = b.count;
+    const size_t shape[3] = { b.count, reader->count, 3 * reader->width };
+    RSV_TRY(describe(&b, &file));
+    RSV_TRY(rsv_tensor_add(&file, "basis.value", RSV_TENSOR_F32, 3, shape, b.value));
     RSV_TRY(rsv_tensor_file_write(&file));
 cleanup:
     rsv_tensor_file_end(&file);
-    rsv_free(solution->context, value);
-    rsv_light_responses_destroy(responses);
+    rsv_free(solution->context, b.value);
+    rsv_free(solution->context, b.name);
+    rsv_light_responses_destroy(b.responses);
     return status;
 }

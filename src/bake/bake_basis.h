@@ -2,12 +2,28 @@
 #ifndef RSV_BAKE_BASIS_H
 #define RSV_BAKE_BASIS_H
 
-#include "../solve/light_response.h"
-#include "bake_tessellate.h"
+#include "bake_receiver.h"
+#include "resolvent/bake.h"
 
-/// Writes irradiance at receivers, light by light, beside the baked file: OUT.light.safetensors.
-/// @param kind what the receivers are: "vertex", "texel" @param lights out: how many there are
-rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_receiver *receiver,
-    size_t count, const char *kind, const char *output, size_t *lights);
+/// How light is read at receivers of some kind.
+typedef struct rsv_bake_reader {
+    const char *kind;     ///< as the file names it: "vertex", "texel"
+    const void *receiver; ///< [count]
+    size_t count;
+    size_t width; ///< RGB values of each
+    /// @param value out: [count][width]
+    rsv_status (*read)(
+        const struct rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value);
+} rsv_bake_reader;
+
+/// Irradiance on surfaces. @param receiver [count]; borrowed
+rsv_bake_reader rsv_bake_surface_reader(
+    const char *kind, const rsv_bake_receiver *receiver, size_t count);
+
+/// Writes what receivers read, light by light, beside the baked file: OUT.light.safetensors. Surroundings are there at
+/// each of desc->turns angles, last of all.
+/// @param lights out: how many there are, every angle of the surroundings counted
+rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_reader *reader,
+    const rsv_bake_desc *desc, const char *output, size_t *lights);
 
 #endif

@@ -4,8 +4,9 @@
 
 rsv_bake_desc rsv_default_bake_desc(void)
 {
-    return (
-        rsv_bake_desc){ .tolerance = 0.02f, .padding = 2, .keep_uv = true, .probe_samples = 64 };
+    return (rsv_bake_desc){
+        .tolerance = 0.02f, .padding = 2, .keep_uv = true, .turns = 1, .probe_samples = 64
+    };
 }
 
 rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
@@ -22,5 +23,7 @@ rsv_status rsv_bake_check_desc(const rsv_bake_desc *desc)
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the probes' spacing must be from 0 to 1e6 m");
     if (desc->probe_samples < 32 || desc->probe_samples > 65536)
         return rsv_fail(RSV_ERROR_ARGUMENT, "bake: a probe's samples must be from 32 to 65536");
+    if (desc->turns < 1 || desc->turns > 64)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "bake: the surroundings' turns must be from 1 to 64");
     return RSV_OK;
 }

@@ -244,6 +244,14 @@ cleanup:
     return status;
 }
 
+static rsv_status write_basis(const lightmap_bake *b, const char *output, size_t *lights)
+{
+    const rsv_bake_map *map = &b->layout.map;
+    rsv_bake_reader reader =
+        rsv_bake_surface_reader("texel", map->receiver, (size_t)map->width * map->height);
+    return rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
+}
+
 static void fill_report(const lightmap_bake *b, rsv_bake_report *report)
 {
     *report = (rsv_bake_report){ .charts = b->layout.charts.count,
@@ -292,9 +300,7 @@ rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, co
     fill_report(&b, report);
     if (b.desc->dry_run) goto cleanup;
     RSV_TRY(write_file(&b, output));
-    if (b.desc->basis)
-        RSV_TRY(rsv_bake_write_basis(solution, b.layout.map.receiver,
-            (size_t)b.layout.map.width * b.layout.map.height, "texel", output, &report->lights));
+    if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
 cleanup:
     close_file(&b);
     return status;

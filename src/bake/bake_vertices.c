@@ -181,7 +181,8 @@ static rsv_status write_basis(vertex_bake *b, const char *output, size_t *lights
         rsv_bake_number(&b->document, extras, "resolvent_first_receiver", (double)at);
         at += mesh->vertex_count;
     }
-    rsv_status status = rsv_bake_write_basis(b->s, all, count, "vertex", output, lights);
+    rsv_bake_reader reader = rsv_bake_surface_reader("vertex", all, count);
+    rsv_status status = rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
     rsv_free(b->s->context, all);
     return status;
 }

@@ -15,14 +15,11 @@ static rsv_status prepare_sampling(rsv_environment_light *light)
     return status;
 }
 
-/// The pixels are copied: the scene's may be replaced.
-rsv_status rsv_environment_light_create(const rsv_scene *scene, rsv_environment_light **result)
+/// Not ready to be sampled yet. The pixels are copied: the scene's may be replaced.
+static rsv_status copy_environment(
+    rsv_context *context, const rsv_environment *environment, rsv_environment_light **result)
 {
-    const rsv_environment *environment = rsv_scene_get_view(scene)->environment;
-    rsv_context *context = rsv_scene_get_context(scene);
     rsv_status status = RSV_OK;
-    *result = NULL;
-    if (!environment) return RSV_OK;
     rsv_environment_light *light = rsv_alloc(context, 1, sizeof *light);
     if (!light) return RSV_ERROR_MEMORY;
     light->context = context;
@@ -33,12 +30,37 @@ rsv_status rsv_environment_light_create(const rsv_scene *scene, rsv_environment_
     light->whole = rsv_sky_from_environment(environment);
     light->whole.pixel = light->whole_pixels;
     light->sampled = light->whole;
+    *result = light;
+    light = NULL;
+cleanup:
+    rsv_environment_light_destroy(light);
+    return status;
+}
+
+rsv_status rsv_environment_light_create(const rsv_scene *scene, rsv_environment_light **result)
+{
+    const rsv_environment *environment = rsv_scene_get_view(scene)->environment;
+    rsv_environment_light *light = NULL;
+    rsv_status status = RSV_OK;
+    *result = NULL;
+    if (!environment) return RSV_OK;
+    RSV_TRY(copy_environment(rsv_scene_get_context(scene), environment, &light));
     RSV_TRY(prepare_sampling(light));
     *result = light;
     light = NULL;
 cleanup:
     rsv_environment_light_destroy(light);
     return status;
+}
+
+rsv_status rsv_environment_light_create_turned(
+    const rsv_scene *scene, float rotation, rsv_environment_light **light)
+{
+    rsv_environment turned = *rsv_scene_get_view(scene)->environment;
+    turned.rotation = rotation;
+    *light = NULL;
+    rsv_status status = copy_environment(rsv_scene_get_context(scene), &turned, light);
+    return status == RSV_OK ? rsv_environment_light_divide(*light) : status;
 }
 
 void rsv_environment_light_destroy(rsv_environment_light *light)

@@ -37,6 +37,10 @@ typedef struct rsv_environment_light {
 
 /// Undivided. *light is NULL if the scene has no environment.
 rsv_status rsv_environment_light_create(const rsv_scene *scene, rsv_environment_light **light);
+/// Divided, and at another rotation: degrees as in rsv_environment. The scene must have surroundings.
+/// @param light to be destroyed even after an error
+rsv_status rsv_environment_light_create_turned(
+    const rsv_scene *scene, float rotation, rsv_environment_light **light);
 void rsv_environment_light_destroy(rsv_environment_light *light);
 
 /// Divides it, once.

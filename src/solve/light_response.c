@@ -37,9 +37,11 @@ static void group_sources(builder *b)
             source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(b->s->lights, source->index);
         size_t own = find_name(b->r, source->name);
         if (gathered && b->gathered != SIZE_MAX) own = b->gathered;
-        if (own == b->r->count) b->r->name[b->r->count++] = source->name;
+        bool fresh = own == b->r->count;
+        if (fresh) b->r->name[b->r->count++] = source->name;
         if (gathered) b->gathered = own;
         if (source->kind == RSV_SOURCE_SURROUNDINGS) b->surroundings = own;
+        b->r->sky_last = fresh && source->kind == RSV_SOURCE_SURROUNDINGS;
         b->group[k] = own;
     }
 }

@@ -13,7 +13,8 @@ typedef struct rsv_light_responses {
     const char **name; ///< [count] the scene's
     /// [count] for rsv_solution_irradiance with all orders, and for nothing else
     rsv_solution *light;
-    bool owned; ///< whether the fields of `light` are its own
+    bool sky_last; ///< the last one is of the surroundings and of nothing else
+    bool owned;    ///< whether the fields of `light` are its own
 } rsv_light_responses;
 
 /// RSV_ERROR_UNSUPPORTED beyond RSV_MAX_LIGHT_PARTS sources. The solution must outlive the responses.

@@ -35,17 +35,23 @@ cleanup:
     return status;
 }
 
-void rsv_source_add_gathered(rsv_solution *s)
+void rsv_source_complete(rsv_solution *s)
 {
-    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
         s->source[n] = rgb_add(s->source[n], s->gathered[n]);
         if (s->caustics.coarse_caustic)
             s->source[n] = rgb_add(s->source[n], s->caustics.coarse_caustic[n]);
     }
     rsv_elements_constrain(s->elements, s->gathered);
     rsv_elements_constrain(s->elements, s->source);
+}
+
+void rsv_source_add_gathered(rsv_solution *s)
+{
+    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
+    rsv_source_complete(s);
 }
 
 rsv_status rsv_source_create(rsv_solution *s)

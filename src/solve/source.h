@@ -14,6 +14,9 @@ rsv_status rsv_source_create_levels(rsv_solution *solution);
 /// E0 on the coarse elements: next-event estimates, gathered emission and caustics. Needs rows.
 rsv_status rsv_source_create(rsv_solution *solution);
 
+/// Adds what is gathered, and caustics, to the next-event estimates in `source`.
+void rsv_source_complete(rsv_solution *solution);
+
 /// Adds gathered emission, by rows and by the bins of the surroundings as they are now, and caustics to `source`.
 void rsv_source_add_gathered(rsv_solution *solution);
 

@@ -2,6 +2,7 @@
 #define RSV_RT_SCALAR
 #define rsv_rt_status_text scalar_status_text
 #define rsv_rt_relight scalar_relight
+#define rsv_rt_turn scalar_turn
 #define rsv_rt_operator_check scalar_operator_check
 #define rsv_rt_solver_begin scalar_solver_begin
 #define rsv_rt_solver_update scalar_solver_update

@@ -72,6 +72,23 @@ static void both_twins_relight_alike(void)
     free(value);
 }
 
+/// Whatever the turn, the two angles next to it share the light; whole turns change nothing.
+static void a_turning_sky_goes_from_angle_to_angle(void)
+{
+    const float color[3] = { 1, 2, 0.5f }, turn[] = { 0, 0.25f, 0.3125f, -0.0625f, 3.25f, 1e30f };
+    const int before[] = { 0, 1, 1, 3, 1, 0 };
+    const double share[] = { 0, 0, 0.25, 0.75, 0, 0 };
+    float scale[12];
+    for (size_t t = 0; t < sizeof turn / sizeof turn[0]; t++) {
+        int after = (before[t] + 1) % 4;
+        rsv_rt_turn(turn[t], color, 4, scale);
+        for (int k = 0; k < 12; k++) {
+            double expected = k / 3 == before[t] ? 1 - share[t] : k / 3 == after ? share[t] : 0;
+            check(is_near(scale[k], expected * (double)color[k % 3], 1e-6), "a turn of the sky");
+        }
+    }
+}
+
 // ---- operator -------------------------------------------------------------------------------------
 
 typedef struct random_operator {
@@ -211,6 +228,7 @@ static void probes_give_irradiance(void)
 int main(void)
 {
     both_twins_relight_alike();
+    a_turning_sky_goes_from_angle_to_angle();
     furnace_fills_up_within_budgets();
     damaged_operators_are_refused();
     receivers_mix_three_elements();

@@ -1,11 +1,11 @@
-// The page in headless Chromium: the baked box looks like our own picture, follows its light, and says what is wrong.
-// usage: test_page.mjs WEB_FOLDER BUILT_PAGE [SCREENSHOT.png]
+// The page in headless Chromium: baked scenes look like our own pictures, follow their lights, and say what is wrong.
+// usage: test_page.mjs WEB_FOLDER BUILT_PAGE [FOLDER_FOR_SCREENSHOTS]
 import { createServer } from "node:http";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { join, normalize, resolve } from "node:path";
 
-const [web, page_folder, screenshot] = process.argv.slice(2);
+const [web, page_folder, screenshots] = process.argv.slice(2);
 const { chromium } = createRequire(resolve(web, "package.json"))("playwright-core");
 const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
 let failures = 0;
@@ -41,20 +41,31 @@ async function open(query, setup) {
     return page;
 }
 
-const page = await open("");
-const difference = await page.evaluate(() => window.page.then((shown) => shown.compareWith("scene/box-operator.png")));
-console.log("mean difference per channel:", difference.map((d) => `${(100 * d).toFixed(2)} %`).join(", "));
-check(difference.every((d) => d <= 0.02), "the box differs from our own picture");
-if (screenshot) {
+async function compare(page, picture) {
+    const difference = await page.evaluate((url) => window.page.then((shown) => shown.compareWith(url)), picture);
+    console.log(`${picture}: mean difference per channel`, difference.map((d) => `${(100 * d).toFixed(2)} %`).join(", "));
+    check(difference.every((d) => d <= 0.02), `the page differs from ${picture}`);
+}
+
+async function slide(page, selector, value) {
+    await page.evaluate(([selector, value]) => {
+        const slider = document.querySelector(selector);
+        slider.value = value;
+        slider.dispatchEvent(new Event("input"));
+    }, [selector, value]);
+}
+
+async function photograph(page, name) {
+    if (!screenshots) return;
     await page.setViewportSize({ width: 720, height: 540 });
-    await page.screenshot({ path: screenshot });
+    await page.screenshot({ path: join(screenshots, name) });
     await page.setViewportSize({ width: 256, height: 256 });
 }
-await page.evaluate(() => {
-    const slider = document.querySelector("[data-light]");
-    slider.value = 0;
-    slider.dispatchEvent(new Event("input"));
-});
+
+const page = await open("");
+await compare(page, "scene/box-operator.png");
+await photograph(page, "web.png");
+await slide(page, "[data-light]", 0);
 const dark = await page.evaluate(() => window.page.then((shown) => shown.basis.irradiance.every((value) => value === 0)));
 check(dark, "the only light is off, and it is not dark");
 
@@ -69,6 +80,11 @@ const milliseconds = await page.evaluate(() => window.page.then(({ basis }) => {
     return (performance.now() - start) / passes;
 }));
 console.log(`100,000 receivers, 4 lights: ${milliseconds.toFixed(3)} ms`);
+
+const hill = await open("?scene=scene/hill");
+await slide(hill, "#turn", 90);
+await compare(hill, "scene/hill-turned.png");
+await photograph(hill, "web-sky.png");
 
 const truncated = await open("?scene=truncated/box");
 check(await truncated.locator("#message").innerText().then((text) => /cannot be shown/.test(text)), "a scene cut off");

@@ -27,7 +27,10 @@ mkdir "$page/scene"
 "$program" render cornell-blocks -o "$page/scene/box-operator.png" --mode operator --quality draft \
     --size 256x256 --spp 16
 cp "$page/scene/box-operator.png" "$page/scene/box.png"
-"$program" bake cornell-blocks -o "$work/unlit.glb" --to vertex --unlit --quality draft
+hill=(terraces:5000 --env "$page/scene/hill.hdr" --quality draft --max-elements 1500)
+node "$source/web/make_sky.mjs" "$page/scene/hill.hdr"
+"$program" bake "${hill[@]}" -o "$page/scene/hill.glb" --to vertex --unlit --basis --env-turns 4
+"$program" render "${hill[@]}" --env-rotate 90 -o "$page/scene/hill-turned.png" --mode operator --size 256x256 --spp 16
 "$program" bake cornell-blocks -o "$work/map.glb" --to lightmap --map-size 256 --quality draft
-node "$source/tests/web/validate.mjs" "$source/web" "$page/scene/box.glb" "$work/unlit.glb" "$work/map.glb"
+node "$source/tests/web/validate.mjs" "$source/web" "$page/scene/box.glb" "$page/scene/hill.glb" "$work/map.glb"
 node "$source/tests/web/test_page.mjs" "$source/web" "$page"

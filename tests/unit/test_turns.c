@@ -1,0 +1,198 @@
+/// Surroundings that the runtime turns, against the library's relighting.
+#include "bake/bake_basis.h"
+#include "resolvent/relight.h"
+#include "resolvent_rt_file.h"
+#include "solve/turned_surroundings.h"
+
+#include "file_fixture.h"
+#include "light_fixture.h"
+
+enum { COLUMNS = 64, ROWS = 32, TURNS = 4, PLACES = 12 };
+#define FIRST 20.0f
+#define STEP (360.0f / TURNS)
+
+/// The box with its lamp under a sky, open at one side, and what each of them does alone.
+typedef struct open_box {
+    folder place;
+    rsv_context *context;
+    rsv_scene *scene;
+    rsv_solution *solution;
+    rsv_relighter *relighter;
+    rsv_bake_receiver *receiver;
+    size_t receiver_count;
+    rsv_rt_file file; ///< the lamp, then the sky at TURNS angles
+    rsv_rt_basis basis;
+    float *light; ///< [receiver_count][3]
+} open_box;
+
+/// Brighter towards one side, and warmer there.
+static void set_sky(rsv_scene *scene)
+{
+    static rsv_rgb pixel[ROWS * COLUMNS];
+    for (uint32_t k = 0; k < ROWS * COLUMNS; k++) {
+        float glow = 1 + cosf(2 * RSV_PI * ((float)(k % COLUMNS) + 0.5f) / COLUMNS);
+        pixel[k] = rgb(glow, 0.5f + 0.5f * glow, 1);
+    }
+    const rsv_environment sky = {
+        .pixels = pixel, .width = COLUMNS, .height = ROWS, .intensity = 1, .rotation = FIRST
+    };
+    assert_int_equal(rsv_scene_set_environment(scene, &sky), RSV_OK);
+}
+
+static void choose_receivers(open_box *b)
+{
+    size_t triangles = rsv_scene_get_view(b->scene)->triangle_count;
+    b->receiver_count = PLACES * triangles;
+    b->receiver = calloc(b->receiver_count, sizeof *b->receiver);
+    b->light = calloc(b->receiver_count, 3 * sizeof *b->light);
+    for (uint32_t k = 0; k < b->receiver_count; k++) {
+        float x, y;
+        rsv_sobol_2d(k % PLACES, 0, &x, &y);
+        b->receiver[k] = (rsv_bake_receiver){ .triangle = k / PLACES };
+        b->receiver[k].u = x + y < 1 ? x : 1 - x;
+        b->receiver[k].v = x + y < 1 ? y : 1 - y;
+    }
+}
+
+static void write_basis(open_box *b)
+{
+    rsv_bake_desc desc = rsv_default_bake_desc();
+    rsv_bake_reader reader = rsv_bake_surface_reader("point", b->receiver, b->receiver_count);
+    size_t lights;
+    desc.turns = TURNS;
+    if (rsv_bake_write_basis(b->solution, &reader, &desc, path_in(&b->place, "box.glb"), &lights))
+        fail_msg("%s", rsv_last_error());
+    assert_int_equal(lights, 1 + TURNS);
+    if (rsv_rt_file_open(&b->file, path_in(&b->place, "box.light.safetensors")) ||
+        rsv_rt_file_basis(&b->file, &b->basis))
+        fail_msg("%s", b->file.message);
+    assert_int_equal(b->basis.receiver_count, b->receiver_count);
+}
+
+static int solve_box(void **state)
+{
+    open_box *b = calloc(1, sizeof *b);
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 500;
+    desc.rays_per_element = 64;
+    desc.refinements = 0;
+    desc.light_samples = 16;
+    desc.direct_levels = 1;
+    b->place = new_folder();
+    assert_int_equal(rsv_context_create(NULL, &b->context), RSV_OK);
+    assert_int_equal(rsv_scene_builtin(b->context, "cornell-blocks", &b->scene), RSV_OK);
+    set_sky(b->scene);
+    if (rsv_solution_create(b->scene, &desc, &b->solution)) fail_msg("%s", rsv_last_error());
+    choose_receivers(b);
+    write_basis(b);
+    *state = b;
+    return 0;
+}
+
+static int remove_box(void **state)
+{
+    open_box *b = *state;
+    rsv_relighter_destroy(b->relighter);
+    rsv_solution_destroy(b->solution);
+    rsv_scene_destroy(b->scene);
+    rsv_context_destroy(b->context);
+    rsv_rt_file_close(&b->file);
+    remove_folder(b->place.path);
+    free(b->receiver);
+    free(b->light);
+    free(b);
+    return 0;
+}
+
+/// What the runtime makes of the sky at an angle, and of the lamp at some strength.
+static void turn_by_runtime(open_box *b, float degrees, float lamp)
+{
+    float scale[3 * (1 + TURNS)] = { lamp, lamp, lamp };
+    const float sky[3] = { 1, 1, 1 };
+    rsv_rt_file_turns turns = rsv_rt_file_find_turns(&b->file, &b->basis);
+    assert_true(turns.first == 1 && turns.count == TURNS && turns.rotation == FIRST);
+    rsv_rt_turn((degrees - turns.rotation) / 360, sky, turns.count, scale + 3 * turns.first);
+    assert_int_equal(
+        rsv_rt_relight(&b->basis, scale, 1 + TURNS, 0, b->basis.receiver_count, b->light),
+        RSV_RT_OK);
+}
+
+static void turn_by_library(open_box *b, float degrees, float lamp)
+{
+    const rsv_light_scale scale = { "light", { lamp, lamp, lamp } };
+    const rsv_relight_desc desc = {
+        .light = &scale, .light_count = 1, .turn = true, .rotation = degrees
+    };
+    if (!b->relighter)
+        assert_int_equal(rsv_relighter_create(b->solution, b->scene, &b->relighter), RSV_OK);
+    assert_int_equal(rsv_relighter_change(b->relighter, &desc), RSV_OK);
+    assert_int_equal(rsv_relighter_settle(b->relighter), RSV_OK);
+}
+
+typedef struct difference {
+    double largest, mean; ///< of the largest light, of the mean light
+} difference;
+
+/// The runtime's light at an angle beside that of the library.
+static difference compare(open_box *b, const rsv_solution *s, float degrees, float lamp)
+{
+    turn_by_runtime(b, degrees, lamp);
+    double most = 0, sum = 0;
+    difference d = { 0, 0 };
+    for (size_t k = 0; k < b->receiver_count; k++) {
+        rsv_rgb truth = rsv_bake_irradiance(s, &b->receiver[k]);
+        for (int c = 0; c < 3; c++) {
+            double value = (double)(&truth.r)[c], off = fabs((double)b->light[3 * k + c] - value);
+            most = fmax(most, value);
+            sum += value;
+            d.largest = fmax(d.largest, off);
+            d.mean += off;
+        }
+    }
+    print_message("%g degrees, lamp %g: largest difference %.3g, mean %.3g\n", (double)degrees,
+        (double)lamp, d.largest / most, d.mean / sum);
+    return (difference){ d.largest / most, d.mean / sum };
+}
+
+static void at_first_light_is_as_baked(void **state)
+{
+    open_box *b = *state;
+    assert_true(compare(b, b->solution, FIRST, 1).largest < 1e-6);
+}
+
+static void the_sky_at_a_baked_angle_is_relit_exactly(void **state)
+{
+    open_box *b = *state;
+    turn_by_library(b, FIRST + 3 * STEP, 0);
+    assert_true(compare(b, b->solution, FIRST + 3 * STEP, 0).largest < 1e-4);
+}
+
+/// Sharpening looks at contrasts, which are not those of lights one by one.
+static void lights_and_a_turned_sky_add_up(void **state)
+{
+    open_box *b = *state;
+    turn_by_library(b, FIRST + 3 * STEP, 1);
+    assert_true(compare(b, b->solution, FIRST + 3 * STEP, 1).mean < 2e-3);
+}
+
+/// A sky of cos(phi) is too dark by up to 1 - cos(STEP / 2) there, as a mean of two of its turns.
+static void between_angles_light_changes_evenly(void **state)
+{
+    open_box *b = *state;
+    rsv_solution sky;
+    float degrees = FIRST + 1.5f * STEP;
+    assert_int_equal(rsv_turned_surroundings_solve(b->solution, degrees, &sky), RSV_OK);
+    assert_true(compare(b, &sky, degrees, 0).mean < 1 - (double)cosf(RSV_PI / TURNS));
+    rsv_turned_surroundings_free(&sky);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(at_first_light_is_as_baked),
+        cmocka_unit_test(the_sky_at_a_baked_angle_is_relit_exactly),
+        cmocka_unit_test(lights_and_a_turned_sky_add_up),
+        cmocka_unit_test(between_angles_light_changes_evenly),
+    };
+    return cmocka_run_group_tests(tests, solve_box, remove_box);
+}
