@@ -30,6 +30,11 @@ if(TARGET resolvent_program AND TARGET sample_engine_loop)
         $<TARGET_FILE:resolvent_program> $<TARGET_FILE:sample_engine_loop>)
     set_tests_properties(cli_runtime PROPERTIES LABELS slow ENVIRONMENT "${RSV_LEAKS}")
 endif()
+if(TARGET resolvent_program AND TARGET sample_window)
+    add_test(NAME cli_window COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_window.sh
+        $<TARGET_FILE:resolvent_program> $<TARGET_FILE:sample_window>)
+    set_tests_properties(cli_window PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
+endif()
 if(TARGET resolvent_program)
     add_test(NAME cli_docs COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_docs.sh
         $<TARGET_FILE:resolvent_program> ${PROJECT_SOURCE_DIR}/docs/start-here.md)

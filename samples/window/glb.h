@@ -1,0 +1,33 @@
+/// As much of a baked glTF file as it takes to show its light: triangles, colours, one camera.
+#ifndef GLB_H
+#define GLB_H
+
+#include <stdint.h>
+
+/// Triangles of one material.
+typedef struct glb_part {
+    const char *name;      ///< of the material
+    float base_color[3];   ///< linear
+    float emission[3];     ///< radiance of a lamp, as baked
+    uint32_t first, count; ///< into glb_scene.index
+} glb_part;
+
+/// Vertices stand in the order of the receivers of the file's light basis; what has no baked light follows.
+typedef struct glb_scene {
+    char message[160]; ///< what went wrong
+    unsigned char *bytes;
+    struct cJSON *json;
+    uint32_t receiver_count, vertex_count, index_count, part_count, node_count;
+    float (*position)[3]; ///< [vertex_count] metres, in the world
+    uint32_t *index;      ///< [index_count] three of each triangle
+    glb_part *part;
+    float camera[16];  ///< camera to world, column by column
+    float fov, aspect; ///< vertical, radians; width over height
+} glb_scene;
+
+/// @param receivers of the light basis that was baked with it
+/// @return 0, or -1 with scene->message; glb_free it in either case
+int glb_load(glb_scene *scene, const char *path, uint32_t receivers);
+void glb_free(glb_scene *scene);
+
+#endif

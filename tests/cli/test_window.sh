@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# The sample's window, by software on a display of its own: what it shows is our own picture.
+# usage: test_window.sh PROGRAM WINDOW
+source "$(dirname "$0")/support.sh"
+window=$2
+
+skip() {
+    echo "skipped: $*"
+    exit 77
+}
+
+command -v Xvfb >/dev/null || skip "Xvfb is not installed"
+Xvfb -displayfd 3 -screen 0 640x640x24 -nolisten tcp 3>display >/dev/null 2>&1 &
+server=$!
+trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
+for ((k = 0; k < 100; k++)); do
+    [[ -s display ]] && break
+    sleep 0.1
+done
+export DISPLAY=:$(cat display) SDL_VIDEODRIVER=x11 LIBGL_ALWAYS_SOFTWARE=1
+
+succeeds bake cornell-blocks -o box.glb --to vertex --basis --quality draft
+if ! "$window" box.glb box.light.safetensors 3 shown.png 2>stderr; then
+    grep -qi 'GL' stderr && skip "no OpenGL 3.3: $(cat stderr)"
+    complain "the window fails"
+fi
+succeeds render cornell-blocks -o own.png --mode operator --quality draft --size 512x512 --spp 4
+succeeds compare own.png shown.png
+says '^mean_ratio *\(0.99\|1.00\)'
+says '^relative_mse *[0-9.]*e-0[3-9]\|^relative_mse *0.00'
+
+"$window" /dev/null box.light.safetensors 2>stderr && complain "an empty scene is shown"
+warns 'not a .glb'
+"$window" box.glb /dev/null 2>stderr && complain "an empty basis is taken"
+warns 'too short'
+head -c 100000 box.glb >cut.glb
+"$window" cut.glb box.light.safetensors 2>stderr && complain "half a scene is shown"
+warns 'cut off'
+finish
