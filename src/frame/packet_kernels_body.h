@@ -102,14 +102,14 @@ static void look_up_packet(const rsv_light_table *restrict table,
     }
 }
 
-/// Compiled once for each choice of `first` and `soft`.
-static inline __attribute__((always_inline)) void display(bool first, bool soft, float scale,
-    uint32_t count, const float *restrict in, float *restrict total, uint8_t *restrict out)
+/// Compiled once for each choice of `first` and `soft`. @param code [4 * count]
+static inline __attribute__((always_inline)) void add_and_code(bool first, bool soft, float scale,
+    uint32_t count, const float *restrict in, float *restrict total, int *restrict code)
 {
     for (uint32_t k = 0; k < 4 * count; k++) {
         float sum = first ? in[k] : total[k] + in[k];
         if (!first) total[k] = sum;
-        out[k] = rsv_tone_code(sum * scale, soft);
+        code[k] = rsv_tone_code(sum * scale, soft);
     }
 }
 
@@ -127,24 +127,19 @@ static void begin_sums(uint32_t count, const float *restrict in, float *restrict
 static void display_row(const rsv_frame_tone *tone, uint32_t count,
     const float (*restrict radiance)[4], float (*restrict sum)[4], uint8_t (*restrict pixel)[4])
 {
+    _Alignas(64) int code[4 * RSV_TILE];
     const float *in = radiance[0];
     float *total = sum[0];
     uint8_t *out = pixel[0];
     if (tone->first && tone->soft)
-        display(true, true, tone->scale, count, in, total, out);
+        add_and_code(true, true, tone->scale, count, in, total, code);
     else if (tone->first)
-        display(true, false, tone->scale, count, in, total, out);
+        add_and_code(true, false, tone->scale, count, in, total, code);
     else
-        display(false, tone->soft, tone->scale, count, in, total, out);
+        add_and_code(false, tone->soft, tone->scale, count, in, total, code);
     if (tone->first) begin_sums(count, in, total);
-    const uint8_t opaque[4] = { 0, 0, 0, 255 };
-    uint32_t code, alpha;
-    memcpy(&alpha, opaque, sizeof alpha);
-    for (uint32_t k = 0; k < count; k++) { // as one word, which vectorises
-        memcpy(&code, pixel[k], sizeof code);
-        code |= alpha;
-        memcpy(pixel[k], &code, sizeof code);
-    }
+    for (uint32_t k = 0; k < 4 * count; k++)
+        out[k] = (uint8_t)(k % 4 == 3 ? 255 : code[k]);
 }
 
 const rsv_packet_kernels RSV_KERNELS = { aim_packet, approach_packet, locate_packet, look_up_packet,

@@ -23,12 +23,12 @@ RSV_INLINE float rsv_srgb_code(float x)
     return 255 * (x <= 0.0031308f ? 12.92f * x : curve);
 }
 
-/// @param x radiance times 2^exposure
-RSV_INLINE uint8_t rsv_tone_code(float x, bool soft)
+/// A code, 0 .. 255. @param x radiance times 2^exposure
+RSV_INLINE int rsv_tone_code(float x, bool soft)
 {
     x = f_max(x, 0);
     x = soft ? x * (1 + x * (1.0f / 16)) / (1 + x) : x;
-    return (uint8_t)(int)(rsv_srgb_code(f_min(x, 1)) + 0.5f);
+    return (int)(rsv_srgb_code(f_min(x, 1)) + 0.5f);
 }
 
 #endif
