@@ -55,6 +55,9 @@ typedef struct rsv_aimed_ray {
 uint32_t rsv_mover_aim(const rsv_mover *mover, rsv_vec3 point, rsv_vec3 normal, rsv_vec3 origin,
     uint32_t samples, uint32_t stream, rsv_aimed_ray *ray);
 
+/// Whether the object may lie between a point and some lamp.
+bool rsv_mover_may_shade(const rsv_mover *mover, rsv_vec3 point);
+
 /// Irradiance that the object keeps from a point of the scene's surfaces.
 rsv_rgb rsv_mover_shadow(const rsv_mover *mover, const rsv_surface_point *point, uint32_t stream);
 

@@ -103,23 +103,24 @@ uint32_t rsv_mover_aim(const rsv_mover *m, rsv_vec3 point, rsv_vec3 normal, rsv_
     return count;
 }
 
-/// Whether the object may lie between a point and some lamp: whether its ball meets the cone from the point to the ball
-/// around the lamps. At a share s of the way to their middle, the cone is s times as wide as that ball.
-static bool may_shade(const rsv_mover *m, const rsv_surface_point *point)
+/// Two balls share a direction if their middles, as seen, are no farther apart than their angular radii together.
+bool rsv_mover_may_shade(const rsv_mover *m, rsv_vec3 point)
 {
-    rsv_vec3 to = v3_sub(m->ball.centre, point->position);
-    if (v3_dot(to, point->geometric) < -m->ball.radius) return false;
     if (!m->lamps_bounded) return true;
-    rsv_vec3 way = v3_sub(m->lamps.centre, point->position);
-    float length = v3_length(way);
-    if (!(length > 0)) return true;
-    float along = v3_dot(to, way) / (length * length);
-    float slack =
-        (m->lamps.radius + m->ball.radius) / length; // a share where both meet is no farther off
-    if (along < -slack || along > 1 + slack) return false;
-    float widest = f_min(f_max(along, 0) + slack, 1);
-    rsv_vec3 apart = v3_mad(to, -along, way);
-    return v3_length(apart) <= m->ball.radius + widest * m->lamps.radius;
+    rsv_vec3 to = v3_sub(m->ball.centre, point), way = v3_sub(m->lamps.centre, point);
+    float near = v3_length(to), far = v3_length(way);
+    if (near <= m->ball.radius || far <= m->lamps.radius) return true;
+    if (near - m->ball.radius > far + m->lamps.radius) return false;
+    float sine = m->ball.radius / near, lamp_sine = m->lamps.radius / far;
+    float cosine = sqrtf(1 - sine * sine), lamp_cosine = sqrtf(1 - lamp_sine * lamp_sine);
+    float widest = cosine * lamp_cosine - sine * lamp_sine;
+    return v3_dot(to, way) >= (widest - 1e-5f) * near * far; // 1e-5: rounding
+}
+
+/// Whether all of the object lies behind a surface.
+static bool is_behind(const rsv_mover *m, const rsv_surface_point *point)
+{
+    return v3_dot(v3_sub(m->ball.centre, point->position), point->geometric) < -m->ball.radius;
 }
 
 /// Whether a ray passes the object's ball: most do.
@@ -134,7 +135,7 @@ static bool misses_ball(const rsv_mover *m, const rsv_ray *ray)
 rsv_rgb rsv_mover_shadow(const rsv_mover *m, const rsv_surface_point *point, uint32_t stream)
 {
     rsv_rgb kept = rgb_gray(0);
-    if (!may_shade(m, point)) return kept;
+    if (is_behind(m, point) || !rsv_mover_may_shade(m, point->position)) return kept;
     rsv_aimed_ray aimed[RSV_MOST_AIMED];
     rsv_vec3 origin = rsv_offset_origin(point->position, point->geometric, point->extent);
     uint32_t samples = (m->desc.light_samples + 3) / 4;

@@ -43,6 +43,14 @@ RSV_INLINE bool rsv_packet_meets_back(const rsv_ray_packet *p, uint32_t lane)
            0;
 }
 
+/// Where a ray ended.
+RSV_INLINE rsv_vec3 rsv_packet_point(const rsv_ray_packet *p, uint32_t lane)
+{
+    rsv_vec3 origin = v3(p->origin_x[lane], p->origin_y[lane], p->origin_z[lane]);
+    rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
+    return v3_mad(origin, p->t_max[lane], direction);
+}
+
 /// From a packet to its radiance in three steps. Each asks the memory for what the next one reads, so that other
 /// packets' steps between them hide the waiting.
 typedef struct rsv_packet_kernels {
