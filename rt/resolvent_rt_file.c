@@ -263,6 +263,27 @@ int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
     return fail(file, "it names other lights than it holds");
 }
 
+int rsv_rt_file_probes(rsv_rt_file *file, const rsv_rt_basis *basis, rsv_rt_probe_grid *grid)
+{
+    const uint32_t *size = sized(file, "probe.size", "U32", 3);
+    const float *origin = sized(file, "probe.origin", "F32", 3);
+    const float *spacing = sized(file, "probe.spacing", "F32", 3);
+    memset(grid, 0, sizeof *grid);
+    grid->valid = sized(file, "probe.valid", "U8", basis->receiver_count);
+    if (!size || !origin || !spacing || !grid->valid) return -1;
+    double probes = (double)size[0] * size[1] * size[2];
+    if (basis->value_count != RSV_RT_SH_COUNT || probes != (double)basis->receiver_count)
+        return fail(file, "its grid has other probes than its basis");
+    for (int a = 0; a < 3; a++) {
+        if (!(spacing[a] > 0 && origin[a] - origin[a] == 0))
+            return fail(file, "its grid of probes has no extent");
+        grid->size[a] = size[a];
+        grid->origin[a] = origin[a];
+        grid->spacing[a] = spacing[a];
+    }
+    return 0;
+}
+
 rsv_rt_file_turns rsv_rt_file_find_turns(const rsv_rt_file *file, const rsv_rt_basis *basis)
 {
     rsv_rt_file_turns turns = { 0, 0, 0 };

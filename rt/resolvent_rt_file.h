@@ -42,6 +42,10 @@ int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct);
 /// The basis of a file that `resolvent bake` wrote.
 int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis);
 
+/// The grid of a basis of probes (basis.value_count RSV_RT_SH_COUNT), for rsv_rt_probe_at. @return 0, or -1 with
+/// file->message
+int rsv_rt_file_probes(rsv_rt_file *file, const rsv_rt_basis *basis, rsv_rt_probe_grid *grid);
+
 /// Surroundings of a basis that can be turned by rsv_rt_turn: the last `count` lights, all of one name.
 typedef struct rsv_rt_file_turns {
     uint32_t first, count; ///< lights of the basis; count 0 = there are none to be turned

@@ -113,8 +113,6 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     else if (!cli_ends_in(s->output, s->target == TO_PROBES ? ".json" : ".glb"))
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output,
             s->target == TO_PROBES ? ".json" : ".glb");
-    else if (s->target == TO_PROBES && s->bake.basis)
-        *exit_status = cli_usage_error("bake", "--basis does not go with --to probes");
     else if (s->bake.turns > 1 && !s->bake.basis)
         *exit_status = cli_usage_error("bake", "--env-turns goes with --basis");
     else if (s->target != TO_LIGHTMAP && s->bake.directional)

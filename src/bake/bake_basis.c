@@ -31,7 +31,12 @@ static rsv_status read_surfaces(
 rsv_bake_reader rsv_bake_surface_reader(
     const char *kind, const rsv_bake_receiver *receiver, size_t count)
 {
-    return (rsv_bake_reader){ kind, receiver, count, 1, read_surfaces };
+    return (rsv_bake_reader){ .kind = kind,
+        .units = "W/m2 per linear RGB channel (irradiance)",
+        .receiver = receiver,
+        .count = count,
+        .width = 1,
+        .read = read_surfaces };
 }
 
 /// A basis on its way into its file.
@@ -107,7 +112,7 @@ static rsv_status describe(const basis *b, rsv_tensor_file *file)
     char text[32];
     RSV_TRY(rsv_note_set(file, "format", "resolvent-light-basis"));
     RSV_TRY(rsv_note_set(file, "format_version", b->turned ? "2" : "1"));
-    RSV_TRY(rsv_note_set(file, "units", "W/m2 per linear RGB channel (irradiance)"));
+    RSV_TRY(rsv_note_set(file, "units", b->reader->units));
     RSV_TRY(rsv_note_set(file, "receivers", b->reader->kind));
     RSV_TRY(rsv_write_names(file, "light.name", b->name, b->count));
     if (b->turned) {
@@ -116,6 +121,7 @@ static rsv_status describe(const basis *b, rsv_tensor_file *file)
         snprintf(text, sizeof text, "%.9g", (double)b->s->scene.view->environment->rotation);
         RSV_TRY(rsv_note_set(file, "surroundings.rotation", text));
     }
+    if (b->reader->describe) RSV_TRY(b->reader->describe(b->reader, file));
 cleanup:
     return status;
 }

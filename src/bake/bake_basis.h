@@ -2,18 +2,22 @@
 #ifndef RSV_BAKE_BASIS_H
 #define RSV_BAKE_BASIS_H
 
+#include "../opfile/tensor_file.h"
 #include "bake_receiver.h"
 #include "resolvent/bake.h"
 
 /// How light is read at receivers of some kind.
 typedef struct rsv_bake_reader {
-    const char *kind;     ///< as the file names it: "vertex", "texel"
+    const char *kind;     ///< as the file names it: "vertex", "texel", "probe"
+    const char *units;    ///< of the values
     const void *receiver; ///< [count]
     size_t count;
     size_t width; ///< RGB values of each
     /// @param value out: [count][width]
     rsv_status (*read)(
         const struct rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value);
+    /// Writes what else the file says of the receivers; NULL = nothing.
+    rsv_status (*describe)(const struct rsv_bake_reader *reader, rsv_tensor_file *file);
 } rsv_bake_reader;
 
 /// Irradiance on surfaces. @param receiver [count]; borrowed

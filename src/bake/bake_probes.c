@@ -3,6 +3,7 @@
 
 #include "../io/atomic_file.h"
 #include "../render/probe_grid.h"
+#include "bake_basis.h"
 #include "bake_desc.h"
 
 #include <cjson/cJSON.h>
@@ -83,6 +84,42 @@ static rsv_status write_files(const rsv_probe_grid *g, const char *output)
     return status;
 }
 
+// ---- light by light -------------------------------------------------------------------------------
+
+/// The same probes under another light.
+static rsv_status read_probes(
+    const rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value)
+{
+    rsv_probe_grid grid = *(const rsv_probe_grid *)reader->receiver;
+    grid.solution = grid.job.solution = light;
+    grid.coefficient = (rsv_rgb(*)[RSV_PROBE_HARMONICS])value;
+    return light_probes(&grid);
+}
+
+static rsv_status describe_grid(const rsv_bake_reader *reader, rsv_tensor_file *file)
+{
+    const rsv_probe_grid *g = reader->receiver;
+    const size_t three = 3;
+    rsv_status status;
+    RSV_TRY(rsv_tensor_add(file, "probe.size", RSV_TENSOR_U32, 1, &three, g->size));
+    RSV_TRY(rsv_tensor_add(file, "probe.origin", RSV_TENSOR_F32, 1, &three, &g->origin));
+    RSV_TRY(rsv_tensor_add(file, "probe.spacing", RSV_TENSOR_F32, 1, &three, &g->spacing));
+    RSV_TRY(rsv_tensor_add(file, "probe.valid", RSV_TENSOR_U8, 1, &g->count, g->valid));
+cleanup:
+    return status;
+}
+
+static rsv_bake_reader reader_of(const rsv_probe_grid *grid)
+{
+    return (rsv_bake_reader){ .kind = "probe",
+        .units = "W/(sr m2) per linear RGB channel (radiance)",
+        .receiver = grid,
+        .count = grid->count,
+        .width = RSV_PROBE_HARMONICS,
+        .read = read_probes,
+        .describe = describe_grid };
+}
+
 rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
@@ -91,8 +128,6 @@ rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input, cons
     rsv_probe_grid grid = { 0 };
     if (!desc) desc = &defaults;
     rsv_status status = rsv_bake_check_desc(desc);
-    if (status == RSV_OK && desc->basis)
-        status = rsv_fail(RSV_ERROR_UNSUPPORTED, "bake: probes are not kept light by light");
     if (status != RSV_OK) return status;
     RSV_TRY(rsv_probe_grid_create(solution, desc->probe_spacing, desc->probe_samples, true, &grid));
     *report = (rsv_bake_report){ .light_scale = 1 };
@@ -102,6 +137,9 @@ rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input, cons
     if (desc->dry_run) goto cleanup;
     RSV_TRY(light_probes(&grid));
     RSV_TRY(write_files(&grid, output));
+    rsv_bake_reader reader = reader_of(&grid);
+    if (desc->basis)
+        RSV_TRY(rsv_bake_write_basis(solution, &reader, desc, output, &report->lights));
 cleanup:
     rsv_probe_grid_destroy(&grid);
     return status;

@@ -38,14 +38,27 @@ bool rsv_is_gathered(const rsv_lights *lights, uint32_t material)
     return false;
 }
 
+/// Sources that are to be heard.
+typedef struct soloists {
+    const rsv_source *source;
+    size_t count;
+} soloists;
+
+static bool plays(const soloists *s, rsv_source_kind kind, uint32_t index)
+{
+    for (size_t k = 0; k < s->count; k++)
+        if (s->source[k].kind == kind && s->source[k].index == index) return true;
+    return false;
+}
+
 /// Groups that are gathered take no part in what samples and shoots: neither shall the others.
-static void mute_groups(rsv_lights *solo, const rsv_lights *all, const rsv_source *source)
+static void mute_groups(rsv_lights *solo, const rsv_lights *all, const soloists *s)
 {
     for (size_t g = 0; g < all->group_count; g++) {
-        solo->group[g] = all->group[g];
-        if (source->kind != RSV_SOURCE_MATERIAL ||
-            material_of(all, &all->group[g]) != source->index)
-            solo->group[g].gathered = true;
+        rsv_emitter_group *group = &solo->group[g];
+        *group = all->group[g];
+        group->muted = !plays(s, RSV_SOURCE_MATERIAL, material_of(all, group));
+        group->gathered = group->gathered || group->muted;
     }
     solo->sampled_count = 0;
     for (size_t k = 0; k < all->sampled_count; k++)
@@ -53,20 +66,23 @@ static void mute_groups(rsv_lights *solo, const rsv_lights *all, const rsv_sourc
             solo->sampled[solo->sampled_count++] = all->sampled[k];
 }
 
-static void mute_lights(rsv_lights *solo, const rsv_lights *all, const rsv_source *source)
+/// Distant lights stay ahead of the others.
+static void mute_lights(rsv_lights *solo, const rsv_lights *all, const soloists *s)
 {
     solo->distant_count = solo->punctual_count = 0;
-    for (size_t k = 0; k < all->punctual_count && source->kind == RSV_SOURCE_LIGHT; k++) {
-        if (all->punctual[k] != source->index) continue;
-        solo->punctual[solo->punctual_count++] = source->index;
-        solo->distant_count = k < all->distant_count;
+    for (size_t k = 0; k < all->punctual_count; k++) {
+        if (!plays(s, RSV_SOURCE_LIGHT, all->punctual[k])) continue;
+        solo->punctual[solo->punctual_count++] = all->punctual[k];
+        solo->distant_count += k < all->distant_count;
     }
 }
 
-rsv_status rsv_solo_create(const rsv_lights *all, const rsv_source *source, rsv_lights **result)
+rsv_status rsv_solo_create(
+    const rsv_lights *all, const rsv_source *source, size_t count, rsv_lights **result)
 {
     rsv_status status = RSV_OK;
     rsv_context *context = all->context;
+    const soloists s = { source, count };
     rsv_lights *solo = rsv_alloc(context, 1, sizeof *solo);
     if (!solo) return RSV_ERROR_MEMORY;
     *solo = *all;
@@ -75,9 +91,9 @@ rsv_status rsv_solo_create(const rsv_lights *all, const rsv_source *source, rsv_
     solo->sampled = rsv_alloc(context, all->sampled_count, sizeof *solo->sampled);
     solo->punctual = rsv_alloc(context, all->punctual_count, sizeof *solo->punctual);
     if (!solo->group || !solo->sampled || !solo->punctual) RSV_TRY(RSV_ERROR_MEMORY);
-    mute_groups(solo, all, source);
-    mute_lights(solo, all, source);
-    if (source->kind != RSV_SOURCE_SURROUNDINGS) solo->environment = NULL;
+    mute_groups(solo, all, &s);
+    mute_lights(solo, all, &s);
+    if (!plays(&s, RSV_SOURCE_SURROUNDINGS, 0)) solo->environment = NULL;
     RSV_TRY(rsv_lights_plant_trees(solo));
     *result = solo;
     solo = NULL;

@@ -1,4 +1,4 @@
-/// One source of light by itself, all others switched off.
+/// Some sources of light by themselves, all others switched off.
 #ifndef RSV_SOLO_H
 #define RSV_SOLO_H
 
@@ -19,8 +19,10 @@ typedef struct rsv_source {
 /// The sources of a scene: materials first, then lights, then the surroundings. @param sources out, to be freed
 rsv_status rsv_list_sources(const rsv_lights *lights, rsv_source **sources, size_t *count);
 
-/// What next-event estimation and light shooting find of one source. Borrows from `lights`.
-rsv_status rsv_solo_create(const rsv_lights *lights, const rsv_source *source, rsv_lights **solo);
+/// What next-event estimation, light shooting and probes find of some sources. Borrows from `lights`.
+/// @param source [count]
+rsv_status rsv_solo_create(
+    const rsv_lights *lights, const rsv_source *source, size_t count, rsv_lights **solo);
 void rsv_solo_destroy(rsv_lights *solo);
 
 /// Lets the same emitters be found by gathering as in `like`, lights of the same scene at other strengths.

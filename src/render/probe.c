@@ -177,8 +177,8 @@ static bool counts(const void *user, uint32_t triangle, uint32_t events)
     const rsv_lights *lights = r->job->solution->lights;
     uint32_t emitter = lights->triangle_emitter[triangle];
     if (emitter == RSV_NONE) return false;
-    return lights->group[lights->emitter[emitter].group].gathered ||
-           (events > 0 && !r->has_caustic);
+    const rsv_emitter_group *group = &lights->group[lights->emitter[emitter].group];
+    return !group->muted && (group->gathered || (events > 0 && !r->has_caustic));
 }
 
 /// What a gather ray finds beyond the scene. Behind specular surfaces that is everything, unless the stored

@@ -123,7 +123,7 @@ rsv_status rsv_light_part_estimate(const rsv_solution *s, const rsv_lights *ligh
     uint64_t rays = 0;
     rsv_lights *solo = NULL;
     RSV_TRY(allocate_part(s, part));
-    RSV_TRY(rsv_solo_create(lights, source, &solo));
+    RSV_TRY(rsv_solo_create(lights, source, 1, &solo));
     RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->elements, RSV_SUPPORT_POINTS,
         effort->coarse_samples, s->desc.seed, s->valid_points, NULL, part->direct, NULL, &rays));
     if (part->fine)

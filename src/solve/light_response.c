@@ -60,6 +60,7 @@ static rsv_status create_fields(const builder *b, rsv_solution *light)
     const rsv_solution *s = b->s;
     size_t nodes = s->elements->node_count;
     *light = *s;
+    light->lights = NULL;
     light->fine.direct = light->caustics.caustic = NULL;
     light->source = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
     light->gathered = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
@@ -113,6 +114,24 @@ static rsv_status divide_direct(const builder *b)
     for (size_t k = 0; k < b->r->count; k++)
         add_field(b->r->light[k].source, b->r->light[k].gathered, nodes);
 cleanup:
+    return status;
+}
+
+/// The lights of each response, for what samples them anew.
+static rsv_status divide_lights(const builder *b)
+{
+    const rsv_solution *s = b->s;
+    rsv_status status = RSV_OK;
+    rsv_source *own = rsv_alloc(s->context, b->basis->source_count, sizeof *own);
+    if (!own) return RSV_ERROR_MEMORY;
+    for (size_t r = 0; r < b->r->count; r++) {
+        size_t count = 0;
+        for (size_t k = 0; k < b->basis->source_count; k++)
+            if (b->group[k] == r) own[count++] = b->basis->source[k];
+        RSV_TRY(rsv_solo_create(s->lights, own, count, &b->r->light[r].lights));
+    }
+cleanup:
+    rsv_free(s->context, own);
     return status;
 }
 
@@ -204,6 +223,7 @@ rsv_status rsv_light_responses_create(const rsv_solution *s, rsv_light_responses
     } else {
         b.r->owned = true;
         RSV_TRY(divide_direct(&b));
+        RSV_TRY(divide_lights(&b));
         RSV_TRY(solve(&b));
         divide_indirect(&b);
     }
@@ -223,6 +243,7 @@ void rsv_light_responses_destroy(rsv_light_responses *r)
     if (!r) return;
     for (size_t k = 0; r->owned && k < r->count; k++) {
         rsv_solution *light = &r->light[k];
+        rsv_solo_destroy(light->lights);
         rsv_free(r->context, light->source);
         rsv_free(r->context, light->gathered);
         rsv_free(r->context, light->indirect);

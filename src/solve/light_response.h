@@ -11,7 +11,7 @@ typedef struct rsv_light_responses {
     rsv_context *context;
     size_t count;
     const char **name; ///< [count] the scene's
-    /// [count] for rsv_solution_irradiance with all orders, and for nothing else
+    /// [count] for rsv_solution_irradiance with all orders and for probes, and for nothing else
     rsv_solution *light;
     bool sky_last; ///< the last one is of the surroundings and of nothing else
     bool owned;    ///< whether the fields of `light` are its own

@@ -14,16 +14,28 @@ static void darken(const rsv_solution *s, rsv_solution *dark)
         dark->order[order] = NULL;
 }
 
+/// The surroundings alone, at their new angle.
+static rsv_status find_light(
+    const rsv_solution *s, const rsv_source *surroundings, float rotation, rsv_solution *turned)
+{
+    rsv_lights all = *s->lights;
+    rsv_status status =
+        rsv_environment_light_create_turned(s->scene.scene, rotation, &all.environment);
+    if (status == RSV_OK) status = rsv_solo_create(&all, surroundings, 1, &turned->lights);
+    if (status != RSV_OK) rsv_environment_light_destroy(all.environment);
+    return status;
+}
+
 /// What shadow rays and photons find.
-static rsv_status sample(const rsv_solution *s, const rsv_lights *lights,
-    const rsv_source *surroundings, rsv_solution *turned)
+static rsv_status sample(
+    const rsv_solution *s, const rsv_source *surroundings, rsv_solution *turned)
 {
     rsv_light_part part = { 0 };
     uint16_t *valid = NULL;
     rsv_status status = rsv_find_fine_valid(s, &valid);
     if (status == RSV_OK) {
         rsv_light_effort effort = rsv_full_light_effort(s, valid);
-        status = rsv_light_part_estimate(s, lights, surroundings, &effort, &part);
+        status = rsv_light_part_estimate(s, turned->lights, surroundings, &effort, &part);
     }
     turned->source = part.direct;
     turned->caustics.coarse_caustic = part.coarse_caustic;
@@ -34,13 +46,14 @@ static rsv_status sample(const rsv_solution *s, const rsv_lights *lights,
 }
 
 /// What rows found, bin by bin.
-static rsv_status gather(const rsv_lights *lights, rsv_solution *turned)
+static rsv_status gather(rsv_solution *turned)
 {
     rsv_context *context = turned->context;
     turned->bin_radiance = rsv_alloc(context, RSV_ESCAPE_BINS, sizeof *turned->bin_radiance);
     turned->gathered = rsv_alloc(context, turned->elements->node_count, sizeof *turned->gathered);
     if (!turned->bin_radiance || !turned->gathered) return RSV_ERROR_MEMORY;
-    rsv_status status = rsv_escape_radiance(context, lights->environment, turned->bin_radiance);
+    rsv_status status =
+        rsv_escape_radiance(context, turned->lights->environment, turned->bin_radiance);
     if (status == RSV_OK)
         rsv_transport_environment(turned->transport, turned->bin_radiance, turned->gathered);
     return status;
@@ -51,21 +64,21 @@ rsv_status rsv_turned_surroundings_solve(
 {
     rsv_status status;
     const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment" };
-    rsv_lights lights = *s->lights;
     darken(s, turned);
-    RSV_TRY(rsv_environment_light_create_turned(s->scene.scene, rotation, &lights.environment));
-    RSV_TRY(sample(s, &lights, &surroundings, turned));
-    RSV_TRY(gather(&lights, turned));
+    RSV_TRY(find_light(s, &surroundings, rotation, turned));
+    RSV_TRY(sample(s, &surroundings, turned));
+    RSV_TRY(gather(turned));
     rsv_source_complete(turned);
     RSV_TRY(rsv_solve_orders(turned, s->desc.max_orders));
 cleanup:
-    rsv_environment_light_destroy(lights.environment);
     return status;
 }
 
 void rsv_turned_surroundings_free(rsv_solution *turned)
 {
     rsv_context *context = turned->context;
+    if (turned->lights) rsv_environment_light_destroy(turned->lights->environment);
+    rsv_solo_destroy(turned->lights);
     rsv_free(context, turned->bin_radiance);
     rsv_free(context, turned->gathered);
     rsv_free(context, turned->source);

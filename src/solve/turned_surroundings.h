@@ -7,7 +7,7 @@
 
 /// The answer of rsv_solution_relight to the same turn with all other lights off.
 /// @param rotation degrees as in rsv_environment; the scene must have surroundings
-/// @param turned for rsv_solution_irradiance with all orders, and for nothing else; to be freed by
+/// @param turned for rsv_solution_irradiance with all orders and for probes, and for nothing else; to be freed by
 /// rsv_turned_surroundings_free even after an error. The solution must outlive it.
 rsv_status rsv_turned_surroundings_solve(
     const rsv_solution *solution, float rotation, rsv_solution *turned);

@@ -1,4 +1,4 @@
-/// Surroundings that the runtime turns, against the library's relighting.
+/// Surroundings that the runtime turns, and probes that it relights, against the library's relighting.
 #include "bake/bake_basis.h"
 #include "resolvent/relight.h"
 #include "resolvent_rt_file.h"
@@ -7,7 +7,7 @@
 #include "file_fixture.h"
 #include "light_fixture.h"
 
-enum { COLUMNS = 64, ROWS = 32, TURNS = 4, PLACES = 12 };
+enum { COLUMNS = 32, ROWS = 16, TURNS = 4, PLACES = 12 };
 #define FIRST 20.0f
 #define STEP (360.0f / TURNS)
 
@@ -186,10 +186,81 @@ static void between_angles_light_changes_evenly(void **state)
     rsv_turned_surroundings_free(&sky);
 }
 
+// ---- probes ---------------------------------------------------------------------------------------
+
+/// Bakes probes under the present light. @return their coefficients, to be freed
+static float *bake_probes(const open_box *b, bool basis, size_t *floats)
+{
+    rsv_bake_desc desc = rsv_default_bake_desc();
+    rsv_bake_report report;
+    size_t bytes;
+    desc.probe_spacing = 0.4f;
+    desc.basis = basis;
+    desc.turns = TURNS;
+    if (rsv_bake_probes(b->solution, NULL, path_in(&b->place, "probes.json"), &desc, &report))
+        fail_msg("%s", rsv_last_error());
+    size_t probes = (size_t)report.probe_count[0] * report.probe_count[1] * report.probe_count[2];
+    *floats = 3 * RSV_RT_SH_COUNT * probes;
+    float *coefficient = (float *)read_bytes(path_in(&b->place, "probes.bin"), &bytes);
+    assert_int_equal(bytes, *floats * sizeof(float) + probes);
+    return coefficient;
+}
+
+/// Sum of differences relative to the sum of what should be.
+static double probes_differ(const float *is, const float *should_be, size_t floats)
+{
+    double sum = 0, differences = 0;
+    for (size_t k = 0; k < floats; k++) {
+        sum += fabs((double)should_be[k]);
+        differences += fabs((double)is[k] - (double)should_be[k]);
+    }
+    print_message("probes differ by %.3g\n", differences / sum);
+    return differences / sum;
+}
+
+/// The probes of a basis under the lamp and the sky at an angle. @return to be freed
+static float *relight_probes(rsv_rt_file *file, float lamp, float turn, size_t floats)
+{
+    rsv_rt_basis basis;
+    rsv_rt_probe_grid grid;
+    const float sky[3] = { 1, 1, 1 };
+    float scale[3 * (1 + TURNS)] = { lamp, lamp, lamp };
+    float *lit = malloc(floats * sizeof *lit);
+    if (rsv_rt_file_basis(file, &basis) || rsv_rt_file_probes(file, &basis, &grid))
+        fail_msg("%s", file->message);
+    assert_int_equal(3 * (size_t)basis.receiver_count * basis.value_count, floats);
+    rsv_rt_turn(turn, sky, TURNS, scale + 3);
+    assert_int_equal(
+        rsv_rt_relight(&basis, scale, 1 + TURNS, 0, basis.receiver_count, lit), RSV_RT_OK);
+    return lit;
+}
+
+static void probes_are_relit(void **state)
+{
+    open_box *b = *state;
+    rsv_rt_file file;
+    size_t floats;
+    float *whole = bake_probes(b, true, &floats);
+    if (rsv_rt_file_open(&file, path_in(&b->place, "probes.light.safetensors")))
+        fail_msg("%s", file.message);
+    float *lit = relight_probes(&file, 1, 0, floats);
+    assert_true(probes_differ(lit, whole, floats) < 1e-5);
+    free(whole);
+    free(lit);
+    turn_by_library(b, FIRST + 3 * STEP, 0);
+    whole = bake_probes(b, false, &floats);
+    lit = relight_probes(&file, 0, 3.0f / TURNS, floats);
+    assert_true(probes_differ(lit, whole, floats) < 1e-4);
+    free(whole);
+    free(lit);
+    rsv_rt_file_close(&file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(at_first_light_is_as_baked),
+        cmocka_unit_test(probes_are_relit),
         cmocka_unit_test(the_sky_at_a_baked_angle_is_relit_exactly),
         cmocka_unit_test(lights_and_a_turned_sky_add_up),
         cmocka_unit_test(between_angles_light_changes_evenly),
