@@ -34,8 +34,10 @@ typedef struct rsv_chain {
     float width;     ///< of the footprint on this surface: what textures are averaged over
 } rsv_chain;
 
-/// Footprint of a gather ray: the cone of one of about 250 that share a hemisphere.
-#define RSV_GATHER_SPREAD 0.16f
+/// Footprint of a gather ray: an eighth of the cone of one of the 250 or so that share a hemisphere. Wider averages mix
+/// maps that vary together (where a metal has no transmission) and neighbours in an atlas: a frosted lampshade lost 60 % of
+/// its light at full width. Chance directions average anyway.
+#define RSV_GATHER_SPREAD 0.02f
 
 RSV_INLINE uint32_t rsv_chain_material(const rsv_transport_scene *scene, const rsv_chain *chain)
 {

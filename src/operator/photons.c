@@ -3,6 +3,7 @@
 #include "../core/team.h"
 #include "photon_guide.h"
 #include "photon_origin.h"
+#include "photon_turn.h"
 
 #include <string.h>
 
@@ -89,8 +90,8 @@ static bool scatter(const photon_job *job, rsv_chain *chain, float *level, rsv_r
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
     if (!specular || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
     bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
-    if (rsv_chain_step(job->scene, chain, transmit, event.direction, event.weight) !=
-        RSV_CHAIN_MOVED)
+    rsv_rgb weight = rgb_mul(event.weight, rsv_photon_turn(job->scene, chain, &event));
+    if (rsv_chain_step(job->scene, chain, transmit, event.direction, weight) != RSV_CHAIN_MOVED)
         return false;
     float left = rgb_max(chain->weight);
     if (chain->events == 1) *level = left;

@@ -49,9 +49,9 @@ static double mean_luminance(const rsv_image *image)
     return sum / (double)count;
 }
 
-static void check_ball(rsv_material ball)
+/// @param samples the reference's camera rays per pixel, and ours
+static void check_means(world *w, const uint32_t samples[2])
 {
-    world *w = room_with_ball(ball);
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     rsv_solution *solution;
     rsv_image *reference, *found;
@@ -59,9 +59,9 @@ static void check_ball(rsv_material ball)
     assert_int_equal(rsv_solution_create(w->scene, &solve, &solution), RSV_OK);
     rsv_render_desc desc = rsv_default_render_desc();
     desc.width = desc.height = 32;
-    desc.samples = 192;
+    desc.samples = samples[0];
     assert_int_equal(rsv_render_reference(w->scene, &desc, &reference, &error), RSV_OK);
-    desc.samples = 64;
+    desc.samples = samples[1];
     desc.mode = RSV_RENDER_OPERATOR;
     assert_int_equal(rsv_render(solution, &desc, &found), RSV_OK);
     double expected = mean_luminance(reference);
@@ -73,6 +73,11 @@ static void check_ball(rsv_material ball)
     rsv_image_destroy(found);
     rsv_solution_destroy(solution);
     world_end(w);
+}
+
+static void check_ball(rsv_material ball)
+{
+    check_means(room_with_ball(ball), (uint32_t[2]){ 192, 64 });
 }
 
 static void rough_metal_agrees_with_the_reference(void **state)
@@ -105,6 +110,46 @@ static void leaves_agree_with_the_reference(void **state)
     ball.diffuse_transmission = 0.5f;
     ball.double_sided = true;
     check_ball(ball);
+}
+
+/// A square of frosted glass across the z axis, shaded as if it were tilted by 27 degrees.
+static void add_tilted_sheet(world *w, uint32_t material, float z)
+{
+    const rsv_vec3 corner[4] = { v3(-1, -1, z), v3(1, -1, z), v3(1, 1, z), v3(-1, 1, z) };
+    const rsv_vec3 tilted = v3_normalize(v3(0.5f, 0, 1));
+    const rsv_vec3 normal[4] = { tilted, tilted, tilted, tilted };
+    const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_mesh_desc mesh = { .name = "sheet",
+        .positions = corner,
+        .normals = normal,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = material };
+    uint32_t id;
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+}
+
+/// A bulb behind two such sheets: the photons that pass one of them must be told what its true surface catches.
+static void tilted_normals_bend_shot_light_as_they_bend_paths(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    rsv_material frosted = ball_material(0, 1, 0.6f);
+    frosted.thickness = 0;
+    frosted.double_sided = true;
+    uint32_t material = world_material(w, frosted);
+    add_tilted_sheet(w, material, 0);
+    add_tilted_sheet(w, material, -0.5f);
+    const rsv_light bulb = {
+        .kind = RSV_LIGHT_POINT, .position = v3(0.2f, 0.1f, -1.2f), .intensity = rgb_gray(10)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &bulb), RSV_OK);
+    rsv_camera camera = rsv_camera_look_at("eye", v3(0, 0, 2), v3(0, 0, -1), 0.9f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    world_commit(w);
+    check_means(w, (uint32_t[2]){ 1600, 512 });
 }
 
 /// A metal ball between a small lamp and a ceiling under a matt coat: light that only few rays of the coat would find.
@@ -189,6 +234,7 @@ int main(void)
         cmocka_unit_test(rough_glass_agrees_with_the_reference),
         cmocka_unit_test(layers_agree_with_the_reference),
         cmocka_unit_test(leaves_agree_with_the_reference),
+        cmocka_unit_test(tilted_normals_bend_shot_light_as_they_bend_paths),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
