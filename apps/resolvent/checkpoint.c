@@ -3,6 +3,7 @@
 #include "command.h"
 #include "crew.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -23,6 +24,34 @@ static bool find_folder(cli_checkpoint *c)
     return false;
 }
 
+static bool is_later(const struct stat *a, const struct stat *b)
+{
+    return a->st_mtim.tv_sec != b->st_mtim.tv_sec ? a->st_mtim.tv_sec > b->st_mtim.tv_sec
+                                                  : a->st_mtim.tv_nsec > b->st_mtim.tv_nsec;
+}
+
+/// Finds the folder that was written to last of those for other scenes: this scene before it was edited, most likely. If
+/// it is not, its rows are of no use, and do no harm.
+static void find_earlier(cli_checkpoint *c)
+{
+    struct stat latest = { 0 };
+    char version[64];
+    int length = snprintf(version, sizeof version, "%s-", rsv_version());
+    DIR *directory = opendir(c->folder);
+    for (struct dirent *entry; directory && (entry = readdir(directory));) {
+        struct stat info;
+        char path[PATH_MAX];
+        if (strncmp(entry->d_name, version, (size_t)length) != 0 ||
+            snprintf(path, sizeof path, "%s/%s", c->folder, entry->d_name) >= PATH_MAX ||
+            strcmp(path, c->rows) == 0 || stat(path, &info) != 0 || !S_ISDIR(info.st_mode))
+            continue;
+        if (c->earlier[0] && !is_later(&info, &latest)) continue;
+        latest = info;
+        memcpy(c->earlier, path, sizeof path);
+    }
+    if (directory) closedir(directory);
+}
+
 bool cli_checkpoint_prepare(
     cli_session *session, cli_checkpoint *c, const rsv_scene *scene, rsv_solve_desc *desc)
 {
@@ -41,5 +70,7 @@ bool cli_checkpoint_prepare(
     if (!find_folder(c)) return false;
     session->checkpoint = c->folder;
     desc->checkpoint = c->rows;
+    find_earlier(c);
+    if (c->earlier[0]) desc->earlier = c->earlier;
     return true;
 }

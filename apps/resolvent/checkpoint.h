@@ -12,6 +12,7 @@ typedef struct cli_checkpoint {
     bool resume;        ///< an earlier run must have begun
     char
         rows[PATH_MAX]; ///< FOLDER/VERSION-FINGERPRINT: of one scene and one version of the program
+    char earlier[PATH_MAX]; ///< the latest of another scene there; "" = none
 } cli_checkpoint;
 
 // clang-format off
@@ -23,8 +24,9 @@ typedef struct cli_checkpoint {
 
 #define CLI_CHECKPOINT_HELP                                                                        \
     "  --checkpoint DIR   keep rows in DIR while they are traced: the same command, after an\n"    \
-    "                     interrupt or a crash, goes on there, and ends with the same bytes; to\n" \
-    "                     be deleted afterwards\n"                                                 \
+    "                     interrupt or a crash, goes on there, and ends with the same bytes.\n"    \
+    "                     After an edit of the scene, what rays met and is still there is not\n"   \
+    "                     traced again. May be deleted at any time\n"                              \
     "  --resume           refuse to begin anew: DIR must hold rows of this scene\n"
 
 /// Makes the folder for a scene's rows, and lets the solve use it. Does nothing where none is asked for.

@@ -85,6 +85,9 @@ static void add_solution(cJSON *root, const cli_stats *stats)
     cJSON_AddNumberToObject(root, "entries", (double)report->entries);
     cJSON_AddNumberToObject(root, "operator_bytes", (double)report->bytes);
     cJSON_AddNumberToObject(root, "rays", rays);
+    cJSON_AddNumberToObject(root, "row_rays", (double)report->row_rays);
+    cJSON_AddNumberToObject(root, "kept_row_rays", (double)report->kept_row_rays);
+    cJSON_AddNumberToObject(root, "spared_seconds", report->spared_seconds);
     cJSON_AddNumberToObject(
         root, "rays_per_second", report->time_assemble > 0 ? rays / report->time_assemble : NAN);
     cJSON_AddNumberToObject(root, "iterations", report->iterations);

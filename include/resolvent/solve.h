@@ -62,6 +62,10 @@ typedef struct rsv_solve_desc {
     /// Folder that keeps rows of G while they are traced, so that a run that is killed goes on where it was; for one scene
     /// (rsv_scene_fingerprint) and one version of the library. It must exist; borrowed. NULL (default) = none.
     const char *checkpoint;
+    /// Such a folder of the scene before it was edited (objects moved, added or removed, materials changed): what its rows
+    /// met and still holds is not traced again. The solution is that of a run without. Has a use only beside `checkpoint`;
+    /// borrowed. NULL (default) = none.
+    const char *earlier;
 } rsv_solve_desc;
 
 RSV_API rsv_solve_desc rsv_default_solve_desc(rsv_quality quality);
@@ -78,12 +82,16 @@ typedef enum rsv_stop_reason {
 /// What happened, and how good the answer is. Times in seconds.
 typedef struct rsv_solve_report {
     rsv_stop_reason stop_reason;
-    size_t elements;         ///< coarse elements: unknowns of the linear system
-    size_t direct_elements;  ///< elements of the direct and caustic levels
-    size_t rows;             ///< coarse elements with a row of their own: the others follow or hang
-    size_t entries;          ///< stored entries of G
-    size_t bytes;            ///< of the elements of all levels, with one field each, and of G and K
-    uint64_t rays;           ///< traced during assembly
+    size_t elements;        ///< coarse elements: unknowns of the linear system
+    size_t direct_elements; ///< elements of the direct and caustic levels
+    size_t rows;            ///< coarse elements with a row of their own: the others follow or hang
+    size_t entries;         ///< stored entries of G
+    size_t bytes;           ///< of the elements of all levels, with one field each, and of G and K
+    uint64_t rays;          ///< traced during assembly
+    uint64_t row_rays;      ///< of these, those of rows of G
+    uint64_t
+        kept_row_rays; ///< of these, known from before the scene was edited, and not traced at all
+    double spared_seconds;   ///< by that, about
     uint32_t iterations;     ///< applications of G K
     rsv_solver solver;       ///< that was used, not RSV_SOLVER_AUTO
     char solver_reason[192]; ///< why, in a sentence

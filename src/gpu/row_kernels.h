@@ -29,7 +29,7 @@ RSV_INLINE bool rsv_row_aim(
     const rsv_row_args *a, const rsv_row_receiver *r, uint32_t ray_index, rsv_ray *ray)
 {
     const rsv_receiver_points *p = &r->points;
-    size_t at = (size_t)(rsv_hash2(a->seed, r->node) % RSV_DIRECTION_SETS) * a->rays + ray_index;
+    size_t at = (size_t)(rsv_hash2(a->seed, r->index) % RSV_DIRECTION_SETS) * a->rays + ray_index;
     uint32_t k = ray_index % RSV_SUPPORT_POINTS;
     float x = a->x[at], y = a->y[at], z = a->z[at];
     ray->origin = v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]);
@@ -76,7 +76,7 @@ RSV_INLINE void rsv_row_ray_item(const rsv_row_args *a, uint32_t item)
         rsv_row_leave(a, item, &hit);
         return;
     }
-    float weight[3], random = rsv_unit_float(rsv_hash(rsv_hash2(a->seed, r->node) + ray_index));
+    float weight[3], random = rsv_unit_float(rsv_hash(rsv_hash2(a->seed, r->index) + ray_index));
     uint32_t cell = rsv_elements_locate(a->elements, target.face, hit.u, hit.v, weight);
     a->column[item] = rsv_elements_pick_node(a->elements, cell, weight, random);
 }

@@ -8,9 +8,9 @@ typedef bool (*burial_test)(const rsv_transport_scene *scene, rsv_vec3 place, rs
 
 /// Judges the points of one node by the given test of its place.
 /// @param obstructed out: something stands close to the node
-static uint16_t judge_points(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
-    const rsv_support_point *sample, uint32_t points, uint32_t seed, burial_test is_buried,
-    bool *obstructed, uint64_t *rays)
+static uint16_t judge_points(const rsv_transport_scene *scene, const rsv_elements *e,
+    uint32_t index, const rsv_support_point *sample, uint32_t points, uint32_t seed,
+    burial_test is_buried, bool *obstructed, uint64_t *rays)
 {
     uint16_t valid = 0;
     uint32_t last = RSV_NONE; // points of one cell come one after the other
@@ -25,7 +25,7 @@ static uint16_t judge_points(const rsv_transport_scene *scene, const rsv_element
             bool covered = rsv_is_covered(scene->tracer, &shape, shape.corner[support & 3]);
             *obstructed = *obstructed || covered;
             buried =
-                covered || is_buried(scene, home, shape.normal, rsv_hash3(seed, node, k), rays);
+                covered || is_buried(scene, home, shape.normal, rsv_hash3(seed, index, k), rays);
             last = support;
         }
         rsv_surface_point point = rsv_surface_point_at(
@@ -39,17 +39,17 @@ static uint16_t judge_points(const rsv_transport_scene *scene, const rsv_element
     return valid;
 }
 
-static uint16_t judge_node(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
-    uint32_t points, uint32_t seed, uint64_t *rays)
+uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
+    uint32_t index, uint32_t points, uint32_t seed, uint64_t *rays)
 {
     rsv_support_point sample[16];
-    rsv_elements_sample_support(e, node, points, seed, sample);
+    rsv_elements_sample_support_as(e, node, index, points, seed, sample);
     bool obstructed = false;
     uint16_t valid =
-        judge_points(scene, e, node, sample, points, seed, rsv_is_buried, &obstructed, rays);
+        judge_points(scene, e, index, sample, points, seed, rsv_is_buried, &obstructed, rays);
     if (valid && obstructed)
         valid = judge_points(
-            scene, e, node, sample, points, seed, rsv_is_mostly_buried, &obstructed, rays);
+            scene, e, index, sample, points, seed, rsv_is_mostly_buried, &obstructed, rays);
     return valid;
 }
 
@@ -61,9 +61,10 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(e->context)) reduction(+ : traced)
     for (size_t node = 0; node < e->node_count; node++) {
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
-        valid_points[node] = e->node_hanging[node] == RSV_NONE
-                                 ? judge_node(scene, e, (uint32_t)node, points, seed, &traced)
-                                 : 0;
+        valid_points[node] =
+            e->node_hanging[node] == RSV_NONE
+                ? rsv_judge_points(scene, e, (uint32_t)node, (uint32_t)node, points, seed, &traced)
+                : 0;
     }
     *rays += rsv_team_total(e->context, traced);
     rsv_team_merge(e->context, valid_points, sizeof *valid_points, e->node_count, RSV_TEAM_BLOCK);

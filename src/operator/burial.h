@@ -14,6 +14,10 @@
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t points, uint32_t seed, const uint8_t *known, uint16_t *valid_points, uint64_t *rays);
 
+/// The points of one node, bit by bit, with the random numbers of the node of another index.
+uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *elements,
+    uint32_t node, uint32_t index, uint32_t points, uint32_t seed, uint64_t *rays);
+
 /// Lets every cell do without its buried corners: they take the value of a corner of the same cell that
 /// is not buried, so that light does not fade to black where something stands on a surface, and does not
 /// pass through what stands there either.

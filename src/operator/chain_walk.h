@@ -16,6 +16,7 @@ typedef struct rsv_transport_scene {
     rsv_media media;
     const char
         *checkpoint; ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
+    const char *earlier; ///< that of an earlier version of the scene; NULL = none
 } rsv_transport_scene;
 
 /// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.

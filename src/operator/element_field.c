@@ -109,7 +109,13 @@ uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_
 void rsv_elements_sample_support(
     const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed, rsv_support_point *points)
 {
-    uint32_t stream = rsv_hash2(seed, node);
+    rsv_elements_sample_support_as(e, node, node, count, seed, points);
+}
+
+void rsv_elements_sample_support_as(const rsv_elements *e, uint32_t node, uint32_t index,
+    uint32_t count, uint32_t seed, rsv_support_point *points)
+{
+    uint32_t stream = rsv_hash2(seed, index);
     support_walk walk = walk_support(e, node);
     float total = support_area(e, node), below = 0, area = area_in_hand(&walk);
     for (uint32_t k = 0; k < count; k++) {

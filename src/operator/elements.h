@@ -198,5 +198,8 @@ typedef struct rsv_support_point {
 /// @param seed differs between independent samples @param points [count]
 void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t count,
     uint32_t seed, rsv_support_point *points);
+/// The same with the random numbers of a node of another index.
+void rsv_elements_sample_support_as(const rsv_elements *elements, uint32_t node, uint32_t index,
+    uint32_t count, uint32_t seed, rsv_support_point *points);
 
 #endif

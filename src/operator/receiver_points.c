@@ -3,12 +3,12 @@
 #define LANES RSV_SUPPORT_POINTS
 
 void rsv_receiver_points_set_up(
-    const rsv_elements *e, uint32_t node, uint32_t seed, rsv_receiver_points *r)
+    const rsv_elements *e, uint32_t node, uint32_t index, uint32_t seed, rsv_receiver_points *r)
 {
-    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(seed, node, 0x7a3du));
+    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(seed, index, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
     rsv_support_point sample[LANES];
-    rsv_elements_sample_support(e, node, LANES, seed, sample);
+    rsv_elements_sample_support_as(e, node, index, LANES, seed, sample);
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t face = e->cell[sample[k].support / 4].face;
         rsv_surface_point point = rsv_surface_point_at(

@@ -20,8 +20,9 @@ typedef struct rsv_receiver_points {
     float geometric_z[RSV_SUPPORT_POINTS];
 } __attribute__((aligned(64))) rsv_receiver_points;
 
-void rsv_receiver_points_set_up(
-    const rsv_elements *elements, uint32_t node, uint32_t seed, rsv_receiver_points *points);
+/// @param index of the node whose random numbers are used: `node`, or what it was in an earlier version of the scene
+void rsv_receiver_points_set_up(const rsv_elements *elements, uint32_t node, uint32_t index,
+    uint32_t seed, rsv_receiver_points *points);
 
 /// Aims one ray per lane along (x, y, z) in the lane's frame. Rays of buried points are left out. Rays that an
 /// interpolated normal sends below the surface start dead too, but count: they carry nothing.

@@ -24,7 +24,7 @@ typedef struct rsv_row_receiver {
     rsv_receiver_points points;
     const rsv_bsdf *bsdf;
     rsv_medium medium;
-    uint32_t node;
+    uint32_t index; ///< of the node, or of the one whose random numbers are used
     uint16_t valid; ///< bit k = point k counts
     bool tints;     ///< even what comes from plain surfaces: through a coat or a medium
 } rsv_row_receiver;

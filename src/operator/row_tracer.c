@@ -1,25 +1,34 @@
 #include "row_tracer.h"
 
+#include "burial.h"
+
 #include <string.h>
 
 #define LANES RSV_SUPPORT_POINTS
 
-void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
+/// @param index of the node whose random numbers are used @param valid points that count with these
+static void receive(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
+    rsv_row_receiver *r)
 {
     rsv_receiver_points *p = &r->points;
-    rsv_receiver_points_set_up(tracer->elements, node, tracer->seed, p);
+    rsv_receiver_points_set_up(tracer->elements, node, index, tracer->seed, p);
     uint32_t face = tracer->elements->node_face[node];
     uint32_t material =
         tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];
     // one of the points speaks for the medium of all
-    r->node = node;
-    r->valid = tracer->valid_points[node];
+    r->index = index;
+    r->valid = valid;
     uint32_t k = r->valid ? (uint32_t)__builtin_ctz(r->valid) : 0;
     r->bsdf = &tracer->scene->bsdf[material];
     r->medium =
         rsv_medium_above(&tracer->scene->media, v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]),
             v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]));
     r->tints = r->bsdf->coated || rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
+}
+
+void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
+{
+    receive(tracer, node, node, tracer->valid_points[node], r);
 }
 
 /// Light of gathered sources counts however it arrives; that of the others is the business of
@@ -50,11 +59,10 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
 }
 
 /// The general case: specular surfaces, coats, emission.
-static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t node,
-    uint32_t ray, const rsv_row_receiver *r, float cos_receiver, const rsv_ray_packet *packet,
-    int k)
+static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+    const rsv_row_receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
 {
-    rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, node, ray);
+    rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
     rsv_chain chain = rsv_chain_begin(tracer->scene, &r->medium, direction, packet->triangle[k],
         packet->u[k], packet->v[k], packet->t_max[k]);
@@ -110,9 +118,8 @@ static void record_sky(rsv_row_scratch *s, const rsv_row_receiver *r, float cos_
     rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(r->bsdf, cos_receiver), 0);
 }
 
-static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t node,
-    uint32_t first_ray, const rsv_row_receiver *r, const float *cos_receiver,
-    const rsv_ray_packet *packet)
+static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
+    const rsv_row_receiver *r, const float *cos_receiver, const rsv_ray_packet *packet)
 {
     const rsv_elements *e = tracer->elements;
     grid_places g;
@@ -124,17 +131,19 @@ static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
         g.u[k] = used ? packet->u[k] : 0;
         g.v[k] = used ? packet->v[k] : 0;
     }
-    uint32_t stream = rsv_hash2(tracer->seed, node) + first_ray;
+    uint32_t stream = rsv_hash2(tracer->seed, r->index) + first_ray;
     place_on_grids(&g, stream);
     for (int k = 0; k < LANES; k++) {
         uint32_t ray = first_ray + (uint32_t)k;
+        s->kind[ray] = target[k].kind;
         if (target[k].kind == RSV_TARGET_BLACK) continue;
         if (target[k].kind == RSV_TARGET_SKY) {
             record_sky(s, r, cos_receiver[k], packet, k);
             continue;
         }
         if (target[k].kind == RSV_TARGET_CHAIN || r->tints) {
-            follow_chain(tracer, s, node, ray, r, cos_receiver[k], packet, k);
+            s->kind[ray] = RSV_TARGET_CHAIN;
+            follow_chain(tracer, s, ray, r, cos_receiver[k], packet, k);
             continue;
         }
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
@@ -161,7 +170,7 @@ static const float *aim(
     const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t first, rsv_ray_packet *packet)
 {
     const rsv_directions *d = &tracer->directions;
-    size_t at = rsv_directions_of(d, tracer->seed, r->node) + first;
+    size_t at = rsv_directions_of(d, tracer->seed, r->index) + first;
     rsv_receiver_points_aim(&r->points, r->valid, d->x + at, d->y + at, d->z + at, packet);
     return d->z + at;
 }
@@ -170,6 +179,8 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
 {
     rsv_row_receiver r;
     rsv_row_receive(tracer, node, &r);
+    s->index = node;
+    s->valid = r.valid;
     uint32_t rays = tracer->directions.count;
     memset(s->column, 0xff, rays * sizeof *s->column);
     clear_scratch(s);
@@ -178,7 +189,93 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
     for (uint32_t first = 0; first < rays; first += LANES) {
         const float *z = aim(tracer, &r, first, &packet);
         rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
-        process_hits(tracer, s, node, first, &r, z, &packet);
+        process_hits(tracer, s, first, &r, z, &packet);
+    }
+    s->rays += rays;
+}
+
+/// What stays of sixteen rays.
+typedef struct kept_rays {
+    uint32_t column[LANES]; ///< RSV_NONE = none
+    uint16_t ends;          ///< bit by bit: rays that end where they did
+    uint16_t skies;         ///< rays that leave the scene as they did
+} kept_rays;
+
+/// @param seen [LANES] of the packet @param column of these rays, moved on to those of the next
+static kept_rays keep_rays(const rsv_row_past *past, const uint8_t *seen, const uint32_t **column,
+    const rsv_ray_packet *packet)
+{
+    kept_rays kept = { .ends = 0 };
+    uint16_t meets = rsv_scene_change_meets(past->change, packet);
+    for (int k = 0; k < LANES; k++) {
+        uint32_t then = seen[k] & RSV_ROW_RAY_ENDS ? *(*column)++ : RSV_NONE;
+        bool lambert = (seen[k] & ~RSV_ROW_RAY_ENDS) == RSV_TARGET_LAMBERT;
+        kept.column[k] = lambert && then != RSV_NONE ? past->end_now[then] : RSV_NONE;
+        bool passes = packet->t_max[k] > 0 && !(meets >> k & 1);
+        kept.ends |= (uint16_t)((passes && kept.column[k] != RSV_NONE) << k);
+        kept.skies |= (uint16_t)((passes && seen[k] == RSV_TARGET_SKY) << k);
+    }
+    return kept;
+}
+
+/// Traces the other rays of a packet. @return how many
+static uint32_t trace_others(
+    const rsv_row_tracer *tracer, const kept_rays *kept, rsv_ray_packet *packet)
+{
+    uint16_t known = kept->ends | kept->skies;
+    uint32_t traced = 0;
+    for (int k = 0; k < LANES; k++) {
+        if (known >> k & 1) packet->t_max[k] = -1;
+        packet->triangle[k] = RSV_NONE;
+        traced += packet->t_max[k] > 0;
+    }
+    if (traced) rsv_tracer_closest_packet(tracer->scene->tracer, packet, false);
+    for (int k = 0; k < LANES; k++) {
+        if (!(known >> k & 1)) continue;
+        packet->triangle[k] = RSV_NONE;
+        packet->t_max[k] = kept->skies >> k & 1 ? INFINITY : -1;
+    }
+    return traced;
+}
+
+/// Whether the points that counted then count still, and no others.
+static bool points_hold(const rsv_row_tracer *tracer, uint32_t node, const rsv_row_past *past)
+{
+    const uint16_t all = (1u << RSV_SUPPORT_POINTS) - 1;
+    if (past->valid == all && tracer->valid_points[node] == all) return true;
+    uint64_t rays = 0; // not counted, as a run that knows of nothing does without them
+    return past->valid == rsv_judge_points(tracer->scene, tracer->elements, node, past->index,
+                              RSV_SUPPORT_POINTS, tracer->seed, &rays);
+}
+
+void rsv_row_trace_anew(
+    const rsv_row_tracer *tracer, uint32_t node, const rsv_row_past *past, rsv_row_scratch *s)
+{
+    rsv_row_receiver r;
+    receive(tracer, node, past->index, past->valid, &r);
+    // what passes through coats and media is nothing but chains
+    if (r.tints || !points_hold(tracer, node, past)) {
+        rsv_row_trace(tracer, node, s);
+        return;
+    }
+    s->valid = past->valid;
+    s->index = past->index;
+    uint32_t rays = tracer->directions.count;
+    const uint32_t *column = past->column;
+    memset(s->column, 0xff, rays * sizeof *s->column);
+    clear_scratch(s);
+    rsv_ray_packet packet = { 0 };
+    memset(packet.mask, 0xff, sizeof packet.mask);
+    for (uint32_t first = 0; first < rays; first += LANES) {
+        const float *z = aim(tracer, &r, first, &packet);
+        kept_rays kept = keep_rays(past, past->kind + first, &column, &packet);
+        s->kept += LANES - trace_others(tracer, &kept, &packet);
+        process_hits(tracer, s, first, &r, z, &packet);
+        for (uint32_t k = 0; k < LANES; k++) {
+            if (!(kept.ends >> k & 1)) continue;
+            s->column[first + k] = kept.column[k];
+            s->kind[first + k] = RSV_TARGET_LAMBERT;
+        }
     }
     s->rays += rays;
 }
@@ -187,6 +284,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
     const rsv_row_ends *ends, rsv_row_scratch *s)
 {
     memcpy(s->column, ends->column, tracer->directions.count * sizeof *s->column);
+    s->valid = r->valid;
     clear_scratch(s);
     rsv_ray_packet packet = { 0 };
     for (size_t n = 0; n < ends->left_count; n++) {
@@ -199,7 +297,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         if (packet.triangle[k] == RSV_NONE)
             record_sky(s, r, z[k], &packet, (int)k);
         else
-            follow_chain(tracer, s, r->node, ray, r, z[k], &packet, (int)k);
+            follow_chain(tracer, s, ray, r, z[k], &packet, (int)k);
     }
     s->rays += tracer->directions.count;
 }
@@ -207,15 +305,17 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
 rsv_status rsv_row_scratch_create(rsv_context *context, uint32_t rays, rsv_row_scratch *s)
 {
     s->column = rsv_alloc(context, rays, sizeof *s->column);
+    s->kind = rsv_alloc(context, rays, sizeof *s->kind);
     s->tinted_column = rsv_alloc(context, rays, sizeof *s->tinted_column);
     s->tinted_weight = rsv_alloc(context, rays, sizeof *s->tinted_weight);
-    bool complete = s->column && s->tinted_column && s->tinted_weight;
+    bool complete = s->column && s->kind && s->tinted_column && s->tinted_weight;
     return complete ? rsv_escape_row_create(context, rays, &s->escapes) : RSV_ERROR_MEMORY;
 }
 
 void rsv_row_scratch_destroy(rsv_context *context, rsv_row_scratch *s)
 {
     rsv_free(context, s->column);
+    rsv_free(context, s->kind);
     rsv_free(context, s->tinted_column);
     rsv_free(context, s->tinted_weight);
     rsv_escape_row_destroy(context, &s->escapes);

@@ -16,7 +16,7 @@ typedef struct row_block {
     size_t count, tinted_count;
     size_t column_capacity, tinted_column_capacity, tinted_weight_capacity;
     rsv_escape_list escapes;
-    rsv_checkpoint_block kept;
+    rsv_row_block kept;
 } row_block;
 
 typedef struct assembly {
@@ -62,14 +62,15 @@ static rsv_status store_row(assembly *a, uint32_t node, const rsv_row_scratch *s
     }
     t->row_begin[node + 1] = block->count - first; // summed up in the end
     t->tinted_begin[node + 1] = s->tinted_count;
-    int points = __builtin_popcount(a->tracer.valid_points[node]);
+    int points = __builtin_popcount(s->valid);
     t->scale[node] = (float)RSV_SUPPORT_POINTS / ((float)rays * (float)points);
     t->gathered[node] = rgb_scale(s->emission, RSV_PI * t->scale[node]);
     if (!a->tracer.scene->view->environment) return RSV_OK; // nobody will ask where rays escaped to
     return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &block->escapes);
 }
 
-/// Traces a row unless an earlier run or the device did. @param index of the row in the wave
+/// Traces a row unless an earlier run or the device did; only in part, if it was traced before the scene was edited.
+/// @param index of the row in the wave
 static rsv_status find_row(
     assembly *a, uint32_t node, size_t index, rsv_row_scratch *scratch, row_block *block)
 {
@@ -79,7 +80,11 @@ static rsv_status find_row(
     }
     uint64_t before = scratch->rays;
     if (rsv_checkpoint_take(a->checkpoint, node, scratch)) return RSV_OK;
-    rsv_row_trace(&a->tracer, node, scratch);
+    rsv_row_past past;
+    if (rsv_checkpoint_recall(a->checkpoint, node, &past))
+        rsv_row_trace_anew(&a->tracer, node, &past, scratch);
+    else
+        rsv_row_trace(&a->tracer, node, scratch);
     if (!a->checkpoint) return RSV_OK;
     return rsv_checkpoint_keep(a->checkpoint, node, scratch, scratch->rays - before, &block->kept);
 }
@@ -164,6 +169,7 @@ static rsv_status trace_all(assembly *a)
 {
     rsv_context *context = a->transport->context;
     rsv_status status = RSV_OK;
+    double start = rsv_seconds();
     for (size_t first = 0; first < a->block_count; first += a->wave_size) {
         RSV_TRY(trace_on_device(a, first));
         RSV_TRY(trace_wave(a, first));
@@ -172,8 +178,11 @@ static rsv_status trace_all(assembly *a)
             RSV_TRY(append_block(a, &a->block[k]));
     }
     sum_up_rows(a->transport);
-    for (int thread = 0; thread < rsv_threads(context); thread++)
+    for (int thread = 0; thread < rsv_threads(context); thread++) {
         a->transport->rays += a->scratch[thread].rays;
+        a->transport->kept_rays += a->scratch[thread].kept;
+    }
+    a->transport->spared_seconds = rsv_checkpoint_finish(a->checkpoint, rsv_seconds() - start);
     RSV_TRY(rsv_progress(context, "assemble", 1));
 cleanup:
     if (status == RSV_ERROR_MEMORY)
@@ -185,6 +194,7 @@ cleanup:
 static rsv_status share_rows(rsv_transport *t)
 {
     t->rays = rsv_team_total(t->context, t->rays);
+    t->kept_rays = rsv_team_total(t->context, t->kept_rays);
     rsv_division_share(t->division, t->scale, sizeof *t->scale);
     rsv_division_share(t->division, t->gathered, sizeof *t->gathered);
     return rsv_team_meet(t->context, RSV_OK);

@@ -29,6 +29,8 @@ typedef struct rsv_transport {
     rsv_rgb *gathered;   ///< [row_count] irradiance emitted by sources that are found by gathering
     rsv_escapes escapes; ///< of the rays that left the scene
     uint64_t rays;
+    uint64_t kept_rays;    ///< of these, known from an earlier version of the scene
+    double spared_seconds; ///< by that, about
     /// Of the rows among processes: rows of others are empty here but for `scale` and `gathered`. NULL = all are here
     rsv_division *division;
 } rsv_transport;

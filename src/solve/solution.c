@@ -183,9 +183,10 @@ rsv_status rsv_solution_prepare(
     s->context = context;
     s->desc = *desc;
     s->wanted_rays = desc->rays_per_element;
-    s->scene = (rsv_transport_scene){
-        .scene = scene, .view = rsv_scene_get_view(scene), .checkpoint = desc->checkpoint
-    };
+    s->scene = (rsv_transport_scene){ .scene = scene,
+        .view = rsv_scene_get_view(scene),
+        .checkpoint = desc->checkpoint,
+        .earlier = desc->earlier };
     status = keep_goal_points(s);
     if (status == RSV_OK) status = prepare(s);
     if (status == RSV_OK)
@@ -230,6 +231,17 @@ cleanup:
     return status;
 }
 
+static void report_kept_rays(const rsv_solution *s)
+{
+    const rsv_solve_report *r = &s->report;
+    if (r->kept_row_rays > 0)
+        rsv_log(s->context, RSV_LOG_INFO,
+            "checkpoint: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced "
+            "again: %.1f s saved",
+            100 * (double)r->kept_row_rays / (double)r->row_rays,
+            100 * (1 - (double)r->kept_row_rays / (double)r->row_rays), fmax(r->spared_seconds, 0));
+}
+
 static rsv_status build(rsv_solution *s)
 {
     rsv_status status;
@@ -255,6 +267,7 @@ static rsv_status build(rsv_solution *s)
     s->report.time_solve = rsv_seconds() - assembled;
     s->report.critical_solve = rsv_team_path(s->context) - path_assembled;
     s->report.bytes = rsv_solution_bytes(s);
+    report_kept_rays(s);
     warn_if_unbounded(s);
 cleanup:
     return status;

@@ -56,7 +56,11 @@ rsv_status rsv_system_assemble(rsv_solution *s, uint32_t rays)
 {
     rsv_status status = rsv_transport_create(
         &s->scene, s->lights, s->elements, s->valid_points, rays, s->desc.seed, &s->transport);
-    if (status == RSV_OK) s->report.rays += s->transport->rays;
+    if (status != RSV_OK) return status;
+    s->report.rays += s->transport->rays;
+    s->report.row_rays += s->transport->rays;
+    s->report.kept_row_rays += s->transport->kept_rays;
+    s->report.spared_seconds += s->transport->spared_seconds;
     return status;
 }
 

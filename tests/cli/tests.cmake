@@ -1,13 +1,13 @@
 # The program as its users meet it: one shell script per subject.
 if(TARGET resolvent_program)
-    foreach(subject usage budget bad_input bake probe certify render solve relight gpu view python scene cancel bench)
+    foreach(subject usage budget bad_input bake probe certify render solve update relight gpu view python scene cancel bench)
         add_test(NAME cli_${subject} COMMAND bash
             ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_${subject}.sh $<TARGET_FILE:resolvent_program>)
         set_tests_properties(cli_${subject} PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
     endforeach()
     set_tests_properties(cli_python PROPERTIES SKIP_RETURN_CODE 77)
     # what they run, the sanitizers see in the unit tests
-    set_tests_properties(cli_bake cli_bench cli_render cli_certify cli_relight cli_gpu cli_view cli_scene PROPERTIES LABELS slow)
+    set_tests_properties(cli_bake cli_bench cli_render cli_certify cli_relight cli_gpu cli_view cli_scene cli_update PROPERTIES LABELS slow)
     add_test(NAME cli_cluster COMMAND bash
         ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_cluster.sh $<TARGET_FILE:resolvent_program>)
     # MPI and PETSc keep what they allocate to the end

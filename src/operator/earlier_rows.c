@@ -1,0 +1,162 @@
+#include "earlier_rows.h"
+
+#include "../core/index_map.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <string.h>
+
+static bool is_catalogue(const char *name)
+{
+    return strlen(name) == RSV_ROW_KEY_DIGITS + strlen(".scene") &&
+           strcmp(name + RSV_ROW_KEY_DIGITS, ".scene") == 0;
+}
+
+static rsv_status map_keys(
+    rsv_context *context, const uint64_t *key, size_t count, rsv_index_map *map)
+{
+    rsv_status status = rsv_index_map_create(context, count, map);
+    for (size_t k = 0; k < count && status == RSV_OK; k++)
+        if (rsv_index_map_insert(map, key[k], (uint32_t)k) == UINT32_MAX) status = RSV_ERROR_MEMORY;
+    return status;
+}
+
+/// The node now whose row may have the rays of a row then; RSV_NONE = none.
+static uint32_t find_row(const rsv_row_catalogue *then, size_t node, const rsv_row_catalogue *now,
+    const rsv_index_map *nodes)
+{
+    uint32_t same =
+        then->has_row[node] ? rsv_index_map_find(nodes, then->node_key[node]) : RSV_NONE;
+    return same != RSV_NONE && now->has_row[same] ? same : RSV_NONE;
+}
+
+static size_t count_known(
+    const rsv_row_catalogue *then, const rsv_row_catalogue *now, const rsv_index_map *nodes)
+{
+    size_t known = 0;
+    for (size_t n = 0; n < then->header->node_count; n++)
+        known += find_row(then, n, now, nodes) != RSV_NONE;
+    return known;
+}
+
+/// The catalogue in a folder that knows most rows. @param name out: of its file, up to the key @param best out: NULL = none
+static rsv_status find_best(const rsv_row_catalogue *now, const rsv_index_map *nodes,
+    const char *folder, char name[RSV_ROW_KEY_DIGITS + 1], rsv_row_catalogue **best)
+{
+    rsv_status status = RSV_OK;
+    char path[RSV_ROW_PATH_BYTES];
+    size_t most = 0;
+    DIR *directory = opendir(folder);
+    for (struct dirent *entry; directory && status == RSV_OK && (entry = readdir(directory));) {
+        rsv_row_catalogue *then = NULL;
+        if (!is_catalogue(entry->d_name) ||
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
+            continue;
+        status = rsv_row_catalogue_read(now->context, path, &then);
+        bool alike = then && then->header->ray_count == now->header->ray_count &&
+                     then->header->seed == now->header->seed;
+        size_t known = alike ? count_known(then, now, nodes) : 0;
+        if (known > most) {
+            rsv_row_catalogue *swap = *best;
+            *best = then;
+            then = swap;
+            most = known;
+            memcpy(name, entry->d_name, RSV_ROW_KEY_DIGITS);
+        }
+        rsv_row_catalogue_destroy(then);
+    }
+    if (directory) closedir(directory);
+    return status;
+}
+
+/// Finds nodes again, and lets go of those around which a cell is not what it was: another node may get a ray's end there.
+static rsv_status match_ends(const rsv_row_catalogue *then, const rsv_row_catalogue *now,
+    const rsv_index_map *nodes, uint32_t *end_now)
+{
+    rsv_context *context = now->context;
+    rsv_index_map cells = { 0 };
+    rsv_status status;
+    uint8_t *lost = rsv_alloc(context, then->header->node_count, 1);
+    RSV_TRY(lost ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(map_keys(context, now->cell_key, now->header->cell_count, &cells));
+    for (size_t n = 0; n < then->header->node_count; n++)
+        end_now[n] = rsv_index_map_find(nodes, then->node_key[n]);
+    for (size_t c = 0; c < then->header->cell_count; c++) {
+        const uint32_t *node = then->cell_node[c];
+        uint32_t same = rsv_index_map_find(&cells, then->cell_key[c]);
+        for (int k = 0; k < 3; k++)
+            if (same == UINT32_MAX || now->cell_node[same][k] != end_now[node[k]])
+                lost[node[0]] = lost[node[1]] = lost[node[2]] = 1;
+    }
+    for (size_t n = 0; n < then->header->node_count; n++)
+        if (lost[n]) end_now[n] = RSV_NONE;
+cleanup:
+    rsv_index_map_destroy(&cells);
+    rsv_free(context, lost);
+    return status;
+}
+
+static rsv_status match(rsv_earlier_rows *e, const rsv_row_catalogue *then,
+    const rsv_row_catalogue *now, const rsv_index_map *nodes)
+{
+    size_t count = now->header->node_count;
+    e->row_then = rsv_alloc(e->context, count, sizeof *e->row_then);
+    e->end_now = rsv_alloc(e->context, then->header->node_count, sizeof *e->end_now);
+    if (!e->row_then || !e->end_now) return RSV_ERROR_MEMORY;
+    memset(e->row_then, 0xff, count * sizeof *e->row_then);
+    for (uint32_t n = 0; n < then->header->node_count; n++) {
+        uint32_t same = find_row(then, n, now, nodes);
+        if (same != RSV_NONE) e->row_then[same] = n;
+    }
+    return match_ends(then, now, nodes, e->end_now);
+}
+
+rsv_status rsv_earlier_rows_open(const rsv_row_tracer *tracer, const rsv_row_catalogue *now,
+    const char *folder, rsv_earlier_rows **earlier)
+{
+    rsv_context *context = now->context;
+    rsv_status status;
+    rsv_index_map nodes = { 0 };
+    rsv_row_catalogue *then = NULL;
+    rsv_earlier_rows *e = NULL;
+    char key[RSV_ROW_KEY_DIGITS + 1] = { 0 };
+    *earlier = NULL;
+    RSV_TRY(map_keys(context, now->node_key, now->header->node_count, &nodes));
+    RSV_TRY(find_best(now, &nodes, folder, key, &then));
+    if (!then) goto cleanup;
+    e = rsv_alloc(context, 1, sizeof *e);
+    RSV_TRY(e ? RSV_OK : RSV_ERROR_MEMORY);
+    e->context = context;
+    e->seconds = then->header->seconds;
+    e->change = rsv_scene_change_since(
+        tracer->scene->view, then->triangle_key, then->header->triangle_count);
+    RSV_TRY(match(e, then, now, &nodes));
+    RSV_TRY(rsv_row_files_open(context, folder, key, then->header->node_count,
+        now->header->ray_count, NULL, NULL, &e->files));
+    *earlier = e;
+    e = NULL;
+cleanup:
+    rsv_earlier_rows_close(e);
+    rsv_row_catalogue_destroy(then);
+    rsv_index_map_destroy(&nodes);
+    return status;
+}
+
+void rsv_earlier_rows_close(rsv_earlier_rows *e)
+{
+    if (!e) return;
+    rsv_row_files_close(&e->files);
+    rsv_free(e->context, e->row_then);
+    rsv_free(e->context, e->end_now);
+    rsv_free(e->context, e);
+}
+
+bool rsv_earlier_rows_find(const rsv_earlier_rows *e, uint32_t node, rsv_row_past *past)
+{
+    uint32_t then = e ? e->row_then[node] : RSV_NONE;
+    if (then == RSV_NONE || !e->files.known[then]) return false;
+    *past = rsv_row_record_past(e->files.known[then]);
+    past->end_now = e->end_now;
+    past->change = &e->change;
+    return true;
+}

@@ -1,0 +1,51 @@
+#include "element_keys.h"
+
+#include "../core/key.h"
+
+uint64_t rsv_triangle_key(const rsv_scene_view *scene, uint32_t triangle)
+{
+    uint64_t key = 0;
+    for (int k = 0; k < 3; k++)
+        key = rsv_key_add_vector(key, scene->position[scene->triangle[triangle][k]]);
+    return key;
+}
+
+static uint64_t face_key(const rsv_elements *e, uint32_t face)
+{
+    uint32_t triangle = e->face_triangle[face];
+    uint64_t key = rsv_key_add(rsv_triangle_key(e->scene, triangle), e->face_back[face]);
+    for (int k = 0; k < 3; k++)
+        key = rsv_key_add_vector(key, e->scene->normal[e->scene->triangle[triangle][k]]);
+    return key;
+}
+
+void rsv_elements_cell_keys(const rsv_elements *e, uint64_t *key)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t k = 0; k < e->cell_count; k++) {
+        const rsv_cell *c = &e->cell[k];
+        uint64_t place = (uint64_t)c->i << 32 | (uint64_t)c->j << 16 | (uint64_t)c->level << 8;
+        key[k] = rsv_key_add(face_key(e, c->face), place | c->flipped);
+    }
+}
+
+static uint64_t add_support(
+    const rsv_elements *e, const uint64_t *cell_key, uint32_t node, uint64_t key)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        key = rsv_key_add(rsv_key_add(key, cell_key[e->support[s] / 4]), e->support[s] & 3);
+    return key;
+}
+
+void rsv_elements_node_keys(const rsv_elements *e, const uint64_t *cell_key, uint64_t *key)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        key[n] = add_support(e, cell_key, (uint32_t)n, 0);
+        for (uint32_t k = e->led_begin ? e->led_begin[n] : 0;
+             e->led_begin && k < e->led_begin[n + 1]; k++) {
+            key[n] = add_support(e, cell_key, e->led[k].follower, key[n]);
+            key[n] = rsv_key_add_bytes(key[n], &e->led[k].weight, sizeof e->led[k].weight);
+        }
+    }
+}

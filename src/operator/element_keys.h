@@ -1,0 +1,19 @@
+/// Keys of nodes and cells: by them they are known again on the elements of another version of the scene.
+///
+/// They say where things are, and nothing of materials.
+#ifndef RSV_ELEMENT_KEYS_H
+#define RSV_ELEMENT_KEYS_H
+
+#include "elements.h"
+
+uint64_t rsv_triangle_key(const rsv_scene_view *scene, uint32_t triangle);
+
+/// Key of each cell: of its triangle with its normals, the side, and the place there.
+/// @param key [cell_count], out
+void rsv_elements_cell_keys(const rsv_elements *elements, uint64_t *key);
+
+/// Key of each node: of all cells whose light it receives, those of its followers included.
+/// @param cell_key [cell_count] @param key [node_count], out
+void rsv_elements_node_keys(const rsv_elements *elements, const uint64_t *cell_key, uint64_t *key);
+
+#endif

@@ -1,0 +1,152 @@
+#include "row_catalogue.h"
+
+#include "../core/key.h"
+#include "element_keys.h"
+#include "scene_change.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MAGIC 0x31746163u // "cat1"
+#define PATH_BYTES 4096
+/// More nodes, cells or triangles than elements can have.
+#define TOO_MANY ((uint64_t)1 << 34)
+
+static size_t bytes_of(const rsv_row_catalogue_header *h)
+{
+    return sizeof *h + (h->node_count + h->cell_count + h->triangle_count) * sizeof(uint64_t) +
+           h->cell_count * sizeof(uint32_t[3]) + h->node_count;
+}
+
+/// Room for all that a header speaks of.
+static rsv_status create_empty(
+    rsv_context *context, const rsv_row_catalogue_header *header, rsv_row_catalogue **catalogue)
+{
+    rsv_row_catalogue *c = rsv_alloc(context, 1, sizeof *c);
+    if (!c) return RSV_ERROR_MEMORY;
+    *catalogue = c;
+    c->context = context;
+    c->header = rsv_alloc(context, bytes_of(header), 1);
+    if (!c->header) return RSV_ERROR_MEMORY;
+    *c->header = *header;
+    c->node_key = (uint64_t *)(c->header + 1);
+    c->cell_key = c->node_key + header->node_count;
+    c->triangle_key = c->cell_key + header->cell_count;
+    c->cell_node = (uint32_t(*)[3])(c->triangle_key + header->triangle_count);
+    c->has_row = (uint8_t *)(c->cell_node + header->cell_count);
+    return RSV_OK;
+}
+
+void rsv_row_catalogue_destroy(rsv_row_catalogue *c)
+{
+    if (!c) return;
+    rsv_free(c->context, c->header);
+    rsv_free(c->context, c);
+}
+
+static void fill(const rsv_row_tracer *t, rsv_row_catalogue *c)
+{
+    const rsv_elements *e = t->elements;
+    rsv_elements_cell_keys(e, c->cell_key);
+    rsv_elements_node_keys(e, c->cell_key, c->node_key);
+    memcpy(c->cell_node, e->cell_node, e->cell_count * sizeof *e->cell_node);
+    for (size_t n = 0; n < e->node_count; n++)
+        c->has_row[n] = t->valid_points[n] != 0;
+    for (size_t k = 0; k < e->cell_count; k++) {
+        uint32_t face = e->cell[k].face;
+        size_t side = 2 * (size_t)e->face_triangle[face] + e->face_back[face];
+        c->cell_key[k] = rsv_key_add(c->cell_key[k], t->target[side].kind);
+    }
+}
+
+rsv_status rsv_row_catalogue_create(const rsv_row_tracer *t, rsv_row_catalogue **catalogue)
+{
+    rsv_context *context = t->elements->context;
+    rsv_row_catalogue *c = NULL;
+    uint64_t *triangles = NULL;
+    size_t count = 0;
+    rsv_status status = rsv_scene_change_keys(context, t->scene->view, &triangles, &count);
+    if (status != RSV_OK) return status;
+    const rsv_row_catalogue_header header = { .magic = MAGIC,
+        .ray_count = t->directions.count,
+        .seed = t->seed,
+        .node_count = t->elements->node_count,
+        .cell_count = t->elements->cell_count,
+        .triangle_count = count };
+    RSV_TRY(create_empty(context, &header, &c));
+    memcpy(c->triangle_key, triangles, count * sizeof *triangles);
+    fill(t, c);
+    *catalogue = c;
+    c = NULL;
+cleanup:
+    rsv_free(context, triangles);
+    rsv_row_catalogue_destroy(c);
+    return status;
+}
+
+static uint64_t checksum_of(const rsv_row_catalogue *c)
+{
+    rsv_row_catalogue_header header = *c->header;
+    header.checksum = 0;
+    uint64_t sum = rsv_key_add_bytes(MAGIC, &header, sizeof header);
+    return rsv_key_add_bytes(sum, c->header + 1, bytes_of(&header) - sizeof header);
+}
+
+static bool nodes_exist(const rsv_row_catalogue *c)
+{
+    for (size_t k = 0; k < c->header->cell_count; k++)
+        for (int corner = 0; corner < 3; corner++)
+            if (c->cell_node[k][corner] >= c->header->node_count) return false;
+    return true;
+}
+
+static bool is_sound_header(const rsv_row_catalogue_header *h, FILE *file)
+{
+    if (h->magic != MAGIC || h->node_count >= TOO_MANY || h->cell_count >= TOO_MANY ||
+        h->triangle_count >= TOO_MANY || fseek(file, 0, SEEK_END) != 0)
+        return false;
+    bool fits = ftell(file) == (long)bytes_of(h);
+    return fseek(file, sizeof *h, SEEK_SET) == 0 && fits;
+}
+
+rsv_status rsv_row_catalogue_read(
+    rsv_context *context, const char *path, rsv_row_catalogue **catalogue)
+{
+    rsv_row_catalogue_header header;
+    rsv_row_catalogue *c = NULL;
+    rsv_status status = RSV_OK;
+    *catalogue = NULL;
+    FILE *file = fopen(path, "rb");
+    if (!file) return RSV_OK;
+    if (fread(&header, sizeof header, 1, file) == 1 && is_sound_header(&header, file)) {
+        RSV_TRY(create_empty(context, &header, &c));
+        size_t rest = bytes_of(&header) - sizeof header;
+        if (fread(c->header + 1, 1, rest, file) == rest && header.checksum == checksum_of(c) &&
+            nodes_exist(c)) {
+            *catalogue = c;
+            c = NULL;
+        }
+    }
+cleanup:
+    fclose(file);
+    rsv_row_catalogue_destroy(c);
+    return status;
+}
+
+void rsv_row_catalogue_write(rsv_row_catalogue *c, const char *path)
+{
+    char beside[PATH_BYTES];
+    c->header->checksum = checksum_of(c);
+    bool named = snprintf(beside, sizeof beside, "%s.part", path) < (int)sizeof beside;
+    FILE *file = named ? fopen(beside, "wb") : NULL;
+    size_t bytes = bytes_of(c->header);
+    bool written = file && fwrite(c->header, 1, bytes, file) == bytes;
+    if (file) written = fclose(file) == 0 && written;
+    if (written && rename(beside, path) == 0) return;
+    rsv_log(c->context, RSV_LOG_WARNING,
+        "checkpoint: cannot write '%s': %s; after an edit of the scene all rows will be traced "
+        "again",
+        path, strerror(errno));
+    if (file) remove(beside);
+}

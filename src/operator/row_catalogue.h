@@ -1,0 +1,36 @@
+/// What rows in files were traced on, in keys: enough to know their nodes again on the elements of an edited scene.
+#ifndef RSV_ROW_CATALOGUE_H
+#define RSV_ROW_CATALOGUE_H
+
+#include "row_tracer.h"
+
+typedef struct rsv_row_catalogue_header {
+    uint32_t magic, ray_count, seed, unused;
+    uint64_t node_count, cell_count, triangle_count;
+    double seconds;    ///< that tracing all rows takes
+    uint64_t checksum; ///< of all, with 0 here
+} rsv_row_catalogue_header;
+
+/// Arrays lie one after the other behind the header.
+typedef struct rsv_row_catalogue {
+    rsv_context *context;
+    rsv_row_catalogue_header *header;
+    uint64_t *node_key;       ///< [node_count]
+    uint64_t *cell_key;       ///< [cell_count] of the cell and what it is to rays
+    uint64_t *triangle_key;   ///< [triangle_count] rsv_scene_change_keys
+    uint32_t (*cell_node)[3]; ///< [cell_count]
+    uint8_t *has_row;         ///< [node_count]
+} rsv_row_catalogue;
+
+rsv_status rsv_row_catalogue_create(const rsv_row_tracer *tracer, rsv_row_catalogue **catalogue);
+
+/// @param catalogue out: NULL where the file is none, or not whole
+rsv_status rsv_row_catalogue_read(
+    rsv_context *context, const char *path, rsv_row_catalogue **catalogue);
+
+/// Writes it beside its place and moves it there; a warning where that fails.
+void rsv_row_catalogue_write(rsv_row_catalogue *catalogue, const char *path);
+
+void rsv_row_catalogue_destroy(rsv_row_catalogue *catalogue);
+
+#endif

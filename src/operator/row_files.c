@@ -1,0 +1,90 @@
+#include "row_files.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/// @param file out: empty if there is nothing to learn from it
+static rsv_status map_file(rsv_row_files *f, const char *path, rsv_mapped_file *file)
+{
+    struct stat info;
+    *file = (rsv_mapped_file){ 0 };
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0 || fstat(descriptor, &info) != 0 || info.st_size == 0) {
+        if (descriptor >= 0) close(descriptor);
+        return RSV_OK;
+    }
+    void *byte = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_PRIVATE, descriptor, 0);
+    close(descriptor);
+    if (byte == MAP_FAILED)
+        return rsv_fail(RSV_ERROR_IO, "checkpoint: cannot read '%s': %s", path, strerror(errno));
+    rsv_status status =
+        rsv_grow(f->context, (void **)&f->file, &f->capacity, f->file_count + 1, sizeof *f->file);
+    *file = (rsv_mapped_file){ byte, (size_t)info.st_size };
+    if (status == RSV_OK)
+        f->file[f->file_count++] = *file;
+    else
+        munmap(byte, file->count);
+    return status;
+}
+
+/// Notes the records of a file. @return bytes up to the first that is not sound
+static size_t index_records(rsv_row_files *f, const rsv_mapped_file *file, uint32_t ray_count)
+{
+    size_t at = 0;
+    for (;;) {
+        uint32_t node;
+        size_t bytes = rsv_row_record_check(
+            file->byte + at, file->count - at, f->node_count, ray_count, &node);
+        if (bytes == 0) return at;
+        f->known[node] = file->byte + at;
+        at += bytes;
+    }
+}
+
+static bool is_named(const char *name, const char *key)
+{
+    size_t length = strlen(name), ending = strlen(".rows");
+    return strncmp(name, key, RSV_ROW_KEY_DIGITS) == 0 && length > ending &&
+           strcmp(name + length - ending, ".rows") == 0;
+}
+
+rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const char *key,
+    size_t node_count, uint32_t ray_count, const char *own, size_t *own_bytes, rsv_row_files *f)
+{
+    rsv_status status = RSV_OK;
+    char path[RSV_ROW_PATH_BYTES];
+    *f = (rsv_row_files){ .context = context, .node_count = node_count };
+    f->known = rsv_alloc(context, node_count, sizeof *f->known);
+    if (!f->known) return RSV_ERROR_MEMORY;
+    DIR *directory = opendir(folder);
+    if (!directory)
+        return rsv_fail(
+            RSV_ERROR_IO, "checkpoint: cannot open the folder '%s': %s", folder, strerror(errno));
+    for (struct dirent *entry; status == RSV_OK && (entry = readdir(directory));) {
+        rsv_mapped_file file;
+        if (!is_named(entry->d_name, key)) continue;
+        if (snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
+            continue;
+        status = map_file(f, path, &file);
+        size_t sound = status == RSV_OK && file.byte ? index_records(f, &file, ray_count) : 0;
+        if (own && strcmp(path, own) == 0) *own_bytes = sound;
+    }
+    closedir(directory);
+    return status;
+}
+
+void rsv_row_files_close(rsv_row_files *f)
+{
+    if (!f->context) return;
+    for (size_t k = 0; k < f->file_count; k++)
+        munmap(f->file[k].byte, f->file[k].count);
+    rsv_free(f->context, f->file);
+    rsv_free(f->context, f->known);
+    *f = (rsv_row_files){ 0 };
+}

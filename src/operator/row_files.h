@@ -1,0 +1,30 @@
+/// Files of row records, mapped into memory.
+#ifndef RSV_ROW_FILES_H
+#define RSV_ROW_FILES_H
+
+#include "row_record.h"
+
+#define RSV_ROW_PATH_BYTES 4096
+#define RSV_ROW_KEY_DIGITS 16 ///< in front of the names of all files that belong together
+
+typedef struct rsv_mapped_file {
+    uint8_t *byte;
+    size_t count;
+} rsv_mapped_file;
+
+typedef struct rsv_row_files {
+    rsv_context *context;
+    const uint8_t **known; ///< [node_count] records by node; NULL = none
+    size_t node_count;
+    rsv_mapped_file *file;
+    size_t file_count, capacity;
+} rsv_row_files;
+
+/// Notes what the files FOLDER/KEY-*.rows hold; records cut off by the end of their writer are dropped.
+/// @param own path of one of them @param own_bytes out: of the sound records that it has
+rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const char *key,
+    size_t node_count, uint32_t ray_count, const char *own, size_t *own_bytes,
+    rsv_row_files *files);
+void rsv_row_files_close(rsv_row_files *files);
+
+#endif

@@ -1,0 +1,31 @@
+/// What an edit of the scene put where it was not before: all that rays which used to pass may now meet.
+///
+/// Triangles are known again by where they are, whatever object they belong to. What an edit took away needs no mention
+/// here: rays that met it ended on it.
+#ifndef RSV_SCENE_CHANGE_H
+#define RSV_SCENE_CHANGE_H
+
+#include "../core/core_internal.h"
+#include "resolvent/trace.h"
+
+#define RSV_MOST_CHANGES 16
+
+typedef struct rsv_scene_change {
+    rsv_vec3 low[RSV_MOST_CHANGES], high[RSV_MOST_CHANGES]; ///< boxes around what is new
+    uint32_t count;
+} rsv_scene_change;
+
+/// Keys of the triangles that stop every ray, for a later version of the scene. Those with holes are left out: they count
+/// as new in every version, as their holes may be others.
+/// @param keys out: [*count], in ascending order, to be freed
+rsv_status rsv_scene_change_keys(
+    rsv_context *context, const rsv_scene_view *scene, uint64_t **keys, size_t *count);
+
+/// @param keys [count] of the earlier version
+rsv_scene_change rsv_scene_change_since(
+    const rsv_scene_view *scene, const uint64_t *keys, size_t count);
+
+/// Which lanes of a packet run through what is new, however far away: bit by bit.
+uint16_t rsv_scene_change_meets(const rsv_scene_change *change, const rsv_ray_packet *packet);
+
+#endif

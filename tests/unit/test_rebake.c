@@ -1,0 +1,240 @@
+/// Rows taken over from before the scene was edited: ray by ray those that a full build traces.
+#include "file_fixture.h"
+#include "light_fixture.h"
+#include "operator/burial.h"
+#include "operator/contact.h"
+#include "operator/earlier_rows.h"
+#include "operator/spacing.h"
+
+enum { RAYS = 256, SEED = 1 };
+
+/// What is edited. All lengths in metres.
+typedef struct room {
+    float box_at;       ///< x of a box on the floor; negative = there is none
+    float albedo;       ///< of that box
+    float radiance;     ///< of a panel under the ceiling
+    bool mirror, glass; ///< what the second box is made of; neither = plaster
+    const char *rows;   ///< folder for the rows
+} room;
+
+static const room plain = { 0.5f, 0.5f, 1, false, false, NULL };
+
+typedef struct built {
+    world *w;
+    rsv_elements *elements;
+    uint16_t *valid_points;
+} built;
+
+static built build(const room *r)
+{
+    built b = { .w = world_begin(2) };
+    world *w = b.w;
+    uint32_t walls = world_lambert(w, 0.7f, 0), box = world_lambert(w, r->albedo, 0);
+    uint32_t panel = world_lambert(w, 0.1f, r->radiance), other = walls;
+    if (r->mirror) other = world_material(w, mirror_material(0.9f));
+    if (r->glass) other = world_material(w, glass_material());
+    world_room(w, walls, v3(0, 0, 0), v3(3, 2, 2));
+    float x = r->box_at;
+    if (x >= 0) world_box(w, box, v3(x, 1e-4f, 0.5f), v3(x + 0.3f, 0.4f, 0.8f));
+    world_box(w, other, v3(2.3f, 0.01f, 1.2f), v3(2.6f, 0.4f, 1.5f));
+    world_box(w, panel, v3(1, 1.9f, 0.8f), v3(1.5f, 1.95f, 1.2f));
+    world_commit(w);
+    uint64_t rays = 0;
+    const rsv_spacing spacing = { .metres = 0.2f };
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &b.elements), RSV_OK);
+    assert_int_equal(rsv_elements_refine_contacts(&w->transport, 1000, &b.elements, &rays), RSV_OK);
+    assert_int_equal(rsv_elements_separate(w->tracer, NULL, b.elements, &rays), RSV_OK);
+    b.valid_points = calloc(b.elements->node_count, sizeof *b.valid_points);
+    assert_non_null(b.valid_points);
+    assert_int_equal(rsv_find_buried(&w->transport, b.elements, RSV_SUPPORT_POINTS, SEED, NULL,
+                         b.valid_points, &rays),
+        RSV_OK);
+    assert_int_equal(rsv_elements_bridge_buried(b.elements, b.valid_points), RSV_OK);
+    return b;
+}
+
+static void destroy(built *b)
+{
+    rsv_elements_destroy(b->elements);
+    free(b->valid_points);
+    world_end(b->w);
+}
+
+/// Leaves rows in the room's folder.
+static void trace_rows(const room *r)
+{
+    built b = build(r);
+    rsv_transport *transport;
+    b.w->transport.checkpoint = r->rows;
+    assert_int_equal(rsv_transport_create(&b.w->transport, b.w->lights, b.elements, b.valid_points,
+                         RAYS, SEED, &transport),
+        RSV_OK);
+    rsv_transport_destroy(transport);
+    destroy(&b);
+}
+
+static void check_same_row(const rsv_row_scratch *a, const rsv_row_scratch *b)
+{
+    assert_memory_equal(a->column, b->column, RAYS * sizeof *a->column);
+    assert_memory_equal(a->kind, b->kind, RAYS * sizeof *a->kind);
+    assert_int_equal(a->tinted_count, b->tinted_count);
+    assert_memory_equal(
+        a->tinted_column, b->tinted_column, a->tinted_count * sizeof *a->tinted_column);
+    assert_memory_equal(
+        a->tinted_weight, b->tinted_weight, a->tinted_count * sizeof *a->tinted_weight);
+    assert_memory_equal(&a->emission, &b->emission, sizeof a->emission);
+    assert_int_equal(a->escapes.count, b->escapes.count);
+    assert_int_equal(a->valid, b->valid);
+}
+
+/// How much of the rows of one room still holds in another.
+typedef struct kept {
+    double rays; ///< share of those of all rows
+    size_t rows; ///< that were known
+    size_t all;
+} kept;
+
+/// Every row that is taken over against the same row with all of its rays traced.
+static kept compare_rows(const rsv_row_tracer *tracer, const rsv_earlier_rows *earlier)
+{
+    rsv_context *context = tracer->elements->context;
+    static const uint8_t nothing[RAYS];
+    rsv_row_scratch anew = { 0 }, whole = { 0 };
+    kept k = { 0 };
+    assert_int_equal(rsv_row_scratch_create(context, RAYS, &anew), RSV_OK);
+    assert_int_equal(rsv_row_scratch_create(context, RAYS, &whole), RSV_OK);
+    for (uint32_t n = 0; n < tracer->elements->node_count; n++) {
+        rsv_row_past past;
+        if (!tracer->valid_points[n]) continue;
+        k.all++;
+        if (!rsv_earlier_rows_find(earlier, n, &past)) continue;
+        k.rows++;
+        rsv_row_trace_anew(tracer, n, &past, &anew);
+        past.kind = nothing;
+        rsv_row_trace_anew(tracer, n, &past, &whole);
+        check_same_row(&anew, &whole);
+    }
+    k.rays = (double)anew.kept / ((double)k.all * RAYS);
+    rsv_row_scratch_destroy(context, &anew);
+    rsv_row_scratch_destroy(context, &whole);
+    return k;
+}
+
+static kept update(const room *before, const room *after)
+{
+    built b = build(after);
+    rsv_row_catalogue *now;
+    rsv_earlier_rows *earlier;
+    rsv_row_tracer tracer = { .scene = &b.w->transport,
+        .lights = b.w->lights,
+        .elements = b.elements,
+        .valid_points = b.valid_points,
+        .seed = SEED };
+    assert_int_equal(rsv_row_tracer_begin(&tracer, RAYS), RSV_OK);
+    assert_int_equal(rsv_row_catalogue_create(&tracer, &now), RSV_OK);
+    assert_int_equal(rsv_earlier_rows_open(&tracer, now, before->rows, &earlier), RSV_OK);
+    kept k = compare_rows(&tracer, earlier);
+    rsv_earlier_rows_close(earlier);
+    rsv_row_catalogue_destroy(now);
+    rsv_row_tracer_end(&tracer);
+    destroy(&b);
+    return k;
+}
+
+static kept edit(room before, room after)
+{
+    folder rows = new_folder();
+    before.rows = rows.path;
+    trace_rows(&before);
+    kept k = update(&before, &after);
+    remove_folder(rows.path);
+    return k;
+}
+
+static void an_unchanged_scene_keeps_all(void **state)
+{
+    (void)state;
+    kept k = edit(plain, plain);
+    assert_int_equal(k.rows, k.all);
+    assert_true(k.rays == 1);
+}
+
+static void albedo_and_emission_keep_all(void **state)
+{
+    (void)state;
+    room painted = plain, lit = plain;
+    painted.albedo = 0.2f;
+    lit.radiance = 3;
+    assert_true(edit(plain, painted).rays == 1);
+    assert_true(edit(plain, lit).rays == 1);
+}
+
+static void a_moved_object_costs_the_rays_that_meet_it(void **state)
+{
+    (void)state;
+    room moved = plain;
+    moved.box_at = 0.9f;
+    kept k = edit(plain, moved);
+    assert_true(k.rows < k.all);
+    assert_true(k.rays > 0.7 && k.rays < 1);
+}
+
+static void objects_come_and_go(void **state)
+{
+    (void)state;
+    room empty = plain;
+    empty.box_at = -1;
+    kept added = edit(empty, plain), removed = edit(plain, empty);
+    assert_true(added.rays > 0.7 && added.rays < 1);
+    assert_true(removed.rays > 0.7 && removed.rays < 1);
+}
+
+static void another_way_to_scatter_costs_the_rays_that_meet_it(void **state)
+{
+    (void)state;
+    room mirror = plain, glass = plain;
+    mirror.mirror = glass.glass = true;
+    const room *rooms[] = { &plain, &mirror, &glass };
+    for (int from = 0; from < 3; from++)
+        for (int to = 0; to < 3; to++) {
+            kept k = edit(*rooms[from], *rooms[to]);
+            assert_true(k.rays > 0.7);
+            assert_true(k.rays < 1 || (from == 0 && to == 0));
+        }
+}
+
+static void damaged_catalogues_are_passed_over(void **state)
+{
+    (void)state;
+    folder rows = new_folder();
+    room before = plain;
+    before.rows = rows.path;
+    trace_rows(&before);
+    DIR *directory = opendir(rows.path);
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        if (!strstr(entry->d_name, ".scene")) continue;
+        char path[512];
+        snprintf(path, sizeof path, "%.200s/%.200s", rows.path, entry->d_name);
+        FILE *file = fopen(path, "r+b");
+        assert_non_null(file);
+        assert_int_equal(fseek(file, 2000, SEEK_SET), 0);
+        assert_int_equal(fputc(0x55, file), 0x55);
+        fclose(file);
+    }
+    closedir(directory);
+    assert_int_equal(update(&before, &plain).rows, 0);
+    remove_folder(rows.path);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_unchanged_scene_keeps_all),
+        cmocka_unit_test(albedo_and_emission_keep_all),
+        cmocka_unit_test(a_moved_object_costs_the_rays_that_meet_it),
+        cmocka_unit_test(objects_come_and_go),
+        cmocka_unit_test(another_way_to_scatter_costs_the_rays_that_meet_it),
+        cmocka_unit_test(damaged_catalogues_are_passed_over),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
