@@ -89,13 +89,14 @@ static rough_numbers draw_numbers(const tree *t, const link *at)
 /// Rough lobes are looked at as often as they are this many times the diffuse one's share.
 #define ROUGH_WORTH 10
 
-/// Chance of looking at rough lobes: wide ones that are faint beside the diffuse one are not worth two rays each time.
+/// Chance of looking at rough lobes: wide ones that are faint beside the diffuse one, to the eye, are not worth two rays
+/// each time.
 static float chance_of_looking(const rsv_rough_surface *surface, const rsv_bsdf_branches *branches)
 {
     const rsv_bsdf *bsdf = surface->bsdf;
     if (!rsv_rough_is_wide(bsdf)) return 1;
     float rough = rsv_bsdf_specular_chance(bsdf, surface->wo, surface->normal, surface->front);
-    float diffuse = rgb_max(rgb_mul(branches->diffuse, bsdf->exitance_albedo));
+    float diffuse = rgb_luminance(rgb_mul(branches->diffuse, bsdf->exitance_albedo));
     return ROUGH_WORTH * rough < diffuse ? ROUGH_WORTH * rough / diffuse : 1;
 }
 
