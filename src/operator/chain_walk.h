@@ -15,7 +15,7 @@ typedef struct rsv_transport_scene {
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
     rsv_media media;
     const char
-        *checkpoint; ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
+        *checkpoint;     ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
     const char *earlier; ///< that of an earlier version of the scene; NULL = none
 } rsv_transport_scene;
 
