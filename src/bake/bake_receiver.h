@@ -12,12 +12,23 @@ typedef struct rsv_bake_receiver {
     float beyond;         ///< 0 = on the surface
 } rsv_bake_receiver;
 
+/// What the front of a surface shows: the irradiance that enters, diffused below it where the material is translucent.
+static inline rsv_rgb rsv_bake_shown(const rsv_solution *s, uint32_t triangle, float u, float v)
+{
+    uint32_t face = s->elements->face_of[false][triangle];
+    if (face == RSV_NONE || !rsv_is_translucent(s, face))
+        return rsv_solution_irradiance(s, triangle, u, v, false, RSV_NONE);
+    rsv_rgb shown = rgb_add(rsv_solution_diffused_direct(s, face, u, v),
+        rsv_solution_diffused(s, face, u, v, RSV_NONE));
+    return rgb(f_max(shown.r, 0), f_max(shown.g, 0), f_max(shown.b, 0));
+}
+
 static inline rsv_rgb rsv_bake_irradiance(const rsv_solution *s, const rsv_bake_receiver *r)
 {
     if (r->triangle == RSV_NONE) return rgb_gray(0);
-    rsv_rgb on = rsv_solution_irradiance(s, r->triangle, r->u, r->v, false, RSV_NONE);
+    rsv_rgb on = rsv_bake_shown(s, r->triangle, r->u, r->v);
     if (r->beyond == 0) return on;
-    rsv_rgb back = rsv_solution_irradiance(s, r->triangle, r->u_back, r->v_back, false, RSV_NONE);
+    rsv_rgb back = rsv_bake_shown(s, r->triangle, r->u_back, r->v_back);
     return rgb_mad(on, r->beyond, rgb_sub(on, back));
 }
 

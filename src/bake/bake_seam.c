@@ -74,8 +74,7 @@ static rsv_rgb light_on(const seam_search *q, const border *b, float t, float po
         w[k] += 1e-3f * (1.0f / 3 - w[k]);
     float u, v;
     rsv_bake_place(part, w[1], w[2], &u, &v);
-    return rsv_solution_irradiance(
-        q->s, part->triangle[q->charts->triangle[b->k]], u, v, false, RSV_NONE);
+    return rsv_bake_shown(q->s, part->triangle[q->charts->triangle[b->k]], u, v);
 }
 
 static float largest_difference(rsv_rgb a, rsv_rgb b)

@@ -174,8 +174,8 @@ void rsv_bake_map_light(const rsv_solution *s, rsv_bake_map *map)
     for (size_t k = 0; k < texels; k++) {
         rsv_bake_receiver *r = &map->receiver[k];
         if (r->beyond > 0)
-            limit(r, rsv_solution_irradiance(s, r->triangle, r->u, r->v, false, RSV_NONE),
-                rsv_solution_irradiance(s, r->triangle, r->u_back, r->v_back, false, RSV_NONE));
+            limit(r, rsv_bake_shown(s, r->triangle, r->u, r->v),
+                rsv_bake_shown(s, r->triangle, r->u_back, r->v_back));
         map->light[k] = rsv_bake_irradiance(s, r);
     }
 }

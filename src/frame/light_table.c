@@ -287,15 +287,6 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
 
 // ---- surfaces that are not in the table ----------------------------------------------------------
 
-static rsv_rgb diffused_direct(const rsv_solution *s, uint32_t face, float u, float v)
-{
-    rsv_rgb direct = rsv_solution_diffused(s, face, u, v, 0);
-    if (!s->fine.direct) return direct;
-    rsv_unresolved detail = rsv_solution_unresolved(s, face, u, v);
-    rsv_rgb stored = rsv_solution_direct(s, face, u, v, false);
-    return rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
-}
-
 static rsv_rgb indirect_at(const rsv_solution *s, uint32_t face, float u, float v, uint32_t order)
 {
     if (rsv_is_translucent(s, face)) return rsv_solution_diffused(s, face, u, v, order);
@@ -308,7 +299,7 @@ rsv_rgb rsv_shown_irradiance(const rsv_light_table *t, uint32_t face, float u, f
     const rsv_solution *s = t->solution;
     rsv_rgb sum = rgb_gray(0);
     if (t->layer == RSV_NONE || t->layer == 1)
-        sum = rsv_is_translucent(s, face) ? diffused_direct(s, face, u, v)
+        sum = rsv_is_translucent(s, face) ? rsv_solution_diffused_direct(s, face, u, v)
                                           : rsv_solution_direct(s, face, u, v, false);
     if (t->layer == RSV_NONE) sum = rgb_add(sum, indirect_at(s, face, u, v, RSV_NONE));
     if (t->layer != RSV_NONE && t->layer > 1 && t->layer - 1 < s->order_count)

@@ -235,3 +235,12 @@ rsv_unresolved rsv_solution_unresolved(const rsv_solution *s, uint32_t face, flo
         (float)rsv_diffusion_transfer((double)p.d[2], finest));
     return unresolved;
 }
+
+rsv_rgb rsv_solution_diffused_direct(const rsv_solution *s, uint32_t face, float u, float v)
+{
+    rsv_rgb direct = rsv_solution_diffused(s, face, u, v, 0);
+    if (!s->fine.direct) return direct;
+    rsv_unresolved detail = rsv_solution_unresolved(s, face, u, v);
+    rsv_rgb stored = rsv_solution_direct(s, face, u, v, false);
+    return rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
+}

@@ -36,6 +36,10 @@ bool rsv_is_translucent(const struct rsv_solution *solution, uint32_t face);
 rsv_rgb rsv_solution_diffused(
     const struct rsv_solution *solution, uint32_t face, float u, float v, uint32_t order);
 
+/// Direct light diffused, with the share of the direct level's detail that survives.
+rsv_rgb rsv_solution_diffused_direct(
+    const struct rsv_solution *solution, uint32_t face, float u, float v);
+
 /// The direct irradiance that the level knows at a place, and the share of unknown detail that survives.
 typedef struct rsv_unresolved {
     rsv_rgb known, share;

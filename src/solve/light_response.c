@@ -61,6 +61,7 @@ static rsv_status create_fields(const builder *b, rsv_solution *light)
     size_t nodes = s->elements->node_count;
     *light = *s;
     light->lights = NULL;
+    light->diffused = (rsv_diffused_level){ 0 };
     light->fine.direct = light->caustics.caustic = NULL;
     light->source = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
     light->gathered = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
@@ -191,6 +192,20 @@ static void divide_indirect(const builder *b)
         rsv_elements_constrain(s->elements, b->r->light[k].indirect);
 }
 
+/// What translucent surfaces show of each response.
+static rsv_status diffuse(const builder *b)
+{
+    rsv_status status = RSV_OK;
+    for (size_t k = 0; k < b->r->count && b->s->diffused.elements; k++) {
+        rsv_solution *light = &b->r->light[k];
+        light->order[1] = light->indirect;
+        light->order_count = 2;
+        RSV_TRY(rsv_diffused_level_create(light));
+    }
+cleanup:
+    return status;
+}
+
 // ---- the whole ------------------------------------------------------------------------------------
 
 static rsv_status create_groups(builder *b)
@@ -226,6 +241,7 @@ rsv_status rsv_light_responses_create(const rsv_solution *s, rsv_light_responses
         RSV_TRY(divide_lights(&b));
         RSV_TRY(solve(&b));
         divide_indirect(&b);
+        RSV_TRY(diffuse(&b));
     }
     *responses = b.r;
     b.r = NULL;
@@ -244,6 +260,7 @@ void rsv_light_responses_destroy(rsv_light_responses *r)
     for (size_t k = 0; r->owned && k < r->count; k++) {
         rsv_solution *light = &r->light[k];
         rsv_solo_destroy(light->lights);
+        rsv_diffused_level_destroy(r->context, &light->diffused);
         rsv_free(r->context, light->source);
         rsv_free(r->context, light->gathered);
         rsv_free(r->context, light->indirect);

@@ -70,6 +70,7 @@ rsv_status rsv_turned_surroundings_solve(
     RSV_TRY(gather(turned));
     rsv_source_complete(turned);
     RSV_TRY(rsv_solve_orders(turned, s->desc.max_orders));
+    RSV_TRY(rsv_diffused_level_create(turned));
 cleanup:
     return status;
 }
@@ -79,6 +80,7 @@ void rsv_turned_surroundings_free(rsv_solution *turned)
     rsv_context *context = turned->context;
     if (turned->lights) rsv_environment_light_destroy(turned->lights->environment);
     rsv_solo_destroy(turned->lights);
+    rsv_diffused_level_destroy(context, &turned->diffused);
     rsv_free(context, turned->bin_radiance);
     rsv_free(context, turned->gathered);
     rsv_free(context, turned->source);

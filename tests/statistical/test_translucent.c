@@ -1,7 +1,8 @@
 /// Translucent bodies in scenes: the operator and the reference, which share formulas but no code, against closed
 /// forms and each other.
+#include "bake/bake_receiver.h"
 #include "resolvent/render.h"
-#include "solve/solution.h"
+#include "solve/light_response.h"
 #include "subsurface/scatter_profile.h"
 #include "unit/light_fixture.h"
 
@@ -59,6 +60,20 @@ static double mean_of(const rsv_image *image, uint32_t x0, uint32_t y0, uint32_t
     return sum / side / side;
 }
 
+/// Mean over the bodies of what bakes show of them, green.
+static double baked_mean(const rsv_solution *s)
+{
+    const rsv_scene_view *view = s->scene.view;
+    double sum = 0, area = 0;
+    for (uint32_t t = 0; t < view->triangle_count; t++) {
+        if (!rsv_material_scatters_below(&view->material[view->triangle_material[t]])) continue;
+        double own = (double)rsv_triangle_area(view, t);
+        sum += own * (double)rsv_bake_shown(s, t, 1.0f / 3, 1.0f / 3).g;
+        area += own;
+    }
+    return sum / area;
+}
+
 /// Under a uniform sky of radiance 1 a convex body without thin parts shows albedo times the share of the profile
 /// within its diameter: caps of a sphere have the area of the flat disk with the same chord.
 static void a_sphere_in_a_furnace_shows_its_albedo(void **state)
@@ -76,8 +91,34 @@ static void a_sphere_in_a_furnace_shows_its_albedo(void **state)
     rsv_solution *solution = solve(w);
     rsv_image *shown = show(solution, 16, 4);
     assert_close(mean_of(shown, 0, 0, 16), expected, 0.005 * expected);
+    assert_close(0.8 * baked_mean(solution) / (double)RSV_PI, expected, 0.005 * expected);
     rsv_image_destroy(traced);
     rsv_image_destroy(shown);
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
+static void what_bakes_show_light_by_light_adds_up(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_sphere(w, world_material(w, translucent(0.8f, 0.2f)), v3(0, 0, 0), 0.5f, 3);
+    world_quad(w, world_lambert(w, 0, 10), v3(-0.5f, 2, -0.5f), v3(0.5f, 2, -0.5f),
+        v3(0.5f, 2, 0.5f), v3(-0.5f, 2, 0.5f));
+    const rsv_light light = {
+        .name = "point", .kind = RSV_LIGHT_POINT, .position = v3(2, 0, 0), .intensity = rgb_gray(10)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &light), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    rsv_solution *solution = solve(w);
+    rsv_light_responses *responses;
+    assert_int_equal(rsv_light_responses_create(solution, &responses), RSV_OK);
+    assert_int_equal(responses->count, 2);
+    double whole = baked_mean(solution), first = baked_mean(&responses->light[0]);
+    double second = baked_mean(&responses->light[1]);
+    assert_true(first > 0.1 * whole && second > 0.1 * whole);
+    assert_close(first + second, whole, 0.002 * whole);
+    rsv_light_responses_destroy(responses);
     rsv_solution_destroy(solution);
     world_end(w);
 }
@@ -231,6 +272,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_sphere_in_a_furnace_shows_its_albedo),
+        cmocka_unit_test(what_bakes_show_light_by_light_adds_up),
         cmocka_unit_test(operator_and_reference_agree),
         cmocka_unit_test(a_vanishing_mean_free_path_is_lambert),
         cmocka_unit_test(a_translucent_ball_keeps_the_balance_of_a_closed_box),
