@@ -9,25 +9,9 @@ rsv_mover_desc rsv_default_mover_desc(void)
 
 // ---- place --------------------------------------------------------------------------------------
 
-rsv_vec3 rsv_mover_turn(const rsv_mover *m, rsv_vec3 d)
-{
-    return v3(m->cosine * d.x + m->sine * d.z, d.y, m->cosine * d.z - m->sine * d.x);
-}
-
-rsv_vec3 rsv_mover_turn_back(const rsv_mover *m, rsv_vec3 d)
-{
-    return v3(m->cosine * d.x - m->sine * d.z, d.y, m->cosine * d.z + m->sine * d.x);
-}
-
 rsv_vec3 rsv_mover_point(const rsv_mover *m, rsv_vec3 p)
 {
     return v3_add(rsv_mover_turn(m, v3_sub(p, m->middle)), v3_add(m->middle, m->offset));
-}
-
-rsv_vec3 rsv_mover_point_back(const rsv_mover *m, rsv_vec3 p)
-{
-    rsv_vec3 from_middle = v3_sub(p, v3_add(m->middle, m->offset));
-    return v3_add(rsv_mover_turn_back(m, from_middle), m->middle);
 }
 
 // ---- light --------------------------------------------------------------------------------------

@@ -30,9 +30,21 @@ struct rsv_mover {
 };
 
 /// Between the world and the body's scene; lengths are kept.
-rsv_vec3 rsv_mover_turn(const rsv_mover *mover, rsv_vec3 direction);
-rsv_vec3 rsv_mover_turn_back(const rsv_mover *mover, rsv_vec3 direction);
-rsv_vec3 rsv_mover_point_back(const rsv_mover *mover, rsv_vec3 point);
+RSV_INLINE rsv_vec3 rsv_mover_turn(const rsv_mover *m, rsv_vec3 d)
+{
+    return v3(m->cosine * d.x + m->sine * d.z, d.y, m->cosine * d.z - m->sine * d.x);
+}
+
+RSV_INLINE rsv_vec3 rsv_mover_turn_back(const rsv_mover *m, rsv_vec3 d)
+{
+    return v3(m->cosine * d.x - m->sine * d.z, d.y, m->cosine * d.z + m->sine * d.x);
+}
+
+RSV_INLINE rsv_vec3 rsv_mover_point_back(const rsv_mover *m, rsv_vec3 p)
+{
+    rsv_vec3 from_middle = v3_sub(p, v3_add(m->middle, m->offset));
+    return v3_add(rsv_mover_turn_back(m, from_middle), m->middle);
+}
 
 bool rsv_mover_occludes(const rsv_mover *mover, const rsv_ray *ray);
 
