@@ -8,6 +8,7 @@ add_test(NAME runtime_twins COMMAND test_twins)
 rsv_add_test(runtime unit/test_runtime.c)
 target_link_libraries(test_runtime PRIVATE resolvent_rt_file)
 rsv_add_test(turns unit/test_turns.c)
+set_tests_properties(turns PROPERTIES LABELS slow)
 target_link_libraries(test_turns PRIVATE resolvent_rt_file)
 
 if(NOT RSV_SANITIZE)

@@ -5,6 +5,7 @@
 #include "light_fixture.h"
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
+#include "slow_tests.h"
 
 enum { width = 70, height = 50, pixel_count = width * height };
 
@@ -384,9 +385,9 @@ static void unusable_wishes_are_refused(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(frames_add_up_to_the_picture),
         cmocka_unit_test(chains_add_up_to_the_picture),
         cmocka_unit_test(surfaces_of_all_kinds_add_up_to_the_picture),
@@ -395,11 +396,13 @@ int main(void)
         cmocka_unit_test(any_number_of_threads_gives_the_same_bytes),
         cmocka_unit_test(each_eye_has_a_picture_of_its_own),
         cmocka_unit_test(frames_start_over_when_the_camera_moves),
-        cmocka_unit_test(frames_follow_the_light),
         cmocka_unit_test(frames_allocate_nothing),
         cmocka_unit_test(failing_allocations_leave_nothing_behind),
         cmocka_unit_test(codes_follow_the_srgb_curve),
         cmocka_unit_test(unusable_wishes_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(frames_follow_the_light),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

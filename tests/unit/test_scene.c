@@ -1,5 +1,6 @@
 /// Flattening: winding, normals, bad triangles and bad values; the chosen camera; the built-in scenes.
 #include "scene_fixture.h"
+#include "slow_tests.h"
 
 static const rsv_vec3 unit_triangle[3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
 
@@ -477,9 +478,9 @@ static void exhaustion_is_an_error_and_leaks_nothing(void **state)
 #define SCENE_TEST(function)                                                                       \
     cmocka_unit_test_setup_teardown(function, fixture_setup, fixture_teardown)
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         SCENE_TEST(mirroring_keeps_the_authored_front),
         SCENE_TEST(normals_follow_the_inverse_transpose),
         SCENE_TEST(tiny_transforms_keep_normals),
@@ -495,7 +496,6 @@ int main(void)
         SCENE_TEST(bad_lights_and_cameras_are_refused),
         SCENE_TEST(the_framing_camera_shows_everything),
         SCENE_TEST(look_at_is_right_handed_even_straight_down),
-        SCENE_TEST(builtin_scenes_are_sound),
         SCENE_TEST(the_cornell_box_is_the_published_one),
         SCENE_TEST(glass_spheres_are_closed_fine_and_apart),
         SCENE_TEST(the_furnace_faces_inwards),
@@ -504,5 +504,8 @@ int main(void)
         SCENE_TEST(every_room_of_the_gallery_has_its_lights),
         SCENE_TEST(exhaustion_is_an_error_and_leaks_nothing),
     };
-    return cmocka_run_group_tests_name("scene", tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        SCENE_TEST(builtin_scenes_are_sound),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -4,6 +4,7 @@
 #include "solve/solution.h"
 
 #include "light_fixture.h"
+#include "slow_tests.h"
 
 static rsv_solve_desc small_desc(uint32_t elements)
 {
@@ -604,9 +605,9 @@ static void work_can_be_cancelled(void **state)
     rsv_context_destroy(context);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(a_furnace_glows_by_one_over_one_minus_albedo),
         cmocka_unit_test(hardly_absorbing_furnaces_converge),
         cmocka_unit_test(lookups_find_the_side_that_a_probe_lies_on),
@@ -625,8 +626,10 @@ int main(void)
         cmocka_unit_test(a_scene_of_glass_alone_is_no_trouble),
         cmocka_unit_test(bad_descriptors_are_refused_by_name),
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
-        cmocka_unit_test(a_single_failed_allocation_is_an_error_and_nothing_leaks),
         cmocka_unit_test(work_can_be_cancelled),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(a_single_failed_allocation_is_an_error_and_nothing_leaks),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }
