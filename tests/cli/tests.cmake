@@ -7,7 +7,8 @@ if(TARGET resolvent_program)
     endforeach()
     set_tests_properties(cli_python PROPERTIES SKIP_RETURN_CODE 77)
     # what they run, the sanitizers see in the unit tests
-    set_tests_properties(cli_bake cli_bench cli_render cli_certify cli_relight cli_gpu cli_view cli_scene cli_update PROPERTIES LABELS slow)
+    set_tests_properties(cli_bake cli_bench cli_budget cli_certify cli_gpu cli_relight cli_render cli_scene cli_solve cli_update
+        cli_view PROPERTIES LABELS slow)
     add_test(NAME cli_cluster COMMAND bash
         ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_cluster.sh $<TARGET_FILE:resolvent_program>)
     # MPI and PETSc keep what they allocate to the end
@@ -42,6 +43,7 @@ if(TARGET resolvent_program)
 endif()
 if(TARGET sample_minimal)
     add_test(NAME sample_minimal COMMAND sample_minimal)
+    set_tests_properties(sample_minimal PROPERTIES LABELS slow)
 endif()
 if(TARGET resolvent_program AND NOT RSV_SANITIZE)
     add_test(NAME package COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_package.sh

@@ -44,7 +44,7 @@ rsv_add_test(rough_box statistical/test_rough_box.c)
 rsv_add_test(solvers unit/test_solvers.c)
 rsv_add_test(certify unit/test_certify.c)
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake bsdf_lobes environment faults media mover rough_box translucent
+set_tests_properties(bake bsdf_lobes environment faults media mover rough_box subsurface translucent
     PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile solve scene frame)
     rsv_add_slow_half(${name})
