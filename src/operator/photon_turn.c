@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-/// Bound of the gain where a surface is grazed that looks tilted: without it such photons stand out as dots, with it a
-/// frosted lampshade loses 0.06 % of its light.
+/// Bound of the gain where a surface is grazed that looks tilted, lest a photon stand out as a dot; with it, a frosted
+/// lampshade loses 0.06 % of its light.
 #define LARGEST_GAIN 16
 
 /// From `in`, where the photon comes from, to `out`; normals are on the side of `in`.

@@ -165,6 +165,19 @@ static void clear_scratch(rsv_row_scratch *s)
     s->emission = rgb_gray(0);
 }
 
+/// An empty row of the receiver's rays. @return a packet with all lanes on, to trace them with
+static rsv_ray_packet begin_row(
+    const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
+{
+    s->index = r->index;
+    s->valid = r->valid;
+    memset(s->column, 0xff, tracer->directions.count * sizeof *s->column);
+    clear_scratch(s);
+    rsv_ray_packet packet = { 0 };
+    memset(packet.mask, 0xff, sizeof packet.mask);
+    return packet;
+}
+
 /// Aims the packet of sixteen rays from `first` on. @return cosines at the receiver
 static const float *aim(
     const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t first, rsv_ray_packet *packet)
@@ -179,13 +192,8 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
 {
     rsv_row_receiver r;
     rsv_row_receive(tracer, node, &r);
-    s->index = node;
-    s->valid = r.valid;
     uint32_t rays = tracer->directions.count;
-    memset(s->column, 0xff, rays * sizeof *s->column);
-    clear_scratch(s);
-    rsv_ray_packet packet = { 0 };
-    memset(packet.mask, 0xff, sizeof packet.mask);
+    rsv_ray_packet packet = begin_row(tracer, &r, s);
     for (uint32_t first = 0; first < rays; first += LANES) {
         const float *z = aim(tracer, &r, first, &packet);
         rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
@@ -258,14 +266,9 @@ void rsv_row_trace_anew(
         rsv_row_trace(tracer, node, s);
         return;
     }
-    s->valid = past->valid;
-    s->index = past->index;
     uint32_t rays = tracer->directions.count;
     const uint32_t *column = past->column;
-    memset(s->column, 0xff, rays * sizeof *s->column);
-    clear_scratch(s);
-    rsv_ray_packet packet = { 0 };
-    memset(packet.mask, 0xff, sizeof packet.mask);
+    rsv_ray_packet packet = begin_row(tracer, &r, s);
     for (uint32_t first = 0; first < rays; first += LANES) {
         const float *z = aim(tracer, &r, first, &packet);
         kept_rays kept = keep_rays(past, past->kind + first, &column, &packet);
