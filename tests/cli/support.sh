@@ -58,3 +58,15 @@ warns() { grep -q -i -e "$1" stderr || complain "standard error lacks '$1'"; }
 
 # Pictures small enough for a test.
 small=(--size 32x24 --quality draft --spp 1 --threads 2)
+
+# open_display WIDTHxHEIGHT XVFB-OPTION...: a display of the test's own, for SDL
+open_display() {
+    Xvfb -displayfd 3 -screen 0 "$1x24" "${@:2}" -nolisten tcp 3>display >/dev/null 2>&1 &
+    server=$!
+    trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
+    for ((k = 0; k < 100; k++)); do
+        [[ -s display ]] && break
+        sleep 0.1
+    done
+    export DISPLAY=:$(cat display) SDL_VIDEODRIVER=x11
+}

@@ -105,14 +105,7 @@ if grep -q 'without SDL2' stderr || ! command -v Xvfb >/dev/null; then
     finish
 fi
 mkdir screen
-Xvfb -displayfd 3 -screen 0 640x480x24 -fbdir screen -nolisten tcp 3>display >/dev/null 2>&1 &
-server=$!
-trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
-for ((k = 0; k < 100; k++)); do
-    [[ -s display ]] && break
-    sleep 0.1
-done
-export DISPLAY=:$(cat display) SDL_VIDEODRIVER=x11
+open_display 640x480 -fbdir screen
 printf '%s\n' '0 show hud' '0 show markers' '7 screenshot window.png' '8 quit' >window.txt
 succeeds "${view[@]}" --size 96x64 --script window.txt
 cmp -s window.png first/frame-0007.png || complain "the window shows another picture than is recorded"

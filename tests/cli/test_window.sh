@@ -10,14 +10,8 @@ skip() {
 }
 
 command -v Xvfb >/dev/null || skip "Xvfb is not installed"
-Xvfb -displayfd 3 -screen 0 640x640x24 -nolisten tcp 3>display >/dev/null 2>&1 &
-server=$!
-trap 'kill $server 2>/dev/null; rm -rf "$work"' EXIT
-for ((k = 0; k < 100; k++)); do
-    [[ -s display ]] && break
-    sleep 0.1
-done
-export DISPLAY=:$(cat display) SDL_VIDEODRIVER=x11 LIBGL_ALWAYS_SOFTWARE=1
+open_display 640x640
+export LIBGL_ALWAYS_SOFTWARE=1
 
 succeeds bake cornell-blocks -o box.glb --to vertex --basis --quality draft
 if ! "$window" box.glb box.light.safetensors 3 shown.png 2>stderr; then
