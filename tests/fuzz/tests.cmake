@@ -1,10 +1,7 @@
 # What fuzzing tries: each reader of files. The preset `fuzz` makes a libFuzzer program of every one; the others
 # replay seeds and what was found once.
-set(RSV_APP ${PROJECT_SOURCE_DIR}/apps/resolvent)
-add_library(rsv_fuzz_readers STATIC fuzz/readers.c ${RSV_APP}/points_csv.c
-    ${RSV_APP}/light_script.c ${RSV_APP}/output_file.c ${RSV_APP}/session.c ${RSV_APP}/crew.c ${RSV_APP}/device.c ${RSV_APP}/progress.c)
-target_link_libraries(rsv_fuzz_readers PUBLIC rsv_test_support PkgConfig::CJSON)
-target_include_directories(rsv_fuzz_readers PRIVATE ${RSV_APP})
+add_library(rsv_fuzz_readers STATIC fuzz/readers.c)
+target_link_libraries(rsv_fuzz_readers PUBLIC rsv_test_support rsv_program_parts)
 
 if(RSV_FUZZ)
     foreach(extension IN ITEMS glb gltf obj ply stl dae fbx exr hdr png jpg safetensors csv txt)

@@ -3,9 +3,9 @@
 
 #include <stdio.h>
 
-#include "../apps/resolvent/view/view_camera.h"
-#include "../apps/resolvent/view/view_keys.h"
-#include "../apps/resolvent/view/view_state.h"
+#include "view/view_camera.h"
+#include "view/view_keys.h"
+#include "view/view_state.h"
 
 /// A box with a lamp and a bulb, solved as coarsely as can be.
 typedef struct stage {
