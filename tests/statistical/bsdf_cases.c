@@ -81,6 +81,10 @@ void bsdf_charts(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, bsdf_chart chart
         c->axis = c->half_vectors ? v3(0, 0, 1) : v3(-wo.x / eta, -wo.y / eta, -cos_t);
         c->axis = v3_normalize(c->axis);
         v3_frame(c->axis, &c->tangent, &c->bitangent);
+        rsv_vec3 across = v3_mad(wo, -v3_dot(wo, c->axis), c->axis);
+        if (v3_dot(across, across) < 1e-6f) continue; // along the axis: any frame will do
+        c->tangent = v3_normalize(across);
+        c->bitangent = v3_cross(c->axis, c->tangent);
     }
 }
 
@@ -93,14 +97,15 @@ static double radius_slope(const bsdf_chart *c, double u)
 {
     return 3 * u * u * u / (1 - u) + ((double)c->scale + u * u * u) / ((1 - u) * (1 - u));
 }
+/// Newton's method on u^4 + (scale + radius) u = radius, from above, where it is convex.
 static double radius_inverse(const bsdf_chart *c, double radius)
 {
-    double low = 0, high = 1;
-    for (int i = 0; i < 40; i++) {
-        double middle = 0.5 * (low + high);
-        *(radius_at(c, middle) < radius ? &low : &high) = middle;
+    double slope = (double)c->scale + radius, u = radius / slope, step = 1;
+    while (step > 1e-8) {
+        step = (u * u * u * u + slope * u - radius) / (4 * u * u * u + slope);
+        u -= step;
     }
-    return low;
+    return u;
 }
 
 static rsv_vec3 turned(const bsdf_chart *c, double cosine, double sine, double phi)
@@ -160,5 +165,19 @@ bsdf_integral bsdf_integrate(
         sum.response[2] += area * jacobian * (double)value.response.b;
         sum.density += area * jacobian * (double)value.pdf_solid_angle;
     }
+    return sum;
+}
+
+bsdf_integral bsdf_integrate_all(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, int steps_u, int steps_v)
+{
+    const bsdf_patch half = { 0, 1, 0, 0.5f, steps_u, steps_v / 2 };
+    bsdf_chart chart[2];
+    bsdf_charts(bsdf, wo, front, chart);
+    bsdf_integral sum = bsdf_integrate(bsdf, wo, front, &chart[0], half);
+    bsdf_integral below = bsdf_integrate(bsdf, wo, front, &chart[1], half);
+    for (int i = 0; i < 3; i++)
+        sum.response[i] = 2 * (sum.response[i] + below.response[i]);
+    sum.density = 2 * (sum.density + below.density);
     return sum;
 }

@@ -26,7 +26,8 @@ typedef struct bsdf_chart {
     bool half_vectors; ///< side -1: of what is reflected through the surface, as off a thin sheet
 } bsdf_chart;
 
-/// [0] above the surface, [1] below. The normal is z.
+/// [0] above the surface, [1] below. The normal is z. Tangents lie in the plane of wo and the normal, about which
+/// surfaces of these cases scatter alike: (u, v) and (u, 1 - v).
 void bsdf_charts(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, bsdf_chart chart[2]);
 
 /// Direction at (u, v) of the unit square. @param jacobian solid angle per unit of (u, v); 0 off side
@@ -47,5 +48,9 @@ typedef struct bsdf_patch {
 
 bsdf_integral bsdf_integrate(
     const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, const bsdf_chart *chart, bsdf_patch patch);
+
+/// Over both hemispheres: over one half of either, by symmetry. @param steps_v around, even
+bsdf_integral bsdf_integrate_all(
+    const rsv_bsdf *bsdf, rsv_vec3 wo, bool front, int steps_u, int steps_v);
 
 #endif

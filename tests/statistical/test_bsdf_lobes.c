@@ -33,20 +33,6 @@ static void for_all(check check_one)
                 }
 }
 
-/// Both hemispheres.
-static bsdf_integral integrate_all(const rsv_bsdf *bsdf, rsv_vec3 wo, bool front)
-{
-    bsdf_chart chart[2];
-    bsdf_patch all = { 0, 1, 0, 1, 384, 128 };
-    bsdf_charts(bsdf, wo, front, chart);
-    bsdf_integral above = bsdf_integrate(bsdf, wo, front, &chart[0], all);
-    bsdf_integral below = bsdf_integrate(bsdf, wo, front, &chart[1], all);
-    for (int i = 0; i < 3; i++)
-        above.response[i] += below.response[i];
-    above.density += below.density;
-    return above;
-}
-
 static int failures;
 
 static void report(bool good, const char *what, const bsdf_case *c, const rsv_bsdf *bsdf,
@@ -62,7 +48,7 @@ static void check_furnace(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o,
 {
     rsv_vec3 wo = direction_at(cos_o, 0.4f);
     rsv_bsdf_branches ideal = rsv_bsdf_evaluate_branches(bsdf, wo, up, front);
-    bsdf_integral integral = integrate_all(bsdf, wo, front);
+    bsdf_integral integral = bsdf_integrate_all(bsdf, wo, front, 384, 128);
     double energy = integral.response[1] + (double)(ideal.reflect.g + ideal.transmit.g);
     report(energy > 0.995 && energy < 1.002, "energy", c, bsdf, cos_o, front, energy);
     double whole = integral.density + (double)(ideal.reflect.g + ideal.transmit.g);
@@ -125,13 +111,15 @@ static void check_draws(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, b
     bsdf_charts(bsdf, wo, front, chart);
     int counts[BINS] = { 0 }, ideal, bins = 0;
     count_draws(bsdf, wo, front, chart, counts, &ideal);
-    double chi_square = 0, expected = 0, found = 0;
+    double chi_square = 0, expected = 0, found = 0, density[BINS];
     for (int bin = 0; bin < BINS; bin++) {
-        int i = bin / BINS_V % BINS_U, j = bin % BINS_V;
+        int i = bin / BINS_V % BINS_U, j = bin % BINS_V, mirrored = bin - j + BINS_V - 1 - j;
         bsdf_patch patch = { (float)i / BINS_U, (float)(i + 1) / BINS_U, (float)j / BINS_V,
             (float)(j + 1) / BINS_V, 8, 6 };
-        expected +=
-            DRAWS * bsdf_integrate(bsdf, wo, front, &chart[bin / (BINS_U * BINS_V)], patch).density;
+        const bsdf_chart *side = &chart[bin / (BINS_U * BINS_V)];
+        density[bin] = mirrored < bin ? density[mirrored]
+                                      : bsdf_integrate(bsdf, wo, front, side, patch).density;
+        expected += DRAWS * density[bin];
         found += counts[bin];
         if (expected < 20) continue;
         chi_square += (found - expected) * (found - expected) / expected;
@@ -178,6 +166,32 @@ static void scattering_is_reciprocal(void **state)
     (void)state;
     failures = 0;
     for_all(check_reciprocity);
+    assert_int_equal(failures, 0);
+}
+
+/// What integrals above make use of: the plane of wo and the normal mirrors scattering.
+static void check_symmetry(const bsdf_case *c, const rsv_bsdf *bsdf, float cos_o, bool front)
+{
+    rsv_vec3 wo = direction_at(cos_o, 0.4f), across = v3(-sinf(0.4f), cosf(0.4f), 0);
+    for (int k = 0; k < 40; k++) {
+        float x, y;
+        rsv_sobol_2d((uint32_t)k, 7, &x, &y);
+        rsv_vec3 wi = rsv_square_to_sphere(x, y);
+        rsv_vec3 mirrored = v3_mad(wi, -2 * v3_dot(wi, across), across);
+        rsv_bsdf_value here = rsv_bsdf_evaluate(bsdf, wi, wo, up, front, RSV_LOBES_ALL);
+        rsv_bsdf_value there = rsv_bsdf_evaluate(bsdf, mirrored, wo, up, front, RSV_LOBES_ALL);
+        double response = (double)here.response.g, pdf = (double)here.pdf_solid_angle;
+        bool good = fabs((double)there.response.g - response) <= 1e-3 * response + 1e-6 &&
+                    fabs((double)there.pdf_solid_angle - pdf) <= 1e-3 * pdf + 1e-6;
+        report(good, "symmetry", c, bsdf, cos_o, front, (double)there.response.g / response);
+    }
+}
+
+static void scattering_is_symmetric(void **state)
+{
+    (void)state;
+    failures = 0;
+    for_all(check_symmetry);
     assert_int_equal(failures, 0);
 }
 
@@ -241,13 +255,8 @@ static double whole_energy(const rsv_bsdf *bsdf, float cos_o)
 {
     rsv_vec3 wo = direction_at(cos_o, 0.4f);
     rsv_bsdf_branches ideal = rsv_bsdf_evaluate_branches(bsdf, wo, up, true);
-    bsdf_patch all = { 0, 1, 0, 1, 192, 64 };
-    bsdf_chart chart[2];
-    bsdf_charts(bsdf, wo, true, chart);
-    double energy = (double)(ideal.reflect.g + ideal.transmit.g);
-    for (int below = 0; below < 2; below++)
-        energy += bsdf_integrate(bsdf, wo, true, &chart[below], all).response[1];
-    return energy;
+    return bsdf_integrate_all(bsdf, wo, true, 192, 64).response[1] +
+           (double)(ideal.reflect.g + ideal.transmit.g);
 }
 
 static rsv_material under_layers(rsv_material material, int layers, float roughness)
@@ -318,6 +327,7 @@ int main(void)
         cmocka_unit_test(white_surfaces_are_lossless_and_densities_whole),
         cmocka_unit_test(draws_follow_their_density),
         cmocka_unit_test(scattering_is_reciprocal),
+        cmocka_unit_test(scattering_is_symmetric),
         cmocka_unit_test(events_of_white_surfaces_weigh_one),
         cmocka_unit_test(layers_are_lossless_over_any_base),
         cmocka_unit_test(single_scattering_matches_reference_values),
