@@ -213,8 +213,8 @@ static void matt_coats_show_glints_without_specks(void **state)
     assert_int_equal(rsv_solution_create(w->scene, &solve, &solution), RSV_OK);
     double shot[SIDE * SIDE], finely[SIDE * SIDE], gathered[SIDE * SIDE];
     render_glints(solution, RSV_RENDER_OPERATOR, false, 4, shot);
-    render_glints(solution, RSV_RENDER_FINAL, false, 1023, finely);
-    render_glints(solution, RSV_RENDER_OPERATOR, true, 1024, gathered);
+    render_glints(solution, RSV_RENDER_FINAL, false, 511, finely);
+    render_glints(solution, RSV_RENDER_OPERATOR, true, 512, gathered);
     double mean = mean_of(gathered), squares = 0;
     for (size_t i = 0; i < SIDE * SIDE; i++)
         squares += (shot[i] - finely[i]) * (shot[i] - finely[i]);
