@@ -12,8 +12,12 @@
 #include <string.h>
 
 /// Exit status of a test program that takes `slow` as its only argument (see rsv_add_slow_half in CMakeLists.txt).
-#define RUN_HALF(argc, argv, quick, slow)                                                          \
-    ((argc) > 1 && strcmp((argv)[1], "slow") == 0 ? cmocka_run_group_tests(slow, NULL, NULL)       \
-                                                  : cmocka_run_group_tests(quick, NULL, NULL))
+#define RUN_HALF(argc, argv, quick, slow) RUN_HALF_WITH(argc, argv, quick, slow, NULL, NULL)
+
+/// The same, with what is done before the first and after the last test (cmocka's group fixtures).
+#define RUN_HALF_WITH(argc, argv, quick, slow, setup, teardown)                                    \
+    ((argc) > 1 && strcmp((argv)[1], "slow") == 0                                                  \
+            ? cmocka_run_group_tests(slow, setup, teardown)                                        \
+            : cmocka_run_group_tests(quick, setup, teardown))
 
 #endif
