@@ -6,6 +6,7 @@
 #include "scene/material_at.h"
 #include "scene/scene_internal.h"
 #include "scene_fixture.h"
+#include "slow_tests.h"
 
 static uint32_t add_codes(rsv_scene *scene, uint32_t width, uint32_t height, uint32_t channels,
     const uint8_t *codes, bool srgb, bool nearest)
@@ -461,10 +462,10 @@ static void textured_furnace_is_uniform(void **state)
     rsv_scene_destroy(scene);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, fixture_setup, fixture_teardown)
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         TEST(pyramid_keeps_the_mean_of_odd_sizes),
         TEST(codes_are_averaged_in_linear_light),
         TEST(coordinates_repeat_mirror_or_stop),
@@ -473,10 +474,12 @@ int main(void)
         TEST(normal_map_is_continuous_across_smooth_edges),
         TEST(rays_pass_where_a_surface_is_cut_out),
         TEST(unusable_textures_are_refused),
-        TEST(emitters_shine_as_bright_as_their_texels),
         TEST(textured_emitters_are_sampled_by_brightness),
+    };
+    const struct CMUnitTest slow[] = {
+        TEST(emitters_shine_as_bright_as_their_texels),
         TEST(blended_surfaces_let_their_share_pass),
         TEST(textured_furnace_is_uniform),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_HALF(argc, argv, quick, slow);
 }

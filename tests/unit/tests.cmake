@@ -47,6 +47,6 @@ rsv_add_test(certify unit/test_certify.c)
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes environment faults media mover rough_box subsurface translucent
     PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify opfile solve scene frame)
+foreach(name IN ITEMS environment light_tree gltf certify opfile solve scene frame texture)
     rsv_add_slow_half(${name})
 endforeach()
