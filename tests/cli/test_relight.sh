@@ -24,7 +24,7 @@ succeeds relight box.safetensors --move light=0,0,0 -o unmoved.exr "${box[@]}"
 cmp -s same.exr unmoved.exr || complain "a light that stays changes the picture"
 
 # a sky that turns is the sky that was turned before
-succeeds render cornell-spheres -o sky.hdr --size 64x32 --mode operator --quality draft --spp 1 --threads 2
+succeeds render cornell-spheres -o sky.hdr --size 64x32 --mode reference --spp 16 --threads 2
 open=(--size 48x48 --spp 4 --threads 2)
 succeeds solve terraces:5000 --env sky.hdr -o open.safetensors --quality draft --threads 2
 succeeds relight open.safetensors --env-rotate 75 --env-intensity 2 -o turned.exr "${open[@]}"

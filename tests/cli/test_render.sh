@@ -36,7 +36,8 @@ says '^median_relative_error '
 succeeds compare final1.exr final2.exr --layer direct --json
 says '"rmse":[[:space:]]*0,'
 refuses 1 "has no layer 'rainbow'" compare final1.exr final2.exr --layer rainbow
-succeeds render cornell-spheres -o calm.exr "${draft[@]}" --noise 5%
+succeeds solve cornell-spheres -o solved.safetensors --quality draft
+succeeds render solved.safetensors -o calm.exr "${draft[@]}" --noise 5%
 ! cmp -s calm.exr final1.exr || complain "--noise changes nothing"
 refuses 1 "leave out" render furnace -o no.exr --mode reference --noise 2%
 succeeds compare reference1.exr final1.exr --twin reference1.exr
@@ -46,10 +47,10 @@ says '^mean_ratio *1.000000'
 
 succeeds render cornell-spheres -o seed.exr "${draft[@]}" --seed 7
 ! cmp -s seed.exr final1.exr || complain "the seed changes nothing"
-succeeds render cornell-spheres -o bright.png -o bright.hdr "${draft[@]}" --exposure=2
+succeeds render solved.safetensors -o bright.png -o bright.hdr "${draft[@]}" --exposure=2
 ! cmp -s bright.png final1.png || complain "the exposure changes nothing"
 [[ -s bright.hdr ]] || complain "no .hdr"
-succeeds render cornell-spheres -o flat.png "${draft[@]}" --layers
+succeeds render solved.safetensors -o flat.png "${draft[@]}" --layers
 warns '\.exr'
 
 succeeds layers operator1.exr -o sheet.png --columns 2 --count 3
