@@ -2,7 +2,6 @@
 
 #include "basis_kernels.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 struct rsv_device_basis {
@@ -14,13 +13,13 @@ struct rsv_device_basis {
 
 static rsv_gpu *gpu_of(const rsv_device_basis *b) { return (rsv_gpu *)b->device; }
 
-static void lay_out(rsv_device_basis *b)
+static void lay_out(void *task, rsv_gpu_block *block)
 {
+    rsv_device_basis *b = task;
     rsv_basis_args *a = &b->args;
-    a->value = b->value =
-        rsv_gpu_place(&b->block, a->light_count, a->float_count * sizeof *b->value);
-    a->scale = b->scale = rsv_gpu_place(&b->block, a->light_count, 3 * sizeof *b->scale);
-    a->out = rsv_gpu_place(&b->block, a->float_count, sizeof *a->out);
+    a->value = b->value = rsv_gpu_place(block, a->light_count, a->float_count * sizeof *b->value);
+    a->scale = b->scale = rsv_gpu_place(block, a->light_count, 3 * sizeof *b->scale);
+    a->out = rsv_gpu_place(block, a->float_count, sizeof *a->out);
 }
 
 static void destroy(rsv_device_basis *b)
@@ -32,18 +31,13 @@ static void destroy(rsv_device_basis *b)
 static rsv_status create(rsv_device *device, uint32_t light_count, size_t receiver_count,
     const float *value, rsv_device_basis **basis, char *message)
 {
-    rsv_device_basis *b = calloc(1, sizeof *b);
+    rsv_device_basis *b = rsv_gpu_new(sizeof *b, message);
     rsv_gpu *gpu = (rsv_gpu *)device;
-    if (!b) {
-        snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
-        return RSV_ERROR_MEMORY;
-    }
+    if (!b) return RSV_ERROR_MEMORY;
     b->device = device;
     b->args.light_count = light_count;
     b->args.float_count = 3 * receiver_count;
-    lay_out(b);
-    rsv_gpu_reserve(gpu, &b->block, "the basis of lights");
-    lay_out(b);
+    rsv_gpu_lay_out(gpu, &b->block, lay_out, b, "the basis of lights");
     rsv_gpu_upload(gpu, b->value, value, light_count * b->args.float_count * sizeof *value);
     rsv_status status = rsv_gpu_wait(gpu, message);
     if (status == RSV_OK)

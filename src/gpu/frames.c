@@ -3,7 +3,6 @@
 #include "compact.h"
 #include "frame_kernels.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 /// Of the device's memory, what branches on their way may take, all waves together.
@@ -29,9 +28,9 @@ struct rsv_device_frames {
 
 // ---- what is resident ---------------------------------------------------------------------------
 
-static void lay_out_scene(rsv_device_frames *f)
+static void lay_out_scene(void *task, rsv_gpu_block *b)
 {
-    rsv_gpu_block *b = &f->scene;
+    rsv_device_frames *f = task;
     const rsv_scene_view *view = f->stage.scene;
     rsv_gpu_stage *s = &f->there;
     f->stage_there = rsv_gpu_place(b, 1, sizeof *f->stage_there);
@@ -66,9 +65,9 @@ static void upload_scene(rsv_device_frames *f)
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
 }
 
-static void lay_out_room(rsv_device_frames *f)
+static void lay_out_room(void *task, rsv_gpu_block *b)
 {
-    rsv_gpu_block *b = &f->room;
+    rsv_device_frames *f = task;
     rsv_frame_args *a = &f->args;
     size_t depth = f->stage.chain_depth, most = 2 * f->slots > f->pixels ? 2 * f->slots : f->pixels;
     a->radiance = rsv_gpu_place(b, f->pixels, sizeof *a->radiance);
@@ -119,20 +118,13 @@ static void destroy(rsv_device_frames *f)
 static rsv_status create(
     rsv_device *device, const rsv_device_stage *stage, rsv_device_frames **frames, char *message)
 {
-    rsv_device_frames *f = calloc(1, sizeof *f);
-    if (!f) {
-        snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
-        return RSV_ERROR_MEMORY;
-    }
+    rsv_device_frames *f = rsv_gpu_new(sizeof *f, message);
+    if (!f) return RSV_ERROR_MEMORY;
     f->gpu = (rsv_gpu *)device;
     f->stage = *stage;
     set_constants(f);
-    lay_out_scene(f);
-    rsv_gpu_reserve(f->gpu, &f->scene, "the scene of the frames");
-    lay_out_scene(f);
-    lay_out_room(f);
-    rsv_gpu_reserve(f->gpu, &f->room, "the pictures");
-    lay_out_room(f);
+    rsv_gpu_lay_out(f->gpu, &f->scene, lay_out_scene, f, "the scene of the frames");
+    rsv_gpu_lay_out(f->gpu, &f->room, lay_out_room, f, "the pictures");
     f->args.stage = f->stage_there;
     upload_scene(f);
     rsv_status status = rsv_gpu_wait(f->gpu, message);

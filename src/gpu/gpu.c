@@ -3,6 +3,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /// Vector loads want 16, cache lines 128.
 #define ALIGNMENT ((size_t)256)
@@ -25,6 +26,13 @@ rsv_status rsv_gpu_report(rsv_gpu *gpu, char *message)
     return status;
 }
 
+void *rsv_gpu_new(size_t bytes, char *message)
+{
+    void *task = calloc(1, bytes);
+    if (!task) snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
+    return task;
+}
+
 void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size)
 {
     size_t at = block->placed;
@@ -35,6 +43,14 @@ void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size)
     if (block->base) return block->base + at;
     block->bytes = block->placed;
     return NULL;
+}
+
+void rsv_gpu_lay_out(
+    rsv_gpu *gpu, rsv_gpu_block *block, rsv_gpu_layout layout, void *task, const char *what)
+{
+    layout(task, block);
+    rsv_gpu_reserve(gpu, block, what);
+    layout(task, block);
 }
 
 void rsv_gpu_upload_all(rsv_gpu *gpu, const rsv_gpu_array *array, size_t count)

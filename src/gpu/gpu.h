@@ -34,6 +34,9 @@ void rsv_gpu_destroy(rsv_gpu *gpu);
 /// Notes a failure, unless there was one.
 void rsv_gpu_fail(rsv_gpu *gpu, rsv_status status, const char *format, ...) RSV_PRINTF(3, 4);
 
+/// Host memory of a task, all zero, to be freed with free(). @return NULL, with a message, if there is none
+void *rsv_gpu_new(size_t bytes, char *message);
+
 /// Waits until all is done. A failure that leaves the device whole, such as too little memory, is forgotten once it is
 /// told: less may go well. @param message of the first failure, [RSV_DEVICE_MESSAGE_BYTES]; as it was if there is none
 rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message);
@@ -44,21 +47,26 @@ rsv_status rsv_gpu_report(rsv_gpu *gpu, char *message);
 // ---- memory --------------------------------------------------------------------------------------
 
 /// One allocation that holds all arrays of a task, so that a card that is too small says so before the work starts.
-/// A layout is a function that places its arrays in a block; it runs twice, first to measure, then to place:
+/// A layout is a function that places a task's arrays in a block:
 ///
-///     static void lay_out(sums *s, rsv_gpu_block *block)
+///     static void lay_out(void *task, rsv_gpu_block *block)
 ///     {
+///         sums *s = task;
 ///         s->value = rsv_gpu_place(block, s->count, sizeof *s->value);
 ///         s->total = rsv_gpu_place(block, 1, sizeof *s->total);
 ///     }
 ///     ...
-///     lay_out(s, &s->block);
-///     rsv_gpu_reserve(gpu, &s->block, "the sums");
-///     lay_out(s, &s->block);
+///     rsv_gpu_lay_out(gpu, &s->block, lay_out, s, "the sums");
 typedef struct rsv_gpu_block {
     char *base; ///< on the device; NULL = being measured
     size_t bytes, placed;
 } rsv_gpu_block;
+
+typedef void (*rsv_gpu_layout)(void *task, rsv_gpu_block *block);
+
+/// Measures, reserves and places. @param what takes the memory: for the message
+void rsv_gpu_lay_out(
+    rsv_gpu *gpu, rsv_gpu_block *block, rsv_gpu_layout layout, void *task, const char *what);
 
 /// @return the array's address on the device, aligned to 256 bytes; NULL while measuring
 void *rsv_gpu_place(rsv_gpu_block *block, size_t count, size_t size);

@@ -38,11 +38,8 @@ static emulated *emulated_of(rsv_gpu *gpu) { return (emulated *)gpu; }
 
 rsv_status rsv_gpu_create(const rsv_device_desc *desc, rsv_gpu **gpu, char *message)
 {
-    emulated *e = calloc(1, sizeof *e);
-    if (!e) {
-        snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
-        return RSV_ERROR_MEMORY;
-    }
+    emulated *e = rsv_gpu_new(sizeof *e, message);
+    if (!e) return RSV_ERROR_MEMORY;
     e->bytes_left = desc->max_bytes ? desc->max_bytes : SIZE_MAX;
     e->gpu.device.info = (rsv_device_info){ .name = "emulated device",
         .capability = "none",

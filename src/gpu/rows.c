@@ -3,7 +3,6 @@
 #include "compact.h"
 #include "row_kernels.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 struct rsv_device_rows {
@@ -23,9 +22,9 @@ static size_t direction_count(const rsv_device_rows *r)
     return (size_t)RSV_DIRECTION_SETS * r->desc.directions->count;
 }
 
-static void lay_out_scene(rsv_device_rows *r)
+static void lay_out_scene(void *task, rsv_gpu_block *b)
 {
-    rsv_gpu_block *b = &r->scene;
+    rsv_device_rows *r = task;
     const rsv_device_rows_desc *d = &r->desc;
     const rsv_elements *e = d->elements;
     rsv_row_args *a = &r->args;
@@ -49,10 +48,8 @@ static void upload_scene(rsv_device_rows *r)
     const rsv_device_rows_desc *d = &r->desc;
     const rsv_elements *e = d->elements;
     const rsv_row_args *a = &r->args;
-    const struct {
-        const void *to, *from;
-        size_t count, size;
-    } array[] = { { a->bvh.node, d->bvh.node, d->bvh.node_count, sizeof *d->bvh.node },
+    const rsv_gpu_array array[] = { { a->bvh.node, d->bvh.node, d->bvh.node_count,
+                                        sizeof *d->bvh.node },
         { a->bvh.triangle, d->bvh.triangle, d->bvh.triangle_count, sizeof *d->bvh.triangle },
         { a->position, d->scene->position, d->scene->vertex_count, sizeof *a->position },
         { a->triangle, d->scene->triangle, d->scene->triangle_count, sizeof *a->triangle },
@@ -65,13 +62,12 @@ static void upload_scene(rsv_device_rows *r)
         { r->elements.face_slot, e->face_slot, e->face_count, sizeof *e->face_slot },
         { r->elements.slot, e->slot, e->slot_count, sizeof *e->slot },
         { r->elements.cell_node, e->cell_node, e->cell_count, sizeof *e->cell_node } };
-    for (size_t k = 0; k < sizeof array / sizeof array[0]; k++)
-        rsv_gpu_upload(r->gpu, (void *)array[k].to, array[k].from, array[k].count * array[k].size);
+    rsv_gpu_upload_all(r->gpu, array, sizeof array / sizeof array[0]);
 }
 
-static void lay_out_room(rsv_device_rows *r)
+static void lay_out_room(void *task, rsv_gpu_block *b)
 {
-    rsv_gpu_block *b = &r->room;
+    rsv_device_rows *r = task;
     rsv_row_args *a = &r->args;
     size_t rays = (size_t)r->desc.most * a->rays;
     a->receiver = r->receiver = rsv_gpu_place(b, r->desc.most, sizeof *r->receiver);
@@ -94,23 +90,16 @@ static void destroy(rsv_device_rows *r)
 static rsv_status create(
     rsv_device *device, const rsv_device_rows_desc *desc, rsv_device_rows **rows, char *message)
 {
-    rsv_device_rows *r = calloc(1, sizeof *r);
-    if (!r) {
-        snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
-        return RSV_ERROR_MEMORY;
-    }
+    rsv_device_rows *r = rsv_gpu_new(sizeof *r, message);
+    if (!r) return RSV_ERROR_MEMORY;
     r->gpu = (rsv_gpu *)device;
     r->desc = *desc;
     r->args.rays = desc->directions->count;
     r->args.seed = desc->seed;
     r->args.sky = desc->sky;
     r->args.bvh = desc->bvh;
-    lay_out_scene(r);
-    rsv_gpu_reserve(r->gpu, &r->scene, "the scene of the rows");
-    lay_out_scene(r);
-    lay_out_room(r);
-    rsv_gpu_reserve(r->gpu, &r->room, "the rays of the rows");
-    lay_out_room(r);
+    rsv_gpu_lay_out(r->gpu, &r->scene, lay_out_scene, r, "the scene of the rows");
+    rsv_gpu_lay_out(r->gpu, &r->room, lay_out_room, r, "the rays of the rows");
     upload_scene(r);
     rsv_status status = rsv_gpu_wait(r->gpu, message);
     if (status == RSV_OK)

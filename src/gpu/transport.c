@@ -1,6 +1,5 @@
 #include "transport.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 static size_t entries(const rsv_device_transport *t)
@@ -18,9 +17,9 @@ static size_t parent_count(const rsv_device_transport *t)
     return t->system.parents.begin[t->system.node_count];
 }
 
-static void lay_out_rows(rsv_device_transport *t)
+static void lay_out_rows(void *task, rsv_gpu_block *b)
 {
-    rsv_gpu_block *b = &t->rows;
+    rsv_device_transport *t = task;
     size_t nodes = t->system.node_count;
     rsv_gather_args *g = &t->gather;
     rsv_leave_args *l = &t->leave;
@@ -55,23 +54,22 @@ static void upload_rows(rsv_device_transport *t)
     rsv_gpu_diffusion_upload(t);
 }
 
-static void lay_out_room(rsv_device_transport *t, size_t fields)
+static void lay_out_room(void *task, rsv_gpu_block *b)
 {
-    size_t values = t->system.node_count * fields;
-    t->field = rsv_gpu_place(&t->room, values, sizeof *t->field);
-    t->source = rsv_gpu_place(&t->room, values, sizeof *t->source);
-    t->image = rsv_gpu_place(&t->room, values, sizeof *t->image);
+    rsv_device_transport *t = task;
+    size_t values = t->system.node_count * t->fields;
+    t->field = rsv_gpu_place(b, values, sizeof *t->field);
+    t->source = rsv_gpu_place(b, values, sizeof *t->source);
+    t->image = rsv_gpu_place(b, values, sizeof *t->image);
 }
 
 /// Makes room for so many fields at a time.
 static void make_room(rsv_device_transport *t, size_t fields)
 {
     if (fields <= t->fields) return;
-    rsv_gpu_release(t->gpu, &t->room);
-    lay_out_room(t, fields);
-    rsv_gpu_reserve(t->gpu, &t->room, "the fields of the operator");
-    lay_out_room(t, fields);
     t->fields = fields;
+    rsv_gpu_release(t->gpu, &t->room);
+    rsv_gpu_lay_out(t->gpu, &t->room, lay_out_room, t, "the fields of the operator");
 }
 
 static void destroy(rsv_device_transport *t)
@@ -87,16 +85,11 @@ static void destroy(rsv_device_transport *t)
 static rsv_status create(rsv_device *device, const rsv_device_system *system,
     rsv_device_transport **transport, char *message)
 {
-    rsv_device_transport *t = calloc(1, sizeof *t);
-    if (!t) {
-        snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
-        return RSV_ERROR_MEMORY;
-    }
+    rsv_device_transport *t = rsv_gpu_new(sizeof *t, message);
+    if (!t) return RSV_ERROR_MEMORY;
     t->gpu = (rsv_gpu *)device;
     t->system = *system;
-    lay_out_rows(t);
-    rsv_gpu_reserve(t->gpu, &t->rows, "the operator");
-    lay_out_rows(t);
+    rsv_gpu_lay_out(t->gpu, &t->rows, lay_out_rows, t, "the operator");
     upload_rows(t);
     make_room(t, 1);
     rsv_status status = rsv_gpu_wait(t->gpu, message);
