@@ -1,0 +1,49 @@
+/// A path of the reference on its way, and the light that it finds: of sources that its surfaces aim at, combined by the
+/// power heuristic with exponent 2 (Veach and Guibas 1995) with those that it comes to.
+#ifndef RSV_PATH_SOURCES_H
+#define RSV_PATH_SOURCES_H
+
+#include "path_surface.h"
+
+typedef struct rsv_path_numbers {
+    rsv_path_id id;
+    uint32_t pairs_taken;
+    rsv_random random;
+} rsv_path_numbers;
+
+typedef struct rsv_light_path {
+    const rsv_path_tracer *tracer;
+    rsv_path_numbers numbers;
+    rsv_ray ray;
+    rsv_vec3 departure; ///< point of the surface that the ray left
+    rsv_rgb throughput; ///< of basic radiance (surface/medium.h)
+    rsv_medium medium;  ///< that the ray runs through
+    float start_ior;    ///< of the medium that the path started in
+    bool settled;       ///< has met the surface of a body, and so knows where it started
+    uint32_t bounces, diffuse_events;
+    /// With which the last surface chose the ray; 0 = next-event estimation could not have found
+    /// what the ray finds.
+    float pdf_solid_angle;
+    /// The lights as the last surface sees them that next-event estimation knows of: above it and
+    /// below, and on which of these sides the ray left.
+    rsv_local_lights local[2];
+    bool aimed[2]; ///< whether they are set
+    bool below;
+    rsv_path_light *light;
+} rsv_light_path;
+
+/// The medium on either side of a surface that the path has come to.
+rsv_medium rsv_path_medium_beside(
+    const rsv_light_path *path, const rsv_path_surface *s, bool below);
+
+/// Of the surface that the ray has met at that distance.
+void rsv_path_add_emission(rsv_light_path *path, const rsv_path_surface *s, float distance);
+
+/// Of the surroundings, seen by a ray that left the scene.
+void rsv_path_add_environment(rsv_light_path *path);
+
+/// Aims at the sources. Three random numbers choose one of the emitters and a point of it.
+void rsv_path_gather_sources(
+    rsv_light_path *path, const rsv_path_surface *s, float u_select, float u1, float u2);
+
+#endif

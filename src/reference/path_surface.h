@@ -1,0 +1,35 @@
+/// Where a path of the reference has come to, and how that responds to light.
+#ifndef RSV_PATH_SURFACE_H
+#define RSV_PATH_SURFACE_H
+
+#include "reference_internal.h"
+
+/// Where a ray arrived. Normals are unit and on the side the ray came from.
+typedef struct rsv_path_surface {
+    const rsv_bsdf *bsdf;
+    rsv_bsdf own; ///< what `bsdf` points to where the material varies
+    rsv_vec3 point, wo;
+    rsv_vec3 geometric_normal;
+    rsv_vec3 normal; ///< for scattering
+    float extent;    ///< for rsv_offset_origin
+    uint32_t triangle, material;
+    float u, v;
+    bool front;
+    /// Of a translucent body: light that leaves here diffusely entered elsewhere, or has just been followed to
+    /// where it entered, and its direction is all that is left to choose.
+    bool translucent, entry;
+} rsv_path_surface;
+
+void rsv_path_surface_meet(
+    const rsv_path_tracer *tracer, const rsv_ray *ray, const rsv_hit *hit, rsv_path_surface *s);
+
+/// Where rays that leave it begin. @param transmitted below it
+rsv_vec3 rsv_path_surface_departure(const rsv_path_surface *s, bool transmitted);
+
+/// Response of the lobes in `lobes`; nothing where the normals disagree on wi's side.
+rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, rsv_lobe_set lobes);
+
+/// Share of light that reaches the ray's origin from its end without turning.
+rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray);
+
+#endif
