@@ -1,0 +1,152 @@
+#include "picture_row.h"
+
+#include "camera_chain.h"
+#include "picture_shade.h"
+
+#include <string.h>
+
+#define LANES RSV_PACKET_WIDTH
+
+/// Camera rays that this pass sends through a pixel.
+static uint32_t samples_of(const rsv_picture_row *r, uint32_t column)
+{
+    const rsv_picture_job *job = r->job;
+    return job->extra ? job->extra[(size_t)r->row * job->desc->width + column] : job->desc->samples;
+}
+
+static void add_direct_light(void *user, uint32_t column, rsv_rgb radiance, float squares)
+{
+    rsv_picture_row *r = user;
+    rsv_picture_add_light(r, column, 1, radiance);
+    rsv_pixel_noise_add_direct(&r->noise[column], rgb_luminance(radiance), squares);
+}
+
+/// Adds a camera ray to the batch, which has room for it.
+static void aim(rsv_picture_row *r, uint32_t column, uint32_t sample, uint32_t samples)
+{
+    const rsv_render_desc *desc = r->job->desc;
+    rsv_picture_batch *batch = &r->batch;
+    float x, y;
+    if (desc->shared_pattern)
+        rsv_shared_place(sample, &x, &y);
+    else
+        rsv_stratified_2d(sample, samples, rsv_hash3(r->job->seed, r->row, column), &x, &y);
+    rsv_ray ray = rsv_camera_ray(
+        r->job->camera, desc->width, desc->height, (float)column + x, (float)r->row + y);
+    uint32_t k = batch->count++;
+    batch->column[k] = column;
+    batch->sample[k] = sample;
+    batch->packet.origin_x[k] = ray.origin.x;
+    batch->packet.origin_y[k] = ray.origin.y;
+    batch->packet.origin_z[k] = ray.origin.z;
+    batch->packet.direction_x[k] = ray.direction.x;
+    batch->packet.direction_y[k] = ray.direction.y;
+    batch->packet.direction_z[k] = ray.direction.z;
+    batch->packet.t_max[k] = INFINITY;
+}
+
+/// The angle that a sample has for itself. Shared patterns refine with every sample, whatever their number will be.
+static float spread_of(const rsv_picture_row *r)
+{
+    uint32_t samples = r->job->desc->shared_pattern ? r->sample.index + 1 : r->job->desc->samples;
+    return r->job->spread / sqrtf((float)samples);
+}
+
+/// What the ray in lane k of the batch sees.
+static void shade_ray(rsv_picture_row *r, uint32_t k)
+{
+    const rsv_picture_job *job = r->job;
+    const rsv_ray_packet *packet = &r->batch.packet;
+    rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
+    if (packet->triangle[k] == RSV_NONE) {
+        rsv_picture_add_light(r, r->column, 0, rsv_sky_radiance(&job->sky, direction));
+        return;
+    }
+    rsv_chain chain = rsv_chain_begin(&job->solution->scene, &job->medium, direction,
+        packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
+    rsv_chain_set_spread(&chain, spread_of(r), packet->t_max[k]);
+    rsv_rgb emission = rsv_camera_chain(&job->solution->scene, job->solution->lights, chain,
+        rsv_hash2(r->sample.seed, r->sample.index), job->desc->shared_pattern ? NULL : &r->sample,
+        job->desc->chain_depth, job->shot, rsv_picture_shade, r);
+    rsv_picture_add_light(r, r->column, 0, emission);
+}
+
+static void trace_batch(rsv_picture_row *r)
+{
+    rsv_picture_batch *batch = &r->batch;
+    for (uint32_t k = batch->count; k < LANES; k++)
+        batch->packet.t_max[k] = -1;
+    rsv_tracer_closest_packet(r->job->solution->tracer, &batch->packet, true);
+    for (uint32_t k = 0; k < batch->count; k++) {
+        r->column = batch->column[k];
+        r->sample = (rsv_pixel_sample){ batch->sample[k], samples_of(r, r->column),
+            rsv_pixel_seed(r->job->seed, r->row, r->column) };
+        rsv_rgb before = r->layer[0][r->column];
+        shade_ray(r, k);
+        rsv_rgb seen = rgb_sub(r->layer[0][r->column], before);
+        rsv_pixel_noise_add(&r->noise[r->column], rgb_luminance(seen));
+    }
+    batch->count = 0;
+}
+
+/// Averages a pixel of one layer over its samples; those of a second pass join the first's.
+static void average(const rsv_picture_row *r, uint32_t layer, uint32_t column)
+{
+    const rsv_picture_job *job = r->job;
+    rsv_rgb *out = rsv_image_pixels(job->image, layer) + (size_t)r->row * job->desc->width + column;
+    uint32_t samples = samples_of(r, column), before = job->extra ? job->desc->samples : 0;
+    if (samples == 0) return;
+    rsv_rgb sum = rgb_mad(r->layer[layer][column], (float)before, *out);
+    rsv_rgb mean = rgb_scale(sum, 1 / (float)(before + samples));
+    // the control variate of a nearly black pixel can end a hair below zero
+    *out = rgb(f_max(mean.r, 0), f_max(mean.g, 0), f_max(mean.b, 0));
+}
+
+rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t row)
+{
+    const rsv_picture_job *job = r->job;
+    uint32_t width = job->desc->width;
+    r->row = row;
+    for (uint32_t layer = 0; layer < job->layer_count; layer++)
+        memset(r->layer[layer], 0, width * sizeof(rsv_rgb));
+    memset(r->noise, 0, width * sizeof *r->noise);
+    for (uint32_t column = 0; column < width; column++) {
+        uint32_t samples = samples_of(r, column);
+        for (uint32_t sample = 0; sample < samples; sample++) {
+            aim(r, column, sample, samples);
+            if (r->batch.count == LANES) trace_batch(r);
+        }
+    }
+    if (r->batch.count) trace_batch(r);
+    rsv_status status = rsv_pixel_direct_resolve(&r->direct, r->noise, add_direct_light, r);
+    for (uint32_t layer = 0; layer < job->layer_count; layer++)
+        for (uint32_t column = 0; column < width; column++)
+            average(r, layer, column);
+    if (job->noise && !job->extra)
+        memcpy(job->noise + (size_t)row * width, r->noise, width * sizeof *r->noise);
+    return status;
+}
+
+rsv_status rsv_picture_row_create(const rsv_picture_job *job, rsv_picture_row *r)
+{
+    memset(r, 0, sizeof *r);
+    r->job = job;
+    memset(r->batch.packet.mask, 0xff, sizeof r->batch.packet.mask);
+    rsv_status status = rsv_pixel_direct_begin(&r->direct, job->solution, job->desc->width);
+    if (status != RSV_OK) return status;
+    r->noise = rsv_alloc(job->solution->context, job->desc->width, sizeof *r->noise);
+    if (!r->noise) return RSV_ERROR_MEMORY;
+    for (uint32_t layer = 0; layer < job->layer_count; layer++) {
+        r->layer[layer] = rsv_alloc(job->solution->context, job->desc->width, sizeof(rsv_rgb));
+        if (!r->layer[layer]) return RSV_ERROR_MEMORY;
+    }
+    return RSV_OK;
+}
+
+void rsv_picture_row_destroy(rsv_picture_row *r)
+{
+    for (uint32_t layer = 0; layer < r->job->layer_count; layer++)
+        rsv_free(r->job->solution->context, r->layer[layer]);
+    rsv_free(r->job->solution->context, r->noise);
+    rsv_pixel_direct_end(&r->direct);
+}

@@ -1,0 +1,56 @@
+/// A picture in the making, row by row: camera rays in packets, and what each pixel has seen.
+#ifndef RSV_PICTURE_ROW_H
+#define RSV_PICTURE_ROW_H
+
+#include "../solve/solution.h"
+#include "../trace/camera_ray.h"
+#include "pixel_direct.h"
+#include "pixel_noise.h"
+#include "resolvent/render.h"
+
+/// Layers after the picture itself: emission, then one per kept order.
+#define RSV_PICTURE_LAYERS (1 + RSV_KEPT_ORDERS)
+
+/// One pass over a picture.
+typedef struct rsv_picture_job {
+    const rsv_solution *solution;
+    const rsv_render_desc *desc;
+    const rsv_camera *camera;
+    rsv_medium medium; ///< the camera's
+    rsv_image *image;
+    uint32_t layer_count;   ///< of the image, layer 0 included
+    float spread;           ///< of a camera ray: the angle of a pixel
+    rsv_sky sky;            ///< what lies beyond the scene
+    bool shot;              ///< light over wide lobes is shot from the sources
+    uint32_t seed;          ///< of the pass
+    rsv_pixel_noise *noise; ///< [height * width] found by the first pass; NULL = nobody asks
+    const uint32_t *extra;  ///< [height * width] camera rays of a second pass; NULL in the first
+} rsv_picture_job;
+
+/// Camera rays of one row, traced together.
+typedef struct rsv_picture_batch {
+    rsv_ray_packet packet;
+    uint32_t column[RSV_PACKET_WIDTH], sample[RSV_PACKET_WIDTH], count;
+} rsv_picture_batch;
+
+/// One row of the picture in the making.
+typedef struct rsv_picture_row {
+    const rsv_picture_job *job;
+    rsv_rgb *layer[1 + RSV_PICTURE_LAYERS]; ///< [width] each
+    rsv_pixel_noise *noise;                 ///< [width] of this row and pass
+    rsv_pixel_direct direct;
+    rsv_picture_batch batch;
+    uint32_t row;
+    // what rsv_camera_chain's callback needs to know of the ray in hand
+    uint32_t column;
+    rsv_pixel_sample sample;
+} rsv_picture_row;
+
+/// @return RSV_ERROR_MEMORY: it has to be destroyed all the same
+rsv_status rsv_picture_row_create(const rsv_picture_job *job, rsv_picture_row *row);
+void rsv_picture_row_destroy(rsv_picture_row *row);
+
+/// Renders a row of pixels into the job's image.
+rsv_status rsv_picture_row_render(rsv_picture_row *row, uint32_t index);
+
+#endif

@@ -1,0 +1,141 @@
+#include "picture_shade.h"
+
+void rsv_picture_add_light(rsv_picture_row *r, uint32_t column, uint32_t order, rsv_rgb radiance)
+{
+    r->layer[0][column] = rgb_add(r->layer[0][column], radiance);
+    if (r->job->layer_count > 1)
+        r->layer[1 + order][column] = rgb_add(r->layer[1 + order][column], radiance);
+}
+
+static void look_up_indirect(rsv_picture_row *r, uint32_t face, float u, float v, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    if (r->job->layer_count == 1) {
+        rsv_rgb e = rsv_elements_interpolate(s->elements, s->indirect, face, u, v);
+        rsv_picture_add_light(r, r->column, 0, rgb_mul(weight, e));
+        return;
+    }
+    for (uint32_t order = 1; order < s->order_count; order++) {
+        rsv_rgb e = rsv_elements_interpolate(s->elements, s->order[order], face, u, v);
+        rsv_picture_add_light(r, r->column, 1 + order, rgb_mul(weight, e));
+    }
+}
+
+/// Indirect light of a translucent surface: diffused before it is looked up.
+static void look_up_diffused(rsv_picture_row *r, uint32_t face, float u, float v, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    if (r->job->layer_count == 1) {
+        rsv_picture_add_light(
+            r, r->column, 0, rgb_mul(weight, rsv_solution_diffused(s, face, u, v, RSV_NONE)));
+        return;
+    }
+    for (uint32_t order = 1; order < s->order_count; order++)
+        rsv_picture_add_light(
+            r, r->column, 1 + order, rgb_mul(weight, rsv_solution_diffused(s, face, u, v, order)));
+}
+
+/// Direct light of a translucent surface: diffused, and the share of detail that only pixels or the direct level
+/// resolve. @param weight radiance at the camera per irradiance
+static void shade_translucent(
+    rsv_picture_row *r, const rsv_chain *chain, uint32_t face, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    bool final = r->job->desc->mode == RSV_RENDER_FINAL;
+    rsv_rgb direct = rsv_solution_diffused(s, face, chain->u, chain->v, 0);
+    if (final || s->fine.direct) {
+        rsv_unresolved detail = rsv_solution_unresolved(s, face, chain->u, chain->v);
+        rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
+        direct = rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
+        if (final)
+            rsv_pixel_direct_add(
+                &r->direct, chain, rgb_mul(weight, detail.share), r->column, r->sample);
+    }
+    rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, direct));
+    look_up_diffused(r, face, chain->u, chain->v, weight);
+}
+
+/// One gather ray's contribution to each order at the receiver.
+static void add_gathered(
+    rsv_picture_row *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
+{
+    const rsv_solution *s = r->job->solution;
+    const rsv_chain *chain = &gather->chain;
+    uint32_t face = s->elements->face_of[chain->back][chain->triangle];
+    if (face == RSV_NONE) return;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
+    weight = rgb_mul(rgb_mul(weight, chain->weight), bsdf->exitance_albedo);
+    bool translucent = rsv_is_translucent(s, face);
+    rsv_rgb direct = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, 0)
+                                 : rgb_add(rsv_solution_direct(s, face, chain->u, chain->v, true),
+                                       rsv_sampled_irradiance(s, chain, random));
+    rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
+    for (uint32_t order = 1; order < s->order_count; order++) {
+        rsv_rgb e = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, order)
+                                : rsv_elements_interpolate(
+                                      s->elements, s->order[order], face, chain->u, chain->v);
+        uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
+        rsv_picture_add_light(r, r->column, shown, rgb_mul(weight, e));
+    }
+}
+
+static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
+{
+    (void)user, (void)triangle, (void)events;
+    return false;
+}
+
+static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb weight)
+{
+    const rsv_solution *s = r->job->solution;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
+    rsv_surface_point point = rsv_surface_point_seen(
+        s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
+    v3_frame(point.normal, &t, &b);
+    uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
+    for (uint32_t k = 0; k < rays; k++) {
+        float x, y;
+        rsv_stratified_2d(r->sample.index * rays + k, total, rsv_hash2(r->sample.seed, 11), &x, &y);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point.normal),
+            INFINITY };
+        rsv_hit hit;
+        if (v3_dot(ray.direction, point.geometric) <= 0 ||
+            !rsv_tracer_closest(s->tracer, &ray, &hit))
+            continue;
+        rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
+        rsv_chain first = rsv_chain_begin(
+            &s->scene, &chain->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+        rsv_gather gather = rsv_chain_gather(&s->scene, first, &random, no_emission, NULL);
+        rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z));
+        if (gather.end == RSV_CHAIN_DIFFUSE)
+            add_gathered(r, &gather, rgb_scale(entered, 1 / (float)rays), &random);
+    }
+}
+
+void rsv_picture_shade(void *user, const rsv_chain *chain, rsv_rgb weight)
+{
+    rsv_picture_row *r = user;
+    const rsv_solution *s = r->job->solution;
+    uint32_t face = s->elements->face_of[chain->back][chain->triangle];
+    if (face == RSV_NONE) return;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
+    // radiance at the camera per irradiance of the surface
+    weight = rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI);
+    if (rsv_is_translucent(s, face)) {
+        shade_translucent(r, chain, face, weight);
+        return;
+    }
+    bool final = r->job->desc->mode == RSV_RENDER_FINAL;
+    rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
+    rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, stored));
+    if (final) rsv_pixel_direct_add(&r->direct, chain, weight, r->column, r->sample);
+    if (final && r->job->desc->gather_rays)
+        gather_indirect(r, chain, weight);
+    else
+        look_up_indirect(r, face, chain->u, chain->v, weight);
+}
