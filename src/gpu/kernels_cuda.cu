@@ -1,6 +1,8 @@
 /// Kernels for the device.
 #define RSV_KERNELS_HERE
 #include "basis_kernels.h"
+#include "bicgstab_kernels.h"
+#include "chebyshev_kernels.h"
 #include "compact_kernels.h"
 #include "diffusion_kernels.h"
 #include "frame_kernels.h"

@@ -1,4 +1,6 @@
 /// Solvers on the device: steps are recorded once and replayed, a few at a time; in between the host reads how far they got.
+#include "bicgstab_kernels.h"
+#include "chebyshev_kernels.h"
 #include "transport.h"
 
 #include <string.h>
