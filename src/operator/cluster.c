@@ -9,11 +9,6 @@
 /// Leaders lead this many radii far.
 #define REACH 2.0f
 
-/// Leaders of less weight say little about the field around a follower.
-#define LEAST_WEIGHT 0.05f
-/// Standard deviations of noise that pass for no difference.
-#define NOISE 2.0f
-
 /// Leaders that reach a node, the nearest ones.
 typedef struct leaders {
     uint32_t node[RSV_PARENTS]; ///< by distance; RSV_NONE = free
@@ -40,11 +35,6 @@ typedef struct clustering {
     size_t visited_count, visited_capacity;
 } clustering;
 
-static float radius_around(const rsv_elements *e, uint32_t cell)
-{
-    return ldexpf(e->cluster_radius, -e->face_halvings[e->cell[cell].face]);
-}
-
 static void set_up_node(clustering *c, uint32_t node)
 {
     rsv_elements *e = c->e;
@@ -55,7 +45,7 @@ static void set_up_node(clustering *c, uint32_t node)
     c->fine[node] = fine;
     c->radius[node] = e->cluster_radius;
     for (uint32_t s = begin; s < end; s++)
-        c->radius[node] = f_min(c->radius[node], radius_around(e, e->support[s] / 4));
+        c->radius[node] = f_min(c->radius[node], rsv_cluster_radius_at(e, e->support[s] / 4));
     c->distance[node] = INFINITY;
     for (int p = 0; p < RSV_PARENTS; p++) {
         c->led[node].node[p] = RSV_NONE;
@@ -280,62 +270,4 @@ cleanup:
     rsv_free(e->context, c.front);
     rsv_free(e->context, c.visited);
     return status;
-}
-
-bool rsv_cell_follows(const rsv_elements *e, uint32_t cell)
-{
-    for (int k = 0; k < 3; k++)
-        if (e->node_hanging[e->cell_node[cell][k]] < e->follower_count) return true;
-    return false;
-}
-
-/// Twice the area of a cell is that of the hats at its corners where nothing follows.
-float rsv_cell_spacing(const rsv_elements *e, uint32_t cell)
-{
-    float largest = 2 * rsv_cell_area(e, cell);
-    for (int k = 0; k < 3 && e->cell[cell].level == 0; k++) {
-        uint32_t index = e->node_hanging[e->cell_node[cell][k]];
-        if (index == RSV_NONE) continue;
-        const rsv_hanging *follower = &e->hanging[index];
-        float area = 0;
-        for (int p = 0; p < RSV_PARENTS; p++)
-            area += follower->weight[p] * e->node_area[follower->parent[p]];
-        largest = f_max(largest, area);
-    }
-    return sqrtf(largest);
-}
-
-/// No more than there are nodes: half a one for each cell.
-float rsv_cell_new_leaders(const rsv_elements *e, uint32_t cell)
-{
-    float radius = radius_around(e, cell);
-    return f_min(0.5f, 2 * rsv_cell_area(e, cell) / (radius * radius));
-}
-
-/// Whether the luminances of the leaders of one follower lie further apart than threshold, floor and noise allow.
-static bool leaders_disagree(const rsv_hanging *follower, const rsv_rgb *value,
-    const float *deviation, float threshold, float floor)
-{
-    uint32_t darkest = follower->parent[0], brightest = darkest;
-    for (int p = 1; p < RSV_PARENTS; p++) {
-        uint32_t leader = follower->parent[p];
-        if (follower->weight[p] < LEAST_WEIGHT) continue;
-        if (rgb_luminance(value[leader]) < rgb_luminance(value[darkest])) darkest = leader;
-        if (rgb_luminance(value[leader]) > rgb_luminance(value[brightest])) brightest = leader;
-    }
-    float low = rgb_luminance(value[darkest]), high = rgb_luminance(value[brightest]);
-    float noise = hypotf(deviation[darkest], deviation[brightest]);
-    return high - low > threshold * (0.5f * (low + high) + floor) + NOISE * noise;
-}
-
-void rsv_find_cluster_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
-    float threshold, float floor, rsv_bend_found found, void *user)
-{
-    for (size_t h = 0; h < e->follower_count; h++) {
-        const rsv_hanging *follower = &e->hanging[h];
-        if (!leaders_disagree(follower, value, deviation, threshold, floor)) continue;
-        for (uint32_t s = e->support_begin[follower->node];
-             s < e->support_begin[follower->node + 1]; s++)
-            found(user, e->support[s] / 4, e->support[s] / 4);
-    }
 }

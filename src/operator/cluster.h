@@ -2,7 +2,7 @@
 #ifndef RSV_CLUSTER_H
 #define RSV_CLUSTER_H
 
-#include "bend.h"
+#include "elements.h"
 
 /// Keeps some nodes of finely meshed surfaces as leaders and lets the others follow: a follower's value is a smooth
 /// weighted mean of the leaders around it, so the field stays continuous and shows no facets.
@@ -14,18 +14,10 @@
 /// twice of it
 rsv_status rsv_elements_cluster(rsv_elements *elements, float radius);
 
-/// Reports the cells around followers whose leaders differ by more than `threshold` of the local level plus `floor`.
-/// @param value [node_count] @param deviation [node_count] noise of its luminance
-void rsv_find_cluster_bends(const rsv_elements *elements, const rsv_rgb *value,
-    const float *deviation, float threshold, float floor, rsv_bend_found found, void *user);
-
-/// Whether a cell has nodes that follow.
-bool rsv_cell_follows(const rsv_elements *elements, uint32_t cell);
-
-/// Metres between the nodes that the values of a cell come from.
-float rsv_cell_spacing(const rsv_elements *elements, uint32_t cell);
-
-/// Leaders that halving the radius around a cell would add.
-float rsv_cell_new_leaders(const rsv_elements *elements, uint32_t cell);
+/// As it is at a cell.
+RSV_INLINE float rsv_cluster_radius_at(const rsv_elements *e, uint32_t cell)
+{
+    return ldexpf(e->cluster_radius, -e->face_halvings[e->cell[cell].face]);
+}
 
 #endif

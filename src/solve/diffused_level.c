@@ -1,7 +1,7 @@
 #include "diffused_level.h"
 
 #include "../operator/burial.h"
-#include "../operator/cluster.h"
+#include "../operator/follower.h"
 #include "../operator/contact.h"
 #include "../operator/elements_internal.h"
 #include "solution.h"

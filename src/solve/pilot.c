@@ -2,7 +2,7 @@
 
 #include "../operator/bend.h"
 #include "../operator/burial.h"
-#include "../operator/cluster.h"
+#include "../operator/follower.h"
 #include "../operator/elements_internal.h"
 #include "budget.h"
 #include "coarse_elements.h"

@@ -1,7 +1,7 @@
 /// Piecewise linear elements: exact on planes, continuous across everything that is smooth, separate
 /// across everything that is not.
 #include "light_fixture.h"
-#include "operator/cluster.h"
+#include "operator/follower.h"
 #include "operator/elements_internal.h"
 #include "operator/spacing.h"
 

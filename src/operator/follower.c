@@ -1,0 +1,66 @@
+#include "follower.h"
+
+#include "elements_internal.h"
+
+/// Leaders of less weight say little about the field around a follower.
+#define LEAST_WEIGHT 0.05f
+/// Standard deviations of noise that pass for no difference.
+#define NOISE 2.0f
+
+bool rsv_cell_follows(const rsv_elements *e, uint32_t cell)
+{
+    for (int k = 0; k < 3; k++)
+        if (e->node_hanging[e->cell_node[cell][k]] < e->follower_count) return true;
+    return false;
+}
+
+/// Twice the area of a cell is that of the hats at its corners where nothing follows.
+float rsv_cell_spacing(const rsv_elements *e, uint32_t cell)
+{
+    float largest = 2 * rsv_cell_area(e, cell);
+    for (int k = 0; k < 3 && e->cell[cell].level == 0; k++) {
+        uint32_t index = e->node_hanging[e->cell_node[cell][k]];
+        if (index == RSV_NONE) continue;
+        const rsv_hanging *follower = &e->hanging[index];
+        float area = 0;
+        for (int p = 0; p < RSV_PARENTS; p++)
+            area += follower->weight[p] * e->node_area[follower->parent[p]];
+        largest = f_max(largest, area);
+    }
+    return sqrtf(largest);
+}
+
+/// No more than there are nodes: half a one for each cell.
+float rsv_cell_new_leaders(const rsv_elements *e, uint32_t cell)
+{
+    float radius = rsv_cluster_radius_at(e, cell);
+    return f_min(0.5f, 2 * rsv_cell_area(e, cell) / (radius * radius));
+}
+
+/// Whether the luminances of the leaders of one follower lie further apart than threshold, floor and noise allow.
+static bool leaders_disagree(const rsv_hanging *follower, const rsv_rgb *value,
+    const float *deviation, float threshold, float floor)
+{
+    uint32_t darkest = follower->parent[0], brightest = darkest;
+    for (int p = 1; p < RSV_PARENTS; p++) {
+        uint32_t leader = follower->parent[p];
+        if (follower->weight[p] < LEAST_WEIGHT) continue;
+        if (rgb_luminance(value[leader]) < rgb_luminance(value[darkest])) darkest = leader;
+        if (rgb_luminance(value[leader]) > rgb_luminance(value[brightest])) brightest = leader;
+    }
+    float low = rgb_luminance(value[darkest]), high = rgb_luminance(value[brightest]);
+    float noise = hypotf(deviation[darkest], deviation[brightest]);
+    return high - low > threshold * (0.5f * (low + high) + floor) + NOISE * noise;
+}
+
+void rsv_find_cluster_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
+    float threshold, float floor, rsv_bend_found found, void *user)
+{
+    for (size_t h = 0; h < e->follower_count; h++) {
+        const rsv_hanging *follower = &e->hanging[h];
+        if (!leaders_disagree(follower, value, deviation, threshold, floor)) continue;
+        for (uint32_t s = e->support_begin[follower->node];
+             s < e->support_begin[follower->node + 1]; s++)
+            found(user, e->support[s] / 4, e->support[s] / 4);
+    }
+}

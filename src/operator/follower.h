@@ -1,0 +1,22 @@
+/// What nodes that follow a leader mean for the cells around them.
+#ifndef RSV_FOLLOWER_H
+#define RSV_FOLLOWER_H
+
+#include "bend.h"
+#include "cluster.h"
+
+/// Reports the cells around followers whose leaders differ by more than `threshold` of the local level plus `floor`.
+/// @param value [node_count] @param deviation [node_count] noise of its luminance
+void rsv_find_cluster_bends(const rsv_elements *elements, const rsv_rgb *value,
+    const float *deviation, float threshold, float floor, rsv_bend_found found, void *user);
+
+/// Whether a cell has nodes that follow.
+bool rsv_cell_follows(const rsv_elements *elements, uint32_t cell);
+
+/// Metres between the nodes that the values of a cell come from.
+float rsv_cell_spacing(const rsv_elements *elements, uint32_t cell);
+
+/// Leaders that halving the radius around a cell would add.
+float rsv_cell_new_leaders(const rsv_elements *elements, uint32_t cell);
+
+#endif
