@@ -1,32 +1,10 @@
 /// Frames against the pictures of rsv_render, across instructions, threads and eyes.
-#include "resolvent/frame.h"
-
 #include "core/srgb.h"
-#include "light_fixture.h"
+#include "frame_fixture.h"
 #include "resolvent/relight.h"
-#include "resolvent/render.h"
 #include "slow_tests.h"
 
-enum { width = 70, height = 50, pixel_count = width * height };
-
-static rsv_solution *solve(const world *w)
-{
-    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = 600;
-    desc.rays_per_element = 64;
-    desc.photon_count = 20000;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
-    return solution;
-}
-
-static rsv_frame_desc frame_desc(void)
-{
-    rsv_frame_desc desc = rsv_default_frame_desc();
-    desc.width = width;
-    desc.height = height;
-    return desc;
-}
+static rsv_solution *solve(const world *w) { return solve_for_frames(w, 600, 20000); }
 
 static rsv_frame_renderer *begin_frames(const rsv_solution *solution, const rsv_frame_desc *desc)
 {
@@ -36,45 +14,16 @@ static rsv_frame_renderer *begin_frames(const rsv_solution *solution, const rsv_
     return renderer;
 }
 
-static rsv_frame_view view_of(const world *w)
-{
-    const rsv_camera *camera = rsv_scene_get_view(w->scene)->camera;
-    return (rsv_frame_view){ .camera = { camera[0], camera[0] } };
-}
-
 static void render_frames(rsv_frame_renderer *renderer, const rsv_frame_view *view, int count)
 {
     for (int k = 0; k < count; k++)
         assert_int_equal(rsv_frame_render(renderer, view, NULL), RSV_OK);
 }
 
-static rsv_image *render_picture(const rsv_solution *solution, uint32_t samples, bool layers)
-{
-    rsv_render_desc desc = rsv_default_render_desc();
-    desc.mode = RSV_RENDER_OPERATOR;
-    desc.width = width;
-    desc.height = height;
-    desc.samples = samples;
-    desc.chain_depth = 8;
-    desc.shared_pattern = true;
-    desc.layers = layers;
-    rsv_image *image;
-    assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
-    return image;
-}
-
-static bool alike(float a, float b) { return fabsf(a - b) <= 1e-5f * (1 + fabsf(b)); }
-
-/// Pixels that differ by more than rounding.
-static size_t count_different(rsv_frame_renderer *renderer, const rsv_rgb *picture)
+static size_t count_different_pixels(const rsv_frame_renderer *renderer, const rsv_rgb *picture)
 {
     static rsv_rgb shown[pixel_count];
-    size_t different = 0;
-    rsv_frame_radiance(renderer, 0, shown);
-    for (size_t k = 0; k < pixel_count; k++)
-        different += !alike(shown[k].r, picture[k].r) || !alike(shown[k].g, picture[k].g) ||
-                     !alike(shown[k].b, picture[k].b);
-    return different;
+    return count_different(renderer, 0, picture, shown);
 }
 
 // ---- the same picture ---------------------------------------------------------------------------
@@ -82,12 +31,12 @@ static size_t count_different(rsv_frame_renderer *renderer, const rsv_rgb *pictu
 static void check_frames(world *w, uint32_t samples, size_t allowed)
 {
     rsv_solution *solution = solve(w);
-    rsv_image *picture = render_picture(solution, samples, false);
+    rsv_image *picture = render_picture(solution, NULL, samples, false);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
     rsv_frame_view view = view_of(w);
     render_frames(renderer, &view, (int)samples);
-    size_t different = count_different(renderer, rsv_image_const_pixels(picture, 0));
+    size_t different = count_different_pixels(renderer, rsv_image_const_pixels(picture, 0));
     if (different > allowed) fail_msg("%zu pixels differ", different);
     rsv_image_destroy(picture);
     rsv_frame_renderer_destroy(renderer);
@@ -150,19 +99,20 @@ static void layers_are_shown(void **state)
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
     rsv_solution *solution = solve(w);
-    rsv_image *picture = render_picture(solution, 1, true);
-    rsv_image *whole = render_picture(solution, 1, false);
+    rsv_image *picture = render_picture(solution, NULL, 1, true);
+    rsv_image *whole = render_picture(solution, NULL, 1, false);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
     rsv_frame_view view = view_of(w);
     for (uint32_t layer = 0; layer < 4; layer++) {
         rsv_frame_renderer_show(renderer, layer);
         render_frames(renderer, &view, 1);
-        assert_int_equal(count_different(renderer, rsv_image_const_pixels(picture, 1 + layer)), 0);
+        assert_int_equal(
+            count_different_pixels(renderer, rsv_image_const_pixels(picture, 1 + layer)), 0);
     }
     rsv_frame_renderer_show(renderer, RSV_NONE);
     render_frames(renderer, &view, 1);
-    assert_int_equal(count_different(renderer, rsv_image_const_pixels(whole, 0)), 0);
+    assert_int_equal(count_different_pixels(renderer, rsv_image_const_pixels(whole, 0)), 0);
     rsv_image_destroy(whole);
     rsv_image_destroy(picture);
     rsv_frame_renderer_destroy(renderer);

@@ -1,14 +1,12 @@
 /// Frames made by a device against the pictures of rsv_render, on a device that the processor emulates;
 /// `test_gpu_frames cuda` runs the same on a real one.
 #include "frame/frame_device.h"
-#include "light_fixture.h"
+#include "frame_fixture.h"
 #include "resolvent/device.h"
-#include "resolvent/render.h"
 
 #include <stdio.h>
 
 enum { SKIPPED = 77 };
-enum { width = 70, height = 50, pixel_count = width * height };
 
 /// Which device the tests are about.
 static rsv_device_kind kind = RSV_DEVICE_EMULATED;
@@ -27,47 +25,7 @@ static rsv_device *open_device(const rsv_device_desc *desc)
     return device;
 }
 
-static rsv_solution *solve(const world *w)
-{
-    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = 400;
-    desc.rays_per_element = 64;
-    desc.photon_count = 4000;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
-    return solution;
-}
-
-static rsv_frame_desc frame_desc(void)
-{
-    rsv_frame_desc desc = rsv_default_frame_desc();
-    desc.width = width;
-    desc.height = height;
-    return desc;
-}
-
-static rsv_frame_view view_of(const world *w)
-{
-    const rsv_camera *camera = rsv_scene_get_view(w->scene)->camera;
-    return (rsv_frame_view){ .camera = { camera[0], camera[0] } };
-}
-
-static rsv_image *render_picture(
-    const rsv_solution *solution, const rsv_camera *camera, uint32_t samples, bool layers)
-{
-    rsv_render_desc desc = rsv_default_render_desc();
-    desc.mode = RSV_RENDER_OPERATOR;
-    desc.width = width;
-    desc.height = height;
-    desc.samples = samples;
-    desc.chain_depth = 8;
-    desc.shared_pattern = true;
-    desc.layers = layers;
-    desc.viewpoint = camera;
-    rsv_image *image;
-    assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
-    return image;
-}
+static rsv_solution *solve(const world *w) { return solve_for_frames(w, 400, 4000); }
 
 static double luminance_sum(const rsv_rgb *pixel)
 {
@@ -77,18 +35,12 @@ static double luminance_sum(const rsv_rgb *pixel)
     return sum;
 }
 
-static bool alike(float a, float b) { return fabsf(a - b) <= 1e-5f * (1 + fabsf(b)); }
-
 /// Behind a few curved surfaces, rounding can end a chain beyond an edge. The mean must not care.
 static void compare(
     const rsv_frame_renderer *renderer, uint32_t eye, const rsv_rgb *picture, size_t allowed)
 {
     static rsv_rgb shown[pixel_count];
-    size_t different = 0;
-    rsv_frame_radiance(renderer, eye, shown);
-    for (size_t k = 0; k < pixel_count; k++)
-        different += !alike(shown[k].r, picture[k].r) || !alike(shown[k].g, picture[k].g) ||
-                     !alike(shown[k].b, picture[k].b);
+    size_t different = count_different(renderer, eye, picture, shown);
     if (different > allowed) fail_msg("%zu pixels differ", different);
     double exact = luminance_sum(picture);
     assert_true(fabs(luminance_sum(shown) - exact) <= 0.002 * exact);
