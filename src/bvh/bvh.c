@@ -1,5 +1,7 @@
 #include "bvh_internal.h"
 
+#include "../scene/material_at.h"
+
 static rsv_boxed_triangle boxed(
     const rsv_vec3 *position, const uint32_t corner[3], uint32_t triangle)
 {
@@ -59,12 +61,12 @@ cleanup:
 rsv_status rsv_bvh_build_scene(const rsv_scene *scene, rsv_bvh *bvh)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
+    const rsv_material *cut_out = rsv_find_cut_out(view);
     *bvh = (rsv_bvh){ 0 };
-    for (size_t m = 0; m < view->material_count; m++)
-        if (view->material[m].alpha_cutoff > 0)
-            return rsv_fail(RSV_ERROR_UNSUPPORTED,
-                "material '%s': cut-out surfaces cannot be traced on a device; use --device cpu",
-                view->material[m].name);
+    if (cut_out)
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "material '%s': cut-out surfaces cannot be traced on a device; use --device cpu",
+            cut_out->name);
     return rsv_bvh_build(
         rsv_scene_get_context(scene), view->position, view->triangle, view->triangle_count, bvh);
 }

@@ -1,5 +1,7 @@
 #include "row_device.h"
 
+#include "../scene/material_at.h"
+
 /// Rays in flight at a time: enough for any device.
 #define RAYS_AT_A_TIME ((size_t)1 << 22)
 
@@ -50,13 +52,6 @@ static size_t rows_at_a_time(const rsv_row_tracer *tracer, size_t rows)
     return (most + RSV_ROW_BLOCK - 1) / RSV_ROW_BLOCK * RSV_ROW_BLOCK;
 }
 
-static bool has_cut_outs(const rsv_scene_view *view)
-{
-    for (size_t m = 0; m < view->material_count; m++)
-        if (view->material[m].alpha_cutoff > 0) return true;
-    return false;
-}
-
 rsv_status rsv_row_device_create(const rsv_row_tracer *tracer, size_t rows, rsv_row_device **made)
 {
     rsv_status status = RSV_OK;
@@ -64,7 +59,7 @@ rsv_status rsv_row_device_create(const rsv_row_tracer *tracer, size_t rows, rsv_
     rsv_device *device = rsv_context_device(context);
     rsv_bvh bvh = { 0 };
     *made = NULL;
-    if (!device || !device->desc.rows || has_cut_outs(tracer->scene->view)) return RSV_OK;
+    if (!device || !device->desc.rows || rsv_find_cut_out(tracer->scene->view)) return RSV_OK;
     rsv_row_device *d = rsv_alloc(context, 1, sizeof *d);
     if (!d) return RSV_ERROR_MEMORY;
     d->context = context;

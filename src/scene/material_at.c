@@ -155,6 +155,13 @@ rsv_material rsv_material_mean(const rsv_scene_view *scene, uint32_t material)
     return m;
 }
 
+const rsv_material *rsv_find_cut_out(const rsv_scene_view *scene)
+{
+    for (size_t m = 0; m < scene->material_count; m++)
+        if (scene->material[m].alpha_cutoff > 0) return &scene->material[m];
+    return NULL;
+}
+
 bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v)
 {
     uint32_t index = scene->triangle_material[triangle];

@@ -20,6 +20,9 @@ rsv_material rsv_material_at(
 /// The material with the mean of each texture multiplied in. A property that is 0 here is 0 everywhere.
 rsv_material rsv_material_mean(const rsv_scene_view *scene, uint32_t material);
 
+/// The first material that is cut out where its texture says so (alpha_cutoff); NULL = there is none.
+const rsv_material *rsv_find_cut_out(const rsv_scene_view *scene);
+
 /// Whether a ray that meets the triangle there goes on because the surface is cut out.
 bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
 
