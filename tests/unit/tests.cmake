@@ -44,6 +44,10 @@ rsv_add_test(media statistical/test_media.c)
 rsv_add_test(rough_box statistical/test_rough_box.c)
 rsv_add_test(solvers unit/test_solvers.c)
 rsv_add_test(certify unit/test_certify.c)
+# they run much of what is defined in headers
+foreach(name IN ITEMS bsdf bsdf_lobes bvh)
+    target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
+endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes environment faults media mover rough_box subsurface translucent
     PROPERTIES LABELS slow)
