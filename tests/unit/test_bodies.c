@@ -1,6 +1,7 @@
 /// Polygonised fields are closed and lie on their surface; bodies stand where a built-in scene wants them.
 #include "scene/body.h"
 #include "unit/scene_fixture.h"
+#include "unit/slow_tests.h"
 
 #include "core/index_map.h"
 
@@ -138,12 +139,11 @@ static void wrong_wishes_are_refused(void **state)
     rsv_scene_destroy(body);
 }
 
-static void exhaustion_is_an_error_and_leaks_nothing(void **state)
+static void exhaust(fixture *f, size_t stride)
 {
-    fixture *f = *state;
     rsv_scene *scene = NULL;
     rsv_builtin_desc desc = { .body_triangles = 200 };
-    for (size_t allowed = 0; !scene; allowed += 3) {
+    for (size_t allowed = 0; !scene; allowed += stride) {
         f->allocations_left = allowed;
         rsv_status status = rsv_scene_builtin_with(f->context, "cornell-marble", &desc, &scene);
         if (status != RSV_OK) assert_int_equal(status, RSV_ERROR_MEMORY);
@@ -152,15 +152,23 @@ static void exhaustion_is_an_error_and_leaks_nothing(void **state)
     rsv_scene_destroy(scene);
 }
 
-int main(void)
+static void exhaustion_is_an_error_and_leaks_nothing(void **state) { exhaust(*state, 3); }
+
+/// What the sanitizers see of it.
+static void memory_may_run_out_here_and_there(void **state) { exhaust(*state, 31); }
+
+int main(int argc, char **argv)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, fixture_setup, fixture_teardown)
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         CASE(an_isosurface_is_closed_and_where_the_field_vanishes),
         CASE(stand_ins_are_closed_and_of_the_wanted_size),
         CASE(a_given_body_stands_on_the_floor_and_faces_outwards),
         CASE(wrong_wishes_are_refused),
+        CASE(memory_may_run_out_here_and_there),
+    };
+    const struct CMUnitTest slow[] = {
         CASE(exhaustion_is_an_error_and_leaks_nothing),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -521,10 +521,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(a_furnace_is_certified_exact),
         cmocka_unit_test(a_known_error_of_a_furnace_is_found),
-        cmocka_unit_test(a_known_error_of_a_room_is_found),
-        cmocka_unit_test(a_coarse_solution_confesses),
         cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
-        cmocka_unit_test(a_rooms_picture_errs_as_importance_says),
         cmocka_unit_test(refinement_reaches_its_target),
         cmocka_unit_test(budgets_end_refinement),
         cmocka_unit_test(unusable_targets_are_refused),
@@ -537,6 +534,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_may_run_out_anywhere),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(a_known_error_of_a_room_is_found),
+        cmocka_unit_test(a_coarse_solution_confesses),
+        cmocka_unit_test(a_rooms_picture_errs_as_importance_says),
         cmocka_unit_test(a_noisy_solution_confesses),
         cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(the_split_knows_noise_from_large_elements),

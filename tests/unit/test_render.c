@@ -3,6 +3,7 @@
 
 #include "light_fixture.h"
 #include "render/camera_chain.h"
+#include "slow_tests.h"
 #include "solve/solution.h"
 
 static rsv_solution *solve(const world *w, uint32_t elements, uint32_t rays)
@@ -381,13 +382,10 @@ static void memory_that_runs_out_is_an_error_and_nothing_leaks(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(layers_sum_to_the_picture),
-        cmocka_unit_test(operator_and_final_agree_in_the_mean),
-        cmocka_unit_test(noisy_pixels_get_more_rays_and_no_bias),
-        cmocka_unit_test(further_shadow_rays_do_not_change_the_light),
         cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(an_orthographic_camera_keeps_sizes),
         cmocka_unit_test(a_mirror_sphere_in_a_furnace_is_invisible),
@@ -398,5 +396,10 @@ int main(void)
         cmocka_unit_test(bad_descriptors_are_refused),
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(operator_and_final_agree_in_the_mean),
+        cmocka_unit_test(noisy_pixels_get_more_rays_and_no_bias),
+        cmocka_unit_test(further_shadow_rays_do_not_change_the_light),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

@@ -51,6 +51,6 @@ endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes environment faults media mover rough_box subsurface translucent
     PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify opfile solve scene frame texture)
+foreach(name IN ITEMS environment light_tree gltf certify opfile solve scene frame texture render bodies)
     rsv_add_slow_half(${name})
 endforeach()
