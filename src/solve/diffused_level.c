@@ -1,9 +1,9 @@
 #include "diffused_level.h"
 
 #include "../operator/burial.h"
-#include "../operator/follower.h"
 #include "../operator/contact.h"
 #include "../operator/elements_internal.h"
+#include "../operator/follower.h"
 #include "solution.h"
 
 #include <string.h>

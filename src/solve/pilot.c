@@ -2,8 +2,8 @@
 
 #include "../operator/bend.h"
 #include "../operator/burial.h"
-#include "../operator/follower.h"
 #include "../operator/elements_internal.h"
+#include "../operator/follower.h"
 #include "budget.h"
 #include "coarse_elements.h"
 #include "goal.h"

@@ -1,8 +1,8 @@
 /// Piecewise linear elements: exact on planes, continuous across everything that is smooth, separate
 /// across everything that is not.
 #include "light_fixture.h"
-#include "operator/follower.h"
 #include "operator/elements_internal.h"
+#include "operator/follower.h"
 #include "operator/spacing.h"
 
 /// Corners of a rectangle with two points inside: six triangles of very different sizes.
