@@ -90,6 +90,29 @@ static bool is_own_corner(const rsv_elements *e, uint32_t node, uint32_t cell, u
     return false;
 }
 
+uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell)
+{
+    float u[3], v[3], weight[3];
+    for (int k = 0; k < 3; k++)
+        rsv_cell_corner(cell, k, &u[k], &v[k]);
+    uint32_t found = rsv_elements_locate(
+        other, cell->face, (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3, weight);
+    return other->cell[found].level == cell->level ? found : RSV_NONE;
+}
+
+/// Whether the cells around a node are those around a node of other elements, corner by corner.
+static bool has_same_cells(
+    const rsv_elements *e, uint32_t node, const rsv_elements *other, uint32_t twin)
+{
+    uint32_t begin = e->support_begin[node], end = e->support_begin[node + 1];
+    if (other->support_begin[twin + 1] - other->support_begin[twin] != end - begin) return false;
+    for (uint32_t s = begin; s < end; s++) {
+        uint32_t same = rsv_elements_find_same_cell(other, &e->cell[e->support[s] / 4]);
+        if (same == RSV_NONE || !is_own_corner(other, twin, same, e->support[s] & 3)) return false;
+    }
+    return true;
+}
+
 uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_elements *other)
 {
     uint32_t face, k = 0;
@@ -101,7 +124,8 @@ uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_
     if (k == 3) return RSV_NONE;
     uint32_t twin = other->cell_node[cell][k];
     if (!is_own_corner(other, twin, cell, k)) return RSV_NONE;
-    // splits and walls leave a node less of its surroundings, and clusters are divided anew
+    if (!has_same_cells(e, node, other, twin)) return RSV_NONE;
+    // clusters are divided anew
     float area = support_area(e, node);
     return fabsf(support_area(other, twin) - area) <= 1e-6f * area ? twin : RSV_NONE;
 }

@@ -182,6 +182,9 @@ RSV_INLINE void rsv_cell_corner(const rsv_cell *cell, int k, float *u, float *v)
 void rsv_elements_place_node(
     const rsv_elements *elements, uint32_t node, uint32_t *face, float *u, float *v);
 
+/// The very same cell of other elements of the same faces, or RSV_NONE.
+uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell);
+
 /// The node of other elements of the same faces that has the very same cells around it, or RSV_NONE: what was found
 /// over its support stands. Either may hang.
 uint32_t rsv_elements_find_twin(

@@ -1,6 +1,8 @@
 /// Piecewise linear elements: exact on planes, continuous across everything that is smooth, separate
 /// across everything that is not.
 #include "light_fixture.h"
+#include "operator/cluster.h"
+#include "operator/contact.h"
 #include "operator/elements_internal.h"
 #include "operator/follower.h"
 #include "operator/spacing.h"
@@ -463,6 +465,42 @@ static bool same_surroundings(
     return v3_length(step) < 1e-4f && fabs(area[0] - area[1]) < 1e-5 * area[0];
 }
 
+/// A wall leaves a node half its cells; splits around another one leave it cells of the same area together.
+static void cells_that_add_up_to_the_same_area_are_not_the_same(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    uint32_t paint = world_lambert(w, 0.5f, 0);
+    world_quad(w, paint, v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1));
+    rsv_material sheet = lambert_material(0.5f, 0);
+    sheet.double_sided = true;
+    world_quad(w, world_material(w, sheet), v3(0, 0, -1), v3(0, 0, 1), v3(0, 1, 1), v3(0, 1, -1));
+    rsv_elements *e = create_elements(w, 0.25f), *finer;
+    uint64_t rays = 0;
+    assert_int_equal(rsv_elements_separate(w->tracer, NULL, e, &rays), RSV_OK);
+    size_t same_area = 0;
+    for (uint32_t seed = 0; seed < 20; seed++) {
+        uint8_t *split = calloc(e->cell_count, 1);
+        assert_non_null(split);
+        for (uint32_t c = 0; c < e->cell_count; c++)
+            split[c] = rsv_hash2(seed, c) % 3 > 0;
+        assert_int_equal(rsv_elements_refine(e, split, &finer), RSV_OK);
+        for (uint32_t n = 0; n < finer->node_count; n++) {
+            uint32_t twin = rsv_elements_find_twin(finer, n, e);
+            uint32_t cells = finer->support_begin[n + 1] - finer->support_begin[n];
+            if (twin != RSV_NONE)
+                assert_int_equal(cells, e->support_begin[twin + 1] - e->support_begin[twin]);
+            for (uint32_t m = 0; m < e->node_count; m++)
+                same_area += twin == RSV_NONE && same_surroundings(finer, n, e, m);
+        }
+        free(split);
+        rsv_elements_destroy(finer);
+    }
+    assert_true(same_area > 0);
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
 static void twins_are_nodes_whose_cells_a_split_left_alone(void **state)
 {
     (void)state;
@@ -771,6 +809,7 @@ int main(void)
         cmocka_unit_test(sides_of_double_sided_surfaces_have_nodes_of_their_own),
         cmocka_unit_test(support_samples_follow_the_hat_function),
         cmocka_unit_test(points_of_one_cell_come_one_after_the_other),
+        cmocka_unit_test(cells_that_add_up_to_the_same_area_are_not_the_same),
         cmocka_unit_test(twins_are_nodes_whose_cells_a_split_left_alone),
         cmocka_unit_test(averages_match_sampled_means),
         cmocka_unit_test(nodes_are_drawn_by_their_weights),
