@@ -38,7 +38,7 @@ RSV_INLINE bool rsv_row_aim(
         x * p->tangent_z[k] + y * p->bitangent_z[k] + z * p->normal_z[k]);
     ray->t_max = INFINITY;
     rsv_vec3 geometric = v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]);
-    return v3_dot(ray->direction, geometric) > 0 && (r->valid >> k & 1);
+    return v3_dot(ray->direction, geometric) > 0;
 }
 
 RSV_INLINE rsv_ray_target rsv_row_target(

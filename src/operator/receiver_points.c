@@ -2,13 +2,24 @@
 
 #define LANES RSV_SUPPORT_POINTS
 
-void rsv_receiver_points_set_up(
-    const rsv_elements *e, uint32_t node, uint32_t index, uint32_t seed, rsv_receiver_points *r)
+/// Leaves the places of points that do not count to those that do, in turn from a random one on.
+static void replace_buried(uint16_t valid, uint32_t random, rsv_support_point *sample)
+{
+    uint32_t count = 0, sound[LANES];
+    for (uint32_t k = 0; k < LANES; k++)
+        if (valid >> k & 1) sound[count++] = k;
+    for (uint32_t k = 0, next = random; count && k < LANES; k++)
+        if (!(valid >> k & 1)) sample[k] = sample[sound[next++ % count]];
+}
+
+void rsv_receiver_points_set_up(const rsv_elements *e, uint32_t node, uint32_t index, uint32_t seed,
+    uint16_t valid, rsv_receiver_points *r)
 {
     float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(seed, index, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
     rsv_support_point sample[LANES];
     rsv_elements_sample_support_as(e, node, index, LANES, seed, sample);
+    replace_buried(valid, rsv_hash3(seed, index, 0x3f1du) % LANES, sample);
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t face = e->cell[sample[k].support / 4].face;
         rsv_surface_point point = rsv_surface_point_at(
@@ -29,8 +40,8 @@ void rsv_receiver_points_set_up(
     }
 }
 
-void rsv_receiver_points_aim(const rsv_receiver_points *r, uint16_t valid, const float *x,
-    const float *y, const float *z, rsv_ray_packet *packet)
+void rsv_receiver_points_aim(const rsv_receiver_points *r, const float *x, const float *y,
+    const float *z, rsv_ray_packet *packet)
 {
     for (int k = 0; k < LANES; k++) {
         float dx = x[k] * r->tangent_x[k] + y[k] * r->bitangent_x[k] + z[k] * r->normal_x[k];
@@ -43,6 +54,6 @@ void rsv_receiver_points_aim(const rsv_receiver_points *r, uint16_t valid, const
         packet->direction_x[k] = dx;
         packet->direction_y[k] = dy;
         packet->direction_z[k] = dz;
-        packet->t_max[k] = above > 0 && (valid >> k & 1) ? INFINITY : -1;
+        packet->t_max[k] = above > 0 ? INFINITY : -1;
     }
 }

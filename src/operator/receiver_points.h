@@ -20,14 +20,15 @@ typedef struct rsv_receiver_points {
     float geometric_z[RSV_SUPPORT_POINTS];
 } __attribute__((aligned(64))) rsv_receiver_points;
 
+/// Points that are buried leave their lanes to the others.
 /// @param index of the node whose random numbers are used: `node`, or what it was in an earlier version of the scene
+/// @param valid bit k = point k counts; not 0
 void rsv_receiver_points_set_up(const rsv_elements *elements, uint32_t node, uint32_t index,
-    uint32_t seed, rsv_receiver_points *points);
+    uint32_t seed, uint16_t valid, rsv_receiver_points *points);
 
-/// Aims one ray per lane along (x, y, z) in the lane's frame. Rays of buried points are left out. Rays that an
-/// interpolated normal sends below the surface start dead too, but count: they carry nothing.
-/// @param valid bit k = point k counts
-void rsv_receiver_points_aim(const rsv_receiver_points *points, uint16_t valid, const float *x,
-    const float *y, const float *z, rsv_ray_packet *packet);
+/// Aims one ray per lane along (x, y, z) in the lane's frame. Rays that an interpolated normal sends below the surface start
+/// dead, but count: they carry nothing.
+void rsv_receiver_points_aim(const rsv_receiver_points *points, const float *x, const float *y,
+    const float *z, rsv_ray_packet *packet);
 
 #endif

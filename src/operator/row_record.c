@@ -2,7 +2,7 @@
 
 #include "../core/key.h"
 
-#define MAGIC 0x32776f72u // "row2"
+#define MAGIC 0x33776f72u // "row3"
 
 /// Followed by what `parts` lists, and by zeros up to a multiple of 8.
 typedef struct record {

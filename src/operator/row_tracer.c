@@ -11,18 +11,17 @@ static void receive(const rsv_row_tracer *tracer, uint32_t node, uint32_t index,
     rsv_row_receiver *r)
 {
     rsv_receiver_points *p = &r->points;
-    rsv_receiver_points_set_up(tracer->elements, node, index, tracer->seed, p);
+    rsv_receiver_points_set_up(tracer->elements, node, index, tracer->seed, valid, p);
     uint32_t face = tracer->elements->node_face[node];
     uint32_t material =
         tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];
     // one of the points speaks for the medium of all
     r->index = index;
     r->valid = valid;
-    uint32_t k = r->valid ? (uint32_t)__builtin_ctz(r->valid) : 0;
     r->bsdf = &tracer->scene->bsdf[material];
     r->medium =
-        rsv_medium_above(&tracer->scene->media, v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]),
-            v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]));
+        rsv_medium_above(&tracer->scene->media, v3(p->origin_x[0], p->origin_y[0], p->origin_z[0]),
+            v3(p->geometric_x[0], p->geometric_y[0], p->geometric_z[0]));
     r->tints = r->bsdf->coated || rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
 }
 
@@ -184,7 +183,7 @@ static const float *aim(
 {
     const rsv_directions *d = &tracer->directions;
     size_t at = rsv_directions_of(d, tracer->seed, r->index) + first;
-    rsv_receiver_points_aim(&r->points, r->valid, d->x + at, d->y + at, d->z + at, packet);
+    rsv_receiver_points_aim(&r->points, d->x + at, d->y + at, d->z + at, packet);
     return d->z + at;
 }
 

@@ -62,8 +62,7 @@ static rsv_status store_row(assembly *a, uint32_t node, const rsv_row_scratch *s
     }
     t->row_begin[node + 1] = block->count - first; // summed up in the end
     t->tinted_begin[node + 1] = s->tinted_count;
-    int points = __builtin_popcount(s->valid);
-    t->scale[node] = (float)RSV_SUPPORT_POINTS / ((float)rays * (float)points);
+    t->scale[node] = 1 / (float)rays;
     t->gathered[node] = rgb_scale(s->emission, RSV_PI * t->scale[node]);
     if (!a->tracer.scene->view->environment) return RSV_OK; // nobody will ask where rays escaped to
     return rsv_escapes_store(t->context, &t->escapes, node, &s->escapes, &block->escapes);
