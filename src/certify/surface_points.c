@@ -37,10 +37,12 @@ rsv_face_point rsv_face_areas_draw(
 /// Whether something separates the point from a corner of its cell: then the point may be within it.
 static bool is_obstructed(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 home)
 {
-    for (int k = 0; k < 3; k++)
-        if (rsv_is_covered(tracer, shape, shape->corner[k]) ||
-            rsv_is_blocked(tracer, home, rsv_cell_hover(shape, shape->corner[k])))
+    for (int k = 0; k < 3; k++) {
+        rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
+        if (rsv_is_covered(tracer, shape, corner) ||
+            rsv_is_blocked(tracer, home, rsv_cell_hover(shape, corner)))
             return true;
+    }
     return false;
 }
 

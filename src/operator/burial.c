@@ -1,55 +1,35 @@
 #include "burial.h"
 
 #include "../core/team.h"
-#include "hover.h"
-
-typedef bool (*burial_test)(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
-    uint32_t seed, uint64_t *rays);
-
-/// Judges the points of one node by the given test of its place.
-/// @param obstructed out: something stands close to the node
-static uint16_t judge_points(const rsv_transport_scene *scene, const rsv_elements *e,
-    uint32_t index, const rsv_support_point *sample, uint32_t points, uint32_t seed,
-    burial_test is_buried, bool *obstructed, uint64_t *rays)
-{
-    uint16_t valid = 0;
-    uint32_t last = RSV_NONE; // points of one cell come one after the other
-    bool buried = false;
-    rsv_cell_shape shape;
-    rsv_vec3 home = { 0 };
-    for (uint32_t k = 0; k < points; k++) {
-        uint32_t support = sample[k].support, face = e->cell[support / 4].face;
-        if (support != last) {
-            shape = rsv_cell_shape_of(e, support / 4);
-            home = rsv_cell_hover(&shape, shape.corner[support & 3]);
-            bool covered = rsv_is_covered(scene->tracer, &shape, shape.corner[support & 3]);
-            *obstructed = *obstructed || covered;
-            buried =
-                covered || is_buried(scene, home, shape.normal, rsv_hash3(seed, index, k), rays);
-            last = support;
-        }
-        rsv_surface_point point = rsv_surface_point_at(
-            scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
-        *rays += 2;
-        bool blocked = rsv_is_covered(scene->tracer, &shape, point.position) ||
-                       rsv_is_blocked(scene->tracer, home, rsv_cell_hover(&shape, point.position));
-        *obstructed = *obstructed || blocked;
-        if (!buried && !blocked) valid |= (uint16_t)(1u << k);
-    }
-    return valid;
-}
+#include "open_corners.h"
 
 uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
     uint32_t index, uint32_t points, uint32_t seed, uint64_t *rays)
 {
     rsv_support_point sample[16];
     rsv_elements_sample_support_as(e, node, index, points, seed, sample);
-    bool obstructed = false;
-    uint16_t valid =
-        judge_points(scene, e, index, sample, points, seed, rsv_is_buried, &obstructed, rays);
-    if (valid && obstructed)
-        valid = judge_points(
-            scene, e, index, sample, points, seed, rsv_is_mostly_buried, &obstructed, rays);
+    uint16_t valid = 0;
+    uint32_t last = RSV_NONE; // points of one cell come one after the other
+    bool open = false;
+    rsv_cell_shape shape;
+    rsv_vec3 outlook = { 0 };
+    for (uint32_t k = 0; k < points; k++) {
+        uint32_t support = sample[k].support, cell = support / 4, face = e->cell[cell].face;
+        if (support != last) {
+            shape = rsv_cell_shape_of(e, cell);
+            uint8_t openness = rsv_cell_openness(scene, e, cell, &shape, rays);
+            open = rsv_cell_outlook(openness, &shape, support & 3, &outlook);
+            last = support;
+        }
+        if (!open) continue;
+        rsv_surface_point point = rsv_surface_point_at(
+            scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
+        *rays += 2;
+        bool blocked =
+            rsv_is_covered(scene->tracer, &shape, point.position) ||
+            rsv_is_blocked(scene->tracer, outlook, rsv_cell_hover(&shape, point.position));
+        if (!blocked) valid |= (uint16_t)(1u << k);
+    }
     return valid;
 }
 

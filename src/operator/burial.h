@@ -5,12 +5,13 @@
 #include "chain.h"
 #include "elements.h"
 
-/// Judges the receiver points of every free node. A point counts if its node, as seen from the point's
-/// cell, is not buried (nothing lies right upon it, and it sees something else than the backs of one-sided
-/// opaque surfaces), and if nothing stands between the two or right upon the point: otherwise the point is inside other geometry, or on the far side of a wall.
+/// Judges the receiver points of every free node. A point counts if it is seen from its node, or, where that is buried,
+/// from another corner of the point's cell that lies in the open (open_corners.h), and if nothing lies right upon it:
+/// otherwise it is inside other geometry, or on the far side of a wall. So a node in a wall stands for the surface up to
+/// that wall.
 /// @param points per node, at most 16; the same points as rsv_elements_sample_support draws
 /// @param known [node_count] non-zero = valid_points of this node stand already; NULL = none
-/// @param valid_points [node_count], out: bit k = point k counts; 0 = the node is buried (or hangs)
+/// @param valid_points [node_count], out: bit k = point k counts; 0 = all around the node is buried (or it hangs)
 rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t points, uint32_t seed, const uint8_t *known, uint16_t *valid_points, uint64_t *rays);
 

@@ -2,7 +2,7 @@
 
 #include "../core/team.h"
 #include "elements_internal.h"
-#include "hover.h"
+#include "open_corners.h"
 
 #include <string.h>
 
@@ -16,36 +16,6 @@
 /// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
 #define NODES_PER_SPLIT 2
 
-typedef enum cut { CUT_NONE, CUT_CONTACT, CUT_THROUGH } cut;
-
-/// How other geometry meets a cell: not at all, or by standing upon it, or so that corners which are not
-/// buried are kept apart.
-static cut classify(
-    const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell, uint64_t *rays)
-{
-    rsv_cell_shape shape = rsv_cell_shape_of(e, cell);
-    rsv_vec3 place[3];
-    bool covered[3], blocked[3];
-    cut found = CUT_NONE;
-    *rays += 6;
-    for (int k = 0; k < 3; k++) {
-        place[k] = rsv_cell_hover(&shape, shape.corner[k]);
-        covered[k] = rsv_is_covered(scene->tracer, &shape, shape.corner[k]);
-    }
-    if (covered[0] != covered[1] || covered[1] != covered[2]) found = CUT_CONTACT;
-    for (int k = 0; k < 3; k++) {
-        blocked[k] = rsv_is_blocked(scene->tracer, place[k], place[(k + 1) % 3]);
-        if (blocked[k]) found = CUT_CONTACT;
-    }
-    if (found == CUT_NONE) return found;
-    bool honest[3];
-    for (int k = 0; k < 3; k++)
-        honest[k] = !covered[k] && !rsv_is_buried(scene, place[k], shape.normal, cell, rays);
-    for (int k = 0; k < 3; k++)
-        if (blocked[k] && honest[k] && honest[(k + 1) % 3]) found = CUT_THROUGH;
-    return found;
-}
-
 static float cell_size(const rsv_elements *e, uint32_t cell)
 {
     return sqrtf(2 * rsv_cell_area(e, cell));
@@ -53,23 +23,24 @@ static float cell_size(const rsv_elements *e, uint32_t cell)
 
 /// Whether a cell that is cut so is to be split once it went through so many splits.
 /// @param size of the cell @param least smaller cells are left alone in any case
-static bool is_worth_splitting(cut found, float size, float spacing, float least, uint32_t splits)
+static bool is_worth_splitting(
+    uint8_t openness, float size, float spacing, float least, uint32_t splits)
 {
-    if (found == CUT_THROUGH)
+    if (openness & RSV_CELL_CUT_THROUGH)
         return splits < THIN_WALL_LEVELS && size > f_max(least, THIN_WALL_SIZE * spacing);
-    return found == CUT_CONTACT && splits < CONTACT_LEVELS &&
+    return (openness & RSV_CELL_CUT) && splits < CONTACT_LEVELS &&
            size > f_max(least, CONTACT_SIZE * spacing);
 }
 
 /// Nodes that further splits would add if no cell below some size were split. What cuts a cell is taken for a line: it
 /// meets twice as many cells of half the size.
-static double nodes_for(const rsv_elements *e, const uint8_t *cuts, float least, uint32_t splits)
+static double nodes_for(const rsv_elements *e, float least, uint32_t splits)
 {
     double cells = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
         float size = cell_size(e, c);
-        for (uint32_t k = 0; is_worth_splitting(cuts[c], size, e->spacing, least, splits + k);
-             k++) {
+        for (uint32_t k = 0;
+             is_worth_splitting(e->cell_openness[c], size, e->spacing, least, splits + k); k++) {
             cells += 1 << k;
             size /= 2;
         }
@@ -77,27 +48,35 @@ static double nodes_for(const rsv_elements *e, const uint8_t *cuts, float least,
     return NODES_PER_SPLIT * cells;
 }
 
-/// The size below which cells have to be left alone so that there are about `most_nodes` more at the most.
-/// @param least size that is known to be too small @param splits that the cells went through
-static float affordable_size(
-    const rsv_elements *e, const uint8_t *cuts, size_t most_nodes, float least, uint32_t splits)
+/// The splits that are affordable: those of all cells larger than `least`, and a share of those a step below it.
+typedef struct allowance {
+    float least, share;
+} allowance;
+
+#define SIZE_STEP 1.2f
+
+/// @param most_nodes to be added, about @param least size that is known to be too small
+/// @param splits that the cells went through
+static allowance afford(const rsv_elements *e, size_t most_nodes, float least, uint32_t splits)
 {
-    while (nodes_for(e, cuts, least, splits) > (double)most_nodes)
-        least *= 1.2f;
-    return least;
+    double most = (double)most_nodes, step_below = 0, nodes;
+    for (;; least *= SIZE_STEP, step_below = nodes) {
+        nodes = nodes_for(e, least, splits);
+        if (nodes <= most) break;
+    }
+    // cells that are split here and there have fewer neighbours to share nodes with
+    double share = (most - nodes) / (1.5 * (step_below - nodes));
+    return (allowance){ least, step_below > 0 ? (float)share : 0 };
 }
 
-/// @param cuts [cell_count], out
-static void find_cuts(const rsv_transport_scene *scene, const rsv_elements *e, float least,
-    uint8_t *cuts, uint64_t *rays)
+static bool is_affordable(const rsv_elements *e, uint32_t cell, const allowance *a, uint32_t splits)
 {
-    uint64_t traced = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
-    reduction(+ : traced)
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        if (cell_size(e, c) > least && e->cell[c].level < RSV_MAX_LEVEL)
-            cuts[c] = (uint8_t)classify(scene, e, c, &traced);
-    *rays += traced;
+    if (e->cell[cell].level >= RSV_MAX_LEVEL) return false;
+    uint8_t openness = e->cell_openness[cell];
+    float size = cell_size(e, cell), drawn = rsv_unit_float(rsv_hash(cell));
+    return is_worth_splitting(openness, size, e->spacing, a->least, splits) ||
+           (drawn < a->share &&
+               is_worth_splitting(openness, size, e->spacing, a->least / SIZE_STEP, splits));
 }
 
 rsv_status rsv_elements_refine_contacts(
@@ -106,35 +85,39 @@ rsv_status rsv_elements_refine_contacts(
     rsv_context *context = (*elements)->context;
     float least = THIN_WALL_SIZE * (*elements)->spacing;
     size_t most = (*elements)->node_count + most_nodes;
+    rsv_elements *earlier = NULL;
+    rsv_status status;
     for (uint32_t level = 0; level < THIN_WALL_LEVELS; level++) {
-        const rsv_elements *e = *elements;
+        rsv_elements *e = *elements;
+        status = rsv_elements_find_open_corners(scene, earlier, e, rays);
+        rsv_elements_destroy(earlier);
+        earlier = NULL;
+        if (status != RSV_OK) return status;
         uint8_t *split = rsv_alloc(context, e->cell_count, 1);
         if (!split) return RSV_ERROR_MEMORY;
         size_t marked = 0;
-        find_cuts(scene, e, least, split, rays);
         size_t left = most > e->node_count ? most - e->node_count : 0;
-        least = affordable_size(e, split, left, least, level);
-        for (uint32_t c = 0; c < e->cell_count; c++) {
-            split[c] = is_worth_splitting(split[c], cell_size(e, c), e->spacing, least, level);
-            marked += split[c];
-        }
-        rsv_elements *finer = NULL;
-        rsv_status status = marked ? rsv_elements_refine(e, split, &finer) : RSV_OK;
+        allowance a = afford(e, left, least, level);
+        for (uint32_t c = 0; c < e->cell_count; c++)
+            marked += split[c] = is_affordable(e, c, &a, level);
+        least = a.least;
+        status = marked ? rsv_elements_refine(e, split, elements) : RSV_OK;
         rsv_free(context, split);
-        if (status != RSV_OK) return status;
-        if (!marked) break;
-        rsv_elements_destroy(*elements);
-        *elements = finer;
+        if (status != RSV_OK || !marked) return status;
+        earlier = e;
     }
-    return RSV_OK;
+    status = rsv_elements_find_open_corners(scene, earlier, *elements, rays);
+    rsv_elements_destroy(earlier);
+    return status;
 }
 
 #define MAX_FAN 32 ///< cells around a node; nodes with more are left alone
 
-/// The cells around a node and where they hover next to it.
+/// The cells around a node and from where they are seen on its behalf.
 typedef struct fan {
     uint32_t begin, count;
     rsv_vec3 place[MAX_FAN], normal[MAX_FAN];
+    bool open[MAX_FAN]; ///< false = from nowhere: all of the cell is buried
 } fan;
 
 static fan fan_of(const rsv_elements *e, uint32_t node)
@@ -144,7 +127,8 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
     for (uint32_t s = 0; s < f.count && f.count <= MAX_FAN; s++) {
         uint32_t support = e->support[f.begin + s];
         rsv_cell_shape shape = rsv_cell_shape_of(e, support / 4);
-        f.place[s] = rsv_cell_hover(&shape, shape.corner[support & 3]);
+        f.open[s] =
+            rsv_cell_outlook(e->cell_openness[support / 4], &shape, support & 3, &f.place[s]);
         f.normal[s] = shape.normal;
     }
     return f;
@@ -158,13 +142,15 @@ static bool is_walled(const rsv_tracer *tracer, const fan *f, uint32_t a, uint32
            rsv_is_blocked(tracer, f->place[a], f->place[b]);
 }
 
-/// Groups the cells of a fan that see each other, directly or by way of others.
+/// Groups the cells of a fan that see each other, directly or by way of others. Buried ones are none's, and go with the
+/// first.
 /// @param group [count], out @return number of groups
 static uint32_t group_fan(const rsv_tracer *tracer, const fan *f, uint32_t *group, uint64_t *rays)
 {
     uint32_t groups = 0;
     memset(group, 0xff, f->count * sizeof *group);
     for (uint32_t start = 0; start < f->count; start++) {
+        if (!f->open[start] && group[start] == RSV_NONE) group[start] = 0;
         if (group[start] != RSV_NONE) continue;
         uint32_t open[MAX_FAN], waiting = 0;
         open[waiting++] = start;
@@ -172,7 +158,7 @@ static uint32_t group_fan(const rsv_tracer *tracer, const fan *f, uint32_t *grou
         while (waiting) {
             uint32_t here = open[--waiting];
             for (uint32_t s = 0; s < f->count; s++) {
-                if (group[s] != RSV_NONE) continue;
+                if (group[s] != RSV_NONE || !f->open[s]) continue;
                 ++*rays;
                 if (is_walled(tracer, f, here, s)) continue;
                 group[s] = groups;
@@ -184,7 +170,7 @@ static uint32_t group_fan(const rsv_tracer *tracer, const fan *f, uint32_t *grou
     return groups;
 }
 
-/// Whether any cell around a node does not see the first one: rare, so the grouping is left to few nodes.
+/// Whether any cell around a node does not see the first open one: rare, so the grouping is left to few nodes.
 static bool is_divided(
     const rsv_tracer *tracer, const rsv_elements *e, uint32_t node, uint64_t *rays)
 {
@@ -192,8 +178,11 @@ static bool is_divided(
     fan f = fan_of(e, node);
     if (f.count > MAX_FAN) return false;
     *rays += f.count;
-    for (uint32_t s = 1; s < f.count; s++)
-        if (is_walled(tracer, &f, 0, s)) return true;
+    uint32_t first = 0;
+    while (first < f.count && !f.open[first])
+        first++;
+    for (uint32_t s = first + 1; s < f.count; s++)
+        if (f.open[s] && is_walled(tracer, &f, first, s)) return true;
     return false;
 }
 
@@ -207,7 +196,7 @@ static void separate_node(
         uint32_t support = e->support[f.begin + s];
         if (group[s] > 0) e->cell_node[support / 4][support & 3] = *next + group[s] - 1;
     }
-    *next += groups - 1;
+    *next += groups ? groups - 1 : 0;
 }
 
 /// The larger cell on whose edge a node hangs, and the corners of that edge.
@@ -236,9 +225,16 @@ static bool hangs_across_wall(const rsv_tracer *tracer, const rsv_elements *e,
     uint32_t support = e->support[e->support_begin[hanging->node]];
     rsv_cell_shape small = rsv_cell_shape_of(e, support / 4);
     rsv_cell_shape large = rsv_cell_shape_of(e, edge->cell);
-    rsv_vec3 place = small.corner[support & 3];
     if (v3_dot(small.normal, large.normal) < 0.999f) return false;
-    return rsv_is_blocked(tracer, rsv_cell_hover(&small, place), rsv_cell_hover(&large, place));
+    uint8_t on_small = e->cell_openness[support / 4], on_large = e->cell_openness[edge->cell];
+    uint32_t corner = support & 3, from = (uint32_t)edge->corner[0], to = (uint32_t)edge->corner[1];
+    rsv_vec3 near, far;
+    if (!rsv_cell_outlook(on_small, &small, corner, &near) ||
+        !rsv_cell_outlook(on_large, &large, from, &far))
+        return false;
+    if (on_small >> corner & on_large >> from & on_large >> to & 1)
+        far = rsv_cell_hover(&large, rsv_cell_inset(&large, small.corner[corner]));
+    return rsv_is_blocked(tracer, near, far);
 }
 
 /// Lets go of nodes that hang across a wall and remembers the edges of the others.
@@ -266,8 +262,11 @@ static void reattach_hanging(rsv_elements *e, const hanging_edge *edge)
 }
 
 rsv_status rsv_elements_separate(
-    const rsv_tracer *tracer, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
+    const rsv_transport_scene *scene, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
 {
+    const rsv_tracer *tracer = scene->tracer;
+    rsv_status status = rsv_elements_find_open_corners(scene, earlier, e, rays);
+    if (status != RSV_OK) return status;
     hanging_edge *edge = rsv_alloc(e->context, e->hanging_count, sizeof *edge);
     uint8_t *divided = rsv_alloc(e->context, e->node_count, 1);
     if (!edge || !divided) {

@@ -16,10 +16,10 @@
 rsv_status rsv_elements_refine_contacts(
     const rsv_transport_scene *scene, size_t most_nodes, rsv_elements **elements, uint64_t *rays);
 
-/// Gives every side of a wall its own nodes where the wall runs along edges of cells.
+/// Gives every side of a wall its own nodes where the wall runs along edges of cells, or covers the node between them.
 /// @param earlier elements of the same faces on which that was done: only where cells changed since may there be more to
 ///                do; NULL = everywhere
-rsv_status rsv_elements_separate(
-    const rsv_tracer *tracer, const rsv_elements *earlier, rsv_elements *elements, uint64_t *rays);
+rsv_status rsv_elements_separate(const rsv_transport_scene *scene, const rsv_elements *earlier,
+    rsv_elements *elements, uint64_t *rays);
 
 #endif

@@ -134,8 +134,8 @@ void rsv_elements_destroy(rsv_elements *e)
     rsv_context *context = e->context;
     void *arrays[] = { e->face_of[0], e->face_of[1], e->face_triangle, e->face_back, e->face_level,
         e->face_halvings, e->face_slot, e->face_area, e->face_corner, e->face_edge, e->slot,
-        e->cell, e->cell_node, e->node_face, e->node_area, e->support_begin, e->support, e->hanging,
-        e->node_hanging, e->led_begin, e->led };
+        e->cell, e->cell_node, e->cell_openness, e->node_face, e->node_area, e->support_begin,
+        e->support, e->hanging, e->node_hanging, e->led_begin, e->led };
     for (size_t k = 0; k < sizeof arrays / sizeof arrays[0]; k++)
         rsv_free(context, arrays[k]);
     rsv_free(context, e);
@@ -146,7 +146,8 @@ size_t rsv_elements_bytes(const rsv_elements *e)
     size_t per_face = sizeof *e->face_triangle + sizeof *e->face_back + sizeof *e->face_level +
                       sizeof *e->face_halvings + sizeof *e->face_slot + sizeof *e->face_area +
                       sizeof *e->face_corner + sizeof *e->face_edge;
-    size_t per_cell = sizeof *e->cell + sizeof *e->cell_node + 3 * sizeof *e->support;
+    size_t per_cell = sizeof *e->cell + sizeof *e->cell_node + 3 * sizeof *e->support +
+                      (e->cell_openness ? sizeof *e->cell_openness : 0);
     size_t per_node = sizeof *e->node_face + sizeof *e->node_area + sizeof *e->support_begin +
                       sizeof *e->node_hanging;
     return e->scene->triangle_count * 2 * sizeof *e->face_of[0] + e->face_count * per_face +

@@ -63,6 +63,7 @@ typedef struct rsv_elements {
     size_t cell_count;
     rsv_cell *cell;           ///< [cell_count]
     uint32_t (*cell_node)[3]; ///< [cell_count]
+    uint8_t *cell_openness;   ///< [cell_count] open_corners.h; NULL = not judged
 
     size_t node_count;
     uint32_t *node_face; ///< [node_count] one of the faces around the node

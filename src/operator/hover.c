@@ -3,9 +3,11 @@
 #define BURIAL_RAYS 8
 #define BURIAL_MAJORITY                                                                            \
     6 ///< so many of them must see backs before a place near other geometry is buried
+#define BURIAL_STEPS 4 ///< from surface to surface
 
-/// Test segments run this far above the surface and inside the cell, in parts of its size.
-#define LIFT 0.02f
+/// Test segments run this far above the surface and inside the cell, in parts of its size. A picture hung a centimetre off
+/// the wall hides what cells of a decimetre cannot tell from what it leaves open.
+#define LIFT 0.1f
 #define INSET 0.05f
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
@@ -29,11 +31,15 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
     return shape;
 }
 
+rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border)
+{
+    return v3_mad(border, INSET, v3_sub(shape->centre, border));
+}
+
 /// Where rays leave the cell from: clear of rounding errors, no more.
 static rsv_vec3 leave(const rsv_cell_shape *shape, rsv_vec3 place)
 {
-    rsv_vec3 inside = v3_mad(place, INSET, v3_sub(shape->centre, place));
-    return rsv_offset_origin(inside, shape->normal, shape->extent);
+    return rsv_offset_origin(place, shape->normal, shape->extent);
 }
 
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
@@ -94,18 +100,18 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
     for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
         rsv_chain chain;
         rsv_ray ray = ray_from(place, normal, k, seed);
-        sight first = look(scene, &ray, &chain);
+        sight seen = look(scene, &ray, &chain);
         ++*rays;
-        if (first ==
-            SIGHT_FRONT) { // the surface met may be inside the same body: look on from there
+        for (uint32_t step = 1; step < BURIAL_STEPS && seen == SIGHT_FRONT; step++) {
+            // the surface met may be inside the same body: look on from there
             rsv_surface_point point =
                 rsv_surface_point_at(scene->view, chain.triangle, chain.u, chain.v, chain.back);
             rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-            ray = ray_from(origin, point.geometric, k, seed + 1);
-            first = look(scene, &ray, &chain);
+            ray = ray_from(origin, point.geometric, k, seed + step);
+            seen = look(scene, &ray, &chain);
             ++*rays;
         }
-        backs += first == SIGHT_BACK;
+        backs += seen == SIGHT_BACK;
     }
     return backs >= BURIAL_MAJORITY;
 }

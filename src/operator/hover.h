@@ -15,8 +15,10 @@ typedef struct rsv_cell_shape {
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
 
-/// A place above the cell by a small part of its size, and a little towards its centre, so that what merely
-/// touches its border is not met. Gaps below that height count as contact.
+/// A place on the border of a cell, a little towards its centre, so that what merely touches the border is not met.
+rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
+
+/// Right above a place by a small part of the cell's size. Gaps below that height count as contact.
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether something lies right upon the cell, between a place and where it hovers.

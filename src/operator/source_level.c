@@ -4,6 +4,7 @@
 #include "burial.h"
 #include "contact.h"
 #include "elements_internal.h"
+#include "open_corners.h"
 
 #include <string.h>
 
@@ -80,8 +81,9 @@ static rsv_status prepare_elements(level_builder *b, const earlier_level *earlie
 {
     rsv_elements *e = b->elements;
     rsv_status status;
-    RSV_TRY(
-        rsv_elements_separate(b->scene->tracer, earlier ? earlier->elements : NULL, e, b->rays));
+    RSV_TRY(rsv_elements_find_open_corners(
+        b->scene, earlier ? earlier->elements : b->coarse, e, b->rays));
+    RSV_TRY(rsv_elements_separate(b->scene, earlier ? earlier->elements : NULL, e, b->rays));
     RSV_TRY(allocate_fields(b));
     if (earlier) carry_over(b, earlier);
     RSV_TRY(rsv_find_buried(

@@ -48,7 +48,7 @@ static rsv_status prepare_elements(
 {
     rsv_status status;
     float part = s->desc.refinements ? CLUSTER_RADIUS : CLUSTER_RADIUS_WITHOUT_PILOTS;
-    RSV_TRY(rsv_elements_separate(s->tracer, earlier, s->elements, &s->report.rays));
+    RSV_TRY(rsv_elements_separate(&s->scene, earlier, s->elements, &s->report.rays));
     RSV_TRY(rsv_elements_cluster(s->elements, part * s->elements->spacing));
     RSV_TRY(find_valid_points(s, earlier, earlier_points));
     RSV_TRY(rsv_elements_bridge_buried(s->elements, s->valid_points));

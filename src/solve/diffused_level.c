@@ -4,6 +4,7 @@
 #include "../operator/contact.h"
 #include "../operator/elements_internal.h"
 #include "../operator/follower.h"
+#include "../operator/open_corners.h"
 #include "solution.h"
 
 #include <string.h>
@@ -107,7 +108,8 @@ static rsv_status create_elements(rsv_solution *s)
         e = finer;
         finer = NULL;
     }
-    RSV_TRY(rsv_elements_separate(s->tracer, NULL, e, &s->report.rays));
+    RSV_TRY(rsv_elements_find_open_corners(&s->scene, s->elements, e, &s->report.rays));
+    RSV_TRY(rsv_elements_separate(&s->scene, NULL, e, &s->report.rays));
     RSV_TRY(rsv_elements_cluster(e, CLUSTER_SHARE * f_max(finest_wanted(s), affordable)));
     s->diffused.elements = e;
     e = NULL;

@@ -477,7 +477,7 @@ static void cells_that_add_up_to_the_same_area_are_not_the_same(void **state)
     world_quad(w, world_material(w, sheet), v3(0, 0, -1), v3(0, 0, 1), v3(0, 1, 1), v3(0, 1, -1));
     rsv_elements *e = create_elements(w, 0.25f), *finer;
     uint64_t rays = 0;
-    assert_int_equal(rsv_elements_separate(w->tracer, NULL, e, &rays), RSV_OK);
+    assert_int_equal(rsv_elements_separate(&w->transport, NULL, e, &rays), RSV_OK);
     size_t same_area = 0;
     for (uint32_t seed = 0; seed < 20; seed++) {
         uint8_t *split = calloc(e->cell_count, 1);

@@ -1,0 +1,73 @@
+#include "open_corners.h"
+
+#include "../core/team.h"
+
+#define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
+
+static uint8_t judge_cell(
+    const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
+{
+    rsv_vec3 place[3];
+    bool covered[3], blocked[3], cut = false;
+    *rays += 6;
+    for (int k = 0; k < 3; k++) {
+        rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
+        place[k] = rsv_cell_hover(shape, corner);
+        covered[k] = rsv_is_covered(scene->tracer, shape, corner);
+    }
+    for (int k = 0; k < 3; k++) {
+        blocked[k] = rsv_is_blocked(scene->tracer, place[k], place[(k + 1) % 3]);
+        cut = cut || blocked[k] || covered[k] != covered[(k + 1) % 3];
+    }
+    uint32_t open = 0;
+    for (int k = 0; k < 3; k++) {
+        bool buried = covered[k] || rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
+                      (cut && rsv_is_mostly_buried(scene, place[k], shape->normal, SEED, rays));
+        open |= (uint32_t)!buried << k;
+    }
+    bool through = false;
+    for (int k = 0; k < 3; k++)
+        through = through || (blocked[k] && (open >> k & 1) && (open >> (k + 1) % 3 & 1));
+    return (uint8_t)(open | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0));
+}
+
+uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,
+    const rsv_cell_shape *shape, uint64_t *rays)
+{
+    return e->cell_openness ? e->cell_openness[cell] : judge_cell(scene, shape, rays);
+}
+
+rsv_status rsv_elements_find_open_corners(
+    const rsv_transport_scene *scene, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
+{
+    if (e->cell_openness) return RSV_OK;
+    e->cell_openness = rsv_alloc(e->context, e->cell_count, sizeof *e->cell_openness);
+    if (!e->cell_openness) return RSV_ERROR_MEMORY;
+    rsv_team_place place = rsv_team_place_of(e->context);
+    uint64_t traced = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : traced)
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (!rsv_team_owns(place, c, RSV_TEAM_BLOCK)) continue;
+        bool known = earlier && earlier->cell_openness;
+        uint32_t same = known ? rsv_elements_find_same_cell(earlier, &e->cell[c]) : RSV_NONE;
+        rsv_cell_shape shape;
+        if (same == RSV_NONE) shape = rsv_cell_shape_of(e, c);
+        e->cell_openness[c] =
+            same != RSV_NONE ? earlier->cell_openness[same] : judge_cell(scene, &shape, &traced);
+    }
+    rsv_team_merge(
+        e->context, e->cell_openness, sizeof *e->cell_openness, e->cell_count, RSV_TEAM_BLOCK);
+    *rays += rsv_team_total(e->context, traced);
+    return RSV_OK;
+}
+
+bool rsv_cell_outlook(
+    uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place)
+{
+    uint32_t open = openness & RSV_CORNERS_OPEN;
+    if (!open) return false;
+    uint32_t from = open >> corner & 1 ? corner : (uint32_t)__builtin_ctz(open);
+    *place = rsv_cell_hover(shape, rsv_cell_inset(shape, shape->corner[from]));
+    return true;
+}

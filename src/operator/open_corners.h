@@ -1,0 +1,29 @@
+/// Corners of cells that lie in the open, and those that lie in or behind other geometry.
+///
+/// A floor that runs on under a wall has cells of which one corner is in the room and another in the wall. Their light
+/// is that of the room, up to the wall: what a corner in the wall stands for is seen from one in the open.
+#ifndef RSV_OPEN_CORNERS_H
+#define RSV_OPEN_CORNERS_H
+
+#include "hover.h"
+
+#define RSV_CORNERS_OPEN 7u      ///< bit k: corner k of the cell lies in the open
+#define RSV_CELL_CUT 8u          ///< something stands upon the cell, or between its corners
+#define RSV_CELL_CUT_THROUGH 16u ///< what does keeps corners apart that lie in the open
+
+/// Judges the corners of every cell, once: fills `cell_openness`. It depends on what lies around a cell alone, and on no random
+/// numbers of nodes: neighbours agree, and edits elsewhere change nothing.
+/// @param earlier elements of the same faces on which that was done: cells that are the same stay as they were; may be NULL
+rsv_status rsv_elements_find_open_corners(const rsv_transport_scene *scene,
+    const rsv_elements *earlier, rsv_elements *elements, uint64_t *rays);
+
+/// The same for one cell, from `cell_openness` where that is filled.
+uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *elements,
+    uint32_t cell, const rsv_cell_shape *shape, uint64_t *rays);
+
+/// From where the cell is seen on behalf of a corner: from above that corner if it lies in the open, or else from above
+/// another that does. @return false if none does
+bool rsv_cell_outlook(
+    uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place);
+
+#endif
