@@ -26,7 +26,7 @@ uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *
             scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
         *rays += 2;
         bool blocked =
-            rsv_is_covered(scene->tracer, &shape, point.position) ||
+            rsv_is_covered(scene, &shape, point.position) ||
             rsv_is_blocked(scene->tracer, outlook, rsv_cell_hover(&shape, point.position));
         if (!blocked) valid |= (uint16_t)(1u << k);
     }

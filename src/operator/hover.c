@@ -5,10 +5,13 @@
     6 ///< so many of them must see backs before a place near other geometry is buried
 #define BURIAL_STEPS 4 ///< from surface to surface
 
-/// Test segments run this far above the surface and inside the cell, in parts of its size. A picture hung a centimetre off
-/// the wall hides what cells of a decimetre cannot tell from what it leaves open.
+/// Test segments run this far above the surface and inside the cell, in parts of its size.
 #define LIFT 0.1f
 #define INSET 0.05f
+/// Opaque surfaces cover what lies closer below them, in parts of the cell's size: a picture hung two centimetres off the
+/// wall hides what cells of a decimetre cannot tell from what it leaves open.
+#define COVER 0.2f
+#define CONTACT 0.02f ///< clear ones closer than that
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
 {
@@ -53,9 +56,13 @@ bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
     return rsv_tracer_occluded(tracer, &there);
 }
 
-bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place)
+bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place)
 {
-    return rsv_is_blocked(tracer, leave(shape, place), rsv_cell_hover(shape, place));
+    rsv_hit hit;
+    rsv_ray up = { leave(shape, place), v3_scale(shape->normal, COVER * shape->size), 1 };
+    if (!rsv_tracer_closest(scene->tracer, &up, &hit)) return false;
+    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
+    return hit.t * COVER <= CONTACT || (bsdf->transmission == 0 && bsdf->opacity == 1);
 }
 
 typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT } sight;

@@ -18,11 +18,12 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
 /// A place on the border of a cell, a little towards its centre, so that what merely touches the border is not met.
 rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
 
-/// Right above a place by a small part of the cell's size. Gaps below that height count as contact.
+/// Right above a place by a small part of the cell's size.
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
 
-/// Whether something lies right upon the cell, between a place and where it hovers.
-bool rsv_is_covered(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place);
+/// Whether something lies right upon the cell at a place: anything that touches it, or something opaque less than a
+/// fifth of the cell's size above.
+bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether anything stands between two places.
 bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to);

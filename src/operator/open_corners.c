@@ -13,7 +13,7 @@ static uint8_t judge_cell(
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
         place[k] = rsv_cell_hover(shape, corner);
-        covered[k] = rsv_is_covered(scene->tracer, shape, corner);
+        covered[k] = rsv_is_covered(scene, shape, corner);
     }
     for (int k = 0; k < 3; k++) {
         blocked[k] = rsv_is_blocked(scene->tracer, place[k], place[(k + 1) % 3]);
