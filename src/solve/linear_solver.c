@@ -6,6 +6,9 @@
 /// A cycle that leaves more than this of the residual has not helped; a few of those in a row are the end.
 #define POOR_REDUCTION 0.9
 #define POOR_CYCLES 3
+/// Solvers estimate the residual on their way. A cycle after a poor one, which may have believed too early that it was
+/// there, aims this much lower. Powers of two, so that goals come back as they were.
+#define CAUTION 4
 /// Within a cycle: checks without an improvement by half a percent.
 #define PATIENCE 64
 #define IMPROVEMENT 0.995
@@ -132,9 +135,16 @@ static void freeze_columns(const rsv_solver_run *run, float *residual)
     size_t columns = run->shape.columns;
     for (size_t c = 0; c < columns; c++) {
         if (rsv_run_active(run, c)) continue;
+        run->size[c] = 0;
         for (size_t n = 0; n < run->shape.count; n++)
             residual[n * columns + c] = 0;
     }
+}
+
+static void scale_goals(const rsv_solver_run *run, double factor)
+{
+    for (size_t c = 0; c < run->shape.columns; c++)
+        run->goal[c] *= factor;
 }
 
 static bool is_zero(const float *field, size_t values)
@@ -151,21 +161,29 @@ static rsv_stop_reason reason_to_fail(const rsv_solver_run *run)
                            : RSV_STOP_STAGNATED;
 }
 
+/// A correction. @param caution how far below the goals to aim
+static rsv_status improve(rsv_solver_run *run, double caution, float *residual, float *correction)
+{
+    freeze_columns(run, residual);
+    scale_goals(run, 1 / caution);
+    run->best = excess(run);
+    run->waiting = 0;
+    run->broke_down = run->blew_up = false;
+    rsv_improve of_solver =
+        run->map->outside ? rsv_improve_outside : solvers[run->desc->solver].improve;
+    rsv_status status = of_solver(run, residual, correction);
+    scale_goals(run, caution);
+    return status == RSV_OK ? run->status : status;
+}
+
 /// One cycle: a correction, kept if it helps. @return the part of the excess that it left
-static rsv_status run_cycle(rsv_solver_run *run, const float *source, float *solution,
-    float *residual, float *trial, double *left)
+static rsv_status run_cycle(rsv_solver_run *run, double caution, const float *source,
+    float *solution, float *residual, float *trial, double *left)
 {
     size_t bytes = run->shape.count * run->shape.columns * sizeof *trial;
     double before = excess(run);
     memset(trial, 0, bytes);
-    freeze_columns(run, residual);
-    run->best = before;
-    run->waiting = 0;
-    run->broke_down = run->blew_up = false;
-    rsv_improve improve =
-        run->map->outside ? rsv_improve_outside : solvers[run->desc->solver].improve;
-    rsv_status status = improve(run, residual, trial);
-    if (status == RSV_OK) status = run->status;
+    rsv_status status = improve(run, caution, residual, trial);
     if (status != RSV_OK) return status;
     rsv_columns_sum(&run->shape, solution, trial);
     form_residual(run, source, trial, residual);
@@ -182,17 +200,20 @@ static rsv_status iterate(rsv_solver_run *run, const float *source, float *solut
     float *residual, float *trial, rsv_linear_report *report)
 {
     uint32_t poor = 0;
+    double caution = 1;
     while (excess(run) > 1) {
         double left;
         if (run->applications >= run->desc->max_applications) {
             report->stop_reason = RSV_STOP_MAX_ORDERS;
             return RSV_OK;
         }
-        rsv_status status = run_cycle(run, source, solution, residual, trial, &left);
+        rsv_status status = run_cycle(run, caution, source, solution, residual, trial, &left);
         if (status != RSV_OK) return status;
         report->cycles++;
         poor = left < POOR_REDUCTION ? 0 : poor + 1;
-        if (!(left <= 1) || poor >= POOR_CYCLES) {
+        caution = poor ? caution * CAUTION : 1;
+        bool lost = !(left <= 1) && (run->broke_down || run->blew_up);
+        if (lost || poor >= POOR_CYCLES) {
             report->stop_reason = reason_to_fail(run);
             return RSV_OK;
         }
