@@ -38,7 +38,7 @@ rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, u
 
 void rsv_add_stored(rsv_chain_light *l, const rsv_chain *chain, rsv_grid_place place)
 {
-    rsv_float4 light = rsv_light_at(l->table->cell, place);
+    rsv_float4 light = rsv_light_in_cell(l->table->cell, place);
     rsv_rgb shown = rgb(light[0], light[1], light[2]);
     if (l->mover)
         shown = rsv_shade_stored(

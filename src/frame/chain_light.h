@@ -23,7 +23,7 @@ void rsv_chain_light_refresh(rsv_chain_light *light);
 /// What lies beyond the scene.
 void rsv_add_sky(rsv_chain_light *light, rsv_vec3 direction, rsv_rgb weight);
 
-/// What the table has of a chain's surface.
+/// What the table has of a chain's surface. @param place in a whole cell
 void rsv_add_stored(rsv_chain_light *light, const rsv_chain *chain, rsv_grid_place place);
 
 /// What the surface sends out by itself. @param bsdf of the surface

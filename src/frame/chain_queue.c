@@ -94,7 +94,8 @@ void rsv_chain_queue_add(rsv_chain_queue *q, const rsv_chain *chain, uint32_t pa
     q->light.path = path;
     rsv_shown_side side = *rsv_shown_side_of(q->light.table, chain->triangle, chain->back);
     if (side.kind == RSV_SHOWN_STORED)
-        rsv_add_stored(&q->light, chain, rsv_place_in_grid(side, chain->u, chain->v));
+        rsv_add_stored(&q->light, chain,
+            rsv_descend(q->light.table->cell, rsv_place_in_grid(side, chain->u, chain->v)));
     else
         scatter(q, chain);
 }
@@ -166,6 +167,11 @@ static void locate(rsv_chain_queue *q, rsv_chain_packet *p)
             prefetch_corners(q->light.scene->view, p->rays.triangle[k]);
 }
 
+static void descend(rsv_chain_queue *q, rsv_chain_packet *p)
+{
+    q->kernels->descend(q->light.table, &p->places);
+}
+
 static void end_steps(rsv_chain_queue *q, const rsv_chain_packet *p)
 {
     const rsv_mover *mover = q->light.mover;
@@ -215,7 +221,8 @@ static void step(rsv_chain_queue *q)
     for (uint32_t n = 0; n < count + RSV_STAGES - 1; n++) {
         if (n < count) trace(q, packet_at(q, n));
         if (n >= 1 && n - 1 < count) locate(q, packet_at(q, n - 1));
-        if (n >= 2) end_steps(q, packet_at(q, n - 2));
+        if (n >= 2 && n - 2 < count) descend(q, packet_at(q, n - 2));
+        if (n >= 3) end_steps(q, packet_at(q, n - 3));
     }
 }
 

@@ -119,6 +119,11 @@ static void locate_block(const tile *t, uint32_t block)
     if (t->eye->medium.depth) w->left[stage] = 0xffff; // seen from within a body: dimmed on the way
 }
 
+static void descend_block(const tile *t, uint32_t block)
+{
+    t->tiling->kernels->descend(t->tiling->table, &t->worker->places[block % RSV_STAGES]);
+}
+
 static void look_up_block(const tile *t, uint32_t block)
 {
     rsv_tile_worker *w = t->worker;
@@ -140,7 +145,8 @@ static void render_blocks(const tile *t)
             t->tiling->kernels->approach(t->tiling->table, &t->worker->packet[block % RSV_STAGES]);
         }
         if (block >= 1 && block - 1 < t->block_count) locate_block(t, block - 1);
-        if (block >= 2) look_up_block(t, block - 2);
+        if (block >= 2 && block - 2 < t->block_count) descend_block(t, block - 2);
+        if (block >= 3) look_up_block(t, block - 3);
     }
 }
 

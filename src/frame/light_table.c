@@ -1,27 +1,15 @@
 #include "light_table.h"
 
-#include "../render/camera_chain.h"
+#include "light_refinement.h"
 
 #include <string.h>
 
-/// Fields that add up to what is shown, each on its own elements.
-#define MAX_FIELDS 4
-typedef struct stored_field {
-    const rsv_elements *elements;
-    const rsv_rgb *value; ///< [node_count]
-} stored_field;
-
-typedef struct field_sum {
-    stored_field part[MAX_FIELDS];
-    int count;
-} field_sum;
-
-static void add_field(field_sum *sum, const rsv_elements *elements, const rsv_rgb *value)
+static void add_field(rsv_field_sum *sum, const rsv_elements *elements, const rsv_rgb *value)
 {
-    if (elements && value) sum->part[sum->count++] = (stored_field){ elements, value };
+    if (elements && value) sum->part[sum->count++] = (rsv_stored_field){ elements, value };
 }
 
-static void add_direct(field_sum *sum, const rsv_solution *s)
+static void add_direct(rsv_field_sum *sum, const rsv_solution *s)
 {
     if (!s->fine.direct) {
         add_field(sum, s->elements, s->source);
@@ -32,138 +20,13 @@ static void add_direct(field_sum *sum, const rsv_solution *s)
     add_field(sum, s->fine.elements, s->fine.direct);
 }
 
-static field_sum shown_fields(const rsv_solution *s, uint32_t layer)
+static rsv_field_sum shown_fields(const rsv_solution *s, uint32_t layer)
 {
-    field_sum sum = { .count = 0 };
+    rsv_field_sum sum = { .count = 0 };
     if (layer == RSV_NONE || layer == 1) add_direct(&sum, s);
     if (layer == RSV_NONE) add_field(&sum, s->elements, s->indirect);
     if (layer > 1 && layer - 1 < s->order_count) add_field(&sum, s->elements, s->order[layer - 1]);
     return sum;
-}
-
-// ---- the common refinement ----------------------------------------------------------------------
-
-/// Where the levels of a solution are split; what is not there counts as whole.
-#define LEVELS 3
-typedef struct level_slots {
-    uint32_t slot[LEVELS];
-} level_slots;
-
-/// The walk over the common refinement of one face.
-typedef struct face_walk {
-    const rsv_elements *level[LEVELS]; ///< the coarse one first; NULL = not there
-    const field_sum *fields;
-    rsv_rgb scale, offset; ///< radiance = offset + scale * irradiance
-    rsv_light_cell *cell;  ///< all cells, or NULL to count them only
-    uint32_t next;         ///< first cell that is not in use yet
-} face_walk;
-
-static void cell_weights(const rsv_cell *cell, float u, float v, float weight[3])
-{
-    float side = (float)(1 << cell->level);
-    float x = u * side - cell->i, y = v * side - cell->j;
-    weight[0] = cell->flipped ? x + y - 1 : 1 - x - y;
-    weight[1] = cell->flipped ? 1 - x : x;
-    weight[2] = cell->flipped ? 1 - y : y;
-}
-
-static uint32_t slot_of(const face_walk *w, const level_slots *at, const rsv_elements *elements)
-{
-    for (int k = 0; k < LEVELS; k++)
-        if (w->level[k] == elements) return at->slot[k];
-    return at->slot[0];
-}
-
-static rsv_rgb irradiance_at(const face_walk *w, const level_slots *at, const float place[2])
-{
-    rsv_rgb sum = rgb_gray(0);
-    for (int f = 0; f < w->fields->count; f++) {
-        const stored_field *part = &w->fields->part[f];
-        uint32_t cell = slot_of(w, at, part->elements);
-        float weight[3];
-        cell_weights(&part->elements->cell[cell], place[0], place[1], weight);
-        for (int k = 0; k < 3; k++)
-            sum = rgb_mad(sum, weight[k], part->value[part->elements->cell_node[cell][k]]);
-    }
-    return sum;
-}
-
-static void fill_cell(
-    const face_walk *w, uint32_t index, const level_slots *at, const float corner[3][2])
-{
-    for (int k = 0; k < 3; k++) {
-        rsv_rgb shown = rgb_add(w->offset, rgb_mul(w->scale, irradiance_at(w, at, corner[k])));
-        float *out = w->cell[index].corner[k];
-        out[0] = shown.r, out[1] = shown.g, out[2] = shown.b, out[3] = 0;
-    }
-}
-
-/// Corners of child `child`: the cell's own corner and the middles next to it, or the three middles.
-static void child_corners(const float corner[3][2], int child, float out[3][2])
-{
-    for (int k = 0; k < 3; k++)
-        for (int axis = 0; axis < 2; axis++) {
-            int a = child < 3 ? child : (k + 1) % 3, b = child < 3 ? k : (k + 2) % 3;
-            out[k][axis] = 0.5f * (corner[a][axis] + corner[b][axis]);
-        }
-}
-
-static level_slots child_slots(const face_walk *w, const level_slots *at, uint32_t child)
-{
-    level_slots below = *at;
-    for (int k = 0; k < LEVELS; k++)
-        if (w->level[k] && (at->slot[k] & RSV_SLOT_SPLIT))
-            below.slot[k] = w->level[k]->slot[(at->slot[k] & ~RSV_SLOT_SPLIT) + child];
-    return below;
-}
-
-static void walk_cell(face_walk *w, uint32_t index, const level_slots *at, const float corner[3][2])
-{
-    uint32_t split = 0;
-    for (int k = 0; k < LEVELS; k++)
-        split |= w->level[k] ? at->slot[k] & RSV_SLOT_SPLIT : 0;
-    if (!split) {
-        if (w->cell) fill_cell(w, index, at, corner);
-        return;
-    }
-    uint32_t first = w->next;
-    w->next += 4;
-    if (w->cell) memcpy(&w->cell[index].corner[0][3], &first, sizeof first);
-    for (uint32_t child = 0; child < 4; child++) {
-        float below[3][2];
-        child_corners(corner, (int)child, below);
-        level_slots slots = child_slots(w, at, child);
-        walk_cell(w, first + child, &slots, below);
-    }
-}
-
-/// @param first cell of the face's grid @return the cell after its last one
-static uint32_t walk_face(face_walk *w, uint32_t face, uint32_t first)
-{
-    const rsv_elements *e = w->level[0];
-    uint32_t level = e->face_level[face], side = 1u << level, index = 0;
-    w->next = first + side * side;
-    for (uint32_t j = 0; j < side; j++)
-        for (uint32_t i = 0; i < side - j; i++)
-            for (uint32_t flipped = 0; flipped < 2; flipped++) {
-                if (flipped && i + j == side - 1) continue;
-                rsv_cell cell = { face, (uint16_t)i, (uint16_t)j, (uint8_t)level,
-                    (uint8_t)flipped };
-                float corner[3][2];
-                for (int k = 0; k < 3; k++)
-                    rsv_cell_corner(&cell, k, &corner[k][0], &corner[k][1]);
-                level_slots at = { { 0 } };
-                for (int k = 0; k < LEVELS; k++)
-                    if (w->level[k])
-                        at.slot[k] = w->level[k]->slot[w->level[k]->face_slot[face] + index];
-                walk_cell(w, first + index++, &at, corner);
-            }
-    return w->next;
-}
-
-static face_walk begin_walk(const rsv_solution *s)
-{
-    return (face_walk){ .level = { s->elements, s->fine.elements, s->caustics.elements } };
 }
 
 // ---- sides --------------------------------------------------------------------------------------
@@ -190,7 +53,7 @@ static rsv_shown_side shown_side(const rsv_light_table *t, uint32_t triangle, bo
     if (!is_stored(s, material)) return (rsv_shown_side){ 0, 0, RSV_SHOWN_CHAIN };
     if (back && !s->bsdf[material].double_sided) return (rsv_shown_side){ 0, 0, RSV_SHOWN_STORED };
     if (face == RSV_NONE) return (rsv_shown_side){ 1 + material, 0, RSV_SHOWN_STORED };
-    return (rsv_shown_side){ t->face_cell[face], s->elements->face_level[face], RSV_SHOWN_STORED };
+    return (rsv_shown_side){ t->face_cell[face], t->face_level[face], RSV_SHOWN_STORED };
 }
 
 static void fill_sides(rsv_light_table *t)
@@ -213,12 +76,15 @@ static bool face_is_stored(const rsv_solution *s, uint32_t face)
 static rsv_status number_cells(rsv_light_table *t)
 {
     const rsv_solution *s = t->solution;
-    face_walk walk = begin_walk(s);
+    rsv_face_walk walk = rsv_face_walk_begin(s);
     uint32_t next = first_face_cell(s);
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
         t->face_cell[face] = next;
-        if (face_is_stored(s, face)) next = walk_face(&walk, face, next);
-        if (next > UINT32_MAX / 2)
+        if (face_is_stored(s, face)) {
+            t->face_level[face] = (uint8_t)rsv_face_grid_level(&walk, face);
+            next = rsv_face_walk_cells(&walk, face, t->face_level[face], next);
+        }
+        if (next > INT32_MAX / RSV_CELL_UNITS)
             return rsv_fail(RSV_ERROR_UNSUPPORTED, "frames: the scene has too many light cells");
     }
     t->face_cell[s->elements->face_count] = next;
@@ -232,8 +98,9 @@ rsv_status rsv_light_table_create(const rsv_solution *s, rsv_light_table *t)
     *t = (rsv_light_table){ .context = s->context, .solution = s };
     t->triangle_count = (uint32_t)s->scene.view->triangle_count;
     t->face_cell = rsv_alloc(s->context, s->elements->face_count + 1, sizeof *t->face_cell);
+    t->face_level = rsv_alloc(s->context, s->elements->face_count, sizeof *t->face_level);
     t->side = rsv_alloc(s->context, (size_t)t->triangle_count + 1, sizeof *t->side);
-    if (!t->face_cell || !t->side) goto cleanup;
+    if (!t->face_cell || !t->face_level || !t->side) goto cleanup;
     RSV_TRY(number_cells(t));
     status = RSV_ERROR_MEMORY;
     t->cell = rsv_alloc(s->context, t->cell_count, sizeof *t->cell);
@@ -251,6 +118,7 @@ void rsv_light_table_destroy(rsv_light_table *t)
     if (!t->context) return;
     rsv_free(t->context, t->side);
     rsv_free(t->context, t->face_cell);
+    rsv_free(t->context, t->face_level);
     rsv_free(t->context, t->cell);
     *t = (rsv_light_table){ 0 };
 }
@@ -271,17 +139,17 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
     const rsv_solution *s = t->solution;
     t->layer = layer;
     bake_emission(t);
-    field_sum fields = shown_fields(s, layer);
+    rsv_field_sum fields = shown_fields(s, layer);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
         if (!face_is_stored(s, face)) continue;
         uint32_t material = s->scene.view->triangle_material[s->elements->face_triangle[face]];
-        face_walk walk = begin_walk(s);
-        walk.fields = &fields;
+        rsv_face_walk walk = rsv_face_walk_begin(s);
+        walk.sum = &fields;
         walk.cell = t->cell;
         walk.scale = rgb_scale(s->bsdf[material].exitance_albedo, 1 / RSV_PI);
         memcpy(&walk.offset, t->cell[1 + material].corner[0], sizeof walk.offset);
-        walk_face(&walk, face, t->face_cell[face]);
+        rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);
     }
 }
 

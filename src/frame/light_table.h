@@ -1,8 +1,7 @@
 /// What plain surfaces show, ready to be looked up from (triangle, u, v).
 ///
-/// The fields of a solution live on several subdivisions of the same triangles: the coarse elements, the direct and the
-/// caustic level. Within a cell of their common refinement all of them are linear, so one table holds their sum, times
-/// albedo / pi and with the emission added: radiance at the three corners of each cell.
+/// One table holds the sum of all fields of a solution on their common refinement (light_refinement.h), times albedo /
+/// pi and with the emission added: radiance at the three corners of each cell.
 #ifndef RSV_LIGHT_TABLE_H
 #define RSV_LIGHT_TABLE_H
 
@@ -17,6 +16,7 @@ typedef struct rsv_light_table {
     rsv_shown_side (*side)[2]; ///< [triangle_count + 1] front and back; the last: no triangle
     uint32_t triangle_count;
     uint32_t *face_cell; ///< [face_count + 1] first cell of each face
+    uint8_t *face_level; ///< [face_count] of its grid
     rsv_light_cell *cell;
     size_t cell_count;
 } rsv_light_table;
@@ -43,10 +43,9 @@ RSV_INLINE const rsv_shown_side *rsv_shown_side_of(
 
 typedef float rsv_float4 __attribute__((vector_size(16), aligned(16)));
 
-/// Radiance at a place; its fourth component means nothing.
-RSV_INLINE rsv_float4 rsv_light_at(const rsv_light_cell *cells, rsv_grid_place place)
+/// Radiance in a whole cell; its fourth component means nothing.
+RSV_INLINE rsv_float4 rsv_light_in_cell(const rsv_light_cell *cells, rsv_grid_place at)
 {
-    rsv_grid_place at = rsv_descend(cells, place);
     const rsv_float4 *corner = (const rsv_float4 *)cells[at.cell].corner;
     return corner[0] * at.b0 + corner[1] * at.b1 + corner[2] * at.b2;
 }

@@ -13,8 +13,8 @@
 /// Blocks share a tile of this side, the unit of work of a thread.
 #define RSV_TILE 32
 
-/// Packets in hand at a time: being traced, located and looked up.
-#define RSV_STAGES 3
+/// Packets in hand at a time: being traced, located, followed down the table and looked up.
+#define RSV_STAGES 4
 
 /// How a frame's camera rays run.
 typedef struct rsv_frame_aim {
@@ -51,7 +51,7 @@ RSV_INLINE rsv_vec3 rsv_packet_point(const rsv_ray_packet *p, uint32_t lane)
     return v3_mad(origin, p->t_max[lane], direction);
 }
 
-/// From a packet to its radiance in three steps. Each asks the memory for what the next one reads, so that other
+/// From a packet to its radiance in four steps. Each asks the memory for what the next one reads, so that other
 /// packets' steps between them hide the waiting.
 typedef struct rsv_packet_kernels {
     /// Camera rays of the block whose upper left pixel is (column, row); lanes outside the picture are switched off.
@@ -61,6 +61,8 @@ typedef struct rsv_packet_kernels {
     /// Finds the cells of what the rays met. @return lanes whose side is not RSV_SHOWN_STORED, a bit each
     uint32_t (*locate)(
         const rsv_light_table *table, const rsv_ray_packet *packet, rsv_packet_places *places);
+    /// Moves on to the parts of split cells, until all are whole.
+    void (*descend)(const rsv_light_table *table, rsv_packet_places *places);
     /// Their radiance, a block of a tile's pixels. @param radiance [RSV_BLOCK][RSV_TILE]
     void (*look_up)(
         const rsv_light_table *table, const rsv_packet_places *places, float (*radiance)[4]);

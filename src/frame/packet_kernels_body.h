@@ -3,10 +3,39 @@
 
 #include <string.h>
 #if defined(__SSE2__)
-#include <xmmintrin.h>
+#include <immintrin.h>
 #endif
 
 #define LANES RSV_PACKET_WIDTH
+
+/// One word per lane. Where there is no fast instruction for it, lane by lane.
+/// @param index in units of eight bytes
+static inline void gather(const void *base, const int *restrict index, int *restrict word)
+{
+#if defined(__AVX512F__)
+    _mm512_store_epi32(word, _mm512_i32gather_epi32(_mm512_load_epi32(index), base, 8));
+#else
+    for (int k = 0; k < LANES; k++)
+        memcpy(&word[k], (const char *)base + 8 * (size_t)(uint32_t)index[k], sizeof *word);
+#endif
+}
+
+/// Lanes whose word is not 0, a bit each.
+static inline uint32_t lanes_set(const int *restrict word)
+{
+#if defined(__AVX512F__)
+    __m512i words = _mm512_load_epi32(word);
+    return _mm512_test_epi32_mask(words, words);
+#else
+    uint32_t set = 0;
+    for (int k = 0; k < LANES; k++)
+        set |= (uint32_t)(word[k] != 0) << k;
+    return set;
+#endif
+}
+
+_Static_assert(
+    sizeof(rsv_shown_side) == 8 && sizeof(rsv_light_cell) == 8 * RSV_CELL_UNITS, "as gathered");
 
 static void aim_packet(
     const rsv_frame_aim *restrict a, uint32_t column, uint32_t row, rsv_ray_packet *restrict p)
@@ -39,22 +68,20 @@ static void aim_packet(
 static inline uint32_t find_sides(const rsv_light_table *restrict table,
     const rsv_ray_packet *restrict p, int *restrict first_cell, int *restrict level)
 {
-    _Alignas(64) uint32_t index[LANES];
-    _Alignas(64) rsv_shown_side side[LANES];
+    _Alignas(64) int index[LANES], kind[LANES];
     const rsv_shown_side *sides = table->side[0];
-    uint32_t left = 0, none = table->triangle_count;
+    uint32_t none = table->triangle_count;
     for (int k = 0; k < LANES; k++) { // rsv_shown_side_of
         uint32_t triangle = p->triangle[k] < none ? p->triangle[k] : none;
-        index[k] = 2 * triangle + (rsv_packet_meets_back(p, (uint32_t)k) ? 1 : 0);
+        index[k] = (int)(2 * triangle + (rsv_packet_meets_back(p, (uint32_t)k) ? 1 : 0));
     }
-    for (int k = 0; k < LANES; k++)
-        side[k] = sides[index[k]];
+    gather(&sides->cell, index, first_cell);
+    gather(&sides->level, index, kind);
     for (int k = 0; k < LANES; k++) {
-        first_cell[k] = (int)side[k].cell;
-        level[k] = side[k].level;
-        left |= (uint32_t)(side[k].kind != RSV_SHOWN_STORED) << k;
+        level[k] = kind[k] & 0xffff;
+        kind[k] = (kind[k] >> 16) - RSV_SHOWN_STORED;
     }
-    return left;
+    return lanes_set(kind);
 }
 
 static void approach_packet(const rsv_light_table *restrict table, const rsv_ray_packet *restrict p)
@@ -84,21 +111,45 @@ static uint32_t locate_packet(const rsv_light_table *restrict table,
         at->b1[k] = f_min(f_max(flipped ? 1 - fx : fx, 0), 1 - at->b0[k]);
         at->b2[k] = 1 - at->b0[k] - at->b1[k];
     }
-    for (int k = 0; k < LANES; k++) { // a cell may lie across two lines of the cache
+    for (int k = 0; k < LANES; k++)
         __builtin_prefetch(table->cell[at->cell[k]].corner[0]);
-        __builtin_prefetch(table->cell[at->cell[k]].corner[2]);
-    }
     return left;
+}
+
+/// rsv_descend, all lanes at once.
+static void descend_packet(const rsv_light_table *restrict table, rsv_packet_places *restrict at)
+{
+    _Alignas(64) int index[LANES], child[LANES];
+    for (;;) {
+        for (int k = 0; k < LANES; k++)
+            index[k] = RSV_CELL_UNITS * at->cell[k];
+        gather(&table->cell->corner[0][3], index, child);
+        if (!lanes_set(child)) break;
+        for (int k = 0; k < LANES; k++) {
+            float b0 = 2 * at->b0[k], b1 = 2 * at->b1[k], b2 = 2 * at->b2[k];
+            int part = b0 >= 1 ? 0 : b1 >= 1 ? 1 : b2 >= 1 ? 2 : 3;
+            float c0 = part == 3 ? 1 - b0 : part == 0 ? b0 - 1 : b0;
+            float c1 = part == 3 ? 1 - b1 : part == 1 ? b1 - 1 : b1;
+            float c2 = part == 3 ? 1 - b2 : part == 2 ? b2 - 1 : b2;
+            bool split = child[k] != 0;
+            at->cell[k] = split ? child[k] + part : at->cell[k];
+            at->b0[k] = split ? c0 : at->b0[k];
+            at->b1[k] = split ? c1 : at->b1[k];
+            at->b2[k] = split ? c2 : at->b2[k];
+        }
+    }
+    for (int k = 0; k < LANES; k++) // a cell may lie across two lines of the cache
+        __builtin_prefetch(table->cell[at->cell[k]].corner[2]);
 }
 
 static void look_up_packet(const rsv_light_table *restrict table,
     const rsv_packet_places *restrict at, float (*restrict radiance)[4])
 {
-    const rsv_light_cell *cells = table->cell;
-    for (int k = 0; k < LANES; k++) {
-        rsv_grid_place place = { (uint32_t)at->cell[k], at->b0[k], at->b1[k], at->b2[k] };
-        rsv_float4 *out = (rsv_float4 *)radiance[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK];
-        *out = rsv_light_at(cells, place);
+    for (int y = 0; y < RSV_BLOCK; y++) {
+        rsv_float4 *out = (rsv_float4 *)radiance[y * RSV_TILE];
+        for (int x = 0; x < RSV_BLOCK; x++)
+            out[x] =
+                rsv_light_in_cell(table->cell, rsv_packet_place(at, (uint32_t)(y * RSV_BLOCK + x)));
     }
 }
 
@@ -142,5 +193,5 @@ static void display_row(const rsv_frame_tone *tone, uint32_t count,
         out[k] = (uint8_t)(k % 4 == 3 ? 255 : code[k]);
 }
 
-const rsv_packet_kernels RSV_KERNELS = { aim_packet, approach_packet, locate_packet, look_up_packet,
-    display_row };
+const rsv_packet_kernels RSV_KERNELS = { aim_packet, approach_packet, locate_packet, descend_packet,
+    look_up_packet, display_row };
