@@ -12,6 +12,9 @@
 /// wall hides what cells of a decimetre cannot tell from what it leaves open.
 #define COVER 0.2f
 #define CONTACT 0.02f ///< clear ones closer than that
+/// A lamp closer than that keeps to itself what it sheds on the cell: nodes at its border would pass on more light than
+/// the room has from elsewhere. One that is seen past, such as a strip, does not.
+#define LAMP_GAP 0.5f
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
 {
@@ -56,11 +59,43 @@ bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
     return rsv_tracer_occluded(tracer, &there);
 }
 
+static rsv_ray ray_from(rsv_vec3 origin, rsv_vec3 normal, uint32_t k, uint32_t seed)
+{
+    float x, y;
+    rsv_vec3 t, b;
+    rsv_sobol_2d(k, seed, &x, &y);
+    v3_frame(normal, &t, &b);
+    rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+    return (rsv_ray){ origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
+}
+
+static bool meets_lamp(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_hit *hit)
+{
+    return rsv_tracer_closest(scene->tracer, ray, hit) &&
+           scene->bsdf[scene->view->triangle_material[hit->triangle]].emissive;
+}
+
+/// Whether a lamp close by is all that a place sees, nearly.
+static bool is_behind_lamp(
+    const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    rsv_hit hit;
+    int lamps = 0;
+    rsv_vec3 origin = leave(shape, place);
+    rsv_ray up = { origin, shape->normal, LAMP_GAP * shape->size };
+    if (!meets_lamp(scene, &up, &hit)) return false;
+    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
+        rsv_ray ray = ray_from(origin, shape->normal, k, 0);
+        lamps += meets_lamp(scene, &ray, &hit);
+    }
+    return lamps >= BURIAL_MAJORITY;
+}
+
 bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place)
 {
     rsv_hit hit;
     rsv_ray up = { leave(shape, place), v3_scale(shape->normal, COVER * shape->size), 1 };
-    if (!rsv_tracer_closest(scene->tracer, &up, &hit)) return false;
+    if (!rsv_tracer_closest(scene->tracer, &up, &hit)) return is_behind_lamp(scene, shape, place);
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
     return hit.t * COVER <= CONTACT || (bsdf->transmission == 0 && bsdf->opacity == 1);
 }
@@ -76,16 +111,6 @@ static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_chai
     *chain = rsv_chain_begin(scene, NULL, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
     bool opaque = !bsdf->double_sided && bsdf->transmission == 0 && bsdf->opacity == 1;
     return chain->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
-}
-
-static rsv_ray ray_from(rsv_vec3 origin, rsv_vec3 normal, uint32_t k, uint32_t seed)
-{
-    float x, y;
-    rsv_vec3 t, b;
-    rsv_sobol_2d(k, seed, &x, &y);
-    v3_frame(normal, &t, &b);
-    rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-    return (rsv_ray){ origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
 }
 
 bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,

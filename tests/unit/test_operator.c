@@ -944,6 +944,36 @@ static void the_floor_beside_a_box_is_not_darkened(void **state)
     world_end(w);
 }
 
+/// A panel that lights the ceiling from just below it: nodes at its border are not to pass that light on.
+static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.7f, 0), v3(-1, 0, -1), v3(1, 1, 1));
+    world_quad(w, world_lambert(w, 0, 10), v3(-0.3f, 0.98f, -0.3f), v3(-0.3f, 0.98f, 0.3f),
+        v3(0.3f, 0.98f, 0.3f), v3(0.3f, 0.98f, -0.3f));
+    world_commit(w);
+    rsv_solution *s = solve_small(w, 0);
+    enum { PLACES = 64 };
+    rsv_probe probe[PLACES];
+    rsv_probe_reading exact[PLACES];
+    for (int k = 0; k < PLACES; k++) {
+        float x = ((float)(k % 8) - 3.5f) / 4, z = ((float)(k / 8) - 3.5f) / 4;
+        probe[k] = (rsv_probe){ v3(x, 0, z), v3(0, 1, 0) };
+    }
+    assert_int_equal(
+        rsv_probe_irradiance(s, RSV_PROBE_REFERENCE, probe, PLACES, 4096, 1, exact), RSV_OK);
+    float stored = 0, traced = 0;
+    for (int k = 0; k < PLACES; k++) {
+        stored += look_up(w, s, probe[k].position, probe[k].normal, RSV_NONE);
+        traced += exact[k].irradiance.g;
+    }
+    rsv_solution_destroy(s);
+    world_end(w);
+    if (fabsf(stored / traced - 1) > 0.15f)
+        fail_msg("the floor has %.3f of the light that paths bring there", stored / traced);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -971,6 +1001,7 @@ int main(void)
         cmocka_unit_test(a_thick_wall_that_just_touches_keeps_light_out),
         cmocka_unit_test(contacts_take_no_more_nodes_than_allowed),
         cmocka_unit_test(the_floor_beside_a_box_is_not_darkened),
+        cmocka_unit_test(a_lamp_close_to_the_ceiling_keeps_its_light_there),
         cmocka_unit_test(corners_within_walls_are_not_open),
         cmocka_unit_test(where_walls_run_on_into_each_other_there_are_no_spots),
         cmocka_unit_test(the_wall_around_a_picture_is_not_darkened),
