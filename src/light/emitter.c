@@ -92,23 +92,28 @@ uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, fl
     return first + cell;
 }
 
+void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *e)
+{
+    const uint32_t *index = scene->triangle[e->triangle];
+    for (int i = 0; i < 3; i++)
+        e->corner[i] = v3_barycentric(scene->position[index[0]], scene->position[index[1]],
+            scene->position[index[2]], e->u[i], e->v[i]);
+    rsv_vec3 cross =
+        v3_cross(v3_sub(e->corner[1], e->corner[0]), v3_sub(e->corner[2], e->corner[0]));
+    e->normal = v3_normalize(cross);
+    e->area = 0.5f * v3_length(cross);
+}
+
 rsv_emitter rsv_emitter_create(
     const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell)
 {
-    const uint32_t *index = scene->triangle[triangle];
     const rsv_bsdf *material = &bsdf[scene->triangle_material[triangle]];
     rsv_emitter emitter = { .radiance = material->emission,
         .triangle = triangle,
         .level = (uint8_t)level,
         .double_sided = material->double_sided };
     cell_corners(level, cell, emitter.u, emitter.v);
-    for (int i = 0; i < 3; i++)
-        emitter.corner[i] = v3_barycentric(scene->position[index[0]], scene->position[index[1]],
-            scene->position[index[2]], emitter.u[i], emitter.v[i]);
-    rsv_vec3 cross = v3_cross(
-        v3_sub(emitter.corner[1], emitter.corner[0]), v3_sub(emitter.corner[2], emitter.corner[0]));
-    emitter.normal = v3_normalize(cross);
-    emitter.area = 0.5f * v3_length(cross);
+    rsv_emitter_follow(scene, &emitter);
     emitter.varies = rsv_emission_varies(&scene->material[scene->triangle_material[triangle]]);
     if (emitter.varies) emitter.radiance = mean_radiance(scene, &emitter);
     return emitter;

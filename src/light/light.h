@@ -65,6 +65,9 @@ typedef struct rsv_lights {
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights);
 void rsv_lights_destroy(rsv_lights *lights);
 
+/// Takes over where sources stand after some were moved, nothing else having changed.
+rsv_status rsv_lights_follow(rsv_lights *lights);
+
 /// The emitter at barycentric (u, v) of a triangle; RSV_NONE = it does not emit.
 uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v);
 

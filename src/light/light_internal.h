@@ -64,7 +64,10 @@ bool rsv_emission_varies(const rsv_material *material);
 rsv_emitter rsv_emitter_create(
     const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell);
 
-/// Builds the trees, where there are enough lights for them.
+/// Puts it where its triangle is now.
+void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *emitter);
+
+/// Builds the trees, where there are enough lights for them; earlier ones are felled.
 rsv_status rsv_lights_plant_trees(rsv_lights *lights);
 
 /// Sets `share` and `gathered` of every group.

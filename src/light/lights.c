@@ -166,6 +166,13 @@ cleanup:
     return status;
 }
 
+rsv_status rsv_lights_follow(rsv_lights *lights)
+{
+    for (size_t i = 0; i < lights->emitter_count; i++)
+        rsv_emitter_follow(lights->scene, &lights->emitter[i]);
+    return rsv_lights_plant_trees(lights);
+}
+
 void rsv_lights_destroy(rsv_lights *lights)
 {
     if (!lights) return;

@@ -38,6 +38,10 @@ rsv_status rsv_lights_plant_trees(rsv_lights *lights)
     rsv_status status = RSV_OK;
     size_t emitters = lights->sampled_count;
     size_t local = lights->punctual_count - lights->distant_count;
+    rsv_light_tree_destroy(lights->emitter_tree);
+    rsv_light_tree_destroy(lights->punctual_tree);
+    lights->emitter_tree = lights->punctual_tree = NULL;
+    if (emitters <= RSV_LOCAL_LIGHTS && local <= RSV_SUMMED_LIGHTS) return RSV_OK;
     rsv_light_bounds *bounds =
         rsv_alloc(context, emitters > local ? emitters : local, sizeof *bounds);
     if (!bounds) return RSV_ERROR_MEMORY;

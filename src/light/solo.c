@@ -125,8 +125,5 @@ rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like)
     for (size_t k = 0; k < lights->emitter_count; k++)
         if (!lights->group[lights->emitter[k].group].gathered)
             lights->sampled[lights->sampled_count++] = (uint32_t)k;
-    rsv_light_tree_destroy(lights->emitter_tree);
-    rsv_light_tree_destroy(lights->punctual_tree);
-    lights->emitter_tree = lights->punctual_tree = NULL;
     return rsv_lights_plant_trees(lights);
 }

@@ -1,0 +1,42 @@
+/// The arithmetic of sixteen receiver points at a time, compiled for several instruction sets from one source
+/// (glance_kernels_body.h). It uses no operation whose rounding could differ between those.
+#ifndef RSV_GLANCE_KERNELS_H
+#define RSV_GLANCE_KERNELS_H
+
+#include "receiver_blocks.h"
+
+/// An emitter, one of its corners after the other.
+typedef struct rsv_glance_polygon {
+    float x[3], y[3], z[3];
+    float normal_x, normal_y, normal_z; ///< unit, of the front
+    float height;                       ///< least one above its plane that is not rounding
+    int double_sided;
+} rsv_glance_polygon;
+
+/// Places of a source, one for each lane.
+typedef struct rsv_glance_places {
+    float x[RSV_PACKET_WIDTH], y[RSV_PACKET_WIDTH], z[RSV_PACKET_WIDTH];
+    float normal_x[RSV_PACKET_WIDTH], normal_y[RSV_PACKET_WIDTH], normal_z[RSV_PACKET_WIDTH];
+    float extent[RSV_PACKET_WIDTH];
+    int double_sided[RSV_PACKET_WIDTH];
+    rsv_rgb strength[RSV_PACKET_WIDTH];
+} __attribute__((aligned(64))) rsv_glance_places;
+
+typedef struct rsv_glance_kernels {
+    /// Irradiance of each lane from a triangle of radiance 1 without occlusion (rsv_polygon_irradiance in single
+    /// precision), 0 for lanes that it does not face.
+    void (*irradiance)(
+        const rsv_receiver_block *block, const rsv_glance_polygon *polygon, float *irradiance);
+    /// Shadow rays from each lane to its place; lanes are switched off that get no light from there.
+    /// @param share cosines over the squared distance, per lane @param cosine at the receiver
+    void (*aim)(const rsv_receiver_block *block, const rsv_glance_places *places,
+        rsv_ray_packet *packet, float *share, float *cosine);
+} rsv_glance_kernels;
+
+/// What the processor runs fastest.
+const rsv_glance_kernels *rsv_glance_kernels_best(void);
+
+extern const rsv_glance_kernels rsv_glance_kernels_portable, rsv_glance_kernels_avx2,
+    rsv_glance_kernels_avx512;
+
+#endif

@@ -1,0 +1,2 @@
+#define RSV_KERNELS rsv_glance_kernels_portable
+#include "glance_kernels_body.h"

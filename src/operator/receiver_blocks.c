@@ -1,0 +1,202 @@
+#include "receiver_blocks.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/// A node's place on a space-filling curve.
+typedef struct curve_place {
+    uint64_t key;
+    uint32_t node;
+} curve_place;
+
+typedef struct builder {
+    rsv_receiver_blocks *b;
+    uint32_t points, seed;
+    const uint16_t *valid_points;
+    rsv_vec3 low;
+    float scale; ///< lattice steps per metre
+    curve_place *place;
+    size_t count;
+} builder;
+
+const rsv_bsdf *rsv_receiver_bsdf(
+    const rsv_receiver_blocks *b, const rsv_receiver_block *block, uint32_t n)
+{
+    uint32_t triangle = b->elements->face_triangle[b->elements->node_face[block->node[n]]];
+    return &b->scene->bsdf[b->scene->view->triangle_material[triangle]];
+}
+
+static uint32_t material_of(const rsv_receiver_blocks *b, uint32_t node)
+{
+    return b->scene->view
+        ->triangle_material[b->elements->face_triangle[b->elements->node_face[node]]];
+}
+
+/// The first few of a node's points that are not buried. @return how many
+static uint32_t find_points(const builder *w, uint32_t node, rsv_surface_point *points)
+{
+    const rsv_elements *e = w->b->elements;
+    rsv_support_point sample[RSV_SUPPORT_POINTS];
+    uint32_t count = 0;
+    rsv_elements_sample_support(e, node, w->points, w->seed, sample);
+    for (uint32_t k = 0; k < w->points && count < RSV_BLOCK_POINTS; k++) {
+        if (!(w->valid_points[node] >> k & 1)) continue;
+        uint32_t face = e->cell[sample[k].support / 4].face;
+        points[count++] = rsv_surface_point_at(
+            e->scene, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
+    }
+    return count;
+}
+
+static bool absorbs(const rsv_transport_scene *scene, const rsv_surface_point *p)
+{
+    rsv_vec3 origin = rsv_offset_origin(p->position, p->geometric, p->extent);
+    rsv_medium medium = rsv_medium_above(&scene->media, origin, p->geometric);
+    return rsv_medium_absorbs(&medium, scene->bsdf);
+}
+
+// ---- order ------------------------------------------------------------------------------------------
+
+#define LATTICE_BITS 16
+
+/// Bits 0, 3, 6, ... of the result.
+static uint64_t spread_bits(uint64_t x)
+{
+    x = (x | x << 32) & 0x1f00000000ffffull;
+    x = (x | x << 16) & 0x1f0000ff0000ffull;
+    x = (x | x << 8) & 0x100f00f00f00f00full;
+    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
+    return (x | x << 2) & 0x1249249249249249ull;
+}
+
+static uint64_t lattice_place(float x, float low, float scale)
+{
+    float place = (x - low) * scale, last = (float)((1 << LATTICE_BITS) - 1);
+    return (uint64_t)f_min(f_max(place, 0), last);
+}
+
+/// Neighbours in space come one after the other, those that face another way in a run of their own.
+static uint64_t curve_key(const builder *w, rsv_vec3 p, rsv_vec3 n)
+{
+    uint64_t key = spread_bits(lattice_place(p.x, w->low.x, w->scale)) |
+                   spread_bits(lattice_place(p.y, w->low.y, w->scale)) << 1 |
+                   spread_bits(lattice_place(p.z, w->low.z, w->scale)) << 2;
+    uint64_t octant = (n.x < 0 ? 1u : 0u) | (n.y < 0 ? 2u : 0u) | (n.z < 0 ? 4u : 0u);
+    const int fine = 30; // 64 cells along the scene
+    return (key >> fine) << (fine + 3) | octant << fine | (key & ((1ull << fine) - 1));
+}
+
+static int compare_places(const void *left, const void *right)
+{
+    const curve_place *a = left, *b = right;
+    if (a->key != b->key) return a->key < b->key ? -1 : 1;
+    return (a->node > b->node) - (a->node < b->node);
+}
+
+static void measure_scene(builder *w)
+{
+    const rsv_scene_view *view = w->b->scene->view;
+    rsv_vec3 low = v3(INFINITY, INFINITY, INFINITY), high = v3_neg(low);
+    for (size_t v = 0; v < view->vertex_count; v++) {
+        low = v3_min(low, view->position[v]);
+        high = v3_max(high, view->position[v]);
+    }
+    float side = v3_max_abs(v3_sub(high, low));
+    w->low = low;
+    w->scale = side > 0 ? (float)(1 << LATTICE_BITS) / side : 0;
+}
+
+/// Lists the nodes that are to be held, in order.
+static rsv_status sort_nodes(builder *w, const bool *moves)
+{
+    rsv_receiver_blocks *b = w->b;
+    size_t nodes = b->elements->node_count;
+    w->place = rsv_alloc(b->context, nodes, sizeof *w->place);
+    if (!w->place) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
+    for (size_t node = 0; node < nodes; node++) {
+        rsv_surface_point point[RSV_BLOCK_POINTS];
+        w->place[node] = (curve_place){ UINT64_MAX, (uint32_t)node };
+        b->held[node] = !w->valid_points[node];
+        if (b->held[node] || moves[material_of(b, (uint32_t)node)]) continue;
+        find_points(w, (uint32_t)node, point);
+        b->held[node] = !absorbs(b->scene, &point[0]);
+        if (b->held[node]) w->place[node].key = curve_key(w, point[0].position, point[0].geometric);
+    }
+    b->holds_all = true;
+    for (size_t node = 0; node < nodes; node++) {
+        b->holds_all = b->holds_all && b->held[node];
+        if (w->place[node].key != UINT64_MAX) w->place[w->count++] = w->place[node];
+    }
+    qsort(w->place, w->count, sizeof *w->place, compare_places);
+    return RSV_OK;
+}
+
+// ---- blocks -----------------------------------------------------------------------------------------
+
+static void set_lane(rsv_receiver_block *block, uint32_t lane, const rsv_surface_point *p)
+{
+    rsv_vec3 origin = rsv_offset_origin(p->position, p->geometric, p->extent);
+    block->x[lane] = origin.x, block->y[lane] = origin.y, block->z[lane] = origin.z;
+    block->normal_x[lane] = p->normal.x;
+    block->normal_y[lane] = p->normal.y;
+    block->normal_z[lane] = p->normal.z;
+    block->valid |= 1u << lane;
+}
+
+static void fill_block(const builder *w, size_t index)
+{
+    rsv_receiver_block *block = &w->b->block[index];
+    for (uint32_t n = 0; n < RSV_BLOCK_NODES; n++) {
+        size_t k = index * RSV_BLOCK_NODES + n;
+        rsv_surface_point point[RSV_BLOCK_POINTS];
+        block->node[n] = k < w->count ? w->place[k].node : RSV_NONE;
+        if (k >= w->count) continue;
+        uint32_t count = find_points(w, block->node[n], point);
+        for (uint32_t p = 0; p < count; p++)
+            set_lane(block, n * RSV_BLOCK_POINTS + p, &point[p]);
+        block->coated = block->coated || rsv_receiver_bsdf(w->b, block, n)->coated;
+    }
+}
+
+rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
+    const rsv_elements *elements, uint32_t points, uint32_t seed, const uint16_t *valid_points,
+    const bool *moves, rsv_receiver_blocks **blocks)
+{
+    rsv_status status;
+    rsv_context *context = elements->context;
+    rsv_receiver_blocks *b = rsv_alloc(context, 1, sizeof *b);
+    if (!b) return RSV_ERROR_MEMORY;
+    *b = (rsv_receiver_blocks){ .context = context, .scene = scene, .elements = elements };
+    builder w = { .b = b, .points = points, .seed = seed, .valid_points = valid_points };
+    b->held = rsv_alloc(context, elements->node_count, sizeof *b->held);
+    RSV_TRY(b->held ? RSV_OK : RSV_ERROR_MEMORY);
+    measure_scene(&w);
+    RSV_TRY(sort_nodes(&w, moves));
+    b->block_count = (w.count + RSV_BLOCK_NODES - 1) / RSV_BLOCK_NODES;
+    b->block = rsv_alloc(context, b->block_count, sizeof *b->block);
+    b->edge = rsv_alloc(context, elements->node_count, sizeof *b->edge);
+    b->sums = rsv_alloc(context, elements->node_count, sizeof *b->sums);
+    b->spread = rsv_alloc(context, elements->node_count, sizeof *b->spread);
+    RSV_TRY(b->block && b->edge && b->sums && b->spread ? RSV_OK : RSV_ERROR_MEMORY);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
+    for (size_t k = 0; k < b->block_count; k++)
+        fill_block(&w, k);
+    *blocks = b;
+    b = NULL;
+cleanup:
+    rsv_free(context, w.place);
+    rsv_receiver_blocks_destroy(b);
+    return status;
+}
+
+void rsv_receiver_blocks_destroy(rsv_receiver_blocks *b)
+{
+    if (!b) return;
+    rsv_free(b->context, b->block);
+    rsv_free(b->context, b->edge);
+    rsv_free(b->context, b->sums);
+    rsv_free(b->context, b->spread);
+    rsv_free(b->context, b->held);
+    rsv_free(b->context, b);
+}
