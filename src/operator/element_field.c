@@ -156,15 +156,26 @@ void rsv_elements_sample_support_as(const rsv_elements *e, uint32_t node, uint32
     }
 }
 
-void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value)
+static void constrain_node(const rsv_hanging *hanging, rsv_rgb *value)
 {
-    for (size_t h = 0; h < elements->hanging_count; h++) {
-        const rsv_hanging *hanging = &elements->hanging[h];
-        rsv_rgb sum = rgb_scale(value[hanging->parent[0]], hanging->weight[0]);
-        for (int p = 1; p < RSV_PARENTS; p++)
-            sum = rgb_mad(sum, hanging->weight[p], value[hanging->parent[p]]);
-        value[hanging->node] = sum;
-    }
+    rsv_rgb sum = rgb_scale(value[hanging->parent[0]], hanging->weight[0]);
+    for (int p = 1; p < RSV_PARENTS; p++)
+        sum = rgb_mad(sum, hanging->weight[p], value[hanging->parent[p]]);
+    value[hanging->node] = sum;
+}
+
+/// Nodes below which waking the threads takes longer than the work.
+#define PARALLEL_NODES 16384
+
+void rsv_elements_constrain(const rsv_elements *e, rsv_rgb *value)
+{
+    // leaders are free, so that followers do not wait for each other
+#pragma omp parallel for schedule(static)                                                          \
+    num_threads(rsv_threads(e->context)) if (e->follower_count > PARALLEL_NODES)
+    for (size_t h = 0; h < e->follower_count; h++)
+        constrain_node(&e->hanging[h], value);
+    for (size_t h = e->follower_count; h < e->hanging_count; h++)
+        constrain_node(&e->hanging[h], value);
 }
 
 void rsv_elements_constrain_transpose(const rsv_elements *elements, rsv_rgb *weight)
@@ -184,6 +195,7 @@ void rsv_elements_average(const rsv_elements *e, const rsv_rgb *value, rsv_rgb *
 {
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (size_t node = 0; node < e->node_count; node++) {
+        if (e->node_hanging[node] != RSV_NONE) continue; // constrained below
         rsv_rgb sum = rgb_gray(0);
         float weight = 0;
         for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {

@@ -28,7 +28,9 @@ void rsv_sharpen(const rsv_elements *e, rsv_rgb *value, rsv_rgb *once, rsv_rgb *
 {
     rsv_elements_average(e, value, once);
     rsv_elements_average(e, once, twice);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (size_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE) continue; // constrained below
         luminance_range range = range_around(e, value, n);
         rsv_rgb sharp = rgb_sub(rgb_scale(once[n], 3), rgb_scale(twice[n], 2));
         float luminance = rgb_luminance(sharp);
