@@ -78,6 +78,16 @@ bool cli_bench_move(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_move(const struct cJSON *result);
 bool cli_write_move_csv(const char *path, const struct cJSON *scenes);
 
+/// Shadow rays of neighbours towards one lamp in packets, and nothing else.
+typedef struct cli_shadow_rays cli_shadow_rays;
+
+/// From vertices of the scene that look towards the light. @param rays out, to be destroyed even after an error
+rsv_status cli_shadow_rays_create(
+    const rsv_scene *scene, rsv_vec3 light, size_t count, uint32_t threads, cli_shadow_rays **rays);
+void cli_shadow_rays_destroy(cli_shadow_rays *rays);
+/// Seconds that they all take. @param coherent as in rsv_tracer_occluded_packet
+double cli_shadow_rays_time(const cli_shadow_rays *rays, bool coherent);
+
 /// Frames against ambient occlusion over the size of the mesh (figure 8 of the paper).
 bool cli_bench_fig8(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_fig8(const struct cJSON *result);

@@ -87,7 +87,8 @@ RSV_API rsv_status rsv_relighter_add_light(rsv_relighter *relighter, const rsv_l
 #define RSV_MAX_RELIGHT_SOURCES 64
 
 /// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it. Rays are traced for sources that stand
-/// elsewhere than at the last call, few of them until the light settles. Errors as in rsv_solution_relight; the first
+/// elsewhere than at the last call, few of them until the light settles. The first move takes longer: it sets up what
+/// the next ones share. Errors as in rsv_solution_relight; the first
 /// two kinds leave everything as it was.
 /// @param desc against how things were when the relighter was created
 RSV_API rsv_status rsv_relighter_change(rsv_relighter *relighter, const rsv_relight_desc *desc);
@@ -110,6 +111,9 @@ RSV_API rsv_status rsv_relighter_settle(rsv_relighter *relighter);
 
 /// Whether nothing is left for rsv_relighter_settle.
 RSV_API bool rsv_relighter_is_settled(const rsv_relighter *relighter);
+
+/// Shadow rays and steps of photons traced for changes since it was created.
+RSV_API uint64_t rsv_relighter_rays(const rsv_relighter *relighter);
 
 #ifdef __cplusplus
 }

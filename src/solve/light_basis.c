@@ -1,6 +1,7 @@
 #include "light_basis.h"
 
 #include "../operator/burial.h"
+#include "../operator/direct_glance.h"
 #include "solution.h"
 
 #include <string.h>
@@ -91,14 +92,13 @@ static rsv_status allocate_part(const rsv_solution *s, rsv_light_part *part)
     return RSV_OK;
 }
 
-static rsv_status shoot_alone(
-    const rsv_solution *s, const rsv_lights *solo, uint32_t photons, rsv_light_part *part)
+static rsv_status shoot_alone(const rsv_solution *s, const rsv_lights *solo, uint32_t photons,
+    rsv_light_part *part, uint64_t *rays)
 {
-    uint64_t rays = 0;
     rsv_photon_map map[2] = { 0 };
     const rsv_elements *const targets[2] = { s->caustics.elements, s->elements };
     rsv_status status =
-        rsv_photons_shoot(&s->scene, solo, photons, rsv_level_seed(s), targets, map, 2, &rays);
+        rsv_photons_shoot(&s->scene, solo, photons, rsv_level_seed(s), targets, map, 2, rays);
     if (status == RSV_OK) {
         rsv_photon_map_irradiance(&map[0], part->caustic);
         rsv_photon_map_irradiance(&map[1], part->coarse_caustic);
@@ -116,20 +116,36 @@ rsv_light_effort rsv_full_light_effort(const rsv_solution *s, const uint16_t *va
         .valid = valid };
 }
 
+/// The light of one level: by a glance where that will do.
+static rsv_status estimate_level(const rsv_solution *s, const rsv_lights *solo, bool fine,
+    const rsv_light_effort *effort, rsv_rgb *irradiance, uint64_t *rays)
+{
+    const rsv_elements *elements = fine ? s->fine.elements : s->elements;
+    const rsv_receiver_blocks *blocks = fine ? effort->fine : effort->coarse;
+    const uint8_t *known = NULL;
+    if (blocks && rsv_can_glance(solo)) {
+        rsv_status status = rsv_direct_glance(blocks, solo, irradiance, rays);
+        if (status == RSV_OK && blocks->holds_all) rsv_elements_constrain(elements, irradiance);
+        if (status != RSV_OK || blocks->holds_all) return status;
+        known = blocks->held;
+    }
+    return rsv_direct_irradiance(&s->scene, solo, elements,
+        fine ? RSV_LEVEL_POINTS : RSV_SUPPORT_POINTS,
+        fine ? effort->fine_samples : effort->coarse_samples,
+        fine ? rsv_level_seed(s) : s->desc.seed, fine ? effort->valid : s->valid_points, known,
+        irradiance, NULL, rays);
+}
+
 rsv_status rsv_light_part_estimate(const rsv_solution *s, const rsv_lights *lights,
-    const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part)
+    const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part, uint64_t *rays)
 {
     rsv_status status;
-    uint64_t rays = 0;
     rsv_lights *solo = NULL;
     RSV_TRY(allocate_part(s, part));
     RSV_TRY(rsv_solo_create(lights, source, 1, &solo));
-    RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->elements, RSV_SUPPORT_POINTS,
-        effort->coarse_samples, s->desc.seed, s->valid_points, NULL, part->direct, NULL, &rays));
-    if (part->fine)
-        RSV_TRY(rsv_direct_irradiance(&s->scene, solo, s->fine.elements, RSV_LEVEL_POINTS,
-            effort->fine_samples, rsv_level_seed(s), effort->valid, NULL, part->fine, NULL, &rays));
-    if (part->caustic) RSV_TRY(shoot_alone(s, solo, effort->photons, part));
+    RSV_TRY(estimate_level(s, solo, false, effort, part->direct, rays));
+    if (part->fine) RSV_TRY(estimate_level(s, solo, true, effort, part->fine, rays));
+    if (part->caustic) RSV_TRY(shoot_alone(s, solo, effort->photons, part, rays));
 cleanup:
     rsv_solo_destroy(solo);
     return status;
@@ -179,12 +195,13 @@ rsv_status rsv_light_basis_create(const rsv_solution *s, rsv_light_basis **basis
     rsv_status status;
     rsv_light_basis *b = NULL;
     uint16_t *valid = NULL;
+    uint64_t rays = 0;
     RSV_TRY(rsv_light_basis_create_empty(s, &b));
     bool many = b->source_count > 1 && b->source_count <= RSV_MAX_LIGHT_PARTS;
     if (many) RSV_TRY(rsv_find_fine_valid(s, &valid));
     rsv_light_effort effort = rsv_full_light_effort(s, valid);
     for (size_t k = 0; many && k < b->source_count; k++)
-        RSV_TRY(rsv_light_part_estimate(s, s->lights, &b->source[k], &effort, &b->part[k]));
+        RSV_TRY(rsv_light_part_estimate(s, s->lights, &b->source[k], &effort, &b->part[k], &rays));
     for (size_t field = 0; many && field < RSV_LIGHT_FIELDS; field++)
         RSV_TRY(divide(s, b, field));
     *basis = b;

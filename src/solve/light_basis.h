@@ -6,6 +6,7 @@
 #define RSV_LIGHT_BASIS_H
 
 #include "../light/solo.h"
+#include "../operator/receiver_blocks.h"
 #include "resolvent/relight.h"
 
 struct rsv_solution;
@@ -41,6 +42,8 @@ typedef struct rsv_light_effort {
     uint32_t coarse_samples, fine_samples; ///< shadow rays per element of either level
     uint32_t photons;
     const uint16_t *valid;
+    const rsv_receiver_blocks *coarse,
+        *fine; ///< of either level, where a glance will do; NULL = nowhere
 } rsv_light_effort;
 
 /// All that the solution's own description asks for. @param valid borrowed
@@ -51,8 +54,9 @@ rsv_status rsv_find_fine_valid(const struct rsv_solution *solution, uint16_t **v
 
 /// Samples one of the lights by itself. @param part its arrays are created where it has none; to be freed by
 /// rsv_light_part_free even after an error
+/// @param rays is added to
 rsv_status rsv_light_part_estimate(const struct rsv_solution *solution, const rsv_lights *lights,
-    const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part);
+    const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part, uint64_t *rays);
 void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
 void rsv_light_basis_destroy(rsv_light_basis *basis);
 

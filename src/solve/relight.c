@@ -21,16 +21,20 @@ static void apply_once(rsv_relighter *r, double size)
 {
     rsv_solution *s = r->s;
     const rsv_linear_map *map = &r->map->linear;
+    size_t nodes = rsv_relighter_nodes(r);
     float change = 0;
     map->table->apply(map->data, 3, &s->irradiance->r, &r->next->r);
-    for (size_t n = 0; n < rsv_relighter_nodes(r); n++)
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
+    for (size_t n = 0; n < nodes; n++)
         r->next[n] = rgb_add(s->source[n], r->next[n]);
     rsv_elements_constrain(s->elements, r->next);
-    for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context)) reduction(max       \
+                                                                                         : change)
+    for (size_t n = 0; n < nodes; n++) {
         rsv_rgb step = rgb_sub(r->next[n], s->irradiance[n]);
         change = f_max(change, f_max(fabsf(step.r), f_max(fabsf(step.g), fabsf(step.b))));
+        s->irradiance[n] = r->next[n];
     }
-    memcpy(s->irradiance, r->next, rsv_relighter_nodes(r) * sizeof *r->next);
     r->residual = size > 0 ? (double)change / size : 0;
 }
 
@@ -38,7 +42,9 @@ static void apply_once(rsv_relighter *r, double size)
 static void show(rsv_relighter *r)
 {
     rsv_solution *s = r->s;
-    for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
+    size_t nodes = rsv_relighter_nodes(r);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
+    for (size_t n = 0; n < nodes; n++) {
         rsv_rgb rest = rgb_sub(s->irradiance[n], s->source[n]);
         s->indirect[n] = rgb(f_max(rest.r, 0), f_max(rest.g, 0), f_max(rest.b, 0));
     }
@@ -72,8 +78,8 @@ rsv_status rsv_relighter_settle(rsv_relighter *r)
     for (size_t k = 0; k < r->basis->source_count; k++)
         any = any || r->stale[k];
     if (any) {
-        RSV_TRY(rsv_relighter_sample_stale(r, &effort));
-        RSV_TRY(rsv_relighter_update_sources(r));
+        RSV_TRY(rsv_relighter_sample(r, r->stale, RSV_RELIGHTER_ANYTHING, &effort));
+        RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING));
         memset(r->stale, 0, r->basis->source_count * sizeof *r->stale);
     }
     RSV_TRY(rsv_solution_solve_again(r->s));
@@ -81,6 +87,8 @@ rsv_status rsv_relighter_settle(rsv_relighter *r)
 cleanup:
     return status;
 }
+
+uint64_t rsv_relighter_rays(const rsv_relighter *r) { return r->rays; }
 
 bool rsv_relighter_is_settled(const rsv_relighter *r) { return r->settled; }
 

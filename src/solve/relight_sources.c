@@ -36,6 +36,8 @@ size_t rsv_surroundings_length(const rsv_scene *scene)
 
 // ---- the scene ------------------------------------------------------------------------------------
 
+static bool same_color(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
+
 /// @param scale [source_count] NULL = the strengths that the sources began with
 static void set_strengths(rsv_relighter *r, const rsv_rgb *scale)
 {
@@ -47,6 +49,8 @@ static void set_strengths(rsv_relighter *r, const rsv_rgb *scale)
             continue;
         }
         rsv_rgb *pixel = (rsv_rgb *)r->scene->environment.pixels;
+        if (same_color(factor, r->environment_scale)) continue;
+        r->environment_scale = factor;
         for (size_t p = 0; p < rsv_surroundings_length(r->scene); p++)
             pixel[p] = rgb_mul(r->environment[p], factor);
     }
@@ -66,8 +70,9 @@ static bool move_sources(rsv_relighter *r, bool *body)
         bool moved = !same_place(r->wanted.offset[k], r->now.offset[k]);
         if (moved) rsv_light_place_move(r->scene, source, &r->place[k], r->wanted.offset[k]);
         *body = *body || (moved && r->place[k].vertex_count > 0);
-        r->stale[k] = r->stale[k] || moved || turned;
-        any = any || moved || turned;
+        r->moved[k] = moved || turned;
+        r->stale[k] = r->stale[k] || r->moved[k];
+        any = any || r->moved[k];
     }
     r->scene->environment.rotation = r->wanted.rotation;
     return any;
@@ -84,8 +89,6 @@ static void set_color(rsv_relighter *r, uint32_t material, rsv_rgb color)
         if (s->scene.view->triangle_material[triangle] == material) s->exitance_albedo[n] = albedo;
     }
 }
-
-static bool same_color(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
 
 static void set_colors(rsv_relighter *r)
 {
@@ -114,15 +117,19 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_relighter_sample_stale(rsv_relighter *r, const rsv_light_effort *effort)
+rsv_status rsv_relighter_sample(rsv_relighter *r, const bool *which, rsv_relighter_change_kind kind,
+    const rsv_light_effort *effort)
 {
     rsv_status status = RSV_OK;
     set_strengths(r, NULL);
-    RSV_TRY(rsv_relighter_find_lights(r));
+    if (kind == RSV_RELIGHTER_PLACES)
+        RSV_TRY(rsv_lights_follow(r->lights));
+    else
+        RSV_TRY(rsv_relighter_find_lights(r));
     for (size_t k = 0; k < r->basis->source_count; k++)
-        if (r->stale[k])
+        if (which[k])
             RSV_TRY(rsv_light_part_estimate(
-                r->s, r->lights, &r->basis->source[k], effort, &r->basis->part[k]));
+                r->s, r->lights, &r->basis->source[k], effort, &r->basis->part[k], &r->rays));
 cleanup:
     return status;
 }
@@ -133,6 +140,7 @@ static void combine(const rsv_relighter *r, size_t field)
     const rsv_light_basis *b = r->basis;
     size_t length = rsv_light_field_length(r->s, field);
     rsv_rgb *sum = rsv_light_field(r->s, field);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
     for (size_t n = 0; n < length; n++) {
         rsv_rgb total = rgb_gray(0);
         for (size_t k = 0; k < b->source_count; k++)
@@ -146,18 +154,23 @@ static void combine(const rsv_relighter *r, size_t field)
 static void gather_sources(rsv_relighter *r, rsv_rgb scale)
 {
     rsv_solution *s = r->s;
-    for (size_t n = 0; n < rsv_relighter_nodes(r); n++)
+    size_t nodes = rsv_relighter_nodes(r);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
+    for (size_t n = 0; n < nodes; n++)
         s->transport->gathered[n] = rgb_mul(r->gathered[n], scale);
     rsv_source_add_gathered(s);
 }
 
-rsv_status rsv_relighter_update_sources(rsv_relighter *r)
+rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_kind kind)
 {
     rsv_status status;
     rsv_rgb gathered;
     rsv_light_settings_home home = home_of(r);
     set_strengths(r, r->now.scale);
-    RSV_TRY(rsv_solution_refresh(r->s, r->lights));
+    if (kind == RSV_RELIGHTER_PLACES)
+        RSV_TRY(rsv_lights_follow(r->s->lights));
+    else
+        RSV_TRY(rsv_solution_refresh(r->s, r->lights));
     RSV_TRY(rsv_gathered_scale(&home, &r->now, &gathered));
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
         combine(r, field);
@@ -172,7 +185,24 @@ static rsv_light_effort rough_effort(const rsv_relighter *r)
     return (rsv_light_effort){ .coarse_samples = ROUGH_SAMPLES,
         .fine_samples = ROUGH_SAMPLES,
         .photons = r->s->desc.photon_count / ROUGH_PHOTON_SHARE,
-        .valid = r->valid };
+        .valid = r->valid,
+        .coarse = r->coarse,
+        .fine = r->fine };
+}
+
+/// Receivers are kept from the first move on.
+static rsv_status keep_receivers(rsv_relighter *r)
+{
+    const rsv_solution *s = r->s;
+    rsv_status status = RSV_OK;
+    if (!r->coarse)
+        RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed,
+            s->valid_points, r->moves, &r->coarse));
+    if (!r->fine && s->fine.elements)
+        RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->fine.elements, RSV_LEVEL_POINTS,
+            rsv_level_seed(s), r->valid, r->moves, &r->fine));
+cleanup:
+    return status;
 }
 
 static rsv_status check_added(const rsv_relighter *r, const rsv_light *light)
@@ -202,12 +232,25 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
     r->strength[k] = added->intensity;
     r->place[k].centre = added->position;
     r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
-    r->stale[k] = true;
+    memset(r->moved, 0, k * sizeof *r->moved);
+    r->stale[k] = r->moved[k] = true;
     b->source_count++;
     r->settled = false;
     r->residual = INFINITY;
-    status = rsv_relighter_sample_stale(r, &rough);
-    return status == RSV_OK ? rsv_relighter_update_sources(r) : status;
+    status = rsv_relighter_sample(r, r->moved, RSV_RELIGHTER_ANYTHING, &rough);
+    return status == RSV_OK ? rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING) : status;
+}
+
+/// What changes between two settings.
+static rsv_relighter_change_kind kind_of_change(
+    const rsv_relighter *r, const rsv_light_settings *from, const rsv_light_settings *to)
+{
+    bool same = from->rotation == to->rotation;
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        same = same && same_color(from->scale[k], to->scale[k]);
+    for (size_t m = 0; m < r->scene->material_count; m++)
+        same = same && same_color(from->base_color[m], to->base_color[m]);
+    return same ? RSV_RELIGHTER_PLACES : RSV_RELIGHTER_ANYTHING;
 }
 
 rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
@@ -215,7 +258,7 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
     rsv_light_settings_home home = home_of(r);
     rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
     if (status != RSV_OK) return status;
-    rsv_light_effort rough = rough_effort(r);
+    rsv_relighter_change_kind kind = kind_of_change(r, &r->now, &r->wanted);
     bool body, moved = move_sources(r, &body);
     set_colors(r);
     rsv_light_settings before = r->now;
@@ -225,10 +268,15 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
     r->residual = INFINITY;
     if (body) {
         rsv_scene_update_bounds(r->scene);
+        RSV_TRY(rsv_tracer_set_apart(r->s->tracer, r->moves));
         RSV_TRY(rsv_tracer_update(r->s->tracer));
     }
-    if (moved) RSV_TRY(rsv_relighter_sample_stale(r, &rough));
-    RSV_TRY(rsv_relighter_update_sources(r));
+    if (moved) {
+        RSV_TRY(keep_receivers(r));
+        rsv_light_effort rough = rough_effort(r);
+        RSV_TRY(rsv_relighter_sample(r, r->moved, kind, &rough));
+    }
+    RSV_TRY(rsv_relighter_update_sources(r, kind));
 cleanup:
     return status;
 }

@@ -54,6 +54,13 @@ static rsv_status fill_single_part(rsv_relighter *r)
     return RSV_OK;
 }
 
+static void note_movable(rsv_relighter *r)
+{
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        if (r->basis->source[k].kind == RSV_SOURCE_MATERIAL)
+            r->moves[r->basis->source[k].index] = rsv_relighter_source(r, k).movable;
+}
+
 static void note_settings(rsv_relighter *r)
 {
     for (size_t k = 0; k < r->basis->source_count; k++) {
@@ -64,6 +71,7 @@ static void note_settings(rsv_relighter *r)
     for (size_t m = 0; m < r->scene->material_count; m++)
         r->home.base_color[m] = r->now.base_color[m] = r->scene->material[m].base_color;
     r->home.rotation = r->now.rotation = r->scene->environment.rotation;
+    r->environment_scale = rgb_gray(1);
     memcpy(r->gathered, r->s->transport->gathered, rsv_relighter_nodes(r) * sizeof *r->gathered);
     if (r->environment)
         memcpy(r->environment, r->scene->environment.pixels,
@@ -79,7 +87,9 @@ static rsv_status allocate(rsv_relighter *r)
             return RSV_ERROR_MEMORY;
     r->strength = rsv_alloc(r->context, sources, sizeof *r->strength);
     r->place = rsv_alloc(r->context, sources, sizeof *r->place);
+    r->moves = rsv_alloc(r->context, materials, sizeof *r->moves);
     r->stale = rsv_alloc(r->context, sources, sizeof *r->stale);
+    r->moved = rsv_alloc(r->context, sources, sizeof *r->moved);
     r->gathered = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->gathered);
     r->next = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->next);
     r->scratch = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->scratch);
@@ -87,8 +97,8 @@ static rsv_status allocate(rsv_relighter *r)
     if (surrounded)
         r->environment =
             rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
-    return r->strength && r->place && r->stale && r->gathered && r->next && r->scratch &&
-                   (r->environment || !surrounded)
+    return r->strength && r->place && r->moves && r->stale && r->moved && r->gathered && r->next &&
+                   r->scratch && (r->environment || !surrounded)
                ? RSV_OK
                : RSV_ERROR_MEMORY;
 }
@@ -108,6 +118,7 @@ rsv_status rsv_relighter_create(rsv_solution *s, rsv_scene *scene, rsv_relighter
     note_settings(r);
     RSV_TRY(rsv_light_places_find(scene, r->basis->source, r->basis->source_count, r->place));
     RSV_TRY(rsv_relighter_find_lights(r));
+    note_movable(r);
     RSV_TRY(rsv_find_fine_valid(s, &r->valid));
     RSV_TRY(rsv_transport_map_create(
         s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &r->map));
@@ -124,6 +135,9 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_context *context = r->context;
     size_t sources = r->basis ? r->basis->source_count : 0;
     rsv_transport_map_destroy(r->map);
+    rsv_free(context, r->moves);
+    rsv_receiver_blocks_destroy(r->coarse);
+    rsv_receiver_blocks_destroy(r->fine);
     rsv_light_places_free(context, r->place, sources);
     rsv_light_settings_free(context, &r->home);
     rsv_light_settings_free(context, &r->now);
@@ -132,6 +146,7 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_free(context, r->place);
     rsv_free(context, r->strength);
     rsv_free(context, r->stale);
+    rsv_free(context, r->moved);
     rsv_free(context, r->gathered);
     rsv_free(context, r->environment);
     rsv_free(context, r->next);

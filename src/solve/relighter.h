@@ -13,17 +13,22 @@ struct rsv_relighter {
     rsv_context *context;
     rsv_solution *s;
     rsv_scene *scene;
-    rsv_light_basis *basis; ///< parts of E0 at the strengths that the sources began with
-    rsv_lights *lights;     ///< at those strengths, where they stand now
-    uint16_t *valid;        ///< receiver points of the direct level
-    rsv_rgb *gathered;      ///< [node_count] emission that rows found, at those strengths
-    rsv_rgb *environment;   ///< pixels at those strengths; NULL = no surroundings
-    rsv_rgb *strength;      ///< [source_count]
-    rsv_light_place *place; ///< [source_count]
+    rsv_light_basis *basis;    ///< parts of E0 at the strengths that the sources began with
+    rsv_lights *lights;        ///< at those strengths, where they stand now
+    uint16_t *valid;           ///< receiver points of the direct level
+    rsv_rgb *gathered;         ///< [node_count] emission that rows found, at those strengths
+    rsv_rgb *environment;      ///< pixels at those strengths; NULL = no surroundings
+    rsv_rgb environment_scale; ///< that the scene's pixels have now
+    rsv_rgb *strength;         ///< [source_count]
+    rsv_light_place *place;    ///< [source_count]
     rsv_light_settings home, now, wanted;
     bool *stale; ///< [source_count] to be sampled in full before the light has settled
+    bool *moved; ///< [source_count] to be sampled at once
+    bool *moves; ///< [material_count] whose triangles can be moved
+    rsv_receiver_blocks *coarse, *fine; ///< of either level; NULL until something moves
     rsv_transport_map *map;
     rsv_rgb *next, *scratch; ///< [node_count]
+    uint64_t rays;           ///< traced so far
     double residual;
     bool settled;
 };
@@ -42,10 +47,17 @@ size_t rsv_surroundings_length(const rsv_scene *scene);
 /// The lights of the scene as it stands, divided between rays that gather and rays that aim as the operator has it.
 rsv_status rsv_relighter_find_lights(rsv_relighter *relighter);
 
-/// Samples the sources that are marked, at the strengths that they began with.
-rsv_status rsv_relighter_sample_stale(rsv_relighter *relighter, const rsv_light_effort *effort);
+/// What has changed since E0 was last brought up to date.
+typedef enum rsv_relighter_change_kind {
+    RSV_RELIGHTER_ANYTHING,
+    RSV_RELIGHTER_PLACES ///< of lights, no more: nothing else need be looked at
+} rsv_relighter_change_kind;
+
+/// Samples sources, at the strengths that they began with. @param which [source_count]
+rsv_status rsv_relighter_sample(rsv_relighter *relighter, const bool *which,
+    rsv_relighter_change_kind kind, const rsv_light_effort *effort);
 
 /// Brings scene, lights and E0 to the present settings, after parts have changed.
-rsv_status rsv_relighter_update_sources(rsv_relighter *relighter);
+rsv_status rsv_relighter_update_sources(rsv_relighter *relighter, rsv_relighter_change_kind kind);
 
 #endif

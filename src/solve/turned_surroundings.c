@@ -32,10 +32,11 @@ static rsv_status sample(
 {
     rsv_light_part part = { 0 };
     uint16_t *valid = NULL;
+    uint64_t rays = 0;
     rsv_status status = rsv_find_fine_valid(s, &valid);
     if (status == RSV_OK) {
         rsv_light_effort effort = rsv_full_light_effort(s, valid);
-        status = rsv_light_part_estimate(s, turned->lights, surroundings, &effort, &part);
+        status = rsv_light_part_estimate(s, turned->lights, surroundings, &effort, &part, &rays);
     }
     turned->source = part.direct;
     turned->caustics.coarse_caustic = part.coarse_caustic;

@@ -21,7 +21,12 @@ struct rsv_tracer {
     RTCDevice device;
     RTCScene bvh;
     int native_width; ///< widest packet the processor traverses natively: 16, 8, 4 or 1
+    uint32_t *apart;  ///< [apart_count] triangles of the second geometry; NULL = there is but one
+    size_t apart_count;
 };
+
+/// Geometries: the scene's triangles under their own numbers, and those set apart.
+enum { SCENE_GEOMETRY, APART_GEOMETRY };
 
 // A packet is handed to Embree as it stands, so its layout must be Embree's.
 _Static_assert(sizeof(rsv_ray_packet) >= sizeof(struct RTCRayHit16), "packet is too small");
@@ -57,26 +62,37 @@ static int native_packet_width(RTCDevice device)
     return 1;
 }
 
+/// The scene's number of a triangle.
+static uint32_t triangle_of(const rsv_tracer *tracer, uint32_t geometry, uint32_t primitive)
+{
+    return geometry == APART_GEOMETRY ? tracer->apart[primitive] : primitive;
+}
+
 /// Lets rays pass where a surface is cut out. Embree calls it for every hit, in traversal order or not.
 static void reject_cut_out(const struct RTCFilterFunctionNArguments *hits)
 {
-    const rsv_scene_view *scene = hits->geometryUserPtr;
+    const rsv_tracer *tracer = hits->geometryUserPtr;
+    const rsv_scene_view *scene = rsv_scene_get_view(tracer->scene);
     // RTCHitN is a run of N for each member of RTCHit; Embree's accessors are for C++ alone
     const float *member = (const float *)hits->hit;
     const float *u = member + 3 * hits->N, *v = member + 4 * hits->N;
-    const uint32_t *triangle = (const uint32_t *)(member + 5 * hits->N);
+    const uint32_t *primitive = (const uint32_t *)(member + 5 * hits->N);
+    const uint32_t *geometry = primitive + hits->N;
     for (unsigned k = 0; k < hits->N; k++)
-        if (hits->valid[k] && rsv_is_cut_out(scene, triangle[k], u[k], v[k])) hits->valid[k] = 0;
+        if (hits->valid[k] &&
+            rsv_is_cut_out(scene, triangle_of(tracer, geometry[k], primitive[k]), u[k], v[k]))
+            hits->valid[k] = 0;
 }
 
 /// Scenes without cut-out materials do without the filter and its cost.
-static void set_filter(RTCGeometry geometry, const rsv_scene_view *scene)
+static void set_filter(rsv_tracer *tracer, RTCGeometry geometry)
 {
+    const rsv_scene_view *scene = rsv_scene_get_view(tracer->scene);
     bool wanted = false;
     for (size_t m = 0; m < scene->material_count; m++)
         wanted = wanted || scene->material[m].alpha_cutoff > 0;
     if (!wanted) return;
-    rtcSetGeometryUserData(geometry, (void *)scene);
+    rtcSetGeometryUserData(geometry, tracer);
     rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
     rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);
 }
@@ -93,9 +109,9 @@ static rsv_status build(rsv_tracer *tracer)
     if (vertices && indices) {
         memcpy(vertices, view->position, view->vertex_count * sizeof(rsv_vec3));
         memcpy(indices, view->triangle, view->triangle_count * sizeof *view->triangle);
-        set_filter(geometry, view);
+        set_filter(tracer, geometry);
         rtcCommitGeometry(geometry);
-        rtcAttachGeometryByID(tracer->bvh, geometry, 0);
+        rtcAttachGeometryByID(tracer->bvh, geometry, SCENE_GEOMETRY);
         rtcSetSceneFlags(tracer->bvh, RTC_SCENE_FLAG_ROBUST);
         rtcSetSceneBuildQuality(tracer->bvh,
             view->triangle_count > 2000000 ? RTC_BUILD_QUALITY_MEDIUM : RTC_BUILD_QUALITY_HIGH);
@@ -132,15 +148,79 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_tracer_update(rsv_tracer *tracer)
+// ---- triangles that move ---------------------------------------------------------------------------
+
+/// Lists the triangles of these materials.
+static rsv_status list_apart(rsv_tracer *tracer, const bool *moves)
 {
     const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
-    RTCGeometry geometry = rtcGetGeometry(tracer->bvh, 0);
-    void *vertices = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
-    memcpy(vertices, view->position, view->vertex_count * sizeof(rsv_vec3));
+    tracer->apart = rsv_alloc(tracer->context, view->triangle_count, sizeof *tracer->apart);
+    if (!tracer->apart) return RSV_ERROR_MEMORY;
+    tracer->apart_count = 0;
+    for (uint32_t t = 0; t < view->triangle_count; t++)
+        if (moves[view->triangle_material[t]]) tracer->apart[tracer->apart_count++] = t;
+    return RSV_OK;
+}
+
+/// What was set apart has no extent in the first geometry: no ray meets it there, and the others keep their numbers.
+static void collapse_apart(const rsv_tracer *tracer)
+{
+    RTCGeometry geometry = rtcGetGeometry(tracer->bvh, SCENE_GEOMETRY);
+    uint32_t(*index)[3] = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
+    for (size_t k = 0; k < tracer->apart_count; k++) {
+        uint32_t *corner = index[tracer->apart[k]];
+        corner[1] = corner[2] = corner[0];
+    }
+    rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
+    rtcCommitGeometry(geometry);
+}
+
+/// @param vertices [3 apart_count]
+static void place_apart(const rsv_tracer *tracer, rsv_vec3 *vertices)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(tracer->scene);
+    for (size_t k = 0; k < 3 * tracer->apart_count; k++)
+        vertices[k] = view->position[view->triangle[tracer->apart[k / 3]][k % 3]];
+}
+
+static void attach_apart(rsv_tracer *tracer)
+{
+    RTCGeometry geometry = rtcNewGeometry(tracer->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    void *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+        sizeof(rsv_vec3), 3 * tracer->apart_count);
+    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+        RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), tracer->apart_count);
+    if (vertices && indices) {
+        for (size_t k = 0; k < 3 * tracer->apart_count; k++)
+            indices[k] = (uint32_t)k;
+        place_apart(tracer, vertices);
+        set_filter(tracer, geometry);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(tracer->bvh, geometry, APART_GEOMETRY);
+    }
+    rtcReleaseGeometry(geometry);
+}
+
+rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
+{
+    if (tracer->apart) return RSV_OK;
+    rsv_status status = list_apart(tracer, moves);
+    if (status != RSV_OK) return status;
+    collapse_apart(tracer);
+    attach_apart(tracer);
+    // a hierarchy for each geometry and one above them, each as good as the whole was, but for the splitting of triangles
+    rtcSetSceneFlags(tracer->bvh, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+    rtcSetSceneBuildQuality(tracer->bvh, RTC_BUILD_QUALITY_LOW);
+    rtcCommitScene(tracer->bvh);
+    return check_device(tracer);
+}
+
+rsv_status rsv_tracer_update(rsv_tracer *tracer)
+{
+    RTCGeometry geometry = rtcGetGeometry(tracer->bvh, APART_GEOMETRY);
+    place_apart(tracer, rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
-    rtcSetSceneBuildQuality(tracer->bvh, RTC_BUILD_QUALITY_MEDIUM); // built in half the time
     rtcCommitScene(tracer->bvh);
     return check_device(tracer);
 }
@@ -150,6 +230,7 @@ void rsv_tracer_destroy(rsv_tracer *tracer)
     if (!tracer) return;
     if (tracer->bvh) rtcReleaseScene(tracer->bvh);
     if (tracer->device) rtcReleaseDevice(tracer->device);
+    rsv_free(tracer->context, tracer->apart);
     rsv_free(tracer->context, tracer);
 }
 
@@ -200,7 +281,8 @@ bool rsv_tracer_closest(const rsv_tracer *tracer, const rsv_ray *ray, rsv_hit *h
         .hit = { .primID = RTC_INVALID_GEOMETRY_ID, .geomID = RTC_INVALID_GEOMETRY_ID } };
     DECLARE_QUERY(false);
     INTERSECT_ONE(&query_ray);
-    *hit = (rsv_hit){ query_ray.hit.primID, query_ray.ray.tfar, query_ray.hit.u, query_ray.hit.v };
+    uint32_t triangle = triangle_of(tracer, query_ray.hit.geomID, query_ray.hit.primID);
+    *hit = (rsv_hit){ triangle, query_ray.ray.tfar, query_ray.hit.u, query_ray.hit.v };
     return query_ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
 }
 
@@ -213,6 +295,7 @@ bool rsv_tracer_occluded(const rsv_tracer *tracer, const rsv_ray *ray)
 }
 
 typedef struct near_visit {
+    const rsv_tracer *tracer;
     rsv_near_visitor visit;
     void *user;
 } near_visit;
@@ -221,7 +304,8 @@ static bool visit_primitive(struct RTCPointQueryFunctionArguments *arguments)
 {
     const near_visit *v = arguments->userPtr;
     float before = arguments->query->radius;
-    v->visit(v->user, arguments->primID, &arguments->query->radius);
+    v->visit(v->user, triangle_of(v->tracer, arguments->geomID, arguments->primID),
+        &arguments->query->radius);
     return arguments->query->radius < before;
 }
 
@@ -230,7 +314,7 @@ void rsv_tracer_visit_near(
 {
     struct RTCPointQuery query = { .x = point.x, .y = point.y, .z = point.z, .radius = radius };
     struct RTCPointQueryContext context;
-    near_visit v = { visit, user };
+    near_visit v = { tracer, visit, user };
     rtcInitPointQueryContext(&context);
     rtcPointQuery(tracer->bvh, &query, &context, visit_primitive, &v);
 }
@@ -273,6 +357,7 @@ void rsv_tracer_visit_near(
             COPY_LANES(width, packet->u + lane, rays.hit.u);                                       \
             COPY_LANES(width, packet->v + lane, rays.hit.v);                                       \
             COPY_LANES(width, packet->triangle + lane, rays.hit.primID);                           \
+            COPY_LANES(width, packet->geometry + lane, rays.hit.geomID);                           \
         }                                                                                          \
     }                                                                                              \
     static void occluded_##width(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)  \
@@ -295,6 +380,13 @@ DEFINE_NARROW(4)
 static const _Alignas(
     64) int all_lanes[16] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
 
+/// Gives what was set apart its numbers in the scene.
+static void name_apart(const rsv_tracer *tracer, rsv_ray_packet *packet)
+{
+    for (int k = 0; k < 16; k++)
+        packet->triangle[k] = triangle_of(tracer, packet->geometry[k], packet->triangle[k]);
+}
+
 void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)
 {
     if (tracer->native_width == 8) {
@@ -307,6 +399,7 @@ void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet,
         DECLARE_QUERY(coherent);
         INTERSECT(16, all_lanes, (struct RTCRayHit16 *)packet);
     }
+    if (tracer->apart) name_apart(tracer, packet);
 }
 
 void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)

@@ -1,7 +1,9 @@
 /// Relighting against fresh solutions of the changed scene.
 #include "resolvent/relight.h"
 
+#include "light/light_internal.h"
 #include "light_fixture.h"
+#include "operator/glance_kernels.h"
 #include "scene/scene_internal.h"
 #include "solve/solution.h"
 
@@ -151,9 +153,9 @@ static void unknown_names_are_answered_by_the_known_ones(void **state)
 
 /// A yard with low walls under a black-bodied lamp. All surfaces lie below the lamp, so that no light goes from one
 /// to another through the places where it may hang: G does not depend on those.
-static world *yard(rsv_vec3 offset)
+static world *yard_on(int threads, bool globe, rsv_vec3 offset)
 {
-    world *w = world_begin(2);
+    world *w = world_begin(threads);
     uint32_t gray = world_lambert(w, 0.6f, 0), red = world_lambert(w, 0.5f, 0);
     rsv_material lamp = lambert_material(0, 9);
     lamp.name = "lamp";
@@ -162,8 +164,11 @@ static world *yard(rsv_vec3 offset)
     world_quad(w, red, v3(-2, 0, -2), v3(2, 0, -2), v3(2, 1, -2), v3(-2, 1, -2));
     world_box(w, gray, v3(0.2f, 0, -1), v3(1, 0.8f, -0.2f));
     float x = offset.x, y = 2 + offset.y, z = offset.z;
-    world_quad(w, light, v3(x - 0.3f, y, z - 0.3f), v3(x + 0.3f, y, z - 0.3f),
-        v3(x + 0.3f, y, z + 0.3f), v3(x - 0.3f, y, z + 0.3f));
+    if (globe)
+        world_sphere(w, light, v3(x, y, z), 0.3f, 2);
+    else
+        world_quad(w, light, v3(x - 0.3f, y, z - 0.3f), v3(x + 0.3f, y, z - 0.3f),
+            v3(x + 0.3f, y, z + 0.3f), v3(x - 0.3f, y, z + 0.3f));
     rsv_light bulb = { .name = "bulb",
         .kind = RSV_LIGHT_POINT,
         .position = v3_add(v3(-1, 1.5f, 1), offset),
@@ -172,6 +177,8 @@ static world *yard(rsv_vec3 offset)
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
     return w;
 }
+
+static world *yard(rsv_vec3 offset) { return yard_on(2, false, offset); }
 
 /// B = K E: what anybody sees of a solution. The black body of the lamp has rows of its own, from where it began.
 static rsv_rgb *exitance(const rsv_solution *s)
@@ -272,6 +279,129 @@ static void only_the_last_change_counts(void **state)
     world_end(other);
 }
 
+// ---- lights on the move ----------------------------------------------------------------------------
+
+/// Direct light of the yard with lamp and bulb elsewhere, as long as they move. @param rest out: once they rest
+static rsv_rgb *glance_at_yard(int threads, bool globe, size_t *count, rsv_rgb **rest)
+{
+    const rsv_vec3 offset = { -0.7f, 0.4f, 0.5f };
+    const rsv_light_move moves[] = { { "lamp", offset }, { "bulb", offset } };
+    world *w = yard_on(threads, globe, v3(0, 0, 0));
+    rsv_solution *s = solve(w, true);
+    rsv_relighter *r;
+    begin_relighting(w, s, &r);
+    change(r, &(rsv_relight_desc){ .move = moves, .move_count = 2 });
+    size_t bytes = (*count = s->fine.elements->node_count) * sizeof **rest;
+    rsv_rgb *glance = memcpy(malloc(bytes), s->fine.direct, bytes);
+    assert_true(rsv_relighter_rays(r) > 0);
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    *rest = memcpy(malloc(bytes), s->fine.direct, bytes);
+    rsv_relighter_destroy(r);
+    rsv_solution_destroy(s);
+    world_end(w);
+    return glance;
+}
+
+/// @param rms, bias of what is seen on the move, relative @return share of nodes where nothing is off
+static double compare_at_yard(bool globe, double *rms, double *bias)
+{
+    size_t count, same = 0;
+    rsv_rgb *rest, *glance = glance_at_yard(2, globe, &count, &rest);
+    double square = 0, size = 0, sum = 0;
+    for (size_t n = 0; n < count; n++) {
+        double seen = rgb_luminance(glance[n]), wanted = rgb_luminance(rest[n]);
+        square += (seen - wanted) * (seen - wanted);
+        size += wanted * wanted;
+        sum += seen - wanted;
+        same += fabs(seen - wanted) <= 1e-4 * wanted;
+    }
+    *rms = sqrt(square / size);
+    *bias = sum / sqrt(size * (double)count);
+    free(glance), free(rest);
+    return (double)same / (double)count;
+}
+
+/// Sixteen places stand for the lamp: a penumbra is off by a few hundredths, most of the yard by nothing. A globe of
+/// many triangles is known by these places alone.
+static void lights_on_the_move_are_near_those_at_rest(void **state)
+{
+    (void)state;
+    double rms, bias;
+    double same = compare_at_yard(false, &rms, &bias);
+    assert_true(same > 0.5 && rms < 0.05 && fabs(bias) < 0.01);
+    same = compare_at_yard(true, &rms, &bias);
+    assert_true(rms < 0.1 && fabs(bias) < 0.03);
+}
+
+static void lights_on_the_move_are_the_same_bytes_for_any_thread_count(void **state)
+{
+    (void)state;
+    size_t count;
+    rsv_rgb *rest, *one = glance_at_yard(1, false, &count, &rest);
+    free(rest);
+    for (int threads = 2; threads <= 3; threads++) {
+        rsv_rgb *more = glance_at_yard(threads, false, &count, &rest);
+        assert_memory_equal(one, more, count * sizeof *one);
+        free(more), free(rest);
+    }
+    free(one);
+}
+
+static rsv_vec3 random_place(rsv_random *random, float size)
+{
+    float x = rsv_random_float(random), y = rsv_random_float(random);
+    return v3(size * (x - 0.5f), size * (y - 0.5f), size * (rsv_random_float(random) - 0.5f));
+}
+
+static rsv_glance_polygon random_polygon(rsv_random *random, rsv_vec3 corner[3])
+{
+    rsv_glance_polygon p = { .double_sided = rsv_random_float(random) < 0.5f };
+    for (int i = 0; i < 3; i++) {
+        corner[i] = random_place(random, 2);
+        p.x[i] = corner[i].x, p.y[i] = corner[i].y, p.z[i] = corner[i].z;
+    }
+    rsv_vec3 n = v3_normalize(v3_cross(v3_sub(corner[1], corner[0]), v3_sub(corner[2], corner[0])));
+    p.normal_x = n.x, p.normal_y = n.y, p.normal_z = n.z;
+    return p;
+}
+
+static rsv_receiver_block random_block(rsv_random *random)
+{
+    rsv_receiver_block b = { .valid = 0xffff };
+    for (int k = 0; k < RSV_PACKET_WIDTH; k++) {
+        rsv_vec3 at = random_place(random, 4), n = v3_normalize(random_place(random, 1));
+        b.x[k] = at.x, b.y[k] = at.y, b.z[k] = at.z;
+        b.normal_x[k] = n.x, b.normal_y[k] = n.y, b.normal_z[k] = n.z;
+    }
+    return b;
+}
+
+/// Lambert's formula in single precision, polygons that cross the horizon included.
+static void sixteen_receivers_see_what_one_does(void **state)
+{
+    (void)state;
+    rsv_random random = rsv_random_from(7, 0, 0);
+    for (int round = 0; round < 500; round++) {
+        rsv_vec3 corner[3];
+        rsv_glance_polygon p = random_polygon(&random, corner);
+        rsv_receiver_block b = random_block(&random);
+        _Alignas(64) float value[RSV_PACKET_WIDTH], narrow[RSV_PACKET_WIDTH];
+        rsv_glance_kernels_best()->irradiance(&b, &p, value);
+        rsv_glance_kernels_portable.irradiance(&b, &p, narrow);
+        assert_memory_equal(value, narrow, sizeof value);
+        for (int k = 0; k < RSV_PACKET_WIDTH; k++) {
+            rsv_vec3 at = v3(b.x[k], b.y[k], b.z[k]);
+            rsv_vec3 n = v3(b.normal_x[k], b.normal_y[k], b.normal_z[k]);
+            float height = v3_dot(v3(p.normal_x, p.normal_y, p.normal_z), v3_sub(at, corner[0]));
+            bool faces = height > 0 || p.double_sided;
+            double exact = faces ? rsv_polygon_irradiance(corner, 3, at, n) : 0;
+            // close to the plane edges span nearly half a turn, where 1 / height times the rounding is left
+            if (fabsf(height) > 1e-3f)
+                assert_true(fabs(value[k] - exact) < 2e-6 * (1 + 1 / fabs((double)height)));
+        }
+    }
+}
+
 /// A light that comes later, moved and scaled besides, is one that had been there from the start.
 static void added_lights_are_those_of_a_fresh_solve(void **state)
 {
@@ -365,6 +495,9 @@ int main(void)
         cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
         cmocka_unit_test(moved_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(only_the_last_change_counts),
+        cmocka_unit_test(lights_on_the_move_are_near_those_at_rest),
+        cmocka_unit_test(lights_on_the_move_are_the_same_bytes_for_any_thread_count),
+        cmocka_unit_test(sixteen_receivers_see_what_one_does),
         cmocka_unit_test(added_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(steps_lead_to_the_solution),
         cmocka_unit_test(what_cannot_move_is_refused),

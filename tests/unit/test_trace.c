@@ -1,6 +1,8 @@
 /// Rays: packets against single rays, offsets at all scales, the nearest surface point.
 #include "light_fixture.h"
 #include "operator/elements.h"
+#include "scene/scene_internal.h"
+#include "trace/tracer_update.h"
 
 static rsv_vec3 random_in_cube(rsv_random *random, float half)
 {
@@ -281,6 +283,61 @@ static void nearest_prefers_the_side_that_the_normal_points_to(void **state)
     world_end(w);
 }
 
+// ---- geometry that moves ---------------------------------------------------------------------------
+
+/// Two soups, the second one somewhere.
+static world *two_soups(rsv_vec3 offset)
+{
+    enum { count = 200 };
+    rsv_random random = rsv_random_from(9, 1, 1);
+    world *w = world_begin(2);
+    for (int soup = 0; soup < 2; soup++) {
+        rsv_vec3 position[3 * count];
+        for (int k = 0; k < 3 * count; k++)
+            position[k] = k % 3 ? v3_mad(position[k - k % 3], 0.3f, random_in_cube(&random, 1))
+                                : random_in_cube(&random, 1);
+        for (int k = 0; k < 3 * count && soup; k++)
+            position[k] = v3_add(position[k], offset);
+        world_triangles(w, world_lambert(w, 0.5f, 0), position, 3 * count, NULL, count);
+    }
+    world_commit(w);
+    return w;
+}
+
+/// The second soup set apart and moved is one that was there from the start, under the numbers that it had.
+static void what_moved_is_hit_where_it_is(void **state)
+{
+    (void)state;
+    const rsv_vec3 offset = { 0.4f, -0.3f, 0.2f };
+    const bool moves[] = { false, true };
+    world *w = two_soups(v3(0, 0, 0)), *fresh = two_soups(offset);
+    memcpy(w->scene->position, fresh->scene->position,
+        fresh->scene->vertex_count * sizeof *fresh->scene->position);
+    assert_int_equal(rsv_tracer_set_apart(w->tracer, moves), RSV_OK);
+    assert_int_equal(rsv_tracer_update(w->tracer), RSV_OK);
+    rsv_random random = rsv_random_from(4, 1, 1);
+    int hits = 0, apart = 0;
+    for (int n = 0; n < 300; n++) {
+        rsv_ray ray[16];
+        rsv_ray_packet packet;
+        fill_packet(&random, ray, &packet);
+        rsv_tracer_closest_packet(w->tracer, &packet, n & 1);
+        check_closest(fresh, ray, &packet, &hits);
+        for (int k = 0; k < 16; k++) {
+            rsv_hit hit, wanted;
+            if (ray[k].t_max < 0) continue;
+            bool met = rsv_tracer_closest(w->tracer, &ray[k], &hit);
+            assert_int_equal(met, rsv_tracer_closest(fresh->tracer, &ray[k], &wanted));
+            assert_int_equal(rsv_tracer_occluded(w->tracer, &ray[k]), met);
+            assert_true(!met || hit.triangle == wanted.triangle);
+            apart += met && hit.triangle >= 200;
+        }
+    }
+    assert_true(hits > 500 && apart > 100);
+    world_end(w);
+    world_end(fresh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -292,6 +349,7 @@ int main(void)
         cmocka_unit_test(reflected_rays_do_not_hit_the_surface_again),
         cmocka_unit_test(nearest_finds_what_a_slow_search_finds),
         cmocka_unit_test(nearest_prefers_the_side_that_the_normal_points_to),
+        cmocka_unit_test(what_moved_is_hit_where_it_is),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
