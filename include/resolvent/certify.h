@@ -37,7 +37,7 @@ RSV_API rsv_certify_desc rsv_default_certify_desc(void);
 RSV_API rsv_certify_desc rsv_brief_certify_desc(void);
 
 /// Luminance of irradiance, W/m2, area-weighted over all sides of surfaces that have a diffuse lobe and are not
-/// inside other geometry.
+/// inside other geometry or in touch with it (docs/certificate.md).
 typedef struct rsv_certificate {
     uint32_t samples; ///< points that count
     double residual_rms;

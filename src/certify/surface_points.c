@@ -36,11 +36,11 @@ rsv_face_point rsv_face_areas_draw(
 
 /// Whether something separates the point from a corner of its cell: then the point may be within it.
 static bool is_obstructed(
-    const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 home)
+    const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 home, float spacing)
 {
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        if (rsv_is_covered(scene, shape, corner) ||
+        if (rsv_is_touched(scene->tracer, shape, corner, spacing) ||
             rsv_is_blocked(scene->tracer, home, rsv_cell_hover(shape, corner)))
             return true;
     }
@@ -58,9 +58,9 @@ bool rsv_point_is_buried(const rsv_transport_scene *scene, const rsv_elements *e
                          .position;
     rsv_vec3 home = rsv_cell_hover(&shape, place);
     *rays += 7;
-    if (rsv_is_covered(scene, &shape, place) ||
+    if (rsv_is_touched(scene->tracer, &shape, place, e->spacing) ||
         rsv_is_buried(scene, home, shape.normal, seed, rays))
         return true;
-    return is_obstructed(scene, &shape, home) &&
+    return is_obstructed(scene, &shape, home, e->spacing) &&
            rsv_is_mostly_buried(scene, home, shape.normal, seed, rays);
 }

@@ -27,8 +27,8 @@ double rsv_face_areas_total(const rsv_face_areas *areas);
 rsv_face_point rsv_face_areas_draw(
     const rsv_face_areas *areas, uint32_t index, uint32_t count, uint32_t seed);
 
-/// Whether a point lies inside other geometry or right under it, where nobody sees its light. The tests are those
-/// that elements use for their receiver points.
+/// Whether a point lies inside other geometry or in touch with it, where nobody sees its light. What elements merely do
+/// without, because something hangs close above it, counts.
 bool rsv_point_is_buried(const rsv_transport_scene *scene, const rsv_elements *elements,
     const rsv_face_point *point, uint32_t seed, uint64_t *rays);
 

@@ -41,6 +41,7 @@ static rsv_pattern_place place_of(const rsv_lights *lights, double total, uint32
     return (
         rsv_pattern_place){ .point = v3_barycentric(e->corner[0], e->corner[1], e->corner[2], u, v),
         .normal = e->normal,
+        .area = (float)area,
         .strength = rgb_scale(e->radiance, (float)area),
         .extent = rsv_triangle_extent(lights->scene, e->triangle),
         .double_sided = e->double_sided };

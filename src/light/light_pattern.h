@@ -13,8 +13,9 @@
 /// A place that stands for an equal share of the source's power.
 typedef struct rsv_pattern_place {
     rsv_vec3 point, normal; ///< normal unit, of the front
-    rsv_rgb strength; ///< mean radiance of its emitter times the area that it stands for, W/sr
-    float extent;     ///< for rsv_offset_origin
+    float area;             ///< that it stands for, m2
+    rsv_rgb strength;       ///< mean radiance of its emitter times that area, W/sr
+    float extent;           ///< for rsv_offset_origin
     bool double_sided;
 } rsv_pattern_place;
 

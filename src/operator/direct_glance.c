@@ -51,6 +51,7 @@ static void set_place(rsv_glance_places *turn, uint32_t lane, const rsv_pattern_
     turn->normal_y[lane] = place->normal.y;
     turn->normal_z[lane] = place->normal.z;
     turn->extent[lane] = place->extent;
+    turn->spread[lane] = place->area / RSV_PI;
     turn->double_sided[lane] = place->double_sided;
     turn->strength[lane] = place->strength;
 }

@@ -12,8 +12,9 @@
 /// Whether a glance finds all of a source's direct light: of emitters and punctual lights, not of surroundings.
 bool rsv_can_glance(const rsv_lights *lights);
 
-/// Irradiance of the nodes in blocks, and 0 for those that receive nothing; the others are left as they are, and so are
-/// nodes that hang. @param irradiance [node_count]
+/// Irradiance of the nodes in blocks, and 0 for those that receive nothing or hang: those are to be constrained. The others
+/// are left as they are. What only a sliver of a source lights, past all of its places, is dark.
+/// @param irradiance [node_count]
 rsv_status rsv_direct_glance(const rsv_receiver_blocks *blocks, const rsv_lights *lights,
     rsv_rgb *irradiance, uint64_t *rays);
 

@@ -18,6 +18,7 @@ typedef struct rsv_glance_places {
     float x[RSV_PACKET_WIDTH], y[RSV_PACKET_WIDTH], z[RSV_PACKET_WIDTH];
     float normal_x[RSV_PACKET_WIDTH], normal_y[RSV_PACKET_WIDTH], normal_z[RSV_PACKET_WIDTH];
     float extent[RSV_PACKET_WIDTH];
+    float spread[RSV_PACKET_WIDTH]; ///< area that each stands for over pi, m2
     int double_sided[RSV_PACKET_WIDTH];
     rsv_rgb strength[RSV_PACKET_WIDTH];
 } __attribute__((aligned(64))) rsv_glance_places;
@@ -28,7 +29,8 @@ typedef struct rsv_glance_kernels {
     void (*irradiance)(
         const rsv_receiver_block *block, const rsv_glance_polygon *polygon, float *irradiance);
     /// Shadow rays from each lane to its place; lanes are switched off that get no light from there.
-    /// @param share cosines over the squared distance, per lane @param cosine at the receiver
+    /// @param share cosines over the squared distance, per lane, as from a disk of the place's area @param cosine at the
+    ///              receiver
     void (*aim)(const rsv_receiver_block *block, const rsv_glance_places *places,
         rsv_ray_packet *packet, float *share, float *cosine);
 } rsv_glance_kernels;

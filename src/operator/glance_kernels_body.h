@@ -8,8 +8,9 @@ typedef struct lanes3 {
     float x[LANES], y[LANES], z[LANES];
 } __attribute__((aligned(64))) lanes3;
 
-/// theta / sin(theta) from s = sin^2(theta / 2), as in polygon_irradiance.c.
-static inline float angle_over_sine(float s)
+/// theta / sin(theta) from s = sin^2(theta / 2), as in polygon_irradiance.c, and from the sine itself: next to half a turn
+/// s is 1 but for rounding.
+static inline float angle_over_sine(float s, float sine)
 {
     float y = s <= 0.5f ? s : 1 - s, sum = 5.872689042007551f;
     sum = sum * y - 8.694211360940244f;
@@ -21,7 +22,7 @@ static inline float angle_over_sine(float s)
     sum = sum * y + 0.5330295626025757f;
     sum = sum * y + 0.6666714347428405f;
     sum = sum * y + 0.9999999877216724f;
-    float far = 0.5f * RSV_PI / sqrtf(f_max(s * y, 1e-30f)) - sum;
+    float far = RSV_PI / f_max(sine, 1e-15f) - sum;
     return s <= 0.5f ? sum : far;
 }
 
@@ -31,8 +32,9 @@ static inline float edge_term(
 {
     float cx = bx - ax, cy = by - ay, cz = bz - az;
     float s = f_min(0.25f * (cx * cx + cy * cy + cz * cz), 1);
-    float across = nx * (ay * cz - az * cy) + ny * (az * cx - ax * cz) + nz * (ax * cy - ay * cx);
-    return angle_over_sine(s) * across;
+    float vx = ay * cz - az * cy, vy = az * cx - ax * cz, vz = ax * cy - ay * cx;
+    float across = nx * vx + ny * vy + nz * vz;
+    return angle_over_sine(s, sqrtf(vx * vx + vy * vy + vz * vz)) * across;
 }
 
 static inline float inverse_length(float x, float y, float z)
@@ -165,7 +167,7 @@ static void aim_packet(const rsv_receiver_block *restrict b, const rsv_glance_pl
         packet->direction_y[k] = y + off * at->normal_y[k];
         packet->direction_z[k] = z + off * at->normal_z[k];
         packet->t_max[k] = lit ? 1.0f : -1.0f;
-        share[k] = lit ? here * there * inverse * inverse : 0;
+        share[k] = lit ? here * there / (x * x + y * y + z * z + at->spread[k]) : 0;
         cosine[k] = here;
     }
 }

@@ -75,6 +75,13 @@ static bool meets_lamp(const rsv_transport_scene *scene, const rsv_ray *ray, rsv
            scene->bsdf[scene->view->triangle_material[hit->triangle]].emissive;
 }
 
+bool rsv_is_touched(
+    const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place, float spacing)
+{
+    rsv_vec3 origin = leave(shape, place);
+    return rsv_is_blocked(tracer, origin, v3_mad(origin, CONTACT * spacing, shape->normal));
+}
+
 /// Whether a lamp close by is all that a place sees, nearly.
 static bool is_behind_lamp(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place)

@@ -92,7 +92,7 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
     return true;
 }
 
-/// An event at a translucent rsv_path_surface; its diffuse lobe has no direction of its own.
+/// An event at a translucent surface; its diffuse lobe has no direction of its own.
 static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, float u_lobe, float u1, float u2)
 {
     if (!s->translucent)

@@ -258,7 +258,9 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
     rsv_light_settings_home home = home_of(r);
     rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
     if (status != RSV_OK) return status;
-    rsv_relighter_change_kind kind = kind_of_change(r, &r->now, &r->wanted);
+    rsv_relighter_change_kind kind =
+        r->behind ? RSV_RELIGHTER_ANYTHING : kind_of_change(r, &r->now, &r->wanted);
+    r->behind = true;
     bool body, moved = move_sources(r, &body);
     set_colors(r);
     rsv_light_settings before = r->now;
@@ -277,6 +279,7 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
         RSV_TRY(rsv_relighter_sample(r, r->moved, kind, &rough));
     }
     RSV_TRY(rsv_relighter_update_sources(r, kind));
+    r->behind = false;
 cleanup:
     return status;
 }

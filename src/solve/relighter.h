@@ -31,6 +31,7 @@ struct rsv_relighter {
     uint64_t rays;           ///< traced so far
     double residual;
     bool settled;
+    bool behind; ///< a change was cut short: the next one takes everything over again
 };
 
 static inline size_t rsv_relighter_nodes(const rsv_relighter *r)

@@ -218,7 +218,10 @@ rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
 rsv_status rsv_tracer_update(rsv_tracer *tracer)
 {
     RTCGeometry geometry = rtcGetGeometry(tracer->bvh, APART_GEOMETRY);
-    place_apart(tracer, rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0));
+    void *vertices =
+        geometry ? rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) : NULL;
+    if (!vertices) return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for what moves");
+    place_apart(tracer, vertices);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
     rtcCommitScene(tracer->bvh);

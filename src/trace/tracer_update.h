@@ -4,8 +4,8 @@
 
 #include "resolvent/trace.h"
 
-/// Sets the triangles of some materials apart from the rest, so that they alone are to be built again when they move.
-/// Nobody else may use the tracer meanwhile. @param moves [material_count]
+/// Sets the triangles of some materials apart from the rest, so that they alone are to be built again when they move. The
+/// first call counts. Nobody else may use the tracer meanwhile. @param moves [material_count]
 rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves);
 
 /// Takes over the places of the triangles that were set apart. Nobody else may use the tracer meanwhile.

@@ -376,6 +376,26 @@ static rsv_receiver_block random_block(rsv_random *random)
     return b;
 }
 
+/// Right beside an edge, which spans half a turn but for rounding, no receiver gets more than from a sky of such lamps.
+static void receivers_at_an_edge_get_no_more_than_there_is(void **state)
+{
+    (void)state;
+    rsv_random random = rsv_random_from(11, 0, 0);
+    const rsv_glance_polygon p = { .x = { 0, 1, 0 }, .y = { 0, 0, 1 }, .normal_z = 1 };
+    for (int round = 0; round < 2000; round++) {
+        rsv_receiver_block b = random_block(&random);
+        for (int k = 0; k < RSV_PACKET_WIDTH; k++) {
+            rsv_vec3 aside = v3_scale(random_place(&random, 2), exp2f(-(float)(round % 20)));
+            b.x[k] = 0.1f + 0.8f * rsv_random_float(&random);
+            b.y[k] = aside.y, b.z[k] = fabsf(aside.z);
+        }
+        _Alignas(64) float value[RSV_PACKET_WIDTH];
+        rsv_glance_kernels_best()->irradiance(&b, &p, value);
+        for (int k = 0; k < RSV_PACKET_WIDTH; k++)
+            assert_true(value[k] >= 0 && value[k] <= 1.01f * RSV_PI);
+    }
+}
+
 /// Lambert's formula in single precision, polygons that cross the horizon included.
 static void sixteen_receivers_see_what_one_does(void **state)
 {
@@ -497,6 +517,7 @@ int main(void)
         cmocka_unit_test(only_the_last_change_counts),
         cmocka_unit_test(lights_on_the_move_are_near_those_at_rest),
         cmocka_unit_test(lights_on_the_move_are_the_same_bytes_for_any_thread_count),
+        cmocka_unit_test(receivers_at_an_edge_get_no_more_than_there_is),
         cmocka_unit_test(sixteen_receivers_see_what_one_does),
         cmocka_unit_test(added_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(steps_lead_to_the_solution),
