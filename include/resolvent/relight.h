@@ -88,8 +88,7 @@ RSV_API rsv_status rsv_relighter_add_light(rsv_relighter *relighter, const rsv_l
 
 /// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it. Rays are traced for sources that stand
 /// elsewhere than at the last call, few of them until the light settles. The first move takes longer: it sets up what
-/// the next ones share. Errors as in rsv_solution_relight; the first
-/// two kinds leave everything as it was.
+/// the next ones share. Errors as in rsv_solution_relight; the first two kinds leave everything as it was.
 /// @param desc against how things were when the relighter was created
 RSV_API rsv_status rsv_relighter_change(rsv_relighter *relighter, const rsv_relight_desc *desc);
 
