@@ -29,7 +29,7 @@ typedef struct rsv_render_desc {
     /// Modes operator and final: wanted standard error of a pixel, as a share of what is around it; the noisy ones get up
     /// to RSV_MOST_SAMPLES times as many camera rays. Default 0 = `samples` everywhere.
     float noise;
-    uint32_t camera;  ///< index in the scene
+    uint32_t camera; ///< index in the scene
     /// Modes operator and final: a camera that is not in the scene, instead; borrowed. NULL = none
     const rsv_camera *viewpoint;
     uint32_t

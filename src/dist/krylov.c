@@ -32,7 +32,8 @@ static PetscErrorCode start(rsv_team *team)
     PetscCall(SlepcInitialized(&started));
     if (!started) {
         PETSC_COMM_WORLD = rsv_dist_communicator(team);
-        PetscCall(PetscOptionsSetValue(NULL, "-no_signal_handler", "true")); // the program has its own
+        PetscCall(
+            PetscOptionsSetValue(NULL, "-no_signal_handler", "true")); // the program has its own
         PetscCall(SlepcInitializeNoArguments());
         if (team->petsc_options) PetscCall(PetscOptionsInsertString(NULL, team->petsc_options));
     }

@@ -100,7 +100,7 @@ typedef struct rsv_gltf_material {
     size_t texture_count;
     const char *note;   ///< what of it is approximated or ignored; "" = nothing
     const char *remark; ///< what is left out because it changes nothing here; "" = nothing
-    bool opaque;      ///< alpha, wherever it comes from, is ignored
+    bool opaque;        ///< alpha, wherever it comes from, is ignored
 } rsv_gltf_material;
 
 typedef struct rsv_gltf_document {

@@ -2,6 +2,7 @@
 
 #include "../core/stratified.h"
 #include "../core/team.h"
+#include "../trace/packet.h"
 
 #include <string.h>
 
@@ -66,17 +67,6 @@ static void clear_packet(rsv_ray_packet *packet)
         packet->t_max[k] = -1;
 }
 
-static void set_shadow_ray(rsv_ray_packet *packet, uint32_t lane, rsv_ray ray)
-{
-    packet->origin_x[lane] = ray.origin.x;
-    packet->origin_y[lane] = ray.origin.y;
-    packet->origin_z[lane] = ray.origin.z;
-    packet->direction_x[lane] = ray.direction.x;
-    packet->direction_y[lane] = ray.direction.y;
-    packet->direction_z[lane] = ray.direction.z;
-    packet->t_max[lane] = ray.t_max;
-}
-
 /// Sums over the samples of one node.
 typedef struct emitter_sums {
     rsv_rgb open;          ///< f / p, visible or not
@@ -109,7 +99,7 @@ static void sample_emitters(const direct_job *job, uint32_t node, uint32_t first
         if (!rsv_surface_faces(&p->point[at], sample.direction)) continue;
         entered[k] = rgb_scale(sample.radiance, cos / sample.pdf_solid_angle);
         entered[k] = entering(job, p, bsdf, entered[k], sample.distance, cos);
-        set_shadow_ray(
+        rsv_packet_set_ray(
             &packet, k, rsv_shadow_ray(job->lights, &sample, p->point[at].position, p->origin[at]));
     }
     rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
@@ -210,7 +200,7 @@ static rsv_rgb from_punctual(
             float cos = v3_dot(point->normal, light.direction);
             arriving[k] =
                 entering(job, p, bsdf, rgb_scale(light.irradiance, cos), light.distance, cos);
-            set_shadow_ray(&packet, k, rsv_punctual_ray(&light, p->origin[k]));
+            rsv_packet_set_ray(&packet, k, rsv_punctual_ray(&light, p->origin[k]));
         }
         rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
         uint32_t seen = 0, hidden = 0;

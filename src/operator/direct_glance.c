@@ -1,6 +1,7 @@
 #include "direct_glance.h"
 
 #include "../light/light_pattern.h"
+#include "../trace/packet.h"
 #include "glance_kernels.h"
 #include "glance_sharing.h"
 
@@ -302,13 +303,7 @@ static rsv_rgb aim_at_light(const glance_job *job, const rsv_receiver_block *blo
     float cos = v3_dot(normal, sample.direction);
     if (!(cos > 0)) return rgb_gray(0);
     rsv_ray ray = rsv_punctual_ray(&sample, point);
-    packet->origin_x[lane] = ray.origin.x;
-    packet->origin_y[lane] = ray.origin.y;
-    packet->origin_z[lane] = ray.origin.z;
-    packet->direction_x[lane] = ray.direction.x;
-    packet->direction_y[lane] = ray.direction.y;
-    packet->direction_z[lane] = ray.direction.z;
-    packet->t_max[lane] = ray.t_max;
+    rsv_packet_set_ray(packet, lane, ray);
     return entering(job, block, lane / POINTS, cos, rgb_scale(sample.irradiance, cos));
 }
 

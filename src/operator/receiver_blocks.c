@@ -19,17 +19,16 @@ typedef struct builder {
     size_t count;
 } builder;
 
-const rsv_bsdf *rsv_receiver_bsdf(
-    const rsv_receiver_blocks *b, const rsv_receiver_block *block, uint32_t n)
-{
-    uint32_t triangle = b->elements->face_triangle[b->elements->node_face[block->node[n]]];
-    return &b->scene->bsdf[b->scene->view->triangle_material[triangle]];
-}
-
 static uint32_t material_of(const rsv_receiver_blocks *b, uint32_t node)
 {
     return b->scene->view
         ->triangle_material[b->elements->face_triangle[b->elements->node_face[node]]];
+}
+
+const rsv_bsdf *rsv_receiver_bsdf(
+    const rsv_receiver_blocks *b, const rsv_receiver_block *block, uint32_t n)
+{
+    return &b->scene->bsdf[material_of(b, block->node[n])];
 }
 
 /// The first few of a node's points that are not buried. @return how many

@@ -1,6 +1,7 @@
 #include "occlusion_view.h"
 
 #include "../scene/material_at.h"
+#include "../trace/packet.h"
 
 #include <string.h>
 
@@ -50,13 +51,8 @@ void rsv_see_surfaces(const rsv_occlusion_job *job, uint32_t count, const float 
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t place = k < count ? k : 0;
         rsv_ray ray = rsv_lens_ray(&job->lens, x[place], y[place]);
-        packet.origin_x[k] = ray.origin.x;
-        packet.origin_y[k] = ray.origin.y;
-        packet.origin_z[k] = ray.origin.z;
-        packet.direction_x[k] = ray.direction.x;
-        packet.direction_y[k] = ray.direction.y;
-        packet.direction_z[k] = ray.direction.z;
-        packet.t_max[k] = k < count ? INFINITY : -1;
+        ray.t_max = k < count ? INFINITY : -1;
+        rsv_packet_set_ray(&packet, k, ray);
     }
     rsv_tracer_closest_packet(o->tracer, &packet, true);
     for (uint32_t k = 0; k < count; k++) {

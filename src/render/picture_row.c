@@ -1,5 +1,6 @@
 #include "picture_row.h"
 
+#include "../trace/packet.h"
 #include "camera_chain.h"
 #include "picture_shade.h"
 
@@ -36,13 +37,7 @@ static void aim(rsv_picture_row *r, uint32_t column, uint32_t sample, uint32_t s
     uint32_t k = batch->count++;
     batch->column[k] = column;
     batch->sample[k] = sample;
-    batch->packet.origin_x[k] = ray.origin.x;
-    batch->packet.origin_y[k] = ray.origin.y;
-    batch->packet.origin_z[k] = ray.origin.z;
-    batch->packet.direction_x[k] = ray.direction.x;
-    batch->packet.direction_y[k] = ray.direction.y;
-    batch->packet.direction_z[k] = ray.direction.z;
-    batch->packet.t_max[k] = INFINITY;
+    rsv_packet_set_ray(&batch->packet, k, ray);
 }
 
 /// The angle that a sample has for itself. Shared patterns refine with every sample, whatever their number will be.

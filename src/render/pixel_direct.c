@@ -1,5 +1,7 @@
 #include "pixel_direct.h"
 
+#include "../trace/packet.h"
+
 #include <string.h>
 
 /// Shadow rays of a sample at most, the first included.
@@ -67,13 +69,7 @@ static void push_spot(
 static void push_shadow_ray(rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_rgb carried)
 {
     uint32_t k = d->pending++;
-    d->packet.origin_x[k] = ray.origin.x;
-    d->packet.origin_y[k] = ray.origin.y;
-    d->packet.origin_z[k] = ray.origin.z;
-    d->packet.direction_x[k] = ray.direction.x;
-    d->packet.direction_y[k] = ray.direction.y;
-    d->packet.direction_z[k] = ray.direction.z;
-    d->packet.t_max[k] = ray.t_max;
+    rsv_packet_set_ray(&d->packet, k, ray);
     d->owner[k] = term;
     d->carried[k] = carried;
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);

@@ -90,8 +90,8 @@ static rsv_status transform_vertices(
         rsv_vec3 p = apply(map->axis, map->offset, mesh->position[i]);
         if (!rsv_within_reach(p))
             return rsv_fail(RSV_ERROR_FORMAT,
-                "node '%s': vertex %zu of mesh '%s' is farther than %g m from the origin", object, i,
-                mesh->name, (double)RSV_FARTHEST);
+                "node '%s': vertex %zu of mesh '%s' is farther than %g m from the origin", object,
+                i, mesh->name, (double)RSV_FARTHEST);
         f->position[i] = p;
         f->normal[i] = mesh->normal ? apply_normal(map, mesh->normal[i]) : v3(0, 0, 0);
         f->emitted[i] = RSV_NONE;

@@ -370,8 +370,9 @@ rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light)
 
 static rsv_status check_camera(const rsv_camera *camera, const char *name)
 {
-    bool finite = rsv_within_reach(camera->position) && finite3(camera->right) && finite3(camera->up) &&
-                  finite3(camera->forward) && isfinite(camera->aspect) && camera->aspect >= 0;
+    bool finite = rsv_within_reach(camera->position) && finite3(camera->right) &&
+                  finite3(camera->up) && finite3(camera->forward) && isfinite(camera->aspect) &&
+                  camera->aspect >= 0;
     if (!finite)
         return rsv_fail(
             RSV_ERROR_FORMAT, "camera '%s': position, axes or aspect are not usable", name);

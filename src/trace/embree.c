@@ -87,11 +87,7 @@ static void reject_cut_out(const struct RTCFilterFunctionNArguments *hits)
 /// Scenes without cut-out materials do without the filter and its cost.
 static void set_filter(rsv_tracer *tracer, RTCGeometry geometry)
 {
-    const rsv_scene_view *scene = rsv_scene_get_view(tracer->scene);
-    bool wanted = false;
-    for (size_t m = 0; m < scene->material_count; m++)
-        wanted = wanted || scene->material[m].alpha_cutoff > 0;
-    if (!wanted) return;
+    if (!rsv_find_cut_out(rsv_scene_get_view(tracer->scene))) return;
     rtcSetGeometryUserData(geometry, tracer);
     rtcSetGeometryIntersectFilterFunction(geometry, reject_cut_out);
     rtcSetGeometryOccludedFilterFunction(geometry, reject_cut_out);

@@ -181,8 +181,8 @@ static void damaged_files_are_refused(void **state)
     const size_t length[] = { 0, 7, 100, bytes / 8 };
     for (size_t k = 0; k < sizeof length / sizeof length[0]; k++) {
         write_bytes(path, all, length[k]);
-        assert_false(rsv_rt_file_open(&file, path) == 0 &&
-                     rsv_rt_file_operator(&file, &transport) == 0);
+        assert_false(
+            rsv_rt_file_open(&file, path) == 0 && rsv_rt_file_operator(&file, &transport) == 0);
         assert_true(file.message[0]);
         rsv_rt_file_close(&file);
     }
