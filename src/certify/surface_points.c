@@ -36,11 +36,11 @@ rsv_face_point rsv_face_areas_draw(
 
 /// Whether something separates the point from a corner of its cell: then the point may be within it.
 static bool is_obstructed(
-    const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 home, float spacing)
+    const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 home)
 {
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        if (rsv_is_touched(scene->tracer, shape, corner, spacing) ||
+        if (rsv_is_touched(scene->tracer, shape, corner) ||
             rsv_is_blocked(scene->tracer, home, rsv_cell_hover(shape, corner)))
             return true;
     }
@@ -58,9 +58,9 @@ bool rsv_point_is_buried(const rsv_transport_scene *scene, const rsv_elements *e
                          .position;
     rsv_vec3 home = rsv_cell_hover(&shape, place);
     *rays += 7;
-    if (rsv_is_touched(scene->tracer, &shape, place, e->spacing) ||
+    if (rsv_is_touched(scene->tracer, &shape, place) ||
         rsv_is_buried(scene, home, shape.normal, seed, rays))
         return true;
-    return is_obstructed(scene, &shape, home, e->spacing) &&
+    return is_obstructed(scene, &shape, home) &&
            rsv_is_mostly_buried(scene, home, shape.normal, seed, rays);
 }

@@ -11,13 +11,14 @@ uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *
     uint16_t valid = 0;
     uint32_t last = RSV_NONE; // points of one cell come one after the other
     bool open = false;
+    uint8_t openness = 0;
     rsv_cell_shape shape;
     rsv_vec3 outlook = { 0 };
     for (uint32_t k = 0; k < points; k++) {
         uint32_t support = sample[k].support, cell = support / 4, face = e->cell[cell].face;
         if (support != last) {
             shape = rsv_cell_shape_of(e, cell);
-            uint8_t openness = rsv_cell_openness(scene, e, cell, &shape, rays);
+            openness = rsv_cell_openness(scene, e, cell, &shape, rays);
             open = rsv_cell_outlook(openness, &shape, support & 3, &outlook);
             last = support;
         }
@@ -25,10 +26,8 @@ uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *
         rsv_surface_point point = rsv_surface_point_at(
             scene->view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
         *rays += 2;
-        bool blocked =
-            rsv_is_covered(scene, &shape, point.position) ||
-            rsv_is_blocked(scene->tracer, outlook, rsv_cell_hover(&shape, point.position));
-        if (!blocked) valid |= (uint16_t)(1u << k);
+        if (rsv_cell_sees(scene, openness, &shape, outlook, point.position))
+            valid |= (uint16_t)(1u << k);
     }
     return valid;
 }

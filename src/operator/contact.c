@@ -118,6 +118,7 @@ typedef struct fan {
     uint32_t begin, count;
     rsv_vec3 place[MAX_FAN], normal[MAX_FAN];
     bool open[MAX_FAN]; ///< false = from nowhere: all of the cell is buried
+    bool sheltered[MAX_FAN];
 } fan;
 
 static fan fan_of(const rsv_elements *e, uint32_t node)
@@ -130,14 +131,16 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
         f.open[s] =
             rsv_cell_outlook(e->cell_openness[support / 4], &shape, support & 3, &f.place[s]);
         f.normal[s] = shape.normal;
+        f.sheltered[s] = e->cell_openness[support / 4] & RSV_CELL_SHELTERED;
     }
     return f;
 }
 
-/// Whether something stands between two cells of a fan. Across a fold the straight line would run through the
+/// Whether something stands between two cells of a fan, or upon one of them. Across a fold the straight line would run through the
 /// surface itself, so folded cells count as connected.
 static bool is_walled(const rsv_tracer *tracer, const fan *f, uint32_t a, uint32_t b)
 {
+    if (f->sheltered[a] != f->sheltered[b]) return true;
     return v3_dot(f->normal[a], f->normal[b]) > 0.999f &&
            rsv_is_blocked(tracer, f->place[a], f->place[b]);
 }
@@ -218,10 +221,20 @@ static hanging_edge find_edge(const rsv_elements *e, const rsv_hanging *hanging)
     return (hanging_edge){ RSV_NONE, { 0, 0 } };
 }
 
+/// Whether a gap ends at the edge on which a node hangs: one of the cells about it lies in there, and another does not.
+static bool hangs_at_gap(const rsv_elements *e, uint32_t node, uint32_t large)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if ((e->cell_openness[e->support[s] / 4] ^ e->cell_openness[large]) & RSV_CELL_SHELTERED)
+            return true;
+    return false;
+}
+
 /// Whether a wall stands between the larger cell and the smaller ones that a hanging node belongs to.
 static bool hangs_across_wall(const rsv_tracer *tracer, const rsv_elements *e,
     const rsv_hanging *hanging, const hanging_edge *edge)
 {
+    if (hangs_at_gap(e, hanging->node, edge->cell)) return true;
     uint32_t support = e->support[e->support_begin[hanging->node]];
     rsv_cell_shape small = rsv_cell_shape_of(e, support / 4);
     rsv_cell_shape large = rsv_cell_shape_of(e, edge->cell);
@@ -233,7 +246,7 @@ static bool hangs_across_wall(const rsv_tracer *tracer, const rsv_elements *e,
         !rsv_cell_outlook(on_large, &large, from, &far))
         return false;
     if (on_small >> corner & on_large >> from & on_large >> to & 1)
-        far = rsv_cell_hover(&large, rsv_cell_inset(&large, small.corner[corner]));
+        far = rsv_cell_above(on_large, &large, rsv_cell_inset(&large, small.corner[corner]));
     return rsv_is_blocked(tracer, near, far);
 }
 

@@ -8,8 +8,8 @@
 /// Test segments run this far above the surface and inside the cell, in parts of its size.
 #define LIFT 0.1f
 #define INSET 0.05f
-/// Opaque surfaces cover what lies closer below them, in parts of the cell's size: a picture hung two centimetres off the
-/// wall hides what cells of a decimetre cannot tell from what it leaves open.
+/// Opaque surfaces cover what lies closer below them, in parts of the elements' spacing: a picture hung two centimetres off
+/// the wall hides what cells of a decimetre cannot tell from what it leaves open.
 #define COVER 0.2f
 #define CONTACT 0.02f ///< clear ones closer than that
 /// A lamp closer than that keeps to itself what it sheds on the cell: nodes at its border would pass on more light than
@@ -34,6 +34,7 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
     shape.normal = point.geometric;
     shape.extent = point.extent;
     shape.size = sqrtf(2 * ldexpf(e->face_area[face], -2 * e->cell[cell].level));
+    shape.spacing = e->spacing;
     return shape;
 }
 
@@ -51,6 +52,11 @@ static rsv_vec3 leave(const rsv_cell_shape *shape, rsv_vec3 place)
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
 {
     return v3_mad(leave(shape, place), LIFT * shape->size, shape->normal);
+}
+
+rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    return v3_mad(leave(shape, place), 0.5f * CONTACT * shape->spacing, shape->normal);
 }
 
 bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
@@ -75,11 +81,10 @@ static bool meets_lamp(const rsv_transport_scene *scene, const rsv_ray *ray, rsv
            scene->bsdf[scene->view->triangle_material[hit->triangle]].emissive;
 }
 
-bool rsv_is_touched(
-    const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place, float spacing)
+bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place)
 {
     rsv_vec3 origin = leave(shape, place);
-    return rsv_is_blocked(tracer, origin, v3_mad(origin, CONTACT * spacing, shape->normal));
+    return rsv_is_blocked(tracer, origin, v3_mad(origin, CONTACT * shape->spacing, shape->normal));
 }
 
 /// Whether a lamp close by is all that a place sees, nearly.
@@ -101,10 +106,12 @@ static bool is_behind_lamp(
 bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place)
 {
     rsv_hit hit;
-    rsv_ray up = { leave(shape, place), v3_scale(shape->normal, COVER * shape->size), 1 };
+    rsv_ray up = { leave(shape, place), shape->normal, COVER * f_max(shape->size, shape->spacing) };
     if (!rsv_tracer_closest(scene->tracer, &up, &hit)) return is_behind_lamp(scene, shape, place);
+    if (hit.t <= CONTACT * shape->spacing) return true;
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
-    return hit.t * COVER <= CONTACT || (bsdf->transmission == 0 && bsdf->opacity == 1);
+    if (bsdf->emissive && hit.t > COVER * shape->size) return is_behind_lamp(scene, shape, place);
+    return bsdf->transmission == 0 && bsdf->opacity == 1;
 }
 
 typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT } sight;

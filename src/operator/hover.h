@@ -10,6 +10,7 @@ typedef struct rsv_cell_shape {
     rsv_vec3 corner[3], centre;
     rsv_vec3 normal; ///< unit, geometric
     float size;      ///< edge of a right triangle of its area
+    float spacing;   ///< of the elements that it is one of
     float extent;    ///< for rsv_offset_origin
 } rsv_cell_shape;
 
@@ -21,13 +22,15 @@ rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
 /// Right above a place by a small part of the cell's size.
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
 
+/// The same below anything that does not touch the place.
+rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place);
+
 /// Whether something touches the cell at a place: anything less than a fiftieth of the elements' spacing above, however
 /// small the cell.
-bool rsv_is_touched(
-    const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place, float spacing);
+bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether something lies right upon the cell at a place: anything that touches it, something opaque less than a fifth of
-/// the cell's size above, or a lamp less than half of it above that is nearly all there is to see.
+/// the elements' spacing above, or a lamp less than half the cell's size above that is nearly all there is to see.
 bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether anything stands between two places.

@@ -4,6 +4,23 @@
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
 
+/// A cell in a gap: corners that nothing touches, unless the gap is inside something.
+static uint8_t judge_sheltered(
+    const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
+{
+    uint32_t open = 0;
+    for (int k = 0; k < 3; k++) {
+        rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
+        rsv_vec3 place = rsv_cell_crouch(shape, corner);
+        bool shut = rsv_is_touched(scene->tracer, shape, corner) ||
+                    rsv_is_buried(scene, place, shape->normal, SEED, rays) ||
+                    rsv_is_mostly_buried(scene, place, shape->normal, SEED, rays);
+        open |= (uint32_t)!shut << k;
+    }
+    *rays += 3;
+    return (uint8_t)(open ? open | RSV_CELL_SHELTERED : 0);
+}
+
 static uint8_t judge_cell(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
@@ -19,6 +36,7 @@ static uint8_t judge_cell(
         blocked[k] = rsv_is_blocked(scene->tracer, place[k], place[(k + 1) % 3]);
         cut = cut || blocked[k] || covered[k] != covered[(k + 1) % 3];
     }
+    if (covered[0] && covered[1] && covered[2]) return judge_sheltered(scene, shape, rays);
     uint32_t open = 0;
     for (int k = 0; k < 3; k++) {
         bool buried = covered[k] || rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
@@ -62,12 +80,27 @@ rsv_status rsv_elements_find_open_corners(
     return RSV_OK;
 }
 
+rsv_vec3 rsv_cell_above(uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 place)
+{
+    return openness & RSV_CELL_SHELTERED ? rsv_cell_crouch(shape, place)
+                                         : rsv_cell_hover(shape, place);
+}
+
 bool rsv_cell_outlook(
     uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place)
 {
     uint32_t open = openness & RSV_CORNERS_OPEN;
     if (!open) return false;
     uint32_t from = open >> corner & 1 ? corner : (uint32_t)__builtin_ctz(open);
-    *place = rsv_cell_hover(shape, rsv_cell_inset(shape, shape->corner[from]));
+    *place = rsv_cell_above(openness, shape, rsv_cell_inset(shape, shape->corner[from]));
     return true;
+}
+
+bool rsv_cell_sees(const rsv_transport_scene *scene, uint8_t openness, const rsv_cell_shape *shape,
+    rsv_vec3 outlook, rsv_vec3 place)
+{
+    bool covered = openness & RSV_CELL_SHELTERED ? rsv_is_touched(scene->tracer, shape, place)
+                                                 : rsv_is_covered(scene, shape, place);
+    return !covered &&
+           !rsv_is_blocked(scene->tracer, outlook, rsv_cell_above(openness, shape, place));
 }

@@ -10,6 +10,9 @@
 #define RSV_CORNERS_OPEN 7u      ///< bit k: corner k of the cell lies in the open
 #define RSV_CELL_CUT 8u          ///< something stands upon the cell, or between its corners
 #define RSV_CELL_CUT_THROUGH 16u ///< what does keeps corners apart that lie in the open
+/// All of the cell lies in a gap, such as behind a picture: its light is that of the gap, and its corners are open if they
+/// see that.
+#define RSV_CELL_SHELTERED 32u
 
 /// Judges the corners of every cell, once: fills `cell_openness`. It depends on what lies around a cell alone, and on no random
 /// numbers of nodes: neighbours agree, and edits elsewhere change nothing.
@@ -21,9 +24,16 @@ rsv_status rsv_elements_find_open_corners(const rsv_transport_scene *scene,
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t cell, const rsv_cell_shape *shape, uint64_t *rays);
 
+/// A little above a place of the cell, and within the gap if it lies in one.
+rsv_vec3 rsv_cell_above(uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 place);
+
 /// From where the cell is seen on behalf of a corner: from above that corner if it lies in the open, or else from above
 /// another that does. @return false if none does
 bool rsv_cell_outlook(
     uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place);
+
+/// Whether a place of the cell is seen from that outlook, and nothing lies upon it.
+bool rsv_cell_sees(const rsv_transport_scene *scene, uint8_t openness, const rsv_cell_shape *shape,
+    rsv_vec3 outlook, rsv_vec3 place);
 
 #endif
