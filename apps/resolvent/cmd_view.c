@@ -160,7 +160,8 @@ static bool open_light(viewer *v)
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
     if (!report(v, cli_solve_subject(v->session, &desc, NULL, &v->subject, NULL))) return false;
-    if (!report(v, rsv_relighter_create(v->subject.solution, v->subject.scene, &v->relighter)))
+    if (!report(v, rsv_relighter_create(v->subject.solution, v->subject.scene, &v->relighter)) ||
+        !report(v, rsv_relighter_prepare(v->relighter)))
         return false;
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;
     double budget = s->record ? 0 : (double)s->budget_ms;

@@ -65,6 +65,12 @@ RSV_API rsv_status rsv_relighter_create(
     rsv_solution *solution, rsv_scene *scene, rsv_relighter **relighter);
 RSV_API void rsv_relighter_destroy(rsv_relighter *relighter);
 
+/// Does beforehand what the first change of each kind would have to set up: worth its time (that of a solve, and of sorting the
+/// receivers) where changes are to follow one another. From then on what every source does by itself, bounces included, is
+/// kept, up to 512 MiB: while strengths alone change, they are right at once and need no steps. Where sources or colours
+/// have changed, the next change of strengths finds that out anew.
+RSV_API rsv_status rsv_relighter_prepare(rsv_relighter *relighter);
+
 /// What can be changed of a source, and how it stands.
 typedef struct rsv_relight_source {
     const char *name;

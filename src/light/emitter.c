@@ -104,18 +104,22 @@ void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *e)
     e->area = 0.5f * v3_length(cross);
 }
 
+void rsv_emitter_set_strength(const rsv_scene_view *scene, const rsv_bsdf *material, rsv_emitter *e)
+{
+    e->radiance = e->varies ? mean_radiance(scene, e) : material->emission;
+}
+
 rsv_emitter rsv_emitter_create(
     const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell)
 {
     const rsv_bsdf *material = &bsdf[scene->triangle_material[triangle]];
-    rsv_emitter emitter = { .radiance = material->emission,
-        .triangle = triangle,
-        .level = (uint8_t)level,
-        .double_sided = material->double_sided };
+    rsv_emitter emitter = {
+        .triangle = triangle, .level = (uint8_t)level, .double_sided = material->double_sided
+    };
     cell_corners(level, cell, emitter.u, emitter.v);
     rsv_emitter_follow(scene, &emitter);
     emitter.varies = rsv_emission_varies(&scene->material[scene->triangle_material[triangle]]);
-    if (emitter.varies) emitter.radiance = mean_radiance(scene, &emitter);
+    rsv_emitter_set_strength(scene, material, &emitter);
     return emitter;
 }
 

@@ -68,6 +68,11 @@ void rsv_lights_destroy(rsv_lights *lights);
 /// Takes over where sources stand after some were moved, nothing else having changed.
 rsv_status rsv_lights_follow(rsv_lights *lights);
 
+/// Takes over how strong emitters and punctual lights are, the environment being as it was.
+/// @param bsdf [material_count], borrowed
+/// @param followed out: false, and nothing done, if other materials emit than did: then the lights are to be created anew
+rsv_status rsv_lights_follow_strengths(rsv_lights *lights, const rsv_bsdf *bsdf, bool *followed);
+
 /// The emitter at barycentric (u, v) of a triangle; RSV_NONE = it does not emit.
 uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v);
 

@@ -67,6 +67,10 @@ rsv_emitter rsv_emitter_create(
 /// Puts it where its triangle is now.
 void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *emitter);
 
+/// Gives it the radiance that its material has now.
+void rsv_emitter_set_strength(
+    const rsv_scene_view *scene, const rsv_bsdf *material, rsv_emitter *emitter);
+
 /// Builds the trees, where there are enough lights for them; earlier ones are felled.
 rsv_status rsv_lights_plant_trees(rsv_lights *lights);
 

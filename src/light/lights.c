@@ -108,6 +108,7 @@ static bool is_distant(const rsv_light *light) { return light->kind == RSV_LIGHT
 static void list_punctual(rsv_lights *lights)
 {
     const rsv_scene_view *scene = lights->scene;
+    lights->punctual_count = 0;
     for (int distant = 1; distant >= 0; distant--) {
         for (size_t i = 0; i < scene->light_count; i++)
             if (is_distant(&scene->light[i]) == distant && !rgb_is_black(scene->light[i].intensity))
@@ -170,6 +171,43 @@ rsv_status rsv_lights_follow(rsv_lights *lights)
 {
     for (size_t i = 0; i < lights->emitter_count; i++)
         rsv_emitter_follow(lights->scene, &lights->emitter[i]);
+    return rsv_lights_plant_trees(lights);
+}
+
+static uint32_t material_of(const rsv_lights *lights, const rsv_emitter_group *group)
+{
+    return lights->scene->triangle_material[lights->emitter[group->first].triangle];
+}
+
+/// Whether the materials that emit are those of the groups.
+static bool same_materials_emit(const rsv_lights *lights, const rsv_bsdf *bsdf)
+{
+    for (size_t g = 0; g < lights->group_count; g++)
+        if (!is_emissive(&bsdf[material_of(lights, &lights->group[g])])) return false;
+    for (uint32_t m = 0; m < lights->scene->material_count; m++) {
+        size_t g = 0;
+        if (!is_emissive(&bsdf[m])) continue;
+        while (g < lights->group_count && material_of(lights, &lights->group[g]) != m)
+            g++;
+        if (g == lights->group_count) return false;
+    }
+    return true;
+}
+
+rsv_status rsv_lights_follow_strengths(rsv_lights *lights, const rsv_bsdf *bsdf, bool *followed)
+{
+    *followed = same_materials_emit(lights, bsdf);
+    if (!*followed) return RSV_OK;
+    for (size_t g = 0; g < lights->group_count; g++) {
+        rsv_emitter_group *group = &lights->group[g];
+        const rsv_bsdf *material = &bsdf[material_of(lights, group)];
+        group->power = 0;
+        for (size_t i = group->first; i < group->first + group->count; i++) {
+            rsv_emitter_set_strength(lights->scene, material, &lights->emitter[i]);
+            group->power += rsv_emitter_power(&lights->emitter[i]);
+        }
+    }
+    list_punctual(lights);
     return rsv_lights_plant_trees(lights);
 }
 

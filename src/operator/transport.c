@@ -54,6 +54,7 @@ void rsv_transport_environment(
     const rsv_transport *transport, const rsv_rgb *bin_radiance, rsv_rgb *irradiance)
 {
     const rsv_transport *t = transport;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context))
     for (size_t row = 0; row < t->row_count; row++) {
         rsv_rgb sum = rsv_escapes_sum(&t->escapes, row, bin_radiance);
         irradiance[row] = rgb_scale(sum, RSV_PI * t->scale[row]);

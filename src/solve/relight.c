@@ -1,5 +1,5 @@
 /// Relighting: solving again for another E0, from where the last solve stopped.
-#include "relighter.h"
+#include "relight_responses.h"
 #include "sharpen.h"
 
 #include <math.h>
@@ -80,6 +80,8 @@ rsv_status rsv_relighter_settle(rsv_relighter *r)
     if (any) {
         RSV_TRY(rsv_relighter_sample(r, r->stale, RSV_RELIGHTER_ANYTHING, &effort));
         RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING));
+        rsv_relight_responses_destroy(r->responses);
+        r->responses = NULL;
         memset(r->stale, 0, r->basis->source_count * sizeof *r->stale);
     }
     RSV_TRY(rsv_solution_solve_again(r->s));

@@ -1,6 +1,6 @@
 /// E0 as a sum over its sources, each part times its factor or sampled again where its source stands elsewhere.
 #include "../trace/tracer_update.h"
-#include "relighter.h"
+#include "relight_responses.h"
 #include "source.h"
 
 #include <math.h>
@@ -140,12 +140,14 @@ static void combine(const rsv_relighter *r, size_t field)
     const rsv_light_basis *b = r->basis;
     size_t length = rsv_light_field_length(r->s, field);
     rsv_rgb *sum = rsv_light_field(r->s, field);
+    const rsv_rgb *part[RSV_MAX_LIGHT_PARTS];
+    for (size_t k = 0; k < b->source_count; k++)
+        part[k] = *rsv_light_part_field(&b->part[k], field);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
     for (size_t n = 0; n < length; n++) {
         rsv_rgb total = rgb_gray(0);
         for (size_t k = 0; k < b->source_count; k++)
-            total = rgb_add(
-                total, rgb_mul(r->now.scale[k], (*rsv_light_part_field(&b->part[k], field))[n]));
+            total = rgb_add(total, rgb_mul(r->now.scale[k], part[k][n]));
         sum[n] = total;
     }
 }
@@ -166,11 +168,14 @@ rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_k
     rsv_status status;
     rsv_rgb gathered;
     rsv_light_settings_home home = home_of(r);
+    rsv_rgb environment_scale = r->environment_scale;
+    bool followed = false;
     set_strengths(r, r->now.scale);
     if (kind == RSV_RELIGHTER_PLACES)
         RSV_TRY(rsv_lights_follow(r->s->lights));
-    else
-        RSV_TRY(rsv_solution_refresh(r->s, r->lights));
+    else if (kind == RSV_RELIGHTER_STRENGTHS && same_color(environment_scale, r->environment_scale))
+        RSV_TRY(rsv_solution_follow_strengths(r->s, &followed));
+    if (kind != RSV_RELIGHTER_PLACES && !followed) RSV_TRY(rsv_solution_refresh(r->s, r->lights));
     RSV_TRY(rsv_gathered_scale(&home, &r->now, &gathered));
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
         combine(r, field);
@@ -178,6 +183,19 @@ rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_k
 cleanup:
     return status;
 }
+
+rsv_status rsv_relighter_see_sky(rsv_relighter *r, rsv_rgb *sky)
+{
+    memset(sky, 0, rsv_relighter_nodes(r) * sizeof *sky);
+    if (!r->environment) return RSV_OK;
+    set_strengths(r, NULL);
+    rsv_status status = rsv_solution_refresh(r->s, r->lights);
+    if (status == RSV_OK) rsv_transport_environment(r->s->transport, r->s->bin_radiance, sky);
+    set_strengths(r, r->now.scale);
+    return status == RSV_OK ? rsv_solution_refresh(r->s, r->lights) : status;
+}
+
+// ---- changes --------------------------------------------------------------------------------------
 
 /// Few rays, for a light that will soon be elsewhere.
 static rsv_light_effort rough_effort(const rsv_relighter *r)
@@ -218,6 +236,35 @@ static rsv_status check_added(const rsv_relighter *r, const rsv_light *light)
     return RSV_OK;
 }
 
+static void forget_responses(rsv_relighter *r)
+{
+    rsv_relight_responses_destroy(r->responses);
+    r->responses = NULL;
+}
+
+/// Irradiance at the strengths as they are now.
+static rsv_status follow_strengths(rsv_relighter *r)
+{
+    rsv_status status = RSV_OK;
+    if (!r->responses) RSV_TRY(rsv_relight_responses_create(r, &r->responses));
+    RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_STRENGTHS));
+    if (!r->responses) return RSV_OK; // too large to keep: steps will do
+    rsv_relight_responses_combine(r->responses, r);
+    r->residual = 0;
+cleanup:
+    return status;
+}
+
+rsv_status rsv_relighter_prepare(rsv_relighter *r)
+{
+    rsv_status status;
+    r->prepared = true;
+    RSV_TRY(keep_receivers(r));
+    if (!r->responses) RSV_TRY(rsv_relight_responses_create(r, &r->responses));
+cleanup:
+    return status;
+}
+
 rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
 {
     rsv_light_basis *b = r->basis;
@@ -237,6 +284,7 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
     b->source_count++;
     r->settled = false;
     r->residual = INFINITY;
+    forget_responses(r);
     status = rsv_relighter_sample(r, r->moved, RSV_RELIGHTER_ANYTHING, &rough);
     return status == RSV_OK ? rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING) : status;
 }
@@ -245,12 +293,15 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
 static rsv_relighter_change_kind kind_of_change(
     const rsv_relighter *r, const rsv_light_settings *from, const rsv_light_settings *to)
 {
-    bool same = from->rotation == to->rotation;
-    for (size_t k = 0; k < r->basis->source_count; k++)
-        same = same && same_color(from->scale[k], to->scale[k]);
+    bool strengths = true, places = true, others = from->rotation == to->rotation;
+    for (size_t k = 0; k < r->basis->source_count; k++) {
+        strengths = strengths && same_color(from->scale[k], to->scale[k]);
+        places = places && same_place(from->offset[k], to->offset[k]);
+    }
     for (size_t m = 0; m < r->scene->material_count; m++)
-        same = same && same_color(from->base_color[m], to->base_color[m]);
-    return same ? RSV_RELIGHTER_PLACES : RSV_RELIGHTER_ANYTHING;
+        others = others && same_color(from->base_color[m], to->base_color[m]);
+    if (others && strengths) return RSV_RELIGHTER_PLACES;
+    return others && places ? RSV_RELIGHTER_STRENGTHS : RSV_RELIGHTER_ANYTHING;
 }
 
 rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
@@ -268,6 +319,7 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
     r->wanted = before;
     r->settled = false;
     r->residual = INFINITY;
+    if (kind != RSV_RELIGHTER_STRENGTHS) forget_responses(r);
     if (body) {
         rsv_scene_update_bounds(r->scene);
         RSV_TRY(rsv_tracer_set_apart(r->s->tracer, r->moves));
@@ -278,7 +330,10 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
         rsv_light_effort rough = rough_effort(r);
         RSV_TRY(rsv_relighter_sample(r, r->moved, kind, &rough));
     }
-    RSV_TRY(rsv_relighter_update_sources(r, kind));
+    if (kind == RSV_RELIGHTER_STRENGTHS && r->prepared)
+        RSV_TRY(follow_strengths(r));
+    else
+        RSV_TRY(rsv_relighter_update_sources(r, kind));
     r->behind = false;
 cleanup:
     return status;

@@ -1,4 +1,4 @@
-#include "relighter.h"
+#include "relight_responses.h"
 
 #include <math.h>
 #include <string.h>
@@ -152,6 +152,7 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_free(context, r->next);
     rsv_free(context, r->scratch);
     rsv_free(context, r->valid);
+    rsv_relight_responses_destroy(r->responses);
     rsv_light_basis_destroy(r->basis);
     rsv_free(context, r);
 }

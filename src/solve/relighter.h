@@ -30,6 +30,8 @@ struct rsv_relighter {
     rsv_rgb *next, *scratch; ///< [node_count]
     uint64_t rays;           ///< traced so far
     double residual;
+    struct rsv_relight_responses *responses; ///< NULL = not known, for the sources as they stand
+    bool prepared;                           ///< whether they are wanted
     bool settled;
     bool behind; ///< a change was cut short: the next one takes everything over again
 };
@@ -51,12 +53,17 @@ rsv_status rsv_relighter_find_lights(rsv_relighter *relighter);
 /// What has changed since E0 was last brought up to date.
 typedef enum rsv_relighter_change_kind {
     RSV_RELIGHTER_ANYTHING,
-    RSV_RELIGHTER_PLACES ///< of lights, no more: nothing else need be looked at
+    RSV_RELIGHTER_STRENGTHS, ///< of sources, no more
+    RSV_RELIGHTER_PLACES     ///< of lights, no more: nothing else need be looked at
 } rsv_relighter_change_kind;
 
 /// Samples sources, at the strengths that they began with. @param which [source_count]
 rsv_status rsv_relighter_sample(rsv_relighter *relighter, const bool *which,
     rsv_relighter_change_kind kind, const rsv_light_effort *effort);
+
+/// What rows gather of the surroundings as they stand, at the strength that they began with; 0 without.
+/// @param sky [node_count] out
+rsv_status rsv_relighter_see_sky(rsv_relighter *relighter, rsv_rgb *sky);
 
 /// Brings scene, lights and E0 to the present settings, after parts have changed.
 rsv_status rsv_relighter_update_sources(rsv_relighter *relighter, rsv_relighter_change_kind kind);

@@ -196,6 +196,13 @@ rsv_status rsv_solution_prepare(
     return status;
 }
 
+rsv_status rsv_solution_follow_strengths(rsv_solution *s, bool *followed)
+{
+    for (size_t m = 0; m < s->scene.view->material_count; m++)
+        s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, (uint32_t)m);
+    return rsv_lights_follow_strengths(s->lights, s->bsdf, followed);
+}
+
 rsv_status rsv_solution_refresh(rsv_solution *s, const rsv_lights *like)
 {
     rsv_status status;

@@ -52,6 +52,9 @@ rsv_status rsv_solution_prepare(
 /// @param like lights of the same scene: what they gather is gathered
 rsv_status rsv_solution_refresh(rsv_solution *solution, const rsv_lights *like);
 
+/// Takes over how strong sources are, the environment being as it was. @param followed as in rsv_lights_follow_strengths
+rsv_status rsv_solution_follow_strengths(rsv_solution *solution, bool *followed);
+
 /// Coarse elements are few and each feeds all others: their direct light gets so many times the shadow rays.
 #define RSV_COARSE_LIGHT_FACTOR 2
 

@@ -37,6 +37,7 @@ cleanup:
 
 void rsv_source_complete(rsv_solution *s)
 {
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < s->elements->node_count; n++) {
         s->source[n] = rgb_add(s->source[n], s->gathered[n]);
         if (s->caustics.coarse_caustic)
@@ -49,6 +50,7 @@ void rsv_source_complete(rsv_solution *s)
 void rsv_source_add_gathered(rsv_solution *s)
 {
     rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < s->elements->node_count; n++)
         s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
     rsv_source_complete(s);

@@ -1,0 +1,29 @@
+/// What each source of a relighter does by itself, bounces included: kept, so that other strengths are a sum.
+///
+/// Lamps that rows gathered are stored as one sum and answer together; every other source has a response of its own.
+#ifndef RSV_RELIGHT_RESPONSES_H
+#define RSV_RELIGHT_RESPONSES_H
+
+#include "relighter.h"
+
+typedef struct rsv_relight_responses {
+    rsv_context *context;
+    size_t count;        ///< of responses
+    size_t *of_source;   ///< [RSV_MAX_LIGHT_PARTS] the response that a source belongs to
+    rsv_rgb *irradiance; ///< [node_count x count] at the strengths that the sources began with
+    rsv_rgb *shown;      ///< [node_count x count] the same without E0, as cameras look it up
+} rsv_relight_responses;
+
+/// Solves for all sources as they stand, with the present colours.
+/// @param responses out; NULL where they would take too much memory, RSV_MAX_RESPONSE_BYTES
+rsv_status rsv_relight_responses_create(
+    rsv_relighter *relighter, rsv_relight_responses **responses);
+void rsv_relight_responses_destroy(rsv_relight_responses *responses);
+
+#define RSV_MAX_RESPONSE_BYTES ((size_t)512 << 20)
+
+/// Puts irradiance and indirect light of the solution together at the relighter's present strengths.
+void rsv_relight_responses_combine(
+    const rsv_relight_responses *responses, const rsv_relighter *relighter);
+
+#endif
