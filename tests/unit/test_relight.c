@@ -493,6 +493,63 @@ static void steps_lead_to_the_solution(void **state)
     world_end(w);
 }
 
+/// Changes strengths of a prepared relighter and compares what it shows at once with what it shows at rest.
+static void check_at_once(rsv_relighter *r, rsv_solution *s, const rsv_relight_desc *desc)
+{
+    size_t nodes = s->elements->node_count;
+    rsv_rgb *once = malloc(nodes * sizeof *once), *shown = malloc(nodes * sizeof *shown);
+    rsv_relight_progress progress;
+    change(r, desc);
+    assert_int_equal(rsv_relighter_step(r, 0, &progress), RSV_OK);
+    assert_true(progress.converged && progress.orders == 0);
+    memcpy(once, s->irradiance, nodes * sizeof *once);
+    memcpy(shown, s->indirect, nodes * sizeof *shown);
+    assert_false(rsv_relighter_is_settled(r));
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    assert_true(largest_difference(once, s->irradiance, nodes) < 1e-4);
+    // each source is sharpened by itself: where light jumps, that is not what sharpening their sum does
+    double rms = 0, size = 0;
+    for (size_t n = 0; n < nodes; n++) {
+        rms += pow((double)shown[n].g - s->indirect[n].g, 2);
+        size += pow((double)s->indirect[n].g, 2);
+    }
+    assert_true(sqrt(rms / size) < 2e-2);
+    free(once);
+    free(shown);
+}
+
+/// Lamps off and on again, and all that after lights have moved and walls changed colour.
+static void prepared_strengths_are_right_at_once(void **state)
+{
+    (void)state;
+    const rsv_light_scale dim[] = { { "lamp", { 0, 0, 0 } }, { "bulb", { 9, 9, 1 } } };
+    const rsv_light_scale lit[] = { { "lamp", { 2, 1, 3 } }, { "bulb", { 0, 0, 0 } } };
+    const rsv_light_move move = { "lamp", { 0.5f, 0.1f, 0 } };
+    const rsv_albedo_change dark = { "lambert", { 0.1f, 0.5f, 0.1f } };
+    rsv_relight_desc later = { .move = &move, .move_count = 1, .albedo = &dark, .albedo_count = 1 };
+    world *w = yard(v3(0, 0, 0));
+    rsv_solution *s = solve(w, true);
+    size_t nodes = s->elements->node_count;
+    rsv_rgb *began = malloc(nodes * sizeof *began);
+    memcpy(began, s->irradiance, nodes * sizeof *began);
+    rsv_relighter *r;
+    begin_relighting(w, s, &r);
+    assert_int_equal(rsv_relighter_prepare(r), RSV_OK);
+    assert_memory_equal(s->irradiance, began, nodes * sizeof *began);
+    assert_true(rsv_relighter_is_settled(r));
+    check_at_once(r, s, &(rsv_relight_desc){ .light = dim, .light_count = 2 });
+    check_at_once(r, s, &(rsv_relight_desc){ .light = lit, .light_count = 2 });
+    change(r, &later);
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    later.light = dim;
+    later.light_count = 2;
+    check_at_once(r, s, &later);
+    rsv_relighter_destroy(r);
+    free(began);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
 static void what_cannot_move_is_refused(void **state)
 {
     (void)state;
@@ -521,6 +578,7 @@ int main(void)
         cmocka_unit_test(sixteen_receivers_see_what_one_does),
         cmocka_unit_test(added_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(steps_lead_to_the_solution),
+        cmocka_unit_test(prepared_strengths_are_right_at_once),
         cmocka_unit_test(what_cannot_move_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

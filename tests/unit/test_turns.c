@@ -186,6 +186,33 @@ static void between_angles_light_changes_evenly(void **state)
     rsv_turned_surroundings_free(&sky);
 }
 
+/// A relighter that was prepared knows what the sky does at the angle where it stands.
+static void a_prepared_sky_dims_at_once(void **state)
+{
+    open_box *b = *state;
+    const rsv_light_scale dim[] = { { "light", { 2, 2, 2 } },
+        { "environment", { 0.25f, 0.25f, 0.25f } } };
+    const rsv_relight_desc desc = {
+        .light = dim, .light_count = 2, .turn = true, .rotation = FIRST + 3 * STEP
+    };
+    rsv_relight_progress progress;
+    double sum = 0, off = 0;
+    turn_by_library(b, FIRST + 3 * STEP, 1);
+    assert_int_equal(rsv_relighter_prepare(b->relighter), RSV_OK);
+    assert_int_equal(rsv_relighter_change(b->relighter, &desc), RSV_OK);
+    assert_int_equal(rsv_relighter_step(b->relighter, 0, &progress), RSV_OK);
+    assert_true(progress.converged && progress.orders == 0);
+    for (size_t k = 0; k < b->receiver_count; k++)
+        b->light[k] = rsv_bake_irradiance(b->solution, &b->receiver[k]).g;
+    assert_int_equal(rsv_relighter_settle(b->relighter), RSV_OK);
+    for (size_t k = 0; k < b->receiver_count; k++) {
+        double rested = (double)rsv_bake_irradiance(b->solution, &b->receiver[k]).g;
+        off += fabs((double)b->light[k] - rested);
+        sum += rested;
+    }
+    assert_true(off < 2e-3 * sum);
+}
+
 // ---- probes ---------------------------------------------------------------------------------------
 
 /// Bakes probes under the present light. @return their coefficients, to be freed
@@ -264,6 +291,7 @@ int main(void)
         cmocka_unit_test(the_sky_at_a_baked_angle_is_relit_exactly),
         cmocka_unit_test(lights_and_a_turned_sky_add_up),
         cmocka_unit_test(between_angles_light_changes_evenly),
+        cmocka_unit_test(a_prepared_sky_dims_at_once),
     };
     return cmocka_run_group_tests(tests, solve_box, remove_box);
 }
