@@ -5,8 +5,9 @@
     6 ///< so many of them must see backs before a place near other geometry is buried
 #define BURIAL_STEPS 4 ///< from surface to surface
 
-/// Test segments run this far above the surface and inside the cell, in parts of its size.
+/// Test segments run this far above the surface, in parts of the elements' spacing ...
 #define LIFT 0.1f
+/// ... and this far inside the cell, in parts of its size.
 #define INSET 0.05f
 /// Opaque surfaces cover what lies closer below them, in parts of the elements' spacing: a picture hung two centimetres off
 /// the wall hides what cells of a decimetre cannot tell from what it leaves open.
@@ -51,7 +52,7 @@ static rsv_vec3 leave(const rsv_cell_shape *shape, rsv_vec3 place)
 
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
 {
-    return v3_mad(leave(shape, place), LIFT * shape->size, shape->normal);
+    return v3_mad(leave(shape, place), LIFT * f_max(shape->size, shape->spacing), shape->normal);
 }
 
 rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place)

@@ -19,7 +19,7 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
 /// A place on the border of a cell, a little towards its centre, so that what merely touches the border is not met.
 rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
 
-/// Right above a place by a small part of the cell's size.
+/// Right above a place by a tenth of the elements' spacing: higher than gaps that light could pass below a wall.
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// The same below anything that does not touch the place.

@@ -4,8 +4,8 @@
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
 
-/// A cell in a gap: corners that nothing touches, unless the gap is inside something.
-static uint8_t judge_sheltered(
+/// The corners of a cell in a gap that nothing touches, unless the gap is inside something.
+static uint32_t find_sheltered(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
     uint32_t open = 0;
@@ -18,7 +18,7 @@ static uint8_t judge_sheltered(
         open |= (uint32_t)!shut << k;
     }
     *rays += 3;
-    return (uint8_t)(open ? open | RSV_CELL_SHELTERED : 0);
+    return open;
 }
 
 static uint8_t judge_cell(
@@ -36,8 +36,9 @@ static uint8_t judge_cell(
         blocked[k] = rsv_is_blocked(scene->tracer, place[k], place[(k + 1) % 3]);
         cut = cut || blocked[k] || covered[k] != covered[(k + 1) % 3];
     }
-    if (covered[0] && covered[1] && covered[2]) return judge_sheltered(scene, shape, rays);
-    uint32_t open = 0;
+    bool gap = covered[0] && covered[1] && covered[2];
+    uint32_t open = gap ? find_sheltered(scene, shape, rays) : 0;
+    if (open) return (uint8_t)(open | RSV_CELL_SHELTERED | (cut ? RSV_CELL_CUT : 0));
     for (int k = 0; k < 3; k++) {
         bool buried = covered[k] || rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
                       (cut && rsv_is_mostly_buried(scene, place[k], shape->normal, SEED, rays));
