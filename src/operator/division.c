@@ -150,6 +150,20 @@ rsv_status rsv_division_cut(rsv_division *d, uint32_t part, uint32_t part_count)
     return RSV_OK;
 }
 
+size_t rsv_division_step(size_t count)
+{
+    size_t step = (size_t)(0.618033988749895 * (double)count) + 1; // the golden section
+    for (;; step++) {
+        size_t a = step, b = count; // Euclid: no common divisor
+        while (b != 0) {
+            size_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a <= 1 || count == 0) return step;
+    }
+}
+
 /// Colours, which are most of what is shared, at once; all else by the library.
 static void copy_item(char *to, const char *from, size_t bytes)
 {
