@@ -50,11 +50,16 @@ void rsv_team_leave(rsv_team *team)
 
 /// One number tells two things: failures in the upper bits, and below them how long it took to get here.
 #define TIME_BITS 40 // of microseconds: twelve days
+#define RANK_BITS 18
+#define STATUS_BITS 4
 
-/// The first process that fails has the largest key.
+/// The first process that fails has the largest key. Those that were only asked to stop come last: why is for others to say.
 static int64_t failure_key(const rsv_team *team, rsv_status status)
 {
-    return status == RSV_OK ? 0 : ((int64_t)(team->size - team->rank) << 8) + (int64_t)status;
+    int64_t rank_key = (int64_t)(team->size - team->rank) << STATUS_BITS;
+    if (status == RSV_OK) return 0;
+    return ((int64_t)(status != RSV_ERROR_CANCELLED) << (RANK_BITS + STATUS_BITS)) + rank_key +
+           (int64_t)status;
 }
 
 /// @return the largest key of any process; the slowest prolongs the critical path
@@ -73,14 +78,16 @@ rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
     if (!team || team->size == 1 || team->parted) return status;
     int64_t worst = meet(team, failure_key(team, status));
     if (worst == 0) return RSV_OK;
-    uint32_t failed = team->size - (uint32_t)(worst >> 8);
+    uint32_t failed =
+        team->size - (uint32_t)(worst >> STATUS_BITS & (((int64_t)1 << RANK_BITS) - 1));
+    rsv_status failure = (rsv_status)(worst & ((1 << STATUS_BITS) - 1));
     char message[RSV_MESSAGE_BYTES];
     snprintf(message, sizeof message, "%s", reason ? reason : rsv_last_error());
     team->parted = true;
     team->table->copy(team, failed, message, sizeof message);
     message[sizeof message - 1] = '\0';
-    if (failed == 0) return rsv_fail((rsv_status)(worst & 255), "%s", message);
-    return rsv_fail((rsv_status)(worst & 255), "process %u of %u: %s", failed, team->size, message);
+    if (failed == 0) return rsv_fail(failure, "%s", message);
+    return rsv_fail(failure, "process %u of %u: %s", failed, team->size, message);
 }
 
 /// The items of one owner, in their blocks, next to each other; or back from there.

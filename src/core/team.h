@@ -51,6 +51,10 @@ double rsv_team_largest(rsv_context *context, double value);
 /// Processor seconds along the critical path so far; only differences mean something. Waiting for others is not work.
 double rsv_team_path(rsv_context *context);
 
+/// What failed, in a loop between meetings, shall not wait for the next one: all are asked to stop, here at once and in
+/// the others when they report progress. Any thread may call it.
+void rsv_team_alarm(rsv_context *context);
+
 /// The failure of one is the failure of all.
 rsv_status rsv_team_meet(rsv_context *context, rsv_status status);
 

@@ -90,6 +90,20 @@ for count in 1 3; do
     cmp -s anew.safetensors resumed.safetensors || complain "other bytes after a restart by $count"
 done
 
+# A disk that is full for one of them ends all, without waiting for the others' work
+rm -r rows
+SECONDS=0 status=0
+mpirun --oversubscribe --mca mpi_yield_when_idle 1 --mca btl tcp,self -n 1 "$program" "${long[@]}" : \
+    -n 1 bash -c 'ulimit -f 400; exec "$0" "$@"' "$program" "${long[@]}" >stdout 2>stderr </dev/null || status=$?
+((status == 1)) || complain "exit status $status, not 1, with a full disk"
+((SECONDS < 30)) || complain "it took $SECONDS s to end with a full disk"
+[[ $(grep -c '^error: process 1 of 2: checkpoint: cannot write .*: File too large; with that mended' stderr) == 1 ]] ||
+    complain "a full disk is not said once"
+[[ ! -e killed.safetensors ]] || complain "half a file on a full disk"
+thrive 2 "${long[@]}" -o resumed.safetensors --resume
+warns '^note: checkpoint: [0-9]* rows'
+cmp -s anew.safetensors resumed.safetensors || complain "other bytes after a full disk"
+
 # An interrupt stops all, in one line
 rm -r rows
 begin "$program" "${long[@]}" --quality high
