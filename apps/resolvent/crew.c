@@ -3,6 +3,7 @@
 #include "command.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
 /// Belongs to the process, as MPI does.
 static rsv_team *crew;
@@ -31,10 +32,18 @@ bool cli_crew_speaks(void)
     return rank == 0;
 }
 
+/// Who cannot join has nobody to tell. The first process says what ails all; any other waits, for the launcher ends it
+/// together with the first, before it says what ails itself.
 static bool join(void)
 {
+    uint32_t rank, size = rsv_team_launched(&rank);
     if (rsv_team_join(&crew) == RSV_OK) return true;
-    if (cli_crew_speaks()) fprintf(stderr, "error: %s\n", rsv_last_error());
+    if (rank == 0) {
+        fprintf(stderr, "error: %s\n", rsv_last_error());
+        return false;
+    }
+    sleep(2);
+    fprintf(stderr, "error: process %u of %u: %s\n", rank, size, rsv_last_error());
     return false;
 }
 
@@ -63,6 +72,7 @@ int cli_crew_leave(int exit_status)
         if (!parted && crew->rank == 0) fprintf(stderr, "error: %s\n", rsv_last_error());
         exit_status = CLI_FAILURE;
     }
+    if (exit_status != CLI_SUCCESS) crew->petsc_options = NULL; // no matter which were used
     rsv_team_leave(crew);
     crew = NULL;
     return exit_status;

@@ -36,7 +36,7 @@ RSV_API bool rsv_is_operator_file(const char *path);
 RSV_API rsv_status rsv_scene_fingerprint(
     const rsv_scene *scene, char digits[RSV_FINGERPRINT_DIGITS + 1]);
 
-/// In a team, fails unless all processes hold the same scene and run the same version of the program.
+/// In a team, fails unless all processes run the same code and hold the same scene, by SHA-256.
 RSV_API rsv_status rsv_scene_compare(const rsv_scene *scene);
 
 #ifdef __cplusplus

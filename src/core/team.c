@@ -178,7 +178,7 @@ rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *
     rsv_team_copy(context, first, sizeof first);
     if (strncmp(first, text, sizeof first - 1) != 0)
         status = rsv_fail(RSV_ERROR_ARGUMENT,
-            "its %s is not that of process 0 (%.64s instead of %.64s); all must be given the same",
+            "its %s is not that of process 0 (%.24s instead of %.24s); all must be given the same",
             what, text, first);
     return rsv_team_meet(context, status);
 }

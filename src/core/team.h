@@ -58,7 +58,8 @@ void rsv_team_alarm(rsv_context *context);
 /// The failure of one is the failure of all.
 rsv_status rsv_team_meet(rsv_context *context, rsv_status status);
 
-/// Fails unless all processes have the same text. @param what "scene", for the message
+/// Fails unless all processes have the same text. @param what "scene", for the message @param text the first 24 characters
+/// stand in the message
 rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *text);
 
 #endif
