@@ -44,11 +44,12 @@ struct rsv_team {
     const rsv_team_table *table;
     uint32_t rank, size; ///< this process, of so many
     bool parted;         ///< after a failure they no longer talk
-    double
-        path; ///< processor seconds of the slowest from meeting to meeting, summed: the critical path
+    /// Processor seconds of the slowest from meeting to meeting, summed: the critical path.
+    double path;
     double met; ///< processor seconds of the calling thread when they last met
-    const char *
-        petsc_options; ///< besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve
+    /// Besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve. On leaving, PETSc says which of
+    /// them nobody asked for.
+    const char *petsc_options;
 };
 
 /// How many processes a launcher (mpirun, srun) started together, and which of them this is, by what it left in the

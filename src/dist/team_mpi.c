@@ -186,7 +186,7 @@ static void leave(rsv_team *team)
         if (team->rank == 0) listen(m); // the others' last messages, before they can leave
         hear_alarm(m);
     }
-    rsv_krylov_end();
+    rsv_krylov_end(team);
     MPI_Comm_free(&m->job);
     MPI_Comm_free(&m->side);
     if (m->own_mpi) MPI_Finalize();
