@@ -121,7 +121,8 @@ void rsv_team_merge(
         for (uint32_t rank = 0; rank < place.size; rank++)
             begin[rank + 1] =
                 move_blocks(&p, (rsv_team_place){ rank, place.size }, begin[rank], false);
-        rsv_team_share(context, p.packed, item_bytes, begin);
+        rsv_team *team = rsv_team_of(context);
+        team->table->share(team, p.packed, item_bytes, begin); // all have just met
         for (uint32_t rank = 0; rank < place.size; rank++)
             move_blocks(&p, (rsv_team_place){ rank, place.size }, begin[rank], true);
     }
@@ -142,10 +143,11 @@ void rsv_team_sum(rsv_context *context, int64_t *value, size_t count)
     if (team && rsv_team_meet(context, RSV_OK) == RSV_OK) team->table->sum(team, value, count);
 }
 
-void rsv_team_copy(rsv_context *context, void *data, size_t bytes)
+void rsv_team_copy(rsv_context *context, uint32_t from, void *data, size_t bytes)
 {
     rsv_team *team = rsv_team_of(context);
-    if (team && rsv_team_meet(context, RSV_OK) == RSV_OK) team->table->copy(team, 0, data, bytes);
+    if (team && rsv_team_meet(context, RSV_OK) == RSV_OK)
+        team->table->copy(team, from, data, bytes);
 }
 
 uint64_t rsv_team_total(rsv_context *context, uint64_t value)
@@ -175,7 +177,7 @@ rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *
     char first[256];
     rsv_status status = RSV_OK;
     snprintf(first, sizeof first, "%s", text);
-    rsv_team_copy(context, first, sizeof first);
+    rsv_team_copy(context, 0, first, sizeof first);
     if (strncmp(first, text, sizeof first - 1) != 0)
         status = rsv_fail(RSV_ERROR_ARGUMENT,
             "its %s is not that of process 0 (%.24s instead of %.24s); all must be given the same",

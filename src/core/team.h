@@ -41,7 +41,7 @@ void rsv_team_merge(
 /// The collective calls of the team.
 void rsv_team_share(rsv_context *context, void *array, size_t item_bytes, const size_t *begin);
 void rsv_team_sum(rsv_context *context, int64_t *value, size_t count);
-void rsv_team_copy(rsv_context *context, void *data, size_t bytes); ///< from process 0
+void rsv_team_copy(rsv_context *context, uint32_t from, void *data, size_t bytes);
 /// One count, over all processes.
 uint64_t rsv_team_total(rsv_context *context, uint64_t value);
 

@@ -187,11 +187,12 @@ static void move_part(
 
 void rsv_division_share(const rsv_division *d, void *field, size_t item_bytes)
 {
-    if (!d || !rsv_team_of(d->context)) return;
+    rsv_team *team = d ? rsv_team_of(d->context) : NULL;
+    if (!team) return;
     char *packed = rsv_reserve(d->context, d->node_count, item_bytes);
     if (rsv_team_meet(d->context, packed ? RSV_OK : RSV_ERROR_MEMORY) == RSV_OK && packed) {
         move_part(d, d->part, field, packed, item_bytes, false);
-        rsv_team_share(d->context, packed, item_bytes, d->row_begin);
+        team->table->share(team, packed, item_bytes, d->row_begin); // all have just met
         for (uint32_t part = 0; part < d->part_count; part++)
             if (part != d->part) move_part(d, part, field, packed, item_bytes, true);
     }
