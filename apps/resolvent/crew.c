@@ -14,12 +14,21 @@ rsv_team *cli_crew(void) { return dispersed ? NULL : crew; }
 
 void cli_crew_disperse(void) { dispersed = true; }
 
+/// @param give this one has failed
+static bool alarm_others(bool give)
+{
+    return crew && crew->size > 1 && !crew->parted && crew->table->alarm(crew, give);
+}
+
+bool cli_crew_alarmed(void) { return alarm_others(false); }
+
 uint32_t cli_crew_rank(void) { return crew ? crew->rank : 0; }
 
 uint32_t cli_crew_size(void) { return crew ? crew->size : 1; }
 
 const char *cli_crew_fail(rsv_status status, const char *message)
 {
+    if (dispersed) alarm_others(true);
     if (crew && !crew->parted) rsv_team_agree(crew, status, message);
     return crew && crew->parted ? rsv_last_error() : message;
 }

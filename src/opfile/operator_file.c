@@ -63,15 +63,21 @@ rsv_status rsv_scene_fingerprint(const rsv_scene *scene, char digits[RSV_FINGERP
     return status;
 }
 
+static rsv_status compare_programs(rsv_context *context)
+{
+    char text[96], digits[RSV_SHA256_DIGITS + 1];
+    rsv_program_digest(digits);
+    snprintf(text, sizeof text, "%s-%s", rsv_version(), digits);
+    return rsv_team_compare(context, "program", text);
+}
+
 rsv_status rsv_scene_compare(const rsv_scene *scene)
 {
     rsv_context *context = rsv_scene_get_context(scene);
-    char text[96], digits[RSV_FINGERPRINT_DIGITS + 1];
+    char digits[RSV_FINGERPRINT_DIGITS + 1];
     if (!rsv_team_of(context)) return RSV_OK;
     rsv_status status;
-    rsv_program_digest(digits);
-    snprintf(text, sizeof text, "%s-%s", rsv_version(), digits);
-    RSV_TRY(rsv_team_compare(context, "program", text));
+    RSV_TRY(compare_programs(context));
     RSV_TRY(rsv_scene_fingerprint(scene, digits));
     RSV_TRY(rsv_team_compare(context, "scene", digits));
 cleanup:
@@ -145,6 +151,25 @@ cleanup:
     rsv_scene_destroy(read_scene);
     rsv_tensor_file_end(&file);
     return status;
+}
+
+rsv_status rsv_operator_compare(rsv_context *context, const char *path)
+{
+    rsv_tensor_file file = { 0 };
+    if (!rsv_team_of(context)) return RSV_OK;
+    rsv_status status;
+    RSV_TRY(compare_programs(context));
+    if (!rsv_is_operator_file(path))
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT,
+            "%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes one",
+            path));
+    RSV_TRY(rsv_tensor_file_open(context, path, &file));
+    RSV_TRY(check_provenance(&file));
+    const char *digits = rsv_note_get(&file, RSV_CHECKSUM_NOTE);
+    RSV_TRY(rsv_team_compare(context, "operator file", digits ? digits : "none"));
+cleanup:
+    rsv_tensor_file_end(&file);
+    return rsv_team_meet(context, status);
 }
 
 bool rsv_is_operator_file(const char *path)

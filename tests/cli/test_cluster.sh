@@ -185,5 +185,15 @@ differ "the plug-in for MPI and PETSc is of version" "$program" solve corner.obj
     plug-in/resolvent solve corner.obj "${wrong[@]}"
 differ 'its operator file is not that of process 0' "$program" render box.safetensors -o "$out/a.png" : \
     "$program" render one.safetensors -o "$out/a.png"
+differ 'its operator file is not that of process 0' "$program" relight box.safetensors -o "$out/a.png" : \
+    "$program" relight one.safetensors -o "$out/a.png"
 [[ -z $(ls -A "$out") ]] || complain "failures left files"
+
+# A frame that cannot be written ends the sequence, not only the frames of its process
+mkdir lost-1.exr
+printf '0 light.light=1\n400 light.light=0.5\n' >long.txt
+together 2 relight one.safetensors --script long.txt --size 16x12 --spp 1 --threads 1 -o lost-%d.exr
+((status == 1)) || complain "exit status $status, not 1, for a frame that cannot be written"
+[[ $(grep -c "^error: process 1 of 2: .*lost-1.exr" stderr) == 1 ]] || complain "a lost frame is not said once"
+(($(ls -d lost-* | wc -l) < 200)) || complain "the others went on after a lost frame"
 finish
