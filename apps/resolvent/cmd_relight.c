@@ -387,11 +387,24 @@ static int run(cli_session *session, settings *s)
     }
     if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
     // several processes take turns with the frames, the first of them with the last, whose statistics count
-    for (uint32_t frame = s->animation.first; frame <= s->animation.last; frame++)
+    for (uint32_t frame = s->animation.first; frame <= s->animation.last && !cli_crew_alarmed();
+         frame++)
         if ((s->animation.last - frame) % cli_crew_size() == cli_crew_rank() &&
             !run_frame(session, s, frame))
             return CLI_FAILURE;
     return CLI_SUCCESS;
+}
+
+/// Before several processes read the file each for itself.
+static bool is_same_everywhere(const settings *s)
+{
+    cli_session session;
+    if (cli_crew_size() == 1) return true;
+    if (!cli_session_begin(&session, s->threads)) return false;
+    rsv_status status = rsv_operator_compare(session.context, s->scene);
+    if (status != RSV_OK) cli_report_failure(&session, status);
+    cli_session_end(&session);
+    return status == RSV_OK;
 }
 
 int cli_relight(int argc, char **argv)
@@ -401,8 +414,9 @@ int cli_relight(int argc, char **argv)
     cli_session session;
     if (parse_settings(&s, argc, argv, &exit_status)) {
         exit_status = CLI_FAILURE;
+        bool same = is_same_everywhere(&s);
         cli_crew_disperse();
-        if (check_outputs(&s) && cli_device_open(s.device) &&
+        if (same && check_outputs(&s) && cli_device_open(s.device) &&
             cli_session_begin(&session, s.threads)) {
             exit_status = run(&session, &s);
             rsv_scene_destroy(s.body);

@@ -3,6 +3,7 @@
 #include "command.h"
 
 #include <stdio.h>
+#include <unistd.h>
 
 /// Belongs to the process, as MPI does.
 static rsv_team *crew;
@@ -13,12 +14,21 @@ rsv_team *cli_crew(void) { return dispersed ? NULL : crew; }
 
 void cli_crew_disperse(void) { dispersed = true; }
 
+/// @param give this one has failed
+static bool alarm_others(bool give)
+{
+    return crew && crew->size > 1 && !crew->parted && crew->table->alarm(crew, give);
+}
+
+bool cli_crew_alarmed(void) { return alarm_others(false); }
+
 uint32_t cli_crew_rank(void) { return crew ? crew->rank : 0; }
 
 uint32_t cli_crew_size(void) { return crew ? crew->size : 1; }
 
 const char *cli_crew_fail(rsv_status status, const char *message)
 {
+    if (dispersed) alarm_others(true);
     if (crew && !crew->parted) rsv_team_agree(crew, status, message);
     return crew && crew->parted ? rsv_last_error() : message;
 }
@@ -31,10 +41,18 @@ bool cli_crew_speaks(void)
     return rank == 0;
 }
 
+/// Who cannot join has nobody to tell. The first process says what ails all; any other waits, for the launcher ends it
+/// together with the first, before it says what ails itself.
 static bool join(void)
 {
+    uint32_t rank, size = rsv_team_launched(&rank);
     if (rsv_team_join(&crew) == RSV_OK) return true;
-    if (cli_crew_speaks()) fprintf(stderr, "error: %s\n", rsv_last_error());
+    if (rank == 0) {
+        fprintf(stderr, "error: %s\n", rsv_last_error());
+        return false;
+    }
+    sleep(2);
+    fprintf(stderr, "error: process %u of %u: %s\n", rank, size, rsv_last_error());
     return false;
 }
 
@@ -63,6 +81,7 @@ int cli_crew_leave(int exit_status)
         if (!parted && crew->rank == 0) fprintf(stderr, "error: %s\n", rsv_last_error());
         exit_status = CLI_FAILURE;
     }
+    if (exit_status != CLI_SUCCESS) crew->petsc_options = NULL; // no matter which were used
     rsv_team_leave(crew);
     crew = NULL;
     return exit_status;

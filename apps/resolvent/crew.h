@@ -15,6 +15,8 @@ int cli_crew_leave(int exit_status);
 
 /// From now on each works for itself, on frames of its own; they meet again when they leave.
 void cli_crew_disperse(void);
+/// Whether one of the dispersed has failed: what that was is said when all leave.
+bool cli_crew_alarmed(void);
 
 /// Those to share work with; NULL = alone.
 rsv_team *cli_crew(void);

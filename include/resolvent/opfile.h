@@ -27,6 +27,10 @@ RSV_API rsv_status rsv_solution_save(
 RSV_API rsv_status rsv_solution_load(
     rsv_context *context, const char *path, rsv_scene **scene, rsv_solution **solution);
 
+/// In a team, fails unless all processes run the same code and name the same operator file, by the checksum that it says it
+/// has: for those who will read it each for themselves.
+RSV_API rsv_status rsv_operator_compare(rsv_context *context, const char *path);
+
 /// Whether a file looks like an operator file rather than a scene, by its first bytes. It may still be damaged.
 RSV_API bool rsv_is_operator_file(const char *path);
 
@@ -36,7 +40,7 @@ RSV_API bool rsv_is_operator_file(const char *path);
 RSV_API rsv_status rsv_scene_fingerprint(
     const rsv_scene *scene, char digits[RSV_FINGERPRINT_DIGITS + 1]);
 
-/// In a team, fails unless all processes hold the same scene and run the same version of the program.
+/// In a team, fails unless all processes run the same code and hold the same scene, by SHA-256.
 RSV_API rsv_status rsv_scene_compare(const rsv_scene *scene);
 
 #ifdef __cplusplus

@@ -19,7 +19,7 @@ extern "C" {
 
 typedef struct rsv_team rsv_team;
 
-/// What the plug-in offers. All but `progress` are collective: every process calls them, in the same order,
+/// What the plug-in offers. All but `progress` and `alarm` are collective: every process calls them, in the same order,
 /// from the thread that entered the library. Broken lines end the program: there is nobody left to tell.
 typedef struct rsv_team_table {
     /// Items [begin[r], begin[r + 1]) of `array` are known to process r before, to all afterwards.
@@ -33,6 +33,8 @@ typedef struct rsv_team_table {
     void (*copy)(rsv_team *team, uint32_t from, void *data, size_t bytes);
     /// Tells process 0 how far this one is; there, the mean of what was heard last of the same phase.
     double (*progress)(rsv_team *team, const char *phase, double fraction);
+    /// Whether any process gave the alarm, as `give` does here: it stops working, and the others had better.
+    bool (*alarm)(rsv_team *team, bool give);
     void (*leave)(rsv_team *team);
     /// Solvers and eigenvalues by PETSc and SLEPc (src/solve/krylov.h).
     const struct rsv_krylov_table *krylov;
@@ -42,11 +44,12 @@ struct rsv_team {
     const rsv_team_table *table;
     uint32_t rank, size; ///< this process, of so many
     bool parted;         ///< after a failure they no longer talk
-    double
-        path; ///< processor seconds of the slowest from meeting to meeting, summed: the critical path
+    /// Processor seconds of the slowest from meeting to meeting, summed: the critical path.
+    double path;
     double met; ///< processor seconds of the calling thread when they last met
-    const char *
-        petsc_options; ///< besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve
+    /// Besides those of the variable PETSC_OPTIONS, or NULL; set before the first solve. On leaving, PETSc says which of
+    /// them nobody asked for.
+    const char *petsc_options;
 };
 
 /// How many processes a launcher (mpirun, srun) started together, and which of them this is, by what it left in the

@@ -189,6 +189,11 @@ rsv_status rsv_team_meet(rsv_context *context, rsv_status status)
     return status;
 }
 
+void rsv_team_alarm(rsv_context *context)
+{
+    if (rsv_team_of(context)) rsv_context_cancel(context); // one alone may go on after a failure
+}
+
 rsv_device *rsv_context_device(const rsv_context *context)
 {
     return context->device_lost ? NULL : context->desc.device;
@@ -215,6 +220,7 @@ rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction
 {
     rsv_team *team = rsv_team_of(context);
     if (team) fraction = team->table->progress(team, phase, fraction);
+    if (team && team->table->alarm(team, rsv_cancelled(context))) rsv_context_cancel(context);
     if (context->desc.progress && !context->desc.progress(context->desc.user, phase, fraction))
         rsv_context_cancel(context);
     if (context->team_status != RSV_OK) return context->team_status;

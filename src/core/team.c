@@ -50,11 +50,16 @@ void rsv_team_leave(rsv_team *team)
 
 /// One number tells two things: failures in the upper bits, and below them how long it took to get here.
 #define TIME_BITS 40 // of microseconds: twelve days
+#define RANK_BITS 18
+#define STATUS_BITS 4
 
-/// The first process that fails has the largest key.
+/// The first process that fails has the largest key. Those that were only asked to stop come last: why is for others to say.
 static int64_t failure_key(const rsv_team *team, rsv_status status)
 {
-    return status == RSV_OK ? 0 : ((int64_t)(team->size - team->rank) << 8) + (int64_t)status;
+    int64_t rank_key = (int64_t)(team->size - team->rank) << STATUS_BITS;
+    if (status == RSV_OK) return 0;
+    return ((int64_t)(status != RSV_ERROR_CANCELLED) << (RANK_BITS + STATUS_BITS)) + rank_key +
+           (int64_t)status;
 }
 
 /// @return the largest key of any process; the slowest prolongs the critical path
@@ -73,14 +78,16 @@ rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
     if (!team || team->size == 1 || team->parted) return status;
     int64_t worst = meet(team, failure_key(team, status));
     if (worst == 0) return RSV_OK;
-    uint32_t failed = team->size - (uint32_t)(worst >> 8);
+    uint32_t failed =
+        team->size - (uint32_t)(worst >> STATUS_BITS & (((int64_t)1 << RANK_BITS) - 1));
+    rsv_status failure = (rsv_status)(worst & ((1 << STATUS_BITS) - 1));
     char message[RSV_MESSAGE_BYTES];
     snprintf(message, sizeof message, "%s", reason ? reason : rsv_last_error());
     team->parted = true;
     team->table->copy(team, failed, message, sizeof message);
     message[sizeof message - 1] = '\0';
-    if (failed == 0) return rsv_fail((rsv_status)(worst & 255), "%s", message);
-    return rsv_fail((rsv_status)(worst & 255), "process %u of %u: %s", failed, team->size, message);
+    if (failed == 0) return rsv_fail(failure, "%s", message);
+    return rsv_fail(failure, "process %u of %u: %s", failed, team->size, message);
 }
 
 /// The items of one owner, in their blocks, next to each other; or back from there.
@@ -114,7 +121,8 @@ void rsv_team_merge(
         for (uint32_t rank = 0; rank < place.size; rank++)
             begin[rank + 1] =
                 move_blocks(&p, (rsv_team_place){ rank, place.size }, begin[rank], false);
-        rsv_team_share(context, p.packed, item_bytes, begin);
+        rsv_team *team = rsv_team_of(context);
+        team->table->share(team, p.packed, item_bytes, begin); // all have just met
         for (uint32_t rank = 0; rank < place.size; rank++)
             move_blocks(&p, (rsv_team_place){ rank, place.size }, begin[rank], true);
     }
@@ -135,10 +143,11 @@ void rsv_team_sum(rsv_context *context, int64_t *value, size_t count)
     if (team && rsv_team_meet(context, RSV_OK) == RSV_OK) team->table->sum(team, value, count);
 }
 
-void rsv_team_copy(rsv_context *context, void *data, size_t bytes)
+void rsv_team_copy(rsv_context *context, uint32_t from, void *data, size_t bytes)
 {
     rsv_team *team = rsv_team_of(context);
-    if (team && rsv_team_meet(context, RSV_OK) == RSV_OK) team->table->copy(team, 0, data, bytes);
+    if (team && rsv_team_meet(context, RSV_OK) == RSV_OK)
+        team->table->copy(team, from, data, bytes);
 }
 
 uint64_t rsv_team_total(rsv_context *context, uint64_t value)
@@ -168,10 +177,10 @@ rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *
     char first[256];
     rsv_status status = RSV_OK;
     snprintf(first, sizeof first, "%s", text);
-    rsv_team_copy(context, first, sizeof first);
+    rsv_team_copy(context, 0, first, sizeof first);
     if (strncmp(first, text, sizeof first - 1) != 0)
         status = rsv_fail(RSV_ERROR_ARGUMENT,
-            "its %s is not that of process 0 (%.64s instead of %.64s); all must be given the same",
+            "its %s is not that of process 0 (%.24s instead of %.24s); all must be given the same",
             what, text, first);
     return rsv_team_meet(context, status);
 }

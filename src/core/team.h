@@ -41,7 +41,7 @@ void rsv_team_merge(
 /// The collective calls of the team.
 void rsv_team_share(rsv_context *context, void *array, size_t item_bytes, const size_t *begin);
 void rsv_team_sum(rsv_context *context, int64_t *value, size_t count);
-void rsv_team_copy(rsv_context *context, void *data, size_t bytes); ///< from process 0
+void rsv_team_copy(rsv_context *context, uint32_t from, void *data, size_t bytes);
 /// One count, over all processes.
 uint64_t rsv_team_total(rsv_context *context, uint64_t value);
 
@@ -51,10 +51,15 @@ double rsv_team_largest(rsv_context *context, double value);
 /// Processor seconds along the critical path so far; only differences mean something. Waiting for others is not work.
 double rsv_team_path(rsv_context *context);
 
+/// What failed, in a loop between meetings, shall not wait for the next one: all are asked to stop, here at once and in
+/// the others when they report progress. Any thread may call it.
+void rsv_team_alarm(rsv_context *context);
+
 /// The failure of one is the failure of all.
 rsv_status rsv_team_meet(rsv_context *context, rsv_status status);
 
-/// Fails unless all processes have the same text. @param what "scene", for the message
+/// Fails unless all processes have the same text. @param what "scene", for the message @param text the first 24 characters
+/// stand in the message
 rsv_status rsv_team_compare(rsv_context *context, const char *what, const char *text);
 
 #endif

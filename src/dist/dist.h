@@ -15,7 +15,7 @@ MPI_Comm rsv_dist_communicator(rsv_team *team);
 
 /// PETSc, which starts with the first system, so that runs without it do not pay for it.
 extern const struct rsv_krylov_table rsv_krylov_petsc;
-/// Ends it if it was started, and says which options were of no use.
-void rsv_krylov_end(void);
+/// Ends it if it was started, and says which options were of no use: all of them, if it was not wanted.
+void rsv_krylov_end(rsv_team *team);
 
 #endif

@@ -40,15 +40,21 @@ static PetscErrorCode start(rsv_team *team)
     return 0;
 }
 
-void rsv_krylov_end(void)
+void rsv_krylov_end(rsv_team *team)
 {
     PetscBool started;
     PetscInt unused = 0;
+    if (team->petsc_options) PetscCallVoid(start(team));
     PetscCallVoid(SlepcInitialized(&started));
     if (!started) return;
     PETSC_STDOUT = stderr;
     PetscCallVoid(PetscOptionsAllUsed(NULL, &unused));
-    if (unused) PetscCallVoid(PetscOptionsLeft(NULL)); // misspelt ones are among them
+    if (unused) { // as PETSc itself does where it was built for debugging
+        PetscCallVoid(
+            PetscPrintf(PETSC_COMM_WORLD, "WARNING! There are options you set that were not used!\n"
+                                          "WARNING! could be spelling mistake, etc!\n"));
+        PetscCallVoid(PetscOptionsLeft(NULL));
+    }
     PetscCallVoid(SlepcFinalize());
 }
 

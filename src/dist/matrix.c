@@ -29,6 +29,13 @@ static void mark_needed(const rsv_dist_rows *r, uint8_t *needed)
             if (e->hanging[h].weight[p] > 0) needed[e->hanging[h].parent[p]] = 1;
 }
 
+/// Values of nodes that hang follow from those of their parents and need not be sent.
+static bool is_sent(const rsv_dist_rows *r, const uint8_t *needed, size_t node)
+{
+    return needed[node] &&
+           (r->system.scatter || r->system.elements->node_hanging[node] == RSV_NONE);
+}
+
 static PetscErrorCode list_needed(rsv_dist_rows *r)
 {
     const rsv_elements *e = r->system.elements;
@@ -37,11 +44,11 @@ static PetscErrorCode list_needed(rsv_dist_rows *r)
     PetscCall(PetscCalloc1(node_count(r) + 1, &needed));
     mark_needed(r, needed);
     for (size_t n = 0; n < node_count(r); n++)
-        r->needed_count += needed[n];
+        r->needed_count += is_sent(r, needed, n);
     PetscCall(PetscMalloc1(r->needed_count + 1, &r->needed));
     PetscCall(PetscMalloc1(e->hanging_count + 1, &r->hanging));
     for (size_t n = 0, k = 0; n < node_count(r); n++)
-        if (needed[n]) r->needed[k++] = (uint32_t)n;
+        if (is_sent(r, needed, n)) r->needed[k++] = (uint32_t)n;
     for (size_t h = 0; h < e->hanging_count; h++)
         if (needed[e->hanging[h].node]) r->hanging[r->hanging_count++] = (uint32_t)h;
     PetscCall(PetscFree(needed));
@@ -138,16 +145,17 @@ static PetscErrorCode scatter(rsv_dist_rows *r, Vec x)
         s->scatter(s->user, r->filled, r->exitance);
         PetscFunctionReturn(0);
     }
+    for (size_t k = 0; k < r->needed_count; k++) {
+        uint32_t n = r->needed[k];
+        r->exitance[n] = rgb_mul(s->albedo[n], r->filled[n]);
+    }
     for (size_t k = 0; k < r->hanging_count; k++) {
         const rsv_hanging *h = &s->elements->hanging[r->hanging[k]];
         rsv_rgb sum = rgb_gray(0);
         for (int p = 0; p < RSV_PARENTS; p++)
             if (h->weight[p] > 0) sum = rgb_mad(sum, h->weight[p], r->filled[h->parent[p]]);
         r->filled[h->node] = sum;
-    }
-    for (size_t k = 0; k < r->needed_count; k++) {
-        uint32_t n = r->needed[k];
-        r->exitance[n] = rgb_mul(s->albedo[n], r->filled[n]);
+        r->exitance[h->node] = rgb_mul(s->albedo[h->node], sum);
     }
     PetscFunctionReturn(0);
 }

@@ -17,9 +17,9 @@ typedef struct rsv_dist_rows {
     const uint32_t *order; ///< [node_count] the curve
     uint32_t *identity;    ///< owned: that of one process
     size_t needed_count;
-    uint32_t *needed; ///< nodes whose values its rows ask for
+    uint32_t *needed; ///< nodes whose values its rows ask for, or their parents
     size_t hanging_count;
-    uint32_t *hanging; ///< those of them that hang: indices into the elements' list
+    uint32_t *hanging; ///< what hangs on them and its rows ask for: indices into the elements' list
     rsv_rgb *filled;   ///< [node_count] E, where needed
     rsv_rgb *exitance; ///< [node_count] B = K E
     Vec values;        ///< [3 x needed_count]

@@ -10,6 +10,9 @@
 #define TELL_INTERVAL 0.2
 #define PHASE_BYTES 24
 
+/// Of messages to the side.
+enum { TAG_PROGRESS, TAG_ALARM };
+
 typedef struct progress_message {
     char phase[PHASE_BYTES];
     double fraction;
@@ -20,6 +23,7 @@ typedef struct mpi_team {
     MPI_Comm job;     ///< collective calls
     MPI_Comm side;    ///< progress
     bool own_mpi;     ///< began here, ends here
+    bool alarmed;     ///< by another, or told them so
     double told;      ///< MPI_Wtime of the last message
     MPI_Request sent; ///< of a process other than 0: its last message
     progress_message message;
@@ -99,10 +103,10 @@ static void listen(mpi_team *m)
 {
     for (int there = 1; there;) {
         MPI_Status from;
-        MPI_Iprobe(MPI_ANY_SOURCE, 0, m->side, &there, &from);
+        MPI_Iprobe(MPI_ANY_SOURCE, TAG_PROGRESS, m->side, &there, &from);
         if (!there) return;
-        MPI_Recv(&m->heard[from.MPI_SOURCE], sizeof *m->heard, MPI_BYTE, from.MPI_SOURCE, 0,
-            m->side, MPI_STATUS_IGNORE);
+        MPI_Recv(&m->heard[from.MPI_SOURCE], sizeof *m->heard, MPI_BYTE, from.MPI_SOURCE,
+            TAG_PROGRESS, m->side, MPI_STATUS_IGNORE);
     }
 }
 
@@ -117,7 +121,7 @@ static void tell(mpi_team *m, const char *phase, double fraction)
     m->told = now;
     snprintf(m->message.phase, sizeof m->message.phase, "%s", phase);
     m->message.fraction = fraction;
-    MPI_Isend(&m->message, sizeof m->message, MPI_BYTE, 0, 0, m->side, &m->sent);
+    MPI_Isend(&m->message, sizeof m->message, MPI_BYTE, 0, TAG_PROGRESS, m->side, &m->sent);
 }
 
 static double progress(rsv_team *team, const char *phase, double fraction)
@@ -138,6 +142,38 @@ static double progress(rsv_team *team, const char *phase, double fraction)
     return total / count;
 }
 
+// ---- alarm ----------------------------------------------------------------------------------------
+
+/// Once, to all, and nobody waits for it: it has no content.
+static void tell_alarm(mpi_team *m)
+{
+    for (uint32_t rank = 0; rank < m->base.size; rank++) {
+        MPI_Request sent;
+        if (rank == m->base.rank) continue;
+        MPI_Isend(NULL, 0, MPI_BYTE, (int)rank, TAG_ALARM, m->side, &sent);
+        MPI_Request_free(&sent);
+    }
+}
+
+static bool hear_alarm(mpi_team *m)
+{
+    for (int there = 1, heard = 0;; heard = 1) {
+        MPI_Iprobe(MPI_ANY_SOURCE, TAG_ALARM, m->side, &there, MPI_STATUS_IGNORE);
+        if (!there) return heard;
+        MPI_Recv(NULL, 0, MPI_BYTE, MPI_ANY_SOURCE, TAG_ALARM, m->side, MPI_STATUS_IGNORE);
+    }
+}
+
+static bool alarm_all(rsv_team *team, bool give)
+{
+    mpi_team *m = mpi_of(team);
+    if (team->parted) return false;
+    bool heard = hear_alarm(m);
+    if (give && !heard && !m->alarmed) tell_alarm(m);
+    m->alarmed = m->alarmed || give || heard;
+    return m->alarmed;
+}
+
 // ---- begin and end --------------------------------------------------------------------------------
 
 static void leave(rsv_team *team)
@@ -146,9 +182,11 @@ static void leave(rsv_team *team)
     MPI_Request all_here;
     MPI_Wait(&m->sent, MPI_STATUS_IGNORE);
     MPI_Ibarrier(m->job, &all_here);
-    for (int here = 0; !here; MPI_Test(&all_here, &here, MPI_STATUS_IGNORE))
+    for (int here = 0; !here; MPI_Test(&all_here, &here, MPI_STATUS_IGNORE)) {
         if (team->rank == 0) listen(m); // the others' last messages, before they can leave
-    rsv_krylov_end();
+        hear_alarm(m);
+    }
+    rsv_krylov_end(team);
     MPI_Comm_free(&m->job);
     MPI_Comm_free(&m->side);
     if (m->own_mpi) MPI_Finalize();
@@ -156,7 +194,7 @@ static void leave(rsv_team *team)
     free(m);
 }
 
-static const rsv_team_table table = { share, sum, largest, copy, progress, leave,
+static const rsv_team_table table = { share, sum, largest, copy, progress, alarm_all, leave,
     &rsv_krylov_petsc };
 
 /// Begins MPI unless the program did.

@@ -16,7 +16,8 @@ struct rsv_checkpoint {
     rsv_row_files files; ///< of earlier runs
     rsv_row_catalogue *catalogue;
     rsv_earlier_rows *earlier; ///< of the scene before it was edited; NULL = none
-    int descriptor;            ///< of the file that grows; -1 = given up
+    int descriptor;            ///< of the file that grows
+    int error;                 ///< errno of what could not be written; 0 = all was
     size_t own_bytes;          ///< of sound records that it had
     char path[RSV_ROW_PATH_BYTES], catalogue_path[RSV_ROW_PATH_BYTES];
 };
@@ -52,35 +53,39 @@ rsv_status rsv_checkpoint_keep(rsv_checkpoint *c, uint32_t node, const rsv_row_s
     return rsv_row_record_put(c->context, node, c->ray_count, scratch, rays, block);
 }
 
-static void give_up(rsv_checkpoint *c)
+rsv_status rsv_checkpoint_write(rsv_checkpoint *c, rsv_row_block *b)
 {
-    rsv_log(c->context, RSV_LOG_WARNING,
-        "checkpoint: cannot write '%s': %s; going on without, so that a restart will trace again "
-        "what follows",
-        c->path, strerror(errno));
-    close(c->descriptor);
-    c->descriptor = -1;
-}
-
-void rsv_checkpoint_write(rsv_checkpoint *c, rsv_row_block *b)
-{
-    if (!c) return;
+    rsv_status status = RSV_OK;
+    if (!c) return status;
 #pragma omp critical(rsv_checkpoint)
-    for (size_t done = 0; c->descriptor >= 0 && done < b->count;) {
-        ssize_t written = write(c->descriptor, b->byte + done, b->count - done);
-        if (written >= 0)
-            done += (size_t)written;
-        else if (errno != EINTR)
-            give_up(c);
+    {
+        for (size_t done = 0; c->error == 0 && done < b->count;) {
+            ssize_t written = write(c->descriptor, b->byte + done, b->count - done);
+            if (written >= 0)
+                done += (size_t)written;
+            else if (errno != EINTR)
+                c->error = errno;
+        }
+        if (c->error != 0) status = RSV_ERROR_IO;
     }
     b->count = 0;
+    return status;
+}
+
+rsv_status rsv_checkpoint_outcome(const rsv_checkpoint *c)
+{
+    if (!c || c->error == 0) return RSV_OK;
+    return rsv_fail(RSV_ERROR_IO,
+        "checkpoint: cannot write '%s': %s; with that mended, the same command goes on with the "
+        "rows that are there",
+        c->path, strerror(c->error));
 }
 
 double rsv_checkpoint_finish(rsv_checkpoint *c, double seconds)
 {
     if (!c) return 0;
     c->catalogue->header->seconds = c->earlier ? c->earlier->seconds : seconds;
-    if (c->descriptor >= 0 && rsv_team_place_of(c->context).rank == 0)
+    if (rsv_team_place_of(c->context).rank == 0)
         rsv_row_catalogue_write(c->catalogue, c->catalogue_path);
     return c->earlier ? c->earlier->seconds - seconds : 0;
 }

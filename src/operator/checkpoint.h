@@ -26,9 +26,11 @@ bool rsv_checkpoint_recall(const rsv_checkpoint *checkpoint, uint32_t node, rsv_
 rsv_status rsv_checkpoint_keep(rsv_checkpoint *checkpoint, uint32_t node,
     const rsv_row_scratch *scratch, uint64_t rays, rsv_row_block *block);
 
-/// Appends a block to the file and empties it; threads may call it at the same time. Where the disk is full, a warning
-/// is given, and work goes on without.
-void rsv_checkpoint_write(rsv_checkpoint *checkpoint, rsv_row_block *block);
+/// Appends a block to the file and empties it; threads may call it at the same time. After a failure, such as a full
+/// disk, all calls fail: rows before it are kept.
+rsv_status rsv_checkpoint_write(rsv_checkpoint *checkpoint, rsv_row_block *block);
+/// @return why writing failed, if it did, with the message for the calling thread
+rsv_status rsv_checkpoint_outcome(const rsv_checkpoint *checkpoint);
 
 /// All rows are there. @param seconds that this took
 /// @return seconds that rows of an earlier version of the scene spared, about

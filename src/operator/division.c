@@ -150,6 +150,20 @@ rsv_status rsv_division_cut(rsv_division *d, uint32_t part, uint32_t part_count)
     return RSV_OK;
 }
 
+size_t rsv_division_step(size_t count)
+{
+    size_t step = (size_t)(0.618033988749895 * (double)count) + 1; // the golden section
+    for (;; step++) {
+        size_t a = step, b = count; // Euclid: no common divisor
+        while (b != 0) {
+            size_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a <= 1 || count == 0) return step;
+    }
+}
+
 /// Colours, which are most of what is shared, at once; all else by the library.
 static void copy_item(char *to, const char *from, size_t bytes)
 {
@@ -173,11 +187,12 @@ static void move_part(
 
 void rsv_division_share(const rsv_division *d, void *field, size_t item_bytes)
 {
-    if (!d || !rsv_team_of(d->context)) return;
+    rsv_team *team = d ? rsv_team_of(d->context) : NULL;
+    if (!team) return;
     char *packed = rsv_reserve(d->context, d->node_count, item_bytes);
     if (rsv_team_meet(d->context, packed ? RSV_OK : RSV_ERROR_MEMORY) == RSV_OK && packed) {
         move_part(d, d->part, field, packed, item_bytes, false);
-        rsv_team_share(d->context, packed, item_bytes, d->row_begin);
+        team->table->share(team, packed, item_bytes, d->row_begin); // all have just met
         for (uint32_t part = 0; part < d->part_count; part++)
             if (part != d->part) move_part(d, part, field, packed, item_bytes, true);
     }

@@ -5,6 +5,8 @@
 /// Rows along the curve that are taken to cost alike, and the rays of the one in their middle that tell how much.
 #define STRETCH 16
 #define RAYS 64
+#define TURN 16    ///< probes that a thread takes at a time: neighbours, as in the assembly
+#define DOUBTFUL 4 ///< times the probe before
 
 /// Nodes with a row, along the curve. @return how many
 static size_t list_rows(const rsv_row_tracer *tracer, const rsv_division *d, uint32_t *along)
@@ -15,25 +17,46 @@ static size_t list_rows(const rsv_row_tracer *tracer, const rsv_division *d, uin
     return rows;
 }
 
+static int64_t time_row(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *scratch)
+{
+    double start = rsv_thread_seconds();
+    rsv_row_trace(tracer, node, scratch);
+    return (int64_t)(1e9 * (rsv_thread_seconds() - start));
+}
+
+/// A hiccup of the machine would be taken for dear rows: what took much longer than the row before is timed again.
+static void probe_turn(const rsv_row_tracer *tracer, const uint32_t *along, size_t rows,
+    size_t first, rsv_row_scratch *scratch, int64_t *nanoseconds)
+{
+    size_t stretches = (rows + STRETCH - 1) / STRETCH;
+    int64_t before = INT64_MAX / DOUBTFUL;
+    for (size_t k = first; k < first + TURN && k < stretches; k++) {
+        size_t middle = k * STRETCH + STRETCH / 2;
+        uint32_t node = along[middle < rows ? middle : rows - 1];
+        int64_t time = time_row(tracer, node, scratch);
+        if (time > DOUBTFUL * before) {
+            int64_t again = time_row(tracer, node, scratch);
+            if (again < time) time = again;
+        }
+        nanoseconds[k] = before = time;
+    }
+}
+
 static rsv_status measure(
     const rsv_row_tracer *tracer, const uint32_t *along, size_t rows, int64_t *nanoseconds)
 {
     rsv_context *context = tracer->elements->context;
     rsv_team_place place = rsv_team_place_of(context);
     rsv_status result = RSV_OK;
+    size_t turns = rows / (STRETCH * TURN) + 1, step = rsv_division_step(turns);
 #pragma omp parallel num_threads(rsv_threads(context))
     {
         rsv_row_scratch scratch;
         rsv_status status = rsv_row_scratch_create(context, RAYS, &scratch);
-#pragma omp for schedule(dynamic, 16)
-        for (size_t k = 0; k < (rows + STRETCH - 1) / STRETCH; k++) {
-            if (k % place.size != place.rank || status != RSV_OK || rsv_cancelled(context))
-                continue;
-            size_t middle = k * STRETCH + STRETCH / 2;
-            double start = rsv_thread_seconds();
-            rsv_row_trace(tracer, along[middle < rows ? middle : rows - 1], &scratch);
-            nanoseconds[k] = (int64_t)(1e9 * (rsv_thread_seconds() - start));
-        }
+#pragma omp for schedule(dynamic, 1)
+        for (size_t turn = place.rank; turn < turns; turn += place.size)
+            if (status == RSV_OK && !rsv_cancelled(context))
+                probe_turn(tracer, along, rows, turn * step % turns * TURN, &scratch, nanoseconds);
         rsv_row_scratch_destroy(context, &scratch);
         if (status != RSV_OK) {
 #pragma omp critical

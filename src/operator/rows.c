@@ -100,8 +100,7 @@ static rsv_status trace_block(
         if (status == RSV_OK) status = store_row(a, a->node[k], scratch, block);
         if (status != RSV_OK) return status;
     }
-    rsv_checkpoint_write(a->checkpoint, &block->kept);
-    return RSV_OK;
+    return rsv_checkpoint_write(a->checkpoint, &block->kept);
 }
 
 /// Has the device trace the rays of a wave, if there is one.
@@ -132,6 +131,7 @@ static rsv_status trace_wave(assembly *a, size_t first)
         if (status != RSV_OK) {
 #pragma omp critical
             result = status;
+            rsv_team_alarm(context);
         }
     }
     return result;
@@ -186,6 +186,7 @@ static rsv_status trace_all(assembly *a)
 cleanup:
     if (status == RSV_ERROR_MEMORY)
         status = rsv_fail(status, "out of memory assembling the operator");
+    if (status == RSV_ERROR_IO) status = rsv_checkpoint_outcome(a->checkpoint);
     return rsv_team_meet(context, status);
 }
 

@@ -3,6 +3,7 @@
 
 #include "../core/team.h"
 #include "exchange.h"
+#include "program.h"
 #include "sha256.h"
 
 #include <stdio.h>
@@ -62,15 +63,25 @@ rsv_status rsv_scene_fingerprint(const rsv_scene *scene, char digits[RSV_FINGERP
     return status;
 }
 
+static rsv_status compare_programs(rsv_context *context)
+{
+    char text[96], digits[RSV_SHA256_DIGITS + 1];
+    rsv_program_digest(digits);
+    snprintf(text, sizeof text, "%s-%s", rsv_version(), digits);
+    return rsv_team_compare(context, "program", text);
+}
+
 rsv_status rsv_scene_compare(const rsv_scene *scene)
 {
     rsv_context *context = rsv_scene_get_context(scene);
-    char text[96], digits[RSV_FINGERPRINT_DIGITS + 1];
+    char digits[RSV_FINGERPRINT_DIGITS + 1];
     if (!rsv_team_of(context)) return RSV_OK;
-    rsv_status status = rsv_team_meet(context, rsv_scene_fingerprint(scene, digits));
-    if (status != RSV_OK) return status;
-    snprintf(text, sizeof text, "%s %s", rsv_version(), digits);
-    return rsv_team_compare(context, "program version or scene", text);
+    rsv_status status;
+    RSV_TRY(compare_programs(context));
+    RSV_TRY(rsv_scene_fingerprint(scene, digits));
+    RSV_TRY(rsv_team_compare(context, "scene", digits));
+cleanup:
+    return rsv_team_meet(context, status);
 }
 
 // ---- reading --------------------------------------------------------------------------------------
@@ -102,22 +113,35 @@ static rsv_status name_file(const char *path, rsv_status status)
     return rsv_fail(RSV_ERROR_FORMAT, "%s: %s; the file was changed, solve anew", path, message);
 }
 
+/// @param digits out: the checksum
+static rsv_status read_file(rsv_tensor_file *file, rsv_scene **scene, rsv_solution **solution,
+    char digits[RSV_SHA256_DIGITS + 1])
+{
+    rsv_status status;
+    rsv_solve_desc desc;
+    RSV_TRY(check_provenance(file));
+    RSV_TRY(rsv_tensor_file_verify(file));
+    snprintf(digits, RSV_SHA256_DIGITS + 1, "%s", rsv_note_get(file, RSV_CHECKSUM_NOTE));
+    RSV_TRY(rsv_read_scene(file, scene));
+    RSV_TRY(rsv_read_desc(file, &desc));
+    RSV_TRY(rsv_solution_prepare(*scene, &desc, solution));
+    RSV_TRY(rsv_read_solution(file, *solution));
+    RSV_TRY(rsv_read_basis(file, *solution));
+cleanup:
+    return status;
+}
+
 rsv_status rsv_solution_load(
     rsv_context *context, const char *path, rsv_scene **scene, rsv_solution **solution)
 {
     rsv_tensor_file file;
     rsv_scene *read_scene = NULL;
     rsv_solution *s = NULL;
-    rsv_solve_desc desc;
+    char digits[RSV_SHA256_DIGITS + 1];
     rsv_status status = rsv_tensor_file_open(context, path, &file);
     if (status != RSV_OK) return status;
-    RSV_TRY(check_provenance(&file));
-    RSV_TRY(rsv_tensor_file_verify(&file));
-    RSV_TRY(rsv_read_scene(&file, &read_scene));
-    RSV_TRY(rsv_read_desc(&file, &desc));
-    RSV_TRY(rsv_solution_prepare(read_scene, &desc, &s));
-    RSV_TRY(rsv_read_solution(&file, s));
-    RSV_TRY(rsv_read_basis(&file, s));
+    RSV_TRY(name_file(path, read_file(&file, &read_scene, &s, digits)));
+    RSV_TRY(rsv_team_compare(context, "operator file", digits));
     *scene = read_scene;
     *solution = s;
     read_scene = NULL;
@@ -126,7 +150,26 @@ cleanup:
     rsv_solution_destroy(s);
     rsv_scene_destroy(read_scene);
     rsv_tensor_file_end(&file);
-    return name_file(path, status);
+    return status;
+}
+
+rsv_status rsv_operator_compare(rsv_context *context, const char *path)
+{
+    rsv_tensor_file file = { 0 };
+    if (!rsv_team_of(context)) return RSV_OK;
+    rsv_status status;
+    RSV_TRY(compare_programs(context));
+    if (!rsv_is_operator_file(path))
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT,
+            "%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes one",
+            path));
+    RSV_TRY(rsv_tensor_file_open(context, path, &file));
+    RSV_TRY(check_provenance(&file));
+    const char *digits = rsv_note_get(&file, RSV_CHECKSUM_NOTE);
+    RSV_TRY(rsv_team_compare(context, "operator file", digits ? digits : "none"));
+cleanup:
+    rsv_tensor_file_end(&file);
+    return rsv_team_meet(context, status);
 }
 
 bool rsv_is_operator_file(const char *path)

@@ -216,7 +216,7 @@ static rsv_status write_together(const layout *l, rsv_team_place place)
     RSV_TRY(rsv_team_meet(context, status));
     char temporary[RSV_PATH_BYTES];
     memcpy(temporary, out.temporary, sizeof temporary);
-    rsv_team_copy(context, temporary, sizeof temporary);
+    rsv_team_copy(context, 0, temporary, sizeof temporary);
     if (place.rank > 0) status = rsv_atomic_file_join(&out, temporary);
     RSV_TRY(rsv_team_meet(context, status));
     write_part(l, place, &out);

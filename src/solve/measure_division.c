@@ -4,24 +4,36 @@
 
 #include <string.h>
 
-/// Traces all rows once more and notes the time of each, along the curve.
+#define ROUNDS 2 ///< in which rows are timed, so that a hiccup of the machine does not count
+
+static void time_block(const rsv_row_tracer *tracer, const rsv_division *d, size_t first,
+    rsv_row_scratch *scratch, float *seconds)
+{
+    for (size_t k = first; k < first + RSV_ROW_BLOCK && k < d->node_count; k++) {
+        if (!tracer->valid_points[d->order[k]]) continue;
+        double start = rsv_thread_seconds();
+        rsv_row_trace(tracer, d->order[k], scratch);
+        float taken = (float)(rsv_thread_seconds() - start);
+        if (seconds[k] <= 0 || taken < seconds[k]) seconds[k] = taken;
+    }
+}
+
+/// Traces all rows once more and notes the time of each, along the curve; what was less before stays.
 static rsv_status time_rows(
     const rsv_row_tracer *tracer, const rsv_division *division, float *seconds)
 {
     rsv_context *context = division->context;
     rsv_status result = RSV_OK;
+    size_t blocks = division->node_count / RSV_ROW_BLOCK + 1, step = rsv_division_step(blocks);
 #pragma omp parallel num_threads(rsv_threads(context))
     {
         rsv_row_scratch scratch;
         rsv_status status = rsv_row_scratch_create(context, tracer->directions.count, &scratch);
-#pragma omp for schedule(dynamic, 64)
-        for (size_t k = 0; k < division->node_count; k++) {
-            uint32_t node = division->order[k];
-            if (status != RSV_OK || !tracer->valid_points[node] || rsv_cancelled(context)) continue;
-            double start = rsv_thread_seconds();
-            rsv_row_trace(tracer, node, &scratch);
-            seconds[k] = (float)(rsv_thread_seconds() - start);
-        }
+#pragma omp for schedule(dynamic, 1)
+        for (size_t block = 0; block < blocks; block++)
+            if (status == RSV_OK && !rsv_cancelled(context))
+                time_block(
+                    tracer, division, block * step % blocks * RSV_ROW_BLOCK, &scratch, seconds);
         rsv_row_scratch_destroy(context, &scratch);
         if (status != RSV_OK) {
 #pragma omp critical
@@ -31,29 +43,54 @@ static rsv_status time_rows(
     return result == RSV_OK ? rsv_progress(context, "divide", 1) : result;
 }
 
-/// Nodes of other parts that the rows of `part` refer to, and how many parts those belong to.
-/// @param owner [node_count] part of each node @param seen [node_count] the last part that met a node, plus one
-static void count_needed(const rsv_transport *t, const rsv_division *d, uint32_t part,
-    const uint32_t *owner, uint32_t *seen, uint8_t *sends, rsv_division_cost *cost)
+/// What one part's rows ask others for.
+typedef struct demand {
+    const rsv_elements *elements;
+    const uint32_t *owner; ///< [node_count] part of each node
+    uint32_t *seen;        ///< [node_count] the last part that met a node, plus one
+    uint8_t *sends;        ///< [part_count]
+    uint32_t part;
+    size_t received, senders;
+} demand;
+
+/// Values of nodes that hang follow from those of their parents.
+static void ask_for(demand *d, uint32_t node)
 {
-    size_t received = 0, senders = 0;
-    memset(sends, 0, d->part_count);
-    for (size_t k = d->begin[part]; k < d->begin[part + 1]; k++)
-        for (size_t i = t->row_begin[d->order[k]]; i < t->row_begin[d->order[k] + 1]; i++) {
-            uint32_t node = t->column[i];
-            if (owner[node] == part || seen[node] == part + 1) continue;
-            seen[node] = part + 1;
-            received += 3;
-            senders += !sends[owner[node]];
-            sends[owner[node]] = 1;
-        }
-    cost->received_mean += (double)received / d->part_count;
-    cost->received_most = fmax(cost->received_most, (double)received);
-    cost->senders_mean += (double)senders / d->part_count;
+    if (d->seen[node] == d->part + 1) return;
+    d->seen[node] = d->part + 1;
+    uint32_t hangs = d->elements->node_hanging[node];
+    if (hangs != RSV_NONE) {
+        const rsv_hanging *h = &d->elements->hanging[hangs];
+        for (int p = 0; p < RSV_PARENTS; p++)
+            if (h->weight[p] > 0) ask_for(d, h->parent[p]);
+        return;
+    }
+    uint32_t owner = d->owner[node];
+    if (owner == d->part) return;
+    d->received += 3;
+    d->senders += !d->sends[owner];
+    d->sends[owner] = 1;
+}
+
+static void count_needed(
+    const rsv_transport *t, const rsv_division *division, demand *d, rsv_division_cost *cost)
+{
+    d->received = d->senders = 0;
+    memset(d->sends, 0, division->part_count);
+    for (size_t k = division->begin[d->part]; k < division->begin[d->part + 1]; k++) {
+        uint32_t row = division->order[k];
+        for (size_t i = t->row_begin[row]; i < t->row_begin[row + 1]; i++)
+            ask_for(d, t->column[i]);
+        for (size_t i = t->tinted_begin[row]; i < t->tinted_begin[row + 1]; i++)
+            ask_for(d, t->tinted_column[i]);
+    }
+    cost->received_mean += (double)d->received / division->part_count;
+    cost->received_most = fmax(cost->received_most, (double)d->received);
+    cost->senders_mean += (double)d->senders / division->part_count;
 }
 
 static rsv_status measure_cut(
-    const rsv_transport *t, const rsv_division *d, const float *seconds, rsv_division_cost *cost)
+    const rsv_solution *s, const rsv_division *d, const float *seconds, rsv_division_cost *cost)
 {
     rsv_status status = RSV_OK;
     uint32_t *owner = rsv_alloc(d->context, d->node_count, sizeof *owner);
@@ -64,13 +101,15 @@ static rsv_status measure_cut(
     for (uint32_t part = 0; part < d->part_count; part++)
         for (size_t k = d->begin[part]; k < d->begin[part + 1]; k++)
             owner[d->order[k]] = part;
+    demand needed = { s->elements, owner, seen, sends, 0, 0, 0 };
     for (uint32_t part = 0; part < d->part_count; part++) {
         double sum = 0;
         for (size_t k = d->begin[part]; k < d->begin[part + 1]; k++)
             sum += (double)seconds[k];
         total += sum;
         most = fmax(most, sum);
-        count_needed(t, d, part, owner, seen, sends, cost);
+        needed.part = part;
+        count_needed(s->transport, d, &needed, cost);
     }
     cost->imbalance = total > 0 ? most * d->part_count / total : 1;
 cleanup:
@@ -91,11 +130,12 @@ rsv_status rsv_measure_division(
     RSV_TRY(seconds ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_row_tracer_begin(&tracer, s->desc.rays_per_element));
     RSV_TRY(rsv_row_costs(&tracer, &division));
-    RSV_TRY(time_rows(&tracer, division, seconds));
+    for (int round = 0; round < ROUNDS; round++)
+        RSV_TRY(time_rows(&tracer, division, seconds));
     for (size_t k = 0; k < count; k++) {
         cost[k] = (rsv_division_cost){ .parts = parts[k] };
         RSV_TRY(rsv_division_cut(division, 0, parts[k]));
-        RSV_TRY(measure_cut(s->transport, division, seconds, &cost[k]));
+        RSV_TRY(measure_cut(s, division, seconds, &cost[k]));
     }
 cleanup:
     rsv_row_tracer_end(&tracer);

@@ -2,6 +2,7 @@
 /// one, and a faster solver may find it.
 #include "solution.h"
 
+#include "../core/team.h"
 #include "../operator/bend.h"
 #include "choose_solver.h"
 #include "fredholm.h"
@@ -331,6 +332,24 @@ static void report_error(const series *q, rsv_rgb *scratch)
         s->report.stop_reason = RSV_STOP_CONVERGED;
 }
 
+static rsv_rgb *kept_field(rsv_solution *s, uint32_t k)
+{
+    return k < s->order_count ? s->order[k] : s->indirect;
+}
+
+/// The orders after the first, and their sum. Processes take fields in turns.
+static void sharpen_fields(series *q)
+{
+    rsv_solution *s = q->s;
+    rsv_team_place place = rsv_team_place_of(s->context);
+    for (uint32_t k = 1; k <= s->order_count; k++)
+        if (k % place.size == place.rank)
+            rsv_sharpen(s->elements, kept_field(s, k), q->term, q->next);
+    for (uint32_t k = 1; k <= s->order_count; k++)
+        rsv_team_copy(s->context, k % place.size, kept_field(s, k),
+            s->elements->node_count * sizeof(rsv_rgb));
+}
+
 rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
 {
     rsv_status status;
@@ -344,9 +363,7 @@ rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
         s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &q.map));
     RSV_TRY(solve(&q, max_orders));
     report_error(&q, q.next);
-    for (uint32_t order = 1; order < s->order_count; order++)
-        rsv_sharpen(s->elements, s->order[order], q.term, q.next);
-    rsv_sharpen(s->elements, s->indirect, q.term, q.next);
+    sharpen_fields(&q);
 cleanup:
     rsv_transport_map_destroy(q.map);
     rsv_free(s->context, q.term);

@@ -190,6 +190,19 @@ static void scatter_whole(void *user, const rsv_rgb *field, rsv_rgb *exitance)
     scatter(user, 1, field, exitance);
 }
 
+static void report_traffic(const rsv_transport_map *m, const rsv_team *team)
+{
+    rsv_context *context = m->linear.context;
+    rsv_krylov_traffic own = team->table->krylov->traffic(m->krylov);
+    uint64_t received = rsv_team_total(context, own.received);
+    uint64_t senders = rsv_team_total(context, own.senders);
+    if (team->size > 1)
+        rsv_log(context, RSV_LOG_INFO,
+            "solve: one application of the operator sends %llu numbers in %llu messages between "
+            "%u processes",
+            (unsigned long long)received, (unsigned long long)senders, team->size);
+}
+
 static rsv_status add_krylov(rsv_transport_map *m)
 {
     rsv_team *team = rsv_context_team(m->linear.context);
@@ -206,7 +219,9 @@ static rsv_status add_krylov(rsv_transport_map *m)
         .scatter = m->subsurface ? scatter_whole : NULL,
         .user = m };
     rsv_status status = team->table->krylov->create(&system, &m->krylov, message);
-    return status == RSV_OK ? RSV_OK : rsv_fail(status, "solve: %s", message);
+    if (status != RSV_OK) return rsv_fail(status, "solve: %s", message);
+    report_traffic(m, team);
+    return rsv_progress(m->linear.context, "solve", 0);
 }
 
 /// The same on the device.

@@ -57,8 +57,15 @@ wait $! && complain "an interrupted run succeeds"
 refuses 1 "holds no rows of this scene" solve furnace "${quick[@]}" -o "$out/a.safetensors" --checkpoint rows --resume
 refuses 2 'checkpoint' "${bake[@]}" -o "$out/a.glb" --resume
 
-# A full disk costs the checkpoint, not the work
-(ulimit -f 400 && "$program" bake cornell-blocks --to vertex "${quick[@]}" --max-elements 1000 -o full.glb \
-    --checkpoint full >stdout 2>stderr </dev/null) || complain "a full disk ends the bake"
-warns '^warning: checkpoint: cannot write .*; going on without'
+# A full disk ends the run; with room, the same command goes on with the rows before
+full=(bake cornell-blocks --to vertex "${quick[@]}" --max-elements 1000 --checkpoint full)
+(
+    ulimit -f 400
+    refuses 1 "checkpoint: cannot write 'full/.*': File too large; with that mended" "${full[@]}" -o "$out/full.glb"
+    exit $failures
+) || failures=$((failures + $?))
+succeeds "${full[@]}" -o resumed.glb --resume
+warns '^note: checkpoint: [0-9]* rows'
+succeeds "${full[@]}" -o whole.glb --checkpoint other
+cmp -s whole.glb resumed.glb || complain "other bytes after a full disk"
 finish

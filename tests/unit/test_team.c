@@ -274,7 +274,39 @@ static void different_scenes_are_refused(void **state)
     run_team(3, run_member, &j);
     for (uint32_t r = 0; r < 3; r++) {
         assert_int_equal(j.status[r], RSV_ERROR_ARGUMENT);
-        assert_non_null(strstr(j.message[r], "process 1 of 3: its program version or scene"));
+        assert_non_null(strstr(j.message[r], "process 1 of 3: its scene is not"));
+    }
+}
+
+/// Process 1 fails while the others are in the middle of their work.
+static void fail_at_work(rsv_team *team, void *user)
+{
+    job *j = user;
+    rsv_context *context;
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.team = team;
+    if (rsv_context_create(&desc, &context) != RSV_OK) abort();
+    rsv_status status = RSV_OK;
+    if (team->rank == 1) {
+        rsv_team_alarm(context);
+        rsv_progress(context, "work", 0);
+        status = rsv_fail(RSV_ERROR_IO, "the disk is full");
+    }
+    while (status == RSV_OK) // not collective
+        status = rsv_progress(context, "work", 0);
+    j->status[team->rank] = rsv_team_meet(context, status);
+    snprintf(j->message[team->rank], sizeof j->message[0], "%s", rsv_last_error());
+    rsv_context_destroy(context);
+}
+
+static void a_failure_does_not_wait_for_the_work_of_others(void **state)
+{
+    (void)state;
+    job j = { 0 };
+    run_team(3, fail_at_work, &j);
+    for (uint32_t r = 0; r < 3; r++) {
+        assert_int_equal(j.status[r], RSV_ERROR_IO); // not that the others were asked to stop
+        assert_string_equal(j.message[r], "process 1 of 3: the disk is full");
     }
 }
 
@@ -300,6 +332,7 @@ int main(void)
         cmocka_unit_test(a_run_cut_off_goes_on_with_the_same_bytes),
         cmocka_unit_test(most_processes_may_have_next_to_nothing_to_do),
         cmocka_unit_test(the_failure_of_one_is_the_failure_of_all),
+        cmocka_unit_test(a_failure_does_not_wait_for_the_work_of_others),
         cmocka_unit_test(different_scenes_are_refused),
         cmocka_unit_test(a_disk_that_refuses_ends_all),
     };

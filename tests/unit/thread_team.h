@@ -6,6 +6,7 @@
 #include "core/team.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,6 +18,7 @@ typedef struct team_room {
     pthread_barrier_t barrier;
     void *array[TEAM_MOST];
     int64_t value[TEAM_MOST];
+    atomic_bool alarmed;
     size_t shared_bytes; ///< handed on by rsv_team_share, all together
 } team_room;
 
@@ -83,6 +85,13 @@ static inline double thread_progress(rsv_team *team, const char *phase, double f
     return fraction;
 }
 
+static inline bool thread_alarm(rsv_team *team, bool give)
+{
+    team_room *room = room_of(team);
+    if (give) atomic_store(&room->alarmed, true);
+    return atomic_load(&room->alarmed);
+}
+
 static inline void *thread_run(void *argument)
 {
     thread_member *member = argument;
@@ -98,7 +107,8 @@ static inline size_t run_team(uint32_t size, void (*body)(rsv_team *team, void *
         .sum = thread_sum,
         .largest = thread_largest,
         .copy = thread_copy,
-        .progress = thread_progress };
+        .progress = thread_progress,
+        .alarm = thread_alarm };
     team_room room = { .size = size };
     thread_member member[TEAM_MOST];
     pthread_t thread[TEAM_MOST];
