@@ -31,7 +31,7 @@ g["accessors"] += [{"bufferView": v - 2, "componentType": 5126, "count": 2, "typ
 g["animations"] = [{"name": "rise", "samplers": [{"input": a, "output": a + 1}],
                     "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}]}]
 g["extensionsUsed"].append("ACME_unknown")
-g["extensions"] = {**g.get("extensions", {}), "ACME_unknown": {"answer": 42.125, "list": [1, {"deep": None}]}}
+g["extensions"] = {**g.get("extensions", {}), "ACME_unknown": {"answer": 42.125, "list": [1, {"deep": None}, 0.6157673895359039]}}
 g["nodes"][0]["extras"] = {"designer": "J. D\u00f6", "tags": ["a", "b"]}
 g["materials"][0]["extras"] = {"price": 1e-7}
 g["scenes"][0]["name"] = "room"
