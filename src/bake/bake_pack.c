@@ -10,7 +10,8 @@
 #define RIM 1
 /// Runs of a chart are tried so far apart first: most places are refused by one of the first.
 #define STRIDE 16
-/// Whole rectangles up to this many texels along a side are sought from where the last of their size was found.
+/// Charts up to this many texels along a side are sought from where the last of their size was found: maps of many thousands
+/// would take minutes otherwise.
 #define LARGEST_KIND 64
 
 static void size_chart(rsv_bake_chart *chart, float density)
@@ -37,9 +38,9 @@ typedef struct sheet {
     uint64_t *taken; ///< [rows * words] texels of charts, and those within the padding around them
     uint64_t *open;  ///< [words] columns where the chart in hand may begin
     uint64_t *near;  ///< [words] columns from which on something is taken
-    uint32_t (*kind)[LARGEST_KIND +
-                     1]; ///< [LARGEST_KIND + 1] rows where rectangles of each size were found
-    rsv_bake_mask mask;  ///< of the chart in hand
+    uint32_t (
+        *kind)[LARGEST_KIND + 1]; ///< [LARGEST_KIND + 1] rows where charts of each size were found
+    rsv_bake_mask mask;           ///< of the chart in hand
 } sheet;
 
 static rsv_status create_sheet(
@@ -155,12 +156,11 @@ static rsv_status place(
     if (w + 2 * RIM > s->width || h + 2 * RIM > s->rows) return RSV_OK;
     rsv_status status = rsv_bake_mask_draw(&s->mask, charts, chart);
     if (status != RSV_OK) return status;
-    if (s->mask.is_whole && w <= LARGEST_KIND && h <= LARGEST_KIND) from = &s->kind[w][h];
-    uint32_t x, y = *from > RIM ? *from : RIM;
+    if (w <= LARGEST_KIND && h <= LARGEST_KIND) from = &s->kind[w][h];
+    uint32_t start = *from > RIM ? *from : RIM, x, y = start;
     bool found = find_place(s, chart, UINT32_MAX, &x, &y);
-    *from = y;
     if (!s->mask.is_whole) {
-        uint32_t other_x, other_y = RIM;
+        uint32_t other_x, other_y = start;
         rsv_bake_mask_turn(&s->mask, chart);
         chart->is_turned = find_place(s, chart, found ? y : UINT32_MAX, &other_x, &other_y);
         if (chart->is_turned)
@@ -169,6 +169,7 @@ static rsv_status place(
             rsv_bake_mask_turn(&s->mask, chart);
         found = found || chart->is_turned;
     }
+    *from = y;
     if (!found) return RSV_OK;
     chart->at[0] = x;
     chart->at[1] = y;
