@@ -3,6 +3,7 @@ import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { VRButton } from "three/addons/webxr/VRButton.js";
 import { addControls } from "./controls.js";
+import { Reflections } from "./reflections.js";
 import { LightBasis } from "./runtime.js";
 import { BakedScene } from "./scene.js";
 import { Sky } from "./sky.js";
@@ -22,9 +23,12 @@ async function fetchBytes(path) {
     return response.arrayBuffer();
 }
 
-function showStill() {
-    element("still").src = `${name}.png`;
-    element("still").hidden = false;
+/// The path-traced picture over that share of the view, from the left.
+function showStill(share) {
+    const still = element("still");
+    if (share > 0 && !still.src) still.src = `${name}.png`;
+    still.hidden = share === 0;
+    still.style.clipPath = `inset(0 ${100 * (1 - share)}% 0 0)`;
 }
 
 /// The renderer; null where the browser has no WebGL.
@@ -39,18 +43,22 @@ function createRenderer() {
     }
 }
 
-async function loadBasis(scene, sky, redraw) {
+async function loadBasis() {
     const [module, file] = await Promise.all([fetchBytes("resolvent_rt.wasm"), fetchBytes(`${name}.light.safetensors`)]);
-    const basis = await LightBasis.create(module, file);
+    return LightBasis.create(module, file);
+}
+
+/// Lets the visitor change the lights of a basis.
+function letLightsChange(basis, scene, sky, reflections, redraw) {
     scene.checkBasis(basis);
     addControls(element("lights"), basis, (scales, degrees) => {
-        scene.show(basis.relight(scales, degrees));
+        scene.light.show(basis.relight(scales, degrees));
         basis.names.forEach((light, k) => scene.scaleLamps(light, scales[k]));
         sky?.turn(degrees, Math.max(...(scales[basis.names.indexOf("environment")] ?? [0])));
-        element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} receivers`;
+        element("timing").textContent = `relit in ${basis.milliseconds.toFixed(2)} ms, ${basis.receiverCount} ${scene.light.kind}`;
+        reflections.follow(redraw);
         redraw();
     });
-    return basis;
 }
 
 /// Mean difference per channel between what is shown and a picture, 0..1.
@@ -71,18 +79,8 @@ async function compareWith(renderer, draw, url) {
     return sums.map((sum) => sum / 255 / (pixels[0].length / 4));
 }
 
-async function main() {
-    element("compare").onchange = () => element("compare").checked ? showStill() : (element("still").hidden = true);
-    const renderer = createRenderer();
-    if (!renderer) {
-        showStill();
-        say("This browser shows no WebGL: here is a still picture instead.");
-        return {};
-    }
-    const scene = await BakedScene.load(await fetchBytes(`${name}.glb`));
-    const world = new THREE.Scene();
-    world.add(scene.root);
-    const sky = await Sky.load(`${name}.hdr`, world);
+/// A camera where the file's is, and controls that lead it around what lies before it.
+function createCamera(scene, renderer) {
     const camera = new THREE.PerspectiveCamera().copy(scene.camera, false);
     scene.camera.matrixWorld.decompose(camera.position, camera.quaternion, camera.scale);
     const middle = new THREE.Box3().setFromObject(scene.root).getCenter(new THREE.Vector3());
@@ -90,6 +88,32 @@ async function main() {
     const controls = new OrbitControls(camera, renderer.domElement);
     controls.target.copy(camera.position).addScaledVector(ahead, camera.position.distanceTo(middle));
     controls.update();
+    controls.saveState();
+    return { camera, controls };
+}
+
+async function offerHeadset(renderer, draw) {
+    if (!await navigator.xr?.isSessionSupported("immersive-vr").catch(() => false)) return;
+    renderer.xr.enabled = true;
+    renderer.setAnimationLoop(draw);
+    document.body.append(VRButton.createButton(renderer));
+}
+
+async function main() {
+    const renderer = createRenderer();
+    if (!renderer) {
+        showStill(1);
+        element("panel").hidden = true;
+        say("This browser shows no WebGL: here is a still picture instead.");
+        return {};
+    }
+    const scene = await BakedScene.load(await fetchBytes(`${name}.glb`));
+    const world = new THREE.Scene();
+    world.add(scene.root);
+    const basis = await loadBasis().catch((error) => { say(`The lights cannot be changed: ${error.message}.`); return null; });
+    const sky = basis?.names.includes("environment") ? await Sky.load(`${name}.hdr`, world) : null;
+    const { camera, controls } = createCamera(scene, renderer);
+    const reflections = new Reflections(renderer, world, scene, camera.position.clone());
     const draw = () => renderer.render(world, camera);
     const resize = () => {
         camera.aspect = innerWidth / innerHeight;
@@ -103,15 +127,20 @@ async function main() {
         draw();
     };
     element("wireframe").onchange = () => { scene.setWireframe(element("wireframe").checked); draw(); };
+    element("compare").oninput = () => {
+        controls.reset(); // the picture was taken from there
+        showStill(Number(element("compare").value));
+    };
     controls.addEventListener("change", draw);
     addEventListener("resize", resize);
     resize();
-    if (await navigator.xr?.isSessionSupported("immersive-vr").catch(() => false)) {
-        renderer.xr.enabled = true;
-        renderer.setAnimationLoop(draw);
-        document.body.append(VRButton.createButton(renderer));
+    await offerHeadset(renderer, draw);
+    try {
+        if (basis) letLightsChange(basis, scene, sky, reflections, draw);
+    } catch (error) {
+        say(`The lights cannot be changed: ${error.message}.`);
     }
-    const basis = await loadBasis(scene, sky, draw).catch((error) => { say(`The lights cannot be changed: ${error.message}.`); return null; });
+    reflections.update();
     draw();
     return { basis, compareWith: (url) => compareWith(renderer, draw, url) };
 }

@@ -240,6 +240,17 @@ rsv_status rsv_bake_keep_chart(rsv_bake_charts *c, const rsv_solution *solution,
     return RSV_OK;
 }
 
+double rsv_bake_chart_area(const rsv_bake_charts *c, const rsv_bake_chart *chart)
+{
+    double area = 0;
+    for (uint32_t k = chart->first; k < chart->first + chart->triangle_count; k++) {
+        const float(*p)[2] = (const float(*)[2])c->corner[k];
+        area += 0.5 * fabs((double)(p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) -
+                           (double)(p[2][0] - p[0][0]) * (p[1][1] - p[0][1]));
+    }
+    return area;
+}
+
 void rsv_bake_charts_destroy(rsv_bake_charts *c)
 {
     rsv_free(c->context, c->chart);

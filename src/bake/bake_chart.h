@@ -15,6 +15,7 @@ typedef struct rsv_bake_chart {
     // of the map, once packed
     uint32_t texels[2]; ///< whole ones, at least 2: borders lie in the middle of the first and last
     uint32_t at[2];     ///< the first of them
+    bool is_turned;     ///< by half a turn
 } rsv_bake_chart;
 
 typedef struct rsv_bake_charts {
@@ -36,6 +37,9 @@ rsv_status rsv_bake_add_charts(rsv_bake_charts *charts, const rsv_solution *solu
 rsv_status rsv_bake_keep_chart(rsv_bake_charts *charts, const rsv_solution *solution,
     const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2]);
 
+/// Area of a chart's triangles, m2 where they lie.
+double rsv_bake_chart_area(const rsv_bake_charts *charts, const rsv_bake_chart *chart);
+
 /// A number for an edge in space, the same for both directions.
 uint64_t rsv_bake_edge_key(rsv_vec3 a, rsv_vec3 b);
 
@@ -47,8 +51,9 @@ static inline void rsv_bake_chart_point(
 {
     for (int axis = 0; axis < 2; axis++) {
         float spans = (float)(chart->texels[axis] - 1);
+        float along = chart->is_turned ? chart->size[axis] - corner[axis] : corner[axis];
         point[axis] = (float)chart->at[axis] + 0.5f +
-                      (chart->size[axis] > 0 ? corner[axis] / chart->size[axis] * spans : 0);
+                      (chart->size[axis] > 0 ? along / chart->size[axis] * spans : 0);
     }
 }
 

@@ -124,9 +124,9 @@ void rsv_bake_directions_at(
     for (int a = 0; a < 3; a++)
         out[a] = rgb_gray(0);
     if (r->triangle == RSV_NONE) return;
-    rsv_surface_point point = rsv_surface_point_at(s->scene.view, r->triangle, r->u, r->v, false);
+    rsv_surface_point point = rsv_surface_point_at(s->scene.view, r->triangle, r->u, r->v, r->back);
     const float normal[3] = { point.normal.x, point.normal.y, point.normal.z };
-    uint32_t face = s->elements->face_of[0][r->triangle];
+    uint32_t face = s->elements->face_of[r->back][r->triangle];
     for (int a = 0; a < 3; a++) {
         out[a] = rgb_gray(normal[a]);
         if (face != RSV_NONE)

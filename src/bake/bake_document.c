@@ -2,6 +2,7 @@
 
 #include "../io/atomic_file.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -272,12 +273,33 @@ static void append_chunk(
     rsv_atomic_file_append(file, pad, rest);
 }
 
+/// cJSON takes 15 digits for enough where they come close. A number that needs more becomes text of its own, so that all are
+/// read back as they were.
+static void keep_digits(rsv_bake_document *d, cJSON *item)
+{
+    char digits[32];
+    for (cJSON *child = item->child; child; child = child->next)
+        keep_digits(d, child);
+    if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble)) return;
+    snprintf(digits, sizeof digits, "%.15g", item->valuedouble);
+    if (strtod(digits, NULL) == item->valuedouble) return;
+    int length = snprintf(digits, sizeof digits, "%.17g", item->valuedouble);
+    char *comma = strchr(digits, ','); // in the locale of whose program this is
+    if (comma) *comma = '.';
+    item->valuestring = cJSON_malloc((size_t)length + 1);
+    d->exhausted |= !item->valuestring;
+    if (!item->valuestring) return;
+    memcpy(item->valuestring, digits, (size_t)length + 1);
+    item->type = (item->type & ~0xff) | cJSON_Raw;
+}
+
 rsv_status rsv_bake_document_write(rsv_bake_document *d, const char *path)
 {
     rsv_status status;
     rsv_atomic_file file = { .descriptor = -1 };
     cJSON *buffer = cJSON_GetArrayItem(rsv_bake_array(d, d->root, "buffers"), 0);
     rsv_bake_number(d, buffer, "byteLength", (double)d->byte_count);
+    keep_digits(d, d->root);
     char *text = cJSON_PrintUnformatted(d->root);
     if (d->exhausted || !text) {
         status = rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory writing it", path);

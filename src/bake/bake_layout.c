@@ -4,13 +4,17 @@
 #include "../io/gltf_accessor.h"
 #include "bake_pack.h"
 
-/// Attempts to undo overlaps within charts, and to find a density that fits.
+/// Attempts to undo overlaps within charts, and to find a density that fits, to that share.
 #define MOST_ROUNDS 4
 #define MOST_SIZES 12
-/// Part of the texels that a full map could hold at best: where the search for a density begins.
-#define FULLEST 0.98
+#define EXACT 1.005f
 /// A larger map must show this much more.
 #define WORTH_IT 1.02f
+/// Charts that fill less than this of their rectangle are divided, if that is more than so much of all surfaces, and if
+/// they have few triangles: parts of many are slivers, whose borders are too close to each other to be stitched.
+#define HOLLOW 0.4
+#define LARGE 0.002
+#define FEW 40
 /// Sides of maps where none is asked for, and the part of them that charts of a few texels may fill.
 #define FIRST_SIDE 1024
 #define LAST_SIDE 4096
@@ -91,8 +95,46 @@ static double charts_area(const rsv_bake_charts *c)
 {
     double area = 0;
     for (size_t k = 0; k < c->count; k++)
-        area += (double)c->chart[k].size[0] * (double)c->chart[k].size[1];
+        area += rsv_bake_chart_area(c, &c->chart[k]);
     return area;
+}
+
+/// The layer of a part's triangles, made if there is none; NULL on exhaustion.
+static uint8_t *layer_of(rsv_bake_layout *b, uint32_t part)
+{
+    if (!b->layer[part])
+        b->layer[part] =
+            rsv_alloc(b->s->context, b->parts->part[part].triangle_count, sizeof **b->layer);
+    return b->layer[part];
+}
+
+static bool is_upright(const float corner[3][2])
+{
+    float size[2];
+    for (int a = 0; a < 2; a++)
+        size[a] = f_max(corner[0][a], f_max(corner[1][a], corner[2][a])) -
+                  f_min(corner[0][a], f_min(corner[1][a], corner[2][a]));
+    return size[1] > size[0];
+}
+
+/// Moves the upright triangles of large charts that are mostly empty, such as frames, one layer up: their sides become
+/// charts. @param any out
+static rsv_status divide_hollow_charts(rsv_bake_layout *b, bool *any)
+{
+    double all = charts_area(&b->charts);
+    *any = false;
+    for (size_t c = 0; c < b->charts.count; c++) {
+        const rsv_bake_chart *chart = &b->charts.chart[c];
+        double box = (double)chart->size[0] * (double)chart->size[1];
+        bool hollow = rsv_bake_chart_area(&b->charts, chart) < HOLLOW * box && box > LARGE * all;
+        if (!hollow || chart->triangle_count > FEW || b->uv[chart->part]) continue;
+        uint8_t *layer = layer_of(b, chart->part);
+        if (!layer) return RSV_ERROR_MEMORY;
+        for (uint32_t k = chart->first; k < chart->first + chart->triangle_count; k++)
+            if (is_upright((const float(*)[2])b->charts.corner[k]))
+                layer[b->charts.triangle[k]]++, *any = true;
+    }
+    return RSV_OK;
 }
 
 /// Texels along a side at most: as asked for, or so many that charts of a few texels do not fill the map.
@@ -106,48 +148,34 @@ static uint32_t largest_side(const rsv_bake_layout *b)
     return side;
 }
 
-/// The largest density, up to `most`, at which everything fits; 0 = none does.
-static rsv_status find_density(
-    rsv_bake_layout *b, uint32_t width, uint32_t rows, float most, float *density, uint32_t *height)
+/// The largest density, up to `most`, at which everything fits into a square; 0 = none does.
+static rsv_status find_density(rsv_bake_layout *b, uint32_t side, float most, float *density)
 {
     rsv_status status;
     float low = 0, high = most, middle = most;
-    *density = 0;
-    for (int k = 0; k < MOST_SIZES; k++) {
+    for (int k = 0; k < MOST_SIZES && !(low > 0 && high < EXACT * low); k++) {
         uint32_t needed;
-        RSV_TRY(rsv_bake_pack(&b->charts, middle, b->desc->padding, width, rows, &needed));
-        if (needed != UINT32_MAX) {
-            *density = low = middle;
-            *height = needed;
-        } else {
+        RSV_TRY(rsv_bake_pack(&b->charts, middle, b->desc->padding, side, side, &needed));
+        if (needed != UINT32_MAX)
+            low = middle;
+        else
             high = middle;
-        }
-        if (low == most) break;
         middle = low > 0 ? sqrtf(low * high) : 0.5f * high;
     }
+    *density = low;
 cleanup:
     return status;
 }
 
-/// Packs at the density asked for or, where that is too much or none is asked for, at the largest that fits: in
-/// the shape of map that allows the most, and in the smallest of those.
+/// Packs at the density asked for or, where that is too much or none is asked for, at about the largest that fits, into
+/// the narrowest map that holds it.
 static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
 {
     rsv_status status;
     uint32_t side = largest_side(b);
-    float most = (float)sqrt(FULLEST * side * side / charts_area(&b->charts));
+    float most = (float)sqrt((double)side * side / fmax(charts_area(&b->charts), 1e-30));
     if (b->desc->density > 0) most = f_min(b->desc->density, most);
-    b->density = 0;
-    for (uint32_t eighths = 3; eighths <= 8; eighths++) {
-        uint32_t tried = side * eighths / 8, needed = 0;
-        float density;
-        RSV_TRY(find_density(b, tried, side, most, &density, &needed));
-        bool better = density > WORTH_IT * b->density;
-        if (density == 0 || !better) continue;
-        b->density = density;
-        *width = tried;
-        *height = needed;
-    }
+    RSV_TRY(find_density(b, side, most, &b->density));
     if (b->density == 0)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "bake: %zu charts do not fit into %u x %u texels; ask for a larger map",
@@ -156,7 +184,18 @@ static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
         rsv_log(b->s->context, RSV_LOG_WARNING,
             "bake: %.4g texels per metre instead of %.4g, to fit into %u x %u texels",
             (double)b->density, (double)b->desc->density, side, side);
-    RSV_TRY(rsv_bake_pack(&b->charts, b->density, b->desc->padding, *width, side, height));
+    float enough = b->density == most ? most : b->density / WORTH_IT;
+    *height = UINT32_MAX;
+    for (uint32_t eighths = 3; eighths < 8 && *height == UINT32_MAX; eighths++) {
+        *width = side * eighths / 8;
+        RSV_TRY(rsv_bake_pack(&b->charts, enough, b->desc->padding, *width, side, height));
+    }
+    if (*height == UINT32_MAX) {
+        *width = side;
+        RSV_TRY(rsv_bake_pack(&b->charts, b->density, b->desc->padding, side, side, height));
+    } else {
+        b->density = enough;
+    }
     *height = (*height + 3) & ~3u;
 cleanup:
     return status;
@@ -170,13 +209,10 @@ static bool set_apart(rsv_bake_layout *b, const uint8_t *overlap, rsv_status *st
         const rsv_bake_chart *chart = &b->charts.chart[c];
         for (uint32_t k = chart->first; k < chart->first + chart->triangle_count; k++) {
             if (!overlap[k] || b->uv[chart->part] || chart->triangle_count == 1) continue;
-            uint8_t **layer = &b->layer[chart->part];
-            if (!*layer)
-                *layer = rsv_alloc(
-                    b->s->context, b->parts->part[chart->part].triangle_count, sizeof **layer);
-            if (!*layer) *status = RSV_ERROR_MEMORY;
-            if (!*layer) return false;
-            (*layer)[b->charts.triangle[k]]++;
+            uint8_t *layer = layer_of(b, chart->part);
+            if (!layer) *status = RSV_ERROR_MEMORY;
+            if (!layer) return false;
+            layer[b->charts.triangle[k]]++;
             any = true;
         }
     }
@@ -185,11 +221,13 @@ static bool set_apart(rsv_bake_layout *b, const uint8_t *overlap, rsv_status *st
 
 static rsv_status lay_out(rsv_bake_layout *b)
 {
-    rsv_status status = RSV_OK;
+    rsv_status status;
     bool again = true;
-    for (int round = 0; round < MOST_ROUNDS && again; round++) {
+    RSV_TRY(make_charts(b));
+    RSV_TRY(divide_hollow_charts(b, &again));
+    for (int round = 0; round < MOST_ROUNDS && (again || round == 0); round++) {
         uint32_t width = 0, height = 0;
-        RSV_TRY(make_charts(b));
+        if (again) RSV_TRY(make_charts(b));
         RSV_TRY(pack(b, &width, &height));
         rsv_bake_map_destroy(b->s->context, &b->map);
         uint8_t *overlap = rsv_alloc(b->s->context, b->charts.triangle_count, 1);

@@ -206,6 +206,13 @@ static void set_coordinates(rsv_bake_document *d, cJSON *primitive, int set, int
     }
 }
 
+/// Unlit materials show their colour, whatever the light.
+static bool is_unlit(const cJSON *material)
+{
+    const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(material, "extensions");
+    return cJSON_GetObjectItemCaseSensitive(extensions, "KHR_materials_unlit") != NULL;
+}
+
 static rsv_status write_part(lightmap_bake *b, uint32_t k, int texture, int set)
 {
     rsv_status status;
@@ -217,7 +224,7 @@ static rsv_status write_part(lightmap_bake *b, uint32_t k, int texture, int set)
     set_coordinates(
         d, b->primitive[k], set, rsv_bake_add_floats(d, uv[0], mesh.vertex_count, 2, false));
     cJSON *material = rsv_bake_material(d, b->primitive[k]);
-    if (material) {
+    if (material && !is_unlit(material)) {
         cJSON *extension = rsv_bake_extension(d, material, "MOZ_lightmap");
         rsv_bake_number(d, extension, "index", texture);
         rsv_bake_number(d, extension, "texCoord", set);

@@ -1,9 +1,18 @@
 #include "bake_pack.h"
 
 #include "../core/vec.h"
+#include "bake_mask.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/// Texels at the rim of a map that stay empty, for filtering on a border to touch.
+#define RIM 1
+/// Runs of a chart are tried so far apart first: most places are refused by one of the first.
+#define STRIDE 16
+/// Charts up to this many texels along a side are sought from where the last of their size was found: maps of many thousands
+/// would take minutes otherwise.
+#define LARGEST_KIND 64
 
 static void size_chart(rsv_bake_chart *chart, float density)
 {
@@ -13,92 +22,183 @@ static void size_chart(rsv_bake_chart *chart, float density)
     }
 }
 
-static int compare_heights(const void *a, const void *b)
+static int compare_areas(const void *a, const void *b)
 {
     const rsv_bake_chart *const *x = a, *const *y = b;
-    if ((*x)->texels[1] != (*y)->texels[1]) return (*x)->texels[1] < (*y)->texels[1] ? 1 : -1;
-    if ((*x)->texels[0] != (*y)->texels[0]) return (*x)->texels[0] < (*y)->texels[0] ? 1 : -1;
+    uint64_t of_x = (uint64_t)(*x)->texels[0] * (*x)->texels[1];
+    uint64_t of_y = (uint64_t)(*y)->texels[0] * (*y)->texels[1];
+    if (of_x != of_y) return of_x < of_y ? 1 : -1;
     return (*x > *y) - (*x < *y);
 }
 
-/// The upper rim of what has been placed: runs of columns of one height.
-typedef struct skyline {
-    uint32_t *begin, *top; ///< [count] columns from `begin` to the next run's are taken below `top`
-    size_t count;
-    uint32_t width;
-} skyline;
+/// A map while it fills. Rows are bits, 64 columns to a word from its lowest bit on.
+typedef struct sheet {
+    uint32_t width, rows, padding;
+    size_t words;    ///< of a row
+    uint64_t *taken; ///< [rows * words] texels of charts, and those within the padding around them
+    uint64_t *open;  ///< [words] columns where the chart in hand may begin
+    uint64_t *near;  ///< [words] columns from which on something is taken
+    uint32_t (
+        *kind)[LARGEST_KIND + 1]; ///< [LARGEST_KIND + 1] rows where charts of each size were found
+    rsv_bake_mask mask;           ///< of the chart in hand
+} sheet;
 
-/// Lowest row from which `width` columns are free, starting with run `k`; UINT32_MAX beyond the map.
-static uint32_t rest_on(const skyline *s, size_t k, uint32_t width, uint32_t limit)
+static rsv_status create_sheet(
+    rsv_context *context, uint32_t width, uint32_t rows, uint32_t padding, sheet *s)
 {
-    uint32_t end = s->begin[k] + width, top = 0;
-    if (end > s->width) return UINT32_MAX;
-    for (; k < s->count && s->begin[k] < end && top < limit; k++)
-        top = s->top[k] > top ? s->top[k] : top;
-    return top;
+    size_t words = ((size_t)width + 63) / 64;
+    *s = (sheet){ .width = width,
+        .rows = rows,
+        .padding = padding,
+        .words = words,
+        .taken = rsv_alloc(context, rows * words, sizeof *s->taken),
+        .open = rsv_alloc(context, words, sizeof *s->open),
+        .near = rsv_alloc(context, words, sizeof *s->near),
+        .kind = rsv_alloc(context, LARGEST_KIND + 1, sizeof *s->kind),
+        .mask.context = context };
+    return s->taken && s->open && s->near && s->kind ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-/// Raises columns [x, x + width), which begin with run `k`, to `top`.
-static void raise_columns(skyline *s, size_t k, uint32_t x, uint32_t width, uint32_t top)
+static void destroy_sheet(rsv_context *context, sheet *s)
 {
-    uint32_t end = x + width, under = 0;
-    size_t next = k;
-    while (next < s->count && s->begin[next] < end)
-        under = s->top[next++];
-    bool rest = (next < s->count ? s->begin[next] : s->width) > end;
-    size_t kept = k + 1 + rest, tail = s->count - next;
-    memmove(s->begin + kept, s->begin + next, tail * sizeof *s->begin);
-    memmove(s->top + kept, s->top + next, tail * sizeof *s->top);
-    s->begin[k] = x;
-    s->top[k] = top;
-    if (rest) {
-        s->begin[k + 1] = end;
-        s->top[k + 1] = under;
-    }
-    s->count = kept + tail;
+    rsv_free(context, s->taken);
+    rsv_free(context, s->open);
+    rsv_free(context, s->near);
+    rsv_free(context, s->kind);
+    rsv_bake_mask_destroy(&s->mask);
 }
 
-/// Puts a chart where it lies lowest. @return the row above it
-static uint32_t place(rsv_bake_chart *chart, skyline *s, uint32_t padding)
+static void set_bits(uint64_t *row, uint32_t begin, uint32_t end)
 {
-    uint32_t width = chart->texels[0] + padding, best = UINT32_MAX;
-    size_t run = 0;
-    for (size_t k = 0; k < s->count; k++) {
-        if (s->top[k] >= best) continue;
-        uint32_t row = rest_on(s, k, width, best);
-        if (row < best) best = row, run = k;
+    for (uint32_t k = begin / 64; k <= (end - 1) / 64; k++) {
+        uint64_t from = k == begin / 64 ? ~(uint64_t)0 << begin % 64 : ~(uint64_t)0;
+        uint64_t to = k == (end - 1) / 64 ? ~(uint64_t)0 >> (63 - (end - 1) % 64) : ~(uint64_t)0;
+        row[k] |= from & to;
     }
-    chart->at[0] = s->begin[run] + padding;
-    chart->at[1] = best + padding;
-    raise_columns(s, run, s->begin[run], width, best + chart->texels[1] + padding);
-    return chart->at[1] + chart->texels[1] + padding;
+}
+
+/// Word `k` of a row from column `by` on.
+static uint64_t shifted(const uint64_t *row, size_t words, size_t k, uint32_t by)
+{
+    size_t from = k + by / 64;
+    uint64_t word = from < words ? row[from] >> by % 64 : 0;
+    if (by % 64 && from + 1 < words) word |= row[from + 1] << (64 - by % 64);
+    return word;
+}
+
+/// Closes the columns from which on a run of the chart meets something. @return whether any stays open
+static bool keep_open(sheet *s, uint32_t y, rsv_bake_run run)
+{
+    const uint64_t *row = s->taken + (y + run.row) * s->words;
+    uint32_t wanted = run.end - run.begin;
+    uint64_t any = 0;
+    for (size_t k = 0; k < s->words; k++)
+        s->near[k] = shifted(row, s->words, k, run.begin);
+    for (uint32_t reach = 1; reach < wanted;) {
+        uint32_t more = reach < wanted - reach ? reach : wanted - reach;
+        for (size_t k = 0; k < s->words; k++)
+            s->near[k] |= shifted(s->near, s->words, k, more);
+        reach += more;
+    }
+    for (size_t k = 0; k < s->words; k++)
+        any |= s->open[k] &= ~s->near[k];
+    return any != 0;
+}
+
+/// The first column where the chart in hand fits, its first row being `y`; UINT32_MAX = none.
+static uint32_t find_column(sheet *s, uint32_t columns, uint32_t y)
+{
+    memset(s->open, 0, s->words * sizeof *s->open);
+    set_bits(s->open, RIM, RIM + columns);
+    for (size_t first = 0; first < STRIDE; first++)
+        for (size_t k = first; k < s->mask.run_count; k += STRIDE)
+            if (!keep_open(s, y, s->mask.run[k])) return UINT32_MAX;
+    uint32_t x = RIM;
+    while (!(s->open[x / 64] >> x % 64 & 1))
+        x++;
+    return x;
+}
+
+/// Takes the texels of the chart in hand, and those around it.
+static void take_chart(sheet *s, uint32_t x, uint32_t y)
+{
+    for (size_t k = 0; k < s->mask.run_count; k++) {
+        rsv_bake_run run = s->mask.run[k];
+        uint32_t left = x + run.begin > s->padding ? x + run.begin - s->padding : 0;
+        uint32_t right = x + run.end + s->padding;
+        uint32_t low = y + run.row > s->padding ? y + run.row - s->padding : 0;
+        uint32_t high = y + run.row + s->padding + 1;
+        for (uint32_t row = low; row < high && row < s->rows; row++)
+            set_bits(s->taken + row * s->words, left, right < s->width ? right : s->width);
+    }
+}
+
+/// The first row below `end`, from `*y` on, and there the first column, where the chart in hand fits.
+static bool find_place(
+    sheet *s, const rsv_bake_chart *chart, uint32_t end, uint32_t *x, uint32_t *y)
+{
+    uint32_t w = chart->texels[0], h = chart->texels[1];
+    for (; *y + h + RIM <= s->rows && *y < end; (*y)++) {
+        *x = find_column(s, s->width - w - 2 * RIM + 1, *y);
+        if (*x != UINT32_MAX) return true;
+    }
+    return false;
+}
+
+/// Puts a chart into the first place where it fits, turned by half a turn if that is an earlier one.
+/// @param end out: the row above it; UINT32_MAX = it fits nowhere
+static rsv_status place(
+    sheet *s, const rsv_bake_charts *charts, rsv_bake_chart *chart, uint32_t *end)
+{
+    uint32_t first = RIM, *from = &first, w = chart->texels[0], h = chart->texels[1];
+    *end = UINT32_MAX;
+    chart->is_turned = false;
+    if (w + 2 * RIM > s->width || h + 2 * RIM > s->rows) return RSV_OK;
+    rsv_status status = rsv_bake_mask_draw(&s->mask, charts, chart);
+    if (status != RSV_OK) return status;
+    if (w <= LARGEST_KIND && h <= LARGEST_KIND) from = &s->kind[w][h];
+    uint32_t start = *from > RIM ? *from : RIM, x, y = start;
+    bool found = find_place(s, chart, UINT32_MAX, &x, &y);
+    if (!s->mask.is_whole) {
+        uint32_t other_x, other_y = start;
+        rsv_bake_mask_turn(&s->mask, chart);
+        chart->is_turned = find_place(s, chart, found ? y : UINT32_MAX, &other_x, &other_y);
+        if (chart->is_turned)
+            x = other_x, y = other_y;
+        else
+            rsv_bake_mask_turn(&s->mask, chart);
+        found = found || chart->is_turned;
+    }
+    *from = y;
+    if (!found) return RSV_OK;
+    chart->at[0] = x;
+    chart->at[1] = y;
+    take_chart(s, x, y);
+    *end = y + h + RIM;
+    return RSV_OK;
 }
 
 rsv_status rsv_bake_pack(rsv_bake_charts *c, float density, uint32_t padding, uint32_t width,
     uint32_t most_rows, uint32_t *height)
 {
-    rsv_status status = RSV_OK;
+    rsv_status status;
+    sheet s;
     rsv_bake_chart **order = rsv_alloc(c->context, c->count, sizeof *order);
-    skyline s = { .begin = rsv_alloc(c->context, c->count + 2, sizeof *s.begin),
-        .top = rsv_alloc(c->context, c->count + 2, sizeof *s.top),
-        .count = 1,
-        .width = width - padding };
-    RSV_TRY(order && s.begin && s.top ? RSV_OK : RSV_ERROR_MEMORY);
-    *height = 0;
+    RSV_TRY(create_sheet(c->context, width, most_rows, padding, &s));
+    RSV_TRY(order ? RSV_OK : RSV_ERROR_MEMORY);
     for (size_t k = 0; k < c->count; k++) {
         size_chart(&c->chart[k], density);
-        if (c->chart[k].texels[0] + padding > s.width) *height = UINT32_MAX;
         order[k] = &c->chart[k];
     }
-    qsort(order, c->count, sizeof *order, compare_heights);
-    for (size_t k = 0; k < c->count && *height <= most_rows; k++) {
-        uint32_t end = place(order[k], &s, padding);
+    qsort(order, c->count, sizeof *order, compare_areas);
+    *height = 0;
+    for (size_t k = 0; k < c->count && *height != UINT32_MAX; k++) {
+        uint32_t end;
+        RSV_TRY(place(&s, c, order[k], &end));
         *height = end > *height ? end : *height;
     }
-    if (*height > most_rows) *height = UINT32_MAX;
 cleanup:
     rsv_free(c->context, order);
-    rsv_free(c->context, s.begin);
-    rsv_free(c->context, s.top);
+    destroy_sheet(c->context, &s);
     return status;
 }

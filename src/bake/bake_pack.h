@@ -5,7 +5,8 @@
 #include "bake_chart.h"
 
 /// Gives every chart its texels, at `density` texels per metre and `padding` texels apart, in a map `width` wide: from the
-/// highest to the lowest, each where it ends lowest (a skyline, Jylanki 2010).
+/// largest to the smallest, each into the first row, and there the first column, where its shape fits, as it is or turned
+/// by half a turn. So small charts come to lie within the gaps of large ones.
 /// @param height out: rows that were needed; UINT32_MAX = more than `most_rows`, or a chart is too wide
 rsv_status rsv_bake_pack(rsv_bake_charts *charts, float density, uint32_t padding, uint32_t width,
     uint32_t most_rows, uint32_t *height);

@@ -3,6 +3,7 @@
 #include "../io/gltf_accessor.h"
 #include "../io/matrix.h"
 #include "../scene/scene_internal.h"
+#include "bake_side.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -169,6 +170,8 @@ rsv_status rsv_bake_parts_create(
     RSV_TRY(walk(&w));
     RSV_TRY(match(d, rsv_solution_scene(solution), parts));
     RSV_TRY(check_lit(d, solution, parts));
+    for (size_t k = 0; k < parts->count; k++)
+        RSV_TRY(rsv_bake_choose_sides(solution, &parts->part[k]));
 cleanup:
     rsv_free(d->context, w.world);
     rsv_free(d->context, w.pending);
@@ -182,6 +185,7 @@ void rsv_bake_parts_destroy(rsv_bake_parts *parts)
         rsv_free(parts->context, parts->part[k].position);
         rsv_free(parts->context, parts->part[k].corner);
         rsv_free(parts->context, parts->part[k].triangle);
+        rsv_free(parts->context, parts->part[k].back);
     }
     rsv_free(parts->context, parts->part);
     *parts = (rsv_bake_parts){ .context = parts->context };

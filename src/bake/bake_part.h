@@ -16,6 +16,7 @@ typedef struct rsv_bake_part {
     uint32_t (*corner)[3]; ///< [triangle_count]
     size_t triangle_count;
     uint32_t *triangle; ///< [triangle_count] of the scene; RSV_NONE = of no area
+    uint8_t *back;      ///< [triangle_count] whether it shows the light of its back (bake_side.h)
 } rsv_bake_part;
 
 typedef struct rsv_bake_parts {

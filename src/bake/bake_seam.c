@@ -74,7 +74,8 @@ static rsv_rgb light_on(const seam_search *q, const border *b, float t, float po
         w[k] += 1e-3f * (1.0f / 3 - w[k]);
     float u, v;
     rsv_bake_place(part, w[1], w[2], &u, &v);
-    return rsv_bake_shown(q->s, part->triangle[q->charts->triangle[b->k]], u, v);
+    uint32_t triangle = q->charts->triangle[b->k];
+    return rsv_bake_shown(q->s, part->triangle[triangle], part->back[triangle], u, v);
 }
 
 static float largest_difference(rsv_rgb a, rsv_rgb b)

@@ -10,6 +10,9 @@
 #define MOST_STEPS 2000
 /// Light below 0 is cut off, which opens jumps again, ever smaller ones.
 #define MOST_ROUNDS 40
+/// What stays open counts this much more in the next round, in so many of the first rounds.
+#define STRESS 2
+#define STRESSED_ROUNDS 12
 /// Texels of surfaces change this much less than those beyond borders, which nobody sees otherwise.
 #define STIFFNESS 0.2f
 
@@ -230,6 +233,15 @@ static void close_jumps(jumps *j, rsv_bake_map *map)
     }
 }
 
+/// Makes those that are still open count for more: where not all can be closed, none stays far behind.
+static void stress_open(jumps *j, const rsv_bake_map *map, const rsv_bake_stitch *stitch)
+{
+    for (size_t k = 0; k < j->count; k++)
+        if (largest_jump(map, &stitch[k], 1) > CLOSED)
+            for (int i = 0; i < 8; i++)
+                j->weight[k][i] *= STRESS;
+}
+
 rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitch, size_t count,
     rsv_bake_map *map, double *largest)
 {
@@ -244,6 +256,7 @@ rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitc
     rsv_status status = create_jumps(context, map, stitch, count, &j);
     for (int round = 0; status == RSV_OK && round<MOST_ROUNDS && * largest> CLOSED; round++) {
         close_jumps(&j, map);
+        if (round < STRESSED_ROUNDS) stress_open(&j, map, stitch);
         *largest = largest_jump(map, stitch, count);
     }
     destroy_jumps(context, &j);

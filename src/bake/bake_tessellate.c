@@ -43,7 +43,7 @@ static uint64_t pair_key(uint32_t a, uint32_t b)
 
 static rsv_bake_receiver receiver_at(const tessellator *q, float w1, float w2)
 {
-    rsv_bake_receiver r = { .triangle = q->part->triangle[q->t] };
+    rsv_bake_receiver r = { .triangle = q->part->triangle[q->t], .back = q->part->back[q->t] };
     rsv_bake_place(q->part, w1, w2, &r.u, &r.v);
     return r;
 }
@@ -52,7 +52,7 @@ static rsv_bake_receiver receiver_at(const tessellator *q, float w1, float w2)
 static rsv_rgb light_at(const tessellator *q, float w1, float w2, float m1, float m2)
 {
     rsv_bake_receiver r = receiver_at(q, w1 + PULL * (m1 - w1), w2 + PULL * (m2 - w2));
-    return rsv_bake_shown(q->s, r.triangle, r.u, r.v);
+    return rsv_bake_shown(q->s, r.triangle, r.back, r.u, r.v);
 }
 
 static float difference(rsv_rgb a, rsv_rgb b)

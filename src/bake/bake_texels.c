@@ -62,7 +62,7 @@ static float depth_of(const flat_triangle *f, float x, float y)
 static rsv_bake_receiver receive(const flat_triangle *f, const rsv_bake_part *part,
     uint32_t triangle, const float w[3], float distance, float x, float y)
 {
-    rsv_bake_receiver r = { .triangle = part->triangle[triangle] };
+    rsv_bake_receiver r = { .triangle = part->triangle[triangle], .back = part->back[triangle] };
     rsv_bake_place(part, w[1], w[2], &r.u, &r.v);
     if (distance == 0) return r;
     float on_x = 0, on_y = 0, back[3];
@@ -174,8 +174,8 @@ void rsv_bake_map_light(const rsv_solution *s, rsv_bake_map *map)
     for (size_t k = 0; k < texels; k++) {
         rsv_bake_receiver *r = &map->receiver[k];
         if (r->beyond > 0)
-            limit(r, rsv_bake_shown(s, r->triangle, r->u, r->v),
-                rsv_bake_shown(s, r->triangle, r->u_back, r->v_back));
+            limit(r, rsv_bake_shown(s, r->triangle, r->back, r->u, r->v),
+                rsv_bake_shown(s, r->triangle, r->back, r->u_back, r->v_back));
         map->light[k] = rsv_bake_irradiance(s, r);
     }
 }

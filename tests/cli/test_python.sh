@@ -9,4 +9,8 @@ python3 -c 'import numpy, scipy' 2>/dev/null || {
 }
 succeeds solve two-rooms -o rooms.safetensors --quality draft
 python3 "$samples/solve_operator.py" rooms.safetensors || complain "another solution"
+succeeds relight rooms.safetensors --light lamp=0.25 -o evening.safetensors
+python3 "$samples/solve_operator.py" rooms.safetensors --light lamp=0.25 --with evening.safetensors \
+    --spectrum spectrum.svg || complain "another solution under another light, or a norm above the albedo"
+[[ -s spectrum.svg ]] || complain "no spectrum was drawn"
 finish

@@ -68,7 +68,7 @@ static double baked_mean(const rsv_solution *s)
     for (uint32_t t = 0; t < view->triangle_count; t++) {
         if (!rsv_material_scatters_below(&view->material[view->triangle_material[t]])) continue;
         double own = (double)rsv_triangle_area(view, t);
-        sum += own * (double)rsv_bake_shown(s, t, 1.0f / 3, 1.0f / 3).g;
+        sum += own * (double)rsv_bake_shown(s, t, false, 1.0f / 3, 1.0f / 3).g;
         area += own;
     }
     return sum / area;

@@ -1,5 +1,7 @@
-/// Light for normals that are not the surface's own.
+/// Light for normals that are not the surface's own; charts in a map.
 #include "bake/bake_directions.h"
+#include "bake/bake_pack.h"
+#include "bake/bake_texels.h"
 #include "resolvent/render.h"
 #include "unit/scene_fixture.h"
 
@@ -82,9 +84,75 @@ static void light_for_tilted_normals_is_what_is_measured(void **state)
     rsv_scene_destroy(scene);
 }
 
+#define CHARTS 120
+#define SIDE 512
+
+/// Right triangles of many sizes, one a chart.
+static void make_triangles(rsv_bake_charts *c)
+{
+    for (uint32_t k = 0; k < CHARTS; k++) {
+        float w = 0.2f + 0.01f * (float)(k * 37 % 101), h = 0.2f + 0.01f * (float)(k * 53 % 97);
+        c->chart[k] = (rsv_bake_chart){ .first = k, .triangle_count = 1, .size = { w, h } };
+        c->triangle[k] = k;
+        const float corner[3][2] = { { 0, 0 }, { w, 0 }, { k % 2 ? w : 0, h } };
+        memcpy(c->corner[k], corner, sizeof corner);
+    }
+}
+
+/// Whether filtering at a place of a chart touches its own texels alone.
+static bool is_alone(const rsv_bake_map *map, const rsv_bake_chart *chart, const float corner[2])
+{
+    float point[2], part[2];
+    uint32_t at[2];
+    rsv_bake_chart_point(chart, corner, point);
+    rsv_bake_map_locate(map, point, at, part);
+    for (uint32_t k = 0; k < 4; k++) {
+        size_t texel = (size_t)(at[1] + k / 2) * map->width + at[0] + k % 2;
+        float weight = (k % 2 ? part[0] : 1 - part[0]) * (k / 2 ? part[1] : 1 - part[1]);
+        if (weight > 1e-4f && map->owner[texel] != chart->first) return false;
+    }
+    return true;
+}
+
+static void charts_lie_close_and_filtering_keeps_them_apart(void **state)
+{
+    fixture *f = *state;
+    rsv_bake_chart chart[CHARTS];
+    uint32_t triangle[CHARTS], height;
+    float corner[CHARTS][3][2];
+    rsv_bake_charts charts = { .context = f->context,
+        .chart = chart,
+        .count = CHARTS,
+        .triangle = triangle,
+        .corner = corner,
+        .triangle_count = CHARTS };
+    static uint8_t back[CHARTS];
+    const rsv_bake_part part = { .triangle_count = CHARTS, .triangle = triangle, .back = back };
+    rsv_bake_map map;
+    make_triangles(&charts);
+    assert_int_equal(rsv_bake_pack(&charts, 76, 2, SIDE, SIDE, &height), RSV_OK);
+    assert_true(height <= SIDE);
+    assert_int_equal(rsv_bake_map_create(&charts, &part, SIDE, height, 2, &map, NULL), RSV_OK);
+    print_message("triangles cover %.1f %%\n", 100 * rsv_bake_map_coverage(&map));
+    assert_true(
+        rsv_bake_map_coverage(&map) > 0.6); // rectangles around them would leave less than half
+    for (uint32_t k = 0; k < CHARTS; k++)
+        for (uint32_t n = 0; n < 256; n++) {
+            float a = (float)(n % 16) / 15, b = (1 - a) * (float)(n / 16) / 15, at[2];
+            for (int c = 0; c < 2; c++)
+                at[c] = corner[k][0][c] * (1 - a - b) + corner[k][1][c] * a + corner[k][2][c] * b;
+            assert_true(is_alone(&map, &chart[k], at));
+        }
+    assert_int_equal(rsv_bake_pack(&charts, 110, 2, SIDE, SIDE, &height), RSV_OK);
+    assert_int_equal(height, UINT32_MAX);
+    rsv_bake_map_destroy(f->context, &map);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(
+            charts_lie_close_and_filtering_keeps_them_apart, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             light_for_tilted_normals_is_what_is_measured, fixture_setup, fixture_teardown),
     };

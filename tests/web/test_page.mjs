@@ -47,6 +47,17 @@ async function compare(page, picture) {
     check(difference.every((d) => d <= 0.02), `the page differs from ${picture}`);
 }
 
+/// The largest channel of what is shown.
+function brightest(page) {
+    return page.evaluate(() => {
+        const shown = document.querySelector("canvas");
+        const context = new OffscreenCanvas(shown.width, shown.height).getContext("2d");
+        context.drawImage(shown, 0, 0);
+        const { data } = context.getImageData(0, 0, shown.width, shown.height);
+        return data.reduce((most, value, k) => k % 4 < 3 ? Math.max(most, value) : most, 0);
+    });
+}
+
 async function slide(page, selector, value) {
     await page.evaluate(([selector, value]) => {
         const slider = document.querySelector(selector);
@@ -81,17 +92,45 @@ const milliseconds = await page.evaluate(() => window.page.then(({ basis }) => {
 }));
 console.log(`100,000 receivers, 4 lights: ${milliseconds.toFixed(3)} ms`);
 
+const map = await open("?scene=scene/map");
+await compare(map, "scene/box-operator.png");
+await photograph(map, "web-map.png");
+await slide(map, "[data-light]", 0);
+check(await brightest(map) === 0, "the only light is off, and a lightmap still shines");
+
 const hill = await open("?scene=scene/hill");
 await slide(hill, "#turn", 90);
 await compare(hill, "scene/hill-turned.png");
 await photograph(hill, "web-sky.png");
 
-const truncated = await open("?scene=truncated/box");
-check(await truncated.locator("#message").innerText().then((text) => /cannot be shown/.test(text)), "a scene cut off");
-const absent = await open("?scene=scene/nowhere");
-check(await absent.locator("#message").innerText().then((text) => /missing/.test(text)), "a missing scene");
-const plain = await open("", () => { HTMLCanvasElement.prototype.getContext = () => null; });
-check(await plain.locator("#still").isVisible(), "no WebGL, and no still picture");
+/// What the page says of a scene that it cannot show, or not whole.
+async function says(query, words) {
+    const page = await open(`?scene=${query}`);
+    const message = await page.locator("#message").innerText();
+    check(words.test(message), `${query}: "${message}"`);
+    return page;
+}
+
+await says("truncated/box", /cannot be shown/);
+await says("truncated/map", /cannot be shown/);
+await says("mixed/picture", /cannot be shown/);
+await says("scene/nowhere", /missing/);
+await says("scene/plain", /no baked light, neither in vertices nor in a lightmap/);
+await says("mixed/hill", /were not baked together/);
+// one light less in the header than in the data, and a basis that is cut off
+const complaints = await page.evaluate(async () => {
+    const { basis } = await window.page;
+    const load = async (path) => new Uint8Array(await (await fetch(path)).arrayBuffer());
+    const module = await load("resolvent_rt.wasm"), file = await load("scene/hill.light.safetensors");
+    const header = file.subarray(8, 8 + Number(new DataView(file.buffer).getBigUint64(0, true)));
+    header.set(new TextEncoder().encode(new TextDecoder().decode(header).replace('\\"sun\\",', "        ")));
+    const fails = (bytes) => basis.constructor.create(module, bytes.buffer).then(() => "none", (error) => error.message);
+    return [await fails(file), await fails(file.slice(0, 5000)), await fails(new Uint8Array(4))];
+});
+check(/names \d+ lights and holds \d+/.test(complaints[0]), `a light too few: "${complaints[0]}"`);
+check(complaints.slice(1).every((message) => /cut off/.test(message)), `a basis cut off: "${complaints}"`);
+const flat = await open("", () => { HTMLCanvasElement.prototype.getContext = () => null; });
+check(await flat.locator("#still").isVisible(), "no WebGL, and no still picture");
 
 await browser.close();
 server.close();

@@ -31,6 +31,12 @@ hill=(terraces:5000 --env "$page/scene/hill.hdr" --quality draft --max-elements 
 node "$source/web/make_sky.mjs" "$page/scene/hill.hdr"
 "$program" bake "${hill[@]}" -o "$page/scene/hill.glb" --to vertex --unlit --basis --env-turns 4
 "$program" render "${hill[@]}" --env-rotate 90 -o "$page/scene/hill-turned.png" --mode operator --size 256x256 --spp 16
-"$program" bake cornell-blocks -o "$work/map.glb" --to lightmap --map-size 256 --quality draft
-node "$source/tests/web/validate.mjs" "$source/web" "$page/scene/box.glb" "$page/scene/hill.glb" "$work/map.glb"
+"$program" bake cornell-blocks -o "$page/scene/map.glb" --to lightmap --basis --map-size 512 --quality draft
+"$program" scene cornell-blocks -o "$page/scene/plain.glb"
+# a scene with the basis of another one, and a file that is none
+mkdir "$page/mixed"
+cp "$page/scene/box.glb" "$page/mixed/hill.glb"
+cp "$page/scene/hill.light.safetensors" "$page/mixed/"
+cp "$page/scene/box.png" "$page/mixed/picture.glb"
+node "$source/tests/web/validate.mjs" "$source/web" "$page"/scene/{box,hill,map}.glb
 node "$source/tests/web/test_page.mjs" "$source/web" "$page"

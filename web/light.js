@@ -1,0 +1,99 @@
+/// Where a baked scene keeps its light: in its vertices, or in the texels of a lightmap.
+import * as THREE from "three";
+
+/// COLOR_0 of the vertices: irradiance / (pi light_scale).
+export class VertexLight {
+    kind = "vertices";
+    #surfaces = [];
+
+    /// @param scale `asset.extras.resolvent.light_scale`
+    constructor(scale) {
+        this.scale = scale;
+    }
+
+    /// How many values of light there are.
+    get count() {
+        return this.#surfaces.reduce((sum, { light }) => sum + light.count, 0);
+    }
+
+    get isNumbered() {
+        return this.#surfaces.every(({ first }) => first !== undefined);
+    }
+
+    /// Whether light is in this mesh; it becomes radiance of a white surface then, as baked.
+    adopt({ geometry }) {
+        const color = geometry.getAttribute("color");
+        if (!color) return false;
+        const values = new Float32Array(3 * color.count);
+        for (let k = 0; k < color.count; k++)
+            values.set([color.getX(k), color.getY(k), color.getZ(k)].map((c) => c * this.scale), 3 * k);
+        const light = new THREE.BufferAttribute(values, 3);
+        geometry.setAttribute("color", light);
+        this.#surfaces.push({ light, first: geometry.userData.resolvent_first_receiver });
+        return true;
+    }
+
+    apply(shown) {
+        shown.vertexColors = true;
+    }
+
+    show(irradiance) {
+        for (const { light, first } of this.#surfaces) {
+            for (let k = 0; k < light.array.length; k++)
+                light.array[k] = irradiance[3 * first + k] / Math.PI;
+            light.needsUpdate = true;
+        }
+    }
+}
+
+/// MOZ_lightmap: irradiance in one texture, as 8-bit codes until a basis brings it in full.
+export class MapLight {
+    kind = "texels";
+    isNumbered = true;
+    #materials = [];
+
+    /// The map that the materials of a file name; null if none does, an error if they name several.
+    static async find({ parser }) {
+        const named = (parser.json.materials ?? []).map(({ extensions }) => extensions?.MOZ_lightmap).filter(Boolean);
+        if (!named.length) return null;
+        if (named.some(({ index }) => index !== named[0].index)) throw new Error("the scene has several lightmaps");
+        return new MapLight(await parser.getDependency("texture", named[0].index));
+    }
+
+    constructor(texture) {
+        this.texture = texture;
+    }
+
+    get count() {
+        return this.texture.image.width * this.texture.image.height;
+    }
+
+    adopt({ material }) {
+        return material.userData.gltfExtensions?.MOZ_lightmap !== undefined;
+    }
+
+    apply(shown, { vertexColors, userData }) {
+        const { texCoord = 0, intensity = 1 } = userData.gltfExtensions.MOZ_lightmap;
+        this.texture.channel = texCoord;
+        shown.lightMap = this.texture;
+        shown.lightMapIntensity = intensity;
+        shown.vertexColors = vertexColors;
+        this.#materials.push(shown);
+    }
+
+    show(irradiance) {
+        if (!this.texture.isDataTexture) this.#takeFloats(irradiance);
+        this.texture.needsUpdate = true;
+    }
+
+    /// The texture becomes one of halves, which every browser can filter, over the memory that light is put into.
+    #takeFloats(irradiance) {
+        const { channel, image } = this.texture;
+        this.texture.dispose();
+        this.texture = new THREE.DataTexture(irradiance, image.width, image.height, THREE.RGBFormat, THREE.FloatType);
+        Object.assign(this.texture, { internalFormat: "RGB16F", channel,
+            minFilter: THREE.LinearFilter, magFilter: THREE.LinearFilter });
+        for (const material of this.#materials)
+            Object.assign(material, { lightMap: this.texture, lightMapIntensity: 1 });
+    }
+}
