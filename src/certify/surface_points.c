@@ -41,7 +41,7 @@ static bool is_obstructed(
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
         if (rsv_is_touched(scene->tracer, shape, corner) ||
-            rsv_is_blocked(scene->tracer, home, rsv_cell_hover(shape, corner)))
+            rsv_is_blocked(scene, home, rsv_cell_hover(shape, corner)))
             return true;
     }
     return false;

@@ -138,17 +138,18 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
 
 /// Whether something stands between two cells of a fan, or upon one of them. Across a fold the straight line would run through the
 /// surface itself, so folded cells count as connected.
-static bool is_walled(const rsv_tracer *tracer, const fan *f, uint32_t a, uint32_t b)
+static bool is_walled(const rsv_transport_scene *scene, const fan *f, uint32_t a, uint32_t b)
 {
     if (f->sheltered[a] != f->sheltered[b]) return true;
     return v3_dot(f->normal[a], f->normal[b]) > 0.999f &&
-           rsv_is_blocked(tracer, f->place[a], f->place[b]);
+           rsv_is_blocked(scene, f->place[a], f->place[b]);
 }
 
 /// Groups the cells of a fan that see each other, directly or by way of others. Buried ones are none's, and go with the
 /// first.
 /// @param group [count], out @return number of groups
-static uint32_t group_fan(const rsv_tracer *tracer, const fan *f, uint32_t *group, uint64_t *rays)
+static uint32_t group_fan(
+    const rsv_transport_scene *scene, const fan *f, uint32_t *group, uint64_t *rays)
 {
     uint32_t groups = 0;
     memset(group, 0xff, f->count * sizeof *group);
@@ -163,7 +164,7 @@ static uint32_t group_fan(const rsv_tracer *tracer, const fan *f, uint32_t *grou
             for (uint32_t s = 0; s < f->count; s++) {
                 if (group[s] != RSV_NONE || !f->open[s]) continue;
                 ++*rays;
-                if (is_walled(tracer, f, here, s)) continue;
+                if (is_walled(scene, f, here, s)) continue;
                 group[s] = groups;
                 open[waiting++] = s;
             }
@@ -175,7 +176,7 @@ static uint32_t group_fan(const rsv_tracer *tracer, const fan *f, uint32_t *grou
 
 /// Whether any cell around a node does not see the first open one: rare, so the grouping is left to few nodes.
 static bool is_divided(
-    const rsv_tracer *tracer, const rsv_elements *e, uint32_t node, uint64_t *rays)
+    const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node, uint64_t *rays)
 {
     if (e->node_hanging[node] != RSV_NONE) return false;
     fan f = fan_of(e, node);
@@ -185,16 +186,16 @@ static bool is_divided(
     while (first < f.count && !f.open[first])
         first++;
     for (uint32_t s = first + 1; s < f.count; s++)
-        if (f.open[s] && is_walled(tracer, &f, first, s)) return true;
+        if (f.open[s] && is_walled(scene, &f, first, s)) return true;
     return false;
 }
 
 /// One node per side; fresh ones are numbered from *next on.
-static void separate_node(
-    const rsv_tracer *tracer, rsv_elements *e, uint32_t node, uint32_t *next, uint64_t *rays)
+static void separate_node(const rsv_transport_scene *scene, rsv_elements *e, uint32_t node,
+    uint32_t *next, uint64_t *rays)
 {
     fan f = fan_of(e, node);
-    uint32_t group[MAX_FAN], groups = group_fan(tracer, &f, group, rays);
+    uint32_t group[MAX_FAN], groups = group_fan(scene, &f, group, rays);
     for (uint32_t s = 0; s < f.count; s++) {
         uint32_t support = e->support[f.begin + s];
         if (group[s] > 0) e->cell_node[support / 4][support & 3] = *next + group[s] - 1;
@@ -231,7 +232,7 @@ static bool hangs_at_gap(const rsv_elements *e, uint32_t node, uint32_t large)
 }
 
 /// Whether a wall stands between the larger cell and the smaller ones that a hanging node belongs to.
-static bool hangs_across_wall(const rsv_tracer *tracer, const rsv_elements *e,
+static bool hangs_across_wall(const rsv_transport_scene *scene, const rsv_elements *e,
     const rsv_hanging *hanging, const hanging_edge *edge)
 {
     if (hangs_at_gap(e, hanging->node, edge->cell)) return true;
@@ -247,17 +248,17 @@ static bool hangs_across_wall(const rsv_tracer *tracer, const rsv_elements *e,
         return false;
     if (on_small >> corner & on_large >> from & on_large >> to & 1)
         far = rsv_cell_above(on_large, &large, rsv_cell_inset(&large, small.corner[corner]));
-    return rsv_is_blocked(tracer, near, far);
+    return rsv_is_blocked(scene, near, far);
 }
 
 /// Lets go of nodes that hang across a wall and remembers the edges of the others.
-static void release_hanging(const rsv_tracer *tracer, rsv_elements *e, hanging_edge *edge)
+static void release_hanging(const rsv_transport_scene *scene, rsv_elements *e, hanging_edge *edge)
 {
     size_t kept = 0;
     for (size_t h = 0; h < e->hanging_count; h++) {
         rsv_hanging hanging = e->hanging[h];
         hanging_edge found = find_edge(e, &hanging);
-        bool released = found.cell != RSV_NONE && hangs_across_wall(tracer, e, &hanging, &found);
+        bool released = found.cell != RSV_NONE && hangs_across_wall(scene, e, &hanging, &found);
         e->node_hanging[hanging.node] = released ? RSV_NONE : (uint32_t)kept;
         if (released) continue;
         e->hanging[kept] = hanging;
@@ -277,7 +278,6 @@ static void reattach_hanging(rsv_elements *e, const hanging_edge *edge)
 rsv_status rsv_elements_separate(
     const rsv_transport_scene *scene, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
 {
-    const rsv_tracer *tracer = scene->tracer;
     rsv_status status = rsv_elements_find_open_corners(scene, earlier, e, rays);
     if (status != RSV_OK) return status;
     hanging_edge *edge = rsv_alloc(e->context, e->hanging_count, sizeof *edge);
@@ -290,20 +290,20 @@ rsv_status rsv_elements_separate(
     size_t hanging_before = e->hanging_count;
     rsv_team_place place = rsv_team_place_of(e->context);
     uint64_t traced = 0;
-    release_hanging(tracer, e, edge);
+    release_hanging(scene, e, edge);
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
     reduction(+ : traced)
     for (uint32_t node = 0; node < e->node_count; node++) {
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK)) continue;
         // walls took away some of the cells around each node that they divided: such have no twin
         bool whole = earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE;
-        divided[node] = !whole && is_divided(tracer, e, node, &traced);
+        divided[node] = !whole && is_divided(scene, e, node, &traced);
     }
     rsv_team_merge(e->context, divided, sizeof *divided, e->node_count, RSV_TEAM_BLOCK);
     traced = rsv_team_total(e->context, traced) + hanging_before;
     uint32_t next = (uint32_t)e->node_count;
     for (uint32_t node = 0; node < e->node_count; node++)
-        if (divided[node]) separate_node(tracer, e, node, &next, &traced);
+        if (divided[node]) separate_node(scene, e, node, &next, &traced);
     reattach_hanging(e, edge);
     *rays += traced;
     rsv_free(e->context, edge);

@@ -60,10 +60,29 @@ rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place)
     return v3_mad(leave(shape, place), 0.5f * CONTACT * shape->spacing, shape->normal);
 }
 
-bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to)
+static bool is_opaque(const rsv_transport_scene *scene, const rsv_hit *hit)
 {
-    rsv_ray there = { from, v3_sub(to, from), 1 };
-    return rsv_tracer_occluded(tracer, &there);
+    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit->triangle]];
+    return bsdf->transmission == 0 && bsdf->opacity == 1;
+}
+
+/// Clear surfaces that a segment passes; more of them block it.
+#define CLEAR_STEPS 8
+
+bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to)
+{
+    rsv_hit hit;
+    for (int step = 0; step < CLEAR_STEPS; step++) {
+        rsv_ray there = { from, v3_sub(to, from), 1 };
+        if (!rsv_tracer_closest(scene->tracer, &there, &hit)) return false;
+        if (is_opaque(scene, &hit)) return true;
+        rsv_surface_point met =
+            rsv_surface_point_at(scene->view, hit.triangle, hit.u, hit.v, false);
+        rsv_vec3 onward =
+            v3_dot(met.geometric, there.direction) > 0 ? met.geometric : v3_neg(met.geometric);
+        from = rsv_offset_origin(met.position, onward, met.extent);
+    }
+    return true;
 }
 
 static rsv_ray ray_from(rsv_vec3 origin, rsv_vec3 normal, uint32_t k, uint32_t seed)
@@ -84,8 +103,8 @@ static bool meets_lamp(const rsv_transport_scene *scene, const rsv_ray *ray, rsv
 
 bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place)
 {
-    rsv_vec3 origin = leave(shape, place);
-    return rsv_is_blocked(tracer, origin, v3_mad(origin, CONTACT * shape->spacing, shape->normal));
+    rsv_ray up = { leave(shape, place), shape->normal, CONTACT * shape->spacing };
+    return rsv_tracer_occluded(tracer, &up);
 }
 
 /// Whether a lamp close by is all that a place sees, nearly.
@@ -110,9 +129,9 @@ bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shap
     rsv_ray up = { leave(shape, place), shape->normal, COVER * f_max(shape->size, shape->spacing) };
     if (!rsv_tracer_closest(scene->tracer, &up, &hit)) return is_behind_lamp(scene, shape, place);
     if (hit.t <= CONTACT * shape->spacing) return true;
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
-    if (bsdf->emissive && hit.t > COVER * shape->size) return is_behind_lamp(scene, shape, place);
-    return bsdf->transmission == 0 && bsdf->opacity == 1;
+    bool lamp = scene->bsdf[scene->view->triangle_material[hit.triangle]].emissive;
+    if (lamp && hit.t > COVER * shape->size) return is_behind_lamp(scene, shape, place);
+    return is_opaque(scene, &hit);
 }
 
 typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT } sight;
@@ -124,7 +143,7 @@ static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_chai
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return SIGHT_NOTHING;
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
     *chain = rsv_chain_begin(scene, NULL, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
-    bool opaque = !bsdf->double_sided && bsdf->transmission == 0 && bsdf->opacity == 1;
+    bool opaque = !bsdf->double_sided && is_opaque(scene, &hit);
     return chain->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
 }
 

@@ -33,8 +33,8 @@ bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_v
 /// the elements' spacing above, or a lamp less than half the cell's size above that is nearly all there is to see.
 bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place);
 
-/// Whether anything stands between two places.
-bool rsv_is_blocked(const rsv_tracer *tracer, rsv_vec3 from, rsv_vec3 to);
+/// Whether anything opaque stands between two places.
+bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to);
 
 /// Whether a place sees nothing but the backs of one-sided opaque surfaces: it lies inside something.
 /// @param seed of the few directions that are tried

@@ -33,7 +33,7 @@ static uint8_t judge_cell(
         covered[k] = rsv_is_covered(scene, shape, corner);
     }
     for (int k = 0; k < 3; k++) {
-        blocked[k] = rsv_is_blocked(scene->tracer, place[k], place[(k + 1) % 3]);
+        blocked[k] = rsv_is_blocked(scene, place[k], place[(k + 1) % 3]);
         cut = cut || blocked[k] || covered[k] != covered[(k + 1) % 3];
     }
     bool gap = covered[0] && covered[1] && covered[2];
@@ -102,6 +102,5 @@ bool rsv_cell_sees(const rsv_transport_scene *scene, uint8_t openness, const rsv
 {
     bool covered = openness & RSV_CELL_SHELTERED ? rsv_is_touched(scene->tracer, shape, place)
                                                  : rsv_is_covered(scene, shape, place);
-    return !covered &&
-           !rsv_is_blocked(scene->tracer, outlook, rsv_cell_above(openness, shape, place));
+    return !covered && !rsv_is_blocked(scene, outlook, rsv_cell_above(openness, shape, place));
 }
