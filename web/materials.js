@@ -8,24 +8,29 @@ function emissionOf({ emissive, emissiveIntensity }) {
     return emissive ? emissive.clone().multiplyScalar(emissiveIntensity) : new THREE.Color(0);
 }
 
+/// Its colour, and where it covers what is behind.
+function coverOf(material) {
+    return { color: material.color, map: material.map ?? null, alphaTest: material.alphaTest,
+        transparent: material.transparent, opacity: material.opacity };
+}
+
 /// What reflects diffusely: base colour times light, and what it emits.
 function litMaterial(material, light) {
-    const shown = new THREE.MeshBasicMaterial({
-        color: material.color, map: material.map ?? null, alphaTest: material.alphaTest,
-        transparent: material.transparent, opacity: material.opacity,
-    });
+    const shown = new THREE.MeshBasicMaterial(coverOf(material));
     light.apply(shown, material);
     return shown;
 }
 
 /// What does not reflect diffusely: lamps, and metal and glass, which mirror the surroundings.
 function darkMaterial(material) {
-    if (!material.isMeshStandardMaterial) return new THREE.MeshBasicMaterial({ color: material.color });
+    if (!material.isMeshStandardMaterial)
+        return new THREE.MeshBasicMaterial({ ...coverOf(material), vertexColors: material.vertexColors });
     if (material.transmission > 0)
         return new THREE.MeshStandardMaterial({ color: 0, roughness: material.roughness, transparent: true,
             opacity: Math.max(GLASS, 1 - Math.max(...material.color.toArray())), depthWrite: false });
-    return new THREE.MeshStandardMaterial({ color: material.color, map: material.map,
-        metalness: material.metalness, roughness: material.roughness });
+    return new THREE.MeshStandardMaterial({ ...coverOf(material),
+        metalness: material.metalness, metalnessMap: material.metalnessMap,
+        roughness: material.roughness, roughnessMap: material.roughnessMap });
 }
 
 /// @param light where the mesh has its light; null = it has none

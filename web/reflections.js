@@ -23,11 +23,17 @@ export class Reflections {
         const { scene: { mirrors, exposure }, world } = this;
         if (!mirrors.length) return;
         const generator = new PMREMGenerator(this.renderer), exposed = exposure.value;
+        let target;
         exposure.value = 1; // what is mirrored is exposed where it is seen
+        world.backgroundIntensity /= exposed;
         for (const mesh of mirrors) mesh.visible = false;
-        const target = generator.fromScene(world, 0, 0.01, 1000, { position: this.place });
-        for (const mesh of mirrors) mesh.visible = true;
-        exposure.value = exposed;
+        try {
+            target = generator.fromScene(world, 0, 0.01, 1000, { position: this.place });
+        } finally {
+            for (const mesh of mirrors) mesh.visible = true;
+            exposure.value = exposed;
+            world.backgroundIntensity *= exposed;
+        }
         world.environment = target.texture;
         this.#target?.dispose();
         this.#target = target;

@@ -180,10 +180,6 @@ static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "bake: %zu charts do not fit into %u x %u texels; ask for a larger map",
             b->charts.count, side, side);
-    if (b->density < b->desc->density)
-        rsv_log(b->s->context, RSV_LOG_WARNING,
-            "bake: %.4g texels per metre instead of %.4g, to fit into %u x %u texels",
-            (double)b->density, (double)b->desc->density, side, side);
     float enough = b->density == most ? most : b->density / WORTH_IT;
     *height = UINT32_MAX;
     for (uint32_t eighths = 3; eighths < 8 && *height == UINT32_MAX; eighths++) {
@@ -196,6 +192,10 @@ static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
     } else {
         b->density = enough;
     }
+    if (b->density < b->desc->density)
+        rsv_log(b->s->context, RSV_LOG_WARNING,
+            "bake: %.4g texels per metre instead of %.4g, to fit into %u x %u texels",
+            (double)b->density, (double)b->desc->density, side, side);
     *height = (*height + 3) & ~3u;
 cleanup:
     return status;

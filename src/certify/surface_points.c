@@ -1,5 +1,7 @@
 #include "surface_points.h"
 
+#include "../operator/open_corners.h"
+
 rsv_status rsv_face_areas_create(const rsv_elements *e, rsv_face_areas *areas)
 {
     areas->elements = e;
@@ -36,12 +38,12 @@ rsv_face_point rsv_face_areas_draw(
 
 /// Whether something separates the point from a corner of its cell: then the point may be within it.
 static bool is_obstructed(
-    const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 home)
+    const rsv_transport_scene *scene, uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 home)
 {
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
         if (rsv_is_touched(scene->tracer, shape, corner) ||
-            rsv_is_blocked(scene, home, rsv_cell_hover(shape, corner)))
+            rsv_is_blocked(scene, home, rsv_cell_above(openness, shape, corner)))
             return true;
     }
     return false;
@@ -56,11 +58,12 @@ bool rsv_point_is_buried(const rsv_transport_scene *scene, const rsv_elements *e
     rsv_vec3 place = rsv_surface_point_at(
         e->scene, e->face_triangle[point->face], point->u, point->v, e->face_back[point->face])
                          .position;
-    rsv_vec3 home = rsv_cell_hover(&shape, place);
+    uint8_t openness = rsv_cell_openness(scene, e, cell, &shape, rays);
+    rsv_vec3 home = rsv_cell_above(openness, &shape, place);
     *rays += 7;
     if (rsv_is_touched(scene->tracer, &shape, place) ||
         rsv_is_buried(scene, home, shape.normal, seed, rays))
         return true;
-    return is_obstructed(scene, &shape, home) &&
+    return is_obstructed(scene, openness, &shape, home) &&
            rsv_is_mostly_buried(scene, home, shape.normal, seed, rays);
 }

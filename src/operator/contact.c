@@ -136,8 +136,9 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
     return f;
 }
 
-/// Whether something stands between two cells of a fan, or upon one of them. Across a fold the straight line would run through the
-/// surface itself, so folded cells count as connected.
+/// Whether something stands between two cells of a fan, or upon one of them. A gap ends where cells that
+/// lie in it do, at folds too. Other folded cells count as connected: the straight line would run through the surface
+/// itself.
 static bool is_walled(const rsv_transport_scene *scene, const fan *f, uint32_t a, uint32_t b)
 {
     if (f->sheltered[a] != f->sheltered[b]) return true;

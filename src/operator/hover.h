@@ -19,7 +19,8 @@ rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
 /// A place on the border of a cell, a little towards its centre, so that what merely touches the border is not met.
 rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
 
-/// Right above a place by a tenth of the elements' spacing: higher than gaps that light could pass below a wall.
+/// Right above a place by a tenth of the elements' spacing (of the cell's size, if that is larger): higher than gaps that
+/// light could pass below a wall.
 rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// The same below anything that does not touch the place.
@@ -30,7 +31,8 @@ rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place);
 bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether something lies right upon the cell at a place: anything that touches it, something opaque less than a fifth of
-/// the elements' spacing above, or a lamp less than half the cell's size above that is nearly all there is to see.
+/// the elements' spacing (or of the cell's size, if that is larger) above, a lamp less than a fifth of the cell's size, or
+/// less than half of it and nearly all there is to see.
 bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether anything opaque stands between two places.

@@ -4,21 +4,39 @@
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
 
-/// The corners of a cell in a gap that nothing touches, unless the gap is inside something.
-static uint32_t find_sheltered(
+/// @param blocked by side of the cell: whether something stands between its ends
+static uint8_t openness_of(uint32_t open, bool cut, const bool blocked[3])
+{
+    bool through = false;
+    for (int k = 0; k < 3; k++)
+        through = through || (blocked[k] && (open >> k & 1) && (open >> (k + 1) % 3 & 1));
+    return (uint8_t)(open | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0));
+}
+
+/// A cell in a gap, seen from within: its corners are open that nothing touches, unless the gap is inside something.
+/// @return 0 if none is
+static uint8_t judge_sheltered(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
+    rsv_vec3 place[3];
+    bool blocked[3], cut = false;
     uint32_t open = 0;
+    *rays += 6;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        rsv_vec3 place = rsv_cell_crouch(shape, corner);
+        place[k] = rsv_cell_crouch(shape, corner);
         bool shut = rsv_is_touched(scene->tracer, shape, corner) ||
-                    rsv_is_buried(scene, place, shape->normal, SEED, rays) ||
-                    rsv_is_mostly_buried(scene, place, shape->normal, SEED, rays);
+                    rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
+                    rsv_is_mostly_buried(scene, place[k], shape->normal, SEED, rays);
         open |= (uint32_t)!shut << k;
     }
-    *rays += 3;
-    return open;
+    for (int k = 0; k < 3; k++) {
+        blocked[k] = rsv_is_blocked(scene, place[k], place[(k + 1) % 3]);
+        cut = cut || blocked[k];
+    }
+    if (!open) return 0;
+    cut = cut || open != RSV_CORNERS_OPEN;
+    return openness_of(open, cut, blocked) | RSV_CELL_SHELTERED;
 }
 
 static uint8_t judge_cell(
@@ -37,17 +55,15 @@ static uint8_t judge_cell(
         cut = cut || blocked[k] || covered[k] != covered[(k + 1) % 3];
     }
     bool gap = covered[0] && covered[1] && covered[2];
-    uint32_t open = gap ? find_sheltered(scene, shape, rays) : 0;
-    if (open) return (uint8_t)(open | RSV_CELL_SHELTERED | (cut ? RSV_CELL_CUT : 0));
+    uint8_t sheltered = gap ? judge_sheltered(scene, shape, rays) : 0;
+    if (sheltered) return sheltered;
+    uint32_t open = 0;
     for (int k = 0; k < 3; k++) {
         bool buried = covered[k] || rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
                       (cut && rsv_is_mostly_buried(scene, place[k], shape->normal, SEED, rays));
         open |= (uint32_t)!buried << k;
     }
-    bool through = false;
-    for (int k = 0; k < 3; k++)
-        through = through || (blocked[k] && (open >> k & 1) && (open >> (k + 1) % 3 & 1));
-    return (uint8_t)(open | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0));
+    return openness_of(open, cut, blocked);
 }
 
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,

@@ -14,7 +14,7 @@
 /// see that.
 #define RSV_CELL_SHELTERED 32u
 
-/// Judges the corners of every cell, once: fills `cell_openness`. It depends on what lies around a cell alone, and on no random
+/// Judges the corners of every cell, once: fills `cell_openness`. It depends on what lies around a cell and on the spacing alone, and on no random
 /// numbers of nodes: neighbours agree, and edits elsewhere change nothing.
 /// @param earlier elements of the same faces on which that was done: cells that are the same stay as they were; may be NULL
 rsv_status rsv_elements_find_open_corners(const rsv_transport_scene *scene,

@@ -80,8 +80,7 @@ rsv_status rsv_relighter_settle(rsv_relighter *r)
     if (any) {
         RSV_TRY(rsv_relighter_sample(r, r->stale, RSV_RELIGHTER_ANYTHING, &effort));
         RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING));
-        rsv_relight_responses_destroy(r->responses);
-        r->responses = NULL;
+        rsv_relight_responses_forget(r);
         memset(r->stale, 0, r->basis->source_count * sizeof *r->stale);
     }
     RSV_TRY(rsv_solution_solve_again(r->s));

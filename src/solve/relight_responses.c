@@ -85,9 +85,9 @@ static void keep(rsv_relighter *r, rsv_relight_responses *own, size_t first, siz
     }
 }
 
-/// Some responses at once. @param field [node_count] scratch
+/// Some responses at once. @param field [node_count] scratch @param solved_all is cleared where the solver fails
 static rsv_status solve(rsv_relighter *r, rsv_relight_responses *own, size_t first, size_t count,
-    const rsv_rgb *sky, rsv_rgb *field)
+    const rsv_rgb *sky, rsv_rgb *field, bool *solved_all)
 {
     rsv_solution *s = r->s;
     rsv_status status;
@@ -105,6 +105,7 @@ static rsv_status solve(rsv_relighter *r, rsv_relight_responses *own, size_t fir
     RSV_TRY(rsv_transport_map_prepare(map, desc.solver));
     rsv_transport_map_mask(map, count, source);
     RSV_TRY(rsv_linear_solve(&map->linear, 3 * count, &source->r, &desc, &solved->r, &report));
+    *solved_all = *solved_all && report.stop_reason <= RSV_STOP_NO_LIGHT;
     keep(r, own, first, count, source, solved, field);
 cleanup:
     rsv_transport_map_destroy(map);
@@ -132,10 +133,12 @@ rsv_status rsv_relight_responses_create(rsv_relighter *r, rsv_relight_responses 
     own->shown = rsv_alloc(r->context, nodes, own->count * sizeof(rsv_rgb));
     RSV_TRY(own->irradiance && own->shown ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_relighter_see_sky(r, sky));
-    for (size_t first = 0; first < own->count; first += FIELDS_AT_ONCE) {
-        size_t left = own->count - first;
-        RSV_TRY(solve(r, own, first, left < FIELDS_AT_ONCE ? left : FIELDS_AT_ONCE, sky, field));
+    bool solved = true;
+    for (size_t first = 0; first < own->count && solved; first += FIELDS_AT_ONCE) {
+        size_t left = own->count - first, count = left < FIELDS_AT_ONCE ? left : FIELDS_AT_ONCE;
+        RSV_TRY(solve(r, own, first, count, sky, field, &solved));
     }
+    if (!solved) goto cleanup;
     *responses = own;
     own = NULL;
 cleanup:
@@ -152,6 +155,12 @@ void rsv_relight_responses_destroy(rsv_relight_responses *own)
     rsv_free(own->context, own->irradiance);
     rsv_free(own->context, own->shown);
     rsv_free(own->context, own);
+}
+
+void rsv_relight_responses_forget(rsv_relighter *r)
+{
+    rsv_relight_responses_destroy(r->responses);
+    r->responses = NULL;
 }
 
 void rsv_relight_responses_combine(const rsv_relight_responses *own, const rsv_relighter *r)

@@ -15,9 +15,11 @@ typedef struct rsv_relight_responses {
 } rsv_relight_responses;
 
 /// Solves for all sources as they stand, with the present colours.
-/// @param responses out; NULL where they would take too much memory, RSV_MAX_RESPONSE_BYTES
+/// @param responses out; NULL where they would take more than RSV_MAX_RESPONSE_BYTES, or the solver fails
 rsv_status rsv_relight_responses_create(
     rsv_relighter *relighter, rsv_relight_responses **responses);
+/// Drops those of a relighter: they are of sources or colours that have changed.
+void rsv_relight_responses_forget(rsv_relighter *relighter);
 void rsv_relight_responses_destroy(rsv_relight_responses *responses);
 
 #define RSV_MAX_RESPONSE_BYTES ((size_t)512 << 20)

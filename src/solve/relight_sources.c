@@ -236,10 +236,13 @@ static rsv_status check_added(const rsv_relighter *r, const rsv_light *light)
     return RSV_OK;
 }
 
-static void forget_responses(rsv_relighter *r)
+/// Whether a source is known by few rays only.
+static bool any_stale(const rsv_relighter *r)
 {
-    rsv_relight_responses_destroy(r->responses);
-    r->responses = NULL;
+    bool any = false;
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        any = any || r->stale[k];
+    return any;
 }
 
 /// Irradiance at the strengths as they are now.
@@ -248,7 +251,7 @@ static rsv_status follow_strengths(rsv_relighter *r)
     rsv_status status = RSV_OK;
     if (!r->responses) RSV_TRY(rsv_relight_responses_create(r, &r->responses));
     RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_STRENGTHS));
-    if (!r->responses) return RSV_OK; // too large to keep: steps will do
+    if (!r->responses) return RSV_OK; // steps will do
     rsv_relight_responses_combine(r->responses, r);
     r->residual = 0;
 cleanup:
@@ -260,7 +263,7 @@ rsv_status rsv_relighter_prepare(rsv_relighter *r)
     rsv_status status;
     r->prepared = true;
     RSV_TRY(keep_receivers(r));
-    if (!r->responses) RSV_TRY(rsv_relight_responses_create(r, &r->responses));
+    if (!r->responses && !any_stale(r)) RSV_TRY(rsv_relight_responses_create(r, &r->responses));
 cleanup:
     return status;
 }
@@ -284,7 +287,7 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
     b->source_count++;
     r->settled = false;
     r->residual = INFINITY;
-    forget_responses(r);
+    rsv_relight_responses_forget(r);
     status = rsv_relighter_sample(r, r->moved, RSV_RELIGHTER_ANYTHING, &rough);
     return status == RSV_OK ? rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING) : status;
 }
@@ -319,7 +322,7 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
     r->wanted = before;
     r->settled = false;
     r->residual = INFINITY;
-    if (kind != RSV_RELIGHTER_STRENGTHS) forget_responses(r);
+    if (kind != RSV_RELIGHTER_STRENGTHS) rsv_relight_responses_forget(r);
     if (body) {
         rsv_scene_update_bounds(r->scene);
         RSV_TRY(rsv_tracer_set_apart(r->s->tracer, r->moves));
@@ -330,7 +333,7 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
         rsv_light_effort rough = rough_effort(r);
         RSV_TRY(rsv_relighter_sample(r, r->moved, kind, &rough));
     }
-    if (kind == RSV_RELIGHTER_STRENGTHS && r->prepared)
+    if (kind == RSV_RELIGHTER_STRENGTHS && r->prepared && !any_stale(r))
         RSV_TRY(follow_strengths(r));
     else
         RSV_TRY(rsv_relighter_update_sources(r, kind));

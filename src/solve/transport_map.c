@@ -221,7 +221,7 @@ static rsv_status add_krylov(rsv_transport_map *m)
     rsv_status status = team->table->krylov->create(&system, &m->krylov, message);
     if (status != RSV_OK) return rsv_fail(status, "solve: %s", message);
     report_traffic(m, team);
-    return rsv_progress(m->linear.context, "solve", 0);
+    return rsv_team_meet(m->linear.context, rsv_progress(m->linear.context, "solve", 0));
 }
 
 /// The same on the device.
