@@ -65,7 +65,7 @@ RSV_API rsv_status rsv_relighter_create(
     rsv_solution *solution, rsv_scene *scene, rsv_relighter **relighter);
 RSV_API void rsv_relighter_destroy(rsv_relighter *relighter);
 
-/// Does beforehand what the first change of each kind would have to set up: worth its time (that of a solve, and of sorting the
+/// Does beforehand most of what the first change of each kind would have to set up: worth its time (that of a solve, and of sorting the
 /// receivers) where changes are to follow one another. From then on what every source does by itself, bounces included, is
 /// kept, up to 512 MiB: while strengths alone change, rsv_relighter_change makes them right at once and no steps are needed.
 /// After sources or colours have changed, the first change of strengths once all has settled solves for every source anew.
