@@ -104,8 +104,7 @@ rsv_status rsv_relighter_find_lights(rsv_relighter *r)
     rsv_solution *s = r->s;
     rsv_lights *found = NULL;
     rsv_status status;
-    for (size_t m = 0; m < s->scene.view->material_count; m++)
-        s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, (uint32_t)m);
+    rsv_solution_find_bsdfs(s);
     RSV_TRY(rsv_lights_create(r->scene, s->bsdf, &found));
     RSV_TRY(rsv_lights_gather_like(found, r->lights ? r->lights : s->lights));
     if (found->environment) RSV_TRY(rsv_environment_light_divide(found->environment));

@@ -72,13 +72,17 @@ static rsv_status check_desc(const rsv_solve_desc *desc)
     return RSV_OK;
 }
 
+void rsv_solution_find_bsdfs(rsv_solution *s)
+{
+    for (uint32_t m = 0; m < s->scene.view->material_count; m++)
+        s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, m);
+}
+
 static rsv_status create_bsdfs(rsv_solution *s)
 {
-    const rsv_scene_view *view = s->scene.view;
-    s->bsdf = rsv_alloc(s->context, view->material_count, sizeof *s->bsdf);
+    s->bsdf = rsv_alloc(s->context, s->scene.view->material_count, sizeof *s->bsdf);
     if (!s->bsdf) return RSV_ERROR_MEMORY;
-    for (size_t m = 0; m < view->material_count; m++)
-        s->bsdf[m] = rsv_surface_common_bsdf(view, (uint32_t)m);
+    rsv_solution_find_bsdfs(s);
     s->scene.bsdf = s->bsdf;
     return RSV_OK;
 }
@@ -198,8 +202,7 @@ rsv_status rsv_solution_prepare(
 
 rsv_status rsv_solution_follow_strengths(rsv_solution *s, bool *followed)
 {
-    for (size_t m = 0; m < s->scene.view->material_count; m++)
-        s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, (uint32_t)m);
+    rsv_solution_find_bsdfs(s);
     return rsv_lights_follow_strengths(s->lights, s->bsdf, followed);
 }
 
@@ -208,8 +211,7 @@ rsv_status rsv_solution_refresh(rsv_solution *s, const rsv_lights *like)
     rsv_status status;
     rsv_lights_destroy(s->lights);
     s->lights = NULL;
-    for (size_t m = 0; m < s->scene.view->material_count; m++)
-        s->bsdf[m] = rsv_surface_common_bsdf(s->scene.view, (uint32_t)m);
+    rsv_solution_find_bsdfs(s);
     RSV_TRY(rsv_lights_create(s->scene.scene, s->bsdf, &s->lights));
     RSV_TRY(rsv_lights_gather_like(s->lights, like));
     rsv_free(s->context, s->bin_radiance);

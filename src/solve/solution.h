@@ -48,6 +48,9 @@ struct rsv_solution {
 rsv_status rsv_solution_prepare(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution);
 
+/// What materials are, as the scene has them now.
+void rsv_solution_find_bsdfs(rsv_solution *solution);
+
 /// Finds surfaces and lights again after the scene's strengths and colours changed.
 /// @param like lights of the same scene: what they gather is gathered
 rsv_status rsv_solution_refresh(rsv_solution *solution, const rsv_lights *like);
