@@ -65,10 +65,11 @@ RSV_API rsv_status rsv_relighter_create(
     rsv_solution *solution, rsv_scene *scene, rsv_relighter **relighter);
 RSV_API void rsv_relighter_destroy(rsv_relighter *relighter);
 
-/// Does beforehand most of what the first change of each kind would have to set up: worth its time (that of a solve, and of sorting the
-/// receivers) where changes are to follow one another. From then on what every source does by itself, bounces included, is
-/// kept, up to 512 MiB: while strengths alone change, rsv_relighter_change makes them right at once and no steps are needed.
-/// After sources or colours have changed, the first change of strengths once all has settled solves for every source anew.
+/// Does beforehand most of what the first change of each kind would have to set up: worth its time (that of a solve, and
+/// of sorting the receivers) where changes are to follow one another. From then on what every source does by itself,
+/// bounces included, is kept, up to 512 MiB: while strengths alone change, rsv_relighter_change makes them right at once
+/// and no steps are needed. After sources or colours have changed, the first change of strengths once all has settled
+/// solves for every source anew.
 RSV_API rsv_status rsv_relighter_prepare(rsv_relighter *relighter);
 
 /// What can be changed of a source, and how it stands.
@@ -92,9 +93,9 @@ RSV_API rsv_status rsv_relighter_add_light(rsv_relighter *relighter, const rsv_l
 
 #define RSV_MAX_RELIGHT_SOURCES 64
 
-/// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it (but rsv_relighter_prepare). Rays are traced for sources that stand
-/// elsewhere than at the last call, few of them until the light settles. The first move takes longer: it sets up what
-/// the next ones share. Errors as in rsv_solution_relight; the first two kinds leave everything as it was.
+/// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it. Rays are traced for sources that
+/// stand elsewhere than at the last call, few of them until the light settles. The first move takes longer: it sets up
+/// what the next ones share. Errors as in rsv_solution_relight; the first two kinds leave everything as it was.
 /// @param desc against how things were when the relighter was created
 RSV_API rsv_status rsv_relighter_change(rsv_relighter *relighter, const rsv_relight_desc *desc);
 

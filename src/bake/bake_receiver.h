@@ -22,7 +22,7 @@ static inline rsv_rgb rsv_bake_shown(
         return rsv_solution_irradiance(s, triangle, u, v, back, RSV_NONE);
     rsv_rgb shown = rgb_add(rsv_solution_diffused_direct(s, face, u, v),
         rsv_solution_diffused(s, face, u, v, RSV_NONE));
-    return rgb(f_max(shown.r, 0), f_max(shown.g, 0), f_max(shown.b, 0));
+    return rgb_positive(shown);
 }
 
 static inline rsv_rgb rsv_bake_irradiance(const rsv_solution *s, const rsv_bake_receiver *r)

@@ -42,10 +42,7 @@ static footprint footprint_of(const rsv_bake_map *map, const float point[2])
     return f;
 }
 
-static rsv_rgb lit(rsv_rgb light)
-{
-    return rgb(f_max(light.r, 0), f_max(light.g, 0), f_max(light.b, 0));
-}
+static rsv_rgb lit(rsv_rgb light) { return rgb_positive(light); }
 
 /// One step of Kaczmarz's method (1937): shows at a point what was solved, by the smallest change of texels.
 static void show_truly(rsv_bake_map *map, const float point[2], rsv_rgb solved)

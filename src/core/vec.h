@@ -82,6 +82,11 @@ RSV_INLINE rsv_rgb rgb_gray(float v) { return rgb(v, v, v); }
 RSV_INLINE rsv_rgb rgb_add(rsv_rgb a, rsv_rgb b) { return rgb(a.r + b.r, a.g + b.g, a.b + b.b); }
 RSV_INLINE rsv_rgb rgb_sub(rsv_rgb a, rsv_rgb b) { return rgb(a.r - b.r, a.g - b.g, a.b - b.b); }
 RSV_INLINE rsv_rgb rgb_mul(rsv_rgb a, rsv_rgb b) { return rgb(a.r * b.r, a.g * b.g, a.b * b.b); }
+/// Nothing below 0, and no NaN.
+RSV_INLINE rsv_rgb rgb_positive(rsv_rgb a)
+{
+    return rgb(f_max(a.r, 0), f_max(a.g, 0), f_max(a.b, 0));
+}
 RSV_INLINE rsv_rgb rgb_scale(rsv_rgb a, float s) { return rgb(a.r * s, a.g * s, a.b * s); }
 /// a + s b
 RSV_INLINE rsv_rgb rgb_mad(rsv_rgb a, float s, rsv_rgb b)

@@ -20,10 +20,7 @@ void rsv_add_sky(rsv_chain_light *l, rsv_vec3 direction, rsv_rgb weight)
         add(l, rgb_mul(weight, rsv_sky_radiance(&l->sky, direction)));
 }
 
-static rsv_rgb without(rsv_rgb a, rsv_rgb b)
-{
-    return rgb(f_max(a.r - b.r, 0), f_max(a.g - b.g, 0), f_max(a.b - b.b, 0));
-}
+static rsv_rgb without(rsv_rgb a, rsv_rgb b) { return rgb_positive(rgb_sub(a, b)); }
 
 rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
     float u, float v, bool back, uint32_t stream, rsv_rgb shown)

@@ -1,5 +1,7 @@
 #include "packet_kernels.h"
 
+#include "../core/instructions.h"
+
 static const char *const names[] = { "best", "portable", "avx2", "avx512" };
 
 const char *rsv_instructions_name(rsv_instructions instructions)
@@ -9,13 +11,8 @@ const char *rsv_instructions_name(rsv_instructions instructions)
 
 bool rsv_has_instructions(rsv_instructions instructions)
 {
-#if defined(__x86_64__)
-    __builtin_cpu_init();
-    if (instructions == RSV_INSTRUCTIONS_AVX2) return __builtin_cpu_supports("avx2");
-    if (instructions == RSV_INSTRUCTIONS_AVX512)
-        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-               __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-#endif
+    if (instructions == RSV_INSTRUCTIONS_AVX2) return rsv_cpu_has_avx2();
+    if (instructions == RSV_INSTRUCTIONS_AVX512) return rsv_cpu_has_avx512();
     return instructions <= RSV_INSTRUCTIONS_PORTABLE;
 }
 

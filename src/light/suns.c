@@ -94,10 +94,7 @@ static rsv_rgb surrounding_radiance(const region *r)
     return rgb((float)(sum[0] * scale), (float)(sum[1] * scale), (float)(sum[2] * scale));
 }
 
-static rsv_rgb excess(rsv_rgb value, rsv_rgb base)
-{
-    return rgb(f_max(value.r - base.r, 0), f_max(value.g - base.g, 0), f_max(value.b - base.b, 0));
-}
+static rsv_rgb excess(rsv_rgb value, rsv_rgb base) { return rgb_positive(rgb_sub(value, base)); }
 
 /// The disc of the same flux, the same mean direction, and the solid angle (int L dw)^2 / int L^2 dw.
 static rsv_sun measure(const region *r, rsv_rgb base)

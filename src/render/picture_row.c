@@ -94,7 +94,7 @@ static void average(const rsv_picture_row *r, uint32_t layer, uint32_t column)
     rsv_rgb sum = rgb_mad(r->layer[layer][column], (float)before, *out);
     rsv_rgb mean = rgb_scale(sum, 1 / (float)(before + samples));
     // the control variate of a nearly black pixel can end a hair below zero
-    *out = rgb(f_max(mean.r, 0), f_max(mean.g, 0), f_max(mean.b, 0));
+    *out = rgb_positive(mean);
 }
 
 rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t row)

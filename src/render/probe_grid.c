@@ -199,7 +199,7 @@ static rsv_rgb irradiance_of(const rsv_rgb *coefficient, rsv_vec3 normal)
     harmonics(normal, y);
     for (int h = 0; h < HARMONICS; h++)
         sum = rgb_mad(sum, (float)(kept[h] * y[h]), coefficient[h]);
-    return rgb(f_max(sum.r, 0), f_max(sum.g, 0), f_max(sum.b, 0));
+    return rgb_positive(sum);
 }
 
 static bool sees_probe(const rsv_probe_grid *g, rsv_vec3 origin, size_t probe)

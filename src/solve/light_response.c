@@ -1,7 +1,6 @@
 #include "light_response.h"
 
-#include "linear_solver.h"
-#include "transport_map.h"
+#include "solve_fields.h"
 
 #include <string.h>
 
@@ -142,27 +141,14 @@ cleanup:
 static rsv_status solve(builder *b)
 {
     const rsv_solution *s = b->s;
-    rsv_status status;
-    rsv_transport_map *map = NULL;
-    rsv_linear_report report;
     size_t nodes = s->elements->node_count, count = b->r->count;
-    rsv_linear_desc desc = rsv_default_linear_desc(s->report.solver);
-    desc.relative = TOLERANCE;
     b->source = rsv_alloc(s->context, nodes, count * sizeof *b->source);
     b->solved = rsv_alloc(s->context, nodes, count * sizeof *b->solved);
-    RSV_TRY(b->source && b->solved ? RSV_OK : RSV_ERROR_MEMORY);
+    if (!b->source || !b->solved) return RSV_ERROR_MEMORY;
     for (size_t n = 0; n < nodes; n++)
         for (size_t k = 0; k < count; k++)
             b->source[n * count + k] = b->r->light[k].source[n];
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, count, &map));
-    RSV_TRY(rsv_transport_map_prepare(map, desc.solver));
-    rsv_transport_map_mask(map, count, b->source);
-    RSV_TRY(
-        rsv_linear_solve(&map->linear, 3 * count, &b->source->r, &desc, &b->solved->r, &report));
-cleanup:
-    rsv_transport_map_destroy(map);
-    return status;
+    return rsv_solve_fields(s, count, TOLERANCE, b->source, b->solved, NULL);
 }
 
 static float share(float part, float sum, size_t count)
@@ -180,7 +166,7 @@ static void divide_indirect(const builder *b)
         rsv_rgb *part = b->solved + n * count, sum = rgb_gray(0);
         for (size_t k = 0; k < count; k++) {
             rsv_rgb rest = rgb_sub(part[k], source[k]);
-            part[k] = rgb(f_max(rest.r, 0), f_max(rest.g, 0), f_max(rest.b, 0));
+            part[k] = rgb_positive(rest);
             sum = rgb_add(sum, part[k]);
         }
         for (size_t k = 0; k < count; k++)

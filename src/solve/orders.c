@@ -152,7 +152,7 @@ static void add_rest(series *q, const rsv_rgb *sum)
 {
     for (size_t n = 0; n < q->s->elements->node_count; n++) {
         rsv_rgb rest = rgb_sub(sum[n], q->term[n]);
-        q->next[n] = rgb(f_max(rest.r, 0), f_max(rest.g, 0), f_max(rest.b, 0));
+        q->next[n] = rgb_positive(rest);
     }
     rsv_elements_constrain(q->s->elements, q->next);
     add_term(q->s, q->next);

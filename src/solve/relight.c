@@ -46,7 +46,7 @@ static void show(rsv_relighter *r)
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
     for (size_t n = 0; n < nodes; n++) {
         rsv_rgb rest = rgb_sub(s->irradiance[n], s->source[n]);
-        s->indirect[n] = rgb(f_max(rest.r, 0), f_max(rest.g, 0), f_max(rest.b, 0));
+        s->indirect[n] = rgb_positive(rest);
     }
     rsv_sharpen(s->elements, s->indirect, r->next, r->scratch);
 }
@@ -72,12 +72,9 @@ rsv_status rsv_relighter_step(rsv_relighter *r, double milliseconds, rsv_relight
 rsv_status rsv_relighter_settle(rsv_relighter *r)
 {
     rsv_status status = RSV_OK;
-    bool any = false;
     if (r->settled) return RSV_OK;
     rsv_light_effort effort = rsv_full_light_effort(r->s, r->valid);
-    for (size_t k = 0; k < r->basis->source_count; k++)
-        any = any || r->stale[k];
-    if (any) {
+    if (rsv_relighter_any_stale(r)) {
         RSV_TRY(rsv_relighter_sample(r, r->stale, RSV_RELIGHTER_ANYTHING, &effort));
         RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING));
         rsv_relight_responses_forget(r);

@@ -1,7 +1,7 @@
 #include "relight_responses.h"
 
-#include "linear_solver.h"
 #include "sharpen.h"
+#include "solve_fields.h"
 
 /// Of the residual: far below what anybody sees.
 #define TOLERANCE 1e-5
@@ -76,7 +76,7 @@ static void keep(rsv_relighter *r, rsv_relight_responses *own, size_t first, siz
             own->irradiance[n * own->count + first + f] = field[n];
         for (size_t n = 0; n < e->node_count; n++) {
             rsv_rgb rest = rgb_sub(solved[n * count + f], source[n * count + f]);
-            field[n] = rgb(f_max(rest.r, 0), f_max(rest.g, 0), f_max(rest.b, 0));
+            field[n] = rgb_positive(rest);
         }
         rsv_elements_constrain(e, field);
         rsv_sharpen(e, field, r->next, r->scratch);
@@ -89,26 +89,17 @@ static void keep(rsv_relighter *r, rsv_relight_responses *own, size_t first, siz
 static rsv_status solve(rsv_relighter *r, rsv_relight_responses *own, size_t first, size_t count,
     const rsv_rgb *sky, rsv_rgb *field, bool *solved_all)
 {
-    rsv_solution *s = r->s;
     rsv_status status;
-    rsv_transport_map *map = NULL;
-    rsv_linear_report report;
-    rsv_linear_desc desc = rsv_default_linear_desc(s->report.solver);
-    desc.relative = TOLERANCE;
+    bool reached;
     size_t nodes = rsv_relighter_nodes(r);
     rsv_rgb *source = rsv_alloc(r->context, nodes, count * sizeof *source);
     rsv_rgb *solved = rsv_alloc(r->context, nodes, count * sizeof *solved);
     RSV_TRY(source && solved ? RSV_OK : RSV_ERROR_MEMORY);
     collect_sources(r, own, first, count, sky, field, source);
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, count, &map));
-    RSV_TRY(rsv_transport_map_prepare(map, desc.solver));
-    rsv_transport_map_mask(map, count, source);
-    RSV_TRY(rsv_linear_solve(&map->linear, 3 * count, &source->r, &desc, &solved->r, &report));
-    *solved_all = *solved_all && report.stop_reason <= RSV_STOP_NO_LIGHT;
+    RSV_TRY(rsv_solve_fields(r->s, count, TOLERANCE, source, solved, &reached));
+    *solved_all = *solved_all && reached;
     keep(r, own, first, count, source, solved, field);
 cleanup:
-    rsv_transport_map_destroy(map);
     rsv_free(r->context, source);
     rsv_free(r->context, solved);
     return status;

@@ -235,22 +235,22 @@ static rsv_status check_added(const rsv_relighter *r, const rsv_light *light)
     return RSV_OK;
 }
 
-/// Whether a source is known by few rays only.
-static bool any_stale(const rsv_relighter *r)
+/// What every source does by itself, where that is wanted; steps will do where it cannot be had.
+static rsv_status find_responses(rsv_relighter *r)
 {
-    bool any = false;
-    for (size_t k = 0; k < r->basis->source_count; k++)
-        any = any || r->stale[k];
-    return any;
+    if (r->responses || !r->prepared || rsv_relighter_any_stale(r)) return RSV_OK;
+    rsv_status status = rsv_relight_responses_create(r, &r->responses);
+    r->prepared = r->responses != NULL;
+    return status;
 }
 
 /// Irradiance at the strengths as they are now.
 static rsv_status follow_strengths(rsv_relighter *r)
 {
-    rsv_status status = RSV_OK;
-    if (!r->responses) RSV_TRY(rsv_relight_responses_create(r, &r->responses));
+    rsv_status status;
+    RSV_TRY(find_responses(r));
     RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_STRENGTHS));
-    if (!r->responses) return RSV_OK; // steps will do
+    if (!r->responses) return RSV_OK;
     rsv_relight_responses_combine(r->responses, r);
     r->residual = 0;
 cleanup:
@@ -259,12 +259,9 @@ cleanup:
 
 rsv_status rsv_relighter_prepare(rsv_relighter *r)
 {
-    rsv_status status;
     r->prepared = true;
-    RSV_TRY(keep_receivers(r));
-    if (!r->responses && !any_stale(r)) RSV_TRY(rsv_relight_responses_create(r, &r->responses));
-cleanup:
-    return status;
+    rsv_status status = keep_receivers(r);
+    return status == RSV_OK ? find_responses(r) : status;
 }
 
 rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
@@ -332,7 +329,7 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
         rsv_light_effort rough = rough_effort(r);
         RSV_TRY(rsv_relighter_sample(r, r->moved, kind, &rough));
     }
-    if (kind == RSV_RELIGHTER_STRENGTHS && r->prepared && !any_stale(r))
+    if (kind == RSV_RELIGHTER_STRENGTHS)
         RSV_TRY(follow_strengths(r));
     else
         RSV_TRY(rsv_relighter_update_sources(r, kind));

@@ -31,7 +31,7 @@ struct rsv_relighter {
     uint64_t rays;           ///< traced so far
     double residual;
     struct rsv_relight_responses *responses; ///< NULL = not known, for the sources as they stand
-    bool prepared;                           ///< whether they are wanted
+    bool prepared;                           ///< whether they are wanted, and can be had
     bool settled;
     bool behind; ///< a change was cut short: the next one takes everything over again
 };
@@ -39,6 +39,15 @@ struct rsv_relighter {
 static inline size_t rsv_relighter_nodes(const rsv_relighter *r)
 {
     return r->s->elements->node_count;
+}
+
+/// Whether a source is known by few rays only.
+static inline bool rsv_relighter_any_stale(const rsv_relighter *r)
+{
+    bool any = false;
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        any = any || r->stale[k];
+    return any;
 }
 
 /// The strength of a source in the scene; NULL for surroundings.
