@@ -1,0 +1,390 @@
+/// What keeps light from leaking through walls, and leaves it where things touch, hang close or reach into one another.
+#include "light_fixture.h"
+#include "operator/contact.h"
+#include "operator/open_corners.h"
+#include "operator/spacing.h"
+#include "resolvent/render.h"
+
+// ---- leaks --------------------------------------------------------------------------------------
+
+/// A room split by a wall across x = `at`, light in the right part alone.
+typedef struct split_room {
+    float at, thickness, sunk; ///< metres; sunk: how far the wall reaches through floor and walls
+} split_room;
+
+static world *create_split_room(split_room room)
+{
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    const float low = -room.sunk, high = 1 + room.sunk, z = 1 + room.sunk,
+                half = room.thickness / 2;
+    world_room(w, paint, v3(-1, 0, -1), v3(1, 1, 1));
+    if (room.thickness > 0) {
+        world_box(w, paint, v3(room.at - half, low, -z), v3(room.at + half, high, z));
+    } else {
+        rsv_material sheet = lambert_material(0.7f, 0);
+        sheet.double_sided = true;
+        world_quad(w, world_material(w, sheet), v3(room.at, low, -z), v3(room.at, low, z),
+            v3(room.at, high, z), v3(room.at, high, -z));
+    }
+    world_quad(w, world_lambert(w, 0, 10), v3(0.4f, 0.99f, -0.3f), v3(0.8f, 0.99f, -0.3f),
+        v3(0.8f, 0.99f, 0.3f), v3(0.4f, 0.99f, 0.3f));
+    world_commit(w);
+    return w;
+}
+
+static rsv_solution *solve_small(const world *w, uint32_t seed)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 700;
+    desc.rays_per_element = 64;
+    desc.photon_count = 1000;
+    desc.seed = seed;
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    return solution;
+}
+
+static float look_up(
+    const world *w, const rsv_solution *s, rsv_vec3 p, rsv_vec3 normal, uint32_t order)
+{
+    rsv_hit hit;
+    assert_true(rsv_tracer_nearest(w->tracer, p, normal, &hit));
+    return rsv_solution_irradiance(s, hit.triangle, hit.u, hit.v, false, order).g;
+}
+
+/// Light on the dark side of the wall over light on the bright side, the same distance from it.
+static float leak_at(const world *w, const rsv_solution *s, split_room room, rsv_vec3 place,
+    rsv_vec3 normal, float distance, uint32_t order)
+{
+    float away = room.thickness / 2 + distance;
+    rsv_vec3 dark = place, bright = place;
+    dark.x = room.at - away;
+    bright.x = room.at + away;
+    float lit = look_up(w, s, bright, normal, order), unlit = look_up(w, s, dark, normal, order);
+    return unlit > 0 ? unlit / lit
+                     : 0; // places that the lamp does not reach are dark on both sides
+}
+
+/// The worst leak along the wall on floor and rear wall, within a centimetre.
+static float worst_leak(const world *w, const rsv_solution *s, split_room room, uint32_t order)
+{
+    const float distance[] = { 0.001f, 0.004f, 0.007f, 0.01f };
+    float worst = 0;
+    for (int d = 0; d < 4; d++)
+        for (int k = 0; k < 40; k++) {
+            float t = ((float)k + 0.5f) / 40;
+            float on_floor =
+                leak_at(w, s, room, v3(0, 0, 2 * t - 1), v3(0, 1, 0), distance[d], order);
+            float on_rear = leak_at(w, s, room, v3(0, t, -1), v3(0, 0, 1), distance[d], order);
+            worst = f_max(worst, f_max(on_floor, on_rear));
+        }
+    return worst;
+}
+
+/// Direct light lives on fine cells, indirect light on coarse ones, each with its own limit; a negative
+/// limit leaves one out.
+static void check_leaks(split_room room, uint32_t seed, float direct_limit, float indirect_limit)
+{
+    world *w = create_split_room(room);
+    rsv_solution *s = solve_small(w, seed);
+    float direct = direct_limit >= 0 ? worst_leak(w, s, room, 0) : -1;
+    float indirect = worst_leak(w, s, room, 1);
+    rsv_solution_destroy(s);
+    world_end(w);
+    if (direct > direct_limit || indirect > indirect_limit)
+        fail_msg("wall at %g, %g thick, sunk %g, seed %u: leak %.4f direct, %.4f indirect", room.at,
+            room.thickness, room.sunk, seed, direct, indirect);
+}
+
+static void a_thin_wall_on_the_grid_keeps_light_out(void **state)
+{
+    (void)state;
+    check_leaks((split_room){ 0, 0, 0.02f }, 0, 0.01f, 0.01f);
+    check_leaks((split_room){ 0, 0, 0 }, 0, 0.01f, 0.01f);
+}
+
+static void a_thick_wall_keeps_light_out(void **state)
+{
+    (void)state;
+    for (uint32_t seed = 0; seed < 3; seed++) {
+        check_leaks((split_room){ 0, 0.05f, 0.02f }, seed, 0.01f, 0.01f);
+        check_leaks((split_room){ 0.1234f, 0.05f, 0.02f }, seed, 0.01f, 0.01f);
+    }
+}
+
+static void a_thick_wall_that_just_touches_keeps_light_out(void **state)
+{
+    (void)state;
+    check_leaks((split_room){ 0, 0.05f, 0 }, 0, 0.01f, 0.01f);
+    check_leaks((split_room){ -0.0777f, 0.05f, 0 }, 0, 0.01f, 0.01f);
+}
+
+/// Nodes that splits at contacts add to boards that run through each other, 8 one way and 8 the other.
+static size_t nodes_at_contacts(size_t most_nodes)
+{
+    world *w = world_begin(1);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    for (int k = 0; k < 8; k++) {
+        float x = 0.25f * (float)k;
+        world_box(w, paint, v3(x, -0.1f, 0), v3(x + 0.1f, 2, 0.1f));
+        world_box(w, paint, v3(-0.1f, x, 0.05f), v3(2, x + 0.1f, 0.15f));
+    }
+    world_commit(w);
+    rsv_elements *e;
+    uint64_t rays = 0;
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.2f }, &e), RSV_OK);
+    size_t before = e->node_count;
+    assert_int_equal(rsv_elements_refine_contacts(&w->transport, most_nodes, &e, &rays), RSV_OK);
+    size_t added = e->node_count - before;
+    rsv_elements_destroy(e);
+    world_end(w);
+    return added;
+}
+
+static void contacts_take_no_more_nodes_than_allowed(void **state)
+{
+    (void)state;
+    size_t wanted = nodes_at_contacts(1 << 20);
+    for (size_t most = wanted / 2; most > wanted / 64; most /= 2) {
+        size_t added = nodes_at_contacts(most);
+        if (added == 0 || added > most)
+            fail_msg("%zu nodes were added, %zu allowed, %zu wanted", added, most, wanted);
+    }
+    assert_int_equal(nodes_at_contacts(0), 0);
+}
+
+static void add_lamp(world *w)
+{
+    world_quad(w, world_lambert(w, 0, 10), v3(-0.3f, 0.99f, -0.3f), v3(0.3f, 0.99f, -0.3f),
+        v3(0.3f, 0.99f, 0.3f), v3(-0.3f, 0.99f, 0.3f));
+}
+
+/// What is stored at the places, over what is gathered there: least and largest, and the mean.
+typedef struct shares {
+    float least, largest, mean;
+} shares;
+
+static shares stored_shares(
+    const world *w, const rsv_solution *s, const rsv_probe *probe, size_t places)
+{
+    rsv_probe_reading *reading = malloc(places * sizeof *reading);
+    assert_int_equal(
+        rsv_probe_irradiance(s, RSV_PROBE_OPERATOR, probe, places, 1024, 1, reading), RSV_OK);
+    shares found = { INFINITY, 0, 0 };
+    for (size_t k = 0; k < places; k++) {
+        float stored = look_up(w, s, probe[k].position, probe[k].normal, RSV_NONE);
+        float share = stored / reading[k].irradiance.g;
+        found.least = f_min(found.least, share);
+        found.largest = f_max(found.largest, share);
+        found.mean += share / (float)places;
+    }
+    free(reading);
+    return found;
+}
+
+#define OUT 1.2f // the far side of a built room's walls
+
+/// A room whose walls, floor and ceiling are boxes that reach into one another, as builders have them: corners of their
+/// cells lie in the next box.
+static world *create_built_room(void)
+{
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    const float low = -0.02f, high = 1.02f, end = 1.02f;
+    world_box(w, paint, v3(-OUT, -0.2f, -OUT), v3(OUT, 0, OUT));
+    world_box(w, paint, v3(-OUT, 1, -OUT), v3(OUT, 1.2f, OUT));
+    world_box(w, paint, v3(-OUT, low, -OUT), v3(OUT, high, -1));
+    world_box(w, paint, v3(-OUT, low, 1), v3(OUT, high, OUT));
+    world_box(w, paint, v3(-OUT, low, -end), v3(-1, high, end));
+    world_box(w, paint, v3(1, low, -end), v3(OUT, high, end));
+    add_lamp(w);
+    world_commit(w);
+    return w;
+}
+
+/// How far a point lies in the room's walls; negative in the room.
+static float depth_in_walls(rsv_vec3 p)
+{
+    return f_max(f_max(fabsf(p.x) - 1, fabsf(p.z) - 1), fabsf(p.y - 0.5f) - 0.5f);
+}
+
+static void corners_within_walls_are_not_open(void **state)
+{
+    (void)state;
+    world *w = create_built_room();
+    rsv_elements *e;
+    uint64_t rays = 0;
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.13f }, &e), RSV_OK);
+    assert_int_equal(rsv_elements_refine_contacts(&w->transport, 10000, &e, &rays), RSV_OK);
+    size_t cut = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        rsv_cell_shape shape = rsv_cell_shape_of(e, c);
+        if (!(e->cell_openness[c] & RSV_CELL_CUT) || depth_in_walls(shape.corner[0]) > OUT - 1.01f)
+            continue;
+        cut++;
+        for (int k = 0; k < 3; k++) {
+            float depth = depth_in_walls(rsv_cell_inset(&shape, shape.corner[k]));
+            bool open = e->cell_openness[c] >> k & 1;
+            if (depth > 1e-4f && depth < OUT - 1.01f && open)
+                fail_msg("corner at (%g, %g, %g) is open", shape.corner[k].x, shape.corner[k].y,
+                    shape.corner[k].z);
+        }
+    }
+    assert_true(cut > 100);
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
+static void where_walls_run_on_into_each_other_there_are_no_spots(void **state)
+{
+    (void)state;
+    world *w = create_built_room();
+    rsv_solution *s = solve_small(w, 0);
+    enum { PLACES = 120 };
+    rsv_probe probe[PLACES];
+    for (int k = 0; k < PLACES; k++) { // below the ceiling and beside a corner, a centimetre away
+        float t = ((float)(k / 3) + 0.5f) / (PLACES / 3), x = 1.96f * t - 0.98f;
+        const rsv_probe place[3] = { { v3(x, 0.99f, -1), v3(0, 0, 1) },
+            { v3(-1, 0.99f, x), v3(1, 0, 0) }, { v3(-1, t, -0.99f), v3(1, 0, 0) } };
+        probe[k] = place[k % 3];
+    }
+    shares found = stored_shares(w, s, probe, PLACES);
+    rsv_solution_destroy(s);
+    world_end(w);
+    if (found.least < 0.95f || found.largest > 1.07f || fabsf(found.mean - 1) > 0.03f)
+        fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
+}
+
+/// What a picture hides of the wall that it hangs on must not darken what it does not.
+static void the_wall_around_a_picture_is_not_darkened(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    world_room(w, paint, v3(-1, 0, -1), v3(1, 1, 1));
+    world_box(w, paint, v3(-0.23f, 0.31f, -0.995f), v3(0.27f, 0.69f, -0.97f));
+    add_lamp(w);
+    world_commit(w);
+    rsv_solution *s = solve_small(w, 0);
+    enum { PLACES = 96 };
+    rsv_probe probe[PLACES];
+    for (int k = 0; k < PLACES; k++) { // three centimetres away
+        float t = ((float)(k / 4) + 0.5f) / (PLACES / 4);
+        float x = -0.23f + 0.5f * t, y = 0.31f + 0.38f * t;
+        const rsv_vec3 place[4] = { v3(-0.26f, y, -1), v3(0.3f, y, -1), v3(x, 0.28f, -1),
+            v3(x, 0.72f, -1) };
+        probe[k] = (rsv_probe){ place[k % 4], v3(0, 0, 1) };
+    }
+    shares found = stored_shares(w, s, probe, PLACES);
+    rsv_solution_destroy(s);
+    world_end(w);
+    if (found.least < 0.78f || fabsf(found.mean - 1) > 0.06f)
+        fail_msg("%g of the light at least, %g on average", found.least, found.mean);
+}
+
+/// Nodes under a box are black; the floor beside it must not be.
+static void the_floor_beside_a_box_is_not_darkened(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    world_room(w, paint, v3(-1, 0, -1), v3(1, 1, 1));
+    world_box(w, paint, v3(-0.23f, 0, -0.31f), v3(0.27f, 0.3f, 0.19f));
+    add_lamp(w);
+    world_commit(w);
+    rsv_solution *s = solve_small(w, 0);
+    enum { PLACES = 48 };
+    rsv_probe probe[PLACES];
+    for (int k = 0; k < PLACES; k++) { // around the box, a centimetre away
+        float t = ((float)(k / 4) + 0.5f) / (PLACES / 4);
+        float x = -0.23f + 0.5f * t, z = -0.31f + 0.5f * t;
+        const rsv_vec3 place[4] = { v3(-0.24f, 0, z), v3(0.28f, 0, z), v3(x, 0, -0.32f),
+            v3(x, 0, 0.2f) };
+        probe[k] = (rsv_probe){ place[k % 4], v3(0, 1, 0) };
+    }
+    float least = stored_shares(w, s, probe, PLACES).least;
+    if (least < 0.5f) fail_msg("%g of the light is stored", least);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// A panel that lights the ceiling from just below it: nodes at its border are not to pass that light on.
+static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.7f, 0), v3(-1, 0, -1), v3(1, 1, 1));
+    world_quad(w, world_lambert(w, 0, 10), v3(-0.3f, 0.98f, -0.3f), v3(-0.3f, 0.98f, 0.3f),
+        v3(0.3f, 0.98f, 0.3f), v3(0.3f, 0.98f, -0.3f));
+    world_commit(w);
+    rsv_solution *s = solve_small(w, 0);
+    enum { PLACES = 64 };
+    rsv_probe probe[PLACES];
+    rsv_probe_reading exact[PLACES];
+    for (int k = 0; k < PLACES; k++) {
+        float x = ((float)(k % 8) - 3.5f) / 4, z = ((float)(k / 8) - 3.5f) / 4;
+        probe[k] = (rsv_probe){ v3(x, 0, z), v3(0, 1, 0) };
+    }
+    assert_int_equal(
+        rsv_probe_irradiance(s, RSV_PROBE_REFERENCE, probe, PLACES, 4096, 1, exact), RSV_OK);
+    float stored = 0, traced = 0;
+    for (int k = 0; k < PLACES; k++) {
+        stored += look_up(w, s, probe[k].position, probe[k].normal, RSV_NONE);
+        traced += exact[k].irradiance.g;
+    }
+    rsv_solution_destroy(s);
+    world_end(w);
+    if (fabsf(stored / traced - 1) > 0.15f)
+        fail_msg("the floor has %.3f of the light that paths bring there", stored / traced);
+}
+
+static rsv_vec3 beneath(int k)
+{
+    float along = 0.5f * ((float)(k / 4) + 0.5f) / 24, in = 0.005f + 0.015f * (float)(k / 4 % 6);
+    float x = -0.23f + along, z = -0.31f + along;
+    const rsv_vec3 place[4] = { v3(-0.23f + in, 0, z), v3(0.27f - in, 0, z), v3(x, 0, -0.31f + in),
+        v3(x, 0, 0.19f - in) };
+    return place[k % 4];
+}
+
+/// What lies close to a floor leaves it little light, but some: that of the gap, which its own cells keep.
+static void light_in_a_gap_is_that_of_the_gap(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    world_room(w, paint, v3(-1, 0, -1), v3(1, 1, 1));
+    world_box(w, paint, v3(-0.23f, 0.02f, -0.31f), v3(0.27f, 0.3f, 0.19f));
+    add_lamp(w);
+    world_commit(w);
+    rsv_solution *s = solve_small(w, 0);
+    enum { PLACES = 96 };
+    rsv_probe probe[PLACES];
+    for (int k = 0; k < PLACES; k++) // up to eight centimetres in, along the four sides
+        probe[k] = (rsv_probe){ beneath(k), v3(0, 1, 0) };
+    shares found = stored_shares(w, s, probe, PLACES);
+    rsv_solution_destroy(s);
+    world_end(w);
+    if (found.least < 0.4f || found.largest > 2.5f || fabsf(found.mean - 1) > 0.15f)
+        fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_thin_wall_on_the_grid_keeps_light_out),
+        cmocka_unit_test(a_thick_wall_keeps_light_out),
+        cmocka_unit_test(a_thick_wall_that_just_touches_keeps_light_out),
+        cmocka_unit_test(contacts_take_no_more_nodes_than_allowed),
+        cmocka_unit_test(the_floor_beside_a_box_is_not_darkened),
+        cmocka_unit_test(a_lamp_close_to_the_ceiling_keeps_its_light_there),
+        cmocka_unit_test(corners_within_walls_are_not_open),
+        cmocka_unit_test(where_walls_run_on_into_each_other_there_are_no_spots),
+        cmocka_unit_test(the_wall_around_a_picture_is_not_darkened),
+        cmocka_unit_test(light_in_a_gap_is_that_of_the_gap),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
