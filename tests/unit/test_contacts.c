@@ -1,9 +1,11 @@
 /// What keeps light from leaking through walls, and leaves it where things touch, hang close or reach into one another.
 #include "light_fixture.h"
+#include "operator/burial.h"
 #include "operator/contact.h"
 #include "operator/open_corners.h"
 #include "operator/spacing.h"
 #include "resolvent/render.h"
+#include "solve/solution.h"
 
 // ---- leaks --------------------------------------------------------------------------------------
 
@@ -258,6 +260,31 @@ static void where_walls_run_on_into_each_other_there_are_no_spots(void **state)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
 }
 
+/// Which points count was found for the very points that rows start from.
+static void rows_start_from_the_points_that_were_judged(void **state)
+{
+    (void)state;
+    world *w = create_built_room();
+    rsv_solution *s;
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 700;
+    desc.rays_per_element = 64;
+    desc.refinements = 2;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
+    const rsv_elements *e = s->elements;
+    uint64_t rays = 0;
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        uint16_t judged =
+            rsv_judge_points(&s->scene, e, n, n, RSV_SUPPORT_POINTS, s->desc.seed, &rays);
+        if (s->valid_points[n] != judged)
+            fail_msg("node %u of %zu: %04x of the points count, %04x were to", n, e->node_count,
+                judged, s->valid_points[n]);
+    }
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
 /// What a picture hides of the wall that it hangs on must not darken what it does not.
 static void the_wall_around_a_picture_is_not_darkened(void **state)
 {
@@ -383,6 +410,7 @@ int main(void)
         cmocka_unit_test(a_lamp_close_to_the_ceiling_keeps_its_light_there),
         cmocka_unit_test(corners_within_walls_are_not_open),
         cmocka_unit_test(where_walls_run_on_into_each_other_there_are_no_spots),
+        cmocka_unit_test(rows_start_from_the_points_that_were_judged),
         cmocka_unit_test(the_wall_around_a_picture_is_not_darkened),
         cmocka_unit_test(light_in_a_gap_is_that_of_the_gap),
     };
