@@ -116,26 +116,35 @@ static int depth_of(const tessellator *q)
 
 // ---- dividing -------------------------------------------------------------------------------------
 
-/// Place in the middle of two. @param make false = RSV_NONE if nobody divides that edge
-static uint32_t middle_place(tessellator *q, uint32_t a, uint32_t b, bool make)
+/// Place in the middle of two. @return RSV_NONE if nobody divides that edge
+static uint32_t middle_place(const tessellator *q, uint32_t a, uint32_t b)
 {
-    if (!make) return rsv_index_map_find(&q->middle_place, pair_key(a, b));
+    return rsv_index_map_find(&q->middle_place, pair_key(a, b));
+}
+
+/// The same, made if need be. @return RSV_NONE when out of memory
+static uint32_t make_middle_place(tessellator *q, uint32_t a, uint32_t b)
+{
     uint32_t place = rsv_index_map_insert(&q->middle_place, pair_key(a, b), q->place_count);
     q->place_count += place == q->place_count;
     return place;
 }
 
 /// Gives the edges of divided cells their middles.
-static void mark(tessellator *q, size_t node, int depth, const uint32_t place[3])
+static rsv_status mark(tessellator *q, size_t node, int depth, const uint32_t place[3])
 {
-    if (depth == q->depth || !q->split[node]) return;
+    rsv_status status = RSV_OK;
+    if (depth == q->depth || !q->split[node]) return RSV_OK;
     uint32_t m[3];
-    for (int k = 0; k < 3; k++)
-        m[k] = middle_place(q, place[k], place[(k + 1) % 3], true);
+    for (int k = 0; k < 3; k++) {
+        m[k] = make_middle_place(q, place[k], place[(k + 1) % 3]);
+        if (m[k] == RSV_NONE) return RSV_ERROR_MEMORY;
+    }
     const uint32_t child[4][3] = { { place[0], m[0], m[2] }, { m[0], place[1], m[1] },
         { m[2], m[1], place[2] }, { m[1], m[2], m[0] } };
-    for (size_t k = 0; k < 4; k++)
-        mark(q, 4 * node + 1 + k, depth + 1, child[k]);
+    for (size_t k = 0; k < 4 && status == RSV_OK; k++)
+        status = mark(q, 4 * node + 1 + k, depth + 1, child[k]);
+    return status;
 }
 
 static rsv_status divide(tessellator *q)
@@ -146,8 +155,8 @@ static rsv_status divide(tessellator *q)
     decide(q, 0, 0, whole);
     for (int k = 0; k < 3; k++)
         place[k] = q->vertex_place[q->part->corner[q->t][k]];
-    mark(q, 0, 0, place);
-    return rsv_cancelled(q->s->context) ? RSV_ERROR_CANCELLED : RSV_OK;
+    rsv_status status = mark(q, 0, 0, place);
+    return rsv_cancelled(q->s->context) ? RSV_ERROR_CANCELLED : status;
 }
 
 /// Numbers the vertices of the file by where they are.
@@ -198,7 +207,7 @@ static rsv_status middle_of(tessellator *q, const corner *a, const corner *b, co
     uint32_t fresh = (uint32_t)q->mesh->attribute_count;
     *middle = (corner){ .w1 = 0.5f * (a->w1 + b->w1),
         .w2 = 0.5f * (a->w2 + b->w2),
-        .place = middle_place(q, a->place, b->place, false),
+        .place = middle_place(q, a->place, b->place),
         .attribute =
             rsv_index_map_insert(&q->middle, pair_key(a->attribute, b->attribute), fresh) };
     if (middle->attribute == RSV_NONE) return RSV_ERROR_MEMORY;
@@ -267,7 +276,7 @@ static rsv_status emit(tessellator *q, const corner c[3])
     int cuts = 0, k = 0;
     for (int e = 0; e < 3; e++) {
         const corner *from = &c[e], *to = &c[(e + 1) % 3];
-        cut[e] = middle_place(q, from->place, to->place, false) != RSV_NONE;
+        cut[e] = middle_place(q, from->place, to->place) != RSV_NONE;
         cuts += cut[e];
         if (cut[e]) RSV_TRY(middle_of(q, from, to, &m[e]));
     }
