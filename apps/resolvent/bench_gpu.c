@@ -13,7 +13,7 @@ enum { RECEIVERS = 1000000, LIGHTS = 8, MOST_REPETITIONS = 1000 };
 /// Residual that solvers are timed down to, as in bench solvers.
 static const double goal = 1e-5;
 
-static void describe_device(cJSON *result)
+void cli_describe_device(cJSON *result)
 {
     const rsv_device_info *info = rsv_device_get_info(cli_device());
     cJSON *device = cJSON_AddObjectToObject(result, "device");
@@ -105,7 +105,7 @@ bool cli_bench_gpu(const cli_bench_task *bench, cJSON *result)
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
     rsv_solution *solution = NULL;
     desc.direct_level = false;
-    describe_device(result);
+    cli_describe_device(result);
     rsv_status status = rsv_solution_create(scene, &desc, &solution);
     if (status == RSV_OK) status = measure_operator(bench, solution, result);
     if (status == RSV_OK) status = measure_rows(solution, result);

@@ -6,6 +6,7 @@
 #include "compact_kernels.h"
 #include "diffusion_kernels.h"
 #include "frame_kernels.h"
+#include "occlusion_kernels.h"
 #include "row_kernels.h"
 #include "solver_kernels.h"
 #include "transport_kernels.h"

@@ -4,6 +4,7 @@
 #ifndef RSV_SKY_H
 #define RSV_SKY_H
 
+#include "../core/octahedral.h"
 #include "../core/sampling.h"
 #include "resolvent/scene.h"
 
@@ -94,15 +95,32 @@ float rsv_sky_pdf(const rsv_sky_sampler *sampler, rsv_vec3 direction);
 
 /// Irradiance without occlusion by the normal of the receiver: a table over the octahedral square.
 typedef struct rsv_sky_irradiance {
-    rsv_rgb *node; ///< [(RSV_SKY_IRRADIANCE_SIDE + 1)^2], NULL = black
+    rsv_rgb *node; ///< [RSV_SKY_IRRADIANCE_NODES^2], NULL = black
 } rsv_sky_irradiance;
 
 #define RSV_SKY_IRRADIANCE_SIDE 128
+#define RSV_SKY_IRRADIANCE_NODES (RSV_SKY_IRRADIANCE_SIDE + 1)
 
 rsv_status rsv_sky_irradiance_create(
     rsv_context *context, const rsv_sky *sky, rsv_sky_irradiance *irradiance);
 void rsv_sky_irradiance_destroy(rsv_context *context, rsv_sky_irradiance *irradiance);
 /// @param normal unit
-rsv_rgb rsv_sky_irradiance_at(const rsv_sky_irradiance *irradiance, rsv_vec3 normal);
+RSV_INLINE rsv_rgb rsv_sky_irradiance_at(const rsv_sky_irradiance *irradiance, rsv_vec3 normal)
+{
+    if (!irradiance->node) return rgb_gray(0);
+    float x, y;
+    rsv_octahedral_from_direction(normal, &x, &y);
+    x *= RSV_SKY_IRRADIANCE_SIDE;
+    y *= RSV_SKY_IRRADIANCE_SIDE;
+    uint32_t i = (uint32_t)x, j = (uint32_t)y;
+    i = i < RSV_SKY_IRRADIANCE_SIDE ? i : RSV_SKY_IRRADIANCE_SIDE - 1;
+    j = j < RSV_SKY_IRRADIANCE_SIDE ? j : RSV_SKY_IRRADIANCE_SIDE - 1;
+    float fx = x - (float)i, fy = y - (float)j;
+    const rsv_rgb *node = irradiance->node + (size_t)j * RSV_SKY_IRRADIANCE_NODES + i;
+    rsv_rgb above = rgb_mad(rgb_scale(node[0], 1 - fx), fx, node[1]);
+    rsv_rgb below = rgb_mad(
+        rgb_scale(node[RSV_SKY_IRRADIANCE_NODES], 1 - fx), fx, node[RSV_SKY_IRRADIANCE_NODES + 1]);
+    return rgb_mad(rgb_scale(above, 1 - fy), fy, below);
+}
 
 #endif
