@@ -2,6 +2,7 @@
 
 #include "../core/stratified.h"
 #include "../core/team.h"
+#include "../light/punctual_light.h"
 #include "../trace/packet.h"
 
 #include <string.h>
