@@ -5,6 +5,7 @@
 #include "chebyshev_kernels.h"
 #include "compact_kernels.h"
 #include "diffusion_kernels.h"
+#include "direct_kernels.h"
 #include "frame_kernels.h"
 #include "occlusion_kernels.h"
 #include "row_kernels.h"

@@ -1,5 +1,6 @@
 /// The plug-in's entrance.
 #include "basis.h"
+#include "direct.h"
 #include "frames.h"
 #include "occlusion.h"
 #include "rows.h"
@@ -16,6 +17,7 @@ static const rsv_device_table table = {
     .basis = &rsv_gpu_basis,
     .frames = &rsv_gpu_frames,
     .rows = &rsv_gpu_rows,
+    .direct = &rsv_gpu_direct,
     .occlusion = &rsv_gpu_occlusion,
 };
 
