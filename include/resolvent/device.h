@@ -29,6 +29,8 @@ typedef struct rsv_device_desc {
     bool rows;
     size_t max_bytes;    ///< of the device's memory; 0 = all that is free
     uint64_t fail_after; ///< emulated: the device is lost after so many launches; 0 = never
+    uint32_t
+        capability; ///< emulated: the major compute capability it claims to have; 0 = none at all
 } rsv_device_desc;
 
 RSV_API rsv_device_desc rsv_default_device_desc(void);
