@@ -115,7 +115,7 @@ typedef struct rsv_direct_estimate {
     rsv_rgb irradiance;
     float deviation;
     uint32_t rays;
-    bool partial; ///< some of the points are in the shadow, others are not
+    uint32_t partial; ///< some of the points are in the shadow, others are not
 } rsv_direct_estimate;
 
 RSV_INLINE rsv_direct_estimate rsv_direct_no_estimate(void)
@@ -124,7 +124,7 @@ RSV_INLINE rsv_direct_estimate rsv_direct_no_estimate(void)
     e.irradiance = rgb_gray(0);
     e.deviation = 0;
     e.rays = 0;
-    e.partial = false;
+    e.partial = 0;
     return e;
 }
 
@@ -156,7 +156,7 @@ RSV_INLINE rsv_direct_estimate rsv_direct_from_mean(const rsv_direct_sums *sums,
 {
     rsv_direct_estimate e = rsv_direct_no_estimate();
     e.irradiance = rgb_scale(sums->visible, 1 / count);
-    e.partial = true;
+    e.partial = 1;
     float mean = rgb_luminance(e.irradiance);
     e.deviation = sqrtf(f_max(sums->visible_squared / count - mean * mean, 0) / count);
     return e;

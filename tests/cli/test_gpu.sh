@@ -52,6 +52,7 @@ succeeds bench gpu cornell-blocks --quality draft --repeat 1 --device emulated -
 says '^| the same, of the copy.s rate | [0-9.]* % | 60 % |'
 says '^| bicgstab to a residual of 1e-05'
 says '^| 1000000 receivers relit'
+says '^| shadow rays of direct light, .* | [0-9.]* M/s |'
 says '^| frames of 192x108 | [0-9.]*/s |'
 grep -q '"name":[[:space:]]*"emulated device"' bench.json || complain "the JSON does not name the device"
 refuses 1 'which device' bench gpu
