@@ -13,7 +13,7 @@ enum { RECEIVERS = 1000000, LIGHTS = 8, MOST_REPETITIONS = 1000 };
 /// Residual that solvers are timed down to, as in bench solvers.
 static const double goal = 1e-5;
 
-static void describe_device(cJSON *result)
+void cli_describe_device(cJSON *result)
 {
     const rsv_device_info *info = rsv_device_get_info(cli_device());
     cJSON *device = cJSON_AddObjectToObject(result, "device");
@@ -94,6 +94,17 @@ static rsv_status measure_rows(const rsv_solution *solution, cJSON *result)
     return status;
 }
 
+/// Direct light of the elements once more, likewise.
+static rsv_status measure_direct(const rsv_solution *solution, cJSON *result)
+{
+    double seconds;
+    uint64_t rays;
+    rsv_status status = rsv_measure_direct(solution, &seconds, &rays);
+    if (status == RSV_OK)
+        cJSON_AddNumberToObject(result, "shadow_rays_per_second", (double)rays / seconds);
+    return status;
+}
+
 bool cli_bench_gpu(const cli_bench_task *bench, cJSON *result)
 {
     if (!cli_device()) {
@@ -105,10 +116,11 @@ bool cli_bench_gpu(const cli_bench_task *bench, cJSON *result)
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
     rsv_solution *solution = NULL;
     desc.direct_level = false;
-    describe_device(result);
+    cli_describe_device(result);
     rsv_status status = rsv_solution_create(scene, &desc, &solution);
     if (status == RSV_OK) status = measure_operator(bench, solution, result);
     if (status == RSV_OK) status = measure_rows(solution, result);
+    if (status == RSV_OK) status = measure_direct(solution, result);
     cJSON *solvers = cJSON_AddArrayToObject(result, "solvers");
     const rsv_solver timed[] = { RSV_SOLVER_NEUMANN, RSV_SOLVER_CHEBYSHEV, RSV_SOLVER_BICGSTAB };
     for (size_t k = 0; k < sizeof timed / sizeof timed[0] && status == RSV_OK; k++)
@@ -153,6 +165,8 @@ void cli_print_gpu(const cJSON *result)
         1e3 * cli_json_number(result, "relight_seconds"));
     printf("| rays of rows, with all that assembly does | %.4g M/s | 400 M/s |\n",
         1e-6 * cli_json_number(result, "row_rays_per_second"));
+    printf("| shadow rays of direct light, with all that it does | %.4g M/s | |\n",
+        1e-6 * cli_json_number(result, "shadow_rays_per_second"));
     printf("| frames of %.0fx%.0f | %.4g/s | 1000/s; 500/s with glass spheres |\n\n",
         cli_json_number(result, "frame_width"), cli_json_number(result, "frame_height"),
         1 / cli_json_number(result, "frame_seconds"));

@@ -29,7 +29,7 @@ rsv_status cli_measure_gpu_frames(
 {
     rsv_frame_desc desc = rsv_default_frame_desc();
     rsv_frame_renderer *renderer = NULL;
-    bool emulated = rsv_device_get_info(cli_device())->processors == 1;
+    bool emulated = cli_device_is_emulated();
     double *seconds = calloc(bench->repetitions, sizeof *seconds);
     desc.width = emulated ? 192 : 1920;
     desc.height = emulated ? 108 : 1080;

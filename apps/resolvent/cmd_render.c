@@ -118,11 +118,14 @@ static bool is_solved(const settings *s)
 /// What this build cannot do, and outputs that cannot be written, are said before the long work.
 static bool check_request(const settings *s)
 {
-    if (!is_solved(s) && (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal ||
-                             s->noise > 0 || s->device != CLI_DEVICE_CPU)) {
-        cli_error(
-            "--mode %s solves nothing: leave out --solver, --error, --goal, --noise and --device",
+    if (!is_solved(s) &&
+        (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal || s->noise > 0)) {
+        cli_error("--mode %s solves nothing: leave out --solver, --error, --goal and --noise",
             mode_names[s->mode]);
+        return false;
+    }
+    if (s->mode == RSV_RENDER_REFERENCE && s->device != CLI_DEVICE_CPU) {
+        cli_error("--mode reference is the processor's alone: leave out --device");
         return false;
     }
     for (size_t i = 0; i < s->outputs.count; i++)

@@ -16,6 +16,8 @@ static rsv_device *device;
 
 rsv_device *cli_device(void) { return device; }
 
+bool cli_device_is_emulated(void) { return device && rsv_device_get_info(device)->processors == 1; }
+
 bool cli_device_open(int choice)
 {
     rsv_device_desc desc = rsv_default_device_desc();

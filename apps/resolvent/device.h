@@ -27,6 +27,7 @@ extern const char *const cli_device_names[];
 bool cli_device_open(int choice);
 /// NULL = the processor
 rsv_device *cli_device(void);
+bool cli_device_is_emulated(void);
 void cli_device_close(void);
 
 #endif

@@ -24,11 +24,13 @@ typedef struct rsv_device_desc {
     /// Whether work that the device cannot do, because its memory is too small or because it fails, is done by the
     /// processor with a warning. Otherwise it ends with an error.
     bool optional;
-    /// Whether the rays of the operator's rows are traced there, too: the same rays, which end where the processor's do but
-    /// for those that pass within rounding of an edge.
+    /// Whether the rays of the operator's rows and the shadow rays of direct light are traced there, too: the same rays, which
+    /// end where the processor's do but for those that pass within rounding of an edge.
     bool rows;
     size_t max_bytes;    ///< of the device's memory; 0 = all that is free
     uint64_t fail_after; ///< emulated: the device is lost after so many launches; 0 = never
+    uint32_t
+        capability; ///< emulated: the major compute capability it claims to have; 0 = none at all
 } rsv_device_desc;
 
 RSV_API rsv_device_desc rsv_default_device_desc(void);

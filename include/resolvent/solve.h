@@ -191,6 +191,10 @@ typedef struct rsv_assembly_cost {
 /// @param solution of a scene whose surfaces are all Lambertian, so that every ray ends at its first hit
 RSV_API rsv_status rsv_measure_assembly(const rsv_solution *solution, rsv_assembly_cost *cost);
 
+/// Finds the direct light of the coarse elements again. @param seconds, rays out: all that takes, shadow rays alone
+RSV_API rsv_status rsv_measure_direct(
+    const rsv_solution *solution, double *seconds, uint64_t *rays);
+
 #ifdef __cplusplus
 }
 #endif

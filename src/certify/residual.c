@@ -1,6 +1,7 @@
 #include "residual.h"
 
 #include "../core/stratified.h"
+#include "../light/punctual_light.h"
 #include "../render/pixel_direct.h"
 
 /// The surface point at which light is gathered.

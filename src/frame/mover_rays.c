@@ -1,6 +1,7 @@
 #include "mover_internal.h"
 
 #include "../core/stratified.h"
+#include "../light/punctual_light.h"
 #include "packet_kernels.h"
 
 bool rsv_mover_occludes(const rsv_mover *m, const rsv_ray *ray)

@@ -10,8 +10,7 @@
 
 /// A solved scene; it and all it points to lie on the device.
 typedef struct rsv_gpu_stage {
-    rsv_transport_scene
-        transport; ///< its view has position, normal, triangle and triangle_material alone
+    rsv_transport_scene transport; ///< its view is that of rsv_gpu_geometry
     rsv_bvh_view bvh;
     const rsv_shown_side (*side)[2];
     const rsv_light_cell *cell;

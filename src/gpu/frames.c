@@ -2,6 +2,7 @@
 #include "frames.h"
 #include "compact.h"
 #include "frame_kernels.h"
+#include "geometry.h"
 
 #include <stdlib.h>
 
@@ -15,9 +16,8 @@ struct rsv_device_frames {
     size_t pixels;          ///< of all eyes
     size_t slots;           ///< of a wave
     rsv_gpu_block scene, surroundings, room;
-    rsv_scene_view view; ///< with addresses on the device, as the next one
-    rsv_gpu_stage there;
-    rsv_scene_view *view_there;
+    rsv_gpu_geometry geometry;
+    rsv_gpu_stage there; ///< with addresses on the device
     rsv_gpu_stage *stage_there;
     rsv_frame_args args;
     rsv_compactor compactor;
@@ -34,15 +34,10 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
     const rsv_scene_view *view = f->stage.scene;
     rsv_gpu_stage *s = &f->there;
     f->stage_there = rsv_gpu_place(b, 1, sizeof *f->stage_there);
-    s->transport.view = f->view_there = rsv_gpu_place(b, 1, sizeof *f->view_there);
-    f->view.position = rsv_gpu_place(b, view->vertex_count, sizeof *view->position);
-    f->view.normal = rsv_gpu_place(b, view->vertex_count, sizeof *view->normal);
-    f->view.triangle = rsv_gpu_place(b, view->triangle_count, sizeof *view->triangle);
-    f->view.triangle_material =
-        rsv_gpu_place(b, view->triangle_count, sizeof *view->triangle_material);
+    rsv_gpu_geometry_place(&f->geometry, b);
+    s->transport.view = f->geometry.view_there;
+    s->bvh = f->geometry.bvh;
     s->transport.bsdf = rsv_gpu_place(b, view->material_count, sizeof *s->transport.bsdf);
-    s->bvh.node = rsv_gpu_place(b, f->stage.bvh.node_count, sizeof *s->bvh.node);
-    s->bvh.triangle = rsv_gpu_place(b, f->stage.bvh.triangle_count, sizeof *s->bvh.triangle);
     s->side = rsv_gpu_place(b, view->triangle_count + 1, sizeof *s->side);
     s->cell = rsv_gpu_place(b, f->stage.cell_count, sizeof *s->cell);
 }
@@ -51,17 +46,10 @@ static void upload_scene(rsv_device_frames *f)
 {
     const rsv_scene_view *view = f->stage.scene;
     const rsv_gpu_stage *s = &f->there;
-    const rsv_bvh_view *bvh = &f->stage.bvh;
-    const rsv_gpu_array array[] = { { f->view_there, &f->view, 1, sizeof f->view },
-        { f->view.position, view->position, view->vertex_count, sizeof(rsv_vec3) },
-        { f->view.normal, view->normal, view->vertex_count, sizeof(rsv_vec3) },
-        { f->view.triangle, view->triangle, view->triangle_count, sizeof *view->triangle },
-        { f->view.triangle_material, view->triangle_material, view->triangle_count,
-            sizeof *view->triangle_material },
-        { s->transport.bsdf, f->stage.bsdf, view->material_count, sizeof *f->stage.bsdf },
-        { s->bvh.node, bvh->node, bvh->node_count, sizeof *bvh->node },
-        { s->bvh.triangle, bvh->triangle, bvh->triangle_count, sizeof *bvh->triangle },
+    const rsv_gpu_array array[] = { { s->transport.bsdf, f->stage.bsdf, view->material_count,
+                                        sizeof *f->stage.bsdf },
         { s->side, f->stage.side, view->triangle_count + 1, sizeof *f->stage.side } };
+    rsv_gpu_geometry_upload(&f->geometry, f->gpu);
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
 }
 
@@ -98,8 +86,7 @@ static void set_constants(rsv_device_frames *f)
     const rsv_device_stage *s = &f->stage;
     f->pixels = (size_t)s->width * s->height * s->eyes;
     f->slots = count_slots(f);
-    f->there.bvh.node_count = s->bvh.node_count;
-    f->there.bvh.triangle_count = s->bvh.triangle_count;
+    f->geometry = rsv_gpu_geometry_of(s->scene, s->bvh);
     f->args.width = s->width;
     f->args.eye_pixels = s->width * s->height;
     f->args.chain_depth = s->chain_depth;

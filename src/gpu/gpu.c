@@ -26,6 +26,15 @@ rsv_status rsv_gpu_report(rsv_gpu *gpu, char *message)
     return status;
 }
 
+rsv_status rsv_gpu_check_capability(const rsv_device_info *info, int major, char *message)
+{
+    if (major >= RSV_GPU_OLDEST) return RSV_OK;
+    snprintf(message, RSV_DEVICE_MESSAGE_BYTES,
+        "%s has compute capability %s; it takes %d.0 or newer", info->name, info->capability,
+        RSV_GPU_OLDEST);
+    return RSV_ERROR_UNSUPPORTED;
+}
+
 void *rsv_gpu_new(size_t bytes, char *message)
 {
     void *task = calloc(1, bytes);

@@ -26,6 +26,12 @@ typedef struct rsv_gpu {
 rsv_status rsv_gpu_create(const rsv_device_desc *desc, rsv_gpu **gpu, char *message);
 void rsv_gpu_destroy(rsv_gpu *gpu);
 
+/// The oldest major compute capability that will do: launches want grid constants and shuffles as kernels use them.
+#define RSV_GPU_OLDEST 7
+
+/// Whether a device whose info is complete is new enough. @param message says what is wrong if it is not
+rsv_status rsv_gpu_check_capability(const rsv_device_info *info, int major, char *message);
+
 /// What a device says whose memory is too small: what takes how many MiB, and which device has how many.
 #define RSV_GPU_TOO_SMALL                                                                          \
     "%s would take %.0f MiB, and %s has %.0f MiB free; use a lower quality, or compute on the "    \

@@ -12,9 +12,6 @@ struct rsv_gpu_recording {
 namespace
 {
 
-/// Grid constants, and shuffles as kernels use them.
-constexpr int oldest_major = 7;
-
 struct cuda_gpu {
     rsv_gpu gpu;
     cudaStream_t stream;
@@ -66,11 +63,7 @@ rsv_status look(rsv_device_info *info, char *message)
     info->memory_bytes = properties.totalGlobalMem;
     info->processors = (uint32_t)properties.multiProcessorCount;
     info->cache_bytes = (size_t)properties.l2CacheSize;
-    if (properties.major >= oldest_major) return RSV_OK;
-    snprintf(message, RSV_DEVICE_MESSAGE_BYTES,
-        "%s has compute capability %s; it takes %d.0 or newer", info->name, info->capability,
-        oldest_major);
-    return RSV_ERROR_UNSUPPORTED;
+    return rsv_gpu_check_capability(info, properties.major, message);
 }
 
 } // namespace

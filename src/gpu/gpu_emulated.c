@@ -36,6 +36,13 @@ typedef struct emulated {
 
 static emulated *emulated_of(rsv_gpu *gpu) { return (emulated *)gpu; }
 
+static rsv_status claim_capability(rsv_device_info *info, uint32_t major, char *message)
+{
+    if (major == 0) return RSV_OK;
+    snprintf(info->capability, sizeof info->capability, "%u.0", major);
+    return rsv_gpu_check_capability(info, (int)major, message);
+}
+
 rsv_status rsv_gpu_create(const rsv_device_desc *desc, rsv_gpu **gpu, char *message)
 {
     emulated *e = rsv_gpu_new(sizeof *e, message);
@@ -47,8 +54,12 @@ rsv_status rsv_gpu_create(const rsv_device_desc *desc, rsv_gpu **gpu, char *mess
         .runtime = "none",
         .memory_bytes = e->bytes_left,
         .processors = 1 };
-    *gpu = &e->gpu;
-    return RSV_OK;
+    rsv_status status = claim_capability(&e->gpu.device.info, desc->capability, message);
+    if (status == RSV_OK)
+        *gpu = &e->gpu;
+    else
+        rsv_gpu_destroy(&e->gpu);
+    return status;
 }
 
 void rsv_gpu_destroy(rsv_gpu *gpu) { free(gpu); }

@@ -1,6 +1,8 @@
 /// The plug-in's entrance.
 #include "basis.h"
+#include "direct.h"
 #include "frames.h"
+#include "occlusion.h"
 #include "rows.h"
 #include "transport.h"
 
@@ -15,6 +17,8 @@ static const rsv_device_table table = {
     .basis = &rsv_gpu_basis,
     .frames = &rsv_gpu_frames,
     .rows = &rsv_gpu_rows,
+    .direct = &rsv_gpu_direct,
+    .occlusion = &rsv_gpu_occlusion,
 };
 
 /// As rsv_device_opener. The library checks the version because tables change between versions.

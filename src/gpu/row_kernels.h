@@ -9,8 +9,7 @@
 /// Rays are numbered row by row.
 typedef struct rsv_row_args {
     rsv_bvh_view bvh;
-    const rsv_vec3 *position; ///< of the scene, as the next one
-    const uint32_t (*triangle)[3];
+    const rsv_scene_view *scene;  ///< that of rsv_gpu_geometry
     const rsv_elements *elements; ///< face_level, face_slot, slot and cell_node alone
     const rsv_ray_target *target;
     const float *x, *y, *z; ///< [RSV_DIRECTION_SETS * rays] directions
@@ -44,10 +43,10 @@ RSV_INLINE bool rsv_row_aim(
 RSV_INLINE rsv_ray_target rsv_row_target(
     const rsv_row_args *a, const rsv_hit *hit, rsv_vec3 direction)
 {
-    const uint32_t *corner = a->triangle[hit->triangle];
-    rsv_vec3 p = a->position[corner[0]];
-    rsv_vec3 normal =
-        v3_cross(v3_sub(a->position[corner[1]], p), v3_sub(a->position[corner[2]], p));
+    const uint32_t *corner = a->scene->triangle[hit->triangle];
+    const rsv_vec3 *position = a->scene->position;
+    rsv_vec3 p = position[corner[0]];
+    rsv_vec3 normal = v3_cross(v3_sub(position[corner[1]], p), v3_sub(position[corner[2]], p));
     return a->target[2 * (size_t)hit->triangle + (v3_dot(normal, direction) > 0)];
 }
 

@@ -1,6 +1,7 @@
 /// Rays of rows of G on the device.
 #include "rows.h"
 #include "compact.h"
+#include "geometry.h"
 #include "row_kernels.h"
 
 #include <stdlib.h>
@@ -9,6 +10,7 @@ struct rsv_device_rows {
     rsv_gpu *gpu;
     rsv_device_rows_desc desc; ///< on the host; its arrays are valid during creation alone
     rsv_gpu_block scene, room;
+    rsv_gpu_geometry geometry;
     rsv_elements elements; ///< with addresses on the device
     rsv_elements *elements_there;
     rsv_row_args args;
@@ -28,10 +30,9 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
     const rsv_device_rows_desc *d = &r->desc;
     const rsv_elements *e = d->elements;
     rsv_row_args *a = &r->args;
-    a->bvh.node = rsv_gpu_place(b, d->bvh.node_count, sizeof *a->bvh.node);
-    a->bvh.triangle = rsv_gpu_place(b, d->bvh.triangle_count, sizeof *a->bvh.triangle);
-    a->position = rsv_gpu_place(b, d->scene->vertex_count, sizeof *a->position);
-    a->triangle = rsv_gpu_place(b, d->scene->triangle_count, sizeof *a->triangle);
+    rsv_gpu_geometry_place(&r->geometry, b);
+    a->scene = r->geometry.view_there;
+    a->bvh = r->geometry.bvh;
     a->target = rsv_gpu_place(b, 2 * d->scene->triangle_count, sizeof *a->target);
     a->x = rsv_gpu_place(b, direction_count(r), sizeof *a->x);
     a->y = rsv_gpu_place(b, direction_count(r), sizeof *a->y);
@@ -48,12 +49,8 @@ static void upload_scene(rsv_device_rows *r)
     const rsv_device_rows_desc *d = &r->desc;
     const rsv_elements *e = d->elements;
     const rsv_row_args *a = &r->args;
-    const rsv_gpu_array array[] = { { a->bvh.node, d->bvh.node, d->bvh.node_count,
-                                        sizeof *d->bvh.node },
-        { a->bvh.triangle, d->bvh.triangle, d->bvh.triangle_count, sizeof *d->bvh.triangle },
-        { a->position, d->scene->position, d->scene->vertex_count, sizeof *a->position },
-        { a->triangle, d->scene->triangle, d->scene->triangle_count, sizeof *a->triangle },
-        { a->target, d->target, 2 * d->scene->triangle_count, sizeof *a->target },
+    const rsv_gpu_array array[] = { { a->target, d->target, 2 * d->scene->triangle_count,
+                                        sizeof *a->target },
         { a->x, d->directions->x, direction_count(r), sizeof *a->x },
         { a->y, d->directions->y, direction_count(r), sizeof *a->y },
         { a->z, d->directions->z, direction_count(r), sizeof *a->z },
@@ -62,6 +59,7 @@ static void upload_scene(rsv_device_rows *r)
         { r->elements.face_slot, e->face_slot, e->face_count, sizeof *e->face_slot },
         { r->elements.slot, e->slot, e->slot_count, sizeof *e->slot },
         { r->elements.cell_node, e->cell_node, e->cell_count, sizeof *e->cell_node } };
+    rsv_gpu_geometry_upload(&r->geometry, r->gpu);
     rsv_gpu_upload_all(r->gpu, array, sizeof array / sizeof array[0]);
 }
 
@@ -97,7 +95,7 @@ static rsv_status create(
     r->args.rays = desc->directions->count;
     r->args.seed = desc->seed;
     r->args.sky = desc->sky;
-    r->args.bvh = desc->bvh;
+    r->geometry = rsv_gpu_geometry_of(desc->scene, desc->bvh);
     rsv_gpu_lay_out(r->gpu, &r->scene, lay_out_scene, r, "the scene of the rows");
     rsv_gpu_lay_out(r->gpu, &r->room, lay_out_room, r, "the rays of the rows");
     upload_scene(r);

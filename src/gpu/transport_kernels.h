@@ -2,6 +2,7 @@
 #ifndef RSV_TRANSPORT_KERNELS_H
 #define RSV_TRANSPORT_KERNELS_H
 
+#include "../light/double3.h"
 #include "launch.h"
 
 #if defined(__cplusplus)
@@ -105,10 +106,7 @@ RSV_INLINE void rsv_gather_system_store(const rsv_gather_args *a, uint32_t row, 
 RSV_KERNEL_SUM(
     gather_system, rsv_gather_args, rsv_rgb, rsv_gather_lane, rgb_add, rsv_gather_system_store)
 
-/// The residual, with sums in double.
-typedef struct rsv_double3 {
-    double x, y, z;
-} rsv_double3;
+// the residual, with sums in double
 
 RSV_INLINE rsv_double3 double3_add(rsv_double3 a, rsv_double3 b)
 {

@@ -58,6 +58,17 @@ rsv_status rsv_extract_suns(
     rsv_context *context, const rsv_sky *sky, rsv_rgb *pixels, rsv_sun *sun, uint32_t *count);
 
 /// A direction uniformly within the disc. Its density is 1 / solid_angle.
-rsv_vec3 rsv_sun_sample(const rsv_sun *sun, float u1, float u2);
+RSV_INLINE rsv_vec3 rsv_sun_sample(const rsv_sun *sun, float u1, float u2)
+{
+    float x, y;
+    rsv_square_to_disk(u1, u2, &x, &y);
+    // the disk's area element is uniform in 1 - cos: (1 - cos) / (1 - cos_radius) = x^2 + y^2
+    float depth = 1 - sun->cos_radius, share = x * x + y * y;
+    float stretch = sqrtf(depth * (2 - share * depth));
+    rsv_vec3 t, b;
+    v3_frame(sun->direction, &t, &b);
+    rsv_vec3 lateral = v3_mad(v3_scale(t, x * stretch), y * stretch, b);
+    return v3_normalize(v3_mad(lateral, 1 - share * depth, sun->direction));
+}
 
 #endif

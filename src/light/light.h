@@ -10,6 +10,7 @@
 #include "../bsdf/bsdf.h"
 #include "environment.h"
 #include "light_tree.h"
+#include "polygon_irradiance.h"
 #include "resolvent/trace.h"
 
 typedef struct rsv_emitter {
@@ -85,13 +86,6 @@ double rsv_emitter_power(const rsv_emitter *emitter);
 /// Whether rsv_local_lights_sample has anything to find.
 bool rsv_lights_any_sampled(const rsv_lights *lights);
 
-/// Irradiance at `p` with unit normal `n` from a uniform polygon emitter without occlusion, divided
-/// by its radiance: int cos+ dw over the part above the horizon (Lambert's formula after clipping).
-/// The caller checks that p is on the emitting side. Exact to float rounding; robust for p in the
-/// polygon's plane.
-/// @param corner polygon, 3 <= corner_count <= 4
-float rsv_polygon_irradiance(const rsv_vec3 *corner, int corner_count, rsv_vec3 p, rsv_vec3 n);
-
 #define RSV_LOCAL_LIGHTS 64
 
 /// Emitters, suns and the sampled part of the sky as one receiver sees them: selection probabilities proportional to the
@@ -118,6 +112,7 @@ typedef struct rsv_light_sample {
     float pdf_solid_angle; ///< including the selection of the source
     uint32_t emitter;      ///< RSV_NONE for suns and sky
     bool from_sky;         ///< not from an emitter or a sun
+    float u, v;            ///< place on the emitter, if it varies
 } rsv_light_sample;
 
 /// Samples a source towards the receiver. Emitters: uniform in the solid angle of the chosen triangle (Arvo
@@ -135,40 +130,5 @@ float rsv_local_lights_pdf(
 float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction);
 /// The same for sun k, if the direction lies within it.
 float rsv_local_lights_sun_pdf(const rsv_local_lights *local, uint32_t k, rsv_vec3 direction);
-
-#define RSV_SUMMED_LIGHTS 16 ///< punctual lights of which each is worth a shadow ray
-#define RSV_PUNCTUAL_PICKS 4 ///< shadow rays where there are more
-
-/// Punctual lights that stand for all at a point: each of them, or distant ones and RSV_PUNCTUAL_PICKS of the
-/// others, drawn by the tree.
-uint32_t rsv_punctual_count(const rsv_lights *lights);
-typedef struct rsv_punctual_sample {
-    const rsv_light *light;
-    rsv_vec3 direction; ///< unit, towards it
-    float distance;     ///< INFINITY for distant ones
-    rsv_rgb irradiance; ///< on a surface that faces it, without occlusion, times what it stands for
-} rsv_punctual_sample;
-
-/// The k-th of those. False if nothing arrives.
-/// @param normal unit; zero = light from everywhere counts
-/// @param u in [0, 1), the same for all k
-bool rsv_punctual_at(const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, uint32_t k, float u,
-    rsv_punctual_sample *sample);
-
-/// Light `index` of scene->light seen from `point`: unit direction to it, distance, and irradiance
-/// on a surface that faces it, without occlusion. False if nothing arrives.
-bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_vec3 *direction,
-    float *distance, rsv_rgb *irradiance);
-
-/// The segment that must be free for a sample's light to arrive, t_max = 1: from `origin` (off the receiver's
-/// surface) to the sampled point, moved off the emitter's surface likewise. Neither end depends on the
-/// other's distance, so lamps close to what they light do not shadow themselves.
-/// Rays to suns and sky have no end.
-/// @param point the receiver the sample was drawn for
-rsv_ray rsv_shadow_ray(
-    const rsv_lights *lights, const rsv_light_sample *sample, rsv_vec3 point, rsv_vec3 origin);
-
-/// The same for a punctual light.
-rsv_ray rsv_punctual_ray(const rsv_punctual_sample *sample, rsv_vec3 origin);
 
 #endif

@@ -1,5 +1,6 @@
 /// Emitters and punctual lights in light trees.
 #include "light_internal.h"
+#include "punctual_light.h"
 
 #include "../core/core_internal.h"
 
@@ -59,38 +60,4 @@ rsv_status rsv_lights_plant_trees(rsv_lights *lights)
 cleanup:
     rsv_free(context, bounds);
     return status;
-}
-
-uint32_t rsv_punctual_count(const rsv_lights *lights)
-{
-    return (uint32_t)(lights->punctual_tree ? lights->distant_count + RSV_PUNCTUAL_PICKS
-                                            : lights->punctual_count);
-}
-
-/// @param weight by which its light counts @return NULL if none can contribute
-static const rsv_light *pick(
-    const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, uint32_t k, float u, float *weight)
-{
-    const rsv_light *light = lights->scene->light;
-    *weight = 1;
-    if (!lights->punctual_tree || k < lights->distant_count) return &light[lights->punctual[k]];
-    uint32_t drawn;
-    float stratum = ((float)(k - (uint32_t)lights->distant_count) + u) / RSV_PUNCTUAL_PICKS;
-    float probability =
-        rsv_light_tree_sample(lights->punctual_tree, point, normal, stratum, &drawn);
-    if (!(probability > 0)) return NULL;
-    *weight = 1 / (RSV_PUNCTUAL_PICKS * probability);
-    return &light[lights->punctual[lights->distant_count + drawn]];
-}
-
-bool rsv_punctual_at(const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, uint32_t k, float u,
-    rsv_punctual_sample *sample)
-{
-    float weight;
-    sample->light = pick(lights, point, normal, k, u, &weight);
-    if (!sample->light || !rsv_punctual_light(sample->light, point, &sample->direction,
-                              &sample->distance, &sample->irradiance))
-        return false;
-    sample->irradiance = rgb_scale(sample->irradiance, weight);
-    return true;
 }

@@ -4,6 +4,7 @@
 #ifndef RSV_SKY_H
 #define RSV_SKY_H
 
+#include "../core/octahedral.h"
 #include "../core/sampling.h"
 #include "resolvent/scene.h"
 
@@ -88,21 +89,73 @@ rsv_status rsv_sky_sampler_create(
     rsv_context *context, const rsv_sky *sky, rsv_sky_sampler *sampler);
 void rsv_sky_sampler_destroy(rsv_context *context, rsv_sky_sampler *sampler);
 
+RSV_INLINE double rsv_smaller(double a, double b) { return a < b ? a : b; }
+
+/// Cosines of the polar angle at the upper and lower edge of a row of cells.
+RSV_INLINE void rsv_sky_row_edges(
+    const rsv_sky_sampler *s, uint32_t row, double *upper, double *lower)
+{
+    double height = s->sky.height, first = (double)row * s->stride;
+    *upper = cos(M_PI * first / height);
+    *lower = cos(M_PI * rsv_smaller(first + s->stride, height) / height);
+}
+
+/// Left edge and width of a cell in turns.
+RSV_INLINE void rsv_sky_column_edges(
+    const rsv_sky_sampler *s, uint32_t column, double *left, double *width)
+{
+    double pixels = s->sky.width, first = (double)column * s->stride;
+    *left = first / pixels;
+    *width = rsv_smaller(s->stride, pixels - first) / pixels;
+}
+
 /// A direction from two numbers in [0, 1), stratified where they are. @return its density per sr
-float rsv_sky_sample(const rsv_sky_sampler *sampler, float u1, float u2, rsv_vec3 *direction);
+RSV_INLINE float rsv_sky_sample(
+    const rsv_sky_sampler *sampler, float u1, float u2, rsv_vec3 *direction)
+{
+    uint32_t row = rsv_invert_cdf(sampler->row_cdf, sampler->rows, &u2);
+    size_t first = (size_t)row * sampler->columns;
+    uint32_t column = rsv_invert_cdf(sampler->cell_cdf + first, sampler->columns, &u1);
+    double upper, lower, left, width;
+    rsv_sky_row_edges(sampler, row, &upper, &lower);
+    rsv_sky_column_edges(sampler, column, &left, &width);
+    double height = upper + u2 * (lower - upper), radius = sqrt(fmax(1 - height * height, 0.0));
+    double phi = 2 * M_PI * (left + u1 * width - 0.5 - sampler->sky.turn);
+    *direction = v3((float)(radius * cos(phi)), (float)height, (float)(radius * sin(phi)));
+    return sampler->density[first + column];
+}
+
+/// Density of rsv_sky_sample.
 float rsv_sky_pdf(const rsv_sky_sampler *sampler, rsv_vec3 direction);
 
 /// Irradiance without occlusion by the normal of the receiver: a table over the octahedral square.
 typedef struct rsv_sky_irradiance {
-    rsv_rgb *node; ///< [(RSV_SKY_IRRADIANCE_SIDE + 1)^2], NULL = black
+    rsv_rgb *node; ///< [RSV_SKY_IRRADIANCE_NODES^2], NULL = black
 } rsv_sky_irradiance;
 
 #define RSV_SKY_IRRADIANCE_SIDE 128
+#define RSV_SKY_IRRADIANCE_NODES (RSV_SKY_IRRADIANCE_SIDE + 1)
 
 rsv_status rsv_sky_irradiance_create(
     rsv_context *context, const rsv_sky *sky, rsv_sky_irradiance *irradiance);
 void rsv_sky_irradiance_destroy(rsv_context *context, rsv_sky_irradiance *irradiance);
 /// @param normal unit
-rsv_rgb rsv_sky_irradiance_at(const rsv_sky_irradiance *irradiance, rsv_vec3 normal);
+RSV_INLINE rsv_rgb rsv_sky_irradiance_at(const rsv_sky_irradiance *irradiance, rsv_vec3 normal)
+{
+    if (!irradiance->node) return rgb_gray(0);
+    float x, y;
+    rsv_octahedral_from_direction(normal, &x, &y);
+    x *= RSV_SKY_IRRADIANCE_SIDE;
+    y *= RSV_SKY_IRRADIANCE_SIDE;
+    uint32_t i = (uint32_t)x, j = (uint32_t)y;
+    i = i < RSV_SKY_IRRADIANCE_SIDE ? i : RSV_SKY_IRRADIANCE_SIDE - 1;
+    j = j < RSV_SKY_IRRADIANCE_SIDE ? j : RSV_SKY_IRRADIANCE_SIDE - 1;
+    float fx = x - (float)i, fy = y - (float)j;
+    const rsv_rgb *node = irradiance->node + (size_t)j * RSV_SKY_IRRADIANCE_NODES + i;
+    rsv_rgb above = rgb_mad(rgb_scale(node[0], 1 - fx), fx, node[1]);
+    rsv_rgb below = rgb_mad(
+        rgb_scale(node[RSV_SKY_IRRADIANCE_NODES], 1 - fx), fx, node[RSV_SKY_IRRADIANCE_NODES + 1]);
+    return rgb_mad(rgb_scale(above, 1 - fy), fy, below);
+}
 
 #endif

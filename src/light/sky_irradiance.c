@@ -3,7 +3,7 @@
 #include "../core/octahedral.h"
 #include "sky.h"
 
-#define NODES (RSV_SKY_IRRADIANCE_SIDE + 1)
+#define NODES RSV_SKY_IRRADIANCE_NODES
 #define PATCH_SIDE 64 ///< octahedral patches of the sky, about 2.8 degrees wide
 
 #define PATCHES (PATCH_SIDE * PATCH_SIDE)
@@ -68,21 +68,4 @@ void rsv_sky_irradiance_destroy(rsv_context *context, rsv_sky_irradiance *irradi
 {
     rsv_free(context, irradiance->node);
     irradiance->node = NULL;
-}
-
-rsv_rgb rsv_sky_irradiance_at(const rsv_sky_irradiance *irradiance, rsv_vec3 normal)
-{
-    if (!irradiance->node) return rgb_gray(0);
-    float x, y;
-    rsv_octahedral_from_direction(normal, &x, &y);
-    x *= RSV_SKY_IRRADIANCE_SIDE;
-    y *= RSV_SKY_IRRADIANCE_SIDE;
-    uint32_t i = (uint32_t)x, j = (uint32_t)y;
-    i = i < RSV_SKY_IRRADIANCE_SIDE ? i : RSV_SKY_IRRADIANCE_SIDE - 1;
-    j = j < RSV_SKY_IRRADIANCE_SIDE ? j : RSV_SKY_IRRADIANCE_SIDE - 1;
-    float fx = x - (float)i, fy = y - (float)j;
-    const rsv_rgb *node = irradiance->node + (size_t)j * NODES + i;
-    rsv_rgb above = rgb_mad(rgb_scale(node[0], 1 - fx), fx, node[1]);
-    rsv_rgb below = rgb_mad(rgb_scale(node[NODES], 1 - fx), fx, node[NODES + 1]);
-    return rgb_mad(rgb_scale(above, 1 - fy), fy, below);
 }

@@ -33,24 +33,6 @@ static void add_row(rsv_sky_sampler *s, uint32_t row, float *luminance)
     }
 }
 
-static double smaller(double a, double b) { return a < b ? a : b; }
-
-/// Cosines of the polar angle at the upper and lower edge of a row of cells.
-static void row_edges(const rsv_sky_sampler *s, uint32_t row, double *upper, double *lower)
-{
-    double height = s->sky.height, first = (double)row * s->stride;
-    *upper = cos(M_PI * first / height);
-    *lower = cos(M_PI * smaller(first + s->stride, height) / height);
-}
-
-/// Left edge and width of a cell in turns.
-static void column_edges(const rsv_sky_sampler *s, uint32_t column, double *left, double *width)
-{
-    double pixels = s->sky.width, first = (double)column * s->stride;
-    *left = first / pixels;
-    *width = smaller(s->stride, pixels - first) / pixels;
-}
-
 /// Turns fluxes into densities and cumulative sums.
 static void finish(rsv_sky_sampler *s)
 {
@@ -59,9 +41,9 @@ static void finish(rsv_sky_sampler *s)
         float *cell = s->cell_cdf + (size_t)row * s->columns;
         float *density = s->density + (size_t)row * s->columns;
         double sum = 0, upper, lower, left, width;
-        row_edges(s, row, &upper, &lower);
+        rsv_sky_row_edges(s, row, &upper, &lower);
         for (uint32_t c = 0; c < s->columns; c++) {
-            column_edges(s, c, &left, &width);
+            rsv_sky_column_edges(s, c, &left, &width);
             density[c] = (float)(cell[c] / (2 * M_PI * width * (upper - lower)));
             sum += cell[c];
             cell[c] = (float)sum;
@@ -105,20 +87,6 @@ void rsv_sky_sampler_destroy(rsv_context *context, rsv_sky_sampler *sampler)
     rsv_free(context, sampler->cell_cdf);
     rsv_free(context, sampler->density);
     *sampler = (rsv_sky_sampler){ 0 };
-}
-
-float rsv_sky_sample(const rsv_sky_sampler *sampler, float u1, float u2, rsv_vec3 *direction)
-{
-    uint32_t row = rsv_invert_cdf(sampler->row_cdf, sampler->rows, &u2);
-    size_t first = (size_t)row * sampler->columns;
-    uint32_t column = rsv_invert_cdf(sampler->cell_cdf + first, sampler->columns, &u1);
-    double upper, lower, left, width;
-    row_edges(sampler, row, &upper, &lower);
-    column_edges(sampler, column, &left, &width);
-    double height = upper + u2 * (lower - upper), radius = sqrt(fmax(1 - height * height, 0));
-    double phi = 2 * M_PI * (left + u1 * width - 0.5 - sampler->sky.turn);
-    *direction = v3((float)(radius * cos(phi)), (float)height, (float)(radius * sin(phi)));
-    return sampler->density[first + column];
 }
 
 float rsv_sky_pdf(const rsv_sky_sampler *sampler, rsv_vec3 direction)

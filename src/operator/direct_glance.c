@@ -1,6 +1,7 @@
 #include "direct_glance.h"
 
 #include "../light/light_pattern.h"
+#include "../light/punctual_light.h"
 #include "../trace/packet.h"
 #include "glance_kernels.h"
 #include "glance_sharing.h"

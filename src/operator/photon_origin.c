@@ -1,5 +1,7 @@
 #include "photon_origin.h"
 
+#include "../light/punctual_light.h"
+
 #include <stdlib.h>
 
 // ---- what there is ------------------------------------------------------------------------------

@@ -34,6 +34,18 @@ static float default_distance(const rsv_scene_view *view, const rsv_render_desc 
     return SCREEN_REACH * v3_length(v3_sub(view->bounds_max, view->bounds_min));
 }
 
+static rsv_occlusion_setting setting_of(const rsv_scene_view *view, const rsv_render_desc *desc)
+{
+    return (rsv_occlusion_setting){ .view = view,
+        .sky = view->environment ? rsv_sky_from_environment(view->environment) : (rsv_sky){ 0 },
+        .width = desc->width,
+        .height = desc->height,
+        .seed = desc->seed,
+        .camera_rays = desc->samples,
+        .samples = desc->gather_rays ? desc->gather_rays : DEFAULT_SAMPLES,
+        .distance = default_distance(view, desc) };
+}
+
 rsv_status rsv_occlusion_create(
     const rsv_scene *scene, const rsv_render_desc *desc, rsv_occlusion **occlusion)
 {
@@ -44,14 +56,11 @@ rsv_status rsv_occlusion_create(
     rsv_occlusion *o = rsv_alloc(context, 1, sizeof *o);
     if (!o) return RSV_ERROR_MEMORY;
     o->context = context;
-    o->view = view;
-    o->desc = *desc;
-    o->samples = desc->gather_rays ? desc->gather_rays : DEFAULT_SAMPLES;
-    o->distance = default_distance(view, desc);
-    if (view->environment) o->sky = rsv_sky_from_environment(view->environment);
+    o->setting = setting_of(view, desc);
     RSV_TRY(rsv_tracer_create(scene, &o->tracer));
-    RSV_TRY(rsv_sky_irradiance_create(context, &o->sky, &o->sky_irradiance));
+    RSV_TRY(rsv_sky_irradiance_create(context, &o->setting.sky, &o->setting.open));
     if (desc->mode == RSV_RENDER_OCCLUSION_SCREEN) RSV_TRY(rsv_occlusion_screen_create(o));
+    RSV_TRY(rsv_occlusion_device_create(scene, &o->setting, o->screen, &o->device));
     *occlusion = o;
     return RSV_OK;
 cleanup:
@@ -62,20 +71,30 @@ cleanup:
 void rsv_occlusion_destroy(rsv_occlusion *o)
 {
     if (!o) return;
+    rsv_occlusion_device_destroy(o->device);
     rsv_occlusion_screen_destroy(o);
     rsv_tracer_destroy(o->tracer);
-    rsv_sky_irradiance_destroy(o->context, &o->sky_irradiance);
+    rsv_sky_irradiance_destroy(o->context, &o->setting.open);
     rsv_free(o->context, o);
 }
 
 rsv_status rsv_occlusion_render(rsv_occlusion *o, const rsv_camera *camera, rsv_image *image)
 {
-    rsv_occlusion_job job = { o, rsv_lens_of(camera, o->desc.width, o->desc.height), image };
-    if (rsv_image_width(image) != o->desc.width || rsv_image_height(image) != o->desc.height)
-        return rsv_fail(
-            RSV_ERROR_ARGUMENT, "occlusion: the image is not %ux%u", o->desc.width, o->desc.height);
-    return o->screen ? rsv_render_screen_occlusion(&job) : rsv_render_ray_occlusion(&job);
+    uint32_t width = o->setting.width, height = o->setting.height;
+    rsv_occlusion_job job = { o, rsv_lens_of(camera, width, height), image };
+    bool done;
+    if (rsv_image_width(image) != width || rsv_image_height(image) != height)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "occlusion: the image is not %ux%u", width, height);
+    rsv_status status = rsv_occlusion_device_render(
+        o->device, &job.lens, rsv_image_pixels(image, 0), &o->seconds, &done);
+    if (status != RSV_OK || done) return status;
+    double start = rsv_seconds();
+    status = o->screen ? rsv_render_screen_occlusion(&job) : rsv_render_ray_occlusion(&job);
+    o->seconds = rsv_seconds() - start;
+    return status;
 }
+
+double rsv_occlusion_seconds(const rsv_occlusion *o) { return o->seconds; }
 
 rsv_status rsv_render_occlusion(
     const rsv_scene *scene, const rsv_render_desc *desc, rsv_image **image)

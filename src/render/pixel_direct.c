@@ -1,5 +1,6 @@
 #include "pixel_direct.h"
 
+#include "../light/punctual_light.h"
 #include "../trace/packet.h"
 
 #include <string.h>

@@ -1,5 +1,6 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
 #include "../core/stratified.h"
+#include "../light/punctual_light.h"
 #include "../solve/goal.h"
 #include "../solve/solution.h"
 #include "pixel_direct.h"

@@ -1,5 +1,7 @@
 #include "rough_light.h"
 
+#include "../light/punctual_light.h"
+
 /// Width of the microsurface from which on lobes count as wide.
 #define WIDE_ALPHA 0.25f
 

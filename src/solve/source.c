@@ -56,11 +56,28 @@ void rsv_source_add_gathered(rsv_solution *s)
     rsv_source_complete(s);
 }
 
+static rsv_status find_direct(const rsv_solution *s, rsv_rgb *irradiance, uint64_t *rays)
+{
+    return rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
+        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
+        irradiance, NULL, rays);
+}
+
+rsv_status rsv_measure_direct(const rsv_solution *s, double *seconds, uint64_t *rays)
+{
+    rsv_rgb *again = rsv_alloc(s->context, s->elements->node_count, sizeof *again);
+    if (!again) return RSV_ERROR_MEMORY;
+    double start = rsv_seconds();
+    *rays = 0;
+    rsv_status status = find_direct(s, again, rays);
+    *seconds = rsv_seconds() - start;
+    rsv_free(s->context, again);
+    return status;
+}
+
 rsv_status rsv_source_create(rsv_solution *s)
 {
-    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
-        s->source, NULL, &s->report.rays);
+    rsv_status status = find_direct(s, s->source, &s->report.rays);
     if (status == RSV_OK) rsv_source_add_gathered(s);
     return status;
 }

@@ -9,9 +9,7 @@ rsv_vec3 rsv_offset_origin(rsv_vec3 point, rsv_vec3 normal, float extent)
 
 float rsv_triangle_extent(const rsv_scene_view *scene, uint32_t triangle)
 {
-    const uint32_t *corner = scene->triangle[triangle];
-    float a = v3_max_abs(scene->position[corner[0]]), b = v3_max_abs(scene->position[corner[1]]);
-    return f_max(f_max(a, b), v3_max_abs(scene->position[corner[2]]));
+    return rsv_extent_of(scene, triangle);
 }
 
 float rsv_scene_extent(const rsv_scene_view *scene)

@@ -1,8 +1,9 @@
-/// rsv_offset_origin for device code too.
+/// rsv_offset_origin and rsv_triangle_extent for device code too.
 #ifndef RSV_OFFSET_H
 #define RSV_OFFSET_H
 
 #include "../core/vec.h"
+#include "resolvent/scene.h"
 
 RSV_INLINE rsv_vec3 rsv_moved_off(rsv_vec3 point, rsv_vec3 normal, float extent)
 {
@@ -10,6 +11,13 @@ RSV_INLINE rsv_vec3 rsv_moved_off(rsv_vec3 point, rsv_vec3 normal, float extent)
     // interpolated in double is off by less. 8 ulp clear both: 0.5 um for coordinates around half a metre.
     float scale = f_max(extent, v3_max_abs(point));
     return v3_mad(point, 0x1p-20f * f_max(scale, 0x1p-60f), normal);
+}
+
+RSV_INLINE float rsv_extent_of(const rsv_scene_view *scene, uint32_t triangle)
+{
+    const uint32_t *corner = scene->triangle[triangle];
+    float a = v3_max_abs(scene->position[corner[0]]), b = v3_max_abs(scene->position[corner[1]]);
+    return f_max(f_max(a, b), v3_max_abs(scene->position[corner[2]]));
 }
 
 #endif

@@ -29,7 +29,7 @@ says 'one light moved'
 grep -q '^cornell-blocks,' move.csv || complain "the table lacks the scene"
 ! grep -q -e nan -e inf move.csv || complain "the table holds what is no number"
 succeeds bench fig8 cornell-blocks --repeat 1 --csv fig8.csv --plot fig8.svg
-says '^  3096 KB '
+says '^| 3096 KB |'
 says 'of the smallest'
 [[ $(wc -l <fig8.csv) == 5 ]] || complain "the table has not one line per mesh"
 grep -q '</svg>' fig8.svg || complain "the plot is incomplete"

@@ -14,6 +14,17 @@ succeeds compare here.exr there.exr --json
 ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
 [[ $ratio == 1 || $ratio == 1.0000* || $ratio == 0.9999* ]] || complain "mean ratio '$ratio' between devices"
 
+# -- ambient occlusion
+
+for mode in occlusion occlusion-screen; do
+    for device in cpu emulated; do
+        succeeds render cornell-spheres -o $device.exr "${small[@]}" --mode $mode --device $device
+    done
+    succeeds compare cpu.exr emulated.exr --json
+    ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
+    [[ $ratio == 1 || $ratio == 1.000* || $ratio == 0.999* ]] || complain "mean ratio '$ratio' between devices, mode $mode"
+done
+
 # -- relighting
 
 succeeds solve cornell-blocks -o blocks.safetensors "${draft[@]}" --device emulated --solver chebyshev
@@ -41,9 +52,17 @@ succeeds bench gpu cornell-blocks --quality draft --repeat 1 --device emulated -
 says '^| the same, of the copy.s rate | [0-9.]* % | 60 % |'
 says '^| bicgstab to a residual of 1e-05'
 says '^| 1000000 receivers relit'
+says '^| shadow rays of direct light, .* | [0-9.]* M/s |'
 says '^| frames of 192x108 | [0-9.]*/s |'
 grep -q '"name":[[:space:]]*"emulated device"' bench.json || complain "the JSON does not name the device"
 refuses 1 'which device' bench gpu
+
+# -- figure 8
+
+succeeds bench fig8 cornell-blocks --repeat 1 --device emulated --stats fig8.json
+says '^Frames per second on emulated device at 64x36'
+says '^| 3096 KB | [0-9]* | [0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* | [0-9.]* |$'
+grep -q '"name":[[:space:]]*"emulated device"' fig8.json || complain "the JSON does not name the device"
 
 # -- no device
 

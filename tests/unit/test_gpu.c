@@ -355,6 +355,22 @@ static void a_device_that_is_not_there_is_refused(void **state)
     assert_true(strstr(rsv_last_error(), "nvcc") || strstr(rsv_last_error(), "driver"));
 }
 
+static void a_device_that_is_too_old_is_refused(void **state)
+{
+    (void)state;
+    rsv_device *device = NULL;
+    rsv_device_desc desc = device_desc();
+    desc.capability = 6;
+    assert_int_equal(rsv_device_open(&desc, &device), RSV_ERROR_UNSUPPORTED);
+    assert_null(device);
+    assert_mentions(rsv_last_error(),
+        "device: emulated device has compute capability 6.0; it takes 7.0 or newer");
+    desc.capability = 7;
+    assert_int_equal(rsv_device_open(&desc, &device), RSV_OK);
+    assert_string_equal(rsv_device_get_info(device)->capability, "7.0");
+    rsv_device_close(device);
+}
+
 /// Whether a real device can be tested; says why not.
 static bool is_there(void)
 {
@@ -384,6 +400,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest emulated[] = {
         cmocka_unit_test(a_lost_device_is_an_error_or_none),
         cmocka_unit_test(a_device_that_is_not_there_is_refused),
+        cmocka_unit_test(a_device_that_is_too_old_is_refused),
     };
     if (argc > 1 && strcmp(argv[1], "cuda") == 0) kind = RSV_DEVICE_CUDA;
     if (!is_there()) return SKIPPED;

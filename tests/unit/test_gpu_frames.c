@@ -191,6 +191,32 @@ static void what_the_device_cannot_show_the_processor_shows(void **state)
     rsv_device_close(device);
 }
 
+static void a_device_too_small_for_frames_is_an_error_or_none(void **state)
+{
+    (void)state;
+    for (int optional = 0; optional < 2; optional++) {
+        rsv_device_desc desc = device_desc();
+        desc.max_bytes = (size_t)640 << 10; // enough to solve with
+        desc.optional = optional;
+        rsv_device *device = open_device(&desc);
+        world *w = world_builtin_on(2, device, "cornell-blocks");
+        rsv_solution *solution = solve(w);
+        rsv_frame_desc small = frame_desc();
+        rsv_frame_renderer *renderer = NULL;
+        rsv_frame_view view = view_of(w);
+        rsv_status status = rsv_frame_renderer_create(solution, &small, &renderer);
+        assert_int_equal(status, optional ? RSV_OK : RSV_ERROR_MEMORY);
+        if (optional)
+            assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
+        else
+            assert_non_null(strstr(rsv_last_error(), "the scene of the frames would take"));
+        rsv_frame_renderer_destroy(renderer);
+        rsv_solution_destroy(solution);
+        world_end(w);
+        rsv_device_close(device);
+    }
+}
+
 /// Frames on a device that is lost sooner or later. @return what the frame says during which that happens
 static rsv_status render_until_lost(bool optional)
 {
@@ -236,6 +262,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(small_memory_changes_nothing),
         cmocka_unit_test(layers_are_shown),
         cmocka_unit_test(what_the_device_cannot_show_the_processor_shows),
+        cmocka_unit_test(a_device_too_small_for_frames_is_an_error_or_none),
     };
     const struct CMUnitTest emulated[] = {
         cmocka_unit_test(a_device_lost_between_frames_is_an_error_or_none),

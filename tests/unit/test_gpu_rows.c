@@ -11,15 +11,25 @@ enum { SKIPPED = 77 };
 /// Which device the tests are about.
 static rsv_device_kind kind = RSV_DEVICE_EMULATED;
 
-static rsv_device *open_device(size_t max_bytes)
+static rsv_device_desc device_desc(void)
 {
-    rsv_device *device = NULL;
     rsv_device_desc desc = rsv_default_device_desc();
     desc.kind = kind;
-    desc.max_bytes = max_bytes;
     desc.rows = true;
-    assert_int_equal(rsv_device_open(&desc, &device), RSV_OK);
+    return desc;
+}
+
+static rsv_device *open_device_as(const rsv_device_desc *desc)
+{
+    rsv_device *device = NULL;
+    assert_int_equal(rsv_device_open(desc, &device), RSV_OK);
     return device;
+}
+
+static rsv_device *open_device(void)
+{
+    rsv_device_desc desc = device_desc();
+    return open_device_as(&desc);
 }
 
 /// Elements that do not depend on what rows hold.
@@ -101,7 +111,7 @@ static void compare(world *here, world *there, double tolerance)
 
 static void check_builtin(const char *name, double tolerance)
 {
-    rsv_device *device = open_device(0);
+    rsv_device *device = open_device();
     compare(world_builtin(2, name), world_builtin_on(2, device, name), tolerance);
     rsv_device_close(device);
 }
@@ -135,7 +145,7 @@ static world *open_world(rsv_device *device)
 static void skies_coats_mirrors_and_wide_lamps_count(void **state)
 {
     (void)state;
-    rsv_device *device = open_device(0);
+    rsv_device *device = open_device();
     compare(open_world(NULL), open_world(device), 0.002);
     rsv_device_close(device);
 }
@@ -147,16 +157,49 @@ static void chains_go_on_from_where_the_device_leaves_them(void **state)
     check_builtin("cornell-spheres", 0.02);
 }
 
-static void a_device_that_is_too_small_says_so(void **state)
+/// @return what solving says on such a device; where it is optional, the solution is that of the processor
+static rsv_status solve_on(const rsv_device_desc *desc)
 {
-    (void)state;
-    rsv_device *device = open_device((size_t)1 << 20);
+    rsv_device *device = open_device_as(desc);
     world *w = world_builtin_on(1, device, "cornell-blocks");
     rsv_solution *solution;
-    assert_int_equal(solve(w, &solution), RSV_ERROR_MEMORY);
-    assert_non_null(strstr(rsv_last_error(), "the rays of the rows would take"));
+    rsv_status status = solve(w, &solution);
+    if (status == RSV_OK) {
+        world *here = world_builtin(1, "cornell-blocks");
+        rsv_solution *exact;
+        assert_int_equal(solve(here, &exact), RSV_OK);
+        size_t nodes = exact->elements->node_count;
+        double sum = luminance_sum(exact->irradiance, nodes);
+        assert_true(fabs(luminance_sum(solution->irradiance, nodes) - sum) <= 1e-5 * sum);
+        rsv_solution_destroy(exact);
+        rsv_solution_destroy(solution);
+        world_end(here);
+    }
     world_end(w);
     rsv_device_close(device);
+    return status;
+}
+
+static void a_device_that_is_too_small_says_so_or_is_done_without(void **state)
+{
+    (void)state;
+    rsv_device_desc desc = device_desc();
+    desc.max_bytes = (size_t)1 << 20;
+    assert_int_equal(solve_on(&desc), RSV_ERROR_MEMORY);
+    assert_non_null(strstr(rsv_last_error(), "the rays of the rows would take"));
+    desc.optional = true;
+    assert_int_equal(solve_on(&desc), RSV_OK);
+}
+
+static void a_device_lost_among_the_rows_is_an_error_or_none(void **state)
+{
+    (void)state;
+    rsv_device_desc desc = device_desc();
+    desc.fail_after = 1;
+    assert_int_equal(solve_on(&desc), RSV_ERROR_DEVICE);
+    assert_non_null(strstr(rsv_last_error(), "is lost"));
+    desc.optional = true;
+    assert_int_equal(solve_on(&desc), RSV_OK);
 }
 
 int main(int argc, char **argv)
@@ -165,7 +208,10 @@ int main(int argc, char **argv)
         cmocka_unit_test(rows_are_those_of_the_processor),
         cmocka_unit_test(skies_coats_mirrors_and_wide_lamps_count),
         cmocka_unit_test(chains_go_on_from_where_the_device_leaves_them),
-        cmocka_unit_test(a_device_that_is_too_small_says_so),
+        cmocka_unit_test(a_device_that_is_too_small_says_so_or_is_done_without),
+    };
+    const struct CMUnitTest emulated[] = {
+        cmocka_unit_test(a_device_lost_among_the_rows_is_an_error_or_none),
     };
     rsv_device *device;
     rsv_device_desc desc = rsv_default_device_desc();
@@ -176,5 +222,7 @@ int main(int argc, char **argv)
         return SKIPPED;
     }
     rsv_device_close(device);
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    int failures = cmocka_run_group_tests(tests, NULL, NULL);
+    if (kind == RSV_DEVICE_EMULATED) failures += cmocka_run_group_tests(emulated, NULL, NULL);
+    return failures;
 }

@@ -1,6 +1,7 @@
 /// Lambert's formula against cubature and closed forms; sampling against density and against
 /// Lambert's formula; groups, selection and punctual lights.
 #include "light/light.h"
+#include "light/punctual_light.h"
 
 #include "core/core_internal.h"
 

@@ -3,6 +3,7 @@
 #include "slow_tests.h"
 
 #include "light/light_tree.h"
+#include "light/punctual_light.h"
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
 

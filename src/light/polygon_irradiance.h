@@ -1,15 +1,26 @@
 /// Irradiance from a uniform polygon: Lambert's edge sum over the part above the receiver's
-/// horizon.
-#include "light_internal.h"
+/// horizon. For device code too.
+#ifndef RSV_POLYGON_IRRADIANCE_H
+#define RSV_POLYGON_IRRADIANCE_H
 
-#include "../core/core_internal.h"
+#include "double3.h"
 
 #include <float.h>
 
-#define MAX_CORNERS 4
+#define RSV_POLYGON_CORNERS 4
+
+/// Heights above a plane that rounding of the coordinates alone can produce: a few units in the
+/// last place of the largest one.
+RSV_INLINE double rsv_rounding_height(const rsv_vec3 *corner, int corner_count, rsv_vec3 p)
+{
+    float largest = v3_max_abs(p);
+    for (int i = 0; i < corner_count; i++)
+        largest = f_max(largest, v3_max_abs(corner[i]));
+    return 0x1p-21 * largest;
+}
 
 /// Sutherland and Hodgman's clip of a convex polygon against height >= 0; returns the corners left.
-static int clip_to_horizon(
+RSV_INLINE int rsv_clip_to_horizon(
     const rsv_double3 *corner, int count, rsv_double3 n, rsv_double3 *clipped)
 {
     int clipped_count = 0;
@@ -30,11 +41,11 @@ static int clip_to_horizon(
 
 /// theta / sin(theta) from x = sin^2(theta / 2): analytic, so that small angles keep their digits.
 /// Chebyshev interpolant of asin(sqrt(x)) / sqrt(x (1 - x)) on [0, 1/2], relative error 1.3e-8.
-static double angle_over_sine(double x)
+RSV_INLINE double rsv_angle_over_sine(double x)
 {
-    static const double coefficient[] = { 0.9999999877216724, 0.6666714347428405,
-        0.5330295626025757, 0.4645923161896395, 0.3145556741415163, 1.0091783377697539,
-        -2.3100163144858925, 6.85034163169621, -8.694211360940244, 5.872689042007551 };
+    const double coefficient[] = { 0.9999999877216724, 0.6666714347428405, 0.5330295626025757,
+        0.4645923161896395, 0.3145556741415163, 1.0091783377697539, -2.3100163144858925,
+        6.85034163169621, -8.694211360940244, 5.872689042007551 };
     double y = x <= 0.5 ? x : 1 - x, sum = coefficient[9];
     for (int i = 8; i >= 0; i--)
         sum = sum * y + coefficient[i];
@@ -43,34 +54,42 @@ static double angle_over_sine(double x)
 
 /// Twice one edge's term: the angle between the unit vectors a and b times the cosine between n and
 /// the normal of their plane. Made from their difference, which keeps the digits of short edges.
-static double edge_term(rsv_double3 a, rsv_double3 b, rsv_double3 n)
+RSV_INLINE double rsv_edge_term(rsv_double3 a, rsv_double3 b, rsv_double3 n)
 {
     rsv_double3 chord = d3_sub(b, a);
     double x = 0.25 * d3_dot(chord, chord);
-    return angle_over_sine(fmin(x, 1)) * d3_dot(n, d3_cross(a, chord));
+    return rsv_angle_over_sine(fmin(x, 1.0)) * d3_dot(n, d3_cross(a, chord));
 }
 
 /// The product of the diagonals is twice the area vector; a triangle is a quadrilateral that ends
 /// where it began.
-static bool is_in_plane(const rsv_double3 *corner, int count, double tolerance)
+RSV_INLINE bool rsv_is_in_plane(const rsv_double3 *corner, int count, double tolerance)
 {
     rsv_double3 normal =
         d3_cross(d3_sub(corner[2], corner[0]), d3_sub(corner[3 % count], corner[1]));
     return fabs(d3_dot(normal, corner[0])) <= tolerance * d3_length(normal);
 }
 
-float rsv_polygon_irradiance(const rsv_vec3 *corner, int corner_count, rsv_vec3 p, rsv_vec3 n)
+/// Irradiance at `p` with unit normal `n` from a uniform polygon emitter without occlusion, divided
+/// by its radiance: int cos+ dw over the part above the horizon (Lambert's formula after clipping).
+/// The caller checks that p is on the emitting side. Exact to float rounding; robust for p in the
+/// polygon's plane.
+/// @param corner polygon, 3 <= corner_count <= RSV_POLYGON_CORNERS
+RSV_INLINE float rsv_polygon_irradiance(
+    const rsv_vec3 *corner, int corner_count, rsv_vec3 p, rsv_vec3 n)
 {
-    RSV_ASSERT(corner_count >= 3 && corner_count <= MAX_CORNERS);
-    rsv_double3 local[MAX_CORNERS], visible[2 * MAX_CORNERS], normal = d3_from(n);
+    rsv_double3 local[RSV_POLYGON_CORNERS], visible[2 * RSV_POLYGON_CORNERS], normal = d3_from(n);
     for (int i = 0; i < corner_count; i++)
         local[i] = d3_between(p, corner[i]);
-    if (is_in_plane(local, corner_count, rsv_rounding_height(corner, corner_count, p))) return 0;
-    int count = clip_to_horizon(local, corner_count, normal, visible);
+    if (rsv_is_in_plane(local, corner_count, rsv_rounding_height(corner, corner_count, p)))
+        return 0;
+    int count = rsv_clip_to_horizon(local, corner_count, normal, visible);
     for (int i = 0; i < count; i++)
         visible[i] = d3_normalize(visible[i]);
     double sum = 0;
     for (int i = 0; i < count; i++)
-        sum += edge_term(visible[i], visible[i + 1 < count ? i + 1 : 0], normal);
+        sum += rsv_edge_term(visible[i], visible[i + 1 < count ? i + 1 : 0], normal);
     return (float)(0.5 * fabs(sum));
 }
+
+#endif

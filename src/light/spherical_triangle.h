@@ -1,8 +1,18 @@
 /// Uniform sampling of spherical triangles, in half-angles: no inverse cosine, no interior angle,
-/// hence no loss of digits where the triangle is small or nearly a hemisphere.
-#include "light_internal.h"
+/// hence no loss of digits where the triangle is small or nearly a hemisphere. For device code too.
+#ifndef RSV_SPHERICAL_TRIANGLE_H
+#define RSV_SPHERICAL_TRIANGLE_H
 
-rsv_spherical_triangle rsv_spherical_triangle_from(const rsv_double3 *corner)
+#include "double3.h"
+
+/// A triangle as a unit-sphere triangle about a point that is not in its plane.
+typedef struct rsv_spherical_triangle {
+    rsv_double3 corner[3]; ///< unit
+    double solid_angle;    ///< sr, 0..2 pi
+} rsv_spherical_triangle;
+
+/// @param corner [3], relative to the point
+RSV_INLINE rsv_spherical_triangle rsv_spherical_triangle_from(const rsv_double3 *corner)
 {
     rsv_spherical_triangle triangle;
     double length[3];
@@ -27,7 +37,7 @@ rsv_spherical_triangle rsv_spherical_triangle_from(const rsv_double3 *corner)
 ///     tan(solid_angle / 2) = tan(phi/2) |a, b, w| / (1 + a.b + tan(phi/2) b.w)
 ///
 /// which is linear in the tangent of the half-angle.
-static rsv_double3 split_point(const rsv_spherical_triangle *triangle, double solid_angle)
+RSV_INLINE rsv_double3 rsv_split_point(const rsv_spherical_triangle *triangle, double solid_angle)
 {
     rsv_double3 a = triangle->corner[0], b = triangle->corner[1], c = triangle->corner[2];
     rsv_double3 tangent = d3_normalize(d3_mad(c, -d3_dot(a, c), a));
@@ -41,13 +51,17 @@ static rsv_double3 split_point(const rsv_spherical_triangle *triangle, double so
     return d3_mad(d3_scale(a, cos_phi), sin_phi, tangent);
 }
 
-rsv_double3 rsv_spherical_triangle_sample(
+/// Uniform direction in the triangle: the first coordinate chooses a sub-triangle of u1 times the
+/// solid angle, the second a point on its far side (Arvo 1995).
+RSV_INLINE rsv_double3 rsv_spherical_triangle_sample(
     const rsv_spherical_triangle *triangle, double u1, double u2)
 {
-    rsv_double3 b = triangle->corner[1], c = split_point(triangle, u1 * triangle->solid_angle);
+    rsv_double3 b = triangle->corner[1], c = rsv_split_point(triangle, u1 * triangle->solid_angle);
     rsv_double3 chord = d3_sub(c, b);
     double depth = 0.5 * d3_dot(chord, chord); // 1 - b.c without cancellation
     rsv_double3 tangent = d3_normalize(d3_mad(chord, depth, b));
     double height = u2 * depth; // uniform in the cosine about b
-    return d3_mad(d3_scale(b, 1 - height), sqrt(fmax(height * (2 - height), 0)), tangent);
+    return d3_mad(d3_scale(b, 1 - height), sqrt(fmax(height * (2 - height), 0.0)), tangent);
 }
+
+#endif

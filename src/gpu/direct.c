@@ -1,0 +1,108 @@
+#include "direct.h"
+#include "direct_kernels.h"
+#include "sources.h"
+
+#include <stdlib.h>
+
+struct rsv_device_direct {
+    rsv_gpu *gpu;
+    rsv_device_direct_desc desc; ///< on the host; its arrays are valid during creation alone
+    rsv_gpu_block scene, room;
+    rsv_gpu_geometry geometry;
+    rsv_gpu_sources sources;
+    rsv_bsdf *bsdf;
+    rsv_direct_receiver *receiver;
+    bool any_sampled;
+    uint32_t punctual_count;
+    rsv_direct_args args;
+};
+
+static void lay_out_scene(void *task, rsv_gpu_block *b)
+{
+    rsv_device_direct *d = task;
+    rsv_gpu_geometry_place(&d->geometry, b);
+    rsv_gpu_sources_place(&d->sources, &d->geometry, b);
+    d->bsdf = rsv_gpu_place(b, d->desc.scene->material_count, sizeof *d->bsdf);
+}
+
+static void lay_out_room(void *task, rsv_gpu_block *b)
+{
+    rsv_device_direct *d = task;
+    rsv_direct_args *a = &d->args;
+    size_t most = d->desc.most;
+    a->receiver = d->receiver = rsv_gpu_place(b, most, sizeof *a->receiver);
+    a->local = rsv_gpu_place(b, most * a->setting.points, sizeof *a->local);
+    a->sums = rsv_gpu_place(b, most, sizeof *a->sums);
+    a->estimate = rsv_gpu_place(b, most, sizeof *a->estimate);
+}
+
+static void upload_scene(rsv_device_direct *d)
+{
+    rsv_gpu_geometry_upload(&d->geometry, d->gpu);
+    rsv_gpu_sources_upload(&d->sources, &d->geometry, d->gpu);
+    rsv_gpu_upload(
+        d->gpu, d->bsdf, d->desc.setting.bsdf, d->desc.scene->material_count * sizeof *d->bsdf);
+}
+
+static void destroy(rsv_device_direct *d)
+{
+    if (!d) return;
+    rsv_gpu_release(d->gpu, &d->scene);
+    rsv_gpu_release(d->gpu, &d->room);
+    free(d);
+}
+
+static void set_constants(rsv_device_direct *d)
+{
+    const rsv_lights *lights = d->desc.setting.lights;
+    const rsv_environment_light *sky = lights->environment;
+    d->geometry = rsv_gpu_geometry_of(d->desc.scene, d->desc.bvh);
+    d->sources.host = lights;
+    d->any_sampled =
+        lights->sampled_count > 0 || (sky && (sky->sampler.flux > 0 || sky->sun_count));
+    d->punctual_count = rsv_punctual_count(lights);
+    d->args.setting = d->desc.setting;
+}
+
+static rsv_status create(rsv_device *device, const rsv_device_direct_desc *desc,
+    rsv_device_direct **direct, char *message)
+{
+    rsv_device_direct *d = rsv_gpu_new(sizeof *d, message);
+    if (!d) return RSV_ERROR_MEMORY;
+    d->gpu = (rsv_gpu *)device;
+    d->desc = *desc;
+    set_constants(d);
+    rsv_gpu_lay_out(d->gpu, &d->scene, lay_out_scene, d, "the scene of the direct light");
+    rsv_gpu_lay_out(d->gpu, &d->room, lay_out_room, d, "the receivers of the direct light");
+    d->args.bvh = d->geometry.bvh;
+    d->args.setting.lights = d->sources.there;
+    d->args.setting.bsdf = d->bsdf;
+    upload_scene(d);
+    rsv_status status = rsv_gpu_wait(d->gpu, message);
+    if (status == RSV_OK)
+        *direct = d;
+    else
+        destroy(d);
+    return status;
+}
+
+static rsv_status estimate(rsv_device_direct *d, const rsv_direct_receiver *receiver,
+    uint32_t count, rsv_direct_rays rays, rsv_direct_estimate *estimate, char *message)
+{
+    rsv_direct_args *a = &d->args;
+    a->rays = rays;
+    rsv_gpu_upload(d->gpu, d->receiver, receiver, count * sizeof *receiver);
+    if (d->any_sampled) {
+        rsv_launch_direct_weigh(d->gpu, a, (size_t)count * a->setting.points);
+        rsv_launch_direct_emitters(d->gpu, a, count);
+        rsv_launch_direct_finish(d->gpu, a, count);
+    } else {
+        rsv_launch_direct_nothing(d->gpu, a, count);
+    }
+    for (a->light = 0; a->light < d->punctual_count; a->light++)
+        rsv_launch_direct_punctual(d->gpu, a, count);
+    rsv_gpu_download(d->gpu, estimate, a->estimate, count * sizeof *estimate);
+    return rsv_gpu_wait(d->gpu, message);
+}
+
+const rsv_device_direct_table rsv_gpu_direct = { create, destroy, estimate };

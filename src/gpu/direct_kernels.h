@@ -1,0 +1,153 @@
+/// Direct light: sources weighed at receiver points, places on them drawn, shadow rays traced, and what they tell. The
+/// arithmetic and the random numbers are those of src/operator/direct.c; only the order of a node's sums differs.
+#ifndef RSV_DIRECT_KERNELS_H
+#define RSV_DIRECT_KERNELS_H
+
+#include "../bvh/bvh_trace.h"
+#include "../light/local_lights.h"
+#include "../operator/device_direct.h"
+#include "launch.h"
+
+typedef struct rsv_direct_args {
+    rsv_bvh_view bvh;
+    rsv_direct_setting setting; ///< of addresses on the device
+    rsv_direct_rays rays;
+    uint32_t light; ///< punctual: which one
+    const rsv_direct_receiver *receiver;
+    rsv_local_lights *local; ///< [nodes][points]
+    rsv_direct_sums *sums;   ///< [nodes]
+    rsv_direct_estimate *estimate;
+} rsv_direct_args;
+
+RSV_INLINE bool rsv_direct_arrives(const rsv_direct_args *a, const rsv_direct_ray *r)
+{
+    return r->ray.t_max > 0 && !rsv_bvh_occluded(&a->bvh, &r->ray);
+}
+
+// ---- emitters, suns and the sky -----------------------------------------------------------------
+
+/// Weighs the sources at one point.
+RSV_INLINE void rsv_direct_weigh_item(const rsv_direct_args *a, uint32_t item)
+{
+    const rsv_direct_setting *s = &a->setting;
+    const rsv_direct_receiver *receiver = &a->receiver[item / s->points];
+    uint32_t k = item % s->points;
+    if (!(receiver->valid >> k & 1)) return;
+    rsv_weigh_lights(
+        s->lights, receiver->point[k].position, receiver->point[k].normal, &a->local[item]);
+}
+
+RSV_KERNEL(direct_weigh, rsv_direct_args, rsv_direct_weigh_item)
+
+/// One shadow ray of a node to its emitters.
+RSV_INLINE rsv_direct_ray rsv_direct_draw(const rsv_direct_args *a, uint32_t node, uint32_t index)
+{
+    const rsv_direct_setting *s = &a->setting;
+    const rsv_direct_receiver *receiver = &a->receiver[node];
+    uint32_t at = index % a->rays.lanes % s->points;
+    float select, x, y;
+    rsv_light_sample sample;
+    if (!(receiver->valid >> at & 1)) return rsv_direct_no_ray();
+    rsv_direct_numbers(s, receiver->node, index, &select, &x, &y);
+    const rsv_local_lights *local = &a->local[(size_t)node * s->points + at];
+    return rsv_draw_light(local, select, x, y, &sample)
+               ? rsv_direct_to_sample(s, receiver, at, &sample)
+               : rsv_direct_no_ray();
+}
+
+RSV_INLINE rsv_direct_sums rsv_direct_emitters_lane(
+    const rsv_direct_args *a, uint32_t node, uint32_t lane)
+{
+    rsv_direct_sums sums = rsv_direct_no_sums();
+    for (uint32_t index = lane; index < a->rays.samples; index += RSV_LANES) {
+        rsv_direct_ray r = rsv_direct_draw(a, node, index);
+        rsv_direct_count(&sums, &r, rsv_direct_arrives(a, &r));
+    }
+    return sums;
+}
+
+RSV_INLINE rsv_direct_sums rsv_direct_sums_add(rsv_direct_sums a, rsv_direct_sums b)
+{
+    a.open = rgb_add(a.open, b.open);
+    a.visible = rgb_add(a.visible, b.visible);
+    a.visible_squared += b.visible_squared;
+    a.seen += b.seen;
+    a.hidden += b.hidden;
+    return a;
+}
+
+RSV_INLINE void rsv_direct_emitters_store(
+    const rsv_direct_args *a, uint32_t node, rsv_direct_sums sums)
+{
+    a->sums[node] = sums;
+}
+
+RSV_KERNEL_SUM(direct_emitters, rsv_direct_args, rsv_direct_sums, rsv_direct_emitters_lane,
+    rsv_direct_sums_add, rsv_direct_emitters_store)
+
+/// What the sums say of a node.
+RSV_INLINE void rsv_direct_finish_item(const rsv_direct_args *a, uint32_t node)
+{
+    const rsv_direct_setting *s = &a->setting;
+    const rsv_direct_receiver *receiver = &a->receiver[node];
+    float valid = (float)rsv_count_bits(receiver->valid);
+    float count = (float)a->rays.samples * valid / (float)s->points;
+    rsv_rgb unshadowed;
+    bool by_tree =
+        rsv_direct_unshadowed(s, receiver, a->local + (size_t)node * s->points, valid, &unshadowed);
+    rsv_direct_estimate e = rsv_direct_no_estimate();
+    if (by_tree || !rgb_is_black(unshadowed)) {
+        e = by_tree ? rsv_direct_from_mean(&a->sums[node], count)
+                    : rsv_direct_from_ratio(&a->sums[node], unshadowed, count);
+        e.rays = a->rays.samples;
+    }
+    a->estimate[node] = e;
+}
+
+RSV_KERNEL(direct_finish, rsv_direct_args, rsv_direct_finish_item)
+
+RSV_INLINE void rsv_direct_nothing_item(const rsv_direct_args *a, uint32_t node)
+{
+    a->estimate[node] = rsv_direct_no_estimate();
+}
+
+RSV_KERNEL(direct_nothing, rsv_direct_args, rsv_direct_nothing_item)
+
+// ---- punctual lights ----------------------------------------------------------------------------
+
+RSV_INLINE rsv_direct_punctual rsv_direct_punctual_lane(
+    const rsv_direct_args *a, uint32_t node, uint32_t lane)
+{
+    const rsv_direct_receiver *receiver = &a->receiver[node];
+    rsv_direct_punctual p;
+    p.sum = rgb_gray(0);
+    p.seen = p.hidden = 0;
+    if (lane >= a->setting.points || !(receiver->valid >> lane & 1)) return p;
+    rsv_direct_ray r = rsv_direct_to_punctual(&a->setting, receiver, lane, a->light);
+    rsv_direct_count_punctual(&p, &r, rsv_direct_arrives(a, &r));
+    return p;
+}
+
+RSV_INLINE rsv_direct_punctual rsv_direct_punctual_add(rsv_direct_punctual a, rsv_direct_punctual b)
+{
+    a.sum = rgb_add(a.sum, b.sum);
+    a.seen += b.seen;
+    a.hidden += b.hidden;
+    return a;
+}
+
+/// Lights come one after the other.
+RSV_INLINE void rsv_direct_punctual_store(
+    const rsv_direct_args *a, uint32_t node, rsv_direct_punctual p)
+{
+    rsv_direct_estimate *e = &a->estimate[node];
+    float valid = (float)rsv_count_bits(a->receiver[node].valid);
+    e->irradiance = rgb_mad(e->irradiance, 1 / valid, p.sum);
+    e->partial = e->partial || (p.seen > 0 && p.hidden > 0);
+    e->rays += a->setting.points;
+}
+
+RSV_KERNEL_SUM(direct_punctual, rsv_direct_args, rsv_direct_punctual, rsv_direct_punctual_lane,
+    rsv_direct_punctual_add, rsv_direct_punctual_store)
+
+#endif

@@ -1,0 +1,113 @@
+#include "sources.h"
+
+// ---- trees --------------------------------------------------------------------------------------
+
+static size_t tree_nodes(const rsv_light_tree *tree)
+{
+    return tree ? 2 * tree->light_count - 1 : 0;
+}
+
+/// @return the tree's address on the device; NULL = there is none
+static rsv_light_tree *place_tree(
+    const rsv_light_tree *host, rsv_light_tree *tree, rsv_gpu_block *b)
+{
+    if (!host) return NULL;
+    *tree = *host;
+    tree->node = rsv_gpu_place(b, tree_nodes(host), sizeof *host->node);
+    tree->leaf = NULL; // for densities alone
+    return rsv_gpu_place(b, 1, sizeof *tree);
+}
+
+static void upload_tree(
+    const rsv_light_tree *host, const rsv_light_tree *tree, rsv_light_tree *there, rsv_gpu *gpu)
+{
+    if (!host) return;
+    rsv_gpu_upload(gpu, tree->node, host->node, tree_nodes(host) * sizeof *host->node);
+    rsv_gpu_upload(gpu, there, tree, sizeof *tree);
+}
+
+// ---- surroundings -------------------------------------------------------------------------------
+
+/// The sky beside the suns: absent where gathering finds all of it.
+static bool has_sky(const rsv_environment_light *light) { return light && light->sampler.flux > 0; }
+
+static size_t sky_pixels(const rsv_environment_light *light)
+{
+    return has_sky(light) ? (size_t)light->sampled.width * light->sampled.height : 0;
+}
+
+static size_t sky_rows(const rsv_environment_light *light)
+{
+    return has_sky(light) ? light->sampler.rows : 0;
+}
+
+static size_t sky_cells(const rsv_environment_light *light)
+{
+    return sky_rows(light) * (has_sky(light) ? light->sampler.columns : 0);
+}
+
+static size_t open_nodes(const rsv_environment_light *light)
+{
+    return has_sky(light) ? (size_t)RSV_SKY_IRRADIANCE_NODES * RSV_SKY_IRRADIANCE_NODES : 0;
+}
+
+static rsv_environment_light *place_environment(
+    const rsv_environment_light *host, rsv_environment_light *light, rsv_gpu_block *b)
+{
+    if (!host) return NULL;
+    *light = *host;
+    light->sampled.pixel = rsv_gpu_place(b, sky_pixels(host), sizeof *host->sampled.pixel);
+    light->sampler.row_cdf = rsv_gpu_place(b, sky_rows(host), sizeof *host->sampler.row_cdf);
+    light->sampler.cell_cdf = rsv_gpu_place(b, sky_cells(host), sizeof *host->sampler.cell_cdf);
+    light->sampler.density = rsv_gpu_place(b, sky_cells(host), sizeof *host->sampler.density);
+    light->open.node = rsv_gpu_place(b, open_nodes(host), sizeof *host->open.node);
+    return rsv_gpu_place(b, 1, sizeof *light);
+}
+
+static void upload_environment(const rsv_environment_light *host,
+    const rsv_environment_light *light, rsv_environment_light *there, rsv_gpu *gpu)
+{
+    if (!host) return;
+    const rsv_sky_sampler *from = &host->sampler, *to = &light->sampler;
+    const rsv_gpu_array array[] = { { there, light, 1, sizeof *light },
+        { light->sampled.pixel, host->sampled.pixel, sky_pixels(host), sizeof(rsv_rgb) },
+        { to->row_cdf, from->row_cdf, sky_rows(host), sizeof *from->row_cdf },
+        { to->cell_cdf, from->cell_cdf, sky_cells(host), sizeof *from->cell_cdf },
+        { to->density, from->density, sky_cells(host), sizeof *from->density },
+        { light->open.node, host->open.node, open_nodes(host), sizeof *host->open.node } };
+    rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
+}
+
+// ---- all ----------------------------------------------------------------------------------------
+
+void rsv_gpu_sources_place(rsv_gpu_sources *s, rsv_gpu_geometry *g, rsv_gpu_block *b)
+{
+    const rsv_lights *host = s->host;
+    rsv_lights *lights = &s->lights;
+    *lights = *host;
+    lights->scene = g->view_there;
+    lights->group = NULL;
+    lights->triangle_emitter = NULL;
+    g->view.light = rsv_gpu_place(b, g->host->light_count, sizeof *g->host->light);
+    lights->emitter = rsv_gpu_place(b, host->emitter_count, sizeof *host->emitter);
+    lights->sampled = rsv_gpu_place(b, host->sampled_count, sizeof *host->sampled);
+    lights->punctual = rsv_gpu_place(b, host->punctual_count, sizeof *host->punctual);
+    lights->emitter_tree = place_tree(host->emitter_tree, &s->emitter_tree, b);
+    lights->punctual_tree = place_tree(host->punctual_tree, &s->punctual_tree, b);
+    lights->environment = place_environment(host->environment, &s->environment, b);
+    s->there = rsv_gpu_place(b, 1, sizeof *s->there);
+}
+
+void rsv_gpu_sources_upload(const rsv_gpu_sources *s, const rsv_gpu_geometry *g, rsv_gpu *gpu)
+{
+    const rsv_lights *host = s->host, *lights = &s->lights;
+    const rsv_gpu_array array[] = { { s->there, lights, 1, sizeof *lights },
+        { g->view.light, g->host->light, g->host->light_count, sizeof *g->host->light },
+        { lights->emitter, host->emitter, host->emitter_count, sizeof *host->emitter },
+        { lights->sampled, host->sampled, host->sampled_count, sizeof *host->sampled },
+        { lights->punctual, host->punctual, host->punctual_count, sizeof *host->punctual } };
+    rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
+    upload_tree(host->emitter_tree, &s->emitter_tree, lights->emitter_tree, gpu);
+    upload_tree(host->punctual_tree, &s->punctual_tree, lights->punctual_tree, gpu);
+    upload_environment(host->environment, &s->environment, lights->environment, gpu);
+}

@@ -1,0 +1,146 @@
+#include "direct_device.h"
+
+#include "../core/team.h"
+#include "../scene/material_at.h"
+
+/// Enough for any device.
+#define NODES_AT_A_TIME ((size_t)1 << 14)
+
+typedef struct direct_device {
+    rsv_context *context;
+    const rsv_direct_job *job;
+    const rsv_device_direct_table *table;
+    rsv_device_direct *direct; ///< NULL = there is none, or it has failed
+    size_t most;
+    rsv_direct_receiver *receiver; ///< [most]
+    rsv_direct_estimate *estimate; ///< [most] in the order of the receivers
+    uint32_t *again;               ///< [most] nodes to be looked at more closely
+} direct_device;
+
+// ---- what a device can do -----------------------------------------------------------------------
+
+/// Textures are not there.
+static bool any_varies(const rsv_lights *lights)
+{
+    for (size_t k = 0; k < lights->sampled_count; k++)
+        if (lights->emitter[lights->sampled[k]].varies) return true;
+    return false;
+}
+
+/// Whether the device is worth its hierarchy, which takes the processor about as long as a ray per triangle.
+static bool is_worthwhile(const rsv_direct_job *job, size_t count)
+{
+    size_t rays = rsv_direct_look_rays(job).samples + rsv_punctual_count(job->setting.lights);
+    return count * rays > job->scene->view->triangle_count;
+}
+
+static bool can_do(const rsv_direct_job *job, size_t count)
+{
+    rsv_context *context = job->elements->context;
+    const rsv_device *device = rsv_context_device(context);
+    return device && device->desc.rows && rsv_team_place_of(context).size == 1 &&
+           is_worthwhile(job, count) && !any_varies(job->setting.lights) &&
+           !rsv_find_cut_out(job->scene->view);
+}
+
+// ---- creation -----------------------------------------------------------------------------------
+
+static rsv_status bring_scene(direct_device *d, const rsv_bvh *bvh)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    const rsv_device_direct_desc desc = { .scene = d->job->scene->view,
+        .bvh = bvh->view,
+        .setting = d->job->setting,
+        .most = (uint32_t)d->most };
+    rsv_status status =
+        d->table->create(rsv_context_device(d->context), &desc, &d->direct, message);
+    return status == RSV_OK ? RSV_OK : rsv_device_failed(d->context, status, message);
+}
+
+static rsv_status open_device(direct_device *d, size_t count)
+{
+    rsv_status status = RSV_OK;
+    rsv_bvh bvh = { 0 };
+    d->most = count < NODES_AT_A_TIME ? count : NODES_AT_A_TIME;
+    d->table = rsv_context_device(d->context)->table->direct;
+    d->receiver = rsv_reserve(d->context, d->most, sizeof *d->receiver);
+    d->estimate = rsv_reserve(d->context, d->most, sizeof *d->estimate);
+    d->again = rsv_reserve(d->context, d->most, sizeof *d->again);
+    RSV_TRY(d->receiver && d->estimate && d->again ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_bvh_build_scene(d->job->scene->scene, &bvh));
+    RSV_TRY(bring_scene(d, &bvh));
+cleanup:
+    rsv_bvh_destroy(&bvh);
+    return status;
+}
+
+static void close_device(direct_device *d)
+{
+    if (d->direct) d->table->destroy(d->direct);
+    d->direct = NULL;
+    rsv_free(d->context, d->receiver);
+    rsv_free(d->context, d->estimate);
+    rsv_free(d->context, d->again);
+}
+
+// ---- nodes --------------------------------------------------------------------------------------
+
+/// @param glance from few points
+static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count, bool glance)
+{
+    char message[RSV_DEVICE_MESSAGE_BYTES];
+    const rsv_direct_job *job = d->job;
+    rsv_direct_rays rays = glance ? rsv_direct_glance_rays(job) : rsv_direct_look_rays(job);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(d->context))
+    for (size_t k = 0; k < count; k++) {
+        uint32_t valid =
+            glance ? rsv_direct_glance_points(job, node[k]) : job->valid_points[node[k]];
+        rsv_direct_receive(job, node[k], valid, &d->receiver[k]);
+    }
+    rsv_status status =
+        d->table->estimate(d->direct, d->receiver, (uint32_t)count, rays, d->estimate, message);
+    if (status == RSV_OK) return RSV_OK;
+    d->table->destroy(d->direct);
+    d->direct = NULL;
+    return rsv_device_failed(d->context, status, message);
+}
+
+/// Notes the estimates of some nodes. @return how many are to be looked at again
+static size_t take(direct_device *d, const uint32_t *node, size_t count, bool glance,
+    rsv_rgb *irradiance, float *deviation, uint64_t *rays)
+{
+    size_t again = 0;
+    for (size_t k = 0; k < count; k++) {
+        const rsv_direct_estimate *e = &d->estimate[k];
+        *rays += e->rays;
+        irradiance[node[k]] = e->irradiance;
+        if (deviation) deviation[node[k]] = e->deviation;
+        if (glance && e->partial) d->again[again++] = node[k];
+    }
+    return again;
+}
+
+rsv_status rsv_direct_by_device(const rsv_direct_job *job, const uint32_t *node, size_t count,
+    rsv_rgb *irradiance, float *deviation, uint64_t *rays, size_t *done)
+{
+    rsv_status status = RSV_OK;
+    direct_device d = { .context = job->elements->context, .job = job };
+    bool glances = rsv_direct_glances(job);
+    *done = 0;
+    if (!can_do(job, count)) return RSV_OK;
+    RSV_TRY(open_device(&d, count));
+    while (d.direct && *done < count) {
+        size_t part = count - *done < d.most ? count - *done : d.most;
+        RSV_TRY(estimate(&d, node + *done, part, glances));
+        if (!d.direct) break;
+        size_t again = take(&d, node + *done, part, glances, irradiance, deviation, rays);
+        if (again) RSV_TRY(estimate(&d, d.again, again, false));
+        if (!d.direct) break;
+        take(&d, d.again, again, false, irradiance, deviation, rays);
+        *done += part;
+        RSV_TRY(rsv_progress(d.context, "direct", (double)*done / (double)count));
+    }
+cleanup:
+    close_device(&d);
+    return status;
+}

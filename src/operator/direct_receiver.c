@@ -1,0 +1,51 @@
+#include "direct_receiver.h"
+
+/// Points that are looked at first where `samples` is less than RSV_DIRECT_LANES.
+#define GLANCE_POINTS 4
+
+void rsv_direct_receive(
+    const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_direct_receiver *r)
+{
+    const rsv_elements *e = job->elements;
+    const rsv_scene_view *view = job->scene->view;
+    uint32_t points = job->setting.points;
+    rsv_support_point sample[RSV_DIRECT_LANES];
+    r->node = node;
+    r->material = view->triangle_material[e->face_triangle[e->node_face[node]]];
+    r->valid = valid;
+    rsv_elements_sample_support(e, node, points, job->setting.seed, sample);
+    for (uint32_t k = 0; k < points; k++) {
+        if (!(valid >> k & 1)) continue;
+        uint32_t face = e->cell[sample[k].support / 4].face;
+        r->point[k] = rsv_surface_point_at(
+            view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
+        r->origin[k] =
+            rsv_offset_origin(r->point[k].position, r->point[k].geometric, r->point[k].extent);
+    }
+    uint32_t speaks = (uint32_t)__builtin_ctz(valid);
+    r->medium = rsv_medium_above(&job->scene->media, r->origin[speaks], r->point[speaks].geometric);
+}
+
+bool rsv_direct_glances(const rsv_direct_job *job)
+{
+    return job->samples < RSV_DIRECT_LANES && !job->setting.lights->emitter_tree;
+}
+
+uint32_t rsv_direct_glance_points(const rsv_direct_job *job, uint32_t node)
+{
+    uint32_t few = 0, valid = job->valid_points[node];
+    for (uint32_t k = 0; k < GLANCE_POINTS && valid; k++, valid &= valid - 1)
+        few |= valid & -valid;
+    return few;
+}
+
+rsv_direct_rays rsv_direct_glance_rays(const rsv_direct_job *job)
+{
+    return (rsv_direct_rays){ job->setting.points, job->setting.points };
+}
+
+rsv_direct_rays rsv_direct_look_rays(const rsv_direct_job *job)
+{
+    uint32_t samples = job->samples < RSV_DIRECT_LANES ? RSV_DIRECT_LANES : job->samples;
+    return (rsv_direct_rays){ samples, RSV_DIRECT_LANES };
+}

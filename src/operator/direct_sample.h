@@ -1,0 +1,215 @@
+/// Direct light of one node: the rays that ask for it, and what they tell. For device code too.
+#ifndef RSV_DIRECT_SAMPLE_H
+#define RSV_DIRECT_SAMPLE_H
+
+#include "../core/stratified.h"
+#include "../light/punctual_light.h"
+#include "../surface/medium.h"
+#include "../surface/surface.h"
+
+/// Receiver points of a node at most, and shadow rays at a time.
+#define RSV_DIRECT_LANES 16
+
+/// What all nodes have in common. On a device, all it points to lies there.
+typedef struct rsv_direct_setting {
+    const rsv_lights *lights;
+    const rsv_bsdf *bsdf; ///< [material_count]
+    uint32_t points;      ///< of a node
+    uint32_t seed;
+} rsv_direct_setting;
+
+/// The receiver points of one node.
+typedef struct rsv_direct_receiver {
+    rsv_surface_point point[RSV_DIRECT_LANES];
+    rsv_vec3 origin[RSV_DIRECT_LANES]; ///< off the surface
+    rsv_medium medium;                 ///< of the first of them that is not buried
+    uint32_t node, material;
+    uint32_t valid; ///< bit k = point k counts
+} rsv_direct_receiver;
+
+/// Shadow rays of a look: ray k of `lanes` at a time starts at point k % points.
+typedef struct rsv_direct_rays {
+    uint32_t samples, lanes;
+} rsv_direct_rays;
+
+/// A shadow ray and what it asks for.
+typedef struct rsv_direct_ray {
+    rsv_ray ray;      ///< t_max -1 = nothing to ask for
+    rsv_rgb open;     ///< f / p, visible or not, as the closed form knows it
+    rsv_rgb entering; ///< f / p that enters the surface if the way is free
+} rsv_direct_ray;
+
+RSV_INLINE rsv_direct_ray rsv_direct_no_ray(void)
+{
+    rsv_direct_ray r;
+    r.ray.origin = r.ray.direction = v3(0, 0, 0);
+    r.ray.t_max = -1;
+    r.open = r.entering = rgb_gray(0);
+    return r;
+}
+
+/// What is left of light that crosses the medium of the points, and then their coat.
+RSV_INLINE rsv_rgb rsv_direct_entering(const rsv_direct_setting *s,
+    const rsv_direct_receiver *receiver, rsv_rgb light, float distance, float cos)
+{
+    rsv_rgb passed = rsv_medium_transmittance(&receiver->medium, s->bsdf, distance);
+    return rgb_mul(rgb_mul(light, passed), rsv_bsdf_entry(&s->bsdf[receiver->material], cos));
+}
+
+// ---- emitters, suns and the sky -----------------------------------------------------------------
+
+/// Random numbers of sample `index` of a node: which source, and where on it.
+RSV_INLINE void rsv_direct_numbers(
+    const rsv_direct_setting *s, uint32_t node, uint32_t index, float *select, float *x, float *y)
+{
+    rsv_sobol_2d(index, rsv_hash3(s->seed, node, 1), x, y);
+    *select = rsv_sobol_1d(index, rsv_hash3(s->seed, node, 2));
+}
+
+/// From point k to a place that was drawn for it.
+RSV_INLINE rsv_direct_ray rsv_direct_to_sample(const rsv_direct_setting *s,
+    const rsv_direct_receiver *receiver, uint32_t k, const rsv_light_sample *sample)
+{
+    const rsv_surface_point *point = &receiver->point[k];
+    rsv_direct_ray r = rsv_direct_no_ray();
+    float cos = v3_dot(point->normal, sample->direction);
+    r.open = rgb_scale(sample->mean_radiance, cos / sample->pdf_solid_angle);
+    // what the geometry hides from the shading normal is blocked like anything else
+    if (!rsv_surface_faces(point, sample->direction)) return r;
+    r.entering = rsv_direct_entering(s, receiver,
+        rgb_scale(sample->radiance, cos / sample->pdf_solid_angle), sample->distance, cos);
+    r.ray = rsv_shadow_ray(s->lights, sample, point->position, receiver->origin[k]);
+    return r;
+}
+
+/// Sums over the samples of one node.
+typedef struct rsv_direct_sums {
+    rsv_rgb open;          ///< f / p, visible or not
+    rsv_rgb visible;       ///< f / p of the visible ones that enters the surface
+    float visible_squared; ///< luminance
+    uint32_t seen, hidden; ///< how many
+} rsv_direct_sums;
+
+RSV_INLINE rsv_direct_sums rsv_direct_no_sums(void)
+{
+    rsv_direct_sums sums;
+    sums.open = sums.visible = rgb_gray(0);
+    sums.visible_squared = 0;
+    sums.seen = sums.hidden = 0;
+    return sums;
+}
+
+RSV_INLINE void rsv_direct_count(rsv_direct_sums *sums, const rsv_direct_ray *r, bool seen)
+{
+    sums->open = rgb_add(sums->open, r->open);
+    sums->seen += seen;
+    sums->hidden += !seen && !rgb_is_black(r->open);
+    if (!seen) return;
+    float luminance = rgb_luminance(r->entering);
+    sums->visible = rgb_add(sums->visible, r->entering);
+    sums->visible_squared += luminance * luminance;
+}
+
+/// An estimate and the standard deviation of its luminance.
+typedef struct rsv_direct_estimate {
+    rsv_rgb irradiance;
+    float deviation;
+    uint32_t rays;
+    uint32_t partial; ///< some of the points are in the shadow, others are not
+} rsv_direct_estimate;
+
+RSV_INLINE rsv_direct_estimate rsv_direct_no_estimate(void)
+{
+    rsv_direct_estimate e;
+    e.irradiance = rgb_gray(0);
+    e.deviation = 0;
+    e.rays = 0;
+    e.partial = 0;
+    return e;
+}
+
+RSV_INLINE float rsv_direct_ratio(float unshadowed, float visible, float open)
+{
+    return open > 0 ? unshadowed * (visible / open) : 0;
+}
+
+/// Stratified samples of one visibility boundary scatter less than independent ones, by about this factor.
+#define RSV_DIRECT_STRATIFIED 0.4f
+
+/// Visibility sampled, everything else known: the noise is that of a share of visible samples.
+RSV_INLINE rsv_direct_estimate rsv_direct_from_ratio(
+    const rsv_direct_sums *sums, rsv_rgb unshadowed, float count)
+{
+    rsv_direct_estimate e = rsv_direct_no_estimate();
+    e.irradiance = rgb(rsv_direct_ratio(unshadowed.r, sums->visible.r, sums->open.r),
+        rsv_direct_ratio(unshadowed.g, sums->visible.g, sums->open.g),
+        rsv_direct_ratio(unshadowed.b, sums->visible.b, sums->open.b));
+    e.partial = sums->seen > 0 && sums->hidden > 0;
+    float open = rgb_luminance(sums->open), share = rgb_luminance(sums->visible) / open;
+    if (open > 0)
+        e.deviation = RSV_DIRECT_STRATIFIED * rgb_luminance(unshadowed) *
+                      sqrtf(f_max(share * (1 - share), 0) / count);
+    return e;
+}
+
+RSV_INLINE rsv_direct_estimate rsv_direct_from_mean(const rsv_direct_sums *sums, float count)
+{
+    rsv_direct_estimate e = rsv_direct_no_estimate();
+    e.irradiance = rgb_scale(sums->visible, 1 / count);
+    e.partial = 1;
+    float mean = rgb_luminance(e.irradiance);
+    e.deviation = sqrtf(f_max(sums->visible_squared / count - mean * mean, 0) / count);
+    return e;
+}
+
+/// What all points would receive without occlusion; whether that is not known, as a tree chooses the emitters.
+/// @param local [points] of those that are valid
+RSV_INLINE bool rsv_direct_unshadowed(const rsv_direct_setting *s,
+    const rsv_direct_receiver *receiver, const rsv_local_lights *local, float valid,
+    rsv_rgb *unshadowed)
+{
+    bool by_tree = false;
+    *unshadowed = rgb_gray(0);
+    for (uint32_t k = 0; k < s->points; k++) {
+        if (!(receiver->valid >> k & 1)) continue;
+        *unshadowed = rgb_mad(*unshadowed, 1 / valid, local[k].unshadowed);
+        by_tree = by_tree || local[k].by_tree;
+    }
+    return by_tree;
+}
+
+// ---- punctual lights ----------------------------------------------------------------------------
+
+/// From point k to a punctual light.
+RSV_INLINE rsv_direct_ray rsv_direct_to_punctual(
+    const rsv_direct_setting *s, const rsv_direct_receiver *receiver, uint32_t k, uint32_t light)
+{
+    const rsv_surface_point *point = &receiver->point[k];
+    rsv_direct_ray r = rsv_direct_no_ray();
+    rsv_punctual_sample sample;
+    float u = rsv_stratified_1d(k, s->points, rsv_hash3(s->seed, receiver->node, 3));
+    if (!rsv_punctual_at(s->lights, point->position, point->normal, light, u, &sample) ||
+        !rsv_surface_faces(point, sample.direction))
+        return r;
+    float cos = v3_dot(point->normal, sample.direction);
+    r.open = rgb_scale(sample.irradiance, cos);
+    r.entering = rsv_direct_entering(s, receiver, r.open, sample.distance, cos);
+    r.ray = rsv_punctual_ray(&sample, receiver->origin[k]);
+    return r;
+}
+
+/// Sums of one punctual light over the points.
+typedef struct rsv_direct_punctual {
+    rsv_rgb sum;
+    uint32_t seen, hidden;
+} rsv_direct_punctual;
+
+RSV_INLINE void rsv_direct_count_punctual(
+    rsv_direct_punctual *p, const rsv_direct_ray *r, bool seen)
+{
+    if (seen) p->sum = rgb_add(p->sum, r->entering);
+    p->seen += seen;
+    p->hidden += !seen && !rgb_is_black(r->entering);
+}
+
+#endif

@@ -1,0 +1,23 @@
+/// Ambient occlusion by the context's device, as long as that lasts. What it cannot do the caller does (core/device.h says
+/// who hears of it).
+#ifndef RSV_OCCLUSION_DEVICE_H
+#define RSV_OCCLUSION_DEVICE_H
+
+#include "device_occlusion.h"
+
+typedef struct rsv_occlusion_device rsv_occlusion_device;
+
+/// @param scene committed, `setting` and `screen` (NULL = by rays) of it; borrowed
+/// @param made out; NULL = there is no device, or it cannot show this scene, which is logged
+/// @return the device's failure, unless it is optional
+rsv_status rsv_occlusion_device_create(const rsv_scene *scene, const rsv_occlusion_setting *setting,
+    const rsv_occlusion_screen *screen, rsv_occlusion_device **made);
+void rsv_occlusion_device_destroy(rsv_occlusion_device *device);
+
+/// Makes a picture. @param device NULL = there is none @param pixel [height * width]
+/// @param seconds out: until the picture lay in the device's memory
+/// @param done out: false = the caller has to do it @return the device's failure, unless it is optional
+rsv_status rsv_occlusion_device_render(rsv_occlusion_device *device, const rsv_lens *lens,
+    rsv_rgb *pixel, double *seconds, bool *done);
+
+#endif
