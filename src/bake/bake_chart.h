@@ -12,6 +12,7 @@ typedef struct rsv_bake_chart {
     uint32_t part;
     uint32_t first, triangle_count; ///< in rsv_bake_charts.triangle
     float size[2];                  ///< metres
+    float detail;                   ///< density of its texels over that of others
     // of the map, once packed
     uint32_t texels[2]; ///< whole ones, at least 2: borders lie in the middle of the first and last
     uint32_t at[2];     ///< the first of them

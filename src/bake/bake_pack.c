@@ -17,7 +17,7 @@
 static void size_chart(rsv_bake_chart *chart, float density)
 {
     for (int axis = 0; axis < 2; axis++) {
-        float texels = roundf(chart->size[axis] * density);
+        float texels = roundf(chart->size[axis] * chart->detail * density);
         chart->texels[axis] = texels < 2 ? 2 : texels > 65536 ? 65536 : (uint32_t)texels;
     }
 }

@@ -68,15 +68,18 @@ static float brightness(const rsv_bake_map *map, const rsv_bake_stitch *stitch, 
     return f_max(stitch->least, 0.5f * rgb_max(rgb_add(a, b)));
 }
 
+double rsv_bake_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitch)
+{
+    rsv_rgb jump;
+    float against = brightness(map, stitch, &jump);
+    return (double)(f_max(fabsf(jump.r), f_max(fabsf(jump.g), fabsf(jump.b))) / against);
+}
+
 static double largest_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitch, size_t count)
 {
     double most = 0;
-    for (size_t k = 0; k < count; k++) {
-        rsv_rgb jump;
-        float against = brightness(map, &stitch[k], &jump);
-        float size = f_max(fabsf(jump.r), f_max(fabsf(jump.g), fabsf(jump.b)));
-        most = fmax(most, (double)(size / against));
-    }
+    for (size_t k = 0; k < count; k++)
+        most = fmax(most, rsv_bake_jump(map, &stitch[k]));
     return most;
 }
 
@@ -264,7 +267,7 @@ static void close_jumps(jumps *j, rsv_bake_map *map)
 static void stress_open(jumps *j, const rsv_bake_map *map)
 {
     for (size_t k = 0; k < j->count; k++)
-        if (largest_jump(map, &j->stitch[k], 1) > CLOSED)
+        if (rsv_bake_jump(map, &j->stitch[k]) > CLOSED)
             for (int i = 0; i < 8; i++)
                 j->weight[k][i] *= STRESS;
 }
