@@ -33,6 +33,8 @@ export class VertexLight {
         return true;
     }
 
+    adapt() {}
+
     apply(shown) {
         shown.vertexColors = true;
     }
@@ -70,6 +72,13 @@ export class MapLight {
 
     adopt({ material }) {
         return material.userData.gltfExtensions?.MOZ_lightmap !== undefined;
+    }
+
+    /// Within its triangle, even where a pixel's middle lies beyond an edge: light of other surfaces is next to it in the map.
+    adapt(shader) {
+        for (const [stage, chunk] of [["vertexShader", "uv_pars_vertex"], ["fragmentShader", "uv_pars_fragment"]])
+            shader[stage] = shader[stage].replace(`#include <${chunk}>`,
+                THREE.ShaderChunk[chunk].replace("varying vec2 vLightMapUv", "centroid varying vec2 vLightMapUv"));
     }
 
     apply(shown, { vertexColors, userData }) {

@@ -41,6 +41,7 @@ export function shownMaterial(material, light, exposure) {
     shown.userData = { emission };
     // emission is added to what light does: one line in a shader that three.js makes
     shown.onBeforeCompile = (shader) => {
+        light?.adapt(shader);
         Object.assign(shader.uniforms, { emission: { value: emission }, exposure });
         shader.fragmentShader = "uniform vec3 emission; uniform float exposure;\n" + shader.fragmentShader.replace(
             "#include <opaque_fragment>",

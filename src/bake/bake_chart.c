@@ -154,9 +154,10 @@ static rsv_status begin_chart(
     RSV_TRY(
         rsv_grow(c->context, (void **)&c->corner, &c->corner_capacity, needed, sizeof *c->corner));
     *chart = &c->chart[c->count++];
-    **chart = (rsv_bake_chart){
-        .part = part, .first = (uint32_t)c->triangle_count, .triangle_count = (uint32_t)count
-    };
+    **chart = (rsv_bake_chart){ .part = part,
+        .first = (uint32_t)c->triangle_count,
+        .triangle_count = (uint32_t)count,
+        .detail = 1 };
     c->triangle_count = needed;
 cleanup:
     return status;

@@ -12,10 +12,11 @@ typedef struct rsv_bake_chart {
     uint32_t part;
     uint32_t first, triangle_count; ///< in rsv_bake_charts.triangle
     float size[2];                  ///< metres
+    float detail;                   ///< density of its texels over that of others
     // of the map, once packed
     uint32_t texels[2]; ///< whole ones, at least 2: borders lie in the middle of the first and last
     uint32_t at[2];     ///< the first of them
-    bool is_turned;     ///< by half a turn
+    uint32_t turns;     ///< quarter turns, 0..3
 } rsv_bake_chart;
 
 typedef struct rsv_bake_charts {
@@ -49,11 +50,12 @@ void rsv_bake_charts_destroy(rsv_bake_charts *charts);
 static inline void rsv_bake_chart_point(
     const rsv_bake_chart *chart, const float corner[2], float point[2])
 {
-    for (int axis = 0; axis < 2; axis++) {
-        float spans = (float)(chart->texels[axis] - 1);
-        float along = chart->is_turned ? chart->size[axis] - corner[axis] : corner[axis];
-        point[axis] = (float)chart->at[axis] + 0.5f +
-                      (chart->size[axis] > 0 ? along / chart->size[axis] * spans : 0);
+    for (uint32_t axis = 0; axis < 2; axis++) {
+        uint32_t own = chart->turns & 1 ? 1 - axis : axis;
+        bool is_reversed = chart->turns == 2 || chart->turns == 2 * axis + 1;
+        float spans = (float)(chart->texels[axis] - 1), size = chart->size[own];
+        float along = is_reversed ? size - corner[own] : corner[own];
+        point[axis] = (float)chart->at[axis] + 0.5f + (size > 0 ? along / size * spans : 0);
     }
 }
 

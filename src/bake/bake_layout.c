@@ -19,6 +19,8 @@
 #define FIRST_SIDE 1024
 #define LAST_SIDE 4096
 #define SMALL_CHARTS 0.4
+/// Charts that get more texels are smaller than this part of the map.
+#define SMALL_PART 64
 /// Texels along a side by which the second texture coordinates of a file are judged.
 #define CHECK_TEXELS 256
 
@@ -91,11 +93,13 @@ cleanup:
     return status;
 }
 
+/// m2, as if all were of the same detail.
 static double charts_area(const rsv_bake_charts *c)
 {
     double area = 0;
     for (size_t k = 0; k < c->count; k++)
-        area += rsv_bake_chart_area(c, &c->chart[k]);
+        area += (double)(c->chart[k].detail * c->chart[k].detail) *
+                rsv_bake_chart_area(c, &c->chart[k]);
     return area;
 }
 
@@ -219,6 +223,17 @@ static bool set_apart(rsv_bake_layout *b, const uint8_t *overlap, rsv_status *st
     return any;
 }
 
+/// Packs the charts and draws them.
+static rsv_status draw(rsv_bake_layout *b, uint8_t *overlap)
+{
+    uint32_t width = 0, height = 0;
+    rsv_status status = pack(b, &width, &height);
+    if (status != RSV_OK) return status;
+    rsv_bake_map_destroy(b->s->context, &b->map);
+    return rsv_bake_map_create(
+        &b->charts, b->parts->part, width, height, b->desc->padding, &b->map, overlap);
+}
+
 static rsv_status lay_out(rsv_bake_layout *b)
 {
     rsv_status status;
@@ -226,14 +241,9 @@ static rsv_status lay_out(rsv_bake_layout *b)
     RSV_TRY(make_charts(b));
     RSV_TRY(divide_hollow_charts(b, &again));
     for (int round = 0; round < MOST_ROUNDS && (again || round == 0); round++) {
-        uint32_t width = 0, height = 0;
         if (again) RSV_TRY(make_charts(b));
-        RSV_TRY(pack(b, &width, &height));
-        rsv_bake_map_destroy(b->s->context, &b->map);
         uint8_t *overlap = rsv_alloc(b->s->context, b->charts.triangle_count, 1);
-        RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
-        status = rsv_bake_map_create(
-            &b->charts, b->parts->part, width, height, b->desc->padding, &b->map, overlap);
+        status = overlap ? draw(b, overlap) : RSV_ERROR_MEMORY;
         again = status == RSV_OK && set_apart(b, overlap, &status);
         rsv_free(b->s->context, overlap);
         RSV_TRY(status);
@@ -241,6 +251,19 @@ static rsv_status lay_out(rsv_bake_layout *b)
     }
 cleanup:
     return status;
+}
+
+rsv_status rsv_bake_layout_refine(rsv_bake_layout *b, const uint8_t *chosen, bool *any)
+{
+    *any = false;
+    for (size_t c = 0; c < b->charts.count; c++) {
+        rsv_bake_chart *chart = &b->charts.chart[c];
+        size_t texels = (size_t)chart->texels[0] * chart->texels[1];
+        if (!chosen[c] || texels * SMALL_PART > (size_t)b->map.width * b->map.height) continue;
+        chart->detail *= 2;
+        *any = true;
+    }
+    return *any ? draw(b, NULL) : RSV_OK;
 }
 
 static rsv_status find_uvs(rsv_bake_layout *b)

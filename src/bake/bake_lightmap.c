@@ -19,6 +19,9 @@
 /// Codes end at this share of the texels: the brightest few are clipped, for the sake of the others' precision.
 #define BRIGHTEST 0.995
 
+/// How often charts whose seams stay open get more texels.
+#define MOST_REFINEMENTS 3
+
 typedef struct lightmap_bake {
     const rsv_solution *s;
     const rsv_bake_desc *desc;
@@ -251,11 +254,25 @@ cleanup:
     return status;
 }
 
+/// The map under one light, its seams closed too: lights together then show no larger jumps, whatever their strengths.
+static rsv_status read_map(const rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value)
+{
+    const lightmap_bake *b = reader->receiver;
+    rsv_bake_map map = b->layout.map;
+    double largest, all = rsv_bake_map_sum(&map);
+    map.light = value;
+    rsv_bake_map_light(light, &map);
+    double share = all > 0 ? rsv_bake_map_sum(&map) / all : 0;
+    return rsv_bake_close_seams(light, &b->layout.charts, &b->parts,
+        share * b->s->report.mean_irradiance, &map, NULL, &largest);
+}
+
 static rsv_status write_basis(const lightmap_bake *b, const char *output, size_t *lights)
 {
-    const rsv_bake_map *map = &b->layout.map;
-    rsv_bake_reader reader =
-        rsv_bake_surface_reader("texel", map->receiver, (size_t)map->width * map->height);
+    size_t texels = (size_t)b->layout.map.width * b->layout.map.height;
+    rsv_bake_reader reader = rsv_bake_surface_reader("texel", NULL, texels);
+    reader.receiver = b;
+    reader.read = read_map;
     return rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
 }
 
@@ -289,6 +306,27 @@ static void close_file(lightmap_bake *b)
     rsv_bake_document_close(&b->document);
 }
 
+/// Lights the map and closes its seams; charts where that fails get more texels.
+static rsv_status light_map(lightmap_bake *b)
+{
+    rsv_status status = RSV_OK;
+    size_t charts = b->layout.charts.count;
+    uint8_t *open = rsv_alloc(b->s->context, charts, 1);
+    bool again = true;
+    if (!open) return RSV_ERROR_MEMORY;
+    for (int round = 0; again; round++) {
+        memset(open, 0, charts);
+        rsv_bake_map_light(b->s, &b->layout.map);
+        RSV_TRY(rsv_bake_close_seams(b->s, &b->layout.charts, &b->parts,
+            b->s->report.mean_irradiance, &b->layout.map, open, &b->largest_seam));
+        again = round < MOST_REFINEMENTS;
+        if (again) RSV_TRY(rsv_bake_layout_refine(&b->layout, open, &again));
+    }
+cleanup:
+    rsv_free(b->s->context, open);
+    return status;
+}
+
 rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
@@ -300,9 +338,7 @@ rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, co
         .parts.context = solution->context };
     RSV_TRY(rsv_bake_check_desc(b.desc));
     RSV_TRY(open_file(&b, input));
-    rsv_bake_map_light(solution, &b.layout.map);
-    RSV_TRY(
-        rsv_bake_close_seams(solution, &b.layout.charts, &b.parts, &b.layout.map, &b.largest_seam));
+    RSV_TRY(light_map(&b));
     RSV_TRY(find_scale(&b));
     fill_report(&b, report);
     if (b.desc->dry_run) goto cleanup;

@@ -77,16 +77,6 @@ rsv_status rsv_bake_mask_draw(
     return list_runs(mask, chart->texels);
 }
 
-void rsv_bake_mask_turn(rsv_bake_mask *mask, const rsv_bake_chart *chart)
-{
-    uint32_t w = chart->texels[0], h = chart->texels[1];
-    for (size_t k = 0, last = mask->run_count; k < last--; k++) {
-        rsv_bake_run run = mask->run[k], other = mask->run[last];
-        mask->run[k] = (rsv_bake_run){ h - 1 - other.row, w - other.end, w - other.begin };
-        mask->run[last] = (rsv_bake_run){ h - 1 - run.row, w - run.end, w - run.begin };
-    }
-}
-
 void rsv_bake_mask_destroy(rsv_bake_mask *mask)
 {
     rsv_free(mask->context, mask->run);

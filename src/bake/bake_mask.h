@@ -23,8 +23,6 @@ typedef struct rsv_bake_mask {
 /// Finds the texels whose squares a chart touches, the chart's own first one at (0, 0).
 rsv_status rsv_bake_mask_draw(
     rsv_bake_mask *mask, const rsv_bake_charts *charts, const rsv_bake_chart *chart);
-/// Turns what was drawn by half a turn.
-void rsv_bake_mask_turn(rsv_bake_mask *mask, const rsv_bake_chart *chart);
 void rsv_bake_mask_destroy(rsv_bake_mask *mask);
 
 #endif

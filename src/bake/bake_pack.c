@@ -17,7 +17,7 @@
 static void size_chart(rsv_bake_chart *chart, float density)
 {
     for (int axis = 0; axis < 2; axis++) {
-        float texels = roundf(chart->size[axis] * density);
+        float texels = roundf(chart->size[axis] * chart->detail * density);
         chart->texels[axis] = texels < 2 ? 2 : texels > 65536 ? 65536 : (uint32_t)texels;
     }
 }
@@ -133,49 +133,55 @@ static void take_chart(sheet *s, uint32_t x, uint32_t y)
     }
 }
 
-/// The first row below `end`, from `*y` on, and there the first column, where the chart in hand fits.
+/// The first row from `*y` on, and there the first column, where the chart in hand fits and ends before row `end`.
 static bool find_place(
     sheet *s, const rsv_bake_chart *chart, uint32_t end, uint32_t *x, uint32_t *y)
 {
     uint32_t w = chart->texels[0], h = chart->texels[1];
-    for (; *y + h + RIM <= s->rows && *y < end; (*y)++) {
+    if (w + 2 * RIM > s->width) return false;
+    for (; *y + h + RIM <= s->rows && *y + h < end; (*y)++) {
         *x = find_column(s, s->width - w - 2 * RIM + 1, *y);
         if (*x != UINT32_MAX) return true;
     }
     return false;
 }
 
-/// Puts a chart into the first place where it fits, turned by half a turn if that is an earlier one.
+/// Where charts of this size are sought from.
+static uint32_t *start_of(sheet *s, const rsv_bake_chart *chart)
+{
+    uint32_t w = chart->texels[0], h = chart->texels[1];
+    return w <= LARGEST_KIND && h <= LARGEST_KIND ? &s->kind[w][h] : NULL;
+}
+
+/// Puts a chart where it fits, turned in the way that lets it end in the first row.
 /// @param end out: the row above it; UINT32_MAX = it fits nowhere
 static rsv_status place(
     sheet *s, const rsv_bake_charts *charts, rsv_bake_chart *chart, uint32_t *end)
 {
-    uint32_t first = RIM, *from = &first, w = chart->texels[0], h = chart->texels[1];
+    rsv_status status;
+    rsv_bake_chart best = *chart, turned = *chart;
     *end = UINT32_MAX;
-    chart->is_turned = false;
-    if (w + 2 * RIM > s->width || h + 2 * RIM > s->rows) return RSV_OK;
-    rsv_status status = rsv_bake_mask_draw(&s->mask, charts, chart);
-    if (status != RSV_OK) return status;
-    if (w <= LARGEST_KIND && h <= LARGEST_KIND) from = &s->kind[w][h];
-    uint32_t start = *from > RIM ? *from : RIM, x, y = start;
-    bool found = find_place(s, chart, UINT32_MAX, &x, &y);
-    if (!s->mask.is_whole) {
-        uint32_t other_x, other_y = start;
-        rsv_bake_mask_turn(&s->mask, chart);
-        chart->is_turned = find_place(s, chart, found ? y : UINT32_MAX, &other_x, &other_y);
-        if (chart->is_turned)
-            x = other_x, y = other_y;
-        else
-            rsv_bake_mask_turn(&s->mask, chart);
-        found = found || chart->is_turned;
+    for (turned.turns = 0; turned.turns < 4; turned.turns++) {
+        turned.texels[0] = chart->texels[turned.turns & 1];
+        turned.texels[1] = chart->texels[~turned.turns & 1];
+        RSV_TRY(rsv_bake_mask_draw(&s->mask, charts, &turned));
+        if (s->mask.is_whole && turned.turns == 2) break; // a rectangle is the same again
+        uint32_t *start = start_of(s, &turned);
+        uint32_t y = start && *start > RIM ? *start : RIM;
+        turned.at[1] = y;
+        bool found = find_place(s, &turned, *end, &turned.at[0], &turned.at[1]);
+        if (start) *start = turned.at[1];
+        if (!found) continue;
+        best = turned;
+        *end = turned.at[1] + turned.texels[1];
     }
-    *from = y;
-    if (!found) return RSV_OK;
-    chart->at[0] = x;
-    chart->at[1] = y;
-    take_chart(s, x, y);
-    *end = y + h + RIM;
-    return RSV_OK;
+    if (*end == UINT32_MAX) return RSV_OK;
+    *chart = best;
+    RSV_TRY(rsv_bake_mask_draw(&s->mask, charts, chart));
+    take_chart(s, chart->at[0], chart->at[1]);
+    *end += RIM;
+cleanup:
+    return status;
 }
 
 rsv_status rsv_bake_pack(rsv_bake_charts *c, float density, uint32_t padding, uint32_t width,

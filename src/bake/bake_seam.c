@@ -12,6 +12,8 @@
 /// Samples along a border edge: so many to a texel, at most so many in all.
 #define SAMPLES_PER_TEXEL 2
 #define MOST_SAMPLES 64
+/// Jumps beyond this share are seen.
+#define SEEN 0.01
 /// Cosine between normals from which on a surface is smooth, and share by which light may differ on both sides.
 #define SMOOTH 0.94f
 #define CONTINUOUS 0.002f
@@ -101,7 +103,7 @@ static rsv_status add_stitches(seam_search *q, const border *x, const border *y)
     int count = sample_count(q, x), other = sample_count(q, y);
     count = other > count ? other : count;
     for (int k = 0; k < count; k++) {
-        rsv_bake_stitch stitch;
+        rsv_bake_stitch stitch = { .chart = { x->chart, y->chart } };
         float t = ((float)k + 0.5f) / (float)count;
         rsv_rgb a = light_on(q, x, t, stitch.point[0]);
         rsv_rgb b = light_on(q, y, reversed ? 1 - t : t, stitch.point[1]);
@@ -149,16 +151,21 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_bake_close_seams(const rsv_solution *solution, const rsv_bake_charts *charts,
-    const rsv_bake_parts *parts, rsv_bake_map *map, double *largest)
+static void mark_open(const seam_search *q, const rsv_bake_map *map, uint8_t *open)
 {
-    seam_search q = { .s = solution,
-        .charts = charts,
-        .parts = parts,
-        .dark = DARK * (float)solution->report.mean_irradiance };
+    for (size_t k = 0; k < q->count; k++)
+        if (rsv_bake_jump(map, &q->stitch[k]) > SEEN)
+            open[q->stitch[k].chart[0]] = open[q->stitch[k].chart[1]] = 1;
+}
+
+rsv_status rsv_bake_close_seams(const rsv_solution *solution, const rsv_bake_charts *charts,
+    const rsv_bake_parts *parts, double mean, rsv_bake_map *map, uint8_t *open, double *largest)
+{
+    seam_search q = { .s = solution, .charts = charts, .parts = parts, .dark = DARK * (float)mean };
     rsv_status status = find_stitches(&q);
     if (status == RSV_OK)
         status = rsv_bake_stitch_up(solution->context, q.stitch, q.count, map, largest);
+    if (status == RSV_OK && open) mark_open(&q, map, open);
     rsv_free(solution->context, q.stitch);
     return status;
 }

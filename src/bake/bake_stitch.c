@@ -1,6 +1,7 @@
 #include "bake_stitch.h"
 
 #include "../core/vec.h"
+#include "bake_stitch_groups.h"
 
 /// Passes towards what was solved, before both sides are drawn together.
 #define TRUE_PASSES 5
@@ -64,22 +65,27 @@ static float brightness(const rsv_bake_map *map, const rsv_bake_stitch *stitch, 
     return f_max(stitch->least, 0.5f * rgb_max(rgb_add(a, b)));
 }
 
+double rsv_bake_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitch)
+{
+    rsv_rgb jump;
+    float against = brightness(map, stitch, &jump);
+    return (double)(f_max(fabsf(jump.r), f_max(fabsf(jump.g), fabsf(jump.b))) / against);
+}
+
 static double largest_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitch, size_t count)
 {
     double most = 0;
-    for (size_t k = 0; k < count; k++) {
-        rsv_rgb jump;
-        float against = brightness(map, &stitch[k], &jump);
-        float size = f_max(fabsf(jump.r), f_max(fabsf(jump.g), fabsf(jump.b)));
-        most = fmax(most, (double)(size / against));
-    }
+    for (size_t k = 0; k < count; k++)
+        most = fmax(most, rsv_bake_jump(map, &stitch[k]));
     return most;
 }
 
 // ---- drawing both sides together ------------------------------------------------------------------
 
-/// Relative jumps as a linear map of the texels: row k is what its second side shows less its first.
+/// Relative jumps as a linear map of the texels: row k is what its second side shows less its first. Of one group, or of all,
+/// one after the other.
 typedef struct jumps {
+    const rsv_bake_stitch *stitch; ///< [count]
     size_t count, texel_count;
     uint32_t (*texel)[8]; ///< [count] among those that any stitch touches
     float (*weight)[8];   ///< [count] filtering over brightness, times the root of the texel's give
@@ -104,11 +110,12 @@ static void destroy_jumps(rsv_context *context, jumps *j)
 }
 
 /// @param number [texels of the map] of those touched so far, plus one; 0 = none
-static void add_side(jumps *j, const rsv_bake_map *map, uint32_t *number, size_t row, uint32_t side,
-    const rsv_bake_stitch *stitch)
+/// @param first the first texel of the group that the row is of
+static void add_side(
+    jumps *j, const rsv_bake_map *map, uint32_t *number, uint32_t first, size_t row, uint32_t side)
 {
-    footprint f = footprint_of(map, stitch->point[side]);
-    float factor = (side ? 1 : -1) / brightness(map, stitch, NULL);
+    footprint f = footprint_of(map, j->stitch[row].point[side]);
+    float factor = (side ? 1 : -1) / brightness(map, &j->stitch[row], NULL);
     for (uint32_t k = 0; k < 4; k++) {
         uint32_t *own = &number[f.texel[k]];
         if (!*own) {
@@ -116,19 +123,20 @@ static void add_side(jumps *j, const rsv_bake_map *map, uint32_t *number, size_t
             j->root[j->texel_count++] = sqrtf(f.give[k]);
             *own = (uint32_t)j->texel_count;
         }
-        j->texel[row][4 * side + k] = *own - 1;
+        j->texel[row][4 * side + k] = *own - 1 - first;
         j->weight[row][4 * side + k] = factor * f.weight[k] * sqrtf(f.give[k]);
     }
 }
 
-static rsv_status create_jumps(rsv_context *context, const rsv_bake_map *map,
-    const rsv_bake_stitch *stitch, size_t count, jumps *j)
+static rsv_status create_jumps(
+    rsv_context *context, const rsv_bake_map *map, const rsv_bake_stitch_groups *g, jumps *j)
 {
     rsv_status status;
-    size_t texels = (size_t)map->width * map->height,
+    size_t texels = (size_t)map->width * map->height, count = g->stitch_count,
            most = count < texels / 8 ? 8 * count : texels;
     uint32_t *number = rsv_alloc(context, texels, sizeof *number);
-    *j = (jumps){ .count = count,
+    *j = (jumps){ .stitch = g->stitch,
+        .count = count,
         .texel = rsv_alloc(context, count, sizeof *j->texel),
         .weight = rsv_alloc(context, count, sizeof *j->weight),
         .place = rsv_alloc(context, most, sizeof *j->place),
@@ -142,12 +150,34 @@ static rsv_status create_jumps(rsv_context *context, const rsv_bake_map *map,
                     j->step && j->slope && j->moved
                 ? RSV_OK
                 : RSV_ERROR_MEMORY);
-    for (size_t k = 0; k < count; k++)
-        for (uint32_t side = 0; side < 2; side++)
-            add_side(j, map, number, k, side, &stitch[k]);
+    for (size_t c = 0; c < g->count; c++) {
+        g->first_texel[c] = (uint32_t)j->texel_count;
+        for (size_t k = g->first_stitch[c]; k < g->first_stitch[c + 1]; k++)
+            for (uint32_t side = 0; side < 2; side++)
+                add_side(j, map, number, g->first_texel[c], k, side);
+    }
+    g->first_texel[g->count] = (uint32_t)j->texel_count;
 cleanup:
     rsv_free(context, number);
     return status;
+}
+
+/// What concerns one group.
+static jumps jumps_of(const jumps *all, const rsv_bake_stitch_groups *g, size_t group)
+{
+    size_t k = g->first_stitch[group], t = g->first_texel[group];
+    return (jumps){ .stitch = all->stitch + k,
+        .count = g->first_stitch[group + 1] - k,
+        .texel_count = g->first_texel[group + 1] - t,
+        .texel = all->texel + k,
+        .weight = all->weight + k,
+        .place = all->place + t,
+        .root = all->root + t,
+        .jump = all->jump + k,
+        .change = all->change + k,
+        .step = all->step + t,
+        .slope = all->slope + t,
+        .moved = all->moved + t };
 }
 
 static double square(const rsv_rgb *v, size_t count)
@@ -231,31 +261,44 @@ static void close_jumps(jumps *j, rsv_bake_map *map)
 }
 
 /// Makes those that are still open count for more: where not all can be closed, none stays far behind.
-static void stress_open(jumps *j, const rsv_bake_map *map, const rsv_bake_stitch *stitch)
+static void stress_open(jumps *j, const rsv_bake_map *map)
 {
     for (size_t k = 0; k < j->count; k++)
-        if (largest_jump(map, &stitch[k], 1) > CLOSED)
+        if (rsv_bake_jump(map, &j->stitch[k]) > CLOSED)
             for (int i = 0; i < 8; i++)
                 j->weight[k][i] *= STRESS;
+}
+
+static void close_group(jumps j, rsv_bake_map *map)
+{
+    for (int round = 0; round < MOST_ROUNDS && largest_jump(map, j.stitch, j.count) > CLOSED;
+         round++) {
+        close_jumps(&j, map);
+        if (round < STRESSED_ROUNDS) stress_open(&j, map);
+    }
 }
 
 rsv_status rsv_bake_stitch_up(rsv_context *context, const rsv_bake_stitch *stitch, size_t count,
     rsv_bake_map *map, double *largest)
 {
+    rsv_status status;
+    rsv_bake_stitch_groups g = { 0 };
+    jumps j = { 0 };
     *largest = largest_jump(map, stitch, count);
     if (*largest <= CLOSED) return RSV_OK;
+    RSV_TRY(rsv_bake_stitch_groups_create(context, map, stitch, count, &g));
     for (int pass = 0; pass < TRUE_PASSES; pass++)
         for (size_t k = 0; k < count; k++) {
-            show_truly(map, stitch[k].point[0], stitch[k].solved);
-            show_truly(map, stitch[k].point[1], stitch[k].solved);
+            show_truly(map, g.stitch[k].point[0], g.stitch[k].solved);
+            show_truly(map, g.stitch[k].point[1], g.stitch[k].solved);
         }
-    jumps j;
-    rsv_status status = create_jumps(context, map, stitch, count, &j);
-    for (int round = 0; status == RSV_OK && round<MOST_ROUNDS && * largest> CLOSED; round++) {
-        close_jumps(&j, map);
-        if (round < STRESSED_ROUNDS) stress_open(&j, map, stitch);
-        *largest = largest_jump(map, stitch, count);
-    }
+    RSV_TRY(create_jumps(context, map, &g, &j));
+#pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
+    for (size_t c = 0; c < g.count; c++)
+        close_group(jumps_of(&j, &g, c), map);
+    *largest = largest_jump(map, stitch, count);
+cleanup:
     destroy_jumps(context, &j);
+    rsv_bake_stitch_groups_destroy(context, &g);
     return status;
 }

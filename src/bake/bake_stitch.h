@@ -8,9 +8,13 @@
 typedef struct rsv_bake_stitch {
     rsv_rgb solved;
     float point[2][2]; ///< texels
+    uint32_t chart[2];
     float
         least; ///< light there, or what counts as dark: jumps are relative to it or, where the map is brighter, to that
 } rsv_bake_stitch;
+
+/// Jump that a map shows, relative to the light there.
+double rsv_bake_jump(const rsv_bake_map *map, const rsv_bake_stitch *stitch);
 
 /// Changes texels as little as it takes, mostly those beyond borders, until filtering shows what was solved and then, more
 /// strictly, the same light on both sides.

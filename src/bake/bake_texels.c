@@ -125,6 +125,29 @@ static void draw_triangle(const rasterizer *q, const rsv_bake_chart *chart, uint
             take_texel(q, &f, chart, k, x, y);
 }
 
+/// Lets texels that show nothing receive what the nearest others do: smaller versions of a map, and lookups beyond the
+/// border at the silhouettes of things, would find them dark.
+static rsv_status fill_gaps(rsv_context *context, rsv_bake_map *map)
+{
+    size_t texels = (size_t)map->width * map->height, count = 0;
+    uint32_t *queue = rsv_alloc(context, texels, sizeof *queue);
+    if (!queue) return RSV_ERROR_MEMORY;
+    for (uint32_t k = 0; k < texels; k++)
+        if (map->receiver[k].triangle != RSV_NONE) queue[count++] = k;
+    for (size_t n = 0; n < count; n++) {
+        uint32_t k = queue[n], x = k % map->width, y = k / map->width;
+        const bool inside[4] = { x > 0, x + 1 < map->width, y > 0, y + 1 < map->height };
+        const uint32_t next[4] = { k - 1, k + 1, k - map->width, k + map->width };
+        for (int side = 0; side < 4; side++) {
+            if (!inside[side] || map->receiver[next[side]].triangle != RSV_NONE) continue;
+            map->receiver[next[side]] = map->receiver[k];
+            queue[count++] = next[side];
+        }
+    }
+    rsv_free(context, queue);
+    return RSV_OK;
+}
+
 rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_part *parts,
     uint32_t width, uint32_t height, uint32_t padding, rsv_bake_map *map, uint8_t *overlap)
 {
@@ -147,7 +170,7 @@ rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_par
     for (size_t c = 0; c < charts->count; c++)
         for (uint32_t k = 0; k < charts->chart[c].triangle_count; k++)
             draw_triangle(&q, &charts->chart[c], charts->chart[c].first + k);
-    return RSV_OK;
+    return fill_gaps(context, map);
 }
 
 void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map)
@@ -160,24 +183,36 @@ void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map)
 }
 
 /// Keeps what lies beyond a border near to what is on it.
-static void limit(rsv_bake_receiver *r, rsv_rgb on, rsv_rgb back)
+static float limit(float beyond, rsv_rgb on, rsv_rgb back)
 {
     float change = f_max(fabsf(on.r - back.r), f_max(fabsf(on.g - back.g), fabsf(on.b - back.b)));
     float most = MOST_BEYOND * f_min(on.r, f_min(on.g, on.b));
-    if (change > most) r->beyond = change > 0 ? most / change : 0;
+    if (change <= most) return beyond;
+    return change > 0 ? most / change : 0;
+}
+
+static rsv_rgb light_of(const rsv_solution *s, rsv_bake_receiver r)
+{
+    if (r.beyond > 0)
+        r.beyond = limit(r.beyond, rsv_bake_shown(s, r.triangle, r.back, r.u, r.v),
+            rsv_bake_shown(s, r.triangle, r.back, r.u_back, r.v_back));
+    return rsv_bake_irradiance(s, &r);
 }
 
 void rsv_bake_map_light(const rsv_solution *s, rsv_bake_map *map)
 {
     size_t texels = (size_t)map->width * map->height;
 #pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(s->context))
-    for (size_t k = 0; k < texels; k++) {
-        rsv_bake_receiver *r = &map->receiver[k];
-        if (r->beyond > 0)
-            limit(r, rsv_bake_shown(s, r->triangle, r->back, r->u, r->v),
-                rsv_bake_shown(s, r->triangle, r->back, r->u_back, r->v_back));
-        map->light[k] = rsv_bake_irradiance(s, r);
-    }
+    for (size_t k = 0; k < texels; k++)
+        map->light[k] = light_of(s, map->receiver[k]);
+}
+
+double rsv_bake_map_sum(const rsv_bake_map *map)
+{
+    double sum = 0;
+    for (size_t k = 0; k < (size_t)map->width * map->height; k++)
+        if (map->distance[k] < 0.5f) sum += (double)rgb_luminance(map->light[k]);
+    return sum;
 }
 
 void rsv_bake_map_locate(

@@ -8,7 +8,8 @@
 typedef struct rsv_bake_map {
     uint32_t width, height;
     rsv_bake_receiver *receiver; ///< [height * width]
-    float *distance; ///< [height * width] texels from the chart; INFINITY = shows nothing
+    float *
+        distance; ///< [height * width] texels from the chart; INFINITY = shows nothing, and receives what others do
     uint32_t *owner; ///< [height * width] triangle of rsv_bake_charts around it
     rsv_rgb *light;  ///< [height * width]
 } rsv_bake_map;
@@ -20,7 +21,7 @@ rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_par
     uint32_t width, uint32_t height, uint32_t padding, rsv_bake_map *map, uint8_t *overlap);
 void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map);
 
-/// Light of all texels. @return by status
+/// Light of all texels.
 void rsv_bake_map_light(const rsv_solution *solution, rsv_bake_map *map);
 
 /// The upper left one of the four texels around a place in texels, and the place between them, 0..1.
@@ -29,6 +30,9 @@ void rsv_bake_map_locate(
 
 /// Bilinear lookup at a place in texels.
 rsv_rgb rsv_bake_map_lookup(const rsv_bake_map *map, const float point[2]);
+
+/// Sum of the luminance of the texels that surfaces show.
+double rsv_bake_map_sum(const rsv_bake_map *map);
 
 /// Share of the texels that surfaces show.
 double rsv_bake_map_coverage(const rsv_bake_map *map);

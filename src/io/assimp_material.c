@@ -199,7 +199,8 @@ void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
         take_phong(source, kind, material);
     rsv_rgb emission = read_color(source, AI_MATKEY_COLOR_EMISSIVE, rgb_gray(0));
     material->emission = rgb_scale(emission, read_float(source, AI_MATKEY_EMISSIVE_INTENSITY, 1));
-    // these formats show both sides of a polygon; a lamp shines from its front, as everywhere here
-    material->double_sided = rgb_is_black(material->emission);
+    // these formats show both sides of a polygon; a lamp shines from its front, as everywhere here, and the surface of a
+    // body separates inside from outside
+    material->double_sided = rgb_is_black(material->emission) && material->thickness == 0;
     warn_of_losses(context, source, material);
 }

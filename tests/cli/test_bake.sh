@@ -112,9 +112,47 @@ assert lit and all(m["extensions"]["MOZ_lightmap"]["intensity"] > 0 for m in lit
 assert all("TEXCOORD_1" in p["attributes"] for mesh in g["meshes"] for p in mesh["primitives"]
            if "MOZ_lightmap" in g["materials"][p["material"]].get("extensions", {}))
 TEXT
-# baked once more, its second texture coordinates are kept; one of them out of range, they are made anew
+# baked once more, its second texture coordinates are kept; what cannot hold light is reported, and made anew
 succeeds bake map.glb -o again.glb --to lightmap --quality draft --map-size 256 --dry-run
 ! grep -q 'new ones are made' stderr || complain "texture coordinates of our own are refused"
+python3 - <<'TEXT' || complain "the texture coordinates cannot be spoilt"
+import json, struct
+raw = open("map.glb", "rb").read()
+n = struct.unpack("<I", raw[12:16])[0]
+g, binary = json.loads(raw[20:20 + n]), raw[28 + n:]
+lit = [p for mesh in g["meshes"] for p in mesh["primitives"] if "TEXCOORD_1" in p["attributes"]]
+def write(name, change):
+    data = bytearray(binary)
+    for p in lit:
+        a = g["accessors"][p["attributes"]["TEXCOORD_1"]]
+        at = g["bufferViews"][a["bufferView"]].get("byteOffset", 0) + a.get("byteOffset", 0)
+        for k in range(a["count"]):
+            uv = struct.unpack_from("<2f", data, at + 8 * k)
+            struct.pack_into("<2f", data, at + 8 * k, *change(k, *uv))
+    g["buffers"][0] = {"byteLength": len(data), "uri": name + ".bin"}
+    open(name + ".bin", "wb").write(data)
+    json.dump(g, open(name + ".gltf", "w"))
+write("outside", lambda k, u, v: (u + 1, v))
+write("overlapping", lambda k, u, v: ((k % 2), (k // 2 % 2)))
+write("flat", lambda k, u, v: (0.5, 0.5))
+# a triangle of no area among others
+p = lit[0]
+a = g["accessors"][p["indices"]]
+at = g["bufferViews"][a["bufferView"]].get("byteOffset", 0) + a.get("byteOffset", 0)
+size = {5121: 1, 5123: 2, 5125: 4}[a["componentType"]]
+data = bytearray(binary)
+data[at + size:at + 3 * size] = 2 * data[at:at + size]
+g["buffers"][0] = {"byteLength": len(data), "uri": "sliver.bin"}
+open("sliver.bin", "wb").write(data)
+json.dump(g, open("sliver.gltf", "w"))
+TEXT
+few=(--to lightmap --quality draft --max-elements 300 --map-size 256 --dry-run)
+for case in 'outside:leave the unit square' 'overlapping:overlap' 'flat:have no area'; do
+    succeeds bake "${case%%:*}.gltf" -o "$out/x.glb" "${few[@]}"
+    warns "second texture coordinates ${case#*:}; new ones are made"
+    says '^coverage    [6-9][0-9]'
+done
+succeeds bake sliver.gltf -o "$out/x.glb" "${few[@]}"
 run bake two-rooms -o "$out/x.glb" --to lightmap --quality draft --map-size 16
 ((status == 1)) || complain "51 charts fit into 16 x 16 texels"
 warns 'do not fit'

@@ -1,6 +1,7 @@
 /// Light for normals that are not the surface's own; charts in a map.
 #include "bake/bake_directions.h"
 #include "bake/bake_pack.h"
+#include "bake/bake_stitch.h"
 #include "bake/bake_texels.h"
 #include "resolvent/render.h"
 #include "unit/scene_fixture.h"
@@ -92,7 +93,8 @@ static void make_triangles(rsv_bake_charts *c)
 {
     for (uint32_t k = 0; k < CHARTS; k++) {
         float w = 0.2f + 0.01f * (float)(k * 37 % 101), h = 0.2f + 0.01f * (float)(k * 53 % 97);
-        c->chart[k] = (rsv_bake_chart){ .first = k, .triangle_count = 1, .size = { w, h } };
+        c->chart[k] =
+            (rsv_bake_chart){ .first = k, .triangle_count = 1, .size = { w, h }, .detail = 1 };
         c->triangle[k] = k;
         const float corner[3][2] = { { 0, 0 }, { w, 0 }, { k % 2 ? w : 0, h } };
         memcpy(c->corner[k], corner, sizeof corner);
@@ -143,14 +145,63 @@ static void charts_lie_close_and_filtering_keeps_them_apart(void **state)
                 at[c] = corner[k][0][c] * (1 - a - b) + corner[k][1][c] * a + corner[k][2][c] * b;
             assert_true(is_alone(&map, &chart[k], at));
         }
+    for (size_t k = 0; k < (size_t)map.width * map.height; k++)
+        assert_int_not_equal(map.receiver[k].triangle, RSV_NONE); // gaps show what is next to them
     assert_int_equal(rsv_bake_pack(&charts, 110, 2, SIDE, SIDE, &height), RSV_OK);
     assert_int_equal(height, UINT32_MAX);
     rsv_bake_map_destroy(f->context, &map);
 }
 
+#define ROWS 24
+#define COLUMNS 16
+#define STITCHES 40
+
+/// Light of a lamp in a map, and what it is on both sides of a seam that runs through it twice, at a slant.
+static void light_seam(int lamp, rsv_rgb *light, rsv_bake_stitch *stitch)
+{
+    for (int k = 0; k < ROWS * COLUMNS; k++)
+        light[k] = rgb_gray((lamp ? 5 : 1) + sinf((float)(k * (lamp + 1))) +
+                            (float)(k % COLUMNS) * (lamp ? -0.2f : 1));
+    for (int k = 0; k < STITCHES; k++) {
+        float t = (float)k / STITCHES;
+        stitch[k] = (rsv_bake_stitch){ .solved = rgb_gray(lamp ? 4 - t : 8 + t),
+            .point = { { 3 + t, 2 + 18 * t }, { 11 + 2 * t, 3 + 17 * t } },
+            .least = lamp ? 3 : 8 };
+    }
+}
+
+static void seams_of_single_lights_are_closed_for_all_their_strengths(void **state)
+{
+    const fixture *f = *state;
+    static rsv_rgb light[3][ROWS * COLUMNS];
+    static float distance[ROWS * COLUMNS];
+    rsv_bake_stitch stitch[STITCHES];
+    rsv_bake_map map = { .width = COLUMNS, .height = ROWS, .distance = distance };
+    double largest;
+    for (int lamp = 0; lamp < 2; lamp++) {
+        map.light = light[lamp];
+        light_seam(lamp, map.light, stitch);
+        assert_int_equal(rsv_bake_stitch_up(f->context, stitch, STITCHES, &map, &largest), RSV_OK);
+        assert_true(largest < 0.01);
+    }
+    static const float strength[][2] = { { 1, 1 }, { 4, 0.1f }, { 0.05f, 3 }, { 0, 1 } };
+    map.light = light[2];
+    for (int mix = 0; mix < 4; mix++) {
+        for (int k = 0; k < ROWS * COLUMNS; k++)
+            light[2][k] =
+                rgb_mad(rgb_scale(light[0][k], strength[mix][0]), strength[mix][1], light[1][k]);
+        for (int k = 0; k < STITCHES; k++)
+            stitch[k].least = 8 * strength[mix][0] + 3 * strength[mix][1];
+        for (int k = 0; k < STITCHES; k++)
+            assert_true(rsv_bake_jump(&map, &stitch[k]) < 0.01);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(seams_of_single_lights_are_closed_for_all_their_strengths,
+            fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             charts_lie_close_and_filtering_keeps_them_apart, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(

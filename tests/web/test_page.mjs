@@ -1,51 +1,10 @@
 // The page in headless Chromium: baked scenes look like our own pictures, follow their lights, and say what is wrong.
 // usage: test_page.mjs WEB_FOLDER BUILT_PAGE [FOLDER_FOR_SCREENSHOTS]
-import { createServer } from "node:http";
-import { readFile } from "node:fs/promises";
-import { createRequire } from "node:module";
-import { join, normalize, resolve } from "node:path";
+import { join } from "node:path";
+import { PageTest } from "./browser.mjs";
 
 const [web, page_folder, screenshots] = process.argv.slice(2);
-const { chromium } = createRequire(resolve(web, "package.json"))("playwright-core");
-const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
-let failures = 0;
-
-function check(condition, what) {
-    if (!condition) console.log("FAILED:", what);
-    failures += !condition;
-}
-
-const server = createServer(async (request, response) => {
-    const path = normalize(new URL(request.url, "http://localhost").pathname).replace(/\/$/, "/index.html");
-    try {
-        let body = await readFile(join(page_folder, path.replace("/truncated/", "/scene/")));
-        if (path.startsWith("/truncated/")) body = body.subarray(0, body.length / 2);
-        response.setHeader("content-type", types[path.slice(path.lastIndexOf("."))] ?? "application/octet-stream");
-        response.end(body);
-    } catch {
-        response.statusCode = 404;
-        response.end();
-    }
-}).listen(0);
-const address = `http://localhost:${server.address().port}/`;
-const browser = await chromium.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
-});
-
-async function open(query, setup) {
-    const page = await browser.newPage({ viewport: { width: 256, height: 256 } });
-    if (setup) await page.addInitScript(setup);
-    await page.goto(address + query);
-    await page.evaluate(() => window.page.then(() => true));
-    return page;
-}
-
-async function compare(page, picture) {
-    const difference = await page.evaluate((url) => window.page.then((shown) => shown.compareWith(url)), picture);
-    console.log(`${picture}: mean difference per channel`, difference.map((d) => `${(100 * d).toFixed(2)} %`).join(", "));
-    check(difference.every((d) => d <= 0.02), `the page differs from ${picture}`);
-}
+const test = await PageTest.create(web, page_folder, 256);
 
 /// The largest channel of what is shown.
 function brightest(page) {
@@ -67,18 +26,15 @@ async function slide(page, selector, value) {
 }
 
 async function photograph(page, name) {
-    if (!screenshots) return;
-    await page.setViewportSize({ width: 720, height: 540 });
-    await page.screenshot({ path: join(screenshots, name) });
-    await page.setViewportSize({ width: 256, height: 256 });
+    if (screenshots) await test.photograph(page, join(screenshots, name));
 }
 
-const page = await open("");
-await compare(page, "scene/box-operator.png");
+const page = await test.open("");
+await test.compare(page, "scene/box-operator.png");
 await photograph(page, "web.png");
 await slide(page, "[data-light]", 0);
 const dark = await page.evaluate(() => window.page.then((shown) => shown.basis.irradiance.every((value) => value === 0)));
-check(dark, "the only light is off, and it is not dark");
+test.check(dark, "the only light is off, and it is not dark");
 
 // last, as it takes the memory of the basis that is shown
 const milliseconds = await page.evaluate(() => window.page.then(({ basis }) => {
@@ -92,22 +48,51 @@ const milliseconds = await page.evaluate(() => window.page.then(({ basis }) => {
 }));
 console.log(`100,000 receivers, 4 lights: ${milliseconds.toFixed(3)} ms`);
 
-const map = await open("?scene=scene/map");
-await compare(map, "scene/box-operator.png");
+const map = await test.open("?scene=scene/map");
+await test.compare(map, "scene/box-operator.png");
 await photograph(map, "web-map.png");
 await slide(map, "[data-light]", 0);
-check(await brightest(map) === 0, "the only light is off, and a lightmap still shines");
+test.check(await brightest(map) === 0, "the only light is off, and a lightmap still shines");
 
-const hill = await open("?scene=scene/hill");
+const hill = await test.open("?scene=scene/hill");
 await slide(hill, "#turn", 90);
-await compare(hill, "scene/hill-turned.png");
+await test.compare(hill, "scene/hill-turned.png");
 await photograph(hill, "web-sky.png");
+
+// day and night: the sky turns by itself while the box is ticked, and the light with it
+const day = hill.getByRole("checkbox", { name: "Day and night" });
+const sky = () => hill.evaluate(() => window.page.then(({ basis }) => ({ degrees: Number(document.querySelector("#turn").value),
+    light: basis.irradiance.reduce((sum, value) => sum + value, 0) })));
+await slide(hill, "#turn", 0);
+const noon = await sky();
+await day.check();
+await hill.waitForFunction(() => document.querySelector("#turn").value > 20);
+await day.uncheck();
+const later = await sky();
+test.check(Math.abs(later.light - noon.light) > 0.01 * noon.light, `the sky turned by ${later.degrees} degrees, and light is the same`);
+await hill.waitForTimeout(100);
+test.check((await sky()).degrees === later.degrees, "the sky goes on after the box was cleared");
+
+// a headset: offered where there is one, and asked for a session by the button
+const headset = await test.open("", () => {
+    const xr = Object.assign(new EventTarget(), {
+        isSessionSupported: async (mode) => mode === "immersive-vr",
+        requestSession: (mode) => { window.asked = mode; return new Promise(() => {}); },
+    });
+    Object.defineProperty(navigator, "xr", { value: xr });
+});
+const button = headset.locator("#VRButton");
+await headset.waitForFunction(() => document.querySelector("#VRButton")?.textContent === "ENTER VR");
+await button.click();
+test.check(await headset.evaluate(() => window.asked) === "immersive-vr", "the button asks for no session");
+await test.compare(headset, "scene/box-operator.png");
+test.check(await page.locator("#VRButton").count() === 0, "a headset is offered where there is none");
 
 /// What the page says of a scene that it cannot show, or not whole.
 async function says(query, words) {
-    const page = await open(`?scene=${query}`);
+    const page = await test.open(`?scene=${query}`);
     const message = await page.locator("#message").innerText();
-    check(words.test(message), `${query}: "${message}"`);
+    test.check(words.test(message), `${query}: "${message}"`);
     return page;
 }
 
@@ -127,12 +112,9 @@ const complaints = await page.evaluate(async () => {
     const fails = (bytes) => basis.constructor.create(module, bytes.buffer).then(() => "none", (error) => error.message);
     return [await fails(file), await fails(file.slice(0, 5000)), await fails(new Uint8Array(4))];
 });
-check(/names \d+ lights and holds \d+/.test(complaints[0]), `a light too few: "${complaints[0]}"`);
-check(complaints.slice(1).every((message) => /cut off/.test(message)), `a basis cut off: "${complaints}"`);
-const flat = await open("", () => { HTMLCanvasElement.prototype.getContext = () => null; });
-check(await flat.locator("#still").isVisible(), "no WebGL, and no still picture");
+test.check(/names \d+ lights and holds \d+/.test(complaints[0]), `a light too few: "${complaints[0]}"`);
+test.check(complaints.slice(1).every((message) => /cut off/.test(message)), `a basis cut off: "${complaints}"`);
+const flat = await test.open("", () => { HTMLCanvasElement.prototype.getContext = () => null; });
+test.check(await flat.locator("#still").isVisible(), "no WebGL, and no still picture");
 
-await browser.close();
-server.close();
-if (!failures) console.log("all passed");
-process.exit(failures ? 1 : 0);
+await test.close();

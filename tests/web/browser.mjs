@@ -1,0 +1,76 @@
+// What tests of the page share: a server, headless Chromium, and a count of what failed.
+import { createServer } from "node:http";
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { join, normalize, resolve } from "node:path";
+
+const types = { ".html": "text/html", ".js": "text/javascript", ".wasm": "application/wasm", ".png": "image/png" };
+
+/// Serves a folder; what is under /truncated/ is cut in half.
+function serve(folder) {
+    return createServer(async (request, response) => {
+        const path = normalize(new URL(request.url, "http://localhost").pathname).replace(/\/$/, "/index.html");
+        try {
+            let body = await readFile(join(folder, path.replace("/truncated/", "/scene/")));
+            if (path.startsWith("/truncated/")) body = body.subarray(0, body.length / 2);
+            response.setHeader("content-type", types[path.slice(path.lastIndexOf("."))] ?? "application/octet-stream");
+            response.end(body);
+        } catch {
+            response.statusCode = 404;
+            response.end();
+        }
+    }).listen(0);
+}
+
+export class PageTest {
+    failures = 0;
+
+    /// @param web folder of the page's sources @param folder the built page @param side of the view, pixels
+    static async create(web, folder, side) {
+        const test = new PageTest();
+        const { chromium } = createRequire(resolve(web, "package.json"))("playwright-core");
+        test.side = side;
+        test.server = serve(folder);
+        test.address = `http://localhost:${test.server.address().port}/`;
+        test.browser = await chromium.launch({
+            executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+            args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"],
+        });
+        return test;
+    }
+
+    check(condition, what) {
+        if (!condition) console.log("FAILED:", what);
+        this.failures += !condition;
+    }
+
+    /// @param setup runs in the page before its own code
+    async open(query, setup) {
+        const page = await this.browser.newPage({ viewport: { width: this.side, height: this.side } });
+        page.on("pageerror", (error) => this.check(false, `${query}: ${error.message}`));
+        if (setup) await page.addInitScript(setup);
+        await page.goto(this.address + query);
+        await page.evaluate(() => window.page.then(() => true));
+        return page;
+    }
+
+    /// Mean difference per channel from one of our own pictures.
+    async compare(page, picture, most = 0.02) {
+        const difference = await page.evaluate((url) => window.page.then((shown) => shown.compareWith(url)), picture);
+        console.log(`${picture}: mean difference per channel`, difference.map((d) => `${(100 * d).toFixed(2)} %`).join(", "));
+        this.check(difference.every((d) => d <= most), `the page differs from ${picture}`);
+    }
+
+    async photograph(page, path, width = 720, height = 540) {
+        await page.setViewportSize({ width, height });
+        await page.screenshot({ path });
+        await page.setViewportSize({ width: this.side, height: this.side });
+    }
+
+    async close() {
+        await this.browser.close();
+        this.server.close();
+        if (!this.failures) console.log("all passed");
+        process.exit(this.failures ? 1 : 0);
+    }
+}
