@@ -1,5 +1,7 @@
 #include "source.h"
 
+#include "../operator/element_keys.h"
+#include "../operator/past.h"
 #include "budget.h"
 #include "goal.h"
 
@@ -56,12 +58,46 @@ void rsv_source_add_gathered(rsv_solution *s)
     rsv_source_complete(s);
 }
 
+/// Direct light that is what it was before the scene was edited. @param known [node_count], out
+static rsv_status recall_direct(rsv_solution *s, uint8_t *known)
+{
+    const rsv_elements *e = s->elements;
+    rsv_status status;
+    uint64_t *key = NULL;
+    uint8_t *lit_anew = NULL;
+    RSV_TRY(rsv_node_keys_create(e, &key));
+    RSV_TRY(rsv_past_find_lit_anew(s->scene.past, e, &lit_anew));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE || rsv_past_is_node_lit_anew(e, n, lit_anew)) continue;
+        const rsv_past_node *then =
+            rsv_past_find_node(s->scene.past, RSV_PAST_COARSE, e, n, key[n]);
+        known[n] = then != NULL;
+        if (then) s->source[n] = then->direct;
+    }
+cleanup:
+    rsv_free(s->context, key);
+    rsv_free(s->context, lit_anew);
+    return status;
+}
+
+rsv_status rsv_source_estimate(rsv_solution *s, const uint8_t *known)
+{
+    return rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
+        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, known,
+        s->source, NULL, &s->report.rays);
+}
+
 rsv_status rsv_source_create(rsv_solution *s)
 {
-    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, NULL,
-        s->source, NULL, &s->report.rays);
-    if (status == RSV_OK) rsv_source_add_gathered(s);
+    rsv_status status;
+    uint8_t *known = rsv_alloc(s->context, s->elements->node_count, 1);
+    RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
+    if (s->scene.past) RSV_TRY(recall_direct(s, known));
+    RSV_TRY(rsv_source_estimate(s, known));
+    rsv_source_add_gathered(s);
+cleanup:
+    rsv_free(s->context, known);
     return status;
 }
 
