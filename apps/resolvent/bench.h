@@ -73,6 +73,11 @@ void cli_print_fps(const struct cJSON *result);
 bool cli_write_fps_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_fps_plot(const char *path, const struct cJSON *scenes);
 
+/// An object moved: solving again from what is kept of the solution before, beside solving as a whole.
+bool cli_bench_rebake(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_rebake(const struct cJSON *result);
+bool cli_write_rebake_csv(const char *path, const struct cJSON *scenes);
+
 /// A light moved, and the strengths of all changed: what that costs until E0 is right, and until E is.
 bool cli_bench_move(const cli_bench_task *bench, struct cJSON *result);
 void cli_print_move(const struct cJSON *result);

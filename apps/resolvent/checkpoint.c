@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "crew.h"
+#include "output_file.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -9,6 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+enum { SCENE_DIGITS = 16 }; ///< of a scene's fingerprint, in the name of its folder
 
 static bool make_folder(const char *path) { return mkdir(path, 0777) == 0 || errno == EEXIST; }
 
@@ -30,25 +33,76 @@ static bool is_later(const struct stat *a, const struct stat *b)
                                                   : a->st_mtim.tv_nsec > b->st_mtim.tv_nsec;
 }
 
-/// Finds the folder that was written to last of those for other scenes: this scene before it was edited, most likely. If
-/// it is not, its rows are of no use, and do no harm.
+/// Whether an entry of the folder holds what was kept of another scene by this version of the program.
+/// @param path out: [PATH_MAX] of it
+static bool is_other_scene(const cli_checkpoint *c, const char *name, char *path)
+{
+    char version[64];
+    struct stat info;
+    int length = snprintf(version, sizeof version, "%s-", rsv_version());
+    return strncmp(name, version, (size_t)length) == 0 &&
+           strspn(name + length, "0123456789abcdef") == SCENE_DIGITS &&
+           strlen(name) == (size_t)length + SCENE_DIGITS &&
+           snprintf(path, PATH_MAX, "%s/%s", c->folder, name) < PATH_MAX &&
+           strcmp(path, c->rows) != 0 && lstat(path, &info) == 0 && S_ISDIR(info.st_mode);
+}
+
+/// Whether a solution was finished there, and left behind what it knew.
+static bool is_finished(const char *path)
+{
+    bool found = false;
+    DIR *directory = opendir(path);
+    for (struct dirent *entry; directory && !found && (entry = readdir(directory));)
+        found = cli_ends_in(entry->d_name, ".past");
+    if (directory) closedir(directory);
+    return found;
+}
+
+/// Finds the folder that was written to last of those for other scenes, of finished solutions if there are any: this
+/// scene before it was edited, most likely. If it is not, what it holds is of no use, and does no harm.
 static void find_earlier(cli_checkpoint *c)
 {
-    struct stat latest = { 0 };
-    char version[64];
-    int length = snprintf(version, sizeof version, "%s-", rsv_version());
+    struct stat latest = { 0 }, info;
+    bool finished = false;
+    char path[PATH_MAX];
     DIR *directory = opendir(c->folder);
     for (struct dirent *entry; directory && (entry = readdir(directory));) {
-        struct stat info;
-        char path[PATH_MAX];
-        if (strncmp(entry->d_name, version, (size_t)length) != 0 ||
-            snprintf(path, sizeof path, "%s/%s", c->folder, entry->d_name) >= PATH_MAX ||
-            strcmp(path, c->rows) == 0 || stat(path, &info) != 0 || !S_ISDIR(info.st_mode))
-            continue;
-        if (c->earlier[0] && !is_later(&info, &latest)) continue;
+        if (!is_other_scene(c, entry->d_name, path) || stat(path, &info) != 0) continue;
+        bool is = is_finished(path), better = is != finished ? is : is_later(&info, &latest);
+        if (c->earlier[0] && !better) continue;
         latest = info;
+        finished = is;
         memcpy(c->earlier, path, sizeof path);
     }
+    if (directory) closedir(directory);
+}
+
+/// Removes a folder and the files in it that runs leave there.
+static void remove_kept(const char *path)
+{
+    static const char *const endings[] = { ".rows", ".scene", ".past", ".part" };
+    char file[PATH_MAX];
+    DIR *directory = opendir(path);
+    for (struct dirent *entry; directory && (entry = readdir(directory));) {
+        bool ours = false;
+        for (size_t k = 0; k < sizeof endings / sizeof endings[0]; k++)
+            ours = ours || cli_ends_in(entry->d_name, endings[k]);
+        if (ours && snprintf(file, sizeof file, "%s/%s", path, entry->d_name) < PATH_MAX)
+            unlink(file);
+    }
+    if (directory) closedir(directory);
+    rmdir(path);
+}
+
+void cli_checkpoint_prune(const cli_checkpoint *c)
+{
+    char path[PATH_MAX];
+    if (!c->folder || !cli_crew_speaks() || !is_finished(c->rows)) return;
+    DIR *directory = opendir(c->folder);
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        if (is_other_scene(c, entry->d_name, path) && strcmp(path, c->earlier) != 0 &&
+            is_finished(path))
+            remove_kept(path);
     if (directory) closedir(directory);
 }
 

@@ -25,13 +25,17 @@ typedef struct cli_checkpoint {
 #define CLI_CHECKPOINT_HELP                                                                        \
     "  --checkpoint DIR   keep rows in DIR while they are traced: the same command, after an\n"    \
     "                     interrupt or a crash, goes on there, and ends with the same bytes.\n"    \
-    "                     After an edit of the scene, what rays met and is still there is not\n"   \
-    "                     traced again. May be deleted at any time\n"                              \
+    "                     After an edit of the scene, only what it may have changed is\n"          \
+    "                     done again (DIR keeps two). May be deleted at any time\n"                \
     "  --resume           refuse to begin anew: DIR must hold rows of this scene\n"
 
 /// Makes the folder for a scene's rows, and lets the solve use it. Does nothing where none is asked for.
 /// @return false after a message
 bool cli_checkpoint_prepare(
     cli_session *session, cli_checkpoint *checkpoint, const rsv_scene *scene, rsv_solve_desc *desc);
+
+/// After a solution is done: keeps what belongs to its scene and to the one before, and removes what is left of finished
+/// solutions of others.
+void cli_checkpoint_prune(const cli_checkpoint *checkpoint);
 
 #endif

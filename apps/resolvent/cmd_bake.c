@@ -198,6 +198,7 @@ static int bake(cli_session *session, settings *s, const rsv_scene *scene, const
         status = bake_to[s->target](solution, input, s->output, &s->bake, &report);
     rsv_solution_destroy(solution);
     if (status != RSV_OK) return cli_report_failure(session, status);
+    cli_checkpoint_prune(&s->checkpoint);
     cli_progress_clear(&session->progress);
     print_report(s, &report);
     return !s->stats || write_stats(session, s, &report) ? CLI_SUCCESS : CLI_FAILURE;

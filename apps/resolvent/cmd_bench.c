@@ -38,6 +38,8 @@ static const char help[] =
     "            behind. On cornell-plaster and cornell-showcase with 100,000 triangles\n"
     "  move      milliseconds until all is lit anew: one light moved, and strengths of all lights\n"
     "            changed. On cornell-plaster and cornell-showcase with 200,000 triangles\n"
+    "  rebake    one object moved: solving again from what --checkpoint keeps, beside solving the\n"
+    "            scene as a whole, and by how much the two solutions differ; on gallery\n"
     "  fig8      frames per second against ambient occlusion, by rays and from the depth buffer,\n"
     "            over meshes of 128, 512, 1024 and 3096 KB\n"
     "  certificate  bounds and estimates of `certify` beside the true error against path tracing,\n"
@@ -146,6 +148,13 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_move_csv,
         .scenes = { "cornell-plaster", "cornell-showcase" },
         .repetitions = 9 },
+    { .name = "rebake",
+        .run = cli_bench_rebake,
+        .print = cli_print_rebake,
+        .write_csv = cli_write_rebake_csv,
+        .scenes = { "gallery" },
+        .repetitions = 1,
+        .quality = RSV_QUALITY_MEDIUM },
     { .name = "goal",
         .run = cli_bench_goal,
         .print = cli_print_goal,
@@ -290,7 +299,7 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error("bench", "--reference belongs to bench quality");
     if ((s->csv && !b->write_csv) || (s->plot && !b->write_plot))
         return cli_usage_error("bench", "--csv and --plot belong to bench quality, solvers, "
-                                        "certificate, goal, levels, fps, fig8 and scale");
+                                        "certificate, goal, rebake, levels, fps, fig8 and scale");
     if (s->mesh && b->run == cli_bench_fig8)
         return cli_usage_error(
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");

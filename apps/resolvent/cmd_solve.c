@@ -106,6 +106,7 @@ static int run(cli_session *session, settings *s)
     rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
     if (status == RSV_OK) status = print_eigenvalues(s, subject.solution);
     if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);
+    if (status == RSV_OK) cli_checkpoint_prune(&s->checkpoint);
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (!s->stats || write_stats(session, s, subject.solution))

@@ -59,12 +59,13 @@ typedef struct rsv_solve_desc {
     size_t
         max_bytes; ///< of memory for the whole process, as far as the solution can keep it by larger
                    ///< elements and fewer rays; 0 = no limit
-    /// Folder that keeps rows of G while they are traced, so that a run that is killed goes on where it was; for one scene
+    /// Folder that keeps rows of G while they are traced, so that a run that is killed goes on where it was, and what a
+    /// finished solution knows, for the next one after an edit; for one scene
     /// (rsv_scene_fingerprint) and one version of the library. It must exist; borrowed. NULL (default) = none.
     const char *checkpoint;
-    /// Such a folder of the scene before it was edited (objects moved, added or removed, materials changed): what its rows
-    /// met and still holds is not traced again. The solution is that of a run without. Has a use only beside `checkpoint`;
-    /// borrowed. NULL (default) = none.
+    /// Such a folder of the scene before it was edited (objects moved, added or removed, materials changed): what its
+    /// solution knew and still holds is not found again. The solution is that of a run without, within its sampling error.
+    /// Has a use only beside `checkpoint`; borrowed. NULL (default) = none.
     const char *earlier;
 } rsv_solve_desc;
 

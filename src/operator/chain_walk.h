@@ -17,6 +17,7 @@ typedef struct rsv_transport_scene {
     const char
         *checkpoint;     ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
     const char *earlier; ///< that of an earlier version of the scene; NULL = none
+    const struct rsv_past *past; ///< what its solve knew (past.h); NULL = nothing
 } rsv_transport_scene;
 
 /// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.

@@ -1,8 +1,10 @@
 #include "contact.h"
 
 #include "../core/team.h"
+#include "element_keys.h"
 #include "elements_internal.h"
 #include "open_corners.h"
+#include "past.h"
 
 #include <string.h>
 
@@ -69,9 +71,14 @@ static allowance afford(const rsv_elements *e, size_t most_nodes, float least, u
     return (allowance){ least, step_below > 0 ? (float)share : 0 };
 }
 
-static bool is_affordable(const rsv_elements *e, uint32_t cell, const allowance *a, uint32_t splits)
+/// @param past decides where it knows: what is affordable depends on the whole scene
+static bool is_affordable(
+    const rsv_past *past, const rsv_elements *e, uint32_t cell, const allowance *a, uint32_t splits)
 {
     if (e->cell[cell].level >= RSV_MAX_LEVEL) return false;
+    if (past && !rsv_past_is_near(past, e, cell))
+        return rsv_past_was_split(past, RSV_PAST_COARSE,
+            rsv_cell_key_on(rsv_face_key(e, e->cell[cell].face), &e->cell[cell]));
     uint8_t openness = e->cell_openness[cell];
     float size = cell_size(e, cell), drawn = rsv_unit_float(rsv_hash(cell));
     return is_worth_splitting(openness, size, e->spacing, a->least, splits) ||
@@ -99,7 +106,7 @@ rsv_status rsv_elements_refine_contacts(
         size_t left = most > e->node_count ? most - e->node_count : 0;
         allowance a = afford(e, left, least, level);
         for (uint32_t c = 0; c < e->cell_count; c++)
-            marked += split[c] = is_affordable(e, c, &a, level);
+            marked += split[c] = is_affordable(scene->past, e, c, &a, level);
         least = a.least;
         status = marked ? rsv_elements_refine(e, split, elements) : RSV_OK;
         rsv_free(context, split);
@@ -276,6 +283,20 @@ static void reattach_hanging(rsv_elements *e, const hanging_edge *edge)
             e->hanging[h].parent[p] = e->cell_node[edge[h].cell][edge[h].corner[p]];
 }
 
+/// Marks nodes that no wall divided before the scene was edited, and none does now.
+static rsv_status mark_whole(const rsv_past *past, const rsv_elements *e, uint8_t *whole)
+{
+    rsv_status status;
+    uint64_t *node_key = NULL;
+    RSV_TRY(rsv_node_keys_create(e, &node_key));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t node = 0; node < e->node_count; node++)
+        whole[node] = rsv_past_knows_around(past, e, node, node_key[node]);
+cleanup:
+    rsv_free(e->context, node_key);
+    return status;
+}
+
 rsv_status rsv_elements_separate(
     const rsv_transport_scene *scene, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
 {
@@ -283,11 +304,9 @@ rsv_status rsv_elements_separate(
     if (status != RSV_OK) return status;
     hanging_edge *edge = rsv_alloc(e->context, e->hanging_count, sizeof *edge);
     uint8_t *divided = rsv_alloc(e->context, e->node_count, 1);
-    if (!edge || !divided) {
-        rsv_free(e->context, edge);
-        rsv_free(e->context, divided);
-        return RSV_ERROR_MEMORY;
-    }
+    uint8_t *whole = rsv_alloc(e->context, e->node_count, 1);
+    RSV_TRY(edge && divided && whole ? RSV_OK : RSV_ERROR_MEMORY);
+    if (scene->past) RSV_TRY(mark_whole(scene->past, e, whole));
     size_t hanging_before = e->hanging_count;
     rsv_team_place place = rsv_team_place_of(e->context);
     uint64_t traced = 0;
@@ -297,8 +316,9 @@ rsv_status rsv_elements_separate(
     for (uint32_t node = 0; node < e->node_count; node++) {
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK)) continue;
         // walls took away some of the cells around each node that they divided: such have no twin
-        bool whole = earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE;
-        divided[node] = !whole && is_divided(scene, e, node, &traced);
+        bool known =
+            whole[node] || (earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE);
+        divided[node] = !known && is_divided(scene, e, node, &traced);
     }
     rsv_team_merge(e->context, divided, sizeof *divided, e->node_count, RSV_TEAM_BLOCK);
     traced = rsv_team_total(e->context, traced) + hanging_before;
@@ -307,8 +327,11 @@ rsv_status rsv_elements_separate(
         if (divided[node]) separate_node(scene, e, node, &next, &traced);
     reattach_hanging(e, edge);
     *rays += traced;
+    if (next > e->node_count || e->hanging_count < hanging_before)
+        status = rsv_elements_renumber(e, next);
+cleanup:
     rsv_free(e->context, edge);
     rsv_free(e->context, divided);
-    bool changed = next > e->node_count || e->hanging_count < hanging_before;
-    return changed ? rsv_elements_renumber(e, next) : RSV_OK;
+    rsv_free(e->context, whole);
+    return status;
 }

@@ -1,6 +1,7 @@
 #include "earlier_rows.h"
 
 #include "../core/index_map.h"
+#include "past.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -128,8 +129,9 @@ rsv_status rsv_earlier_rows_open(const rsv_row_tracer *tracer, const rsv_row_cat
     RSV_TRY(e ? RSV_OK : RSV_ERROR_MEMORY);
     e->context = context;
     e->seconds = then->header->seconds;
-    e->change = rsv_scene_change_since(
-        tracer->scene->view, then->triangle_key, then->header->triangle_count);
+    e->change = tracer->scene->past ? *rsv_past_change(tracer->scene->past)
+                                    : rsv_scene_change_since(tracer->scene->view,
+                                          then->triangle_key, then->header->triangle_count);
     RSV_TRY(match(e, then, now, &nodes));
     RSV_TRY(rsv_row_files_open(context, folder, key, then->header->node_count,
         now->header->ray_count, NULL, NULL, &e->files));

@@ -2,7 +2,7 @@
 ///
 /// A ray that ended on a plain surface ends there still if the elements around its end are what they were, and if it does
 /// not run through anything that is new. So rows of the same rays are taken over ray by ray. Rays that met specular
-/// surfaces, or those that show their backs, are traced anew.
+/// surfaces are traced anew; those that met black backs, too, unless it is known where what is gone was.
 #ifndef RSV_EARLIER_ROWS_H
 #define RSV_EARLIER_ROWS_H
 

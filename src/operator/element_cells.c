@@ -1,6 +1,9 @@
 /// Faces, their grids and the 4-to-1 subdivision of cells.
 #include "elements_internal.h"
 
+#include "element_keys.h"
+#include "past.h"
+
 #include "weld.h"
 
 #include <string.h>
@@ -74,6 +77,11 @@ static uint8_t grid_level(const rsv_elements *e, const rsv_spacing *spacing, siz
 {
     if (!spacing->scene)
         return (uint8_t)rsv_spacing_level(e->scene, e->face_triangle[face], spacing->metres);
+    const rsv_past *past = spacing->scene->past;
+    uint8_t halvings,
+        level; // where cells have other grids to lie in, random numbers of nodes are others too
+    if (past && rsv_past_find_face(past, rsv_face_key(e, (uint32_t)face), &halvings, &level))
+        return level;
     return (uint8_t)rsv_spacing_divide(spacing, e->face_triangle[face], e->face_back[face])
         .coarsest;
 }

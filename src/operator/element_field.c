@@ -90,6 +90,15 @@ static bool is_own_corner(const rsv_elements *e, uint32_t node, uint32_t cell, u
     return false;
 }
 
+uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *cell)
+{
+    float u[3], v[3], weight[3];
+    for (int k = 0; k < 3; k++)
+        rsv_cell_corner(cell, k, &u[k], &v[k]);
+    return rsv_elements_locate(
+        coarser, cell->face, (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3, weight);
+}
+
 uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell)
 {
     float u[3], v[3], weight[3];

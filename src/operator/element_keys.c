@@ -10,7 +10,7 @@ uint64_t rsv_triangle_key(const rsv_scene_view *scene, uint32_t triangle)
     return key;
 }
 
-static uint64_t face_key(const rsv_elements *e, uint32_t face)
+uint64_t rsv_face_key(const rsv_elements *e, uint32_t face)
 {
     uint32_t triangle = e->face_triangle[face];
     uint64_t key = rsv_key_add(rsv_triangle_key(e->scene, triangle), e->face_back[face]);
@@ -19,13 +19,21 @@ static uint64_t face_key(const rsv_elements *e, uint32_t face)
     return key;
 }
 
+uint64_t rsv_cell_key_on(uint64_t face_key, const rsv_cell *c)
+{
+    uint64_t place = (uint64_t)c->i << 32 | (uint64_t)c->j << 16 | (uint64_t)c->level << 8;
+    return rsv_key_add(face_key, place | c->flipped);
+}
+
 void rsv_elements_cell_keys(const rsv_elements *e, uint64_t *key)
 {
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    uint32_t face = RSV_NONE; // of the cell just before
+    uint64_t face_key = 0;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))                     \
+    firstprivate(face, face_key)
     for (size_t k = 0; k < e->cell_count; k++) {
-        const rsv_cell *c = &e->cell[k];
-        uint64_t place = (uint64_t)c->i << 32 | (uint64_t)c->j << 16 | (uint64_t)c->level << 8;
-        key[k] = rsv_key_add(face_key(e, c->face), place | c->flipped);
+        if (e->cell[k].face != face) face_key = rsv_face_key(e, face = e->cell[k].face);
+        key[k] = rsv_cell_key_on(face_key, &e->cell[k]);
     }
 }
 
@@ -48,4 +56,17 @@ void rsv_elements_node_keys(const rsv_elements *e, const uint64_t *cell_key, uin
             key[n] = rsv_key_add_bytes(key[n], &e->led[k].weight, sizeof e->led[k].weight);
         }
     }
+}
+
+rsv_status rsv_node_keys_create(const rsv_elements *e, uint64_t **key)
+{
+    uint64_t *cell_key = rsv_alloc(e->context, e->cell_count, sizeof *cell_key);
+    *key = rsv_alloc(e->context, e->node_count, sizeof **key);
+    if (cell_key && *key) {
+        rsv_elements_cell_keys(e, cell_key);
+        rsv_elements_node_keys(e, cell_key, *key);
+    }
+    rsv_status status = cell_key && *key ? RSV_OK : RSV_ERROR_MEMORY;
+    rsv_free(e->context, cell_key);
+    return status;
 }

@@ -1,5 +1,7 @@
 #include "elements_internal.h"
 
+#include <string.h>
+
 rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf *bsdf,
     float spacing, rsv_context *context, rsv_elements **elements)
 {
@@ -13,8 +15,9 @@ rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf
     return RSV_OK;
 }
 
-static rsv_status refine_once(const rsv_elements *coarser, const uint8_t *split,
-    rsv_elements **finer, uint8_t **unbalanced, bool *any_unbalanced)
+/// Cells alone, without nodes.
+static rsv_status split_once(
+    const rsv_elements *coarser, const uint8_t *split, rsv_elements **finer)
 {
     rsv_status status;
     rsv_elements *e = NULL;
@@ -22,11 +25,23 @@ static rsv_status refine_once(const rsv_elements *coarser, const uint8_t *split,
         coarser->scene, coarser->bsdf, coarser->spacing, coarser->context, &e));
     RSV_TRY(rsv_elements_copy_faces(coarser, e));
     RSV_TRY(rsv_elements_split_cells(coarser, split, e));
-    RSV_TRY(rsv_elements_number_nodes(e, unbalanced, any_unbalanced));
     *finer = e;
     return RSV_OK;
 cleanup:
     rsv_elements_destroy(e);
+    return status;
+}
+
+static rsv_status refine_once(const rsv_elements *coarser, const uint8_t *split,
+    rsv_elements **finer, uint8_t **unbalanced, bool *any_unbalanced)
+{
+    rsv_elements *e = NULL;
+    rsv_status status = split_once(coarser, split, &e);
+    if (status == RSV_OK) status = rsv_elements_number_nodes(e, unbalanced, any_unbalanced);
+    if (status == RSV_OK)
+        *finer = e;
+    else
+        rsv_elements_destroy(e);
     return status;
 }
 
@@ -126,6 +141,46 @@ rsv_status rsv_elements_refine(
     }
     *elements = finer;
     return RSV_OK;
+}
+
+/// Splits cells of `*e` once; it is replaced where any are chosen. @param any out
+static rsv_status split_chosen(rsv_split_chooser choose, void *user, rsv_elements **e, bool *any)
+{
+    rsv_elements *finer = NULL;
+    rsv_status status = RSV_OK;
+    uint8_t *split = rsv_alloc((*e)->context, (*e)->cell_count, 1);
+    if (!split) return RSV_ERROR_MEMORY;
+    choose(user, *e, split);
+    *any = memchr(split, 1, (*e)->cell_count) != NULL;
+    if (*any) status = split_once(*e, split, &finer);
+    rsv_free((*e)->context, split);
+    if (!finer) return status;
+    rsv_elements_destroy(*e);
+    *e = finer;
+    return status;
+}
+
+rsv_status rsv_elements_refine_where(
+    const rsv_elements *coarser, rsv_split_chooser choose, void *user, rsv_elements **elements)
+{
+    rsv_status status;
+    rsv_elements *e = NULL;
+    uint8_t *unbalanced = NULL, *none = rsv_alloc(coarser->context, coarser->cell_count, 1);
+    bool any = true;
+    RSV_TRY(none ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(split_once(coarser, none, &e));
+    while (any)
+        RSV_TRY(split_chosen(choose, user, &e, &any));
+    status = rsv_elements_number_nodes(e, &unbalanced, &any);
+    if (status != RSV_OK) rsv_free(e->context, unbalanced);
+    RSV_TRY(status);
+    RSV_TRY(balance(&e, unbalanced, any));
+    *elements = e;
+    e = NULL;
+cleanup:
+    rsv_free(coarser->context, none);
+    rsv_elements_destroy(e);
+    return status;
 }
 
 void rsv_elements_destroy(rsv_elements *e)

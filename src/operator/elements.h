@@ -95,6 +95,13 @@ rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf,
 rsv_status rsv_elements_refine(
     const rsv_elements *coarser, const uint8_t *split, rsv_elements **elements);
 
+/// Marks cells to be split. @param elements whose cells alone are there yet @param split [cell_count], zeros
+typedef void (*rsv_split_chooser)(void *user, const rsv_elements *elements, uint8_t *split);
+
+/// The same, the cells being split again and again until none is chosen.
+rsv_status rsv_elements_refine_where(
+    const rsv_elements *coarser, rsv_split_chooser choose, void *user, rsv_elements **elements);
+
 /// Rebuilds supports after cell_node was changed to use `node_count` nodes; fresh nodes do not hang.
 rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
 
@@ -182,6 +189,9 @@ RSV_INLINE void rsv_cell_corner(const rsv_cell *cell, int k, float *u, float *v)
 /// cells, so that a lookup does not end on the far side of a wall that runs along the cell's edge.
 void rsv_elements_place_node(
     const rsv_elements *elements, uint32_t node, uint32_t *face, float *u, float *v);
+
+/// The cell of coarser elements of the same faces in which a cell lies.
+uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *cell);
 
 /// The very same cell of other elements of the same faces, or RSV_NONE.
 uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell);

@@ -1,6 +1,7 @@
 #include "open_corners.h"
 
 #include "../core/team.h"
+#include "past.h"
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
 
@@ -87,9 +88,13 @@ rsv_status rsv_elements_find_open_corners(
         bool known = earlier && earlier->cell_openness;
         uint32_t same = known ? rsv_elements_find_same_cell(earlier, &e->cell[c]) : RSV_NONE;
         rsv_cell_shape shape;
-        if (same == RSV_NONE) shape = rsv_cell_shape_of(e, c);
-        e->cell_openness[c] =
-            same != RSV_NONE ? earlier->cell_openness[same] : judge_cell(scene, &shape, &traced);
+        if (same != RSV_NONE) {
+            e->cell_openness[c] = earlier->cell_openness[same];
+            continue;
+        }
+        if (scene->past && rsv_past_openness(scene->past, e, c, &e->cell_openness[c])) continue;
+        shape = rsv_cell_shape_of(e, c);
+        e->cell_openness[c] = judge_cell(scene, &shape, &traced);
     }
     rsv_team_merge(
         e->context, e->cell_openness, sizeof *e->cell_openness, e->cell_count, RSV_TEAM_BLOCK);

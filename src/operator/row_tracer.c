@@ -206,6 +206,7 @@ typedef struct kept_rays {
     uint32_t column[LANES]; ///< RSV_NONE = none
     uint16_t ends;          ///< bit by bit: rays that end where they did
     uint16_t skies;         ///< rays that leave the scene as they did
+    uint16_t blacks;        ///< rays that meet black backs as they did
 } kept_rays;
 
 /// @param seen [LANES] of the packet @param column of these rays, moved on to those of the next
@@ -221,6 +222,8 @@ static kept_rays keep_rays(const rsv_row_past *past, const uint8_t *seen, const 
         bool passes = packet->t_max[k] > 0 && !(meets >> k & 1);
         kept.ends |= (uint16_t)((passes && kept.column[k] != RSV_NONE) << k);
         kept.skies |= (uint16_t)((passes && seen[k] == RSV_TARGET_SKY) << k);
+        bool black = past->change->has_gone && seen[k] == RSV_TARGET_BLACK;
+        kept.blacks |= (uint16_t)((passes && black) << k);
     }
     return kept;
 }
@@ -229,7 +232,7 @@ static kept_rays keep_rays(const rsv_row_past *past, const uint8_t *seen, const 
 static uint32_t trace_others(
     const rsv_row_tracer *tracer, const kept_rays *kept, rsv_ray_packet *packet)
 {
-    uint16_t known = kept->ends | kept->skies;
+    uint16_t known = kept->ends | kept->skies | kept->blacks;
     uint32_t traced = 0;
     for (int k = 0; k < LANES; k++) {
         if (known >> k & 1) packet->t_max[k] = -1;

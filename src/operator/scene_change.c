@@ -61,8 +61,12 @@ static void merge_two(rsv_scene_change *c)
     c->high[best[1]] = c->high[c->count];
 }
 
-static void add_box(rsv_scene_change *c, rsv_vec3 low, rsv_vec3 high)
+void rsv_scene_change_add(rsv_scene_change *c, rsv_vec3 low, rsv_vec3 high, bool runs_on)
 {
+    if (runs_on) {
+        cover(c, c->count - 1, low, high);
+        return;
+    }
     if (c->count == RSV_MOST_CHANGES) merge_two(c);
     c->low[c->count] = low;
     c->high[c->count++] = high;
@@ -75,13 +79,10 @@ static void add_triangle(rsv_scene_change *c, const rsv_scene_view *scene, uint3
     for (int k = 0; k < 3; k++)
         p[k] = scene->position[corner[k]];
     rsv_vec3 low = v3_min(v3_min(p[0], p[1]), p[2]), high = v3_max(v3_max(p[0], p[1]), p[2]);
-    if (runs_on)
-        cover(c, c->count - 1, low, high);
-    else
-        add_box(c, low, high);
+    rsv_scene_change_add(c, low, high, runs_on);
 }
 
-static void add_margins(rsv_scene_change *c)
+void rsv_scene_change_add_margins(rsv_scene_change *c)
 {
     for (uint32_t k = 0; k < c->count; k++) {
         float margin = MARGIN * f_max(v3_max_abs(c->low[k]), v3_max_abs(c->high[k]));
@@ -102,7 +103,7 @@ rsv_scene_change rsv_scene_change_since(
         if (is_new) add_triangle(&change, scene, t, object == scene->triangle_object[t]);
         object = is_new ? scene->triangle_object[t] : RSV_NONE;
     }
-    add_margins(&change);
+    rsv_scene_change_add_margins(&change);
     return change;
 }
 

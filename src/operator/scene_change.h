@@ -1,7 +1,7 @@
 /// What an edit of the scene put where it was not before: all that rays which used to pass may now meet.
 ///
 /// Triangles are known again by where they are, whatever object they belong to. What an edit took away needs no mention
-/// here: rays that met it ended on it.
+/// where rays that met it ended on it, at nodes that are no more.
 #ifndef RSV_SCENE_CHANGE_H
 #define RSV_SCENE_CHANGE_H
 
@@ -13,6 +13,7 @@
 typedef struct rsv_scene_change {
     rsv_vec3 low[RSV_MOST_CHANGES], high[RSV_MOST_CHANGES]; ///< boxes around what is new
     uint32_t count;
+    bool has_gone; ///< there are boxes around what is gone, too
 } rsv_scene_change;
 
 /// Keys of the triangles that stop every ray, for a later version of the scene. Those with holes are left out: they count
@@ -24,6 +25,12 @@ rsv_status rsv_scene_change_keys(
 /// @param keys [count] of the earlier version
 rsv_scene_change rsv_scene_change_since(
     const rsv_scene_view *scene, const uint64_t *keys, size_t count);
+
+/// Adds a box. @param runs_on it belongs to the one added just before; else the two that waste least space by that become
+/// one where there are too many
+void rsv_scene_change_add(rsv_scene_change *change, rsv_vec3 low, rsv_vec3 high, bool runs_on);
+/// To be called once after all boxes were added: against rounding.
+void rsv_scene_change_add_margins(rsv_scene_change *change);
 
 /// Which lanes of a packet run through what is new, however far away: bit by bit.
 uint16_t rsv_scene_change_meets(const rsv_scene_change *change, const rsv_ray_packet *packet);

@@ -5,6 +5,7 @@
 #include "contact.h"
 #include "elements_internal.h"
 #include "open_corners.h"
+#include "source_recall.h"
 
 #include <string.h>
 
@@ -29,10 +30,12 @@ typedef struct level_builder {
     rsv_rgb *direct;
     float *deviation; ///< of direct
     uint16_t *valid_points;
-    uint8_t *known;        ///< [node_count] whose surroundings the last split left as they were
+    uint8_t *known;        ///< [node_count] 1 where valid_points are known already
+    uint8_t *lit;          ///< [node_count] 1 where direct and deviation are
     rsv_photon_map map[2]; ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
-    uint8_t *split; ///< [cell_count]
+    uint8_t *split;            ///< [cell_count]
+    rsv_source_recall *recall; ///< NULL = nothing is known from before the scene was edited
     uint64_t *rays;
 } level_builder;
 
@@ -57,6 +60,7 @@ static void carry_over(level_builder *b, const earlier_level *earlier)
         b->known[n] = 1;
         b->valid_points[n] = earlier->valid_points[twin];
         if (!b->direct) continue;
+        b->lit[n] = 1;
         b->direct[n] = earlier->direct[twin];
         b->deviation[n] = earlier->deviation[twin];
     }
@@ -68,7 +72,8 @@ static rsv_status allocate_fields(level_builder *b)
     size_t nodes = b->elements->node_count;
     b->valid_points = rsv_alloc(context, nodes, sizeof *b->valid_points);
     b->known = rsv_alloc(context, nodes, sizeof *b->known);
-    if (!b->valid_points || !b->known) return RSV_ERROR_MEMORY;
+    b->lit = rsv_alloc(context, nodes, sizeof *b->lit);
+    if (!b->valid_points || !b->known || !b->lit) return RSV_ERROR_MEMORY;
     if (!b->desc->direct) return RSV_OK;
     b->direct = rsv_alloc(context, nodes, sizeof *b->direct);
     b->deviation = rsv_alloc(context, nodes, sizeof *b->deviation);
@@ -86,6 +91,9 @@ static rsv_status prepare_elements(level_builder *b, const earlier_level *earlie
     RSV_TRY(rsv_elements_separate(b->scene, earlier ? earlier->elements : NULL, e, b->rays));
     RSV_TRY(allocate_fields(b));
     if (earlier) carry_over(b, earlier);
+    const rsv_recalled_fields fields = { b->direct, b->deviation, b->valid_points, b->known,
+        b->lit };
+    if (b->recall) RSV_TRY(rsv_source_recall_nodes(b->recall, e, &fields));
     RSV_TRY(rsv_find_buried(
         b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->known, b->valid_points, b->rays));
     RSV_TRY(rsv_elements_bridge_buried(e, b->valid_points));
@@ -127,10 +135,10 @@ static rsv_status estimate_fresh(level_builder *b, const earlier_level *earlier)
     if (!skip) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (size_t n = 0; n < e->node_count; n++)
-        skip[n] = b->known[n] || !is_unbroken(e, (uint32_t)n, earlier);
+        skip[n] = b->lit[n] || !is_unbroken(e, (uint32_t)n, earlier);
     RSV_TRY(estimate_direct(b, samples, skip));
     for (size_t n = 0; n < e->node_count; n++)
-        skip[n] = b->known[n] || !skip[n];
+        skip[n] = b->lit[n] || !skip[n];
     RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * samples, skip));
 cleanup:
     rsv_free(e->context, skip);
@@ -208,15 +216,13 @@ static bool is_in_turn(const level_builder *b, size_t cell, uint32_t round)
            cell_size(e, cell) * (float)(1u << b->desc->levels) > OPEN_TOLERANCE * e->spacing;
 }
 
-/// Whether a cell lies in one that is not worth splitting.
-static bool is_hidden(const level_builder *b, uint32_t cell)
+/// Whether a cell lies in one that is not worth splitting, or whose splits are known.
+static bool is_left_alone(const level_builder *b, uint32_t cell)
 {
-    if (!b->desc->hidden) return false;
-    float u[3], v[3], weight[3];
-    for (int k = 0; k < 3; k++)
-        rsv_cell_corner(&b->elements->cell[cell], k, &u[k], &v[k]);
-    return b->desc->hidden[rsv_elements_locate(b->coarse, b->elements->cell[cell].face,
-        (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3, weight)];
+    const uint8_t *hidden = b->desc->hidden;
+    const rsv_cell *c = &b->elements->cell[cell];
+    if (hidden && hidden[rsv_elements_find_around(b->coarse, c)]) return true;
+    return b->recall && !rsv_source_recall_is_anew(b->recall, c);
 }
 
 /// Marks the cells on both sides of every edge across which light bends; counts them.
@@ -234,7 +240,8 @@ static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
         if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c) ||
-            (b->direct && !is_in_turn(b, c, round)) || (b->split[c] && is_hidden(b, (uint32_t)c)))
+            (b->direct && !is_in_turn(b, c, round)) ||
+            (b->split[c] && is_left_alone(b, (uint32_t)c)))
             b->split[c] = 0;
         *marked += b->split[c];
     }
@@ -247,28 +254,48 @@ static earlier_level set_aside(level_builder *b)
 {
     earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points };
     rsv_free(b->coarse->context, b->known);
+    rsv_free(b->coarse->context, b->lit);
     b->elements = NULL;
     b->direct = NULL;
     b->deviation = NULL;
     b->valid_points = NULL;
-    b->known = NULL;
+    b->known = b->lit = NULL;
     return earlier;
+}
+
+static void free_earlier(level_builder *b, earlier_level *earlier)
+{
+    rsv_context *context = b->coarse->context;
+    rsv_free(context, earlier->direct);
+    rsv_free(context, earlier->deviation);
+    rsv_free(context, earlier->valid_points);
+    rsv_elements_destroy(earlier->elements);
 }
 
 /// Replaces the elements by finer ones and updates direct light on them.
 static rsv_status split_once(level_builder *b)
 {
-    rsv_context *context = b->coarse->context;
     rsv_status status;
     earlier_level earlier = set_aside(b);
     RSV_TRY(rsv_elements_refine(earlier.elements, b->split, &b->elements));
     RSV_TRY(prepare_elements(b, &earlier));
     if (b->desc->direct) RSV_TRY(estimate_fresh(b, &earlier));
 cleanup:
-    rsv_free(context, earlier.direct);
-    rsv_free(context, earlier.deviation);
-    rsv_free(context, earlier.valid_points);
-    rsv_elements_destroy(earlier.elements);
+    free_earlier(b, &earlier);
+    return status;
+}
+
+/// Adds the splits from before the scene was edited, and the light there: those of the rest have been found again.
+static rsv_status add_recalled(level_builder *b)
+{
+    rsv_status status;
+    earlier_level earlier = set_aside(b);
+    RSV_TRY(rsv_source_recall_splits(b->recall, earlier.elements, &b->elements));
+    RSV_TRY(prepare_elements(b, &earlier));
+    // nodes where both meet; shadows may end there
+    RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, b->lit));
+cleanup:
+    free_earlier(b, &earlier);
     return status;
 }
 
@@ -302,6 +329,26 @@ cleanup:
     return status;
 }
 
+/// Elements to begin with, split once for direct light but for what is recalled in the end.
+static rsv_status begin(level_builder *b)
+{
+    const rsv_elements *coarse = b->coarse;
+    const uint8_t *hidden = b->desc->hidden;
+    rsv_status status;
+    if (b->scene->past && b->desc->direct && !hidden)
+        RSV_TRY(rsv_source_recall_create(b->scene->past, coarse, &b->recall));
+    b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
+    if (!b->split) return RSV_ERROR_MEMORY;
+    for (size_t c = 0; b->desc->direct && c < coarse->cell_count; c++)
+        b->split[c] = cell_size(coarse, c) > 0.25f * coarse->spacing && !(hidden && hidden[c]) &&
+                      (!b->recall || b->recall->anew[c]);
+    RSV_TRY(rsv_elements_refine(coarse, b->split, &b->elements));
+    RSV_TRY(prepare_elements(b, NULL));
+    if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
+cleanup:
+    return status;
+}
+
 rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
     uint64_t *rays)
@@ -312,15 +359,9 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
         .scene = scene, .lights = lights, .coarse = coarse, .desc = desc, .rays = rays
     };
     *level = (rsv_source_level){ 0 };
-    b.split = rsv_alloc(context, coarse->cell_count, 1);
-    if (!b.split) return RSV_ERROR_MEMORY;
-    for (size_t c = 0; desc->direct && c < coarse->cell_count; c++)
-        b.split[c] =
-            cell_size(coarse, c) > 0.25f * coarse->spacing && !(desc->hidden && desc->hidden[c]);
-    RSV_TRY(rsv_elements_refine(coarse, b.split, &b.elements));
-    RSV_TRY(prepare_elements(&b, NULL));
-    if (desc->direct) RSV_TRY(estimate_direct(&b, desc->light_samples, NULL));
+    RSV_TRY(begin(&b));
     RSV_TRY(refine(&b));
+    if (b.recall) RSV_TRY(add_recalled(&b));
     if (b.caustic) {
         level->coarse_caustic =
             rsv_alloc(context, coarse->node_count, sizeof *level->coarse_caustic);
@@ -334,14 +375,20 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     level->elements = b.elements;
     level->direct = b.direct;
     level->caustic = b.caustic;
+    level->deviation = b.deviation;
+    level->valid_points = b.valid_points;
     b.elements = NULL;
     b.direct = b.caustic = NULL;
+    b.deviation = NULL;
+    b.valid_points = NULL;
 cleanup:
     rsv_free(context, b.split);
     rsv_free(context, b.direct);
     rsv_free(context, b.deviation);
     rsv_free(context, b.valid_points);
     rsv_free(context, b.known);
+    rsv_free(context, b.lit);
+    rsv_source_recall_destroy(b.recall);
     free_photons(&b);
     rsv_elements_destroy(b.elements);
     return status;
@@ -352,6 +399,8 @@ void rsv_source_level_destroy(rsv_context *context, rsv_source_level *level)
     rsv_elements_destroy(level->elements);
     rsv_free(context, level->direct);
     rsv_free(context, level->caustic);
+    rsv_free(context, level->deviation);
+    rsv_free(context, level->valid_points);
     rsv_free(context, level->coarse_caustic);
     *level = (rsv_source_level){ 0 };
 }

@@ -27,6 +27,8 @@ typedef struct rsv_source_level {
     rsv_rgb *direct;         ///< [node_count] irradiance, or NULL
     rsv_rgb *caustic;        ///< [node_count] irradiance, or NULL
     rsv_rgb *coarse_caustic; ///< [node_count of the coarse elements], or NULL
+    float *deviation;        ///< [node_count] of `direct`, or NULL
+    uint16_t *valid_points;  ///< [node_count]
 } rsv_source_level;
 
 /// @param coarse elements to start from

@@ -3,6 +3,9 @@
 #include "../operator/burial.h"
 #include "../operator/cluster.h"
 #include "../operator/contact.h"
+#include "../operator/element_keys.h"
+#include "../operator/open_corners.h"
+#include "../operator/past.h"
 
 /// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
 /// light changes quickly.
@@ -35,6 +38,37 @@ cleanup:
     return status;
 }
 
+/// Cells that were split before the scene was edited, away from the edit.
+static void choose_as_then(void *user, const rsv_elements *e, uint8_t *split)
+{
+    const rsv_past *past = user;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        uint64_t key = rsv_cell_key_on(rsv_face_key(e, e->cell[c].face), &e->cell[c]);
+        split[c] = rsv_past_was_split(past, RSV_PAST_COARSE, key) && !rsv_past_is_near(past, e, c);
+    }
+}
+
+/// Splits cells and shrinks clusters like those before the scene was edited.
+static rsv_status refine_as_then(rsv_solution *s)
+{
+    rsv_elements *finer = NULL;
+    const rsv_past *past = s->scene.past;
+    rsv_status status =
+        rsv_elements_refine_where(s->elements, choose_as_then, (void *)(uintptr_t)past, &finer);
+    if (status != RSV_OK) return status;
+    for (uint32_t face = 0; face < finer->face_count; face++) {
+        uint8_t halvings, level;
+        if (!rsv_past_is_face_near(past, finer, face) &&
+            rsv_past_find_face(past, rsv_face_key(finer, face), &halvings, &level))
+            finer->face_halvings[face] = halvings;
+    }
+    status = rsv_elements_find_open_corners(&s->scene, s->elements, finer, &s->report.rays);
+    rsv_elements_destroy(s->elements);
+    s->elements = finer;
+    return status;
+}
+
 rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
 {
     rsv_spacing first = s->spacing;
@@ -46,6 +80,7 @@ rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
     s->valid_points = NULL;
     size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(s->desc.element_target));
     status = rsv_elements_refine_contacts(&s->scene, most_nodes, &s->elements, &s->report.rays);
+    if (status == RSV_OK && s->scene.past) status = refine_as_then(s);
     return status == RSV_OK ? prepare_elements(s, NULL) : status;
 }
 

@@ -2,8 +2,10 @@
 
 #include "../operator/bend.h"
 #include "../operator/burial.h"
+#include "../operator/element_keys.h"
 #include "../operator/elements_internal.h"
 #include "../operator/follower.h"
+#include "../operator/past.h"
 #include "budget.h"
 #include "coarse_elements.h"
 #include "goal.h"
@@ -62,6 +64,13 @@ static void unmark_idle(const rsv_goal *goal, const rsv_elements *e, uint8_t *sp
         if (split[c] && rsv_goal_size_at(goal, e, c) > GOAL_IDLE) split[c] = 0;
 }
 
+/// Leaves cells alone that an edit of the scene is far from: they are split as they were before.
+static void unmark_settled(const rsv_past *past, const rsv_elements *e, uint8_t *split)
+{
+    for (uint32_t c = 0; past && c < e->cell_count; c++)
+        if (split[c] && !rsv_past_is_near(past, e, c)) split[c] = 0;
+}
+
 /// Rows that pilots may bring the solution to.
 static size_t most_rows(const rsv_solution *s)
 {
@@ -84,11 +93,101 @@ static rsv_status mark_bends(
             e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
         rsv_find_cluster_bends(e, s->indirect, deviation, bend, dark, mark_pair, split);
         unmark_idle(goal, e, split);
+        unmark_settled(s->scene.past, e, split);
         bool marked;
         *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
         if (status != RSV_OK || !marked || *any) return status;
     }
     return RSV_OK;
+}
+
+/// The first few orders of light, with rows of few rays.
+static rsv_status solve_roughly(rsv_solution *s)
+{
+    rsv_status status;
+    RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
+    RSV_TRY(rsv_source_create(s));
+    RSV_TRY(rsv_solve_orders(s, PILOT_ORDERS));
+cleanup:
+    return status;
+}
+
+/// Sorts nodes into those that an edit of the scene is far from, whose irradiance from before will do, and those that are
+/// looked at again. @param far [node_count], out @param irradiance [node_count], out
+static rsv_status recall_far(const rsv_solution *s, uint8_t *far, rsv_rgb *irradiance)
+{
+    const rsv_elements *e = s->elements;
+    uint64_t *key = NULL;
+    rsv_status status = rsv_node_keys_create(e, &key);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (status != RSV_OK || e->node_hanging[n] != RSV_NONE) continue;
+        const rsv_past_node *then =
+            rsv_past_find_node(s->scene.past, RSV_PAST_COARSE, e, n, key[n]);
+        far[n] = !s->valid_points[n] || (then && !rsv_past_is_node_near(s->scene.past, e, n));
+        if (!then) continue;
+        irradiance[n] = then->irradiance;
+        s->source[n] = then->direct;
+    }
+    rsv_elements_constrain(e, irradiance);
+    rsv_free(s->context, key);
+    return status;
+}
+
+/// Rows of nodes that are not far from an edit.
+static rsv_status assemble_near(rsv_solution *s, const uint8_t *far)
+{
+    size_t nodes = s->elements->node_count;
+    rsv_transport_scene scene = s->scene;
+    scene.checkpoint = scene.earlier = NULL;
+    uint16_t *valid = rsv_alloc(s->context, nodes, sizeof *valid);
+    if (!valid) return RSV_ERROR_MEMORY;
+    for (size_t n = 0; n < nodes; n++)
+        valid[n] = far[n] ? 0 : s->valid_points[n];
+    rsv_status status = rsv_transport_create(
+        &scene, s->lights, s->elements, valid, PILOT_RAYS, s->desc.seed, &s->transport);
+    rsv_free(s->context, valid);
+    return status;
+}
+
+/// One more order of light for nodes near an edit, from the irradiance of all.
+static void gather_near(rsv_solution *s, const uint8_t *far, rsv_rgb *exitance, rsv_rgb *irradiance)
+{
+    const rsv_elements *e = s->elements;
+    for (size_t n = 0; n < e->node_count; n++)
+        exitance[n] = rgb_mul(s->exitance_albedo[n], irradiance[n]);
+    rsv_transport_apply(s->transport, exitance, s->indirect);
+    for (size_t n = 0; n < e->node_count; n++) {
+        if (far[n])
+            s->indirect[n] = rgb_sub(irradiance[n], s->source[n]);
+        else
+            irradiance[n] = rgb_add(s->source[n], s->indirect[n]);
+    }
+    rsv_elements_constrain(e, s->indirect);
+    rsv_elements_constrain(e, irradiance);
+}
+
+/// The same as solve_roughly where the light of all that an edit is far from is taken for what it was.
+static rsv_status solve_near(rsv_solution *s)
+{
+    rsv_status status;
+    size_t nodes = s->elements->node_count;
+    uint8_t *far = rsv_alloc(s->context, nodes, 1);
+    rsv_rgb *irradiance = rsv_alloc(s->context, nodes, sizeof *irradiance);
+    rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
+    s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
+    RSV_TRY(far && irradiance && exitance && s->indirect ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(recall_far(s, far, irradiance));
+    RSV_TRY(assemble_near(s, far));
+    RSV_TRY(rsv_source_estimate(s, far));
+    rsv_source_add_gathered(s);
+    for (uint32_t order = 0; order < PILOT_ORDERS; order++)
+        gather_near(s, far, exitance, irradiance);
+cleanup:
+    rsv_free(s->context, far);
+    rsv_free(s->context, irradiance);
+    rsv_free(s->context, exitance);
+    return status;
 }
 
 /// Splits coarse cells over which the first few orders of a pilot solution bend.
@@ -105,9 +204,7 @@ static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *r
         goto cleanup;
     }
     RSV_TRY(rsv_system_create_fields(s));
-    RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
-    RSV_TRY(rsv_source_create(s));
-    RSV_TRY(rsv_solve_orders(s, PILOT_ORDERS));
+    RSV_TRY(s->scene.past ? solve_near(s) : solve_roughly(s));
     for (size_t n = 0; n < nodes; n++)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);

@@ -6,6 +6,7 @@
 #include "coarse_elements.h"
 #include "goal.h"
 #include "pilot.h"
+#include "remember.h"
 #include "source.h"
 #include "system.h"
 
@@ -92,6 +93,7 @@ static rsv_status create_elements(rsv_solution *s)
 {
     rsv_status status;
     s->spacing = rsv_spacing_for(&s->scene, s->desc.element_target);
+    if (s->scene.past) s->spacing = rsv_past_spacing(s->scene.past, s->spacing);
     float wanted = s->spacing.metres;
     size_t before = SIZE_MAX;
     bool stalled = false;
@@ -254,7 +256,9 @@ static void report_kept_rays(const rsv_solution *s)
 static rsv_status build(rsv_solution *s)
 {
     rsv_status status;
+    rsv_past *past = NULL;
     double start = rsv_seconds(), path = rsv_team_path(s->context);
+    RSV_TRY(rsv_solution_recall(s, &past));
     RSV_TRY(create_elements(s));
     RSV_TRY(rsv_system_create_fields(s));
     RSV_TRY(rsv_system_assemble(
@@ -278,7 +282,10 @@ static rsv_status build(rsv_solution *s)
     s->report.bytes = rsv_solution_bytes(s);
     report_kept_rays(s);
     warn_if_unbounded(s);
+    RSV_TRY(rsv_solution_remember(s));
 cleanup:
+    s->scene.past = NULL;
+    rsv_past_close(past);
     return status;
 }
 

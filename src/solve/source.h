@@ -12,6 +12,9 @@ rsv_status rsv_source_divide_environment(rsv_solution *solution);
 rsv_status rsv_source_create_levels(rsv_solution *solution);
 
 /// E0 on the coarse elements: next-event estimates, gathered emission and caustics. Needs rows.
+/// Direct light alone, of all nodes that are not known. @param known [node_count]
+rsv_status rsv_source_estimate(rsv_solution *solution, const uint8_t *known);
+
 rsv_status rsv_source_create(rsv_solution *solution);
 
 /// Adds what is gathered, and caustics, to the next-event estimates in `source`.

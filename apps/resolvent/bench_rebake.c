@@ -1,0 +1,232 @@
+/// One object moved: the scene solved again from what is kept of the solution before, beside solving it as a whole.
+#include "bench.h"
+#include "command.h"
+#include "moved_scene.h"
+
+#include "resolvent/solve.h"
+
+#include <cJSON.h>
+#include <dirent.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+/// Points at which solutions are compared.
+enum { POINTS = 200000 };
+
+/// Seconds that making something took.
+typedef struct cost {
+    double clock, processor; ///< processor: all threads together
+} cost;
+
+static cost now(void) { return (cost){ cli_seconds(), (double)clock() / CLOCKS_PER_SEC }; }
+
+/// @param rows folders for rows and for those of the scene before; NULL = none
+static rsv_status solve(const cli_bench_task *bench, const rsv_scene *scene, uint32_t seed,
+    const char *rows, const char *earlier, rsv_solution **solution, cost *took)
+{
+    rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
+    desc.seed = seed;
+    desc.checkpoint = rows;
+    desc.earlier = earlier;
+    cost start = now();
+    rsv_status status = rsv_solution_create(scene, &desc, solution);
+    cost end = now();
+    *took = (cost){ end.clock - start.clock, end.processor - start.processor };
+    return status;
+}
+
+/// Numbers in [0, 1) evenly over three dimensions (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+static void place_point(size_t k, double u[3])
+{
+    static const double step[3] = { 0.8191725133961645, 0.6710436067037893, 0.5497004779019703 };
+    for (int i = 0; i < 3; i++)
+        u[i] = fmod(0.5 + (double)(k + 1) * step[i], 1);
+}
+
+static double area_of(const rsv_scene_view *view, size_t t)
+{
+    const rsv_vec3 *p[3];
+    for (int k = 0; k < 3; k++)
+        p[k] = &view->position[view->triangle[t][k]];
+    double a[3] = { (double)p[1]->x - p[0]->x, (double)p[1]->y - p[0]->y,
+        (double)p[1]->z - p[0]->z };
+    double b[3] = { (double)p[2]->x - p[0]->x, (double)p[2]->y - p[0]->y,
+        (double)p[2]->z - p[0]->z };
+    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2],
+           z = a[0] * b[1] - a[1] * b[0];
+    return 0.5 * sqrt(x * x + y * y + z * z);
+}
+
+static double luminance_at(const rsv_solution *s, uint32_t t, double u, double v)
+{
+    rsv_rgb e = rsv_solution_irradiance(s, t, (float)u, (float)v, false, RSV_NONE);
+    return 0.2126 * (double)e.r + 0.7152 * (double)e.g + 0.0722 * (double)e.b;
+}
+
+/// RMS difference of the irradiance (luminance) of two solutions of one scene over its surfaces, over its RMS.
+static double difference(const rsv_solution *a, const rsv_solution *b)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_solution_scene(a));
+    double *sum = malloc((view->triangle_count + 1) * sizeof *sum), squares = 0, all = 0;
+    if (!sum) return NAN;
+    sum[0] = 0;
+    for (size_t t = 0; t < view->triangle_count; t++)
+        sum[t + 1] = sum[t] + area_of(view, t);
+    for (size_t k = 0; k < POINTS; k++) {
+        double u[3];
+        place_point(k, u);
+        double at = u[0] * sum[view->triangle_count];
+        size_t low = 0, high = view->triangle_count;
+        while (high - low > 1) {
+            size_t middle = (low + high) / 2;
+            *(sum[middle] <= at ? &low : &high) = middle;
+        }
+        double root = sqrt(u[1]), y = root * u[2], x = 1 - root;
+        double first = luminance_at(a, (uint32_t)low, x, y);
+        double second = luminance_at(b, (uint32_t)low, x, y);
+        squares += (first - second) * (first - second);
+        all += first * first;
+    }
+    free(sum);
+    return sqrt(squares / all);
+}
+
+static void add_cost(cJSON *result, const char *name, cost took)
+{
+    char field[64];
+    snprintf(field, sizeof field, "%s_s", name);
+    cJSON_AddNumberToObject(result, field, took.clock);
+    snprintf(field, sizeof field, "%s_processor_s", name);
+    cJSON_AddNumberToObject(result, field, took.processor);
+}
+
+/// The moved scene: from what is kept, as a whole, and as a whole with other random numbers.
+static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, const char *rows,
+    const char *earlier, cJSON *result)
+{
+    rsv_solution *again = NULL, *whole = NULL, *other = NULL;
+    cost took[3];
+    rsv_status status = solve(bench, moved, 1, rows, earlier, &again, &took[0]);
+    if (!status) status = solve(bench, moved, 1, NULL, NULL, &whole, &took[1]);
+    if (!status) status = solve(bench, moved, 2, NULL, NULL, &other, &took[2]);
+    if (!status) {
+        const rsv_solve_report *r = rsv_solution_report(again);
+        cJSON_AddNumberToObject(result, "elements", (double)r->elements);
+        cJSON_AddNumberToObject(result, "direct_elements", (double)r->direct_elements);
+        cJSON_AddNumberToObject(
+            result, "kept_rays", (double)r->kept_row_rays / (double)r->row_rays);
+        add_cost(result, "rebake", took[0]);
+        add_cost(result, "full", took[1]);
+        cJSON_AddNumberToObject(result, "speedup", took[1].clock / took[0].clock);
+        cJSON_AddNumberToObject(result, "processor_speedup", took[1].processor / took[0].processor);
+        cJSON_AddNumberToObject(result, "difference", difference(whole, again));
+        cJSON_AddNumberToObject(result, "difference_of_seeds", difference(whole, other));
+        cJSON_AddNumberToObject(result, "difference_to_other_seed", difference(other, again));
+    }
+    rsv_solution_destroy(again);
+    rsv_solution_destroy(whole);
+    rsv_solution_destroy(other);
+    return status;
+}
+
+/// Removes a folder of files.
+static void remove_folder(const char *path)
+{
+    char file[PATH_MAX];
+    DIR *directory = opendir(path);
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        if (entry->d_name[0] != '.' &&
+            snprintf(file, sizeof file, "%s/%s", path, entry->d_name) < (int)sizeof file)
+            remove(file);
+    if (directory) closedir(directory);
+    rmdir(path);
+}
+
+/// Solves `scene` once, then measures the moved one. @param folder that may be filled
+static rsv_status measure_in(const cli_bench_task *bench, const rsv_scene *scene,
+    const rsv_scene *moved, const char *folder, cJSON *result)
+{
+    char before[PATH_MAX], after[PATH_MAX];
+    rsv_solution *solution = NULL;
+    cost took;
+    bool named = snprintf(before, sizeof before, "%s/before", folder) < PATH_MAX &&
+                 snprintf(after, sizeof after, "%s/after", folder) < PATH_MAX;
+    if (!named || mkdir(before, 0700) != 0 || mkdir(after, 0700) != 0) return RSV_ERROR_IO;
+    rsv_status status = solve(bench, scene, 1, before, NULL, &solution, &took);
+    rsv_solution_destroy(solution);
+    add_cost(result, "first", took);
+    if (!status) status = compare(bench, moved, after, before, result);
+    remove_folder(before);
+    remove_folder(after);
+    return status;
+}
+
+static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, cJSON *result)
+{
+    char folder[] = "/tmp/resolvent-rebake-XXXXXX";
+    uint32_t object = cli_find_movable_object(scene);
+    rsv_scene *before = NULL, *moved = NULL;
+    if (object == RSV_NONE) return RSV_ERROR_SCENE;
+    float extent = cli_object_extent(scene, object);
+    cJSON_AddStringToObject(result, "object", rsv_scene_get_view(scene)->object_name[object]);
+    cJSON_AddNumberToObject(result, "metres", (double)extent);
+    rsv_status status = cli_copy_scene_moved(scene, RSV_NONE, 0, &before);
+    if (!status) status = cli_copy_scene_moved(scene, object, extent, &moved);
+    if (!status && !mkdtemp(folder)) status = RSV_ERROR_IO;
+    if (!status) {
+        status = measure_in(bench, before, moved, folder, result);
+        rmdir(folder);
+    }
+    rsv_scene_destroy(before);
+    rsv_scene_destroy(moved);
+    return status;
+}
+
+bool cli_bench_rebake(const cli_bench_task *bench, cJSON *result)
+{
+    rsv_scene *scene = cli_open_bench_scene(bench);
+    if (!scene) return false;
+    rsv_status status = measure(bench, scene, result);
+    rsv_scene_destroy(scene);
+    if (status == RSV_ERROR_SCENE || status == RSV_ERROR_UNSUPPORTED)
+        cli_error(
+            "bench rebake: '%s' has textures, or no object small enough to be moved", bench->scene);
+    else if (status == RSV_ERROR_IO)
+        cli_error("bench rebake: cannot make a folder in /tmp");
+    else if (status != RSV_OK)
+        cli_report_failure(bench->session, status);
+    return status == RSV_OK;
+}
+
+void cli_print_rebake(const cJSON *result)
+{
+    printf("  %.0f elements, %.0f of direct light; '%s' moved by %.2g m\n",
+        cli_json_number(result, "elements"), cli_json_number(result, "direct_elements"),
+        cJSON_GetStringValue(cJSON_GetObjectItem(result, "object")),
+        cli_json_number(result, "metres"));
+    printf("  as a whole             %.1f s (processor %.1f s)\n",
+        cli_json_number(result, "full_s"), cli_json_number(result, "full_processor_s"));
+    printf("  from what is kept      %.1f s (processor %.1f s): %.1f times faster (%.1f); %.1f %% "
+           "of the rows' rays\n",
+        cli_json_number(result, "rebake_s"), cli_json_number(result, "rebake_processor_s"),
+        cli_json_number(result, "speedup"), cli_json_number(result, "processor_speedup"),
+        100 * cli_json_number(result, "kept_rays"));
+    printf("  differ by              %.2f %%; two as a whole with other random numbers by %.2f %%, "
+           "those others from what is kept by %.2f %%\n",
+        100 * cli_json_number(result, "difference"),
+        100 * cli_json_number(result, "difference_of_seeds"),
+        100 * cli_json_number(result, "difference_to_other_seed"));
+}
+
+bool cli_write_rebake_csv(const char *path, const cJSON *scenes)
+{
+    static const char *const columns[] = { "elements", "direct_elements", "kept_rays", "first_s",
+        "full_s", "full_processor_s", "rebake_s", "rebake_processor_s", "speedup",
+        "processor_speedup", "difference", "difference_of_seeds", "difference_to_other_seed" };
+    return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
+}

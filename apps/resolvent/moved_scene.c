@@ -1,0 +1,128 @@
+#include "moved_scene.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/// What is moved is smaller than this part of the scene.
+static const float largest_part = 0.1f;
+
+typedef struct box {
+    float low[3], high[3];
+} box;
+
+static const float *coordinates(const rsv_vec3 *v) { return &v->x; }
+
+static box bounds_of(const rsv_scene_view *view, uint32_t object)
+{
+    box b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
+    for (size_t t = 0; t < view->triangle_count; t++)
+        for (int k = 0; k < 3 && view->triangle_object[t] == object; k++)
+            for (int axis = 0; axis < 3; axis++) {
+                float x = coordinates(&view->position[view->triangle[t][k]])[axis];
+                b.low[axis] = fminf(b.low[axis], x);
+                b.high[axis] = fmaxf(b.high[axis], x);
+            }
+    return b;
+}
+
+static bool is_small(const rsv_scene_view *view, uint32_t object)
+{
+    box b = bounds_of(view, object);
+    float size = 0, whole = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        size = fmaxf(size, b.high[axis] - b.low[axis]);
+        whole = fmaxf(
+            whole, coordinates(&view->bounds_max)[axis] - coordinates(&view->bounds_min)[axis]);
+    }
+    return size > 0 && size < largest_part * whole;
+}
+
+uint32_t cli_find_movable_object(const rsv_scene *scene)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    size_t *triangles = calloc(view->object_count, sizeof *triangles), most = 0;
+    uint32_t best = RSV_NONE;
+    for (size_t t = 0; triangles && t < view->triangle_count; t++)
+        triangles[view->triangle_object[t]]++;
+    for (uint32_t object = 0; triangles && object < view->object_count; object++) {
+        if (triangles[object] <= most || !is_small(view, object)) continue;
+        best = object;
+        most = triangles[object];
+    }
+    free(triangles);
+    return best;
+}
+
+float cli_object_extent(const rsv_scene *scene, uint32_t object)
+{
+    box b = bounds_of(rsv_scene_get_view(scene), object);
+    return b.high[0] - b.low[0];
+}
+
+static bool belong_together(const rsv_scene_view *view, size_t a, size_t b)
+{
+    return view->triangle_object[a] == view->triangle_object[b] &&
+           view->triangle_material[a] == view->triangle_material[b];
+}
+
+/// Triangles [first, end) of one object and material, as a mesh of their own.
+static rsv_status copy_mesh(
+    const rsv_scene_view *view, size_t first, size_t end, float shift, rsv_scene *copy)
+{
+    size_t count = 3 * (end - first);
+    rsv_vec3 *position = malloc(count * sizeof *position), *normal = malloc(count * sizeof *normal);
+    rsv_status status = position && normal ? RSV_OK : RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < count && status == RSV_OK; k++) {
+        uint32_t vertex = view->triangle[first + k / 3][k % 3];
+        position[k] = view->position[vertex];
+        position[k].x += shift;
+        normal[k] = view->normal[vertex];
+    }
+    const rsv_mesh_desc mesh = { .name = view->object_name[view->triangle_object[first]],
+        .positions = position,
+        .normals = normal,
+        .vertex_count = count,
+        .triangle_count = end - first,
+        .material = view->triangle_material[first] };
+    uint32_t id;
+    if (status == RSV_OK) status = rsv_scene_add_mesh(copy, &mesh, &id);
+    if (status == RSV_OK) status = rsv_scene_add_instance(copy, id, NULL, NULL);
+    free(position);
+    free(normal);
+    return status;
+}
+
+static rsv_status copy_all(
+    const rsv_scene_view *view, uint32_t object, float metres, rsv_scene *copy)
+{
+    rsv_status status = RSV_OK;
+    uint32_t id;
+    for (size_t k = 0; k < view->material_count && status == RSV_OK; k++)
+        status = rsv_scene_add_material(copy, &view->material[k], &id);
+    for (size_t t = 0; t < view->triangle_count && status == RSV_OK;) {
+        size_t end = t + 1;
+        while (end < view->triangle_count && belong_together(view, t, end))
+            end++;
+        status = copy_mesh(view, t, end, view->triangle_object[t] == object ? metres : 0, copy);
+        t = end;
+    }
+    for (size_t k = 0; k < view->light_count && status == RSV_OK; k++)
+        status = rsv_scene_add_light(copy, &view->light[k]);
+    if (status == RSV_OK && view->environment)
+        status = rsv_scene_set_environment(copy, view->environment);
+    return status == RSV_OK ? rsv_scene_commit(copy) : status;
+}
+
+rsv_status cli_copy_scene_moved(
+    const rsv_scene *scene, uint32_t object, float metres, rsv_scene **copy)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    *copy = NULL;
+    if (view->texture_count > 0 || view->color) return RSV_ERROR_UNSUPPORTED;
+    rsv_status status = rsv_scene_create(rsv_scene_get_context(scene), copy);
+    if (status == RSV_OK) status = copy_all(view, object, metres, *copy);
+    if (status == RSV_OK) return status;
+    rsv_scene_destroy(*copy);
+    *copy = NULL;
+    return status;
+}

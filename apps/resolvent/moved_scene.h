@@ -1,0 +1,18 @@
+/// A copy of a scene in which one object stands elsewhere.
+#ifndef CLI_MOVED_SCENE_H
+#define CLI_MOVED_SCENE_H
+
+#include "resolvent/scene.h"
+
+/// The object of a scene that benchmarks move: the one of most triangles that is smaller in every direction than a tenth of
+/// the scene; the first of them. RSV_NONE = there is none.
+uint32_t cli_find_movable_object(const rsv_scene *scene);
+
+/// Metres along x.
+float cli_object_extent(const rsv_scene *scene, uint32_t object);
+
+/// Everything as it is, but one object shifted along x. @return RSV_ERROR_UNSUPPORTED for scenes with textures
+rsv_status cli_copy_scene_moved(
+    const rsv_scene *scene, uint32_t object, float metres, rsv_scene **copy);
+
+#endif

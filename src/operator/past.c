@@ -1,0 +1,230 @@
+#include "past_internal.h"
+
+#include "../core/index_map.h"
+#include "element_keys.h"
+#include "elements_internal.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define MAGIC 0x32747370u // "pst2"
+#define PATH_BYTES 4096
+/// More than tables and scenes can have.
+#define TOO_MANY ((uint64_t)1 << 36)
+/// An edit that changes the spacing by less than this part leaves it as it was.
+#define LIKE_SPACING 0.1f
+
+static bool is_table_size(uint64_t slots)
+{
+    return slots > 0 && slots < TOO_MANY && (slots & (slots - 1)) == 0;
+}
+
+static bool is_sound(const rsv_past_header *h, size_t bytes, uint64_t settings)
+{
+    if (bytes < sizeof *h || h->magic != MAGIC || h->settings != settings ||
+        h->triangle_count >= TOO_MANY || !(h->spacing[0] > 0))
+        return false;
+    for (int k = 0; k < RSV_PAST_LEVELS; k++)
+        if (!is_table_size(h->cells[k]) || !is_table_size(h->nodes[k])) return false;
+    return rsv_past_layout_of(h).bytes == bytes && rsv_past_checksum(h, bytes) == h->checksum;
+}
+
+/// @return NULL if there is nothing sound
+static const rsv_past_header *map(const char *path, uint64_t settings)
+{
+    struct stat info;
+    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return NULL;
+    size_t bytes = fstat(descriptor, &info) == 0 ? (size_t)info.st_size : 0;
+    void *memory = bytes ? mmap(NULL, bytes, PROT_READ, MAP_PRIVATE, descriptor, 0) : MAP_FAILED;
+    close(descriptor);
+    if (memory == MAP_FAILED) return NULL;
+    if (is_sound(memory, bytes, settings)) return memory;
+    munmap(memory, bytes);
+    return NULL;
+}
+
+/// Boxes around triangles of one version that the other does not have, one for each run of them.
+static rsv_status find_change(rsv_past *p, const rsv_transport_scene *scene)
+{
+    rsv_index_map then = { 0 };
+    rsv_status status;
+    size_t count = p->header->triangle_count;
+    uint32_t object = RSV_NONE; // of the new triangle just before
+    bool gone = false;          // likewise
+    uint8_t *stays = rsv_alloc(p->context, count, 1);
+    RSV_TRY(stays ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_index_map_create(p->context, count, &then));
+    for (uint32_t k = 0; k < count; k++)
+        if (rsv_index_map_insert(&then, p->layout.triangle[k].key, k) == UINT32_MAX)
+            RSV_TRY(RSV_ERROR_MEMORY);
+    for (uint32_t t = 0; t < scene->view->triangle_count; t++) {
+        uint64_t key = rsv_past_triangle_key(scene, t);
+        uint32_t same = key ? rsv_index_map_find(&then, key) : UINT32_MAX;
+        uint32_t new_object = same == UINT32_MAX ? scene->view->triangle_object[t] : RSV_NONE;
+        if (same != UINT32_MAX) stays[same] = 1;
+        rsv_box b;
+        rsv_past_triangle_box(scene->view, t, &b.low, &b.high);
+        if (same == UINT32_MAX)
+            rsv_scene_change_add(&p->change, b.low, b.high, object == new_object);
+        object = new_object;
+    }
+    for (size_t k = 0; k < count; k++) {
+        const rsv_past_triangle *t = &p->layout.triangle[k];
+        bool twice = rsv_index_map_find(&then, t->key) != k;
+        if (!stays[k] && !twice) rsv_scene_change_add(&p->change, t->low, t->high, gone);
+        gone = !stays[k] && !twice;
+    }
+    rsv_scene_change_add_margins(&p->change);
+    p->change.has_gone = true;
+cleanup:
+    rsv_index_map_destroy(&then);
+    rsv_free(p->context, stays);
+    return status;
+}
+
+rsv_status rsv_past_open(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const char *folder, uint64_t settings, rsv_past **past)
+{
+    rsv_status status;
+    char path[PATH_BYTES];
+    *past = NULL;
+    const rsv_past_header *header =
+        rsv_past_path(folder, settings, path, sizeof path) ? map(path, settings) : NULL;
+    if (!header) return RSV_OK;
+    rsv_past *p = rsv_alloc(lights->context, 1, sizeof *p);
+    if (!p) {
+        munmap((void *)(uintptr_t)header, rsv_past_layout_of(header).bytes);
+        return RSV_ERROR_MEMORY;
+    }
+    p->context = lights->context;
+    p->header = header;
+    p->layout = rsv_past_layout_of(header);
+    p->all_lit_anew = header->lights == RSV_PAST_NO_LIGHTS || scene->media.bodies ||
+                      header->lights != rsv_past_lights_key(lights);
+    RSV_TRY(find_change(p, scene));
+    rsv_past_find_sources(p, lights);
+    *past = p;
+    p = NULL;
+cleanup:
+    rsv_past_close(p);
+    return status;
+}
+
+void rsv_past_close(rsv_past *p)
+{
+    if (!p) return;
+    munmap((void *)(uintptr_t)p->header, p->layout.bytes);
+    rsv_free(p->context, p);
+}
+
+rsv_spacing rsv_past_spacing(const rsv_past *p, rsv_spacing now)
+{
+    float metres = p->header->spacing[0], reach = p->header->spacing[1];
+    bool is_open = reach < INFINITY;
+    if (is_open != (now.reach < INFINITY) || fabsf(now.metres - metres) > LIKE_SPACING * metres)
+        return now;
+    now.metres = metres;
+    now.reach = reach;
+    return now;
+}
+
+const rsv_scene_change *rsv_past_change(const rsv_past *p) { return &p->change; }
+
+bool rsv_past_was_split(const rsv_past *p, rsv_past_level level, uint64_t cell_key)
+{
+    const uint8_t *value = rsv_past_find(&p->layout.cells[level], cell_key);
+    return value && *value & RSV_PAST_SPLIT;
+}
+
+bool rsv_past_find_face(const rsv_past *p, uint64_t face_key, uint8_t *halvings, uint8_t *level)
+{
+    const uint8_t *value = rsv_past_find(&p->layout.cells[RSV_PAST_COARSE], face_key);
+    if (!value) return false;
+    *halvings = *value >> 4;
+    *level = *value & 15;
+    return true;
+}
+
+static bool overlap(const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
+{
+    return b->low.x <= high.x && b->low.y <= high.y && b->low.z <= high.z && b->high.x >= low.x &&
+           b->high.y >= low.y && b->high.z >= low.z;
+}
+
+static bool is_beside(const rsv_past *p, const rsv_elements *e, uint32_t cell)
+{
+    rsv_box b = rsv_reach_of_cell(e, cell);
+    for (uint32_t k = 0; k < p->change.count; k++)
+        if (overlap(&b, p->change.low[k], p->change.high[k])) return true;
+    return false;
+}
+
+bool rsv_past_openness(const rsv_past *p, const rsv_elements *e, uint32_t cell, uint8_t *openness)
+{
+    const rsv_cell *c = &e->cell[cell];
+    uint64_t key = rsv_cell_key_on(rsv_face_key(e, c->face), c);
+    const uint8_t *value = NULL;
+    for (int level = RSV_PAST_LEVELS; level-- > 0 && !(value && !(*value & RSV_PAST_SPLIT));)
+        value = rsv_past_find(&p->layout.cells[level], key);
+    if (!value || *value & RSV_PAST_SPLIT || is_beside(p, e, cell)) return false;
+    *openness = *value;
+    return true;
+}
+
+static bool is_support_beside(const rsv_past *p, const rsv_elements *e, uint32_t node)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if (is_beside(p, e, e->support[s] / 4)) return true;
+    return false;
+}
+
+const rsv_past_node *rsv_past_find_node(const rsv_past *p, rsv_past_level level,
+    const rsv_elements *e, uint32_t node, uint64_t node_key)
+{
+    const uint8_t *value = rsv_past_find(&p->layout.nodes[level], node_key);
+    if (!value || is_support_beside(p, e, node)) return NULL;
+    for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
+         e->led_begin && k < e->led_begin[node + 1]; k++)
+        if (is_support_beside(p, e, e->led[k].follower)) return NULL;
+    return (const rsv_past_node *)(const void *)value;
+}
+
+bool rsv_past_knows_around(
+    const rsv_past *p, const rsv_elements *e, uint32_t node, uint64_t node_key)
+{
+    return rsv_past_find_node(p, RSV_PAST_FINE, e, node, node_key) ||
+           rsv_past_find_node(p, RSV_PAST_COARSE, e, node, node_key);
+}
+
+static bool is_box_near(const rsv_past *p, const rsv_box *b)
+{
+    for (uint32_t k = 0; k < p->change.count; k++) {
+        rsv_vec3 low = p->change.low[k], high = p->change.high[k];
+        rsv_box wide = rsv_box_grow((rsv_box){ low, high }, v3_length(v3_sub(high, low)));
+        if (overlap(b, wide.low, wide.high)) return true;
+    }
+    return false;
+}
+
+bool rsv_past_is_face_near(const rsv_past *p, const rsv_elements *e, uint32_t face)
+{
+    rsv_box b;
+    rsv_past_triangle_box(e->scene, e->face_triangle[face], &b.low, &b.high);
+    return is_box_near(p, &b);
+}
+
+bool rsv_past_is_near(const rsv_past *p, const rsv_elements *e, uint32_t cell)
+{
+    rsv_box b = rsv_box_of_cell(e, cell);
+    return is_box_near(p, &b);
+}
+
+bool rsv_past_is_node_near(const rsv_past *p, const rsv_elements *e, uint32_t node)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if (rsv_past_is_near(p, e, e->support[s] / 4)) return true;
+    return false;
+}

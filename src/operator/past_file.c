@@ -1,0 +1,109 @@
+#include "past_file.h"
+
+#include "../core/key.h"
+#include "element_keys.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/// Takes a table's place in memory. @return what lies behind it
+static uint8_t *place_table(
+    rsv_past_table *table, uint64_t slots, size_t value_bytes, uint8_t *memory)
+{
+    table->slots = slots;
+    table->value_bytes = value_bytes;
+    table->key = (uint64_t *)memory;
+    table->value = memory + slots * sizeof *table->key;
+    return table->value + (slots * value_bytes + 7) / 8 * 8;
+}
+
+rsv_past_layout rsv_past_layout_of(const rsv_past_header *h)
+{
+    uint8_t *start = (uint8_t *)h, *at = start + sizeof *h;
+    rsv_past_layout l = { .triangle = (rsv_past_triangle *)at };
+    at += h->triangle_count * sizeof *l.triangle;
+    for (int level = 0; level < RSV_PAST_LEVELS; level++) {
+        at = place_table(&l.cells[level], h->cells[level], 1, at);
+        at = place_table(&l.nodes[level], h->nodes[level], sizeof(rsv_past_node), at);
+    }
+    l.bytes = (size_t)(at - start);
+    return l;
+}
+
+uint64_t rsv_past_checksum(const rsv_past_header *h, size_t bytes)
+{
+    rsv_past_header header = *h;
+    header.checksum = 0;
+    uint64_t sum = rsv_key_add_bytes(h->magic, &header, sizeof header);
+    return rsv_key_add_bytes(sum, h + 1, bytes - sizeof header);
+}
+
+bool rsv_past_path(const char *folder, uint64_t settings, char *path, size_t bytes)
+{
+    return snprintf(path, bytes, "%s/%016llx.past", folder, (unsigned long long)settings) <
+           (int)bytes;
+}
+
+static uint64_t add_numbers(uint64_t key, const float *number, size_t count)
+{
+    return rsv_key_add_bytes(key, number, count * sizeof *number);
+}
+
+static uint64_t add_color(uint64_t key, rsv_rgb c)
+{
+    return add_numbers(key, (const float[]){ c.r, c.g, c.b }, 3);
+}
+
+static uint64_t add_environment(uint64_t key, const rsv_environment *e)
+{
+    if (!e) return key;
+    key = rsv_key_add(key, (uint64_t)e->width << 32 | e->height);
+    key = add_numbers(key, &e->rotation, 1);
+    return rsv_key_add_bytes(key, e->pixels, (size_t)e->width * e->height * sizeof *e->pixels);
+}
+
+uint64_t rsv_past_lights_key(const rsv_lights *lights)
+{
+    uint64_t key = rsv_key_add(1, lights->sampled_count);
+    for (size_t k = 0; k < lights->emitter_count; k++) {
+        const rsv_emitter *e = &lights->emitter[k];
+        if (e->varies) return RSV_PAST_NO_LIGHTS;
+        for (int corner = 0; corner < 3; corner++)
+            key = rsv_key_add_vector(key, e->corner[corner]);
+        key = rsv_key_add(add_color(key, e->radiance), lights->group[e->group].gathered);
+        key = rsv_key_add(key, e->double_sided);
+    }
+    for (size_t k = 0; k < lights->scene->light_count; k++) {
+        const rsv_light *l = &lights->scene->light[k];
+        key = rsv_key_add_vector(rsv_key_add(key, (uint64_t)l->kind), l->position);
+        key = add_color(rsv_key_add_vector(key, l->direction), l->intensity);
+        const float shape[] = { l->inner_cone_angle, l->outer_cone_angle, l->exponent };
+        key = add_numbers(key, shape, 3);
+    }
+    return add_environment(key, lights->scene->environment);
+}
+
+uint64_t rsv_past_triangle_key(const rsv_transport_scene *scene, uint32_t triangle)
+{
+    uint32_t index = scene->view->triangle_material[triangle];
+    const rsv_material *m = &scene->view->material[index];
+    const rsv_bsdf *b = &scene->bsdf[index];
+    if (m->alpha_cutoff > 0 || b->opacity < 1) return 0;
+    uint64_t key = rsv_key_add(rsv_triangle_key(scene->view, triangle), b->double_sided);
+    if (b->lambert) return key;
+    const float kind[] = { m->ior, m->specular, m->transmission, m->thickness, m->metallic,
+        m->roughness, m->clearcoat, m->clearcoat_roughness, m->sheen_roughness,
+        m->diffuse_transmission };
+    return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1);
+}
+
+void rsv_past_triangle_box(
+    const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high)
+{
+    const uint32_t *corner = scene->triangle[triangle];
+    *low = *high = scene->position[corner[0]];
+    for (int k = 1; k < 3; k++) {
+        *low = v3_min(*low, scene->position[corner[k]]);
+        *high = v3_max(*high, scene->position[corner[k]]);
+    }
+}

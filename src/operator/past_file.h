@@ -1,0 +1,72 @@
+/// The file of what a solve knew (past.h): a header and arrays behind it.
+#ifndef RSV_PAST_FILE_H
+#define RSV_PAST_FILE_H
+
+#include "past.h"
+
+typedef struct rsv_past_header {
+    uint32_t magic, unused;
+    uint64_t settings, lights; ///< keys
+    uint64_t triangle_count;
+    uint64_t cells[RSV_PAST_LEVELS], nodes[RSV_PAST_LEVELS]; ///< slots of the tables, powers of 2
+    float spacing[2];                                        ///< metres and reach of it
+    uint64_t checksum;                                       ///< of all, with 0 here
+} rsv_past_header;
+
+/// A triangle that lets no ray pass, in the order of the scene.
+typedef struct rsv_past_triangle {
+    uint64_t key;
+    rsv_vec3 low, high;
+} rsv_past_triangle;
+
+/// A hash table with open addresses in a file. Key 0 = free slot.
+typedef struct rsv_past_table {
+    size_t slots;
+    uint64_t *key;  ///< [slots]
+    uint8_t *value; ///< [slots * value_bytes]
+    size_t value_bytes;
+} rsv_past_table;
+
+/// Value of a cell that was split; of others: their openness. Of a face: its level, and halvings of clusters times 16.
+#define RSV_PAST_SPLIT 0x80u
+#define RSV_PAST_NO_LIGHTS 0 ///< key of sources that are never what they were
+
+typedef struct rsv_past_layout {
+    rsv_past_triangle *triangle;
+    rsv_past_table cells[RSV_PAST_LEVELS], nodes[RSV_PAST_LEVELS];
+    size_t bytes;
+} rsv_past_layout;
+
+/// @param header of a file that lies in memory as a whole
+rsv_past_layout rsv_past_layout_of(const rsv_past_header *header);
+
+/// The slot of a key, or the free one that it belongs to.
+RSV_INLINE size_t rsv_past_slot(const rsv_past_table *table, uint64_t key)
+{
+    size_t at = key & (table->slots - 1);
+    while (table->key[at] && table->key[at] != key)
+        at = (at + 1) & (table->slots - 1);
+    return at;
+}
+
+/// @return NULL if there is none
+RSV_INLINE const uint8_t *rsv_past_find(const rsv_past_table *table, uint64_t key)
+{
+    if (table->slots == 0 || key == 0) return NULL;
+    size_t at = rsv_past_slot(table, key);
+    return table->key[at] ? table->value + at * table->value_bytes : NULL;
+}
+
+uint64_t rsv_past_checksum(const rsv_past_header *header, size_t bytes);
+
+/// "DIR/<settings>.past" @return false if that is too long
+bool rsv_past_path(const char *folder, uint64_t settings, char *path, size_t bytes);
+
+/// Of all sources; RSV_PAST_NO_LIGHTS where textures decide what they give.
+uint64_t rsv_past_lights_key(const rsv_lights *lights);
+/// Of a triangle and of how light passes it; 0 if its holes may be others each time.
+uint64_t rsv_past_triangle_key(const rsv_transport_scene *scene, uint32_t triangle);
+void rsv_past_triangle_box(
+    const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high);
+
+#endif

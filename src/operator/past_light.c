@@ -1,0 +1,156 @@
+/// Where the light of sources may be another after an edit.
+#include "elements_internal.h"
+#include "past_internal.h"
+
+/// What cells ask their surroundings reaches no farther than that: part of their size, and of the spacing.
+#define REACH_OF_SIZE 0.6f
+#define REACH_OF_SPACING 0.25f
+
+static void add_source(rsv_past *p, uint32_t at, rsv_vec3 place)
+{
+    if (at >= p->source_count) {
+        p->source[at] = (rsv_box){ place, place };
+        p->source_count = at + 1;
+    }
+    p->source[at].low = v3_min(p->source[at].low, place);
+    p->source[at].high = v3_max(p->source[at].high, place);
+}
+
+/// Emitters and punctual lights in their order share the boxes.
+void rsv_past_find_sources(rsv_past *p, const rsv_lights *lights)
+{
+    const rsv_scene_view *scene = lights->scene;
+    size_t count = lights->sampled_count + lights->punctual_count, at = 0;
+    size_t share = (count + RSV_PAST_SOURCES - 1) / RSV_PAST_SOURCES;
+    for (size_t k = 0; k < lights->sampled_count; k++, at++)
+        for (int corner = 0; corner < 3; corner++)
+            add_source(
+                p, (uint32_t)(at / share), lights->emitter[lights->sampled[k]].corner[corner]);
+    for (size_t k = lights->distant_count; k < lights->punctual_count; k++, at++)
+        add_source(p, (uint32_t)(at / share), scene->light[lights->punctual[k]].position);
+    p->all_lit_anew = p->all_lit_anew || lights->distant_count > RSV_PAST_SOURCES;
+    for (size_t k = 0; k < lights->distant_count && !p->all_lit_anew; k++)
+        p->sun[p->sun_count++] = v3_neg(scene->light[lights->punctual[k]].direction);
+    // suns of an environment have a size, and its sky has one anyway
+    p->sky = lights->environment && rsv_environment_light_is_sampled(lights->environment);
+}
+
+rsv_box rsv_box_grow(rsv_box b, float by)
+{
+    rsv_vec3 more = v3(by, by, by);
+    return (rsv_box){ v3_sub(b.low, more), v3_add(b.high, more) };
+}
+
+rsv_box rsv_box_of_cell(const rsv_elements *e, uint32_t cell)
+{
+    const rsv_cell *c = &e->cell[cell];
+    const uint32_t *corner = e->scene->triangle[e->face_triangle[c->face]];
+    rsv_box b = { v3(INFINITY, INFINITY, INFINITY), v3(-INFINITY, -INFINITY, -INFINITY) };
+    for (int k = 0; k < 3; k++) {
+        float u, v;
+        rsv_cell_corner(c, k, &u, &v);
+        rsv_vec3 p = v3_scale(e->scene->position[corner[0]], 1 - u - v);
+        p = v3_mad(p, u, e->scene->position[corner[1]]);
+        p = v3_mad(p, v, e->scene->position[corner[2]]);
+        b.low = v3_min(b.low, p);
+        b.high = v3_max(b.high, p);
+    }
+    return b;
+}
+
+rsv_box rsv_reach_of_cell(const rsv_elements *e, uint32_t cell)
+{
+    float size = sqrtf(2 * rsv_cell_area(e, cell));
+    return rsv_box_grow(
+        rsv_box_of_cell(e, cell), REACH_OF_SIZE * size + REACH_OF_SPACING * e->spacing);
+}
+
+/// Narrows [*from, *to] to the part of a way from `a` to `b` on which its width, from `wide_a` to `wide_b`, reaches [low, high].
+static void narrow(float a_low, float a_high, float b_low, float b_high, float low, float high,
+    float *from, float *to)
+{
+    // the way's lower end lies below `high`, and its upper end above `low`: two half lines
+    const float at[2] = { a_low - high, low - a_high },
+                rise[2] = { b_low - a_low, a_high - b_high };
+    for (int k = 0; k < 2; k++) {
+        if (rise[k] == 0) {
+            if (at[k] > 0) *to = -1;
+        } else if (rise[k] > 0) {
+            *to = f_min(*to, -at[k] / rise[k]);
+        } else {
+            *from = f_max(*from, -at[k] / rise[k]);
+        }
+    }
+}
+
+/// Whether any line from a place in `a` to one in `b` may meet the rsv_box between low and high: whether that meets the hull
+/// of both, which is what boxes sweep that go from one to the other.
+static bool shaft_meets(const rsv_box *a, const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
+{
+    float from = 0, to = 1;
+    narrow(a->low.x, a->high.x, b->low.x, b->high.x, low.x, high.x, &from, &to);
+    narrow(a->low.y, a->high.y, b->low.y, b->high.y, low.y, high.y, &from, &to);
+    narrow(a->low.z, a->high.z, b->low.z, b->high.z, low.z, high.z, &from, &to);
+    return from <= to + 1e-5f && to >= 0;
+}
+
+/// Whether a box reaches above the plane of a cell.
+static bool rises_above(
+    const rsv_elements *e, uint32_t cell, const rsv_box *place, rsv_vec3 low, rsv_vec3 high)
+{
+    uint32_t face = e->cell[cell].face;
+    rsv_vec3 normal = rsv_surface_point_at(
+        e->scene, e->face_triangle[face], 1.0f / 3, 1.0f / 3, e->face_back[face])
+                          .geometric;
+    rsv_vec3 top = v3(normal.x > 0 ? high.x - place->low.x : low.x - place->high.x,
+        normal.y > 0 ? high.y - place->low.y : low.y - place->high.y,
+        normal.z > 0 ? high.z - place->low.z : low.z - place->high.z);
+    return v3_dot(top, normal) > 0;
+}
+
+bool rsv_past_is_lit_anew(const rsv_past *p, const rsv_elements *e, uint32_t cell)
+{
+    if (p->all_lit_anew) return true;
+    const rsv_scene_view *scene = e->scene;
+    float far = 2 * v3_length(v3_sub(scene->bounds_max, scene->bounds_min));
+    rsv_box place = rsv_reach_of_cell(e, cell);
+    for (uint32_t k = 0; k < p->change.count; k++) {
+        rsv_vec3 low = p->change.low[k], high = p->change.high[k];
+        if (!rises_above(e, cell, &place, low, high)) continue;
+        if (p->sky) return true;
+        for (uint32_t s = 0; s < p->source_count; s++)
+            if (shaft_meets(&place, &p->source[s], low, high)) return true;
+        for (uint32_t s = 0; s < p->sun_count; s++) {
+            rsv_vec3 away = v3_scale(p->sun[s], far);
+            rsv_box end = { v3_add(place.low, away), v3_add(place.high, away) };
+            if (shaft_meets(&place, &end, low, high)) return true;
+        }
+    }
+    return false;
+}
+
+rsv_status rsv_past_find_lit_anew(const rsv_past *p, const rsv_elements *e, uint8_t **lit_anew)
+{
+    uint8_t *anew = *lit_anew = rsv_alloc(p->context, e->cell_count, 1);
+    if (!anew) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(p->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        anew[c] = rsv_past_is_lit_anew(p, e, c);
+    return RSV_OK;
+}
+
+static bool is_support_lit_anew(const rsv_elements *e, uint32_t node, const uint8_t *cell_lit_anew)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if (cell_lit_anew[e->support[s] / 4]) return true;
+    return false;
+}
+
+bool rsv_past_is_node_lit_anew(const rsv_elements *e, uint32_t node, const uint8_t *cell_lit_anew)
+{
+    bool anew = is_support_lit_anew(e, node, cell_lit_anew);
+    for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
+         e->led_begin && !anew && k < e->led_begin[node + 1]; k++)
+        anew = is_support_lit_anew(e, e->led[k].follower, cell_lit_anew);
+    return anew;
+}

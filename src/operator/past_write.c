@@ -1,0 +1,153 @@
+/// Writes down what a solve knows.
+#include "past_file.h"
+
+#include "../core/key.h"
+#include "element_keys.h"
+#include "elements_internal.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+
+#define MAGIC 0x32747370u // "pst2"
+#define PATH_BYTES 4096
+
+/// Slots for so many keys, a third of them free at least.
+static uint64_t slots_for(size_t count)
+{
+    uint64_t slots = 16;
+    while (2 * slots < 3 * (uint64_t)count)
+        slots *= 2;
+    return slots;
+}
+
+/// @return its value, to be filled
+static uint8_t *put(rsv_past_table *table, uint64_t key)
+{
+    size_t at = rsv_past_slot(table, key);
+    table->key[at] = key;
+    return table->value + at * table->value_bytes;
+}
+
+static void put_slot(
+    rsv_past_table *table, const rsv_elements *e, uint64_t face_key, rsv_cell cell, uint32_t slot)
+{
+    uint32_t content = e->slot[slot];
+    uint64_t key = rsv_cell_key_on(face_key, &cell);
+    if (!(content & RSV_SLOT_SPLIT)) {
+        *put(table, key) = e->cell_openness ? e->cell_openness[content] : 0;
+        return;
+    }
+    *put(table, key) = RSV_PAST_SPLIT;
+    for (uint32_t k = 0; k < 4; k++)
+        put_slot(table, e, face_key, rsv_child_cell(cell, (int)k), (content & ~RSV_SLOT_SPLIT) + k);
+}
+
+static void put_cells(rsv_past_table *table, const rsv_elements *e)
+{
+    for (uint32_t face = 0; face < e->face_count; face++) {
+        uint64_t key = rsv_face_key(e, face);
+        uint32_t slot = e->face_slot[face];
+        int side = 1 << e->face_level[face];
+        uint8_t halvings = e->face_halvings[face] < 15 ? e->face_halvings[face] : 15;
+        *put(table, key) = (uint8_t)(halvings << 4 | e->face_level[face]);
+        for (int j = 0; j < side; j++)
+            for (int n = 0; n < 2 * (side - j) - 1; n++)
+                put_slot(table, e, key,
+                    (rsv_cell){ face, (uint16_t)(n / 2), (uint16_t)j, e->face_level[face],
+                        (uint8_t)(n & 1) },
+                    slot++);
+    }
+}
+
+static rsv_status put_nodes(rsv_past_table *table, const rsv_past_fields *f)
+{
+    const rsv_elements *e = f->elements;
+    rsv_status status;
+    uint64_t *node_key = NULL;
+    RSV_TRY(rsv_node_keys_create(e, &node_key));
+    for (size_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        const rsv_past_node node = { .direct = f->direct ? f->direct[n] : rgb_gray(0),
+            .deviation = f->deviation ? f->deviation[n] : 0,
+            .irradiance = f->irradiance ? f->irradiance[n] : rgb_gray(0),
+            .valid = f->valid_points[n] };
+        memcpy(put(table, node_key[n]), &node, sizeof node);
+    }
+cleanup:
+    rsv_free(e->context, node_key);
+    return status;
+}
+
+static size_t put_triangles(const rsv_transport_scene *scene, rsv_past_triangle *triangle)
+{
+    size_t count = 0;
+    for (uint32_t t = 0; t < scene->view->triangle_count; t++) {
+        rsv_past_triangle now = { .key = rsv_past_triangle_key(scene, t) };
+        if (now.key == 0) continue;
+        rsv_past_triangle_box(scene->view, t, &now.low, &now.high);
+        if (triangle) triangle[count] = now;
+        count++;
+    }
+    return count;
+}
+
+static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields *level)
+{
+    rsv_past_header h = { .magic = MAGIC,
+        .settings = settings,
+        .lights = scene->media.bodies ? RSV_PAST_NO_LIGHTS : rsv_past_lights_key(lights),
+        .triangle_count = put_triangles(scene, NULL),
+        .spacing = { spacing->metres, spacing->reach } };
+    for (int k = 0; k < RSV_PAST_LEVELS; k++) {
+        const rsv_elements *e = level[k].elements;
+        h.cells[k] = slots_for(e ? e->slot_count + e->face_count : 0);
+        h.nodes[k] = slots_for(e ? e->node_count : 0);
+    }
+    return h;
+}
+
+static void save(rsv_context *context, const rsv_past_header *h, size_t bytes, const char *path)
+{
+    char beside[PATH_BYTES];
+    bool named = snprintf(beside, sizeof beside, "%s.part", path) < (int)sizeof beside;
+    FILE *file = named ? fopen(beside, "wb") : NULL;
+    bool written = file && fwrite(h, 1, bytes, file) == bytes;
+    if (file) written = fclose(file) == 0 && written;
+    if (written && rename(beside, path) == 0) return;
+    rsv_log(context, RSV_LOG_WARNING,
+        "checkpoint: cannot write '%s': %s; after an edit of the scene everything will be solved "
+        "anew",
+        path, strerror(errno));
+    if (file) remove(beside);
+}
+
+rsv_status rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const char *folder, uint64_t settings, const rsv_spacing *spacing,
+    const rsv_past_fields level[RSV_PAST_LEVELS])
+{
+    rsv_status status;
+    rsv_context *context = lights->context;
+    char path[PATH_BYTES];
+    rsv_past_header header = describe(scene, lights, settings, spacing, level);
+    rsv_past_layout layout = rsv_past_layout_of(&header);
+    rsv_past_header *h = rsv_alloc(context, layout.bytes, 1);
+    if (!h) return RSV_ERROR_MEMORY;
+    *h = header;
+    layout = rsv_past_layout_of(h);
+    put_triangles(scene, layout.triangle);
+    for (int k = 0; k < RSV_PAST_LEVELS; k++) {
+        if (!level[k].elements) continue;
+        put_cells(&layout.cells[k], level[k].elements);
+        RSV_TRY(put_nodes(&layout.nodes[k], &level[k]));
+    }
+    h->checksum = rsv_past_checksum(h, layout.bytes);
+    status = rsv_past_path(folder, settings, path, sizeof path)
+                 ? RSV_OK
+                 : rsv_fail(RSV_ERROR_IO, "checkpoint: the name of the folder is too long");
+    if (status == RSV_OK) save(context, h, layout.bytes, path);
+cleanup:
+    rsv_free(context, h);
+    return status;
+}

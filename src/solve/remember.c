@@ -1,0 +1,71 @@
+#include "remember.h"
+
+#include "../core/key.h"
+#include "../core/team.h"
+#include "goal.h"
+
+/// Of all that decides how a scene is solved, beside the scene.
+static uint64_t settings_of(const rsv_solution *s)
+{
+    const rsv_solve_desc *d = &s->desc;
+    const uint64_t word[] = { d->element_target, s->wanted_rays, d->refinements, d->light_samples,
+        d->photon_count, d->direct_levels, d->direct_level, d->max_elements, d->max_bytes,
+        d->seed };
+    return rsv_key_add_bytes(1, word, sizeof word);
+}
+
+/// A goal decides by what a camera sees, of which nothing is kept.
+static bool has_goal(const rsv_solution *s)
+{
+    rsv_goal_aim aim = rsv_goal_aim_of(s);
+    return rsv_goal_is_wanted(&aim);
+}
+
+rsv_status rsv_solution_recall(rsv_solution *s, rsv_past **past)
+{
+    *past = NULL;
+    if (!s->desc.checkpoint || !s->desc.earlier || has_goal(s)) return RSV_OK;
+    rsv_status status = rsv_past_open(&s->scene, s->lights, s->desc.earlier, settings_of(s), past);
+    s->scene.past = *past;
+    return rsv_team_meet(s->context, status);
+}
+
+static rsv_status write_down(const rsv_solution *s)
+{
+    size_t nodes = s->elements->node_count;
+    rsv_rgb *direct = rsv_alloc(s->context, nodes, sizeof *direct);
+    if (!direct) return RSV_ERROR_MEMORY;
+    rsv_light_total(s, 0, direct);
+    const rsv_past_fields level[RSV_PAST_LEVELS] = {
+        [RSV_PAST_COARSE] = { .elements = s->elements,
+            .direct = direct,
+            .irradiance = s->irradiance,
+            .valid_points = s->valid_points },
+        [RSV_PAST_FINE] = { .elements = s->fine.elements,
+            .direct = s->fine.direct,
+            .deviation = s->fine.deviation,
+            .valid_points = s->fine.valid_points },
+    };
+    rsv_status status = rsv_past_write(
+        &s->scene, s->lights, s->desc.checkpoint, settings_of(s), &s->spacing, level);
+    rsv_free(s->context, direct);
+    return status;
+}
+
+static void let_go(rsv_context *context, rsv_source_level *level)
+{
+    rsv_free(context, level->deviation);
+    rsv_free(context, level->valid_points);
+    level->deviation = NULL;
+    level->valid_points = NULL;
+}
+
+rsv_status rsv_solution_remember(rsv_solution *s)
+{
+    rsv_status status = RSV_OK;
+    if (s->desc.checkpoint && !has_goal(s) && rsv_team_place_of(s->context).rank == 0)
+        status = write_down(s);
+    let_go(s->context, &s->fine);
+    let_go(s->context, &s->caustics);
+    return rsv_team_meet(s->context, status);
+}

@@ -1,0 +1,15 @@
+/// What a solution leaves to the next one, of the same scene after an edit.
+#ifndef RSV_REMEMBER_H
+#define RSV_REMEMBER_H
+
+#include "../operator/past.h"
+#include "solution.h"
+
+/// What the solution of an earlier version of the scene knew; solution->scene points to it from then on.
+/// @param past out: NULL = nothing; to be closed when the solution is done
+rsv_status rsv_solution_recall(rsv_solution *solution, rsv_past **past);
+
+/// Writes down what a finished solution knows beside its rows, if these are kept. Lets go of fields that nothing else needs.
+rsv_status rsv_solution_remember(rsv_solution *solution);
+
+#endif
