@@ -94,6 +94,7 @@ static void check(float roughness, double gain)
     world *w = room_with_skylight(roughness);
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.rays_per_element = 1024;
+    desc.element_target = 1000;
     rsv_solution *solution;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
     double mean[2], variance[2], expected = reflected(&w->bsdf[1]);
@@ -129,6 +130,7 @@ static void aims_have_the_density_that_they_say(void **state)
     world *w = room_with_skylight(0.6f);
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.rays_per_element = 1024;
+    desc.element_target = 1000;
     rsv_solution *solution;
     rsv_openings *openings;
     rsv_sky_aim aim;
