@@ -58,8 +58,9 @@ static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_p
     brightest_end end = { 0 };
     rsv_chain chain =
         rsv_chain_begin(&s->scene, &job->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_camera_chain(&s->scene, s->lights, chain, rsv_hash3(job->seed, x, y), NULL,
-        RSV_CAMERA_CHAIN_DEPTH, false, keep_brightest, &end);
+    const rsv_camera_setting setting = { &s->scene, s->lights, NULL, RSV_CAMERA_CHAIN_DEPTH,
+        false };
+    rsv_camera_chain(&setting, chain, rsv_hash3(job->seed, x, y), NULL, keep_brightest, &end);
     if (end.weight == 0) return false;
     uint32_t face = s->elements->face_of[end.chain.back][end.chain.triangle];
     *point = (rsv_face_point){ face, end.chain.u, end.chain.v };

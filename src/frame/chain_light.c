@@ -70,8 +70,8 @@ void rsv_add_diffuse_end(void *light, const rsv_chain *chain, rsv_rgb weight)
 
 void rsv_add_whole_chain(rsv_chain_light *l, const rsv_chain *chain)
 {
-    rsv_rgb found = rsv_camera_chain(
-        l->scene, l->lights, *chain, l->path, NULL, l->max_events, false, rsv_add_diffuse_end, l);
+    const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false };
+    rsv_rgb found = rsv_camera_chain(&setting, *chain, l->path, NULL, rsv_add_diffuse_end, l);
     if (rsv_shows_emission(l->table)) add(l, found);
 }
 

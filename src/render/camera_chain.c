@@ -16,9 +16,8 @@ typedef struct link {
 typedef struct tree {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
-    uint32_t max_events;
+    const rsv_camera_setting *setting;
     const rsv_pixel_sample *sample;
-    bool shot; ///< light that a wide lobe is the last to scatter is brought by photons
     link stack[STACK];
     int depth;
     rsv_rgb radiance;
@@ -53,7 +52,7 @@ static void leave(tree *t, link next, bool transmit, rsv_vec3 direction, rsv_rgb
 static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branches *branches)
 {
     rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
-    if (at->chain.events >= t->max_events ||
+    if (at->chain.events >= t->setting->max_events ||
         !rsv_branch_survives(&at->chain, at->path, transmit, &weight))
         return;
     rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
@@ -63,7 +62,7 @@ static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branch
 
 /// What a rough surface draws.
 typedef struct rough_numbers {
-    float kept, light[3], direction[3];
+    float kept, light[3], direction[3], sky[3];
 } rough_numbers;
 
 static rough_numbers draw_numbers(const tree *t, const link *at)
@@ -75,6 +74,8 @@ static rough_numbers draw_numbers(const tree *t, const link *at)
         rsv_pixel_sample_2d(*t->sample, 22, &n.light[1], &n.light[2]);
         n.direction[0] = rsv_pixel_sample_1d(*t->sample, 23);
         rsv_pixel_sample_2d(*t->sample, 24, &n.direction[1], &n.direction[2]);
+        n.sky[0] = rsv_pixel_sample_1d(*t->sample, 25);
+        rsv_pixel_sample_2d(*t->sample, 26, &n.sky[1], &n.sky[2]);
         return n;
     }
     rsv_random random = rsv_random_from(at->path, at->chain.triangle, 0x17c3u);
@@ -83,6 +84,8 @@ static rough_numbers draw_numbers(const tree *t, const link *at)
         n.light[k] = rsv_random_float(&random);
     for (int k = 0; k < 3; k++)
         n.direction[k] = rsv_random_float(&random);
+    for (int k = 0; k < 3; k++)
+        n.sky[k] = rsv_random_float(&random);
     return n;
 }
 
@@ -111,26 +114,30 @@ static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
     at.chain.weight = rgb_scale(at.chain.weight, 1 / chance);
     t->radiance =
         rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
+    rsv_sky_aim aim;
+    rsv_rough_aim(&surface, t->setting->openings, &aim);
+    t->radiance =
+        rgb_add(t->radiance, rsv_rough_aimed_light(&surface, t->lights, &aim, numbers.sky));
     rsv_bsdf_event event = rsv_rough_draw(&surface, numbers.direction);
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!specular || event.pdf_solid_angle == 0 || at.chain.events >= t->max_events) return;
-    link next = { at.chain, rsv_rough_depart(&surface, event.direction),
+    if (!specular || event.pdf_solid_angle == 0 || at.chain.events >= t->setting->max_events)
+        return;
+    link next = { at.chain, rsv_rough_depart(&surface, &aim, event.direction),
         rsv_branch_path(at.path, false), at.shot };
     next.departure.shot = at.shot;
-    if (t->shot && at.chain.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);
+    if (t->setting->shot && at.chain.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);
     leave(t, next, event.lobe == RSV_LOBE_TRANSMIT, event.direction, event.weight);
 }
 
-rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
-    rsv_chain chain, uint32_t path, const rsv_pixel_sample *sample, uint32_t max_events, bool shot,
-    rsv_diffuse_end end, void *user)
+rsv_rgb rsv_camera_chain(const rsv_camera_setting *setting, rsv_chain chain, uint32_t path,
+    const rsv_pixel_sample *sample, rsv_diffuse_end end, void *user)
 {
+    const rsv_transport_scene *scene = setting->scene;
     tree t; // its stack need not be cleared
     t.scene = scene;
-    t.lights = lights;
+    t.lights = setting->lights;
+    t.setting = setting;
     t.sample = sample;
-    t.max_events = max_events;
-    t.shot = shot;
     t.radiance = rgb_gray(0);
     t.depth = 1;
     t.stack[0] = (link){ .chain = chain, .path = path };

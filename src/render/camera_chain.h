@@ -5,10 +5,20 @@
 #include "../light/light.h"
 #include "../operator/chain.h"
 #include "branch.h"
+#include "openings.h"
 #include "pixel_sample.h"
 
 /// Specular events along a branch that are enough for any picture.
 #define RSV_CAMERA_CHAIN_DEPTH 64
+
+/// What the chains of one picture have in common.
+typedef struct rsv_camera_setting {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    const rsv_openings *openings; ///< NULL = rough surfaces do not know where they see the sky
+    uint32_t max_events;          ///< specular ones along a branch at most
+    bool shot;                    ///< leave out what rsv_add_shot_light adds
+} rsv_camera_setting;
 
 /// Called for each diffuse interface a camera ray leads to.
 /// @param weight radiance at the camera per B / pi of the surface
@@ -19,11 +29,8 @@ typedef void (*rsv_diffuse_end)(void *user, const rsv_chain *chain, rsv_rgb weig
 /// @param path names the branches that led to the chain's surface; of a camera ray, its random number. What is
 ///             drawn depends on it alone, so a chain may be followed in any order, or be continued midway.
 /// @param sample stratifies what the first surface draws, if it is rough; NULL = `path` alone
-/// @param max_events specular events along a branch at most
-/// @param shot leave out what rsv_add_shot_light adds
 /// @return radiance towards the camera emitted by the surfaces on the way and by the surroundings
-rsv_rgb rsv_camera_chain(const rsv_transport_scene *scene, const rsv_lights *lights,
-    rsv_chain chain, uint32_t path, const rsv_pixel_sample *sample, uint32_t max_events, bool shot,
-    rsv_diffuse_end end, void *user);
+rsv_rgb rsv_camera_chain(const rsv_camera_setting *setting, rsv_chain chain, uint32_t path,
+    const rsv_pixel_sample *sample, rsv_diffuse_end end, void *user);
 
 #endif

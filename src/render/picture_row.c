@@ -60,9 +60,9 @@ static void shade_ray(rsv_picture_row *r, uint32_t k)
     rsv_chain chain = rsv_chain_begin(&job->solution->scene, &job->medium, direction,
         packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
     rsv_chain_set_spread(&chain, spread_of(r), packet->t_max[k]);
-    rsv_rgb emission = rsv_camera_chain(&job->solution->scene, job->solution->lights, chain,
-        rsv_hash2(r->sample.seed, r->sample.index), job->desc->shared_pattern ? NULL : &r->sample,
-        job->desc->chain_depth, job->shot, rsv_picture_shade, r);
+    rsv_rgb emission =
+        rsv_camera_chain(&job->setting, chain, rsv_hash2(r->sample.seed, r->sample.index),
+            job->desc->shared_pattern ? NULL : &r->sample, rsv_picture_shade, r);
     rsv_picture_add_light(r, r->column, 0, emission);
 }
 

@@ -4,6 +4,7 @@
 
 #include "../solve/solution.h"
 #include "../trace/camera_ray.h"
+#include "camera_chain.h"
 #include "pixel_direct.h"
 #include "pixel_noise.h"
 #include "resolvent/render.h"
@@ -18,10 +19,10 @@ typedef struct rsv_picture_job {
     const rsv_camera *camera;
     rsv_medium medium; ///< the camera's
     rsv_image *image;
-    uint32_t layer_count;   ///< of the image, layer 0 included
-    float spread;           ///< of a camera ray: the angle of a pixel
-    rsv_sky sky;            ///< what lies beyond the scene
-    bool shot;              ///< light over wide lobes is shot from the sources
+    uint32_t layer_count; ///< of the image, layer 0 included
+    float spread;         ///< of a camera ray: the angle of a pixel
+    rsv_sky sky;          ///< what lies beyond the scene
+    rsv_camera_setting setting;
     uint32_t seed;          ///< of the pass
     rsv_pixel_noise *noise; ///< [height * width] found by the first pass; NULL = nobody asks
     const uint32_t *extra;  ///< [height * width] camera rays of a second pass; NULL in the first

@@ -72,11 +72,36 @@ rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *s, const float u[3])
     return event;
 }
 
-rsv_rough_departure rsv_rough_depart(const rsv_rough_surface *s, rsv_vec3 direction)
+rsv_rough_departure rsv_rough_depart(
+    const rsv_rough_surface *s, const rsv_sky_aim *aim, rsv_vec3 direction)
 {
     bool below = v3_dot(s->normal, direction) < 0;
     return (rsv_rough_departure){ s->point.position, below ? v3_neg(s->normal) : s->normal,
-        respond(s, direction).pdf_solid_angle, false };
+        respond(s, direction).pdf_solid_angle, rsv_sky_aim_pdf(aim, direction), false };
+}
+
+void rsv_rough_aim(const rsv_rough_surface *s, const rsv_openings *openings, rsv_sky_aim *aim)
+{
+    aim->count = 0;
+    if (openings)
+        rsv_sky_aim_at(openings, rsv_openings_at(openings, s->chain, &s->point), s->bsdf, s->wo,
+            s->normal, aim);
+}
+
+rsv_rgb rsv_rough_aimed_light(
+    const rsv_rough_surface *s, const rsv_lights *lights, const rsv_sky_aim *aim, const float u[3])
+{
+    if (aim->count == 0) return rgb_gray(0);
+    rsv_vec3 direction = rsv_sky_aim_sample(aim, u);
+    rsv_bsdf_value value = respond(s, direction);
+    float pdf = rsv_sky_aim_pdf(aim, direction);
+    if (value.pdf_solid_angle == 0 || !(pdf > 0)) return rgb_gray(0);
+    rsv_ray ray = { leaving_point(s, direction), direction, INFINITY };
+    if (rsv_tracer_occluded(s->scene->tracer, &ray)) return rgb_gray(0);
+    rsv_rgb arriving = rgb_mul(throughput(s, direction, INFINITY),
+        rsv_sky_radiance(&lights->environment->gathered, direction));
+    float weight = power_heuristic(pdf, value.pdf_solid_angle);
+    return rgb_scale(rgb_mul(value.response, arriving), weight / pdf);
 }
 
 static rsv_rgb sampled_light(const rsv_rough_surface *s, const rsv_lights *lights, rsv_vec3 side,
@@ -146,6 +171,7 @@ rsv_rgb rsv_rough_sky(
     rsv_rgb sum = rsv_sky_radiance(&environment->gathered, direction);
     rsv_rgb sampled = rsv_sky_radiance(&environment->sampled, direction);
     if (own == 0) return rgb_add(sum, sampled);
+    sum = rgb_scale(sum, power_heuristic(own, departure->sky_pdf));
     rsv_local_lights local;
     rsv_lights_at(lights, departure->point, departure->side, &local);
     float weight = power_heuristic(own, rsv_local_lights_sky_pdf(&local, direction));

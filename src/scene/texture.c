@@ -70,24 +70,42 @@ static double overlap(uint32_t k, double begin, double end)
     return fmin(k + 1.0, end) - fmax(k, begin);
 }
 
-/// Mean over the area that one texel of the coarser level covers, weighted by area: odd sizes leave no texel
-/// out and count none twice.
-static void reduce_texel(rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j)
+/// Sums over the area that one texel of the coarser level covers, weighted by area: odd sizes leave no texel out and
+/// count none twice.
+typedef struct texel_sums {
+    double plain[4];
+    double covered[4]; ///< the same times alpha
+} texel_sums;
+
+static texel_sums sum_texels(const rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j)
 {
     const rsv_texture_level *to = &t->level[coarse], *from = &t->level[coarse - 1];
     double step_x = (double)from->width / to->width, step_y = (double)from->height / to->height;
     double left = i * step_x, right = left + step_x, top = j * step_y, bottom = top + step_y;
-    double sum[4] = { 0 };
+    texel_sums sums = { { 0 }, { 0 } };
     for (uint32_t y = (uint32_t)top; y < from->height && y < bottom; y++)
         for (uint32_t x = (uint32_t)left; x < from->width && x < right; x++) {
             double weight = overlap(x, left, right) * overlap(y, top, bottom);
-            size_t texel = from->first + (size_t)y * from->width + x;
-            for (uint32_t c = 0; c < t->channel_count; c++)
-                sum[c] += weight * stored(t, texel * t->channel_count + c);
+            weight /= step_x * step_y;
+            size_t texel = (from->first + (size_t)y * from->width + x) * t->channel_count;
+            double alpha = stored(t, texel + t->channel_count - 1);
+            for (uint32_t c = 0; c < t->channel_count; c++) {
+                sums.plain[c] += weight * stored(t, texel + c);
+                sums.covered[c] += weight * alpha * stored(t, texel + c);
+            }
         }
+    return sums;
+}
+
+static void reduce_texel(rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j)
+{
+    const rsv_texture_level *to = &t->level[coarse];
+    texel_sums sums = sum_texels(t, coarse, i, j);
     size_t texel = (to->first + (size_t)j * to->width + i) * t->channel_count;
+    uint32_t alpha = t->channel_count - 1;
     for (uint32_t c = 0; c < t->channel_count; c++) {
-        double mean = sum[c] / (step_x * step_y);
+        bool weighed = t->covers && c != alpha && sums.plain[alpha] > 0;
+        double mean = weighed ? sums.covered[c] / sums.plain[alpha] : sums.plain[c];
         if (t->unorm)
             t->unorm[texel + c] = to_unorm(fmin(mean, 1));
         else
@@ -163,6 +181,13 @@ rsv_status rsv_texture_create(
             name, unusable);
     reduce(context, texture);
     return RSV_OK;
+}
+
+void rsv_texture_weigh_by_alpha(rsv_context *context, rsv_texture *texture)
+{
+    if (texture->covers || texture->channel_count % 2) return;
+    texture->covers = true;
+    reduce(context, texture);
 }
 
 void rsv_texture_release(rsv_context *context, rsv_texture *texture)

@@ -1,7 +1,8 @@
 /// Textures as the library keeps them: a pyramid of ever coarser versions in linear light.
 ///
 /// Level 0 is the picture; every further one has half its size, rounded down, and each of its texels is the
-/// mean of the area it covers, so that the mean of the whole is the same on all levels.
+/// mean of the area it covers, so that the mean of the whole is the same on all levels. Colours of a texture that also
+/// says how much of a surface there is are means of what there is: nobody sees the paper that a leaf was cut from.
 #ifndef RSV_TEXTURE_H
 #define RSV_TEXTURE_H
 
@@ -23,6 +24,7 @@ typedef struct rsv_texture {
     float *value;    ///< the same as floats; the other is NULL
     rsv_wrap wrap_u, wrap_v;
     bool nearest;
+    bool covers; ///< alpha weighs colours on the coarser levels
 } rsv_texture;
 
 /// A texel: red, green, blue, alpha. Grey textures repeat their value; alpha is 1 where there is none.
@@ -36,6 +38,8 @@ rsv_status rsv_texture_create(
 /// @param desc without codes and values @param linear [height * width * channel_count]
 rsv_status rsv_texture_create_linear(rsv_context *context, const rsv_texture_desc *desc,
     const uint16_t *linear, rsv_texture *texture);
+/// Weighs colours by alpha from now on. Nothing changes where there is no alpha.
+void rsv_texture_weigh_by_alpha(rsv_context *context, rsv_texture *texture);
 void rsv_texture_release(rsv_context *context, rsv_texture *texture);
 
 /// Trilinear lookup. @param level of the pyramid, with fraction; below 0 counts as 0, beyond the last as the last

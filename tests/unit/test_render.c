@@ -296,8 +296,8 @@ static void branches_of_a_camera_ray_carry_all_its_weight(void **state)
         assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
         rsv_chain chain =
             rsv_chain_begin(&w->transport, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
-        rsv_rgb emission =
-            rsv_camera_chain(&w->transport, w->lights, chain, k, NULL, 64, false, add_weight, &sum);
+        const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false };
+        rsv_rgb emission = rsv_camera_chain(&setting, chain, k, NULL, add_weight, &sum);
         assert_true(rgb_is_black(emission));
     }
     assert_close(sum / count, 1, 3e-3);

@@ -62,6 +62,33 @@ static rsv_material lambert(float albedo)
     return m;
 }
 
+/// A green leaf on white paper that is cut away, half of the area: all levels of the pyramid are green.
+static void what_is_cut_away_lends_no_colour(void **state)
+{
+    fixture *f = *state;
+    rsv_scene *scene;
+    assert_int_equal(rsv_scene_create(f->context, &scene), RSV_OK);
+    uint8_t codes[8][8][4];
+    for (int k = 0; k < 64; k++) {
+        bool leaf = (k / 8 * 5 + k % 8 * 3) % 8 < 4;
+        memcpy(codes[k / 8][k % 8], leaf ? "\0\x80\0\xff" : "\xff\xff\xff\0", 4);
+    }
+    rsv_material m = lambert(1);
+    m.alpha_cutoff = 0.5f;
+    uint32_t id = add_codes(scene, 8, 8, 4, &codes[0][0][0], false, false);
+    const rsv_texture_ref refs[2] = { rsv_default_texture_ref(RSV_TEXTURE_BASE_COLOR, id),
+        rsv_default_texture_ref(RSV_TEXTURE_OPACITY, id) };
+    m.textures = refs;
+    m.texture_count = 2;
+    assert_int_equal(rsv_scene_add_material(scene, &m, NULL), RSV_OK);
+    const rsv_texture *texture = &scene->texture[id];
+    rsv_texel mean = rsv_texture_mean(texture);
+    assert_float_equal(mean.r, 0, 1e-4);
+    assert_float_equal(mean.g, 128 / 255.0, 1e-4);
+    assert_float_equal(mean.a, 0.5, 1e-4);
+    rsv_scene_destroy(scene);
+}
+
 static void pyramid_keeps_the_mean_of_odd_sizes(void **state)
 {
     fixture *f = *state;
@@ -466,6 +493,7 @@ int main(int argc, char **argv)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, fixture_setup, fixture_teardown)
     const struct CMUnitTest quick[] = {
+        TEST(what_is_cut_away_lends_no_colour),
         TEST(pyramid_keeps_the_mean_of_odd_sizes),
         TEST(codes_are_averaged_in_linear_light),
         TEST(coordinates_repeat_mirror_or_stop),

@@ -1,0 +1,228 @@
+#include "openings.h"
+
+#include "../core/octahedral.h"
+#include "../core/team.h"
+
+#include <string.h>
+
+#define SIDE RSV_ESCAPE_SIDE
+#define BINS (SIDE * SIDE)
+/// How far squares reach from their middle, by level, in bins.
+static const float reach[RSV_OPENING_LEVELS] = { 1.5f, 2, 2 };
+
+static uint32_t level_side(uint32_t level) { return SIDE >> level; }
+
+/// Of the first square of a level.
+static uint32_t level_begin(uint32_t level)
+{
+    uint32_t begin = 0;
+    for (uint32_t k = 0; k < level; k++)
+        begin += level_side(k) * level_side(k);
+    return begin;
+}
+
+// ---- squares ------------------------------------------------------------------------------------
+
+static rsv_sky_square make_square(const rsv_rgb *radiance, uint32_t level, uint32_t i, uint32_t j)
+{
+    float side = (float)level_side(level), half = reach[level] / SIDE, sum = 0;
+    float x = ((float)i + 0.5f) / side, y = ((float)j + 0.5f) / side;
+    uint32_t bins = 1u << level;
+    for (uint32_t k = 0; k < bins * bins; k++)
+        sum += rgb_luminance(radiance[(j * bins + k / bins) * SIDE + i * bins + k % bins]);
+    return (rsv_sky_square){ rsv_octahedral_to_direction(x, y), f_min(f_max(x, half), 1 - half),
+        f_min(f_max(y, half), 1 - half), half, sum / (float)(bins * bins) };
+}
+
+static void make_squares(const rsv_rgb *radiance, rsv_sky_square *square)
+{
+    for (uint32_t level = 0; level < RSV_OPENING_LEVELS; level++)
+        for (uint32_t k = 0; k < level_side(level) * level_side(level); k++)
+            *square++ = make_square(radiance, level, k % level_side(level), k / level_side(level));
+}
+
+// ---- places -------------------------------------------------------------------------------------
+
+/// Side of a cube, in distances wanted between nodes.
+#define CUBE_SPACINGS 4
+/// Places whose squares are found together.
+#define BATCH 1024
+
+/// Cubes are looked up so far in front of a surface, in their sides, that it is unlikely to lie on their border.
+#define CUBE_OFFSET 0.382f
+
+/// A cube of the grid and the side of a cube that a normal points to.
+static uint64_t place_key(float cube, rsv_vec3 position, rsv_vec3 normal)
+{
+    position = v3_mad(position, CUBE_OFFSET * cube, normal);
+    const float at[3] = { position.x, position.y, position.z };
+    const float along[3] = { normal.x, normal.y, normal.z };
+    uint32_t axis = 0;
+    uint64_t key = 0;
+    for (uint32_t k = 0; k < 3; k++) {
+        float cell = f_min(f_max(floorf(at[k] / cube), -0x1p19f), 0x1p19f);
+        key = key << 20 | (uint64_t)((int64_t)cell & 0xfffff);
+        if (fabsf(along[k]) > fabsf(along[axis])) axis = k;
+    }
+    return key << 3 | (2 * axis + (along[axis] < 0));
+}
+
+static uint32_t add_place(const rsv_solution *s, rsv_openings *o, uint32_t node)
+{
+    uint32_t face, triangle;
+    float u, v;
+    rsv_elements_place_node(s->elements, node, &face, &u, &v);
+    triangle = s->elements->face_triangle[face];
+    if (!s->bsdf[s->scene.view->triangle_material[triangle]].rough) return RSV_NONE;
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, triangle, u, v, s->elements->face_back[face]);
+    return rsv_index_map_insert(
+        &o->places, place_key(o->cube, point.position, point.geometric), (uint32_t)o->places.count);
+}
+
+/// Nodes that hang see about what the strongest of their parents sees.
+static uint32_t strongest_parent(const rsv_hanging *hanging)
+{
+    uint32_t strongest = 0;
+    for (uint32_t p = 1; p < RSV_PARENTS; p++)
+        if (hanging->weight[p] > hanging->weight[strongest]) strongest = p;
+    return hanging->parent[strongest];
+}
+
+static void find_places(const rsv_solution *s, rsv_openings *o)
+{
+    const rsv_elements *e = s->elements;
+    for (uint32_t node = 0; node < e->node_count; node++)
+        o->place_of[node] = s->transport->scale[node] > 0 ? add_place(s, o, node) : RSV_NONE;
+    for (size_t h = 0; h < e->hanging_count; h++)
+        o->place_of[e->hanging[h].node] = o->place_of[strongest_parent(&e->hanging[h])];
+}
+
+static void mark_bins(const uint16_t *bin, size_t count, uint8_t *seen)
+{
+    for (size_t k = 0; k < count; k++) // straight escapes have the first bins
+        if (bin[k] < BINS) seen[bin[k]] = 1;
+}
+
+/// What the rows of a batch of places saw, in all processes. @param seen [BATCH][BINS] how many processes saw it
+static void mark_batch(
+    const rsv_solution *s, const rsv_openings *o, uint32_t first, uint8_t (*seen)[BINS])
+{
+    const rsv_escapes *e = &s->transport->escapes;
+    memset(seen, 0, BATCH * sizeof *seen);
+    for (size_t node = 0; node < s->elements->node_count; node++) {
+        size_t begin = e->begin[node], tinted = e->tinted_begin[node];
+        uint32_t place = o->place_of[node] - first; // of a hanging node, there is no row
+        if (o->place_of[node] == RSV_NONE || place >= BATCH) continue;
+        uint8_t *marks = seen[place];
+        mark_bins(e->list.bin + begin, e->begin[node + 1] - begin, marks);
+        mark_bins(e->list.tinted_bin + tinted, e->tinted_begin[node + 1] - tinted, marks);
+    }
+    if (s->transport->division)
+        rsv_team_sum(s->context, (int64_t *)(void *)seen, BATCH * sizeof *seen / sizeof(int64_t));
+}
+
+/// @param seen [BINS] @return false if a level has more squares than are kept
+static bool list_level(const uint8_t *seen, uint32_t level, rsv_opening *opening)
+{
+    uint8_t square[BINS] = { 0 };
+    uint32_t side = level_side(level), begin = level_begin(level);
+    for (uint32_t k = 0; k < BINS; k++)
+        if (seen[k]) square[(k / SIDE >> level) * side + (k % SIDE >> level)] = 1;
+    opening->count = 0;
+    for (uint32_t k = 0; k < side * side; k++) {
+        if (!square[k]) continue;
+        if (opening->count == RSV_MOST_OPENINGS) return false;
+        opening->square[opening->count++] = (uint16_t)(begin + k);
+    }
+    return true;
+}
+
+/// Squares of the finest level of which not too many are seen; of the coarsest, the first ones.
+static rsv_opening list_seen(const uint8_t *seen)
+{
+    rsv_opening opening;
+    for (uint32_t level = 0; level < RSV_OPENING_LEVELS; level++)
+        if (list_level(seen, level, &opening)) break;
+    return opening;
+}
+
+static rsv_status find_openings(const rsv_solution *s, rsv_openings *o)
+{
+    rsv_status status = RSV_OK;
+    uint8_t(*seen)[BINS] = rsv_alloc(s->context, BATCH, sizeof *seen);
+    find_places(s, o);
+    uint32_t count = (uint32_t)o->places.count;
+    o->opening = rsv_alloc(s->context, count, sizeof *o->opening);
+    RSV_TRY(rsv_team_meet(s->context, seen && o->opening ? RSV_OK : RSV_ERROR_MEMORY));
+    for (uint32_t first = 0; first < count; first += BATCH) {
+        uint32_t end = count - first < BATCH ? count : first + BATCH;
+        mark_batch(s, o, first, seen);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
+        for (uint32_t place = first; place < end; place++)
+            o->opening[place] = list_seen(seen[place - first]);
+    }
+cleanup:
+    rsv_free(s->context, seen);
+    return status;
+}
+
+static bool wanted(const rsv_solution *s)
+{
+    bool rough = false;
+    for (size_t m = 0; m < s->scene.view->material_count; m++)
+        rough = rough || s->bsdf[m].rough;
+    return rough && s->lights->environment && s->lights->environment->gathered.pixel;
+}
+
+rsv_status rsv_openings_create(const rsv_solution *s, rsv_openings **openings)
+{
+    rsv_status status = RSV_OK;
+    rsv_openings *o = *openings = NULL;
+    if (!wanted(s)) return RSV_OK;
+    o = rsv_alloc(s->context, 1, sizeof *o);
+    if (!o) return RSV_ERROR_MEMORY;
+    o->context = s->context;
+    o->elements = s->elements;
+    o->cube = CUBE_SPACINGS * s->elements->spacing;
+    o->square = rsv_alloc(s->context, level_begin(RSV_OPENING_LEVELS), sizeof *o->square);
+    o->place_of = rsv_alloc(s->context, s->elements->node_count, sizeof *o->place_of);
+    RSV_TRY(o->square && o->place_of ? RSV_OK : RSV_ERROR_MEMORY);
+    make_squares(s->bin_radiance, o->square);
+    RSV_TRY(rsv_index_map_create(s->context, 1024, &o->places));
+    RSV_TRY(find_openings(s, o));
+    *openings = o;
+    o = NULL;
+cleanup:
+    rsv_openings_destroy(o);
+    return status;
+}
+
+void rsv_openings_destroy(rsv_openings *o)
+{
+    if (!o) return;
+    rsv_free(o->context, o->square);
+    rsv_free(o->context, o->opening);
+    rsv_free(o->context, o->place_of);
+    rsv_index_map_destroy(&o->places);
+    rsv_free(o->context, o);
+}
+
+static uint32_t nearest_node(const rsv_elements *e, uint32_t face, float u, float v)
+{
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(e, face, u, v, weight), k = weight[1] > weight[0];
+    return e->cell_node[cell][weight[2] > weight[k] ? 2 : k];
+}
+
+const rsv_opening *rsv_openings_at(
+    const rsv_openings *o, const rsv_chain *chain, const rsv_surface_point *point)
+{
+    uint32_t face = o->elements->face_of[chain->back][chain->triangle], place;
+    if (face != RSV_NONE)
+        place = o->place_of[nearest_node(o->elements, face, chain->u, chain->v)];
+    else
+        place =
+            rsv_index_map_find(&o->places, place_key(o->cube, point->position, point->geometric));
+    return place == RSV_NONE ? NULL : &o->opening[place];
+}

@@ -1,0 +1,50 @@
+/// Where surfaces see the sky, as the rows of G have found it: for rough lobes, which would meet a window by chance.
+///
+/// Nodes that lie in one cube of a grid and face about the same way share what they see, so that it has few gaps where
+/// one row has few rays, along its surface. The sky is divided into squares of the octahedral map: the bins of escapes.h
+/// or, where more of them are seen than are kept, squares of two or four bins a side.
+#ifndef RSV_OPENINGS_H
+#define RSV_OPENINGS_H
+
+#include "../core/index_map.h"
+#include "../solve/solution.h"
+
+/// Squares that are kept: half the sphere in those of four bins a side, and those on the horizon.
+#define RSV_MOST_OPENINGS 160
+#define RSV_OPENING_LEVELS 3
+
+/// A square, as it is drawn from: larger than it is, so that what rays have missed between two others is aimed at.
+typedef struct rsv_sky_square {
+    rsv_vec3 direction; ///< unit, of its middle
+    float x, y;         ///< its middle in the octahedral map, away from the map's border
+    float half;         ///< its side
+    float luminance;    ///< mean of the gathered sky
+} rsv_sky_square;
+
+/// What is seen from one place.
+typedef struct rsv_opening {
+    uint32_t count;
+    uint16_t square[RSV_MOST_OPENINGS];
+} rsv_opening;
+
+typedef struct rsv_openings {
+    rsv_context *context;
+    const rsv_elements *elements;
+    uint32_t *place_of;     ///< [node_count] RSV_NONE = the node is not rough or has no row
+    float cube;             ///< side of the grid's cubes, metres
+    rsv_index_map places;   ///< cube and side that is faced -> index of the place
+    rsv_opening *opening;   ///< [places.count]
+    rsv_sky_square *square; ///< of all levels, the finest first
+} rsv_openings;
+
+/// @param openings NULL where no rough surface has rows, or no sky is gathered
+rsv_status rsv_openings_create(const rsv_solution *solution, rsv_openings **openings);
+void rsv_openings_destroy(rsv_openings *openings);
+
+/// What is seen of the sky from the surface that a chain has come to: as its nearest node has it or, where there are no
+/// elements, as those around do that face the same way. NULL = nothing is known.
+/// @param point of the chain
+const rsv_opening *rsv_openings_at(
+    const rsv_openings *openings, const rsv_chain *chain, const rsv_surface_point *point);
+
+#endif

@@ -1,0 +1,92 @@
+#include "sky_aim.h"
+
+#include "../core/octahedral.h"
+
+/// A lobe's half vectors are spread by so much more over a square, about.
+#define SQUARE_ALPHA 0.05f
+/// Least cosine of what is seen: the middle of a square may lie below the horizon.
+#define LEAST_COSINE 0.02f
+
+/// A microsurface, its reflectance given by Schlick's approximation.
+typedef struct rough_lobe {
+    float alpha2, normal_reflectance;
+} rough_lobe;
+
+static rough_lobe lobe_of(float alpha, float reflectance)
+{
+    return (rough_lobe){ alpha * alpha + SQUARE_ALPHA * SQUARE_ALPHA, reflectance };
+}
+
+/// @param lobe [3] @return their number
+static int find_lobes(const rsv_bsdf *bsdf, rough_lobe *lobe)
+{
+    int count = 0;
+    float off = (bsdf->ior - 1) / (bsdf->ior + 1);
+    float metal = bsdf->metallic * rgb_luminance(bsdf->base_color);
+    float interface = (1 - bsdf->metallic) * rgb_luminance(bsdf->specular_tint) * off * off;
+    if (bsdf->alpha > 0) lobe[count++] = lobe_of(bsdf->alpha, metal + interface);
+    if (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0)
+        lobe[count++] = lobe_of(bsdf->clearcoat_alpha, 0.04f * bsdf->clearcoat);
+    if (rgb_max(bsdf->sheen) > 0) lobe[count++] = lobe_of(1, rgb_luminance(bsdf->sheen));
+    return count;
+}
+
+/// F D G1(wi): the response but for what depends on wo alone.
+static float reflect(const rough_lobe *lobe, float cos_o, float cos_i, float cos_oi)
+{
+    float chord2 = f_max(2 + 2 * cos_oi, 1e-6f), sum = cos_o + cos_i; // of wo + wi
+    float spread = 1 + (lobe->alpha2 - 1) * sum * sum / chord2;
+    float cos_h = 0.5f * sqrtf(chord2), x = 1 - cos_h, x2 = x * x;
+    float fresnel = lobe->normal_reflectance + (1 - lobe->normal_reflectance) * x2 * x2 * x;
+    float seen = cos_i / (cos_i + sqrtf(lobe->alpha2 + (1 - lobe->alpha2) * cos_i * cos_i));
+    return fresnel * lobe->alpha2 * seen / (spread * spread);
+}
+
+void rsv_sky_aim_at(const rsv_openings *openings, const rsv_opening *opening, const rsv_bsdf *bsdf,
+    rsv_vec3 wo, rsv_vec3 normal, rsv_sky_aim *aim)
+{
+    rough_lobe lobe[3];
+    int lobes = find_lobes(bsdf, lobe);
+    float cos_o = v3_dot(wo, normal), sum = 0;
+    aim->square = openings->square;
+    aim->count = 0;
+    for (uint32_t k = 0; opening && k < opening->count; k++) {
+        const rsv_sky_square *square = &aim->square[opening->square[k]];
+        float cos_i = f_max(v3_dot(square->direction, normal), LEAST_COSINE), weight = 0;
+        for (int l = 0; l < lobes; l++)
+            weight += reflect(&lobe[l], cos_o, cos_i, v3_dot(square->direction, wo));
+        weight *= square->luminance;
+        if (!(weight > 0)) continue;
+        aim->choice[aim->count] = opening->square[k];
+        aim->chance[aim->count++] = weight;
+        sum += weight;
+    }
+    for (uint32_t k = 0; k < aim->count; k++)
+        aim->chance[k] /= sum;
+}
+
+rsv_vec3 rsv_sky_aim_sample(const rsv_sky_aim *aim, const float u[3])
+{
+    uint32_t k = 0;
+    float rest = u[0] - aim->chance[0];
+    while (rest >= 0 && k + 1 < aim->count)
+        rest -= aim->chance[++k];
+    const rsv_sky_square *square = &aim->square[aim->choice[k]];
+    return rsv_octahedral_to_direction(
+        square->x + (2 * u[1] - 1) * square->half, square->y + (2 * u[2] - 1) * square->half);
+}
+
+float rsv_sky_aim_pdf(const rsv_sky_aim *aim, rsv_vec3 direction)
+{
+    float x, y, density = 0;
+    if (aim->count == 0) return 0;
+    rsv_octahedral_from_direction(direction, &x, &y);
+    for (uint32_t k = 0; k < aim->count; k++) {
+        const rsv_sky_square *square = &aim->square[aim->choice[k]];
+        if (fabsf(x - square->x) <= square->half && fabsf(y - square->y) <= square->half)
+            density += aim->chance[k] / (4 * square->half * square->half);
+    }
+    // the octahedron's faces, seen from its centre: dw = 4 (|x| + |y| + |z|)^3 dx dy
+    float norm = fabsf(direction.x) + fabsf(direction.y) + fabsf(direction.z);
+    return density / (4 * norm * norm * norm);
+}
