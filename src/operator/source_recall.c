@@ -105,10 +105,9 @@ rsv_status rsv_source_recall_nodes(
         const rsv_past_node *then =
             fine ? fine : rsv_past_find_node(r->past, RSV_PAST_COARSE, e, n, key[n]);
         if (!then || (!fine && !few_points_of(then->valid, &few))) continue;
-        f->known[n] = 1;
+        if (is_node_lit_anew(r, e, n)) continue; // its points are drawn by another number
+        f->known[n] = f->lit[n] = 1;
         f->valid_points[n] = fine ? (uint16_t)fine->valid : few;
-        if (is_node_lit_anew(r, e, n)) continue;
-        f->lit[n] = 1;
         f->direct[n] = then->direct;
         f->deviation[n] = then->deviation;
     }
