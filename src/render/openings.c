@@ -67,17 +67,20 @@ static uint64_t place_key(float cube, rsv_vec3 position, rsv_vec3 normal)
     return key << 3 | (2 * axis + (along[axis] < 0));
 }
 
-static uint32_t add_place(const rsv_solution *s, rsv_openings *o, uint32_t node)
+/// @param place out @return false when out of memory
+static bool add_place(const rsv_solution *s, rsv_openings *o, uint32_t node, uint32_t *place)
 {
     uint32_t face, triangle;
     float u, v;
     rsv_elements_place_node(s->elements, node, &face, &u, &v);
     triangle = s->elements->face_triangle[face];
-    if (!s->bsdf[s->scene.view->triangle_material[triangle]].rough) return RSV_NONE;
+    *place = RSV_NONE;
+    if (!s->bsdf[s->scene.view->triangle_material[triangle]].rough) return true;
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, triangle, u, v, s->elements->face_back[face]);
-    return rsv_index_map_insert(
-        &o->places, place_key(o->cube, point.position, point.geometric), (uint32_t)o->places.count);
+    uint64_t key = place_key(o->cube, point.position, point.geometric);
+    *place = rsv_index_map_insert(&o->places, key, (uint32_t)o->places.count);
+    return *place != RSV_NONE;
 }
 
 /// Nodes that hang see about what the strongest of their parents sees.
@@ -89,16 +92,20 @@ static uint32_t strongest_parent(const rsv_hanging *hanging)
     return hanging->parent[strongest];
 }
 
-static void find_places(const rsv_solution *s, rsv_openings *o)
+static rsv_status find_places(const rsv_solution *s, rsv_openings *o)
 {
     const rsv_elements *e = s->elements;
-    for (uint32_t node = 0; node < e->node_count; node++)
-        o->place_of[node] = s->transport->scale[node] > 0 ? add_place(s, o, node) : RSV_NONE;
+    for (uint32_t node = 0; node < e->node_count; node++) {
+        o->place_of[node] = RSV_NONE;
+        if (s->transport->scale[node] > 0 && !add_place(s, o, node, &o->place_of[node]))
+            return RSV_ERROR_MEMORY;
+    }
     for (size_t h = 0; h < e->hanging_count; h++)
         o->place_of[e->hanging[h].node] = o->place_of[strongest_parent(&e->hanging[h])];
+    return RSV_OK;
 }
 
-static void mark_bins(const uint16_t *bin, size_t count, uint8_t *seen)
+static void mark_bins(const uint16_t *bin, size_t count, uint16_t *seen)
 {
     for (size_t k = 0; k < count; k++) // straight escapes have the first bins
         if (bin[k] < BINS) seen[bin[k]] = 1;
@@ -106,7 +113,7 @@ static void mark_bins(const uint16_t *bin, size_t count, uint8_t *seen)
 
 /// What the rows of a batch of places saw, in all processes. @param seen [BATCH][BINS] how many processes saw it
 static void mark_batch(
-    const rsv_solution *s, const rsv_openings *o, uint32_t first, uint8_t (*seen)[BINS])
+    const rsv_solution *s, const rsv_openings *o, uint32_t first, uint16_t (*seen)[BINS])
 {
     const rsv_escapes *e = &s->transport->escapes;
     memset(seen, 0, BATCH * sizeof *seen);
@@ -114,7 +121,7 @@ static void mark_batch(
         size_t begin = e->begin[node], tinted = e->tinted_begin[node];
         uint32_t place = o->place_of[node] - first; // of a hanging node, there is no row
         if (o->place_of[node] == RSV_NONE || place >= BATCH) continue;
-        uint8_t *marks = seen[place];
+        uint16_t *marks = seen[place];
         mark_bins(e->list.bin + begin, e->begin[node + 1] - begin, marks);
         mark_bins(e->list.tinted_bin + tinted, e->tinted_begin[node + 1] - tinted, marks);
     }
@@ -123,7 +130,7 @@ static void mark_batch(
 }
 
 /// @param seen [BINS] @return false if a level has more squares than are kept
-static bool list_level(const uint8_t *seen, uint32_t level, rsv_opening *opening)
+static bool list_level(const uint16_t *seen, uint32_t level, rsv_opening *opening)
 {
     uint8_t square[BINS] = { 0 };
     uint32_t side = level_side(level), begin = level_begin(level);
@@ -139,7 +146,7 @@ static bool list_level(const uint8_t *seen, uint32_t level, rsv_opening *opening
 }
 
 /// Squares of the finest level of which not too many are seen; of the coarsest, the first ones.
-static rsv_opening list_seen(const uint8_t *seen)
+static rsv_opening list_seen(const uint16_t *seen)
 {
     rsv_opening opening;
     for (uint32_t level = 0; level < RSV_OPENING_LEVELS; level++)
@@ -147,14 +154,27 @@ static rsv_opening list_seen(const uint8_t *seen)
     return opening;
 }
 
+static rsv_status prepare(const rsv_solution *s, rsv_openings *o)
+{
+    rsv_status status;
+    o->square = rsv_alloc(s->context, level_begin(RSV_OPENING_LEVELS), sizeof *o->square);
+    o->place_of = rsv_alloc(s->context, s->elements->node_count, sizeof *o->place_of);
+    RSV_TRY(o->square && o->place_of ? RSV_OK : RSV_ERROR_MEMORY);
+    make_squares(s->bin_radiance, o->square);
+    RSV_TRY(rsv_index_map_create(s->context, 1024, &o->places));
+    RSV_TRY(find_places(s, o));
+    o->opening = rsv_alloc(s->context, o->places.count, sizeof *o->opening);
+    if (!o->opening) status = RSV_ERROR_MEMORY;
+cleanup:
+    return status;
+}
+
 static rsv_status find_openings(const rsv_solution *s, rsv_openings *o)
 {
-    rsv_status status = RSV_OK;
-    uint8_t(*seen)[BINS] = rsv_alloc(s->context, BATCH, sizeof *seen);
-    find_places(s, o);
+    uint16_t(*seen)[BINS] = rsv_alloc(s->context, BATCH, sizeof *seen);
+    rsv_status status = seen ? prepare(s, o) : RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_team_meet(s->context, status));
     uint32_t count = (uint32_t)o->places.count;
-    o->opening = rsv_alloc(s->context, count, sizeof *o->opening);
-    RSV_TRY(rsv_team_meet(s->context, seen && o->opening ? RSV_OK : RSV_ERROR_MEMORY));
     for (uint32_t first = 0; first < count; first += BATCH) {
         uint32_t end = count - first < BATCH ? count : first + BATCH;
         mark_batch(s, o, first, seen);
@@ -177,19 +197,17 @@ static bool wanted(const rsv_solution *s)
 
 rsv_status rsv_openings_create(const rsv_solution *s, rsv_openings **openings)
 {
-    rsv_status status = RSV_OK;
-    rsv_openings *o = *openings = NULL;
+    *openings = NULL;
     if (!wanted(s)) return RSV_OK;
-    o = rsv_alloc(s->context, 1, sizeof *o);
-    if (!o) return RSV_ERROR_MEMORY;
+    rsv_openings *o = rsv_alloc(s->context, 1, sizeof *o);
+    rsv_status status = rsv_team_meet(s->context, o ? RSV_OK : RSV_ERROR_MEMORY);
+    if (status != RSV_OK) {
+        rsv_free(s->context, o);
+        return status;
+    }
     o->context = s->context;
     o->elements = s->elements;
     o->cube = CUBE_SPACINGS * s->elements->spacing;
-    o->square = rsv_alloc(s->context, level_begin(RSV_OPENING_LEVELS), sizeof *o->square);
-    o->place_of = rsv_alloc(s->context, s->elements->node_count, sizeof *o->place_of);
-    RSV_TRY(o->square && o->place_of ? RSV_OK : RSV_ERROR_MEMORY);
-    make_squares(s->bin_radiance, o->square);
-    RSV_TRY(rsv_index_map_create(s->context, 1024, &o->places));
     RSV_TRY(find_openings(s, o));
     *openings = o;
     o = NULL;

@@ -13,11 +13,12 @@
 #define RSV_MOST_OPENINGS 160
 #define RSV_OPENING_LEVELS 3
 
-/// A square, as it is drawn from: larger than it is, so that what rays have missed between two others is aimed at.
+/// A square, as it is drawn from: those of the two finer levels are larger than they are, so that what rays have missed
+/// between two others is aimed at.
 typedef struct rsv_sky_square {
     rsv_vec3 direction; ///< unit, of its middle
     float x, y;         ///< its middle in the octahedral map, away from the map's border
-    float half;         ///< its side
+    float half;         ///< half the side that is drawn from
     float luminance;    ///< mean of the gathered sky
 } rsv_sky_square;
 

@@ -35,7 +35,8 @@ static int find_lobes(const rsv_bsdf *bsdf, rough_lobe *lobe)
 static float reflect(const rough_lobe *lobe, float cos_o, float cos_i, float cos_oi)
 {
     float chord2 = f_max(2 + 2 * cos_oi, 1e-6f), sum = cos_o + cos_i; // of wo + wi
-    float spread = 1 + (lobe->alpha2 - 1) * sum * sum / chord2;
+    float cos2_n = f_min(sum * sum, chord2) / chord2; // of wi's height as it was raised
+    float spread = 1 + (lobe->alpha2 - 1) * cos2_n;
     float cos_h = 0.5f * sqrtf(chord2), x = 1 - cos_h, x2 = x * x;
     float fresnel = lobe->normal_reflectance + (1 - lobe->normal_reflectance) * x2 * x2 * x;
     float seen = cos_i / (cos_i + sqrtf(lobe->alpha2 + (1 - lobe->alpha2) * cos_i * cos_i));

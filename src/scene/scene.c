@@ -162,12 +162,13 @@ static const rsv_texture_ref *find_role(const rsv_material *material, rsv_textur
 }
 
 /// Colours of what is cut away, or shows through, are not to mix with those of what is there.
-static void weigh_colours(rsv_scene *scene, const rsv_material *material)
+static void use_colours(rsv_scene *scene, const rsv_material *material)
 {
     const rsv_texture_ref *color = find_role(material, RSV_TEXTURE_BASE_COLOR);
     const rsv_texture_ref *opacity = find_role(material, RSV_TEXTURE_OPACITY);
-    if (color && opacity && color->texture == opacity->texture)
-        rsv_texture_weigh_by_alpha(scene->context, &scene->texture[color->texture]);
+    if (color)
+        rsv_texture_add_use(scene->context, &scene->texture[color->texture],
+            opacity && opacity->texture == color->texture);
 }
 
 rsv_status rsv_scene_add_material(
@@ -181,7 +182,7 @@ rsv_status rsv_scene_add_material(
     RSV_TRY(copy_name(scene, material->name, "unnamed", &name));
     RSV_TRY(copy_texture_refs(scene, material, name, &stored));
     stored.name = name;
-    weigh_colours(scene, &stored);
+    use_colours(scene, &stored);
     rsv_material_clamp(scene->context, &stored);
     if (material_id) *material_id = (uint32_t)scene->material_count;
     scene->material[scene->material_count++] = stored;

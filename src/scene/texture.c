@@ -183,10 +183,12 @@ rsv_status rsv_texture_create(
     return RSV_OK;
 }
 
-void rsv_texture_weigh_by_alpha(rsv_context *context, rsv_texture *texture)
+void rsv_texture_add_use(rsv_context *context, rsv_texture *texture, bool alpha_is_opacity)
 {
-    if (texture->covers || texture->channel_count % 2) return;
-    texture->covers = true;
+    texture->whole = texture->whole || !alpha_is_opacity;
+    bool covers = !texture->whole && texture->channel_count % 2 == 0;
+    if (covers == texture->covers) return;
+    texture->covers = covers;
     reduce(context, texture);
 }
 

@@ -25,6 +25,7 @@ typedef struct rsv_texture {
     rsv_wrap wrap_u, wrap_v;
     bool nearest;
     bool covers; ///< alpha weighs colours on the coarser levels
+    bool whole;  ///< a material shows all of it, whatever alpha says: colours are not weighed
 } rsv_texture;
 
 /// A texel: red, green, blue, alpha. Grey textures repeat their value; alpha is 1 where there is none.
@@ -38,8 +39,9 @@ rsv_status rsv_texture_create(
 /// @param desc without codes and values @param linear [height * width * channel_count]
 rsv_status rsv_texture_create_linear(rsv_context *context, const rsv_texture_desc *desc,
     const uint16_t *linear, rsv_texture *texture);
-/// Weighs colours by alpha from now on. Nothing changes where there is no alpha.
-void rsv_texture_weigh_by_alpha(rsv_context *context, rsv_texture *texture);
+/// Tells of a material that shows the texture's colours: where alpha is opacity to it, coarser levels weigh them by that
+/// from now on, unless to another material it is not. Nothing changes where there is no alpha.
+void rsv_texture_add_use(rsv_context *context, rsv_texture *texture, bool alpha_is_opacity);
 void rsv_texture_release(rsv_context *context, rsv_texture *texture);
 
 /// Trilinear lookup. @param level of the pyramid, with fraction; below 0 counts as 0, beyond the last as the last

@@ -86,6 +86,10 @@ static void what_is_cut_away_lends_no_colour(void **state)
     assert_float_equal(mean.r, 0, 1e-4);
     assert_float_equal(mean.g, 128 / 255.0, 1e-4);
     assert_float_equal(mean.a, 0.5, 1e-4);
+
+    m.texture_count = 1; // somebody shows the paper too
+    assert_int_equal(rsv_scene_add_material(scene, &m, NULL), RSV_OK);
+    assert_float_equal(rsv_texture_mean(texture).r, 0.5, 1e-4);
     rsv_scene_destroy(scene);
 }
 
