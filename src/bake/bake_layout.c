@@ -176,7 +176,7 @@ cleanup:
 static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
 {
     rsv_status status;
-    uint32_t side = largest_side(b);
+    uint32_t side = b->side = largest_side(b);
     float most = (float)sqrt((double)side * side / fmax(charts_area(&b->charts), 1e-30));
     if (b->desc->density > 0) most = f_min(b->desc->density, most);
     RSV_TRY(find_density(b, side, most, &b->density));
@@ -196,10 +196,6 @@ static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
     } else {
         b->density = enough;
     }
-    if (b->density < b->desc->density)
-        rsv_log(b->s->context, RSV_LOG_WARNING,
-            "bake: %.4g texels per metre instead of %.4g, to fit into %u x %u texels",
-            (double)b->density, (double)b->desc->density, side, side);
     *height = (*height + 3) & ~3u;
 cleanup:
     return status;

@@ -15,6 +15,7 @@ typedef struct rsv_bake_layout {
     rsv_bake_charts charts;
     rsv_bake_map map; ///< without light
     float density;    ///< texels per metre
+    uint32_t side;    ///< texels that the map may have along a side
 } rsv_bake_layout;
 
 /// Borrows all that it is made of. To be destroyed even after an error.

@@ -327,6 +327,14 @@ cleanup:
     return status;
 }
 
+static void warn_if_coarse(const lightmap_bake *b)
+{
+    if (b->layout.density < b->desc->density)
+        rsv_log(b->s->context, RSV_LOG_WARNING,
+            "bake: %.4g texels per metre instead of %.4g, to fit into %u x %u texels",
+            (double)b->layout.density, (double)b->desc->density, b->layout.side, b->layout.side);
+}
+
 rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
@@ -339,6 +347,7 @@ rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, co
     RSV_TRY(rsv_bake_check_desc(b.desc));
     RSV_TRY(open_file(&b, input));
     RSV_TRY(light_map(&b));
+    warn_if_coarse(&b);
     RSV_TRY(find_scale(&b));
     fill_report(&b, report);
     if (b.desc->dry_run) goto cleanup;
