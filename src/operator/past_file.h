@@ -64,7 +64,7 @@ bool rsv_past_path(const char *folder, uint64_t settings, char *path, size_t byt
 
 /// Of all sources; RSV_PAST_NO_LIGHTS where textures decide what they give.
 uint64_t rsv_past_lights_key(const rsv_lights *lights);
-/// Of a triangle and of how light passes it; 0 if its holes may be others each time.
+/// Of a triangle and of how light passes and enters it; 0 if its holes may be others each time.
 uint64_t rsv_past_triangle_key(const rsv_transport_scene *scene, uint32_t triangle);
 void rsv_past_triangle_box(
     const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high);
