@@ -36,6 +36,8 @@ static rsv_status write_down(const rsv_solution *s)
     rsv_rgb *direct = rsv_alloc(s->context, nodes, sizeof *direct);
     if (!direct) return RSV_ERROR_MEMORY;
     rsv_light_total(s, 0, direct);
+    rsv_spacing wanted = s->spacing; // budgets coarsen that anew each time
+    wanted.metres = s->wanted_metres;
     const rsv_past_fields level[RSV_PAST_LEVELS] = {
         [RSV_PAST_COARSE] = { .elements = s->elements,
             .direct = direct,
@@ -46,8 +48,8 @@ static rsv_status write_down(const rsv_solution *s)
             .deviation = s->fine.deviation,
             .valid_points = s->fine.valid_points },
     };
-    rsv_status status = rsv_past_write(
-        &s->scene, s->lights, s->desc.checkpoint, settings_of(s), &s->spacing, level);
+    rsv_status status =
+        rsv_past_write(&s->scene, s->lights, s->desc.checkpoint, settings_of(s), &wanted, level);
     rsv_free(s->context, direct);
     return status;
 }

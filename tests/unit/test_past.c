@@ -1,7 +1,8 @@
 /// Solving a scene again after an edit, from what the solution before knew.
 #include "file_fixture.h"
 #include "light_fixture.h"
-#include "operator/past.h"
+#include "operator/past_file.h"
+#include "solve/budget.h"
 #include "solve/solution.h"
 
 #include <math.h>
@@ -168,6 +169,92 @@ static void threads_make_no_difference(void **state)
     remove_folder(before.path);
 }
 
+/// The file of what a solve knew, in a folder. @return to be freed
+static rsv_past_header *read_past(const char *folder_path, size_t *bytes)
+{
+    char path[512] = { 0 };
+    DIR *directory = opendir(folder_path);
+    for (struct dirent *entry; (entry = readdir(directory));)
+        if (strstr(entry->d_name, ".past"))
+            snprintf(path, sizeof path, "%.200s/%.200s", folder_path, entry->d_name);
+    closedir(directory);
+    return (rsv_past_header *)(void *)read_bytes(path, bytes);
+}
+
+static void write_past(const char *folder_path, rsv_past_header *h, size_t bytes)
+{
+    char path[512];
+    assert_true(rsv_past_path(folder_path, h->settings, path, sizeof path));
+    h->checksum = rsv_past_checksum(h, bytes);
+    write_bytes(path, h, bytes);
+}
+
+/// Leaves in `rows` what a solve of the room knew, as if that had been one by `settings`.
+static void leave_for(const room *r, const char *rows, uint64_t settings)
+{
+    size_t bytes;
+    leave(r, rows, NULL);
+    rsv_past_header *h = read_past(rows, &bytes);
+    h->settings = settings;
+    write_past(rows, h, bytes);
+    free(h);
+}
+
+static void budgets_coarsen_what_was_finer_before(void **state)
+{
+    (void)state;
+    folder before = new_folder(), after = new_folder();
+    room moved = plain;
+    moved.box_at = 0.8f;
+    world *w = build(&moved, 2);
+    rsv_solution *s = NULL;
+    rsv_solve_desc desc = few_elements(after.path, NULL);
+    desc.max_elements = 150;
+    desc.direct_level = false;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
+    size_t bytes;
+    rsv_past_header *h = read_past(after.path, &bytes);
+    float metres = s->elements->spacing;
+    assert_true(metres > 1.1f * h->spacing[0]); // what was asked for: the next one begins there
+    rsv_solution_destroy(s);
+    leave_for(&plain, before.path, h->settings);
+    free(h);
+    desc.earlier = before.path;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
+    assert_true(rsv_solution_rows(s) <= desc.max_elements);
+    assert_true(s->elements->spacing < 1.5f * metres); // not clusters of what is too fine
+    rsv_solution_destroy(s);
+    world_end(w);
+    remove_folder(before.path);
+    remove_folder(after.path);
+}
+
+static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float roughness)
+{
+    world *w = world_begin(1);
+    rsv_material coat = lambert_material(0.5f, 0);
+    coat.specular = 1;
+    coat.specular_color = specular_color;
+    coat.sheen_color = sheen_color;
+    coat.roughness = roughness;
+    world_room(w, world_material(w, coat), v3(0, 0, 0), v3(1, 1, 1));
+    world_commit(w);
+    uint64_t key = rsv_past_triangle_key(&w->transport, 0);
+    world_end(w);
+    return key;
+}
+
+static void another_coat_is_another_surface(void **state)
+{
+    (void)state;
+    const rsv_rgb black = rgb_gray(0), white = rgb_gray(1), red = rgb(1, 0.5f, 0.5f);
+    uint64_t key = key_of_coat(white, black, 0.5f);
+    assert_int_equal(key_of_coat(white, black, 0.5f), key);
+    assert_int_not_equal(key_of_coat(red, black, 0.5f), key);
+    assert_int_not_equal(key_of_coat(white, red, 0.5f), key);
+    assert_int_not_equal(key_of_coat(white, black, 0.25f), key);
+}
+
 static bool segment_meets(rsv_vec3 from, rsv_vec3 to, rsv_vec3 low, rsv_vec3 high)
 {
     for (int step = 0; step <= 200; step++) { // slow and obvious
@@ -276,6 +363,8 @@ int main(void)
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change),
         cmocka_unit_test(damaged_files_are_passed_over),
+        cmocka_unit_test(budgets_coarsen_what_was_finer_before),
+        cmocka_unit_test(another_coat_is_another_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
