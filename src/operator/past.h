@@ -39,6 +39,9 @@ void rsv_past_close(rsv_past *past);
 rsv_spacing rsv_past_spacing(const rsv_past *past, rsv_spacing now);
 
 bool rsv_past_was_split(const rsv_past *past, rsv_past_level level, uint64_t cell_key);
+/// The same of a cell that can be split again.
+bool rsv_past_was_cell_split(
+    const rsv_past *past, rsv_past_level level, const rsv_elements *elements, uint32_t cell);
 /// Halvings of the radius of clusters on a face (elements.h), and the level of its grid. @return false if it is not known
 bool rsv_past_find_face(const rsv_past *past, uint64_t face_key, uint8_t *halvings, uint8_t *level);
 /// @return false if it is not known, or may be another now

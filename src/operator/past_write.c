@@ -9,9 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MAGIC 0x32747370u // "pst2"
-#define PATH_BYTES 4096
-
 /// Slots for so many keys, a third of them free at least.
 static uint64_t slots_for(size_t count)
 {
@@ -95,7 +92,7 @@ static size_t put_triangles(const rsv_transport_scene *scene, rsv_past_triangle 
 static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields *level)
 {
-    rsv_past_header h = { .magic = MAGIC,
+    rsv_past_header h = { .magic = RSV_PAST_MAGIC,
         .settings = settings,
         .lights = scene->media.bodies ? RSV_PAST_NO_LIGHTS : rsv_past_lights_key(lights),
         .triangle_count = put_triangles(scene, NULL),
@@ -110,7 +107,7 @@ static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_ligh
 
 static void save(rsv_context *context, const rsv_past_header *h, size_t bytes, const char *path)
 {
-    char beside[PATH_BYTES];
+    char beside[RSV_PAST_PATH_BYTES];
     bool named = snprintf(beside, sizeof beside, "%s.part", path) < (int)sizeof beside;
     FILE *file = named ? fopen(beside, "wb") : NULL;
     bool written = file && fwrite(h, 1, bytes, file) == bytes;
@@ -129,7 +126,7 @@ rsv_status rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *li
 {
     rsv_status status;
     rsv_context *context = lights->context;
-    char path[PATH_BYTES];
+    char path[RSV_PAST_PATH_BYTES];
     rsv_past_header header = describe(scene, lights, settings, spacing, level);
     rsv_past_layout layout = rsv_past_layout_of(&header);
     rsv_past_header *h = rsv_alloc(context, layout.bytes, 1);

@@ -1,6 +1,7 @@
 /// Solving a scene again after an edit, from what the solution before knew.
 #include "file_fixture.h"
 #include "light_fixture.h"
+#include "operator/element_keys.h"
 #include "operator/past_file.h"
 #include "solve/budget.h"
 #include "solve/solution.h"
@@ -229,6 +230,119 @@ static void budgets_coarsen_what_was_finer_before(void **state)
     remove_folder(after.path);
 }
 
+typedef void (*forger)(rsv_past_header *, const rsv_past_layout *);
+
+static void forge_nothing(rsv_past_header *h, const rsv_past_layout *l) { (void)h, (void)l; }
+
+static void forge_spacing(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)l;
+    h->spacing[1] = NAN;
+}
+
+static void forge_light(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)h;
+    ((rsv_past_node *)(void *)l->nodes[RSV_PAST_FINE].value)[3].direct.g = NAN;
+}
+
+static void forge_box(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)h;
+    l->triangle[0].low.x = NAN;
+}
+
+enum { KEPT_KEY = 1000 };
+
+/// No slot is free, every cell was split, and faces have levels that there are not.
+static void forge_cells(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)h;
+    const rsv_past_table *t = &l->cells[RSV_PAST_COARSE];
+    for (size_t k = 0; k < t->slots; k++) {
+        t->key[k] = KEPT_KEY + k;
+        t->value[k] = 0xff;
+    }
+}
+
+/// What is written of a room, forged, and opened again.
+static rsv_past *open_forged(const world *w, const folder *f, forger forge)
+{
+    size_t bytes;
+    rsv_past *past = NULL;
+    const rsv_spacing spacing = { .metres = 1, .reach = INFINITY };
+    const rsv_past_fields nothing[RSV_PAST_LEVELS] = { { 0 } };
+    assert_int_equal(
+        rsv_past_write(&w->transport, w->lights, f->path, 1, &spacing, nothing), RSV_OK);
+    rsv_past_header *h = read_past(f->path, &bytes);
+    rsv_past_layout layout = rsv_past_layout_of(h);
+    forge(h, &layout);
+    write_past(f->path, h, bytes);
+    free(h);
+    assert_int_equal(rsv_past_open(&w->transport, w->lights, f->path, 1, &past), RSV_OK);
+    return past;
+}
+
+static void forged_files_lead_nowhere(void **state)
+{
+    (void)state;
+    folder f = new_folder();
+    world *w = build(&plain, 1);
+    rsv_past *past = open_forged(w, &f, forge_nothing);
+    assert_non_null(past);
+    rsv_past_close(past);
+    assert_null(open_forged(w, &f, forge_spacing));
+    assert_null(open_forged(w, &f, forge_light));
+    assert_null(open_forged(w, &f, forge_box));
+    past = open_forged(w, &f, forge_cells);
+    assert_non_null(past);
+    uint8_t halvings, level;
+    assert_true(rsv_past_was_split(past, RSV_PAST_COARSE, KEPT_KEY));
+    assert_false(rsv_past_was_split(past, RSV_PAST_COARSE, KEPT_KEY - 1)); // comes back at all
+    assert_false(rsv_past_find_face(past, KEPT_KEY, &halvings, &level));
+    rsv_past_close(past);
+    world_end(w);
+    remove_folder(f.path);
+}
+
+/// A cell as small as there are, which its past says was split all the same.
+static void cells_are_split_to_the_finest_level_at_most(void **state)
+{
+    (void)state;
+    folder f = new_folder();
+    world *w = build(&plain, 1);
+    rsv_elements *e = NULL;
+    const rsv_spacing spacing = { .metres = 10, .reach = INFINITY };
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
+    rsv_past *past = NULL;
+    rsv_past_header *h;
+    size_t bytes;
+    const rsv_past_fields nothing[RSV_PAST_LEVELS] = { { 0 } };
+    assert_int_equal(
+        rsv_past_write(&w->transport, w->lights, f.path, 1, &spacing, nothing), RSV_OK);
+    h = read_past(f.path, &bytes);
+    rsv_past_layout layout = rsv_past_layout_of(h);
+    rsv_cell *cell = &e->cell[0];
+    for (int finest = 0; finest < 2; finest++) {
+        cell->level = (uint8_t)(RSV_MAX_LEVEL - 1 + finest);
+        uint64_t key = rsv_cell_key_on(rsv_face_key(e, cell->face), cell);
+        size_t slot = rsv_past_slot(&layout.cells[RSV_PAST_FINE], key);
+        layout.cells[RSV_PAST_FINE].key[slot] = key;
+        layout.cells[RSV_PAST_FINE].value[slot] = RSV_PAST_SPLIT;
+    }
+    write_past(f.path, h, bytes);
+    free(h);
+    assert_int_equal(rsv_past_open(&w->transport, w->lights, f.path, 1, &past), RSV_OK);
+    assert_non_null(past);
+    assert_false(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, 0));
+    cell->level--;
+    assert_true(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, 0));
+    rsv_past_close(past);
+    rsv_elements_destroy(e);
+    world_end(w);
+    remove_folder(f.path);
+}
+
 static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float roughness)
 {
     world *w = world_begin(1);
@@ -364,6 +478,8 @@ int main(void)
         cmocka_unit_test(light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change),
         cmocka_unit_test(damaged_files_are_passed_over),
         cmocka_unit_test(budgets_coarsen_what_was_finer_before),
+        cmocka_unit_test(forged_files_lead_nowhere),
+        cmocka_unit_test(cells_are_split_to_the_finest_level_at_most),
         cmocka_unit_test(another_coat_is_another_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
