@@ -35,7 +35,8 @@ static bool has_sound_numbers(const rsv_past_header *h)
     for (int level = 0; level < RSV_PAST_LEVELS; level++)
         for (size_t k = 0; k < l.nodes[level].slots; k++) {
             const rsv_past_node *n = (const rsv_past_node *)(const void *)l.nodes[level].value + k;
-            if (!is_finite(n->direct) || !is_finite(n->irradiance) || !(n->deviation >= 0))
+            if (!is_finite(n->direct) || !is_finite(n->source) || !is_finite(n->indirect) ||
+                !(n->deviation >= 0))
                 return false;
         }
     return true;
@@ -154,6 +155,8 @@ rsv_spacing rsv_past_spacing(const rsv_past *p, rsv_spacing now)
 }
 
 const rsv_scene_change *rsv_past_change(const rsv_past *p) { return &p->change; }
+
+bool rsv_past_has_other_sources(const rsv_past *p) { return p->all_lit_anew; }
 
 bool rsv_past_was_cell_split(
     const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t cell)

@@ -4,7 +4,7 @@
 
 #include "past.h"
 
-#define RSV_PAST_MAGIC 0x33747370u // "pst3"
+#define RSV_PAST_MAGIC 0x34747370u // "pst4"
 #define RSV_PAST_PATH_BYTES 4096
 
 typedef struct rsv_past_header {

@@ -67,7 +67,8 @@ static rsv_status put_nodes(rsv_past_table *table, const rsv_past_fields *f)
         if (e->node_hanging[n] != RSV_NONE) continue;
         const rsv_past_node node = { .direct = f->direct ? f->direct[n] : rgb_gray(0),
             .deviation = f->deviation ? f->deviation[n] : 0,
-            .irradiance = f->irradiance ? f->irradiance[n] : rgb_gray(0),
+            .source = f->source ? f->source[n] : rgb_gray(0),
+            .indirect = f->indirect ? f->indirect[n] : rgb_gray(0),
             .valid = f->valid_points[n] };
         memcpy(put(table, node_key[n]), &node, sizeof node);
     }

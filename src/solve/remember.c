@@ -41,7 +41,8 @@ static rsv_status write_down(const rsv_solution *s)
     const rsv_past_fields level[RSV_PAST_LEVELS] = {
         [RSV_PAST_COARSE] = { .elements = s->elements,
             .direct = direct,
-            .irradiance = s->irradiance,
+            .source = s->source,
+            .indirect = s->indirect,
             .valid_points = s->valid_points },
         [RSV_PAST_FINE] = { .elements = s->fine.elements,
             .direct = s->fine.direct,
