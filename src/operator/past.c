@@ -156,6 +156,8 @@ rsv_spacing rsv_past_spacing(const rsv_past *p, rsv_spacing now)
 
 const rsv_scene_change *rsv_past_change(const rsv_past *p) { return &p->change; }
 
+uint64_t rsv_past_identity(const rsv_past *p) { return p->header->checksum | 1; }
+
 bool rsv_past_has_other_sources(const rsv_past *p) { return p->all_lit_anew; }
 
 bool rsv_past_was_cell_split(

@@ -55,6 +55,9 @@ const rsv_past_node *rsv_past_find_node(const rsv_past *past, rsv_past_level lev
 /// Boxes around all that is new, and all that is gone.
 const rsv_scene_change *rsv_past_change(const rsv_past *past);
 
+/// The same for two that know the same, never 0.
+uint64_t rsv_past_identity(const rsv_past *past);
+
 /// Whether sources are not what they were.
 bool rsv_past_has_other_sources(const rsv_past *past);
 
@@ -86,9 +89,8 @@ typedef struct rsv_past_fields {
     const uint16_t *valid_points;              ///< [node_count]
 } rsv_past_fields;
 
-/// Writes it beside its place and moves it there; a warning where that fails.
-rsv_status rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, const rsv_spacing *spacing,
-    const rsv_past_fields level[RSV_PAST_LEVELS]);
+/// Writes it beside its place and moves it there; a warning where that fails: a solution is complete without it.
+void rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights, const char *folder,
+    uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields level[RSV_PAST_LEVELS]);
 
 #endif

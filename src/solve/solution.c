@@ -283,7 +283,7 @@ static rsv_status build(rsv_solution *s)
     s->report.bytes = rsv_solution_bytes(s);
     report_kept_rays(s);
     warn_if_unbounded(s);
-    RSV_TRY(rsv_solution_remember(s));
+    rsv_solution_remember(s);
 cleanup:
     s->scene.past = NULL;
     rsv_past_close(past);
