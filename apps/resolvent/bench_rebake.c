@@ -11,7 +11,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -147,28 +146,41 @@ static void remove_folder(const char *path)
     rmdir(path);
 }
 
-/// Solves `scene` once, then measures the moved one. @param folder that may be filled
-static rsv_status measure_in(const cli_bench_task *bench, const rsv_scene *scene,
-    const rsv_scene *moved, const char *folder, cJSON *result)
+/// Makes a folder for files that are of no use later. @param path [PATH_MAX], out: "" = none was made
+static bool make_folder(char *path)
 {
-    char before[PATH_MAX], after[PATH_MAX];
+    const char *root = getenv("TMPDIR");
+    bool made = snprintf(path, PATH_MAX, "%s/resolvent-rebake-XXXXXX",
+                    root && root[0] ? root : "/tmp") < PATH_MAX &&
+                mkdtemp(path);
+    if (!made) path[0] = 0;
+    return made;
+}
+
+/// Solves `scene` once, then measures the moved one. @param made out: false if there is no place for what is kept
+static rsv_status measure_scenes(const cli_bench_task *bench, const rsv_scene *scene,
+    const rsv_scene *moved, cJSON *result, bool *made)
+{
+    char before[PATH_MAX] = "", after[PATH_MAX] = "";
     rsv_solution *solution = NULL;
     cost took;
-    bool named = snprintf(before, sizeof before, "%s/before", folder) < PATH_MAX &&
-                 snprintf(after, sizeof after, "%s/after", folder) < PATH_MAX;
-    if (!named || mkdir(before, 0700) != 0 || mkdir(after, 0700) != 0) return RSV_ERROR_IO;
-    rsv_status status = solve(bench, scene, 1, before, NULL, &solution, &took);
-    rsv_solution_destroy(solution);
-    add_cost(result, "first", took);
-    if (!status) status = compare(bench, moved, after, before, result);
-    remove_folder(before);
-    remove_folder(after);
+    rsv_status status = RSV_ERROR_IO;
+    *made = make_folder(before) && make_folder(after);
+    if (*made) {
+        status = solve(bench, scene, 1, before, NULL, &solution, &took);
+        rsv_solution_destroy(solution);
+        add_cost(result, "first", took);
+        if (!status) status = compare(bench, moved, after, before, result);
+    }
+    if (before[0]) remove_folder(before);
+    if (after[0]) remove_folder(after);
     return status;
 }
 
-static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, cJSON *result)
+/// @param made as of measure_scenes
+static rsv_status measure(
+    const cli_bench_task *bench, const rsv_scene *scene, cJSON *result, bool *made)
 {
-    char folder[] = "/tmp/resolvent-rebake-XXXXXX";
     uint32_t object = cli_find_movable_object(scene);
     rsv_scene *before = NULL, *moved = NULL;
     if (object == RSV_NONE) return RSV_ERROR_SCENE;
@@ -177,11 +189,7 @@ static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, c
     cJSON_AddNumberToObject(result, "metres", (double)extent);
     rsv_status status = cli_copy_scene_moved(scene, RSV_NONE, 0, &before);
     if (!status) status = cli_copy_scene_moved(scene, object, extent, &moved);
-    if (!status && !mkdtemp(folder)) status = RSV_ERROR_IO;
-    if (!status) {
-        status = measure_in(bench, before, moved, folder, result);
-        rmdir(folder);
-    }
+    if (!status) status = measure_scenes(bench, before, moved, result, made);
     rsv_scene_destroy(before);
     rsv_scene_destroy(moved);
     return status;
@@ -191,13 +199,15 @@ bool cli_bench_rebake(const cli_bench_task *bench, cJSON *result)
 {
     rsv_scene *scene = cli_open_bench_scene(bench);
     if (!scene) return false;
-    rsv_status status = measure(bench, scene, result);
+    bool made = true;
+    rsv_status status = measure(bench, scene, result, &made);
     rsv_scene_destroy(scene);
     if (status == RSV_ERROR_SCENE || status == RSV_ERROR_UNSUPPORTED)
         cli_error(
             "bench rebake: '%s' has textures, or no object small enough to be moved", bench->scene);
-    else if (status == RSV_ERROR_IO)
-        cli_error("bench rebake: cannot make a folder in /tmp");
+    else if (!made)
+        cli_error("bench rebake: cannot make a folder for temporary files; set TMPDIR to a place "
+                  "for them");
     else if (status != RSV_OK)
         cli_report_failure(bench->session, status);
     return status == RSV_OK;

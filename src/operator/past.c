@@ -9,8 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#define MAGIC 0x32747370u // "pst2"
-#define PATH_BYTES 4096
 /// More than tables and scenes can have.
 #define TOO_MANY ((uint64_t)1 << 36)
 /// An edit that changes the spacing by less than this part leaves it as it was.
@@ -21,14 +19,39 @@ static bool is_table_size(uint64_t slots)
     return slots > 0 && slots < TOO_MANY && (slots & (slots - 1)) == 0;
 }
 
+static bool is_finite(rsv_rgb c) { return isfinite(c.r) && isfinite(c.g) && isfinite(c.b); }
+
+static bool is_box(rsv_vec3 low, rsv_vec3 high)
+{
+    return low.x <= high.x && low.y <= high.y && low.z <= high.z;
+}
+
+/// Whether all numbers are ones that scenes and their light have.
+static bool has_sound_numbers(const rsv_past_header *h)
+{
+    rsv_past_layout l = rsv_past_layout_of(h);
+    for (size_t t = 0; t < h->triangle_count; t++)
+        if (!is_box(l.triangle[t].low, l.triangle[t].high)) return false;
+    for (int level = 0; level < RSV_PAST_LEVELS; level++)
+        for (size_t k = 0; k < l.nodes[level].slots; k++) {
+            const rsv_past_node *n = (const rsv_past_node *)(const void *)l.nodes[level].value + k;
+            if (!is_finite(n->direct) || !is_finite(n->source) || !is_finite(n->indirect) ||
+                !(n->deviation >= 0))
+                return false;
+        }
+    return true;
+}
+
 static bool is_sound(const rsv_past_header *h, size_t bytes, uint64_t settings)
 {
-    if (bytes < sizeof *h || h->magic != MAGIC || h->settings != settings ||
-        h->triangle_count >= TOO_MANY || !(h->spacing[0] > 0))
+    if (bytes < sizeof *h || h->magic != RSV_PAST_MAGIC || h->settings != settings ||
+        h->triangle_count >= TOO_MANY || !(h->spacing[0] > 0) || isinf(h->spacing[0]) ||
+        !(h->spacing[1] >= 0))
         return false;
     for (int k = 0; k < RSV_PAST_LEVELS; k++)
         if (!is_table_size(h->cells[k]) || !is_table_size(h->nodes[k])) return false;
-    return rsv_past_layout_of(h).bytes == bytes && rsv_past_checksum(h, bytes) == h->checksum;
+    return rsv_past_layout_of(h).bytes == bytes && rsv_past_checksum(h, bytes) == h->checksum &&
+           has_sound_numbers(h);
 }
 
 /// @return NULL if there is nothing sound
@@ -89,7 +112,7 @@ rsv_status rsv_past_open(const rsv_transport_scene *scene, const rsv_lights *lig
     const char *folder, uint64_t settings, rsv_past **past)
 {
     rsv_status status;
-    char path[PATH_BYTES];
+    char path[RSV_PAST_PATH_BYTES];
     *past = NULL;
     const rsv_past_header *header =
         rsv_past_path(folder, settings, path, sizeof path) ? map(path, settings) : NULL;
@@ -133,6 +156,18 @@ rsv_spacing rsv_past_spacing(const rsv_past *p, rsv_spacing now)
 
 const rsv_scene_change *rsv_past_change(const rsv_past *p) { return &p->change; }
 
+uint64_t rsv_past_identity(const rsv_past *p) { return p->header->checksum | 1; }
+
+bool rsv_past_has_other_sources(const rsv_past *p) { return p->all_lit_anew; }
+
+bool rsv_past_was_cell_split(
+    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t cell)
+{
+    const rsv_cell *c = &e->cell[cell];
+    return c->level < RSV_MAX_LEVEL &&
+           rsv_past_was_split(p, level, rsv_cell_key_on(rsv_face_key(e, c->face), c));
+}
+
 bool rsv_past_was_split(const rsv_past *p, rsv_past_level level, uint64_t cell_key)
 {
     const uint8_t *value = rsv_past_find(&p->layout.cells[level], cell_key);
@@ -142,7 +177,7 @@ bool rsv_past_was_split(const rsv_past *p, rsv_past_level level, uint64_t cell_k
 bool rsv_past_find_face(const rsv_past *p, uint64_t face_key, uint8_t *halvings, uint8_t *level)
 {
     const uint8_t *value = rsv_past_find(&p->layout.cells[RSV_PAST_COARSE], face_key);
-    if (!value) return false;
+    if (!value || (*value & 15) > RSV_MAX_LEVEL) return false;
     *halvings = *value >> 4;
     *level = *value & 15;
     return true;

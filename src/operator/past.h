@@ -21,10 +21,11 @@ typedef enum rsv_past_level { RSV_PAST_COARSE, RSV_PAST_FINE, RSV_PAST_LEVELS } 
 
 /// What was known of a free node.
 typedef struct rsv_past_node {
-    rsv_rgb direct;     ///< irradiance by next-event estimation, W/m2
-    float deviation;    ///< of its luminance, W/m2; fine level
-    rsv_rgb irradiance; ///< all of it, W/m2; coarse level
-    uint32_t valid;     ///< receiver points that are not buried, bit by bit
+    rsv_rgb direct;   ///< irradiance by next-event estimation, W/m2
+    float deviation;  ///< of its luminance, W/m2; fine level
+    rsv_rgb source;   ///< E0, what was gathered and caustics included, W/m2; coarse level
+    rsv_rgb indirect; ///< irradiance by all else, W/m2; coarse level
+    uint32_t valid;   ///< receiver points that are not buried, bit by bit
 } rsv_past_node;
 
 typedef struct rsv_past rsv_past;
@@ -39,6 +40,9 @@ void rsv_past_close(rsv_past *past);
 rsv_spacing rsv_past_spacing(const rsv_past *past, rsv_spacing now);
 
 bool rsv_past_was_split(const rsv_past *past, rsv_past_level level, uint64_t cell_key);
+/// The same of a cell that can be split again.
+bool rsv_past_was_cell_split(
+    const rsv_past *past, rsv_past_level level, const rsv_elements *elements, uint32_t cell);
 /// Halvings of the radius of clusters on a face (elements.h), and the level of its grid. @return false if it is not known
 bool rsv_past_find_face(const rsv_past *past, uint64_t face_key, uint8_t *halvings, uint8_t *level);
 /// @return false if it is not known, or may be another now
@@ -50,6 +54,12 @@ const rsv_past_node *rsv_past_find_node(const rsv_past *past, rsv_past_level lev
 
 /// Boxes around all that is new, and all that is gone.
 const rsv_scene_change *rsv_past_change(const rsv_past *past);
+
+/// The same for two that know the same, never 0.
+uint64_t rsv_past_identity(const rsv_past *past);
+
+/// Whether sources are not what they were.
+bool rsv_past_has_other_sources(const rsv_past *past);
 
 /// Whether the node was there, on any level, and what lies around it is what it was: no wall divides it that did not.
 bool rsv_past_knows_around(
@@ -73,15 +83,14 @@ rsv_status rsv_past_find_lit_anew(
 
 /// A level of a solution, to be remembered.
 typedef struct rsv_past_fields {
-    const rsv_elements *elements;       ///< NULL = there is no such level
-    const rsv_rgb *direct, *irradiance; ///< [node_count]; NULL = 0
-    const float *deviation;             ///< likewise
-    const uint16_t *valid_points;       ///< [node_count]
+    const rsv_elements *elements;              ///< NULL = there is no such level
+    const rsv_rgb *direct, *source, *indirect; ///< [node_count]; NULL = 0
+    const float *deviation;                    ///< likewise
+    const uint16_t *valid_points;              ///< [node_count]
 } rsv_past_fields;
 
-/// Writes it beside its place and moves it there; a warning where that fails.
-rsv_status rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, const rsv_spacing *spacing,
-    const rsv_past_fields level[RSV_PAST_LEVELS]);
+/// Writes it beside its place and moves it there; a warning where that fails: a solution is complete without it.
+void rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights, const char *folder,
+    uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields level[RSV_PAST_LEVELS]);
 
 #endif

@@ -91,10 +91,11 @@ uint64_t rsv_past_triangle_key(const rsv_transport_scene *scene, uint32_t triang
     if (m->alpha_cutoff > 0 || b->opacity < 1) return 0;
     uint64_t key = rsv_key_add(rsv_triangle_key(scene->view, triangle), b->double_sided);
     if (b->lambert) return key;
-    const float kind[] = { m->ior, m->specular, m->transmission, m->thickness, m->metallic,
-        m->roughness, m->clearcoat, m->clearcoat_roughness, m->sheen_roughness,
-        m->diffuse_transmission };
-    return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1);
+    // of textures their means: what light on its way into the surface is weighted by
+    const float kind[] = { b->ior, b->transmission, m->thickness, b->metallic, b->diffuse, b->alpha,
+        b->clearcoat, b->clearcoat_alpha, b->sheen_power, b->passed };
+    key = add_color(add_color(key, b->specular_tint), b->sheen);
+    return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1 + b->coated);
 }
 
 void rsv_past_triangle_box(

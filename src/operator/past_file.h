@@ -4,8 +4,11 @@
 
 #include "past.h"
 
+#define RSV_PAST_MAGIC 0x34747370u // "pst4"
+#define RSV_PAST_PATH_BYTES 4096
+
 typedef struct rsv_past_header {
-    uint32_t magic, unused;
+    uint64_t magic;
     uint64_t settings, lights; ///< keys
     uint64_t triangle_count;
     uint64_t cells[RSV_PAST_LEVELS], nodes[RSV_PAST_LEVELS]; ///< slots of the tables, powers of 2
@@ -40,11 +43,11 @@ typedef struct rsv_past_layout {
 /// @param header of a file that lies in memory as a whole
 rsv_past_layout rsv_past_layout_of(const rsv_past_header *header);
 
-/// The slot of a key, or the free one that it belongs to.
+/// The slot of a key, or the free one that it belongs to; any where a damaged table is full.
 RSV_INLINE size_t rsv_past_slot(const rsv_past_table *table, uint64_t key)
 {
     size_t at = key & (table->slots - 1);
-    while (table->key[at] && table->key[at] != key)
+    for (size_t k = 0; k < table->slots && table->key[at] && table->key[at] != key; k++)
         at = (at + 1) & (table->slots - 1);
     return at;
 }
@@ -54,7 +57,7 @@ RSV_INLINE const uint8_t *rsv_past_find(const rsv_past_table *table, uint64_t ke
 {
     if (table->slots == 0 || key == 0) return NULL;
     size_t at = rsv_past_slot(table, key);
-    return table->key[at] ? table->value + at * table->value_bytes : NULL;
+    return table->key[at] == key ? table->value + at * table->value_bytes : NULL;
 }
 
 uint64_t rsv_past_checksum(const rsv_past_header *header, size_t bytes);
@@ -64,7 +67,7 @@ bool rsv_past_path(const char *folder, uint64_t settings, char *path, size_t byt
 
 /// Of all sources; RSV_PAST_NO_LIGHTS where textures decide what they give.
 uint64_t rsv_past_lights_key(const rsv_lights *lights);
-/// Of a triangle and of how light passes it; 0 if its holes may be others each time.
+/// Of a triangle and of how light passes and enters it; 0 if its holes may be others each time.
 uint64_t rsv_past_triangle_key(const rsv_transport_scene *scene, uint32_t triangle);
 void rsv_past_triangle_box(
     const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high);

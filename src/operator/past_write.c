@@ -8,9 +8,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
-
-#define MAGIC 0x32747370u // "pst2"
-#define PATH_BYTES 4096
+#include <unistd.h>
 
 /// Slots for so many keys, a third of them free at least.
 static uint64_t slots_for(size_t count)
@@ -70,7 +68,8 @@ static rsv_status put_nodes(rsv_past_table *table, const rsv_past_fields *f)
         if (e->node_hanging[n] != RSV_NONE) continue;
         const rsv_past_node node = { .direct = f->direct ? f->direct[n] : rgb_gray(0),
             .deviation = f->deviation ? f->deviation[n] : 0,
-            .irradiance = f->irradiance ? f->irradiance[n] : rgb_gray(0),
+            .source = f->source ? f->source[n] : rgb_gray(0),
+            .indirect = f->indirect ? f->indirect[n] : rgb_gray(0),
             .valid = f->valid_points[n] };
         memcpy(put(table, node_key[n]), &node, sizeof node);
     }
@@ -95,7 +94,7 @@ static size_t put_triangles(const rsv_transport_scene *scene, rsv_past_triangle 
 static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields *level)
 {
-    rsv_past_header h = { .magic = MAGIC,
+    rsv_past_header h = { .magic = RSV_PAST_MAGIC,
         .settings = settings,
         .lights = scene->media.bodies ? RSV_PAST_NO_LIGHTS : rsv_past_lights_key(lights),
         .triangle_count = put_triangles(scene, NULL),
@@ -108,46 +107,58 @@ static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_ligh
     return h;
 }
 
-static void save(rsv_context *context, const rsv_past_header *h, size_t bytes, const char *path)
+/// Writes a file beside its place, out to the disk, and moves it there. @return 0, or why not
+static int save(const rsv_past_header *h, size_t bytes, const char *path)
 {
-    char beside[PATH_BYTES];
-    bool named = snprintf(beside, sizeof beside, "%s.part", path) < (int)sizeof beside;
-    FILE *file = named ? fopen(beside, "wb") : NULL;
-    bool written = file && fwrite(h, 1, bytes, file) == bytes;
-    if (file) written = fclose(file) == 0 && written;
-    if (written && rename(beside, path) == 0) return;
-    rsv_log(context, RSV_LOG_WARNING,
-        "checkpoint: cannot write '%s': %s; after an edit of the scene everything will be solved "
-        "anew",
-        path, strerror(errno));
-    if (file) remove(beside);
+    char beside[RSV_PAST_PATH_BYTES];
+    // of this run alone: another one of the same scene has its own
+    if (snprintf(beside, sizeof beside, "%s.%ld.part", path, (long)getpid()) >= (int)sizeof beside)
+        return ENAMETOOLONG;
+    FILE *file = fopen(beside, "wb");
+    if (!file) return errno;
+    errno = 0;
+    bool written =
+        fwrite(h, 1, bytes, file) == bytes && fflush(file) == 0 && fsync(fileno(file)) == 0;
+    int why = written ? 0 : errno ? errno : EIO;
+    if (fclose(file) != 0 && !why) why = errno;
+    if (!why && rename(beside, path) != 0) why = errno;
+    if (why) remove(beside);
+    return why;
 }
 
-rsv_status rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, const rsv_spacing *spacing,
-    const rsv_past_fields level[RSV_PAST_LEVELS])
+static rsv_status fill(const rsv_transport_scene *scene, const rsv_past_fields *level,
+    rsv_past_header *h, size_t bytes)
 {
-    rsv_status status;
-    rsv_context *context = lights->context;
-    char path[PATH_BYTES];
-    rsv_past_header header = describe(scene, lights, settings, spacing, level);
-    rsv_past_layout layout = rsv_past_layout_of(&header);
-    rsv_past_header *h = rsv_alloc(context, layout.bytes, 1);
-    if (!h) return RSV_ERROR_MEMORY;
-    *h = header;
-    layout = rsv_past_layout_of(h);
+    rsv_status status = RSV_OK;
+    rsv_past_layout layout = rsv_past_layout_of(h);
     put_triangles(scene, layout.triangle);
     for (int k = 0; k < RSV_PAST_LEVELS; k++) {
         if (!level[k].elements) continue;
         put_cells(&layout.cells[k], level[k].elements);
         RSV_TRY(put_nodes(&layout.nodes[k], &level[k]));
     }
-    h->checksum = rsv_past_checksum(h, layout.bytes);
-    status = rsv_past_path(folder, settings, path, sizeof path)
-                 ? RSV_OK
-                 : rsv_fail(RSV_ERROR_IO, "checkpoint: the name of the folder is too long");
-    if (status == RSV_OK) save(context, h, layout.bytes, path);
+    h->checksum = rsv_past_checksum(h, bytes);
 cleanup:
-    rsv_free(context, h);
     return status;
+}
+
+void rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights, const char *folder,
+    uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields level[RSV_PAST_LEVELS])
+{
+    rsv_context *context = lights->context;
+    char path[RSV_PAST_PATH_BYTES];
+    rsv_past_header header = describe(scene, lights, settings, spacing, level);
+    size_t bytes = rsv_past_layout_of(&header).bytes;
+    rsv_past_header *h = rsv_alloc(context, bytes, 1);
+    int why = h ? 0 : ENOMEM;
+    if (h) *h = header;
+    if (!why && fill(scene, level, h, bytes) != RSV_OK) why = ENOMEM;
+    if (!rsv_past_path(folder, settings, path, sizeof path)) why = ENAMETOOLONG;
+    if (!why) why = save(h, bytes, path);
+    if (why)
+        rsv_log(context, RSV_LOG_WARNING,
+            "checkpoint: cannot keep in '%s' what this solution knew: %s; after an edit of the "
+            "scene everything will be solved anew",
+            folder, strerror(why));
+    rsv_free(context, h);
 }

@@ -290,7 +290,8 @@ static rsv_status add_recalled(level_builder *b)
 {
     rsv_status status;
     earlier_level earlier = set_aside(b);
-    RSV_TRY(rsv_source_recall_splits(b->recall, earlier.elements, &b->elements));
+    RSV_TRY(
+        rsv_source_recall_splits(b->recall, b->desc->max_cells, earlier.elements, &b->elements));
     RSV_TRY(prepare_elements(b, &earlier));
     // nodes where both meet; shadows may end there
     RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, b->lit));

@@ -5,6 +5,8 @@
 #include "elements_internal.h"
 #include "source_level.h"
 
+#include <string.h>
+
 /// Marks cells that share a node with one where light may be another.
 static rsv_status widen(rsv_source_recall *r)
 {
@@ -58,22 +60,21 @@ bool rsv_source_recall_is_anew(const rsv_source_recall *r, const rsv_cell *cell)
 static void choose_as_then(void *user, const rsv_elements *e, uint8_t *split)
 {
     const rsv_source_recall *r = user;
-    uint32_t face = RSV_NONE; // of the cell just before
-    uint64_t face_key = 0;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))               \
-    firstprivate(face, face_key)
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        const rsv_cell *cell = &e->cell[c];
-        if (cell->face != face) face_key = rsv_face_key(e, face = cell->face);
-        split[c] = rsv_past_was_split(r->past, RSV_PAST_FINE, rsv_cell_key_on(face_key, cell)) &&
-                   !r->lit_anew[rsv_elements_find_around(r->coarse, cell)];
-    }
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        split[c] = rsv_past_was_cell_split(r->past, RSV_PAST_FINE, e, c) &&
+                   !r->lit_anew[rsv_elements_find_around(r->coarse, &e->cell[c])];
+    size_t marked = 0;
+    for (size_t c = 0; c < e->cell_count; c++)
+        marked += split[c];
+    if (e->cell_count + 3 * marked > r->most_cells) memset(split, 0, e->cell_count);
 }
 
 rsv_status rsv_source_recall_splits(
-    const rsv_source_recall *r, const rsv_elements *elements, rsv_elements **finer)
+    rsv_source_recall *r, size_t most_cells, const rsv_elements *elements, rsv_elements **finer)
 {
-    return rsv_elements_refine_where(elements, choose_as_then, (void *)(uintptr_t)r, finer);
+    r->most_cells = most_cells;
+    return rsv_elements_refine_where(elements, choose_as_then, r, finer);
 }
 
 static bool is_node_lit_anew(const rsv_source_recall *r, const rsv_elements *e, uint32_t node)

@@ -9,6 +9,7 @@ typedef struct rsv_source_recall {
     const rsv_elements *coarse;
     uint8_t *lit_anew; ///< [cell_count of `coarse`] non-zero = light may be another
     uint8_t *anew;     ///< likewise, and cells beside those: their splits are found again
+    size_t most_cells; ///< after splits
 } rsv_source_recall;
 
 /// Fields of one level. All [node_count].
@@ -29,8 +30,9 @@ void rsv_source_recall_destroy(rsv_source_recall *recall);
 bool rsv_source_recall_is_anew(const rsv_source_recall *recall, const rsv_cell *cell);
 
 /// Splits cells as they were split then, where light is the same.
-rsv_status rsv_source_recall_splits(
-    const rsv_source_recall *recall, const rsv_elements *elements, rsv_elements **finer);
+/// @param most_cells no round of splits leads to more than about so many
+rsv_status rsv_source_recall_splits(rsv_source_recall *recall, size_t most_cells,
+    const rsv_elements *elements, rsv_elements **finer);
 
 /// Fills in what is known of free nodes, of this level or of the coarse one; leaves the others as they are.
 rsv_status rsv_source_recall_nodes(const rsv_source_recall *recall, const rsv_elements *elements,

@@ -43,10 +43,9 @@ static void choose_as_then(void *user, const rsv_elements *e, uint8_t *split)
 {
     const rsv_past *past = user;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        uint64_t key = rsv_cell_key_on(rsv_face_key(e, e->cell[c].face), &e->cell[c]);
-        split[c] = rsv_past_was_split(past, RSV_PAST_COARSE, key) && !rsv_past_is_near(past, e, c);
-    }
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        split[c] =
+            rsv_past_was_cell_split(past, RSV_PAST_COARSE, e, c) && !rsv_past_is_near(past, e, c);
 }
 
 /// Splits cells and shrinks clusters like those before the scene was edited.

@@ -64,6 +64,13 @@ static void unmark_idle(const rsv_goal *goal, const rsv_elements *e, uint8_t *sp
         if (split[c] && rsv_goal_size_at(goal, e, c) > GOAL_IDLE) split[c] = 0;
 }
 
+/// What is known from before an edit that left sources as they were: other ones bend light elsewhere. NULL = nothing
+static const rsv_past *settled(const rsv_solution *s)
+{
+    const rsv_past *past = s->scene.past;
+    return past && !rsv_past_has_other_sources(past) ? past : NULL;
+}
+
 /// Leaves cells alone that an edit of the scene is far from: they are split as they were before.
 static void unmark_settled(const rsv_past *past, const rsv_elements *e, uint8_t *split)
 {
@@ -93,7 +100,7 @@ static rsv_status mark_bends(
             e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
         rsv_find_cluster_bends(e, s->indirect, deviation, bend, dark, mark_pair, split);
         unmark_idle(goal, e, split);
-        unmark_settled(s->scene.past, e, split);
+        unmark_settled(settled(s), e, split);
         bool marked;
         *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
         if (status != RSV_OK || !marked || *any) return status;
@@ -112,9 +119,9 @@ cleanup:
     return status;
 }
 
-/// Sorts nodes into those that an edit of the scene is far from, whose irradiance from before will do, and those that are
-/// looked at again. @param far [node_count], out @param irradiance [node_count], out
-static rsv_status recall_far(const rsv_solution *s, uint8_t *far, rsv_rgb *irradiance)
+/// Sorts nodes into those that an edit of the scene is far from, whose light from before will do, and those that are
+/// looked at again. @param far [node_count], out @param indirect [node_count], out
+static rsv_status recall_far(const rsv_solution *s, uint8_t *far, rsv_rgb *indirect)
 {
     const rsv_elements *e = s->elements;
     uint64_t *key = NULL;
@@ -126,10 +133,9 @@ static rsv_status recall_far(const rsv_solution *s, uint8_t *far, rsv_rgb *irrad
             rsv_past_find_node(s->scene.past, RSV_PAST_COARSE, e, n, key[n]);
         far[n] = !s->valid_points[n] || (then && !rsv_past_is_node_near(s->scene.past, e, n));
         if (!then) continue;
-        irradiance[n] = then->irradiance;
-        s->source[n] = then->direct;
+        indirect[n] = then->indirect;
+        if (far[n]) s->source[n] = then->source; // nothing is gathered without a row
     }
-    rsv_elements_constrain(e, irradiance);
     rsv_free(s->context, key);
     return status;
 }
@@ -147,24 +153,23 @@ static rsv_status assemble_near(rsv_solution *s, const uint8_t *far)
     rsv_status status = rsv_transport_create(
         &scene, s->lights, s->elements, valid, PILOT_RAYS, s->desc.seed, &s->transport);
     rsv_free(s->context, valid);
+    if (status != RSV_OK) return status;
+    s->report.rays += s->transport->rays;
+    s->report.row_rays += s->transport->rays;
     return status;
 }
 
-/// One more order of light for nodes near an edit, from the irradiance of all.
-static void gather_near(rsv_solution *s, const uint8_t *far, rsv_rgb *exitance, rsv_rgb *irradiance)
+/// One more order of light for nodes near an edit, from the light of all.
+/// @param then [node_count] indirect light before it
+static void gather_near(rsv_solution *s, const uint8_t *far, const rsv_rgb *then, rsv_rgb *exitance)
 {
     const rsv_elements *e = s->elements;
     for (size_t n = 0; n < e->node_count; n++)
-        exitance[n] = rgb_mul(s->exitance_albedo[n], irradiance[n]);
+        exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_apply(s->transport, exitance, s->indirect);
-    for (size_t n = 0; n < e->node_count; n++) {
-        if (far[n])
-            s->indirect[n] = rgb_sub(irradiance[n], s->source[n]);
-        else
-            irradiance[n] = rgb_add(s->source[n], s->indirect[n]);
-    }
+    for (size_t n = 0; n < e->node_count; n++)
+        if (far[n]) s->indirect[n] = then[n];
     rsv_elements_constrain(e, s->indirect);
-    rsv_elements_constrain(e, irradiance);
 }
 
 /// The same as solve_roughly where the light of all that an edit is far from is taken for what it was.
@@ -173,19 +178,21 @@ static rsv_status solve_near(rsv_solution *s)
     rsv_status status;
     size_t nodes = s->elements->node_count;
     uint8_t *far = rsv_alloc(s->context, nodes, 1);
-    rsv_rgb *irradiance = rsv_alloc(s->context, nodes, sizeof *irradiance);
+    rsv_rgb *then = rsv_alloc(s->context, nodes, sizeof *then);
     rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
     s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
-    RSV_TRY(far && irradiance && exitance && s->indirect ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(recall_far(s, far, irradiance));
+    RSV_TRY(far && then && exitance && s->indirect ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(recall_far(s, far, then));
+    memcpy(s->indirect, then, nodes * sizeof *then);
+    rsv_elements_constrain(s->elements, s->indirect);
     RSV_TRY(assemble_near(s, far));
     RSV_TRY(rsv_source_estimate(s, far));
     rsv_source_add_gathered(s);
     for (uint32_t order = 0; order < PILOT_ORDERS; order++)
-        gather_near(s, far, exitance, irradiance);
+        gather_near(s, far, then, exitance);
 cleanup:
     rsv_free(s->context, far);
-    rsv_free(s->context, irradiance);
+    rsv_free(s->context, then);
     rsv_free(s->context, exitance);
     return status;
 }
@@ -204,7 +211,7 @@ static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *r
         goto cleanup;
     }
     RSV_TRY(rsv_system_create_fields(s));
-    RSV_TRY(s->scene.past ? solve_near(s) : solve_roughly(s));
+    RSV_TRY(settled(s) ? solve_near(s) : solve_roughly(s));
     for (size_t n = 0; n < nodes; n++)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);

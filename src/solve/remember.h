@@ -10,6 +10,7 @@
 rsv_status rsv_solution_recall(rsv_solution *solution, rsv_past **past);
 
 /// Writes down what a finished solution knows beside its rows, if these are kept. Lets go of fields that nothing else needs.
-rsv_status rsv_solution_remember(rsv_solution *solution);
+/// A warning where it cannot be written.
+void rsv_solution_remember(rsv_solution *solution);
 
 #endif

@@ -94,7 +94,7 @@ static rsv_status create_elements(rsv_solution *s)
     rsv_status status;
     s->spacing = rsv_spacing_for(&s->scene, s->desc.element_target);
     if (s->scene.past) s->spacing = rsv_past_spacing(s->scene.past, s->spacing);
-    float wanted = s->spacing.metres;
+    float wanted = s->wanted_metres = s->spacing.metres;
     size_t before = SIZE_MAX;
     bool stalled = false;
     RSV_TRY(rsv_budget_open(s));
@@ -104,6 +104,7 @@ static rsv_status create_elements(rsv_solution *s)
         while (rsv_solution_rows(s) > rsv_budget_rows(s) && rsv_budget_halve_rays(s)) {}
         size_t rows = rsv_solution_rows(s), most = rsv_budget_rows(s);
         if (rows <= most) break;
+        s->scene.past = NULL; // its grids and splits would stay as they were
         if (s->spacing.metres > COARSEST * wanted) RSV_TRY(rsv_budget_refuse(s, rows));
         stalled = stalled || (double)rows > LEAST_PROGRESS * (double)before;
         before = rows;
@@ -282,7 +283,7 @@ static rsv_status build(rsv_solution *s)
     s->report.bytes = rsv_solution_bytes(s);
     report_kept_rays(s);
     warn_if_unbounded(s);
-    RSV_TRY(rsv_solution_remember(s));
+    rsv_solution_remember(s);
 cleanup:
     s->scene.past = NULL;
     rsv_past_close(past);

@@ -18,6 +18,7 @@ struct rsv_solution {
     rsv_solve_desc desc;    ///< with fewer rays than was asked for where a budget wants that
     rsv_probe *goal_points; ///< a copy: desc.goal_points; NULL = none
     uint32_t wanted_rays;   ///< that were asked for
+    float wanted_metres;    ///< of the spacing, likewise
     size_t bytes_left;      ///< of the memory budget, for elements, rows and levels
 
     rsv_spacing spacing;        ///< of the coarse elements

@@ -11,10 +11,10 @@ rsv_status rsv_source_divide_environment(rsv_solution *solution);
 /// the same whether direct light is left to the renderer or not.
 rsv_status rsv_source_create_levels(rsv_solution *solution);
 
-/// E0 on the coarse elements: next-event estimates, gathered emission and caustics. Needs rows.
 /// Direct light alone, of all nodes that are not known. @param known [node_count]
 rsv_status rsv_source_estimate(rsv_solution *solution, const uint8_t *known);
 
+/// E0 on the coarse elements: next-event estimates, gathered emission and caustics. Needs rows.
 rsv_status rsv_source_create(rsv_solution *solution);
 
 /// Adds what is gathered, and caustics, to the next-event estimates in `source`.

@@ -1,7 +1,9 @@
 /// Solving a scene again after an edit, from what the solution before knew.
 #include "file_fixture.h"
 #include "light_fixture.h"
-#include "operator/past.h"
+#include "operator/element_keys.h"
+#include "operator/past_file.h"
+#include "solve/budget.h"
 #include "solve/solution.h"
 
 #include <math.h>
@@ -168,6 +170,203 @@ static void threads_make_no_difference(void **state)
     remove_folder(before.path);
 }
 
+/// The file of what a solve knew, in a folder. @return to be freed
+static rsv_past_header *read_past(const char *folder_path, size_t *bytes)
+{
+    char path[512] = { 0 };
+    DIR *directory = opendir(folder_path);
+    for (struct dirent *entry; (entry = readdir(directory));)
+        if (strstr(entry->d_name, ".past"))
+            snprintf(path, sizeof path, "%.200s/%.200s", folder_path, entry->d_name);
+    closedir(directory);
+    return (rsv_past_header *)(void *)read_bytes(path, bytes);
+}
+
+static void write_past(const char *folder_path, rsv_past_header *h, size_t bytes)
+{
+    char path[512];
+    assert_true(rsv_past_path(folder_path, h->settings, path, sizeof path));
+    h->checksum = rsv_past_checksum(h, bytes);
+    write_bytes(path, h, bytes);
+}
+
+/// Leaves in `rows` what a solve of the room knew, as if that had been one by `settings`.
+static void leave_for(const room *r, const char *rows, uint64_t settings)
+{
+    size_t bytes;
+    leave(r, rows, NULL);
+    rsv_past_header *h = read_past(rows, &bytes);
+    h->settings = settings;
+    write_past(rows, h, bytes);
+    free(h);
+}
+
+static void budgets_coarsen_what_was_finer_before(void **state)
+{
+    (void)state;
+    folder before = new_folder(), after = new_folder();
+    room moved = plain;
+    moved.box_at = 0.8f;
+    world *w = build(&moved, 2);
+    rsv_solution *s = NULL;
+    rsv_solve_desc desc = few_elements(after.path, NULL);
+    desc.max_elements = 150;
+    desc.direct_level = false;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
+    size_t bytes;
+    rsv_past_header *h = read_past(after.path, &bytes);
+    float metres = s->elements->spacing;
+    assert_true(metres > 1.1f * h->spacing[0]); // what was asked for: the next one begins there
+    rsv_solution_destroy(s);
+    leave_for(&plain, before.path, h->settings);
+    free(h);
+    desc.earlier = before.path;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
+    assert_true(rsv_solution_rows(s) <= desc.max_elements);
+    assert_true(s->elements->spacing < 1.5f * metres); // not clusters of what is too fine
+    rsv_solution_destroy(s);
+    world_end(w);
+    remove_folder(before.path);
+    remove_folder(after.path);
+}
+
+typedef void (*forger)(rsv_past_header *, const rsv_past_layout *);
+
+static void forge_nothing(rsv_past_header *h, const rsv_past_layout *l) { (void)h, (void)l; }
+
+static void forge_spacing(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)l;
+    h->spacing[1] = NAN;
+}
+
+static void forge_light(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)h;
+    ((rsv_past_node *)(void *)l->nodes[RSV_PAST_FINE].value)[3].direct.g = NAN;
+}
+
+static void forge_box(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)h;
+    l->triangle[0].low.x = NAN;
+}
+
+enum { KEPT_KEY = 1000 };
+
+/// No slot is free, every cell was split, and faces have levels that there are not.
+static void forge_cells(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)h;
+    const rsv_past_table *t = &l->cells[RSV_PAST_COARSE];
+    for (size_t k = 0; k < t->slots; k++) {
+        t->key[k] = KEPT_KEY + k;
+        t->value[k] = 0xff;
+    }
+}
+
+/// What is written of a room, forged, and opened again.
+static rsv_past *open_forged(const world *w, const folder *f, forger forge)
+{
+    size_t bytes;
+    rsv_past *past = NULL;
+    const rsv_spacing spacing = { .metres = 1, .reach = INFINITY };
+    const rsv_past_fields nothing[RSV_PAST_LEVELS] = { { 0 } };
+    rsv_past_write(&w->transport, w->lights, f->path, 1, &spacing, nothing);
+    rsv_past_header *h = read_past(f->path, &bytes);
+    rsv_past_layout layout = rsv_past_layout_of(h);
+    forge(h, &layout);
+    write_past(f->path, h, bytes);
+    free(h);
+    assert_int_equal(rsv_past_open(&w->transport, w->lights, f->path, 1, &past), RSV_OK);
+    return past;
+}
+
+static void forged_files_lead_nowhere(void **state)
+{
+    (void)state;
+    folder f = new_folder();
+    world *w = build(&plain, 1);
+    rsv_past *past = open_forged(w, &f, forge_nothing);
+    assert_non_null(past);
+    rsv_past_close(past);
+    assert_null(open_forged(w, &f, forge_spacing));
+    assert_null(open_forged(w, &f, forge_light));
+    assert_null(open_forged(w, &f, forge_box));
+    past = open_forged(w, &f, forge_cells);
+    assert_non_null(past);
+    uint8_t halvings, level;
+    assert_true(rsv_past_was_split(past, RSV_PAST_COARSE, KEPT_KEY));
+    assert_false(rsv_past_was_split(past, RSV_PAST_COARSE, KEPT_KEY - 1)); // comes back at all
+    assert_false(rsv_past_find_face(past, KEPT_KEY, &halvings, &level));
+    rsv_past_close(past);
+    world_end(w);
+    remove_folder(f.path);
+}
+
+/// A cell as small as there are, which its past says was split all the same.
+static void cells_are_split_to_the_finest_level_at_most(void **state)
+{
+    (void)state;
+    folder f = new_folder();
+    world *w = build(&plain, 1);
+    rsv_elements *e = NULL;
+    const rsv_spacing spacing = { .metres = 10, .reach = INFINITY };
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
+    rsv_past *past = NULL;
+    rsv_past_header *h;
+    size_t bytes;
+    const rsv_past_fields nothing[RSV_PAST_LEVELS] = { { 0 } };
+    rsv_past_write(&w->transport, w->lights, f.path, 1, &spacing, nothing);
+    h = read_past(f.path, &bytes);
+    rsv_past_layout layout = rsv_past_layout_of(h);
+    rsv_cell *cell = &e->cell[0];
+    for (int finest = 0; finest < 2; finest++) {
+        cell->level = (uint8_t)(RSV_MAX_LEVEL - 1 + finest);
+        uint64_t key = rsv_cell_key_on(rsv_face_key(e, cell->face), cell);
+        size_t slot = rsv_past_slot(&layout.cells[RSV_PAST_FINE], key);
+        layout.cells[RSV_PAST_FINE].key[slot] = key;
+        layout.cells[RSV_PAST_FINE].value[slot] = RSV_PAST_SPLIT;
+    }
+    write_past(f.path, h, bytes);
+    free(h);
+    assert_int_equal(rsv_past_open(&w->transport, w->lights, f.path, 1, &past), RSV_OK);
+    assert_non_null(past);
+    assert_false(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, 0));
+    cell->level--;
+    assert_true(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, 0));
+    rsv_past_close(past);
+    rsv_elements_destroy(e);
+    world_end(w);
+    remove_folder(f.path);
+}
+
+static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float roughness)
+{
+    world *w = world_begin(1);
+    rsv_material coat = lambert_material(0.5f, 0);
+    coat.specular = 1;
+    coat.specular_color = specular_color;
+    coat.sheen_color = sheen_color;
+    coat.roughness = roughness;
+    world_room(w, world_material(w, coat), v3(0, 0, 0), v3(1, 1, 1));
+    world_commit(w);
+    uint64_t key = rsv_past_triangle_key(&w->transport, 0);
+    world_end(w);
+    return key;
+}
+
+static void another_coat_is_another_surface(void **state)
+{
+    (void)state;
+    const rsv_rgb black = rgb_gray(0), white = rgb_gray(1), red = rgb(1, 0.5f, 0.5f);
+    uint64_t key = key_of_coat(white, black, 0.5f);
+    assert_int_equal(key_of_coat(white, black, 0.5f), key);
+    assert_int_not_equal(key_of_coat(red, black, 0.5f), key);
+    assert_int_not_equal(key_of_coat(white, red, 0.5f), key);
+    assert_int_not_equal(key_of_coat(white, black, 0.25f), key);
+}
+
 static bool segment_meets(rsv_vec3 from, rsv_vec3 to, rsv_vec3 low, rsv_vec3 high)
 {
     for (int step = 0; step <= 200; step++) { // slow and obvious
@@ -276,6 +475,10 @@ int main(void)
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change),
         cmocka_unit_test(damaged_files_are_passed_over),
+        cmocka_unit_test(budgets_coarsen_what_was_finer_before),
+        cmocka_unit_test(forged_files_lead_nowhere),
+        cmocka_unit_test(cells_are_split_to_the_finest_level_at_most),
+        cmocka_unit_test(another_coat_is_another_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
