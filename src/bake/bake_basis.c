@@ -2,8 +2,8 @@
 
 #include "../io/atomic_file.h"
 #include "../opfile/exchange.h"
-#include "../solve/light_response.h"
-#include "../solve/turned_surroundings.h"
+#include "../relight/light_response.h"
+#include "../relight/turned_surroundings.h"
 
 #include <stdio.h>
 #include <string.h>

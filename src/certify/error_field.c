@@ -1,6 +1,6 @@
 #include "error_field.h"
 
-#include "../solve/linear_solver.h"
+#include "../solver/linear_solver.h"
 
 /// Relative residual of the solve: samples know s itself to a few percent at best.
 #define ACCURACY 1e-2

@@ -1,5 +1,5 @@
 /// <z, r>: the error of one picture or of sensors' mean reading, from residuals where they matter to it.
-#include "../operator/elements_internal.h"
+#include "../elements/elements_internal.h"
 #include "../solve/goal.h"
 #include "moments.h"
 #include "residual.h"

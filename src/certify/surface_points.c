@@ -1,6 +1,6 @@
 #include "surface_points.h"
 
-#include "../operator/open_corners.h"
+#include "../elements/open_corners.h"
 
 rsv_status rsv_face_areas_create(const rsv_elements *e, rsv_face_areas *areas)
 {

@@ -16,9 +16,9 @@ typedef rsv_status (*rsv_device_opener)(
 typedef struct rsv_device_table {
     void (*close)(rsv_device *device);
     const struct rsv_device_transport_table *transport; ///< solve/device_transport.h
-    const struct rsv_device_basis_table *basis;         ///< solve/device_basis.h
+    const struct rsv_device_basis_table *basis;         ///< relight/device_basis.h
     const struct rsv_device_rows_table *rows;           ///< operator/device_rows.h
-    const struct rsv_device_direct_table *direct;       ///< operator/device_direct.h
+    const struct rsv_device_direct_table *direct;       ///< direct/device_direct.h
     const struct rsv_device_frames_table *frames;       ///< frame/device_frames.h
     const struct rsv_device_occlusion_table *occlusion; ///< render/device_occlusion.h
 } rsv_device_table;

@@ -2,7 +2,7 @@
 #ifndef RSV_CHAIN_LIGHT_H
 #define RSV_CHAIN_LIGHT_H
 
-#include "../operator/chain.h"
+#include "../chain/chain.h"
 #include "light_table.h"
 #include "mover_internal.h"
 

@@ -1,6 +1,6 @@
 #include "light_refinement.h"
 
-#include "../operator/elements_internal.h"
+#include "../elements/elements_internal.h"
 
 #include <string.h>
 

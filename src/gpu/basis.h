@@ -2,7 +2,7 @@
 #ifndef RSV_GPU_BASIS_H
 #define RSV_GPU_BASIS_H
 
-#include "../solve/device_basis.h"
+#include "../relight/device_basis.h"
 #include "gpu.h"
 
 extern const rsv_device_basis_table rsv_gpu_basis;

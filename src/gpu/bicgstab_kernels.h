@@ -1,4 +1,4 @@
-/// BiCGStab (src/solve/bicgstab.c), step by step.
+/// BiCGStab (src/solver/bicgstab.c), step by step.
 #ifndef RSV_BICGSTAB_KERNELS_H
 #define RSV_BICGSTAB_KERNELS_H
 

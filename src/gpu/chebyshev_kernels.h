@@ -1,4 +1,4 @@
-/// Chebyshev acceleration (src/solve/chebyshev.c), step by step.
+/// Chebyshev acceleration (src/solver/chebyshev.c), step by step.
 #ifndef RSV_CHEBYSHEV_KERNELS_H
 #define RSV_CHEBYSHEV_KERNELS_H
 

@@ -2,7 +2,7 @@
 #ifndef RSV_GPU_DIRECT_H
 #define RSV_GPU_DIRECT_H
 
-#include "../operator/device_direct.h"
+#include "../direct/device_direct.h"
 
 extern const rsv_device_direct_table rsv_gpu_direct;
 

@@ -1,11 +1,11 @@
 /// Direct light: sources weighed at receiver points, places on them drawn, shadow rays traced, and what they tell. The
-/// arithmetic and the random numbers are those of src/operator/direct.c; only the order of a node's sums differs.
+/// arithmetic and the random numbers are those of src/direct/direct.c; only the order of a node's sums differs.
 #ifndef RSV_DIRECT_KERNELS_H
 #define RSV_DIRECT_KERNELS_H
 
 #include "../bvh/bvh_trace.h"
+#include "../direct/device_direct.h"
 #include "../light/local_lights.h"
-#include "../operator/device_direct.h"
 #include "launch.h"
 
 typedef struct rsv_direct_args {

@@ -7,7 +7,7 @@
 
 /// Applications of A in a recording.
 #define APPLICATIONS 4
-/// As in src/solve/linear_solver.c: applications without an improvement by half a percent, and growth beyond all sense.
+/// As in src/solver/linear_solver.c: applications without an improvement by half a percent, and growth beyond all sense.
 #define PATIENCE 64
 #define IMPROVEMENT 0.995
 #define BLOW_UP 1e6

@@ -1,7 +1,7 @@
 /// Solvers of (I - A) correction = residual that never ask the host: numbers that decide stay on the device. One RGB
 /// field; its channels are systems of their own, and one that has arrived is left alone.
 ///
-/// The methods are those of src/solve (series.c, chebyshev.c, bicgstab.c), with the same names.
+/// The methods are those of src/solver (series.c, chebyshev.c, bicgstab.c), with the same names.
 #ifndef RSV_SOLVER_KERNELS_H
 #define RSV_SOLVER_KERNELS_H
 

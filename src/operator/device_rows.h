@@ -4,8 +4,8 @@
 
 #include "../bvh/bvh.h"
 #include "../core/device.h"
+#include "../elements/elements.h"
 #include "directions.h"
-#include "elements.h"
 #include "row_rays.h"
 
 /// What rows have in common. All borrowed and copied to the device.

@@ -5,7 +5,7 @@
 #ifndef RSV_DIVISION_H
 #define RSV_DIVISION_H
 
-#include "elements.h"
+#include "../elements/elements.h"
 
 typedef struct rsv_division {
     rsv_context *context;

@@ -1,7 +1,7 @@
 #include "earlier_rows.h"
 
 #include "../core/index_map.h"
-#include "past.h"
+#include "../elements/past.h"
 
 #include <dirent.h>
 #include <stdio.h>

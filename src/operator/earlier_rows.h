@@ -6,9 +6,9 @@
 #ifndef RSV_EARLIER_ROWS_H
 #define RSV_EARLIER_ROWS_H
 
+#include "../elements/scene_change.h"
 #include "row_catalogue.h"
 #include "row_files.h"
-#include "scene_change.h"
 
 typedef struct rsv_earlier_rows {
     rsv_context *context;

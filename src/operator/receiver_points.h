@@ -2,7 +2,7 @@
 #ifndef RSV_RECEIVER_POINTS_H
 #define RSV_RECEIVER_POINTS_H
 
-#include "elements.h"
+#include "../elements/elements.h"
 #include "resolvent/trace.h"
 #include "transport.h"
 

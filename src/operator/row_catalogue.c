@@ -1,8 +1,8 @@
 #include "row_catalogue.h"
 
 #include "../core/key.h"
-#include "element_keys.h"
-#include "scene_change.h"
+#include "../elements/element_keys.h"
+#include "../elements/scene_change.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #include "row_tracer.h"
 
-#include "burial.h"
+#include "../elements/burial.h"
 
 #include <string.h>
 

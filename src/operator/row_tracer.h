@@ -2,10 +2,10 @@
 #ifndef RSV_ROW_TRACER_H
 #define RSV_ROW_TRACER_H
 
+#include "../elements/scene_change.h"
 #include "directions.h"
 #include "division.h"
 #include "row_rays.h"
-#include "scene_change.h"
 #include "transport.h"
 
 #define RSV_ROW_BLOCK 64 ///< rows that a thread takes at a time

@@ -9,13 +9,11 @@
 #ifndef RSV_TRANSPORT_H
 #define RSV_TRANSPORT_H
 
+#include "../chain/chain.h"
+#include "../chain/escapes.h"
+#include "../elements/elements.h"
 #include "../light/light.h"
-#include "chain.h"
 #include "division.h"
-#include "elements.h"
-#include "escapes.h"
-
-#define RSV_SUPPORT_POINTS 16 ///< receiver points over the support of a node, one per packet lane
 
 typedef struct rsv_transport {
     rsv_context *context;

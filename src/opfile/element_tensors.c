@@ -1,5 +1,5 @@
 /// Elements: what cannot be found in the scene again, and for other readers where each element is.
-#include "../operator/element_restore.h"
+#include "../elements/element_restore.h"
 #include "exchange.h"
 
 #include <string.h>

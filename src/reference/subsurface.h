@@ -2,7 +2,7 @@
 /// axes, combined by multiple importance sampling over axes and channels (King et al. 2013, "BSSRDF importance
 /// sampling").
 ///
-/// The model is that of operator/scatter_sources.h: a body is the surface of one object, material and side, and the
+/// The model is that of diffusion/scatter_sources.h: a body is the surface of one object, material and side, and the
 /// profile counts over the straight distance, divided by max(1, N) of the two ends. N is the profile's integral over
 /// the body, here estimated by the same probe rays at points strewn over it.
 #ifndef RSV_REFERENCE_SUBSURFACE_H

@@ -2,8 +2,8 @@
 #ifndef RSV_BRANCH_H
 #define RSV_BRANCH_H
 
+#include "../chain/chain_walk.h"
 #include "../core/sampling.h"
-#include "../operator/chain_walk.h"
 
 #define RSV_FAINT_BRANCH 0.01f ///< branches below this weight play roulette
 

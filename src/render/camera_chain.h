@@ -2,8 +2,8 @@
 #ifndef RSV_CAMERA_CHAIN_H
 #define RSV_CAMERA_CHAIN_H
 
+#include "../chain/chain.h"
 #include "../light/light.h"
-#include "../operator/chain.h"
 #include "branch.h"
 #include "openings.h"
 #include "pixel_sample.h"

@@ -4,8 +4,8 @@
 #ifndef RSV_ROUGH_LIGHT_H
 #define RSV_ROUGH_LIGHT_H
 
+#include "../chain/chain.h"
 #include "../light/light.h"
-#include "../operator/chain.h"
 #include "sky_aim.h"
 
 /// How a chain left a rough surface, for what it meets next.

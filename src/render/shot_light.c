@@ -1,6 +1,6 @@
 #include "shot_light.h"
 
-#include "../operator/photons.h"
+#include "../direct/photons.h"
 #include "../trace/camera_ray.h"
 #include "rough_light.h"
 

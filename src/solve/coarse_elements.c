@@ -1,11 +1,11 @@
 #include "coarse_elements.h"
 
-#include "../operator/burial.h"
-#include "../operator/cluster.h"
-#include "../operator/contact.h"
-#include "../operator/element_keys.h"
-#include "../operator/open_corners.h"
-#include "../operator/past.h"
+#include "../elements/burial.h"
+#include "../elements/cluster.h"
+#include "../elements/contact.h"
+#include "../elements/element_keys.h"
+#include "../elements/open_corners.h"
+#include "../elements/past.h"
 
 /// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
 /// light changes quickly.

@@ -5,7 +5,7 @@
 #ifndef RSV_DEVICE_MAP_H
 #define RSV_DEVICE_MAP_H
 
-#include "../operator/subsurface.h"
+#include "../diffusion/subsurface.h"
 #include "../operator/transport.h"
 #include "device_transport.h"
 

@@ -1,10 +1,10 @@
 #include "diffused_level.h"
 
-#include "../operator/burial.h"
-#include "../operator/contact.h"
-#include "../operator/elements_internal.h"
-#include "../operator/follower.h"
-#include "../operator/open_corners.h"
+#include "../elements/burial.h"
+#include "../elements/contact.h"
+#include "../elements/elements_internal.h"
+#include "../elements/follower.h"
+#include "../elements/open_corners.h"
 #include "solution.h"
 
 #include <string.h>

@@ -7,7 +7,7 @@
 #ifndef RSV_DIFFUSED_LEVEL_H
 #define RSV_DIFFUSED_LEVEL_H
 
-#include "../operator/source_level.h"
+#include "../direct/source_level.h"
 
 struct rsv_solution;
 

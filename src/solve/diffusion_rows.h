@@ -1,9 +1,9 @@
-/// The diffusion P of translucent bodies (operator/subsurface.h) as plain arrays: rows of nodes and clusters, and the means
+/// The diffusion P of translucent bodies (diffusion/subsurface.h) as plain arrays: rows of nodes and clusters, and the means
 /// that clusters are, in levels of which each needs those before it alone.
 #ifndef RSV_DIFFUSION_ROWS_H
 #define RSV_DIFFUSION_ROWS_H
 
-#include "../operator/subsurface.h"
+#include "../diffusion/subsurface.h"
 
 typedef struct rsv_diffusion_rows {
     size_t row_count;

@@ -6,7 +6,7 @@
 #ifndef RSV_GOAL_H
 #define RSV_GOAL_H
 
-#include "../operator/elements.h"
+#include "../elements/elements.h"
 #include "resolvent/solve.h"
 
 struct rsv_solution;

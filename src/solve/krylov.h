@@ -3,7 +3,7 @@
 #ifndef RSV_KRYLOV_H
 #define RSV_KRYLOV_H
 
-#include "../operator/subsurface.h"
+#include "../diffusion/subsurface.h"
 #include "../operator/transport.h"
 #include "resolvent/team.h"
 

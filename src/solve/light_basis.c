@@ -1,7 +1,7 @@
 #include "light_basis.h"
 
-#include "../operator/burial.h"
-#include "../operator/direct_glance.h"
+#include "../direct/direct_glance.h"
+#include "../elements/burial.h"
 #include "solution.h"
 
 #include <string.h>

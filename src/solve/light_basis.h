@@ -5,8 +5,8 @@
 #ifndef RSV_LIGHT_BASIS_H
 #define RSV_LIGHT_BASIS_H
 
+#include "../direct/receiver_blocks.h"
 #include "../light/solo.h"
-#include "../operator/receiver_blocks.h"
 #include "resolvent/relight.h"
 
 struct rsv_solution;

@@ -1,8 +1,8 @@
 #include "../operator/transport_rows.h"
-#include "choose_solver.h"
-#include "linear_solver.h"
+#include "../solver/choose_solver.h"
+#include "../solver/linear_solver.h"
+#include "../solver/spectrum.h"
 #include "solution.h"
-#include "spectrum.h"
 #include "transport_map.h"
 
 /// Orders of light that show how fast they die out, before a solver is chosen.

@@ -2,7 +2,7 @@
 #ifndef RSV_NODE_GROUPS_H
 #define RSV_NODE_GROUPS_H
 
-#include "../operator/elements.h"
+#include "../elements/elements.h"
 
 /// Hanging nodes are in the group of a parent and do not count where groups are kept equal in size.
 /// @param group out [node_count] @param group_count out

@@ -3,10 +3,10 @@
 #include "solution.h"
 
 #include "../core/team.h"
-#include "../operator/bend.h"
-#include "choose_solver.h"
-#include "fredholm.h"
-#include "linear_solver.h"
+#include "../elements/bend.h"
+#include "../solver/choose_solver.h"
+#include "../solver/fredholm.h"
+#include "../solver/linear_solver.h"
 #include "sharpen.h"
 #include "transport_map.h"
 

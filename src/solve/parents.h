@@ -2,7 +2,7 @@
 #ifndef RSV_PARENTS_H
 #define RSV_PARENTS_H
 
-#include "../operator/elements.h"
+#include "../elements/elements.h"
 
 typedef struct rsv_parents {
     uint32_t *begin; ///< [node_count + 1] into `node` and `weight`; free nodes have none

@@ -2,7 +2,7 @@
 #ifndef RSV_REMEMBER_H
 #define RSV_REMEMBER_H
 
-#include "../operator/past.h"
+#include "../elements/past.h"
 #include "solution.h"
 
 /// What the solution of an earlier version of the scene knew; solution->scene points to it from then on.

@@ -2,7 +2,7 @@
 #ifndef RSV_SHARPEN_H
 #define RSV_SHARPEN_H
 
-#include "../operator/elements.h"
+#include "../elements/elements.h"
 
 /// Rows average over their node's hat function, so what was solved is M E rather than E, with M =
 /// rsv_elements_average. 3 M - 2 M^2 times it is E again to second order (M (3 M - 2 M^2) = I +

@@ -2,9 +2,10 @@
 #ifndef RSV_SOLUTION_H
 #define RSV_SOLUTION_H
 
-#include "../operator/source_level.h"
-#include "../operator/spacing.h"
-#include "../operator/subsurface.h"
+#include "../diffusion/subsurface.h"
+#include "../direct/source_level.h"
+#include "../elements/spacing.h"
+#include "../operator/transport.h"
 #include "diffused_level.h"
 #include "light_basis.h"
 #include "resolvent/solve.h"

@@ -1,7 +1,7 @@
 #include "source.h"
 
-#include "../operator/element_keys.h"
-#include "../operator/past.h"
+#include "../elements/element_keys.h"
+#include "../elements/past.h"
 #include "budget.h"
 #include "goal.h"
 

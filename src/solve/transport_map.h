@@ -5,11 +5,11 @@
 #ifndef RSV_TRANSPORT_MAP_H
 #define RSV_TRANSPORT_MAP_H
 
-#include "../operator/subsurface.h"
+#include "../diffusion/subsurface.h"
 #include "../operator/transport_columns.h"
+#include "../solver/linear_map.h"
 #include "device_map.h"
 #include "krylov.h"
-#include "linear_map.h"
 #include "resolvent/solve.h"
 
 typedef struct rsv_transport_map {

@@ -1,8 +1,8 @@
 /// Translucent bodies in scenes: the operator and the reference, which share formulas but no code, against closed
 /// forms and each other.
 #include "bake/bake_receiver.h"
+#include "relight/light_response.h"
 #include "resolvent/render.h"
-#include "solve/light_response.h"
 #include "subsurface/scatter_profile.h"
 #include "unit/light_fixture.h"
 

@@ -2,7 +2,7 @@
 #ifndef RSV_TEST_DENSE_MAP_H
 #define RSV_TEST_DENSE_MAP_H
 
-#include "solve/linear_map.h"
+#include "solver/linear_map.h"
 
 #include <string.h>
 

@@ -3,8 +3,8 @@
 #ifndef RSV_TEST_LIGHT_FIXTURE_H
 #define RSV_TEST_LIGHT_FIXTURE_H
 
+#include "chain/chain.h"
 #include "light/light.h"
-#include "operator/chain.h"
 #include "scene/builtin.h"
 
 #include <setjmp.h>

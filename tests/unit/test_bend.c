@@ -1,8 +1,8 @@
 /// The refinement indicator: finds kinks, leaves planes alone, and sees slopes at borders when asked to.
+#include "elements/bend.h"
+#include "elements/elements.h"
+#include "elements/spacing.h"
 #include "light_fixture.h"
-#include "operator/bend.h"
-#include "operator/elements.h"
-#include "operator/spacing.h"
 
 #define SIDE 4.0f
 

@@ -1,9 +1,9 @@
 /// What keeps light from leaking through walls, and leaves it where things touch, hang close or reach into one another.
+#include "elements/burial.h"
+#include "elements/contact.h"
+#include "elements/open_corners.h"
+#include "elements/spacing.h"
 #include "light_fixture.h"
-#include "operator/burial.h"
-#include "operator/contact.h"
-#include "operator/open_corners.h"
-#include "operator/spacing.h"
 #include "resolvent/render.h"
 #include "solve/solution.h"
 

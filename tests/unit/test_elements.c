@@ -1,11 +1,11 @@
 /// Piecewise linear elements: exact on planes, continuous across everything that is smooth, separate
 /// across everything that is not.
+#include "elements/cluster.h"
+#include "elements/contact.h"
+#include "elements/elements_internal.h"
+#include "elements/follower.h"
+#include "elements/spacing.h"
 #include "light_fixture.h"
-#include "operator/cluster.h"
-#include "operator/contact.h"
-#include "operator/elements_internal.h"
-#include "operator/follower.h"
-#include "operator/spacing.h"
 
 /// Corners of a rectangle with two points inside: six triangles of very different sizes.
 static const rsv_vec3 plane_corner[] = { { 0, 0, 0 }, { 4, 0, 0 }, { 4, 3, 0 }, { 0, 3, 0 },

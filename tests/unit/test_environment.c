@@ -2,9 +2,9 @@
 #include "light_fixture.h"
 #include "slow_tests.h"
 
+#include "chain/escapes.h"
 #include "core/octahedral.h"
 #include "light/environment.h"
-#include "operator/escapes.h"
 #include "resolvent/render.h"
 #include "solve/solution.h"
 

@@ -3,9 +3,9 @@
 #include "resolvent/device.h"
 
 #include "scene_fixture.h"
-#include "solve/linear_solver.h"
 #include "solve/solution.h"
 #include "solve/transport_map.h"
+#include "solver/linear_solver.h"
 
 enum { SKIPPED = 77 };
 

@@ -1,8 +1,8 @@
 /// Direct light that a device finds against that of the processor, on a device that the processor emulates;
 /// `test_gpu_direct cuda` runs the same on a real one.
 #include "core/device.h"
+#include "direct/direct.h"
 #include "light_fixture.h"
-#include "operator/direct.h"
 #include "resolvent/device.h"
 #include "solve/solution.h"
 

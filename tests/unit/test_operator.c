@@ -1,10 +1,11 @@
 /// Rows of G, chains and light shooting.
+#include "direct/photons.h"
+#include "elements/burial.h"
+#include "elements/contact.h"
+#include "elements/spacing.h"
 #include "light_fixture.h"
-#include "operator/burial.h"
-#include "operator/contact.h"
 #include "operator/directions.h"
-#include "operator/photons.h"
-#include "operator/spacing.h"
+#include "operator/transport.h"
 #include "resolvent/render.h"
 
 // ---- directions ---------------------------------------------------------------------------------

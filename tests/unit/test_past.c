@@ -1,8 +1,8 @@
 /// Solving a scene again after an edit, from what the solution before knew.
+#include "elements/element_keys.h"
+#include "elements/past_file.h"
 #include "file_fixture.h"
 #include "light_fixture.h"
-#include "operator/element_keys.h"
-#include "operator/past_file.h"
 #include "solve/budget.h"
 #include "solve/solution.h"
 

@@ -1,10 +1,10 @@
 /// Rows taken over from before the scene was edited: ray by ray those that a full build traces.
+#include "elements/burial.h"
+#include "elements/contact.h"
+#include "elements/spacing.h"
 #include "file_fixture.h"
 #include "light_fixture.h"
-#include "operator/burial.h"
-#include "operator/contact.h"
 #include "operator/earlier_rows.h"
-#include "operator/spacing.h"
 
 enum { RAYS = 256, SEED = 1 };
 

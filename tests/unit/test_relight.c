@@ -1,9 +1,9 @@
 /// Relighting against fresh solutions of the changed scene.
 #include "resolvent/relight.h"
 
+#include "direct/glance_kernels.h"
 #include "light/light_internal.h"
 #include "light_fixture.h"
-#include "operator/glance_kernels.h"
 #include "scene/scene_internal.h"
 #include "solve/solution.h"
 

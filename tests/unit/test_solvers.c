@@ -3,11 +3,11 @@
 #include "light_fixture.h"
 
 #include "dense_map.h"
-#include "operator/bend.h"
-#include "solve/fredholm.h"
-#include "solve/linear_solver.h"
+#include "elements/bend.h"
 #include "solve/solution.h"
 #include "solve/transport_map.h"
+#include "solver/fredholm.h"
+#include "solver/linear_solver.h"
 
 static const rsv_solver all_solvers[] = { RSV_SOLVER_NEUMANN, RSV_SOLVER_GAUSS_SEIDEL,
     RSV_SOLVER_SOUTHWELL, RSV_SOLVER_CHEBYSHEV, RSV_SOLVER_BICGSTAB, RSV_SOLVER_GMRES,

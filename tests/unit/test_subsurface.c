@@ -1,9 +1,9 @@
 /// Diffusion profiles, and the rows that spread them over elements.
+#include "diffusion/scatter_integral.h"
+#include "diffusion/scatter_row.h"
+#include "diffusion/subsurface.h"
+#include "elements/spacing.h"
 #include "light_fixture.h"
-#include "operator/scatter_integral.h"
-#include "operator/scatter_row.h"
-#include "operator/spacing.h"
-#include "operator/subsurface.h"
 #include "subsurface/dipole.h"
 
 #define assert_near(value, expected, tolerance)                                                    \

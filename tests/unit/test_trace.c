@@ -1,6 +1,6 @@
 /// Rays: packets against single rays, offsets at all scales, the nearest surface point.
+#include "elements/elements.h"
 #include "light_fixture.h"
-#include "operator/elements.h"
 #include "scene/scene_internal.h"
 #include "trace/tracer_update.h"
 

@@ -1,8 +1,8 @@
 /// Surroundings that the runtime turns, and probes that it relights, against the library's relighting.
 #include "bake/bake_basis.h"
+#include "relight/turned_surroundings.h"
 #include "resolvent/relight.h"
 #include "resolvent_rt_file.h"
-#include "solve/turned_surroundings.h"
 
 #include "file_fixture.h"
 #include "light_fixture.h"

@@ -1,0 +1,32 @@
+/// Receivers of direct light: which nodes, from which points, with how many rays.
+#ifndef RSV_DIRECT_RECEIVER_H
+#define RSV_DIRECT_RECEIVER_H
+
+#include "../chain/chain.h"
+#include "../elements/elements.h"
+#include "../light/light.h"
+#include "direct_sample.h"
+
+/// All nodes of a pass.
+typedef struct rsv_direct_job {
+    const rsv_transport_scene *scene;
+    const rsv_elements *elements;
+    rsv_direct_setting setting;
+    uint32_t samples;             ///< of a node
+    const uint16_t *valid_points; ///< [node_count]
+} rsv_direct_job;
+
+/// Sets up some of a node's points. @param valid points wanted, at least one
+void rsv_direct_receive(
+    const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_direct_receiver *receiver);
+
+/// Whether nodes are glanced at first.
+bool rsv_direct_glances(const rsv_direct_job *job);
+/// The points of a node that a glance is from.
+uint32_t rsv_direct_glance_points(const rsv_direct_job *job, uint32_t node);
+/// Its rays, one from each of them.
+rsv_direct_rays rsv_direct_glance_rays(const rsv_direct_job *job);
+/// Rays of a node that a glance has seen in part, or of any where there are none.
+rsv_direct_rays rsv_direct_look_rays(const rsv_direct_job *job);
+
+#endif

@@ -1,0 +1,37 @@
+/// Caustics: light paths shot from the sources through at least one specular event to the first diffuse
+/// interface (paths D S+ L), the adjoint of gathering.
+#ifndef RSV_PHOTONS_H
+#define RSV_PHOTONS_H
+
+#include "../chain/chain.h"
+#include "../elements/elements.h"
+#include "../light/light.h"
+#include "photon_map.h"
+
+/// Whether the scene has anything that could cast a caustic, lit by a source that is not gathered.
+bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *lights);
+
+/// What becomes of photons. It is told of every surface that one reaches after a specular event.
+typedef struct rsv_photon_sink {
+    void *user;
+    /// Several threads may call it. @param flux W
+    void (*land)(void *user, const rsv_chain *chain, rsv_rgb flux);
+    /// NULL, or called after every few photons by the thread that traced them, in an order that does not depend on
+    /// the threads, one at a time.
+    void (*collect)(void *user);
+    /// NULL, or whether a photon that lands there is of any use, as far as is known: most go where many are.
+    bool (*wants)(void *user, const rsv_chain *chain);
+} rsv_photon_sink;
+
+/// Shoots `count` light paths, guided towards directions in which each source sees specular surfaces that pass its
+/// light on. Unbiased: the guide never excludes a direction.
+rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t count, uint32_t seed, const rsv_photon_sink *sink, uint64_t *rays);
+
+/// The same, deposited on `map_count` sets of elements at once.
+/// @param maps out; to be destroyed by the caller
+rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
+    size_t map_count, uint64_t *rays);
+
+#endif

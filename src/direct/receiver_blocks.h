@@ -1,0 +1,51 @@
+/// Where the elements receive direct light, four neighbours to a packet of rays; kept while lights move.
+#ifndef RSV_RECEIVER_BLOCKS_H
+#define RSV_RECEIVER_BLOCKS_H
+
+#include "../chain/chain.h"
+#include "../elements/elements.h"
+#include "../light/light.h"
+
+#define RSV_BLOCK_NODES 4
+#define RSV_BLOCK_POINTS 4 ///< of each node
+
+/// Lane RSV_BLOCK_POINTS n + k is point k of the n-th node.
+typedef struct rsv_receiver_block {
+    float x[RSV_PACKET_WIDTH], y[RSV_PACKET_WIDTH], z[RSV_PACKET_WIDTH]; ///< off their surface
+    float normal_x[RSV_PACKET_WIDTH], normal_y[RSV_PACKET_WIDTH], normal_z[RSV_PACKET_WIDTH];
+    uint32_t node[RSV_BLOCK_NODES]; ///< RSV_NONE = none
+    uint32_t valid;                 ///< lanes, a bit each
+    bool coated;                    ///< some of them lose light at an interface as it enters
+} __attribute__((aligned(64))) rsv_receiver_block;
+
+/// What the rays of a node could have brought, without occlusion, and what they brought.
+typedef struct rsv_glance_sums {
+    rsv_rgb open, visible;
+} rsv_glance_sums;
+
+typedef struct rsv_receiver_blocks {
+    rsv_context *context;
+    const rsv_transport_scene *scene;
+    const rsv_elements *elements;
+    rsv_receiver_block *block; ///< [block_count]
+    size_t block_count;
+    uint8_t *held; ///< [node_count] non-zero = in a block, or receives nothing
+    bool holds_all;
+    rsv_glance_sums *sums,
+        *spread;   ///< [node_count] of the last glance, of nodes and of those around them
+    uint8_t *edge; ///< [node_count] likewise, non-zero = a shadow ended there or beside
+} rsv_receiver_blocks;
+
+/// @param scene, elements borrowed
+/// @param points, seed, valid_points as for rsv_direct_irradiance: the first RSV_BLOCK_POINTS valid ones are taken
+/// @param moves [material_count] surfaces that move are in no block, nor is what lies in absorbing bodies
+rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
+    const rsv_elements *elements, uint32_t points, uint32_t seed, const uint16_t *valid_points,
+    const bool *moves, rsv_receiver_blocks **blocks);
+void rsv_receiver_blocks_destroy(rsv_receiver_blocks *blocks);
+
+/// How the surface of a block's n-th node scatters.
+const rsv_bsdf *rsv_receiver_bsdf(
+    const rsv_receiver_blocks *blocks, const rsv_receiver_block *block, uint32_t n);
+
+#endif

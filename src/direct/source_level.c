@@ -1,0 +1,407 @@
+#include "source_level.h"
+
+#include "../elements/bend.h"
+#include "../elements/burial.h"
+#include "../elements/contact.h"
+#include "../elements/elements_internal.h"
+#include "../elements/open_corners.h"
+#include "source_recall.h"
+
+#include <string.h>
+
+/// Caustics have sharper edges than shadows: they may split cells this many times more.
+#define CAUSTIC_LEVELS 2
+/// Cells are split where irradiance bends by more than this share of the local level.
+#define BEND 0.1f
+/// Below this share of the scene's mean irradiance, a bend is invisible.
+#define DARK 0.05f
+/// A cell's bend in caustic light is more than noise if one of its nodes has caught this many photons. (One,
+/// not all: the rim of a caustic is dark on one side.)
+#define PHOTONS_TO_SPLIT 24.0f
+/// Cells are at most so much larger than the spacing, but in the open.
+#define OPEN_TOLERANCE 1.5f
+
+typedef struct level_builder {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    const rsv_elements *coarse;
+    const rsv_source_level_desc *desc;
+    rsv_elements *elements;
+    rsv_rgb *direct;
+    float *deviation; ///< of direct
+    uint16_t *valid_points;
+    uint8_t *known;        ///< [node_count] 1 where valid_points are known already
+    uint8_t *lit;          ///< [node_count] 1 where direct and deviation are
+    rsv_photon_map map[2]; ///< on `elements` and on `coarse`
+    rsv_rgb *caustic;
+    uint8_t *split;            ///< [cell_count]
+    rsv_source_recall *recall; ///< NULL = nothing is known from before the scene was edited
+    uint64_t *rays;
+} level_builder;
+
+/// What was known on the elements before a split.
+typedef struct earlier_level {
+    rsv_elements *elements;
+    rsv_rgb *direct;
+    float *deviation;
+    uint16_t *valid_points;
+} earlier_level;
+
+/// Takes over what is known of nodes whose surroundings did not change.
+static void carry_over(level_builder *b, const earlier_level *earlier)
+{
+    const rsv_elements *e = b->elements;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t twin = rsv_elements_find_twin(e, (uint32_t)n, earlier->elements);
+        if (twin == RSV_NONE || earlier->elements->node_hanging[twin] != RSV_NONE ||
+            e->node_hanging[n] != RSV_NONE)
+            continue;
+        b->known[n] = 1;
+        b->valid_points[n] = earlier->valid_points[twin];
+        if (!b->direct) continue;
+        b->lit[n] = 1;
+        b->direct[n] = earlier->direct[twin];
+        b->deviation[n] = earlier->deviation[twin];
+    }
+}
+
+static rsv_status allocate_fields(level_builder *b)
+{
+    rsv_context *context = b->coarse->context;
+    size_t nodes = b->elements->node_count;
+    b->valid_points = rsv_alloc(context, nodes, sizeof *b->valid_points);
+    b->known = rsv_alloc(context, nodes, sizeof *b->known);
+    b->lit = rsv_alloc(context, nodes, sizeof *b->lit);
+    if (!b->valid_points || !b->known || !b->lit) return RSV_ERROR_MEMORY;
+    if (!b->desc->direct) return RSV_OK;
+    b->direct = rsv_alloc(context, nodes, sizeof *b->direct);
+    b->deviation = rsv_alloc(context, nodes, sizeof *b->deviation);
+    return b->direct && b->deviation ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+/// Elements ready to receive: walls kept apart, buried corners bridged.
+/// @param earlier NULL = nothing is known yet
+static rsv_status prepare_elements(level_builder *b, const earlier_level *earlier)
+{
+    rsv_elements *e = b->elements;
+    rsv_status status;
+    RSV_TRY(rsv_elements_find_open_corners(
+        b->scene, earlier ? earlier->elements : b->coarse, e, b->rays));
+    RSV_TRY(rsv_elements_separate(b->scene, earlier ? earlier->elements : NULL, e, b->rays));
+    RSV_TRY(allocate_fields(b));
+    if (earlier) carry_over(b, earlier);
+    const rsv_recalled_fields fields = { b->direct, b->deviation, b->valid_points, b->known,
+        b->lit };
+    if (b->recall) RSV_TRY(rsv_source_recall_nodes(b->recall, e, &fields));
+    RSV_TRY(rsv_find_buried(
+        b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->known, b->valid_points, b->rays));
+    RSV_TRY(rsv_elements_bridge_buried(e, b->valid_points));
+cleanup:
+    return status;
+}
+
+/// Estimates direct light at the nodes that `known` does not cover. (How many samples a node gets must not
+/// depend on its own samples: stopping early where all of them see the light would be biased.)
+static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint8_t *known)
+{
+    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RSV_LEVEL_POINTS,
+        samples, b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
+    rsv_mark_buried(b->elements, b->valid_points, b->deviation);
+    return status;
+}
+
+/// Whether the shadow rays from each corner of the cell that a fresh node lies in all met the same: no shadow ends
+/// there.
+static bool is_unbroken(const rsv_elements *e, uint32_t node, const earlier_level *earlier)
+{
+    uint32_t face;
+    float u, v, weight[3];
+    rsv_elements_place_node(e, node, &face, &u, &v);
+    uint32_t cell = rsv_elements_locate(earlier->elements, face, u, v, weight);
+    const uint32_t *corner = earlier->elements->cell_node[cell];
+    return earlier->deviation[corner[0]] + earlier->deviation[corner[1]] +
+               earlier->deviation[corner[2]] ==
+           0;
+}
+
+/// Estimates direct light at fresh nodes, with more samples where shadows may end.
+static rsv_status estimate_fresh(level_builder *b, const earlier_level *earlier)
+{
+    const rsv_elements *e = b->elements;
+    uint32_t samples = b->desc->light_samples;
+    rsv_status status;
+    uint8_t *skip = rsv_alloc(e->context, e->node_count, 1);
+    if (!skip) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++)
+        skip[n] = b->lit[n] || !is_unbroken(e, (uint32_t)n, earlier);
+    RSV_TRY(estimate_direct(b, samples, skip));
+    for (size_t n = 0; n < e->node_count; n++)
+        skip[n] = b->lit[n] || !skip[n];
+    RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * samples, skip));
+cleanup:
+    rsv_free(e->context, skip);
+    return status;
+}
+
+static void free_photons(level_builder *b)
+{
+    rsv_photon_map_destroy(&b->map[0]);
+    rsv_photon_map_destroy(&b->map[1]);
+    rsv_free(b->coarse->context, b->caustic);
+    b->caustic = NULL;
+}
+
+static rsv_status shoot(level_builder *b, uint32_t count)
+{
+    free_photons(b);
+    b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
+    if (!b->caustic) return RSV_ERROR_MEMORY;
+    const rsv_elements *targets[2] = { b->elements, b->coarse };
+    rsv_status status =
+        rsv_photons_shoot(b->scene, b->lights, count, b->desc->seed, targets, b->map, 2, b->rays);
+    if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
+    return status;
+}
+
+static bool caught_enough(const level_builder *b, uint32_t cell)
+{
+    const uint32_t *node = b->elements->cell_node[cell];
+    for (int k = 0; k < 3; k++)
+        if ((float)b->map[0].hits[node[k]] / 65536.0f >= PHOTONS_TO_SPLIT) return true;
+    return false;
+}
+
+static void mark_direct(void *user, uint32_t cell, uint32_t other)
+{
+    level_builder *b = user;
+    b->split[cell] = b->split[other] = 1;
+}
+
+static void mark_caustic(void *user, uint32_t cell, uint32_t other)
+{
+    level_builder *b = user;
+    b->split[cell] |= caught_enough(b, cell);
+    b->split[other] |= caught_enough(b, other);
+}
+
+static float cell_size(const rsv_elements *e, size_t cell)
+{
+    return sqrtf(2 * rsv_cell_area(e, (uint32_t)cell));
+}
+
+/// Whether a cell has the size that splitting a cell of the coarse spacing at every level leads to: meshes that are
+/// finer from the start need no more.
+static bool is_finest(const level_builder *b, size_t cell)
+{
+    uint32_t levels = b->desc->levels + (b->caustic ? CAUSTIC_LEVELS : 0);
+    return cell_size(b->elements, cell) * (float)(4u << levels) <= b->elements->spacing;
+}
+
+/// Rounds of splits that bring the largest cells, out in the open, to the size of the others.
+static uint32_t rounds_in_the_open(const rsv_elements *e)
+{
+    float largest = 0;
+    for (size_t c = 0; c < e->cell_count; c++)
+        largest = f_max(largest, cell_size(e, c));
+    return (uint32_t)f_max(ceilf(log2f(f_max(largest / e->spacing, 1e-6f))), 0);
+}
+
+/// Whether direct light may split a cell in this round: after the last common one, those still larger than the others.
+static bool is_in_turn(const level_builder *b, size_t cell, uint32_t round)
+{
+    const rsv_elements *e = b->elements;
+    return round < b->desc->levels ||
+           cell_size(e, cell) * (float)(1u << b->desc->levels) > OPEN_TOLERANCE * e->spacing;
+}
+
+/// Whether a cell lies in one that is not worth splitting, or whose splits are known.
+static bool is_left_alone(const level_builder *b, uint32_t cell)
+{
+    const uint8_t *hidden = b->desc->hidden;
+    const rsv_cell *c = &b->elements->cell[cell];
+    if (hidden && hidden[rsv_elements_find_around(b->coarse, c)]) return true;
+    return b->recall && !rsv_source_recall_is_anew(b->recall, c);
+}
+
+/// Marks the cells on both sides of every edge across which light bends; counts them.
+static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
+{
+    const rsv_elements *e = b->elements;
+    rsv_status status = RSV_OK;
+    float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
+    if (b->direct)
+        RSV_TRY(rsv_find_bends(e, b->direct, b->deviation, BEND, dark, RSV_BENDS, mark_direct, b));
+    if (b->caustic) {
+        float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
+        RSV_TRY(rsv_find_bends(e, b->caustic, NULL, BEND, faint, RSV_BENDS, mark_caustic, b));
+    }
+    *marked = 0;
+    for (size_t c = 0; c < e->cell_count; c++) {
+        if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c) ||
+            (b->direct && !is_in_turn(b, c, round)) ||
+            (b->split[c] && is_left_alone(b, (uint32_t)c)))
+            b->split[c] = 0;
+        *marked += b->split[c];
+    }
+cleanup:
+    return status;
+}
+
+/// Takes the fields away from the builder, which starts anew.
+static earlier_level set_aside(level_builder *b)
+{
+    earlier_level earlier = { b->elements, b->direct, b->deviation, b->valid_points };
+    rsv_free(b->coarse->context, b->known);
+    rsv_free(b->coarse->context, b->lit);
+    b->elements = NULL;
+    b->direct = NULL;
+    b->deviation = NULL;
+    b->valid_points = NULL;
+    b->known = b->lit = NULL;
+    return earlier;
+}
+
+static void free_earlier(level_builder *b, earlier_level *earlier)
+{
+    rsv_context *context = b->coarse->context;
+    rsv_free(context, earlier->direct);
+    rsv_free(context, earlier->deviation);
+    rsv_free(context, earlier->valid_points);
+    rsv_elements_destroy(earlier->elements);
+}
+
+/// Replaces the elements by finer ones and updates direct light on them.
+static rsv_status split_once(level_builder *b)
+{
+    rsv_status status;
+    earlier_level earlier = set_aside(b);
+    RSV_TRY(rsv_elements_refine(earlier.elements, b->split, &b->elements));
+    RSV_TRY(prepare_elements(b, &earlier));
+    if (b->desc->direct) RSV_TRY(estimate_fresh(b, &earlier));
+cleanup:
+    free_earlier(b, &earlier);
+    return status;
+}
+
+/// Adds the splits from before the scene was edited, and the light there: those of the rest have been found again.
+static rsv_status add_recalled(level_builder *b)
+{
+    rsv_status status;
+    earlier_level earlier = set_aside(b);
+    RSV_TRY(
+        rsv_source_recall_splits(b->recall, b->desc->max_cells, earlier.elements, &b->elements));
+    RSV_TRY(prepare_elements(b, &earlier));
+    // nodes where both meet; shadows may end there
+    RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, b->lit));
+cleanup:
+    free_earlier(b, &earlier);
+    return status;
+}
+
+/// Cells at most: in the rounds that only cells in the open need, no more than closed scenes have where light bends
+/// everywhere.
+static size_t most_cells(const level_builder *b, uint32_t round)
+{
+    bool common = round < b->desc->levels || b->desc->photon_count > 0;
+    size_t all_split = b->coarse->cell_count << (2 * (b->desc->levels + 1));
+    return common || b->desc->max_cells < all_split ? b->desc->max_cells : all_split;
+}
+
+static rsv_status refine(level_builder *b)
+{
+    rsv_context *context = b->coarse->context;
+    rsv_status status = RSV_OK;
+    uint32_t rounds = b->desc->levels +
+                      (b->desc->photon_count ? CAUSTIC_LEVELS : rounds_in_the_open(b->elements));
+    for (uint32_t round = 0; round < rounds; round++) {
+        if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
+        rsv_free(context, b->split);
+        b->split = rsv_alloc(context, b->elements->cell_count, 1);
+        if (!b->split) return RSV_ERROR_MEMORY;
+        size_t marked;
+        RSV_TRY(mark_cells(b, round, &marked));
+        if (marked == 0 || b->elements->cell_count + 3 * marked > most_cells(b, round)) break;
+        RSV_TRY(split_once(b));
+    }
+    if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count));
+cleanup:
+    return status;
+}
+
+/// Elements to begin with, split once for direct light but for what is recalled in the end.
+static rsv_status begin(level_builder *b)
+{
+    const rsv_elements *coarse = b->coarse;
+    const uint8_t *hidden = b->desc->hidden;
+    rsv_status status;
+    if (b->scene->past && b->desc->direct && !hidden)
+        RSV_TRY(rsv_source_recall_create(b->scene->past, coarse, &b->recall));
+    b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
+    if (!b->split) return RSV_ERROR_MEMORY;
+    for (size_t c = 0; b->desc->direct && c < coarse->cell_count; c++)
+        b->split[c] = cell_size(coarse, c) > 0.25f * coarse->spacing && !(hidden && hidden[c]) &&
+                      (!b->recall || b->recall->anew[c]);
+    RSV_TRY(rsv_elements_refine(coarse, b->split, &b->elements));
+    RSV_TRY(prepare_elements(b, NULL));
+    if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
+    uint64_t *rays)
+{
+    rsv_context *context = coarse->context;
+    rsv_status status;
+    level_builder b = {
+        .scene = scene, .lights = lights, .coarse = coarse, .desc = desc, .rays = rays
+    };
+    *level = (rsv_source_level){ 0 };
+    RSV_TRY(begin(&b));
+    RSV_TRY(refine(&b));
+    if (b.recall) RSV_TRY(add_recalled(&b));
+    if (b.caustic) {
+        level->coarse_caustic =
+            rsv_alloc(context, coarse->node_count, sizeof *level->coarse_caustic);
+        if (!level->coarse_caustic) {
+            status = RSV_ERROR_MEMORY;
+            goto cleanup;
+        }
+        rsv_photon_map_irradiance(&b.map[1], level->coarse_caustic);
+        RSV_TRY(rsv_photon_map_shrink(&b.map[0], &b.map[1], level->coarse_caustic, b.caustic));
+    }
+    level->elements = b.elements;
+    level->direct = b.direct;
+    level->caustic = b.caustic;
+    level->deviation = b.deviation;
+    level->valid_points = b.valid_points;
+    b.elements = NULL;
+    b.direct = b.caustic = NULL;
+    b.deviation = NULL;
+    b.valid_points = NULL;
+cleanup:
+    rsv_free(context, b.split);
+    rsv_free(context, b.direct);
+    rsv_free(context, b.deviation);
+    rsv_free(context, b.valid_points);
+    rsv_free(context, b.known);
+    rsv_free(context, b.lit);
+    rsv_source_recall_destroy(b.recall);
+    free_photons(&b);
+    rsv_elements_destroy(b.elements);
+    return status;
+}
+
+void rsv_source_level_destroy(rsv_context *context, rsv_source_level *level)
+{
+    rsv_elements_destroy(level->elements);
+    rsv_free(context, level->direct);
+    rsv_free(context, level->caustic);
+    rsv_free(context, level->deviation);
+    rsv_free(context, level->valid_points);
+    rsv_free(context, level->coarse_caustic);
+    *level = (rsv_source_level){ 0 };
+}

@@ -1,0 +1,25 @@
+/// Where other geometry stands on or cuts through the elements: the classic place of light leaks.
+///
+/// A floor that runs on under a wall is one surface to interpolation but two to light. Cells through
+/// which the wall passes are split until the error is confined to a thin line; nodes around which the wall
+/// separates cells become one node per side.
+#ifndef RSV_CONTACT_H
+#define RSV_CONTACT_H
+
+#include "../chain/chain.h"
+#include "elements.h"
+
+/// Splits cells that other geometry cuts, twice at most; those that reach from one side of a thin wall to the
+/// other, four times. Cells far smaller than the spacing are left alone, and larger ones, too, where meshes run through
+/// each other so much that there would be too many nodes. Replaces `*elements`.
+/// @param most_nodes that are added, about
+rsv_status rsv_elements_refine_contacts(
+    const rsv_transport_scene *scene, size_t most_nodes, rsv_elements **elements, uint64_t *rays);
+
+/// Gives every side of a wall its own nodes where the wall runs along edges of cells, or covers the node between them.
+/// @param earlier elements of the same faces on which that was done: only where cells changed since may there be more to
+///                do; NULL = everywhere
+rsv_status rsv_elements_separate(const rsv_transport_scene *scene, const rsv_elements *earlier,
+    rsv_elements *elements, uint64_t *rays);
+
+#endif

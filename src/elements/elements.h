@@ -1,0 +1,221 @@
+/// Elements without UVs: piecewise linear functions on a subdivision of the scene's own triangles.
+///
+/// A *face* is one scattering side of a triangle. Each face carries a regular barycentric grid of
+/// 2^level cells along an edge (after Yuksel's mesh colors), and any cell may be split further 4-to-1.
+/// The corners of cells are *nodes*; node and element are the same thing: the hat function that is 1
+/// there and falls to 0 at the neighbours. Nodes are shared along edges by faces that meet smoothly and
+/// carry one material, and are separate across creases and material borders.
+///
+/// Where a large cell meets smaller ones, the nodes in the middle of its edge *hang*: their value is the
+/// linear interpolant along that edge, so the field is continuous.
+#ifndef RSV_ELEMENTS_H
+#define RSV_ELEMENTS_H
+
+#include "../core/core_internal.h"
+#include "../surface/surface.h"
+
+#define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together
+
+/// A triangle of the subdivision in barycentric lattice coordinates (i, j) of its level: an upright cell
+/// has corners (i, j), (i+1, j), (i, j+1); a flipped one (i+1, j+1), (i, j+1), (i+1, j).
+typedef struct rsv_cell {
+    uint32_t face;
+    uint16_t i, j;
+    uint8_t level, flipped;
+} rsv_cell;
+
+#define RSV_PARENTS 4
+
+/// A node whose value is the weighted mean of other nodes: of two where it hangs on the edge of a larger cell, of up
+/// to four where its mesh is finer than wanted (cluster.h).
+typedef struct rsv_hanging {
+    uint32_t node, parent[RSV_PARENTS];
+    float weight[RSV_PARENTS]; ///< sum 1; parents of weight 0 count for nothing
+} rsv_hanging;
+
+/// A node that follows a leader (cluster.h), and the weight of the leader's value in its own.
+typedef struct rsv_led {
+    uint32_t follower;
+    float weight;
+} rsv_led;
+
+typedef struct rsv_elements {
+    rsv_context *context;
+    const rsv_scene_view *scene;
+    const rsv_bsdf *bsdf; ///< [material_count], borrowed
+    float spacing;        ///< metres between nodes that was asked for
+
+    uint32_t *face_of[2]; ///< [triangle_count] front and back; RSV_NONE = does not scatter
+    size_t face_count;
+    uint32_t *face_triangle; ///< [face_count]
+    uint8_t *face_back;      ///< [face_count]
+    uint8_t *face_level;     ///< [face_count] of the regular grid
+    uint8_t *face_halvings;  ///< [face_count] of the radius of clusters there (cluster.h)
+    uint32_t *face_slot;     ///< [face_count] first slot of the grid
+    float *face_area;        ///< [face_count] m2
+    uint32_t (
+        *face_corner)[3];     ///< [face_count] welded corners: equal where faces continue smoothly
+    uint32_t (*face_edge)[3]; ///< [face_count] welded edges 0-1, 0-2, 1-2
+
+    uint32_t *slot; ///< a cell, or RSV_SLOT_SPLIT | first of the four slots of its children
+    size_t slot_count;
+
+    size_t cell_count;
+    rsv_cell *cell;           ///< [cell_count]
+    uint32_t (*cell_node)[3]; ///< [cell_count]
+    uint8_t *cell_openness;   ///< [cell_count] open_corners.h; NULL = not judged
+
+    size_t node_count;
+    uint32_t *node_face; ///< [node_count] one of the faces around the node
+    float *node_area;    ///< [node_count] integral of the hat, m2; hanging nodes: 0, their share is
+                         ///< in the parents
+    uint32_t *support_begin; ///< [node_count + 1]
+    uint32_t *support;       ///< cell * 4 + corner, the cells around each node
+
+    float cluster_radius;  ///< metres, before halvings; 0 = no clusters yet
+    size_t follower_count; ///< the first of `hanging` follow leaders, the others hang on edges
+    size_t hanging_count;
+    rsv_hanging *hanging;   ///< parents before children
+    uint32_t *node_hanging; ///< [node_count] index into `hanging`, RSV_NONE = free node
+    uint32_t *led_begin;    ///< [node_count + 1] into `led`; NULL = no clusters
+    rsv_led *led;           ///< those that follow each node
+} rsv_elements;
+
+#define RSV_SLOT_SPLIT 0x80000000u
+
+struct rsv_spacing; // spacing.h
+
+/// Cells of about that spacing on every face with a diffuse lobe, larger ones where it lies in the open.
+rsv_status rsv_elements_create(const rsv_scene *scene, const rsv_bsdf *bsdf,
+    const struct rsv_spacing *spacing, rsv_elements **elements);
+
+/// The same elements with the marked cells split 4-to-1, and further cells where needed so that cells
+/// that share an edge differ by one level at most.
+/// @param split [cell_count of `coarser`]; non-zero = split
+rsv_status rsv_elements_refine(
+    const rsv_elements *coarser, const uint8_t *split, rsv_elements **elements);
+
+/// Marks cells to be split. @param elements whose cells alone are there yet @param split [cell_count], zeros
+typedef void (*rsv_split_chooser)(void *user, const rsv_elements *elements, uint8_t *split);
+
+/// The same, the cells being split again and again until none is chosen.
+rsv_status rsv_elements_refine_where(
+    const rsv_elements *coarser, rsv_split_chooser choose, void *user, rsv_elements **elements);
+
+/// Rebuilds supports after cell_node was changed to use `node_count` nodes; fresh nodes do not hang.
+rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
+
+void rsv_elements_destroy(rsv_elements *elements);
+
+/// Memory they take.
+size_t rsv_elements_bytes(const rsv_elements *elements);
+
+/// Cell that contains barycentric (u, v) of `face`, and the weights of its three nodes there.
+RSV_INLINE uint32_t rsv_elements_locate(
+    const rsv_elements *elements, uint32_t face, float u, float v, float weight[3])
+{
+    int side = 1 << elements->face_level[face];
+    float x = u * (float)side, y = v * (float)side;
+    int i = (int)x, j = (int)y;
+    j = j < 0 ? 0 : j > side - 1 ? side - 1 : j;
+    i = i < 0 ? 0 : i > side - 1 - j ? side - 1 - j : i;
+    float fx = x - (float)i, fy = y - (float)j;
+    int flipped = fx + fy > 1 && i + j < side - 1;
+    float b0 = flipped ? fx + fy - 1 : 1 - fx - fy;
+    float b1 = flipped ? 1 - fx : fx;
+    float b2 = flipped ? 1 - fy : fy;
+    // row j of the triangular grid starts after j (2 side - j) cells
+    uint32_t slot =
+        elements
+            ->slot[elements->face_slot[face] + (uint32_t)(j * (2 * side - j) + 2 * i + flipped)];
+    while (slot & RSV_SLOT_SPLIT) {
+        uint32_t child = slot & ~RSV_SLOT_SPLIT;
+        if (b0 >= 0.5f) {
+            b0 = 2 * b0 - 1, b1 *= 2, b2 *= 2;
+        } else if (b1 >= 0.5f) {
+            b1 = 2 * b1 - 1, b0 *= 2, b2 *= 2, child += 1;
+        } else if (b2 >= 0.5f) {
+            b2 = 2 * b2 - 1, b0 *= 2, b1 *= 2, child += 2;
+        } else {
+            b0 = 1 - 2 * b0, b1 = 1 - 2 * b1, b2 = 1 - 2 * b2, child += 3;
+        }
+        slot = elements->slot[child];
+    }
+    weight[0] = f_min(f_max(b0, 0), 1);
+    weight[1] = f_min(f_max(b1, 0), 1 - weight[0]);
+    weight[2] = 1 - weight[0] - weight[1];
+    return slot;
+}
+
+/// Linear interpolation of `value` [node_count].
+RSV_INLINE rsv_rgb rsv_elements_interpolate(
+    const rsv_elements *elements, const rsv_rgb *value, uint32_t face, float u, float v)
+{
+    float w[3];
+    const uint32_t *node = elements->cell_node[rsv_elements_locate(elements, face, u, v, w)];
+    return rgb_mad(
+        rgb_mad(rgb_scale(value[node[0]], w[0]), w[1], value[node[1]]), w[2], value[node[2]]);
+}
+
+/// Mean of the interpolated field over each node's hat function. @param average [node_count], not `value`
+void rsv_elements_average(const rsv_elements *elements, const rsv_rgb *value, rsv_rgb *average);
+
+/// Replaces the values of hanging nodes by their interpolants.
+void rsv_elements_constrain(const rsv_elements *elements, rsv_rgb *value);
+
+/// The transposed of that: hands weights on hanging nodes to their parents and leaves 0.
+void rsv_elements_constrain_transpose(const rsv_elements *elements, rsv_rgb *weight);
+
+/// One of the cell's nodes, drawn with its weight as probability. It may hang: values of hanging nodes are
+/// kept up to date by rsv_elements_constrain.
+/// @param random uniform in [0, 1)
+RSV_INLINE uint32_t rsv_elements_pick_node(
+    const rsv_elements *elements, uint32_t cell, const float weight[3], float random)
+{
+    int k = random < weight[0] ? 0 : random < weight[0] + weight[1] ? 1 : 2;
+    return elements->cell_node[cell][k];
+}
+
+/// Corner `k` of a cell in barycentric coordinates of its face.
+RSV_INLINE void rsv_cell_corner(const rsv_cell *cell, int k, float *u, float *v)
+{
+    float size = 1.0f / (float)(1 << cell->level);
+    int di = cell->flipped ? k != 1 : k == 1, dj = cell->flipped ? k != 2 : k == 2;
+    *u = (float)(cell->i + di) * size;
+    *v = (float)(cell->j + dj) * size;
+}
+
+/// Where to find a node on other elements of the same faces: its place, pulled a little into one of its own
+/// cells, so that a lookup does not end on the far side of a wall that runs along the cell's edge.
+void rsv_elements_place_node(
+    const rsv_elements *elements, uint32_t node, uint32_t *face, float *u, float *v);
+
+/// The cell of coarser elements of the same faces in which a cell lies.
+uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *cell);
+
+/// The very same cell of other elements of the same faces, or RSV_NONE.
+uint32_t rsv_elements_find_same_cell(const rsv_elements *other, const rsv_cell *cell);
+
+/// The node of other elements of the same faces that has the very same cells around it, or RSV_NONE: what was found
+/// over its support stands. Either may hang.
+uint32_t rsv_elements_find_twin(
+    const rsv_elements *elements, uint32_t node, const rsv_elements *other);
+
+#define RSV_SUPPORT_POINTS 16 ///< receiver points over the support of a node, one per packet lane
+
+/// A point of a node's support.
+typedef struct rsv_support_point {
+    uint32_t support; ///< cell * 4 + corner
+    float u, v;       ///< place on the cell's face
+} rsv_support_point;
+
+/// A stratified sample of a node's support with density proportional to its hat function, those of its followers
+/// included in so far as they take its value. Points of one cell come one after the other.
+/// @param seed differs between independent samples @param points [count]
+void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t count,
+    uint32_t seed, rsv_support_point *points);
+/// The same with the random numbers of a node of another index.
+void rsv_elements_sample_support_as(const rsv_elements *elements, uint32_t node, uint32_t index,
+    uint32_t count, uint32_t seed, rsv_support_point *points);
+
+#endif

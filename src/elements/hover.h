@@ -1,0 +1,51 @@
+/// Places just above cells, and what stands between or upon them.
+#ifndef RSV_HOVER_H
+#define RSV_HOVER_H
+
+#include "../chain/chain.h"
+#include "elements.h"
+
+/// A cell in space.
+typedef struct rsv_cell_shape {
+    rsv_vec3 corner[3], centre;
+    rsv_vec3 normal; ///< unit, geometric
+    float size;      ///< edge of a right triangle of its area
+    float spacing;   ///< of the elements that it is one of
+    float extent;    ///< for rsv_offset_origin
+} rsv_cell_shape;
+
+rsv_cell_shape rsv_cell_shape_of(const rsv_elements *elements, uint32_t cell);
+
+/// A place on the border of a cell, a little towards its centre, so that what merely touches the border is not met.
+rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
+
+/// Right above a place by a tenth of the elements' spacing (of the cell's size, if that is larger): higher than gaps that
+/// light could pass below a wall.
+rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
+
+/// The same below anything that does not touch the place.
+rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place);
+
+/// Whether something touches the cell at a place: anything less than a fiftieth of the elements' spacing above, however
+/// small the cell.
+bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_vec3 place);
+
+/// Whether something lies right upon the cell at a place: anything that touches it, something opaque less than a fifth of
+/// the elements' spacing (or of the cell's size, if that is larger) above, a lamp less than a fifth of the cell's size, or
+/// less than half of it and nearly all there is to see.
+bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place);
+
+/// Whether anything opaque stands between two places.
+bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to);
+
+/// Whether a place sees nothing but the backs of one-sided opaque surfaces: it lies inside something.
+/// @param seed of the few directions that are tried
+bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,
+    uint64_t *rays);
+
+/// The same for a place close to other geometry, where what it sees may lie inside that geometry too: a floor
+/// and a rear wall that both run on into a wall see each other in there. Dearer, and satisfied by a majority.
+bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
+    uint32_t seed, uint64_t *rays);
+
+#endif

@@ -1,0 +1,25 @@
+/// What each light does by itself, bounces included: the basis that relighting by factors needs.
+///
+/// Sources of one name answer together, as relighting scales them together, and so do lamps that only gather rays
+/// find, which are stored as one sum. Every value of the whole is divided in proportion: the parts add up to it.
+#ifndef RSV_LIGHT_RESPONSE_H
+#define RSV_LIGHT_RESPONSE_H
+
+#include "../solve/solution.h"
+
+typedef struct rsv_light_responses {
+    rsv_context *context;
+    size_t count;
+    const char **name; ///< [count] the scene's
+    /// [count] for rsv_solution_irradiance with all orders and for probes, and for nothing else
+    rsv_solution *light;
+    bool sky_last; ///< the last one is of the surroundings and of nothing else
+    bool owned;    ///< whether the fields of `light` are its own
+} rsv_light_responses;
+
+/// RSV_ERROR_UNSUPPORTED beyond RSV_MAX_LIGHT_PARTS sources. The solution must outlive the responses.
+rsv_status rsv_light_responses_create(
+    const rsv_solution *solution, rsv_light_responses **responses);
+void rsv_light_responses_destroy(rsv_light_responses *responses);
+
+#endif

@@ -1,0 +1,119 @@
+/// Relighting: solving again for another E0, from where the last solve stopped.
+#include "../solve/sharpen.h"
+#include "relight_responses.h"
+
+#include <math.h>
+#include <string.h>
+
+/// Largest change of the last order, relative to the largest E0, that nobody sees.
+#define CONVERGED 1e-3
+
+static double largest(const rsv_rgb *field, size_t count)
+{
+    float most = 0;
+    for (size_t n = 0; n < count; n++)
+        most = f_max(most, rgb_max(field[n]));
+    return (double)most;
+}
+
+/// E = E0 + G K E once, from the E of the last time.
+static void apply_once(rsv_relighter *r, double size)
+{
+    rsv_solution *s = r->s;
+    const rsv_linear_map *map = &r->map->linear;
+    size_t nodes = rsv_relighter_nodes(r);
+    float change = 0;
+    map->table->apply(map->data, 3, &s->irradiance->r, &r->next->r);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
+    for (size_t n = 0; n < nodes; n++)
+        r->next[n] = rgb_add(s->source[n], r->next[n]);
+    rsv_elements_constrain(s->elements, r->next);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context)) reduction(max       \
+                                                                                         : change)
+    for (size_t n = 0; n < nodes; n++) {
+        rsv_rgb step = rgb_sub(r->next[n], s->irradiance[n]);
+        change = f_max(change, f_max(fabsf(step.r), f_max(fabsf(step.g), fabsf(step.b))));
+        s->irradiance[n] = r->next[n];
+    }
+    r->residual = size > 0 ? (double)change / size : 0;
+}
+
+/// What cameras look up: all but E0, sharpened.
+static void show(rsv_relighter *r)
+{
+    rsv_solution *s = r->s;
+    size_t nodes = rsv_relighter_nodes(r);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
+    for (size_t n = 0; n < nodes; n++) {
+        rsv_rgb rest = rgb_sub(s->irradiance[n], s->source[n]);
+        s->indirect[n] = rgb_positive(rest);
+    }
+    rsv_sharpen(s->elements, s->indirect, r->next, r->scratch);
+}
+
+rsv_status rsv_relighter_step(rsv_relighter *r, double milliseconds, rsv_relight_progress *progress)
+{
+    double end = rsv_seconds() + 1e-3 * milliseconds;
+    double size = largest(r->s->source, rsv_relighter_nodes(r));
+    uint32_t orders = 0;
+    if (!(milliseconds >= 0))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: a step needs a time of 0 ms or more");
+    while (!r->settled && r->residual > CONVERGED && (orders == 0 || rsv_seconds() < end)) {
+        apply_once(r, size);
+        orders++;
+    }
+    if (orders) show(r);
+    if (progress)
+        *progress = (rsv_relight_progress){ orders, r->settled ? 0 : r->residual,
+            r->settled || r->residual <= CONVERGED };
+    return RSV_OK;
+}
+
+rsv_status rsv_relighter_settle(rsv_relighter *r)
+{
+    rsv_status status = RSV_OK;
+    if (r->settled) return RSV_OK;
+    rsv_light_effort effort = rsv_full_light_effort(r->s, r->valid);
+    if (rsv_relighter_any_stale(r)) {
+        RSV_TRY(rsv_relighter_sample(r, r->stale, RSV_RELIGHTER_ANYTHING, &effort));
+        RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING));
+        rsv_relight_responses_forget(r);
+        memset(r->stale, 0, r->basis->source_count * sizeof *r->stale);
+    }
+    RSV_TRY(rsv_solution_solve_again(r->s));
+    r->settled = true;
+cleanup:
+    return status;
+}
+
+uint64_t rsv_relighter_rays(const rsv_relighter *r) { return r->rays; }
+
+bool rsv_relighter_is_settled(const rsv_relighter *r) { return r->settled; }
+
+// ---- what there is ----------------------------------------------------------------------------------
+
+size_t rsv_relighter_source_count(const rsv_relighter *r) { return r->basis->source_count; }
+
+rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
+{
+    const rsv_source *source = &r->basis->source[k];
+    bool distant = source->kind == RSV_SOURCE_SURROUNDINGS ||
+                   (source->kind == RSV_SOURCE_LIGHT &&
+                       r->scene->light[source->index].kind == RSV_LIGHT_DIRECTIONAL);
+    bool stored = source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(r->lights, source->index);
+    return (rsv_relight_source){ .name = source->name,
+        .strength = r->strength[k],
+        .scale = r->now.scale[k],
+        .position = v3_add(r->place[k].centre, r->now.offset[k]),
+        .movable = !distant && !stored };
+}
+
+rsv_status rsv_solution_relight(rsv_solution *s, rsv_scene *scene, const rsv_relight_desc *desc)
+{
+    rsv_relighter *r = NULL;
+    rsv_status status = rsv_relighter_create(s, scene, &r);
+    if (status == RSV_OK) status = rsv_relighter_change(r, desc);
+    if (status == RSV_OK) status = rsv_relighter_settle(r);
+    rsv_relighter_destroy(r);
+    return status;
+}

@@ -1,0 +1,80 @@
+/// A relighter: what it keeps, and E0 of the sources as they stand.
+#ifndef RSV_RELIGHTER_H
+#define RSV_RELIGHTER_H
+
+#include "../scene/scene_internal.h"
+#include "../solve/solution.h"
+#include "../solve/transport_map.h"
+#include "light_places.h"
+#include "light_settings.h"
+#include "resolvent/relight.h"
+
+struct rsv_relighter {
+    rsv_context *context;
+    rsv_solution *s;
+    rsv_scene *scene;
+    rsv_light_basis *basis;    ///< parts of E0 at the strengths that the sources began with
+    rsv_lights *lights;        ///< at those strengths, where they stand now
+    uint16_t *valid;           ///< receiver points of the direct level
+    rsv_rgb *gathered;         ///< [node_count] emission that rows found, at those strengths
+    rsv_rgb *environment;      ///< pixels at those strengths; NULL = no surroundings
+    rsv_rgb environment_scale; ///< that the scene's pixels have now
+    rsv_rgb *strength;         ///< [source_count]
+    rsv_light_place *place;    ///< [source_count]
+    rsv_light_settings home, now, wanted;
+    bool *stale; ///< [source_count] to be sampled in full before the light has settled
+    bool *moved; ///< [source_count] to be sampled at once
+    bool *moves; ///< [material_count] whose triangles can be moved
+    rsv_receiver_blocks *coarse, *fine; ///< of either level; NULL until something moves
+    rsv_transport_map *map;
+    rsv_rgb *next, *scratch; ///< [node_count]
+    uint64_t rays;           ///< traced so far
+    double residual;
+    struct rsv_relight_responses *responses; ///< NULL = not known, for the sources as they stand
+    bool prepared;                           ///< whether they are wanted, and can be had
+    bool settled;
+    bool behind; ///< a change was cut short: the next one takes everything over again
+};
+
+static inline size_t rsv_relighter_nodes(const rsv_relighter *r)
+{
+    return r->s->elements->node_count;
+}
+
+/// Whether a source is known by few rays only.
+static inline bool rsv_relighter_any_stale(const rsv_relighter *r)
+{
+    bool any = false;
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        any = any || r->stale[k];
+    return any;
+}
+
+/// The strength of a source in the scene; NULL for surroundings.
+rsv_rgb *rsv_source_strength(rsv_scene *scene, const rsv_source *source);
+
+/// Pixels of the surroundings.
+size_t rsv_surroundings_length(const rsv_scene *scene);
+
+/// The lights of the scene as it stands, divided between rays that gather and rays that aim as the operator has it.
+rsv_status rsv_relighter_find_lights(rsv_relighter *relighter);
+
+/// What has changed since E0 was last brought up to date.
+typedef enum rsv_relighter_change_kind {
+    RSV_RELIGHTER_ANYTHING,
+    RSV_RELIGHTER_STRENGTHS, ///< of sources, no more
+    RSV_RELIGHTER_PLACES     ///< of lights, no more: nothing else need be looked at
+} rsv_relighter_change_kind;
+
+/// Samples sources, at the strengths that they began with. @param which [source_count]
+rsv_status rsv_relighter_sample(rsv_relighter *relighter, const bool *which,
+    rsv_relighter_change_kind kind, const rsv_light_effort *effort);
+
+/// What rows gather of the surroundings as they stand, at the strength that they began with; 0 without.
+/// @param sky [node_count] out
+rsv_status rsv_relighter_see_sky(rsv_relighter *relighter, rsv_rgb *sky);
+
+/// Brings scene, lights and E0 to the present settings, after parts have changed.
+rsv_status rsv_relighter_update_sources(rsv_relighter *relighter, rsv_relighter_change_kind kind);
+
+#endif

@@ -1,0 +1,59 @@
+/// What the solvers share while they run; for src/solver alone.
+#ifndef RSV_SOLVER_RUN_H
+#define RSV_SOLVER_RUN_H
+
+#include "columns.h"
+#include "linear_solver.h"
+
+typedef struct rsv_coarse_level rsv_coarse_level;
+
+typedef struct rsv_solver_run {
+    const rsv_linear_map *map;
+    const rsv_linear_desc *desc;
+    rsv_field_shape shape;
+    double *source_size; ///< [columns] max |source|
+    double *goal;        ///< [columns] max |residual| that is good enough
+    double *size;        ///< [columns] max |residual| as known now
+    double applications;
+    double best;              ///< smallest excess over the goal in this cycle
+    uint32_t waiting;         ///< checks since it was found
+    bool broke_down;          ///< a solver divided by nothing
+    bool blew_up;             ///< residuals grew beyond all sense
+    rsv_coarse_level *coarse; ///< of the two-grid solver, from the first cycle on
+    rsv_status status;        ///< of the progress callback
+} rsv_solver_run;
+
+/// Finds a correction: (I - A) correction close to `residual`.
+/// @param residual free to overwrite; 0 in columns that have converged; sizes are in run->size
+/// @param correction 0 before
+typedef rsv_status (*rsv_improve)(rsv_solver_run *run, float *residual, float *correction);
+
+rsv_status rsv_improve_series(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_gauss_seidel(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_southwell(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_chebyshev(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_bicgstab(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_gmres(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_two_grid(rsv_solver_run *run, float *residual, float *correction);
+rsv_status rsv_improve_outside(rsv_solver_run *run, float *residual, float *correction);
+
+void rsv_coarse_level_destroy(rsv_coarse_level *coarse);
+
+/// image = A field, counted.
+void rsv_run_apply(rsv_solver_run *run, const float *field, float *image);
+
+/// A field of the run's shape, zero; NULL when memory runs out.
+float *rsv_run_field(const rsv_solver_run *run);
+/// A number per column, zero.
+double *rsv_run_numbers(const rsv_solver_run *run, size_t count);
+
+/// Whether a column still needs work, by run->size.
+static inline bool rsv_run_active(const rsv_solver_run *run, size_t column)
+{
+    return run->size[column] > run->goal[column];
+}
+
+/// Tells the sizes in run->size to whoever listens. @return whether the cycle should go on
+bool rsv_run_goes_on(rsv_solver_run *run);
+
+#endif
