@@ -4,6 +4,7 @@
 #define RSV_PACKET_KERNELS_H
 
 #include "../trace/camera_ray.h"
+#include "chain_lanes.h"
 #include "light_table.h"
 #include "resolvent/trace.h"
 #include "tone.h"
@@ -70,6 +71,11 @@ typedef struct rsv_packet_kernels {
     /// @param sum, radiance [count] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, uint32_t count, const float (*radiance)[4],
         float (*sum)[4], uint8_t (*pixel)[4]);
+    /// The branches of chains that have arrived at surfaces of one smooth material. What comes out for other lanes means
+    /// nothing.
+    void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,
+        const rsv_ray_packet *packet, const rsv_chain_lanes *chains, rsv_branch_lanes *reflected,
+        rsv_branch_lanes *transmitted);
 } rsv_packet_kernels;
 
 /// @param instructions BEST, or what the processor is known to have; set to what is in use
