@@ -38,28 +38,23 @@ static rsv_chain chain_arrived(const queue *q, const rsv_arrival *a, uint32_t k)
 
 // ---- branches -----------------------------------------------------------------------------------
 
-/// A branch that leaves the surface of a lane.
-typedef struct departure {
-    rsv_vec3 origin, direction;
-    rsv_rgb weight; ///< of the chain that sets out
-    uint32_t path;
-    int kind;
-} departure;
-
-static void set_out(
-    queue *q, const rsv_chain_lanes *c, uint32_t lane, bool transmit, departure branch)
+/// Queues a branch that leaves the surface of a lane.
+static inline void set_out(queue *q, const rsv_chain_lanes *c, uint32_t lane, bool transmit)
 {
-    q->waiting[q->waiting_count++] = (rsv_chain_traveller){ .origin = branch.origin,
-        .direction = branch.direction,
-        .weight = branch.weight,
-        .start_ior = c->start_ior[lane],
-        .width = c->width[lane],
-        .path = branch.path,
-        .pixel = c->pixel[lane],
-        .events = c->events[lane] + 1,
-        .medium = transmit ? rsv_chain_media_beyond(q->media, c, lane) : (uint8_t)c->medium[lane],
-        .settled = c->settled[lane],
-        .kind = (uint8_t)branch.kind };
+    const rsv_branch_lanes *b = &q->branch[transmit];
+    q->kind[q->waiting_count] = (uint8_t)b->kind[lane];
+    rsv_chain_traveller *t = &q->waiting[q->waiting_count++];
+    t->origin = rsv_lane_vector(b->origin, lane);
+    t->direction = rsv_lane_vector(b->direction, lane);
+    t->weight = rsv_lane_color(b->weight, lane);
+    t->t_min = b->t_min[lane];
+    t->start_ior = c->start_ior[lane];
+    t->width = c->width[lane];
+    t->path = b->path[lane];
+    t->pixel = c->pixel[lane];
+    t->events = c->events[lane] + 1;
+    t->medium = transmit ? rsv_chain_media_beyond(q->media, c, lane) : (uint8_t)c->medium[lane];
+    t->settled = c->settled[lane];
 }
 
 /// Room for two branches of each lane.
@@ -74,17 +69,14 @@ static void leave_smooth(queue *q, const rsv_arrival *a, uint32_t lanes)
     const rsv_transport_scene *scene = q->light.scene;
     const rsv_chain_lanes *c = a->chains;
     const rsv_bsdf *bsdf = &scene->bsdf[c->material[first_of(lanes)]];
-    q->kernels->leave_smooth(scene->view, bsdf, a->rays, c, &q->branch[0], &q->branch[1]);
-    for (int transmit = 0; transmit < 2; transmit++) {
-        const rsv_branch_lanes *b = &q->branch[transmit];
+    q->kernels->leave_smooth(
+        scene->view, bsdf, q->clearances, a->rays, c, &q->branch[0], &q->branch[1]);
+    for (int transmit = 0; transmit < 2; transmit++)
         for (uint32_t left = lanes; left; left &= left - 1) {
             uint32_t k = first_of(left);
-            if (!b->alive[k] || c->events[k] >= q->light.max_events) continue;
-            departure branch = { rsv_lane_vector(b->origin, k), rsv_lane_vector(b->direction, k),
-                rsv_lane_color(b->weight, k), b->path[k], b->kind[k] };
-            set_out(q, c, k, transmit, branch);
+            if (q->branch[transmit].alive[k] && c->events[k] < q->light.max_events)
+                set_out(q, c, k, transmit);
         }
-    }
 }
 
 /// One branch of any smooth surface.
@@ -98,10 +90,14 @@ static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_chain
         !rsv_branch_survives(chain, q->light.path, transmit, &weight) ||
         !rsv_chain_depart(point, transmit, direction, &ray))
         return;
-    departure branch = { ray.origin, direction, rgb_mul(chain->weight, weight),
-        rsv_branch_path(q->light.path, transmit),
-        rsv_branch_kind(chain->back, transmit, direction) };
-    set_out(q, a->chains, lane, transmit, branch);
+    rsv_branch_lanes *b = &q->branch[transmit];
+    rsv_set_lane_vector(b->origin, lane, ray.origin);
+    rsv_set_lane_vector(b->direction, lane, direction);
+    rsv_set_lane_color(b->weight, lane, rgb_mul(chain->weight, weight));
+    b->t_min[lane] = 0;
+    b->path[lane] = rsv_branch_path(q->light.path, transmit);
+    b->kind[lane] = rsv_branch_kind(chain->back, transmit, direction);
+    set_out(q, a->chains, lane, transmit);
 }
 
 // ---- surfaces -----------------------------------------------------------------------------------
@@ -202,7 +198,8 @@ void rsv_chain_queue_arrive(rsv_chain_queue *q, const rsv_arrival *a, uint32_t l
     for (uint32_t k = 0; k < RSV_LANES; k++)
         missed |= (uint32_t)(a->rays->triangle[k] == RSV_NONE) << k;
     uint32_t met = lanes & ~missed;
-    uint32_t unlisted = rsv_chain_media_arrive(q->media, a->rays, met, q->spread, a->chains);
+    uint32_t unlisted = rsv_chain_media_arrive(
+        q->media, a->rays, a->places, met, met & a->left, q->spread, a->chains);
     see_sky(q, a, lanes & missed);
     follow(q, a, unlisted);
     see_stored(q, a, met & ~unlisted & ~a->left);

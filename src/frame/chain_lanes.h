@@ -28,6 +28,7 @@ typedef struct rsv_chain_lanes {
 /// Ideal branches that leave their surfaces.
 typedef struct rsv_branch_lanes {
     rsv_lanes3 origin, direction, weight; ///< of the chain that sets out
+    float t_min[RSV_LANES];               ///< nearer, their rays meet nothing
     uint32_t path[RSV_LANES];
     int kind[RSV_LANES];  ///< rsv_branch_kind
     int alive[RSV_LANES]; ///< to be followed

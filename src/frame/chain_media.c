@@ -126,24 +126,18 @@ static void dim(const rsv_chain_media *m, uint32_t lane, float distance, rsv_cha
     rsv_set_lane_color(c->weight, lane, rgb_mul(rsv_lane_color(c->weight, lane), left));
 }
 
-/// @return whether the medium is listed
-static bool arrive(
-    const rsv_chain_media *m, const rsv_ray_packet *p, uint32_t k, float spread, rsv_chain_lanes *c)
+/// At a surface that is not in the table. @return whether the medium is listed
+static bool arrive(const rsv_chain_media *m, uint32_t material, uint32_t k, rsv_chain_lanes *c)
 {
-    uint32_t material = m->scene->view->triangle_material[p->triangle[k]];
     uint8_t body = m->material[material].body;
-    int back = rsv_packet_meets_back(p, k);
-    int medium = back ? m->inside[body][c->medium[k]] : c->medium[k];
+    int medium = c->back[k] ? m->inside[body][c->medium[k]] : c->medium[k];
     if (medium == RSV_MEDIUM_UNLISTED) return false;
     if (body != NO_BODY) {
         if (!c->settled[k]) c->start_ior[k] = m->ior[medium];
         c->settled[k] = 1;
     }
-    c->back[k] = back;
     c->material[k] = material;
     c->medium[k] = medium;
-    c->width[k] += spread * p->t_max[k];
-    if (m->absorbs[medium]) dim(m, k, p->t_max[k], c);
     return true;
 }
 
@@ -160,13 +154,23 @@ static void set_throughput(const rsv_chain_media *m, rsv_chain_lanes *c)
     }
 }
 
-uint32_t rsv_chain_media_arrive(const rsv_chain_media *m, const rsv_ray_packet *p, uint32_t lanes,
-    float spread, rsv_chain_lanes *c)
+uint32_t rsv_chain_media_arrive(const rsv_chain_media *m, const rsv_ray_packet *p,
+    const rsv_packet_places *places, uint32_t lanes, uint32_t left, float spread,
+    rsv_chain_lanes *c)
 {
     uint32_t unlisted = 0;
-    for (uint32_t left = lanes; left; left &= left - 1) {
+    for (uint32_t k = 0; k < RSV_LANES; k++)
+        c->back[k] = rsv_packet_meets_back(p, k);
+    for (; left; left &= left - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(left);
-        if (!arrive(m, p, k, spread, c)) unlisted |= 1u << k;
+        if (!arrive(m, (uint32_t)places->cell[k] - 1, k, c))
+            unlisted |= 1u << k;
+        else
+            c->width[k] += spread * p->t_max[k];
+    }
+    for (uint32_t in = lanes & ~unlisted; in; in &= in - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(in);
+        if (m->absorbs[c->medium[k]]) dim(m, k, p->t_max[k], c);
     }
     set_throughput(m, c);
     return unlisted;

@@ -7,7 +7,7 @@
 #define RSV_CHAIN_MEDIA_H
 
 #include "../operator/chain_walk.h"
-#include "chain_lanes.h"
+#include "packet_kernels.h"
 #include "resolvent/frame.h"
 
 /// Media and bodies in the list at most; chains among others are followed one by one.
@@ -48,10 +48,13 @@ void rsv_chain_media_refresh(rsv_chain_media *media);
 uint8_t rsv_chain_media_of_eye(rsv_chain_media *media, uint32_t eye, const rsv_medium *medium);
 
 /// rsv_chain_end_segment for lanes that have met a surface, and throughput for all.
+/// @param places their ends: surfaces that are not in the table tell their material
+/// @param left lanes at such surfaces; those in the table are no bodies
 /// @param spread of all chains
 /// @return lanes that come into a medium that is not listed: they are left as they were
 uint32_t rsv_chain_media_arrive(const rsv_chain_media *media, const rsv_ray_packet *rays,
-    uint32_t lanes, float spread, rsv_chain_lanes *chains);
+    const rsv_packet_places *places, uint32_t lanes, uint32_t left, float spread,
+    rsv_chain_lanes *chains);
 
 /// Number of the medium into which a chain at a surface is transmitted.
 RSV_INLINE uint8_t rsv_chain_media_beyond(

@@ -7,18 +7,20 @@
 #define LANES RSV_LANES
 
 rsv_status rsv_chain_queue_create(const rsv_light_table *table, const rsv_packet_kernels *kernels,
-    const rsv_chain_media *media, rsv_chain_queue *q)
+    const rsv_chain_media *media, const rsv_clearances *clearances, rsv_chain_queue *q)
 {
     *q = (rsv_chain_queue){ .kernels = kernels,
         .media = media,
+        .clearances = clearances,
         .light = { .table = table, .scene = &table->solution->scene } };
     rsv_chain_light_refresh(&q->light);
     for (int stage = 0; stage < RSV_STAGES; stage++)
         memset(q->packet[stage].rays.mask, 0xff, sizeof q->packet[stage].rays.mask);
     q->waiting = rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->waiting);
     q->moving = rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->moving);
+    q->kind = rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->kind);
     q->order = rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->order);
-    return q->waiting && q->moving && q->order ? RSV_OK : RSV_ERROR_MEMORY;
+    return q->waiting && q->moving && q->kind && q->order ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 void rsv_chain_queue_destroy(rsv_chain_queue *q)
@@ -27,6 +29,7 @@ void rsv_chain_queue_destroy(rsv_chain_queue *q)
     rsv_context *context = q->light.table->context;
     rsv_free(context, q->waiting);
     rsv_free(context, q->moving);
+    rsv_free(context, q->kind);
     rsv_free(context, q->order);
 }
 
@@ -34,6 +37,7 @@ static void load_lane(rsv_chain_packet *p, uint32_t k, const rsv_chain_traveller
 {
     rsv_ray ray = { t->origin, t->direction, INFINITY };
     rsv_packet_set_ray(&p->rays, k, ray);
+    p->rays.t_min[k] = t->t_min;
     rsv_chain_lanes *c = &p->chains;
     rsv_set_lane_color(c->weight, k, t->weight);
     c->start_ior[k] = t->start_ior;
@@ -67,25 +71,16 @@ static void depart(rsv_chain_queue *q, rsv_chain_packet *p)
     q->rays += p->count;
 }
 
-static void prefetch_corners(const rsv_scene_view *view, uint32_t triangle)
-{
-    for (int k = 0; k < 3; k++) {
-        __builtin_prefetch(&view->position[view->triangle[triangle][k]]);
-        __builtin_prefetch(&view->normal[view->triangle[triangle][k]]);
-    }
-}
-
 static void locate(rsv_chain_queue *q, rsv_chain_packet *p)
 {
     p->left = q->kernels->locate(q->light.table, &p->rays, &p->places);
-    for (uint32_t k = 0; k < p->count; k++)
-        if (p->left >> k & 1 && p->rays.triangle[k] != RSV_NONE)
-            prefetch_corners(q->light.scene->view, p->rays.triangle[k]);
+    rsv_prefetch_triangles(q->light.scene->view, &p->rays, p->left);
 }
 
 static void descend(rsv_chain_queue *q, rsv_chain_packet *p)
 {
     q->kernels->descend(q->light.table, &p->places);
+    rsv_prefetch_corners(q->light.scene->view, &p->rays, p->left);
 }
 
 /// Ends chains that the mover stands in the way of. @return their lanes
@@ -119,11 +114,11 @@ static void set_moving(rsv_chain_queue *q)
     q->moving_count = q->waiting_count;
     q->waiting_count = 0;
     for (uint32_t k = 0; k < q->moving_count; k++)
-        first[moving[k].kind + 1]++;
+        first[q->kind[k] + 1]++;
     for (int kind = 0; kind < RSV_BRANCH_KINDS; kind++)
         first[kind + 1] += first[kind];
     for (uint32_t k = 0; k < q->moving_count; k++)
-        q->order[first[moving[k].kind]++] = k;
+        q->order[first[q->kind[k]]++] = k;
 }
 
 static rsv_chain_packet *packet_at(rsv_chain_queue *q, uint32_t index)

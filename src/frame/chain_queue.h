@@ -17,13 +17,13 @@
 typedef struct rsv_chain_traveller {
     rsv_vec3 origin, direction;
     rsv_rgb weight;
+    float t_min; ///< nearer, its ray meets nothing
     float start_ior, width;
     uint32_t path; ///< as in camera_chain.h
     uint32_t pixel;
     uint32_t events; ///< on arrival
     uint8_t medium;  ///< of rsv_chain_media
     bool settled;
-    uint8_t kind; ///< those of one kind are traced together
 } __attribute__((aligned(64))) rsv_chain_traveller;
 
 /// Some of those moving, side by side.
@@ -39,9 +39,11 @@ typedef struct rsv_chain_packet {
 typedef struct rsv_chain_queue {
     const rsv_packet_kernels *kernels;
     const rsv_chain_media *media;
+    const rsv_clearances *clearances;
     rsv_chain_light light;
     float spread;                 ///< of all chains
     rsv_chain_traveller *waiting; ///< [RSV_QUEUE_CAPACITY] for their next step
+    uint8_t *kind;                ///< [RSV_QUEUE_CAPACITY] theirs: those of one are traced together
     uint32_t waiting_count;
     rsv_chain_traveller *moving; ///< [RSV_QUEUE_CAPACITY] taking a step
     uint32_t moving_count;
@@ -53,7 +55,7 @@ typedef struct rsv_chain_queue {
 } rsv_chain_queue;
 
 rsv_status rsv_chain_queue_create(const rsv_light_table *table, const rsv_packet_kernels *kernels,
-    const rsv_chain_media *media, rsv_chain_queue *queue);
+    const rsv_chain_media *media, const rsv_clearances *clearances, rsv_chain_queue *queue);
 void rsv_chain_queue_destroy(rsv_chain_queue *queue);
 
 /// What the rays of a packet met, and the chains that they belong to.

@@ -10,6 +10,7 @@ struct rsv_frame_renderer {
     rsv_light_table table;
     const rsv_mover *mover; ///< NULL = none
     rsv_chain_media media;
+    rsv_clearances clearances;
     rsv_tiling tiling;
     rsv_eye_picture eye[RSV_MAX_EYES];
     rsv_tile_worker *worker; ///< [thread_count]
@@ -68,6 +69,7 @@ static void set_tiling(rsv_frame_renderer *r)
     r->tiling = (rsv_tiling){ .solution = r->solution,
         .table = &r->table,
         .media = &r->media,
+        .clearances = &r->clearances,
         .kernels = rsv_packet_kernels_for(&r->desc.instructions),
         .width = r->desc.width,
         .height = r->desc.height,
@@ -91,6 +93,7 @@ rsv_status rsv_frame_renderer_create(
     RSV_TRY(create_eyes(r));
     RSV_TRY(rsv_light_table_create(solution, &r->table));
     RSV_TRY(rsv_chain_media_create(r->context, &solution->scene, &r->media));
+    RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
     RSV_TRY(create_workers(r));
     RSV_TRY(rsv_frame_device_create(&r->table, &r->desc, &r->device));
     *renderer = r;
@@ -111,6 +114,7 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
         rsv_free(r->context, r->eye[k].pixel);
     }
     rsv_frame_device_destroy(r->device);
+    rsv_clearances_destroy(&r->clearances);
     rsv_chain_media_destroy(&r->media);
     rsv_light_table_destroy(&r->table);
     rsv_free(r->context, r);
@@ -235,6 +239,7 @@ rsv_status rsv_frame_render(
     rsv_status status = check_view(r, view);
     if (status != RSV_OK) return status;
     double start = rsv_seconds();
+    rsv_clearances_refresh(&r->clearances);
     begin_eyes(r, view);
     begin_workers(r);
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;

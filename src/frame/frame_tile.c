@@ -7,8 +7,8 @@ rsv_status rsv_tile_worker_create(
 {
     for (int stage = 0; stage < RSV_STAGES; stage++)
         memset(w->packet[stage].mask, 0xff, sizeof w->packet[stage].mask);
-    rsv_status status =
-        rsv_chain_queue_create(tiling->table, tiling->kernels, tiling->media, &w->queue);
+    rsv_status status = rsv_chain_queue_create(
+        tiling->table, tiling->kernels, tiling->media, tiling->clearances, &w->queue);
     w->queue.light.max_events = chain_depth;
     w->queue.light.radiance = w->radiance;
     return status;
@@ -121,13 +121,17 @@ static void locate_block(const tile *t, uint32_t block)
     uint32_t stage = block % RSV_STAGES;
     w->left[stage] =
         t->tiling->kernels->locate(t->tiling->table, &w->packet[stage], &w->places[stage]);
+    rsv_prefetch_triangles(t->tiling->solution->scene.view, &w->packet[stage], w->left[stage]);
     // seen from within a body, all is dimmed on the way
     w->begins[stage] = t->eye->medium.depth ? 0xffff : w->left[stage];
 }
 
 static void descend_block(const tile *t, uint32_t block)
 {
-    t->tiling->kernels->descend(t->tiling->table, &t->worker->places[block % RSV_STAGES]);
+    rsv_tile_worker *w = t->worker;
+    uint32_t stage = block % RSV_STAGES;
+    t->tiling->kernels->descend(t->tiling->table, &w->places[stage]);
+    rsv_prefetch_corners(t->tiling->solution->scene.view, &w->packet[stage], w->left[stage]);
 }
 
 static void look_up_block(const tile *t, uint32_t block)

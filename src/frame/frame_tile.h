@@ -39,6 +39,7 @@ typedef struct rsv_tiling {
     const rsv_light_table *table;
     const rsv_packet_kernels *kernels;
     const rsv_chain_media *media;
+    const rsv_clearances *clearances;
     uint32_t width, height;      ///< of a picture
     uint32_t across, tile_count; ///< tiles of a picture
     uint32_t seed;

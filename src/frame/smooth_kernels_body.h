@@ -90,11 +90,27 @@ static inline __attribute__((always_inline)) void evaluate_branches(bool solid, 
     }
 }
 
+/// Clearances on the sides that branches leave to.
+typedef struct clear_lanes {
+    float reach[LANES], cosine[2][LANES]; ///< reflected, transmitted
+} clear_lanes;
+
+static inline void gather_clearances(const rsv_clearances *restrict from,
+    const rsv_ray_packet *restrict p, const int *restrict back, clear_lanes *restrict to)
+{
+    for (uint32_t k = 0; k < LANES; k++) {
+        const rsv_clearance *c = rsv_clearance_of(from, p->triangle[k]);
+        to->reach[k] = c->reach;
+        to->cosine[0][k] = c->cosine[back[k] != 0];
+        to->cosine[1][k] = c->cosine[back[k] == 0];
+    }
+}
+
 /// Sets branches out, all of them reflected or all transmitted: rsv_chain_depart, rsv_branch_survives and
 /// rsv_chain_set_out. Their weights come in as those of the branches alone.
 static inline __attribute__((always_inline)) void depart(bool transmit,
     const rsv_chain_lanes *restrict c, const point_lanes *restrict points,
-    rsv_branch_lanes *restrict b)
+    const clear_lanes *restrict clear, rsv_branch_lanes *restrict b)
 {
     for (uint32_t k = 0; k < LANES; k++) {
         rsv_vec3 direction = rsv_lane_vector(b->direction, k);
@@ -107,24 +123,29 @@ static inline __attribute__((always_inline)) void depart(bool transmit,
         rsv_set_lane_color(b->weight, k, rgb_mul(carried, weight));
         b->path[k] = rsv_branch_path(c->path[k], transmit);
         b->kind[k] = rsv_branch_kind(c->back[k] != 0, transmit, direction);
-        b->alive[k] = (survives ? 1 : 0) & (v3_dot(direction, leave) > 0 ? 1 : 0);
+        float cosine = v3_dot(direction, leave);
+        b->alive[k] = (survives ? 1 : 0) & (cosine > 0 ? 1 : 0);
+        b->t_min[k] = cosine > clear->cosine[transmit][k] ? clear->reach[k] : 0;
     }
 }
 
 static void leave_smooth_packet(const rsv_scene_view *restrict view, const rsv_bsdf *restrict bsdf,
-    const rsv_ray_packet *restrict p, const rsv_chain_lanes *restrict c,
-    rsv_branch_lanes *restrict reflected, rsv_branch_lanes *restrict transmitted)
+    const rsv_clearances *restrict clearances, const rsv_ray_packet *restrict p,
+    const rsv_chain_lanes *restrict c, rsv_branch_lanes *restrict reflected,
+    rsv_branch_lanes *restrict transmitted)
 {
     corner_lanes corners;
     point_lanes points;
+    clear_lanes clear;
     const smooth_surface s = { bsdf->specular_tint, bsdf->base_color,
         f_max(rgb_max(bsdf->specular_tint), 1e-6f), bsdf->metallic, bsdf->transmission, bsdf->ior };
     gather_corners(view, p->triangle, &corners);
+    gather_clearances(clearances, p, c->back, &clear);
     find_points(&corners, p, c->back, &points);
     if (bsdf->solid)
         evaluate_branches(true, s, p, c->back, &points, reflected, transmitted);
     else
         evaluate_branches(false, s, p, c->back, &points, reflected, transmitted);
-    depart(false, c, &points, reflected);
-    depart(true, c, &points, transmitted);
+    depart(false, c, &points, &clear, reflected);
+    depart(true, c, &points, &clear, transmitted);
 }
