@@ -33,14 +33,15 @@ rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, u
     return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
 }
 
-void rsv_add_stored(rsv_chain_light *l, const rsv_chain *chain, rsv_grid_place place)
+void rsv_add_stored(rsv_chain_light *l, rsv_rgb throughput, const rsv_ray_packet *rays,
+    const rsv_packet_places *places, uint32_t lane)
 {
-    rsv_float4 light = rsv_light_in_cell(l->table->cell, place);
+    rsv_float4 light = rsv_light_in_cell(l->table->cell, rsv_packet_place(places, lane));
     rsv_rgb shown = rgb(light[0], light[1], light[2]);
     if (l->mover)
-        shown = rsv_shade_stored(
-            l->table, l->mover, chain->triangle, chain->u, chain->v, chain->back, l->path, shown);
-    add(l, rgb_mul(rsv_chain_throughput(l->scene, chain, &chain->medium), shown));
+        shown = rsv_shade_stored(l->table, l->mover, rays->triangle[lane], rays->u[lane],
+            rays->v[lane], rsv_packet_meets_back(rays, lane), l->path, shown);
+    add(l, rgb_mul(throughput, shown));
 }
 
 void rsv_add_emission(

@@ -5,6 +5,7 @@
 #include "../chain/chain.h"
 #include "light_table.h"
 #include "mover_internal.h"
+#include "packet_kernels.h"
 
 typedef struct rsv_chain_light {
     const rsv_light_table *table;
@@ -23,8 +24,9 @@ void rsv_chain_light_refresh(rsv_chain_light *light);
 /// What lies beyond the scene.
 void rsv_add_sky(rsv_chain_light *light, rsv_vec3 direction, rsv_rgb weight);
 
-/// What the table has of a chain's surface. @param place in a whole cell
-void rsv_add_stored(rsv_chain_light *light, const rsv_chain *chain, rsv_grid_place place);
+/// What the table has of the surface that a lane's ray met. @param places in whole cells
+void rsv_add_stored(rsv_chain_light *light, rsv_rgb throughput, const rsv_ray_packet *rays,
+    const rsv_packet_places *places, uint32_t lane);
 
 /// What the surface sends out by itself. @param bsdf of the surface
 void rsv_add_emission(

@@ -9,6 +9,8 @@ struct rsv_frame_renderer {
     rsv_frame_desc desc;
     rsv_light_table table;
     const rsv_mover *mover; ///< NULL = none
+    rsv_chain_media media;
+    rsv_clearances clearances;
     rsv_tiling tiling;
     rsv_eye_picture eye[RSV_MAX_EYES];
     rsv_tile_worker *worker; ///< [thread_count]
@@ -66,6 +68,8 @@ static void set_tiling(rsv_frame_renderer *r)
     uint32_t across = (r->desc.width + RSV_TILE - 1) / RSV_TILE;
     r->tiling = (rsv_tiling){ .solution = r->solution,
         .table = &r->table,
+        .media = &r->media,
+        .clearances = &r->clearances,
         .kernels = rsv_packet_kernels_for(&r->desc.instructions),
         .width = r->desc.width,
         .height = r->desc.height,
@@ -88,6 +92,8 @@ rsv_status rsv_frame_renderer_create(
     set_tiling(r);
     RSV_TRY(create_eyes(r));
     RSV_TRY(rsv_light_table_create(solution, &r->table));
+    RSV_TRY(rsv_chain_media_create(r->context, &solution->scene, &r->media));
+    RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
     RSV_TRY(create_workers(r));
     RSV_TRY(rsv_frame_device_create(&r->table, &r->desc, &r->device));
     *renderer = r;
@@ -108,6 +114,8 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
         rsv_free(r->context, r->eye[k].pixel);
     }
     rsv_frame_device_destroy(r->device);
+    rsv_clearances_destroy(&r->clearances);
+    rsv_chain_media_destroy(&r->media);
     rsv_light_table_destroy(&r->table);
     rsv_free(r->context, r);
 }
@@ -133,7 +141,7 @@ static void set_aim(const rsv_frame_renderer *r, rsv_eye_picture *e)
 }
 
 static void begin_eye(
-    const rsv_frame_renderer *r, rsv_eye_picture *e, const rsv_frame_view *view, uint32_t k)
+    rsv_frame_renderer *r, rsv_eye_picture *e, const rsv_frame_view *view, uint32_t k)
 {
     if (e->samples == 0 || !same_view(&view->camera[k], &e->camera)) {
         e->samples = 0;
@@ -141,6 +149,7 @@ static void begin_eye(
         e->medium =
             rsv_medium_above(&r->solution->scene.media, e->camera.position, e->camera.forward);
     }
+    e->medium_number = rsv_chain_media_of_eye(&r->media, k, &e->medium);
     set_aim(r, e);
     e->tone = (rsv_frame_tone){ .scale = exp2f(view->exposure) / (float)(e->samples + 1),
         .soft = view->soft,
@@ -230,6 +239,7 @@ rsv_status rsv_frame_render(
     rsv_status status = check_view(r, view);
     if (status != RSV_OK) return status;
     double start = rsv_seconds();
+    rsv_clearances_refresh(&r->clearances);
     begin_eyes(r, view);
     begin_workers(r);
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;
@@ -265,6 +275,7 @@ void rsv_frame_renderer_put(rsv_frame_renderer *r, const rsv_mover *mover)
 
 void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
 {
+    rsv_chain_media_refresh(&r->media);
     for (int k = 0; k < r->thread_count; k++)
         rsv_chain_light_refresh(&r->worker[k].queue.light);
     rsv_light_table_bake(&r->table, r->table.layer);

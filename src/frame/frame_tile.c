@@ -7,7 +7,8 @@ rsv_status rsv_tile_worker_create(
 {
     for (int stage = 0; stage < RSV_STAGES; stage++)
         memset(w->packet[stage].mask, 0xff, sizeof w->packet[stage].mask);
-    rsv_status status = rsv_chain_queue_create(tiling->table, tiling->kernels, &w->queue);
+    rsv_status status = rsv_chain_queue_create(
+        tiling->table, tiling->kernels, tiling->media, tiling->clearances, &w->queue);
     w->queue.light.max_events = chain_depth;
     w->queue.light.radiance = w->radiance;
     return status;
@@ -48,33 +49,37 @@ static uint32_t path_of(const tile *t, uint32_t pixel)
     return rsv_hash2(rsv_pixel_seed(t->tiling->seed, row, column), t->eye->samples);
 }
 
-/// Starts the chain of a pixel that is not in the table.
-/// @param pixel within the tile
-static void begin_chain(const tile *t, const rsv_ray_packet *p, uint32_t lane, uint32_t pixel)
+/// Pixel within the tile that a lane of a block belongs to.
+static uint32_t pixel_of(uint32_t column, uint32_t row, uint32_t lane)
 {
-    rsv_tile_worker *w = t->worker;
-    rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
-    memset(w->radiance[pixel], 0, sizeof w->radiance[pixel]);
-    if (p->triangle[lane] == RSV_NONE) {
-        w->queue.light.pixel = pixel;
-        rsv_add_sky(&w->queue.light, direction, rgb_gray(1));
-        return;
-    }
-    rsv_chain chain = rsv_chain_begin(&t->tiling->solution->scene, &t->eye->medium, direction,
-        p->triangle[lane], p->u[lane], p->v[lane], p->t_max[lane]);
-    rsv_chain_set_spread(&chain, t->eye->spread, p->t_max[lane]);
-    rsv_chain_queue_add(&w->queue, &chain, path_of(t, pixel), pixel);
+    return (row + lane / RSV_BLOCK) * RSV_TILE + column + lane % RSV_BLOCK;
 }
 
-/// Starts those of a block.
+/// Starts the chains of a block's pixels that are not in the table.
 static void begin_chains(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
 {
-    for (uint32_t left = t->worker->left[stage]; left; left &= left - 1) {
-        uint32_t lane = (uint32_t)__builtin_ctz(left);
-        uint32_t x = column + lane % RSV_BLOCK, y = row + lane / RSV_BLOCK;
-        if (x < t->width && y < t->height)
-            begin_chain(t, &t->worker->packet[stage], lane, y * RSV_TILE + x);
+    rsv_tile_worker *w = t->worker;
+    const rsv_ray_packet *p = &w->packet[stage];
+    rsv_chain_lanes *c = &w->chains;
+    uint32_t lanes = 0;
+    float ior = rsv_medium_ior(&t->eye->medium, t->tiling->solution->bsdf);
+    for (uint32_t k = 0; k < RSV_LANES; k++) {
+        uint32_t x = column + k % RSV_BLOCK, y = row + k / RSV_BLOCK;
+        bool begins = w->begins[stage] >> k & 1 && x < t->width && y < t->height;
+        rsv_set_lane_color(c->weight, k, rgb_gray(1));
+        c->start_ior[k] = ior;
+        c->width[k] = 0;
+        c->events[k] = 0;
+        c->medium[k] = t->eye->medium_number;
+        c->settled[k] = 0;
+        if (!begins) continue;
+        lanes |= 1u << k;
+        c->pixel[k] = pixel_of(column, row, k);
+        c->path[k] = path_of(t, c->pixel[k]);
+        memset(w->radiance[c->pixel[k]], 0, sizeof *w->radiance);
     }
+    const rsv_arrival arrival = { p, &w->places[stage], w->left[stage], c };
+    rsv_chain_queue_arrive(&w->queue, &arrival, lanes);
 }
 
 /// Puts the object before what a block shows, and its shadow on it.
@@ -84,20 +89,20 @@ static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t st
     const rsv_ray_packet *p = &w->packet[stage];
     uint32_t met = rsv_mover_meet(t->tiling->mover, p, &w->body);
     for (uint32_t lane = 0; lane < RSV_PACKET_WIDTH; lane++) {
-        uint32_t pixel = (row + lane / RSV_BLOCK) * RSV_TILE + column + lane % RSV_BLOCK;
+        uint32_t pixel = pixel_of(column, row, lane);
         float *radiance = w->radiance[pixel];
         rsv_rgb shown = rgb(radiance[0], radiance[1], radiance[2]);
         if (met >> lane & 1)
             shown = rgb_mul(rsv_mover_shown(t->tiling->mover, &w->body, lane),
                 rsv_medium_transmittance(
                     &t->eye->medium, t->tiling->solution->bsdf, w->body.t_max[lane]));
-        else if (!(w->left[stage] >> lane & 1) && p->triangle[lane] != RSV_NONE &&
+        else if (!(w->begins[stage] >> lane & 1) && p->triangle[lane] != RSV_NONE &&
                  rsv_mover_may_shade(t->tiling->mover, rsv_packet_point(p, lane)))
             shown = rsv_shade_stored(t->tiling->table, t->tiling->mover, p->triangle[lane],
                 p->u[lane], p->v[lane], rsv_packet_meets_back(p, lane), path_of(t, pixel), shown);
         radiance[0] = shown.r, radiance[1] = shown.g, radiance[2] = shown.b;
     }
-    w->left[stage] &= ~met;
+    w->begins[stage] &= ~met;
 }
 
 static void trace_block(const tile *t, uint32_t block)
@@ -116,12 +121,17 @@ static void locate_block(const tile *t, uint32_t block)
     uint32_t stage = block % RSV_STAGES;
     w->left[stage] =
         t->tiling->kernels->locate(t->tiling->table, &w->packet[stage], &w->places[stage]);
-    if (t->eye->medium.depth) w->left[stage] = 0xffff; // seen from within a body: dimmed on the way
+    rsv_prefetch_triangles(t->tiling->solution->scene.view, &w->packet[stage], w->left[stage]);
+    // seen from within a body, all is dimmed on the way
+    w->begins[stage] = t->eye->medium.depth ? 0xffff : w->left[stage];
 }
 
 static void descend_block(const tile *t, uint32_t block)
 {
-    t->tiling->kernels->descend(t->tiling->table, &t->worker->places[block % RSV_STAGES]);
+    rsv_tile_worker *w = t->worker;
+    uint32_t stage = block % RSV_STAGES;
+    t->tiling->kernels->descend(t->tiling->table, &w->places[stage]);
+    rsv_prefetch_corners(t->tiling->solution->scene.view, &w->packet[stage], w->left[stage]);
 }
 
 static void look_up_block(const tile *t, uint32_t block)
@@ -133,7 +143,7 @@ static void look_up_block(const tile *t, uint32_t block)
     t->tiling->kernels->look_up(
         t->tiling->table, &w->places[stage], w->radiance + row * RSV_TILE + column);
     if (t->tiling->mover) show_mover(t, column, row, stage);
-    if (w->left[stage]) begin_chains(t, column, row, stage);
+    if (w->begins[stage]) begin_chains(t, column, row, stage);
 }
 
 /// Every block one step behind the one after it.
@@ -165,6 +175,7 @@ void rsv_tile_render(
     tile t = tile_at(tiling, eye, index, w);
     double start = rsv_seconds();
     w->queue.light.mover = tiling->mover;
+    w->queue.spread = eye->spread;
     render_blocks(&t);
     double traced = rsv_seconds();
     rsv_chain_queue_run(&w->queue);

@@ -11,8 +11,10 @@ typedef struct rsv_tile_worker {
     _Alignas(64) float radiance[RSV_TILE_PIXELS][4];
     rsv_ray_packet packet[RSV_STAGES]; ///< of the last blocks
     rsv_packet_places places[RSV_STAGES];
-    uint32_t left[RSV_STAGES]; ///< lanes of theirs that are to be followed
-    rsv_ray_packet body;       ///< camera rays as a mover meets them
+    uint32_t left[RSV_STAGES];   ///< lanes of theirs that are not in the table
+    uint32_t begins[RSV_STAGES]; ///< lanes that chains begin at
+    rsv_chain_lanes chains;      ///< of a block
+    rsv_ray_packet body;         ///< camera rays as a mover meets them
     rsv_chain_queue queue;
     double camera_seconds, chain_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
@@ -26,7 +28,8 @@ typedef struct rsv_eye_picture {
     // of the frame in the making
     rsv_frame_aim aim;
     rsv_frame_tone tone;
-    rsv_medium medium; ///< the camera's
+    rsv_medium medium;     ///< the camera's
+    uint8_t medium_number; ///< in the list of media
     float spread;
 } rsv_eye_picture;
 
@@ -35,6 +38,8 @@ typedef struct rsv_tiling {
     const rsv_solution *solution;
     const rsv_light_table *table;
     const rsv_packet_kernels *kernels;
+    const rsv_chain_media *media;
+    const rsv_clearances *clearances;
     uint32_t width, height;      ///< of a picture
     uint32_t across, tile_count; ///< tiles of a picture
     uint32_t seed;

@@ -23,7 +23,7 @@ typedef enum rsv_shown_kind {
 
 /// One side of a triangle.
 typedef struct rsv_shown_side {
-    uint32_t cell;  ///< first of its grid
+    uint32_t cell;  ///< first of its grid; RSV_SHOWN_CHAIN: 1 + material
     uint16_t level; ///< of the grid: 2^level cells along an edge
     uint16_t kind;
 } rsv_shown_side;

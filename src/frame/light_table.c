@@ -50,7 +50,7 @@ static rsv_shown_side shown_side(const rsv_light_table *t, uint32_t triangle, bo
     const rsv_solution *s = t->solution;
     uint32_t material = s->scene.view->triangle_material[triangle];
     uint32_t face = s->elements->face_of[back][triangle];
-    if (!is_stored(s, material)) return (rsv_shown_side){ 0, 0, RSV_SHOWN_CHAIN };
+    if (!is_stored(s, material)) return (rsv_shown_side){ 1 + material, 0, RSV_SHOWN_CHAIN };
     if (back && !s->bsdf[material].double_sided) return (rsv_shown_side){ 0, 0, RSV_SHOWN_STORED };
     if (face == RSV_NONE) return (rsv_shown_side){ 1 + material, 0, RSV_SHOWN_STORED };
     return (rsv_shown_side){ t->face_cell[face], t->face_level[face], RSV_SHOWN_STORED };

@@ -4,6 +4,8 @@
 #define RSV_PACKET_KERNELS_H
 
 #include "../trace/camera_ray.h"
+#include "chain_lanes.h"
+#include "clearance.h"
 #include "light_table.h"
 #include "resolvent/trace.h"
 #include "tone.h"
@@ -51,6 +53,29 @@ RSV_INLINE rsv_vec3 rsv_packet_point(const rsv_ray_packet *p, uint32_t lane)
     return v3_mad(origin, p->t_max[lane], direction);
 }
 
+/// Asks the memory for the triangles that lanes met.
+RSV_INLINE void rsv_prefetch_triangles(
+    const rsv_scene_view *view, const rsv_ray_packet *p, uint32_t lanes)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t triangle = p->triangle[__builtin_ctz(lanes)];
+        if (triangle != RSV_NONE) __builtin_prefetch(view->triangle[triangle]);
+    }
+}
+
+/// And then for their corners.
+RSV_INLINE void rsv_prefetch_corners(
+    const rsv_scene_view *view, const rsv_ray_packet *p, uint32_t lanes)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t triangle = p->triangle[__builtin_ctz(lanes)];
+        for (int c = 0; c < 3 && triangle != RSV_NONE; c++) {
+            __builtin_prefetch(&view->position[view->triangle[triangle][c]]);
+            __builtin_prefetch(&view->normal[view->triangle[triangle][c]]);
+        }
+    }
+}
+
 /// From a packet to its radiance in four steps. Each asks the memory for what the next one reads, so that other
 /// packets' steps between them hide the waiting.
 typedef struct rsv_packet_kernels {
@@ -70,6 +95,11 @@ typedef struct rsv_packet_kernels {
     /// @param sum, radiance [count] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, uint32_t count, const float (*radiance)[4],
         float (*sum)[4], uint8_t (*pixel)[4]);
+    /// The branches of chains that have arrived at surfaces of one smooth material. What comes out for other lanes means
+    /// nothing.
+    void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,
+        const rsv_clearances *clearances, const rsv_ray_packet *packet,
+        const rsv_chain_lanes *chains, rsv_branch_lanes *reflected, rsv_branch_lanes *transmitted);
 } rsv_packet_kernels;
 
 /// @param instructions BEST, or what the processor is known to have; set to what is in use

@@ -1,4 +1,5 @@
 /// Included once per instruction set, with RSV_KERNELS the name of its table.
+#include "../render/branch.h"
 #include "packet_kernels.h"
 
 #include <string.h>
@@ -193,5 +194,7 @@ static void display_row(const rsv_frame_tone *tone, uint32_t count,
         out[k] = (uint8_t)(k % 4 == 3 ? 255 : code[k]);
 }
 
+#include "smooth_kernels_body.h"
+
 const rsv_packet_kernels RSV_KERNELS = { aim_packet, approach_packet, locate_packet, descend_packet,
-    look_up_packet, display_row };
+    look_up_packet, display_row, leave_smooth_packet };

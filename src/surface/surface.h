@@ -19,18 +19,15 @@ typedef struct rsv_surface_point {
     float extent;       ///< for rsv_offset_origin
 } rsv_surface_point;
 
-/// The point with its interpolated normal, normal maps left out: what elements receive by.
-RSV_INLINE rsv_surface_point rsv_surface_point_at(
-    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back)
+/// The point of a triangle with these corners and normals at them.
+RSV_INLINE rsv_surface_point rsv_surface_point_of(
+    const rsv_vec3 corner[3], const rsv_vec3 normal[3], float u, float v, bool back)
 {
-    const uint32_t *corner = scene->triangle[triangle];
-    rsv_vec3 a = scene->position[corner[0]], b = scene->position[corner[1]];
-    rsv_vec3 c = scene->position[corner[2]];
+    rsv_vec3 a = corner[0], b = corner[1], c = corner[2];
     rsv_surface_point point;
     point.position = v3_barycentric(a, b, c, u, v);
     point.geometric = v3_normalize(v3_cross(v3_sub(b, a), v3_sub(c, a)));
-    point.normal = v3_normalize(v3_barycentric(
-        scene->normal[corner[0]], scene->normal[corner[1]], scene->normal[corner[2]], u, v));
+    point.normal = v3_normalize(v3_barycentric(normal[0], normal[1], normal[2], u, v));
     if (v3_dot(point.normal, point.geometric) <= 0) point.normal = point.geometric;
     if (back) {
         point.geometric = v3_neg(point.geometric);
@@ -38,6 +35,16 @@ RSV_INLINE rsv_surface_point rsv_surface_point_at(
     }
     point.extent = f_max(v3_max_abs(a), f_max(v3_max_abs(b), v3_max_abs(c)));
     return point;
+}
+
+/// The point with its interpolated normal, normal maps left out: what elements receive by.
+RSV_INLINE rsv_surface_point rsv_surface_point_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back)
+{
+    const uint32_t *at = scene->triangle[triangle];
+    rsv_vec3 corner[3] = { scene->position[at[0]], scene->position[at[1]], scene->position[at[2]] };
+    rsv_vec3 normal[3] = { scene->normal[at[0]], scene->normal[at[1]], scene->normal[at[2]] };
+    return rsv_surface_point_of(corner, normal, u, v, back);
 }
 
 /// The point with its normal map: what is seen.

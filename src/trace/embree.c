@@ -211,6 +211,8 @@ rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
     return check_device(tracer);
 }
 
+bool rsv_tracer_is_apart(const rsv_tracer *tracer) { return tracer->apart != NULL; }
+
 rsv_status rsv_tracer_update(rsv_tracer *tracer)
 {
     RTCGeometry geometry = rtcGetGeometry(tracer->bvh, APART_GEOMETRY);

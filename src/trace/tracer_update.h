@@ -8,6 +8,9 @@
 /// first call counts. Nobody else may use the tracer meanwhile. @param moves [material_count]
 rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves);
 
+/// Whether that was done.
+bool rsv_tracer_is_apart(const rsv_tracer *tracer);
+
 /// Takes over the places of the triangles that were set apart. Nobody else may use the tracer meanwhile.
 rsv_status rsv_tracer_update(rsv_tracer *tracer);
 

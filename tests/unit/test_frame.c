@@ -94,6 +94,36 @@ static void surfaces_of_all_kinds_add_up_to_the_picture(void **state)
     check_frames(mixed_world(true), 1, pixel_count / 200);
 }
 
+/// Glass in glass around the camera and before it, more bodies than the list of media holds, one-sided mirrors.
+static world *nested_world(void)
+{
+    world *w = world_begin(2);
+    rsv_material one_sided = mirror_material(0.9f);
+    one_sided.double_sided = false;
+    world_room(w, world_lambert(w, 0.6f, 0), v3(-3, -2, -3), v3(3, 3, 3));
+    world_quad(w, world_lambert(w, 0, 5), v3(-1, 2, -1), v3(1, 2, -1), v3(1, 2, 1), v3(-1, 2, 1));
+    world_quad(w, world_material(w, one_sided), v3(-2, -1, 0), v3(-2, 1, 0), v3(-1, 1, -2),
+        v3(-1, -1, -2));
+    for (int k = 0; k < 70; k++) {
+        rsv_material glass = glass_material();
+        glass.ior = 1.05f + 0.01f * (float)k;
+        if (k % 3 == 0) glass.attenuation_color = rgb(0.5f, 0.9f, 0.8f);
+        if (k % 3 == 0) glass.attenuation_distance = 0.5f;
+        rsv_vec3 place = v3(-0.9f + 0.3f * (float)(k % 7), -1 + 0.25f * (float)(k / 7), 0);
+        world_sphere(w, world_material(w, glass), place, k % 2 ? 0.2f : 0.12f, 2);
+    }
+    rsv_camera camera = rsv_camera_look_at("front", v3(0, 0.2f, 2.5f), v3(0, 0.2f, 0), 0.8f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+static void bodies_within_bodies_add_up_to_the_picture(void **state)
+{
+    (void)state;
+    check_frames(nested_world(), 1, pixel_count / 200);
+}
+
 static void layers_are_shown(void **state)
 {
     (void)state;
@@ -352,6 +382,7 @@ int main(int argc, char **argv)
     };
     const struct CMUnitTest slow[] = {
         cmocka_unit_test(surfaces_of_all_kinds_add_up_to_the_picture),
+        cmocka_unit_test(bodies_within_bodies_add_up_to_the_picture),
         cmocka_unit_test(frames_follow_the_light),
     };
     return RUN_HALF(argc, argv, quick, slow);
