@@ -6,7 +6,7 @@
 #ifndef RSV_CHAIN_MEDIA_H
 #define RSV_CHAIN_MEDIA_H
 
-#include "../operator/chain_walk.h"
+#include "../chain/chain_walk.h"
 #include "packet_kernels.h"
 #include "resolvent/frame.h"
 
