@@ -18,8 +18,11 @@
 #define PILOT_ORDERS 3
 #define PILOT_BEND 0.2f
 #define LARGEST_BEND 2.0f
-/// Pilots may bring the number of nodes to this many times what was asked for. A split adds about so many.
-#define MOST_NODES 8
+/// Pilots may add so many times the rows that were asked for to those that the surfaces take anyway. A split adds about
+/// so many.
+#define MOST_NODES 7
+/// A pilot takes an eighth of the rays of a solution: worth it where it may add this part of the rows there are.
+#define LEAST_GROWTH 0.25
 #define NODES_PER_SPLIT 2
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
@@ -78,27 +81,27 @@ static void unmark_settled(const rsv_past *past, const rsv_elements *e, uint8_t 
         if (split[c] && !rsv_past_is_near(past, e, c)) split[c] = 0;
 }
 
-/// Rows that pilots may bring the solution to.
-static size_t most_rows(const rsv_solution *s)
+/// Rows that pilots may bring the solution to. @param first rows before them
+static size_t most_rows(const rsv_solution *s, size_t first)
 {
-    size_t most = (size_t)MOST_NODES * s->desc.element_target, budget = rsv_budget_rows(s);
+    size_t most = first + (size_t)MOST_NODES * s->desc.element_target, budget = rsv_budget_rows(s);
     return most < budget ? most : budget;
 }
 
-/// Marks the cells over which indirect light bends, the strongest bends alone where all of them would take more nodes
-/// than there should be. @param any out: false if none are marked
-static rsv_status mark_bends(
-    const rsv_solution *s, const rsv_goal *goal, const float *deviation, uint8_t *split, bool *any)
+/// Marks the cells over which light bends that has no finer level, the strongest bends alone where all of them would
+/// take more than `most` rows. @param arriving [node_count] that light @param any out: false if none are marked
+static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t most,
+    const rsv_rgb *arriving, const float *deviation, uint8_t *split, bool *any)
 {
     const rsv_elements *e = s->elements;
-    float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, s->indirect);
-    size_t rows = rsv_solution_rows(s), most = most_rows(s);
+    float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, arriving);
+    size_t rows = rsv_solution_rows(s);
     *any = false;
     for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
         memset(split, 0, e->cell_count);
         rsv_status status = rsv_find_bends(
-            e, s->indirect, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
-        rsv_find_cluster_bends(e, s->indirect, deviation, bend, dark, mark_pair, split);
+            e, arriving, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
+        rsv_find_cluster_bends(e, arriving, deviation, bend, dark, mark_pair, split);
         unmark_idle(goal, e, split);
         unmark_settled(settled(s), e, split);
         bool marked;
@@ -173,15 +176,15 @@ static void gather_near(rsv_solution *s, const uint8_t *far, const rsv_rgb *then
 }
 
 /// The same as solve_roughly where the light of all that an edit is far from is taken for what it was.
-static rsv_status solve_near(rsv_solution *s)
+/// @param far [node_count], out: nodes that it is far from, for which nothing is gathered
+static rsv_status solve_near(rsv_solution *s, uint8_t *far)
 {
     rsv_status status;
     size_t nodes = s->elements->node_count;
-    uint8_t *far = rsv_alloc(s->context, nodes, 1);
     rsv_rgb *then = rsv_alloc(s->context, nodes, sizeof *then);
     rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
     s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
-    RSV_TRY(far && then && exitance && s->indirect ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(then && exitance && s->indirect ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(recall_far(s, far, then));
     memcpy(s->indirect, then, nodes * sizeof *then);
     rsv_elements_constrain(s->elements, s->indirect);
@@ -191,38 +194,45 @@ static rsv_status solve_near(rsv_solution *s)
     for (uint32_t order = 0; order < PILOT_ORDERS; order++)
         gather_near(s, far, then, exitance);
 cleanup:
-    rsv_free(s->context, far);
     rsv_free(s->context, then);
     rsv_free(s->context, exitance);
     return status;
 }
 
 /// Splits coarse cells over which the first few orders of a pilot solution bend.
-/// @param refined out: false if there are none
-static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, bool *refined)
+/// @param most rows afterwards @param refined out: false if there are none
+static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, size_t most, bool *refined)
 {
     rsv_status status = RSV_OK;
     uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
     size_t nodes = s->elements->node_count;
+    uint8_t *far = rsv_alloc(s->context, nodes, 1);
     float *deviation = rsv_alloc(s->context, nodes, sizeof *deviation);
     rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
-    if (!split || !deviation || !exitance) {
+    if (!split || !far || !deviation || !exitance) {
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
     RSV_TRY(rsv_system_create_fields(s));
-    RSV_TRY(settled(s) ? solve_near(s) : solve_roughly(s));
+    RSV_TRY(settled(s) ? solve_near(s, far) : solve_roughly(s));
     for (size_t n = 0; n < nodes; n++)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
     rsv_mark_buried(s->elements, s->valid_points, deviation);
-    RSV_TRY(mark_bends(s, goal, deviation, split, refined));
+    // light without a finer level: indirect, and what is gathered of the sky and of lamps
+    rsv_rgb *arriving = exitance;
+    for (size_t n = 0; n < nodes; n++) {
+        arriving[n] = rgb_add(s->gathered[n], s->indirect[n]);
+        if (far[n]) deviation[n] = INFINITY;
+    }
+    RSV_TRY(mark_bends(s, goal, most, arriving, deviation, split, refined));
     rsv_system_destroy(s);
     if (!*refined) goto cleanup;
     shrink_clusters(s->elements, split);
     RSV_TRY(rsv_coarse_elements_split(s, split));
 cleanup:
     rsv_free(s->context, split);
+    rsv_free(s->context, far);
     rsv_free(s->context, deviation);
     rsv_free(s->context, exitance);
     return status;
@@ -271,9 +281,11 @@ rsv_status rsv_pilot_refine(rsv_solution *s)
     rsv_goal goal = { 0 };
     bool refined = rsv_reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
     if (rsv_pilot_has_goal(s) && refined) RSV_TRY(refine_for_goal(s, &goal));
+    size_t most = most_rows(s, rsv_solution_rows(s));
     for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++) {
-        if (rsv_solution_rows(s) >= most_rows(s)) break;
-        RSV_TRY(refine_by_pilot(s, &goal, &refined));
+        size_t rows = rsv_solution_rows(s);
+        if ((double)most < (1 + LEAST_GROWTH) * (double)rows) break;
+        RSV_TRY(refine_by_pilot(s, &goal, most, &refined));
     }
 cleanup:
     rsv_goal_destroy(&goal);
