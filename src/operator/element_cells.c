@@ -80,8 +80,7 @@ static uint8_t grid_level(const rsv_elements *e, const rsv_spacing *spacing, siz
     const rsv_past *past = spacing->scene->past;
     uint8_t halvings,
         level; // where cells have other grids to lie in, random numbers of nodes are others too
-    if (past && rsv_past_find_face(past, rsv_face_key(e, (uint32_t)face), &halvings, &level))
-        return level;
+    if (past && rsv_past_find_face(past, e, (uint32_t)face, &halvings, &level)) return level;
     return (uint8_t)rsv_spacing_divide(spacing, e->face_triangle[face], e->face_back[face])
         .coarsest;
 }

@@ -27,7 +27,8 @@ static void receive(const rsv_row_tracer *tracer, uint32_t node, uint32_t index,
 
 void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
 {
-    receive(tracer, node, node, tracer->valid_points[node], r);
+    uint32_t index = rsv_elements_draw_of(tracer->elements, node);
+    receive(tracer, node, index, tracer->valid_points[node], r);
 }
 
 /// Light of gathered sources counts however it arrives; that of the others is the business of
@@ -253,6 +254,8 @@ static bool points_hold(const rsv_row_tracer *tracer, uint32_t node, const rsv_r
 {
     const uint16_t all = (1u << RSV_SUPPORT_POINTS) - 1;
     if (past->valid == all && tracer->valid_points[node] == all) return true;
+    if (past->index == rsv_elements_draw_of(tracer->elements, node))
+        return past->valid == tracer->valid_points[node];
     uint64_t rays = 0; // not counted, as a run that knows of nothing does without them
     return past->valid == rsv_judge_points(tracer->scene, tracer->elements, node, past->index,
                               RSV_SUPPORT_POINTS, tracer->seed, &rays);

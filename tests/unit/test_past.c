@@ -1,61 +1,8 @@
 /// Solving a scene again after an edit, from what the solution before knew.
-#include "file_fixture.h"
-#include "light_fixture.h"
-#include "operator/element_keys.h"
-#include "operator/past_file.h"
+#include "past_fixture.h"
 #include "solve/budget.h"
-#include "solve/solution.h"
 
 #include <math.h>
-
-/// What is edited. Metres.
-typedef struct room {
-    float box_at;   ///< x of a box on the floor
-    float albedo;   ///< of that box
-    float radiance; ///< of the lamp
-} room;
-
-static const room plain = { 0.5f, 0.5f, 1 };
-
-static world *build(const room *r, int threads)
-{
-    world *w = world_begin(threads);
-    uint32_t walls = world_lambert(w, 0.7f, 0), box = world_lambert(w, r->albedo, 0);
-    uint32_t lamp = world_lambert(w, 0, r->radiance);
-    world_room(w, walls, v3(0, 0, 0), v3(6, 2, 2));
-    world_box(w, box, v3(r->box_at, 1e-4f, 0.5f), v3(r->box_at + 0.3f, 0.4f, 0.8f));
-    world_box(w, lamp, v3(1, 1.9f, 0.8f), v3(1.3f, 1.95f, 1.2f));
-    world_commit(w);
-    return w;
-}
-
-static rsv_solve_desc few_elements(const char *rows, const char *earlier)
-{
-    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = 400;
-    desc.rays_per_element = 64;
-    desc.refinements = 1;
-    desc.direct_levels = 2;
-    desc.checkpoint = rows;
-    desc.earlier = earlier;
-    return desc;
-}
-
-static rsv_solution *solve(const world *w, const char *rows, const char *earlier)
-{
-    rsv_solution *s = NULL;
-    rsv_solve_desc desc = few_elements(rows, earlier);
-    if (rsv_solution_create(w->scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
-    return s;
-}
-
-/// Solves a room and leaves what it knows in `rows`.
-static void leave(const room *r, const char *rows, const char *earlier)
-{
-    world *w = build(r, 2);
-    rsv_solution_destroy(solve(w, rows, earlier));
-    world_end(w);
-}
 
 /// RMS difference of irradiance at the middles and corners of triangles, over its RMS.
 static double difference(const rsv_solution *a, const rsv_solution *b)
@@ -170,26 +117,6 @@ static void threads_make_no_difference(void **state)
     remove_folder(before.path);
 }
 
-/// The file of what a solve knew, in a folder. @return to be freed
-static rsv_past_header *read_past(const char *folder_path, size_t *bytes)
-{
-    char path[512] = { 0 };
-    DIR *directory = opendir(folder_path);
-    for (struct dirent *entry; (entry = readdir(directory));)
-        if (strstr(entry->d_name, ".past"))
-            snprintf(path, sizeof path, "%.200s/%.200s", folder_path, entry->d_name);
-    closedir(directory);
-    return (rsv_past_header *)(void *)read_bytes(path, bytes);
-}
-
-static void write_past(const char *folder_path, rsv_past_header *h, size_t bytes)
-{
-    char path[512];
-    assert_true(rsv_past_path(folder_path, h->settings, path, sizeof path));
-    h->checksum = rsv_past_checksum(h, bytes);
-    write_bytes(path, h, bytes);
-}
-
 /// Leaves in `rows` what a solve of the room knew, as if that had been one by `settings`.
 static void leave_for(const room *r, const char *rows, uint64_t settings)
 {
@@ -228,117 +155,6 @@ static void budgets_coarsen_what_was_finer_before(void **state)
     world_end(w);
     remove_folder(before.path);
     remove_folder(after.path);
-}
-
-typedef void (*forger)(rsv_past_header *, const rsv_past_layout *);
-
-static void forge_nothing(rsv_past_header *h, const rsv_past_layout *l) { (void)h, (void)l; }
-
-static void forge_spacing(rsv_past_header *h, const rsv_past_layout *l)
-{
-    (void)l;
-    h->spacing[1] = NAN;
-}
-
-static void forge_light(rsv_past_header *h, const rsv_past_layout *l)
-{
-    (void)h;
-    ((rsv_past_node *)(void *)l->nodes[RSV_PAST_FINE].value)[3].direct.g = NAN;
-}
-
-static void forge_box(rsv_past_header *h, const rsv_past_layout *l)
-{
-    (void)h;
-    l->triangle[0].low.x = NAN;
-}
-
-enum { KEPT_KEY = 1000 };
-
-/// No slot is free, every cell was split, and faces have levels that there are not.
-static void forge_cells(rsv_past_header *h, const rsv_past_layout *l)
-{
-    (void)h;
-    const rsv_past_table *t = &l->cells[RSV_PAST_COARSE];
-    for (size_t k = 0; k < t->slots; k++) {
-        t->key[k] = KEPT_KEY + k;
-        t->value[k] = 0xff;
-    }
-}
-
-/// What is written of a room, forged, and opened again.
-static rsv_past *open_forged(const world *w, const folder *f, forger forge)
-{
-    size_t bytes;
-    rsv_past *past = NULL;
-    const rsv_spacing spacing = { .metres = 1, .reach = INFINITY };
-    const rsv_past_fields nothing[RSV_PAST_LEVELS] = { { 0 } };
-    rsv_past_write(&w->transport, w->lights, f->path, 1, &spacing, nothing);
-    rsv_past_header *h = read_past(f->path, &bytes);
-    rsv_past_layout layout = rsv_past_layout_of(h);
-    forge(h, &layout);
-    write_past(f->path, h, bytes);
-    free(h);
-    assert_int_equal(rsv_past_open(&w->transport, w->lights, f->path, 1, &past), RSV_OK);
-    return past;
-}
-
-static void forged_files_lead_nowhere(void **state)
-{
-    (void)state;
-    folder f = new_folder();
-    world *w = build(&plain, 1);
-    rsv_past *past = open_forged(w, &f, forge_nothing);
-    assert_non_null(past);
-    rsv_past_close(past);
-    assert_null(open_forged(w, &f, forge_spacing));
-    assert_null(open_forged(w, &f, forge_light));
-    assert_null(open_forged(w, &f, forge_box));
-    past = open_forged(w, &f, forge_cells);
-    assert_non_null(past);
-    uint8_t halvings, level;
-    assert_true(rsv_past_was_split(past, RSV_PAST_COARSE, KEPT_KEY));
-    assert_false(rsv_past_was_split(past, RSV_PAST_COARSE, KEPT_KEY - 1)); // comes back at all
-    assert_false(rsv_past_find_face(past, KEPT_KEY, &halvings, &level));
-    rsv_past_close(past);
-    world_end(w);
-    remove_folder(f.path);
-}
-
-/// A cell as small as there are, which its past says was split all the same.
-static void cells_are_split_to_the_finest_level_at_most(void **state)
-{
-    (void)state;
-    folder f = new_folder();
-    world *w = build(&plain, 1);
-    rsv_elements *e = NULL;
-    const rsv_spacing spacing = { .metres = 10, .reach = INFINITY };
-    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
-    rsv_past *past = NULL;
-    rsv_past_header *h;
-    size_t bytes;
-    const rsv_past_fields nothing[RSV_PAST_LEVELS] = { { 0 } };
-    rsv_past_write(&w->transport, w->lights, f.path, 1, &spacing, nothing);
-    h = read_past(f.path, &bytes);
-    rsv_past_layout layout = rsv_past_layout_of(h);
-    rsv_cell *cell = &e->cell[0];
-    for (int finest = 0; finest < 2; finest++) {
-        cell->level = (uint8_t)(RSV_MAX_LEVEL - 1 + finest);
-        uint64_t key = rsv_cell_key_on(rsv_face_key(e, cell->face), cell);
-        size_t slot = rsv_past_slot(&layout.cells[RSV_PAST_FINE], key);
-        layout.cells[RSV_PAST_FINE].key[slot] = key;
-        layout.cells[RSV_PAST_FINE].value[slot] = RSV_PAST_SPLIT;
-    }
-    write_past(f.path, h, bytes);
-    free(h);
-    assert_int_equal(rsv_past_open(&w->transport, w->lights, f.path, 1, &past), RSV_OK);
-    assert_non_null(past);
-    assert_false(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, 0));
-    cell->level--;
-    assert_true(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, 0));
-    rsv_past_close(past);
-    rsv_elements_destroy(e);
-    world_end(w);
-    remove_folder(f.path);
 }
 
 static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float roughness)
@@ -431,42 +247,6 @@ static void light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change(void
     remove_folder(after.path);
 }
 
-static void damage(const char *folder_path)
-{
-    DIR *directory = opendir(folder_path);
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        char path[512];
-        if (!strstr(entry->d_name, ".past")) continue;
-        snprintf(path, sizeof path, "%.200s/%.200s", folder_path, entry->d_name);
-        FILE *file = fopen(path, "r+b");
-        assert_non_null(file);
-        assert_int_equal(fseek(file, 5000, SEEK_SET), 0);
-        assert_int_equal(fputc(0x55, file), 0x55);
-        fclose(file);
-    }
-    closedir(directory);
-}
-
-static void damaged_files_are_passed_over(void **state)
-{
-    (void)state;
-    folder before = new_folder(), after = new_folder();
-    room brighter = plain;
-    brighter.radiance = 2;
-    leave(&plain, before.path, NULL);
-    damage(before.path);
-    world *w = build(&brighter, 2);
-    rsv_solution *again = solve(w, after.path, before.path), *whole = solve(w, NULL, NULL);
-    assert_int_equal(again->elements->node_count, whole->elements->node_count);
-    assert_memory_equal(again->irradiance, whole->irradiance,
-        whole->elements->node_count * sizeof *whole->irradiance);
-    rsv_solution_destroy(again);
-    rsv_solution_destroy(whole);
-    world_end(w);
-    remove_folder(before.path);
-    remove_folder(after.path);
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -474,10 +254,7 @@ int main(void)
         cmocka_unit_test(albedos_need_no_rays_of_rows),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change),
-        cmocka_unit_test(damaged_files_are_passed_over),
         cmocka_unit_test(budgets_coarsen_what_was_finer_before),
-        cmocka_unit_test(forged_files_lead_nowhere),
-        cmocka_unit_test(cells_are_split_to_the_finest_level_at_most),
         cmocka_unit_test(another_coat_is_another_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
