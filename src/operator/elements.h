@@ -59,6 +59,8 @@ typedef struct rsv_elements {
 
     uint32_t *slot; ///< a cell, or RSV_SLOT_SPLIT | first of the four slots of its children
     size_t slot_count;
+    uint8_t *slot_openness; ///< [slot_count] what was judged of cells before they were split, with
+                            ///< RSV_OPENNESS_KNOWN; NULL = of none
 
     size_t cell_count;
     rsv_cell *cell;           ///< [cell_count]

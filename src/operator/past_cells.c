@@ -3,6 +3,7 @@
 
 #include "../core/index_map.h"
 #include "element_keys.h"
+#include "open_corners.h"
 
 static size_t cells_in_grid(const rsv_past_face *face) { return (size_t)1 << (2 * face->level); }
 
@@ -112,9 +113,9 @@ bool rsv_past_openness(const rsv_past *p, const rsv_elements *e, uint32_t cell, 
     for (int level = RSV_PAST_LEVELS; level-- > 0;) {
         const rsv_past_cells *c = &p->layout.cells[level];
         uint32_t slot = find_slot(p, (rsv_past_level)level, e, cell);
-        if (slot == RSV_NONE || c->slot[slot] & RSV_SLOT_SPLIT) continue;
+        if (slot == RSV_NONE || !(c->openness[slot] & RSV_OPENNESS_KNOWN)) continue;
         if (rsv_past_is_beside(p, e, cell)) return false;
-        *openness = c->openness[slot];
+        *openness = c->openness[slot] & (uint8_t)~RSV_OPENNESS_KNOWN;
         return true;
     }
     return false;

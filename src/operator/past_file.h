@@ -4,7 +4,7 @@
 
 #include "past.h"
 
-#define RSV_PAST_MAGIC 0x35747370u // "pst5"
+#define RSV_PAST_MAGIC 0x36747370u // "pst6"
 #define RSV_PAST_PATH_BYTES 4096
 
 typedef struct rsv_past_header {
@@ -36,7 +36,7 @@ typedef struct rsv_past_cells {
     size_t face_count, slot_count;
     rsv_past_face *face; ///< [face_count]
     uint32_t *slot;      ///< [slot_count] RSV_SLOT_SPLIT and the first child, or anything
-    uint8_t *openness;   ///< [slot_count] of those that are not split
+    uint8_t *openness;   ///< [slot_count] with RSV_OPENNESS_KNOWN; 0 = it is not
 } rsv_past_cells;
 
 /// A hash table with open addresses in a file. Key 0 = free slot.

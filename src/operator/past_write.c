@@ -4,6 +4,7 @@
 #include "../core/key.h"
 #include "element_keys.h"
 #include "elements_internal.h"
+#include "open_corners.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -38,8 +39,10 @@ static void put_cells(rsv_past_cells *cells, const rsv_elements *e)
     memcpy(cells->slot, e->slot, e->slot_count * sizeof *e->slot);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (size_t slot = 0; slot < e->slot_count; slot++) {
-        bool leaf = !(e->slot[slot] & RSV_SLOT_SPLIT);
-        cells->openness[slot] = leaf && e->cell_openness ? e->cell_openness[e->slot[slot]] : 0;
+        bool split = e->slot[slot] & RSV_SLOT_SPLIT;
+        const uint8_t *known = split ? e->slot_openness : e->cell_openness;
+        size_t at = split ? slot : e->slot[slot];
+        cells->openness[slot] = known ? known[at] | (split ? 0 : RSV_OPENNESS_KNOWN) : 0;
     }
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #define LANES RSV_SUPPORT_POINTS
+#define ALL_LANES ((1u << LANES) - 1)
 
 /// @param index of the node whose random numbers are used @param valid points that count with these
 static void receive(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
@@ -235,6 +236,7 @@ static uint32_t trace_others(
 {
     uint16_t known = kept->ends | kept->skies | kept->blacks;
     uint32_t traced = 0;
+    if (kept->ends == ALL_LANES) return 0;
     for (int k = 0; k < LANES; k++) {
         if (known >> k & 1) packet->t_max[k] = -1;
         packet->triangle[k] = RSV_NONE;
@@ -278,7 +280,7 @@ void rsv_row_trace_anew(
         const float *z = aim(tracer, &r, first, &packet);
         kept_rays kept = keep_rays(past, past->kind + first, &column, &packet);
         s->kept += LANES - trace_others(tracer, &kept, &packet);
-        process_hits(tracer, s, first, &r, z, &packet);
+        if (kept.ends != ALL_LANES) process_hits(tracer, s, first, &r, z, &packet);
         for (uint32_t k = 0; k < LANES; k++) {
             if (!(kept.ends >> k & 1)) continue;
             s->column[first + k] = kept.column[k];

@@ -1,5 +1,6 @@
 /// Files of what a solve knew, damaged and forged.
 #include "operator/elements_internal.h"
+#include "operator/open_corners.h"
 #include "past_fixture.h"
 
 static void damage(const char *folder_path)
@@ -168,7 +169,9 @@ static void cells_are_found_again(void **state)
     rsv_past_header *h = read_past(f.path, &bytes);
     assert_int_equal(rsv_past_open(&w->transport, w->lights, f.path, h->settings, &past), RSV_OK);
     assert_non_null(past);
-    rsv_elements *e = s->fine.elements;
+    rsv_elements *e = s->fine.elements, unjudged = *e;
+    unjudged.cell_openness = NULL;
+    uint64_t rays = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
         uint8_t openness = 0xff;
         assert_false(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, c));
@@ -178,6 +181,9 @@ static void cells_are_found_again(void **state)
         if (cell.level == e->face_level[cell.face]) continue;
         e->cell[c] = parent_of(cell);
         assert_true(rsv_past_was_cell_split(past, RSV_PAST_FINE, e, c));
+        rsv_cell_shape shape = rsv_cell_shape_of(e, c);
+        uint8_t judged = rsv_cell_openness(&w->transport, &unjudged, c, &shape, &rays);
+        if (rsv_past_openness(past, e, c, &openness)) assert_int_equal(openness, judged);
         e->cell[c] = cell;
         parents++;
     }
