@@ -40,20 +40,32 @@ static inline rsv_solve_desc few_elements(const char *rows, const char *earlier)
     return desc;
 }
 
-static inline rsv_solution *solve(const world *w, const char *rows, const char *earlier)
+static inline rsv_solution *solve_as(
+    const world *w, const char *rows, const char *earlier, uint32_t seed)
 {
     rsv_solution *s = NULL;
     rsv_solve_desc desc = few_elements(rows, earlier);
+    desc.seed = seed;
     if (rsv_solution_create(w->scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
     return s;
 }
 
+static inline rsv_solution *solve(const world *w, const char *rows, const char *earlier)
+{
+    return solve_as(w, rows, earlier, 1);
+}
+
 /// Solves a room and leaves what it knows in `rows`.
-static inline void leave(const room *r, const char *rows, const char *earlier)
+static inline void leave_as(const room *r, const char *rows, const char *earlier, uint32_t seed)
 {
     world *w = build(r, 2);
-    rsv_solution_destroy(solve(w, rows, earlier));
+    rsv_solution_destroy(solve_as(w, rows, earlier, seed));
     world_end(w);
+}
+
+static inline void leave(const room *r, const char *rows, const char *earlier)
+{
+    leave_as(r, rows, earlier, 1);
 }
 
 /// The file of what a solve knew, in a folder. @return to be freed
