@@ -9,6 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 #if defined(_OPENMP)
 #include <omp.h>
 #endif
@@ -25,10 +28,27 @@ struct rsv_context {
 
 static _Thread_local char last_error[1024] = "no error";
 
+/// Asks for huge pages inside large arrays: touching them for the first time costs a few faults, not thousands.
+static void ask_for_huge_pages(void *memory, size_t bytes)
+{
+#if defined(MADV_HUGEPAGE)
+    const size_t page = (size_t)1 << 21;
+    uintptr_t begin = ((uintptr_t)memory + page - 1) / page * page;
+    uintptr_t end = ((uintptr_t)memory + bytes) / page * page;
+    if (memory && end > begin)
+        madvise((void *)begin, end - begin, MADV_HUGEPAGE); // a wish: refusing it is fine
+#else
+    (void)memory;
+    (void)bytes;
+#endif
+}
+
 static void *default_allocate(void *user, size_t bytes)
 {
     (void)user;
-    return aligned_alloc(64, bytes);
+    void *memory = aligned_alloc(64, bytes);
+    ask_for_huge_pages(memory, bytes);
+    return memory;
 }
 
 static void default_release(void *user, void *memory)

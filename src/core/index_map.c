@@ -16,8 +16,8 @@ static size_t slot_of(const rsv_index_map *map, uint64_t key)
 
 static rsv_status allocate(rsv_index_map *map, size_t capacity)
 {
-    map->key = rsv_alloc(map->context, capacity, sizeof *map->key);
-    map->value = rsv_alloc(map->context, capacity, sizeof *map->value);
+    map->key = rsv_reserve(map->context, capacity, sizeof *map->key);
+    map->value = rsv_reserve(map->context, capacity, sizeof *map->value);
     if (!map->key || !map->value) return RSV_ERROR_MEMORY;
     memset(map->value, 0xff, capacity * sizeof *map->value);
     map->capacity = capacity;

@@ -102,9 +102,9 @@ rsv_status rsv_source_recall_nodes(
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (status != RSV_OK || e->node_hanging[n] != RSV_NONE || f->lit[n]) continue;
         uint16_t few = 0;
-        const rsv_past_node *fine = rsv_past_find_node(r->past, RSV_PAST_FINE, e, n, key[n]);
-        const rsv_past_node *then =
-            fine ? fine : rsv_past_find_node(r->past, RSV_PAST_COARSE, e, n, key[n]);
+        const rsv_past_light *fine = rsv_past_find_light(r->past, RSV_PAST_FINE, e, n, key[n]);
+        const rsv_past_light *then =
+            fine ? fine : rsv_past_find_light(r->past, RSV_PAST_COARSE, e, n, key[n]);
         if (!then || (!fine && !few_points_of(then->valid, &few))) continue;
         if (is_node_lit_anew(r, e, n)) continue; // its points are drawn by another number
         f->known[n] = f->lit[n] = 1;

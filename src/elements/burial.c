@@ -42,7 +42,8 @@ rsv_status rsv_find_buried(const rsv_transport_scene *scene, const rsv_elements 
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK) || (known && known[node])) continue;
         valid_points[node] =
             e->node_hanging[node] == RSV_NONE
-                ? rsv_judge_points(scene, e, (uint32_t)node, (uint32_t)node, points, seed, &traced)
+                ? rsv_judge_points(scene, e, (uint32_t)node,
+                      rsv_elements_draw_of(e, (uint32_t)node), points, seed, &traced)
                 : 0;
     }
     *rays += rsv_team_total(e->context, traced);

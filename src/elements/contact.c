@@ -77,8 +77,7 @@ static bool is_affordable(
 {
     if (e->cell[cell].level >= RSV_MAX_LEVEL) return false;
     if (past && !rsv_past_is_near(past, e, cell))
-        return rsv_past_was_split(past, RSV_PAST_COARSE,
-            rsv_cell_key_on(rsv_face_key(e, e->cell[cell].face), &e->cell[cell]));
+        return rsv_past_was_cell_split(past, RSV_PAST_COARSE, e, cell);
     uint8_t openness = e->cell_openness[cell];
     float size = cell_size(e, cell), drawn = rsv_unit_float(rsv_hash(cell));
     return is_worth_splitting(openness, size, e->spacing, a->least, splits) ||

@@ -1,7 +1,7 @@
 /// Faces, their grids and the 4-to-1 subdivision of cells.
 #include "elements_internal.h"
 
-#include "element_keys.h"
+#include "open_corners.h"
 #include "past.h"
 
 #include "weld.h"
@@ -80,8 +80,7 @@ static uint8_t grid_level(const rsv_elements *e, const rsv_spacing *spacing, siz
     const rsv_past *past = spacing->scene->past;
     uint8_t halvings,
         level; // where cells have other grids to lie in, random numbers of nodes are others too
-    if (past && rsv_past_find_face(past, rsv_face_key(e, (uint32_t)face), &halvings, &level))
-        return level;
+    if (past && rsv_past_find_face(past, e, (uint32_t)face, &halvings, &level)) return level;
     return (uint8_t)rsv_spacing_divide(spacing, e->face_triangle[face], e->face_back[face])
         .coarsest;
 }
@@ -146,6 +145,14 @@ static void emit_cell(splitter *s, size_t slot, rsv_cell cell)
     s->fresh->slot[slot] = (uint32_t)s->next_cell++;
 }
 
+/// What is known of a cell that is split.
+static uint8_t known_openness(const rsv_elements *e, size_t slot)
+{
+    uint32_t content = e->slot[slot];
+    if (content & RSV_SLOT_SPLIT) return e->slot_openness ? e->slot_openness[slot] : 0;
+    return e->cell_openness ? RSV_OPENNESS_KNOWN | e->cell_openness[content] : 0;
+}
+
 static void emit_slot(splitter *s, size_t old_slot, size_t slot)
 {
     uint32_t content = s->old->slot[old_slot];
@@ -157,6 +164,7 @@ static void emit_slot(splitter *s, size_t old_slot, size_t slot)
     size_t first = s->next_slot;
     s->next_slot += 4;
     s->fresh->slot[slot] = RSV_SLOT_SPLIT | (uint32_t)first;
+    s->fresh->slot_openness[slot] = known_openness(s->old, old_slot);
     for (size_t k = 0; k < 4; k++) {
         if (was_split)
             emit_slot(s, (content & ~RSV_SLOT_SPLIT) + k, first + k);
@@ -179,7 +187,8 @@ rsv_status rsv_elements_split_cells(
         return rsv_fail(RSV_ERROR_MEMORY, "elements: more than 2^31 cells; ask for fewer elements");
     fresh->cell = rsv_alloc(fresh->context, fresh->cell_count, sizeof *fresh->cell);
     fresh->slot = rsv_alloc(fresh->context, fresh->slot_count, sizeof *fresh->slot);
-    if (!fresh->cell || !fresh->slot) return RSV_ERROR_MEMORY;
+    fresh->slot_openness = rsv_alloc(fresh->context, fresh->slot_count, 1);
+    if (!fresh->cell || !fresh->slot || !fresh->slot_openness) return RSV_ERROR_MEMORY;
     splitter s = { old, split, fresh, grid, 0 };
     for (size_t slot = 0; slot < grid; slot++)
         emit_slot(&s, slot, slot);

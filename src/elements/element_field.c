@@ -142,7 +142,7 @@ uint32_t rsv_elements_find_twin(const rsv_elements *e, uint32_t node, const rsv_
 void rsv_elements_sample_support(
     const rsv_elements *e, uint32_t node, uint32_t count, uint32_t seed, rsv_support_point *points)
 {
-    rsv_elements_sample_support_as(e, node, node, count, seed, points);
+    rsv_elements_sample_support_as(e, node, rsv_elements_draw_of(e, node), count, seed, points);
 }
 
 void rsv_elements_sample_support_as(const rsv_elements *e, uint32_t node, uint32_t index,

@@ -10,13 +10,17 @@ uint64_t rsv_triangle_key(const rsv_scene_view *scene, uint32_t triangle)
     return key;
 }
 
+uint64_t rsv_face_key_of(const rsv_scene_view *scene, uint32_t triangle, uint8_t back)
+{
+    uint64_t key = rsv_key_add(rsv_triangle_key(scene, triangle), back);
+    for (int k = 0; k < 3; k++)
+        key = rsv_key_add_vector(key, scene->normal[scene->triangle[triangle][k]]);
+    return key;
+}
+
 uint64_t rsv_face_key(const rsv_elements *e, uint32_t face)
 {
-    uint32_t triangle = e->face_triangle[face];
-    uint64_t key = rsv_key_add(rsv_triangle_key(e->scene, triangle), e->face_back[face]);
-    for (int k = 0; k < 3; k++)
-        key = rsv_key_add_vector(key, e->scene->normal[e->scene->triangle[triangle][k]]);
-    return key;
+    return rsv_face_key_of(e->scene, e->face_triangle[face], e->face_back[face]);
 }
 
 uint64_t rsv_cell_key_on(uint64_t face_key, const rsv_cell *c)

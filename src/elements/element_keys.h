@@ -9,6 +9,7 @@
 uint64_t rsv_triangle_key(const rsv_scene_view *scene, uint32_t triangle);
 
 /// Of a triangle with its normals, and the side.
+uint64_t rsv_face_key_of(const rsv_scene_view *scene, uint32_t triangle, uint8_t back);
 uint64_t rsv_face_key(const rsv_elements *elements, uint32_t face);
 /// Of a cell by its place on the face; it may be one that was split.
 uint64_t rsv_cell_key_on(uint64_t face_key, const rsv_cell *cell);

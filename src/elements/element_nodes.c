@@ -254,8 +254,8 @@ rsv_status rsv_elements_number_nodes(rsv_elements *e, uint8_t **unbalanced, bool
     RSV_TRY(create_table(e, &nodes));
     RSV_TRY(number_nodes(e, &nodes));
     RSV_TRY(find_hanging(&finder));
-    RSV_TRY(create_supports(e));
     *any_unbalanced = finder.any_unbalanced;
+    if (!finder.any_unbalanced) RSV_TRY(create_supports(e));
 cleanup:
     *unbalanced = finder.unbalanced;
     rsv_free(e->context, finder.face_finest);

@@ -59,6 +59,8 @@ typedef struct rsv_elements {
 
     uint32_t *slot; ///< a cell, or RSV_SLOT_SPLIT | first of the four slots of its children
     size_t slot_count;
+    uint8_t *slot_openness; ///< [slot_count] what was judged of cells before they were split, with
+                            ///< RSV_OPENNESS_KNOWN; NULL = of none
 
     size_t cell_count;
     rsv_cell *cell;           ///< [cell_count]
@@ -79,6 +81,9 @@ typedef struct rsv_elements {
     uint32_t *node_hanging; ///< [node_count] index into `hanging`, RSV_NONE = free node
     uint32_t *led_begin;    ///< [node_count + 1] into `led`; NULL = no clusters
     rsv_led *led;           ///< those that follow each node
+    uint32_t *
+        node_draw; ///< [node_count] number that stands for each node's where its points are drawn: what it had
+                   ///< in an earlier version of the scene; NULL = its own
 } rsv_elements;
 
 #define RSV_SLOT_SPLIT 0x80000000u
@@ -211,11 +216,17 @@ typedef struct rsv_support_point {
 
 /// A stratified sample of a node's support with density proportional to its hat function, those of its followers
 /// included in so far as they take its value. Points of one cell come one after the other.
-/// @param seed differs between independent samples @param points [count]
+/// Drawn by node_draw. @param seed differs between independent samples @param points [count]
 void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, uint32_t count,
     uint32_t seed, rsv_support_point *points);
 /// The same with the random numbers of a node of another index.
 void rsv_elements_sample_support_as(const rsv_elements *elements, uint32_t node, uint32_t index,
     uint32_t count, uint32_t seed, rsv_support_point *points);
+
+/// The number by which points of a node are drawn.
+RSV_INLINE uint32_t rsv_elements_draw_of(const rsv_elements *elements, uint32_t node)
+{
+    return elements->node_draw ? elements->node_draw[node] : node;
+}
 
 #endif

@@ -13,6 +13,7 @@
 /// All of the cell lies in a gap, such as behind a picture: its light is that of the gap, and its corners are open if they
 /// see that.
 #define RSV_CELL_SHELTERED 32u
+#define RSV_OPENNESS_KNOWN 128u ///< with the others, where that is not certain
 
 /// Judges the corners of every cell, once: fills `cell_openness`. It depends on what lies around a cell and on the spacing alone, and on no random
 /// numbers of nodes: neighbours agree, and edits elsewhere change nothing.

@@ -26,19 +26,22 @@ static bool is_box(rsv_vec3 low, rsv_vec3 high)
     return low.x <= high.x && low.y <= high.y && low.z <= high.z;
 }
 
+static bool is_light(const rsv_past_light *l) { return is_finite(l->direct) && l->deviation >= 0; }
+
 /// Whether all numbers are ones that scenes and their light have.
 static bool has_sound_numbers(const rsv_past_header *h)
 {
     rsv_past_layout l = rsv_past_layout_of(h);
+    const rsv_past_node *node = (const rsv_past_node *)(const void *)l.nodes[RSV_PAST_COARSE].value;
+    const rsv_past_light *light =
+        (const rsv_past_light *)(const void *)l.nodes[RSV_PAST_FINE].value;
     for (size_t t = 0; t < h->triangle_count; t++)
         if (!is_box(l.triangle[t].low, l.triangle[t].high)) return false;
-    for (int level = 0; level < RSV_PAST_LEVELS; level++)
-        for (size_t k = 0; k < l.nodes[level].slots; k++) {
-            const rsv_past_node *n = (const rsv_past_node *)(const void *)l.nodes[level].value + k;
-            if (!is_finite(n->direct) || !is_finite(n->source) || !is_finite(n->indirect) ||
-                !(n->deviation >= 0))
-                return false;
-        }
+    for (size_t k = 0; k < l.nodes[RSV_PAST_COARSE].slots; k++)
+        if (!is_light(&node[k].light) || !is_finite(node[k].source) || !is_finite(node[k].indirect))
+            return false;
+    for (size_t k = 0; k < l.nodes[RSV_PAST_FINE].slots; k++)
+        if (!is_light(&light[k])) return false;
     return true;
 }
 
@@ -49,9 +52,23 @@ static bool is_sound(const rsv_past_header *h, size_t bytes, uint64_t settings)
         !(h->spacing[1] >= 0))
         return false;
     for (int k = 0; k < RSV_PAST_LEVELS; k++)
-        if (!is_table_size(h->cells[k]) || !is_table_size(h->nodes[k])) return false;
+        if (h->faces[k] >= RSV_NONE || h->slots[k] >= RSV_SLOT_SPLIT || !is_table_size(h->nodes[k]))
+            return false;
     return rsv_past_layout_of(h).bytes == bytes && rsv_past_checksum(h, bytes) == h->checksum &&
            has_sound_numbers(h);
+}
+
+static rsv_status check_cells(const rsv_past *p, bool *sound)
+{
+    *sound = true;
+    for (int k = 0; k < RSV_PAST_LEVELS && *sound; k++) {
+        const rsv_past_cells *c = &p->layout.cells[k];
+        uint8_t *taken = rsv_alloc(p->context, c->slot_count, 1);
+        if (!taken) return RSV_ERROR_MEMORY;
+        *sound = rsv_past_cells_are_sound(c, taken);
+        rsv_free(p->context, taken);
+    }
+    return RSV_OK;
 }
 
 /// @return NULL if there is nothing sound
@@ -127,6 +144,10 @@ rsv_status rsv_past_open(const rsv_transport_scene *scene, const rsv_lights *lig
     p->layout = rsv_past_layout_of(header);
     p->all_lit_anew = header->lights == RSV_PAST_NO_LIGHTS || scene->media.bodies ||
                       header->lights != rsv_past_lights_key(lights);
+    bool sound;
+    RSV_TRY(check_cells(p, &sound));
+    if (!sound) goto cleanup;
+    RSV_TRY(rsv_past_find_faces(p, scene->view));
     RSV_TRY(find_change(p, scene));
     rsv_past_find_sources(p, lights);
     *past = p;
@@ -140,6 +161,8 @@ void rsv_past_close(rsv_past *p)
 {
     if (!p) return;
     munmap((void *)(uintptr_t)p->header, p->layout.bytes);
+    rsv_free(p->context, p->face_then[0]);
+    rsv_free(p->context, p->face_then[1]);
     rsv_free(p->context, p);
 }
 
@@ -160,36 +183,13 @@ uint64_t rsv_past_identity(const rsv_past *p) { return p->header->checksum | 1; 
 
 bool rsv_past_has_other_sources(const rsv_past *p) { return p->all_lit_anew; }
 
-bool rsv_past_was_cell_split(
-    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t cell)
-{
-    const rsv_cell *c = &e->cell[cell];
-    return c->level < RSV_MAX_LEVEL &&
-           rsv_past_was_split(p, level, rsv_cell_key_on(rsv_face_key(e, c->face), c));
-}
-
-bool rsv_past_was_split(const rsv_past *p, rsv_past_level level, uint64_t cell_key)
-{
-    const uint8_t *value = rsv_past_find(&p->layout.cells[level], cell_key);
-    return value && *value & RSV_PAST_SPLIT;
-}
-
-bool rsv_past_find_face(const rsv_past *p, uint64_t face_key, uint8_t *halvings, uint8_t *level)
-{
-    const uint8_t *value = rsv_past_find(&p->layout.cells[RSV_PAST_COARSE], face_key);
-    if (!value || (*value & 15) > RSV_MAX_LEVEL) return false;
-    *halvings = *value >> 4;
-    *level = *value & 15;
-    return true;
-}
-
 static bool overlap(const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
 {
     return b->low.x <= high.x && b->low.y <= high.y && b->low.z <= high.z && b->high.x >= low.x &&
            b->high.y >= low.y && b->high.z >= low.z;
 }
 
-static bool is_beside(const rsv_past *p, const rsv_elements *e, uint32_t cell)
+bool rsv_past_is_beside(const rsv_past *p, const rsv_elements *e, uint32_t cell)
 {
     rsv_box b = rsv_reach_of_cell(e, cell);
     for (uint32_t k = 0; k < p->change.count; k++)
@@ -197,26 +197,14 @@ static bool is_beside(const rsv_past *p, const rsv_elements *e, uint32_t cell)
     return false;
 }
 
-bool rsv_past_openness(const rsv_past *p, const rsv_elements *e, uint32_t cell, uint8_t *openness)
-{
-    const rsv_cell *c = &e->cell[cell];
-    uint64_t key = rsv_cell_key_on(rsv_face_key(e, c->face), c);
-    const uint8_t *value = NULL;
-    for (int level = RSV_PAST_LEVELS; level-- > 0 && !(value && !(*value & RSV_PAST_SPLIT));)
-        value = rsv_past_find(&p->layout.cells[level], key);
-    if (!value || *value & RSV_PAST_SPLIT || is_beside(p, e, cell)) return false;
-    *openness = *value;
-    return true;
-}
-
 static bool is_support_beside(const rsv_past *p, const rsv_elements *e, uint32_t node)
 {
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
-        if (is_beside(p, e, e->support[s] / 4)) return true;
+        if (rsv_past_is_beside(p, e, e->support[s] / 4)) return true;
     return false;
 }
 
-const rsv_past_node *rsv_past_find_node(const rsv_past *p, rsv_past_level level,
+const rsv_past_light *rsv_past_find_light(const rsv_past *p, rsv_past_level level,
     const rsv_elements *e, uint32_t node, uint64_t node_key)
 {
     const uint8_t *value = rsv_past_find(&p->layout.nodes[level], node_key);
@@ -224,14 +212,20 @@ const rsv_past_node *rsv_past_find_node(const rsv_past *p, rsv_past_level level,
     for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
          e->led_begin && k < e->led_begin[node + 1]; k++)
         if (is_support_beside(p, e, e->led[k].follower)) return NULL;
-    return (const rsv_past_node *)(const void *)value;
+    return (const rsv_past_light *)(const void *)value;
+}
+
+const rsv_past_node *rsv_past_find_node(
+    const rsv_past *p, const rsv_elements *e, uint32_t node, uint64_t node_key)
+{
+    return (const rsv_past_node *)rsv_past_find_light(p, RSV_PAST_COARSE, e, node, node_key);
 }
 
 bool rsv_past_knows_around(
     const rsv_past *p, const rsv_elements *e, uint32_t node, uint64_t node_key)
 {
-    return rsv_past_find_node(p, RSV_PAST_FINE, e, node, node_key) ||
-           rsv_past_find_node(p, RSV_PAST_COARSE, e, node, node_key);
+    return rsv_past_find_light(p, RSV_PAST_FINE, e, node, node_key) ||
+           rsv_past_find_light(p, RSV_PAST_COARSE, e, node, node_key);
 }
 
 static bool is_box_near(const rsv_past *p, const rsv_box *b)

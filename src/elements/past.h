@@ -19,13 +19,19 @@
 
 typedef enum rsv_past_level { RSV_PAST_COARSE, RSV_PAST_FINE, RSV_PAST_LEVELS } rsv_past_level;
 
-/// What was known of a free node.
+/// What was known of the direct light of a free node.
+typedef struct rsv_past_light {
+    rsv_rgb direct;  ///< irradiance by next-event estimation, W/m2
+    float deviation; ///< of its luminance, W/m2; fine level
+    uint32_t valid;  ///< receiver points that are not buried, bit by bit
+} rsv_past_light;
+
+/// What was known of a free node of the coarse level.
 typedef struct rsv_past_node {
-    rsv_rgb direct;   ///< irradiance by next-event estimation, W/m2
-    float deviation;  ///< of its luminance, W/m2; fine level
-    rsv_rgb source;   ///< E0, what was gathered and caustics included, W/m2; coarse level
-    rsv_rgb indirect; ///< irradiance by all else, W/m2; coarse level
-    uint32_t valid;   ///< receiver points that are not buried, bit by bit
+    rsv_past_light light;
+    rsv_rgb source;   ///< E0, what was gathered and caustics included, W/m2
+    rsv_rgb indirect; ///< irradiance by all else, W/m2
+    uint32_t draw;    ///< number by which receiver points were drawn
 } rsv_past_node;
 
 typedef struct rsv_past rsv_past;
@@ -39,18 +45,21 @@ void rsv_past_close(rsv_past *past);
 /// The spacing of the coarse elements then, if that is like the one now: cells keep their places. Else the one now.
 rsv_spacing rsv_past_spacing(const rsv_past *past, rsv_spacing now);
 
-bool rsv_past_was_split(const rsv_past *past, rsv_past_level level, uint64_t cell_key);
-/// The same of a cell that can be split again.
+/// Whether a cell was split that can be split again.
 bool rsv_past_was_cell_split(
     const rsv_past *past, rsv_past_level level, const rsv_elements *elements, uint32_t cell);
 /// Halvings of the radius of clusters on a face (elements.h), and the level of its grid. @return false if it is not known
-bool rsv_past_find_face(const rsv_past *past, uint64_t face_key, uint8_t *halvings, uint8_t *level);
+bool rsv_past_find_face(const rsv_past *past, const rsv_elements *elements, uint32_t face,
+    uint8_t *halvings, uint8_t *level);
 /// @return false if it is not known, or may be another now
 bool rsv_past_openness(
     const rsv_past *past, const rsv_elements *elements, uint32_t cell, uint8_t *openness);
 /// @return NULL if the node was not there, or something has come to lie beside it
-const rsv_past_node *rsv_past_find_node(const rsv_past *past, rsv_past_level level,
+const rsv_past_light *rsv_past_find_light(const rsv_past *past, rsv_past_level level,
     const rsv_elements *elements, uint32_t node, uint64_t node_key);
+/// The same of the coarse level.
+const rsv_past_node *rsv_past_find_node(
+    const rsv_past *past, const rsv_elements *elements, uint32_t node, uint64_t node_key);
 
 /// Boxes around all that is new, and all that is gone.
 const rsv_scene_change *rsv_past_change(const rsv_past *past);

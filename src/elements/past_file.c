@@ -17,14 +17,26 @@ static uint8_t *place_table(
     return table->value + (slots * value_bytes + 7) / 8 * 8;
 }
 
+static uint8_t *place_cells(
+    rsv_past_cells *cells, uint64_t face_count, uint64_t slot_count, uint8_t *memory)
+{
+    cells->face_count = face_count;
+    cells->slot_count = slot_count;
+    cells->face = (rsv_past_face *)memory;
+    cells->slot = (uint32_t *)(cells->face + face_count);
+    cells->openness = (uint8_t *)(cells->slot + slot_count);
+    return memory + (face_count * sizeof *cells->face + slot_count * 5 + 7) / 8 * 8;
+}
+
 rsv_past_layout rsv_past_layout_of(const rsv_past_header *h)
 {
     uint8_t *start = (uint8_t *)h, *at = start + sizeof *h;
     rsv_past_layout l = { .triangle = (rsv_past_triangle *)at };
     at += h->triangle_count * sizeof *l.triangle;
     for (int level = 0; level < RSV_PAST_LEVELS; level++) {
-        at = place_table(&l.cells[level], h->cells[level], 1, at);
-        at = place_table(&l.nodes[level], h->nodes[level], sizeof(rsv_past_node), at);
+        size_t value = level == RSV_PAST_COARSE ? sizeof(rsv_past_node) : sizeof(rsv_past_light);
+        at = place_cells(&l.cells[level], h->faces[level], h->slots[level], at);
+        at = place_table(&l.nodes[level], h->nodes[level], value, at);
     }
     l.bytes = (size_t)(at - start);
     return l;

@@ -4,16 +4,17 @@
 
 #include "past.h"
 
-#define RSV_PAST_MAGIC 0x34747370u // "pst4"
+#define RSV_PAST_MAGIC 0x36747370u // "pst6"
 #define RSV_PAST_PATH_BYTES 4096
 
 typedef struct rsv_past_header {
     uint64_t magic;
     uint64_t settings, lights; ///< keys
     uint64_t triangle_count;
-    uint64_t cells[RSV_PAST_LEVELS], nodes[RSV_PAST_LEVELS]; ///< slots of the tables, powers of 2
-    float spacing[2];                                        ///< metres and reach of it
-    uint64_t checksum;                                       ///< of all, with 0 here
+    uint64_t faces[RSV_PAST_LEVELS], slots[RSV_PAST_LEVELS];
+    uint64_t nodes[RSV_PAST_LEVELS]; ///< slots of the tables, powers of 2
+    float spacing[2];                ///< metres and reach of it
+    uint64_t checksum;               ///< of all, with 0 here
 } rsv_past_header;
 
 /// A triangle that lets no ray pass, in the order of the scene.
@@ -21,6 +22,22 @@ typedef struct rsv_past_triangle {
     uint64_t key;
     rsv_vec3 low, high;
 } rsv_past_triangle;
+
+/// A side of a triangle that has elements, in their order: the same one on all levels.
+typedef struct rsv_past_face {
+    uint64_t key;
+    uint32_t slot;           ///< the first of its grid
+    uint8_t level, halvings; ///< of the grid; of clusters
+    uint8_t unused[2];
+} rsv_past_face;
+
+/// Cells of a level, as elements have them.
+typedef struct rsv_past_cells {
+    size_t face_count, slot_count;
+    rsv_past_face *face; ///< [face_count]
+    uint32_t *slot;      ///< [slot_count] RSV_SLOT_SPLIT and the first child, or anything
+    uint8_t *openness;   ///< [slot_count] with RSV_OPENNESS_KNOWN; 0 = it is not
+} rsv_past_cells;
 
 /// A hash table with open addresses in a file. Key 0 = free slot.
 typedef struct rsv_past_table {
@@ -30,13 +47,12 @@ typedef struct rsv_past_table {
     size_t value_bytes;
 } rsv_past_table;
 
-/// Value of a cell that was split; of others: their openness. Of a face: its level, and halvings of clusters times 16.
-#define RSV_PAST_SPLIT 0x80u
 #define RSV_PAST_NO_LIGHTS 0 ///< key of sources that are never what they were
 
 typedef struct rsv_past_layout {
     rsv_past_triangle *triangle;
-    rsv_past_table cells[RSV_PAST_LEVELS], nodes[RSV_PAST_LEVELS];
+    rsv_past_cells cells[RSV_PAST_LEVELS];
+    rsv_past_table nodes[RSV_PAST_LEVELS];
     size_t bytes;
 } rsv_past_layout;
 

@@ -4,6 +4,7 @@
 #include "../core/key.h"
 #include "element_keys.h"
 #include "elements_internal.h"
+#include "open_corners.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -27,35 +28,37 @@ static uint8_t *put(rsv_past_table *table, uint64_t key)
     return table->value + at * table->value_bytes;
 }
 
-static void put_slot(
-    rsv_past_table *table, const rsv_elements *e, uint64_t face_key, rsv_cell cell, uint32_t slot)
+static void put_cells(rsv_past_cells *cells, const rsv_elements *e)
 {
-    uint32_t content = e->slot[slot];
-    uint64_t key = rsv_cell_key_on(face_key, &cell);
-    if (!(content & RSV_SLOT_SPLIT)) {
-        *put(table, key) = e->cell_openness ? e->cell_openness[content] : 0;
-        return;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (uint32_t face = 0; face < e->face_count; face++)
+        cells->face[face] = (rsv_past_face){ .key = rsv_face_key(e, face),
+            .slot = e->face_slot[face],
+            .level = e->face_level[face],
+            .halvings = e->face_halvings[face] };
+    memcpy(cells->slot, e->slot, e->slot_count * sizeof *e->slot);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t slot = 0; slot < e->slot_count; slot++) {
+        bool split = e->slot[slot] & RSV_SLOT_SPLIT;
+        const uint8_t *known = split ? e->slot_openness : e->cell_openness;
+        size_t at = split ? slot : e->slot[slot];
+        cells->openness[slot] = known ? known[at] | (split ? 0 : RSV_OPENNESS_KNOWN) : 0;
     }
-    *put(table, key) = RSV_PAST_SPLIT;
-    for (uint32_t k = 0; k < 4; k++)
-        put_slot(table, e, face_key, rsv_child_cell(cell, (int)k), (content & ~RSV_SLOT_SPLIT) + k);
 }
 
-static void put_cells(rsv_past_table *table, const rsv_elements *e)
+static rsv_past_light light_of(const rsv_past_fields *f, size_t n)
 {
-    for (uint32_t face = 0; face < e->face_count; face++) {
-        uint64_t key = rsv_face_key(e, face);
-        uint32_t slot = e->face_slot[face];
-        int side = 1 << e->face_level[face];
-        uint8_t halvings = e->face_halvings[face] < 15 ? e->face_halvings[face] : 15;
-        *put(table, key) = (uint8_t)(halvings << 4 | e->face_level[face]);
-        for (int j = 0; j < side; j++)
-            for (int n = 0; n < 2 * (side - j) - 1; n++)
-                put_slot(table, e, key,
-                    (rsv_cell){ face, (uint16_t)(n / 2), (uint16_t)j, e->face_level[face],
-                        (uint8_t)(n & 1) },
-                    slot++);
-    }
+    return (rsv_past_light){ .direct = f->direct ? f->direct[n] : rgb_gray(0),
+        .deviation = f->deviation ? f->deviation[n] : 0,
+        .valid = f->valid_points[n] };
+}
+
+static rsv_past_node node_of(const rsv_past_fields *f, uint32_t n)
+{
+    return (rsv_past_node){ .light = light_of(f, n),
+        .source = f->source ? f->source[n] : rgb_gray(0),
+        .indirect = f->indirect ? f->indirect[n] : rgb_gray(0),
+        .draw = rsv_elements_draw_of(f->elements, n) };
 }
 
 static rsv_status put_nodes(rsv_past_table *table, const rsv_past_fields *f)
@@ -64,14 +67,10 @@ static rsv_status put_nodes(rsv_past_table *table, const rsv_past_fields *f)
     rsv_status status;
     uint64_t *node_key = NULL;
     RSV_TRY(rsv_node_keys_create(e, &node_key));
-    for (size_t n = 0; n < e->node_count; n++) {
+    for (uint32_t n = 0; n < e->node_count; n++) {
         if (e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_past_node node = { .direct = f->direct ? f->direct[n] : rgb_gray(0),
-            .deviation = f->deviation ? f->deviation[n] : 0,
-            .source = f->source ? f->source[n] : rgb_gray(0),
-            .indirect = f->indirect ? f->indirect[n] : rgb_gray(0),
-            .valid = f->valid_points[n] };
-        memcpy(put(table, node_key[n]), &node, sizeof node);
+        const rsv_past_node node = node_of(f, n); // of the fine level, its beginning
+        memcpy(put(table, node_key[n]), &node, table->value_bytes);
     }
 cleanup:
     rsv_free(e->context, node_key);
@@ -101,7 +100,8 @@ static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_ligh
         .spacing = { spacing->metres, spacing->reach } };
     for (int k = 0; k < RSV_PAST_LEVELS; k++) {
         const rsv_elements *e = level[k].elements;
-        h.cells[k] = slots_for(e ? e->slot_count + e->face_count : 0);
+        h.faces[k] = e ? e->face_count : 0;
+        h.slots[k] = e ? e->slot_count : 0;
         h.nodes[k] = slots_for(e ? e->node_count : 0);
     }
     return h;

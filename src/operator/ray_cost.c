@@ -11,7 +11,8 @@ static void aim_row(const rsv_elements *elements, const rsv_directions *directio
     uint16_t valid, uint32_t seed, rsv_ray_packet *packets)
 {
     rsv_receiver_points points;
-    rsv_receiver_points_set_up(elements, node, node, seed, valid, &points);
+    rsv_receiver_points_set_up(
+        elements, node, rsv_elements_draw_of(elements, node), seed, valid, &points);
     size_t set = rsv_directions_of(directions, seed, node);
     for (uint32_t p = 0; p < directions->count / LANES; p++) {
         size_t first = set + (size_t)p * LANES;

@@ -104,7 +104,8 @@ static bool nodes_exist(const rsv_row_catalogue *c)
 static bool is_sound_header(const rsv_row_catalogue_header *h, FILE *file)
 {
     if (h->magic != MAGIC || h->node_count >= TOO_MANY || h->cell_count >= TOO_MANY ||
-        h->triangle_count >= TOO_MANY || fseek(file, 0, SEEK_END) != 0)
+        h->triangle_count >= TOO_MANY || !(h->seconds >= 0 && h->seconds < INFINITY) ||
+        fseek(file, 0, SEEK_END) != 0)
         return false;
     bool fits = ftell(file) == (long)bytes_of(h);
     return fseek(file, sizeof *h, SEEK_SET) == 0 && fits;

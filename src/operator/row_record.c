@@ -1,60 +1,35 @@
 #include "row_record.h"
 
 #include "../core/key.h"
+#include "row_record_head.h"
+
+#include <string.h>
 
 #define MAGIC 0x33776f72u // "row3"
 
-/// Followed by what `parts` lists, and by zeros up to a multiple of 8.
-typedef struct record {
-    uint32_t magic, node;
-    uint32_t count, tinted_count, escape_count, tinted_escape_count;
-    rsv_rgb emission;
-    uint32_t ray_count;
-    uint32_t index, valid; ///< of rsv_row_scratch
-    uint64_t rays;
-    uint64_t checksum; ///< of the record with 0 here
-} record;
-
-enum part {
-    COLUMN,
-    TINTED_COLUMN,
-    TINTED_WEIGHT,
-    ESCAPE_WEIGHT,
-    ESCAPE,
-    TINTED_ESCAPE,
-    KIND,
-    PARTS
-};
-
-/// Where the parts of a record begin, and its end: larger items first, so that all are aligned.
-typedef struct layout {
-    size_t begin[PARTS + 1];
-} layout;
-
-static layout layout_of(const record *r)
+rsv_row_record_layout rsv_row_record_layout_of(const rsv_row_record_head *r)
 {
-    const size_t bytes[PARTS] = { [COLUMN] = r->count * sizeof(uint32_t),
-        [TINTED_COLUMN] = r->tinted_count * sizeof(uint32_t),
-        [TINTED_WEIGHT] = r->tinted_count * sizeof(rsv_rgb),
-        [ESCAPE_WEIGHT] = r->tinted_escape_count * sizeof(rsv_rgb),
-        [ESCAPE] = r->escape_count * sizeof(uint16_t),
-        [TINTED_ESCAPE] = r->tinted_escape_count * sizeof(uint16_t),
-        [KIND] = r->ray_count };
-    layout l = { { sizeof *r } };
-    for (int k = 0; k < PARTS; k++)
+    const size_t bytes[RSV_ROW_PARTS] = { [RSV_ROW_COLUMN] = r->count * sizeof(uint32_t),
+        [RSV_ROW_TINTED_COLUMN] = r->tinted_count * sizeof(uint32_t),
+        [RSV_ROW_TINTED_WEIGHT] = r->tinted_count * sizeof(rsv_rgb),
+        [RSV_ROW_ESCAPE_WEIGHT] = r->tinted_escape_count * sizeof(rsv_rgb),
+        [RSV_ROW_ESCAPE] = r->escape_count * sizeof(uint16_t),
+        [RSV_ROW_TINTED_ESCAPE] = r->tinted_escape_count * sizeof(uint16_t),
+        [RSV_ROW_KIND] = r->ray_count };
+    rsv_row_record_layout l = { { sizeof *r } };
+    for (int k = 0; k < RSV_ROW_PARTS; k++)
         l.begin[k + 1] = l.begin[k] + bytes[k];
-    l.begin[PARTS] = (l.begin[PARTS] + 7) / 8 * 8;
+    l.begin[RSV_ROW_PARTS] = (l.begin[RSV_ROW_PARTS] + 7) / 8 * 8;
     return l;
 }
 
-/// Guards against cut-off writes, not against malice.
-static uint64_t checksum_of(const uint8_t *bytes, size_t count)
+uint64_t rsv_row_record_checksum(const uint8_t *bytes, size_t count)
 {
-    record header;
-    memcpy(&header, bytes, sizeof header);
-    header.checksum = 0;
-    uint64_t sum = rsv_key_add_bytes(MAGIC, &header, sizeof header);
-    return rsv_key_add_bytes(sum, bytes + sizeof header, count - sizeof header);
+    rsv_row_record_head head;
+    memcpy(&head, bytes, sizeof head);
+    head.checksum = 0;
+    uint64_t sum = rsv_key_add_bytes(MAGIC, &head, sizeof head);
+    return rsv_key_add_bytes(sum, bytes + sizeof head, count - sizeof head);
 }
 
 static uint32_t count_columns(const rsv_row_scratch *s, uint32_t ray_count)
@@ -65,31 +40,31 @@ static uint32_t count_columns(const rsv_row_scratch *s, uint32_t ray_count)
     return count;
 }
 
-static void fill(uint8_t *bytes, const record *r, const rsv_row_scratch *s)
+static void fill(uint8_t *bytes, const rsv_row_record_head *r, const rsv_row_scratch *s)
 {
-    layout l = layout_of(r);
-    uint32_t *column = (uint32_t *)(bytes + l.begin[COLUMN]);
-    uint8_t *kind = bytes + l.begin[KIND];
-    memset(bytes, 0, l.begin[PARTS]);
+    rsv_row_record_layout l = rsv_row_record_layout_of(r);
+    uint32_t *column = (uint32_t *)(bytes + l.begin[RSV_ROW_COLUMN]);
+    uint8_t *kind = bytes + l.begin[RSV_ROW_KIND];
+    memset(bytes + l.begin[RSV_ROW_PARTS] - 8, 0, 8); // what the last part leaves of it
     memcpy(bytes, r, sizeof *r);
     for (uint32_t ray = 0; ray < r->ray_count; ray++) {
         bool ends = s->column[ray] != RSV_NONE;
         if (ends) *column++ = s->column[ray];
         kind[ray] = (uint8_t)(s->kind[ray] | (ends ? RSV_ROW_RAY_ENDS : 0));
     }
-    const void *from[PARTS] = { [TINTED_COLUMN] = s->tinted_column,
-        [TINTED_WEIGHT] = s->tinted_weight,
-        [ESCAPE_WEIGHT] = s->escapes.tinted_weight,
-        [ESCAPE] = s->escapes.bin,
-        [TINTED_ESCAPE] = s->escapes.tinted_bin };
-    for (int k = TINTED_COLUMN; k < KIND; k++)
+    const void *from[RSV_ROW_PARTS] = { [RSV_ROW_TINTED_COLUMN] = s->tinted_column,
+        [RSV_ROW_TINTED_WEIGHT] = s->tinted_weight,
+        [RSV_ROW_ESCAPE_WEIGHT] = s->escapes.tinted_weight,
+        [RSV_ROW_ESCAPE] = s->escapes.bin,
+        [RSV_ROW_TINTED_ESCAPE] = s->escapes.tinted_bin };
+    for (int k = RSV_ROW_TINTED_COLUMN; k < RSV_ROW_KIND; k++)
         memcpy(bytes + l.begin[k], from[k], l.begin[k + 1] - l.begin[k]);
 }
 
 rsv_status rsv_row_record_put(rsv_context *context, uint32_t node, uint32_t ray_count,
     const rsv_row_scratch *s, uint64_t rays, rsv_row_block *b)
 {
-    record r = { .magic = MAGIC,
+    rsv_row_record_head r = { .magic = MAGIC,
         .node = node,
         .count = count_columns(s, ray_count),
         .tinted_count = s->tinted_count,
@@ -100,38 +75,38 @@ rsv_status rsv_row_record_put(rsv_context *context, uint32_t node, uint32_t ray_
         .index = s->index,
         .valid = s->valid,
         .rays = rays };
-    size_t bytes = layout_of(&r).begin[PARTS];
+    size_t bytes = rsv_row_record_layout_of(&r).begin[RSV_ROW_PARTS];
     rsv_status status =
         rsv_grow(context, (void **)&b->byte, &b->capacity, b->count + bytes, sizeof *b->byte);
     if (status != RSV_OK) return status;
     uint8_t *start = b->byte + b->count;
     fill(start, &r, s);
-    r.checksum = checksum_of(start, bytes);
+    r.checksum = rsv_row_record_checksum(start, bytes);
     memcpy(start, &r, sizeof r);
     b->count += bytes;
     return RSV_OK;
 }
 
 /// Whether nodes and bins exist, and as many rays end at nodes as there are columns.
-static bool indices_fit(const record *r, const uint8_t *bytes, size_t node_count)
+static bool indices_fit(const rsv_row_record_head *r, const uint8_t *bytes, size_t node_count)
 {
-    layout l = layout_of(r);
-    const uint32_t *node = (const uint32_t *)(bytes + l.begin[COLUMN]);
-    const uint16_t *bin = (const uint16_t *)(bytes + l.begin[ESCAPE]);
+    rsv_row_record_layout l = rsv_row_record_layout_of(r);
+    const uint32_t *node = (const uint32_t *)(bytes + l.begin[RSV_ROW_COLUMN]);
+    const uint16_t *bin = (const uint16_t *)(bytes + l.begin[RSV_ROW_ESCAPE]);
     uint32_t ends = 0;
     for (uint32_t k = 0; k < r->count + r->tinted_count; k++)
         if (node[k] >= node_count) return false;
     for (uint32_t k = 0; k < r->escape_count + r->tinted_escape_count; k++)
         if (bin[k] >= RSV_ESCAPE_BINS) return false;
     for (uint32_t ray = 0; ray < r->ray_count; ray++)
-        ends += (bytes[l.begin[KIND] + ray] & RSV_ROW_RAY_ENDS) != 0;
+        ends += (bytes[l.begin[RSV_ROW_KIND] + ray] & RSV_ROW_RAY_ENDS) != 0;
     return ends == r->count;
 }
 
 size_t rsv_row_record_check(
     const uint8_t *bytes, size_t left, size_t node_count, uint32_t ray_count, uint32_t *node)
 {
-    record r;
+    rsv_row_record_head r;
     if (left < sizeof r) return 0;
     memcpy(&r, bytes, sizeof r);
     const uint32_t counts[] = { r.count, r.tinted_count, r.escape_count, r.tinted_escape_count };
@@ -140,8 +115,8 @@ size_t rsv_row_record_check(
     if (r.valid == 0 || r.valid >> RSV_SUPPORT_POINTS || r.magic != MAGIC ||
         r.ray_count != ray_count || r.node >= node_count)
         return 0;
-    size_t size = layout_of(&r).begin[PARTS];
-    if (size > left || r.checksum != checksum_of(bytes, size) ||
+    size_t size = rsv_row_record_layout_of(&r).begin[RSV_ROW_PARTS];
+    if (size > left || r.checksum != rsv_row_record_checksum(bytes, size) ||
         !indices_fit(&r, bytes, node_count))
         return 0;
     *node = r.node;
@@ -150,21 +125,21 @@ size_t rsv_row_record_check(
 
 void rsv_row_record_take(const uint8_t *bytes, uint32_t ray_count, rsv_row_scratch *s)
 {
-    record r;
+    rsv_row_record_head r;
     memcpy(&r, bytes, sizeof r);
-    layout l = layout_of(&r);
-    const uint32_t *column = (const uint32_t *)(bytes + l.begin[COLUMN]);
+    rsv_row_record_layout l = rsv_row_record_layout_of(&r);
+    const uint32_t *column = (const uint32_t *)(bytes + l.begin[RSV_ROW_COLUMN]);
     for (uint32_t ray = 0; ray < ray_count; ray++) {
-        uint8_t kind = bytes[l.begin[KIND] + ray];
+        uint8_t kind = bytes[l.begin[RSV_ROW_KIND] + ray];
         s->kind[ray] = kind & (uint8_t)~RSV_ROW_RAY_ENDS;
         s->column[ray] = kind & RSV_ROW_RAY_ENDS ? *column++ : RSV_NONE;
     }
-    void *to[PARTS] = { [TINTED_COLUMN] = s->tinted_column,
-        [TINTED_WEIGHT] = s->tinted_weight,
-        [ESCAPE_WEIGHT] = s->escapes.tinted_weight,
-        [ESCAPE] = s->escapes.bin,
-        [TINTED_ESCAPE] = s->escapes.tinted_bin };
-    for (int k = TINTED_COLUMN; k < KIND; k++)
+    void *to[RSV_ROW_PARTS] = { [RSV_ROW_TINTED_COLUMN] = s->tinted_column,
+        [RSV_ROW_TINTED_WEIGHT] = s->tinted_weight,
+        [RSV_ROW_ESCAPE_WEIGHT] = s->escapes.tinted_weight,
+        [RSV_ROW_ESCAPE] = s->escapes.bin,
+        [RSV_ROW_TINTED_ESCAPE] = s->escapes.tinted_bin };
+    for (int k = RSV_ROW_TINTED_COLUMN; k < RSV_ROW_KIND; k++)
         memcpy(to[k], bytes + l.begin[k], l.begin[k + 1] - l.begin[k]);
     s->tinted_count = r.tinted_count;
     s->escapes.count = r.escape_count;
@@ -177,11 +152,11 @@ void rsv_row_record_take(const uint8_t *bytes, uint32_t ray_count, rsv_row_scrat
 
 rsv_row_past rsv_row_record_past(const uint8_t *bytes)
 {
-    record r;
+    rsv_row_record_head r;
     memcpy(&r, bytes, sizeof r);
-    layout l = layout_of(&r);
+    rsv_row_record_layout l = rsv_row_record_layout_of(&r);
     return (rsv_row_past){ .index = r.index,
         .valid = (uint16_t)r.valid,
-        .kind = bytes + l.begin[KIND],
-        .column = (const uint32_t *)(bytes + l.begin[COLUMN]) };
+        .kind = bytes + l.begin[RSV_ROW_KIND],
+        .column = (const uint32_t *)(bytes + l.begin[RSV_ROW_COLUMN]) };
 }

@@ -1,13 +1,10 @@
-#include "row_tracer.h"
-
-#include "../elements/burial.h"
+#include "row_tracer_internal.h"
 
 #include <string.h>
 
 #define LANES RSV_SUPPORT_POINTS
 
-/// @param index of the node whose random numbers are used @param valid points that count with these
-static void receive(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
+void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *r)
 {
     rsv_receiver_points *p = &r->points;
@@ -27,7 +24,8 @@ static void receive(const rsv_row_tracer *tracer, uint32_t node, uint32_t index,
 
 void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
 {
-    receive(tracer, node, node, tracer->valid_points[node], r);
+    uint32_t index = rsv_elements_draw_of(tracer->elements, node);
+    rsv_row_receive_as(tracer, node, index, tracer->valid_points[node], r);
 }
 
 /// Light of gathered sources counts however it arrives; that of the others is the business of
@@ -117,7 +115,7 @@ static void record_sky(rsv_row_scratch *s, const rsv_row_receiver *r, float cos_
     rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(r->bsdf, cos_receiver), 0);
 }
 
-static void process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
+void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
     const rsv_row_receiver *r, const float *cos_receiver, const rsv_ray_packet *packet)
 {
     const rsv_elements *e = tracer->elements;
@@ -164,8 +162,7 @@ static void clear_scratch(rsv_row_scratch *s)
     s->emission = rgb_gray(0);
 }
 
-/// An empty row of the receiver's rays. @return a packet with all lanes on, to trace them with
-static rsv_ray_packet begin_row(
+rsv_ray_packet rsv_row_begin(
     const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
 {
     s->index = r->index;
@@ -177,8 +174,7 @@ static rsv_ray_packet begin_row(
     return packet;
 }
 
-/// Aims the packet of sixteen rays from `first` on. @return cosines at the receiver
-static const float *aim(
+const float *rsv_row_aim(
     const rsv_row_tracer *tracer, const rsv_row_receiver *r, uint32_t first, rsv_ray_packet *packet)
 {
     const rsv_directions *d = &tracer->directions;
@@ -192,95 +188,11 @@ void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch 
     rsv_row_receiver r;
     rsv_row_receive(tracer, node, &r);
     uint32_t rays = tracer->directions.count;
-    rsv_ray_packet packet = begin_row(tracer, &r, s);
+    rsv_ray_packet packet = rsv_row_begin(tracer, &r, s);
     for (uint32_t first = 0; first < rays; first += LANES) {
-        const float *z = aim(tracer, &r, first, &packet);
+        const float *z = rsv_row_aim(tracer, &r, first, &packet);
         rsv_tracer_closest_packet(tracer->scene->tracer, &packet, false);
-        process_hits(tracer, s, first, &r, z, &packet);
-    }
-    s->rays += rays;
-}
-
-/// What stays of sixteen rays.
-typedef struct kept_rays {
-    uint32_t column[LANES]; ///< RSV_NONE = none
-    uint16_t ends;          ///< bit by bit: rays that end where they did
-    uint16_t skies;         ///< rays that leave the scene as they did
-    uint16_t blacks;        ///< rays that meet black backs as they did
-} kept_rays;
-
-/// @param seen [LANES] of the packet @param column of these rays, moved on to those of the next
-static kept_rays keep_rays(const rsv_row_past *past, const uint8_t *seen, const uint32_t **column,
-    const rsv_ray_packet *packet)
-{
-    kept_rays kept = { .ends = 0 };
-    uint16_t meets = rsv_scene_change_meets(past->change, packet);
-    for (int k = 0; k < LANES; k++) {
-        uint32_t then = seen[k] & RSV_ROW_RAY_ENDS ? *(*column)++ : RSV_NONE;
-        bool lambert = (seen[k] & ~RSV_ROW_RAY_ENDS) == RSV_TARGET_LAMBERT;
-        kept.column[k] = lambert && then != RSV_NONE ? past->end_now[then] : RSV_NONE;
-        bool passes = packet->t_max[k] > 0 && !(meets >> k & 1);
-        kept.ends |= (uint16_t)((passes && kept.column[k] != RSV_NONE) << k);
-        kept.skies |= (uint16_t)((passes && seen[k] == RSV_TARGET_SKY) << k);
-        bool black = past->change->has_gone && seen[k] == RSV_TARGET_BLACK;
-        kept.blacks |= (uint16_t)((passes && black) << k);
-    }
-    return kept;
-}
-
-/// Traces the other rays of a packet. @return how many
-static uint32_t trace_others(
-    const rsv_row_tracer *tracer, const kept_rays *kept, rsv_ray_packet *packet)
-{
-    uint16_t known = kept->ends | kept->skies | kept->blacks;
-    uint32_t traced = 0;
-    for (int k = 0; k < LANES; k++) {
-        if (known >> k & 1) packet->t_max[k] = -1;
-        packet->triangle[k] = RSV_NONE;
-        traced += packet->t_max[k] > 0;
-    }
-    if (traced) rsv_tracer_closest_packet(tracer->scene->tracer, packet, false);
-    for (int k = 0; k < LANES; k++) {
-        if (!(known >> k & 1)) continue;
-        packet->triangle[k] = RSV_NONE;
-        packet->t_max[k] = kept->skies >> k & 1 ? INFINITY : -1;
-    }
-    return traced;
-}
-
-/// Whether the points that counted then count still, and no others.
-static bool points_hold(const rsv_row_tracer *tracer, uint32_t node, const rsv_row_past *past)
-{
-    const uint16_t all = (1u << RSV_SUPPORT_POINTS) - 1;
-    if (past->valid == all && tracer->valid_points[node] == all) return true;
-    uint64_t rays = 0; // not counted, as a run that knows of nothing does without them
-    return past->valid == rsv_judge_points(tracer->scene, tracer->elements, node, past->index,
-                              RSV_SUPPORT_POINTS, tracer->seed, &rays);
-}
-
-void rsv_row_trace_anew(
-    const rsv_row_tracer *tracer, uint32_t node, const rsv_row_past *past, rsv_row_scratch *s)
-{
-    rsv_row_receiver r;
-    receive(tracer, node, past->index, past->valid, &r);
-    // what passes through coats and media is nothing but chains
-    if (r.tints || !points_hold(tracer, node, past)) {
-        rsv_row_trace(tracer, node, s);
-        return;
-    }
-    uint32_t rays = tracer->directions.count;
-    const uint32_t *column = past->column;
-    rsv_ray_packet packet = begin_row(tracer, &r, s);
-    for (uint32_t first = 0; first < rays; first += LANES) {
-        const float *z = aim(tracer, &r, first, &packet);
-        kept_rays kept = keep_rays(past, past->kind + first, &column, &packet);
-        s->kept += LANES - trace_others(tracer, &kept, &packet);
-        process_hits(tracer, s, first, &r, z, &packet);
-        for (uint32_t k = 0; k < LANES; k++) {
-            if (!(kept.ends >> k & 1)) continue;
-            s->column[first + k] = kept.column[k];
-            s->kind[first + k] = RSV_TARGET_LAMBERT;
-        }
+        rsv_row_process_hits(tracer, s, first, &r, z, &packet);
     }
     s->rays += rays;
 }
@@ -294,7 +206,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
     rsv_ray_packet packet = { 0 };
     for (size_t n = 0; n < ends->left_count; n++) {
         uint32_t ray = ends->left[n], k = ray % LANES;
-        const float *z = aim(tracer, r, ray - k, &packet);
+        const float *z = rsv_row_aim(tracer, r, ray - k, &packet);
         packet.triangle[k] = ends->hit[n].triangle;
         packet.u[k] = ends->hit[n].u;
         packet.v[k] = ends->hit[n].v;

@@ -151,6 +151,8 @@ static rsv_status exchange_system(rsv_tensor_file *file, rsv_solution *s)
     }
     RSV_TRY(rsv_tensor_exchange(
         file, RSV_COARSE_PREFIX "valid_points", RSV_TENSOR_U16, 1, &s->valid_points, &valid));
+    RSV_TRY(rsv_tensor_exchange_optional(
+        file, RSV_COARSE_PREFIX "draw", RSV_TENSOR_U32, 1, &s->elements->node_draw, &valid));
     RSV_TRY(need(file, "albedo", s->exitance_albedo));
     RSV_TRY(need(file, "source", s->source));
     RSV_TRY(need(file, "source.gathered", s->gathered));

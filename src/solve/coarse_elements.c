@@ -15,14 +15,45 @@
 /// Splits at contacts may add this many nodes times the root of those that were asked for: they lie along lines.
 #define CONTACT_NODES 300
 
+/// Points of nodes that were there before the scene was edited are drawn as they were then: those around which nothing
+/// changed need not be judged. @param known [node_count], out
+static rsv_status recall_points(rsv_solution *s, uint8_t *known)
+{
+    rsv_elements *e = s->elements;
+    uint64_t *key = NULL;
+    rsv_status status;
+    e->node_draw = rsv_alloc(s->context, e->node_count, sizeof *e->node_draw);
+    RSV_TRY(e->node_draw ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_node_keys_create(e, &key));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        e->node_draw[n] = n;
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
+        if (!then) continue;
+        known[n] = 1;
+        e->node_draw[n] = then->draw;
+        s->valid_points[n] = (uint16_t)then->light.valid;
+    }
+cleanup:
+    rsv_free(s->context, key);
+    return status;
+}
+
 /// Points are drawn by the numbers of nodes, which each split changes: none are known from earlier elements.
 static rsv_status find_valid_points(rsv_solution *s)
 {
+    rsv_status status;
     size_t nodes = s->elements->node_count;
+    uint8_t *known = rsv_alloc(s->context, nodes, 1);
     s->valid_points = rsv_alloc(s->context, nodes, sizeof *s->valid_points);
-    if (!s->valid_points) return RSV_ERROR_MEMORY;
-    return rsv_find_buried(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed, NULL,
-        s->valid_points, &s->report.rays);
+    RSV_TRY(known && s->valid_points ? RSV_OK : RSV_ERROR_MEMORY);
+    if (s->scene.past) RSV_TRY(recall_points(s, known));
+    RSV_TRY(rsv_find_buried(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed, known,
+        s->valid_points, &s->report.rays));
+cleanup:
+    rsv_free(s->context, known);
+    return status;
 }
 
 /// @param earlier NULL = these are the first
@@ -59,7 +90,7 @@ static rsv_status refine_as_then(rsv_solution *s)
     for (uint32_t face = 0; face < finer->face_count; face++) {
         uint8_t halvings, level;
         if (!rsv_past_is_face_near(past, finer, face) &&
-            rsv_past_find_face(past, rsv_face_key(finer, face), &halvings, &level))
+            rsv_past_find_face(past, finer, face, &halvings, &level))
             finer->face_halvings[face] = halvings;
     }
     status = rsv_elements_find_open_corners(&s->scene, s->elements, finer, &s->report.rays);

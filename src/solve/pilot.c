@@ -132,8 +132,7 @@ static rsv_status recall_far(const rsv_solution *s, uint8_t *far, rsv_rgb *indir
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (status != RSV_OK || e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_past_node *then =
-            rsv_past_find_node(s->scene.past, RSV_PAST_COARSE, e, n, key[n]);
+        const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
         far[n] = !s->valid_points[n] || (then && !rsv_past_is_node_near(s->scene.past, e, n));
         if (!then) continue;
         indirect[n] = then->indirect;

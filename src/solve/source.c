@@ -70,10 +70,9 @@ static rsv_status recall_direct(rsv_solution *s, uint8_t *known)
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (e->node_hanging[n] != RSV_NONE || rsv_past_is_node_lit_anew(e, n, lit_anew)) continue;
-        const rsv_past_node *then =
-            rsv_past_find_node(s->scene.past, RSV_PAST_COARSE, e, n, key[n]);
+        const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
         known[n] = then != NULL;
-        if (then) s->source[n] = then->direct;
+        if (then) s->source[n] = then->light.direct;
     }
 cleanup:
     rsv_free(s->context, key);

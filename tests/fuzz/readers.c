@@ -1,5 +1,6 @@
 #include "readers.h"
 
+#include "kept_files.h"
 #include "light_script.h"
 #include "opfile/sha256.h"
 #include "opfile/tensor_file.h"
@@ -99,8 +100,28 @@ static const reader *reader_of(const char *extension)
     abort();
 }
 
+static bool is_kept_file(const char *extension)
+{
+    return strcmp(extension, ".past") == 0 || strcmp(extension, ".scene") == 0 ||
+           strcmp(extension, ".rows") == 0;
+}
+
+/// A copy, as it is mended.
+static void read_kept_file(const char *extension, const uint8_t *data, size_t size)
+{
+    uint8_t *bytes = malloc(size + 1);
+    if (!bytes) abort();
+    memcpy(bytes, data, size);
+    fuzz_kept_file(extension, bytes, size);
+    free(bytes);
+}
+
 void fuzz_read(const char *extension, const uint8_t *data, size_t size)
 {
+    if (is_kept_file(extension)) {
+        read_kept_file(extension, data, size);
+        return;
+    }
     const reader *chosen = reader_of(extension);
     char path[4096], *bytes = malloc(size + 1);
     const char *folder = getenv("TMPDIR");

@@ -1,4 +1,6 @@
-/// Reads files that are or once were trouble: `fuzz_replay FILE...`.
+/// Reads files that are or once were trouble: `fuzz_replay FILE...`. `fuzz_replay --kept FOLDER` writes what a solve keeps
+/// for the next one to FOLDER/past/room.past, and so on.
+#include "kept_files.h"
 #include "readers.h"
 
 #include <stdio.h>
@@ -21,8 +23,21 @@ static void replay(const char *path)
     free(data);
 }
 
+static int copy_kept_files(const char *folder)
+{
+    static const char *const extension[] = { "past", "scene", "rows" };
+    for (int k = 0; k < 3; k++) {
+        char path[4096], dotted[16];
+        snprintf(path, sizeof path, "%.2000s/%s/room.%s", folder, extension[k], extension[k]);
+        snprintf(dotted, sizeof dotted, ".%s", extension[k]);
+        fuzz_copy_kept_file(dotted, path);
+    }
+    return 0;
+}
+
 int main(int argc, char **argv)
 {
+    if (argc == 3 && strcmp(argv[1], "--kept") == 0) return copy_kept_files(argv[2]);
     for (int k = 1; k < argc; k++) {
         printf("%s\n", argv[k]);
         fflush(stdout); // names the culprit if the reader does not come back

@@ -1,0 +1,122 @@
+/// Which cells there were, and what of each is known: grids and splits as elements have them (elements.h).
+#include "past_internal.h"
+
+#include "../core/index_map.h"
+#include "element_keys.h"
+#include "open_corners.h"
+
+static size_t cells_in_grid(const rsv_past_face *face) { return (size_t)1 << (2 * face->level); }
+
+/// Marks slots as taken. @return false if they do not exist, or are taken already
+static bool take(const rsv_past_cells *c, size_t first, size_t count, uint8_t *taken)
+{
+    if (first > c->slot_count || count > c->slot_count - first) return false;
+    for (size_t slot = first; slot < first + count; slot++)
+        if (taken[slot]++) return false;
+    return true;
+}
+
+bool rsv_past_cells_are_sound(const rsv_past_cells *c, uint8_t *taken)
+{
+    for (size_t k = 0; k < c->face_count; k++)
+        if (c->face[k].level > RSV_MAX_LEVEL ||
+            !take(c, c->face[k].slot, cells_in_grid(&c->face[k]), taken))
+            return false;
+    for (size_t slot = 0; slot < c->slot_count; slot++)
+        if (c->slot[slot] & RSV_SLOT_SPLIT && !take(c, c->slot[slot] & ~RSV_SLOT_SPLIT, 4, taken))
+            return false;
+    return true;
+}
+
+rsv_status rsv_past_find_faces(rsv_past *p, const rsv_scene_view *scene)
+{
+    rsv_status status;
+    rsv_index_map faces = { 0 };
+    const rsv_past_cells *c = &p->layout.cells[RSV_PAST_COARSE];
+    RSV_TRY(rsv_index_map_create(p->context, c->face_count, &faces));
+    for (size_t k = 0; k < c->face_count; k++)
+        if (rsv_index_map_insert(&faces, c->face[k].key, (uint32_t)k) == UINT32_MAX)
+            RSV_TRY(RSV_ERROR_MEMORY);
+    for (int back = 0; back < 2; back++) {
+        p->face_then[back] =
+            rsv_alloc(p->context, scene->triangle_count, sizeof *p->face_then[back]);
+        RSV_TRY(p->face_then[back] ? RSV_OK : RSV_ERROR_MEMORY);
+        for (uint32_t t = 0; t < scene->triangle_count; t++)
+            p->face_then[back][t] =
+                rsv_index_map_find(&faces, rsv_face_key_of(scene, t, (uint8_t)back));
+    }
+cleanup:
+    rsv_index_map_destroy(&faces);
+    return status;
+}
+
+static const rsv_past_face *find_face(
+    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t face)
+{
+    uint32_t then = p->face_then[e->face_back[face]][e->face_triangle[face]];
+    const rsv_past_cells *c = &p->layout.cells[level];
+    return then < c->face_count ? &c->face[then] : NULL; // RSV_NONE is none of them
+}
+
+/// Turns a cell into the one that it is a child of. @return which child
+static uint32_t climb(rsv_cell *c)
+{
+    static const uint8_t child[2][4] = { { 0, 1, 2, 3 }, { 3, 2, 1, 0 } }; // see rsv_child_cell
+    uint32_t i = c->i & 1, j = c->j & 1, which = child[c->flipped & 1][i + 2 * j];
+    c->flipped = (uint8_t)(c->flipped ? i | j : i & j);
+    c->i >>= 1;
+    c->j >>= 1;
+    c->level--;
+    return which;
+}
+
+/// The slot of a cell; RSV_NONE if there was none.
+static uint32_t find_slot(
+    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t cell)
+{
+    rsv_cell at = e->cell[cell];
+    const uint32_t *slots = p->layout.cells[level].slot;
+    const rsv_past_face *face = find_face(p, level, e, at.face);
+    uint32_t way[RSV_MAX_LEVEL + 1], steps = 0;
+    if (!face || at.level < face->level || at.level > RSV_MAX_LEVEL) return RSV_NONE;
+    while (at.level > face->level)
+        way[steps++] = climb(&at);
+    uint32_t side = 1u << at.level;
+    uint32_t slot = face->slot + at.j * (2 * side - at.j) + 2u * at.i + at.flipped;
+    while (steps > 0) {
+        if (!(slots[slot] & RSV_SLOT_SPLIT)) return RSV_NONE;
+        slot = (slots[slot] & ~RSV_SLOT_SPLIT) + way[--steps];
+    }
+    return slot;
+}
+
+bool rsv_past_was_cell_split(
+    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t cell)
+{
+    if (e->cell[cell].level >= RSV_MAX_LEVEL) return false;
+    uint32_t slot = find_slot(p, level, e, cell);
+    return slot != RSV_NONE && p->layout.cells[level].slot[slot] & RSV_SLOT_SPLIT;
+}
+
+bool rsv_past_find_face(
+    const rsv_past *p, const rsv_elements *e, uint32_t face, uint8_t *halvings, uint8_t *level)
+{
+    const rsv_past_face *then = find_face(p, RSV_PAST_COARSE, e, face);
+    if (!then) return false;
+    *halvings = then->halvings;
+    *level = then->level;
+    return true;
+}
+
+bool rsv_past_openness(const rsv_past *p, const rsv_elements *e, uint32_t cell, uint8_t *openness)
+{
+    for (int level = RSV_PAST_LEVELS; level-- > 0;) {
+        const rsv_past_cells *c = &p->layout.cells[level];
+        uint32_t slot = find_slot(p, (rsv_past_level)level, e, cell);
+        if (slot == RSV_NONE || !(c->openness[slot] & RSV_OPENNESS_KNOWN)) continue;
+        if (rsv_past_is_beside(p, e, cell)) return false;
+        *openness = c->openness[slot] & (uint8_t)~RSV_OPENNESS_KNOWN;
+        return true;
+    }
+    return false;
+}

@@ -1,0 +1,169 @@
+#include "kept_files.h"
+
+#include "core/key.h"
+#include "elements/past_file.h"
+#include "operator/row_catalogue.h"
+#include "operator/row_record_head.h"
+#include "unit/file_fixture.h"
+#include "unit/light_fixture.h"
+
+#include "resolvent/solve.h"
+
+/// The room and what was left of it; lives as long as the program, as every file is tried on it.
+typedef struct kept_room {
+    world *before, *after;
+    folder left, next; ///< what the first solve left; where the next one keeps its own
+    uint8_t *file[3];  ///< as they were left
+    size_t bytes[3];
+    char name[3][64];
+} kept_room;
+
+static const char *const extensions[3] = { ".past", ".scene", ".rows" };
+
+static world *build(float box_at)
+{
+    world *w = world_begin(1);
+    uint32_t walls = world_lambert(w, 0.5f, 0), lamp = world_lambert(w, 0, 5);
+    world_room(w, walls, v3(0, 0, 0), v3(3, 2, 2));
+    world_box(w, walls, v3(box_at, 1e-4f, 0.5f), v3(box_at + 0.3f, 0.4f, 0.8f));
+    world_box(w, lamp, v3(1, 1.9f, 0.8f), v3(1.3f, 1.95f, 1.1f));
+    world_commit(w);
+    return w;
+}
+
+static rsv_status solve(const world *w, const char *rows, const char *earlier)
+{
+    rsv_solution *solution = NULL;
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 20;
+    desc.rays_per_element = 64;
+    desc.refinements = 1;
+    desc.direct_levels = 1;
+    desc.photon_count = 0;
+    desc.max_elements = 2000;
+    desc.checkpoint = rows;
+    desc.earlier = earlier;
+    rsv_status status = rsv_solution_create(w->scene, &desc, &solution);
+    rsv_solution_destroy(solution);
+    return status;
+}
+
+static void take_files(kept_room *room)
+{
+    DIR *directory = opendir(room->left.path);
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        for (int k = 0; k < 3; k++) {
+            char name[64];
+            snprintf(name, sizeof name, "%.60s", entry->d_name);
+            const char *dot = strrchr(name, '.');
+            size_t bytes;
+            if (!dot || strcmp(dot, extensions[k]) != 0) continue;
+            uint8_t *data = read_bytes(path_in(&room->left, name), &bytes);
+            if (bytes <= room->bytes[k]) { // of pilots
+                free(data);
+                continue;
+            }
+            free(room->file[k]);
+            room->file[k] = data;
+            room->bytes[k] = bytes;
+            memcpy(room->name[k], name, sizeof name);
+        }
+    if (directory) closedir(directory);
+}
+
+static kept_room *the_room(void);
+
+static void remove_room(void)
+{
+    kept_room *room = the_room();
+    remove_folder(room->left.path);
+    world_end(room->before);
+    world_end(room->after);
+    for (int k = 0; k < 3; k++)
+        free(room->file[k]);
+    free(room);
+}
+
+static kept_room *the_room(void)
+{
+    static kept_room *room;
+    if (room) return room;
+    room = calloc(1, sizeof *room);
+    if (!room || atexit(remove_room) != 0) abort();
+    room->left = new_folder();
+    room->before = build(0.5f);
+    room->after = build(0.8f);
+    if (solve(room->before, room->left.path, NULL) != RSV_OK) abort();
+    take_files(room);
+    return room;
+}
+
+static void mend_past(const kept_room *room, uint8_t *data, size_t size)
+{
+    rsv_past_header *h = (rsv_past_header *)(void *)data;
+    if (size < sizeof *h) return;
+    h->magic = RSV_PAST_MAGIC;
+    h->settings = ((const rsv_past_header *)(const void *)room->file[0])->settings;
+    h->checksum = rsv_past_checksum(h, size);
+}
+
+static void mend_catalogue(uint8_t *data, size_t size)
+{
+    rsv_row_catalogue_header h;
+    if (size < sizeof h) return;
+    memcpy(&h, data, sizeof h);
+    h.checksum = 0;
+    uint64_t sum = rsv_key_add_bytes(h.magic, &h, sizeof h);
+    h.checksum = rsv_key_add_bytes(sum, data + sizeof h, size - sizeof h);
+    memcpy(data, &h, sizeof h);
+}
+
+static void mend_rows(uint8_t *data, size_t size)
+{
+    rsv_row_record_head head;
+    for (size_t at = 0, bytes; size - at >= sizeof head; at += bytes) {
+        memcpy(&head, data + at, sizeof head);
+        if (head.count > 4096 || head.tinted_count > 4096 || head.escape_count > 4096 ||
+            head.tinted_escape_count > 4096 || head.ray_count > 4096)
+            return;
+        bytes = rsv_row_record_layout_of(&head).begin[RSV_ROW_PARTS];
+        if (bytes > size - at) return;
+        head.checksum = rsv_row_record_checksum(data + at, bytes);
+        memcpy(data + at, &head, sizeof head);
+    }
+}
+
+static void try_files(kept_room *room, int kind, const uint8_t *data, size_t size)
+{
+    write_bytes(path_in(&room->left, room->name[kind]), data, size);
+    room->next = new_folder();
+    solve(room->after, room->next.path, room->left.path);
+    remove_folder(room->next.path);
+    if (kind == 2) solve(room->before, room->left.path, NULL);
+    write_bytes(path_in(&room->left, room->name[kind]), room->file[kind], room->bytes[kind]);
+}
+
+static int kind_of(const char *extension)
+{
+    for (int k = 0; k < 3; k++)
+        if (strcmp(extension, extensions[k]) == 0) return k;
+    abort();
+}
+
+void fuzz_kept_file(const char *extension, uint8_t *data, size_t size)
+{
+    kept_room *room = the_room();
+    int kind = kind_of(extension);
+    if (kind == 0) mend_past(room, data, size);
+    if (kind == 1) mend_catalogue(data, size);
+    if (kind == 2) mend_rows(data, size);
+    try_files(room, kind, data, size);
+}
+
+void fuzz_copy_kept_file(const char *extension, const char *path)
+{
+    kept_room *room = the_room();
+    int kind = kind_of(extension);
+    write_bytes(path, room->file[kind], room->bytes[kind]);
+    try_files(room, kind, room->file[kind], room->bytes[kind]);
+}
