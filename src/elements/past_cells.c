@@ -19,7 +19,7 @@ static bool take(const rsv_past_cells *c, size_t first, size_t count, uint8_t *t
 bool rsv_past_cells_are_sound(const rsv_past_cells *c, uint8_t *taken)
 {
     for (size_t k = 0; k < c->face_count; k++)
-        if (c->face[k].level > RSV_MAX_LEVEL ||
+        if (c->face[k].level > RSV_MAX_LEVEL || c->face[k].halvings > RSV_MAX_LEVEL ||
             !take(c, c->face[k].slot, cells_in_grid(&c->face[k]), taken))
             return false;
     for (size_t slot = 0; slot < c->slot_count; slot++)

@@ -74,7 +74,7 @@ static void look_at(void *user, uint32_t triangle, float *radius)
     n.normal = place_corners(s->view, triangle, n.corner);
     if (v3_dot(n.normal, n.normal) == 0) return; // no ray meets it
     float u, v, apart = rsv_triangle_distance(s->view, triangle, s->middle, &u, &v);
-    n.apart = apart - s->radius;
+    n.apart = apart - s->radius - 0x1p-20f * rsv_extent_of(s->view, triangle);
     if (n.apart > s->reach) return;
     s->cosine[0] = f_max(s->cosine[0], cosine_towards(s, &n, s->normal));
     s->cosine[1] = f_max(s->cosine[1], cosine_towards(s, &n, v3_neg(s->normal)));

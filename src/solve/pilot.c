@@ -18,12 +18,13 @@
 #define PILOT_ORDERS 3
 #define PILOT_BEND 0.2f
 #define LARGEST_BEND 2.0f
-/// Pilots may add so many times the rows that were asked for to those that the surfaces take anyway. A split adds about
-/// so many.
-#define MOST_NODES 7
+/// Pilots may bring rows to so many times those that were asked for, or, where detailed surfaces take most of these anyway,
+/// add so many times. After an edit, whose solution before had pilots of its own, they may add as many as were asked for.
+#define MOST_NODES 8
+#define MOST_ADDED 5
 /// A pilot takes an eighth of the rays of a solution: worth it where it may add this part of the rows there are.
 #define LEAST_GROWTH 0.25
-#define NODES_PER_SPLIT 2
+#define NODES_PER_SPLIT 2 ///< that a split adds, about
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
 /// Elements are split for a goal until they are at most this much larger than wanted.
@@ -84,17 +85,32 @@ static void unmark_settled(const rsv_past *past, const rsv_elements *e, uint8_t 
 /// Rows that pilots may bring the solution to. @param first rows before them
 static size_t most_rows(const rsv_solution *s, size_t first)
 {
-    size_t most = first + (size_t)MOST_NODES * s->desc.element_target, budget = rsv_budget_rows(s);
+    size_t target = s->desc.element_target, budget = rsv_budget_rows(s);
+    size_t most = first + (s->scene.past ? 1 : MOST_ADDED) * target;
+    if (most < MOST_NODES * target) most = MOST_NODES * target;
     return most < budget ? most : budget;
 }
 
-/// Marks the cells over which light bends that has no finer level, the strongest bends alone where all of them would
-/// take more than `most` rows. @param arriving [node_count] that light @param any out: false if none are marked
-static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t most,
-    const rsv_rgb *arriving, const float *deviation, uint8_t *split, bool *any)
+/// Mean luminance of the light that has no finer level. @param far [node_count] nodes for which nothing is gathered
+static float mean_arriving(const rsv_solution *s, const uint8_t *far)
 {
     const rsv_elements *e = s->elements;
-    float dark = PILOT_DARK * (float)rsv_elements_mean_luminance(e, arriving);
+    double gathered = 0, area = 0;
+    for (size_t n = 0; n < e->node_count; n++) {
+        if (far[n]) continue;
+        gathered += (double)(e->node_area[n] * rgb_luminance(s->gathered[n]));
+        area += (double)e->node_area[n];
+    }
+    return (float)(rsv_elements_mean_luminance(e, s->indirect) + (area > 0 ? gathered / area : 0));
+}
+
+/// Marks the cells over which light bends that has no finer level, the strongest bends alone where all of them would
+/// take more than `most` rows. @param arriving [node_count] that light @param dark too little of it to be seen
+/// @param any out: false if none are marked
+static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t most,
+    const rsv_rgb *arriving, float dark, const float *deviation, uint8_t *split, bool *any)
+{
+    const rsv_elements *e = s->elements;
     size_t rows = rsv_solution_rows(s);
     *any = false;
     for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
@@ -217,14 +233,15 @@ static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, size_t 
     for (size_t n = 0; n < nodes; n++)
         exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
     rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
+    for (size_t n = 0; n < nodes; n++)
+        if (far[n]) deviation[n] = INFINITY;
     rsv_mark_buried(s->elements, s->valid_points, deviation);
     // light without a finer level: indirect, and what is gathered of the sky and of lamps
     rsv_rgb *arriving = exitance;
-    for (size_t n = 0; n < nodes; n++) {
+    for (size_t n = 0; n < nodes; n++)
         arriving[n] = rgb_add(s->gathered[n], s->indirect[n]);
-        if (far[n]) deviation[n] = INFINITY;
-    }
-    RSV_TRY(mark_bends(s, goal, most, arriving, deviation, split, refined));
+    float dark = PILOT_DARK * mean_arriving(s, far);
+    RSV_TRY(mark_bends(s, goal, most, arriving, dark, deviation, split, refined));
     rsv_system_destroy(s);
     if (!*refined) goto cleanup;
     shrink_clusters(s->elements, split);
@@ -280,10 +297,10 @@ rsv_status rsv_pilot_refine(rsv_solution *s)
     rsv_goal goal = { 0 };
     bool refined = rsv_reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
     if (rsv_pilot_has_goal(s) && refined) RSV_TRY(refine_for_goal(s, &goal));
-    size_t most = most_rows(s, rsv_solution_rows(s));
+    size_t first = rsv_solution_rows(s);
     for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++) {
-        size_t rows = rsv_solution_rows(s);
-        if ((double)most < (1 + LEAST_GROWTH) * (double)rows) break;
+        size_t rows = rsv_solution_rows(s), most = most_rows(s, first);
+        if (!settled(s) && (double)most < (1 + LEAST_GROWTH) * (double)rows) break;
         RSV_TRY(refine_by_pilot(s, &goal, most, &refined));
     }
 cleanup:

@@ -82,6 +82,12 @@ static void forge_level(rsv_past_header *h, const rsv_past_layout *l)
     l->cells[RSV_PAST_COARSE].face[0].level = RSV_MAX_LEVEL + 1;
 }
 
+static void forge_halvings(rsv_past_header *h, const rsv_past_layout *l)
+{
+    (void)h;
+    l->cells[RSV_PAST_COARSE].face[0].halvings = 255;
+}
+
 static void forge_grid_past_the_end(rsv_past_header *h, const rsv_past_layout *l)
 {
     l->cells[RSV_PAST_COARSE].face[0].slot = (uint32_t)h->slots[RSV_PAST_COARSE];
@@ -119,7 +125,8 @@ static void forged_files_lead_nowhere(void **state)
 {
     (void)state;
     static const forger refused[] = { forge_spacing, forge_light, forge_node, forge_box,
-        forge_level, forge_grid_past_the_end, forge_children_past_the_end, forge_loop };
+        forge_level, forge_halvings, forge_grid_past_the_end, forge_children_past_the_end,
+        forge_loop };
     folder f = new_folder();
     world *w = build(&plain, 1);
     size_t bytes;
