@@ -32,7 +32,7 @@
 ///     f(wi, wo) a(wi) a(wo),  a(w) = L(w) / s(w),  s(wo) = mean of a over where f sends light from wo
 ///
 /// which is symmetric and lossless. For a mirror s = a, the factor is L; if f were diffuse, a = L / sqrt(L_mean),
-/// as in T; rough lobes lie between, where balance.c finds s. What refracts into a body is dimmed by L(wo);
+/// as in T; rough lobes lie between, where balance.h finds s. What refracts into a body is dimmed by L(wo);
 /// from inside a body the layers are not met.
 ///
 /// Radiance here is basic radiance, L / ior^2 of the medium, which interfaces leave unscaled: the same
@@ -84,9 +84,6 @@ typedef struct rsv_bsdf {
     bool emissive; ///< emission is not black (and not unlit)
 } rsv_bsdf;
 
-/// Sets `balance` of a layered surface from all else (balance.c).
-void rsv_bsdf_balance_layers(rsv_bsdf *bsdf);
-
 /// Maps a material to the scattering model.
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);
 
@@ -98,11 +95,11 @@ typedef struct rsv_bsdf_variation {
 } rsv_bsdf_variation;
 
 /// The variation that leaves a material as it is.
-rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material);
+RSV_SHARED rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material);
 
 /// The same material with other values at one point; whatever depends on the ior alone is kept. Cheap
 /// enough for every hit. What `bsdf` is - solid, double-sided, unlit - stays.
-rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
+RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
 
 typedef enum rsv_lobe {
     RSV_LOBE_NONE,
@@ -198,5 +195,9 @@ RSV_INLINE float rsv_bsdf_pdf(
 #include "bsdf_evaluate.h"
 
 #include "bsdf_sample.h"
+
+#if defined(RSV_DEVICE_CODE)
+#include "vary_body.h"
+#endif
 
 #endif

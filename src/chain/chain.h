@@ -14,31 +14,32 @@ typedef enum rsv_chain_end {
 #define RSV_CHAIN_MAX_EVENTS 256
 
 /// How the chain's surface scatters there. @param storage may be used to hold it
-const rsv_bsdf *rsv_chain_bsdf(
+RSV_SHARED const rsv_bsdf *rsv_chain_bsdf(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_bsdf *storage);
 
 /// Shading normal (with its normal map) and geometric normal on the side the chain arrived from.
-void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *shading,
-    rsv_vec3 *geometric);
+RSV_SHARED void rsv_chain_normals(const rsv_transport_scene *scene, const rsv_chain *chain,
+    rsv_vec3 *shading, rsv_vec3 *geometric);
 
 /// The same, with the normal that the BSDF is to be asked with: the one seen, unless it would lose what is mirrored.
-const rsv_bsdf *rsv_chain_scattering(
+RSV_SHARED const rsv_bsdf *rsv_chain_scattering(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 *normal, rsv_bsdf *storage);
 
 /// Branch weights at the chain's surface. What it does not cover counts as transmitted, straight on.
-rsv_bsdf_branches rsv_chain_branches(const rsv_transport_scene *scene, const rsv_chain *chain);
+RSV_SHARED rsv_bsdf_branches rsv_chain_branches(
+    const rsv_transport_scene *scene, const rsv_chain *chain);
 
 /// The same at a surface point that is known, with its normal map.
-rsv_bsdf_branches rsv_chain_branches_at(
+RSV_SHARED rsv_bsdf_branches rsv_chain_branches_at(
     const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_surface_point *seen);
 
 /// Draws what happens to the chain at its surface, which it may pass where that does not cover.
-rsv_bsdf_event rsv_chain_draw_event(
+RSV_SHARED rsv_bsdf_event rsv_chain_draw_event(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
 
 /// Draws among what is neither diffuse nor a gap in the surface's cover; the weight holds the chance of these.
 /// @param u for the lobe and for the direction within it, in [0, 1)
-rsv_bsdf_event rsv_chain_draw_specular(
+RSV_SHARED rsv_bsdf_event rsv_chain_draw_specular(
     const rsv_transport_scene *scene, const rsv_chain *chain, const float u[3]);
 
 typedef enum rsv_chain_move {
@@ -50,8 +51,8 @@ typedef enum rsv_chain_move {
 /// Leaves the surface by reflection or transmission and moves to the next one (rsv_chain_depart, rsv_chain_set_out and
 /// rsv_chain_arrive in one).
 /// @param weight multiplies the throughput
-rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain, bool transmit,
-    rsv_vec3 direction, rsv_rgb weight);
+RSV_SHARED rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain,
+    bool transmit, rsv_vec3 direction, rsv_rgb weight);
 
 /// What a gather chain found on its way: emission that counts, and where it ended.
 typedef struct rsv_gather {
@@ -69,5 +70,9 @@ typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_
 /// leaves is colour only: a colourless chain keeps weight 1.
 rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, rsv_random *random,
     rsv_emission_filter filter, const void *user);
+
+#if defined(RSV_DEVICE_CODE)
+#include "chain_body.h"
+#endif
 
 #endif

@@ -1,8 +1,9 @@
-/// Drawing from a discrete distribution in constant time (Walker 1977, built as Vose 1991).
+/// Drawing from a discrete distribution in constant time (Walker 1977, built as Vose 1991); drawing is for device code, too.
 #ifndef RSV_ALIAS_TABLE_H
 #define RSV_ALIAS_TABLE_H
 
 #include "core_internal.h"
+#include "vec.h"
 
 typedef struct rsv_alias_entry {
     float keep;     ///< probability to stay where the number fell
@@ -16,7 +17,7 @@ rsv_status rsv_alias_table_fill(
     rsv_context *context, const double *weight, size_t count, rsv_alias_entry *table);
 
 /// @param u in [0, 1)
-static inline uint32_t rsv_alias_table_draw(const rsv_alias_entry *table, uint32_t count, double u)
+RSV_INLINE uint32_t rsv_alias_table_draw(const rsv_alias_entry *table, uint32_t count, double u)
 {
     double place = u * count;
     uint32_t k = (uint32_t)place < count ? (uint32_t)place : count - 1;

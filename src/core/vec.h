@@ -14,6 +14,16 @@
 #endif
 #endif
 
+/// Functions that the library compiles once, in a file of its own, and device code wherever it calls them: their bodies
+/// are in headers `*_body.h`, which that file includes or, where RSV_DEVICE_CODE is defined, the header itself.
+#ifndef RSV_SHARED
+#if defined(RSV_DEVICE_CODE)
+#define RSV_SHARED RSV_INLINE
+#else
+#define RSV_SHARED
+#endif
+#endif
+
 #define RSV_PI 3.14159265358979323846f
 
 /// Compiled to one instruction, unlike fminf and fmaxf, which care about NaN; the second argument survives

@@ -144,18 +144,3 @@ void rsv_photon_guide_destroy(rsv_context *context, rsv_photon_guide *guide)
     rsv_free(context, guide->cell_cdf);
     rsv_free(context, guide->density);
 }
-
-/// From the place in a bin to that in the square.
-static float place(const float *line, float within)
-{
-    return f_min(line[0] + (line[1] - line[0]) * within, 0x1.fffffep-1f);
-}
-
-float rsv_photon_guide_warp(const rsv_photon_guide *guide, float *x, float *y)
-{
-    uint32_t row = rsv_invert_cdf(guide->row_cdf, RSV_GUIDE_SIDE, y);
-    uint32_t column = rsv_invert_cdf(guide->cell_cdf + row * RSV_GUIDE_SIDE, RSV_GUIDE_SIDE, x);
-    *x = place(guide->grid.x + column, *x);
-    *y = place(guide->grid.y + row, *y);
-    return guide->density[row * RSV_GUIDE_SIDE + column];
-}

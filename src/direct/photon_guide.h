@@ -7,6 +7,7 @@
 #define RSV_PHOTON_GUIDE_H
 
 #include "../core/core_internal.h"
+#include "../core/sampling.h"
 
 #define RSV_GUIDE_SIDE 64 ///< bins along each side of the square
 #define RSV_GUIDE_RAYS 4  ///< pilot rays per bin
@@ -37,8 +38,21 @@ rsv_status rsv_photon_guide_create(
     rsv_context *context, const rsv_guide_grid *grid, const float *useful, rsv_photon_guide *guide);
 void rsv_photon_guide_destroy(rsv_context *context, rsv_photon_guide *guide);
 
+/// From the place in a bin to that in the square.
+RSV_INLINE float rsv_guide_place(const float *line, float within)
+{
+    return f_min(line[0] + (line[1] - line[0]) * within, 0x1.fffffep-1f);
+}
+
 /// Warps a uniform point of the unit square by the guide, neighbours to neighbours, so that points of a
 /// quasi-random set stay spread out. @return the density there
-float rsv_photon_guide_warp(const rsv_photon_guide *guide, float *x, float *y);
+RSV_INLINE float rsv_photon_guide_warp(const rsv_photon_guide *guide, float *x, float *y)
+{
+    uint32_t row = rsv_invert_cdf(guide->row_cdf, RSV_GUIDE_SIDE, y);
+    uint32_t column = rsv_invert_cdf(guide->cell_cdf + row * RSV_GUIDE_SIDE, RSV_GUIDE_SIDE, x);
+    *x = rsv_guide_place(guide->grid.x + column, *x);
+    *y = rsv_guide_place(guide->grid.y + row, *y);
+    return guide->density[row * RSV_GUIDE_SIDE + column];
+}
 
 #endif

@@ -21,33 +21,6 @@ void rsv_photon_map_destroy(rsv_photon_map *map)
     *map = (rsv_photon_map){ 0 };
 }
 
-static void add_fixed(int64_t *sum, double value)
-{
-    int64_t amount = (int64_t)llrint(value);
-#pragma omp atomic
-    *sum += amount;
-}
-
-void rsv_photon_map_deposit(
-    rsv_photon_map *map, bool back, uint32_t triangle, float u, float v, rsv_rgb flux)
-{
-    const rsv_elements *e = map->elements;
-    uint32_t face = e->face_of[back][triangle];
-    if (face == RSV_NONE) return;
-    float weight[3];
-    uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
-    for (int k = 0; k < 3; k++) {
-        uint32_t node = e->cell_node[cell][k];
-        double scale = weight[k] / map->unit;
-        add_fixed(&map->flux[node][0], flux.r * scale);
-        add_fixed(&map->flux[node][1], flux.g * scale);
-        add_fixed(&map->flux[node][2], flux.b * scale);
-        uint64_t share = (uint64_t)(weight[k] * 65536.0f);
-#pragma omp atomic
-        map->hits[node] += share;
-    }
-}
-
 void rsv_photon_map_unite(rsv_photon_map *map)
 {
     size_t nodes = map->elements->node_count;

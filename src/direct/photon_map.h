@@ -18,9 +18,40 @@ typedef struct rsv_photon_map {
 rsv_status rsv_photon_map_create(
     rsv_context *context, const rsv_elements *elements, double unit, rsv_photon_map *map);
 
+/// Sums of whole numbers come out the same in any order.
+RSV_INLINE void rsv_add_atomically(int64_t *sum, int64_t amount)
+{
+#if defined(__CUDA_ARCH__)
+    atomicAdd((unsigned long long *)sum, (unsigned long long)amount);
+#else
+    __atomic_fetch_add(sum, amount, __ATOMIC_RELAXED);
+#endif
+}
+
+RSV_INLINE void rsv_add_fixed(int64_t *sum, double value)
+{
+    rsv_add_atomically(sum, (int64_t)llrint(value));
+}
+
 /// Adds the flux of one photon at (u, v) of a triangle's front or back; several threads may.
-void rsv_photon_map_deposit(
-    rsv_photon_map *map, bool back, uint32_t triangle, float u, float v, rsv_rgb flux);
+RSV_INLINE void rsv_photon_map_deposit(
+    const rsv_photon_map *map, bool back, uint32_t triangle, float u, float v, rsv_rgb flux)
+{
+    const rsv_elements *e = map->elements;
+    uint32_t face = e->face_of[back][triangle];
+    if (face == RSV_NONE) return;
+    float weight[3];
+    uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
+    for (int k = 0; k < 3; k++) {
+        uint32_t node = e->cell_node[cell][k];
+        double scale = weight[k] / map->unit;
+        rsv_add_fixed(&map->flux[node][0], flux.r * scale);
+        rsv_add_fixed(&map->flux[node][1], flux.g * scale);
+        rsv_add_fixed(&map->flux[node][2], flux.b * scale);
+        int64_t share = (int64_t)(weight[k] * 65536.0f);
+        rsv_add_atomically((int64_t *)&map->hits[node], share);
+    }
+}
 
 /// Adds up what the processes of a team have caught. Before rsv_photon_map_settle.
 void rsv_photon_map_unite(rsv_photon_map *map);

@@ -43,7 +43,11 @@ void rsv_photon_origins_destroy(rsv_photon_origins *origins);
 
 /// A photon of one of the origins [first, first + count), which must share a source.
 /// @param x,y in the unit square: its direction
-rsv_photon_emission rsv_photon_emit(const rsv_photon_origins *origins, uint32_t first,
+RSV_SHARED rsv_photon_emission rsv_photon_emit(const rsv_photon_origins *origins, uint32_t first,
     uint32_t count, float x, float y, rsv_random *random);
+
+#if defined(RSV_DEVICE_CODE)
+#include "photon_origin_body.h"
+#endif
 
 #endif

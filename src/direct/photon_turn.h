@@ -8,7 +8,11 @@
 /// from the eye are. BSDFs count the cosine of light that arrives by the shading normal, but flux crosses the true
 /// surface (Veach 1997, 5.3); and a path that came the other way may take another normal than the photon did.
 /// @param event drawn at the chain's surface
-rsv_rgb rsv_photon_turn(
+RSV_SHARED rsv_rgb rsv_photon_turn(
     const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_bsdf_event *event);
+
+#if defined(RSV_DEVICE_CODE)
+#include "photon_turn_body.h"
+#endif
 
 #endif

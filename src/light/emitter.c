@@ -1,27 +1,11 @@
 /// Emissive triangles and, where textures make their brightness vary, the cells of a subdivision of them.
+#include "emitter_body.h"
 #include "light_internal.h"
 
 #include "../core/core_internal.h"
-#include "../scene/material_at.h"
 
 /// Places on a textured emitter from which its mean radiance is estimated.
 #define RADIANCE_POINTS 64
-
-/// Where a surface does not cover, it does not shine.
-static rsv_rgb emission_at(
-    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
-{
-    rsv_material m = rsv_material_at(scene, triangle, u, v, width);
-    return rgb_scale(m.emission, m.opacity);
-}
-
-/// From coordinates on the emitter to those of its triangle.
-static void to_triangle(const rsv_emitter *e, float *u, float *v)
-{
-    float x = *u, y = *v;
-    *u = e->u[0] + x * (e->u[1] - e->u[0]) + y * (e->u[2] - e->u[0]);
-    *v = e->v[0] + x * (e->v[1] - e->v[0]) + y * (e->v[2] - e->v[0]);
-}
 
 /// Mean over the emitter, each place standing for its share of the area.
 static rsv_rgb mean_radiance(const rsv_scene_view *scene, const rsv_emitter *e)
@@ -32,18 +16,10 @@ static rsv_rgb mean_radiance(const rsv_scene_view *scene, const rsv_emitter *e)
         float x, y, u, v;
         rsv_sobol_2d(k, 0, &x, &y);
         rsv_square_to_triangle(x, y, &u, &v);
-        to_triangle(e, &u, &v);
-        sum = rgb_add(sum, emission_at(scene, e->triangle, u, v, width));
+        rsv_emitter_to_triangle(e, &u, &v);
+        sum = rgb_add(sum, rsv_emission_at(scene, e->triangle, u, v, width));
     }
     return rgb_scale(sum, 1.0f / RADIANCE_POINTS);
-}
-
-rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v)
-{
-    const rsv_emitter *e = &lights->emitter[emitter];
-    if (!e->varies) return e->radiance;
-    to_triangle(e, &u, &v);
-    return emission_at(lights->scene, e->triangle, u, v, 0);
 }
 
 bool rsv_emission_varies(const rsv_material *m)
@@ -78,20 +54,6 @@ static void cell_corners(int level, uint32_t cell, float u[3], float v[3])
     }
 }
 
-uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v)
-{
-    uint32_t first = lights->triangle_emitter[triangle], cell = 0;
-    if (first == RSV_NONE) return RSV_NONE;
-    float b[3] = { 1 - u - v, u, v };
-    for (int level = lights->emitter[first].level; level > 0; level--) {
-        uint32_t part = b[0] >= 0.5f ? 0 : b[1] >= 0.5f ? 1 : b[2] >= 0.5f ? 2 : 3;
-        for (uint32_t k = 0; k < 3; k++)
-            b[k] = part == 3 ? 1 - 2 * b[k] : 2 * b[k] - (k == part ? 1 : 0);
-        cell = 4 * cell + part;
-    }
-    return first + cell;
-}
-
 void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *e)
 {
     const uint32_t *index = scene->triangle[e->triangle];
@@ -121,10 +83,4 @@ rsv_emitter rsv_emitter_create(
     emitter.varies = rsv_emission_varies(&scene->material[scene->triangle_material[triangle]]);
     rsv_emitter_set_strength(scene, material, &emitter);
     return emitter;
-}
-
-double rsv_emitter_power(const rsv_emitter *emitter)
-{
-    int sides = emitter->double_sided ? 2 : 1;
-    return sides * (double)RSV_PI * rgb_luminance(emitter->radiance) * emitter->area;
 }

@@ -75,13 +75,18 @@ rsv_status rsv_lights_follow(rsv_lights *lights);
 rsv_status rsv_lights_follow_strengths(rsv_lights *lights, const rsv_bsdf *bsdf, bool *followed);
 
 /// The emitter at barycentric (u, v) of a triangle; RSV_NONE = it does not emit.
-uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v);
+RSV_SHARED uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v);
 
 /// Radiance of an emitter at barycentric (u, v) of the emitter itself.
-rsv_rgb rsv_emitter_radiance(const rsv_lights *lights, uint32_t emitter, float u, float v);
+RSV_SHARED rsv_rgb rsv_emitter_radiance(
+    const rsv_lights *lights, uint32_t emitter, float u, float v);
 
 /// Luminance flux of both sides that emit, W.
-double rsv_emitter_power(const rsv_emitter *emitter);
+RSV_INLINE double rsv_emitter_power(const rsv_emitter *emitter)
+{
+    int sides = emitter->double_sided ? 2 : 1;
+    return sides * (double)RSV_PI * rgb_luminance(emitter->radiance) * emitter->area;
+}
 
 /// Whether rsv_local_lights_sample has anything to find.
 bool rsv_lights_any_sampled(const rsv_lights *lights);
@@ -101,7 +106,7 @@ typedef struct rsv_local_lights {
                         ///< their mean radiance; only meaningful when !by_tree
 } rsv_local_lights;
 
-void rsv_lights_at(
+RSV_SHARED void rsv_lights_at(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
 
 typedef struct rsv_light_sample {
@@ -118,17 +123,23 @@ typedef struct rsv_light_sample {
 /// Samples a source towards the receiver. Emitters: uniform in the solid angle of the chosen triangle (Arvo
 /// 1995) where that is numerically sound, uniform in area otherwise. False if nothing can
 /// contribute.
-bool rsv_local_lights_sample(
+RSV_SHARED bool rsv_local_lights_sample(
     const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample);
 
 /// Density with which rsv_local_lights_sample would have drawn the point at `distance` along
 /// `direction` on `emitter`.
-float rsv_local_lights_pdf(
+RSV_SHARED float rsv_local_lights_pdf(
     const rsv_local_lights *local, uint32_t emitter, rsv_vec3 direction, float distance);
 
 /// Density with which rsv_local_lights_sample would have drawn `direction` from the sky.
-float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction);
+RSV_SHARED float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction);
 /// The same for sun k, if the direction lies within it.
-float rsv_local_lights_sun_pdf(const rsv_local_lights *local, uint32_t k, rsv_vec3 direction);
+RSV_SHARED float rsv_local_lights_sun_pdf(
+    const rsv_local_lights *local, uint32_t k, rsv_vec3 direction);
+
+#if defined(RSV_DEVICE_CODE)
+#include "emitter_body.h"
+#include "local_lights_body.h"
+#endif
 
 #endif

@@ -23,14 +23,6 @@ static double band_solid_angle(double v0, double v1)
     return 4 * M_PI * sin(0.5 * M_PI * (v1 - v0)) * sin(0.5 * M_PI * (v1 + v0));
 }
 
-void rsv_sky_pixel_at(const rsv_sky *sky, rsv_vec3 direction, uint32_t *column, uint32_t *row)
-{
-    float x, y;
-    rsv_sky_locate(sky, direction, &x, &y);
-    *column = (uint32_t)x < sky->width ? (uint32_t)x : sky->width - 1;
-    *row = rsv_sky_clamp_row((int32_t)y, sky->height);
-}
-
 double rsv_sky_pixel_solid_angle(const rsv_sky *sky, uint32_t row)
 {
     double height = sky->height;

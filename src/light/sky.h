@@ -58,7 +58,15 @@ RSV_INLINE rsv_rgb rsv_sky_radiance(const rsv_sky *sky, rsv_vec3 direction)
 }
 
 /// The pixel that unit `direction` falls into.
-void rsv_sky_pixel_at(const rsv_sky *sky, rsv_vec3 direction, uint32_t *column, uint32_t *row);
+RSV_INLINE void rsv_sky_pixel_at(
+    const rsv_sky *sky, rsv_vec3 direction, uint32_t *column, uint32_t *row)
+{
+    float x, y;
+    rsv_sky_locate(sky, direction, &x, &y);
+    *column = (uint32_t)x < sky->width ? (uint32_t)x : sky->width - 1;
+    *row = rsv_sky_clamp_row((int32_t)y, sky->height);
+}
+
 /// Solid angle of each pixel of a row.
 double rsv_sky_pixel_solid_angle(const rsv_sky *sky, uint32_t row);
 /// Direction to the centre of a pixel.
@@ -126,7 +134,13 @@ RSV_INLINE float rsv_sky_sample(
 }
 
 /// Density of rsv_sky_sample.
-float rsv_sky_pdf(const rsv_sky_sampler *sampler, rsv_vec3 direction);
+RSV_INLINE float rsv_sky_pdf(const rsv_sky_sampler *sampler, rsv_vec3 direction)
+{
+    if (!(sampler->flux > 0)) return 0;
+    uint32_t x, y;
+    rsv_sky_pixel_at(&sampler->sky, direction, &x, &y);
+    return sampler->density[(size_t)(y / sampler->stride) * sampler->columns + x / sampler->stride];
+}
 
 /// Irradiance without occlusion by the normal of the receiver: a table over the octahedral square.
 typedef struct rsv_sky_irradiance {

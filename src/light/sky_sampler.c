@@ -88,11 +88,3 @@ void rsv_sky_sampler_destroy(rsv_context *context, rsv_sky_sampler *sampler)
     rsv_free(context, sampler->density);
     *sampler = (rsv_sky_sampler){ 0 };
 }
-
-float rsv_sky_pdf(const rsv_sky_sampler *sampler, rsv_vec3 direction)
-{
-    if (!(sampler->flux > 0)) return 0;
-    uint32_t x, y;
-    rsv_sky_pixel_at(&sampler->sky, direction, &x, &y);
-    return sampler->density[(size_t)(y / sampler->stride) * sampler->columns + x / sampler->stride];
-}

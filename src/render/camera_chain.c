@@ -1,6 +1,7 @@
 #include "camera_chain.h"
 
-#include "rough_light.h"
+#include "rough_aim.h"
+#include "rough_branch.h"
 
 #define STACK 64
 
@@ -60,47 +61,19 @@ static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branch
     leave(t, next, transmit, direction, weight);
 }
 
-/// What a rough surface draws.
-typedef struct rough_numbers {
-    float kept, light[3], direction[3], sky[3];
-} rough_numbers;
-
-static rough_numbers draw_numbers(const tree *t, const link *at)
+static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
 {
-    rough_numbers n;
-    if (t->sample && at->chain.events == 0) {
-        n.kept = rsv_pixel_sample_1d(*t->sample, 20);
-        n.light[0] = rsv_pixel_sample_1d(*t->sample, 21);
-        rsv_pixel_sample_2d(*t->sample, 22, &n.light[1], &n.light[2]);
-        n.direction[0] = rsv_pixel_sample_1d(*t->sample, 23);
-        rsv_pixel_sample_2d(*t->sample, 24, &n.direction[1], &n.direction[2]);
-        n.sky[0] = rsv_pixel_sample_1d(*t->sample, 25);
-        rsv_pixel_sample_2d(*t->sample, 26, &n.sky[1], &n.sky[2]);
-        return n;
-    }
-    rsv_random random = rsv_random_from(at->path, at->chain.triangle, 0x17c3u);
-    n.kept = rsv_random_float(&random);
-    for (int k = 0; k < 3; k++)
-        n.light[k] = rsv_random_float(&random);
-    for (int k = 0; k < 3; k++)
-        n.direction[k] = rsv_random_float(&random);
-    for (int k = 0; k < 3; k++)
-        n.sky[k] = rsv_random_float(&random);
+    rsv_rough_numbers n;
+    if (!t->sample || at->chain.events > 0)
+        return rsv_rough_numbers_of(at->path, at->chain.triangle);
+    n.kept = rsv_pixel_sample_1d(*t->sample, 20);
+    n.light[0] = rsv_pixel_sample_1d(*t->sample, 21);
+    rsv_pixel_sample_2d(*t->sample, 22, &n.light[1], &n.light[2]);
+    n.direction[0] = rsv_pixel_sample_1d(*t->sample, 23);
+    rsv_pixel_sample_2d(*t->sample, 24, &n.direction[1], &n.direction[2]);
+    n.sky[0] = rsv_pixel_sample_1d(*t->sample, 25);
+    rsv_pixel_sample_2d(*t->sample, 26, &n.sky[1], &n.sky[2]);
     return n;
-}
-
-/// Rough lobes are looked at as often as they are this many times the diffuse one's share.
-#define ROUGH_WORTH 10
-
-/// Chance of looking at rough lobes: wide ones that are faint beside the diffuse one, to the eye, are not worth two rays
-/// each time.
-static float chance_of_looking(const rsv_rough_surface *surface, const rsv_bsdf_branches *branches)
-{
-    const rsv_bsdf *bsdf = surface->bsdf;
-    if (!rsv_rough_is_wide(bsdf)) return 1;
-    float rough = rsv_bsdf_specular_chance(bsdf, surface->wo, surface->normal, surface->front);
-    float diffuse = rgb_luminance(rgb_mul(branches->diffuse, bsdf->exitance_albedo));
-    return ROUGH_WORTH * rough < diffuse ? ROUGH_WORTH * rough / diffuse : 1;
 }
 
 /// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
@@ -108,8 +81,8 @@ static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
 {
     rsv_rough_surface surface;
     rsv_rough_meet(t->scene, &at.chain, &surface);
-    rough_numbers numbers = draw_numbers(t, &at);
-    float chance = chance_of_looking(&surface, branches);
+    rsv_rough_numbers numbers = draw_numbers(t, &at);
+    float chance = rsv_rough_chance(&surface, branches);
     if (numbers.kept >= chance) return;
     at.chain.weight = rgb_scale(at.chain.weight, 1 / chance);
     t->radiance =
@@ -119,10 +92,9 @@ static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
     t->radiance =
         rgb_add(t->radiance, rsv_rough_aimed_light(&surface, t->lights, &aim, numbers.sky));
     rsv_bsdf_event event = rsv_rough_draw(&surface, numbers.direction);
-    bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!specular || event.pdf_solid_angle == 0 || at.chain.events >= t->setting->max_events)
-        return;
-    link next = { at.chain, rsv_rough_depart(&surface, &aim, event.direction),
+    if (!rsv_rough_goes_on(&event) || at.chain.events >= t->setting->max_events) return;
+    float sky_pdf = rsv_sky_aim_pdf(&aim, event.direction);
+    link next = { at.chain, rsv_rough_depart(&surface, event.direction, sky_pdf),
         rsv_branch_path(at.path, false), at.shot };
     next.departure.shot = at.shot;
     if (t->setting->shot && at.chain.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);

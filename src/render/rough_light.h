@@ -1,12 +1,10 @@
 /// Light sources as rough surfaces on the way of a camera ray reflect them: small lamps, suns and punctual
-/// lights are aimed at, large ones met by chance, and the two weighed by the power heuristic. So is what the surface sees of the
-/// gathered sky, as far as rows of G tell.
+/// lights are aimed at, large ones met by chance, and the two weighed by the power heuristic.
 #ifndef RSV_ROUGH_LIGHT_H
 #define RSV_ROUGH_LIGHT_H
 
 #include "../chain/chain.h"
 #include "../light/light.h"
-#include "sky_aim.h"
 
 /// How a chain left a rough surface, for what it meets next.
 typedef struct rsv_rough_departure {
@@ -29,46 +27,77 @@ typedef struct rsv_rough_surface {
 } rsv_rough_surface;
 
 /// @param chain borrowed
-void rsv_rough_meet(
+RSV_SHARED void rsv_rough_meet(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_rough_surface *surface);
 
 /// Whether the lobes of a rough surface are all so wide that a light path which ends there is likely to reach any eye.
-bool rsv_rough_is_wide(const rsv_bsdf *bsdf);
+RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf);
 
 /// What the rough lobes make of light from unit direction `wi`: radiance at the chain's start per irradiance on a
 /// surface that faces it.
-rsv_rgb rsv_rough_response(const rsv_rough_surface *surface, rsv_vec3 wi);
+RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *surface, rsv_vec3 wi);
 
 /// Radiance that the surface scatters towards the camera from sources aimed at.
 /// @param shot leaves out those of rsv_rough_departure.shot
 /// @param u for the choice of a source and for the place on it, in [0, 1)
-rsv_rgb rsv_rough_light(
+RSV_SHARED rsv_rgb rsv_rough_light(
     const rsv_rough_surface *surface, const rsv_lights *lights, bool shot, const float u[3]);
 
 /// Draws a direction from all lobes but the diffuse one, with their chance in the weight.
 /// @param u for the lobe and for the direction within it, in [0, 1)
-rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *surface, const float u[3]);
+RSV_SHARED rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *surface, const float u[3]);
 
-/// Where the surface aims at the gathered sky; nowhere if none is known to be seen.
-/// @param openings NULL = none is
-void rsv_rough_aim(
-    const rsv_rough_surface *surface, const rsv_openings *openings, rsv_sky_aim *aim);
-
-/// Radiance that the surface scatters towards the camera from the gathered sky. @param u in [0, 1)
-rsv_rgb rsv_rough_aimed_light(const rsv_rough_surface *surface, const rsv_lights *lights,
-    const rsv_sky_aim *aim, const float u[3]);
-
-/// The departure of the chain along `direction`.
-rsv_rough_departure rsv_rough_depart(
-    const rsv_rough_surface *surface, const rsv_sky_aim *aim, rsv_vec3 direction);
+/// The departure of the chain along `direction`. @param sky_pdf as in rsv_rough_departure
+RSV_SHARED rsv_rough_departure rsv_rough_depart(
+    const rsv_rough_surface *surface, rsv_vec3 direction, float sky_pdf);
 
 /// Weight of the emission of the surface that the chain has come to.
-float rsv_rough_emission_weight(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const rsv_chain *chain, const rsv_rough_departure *departure);
+RSV_SHARED float rsv_rough_emission_weight(const rsv_transport_scene *scene,
+    const rsv_lights *lights, const rsv_chain *chain, const rsv_rough_departure *departure);
 
 /// Radiance of the sky that the chain has left the scene to. What rough surfaces aim at is weighed part by part, as
 /// it is drawn; what is gathered counts in full.
-rsv_rgb rsv_rough_sky(
+RSV_SHARED rsv_rgb rsv_rough_sky(
     const rsv_lights *lights, rsv_vec3 direction, const rsv_rough_departure *departure);
+
+// ---- what these are made of ----------------------------------------------------------------------
+
+/// Radiance at the chain's start per radiance that sources send from that distance along `wi`.
+RSV_INLINE rsv_rgb rsv_rough_throughput(const rsv_rough_surface *s, rsv_vec3 wi, float distance)
+{
+    rsv_medium medium = s->chain->medium;
+    if (v3_dot(s->normal, wi) < 0) medium = rsv_chain_medium_beyond(s->scene, s->chain);
+    return rgb_mul(rsv_chain_throughput(s->scene, s->chain, &medium),
+        rsv_medium_transmittance(&medium, s->scene->bsdf, distance));
+}
+
+/// Response of the rough lobes; nothing where the normals disagree on wi's side.
+RSV_INLINE rsv_bsdf_value rsv_rough_respond(const rsv_rough_surface *s, rsv_vec3 wi)
+{
+    rsv_bsdf_value value = { rgb_gray(0), 0 };
+    if (v3_dot(s->point.geometric, wi) * v3_dot(s->normal, wi) <= 0) return value;
+    value = rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, RSV_LOBES_ROUGH);
+    value.response = rgb_scale(value.response, s->bsdf->opacity);
+    float chance = rsv_bsdf_specular_chance(s->bsdf, s->wo, s->normal, s->front);
+    if (value.pdf_solid_angle > 0) value.pdf_solid_angle /= chance;
+    return value;
+}
+
+RSV_INLINE float rsv_power_heuristic(float own, float other)
+{
+    float ratio = other / own;
+    return 1 / (1 + ratio * ratio);
+}
+
+RSV_INLINE rsv_vec3 rsv_rough_leaving_point(const rsv_rough_surface *s, rsv_vec3 direction)
+{
+    rsv_vec3 side = s->point.geometric;
+    if (v3_dot(side, direction) < 0) side = v3_neg(side);
+    return rsv_moved_off(s->point.position, side, s->point.extent);
+}
+
+#if defined(RSV_DEVICE_CODE)
+#include "rough_light_body.h"
+#endif
 
 #endif

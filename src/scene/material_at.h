@@ -6,6 +6,7 @@
 #ifndef RSV_MATERIAL_AT_H
 #define RSV_MATERIAL_AT_H
 
+#include "../core/vec.h"
 #include "resolvent/scene.h"
 
 /// Flags of rsv_scene_view.material_varies.
@@ -14,7 +15,7 @@
 #define RSV_VARIES_BY_OPACITY 4 ///< of vertices
 
 /// The material of a triangle with its textures and the colours of its vertices multiplied in.
-rsv_material rsv_material_at(
+RSV_SHARED rsv_material rsv_material_at(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width);
 
 /// The material with the mean of each texture multiplied in. A property that is 0 here is 0 everywhere.
@@ -24,11 +25,15 @@ rsv_material rsv_material_mean(const rsv_scene_view *scene, uint32_t material);
 const rsv_material *rsv_find_cut_out(const rsv_scene_view *scene);
 
 /// Whether a ray that meets the triangle there goes on because the surface is cut out.
-bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
+RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
 
 /// The shading normal that a normal map makes of the interpolated one (unit, on the front side); the same one if
 /// there is no map.
-rsv_vec3 rsv_mapped_normal(
+RSV_SHARED rsv_vec3 rsv_mapped_normal(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal);
+
+#if defined(RSV_DEVICE_CODE)
+#include "material_at_body.h"
+#endif
 
 #endif

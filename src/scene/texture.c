@@ -1,7 +1,7 @@
 #include "texture.h"
 
 #include "../core/srgb.h"
-#include "../core/vec.h"
+#include "texture_body.h"
 
 #include <string.h>
 
@@ -197,75 +197,4 @@ void rsv_texture_release(rsv_context *context, rsv_texture *texture)
     rsv_free(context, texture->name);
     rsv_free(context, texture->unorm);
     rsv_free(context, texture->value);
-}
-
-// ---- lookup -------------------------------------------------------------------------------------
-
-/// Texel index for position `k` on a side of `size` texels.
-static uint32_t wrapped(int64_t k, uint32_t size, rsv_wrap wrap)
-{
-    int64_t n = size;
-    if (wrap == RSV_WRAP_CLAMP) return (uint32_t)(k < 0 ? 0 : k >= n ? n - 1 : k);
-    int64_t period = wrap == RSV_WRAP_MIRROR ? 2 * n : n;
-    k %= period;
-    if (k < 0) k += period;
-    return (uint32_t)(k < n ? k : 2 * n - 1 - k);
-}
-
-static rsv_texel texel_at(
-    const rsv_texture *t, const rsv_texture_level *level, int64_t i, int64_t j)
-{
-    uint32_t x = wrapped(i, level->width, t->wrap_u), y = wrapped(j, level->height, t->wrap_v);
-    size_t first = (level->first + (size_t)y * level->width + x) * t->channel_count;
-    float c[4];
-    for (uint32_t k = 0; k < t->channel_count; k++)
-        c[k] = t->unorm ? (float)t->unorm[first + k] * (1.0f / 65535) : t->value[first + k];
-    switch (t->channel_count) {
-    case 1:
-        return (rsv_texel){ c[0], c[0], c[0], 1 };
-    case 2:
-        return (rsv_texel){ c[0], c[0], c[0], c[1] };
-    case 3:
-        return (rsv_texel){ c[0], c[1], c[2], 1 };
-    default:
-        return (rsv_texel){ c[0], c[1], c[2], c[3] };
-    }
-}
-
-static rsv_texel mix(rsv_texel a, rsv_texel b, float share)
-{
-    return (rsv_texel){ a.r + share * (b.r - a.r), a.g + share * (b.g - a.g),
-        a.b + share * (b.b - a.b), a.a + share * (b.a - a.a) };
-}
-
-/// Coordinates far away, or none at all, are as good as 0: nothing repeats visibly out there.
-static float tame(float coordinate) { return fabsf(coordinate) < 1e7f ? coordinate : 0; }
-
-static rsv_texel bilinear(const rsv_texture *t, uint32_t index, float u, float v)
-{
-    const rsv_texture_level *level = &t->level[index];
-    float x = u * (float)level->width, y = v * (float)level->height;
-    if (t->nearest && index == 0) return texel_at(t, level, (int64_t)floorf(x), (int64_t)floorf(y));
-    float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
-    float right_share = x - 0.5f - left, bottom_share = y - 0.5f - top;
-    int64_t i = (int64_t)left, j = (int64_t)top;
-    rsv_texel upper = mix(texel_at(t, level, i, j), texel_at(t, level, i + 1, j), right_share);
-    rsv_texel lower =
-        mix(texel_at(t, level, i, j + 1), texel_at(t, level, i + 1, j + 1), right_share);
-    return mix(upper, lower, bottom_share);
-}
-
-rsv_texel rsv_texture_lookup(const rsv_texture *t, float u, float v, float level)
-{
-    u = tame(u), v = tame(v);
-    if (!(level > 0)) return bilinear(t, 0, u, v);
-    uint32_t last = t->level_count - 1;
-    if (level >= (float)last) return bilinear(t, last, u, v);
-    uint32_t finer = (uint32_t)level;
-    return mix(bilinear(t, finer, u, v), bilinear(t, finer + 1, u, v), level - (float)finer);
-}
-
-rsv_texel rsv_texture_mean(const rsv_texture *t)
-{
-    return texel_at(t, &t->level[t->level_count - 1], 0, 0);
 }

@@ -7,6 +7,7 @@
 #define RSV_TEXTURE_H
 
 #include "../core/core_internal.h"
+#include "../core/vec.h"
 #include "resolvent/scene.h"
 
 #define RSV_TEXTURE_MAX_LEVELS 15 ///< of the largest side
@@ -45,9 +46,13 @@ void rsv_texture_add_use(rsv_context *context, rsv_texture *texture, bool alpha_
 void rsv_texture_release(rsv_context *context, rsv_texture *texture);
 
 /// Trilinear lookup. @param level of the pyramid, with fraction; below 0 counts as 0, beyond the last as the last
-rsv_texel rsv_texture_lookup(const rsv_texture *texture, float u, float v, float level);
+RSV_SHARED rsv_texel rsv_texture_lookup(const rsv_texture *texture, float u, float v, float level);
 
 /// Mean of the whole texture.
-rsv_texel rsv_texture_mean(const rsv_texture *texture);
+RSV_SHARED rsv_texel rsv_texture_mean(const rsv_texture *texture);
+
+#if defined(RSV_DEVICE_CODE)
+#include "texture_body.h"
+#endif
 
 #endif

@@ -48,7 +48,7 @@ RSV_INLINE rsv_surface_point rsv_surface_point_at(
 }
 
 /// The point with its normal map: what is seen.
-rsv_surface_point rsv_surface_point_seen(
+RSV_SHARED rsv_surface_point rsv_surface_point_seen(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back, float width);
 
 /// Whether light from `direction` is above the surface by both of its normals.
@@ -68,7 +68,11 @@ rsv_bsdf rsv_surface_common_bsdf(const rsv_scene_view *scene, uint32_t material)
 /// @param common [material_count] from rsv_surface_common_bsdf
 /// @param storage used where the material varies
 /// @return into `common` for plain materials, at no cost; else `storage`
-const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const rsv_bsdf *common,
+RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const rsv_bsdf *common,
     uint32_t triangle, float u, float v, float width, rsv_bsdf *storage);
+
+#if defined(RSV_DEVICE_CODE)
+#include "surface_body.h"
+#endif
 
 #endif

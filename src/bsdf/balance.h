@@ -1,18 +1,21 @@
 /// How rough lobes come out through layers: s of bsdf.h, the positive solution of s = K (L / s) where K is the
 /// mean over the light that a lobe sends up. Scaling a symmetric kernel so that its rows have given sums, L here, is
 /// possible in just one way (Sinkhorn 1967).
+#ifndef RSV_BALANCE_H
+#define RSV_BALANCE_H
+
 #include "bsdf.h"
 
 #include <string.h>
 
 /// s of channels side by side would be read in strides: one after the other instead.
-typedef struct channel {
+typedef struct rsv_balance_channel {
     float left[RSV_SPREAD_COS]; ///< L
     float s[RSV_SPREAD_COS];
-} channel;
+} rsv_balance_channel;
 
 /// k += share of the table's entry for alpha
-static void add_spread(
+RSV_INLINE void rsv_add_spread(
     rsv_spread k, const rsv_spread table[RSV_TABLE_ALPHA], rsv_table_place alpha, float share)
 {
     for (int side = 0; side < 2; side++) {
@@ -24,7 +27,7 @@ static void add_spread(
     }
 }
 
-static void make_lossless(rsv_spread k)
+RSV_INLINE void rsv_make_lossless(rsv_spread k)
 {
     float sum[RSV_SPREAD_COS] = { 0 };
     for (int j = 0; j < RSV_SPREAD_COS; j++)
@@ -36,7 +39,7 @@ static void make_lossless(rsv_spread k)
 }
 
 /// Fresnel reflectances of other ior are close to blends of two, by what they reflect straight on.
-static float share_of_high_ior(float ior)
+RSV_INLINE float rsv_share_of_high_ior(float ior)
 {
     float cos_t, low = rsv_fresnel_dielectric(1, RSV_LOW_IOR, &cos_t);
     float high = rsv_fresnel_dielectric(1, RSV_HIGH_IOR, &cos_t);
@@ -44,19 +47,19 @@ static float share_of_high_ior(float ior)
     return f_min(f_max((rsv_fresnel_dielectric(1, ior, &cos_t) - low) / (high - low), -0.1f), 1);
 }
 
-static float cos_at(int i)
+RSV_INLINE float rsv_spread_cos_at(int i)
 {
     float x = (float)i / (RSV_SPREAD_COS - 1);
     return x * x;
 }
 
 /// k += what a body's surface reflects after more than one event.
-static void add_reflected_again(const rsv_bsdf *bsdf, rsv_spread k)
+RSV_INLINE void rsv_add_reflected_again(const rsv_bsdf *bsdf, rsv_spread k)
 {
     float missing[RSV_SPREAD_COS], share[RSV_SPREAD_COS], sum = 0;
     for (int i = 0; i < RSV_SPREAD_COS; i++) {
-        missing[i] = rsv_bsdf_missing(bsdf, true, 0, cos_at(i));
-        share[i] = missing[i] * powf(cos_at(i), 1.5f); // cos dcos in steps of sqrt(cos)
+        missing[i] = rsv_bsdf_missing(bsdf, true, 0, rsv_spread_cos_at(i));
+        share[i] = missing[i] * powf(rsv_spread_cos_at(i), 1.5f); // cos dcos in steps of sqrt(cos)
         sum += share[i];
     }
     float reflected = bsdf->transmission * (1 - rsv_bsdf_missing_transmitted(bsdf, 0));
@@ -65,22 +68,22 @@ static void add_reflected_again(const rsv_bsdf *bsdf, rsv_spread k)
             k[j][i] += reflected * missing[i] * share[j] / f_max(sum, RSV_LEAST_MISSING);
 }
 
-static void set_up_spread(const rsv_bsdf *bsdf, int kind, rsv_spread k)
+RSV_INLINE void rsv_set_up_spread(const rsv_bsdf *bsdf, int kind, rsv_spread k)
 {
     const rsv_bsdf_tables *t = bsdf->tables;
     memset(k, 0, sizeof(rsv_spread));
     if (kind == RSV_SPREAD_METAL) {
-        add_spread(k, t->metal_spread, bsdf->alpha_place, 1);
+        rsv_add_spread(k, t->metal_spread, bsdf->alpha_place, 1);
         return;
     }
-    float high = share_of_high_ior(bsdf->ior);
-    add_spread(k, t->interface_spread[0], bsdf->alpha_place, 1 - high);
-    add_spread(k, t->interface_spread[1], bsdf->alpha_place, high);
-    if (bsdf->solid) add_reflected_again(bsdf, k);
-    make_lossless(k);
+    float high = rsv_share_of_high_ior(bsdf->ior);
+    rsv_add_spread(k, t->interface_spread[0], bsdf->alpha_place, 1 - high);
+    rsv_add_spread(k, t->interface_spread[1], bsdf->alpha_place, high);
+    if (bsdf->solid) rsv_add_reflected_again(bsdf, k);
+    rsv_make_lossless(k);
 }
 
-static void spread_light(const rsv_spread k, const float *light, float mean[RSV_SPREAD_COS])
+RSV_INLINE void rsv_spread_light(const rsv_spread k, const float *light, float mean[RSV_SPREAD_COS])
 {
     for (int i = 0; i < RSV_SPREAD_COS; i++)
         mean[i] = 0;
@@ -91,47 +94,54 @@ static void spread_light(const rsv_spread k, const float *light, float mean[RSV_
 
 /// From sqrt(K L), right for mirrors and diffuse lobes. A step of s towards K (L / s) scales an error by
 /// 1 - step (1 + e), e in [0, 1] an eigenvalue of K; these steps, Chebyshev's for three, leave a 99th at most.
-static void balance_channel(const rsv_spread k, channel *c)
+RSV_INLINE void rsv_find_balance(const rsv_spread k, rsv_balance_channel *c)
 {
-    static const float step[3] = { 0.5173f, 0.6667f, 0.9373f };
+    const float step[3] = { 0.5173f, 0.6667f, 0.9373f };
     float light[RSV_SPREAD_COS], mean[RSV_SPREAD_COS];
-    spread_light(k, c->left, mean);
+    rsv_spread_light(k, c->left, mean);
     for (int i = 0; i < RSV_SPREAD_COS; i++)
         c->s[i] = sqrtf(f_max(mean[i], 1e-8f));
     for (int n = 0; n < 3; n++) {
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             light[i] = c->left[i] / c->s[i];
-        spread_light(k, light, mean);
+        rsv_spread_light(k, light, mean);
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             c->s[i] += step[n] * (mean[i] - c->s[i]);
     }
 }
 
-static float gap(const channel *c, int i) { return c->s[i] * c->s[i] - c->left[i]; }
-
-static void balance_kind(rsv_bsdf *bsdf, int kind, channel c[3])
+RSV_INLINE float rsv_balance_gap(const rsv_balance_channel *c, int i)
 {
-    rsv_spread k;
-    set_up_spread(bsdf, kind, k);
-    bool gray = bsdf->sheen.r == bsdf->sheen.g && bsdf->sheen.g == bsdf->sheen.b;
-    for (int n = 0; n < (gray ? 1 : 3); n++)
-        balance_channel(k, &c[n]);
-    for (int i = 0; i < RSV_SPREAD_COS; i++)
-        bsdf->balance[kind][i] =
-            gray ? rgb_gray(gap(c, i)) : rgb(gap(c, i), gap(c + 1, i), gap(c + 2, i));
+    return c->s[i] * c->s[i] - c->left[i];
 }
 
-void rsv_bsdf_balance_layers(rsv_bsdf *bsdf)
+RSV_INLINE void rsv_balance_kind(rsv_bsdf *bsdf, int kind, rsv_balance_channel c[3])
+{
+    rsv_spread k;
+    rsv_set_up_spread(bsdf, kind, k);
+    bool gray = bsdf->sheen.r == bsdf->sheen.g && bsdf->sheen.g == bsdf->sheen.b;
+    for (int n = 0; n < (gray ? 1 : 3); n++)
+        rsv_find_balance(k, &c[n]);
+    for (int i = 0; i < RSV_SPREAD_COS; i++)
+        bsdf->balance[kind][i] =
+            gray ? rgb_gray(rsv_balance_gap(c, i))
+                 : rgb(rsv_balance_gap(c, i), rsv_balance_gap(c + 1, i), rsv_balance_gap(c + 2, i));
+}
+
+/// Sets `balance` of a layered surface from all else.
+RSV_INLINE void rsv_bsdf_balance_layers(rsv_bsdf *bsdf)
 {
     if (!bsdf->layered || bsdf->alpha == 0) return;
-    channel c[3];
+    rsv_balance_channel c[3];
     for (int i = 0; i < RSV_SPREAD_COS; i++) {
-        rsv_rgb left = rsv_bsdf_passage(bsdf, cos_at(i)).light;
+        rsv_rgb left = rsv_bsdf_passage(bsdf, rsv_spread_cos_at(i)).light;
         c[0].left[i] = left.r;
         c[1].left[i] = left.g;
         c[2].left[i] = left.b;
     }
     bool sheet = bsdf->transmission > 0 && !bsdf->solid;
-    if (bsdf->metallic > 0 || sheet) balance_kind(bsdf, RSV_SPREAD_METAL, c);
-    if (bsdf->metallic < 1) balance_kind(bsdf, RSV_SPREAD_INTERFACE, c);
+    if (bsdf->metallic > 0 || sheet) rsv_balance_kind(bsdf, RSV_SPREAD_METAL, c);
+    if (bsdf->metallic < 1) rsv_balance_kind(bsdf, RSV_SPREAD_INTERFACE, c);
 }
+
+#endif

@@ -1,0 +1,134 @@
+/// Photons on their way from a source to where they land: plain C, also for device code.
+#ifndef RSV_PHOTON_PATH_H
+#define RSV_PHOTON_PATH_H
+
+#include "../trace/ray.h"
+#include "photon_guide.h"
+#include "photon_map.h"
+#include "photon_origin.h"
+#include "photon_turn.h"
+
+/// Origins of light paths that share one guide.
+typedef struct rsv_photon_source {
+    uint32_t first, count;  ///< origins
+    double flux;            ///< of all of them: luminance, W
+    double share;           ///< of all photons
+    rsv_photon_guide guide; ///< towards specular surfaces
+} rsv_photon_source;
+
+/// What all photons have in common.
+typedef struct rsv_shooting {
+    const rsv_transport_scene *scene;
+    const rsv_photon_origins *origins;
+    uint32_t seed;
+} rsv_shooting;
+
+/// A photon at a surface.
+typedef struct rsv_photon {
+    rsv_chain chain;
+    rsv_rgb flux; ///< that it left with, W
+    float level;  ///< weight that it keeps: what the first surface leaves of it
+    rsv_random random;
+} rsv_photon;
+
+RSV_INLINE bool rsv_is_specular(const rsv_bsdf *bsdf)
+{
+    return (!bsdf->lambert && !bsdf->unlit) || bsdf->opacity < 1;
+}
+
+/// Follows a photon to its first surface. False if that is not specular, or if there is none.
+RSV_INLINE bool rsv_photon_arrive(
+    const rsv_transport_scene *scene, const rsv_photon_emission *e, rsv_chain *chain)
+{
+    rsv_ray ray = { e->origin, e->direction, INFINITY };
+    rsv_hit hit;
+    if (!rsv_ray_meets(scene->tracer, &ray, &hit)) return false;
+    *chain = rsv_chain_begin(scene, e->medium, e->direction, hit.triangle, hit.u, hit.v, hit.t);
+    return rsv_is_specular(&scene->bsdf[rsv_chain_material(scene, chain)]);
+}
+
+/// Photon `index` of `count` from source `id`, at its first surface. False if it is of no use.
+RSV_INLINE bool rsv_photon_begin(const rsv_shooting *s, const rsv_photon_source *source,
+    uint32_t id, uint32_t index, uint32_t count, rsv_photon *photon)
+{
+    float x, y;
+    photon->random = rsv_random_from(s->seed ^ 0x3c6ef35fu, id, index);
+    rsv_sobol_2d(index, rsv_hash2(s->seed, id), &x, &y);
+    float density = rsv_photon_guide_warp(&source->guide, &x, &y);
+    rsv_photon_emission e =
+        rsv_photon_emit(s->origins, source->first, source->count, x, y, &photon->random);
+    photon->flux = rgb_scale(e.flux, 1 / (density * (float)count));
+    photon->level = 0;
+    return rsv_photon_arrive(s->scene, &e, &photon->chain);
+}
+
+/// Draws a specular event of a photon. At its first surface it always leaves, with less flux, so that faint coats have
+/// as many photons as their light is worth.
+RSV_INLINE rsv_bsdf_event rsv_photon_draw(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random)
+{
+    rsv_bsdf storage;
+    bool covered = rsv_chain_bsdf(scene, chain, &storage)->opacity >= 1;
+    if (!covered || chain->events > 0) return rsv_chain_draw_event(scene, chain, random);
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(random);
+    return rsv_chain_draw_specular(scene, chain, u);
+}
+
+/// Leaves a surface by one of its specular lobes. False if the photon ends.
+/// @param level as in rsv_photon
+RSV_INLINE bool rsv_photon_scatter(
+    const rsv_transport_scene *scene, rsv_chain *chain, float *level, rsv_random *random)
+{
+    rsv_bsdf_event event = rsv_photon_draw(scene, chain, random);
+    bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
+    if (!specular || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
+    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
+    rsv_rgb weight = rgb_mul(event.weight, rsv_photon_turn(scene, chain, &event));
+    if (rsv_chain_step(scene, chain, transmit, event.direction, weight) != RSV_CHAIN_MOVED)
+        return false;
+    float left = rgb_max(chain->weight);
+    if (chain->events == 1) *level = left;
+    if (left >= *level) return left > 0;
+    if (rsv_random_float(random) * *level >= left) return false;
+    chain->weight = rgb_scale(chain->weight, *level / left);
+    return true;
+}
+
+/// Leaves on maps what of a photon's flux enters the surface that it has come to.
+RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_chain *chain,
+    rsv_rgb flux, const rsv_photon_map *map, size_t map_count)
+{
+    rsv_vec3 shading, geometric;
+    rsv_bsdf storage;
+    rsv_chain_normals(scene, chain, &shading, &geometric);
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+    rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, chain->direction)));
+    for (size_t m = 0; m < map_count; m++)
+        rsv_photon_map_deposit(&map[m], chain->back, chain->triangle, chain->u, chain->v, entered);
+}
+
+// ---- pilots -------------------------------------------------------------------------------------
+
+/// Worth of photons whose first landing is of no use; later ones may be.
+#define RSV_UNWANTED_PHOTON 0.1f
+
+/// A pilot ray into a bin of a source's guide. False if it finds nothing specular.
+RSV_INLINE bool rsv_photon_pilot(const rsv_shooting *s, const rsv_photon_source *source,
+    const rsv_guide_grid *grid, int bin, rsv_random *random, rsv_chain *chain)
+{
+    const float *across = grid->x + bin % RSV_GUIDE_SIDE, *down = grid->y + bin / RSV_GUIDE_SIDE;
+    float x = across[0] + (across[1] - across[0]) * rsv_random_float(random);
+    float y = down[0] + (down[1] - down[0]) * rsv_random_float(random);
+    rsv_photon_emission e = rsv_photon_emit(s->origins, source->first, source->count, x, y, random);
+    return rsv_photon_arrive(s->scene, &e, chain);
+}
+
+/// The random numbers of a bin's pilot rays.
+RSV_INLINE rsv_random rsv_pilot_numbers(const rsv_shooting *s, uint32_t id, int bin)
+{
+    return rsv_random_from(s->seed ^ 0x9107u, id, (uint32_t)bin);
+}
+
+#endif

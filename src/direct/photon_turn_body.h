@@ -1,0 +1,75 @@
+/// Photons at tilted surfaces (photon_turn.h).
+#ifndef RSV_PHOTON_TURN_BODY_H
+#define RSV_PHOTON_TURN_BODY_H
+
+#include "photon_turn.h"
+
+/// Bound of the gain where a surface is grazed that looks tilted, lest a photon stand out as a dot; with it, a frosted
+/// lampshade loses 0.06 % of its light.
+#define RSV_LARGEST_GAIN 16
+
+/// From `in`, where the photon comes from, to `out`; normals are on the side of `in`.
+typedef struct rsv_turn {
+    rsv_vec3 in, out, geometric;
+    rsv_vec3 normal;     ///< that the event was drawn with
+    rsv_vec3 eye_normal; ///< that a path from the eye takes, which comes along `out`
+    bool front;
+} rsv_turn;
+
+RSV_INLINE rsv_turn rsv_turn_of(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 out)
+{
+    rsv_surface_point seen = rsv_surface_point_seen(
+        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    rsv_turn t;
+    t.in = v3_neg(chain->direction);
+    t.out = out;
+    t.geometric = seen.geometric;
+    t.front = !chain->back;
+    t.normal = rsv_bsdf_specular_normal(seen.normal, t.geometric, t.in);
+    t.eye_normal =
+        v3_dot(t.geometric, out) >= 0
+            ? rsv_bsdf_specular_normal(seen.normal, t.geometric, out)
+            : v3_neg(rsv_bsdf_specular_normal(v3_neg(seen.normal), v3_neg(t.geometric), out));
+    return t;
+}
+
+RSV_INLINE bool rsv_same_direction(rsv_vec3 a, rsv_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+RSV_INLINE float rsv_bounded_ratio(float a, float b)
+{
+    return b > 0 ? f_min(a / b, RSV_LARGEST_GAIN) : 0;
+}
+
+/// Response of rough lobes to the eye over their response to the photon.
+RSV_INLINE rsv_rgb rsv_eye_response(const rsv_turn *t, const rsv_bsdf *bsdf)
+{
+    bool through = v3_dot(t->geometric, t->out) < 0;
+    rsv_vec3 n = through ? v3_neg(t->eye_normal) : t->eye_normal;
+    rsv_bsdf_value eye =
+        rsv_bsdf_evaluate(bsdf, t->in, t->out, n, t->front != through, RSV_LOBES_ROUGH);
+    rsv_bsdf_value own =
+        rsv_bsdf_evaluate(bsdf, t->out, t->in, t->normal, t->front, RSV_LOBES_ROUGH);
+    rsv_rgb a = eye.response, b = own.response;
+    return rgb(
+        rsv_bounded_ratio(a.r, b.r), rsv_bounded_ratio(a.g, b.g), rsv_bounded_ratio(a.b, b.b));
+}
+
+RSV_SHARED rsv_rgb rsv_photon_turn(
+    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_bsdf_event *event)
+{
+    rsv_turn t = rsv_turn_of(scene, chain, event->direction);
+    float in = v3_dot(t.geometric, t.in), out = fabsf(v3_dot(t.geometric, t.out));
+    if (event->pdf_solid_angle > 0 && !rsv_same_direction(t.normal, t.eye_normal)) {
+        rsv_bsdf storage;
+        const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+        return rgb_scale(rsv_eye_response(&t, bsdf), rsv_bounded_ratio(out, in));
+    }
+    float arrives = v3_dot(t.normal, t.in), leaves = fabsf(v3_dot(t.normal, t.out));
+    return rgb_gray(rsv_bounded_ratio(out * arrives, in * leaves));
+}
+
+#endif

@@ -1,0 +1,142 @@
+/// Sources on rough surfaces (rough_light.h).
+#ifndef RSV_ROUGH_LIGHT_BODY_H
+#define RSV_ROUGH_LIGHT_BODY_H
+
+#include "../light/punctual_light.h"
+#include "../trace/ray.h"
+#include "rough_light.h"
+
+/// Width of the microsurface from which on lobes count as wide.
+#define WIDE_ALPHA 0.25f
+
+RSV_SHARED void rsv_rough_meet(
+    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_rough_surface *s)
+{
+    s->scene = scene;
+    s->chain = chain;
+    s->bsdf = rsv_chain_scattering(scene, chain, &s->normal, &s->storage);
+    s->point = rsv_surface_point_seen(
+        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    s->wo = v3_neg(chain->direction);
+    s->front = !chain->back;
+}
+
+RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf)
+{
+    bool narrow = bsdf->alpha > 0 && bsdf->alpha < WIDE_ALPHA;
+    bool narrow_coat =
+        bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0 && bsdf->clearcoat_alpha < WIDE_ALPHA;
+    return bsdf->rough && !narrow && !narrow_coat;
+}
+
+RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *s, rsv_vec3 wi)
+{
+    rsv_bsdf_value value = rsv_rough_respond(s, wi);
+    return value.pdf_solid_angle > 0 ? rgb_mul(value.response, rsv_rough_throughput(s, wi, 0))
+                                     : rgb_gray(0);
+}
+
+RSV_SHARED rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *s, const float u[3])
+{
+    rsv_bsdf_event event =
+        rsv_bsdf_draw_specular(s->bsdf, s->wo, s->normal, s->front, u[0], u[1], u[2]);
+    event.weight = rgb_scale(event.weight, s->bsdf->opacity);
+    return event;
+}
+
+RSV_SHARED rsv_rough_departure rsv_rough_depart(
+    const rsv_rough_surface *s, rsv_vec3 direction, float sky_pdf)
+{
+    bool below = v3_dot(s->normal, direction) < 0;
+    rsv_rough_departure departure;
+    departure.point = s->point.position;
+    departure.side = below ? v3_neg(s->normal) : s->normal;
+    departure.pdf_solid_angle = rsv_rough_respond(s, direction).pdf_solid_angle;
+    departure.sky_pdf = sky_pdf;
+    departure.shot = false;
+    return departure;
+}
+
+RSV_INLINE rsv_rgb rsv_rough_sampled_light(const rsv_rough_surface *s, const rsv_lights *lights,
+    rsv_vec3 side, bool shot, const float u[3])
+{
+    rsv_local_lights local;
+    rsv_light_sample light;
+    rsv_lights_at(lights, s->point.position, side, &local);
+    if (!rsv_local_lights_sample(&local, u[0], u[1], u[2], &light)) return rgb_gray(0);
+    rsv_bsdf_value value = rsv_rough_respond(s, light.direction);
+    if (value.pdf_solid_angle == 0 || (shot && !light.from_sky)) return rgb_gray(0);
+    rsv_ray ray = rsv_shadow_ray(
+        lights, &light, s->point.position, rsv_rough_leaving_point(s, light.direction));
+    if (rsv_ray_is_stopped(s->scene->tracer, &ray)) return rgb_gray(0);
+    float weight = rsv_power_heuristic(light.pdf_solid_angle, value.pdf_solid_angle);
+    rsv_rgb arriving =
+        rgb_mul(rsv_rough_throughput(s, light.direction, light.distance), light.radiance);
+    return rgb_scale(rgb_mul(value.response, arriving), weight / light.pdf_solid_angle);
+}
+
+RSV_INLINE rsv_rgb rsv_rough_punctual_light(
+    const rsv_rough_surface *s, const rsv_punctual_sample *light)
+{
+    rsv_bsdf_value value = rsv_rough_respond(s, light->direction);
+    if (value.pdf_solid_angle == 0) return rgb_gray(0);
+    rsv_ray ray = rsv_punctual_ray(light, rsv_rough_leaving_point(s, light->direction));
+    if (rsv_ray_is_stopped(s->scene->tracer, &ray)) return rgb_gray(0);
+    return rgb_mul(value.response,
+        rgb_mul(rsv_rough_throughput(s, light->direction, light->distance), light->irradiance));
+}
+
+RSV_SHARED rsv_rgb rsv_rough_light(
+    const rsv_rough_surface *s, const rsv_lights *lights, bool shot, const float u[3])
+{
+    rsv_rgb sum = rsv_rough_sampled_light(s, lights, s->normal, shot, u);
+    if (s->bsdf->transmission > 0 || s->bsdf->passed > 0)
+        sum = rgb_add(sum, rsv_rough_sampled_light(s, lights, v3_neg(s->normal), shot, u));
+    for (uint32_t k = 0; !shot && k < rsv_punctual_count(lights); k++) {
+        rsv_punctual_sample light;
+        if (rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light))
+            sum = rgb_add(sum, rsv_rough_punctual_light(s, &light));
+    }
+    return sum;
+}
+
+RSV_SHARED float rsv_rough_emission_weight(const rsv_transport_scene *scene,
+    const rsv_lights *lights, const rsv_chain *chain, const rsv_rough_departure *departure)
+{
+    uint32_t emitter = rsv_emitter_at(lights, chain->triangle, chain->u, chain->v);
+    if (emitter == RSV_NONE || lights->group[lights->emitter[emitter].group].gathered) return 1;
+    if (departure->shot) return 0;
+    if (departure->pdf_solid_angle == 0) return 1;
+    rsv_surface_point point =
+        rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
+    rsv_local_lights local;
+    rsv_lights_at(lights, departure->point, departure->side, &local);
+    float distance = v3_length(v3_sub(point.position, departure->point));
+    float pdf = rsv_local_lights_pdf(&local, emitter, chain->direction, distance);
+    return rsv_power_heuristic(departure->pdf_solid_angle, pdf);
+}
+
+RSV_SHARED rsv_rgb rsv_rough_sky(
+    const rsv_lights *lights, rsv_vec3 direction, const rsv_rough_departure *departure)
+{
+    const rsv_environment_light *environment = lights->environment;
+    float own = departure->pdf_solid_angle;
+    if (!environment) return rgb_gray(0);
+    if (own == 0 && !departure->shot) return rsv_sky_radiance(&environment->whole, direction);
+    rsv_rgb sum = rsv_sky_radiance(&environment->gathered, direction);
+    rsv_rgb sampled = rsv_sky_radiance(&environment->sampled, direction);
+    if (own == 0) return rgb_add(sum, sampled);
+    sum = rgb_scale(sum, rsv_power_heuristic(own, departure->sky_pdf));
+    rsv_local_lights local;
+    rsv_lights_at(lights, departure->point, departure->side, &local);
+    float weight = rsv_power_heuristic(own, rsv_local_lights_sky_pdf(&local, direction));
+    sum = rgb_mad(sum, weight, sampled);
+    for (uint32_t k = 0; !departure->shot && k < environment->sun_count; k++) {
+        float pdf = rsv_local_lights_sun_pdf(&local, k, direction);
+        if (pdf > 0)
+            sum = rgb_mad(sum, rsv_power_heuristic(own, pdf), environment->sun[k].radiance);
+    }
+    return sum;
+}
+
+#endif

@@ -1,0 +1,226 @@
+/// Materials at points of their surfaces (material_at.h).
+#ifndef RSV_MATERIAL_AT_BODY_H
+#define RSV_MATERIAL_AT_BODY_H
+
+#include "material_at.h"
+#include "texture.h"
+
+RSV_INLINE void rsv_corner_uv(
+    const rsv_scene_view *scene, const rsv_texture_ref *ref, uint32_t vertex, float *u, float *v)
+{
+    const float *uv = scene->uv[ref->uv_set][vertex];
+    *u = ref->transform[0][0] * uv[0] + ref->transform[0][1] * uv[1] + ref->transform[0][2];
+    *v = ref->transform[1][0] * uv[0] + ref->transform[1][1] * uv[1] + ref->transform[1][2];
+}
+
+/// A triangle in the coordinates of a texture: its first corner, and the edges from there.
+typedef struct rsv_texture_triangle {
+    float u, v, du[2], dv[2];
+} rsv_texture_triangle;
+
+RSV_INLINE rsv_texture_triangle rsv_texture_triangle_of(
+    const rsv_scene_view *scene, const rsv_texture_ref *ref, const uint32_t *corner)
+{
+    rsv_texture_triangle t;
+    rsv_corner_uv(scene, ref, corner[0], &t.u, &t.v);
+    for (int k = 0; k < 2; k++) {
+        rsv_corner_uv(scene, ref, corner[k + 1], &t.du[k], &t.dv[k]);
+        t.du[k] -= t.u;
+        t.dv[k] -= t.v;
+    }
+    return t;
+}
+
+/// Twice the signed area in texture coordinates.
+RSV_INLINE float rsv_texture_area(const rsv_texture_triangle *t)
+{
+    return t->du[0] * t->dv[1] - t->du[1] * t->dv[0];
+}
+
+RSV_INLINE void rsv_triangle_edges(
+    const rsv_scene_view *scene, const uint32_t *corner, rsv_vec3 *edge1, rsv_vec3 *edge2)
+{
+    rsv_vec3 a = scene->position[corner[0]];
+    *edge1 = v3_sub(scene->position[corner[1]], a);
+    *edge2 = v3_sub(scene->position[corner[2]], a);
+}
+
+/// Level of the pyramid whose texels are about `width` metres large on the triangle.
+RSV_INLINE float rsv_texture_level_for(const rsv_scene_view *scene, const rsv_texture *texture,
+    const rsv_texture_triangle *t, const uint32_t *corner, float width)
+{
+    if (!(width > 0)) return 0;
+    if (width == INFINITY) return RSV_TEXTURE_MAX_LEVELS;
+    rsv_vec3 edge1, edge2;
+    rsv_triangle_edges(scene, corner, &edge1, &edge2);
+    float texels = fabsf(rsv_texture_area(t)) * (float)texture->level[0].width *
+                   (float)texture->level[0].height;
+    float texels_per_area = texels / v3_length(v3_cross(edge1, edge2));
+    return 0.5f * log2f(width * width * texels_per_area);
+}
+
+RSV_INLINE rsv_texel rsv_texture_at(const rsv_scene_view *scene, const rsv_texture_ref *ref,
+    uint32_t triangle, float u, float v, float width)
+{
+    const rsv_texture *texture = &scene->texture[ref->texture];
+    if (!scene->uv[ref->uv_set]) return rsv_texture_mean(texture);
+    const uint32_t *corner = scene->triangle[triangle];
+    rsv_texture_triangle t = rsv_texture_triangle_of(scene, ref, corner);
+    float level = rsv_texture_level_for(scene, texture, &t, corner, width);
+    return rsv_texture_lookup(
+        texture, t.u + u * t.du[0] + v * t.du[1], t.v + u * t.dv[0] + v * t.dv[1], level);
+}
+
+RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rsv_texel texel)
+{
+    rsv_rgb color = rgb(texel.r, texel.g, texel.b);
+    switch (role) {
+    case RSV_TEXTURE_BASE_COLOR:
+        m->base_color = rgb_mul(m->base_color, color);
+        break;
+    case RSV_TEXTURE_OPACITY:
+        m->opacity *= texel.a;
+        break;
+    case RSV_TEXTURE_METALLIC_ROUGHNESS:
+        m->metallic *= texel.b;
+        m->roughness *= texel.g;
+        break;
+    case RSV_TEXTURE_EMISSION:
+        m->emission = rgb_mul(m->emission, color);
+        break;
+    case RSV_TEXTURE_SPECULAR:
+        m->specular *= texel.a;
+        break;
+    case RSV_TEXTURE_SPECULAR_COLOR:
+        m->specular_color = rgb_mul(m->specular_color, color);
+        break;
+    case RSV_TEXTURE_TRANSMISSION:
+        m->transmission *= texel.r;
+        break;
+    case RSV_TEXTURE_CLEARCOAT:
+        m->clearcoat *= texel.r;
+        break;
+    case RSV_TEXTURE_CLEARCOAT_ROUGHNESS:
+        m->clearcoat_roughness *= texel.g;
+        break;
+    case RSV_TEXTURE_SHEEN_COLOR:
+        m->sheen_color = rgb_mul(m->sheen_color, color);
+        break;
+    case RSV_TEXTURE_SHEEN_ROUGHNESS:
+        m->sheen_roughness *= texel.a;
+        break;
+    case RSV_TEXTURE_DIFFUSE_TRANSMISSION:
+        m->diffuse_transmission *= texel.a;
+        break;
+    case RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR:
+        m->diffuse_transmission_color = rgb_mul(m->diffuse_transmission_color, color);
+        break;
+    default: // normals are no factor
+        break;
+    }
+}
+
+RSV_INLINE float rsv_vertex_color(
+    const rsv_scene_view *scene, const uint32_t *corner, float u, float v, int channel)
+{
+    const float(*c)[4] = scene->color;
+    return (1 - u - v) * c[corner[0]][channel] + u * c[corner[1]][channel] +
+           v * c[corner[2]][channel];
+}
+
+RSV_SHARED rsv_material rsv_material_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
+{
+    uint32_t index = scene->triangle_material[triangle];
+    rsv_material m = scene->material[index];
+    for (size_t i = 0; i < m.texture_count; i++)
+        if (m.textures[i].role != RSV_TEXTURE_NORMAL)
+            rsv_material_multiply(&m, m.textures[i].role,
+                rsv_texture_at(scene, &m.textures[i], triangle, u, v, width));
+    if (scene->material_varies[index] & (RSV_VARIES_BY_COLOR | RSV_VARIES_BY_OPACITY)) {
+        const uint32_t *corner = scene->triangle[triangle];
+        rsv_rgb color = rgb(rsv_vertex_color(scene, corner, u, v, 0),
+            rsv_vertex_color(scene, corner, u, v, 1), rsv_vertex_color(scene, corner, u, v, 2));
+        m.base_color = rgb_mul(m.base_color, color);
+        m.opacity *= rsv_vertex_color(scene, corner, u, v, 3);
+    }
+    if (m.alpha_cutoff > 0) m.opacity = 1; // rays meet what is left of a cut-out surface only
+    return m;
+}
+
+RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v)
+{
+    uint32_t index = scene->triangle_material[triangle];
+    const rsv_material *m = &scene->material[index];
+    if (!(m->alpha_cutoff > 0)) return false;
+    float opacity = m->opacity;
+    for (size_t i = 0; i < m->texture_count; i++)
+        if (m->textures[i].role == RSV_TEXTURE_OPACITY)
+            opacity *= rsv_texture_at(scene, &m->textures[i], triangle, u, v, 0).a;
+    if (scene->material_varies[index] & RSV_VARIES_BY_OPACITY)
+        opacity *= rsv_vertex_color(scene, scene->triangle[triangle], u, v, 3);
+    return opacity < m->alpha_cutoff;
+}
+
+// ---- normal maps --------------------------------------------------------------------------------
+
+/// Interpolated tangent and hand of the triangle's vertices; false if one has none.
+RSV_INLINE bool rsv_vertex_tangent(const rsv_scene_view *scene, const uint32_t *corner, float u,
+    float v, rsv_vec3 *tangent, float *hand)
+{
+    if (!scene->tangent) return false;
+    rsv_vec3 t[3];
+    for (int k = 0; k < 3; k++) {
+        const float *from = scene->tangent[corner[k]];
+        t[k] = v3(from[0], from[1], from[2]);
+        if (v3_max_abs(t[k]) == 0) return false;
+    }
+    *tangent = v3_barycentric(t[0], t[1], t[2], u, v);
+    *hand = scene->tangent[corner[0]][3];
+    return v3_max_abs(*tangent) > 0;
+}
+
+/// The direction of increasing u on the triangle. Texture coordinates run down, normal maps' y up: the
+/// ordinary case has a negative area there and the hand +1.
+RSV_INLINE bool rsv_derived_tangent(const rsv_scene_view *scene, const rsv_texture_ref *ref,
+    const uint32_t *corner, rsv_vec3 *tangent, float *hand)
+{
+    if (!scene->uv[ref->uv_set]) return false;
+    rsv_texture_triangle t = rsv_texture_triangle_of(scene, ref, corner);
+    float area = rsv_texture_area(&t);
+    rsv_vec3 edge1, edge2;
+    rsv_triangle_edges(scene, corner, &edge1, &edge2);
+    *tangent = v3_sub(v3_scale(edge1, t.dv[1] / area), v3_scale(edge2, t.dv[0] / area));
+    *hand = area < 0 ? 1.0f : -1.0f;
+    float size = v3_max_abs(*tangent);
+    return size > 0 && isfinite(size);
+}
+
+RSV_INLINE const rsv_texture_ref *rsv_find_normal_map(const rsv_material *m)
+{
+    for (size_t i = 0; i < m->texture_count; i++)
+        if (m->textures[i].role == RSV_TEXTURE_NORMAL) return &m->textures[i];
+    return NULL;
+}
+
+RSV_SHARED rsv_vec3 rsv_mapped_normal(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width, rsv_vec3 normal)
+{
+    const rsv_texture_ref *ref =
+        rsv_find_normal_map(&scene->material[scene->triangle_material[triangle]]);
+    const uint32_t *corner = scene->triangle[triangle];
+    rsv_vec3 tangent;
+    float hand;
+    if (!ref || (!rsv_vertex_tangent(scene, corner, u, v, &tangent, &hand) &&
+                    !rsv_derived_tangent(scene, ref, corner, &tangent, &hand)))
+        return normal;
+    tangent = v3_scale(tangent, 1 / v3_max_abs(tangent));
+    tangent = v3_normalize(v3_mad(tangent, -v3_dot(tangent, normal), normal));
+    rsv_vec3 bitangent = v3_scale(v3_cross(normal, tangent), hand);
+    rsv_texel texel = rsv_texture_at(scene, ref, triangle, u, v, width);
+    float x = ref->scale * (2 * texel.r - 1), y = ref->scale * (2 * texel.g - 1);
+    rsv_vec3 mapped = v3_mad(v3_mad(v3_scale(normal, 2 * texel.b - 1), x, tangent), y, bitangent);
+    return v3_length(mapped) > 0 ? v3_normalize(mapped) : normal;
+}
+
+#endif

@@ -1,0 +1,79 @@
+/// Lookup in textures (texture.h).
+#ifndef RSV_TEXTURE_BODY_H
+#define RSV_TEXTURE_BODY_H
+
+#include "texture.h"
+
+/// Texel index for position `k` on a side of `size` texels.
+RSV_INLINE uint32_t rsv_wrapped(int64_t k, uint32_t size, rsv_wrap wrap)
+{
+    int64_t n = size;
+    if (wrap == RSV_WRAP_CLAMP) return (uint32_t)(k < 0 ? 0 : k >= n ? n - 1 : k);
+    int64_t period = wrap == RSV_WRAP_MIRROR ? 2 * n : n;
+    k %= period;
+    if (k < 0) k += period;
+    return (uint32_t)(k < n ? k : 2 * n - 1 - k);
+}
+
+RSV_INLINE rsv_texel rsv_texel_of(float r, float g, float b, float a)
+{
+    rsv_texel texel = { r, g, b, a };
+    return texel;
+}
+
+RSV_INLINE rsv_texel rsv_texel_at(
+    const rsv_texture *t, const rsv_texture_level *level, int64_t i, int64_t j)
+{
+    uint32_t x = rsv_wrapped(i, level->width, t->wrap_u),
+             y = rsv_wrapped(j, level->height, t->wrap_v);
+    size_t first = (level->first + (size_t)y * level->width + x) * t->channel_count;
+    float c[4] = { 0, 0, 0, 0 };
+    for (uint32_t k = 0; k < t->channel_count; k++)
+        c[k] = t->unorm ? (float)t->unorm[first + k] * (1.0f / 65535) : t->value[first + k];
+    bool colored = t->channel_count >= 3, covers = t->channel_count % 2 == 0;
+    return rsv_texel_of(
+        c[0], colored ? c[1] : c[0], colored ? c[2] : c[0], covers ? c[t->channel_count - 1] : 1);
+}
+
+RSV_INLINE rsv_texel rsv_texel_mix(rsv_texel a, rsv_texel b, float share)
+{
+    return rsv_texel_of(a.r + share * (b.r - a.r), a.g + share * (b.g - a.g),
+        a.b + share * (b.b - a.b), a.a + share * (b.a - a.a));
+}
+
+/// Coordinates far away, or none at all, are as good as 0: nothing repeats visibly out there.
+RSV_INLINE float rsv_tame(float coordinate) { return fabsf(coordinate) < 1e7f ? coordinate : 0; }
+
+RSV_INLINE rsv_texel rsv_texture_bilinear(const rsv_texture *t, uint32_t index, float u, float v)
+{
+    const rsv_texture_level *level = &t->level[index];
+    float x = u * (float)level->width, y = v * (float)level->height;
+    if (t->nearest && index == 0)
+        return rsv_texel_at(t, level, (int64_t)floorf(x), (int64_t)floorf(y));
+    float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
+    float right_share = x - 0.5f - left, bottom_share = y - 0.5f - top;
+    int64_t i = (int64_t)left, j = (int64_t)top;
+    rsv_texel upper =
+        rsv_texel_mix(rsv_texel_at(t, level, i, j), rsv_texel_at(t, level, i + 1, j), right_share);
+    rsv_texel lower = rsv_texel_mix(
+        rsv_texel_at(t, level, i, j + 1), rsv_texel_at(t, level, i + 1, j + 1), right_share);
+    return rsv_texel_mix(upper, lower, bottom_share);
+}
+
+RSV_SHARED rsv_texel rsv_texture_lookup(const rsv_texture *t, float u, float v, float level)
+{
+    u = rsv_tame(u), v = rsv_tame(v);
+    if (!(level > 0)) return rsv_texture_bilinear(t, 0, u, v);
+    uint32_t last = t->level_count - 1;
+    if (level >= (float)last) return rsv_texture_bilinear(t, last, u, v);
+    uint32_t finer = (uint32_t)level;
+    return rsv_texel_mix(rsv_texture_bilinear(t, finer, u, v),
+        rsv_texture_bilinear(t, finer + 1, u, v), level - (float)finer);
+}
+
+RSV_SHARED rsv_texel rsv_texture_mean(const rsv_texture *t)
+{
+    return rsv_texel_at(t, &t->level[t->level_count - 1], 0, 0);
+}
+
+#endif

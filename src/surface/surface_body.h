@@ -1,0 +1,33 @@
+/// What textures make of a surface (surface.h).
+#ifndef RSV_SURFACE_BODY_H
+#define RSV_SURFACE_BODY_H
+
+#include "../scene/material_at.h"
+#include "surface.h"
+
+RSV_SHARED rsv_surface_point rsv_surface_point_seen(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back, float width)
+{
+    rsv_surface_point point = rsv_surface_point_at(scene, triangle, u, v, back);
+    if (!(scene->material_varies[scene->triangle_material[triangle]] & RSV_VARIES_BY_TEXTURE))
+        return point;
+    float side = back ? -1.0f : 1.0f;
+    rsv_vec3 mapped = rsv_mapped_normal(scene, triangle, u, v, width, v3_scale(point.normal, side));
+    mapped = v3_scale(mapped, side);
+    if (v3_dot(mapped, point.geometric) > 0) point.normal = mapped;
+    return point;
+}
+
+RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const rsv_bsdf *common,
+    uint32_t triangle, float u, float v, float width, rsv_bsdf *storage)
+{
+    uint32_t material = scene->triangle_material[triangle];
+    if (!scene->material_varies[material]) return &common[material];
+    rsv_material at = rsv_material_at(scene, triangle, u, v, width);
+    rsv_bsdf_variation variation = rsv_bsdf_variation_of(&at);
+    *storage = rsv_bsdf_vary(&common[material], &variation);
+    if (!storage->solid) storage->opacity = at.opacity;
+    return storage;
+}
+
+#endif
