@@ -122,8 +122,10 @@ rsv_status rsv_elements_refine_contacts(
 /// The cells around a node and from where they are seen on its behalf.
 typedef struct fan {
     uint32_t begin, count;
+    rsv_vec3 corner; ///< the node itself
     rsv_vec3 place[MAX_FAN], normal[MAX_FAN];
-    bool open[MAX_FAN]; ///< false = from nowhere: all of the cell is buried
+    float lift[MAX_FAN]; ///< of places above their cells
+    bool open[MAX_FAN];  ///< false = from nowhere: all of the cell is buried
     bool sheltered[MAX_FAN];
 } fan;
 
@@ -136,20 +138,29 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
         rsv_cell_shape shape = rsv_cell_shape_of(e, support / 4);
         f.open[s] =
             rsv_cell_outlook(e->cell_openness[support / 4], &shape, support & 3, &f.place[s]);
+        f.corner = shape.corner[support & 3];
         f.normal[s] = shape.normal;
+        f.lift[s] = v3_length(
+            v3_sub(rsv_cell_above(e->cell_openness[support / 4], &shape, f.corner), f.corner));
         f.sheltered[s] = e->cell_openness[support / 4] & RSV_CELL_SHELTERED;
     }
     return f;
 }
 
+/// Cells that meet at a fold as sharp as that, a quarter turn more or less, see each other around it.
+#define FOLD_COSINE 0.5f
+
 /// Whether something stands between two cells of a fan, or upon one of them. A gap ends where cells that
-/// lie in it do, at folds too. Other folded cells count as connected: the straight line would run through the surface
-/// itself.
+/// lie in it do, at folds too. About sharp folds, such as that between a pot's side and its base, one looks by way of a
+/// place above both cells. Gently folded ones count as connected: the straight line would run through the surface itself.
 static bool is_walled(const rsv_transport_scene *scene, const fan *f, uint32_t a, uint32_t b)
 {
     if (f->sheltered[a] != f->sheltered[b]) return true;
-    return v3_dot(f->normal[a], f->normal[b]) > 0.999f &&
-           rsv_is_blocked(scene, f->place[a], f->place[b]);
+    float cosine = v3_dot(f->normal[a], f->normal[b]);
+    if (cosine > 0.999f) return rsv_is_blocked(scene, f->place[a], f->place[b]);
+    if (fabsf(cosine) > FOLD_COSINE) return false;
+    rsv_vec3 before = v3_mad(v3_mad(f->corner, f->lift[a], f->normal[a]), f->lift[b], f->normal[b]);
+    return rsv_is_blocked(scene, f->place[a], before) || rsv_is_blocked(scene, before, f->place[b]);
 }
 
 /// Groups the cells of a fan that see each other, directly or by way of others. Buried ones are none's, and go with the
