@@ -5,63 +5,44 @@
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
 
-/// A corner closer than that to what keeps it apart from the rest of its cell, as a part of the way there, does not count
-/// as open. Up to about there, light that ends at once, but in the wrong place, is less wrong than light that fades all over
-/// the cell.
-#define FAR_CORNER 0.29f
+/// A corner that something keeps apart from the middle of its cell, closer to it than that as a part of the way, does not
+/// count as open. Up to about there, light that ends at once, but in the wrong place, is less wrong than light that fades all
+/// over the cell.
+#define FAR_CORNER 0.5f
 
-/// How well the corners of a cell see each other: [from][to] as rsv_clear_part.
-typedef struct sights {
-    float part[3][3];
-} sights;
-
-static bool is_apart(const sights *s, int a, int b) { return s->part[a][b] < 1; }
-
-static sights look_around(const rsv_transport_scene *scene, const rsv_vec3 place[3], uint64_t *rays)
+/// Open corners, as bits, on the far side of what cuts through the cell.
+static uint32_t find_far_corners(
+    const rsv_transport_scene *scene, uint32_t open, const rsv_vec3 place[3], rsv_vec3 middle)
 {
-    sights s;
-    *rays += 3;
-    for (int a = 0, b = 1; a < 3; a++, b = (a + 1) % 3) {
-        s.part[a][b] = rsv_clear_part(scene, place[a], place[b]);
-        s.part[b][a] = is_apart(&s, a, b) ? rsv_clear_part(scene, place[b], place[a]) : 1;
-    }
-    return s;
+    uint32_t far = 0;
+    for (int k = 0; k < 3; k++)
+        far |= (uint32_t)(rsv_clear_part(scene, place[k], middle) < FAR_CORNER) << k;
+    return far & open & (open & ~far ? RSV_CORNERS_OPEN : 0);
 }
 
-/// Open corners that are kept apart from the others by something close to them: those of the smaller side, if there are two
-/// sides. @param open bits
-static uint32_t find_far_corners(uint32_t open, const sights *s)
-{
-    for (int a = 0; a < 3; a++) {
-        int b = (a + 1) % 3, c = (a + 2) % 3;
-        bool with_b = open >> b & 1, with_c = open >> c & 1;
-        if (!(open >> a & 1) || !(with_b || with_c)) continue;
-        if ((with_b && !is_apart(s, a, b)) || (with_c && !is_apart(s, a, c))) continue;
-        if (with_b && with_c && is_apart(s, b, c)) return 0;
-        // `a` is on one side alone
-        bool near =
-            (!with_b || s->part[a][b] < FAR_CORNER) && (!with_c || s->part[a][c] < FAR_CORNER);
-        bool others_near =
-            (!with_b || s->part[b][a] < FAR_CORNER) && (!with_c || s->part[c][a] < FAR_CORNER);
-        if (near == others_near) return 0;
-        return near ? 1u << a : open & ~(1u << a);
-    }
-    return 0;
-}
-
-static uint8_t openness_of(uint32_t open, bool cut, const sights *s)
+/// What a cell is whose corners are seen from those places.
+/// @param blocked by side of the cell: whether something stands between its ends
+static uint8_t openness_of(const rsv_transport_scene *scene, uint32_t open, bool cut,
+    const bool blocked[3], const rsv_vec3 place[3], rsv_vec3 middle, uint64_t *rays)
 {
     bool through = false;
     for (int k = 0; k < 3; k++)
-        through = through ||
-                  (is_apart(s, k, (k + 1) % 3) && (open >> k & 1) && (open >> (k + 1) % 3 & 1));
-    open &= ~find_far_corners(open, s);
+        through = through || (blocked[k] && (open >> k & 1) && (open >> (k + 1) % 3 & 1));
+    if (through) {
+        *rays += 3;
+        open &= ~find_far_corners(scene, open, place, middle);
+    }
     return (uint8_t)(open | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0));
 }
 
-static bool is_any_apart(const sights *s)
+/// @param blocked out, by side of the cell @return whether any is
+static bool find_blocked_sides(
+    const rsv_transport_scene *scene, const rsv_vec3 place[3], bool blocked[3], uint64_t *rays)
 {
-    return is_apart(s, 0, 1) || is_apart(s, 1, 2) || is_apart(s, 2, 0);
+    *rays += 3;
+    for (int k = 0; k < 3; k++)
+        blocked[k] = rsv_is_blocked(scene, place[k], place[(k + 1) % 3]);
+    return blocked[0] || blocked[1] || blocked[2];
 }
 
 /// A cell in a gap, seen from within: its corners are open that nothing touches, unless the gap is inside something.
@@ -70,6 +51,7 @@ static uint8_t judge_sheltered(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
     rsv_vec3 place[3];
+    bool blocked[3];
     uint32_t open = 0;
     *rays += 3;
     for (int k = 0; k < 3; k++) {
@@ -81,9 +63,9 @@ static uint8_t judge_sheltered(
         open |= (uint32_t)!shut << k;
     }
     if (!open) return 0;
-    sights s = look_around(scene, place, rays);
-    bool cut = is_any_apart(&s) || open != RSV_CORNERS_OPEN;
-    return openness_of(open, cut, &s) | RSV_CELL_SHELTERED;
+    bool cut = find_blocked_sides(scene, place, blocked, rays) || open != RSV_CORNERS_OPEN;
+    rsv_vec3 middle = rsv_cell_crouch(shape, shape->centre);
+    return openness_of(scene, open, cut, blocked, place, middle, rays) | RSV_CELL_SHELTERED;
 }
 
 /// Whether a place right above the cell lies inside something.
@@ -98,25 +80,25 @@ static uint8_t judge_cell(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
     rsv_vec3 place[3], middle = rsv_cell_hover(shape, shape->centre);
-    bool covered[3];
+    bool covered[3], blocked[3];
     *rays += 3;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
         place[k] = rsv_cell_hover(shape, corner);
         covered[k] = rsv_is_covered(scene, shape, corner);
     }
-    sights s = look_around(scene, place, rays);
     bool same = covered[0] == covered[1] && covered[1] == covered[2];
-    bool cut = is_any_apart(&s) || !same, framed = same && covered[0];
+    bool cut = find_blocked_sides(scene, place, blocked, rays) || !same;
+    bool framed = same && covered[0];
     bool gap = framed && rsv_is_covered(scene, shape, shape->centre);
     uint8_t sheltered = gap ? judge_sheltered(scene, shape, rays) : 0;
     if (sheltered) return sheltered;
     uint32_t open = 0;
     for (int k = 0; k < 3; k++)
         open |= (uint32_t) !(covered[k] || is_inside(scene, shape, place[k], cut, rays)) << k;
-    if (framed && !is_inside(scene, shape, middle, true, rays))
+    if (framed && !gap && !is_inside(scene, shape, middle, true, rays))
         return RSV_CELL_OPEN_INSIDE | RSV_CELL_CUT;
-    return openness_of(open, cut, &s);
+    return openness_of(scene, open, cut, blocked, place, middle, rays);
 }
 
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,
