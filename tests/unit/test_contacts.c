@@ -413,13 +413,13 @@ static world *begin_storeys(void)
     return w;
 }
 
-/// The most light on the sides of a body on the floor, half a centimetre (the least size of split cells) to two above it.
+/// The most light on the sides of a body on the floor, from six millimetres (the least split cells) to two centimetres above it.
 static float most_light_at_foot(const world *w, rsv_vec3 low, rsv_vec3 high)
 {
     rsv_solution *s = solve_small(w, 0);
     float most = 0;
     for (int k = 0; k < 200; k++) {
-        float t = ((float)(k % 20) + 0.5f) / 20, y = 0.002f * (float)(k / 20) + 0.005f;
+        float t = ((float)(k % 20) + 0.5f) / 20, y = 0.002f * (float)(k / 20) + 0.006f;
         rsv_vec3 in_front = v3(low.x + t * (high.x - low.x), y, high.z);
         rsv_vec3 beside = v3(high.x, y, low.z + t * (high.z - low.z));
         most = f_max(most, look_up(w, s, in_front, v3(0, 0, 1), RSV_NONE));
