@@ -10,29 +10,36 @@
 /// over the cell.
 #define FAR_CORNER 0.5f
 
-/// Open corners, as bits, on the far side of what cuts through the cell.
+/// Corners, as bits, that something close to them keeps apart from the middle of the cell.
 static uint32_t find_far_corners(
-    const rsv_transport_scene *scene, uint32_t open, const rsv_vec3 place[3], rsv_vec3 middle)
+    const rsv_transport_scene *scene, const rsv_vec3 place[3], rsv_vec3 middle, uint64_t *rays)
 {
     uint32_t far = 0;
+    *rays += 3;
     for (int k = 0; k < 3; k++)
         far |= (uint32_t)(rsv_clear_part(scene, place[k], middle) < FAR_CORNER) << k;
-    return far & open & (open & ~far ? RSV_CORNERS_OPEN : 0);
+    return far;
 }
 
-/// What a cell is whose corners are seen from those places.
+/// Where a cell is looked at from, and which of these places count.
+typedef struct outlooks {
+    rsv_vec3 place[3], middle;
+    uint32_t open; ///< corners, as bits
+    bool middle_open;
+} outlooks;
+
 /// @param blocked by side of the cell: whether something stands between its ends
-static uint8_t openness_of(const rsv_transport_scene *scene, uint32_t open, bool cut,
-    const bool blocked[3], const rsv_vec3 place[3], rsv_vec3 middle, uint64_t *rays)
+static uint8_t openness_of(const rsv_transport_scene *scene, const outlooks *at, bool cut,
+    const bool blocked[3], uint64_t *rays)
 {
     bool through = false;
     for (int k = 0; k < 3; k++)
-        through = through || (blocked[k] && (open >> k & 1) && (open >> (k + 1) % 3 & 1));
-    if (through) {
-        *rays += 3;
-        open &= ~find_far_corners(scene, open, place, middle);
-    }
-    return (uint8_t)(open | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0));
+        through = through || (blocked[k] && (at->open >> k & 1) && (at->open >> (k + 1) % 3 & 1));
+    uint32_t near = at->open;
+    if (cut && at->open) near &= ~find_far_corners(scene, at->place, at->middle, rays);
+    if (!near && !at->middle_open) near = at->open;
+    return (uint8_t)(near | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0) |
+                     (!near && at->middle_open ? RSV_CELL_OPEN_INSIDE : 0));
 }
 
 /// @param blocked out, by side of the cell @return whether any is
@@ -45,29 +52,6 @@ static bool find_blocked_sides(
     return blocked[0] || blocked[1] || blocked[2];
 }
 
-/// A cell in a gap, seen from within: its corners are open that nothing touches, unless the gap is inside something.
-/// @return 0 if none is
-static uint8_t judge_sheltered(
-    const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
-{
-    rsv_vec3 place[3];
-    bool blocked[3];
-    uint32_t open = 0;
-    *rays += 3;
-    for (int k = 0; k < 3; k++) {
-        rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        place[k] = rsv_cell_crouch(shape, corner);
-        bool shut = rsv_is_touched(scene->tracer, shape, corner) ||
-                    rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
-                    rsv_is_mostly_buried(scene, place[k], shape->normal, SEED, rays);
-        open |= (uint32_t)!shut << k;
-    }
-    if (!open) return 0;
-    bool cut = find_blocked_sides(scene, place, blocked, rays) || open != RSV_CORNERS_OPEN;
-    rsv_vec3 middle = rsv_cell_crouch(shape, shape->centre);
-    return openness_of(scene, open, cut, blocked, place, middle, rays) | RSV_CELL_SHELTERED;
-}
-
 /// Whether a place right above the cell lies inside something.
 static bool is_inside(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place,
     bool cut, uint64_t *rays)
@@ -76,29 +60,48 @@ static bool is_inside(const rsv_transport_scene *scene, const rsv_cell_shape *sh
            (cut && rsv_is_mostly_buried(scene, place, shape->normal, SEED, rays));
 }
 
+/// A cell in a gap, seen from within: its corners are open that nothing touches, unless the gap is inside something.
+/// @return 0 if none is
+static uint8_t judge_sheltered(
+    const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
+{
+    outlooks at = { .middle = rsv_cell_crouch(shape, shape->centre) };
+    bool blocked[3];
+    *rays += 3;
+    for (int k = 0; k < 3; k++) {
+        rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
+        at.place[k] = rsv_cell_crouch(shape, corner);
+        bool shut = rsv_is_touched(scene->tracer, shape, corner) ||
+                    is_inside(scene, shape, at.place[k], true, rays);
+        at.open |= (uint32_t)!shut << k;
+    }
+    if (!at.open) return 0;
+    bool cut = find_blocked_sides(scene, at.place, blocked, rays) || at.open != RSV_CORNERS_OPEN;
+    return openness_of(scene, &at, cut, blocked, rays) | RSV_CELL_SHELTERED;
+}
+
 static uint8_t judge_cell(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
-    rsv_vec3 place[3], middle = rsv_cell_hover(shape, shape->centre);
+    outlooks at = { .middle = rsv_cell_hover(shape, shape->centre) };
     bool covered[3], blocked[3];
     *rays += 3;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        place[k] = rsv_cell_hover(shape, corner);
+        at.place[k] = rsv_cell_hover(shape, corner);
         covered[k] = rsv_is_covered(scene, shape, corner);
     }
-    bool same = covered[0] == covered[1] && covered[1] == covered[2];
-    bool cut = find_blocked_sides(scene, place, blocked, rays) || !same;
-    bool framed = same && covered[0];
-    bool gap = framed && rsv_is_covered(scene, shape, shape->centre);
-    uint8_t sheltered = gap ? judge_sheltered(scene, shape, rays) : 0;
+    bool any = covered[0] || covered[1] || covered[2], all = covered[0] && covered[1] && covered[2];
+    bool cut = find_blocked_sides(scene, at.place, blocked, rays) || any != all;
+    bool uncertain = cut || all,
+         middle_covered = uncertain && rsv_is_covered(scene, shape, shape->centre);
+    uint8_t sheltered = all && middle_covered ? judge_sheltered(scene, shape, rays) : 0;
     if (sheltered) return sheltered;
-    uint32_t open = 0;
     for (int k = 0; k < 3; k++)
-        open |= (uint32_t) !(covered[k] || is_inside(scene, shape, place[k], cut, rays)) << k;
-    if (framed && !gap && !is_inside(scene, shape, middle, true, rays))
-        return RSV_CELL_OPEN_INSIDE | RSV_CELL_CUT;
-    return openness_of(scene, open, cut, blocked, place, middle, rays);
+        at.open |= (uint32_t) !(covered[k] || is_inside(scene, shape, at.place[k], cut, rays)) << k;
+    cut = cut || (all && !middle_covered);
+    at.middle_open = cut && !middle_covered && !is_inside(scene, shape, at.middle, true, rays);
+    return openness_of(scene, &at, cut, blocked, rays);
 }
 
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,
