@@ -60,23 +60,29 @@ static bool is_inside(const rsv_transport_scene *scene, const rsv_cell_shape *sh
            (cut && rsv_is_mostly_buried(scene, place, shape->normal, SEED, rays));
 }
 
-/// A cell in a gap, seen from within: its corners are open that nothing touches, unless the gap is inside something.
-/// @return 0 if none is
+/// Whether a place in a gap sees some of the gap: nothing touches it, and the gap is not inside something.
+static bool is_free_in_gap(const rsv_transport_scene *scene, const rsv_cell_shape *shape,
+    rsv_vec3 place, rsv_vec3 above, uint64_t *rays)
+{
+    ++*rays;
+    return !rsv_is_touched(scene->tracer, shape, place) &&
+           !is_inside(scene, shape, above, true, rays);
+}
+
+/// A cell in a gap, seen from within. @return 0 if it cannot be
 static uint8_t judge_sheltered(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
     outlooks at = { .middle = rsv_cell_crouch(shape, shape->centre) };
     bool blocked[3];
-    *rays += 3;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
         at.place[k] = rsv_cell_crouch(shape, corner);
-        bool shut = rsv_is_touched(scene->tracer, shape, corner) ||
-                    is_inside(scene, shape, at.place[k], true, rays);
-        at.open |= (uint32_t)!shut << k;
+        at.open |= (uint32_t)is_free_in_gap(scene, shape, corner, at.place[k], rays) << k;
     }
-    if (!at.open) return 0;
     bool cut = find_blocked_sides(scene, at.place, blocked, rays) || at.open != RSV_CORNERS_OPEN;
+    at.middle_open = cut && is_free_in_gap(scene, shape, shape->centre, at.middle, rays);
+    if (!at.open && !at.middle_open) return 0;
     return openness_of(scene, &at, cut, blocked, rays) | RSV_CELL_SHELTERED;
 }
 
@@ -149,7 +155,7 @@ bool rsv_cell_outlook(
     uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place)
 {
     uint32_t open = openness & RSV_CORNERS_OPEN;
-    if (openness & RSV_CELL_OPEN_INSIDE) *place = rsv_cell_hover(shape, shape->centre);
+    if (openness & RSV_CELL_OPEN_INSIDE) *place = rsv_cell_above(openness, shape, shape->centre);
     if (!open) return openness & RSV_CELL_OPEN_INSIDE;
     uint32_t from = open >> corner & 1 ? corner : (uint32_t)__builtin_ctz(open);
     *place = rsv_cell_above(openness, shape, rsv_cell_inset(shape, shape->corner[from]));
