@@ -477,10 +477,9 @@ static void smooth_bodies_on_a_floor_stay_dark(void **state)
     if (most > 0.01f) fail_msg("%g of the light below the floor", most);
 }
 
-/// A small plate whose corners are all under its frame is as bright as the light that reaches its middle.
-static void a_plate_in_a_frame_is_lit(void **state)
+/// A small plate in a frame that touches all of its corners, behind bars or not: its light over what is gathered there.
+static shares shares_on_plate(bool bars)
 {
-    (void)state;
     world *w = world_begin(2);
     uint32_t paint = world_lambert(w, 0.7f, 0);
     const float edge = 0.06f, in = 0.04f, back = -0.995f, front = -0.98f;
@@ -491,6 +490,10 @@ static void a_plate_in_a_frame_is_lit(void **state)
     world_box(w, paint, v3(-edge, 0.5f + in, back), v3(edge, 0.5f + edge, front));
     world_box(w, paint, v3(-edge, 0.5f - in, back), v3(-in, 0.5f + in, front));
     world_box(w, paint, v3(in, 0.5f - in, back), v3(edge, 0.5f + in, front));
+    for (int k = 0; k < 2 && bars; k++) { // before the middles of the plate's two triangles
+        float y = k ? 0.52f : 0.48f;
+        world_box(w, paint, v3(-edge, y - 0.004f, -0.982f), v3(edge, y + 0.004f, -0.975f));
+    }
     add_lamp(w);
     world_commit(w);
     rsv_solution *s = solve_small(w, 0);
@@ -503,7 +506,22 @@ static void a_plate_in_a_frame_is_lit(void **state)
     shares found = stored_shares(w, s, probe, PLACES);
     rsv_solution_destroy(s);
     world_end(w);
+    return found;
+}
+
+static void a_plate_in_a_frame_is_lit(void **state)
+{
+    (void)state;
+    shares found = shares_on_plate(false);
     if (found.least < 0.8f || found.largest > 1.2f || fabsf(found.mean - 1) > 0.1f)
+        fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
+}
+
+static void a_plate_behind_bars_is_lit(void **state)
+{
+    (void)state;
+    shares found = shares_on_plate(true);
+    if (found.least < 0.4f || found.largest > 2.5f || fabsf(found.mean - 1) > 0.15f)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
 }
 
@@ -524,6 +542,7 @@ int main(void)
         cmocka_unit_test(feet_that_reach_through_a_floor_stay_dark),
         cmocka_unit_test(smooth_bodies_on_a_floor_stay_dark),
         cmocka_unit_test(a_plate_in_a_frame_is_lit),
+        cmocka_unit_test(a_plate_behind_bars_is_lit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
