@@ -2,100 +2,20 @@
 /// place, 4 * cell + corner, at which it is met first.
 #include "elements_internal.h"
 
-#include "../core/first_map.h"
+#include "node_table.h"
 
 #include <string.h>
 
 #define CELLS_AT_A_TIME 4096 ///< by one thread
 
-#define LATTICE (1u << RSV_MAX_LEVEL) ///< side of the finest barycentric lattice
-
-/// Position of a node on a face's finest lattice.
-typedef struct lattice_point {
-    uint32_t i, j;
-} lattice_point;
-
-static lattice_point corner_point(const rsv_cell *cell, int k)
+static uint32_t read(const rsv_node_table *nodes, uint32_t entry)
 {
-    int shift = RSV_MAX_LEVEL - cell->level;
-    uint32_t di = cell->flipped ? k != 1 : k == 1, dj = cell->flipped ? k != 2 : k == 2;
-    return (lattice_point){ (cell->i + di) << shift, (cell->j + dj) << shift };
-}
-
-#define BETWEEN_CORNERS (1ull << 62) ///< the least key that is not a corner's
-
-static uint64_t edge_key(
-    const rsv_elements *e, uint32_t face, int edge, int from, int to, uint32_t t)
-{
-    bool forward = e->face_corner[face][from] < e->face_corner[face][to];
-    return BETWEEN_CORNERS | (uint64_t)e->face_edge[face][edge] << 15 | (forward ? t : LATTICE - t);
-}
-
-/// Identity of a lattice point: faces that share a welded corner or edge give it the same key.
-static uint64_t node_key(const rsv_elements *e, uint32_t face, lattice_point p)
-{
-    const uint32_t *corner = e->face_corner[face];
-    if (p.i == 0 && p.j == 0) return corner[0];
-    if (p.i == LATTICE) return corner[1];
-    if (p.j == LATTICE) return corner[2];
-    if (p.j == 0) return edge_key(e, face, 0, 0, 1, p.i);
-    if (p.i == 0) return edge_key(e, face, 1, 0, 2, p.j);
-    if (p.i + p.j == LATTICE) return edge_key(e, face, 2, 1, 2, p.j);
-    return 2ull << 62 | (uint64_t)face << 28 | (uint64_t)p.i << 14 | p.j;
-}
-
-/// Nodes by their keys. Those at corners of triangles, most of them in fine meshes, need no hashing.
-typedef struct node_table {
-    size_t corner_count;
-    _Atomic uint32_t
-        *at_corner;        ///< [corner_count] by welded corner: first place, RSV_NONE = nowhere
-    rsv_first_map between; ///< of all other keys
-} node_table;
-
-static rsv_status create_table(const rsv_elements *e, node_table *nodes)
-{
-    size_t finer = 0; // each split adds as many of these as nodes between corners, or more
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context)) reduction(+ : finer)
-    for (size_t c = 0; c < e->cell_count; c++)
-        finer += e->cell[c].level > 0;
-    nodes->corner_count = 3 * e->face_count;
-    nodes->at_corner = rsv_reserve(e->context, nodes->corner_count, sizeof *nodes->at_corner);
-    if (!nodes->at_corner) return RSV_ERROR_MEMORY;
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
-    for (size_t k = 0; k < nodes->corner_count; k++)
-        atomic_init(&nodes->at_corner[k], RSV_NONE);
-    return rsv_first_map_create(e->context, finer, &nodes->between);
-}
-
-static void destroy_table(rsv_context *context, node_table *nodes)
-{
-    rsv_free(context, (void *)nodes->at_corner);
-    rsv_first_map_destroy(&nodes->between);
-}
-
-/// Notes that a node is met. @return where the table keeps it
-static uint32_t meet(node_table *nodes, uint64_t key, uint32_t place)
-{
-    if (key >= BETWEEN_CORNERS)
-        return (uint32_t)nodes->corner_count + rsv_first_map_note(&nodes->between, key, place);
-    rsv_lower(&nodes->at_corner[key], place);
-    return (uint32_t)key;
-}
-
-static _Atomic uint32_t *entry(const node_table *nodes, uint32_t at)
-{
-    return at < nodes->corner_count ? &nodes->at_corner[at]
-                                    : &nodes->between.slot[at - nodes->corner_count].first;
-}
-
-static uint32_t read(const node_table *nodes, uint32_t at)
-{
-    return atomic_load_explicit(entry(nodes, at), memory_order_relaxed);
+    return atomic_load_explicit(rsv_node_table_at(nodes, entry), memory_order_relaxed);
 }
 
 /// Of some consecutive cells: which corners are the first places of their nodes, as bits of `first`. @return how many
 static uint32_t mark_first(
-    const rsv_elements *e, const node_table *nodes, size_t begin, size_t end, uint8_t *first)
+    const rsv_elements *e, const rsv_node_table *nodes, size_t begin, size_t end, uint8_t *first)
 {
     uint32_t count = 0;
     for (size_t c = begin; c < end; c++) {
@@ -110,14 +30,14 @@ static uint32_t mark_first(
 }
 
 /// Numbers the nodes that are met first in some consecutive cells. The table keeps numbers from then on.
-static void number_first(const rsv_elements *e, const node_table *nodes, size_t begin, size_t end,
-    const uint8_t *first, uint32_t number)
+static void number_first(const rsv_elements *e, const rsv_node_table *nodes, size_t begin,
+    size_t end, const uint8_t *first, uint32_t number)
 {
     for (size_t c = begin; c < end; c++)
         for (uint32_t k = 0; k < 3; k++)
             if (first[c] >> k & 1)
                 atomic_store_explicit(
-                    entry(nodes, e->cell_node[c][k]), number++, memory_order_relaxed);
+                    rsv_node_table_at(nodes, e->cell_node[c][k]), number++, memory_order_relaxed);
 }
 
 static size_t end_of_block(const rsv_elements *e, size_t block)
@@ -126,7 +46,7 @@ static size_t end_of_block(const rsv_elements *e, size_t block)
     return end < e->cell_count ? end : e->cell_count;
 }
 
-static rsv_status number_nodes(rsv_elements *e, node_table *nodes)
+static rsv_status number_nodes(rsv_elements *e, rsv_node_table *nodes)
 {
     rsv_status status = RSV_OK;
     size_t blocks = (e->cell_count + CELLS_AT_A_TIME - 1) / CELLS_AT_A_TIME;
@@ -138,9 +58,8 @@ static rsv_status number_nodes(rsv_elements *e, node_table *nodes)
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t c = 0; c < e->cell_count; c++)
         for (int k = 0; k < 3; k++)
-            e->cell_node[c][k] =
-                meet(nodes, node_key(e, e->cell[c].face, corner_point(&e->cell[c], k)),
-                    4 * (uint32_t)c + (uint32_t)k);
+            e->cell_node[c][k] = rsv_node_table_note(nodes, e->cell[c].face,
+                rsv_lattice_corner(&e->cell[c], k), 4 * (uint32_t)c + (uint32_t)k);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t b = 0; b < blocks; b++)
         begin[b + 1] = mark_first(e, nodes, b * CELLS_AT_A_TIME, end_of_block(e, b), first);
@@ -173,60 +92,38 @@ typedef struct found_list {
 
 typedef struct hanging_finder {
     rsv_elements *e;
-    const node_table *nodes;
-    uint8_t *face_finest; ///< [face_count] level of the smallest cells
-    uint8_t *edge_finest; ///< [3 face_count] by welded edge, of the faces that share it
-    uint8_t *unbalanced;  ///< [cell_count] edge halved more than once
-    found_list *list;     ///< [list_count] of CELLS_AT_A_TIME cells each
+    const rsv_node_table *nodes;
+    uint8_t *unbalanced; ///< [cell_count] edge halved more than once
+    found_list *list;    ///< [list_count] of CELLS_AT_A_TIME cells each
     size_t list_count;
 } hanging_finder;
 
 /// Nodes strictly between a and b at p and q on one edge of `cell`, by bisection.
 static rsv_status find_between(const hanging_finder *f, found_list *list, uint32_t cell, uint32_t a,
-    uint32_t b, lattice_point p, lattice_point q, float t0, float t1, int depth)
+    uint32_t b, rsv_lattice_point p, rsv_lattice_point q, float t0, float t1, int depth)
 {
     rsv_context *context = f->e->context;
-    lattice_point m = { (p.i + q.i) / 2, (p.j + q.j) / 2 };
+    rsv_lattice_point m = { (p.i + q.i) / 2, (p.j + q.j) / 2 };
     if ((p.i == m.i && p.j == m.j) || (q.i == m.i && q.j == m.j)) return RSV_OK;
-    const rsv_first_map *between = &f->nodes->between;
-    uint32_t at = rsv_first_map_find(between, node_key(f->e, f->e->cell[cell].face, m));
-    if (at == UINT32_MAX) return RSV_OK;
+    uint32_t entry = rsv_node_table_find(f->nodes, f->e->cell[cell].face, m);
+    if (entry == RSV_NONE) return RSV_OK;
     if (depth > 0) f->unbalanced[cell] = 1;
     float t = 0.5f * (t0 + t1);
     rsv_status status = rsv_grow(
         context, (void **)&list->found, &list->capacity, list->count + 1, sizeof *list->found);
     if (status != RSV_OK) return status;
     list->found[list->count++] =
-        (struct found){ between->slot[at].first, a, b, t, f->e->cell[cell].level };
+        (struct found){ read(f->nodes, entry), a, b, t, f->e->cell[cell].level };
     status = find_between(f, list, cell, a, b, p, m, t0, t, depth + 1);
     return status == RSV_OK ? find_between(f, list, cell, a, b, m, q, t, t1, depth + 1) : status;
 }
-/// Notes how small cells are in each face and beside each edge. @return the level of the smallest of all
-static int find_finest(hanging_finder *f)
-{
-    const rsv_elements *e = f->e;
-    int finest = 0;
-    for (size_t c = 0; c < e->cell_count; c++) {
-        uint8_t *in_face = &f->face_finest[e->cell[c].face], level = e->cell[c].level;
-        *in_face = level > *in_face ? level : *in_face;
-        finest = level > finest ? level : finest;
-    }
-    for (size_t face = 0; face < e->face_count; face++) {
-        for (int k = 0; k < 3; k++) {
-            uint8_t *beside = &f->edge_finest[e->face_edge[face][k]];
-            *beside = f->face_finest[face] > *beside ? f->face_finest[face] : *beside;
-        }
-    }
-    return finest;
-}
-
 /// Whether smaller cells may touch a cell: most are spared the search.
 static bool may_meet_smaller(const hanging_finder *f, const rsv_cell *cell)
 {
-    if (f->face_finest[cell->face] > cell->level) return true;
+    if (f->nodes->face_finest[cell->face] > cell->level) return true;
     const uint32_t *edge = f->e->face_edge[cell->face];
     for (int k = 0; k < 3; k++)
-        if (f->edge_finest[edge[k]] > cell->level) return true;
+        if (f->nodes->edge_finest[edge[k]] > cell->level) return true;
     return false;
 }
 
@@ -238,8 +135,8 @@ static rsv_status find_in_cell(const hanging_finder *f, found_list *list, uint32
     if (!may_meet_smaller(f, cell)) return RSV_OK;
     for (int k = 0; k < 3 && status == RSV_OK; k++) {
         int l = (k + 1) % 3;
-        status = find_between(
-            f, list, c, node[k], node[l], corner_point(cell, k), corner_point(cell, l), 0, 1, 0);
+        status = find_between(f, list, c, node[k], node[l], rsv_lattice_corner(cell, k),
+            rsv_lattice_corner(cell, l), 0, 1, 0);
     }
     return status;
 }
@@ -251,10 +148,7 @@ static rsv_status prepare_finder(hanging_finder *f)
     f->list = rsv_alloc(e->context, f->list_count, sizeof *f->list);
     e->node_hanging = rsv_alloc(e->context, e->node_count, sizeof *e->node_hanging);
     f->unbalanced = rsv_alloc(e->context, e->cell_count, 1);
-    f->face_finest = rsv_alloc(e->context, e->face_count, 1);
-    f->edge_finest = rsv_alloc(e->context, 3 * e->face_count, 1);
-    if (!f->list || !e->node_hanging || !f->unbalanced || !f->face_finest || !f->edge_finest)
-        return RSV_ERROR_MEMORY;
+    if (!f->list || !e->node_hanging || !f->unbalanced) return RSV_ERROR_MEMORY;
     memset(e->node_hanging, 0xff, e->node_count * sizeof *e->node_hanging);
     return RSV_OK;
 }
@@ -274,7 +168,7 @@ static rsv_status search_cells(hanging_finder *f)
 }
 
 /// Edges count from coarse to fine, so that parents come before their children.
-static rsv_status hang_nodes(hanging_finder *f, int finest)
+static rsv_status hang_nodes(hanging_finder *f)
 {
     rsv_elements *e = f->e;
     size_t most = 0;
@@ -282,7 +176,7 @@ static rsv_status hang_nodes(hanging_finder *f, int finest)
         most += f->list[b].count;
     e->hanging = rsv_reserve(e->context, most, sizeof *e->hanging);
     if (!e->hanging) return RSV_ERROR_MEMORY;
-    for (int level = 0; level < finest; level++) {
+    for (int level = 0; level < RSV_MAX_LEVEL; level++) {
         for (size_t b = 0; b < f->list_count; b++) {
             for (size_t k = 0; k < f->list[b].count; k++) {
                 const struct found *n = &f->list[b].found[k];
@@ -301,10 +195,9 @@ static rsv_status find_hanging(hanging_finder *f, bool *any_unbalanced)
 {
     rsv_status status;
     RSV_TRY(prepare_finder(f));
-    int finest = find_finest(f);
     RSV_TRY(search_cells(f));
     *any_unbalanced = memchr(f->unbalanced, 1, f->e->cell_count) != NULL;
-    if (!*any_unbalanced) RSV_TRY(hang_nodes(f, finest));
+    if (!*any_unbalanced) RSV_TRY(hang_nodes(f));
 cleanup:
     return status;
 }
@@ -315,23 +208,21 @@ static void destroy_finder(hanging_finder *f)
     for (size_t b = 0; f->list && b < f->list_count; b++)
         rsv_free(context, f->list[b].found);
     rsv_free(context, f->list);
-    rsv_free(context, f->face_finest);
-    rsv_free(context, f->edge_finest);
 }
 
 rsv_status rsv_elements_number_nodes(rsv_elements *e, uint8_t **unbalanced, bool *any_unbalanced)
 {
     rsv_status status;
-    node_table nodes = { 0 };
+    rsv_node_table nodes = { 0 };
     hanging_finder finder = { .e = e, .nodes = &nodes };
     RSV_TRY(rsv_elements_are_countable(e));
-    RSV_TRY(create_table(e, &nodes));
+    RSV_TRY(rsv_node_table_create(e, &nodes));
     RSV_TRY(number_nodes(e, &nodes));
     RSV_TRY(find_hanging(&finder, any_unbalanced));
     if (!*any_unbalanced) RSV_TRY(rsv_elements_create_supports(e));
 cleanup:
     *unbalanced = finder.unbalanced;
     destroy_finder(&finder);
-    destroy_table(e->context, &nodes);
+    rsv_node_table_destroy(&nodes);
     return status;
 }
