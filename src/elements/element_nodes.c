@@ -46,20 +46,27 @@ static size_t end_of_block(const rsv_elements *e, size_t block)
     return end < e->cell_count ? end : e->cell_count;
 }
 
-static rsv_status number_nodes(rsv_elements *e, rsv_node_table *nodes)
+/// Notes all nodes in the table, whose entries cell_node has until they are numbered.
+static rsv_status note_nodes(rsv_elements *e, rsv_node_table *nodes)
+{
+    e->cell_node = rsv_reserve(e->context, e->cell_count, sizeof *e->cell_node);
+    if (!e->cell_node) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t c = 0; c < e->cell_count; c++)
+        for (int k = 0; k < 3; k++)
+            e->cell_node[c][k] = rsv_node_table_note(nodes, e->cell[c].face,
+                rsv_lattice_corner(&e->cell[c], k), 4 * (uint32_t)c + (uint32_t)k);
+    return RSV_OK;
+}
+
+static rsv_status number_nodes(rsv_elements *e, const rsv_node_table *nodes)
 {
     rsv_status status = RSV_OK;
     size_t blocks = (e->cell_count + CELLS_AT_A_TIME - 1) / CELLS_AT_A_TIME;
     uint32_t *begin = rsv_alloc(e->context, blocks + 1, sizeof *begin);
     uint8_t *first = rsv_reserve(e->context, e->cell_count, 1);
-    e->cell_node = rsv_reserve(e->context, e->cell_count, sizeof *e->cell_node);
-    RSV_TRY(begin && first && e->cell_node ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(begin && first ? RSV_OK : RSV_ERROR_MEMORY);
     int threads = rsv_threads(e->context);
-#pragma omp parallel for schedule(static) num_threads(threads)
-    for (size_t c = 0; c < e->cell_count; c++)
-        for (int k = 0; k < 3; k++)
-            e->cell_node[c][k] = rsv_node_table_note(nodes, e->cell[c].face,
-                rsv_lattice_corner(&e->cell[c], k), 4 * (uint32_t)c + (uint32_t)k);
 #pragma omp parallel for schedule(static) num_threads(threads)
     for (size_t b = 0; b < blocks; b++)
         begin[b + 1] = mark_first(e, nodes, b * CELLS_AT_A_TIME, end_of_block(e, b), first);
@@ -82,7 +89,7 @@ cleanup:
 /// Nodes that some consecutive cells find on their edges.
 typedef struct found_list {
     struct found {
-        uint32_t node, a, b; ///< a, b: ends of the edge
+        uint32_t node, a, b; ///< entries of the table; a, b: ends of the edge
         float weight;        ///< of b
         int level;           ///< of the cell
     } * found;
@@ -112,8 +119,7 @@ static rsv_status find_between(const hanging_finder *f, found_list *list, uint32
     rsv_status status = rsv_grow(
         context, (void **)&list->found, &list->capacity, list->count + 1, sizeof *list->found);
     if (status != RSV_OK) return status;
-    list->found[list->count++] =
-        (struct found){ read(f->nodes, entry), a, b, t, f->e->cell[cell].level };
+    list->found[list->count++] = (struct found){ entry, a, b, t, f->e->cell[cell].level };
     status = find_between(f, list, cell, a, b, p, m, t0, t, depth + 1);
     return status == RSV_OK ? find_between(f, list, cell, a, b, m, q, t, t1, depth + 1) : status;
 }
@@ -146,10 +152,8 @@ static rsv_status prepare_finder(hanging_finder *f)
     rsv_elements *e = f->e;
     f->list_count = (e->cell_count + CELLS_AT_A_TIME - 1) / CELLS_AT_A_TIME;
     f->list = rsv_alloc(e->context, f->list_count, sizeof *f->list);
-    e->node_hanging = rsv_alloc(e->context, e->node_count, sizeof *e->node_hanging);
     f->unbalanced = rsv_alloc(e->context, e->cell_count, 1);
-    if (!f->list || !e->node_hanging || !f->unbalanced) return RSV_ERROR_MEMORY;
-    memset(e->node_hanging, 0xff, e->node_count * sizeof *e->node_hanging);
+    if (!f->list || !f->unbalanced) return RSV_ERROR_MEMORY;
     return RSV_OK;
 }
 
@@ -167,39 +171,36 @@ static rsv_status search_cells(hanging_finder *f)
     return RSV_OK;
 }
 
-/// Edges count from coarse to fine, so that parents come before their children.
-static rsv_status hang_nodes(hanging_finder *f)
+static void hang_node(rsv_elements *e, uint32_t node, uint32_t a, uint32_t b, float weight)
+{
+    if (e->node_hanging[node] != RSV_NONE) return; // an edge shared by more than two faces
+    e->node_hanging[node] = (uint32_t)e->hanging_count;
+    e->hanging[e->hanging_count++] =
+        (rsv_hanging){ node, { a, b, a, a }, { 1 - weight, weight, 0, 0 } };
+}
+
+/// Once nodes are numbered. Edges count from coarse to fine, so that parents come before their children.
+static rsv_status hang_nodes(const hanging_finder *f)
 {
     rsv_elements *e = f->e;
     size_t most = 0;
     for (size_t b = 0; b < f->list_count; b++)
         most += f->list[b].count;
     e->hanging = rsv_reserve(e->context, most, sizeof *e->hanging);
-    if (!e->hanging) return RSV_ERROR_MEMORY;
+    e->node_hanging = rsv_reserve(e->context, e->node_count, sizeof *e->node_hanging);
+    if (!e->hanging || !e->node_hanging) return RSV_ERROR_MEMORY;
+    memset(e->node_hanging, 0xff, e->node_count * sizeof *e->node_hanging);
     for (int level = 0; level < RSV_MAX_LEVEL; level++) {
         for (size_t b = 0; b < f->list_count; b++) {
             for (size_t k = 0; k < f->list[b].count; k++) {
                 const struct found *n = &f->list[b].found[k];
-                // an edge may be shared by more than two faces
-                if (n->level != level || e->node_hanging[n->node] != RSV_NONE) continue;
-                e->node_hanging[n->node] = (uint32_t)e->hanging_count;
-                e->hanging[e->hanging_count++] = (rsv_hanging){ n->node, { n->a, n->b, n->a, n->a },
-                    { 1 - n->weight, n->weight, 0, 0 } };
+                if (n->level == level)
+                    hang_node(e, read(f->nodes, n->node), read(f->nodes, n->a),
+                        read(f->nodes, n->b), n->weight);
             }
         }
     }
     return RSV_OK;
-}
-
-static rsv_status find_hanging(hanging_finder *f, bool *any_unbalanced)
-{
-    rsv_status status;
-    RSV_TRY(prepare_finder(f));
-    RSV_TRY(search_cells(f));
-    *any_unbalanced = memchr(f->unbalanced, 1, f->e->cell_count) != NULL;
-    if (!*any_unbalanced) RSV_TRY(hang_nodes(f));
-cleanup:
-    return status;
 }
 
 static void destroy_finder(hanging_finder *f)
@@ -217,9 +218,14 @@ rsv_status rsv_elements_number_nodes(rsv_elements *e, uint8_t **unbalanced, bool
     hanging_finder finder = { .e = e, .nodes = &nodes };
     RSV_TRY(rsv_elements_are_countable(e));
     RSV_TRY(rsv_node_table_create(e, &nodes));
+    RSV_TRY(note_nodes(e, &nodes));
+    RSV_TRY(prepare_finder(&finder));
+    RSV_TRY(search_cells(&finder));
+    *any_unbalanced = memchr(finder.unbalanced, 1, e->cell_count) != NULL;
+    if (*any_unbalanced) goto cleanup;
     RSV_TRY(number_nodes(e, &nodes));
-    RSV_TRY(find_hanging(&finder, any_unbalanced));
-    if (!*any_unbalanced) RSV_TRY(rsv_elements_create_supports(e));
+    RSV_TRY(hang_nodes(&finder));
+    RSV_TRY(rsv_elements_create_supports(e));
 cleanup:
     *unbalanced = finder.unbalanced;
     destroy_finder(&finder);

@@ -28,7 +28,7 @@ rsv_cell rsv_child_cell(rsv_cell parent, int k);
 
 /// Nodes, hanging nodes and supports of finished cells.
 /// @param unbalanced out, to be freed by the caller: cells with an edge halved more than once; where there are any,
-/// supports are left out, as such cells are to be split
+/// nodes are left out, as such cells are to be split
 rsv_status rsv_elements_number_nodes(
     rsv_elements *elements, uint8_t **unbalanced, bool *any_unbalanced);
 
