@@ -15,7 +15,7 @@
 #define BRIGHTEST 0.995
 
 /// How often charts whose seams stay open get more texels.
-#define MOST_REFINEMENTS 3
+#define MOST_REFINEMENTS 6
 
 static int compare_floats(const void *a, const void *b)
 {
