@@ -173,15 +173,17 @@ static bool caught_enough(const level_builder *b, uint32_t cell)
     return false;
 }
 
-static void mark_direct(void *user, uint32_t cell, uint32_t other)
+static void mark_direct(void *user, uint32_t cell, uint32_t other, float bend)
 {
     level_builder *b = user;
+    (void)bend;
     b->split[cell] = b->split[other] = 1;
 }
 
-static void mark_caustic(void *user, uint32_t cell, uint32_t other)
+static void mark_caustic(void *user, uint32_t cell, uint32_t other, float bend)
 {
     level_builder *b = user;
+    (void)bend;
     b->split[cell] |= caught_enough(b, cell);
     b->split[other] |= caught_enough(b, other);
 }
@@ -330,22 +332,45 @@ cleanup:
     return status;
 }
 
-/// Elements to begin with, split once for direct light but for what is recalled in the end.
+#include <stdlib.h>
+static float P(const char*n,float d){const char*v=getenv(n);return v?(float)atof(v):d;}
+/// Whether a cell of the coarse elements is worth a split before anything is known of its light.
+static bool is_first(const level_builder *b, size_t cell)
+{
+    const uint8_t *hidden = b->desc->hidden;
+    return cell_size(b->coarse, cell) > 0.25f * b->coarse->spacing && !(hidden && hidden[cell]) &&
+           (!b->recall || b->recall->anew[cell]);
+}
+
+static bool is_lit(const level_builder *b, uint32_t cell)
+{
+    const uint32_t *node = b->elements->cell_node[cell];
+    float dark = P("GX_DARK",0)*(float)rsv_elements_mean_luminance(b->elements, b->direct);
+    for (int k = 0; k < 3; k++)
+        if (rgb_luminance(b->direct[node[k]])>dark) return true;
+    return false;
+}
+
+/// Elements to begin with, split once for direct light but for what is recalled in the end; where much is hidden, only
+/// where a first look finds light.
 static rsv_status begin(level_builder *b)
 {
     const rsv_elements *coarse = b->coarse;
-    const uint8_t *hidden = b->desc->hidden;
+    bool look = b->desc->hidden && b->desc->direct;
     rsv_status status;
-    if (b->scene->past && b->desc->direct && !hidden)
+    if (b->scene->past && b->desc->direct && !b->desc->hidden)
         RSV_TRY(rsv_source_recall_create(b->scene->past, coarse, &b->recall));
     b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
     if (!b->split) return RSV_ERROR_MEMORY;
-    for (size_t c = 0; b->desc->direct && c < coarse->cell_count; c++)
-        b->split[c] = cell_size(coarse, c) > 0.25f * coarse->spacing && !(hidden && hidden[c]) &&
-                      (!b->recall || b->recall->anew[c]);
+    for (size_t c = 0; b->desc->direct && !look && c < coarse->cell_count; c++)
+        b->split[c] = is_first(b, c);
     RSV_TRY(rsv_elements_refine(coarse, b->split, &b->elements));
     RSV_TRY(prepare_elements(b, NULL));
     if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
+    if (!look) goto cleanup;
+    for (uint32_t c = 0; c < b->elements->cell_count; c++)
+        b->split[c] = is_first(b, c) && is_lit(b, c);
+    RSV_TRY(split_once(b));
 cleanup:
     return status;
 }

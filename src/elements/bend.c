@@ -77,10 +77,12 @@ static edge_values values_at(const rsv_elements *e, const rsv_rgb *value, const 
 /// Standard deviations of noise that pass for no bend.
 #define NOISE 2.0f
 
-static bool departs(const edge_values *v, float threshold, float floor)
+/// What noise does not explain, as a share of the local level; 0 where there is nothing.
+static float bend_of(const edge_values *v, float floor)
 {
-    return fabsf(v->ends - v->opposite) >
-           threshold * (0.25f * (v->ends + v->opposite) + floor) + NOISE * v->noise;
+    float level = 0.25f * (v->ends + v->opposite) + floor;
+    float departure = fabsf(v->ends - v->opposite) - NOISE * v->noise;
+    return departure > 0 && level > 0 ? departure / level : 0;
 }
 
 rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
@@ -94,7 +96,8 @@ rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const flo
         // an inner edge once, from its later side
         if (edge % 4 == 3 || (!border && across > edge)) continue;
         edge_values v = values_at(e, value, deviation, edge, border ? edge : across);
-        if (departs(&v, threshold, floor)) found(user, edge / 4, (border ? edge : across) / 4);
+        float bend = bend_of(&v, floor);
+        if (bend > threshold) found(user, edge / 4, (border ? edge : across) / 4, bend);
     }
     rsv_free(e->context, partners.across);
     return status;

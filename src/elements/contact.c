@@ -34,6 +34,12 @@ static bool is_worth_splitting(
            size > f_max(least, CONTACT_SIZE * spacing);
 }
 
+float rsv_contact_wish(uint8_t openness)
+{
+    if (openness & RSV_CELL_CUT_THROUGH) return ldexpf(1, -THIN_WALL_LEVELS);
+    return openness & RSV_CELL_CUT ? ldexpf(1, -CONTACT_LEVELS) : INFINITY;
+}
+
 /// Nodes that further splits would add if no cell below some size were split. What cuts a cell is taken for a line: it
 /// meets twice as many cells of half the size.
 static double nodes_for(const rsv_elements *e, float least, uint32_t splits)

@@ -16,6 +16,9 @@
 rsv_status rsv_elements_refine_contacts(
     const rsv_transport_scene *scene, size_t most_nodes, rsv_elements **elements, uint64_t *rays);
 
+/// Part of the spacing that a cell cut so may be large, or be split: what splits lead to. INFINITY where nothing cuts it.
+float rsv_contact_wish(uint8_t openness);
+
 /// Gives every side of a wall its own nodes where the wall runs along edges of cells, or covers the node between them.
 /// @param earlier elements of the same faces on which that was done: only where cells changed since may there be more to
 ///                do; NULL = everywhere

@@ -4,8 +4,11 @@
 #include "../elements/cluster.h"
 #include "../elements/contact.h"
 #include "../elements/element_keys.h"
+#include "../elements/elements_internal.h"
 #include "../elements/open_corners.h"
 #include "../elements/past.h"
+#include <stdlib.h>
+#include <stdio.h>
 
 /// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
 /// light changes quickly.
@@ -112,6 +115,82 @@ rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
     status = rsv_elements_refine_contacts(&s->scene, most_nodes, &s->elements, &s->report.rays);
     if (status == RSV_OK && s->scene.past) status = refine_as_then(s);
     return status == RSV_OK ? prepare_elements(s, NULL) : status;
+}
+
+static float P(const char*n,float d){const char*v=getenv(n);return v?(float)atof(v):d;}
+/// What chooses cells for a goal.
+typedef struct goal_chooser {
+    const rsv_solution *s;
+    const rsv_goal *goal;
+} goal_chooser;
+
+static float cell_size(const rsv_elements *e, uint32_t cell)
+{
+    return sqrtf(2 * rsv_cell_area(e, cell));
+}
+
+/// Cells that are too large for what they matter.
+static void choose_for_goal(void *user, const rsv_elements *e, uint8_t *split)
+{
+    const goal_chooser *g = user;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        split[c] =
+            e->cell[c].level < RSV_MAX_LEVEL &&
+            cell_size(e, c) > P("GX_TOL",1.4f) * e->spacing * rsv_goal_size_at(g->goal, e, c) &&
+            !rsv_spacing_lets_grow(&g->s->spacing, e, c);
+}
+
+/// Splits cells that other geometry cuts. What is wrong there lies along lines, whose width goes with the square of
+/// what sizes of areas go with.
+static rsv_status split_contacts(rsv_solution *s, const rsv_goal *goal)
+{
+    rsv_status status = RSV_OK;
+    rsv_elements *earlier = NULL;
+    size_t marked = 1;
+    for (;;) {
+        rsv_elements *e = s->elements;
+        status = rsv_elements_find_open_corners(&s->scene, earlier, e, &s->report.rays);
+        rsv_elements_destroy(earlier);
+        earlier = NULL;
+        if (status != RSV_OK) return status;
+        uint8_t *split = rsv_alloc(s->context, e->cell_count, 1);
+        if (!split) return RSV_ERROR_MEMORY;
+        marked = 0;
+        for (uint32_t c = 0; c < e->cell_count; c++) {
+            float wish = rsv_contact_wish(e->cell_openness[c]);
+            if (wish > 1 || e->cell[c].level >= RSV_MAX_LEVEL) continue;
+            float size = rsv_goal_size_at(goal, e, c);
+            split[c] = cell_size(e, c) > P("GX_CTOL",1.4f) * wish * e->spacing * powf(size,P("GX_CPOW",2));
+            marked += split[c];
+        }
+        status = marked ? rsv_elements_refine(e, split, &s->elements) : RSV_OK;
+        rsv_free(s->context, split);
+        if (status != RSV_OK || !marked) return status;
+        earlier = e;
+    }
+}
+
+rsv_status rsv_coarse_elements_create_for_goal(rsv_solution *s, const rsv_goal *goal)
+{
+    rsv_elements *first = NULL;
+    rsv_spacing coarsest = s->spacing;
+    goal_chooser chooser = { s, goal };
+    rsv_status status;
+    coarsest.metres *= RSV_GOAL_COARSEST;
+    rsv_free(s->context, s->valid_points);
+    s->valid_points = NULL;
+    RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, &coarsest, &first));
+    first->spacing = s->spacing.metres;
+    RSV_TRY(rsv_elements_refine_where(first, choose_for_goal, &chooser, &s->elements));
+    if(getenv("GX_LOG")) {fprintf(stderr,"learned %zu sized %zu ",goal->elements->node_count,s->elements->node_count);
+    double h[8]={0}; for(uint32_t c=0;c<s->elements->cell_count;c++) h[(int)f_max(0,2*log2f(2*rsv_goal_size_at(goal,s->elements,c)))%8]+=rsv_cell_area(s->elements,c); for(int i=0;i<8;i++) fprintf(stderr," %.1f",h[i]);}
+    RSV_TRY(split_contacts(s, goal));
+    if(getenv("GX_LOG")) fprintf(stderr,"\ncontacts %zu\n",s->elements->node_count);
+    RSV_TRY(prepare_elements(s, NULL));
+cleanup:
+    rsv_elements_destroy(first);
+    return status;
 }
 
 rsv_status rsv_coarse_elements_split(rsv_solution *s, const uint8_t *split)
