@@ -20,9 +20,17 @@ enum { POINTS = 200000 };
 /// Seconds that making something took.
 typedef struct cost {
     double clock, processor; ///< processor: all threads together
+    double
+        thread; ///< processor time of the first thread: the clock of a machine with nothing else to do
 } cost;
 
-static cost now(void) { return (cost){ cli_seconds(), (double)clock() / CLOCKS_PER_SEC }; }
+static cost now(void)
+{
+    struct timespec thread = { 0 };
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &thread);
+    return (cost){ cli_seconds(), (double)clock() / CLOCKS_PER_SEC,
+        (double)thread.tv_sec + 1e-9 * (double)thread.tv_nsec };
+}
 
 /// @param rows folders for rows and for those of the scene before; NULL = none
 static rsv_status solve(const cli_bench_task *bench, const rsv_scene *scene, uint32_t seed,
@@ -35,7 +43,8 @@ static rsv_status solve(const cli_bench_task *bench, const rsv_scene *scene, uin
     cost start = now();
     rsv_status status = rsv_solution_create(scene, &desc, solution);
     cost end = now();
-    *took = (cost){ end.clock - start.clock, end.processor - start.processor };
+    *took = (cost){ end.clock - start.clock, end.processor - start.processor,
+        end.thread - start.thread };
     return status;
 }
 
@@ -102,6 +111,8 @@ static void add_cost(cJSON *result, const char *name, cost took)
     cJSON_AddNumberToObject(result, field, took.clock);
     snprintf(field, sizeof field, "%s_processor_s", name);
     cJSON_AddNumberToObject(result, field, took.processor);
+    snprintf(field, sizeof field, "%s_thread_s", name);
+    cJSON_AddNumberToObject(result, field, took.thread);
 }
 
 /// The moved scene: from what is kept, as a whole, and as a whole with other random numbers.
@@ -123,6 +134,7 @@ static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, c
         add_cost(result, "full", took[1]);
         cJSON_AddNumberToObject(result, "speedup", took[1].clock / took[0].clock);
         cJSON_AddNumberToObject(result, "processor_speedup", took[1].processor / took[0].processor);
+        cJSON_AddNumberToObject(result, "thread_speedup", took[1].thread / took[0].thread);
         cJSON_AddNumberToObject(result, "difference", difference(whole, again));
         cJSON_AddNumberToObject(result, "difference_of_seeds", difference(whole, other));
         cJSON_AddNumberToObject(result, "difference_to_other_seed", difference(other, again));
@@ -219,13 +231,14 @@ void cli_print_rebake(const cJSON *result)
         cli_json_number(result, "elements"), cli_json_number(result, "direct_elements"),
         cJSON_GetStringValue(cJSON_GetObjectItem(result, "object")),
         cli_json_number(result, "metres"));
-    printf("  as a whole             %.1f s (processor %.1f s)\n",
-        cli_json_number(result, "full_s"), cli_json_number(result, "full_processor_s"));
-    printf("  from what is kept      %.1f s (processor %.1f s): %.1f times faster (%.1f); %.1f %% "
-           "of the rows' rays\n",
-        cli_json_number(result, "rebake_s"), cli_json_number(result, "rebake_processor_s"),
-        cli_json_number(result, "speedup"), cli_json_number(result, "processor_speedup"),
-        100 * cli_json_number(result, "kept_rays"));
+    printf("                         clock  first thread  processor\n");
+    printf("  as a whole           %7.1f s %11.1f s %8.1f s\n", cli_json_number(result, "full_s"),
+        cli_json_number(result, "full_thread_s"), cli_json_number(result, "full_processor_s"));
+    printf("  from what is kept    %7.1f s %11.1f s %8.1f s; %.1f %% of the rows' rays\n",
+        cli_json_number(result, "rebake_s"), cli_json_number(result, "rebake_thread_s"),
+        cli_json_number(result, "rebake_processor_s"), 100 * cli_json_number(result, "kept_rays"));
+    printf("  times faster         %7.1f   %11.1f   %8.1f\n", cli_json_number(result, "speedup"),
+        cli_json_number(result, "thread_speedup"), cli_json_number(result, "processor_speedup"));
     printf("  differ by              %.2f %%; two as a whole with other random numbers by %.2f %%, "
            "those others from what is kept by %.2f %%\n",
         100 * cli_json_number(result, "difference"),
@@ -236,7 +249,8 @@ void cli_print_rebake(const cJSON *result)
 bool cli_write_rebake_csv(const char *path, const cJSON *scenes)
 {
     static const char *const columns[] = { "elements", "direct_elements", "kept_rays", "first_s",
-        "full_s", "full_processor_s", "rebake_s", "rebake_processor_s", "speedup",
-        "processor_speedup", "difference", "difference_of_seeds", "difference_to_other_seed" };
+        "full_s", "full_thread_s", "full_processor_s", "rebake_s", "rebake_thread_s",
+        "rebake_processor_s", "speedup", "thread_speedup", "processor_speedup", "difference",
+        "difference_of_seeds", "difference_to_other_seed" };
     return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
 }

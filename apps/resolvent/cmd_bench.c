@@ -70,9 +70,8 @@ static const char help[] =
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP
     "  --quality Q       draft, medium or high. levels: which elements are compared (default\n"
-    "                    medium); quality: the best solution to compare (default high); gpu: of "
-    "the\n"
-    "                    operator (default high)\n"
+    "                    medium); quality: the best solution to compare (default high); rebake:\n"
+    "                    of both solutions (default medium); gpu: of the operator (default high)\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -306,8 +305,9 @@ static int check_settings(const benchmark *b, const settings *s)
     if (s->bench.environment.path && b->run != cli_bench_quality)
         return cli_usage_error("bench", "--env belongs to bench quality");
     if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
-        b->run != cli_bench_gpu)
-        return cli_usage_error("bench", "--quality belongs to bench levels, quality and gpu");
+        b->run != cli_bench_rebake && b->run != cli_bench_gpu)
+        return cli_usage_error(
+            "bench", "--quality belongs to bench levels, quality, rebake and gpu");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)) ||

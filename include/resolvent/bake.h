@@ -21,7 +21,8 @@ typedef struct rsv_bake_desc {
     float density; ///< lightmaps: texels per metre; 0 = as many as fit
     uint32_t
         map_size; ///< texels along a side at most, 16..8192; 0 = 1024, up to 4096 for many charts
-    uint32_t padding; ///< texels between charts, 1..16, default 2
+    /// Texels between charts, 1..16, default 2; half as many beside rectangles, where filtering reads nothing beyond the border.
+    uint32_t padding;
     bool
         keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
     bool directional; ///< lightmaps: also where light comes from, for normal maps

@@ -19,13 +19,21 @@ typedef struct surface {
     uint8_t *taken;           ///< [triangle_count]
 } surface;
 
-/// Positions that are equal bit by bit have equal numbers.
+/// The finalizer of SplitMix64 (Steele et al. 2014): mirrored places, which differ in signs alone, come out unalike.
+static uint64_t mix(uint64_t h)
+{
+    h = (h ^ h >> 30) * 0xbf58476d1ce4e5b9u;
+    h = (h ^ h >> 27) * 0x94d049bb133111ebu;
+    return h ^ h >> 31;
+}
+
+/// Equal positions have equal numbers.
 static uint64_t hash_point(rsv_vec3 p)
 {
     uint32_t bits[3];
+    p = v3_add(p, v3(0, 0, 0)); // -0 is 0
     memcpy(bits, &p, sizeof bits);
-    uint64_t h = ((uint64_t)bits[0] << 32 | bits[1]) * 0xbf58476d1ce4e5b9u;
-    return (h ^ h >> 29 ^ bits[2]) * 0x94d049bb133111ebu;
+    return mix(mix((uint64_t)bits[0] << 32 | bits[1]) ^ bits[2]);
 }
 
 uint64_t rsv_bake_edge_key(rsv_vec3 a, rsv_vec3 b) { return hash_point(a) + hash_point(b); }

@@ -153,7 +153,9 @@ static uint32_t largest_side(const rsv_bake_layout *b)
 }
 
 /// The largest density, up to `most`, at which everything fits into a square; 0 = none does.
-static rsv_status find_density(rsv_bake_layout *b, uint32_t side, float most, float *density)
+/// @param step what is tried next if `most` is too much, as a share of it; from there on it widens
+static rsv_status find_density(
+    rsv_bake_layout *b, uint32_t side, float most, float step, float *density)
 {
     rsv_status status;
     float low = 0, high = most, middle = most;
@@ -164,7 +166,8 @@ static rsv_status find_density(rsv_bake_layout *b, uint32_t side, float most, fl
             low = middle;
         else
             high = middle;
-        middle = low > 0 ? sqrtf(low * high) : 0.5f * high;
+        middle = low > 0 ? sqrtf(low * high) : step * high;
+        step *= step;
     }
     *density = low;
 cleanup:
@@ -178,8 +181,10 @@ static rsv_status pack(rsv_bake_layout *b, uint32_t *width, uint32_t *height)
     rsv_status status;
     uint32_t side = b->side = largest_side(b);
     float most = (float)sqrt((double)side * side / fmax(charts_area(&b->charts), 1e-30));
+    bool again = b->density > 0; // with somewhat more to pack
     if (b->desc->density > 0) most = f_min(b->desc->density, most);
-    RSV_TRY(find_density(b, side, most, &b->density));
+    if (again) most = f_min(b->density, most);
+    RSV_TRY(find_density(b, side, most, again ? 0.99f : 0.9f, &b->density));
     if (b->density == 0)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "bake: %zu charts do not fit into %u x %u texels; ask for a larger map",

@@ -35,6 +35,24 @@ static void draw_triangle(rsv_bake_mask *mask, const uint32_t size[2], const flo
                 mask->touched[(size_t)y * size[0] + x] = 1;
 }
 
+static bool is_beside_touched(
+    const rsv_bake_mask *mask, const uint32_t size[2], uint32_t x, uint32_t y)
+{
+    for (uint32_t v = y ? y - 1 : 0; v <= y + 1 && v < size[1]; v++)
+        for (uint32_t u = x ? x - 1 : 0; u <= x + 1 && u < size[0]; u++)
+            if (mask->touched[(size_t)v * size[0] + u]) return true;
+    return false;
+}
+
+static bool is_whole(const rsv_bake_mask *mask, const uint32_t size[2])
+{
+    for (uint32_t y = 0; y < size[1]; y++)
+        for (uint32_t x = 0; x < size[0]; x++)
+            if (!mask->touched[(size_t)y * size[0] + x] && !is_beside_touched(mask, size, x, y))
+                return false;
+    return true;
+}
+
 static rsv_status list_runs(rsv_bake_mask *mask, const uint32_t size[2])
 {
     rsv_status status = RSV_OK;
@@ -51,9 +69,6 @@ static rsv_status list_runs(rsv_bake_mask *mask, const uint32_t size[2])
             mask->run[mask->run_count++] = (rsv_bake_run){ row, begin, x };
         }
     }
-    mask->is_whole = mask->run_count == size[1];
-    for (size_t k = 0; k < mask->run_count && mask->is_whole; k++)
-        mask->is_whole = mask->run[k].begin == 0 && mask->run[k].end == size[0];
 cleanup:
     return status;
 }
@@ -74,6 +89,8 @@ rsv_status rsv_bake_mask_draw(
             rsv_bake_chart_point(&alone, charts->corner[k][v], point[v]);
         draw_triangle(mask, chart->texels, (const float(*)[2])point);
     }
+    mask->is_whole = is_whole(mask, chart->texels);
+    if (mask->is_whole) memset(mask->touched, 1, texels);
     return list_runs(mask, chart->texels);
 }
 

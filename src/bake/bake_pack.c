@@ -34,13 +34,14 @@ static int compare_areas(const void *a, const void *b)
 /// A map while it fills. Rows are bits, 64 columns to a word from its lowest bit on.
 typedef struct sheet {
     uint32_t width, rows, padding;
-    size_t words;    ///< of a row
-    uint64_t *taken; ///< [rows * words] texels of charts, and those within the padding around them
-    uint64_t *open;  ///< [words] columns where the chart in hand may begin
-    uint64_t *near;  ///< [words] columns from which on something is taken
-    uint32_t (
-        *kind)[LARGEST_KIND + 1]; ///< [LARGEST_KIND + 1] rows where charts of each size were found
-    rsv_bake_mask mask;           ///< of the chart in hand
+    size_t words; ///< of a row
+    uint64_t *taken
+        [2]; ///< [rows * words] texels of charts and those around them, for charts that are no rectangles and for those that are
+    uint64_t *open; ///< [words] columns where the chart in hand may begin
+    uint64_t *near; ///< [words] columns from which on something is taken
+    /// [2 * (LARGEST_KIND + 1)] rows where charts of each size were found, those that are no rectangles first
+    uint32_t (*kind)[LARGEST_KIND + 1];
+    rsv_bake_mask mask; ///< of the chart in hand
 } sheet;
 
 static rsv_status create_sheet(
@@ -51,17 +52,19 @@ static rsv_status create_sheet(
         .rows = rows,
         .padding = padding,
         .words = words,
-        .taken = rsv_alloc(context, rows * words, sizeof *s->taken),
+        .taken = { rsv_alloc(context, rows * words, sizeof **s->taken),
+            rsv_alloc(context, rows * words, sizeof **s->taken) },
         .open = rsv_alloc(context, words, sizeof *s->open),
         .near = rsv_alloc(context, words, sizeof *s->near),
-        .kind = rsv_alloc(context, LARGEST_KIND + 1, sizeof *s->kind),
+        .kind = rsv_alloc(context, 2 * (LARGEST_KIND + 1), sizeof *s->kind),
         .mask.context = context };
-    return s->taken && s->open && s->near && s->kind ? RSV_OK : RSV_ERROR_MEMORY;
+    return s->taken[0] && s->taken[1] && s->open && s->near && s->kind ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 static void destroy_sheet(rsv_context *context, sheet *s)
 {
-    rsv_free(context, s->taken);
+    rsv_free(context, s->taken[0]);
+    rsv_free(context, s->taken[1]);
     rsv_free(context, s->open);
     rsv_free(context, s->near);
     rsv_free(context, s->kind);
@@ -89,7 +92,7 @@ static uint64_t shifted(const uint64_t *row, size_t words, size_t k, uint32_t by
 /// Closes the columns from which on a run of the chart meets something. @return whether any stays open
 static bool keep_open(sheet *s, uint32_t y, rsv_bake_run run)
 {
-    const uint64_t *row = s->taken + (y + run.row) * s->words;
+    const uint64_t *row = s->taken[s->mask.is_whole] + (y + run.row) * s->words;
     uint32_t wanted = run.end - run.begin;
     uint64_t any = 0;
     for (size_t k = 0; k < s->words; k++)
@@ -119,17 +122,24 @@ static uint32_t find_column(sheet *s, uint32_t columns, uint32_t y)
     return x;
 }
 
-/// Takes the texels of the chart in hand, and those around it.
+static void take_run(sheet *s, uint64_t *taken, rsv_bake_run run, uint32_t margin)
+{
+    uint32_t left = run.begin > margin ? run.begin - margin : 0, right = run.end + margin;
+    uint32_t low = run.row > margin ? run.row - margin : 0, high = run.row + margin + 1;
+    for (uint32_t row = low; row < high && row < s->rows; row++)
+        set_bits(taken + row * s->words, left, right < s->width ? right : s->width);
+}
+
+/// Takes the texels of the chart in hand, and those around it: filtering in a rectangle reads none of these, so that half the padding
+/// parts it from others.
 static void take_chart(sheet *s, uint32_t x, uint32_t y)
 {
+    uint32_t half = (s->padding + 1) / 2;
     for (size_t k = 0; k < s->mask.run_count; k++) {
         rsv_bake_run run = s->mask.run[k];
-        uint32_t left = x + run.begin > s->padding ? x + run.begin - s->padding : 0;
-        uint32_t right = x + run.end + s->padding;
-        uint32_t low = y + run.row > s->padding ? y + run.row - s->padding : 0;
-        uint32_t high = y + run.row + s->padding + 1;
-        for (uint32_t row = low; row < high && row < s->rows; row++)
-            set_bits(s->taken + row * s->words, left, right < s->width ? right : s->width);
+        run = (rsv_bake_run){ y + run.row, x + run.begin, x + run.end };
+        take_run(s, s->taken[false], run, s->mask.is_whole ? half : s->padding);
+        take_run(s, s->taken[true], run, half);
     }
 }
 
@@ -146,11 +156,12 @@ static bool find_place(
     return false;
 }
 
-/// Where charts of this size are sought from.
+/// Where charts of the size of that in hand are sought from.
 static uint32_t *start_of(sheet *s, const rsv_bake_chart *chart)
 {
     uint32_t w = chart->texels[0], h = chart->texels[1];
-    return w <= LARGEST_KIND && h <= LARGEST_KIND ? &s->kind[w][h] : NULL;
+    uint32_t first = s->mask.is_whole ? LARGEST_KIND + 1 : 0;
+    return w <= LARGEST_KIND && h <= LARGEST_KIND ? &s->kind[first + w][h] : NULL;
 }
 
 /// Puts a chart where it fits, turned in the way that lets it end in the first row.

@@ -1,21 +1,37 @@
 #include "bake_side.h"
 
 #include "../core/index_map.h"
+#include "../core/sampling.h"
 #include "../core/vec.h"
 #include "../scene/scene_internal.h"
+#include "../surface/surface.h"
 #include "bake_chart.h"
 #include "bake_receiver.h"
 
+/// A side is narrow if one sees less than so many metres from it in the mean, all beyond FAR being as far: nobody looks from
+/// within cushions, or from behind skirting boards, but from rooms.
+#define NARROW 0.35
+#define FAR 2.0f
+/// It is narrower than another if one sees less than this share of what one sees there.
+#define NARROWER 0.5
 /// A front that receives less than this share of what its back does is in the dark.
 #define DARK 0.05
+#define RAYS 64 ///< from each side of a surface
 
-/// Triangles that share edges and turn the same way, and what they receive.
+/// Triangles that share edges and turn the same way.
+typedef struct surface {
+    double area;
+    double power[2]; ///< that its front and its back receive
+    double swept;    ///< area of its triangles that rays were sent from
+    double sight[2]; ///< sum of how far rays from its front and its back go
+    uint32_t rays;   ///< sent from each
+} surface;
+
 typedef struct surfaces {
     const rsv_solution *s;
     const rsv_bake_part *part;
     uint32_t *root; ///< [triangle_count] another triangle of the same surface, in the end its first
-    double (*power)
-        [2]; ///< [triangle_count] of a first one: on the front of its surface, and on the back
+    surface *surface; ///< [triangle_count] of a first one
 } surfaces;
 
 static uint32_t first_of(surfaces *f, uint32_t t)
@@ -79,9 +95,55 @@ static void add_up(surfaces *f)
         uint32_t triangle = f->part->triangle[t];
         if (triangle == RSV_NONE) continue;
         double area = (double)rsv_triangle_area(f->s->scene.view, triangle);
+        surface *own = &f->surface[first_of(f, t)];
+        own->area += area;
         for (int side = 0; side < 2; side++)
-            f->power[first_of(f, t)][side] += area * light_on(f->s, triangle, side);
+            own->power[side] += area * light_on(f->s, triangle, side);
     }
+}
+
+/// How far one sees from a place on a side of a triangle, FAR at most. In the void there is nothing to be seen.
+static double sight_from(const rsv_solution *s, uint32_t triangle, bool back, uint32_t k)
+{
+    float x, y, u, v;
+    rsv_vec3 tangent, bitangent;
+    rsv_hit hit;
+    rsv_sobol_2d(k, 0, &x, &y);
+    rsv_sobol_2d(k, 1, &u, &v);
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    rsv_surface_point p = rsv_surface_point_at(s->scene.view, triangle, u, v, back);
+    rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+    v3_frame(p.geometric, &tangent, &bitangent);
+    rsv_ray ray = { rsv_offset_origin(p.position, p.geometric, p.extent),
+        v3_mad(v3_mad(v3_scale(tangent, d.x), d.y, bitangent), d.z, p.geometric), INFINITY };
+    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return s->lights->environment ? FAR : 0;
+    return (double)f_min(hit.t, FAR);
+}
+
+static bool is_darker(const surface *own) { return own->power[0] < own->power[1]; }
+
+/// Looks around from surfaces whose front is darker, from places spread evenly over each.
+static void look_around(surfaces *f)
+{
+    for (uint32_t t = 0; t < f->part->triangle_count; t++) {
+        uint32_t triangle = f->part->triangle[t];
+        if (triangle == RSV_NONE) continue;
+        surface *own = &f->surface[first_of(f, t)];
+        if (!is_darker(own)) continue;
+        own->swept += (double)rsv_triangle_area(f->s->scene.view, triangle);
+        for (; own->rays < RAYS && (own->rays + 0.5) * own->area < RAYS * own->swept; own->rays++)
+            for (int side = 0; side < 2; side++)
+                own->sight[side] += sight_from(f->s, triangle, side, own->rays);
+    }
+}
+
+/// By light alone a front that is buried, or looks into the void, cannot be told from the inside of a room in the sun.
+static bool shows_back(const surface *own)
+{
+    bool narrow = own->sight[0] < NARROW * own->rays;
+    bool narrower = own->sight[0] < NARROWER * own->sight[1];
+    bool dark = own->power[0] < DARK * own->power[1];
+    return is_darker(own) && narrow && (narrower || dark);
 }
 
 static bool has_backs(const rsv_solution *s, const rsv_bake_part *part)
@@ -101,18 +163,17 @@ rsv_status rsv_bake_choose_sides(const rsv_solution *s, rsv_bake_part *part)
     if (!part->back) return RSV_ERROR_MEMORY;
     if (!has_backs(s, part)) return RSV_OK;
     f.root = rsv_alloc(s->context, count, sizeof *f.root);
-    f.power = rsv_alloc(s->context, count, sizeof *f.power);
-    RSV_TRY(f.root && f.power ? RSV_OK : RSV_ERROR_MEMORY);
+    f.surface = rsv_alloc(s->context, count, sizeof *f.surface);
+    RSV_TRY(f.root && f.surface ? RSV_OK : RSV_ERROR_MEMORY);
     for (uint32_t t = 0; t < count; t++)
         f.root[t] = t;
     RSV_TRY(join_neighbours(&f));
     add_up(&f);
-    for (uint32_t t = 0; t < count; t++) {
-        const double *power = f.power[first_of(&f, t)];
-        part->back[t] = power[0] < DARK * power[1];
-    }
+    look_around(&f);
+    for (uint32_t t = 0; t < count; t++)
+        part->back[t] = shows_back(&f.surface[first_of(&f, t)]);
 cleanup:
     rsv_free(s->context, f.root);
-    rsv_free(s->context, f.power);
+    rsv_free(s->context, f.surface);
     return status;
 }

@@ -2,12 +2,10 @@
 
 #include "../core/index_map.h"
 #include "../core/vec.h"
+#include "bake_cells.h"
 
 #include <string.h>
 
-#define DEEPEST 9
-/// Values are taken this part of the way from a corner to the middle of its cell: on the right side of jumps.
-#define PULL 1e-3f
 /// Vertices are doubled where light differs by more than this.
 #define JUMP 0.02f
 
@@ -19,9 +17,7 @@ typedef struct corner {
 } corner;
 
 typedef struct tessellator {
-    const rsv_solution *s;
-    const rsv_bake_part *part;
-    const rsv_bake_tessellation *desc;
+    rsv_bake_cells cells; ///< of the triangle at hand
     rsv_bake_mesh *mesh;
     uint32_t *vertex_place; ///< [vertex_count of the part]
     uint32_t place_count;
@@ -29,89 +25,11 @@ typedef struct tessellator {
     rsv_index_map middle;       ///< of two attributes
     uint32_t *first_vertex;     ///< [attribute_count] of the mesh's vertices
     size_t first_capacity;
-    uint8_t *split; ///< of the quadtree at hand, in the order of a heap
-    uint32_t t;     ///< triangle at hand
-    int depth;      ///< of its quadtree
 } tessellator;
 
 static uint64_t pair_key(uint32_t a, uint32_t b)
 {
     return a < b ? (uint64_t)a << 32 | b : (uint64_t)b << 32 | a;
-}
-
-// ---- light ----------------------------------------------------------------------------------------
-
-static rsv_bake_receiver receiver_at(const tessellator *q, float w1, float w2)
-{
-    rsv_bake_receiver r = { .triangle = q->part->triangle[q->t], .back = q->part->back[q->t] };
-    rsv_bake_place(q->part, w1, w2, &r.u, &r.v);
-    return r;
-}
-
-/// Irradiance at a corner, a little on the way to (m1, m2).
-static rsv_rgb light_at(const tessellator *q, float w1, float w2, float m1, float m2)
-{
-    rsv_bake_receiver r = receiver_at(q, w1 + PULL * (m1 - w1), w2 + PULL * (m2 - w2));
-    return rsv_bake_shown(q->s, r.triangle, r.back, r.u, r.v);
-}
-
-static float difference(rsv_rgb a, rsv_rgb b)
-{
-    return fabsf(a.r - b.r) + fabsf(a.g - b.g) + fabsf(a.b - b.b);
-}
-
-static bool is_close(const tessellator *q, rsv_rgb a, rsv_rgb b, float tolerance)
-{
-    return difference(a, b) <= tolerance * (a.r + a.g + a.b + q->desc->dark);
-}
-
-// ---- deciding -------------------------------------------------------------------------------------
-
-/// Whether cell `node` must stay divided. @param c weights of its corners
-static bool decide(tessellator *q, size_t node, int depth, const float (*c)[2])
-{
-    if (depth == q->depth) return false;
-    float m[3][2], centre[2];
-    for (int axis = 0; axis < 2; axis++) {
-        centre[axis] = (c[0][axis] + c[1][axis] + c[2][axis]) / 3;
-        for (int k = 0; k < 3; k++)
-            m[k][axis] = 0.5f * (c[k][axis] + c[(k + 1) % 3][axis]);
-    }
-    const float child[4][3][2] = {
-        { { c[0][0], c[0][1] }, { m[0][0], m[0][1] }, { m[2][0], m[2][1] } },
-        { { m[0][0], m[0][1] }, { c[1][0], c[1][1] }, { m[1][0], m[1][1] } },
-        { { m[2][0], m[2][1] }, { m[1][0], m[1][1] }, { c[2][0], c[2][1] } },
-        { { m[1][0], m[1][1] }, { m[2][0], m[2][1] }, { m[0][0], m[0][1] } },
-    };
-    bool split = false;
-    for (size_t k = 0; k < 4; k++)
-        split |= decide(q, 4 * node + 1 + k, depth + 1, child[k]);
-    rsv_rgb light[3];
-    for (int k = 0; k < 3 && !split; k++)
-        light[k] = light_at(q, c[k][0], c[k][1], centre[0], centre[1]);
-    for (int k = 0; k < 3 && !split; k++) {
-        rsv_rgb linear = rgb_scale(rgb_add(light[k], light[(k + 1) % 3]), 0.5f);
-        rsv_rgb truth = light_at(q, m[k][0], m[k][1], centre[0], centre[1]);
-        split = !is_close(q, truth, linear, q->desc->tolerance);
-    }
-    q->split[node] = split;
-    return split;
-}
-
-static int depth_of(const tessellator *q)
-{
-    const rsv_scene_view *view = q->s->scene.view;
-    const uint32_t *v = view->triangle[q->part->triangle[q->t]];
-    float longest = 0;
-    for (int k = 0; k < 3; k++)
-        longest =
-            f_max(longest, v3_length(v3_sub(view->position[v[k]], view->position[v[(k + 1) % 3]])));
-    int depth = 0;
-    while (depth < DEEPEST && longest > q->desc->finest) {
-        longest *= 0.5f;
-        depth++;
-    }
-    return depth;
 }
 
 // ---- dividing -------------------------------------------------------------------------------------
@@ -134,7 +52,7 @@ static uint32_t make_middle_place(tessellator *q, uint32_t a, uint32_t b)
 static rsv_status mark(tessellator *q, size_t node, int depth, const uint32_t place[3])
 {
     rsv_status status = RSV_OK;
-    if (depth == q->depth || !q->split[node]) return RSV_OK;
+    if (depth == q->cells.depth || !q->cells.split[node]) return RSV_OK;
     uint32_t m[3];
     for (int k = 0; k < 3; k++) {
         m[k] = make_middle_place(q, place[k], place[(k + 1) % 3]);
@@ -149,14 +67,12 @@ static rsv_status mark(tessellator *q, size_t node, int depth, const uint32_t pl
 
 static rsv_status divide(tessellator *q)
 {
-    static const float whole[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
     uint32_t place[3];
-    q->depth = depth_of(q);
-    decide(q, 0, 0, whole);
+    rsv_bake_cells_decide(&q->cells);
     for (int k = 0; k < 3; k++)
-        place[k] = q->vertex_place[q->part->corner[q->t][k]];
+        place[k] = q->vertex_place[q->cells.part->corner[q->cells.t][k]];
     rsv_status status = mark(q, 0, 0, place);
-    return rsv_cancelled(q->s->context) ? RSV_ERROR_CANCELLED : status;
+    return rsv_cancelled(q->cells.s->context) ? RSV_ERROR_CANCELLED : status;
 }
 
 /// Numbers the vertices of the file by where they are.
@@ -164,10 +80,10 @@ static rsv_status number_places(tessellator *q)
 {
     rsv_status status;
     rsv_index_map map = { 0 };
-    const rsv_bake_part *part = q->part;
-    q->vertex_place = rsv_alloc(q->s->context, part->vertex_count, sizeof *q->vertex_place);
+    const rsv_bake_part *part = q->cells.part;
+    q->vertex_place = rsv_alloc(q->cells.s->context, part->vertex_count, sizeof *q->vertex_place);
     RSV_TRY(q->vertex_place ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_index_map_create(q->s->context, part->vertex_count, &map));
+    RSV_TRY(rsv_index_map_create(q->cells.s->context, part->vertex_count, &map));
     for (size_t n = 0; n < part->vertex_count; n++) {
         uint32_t bits[3];
         memcpy(bits, &part->position[n], sizeof bits);
@@ -226,7 +142,7 @@ static rsv_status add_vertex(tessellator *q, const corner *c, rsv_rgb light, uin
     for (int k = 0; k < 4; k++)
         RSV_TRY(rsv_grow(mesh->context, arrays[k], &mesh->vertex_capacity[k], count + 1, sizes[k]));
     mesh->attribute[count] = c->attribute;
-    mesh->receiver[count] = receiver_at(q, c->w1, c->w2);
+    mesh->receiver[count] = rsv_bake_cells_receiver(&q->cells, c->w1, c->w2);
     mesh->light[count] = light;
     mesh->next[count] = q->first_vertex[c->attribute];
     mesh->changed |= mesh->next[count] != RSV_NONE;
@@ -240,15 +156,16 @@ cleanup:
 static rsv_status find_vertex(
     tessellator *q, const corner *c, const float centre[2], uint32_t *vertex)
 {
-    rsv_rgb light = light_at(q, c->w1, c->w2, centre[0], centre[1]);
+    rsv_rgb light = rsv_bake_cells_light(&q->cells, c->w1, c->w2, centre[0], centre[1]);
     *vertex = q->first_vertex[c->attribute];
-    while (*vertex != RSV_NONE && !is_close(q, q->mesh->light[*vertex], light, JUMP))
+    while (*vertex != RSV_NONE &&
+           !rsv_bake_cells_agree(&q->cells, q->mesh->light[*vertex], light, JUMP))
         *vertex = q->mesh->next[*vertex];
     if (*vertex != RSV_NONE) return RSV_OK;
     rsv_status status = add_vertex(q, c, light, vertex);
     if (status == RSV_OK) // once more where it will be read: a little inside
         q->mesh->receiver[*vertex] =
-            receiver_at(q, c->w1 + PULL * (centre[0] - c->w1), c->w2 + PULL * (centre[1] - c->w2));
+            rsv_bake_cells_pulled(&q->cells, c->w1, c->w2, centre[0], centre[1]);
     return status;
 }
 
@@ -304,7 +221,7 @@ static rsv_status write_triangle(tessellator *q)
 {
     corner c[3];
     for (int k = 0; k < 3; k++) {
-        uint32_t vertex = q->part->corner[q->t][k];
+        uint32_t vertex = q->cells.part->corner[q->cells.t][k];
         c[k] = (corner){
             .w1 = k == 1, .w2 = k == 2, .place = q->vertex_place[vertex], .attribute = vertex
         };
@@ -315,19 +232,20 @@ static rsv_status write_triangle(tessellator *q)
 static rsv_status tessellate(tessellator *q)
 {
     rsv_status status = RSV_OK;
-    const rsv_bake_part *part = q->part;
-    size_t cells = ((size_t)1 << 2 * DEEPEST) / 3 + 1; // all that are divided at most
-    q->split = rsv_alloc(q->s->context, cells, 1);
-    RSV_TRY(q->split ? RSV_OK : RSV_ERROR_MEMORY);
+    const rsv_bake_part *part = q->cells.part;
+    rsv_context *context = q->cells.s->context;
+    q->cells.split = rsv_alloc(context, RSV_BAKE_CELLS, 1);
+    RSV_TRY(q->cells.split ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(number_places(q));
-    RSV_TRY(rsv_index_map_create(q->s->context, part->vertex_count, &q->middle_place));
-    RSV_TRY(rsv_index_map_create(q->s->context, part->vertex_count, &q->middle));
+    RSV_TRY(rsv_index_map_create(context, part->vertex_count, &q->middle_place));
+    RSV_TRY(rsv_index_map_create(context, part->vertex_count, &q->middle));
     for (uint32_t n = 0; n < part->vertex_count; n++)
         RSV_TRY(add_attribute(q, n, n));
-    for (q->t = 0; q->desc->divide && q->t < part->triangle_count; q->t++)
-        if (part->triangle[q->t] != RSV_NONE) RSV_TRY(divide(q));
-    for (q->t = 0; q->t < part->triangle_count; q->t++)
-        if (part->triangle[q->t] != RSV_NONE) RSV_TRY(write_triangle(q));
+    uint32_t *t = &q->cells.t;
+    for (*t = 0; q->cells.desc->divide && *t < part->triangle_count; ++*t)
+        if (part->triangle[*t] != RSV_NONE) RSV_TRY(divide(q));
+    for (*t = 0; *t < part->triangle_count; ++*t)
+        if (part->triangle[*t] != RSV_NONE) RSV_TRY(write_triangle(q));
     q->mesh->changed |= q->mesh->attribute_count > part->vertex_count;
 cleanup:
     return status;
@@ -337,11 +255,11 @@ rsv_status rsv_bake_tessellate(const rsv_solution *solution, const rsv_bake_part
     const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh)
 {
     *mesh = (rsv_bake_mesh){ .context = solution->context };
-    tessellator q = { .s = solution, .part = part, .desc = desc, .mesh = mesh };
+    tessellator q = { .cells = { .s = solution, .part = part, .desc = desc }, .mesh = mesh };
     rsv_status status = tessellate(&q);
     rsv_free(solution->context, q.vertex_place);
     rsv_free(solution->context, q.first_vertex);
-    rsv_free(solution->context, q.split);
+    rsv_free(solution->context, q.cells.split);
     rsv_index_map_destroy(&q.middle_place);
     rsv_index_map_destroy(&q.middle);
     if (status != RSV_OK) rsv_bake_mesh_destroy(mesh);

@@ -114,11 +114,10 @@ static void draw_triangle(const rasterizer *q, const rsv_bake_chart *chart, uint
     f.area = (f.p[1][0] - f.p[0][0]) * (f.p[2][1] - f.p[0][1]) -
              (f.p[2][0] - f.p[0][0]) * (f.p[1][1] - f.p[0][1]);
     if (f.area == 0) f.area = 1e-30f; // flat in the map: its edges still are places
-    uint32_t begin[2], end[2];
-    const uint32_t size[2] = { q->map->width, q->map->height };
+    uint32_t begin[2], end[2]; // within the chart's rectangle, beyond which filtering does not read
     for (int a = 0; a < 2; a++) {
-        begin[a] = (uint32_t)f_max(low[a] - q->reach, 0);
-        end[a] = (uint32_t)f_min(high[a] + q->reach + 1, (float)size[a]);
+        begin[a] = (uint32_t)f_max(low[a] - q->reach, (float)chart->at[a]);
+        end[a] = (uint32_t)f_min(high[a] + q->reach + 1, (float)(chart->at[a] + chart->texels[a]));
     }
     for (uint32_t y = begin[1]; y < end[1]; y++)
         for (uint32_t x = begin[0]; x < end[0]; x++)

@@ -28,7 +28,10 @@ struct rsv_context {
 
 static _Thread_local char last_error[1024] = "no error";
 
-/// Asks for huge pages inside large arrays: touching them for the first time costs a few faults, not thousands.
+/// Asks for huge pages inside large arrays: touching them for the first time costs a few faults, not thousands. Where the C
+/// library puts an array into its heap (below 32 MB at most) and not into a mapping of its own, the wish outlives it: what
+/// lies there next has huge pages as well, whose rests are used by its neighbours. Taking it back would cost two calls for
+/// every array and cut the heap into more ranges.
 static void ask_for_huge_pages(void *memory, size_t bytes)
 {
 #if defined(MADV_HUGEPAGE)

@@ -1,8 +1,6 @@
 #include "bend.h"
 
-#include "../core/index_map.h"
-
-#include <string.h>
+#include "../core/first_map.h"
 
 double rsv_elements_mean_luminance(const rsv_elements *e, const rsv_rgb *value)
 {
@@ -13,13 +11,6 @@ double rsv_elements_mean_luminance(const rsv_elements *e, const rsv_rgb *value)
     }
     return area > 0 ? sum / area : 0;
 }
-
-/// Which other cell lies across each edge.
-typedef struct edge_partners {
-    /// [4 * cell_count] by 4 * cell + corner opposite to the edge: the same of the other cell; NO_CELL at
-    /// borders and where smaller or larger cells follow
-    uint32_t *across;
-} edge_partners;
 
 #define NO_CELL UINT32_MAX
 
@@ -33,23 +24,44 @@ static uint64_t edge_of_cell(const rsv_elements *e, size_t cell, int k)
     return edge_key(e->cell_node[cell][(k + 1) % 3], e->cell_node[cell][(k + 2) % 3]);
 }
 
-static rsv_status find_partners(const rsv_elements *e, edge_partners *partners)
+/// Of more than two cells at an edge the last lies across from the first, and the first from all others. Any thread.
+static void pair(_Atomic uint32_t *across, uint32_t first, uint32_t edge)
 {
-    rsv_index_map edges;
-    partners->across = rsv_alloc(e->context, 4 * e->cell_count, sizeof *partners->across);
-    if (!partners->across) return RSV_ERROR_MEMORY;
-    memset(partners->across, 0xff, 4 * e->cell_count * sizeof *partners->across);
-    rsv_status status = rsv_index_map_create(e->context, 2 * e->cell_count, &edges);
-    for (size_t edge = 0; edge < 4 * e->cell_count && status == RSV_OK; edge++) {
+    uint32_t was = atomic_load_explicit(&across[first], memory_order_relaxed);
+    atomic_store_explicit(&across[edge], first, memory_order_relaxed);
+    while ((was == NO_CELL || was < edge) &&
+           !atomic_compare_exchange_weak_explicit(
+               &across[first], &was, edge, memory_order_relaxed, memory_order_relaxed)) {}
+}
+
+/// Which other cell lies across each edge.
+/// @param across [4 cell_count] out: by 4 * cell + corner opposite to the edge, the same of the other cell; NO_CELL at
+/// borders and where smaller or larger cells follow
+static rsv_status find_partners(const rsv_elements *e, _Atomic uint32_t *across)
+{
+    rsv_status status;
+    rsv_first_map edges = { 0 };
+    size_t count = 4 * e->cell_count;
+    int threads = rsv_threads(e->context);
+    uint32_t *slot = rsv_reserve(e->context, count, sizeof *slot);
+    RSV_TRY(slot ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_first_map_create(e->context, 3 * e->cell_count, &edges));
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t edge = 0; edge < count; edge++) {
+        atomic_init(&across[edge], NO_CELL);
         if (edge % 4 == 3) continue;
         uint64_t key = edge_of_cell(e, edge / 4, (int)(edge % 4));
-        uint32_t first = rsv_index_map_insert(&edges, key, (uint32_t)edge);
-        if (first == UINT32_MAX) status = RSV_ERROR_MEMORY;
-        if (first == edge || first == UINT32_MAX) continue;
-        partners->across[edge] = first;
-        partners->across[first] = (uint32_t)edge;
+        slot[edge] = rsv_first_map_note(&edges, key, (uint32_t)edge);
     }
-    rsv_index_map_destroy(&edges);
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (size_t edge = 0; edge < count; edge++) {
+        if (edge % 4 == 3) continue;
+        uint32_t first = edges.slot[slot[edge]].first;
+        if (first != edge) pair(across, first, (uint32_t)edge);
+    }
+cleanup:
+    rsv_first_map_destroy(&edges);
+    rsv_free(e->context, slot);
     return status;
 }
 
@@ -88,17 +100,25 @@ static float bend_of(const edge_values *v, float floor)
 rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
     float threshold, float floor, rsv_bend_places places, rsv_bend_found found, void *user)
 {
-    edge_partners partners;
-    rsv_status status = find_partners(e, &partners);
-    for (uint32_t edge = 0; edge < 4 * e->cell_count && status == RSV_OK; edge++) {
-        uint32_t across = partners.across[edge];
-        bool border = across == NO_CELL && places == RSV_BENDS_AND_BORDERS;
+    rsv_status status;
+    size_t count = 4 * e->cell_count;
+    _Atomic uint32_t *across = rsv_reserve(e->context, count, sizeof *across);
+    float *bend = rsv_alloc(e->context, count, sizeof *bend);
+    RSV_TRY(across && bend ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(find_partners(e, across));
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (uint32_t edge = 0; edge < count; edge++) {
+        bool border = across[edge] == NO_CELL && places == RSV_BENDS_AND_BORDERS;
         // an inner edge once, from its later side
-        if (edge % 4 == 3 || (!border && across > edge)) continue;
-        edge_values v = values_at(e, value, deviation, edge, border ? edge : across);
-        float bend = bend_of(&v, floor);
-        if (bend > threshold) found(user, edge / 4, (border ? edge : across) / 4, bend);
+        if (edge % 4 == 3 || (!border && across[edge] > edge)) continue;
+        edge_values v = values_at(e, value, deviation, edge, border ? edge : across[edge]);
+        bend[edge] = bend_of(&v, floor);
     }
-    rsv_free(e->context, partners.across);
+    for (uint32_t edge = 0; edge < count; edge++)
+        if (bend[edge] > threshold)
+            found(user, edge / 4, (across[edge] == NO_CELL ? edge : across[edge]) / 4, bend[edge]);
+cleanup:
+    rsv_free(e->context, (void *)across);
+    rsv_free(e->context, bend);
     return status;
 }

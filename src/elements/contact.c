@@ -128,8 +128,10 @@ rsv_status rsv_elements_refine_contacts(
 /// The cells around a node and from where they are seen on its behalf.
 typedef struct fan {
     uint32_t begin, count;
+    rsv_vec3 corner; ///< the node itself
     rsv_vec3 place[MAX_FAN], normal[MAX_FAN];
-    bool open[MAX_FAN]; ///< false = from nowhere: all of the cell is buried
+    float lift[MAX_FAN]; ///< of places above their cells
+    bool open[MAX_FAN];  ///< false = from nowhere: all of the cell is buried
     bool sheltered[MAX_FAN];
 } fan;
 
@@ -142,20 +144,29 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
         rsv_cell_shape shape = rsv_cell_shape_of(e, support / 4);
         f.open[s] =
             rsv_cell_outlook(e->cell_openness[support / 4], &shape, support & 3, &f.place[s]);
+        f.corner = shape.corner[support & 3];
         f.normal[s] = shape.normal;
+        f.lift[s] = v3_length(
+            v3_sub(rsv_cell_above(e->cell_openness[support / 4], &shape, f.corner), f.corner));
         f.sheltered[s] = e->cell_openness[support / 4] & RSV_CELL_SHELTERED;
     }
     return f;
 }
 
+/// Cells that meet at a fold as sharp as that, a quarter turn more or less, see each other around it.
+#define FOLD_COSINE 0.5f
+
 /// Whether something stands between two cells of a fan, or upon one of them. A gap ends where cells that
-/// lie in it do, at folds too. Other folded cells count as connected: the straight line would run through the surface
-/// itself.
+/// lie in it do, at folds too. About sharp folds, such as that between a pot's side and its base, one looks by way of a
+/// place above both cells. Gently folded ones count as connected: the straight line would run through the surface itself.
 static bool is_walled(const rsv_transport_scene *scene, const fan *f, uint32_t a, uint32_t b)
 {
     if (f->sheltered[a] != f->sheltered[b]) return true;
-    return v3_dot(f->normal[a], f->normal[b]) > 0.999f &&
-           rsv_is_blocked(scene, f->place[a], f->place[b]);
+    float cosine = v3_dot(f->normal[a], f->normal[b]);
+    if (cosine > 0.999f) return rsv_is_blocked(scene, f->place[a], f->place[b]);
+    if (fabsf(cosine) > FOLD_COSINE) return false;
+    rsv_vec3 before = v3_mad(v3_mad(f->corner, f->lift[a], f->normal[a]), f->lift[b], f->normal[b]);
+    return rsv_is_blocked(scene, f->place[a], before) || rsv_is_blocked(scene, before, f->place[b]);
 }
 
 /// Groups the cells of a fan that see each other, directly or by way of others. Buried ones are none's, and go with the
@@ -203,23 +214,52 @@ static bool is_divided(
     return false;
 }
 
-/// One node per side; fresh ones are numbered from *next on.
-static void separate_node(const rsv_transport_scene *scene, rsv_elements *e, uint32_t node,
-    uint32_t *next, uint64_t *rays)
+/// Finds the sides of a node. @param side out: of each of its supports @return how many there are
+static uint32_t find_sides(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t node,
+    uint8_t *side, uint64_t *rays)
 {
     fan f = fan_of(e, node);
     uint32_t group[MAX_FAN], groups = group_fan(scene, &f, group, rays);
-    for (uint32_t s = 0; s < f.count; s++) {
-        uint32_t support = e->support[f.begin + s];
-        if (group[s] > 0) e->cell_node[support / 4][support & 3] = *next + group[s] - 1;
+    for (uint32_t s = 0; s < f.count; s++)
+        side[f.begin + s] = (uint8_t)group[s];
+    return groups;
+}
+
+/// One node per side; fresh ones are numbered from *next on.
+static void separate_node(
+    rsv_elements *e, uint32_t node, const uint8_t *side, uint32_t sides, uint32_t *next)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++) {
+        uint32_t support = e->support[s];
+        if (side[s] > 0) e->cell_node[support / 4][support & 3] = *next + side[s] - 1;
     }
-    *next += groups ? groups - 1 : 0;
+    *next += sides ? sides - 1 : 0;
+}
+
+/// @param divided [node_count] non-zero where walls stand around a node @param next out: number of nodes then
+static rsv_status separate_nodes(const rsv_transport_scene *scene, rsv_elements *e,
+    uint8_t *divided, uint32_t *next, uint64_t *rays)
+{
+    uint8_t *side = rsv_reserve(e->context, 3 * e->cell_count, 1);
+    if (!side) return RSV_ERROR_MEMORY;
+    uint64_t traced = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : traced)
+    for (uint32_t node = 0; node < e->node_count; node++)
+        if (divided[node]) divided[node] = (uint8_t)find_sides(scene, e, node, side, &traced);
+    *next = (uint32_t)e->node_count;
+    for (uint32_t node = 0; node < e->node_count; node++)
+        if (divided[node]) separate_node(e, node, side, divided[node], next);
+    *rays += traced;
+    rsv_free(e->context, side);
+    return RSV_OK;
 }
 
 /// The larger cell on whose edge a node hangs, and the corners of that edge.
 typedef struct hanging_edge {
     uint32_t cell;
-    int corner[2];
+    uint8_t corner[2];
+    bool walled; ///< off from the smaller cells
 } hanging_edge;
 
 static hanging_edge find_edge(const rsv_elements *e, const rsv_hanging *hanging)
@@ -230,9 +270,9 @@ static hanging_edge find_edge(const rsv_elements *e, const rsv_hanging *hanging)
         int corner = (int)(e->support[s] & 3);
         for (int k = 0; k < 3; k++)
             if (k != corner && e->cell_node[cell][k] == hanging->parent[1])
-                return (hanging_edge){ cell, { corner, k } };
+                return (hanging_edge){ cell, { (uint8_t)corner, (uint8_t)k }, false };
     }
-    return (hanging_edge){ RSV_NONE, { 0, 0 } };
+    return (hanging_edge){ RSV_NONE, { 0, 0 }, false };
 }
 
 /// Whether a gap ends at the edge on which a node hangs: one of the cells about it lies in there, and another does not.
@@ -267,15 +307,18 @@ static bool hangs_across_wall(const rsv_transport_scene *scene, const rsv_elemen
 /// Lets go of nodes that hang across a wall and remembers the edges of the others.
 static void release_hanging(const rsv_transport_scene *scene, rsv_elements *e, hanging_edge *edge)
 {
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (size_t h = 0; h < e->hanging_count; h++) {
+        edge[h] = find_edge(e, &e->hanging[h]);
+        edge[h].walled =
+            edge[h].cell != RSV_NONE && hangs_across_wall(scene, e, &e->hanging[h], &edge[h]);
+    }
     size_t kept = 0;
     for (size_t h = 0; h < e->hanging_count; h++) {
-        rsv_hanging hanging = e->hanging[h];
-        hanging_edge found = find_edge(e, &hanging);
-        bool released = found.cell != RSV_NONE && hangs_across_wall(scene, e, &hanging, &found);
-        e->node_hanging[hanging.node] = released ? RSV_NONE : (uint32_t)kept;
-        if (released) continue;
-        e->hanging[kept] = hanging;
-        edge[kept++] = found;
+        e->node_hanging[e->hanging[h].node] = edge[h].walled ? RSV_NONE : (uint32_t)kept;
+        if (edge[h].walled) continue;
+        e->hanging[kept] = e->hanging[h];
+        edge[kept++] = edge[h];
     }
     e->hanging_count = kept;
 }
@@ -327,9 +370,8 @@ rsv_status rsv_elements_separate(
     }
     rsv_team_merge(e->context, divided, sizeof *divided, e->node_count, RSV_TEAM_BLOCK);
     traced = rsv_team_total(e->context, traced) + hanging_before;
-    uint32_t next = (uint32_t)e->node_count;
-    for (uint32_t node = 0; node < e->node_count; node++)
-        if (divided[node]) separate_node(scene, e, node, &next, &traced);
+    uint32_t next;
+    RSV_TRY(separate_nodes(scene, e, divided, &next, &traced));
     reattach_hanging(e, edge);
     *rays += traced;
     if (next > e->node_count || e->hanging_count < hanging_before)

@@ -28,9 +28,15 @@ rsv_cell rsv_child_cell(rsv_cell parent, int k);
 
 /// Nodes, hanging nodes and supports of finished cells.
 /// @param unbalanced out, to be freed by the caller: cells with an edge halved more than once; where there are any,
-/// supports are left out, as such cells are to be split
+/// nodes are left out, as such cells are to be split
 rsv_status rsv_elements_number_nodes(
     rsv_elements *elements, uint8_t **unbalanced, bool *any_unbalanced);
+
+/// Fails where places, 4 * cell + corner, have no room in 32 bits.
+rsv_status rsv_elements_are_countable(const rsv_elements *elements);
+
+/// Supports, faces and areas of numbered nodes.
+rsv_status rsv_elements_create_supports(rsv_elements *elements);
 
 /// Area of a cell, m2.
 RSV_INLINE float rsv_cell_area(const rsv_elements *elements, uint32_t cell)

@@ -69,20 +69,22 @@ static bool is_opaque(const rsv_transport_scene *scene, const rsv_hit *hit)
 /// Clear surfaces that a segment passes; more of them block it.
 #define CLEAR_STEPS 8
 
-bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to)
+float rsv_clear_part(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to)
 {
     rsv_hit hit;
+    float passed = 0;
     for (int step = 0; step < CLEAR_STEPS; step++) {
         rsv_ray there = { from, v3_sub(to, from), 1 };
-        if (!rsv_tracer_closest(scene->tracer, &there, &hit)) return false;
-        if (is_opaque(scene, &hit)) return true;
+        if (!rsv_tracer_closest(scene->tracer, &there, &hit)) return 1;
+        passed += (1 - passed) * f_min(hit.t, 0.999f);
+        if (is_opaque(scene, &hit)) return passed;
         rsv_surface_point met =
             rsv_surface_point_at(scene->view, hit.triangle, hit.u, hit.v, false);
         rsv_vec3 onward =
             v3_dot(met.geometric, there.direction) > 0 ? met.geometric : v3_neg(met.geometric);
         from = rsv_offset_origin(met.position, onward, met.extent);
     }
-    return true;
+    return passed;
 }
 
 static rsv_ray ray_from(rsv_vec3 origin, rsv_vec3 normal, uint32_t k, uint32_t seed)

@@ -35,8 +35,14 @@ bool rsv_is_touched(const rsv_tracer *tracer, const rsv_cell_shape *shape, rsv_v
 /// less than half of it and nearly all there is to see.
 bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place);
 
+/// How far one can see from a place towards another before anything opaque, as a part of the way; 1 = all of it.
+float rsv_clear_part(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to);
+
 /// Whether anything opaque stands between two places.
-bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to);
+RSV_INLINE bool rsv_is_blocked(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to)
+{
+    return rsv_clear_part(scene, from, to) < 1;
+}
 
 /// Whether a place sees nothing but the backs of one-sided opaque surfaces: it lies inside something.
 /// @param seed of the few directions that are tried

@@ -5,66 +5,109 @@
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
 
+/// A corner that something keeps apart from the middle of its cell, closer to it than that as a part of the way, does not
+/// count as open. Up to about there, light that ends at once, but in the wrong place, is less wrong than light that fades all
+/// over the cell.
+#define FAR_CORNER 0.5f
+
+/// Corners, as bits, that something close to them keeps apart from the middle of the cell.
+static uint32_t find_far_corners(
+    const rsv_transport_scene *scene, const rsv_vec3 place[3], rsv_vec3 middle, uint64_t *rays)
+{
+    uint32_t far = 0;
+    *rays += 3;
+    for (int k = 0; k < 3; k++)
+        far |= (uint32_t)(rsv_clear_part(scene, place[k], middle) < FAR_CORNER) << k;
+    return far;
+}
+
+/// Where a cell is looked at from, and which of these places count.
+typedef struct outlooks {
+    rsv_vec3 place[3], middle;
+    uint32_t open; ///< corners, as bits
+    bool middle_open;
+} outlooks;
+
 /// @param blocked by side of the cell: whether something stands between its ends
-static uint8_t openness_of(uint32_t open, bool cut, const bool blocked[3])
+static uint8_t openness_of(const rsv_transport_scene *scene, const outlooks *at, bool cut,
+    const bool blocked[3], uint64_t *rays)
 {
     bool through = false;
     for (int k = 0; k < 3; k++)
-        through = through || (blocked[k] && (open >> k & 1) && (open >> (k + 1) % 3 & 1));
-    return (uint8_t)(open | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0));
+        through = through || (blocked[k] && (at->open >> k & 1) && (at->open >> (k + 1) % 3 & 1));
+    uint32_t near = at->open;
+    if (cut && at->open) near &= ~find_far_corners(scene, at->place, at->middle, rays);
+    if (!near && !at->middle_open) near = at->open;
+    return (uint8_t)(near | (cut ? RSV_CELL_CUT : 0) | (through ? RSV_CELL_CUT_THROUGH : 0) |
+                     (!near && at->middle_open ? RSV_CELL_OPEN_INSIDE : 0));
 }
 
-/// A cell in a gap, seen from within: its corners are open that nothing touches, unless the gap is inside something.
-/// @return 0 if none is
+/// @param blocked out, by side of the cell @return whether any is
+static bool find_blocked_sides(
+    const rsv_transport_scene *scene, const rsv_vec3 place[3], bool blocked[3], uint64_t *rays)
+{
+    *rays += 3;
+    for (int k = 0; k < 3; k++)
+        blocked[k] = rsv_is_blocked(scene, place[k], place[(k + 1) % 3]);
+    return blocked[0] || blocked[1] || blocked[2];
+}
+
+/// Whether a place right above the cell lies inside something.
+static bool is_inside(const rsv_transport_scene *scene, const rsv_cell_shape *shape, rsv_vec3 place,
+    bool cut, uint64_t *rays)
+{
+    return rsv_is_buried(scene, place, shape->normal, SEED, rays) ||
+           (cut && rsv_is_mostly_buried(scene, place, shape->normal, SEED, rays));
+}
+
+/// Whether a place in a gap sees some of the gap: nothing touches it, and the gap is not inside something.
+static bool is_free_in_gap(const rsv_transport_scene *scene, const rsv_cell_shape *shape,
+    rsv_vec3 place, rsv_vec3 above, uint64_t *rays)
+{
+    ++*rays;
+    return !rsv_is_touched(scene->tracer, shape, place) &&
+           !is_inside(scene, shape, above, true, rays);
+}
+
+/// A cell in a gap, seen from within. @return 0 if it cannot be
 static uint8_t judge_sheltered(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
-    rsv_vec3 place[3];
-    bool blocked[3], cut = false;
-    uint32_t open = 0;
-    *rays += 6;
+    outlooks at = { .middle = rsv_cell_crouch(shape, shape->centre) };
+    bool blocked[3];
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        place[k] = rsv_cell_crouch(shape, corner);
-        bool shut = rsv_is_touched(scene->tracer, shape, corner) ||
-                    rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
-                    rsv_is_mostly_buried(scene, place[k], shape->normal, SEED, rays);
-        open |= (uint32_t)!shut << k;
+        at.place[k] = rsv_cell_crouch(shape, corner);
+        at.open |= (uint32_t)is_free_in_gap(scene, shape, corner, at.place[k], rays) << k;
     }
-    for (int k = 0; k < 3; k++) {
-        blocked[k] = rsv_is_blocked(scene, place[k], place[(k + 1) % 3]);
-        cut = cut || blocked[k];
-    }
-    if (!open) return 0;
-    cut = cut || open != RSV_CORNERS_OPEN;
-    return openness_of(open, cut, blocked) | RSV_CELL_SHELTERED;
+    bool cut = find_blocked_sides(scene, at.place, blocked, rays) || at.open != RSV_CORNERS_OPEN;
+    at.middle_open = cut && is_free_in_gap(scene, shape, shape->centre, at.middle, rays);
+    if (!at.open && !at.middle_open) return 0;
+    return openness_of(scene, &at, cut, blocked, rays) | RSV_CELL_SHELTERED;
 }
 
 static uint8_t judge_cell(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
-    rsv_vec3 place[3];
-    bool covered[3], blocked[3], cut = false;
-    *rays += 6;
+    outlooks at = { .middle = rsv_cell_hover(shape, shape->centre) };
+    bool covered[3], blocked[3];
+    *rays += 3;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        place[k] = rsv_cell_hover(shape, corner);
+        at.place[k] = rsv_cell_hover(shape, corner);
         covered[k] = rsv_is_covered(scene, shape, corner);
     }
-    for (int k = 0; k < 3; k++) {
-        blocked[k] = rsv_is_blocked(scene, place[k], place[(k + 1) % 3]);
-        cut = cut || blocked[k] || covered[k] != covered[(k + 1) % 3];
-    }
-    bool gap = covered[0] && covered[1] && covered[2];
-    uint8_t sheltered = gap ? judge_sheltered(scene, shape, rays) : 0;
+    bool any = covered[0] || covered[1] || covered[2], all = covered[0] && covered[1] && covered[2];
+    bool cut = find_blocked_sides(scene, at.place, blocked, rays) || any != all;
+    bool uncertain = cut || all,
+         middle_covered = uncertain && rsv_is_covered(scene, shape, shape->centre);
+    uint8_t sheltered = all && middle_covered ? judge_sheltered(scene, shape, rays) : 0;
     if (sheltered) return sheltered;
-    uint32_t open = 0;
-    for (int k = 0; k < 3; k++) {
-        bool buried = covered[k] || rsv_is_buried(scene, place[k], shape->normal, SEED, rays) ||
-                      (cut && rsv_is_mostly_buried(scene, place[k], shape->normal, SEED, rays));
-        open |= (uint32_t)!buried << k;
-    }
-    return openness_of(open, cut, blocked);
+    for (int k = 0; k < 3; k++)
+        at.open |= (uint32_t) !(covered[k] || is_inside(scene, shape, at.place[k], cut, rays)) << k;
+    cut = cut || (all && !middle_covered);
+    at.middle_open = cut && !middle_covered && !is_inside(scene, shape, at.middle, true, rays);
+    return openness_of(scene, &at, cut, blocked, rays);
 }
 
 uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *e, uint32_t cell,
@@ -112,7 +155,8 @@ bool rsv_cell_outlook(
     uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place)
 {
     uint32_t open = openness & RSV_CORNERS_OPEN;
-    if (!open) return false;
+    if (openness & RSV_CELL_OPEN_INSIDE) *place = rsv_cell_above(openness, shape, shape->centre);
+    if (!open) return openness & RSV_CELL_OPEN_INSIDE;
     uint32_t from = open >> corner & 1 ? corner : (uint32_t)__builtin_ctz(open);
     *place = rsv_cell_above(openness, shape, rsv_cell_inset(shape, shape->corner[from]));
     return true;

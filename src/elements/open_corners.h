@@ -1,7 +1,8 @@
 /// Corners of cells that lie in the open, and those that lie in or behind other geometry.
 ///
 /// A floor that runs on under a wall has cells of which one corner is in the room and another in the wall. Their light
-/// is that of the room, up to the wall: what a corner in the wall stands for is seen from one in the open.
+/// is that of the room, up to the wall: what a corner in the wall stands for is seen from one in the open. So it is with
+/// corners just beyond a thin wall or floor, where what lies beyond is another room, or the sky.
 #ifndef RSV_OPEN_CORNERS_H
 #define RSV_OPEN_CORNERS_H
 
@@ -13,6 +14,8 @@
 /// All of the cell lies in a gap, such as behind a picture: its light is that of the gap, and its corners are open if they
 /// see that.
 #define RSV_CELL_SHELTERED 32u
+/// No corner lies in the open, but the middle does: a plate whose border is set in a frame.
+#define RSV_CELL_OPEN_INSIDE 64u
 #define RSV_OPENNESS_KNOWN 128u ///< with the others, where that is not certain
 
 /// Judges the corners of every cell, once: fills `cell_openness`. It depends on what lies around a cell and on the spacing alone, and on no random
@@ -29,7 +32,7 @@ uint8_t rsv_cell_openness(const rsv_transport_scene *scene, const rsv_elements *
 rsv_vec3 rsv_cell_above(uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// From where the cell is seen on behalf of a corner: from above that corner if it lies in the open, or else from above
-/// another that does. @return false if none does
+/// another that does, or the middle. @return false if none does
 bool rsv_cell_outlook(
     uint8_t openness, const rsv_cell_shape *shape, uint32_t corner, rsv_vec3 *place);
 

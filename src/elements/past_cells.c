@@ -28,25 +28,62 @@ bool rsv_past_cells_are_sound(const rsv_past_cells *c, uint8_t *taken)
     return true;
 }
 
+/// Faces of an earlier version by their keys. Triangles that lie upon each other have one key, and are found in turn.
+typedef struct face_finder {
+    rsv_index_map first; ///< of each key
+    uint32_t *next;      ///< [face_count] of the same key; RSV_NONE = there are no more
+    uint32_t *turn;      ///< [face_count] by first: whose turn it is
+} face_finder;
+
+static rsv_status create_finder(rsv_context *context, const rsv_past_cells *c, face_finder *f)
+{
+    *f = (face_finder){ .next = rsv_alloc(context, c->face_count, sizeof *f->next),
+        .turn = rsv_alloc(context, c->face_count, sizeof *f->turn) };
+    if (!f->next || !f->turn) return RSV_ERROR_MEMORY;
+    rsv_status status = rsv_index_map_create(context, c->face_count, &f->first);
+    for (uint32_t k = 0; k < c->face_count && status == RSV_OK; k++) {
+        uint32_t first = rsv_index_map_insert(&f->first, c->face[k].key, k);
+        if (first == UINT32_MAX) return RSV_ERROR_MEMORY;
+        f->next[k] = RSV_NONE;
+        if (first != k) f->next[f->turn[first]] = k; // behind the last one so far
+        f->turn[first] = k;
+    }
+    for (uint32_t k = 0; k < c->face_count && status == RSV_OK; k++)
+        f->turn[k] = k;
+    return status;
+}
+
+static void destroy_finder(rsv_context *context, face_finder *f)
+{
+    rsv_free(context, f->next);
+    rsv_free(context, f->turn);
+    rsv_index_map_destroy(&f->first);
+}
+
+/// @return the last of a key again where there are more now than there were; RSV_NONE = there was none
+static uint32_t take_face(face_finder *f, uint64_t key)
+{
+    uint32_t first = rsv_index_map_find(&f->first, key);
+    if (first == UINT32_MAX) return RSV_NONE;
+    uint32_t face = f->turn[first];
+    if (f->next[face] != RSV_NONE) f->turn[first] = f->next[face];
+    return face;
+}
+
 rsv_status rsv_past_find_faces(rsv_past *p, const rsv_scene_view *scene)
 {
     rsv_status status;
-    rsv_index_map faces = { 0 };
-    const rsv_past_cells *c = &p->layout.cells[RSV_PAST_COARSE];
-    RSV_TRY(rsv_index_map_create(p->context, c->face_count, &faces));
-    for (size_t k = 0; k < c->face_count; k++)
-        if (rsv_index_map_insert(&faces, c->face[k].key, (uint32_t)k) == UINT32_MAX)
-            RSV_TRY(RSV_ERROR_MEMORY);
+    face_finder finder = { 0 };
+    RSV_TRY(create_finder(p->context, &p->layout.cells[RSV_PAST_COARSE], &finder));
     for (int back = 0; back < 2; back++) {
         p->face_then[back] =
             rsv_alloc(p->context, scene->triangle_count, sizeof *p->face_then[back]);
         RSV_TRY(p->face_then[back] ? RSV_OK : RSV_ERROR_MEMORY);
         for (uint32_t t = 0; t < scene->triangle_count; t++)
-            p->face_then[back][t] =
-                rsv_index_map_find(&faces, rsv_face_key_of(scene, t, (uint8_t)back));
+            p->face_then[back][t] = take_face(&finder, rsv_face_key_of(scene, t, (uint8_t)back));
     }
 cleanup:
-    rsv_index_map_destroy(&faces);
+    destroy_finder(p->context, &finder);
     return status;
 }
 

@@ -51,7 +51,7 @@ static rsv_status measure(
     size_t turns = rows / (STRETCH * TURN) + 1, step = rsv_division_step(turns);
 #pragma omp parallel num_threads(rsv_threads(context))
     {
-        rsv_row_scratch scratch;
+        rsv_row_scratch scratch = { 0 };
         rsv_status status = rsv_row_scratch_create(context, RAYS, &scratch);
 #pragma omp for schedule(dynamic, 1)
         for (size_t turn = place.rank; turn < turns; turn += place.size)

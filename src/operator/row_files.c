@@ -33,18 +33,51 @@ static rsv_status map_file(rsv_row_files *f, const char *path, rsv_mapped_file *
     return status;
 }
 
-/// Notes the records of a file. @return bytes up to the first that is not sound
-static size_t index_records(rsv_row_files *f, const rsv_mapped_file *file, uint32_t ray_count)
+/// A record of a file, and whether it is what its writer wrote.
+typedef struct listed_record {
+    size_t at, bytes;
+    uint32_t node;
+    bool sound;
+} listed_record;
+
+/// Hops from head to head. @param list out, to be freed
+static rsv_status list_records(const rsv_row_files *f, const rsv_mapped_file *file,
+    uint32_t ray_count, listed_record **list, size_t *count)
 {
-    size_t at = 0;
+    size_t capacity = 0, at = 0;
+    *list = NULL;
+    *count = 0;
     for (;;) {
-        uint32_t node;
-        size_t bytes = rsv_row_record_check(
-            file->byte + at, file->count - at, f->node_count, ray_count, &node);
-        if (bytes == 0) return at;
-        f->known[node] = file->byte + at;
-        at += bytes;
+        listed_record r = { .at = at };
+        r.bytes = rsv_row_record_bytes(
+            file->byte + at, file->count - at, f->node_count, ray_count, &r.node);
+        if (r.bytes == 0) return RSV_OK;
+        rsv_status status =
+            rsv_grow(f->context, (void **)list, &capacity, *count + 1, sizeof **list);
+        if (status != RSV_OK) return status;
+        (*list)[(*count)++] = r;
+        at += r.bytes;
     }
+}
+
+/// Notes the records of a file. @param end out: bytes up to the first that is not sound
+static rsv_status index_records(
+    rsv_row_files *f, const rsv_mapped_file *file, uint32_t ray_count, size_t *end)
+{
+    listed_record *list;
+    size_t count;
+    *end = 0;
+    rsv_status status = list_records(f, file, ray_count, &list, &count);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(f->context))
+    for (size_t k = 0; k < count; k++)
+        list[k].sound =
+            rsv_row_record_is_sound(file->byte + list[k].at, list[k].bytes, f->node_count);
+    for (size_t k = 0; k < count && list[k].sound; k++) {
+        f->known[list[k].node] = file->byte + list[k].at;
+        *end = list[k].at + list[k].bytes;
+    }
+    rsv_free(f->context, list);
+    return status;
 }
 
 static bool is_named(const char *name, const char *key)
@@ -72,7 +105,8 @@ rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const ch
         if (snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
             continue;
         status = map_file(f, path, &file);
-        size_t sound = status == RSV_OK && file.byte ? index_records(f, &file, ray_count) : 0;
+        size_t sound = 0;
+        if (status == RSV_OK && file.byte) status = index_records(f, &file, ray_count, &sound);
         if (own && strcmp(path, own) == 0) *own_bytes = sound;
     }
     closedir(directory);

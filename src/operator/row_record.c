@@ -103,7 +103,7 @@ static bool indices_fit(const rsv_row_record_head *r, const uint8_t *bytes, size
     return ends == r->count;
 }
 
-size_t rsv_row_record_check(
+size_t rsv_row_record_bytes(
     const uint8_t *bytes, size_t left, size_t node_count, uint32_t ray_count, uint32_t *node)
 {
     rsv_row_record_head r;
@@ -116,11 +116,17 @@ size_t rsv_row_record_check(
         r.ray_count != ray_count || r.node >= node_count)
         return 0;
     size_t size = rsv_row_record_layout_of(&r).begin[RSV_ROW_PARTS];
-    if (size > left || r.checksum != rsv_row_record_checksum(bytes, size) ||
-        !indices_fit(&r, bytes, node_count))
-        return 0;
+    if (size > left) return 0;
     *node = r.node;
     return size;
+}
+
+bool rsv_row_record_is_sound(const uint8_t *bytes, size_t count, size_t node_count)
+{
+    rsv_row_record_head r;
+    memcpy(&r, bytes, sizeof r);
+    return r.checksum == rsv_row_record_checksum(bytes, count) &&
+           indices_fit(&r, bytes, node_count);
 }
 
 void rsv_row_record_take(const uint8_t *bytes, uint32_t ray_count, rsv_row_scratch *s)

@@ -16,9 +16,12 @@ rsv_status rsv_row_record_put(rsv_context *context, uint32_t node, uint32_t ray_
 
 /// @param bytes [left], at a multiple of 8
 /// @param node out: whose row it is
-/// @return bytes up to the next one; 0 if here is none that is whole, unharmed, and of such rows
-size_t rsv_row_record_check(
+/// @return bytes up to the next one; 0 if here is none that is whole and of such rows
+size_t rsv_row_record_bytes(
     const uint8_t *bytes, size_t left, size_t node_count, uint32_t ray_count, uint32_t *node);
+
+/// Whether a record is unharmed. @param count its bytes
+bool rsv_row_record_is_sound(const uint8_t *bytes, size_t count, size_t node_count);
 
 /// Fills `scratch` as tracing the row did. @param record one that was checked
 void rsv_row_record_take(const uint8_t *record, uint32_t ray_count, rsv_row_scratch *scratch);

@@ -14,6 +14,7 @@ typedef struct row_block {
     uint32_t *column, *tinted_column;
     rsv_rgb *tinted_weight;
     size_t count, tinted_count;
+    size_t place, tinted_place; ///< in the operator
     size_t column_capacity, tinted_column_capacity, tinted_weight_capacity;
     rsv_escape_list escapes;
     rsv_row_block kept;
@@ -137,22 +138,37 @@ static rsv_status trace_wave(assembly *a, size_t first)
     return result;
 }
 
-/// Moves the rows of a block behind those of all blocks before.
-static rsv_status append_block(assembly *a, row_block *block)
+static void copy_rows(const row_block *block, rsv_transport *t)
 {
-    rsv_transport *t = a->transport;
     if (block->count)
-        memcpy(t->column + a->entries, block->column, block->count * sizeof *t->column);
+        memcpy(t->column + block->place, block->column, block->count * sizeof *t->column);
     if (block->tinted_count) {
-        memcpy(t->tinted_column + a->tinted_entries, block->tinted_column,
+        memcpy(t->tinted_column + block->tinted_place, block->tinted_column,
             block->tinted_count * sizeof *t->tinted_column);
-        memcpy(t->tinted_weight + a->tinted_entries, block->tinted_weight,
+        memcpy(t->tinted_weight + block->tinted_place, block->tinted_weight,
             block->tinted_count * sizeof *t->tinted_weight);
     }
-    a->entries += block->count;
-    a->tinted_entries += block->tinted_count;
-    block->count = block->tinted_count = 0;
-    return rsv_escapes_append(t->context, &t->escapes, &block->escapes);
+}
+
+/// Moves the rows of all blocks of a wave, one behind the other, behind those of the waves before.
+static rsv_status append_wave(assembly *a)
+{
+    rsv_transport *t = a->transport;
+    rsv_status status = RSV_OK;
+    for (size_t k = 0; k < a->wave_size; k++) {
+        a->block[k].place = a->entries;
+        a->block[k].tinted_place = a->tinted_entries;
+        a->entries += a->block[k].count;
+        a->tinted_entries += a->block[k].tinted_count;
+    }
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context))
+    for (size_t k = 0; k < a->wave_size; k++) {
+        copy_rows(&a->block[k], t);
+        a->block[k].count = a->block[k].tinted_count = 0;
+    }
+    for (size_t k = 0; k < a->wave_size && status == RSV_OK; k++)
+        status = rsv_escapes_append(t->context, &t->escapes, &a->block[k].escapes);
+    return status;
 }
 
 static void sum_up_rows(rsv_transport *t)
@@ -173,8 +189,7 @@ static rsv_status trace_all(assembly *a)
         RSV_TRY(trace_on_device(a, first));
         RSV_TRY(trace_wave(a, first));
         RSV_TRY(rsv_cancelled(context) ? rsv_progress(context, "assemble", 1) : RSV_OK);
-        for (size_t k = 0; k < a->wave_size; k++)
-            RSV_TRY(append_block(a, &a->block[k]));
+        RSV_TRY(append_wave(a));
     }
     sum_up_rows(a->transport);
     for (int thread = 0; thread < rsv_threads(context); thread++) {

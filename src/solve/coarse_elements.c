@@ -18,6 +18,26 @@
 /// Splits at contacts may add this many nodes times the root of those that were asked for: they lie along lines.
 #define CONTACT_NODES 300
 
+/// Gives fresh nodes numbers that none of the recalled ones has: the same points twice would err alike.
+static rsv_status draw_fresh_apart(rsv_elements *e, const uint8_t *known)
+{
+    uint32_t next = (uint32_t)e->node_count;
+    uint8_t *taken = rsv_alloc(e->context, e->node_count, 1);
+    if (!taken) return RSV_ERROR_MEMORY;
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (!known[n]) continue;
+        uint32_t draw = e->node_draw[n];
+        if (draw < e->node_count)
+            taken[draw] = 1;
+        else if (draw >= next)
+            next = draw + 1;
+    }
+    for (uint32_t n = 0; n < e->node_count; n++)
+        if (!known[n] && taken[n]) e->node_draw[n] = next++;
+    rsv_free(e->context, taken);
+    return RSV_OK;
+}
+
 /// Points of nodes that were there before the scene was edited are drawn as they were then: those around which nothing
 /// changed need not be judged. @param known [node_count], out
 static rsv_status recall_points(rsv_solution *s, uint8_t *known)
@@ -38,6 +58,7 @@ static rsv_status recall_points(rsv_solution *s, uint8_t *known)
         e->node_draw[n] = then->draw;
         s->valid_points[n] = (uint16_t)then->light.valid;
     }
+    RSV_TRY(draw_fresh_apart(e, known));
 cleanup:
     rsv_free(s->context, key);
     return status;

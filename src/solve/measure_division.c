@@ -27,7 +27,7 @@ static rsv_status time_rows(
     size_t blocks = division->node_count / RSV_ROW_BLOCK + 1, step = rsv_division_step(blocks);
 #pragma omp parallel num_threads(rsv_threads(context))
     {
-        rsv_row_scratch scratch;
+        rsv_row_scratch scratch = { 0 };
         rsv_status status = rsv_row_scratch_create(context, tracer->directions.count, &scratch);
 #pragma omp for schedule(dynamic, 1)
         for (size_t block = 0; block < blocks; block++)

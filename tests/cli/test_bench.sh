@@ -52,7 +52,7 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
     complain "the table lacks one of the methods"
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
-refuses 2 'belongs to bench levels, quality and gpu' bench trace --quality draft
+refuses 2 'belongs to bench levels, quality, rebake and gpu' bench trace --quality draft
 
 refuses 2 'belong to bench' bench trace --plot trace.svg
 

@@ -20,7 +20,8 @@ if ! "$window" box.glb box.light.safetensors 3 shown.png 2>stderr; then
 fi
 succeeds render cornell-blocks -o own.png --mode operator --quality draft --size 512x512 --spp 4
 succeeds compare own.png shown.png
-says '^mean_ratio *\(0.99\|1.00\)'
+# the window draws the border of the lamp, which is far beyond white, without smoothing it: that alone is 1 % of the mean
+says '^mean_ratio *\(0.9[89]\|1.0[01]\)'
 says '^relative_mse *[0-9.]*e-0[3-9]\|^relative_mse *0.00'
 
 "$window" /dev/null box.light.safetensors 2>stderr && complain "an empty scene is shown"

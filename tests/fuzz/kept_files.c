@@ -3,6 +3,7 @@
 #include "core/key.h"
 #include "elements/past_file.h"
 #include "operator/row_catalogue.h"
+#include "operator/row_files.h"
 #include "operator/row_record_head.h"
 #include "unit/file_fixture.h"
 #include "unit/light_fixture.h"
@@ -31,7 +32,8 @@ static world *build(float box_at)
     return w;
 }
 
-static rsv_status solve(const world *w, const char *rows, const char *earlier)
+/// @param rays out: that were traced; NULL = nobody asks
+static rsv_status solve(const world *w, const char *rows, const char *earlier, uint64_t *rays)
 {
     rsv_solution *solution = NULL;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
@@ -44,31 +46,66 @@ static rsv_status solve(const world *w, const char *rows, const char *earlier)
     desc.checkpoint = rows;
     desc.earlier = earlier;
     rsv_status status = rsv_solution_create(w->scene, &desc, &solution);
+    if (rays && solution) {
+        const rsv_solve_report *report = rsv_solution_report(solution);
+        *rays = report->rays - report->kept_row_rays;
+    }
     rsv_solution_destroy(solution);
     return status;
 }
 
-static void take_files(kept_room *room)
+/// Takes the largest file of a kind: smaller ones are of pilots. @param key its name begins with; "" = any
+static void take_largest(kept_room *room, int kind, const char *key)
 {
     DIR *directory = opendir(room->left.path);
-    for (struct dirent *entry; directory && (entry = readdir(directory));)
-        for (int k = 0; k < 3; k++) {
-            char name[64];
-            snprintf(name, sizeof name, "%.60s", entry->d_name);
-            const char *dot = strrchr(name, '.');
-            size_t bytes;
-            if (!dot || strcmp(dot, extensions[k]) != 0) continue;
-            uint8_t *data = read_bytes(path_in(&room->left, name), &bytes);
-            if (bytes <= room->bytes[k]) { // of pilots
-                free(data);
-                continue;
-            }
-            free(room->file[k]);
-            room->file[k] = data;
-            room->bytes[k] = bytes;
-            memcpy(room->name[k], name, sizeof name);
+    for (struct dirent *entry; directory && (entry = readdir(directory));) {
+        char name[64];
+        snprintf(name, sizeof name, "%.60s", entry->d_name);
+        const char *dot = strrchr(name, '.');
+        size_t bytes;
+        if (!dot || strcmp(dot, extensions[kind]) != 0 || strncmp(name, key, strlen(key)) != 0)
+            continue;
+        uint8_t *data = read_bytes(path_in(&room->left, name), &bytes);
+        if (bytes <= room->bytes[kind]) {
+            free(data);
+            continue;
         }
+        free(room->file[kind]);
+        room->file[kind] = data;
+        room->bytes[kind] = bytes;
+        memcpy(room->name[kind], name, sizeof name);
+    }
     if (directory) closedir(directory);
+}
+
+/// Rows are those of the catalogue: pilots have more rays, and may have larger files.
+static void take_files(kept_room *room)
+{
+    char key[RSV_ROW_KEY_DIGITS + 1] = { 0 };
+    take_largest(room, 0, "");
+    take_largest(room, 1, "");
+    memcpy(key, room->name[1], RSV_ROW_KEY_DIGITS);
+    take_largest(room, 2, key);
+}
+
+/// Rays that the edited room takes.
+static uint64_t count_rays(kept_room *room)
+{
+    uint64_t rays = 0;
+    room->next = new_folder();
+    if (solve(room->after, room->next.path, room->left.path, &rays) != RSV_OK) abort();
+    remove_folder(room->next.path);
+    return rays;
+}
+
+/// Each file spares rays as it was left: what is tried on readers of it is read.
+static void check_use(kept_room *room, int kind)
+{
+    uint64_t with = count_rays(room);
+    const char *path = path_in(&room->left, room->name[kind]);
+    write_bytes(path, room->file[kind], 0);
+    if (with >= count_rays(room)) abort();
+    write_bytes(path, room->file[kind], room->bytes[kind]);
 }
 
 static kept_room *the_room(void);
@@ -93,8 +130,10 @@ static kept_room *the_room(void)
     room->left = new_folder();
     room->before = build(0.5f);
     room->after = build(0.8f);
-    if (solve(room->before, room->left.path, NULL) != RSV_OK) abort();
+    if (solve(room->before, room->left.path, NULL, NULL) != RSV_OK) abort();
     take_files(room);
+    for (int kind = 0; kind < 3; kind++)
+        check_use(room, kind);
     return room;
 }
 
@@ -137,9 +176,9 @@ static void try_files(kept_room *room, int kind, const uint8_t *data, size_t siz
 {
     write_bytes(path_in(&room->left, room->name[kind]), data, size);
     room->next = new_folder();
-    solve(room->after, room->next.path, room->left.path);
+    solve(room->after, room->next.path, room->left.path, NULL);
     remove_folder(room->next.path);
-    if (kind == 2) solve(room->before, room->left.path, NULL);
+    if (kind == 2) solve(room->before, room->left.path, NULL, NULL);
     write_bytes(path_in(&room->left, room->name[kind]), room->file[kind], room->bytes[kind]);
 }
 

@@ -7,21 +7,42 @@
 #include "light_fixture.h"
 #include "solve/solution.h"
 
+#include <math.h>
+
 /// What is edited. Metres.
 typedef struct room {
     float box_at;   ///< x of a box on the floor
     float albedo;   ///< of that box
     float radiance; ///< of the lamp
+    float sky;      ///< radiance of the brighter half of the sky; 0 = the room is closed
 } room;
 
-static const room plain = { 0.5f, 0.5f, 1 };
+static const room plain = { 0.5f, 0.5f, 1, 0 };
+static const room moved = { 0.8f, 0.5f, 1, 0 };
+
+/// A floor and a wall under a sky, which is brighter on one side.
+static inline void build_outdoors(world *w, uint32_t walls, float radiance)
+{
+    rsv_rgb pixels[4 * 2];
+    for (int k = 0; k < 8; k++)
+        pixels[k] = rgb_gray(k % 4 < 2 ? radiance : 0.2f * radiance);
+    const rsv_environment sky = {
+        .name = "sky", .pixels = pixels, .width = 4, .height = 2, .intensity = 1
+    };
+    assert_int_equal(rsv_scene_set_environment(w->scene, &sky), RSV_OK);
+    world_box(w, walls, v3(0, -0.1f, 0), v3(6, 0, 2));
+    world_box(w, walls, v3(0, 1e-4f, 2), v3(6, 2, 2.1f));
+}
 
 static inline world *build(const room *r, int threads)
 {
     world *w = world_begin(threads);
     uint32_t walls = world_lambert(w, 0.7f, 0), box = world_lambert(w, r->albedo, 0);
     uint32_t lamp = world_lambert(w, 0, r->radiance);
-    world_room(w, walls, v3(0, 0, 0), v3(6, 2, 2));
+    if (r->sky > 0)
+        build_outdoors(w, walls, r->sky);
+    else
+        world_room(w, walls, v3(0, 0, 0), v3(6, 2, 2));
     world_box(w, box, v3(r->box_at, 1e-4f, 0.5f), v3(r->box_at + 0.3f, 0.4f, 0.8f));
     world_box(w, lamp, v3(1, 1.9f, 0.8f), v3(1.3f, 1.95f, 1.2f));
     world_commit(w);
@@ -66,6 +87,55 @@ static inline void leave_as(const room *r, const char *rows, const char *earlier
 static inline void leave(const room *r, const char *rows, const char *earlier)
 {
     leave_as(r, rows, earlier, 1);
+}
+
+/// A room that was solved, edited, and solved again from what was kept.
+typedef struct edited_room {
+    folder before, after;
+    world *w; ///< as it is now
+    rsv_solution *s;
+} edited_room;
+
+static inline edited_room edit(const room *then, const room *now)
+{
+    edited_room r = { .before = new_folder(), .after = new_folder(), .w = build(now, 2) };
+    leave(then, r.before.path, NULL);
+    r.s = solve(r.w, r.after.path, r.before.path);
+    return r;
+}
+
+static inline void end_edit(edited_room *r)
+{
+    rsv_solution_destroy(r->s);
+    world_end(r->w);
+    remove_folder(r->before.path);
+    remove_folder(r->after.path);
+}
+
+/// Metres around the box, before and after it is moved: its shadow, and the light that it returns.
+static inline bool is_near_the_box(rsv_vec3 p)
+{
+    return p.x > 0.2f && p.x < 1.4f && p.y < 0.5f && p.z > 0.2f && p.z < 1.1f;
+}
+
+/// Mean difference of irradiance at points of the surfaces near the box, over its mean.
+static inline double difference(const rsv_solution *a, const rsv_solution *b)
+{
+    double sum = 0, all = 0;
+    for (uint32_t t = 0; t < a->scene.view->triangle_count; t++)
+        for (uint32_t k = 0; k < 512; k++) {
+            float x, y;
+            rsv_sobol_2d(k, t, &x, &y);
+            float root = sqrtf(x), u = 1 - root, v = root * y;
+            if (!is_near_the_box(rsv_surface_point_at(a->scene.view, t, u, v, false).position))
+                continue;
+            double area = (double)rsv_triangle_area(a->scene.view, t);
+            double p = (double)rgb_luminance(rsv_solution_irradiance(a, t, u, v, false, RSV_NONE));
+            double q = (double)rgb_luminance(rsv_solution_irradiance(b, t, u, v, false, RSV_NONE));
+            sum += area * fabs(p - q);
+            all += area * (p + q) / 2;
+        }
+    return sum / all;
 }
 
 /// The file of what a solve knew, in a folder. @return to be freed

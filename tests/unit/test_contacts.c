@@ -399,6 +399,132 @@ static void light_in_a_gap_is_that_of_the_gap(void **state)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
 }
 
+/// A dark storey above a bright one, a thin floor between them at y = 0.
+static world *begin_storeys(void)
+{
+    world *w = world_begin(2);
+    rsv_material sheet = lambert_material(0.7f, 0);
+    sheet.double_sided = true;
+    world_room(w, world_lambert(w, 0.7f, 0), v3(-1, -1, -1), v3(1, 1, 1));
+    world_quad(w, world_material(w, sheet), v3(-1.02f, 0, 1.02f), v3(1.02f, 0, 1.02f),
+        v3(1.02f, 0, -1.02f), v3(-1.02f, 0, -1.02f));
+    world_quad(w, world_lambert(w, 0, 10), v3(-0.8f, -0.99f, 0.8f), v3(0.8f, -0.99f, 0.8f),
+        v3(0.8f, -0.99f, -0.8f), v3(-0.8f, -0.99f, -0.8f));
+    return w;
+}
+
+/// The most light on the sides of a body on the floor, over that below the floor, from six millimetres (the least split cells) to two centimetres above it.
+static float most_light_at_foot(const world *w, rsv_vec3 low, rsv_vec3 high)
+{
+    rsv_solution *s = solve_small(w, 0);
+    float most = 0;
+    for (int k = 0; k < 200; k++) {
+        float t = ((float)(k % 20) + 0.5f) / 20, y = 0.002f * (float)(k / 20) + 0.006f;
+        rsv_vec3 in_front = v3(low.x + t * (high.x - low.x), y, high.z);
+        rsv_vec3 beside = v3(high.x, y, low.z + t * (high.z - low.z));
+        most = f_max(most, look_up(w, s, in_front, v3(0, 0, 1), RSV_NONE));
+        most = f_max(most, look_up(w, s, beside, v3(1, 0, 0), RSV_NONE));
+    }
+    rsv_hit hit;
+    assert_true(rsv_tracer_nearest(w->tracer, v3(high.x + 0.1f, 0, high.z), v3(0, -1, 0), &hit));
+    float below = rsv_solution_irradiance(s, hit.triangle, hit.u, hit.v, true, RSV_NONE).g;
+    assert_true(below > 5);
+    rsv_solution_destroy(s);
+    return most / below;
+}
+
+/// What stands on a thin floor and reaches a little way through it has light from above the floor on its foot, none of what
+/// is below.
+static void feet_that_reach_through_a_floor_stay_dark(void **state)
+{
+    (void)state;
+    const rsv_vec3 low = v3(0.1f, -0.0025f, 0.2f), high = v3(0.16f, 0.1f, 0.26f);
+    world *w = begin_storeys();
+    world_box(w, world_lambert(w, 0.7f, 0), low, high);
+    world_commit(w);
+    float most = most_light_at_foot(w, low, high);
+    world_end(w);
+    if (most > 0.01f) fail_msg("%g of the light below the floor", most);
+}
+
+/// The base of a body whose normals are smooth around its edges shares nodes with its sides, but not if the floor that it
+/// stands on, in the very same plane, is between them.
+static void smooth_bodies_on_a_floor_stay_dark(void **state)
+{
+    (void)state;
+    const rsv_vec3 low = v3(0.1f, 0, 0.2f), high = v3(0.3f, 0.2f, 0.4f);
+    const uint32_t index[12][3] = { { 0, 2, 1 }, { 1, 2, 3 }, { 4, 5, 6 }, { 5, 7, 6 }, { 0, 1, 4 },
+        { 1, 5, 4 }, { 2, 6, 3 }, { 3, 6, 7 }, { 0, 4, 2 }, { 2, 4, 6 }, { 1, 3, 5 }, { 3, 7, 5 } };
+    rsv_vec3 position[8], normal[8];
+    for (int k = 0; k < 8; k++) {
+        position[k] = v3(k & 1 ? high.x : low.x, k & 2 ? high.y : low.y, k & 4 ? high.z : low.z);
+        normal[k] = v3_normalize(v3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1));
+    }
+    world *w = begin_storeys();
+    rsv_mesh_desc mesh = { .name = "pot",
+        .positions = position,
+        .normals = normal,
+        .vertex_count = 8,
+        .indices = index[0],
+        .triangle_count = 12,
+        .material = world_lambert(w, 0.7f, 0) };
+    uint32_t id;
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+    world_commit(w);
+    float most = most_light_at_foot(w, low, high);
+    world_end(w);
+    if (most > 0.01f) fail_msg("%g of the light below the floor", most);
+}
+
+/// A small plate in a frame that touches all of its corners, behind bars or not: its light over what is gathered there.
+static shares shares_on_plate(bool bars)
+{
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    const float edge = 0.06f, in = 0.04f, back = -0.995f, front = -0.98f;
+    world_room(w, paint, v3(-1, 0, -1), v3(1, 1, 1));
+    world_quad(w, paint, v3(-edge, 0.5f - edge, -0.99f), v3(edge, 0.5f - edge, -0.99f),
+        v3(edge, 0.5f + edge, -0.99f), v3(-edge, 0.5f + edge, -0.99f));
+    world_box(w, paint, v3(-edge, 0.5f - edge, back), v3(edge, 0.5f - in, front));
+    world_box(w, paint, v3(-edge, 0.5f + in, back), v3(edge, 0.5f + edge, front));
+    world_box(w, paint, v3(-edge, 0.5f - in, back), v3(-in, 0.5f + in, front));
+    world_box(w, paint, v3(in, 0.5f - in, back), v3(edge, 0.5f + in, front));
+    for (int k = 0; k < 2 && bars; k++) { // before the middles of the plate's two triangles
+        float y = k ? 0.52f : 0.48f;
+        world_box(w, paint, v3(-edge, y - 0.004f, -0.982f), v3(edge, y + 0.004f, -0.975f));
+    }
+    add_lamp(w);
+    world_commit(w);
+    rsv_solution *s = solve_small(w, 0);
+    enum { PLACES = 36 };
+    rsv_probe probe[PLACES];
+    for (int k = 0; k < PLACES; k++) {
+        float x = 0.01f * ((float)(k % 6) - 2.5f), y = 0.01f * ((float)(k / 6) - 2.5f);
+        probe[k] = (rsv_probe){ v3(x, 0.5f + y, -0.99f), v3(0, 0, 1) };
+    }
+    shares found = stored_shares(w, s, probe, PLACES);
+    rsv_solution_destroy(s);
+    world_end(w);
+    return found;
+}
+
+static void a_plate_in_a_frame_is_lit(void **state)
+{
+    (void)state;
+    shares found = shares_on_plate(false);
+    if (found.least < 0.8f || found.largest > 1.2f || fabsf(found.mean - 1) > 0.1f)
+        fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
+}
+
+static void a_plate_behind_bars_is_lit(void **state)
+{
+    (void)state;
+    shares found = shares_on_plate(true);
+    if (found.least < 0.4f || found.largest > 2.5f || fabsf(found.mean - 1) > 0.15f)
+        fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -413,6 +539,10 @@ int main(void)
         cmocka_unit_test(rows_start_from_the_points_that_were_judged),
         cmocka_unit_test(the_wall_around_a_picture_is_not_darkened),
         cmocka_unit_test(light_in_a_gap_is_that_of_the_gap),
+        cmocka_unit_test(feet_that_reach_through_a_floor_stay_dark),
+        cmocka_unit_test(smooth_bodies_on_a_floor_stay_dark),
+        cmocka_unit_test(a_plate_in_a_frame_is_lit),
+        cmocka_unit_test(a_plate_behind_bars_is_lit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

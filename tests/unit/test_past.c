@@ -1,36 +1,9 @@
 /// Solving a scene again after an edit, from what the solution before knew.
 #include "past_fixture.h"
-#include "solve/budget.h"
 
 #include <math.h>
 
 enum { SEEDS = 4, EDITS = 2 };
-
-/// Metres around the box, before and after it is moved: its shadow, and the light that it returns.
-static bool is_near_the_box(rsv_vec3 p)
-{
-    return p.x > 0.2f && p.x < 1.4f && p.y < 0.5f && p.z > 0.2f && p.z < 1.1f;
-}
-
-/// Mean difference of irradiance at points of the surfaces near the box, over its mean.
-static double difference(const rsv_solution *a, const rsv_solution *b)
-{
-    double sum = 0, all = 0;
-    for (uint32_t t = 0; t < a->scene.view->triangle_count; t++)
-        for (uint32_t k = 0; k < 512; k++) {
-            float x, y;
-            rsv_sobol_2d(k, t, &x, &y);
-            float root = sqrtf(x), u = 1 - root, v = root * y;
-            if (!is_near_the_box(rsv_surface_point_at(a->scene.view, t, u, v, false).position))
-                continue;
-            double area = (double)rsv_triangle_area(a->scene.view, t);
-            double p = (double)rgb_luminance(rsv_solution_irradiance(a, t, u, v, false, RSV_NONE));
-            double q = (double)rgb_luminance(rsv_solution_irradiance(b, t, u, v, false, RSV_NONE));
-            sum += area * fabs(p - q);
-            all += area * (p + q) / 2;
-        }
-    return sum / all;
-}
 
 /// Logarithm of a solution's mean distance to others. @param from [SEEDS], itself left out
 static double distance(const rsv_solution *s, rsv_solution *const from[SEEDS])
@@ -115,26 +88,44 @@ static void an_edit_gives_what_a_whole_solution_gives(void **state)
 static void albedos_need_no_rays_of_rows(void **state)
 {
     (void)state;
-    folder before = new_folder(), after = new_folder();
     room dark = plain;
     dark.albedo = 0.1f;
-    leave(&plain, before.path, NULL);
-    world *w = build(&dark, 2);
-    rsv_solution *s = solve(w, after.path, before.path);
-    assert_true(s->report.kept_row_rays > 0);
-    assert_int_equal(s->report.kept_row_rays, s->report.row_rays);
-    rsv_solution_destroy(s);
-    world_end(w);
-    remove_folder(before.path);
-    remove_folder(after.path);
+    edited_room r = edit(&plain, &dark);
+    assert_true(r.s->report.kept_row_rays > 0);
+    assert_int_equal(r.s->report.kept_row_rays, r.s->report.row_rays);
+    end_edit(&r);
+}
+
+static int compare_numbers(const void *left, const void *right)
+{
+    uint32_t a = *(const uint32_t *)left, b = *(const uint32_t *)right;
+    return (a > b) - (a < b);
+}
+
+static void no_two_nodes_draw_the_same_points(void **state)
+{
+    (void)state;
+    edited_room r = edit(&plain, &moved);
+    const rsv_elements *e = r.s->elements;
+    uint32_t *draw = calloc(e->node_count, sizeof *draw), count = 0, recalled = 0;
+    assert_non_null(draw);
+    assert_non_null(e->node_draw);
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        recalled += e->node_draw[n] != n;
+        if (r.s->valid_points[n]) draw[count++] = e->node_draw[n];
+    }
+    assert_true(recalled > 0);
+    qsort(draw, count, sizeof *draw, compare_numbers);
+    for (uint32_t k = 1; k < count; k++)
+        assert_int_not_equal(draw[k - 1], draw[k]);
+    free(draw);
+    end_edit(&r);
 }
 
 static void threads_make_no_difference(void **state)
 {
     (void)state;
     folder before = new_folder();
-    room moved = plain;
-    moved.box_at = 0.8f;
     leave(&plain, before.path, NULL);
     rsv_solution *s[2];
     world *w[2];
@@ -154,46 +145,6 @@ static void threads_make_no_difference(void **state)
         world_end(w[k]);
     }
     remove_folder(before.path);
-}
-
-/// Leaves in `rows` what a solve of the room knew, as if that had been one by `settings`.
-static void leave_for(const room *r, const char *rows, uint64_t settings)
-{
-    size_t bytes;
-    leave(r, rows, NULL);
-    rsv_past_header *h = read_past(rows, &bytes);
-    h->settings = settings;
-    write_past(rows, h, bytes);
-    free(h);
-}
-
-static void budgets_coarsen_what_was_finer_before(void **state)
-{
-    (void)state;
-    folder before = new_folder(), after = new_folder();
-    room moved = plain;
-    moved.box_at = 0.8f;
-    world *w = build(&moved, 2);
-    rsv_solution *s = NULL;
-    rsv_solve_desc desc = few_elements(after.path, NULL);
-    desc.max_elements = 150;
-    desc.direct_level = false;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
-    size_t bytes;
-    rsv_past_header *h = read_past(after.path, &bytes);
-    float metres = s->elements->spacing;
-    assert_true(metres > 1.1f * h->spacing[0]); // what was asked for: the next one begins there
-    rsv_solution_destroy(s);
-    leave_for(&plain, before.path, h->settings);
-    free(h);
-    desc.earlier = before.path;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
-    assert_true(rsv_solution_rows(s) <= desc.max_elements);
-    assert_true(s->elements->spacing < 1.5f * metres); // not clusters of what is too fine
-    rsv_solution_destroy(s);
-    world_end(w);
-    remove_folder(before.path);
-    remove_folder(after.path);
 }
 
 static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float roughness)
@@ -258,32 +209,24 @@ static bool any_line_meets(const rsv_scene_change *change, const rsv_elements *e
 static void light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change(void **state)
 {
     (void)state;
-    folder before = new_folder(), after = new_folder();
-    room moved = plain;
-    moved.box_at = 0.8f;
-    leave(&plain, before.path, NULL);
-    world *w = build(&moved, 2);
-    rsv_solution *s = solve(w, after.path, before.path);
+    edited_room r = edit(&plain, &moved);
+    const rsv_elements *e = r.s->elements;
     rsv_past *past = NULL;
-    DIR *directory = opendir(before.path);
-    unsigned long long settings = 0;
-    for (struct dirent *entry; (entry = readdir(directory));)
-        if (strstr(entry->d_name, ".past")) settings = strtoull(entry->d_name, NULL, 16);
-    closedir(directory);
-    assert_int_equal(rsv_past_open(&s->scene, s->lights, before.path, settings, &past), RSV_OK);
+    size_t bytes;
+    rsv_past_header *h = read_past(r.before.path, &bytes);
+    assert_int_equal(
+        rsv_past_open(&r.s->scene, r.s->lights, r.before.path, h->settings, &past), RSV_OK);
     assert_non_null(past);
+    free(h);
     size_t same = 0;
-    for (uint32_t c = 0; c < s->elements->cell_count; c++) {
-        if (rsv_past_is_lit_anew(past, s->elements, c)) continue;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (rsv_past_is_lit_anew(past, e, c)) continue;
         same++;
-        assert_false(any_line_meets(rsv_past_change(past), s->elements, c));
+        assert_false(any_line_meets(rsv_past_change(past), e, c));
     }
-    assert_true(same > s->elements->cell_count / 3);
+    assert_true(same > e->cell_count / 3);
     rsv_past_close(past);
-    rsv_solution_destroy(s);
-    world_end(w);
-    remove_folder(before.path);
-    remove_folder(after.path);
+    end_edit(&r);
 }
 
 int main(void)
@@ -291,9 +234,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(an_edit_gives_what_a_whole_solution_gives),
         cmocka_unit_test(albedos_need_no_rays_of_rows),
+        cmocka_unit_test(no_two_nodes_draw_the_same_points),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change),
-        cmocka_unit_test(budgets_coarsen_what_was_finer_before),
         cmocka_unit_test(another_coat_is_another_surface),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,115 @@
+/// Collects the cells around each node.
+#include "elements_internal.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+rsv_status rsv_elements_are_countable(const rsv_elements *e)
+{
+    if (e->cell_count < RSV_NONE / 4) return RSV_OK;
+    return rsv_fail(RSV_ERROR_MEMORY, "elements: more than 2^30 cells; ask for fewer elements");
+}
+
+static int compare(const void *left, const void *right)
+{
+    uint32_t a = *(const uint32_t *)left, b = *(const uint32_t *)right;
+    return (a > b) - (a < b);
+}
+
+/// The cells around a node in their order: a few, but at the tip of a cone.
+static void sort_support(uint32_t *support, size_t count)
+{
+    if (count > 32) qsort(support, count, sizeof *support, compare);
+    for (size_t k = 1; k < count; k++) {
+        uint32_t moved = support[k];
+        size_t at = k;
+        for (; at > 0 && support[at - 1] > moved; at--)
+            support[at] = support[at - 1];
+        support[at] = moved;
+    }
+}
+
+static void count_supports(rsv_elements *e)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t c = 0; c < e->cell_count; c++)
+        for (int k = 0; k < 3; k++) {
+#pragma omp atomic
+            e->support_begin[e->cell_node[c][k] + 1]++;
+        }
+    for (size_t n = 0; n < e->node_count; n++)
+        e->support_begin[n + 1] += e->support_begin[n];
+}
+
+/// Whoever comes first takes the next place. @param taken [node_count], zeros
+static void fill_supports(rsv_elements *e, uint32_t *taken)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t c = 0; c < e->cell_count; c++)
+        for (int k = 0; k < 3; k++) {
+            uint32_t node = e->cell_node[c][k], place;
+#pragma omp atomic capture
+            place = taken[node]++;
+            e->support[e->support_begin[node] + place] = (uint32_t)(4 * c) + (uint32_t)k;
+        }
+}
+
+/// Takes the area of hanging nodes to their parents.
+static void hand_over_areas(rsv_elements *e)
+{
+    for (size_t h = e->hanging_count; h-- > 0;) {
+        const rsv_hanging *hanging = &e->hanging[h];
+        float area = e->node_area[hanging->node];
+        for (int p = 0; p < RSV_PARENTS; p++)
+            e->node_area[hanging->parent[p]] += hanging->weight[p] * area;
+        e->node_area[hanging->node] = 0;
+    }
+}
+
+rsv_status rsv_elements_create_supports(rsv_elements *e)
+{
+    rsv_status status = rsv_elements_are_countable(e);
+    if (status != RSV_OK) return status;
+    uint32_t *taken = rsv_alloc(e->context, e->node_count, sizeof *taken);
+    e->node_face = rsv_alloc(e->context, e->node_count, sizeof *e->node_face);
+    e->node_area = rsv_alloc(e->context, e->node_count, sizeof *e->node_area);
+    e->support_begin = rsv_alloc(e->context, e->node_count + 1, sizeof *e->support_begin);
+    e->support = rsv_reserve(e->context, 3 * e->cell_count, sizeof *e->support);
+    RSV_TRY(taken && e->node_face && e->node_area && e->support_begin && e->support
+                ? RSV_OK
+                : RSV_ERROR_MEMORY);
+    count_supports(e);
+    fill_supports(e, taken);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t begin = e->support_begin[n], end = e->support_begin[n + 1];
+        if (begin == end) continue;
+        sort_support(e->support + begin, end - begin);
+        for (uint32_t s = end; s-- > begin;)
+            e->node_area[n] += rsv_cell_area(e, e->support[s] / 4) / 3;
+        e->node_face[n] = e->cell[e->support[begin] / 4].face;
+    }
+    hand_over_areas(e);
+cleanup:
+    rsv_free(e->context, taken);
+    return status;
+}
+
+rsv_status rsv_elements_renumber(rsv_elements *e, size_t node_count)
+{
+    uint32_t *node_hanging = rsv_alloc(e->context, node_count, sizeof *node_hanging);
+    if (!node_hanging) return RSV_ERROR_MEMORY;
+    memset(node_hanging, 0xff, node_count * sizeof *node_hanging);
+    memcpy(node_hanging, e->node_hanging, e->node_count * sizeof *node_hanging);
+    rsv_free(e->context, e->node_hanging);
+    rsv_free(e->context, e->node_face);
+    rsv_free(e->context, e->node_area);
+    rsv_free(e->context, e->support_begin);
+    rsv_free(e->context, e->support);
+    e->node_face = NULL;
+    e->node_area = NULL;
+    e->support_begin = e->support = NULL;
+    e->node_hanging = node_hanging;
+    e->node_count = node_count;
+    return rsv_elements_create_supports(e);
+}
