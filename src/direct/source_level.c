@@ -332,44 +332,40 @@ cleanup:
     return status;
 }
 
-#include <stdlib.h>
-static float P(const char*n,float d){const char*v=getenv(n);return v?(float)atof(v):d;}
-/// Whether a cell of the coarse elements is worth a split before anything is known of its light.
-static bool is_first(const level_builder *b, size_t cell)
+/// Whether a cell of the coarse elements may be split before shadows are looked for.
+static bool may_begin_finer(const level_builder *b, size_t cell)
 {
     const uint8_t *hidden = b->desc->hidden;
     return cell_size(b->coarse, cell) > 0.25f * b->coarse->spacing && !(hidden && hidden[cell]) &&
            (!b->recall || b->recall->anew[cell]);
 }
 
-static bool is_lit(const level_builder *b, uint32_t cell)
+static bool is_lit(const level_builder *b, size_t cell)
 {
     const uint32_t *node = b->elements->cell_node[cell];
-    float dark = P("GX_DARK",0)*(float)rsv_elements_mean_luminance(b->elements, b->direct);
-    for (int k = 0; k < 3; k++)
-        if (rgb_luminance(b->direct[node[k]])>dark) return true;
-    return false;
+    return !(rgb_is_black(b->direct[node[0]]) && rgb_is_black(b->direct[node[1]]) &&
+             rgb_is_black(b->direct[node[2]]));
 }
 
-/// Elements to begin with, split once for direct light but for what is recalled in the end; where much is hidden, only
-/// where a first look finds light.
+/// Elements to begin with, split once for direct light but for what is recalled in the end. For a goal, which has the
+/// fewest elements that do, those alone that a first look finds lit.
 static rsv_status begin(level_builder *b)
 {
     const rsv_elements *coarse = b->coarse;
-    bool look = b->desc->hidden && b->desc->direct;
+    bool looks_first = b->desc->direct && b->desc->hidden;
     rsv_status status;
     if (b->scene->past && b->desc->direct && !b->desc->hidden)
         RSV_TRY(rsv_source_recall_create(b->scene->past, coarse, &b->recall));
     b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
     if (!b->split) return RSV_ERROR_MEMORY;
-    for (size_t c = 0; b->desc->direct && !look && c < coarse->cell_count; c++)
-        b->split[c] = is_first(b, c);
+    for (size_t c = 0; b->desc->direct && !looks_first && c < coarse->cell_count; c++)
+        b->split[c] = may_begin_finer(b, c);
     RSV_TRY(rsv_elements_refine(coarse, b->split, &b->elements));
     RSV_TRY(prepare_elements(b, NULL));
     if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
-    if (!look) goto cleanup;
-    for (uint32_t c = 0; c < b->elements->cell_count; c++)
-        b->split[c] = is_first(b, c) && is_lit(b, c);
+    if (!looks_first) goto cleanup;
+    for (size_t c = 0; c < coarse->cell_count; c++)
+        b->split[c] = may_begin_finer(b, c) && is_lit(b, c);
     RSV_TRY(split_once(b));
 cleanup:
     return status;

@@ -7,8 +7,6 @@
 #include "../elements/elements_internal.h"
 #include "../elements/open_corners.h"
 #include "../elements/past.h"
-#include <stdlib.h>
-#include <stdio.h>
 
 /// Where meshes are finer than the wanted spacing, nodes follow leaders within this part of it; pilots halve that where
 /// light changes quickly.
@@ -123,94 +121,75 @@ static rsv_status refine_as_then(rsv_solution *s)
     return status;
 }
 
-rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
+/// Splits cells that other geometry cuts. @param growth NULL = none
+static rsv_status refine_contacts(rsv_solution *s, const rsv_growth *growth)
 {
-    rsv_spacing first = s->spacing;
-    first.metres *= coarsening;
-    rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, &first, &s->elements);
-    if (status != RSV_OK) return status;
-    s->elements->spacing = s->spacing.metres;
+    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(s->desc.element_target));
+    return rsv_elements_refine_contacts(
+        &s->scene, most_nodes, growth, &s->elements, &s->report.rays);
+}
+
+/// Grids whose cells are larger than the solution's spacing by a factor.
+static rsv_status create_grids(rsv_solution *s, float coarsening)
+{
+    rsv_spacing spacing = s->spacing;
+    spacing.metres *= coarsening;
     rsv_free(s->context, s->valid_points);
     s->valid_points = NULL;
-    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(s->desc.element_target));
-    status = rsv_elements_refine_contacts(&s->scene, most_nodes, &s->elements, &s->report.rays);
+    rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, &spacing, &s->elements);
+    if (status == RSV_OK) s->elements->spacing = s->spacing.metres;
+    return status;
+}
+
+rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
+{
+    rsv_status status = create_grids(s, coarsening);
+    if (status == RSV_OK) status = refine_contacts(s, NULL);
     if (status == RSV_OK && s->scene.past) status = refine_as_then(s);
     return status == RSV_OK ? prepare_elements(s, NULL) : status;
 }
 
-static float P(const char*n,float d){const char*v=getenv(n);return v?(float)atof(v):d;}
+/// Splits halve cells: they end up at most this much larger than wanted.
+#define GOAL_TOLERANCE 1.4f
+
 /// What chooses cells for a goal.
 typedef struct goal_chooser {
-    const rsv_solution *s;
     const rsv_goal *goal;
+    const rsv_spacing *spacing;
 } goal_chooser;
-
-static float cell_size(const rsv_elements *e, uint32_t cell)
-{
-    return sqrtf(2 * rsv_cell_area(e, cell));
-}
 
 /// Cells that are too large for what they matter.
 static void choose_for_goal(void *user, const rsv_elements *e, uint8_t *split)
 {
     const goal_chooser *g = user;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t c = 0; c < e->cell_count; c++)
-        split[c] =
-            e->cell[c].level < RSV_MAX_LEVEL &&
-            cell_size(e, c) > P("GX_TOL",1.4f) * e->spacing * rsv_goal_size_at(g->goal, e, c) &&
-            !rsv_spacing_lets_grow(&g->s->spacing, e, c);
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        float wanted = e->spacing * rsv_goal_size_at(g->goal, e, c);
+        split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
+                   sqrtf(2 * rsv_cell_area(e, c)) > GOAL_TOLERANCE * wanted &&
+                   !rsv_spacing_lets_grow(g->spacing, e, c);
+    }
 }
 
-/// Splits cells that other geometry cuts. What is wrong there lies along lines, whose width goes with the square of
-/// what sizes of areas go with.
-static rsv_status split_contacts(rsv_solution *s, const rsv_goal *goal)
+static float growth_for_goal(const void *goal, const rsv_elements *e, uint32_t cell)
 {
-    rsv_status status = RSV_OK;
-    rsv_elements *earlier = NULL;
-    size_t marked = 1;
-    for (;;) {
-        rsv_elements *e = s->elements;
-        status = rsv_elements_find_open_corners(&s->scene, earlier, e, &s->report.rays);
-        rsv_elements_destroy(earlier);
-        earlier = NULL;
-        if (status != RSV_OK) return status;
-        uint8_t *split = rsv_alloc(s->context, e->cell_count, 1);
-        if (!split) return RSV_ERROR_MEMORY;
-        marked = 0;
-        for (uint32_t c = 0; c < e->cell_count; c++) {
-            float wish = rsv_contact_wish(e->cell_openness[c]);
-            if (wish > 1 || e->cell[c].level >= RSV_MAX_LEVEL) continue;
-            float size = rsv_goal_size_at(goal, e, c);
-            split[c] = cell_size(e, c) > P("GX_CTOL",1.4f) * wish * e->spacing * powf(size,P("GX_CPOW",2));
-            marked += split[c];
-        }
-        status = marked ? rsv_elements_refine(e, split, &s->elements) : RSV_OK;
-        rsv_free(s->context, split);
-        if (status != RSV_OK || !marked) return status;
-        earlier = e;
-    }
+    return rsv_goal_size_at(goal, e, cell);
 }
 
 rsv_status rsv_coarse_elements_create_for_goal(rsv_solution *s, const rsv_goal *goal)
 {
-    rsv_elements *first = NULL;
-    rsv_spacing coarsest = s->spacing;
-    goal_chooser chooser = { s, goal };
+    rsv_elements *coarsest = NULL;
+    goal_chooser chooser = { goal, &s->spacing };
+    rsv_growth growth = { growth_for_goal, goal };
     rsv_status status;
-    coarsest.metres *= RSV_GOAL_COARSEST;
-    rsv_free(s->context, s->valid_points);
-    s->valid_points = NULL;
-    RSV_TRY(rsv_elements_create(s->scene.scene, s->bsdf, &coarsest, &first));
-    first->spacing = s->spacing.metres;
-    RSV_TRY(rsv_elements_refine_where(first, choose_for_goal, &chooser, &s->elements));
-    if(getenv("GX_LOG")) {fprintf(stderr,"learned %zu sized %zu ",goal->elements->node_count,s->elements->node_count);
-    double h[8]={0}; for(uint32_t c=0;c<s->elements->cell_count;c++) h[(int)f_max(0,2*log2f(2*rsv_goal_size_at(goal,s->elements,c)))%8]+=rsv_cell_area(s->elements,c); for(int i=0;i<8;i++) fprintf(stderr," %.1f",h[i]);}
-    RSV_TRY(split_contacts(s, goal));
-    if(getenv("GX_LOG")) fprintf(stderr,"\ncontacts %zu\n",s->elements->node_count);
+    RSV_TRY(create_grids(s, RSV_GOAL_COARSEST));
+    coarsest = s->elements;
+    s->elements = NULL;
+    RSV_TRY(rsv_elements_refine_where(coarsest, choose_for_goal, &chooser, &s->elements));
+    RSV_TRY(refine_contacts(s, &growth));
     RSV_TRY(prepare_elements(s, NULL));
 cleanup:
-    rsv_elements_destroy(first);
+    rsv_elements_destroy(coarsest);
     return status;
 }
 

@@ -4,7 +4,6 @@
 #include "../solver/linear_solver.h"
 #include "solution.h"
 #include "transport_map.h"
-#include <stdlib.h>
 
 /// Rays each way that weigh what is seen.
 #define PILOT_SIDE 128
@@ -55,15 +54,15 @@ static float typical_density(const rsv_elements *e, const rsv_rgb *density)
     return weights > 0 ? (float)(sum / weights) : 0;
 }
 
-static float P(const char*n,float d){const char*v=getenv(n);return v?(float)atof(v):d;}
+/// Replaces densities by sizes. Linear elements err by a multiple of their area, which counts with the root of the
+/// density in a root mean square: the fourth root makes both even out.
 static void set_sizes(const rsv_elements *e, rsv_rgb *density)
 {
-    float usual = P("GX_FULL",FULL_SIZE) * typical_density(e, density);
-    float finest=P("GX_FINE",1), coarsest=P("GX_COARSE",RSV_GOAL_COARSEST),power=P("GX_POW",0.25f);
+    float usual = FULL_SIZE * typical_density(e, density);
     for (size_t n = 0; n < e->node_count; n++) {
         float d = f_max(sum_of(density[n]), 0);
-        float size = d > 0 ? powf(usual / d,power) : coarsest;
-        density[n] = rgb_gray(usual > 0 ? f_min(f_max(size, finest), coarsest) : 1);
+        float size = d > 0 ? sqrtf(sqrtf(usual / d)) : RSV_GOAL_COARSEST;
+        density[n] = rgb_gray(usual > 0 ? f_min(f_max(size, 1), RSV_GOAL_COARSEST) : 1);
     }
 }
 
@@ -96,7 +95,7 @@ void rsv_goal_destroy(rsv_goal *goal)
     *goal = (rsv_goal){ 0 };
 }
 
-/// Least of the sizes over a cell: of as many places as the elements have where that was found out, about.
+/// At about as many places as the elements have where that was found out.
 float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *e, uint32_t cell)
 {
     float u[3], v[3], least = INFINITY;

@@ -1,8 +1,9 @@
 /// Elements for one picture, or for the readings of sensors: importance says where errors are seen.
 ///
-/// w is what a unit of irradiance at each node adds to the goal, the picture's mean luminance or the readings' mean, and z = (I - (G K)*)^-1 w what a unit
-/// of *source* there does, after all reflections. An element far from what matters may be larger: by the root of how
-/// much less important its area is, since what it adds to the picture's squared error goes with both.
+/// w is what a unit of irradiance at each node adds to the goal, the picture's mean luminance or the readings' mean, and
+/// z = (I - (G K)*)^-1 w what a unit of *source* there does, after all reflections. An element far from what matters may
+/// be larger: by the fourth root of how much less important its area is, as the square of what linear elements err goes
+/// with the fourth power of their size.
 #ifndef RSV_GOAL_H
 #define RSV_GOAL_H
 
@@ -53,7 +54,7 @@ void rsv_goal_density(const rsv_elements *elements, rsv_rgb *importance);
 rsv_status rsv_goal_create(struct rsv_solution *solution, rsv_goal *goal);
 void rsv_goal_destroy(rsv_goal *goal);
 
-/// How much larger than usual a cell of finer elements may be.
+/// How much larger than usual a cell of other elements may be: the least over it.
 float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *elements, uint32_t cell);
 
 /// Cells whose light no ray of the goal sees. @param hidden [cell_count] of solution->elements

@@ -13,8 +13,6 @@
 #include "system.h"
 
 #include <string.h>
-#include <stdlib.h>
-#include <stdio.h>
 
 #define PILOT_RAYS 128
 #define PILOT_ORDERS 3
@@ -30,7 +28,6 @@
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
 
-static float P(const char*n,float d){const char*v=getenv(n);return v?(float)atof(v):d;}
 static void note_bend(void *user, uint32_t cell, uint32_t other, float bend)
 {
     float *strongest = user;
@@ -61,13 +58,17 @@ static void shrink_clusters(rsv_elements *e, uint8_t *marked)
     }
 }
 
-/// Weighs bends by what light matters to the goal where they are: an error over a cell counts with its area, which goes
-/// with the root of that.
+/// Weighs bends by what light matters to the goal where they are. What they err counts with the root of that, which is
+/// one over the size squared.
 static void weigh_bends(const rsv_goal *goal, const rsv_elements *e, float *bend)
 {
-    float power=P("GX_BPOW",2);
-    for (uint32_t c = 0; goal->elements && c < e->cell_count; c++)
-        if (bend[c] > 0) bend[c] /= powf(f_max(1,rsv_goal_size_at(goal, e, c)),power);
+    if (!goal->elements) return;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (bend[c] == 0) continue;
+        float size = rsv_goal_size_at(goal, e, c);
+        bend[c] /= size * size;
+    }
 }
 
 /// What is known from before an edit that left sources as they were: other ones bend light elsewhere. NULL = nothing
@@ -123,7 +124,7 @@ static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t
     rsv_find_cluster_bends(e, arriving, deviation, PILOT_BEND, dark, note_bend, bend);
     weigh_bends(goal, e, bend);
     bool marked = true;
-    for (float least = goal->elements?P("GX_BEND",PILOT_BEND):PILOT_BEND; least < LARGEST_BEND && marked && !*any; least *= 1.5f) {
+    for (float least = PILOT_BEND; least < LARGEST_BEND && marked && !*any; least *= 1.5f) {
         for (size_t c = 0; c < e->cell_count; c++)
             split[c] = bend[c] > least;
         unmark_settled(settled(s), e, split);
@@ -291,7 +292,6 @@ rsv_status rsv_pilot_refine(rsv_solution *s)
         size_t rows = rsv_solution_rows(s), most = most_rows(s, first);
         if (!settled(s) && (double)most < (1 + LEAST_GROWTH) * (double)rows) break;
         RSV_TRY(refine_by_pilot(s, &goal, most, &refined));
-        if(getenv("GX_LOG")) fprintf(stderr,"pilot %zu\n",s->elements->node_count);
     }
 cleanup:
     rsv_goal_destroy(&goal);

@@ -138,7 +138,8 @@ static size_t nodes_at_contacts(size_t most_nodes)
     assert_int_equal(
         rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.2f }, &e), RSV_OK);
     size_t before = e->node_count;
-    assert_int_equal(rsv_elements_refine_contacts(&w->transport, most_nodes, &e, &rays), RSV_OK);
+    assert_int_equal(
+        rsv_elements_refine_contacts(&w->transport, most_nodes, NULL, &e, &rays), RSV_OK);
     size_t added = e->node_count - before;
     rsv_elements_destroy(e);
     world_end(w);
@@ -220,7 +221,7 @@ static void corners_within_walls_are_not_open(void **state)
     uint64_t rays = 0;
     assert_int_equal(
         rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.13f }, &e), RSV_OK);
-    assert_int_equal(rsv_elements_refine_contacts(&w->transport, 10000, &e, &rays), RSV_OK);
+    assert_int_equal(rsv_elements_refine_contacts(&w->transport, 10000, NULL, &e, &rays), RSV_OK);
     size_t cut = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
         rsv_cell_shape shape = rsv_cell_shape_of(e, c);
