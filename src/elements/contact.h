@@ -19,7 +19,8 @@ typedef struct rsv_growth {
 /// other, four times. Cells far smaller than the spacing are left alone, and larger ones, too, where meshes run through
 /// each other so much that there would be too many nodes. Replaces `*elements`.
 /// @param most_nodes that are added, about
-/// @param growth cells have been made larger than usual by this, and these may stay larger by its square; NULL = 1
+/// @param growth cells have been made larger than usual by this, and may stay larger by its square, but for those that
+/// reach through walls; NULL = 1
 rsv_status rsv_elements_refine_contacts(const rsv_transport_scene *scene, size_t most_nodes,
     const rsv_growth *growth, rsv_elements **elements, uint64_t *rays);
 

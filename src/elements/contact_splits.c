@@ -31,9 +31,9 @@ static float finest_size(
     uint32_t levels = through ? THIN_WALL_LEVELS : CONTACT_LEVELS;
     if (!through && !(openness & RSV_CELL_CUT)) return INFINITY;
     if (growth) {
-        // what is wrong in there is as wrong whatever the size, but its area shrinks: with the square of what the sizes
-        // of smooth light's cells go with
-        float larger = growth->at(growth->user, e, cell);
+        // Next to what stands upon a cell light is wrong by as much whatever the size, on an area that shrinks with it:
+        // with the square of the sizes that smooth light wants. Through a wall it may be wrong by any number of times.
+        float larger = through ? 1 : growth->at(growth->user, e, cell);
         return GROWTH_TOLERANCE * larger * larger * ldexpf(e->spacing, -(int)levels);
     }
     if (splits >= levels) return INFINITY;
