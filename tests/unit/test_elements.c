@@ -643,8 +643,9 @@ static void nodes_of_fine_meshes_follow_near_leaders(void **state)
     world_end(w);
 }
 
-static void mark_cell(void *user, uint32_t cell, uint32_t other)
+static void mark_cell(void *user, uint32_t cell, uint32_t other, float bend)
 {
+    (void)bend;
     (void)other;
     ((uint8_t *)user)[cell] = 1;
 }
