@@ -12,7 +12,7 @@
 /// Wanted coarse elements; all else stays the same.
 static const uint32_t targets[] = { 500, 1000, 2000, 4000, 8000, 16000 };
 enum { target_count = sizeof targets / sizeof targets[0] };
-enum { reference_target = 30000, width = 160, height = 120, samples = 4 };
+enum { reference_target = 30000, width = 160, height = 120, samples = 16 };
 
 static rsv_solve_desc describe_solve(uint32_t elements, bool goal, uint32_t seed)
 {
@@ -67,6 +67,50 @@ static rsv_status measure_case(
     return status;
 }
 
+static bool is_goal(const cJSON *one) { return cJSON_IsTrue(cJSON_GetObjectItem(one, "goal")); }
+
+/// Elements that solutions without a goal take for the same error: between their two nearest, on logarithmic scales.
+/// @param kind of error @return NAN beyond what was measured
+static double elements_without_goal(const cJSON *result, const char *kind, double error)
+{
+    double before[2] = { 0 };
+    const cJSON *one;
+    cJSON_ArrayForEach(one, cJSON_GetObjectItem(result, "cases"))
+    {
+        if (is_goal(one)) continue;
+        double now[2] = { cli_json_number(one, "elements"), cli_json_number(one, kind) };
+        if (before[0] > 0 && before[1] >= error && error >= now[1]) {
+            double share = log(before[1] / error) / log(before[1] / now[1]);
+            return before[0] * pow(now[0] / before[0], share);
+        }
+        before[0] = now[0], before[1] = now[1];
+    }
+    return NAN;
+}
+
+/// How many times fewer elements a case with a goal has than one without of the same error.
+static double gain(const cJSON *result, const cJSON *one, const char *kind)
+{
+    return elements_without_goal(result, kind, cli_json_number(one, kind)) /
+           cli_json_number(one, "elements");
+}
+
+/// Geometric mean over all cases with a goal whose error was reached without one. @return NAN if there is none
+static double mean_gain(const cJSON *result, const char *kind)
+{
+    double sum = 0;
+    int count = 0;
+    const cJSON *one;
+    cJSON_ArrayForEach(one, cJSON_GetObjectItem(result, "cases"))
+    {
+        double times = is_goal(one) ? gain(result, one, kind) : NAN;
+        if (isnan(times)) continue;
+        sum += log(times);
+        count++;
+    }
+    return count > 0 ? exp(sum / count) : NAN;
+}
+
 bool cli_bench_goal(const cli_bench_task *bench, cJSON *result)
 {
     rsv_scene *scene = cli_open_bench_scene(bench);
@@ -81,47 +125,43 @@ bool cli_bench_goal(const cli_bench_task *bench, cJSON *result)
         status = measure_case(scene, reference, targets[i / 2], i % 2, cases);
     rsv_image_destroy(reference);
     rsv_scene_destroy(scene);
-    if (status != RSV_OK) cli_report_failure(bench->session, status);
-    return status == RSV_OK;
+    if (status != RSV_OK) {
+        cli_report_failure(bench->session, status);
+        return false;
+    }
+    cJSON_AddNumberToObject(result, "fewer_for_median", mean_gain(result, "median_error"));
+    cJSON_AddNumberToObject(result, "fewer_for_mse", mean_gain(result, "relative_mse"));
+    return true;
 }
 
-static bool is_goal(const cJSON *one) { return cJSON_IsTrue(cJSON_GetObjectItem(one, "goal")); }
-
-/// Elements that solutions without a goal take for the same error: between their two nearest, on logarithmic scales.
-/// @return NAN beyond what was measured
-static double elements_without_goal(const cJSON *result, double error)
+static void print_gain(double times)
 {
-    double before[2] = { 0 };
-    const cJSON *one;
-    cJSON_ArrayForEach(one, cJSON_GetObjectItem(result, "cases"))
-    {
-        if (is_goal(one)) continue;
-        double now[2] = { cli_json_number(one, "elements"), cli_json_number(one, "median_error") };
-        if (before[0] > 0 && before[1] >= error && error >= now[1]) {
-            double share = log(before[1] / error) / log(before[1] / now[1]);
-            return before[0] * pow(now[0] / before[0], share);
-        }
-        before[0] = now[0], before[1] = now[1];
-    }
-    return NAN;
+    if (isnan(times))
+        printf(" %13s", "-");
+    else
+        printf(" %11.2f x", times);
 }
 
 void cli_print_goal(const cJSON *result)
 {
     const cJSON *one;
-    printf("  %-6s %10s %10s %13s %13s %22s\n", "goal", "elements", "unknowns", "median error",
-        "relative MSE", "fewer for same error");
+    printf("  %-6s %10s %10s %13s %13s %13s %13s\n", "goal", "elements", "unknowns", "median error",
+        "relative MSE", "fewer for it", "fewer for it");
     cJSON_ArrayForEach(one, cJSON_GetObjectItem(result, "cases"))
     {
-        double error = cli_json_number(one, "median_error");
         printf("  %-6s %10.0f %10.0f %11.3f %% %13.3g", is_goal(one) ? "yes" : "no",
-            cli_json_number(one, "elements"), cli_json_number(one, "unknowns"), 100 * error,
-            cli_json_number(one, "relative_mse"));
-        if (is_goal(one))
-            printf(" %20.2f x",
-                elements_without_goal(result, error) / cli_json_number(one, "elements"));
+            cli_json_number(one, "elements"), cli_json_number(one, "unknowns"),
+            100 * cli_json_number(one, "median_error"), cli_json_number(one, "relative_mse"));
+        if (is_goal(one)) {
+            print_gain(gain(result, one, "median_error"));
+            print_gain(gain(result, one, "relative_mse"));
+        }
         putchar('\n');
     }
+    printf(
+        "  fewer elements for the same error, geometric mean: %.2f x by the median, %.2f x by the "
+        "relative MSE\n",
+        mean_gain(result, "median_error"), mean_gain(result, "relative_mse"));
 }
 
 bool cli_write_goal_csv(const char *path, const cJSON *scenes)

@@ -35,8 +35,9 @@ static const char help[] =
     "64)\n"
     "  --noise P%         final and operator: up to 64 times as many where pixels are noisier "
     "than\n"
-    "                     that (default 0: the same everywhere)\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+    "                     that; 0 = the same everywhere (default: final without --spp by quality: "
+    "0,\n"
+    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
@@ -70,7 +71,8 @@ typedef struct settings {
     int mode, device;
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, gather_rays;
-    float exposure, occlusion_distance, noise;
+    float exposure, occlusion_distance;
+    float noise; ///< below 0 = by mode and quality
     bool layers, goal;
 } settings;
 
@@ -119,7 +121,7 @@ static bool is_solved(const settings *s)
 static bool check_request(const settings *s)
 {
     if (!is_solved(s) &&
-        (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal || s->noise > 0)) {
+        (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal || s->noise >= 0)) {
         cli_error("--mode %s solves nothing: leave out --solver, --error, --goal and --noise",
             mode_names[s->mode]);
         return false;
@@ -151,6 +153,13 @@ static uint32_t default_samples(const settings *s)
     return s->mode == RSV_RENDER_REFERENCE ? 64 : by_quality[s->solve.quality];
 }
 
+/// Who asks for so many rays a pixel gets that many.
+static float default_noise(const settings *s)
+{
+    static const float by_quality[] = { 0, 0.2f, 0.1f };
+    return s->mode == RSV_RENDER_FINAL && !s->samples ? by_quality[s->solve.quality] : 0;
+}
+
 static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_render_desc *desc)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
@@ -166,7 +175,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->width = size.width;
     desc->height = size.height;
     desc->samples = s->samples ? s->samples : default_samples(s);
-    desc->noise = s->noise;
+    desc->noise = s->noise >= 0 ? s->noise : default_noise(s);
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
@@ -261,9 +270,10 @@ cleanup:
 
 int cli_render(int argc, char **argv)
 {
-    settings s = {
-        .mode = RSV_RENDER_FINAL, .solve = CLI_DEFAULT_SOLVE, .environment = CLI_DEFAULT_ENVIRONMENT
-    };
+    settings s = { .mode = RSV_RENDER_FINAL,
+        .solve = CLI_DEFAULT_SOLVE,
+        .environment = CLI_DEFAULT_ENVIRONMENT,
+        .noise = -1 };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!check_request(&s)) return CLI_FAILURE;

@@ -1,4 +1,5 @@
 #include "bake_document.h"
+#include "bake_unpack.h"
 
 #include "../io/atomic_file.h"
 
@@ -84,6 +85,7 @@ static rsv_status join_buffers(rsv_bake_document *d)
     if (!begin) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < gltf->buffer_count; k++)
         begin[k] = append_bytes(d, gltf->buffer[k].data, gltf->buffer[k].size);
+    rsv_bake_unpack(d);
     cJSON *view, *buffers = rsv_bake_array(d, d->root, "buffers");
     cJSON_ArrayForEach(view, cJSON_GetObjectItemCaseSensitive(d->root, "bufferViews"))
     {
@@ -237,7 +239,7 @@ int rsv_bake_add_floats(
 {
     static const char *const type[] = { "", "SCALAR", "VEC2", "VEC3", "VEC4" };
     size_t floats = count * (size_t)width;
-    int view = rsv_bake_add_view(d, data, floats * sizeof *data, 34962);
+    int view = rsv_bake_add_view(d, data, floats * sizeof *data, RSV_BAKE_VERTICES);
     int index = add_accessor(d, view, RSV_GLTF_FLOAT, count, type[width]);
     if (!bounded || !count) return index;
     cJSON *accessor = cJSON_GetArrayItem(rsv_bake_array(d, d->root, "accessors"), index);
@@ -256,7 +258,7 @@ int rsv_bake_add_floats(
 
 int rsv_bake_add_indices(rsv_bake_document *d, const uint32_t *index, size_t count)
 {
-    int view = rsv_bake_add_view(d, index, count * sizeof *index, 34963);
+    int view = rsv_bake_add_view(d, index, count * sizeof *index, RSV_BAKE_INDICES);
     return add_accessor(d, view, RSV_GLTF_UNSIGNED_INT, count, "SCALAR");
 }
 

@@ -10,6 +10,9 @@
 
 #include <cjson/cJSON.h>
 
+/// What a buffer view is bound to.
+enum { RSV_BAKE_VERTICES = 34962, RSV_BAKE_INDICES = 34963 };
+
 typedef struct rsv_bake_document {
     rsv_context *context;
     const char *path;              ///< borrowed
@@ -38,7 +41,7 @@ int rsv_bake_append(rsv_bake_document *document, cJSON *array, cJSON *item);
 /// An object for extension `name` of `parent`, which is listed as used.
 cJSON *rsv_bake_extension(rsv_bake_document *document, cJSON *parent, const char *name);
 
-/// Appends data as a buffer view of its own. @param target 34962 vertices, 34963 indices, 0 = neither @return its index
+/// Appends data as a buffer view of its own. @param target one of the two above, 0 = neither @return its index
 int rsv_bake_add_view(rsv_bake_document *document, const void *data, size_t bytes, int target);
 
 /// Appends vectors of floats as an accessor. @param width 1..4 @param bounded whether to add min and max

@@ -168,7 +168,7 @@ static rsv_status copy_attribute(
         memcpy(copy + n * padded, data + mesh->attribute[n] * stride, bytes);
     cJSON *json =
         cJSON_Duplicate(cJSON_GetArrayItem(item(d->root, "accessors"), attribute->valueint), true);
-    int place = rsv_bake_add_view(d, copy, mesh->vertex_count * padded, 34962);
+    int place = rsv_bake_add_view(d, copy, mesh->vertex_count * padded, RSV_BAKE_VERTICES);
     rsv_bake_number(
         d, cJSON_GetArrayItem(item(d->root, "bufferViews"), place), "byteStride", (double)padded);
     rsv_bake_number(d, json, "bufferView", place);
@@ -242,8 +242,6 @@ rsv_status rsv_bake_replace_vertices(
         replace_attributes(d, target, part, mesh);
     if (status != RSV_OK) return status;
     cJSON_DeleteItemFromObjectCaseSensitive(primitive, "mode");
-    cJSON *extensions = item(primitive, "extensions");
-    cJSON_DeleteItemFromObjectCaseSensitive(extensions, "KHR_draco_mesh_compression");
     rsv_bake_number(d, primitive, "indices",
         rsv_bake_add_indices(d, mesh->corner[0], 3 * mesh->triangle_count));
     return RSV_OK;

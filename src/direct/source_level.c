@@ -173,15 +173,17 @@ static bool caught_enough(const level_builder *b, uint32_t cell)
     return false;
 }
 
-static void mark_direct(void *user, uint32_t cell, uint32_t other)
+static void mark_direct(void *user, uint32_t cell, uint32_t other, float bend)
 {
     level_builder *b = user;
+    (void)bend;
     b->split[cell] = b->split[other] = 1;
 }
 
-static void mark_caustic(void *user, uint32_t cell, uint32_t other)
+static void mark_caustic(void *user, uint32_t cell, uint32_t other, float bend)
 {
     level_builder *b = user;
+    (void)bend;
     b->split[cell] |= caught_enough(b, cell);
     b->split[other] |= caught_enough(b, other);
 }
@@ -330,22 +332,41 @@ cleanup:
     return status;
 }
 
-/// Elements to begin with, split once for direct light but for what is recalled in the end.
+/// Whether a cell of the coarse elements may be split before shadows are looked for.
+static bool may_begin_finer(const level_builder *b, size_t cell)
+{
+    const uint8_t *hidden = b->desc->hidden;
+    return cell_size(b->coarse, cell) > 0.25f * b->coarse->spacing && !(hidden && hidden[cell]) &&
+           (!b->recall || b->recall->anew[cell]);
+}
+
+static bool is_lit(const level_builder *b, size_t cell)
+{
+    const uint32_t *node = b->elements->cell_node[cell];
+    return !(rgb_is_black(b->direct[node[0]]) && rgb_is_black(b->direct[node[1]]) &&
+             rgb_is_black(b->direct[node[2]]));
+}
+
+/// Elements to begin with, split once for direct light but for what is recalled in the end. For a goal, which has the
+/// fewest elements that do, those alone that a first look finds lit.
 static rsv_status begin(level_builder *b)
 {
     const rsv_elements *coarse = b->coarse;
-    const uint8_t *hidden = b->desc->hidden;
+    bool looks_first = b->desc->direct && b->desc->hidden;
     rsv_status status;
-    if (b->scene->past && b->desc->direct && !hidden)
+    if (b->scene->past && b->desc->direct && !b->desc->hidden)
         RSV_TRY(rsv_source_recall_create(b->scene->past, coarse, &b->recall));
     b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
     if (!b->split) return RSV_ERROR_MEMORY;
-    for (size_t c = 0; b->desc->direct && c < coarse->cell_count; c++)
-        b->split[c] = cell_size(coarse, c) > 0.25f * coarse->spacing && !(hidden && hidden[c]) &&
-                      (!b->recall || b->recall->anew[c]);
+    for (size_t c = 0; b->desc->direct && !looks_first && c < coarse->cell_count; c++)
+        b->split[c] = may_begin_finer(b, c);
     RSV_TRY(rsv_elements_refine(coarse, b->split, &b->elements));
     RSV_TRY(prepare_elements(b, NULL));
     if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
+    if (!looks_first) goto cleanup;
+    for (size_t c = 0; c < coarse->cell_count; c++)
+        b->split[c] = may_begin_finer(b, c) && is_lit(b, c);
+    RSV_TRY(split_once(b));
 cleanup:
     return status;
 }

@@ -89,10 +89,12 @@ static edge_values values_at(const rsv_elements *e, const rsv_rgb *value, const 
 /// Standard deviations of noise that pass for no bend.
 #define NOISE 2.0f
 
-static bool departs(const edge_values *v, float threshold, float floor)
+/// What noise does not explain, as a share of the local level; 0 where there is nothing.
+static float bend_of(const edge_values *v, float floor)
 {
-    return fabsf(v->ends - v->opposite) >
-           threshold * (0.25f * (v->ends + v->opposite) + floor) + NOISE * v->noise;
+    float level = 0.25f * (v->ends + v->opposite) + floor;
+    float departure = fabsf(v->ends - v->opposite) - NOISE * v->noise;
+    return departure > 0 && level > 0 ? departure / level : 0;
 }
 
 rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
@@ -101,8 +103,8 @@ rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const flo
     rsv_status status;
     size_t count = 4 * e->cell_count;
     _Atomic uint32_t *across = rsv_reserve(e->context, count, sizeof *across);
-    uint8_t *bent = rsv_alloc(e->context, count, 1);
-    RSV_TRY(across && bent ? RSV_OK : RSV_ERROR_MEMORY);
+    float *bend = rsv_alloc(e->context, count, sizeof *bend);
+    RSV_TRY(across && bend ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(find_partners(e, across));
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (uint32_t edge = 0; edge < count; edge++) {
@@ -110,12 +112,13 @@ rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const flo
         // an inner edge once, from its later side
         if (edge % 4 == 3 || (!border && across[edge] > edge)) continue;
         edge_values v = values_at(e, value, deviation, edge, border ? edge : across[edge]);
-        bent[edge] = departs(&v, threshold, floor);
+        bend[edge] = bend_of(&v, floor);
     }
     for (uint32_t edge = 0; edge < count; edge++)
-        if (bent[edge]) found(user, edge / 4, (across[edge] == NO_CELL ? edge : across[edge]) / 4);
+        if (bend[edge] > threshold)
+            found(user, edge / 4, (across[edge] == NO_CELL ? edge : across[edge]) / 4, bend[edge]);
 cleanup:
     rsv_free(e->context, (void *)across);
-    rsv_free(e->context, bent);
+    rsv_free(e->context, bend);
     return status;
 }

@@ -5,7 +5,8 @@
 #include "elements.h"
 
 /// Called for two cells that share an edge across which `value` bends; at a border both are the same.
-typedef void (*rsv_bend_found)(void *user, uint32_t cell, uint32_t other);
+/// @param bend how strongly: what is compared with the threshold
+typedef void (*rsv_bend_found)(void *user, uint32_t cell, uint32_t other, float bend);
 
 typedef enum rsv_bend_places {
     RSV_BENDS,

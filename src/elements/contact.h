@@ -9,12 +9,20 @@
 #include "../chain/chain.h"
 #include "elements.h"
 
+/// How much larger than usual a cell may be, at least 1. Any thread.
+typedef struct rsv_growth {
+    float (*at)(const void *user, const rsv_elements *elements, uint32_t cell);
+    const void *user;
+} rsv_growth;
+
 /// Splits cells that other geometry cuts, twice at most; those that reach from one side of a thin wall to the
 /// other, four times. Cells far smaller than the spacing are left alone, and larger ones, too, where meshes run through
 /// each other so much that there would be too many nodes. Replaces `*elements`.
 /// @param most_nodes that are added, about
-rsv_status rsv_elements_refine_contacts(
-    const rsv_transport_scene *scene, size_t most_nodes, rsv_elements **elements, uint64_t *rays);
+/// @param growth cells have been made larger than usual by this, and may stay larger by its square, but for those that
+/// reach through walls; NULL = 1
+rsv_status rsv_elements_refine_contacts(const rsv_transport_scene *scene, size_t most_nodes,
+    const rsv_growth *growth, rsv_elements **elements, uint64_t *rays);
 
 /// Gives every side of a wall its own nodes where the wall runs along edges of cells, or covers the node between them.
 /// @param earlier elements of the same faces on which that was done: only where cells changed since may there be more to

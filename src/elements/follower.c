@@ -37,9 +37,9 @@ float rsv_cell_new_leaders(const rsv_elements *e, uint32_t cell)
     return f_min(0.5f, 2 * rsv_cell_area(e, cell) / (radius * radius));
 }
 
-/// Whether the luminances of the leaders of one follower lie further apart than threshold, floor and noise allow.
-static bool leaders_disagree(const rsv_hanging *follower, const rsv_rgb *value,
-    const float *deviation, float threshold, float floor)
+/// How far apart the luminances of the leaders of one follower lie, beyond noise, as a share of the local level.
+static float disagreement(
+    const rsv_hanging *follower, const rsv_rgb *value, const float *deviation, float floor)
 {
     uint32_t darkest = follower->parent[0], brightest = darkest;
     for (int p = 1; p < RSV_PARENTS; p++) {
@@ -49,8 +49,9 @@ static bool leaders_disagree(const rsv_hanging *follower, const rsv_rgb *value,
         if (rgb_luminance(value[leader]) > rgb_luminance(value[brightest])) brightest = leader;
     }
     float low = rgb_luminance(value[darkest]), high = rgb_luminance(value[brightest]);
-    float noise = hypotf(deviation[darkest], deviation[brightest]);
-    return high - low > threshold * (0.5f * (low + high) + floor) + NOISE * noise;
+    float level = 0.5f * (low + high) + floor;
+    float apart = high - low - NOISE * hypotf(deviation[darkest], deviation[brightest]);
+    return apart > 0 && level > 0 ? apart / level : 0;
 }
 
 void rsv_find_cluster_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
@@ -58,9 +59,10 @@ void rsv_find_cluster_bends(const rsv_elements *e, const rsv_rgb *value, const f
 {
     for (size_t h = 0; h < e->follower_count; h++) {
         const rsv_hanging *follower = &e->hanging[h];
-        if (!leaders_disagree(follower, value, deviation, threshold, floor)) continue;
+        float bend = disagreement(follower, value, deviation, floor);
+        if (!(bend > threshold)) continue;
         for (uint32_t s = e->support_begin[follower->node];
              s < e->support_begin[follower->node + 1]; s++)
-            found(user, e->support[s] / 4, e->support[s] / 4);
+            found(user, e->support[s] / 4, e->support[s] / 4, bend);
     }
 }

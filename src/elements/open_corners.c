@@ -10,6 +10,9 @@
 /// over the cell.
 #define FAR_CORNER 0.5f
 
+/// Cells larger than so many spacings, as those of a goal and those out in the open are.
+#define LARGE 1.4f
+
 /// Corners, as bits, that something close to them keeps apart from the middle of the cell.
 static uint32_t find_far_corners(
     const rsv_transport_scene *scene, const rsv_vec3 place[3], rsv_vec3 middle, uint64_t *rays)
@@ -99,8 +102,10 @@ static uint8_t judge_cell(
     }
     bool any = covered[0] || covered[1] || covered[2], all = covered[0] && covered[1] && covered[2];
     bool cut = find_blocked_sides(scene, at.place, blocked, rays) || any != all;
-    bool uncertain = cut || all,
+    // something may stand on the middle of a large cell alone
+    bool uncertain = cut || all || shape->size > LARGE * shape->spacing,
          middle_covered = uncertain && rsv_is_covered(scene, shape, shape->centre);
+    cut = cut || (middle_covered && !all);
     uint8_t sheltered = all && middle_covered ? judge_sheltered(scene, shape, rays) : 0;
     if (sheltered) return sheltered;
     for (int k = 0; k < 3; k++)

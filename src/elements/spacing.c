@@ -1,5 +1,6 @@
 #include "spacing.h"
 
+#include "../core/sampling.h"
 #include "../trace/near.h"
 #include "elements_internal.h"
 
@@ -12,6 +13,13 @@
 #define RISE 1e-5f
 /// Levels that elements grow by at most.
 #define MOST_GROWTH 4
+/// Share of the hemisphere that surfaces may fill, as a cell sees it that is as large as usual; a quarter of that for each
+/// level that it grows: irradiance, and so its curvature, is in proportion.
+#define MOST_FACED 0.25f
+/// Radii around its middle in which nothing rises above such a cell: what it faces is the same all over it, about.
+#define ALONE 2.0f
+/// Directions in which a patch looks for what sends it light.
+#define LOOKS 64
 /// The search for the surface that counts ends when it changes by less.
 #define SETTLED 0.02
 #define MAX_ROUNDS 32
@@ -86,7 +94,33 @@ static void look_at(void *user, uint32_t triangle, float *radius)
     *radius = 0;
 }
 
-/// Whether a cell lies so far in the open that it may be larger than usual.
+/// Whether surfaces fill more than a share of the hemisphere that a patch faces, weighted by the cosine.
+static bool faces_more(const rsv_transport_scene *scene, const patch *p, float extent, float share)
+{
+    rsv_vec3 t, b, origin = rsv_offset_origin(p->centre, p->normal, extent);
+    float left = share * LOOKS;
+    v3_frame(p->normal, &t, &b);
+    for (uint32_t k = 0; k < LOOKS && left >= 0; k++) {
+        float x, y;
+        rsv_hit hit;
+        rsv_sobol_2d(k, 0, &x, &y);
+        rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
+        d = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, p->normal);
+        left -= rsv_tracer_closest(scene->tracer, &(rsv_ray){ origin, d, INFINITY }, &hit) &&
+                !is_mere_lamp(scene, hit.triangle);
+    }
+    return left < 0;
+}
+
+static bool rises_within(
+    const rsv_transport_scene *scene, const patch *p, float extent, float radius)
+{
+    obstacle_search search = { scene, p, RISE * extent, false };
+    rsv_tracer_visit_near(scene->tracer, p->centre, radius, look_at, &search);
+    return search.found;
+}
+
+/// Whether a cell lies so far in the open, or faces so little, that it may be larger than usual.
 /// @param usual level > cell->level
 static bool is_open(
     const rsv_spacing *spacing, uint32_t triangle, bool back, const rsv_cell *cell, int usual)
@@ -95,11 +129,11 @@ static bool is_open(
     int growth = usual - cell->level;
     if (!scene || growth > MOST_GROWTH || is_mere_lamp(scene, triangle)) return false;
     patch p = patch_of(scene->view, triangle, back, cell);
-    obstacle_search search = { scene, &p, RISE * rsv_triangle_extent(scene->view, triangle),
-        false };
-    float radius = p.radius + spacing->reach * sqrtf(ldexpf(0.5f, growth));
-    rsv_tracer_visit_near(scene->tracer, p.centre, radius, look_at, &search);
-    return !search.found;
+    float extent = rsv_triangle_extent(scene->view, triangle);
+    if (!rises_within(scene, &p, extent, p.radius + spacing->reach * sqrtf(ldexpf(0.5f, growth))))
+        return true;
+    return !rises_within(scene, &p, extent, ALONE * p.radius) &&
+           !faces_more(scene, &p, extent, ldexpf(MOST_FACED, -2 * growth));
 }
 
 /// How much coarser a cell is than usual, in levels.

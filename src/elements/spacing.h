@@ -4,7 +4,9 @@
 /// point of a wall is farther than sqrt(S) / 4 from the other walls. Ground farther than that from all that rises above it
 /// is *open*: what a body at distance d adds there falls with 1/d^2, and the curvature that linear interpolation misses
 /// with 1/d^4, so elements may grow with d^2. (Ward, Rubinstein and Clear 1988 space the records of their irradiance
-/// cache by such distances.) S is the surface that counts after that, or the plain around a house would take all elements.
+/// cache by such distances.) So is ground, however close to a fence, of whose view surfaces fill little: their light, and
+/// its curvature, is in proportion, so elements may grow with one over the root of that share. S is the surface that counts
+/// after that, or the plain around a house would take all elements.
 /// Lamps that reflect nothing have no part in this: their light is direct, and elements do not depend on where they hang.
 #ifndef RSV_SPACING_H
 #define RSV_SPACING_H

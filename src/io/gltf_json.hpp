@@ -77,6 +77,12 @@ struct owned_material {
     std::string name, note, remark;
 };
 
+/// Debian's tinygltf is built without Draco and refuses indices without a buffer view, as packed ones are. This is the same
+/// JSON with a view for each of them; empty if nothing is packed.
+std::string name_packed_indices(const unsigned char *text, size_t length);
+/// Makes plain buffers of meshes packed by KHR_draco_mesh_compression.
+void unpack_draco(tinygltf::Model &model);
+
 void convert_material(const tinygltf::Material &source, owned_material &result);
 
 } // namespace rsv_gltf

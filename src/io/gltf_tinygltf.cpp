@@ -178,16 +178,29 @@ size_t json_chunk_length(const std::vector<unsigned char> &glb)
     return std::min(length, glb.size() - 20);
 }
 
+/// Puts another JSON text into a GLB file's bytes.
+void replace_json(std::vector<unsigned char> &glb, std::string text)
+{
+    text.resize((text.size() + 3) / 4 * 4, ' ');
+    const size_t old = json_chunk_length(glb);
+    glb.erase(glb.begin() + 20, glb.begin() + 20 + static_cast<std::ptrdiff_t>(old));
+    glb.insert(glb.begin() + 20, text.begin(), text.end());
+    for (size_t k = 0; k < 4; k++) {
+        glb[8 + k] = static_cast<unsigned char>(glb.size() >> 8 * k);
+        glb[12 + k] = static_cast<unsigned char>(text.size() >> 8 * k);
+    }
+}
+
 /// Extensions that are read, or whose absence changes nothing here.
 void check_required_extensions(const tinygltf::Model &model)
 {
-    static const char *const known[] = { "KHR_lights_punctual", "KHR_materials_anisotropy",
-        "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission", "KHR_materials_dispersion",
-        "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
-        "KHR_materials_pbrSpecularGlossiness", "KHR_materials_scatter", "KHR_materials_sheen",
-        "KHR_materials_specular", "KHR_materials_transmission", "KHR_materials_unlit",
-        "KHR_materials_variants", "KHR_materials_volume", "KHR_materials_volume_scatter",
-        "KHR_mesh_quantization", "KHR_texture_transform" };
+    static const char *const known[] = { "KHR_draco_mesh_compression", "KHR_lights_punctual",
+        "KHR_materials_anisotropy", "KHR_materials_clearcoat", "KHR_materials_diffuse_transmission",
+        "KHR_materials_dispersion", "KHR_materials_emissive_strength", "KHR_materials_ior",
+        "KHR_materials_iridescence", "KHR_materials_pbrSpecularGlossiness", "KHR_materials_scatter",
+        "KHR_materials_sheen", "KHR_materials_specular", "KHR_materials_transmission",
+        "KHR_materials_unlit", "KHR_materials_variants", "KHR_materials_volume",
+        "KHR_materials_volume_scatter", "KHR_mesh_quantization", "KHR_texture_transform" };
     for (const std::string &name : model.extensionsRequired) {
         bool found = false;
         for (const char *candidate : known)
@@ -220,10 +233,15 @@ void parse(const char *path, owned_document &document)
     if (is_binary(bytes)) {
         check_json_depth(
             bytes.data() + std::min<size_t>(20, bytes.size()), json_chunk_length(bytes));
+        const std::string named = name_packed_indices(
+            bytes.data() + std::min<size_t>(20, bytes.size()), json_chunk_length(bytes));
+        if (!named.empty()) replace_json(bytes, named);
         loaded = loader.LoadBinaryFromMemory(&document.model, &error, &image_warnings, bytes.data(),
             static_cast<unsigned>(bytes.size()), folder);
     } else {
         check_json_depth(bytes.data(), bytes.size());
+        const std::string named = name_packed_indices(bytes.data(), bytes.size());
+        if (!named.empty()) bytes.assign(named.begin(), named.end());
         loaded = loader.LoadASCIIFromString(&document.model, &error, &image_warnings,
             reinterpret_cast<const char *>(bytes.data()), static_cast<unsigned>(bytes.size()),
             folder);
@@ -512,6 +530,7 @@ rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
     try {
         std::unique_ptr<owned_document> owned(new owned_document());
         parse(path, *owned);
+        unpack_draco(owned->model);
         convert_buffers(*owned);
         convert_accessors(*owned);
         convert_meshes(*owned);

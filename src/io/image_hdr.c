@@ -136,6 +136,9 @@ rsv_status rsv_image_decode_hdr(rsv_context *context, const rsv_image_file *file
     uint32_t width = 0, height = 0;
     double exposure = 1;
     RSV_TRY(read_header(&in, &width, &height, &exposure));
+    // no row is stored in less: memory is not taken for a header alone
+    if ((file->size - in.position) / sizeof *row < height)
+        RSV_TRY(fail_format(&in, "the file is truncated: fewer bytes than its rows need"));
     row = rsv_alloc(context, width, sizeof *row);
     if (!row) RSV_TRY(RSV_ERROR_MEMORY);
     RSV_TRY(rsv_image_create(context, width, height, 1, &decoded));

@@ -4,6 +4,7 @@
 #include "../elements/cluster.h"
 #include "../elements/contact.h"
 #include "../elements/element_keys.h"
+#include "../elements/elements_internal.h"
 #include "../elements/open_corners.h"
 #include "../elements/past.h"
 
@@ -120,19 +121,76 @@ static rsv_status refine_as_then(rsv_solution *s)
     return status;
 }
 
-rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
+/// Splits cells that other geometry cuts. @param growth NULL = none
+static rsv_status refine_contacts(rsv_solution *s, const rsv_growth *growth)
 {
-    rsv_spacing first = s->spacing;
-    first.metres *= coarsening;
-    rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, &first, &s->elements);
-    if (status != RSV_OK) return status;
-    s->elements->spacing = s->spacing.metres;
+    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(s->desc.element_target));
+    return rsv_elements_refine_contacts(
+        &s->scene, most_nodes, growth, &s->elements, &s->report.rays);
+}
+
+/// Grids whose cells are larger than the solution's spacing by a factor.
+static rsv_status create_grids(rsv_solution *s, float coarsening)
+{
+    rsv_spacing spacing = s->spacing;
+    spacing.metres *= coarsening;
     rsv_free(s->context, s->valid_points);
     s->valid_points = NULL;
-    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(s->desc.element_target));
-    status = rsv_elements_refine_contacts(&s->scene, most_nodes, &s->elements, &s->report.rays);
+    rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, &spacing, &s->elements);
+    if (status == RSV_OK) s->elements->spacing = s->spacing.metres;
+    return status;
+}
+
+rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
+{
+    rsv_status status = create_grids(s, coarsening);
+    if (status == RSV_OK) status = refine_contacts(s, NULL);
     if (status == RSV_OK && s->scene.past) status = refine_as_then(s);
     return status == RSV_OK ? prepare_elements(s, NULL) : status;
+}
+
+/// Splits halve cells: they end up at most this much larger than wanted.
+#define GOAL_TOLERANCE 1.4f
+
+/// What chooses cells for a goal.
+typedef struct goal_chooser {
+    const rsv_goal *goal;
+    const rsv_spacing *spacing;
+} goal_chooser;
+
+/// Cells that are too large for what they matter.
+static void choose_for_goal(void *user, const rsv_elements *e, uint8_t *split)
+{
+    const goal_chooser *g = user;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        float wanted = e->spacing * rsv_goal_size_at(g->goal, e, c);
+        split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
+                   sqrtf(2 * rsv_cell_area(e, c)) > GOAL_TOLERANCE * wanted &&
+                   !rsv_spacing_lets_grow(g->spacing, e, c);
+    }
+}
+
+static float growth_for_goal(const void *goal, const rsv_elements *e, uint32_t cell)
+{
+    return rsv_goal_size_at(goal, e, cell);
+}
+
+rsv_status rsv_coarse_elements_create_for_goal(rsv_solution *s, const rsv_goal *goal)
+{
+    rsv_elements *coarsest = NULL;
+    goal_chooser chooser = { goal, &s->spacing };
+    rsv_growth growth = { growth_for_goal, goal };
+    rsv_status status;
+    RSV_TRY(create_grids(s, RSV_GOAL_COARSEST));
+    coarsest = s->elements;
+    s->elements = NULL;
+    RSV_TRY(rsv_elements_refine_where(coarsest, choose_for_goal, &chooser, &s->elements));
+    RSV_TRY(refine_contacts(s, &growth));
+    RSV_TRY(prepare_elements(s, NULL));
+cleanup:
+    rsv_elements_destroy(coarsest);
+    return status;
 }
 
 rsv_status rsv_coarse_elements_split(rsv_solution *s, const uint8_t *split)

@@ -1,5 +1,6 @@
 #include "goal.h"
 
+#include "../elements/elements_internal.h"
 #include "../solver/linear_solver.h"
 #include "solution.h"
 #include "transport_map.h"
@@ -10,6 +11,8 @@
 #define ACCURACY 1e-4
 /// Part of the typical density of importance from which on elements have their usual size.
 #define FULL_SIZE 0.5f
+/// Places each way at which a cell is asked for its size, at most.
+#define MOST_PLACES 4
 
 rsv_status rsv_goal_importance(const rsv_solution *s, const rsv_rgb *weight, rsv_rgb *importance)
 {
@@ -51,49 +54,34 @@ static float typical_density(const rsv_elements *e, const rsv_rgb *density)
     return weights > 0 ? (float)(sum / weights) : 0;
 }
 
+/// Replaces densities by sizes. Linear elements err by a multiple of their area, which counts with the root of the
+/// density in a root mean square: the fourth root makes both even out.
 static void set_sizes(const rsv_elements *e, rsv_rgb *density)
 {
     float usual = FULL_SIZE * typical_density(e, density);
     for (size_t n = 0; n < e->node_count; n++) {
         float d = f_max(sum_of(density[n]), 0);
-        float size = d > 0 ? sqrtf(usual / d) : RSV_GOAL_COARSEST;
+        float size = d > 0 ? sqrtf(sqrtf(usual / d)) : RSV_GOAL_COARSEST;
         density[n] = rgb_gray(usual > 0 ? f_min(f_max(size, 1), RSV_GOAL_COARSEST) : 1);
     }
 }
 
-/// A copy of elements as they are.
-static rsv_status copy_elements(const rsv_elements *e, rsv_elements **copy)
-{
-    uint8_t *nothing = rsv_alloc(e->context, e->cell_count, 1);
-    rsv_status status = nothing ? rsv_elements_refine(e, nothing, copy) : RSV_ERROR_MEMORY;
-    rsv_free(e->context, nothing);
-    return status;
-}
-
-rsv_status rsv_goal_create(const rsv_solution *s, rsv_goal *goal)
+rsv_status rsv_goal_create(rsv_solution *s, rsv_goal *goal)
 {
     rsv_goal_aim aim = rsv_goal_aim_of(s);
     size_t nodes = s->elements->node_count;
     rsv_status status = RSV_ERROR_MEMORY;
     rsv_rgb *weight = rsv_alloc(s->context, nodes, sizeof *weight);
     rsv_rgb *importance = rsv_alloc(s->context, nodes, sizeof *importance);
-    rsv_rgb *size = NULL;
     if (!weight || !importance) goto cleanup;
     RSV_TRY(rsv_goal_weights(s, &aim, PILOT_SIDE, weight));
     RSV_TRY(rsv_goal_importance(s, weight, importance));
     rsv_goal_density(s->elements, importance);
     set_sizes(s->elements, importance);
-    RSV_TRY(copy_elements(s->elements, &goal->elements));
-    size = rsv_alloc(s->context, goal->elements->node_count, sizeof *size);
-    RSV_TRY(size ? RSV_OK : RSV_ERROR_MEMORY);
-    // copies number their nodes anew
-    for (uint32_t n = 0; n < goal->elements->node_count; n++) {
-        uint32_t face;
-        float u, v;
-        rsv_elements_place_node(goal->elements, n, &face, &u, &v);
-        size[n] = rsv_elements_interpolate(s->elements, importance, face, u, v);
-    }
-    goal->size = size;
+    goal->elements = s->elements;
+    goal->size = importance;
+    s->elements = NULL;
+    importance = NULL;
 cleanup:
     rsv_free(s->context, weight);
     rsv_free(s->context, importance);
@@ -107,12 +95,22 @@ void rsv_goal_destroy(rsv_goal *goal)
     *goal = (rsv_goal){ 0 };
 }
 
+/// At about as many places as the elements have where that was found out.
 float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *e, uint32_t cell)
 {
-    float u[3], v[3];
+    float u[3], v[3], least = INFINITY;
+    float ratio = sqrtf(2 * rsv_cell_area(e, cell)) / (RSV_GOAL_LEARNED * e->spacing);
+    int side = (int)f_min(f_max(ceilf(ratio), 1), MOST_PLACES);
     for (int k = 0; k < 3; k++)
         rsv_cell_corner(&e->cell[cell], k, &u[k], &v[k]);
-    return rsv_elements_interpolate(goal->elements, goal->size, e->cell[cell].face,
-        (u[0] + u[1] + u[2]) / 3, (v[0] + v[1] + v[2]) / 3)
-        .g;
+    for (int j = 0; j < side; j++) {
+        for (int i = 0; i + j < side; i++) {
+            float a = ((float)i + 1.0f / 3) / (float)side, b = ((float)j + 1.0f / 3) / (float)side;
+            rsv_rgb size = rsv_elements_interpolate(goal->elements, goal->size, e->cell[cell].face,
+                u[0] + a * (u[1] - u[0]) + b * (u[2] - u[0]),
+                v[0] + a * (v[1] - v[0]) + b * (v[2] - v[0]));
+            least = f_min(least, size.g);
+        }
+    }
+    return least;
 }

@@ -1,8 +1,9 @@
 /// Elements for one picture, or for the readings of sensors: importance says where errors are seen.
 ///
-/// w is what a unit of irradiance at each node adds to the goal, the picture's mean luminance or the readings' mean, and z = (I - (G K)*)^-1 w what a unit
-/// of *source* there does, after all reflections. An element far from what matters may be larger: by the root of how
-/// much less important its area is, since what it adds to the picture's squared error goes with both.
+/// w is what a unit of irradiance at each node adds to the goal, the picture's mean luminance or the readings' mean, and
+/// z = (I - (G K)*)^-1 w what a unit of *source* there does, after all reflections. An element far from what matters may
+/// be larger: by the fourth root of how much less important its area is, as the square of what linear elements err goes
+/// with the fourth power of their size.
 #ifndef RSV_GOAL_H
 #define RSV_GOAL_H
 
@@ -11,13 +12,15 @@
 
 struct rsv_solution;
 
-/// Elements of a goal start larger by this, and are split where that is too large.
-#define RSV_GOAL_COARSEST 4.0f
+/// Importance is learned on elements larger than usual by this.
+#define RSV_GOAL_LEARNED 2.0f
+/// Elements of a goal are larger than usual by this at most.
+#define RSV_GOAL_COARSEST 8.0f
 
 /// How much larger than usual elements may be.
 typedef struct rsv_goal {
     rsv_elements *elements; ///< where that was found out
-    rsv_rgb *size;          ///< [node_count] factor 1..RSV_GOAL_COARSEST, in all channels
+    rsv_rgb *size;          ///< [node_count] factor, in all channels
 } rsv_goal;
 
 /// What matters: a camera's picture, or the mean reading of sensors.
@@ -47,11 +50,11 @@ rsv_status rsv_goal_importance(
 /// Importance per area, for evaluation between nodes. @param importance in and out, hanging nodes filled
 void rsv_goal_density(const rsv_elements *elements, rsv_rgb *importance);
 
-/// Finds the sizes for what a solution is made for from rows and albedos on coarse elements.
-rsv_status rsv_goal_create(const struct rsv_solution *solution, rsv_goal *goal);
+/// Finds the sizes for what a solution is made for from rows and albedos on coarse elements, which it takes over.
+rsv_status rsv_goal_create(struct rsv_solution *solution, rsv_goal *goal);
 void rsv_goal_destroy(rsv_goal *goal);
 
-/// How much larger than usual a cell of finer elements may be.
+/// How much larger than usual a cell of other elements may be: the least over it.
 float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *elements, uint32_t cell);
 
 /// Cells whose light no ray of the goal sees. @param hidden [cell_count] of solution->elements

@@ -27,15 +27,12 @@
 #define NODES_PER_SPLIT 2 ///< that a split adds, about
 /// Part of the mean indirect light below which nobody sees a relative error.
 #define PILOT_DARK 0.02f
-/// Elements are split for a goal until they are at most this much larger than wanted.
-#define GOAL_TOLERANCE 1.4f
-/// From this factor on, elements are not worth splitting where light bends.
-#define GOAL_IDLE 1.5f
 
-static void mark_pair(void *user, uint32_t cell, uint32_t other)
+static void note_bend(void *user, uint32_t cell, uint32_t other, float bend)
 {
-    uint8_t *split = user;
-    split[cell] = split[other] = 1;
+    float *strongest = user;
+    strongest[cell] = f_max(strongest[cell], bend);
+    strongest[other] = f_max(strongest[other], bend);
 }
 
 /// Rows that refining the marked cells adds, about.
@@ -61,11 +58,17 @@ static void shrink_clusters(rsv_elements *e, uint8_t *marked)
     }
 }
 
-/// Leaves cells alone whose light hardly matters to the goal.
-static void unmark_idle(const rsv_goal *goal, const rsv_elements *e, uint8_t *split)
+/// Weighs bends by what light matters to the goal where they are. What they err counts with the root of that, which is
+/// one over the size squared.
+static void weigh_bends(const rsv_goal *goal, const rsv_elements *e, float *bend)
 {
-    for (uint32_t c = 0; goal->elements && c < e->cell_count; c++)
-        if (split[c] && rsv_goal_size_at(goal, e, c) > GOAL_IDLE) split[c] = 0;
+    if (!goal->elements) return;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        if (bend[c] == 0) continue;
+        float size = rsv_goal_size_at(goal, e, c);
+        bend[c] /= size * size;
+    }
 }
 
 /// What is known from before an edit that left sources as they were: other ones bend light elsewhere. NULL = nothing
@@ -112,19 +115,24 @@ static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t
 {
     const rsv_elements *e = s->elements;
     size_t rows = rsv_solution_rows(s);
+    rsv_status status;
     *any = false;
-    for (float bend = PILOT_BEND; bend < LARGEST_BEND; bend *= 1.5f) {
-        memset(split, 0, e->cell_count);
-        rsv_status status = rsv_find_bends(
-            e, arriving, deviation, bend, dark, RSV_BENDS_AND_BORDERS, mark_pair, split);
-        rsv_find_cluster_bends(e, arriving, deviation, bend, dark, mark_pair, split);
-        unmark_idle(goal, e, split);
+    float *bend = rsv_alloc(s->context, e->cell_count, sizeof *bend);
+    if (!bend) return RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_find_bends(
+        e, arriving, deviation, PILOT_BEND, dark, RSV_BENDS_AND_BORDERS, note_bend, bend));
+    rsv_find_cluster_bends(e, arriving, deviation, PILOT_BEND, dark, note_bend, bend);
+    weigh_bends(goal, e, bend);
+    bool marked = true;
+    for (float least = PILOT_BEND; least < LARGEST_BEND && marked && !*any; least *= 1.5f) {
+        for (size_t c = 0; c < e->cell_count; c++)
+            split[c] = bend[c] > least;
         unmark_settled(settled(s), e, split);
-        bool marked;
         *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
-        if (status != RSV_OK || !marked || *any) return status;
     }
-    return RSV_OK;
+cleanup:
+    rsv_free(s->context, bend);
+    return status;
 }
 
 /// The first few orders of light, with rows of few rays.
@@ -254,33 +262,15 @@ cleanup:
     return status;
 }
 
-/// Splits cells that are too large for what they matter; one round halves them.
-static rsv_status split_for_goal(rsv_solution *s, const rsv_goal *goal)
-{
-    const rsv_elements *e = s->elements;
-    uint8_t *split = rsv_alloc(s->context, e->cell_count, 1);
-    if (!split) return RSV_ERROR_MEMORY;
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        float size = sqrtf(2 * rsv_cell_area(e, c));
-        split[c] = e->cell[c].level < RSV_MAX_LEVEL &&
-                   size > GOAL_TOLERANCE * e->spacing * rsv_goal_size_at(goal, e, c) &&
-                   !rsv_spacing_lets_grow(&s->spacing, e, c);
-    }
-    rsv_status status = rsv_coarse_elements_split(s, split);
-    rsv_free(s->context, split);
-    return status;
-}
-
-/// Learns on coarse elements what matters to the goal, and refines them accordingly.
-static rsv_status refine_for_goal(rsv_solution *s, rsv_goal *goal)
+/// Learns on coarse elements what matters to the goal, and makes elements anew for that.
+static rsv_status remake_for_goal(rsv_solution *s, rsv_goal *goal)
 {
     rsv_status status;
     RSV_TRY(rsv_system_create_fields(s));
     RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
     RSV_TRY(rsv_goal_create(s, goal));
     rsv_system_destroy(s);
-    for (float size = RSV_GOAL_COARSEST; size > 1; size /= 2)
-        RSV_TRY(split_for_goal(s, goal));
+    RSV_TRY(rsv_coarse_elements_create_for_goal(s, goal));
 cleanup:
     return status;
 }
@@ -296,7 +286,7 @@ rsv_status rsv_pilot_refine(rsv_solution *s)
     rsv_status status = RSV_OK;
     rsv_goal goal = { 0 };
     bool refined = rsv_reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
-    if (rsv_pilot_has_goal(s) && refined) RSV_TRY(refine_for_goal(s, &goal));
+    if (rsv_pilot_has_goal(s) && refined) RSV_TRY(remake_for_goal(s, &goal));
     size_t first = rsv_solution_rows(s);
     for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++) {
         size_t rows = rsv_solution_rows(s), most = most_rows(s, first);

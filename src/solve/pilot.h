@@ -4,7 +4,7 @@
 
 #include "solution.h"
 
-/// Whether elements are chosen for a picture or for sensors. They start larger then, by RSV_GOAL_COARSEST.
+/// Whether elements are chosen for a picture or for sensors. They start larger then, by RSV_GOAL_LEARNED.
 bool rsv_pilot_has_goal(const rsv_solution *solution);
 
 /// Splits coarse elements until pilots find no more to split, or the budgets are used up.

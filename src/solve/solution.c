@@ -99,7 +99,7 @@ static rsv_status create_elements(rsv_solution *s)
     bool stalled = false;
     RSV_TRY(rsv_budget_open(s));
     for (;;) {
-        RSV_TRY(rsv_coarse_elements_create(s, rsv_pilot_has_goal(s) ? RSV_GOAL_COARSEST : 1));
+        RSV_TRY(rsv_coarse_elements_create(s, rsv_pilot_has_goal(s) ? RSV_GOAL_LEARNED : 1));
         if (!stalled) RSV_TRY(rsv_pilot_refine(s));
         while (rsv_solution_rows(s) > rsv_budget_rows(s) && rsv_budget_halve_rays(s)) {}
         size_t rows = rsv_solution_rows(s), most = rsv_budget_rows(s);

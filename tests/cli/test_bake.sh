@@ -192,5 +192,8 @@ print(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "node
 TEXT
 refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to vertex --quality draft
 refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to lightmap --quality draft
+succeeds bake "$(dirname "$0")/../fuzz/seeds/packed.gltf" -o unpacked.glb --to vertex --quality draft
+grep -qa KHR_draco unpacked.glb && complain "a packed mesh stayed packed"
+succeeds render unpacked.glb -o unpacked.png --size 16x16 --quality draft
 refuses 1 'nowhere' bake nowhere.glb -o "$out/x.glb" --to vertex
 finish

@@ -40,6 +40,12 @@ succeeds solve cornell-spheres -o solved.safetensors --quality draft
 succeeds render solved.safetensors -o calm.exr "${draft[@]}" --noise 5%
 ! cmp -s calm.exr final1.exr || complain "--noise changes nothing"
 refuses 1 "leave out" render furnace -o no.exr --mode reference --noise 2%
+medium=(--size 16x16 --quality medium)
+succeeds render solved.safetensors -o even.exr "${medium[@]}" --spp 9
+succeeds render solved.safetensors -o zero.exr "${medium[@]}" --noise 0
+succeeds render solved.safetensors -o usual.exr "${medium[@]}"
+cmp -s even.exr zero.exr || complain "--spp does not mean as many rays everywhere"
+! cmp -s usual.exr zero.exr || complain "noisy pixels get no more rays"
 succeeds compare reference1.exr final1.exr --twin reference1.exr
 says without_noise
 succeeds compare reference1.exr reference1.exr

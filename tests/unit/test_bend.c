@@ -53,8 +53,9 @@ static void destroy_square(flat_square *s)
     world_end(s->w);
 }
 
-static void mark(void *user, uint32_t cell, uint32_t other)
+static void mark(void *user, uint32_t cell, uint32_t other, float bend)
 {
+    (void)bend;
     uint8_t *marked = user;
     marked[cell] = marked[other] = 1;
 }

@@ -138,7 +138,8 @@ static size_t nodes_at_contacts(size_t most_nodes)
     assert_int_equal(
         rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.2f }, &e), RSV_OK);
     size_t before = e->node_count;
-    assert_int_equal(rsv_elements_refine_contacts(&w->transport, most_nodes, &e, &rays), RSV_OK);
+    assert_int_equal(
+        rsv_elements_refine_contacts(&w->transport, most_nodes, NULL, &e, &rays), RSV_OK);
     size_t added = e->node_count - before;
     rsv_elements_destroy(e);
     world_end(w);
@@ -155,6 +156,85 @@ static void contacts_take_no_more_nodes_than_allowed(void **state)
             fail_msg("%zu nodes were added, %zu allowed, %zu wanted", added, most, wanted);
     }
     assert_int_equal(nodes_at_contacts(0), 0);
+}
+
+static float size_of(const rsv_elements *e, uint32_t cell)
+{
+    return rsv_cell_shape_of(e, cell).size;
+}
+
+/// Largest cells that a box cuts, and that a thin wall keeps the corners of apart.
+static void sizes_at_contacts(const rsv_growth *growth, float *cut, float *through)
+{
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    world_room(w, paint, v3(-2, 0, -2), v3(2, 2, 2));
+    world_box(w, paint, v3(-0.53f, 0, -0.57f), v3(0.57f, 0.8f, 0.53f)); // cuts
+    world_box(w, paint, v3(-2, 0, 1.131f), v3(2, 2, 1.151f));           // keeps corners apart
+    world_commit(w);
+    rsv_elements *e;
+    uint64_t rays = 0;
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.5f }, &e), RSV_OK);
+    assert_int_equal(
+        rsv_elements_refine_contacts(&w->transport, 1 << 20, growth, &e, &rays), RSV_OK);
+    *cut = *through = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        bool walled = e->cell_openness[c] & RSV_CELL_CUT_THROUGH;
+        if (walled) *through = f_max(*through, size_of(e, c));
+        if (!walled && (e->cell_openness[c] & RSV_CELL_CUT)) *cut = f_max(*cut, size_of(e, c));
+    }
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
+static float constant_growth(const void *growth, const rsv_elements *e, uint32_t cell)
+{
+    (void)e, (void)cell;
+    return *(const float *)growth;
+}
+
+/// What cells of a goal that something stands upon are split to: by the square of how much larger they may be, but not
+/// where light of the far side of a wall would come through.
+static void contacts_matter_as_much_as_the_goal_says(void **state)
+{
+    (void)state;
+    const float usual = 1, root = sqrtf(2);
+    const rsv_growth none = { constant_growth, &usual }, larger = { constant_growth, &root };
+    float cut[3], through[3];
+    sizes_at_contacts(NULL, &cut[0], &through[0]);
+    sizes_at_contacts(&none, &cut[1], &through[1]);
+    sizes_at_contacts(&larger, &cut[2], &through[2]);
+    assert_true(cut[0] > 0 && through[0] > 0);
+    assert_close(cut[1], cut[0], 1e-6);
+    assert_close(cut[2], 2 * cut[1], 1e-6);
+    assert_close(through[2], through[1], 1e-6);
+}
+
+/// What hides behind a picture's canvas is looked at from the middle of a cell whose corners all lie on its frame.
+static void large_cells_are_looked_at_in_their_middle(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    world_room(w, paint, v3(0, 0, 0), v3(3, 3, 3));
+    world_box(w, paint, v3(0.3f, 0.001f, 0.3f), v3(2.5f, 0.005f, 2.5f));
+    world_commit(w);
+    rsv_elements *e;
+    uint64_t rays = 0;
+    assert_int_equal(
+        rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 3 }, &e), RSV_OK);
+    e->spacing = 0.5f;
+    assert_int_equal(rsv_elements_find_open_corners(&w->transport, NULL, e, &rays), RSV_OK);
+    size_t cut = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        rsv_cell_shape shape = rsv_cell_shape_of(e, c);
+        bool floor = shape.normal.y > 0.9f && shape.centre.y == 0;
+        if (floor && (e->cell_openness[c] & RSV_CELL_CUT)) cut++;
+    }
+    assert_int_equal(cut, 2); // both halves of the floor
+    rsv_elements_destroy(e);
+    world_end(w);
 }
 
 static void add_lamp(world *w)
@@ -220,7 +300,7 @@ static void corners_within_walls_are_not_open(void **state)
     uint64_t rays = 0;
     assert_int_equal(
         rsv_elements_create(w->scene, w->bsdf, &(rsv_spacing){ .metres = 0.13f }, &e), RSV_OK);
-    assert_int_equal(rsv_elements_refine_contacts(&w->transport, 10000, &e, &rays), RSV_OK);
+    assert_int_equal(rsv_elements_refine_contacts(&w->transport, 10000, NULL, &e, &rays), RSV_OK);
     size_t cut = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
         rsv_cell_shape shape = rsv_cell_shape_of(e, c);
@@ -532,6 +612,8 @@ int main(void)
         cmocka_unit_test(a_thick_wall_keeps_light_out),
         cmocka_unit_test(a_thick_wall_that_just_touches_keeps_light_out),
         cmocka_unit_test(contacts_take_no_more_nodes_than_allowed),
+        cmocka_unit_test(contacts_matter_as_much_as_the_goal_says),
+        cmocka_unit_test(large_cells_are_looked_at_in_their_middle),
         cmocka_unit_test(the_floor_beside_a_box_is_not_darkened),
         cmocka_unit_test(a_lamp_close_to_the_ceiling_keeps_its_light_there),
         cmocka_unit_test(corners_within_walls_are_not_open),

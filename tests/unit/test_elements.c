@@ -643,8 +643,9 @@ static void nodes_of_fine_meshes_follow_near_leaders(void **state)
     world_end(w);
 }
 
-static void mark_cell(void *user, uint32_t cell, uint32_t other)
+static void mark_cell(void *user, uint32_t cell, uint32_t other, float bend)
 {
+    (void)bend;
     (void)other;
     ((uint8_t *)user)[cell] = 1;
 }
@@ -774,6 +775,37 @@ static void plains_around_a_house_take_few_elements(void **state)
     world_end(w);
 }
 
+/// Walls of one metre around a yard of 40 fill no more than a hundredth of what its middle faces.
+static void yards_within_low_walls_take_few_elements(void **state)
+{
+    (void)state;
+    const float yard = 20, thick = 0.2f;
+    world *w = world_begin(1);
+    uint32_t white = world_lambert(w, 0.7f, 0);
+    world_quad(w, white, v3(-100, 0, 100), v3(100, 0, 100), v3(100, 0, -100), v3(-100, 0, -100));
+    for (int side = -1; side <= 1; side += 2) {
+        float near = side * yard, far = side * (yard + thick);
+        float low = f_min(near, far), high = f_max(near, far);
+        world_box(w, white, v3(low, -0.1f, -yard), v3(high, 1, yard));
+        world_box(w, white, v3(-yard, -0.1f, low), v3(yard, 1, high));
+    }
+    world_commit(w);
+    rsv_spacing spacing = rsv_spacing_for(&w->transport, TARGET);
+    rsv_elements *e;
+    assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
+    assert_in_range(e->node_count, TARGET / 4, 4 * TARGET);
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        rsv_vec3 place = corner_place(e, c, 0);
+        float far = f_max(fabsf(place.x), fabsf(place.z));
+        float size = sqrtf(2 * rsv_cell_area(e, c)) / spacing.metres;
+        if (place.y > 0 && place.y < 1) assert_true(size < 1.5f);
+        if (place.y == 0 && far < yard / 4) assert_true(size > 3);
+        if (place.y == 0 && fabsf(far - yard) < 0.5f) assert_true(size < 1.5f);
+    }
+    rsv_elements_destroy(e);
+    world_end(w);
+}
+
 static void bare_planes_have_elements_of_one_size(void **state)
 {
     (void)state;
@@ -817,6 +849,7 @@ int main(void)
         cmocka_unit_test(leaders_receive_for_all_that_follow_them),
         cmocka_unit_test(spacing_is_even_in_closed_rooms),
         cmocka_unit_test(plains_around_a_house_take_few_elements),
+        cmocka_unit_test(yards_within_low_walls_take_few_elements),
         cmocka_unit_test(bare_planes_have_elements_of_one_size),
         cmocka_unit_test(clusters_shrink_where_leaders_disagree),
     };

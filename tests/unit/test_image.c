@@ -612,6 +612,9 @@ static void oversized_pictures_are_refused_before_allocating(void **state)
     const char hdr[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 65537 +X 1\n";
     write_bytes(path_of("tall.hdr"), hdr, sizeof hdr - 1);
     expect_failure(path_of("tall.hdr"), RSV_ERROR_FORMAT, "size 1 x 65537");
+    const char announced[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 33041 +X 8041\n";
+    write_bytes(path_of("announced.hdr"), announced, sizeof announced - 1);
+    expect_failure(path_of("announced.hdr"), RSV_ERROR_FORMAT, "fewer bytes than its rows need");
 }
 
 static void missing_and_unknown_files_are_named(void **state)

@@ -42,7 +42,8 @@ static built build(const room *r)
     uint64_t rays = 0;
     const rsv_spacing spacing = { .metres = 0.2f };
     assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &b.elements), RSV_OK);
-    assert_int_equal(rsv_elements_refine_contacts(&w->transport, 1000, &b.elements, &rays), RSV_OK);
+    assert_int_equal(
+        rsv_elements_refine_contacts(&w->transport, 1000, NULL, &b.elements, &rays), RSV_OK);
     assert_int_equal(rsv_elements_separate(&w->transport, NULL, b.elements, &rays), RSV_OK);
     b.valid_points = calloc(b.elements->node_count, sizeof *b.valid_points);
     assert_non_null(b.valid_points);

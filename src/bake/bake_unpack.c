@@ -1,0 +1,102 @@
+#include "bake_unpack.h"
+
+#include <math.h>
+#include <string.h>
+
+static const char draco[] = "KHR_draco_mesh_compression";
+
+static cJSON *member(const cJSON *object, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(object, name);
+}
+
+static void add_views(rsv_bake_document *d, cJSON *views)
+{
+    const rsv_gltf_document *gltf = d->gltf;
+    for (size_t k = (size_t)cJSON_GetArraySize(views); k < gltf->buffer_view_count; k++) {
+        const rsv_gltf_buffer_view *view = &gltf->buffer_view[k];
+        cJSON *json = cJSON_CreateObject();
+        rsv_bake_append(d, views, json);
+        rsv_bake_number(d, json, "buffer", view->buffer);
+        rsv_bake_number(d, json, "byteLength", (double)view->length);
+        if (view->stride) rsv_bake_number(d, json, "byteStride", (double)view->stride);
+        rsv_bake_number(d, json, "target", view->stride ? RSV_BAKE_VERTICES : RSV_BAKE_INDICES);
+    }
+}
+
+/// Packing rounds: limits of vectors of floats are those of what came out. Of other types they are optional and go.
+static void renew_limits(rsv_bake_document *d, cJSON *json, const rsv_gltf_accessor *accessor)
+{
+    const rsv_gltf_buffer_view *view = &d->gltf->buffer_view[accessor->span.buffer_view];
+    const uint8_t *data = d->gltf->buffer[view->buffer].data + view->offset;
+    cJSON_DeleteItemFromObjectCaseSensitive(json, "min");
+    cJSON_DeleteItemFromObjectCaseSensitive(json, "max");
+    if (accessor->span.component_type != RSV_GLTF_FLOAT || !accessor->count) return;
+    cJSON *min = rsv_bake_array(d, json, "min"), *max = rsv_bake_array(d, json, "max");
+    for (int c = 0; c < accessor->component_count; c++) {
+        float low = INFINITY, high = -INFINITY;
+        for (size_t k = 0; k < accessor->count; k++) {
+            float value;
+            memcpy(&value, data + k * view->stride + (size_t)c * sizeof value, sizeof value);
+            low = fminf(low, value);
+            high = fmaxf(high, value);
+        }
+        rsv_bake_append(d, min, cJSON_CreateNumber((double)low));
+        rsv_bake_append(d, max, cJSON_CreateNumber((double)high));
+    }
+}
+
+/// Accessors that the parser moved to views of index `first` and above.
+static void move_accessors(rsv_bake_document *d, int first)
+{
+    size_t k = 0;
+    cJSON *json;
+    cJSON_ArrayForEach(json, member(d->root, "accessors"))
+    {
+        if (k >= d->gltf->accessor_count) break;
+        const rsv_gltf_accessor *accessor = &d->gltf->accessor[k++];
+        if (accessor->span.buffer_view < first) continue;
+        rsv_bake_number(d, json, "bufferView", accessor->span.buffer_view);
+        rsv_bake_number(d, json, "count", (double)accessor->count);
+        cJSON_DeleteItemFromObjectCaseSensitive(json, "byteOffset");
+        cJSON_DeleteItemFromObjectCaseSensitive(json, "sparse");
+        renew_limits(d, json, accessor);
+    }
+}
+
+/// Removes member `name` of `object` if nothing is left in it.
+static void remove_empty(cJSON *object, const char *name)
+{
+    const cJSON *emptied = member(object, name);
+    if (emptied && !emptied->child) cJSON_DeleteItemFromObjectCaseSensitive(object, name);
+}
+
+static void unlist(cJSON *root, const char *list)
+{
+    cJSON *names = member(root, list), *entry, *next;
+    for (entry = names ? names->child : NULL; entry; entry = next) {
+        next = entry->next;
+        if (cJSON_IsString(entry) && strcmp(entry->valuestring, draco) == 0)
+            cJSON_Delete(cJSON_DetachItemViaPointer(names, entry));
+    }
+    remove_empty(root, list);
+}
+
+void rsv_bake_unpack(rsv_bake_document *d)
+{
+    cJSON *views = member(d->root, "bufferViews"), *mesh, *primitive;
+    int first = cJSON_GetArraySize(views);
+    if ((size_t)first >= d->gltf->buffer_view_count) return;
+    add_views(d, views);
+    move_accessors(d, first);
+    cJSON_ArrayForEach(mesh, member(d->root, "meshes"))
+    {
+        cJSON_ArrayForEach(primitive, member(mesh, "primitives"))
+        {
+            cJSON_DeleteItemFromObjectCaseSensitive(member(primitive, "extensions"), draco);
+            remove_empty(primitive, "extensions");
+        }
+    }
+    unlist(d->root, "extensionsUsed");
+    unlist(d->root, "extensionsRequired");
+}

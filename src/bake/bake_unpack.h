@@ -1,0 +1,11 @@
+/// Meshes that came packed (KHR_draco_mesh_compression) are written plain: lightmaps need vertices of their own.
+#ifndef RSV_BAKE_UNPACK_H
+#define RSV_BAKE_UNPACK_H
+
+#include "bake_document.h"
+
+/// Takes the parser's buffer views behind those of the file into its JSON, each still naming its own buffer; accessors
+/// name them, and the extension goes. Nothing happens where nothing was packed.
+void rsv_bake_unpack(rsv_bake_document *document);
+
+#endif

@@ -1,0 +1,136 @@
+#include "contact.h"
+#include "elements_internal.h"
+#include "open_corners.h"
+#include "past.h"
+
+#define CONTACT_LEVELS 2
+/// Smaller cells, as parts of the spacing, are left alone: they come from meshes finer than wanted.
+#define CONTACT_SIZE 0.125f
+/// A cell with honest corners on both sides of a wall interpolates through it: the line over which it does is
+/// made thinner than it can be seen.
+#define THIN_WALL_LEVELS 4
+#define THIN_WALL_SIZE 0.03f
+/// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
+#define NODES_PER_SPLIT 2
+
+static float cell_size(const rsv_elements *e, uint32_t cell)
+{
+    return sqrtf(2 * rsv_cell_area(e, cell));
+}
+
+/// A goal's cells are split until they are at most this much larger than wanted: a split halves them.
+#define GROWTH_TOLERANCE 1.4f
+
+/// Size above which a cell is split that other geometry cuts; INFINITY where nothing does.
+/// @param growth NULL = cells have their usual size @param splits that the cell went through
+static float finest_size(
+    const rsv_elements *e, uint32_t cell, const rsv_growth *growth, uint32_t splits)
+{
+    uint8_t openness = e->cell_openness[cell];
+    bool through = openness & RSV_CELL_CUT_THROUGH;
+    uint32_t levels = through ? THIN_WALL_LEVELS : CONTACT_LEVELS;
+    if (!through && !(openness & RSV_CELL_CUT)) return INFINITY;
+    if (growth) {
+        // Next to what stands upon a cell light is wrong by as much whatever the size, on an area that shrinks with it:
+        // with the square of the sizes that smooth light wants. Through a wall it may be wrong by any number of times.
+        float larger = through ? 1 : growth->at(growth->user, e, cell);
+        return GROWTH_TOLERANCE * larger * larger * ldexpf(e->spacing, -(int)levels);
+    }
+    if (splits >= levels) return INFINITY;
+    float least = (through ? THIN_WALL_SIZE : CONTACT_SIZE) * e->spacing;
+    return f_max(least, ldexpf(cell_size(e, cell), (int)splits - (int)levels));
+}
+
+/// @param finest [cell_count], out
+static void find_finest_sizes(
+    const rsv_elements *e, const rsv_growth *growth, uint32_t splits, float *finest)
+{
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        finest[c] = finest_size(e, c, growth, splits);
+}
+
+/// Nodes that further splits would add if no cell below some size were split. What cuts a cell is taken for a line: it
+/// meets twice as many cells of half the size.
+static double nodes_for(const rsv_elements *e, const float *finest, float least)
+{
+    double cells = 0;
+    for (uint32_t c = 0; c < e->cell_count; c++) {
+        float size = cell_size(e, c);
+        for (uint32_t k = 0; size > f_max(least, finest[c]); k++) {
+            cells += 1 << k;
+            size /= 2;
+        }
+    }
+    return NODES_PER_SPLIT * cells;
+}
+
+/// The splits that are affordable: those of all cells larger than `least`, and a share of those a step below it.
+typedef struct allowance {
+    float least, share;
+} allowance;
+
+#define SIZE_STEP 1.2f
+
+/// @param most_nodes to be added, about @param least size that is known to be too small
+static allowance afford(const rsv_elements *e, const float *finest, size_t most_nodes, float least)
+{
+    double most = (double)most_nodes, step_below = 0, nodes;
+    for (;; least *= SIZE_STEP, step_below = nodes) {
+        nodes = nodes_for(e, finest, least);
+        if (nodes <= most) break;
+    }
+    // cells that are split here and there have fewer neighbours to share nodes with
+    double share = (most - nodes) / (1.5 * (step_below - nodes));
+    return (allowance){ least, step_below > 0 ? (float)share : 0 };
+}
+
+/// @param past decides where it knows: what is affordable depends on the whole scene
+static bool is_affordable(
+    const rsv_past *past, const rsv_elements *e, uint32_t cell, float finest, const allowance *a)
+{
+    if (e->cell[cell].level >= RSV_MAX_LEVEL) return false;
+    if (past && !rsv_past_is_near(past, e, cell))
+        return rsv_past_was_cell_split(past, RSV_PAST_COARSE, e, cell);
+    float size = cell_size(e, cell), drawn = rsv_unit_float(rsv_hash(cell));
+    return size > f_max(a->least, finest) ||
+           (drawn < a->share && size > f_max(a->least / SIZE_STEP, finest));
+}
+
+rsv_status rsv_elements_refine_contacts(const rsv_transport_scene *scene, size_t most_nodes,
+    const rsv_growth *growth, rsv_elements **elements, uint64_t *rays)
+{
+    rsv_context *context = (*elements)->context;
+    float least = THIN_WALL_SIZE * (*elements)->spacing;
+    size_t most = (*elements)->node_count + most_nodes;
+    rsv_elements *earlier = NULL;
+    rsv_status status;
+    for (uint32_t level = 0; level < THIN_WALL_LEVELS; level++) {
+        rsv_elements *e = *elements;
+        status = rsv_elements_find_open_corners(scene, earlier, e, rays);
+        rsv_elements_destroy(earlier);
+        earlier = NULL;
+        if (status != RSV_OK) return status;
+        uint8_t *split = rsv_alloc(context, e->cell_count, 1);
+        float *finest = rsv_alloc(context, e->cell_count, sizeof *finest);
+        size_t marked = 0;
+        if (split && finest) {
+            find_finest_sizes(e, growth, level, finest);
+            size_t left = most > e->node_count ? most - e->node_count : 0;
+            allowance a = afford(e, finest, left, least);
+            for (uint32_t c = 0; c < e->cell_count; c++)
+                marked += split[c] = is_affordable(scene->past, e, c, finest[c], &a);
+            least = a.least;
+            if (marked) status = rsv_elements_refine(e, split, elements);
+        } else {
+            status = RSV_ERROR_MEMORY;
+        }
+        rsv_free(context, finest);
+        rsv_free(context, split);
+        if (status != RSV_OK || !marked) return status;
+        earlier = e;
+    }
+    status = rsv_elements_find_open_corners(scene, earlier, *elements, rays);
+    rsv_elements_destroy(earlier);
+    return status;
+}
