@@ -18,10 +18,13 @@ typedef struct rsv_balance_channel {
 RSV_INLINE void rsv_add_spread(
     rsv_spread k, const rsv_spread table[RSV_TABLE_ALPHA], rsv_table_place alpha, float share)
 {
+    RSV_ROLLED
     for (int side = 0; side < 2; side++) {
         const rsv_spread *entry = &table[alpha.index + side];
         float weight = share * (side ? alpha.weight : 1 - alpha.weight);
+        RSV_ROLLED
         for (int j = 0; j < RSV_SPREAD_COS; j++)
+            RSV_ROLLED
             for (int i = 0; i < RSV_SPREAD_COS; i++)
                 k[j][i] += weight * (*entry)[j][i];
     }
@@ -30,10 +33,14 @@ RSV_INLINE void rsv_add_spread(
 RSV_INLINE void rsv_make_lossless(rsv_spread k)
 {
     float sum[RSV_SPREAD_COS] = { 0 };
+    RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
+        RSV_ROLLED
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             sum[i] += k[j][i];
+    RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
+        RSV_ROLLED
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             k[j][i] /= f_max(sum[i], 1e-6f);
 }
@@ -57,13 +64,16 @@ RSV_INLINE float rsv_spread_cos_at(int i)
 RSV_INLINE void rsv_add_reflected_again(const rsv_bsdf *bsdf, rsv_spread k)
 {
     float missing[RSV_SPREAD_COS], share[RSV_SPREAD_COS], sum = 0;
+    RSV_ROLLED
     for (int i = 0; i < RSV_SPREAD_COS; i++) {
         missing[i] = rsv_bsdf_missing(bsdf, true, 0, rsv_spread_cos_at(i));
         share[i] = missing[i] * powf(rsv_spread_cos_at(i), 1.5f); // cos dcos in steps of sqrt(cos)
         sum += share[i];
     }
     float reflected = bsdf->transmission * (1 - rsv_bsdf_missing_transmitted(bsdf, 0));
+    RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
+        RSV_ROLLED
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             k[j][i] += reflected * missing[i] * share[j] / f_max(sum, RSV_LEAST_MISSING);
 }
@@ -85,9 +95,12 @@ RSV_INLINE void rsv_set_up_spread(const rsv_bsdf *bsdf, int kind, rsv_spread k)
 
 RSV_INLINE void rsv_spread_light(const rsv_spread k, const float *light, float mean[RSV_SPREAD_COS])
 {
+    RSV_ROLLED
     for (int i = 0; i < RSV_SPREAD_COS; i++)
         mean[i] = 0;
+    RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
+        RSV_ROLLED
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             mean[i] += k[j][i] * light[j];
 }
@@ -99,12 +112,16 @@ RSV_INLINE void rsv_find_balance(const rsv_spread k, rsv_balance_channel *c)
     const float step[3] = { 0.5173f, 0.6667f, 0.9373f };
     float light[RSV_SPREAD_COS], mean[RSV_SPREAD_COS];
     rsv_spread_light(k, c->left, mean);
+    RSV_ROLLED
     for (int i = 0; i < RSV_SPREAD_COS; i++)
         c->s[i] = sqrtf(f_max(mean[i], 1e-8f));
+    RSV_ROLLED
     for (int n = 0; n < 3; n++) {
+        RSV_ROLLED
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             light[i] = c->left[i] / c->s[i];
         rsv_spread_light(k, light, mean);
+        RSV_ROLLED
         for (int i = 0; i < RSV_SPREAD_COS; i++)
             c->s[i] += step[n] * (mean[i] - c->s[i]);
     }
@@ -120,8 +137,10 @@ RSV_INLINE void rsv_balance_kind(rsv_bsdf *bsdf, int kind, rsv_balance_channel c
     rsv_spread k;
     rsv_set_up_spread(bsdf, kind, k);
     bool gray = bsdf->sheen.r == bsdf->sheen.g && bsdf->sheen.g == bsdf->sheen.b;
+    RSV_ROLLED
     for (int n = 0; n < (gray ? 1 : 3); n++)
         rsv_find_balance(k, &c[n]);
+    RSV_ROLLED
     for (int i = 0; i < RSV_SPREAD_COS; i++)
         bsdf->balance[kind][i] =
             gray ? rgb_gray(rsv_balance_gap(c, i))
@@ -133,6 +152,7 @@ RSV_INLINE void rsv_bsdf_balance_layers(rsv_bsdf *bsdf)
 {
     if (!bsdf->layered || bsdf->alpha == 0) return;
     rsv_balance_channel c[3];
+    RSV_ROLLED
     for (int i = 0; i < RSV_SPREAD_COS; i++) {
         rsv_rgb left = rsv_bsdf_passage(bsdf, rsv_spread_cos_at(i)).light;
         c[0].left[i] = left.r;

@@ -146,7 +146,7 @@ typedef struct rsv_rough_base {
     rsv_bsdf_value metal, interface, glass;
 } rsv_rough_base;
 
-RSV_INLINE rsv_rough_base rsv_evaluate_rough_base(
+RSV_LARGE rsv_rough_base rsv_evaluate_rough_base(
     const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front)
 {
     rsv_bsdf_value none = { rgb_gray(0), 0 };
@@ -192,7 +192,7 @@ RSV_INLINE void rsv_add_rough_base(
     rsv_add_dimmed(value, &base.glass, 1, rgb_gray(1));
 }
 
-RSV_INLINE rsv_bsdf_value rsv_bsdf_evaluate(
+RSV_LARGE rsv_bsdf_value rsv_bsdf_evaluate(
     const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n, bool front, rsv_lobe_set lobes)
 {
     rsv_bsdf_value value = { rgb_gray(0), 0 };

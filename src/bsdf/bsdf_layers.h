@@ -14,7 +14,7 @@ RSV_INLINE bool rsv_bsdf_meets_layers(const rsv_bsdf *bsdf, bool front)
 }
 
 /// c R(w) of the clear coat.
-RSV_INLINE float rsv_bsdf_clearcoat_albedo(const rsv_bsdf *bsdf, float cos)
+RSV_LARGE float rsv_bsdf_clearcoat_albedo(const rsv_bsdf *bsdf, float cos)
 {
     float cos_t;
     cos = f_min(fabsf(cos), 1);
@@ -70,7 +70,7 @@ RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float co
     return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
-RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
+RSV_LARGE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
 {
     if (!bsdf->coated) return rgb_gray(1);
     rsv_rgb passed = rgb_scale(bsdf->specular_tint, rsv_bsdf_interface_albedo(bsdf, cos));

@@ -138,7 +138,7 @@ RSV_INLINE bool rsv_reflects_at_coat(rsv_bsdf_draw *draw, float u, rsv_bsdf_even
     return u < choice.reflect && rsv_leaves(draw, event->direction, true);
 }
 
-RSV_INLINE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
+RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
     rsv_bsdf_event event;
@@ -215,7 +215,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_sheen(rsv_bsdf_draw *draw)
     return rsv_event(RSV_LOBE_REFLECT, rsv_from_frame(local, draw->n), tint);
 }
 
-RSV_INLINE rsv_bsdf_event rsv_draw_base(rsv_bsdf_draw *draw, float u, float u1, float u2)
+RSV_LARGE rsv_bsdf_event rsv_draw_base(rsv_bsdf_draw *draw, float u, float u1, float u2)
 {
     rsv_draw_facet(draw, u1, u2);
     if (rsv_split_number(&u, draw->bsdf->metallic)) return rsv_draw_metal(draw);
@@ -233,7 +233,7 @@ RSV_INLINE rsv_rgb rsv_left_by_layers(const rsv_bsdf_draw *draw, rsv_vec3 direct
 }
 
 /// The layers' lobes, or else the base's.
-RSV_INLINE rsv_bsdf_event rsv_draw_layered(rsv_bsdf_draw *draw, float u, float u1, float u2)
+RSV_LARGE rsv_bsdf_event rsv_draw_layered(rsv_bsdf_draw *draw, float u, float u1, float u2)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
     float cos_o = v3_dot(draw->n, draw->wo), coat = rsv_bsdf_clearcoat_albedo(bsdf, cos_o);
@@ -340,7 +340,7 @@ RSV_INLINE rsv_bsdf_event rsv_draw_black_glass(
     return event;
 }
 
-RSV_INLINE rsv_bsdf_event rsv_bsdf_draw_specular(
+RSV_LARGE rsv_bsdf_event rsv_bsdf_draw_specular(
     const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 n, bool front, float u_lobe, float u1, float u2)
 {
     float chance = rsv_bsdf_specular_chance(bsdf, wo, n, front);

@@ -43,6 +43,7 @@ RSV_INLINE rsv_rgb rsv_hemispherical_mean(const rsv_bsdf *bsdf, rsv_cosine_funct
     const float weight[4] = { 0.3626837833783620f, 0.3137066458778873f, 0.2223810344533745f,
         0.1012285362903763f };
     rsv_rgb sum = rgb_gray(0);
+    RSV_ROLLED
     for (int k = 0; k < 8; k++) {
         float x = 0.5f + (k & 1 ? 0.5f : -0.5f) * place[k / 2];
         sum = rgb_mad(sum, 2 * weight[k / 2] * x * x * x, f(bsdf, x * x));

@@ -14,14 +14,30 @@
 #endif
 #endif
 
+/// An inline function that device code calls, being large.
+#if defined(__CUDACC__)
+#define RSV_LARGE static __host__ __device__ __noinline__ __attribute__((unused))
+#else
+#define RSV_LARGE RSV_INLINE
+#endif
+
 /// Functions that the library compiles once, in a file of its own, and device code wherever it calls them: their bodies
 /// are in headers `*_body.h`, which that file includes or, where RSV_DEVICE_CODE is defined, the header itself.
 #ifndef RSV_SHARED
-#if defined(RSV_DEVICE_CODE)
+#if defined(RSV_DEVICE_CODE) && defined(__CUDACC__)
+#define RSV_SHARED RSV_LARGE // a kernel may reach dozens of them: compiled into it, that takes minutes
+#elif defined(RSV_DEVICE_CODE)
 #define RSV_SHARED RSV_INLINE
 #else
 #define RSV_SHARED
 #endif
+#endif
+
+/// Ahead of a loop that device code is to keep as a loop: unrolled, long ones compile for minutes.
+#if defined(__CUDACC__)
+#define RSV_ROLLED _Pragma("unroll 1")
+#else
+#define RSV_ROLLED
 #endif
 
 #define RSV_PI 3.14159265358979323846f

@@ -4,7 +4,7 @@
 
 #include "../bvh/bvh.h"
 #include "../core/device.h"
-#include "../light/sky.h"
+#include "../light/light.h"
 #include "../surface/medium.h"
 #include "../trace/camera_ray.h"
 #include "light_cells.h"
@@ -17,18 +17,21 @@
 /// A scene to make pictures of. All borrowed and copied to the device.
 typedef struct rsv_device_stage {
     const rsv_scene_view *scene;
-    const rsv_bsdf *
-        bsdf; ///< [material_count] of those in use, all the same over their surface and without rough lobes
+    const rsv_bsdf *bsdf; ///< [material_count]
     rsv_bvh_view bvh;
     const rsv_shown_side (*side)[2]; ///< [triangle_count + 1] as in rsv_light_table
+    const rsv_shown_side (
+        *received)[2]; ///< [triangle_count] cells of irradiance; RSV_SHOWN_SKY: none
     size_t cell_count;
     uint32_t width, height, eyes, chain_depth, seed; ///< as in rsv_frame_desc
 } rsv_device_stage;
 
 /// What is shown on it.
 typedef struct rsv_device_light {
-    const rsv_light_cell *cell; ///< [cell_count]
-    rsv_sky sky;
+    const rsv_light_cell *cell;  ///< [cell_count]
+    const rsv_scene_view *scene; ///< the stage's, for its materials as they are now
+    const rsv_bsdf *bsdf;        ///< [material_count]
+    const rsv_lights *lights;
     bool emission; ///< sources are shown, too
 } rsv_device_light;
 

@@ -17,12 +17,8 @@ struct rsv_frame_device {
 /// What keeps a device from showing a material; NULL = nothing.
 static const char *obstacle(const rsv_solution *s, uint32_t material)
 {
-    const rsv_bsdf *bsdf = &s->bsdf[material];
     if (s->scene.view->material[material].alpha_cutoff > 0) return "is cut out";
-    if (s->scene.view->material_varies[material]) return "varies over its surface";
     if (s->diffused.material && s->diffused.material[material]) return "is translucent";
-    if (bsdf->rough) return "is rough and shiny";
-    if (bsdf->diffuse > 0 && !bsdf->lambert) return "is diffuse under a coat";
     return NULL;
 }
 
@@ -50,15 +46,31 @@ static bool can_show(const rsv_solution *s, const rsv_frame_desc *desc)
 
 // ---- creation -----------------------------------------------------------------------------------
 
+/// Where the irradiance of each side is. @param received [triangle_count]
+static void find_received(const rsv_light_table *t, rsv_shown_side (*received)[2])
+{
+    for (uint32_t k = 0; k < t->triangle_count; k++)
+        for (int back = 0; back < 2; back++) {
+            uint32_t face = t->solution->elements->face_of[back][k];
+            received[k][back] =
+                face == RSV_NONE ? (rsv_shown_side){ 0, 0, RSV_SHOWN_SKY } : rsv_face_grid(t, face);
+        }
+}
+
 static rsv_status bring_stage(
     rsv_frame_device *d, rsv_device *device, const rsv_frame_desc *desc, const rsv_bvh *bvh)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     const rsv_solution *s = d->table->solution;
+    rsv_shown_side(*received)[2] =
+        rsv_alloc(d->context, d->table->triangle_count, sizeof *received);
+    if (!received) return RSV_ERROR_MEMORY;
+    find_received(d->table, received);
     const rsv_device_stage stage = { .scene = s->scene.view,
         .bsdf = s->bsdf,
         .bvh = bvh->view,
         .side = (const rsv_shown_side(*)[2])d->table->side,
+        .received = (const rsv_shown_side(*)[2])received,
         .cell_count = d->table->cell_count,
         .width = desc->width,
         .height = desc->height,
@@ -66,6 +78,7 @@ static rsv_status bring_stage(
         .chain_depth = desc->chain_depth,
         .seed = desc->seed };
     rsv_status status = d->device->create(device, &stage, &d->frames, message);
+    rsv_free(d->context, received);
     return status == RSV_OK ? RSV_OK : rsv_device_failed(d->context, status, message);
 }
 
@@ -123,9 +136,11 @@ static rsv_status check(rsv_frame_device *d, rsv_status status, const char *mess
 static rsv_status bring_light(rsv_frame_device *d)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
-    const rsv_lights *lights = d->table->solution->lights;
+    const rsv_solution *s = d->table->solution;
     const rsv_device_light light = { .cell = d->table->cell,
-        .sky = lights->environment ? lights->environment->whole : (rsv_sky){ 0 },
+        .scene = s->scene.view,
+        .bsdf = s->bsdf,
+        .lights = s->lights,
         .emission = rsv_shows_emission(d->table) };
     if (!d->dim) return RSV_OK;
     d->dim = false;

@@ -67,12 +67,9 @@ static void fill_sides(rsv_light_table *t)
     }
 }
 
-static bool face_is_stored(const rsv_solution *s, uint32_t face)
-{
-    return is_stored(s, s->scene.view->triangle_material[s->elements->face_triangle[face]]);
-}
+/// Of the others, translucent ones show what has been diffused below them, which no cells hold.
+static bool has_cells(const rsv_solution *s, uint32_t face) { return !rsv_is_translucent(s, face); }
 
-/// Faces of other kinds take no cells.
 static rsv_status number_cells(rsv_light_table *t)
 {
     const rsv_solution *s = t->solution;
@@ -80,7 +77,7 @@ static rsv_status number_cells(rsv_light_table *t)
     uint32_t next = first_face_cell(s);
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
         t->face_cell[face] = next;
-        if (face_is_stored(s, face)) {
+        if (has_cells(s, face)) {
             t->face_level[face] = (uint8_t)rsv_face_grid_level(&walk, face);
             next = rsv_face_walk_cells(&walk, face, t->face_level[face], next);
         }
@@ -142,35 +139,37 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
     rsv_field_sum fields = shown_fields(s, layer);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
-        if (!face_is_stored(s, face)) continue;
+        if (!has_cells(s, face)) continue;
         uint32_t material = s->scene.view->triangle_material[s->elements->face_triangle[face]];
         rsv_face_walk walk = rsv_face_walk_begin(s);
         walk.sum = &fields;
         walk.cell = t->cell;
-        walk.scale = rgb_scale(s->bsdf[material].exitance_albedo, 1 / RSV_PI);
-        memcpy(&walk.offset, t->cell[1 + material].corner[0], sizeof walk.offset);
+        walk.scale = rgb_gray(1);
+        walk.offset = rgb_gray(0);
+        if (is_stored(s, material)) {
+            walk.scale = rgb_scale(s->bsdf[material].exitance_albedo, 1 / RSV_PI);
+            memcpy(&walk.offset, t->cell[1 + material].corner[0], sizeof walk.offset);
+        }
         rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);
     }
 }
 
 // ---- surfaces that are not in the table ----------------------------------------------------------
 
-static rsv_rgb indirect_at(const rsv_solution *s, uint32_t face, float u, float v, uint32_t order)
+/// What has been diffused below a translucent surface.
+static rsv_rgb diffused_at(const rsv_light_table *t, uint32_t face, float u, float v)
 {
-    if (rsv_is_translucent(s, face)) return rsv_solution_diffused(s, face, u, v, order);
-    const rsv_rgb *field = order == RSV_NONE ? s->indirect : s->order[order];
-    return rsv_elements_interpolate(s->elements, field, face, u, v);
+    const rsv_solution *s = t->solution;
+    rsv_rgb sum = rgb_gray(0);
+    if (t->layer == RSV_NONE || t->layer == 1) sum = rsv_solution_diffused_direct(s, face, u, v);
+    if (t->layer == RSV_NONE) sum = rgb_add(sum, rsv_solution_diffused(s, face, u, v, RSV_NONE));
+    if (t->layer != RSV_NONE && t->layer > 1 && t->layer - 1 < s->order_count)
+        sum = rsv_solution_diffused(s, face, u, v, t->layer - 1);
+    return sum;
 }
 
 rsv_rgb rsv_shown_irradiance(const rsv_light_table *t, uint32_t face, float u, float v)
 {
-    const rsv_solution *s = t->solution;
-    rsv_rgb sum = rgb_gray(0);
-    if (t->layer == RSV_NONE || t->layer == 1)
-        sum = rsv_is_translucent(s, face) ? rsv_solution_diffused_direct(s, face, u, v)
-                                          : rsv_solution_direct(s, face, u, v, false);
-    if (t->layer == RSV_NONE) sum = rgb_add(sum, indirect_at(s, face, u, v, RSV_NONE));
-    if (t->layer != RSV_NONE && t->layer > 1 && t->layer - 1 < s->order_count)
-        sum = indirect_at(s, face, u, v, t->layer - 1);
-    return sum;
+    if (rsv_is_translucent(t->solution, face)) return diffused_at(t, face, u, v);
+    return rsv_radiance_at(t->cell, rsv_place_in_grid(rsv_face_grid(t, face), u, v));
 }

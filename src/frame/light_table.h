@@ -1,7 +1,8 @@
 /// What plain surfaces show, ready to be looked up from (triangle, u, v).
 ///
 /// One table holds the sum of all fields of a solution on their common refinement (light_refinement.h), times albedo /
-/// pi and with the emission added: radiance at the three corners of each cell.
+/// pi and with the emission added: radiance at the three corners of each cell. Cells of surfaces whose albedo is not the
+/// same all over, or which are more than diffuse, hold the irradiance.
 #ifndef RSV_LIGHT_TABLE_H
 #define RSV_LIGHT_TABLE_H
 
@@ -26,6 +27,12 @@ void rsv_light_table_destroy(rsv_light_table *table);
 
 /// Fills the cells from the solution's fields. @param layer as for rsv_frame_renderer_show
 void rsv_light_table_bake(rsv_light_table *table, uint32_t layer);
+
+/// Where the irradiance of a diffuse surface is that the table does not have all of.
+RSV_INLINE rsv_shown_side rsv_face_grid(const rsv_light_table *table, uint32_t face)
+{
+    return (rsv_shown_side){ table->face_cell[face], table->face_level[face], RSV_SHOWN_STORED };
+}
 
 /// Irradiance of the layer on show at a diffuse surface of any kind.
 rsv_rgb rsv_shown_irradiance(const rsv_light_table *table, uint32_t face, float u, float v);

@@ -3,29 +3,37 @@
 #ifndef RSV_FRAME_KERNELS_H
 #define RSV_FRAME_KERNELS_H
 
-#include "../bvh/bvh_trace.h"
 #include "../frame/device_frames.h"
-#include "../render/branch.h"
+#include "../render/rough_branch.h"
+#include "../bvh/ray.h"
 #include "launch.h"
 
 /// A solved scene; it and all it points to lie on the device.
 typedef struct rsv_gpu_stage {
     rsv_transport_scene transport; ///< its view is that of rsv_gpu_geometry
-    rsv_bvh_view bvh;
-    const rsv_shown_side (*side)[2];
+    rsv_tracer tracer;
+    const rsv_shown_side (*side)[2], (*received)[2];
     const rsv_light_cell *cell;
-    rsv_sky sky;
+    const rsv_lights *lights;
+    rsv_sky sky; ///< the whole one
+    const uint8_t
+        *plain; ///< [material_count] whether a kernel without textures and rough lobes can show it
     bool emission;
 } rsv_gpu_stage;
 
-/// A branch on its way: the chain has set out along its direction.
+/// A surface sends on a mirrored and a transmitted branch, and one that its rough lobes draw.
+#define RSV_FRAME_BRANCHES 3
+
+/// A branch on its way: the chain has set out along its direction. Or one that has arrived.
 typedef struct rsv_gpu_traveller {
     rsv_chain chain;
+    rsv_rough_departure departure;
     rsv_vec3 origin;
+    bool missed; ///< has left the scene
     uint32_t path, pixel;
 } rsv_gpu_traveller;
 
-/// A wave has two slots for the branches of each of its items. Pixels of all eyes are numbered through.
+/// A wave has a slot for each of the branches of each of its items. Pixels of all eyes are numbered through.
 typedef struct rsv_frame_args {
     const rsv_gpu_stage *stage;
     rsv_device_eye eye[RSV_MAX_EYES];
@@ -34,13 +42,15 @@ typedef struct rsv_frame_args {
     uint32_t *code;                  ///< [pixels] four bytes each
     rsv_hit *hit;                    ///< [pixels] of camera rays that chains begin at
     uint8_t *begins;                 ///< [pixels] whether one does
-    const uint32_t *list;            ///< of a wave: pixels that begin, or slots of `from`
-    uint32_t items;                  ///< of the wave
+    const uint32_t
+        *list;      ///< of a wave: pixels that begin, or slots of `from`; of what is left: items
+    uint32_t items; ///< of the wave
     const rsv_gpu_traveller *from;
-    rsv_gpu_traveller *to; ///< [2 x items]
-    uint8_t *alive;        ///< [2 x items] slots in use
-    rsv_rgb *found;        ///< [items] radiance
-    uint32_t *found_by;    ///< [items] pixel
+    rsv_gpu_traveller *to; ///< [RSV_FRAME_BRANCHES x items]
+    uint8_t *alive;        ///< [RSV_FRAME_BRANCHES x items] slots in use
+    uint8_t *left;  ///< [items] whether the item's first slot holds what rsv_frame_scatter is to do
+    rsv_rgb *found; ///< [items] radiance
+    uint32_t *found_by; ///< [items] pixel
 } rsv_frame_args;
 
 // ---- camera rays --------------------------------------------------------------------------------
@@ -71,11 +81,11 @@ RSV_INLINE void rsv_frame_camera_item(const rsv_frame_args *a, uint32_t pixel)
 {
     const rsv_gpu_stage *stage = a->stage;
     rsv_ray ray = rsv_frame_camera_ray(a, pixel);
-    rsv_bvh_view bvh = stage->bvh;
+    rsv_tracer tracer = stage->tracer;
     rsv_rgb shown = rgb_gray(0);
     rsv_hit hit;
     a->begins[pixel] = 0;
-    if (!rsv_bvh_closest(&bvh, &ray, &hit)) {
+    if (!rsv_ray_meets(&tracer, &ray, &hit)) {
         shown = rsv_frame_sky(stage, ray.direction);
     } else {
         rsv_shown_side side =
@@ -97,39 +107,48 @@ RSV_KERNEL(frame_camera, rsv_frame_args, rsv_frame_camera_item)
 
 // ---- chains -------------------------------------------------------------------------------------
 
+/// Sets a branch out. @return false = the direction belongs to the other side of the surface
+RSV_INLINE bool rsv_frame_set_out(const rsv_frame_args *a, const rsv_surface_point *point,
+    bool transmit, rsv_vec3 direction, rsv_rgb weight, rsv_gpu_traveller *t)
+{
+    rsv_ray ray;
+    if (!rsv_chain_depart(point, transmit, direction, &ray)) return false;
+    t->origin = ray.origin;
+    rsv_chain_set_out(&a->stage->transport, &t->chain, transmit, direction, weight);
+    return true;
+}
+
 /// Sets one ideal branch out, if it is to be followed. @param slot of the branch
-RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_chain *chain,
-    const rsv_surface_point *point, uint32_t path, uint32_t pixel, bool transmit,
-    const rsv_bsdf_branches *branches, rsv_gpu_traveller *slot)
+RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_traveller *at,
+    const rsv_surface_point *point, bool transmit, const rsv_bsdf_branches *branches,
+    rsv_gpu_traveller *slot)
 {
     rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
     rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
-    rsv_ray ray;
-    if (chain->events >= a->chain_depth || !rsv_branch_survives(chain, path, transmit, &weight) ||
-        !rsv_chain_depart(point, transmit, direction, &ray))
+    if (at->chain.events >= a->chain_depth ||
+        !rsv_branch_survives(&at->chain, at->path, transmit, &weight))
         return false;
-    rsv_gpu_traveller t;
-    t.chain = *chain;
-    t.origin = ray.origin;
-    t.path = rsv_branch_path(path, transmit);
-    t.pixel = pixel;
-    rsv_chain_set_out(&a->stage->transport, &t.chain, transmit, direction, weight);
+    rsv_gpu_traveller t = *at;
+    t.path = rsv_branch_path(at->path, transmit);
+    t.departure.pdf_solid_angle = 0;
+    if (!rsv_frame_set_out(a, point, transmit, direction, weight, &t)) return false;
     *slot = t;
     return true;
 }
 
-RSV_INLINE rsv_rgb rsv_frame_emission(
+RSV_INLINE bool rsv_frame_shows_emission(
     const rsv_gpu_stage *stage, const rsv_chain *chain, const rsv_bsdf *bsdf)
 {
     bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
-    return shows && stage->emission ? rgb_scale(bsdf->emission, bsdf->opacity) : rgb_gray(0);
+    return shows && stage->emission;
 }
 
 /// A chain that has arrived at a surface. @return what that shows; its branches go to the slots of `item`
 RSV_INLINE rsv_rgb rsv_frame_arrive(
-    const rsv_frame_args *a, const rsv_chain *chain, uint32_t path, uint32_t pixel, uint32_t item)
+    const rsv_frame_args *a, const rsv_gpu_traveller *at, uint32_t item)
 {
     const rsv_gpu_stage *stage = a->stage;
+    const rsv_chain *chain = &at->chain;
     rsv_rgb throughput = rsv_chain_throughput(&stage->transport, chain, &chain->medium);
     rsv_shown_side side = stage->side[chain->triangle][chain->back];
     if (side.kind == RSV_SHOWN_STORED)
@@ -139,10 +158,12 @@ RSV_INLINE rsv_rgb rsv_frame_arrive(
     rsv_surface_point point = rsv_surface_point_at(
         stage->transport.view, chain->triangle, chain->u, chain->v, chain->back);
     rsv_bsdf_branches branches = rsv_chain_branches_of(bsdf, chain, &point);
-    for (uint32_t k = 0; k < 2; k++)
-        a->alive[2 * item + k] = rsv_frame_branch(
-            a, chain, &point, path, pixel, k == 1, &branches, &a->to[2 * item + k]);
-    return rgb_mul(throughput, rsv_frame_emission(stage, chain, bsdf));
+    for (uint32_t k = 0; k < 2; k++) {
+        size_t slot = (size_t)RSV_FRAME_BRANCHES * item + k;
+        a->alive[slot] = rsv_frame_branch(a, at, &point, k == 1, &branches, &a->to[slot]);
+    }
+    if (!rsv_frame_shows_emission(stage, chain, bsdf)) return rgb_gray(0);
+    return rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity));
 }
 
 RSV_INLINE void rsv_frame_find(
@@ -152,19 +173,49 @@ RSV_INLINE void rsv_frame_find(
     a->found_by[item] = pixel;
 }
 
+/// Whether a kernel without textures and rough lobes can show what a traveller has come to.
+RSV_INLINE bool rsv_frame_is_plain(const rsv_gpu_stage *stage, const rsv_gpu_traveller *at)
+{
+    if (at->departure.pdf_solid_angle != 0) return false;
+    return stage->side[at->chain.triangle][at->chain.back].kind == RSV_SHOWN_STORED ||
+           stage->plain[rsv_chain_material(&stage->transport, &at->chain)];
+}
+
+RSV_INLINE void rsv_frame_leave(const rsv_frame_args *a, uint32_t item, const rsv_gpu_traveller *t)
+{
+    a->left[item] = 1;
+    a->to[(size_t)RSV_FRAME_BRANCHES * item] = *t;
+    rsv_frame_find(a, item, t->pixel, rgb_gray(0));
+}
+
+RSV_INLINE void rsv_frame_clear_slots(const rsv_frame_args *a, uint32_t item)
+{
+    a->left[item] = 0;
+    for (uint32_t k = 0; k < RSV_FRAME_BRANCHES; k++)
+        a->alive[(size_t)RSV_FRAME_BRANCHES * item + k] = 0;
+}
+
 RSV_INLINE void rsv_frame_begin_item(const rsv_frame_args *a, uint32_t item)
 {
     uint32_t pixel = a->list[item], within = pixel % a->eye_pixels;
     const rsv_device_eye *eye = &a->eye[pixel / a->eye_pixels];
     rsv_hit hit = a->hit[pixel];
+    rsv_gpu_traveller t;
     rsv_vec3 direction = rsv_frame_camera_ray(a, pixel).direction;
-    rsv_chain chain = rsv_chain_begin(
+    t.chain = rsv_chain_begin(
         &a->stage->transport, &eye->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_chain_set_spread(&chain, eye->spread, hit.t);
+    rsv_chain_set_spread(&t.chain, eye->spread, hit.t);
+    t.departure.pdf_solid_angle = t.departure.sky_pdf = 0;
+    t.departure.shot = t.missed = false;
+    t.departure.point = t.departure.side = t.origin = v3(0, 0, 0);
     uint32_t seed = rsv_pixel_seed(a->seed, within / a->width, within % a->width);
-    a->alive[2 * item] = a->alive[2 * item + 1] = 0;
-    rsv_frame_find(
-        a, item, pixel, rsv_frame_arrive(a, &chain, rsv_hash2(seed, eye->samples), pixel, item));
+    t.path = rsv_hash2(seed, eye->samples);
+    t.pixel = pixel;
+    rsv_frame_clear_slots(a, item);
+    if (rsv_frame_is_plain(a->stage, &t))
+        rsv_frame_find(a, item, pixel, rsv_frame_arrive(a, &t, item));
+    else
+        rsv_frame_leave(a, item, &t);
 }
 
 RSV_KERNEL(frame_begin, rsv_frame_args, rsv_frame_begin_item)
@@ -174,21 +225,106 @@ RSV_INLINE void rsv_frame_follow_item(const rsv_frame_args *a, uint32_t item)
     const rsv_gpu_stage *stage = a->stage;
     rsv_gpu_traveller t = a->from[a->list[item]];
     rsv_ray ray = { t.origin, t.chain.direction, INFINITY };
-    rsv_bvh_view bvh = stage->bvh;
+    rsv_tracer tracer = stage->tracer;
     rsv_hit hit;
-    rsv_rgb found;
-    a->alive[2 * item] = a->alive[2 * item + 1] = 0;
-    if (rsv_bvh_closest(&bvh, &ray, &hit)) {
-        rsv_chain_arrive(&stage->transport, &t.chain, &hit);
-        found = rsv_frame_arrive(a, &t.chain, t.path, t.pixel, item);
-    } else {
-        found = rgb_mul(rsv_chain_throughput(&stage->transport, &t.chain, &t.chain.medium),
-            rsv_frame_sky(stage, ray.direction));
-    }
-    rsv_frame_find(a, item, t.pixel, found);
+    rsv_frame_clear_slots(a, item);
+    t.missed = !rsv_ray_meets(&tracer, &ray, &hit);
+    if (!t.missed) rsv_chain_arrive(&stage->transport, &t.chain, &hit);
+    if (t.missed && t.departure.pdf_solid_angle == 0)
+        rsv_frame_find(a, item, t.pixel,
+            rgb_mul(rsv_chain_throughput(&stage->transport, &t.chain, &t.chain.medium),
+                rsv_frame_sky(stage, ray.direction)));
+    else if (!t.missed && rsv_frame_is_plain(stage, &t))
+        rsv_frame_find(a, item, t.pixel, rsv_frame_arrive(a, &t, item));
+    else
+        rsv_frame_leave(a, item, &t);
 }
 
 RSV_KERNEL(frame_follow, rsv_frame_args, rsv_frame_follow_item)
+
+// ---- textures and rough lobes -------------------------------------------------------------------
+
+/// The branch that rough lobes draw, and the sources that they are aimed at.
+/// @param found gets the light of these
+RSV_INLINE bool rsv_frame_rough_branch(const rsv_frame_args *a, const rsv_gpu_traveller *at,
+    const rsv_bsdf_branches *branches, rsv_gpu_traveller *slot, rsv_rgb *found)
+{
+    const rsv_gpu_stage *stage = a->stage;
+    rsv_gpu_traveller t = *at;
+    rsv_rough_surface surface;
+    rsv_rough_meet(&stage->transport, &t.chain, &surface);
+    rsv_rough_numbers numbers = rsv_rough_numbers_of(at->path, t.chain.triangle);
+    float chance = rsv_rough_chance(&surface, branches);
+    if (numbers.kept >= chance) return false;
+    t.chain.weight = rgb_scale(t.chain.weight, 1 / chance);
+    if (stage->emission)
+        *found = rgb_add(*found, rsv_rough_light(&surface, stage->lights, false, numbers.light));
+    rsv_bsdf_event event = rsv_rough_draw(&surface, numbers.direction);
+    if (!rsv_rough_goes_on(&event) || t.chain.events >= a->chain_depth) return false;
+    t.departure = rsv_rough_depart(&surface, event.direction, 0);
+    t.path = rsv_branch_path(at->path, false);
+    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
+    if (!rsv_frame_set_out(a, &surface.point, transmit, event.direction, event.weight, &t))
+        return false;
+    *slot = t;
+    return true;
+}
+
+/// Radiance of the diffuse light of a surface that the table does not have all of.
+RSV_INLINE rsv_rgb rsv_frame_diffuse(const rsv_gpu_stage *stage, const rsv_chain *chain,
+    const rsv_bsdf *bsdf, const rsv_bsdf_branches *branches)
+{
+    rsv_shown_side side = stage->received[chain->triangle][chain->back];
+    if (side.kind != RSV_SHOWN_STORED || rgb_is_black(branches->diffuse)) return rgb_gray(0);
+    rsv_rgb irradiance = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, chain->u, chain->v));
+    return rgb_scale(
+        rgb_mul(rgb_mul(branches->diffuse, bsdf->exitance_albedo), irradiance), 1 / RSV_PI);
+}
+
+/// A traveller that has arrived at a surface of any kind. @return what that shows
+RSV_INLINE rsv_rgb rsv_frame_scatter_at(
+    const rsv_frame_args *a, const rsv_gpu_traveller *at, uint32_t item)
+{
+    const rsv_gpu_stage *stage = a->stage;
+    const rsv_chain *chain = &at->chain;
+    const rsv_transport_scene *scene = &stage->transport;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+    rsv_surface_point point = rsv_surface_point_seen(
+        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    rsv_bsdf_branches branches = rsv_chain_branches_of(bsdf, chain, &point);
+    rsv_gpu_traveller *to = a->to + (size_t)RSV_FRAME_BRANCHES * item;
+    uint8_t *alive = a->alive + (size_t)RSV_FRAME_BRANCHES * item;
+    rsv_rgb shown = rsv_frame_diffuse(stage, chain, bsdf, &branches);
+    if (rsv_frame_shows_emission(stage, chain, bsdf))
+        shown = rgb_mad(shown,
+            bsdf->opacity * rsv_rough_emission_weight(scene, stage->lights, chain, &at->departure),
+            bsdf->emission);
+    rsv_rgb found = rgb_mul(rsv_chain_throughput(scene, chain, &chain->medium), shown);
+    for (uint32_t k = 0; k < 2; k++)
+        alive[k] = rsv_frame_branch(a, at, &point, k == 1, &branches, &to[k]);
+    if (branches.rough) alive[2] = rsv_frame_rough_branch(a, at, &branches, &to[2], &found);
+    return found;
+}
+
+/// What other kernels have left. @param k of `list`
+RSV_INLINE void rsv_frame_scatter_item(const rsv_frame_args *a, uint32_t k)
+{
+    const rsv_gpu_stage *stage = a->stage;
+    uint32_t item = a->list[k];
+    rsv_gpu_traveller t = a->to[(size_t)RSV_FRAME_BRANCHES * item];
+    rsv_rgb found = rgb_gray(0);
+    if (!t.missed)
+        found = rsv_frame_scatter_at(a, &t, item);
+    else if (stage->emission)
+        found = rgb_mul(rsv_chain_throughput(&stage->transport, &t.chain, &t.chain.medium),
+            rsv_rough_sky(stage->lights, t.chain.direction, &t.departure));
+    a->found[item] = found;
+}
+
+RSV_KERNEL(frame_scatter, rsv_frame_args, rsv_frame_scatter_item)
+
+// ---- pixels -------------------------------------------------------------------------------------
 
 /// Items of a pixel follow each other: the first one adds up what all have found.
 RSV_INLINE void rsv_frame_gather_item(const rsv_frame_args *a, uint32_t item)

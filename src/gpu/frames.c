@@ -2,7 +2,8 @@
 #include "frames.h"
 #include "compact.h"
 #include "frame_kernels.h"
-#include "geometry.h"
+#include "sources.h"
+#include "surfaces.h"
 
 #include <stdlib.h>
 
@@ -17,13 +18,20 @@ struct rsv_device_frames {
     size_t slots;           ///< of a wave
     rsv_gpu_block scene, surroundings, room;
     rsv_gpu_geometry geometry;
+    rsv_gpu_surfaces surfaces;
+    rsv_gpu_sources sources;
     rsv_gpu_stage there; ///< with addresses on the device
     rsv_gpu_stage *stage_there;
     rsv_frame_args args;
     rsv_compactor compactor;
+    bool all_plain;               ///< nothing is left to rsv_frame_scatter
+    uint8_t *plain;               ///< [material_count] on the host
+    rsv_bsdf *bsdf;               ///< [material_count] as they are uploaded
+    rsv_bsdf_tables *tables;      ///< on the device
     uint32_t *begin_list;         ///< [pixels]
+    uint32_t *left_list;          ///< [items of a wave]
     uint32_t *list;               ///< [chain_depth][slots]
-    rsv_gpu_traveller *traveller; ///< [chain_depth][slots]
+    rsv_gpu_traveller *traveller; ///< [chain_depth + 1][slots]
 };
 
 // ---- what is resident ---------------------------------------------------------------------------
@@ -35,10 +43,15 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
     rsv_gpu_stage *s = &f->there;
     f->stage_there = rsv_gpu_place(b, 1, sizeof *f->stage_there);
     rsv_gpu_geometry_place(&f->geometry, b);
+    rsv_gpu_surfaces_place(&f->surfaces, &f->geometry, b);
     s->transport.view = f->geometry.view_there;
-    s->bvh = f->geometry.bvh;
+    s->transport.tracer = f->stage_there ? &f->stage_there->tracer : NULL;
+    s->tracer.bvh = f->geometry.bvh;
     s->transport.bsdf = rsv_gpu_place(b, view->material_count, sizeof *s->transport.bsdf);
     s->side = rsv_gpu_place(b, view->triangle_count + 1, sizeof *s->side);
+    s->received = rsv_gpu_place(b, view->triangle_count, sizeof *s->received);
+    s->plain = rsv_gpu_place(b, view->material_count, sizeof *s->plain);
+    f->tables = rsv_gpu_place(b, 1, sizeof *f->tables);
     s->cell = rsv_gpu_place(b, f->stage.cell_count, sizeof *s->cell);
 }
 
@@ -46,10 +59,13 @@ static void upload_scene(rsv_device_frames *f)
 {
     const rsv_scene_view *view = f->stage.scene;
     const rsv_gpu_stage *s = &f->there;
-    const rsv_gpu_array array[] = { { s->transport.bsdf, f->stage.bsdf, view->material_count,
-                                        sizeof *f->stage.bsdf },
-        { s->side, f->stage.side, view->triangle_count + 1, sizeof *f->stage.side } };
+    const rsv_gpu_array array[] = { { s->side, f->stage.side, view->triangle_count + 1,
+                                        sizeof *f->stage.side },
+        { s->received, f->stage.received, view->triangle_count, sizeof *f->stage.received },
+        { s->plain, f->plain, view->material_count, sizeof *f->plain },
+        { f->tables, f->stage.bsdf->tables, 1, sizeof *f->tables } };
     rsv_gpu_geometry_upload(&f->geometry, f->gpu);
+    rsv_gpu_surfaces_upload(&f->surfaces, &f->geometry, f->gpu);
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
 }
 
@@ -57,28 +73,31 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
 {
     rsv_device_frames *f = task;
     rsv_frame_args *a = &f->args;
-    size_t depth = f->stage.chain_depth, most = 2 * f->slots > f->pixels ? 2 * f->slots : f->pixels;
+    size_t depth = f->stage.chain_depth, most = f->slots > f->pixels ? f->slots : f->pixels;
     a->radiance = rsv_gpu_place(b, f->pixels, sizeof *a->radiance);
     a->sum = rsv_gpu_place(b, f->pixels, sizeof *a->sum);
     a->code = rsv_gpu_place(b, f->pixels, sizeof *a->code);
     a->hit = rsv_gpu_place(b, f->pixels, sizeof *a->hit);
     a->begins = rsv_gpu_place(b, f->pixels, sizeof *a->begins);
     a->alive = rsv_gpu_place(b, f->slots, sizeof *a->alive);
+    a->left = rsv_gpu_place(b, f->slots / RSV_FRAME_BRANCHES, sizeof *a->left);
+    f->left_list = rsv_gpu_place(b, f->slots / RSV_FRAME_BRANCHES, sizeof *f->left_list);
     a->found = rsv_gpu_place(b, f->slots, sizeof *a->found);
     a->found_by = rsv_gpu_place(b, f->slots, sizeof *a->found_by);
     f->begin_list = rsv_gpu_place(b, f->pixels, sizeof *f->begin_list);
     f->list = rsv_gpu_place(b, depth * f->slots, sizeof *f->list);
-    f->traveller = rsv_gpu_place(b, depth * f->slots, sizeof *f->traveller);
+    f->traveller = rsv_gpu_place(b, (depth + 1) * f->slots, sizeof *f->traveller);
     rsv_compactor_place(&f->compactor, b, most);
 }
 
-/// Two slots for each pixel, in so far as that is not too much.
+/// All slots for each pixel, in so far as that is not too much.
 static size_t count_slots(const rsv_device_frames *f)
 {
-    size_t wave = (f->stage.chain_depth ? f->stage.chain_depth : 1) * sizeof(rsv_gpu_traveller);
+    size_t wave = (f->stage.chain_depth + 1) * sizeof(rsv_gpu_traveller);
     size_t share = f->gpu->device.info.memory_bytes / TRAVELLER_SHARE;
-    size_t pairs = (share < TRAVELLER_BYTES ? share : TRAVELLER_BYTES) / (2 * wave) + 1;
-    return 2 * (f->pixels < pairs ? f->pixels : pairs);
+    size_t room = share < TRAVELLER_BYTES ? share : TRAVELLER_BYTES;
+    size_t items = room / (RSV_FRAME_BRANCHES * wave) + 1;
+    return RSV_FRAME_BRANCHES * (f->pixels < items ? f->pixels : items);
 }
 
 static void set_constants(rsv_device_frames *f)
@@ -99,7 +118,33 @@ static void destroy(rsv_device_frames *f)
     rsv_gpu_release(f->gpu, &f->scene);
     rsv_gpu_release(f->gpu, &f->surroundings);
     rsv_gpu_release(f->gpu, &f->room);
+    rsv_gpu_surfaces_destroy(&f->surfaces);
+    free(f->plain);
+    free(f->bsdf);
     free(f);
+}
+
+static bool is_plain(const rsv_device_stage *s, size_t material)
+{
+    const rsv_bsdf *bsdf = &s->bsdf[material];
+    return !s->scene->material_varies[material] && !bsdf->rough &&
+           (bsdf->diffuse <= 0 || (bsdf->lambert && bsdf->opacity >= 1));
+}
+
+static rsv_status prepare_materials(rsv_device_frames *f, char *message)
+{
+    size_t count = f->stage.scene->material_count;
+    rsv_status status = rsv_gpu_surfaces_create(f->stage.scene, &f->surfaces, message);
+    if (status != RSV_OK) return status;
+    f->plain = rsv_gpu_new(count + 1, message);
+    f->bsdf = rsv_gpu_new((count + 1) * sizeof *f->bsdf, message);
+    if (!f->plain || !f->bsdf) return RSV_ERROR_MEMORY;
+    f->all_plain = true;
+    for (size_t m = 0; m < count; m++) {
+        f->plain[m] = is_plain(&f->stage, m);
+        f->all_plain = f->all_plain && f->plain[m];
+    }
+    return RSV_OK;
 }
 
 static rsv_status create(
@@ -110,11 +155,16 @@ static rsv_status create(
     f->gpu = (rsv_gpu *)device;
     f->stage = *stage;
     set_constants(f);
+    rsv_status status = prepare_materials(f, message);
+    if (status != RSV_OK) {
+        destroy(f);
+        return status;
+    }
     rsv_gpu_lay_out(f->gpu, &f->scene, lay_out_scene, f, "the scene of the frames");
     rsv_gpu_lay_out(f->gpu, &f->room, lay_out_room, f, "the pictures");
     f->args.stage = f->stage_there;
     upload_scene(f);
-    rsv_status status = rsv_gpu_wait(f->gpu, message);
+    status = rsv_gpu_wait(f->gpu, message);
     if (status == RSV_OK)
         *frames = f;
     else
@@ -122,32 +172,61 @@ static rsv_status create(
     return status;
 }
 
-/// Skies change size.
-static void upload_sky(rsv_device_frames *f, const rsv_sky *sky)
+static void lay_out_sources(void *task, rsv_gpu_block *b)
 {
-    size_t bytes = sky->pixel ? (size_t)sky->width * sky->height * sizeof *sky->pixel : 0;
-    f->there.sky = *sky;
-    if (bytes == 0) return;
-    if (!f->surroundings.base || bytes > f->surroundings.bytes) {
-        rsv_gpu_release(f->gpu, &f->surroundings);
-        rsv_gpu_place(&f->surroundings, bytes, 1);
-        rsv_gpu_reserve(f->gpu, &f->surroundings, "the surroundings");
+    rsv_device_frames *f = task;
+    rsv_gpu_sources_place(&f->sources, &f->geometry, b);
+}
+
+/// Sources change in number, skies in size.
+static void bring_sources(rsv_device_frames *f, const rsv_lights *lights)
+{
+    rsv_gpu_block *block = &f->surroundings, measured = { 0 };
+    f->sources.host = lights;
+    f->sources.seen = true;
+    lay_out_sources(f, &measured);
+    if (!block->base || measured.bytes > block->bytes) {
+        rsv_gpu_release(f->gpu, block);
+        rsv_gpu_lay_out(f->gpu, block, lay_out_sources, f, "the sources of light");
+    } else {
+        block->placed = 0;
+        lay_out_sources(f, block);
     }
-    f->there.sky.pixel = (const rsv_rgb *)f->surroundings.base;
-    rsv_gpu_upload(f->gpu, f->surroundings.base, sky->pixel, bytes);
+    rsv_gpu_sources_upload(&f->sources, &f->geometry, f->gpu);
+    f->there.lights = f->sources.there;
+    f->there.sky = lights->environment ? f->sources.environment.whole : (rsv_sky){ 0 };
 }
 
 static rsv_status set_light(rsv_device_frames *f, const rsv_device_light *light, char *message)
 {
+    size_t materials = light->scene->material_count;
     f->there.emission = light->emission;
-    upload_sky(f, &light->sky);
-    rsv_gpu_upload(
-        f->gpu, (void *)f->there.cell, light->cell, f->stage.cell_count * sizeof *light->cell);
-    rsv_gpu_upload(f->gpu, f->stage_there, &f->there, sizeof f->there);
+    f->surfaces.host = light->scene;
+    for (size_t m = 0; m < materials; m++) {
+        f->bsdf[m] = light->bsdf[m];
+        f->bsdf[m].tables = f->tables;
+    }
+    bring_sources(f, light->lights);
+    const rsv_gpu_array array[] = { { f->there.cell, light->cell, f->stage.cell_count,
+                                        sizeof *light->cell },
+        { f->there.transport.bsdf, f->bsdf, materials, sizeof *f->bsdf },
+        { f->geometry.view_there, &f->geometry.view, 1, sizeof f->geometry.view },
+        { f->stage_there, &f->there, 1, sizeof f->there } };
+    rsv_gpu_surfaces_upload_materials(&f->surfaces, &f->geometry, f->gpu);
+    rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
     return rsv_gpu_wait(f->gpu, message);
 }
 
 // ---- one frame ----------------------------------------------------------------------------------
+
+/// Textures and rough lobes are for a kernel of their own: others stay small.
+static void scatter(rsv_device_frames *f, const rsv_frame_args *wave)
+{
+    rsv_frame_args args = *wave;
+    args.list = f->left_list;
+    uint32_t left = rsv_compact(f->gpu, &f->compactor, args.left, args.items, f->left_list);
+    if (left) rsv_launch_frame_scatter(f->gpu, &args, left);
+}
 
 /// Follows `count` items of a wave to their ends: pixels that begin where level is 0, else travellers of that level.
 /// As many at a time as have slots for their branches; each part is done before the next one begins, so that every
@@ -155,10 +234,10 @@ static rsv_status set_light(rsv_device_frames *f, const rsv_device_light *light,
 static uint64_t follow(rsv_device_frames *f, uint32_t level, const uint32_t *list, size_t count)
 {
     rsv_frame_args args = f->args;
-    size_t most = f->slots / 2, next_level = level * f->slots;
+    size_t most = f->slots / RSV_FRAME_BRANCHES, next_level = level * f->slots;
     uint64_t rays = level ? count : 0;
     args.from = level ? f->traveller + next_level - f->slots : NULL;
-    args.to = level < f->stage.chain_depth ? f->traveller + next_level : NULL;
+    args.to = f->traveller + next_level;
     for (size_t begin = 0; begin < count && f->gpu->status == RSV_OK; begin += most) {
         size_t items = count - begin < most ? count - begin : most;
         args.list = list + begin;
@@ -167,10 +246,12 @@ static uint64_t follow(rsv_device_frames *f, uint32_t level, const uint32_t *lis
             rsv_launch_frame_follow(f->gpu, &args, items);
         else
             rsv_launch_frame_begin(f->gpu, &args, items);
+        if (!f->all_plain) scatter(f, &args);
         rsv_launch_frame_gather(f->gpu, &args, items);
         if (level == f->stage.chain_depth) continue;
         uint32_t *next = f->list + next_level;
-        uint32_t alive = rsv_compact(f->gpu, &f->compactor, args.alive, 2 * items, next);
+        uint32_t alive =
+            rsv_compact(f->gpu, &f->compactor, args.alive, RSV_FRAME_BRANCHES * items, next);
         if (alive) rays += follow(f, level + 1, next, alive);
     }
     return rays;

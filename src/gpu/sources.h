@@ -8,10 +8,11 @@
 /// All with addresses on the device.
 typedef struct rsv_gpu_sources {
     const rsv_lights *host; ///< borrowed until it is uploaded
-    rsv_lights lights;      ///< its groups and the emitters of triangles are missing
+    bool seen;              ///< with the whole sky and its gathered part: for who looks at it
+    rsv_lights lights;
     rsv_light_tree emitter_tree, punctual_tree;
-    rsv_environment_light environment; ///< of its pictures the sampled one alone
-    rsv_lights *there;                 ///< the first of these, on the device
+    rsv_environment_light environment;
+    rsv_lights *there; ///< the first of these, on the device
 } rsv_gpu_sources;
 
 /// Part of a task's layout, after the geometry, whose lights it adds.

@@ -72,7 +72,7 @@ RSV_INLINE rsv_rgb rsv_rough_throughput(const rsv_rough_surface *s, rsv_vec3 wi,
 }
 
 /// Response of the rough lobes; nothing where the normals disagree on wi's side.
-RSV_INLINE rsv_bsdf_value rsv_rough_respond(const rsv_rough_surface *s, rsv_vec3 wi)
+RSV_LARGE rsv_bsdf_value rsv_rough_respond(const rsv_rough_surface *s, rsv_vec3 wi)
 {
     rsv_bsdf_value value = { rgb_gray(0), 0 };
     if (v3_dot(s->point.geometric, wi) * v3_dot(s->normal, wi) <= 0) return value;

@@ -1,6 +1,6 @@
 /// A matt or glossy plate under a hole in a black ceiling: rough lobes look for the sky where rows of G saw it.
 #include "light_fixture.h"
-#include "render/rough_light.h"
+#include "render/rough_aim.h"
 #include "resolvent/render.h"
 
 #define SIDE 32
