@@ -52,8 +52,9 @@ static void find_received(const rsv_light_table *t, rsv_shown_side (*received)[2
     for (uint32_t k = 0; k < t->triangle_count; k++)
         for (int back = 0; back < 2; back++) {
             uint32_t face = t->solution->elements->face_of[back][k];
+            bool known = face != RSV_NONE && rsv_holds_irradiance(t, face);
             received[k][back] =
-                face == RSV_NONE ? (rsv_shown_side){ 0, 0, RSV_SHOWN_SKY } : rsv_face_grid(t, face);
+                known ? rsv_face_grid(t, face) : (rsv_shown_side){ 0, 0, RSV_SHOWN_SKY };
         }
 }
 

@@ -89,6 +89,17 @@ static rsv_status number_cells(rsv_light_table *t)
     return RSV_OK;
 }
 
+static uint32_t material_of_face(const rsv_solution *s, uint32_t face)
+{
+    return s->scene.view->triangle_material[s->elements->face_triangle[face]];
+}
+
+bool rsv_holds_irradiance(const rsv_light_table *t, uint32_t face)
+{
+    return has_cells(t->solution, face) &&
+           !is_stored(t->solution, material_of_face(t->solution, face));
+}
+
 rsv_status rsv_light_table_create(const rsv_solution *s, rsv_light_table *t)
 {
     rsv_status status = RSV_ERROR_MEMORY;
@@ -140,7 +151,7 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
         if (!has_cells(s, face)) continue;
-        uint32_t material = s->scene.view->triangle_material[s->elements->face_triangle[face]];
+        uint32_t material = material_of_face(s, face);
         rsv_face_walk walk = rsv_face_walk_begin(s);
         walk.sum = &fields;
         walk.cell = t->cell;
@@ -156,20 +167,29 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
 
 // ---- surfaces that are not in the table ----------------------------------------------------------
 
-/// What has been diffused below a translucent surface.
-static rsv_rgb diffused_at(const rsv_light_table *t, uint32_t face, float u, float v)
+static rsv_rgb indirect_at(const rsv_solution *s, uint32_t face, float u, float v, uint32_t order)
+{
+    if (rsv_is_translucent(s, face)) return rsv_solution_diffused(s, face, u, v, order);
+    const rsv_rgb *field = order == RSV_NONE ? s->indirect : s->order[order];
+    return rsv_elements_interpolate(s->elements, field, face, u, v);
+}
+
+/// From the fields themselves.
+static rsv_rgb irradiance_at(const rsv_light_table *t, uint32_t face, float u, float v)
 {
     const rsv_solution *s = t->solution;
     rsv_rgb sum = rgb_gray(0);
-    if (t->layer == RSV_NONE || t->layer == 1) sum = rsv_solution_diffused_direct(s, face, u, v);
-    if (t->layer == RSV_NONE) sum = rgb_add(sum, rsv_solution_diffused(s, face, u, v, RSV_NONE));
+    if (t->layer == RSV_NONE || t->layer == 1)
+        sum = rsv_is_translucent(s, face) ? rsv_solution_diffused_direct(s, face, u, v)
+                                          : rsv_solution_direct(s, face, u, v, false);
+    if (t->layer == RSV_NONE) sum = rgb_add(sum, indirect_at(s, face, u, v, RSV_NONE));
     if (t->layer != RSV_NONE && t->layer > 1 && t->layer - 1 < s->order_count)
-        sum = rsv_solution_diffused(s, face, u, v, t->layer - 1);
+        sum = indirect_at(s, face, u, v, t->layer - 1);
     return sum;
 }
 
 rsv_rgb rsv_shown_irradiance(const rsv_light_table *t, uint32_t face, float u, float v)
 {
-    if (rsv_is_translucent(t->solution, face)) return diffused_at(t, face, u, v);
+    if (!rsv_holds_irradiance(t, face)) return irradiance_at(t, face, u, v);
     return rsv_radiance_at(t->cell, rsv_place_in_grid(rsv_face_grid(t, face), u, v));
 }

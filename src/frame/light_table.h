@@ -28,7 +28,10 @@ void rsv_light_table_destroy(rsv_light_table *table);
 /// Fills the cells from the solution's fields. @param layer as for rsv_frame_renderer_show
 void rsv_light_table_bake(rsv_light_table *table, uint32_t layer);
 
-/// Where the irradiance of a diffuse surface is that the table does not have all of.
+/// Whether cells of the face hold the irradiance, and not all that is shown.
+bool rsv_holds_irradiance(const rsv_light_table *table, uint32_t face);
+
+/// The cells of a face.
 RSV_INLINE rsv_shown_side rsv_face_grid(const rsv_light_table *table, uint32_t face)
 {
     return (rsv_shown_side){ table->face_cell[face], table->face_level[face], RSV_SHOWN_STORED };

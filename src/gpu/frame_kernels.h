@@ -3,9 +3,9 @@
 #ifndef RSV_FRAME_KERNELS_H
 #define RSV_FRAME_KERNELS_H
 
+#include "../bvh/ray.h"
 #include "../frame/device_frames.h"
 #include "../render/rough_branch.h"
-#include "../bvh/ray.h"
 #include "launch.h"
 
 /// A solved scene; it and all it points to lie on the device.
@@ -270,11 +270,25 @@ RSV_INLINE bool rsv_frame_rough_branch(const rsv_frame_args *a, const rsv_gpu_tr
     return true;
 }
 
-/// Radiance of the diffuse light of a surface that the table does not have all of.
+/// Radiance of what the table has all of, but for its emission.
+RSV_INLINE rsv_rgb rsv_frame_unlit(
+    const rsv_gpu_stage *stage, rsv_shown_side side, const rsv_chain *chain)
+{
+    uint32_t material = rsv_chain_material(&stage->transport, chain);
+    const float *emission = stage->cell[1 + material].corner[0];
+    rsv_rgb shown = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, chain->u, chain->v));
+    // nothing is shown on the back of a one-sided surface
+    if (side.cell == 0) return rgb_gray(0);
+    return rgb_positive(rgb_sub(shown, rgb(emission[0], emission[1], emission[2])));
+}
+
+/// Radiance of the diffuse light of a surface.
 RSV_INLINE rsv_rgb rsv_frame_diffuse(const rsv_gpu_stage *stage, const rsv_chain *chain,
     const rsv_bsdf *bsdf, const rsv_bsdf_branches *branches)
 {
+    rsv_shown_side shown = stage->side[chain->triangle][chain->back];
     rsv_shown_side side = stage->received[chain->triangle][chain->back];
+    if (shown.kind == RSV_SHOWN_STORED) return rsv_frame_unlit(stage, shown, chain);
     if (side.kind != RSV_SHOWN_STORED || rgb_is_black(branches->diffuse)) return rgb_gray(0);
     rsv_rgb irradiance = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, chain->u, chain->v));
     return rgb_scale(
