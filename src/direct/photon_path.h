@@ -16,6 +16,12 @@ typedef struct rsv_photon_source {
     rsv_photon_guide guide; ///< towards specular surfaces
 } rsv_photon_source;
 
+/// How many of all photons leave from a source.
+RSV_INLINE uint32_t rsv_photons_of_source(const rsv_photon_source *source, uint32_t all)
+{
+    return (uint32_t)ceil(source->share * all);
+}
+
 /// What all photons have in common.
 typedef struct rsv_shooting {
     const rsv_transport_scene *scene;

@@ -1,7 +1,7 @@
 #include "photons.h"
 
 #include "../core/team.h"
-#include "photon_path.h"
+#include "shooting_device.h"
 
 #include <string.h>
 
@@ -170,7 +170,7 @@ static rsv_status shoot_all(const photon_job *job, uint32_t count, uint64_t *ray
     rsv_status status = RSV_OK;
     double done = 0;
     for (size_t s = 0; s < job->source_count; s++) {
-        uint32_t share = (uint32_t)ceil(job->source[s].share * count);
+        uint32_t share = rsv_photons_of_source(&job->source[s], count);
         if (share) RSV_TRY(shoot_source(job, &job->source[s], (uint32_t)s, share, done, rays));
         done += job->source[s].share;
     }
@@ -226,7 +226,15 @@ rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights 
     for (size_t m = 0; m < map_count; m++)
         RSV_TRY(rsv_photon_map_create(
             lights->context, elements[m], fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
-    RSV_TRY(shoot_all(&job, count, rays));
+    const rsv_device_shooting_desc deal = { .shooting = job.shooting,
+        .lights = lights,
+        .source = job.source,
+        .source_count = job.source_count,
+        .map = maps,
+        .map_count = map_count };
+    bool done;
+    RSV_TRY(rsv_photons_by_device(&deal, count, rays, &done));
+    if (!done) RSV_TRY(shoot_all(&job, count, rays));
     for (size_t m = 0; m < map_count; m++) {
         rsv_photon_map_unite(&maps[m]);
         rsv_photon_map_settle(&maps[m]);

@@ -26,8 +26,6 @@ struct rsv_device_frames {
     rsv_compactor compactor;
     bool all_plain;               ///< nothing is left to rsv_frame_scatter
     uint8_t *plain;               ///< [material_count] on the host
-    rsv_bsdf *bsdf;               ///< [material_count] as they are uploaded
-    rsv_bsdf_tables *tables;      ///< on the device
     uint32_t *begin_list;         ///< [pixels]
     uint32_t *left_list;          ///< [items of a wave]
     uint32_t *list;               ///< [chain_depth][slots]
@@ -45,13 +43,12 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
     rsv_gpu_geometry_place(&f->geometry, b);
     rsv_gpu_surfaces_place(&f->surfaces, &f->geometry, b);
     s->transport.view = f->geometry.view_there;
+    s->transport.bsdf = f->surfaces.bsdf;
     s->transport.tracer = f->stage_there ? &f->stage_there->tracer : NULL;
     s->tracer.bvh = f->geometry.bvh;
-    s->transport.bsdf = rsv_gpu_place(b, view->material_count, sizeof *s->transport.bsdf);
     s->side = rsv_gpu_place(b, view->triangle_count + 1, sizeof *s->side);
     s->received = rsv_gpu_place(b, view->triangle_count, sizeof *s->received);
     s->plain = rsv_gpu_place(b, view->material_count, sizeof *s->plain);
-    f->tables = rsv_gpu_place(b, 1, sizeof *f->tables);
     s->cell = rsv_gpu_place(b, f->stage.cell_count, sizeof *s->cell);
 }
 
@@ -62,10 +59,9 @@ static void upload_scene(rsv_device_frames *f)
     const rsv_gpu_array array[] = { { s->side, f->stage.side, view->triangle_count + 1,
                                         sizeof *f->stage.side },
         { s->received, f->stage.received, view->triangle_count, sizeof *f->stage.received },
-        { s->plain, f->plain, view->material_count, sizeof *f->plain },
-        { f->tables, f->stage.bsdf->tables, 1, sizeof *f->tables } };
+        { s->plain, f->plain, view->material_count, sizeof *f->plain } };
     rsv_gpu_geometry_upload(&f->geometry, f->gpu);
-    rsv_gpu_surfaces_upload(&f->surfaces, &f->geometry, f->gpu);
+    rsv_gpu_surfaces_upload(&f->surfaces, &f->geometry, f->stage.bsdf, f->gpu);
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
 }
 
@@ -120,7 +116,6 @@ static void destroy(rsv_device_frames *f)
     rsv_gpu_release(f->gpu, &f->room);
     rsv_gpu_surfaces_destroy(&f->surfaces);
     free(f->plain);
-    free(f->bsdf);
     free(f);
 }
 
@@ -137,8 +132,7 @@ static rsv_status prepare_materials(rsv_device_frames *f, char *message)
     rsv_status status = rsv_gpu_surfaces_create(f->stage.scene, &f->surfaces, message);
     if (status != RSV_OK) return status;
     f->plain = rsv_gpu_new(count + 1, message);
-    f->bsdf = rsv_gpu_new((count + 1) * sizeof *f->bsdf, message);
-    if (!f->plain || !f->bsdf) return RSV_ERROR_MEMORY;
+    if (!f->plain) return RSV_ERROR_MEMORY;
     f->all_plain = true;
     for (size_t m = 0; m < count; m++) {
         f->plain[m] = is_plain(&f->stage, m);
@@ -199,20 +193,14 @@ static void bring_sources(rsv_device_frames *f, const rsv_lights *lights)
 
 static rsv_status set_light(rsv_device_frames *f, const rsv_device_light *light, char *message)
 {
-    size_t materials = light->scene->material_count;
     f->there.emission = light->emission;
     f->surfaces.host = light->scene;
-    for (size_t m = 0; m < materials; m++) {
-        f->bsdf[m] = light->bsdf[m];
-        f->bsdf[m].tables = f->tables;
-    }
     bring_sources(f, light->lights);
     const rsv_gpu_array array[] = { { f->there.cell, light->cell, f->stage.cell_count,
                                         sizeof *light->cell },
-        { f->there.transport.bsdf, f->bsdf, materials, sizeof *f->bsdf },
         { f->geometry.view_there, &f->geometry.view, 1, sizeof f->geometry.view },
         { f->stage_there, &f->there, 1, sizeof f->there } };
-    rsv_gpu_surfaces_upload_materials(&f->surfaces, &f->geometry, f->gpu);
+    rsv_gpu_surfaces_upload_materials(&f->surfaces, &f->geometry, light->bsdf, f->gpu);
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
     return rsv_gpu_wait(f->gpu, message);
 }

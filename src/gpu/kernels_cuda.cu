@@ -9,5 +9,6 @@
 #include "frame_kernels.h"
 #include "occlusion_kernels.h"
 #include "row_kernels.h"
+#include "shooting_kernels.h"
 #include "solver_kernels.h"
 #include "transport_kernels.h"

@@ -4,6 +4,7 @@
 #include "frames.h"
 #include "occlusion.h"
 #include "rows.h"
+#include "shooting.h"
 #include "transport.h"
 
 #include <stdio.h>
@@ -18,6 +19,7 @@ static const rsv_device_table table = {
     .frames = &rsv_gpu_frames,
     .rows = &rsv_gpu_rows,
     .direct = &rsv_gpu_direct,
+    .shooting = &rsv_gpu_shooting,
     .occlusion = &rsv_gpu_occlusion,
 };
 

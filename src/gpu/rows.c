@@ -2,6 +2,7 @@
 #include "rows.h"
 #include "compact.h"
 #include "geometry.h"
+#include "lookup.h"
 #include "row_kernels.h"
 
 #include <stdlib.h>
@@ -11,8 +12,7 @@ struct rsv_device_rows {
     rsv_device_rows_desc desc; ///< on the host; its arrays are valid during creation alone
     rsv_gpu_block scene, room;
     rsv_gpu_geometry geometry;
-    rsv_elements elements; ///< with addresses on the device
-    rsv_elements *elements_there;
+    rsv_gpu_lookup lookup;
     rsv_row_args args;
     rsv_row_receiver *receiver;
     uint32_t *left;
@@ -28,7 +28,6 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
 {
     rsv_device_rows *r = task;
     const rsv_device_rows_desc *d = &r->desc;
-    const rsv_elements *e = d->elements;
     rsv_row_args *a = &r->args;
     rsv_gpu_geometry_place(&r->geometry, b);
     a->scene = r->geometry.view_there;
@@ -37,30 +36,22 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
     a->x = rsv_gpu_place(b, direction_count(r), sizeof *a->x);
     a->y = rsv_gpu_place(b, direction_count(r), sizeof *a->y);
     a->z = rsv_gpu_place(b, direction_count(r), sizeof *a->z);
-    a->elements = r->elements_there = rsv_gpu_place(b, 1, sizeof *r->elements_there);
-    r->elements.face_level = rsv_gpu_place(b, e->face_count, sizeof *e->face_level);
-    r->elements.face_slot = rsv_gpu_place(b, e->face_count, sizeof *e->face_slot);
-    r->elements.slot = rsv_gpu_place(b, e->slot_count, sizeof *e->slot);
-    r->elements.cell_node = rsv_gpu_place(b, e->cell_count, sizeof *e->cell_node);
+    rsv_gpu_lookup_place(&r->lookup, d->scene->triangle_count, b);
+    a->elements = r->lookup.there;
 }
 
 static void upload_scene(rsv_device_rows *r)
 {
     const rsv_device_rows_desc *d = &r->desc;
-    const rsv_elements *e = d->elements;
     const rsv_row_args *a = &r->args;
     const rsv_gpu_array array[] = { { a->target, d->target, 2 * d->scene->triangle_count,
                                         sizeof *a->target },
         { a->x, d->directions->x, direction_count(r), sizeof *a->x },
         { a->y, d->directions->y, direction_count(r), sizeof *a->y },
-        { a->z, d->directions->z, direction_count(r), sizeof *a->z },
-        { r->elements_there, &r->elements, 1, sizeof r->elements },
-        { r->elements.face_level, e->face_level, e->face_count, sizeof *e->face_level },
-        { r->elements.face_slot, e->face_slot, e->face_count, sizeof *e->face_slot },
-        { r->elements.slot, e->slot, e->slot_count, sizeof *e->slot },
-        { r->elements.cell_node, e->cell_node, e->cell_count, sizeof *e->cell_node } };
+        { a->z, d->directions->z, direction_count(r), sizeof *a->z } };
     rsv_gpu_geometry_upload(&r->geometry, r->gpu);
     rsv_gpu_upload_all(r->gpu, array, sizeof array / sizeof array[0]);
+    rsv_gpu_lookup_upload(&r->lookup, d->scene->triangle_count, r->gpu);
 }
 
 static void lay_out_room(void *task, rsv_gpu_block *b)
@@ -96,6 +87,7 @@ static rsv_status create(
     r->args.seed = desc->seed;
     r->args.sky = desc->sky;
     r->geometry = rsv_gpu_geometry_of(desc->scene, desc->bvh);
+    r->lookup.host = desc->elements;
     rsv_gpu_lay_out(r->gpu, &r->scene, lay_out_scene, r, "the scene of the rows");
     rsv_gpu_lay_out(r->gpu, &r->room, lay_out_room, r, "the rays of the rows");
     upload_scene(r);

@@ -10,7 +10,9 @@ rsv_status rsv_gpu_surfaces_create(const rsv_scene_view *host, rsv_gpu_surfaces 
     s->material = rsv_gpu_new((host->material_count + 1) * sizeof *s->material, message);
     s->texture = rsv_gpu_new((host->texture_count + 1) * sizeof *s->texture, message);
     s->use = rsv_gpu_new((host->material_count + 1) * sizeof *s->use, message);
-    return s->material && s->texture && s->use ? RSV_OK : RSV_ERROR_MEMORY;
+    s->scattering = rsv_gpu_new((host->material_count + 1) * sizeof *s->scattering, message);
+    bool all = s->material && s->texture && s->use && s->scattering;
+    return all ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 void rsv_gpu_surfaces_destroy(rsv_gpu_surfaces *s)
@@ -18,6 +20,7 @@ void rsv_gpu_surfaces_destroy(rsv_gpu_surfaces *s)
     free(s->material);
     free(s->texture);
     free(s->use);
+    free(s->scattering);
     *s = (rsv_gpu_surfaces){ .host = NULL };
 }
 
@@ -52,22 +55,29 @@ void rsv_gpu_surfaces_place(rsv_gpu_surfaces *s, rsv_gpu_geometry *g, rsv_gpu_bl
             rsv_gpu_place(b, host->material[m].texture_count, sizeof *host->material[m].textures);
     for (size_t t = 0; t < host->texture_count; t++)
         place_texture(&host->texture[t], &s->texture[t], b);
+    s->bsdf = rsv_gpu_place(b, host->material_count, sizeof *s->bsdf);
+    s->tables = rsv_gpu_place(b, 1, sizeof *s->tables);
 }
 
 void rsv_gpu_surfaces_upload_materials(
-    const rsv_gpu_surfaces *s, const rsv_gpu_geometry *g, rsv_gpu *gpu)
+    const rsv_gpu_surfaces *s, const rsv_gpu_geometry *g, const rsv_bsdf *bsdf, rsv_gpu *gpu)
 {
     const rsv_scene_view *host = s->host;
     for (size_t m = 0; m < host->material_count; m++) {
         s->material[m] = host->material[m];
         s->material[m].name = NULL;
         s->material[m].textures = s->use[m];
+        s->scattering[m] = bsdf[m];
+        s->scattering[m].tables = s->tables;
     }
-    rsv_gpu_upload(
-        gpu, (void *)g->view.material, s->material, host->material_count * sizeof *s->material);
+    const rsv_gpu_array array[] = { { g->view.material, s->material, host->material_count,
+                                        sizeof *s->material },
+        { s->bsdf, s->scattering, host->material_count, sizeof *s->scattering } };
+    rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
 }
 
-void rsv_gpu_surfaces_upload(const rsv_gpu_surfaces *s, const rsv_gpu_geometry *g, rsv_gpu *gpu)
+void rsv_gpu_surfaces_upload(
+    const rsv_gpu_surfaces *s, const rsv_gpu_geometry *g, const rsv_bsdf *bsdf, rsv_gpu *gpu)
 {
     const rsv_scene_view *host = s->host, *view = &g->view;
     size_t vertices = host->vertex_count;
@@ -93,5 +103,6 @@ void rsv_gpu_surfaces_upload(const rsv_gpu_surfaces *s, const rsv_gpu_geometry *
                 sizeof *from->value } };
         rsv_gpu_upload_all(gpu, texels, sizeof texels / sizeof texels[0]);
     }
-    rsv_gpu_surfaces_upload_materials(s, g, gpu);
+    rsv_gpu_upload(gpu, s->tables, bsdf->tables, sizeof *s->tables); // all share them
+    rsv_gpu_surfaces_upload_materials(s, g, bsdf, gpu);
 }
