@@ -24,8 +24,8 @@ typedef struct rsv_device_desc {
     /// Whether work that the device cannot do, because its memory is too small or because it fails, is done by the
     /// processor with a warning. Otherwise it ends with an error.
     bool optional;
-    /// Whether the rays of the operator's rows and the shadow rays of direct light are traced there, too: the same rays, which
-    /// end where the processor's do but for those that pass within rounding of an edge.
+    /// Whether the rays of the operator's rows, the shadow rays of direct light and the photons of caustics are traced there,
+    /// too: the same rays, which end where the processor's do but for those that pass within rounding of an edge.
     bool rows;
     size_t max_bytes;    ///< of the device's memory; 0 = all that is free
     uint64_t fail_after; ///< emulated: the device is lost after so many launches; 0 = never
