@@ -24,11 +24,12 @@ rsv_status rsv_bvh_build(rsv_context *context, const rsv_vec3 *position,
     uint32_t count = (uint32_t)triangle_count, *order = NULL;
     rsv_boxed_triangle *part = NULL;
     rsv_binary_node *binary = NULL;
-    *bvh = (rsv_bvh){ .context = context };
-    if (triangle_count == 0) return RSV_OK;
+    *bvh = (rsv_bvh){ 0 };
     if (triangle_count > UINT32_MAX / 4)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "hierarchy: %zu triangles are too many; 2^30 at most", triangle_count);
+    bvh->context = context;
+    if (count == 0) return RSV_OK;
     RSV_TRY(allocate(bvh, count));
     status = RSV_ERROR_MEMORY;
     part = rsv_reserve(context, count, sizeof *part);
@@ -61,14 +62,10 @@ cleanup:
 rsv_status rsv_bvh_build_scene(const rsv_scene *scene, rsv_bvh *bvh)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
-    const rsv_material *cut_out = rsv_find_cut_out(view);
-    *bvh = (rsv_bvh){ 0 };
-    if (cut_out)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "material '%s': cut-out surfaces cannot be traced on a device; use --device cpu",
-            cut_out->name);
-    return rsv_bvh_build(
+    rsv_status status = rsv_bvh_build(
         rsv_scene_get_context(scene), view->position, view->triangle, view->triangle_count, bvh);
+    if (status == RSV_OK && rsv_find_cut_out(view)) bvh->view.holes = view;
+    return status;
 }
 
 void rsv_bvh_destroy(rsv_bvh *bvh)

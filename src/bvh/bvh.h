@@ -45,6 +45,7 @@ typedef struct rsv_bvh_view {
     const rsv_bvh_node *node;            ///< [node_count]; the first is the root
     const rsv_bvh_triangle *triangle;    ///< [triangle_count] in the order of the leaves
     uint32_t node_count, triangle_count; ///< 0 nodes: nothing to hit
+    const rsv_scene_view *holes; ///< whose cut-out surfaces rays pass; NULL = there are none
 } rsv_bvh_view;
 
 typedef struct rsv_bvh {
@@ -59,8 +60,7 @@ typedef struct rsv_bvh {
 rsv_status rsv_bvh_build(rsv_context *context, const rsv_vec3 *position,
     const uint32_t (*triangle)[3], size_t triangle_count, rsv_bvh *bvh);
 
-/// Over a committed scene. RSV_ERROR_UNSUPPORTED where a material is cut out (alpha_cutoff): rays could not
-/// pass its holes.
+/// Over a committed scene, which must outlive it where a material is cut out (alpha_cutoff).
 rsv_status rsv_bvh_build_scene(const rsv_scene *scene, rsv_bvh *bvh);
 
 void rsv_bvh_destroy(rsv_bvh *bvh);

@@ -5,6 +5,7 @@
 #ifndef RSV_BVH_TRACE_H
 #define RSV_BVH_TRACE_H
 
+#include "../scene/material_at.h"
 #include "bvh.h"
 #include "watertight.h"
 
@@ -157,14 +158,24 @@ RSV_INLINE bool rsv_bvh_trace(const rsv_bvh_view *bvh, const rsv_ray *ray, bool 
         rsv_bvh_visit(&bvh->node[node], &in, hit->t, &group, &triangles);
         for (; triangles.bits; triangles.bits &= triangles.bits - 1) {
             rsv_bvh_triangle t = bvh->triangle[triangles.first + rsv_lowest_bit(triangles.bits)];
-            if (!rsv_meets_triangle(&shear, ray->origin, t.a, t.b, t.c, hit->t, hit)) continue;
-            hit->triangle = t.index;
+            rsv_hit met;
+            if (!rsv_meets_triangle(&shear, ray->origin, t.a, t.b, t.c, hit->t, &met)) continue;
+            if (bvh->holes && rsv_is_cut_out(bvh->holes, t.index, met.u, met.v)) continue;
+            met.triangle = t.index;
+            *hit = met;
             if (any) return true;
         }
         if (group.bits >> 24) continue;
         if (depth == 0) return hit->triangle != RSV_NONE;
         group = stack[--depth];
     }
+}
+
+/// A hierarchy for code that traces holes only where there are some.
+RSV_INLINE rsv_bvh_view rsv_bvh_with_holes(rsv_bvh_view bvh, bool holes)
+{
+    if (!holes) bvh.holes = NULL;
+    return bvh;
 }
 
 RSV_INLINE bool rsv_bvh_closest(const rsv_bvh_view *bvh, const rsv_ray *ray, rsv_hit *hit)

@@ -2,7 +2,7 @@
 #ifndef RSV_CHAIN_BODY_H
 #define RSV_CHAIN_BODY_H
 
-#include "../bvh/ray.h"
+#include "../trace/ray.h"
 #include "chain.h"
 
 RSV_SHARED const rsv_bsdf *rsv_chain_bsdf(

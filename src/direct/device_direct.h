@@ -10,8 +10,8 @@
 typedef struct rsv_device_direct_desc {
     const rsv_scene_view *scene;
     rsv_bvh_view bvh;
-    rsv_direct_setting setting; ///< none of its emitters varies
-    uint32_t most;              ///< nodes at a time
+    rsv_direct_setting setting;
+    uint32_t most; ///< nodes at a time
 } rsv_device_direct_desc;
 
 typedef struct rsv_device_direct rsv_device_direct;

@@ -10,7 +10,7 @@
 
 /// What photons have in common. All borrowed and copied to the device.
 typedef struct rsv_device_shooting_desc {
-    rsv_shooting shooting; ///< without cut-out materials
+    rsv_shooting shooting;
     rsv_bvh_view bvh;
     const rsv_lights *lights;
     const rsv_photon_source *source; ///< [source_count] with their guides

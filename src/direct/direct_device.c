@@ -1,7 +1,7 @@
 #include "direct_device.h"
 
 #include "../core/team.h"
-#include "../scene/material_at.h"
+#include "../trace/hierarchy.h"
 
 /// Enough for any device.
 #define NODES_AT_A_TIME ((size_t)1 << 14)
@@ -19,14 +19,6 @@ typedef struct direct_device {
 
 // ---- what a device can do -----------------------------------------------------------------------
 
-/// Textures are not there.
-static bool any_varies(const rsv_lights *lights)
-{
-    for (size_t k = 0; k < lights->sampled_count; k++)
-        if (lights->emitter[lights->sampled[k]].varies) return true;
-    return false;
-}
-
 /// Whether the device is worth its hierarchy, which takes the processor about as long as a ray per triangle.
 static bool is_worthwhile(const rsv_direct_job *job, size_t count)
 {
@@ -39,38 +31,36 @@ static bool can_do(const rsv_direct_job *job, size_t count)
     rsv_context *context = job->elements->context;
     const rsv_device *device = rsv_context_device(context);
     return device && device->desc.rows && rsv_team_place_of(context).size == 1 &&
-           is_worthwhile(job, count) && !any_varies(job->setting.lights) &&
-           !rsv_find_cut_out(job->scene->view);
+           is_worthwhile(job, count);
 }
 
 // ---- creation -----------------------------------------------------------------------------------
 
-static rsv_status bring_scene(direct_device *d, const rsv_bvh *bvh)
+static rsv_status bring_scene(direct_device *d)
 {
+    rsv_status status = RSV_OK;
     char message[RSV_DEVICE_MESSAGE_BYTES];
-    const rsv_device_direct_desc desc = { .scene = d->job->scene->view,
-        .bvh = bvh->view,
-        .setting = d->job->setting,
-        .most = (uint32_t)d->most };
-    rsv_status status =
-        d->table->create(rsv_context_device(d->context), &desc, &d->direct, message);
-    return status == RSV_OK ? RSV_OK : rsv_device_failed(d->context, status, message);
+    rsv_device_direct_desc desc = {
+        .scene = d->job->scene->view, .setting = d->job->setting, .most = (uint32_t)d->most
+    };
+    RSV_TRY(rsv_tracer_hierarchy(d->job->scene->tracer, &desc.bvh));
+    status = d->table->create(rsv_context_device(d->context), &desc, &d->direct, message);
+    if (status != RSV_OK) status = rsv_device_failed(d->context, status, message);
+cleanup:
+    return status;
 }
 
 static rsv_status open_device(direct_device *d, size_t count)
 {
     rsv_status status = RSV_OK;
-    rsv_bvh bvh = { 0 };
     d->most = count < NODES_AT_A_TIME ? count : NODES_AT_A_TIME;
     d->table = rsv_context_device(d->context)->table->direct;
     d->receiver = rsv_reserve(d->context, d->most, sizeof *d->receiver);
     d->estimate = rsv_reserve(d->context, d->most, sizeof *d->estimate);
     d->again = rsv_reserve(d->context, d->most, sizeof *d->again);
     RSV_TRY(d->receiver && d->estimate && d->again ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_bvh_build_scene(d->job->scene->scene, &bvh));
-    RSV_TRY(bring_scene(d, &bvh));
+    RSV_TRY(bring_scene(d));
 cleanup:
-    rsv_bvh_destroy(&bvh);
     return status;
 }
 

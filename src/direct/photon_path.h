@@ -2,7 +2,7 @@
 #ifndef RSV_PHOTON_PATH_H
 #define RSV_PHOTON_PATH_H
 
-#include "../bvh/ray.h"
+#include "../trace/ray.h"
 #include "photon_guide.h"
 #include "photon_map.h"
 #include "photon_origin.h"

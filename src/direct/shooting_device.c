@@ -1,7 +1,7 @@
 #include "shooting_device.h"
 
 #include "../core/team.h"
-#include "../scene/material_at.h"
+#include "../trace/hierarchy.h"
 
 /// Photons between two looks at the clock.
 #define PHOTONS_AT_A_TIME ((uint32_t)1 << 22)
@@ -11,7 +11,7 @@ static bool can_do(const rsv_device_shooting_desc *deal)
     rsv_context *context = deal->lights->context;
     const rsv_device *device = rsv_context_device(context);
     return device && device->desc.rows && rsv_team_place_of(context).size == 1 &&
-           deal->map_count <= RSV_DEVICE_MAPS && !rsv_find_cut_out(deal->shooting.scene->view);
+           deal->map_count <= RSV_DEVICE_MAPS;
 }
 
 static rsv_status shoot(const rsv_device_shooting_table *table, rsv_device_shooting *shooting,
@@ -45,12 +45,10 @@ rsv_status rsv_photons_by_device(
     rsv_device_shooting_desc desc = *deal;
     rsv_device_shooting *shooting = NULL;
     const rsv_device_shooting_table *table = NULL;
-    rsv_bvh bvh = { 0 };
     *done = false;
     if (!can_do(deal)) return RSV_OK;
     table = rsv_context_device(context)->table->shooting;
-    RSV_TRY(rsv_bvh_build_scene(deal->shooting.scene->scene, &bvh));
-    desc.bvh = bvh.view;
+    RSV_TRY(rsv_tracer_hierarchy(deal->shooting.scene->tracer, &desc.bvh));
     status = table->create(rsv_context_device(context), &desc, &shooting, message);
     if (status == RSV_OK) status = shoot(table, shooting, deal, count, message);
     if (status == RSV_OK) status = table->collect(shooting, deal->map, rays, message);
@@ -59,6 +57,5 @@ rsv_status rsv_photons_by_device(
     if (status != RSV_OK && message[0]) status = rsv_device_failed(context, status, message);
 cleanup:
     if (shooting) table->destroy(shooting);
-    rsv_bvh_destroy(&bvh);
     return status;
 }

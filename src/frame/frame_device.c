@@ -1,5 +1,7 @@
 #include "frame_device.h"
 
+#include "../trace/hierarchy.h"
+
 #include <stdio.h>
 
 struct rsv_frame_device {
@@ -17,7 +19,6 @@ struct rsv_frame_device {
 /// What keeps a device from showing a material; NULL = nothing.
 static const char *obstacle(const rsv_solution *s, uint32_t material)
 {
-    if (s->scene.view->material[material].alpha_cutoff > 0) return "is cut out";
     if (s->diffused.material && s->diffused.material[material]) return "is translucent";
     return NULL;
 }
@@ -59,7 +60,7 @@ static void find_received(const rsv_light_table *t, rsv_shown_side (*received)[2
 }
 
 static rsv_status bring_stage(
-    rsv_frame_device *d, rsv_device *device, const rsv_frame_desc *desc, const rsv_bvh *bvh)
+    rsv_frame_device *d, rsv_device *device, const rsv_frame_desc *desc, rsv_bvh_view bvh)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     const rsv_solution *s = d->table->solution;
@@ -69,7 +70,7 @@ static rsv_status bring_stage(
     find_received(d->table, received);
     const rsv_device_stage stage = { .scene = s->scene.view,
         .bsdf = s->bsdf,
-        .bvh = bvh->view,
+        .bvh = bvh,
         .side = (const rsv_shown_side(*)[2])d->table->side,
         .received = (const rsv_shown_side(*)[2])received,
         .cell_count = d->table->cell_count,
@@ -89,7 +90,7 @@ rsv_status rsv_frame_device_create(
     rsv_status status = RSV_OK;
     const rsv_solution *s = table->solution;
     rsv_device *device = rsv_context_device(s->context);
-    rsv_bvh bvh = { 0 };
+    rsv_bvh_view bvh;
     *made = NULL;
     if (!device || !can_show(s, desc)) return RSV_OK;
     rsv_frame_device *d = rsv_alloc(s->context, 1, sizeof *d);
@@ -99,14 +100,13 @@ rsv_status rsv_frame_device_create(
         .eyes = desc->eyes,
         .device = device->table->frames,
         .dim = true };
-    RSV_TRY(rsv_bvh_build_scene(s->scene.scene, &bvh));
-    RSV_TRY(bring_stage(d, device, desc, &bvh));
+    RSV_TRY(rsv_tracer_hierarchy(s->scene.tracer, &bvh));
+    RSV_TRY(bring_stage(d, device, desc, bvh));
     if (d->frames) {
         *made = d;
         d = NULL;
     }
 cleanup:
-    rsv_bvh_destroy(&bvh);
     rsv_frame_device_destroy(d);
     return status;
 }

@@ -1,5 +1,6 @@
 #include "direct.h"
 #include "direct_kernels.h"
+#include "scattering.h"
 #include "sources.h"
 
 #include <stdlib.h>
@@ -7,10 +8,10 @@
 struct rsv_device_direct {
     rsv_gpu *gpu;
     rsv_device_direct_desc desc; ///< on the host; its arrays are valid during creation alone
-    rsv_gpu_block scene, room;
-    rsv_gpu_geometry geometry;
+    rsv_gpu_block resident, room;
+    rsv_gpu_scene scene;
     rsv_gpu_sources sources;
-    rsv_bsdf *bsdf;
+    rsv_gpu_scattering scattering;
     rsv_direct_receiver *receiver;
     bool any_sampled;
     uint32_t punctual_count;
@@ -20,9 +21,9 @@ struct rsv_device_direct {
 static void lay_out_scene(void *task, rsv_gpu_block *b)
 {
     rsv_device_direct *d = task;
-    rsv_gpu_geometry_place(&d->geometry, b);
-    rsv_gpu_sources_place(&d->sources, &d->geometry, b);
-    d->bsdf = rsv_gpu_place(b, d->desc.scene->material_count, sizeof *d->bsdf);
+    rsv_gpu_scene_place(&d->scene, b);
+    rsv_gpu_sources_place(&d->sources, &d->scene, b);
+    rsv_gpu_scattering_place(&d->scattering, b);
 }
 
 static void lay_out_room(void *task, rsv_gpu_block *b)
@@ -38,17 +39,18 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
 
 static void upload_scene(rsv_device_direct *d)
 {
-    rsv_gpu_geometry_upload(&d->geometry, d->gpu);
-    rsv_gpu_sources_upload(&d->sources, &d->geometry, d->gpu);
-    rsv_gpu_upload(
-        d->gpu, d->bsdf, d->desc.setting.bsdf, d->desc.scene->material_count * sizeof *d->bsdf);
+    rsv_gpu_scene_upload(&d->scene, d->gpu);
+    rsv_gpu_sources_upload(&d->sources, &d->scene, d->gpu);
+    rsv_gpu_scattering_upload(&d->scattering, d->desc.setting.bsdf, d->gpu);
 }
 
 static void destroy(rsv_device_direct *d)
 {
     if (!d) return;
-    rsv_gpu_release(d->gpu, &d->scene);
+    rsv_gpu_release(d->gpu, &d->resident);
     rsv_gpu_release(d->gpu, &d->room);
+    rsv_gpu_scene_destroy(&d->scene);
+    rsv_gpu_scattering_destroy(&d->scattering);
     free(d);
 }
 
@@ -56,12 +58,28 @@ static void set_constants(rsv_device_direct *d)
 {
     const rsv_lights *lights = d->desc.setting.lights;
     const rsv_environment_light *sky = lights->environment;
-    d->geometry = rsv_gpu_geometry_of(d->desc.scene, d->desc.bvh);
     d->sources.host = lights;
     d->any_sampled =
         lights->sampled_count > 0 || (sky && (sky->sampler.flux > 0 || sky->sun_count));
     d->punctual_count = rsv_punctual_count(lights);
     d->args.setting = d->desc.setting;
+}
+
+/// Whether the emission of a source must be looked up.
+static bool any_varies(const rsv_lights *lights)
+{
+    for (size_t k = 0; k < lights->sampled_count; k++)
+        if (lights->emitter[lights->sampled[k]].varies) return true;
+    return false;
+}
+
+static rsv_status create_materials(rsv_device_direct *d, char *message)
+{
+    const rsv_device_direct_desc *desc = &d->desc;
+    rsv_status status = rsv_gpu_scene_create(
+        desc->scene, desc->bvh, any_varies(desc->setting.lights), &d->scene, message);
+    if (status != RSV_OK) return status;
+    return rsv_gpu_scattering_create(desc->scene->material_count, &d->scattering, message);
 }
 
 static rsv_status create(rsv_device *device, const rsv_device_direct_desc *desc,
@@ -72,13 +90,17 @@ static rsv_status create(rsv_device *device, const rsv_device_direct_desc *desc,
     d->gpu = (rsv_gpu *)device;
     d->desc = *desc;
     set_constants(d);
-    rsv_gpu_lay_out(d->gpu, &d->scene, lay_out_scene, d, "the scene of the direct light");
-    rsv_gpu_lay_out(d->gpu, &d->room, lay_out_room, d, "the receivers of the direct light");
-    d->args.bvh = d->geometry.bvh;
-    d->args.setting.lights = d->sources.there;
-    d->args.setting.bsdf = d->bsdf;
-    upload_scene(d);
-    rsv_status status = rsv_gpu_wait(d->gpu, message);
+    rsv_status status = create_materials(d, message);
+    if (status == RSV_OK) {
+        rsv_gpu_lay_out(d->gpu, &d->resident, lay_out_scene, d, "the scene of the direct light");
+        rsv_gpu_lay_out(d->gpu, &d->room, lay_out_room, d, "the receivers of the direct light");
+        d->args.bvh = d->scene.bvh;
+        d->args.varied = d->scene.varied;
+        d->args.setting.lights = d->sources.there;
+        d->args.setting.bsdf = d->scattering.bsdf;
+        upload_scene(d);
+        status = rsv_gpu_wait(d->gpu, message);
+    }
     if (status == RSV_OK)
         *direct = d;
     else

@@ -10,6 +10,7 @@
 
 typedef struct rsv_direct_args {
     rsv_bvh_view bvh;
+    bool varied;                ///< surfaces have holes, or lamps shine unevenly
     rsv_direct_setting setting; ///< of addresses on the device
     rsv_direct_rays rays;
     uint32_t light; ///< punctual: which one
@@ -19,9 +20,10 @@ typedef struct rsv_direct_args {
     rsv_direct_estimate *estimate;
 } rsv_direct_args;
 
-RSV_INLINE bool rsv_direct_arrives(const rsv_direct_args *a, const rsv_direct_ray *r)
+RSV_INLINE bool rsv_direct_arrives(const rsv_direct_args *a, const rsv_direct_ray *r, bool varied)
 {
-    return r->ray.t_max > 0 && !rsv_bvh_occluded(&a->bvh, &r->ray);
+    rsv_bvh_view bvh = rsv_bvh_with_holes(a->bvh, varied);
+    return r->ray.t_max > 0 && !rsv_bvh_occluded(&bvh, &r->ray);
 }
 
 // ---- emitters, suns and the sky -----------------------------------------------------------------
@@ -40,7 +42,8 @@ RSV_INLINE void rsv_direct_weigh_item(const rsv_direct_args *a, uint32_t item)
 RSV_KERNEL(direct_weigh, rsv_direct_args, rsv_direct_weigh_item)
 
 /// One shadow ray of a node to its emitters.
-RSV_INLINE rsv_direct_ray rsv_direct_draw(const rsv_direct_args *a, uint32_t node, uint32_t index)
+RSV_INLINE rsv_direct_ray rsv_direct_draw(
+    const rsv_direct_args *a, uint32_t node, uint32_t index, bool varied)
 {
     const rsv_direct_setting *s = &a->setting;
     const rsv_direct_receiver *receiver = &a->receiver[node];
@@ -50,18 +53,18 @@ RSV_INLINE rsv_direct_ray rsv_direct_draw(const rsv_direct_args *a, uint32_t nod
     if (!(receiver->valid >> at & 1)) return rsv_direct_no_ray();
     rsv_direct_numbers(s, receiver->node, index, &select, &x, &y);
     const rsv_local_lights *local = &a->local[(size_t)node * s->points + at];
-    return rsv_draw_light(local, select, x, y, &sample)
-               ? rsv_direct_to_sample(s, receiver, at, &sample)
-               : rsv_direct_no_ray();
+    bool drawn = varied ? rsv_local_lights_sample(local, select, x, y, &sample)
+                        : rsv_draw_light(local, select, x, y, &sample);
+    return drawn ? rsv_direct_to_sample(s, receiver, at, &sample) : rsv_direct_no_ray();
 }
 
 RSV_INLINE rsv_direct_sums rsv_direct_emitters_lane(
-    const rsv_direct_args *a, uint32_t node, uint32_t lane)
+    const rsv_direct_args *a, uint32_t node, uint32_t lane, bool varied)
 {
     rsv_direct_sums sums = rsv_direct_no_sums();
     for (uint32_t index = lane; index < a->rays.samples; index += RSV_LANES) {
-        rsv_direct_ray r = rsv_direct_draw(a, node, index);
-        rsv_direct_count(&sums, &r, rsv_direct_arrives(a, &r));
+        rsv_direct_ray r = rsv_direct_draw(a, node, index, varied);
+        rsv_direct_count(&sums, &r, rsv_direct_arrives(a, &r, varied));
     }
     return sums;
 }
@@ -82,7 +85,7 @@ RSV_INLINE void rsv_direct_emitters_store(
     a->sums[node] = sums;
 }
 
-RSV_KERNEL_SUM(direct_emitters, rsv_direct_args, rsv_direct_sums, rsv_direct_emitters_lane,
+RSV_KERNEL_SUM_VARIED(direct_emitters, rsv_direct_args, rsv_direct_sums, rsv_direct_emitters_lane,
     rsv_direct_sums_add, rsv_direct_emitters_store)
 
 /// What the sums say of a node.
@@ -116,7 +119,7 @@ RSV_KERNEL(direct_nothing, rsv_direct_args, rsv_direct_nothing_item)
 // ---- punctual lights ----------------------------------------------------------------------------
 
 RSV_INLINE rsv_direct_punctual rsv_direct_punctual_lane(
-    const rsv_direct_args *a, uint32_t node, uint32_t lane)
+    const rsv_direct_args *a, uint32_t node, uint32_t lane, bool varied)
 {
     const rsv_direct_receiver *receiver = &a->receiver[node];
     rsv_direct_punctual p;
@@ -124,7 +127,7 @@ RSV_INLINE rsv_direct_punctual rsv_direct_punctual_lane(
     p.seen = p.hidden = 0;
     if (lane >= a->setting.points || !(receiver->valid >> lane & 1)) return p;
     rsv_direct_ray r = rsv_direct_to_punctual(&a->setting, receiver, lane, a->light);
-    rsv_direct_count_punctual(&p, &r, rsv_direct_arrives(a, &r));
+    rsv_direct_count_punctual(&p, &r, rsv_direct_arrives(a, &r, varied));
     return p;
 }
 
@@ -147,7 +150,7 @@ RSV_INLINE void rsv_direct_punctual_store(
     e->rays += a->setting.points;
 }
 
-RSV_KERNEL_SUM(direct_punctual, rsv_direct_args, rsv_direct_punctual, rsv_direct_punctual_lane,
-    rsv_direct_punctual_add, rsv_direct_punctual_store)
+RSV_KERNEL_SUM_VARIED(direct_punctual, rsv_direct_args, rsv_direct_punctual,
+    rsv_direct_punctual_lane, rsv_direct_punctual_add, rsv_direct_punctual_store)
 
 #endif

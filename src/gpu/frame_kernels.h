@@ -3,14 +3,14 @@
 #ifndef RSV_FRAME_KERNELS_H
 #define RSV_FRAME_KERNELS_H
 
-#include "../bvh/ray.h"
 #include "../frame/device_frames.h"
 #include "../render/rough_branch.h"
+#include "../trace/ray.h"
 #include "launch.h"
 
 /// A solved scene; it and all it points to lie on the device.
 typedef struct rsv_gpu_stage {
-    rsv_transport_scene transport; ///< its view is that of rsv_gpu_geometry
+    rsv_transport_scene transport; ///< its view is that of rsv_gpu_scene
     rsv_tracer tracer;
     const rsv_shown_side (*side)[2], (*received)[2];
     const rsv_light_cell *cell;
@@ -40,6 +40,7 @@ typedef struct rsv_frame_args {
     uint32_t width, eye_pixels, chain_depth, seed;
     float (*radiance)[4], (*sum)[4]; ///< [pixels] of this sample, of all
     uint32_t *code;                  ///< [pixels] four bytes each
+    bool varied;                     ///< some surfaces have holes
     rsv_hit *hit;                    ///< [pixels] of camera rays that chains begin at
     uint8_t *begins;                 ///< [pixels] whether one does
     const uint32_t
@@ -77,11 +78,11 @@ RSV_INLINE bool rsv_frame_meets_back(
     return v3_dot(normal, direction) > 0;
 }
 
-RSV_INLINE void rsv_frame_camera_item(const rsv_frame_args *a, uint32_t pixel)
+RSV_INLINE void rsv_frame_camera_item(const rsv_frame_args *a, uint32_t pixel, bool varied)
 {
     const rsv_gpu_stage *stage = a->stage;
     rsv_ray ray = rsv_frame_camera_ray(a, pixel);
-    rsv_tracer tracer = stage->tracer;
+    rsv_tracer tracer = { rsv_bvh_with_holes(stage->tracer.bvh, varied) };
     rsv_rgb shown = rgb_gray(0);
     rsv_hit hit;
     a->begins[pixel] = 0;
@@ -103,7 +104,7 @@ RSV_INLINE void rsv_frame_camera_item(const rsv_frame_args *a, uint32_t pixel)
     radiance[0] = shown.r, radiance[1] = shown.g, radiance[2] = shown.b, radiance[3] = 0;
 }
 
-RSV_KERNEL(frame_camera, rsv_frame_args, rsv_frame_camera_item)
+RSV_KERNEL_VARIED(frame_camera, rsv_frame_args, rsv_frame_camera_item)
 
 // ---- chains -------------------------------------------------------------------------------------
 
@@ -220,12 +221,12 @@ RSV_INLINE void rsv_frame_begin_item(const rsv_frame_args *a, uint32_t item)
 
 RSV_KERNEL(frame_begin, rsv_frame_args, rsv_frame_begin_item)
 
-RSV_INLINE void rsv_frame_follow_item(const rsv_frame_args *a, uint32_t item)
+RSV_INLINE void rsv_frame_follow_item(const rsv_frame_args *a, uint32_t item, bool varied)
 {
     const rsv_gpu_stage *stage = a->stage;
     rsv_gpu_traveller t = a->from[a->list[item]];
     rsv_ray ray = { t.origin, t.chain.direction, INFINITY };
-    rsv_tracer tracer = stage->tracer;
+    rsv_tracer tracer = { rsv_bvh_with_holes(stage->tracer.bvh, varied) };
     rsv_hit hit;
     rsv_frame_clear_slots(a, item);
     t.missed = !rsv_ray_meets(&tracer, &ray, &hit);
@@ -240,7 +241,7 @@ RSV_INLINE void rsv_frame_follow_item(const rsv_frame_args *a, uint32_t item)
         rsv_frame_leave(a, item, &t);
 }
 
-RSV_KERNEL(frame_follow, rsv_frame_args, rsv_frame_follow_item)
+RSV_KERNEL_VARIED(frame_follow, rsv_frame_args, rsv_frame_follow_item)
 
 // ---- textures and rough lobes -------------------------------------------------------------------
 

@@ -2,8 +2,8 @@
 #include "frames.h"
 #include "compact.h"
 #include "frame_kernels.h"
+#include "scattering.h"
 #include "sources.h"
-#include "surfaces.h"
 
 #include <stdlib.h>
 
@@ -16,9 +16,9 @@ struct rsv_device_frames {
     rsv_device_stage stage; ///< on the host; its arrays are valid during creation alone
     size_t pixels;          ///< of all eyes
     size_t slots;           ///< of a wave
-    rsv_gpu_block scene, surroundings, room;
-    rsv_gpu_geometry geometry;
-    rsv_gpu_surfaces surfaces;
+    rsv_gpu_block resident, surroundings, room;
+    rsv_gpu_scene scene;
+    rsv_gpu_scattering scattering;
     rsv_gpu_sources sources;
     rsv_gpu_stage there; ///< with addresses on the device
     rsv_gpu_stage *stage_there;
@@ -40,12 +40,12 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
     const rsv_scene_view *view = f->stage.scene;
     rsv_gpu_stage *s = &f->there;
     f->stage_there = rsv_gpu_place(b, 1, sizeof *f->stage_there);
-    rsv_gpu_geometry_place(&f->geometry, b);
-    rsv_gpu_surfaces_place(&f->surfaces, &f->geometry, b);
-    s->transport.view = f->geometry.view_there;
-    s->transport.bsdf = f->surfaces.bsdf;
+    rsv_gpu_scene_place(&f->scene, b);
+    rsv_gpu_scattering_place(&f->scattering, b);
+    s->transport.view = f->scene.there;
+    s->transport.bsdf = f->scattering.bsdf;
     s->transport.tracer = f->stage_there ? &f->stage_there->tracer : NULL;
-    s->tracer.bvh = f->geometry.bvh;
+    s->tracer.bvh = f->scene.bvh;
     s->side = rsv_gpu_place(b, view->triangle_count + 1, sizeof *s->side);
     s->received = rsv_gpu_place(b, view->triangle_count, sizeof *s->received);
     s->plain = rsv_gpu_place(b, view->material_count, sizeof *s->plain);
@@ -60,8 +60,8 @@ static void upload_scene(rsv_device_frames *f)
                                         sizeof *f->stage.side },
         { s->received, f->stage.received, view->triangle_count, sizeof *f->stage.received },
         { s->plain, f->plain, view->material_count, sizeof *f->plain } };
-    rsv_gpu_geometry_upload(&f->geometry, f->gpu);
-    rsv_gpu_surfaces_upload(&f->surfaces, &f->geometry, f->stage.bsdf, f->gpu);
+    rsv_gpu_scene_upload(&f->scene, f->gpu);
+    rsv_gpu_scattering_upload(&f->scattering, f->stage.bsdf, f->gpu);
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
 }
 
@@ -101,7 +101,6 @@ static void set_constants(rsv_device_frames *f)
     const rsv_device_stage *s = &f->stage;
     f->pixels = (size_t)s->width * s->height * s->eyes;
     f->slots = count_slots(f);
-    f->geometry = rsv_gpu_geometry_of(s->scene, s->bvh);
     f->args.width = s->width;
     f->args.eye_pixels = s->width * s->height;
     f->args.chain_depth = s->chain_depth;
@@ -111,10 +110,11 @@ static void set_constants(rsv_device_frames *f)
 static void destroy(rsv_device_frames *f)
 {
     if (!f) return;
-    rsv_gpu_release(f->gpu, &f->scene);
+    rsv_gpu_release(f->gpu, &f->resident);
     rsv_gpu_release(f->gpu, &f->surroundings);
     rsv_gpu_release(f->gpu, &f->room);
-    rsv_gpu_surfaces_destroy(&f->surfaces);
+    rsv_gpu_scene_destroy(&f->scene);
+    rsv_gpu_scattering_destroy(&f->scattering);
     free(f->plain);
     free(f);
 }
@@ -129,7 +129,9 @@ static bool is_plain(const rsv_device_stage *s, size_t material)
 static rsv_status prepare_materials(rsv_device_frames *f, char *message)
 {
     size_t count = f->stage.scene->material_count;
-    rsv_status status = rsv_gpu_surfaces_create(f->stage.scene, &f->surfaces, message);
+    rsv_status status =
+        rsv_gpu_scene_create(f->stage.scene, f->stage.bvh, true, &f->scene, message);
+    if (status == RSV_OK) status = rsv_gpu_scattering_create(count, &f->scattering, message);
     if (status != RSV_OK) return status;
     f->plain = rsv_gpu_new(count + 1, message);
     if (!f->plain) return RSV_ERROR_MEMORY;
@@ -154,9 +156,10 @@ static rsv_status create(
         destroy(f);
         return status;
     }
-    rsv_gpu_lay_out(f->gpu, &f->scene, lay_out_scene, f, "the scene of the frames");
+    rsv_gpu_lay_out(f->gpu, &f->resident, lay_out_scene, f, "the scene of the frames");
     rsv_gpu_lay_out(f->gpu, &f->room, lay_out_room, f, "the pictures");
     f->args.stage = f->stage_there;
+    f->args.varied = f->scene.bvh.holes != NULL;
     upload_scene(f);
     status = rsv_gpu_wait(f->gpu, message);
     if (status == RSV_OK)
@@ -169,7 +172,7 @@ static rsv_status create(
 static void lay_out_sources(void *task, rsv_gpu_block *b)
 {
     rsv_device_frames *f = task;
-    rsv_gpu_sources_place(&f->sources, &f->geometry, b);
+    rsv_gpu_sources_place(&f->sources, &f->scene, b);
 }
 
 /// Sources change in number, skies in size.
@@ -186,7 +189,7 @@ static void bring_sources(rsv_device_frames *f, const rsv_lights *lights)
         block->placed = 0;
         lay_out_sources(f, block);
     }
-    rsv_gpu_sources_upload(&f->sources, &f->geometry, f->gpu);
+    rsv_gpu_sources_upload(&f->sources, &f->scene, f->gpu);
     f->there.lights = f->sources.there;
     f->there.sky = lights->environment ? f->sources.environment.whole : (rsv_sky){ 0 };
 }
@@ -194,13 +197,14 @@ static void bring_sources(rsv_device_frames *f, const rsv_lights *lights)
 static rsv_status set_light(rsv_device_frames *f, const rsv_device_light *light, char *message)
 {
     f->there.emission = light->emission;
-    f->surfaces.host = light->scene;
+    f->scene.host = light->scene;
     bring_sources(f, light->lights);
     const rsv_gpu_array array[] = { { f->there.cell, light->cell, f->stage.cell_count,
                                         sizeof *light->cell },
-        { f->geometry.view_there, &f->geometry.view, 1, sizeof f->geometry.view },
+        { f->scene.there, &f->scene.view, 1, sizeof f->scene.view },
         { f->stage_there, &f->there, 1, sizeof f->there } };
-    rsv_gpu_surfaces_upload_materials(&f->surfaces, &f->geometry, light->bsdf, f->gpu);
+    rsv_gpu_scene_upload_materials(&f->scene, f->gpu);
+    rsv_gpu_scattering_upload(&f->scattering, light->bsdf, f->gpu);
     rsv_gpu_upload_all(f->gpu, array, sizeof array / sizeof array[0]);
     return rsv_gpu_wait(f->gpu, message);
 }

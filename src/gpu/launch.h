@@ -21,6 +21,13 @@
 ///    Both devices form the same sums in the same order: what the emulated one finds, the other finds to the last bit,
 ///    as long as both compilers leave out contractions (they are told to) and library functions.
 ///
+/// 3. Either in two forms, where it matters whether surfaces vary: `body` or `lane` gets that as a last argument, a
+///    constant of each form. Where it is false, whatever looks textures up is left out, and its registers are free. The
+///    launch chooses by `args->varied`:
+///
+///        RSV_INLINE void rsv_look_item(const rsv_look_args *a, uint32_t i, bool varied);
+///        RSV_KERNEL_VARIED(look, rsv_look_args, rsv_look_item)
+///
 /// Pointers in `args` are device addresses. The structure itself is copied when the launch is queued: at most
 /// RSV_ARGS_BYTES. Headers with kernels end in `_kernels.h`. They are included three times: by host code, which sees
 /// prototypes of the launches; by `kernels_cuda.cu` and by `kernels_emulated.c`, which define RSV_KERNELS_HERE and get the
@@ -58,5 +65,39 @@
 #else
 #include "launch_emulated.h"
 #endif
+
+#if !defined(RSV_KERNELS_HERE)
+#define RSV_CHOOSE_FORM(name, args)                                                                \
+    RSV_INLINE void rsv_launch_##name(rsv_gpu *gpu, const args *a, size_t count)                   \
+    {                                                                                              \
+        if (a->varied)                                                                             \
+            rsv_launch_##name##_varied(gpu, a, count);                                             \
+        else                                                                                       \
+            rsv_launch_##name##_alike(gpu, a, count);                                              \
+    }
+#else
+#define RSV_CHOOSE_FORM(name, args)
+#endif
+
+#define RSV_KERNEL_FORM(name, form, args, body, varied)                                            \
+    RSV_INLINE void body##_##form(const args *a, uint32_t item) { body(a, item, varied); }         \
+    RSV_KERNEL(name##_##form, args, body##_##form)
+
+#define RSV_KERNEL_VARIED(name, args, body)                                                        \
+    RSV_KERNEL_FORM(name, alike, args, body, false)                                                \
+    RSV_KERNEL_FORM(name, varied, args, body, true)                                                \
+    RSV_CHOOSE_FORM(name, args)
+
+#define RSV_KERNEL_SUM_FORM(name, form, args, value, lane, add, store, varied)                     \
+    RSV_INLINE value lane##_##form(const args *a, uint32_t item, uint32_t own)                     \
+    {                                                                                              \
+        return lane(a, item, own, varied);                                                         \
+    }                                                                                              \
+    RSV_KERNEL_SUM(name##_##form, args, value, lane##_##form, add, store)
+
+#define RSV_KERNEL_SUM_VARIED(name, args, value, lane, add, store)                                 \
+    RSV_KERNEL_SUM_FORM(name, alike, args, value, lane, add, store, false)                         \
+    RSV_KERNEL_SUM_FORM(name, varied, args, value, lane, add, store, true)                         \
+    RSV_CHOOSE_FORM(name, args)
 
 #endif

@@ -1,6 +1,6 @@
 #include "occlusion.h"
-#include "geometry.h"
 #include "occlusion_kernels.h"
+#include "scene.h"
 
 #include <stdlib.h>
 
@@ -11,8 +11,8 @@ struct rsv_device_occlusion {
     rsv_gpu *gpu;
     rsv_device_occlusion_desc
         desc; ///< on the host; what it points to is valid during creation alone
-    rsv_gpu_block scene, room;
-    rsv_gpu_geometry geometry;
+    rsv_gpu_block resident, room;
+    rsv_gpu_scene scene;
     rsv_occlusion_setting setting; ///< with addresses on the device, as the next one
     rsv_occlusion_screen screen;
     rsv_occlusion_setting *setting_there;
@@ -42,10 +42,10 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
 {
     rsv_device_occlusion *o = task;
     const rsv_occlusion_setting *s = o->desc.setting;
-    rsv_gpu_geometry_place(&o->geometry, b);
+    rsv_gpu_scene_place(&o->scene, b);
     o->setting_there = rsv_gpu_place(b, 1, sizeof *o->setting_there);
     o->screen_there = rsv_gpu_place(b, 1, sizeof *o->screen_there);
-    o->setting.view = o->geometry.view_there;
+    o->setting.view = o->scene.there;
     o->setting.sky.pixel = place_some(b, sky_pixels(&s->sky), sizeof *s->sky.pixel);
     o->setting.open.node = place_some(b, open_nodes(&s->open), sizeof *s->open.node);
     o->screen.kernel = place_some(b, o->on_screen ? s->samples : 0, sizeof *o->screen.kernel);
@@ -73,7 +73,7 @@ static void upload_scene(rsv_device_occlusion *o)
         { o->setting.open.node, s->open.node, open_nodes(&s->open), sizeof *s->open.node },
         { o->screen.kernel, o->on_screen ? o->desc.screen->kernel : NULL,
             o->on_screen ? s->samples : 0, sizeof *o->screen.kernel } };
-    rsv_gpu_geometry_upload(&o->geometry, o->gpu);
+    rsv_gpu_scene_upload(&o->scene, o->gpu);
     rsv_gpu_upload_all(o->gpu, array, sizeof array / sizeof array[0]);
 }
 
@@ -86,15 +86,23 @@ static void set_constants(rsv_device_occlusion *o)
     if (o->on_screen) o->screen = *o->desc.screen;
     o->pixels = (size_t)s->width * s->height;
     o->most = most < o->pixels ? most : o->pixels;
-    o->geometry = rsv_gpu_geometry_of(s->view, o->desc.bvh);
 }
 
 static void destroy(rsv_device_occlusion *o)
 {
     if (!o) return;
-    rsv_gpu_release(o->gpu, &o->scene);
+    rsv_gpu_release(o->gpu, &o->resident);
     rsv_gpu_release(o->gpu, &o->room);
+    rsv_gpu_scene_destroy(&o->scene);
     free(o);
+}
+
+static bool any_varies(const rsv_device_occlusion_desc *desc)
+{
+    const rsv_scene_view *view = desc->setting->view;
+    for (size_t m = 0; m < view->material_count; m++)
+        if (view->material_varies[m]) return true;
+    return desc->bvh.holes != NULL;
 }
 
 static rsv_status create(rsv_device *device, const rsv_device_occlusion_desc *desc,
@@ -105,13 +113,18 @@ static rsv_status create(rsv_device *device, const rsv_device_occlusion_desc *de
     o->gpu = (rsv_gpu *)device;
     o->desc = *desc;
     set_constants(o);
-    rsv_gpu_lay_out(o->gpu, &o->scene, lay_out_scene, o, "the scene of the occlusion");
-    rsv_gpu_lay_out(o->gpu, &o->room, lay_out_room, o, "the picture of the occlusion");
-    o->args.setting = o->setting_there;
-    o->args.screen = o->screen_there;
-    o->args.bvh = o->geometry.bvh;
-    upload_scene(o);
-    rsv_status status = rsv_gpu_wait(o->gpu, message);
+    rsv_status status =
+        rsv_gpu_scene_create(desc->setting->view, desc->bvh, true, &o->scene, message);
+    if (status == RSV_OK) {
+        rsv_gpu_lay_out(o->gpu, &o->resident, lay_out_scene, o, "the scene of the occlusion");
+        rsv_gpu_lay_out(o->gpu, &o->room, lay_out_room, o, "the picture of the occlusion");
+        o->args.setting = o->setting_there;
+        o->args.screen = o->screen_there;
+        o->args.bvh = o->scene.bvh;
+        o->args.varied = any_varies(desc);
+        upload_scene(o);
+        status = rsv_gpu_wait(o->gpu, message);
+    }
     if (status == RSV_OK)
         *occlusion = o;
     else

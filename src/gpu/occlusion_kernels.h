@@ -13,6 +13,7 @@ typedef struct rsv_occlusion_args {
     const rsv_occlusion_screen
         *screen; ///< unused where occlusion is found by rays, but for its surfaces
     rsv_bvh_view bvh;
+    bool varied;            ///< some surfaces do
     rsv_seen_surface *seen; ///< [pixels]
     rsv_rgb *pixel;         ///< [pixels] the picture
     rsv_lens lens;
@@ -23,30 +24,31 @@ typedef struct rsv_occlusion_args {
 
 /// What a camera ray of a pixel meets.
 RSV_INLINE rsv_seen_surface rsv_occlusion_see(
-    const rsv_occlusion_args *a, float column_place, float row_place)
+    const rsv_occlusion_args *a, float column_place, float row_place, bool varied)
 {
+    rsv_bvh_view bvh = rsv_bvh_with_holes(a->bvh, varied);
     const rsv_occlusion_setting *s = a->setting;
     rsv_ray ray = rsv_lens_ray(&a->lens, column_place, row_place);
     rsv_hit hit;
-    if (!rsv_bvh_closest(&a->bvh, &ray, &hit)) return rsv_seen_sky(s, ray.direction);
-    const rsv_material *material = &s->view->material[s->view->triangle_material[hit.triangle]];
-    return rsv_seen_surface_at(s, material, ray.direction, hit.triangle, hit.u, hit.v);
+    if (!rsv_bvh_closest(&bvh, &ray, &hit)) return rsv_seen_sky(s, ray.direction);
+    return rsv_seen_surface_at(s, ray.direction, hit.triangle, hit.u, hit.v, varied);
 }
 
 // ---- by rays ------------------------------------------------------------------------------------
 
-RSV_INLINE void rsv_occlusion_camera_item(const rsv_occlusion_args *a, uint32_t pixel)
+RSV_INLINE void rsv_occlusion_camera_item(const rsv_occlusion_args *a, uint32_t pixel, bool varied)
 {
     const rsv_occlusion_setting *s = a->setting;
     float x, y;
     rsv_occlusion_place(s, pixel / s->width, pixel % s->width, a->camera_ray, &x, &y);
-    a->seen[pixel] = rsv_occlusion_see(a, x, y);
+    a->seen[pixel] = rsv_occlusion_see(a, x, y, varied);
 }
 
-RSV_KERNEL(occlusion_camera, rsv_occlusion_args, rsv_occlusion_camera_item)
+RSV_KERNEL_VARIED(occlusion_camera, rsv_occlusion_args, rsv_occlusion_camera_item)
 
-RSV_INLINE void rsv_occlusion_ray_item(const rsv_occlusion_args *a, uint32_t item)
+RSV_INLINE void rsv_occlusion_ray_item(const rsv_occlusion_args *a, uint32_t item, bool varied)
 {
+    rsv_bvh_view bvh = rsv_bvh_with_holes(a->bvh, varied);
     const rsv_occlusion_setting *s = a->setting;
     uint32_t pixel = a->first_pixel + item / s->samples;
     uint32_t index = a->camera_ray * s->samples + item % s->samples;
@@ -57,10 +59,10 @@ RSV_INLINE void rsv_occlusion_ray_item(const rsv_occlusion_args *a, uint32_t ite
     rsv_occlusion_spot spot = rsv_occlusion_spot_of(&seen->point);
     uint32_t seed = rsv_occlusion_seed(s, pixel / s->width, pixel % s->width);
     if (!rsv_occlusion_ray(s, &spot, index, seed, &ray)) return;
-    a->open[item] = !rsv_bvh_occluded(&a->bvh, &ray);
+    a->open[item] = !rsv_bvh_occluded(&bvh, &ray);
 }
 
-RSV_KERNEL(occlusion_ray, rsv_occlusion_args, rsv_occlusion_ray_item)
+RSV_KERNEL_VARIED(occlusion_ray, rsv_occlusion_args, rsv_occlusion_ray_item)
 
 /// Adds what a camera ray shows to its pixel.
 RSV_INLINE void rsv_occlusion_add_item(const rsv_occlusion_args *a, uint32_t item)
@@ -89,16 +91,16 @@ RSV_INLINE rsv_screen_picture rsv_occlusion_screen_of(const rsv_occlusion_args *
     return s;
 }
 
-RSV_INLINE void rsv_screen_camera_item(const rsv_occlusion_args *a, uint32_t pixel)
+RSV_INLINE void rsv_screen_camera_item(const rsv_occlusion_args *a, uint32_t pixel, bool varied)
 {
     uint32_t width = a->setting->width;
     rsv_screen_picture s = rsv_occlusion_screen_of(a);
     rsv_seen_surface seen =
-        rsv_occlusion_see(a, (float)(pixel % width) + 0.5f, (float)(pixel / width) + 0.5f);
+        rsv_occlusion_see(a, (float)(pixel % width) + 0.5f, (float)(pixel / width) + 0.5f, varied);
     rsv_screen_note(&s, pixel, &seen);
 }
 
-RSV_KERNEL(screen_camera, rsv_occlusion_args, rsv_screen_camera_item)
+RSV_KERNEL_VARIED(screen_camera, rsv_occlusion_args, rsv_screen_camera_item)
 
 RSV_INLINE void rsv_screen_open_item(const rsv_occlusion_args *a, uint32_t pixel)
 {

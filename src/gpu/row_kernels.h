@@ -9,12 +9,12 @@
 /// Rays are numbered row by row.
 typedef struct rsv_row_args {
     rsv_bvh_view bvh;
-    const rsv_scene_view *scene;  ///< that of rsv_gpu_geometry
+    const rsv_scene_view *scene;  ///< that of rsv_gpu_scene
     const rsv_elements *elements; ///< face_level, face_slot, slot and cell_node alone
     const rsv_ray_target *target;
     const float *x, *y, *z; ///< [RSV_DIRECTION_SETS * rays] directions
     uint32_t rays, seed;
-    bool sky;
+    bool sky, varied;
     const rsv_row_receiver *receiver;
     uint32_t *column;
     uint8_t *is_left; ///< rays that are left to the processor
@@ -56,8 +56,9 @@ RSV_INLINE void rsv_row_leave(const rsv_row_args *a, uint32_t item, const rsv_hi
     a->hit[item] = *hit;
 }
 
-RSV_INLINE void rsv_row_ray_item(const rsv_row_args *a, uint32_t item)
+RSV_INLINE void rsv_row_ray_item(const rsv_row_args *a, uint32_t item, bool varied)
 {
+    rsv_bvh_view bvh = rsv_bvh_with_holes(a->bvh, varied);
     const rsv_row_receiver *r = &a->receiver[item / a->rays];
     uint32_t ray_index = item % a->rays;
     rsv_ray ray;
@@ -65,7 +66,7 @@ RSV_INLINE void rsv_row_ray_item(const rsv_row_args *a, uint32_t item)
     a->column[item] = RSV_NONE;
     a->is_left[item] = 0;
     if (!rsv_row_aim(a, r, ray_index, &ray)) return;
-    if (!rsv_bvh_closest(&a->bvh, &ray, &hit)) {
+    if (!rsv_bvh_closest(&bvh, &ray, &hit)) {
         if (a->sky) rsv_row_leave(a, item, &hit);
         return;
     }
@@ -80,7 +81,7 @@ RSV_INLINE void rsv_row_ray_item(const rsv_row_args *a, uint32_t item)
     a->column[item] = rsv_elements_pick_node(a->elements, cell, weight, random);
 }
 
-RSV_KERNEL(row_ray, rsv_row_args, rsv_row_ray_item)
+RSV_KERNEL_VARIED(row_ray, rsv_row_args, rsv_row_ray_item)
 
 RSV_INLINE void rsv_row_left_item(const rsv_row_args *a, uint32_t item)
 {

@@ -1,17 +1,17 @@
 /// Rays of rows of G on the device.
 #include "rows.h"
 #include "compact.h"
-#include "geometry.h"
 #include "lookup.h"
 #include "row_kernels.h"
+#include "scene.h"
 
 #include <stdlib.h>
 
 struct rsv_device_rows {
     rsv_gpu *gpu;
     rsv_device_rows_desc desc; ///< on the host; its arrays are valid during creation alone
-    rsv_gpu_block scene, room;
-    rsv_gpu_geometry geometry;
+    rsv_gpu_block resident, room;
+    rsv_gpu_scene scene;
     rsv_gpu_lookup lookup;
     rsv_row_args args;
     rsv_row_receiver *receiver;
@@ -29,9 +29,10 @@ static void lay_out_scene(void *task, rsv_gpu_block *b)
     rsv_device_rows *r = task;
     const rsv_device_rows_desc *d = &r->desc;
     rsv_row_args *a = &r->args;
-    rsv_gpu_geometry_place(&r->geometry, b);
-    a->scene = r->geometry.view_there;
-    a->bvh = r->geometry.bvh;
+    rsv_gpu_scene_place(&r->scene, b);
+    a->scene = r->scene.there;
+    a->bvh = r->scene.bvh;
+    a->varied = r->scene.varied;
     a->target = rsv_gpu_place(b, 2 * d->scene->triangle_count, sizeof *a->target);
     a->x = rsv_gpu_place(b, direction_count(r), sizeof *a->x);
     a->y = rsv_gpu_place(b, direction_count(r), sizeof *a->y);
@@ -49,7 +50,7 @@ static void upload_scene(rsv_device_rows *r)
         { a->x, d->directions->x, direction_count(r), sizeof *a->x },
         { a->y, d->directions->y, direction_count(r), sizeof *a->y },
         { a->z, d->directions->z, direction_count(r), sizeof *a->z } };
-    rsv_gpu_geometry_upload(&r->geometry, r->gpu);
+    rsv_gpu_scene_upload(&r->scene, r->gpu);
     rsv_gpu_upload_all(r->gpu, array, sizeof array / sizeof array[0]);
     rsv_gpu_lookup_upload(&r->lookup, d->scene->triangle_count, r->gpu);
 }
@@ -71,8 +72,9 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
 static void destroy(rsv_device_rows *r)
 {
     if (!r) return;
-    rsv_gpu_release(r->gpu, &r->scene);
+    rsv_gpu_release(r->gpu, &r->resident);
     rsv_gpu_release(r->gpu, &r->room);
+    rsv_gpu_scene_destroy(&r->scene);
     free(r);
 }
 
@@ -86,12 +88,14 @@ static rsv_status create(
     r->args.rays = desc->directions->count;
     r->args.seed = desc->seed;
     r->args.sky = desc->sky;
-    r->geometry = rsv_gpu_geometry_of(desc->scene, desc->bvh);
     r->lookup.host = desc->elements;
-    rsv_gpu_lay_out(r->gpu, &r->scene, lay_out_scene, r, "the scene of the rows");
-    rsv_gpu_lay_out(r->gpu, &r->room, lay_out_room, r, "the rays of the rows");
-    upload_scene(r);
-    rsv_status status = rsv_gpu_wait(r->gpu, message);
+    rsv_status status = rsv_gpu_scene_create(desc->scene, desc->bvh, false, &r->scene, message);
+    if (status == RSV_OK) {
+        rsv_gpu_lay_out(r->gpu, &r->resident, lay_out_scene, r, "the scene of the rows");
+        rsv_gpu_lay_out(r->gpu, &r->room, lay_out_room, r, "the rays of the rows");
+        upload_scene(r);
+        status = rsv_gpu_wait(r->gpu, message);
+    }
     if (status == RSV_OK)
         *rows = r;
     else

@@ -1,8 +1,8 @@
 #include "shooting.h"
 #include "lookup.h"
+#include "scattering.h"
 #include "shooting_kernels.h"
 #include "sources.h"
-#include "surfaces.h"
 
 #include <stdlib.h>
 
@@ -12,8 +12,8 @@ struct rsv_device_shooting {
     rsv_gpu *gpu;
     rsv_device_shooting_desc desc; ///< on the host; its arrays are valid during creation alone
     rsv_gpu_block block;
-    rsv_gpu_geometry geometry;
-    rsv_gpu_surfaces surfaces;
+    rsv_gpu_scene scene;
+    rsv_gpu_scattering scattering;
     rsv_gpu_sources lights;
     rsv_gpu_lookup lookup[RSV_DEVICE_MAPS];
     rsv_photon_source *source; ///< [source_count] on the host, with addresses on the device
@@ -56,7 +56,7 @@ static void place_maps(rsv_device_shooting *s, rsv_gpu_block *b)
         rsv_photon_map *map = &s->range.map[m];
         size_t nodes = host->elements->node_count;
         s->lookup[m].host = host->elements;
-        rsv_gpu_lookup_place(&s->lookup[m], s->geometry.host->triangle_count, b);
+        rsv_gpu_lookup_place(&s->lookup[m], s->scene.host->triangle_count, b);
         *map = *host;
         map->elements = s->lookup[m].there;
         map->flux = rsv_gpu_place(b, nodes, sizeof *map->flux);
@@ -70,14 +70,14 @@ static void lay_out(void *task, rsv_gpu_block *b)
     rsv_gpu_range *r = &s->range;
     s->range_there = rsv_gpu_place(b, 1, sizeof *s->range_there);
     r->rays = rsv_gpu_place(b, 1, sizeof *r->rays);
-    rsv_gpu_geometry_place(&s->geometry, b);
-    rsv_gpu_surfaces_place(&s->surfaces, &s->geometry, b);
-    rsv_gpu_sources_place(&s->lights, &s->geometry, b);
+    rsv_gpu_scene_place(&s->scene, b);
+    rsv_gpu_scattering_place(&s->scattering, b);
+    rsv_gpu_sources_place(&s->lights, &s->scene, b);
     place_origins(s, b);
     place_maps(s, b);
-    r->tracer.bvh = s->geometry.bvh;
-    r->transport.view = s->geometry.view_there;
-    r->transport.bsdf = s->surfaces.bsdf;
+    r->tracer.bvh = s->scene.bvh;
+    r->transport.view = s->scene.there;
+    r->transport.bsdf = s->scattering.bsdf;
     r->source = s->source_there;
     r->shooting.seed = s->desc.shooting.seed;
     if (!b->base) return;
@@ -108,14 +108,14 @@ static void upload_origins(const rsv_device_shooting *s)
 static void upload(rsv_device_shooting *s)
 {
     const rsv_gpu_range *r = &s->range;
-    rsv_gpu_geometry_upload(&s->geometry, s->gpu);
-    rsv_gpu_surfaces_upload(&s->surfaces, &s->geometry, s->desc.shooting.scene->bsdf, s->gpu);
-    rsv_gpu_sources_upload(&s->lights, &s->geometry, s->gpu);
+    rsv_gpu_scene_upload(&s->scene, s->gpu);
+    rsv_gpu_scattering_upload(&s->scattering, s->desc.shooting.scene->bsdf, s->gpu);
+    rsv_gpu_sources_upload(&s->lights, &s->scene, s->gpu);
     upload_origins(s);
     rsv_gpu_clear(s->gpu, r->rays, sizeof *r->rays);
     for (size_t m = 0; m < r->map_count; m++) {
         size_t nodes = s->desc.map[m].elements->node_count;
-        rsv_gpu_lookup_upload(&s->lookup[m], s->geometry.host->triangle_count, s->gpu);
+        rsv_gpu_lookup_upload(&s->lookup[m], s->scene.host->triangle_count, s->gpu);
         rsv_gpu_clear(s->gpu, r->map[m].flux, nodes * sizeof *r->map[m].flux);
         rsv_gpu_clear(s->gpu, r->map[m].hits, nodes * sizeof *r->map[m].hits);
     }
@@ -126,7 +126,8 @@ static void destroy(rsv_device_shooting *s)
 {
     if (!s) return;
     rsv_gpu_release(s->gpu, &s->block);
-    rsv_gpu_surfaces_destroy(&s->surfaces);
+    rsv_gpu_scene_destroy(&s->scene);
+    rsv_gpu_scattering_destroy(&s->scattering);
     free(s->source);
     free(s);
 }
@@ -139,10 +140,11 @@ static rsv_status create(rsv_device *device, const rsv_device_shooting_desc *des
     if (!s) return RSV_ERROR_MEMORY;
     s->gpu = (rsv_gpu *)device;
     s->desc = *desc;
-    s->geometry = rsv_gpu_geometry_of(view, desc->bvh);
     s->lights.host = desc->lights;
     s->source = rsv_gpu_new((desc->source_count + 1) * sizeof *s->source, message);
-    rsv_status status = rsv_gpu_surfaces_create(view, &s->surfaces, message);
+    rsv_status status = rsv_gpu_scene_create(view, desc->bvh, true, &s->scene, message);
+    if (status == RSV_OK)
+        status = rsv_gpu_scattering_create(view->material_count, &s->scattering, message);
     if (status == RSV_OK && !s->source) status = RSV_ERROR_MEMORY;
     if (status == RSV_OK) {
         rsv_gpu_lay_out(s->gpu, &s->block, lay_out, s, "the scene of the photons");

@@ -97,12 +97,12 @@ static void upload_environment(const rsv_environment_light *host,
 
 // ---- all ----------------------------------------------------------------------------------------
 
-void rsv_gpu_sources_place(rsv_gpu_sources *s, rsv_gpu_geometry *g, rsv_gpu_block *b)
+void rsv_gpu_sources_place(rsv_gpu_sources *s, rsv_gpu_scene *g, rsv_gpu_block *b)
 {
     const rsv_lights *host = s->host;
     rsv_lights *lights = &s->lights;
     *lights = *host;
-    lights->scene = g->view_there;
+    lights->scene = g->there;
     size_t triangles = g->host->triangle_count;
     g->view.light = rsv_gpu_place(b, g->host->light_count, sizeof *g->host->light);
     lights->emitter = rsv_gpu_place(b, host->emitter_count, sizeof *host->emitter);
@@ -116,7 +116,7 @@ void rsv_gpu_sources_place(rsv_gpu_sources *s, rsv_gpu_geometry *g, rsv_gpu_bloc
     s->there = rsv_gpu_place(b, 1, sizeof *s->there);
 }
 
-void rsv_gpu_sources_upload(const rsv_gpu_sources *s, const rsv_gpu_geometry *g, rsv_gpu *gpu)
+void rsv_gpu_sources_upload(const rsv_gpu_sources *s, const rsv_gpu_scene *g, rsv_gpu *gpu)
 {
     const rsv_lights *host = s->host, *lights = &s->lights;
     const rsv_gpu_array array[] = { { s->there, lights, 1, sizeof *lights },

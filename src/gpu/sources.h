@@ -3,7 +3,7 @@
 #define RSV_GPU_SOURCES_H
 
 #include "../light/light.h"
-#include "geometry.h"
+#include "scene.h"
 
 /// All with addresses on the device.
 typedef struct rsv_gpu_sources {
@@ -15,10 +15,9 @@ typedef struct rsv_gpu_sources {
     rsv_lights *there; ///< the first of these, on the device
 } rsv_gpu_sources;
 
-/// Part of a task's layout, after the geometry, whose lights it adds.
-void rsv_gpu_sources_place(
-    rsv_gpu_sources *sources, rsv_gpu_geometry *geometry, rsv_gpu_block *block);
+/// Part of a task's layout, after the scene, whose lights it adds.
+void rsv_gpu_sources_place(rsv_gpu_sources *sources, rsv_gpu_scene *scene, rsv_gpu_block *block);
 void rsv_gpu_sources_upload(
-    const rsv_gpu_sources *sources, const rsv_gpu_geometry *geometry, rsv_gpu *gpu);
+    const rsv_gpu_sources *sources, const rsv_gpu_scene *scene, rsv_gpu *gpu);
 
 #endif

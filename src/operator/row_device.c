@@ -1,6 +1,6 @@
 #include "row_device.h"
 
-#include "../scene/material_at.h"
+#include "../trace/hierarchy.h"
 
 /// Rays in flight at a time: enough for any device.
 #define RAYS_AT_A_TIME ((size_t)1 << 22)
@@ -28,20 +28,23 @@ static rsv_status allocate(rsv_row_device *d)
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-static rsv_status bring_rows(rsv_row_device *d, rsv_device *device, const rsv_bvh *bvh)
+static rsv_status bring_rows(rsv_row_device *d, rsv_device *device)
 {
+    rsv_status status = RSV_OK;
     char message[RSV_DEVICE_MESSAGE_BYTES];
     const rsv_row_tracer *t = d->tracer;
-    const rsv_device_rows_desc desc = { .scene = t->scene->view,
-        .bvh = bvh->view,
+    rsv_device_rows_desc desc = { .scene = t->scene->view,
         .elements = t->elements,
         .target = t->target,
         .directions = &t->directions,
         .seed = t->seed,
         .most = (uint32_t)d->most,
         .sky = t->scene->view->environment != NULL };
-    rsv_status status = d->table->create(device, &desc, &d->rows, message);
-    return status == RSV_OK ? RSV_OK : rsv_device_failed(d->context, status, message);
+    RSV_TRY(rsv_tracer_hierarchy(t->scene->tracer, &desc.bvh));
+    status = d->table->create(device, &desc, &d->rows, message);
+    if (status != RSV_OK) status = rsv_device_failed(d->context, status, message);
+cleanup:
+    return status;
 }
 
 /// Whole blocks.
@@ -57,9 +60,8 @@ rsv_status rsv_row_device_create(const rsv_row_tracer *tracer, size_t rows, rsv_
     rsv_status status = RSV_OK;
     rsv_context *context = tracer->elements->context;
     rsv_device *device = rsv_context_device(context);
-    rsv_bvh bvh = { 0 };
     *made = NULL;
-    if (!device || !device->desc.rows || rsv_find_cut_out(tracer->scene->view)) return RSV_OK;
+    if (!device || !device->desc.rows) return RSV_OK;
     rsv_row_device *d = rsv_alloc(context, 1, sizeof *d);
     if (!d) return RSV_ERROR_MEMORY;
     d->context = context;
@@ -67,14 +69,12 @@ rsv_status rsv_row_device_create(const rsv_row_tracer *tracer, size_t rows, rsv_
     d->table = device->table->rows;
     d->most = rows_at_a_time(tracer, rows);
     RSV_TRY(allocate(d));
-    RSV_TRY(rsv_bvh_build_scene(tracer->scene->scene, &bvh));
-    RSV_TRY(bring_rows(d, device, &bvh));
+    RSV_TRY(bring_rows(d, device));
     if (d->rows) {
         *made = d;
         d = NULL;
     }
 cleanup:
-    rsv_bvh_destroy(&bvh);
     rsv_row_device_destroy(d);
     return status;
 }

@@ -8,8 +8,8 @@
 
 /// A scene to make pictures of. All borrowed and copied to the device.
 typedef struct rsv_device_occlusion_desc {
-    const rsv_occlusion_setting *setting; ///< of materials that are the same all over
-    const rsv_occlusion_screen *screen;   ///< its kernel and turns alone; NULL = occlusion by rays
+    const rsv_occlusion_setting *setting;
+    const rsv_occlusion_screen *screen; ///< its kernel and turns alone; NULL = occlusion by rays
     rsv_bvh_view bvh;
 } rsv_device_occlusion_desc;
 

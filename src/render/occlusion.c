@@ -60,7 +60,7 @@ rsv_status rsv_occlusion_create(
     RSV_TRY(rsv_tracer_create(scene, &o->tracer));
     RSV_TRY(rsv_sky_irradiance_create(context, &o->setting.sky, &o->setting.open));
     if (desc->mode == RSV_RENDER_OCCLUSION_SCREEN) RSV_TRY(rsv_occlusion_screen_create(o));
-    RSV_TRY(rsv_occlusion_device_create(scene, &o->setting, o->screen, &o->device));
+    RSV_TRY(rsv_occlusion_device_create(o->tracer, &o->setting, o->screen, &o->device));
     *occlusion = o;
     return RSV_OK;
 cleanup:

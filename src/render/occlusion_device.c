@@ -1,6 +1,7 @@
 #include "occlusion_device.h"
 
 #include "../core/core_internal.h"
+#include "../trace/hierarchy.h"
 
 struct rsv_occlusion_device {
     rsv_context *context;
@@ -8,22 +9,6 @@ struct rsv_occlusion_device {
     const rsv_device_occlusion_table *table;
     rsv_device_occlusion *occlusion; ///< NULL = it has failed
 };
-
-/// Notes the first material in use that a device cannot show.
-static bool can_show(rsv_context *context, const rsv_scene_view *view)
-{
-    for (size_t t = 0; t < view->triangle_count; t++) {
-        uint32_t material = view->triangle_material[t];
-        bool cut = view->material[material].alpha_cutoff > 0;
-        if (!cut && !view->material_varies[material]) continue;
-        rsv_log(context, RSV_LOG_WARNING,
-            "ambient occlusion is found by the processor: material '%s' %s, which the device does "
-            "not show",
-            view->material[material].name, cut ? "is cut out" : "varies over its surface");
-        return false;
-    }
-    return true;
-}
 
 static rsv_status bring_scene(
     rsv_occlusion_device *d, rsv_device *device, const rsv_device_occlusion_desc *desc)
@@ -33,29 +18,28 @@ static rsv_status bring_scene(
     return status == RSV_OK ? RSV_OK : rsv_device_failed(d->context, status, message);
 }
 
-rsv_status rsv_occlusion_device_create(const rsv_scene *scene, const rsv_occlusion_setting *setting,
-    const rsv_occlusion_screen *screen, rsv_occlusion_device **made)
+rsv_status rsv_occlusion_device_create(const rsv_tracer *tracer,
+    const rsv_occlusion_setting *setting, const rsv_occlusion_screen *screen,
+    rsv_occlusion_device **made)
 {
     rsv_status status = RSV_OK;
-    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_context *context = rsv_scene_get_context(rsv_tracer_scene(tracer));
     rsv_device *device = rsv_context_device(context);
-    rsv_bvh bvh = { 0 };
+    rsv_device_occlusion_desc desc = { setting, screen, { 0 } };
     *made = NULL;
-    if (!device || !can_show(context, setting->view)) return RSV_OK;
+    if (!device) return RSV_OK;
     rsv_occlusion_device *d = rsv_alloc(context, 1, sizeof *d);
     if (!d) return RSV_ERROR_MEMORY;
     d->context = context;
     d->camera_rays = screen ? 1 : setting->camera_rays;
     d->table = device->table->occlusion;
-    RSV_TRY(rsv_bvh_build_scene(scene, &bvh));
-    const rsv_device_occlusion_desc desc = { setting, screen, bvh.view };
+    RSV_TRY(rsv_tracer_hierarchy(tracer, &desc.bvh));
     RSV_TRY(bring_scene(d, device, &desc));
     if (d->occlusion) {
         *made = d;
         d = NULL;
     }
 cleanup:
-    rsv_bvh_destroy(&bvh);
     rsv_occlusion_device_destroy(d);
     return status;
 }

@@ -7,11 +7,12 @@
 
 typedef struct rsv_occlusion_device rsv_occlusion_device;
 
-/// @param scene committed, `setting` and `screen` (NULL = by rays) of it; borrowed
-/// @param made out; NULL = there is no device, or it cannot show this scene, which is logged
+/// @param setting, screen (NULL = by rays) of the tracer's scene; all borrowed
+/// @param made out; NULL = there is no device
 /// @return the device's failure, unless it is optional
-rsv_status rsv_occlusion_device_create(const rsv_scene *scene, const rsv_occlusion_setting *setting,
-    const rsv_occlusion_screen *screen, rsv_occlusion_device **made);
+rsv_status rsv_occlusion_device_create(const rsv_tracer *tracer,
+    const rsv_occlusion_setting *setting, const rsv_occlusion_screen *screen,
+    rsv_occlusion_device **made);
 void rsv_occlusion_device_destroy(rsv_occlusion_device *device);
 
 /// Makes a picture. @param device NULL = there is none @param pixel [height * width]

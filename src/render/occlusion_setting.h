@@ -5,6 +5,7 @@
 
 #include "../core/stratified.h"
 #include "../light/sky.h"
+#include "../scene/material_at.h"
 #include "../surface/surface.h"
 #include "../trace/camera_ray.h"
 #include "../trace/offset.h"
@@ -46,10 +47,17 @@ RSV_INLINE rsv_seen_surface rsv_seen_sky(const rsv_occlusion_setting *s, rsv_vec
     return seen;
 }
 
-/// @param material of the triangle there
-RSV_INLINE rsv_seen_surface rsv_seen_surface_at(const rsv_occlusion_setting *s,
-    const rsv_material *material, rsv_vec3 direction, uint32_t triangle, float u, float v)
+/// @param varied false = no surface varies
+RSV_INLINE rsv_seen_surface rsv_seen_surface_at(const rsv_occlusion_setting *s, rsv_vec3 direction,
+    uint32_t triangle, float u, float v, bool varied)
 {
+    uint32_t index = s->view->triangle_material[triangle];
+    const rsv_material *material = &s->view->material[index];
+    rsv_material here;
+    if (varied && s->view->material_varies[index]) {
+        here = rsv_material_at(s->view, triangle, u, v, 0);
+        material = &here;
+    }
     rsv_seen_surface seen;
     seen.hit = true;
     seen.ambient = seen.emission = rgb_gray(0);

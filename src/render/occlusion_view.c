@@ -1,24 +1,10 @@
 #include "occlusion_view.h"
 
-#include "../scene/material_at.h"
 #include "../trace/packet.h"
 
 #include <string.h>
 
 #define LANES RSV_PACKET_WIDTH
-
-static rsv_seen_surface surface_at(
-    const rsv_occlusion_setting *s, rsv_vec3 direction, uint32_t triangle, float u, float v)
-{
-    uint32_t index = s->view->triangle_material[triangle];
-    rsv_material varied;
-    const rsv_material *material = &s->view->material[index];
-    if (s->view->material_varies[index]) {
-        varied = rsv_material_at(s->view, triangle, u, v, 0);
-        material = &varied;
-    }
-    return rsv_seen_surface_at(s, material, direction, triangle, u, v);
-}
 
 void rsv_see_surfaces(const rsv_occlusion_job *job, uint32_t count, const float *x, const float *y,
     rsv_seen_surface *seen)
@@ -37,7 +23,8 @@ void rsv_see_surfaces(const rsv_occlusion_job *job, uint32_t count, const float 
         rsv_vec3 direction =
             v3(packet.direction_x[k], packet.direction_y[k], packet.direction_z[k]);
         if (packet.triangle[k] != RSV_NONE)
-            seen[k] = surface_at(s, direction, packet.triangle[k], packet.u[k], packet.v[k]);
+            seen[k] = rsv_seen_surface_at(
+                s, direction, packet.triangle[k], packet.u[k], packet.v[k], true);
         else
             seen[k] = rsv_seen_sky(s, direction);
     }

@@ -3,7 +3,7 @@
 #define RSV_ROUGH_LIGHT_BODY_H
 
 #include "../light/punctual_light.h"
-#include "../bvh/ray.h"
+#include "../trace/ray.h"
 #include "rough_light.h"
 
 /// Width of the microsurface from which on lobes count as wide.

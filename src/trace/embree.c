@@ -1,42 +1,14 @@
-/// The only file that knows Embree. Works with Embree 3.13 and 4.
+/// Hierarchies of Embree. What knows it is here and in embree_rays.c; both work with Embree 3.13 and 4.
 #include "tracer_update.h"
 
 #include "../core/core_internal.h"
 #include "../core/vec.h"
 #include "../scene/material_at.h"
-#include "near.h"
-
-#if __has_include(<embree4/rtcore.h>)
-#include <embree4/rtcore.h>
-#else
-#include <embree3/rtcore.h>
-#endif
+#include "embree_internal.h"
+#include "hierarchy.h"
 
 #include <stdio.h>
 #include <string.h>
-
-struct rsv_tracer {
-    rsv_context *context;
-    const rsv_scene *scene;
-    RTCDevice device;
-    RTCScene bvh;
-    int native_width; ///< widest packet the processor traverses natively: 16, 8, 4 or 1
-    uint32_t *apart;  ///< [apart_count] triangles of the second geometry; NULL = there is but one
-    size_t apart_count;
-};
-
-/// Geometries: the scene's triangles under their own numbers, and those set apart.
-enum { SCENE_GEOMETRY, APART_GEOMETRY };
-
-// A packet is handed to Embree as it stands, so its layout must be Embree's.
-_Static_assert(sizeof(rsv_ray_packet) >= sizeof(struct RTCRayHit16), "packet is too small");
-_Static_assert(offsetof(rsv_ray_packet, direction_x) == offsetof(struct RTCRay16, dir_x), "layout");
-_Static_assert(offsetof(rsv_ray_packet, t_max) == offsetof(struct RTCRay16, tfar), "layout");
-_Static_assert(offsetof(rsv_ray_packet, normal_x) == offsetof(struct RTCRayHit16, hit), "layout");
-_Static_assert(offsetof(rsv_ray_packet, triangle) ==
-                   offsetof(struct RTCRayHit16, hit) + offsetof(struct RTCHit16, primID),
-    "layout");
-_Static_assert(offsetof(struct RTCHit, u) == 12 && offsetof(struct RTCHit, primID) == 20, "layout");
 
 static void record_device_error(void *user, enum RTCError code, const char *text)
 {
@@ -60,12 +32,6 @@ static int native_packet_width(RTCDevice device)
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) return 8;
     if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED)) return 4;
     return 1;
-}
-
-/// The scene's number of a triangle.
-static uint32_t triangle_of(const rsv_tracer *tracer, uint32_t geometry, uint32_t primitive)
-{
-    return geometry == APART_GEOMETRY ? tracer->apart[primitive] : primitive;
 }
 
 /// Lets rays pass where a surface is cut out. Embree calls it for every hit, in traversal order or not.
@@ -125,6 +91,8 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     if (!tracer) return RSV_ERROR_MEMORY;
     tracer->context = context;
     tracer->scene = scene;
+    tracer->hierarchy = rsv_alloc(context, 1, sizeof *tracer->hierarchy);
+    RSV_TRY(tracer->hierarchy ? RSV_OK : RSV_ERROR_MEMORY);
     char settings[64];
     snprintf(settings, sizeof settings, "threads=%d,set_affinity=0", rsv_threads(context));
     tracer->device = rtcNewDevice(settings);
@@ -141,6 +109,14 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     return RSV_OK;
 cleanup:
     rsv_tracer_destroy(tracer);
+    return status;
+}
+
+rsv_status rsv_tracer_hierarchy(const rsv_tracer *tracer, rsv_bvh_view *view)
+{
+    rsv_bvh *kept = tracer->hierarchy;
+    rsv_status status = kept->context ? RSV_OK : rsv_bvh_build_scene(tracer->scene, kept);
+    *view = kept->view;
     return status;
 }
 
@@ -219,6 +195,7 @@ rsv_status rsv_tracer_update(rsv_tracer *tracer)
     void *vertices =
         geometry ? rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_VERTEX, 0) : NULL;
     if (!vertices) return rsv_fail(RSV_ERROR_MEMORY, "ray tracing: out of memory for what moves");
+    rsv_bvh_destroy(tracer->hierarchy);
     place_apart(tracer, vertices);
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(geometry);
@@ -231,186 +208,10 @@ void rsv_tracer_destroy(rsv_tracer *tracer)
     if (!tracer) return;
     if (tracer->bvh) rtcReleaseScene(tracer->bvh);
     if (tracer->device) rtcReleaseDevice(tracer->device);
+    if (tracer->hierarchy) rsv_bvh_destroy(tracer->hierarchy);
+    rsv_free(tracer->context, tracer->hierarchy);
     rsv_free(tracer->context, tracer->apart);
     rsv_free(tracer->context, tracer);
 }
 
 const rsv_scene *rsv_tracer_scene(const rsv_tracer *tracer) { return tracer->scene; }
-
-static struct RTCRay to_rtc(const rsv_ray *ray)
-{
-    return (struct RTCRay){ .org_x = ray->origin.x,
-        .org_y = ray->origin.y,
-        .org_z = ray->origin.z,
-        .dir_x = ray->direction.x,
-        .dir_y = ray->direction.y,
-        .dir_z = ray->direction.z,
-        .tfar = ray->t_max,
-        .mask = UINT32_MAX };
-}
-
-// Embree 4 dropped the context argument's type, version 3 has no arguments type.
-#if RTC_VERSION_MAJOR >= 4
-#define DECLARE_QUERY(coherent)                                                                    \
-    struct RTCIntersectArguments query;                                                            \
-    rtcInitIntersectArguments(&query);                                                             \
-    query.flags = (coherent) ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT
-#define DECLARE_SHADOW_QUERY(coherent)                                                             \
-    struct RTCOccludedArguments query;                                                             \
-    rtcInitOccludedArguments(&query);                                                              \
-    query.flags = (coherent) ? RTC_RAY_QUERY_FLAG_COHERENT : RTC_RAY_QUERY_FLAG_INCOHERENT
-#define INTERSECT(width, valid, rays) rtcIntersect##width(valid, tracer->bvh, rays, &query)
-#define OCCLUDED(width, valid, rays) rtcOccluded##width(valid, tracer->bvh, rays, &query)
-#define INTERSECT_ONE(ray) rtcIntersect1(tracer->bvh, ray, &query)
-#define OCCLUDED_ONE(ray) rtcOccluded1(tracer->bvh, ray, &query)
-#else
-#define DECLARE_QUERY(coherent)                                                                    \
-    struct RTCIntersectContext query;                                                              \
-    rtcInitIntersectContext(&query);                                                               \
-    query.flags =                                                                                  \
-        (coherent) ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT
-#define DECLARE_SHADOW_QUERY DECLARE_QUERY
-#define INTERSECT(width, valid, rays) rtcIntersect##width(valid, tracer->bvh, &query, rays)
-#define OCCLUDED(width, valid, rays) rtcOccluded##width(valid, tracer->bvh, &query, rays)
-#define INTERSECT_ONE(ray) rtcIntersect1(tracer->bvh, &query, ray)
-#define OCCLUDED_ONE(ray) rtcOccluded1(tracer->bvh, &query, ray)
-#endif
-
-bool rsv_tracer_closest(const rsv_tracer *tracer, const rsv_ray *ray, rsv_hit *hit)
-{
-    struct RTCRayHit query_ray = { .ray = to_rtc(ray),
-        .hit = { .primID = RTC_INVALID_GEOMETRY_ID, .geomID = RTC_INVALID_GEOMETRY_ID } };
-    DECLARE_QUERY(false);
-    INTERSECT_ONE(&query_ray);
-    uint32_t triangle = triangle_of(tracer, query_ray.hit.geomID, query_ray.hit.primID);
-    *hit = (rsv_hit){ triangle, query_ray.ray.tfar, query_ray.hit.u, query_ray.hit.v };
-    return query_ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-}
-
-bool rsv_tracer_occluded(const rsv_tracer *tracer, const rsv_ray *ray)
-{
-    struct RTCRay query_ray = to_rtc(ray);
-    DECLARE_SHADOW_QUERY(false);
-    OCCLUDED_ONE(&query_ray);
-    return query_ray.tfar < 0;
-}
-
-typedef struct near_visit {
-    const rsv_tracer *tracer;
-    rsv_near_visitor visit;
-    void *user;
-} near_visit;
-
-static bool visit_primitive(struct RTCPointQueryFunctionArguments *arguments)
-{
-    const near_visit *v = arguments->userPtr;
-    float before = arguments->query->radius;
-    v->visit(v->user, triangle_of(v->tracer, arguments->geomID, arguments->primID),
-        &arguments->query->radius);
-    return arguments->query->radius < before;
-}
-
-void rsv_tracer_visit_near(
-    const rsv_tracer *tracer, rsv_vec3 point, float radius, rsv_near_visitor visit, void *user)
-{
-    struct RTCPointQuery query = { .x = point.x, .y = point.y, .z = point.z, .radius = radius };
-    struct RTCPointQueryContext context;
-    near_visit v = { tracer, visit, user };
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(tracer->bvh, &query, &context, visit_primitive, &v);
-}
-
-// Narrower packets for processors without 16 lanes: the same arrays, `width` lanes at a time.
-#define COPY_LANES(width, to, from) memcpy(to, from, (width) * sizeof(float))
-
-#define DEFINE_NARROW(width)                                                                       \
-    static void load_rays_##width(struct RTCRay##width *to, const rsv_ray_packet *from, int lane)  \
-    {                                                                                              \
-        COPY_LANES(width, to->org_x, from->origin_x + lane);                                       \
-        COPY_LANES(width, to->org_y, from->origin_y + lane);                                       \
-        COPY_LANES(width, to->org_z, from->origin_z + lane);                                       \
-        COPY_LANES(width, to->tnear, from->t_min + lane);                                          \
-        COPY_LANES(width, to->dir_x, from->direction_x + lane);                                    \
-        COPY_LANES(width, to->dir_y, from->direction_y + lane);                                    \
-        COPY_LANES(width, to->dir_z, from->direction_z + lane);                                    \
-        COPY_LANES(width, to->time, from->time + lane);                                            \
-        COPY_LANES(width, to->tfar, from->t_max + lane);                                           \
-        COPY_LANES(width, to->mask, from->mask + lane);                                            \
-        COPY_LANES(width, to->id, from->id + lane);                                                \
-        COPY_LANES(width, to->flags, from->flags + lane);                                          \
-    }                                                                                              \
-    static void closest_##width(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)   \
-    {                                                                                              \
-        DECLARE_QUERY(coherent);                                                                   \
-        for (int lane = 0; lane < 16; lane += (width)) {                                           \
-            struct RTCRayHit##width rays;                                                          \
-            _Alignas(64) int valid[width];                                                         \
-            load_rays_##width(&rays.ray, packet, lane);                                            \
-            for (int i = 0; i < (width); i++) {                                                    \
-                valid[i] = -1;                                                                     \
-                rays.hit.primID[i] = rays.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;                 \
-            }                                                                                      \
-            INTERSECT(width, valid, &rays);                                                        \
-            COPY_LANES(width, packet->t_max + lane, rays.ray.tfar);                                \
-            COPY_LANES(width, packet->normal_x + lane, rays.hit.Ng_x);                             \
-            COPY_LANES(width, packet->normal_y + lane, rays.hit.Ng_y);                             \
-            COPY_LANES(width, packet->normal_z + lane, rays.hit.Ng_z);                             \
-            COPY_LANES(width, packet->u + lane, rays.hit.u);                                       \
-            COPY_LANES(width, packet->v + lane, rays.hit.v);                                       \
-            COPY_LANES(width, packet->triangle + lane, rays.hit.primID);                           \
-            COPY_LANES(width, packet->geometry + lane, rays.hit.geomID);                           \
-        }                                                                                          \
-    }                                                                                              \
-    static void occluded_##width(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)  \
-    {                                                                                              \
-        DECLARE_SHADOW_QUERY(coherent);                                                            \
-        for (int lane = 0; lane < 16; lane += (width)) {                                           \
-            struct RTCRay##width rays;                                                             \
-            _Alignas(64) int valid[width];                                                         \
-            load_rays_##width(&rays, packet, lane);                                                \
-            for (int i = 0; i < (width); i++)                                                      \
-                valid[i] = -1;                                                                     \
-            OCCLUDED(width, valid, &rays);                                                         \
-            COPY_LANES(width, packet->t_max + lane, rays.tfar);                                    \
-        }                                                                                          \
-    }
-
-DEFINE_NARROW(8)
-DEFINE_NARROW(4)
-
-static const _Alignas(
-    64) int all_lanes[16] = { -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1, -1 };
-
-/// Gives what was set apart its numbers in the scene.
-static void name_apart(const rsv_tracer *tracer, rsv_ray_packet *packet)
-{
-    for (int k = 0; k < 16; k++)
-        packet->triangle[k] = triangle_of(tracer, packet->geometry[k], packet->triangle[k]);
-}
-
-void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)
-{
-    if (tracer->native_width == 8) {
-        closest_8(tracer, packet, coherent);
-    } else if (tracer->native_width == 4) {
-        closest_4(tracer, packet, coherent);
-    } else {
-        memset(packet->triangle, 0xff, sizeof packet->triangle);
-        memset(packet->geometry, 0xff, sizeof packet->geometry);
-        DECLARE_QUERY(coherent);
-        INTERSECT(16, all_lanes, (struct RTCRayHit16 *)packet);
-    }
-    if (tracer->apart) name_apart(tracer, packet);
-}
-
-void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)
-{
-    if (tracer->native_width == 8) {
-        occluded_8(tracer, packet, coherent);
-    } else if (tracer->native_width == 4) {
-        occluded_4(tracer, packet, coherent);
-    } else {
-        DECLARE_SHADOW_QUERY(coherent);
-        OCCLUDED(16, all_lanes, (struct RTCRay16 *)packet);
-    }
-}

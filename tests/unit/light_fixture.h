@@ -164,6 +164,66 @@ static inline void world_sphere(
     assert_int_equal(rsv_add_sphere(shape_of(w, material), centre, radius, level), RSV_OK);
 }
 
+/// A quad with a texture of 4x4 texels, uneven in all channels, in each of these roles (4 at most).
+static inline void world_pattern(world *w, rsv_material m, const rsv_vec3 corner[4],
+    const rsv_texture_role *role, size_t role_count)
+{
+    enum { side = 4 };
+    float texel[side * side][4];
+    rsv_texture_ref ref[4];
+    for (size_t k = 0; k < side * side; k++) {
+        float x = (float)(k * 7 % 16) / 16;
+        texel[k][0] = 0.4f + 0.2f * x;
+        texel[k][1] = 0.9f - 0.5f * x;
+        texel[k][2] = 0.8f + 0.2f * x;
+        texel[k][3] = x;
+    }
+    rsv_texture_desc texture = {
+        .name = "pattern", .width = side, .height = side, .channel_count = 4, .values = texel[0]
+    };
+    for (size_t k = 0; k < role_count; k++) {
+        uint32_t id;
+        texture.nearest = k == 0;
+        assert_int_equal(rsv_scene_add_texture(w->scene, &texture, &id), RSV_OK);
+        ref[k] = rsv_default_texture_ref(role[k], id);
+        ref[k].transform[0][0] = 1.0f + 0.5f * (float)k;
+    }
+    m.textures = ref;
+    m.texture_count = role_count;
+    static const float uv[4][2] = { { 0, 0 }, { 0, 1 }, { 1, 1 }, { 1, 0 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    rsv_mesh_desc mesh = { .name = "pattern",
+        .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = world_material(w, m),
+        .uvs = { uv, NULL } };
+    uint32_t id;
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+}
+
+/// Grey on both sides, with holes of about half its area.
+static inline void world_lattice(world *w, rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 d)
+{
+    static const rsv_texture_role role[] = { RSV_TEXTURE_OPACITY, RSV_TEXTURE_BASE_COLOR };
+    const rsv_vec3 corner[4] = { a, b, c, d };
+    rsv_material lattice = lambert_material(0.7f, 0);
+    lattice.double_sided = true;
+    lattice.alpha_cutoff = 0.5f;
+    world_pattern(w, lattice, corner, role, 2);
+}
+
+/// A quad that shines unevenly.
+static inline void world_screen(
+    world *w, float radiance, rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 d)
+{
+    static const rsv_texture_role role[] = { RSV_TEXTURE_EMISSION };
+    const rsv_vec3 corner[4] = { a, b, c, d };
+    world_pattern(w, lambert_material(0, radiance), corner, role, 1);
+}
+
 /// Flat triangles of one mesh.
 static inline void world_triangles(world *w, uint32_t material, const rsv_vec3 *position,
     size_t vertex_count, const uint32_t *index, size_t triangle_count)

@@ -117,6 +117,29 @@ static void compare(world *w)
 
 // ---- the same light -----------------------------------------------------------------------------
 
+/// A screen that shines unevenly, the shadow of a lattice, and rough varnish.
+static world *screen_world(rsv_device *device)
+{
+    world *w = world_begin_on(2, device);
+    rsv_material varnished = lambert_material(0.5f, 0);
+    varnished.clearcoat = 1;
+    varnished.clearcoat_roughness = 0.4f;
+    uint32_t floor = world_material(w, varnished);
+    world_quad(w, floor, v3(-3, 0, 3), v3(3, 0, 3), v3(3, 0, -3), v3(-3, 0, -3));
+    world_screen(w, 4, v3(-1, 3, -1), v3(1, 3, -1), v3(1, 3, 1), v3(-1, 3, 1));
+    world_lattice(w, v3(-2, 1, -1), v3(-2, 1, 1), v3(1, 1, 1), v3(1, 1, -1));
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    return w;
+}
+
+static void screens_shine_through_lattices_as_on_the_processor(void **state)
+{
+    (void)state;
+    rsv_device *device = open_device(NULL);
+    compare(screen_world(device));
+    rsv_device_close(device);
+}
+
 static void lamps_light_as_on_the_processor(void **state)
 {
     (void)state;
@@ -278,6 +301,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(lamps_light_as_on_the_processor),
+        cmocka_unit_test(screens_shine_through_lattices_as_on_the_processor),
         cmocka_unit_test(skies_and_suns_light_as_on_the_processor),
         cmocka_unit_test(points_and_spots_light_as_on_the_processor),
         cmocka_unit_test(many_lamps_light_as_on_the_processor),

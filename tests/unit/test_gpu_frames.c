@@ -172,64 +172,27 @@ static void layers_are_shown(void **state)
 
 // ---- textures and rough lobes -------------------------------------------------------------------
 
-/// A square of two metres that faces +z, with a texture in each of these roles.
+/// A square of two metres that faces +z.
 static void add_textured(
     world *w, rsv_material m, rsv_vec3 centre, const rsv_texture_role *role, size_t role_count)
 {
-    enum { side = 4 };
-    float texel[side * side][4];
-    rsv_texture_ref ref[4];
-    for (size_t k = 0; k < side * side; k++) {
-        float x = (float)(k * 7 % 16) / 16;
-        texel[k][0] = 0.4f + 0.2f * x;
-        texel[k][1] = 0.9f - 0.5f * x;
-        texel[k][2] = 0.8f + 0.2f * x;
-        texel[k][3] = 1;
-    }
-    rsv_texture_desc texture = {
-        .name = "pattern", .width = side, .height = side, .channel_count = 4, .values = texel[0]
-    };
-    for (size_t k = 0; k < role_count; k++) {
-        uint32_t id;
-        texture.nearest = k == 0;
-        assert_int_equal(rsv_scene_add_texture(w->scene, &texture, &id), RSV_OK);
-        ref[k] = rsv_default_texture_ref(role[k], id);
-        ref[k].transform[0][0] = 1.0f + 0.5f * (float)k;
-    }
-    m.textures = ref;
-    m.texture_count = role_count;
-    static const float uv[4][2] = { { 0, 0 }, { 0, 1 }, { 1, 1 }, { 1, 0 } };
-    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
     rsv_vec3 corner[4] = { { -1, 1, 0 }, { -1, -1, 0 }, { 1, -1, 0 }, { 1, 1, 0 } };
     for (int k = 0; k < 4; k++)
         corner[k] = v3_add(corner[k], centre);
-    rsv_mesh_desc mesh = { .name = "square",
-        .positions = corner,
-        .vertex_count = 4,
-        .indices = index,
-        .triangle_count = 2,
-        .material = world_material(w, m),
-        .uvs = { uv, NULL } };
-    uint32_t id;
-    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
-    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+    world_pattern(w, m, corner, role, role_count);
 }
 
-/// Textures in most roles, metal, frosted glass, varnish and velvet, under a lamp, a sky and a point light.
+/// Textures in most roles, a lattice, metal, frosted glass, varnish and velvet, under a lamp, a sky and a point light.
 /// @param device NULL = the processor's
 static world *textured_world(rsv_device *device)
 {
     static const rsv_texture_role paint[] = { RSV_TEXTURE_BASE_COLOR, RSV_TEXTURE_NORMAL },
                                   metal[] = { RSV_TEXTURE_METALLIC_ROUGHNESS,
-                                      RSV_TEXTURE_BASE_COLOR },
-                                  glow[] = { RSV_TEXTURE_EMISSION };
+                                      RSV_TEXTURE_BASE_COLOR };
     world *w = world_begin_on(2, device);
     rsv_material plain = rsv_default_material(), shiny = mirror_material(1),
-                 lit = rsv_default_material(), frosted = glass_material(),
-                 velvet = rsv_default_material();
+                 frosted = glass_material(), velvet = rsv_default_material();
     shiny.metallic = shiny.roughness = 0.7f;
-    lit.specular = 0;
-    lit.emission = rgb(2, 1, 0.5f);
     frosted.roughness = 0.3f;
     velvet.sheen_color = rgb(0.6f, 0.2f, 0.3f);
     velvet.clearcoat = 0.5f;
@@ -239,7 +202,8 @@ static world *textured_world(rsv_device *device)
     world_quad(w, world_lambert(w, 0, 5), v3(-1, 3, -1), v3(1, 3, -1), v3(1, 3, 1), v3(-1, 3, 1));
     add_textured(w, plain, v3(-2.1f, 0, -1), paint, 2);
     add_textured(w, shiny, v3(0, 0, -2), metal, 2);
-    add_textured(w, lit, v3(2.1f, 0, -1), glow, 1);
+    world_screen(w, 2, v3(1.1f, 1, -1), v3(1.1f, -1, -1), v3(3.1f, -1, -1), v3(3.1f, 1, -1));
+    world_lattice(w, v3(-2, 0, 1.5f), v3(-2, -1, 1.5f), v3(0, -1, 1.5f), v3(0, 0, 1.5f));
     world_sphere(w, world_material(w, frosted), v3(-0.9f, -0.4f, 0.5f), 0.6f, 2);
     world_sphere(w, world_material(w, velvet), v3(0.9f, -0.4f, 0.5f), 0.6f, 2);
     rsv_camera camera = rsv_camera_look_at("front", v3(0, 0.5f, 5), v3(0, 0, 0), 0.9f, 1);
@@ -302,9 +266,9 @@ static void what_the_device_cannot_show_the_processor_shows(void **state)
     rsv_device_desc desc = device_desc();
     rsv_device *device = open_device(&desc);
     world *w = world_begin_on(1, device);
-    rsv_material leaf = rsv_default_material();
-    leaf.alpha_cutoff = 0.5f;
-    world_quad(w, world_material(w, leaf), v3(-1, -1, 0), v3(1, -1, 0), v3(1, 1, 0), v3(-1, 1, 0));
+    rsv_material marble;
+    assert_true(rsv_material_preset("marble", &marble));
+    world_box(w, world_material(w, marble), v3(-1, -1, -1), v3(1, 1, 0));
     world_quad(
         w, world_lambert(w, 0.5f, 2), v3(-1, -1, 1), v3(-1, 1, 1), v3(1, 1, 1), v3(1, -1, 1));
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);

@@ -100,7 +100,7 @@ static void occlusion_is_that_of_the_processor(void **state)
     rsv_device_close(device);
 }
 
-/// A sky, a lamp, something unlit, backs of one and of two sides.
+/// A sky, a lamp, something unlit, backs of one and of two sides, a painted lattice.
 static world *open_world(rsv_device *device)
 {
     world *w = world_begin_on(2, device);
@@ -113,6 +113,7 @@ static world *open_world(rsv_device *device)
     world_quad(w, grey, v3(1, -1, 0), v3(0, -1, 0), v3(0, 0, 0), v3(1, 0, 0));
     world_quad(w, world_material(w, leaf), v3(2, 0, 1), v3(1, 0, 1), v3(1, 1, 1), v3(2, 1, 1));
     world_quad(w, world_material(w, sign), v3(-1, 1, 0), v3(0, 1, 0), v3(0, 2, 0), v3(-1, 2, 0));
+    world_lattice(w, v3(-2, 0, 1), v3(-2, -1, 1), v3(0, -1, 1), v3(0, 0, 1));
     rsv_camera camera = rsv_camera_look_at("front", v3(0, 0.5f, 5), v3(0, 0, 0), 0.9f, 1);
     rsv_rgb sky[2] = { { 0.5f, 0.6f, 0.9f }, { 0.2f, 0.2f, 0.1f } };
     rsv_environment environment = { .pixels = sky, .width = 1, .height = 2, .intensity = 1 };
@@ -132,25 +133,6 @@ static void skies_lamps_and_backs_count(void **state)
 }
 
 // ---- what the device cannot do ------------------------------------------------------------------
-
-static void what_is_cut_out_the_processor_shows(void **state)
-{
-    (void)state;
-    rsv_device_desc desc = device_desc();
-    rsv_device *device = open_device(&desc);
-    world *w = world_begin_on(1, device);
-    rsv_material lace = lambert_material(0.5f, 1);
-    lace.alpha_cutoff = 0.5f;
-    world_quad(w, world_material(w, lace), v3(-1, -1, 0), v3(1, -1, 0), v3(1, 1, 0), v3(-1, 1, 0));
-    rsv_camera camera = rsv_camera_look_at("front", v3(0, 0, 3), v3(0, 0, 0), 0.9f, 1);
-    static rsv_rgb pixel[pixel_count];
-    rsv_render_desc picture = render_desc(RSV_RENDER_OCCLUSION);
-    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
-    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
-    render(w, &picture, false, pixel);
-    world_end(w);
-    rsv_device_close(device);
-}
 
 /// @return what a picture says on such a device; where it is optional, the picture is that of the processor
 static rsv_status render_on(const rsv_device_desc *desc)
@@ -205,7 +187,6 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(occlusion_is_that_of_the_processor),
         cmocka_unit_test(skies_lamps_and_backs_count),
-        cmocka_unit_test(what_is_cut_out_the_processor_shows),
         cmocka_unit_test(a_device_that_is_too_small_says_so_or_is_done_without),
     };
     const struct CMUnitTest emulated[] = {

@@ -123,7 +123,7 @@ static void rows_are_those_of_the_processor(void **state)
     check_builtin("two-rooms", 0.001);
 }
 
-/// A sky that matters, a coat that tints, a mirror, a lamp so large that gathering finds it.
+/// A sky that matters, a coat that tints, a mirror, a lattice, a lamp so large that gathering finds it.
 static world *open_world(rsv_device *device)
 {
     world *w = world_begin_on(2, device);
@@ -135,6 +135,7 @@ static world *open_world(rsv_device *device)
     world_quad(w, world_lambert(w, 0, 1), v3(-9, 5, -9), v3(9, 5, -9), v3(9, 5, 9), v3(-9, 5, 9));
     world_box(w, world_material(w, mirror_material(0.9f)), v3(-1, 0, 0.5f), v3(-0.5f, 1, 1));
     world_box(w, world_material(w, glass_material()), v3(0.3f, 0.1f, 0.5f), v3(0.8f, 0.9f, 1));
+    world_lattice(w, v3(-2, 1, 1.5f), v3(-2, 0.1f, 1.5f), v3(2, 0.1f, 1.5f), v3(2, 1, 1.5f));
     rsv_rgb sky[2] = { { 0.5f, 0.6f, 0.9f }, { 0.2f, 0.2f, 0.1f } };
     rsv_environment environment = { .pixels = sky, .width = 1, .height = 2, .intensity = 1 };
     assert_int_equal(rsv_scene_set_environment(w->scene, &environment), RSV_OK);

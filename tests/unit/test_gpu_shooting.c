@@ -111,7 +111,7 @@ static void glass_focuses_as_on_the_processor(void **state)
     rsv_device_close(device);
 }
 
-/// Rough metal, frosted and clear glass, varnish; a lamp, a spot, a point, a distant light and a sun.
+/// Rough metal, frosted and clear glass, varnish, a lattice; a lamp, a spot, a point, a distant light and a sun.
 static world *shiny_world(rsv_device *device)
 {
     enum { columns = 64, rows = 32 };
@@ -130,6 +130,7 @@ static world *shiny_world(rsv_device *device)
     world_sphere(w, world_material(w, frosted), v3(0, 0.8f, 0.8f), 0.6f, 3);
     world_sphere(w, world_material(w, glass_material()), v3(1.5f, 0.8f, 0), 0.6f, 3);
     world_box(w, world_material(w, varnish), v3(-0.3f, 0.2f, -2), v3(0.3f, 1, -1.4f));
+    world_lattice(w, v3(-2, 1.8f, -1), v3(-2, 1.8f, 1), v3(1, 1.8f, 1), v3(1, 1.8f, -1));
     const rsv_light light[] = {
         { .kind = RSV_LIGHT_POINT, .position = { 0, 2, 0 }, .intensity = { 2, 3, 4 } },
         { .kind = RSV_LIGHT_SPOT,

@@ -1,12 +1,12 @@
 /// Rays of code that the library and devices share.
-#ifndef RSV_BVH_RAY_H
-#define RSV_BVH_RAY_H
+#ifndef RSV_TRACE_RAY_H
+#define RSV_TRACE_RAY_H
 
 #include "resolvent/trace.h"
 
 #if defined(RSV_DEVICE_CODE)
 
-#include "bvh_trace.h"
+#include "../bvh/bvh_trace.h"
 
 /// There, it is a hierarchy.
 struct rsv_tracer {

@@ -1,28 +1,29 @@
-#include "surfaces.h"
+#include "scene.h"
 
 #include <stdlib.h>
 
 #define UV_SETS (sizeof((rsv_scene_view *)0)->uv / sizeof *((rsv_scene_view *)0)->uv)
 
-rsv_status rsv_gpu_surfaces_create(const rsv_scene_view *host, rsv_gpu_surfaces *s, char *message)
+rsv_status rsv_gpu_scene_create(
+    const rsv_scene_view *host, rsv_bvh_view bvh, bool varied, rsv_gpu_scene *s, char *message)
 {
-    *s = (rsv_gpu_surfaces){ .host = host };
+    *s = (rsv_gpu_scene){ .host = host, .host_bvh = bvh, .varied = varied || bvh.holes };
+    s->bvh = bvh;
     s->material = rsv_gpu_new((host->material_count + 1) * sizeof *s->material, message);
     s->texture = rsv_gpu_new((host->texture_count + 1) * sizeof *s->texture, message);
     s->use = rsv_gpu_new((host->material_count + 1) * sizeof *s->use, message);
-    s->scattering = rsv_gpu_new((host->material_count + 1) * sizeof *s->scattering, message);
-    bool all = s->material && s->texture && s->use && s->scattering;
-    return all ? RSV_OK : RSV_ERROR_MEMORY;
+    return s->material && s->texture && s->use ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-void rsv_gpu_surfaces_destroy(rsv_gpu_surfaces *s)
+void rsv_gpu_scene_destroy(rsv_gpu_scene *s)
 {
     free(s->material);
     free(s->texture);
     free(s->use);
-    free(s->scattering);
-    *s = (rsv_gpu_surfaces){ .host = NULL };
+    *s = (rsv_gpu_scene){ .host = NULL };
 }
+
+// ---- what makes materials vary ------------------------------------------------------------------
 
 /// Numbers in all levels of a texture.
 static size_t count_numbers(const rsv_texture *t)
@@ -39,10 +40,10 @@ static void place_texture(const rsv_texture *host, rsv_texture *t, rsv_gpu_block
     if (host->value) t->value = rsv_gpu_place(b, count_numbers(host), sizeof *host->value);
 }
 
-void rsv_gpu_surfaces_place(rsv_gpu_surfaces *s, rsv_gpu_geometry *g, rsv_gpu_block *b)
+static void place_variation(rsv_gpu_scene *s, rsv_gpu_block *b)
 {
     const rsv_scene_view *host = s->host;
-    rsv_scene_view *view = &g->view;
+    rsv_scene_view *view = &s->view;
     size_t vertices = host->vertex_count;
     for (size_t k = 0; k < UV_SETS; k++)
         view->uv[k] = host->uv[k] ? rsv_gpu_place(b, vertices, sizeof *host->uv[k]) : NULL;
@@ -55,31 +56,11 @@ void rsv_gpu_surfaces_place(rsv_gpu_surfaces *s, rsv_gpu_geometry *g, rsv_gpu_bl
             rsv_gpu_place(b, host->material[m].texture_count, sizeof *host->material[m].textures);
     for (size_t t = 0; t < host->texture_count; t++)
         place_texture(&host->texture[t], &s->texture[t], b);
-    s->bsdf = rsv_gpu_place(b, host->material_count, sizeof *s->bsdf);
-    s->tables = rsv_gpu_place(b, 1, sizeof *s->tables);
 }
 
-void rsv_gpu_surfaces_upload_materials(
-    const rsv_gpu_surfaces *s, const rsv_gpu_geometry *g, const rsv_bsdf *bsdf, rsv_gpu *gpu)
+static void upload_variation(const rsv_gpu_scene *s, rsv_gpu *gpu)
 {
-    const rsv_scene_view *host = s->host;
-    for (size_t m = 0; m < host->material_count; m++) {
-        s->material[m] = host->material[m];
-        s->material[m].name = NULL;
-        s->material[m].textures = s->use[m];
-        s->scattering[m] = bsdf[m];
-        s->scattering[m].tables = s->tables;
-    }
-    const rsv_gpu_array array[] = { { g->view.material, s->material, host->material_count,
-                                        sizeof *s->material },
-        { s->bsdf, s->scattering, host->material_count, sizeof *s->scattering } };
-    rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
-}
-
-void rsv_gpu_surfaces_upload(
-    const rsv_gpu_surfaces *s, const rsv_gpu_geometry *g, const rsv_bsdf *bsdf, rsv_gpu *gpu)
-{
-    const rsv_scene_view *host = s->host, *view = &g->view;
+    const rsv_scene_view *host = s->host, *view = &s->view;
     size_t vertices = host->vertex_count;
     const rsv_gpu_array array[] = { { view->tangent, host->tangent, host->tangent ? vertices : 0,
                                         sizeof *host->tangent },
@@ -103,6 +84,54 @@ void rsv_gpu_surfaces_upload(
                 sizeof *from->value } };
         rsv_gpu_upload_all(gpu, texels, sizeof texels / sizeof texels[0]);
     }
-    rsv_gpu_upload(gpu, s->tables, bsdf->tables, sizeof *s->tables); // all share them
-    rsv_gpu_surfaces_upload_materials(s, g, bsdf, gpu);
+}
+
+// ---- all ----------------------------------------------------------------------------------------
+
+void rsv_gpu_scene_place(rsv_gpu_scene *s, rsv_gpu_block *b)
+{
+    const rsv_scene_view *host = s->host;
+    rsv_scene_view *view = &s->view;
+    s->there = rsv_gpu_place(b, 1, sizeof *s->there);
+    view->position = rsv_gpu_place(b, host->vertex_count, sizeof *host->position);
+    view->normal = rsv_gpu_place(b, host->vertex_count, sizeof *host->normal);
+    view->triangle = rsv_gpu_place(b, host->triangle_count, sizeof *host->triangle);
+    view->triangle_material =
+        rsv_gpu_place(b, host->triangle_count, sizeof *host->triangle_material);
+    view->material = rsv_gpu_place(b, host->material_count, sizeof *host->material);
+    s->bvh.node = rsv_gpu_place(b, s->host_bvh.node_count, sizeof *s->bvh.node);
+    s->bvh.triangle = rsv_gpu_place(b, s->host_bvh.triangle_count, sizeof *s->bvh.triangle);
+    s->bvh.holes = s->host_bvh.holes ? s->there : NULL;
+    if (s->varied) place_variation(s, b);
+}
+
+void rsv_gpu_scene_upload(const rsv_gpu_scene *s, rsv_gpu *gpu)
+{
+    const rsv_scene_view *host = s->host, *view = &s->view;
+    const rsv_bvh_view *bvh = &s->host_bvh;
+    const rsv_gpu_array array[] = { { s->there, view, 1, sizeof *view },
+        { view->position, host->position, host->vertex_count, sizeof *host->position },
+        { view->normal, host->normal, host->vertex_count, sizeof *host->normal },
+        { view->triangle, host->triangle, host->triangle_count, sizeof *host->triangle },
+        { view->triangle_material, host->triangle_material, host->triangle_count,
+            sizeof *host->triangle_material },
+        { s->bvh.node, bvh->node, bvh->node_count, sizeof *bvh->node },
+        { s->bvh.triangle, bvh->triangle, bvh->triangle_count, sizeof *bvh->triangle } };
+    rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
+    if (s->varied) upload_variation(s, gpu);
+    rsv_gpu_scene_upload_materials(s, gpu);
+}
+
+void rsv_gpu_scene_upload_materials(const rsv_gpu_scene *s, rsv_gpu *gpu)
+{
+    const rsv_scene_view *host = s->host;
+    for (size_t m = 0; m < host->material_count; m++) {
+        rsv_material *material = &s->material[m];
+        *material = host->material[m];
+        material->name = NULL;
+        material->textures = s->use[m];
+        if (!s->varied) material->texture_count = 0;
+    }
+    rsv_gpu_upload(
+        gpu, (void *)s->view.material, s->material, host->material_count * sizeof *s->material);
 }
