@@ -60,13 +60,15 @@ void rsv_add_diffuse_end(void *light, const rsv_chain *chain, rsv_rgb weight)
     if (face == RSV_NONE) return;
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(l->scene, chain, &storage);
-    rsv_rgb shown = rsv_shown_irradiance(l->table, face, chain->u, chain->v);
+    rsv_rgb albedo = bsdf->exitance_albedo;
+    rsv_rgb shown = rsv_shown_reflected(l->table, face, albedo, chain->u, chain->v);
     if (l->mover) {
         rsv_surface_point point =
             rsv_surface_point_at(l->scene->view, chain->triangle, chain->u, chain->v, chain->back);
-        shown = without(shown, rsv_mover_shadow(l->mover, &point, l->path));
+        rsv_rgb kept = rsv_mover_shadow(l->mover, &point, l->path);
+        shown = without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
     }
-    add(l, rgb_mul(rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI), shown));
+    add(l, rgb_mul(weight, shown));
 }
 
 void rsv_add_whole_chain(rsv_chain_light *l, const rsv_chain *chain)

@@ -16,33 +16,14 @@ struct rsv_frame_device {
 
 // ---- what can be shown --------------------------------------------------------------------------
 
-/// What keeps a device from showing a material; NULL = nothing.
-static const char *obstacle(const rsv_solution *s, uint32_t material)
-{
-    if (s->diffused.material && s->diffused.material[material]) return "is translucent";
-    return NULL;
-}
-
-/// Notes the first material in use that a device cannot show.
+/// Notes why not.
 static bool can_show(const rsv_solution *s, const rsv_frame_desc *desc)
 {
-    const rsv_scene_view *view = s->scene.view;
-    if (desc->chain_depth > RSV_DEVICE_CHAIN_DEPTH) {
-        rsv_log(s->context, RSV_LOG_WARNING,
-            "frames are made by the processor: the device follows chains to depth %d, not %u",
-            RSV_DEVICE_CHAIN_DEPTH, desc->chain_depth);
-        return false;
-    }
-    for (size_t t = 0; t < view->triangle_count; t++) {
-        uint32_t material = view->triangle_material[t];
-        const char *why = obstacle(s, material);
-        if (!why) continue;
-        rsv_log(s->context, RSV_LOG_WARNING,
-            "frames are made by the processor: material '%s' %s, which the device does not show",
-            view->material[material].name, why);
-        return false;
-    }
-    return true;
+    if (desc->chain_depth <= RSV_DEVICE_CHAIN_DEPTH) return true;
+    rsv_log(s->context, RSV_LOG_WARNING,
+        "frames are made by the processor: the device follows chains to depth %d, not %u",
+        RSV_DEVICE_CHAIN_DEPTH, desc->chain_depth);
+    return false;
 }
 
 // ---- creation -----------------------------------------------------------------------------------

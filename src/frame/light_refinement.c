@@ -6,7 +6,8 @@
 
 rsv_face_walk rsv_face_walk_begin(const rsv_solution *s)
 {
-    return (rsv_face_walk){ .level = { s->elements, s->fine.elements, s->caustics.elements } };
+    return (rsv_face_walk){ .solution = s,
+        .level = { s->elements, s->fine.elements, s->caustics.elements, s->diffused.elements } };
 }
 
 /// A cell, and where each level is there; what is not there counts as whole.
@@ -81,11 +82,12 @@ static void cell_weights(const rsv_cell *cell, float u, float v, float weight[3]
     weight[2] = cell->flipped ? 1 - y : y;
 }
 
-static rsv_rgb irradiance_at(const rsv_face_walk *w, const refined_cell *at, float u, float v)
+static rsv_rgb add_fields(
+    const rsv_face_walk *w, const rsv_field_sum *fields, const refined_cell *at, float u, float v)
 {
     rsv_rgb sum = rgb_gray(0);
-    for (int f = 0; f < w->sum->count; f++) {
-        const rsv_stored_field *part = &w->sum->part[f];
+    for (int f = 0; f < fields->count; f++) {
+        const rsv_stored_field *part = &fields->part[f];
         int level = 0;
         for (int k = 0; k < RSV_REFINED_LEVELS; k++)
             if (w->level[k] == part->elements) level = k;
@@ -93,17 +95,23 @@ static rsv_rgb irradiance_at(const rsv_face_walk *w, const refined_cell *at, flo
         float weight[3];
         cell_weights(&part->elements->cell[cell], u, v, weight);
         for (int k = 0; k < 3; k++)
-            sum = rgb_mad(sum, weight[k], part->value[part->elements->cell_node[cell][k]]);
+            sum = rgb_mad(
+                sum, part->sign * weight[k], part->value[part->elements->cell_node[cell][k]]);
     }
     return sum;
 }
 
 static void fill_cell(const rsv_face_walk *w, uint32_t index, const refined_cell *at)
 {
+    rsv_rgb share = rgb_gray(0);
+    if (w->detail) share = rsv_diffused_share(w->solution, at->slot[RSV_REFINED_LEVELS - 1]);
     for (int k = 0; k < 3; k++) {
         float u, v, *out = w->cell[index].corner[k];
         rsv_cell_corner(&at->cell, k, &u, &v);
-        rsv_rgb shown = rgb_add(w->offset, rgb_mul(w->scale, irradiance_at(w, at, u, v)));
+        rsv_rgb irradiance = add_fields(w, w->sum, at, u, v);
+        if (w->detail)
+            irradiance = rgb_add(irradiance, rgb_mul(share, add_fields(w, w->detail, at, u, v)));
+        rsv_rgb shown = rgb_add(w->offset, rgb_mul(w->scale, irradiance));
         out[0] = shown.r, out[1] = shown.g, out[2] = shown.b, out[3] = 0;
     }
 }

@@ -1,5 +1,6 @@
 /// The common refinement of what a solution stores: its fields live on several subdivisions of the same faces, the
-/// coarse elements, the direct and the caustic level; within a cell of their common refinement all of them are linear.
+/// coarse elements, the direct, the caustic and the diffused level; within a cell of their common refinement all of them
+/// are linear.
 #ifndef RSV_LIGHT_REFINEMENT_H
 #define RSV_LIGHT_REFINEMENT_H
 
@@ -10,6 +11,7 @@
 typedef struct rsv_stored_field {
     const rsv_elements *elements;
     const rsv_rgb *value; ///< [node_count]
+    float sign;           ///< 1, or -1 = taken away
 } rsv_stored_field;
 
 /// Fields that add up to what is shown.
@@ -20,18 +22,20 @@ typedef struct rsv_field_sum {
 } rsv_field_sum;
 
 /// Subdivisions that may differ.
-#define RSV_REFINED_LEVELS 3
+#define RSV_REFINED_LEVELS 4
 
 /// The walk over the cells of one face after the other. They lie in a table: first a regular grid, in the order of
 /// rsv_place_in_grid, then what cells of the grid are split into, four by four.
 typedef struct rsv_face_walk {
     const rsv_elements *level[RSV_REFINED_LEVELS]; ///< the coarse one first; NULL = not there
+    const rsv_solution *solution;
     const rsv_field_sum *sum;
-    rsv_rgb scale, offset; ///< radiance = offset + scale * irradiance
-    rsv_light_cell *cell;  ///< the table, or NULL to count cells only
-    uint32_t grid_level;   ///< of the face: 2^level cells along an edge
-    uint32_t grid;         ///< first cell of the face
-    uint32_t next;         ///< first cell that is not in use yet
+    const rsv_field_sum *detail; ///< of which only a share survives diffusion; NULL = none
+    rsv_rgb scale, offset;       ///< radiance = offset + scale * irradiance
+    rsv_light_cell *cell;        ///< the table, or NULL to count cells only
+    uint32_t grid_level;         ///< of the face: 2^level cells along an edge
+    uint32_t grid;               ///< first cell of the face
+    uint32_t next;               ///< first cell that is not in use yet
 } rsv_face_walk;
 
 rsv_face_walk rsv_face_walk_begin(const rsv_solution *solution);

@@ -4,28 +4,54 @@
 
 #include <string.h>
 
-static void add_field(rsv_field_sum *sum, const rsv_elements *elements, const rsv_rgb *value)
+static void add_field(
+    rsv_field_sum *sum, const rsv_elements *elements, const rsv_rgb *value, float sign)
 {
-    if (elements && value) sum->part[sum->count++] = (rsv_stored_field){ elements, value };
+    if (elements && value) sum->part[sum->count++] = (rsv_stored_field){ elements, value, sign };
 }
 
 static void add_direct(rsv_field_sum *sum, const rsv_solution *s)
 {
     if (!s->fine.direct) {
-        add_field(sum, s->elements, s->source);
+        add_field(sum, s->elements, s->source, 1);
         return;
     }
-    add_field(sum, s->elements, s->gathered);
-    add_field(sum, s->caustics.elements, s->caustics.caustic);
-    add_field(sum, s->fine.elements, s->fine.direct);
+    add_field(sum, s->elements, s->gathered, 1);
+    add_field(sum, s->caustics.elements, s->caustics.caustic, 1);
+    add_field(sum, s->fine.elements, s->fine.direct, 1);
 }
+
+static bool shows_direct(uint32_t layer) { return layer == RSV_NONE || layer == 1; }
 
 static rsv_field_sum shown_fields(const rsv_solution *s, uint32_t layer)
 {
     rsv_field_sum sum = { .count = 0 };
-    if (layer == RSV_NONE || layer == 1) add_direct(&sum, s);
-    if (layer == RSV_NONE) add_field(&sum, s->elements, s->indirect);
-    if (layer > 1 && layer - 1 < s->order_count) add_field(&sum, s->elements, s->order[layer - 1]);
+    if (shows_direct(layer)) add_direct(&sum, s);
+    if (layer == RSV_NONE) add_field(&sum, s->elements, s->indirect, 1);
+    if (layer > 1 && layer - 1 < s->order_count)
+        add_field(&sum, s->elements, s->order[layer - 1], 1);
+    return sum;
+}
+
+/// The same of translucent surfaces: diffused.
+static rsv_field_sum diffused_fields(const rsv_solution *s, uint32_t layer)
+{
+    const rsv_diffused_level *d = &s->diffused;
+    rsv_field_sum sum = { .count = 0 };
+    if (shows_direct(layer)) add_field(&sum, d->elements, d->order[0], 1);
+    if (layer == RSV_NONE) add_field(&sum, d->elements, d->indirect, 1);
+    if (layer > 1 && layer - 1 < s->order_count)
+        add_field(&sum, d->elements, d->order[layer - 1], 1);
+    return sum;
+}
+
+/// Of their direct light, what the diffused level does not resolve.
+static rsv_field_sum detail_fields(const rsv_solution *s, uint32_t layer)
+{
+    rsv_field_sum sum = { .count = 0 };
+    if (!shows_direct(layer) || !s->fine.direct) return sum;
+    add_direct(&sum, s);
+    add_field(&sum, s->diffused.elements, s->diffused.entered, -1);
     return sum;
 }
 
@@ -67,9 +93,6 @@ static void fill_sides(rsv_light_table *t)
     }
 }
 
-/// Of the others, translucent ones show what has been diffused below them, which no cells hold.
-static bool has_cells(const rsv_solution *s, uint32_t face) { return !rsv_is_translucent(s, face); }
-
 static rsv_status number_cells(rsv_light_table *t)
 {
     const rsv_solution *s = t->solution;
@@ -77,10 +100,8 @@ static rsv_status number_cells(rsv_light_table *t)
     uint32_t next = first_face_cell(s);
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
         t->face_cell[face] = next;
-        if (has_cells(s, face)) {
-            t->face_level[face] = (uint8_t)rsv_face_grid_level(&walk, face);
-            next = rsv_face_walk_cells(&walk, face, t->face_level[face], next);
-        }
+        t->face_level[face] = (uint8_t)rsv_face_grid_level(&walk, face);
+        next = rsv_face_walk_cells(&walk, face, t->face_level[face], next);
         if (next > INT32_MAX / RSV_CELL_UNITS)
             return rsv_fail(RSV_ERROR_UNSUPPORTED, "frames: the scene has too many light cells");
     }
@@ -96,8 +117,7 @@ static uint32_t material_of_face(const rsv_solution *s, uint32_t face)
 
 bool rsv_holds_irradiance(const rsv_light_table *t, uint32_t face)
 {
-    return has_cells(t->solution, face) &&
-           !is_stored(t->solution, material_of_face(t->solution, face));
+    return !is_stored(t->solution, material_of_face(t->solution, face));
 }
 
 rsv_status rsv_light_table_create(const rsv_solution *s, rsv_light_table *t)
@@ -147,13 +167,15 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
     const rsv_solution *s = t->solution;
     t->layer = layer;
     bake_emission(t);
-    rsv_field_sum fields = shown_fields(s, layer);
+    rsv_field_sum fields = shown_fields(s, layer), diffused = diffused_fields(s, layer),
+                  detail = detail_fields(s, layer);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
-        if (!has_cells(s, face)) continue;
         uint32_t material = material_of_face(s, face);
         rsv_face_walk walk = rsv_face_walk_begin(s);
-        walk.sum = &fields;
+        bool translucent = rsv_is_translucent(s, face);
+        walk.sum = translucent ? &diffused : &fields;
+        walk.detail = translucent && detail.count ? &detail : NULL;
         walk.cell = t->cell;
         walk.scale = rgb_gray(1);
         walk.offset = rgb_gray(0);
@@ -165,31 +187,11 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
     }
 }
 
-// ---- surfaces that are not in the table ----------------------------------------------------------
-
-static rsv_rgb indirect_at(const rsv_solution *s, uint32_t face, float u, float v, uint32_t order)
+rsv_rgb rsv_shown_reflected(
+    const rsv_light_table *t, uint32_t face, rsv_rgb albedo, float u, float v)
 {
-    if (rsv_is_translucent(s, face)) return rsv_solution_diffused(s, face, u, v, order);
-    const rsv_rgb *field = order == RSV_NONE ? s->indirect : s->order[order];
-    return rsv_elements_interpolate(s->elements, field, face, u, v);
-}
-
-/// From the fields themselves.
-static rsv_rgb irradiance_at(const rsv_light_table *t, uint32_t face, float u, float v)
-{
-    const rsv_solution *s = t->solution;
-    rsv_rgb sum = rgb_gray(0);
-    if (t->layer == RSV_NONE || t->layer == 1)
-        sum = rsv_is_translucent(s, face) ? rsv_solution_diffused_direct(s, face, u, v)
-                                          : rsv_solution_direct(s, face, u, v, false);
-    if (t->layer == RSV_NONE) sum = rgb_add(sum, indirect_at(s, face, u, v, RSV_NONE));
-    if (t->layer != RSV_NONE && t->layer > 1 && t->layer - 1 < s->order_count)
-        sum = indirect_at(s, face, u, v, t->layer - 1);
-    return sum;
-}
-
-rsv_rgb rsv_shown_irradiance(const rsv_light_table *t, uint32_t face, float u, float v)
-{
-    if (!rsv_holds_irradiance(t, face)) return irradiance_at(t, face, u, v);
-    return rsv_radiance_at(t->cell, rsv_place_in_grid(rsv_face_grid(t, face), u, v));
+    rsv_rgb held = rsv_radiance_at(t->cell, rsv_place_in_grid(rsv_face_grid(t, face), u, v));
+    if (rsv_holds_irradiance(t, face)) return rgb_scale(rgb_mul(albedo, held), 1 / RSV_PI);
+    const float *e = t->cell[1 + material_of_face(t->solution, face)].corner[0];
+    return rgb_positive(rgb_sub(held, rgb(e[0], e[1], e[2])));
 }

@@ -2,7 +2,7 @@
 ///
 /// One table holds the sum of all fields of a solution on their common refinement (light_refinement.h), times albedo /
 /// pi and with the emission added: radiance at the three corners of each cell. Cells of surfaces whose albedo is not the
-/// same all over, or which are more than diffuse, hold the irradiance.
+/// same all over, or which are more than diffuse, hold the irradiance; those of translucent surfaces, the diffused one.
 #ifndef RSV_LIGHT_TABLE_H
 #define RSV_LIGHT_TABLE_H
 
@@ -37,8 +37,9 @@ RSV_INLINE rsv_shown_side rsv_face_grid(const rsv_light_table *table, uint32_t f
     return (rsv_shown_side){ table->face_cell[face], table->face_level[face], RSV_SHOWN_STORED };
 }
 
-/// Irradiance of the layer on show at a diffuse surface of any kind.
-rsv_rgb rsv_shown_irradiance(const rsv_light_table *table, uint32_t face, float u, float v);
+/// Radiance that a surface of any kind reflects diffusely in the layer on show. @param albedo of its exitance there
+rsv_rgb rsv_shown_reflected(
+    const rsv_light_table *table, uint32_t face, rsv_rgb albedo, float u, float v);
 
 RSV_INLINE bool rsv_shows_emission(const rsv_light_table *table)
 {

@@ -119,11 +119,20 @@ static void destroy(rsv_device_frames *f)
     free(f);
 }
 
+/// Whether the light of a material is known without its diffuse part, where that is not stored.
 static bool is_plain(const rsv_device_stage *s, size_t material)
 {
     const rsv_bsdf *bsdf = &s->bsdf[material];
-    return !s->scene->material_varies[material] && !bsdf->rough &&
-           (bsdf->diffuse <= 0 || (bsdf->lambert && bsdf->opacity >= 1));
+    return !s->scene->material_varies[material] && !bsdf->rough && bsdf->diffuse <= 0;
+}
+
+static bool all_plain(const rsv_device_stage *s, const uint8_t *plain)
+{
+    for (size_t t = 0; t < s->scene->triangle_count; t++)
+        for (int back = 0; back < 2; back++)
+            if (s->side[t][back].kind != RSV_SHOWN_STORED && !plain[s->scene->triangle_material[t]])
+                return false;
+    return true;
 }
 
 static rsv_status prepare_materials(rsv_device_frames *f, char *message)
@@ -135,11 +144,9 @@ static rsv_status prepare_materials(rsv_device_frames *f, char *message)
     if (status != RSV_OK) return status;
     f->plain = rsv_gpu_new(count + 1, message);
     if (!f->plain) return RSV_ERROR_MEMORY;
-    f->all_plain = true;
-    for (size_t m = 0; m < count; m++) {
+    for (size_t m = 0; m < count; m++)
         f->plain[m] = is_plain(&f->stage, m);
-        f->all_plain = f->all_plain && f->plain[m];
-    }
+    f->all_plain = all_plain(&f->stage, f->plain);
     return RSV_OK;
 }
 

@@ -223,19 +223,23 @@ rsv_rgb rsv_solution_diffused(
     return rsv_elements_interpolate(s->diffused.elements, field, face, u, v);
 }
 
+rsv_rgb rsv_diffused_share(const rsv_solution *s, uint32_t cell)
+{
+    const rsv_elements *e = s->diffused.elements;
+    rsv_scatter_profile p = rsv_scatter_profile_of(face_material(e, e->cell[cell].face));
+    double finest = (double)(RSV_PI / rsv_cell_spacing(e, cell));
+    return rgb((float)rsv_diffusion_transfer((double)p.d[0], finest),
+        (float)rsv_diffusion_transfer((double)p.d[1], finest),
+        (float)rsv_diffusion_transfer((double)p.d[2], finest));
+}
+
 rsv_unresolved rsv_solution_unresolved(const rsv_solution *s, uint32_t face, float u, float v)
 {
     const rsv_elements *e = s->diffused.elements;
     float weight[3];
     uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
-    rsv_scatter_profile p = rsv_scatter_profile_of(face_material(e, face));
-    double finest = (double)(RSV_PI / rsv_cell_spacing(e, cell));
-    rsv_unresolved unresolved;
-    unresolved.known = rsv_elements_interpolate(e, s->diffused.entered, face, u, v);
-    unresolved.share = rgb((float)rsv_diffusion_transfer((double)p.d[0], finest),
-        (float)rsv_diffusion_transfer((double)p.d[1], finest),
-        (float)rsv_diffusion_transfer((double)p.d[2], finest));
-    return unresolved;
+    return (rsv_unresolved){ .known = rsv_elements_interpolate(e, s->diffused.entered, face, u, v),
+        .share = rsv_diffused_share(s, cell) };
 }
 
 rsv_rgb rsv_solution_diffused_direct(const rsv_solution *s, uint32_t face, float u, float v)
