@@ -61,6 +61,8 @@ static double residual_norm(const series *q, rsv_rgb *irradiance, rsv_rgb *resid
 
 /// A place that still holds more than half of its light after so many orders is a pocket.
 #define POCKET_ORDERS 256
+/// After RSV_LOSSLESS_ORDERS, such a place holds more than the fourth root of that.
+#define POCKET_LASTING 0.841f
 
 /// Less of the light than this may be lost in pockets that are left dark.
 #define POCKET_SHARE 0.01
@@ -81,12 +83,12 @@ static double caught_share(const rsv_solution *s, const float *survival)
     return most;
 }
 
-/// Leaves pockets dark: no light starts there, none arrives.
-static void close_pockets(rsv_solution *s, const float *survival)
+/// Leaves pockets dark: no light starts there, none arrives. @param least share that a pocket keeps
+static void close_pockets(rsv_solution *s, const float *survival, float least)
 {
     for (size_t n = 0; n < s->elements->node_count; n++) {
         const float *share = &survival[3 * n];
-        if (fmaxf(share[0], fmaxf(share[1], share[2])) <= 0.5f) continue;
+        if (fmaxf(share[0], fmaxf(share[1], share[2])) <= least) continue;
         s->transport->scale[n] = 0;
         s->source[n] = s->order[0][n] = rgb_gray(0);
         s->pocket_area += s->elements->node_area[n];
@@ -108,31 +110,42 @@ static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
                              : "there are many answers");
 }
 
+/// Closes pockets and looks again whether all light dies out.
+static rsv_status look_without(
+    series *q, const float *survival, float least, rsv_alternative *alternative)
+{
+    close_pockets(q->s, survival, least);
+    q->s->report.norm_inf = operator_norm(q);
+    return rsv_fredholm_alternative(&q->map->linear, alternative, NULL);
+}
+
 /// A norm of 1 bounds nothing. In an open scene later orders still die out; in a closed lossless one they do not,
 /// and there is no answer. Lossless pockets that hardly any light enters, such as the inside of a white cushion, are
 /// left dark: the answer next to them is bounded.
+///
+/// By reciprocity, the light that lasts at a node is about that which survives of the node's own: it tells most
+/// pockets at no cost. Where it does not, survival itself takes POCKET_ORDERS more applications.
 static rsv_status check_losses(series *q)
 {
     rsv_solution *s = q->s;
     rsv_alternative a;
-    float *survival = NULL;
+    float *share = rsv_alloc(s->context, 3 * s->elements->node_count, sizeof *share);
     rsv_status status;
     s->pocket_area = 0;
-    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &a));
-    q->resolvent = a.radius.resolvent;
-    if (a.unique) return RSV_OK;
-    RSV_TRY(rsv_transport_map_transpose(q->map));
-    survival = rsv_alloc(s->context, 3 * s->elements->node_count, sizeof *survival);
-    RSV_TRY(survival ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_survival(&q->map->linear, s->elements->node_area, POCKET_ORDERS, survival));
-    RSV_TRY(caught_share(s, survival) < POCKET_SHARE ? RSV_OK : refuse_lossless(q, &a));
-    close_pockets(s, survival);
-    s->report.norm_inf = operator_norm(q);
-    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &a));
+    RSV_TRY(share ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, &a, share));
+    if (!a.unique && caught_share(s, share) < POCKET_SHARE)
+        RSV_TRY(look_without(q, share, POCKET_LASTING, &a));
+    if (!a.unique) {
+        RSV_TRY(rsv_transport_map_transpose(q->map));
+        RSV_TRY(rsv_survival(&q->map->linear, s->elements->node_area, POCKET_ORDERS, share));
+        RSV_TRY(caught_share(s, share) < POCKET_SHARE ? RSV_OK : refuse_lossless(q, &a));
+        RSV_TRY(look_without(q, share, 0.5f, &a));
+    }
     q->resolvent = a.radius.resolvent;
     RSV_TRY(a.unique ? RSV_OK : refuse_lossless(q, &a));
 cleanup:
-    rsv_free(s->context, survival);
+    rsv_free(s->context, share);
     return status;
 }
 

@@ -3,9 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-/// Light that has not begun to die out after so many orders never will.
-#define MAX_STEPS 64
-
 static double cosine_between(const float *w, const float *source, size_t count)
 {
     double most = 0;
@@ -25,17 +22,20 @@ static rsv_status iterate(
     const rsv_linear_map *map, bool transposed, float *vector, rsv_spectral_radius *radius)
 {
     rsv_power_desc desc = {
-        .max_steps = MAX_STEPS, .gap = -1, .doubt = RSV_LOSSLESS, .transposed = transposed
+        .max_steps = RSV_LOSSLESS_ORDERS, .gap = -1, .doubt = RSV_LOSSLESS, .transposed = transposed
     };
     return vector ? rsv_power_iteration(map, &desc, vector, radius) : RSV_ERROR_MEMORY;
 }
 
-rsv_status rsv_fredholm_alternative(const rsv_linear_map *map, rsv_alternative *alternative)
+rsv_status rsv_fredholm_alternative(
+    const rsv_linear_map *map, rsv_alternative *alternative, float *lasting)
 {
     float *vector = rsv_alloc(map->context, 3 * map->count, sizeof *vector);
     *alternative = (rsv_alternative){ 0 };
     rsv_status status = iterate(map, false, vector, &alternative->radius);
     alternative->unique = status == RSV_OK && alternative->radius.power < RSV_LOSSLESS;
+    for (size_t i = 0; status == RSV_OK && lasting && i < 3 * map->count; i++)
+        lasting[i] = (float)(vector[i] * alternative->radius.size[i % 3]);
     rsv_free(map->context, vector);
     return status;
 }

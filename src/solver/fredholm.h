@@ -13,8 +13,14 @@ typedef struct rsv_alternative {
     rsv_spectral_radius radius;
 } rsv_alternative;
 
+/// Orders after which light that has not begun to die out never will.
+#define RSV_LOSSLESS_ORDERS 64
+
 /// Decides between the two. Knows at once where the norm of A is below 1.
-rsv_status rsv_fredholm_alternative(const rsv_linear_map *map, rsv_alternative *alternative);
+/// @param lasting NULL, or [count x 3] out: A^k 1, k = RSV_LOSSLESS_ORDERS unless `unique`: of an irradiance of 1
+///                everywhere, what comes to each node after so many orders
+rsv_status rsv_fredholm_alternative(
+    const rsv_linear_map *map, rsv_alternative *alternative, float *lasting);
 
 /// How far a source is from having no part along the solutions w >= 0 of the adjoint.
 /// @param map knows its transposed @param source [count x 3]

@@ -63,6 +63,7 @@ static void take_step(const rsv_linear_map *map, const rsv_power_desc *desc, con
         power[c].sum += power[c].norm;
         power[c].norm *= next_iterate(vector, image, map->count, c, radius);
         norm = fmax(norm, power[c].norm);
+        radius->size[c] = power[c].norm;
     }
     if (desc->transposed) return;
     if (step == 1) radius->norm = norm;

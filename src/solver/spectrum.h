@@ -15,6 +15,7 @@ typedef struct rsv_spectral_radius {
     double power;        ///< likewise
     double norm;         ///< ||A||_inf
     double resolvent;    ///< ||(I - A)^-1||_inf is at most this; INFINITY = no bound was found
+    double size[3];      ///< ||A^k 1||_inf by channel after the last application
     uint32_t applications;
 } rsv_spectral_radius;
 

@@ -613,7 +613,7 @@ static void a_lossy_scene_has_one_answer(void **state)
     (void)state;
     solved q = solve_scene(create_bright_box(2, 0.95f), 200, RSV_SOLVER_AUTO);
     rsv_alternative a;
-    assert_int_equal(rsv_fredholm_alternative(&q.map->linear, &a), RSV_OK);
+    assert_int_equal(rsv_fredholm_alternative(&q.map->linear, &a, NULL), RSV_OK);
     assert_true(a.unique);
     assert_true(a.radius.lower <= 0.95 + 1e-5 && a.radius.upper >= 0.95 - 1e-5);
     assert_true(a.radius.resolvent >= 1 / (1 - 0.95) - 1e-3);
@@ -632,8 +632,11 @@ static void a_lossless_part_is_compatible_with_light_elsewhere(void **state)
     const float inside[12] = { 1 }, outside[12] = { 0, 0, 0, 0, 0, 0, 1 };
     rsv_alternative a;
     double compatibility;
-    assert_int_equal(rsv_fredholm_alternative(&m->linear, &a), RSV_OK);
+    float lasting[12];
+    assert_int_equal(rsv_fredholm_alternative(&m->linear, &a, lasting), RSV_OK);
     assert_false(a.unique);
+    for (int k = 0; k < 12; k++)
+        assert_close(lasting[k], k < 6 ? 1 : 0, 1e-6);
     assert_int_equal(rsv_fredholm_compatibility(&m->linear, inside, &compatibility), RSV_OK);
     assert_true(compatibility > 0.1);
     assert_int_equal(rsv_fredholm_compatibility(&m->linear, outside, &compatibility), RSV_OK);
