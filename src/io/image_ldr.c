@@ -80,6 +80,19 @@ static void decode_srgb(const void *codes, bool is_16_bit, size_t pixel_count, r
     }
 }
 
+/// Deflate packs at most 1032 bytes into one, of eight pixels each; a block of JPEG's takes a bit at least.
+enum { PIXELS_PER_BYTE_OF_PNG = 1032 * 8, PIXELS_PER_BYTE_OF_JPEG = 64 * 8 };
+
+static rsv_status check_pixel_count(const rsv_image_file *file, int width, int height)
+{
+    bool is_jpeg = file->bytes[0] == 0xff;
+    size_t most = is_jpeg ? PIXELS_PER_BYTE_OF_JPEG : PIXELS_PER_BYTE_OF_PNG;
+    if ((size_t)width * (size_t)height / most <= file->size) return RSV_OK;
+    return rsv_fail(RSV_ERROR_FORMAT,
+        "cannot read '%s': %d x %d pixels cannot come out of %zu bytes", file->path, width, height,
+        file->size);
+}
+
 rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file, rsv_image **image)
 {
     rsv_status status = RSV_OK;
@@ -91,6 +104,7 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
     if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(rsv_image_check_size(file->path, width, height));
+    RSV_TRY(check_pixel_count(file, width, height));
     bool is_16_bit = stbi_is_16_bit_from_callbacks(&source_callbacks, &depth);
     codes = is_16_bit ? (void *)stbi_load_16_from_callbacks(
                             &source_callbacks, &from, &width, &height, &channels, 3)
@@ -105,20 +119,13 @@ cleanup:
     return status;
 }
 
-/// Deflate packs at most 1032 bytes into one, of eight pixels each.
-#define MOST_PIXELS_PER_BYTE (1032 * 8)
-
 static rsv_status check_texture_size(const rsv_image_file *file, int width, int height)
 {
     if (width < 1 || height < 1 || width > RSV_TEXTURE_MAX_SIDE || height > RSV_TEXTURE_MAX_SIDE)
         return rsv_fail(RSV_ERROR_FORMAT,
             "cannot read '%s': %d x %d pixels are not in 1 .. %u a side", file->path, width, height,
             RSV_TEXTURE_MAX_SIDE);
-    if ((size_t)width * (size_t)height / MOST_PIXELS_PER_BYTE > file->size)
-        return rsv_fail(RSV_ERROR_FORMAT,
-            "cannot read '%s': %d x %d pixels cannot come out of %zu bytes", file->path, width,
-            height, file->size);
-    return RSV_OK;
+    return check_pixel_count(file, width, height);
 }
 
 rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *codes)

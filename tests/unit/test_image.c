@@ -576,6 +576,18 @@ static void jpeg_with_an_oversized_huffman_table_is_refused(void **state)
     expect_failure(path_of("huffman.jpg"), RSV_ERROR_FORMAT, "Huffman table");
 }
 
+/// As many pixels as no file of that size can hold: nothing is decoded.
+static void jpeg_with_more_pixels_than_bits_is_refused(void **state)
+{
+    (void)state;
+    uint8_t file[256];
+    size_t size = make_jpeg(file);
+    uint8_t *frame = memmem(file, size, "\xff\xc0", 2);
+    memcpy(frame + 5, "\x10\x00\x10\x00", 4);
+    write_bytes(path_of("wide.jpg"), file, size);
+    expect_failure(path_of("wide.jpg"), RSV_ERROR_FORMAT, "4096 x 4096 pixels cannot come out of");
+}
+
 static void damaged_files_do_no_harm(void **state)
 {
     (void)state;
@@ -873,6 +885,7 @@ int main(void)
         IMAGE_TEST(jpeg_is_decoded_from_srgb),
         IMAGE_TEST(truncated_files_are_refused),
         IMAGE_TEST(jpeg_with_an_oversized_huffman_table_is_refused),
+        IMAGE_TEST(jpeg_with_more_pixels_than_bits_is_refused),
         IMAGE_TEST(damaged_files_do_no_harm),
         IMAGE_TEST(oversized_pictures_are_refused_before_allocating),
         IMAGE_TEST(missing_and_unknown_files_are_named),
