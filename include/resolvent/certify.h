@@ -11,7 +11,8 @@
 ///
 ///     RMS(e) <= RMS(r) / (1 - max albedo)
 ///
-/// whatever is wrong with E~: elements too large, too few rays, too few orders. docs/certificate.md says how, and
+/// whatever is wrong with E~: elements too large, too few rays, too few orders. (Where diffuse surfaces lie within bodies
+/// that refract, G K shrinks L / n^2, and the bound grows by the ratio of the largest n^2 to the least.) docs/certificate.md says how, and
 /// what is not claimed.
 #ifndef RESOLVENT_CERTIFY_H
 #define RESOLVENT_CERTIFY_H
@@ -25,7 +26,8 @@ extern "C" {
 
 /// Start from rsv_default_certify_desc().
 typedef struct rsv_certify_desc {
-    uint32_t samples;       ///< points on the surfaces, 16..2^24, default 2048; rounded up to even
+    uint32_t
+        samples; ///< points on the surfaces, 16..2^24, default 2048; rounded up to a multiple of 8
     uint32_t gather_rays;   ///< of each of the two estimates at a point, 1..2^16, default 512
     uint32_t light_samples; ///< shadow rays likewise, 2..2^16, default 64
     uint32_t seed;          ///< any: independent of the solution's, even if equal
@@ -43,14 +45,16 @@ typedef struct rsv_certificate {
     double residual_rms;
     double residual_ci95[2]; ///< 95 % confidence interval of the true RMS(r)
     double
-        error_bound_rms; ///< residual_ci95[1] / (1 - max_albedo); INFINITY from an albedo of 1 on
+        error_bound_rms; ///< medium_factor residual_ci95[1] / (1 - max_albedo); INFINITY from an albedo of 1 on
     double error_estimate_rms; ///< of e itself, from one solve with the residual
     double error_estimate_ci95[2];
     double
         residual_direct_rms; ///< the part of r in direct light that shadow rays find; 0 where that is exact
     double residual_gathered_rms; ///< the rest: indirect light, gathered sources, caustics
     double irradiance_rms;        ///< of E~: what makes the others relative
-    double max_albedo;            ///< largest of the surfaces
+    double max_albedo; ///< largest that was met: at the elements' nodes, where gather rays ended
+    double
+        medium_factor; ///< (largest / least refractive index around the points)^2: 1 but for surfaces within glass or water
     uint64_t rays;
     double seconds;
 } rsv_certificate;

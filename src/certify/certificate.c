@@ -1,7 +1,6 @@
 #include "resolvent/certify.h"
 
 #include "error_field.h"
-#include "moments.h"
 
 /// Separates the points from all that the build draws from its seed.
 #define SEED_OF_POINTS 0x7f4a7c15u
@@ -106,29 +105,6 @@ static double squared_irradiance(const examination *x, size_t k)
     return luminance(r->irradiance[0]) * luminance(r->irradiance[1]);
 }
 
-/// r^2 + 2 r s, with s predicted by the samples of the other set: nothing in a product shares its noise.
-static double squared_error_but_reflected(const examination *x, size_t k)
-{
-    const rsv_residual_sample *sample = &x->sample[k];
-    const rsv_rgb *reflected = x->field->reflected[(k + 1) % RSV_SAMPLE_SETS];
-    double s = luminance(rsv_error_field_at(x->solution, reflected, &sample->point));
-    double r = luminance(sample->at.residual[0]) + luminance(sample->at.residual[1]);
-    return squared_residual(x, k) + r * s;
-}
-
-/// Mean of the product of both predictions of s: an unbiased estimate of its mean square.
-static double mean_squared_reflected(const examination *x)
-{
-    const rsv_elements *e = x->solution->elements;
-    double sum = 0, area = 0;
-    for (size_t n = 0; n < e->node_count; n++) {
-        sum += (double)e->node_area[n] * luminance(x->field->reflected[0][n]) *
-               luminance(x->field->reflected[1][n]);
-        area += (double)e->node_area[n];
-    }
-    return area > 0 ? sum / area : 0;
-}
-
 static double largest_albedo(const examination *x)
 {
     const rsv_solution *s = x->solution;
@@ -138,6 +114,18 @@ static double largest_albedo(const examination *x)
     for (size_t k = 0; k < x->desc.samples; k++)
         largest = f_max(largest, rgb_max(x->sample[k].at.albedo));
     return (double)largest;
+}
+
+/// (largest / least refractive index around the points)^2.
+static double medium_factor(const examination *x)
+{
+    float least = INFINITY, most = 0;
+    for (size_t k = 0; k < x->desc.samples; k++) {
+        if (!x->sample[k].valid) continue;
+        least = f_min(least, x->sample[k].at.ior);
+        most = f_max(most, x->sample[k].at.ior);
+    }
+    return most > 0 ? (double)(most / least) * (double)(most / least) : 1;
 }
 
 static void judge_residual(examination *x)
@@ -152,8 +140,10 @@ static void judge_residual(examination *x)
     c->residual_gathered_rms = rsv_moments_root(moments(x, squared_gathered)).mean;
     c->irradiance_rms = rsv_moments_root(moments(x, squared_irradiance)).mean;
     c->max_albedo = largest_albedo(x);
-    c->error_bound_rms =
-        c->max_albedo < 1 ? c->residual_ci95[1] / (1 - c->max_albedo) : (double)INFINITY;
+    c->medium_factor = medium_factor(x);
+    c->error_bound_rms = c->max_albedo < 1
+                             ? c->medium_factor * c->residual_ci95[1] / (1 - c->max_albedo)
+                             : (double)INFINITY;
 }
 
 static rsv_status judge_error(examination *x)
@@ -164,10 +154,8 @@ static rsv_status judge_error(examination *x)
     rsv_status status =
         rsv_error_field_create(x->solution, x->sample, x->desc.samples, area, x->field);
     if (status != RSV_OK) return status;
-    rsv_moments error = moments(x, squared_error_but_reflected);
-    double reflected = mean_squared_reflected(x);
-    error.mean += reflected, error.ci95[0] += reflected, error.ci95[1] += reflected;
-    error = rsv_moments_root(error);
+    rsv_moments error =
+        rsv_moments_root(rsv_mean_squared_error(x->solution, x->sample, x->desc.samples, x->field));
     c->error_estimate_rms = error.mean;
     c->error_estimate_ci95[0] = error.ci95[0], c->error_estimate_ci95[1] = error.ci95[1];
     return RSV_OK;
@@ -203,7 +191,7 @@ rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *des
     *field = (rsv_error_field){ 0 };
     rsv_status status = rsv_check_certify_desc(&x.desc);
     if (status != RSV_OK) return status;
-    x.desc.samples += x.desc.samples % RSV_SAMPLE_SETS;
+    x.desc.samples = (x.desc.samples + RSV_SAMPLE_SETS - 1) / RSV_SAMPLE_SETS * RSV_SAMPLE_SETS;
     *certificate = (rsv_certificate){ 0 };
     status = examine(&x);
     certificate->seconds = rsv_seconds() - start;

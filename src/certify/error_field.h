@@ -8,11 +8,13 @@
 #define RSV_ERROR_FIELD_H
 
 #include "../solve/transport_map.h"
+#include "moments.h"
 #include "residual.h"
 #include "resolvent/certify.h"
 
-/// Two independent samples of residuals, and the reflected error that each of them predicts.
-#define RSV_SAMPLE_SETS 2
+/// Independent samples of residuals, and the reflected error that each of them predicts: products of different sets have
+/// no bias, and what leaving out one of them changes tells how well the whole is known.
+#define RSV_SAMPLE_SETS 8
 
 typedef struct rsv_error_field {
     rsv_rgb *reflected[RSV_SAMPLE_SETS]; ///< [node_count] s, W/m2
@@ -35,6 +37,11 @@ void rsv_error_field_destroy(rsv_context *context, rsv_error_field *field);
 /// @param field to be destroyed by the caller, whatever is returned; its fields stay NULL where nothing is diffuse
 rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *desc,
     rsv_certificate *certificate, rsv_error_field *field);
+
+/// Mean of e^2 with e = r + s, luminance, (W/m2)^2, and how well it is known, all noise that the residuals of a set share
+/// through their s included.
+rsv_moments rsv_mean_squared_error(const rsv_solution *solution, const rsv_residual_sample *sample,
+    size_t count, const rsv_error_field *field);
 
 /// s as the samples of one set predict it.
 rsv_rgb rsv_error_field_at(

@@ -67,11 +67,15 @@ static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_p
     return face != RSV_NONE;
 }
 
-static double reflected_luminance(const heat_job *job, int set, const rsv_face_point *point)
+/// The mean over half of the sets.
+static double reflected_luminance(const heat_job *job, int half, const rsv_face_point *point)
 {
-    if (!job->field->reflected[set]) return 0;
-    return (double)rgb_luminance(
-        rsv_error_field_at(job->solution, job->field->reflected[set], point));
+    double sum = 0;
+    if (!job->field->reflected[0]) return 0;
+    for (int set = half; set < RSV_SAMPLE_SETS; set += 2)
+        sum += (double)rgb_luminance(
+            rsv_error_field_at(job->solution, job->field->reflected[set], point));
+    return 2 * sum / RSV_SAMPLE_SETS;
 }
 
 static heat_pixel measure_pixel(const heat_job *job, uint32_t x, uint32_t y)

@@ -29,9 +29,16 @@ rsv_moments rsv_moments_of(const double *sample, size_t count)
     return (rsv_moments){ mean, { mean + shift - half, mean + shift + half } };
 }
 
+rsv_moments rsv_moments_with(rsv_moments m, size_t count, double variance)
+{
+    double t = student95((double)count - 1), half = (m.ci95[1] - m.ci95[0]) / 2;
+    double wider = sqrt(half * half + t * t * variance) - half;
+    return (rsv_moments){ m.mean, { m.ci95[0] - wider, m.ci95[1] + wider } };
+}
+
 rsv_moments rsv_moments_root(rsv_moments squares)
 {
-    double low = fmin(squares.ci95[0], squares.mean), high = fmax(squares.ci95[1], squares.mean);
-    return (
-        rsv_moments){ sqrt(fmax(squares.mean, 0)), { sqrt(fmax(low, 0)), sqrt(fmax(high, 0)) } };
+    double mean = fmax(squares.mean, 0), above = fmax(squares.ci95[1] - squares.mean, 0);
+    double low = fmin(squares.ci95[0], squares.mean);
+    return (rsv_moments){ sqrt(mean), { sqrt(fmax(low, 0)), sqrt(mean + above) } };
 }

@@ -14,7 +14,10 @@ typedef struct rsv_moments {
 /// interval would end too low.
 rsv_moments rsv_moments_of(const double *sample, size_t count);
 
-/// Square roots, those of negative estimates 0.
+/// With another independent variance of the mean. @param count of the samples
+rsv_moments rsv_moments_with(rsv_moments moments, size_t count, double variance);
+
+/// Square roots. A negative estimate counts as 0: chance has made it too small, and its interval with it.
 rsv_moments rsv_moments_root(rsv_moments squares);
 
 #endif

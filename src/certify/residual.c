@@ -232,6 +232,7 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
     rsv_residual result = { 0 };
     receiver r = { .result = &result };
     set_up_receiver(job, p, &r);
+    result.ior = rsv_medium_ior(&r.medium, s->bsdf);
     rsv_rgb unsampled = rsv_solution_direct(s, p->face, p->u, p->v, true);
     rsv_rgb all = rsv_solution_direct(s, p->face, p->u, p->v, job->exact_direct);
     rsv_rgb stored_direct = rgb_sub(all, unsampled);

@@ -5,7 +5,9 @@
 /// an end without colour is a bare element index and carries the weight 1 / (rays of the row); ends of
 /// chains that met coloured glass or metal carry an RGB factor besides. Without coats
 /// and tints row sums are at most 1 because a ray ends once: energy conservation by construction. With them
-/// it holds on average over the rays, and a row can exceed 1 by its sampling noise.
+/// it holds on average over the rays, and a row can exceed 1 by its sampling noise. Rows of receivers in
+/// another medium than their ends carry (index of the start / index of the end)^2 besides, which is above 1
+/// for some: what is conserved is L / n^2.
 #ifndef RSV_TRANSPORT_H
 #define RSV_TRANSPORT_H
 

@@ -115,15 +115,15 @@ static void a_known_error_of_a_room_is_found(void **state)
 
 // ---- true errors --------------------------------------------------------------------------------
 
-/// @param tolerance of the estimate, relative: what so few points can tell
-static void check_against_truth(
-    const char *scene, const rsv_solve_desc *desc, uint32_t paths, double tolerance)
+/// @param points, paths of the truth @param tolerance of the estimate, relative: what so few points can tell
+static void check_against_truth(const char *scene, const rsv_solve_desc *desc, uint32_t points,
+    uint32_t paths, double tolerance)
 {
     world *w = world_builtin(2, scene);
     rsv_solution *s = solve(w, desc);
     rsv_truth *truth;
     double error, interval[2];
-    assert_int_equal(rsv_truth_create(s, 800, paths, 5, &truth), RSV_OK);
+    assert_int_equal(rsv_truth_create(s, points, paths, 5, &truth), RSV_OK);
     assert_int_equal(rsv_truth_error(truth, s, &error, interval), RSV_OK);
     rsv_certificate c = certify(s, 1024, 3);
     print_message("%s: true error %.4f (%.4f .. %.4f), estimate %.4f (%.4f .. %.4f), bound %.4f of "
@@ -147,7 +147,7 @@ static void a_coarse_solution_confesses(void **state)
     rsv_solve_desc desc = draft(60);
     desc.rays_per_element = 1024;
     desc.direct_levels = 0;
-    check_against_truth("cornell-blocks", &desc, 96, 0.2);
+    check_against_truth("cornell-blocks", &desc, 800, 96, 0.2);
 }
 
 /// Few rays: the error is noise.
@@ -156,7 +156,7 @@ static void a_noisy_solution_confesses(void **state)
     (void)state;
     rsv_solve_desc desc = draft(1000);
     desc.rays_per_element = 64;
-    check_against_truth("cornell-blocks", &desc, 256, 0.2);
+    check_against_truth("cornell-blocks", &desc, 800, 256, 0.2);
 }
 
 /// Most of the error lies in two small spots: few points find them.
@@ -165,7 +165,39 @@ static void a_solution_without_caustics_confesses(void **state)
     (void)state;
     rsv_solve_desc desc = draft(2000);
     desc.photon_count = 0;
-    check_against_truth("cornell-spheres", &desc, 128, 0.6);
+    check_against_truth("cornell-spheres", &desc, 6400, 32, 0.6);
+}
+
+/// A room that absorbs little reflects each residual many times: noise that all points share is most of what there is
+/// to know. The truth is another certificate, of many points.
+static void intervals_hold_where_little_is_absorbed(void **state)
+{
+    (void)state;
+    enum { runs = 24 };
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.97f, 0), v3(0, 0, 0), v3(1, 1, 1));
+    world_box(w, world_lambert(w, 0.97f, 0), v3(0.3f, 0, 0.3f), v3(0.7f, 0.4f, 0.6f));
+    rsv_light lamp = {
+        .kind = RSV_LIGHT_POINT, .position = v3(0.5f, 0.8f, 0.4f), .intensity = rgb_gray(1)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    rsv_solve_desc desc = draft(300);
+    rsv_solution *s = solve(w, &desc);
+    double truth = certify(s, 8192, 100).error_estimate_rms;
+    int covered = 0;
+    for (uint32_t k = 0; k < runs; k++) {
+        rsv_certificate c;
+        rsv_certify_desc few = {
+            .samples = 128, .gather_rays = 64, .light_samples = 32, .seed = k
+        };
+        assert_int_equal(rsv_certify(s, &few, &c), RSV_OK);
+        covered += c.error_estimate_ci95[0] <= truth && truth <= c.error_estimate_ci95[1];
+    }
+    print_message("error %.4f W/m2, %d of %d intervals hold it\n", truth, covered, runs);
+    assert_true(covered >= 21);
+    rsv_solution_destroy(s);
+    world_end(w);
 }
 
 /// Few rays on many elements, then many rays on few elements.
@@ -540,6 +572,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_rooms_picture_errs_as_importance_says),
         cmocka_unit_test(a_noisy_solution_confesses),
         cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(intervals_hold_where_little_is_absorbed),
         cmocka_unit_test(the_split_knows_noise_from_large_elements),
         cmocka_unit_test(a_goal_spends_elements_where_they_count),
         cmocka_unit_test(sensors_are_goals_as_cameras_are),
