@@ -29,7 +29,7 @@ static const char help[] =
     "\n"
     "  --samples N        points, 16 to 16777216 (default 2048)\n"
     "  --rays N           gather rays of each of the two estimates at a point (default "
-    "512)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+    "512)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP CLI_ERROR_TARGET_HELP
     "  --threads N        default: one per processor; the numbers do not depend on it\n"
     "  --stats FILE.json  what was done, how long each phase took, and the certificate\n"
     "  --heatmap FILE     a picture of where the error is (.png; .exr holds the numbers as well):\n"

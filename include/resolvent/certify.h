@@ -100,10 +100,11 @@ RSV_API rsv_status rsv_certify_points(const rsv_solution *solution, const rsv_ce
 
 /// How good a solution must be, and what it may cost. Start from rsv_default_error_target().
 typedef struct rsv_error_target {
-    double relative_error; ///< RMS(e) / irradiance_rms, 1e-4..1: 0.01 = 1 %
-    size_t max_elements;   ///< of all levels together (default 5,000,000)
-    double max_seconds;    ///< for everything (default INFINITY)
-    uint32_t max_rounds;   ///< solutions built at most (default 8)
+    double
+        relative_error; ///< RMS(e) / irradiance_rms, or with a goal error / reading, 1e-4..1: 0.01 = 1 %
+    size_t max_elements; ///< rows of the operator (default 5,000,000), as in rsv_solve_desc
+    double max_seconds;  ///< for everything (default INFINITY)
+    uint32_t max_rounds; ///< solutions built at most (default 8)
 } rsv_error_target;
 
 RSV_API rsv_error_target rsv_default_error_target(double relative_error);
@@ -115,11 +116,12 @@ typedef enum rsv_error_stop {
     RSV_ERROR_TARGET_MAX_ROUNDS
 } rsv_error_stop;
 
-/// Solves, certifies and refines until the certificate says that the target is reached, by the *estimate* of the error at
+/// Solves, certifies and refines until the certificate (with a goal: rsv_certify_goal or rsv_certify_points) says that the
+/// target is reached, by the *estimate* of the error at
 /// the upper end of its interval: the bound would ask for several times the accuracy, and so for tens of times
 /// the work. What is refined is what errs most: elements and rays of the operator, or those of direct light. Every
 /// round is logged; so is the budget that stopped them.
-/// @param start of the first round; NULL = draft
+/// @param start of the first round, its goal that of all; NULL = draft
 /// @param solution the last one, whatever stopped the rounds
 /// @param certificate its certificate
 RSV_API rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *start,

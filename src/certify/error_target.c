@@ -6,8 +6,15 @@
 
 /// Rounds aim this far below the target, so that the interval fits below it too.
 #define AIM 0.75
-/// A round multiplies elements and samples by at most this.
-#define LARGEST_STEP 4.0
+/// A round multiplies elements and samples by the first of these at most, by a later one where time is short.
+static const double largest_step[] = { 4, 2, 1.25 };
+enum { STEPS = 3 };
+/// Rounds take up to this many times what they are planned to.
+#define DOUBT 1.5
+/// From steps of this size on, rays grow along with elements.
+#define RAYS_STEP 1.5
+/// Elements of the direct level for each of the coarse ones, at most.
+#define MOST_DIRECT_PER_ROW 16
 #define MOST_RAYS 4096
 #define MOST_LIGHT_SAMPLES 4096
 #define MOST_DIRECT_LEVELS 8
@@ -26,9 +33,11 @@ typedef struct pursuit {
     rsv_certify_desc certify;
     rsv_solution *solution;
     rsv_certificate *certificate;
+    double error, upper; ///< relative: the present solution's, and the upper end of its interval
     uint32_t rounds;
-    double cost; ///< of the next round over the present one
-    double size; ///< likewise its elements
+    double cost;        ///< of the next round over the present one
+    double size;        ///< likewise its rows
+    double direct_size; ///< likewise its direct elements
 } pursuit;
 
 rsv_error_target rsv_default_error_target(double relative_error)
@@ -49,21 +58,51 @@ static rsv_status check_target(const rsv_error_target *target)
     return RSV_OK;
 }
 
+static bool is_aimed(const pursuit *p)
+{
+    return p->desc.goal_point_count > 0 || p->desc.goal_camera != RSV_NONE;
+}
+
 static double relative(const pursuit *p, double value)
 {
     return p->certificate->irradiance_rms > 0 ? value / p->certificate->irradiance_rms : 0;
 }
 
+/// Of the goal's reading, where there is a goal.
+static rsv_status certify_goal(pursuit *p)
+{
+    const rsv_solve_desc *d = &p->desc;
+    rsv_goal_certificate g;
+    rsv_status status = RSV_OK;
+    if (!is_aimed(p)) return RSV_OK;
+    if (d->goal_point_count > 0)
+        status =
+            rsv_certify_points(p->solution, &p->certify, d->goal_points, d->goal_point_count, &g);
+    else
+        status = rsv_certify_goal(p->solution, &p->certify, d->goal_camera, &g);
+    if (status != RSV_OK) return status;
+    double upper = fmax(fabs(g.error_ci95[0]), fabs(g.error_ci95[1]));
+    p->error = g.reading > 0 ? fabs(g.error) / g.reading : 0;
+    p->upper = g.reading > 0 ? upper / g.reading : 0;
+    return RSV_OK;
+}
+
+static rsv_status certify(pursuit *p)
+{
+    rsv_status status = rsv_certify(p->solution, &p->certify, p->certificate);
+    p->error = relative(p, p->certificate->error_estimate_rms);
+    p->upper = relative(p, p->certificate->error_estimate_ci95[1]);
+    return status == RSV_OK ? certify_goal(p) : status;
+}
+
 /// Certifies anew with more points as long as those are what keeps the interval above the target.
 static rsv_status certify_decisively(pursuit *p)
 {
-    const rsv_certificate *c = p->certificate;
     for (;;) {
-        rsv_status status = rsv_certify(p->solution, &p->certify, p->certificate);
+        rsv_status status = certify(p);
         if (status != RSV_OK) return status;
         double wanted = p->target->relative_error;
-        bool undecided = relative(p, c->error_estimate_rms) < AIM * wanted &&
-                         relative(p, c->error_estimate_ci95[1]) > wanted;
+        bool undecided = p->error < AIM * wanted && p->upper > wanted;
         if (!undecided || p->certify.samples >= MOST_SAMPLES) return RSV_OK;
         p->certify.samples *= 4;
     }
@@ -82,9 +121,8 @@ static rsv_status build_round(pursuit *p)
     const rsv_solve_report *report = rsv_solution_report(p->solution);
     rsv_log(p->context, RSV_LOG_INFO,
         "error target: %.3g %% (95 %%: up to %.3g %%) with %zu elements and %u rays each",
-        100 * relative(p, p->certificate->error_estimate_rms),
-        100 * relative(p, p->certificate->error_estimate_ci95[1]),
-        report->elements + report->direct_elements, p->desc.rays_per_element);
+        100 * p->error, 100 * p->upper, report->elements + report->direct_elements,
+        p->desc.rays_per_element);
     return RSV_OK;
 }
 
@@ -102,22 +140,22 @@ static uint32_t doubled(uint32_t value, double factor, uint32_t most)
 }
 
 /// Direct light errs in its shadows' edges: the error falls with the size of the elements there.
-static void refine_direct(pursuit *p, double excess)
+static void refine_direct(pursuit *p, double excess, double largest)
 {
-    double step = fmin(excess * excess, LARGEST_STEP);
+    double step = fmin(excess * excess, largest);
     p->desc.direct_levels += p->desc.direct_levels < MOST_DIRECT_LEVELS;
     p->desc.light_samples = doubled(p->desc.light_samples, step, MOST_LIGHT_SAMPLES);
     p->cost *= 2;
-    p->size *= 2;
+    p->direct_size *= 2;
 }
 
 /// Noise falls with the root of the rays, interpolation with the area of elements: both get the same share.
-static void refine_operator(pursuit *p, double excess)
+static void refine_operator(pursuit *p, double excess, double largest)
 {
-    double step = fmin(fmax(excess * excess, 1.5), LARGEST_STEP);
+    double step = fmin(fmax(excess * excess, RAYS_STEP), largest);
     uint32_t rays = p->desc.rays_per_element;
     p->desc.element_target = grown(p->desc.element_target, step, UINT32_MAX);
-    p->desc.rays_per_element = doubled(rays, step, MOST_RAYS);
+    if (step >= RAYS_STEP) p->desc.rays_per_element = doubled(rays, step, MOST_RAYS);
     p->desc.photon_count = grown(p->desc.photon_count, 2 * step, MOST_PHOTONS);
     if (p->desc.refinements < REFINEMENTS) p->desc.refinements++;
     p->cost *= step * p->desc.rays_per_element / rays;
@@ -125,31 +163,52 @@ static void refine_operator(pursuit *p, double excess)
 }
 
 /// Refines the parts of the residual that alone would use up half of what is allowed; the larger one at least.
-static void choose_refinement(pursuit *p)
+static void choose_refinement(pursuit *p, double largest)
 {
     const rsv_certificate *c = p->certificate;
     double allowed = AIM * p->target->relative_error * c->irradiance_rms;
     // reflections make more of a residual than it was
     double gain = c->residual_rms > 0 ? fmax(c->error_estimate_rms / c->residual_rms, 0.5) : 1;
+    // a goal may lack more or less than surfaces do in the mean
+    double all = relative(p, c->error_estimate_rms);
+    if (is_aimed(p) && all > 0) gain *= fmax(p->error, p->upper / 2) / all;
     double direct = gain * c->residual_direct_rms / (M_SQRT1_2 * allowed);
     double gathered = gain * c->residual_gathered_rms / (M_SQRT1_2 * allowed);
-    p->cost = p->size = 1;
-    if (direct > 1 || direct > gathered) refine_direct(p, direct);
-    if (gathered > 1 || gathered >= direct) refine_operator(p, gathered);
+    p->cost = p->size = p->direct_size = 1;
+    if (direct > 1 || direct > gathered) refine_direct(p, direct, largest);
+    if (gathered > 1 || gathered >= direct) refine_operator(p, gathered, largest);
+}
+
+/// Seconds after the next round, of the slowest process.
+static double planned_seconds(const pursuit *p)
+{
+    double round = DOUBT * p->cost * p->round_seconds;
+    return rsv_team_largest(p->context, rsv_seconds() - p->started + round);
+}
+
+/// The largest step for which there is time.
+static void plan_round(pursuit *p)
+{
+    const rsv_solve_desc present = p->desc;
+    for (int k = 0; k < STEPS; k++) {
+        p->desc = present;
+        choose_refinement(p, largest_step[k]);
+        if (planned_seconds(p) <= p->target->max_seconds) return;
+    }
 }
 
 /// Whether the target is reached, or a budget forbids the round that `p` plans.
 static bool is_over(const pursuit *p, rsv_error_stop *stop)
 {
     const rsv_solve_report *report = rsv_solution_report(p->solution);
-    double elements = (double)(report->elements + report->direct_elements);
-    double planned =
-        rsv_team_largest(p->context, rsv_seconds() - p->started + p->cost * p->round_seconds);
-    if (relative(p, p->certificate->error_estimate_ci95[1]) <= p->target->relative_error)
+    double most = (double)p->target->max_elements, rows = p->size * (double)report->rows;
+    double direct = p->direct_size * (double)report->direct_elements;
+    double planned = planned_seconds(p);
+    if (p->upper <= p->target->relative_error)
         *stop = RSV_ERROR_TARGET_REACHED;
     else if (p->rounds >= p->target->max_rounds)
         *stop = RSV_ERROR_TARGET_MAX_ROUNDS;
-    else if (p->size * elements > (double)p->target->max_elements)
+    else if (rows > most || direct > MOST_DIRECT_PER_ROW * most)
         *stop = RSV_ERROR_TARGET_MAX_ELEMENTS;
     else if (planned > p->target->max_seconds)
         *stop = RSV_ERROR_TARGET_MAX_SECONDS;
@@ -160,13 +219,11 @@ static bool is_over(const pursuit *p, rsv_error_stop *stop)
 
 static void say_what_stopped(const pursuit *p, rsv_error_stop stop)
 {
-    static const char *const budget[] = { "", "elements (max_elements)", "time (max_seconds)",
-        "rounds (max_rounds)" };
+    static const char *const budget[] = { "", "elements", "time", "rounds" };
     if (stop == RSV_ERROR_TARGET_REACHED) return;
     rsv_log(p->context, RSV_LOG_WARNING,
         "error target: %.3g %% was not reached, the budget of %s ends at %.3g %%",
-        100 * p->target->relative_error, budget[stop],
-        100 * relative(p, p->certificate->error_estimate_ci95[1]));
+        100 * p->target->relative_error, budget[stop], 100 * p->upper);
 }
 
 rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *start,
@@ -186,7 +243,7 @@ rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *star
     RSV_TRY(check_target(target));
     do {
         RSV_TRY(build_round(&p));
-        choose_refinement(&p);
+        plan_round(&p);
     } while (!is_over(&p, stop));
     say_what_stopped(&p, *stop);
     *solution = p.solution;

@@ -54,8 +54,9 @@ static float typical_density(const rsv_elements *e, const rsv_rgb *density)
     return weights > 0 ? (float)(sum / weights) : 0;
 }
 
-/// Replaces densities by sizes. Linear elements err by a multiple of their area, which counts with the root of the
-/// density in a root mean square: the fourth root makes both even out.
+/// Replaces densities by sizes. Linear elements err by a multiple of their area h^2, and of a reading, which is linear in
+/// that, by density d times it: for a given number of elements the sum is least where d h^2 times an element's area,
+/// d h^4, is the same all over.
 static void set_sizes(const rsv_elements *e, rsv_rgb *density)
 {
     float usual = FULL_SIZE * typical_density(e, density);

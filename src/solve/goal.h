@@ -54,7 +54,7 @@ void rsv_goal_density(const rsv_elements *elements, rsv_rgb *importance);
 rsv_status rsv_goal_create(struct rsv_solution *solution, rsv_goal *goal);
 void rsv_goal_destroy(rsv_goal *goal);
 
-/// How much larger than usual a cell of other elements may be: the least over it.
+/// How much larger than usual a cell of other elements may be: the least at some places of it.
 float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *elements, uint32_t cell);
 
 /// Cells whose light no ray of the goal sees. @param hidden [cell_count] of solution->elements

@@ -3,6 +3,8 @@
 #include "goal.h"
 #include "solution.h"
 
+#include <string.h>
+
 /// Rays of each sensor at least, however many share the rays of a goal.
 #define FEWEST_SENSOR_RAYS 64u
 /// Rays each way that tell what is seen at all.
@@ -104,6 +106,22 @@ static void weigh_reading(
     }
 }
 
+/// From weights of what surfaces show to those of the irradiance that enters them, at free nodes: P* on translucent
+/// ones.
+static rsv_status enter(const rsv_solution *s, rsv_rgb *weight)
+{
+    if (s->subsurface) {
+        size_t bytes = s->elements->node_count * sizeof *weight;
+        rsv_rgb *shown = rsv_alloc(s->context, s->elements->node_count, sizeof *shown);
+        if (!shown) return RSV_ERROR_MEMORY;
+        memcpy(shown, weight, bytes);
+        rsv_subsurface_apply_transpose(s->subsurface, s->elements, shown, weight);
+        rsv_free(s->context, shown);
+    }
+    rsv_elements_constrain_transpose(s->elements, weight);
+    return RSV_OK;
+}
+
 rsv_status rsv_goal_weights(
     const rsv_solution *s, const rsv_goal_aim *aim, uint32_t side, rsv_rgb *weight)
 {
@@ -115,8 +133,8 @@ rsv_status rsv_goal_weights(
         if (rsv_cancelled(s->context)) break;
         weigh_reading(s, aim, k, rays > FEWEST_SENSOR_RAYS ? rays : FEWEST_SENSOR_RAYS, weight);
     }
-    rsv_elements_constrain_transpose(s->elements, weight);
-    return rsv_progress(s->context, "goal", 1);
+    rsv_status status = enter(s, weight);
+    return status == RSV_OK ? rsv_progress(s->context, "goal", 1) : status;
 }
 
 rsv_status rsv_goal_hidden_cells(const rsv_solution *s, const rsv_goal_aim *aim, uint8_t *hidden)
