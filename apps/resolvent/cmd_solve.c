@@ -3,6 +3,7 @@
 #include "device.h"
 #include "options.h"
 #include "output_file.h"
+#include "points_csv.h"
 #include "stats.h"
 #include "subject.h"
 
@@ -20,7 +21,11 @@ static const char help[] =
     "a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
     "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
-        CLI_ERROR_TARGET_HELP CLI_CHECKPOINT_HELP
+        CLI_ERROR_TARGET_HELP
+    "  --goal             spend elements on what the camera sees and on what lights that\n"
+    "  --camera NAME      --goal: one of `resolvent info SCENE` (default: the first)\n"
+    "  --points FILE.csv  spend them on the irradiance at these points instead (x,y,z,nx,ny,nz as\n"
+    "                     for `resolvent probe`)\n" CLI_CHECKPOINT_HELP
     "  --eigenvalues N    print the N largest eigenvalues of the operator, found by SLEPc\n"
     "  --threads N        default: one per processor; the file does not depend on "
     "it\n" CLI_DEVICE_HELP
@@ -33,7 +38,9 @@ static const char help[] =
 enum { MOST_EIGENVALUES = 256 };
 
 typedef struct settings {
-    const char *scene, *output, *stats, *mesh;
+    const char *scene, *output, *stats, *mesh, *camera, *points;
+    bool goal;
+    cli_points sensors; ///< of --points
     cli_environment environment;
     cli_error_target target;
     cli_solve_choice solve;
@@ -59,10 +66,18 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
+        { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
+        { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera, .goes_with = "--goal" },
+        { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
         { .name = NULL },
     };
     const cli_usage usage = { "solve", help, options, "SCENE", 1, 1 };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
+    if (s->goal && s->points) {
+        *exit_status =
+            cli_usage_error("solve", "--goal and --points: one goal is all there can be");
+        return false;
+    }
     if (s->output && cli_ends_in(s->output, ".safetensors")) return true;
     *exit_status = s->output
                        ? cli_usage_error("solve", "-o '%s' does not end in .safetensors", s->output)
@@ -95,6 +110,18 @@ static rsv_status print_eigenvalues(const settings *s, const rsv_solution *solut
     return status;
 }
 
+static bool choose_goal(const settings *s, const rsv_scene *scene, rsv_solve_desc *desc)
+{
+    desc->goal_points = s->sensors.probe;
+    desc->goal_point_count = s->sensors.count;
+    if (!s->goal) return true;
+    desc->goal_camera = rsv_scene_find_camera(scene, s->camera);
+    if (desc->goal_camera == RSV_NONE)
+        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
+            s->camera ? s->camera : "", s->scene);
+    return desc->goal_camera != RSV_NONE;
+}
+
 static int run(cli_session *session, settings *s)
 {
     int exit_status = CLI_FAILURE;
@@ -102,7 +129,9 @@ static int run(cli_session *session, settings *s)
     if (!subject.scene) return CLI_FAILURE;
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     rsv_certificate certificate;
-    if (!cli_checkpoint_prepare(session, &s->checkpoint, subject.scene, &desc)) goto cleanup;
+    if (!choose_goal(s, subject.scene, &desc) ||
+        !cli_checkpoint_prepare(session, &s->checkpoint, subject.scene, &desc))
+        goto cleanup;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
     if (status == RSV_OK) status = print_eigenvalues(s, subject.solution);
     if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);
@@ -122,7 +151,9 @@ int cli_solve(int argc, char **argv)
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats)) ||
-        !cli_check_apart(s.output, s.scene) || !cli_check_apart(s.stats, s.output))
+        !cli_check_apart(s.output, s.scene) || !cli_check_apart(s.stats, s.output) ||
+        !cli_check_apart(s.output, s.points) || !cli_check_apart(s.stats, s.points) ||
+        (s.points && !cli_read_points(s.points, &s.sensors)))
         return CLI_FAILURE;
     cli_session session;
     if (s.eigenvalues && !s.solve.petsc) s.solve.petsc = "";
@@ -132,5 +163,6 @@ int cli_solve(int argc, char **argv)
     session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);
+    cli_free_points(&s.sensors);
     return exit_status;
 }

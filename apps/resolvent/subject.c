@@ -4,6 +4,7 @@
 #include "crew.h"
 
 #include <math.h>
+#include <stdio.h>
 
 enum { default_longer_side = 512 };
 
@@ -63,6 +64,26 @@ rsv_solve_desc cli_describe_solve(const cli_solve_choice *choice)
     return desc;
 }
 
+/// Names what was asked of the solve of an operator file.
+static void warn_of_idle_options(
+    cli_session *session, const rsv_solve_desc *desc, const cli_error_target *target)
+{
+    const struct {
+        bool given;
+        const char *name;
+    } option[] = { { desc->solver != RSV_SOLVER_AUTO, "--solver" },
+        { target->share > 0, "--error" }, { desc->max_elements > 0, "--max-elements" },
+        { desc->max_bytes > 0, "--max-memory" }, { desc->goal_camera != RSV_NONE, "--goal" },
+        { desc->goal_point_count > 0, "--points" } };
+    for (size_t k = 0; k < sizeof option / sizeof option[0]; k++)
+        if (option[k].given) {
+            char text[96];
+            snprintf(text, sizeof text,
+                "%s changes no solution: the operator file holds one already", option[k].name);
+            cli_warn(session, text);
+        }
+}
+
 rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
     const cli_error_target *target, cli_subject *subject, rsv_certificate *certificate)
 {
@@ -70,8 +91,7 @@ rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
     if (!target) target = &none;
     if (!subject->solution)
         return cli_solve_to_target(subject->scene, desc, target, &subject->solution, certificate);
-    if (desc->solver != RSV_SOLVER_AUTO || target->share > 0)
-        cli_warn(session, "--solver and --error do nothing: the operator file holds a solution");
+    warn_of_idle_options(session, desc, target);
     return RSV_OK;
 }
 

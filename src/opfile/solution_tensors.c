@@ -27,12 +27,16 @@ static const rsv_field desc_fields[] = {
     DESC_FIELD(RSV_FIELD_FLOAT, tolerance),
     DESC_FIELD(RSV_FIELD_U32, seed),
     DESC_FIELD(RSV_FIELD_U32, goal_camera),
+    DESC_FIELD(RSV_FIELD_U64, goal_point_count),
+    DESC_FIELD(RSV_FIELD_U64, max_elements),
+    DESC_FIELD(RSV_FIELD_U64, max_bytes),
 };
 
 static const rsv_field report_fields[] = {
     REPORT_FIELD(RSV_FIELD_U32, stop_reason),
     REPORT_FIELD(RSV_FIELD_U64, elements),
     REPORT_FIELD(RSV_FIELD_U64, direct_elements),
+    REPORT_FIELD(RSV_FIELD_U64, rows),
     REPORT_FIELD(RSV_FIELD_U64, entries),
     REPORT_FIELD(RSV_FIELD_U64, rays),
     REPORT_FIELD(RSV_FIELD_U32, iterations),

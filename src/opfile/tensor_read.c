@@ -93,7 +93,7 @@ static rsv_status add_tensor(rsv_tensor_file *file, const cJSON *entry, const ui
         end - begin != rsv_tensor_length(&tensor) * size)
         return rsv_fail(RSV_ERROR_FORMAT,
             "%s: the header says nothing sound of tensor '%.80s' (type, shape or place): the file "
-            "is cut off or foreign; solve anew",
+            "is cut off or no operator; `resolvent solve` writes those",
             file->path, entry->string);
     *covered += end - begin;
     tensor.data = data + begin;
