@@ -54,10 +54,6 @@ rsv_status rsv_split_error(
     rsv_status status = RSV_OK;
     *split = (rsv_error_split){ .truncation = fmin(s->report.truncation_bound, error) };
     if (s->elements->face_count == 0) return RSV_OK;
-    if (desc.goal_point_count > 0 && !desc.goal_points)
-        return rsv_fail(RSV_ERROR_ARGUMENT,
-            "split: the solution was made for points that its file does not hold; solve the scene "
-            "for them anew");
     desc.seed = rsv_hash2(desc.seed, OTHER_SEED);
     desc.checkpoint = desc.earlier = NULL; // they are of the other seed
     RSV_TRY(rsv_solution_create(s->scene.scene, &desc, &other));

@@ -1,4 +1,5 @@
 /// G, K, sources and solution.
+#include "../solve/goal.h"
 #include "exchange.h"
 
 #include <math.h>
@@ -27,7 +28,6 @@ static const rsv_field desc_fields[] = {
     DESC_FIELD(RSV_FIELD_FLOAT, tolerance),
     DESC_FIELD(RSV_FIELD_U32, seed),
     DESC_FIELD(RSV_FIELD_U32, goal_camera),
-    DESC_FIELD(RSV_FIELD_U64, goal_point_count),
     DESC_FIELD(RSV_FIELD_U64, max_elements),
     DESC_FIELD(RSV_FIELD_U64, max_bytes),
 };
@@ -202,6 +202,24 @@ cleanup:
     return status;
 }
 
+/// What the solution was made for: places and normals.
+static rsv_status exchange_goal_points(rsv_tensor_file *file, rsv_solution *s)
+{
+    _Static_assert(sizeof(rsv_probe) == 6 * sizeof(float), "a probe is six numbers");
+    size_t count = file->reading ? RSV_ANY_COUNT : s->desc.goal_point_count;
+    rsv_status status;
+    rsv_tensor_prefix(file, NULL);
+    RSV_TRY(rsv_tensor_exchange_optional(
+        file, "goal_points", RSV_TENSOR_F32, 6, &s->goal_points, &count));
+    if (!file->reading || !s->goal_points) return RSV_OK;
+    s->desc.goal_points = s->goal_points;
+    s->desc.goal_point_count = count;
+    if (rsv_check_probes(s->goal_points, count) != RSV_OK)
+        RSV_TRY(rsv_tensor_fail(file, "goal_points", "holds what is no receiver"));
+cleanup:
+    return status;
+}
+
 // ---- writing --------------------------------------------------------------------------------------
 
 static rsv_status write_subsurface(rsv_tensor_file *file, const rsv_subsurface *subsurface)
@@ -221,6 +239,7 @@ rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_solution *solutio
     size_t coarse = s.elements->node_count;
     RSV_TRY(rsv_write_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), &s.desc));
     RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &s.report));
+    RSV_TRY(exchange_goal_points(file, &s));
     RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, s.elements));
     RSV_TRY(exchange_transport(file, &t));
     RSV_TRY(write_subsurface(file, s.subsurface));
@@ -303,6 +322,7 @@ rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *s)
     RSV_TRY(rsv_read_fields(file, "report", report_fields, COUNT_OF(report_fields), &s->report));
     s->report.time_bvh = time_bvh;
     RSV_TRY(check_report(file, s));
+    RSV_TRY(exchange_goal_points(file, s));
     RSV_TRY(rsv_read_elements(file, RSV_COARSE_PREFIX, s, NULL, &s->elements));
     RSV_TRY(read_transport(file, s));
     RSV_TRY(read_subsurface(file, s));
