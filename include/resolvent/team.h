@@ -42,8 +42,10 @@ typedef struct rsv_team_table {
 
 struct rsv_team {
     const rsv_team_table *table;
-    uint32_t rank, size; ///< this process, of so many
-    bool parted;         ///< after a failure they no longer talk
+    uint32_t rank, size;            ///< this process, of so many
+    bool parted;                    ///< after a failure they no longer talk
+    rsv_status failure;             ///< RSV_OK = there was none
+    char reason[RSV_MESSAGE_BYTES]; ///< the message that all have agreed on then
     /// Processor seconds of the slowest from meeting to meeting, summed: the critical path.
     double path;
     double met; ///< processor seconds of the calling thread when they last met

@@ -75,7 +75,11 @@ static int64_t meet(rsv_team *team, int64_t key)
 
 rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
 {
-    if (!team || team->size == 1 || team->parted) return status;
+    if (!team || team->size == 1) return status;
+    // whatever goes wrong after a failure is no news
+    if (team->parted && team->failure != RSV_OK && status != RSV_OK)
+        return rsv_fail(team->failure, "%s", team->reason);
+    if (team->parted) return status;
     int64_t worst = meet(team, failure_key(team, status));
     if (worst == 0) return RSV_OK;
     uint32_t failed =
@@ -86,8 +90,13 @@ rsv_status rsv_team_agree(rsv_team *team, rsv_status status, const char *reason)
     team->parted = true;
     team->table->copy(team, failed, message, sizeof message);
     message[sizeof message - 1] = '\0';
-    if (failed == 0) return rsv_fail(failure, "%s", message);
-    return rsv_fail(failure, "process %u of %u: %s", failed, team->size, message);
+    if (failed == 0)
+        rsv_fail(failure, "%s", message);
+    else
+        rsv_fail(failure, "process %u of %u: %s", failed, team->size, message);
+    team->failure = failure;
+    snprintf(team->reason, sizeof team->reason, "%s", rsv_last_error());
+    return failure;
 }
 
 /// The items of one owner, in their blocks, next to each other; or back from there.
