@@ -76,6 +76,17 @@ static void push_shadow_ray(rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_r
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
 
+/// The half of a pixel's samples that one belongs to.
+static uint32_t half_of(uint32_t sample) { return sample & 1; }
+
+/// The sample as one of its half alone, which is drawn for without regard to the other.
+static rsv_pixel_sample within_half(rsv_pixel_sample sample)
+{
+    uint32_t half = half_of(sample.index);
+    return (rsv_pixel_sample){ sample.index / 2, (sample.count + 1 - half) / 2,
+        rsv_hash2(sample.seed, 7 + half) };
+}
+
 /// A diffuse surface as sources light it.
 typedef struct lit_point {
     const rsv_bsdf *bsdf;
@@ -137,7 +148,7 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_
         term.exact = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), local.unshadowed);
     if (!push_term(d, term)) return;
     if (term.controlled) push_spot(d, chain, weight, sample);
-    aim(d, d->term_count - 1, &local, lit, weight, sample);
+    aim(d, d->term_count - 1, &local, lit, weight, within_half(sample));
 }
 
 static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weight, uint32_t column,
@@ -224,8 +235,8 @@ static void send_further_rays(rsv_pixel_direct *d, const rsv_direct_spot *spot, 
     rsv_local_lights local;
     set_up_seen(s, &spot->chain, &lit);
     rsv_lights_at(s->lights, lit.point.position, lit.point.normal, &local);
-    rsv_pixel_sample sample = { spot->sample.index * further, spot->sample.count * further,
-        rsv_hash2(spot->sample.seed, 6) };
+    rsv_pixel_sample own = within_half(spot->sample);
+    rsv_pixel_sample sample = { own.index * further, own.count * further, rsv_hash2(own.seed, 6) };
     for (uint32_t ray = 0; ray < further; ray++, sample.index++)
         aim(d, spot->term, &local, &lit, spot->weight, sample);
 }
@@ -246,19 +257,20 @@ static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *nois
 static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *squares)
 {
     rsv_rgb sum = rgb_gray(0);
-    uint32_t seen = 0, rays = 0;
+    uint32_t seen[2] = { 0, 0 }, rays[2] = { 0, 0 };
     float of_sample = 0;
     for (size_t i = 0; i < count; i++) {
         if (!term[i].controlled) continue;
-        seen += term[i].seen;
-        rays += term[i].rays;
+        seen[half_of(term[i].sample)] += term[i].seen;
+        rays[half_of(term[i].sample)] += term[i].rays;
     }
     *squares = 0;
     for (size_t i = 0; i < count; i++) {
         float share = 1 / (float)term[i].rays;
         rsv_rgb light = rgb_scale(term[i].arrived, share);
-        if (term[i].controlled && rays > term[i].rays) {
-            float others = (float)(seen - term[i].seen) / (float)(rays - term[i].rays);
+        uint32_t other = 1 - half_of(term[i].sample);
+        if (term[i].controlled && rays[other] > 0) {
+            float others = (float)seen[other] / (float)rays[other];
             light =
                 rgb_mad(light, others, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));
         }

@@ -1,13 +1,14 @@
 /// Direct light per pixel by next-event estimation, with what is known in closed form as control variate.
 ///
 /// Sample i of a pixel finds the unshadowed contribution S_i, visible or not (V_i), and knows its exact
-/// mean A_i (Lambert's formula). With a_i the mean visibility of the pixel's *other* samples,
+/// mean A_i (Lambert's formula). The samples are dealt out to two halves, whose shadow rays are stratified within each half
+/// and independent between them. With a_i the mean visibility of the *other* half,
 ///
 ///     sum_i  S_i V_i + a_i (A_i - C_i)
 ///
 /// (C_i = S_i with the mean radiance of a textured emitter and the mean transmission of a coat) is free of noise where
-/// all samples see the light, and unbiased as far as the others tell nothing of sample i. Samples of a pixel are
-/// stratified against each other, so a bias of order 1 / samples remains in penumbrae.
+/// all samples see the light, and unbiased: A_i - C_i is 0 on average, whatever the other half has seen. (Samples that
+/// are stratified against sample i know where it is not, which is a bias of order 1 / samples.)
 ///
 /// Where sources are seen in part, samples send further shadow rays: as many as balance what such a ray costs against
 /// what a camera ray does, sqrt(variance of visibility / variance of all else * cost of a camera ray / of a shadow ray)
