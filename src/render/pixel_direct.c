@@ -125,6 +125,7 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     rsv_light_sample light;
     if (!rsv_local_lights_sample(local, select, x, y, &light)) return;
     float cos = v3_dot(point->normal, light.direction), scale = cos / light.pdf_solid_angle;
+    d->term[term].asked++;
     rsv_rgb known = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), light.mean_radiance);
     d->term[term].control = rgb_mad(d->term[term].control, scale, known);
     // what the geometry hides from the shading normal is blocked like anything else
@@ -198,7 +199,7 @@ static void tally_rays(rsv_pixel_direct *d)
         const rsv_direct_term *term = &d->term[d->spot[k].term];
         rsv_shadow_tally *tally = &d->tally[term->column];
         float luminance = rgb_luminance(term->exact);
-        tally->rays += term->rays;
+        tally->asked += term->asked;
         tally->seen += term->seen;
         tally->brightest = f_max(tally->brightest, luminance);
         tally->squares += luminance * luminance;
@@ -214,13 +215,13 @@ static uint32_t further_rays(
     float spread = 0;
     for (uint32_t k = first; k <= column + NEIGHBOURS && k < d->width; k++) {
         if (k == column) continue;
-        around.rays += d->tally[k].rays;
+        around.asked += d->tally[k].asked;
         around.seen += d->tally[k].seen;
         around.squares += d->tally[k].squares;
         spread += rsv_pixel_noise_spread(&noise[k]);
     }
-    if (around.seen == 0 || around.seen == around.rays) return 0;
-    float share = (float)around.seen / (float)around.rays;
+    if (around.seen == 0 || around.seen == around.asked) return 0;
+    float share = (float)around.seen / (float)around.asked;
     float visibility = around.squares * share * (1 - share);
     // nothing but visibility is uncertain
     if (spread * (MOST_RAYS * MOST_RAYS) <= CAMERA_RAY_COST * visibility) return MOST_RAYS - 1;
@@ -257,20 +258,20 @@ static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *nois
 static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *squares)
 {
     rsv_rgb sum = rgb_gray(0);
-    uint32_t seen[2] = { 0, 0 }, rays[2] = { 0, 0 };
+    uint32_t seen[2] = { 0, 0 }, asked[2] = { 0, 0 };
     float of_sample = 0;
     for (size_t i = 0; i < count; i++) {
         if (!term[i].controlled) continue;
         seen[half_of(term[i].sample)] += term[i].seen;
-        rays[half_of(term[i].sample)] += term[i].rays;
+        asked[half_of(term[i].sample)] += term[i].asked;
     }
     *squares = 0;
     for (size_t i = 0; i < count; i++) {
         float share = 1 / (float)term[i].rays;
         rsv_rgb light = rgb_scale(term[i].arrived, share);
         uint32_t other = 1 - half_of(term[i].sample);
-        if (term[i].controlled && rays[other] > 0) {
-            float others = (float)seen[other] / (float)rays[other];
+        if (term[i].controlled && asked[other] > 0) {
+            float others = (float)seen[other] / (float)asked[other];
             light =
                 rgb_mad(light, others, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));
         }

@@ -25,7 +25,8 @@
 typedef struct rsv_direct_term {
     uint32_t column, sample;
     bool controlled; ///< A is known
-    uint32_t rays, seen;
+    uint32_t rays, asked,
+        seen;        ///< drawn; of these not below the horizon; of those that see the light
     rsv_rgb exact;   ///< A times the weight of the camera chain, as all that follows
     rsv_rgb arrived; ///< sum of S V over the rays
     rsv_rgb control; ///< sum of C over the rays
@@ -41,7 +42,7 @@ typedef struct rsv_direct_spot {
 
 /// What the controlled terms of a pixel have found by their first shadow rays.
 typedef struct rsv_shadow_tally {
-    uint32_t rays, seen;
+    uint32_t asked, seen;
     float brightest,
         squares; ///< of the luminance that each could bring: the greatest, and their sum
 } rsv_shadow_tally;

@@ -39,6 +39,13 @@ static rsv_rgb contrasty_sky(rsv_vec3 d)
 }
 
 /// Dim, with a sun of 1 degree's radius.
+/// Bright patches all around, half of which are behind any surface.
+static rsv_rgb patchy_sky(rsv_vec3 d)
+{
+    bool patch = sinf(9 * d.x) * sinf(9 * d.y + 1) * sinf(9 * d.z + 2) > 0.4f;
+    return rgb_gray(patch ? 20 : 0.1f);
+}
+
 static rsv_rgb sunny_sky(rsv_vec3 d)
 {
     rsv_vec3 sun = v3_normalize(v3(0.8f, 0.3f, -0.2f));
@@ -353,6 +360,40 @@ static void a_room_under_a_sun_agrees_with_the_reference(void **state)
     check_room(sunny_sky);
 }
 
+/// Two camera rays a pixel, each of whose shadow rays sees a part of the sky: on average what many see.
+static void few_rays_find_as_much_sky_as_many(void **state)
+{
+    (void)state;
+    enum { pictures = 48 };
+    rsv_rgb *pixels = paint(256, 128, patchy_sky);
+    world *w = world_begin(2);
+    add_quad(w, v3(-2, 0, 2), v3(4, 0, 0), v3(0, 0, -4), 0.5f);
+    add_quad(w, v3(-2, 0, -2), v3(4, 0, 0), v3(0, 3, 0), 0.5f);
+    world_box(w, world_lambert(w, 0.5f, 0), v3(-0.5f, 0.1f, -0.5f), v3(0.5f, 1, 0.5f));
+    surround(w, picture(pixels, 256, 128));
+    rsv_camera camera = rsv_camera_look_at("eye", v3(2, 2, 3), v3(0, 0.3f, 0), 0.7f, 1);
+    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    rsv_solution *solution = solve(w);
+    rsv_render_desc desc = rsv_default_render_desc();
+    desc.mode = RSV_RENDER_FINAL;
+    desc.width = desc.height = 24;
+    double mean[2] = { 0, 0 };
+    for (uint32_t k = 0; k < pictures + 1; k++) {
+        rsv_image *image;
+        desc.samples = k ? 2 : 1024;
+        desc.seed = k;
+        assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
+        mean[k > 0] += mean_luminance(image) / (k ? pictures : 1);
+        rsv_image_destroy(image);
+    }
+    print_message("two rays: %.4f of what many find\n", mean[1] / mean[0]);
+    assert_float_equal(mean[1], mean[0], 4e-3 * mean[0]);
+    rsv_solution_destroy(solution);
+    free(pixels);
+    world_end(w);
+}
+
 static void one_pixel_is_a_constant_sky(void **state)
 {
     (void)state;
@@ -417,6 +458,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest slow[] = {
         cmocka_unit_test(turning_the_sky_takes_no_new_rays),
         cmocka_unit_test(a_room_under_a_contrasty_sky_agrees_with_the_reference),
+        cmocka_unit_test(few_rays_find_as_much_sky_as_many),
         cmocka_unit_test(a_room_under_a_sun_agrees_with_the_reference),
     };
     return RUN_HALF(argc, argv, quick, slow);
