@@ -153,7 +153,8 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
         // the chance is the mean over facets, so a facet is wanted that does reflect
         for (int tries = 0; tries < RSV_MOST_TRIES; tries++) {
             if (rsv_reflects_at_coat(draw, bsdf->alpha > 0 ? u : 0, &event)) return event;
-            rsv_draw_facet(draw, rsv_random_float(&draw->rest), rsv_random_float(&draw->rest));
+            float u2 = rsv_random_float(&draw->rest), u1 = rsv_random_float(&draw->rest);
+            rsv_draw_facet(draw, u1, u2);
             u = rsv_random_float(&draw->rest);
         }
         return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));

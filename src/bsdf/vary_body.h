@@ -33,34 +33,32 @@ RSV_INLINE float rsv_microsurface_width(float roughness)
     return alpha < RSV_SMOOTH_ALPHA ? 0 : alpha;
 }
 
-typedef rsv_rgb (*rsv_cosine_function)(const rsv_bsdf *bsdf, float cos);
+/// Means over the hemisphere, 2 int f cos dcos, are sums of so many values of f.
+#define RSV_MEAN_NODES 8
 
-/// 2 int f cos dcos, by Gauss's rule of eight points in x = sqrt(cos), 4 int f x^3 dx.
-RSV_INLINE rsv_rgb rsv_hemispherical_mean(const rsv_bsdf *bsdf, rsv_cosine_function f)
+/// Gauss's rule in x = sqrt(cos), 4 int f x^3 dx. @return the weight of node k
+RSV_INLINE float rsv_mean_node(int k, float *cos)
 {
     const float place[4] = { 0.1834346424956498f, 0.5255324099163290f, 0.7966664774136267f,
         0.9602898564975363f };
     const float weight[4] = { 0.3626837833783620f, 0.3137066458778873f, 0.2223810344533745f,
         0.1012285362903763f };
-    rsv_rgb sum = rgb_gray(0);
-    RSV_ROLLED
-    for (int k = 0; k < 8; k++) {
-        float x = 0.5f + (k & 1 ? 0.5f : -0.5f) * place[k / 2];
-        sum = rgb_mad(sum, 2 * weight[k / 2] * x * x * x, f(bsdf, x * x));
-    }
-    return sum;
-}
-
-RSV_INLINE rsv_rgb rsv_coated_sheen_rgb(const rsv_bsdf *bsdf, float cos)
-{
-    return rgb_gray(rsv_bsdf_coated_sheen(bsdf, cos));
+    float x = 0.5f + (k & 1 ? 0.5f : -0.5f) * place[k / 2];
+    *cos = x * x;
+    return 2 * weight[k / 2] * x * x * x;
 }
 
 RSV_INLINE float rsv_bsdf_sheen_mean(const rsv_bsdf *bsdf)
 {
     float k = bsdf->sheen_power;
     if (bsdf->clearcoat == 0) return 2 / ((k + 1) * (k + 2));
-    return rsv_hemispherical_mean(bsdf, rsv_coated_sheen_rgb).r;
+    float sum = 0;
+    RSV_ROLLED
+    for (int n = 0; n < RSV_MEAN_NODES; n++) {
+        float cos, weight = rsv_mean_node(n, &cos);
+        sum += weight * rsv_bsdf_coated_sheen(bsdf, cos);
+    }
+    return sum;
 }
 
 RSV_INLINE void rsv_bsdf_set_layers(rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
@@ -74,10 +72,21 @@ RSV_INLINE void rsv_bsdf_set_layers(rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
     if (!rgb_is_black(v->sheen_color)) bsdf->sheen_mean = rsv_bsdf_sheen_mean(bsdf);
 }
 
+RSV_INLINE rsv_rgb rsv_bsdf_layered_entry_mean(const rsv_bsdf *bsdf)
+{
+    rsv_rgb sum = rgb_gray(0);
+    RSV_ROLLED
+    for (int n = 0; n < RSV_MEAN_NODES; n++) {
+        float cos, weight = rsv_mean_node(n, &cos);
+        sum = rgb_mad(sum, weight, rsv_bsdf_entry(bsdf, cos));
+    }
+    return sum;
+}
+
 RSV_INLINE rsv_rgb rsv_bsdf_entry_mean(const rsv_bsdf *bsdf)
 {
     if (!bsdf->coated) return rgb_gray(1);
-    if (bsdf->layered) return rsv_hemispherical_mean(bsdf, rsv_bsdf_entry);
+    if (bsdf->layered) return rsv_bsdf_layered_entry_mean(bsdf);
     float reflected = bsdf->alpha == 0 ? bsdf->smooth_mean
                                        : rsv_table_mean(bsdf->tables->reflected_mean,
                                              bsdf->eta_place, bsdf->alpha_place);

@@ -2,6 +2,8 @@
 
 #include "../core/team.h"
 
+#include <string.h>
+
 rsv_status rsv_photon_map_create(
     rsv_context *context, const rsv_elements *elements, double unit, rsv_photon_map *map)
 {
@@ -11,6 +13,12 @@ rsv_status rsv_photon_map_create(
     map->flux = rsv_alloc(context, elements->node_count, sizeof *map->flux);
     map->hits = rsv_alloc(context, elements->node_count, sizeof *map->hits);
     return map->flux && map->hits ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+void rsv_photon_map_clear(rsv_photon_map *map)
+{
+    memset(map->flux, 0, map->elements->node_count * sizeof *map->flux);
+    memset(map->hits, 0, map->elements->node_count * sizeof *map->hits);
 }
 
 void rsv_photon_map_destroy(rsv_photon_map *map)

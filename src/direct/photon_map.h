@@ -17,6 +17,8 @@ typedef struct rsv_photon_map {
 /// @param unit W: the smallest flux that is told from none
 rsv_status rsv_photon_map_create(
     rsv_context *context, const rsv_elements *elements, double unit, rsv_photon_map *map);
+/// As if nothing had landed.
+void rsv_photon_map_clear(rsv_photon_map *map);
 
 /// Sums of whole numbers come out the same in any order.
 RSV_INLINE void rsv_add_atomically(int64_t *sum, int64_t amount)

@@ -19,8 +19,8 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_group(
     uint32_t index = g->first + rsv_alias_table_draw(o->emitter_table + g->first, g->count,
                                     rsv_random_float(random));
     const rsv_emitter *e = &o->lights->emitter[index];
-    float u, v;
-    rsv_square_to_triangle(rsv_random_float(random), rsv_random_float(random), &u, &v);
+    float u, v, y_on_triangle = rsv_random_float(random), x_on_triangle = rsv_random_float(random);
+    rsv_square_to_triangle(x_on_triangle, y_on_triangle, &u, &v);
     bool back = e->double_sided && (rsv_random_bits(random) & 1u);
     rsv_vec3 normal = back ? v3_neg(e->normal) : e->normal;
     rsv_vec3 point = v3_barycentric(e->corner[0], e->corner[1], e->corner[2], u, v);

@@ -234,6 +234,8 @@ rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights 
         .map_count = map_count };
     bool done;
     RSV_TRY(rsv_photons_by_device(&deal, count, rays, &done));
+    for (size_t m = 0; !done && m < map_count; m++)
+        rsv_photon_map_clear(&maps[m]); // of what a device brought before it failed
     if (!done) RSV_TRY(shoot_all(&job, count, rays));
     for (size_t m = 0; m < map_count; m++) {
         rsv_photon_map_unite(&maps[m]);

@@ -3,11 +3,13 @@
 #include "../trace/hierarchy.h"
 
 #include <stdio.h>
+#include <string.h>
 
 struct rsv_frame_device {
     rsv_context *context;
     const rsv_light_table *table;
     uint32_t eyes;
+    size_t pixels; ///< of one
     const rsv_device_frames_table *device;
     rsv_device_frames *frames; ///< NULL = it has failed
     bool dim;                  ///< the table's light is not there yet
@@ -79,6 +81,7 @@ rsv_status rsv_frame_device_create(
     *d = (rsv_frame_device){ .context = s->context,
         .table = table,
         .eyes = desc->eyes,
+        .pixels = (size_t)desc->width * desc->height,
         .device = device->table->frames,
         .dim = true };
     RSV_TRY(rsv_tracer_hierarchy(s->scene.tracer, &bvh));
@@ -162,11 +165,15 @@ void rsv_frame_device_pixels(rsv_frame_device *d, uint32_t eye, uint8_t (*pixel)
     char message[RSV_DEVICE_MESSAGE_BYTES];
     if (!d->frames || !d->fresh[eye]) return;
     d->fresh[eye] = false;
-    check(d, d->device->pixels(d->frames, eye, pixel, message), message);
+    if (check(d, d->device->pixels(d->frames, eye, pixel, message), message) != RSV_OK ||
+        !d->frames)
+        memset(pixel, 0, d->pixels * sizeof *pixel); // a lost frame is black, not an older one
 }
 
 void rsv_frame_device_sums(rsv_frame_device *d, uint32_t eye, float (*sum)[4])
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
-    if (d->frames) check(d, d->device->sums(d->frames, eye, sum, message), message);
+    if (!d->frames) return;
+    if (check(d, d->device->sums(d->frames, eye, sum, message), message) != RSV_OK || !d->frames)
+        memset(sum, 0, d->pixels * sizeof *sum);
 }

@@ -168,6 +168,7 @@ static rsv_status create(
     f->args.stage = f->stage_there;
     f->args.varied = f->scene.bvh.holes != NULL;
     upload_scene(f);
+    rsv_gpu_clear(f->gpu, f->args.sum, f->pixels * sizeof *f->args.sum); // fourth components, too
     status = rsv_gpu_wait(f->gpu, message);
     if (status == RSV_OK)
         *frames = f;

@@ -16,6 +16,7 @@ struct cuda_gpu {
     rsv_gpu gpu;
     cudaStream_t stream;
     cudaEvent_t mark[RSV_GPU_MARKS];
+    size_t bytes_used; ///< of all blocks
 };
 
 cuda_gpu *cuda_of(rsv_gpu *gpu) { return (cuda_gpu *)gpu; }
@@ -24,9 +25,27 @@ cuda_gpu *cuda_of(rsv_gpu *gpu) { return (cuda_gpu *)gpu; }
 bool check(rsv_gpu *gpu, cudaError_t error, const char *doing)
 {
     if (error == cudaSuccess) return true;
-    rsv_gpu_fail(gpu, RSV_ERROR_DEVICE, "%s fails while %s: %s", gpu->device.info.name, doing,
+    cudaGetLastError(); // it sticks to the next launch otherwise
+    rsv_status status = error == cudaErrorMemoryAllocation ? RSV_ERROR_MEMORY : RSV_ERROR_DEVICE;
+    rsv_gpu_fail(gpu, status, "%s fails while %s: %s", gpu->device.info.name, doing,
         cudaGetErrorString(error));
     return false;
+}
+
+__global__ void any_kernel() {}
+
+/// Whether the plug-in has code that the device can run, or make its own.
+rsv_status look_for_code(const rsv_device_info *info, char *message)
+{
+    cudaFuncAttributes attributes;
+    cudaError_t error = cudaFuncGetAttributes(&attributes, any_kernel);
+    if (error == cudaSuccess) return RSV_OK;
+    cudaGetLastError();
+    snprintf(message, RSV_DEVICE_MESSAGE_BYTES,
+        "the plug-in was not built for %s of compute capability %s: %s; build it anew with "
+        "CMAKE_CUDA_ARCHITECTURES",
+        info->name, info->capability, cudaGetErrorString(error));
+    return RSV_ERROR_UNSUPPORTED;
 }
 
 void print_version(char *text, size_t bytes, int version)
@@ -68,14 +87,18 @@ rsv_status look(rsv_device_info *info, char *message)
 
 } // namespace
 
-rsv_status rsv_gpu_create(const rsv_device_desc *, rsv_gpu **gpu, char *message)
+rsv_status rsv_gpu_create(const rsv_device_desc *desc, rsv_gpu **gpu, char *message)
 {
     cuda_gpu *c = (cuda_gpu *)calloc(1, sizeof *c);
     if (!c) {
         snprintf(message, RSV_DEVICE_MESSAGE_BYTES, "out of memory");
         return RSV_ERROR_MEMORY;
     }
-    rsv_status status = look(&c->gpu.device.info, message);
+    rsv_device_info *info = &c->gpu.device.info;
+    rsv_status status = look(info, message);
+    if (desc->max_bytes && desc->max_bytes < info->memory_bytes)
+        info->memory_bytes = desc->max_bytes;
+    if (status == RSV_OK) status = look_for_code(info, message);
     if (status == RSV_OK) {
         rsv_gpu *g = &c->gpu;
         check(g, cudaSetDevice(0), "being opened");
@@ -97,13 +120,15 @@ void rsv_gpu_destroy(rsv_gpu *gpu)
     for (cudaEvent_t mark : c->mark)
         if (mark) cudaEventDestroy(mark);
     if (c->stream) cudaStreamDestroy(c->stream);
+    cudaGetLastError(); // a device that is lost fails all of these
     free(c);
 }
 
 rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message)
 {
     cuda_gpu *c = cuda_of(gpu);
-    if (c->stream && gpu->status == RSV_OK) check(gpu, cudaStreamSynchronize(c->stream), "working");
+    if (c->stream && gpu->status != RSV_ERROR_DEVICE)
+        check(gpu, cudaStreamSynchronize(c->stream), "working");
     return rsv_gpu_report(gpu, message);
 }
 
@@ -111,26 +136,30 @@ rsv_status rsv_gpu_wait(rsv_gpu *gpu, char *message)
 
 void rsv_gpu_reserve(rsv_gpu *gpu, rsv_gpu_block *block, const char *what)
 {
-    size_t left = 0, all = 0, most = gpu->device.desc.max_bytes;
+    size_t left = 0, all = 0, used = cuda_of(gpu)->bytes_used;
+    size_t most = gpu->device.desc.max_bytes;
     void *memory = nullptr;
     if (gpu->status != RSV_OK) return;
     block->placed = 0;
     if (!check(gpu, cudaMemGetInfo(&left, &all), "asked for memory")) return;
-    if (most && left > most) left = most;
+    if (most && left > most - used) left = most - used;
     if (block->bytes > left ||
         cudaMalloc(&memory, block->bytes ? block->bytes : 1) != cudaSuccess) {
-        cudaGetLastError(); // it sticks to the next launch otherwise
+        cudaGetLastError(); // as above
         rsv_gpu_fail(gpu, RSV_ERROR_MEMORY, RSV_GPU_TOO_SMALL, what, (double)block->bytes / 0x1p20,
             gpu->device.info.name, (double)left / 0x1p20);
         return;
     }
     block->base = (char *)memory;
+    cuda_of(gpu)->bytes_used += block->bytes;
 }
 
 void rsv_gpu_release(rsv_gpu *gpu, rsv_gpu_block *block)
 {
     cudaStreamSynchronize(cuda_of(gpu)->stream);
+    if (block->base) cuda_of(gpu)->bytes_used -= block->bytes;
     cudaFree(block->base);
+    cudaGetLastError(); // as above
     *block = rsv_gpu_block{};
 }
 
@@ -177,7 +206,8 @@ void rsv_gpu_record(rsv_gpu *gpu)
 {
     cudaStream_t stream;
     if (!rsv_gpu_begins(gpu, 1, &stream)) return;
-    check(gpu, cudaStreamBeginCapture(stream, cudaStreamCaptureModeThreadLocal), "recording");
+    // relaxed: a kernel whose code is loaded by its first launch may well be launched here
+    check(gpu, cudaStreamBeginCapture(stream, cudaStreamCaptureModeRelaxed), "recording");
 }
 
 rsv_gpu_recording *rsv_gpu_recorded(rsv_gpu *gpu)

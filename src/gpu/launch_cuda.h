@@ -4,6 +4,8 @@
 
 #include <cuda_runtime.h>
 
+#include <cstring>
+
 enum { RSV_BLOCK_THREADS = 256 };
 
 /// Whether there is something to launch and nothing has failed; the stream to launch it in.
@@ -23,12 +25,13 @@ __global__ void __launch_bounds__(RSV_BLOCK_THREADS)
 template <typename Value> __device__ Value rsv_from_lane(const Value &value, uint32_t distance)
 {
     static_assert(sizeof(Value) % 4 == 0, "lanes exchange words");
-    Value other;
-    const uint32_t *from = (const uint32_t *)&value;
-    uint32_t *to = (uint32_t *)&other;
+    uint32_t word[sizeof(Value) / 4];
+    memcpy(word, &value, sizeof value);
 #pragma unroll
     for (uint32_t k = 0; k < sizeof(Value) / 4; k++)
-        to[k] = __shfl_down_sync(0xffffffffu, from[k], distance);
+        word[k] = __shfl_down_sync(0xffffffffu, word[k], distance);
+    Value other;
+    memcpy(&other, word, sizeof other);
     return other;
 }
 
@@ -37,7 +40,7 @@ template <typename Args, typename Value, Value (*lane)(const Args *, uint32_t, u
 __global__ void __launch_bounds__(RSV_BLOCK_THREADS)
     rsv_each_sum(const __grid_constant__ Args args, uint32_t count)
 {
-    uint32_t item = (blockIdx.x * RSV_BLOCK_THREADS + threadIdx.x) / RSV_LANES;
+    uint32_t item = blockIdx.x * (RSV_BLOCK_THREADS / RSV_LANES) + threadIdx.x / RSV_LANES;
     uint32_t own = threadIdx.x % RSV_LANES;
     if (item >= count) return; // the whole warp
     Value sum = lane(&args, item, own);

@@ -70,6 +70,7 @@ static void make_room(rsv_device_transport *t, size_t fields)
     t->fields = fields;
     rsv_gpu_release(t->gpu, &t->room);
     rsv_gpu_lay_out(t->gpu, &t->room, lay_out_room, t, "the fields of the operator");
+    if (!t->room.base) t->fields = 0; // asked for again, should there be a next time
 }
 
 static void destroy(rsv_device_transport *t)
@@ -91,6 +92,7 @@ static rsv_status create(rsv_device *device, const rsv_device_system *system,
     t->system = *system;
     rsv_gpu_lay_out(t->gpu, &t->rows, lay_out_rows, t, "the operator");
     upload_rows(t);
+    rsv_gpu_clear(t->gpu, t->solver.state, sizeof *t->solver.state); // what pads it, too
     make_room(t, 1);
     rsv_status status = rsv_gpu_wait(t->gpu, message);
     if (status == RSV_OK)
