@@ -63,6 +63,7 @@ export class MapLight {
     }
 
     constructor(texture) {
+        texture.colorSpace = THREE.SRGBColorSpace;
         this.texture = texture;
     }
 
@@ -82,7 +83,7 @@ export class MapLight {
     }
 
     apply(shown, { vertexColors, userData }) {
-        const { texCoord = 0, intensity = 1 } = userData.gltfExtensions.MOZ_lightmap;
+        const { texCoord = 1, intensity = 1 } = userData.gltfExtensions.MOZ_lightmap;
         this.texture.channel = texCoord;
         shown.lightMap = this.texture;
         shown.lightMapIntensity = intensity;

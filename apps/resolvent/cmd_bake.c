@@ -8,6 +8,7 @@
 #include "resolvent/bake.h"
 
 #include <cJSON.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,7 +22,8 @@ static const char help[] =
     "\n"
     "  --to vertex        light in COLOR_0, surfaces tessellated where light asks for it\n"
     "  --to lightmap      irradiance in a texture (MOZ_lightmap), and as OUT.lightmap.exr\n"
-    "  --to probes        a grid of spherical harmonics, for what moves: OUT.json and OUT.bin\n"
+    "  --to probes        a grid of spherical harmonics, for what moves: OUT.json and\n"
+    "                     OUT.probes.bin\n"
     "  -o OUT             the file to write: .glb, probes .json\n"
     "  --basis            also write what each light does by itself: OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
@@ -73,29 +75,56 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--to", .kind = CLI_CHOICE, .value = &s->target, .choices = target_names },
         { .name = "--basis", .kind = CLI_FLAG, .value = &s->bake.basis },
-        { .name = "--env-turns", .kind = CLI_COUNT, .value = &s->bake.turns, .min = 1, .max = 64 },
+        { .name = "--env-turns",
+            .kind = CLI_COUNT,
+            .value = &s->bake.turns,
+            .min = 1,
+            .max = 64,
+            .goes_with = "--basis" },
         { .name = "--dry-run", .kind = CLI_FLAG, .value = &s->bake.dry_run },
         { .name = "--tolerance",
             .kind = CLI_SHARE,
             .value = &s->bake.tolerance,
             .min = 0.002,
-            .max = 1 },
-        { .name = "--unlit", .kind = CLI_FLAG, .value = &s->bake.unlit },
+            .max = 1,
+            .goes_with = "--to=vertex" },
+        { .name = "--unlit",
+            .kind = CLI_FLAG,
+            .value = &s->bake.unlit,
+            .goes_with = "--to=vertex" },
         { .name = "--map-size",
             .kind = CLI_COUNT,
             .value = &s->bake.map_size,
             .min = 16,
-            .max = 8192 },
-        { .name = "--density", .kind = CLI_REAL, .value = &s->bake.density, .max = 1e6 },
-        { .name = "--padding", .kind = CLI_COUNT, .value = &s->bake.padding, .min = 1, .max = 16 },
-        { .name = "--spacing", .kind = CLI_REAL, .value = &s->bake.probe_spacing, .max = 1e6 },
+            .max = 8192,
+            .goes_with = "--to=lightmap" },
+        { .name = "--density",
+            .kind = CLI_REAL,
+            .value = &s->bake.density,
+            .max = 1e6,
+            .goes_with = "--to=lightmap" },
+        { .name = "--padding",
+            .kind = CLI_COUNT,
+            .value = &s->bake.padding,
+            .min = 1,
+            .max = 16,
+            .goes_with = "--to=lightmap" },
+        { .name = "--spacing",
+            .kind = CLI_REAL,
+            .value = &s->bake.probe_spacing,
+            .max = 1e6,
+            .goes_with = "--to=probes" },
         { .name = "--probe-samples",
             .kind = CLI_COUNT,
             .value = &s->bake.probe_samples,
             .min = 32,
-            .max = 65536 },
-        { .name = "--directional", .kind = CLI_FLAG, .value = &s->bake.directional },
-        { .name = "--new-uv", .kind = CLI_FLAG, .value = &s->new_uv },
+            .max = 65536,
+            .goes_with = "--to=probes" },
+        { .name = "--directional",
+            .kind = CLI_FLAG,
+            .value = &s->bake.directional,
+            .goes_with = "--to=lightmap" },
+        { .name = "--new-uv", .kind = CLI_FLAG, .value = &s->new_uv, .goes_with = "--to=lightmap" },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
@@ -113,10 +142,6 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     else if (!cli_ends_in(s->output, s->target == TO_PROBES ? ".json" : ".glb"))
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output,
             s->target == TO_PROBES ? ".json" : ".glb");
-    else if (s->bake.turns > 1 && !s->bake.basis)
-        *exit_status = cli_usage_error("bake", "--env-turns goes with --basis");
-    else if (s->target != TO_LIGHTMAP && s->bake.directional)
-        *exit_status = cli_usage_error("bake", "--directional goes with --to lightmap");
     else
         return true;
     return false;
@@ -154,8 +179,11 @@ static void print_report(const settings *s, const rsv_bake_report *r)
     if (r->lights) printf("lights      %zu\n", r->lights);
 }
 
-static void add_numbers(cJSON *root, const settings *s, const rsv_bake_report *r)
+/// What came out, for the statistics.
+static cJSON *describe(const settings *s, const rsv_bake_report *r)
 {
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "to", target_names[s->target]);
     cJSON_AddNumberToObject(root, "light_scale", (double)r->light_scale);
     if (s->target == TO_VERTEX) {
         cJSON_AddNumberToObject(root, "vertices", (double)r->vertices);
@@ -171,19 +199,32 @@ static void add_numbers(cJSON *root, const settings *s, const rsv_bake_report *r
         cJSON_AddNumberToObject(root, "coverage", r->coverage);
         cJSON_AddNumberToObject(root, "largest_seam", r->largest_seam);
     }
+    return root;
 }
 
-static bool write_stats(const cli_session *session, const settings *s, const rsv_bake_report *r)
+static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution,
+    const rsv_bake_report *report, double time_bake)
 {
-    cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "command", "bake");
-    cJSON_AddStringToObject(root, "scene", s->scene);
-    cJSON_AddStringToObject(root, "to", target_names[s->target]);
-    add_numbers(root, s, r);
-    cJSON_AddNumberToObject(root, "time_s", cli_seconds() - session->started);
-    bool written = cli_write_json(s->stats, root);
-    cJSON_Delete(root);
-    return written;
+    cli_stats stats = { .command = "bake",
+        .scene = s->scene,
+        .mode = "bake",
+        .quality = (rsv_quality)s->solve.quality,
+        .threads = cli_thread_count(s->threads),
+        .seed = s->solve.seed,
+        .report = rsv_solution_report(solution),
+        .order_count = rsv_solution_order_count(solution),
+        .standard_error = NAN,
+        .time_render = time_bake,
+        .more = describe(s, report) };
+    return cli_write_stats(s->stats, session, &stats);
+}
+
+/// Before it is solved: what would fail only afterwards.
+static bool can_turn(const settings *s, const rsv_scene *scene)
+{
+    if (s->bake.turns == 1 || rsv_scene_get_view(scene)->environment) return true;
+    cli_error("--env-turns: there are no surroundings to be turned; give them by --env");
+    return false;
 }
 
 /// Solves and bakes. @param input the scene's glTF file
@@ -192,16 +233,22 @@ static int bake(cli_session *session, settings *s, const rsv_scene *scene, const
     rsv_solution *solution = NULL;
     rsv_bake_report report = { 0 };
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
-    if (!cli_checkpoint_prepare(session, &s->checkpoint, scene, &desc)) return CLI_FAILURE;
+    if (!can_turn(s, scene) || !cli_checkpoint_prepare(session, &s->checkpoint, scene, &desc))
+        return CLI_FAILURE;
     rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    double solved = cli_seconds();
     if (status == RSV_OK)
         status = bake_to[s->target](solution, input, s->output, &s->bake, &report);
+    bool written = status == RSV_OK;
+    if (written) {
+        cli_checkpoint_prune(&s->checkpoint);
+        cli_progress_clear(&session->progress);
+        print_report(s, &report);
+        written = !s->stats || write_stats(session, s, solution, &report, cli_seconds() - solved);
+    }
     rsv_solution_destroy(solution);
     if (status != RSV_OK) return cli_report_failure(session, status);
-    cli_checkpoint_prune(&s->checkpoint);
-    cli_progress_clear(&session->progress);
-    print_report(s, &report);
-    return !s->stats || write_stats(session, s, &report) ? CLI_SUCCESS : CLI_FAILURE;
+    return written ? CLI_SUCCESS : CLI_FAILURE;
 }
 
 static int run(cli_session *session, settings *s)
@@ -217,6 +264,23 @@ static int run(cli_session *session, settings *s)
     return exit_status;
 }
 
+/// Whether none of the files beside the output (docs/bake.md) is one of those that the user gave.
+static bool keeps_inputs(const settings *s)
+{
+    static const char *const sides[] = { ".lightmap.exr", ".lightmap-x.exr", ".lightmap-y.exr",
+        ".lightmap-z.exr", ".light.safetensors", ".probes.bin" };
+    const char *const given[] = { s->scene, s->mesh, s->environment.path, s->stats };
+    size_t stem = strlen(s->output) - strlen(strrchr(s->output, '.'));
+    char side[4096];
+    for (size_t k = 0; k < sizeof sides / sizeof sides[0]; k++) {
+        snprintf(side, sizeof side, "%.*s%s", (int)stem, s->output, sides[k]);
+        for (size_t n = 0; n < sizeof given / sizeof given[0]; n++)
+            if (!cli_check_apart(side, given[n])) return false;
+    }
+    return cli_check_apart(s->output, s->scene) && cli_check_apart(s->stats, s->output) &&
+           cli_check_apart(s->stats, s->scene) && cli_check_apart(s->output, s->environment.path);
+}
+
 int cli_bake(int argc, char **argv)
 {
     settings s = { .target = -1,
@@ -226,8 +290,7 @@ int cli_bake(int argc, char **argv)
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     s.bake.keep_uv = !s.new_uv;
-    if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats)) ||
-        !cli_check_apart(s.output, s.scene) || !cli_check_apart(s.stats, s.output))
+    if (!cli_check_output(s.output) || (s.stats && !cli_check_output(s.stats)) || !keeps_inputs(&s))
         return CLI_FAILURE;
     cli_session session;
     if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;

@@ -210,14 +210,24 @@ static int parse_option(const cli_usage *usage, int argc, char **argv, int *inde
 }
 
 /// Options that do nothing without others must not look as if they did.
+/// Whether `company`, "--option" or "--option=choice", is what the user chose.
+static bool is_chosen(const cli_usage *usage, const char *company, uint64_t given)
+{
+    const cli_option *option = find_option(usage, company);
+    const char *choice = strchr(company, '=');
+    if (!(given >> (option - usage->options) & 1)) return false;
+    return !choice || strcmp(option->choices[*(const int *)option->value], choice + 1) == 0;
+}
+
 static int check_company(const cli_usage *usage, uint64_t given)
 {
     for (const cli_option *option = usage->options; option->name; option++) {
         if (!(given >> (option - usage->options) & 1) || !option->goes_with) continue;
-        const cli_option *other = find_option(usage, option->goes_with);
-        if (!(given >> (other - usage->options) & 1))
-            return cli_usage_error(
-                usage->command, "%s does nothing without %s", option->name, other->name);
+        if (is_chosen(usage, option->goes_with, given)) continue;
+        const char *choice = strchr(option->goes_with, '=');
+        return cli_usage_error(usage->command, "%s does nothing without %.*s%s%s", option->name,
+            (int)strcspn(option->goes_with, "="), option->goes_with, choice ? " " : "",
+            choice ? choice + 1 : "");
     }
     return CLI_SUCCESS;
 }

@@ -34,7 +34,8 @@ typedef struct cli_option {
     void *value; ///< what the option fills; holds the default before
     double min, max;
     const char *const *choices; ///< NULL-terminated
-    const char *goes_with;      ///< an option without which this one does nothing; NULL = none
+    /// An option without which this one does nothing, or one of its choices: "--goal", "--to=vertex"; NULL = none
+    const char *goes_with;
 } cli_option;
 
 typedef struct cli_usage {

@@ -188,11 +188,24 @@ rsv_status cli_certify_briefly(
     return rsv_certify(solution, &desc, certificate);
 }
 
+static void add_more(cJSON *root, cJSON *more)
+{
+    while (more && more->child) {
+        cJSON *item = cJSON_DetachItemViaPointer(more, more->child);
+        cJSON_AddItemToObject(root, item->string, item);
+    }
+    cJSON_Delete(more);
+}
+
 bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats)
 {
-    if (!cli_crew_speaks()) return true;
+    if (!cli_crew_speaks()) {
+        cJSON_Delete(stats->more);
+        return true;
+    }
     cJSON *root = cJSON_CreateObject();
     add_settings(root, stats);
+    add_more(root, stats->more);
     add_solution(root, stats);
     add_certificate(root, stats->certificate);
     add_split(root, stats->split);

@@ -6,6 +6,8 @@
 
 #include "resolvent/certify.h"
 
+struct cJSON;
+
 /// What a run did. Numbers that do not exist for it (no operator in mode reference) are NAN or 0 and
 /// appear as null.
 typedef struct cli_stats {
@@ -20,6 +22,8 @@ typedef struct cli_stats {
     uint32_t order_count;
     double standard_error; ///< of the picture's mean, relative; NAN = unknown
     double time_render;
+    /// More members of the file, which take them over; NULL = none.
+    struct cJSON *more;
 } cli_stats;
 
 /// Names of the qualities, in the order of rsv_quality; NULL-terminated.

@@ -58,12 +58,13 @@ typedef struct rsv_bake_report {
 RSV_API rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *input,
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
-/// Irradiance in a picture: MOZ_lightmap with linear 8-bit codes in the file, and OUT.lightmap.exr beside it in full
+/// Irradiance in a picture: MOZ_lightmap with 8-bit sRGB codes in the file, and OUT.lightmap.exr beside it in full
 /// precision, for normal maps also OUT.lightmap-x.exr, -y and -z (desc->directional). Second texture coordinates of the file are used where they are in the unit square and do not overlap.
 RSV_API rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input,
     const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
-/// Radiance around the points of a grid, in spherical harmonics of order 2, for what moves: OUT.json and OUT.bin. Probes
+/// Radiance around the points of a grid, in spherical harmonics of order 2, for what moves: OUT.json and OUT.probes.bin.
+/// Probes
 /// that see mostly backs of surfaces are inside something and invalid.
 /// @param input not needed; may be NULL @param output .json
 RSV_API rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input,

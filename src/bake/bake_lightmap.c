@@ -135,8 +135,8 @@ rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, co
     RSV_TRY(find_scale(&b));
     fill_report(&b, report);
     if (b.desc->dry_run) goto cleanup;
-    RSV_TRY(rsv_lightmap_bake_write(&b, output));
     if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
+    RSV_TRY(rsv_lightmap_bake_write(&b, output));
 cleanup:
     close_file(&b);
     return status;

@@ -1,6 +1,7 @@
 #include "bake_lightmap_file.h"
 
 #include "../core/index_map.h"
+#include "../core/srgb.h"
 #include "../core/vec.h"
 #include "../io/image_internal.h"
 #include "bake_directions.h"
@@ -11,9 +12,13 @@
 
 // ---- pictures -------------------------------------------------------------------------------------
 
-static uint8_t code_of(float value) { return (uint8_t)(255 * f_min(f_max(value, 0), 1) + 0.5f); }
+/// As MOZ_lightmap has it: sRGB, which leaves more codes to the dark.
+static uint8_t code_of(float value)
+{
+    return (uint8_t)(255 * rsv_srgb_encode((double)f_min(f_max(value, 0), 1)) + 0.5);
+}
 
-/// Adds the map to the file: a texture of linear codes.
+/// Adds the map to the file: a texture of sRGB codes.
 static rsv_status add_texture(rsv_lightmap_bake *b, int *texture)
 {
     rsv_status status;
@@ -93,19 +98,25 @@ cleanup:
 
 // ---- the file -------------------------------------------------------------------------------------
 
-/// The first set of texture coordinates after the first that no part has.
-static int free_set(const rsv_lightmap_bake *b)
+/// Whether a texture of this JSON is looked up by a set of coordinates; an older lightmap does not count.
+static bool is_looked_up_by(const cJSON *json, int set)
 {
-    for (int set = 1;; set++) {
-        char name[32];
-        bool used = false;
-        snprintf(name, sizeof name, "TEXCOORD_%d", set);
-        for (size_t k = 0; k < b->parts.count; k++)
-            used |=
-                cJSON_GetObjectItemCaseSensitive(
-                    cJSON_GetObjectItemCaseSensitive(b->primitive[k], "attributes"), name) != NULL;
-        if (!used) return set;
-    }
+    const cJSON *item;
+    if (cJSON_GetNumberValue(cJSON_GetObjectItemCaseSensitive(json, "texCoord")) == set)
+        return true;
+    cJSON_ArrayForEach(
+        item, json) if (!(item->string && strcmp(item->string, "MOZ_lightmap") == 0) &&
+                        is_looked_up_by(item, set)) return true;
+    return false;
+}
+
+/// The set of texture coordinates for the map: the second, as loaders expect it, unless the file shows something by it.
+static int map_set(const rsv_lightmap_bake *b)
+{
+    int set = 1;
+    while (is_looked_up_by(cJSON_GetObjectItemCaseSensitive(b->document.root, "materials"), set))
+        set++;
+    return set;
 }
 
 /// A part's vertices: one for every chart that it is in.
@@ -197,7 +208,7 @@ cleanup:
 rsv_status rsv_lightmap_bake_write(rsv_lightmap_bake *b, const char *output)
 {
     rsv_status status;
-    int texture, set = free_set(b);
+    int texture, set = map_set(b);
     RSV_TRY(add_texture(b, &texture));
     for (uint32_t k = 0; k < b->parts.count; k++)
         if (rsv_bake_carries_light(b->s, &b->parts.part[k]))

@@ -67,12 +67,12 @@ static char *describe(const rsv_probe_grid *g, const char *data_name)
     return text;
 }
 
-/// "room.json" and "room.bin".
+/// "room.json" and "room.probes.bin": a buffer of the scene may well be called room.bin.
 static rsv_status write_files(const rsv_probe_grid *g, const char *output)
 {
     char path[RSV_PATH_BYTES];
     const char *slash = strrchr(output, '/');
-    snprintf(path, sizeof path, "%.*s.bin", (int)(strlen(output) - strlen(".json")), output);
+    snprintf(path, sizeof path, "%.*s.probes.bin", (int)(strlen(output) - strlen(".json")), output);
     char *text = describe(g, path + (slash ? slash + 1 - output : 0));
     if (!text) return rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory writing it", output);
     const void *const parts[] = { g->coefficient, g->valid };
@@ -135,11 +135,11 @@ rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input, cons
     for (size_t k = 0; k < grid.count; k++)
         report->valid_probes += grid.valid[k];
     if (desc->dry_run) goto cleanup;
-    RSV_TRY(light_probes(&grid));
-    RSV_TRY(write_files(&grid, output));
     rsv_bake_reader reader = reader_of(&grid);
     if (desc->basis)
         RSV_TRY(rsv_bake_write_basis(solution, &reader, desc, output, &report->lights));
+    RSV_TRY(light_probes(&grid));
+    RSV_TRY(write_files(&grid, output));
 cleanup:
     rsv_probe_grid_destroy(&grid);
     return status;

@@ -99,7 +99,13 @@ succeeds bake two-rooms -o map.glb --to lightmap --quality draft --map-size 256 
 for axis in x y z; do
     [[ -s map.lightmap-$axis.exr ]] || complain "map.lightmap-$axis.exr is missing"
 done
-refuses 2 'goes with --to lightmap' bake two-rooms -o "$out/a.glb" --to vertex --directional
+for odd in '--to vertex --directional:lightmap' '--to lightmap --unlit:vertex' '--to probes --map-size 64:lightmap' '--to vertex --spacing 1:probes'; do
+    refuses 2 "does nothing without --to ${odd##*:}" bake two-rooms -o "$out/a.glb" ${odd%:*}
+done
+refuses 1 'no surroundings to be turned' bake two-rooms -o "$out/a.glb" --to lightmap --basis --env-turns 4
+for key in elements residual_inf warnings peak_rss_bytes; do
+    grep -q "\"$key\"" map.json || complain "the statistics lack $key"
+done
 awk -v c="$(number map.json coverage)" -v s="$(number map.json largest_seam)" 'BEGIN { exit !(c > 0.7 && s < 0.01) }' ||
     complain "coverage $(number map.json coverage), seams $(number map.json largest_seam)"
 [[ -s map.lightmap.exr && -s map.light.safetensors ]] || complain "a file is missing beside the map"
@@ -111,7 +117,15 @@ lit = [m for m in g["materials"] if "MOZ_lightmap" in m.get("extensions", {})]
 assert lit and all(m["extensions"]["MOZ_lightmap"]["intensity"] > 0 for m in lit)
 assert all("TEXCOORD_1" in p["attributes"] for mesh in g["meshes"] for p in mesh["primitives"]
            if "MOZ_lightmap" in g["materials"][p["material"]].get("extensions", {}))
+view = g["bufferViews"][g["images"][-1]["bufferView"]]
+open("map.png", "wb").write(raw[28 + struct.unpack("<I", raw[12:16])[0] + view.get("byteOffset", 0):][:view["byteLength"]])
+open("intensity", "w").write(str(lit[0]["extensions"]["MOZ_lightmap"]["intensity"]))
 TEXT
+# its codes are sRGB: decoded, as `compare` reads them, times the intensity they are the map in full
+succeeds compare map.lightmap.exr map.png --json
+ratio=$(number stdout mean_ratio)
+awk -v r="$ratio" -v i="$(cat intensity)" 'BEGIN { exit !(r * i > 0.97 && r * i < 1.01) }' ||
+    complain "decoded codes are $ratio of the map, at an intensity of $(cat intensity)"
 # baked once more, its second texture coordinates are kept; what cannot hold light is reported, and made anew
 succeeds bake map.glb -o again.glb --to lightmap --quality draft --map-size 256 --dry-run
 ! grep -q 'new ones are made' stderr || complain "texture coordinates of our own are refused"
@@ -175,6 +189,12 @@ for probe in range(count):
     assert abs(mean - irradiance) < 0.02 * irradiance, (mean, irradiance)
     assert all(abs(sh[27 * probe + k]) < 0.05 * irradiance for k in range(3, 27))
 TEXT
+# what the user gave is never written over
+cp kept.bin kept.before
+succeeds bake kept.gltf -o kept.json --to probes --spacing 1 --quality draft
+cmp -s kept.bin kept.before ||
+    complain "the scene's buffer was written over"
+refuses 1 'would overwrite' bake furnace -o y.glb --to lightmap --quality draft --stats y.lightmap.exr
 refuses 2 'json' bake furnace -o "$out/x.glb" --to probes
 refuses 2 '--to' bake cornell-blocks -o "$out/x.glb"
 refuses 2 'glb' bake cornell-blocks -o "$out/x.png" --to vertex
