@@ -132,13 +132,16 @@ rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input, cons
     RSV_TRY(rsv_probe_grid_create(solution, desc->probe_spacing, desc->probe_samples, true, &grid));
     *report = (rsv_bake_report){ .light_scale = 1 };
     memcpy(report->probe_count, grid.size, sizeof grid.size);
+    if (!desc->dry_run) {
+        RSV_TRY(light_probes(&grid));
+        rsv_probe_grid_judge(&grid);
+    }
     for (size_t k = 0; k < grid.count; k++)
-        report->valid_probes += grid.valid[k];
+        report->valid_probes += grid.valid[k] != 0;
     if (desc->dry_run) goto cleanup;
     rsv_bake_reader reader = reader_of(&grid);
     if (desc->basis)
         RSV_TRY(rsv_bake_write_basis(solution, &reader, desc, output, &report->lights));
-    RSV_TRY(light_probes(&grid));
     RSV_TRY(write_files(&grid, output));
 cleanup:
     rsv_probe_grid_destroy(&grid);

@@ -10,6 +10,10 @@
 #define PROBES_ALONG 16
 /// A probe that sees more backs than this share is inside something.
 #define MOST_BACKS 0.25f
+/// Backs of double-sided surfaces may be a room's walls: one that sees more of them than this share is inside something if
+/// it receives less than this share of what surfaces do in the mean.
+#define MOST_DOUBLE_SIDED 0.75f
+#define DARK 0.01
 
 /// Of radiance in irradiance, by harmonic.
 static const double kept[HARMONICS] = { PI, 2 * PI / 3, 2 * PI / 3, 2 * PI / 3, PI / 4, PI / 4,
@@ -82,18 +86,21 @@ static rsv_vec3 place_of(const rsv_probe_grid *g, size_t probe)
         g->origin.z + (float)z * g->spacing.z);
 }
 
-/// Whether a ray from a probe meets the back of something opaque.
-static bool sees_back(const rsv_probe_grid *g, rsv_vec3 from, rsv_vec3 direction)
+typedef enum sight { SEES_ELSE, SEES_BACK, SEES_DOUBLE_SIDED_BACK } sight;
+
+/// What a ray from a probe meets: the back of something opaque, or anything else.
+static sight look(const rsv_probe_grid *g, rsv_vec3 from, rsv_vec3 direction)
 {
     const rsv_scene_view *view = g->solution->scene.view;
     const rsv_ray ray = { .origin = from, .direction = direction, .t_max = INFINITY };
     rsv_hit hit;
-    if (!rsv_tracer_closest(g->solution->tracer, &ray, &hit)) return false;
+    if (!rsv_tracer_closest(g->solution->tracer, &ray, &hit)) return SEES_ELSE;
     const uint32_t *v = view->triangle[hit.triangle];
     const rsv_material *m = &view->material[view->triangle_material[hit.triangle]];
     rsv_vec3 normal = v3_cross(v3_sub(view->position[v[1]], view->position[v[0]]),
         v3_sub(view->position[v[2]], view->position[v[0]]));
-    return v3_dot(normal, direction) > 0 && !m->double_sided && m->transmission == 0;
+    if (v3_dot(normal, direction) <= 0 || m->transmission > 0) return SEES_ELSE;
+    return m->double_sided ? SEES_DOUBLE_SIDED_BACK : SEES_BACK;
 }
 
 static void find_valid(rsv_probe_grid *g)
@@ -104,10 +111,13 @@ static void find_valid(rsv_probe_grid *g)
 #pragma omp parallel for schedule(dynamic, 16) num_threads(rsv_threads(g->solution->context))
     for (size_t k = 0; k < g->count; k++) {
         rsv_vec3 place = place_of(g, k);
-        int backs = 0;
+        int seen[3] = { 0 };
         for (int n = 0; n < NORMALS; n++)
-            backs += sees_back(g, place, normal[n]);
-        g->valid[k] = (float)backs <= MOST_BACKS * NORMALS;
+            seen[look(g, place, normal[n])]++;
+        int backs = seen[SEES_BACK] + seen[SEES_DOUBLE_SIDED_BACK];
+        g->valid[k] = (float)seen[SEES_BACK] > MOST_BACKS * NORMALS ? 0
+                      : (float)backs > MOST_DOUBLE_SIDED * NORMALS  ? RSV_PROBE_ENCLOSED
+                                                                    : 1;
     }
 }
 
@@ -166,6 +176,18 @@ void rsv_probe_grid_light(rsv_probe_grid *g, size_t probe)
     for (int h = 0; h < HARMONICS; h++)
         g->coefficient[probe][h] = rgb((float)sum[h][0], (float)sum[h][1], (float)sum[h][2]);
     g->lit[probe] = 1;
+}
+
+void rsv_probe_grid_judge(rsv_probe_grid *g)
+{
+    double mean = g->solution->report.mean_irradiance;
+    for (size_t k = 0; k < g->count; k++) {
+        if (g->valid[k] != RSV_PROBE_ENCLOSED) continue;
+        // of equal radiance all around, the first harmonic is 2 sqrt(pi) times it
+        double irradiance = (double)rgb_luminance(g->coefficient[k][0]) * sqrt(PI) / 2;
+        g->valid[k] = irradiance >= DARK * mean;
+        if (!g->valid[k]) memset(g->coefficient[k], 0, sizeof g->coefficient[k]);
+    }
 }
 
 void rsv_probe_grid_darken(rsv_probe_grid *g) { memset(g->lit, 0, g->count); }

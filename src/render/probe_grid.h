@@ -10,6 +10,8 @@
 #include "probe_gather.h"
 
 #define RSV_PROBE_HARMONICS 9
+/// A probe that sees backs of double-sided surfaces nearly all around: its light tells whether it is inside something.
+#define RSV_PROBE_ENCLOSED 2
 
 typedef struct rsv_probe_grid {
     const rsv_solution *solution;
@@ -18,8 +20,8 @@ typedef struct rsv_probe_grid {
     rsv_vec3 origin, spacing; ///< of the first probe; between neighbours
     size_t count;
     rsv_rgb (*coefficient)[RSV_PROBE_HARMONICS]; ///< [count] W/(sr m2)
-    uint8_t *valid;                              ///< [count] 0 = inside something
-    uint8_t *lit;                                ///< [count]
+    uint8_t *valid; ///< [count] 0 = inside something; 1; RSV_PROBE_ENCLOSED
+    uint8_t *lit;   ///< [count]
 } rsv_probe_grid;
 
 /// Lays probes in the middle of equal cells that fill the scene's bounds, and finds those that are inside something. None is
@@ -32,6 +34,8 @@ void rsv_probe_grid_destroy(rsv_probe_grid *grid);
 
 /// Lights a valid probe that is not lit yet.
 void rsv_probe_grid_light(rsv_probe_grid *grid, size_t probe);
+/// Judges enclosed probes, once all are lit: those in the dark are inside something, and not valid.
+void rsv_probe_grid_judge(rsv_probe_grid *grid);
 /// Forgets what all probes know, after the light has changed.
 void rsv_probe_grid_darken(rsv_probe_grid *grid);
 

@@ -189,6 +189,25 @@ for probe in range(count):
     assert abs(mean - irradiance) < 0.02 * irradiance, (mean, irradiance)
     assert all(abs(sh[27 * probe + k]) < 0.05 * irradiance for k in range(3, 27))
 TEXT
+# within blocks no light is, though their materials are double-sided
+succeeds scene cornell-blocks -o blocks.glb
+python3 - <<'TEXT' || complain "the blocks cannot be made double-sided"
+import json, struct
+raw = open("blocks.glb", "rb").read()
+n = struct.unpack("<I", raw[12:16])[0]
+g = json.loads(raw[20:20 + n])
+for m in g["materials"]:
+    m["doubleSided"] = True
+g["buffers"][0] = {"byteLength": len(raw) - 28 - n, "uri": "double.bin"}
+open("double.bin", "wb").write(raw[28 + n:])
+json.dump(g, open("double.gltf", "w"))
+TEXT
+for scene in blocks.glb double.gltf; do
+    succeeds bake $scene -o probes-blocks.json --to probes --spacing 0.2 --quality draft
+    grep '^probes' stdout >"${scene%.*}.count"
+done
+cmp -s blocks.count double.count ||
+    complain "as double-sided blocks there are $(cat double.count), as others $(cat blocks.count)"
 # what the user gave is never written over
 cp kept.bin kept.before
 succeeds bake kept.gltf -o kept.json --to probes --spacing 1 --quality draft
