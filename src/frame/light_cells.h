@@ -12,9 +12,6 @@ typedef struct rsv_light_cell {
     float corner[3][4];
 } rsv_light_cell;
 
-/// Size of a cell in units of eight bytes; so many times the number of cells fits an int, for vectors of indices.
-#define RSV_CELL_UNITS 6
-
 typedef enum rsv_shown_kind {
     RSV_SHOWN_STORED, ///< the table has all of it
     RSV_SHOWN_CHAIN,  ///< mirror, glass, texture, ...: to be followed

@@ -102,7 +102,7 @@ static rsv_status number_cells(rsv_light_table *t)
         t->face_cell[face] = next;
         t->face_level[face] = (uint8_t)rsv_face_grid_level(&walk, face);
         next = rsv_face_walk_cells(&walk, face, t->face_level[face], next);
-        if (next > INT32_MAX / RSV_CELL_UNITS)
+        if (next > INT32_MAX)
             return rsv_fail(RSV_ERROR_UNSUPPORTED, "frames: the scene has too many light cells");
     }
     t->face_cell[s->elements->face_count] = next;
@@ -132,7 +132,8 @@ rsv_status rsv_light_table_create(const rsv_solution *s, rsv_light_table *t)
     RSV_TRY(number_cells(t));
     status = RSV_ERROR_MEMORY;
     t->cell = rsv_alloc(s->context, t->cell_count, sizeof *t->cell);
-    if (!t->cell) goto cleanup;
+    t->child = rsv_alloc(s->context, t->cell_count, sizeof *t->child);
+    if (!t->cell || !t->child) goto cleanup;
     fill_sides(t);
     rsv_light_table_bake(t, RSV_NONE);
     return RSV_OK;
@@ -148,6 +149,7 @@ void rsv_light_table_destroy(rsv_light_table *t)
     rsv_free(t->context, t->face_cell);
     rsv_free(t->context, t->face_level);
     rsv_free(t->context, t->cell);
+    rsv_free(t->context, t->child);
     *t = (rsv_light_table){ 0 };
 }
 
@@ -185,6 +187,8 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
         }
         rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);
     }
+    for (size_t k = 0; k < t->cell_count; k++)
+        t->child[k] = rsv_light_cell_child(&t->cell[k]);
 }
 
 rsv_rgb rsv_shown_reflected(

@@ -19,6 +19,8 @@ typedef struct rsv_light_table {
     uint32_t *face_cell; ///< [face_count + 1] first cell of each face
     uint8_t *face_level; ///< [face_count] of its grid
     rsv_light_cell *cell;
+    uint32_t
+        *child; ///< [cell_count] rsv_light_cell_child of each, close together: what a descent reads
     size_t cell_count;
 } rsv_light_table;
 

@@ -10,14 +10,14 @@
 #define LANES RSV_PACKET_WIDTH
 
 /// One word per lane. Where there is no fast instruction for it, lane by lane.
-/// @param index in units of eight bytes
+/// @param index in words
 static inline void gather(const void *base, const int *restrict index, int *restrict word)
 {
 #if defined(__AVX512F__)
-    _mm512_store_epi32(word, _mm512_i32gather_epi32(_mm512_load_epi32(index), base, 8));
+    _mm512_store_epi32(word, _mm512_i32gather_epi32(_mm512_load_epi32(index), base, 4));
 #else
     for (int k = 0; k < LANES; k++)
-        memcpy(&word[k], (const char *)base + 8 * (size_t)(uint32_t)index[k], sizeof *word);
+        memcpy(&word[k], (const char *)base + 4 * (size_t)(uint32_t)index[k], sizeof *word);
 #endif
 }
 
@@ -35,8 +35,7 @@ static inline uint32_t lanes_set(const int *restrict word)
 #endif
 }
 
-_Static_assert(
-    sizeof(rsv_shown_side) == 8 && sizeof(rsv_light_cell) == 8 * RSV_CELL_UNITS, "as gathered");
+_Static_assert(sizeof(rsv_shown_side) == 8, "as gathered");
 
 static void aim_packet(
     const rsv_frame_aim *restrict a, uint32_t column, uint32_t row, rsv_ray_packet *restrict p)
@@ -74,7 +73,7 @@ static inline uint32_t find_sides(const rsv_light_table *restrict table,
     uint32_t none = table->triangle_count;
     for (int k = 0; k < LANES; k++) { // rsv_shown_side_of
         uint32_t triangle = p->triangle[k] < none ? p->triangle[k] : none;
-        index[k] = (int)(2 * triangle + (rsv_packet_meets_back(p, (uint32_t)k) ? 1 : 0));
+        index[k] = 2 * (int)(2 * triangle + (rsv_packet_meets_back(p, (uint32_t)k) ? 1 : 0));
     }
     gather(&sides->cell, index, first_cell);
     gather(&sides->level, index, kind);
@@ -113,18 +112,16 @@ static uint32_t locate_packet(const rsv_light_table *restrict table,
         at->b2[k] = 1 - at->b0[k] - at->b1[k];
     }
     for (int k = 0; k < LANES; k++)
-        __builtin_prefetch(table->cell[at->cell[k]].corner[0]);
+        __builtin_prefetch(&table->child[at->cell[k]]);
     return left;
 }
 
 /// rsv_descend, all lanes at once.
 static void descend_packet(const rsv_light_table *restrict table, rsv_packet_places *restrict at)
 {
-    _Alignas(64) int index[LANES], child[LANES];
+    _Alignas(64) int child[LANES];
     for (;;) {
-        for (int k = 0; k < LANES; k++)
-            index[k] = RSV_CELL_UNITS * at->cell[k];
-        gather(&table->cell->corner[0][3], index, child);
+        gather(table->child, at->cell, child);
         if (!lanes_set(child)) break;
         for (int k = 0; k < LANES; k++) {
             float b0 = 2 * at->b0[k], b1 = 2 * at->b1[k], b2 = 2 * at->b2[k];
@@ -139,8 +136,10 @@ static void descend_packet(const rsv_light_table *restrict table, rsv_packet_pla
             at->b2[k] = split ? c2 : at->b2[k];
         }
     }
-    for (int k = 0; k < LANES; k++) // a cell may lie across two lines of the cache
+    for (int k = 0; k < LANES; k++) { // a cell may lie across two lines of the cache
+        __builtin_prefetch(table->cell[at->cell[k]].corner[0]);
         __builtin_prefetch(table->cell[at->cell[k]].corner[2]);
+    }
 }
 
 static void look_up_packet(const rsv_light_table *restrict table,
