@@ -192,7 +192,10 @@ int rsv_rt_file_operator(rsv_rt_file *file, rsv_rt_operator *t)
     t->albedo = sized(file, "albedo", "F32", 3 * count);
     if (!t->row_start || !t->column || !t->albedo) return -1;
     if (read_tinted(file, t, &tinted) != 0 || read_hanging(file, t) != 0) return -1;
-    rsv_rt_status status = rsv_rt_operator_check(t, entries, tinted);
+    uint8_t *scratch = malloc(count ? count : 1);
+    if (!scratch) return fail(file, "out of memory");
+    rsv_rt_status status = rsv_rt_operator_check(t, entries, tinted, scratch);
+    free(scratch);
     return status == RSV_RT_OK ? 0 : fail(file, "%s", rsv_rt_status_text(status));
 }
 
