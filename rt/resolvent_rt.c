@@ -268,6 +268,13 @@ static float settle(rsv_rt_solver *s, float before, float after, float other)
     return after;
 }
 
+static void keep_bounced(rsv_rt_solver *s, uint32_t row, float4 indirect)
+{
+    for (int c = 0; c < 3; c++)
+        if (is_finite(lane4(indirect, c)))
+            s->bounced[3 * (size_t)row + (size_t)c] = lane4(indirect, c);
+}
+
 /// One element: E = E0 + G K E. @return operations
 static uint64_t visit(rsv_rt_solver *s, const float *direct, uint32_t row)
 {
@@ -277,6 +284,7 @@ static uint64_t visit(rsv_rt_solver *s, const float *direct, uint32_t row)
     float4 indirect;
     if (s->exitance[4 * (size_t)row + 3] == HANGS) return entries;
     indirect = gather(s, row);
+    if (s->bounced) keep_bounced(s, row, indirect);
     for (int c = 0; c < 3; c++) {
         float arriving = direct[3 * (size_t)row + (size_t)c];
         e[c] = settle(s, e[c], arriving + lane4(indirect, c), arriving);
@@ -287,17 +295,25 @@ static uint64_t visit(rsv_rt_solver *s, const float *direct, uint32_t row)
     return entries;
 }
 
+static float mean_of_parents(
+    const rsv_rt_operator *t, uint32_t hanging, const float *field, size_t channel)
+{
+    float sum = 0;
+    for (size_t p = 4 * (size_t)hanging; p < 4 * (size_t)hanging + 4; p++)
+        sum += t->hanging_weight[p] * field[3 * (size_t)t->hanging_parent[p] + channel];
+    return sum;
+}
+
 /// Hanging elements are means of their parents.
 static void fill_hanging(rsv_rt_solver *s)
 {
     const rsv_rt_operator *t = s->transport;
     for (uint32_t k = 0; k < t->hanging_count; k++) {
-        float *e = s->irradiance + 3 * (size_t)t->hanging_node[k];
+        size_t at = 3 * (size_t)t->hanging_node[k];
+        float *e = s->irradiance + at;
         for (size_t c = 0; c < 3; c++) {
-            float sum = 0;
-            for (size_t p = 4 * (size_t)k; p < 4 * (size_t)k + 4; p++)
-                sum += t->hanging_weight[p] * s->irradiance[3 * (size_t)t->hanging_parent[p] + c];
-            e[c] = settle(s, e[c], sum, e[c]);
+            e[c] = settle(s, e[c], mean_of_parents(t, k, s->irradiance, c), e[c]);
+            if (s->bounced) s->bounced[at + c] = mean_of_parents(t, k, s->bounced, c);
         }
         scatter(s, t->hanging_node[k]);
     }
@@ -309,6 +325,7 @@ void rsv_rt_solver_begin(
     s->transport = transport;
     s->irradiance = irradiance;
     s->exitance = exitance;
+    s->bounced = NULL;
     s->next = 0;
     s->sweeps = 0;
     s->largest = s->change = 0;
@@ -320,6 +337,13 @@ void rsv_rt_solver_begin(
     }
     for (uint32_t k = 0; k < transport->hanging_count; k++)
         exitance[4 * (size_t)transport->hanging_node[k] + 3] = HANGS;
+}
+
+void rsv_rt_solver_keep_bounced(rsv_rt_solver *s, float *bounced)
+{
+    for (size_t k = 0; k < 3 * (size_t)s->transport->element_count; k++)
+        bounced[k] = 0;
+    s->bounced = bounced;
 }
 
 static void end_sweep(rsv_rt_solver *s)

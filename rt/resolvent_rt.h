@@ -99,6 +99,7 @@ typedef struct rsv_rt_solver {
     const rsv_rt_operator *transport;
     float *irradiance; ///< [element_count][3]
     float *exitance;   ///< [element_count][4]
+    float *bounced;    ///< [element_count][3], or NULL
     uint32_t next;     ///< element to be visited next
     float largest;     ///< change within the sweep that is under way
     float
@@ -111,6 +112,11 @@ typedef struct rsv_rt_solver {
 /// @param exitance [element_count][4]; scratch, aligned to 16 bytes
 void rsv_rt_solver_begin(
     rsv_rt_solver *solver, const rsv_rt_operator *transport, float *irradiance, float *exitance);
+
+/// Keeps G K E by itself, too: irradiance without the direct light, which engines draw sharper than elements can hold it.
+/// Goes right after rsv_rt_solver_begin.
+/// @param bounced [element_count][3]; set to 0, valid at any time
+void rsv_rt_solver_keep_bounced(rsv_rt_solver *solver, float *bounced);
 
 /// Visits elements one after the other and sets each to E0 + G K E (Gauss-Seidel), going on where the last call ended.
 /// `direct` may change at any time: the light follows. At rest when solver->change is small enough for you; the error left

@@ -245,6 +245,24 @@ int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct)
     return 0;
 }
 
+// ---- receivers ------------------------------------------------------------------------------------
+
+int rsv_rt_file_receivers(
+    rsv_rt_file *file, const rsv_rt_operator *transport, rsv_rt_receivers *receivers)
+{
+    const char *name = "receiver.element";
+    memset(receivers, 0, sizeof *receivers);
+    if (!has(file, name))
+        return fail(file, "it says nothing of receivers; `resolvent bake --operator` writes them");
+    uint32_t count = extent(file, name, 0);
+    receivers->element = sized(file, name, "U32", 3 * (size_t)count);
+    receivers->weight = sized(file, "receiver.weight", "F32", 3 * (size_t)count);
+    if (!receivers->element || !receivers->weight) return -1;
+    receivers->count = count;
+    rsv_rt_status status = rsv_rt_receivers_check(receivers, transport->element_count);
+    return status == RSV_RT_OK ? 0 : fail(file, "%s", rsv_rt_status_text(status));
+}
+
 // ---- baked bases ----------------------------------------------------------------------------------
 
 int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)

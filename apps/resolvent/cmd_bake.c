@@ -25,6 +25,9 @@ static const char help[] =
     "  -o OUT             the file to write: .glb, probes .json\n"
     "  --basis            also write what each light does by itself: OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
+    "  --operator         vertex, lightmap: also write the operator: OUT.operator.safetensors, "
+    "for\n"
+    "                     lights at run time that were not baked (docs/runtime.md)\n"
     "  --env-turns N      with --basis: surroundings at N angles of a full turn (1..64), so that\n"
     "                     they can be turned at run time (default 1: as they are)\n"
     "  --dry-run          say what would come out, write nothing\n"
@@ -73,6 +76,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--to", .kind = CLI_CHOICE, .value = &s->target, .choices = target_names },
         { .name = "--basis", .kind = CLI_FLAG, .value = &s->bake.basis },
+        { .name = "--operator", .kind = CLI_FLAG, .value = &s->bake.operator_file },
         { .name = "--env-turns", .kind = CLI_COUNT, .value = &s->bake.turns, .min = 1, .max = 64 },
         { .name = "--dry-run", .kind = CLI_FLAG, .value = &s->bake.dry_run },
         { .name = "--tolerance",
@@ -115,6 +119,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             s->target == TO_PROBES ? ".json" : ".glb");
     else if (s->bake.turns > 1 && !s->bake.basis)
         *exit_status = cli_usage_error("bake", "--env-turns goes with --basis");
+    else if (s->target == TO_PROBES && s->bake.operator_file)
+        *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
     else if (s->target != TO_LIGHTMAP && s->bake.directional)
         *exit_status = cli_usage_error("bake", "--directional goes with --to lightmap");
     else
