@@ -444,7 +444,8 @@ rsv_rt_status rsv_rt_probe_at(
             sh[k] += weight * probe[index * 3 * RSV_RT_SH_COUNT + k];
         weights += weight;
     }
-    for (int k = 0; k < 3 * RSV_RT_SH_COUNT && weights > 0; k++)
+    if (!(weights > 0)) return RSV_RT_NO_PROBE;
+    for (int k = 0; k < 3 * RSV_RT_SH_COUNT; k++)
         sh[k] /= weights;
     return RSV_RT_OK;
 }

@@ -49,9 +49,8 @@ const char *rsv_rt_status_text(rsv_rt_status status);
 typedef struct rsv_rt_basis {
     uint32_t light_count;
     uint32_t receiver_count;
-    uint32_t
-        value_count; ///< RGB values per receiver: 1 irradiance, 4 or 9 coefficients of spherical harmonics
-    const float *value; ///< [light_count][receiver_count][value_count][3]
+    uint32_t value_count; ///< RGB values per receiver: 1 irradiance, RSV_RT_SH_COUNT of probes
+    const float *value;   ///< [light_count][receiver_count][value_count][3]
 } rsv_rt_basis;
 
 /// out = sum of scale[l] * value[l] for receivers [first, first + count). Ranges are independent: spread them over
@@ -160,7 +159,7 @@ typedef struct rsv_rt_probe_grid {
 } rsv_rt_probe_grid;
 
 /// Coefficients at a point: the valid probes around it, weighted trilinearly; beyond the grid, those of its border.
-/// All zero where none is valid.
+/// @return RSV_RT_NO_PROBE where none is valid, with `sh` all zero: an engine keeps what the object had before
 /// @param probe [probes][RSV_RT_SH_COUNT][3] radiance, such as rsv_rt_relight makes
 /// @param sh [RSV_RT_SH_COUNT][3]
 rsv_rt_status rsv_rt_probe_at(

@@ -11,7 +11,8 @@ extern "C" {
 #endif
 
 typedef struct rsv_rt_file {
-    char message[320];    ///< what went wrong, one line
+    char message[320];    ///< what went wrong, one line that begins with the path
+    char path[160];       ///< as it was opened, its end where it is long
     unsigned char *bytes; ///< the whole file
     size_t size;
     struct cJSON *header;

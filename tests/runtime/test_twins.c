@@ -276,7 +276,7 @@ static void probes_give_irradiance(void)
     rsv_rt_sh_irradiance(sh, up, irradiance);
     check(is_near(irradiance[0], 3.14159265, 1e-5), "constant radiance 1 is irradiance pi");
     check(irradiance[1] == 0, "no green light");
-    rsv_rt_probe_at(&grid, &probe[0][0][0], corner, sh);
+    check(rsv_rt_probe_at(&grid, &probe[0][0][0], corner, sh) == RSV_RT_NO_PROBE, "no probe");
     check(sh[0] == 0, "a probe inside a wall counts for nothing");
     memset(probe, 0, sizeof probe);
     for (int p = 0; p < 8; p++) { // projections of max(0, cos): orders 0, 1 and 2

@@ -326,6 +326,16 @@ static void damaged_files_are_refused(void **state)
         assert_true(file.message[0]);
         rsv_rt_file_close(&file);
     }
+    for (size_t k = 0; k + 20 < bytes; k++) // of another version
+        if (memcmp(all + k, "format_version\":\"1\"", 19) == 0) all[k + 17] = '7';
+    write_bytes(path, all, bytes);
+    assert_int_equal(rsv_rt_file_open(&file, path), 0);
+    assert_int_equal(rsv_rt_file_operator(&file, &transport), -1);
+    assert_non_null(strstr(file.message, "version is '7'"));
+    rsv_rt_basis basis;
+    assert_int_equal(rsv_rt_file_basis(&file, &basis), -1);
+    assert_int_equal(strncmp(file.message, path, strlen(path)), 0);
+    rsv_rt_file_close(&file);
     assert_int_equal(rsv_rt_file_open(&file, path_in(&f->place, "nowhere")), -1);
     assert_non_null(strstr(file.message, "nowhere"));
     rsv_rt_file_close(&file);
