@@ -11,6 +11,9 @@ foreach(plug_in IN ITEMS resolvent_dist resolvent_cuda)
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(FILES ${PROJECT_SOURCE_DIR}/rt/resolvent_rt.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+# The loader is for engines to take along: it needs cJSON, which the runtime must not.
+install(FILES ${PROJECT_SOURCE_DIR}/rt/resolvent_rt_file.h ${PROJECT_SOURCE_DIR}/rt/resolvent_rt_file.c
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/resolvent/rt)
 install(EXPORT resolventTargets NAMESPACE resolvent:: DESTINATION ${package_folder})
 if(TARGET resolvent_program)
     set_target_properties(resolvent_program PROPERTIES

@@ -3,7 +3,8 @@
 # usage: build_wasm.sh OUT.wasm
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-functions=(rsv_rt_relight rsv_rt_turn rsv_rt_operator_check rsv_rt_solver_begin rsv_rt_solver_update
-    rsv_rt_receivers_check rsv_rt_receive rsv_rt_probe_at rsv_rt_sh_irradiance)
+functions=(rsv_rt_status_text rsv_rt_relight rsv_rt_turn rsv_rt_operator_check rsv_rt_solver_begin
+    rsv_rt_solver_keep_bounced rsv_rt_solver_update rsv_rt_receivers_check rsv_rt_receive rsv_rt_probe_at
+    rsv_rt_sh_irradiance)
 clang --target=wasm32 -std=c99 -O3 -msimd128 -ffreestanding -ffp-contract=off -nostdlib -Wl,--no-entry \
     -Wl,--strip-all "${functions[@]/#/-Wl,--export=}" -Wl,--export=__heap_base "$here/resolvent_rt.c" -o "$1"

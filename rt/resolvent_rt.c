@@ -1,5 +1,7 @@
 #include "resolvent_rt.h"
 
+#include <float.h>
+
 // ---- four floats ----------------------------------------------------------------------------------
 
 // Vector extensions of GCC and Clang become SSE, NEON or WebAssembly SIMD; RSV_RT_SCALAR asks for the twin without them.
@@ -50,7 +52,9 @@ const char *rsv_rt_status_text(rsv_rt_status status)
         "the number of light scales differs from the number of lights in the basis",
         "receivers beyond the last one were asked for",
         "row starts of the operator are inconsistent", "an index points beyond the last element",
-        "a number is not finite", "the grid of probes is empty" };
+        "a number is not finite", "the grid of probes is empty",
+        "a hanging element comes before one of its parents, or twice",
+        "an element passes on more light than reaches it", "no valid probe is near" };
     return (unsigned)status < sizeof text / sizeof text[0] ? text[status] : "unknown status";
 }
 
@@ -143,18 +147,52 @@ static rsv_rt_status check_numbers(const float *number, uint64_t count)
     return RSV_RT_OK;
 }
 
-static rsv_rt_status check_hanging(const rsv_rt_operator *t)
+/// Whether elements hang once each, and from those that are free or come earlier: no chain of parents leads back.
+/// @param waits [element_count] scratch: elements that hang and have not come yet
+static rsv_rt_status check_order(const rsv_rt_operator *t, uint8_t *waits)
+{
+    for (uint32_t n = 0; n < t->element_count; n++)
+        waits[n] = 0;
+    for (uint32_t k = 0; k < t->hanging_count; k++) {
+        if (waits[t->hanging_node[k]]) return RSV_RT_ORDER;
+        waits[t->hanging_node[k]] = 1;
+    }
+    for (uint32_t k = 0; k < t->hanging_count; k++) {
+        for (size_t p = 4 * (size_t)k; p < 4 * (size_t)k + 4; p++)
+            if (t->hanging_weight[p] != 0 && waits[t->hanging_parent[p]]) return RSV_RT_ORDER;
+        waits[t->hanging_node[k]] = 0;
+    }
+    return RSV_RT_OK;
+}
+
+static rsv_rt_status check_hanging(const rsv_rt_operator *t, uint8_t *scratch)
 {
     for (uint32_t k = 0; k < t->hanging_count; k++) {
         if (t->hanging_node[k] >= t->element_count) return RSV_RT_INDEX;
         for (size_t p = 4 * (size_t)k; p < 4 * (size_t)k + 4; p++)
             if (t->hanging_parent[p] >= t->element_count) return RSV_RT_INDEX;
     }
-    return check_numbers(t->hanging_weight, 4 * (uint64_t)t->hanging_count);
+    rsv_rt_status status = check_numbers(t->hanging_weight, 4 * (uint64_t)t->hanging_count);
+    return status == RSV_RT_OK ? check_order(t, scratch) : status;
+}
+
+/// Albedo counts what leaves beside what entered, and rows what enters beside what arrives: only their product is a share
+/// of light, 1 at most. Rows of few rays are noisy; no noise makes this of it.
+#define MOST_PASSED_ON 1.75f
+
+static rsv_rt_status check_energy(const rsv_rt_operator *t)
+{
+    for (uint32_t n = 0; n < t->element_count; n++) {
+        float entered = t->scale[n] * (float)(t->row_start[n + 1] - t->row_start[n]);
+        if (t->scale[n] < 0) return RSV_RT_ENERGY;
+        for (size_t c = 3 * (size_t)n; c < 3 * (size_t)n + 3; c++)
+            if (t->albedo[c] < 0 || t->albedo[c] * entered > MOST_PASSED_ON) return RSV_RT_ENERGY;
+    }
+    return RSV_RT_OK;
 }
 
 rsv_rt_status rsv_rt_operator_check(
-    const rsv_rt_operator *t, uint64_t entries, uint64_t tinted_entries)
+    const rsv_rt_operator *t, uint64_t entries, uint64_t tinted_entries, uint8_t *scratch)
 {
     rsv_rt_status status = check_rows(t->row_start, t->column, t->element_count, entries);
     if (status == RSV_RT_OK && t->tinted_row_start)
@@ -162,9 +200,10 @@ rsv_rt_status rsv_rt_operator_check(
             check_rows(t->tinted_row_start, t->tinted_column, t->element_count, tinted_entries);
     if (status == RSV_RT_OK && t->tinted_row_start)
         status = check_numbers(t->tinted_weight, 3 * tinted_entries);
-    if (status == RSV_RT_OK) status = check_hanging(t);
+    if (status == RSV_RT_OK) status = check_hanging(t, scratch);
     if (status == RSV_RT_OK) status = check_numbers(t->scale, t->element_count);
     if (status == RSV_RT_OK) status = check_numbers(t->albedo, 3 * (uint64_t)t->element_count);
+    if (status == RSV_RT_OK) status = check_energy(t);
     return status;
 }
 
@@ -209,10 +248,31 @@ static float4 gather(const rsv_rt_solver *s, uint32_t row)
     return mul4(a, set4(t->scale[row], t->scale[row], t->scale[row], 0));
 }
 
-static void note_change(rsv_rt_solver *s, float before, float after)
+/// What is kept of a value that is not finite, or comes after one that was not: the first finite one of it, `other`, what
+/// was there, and 0. Each such step counts as the largest change there is.
+static float mend(rsv_rt_solver *s, float before, float after, float other)
+{
+    s->largest = FLT_MAX;
+    return is_finite(after) ? after : is_finite(other) ? other : is_finite(before) ? before : 0;
+}
+
+/// What a value becomes; the largest change is noted. One that is not finite would stay so for ever, and spread.
+/// @param other in place of one that is not finite
+static float settle(rsv_rt_solver *s, float before, float after, float other)
 {
     float change = after > before ? after - before : before - after;
-    if (change > s->largest) s->largest = change;
+    if (!(change <= s->largest)) { // NaN comes here too
+        if (!(change <= FLT_MAX)) return mend(s, before, after, other);
+        s->largest = change;
+    }
+    return after;
+}
+
+static void keep_bounced(rsv_rt_solver *s, uint32_t row, float4 indirect)
+{
+    for (int c = 0; c < 3; c++)
+        if (is_finite(lane4(indirect, c)))
+            s->bounced[3 * (size_t)row + (size_t)c] = lane4(indirect, c);
 }
 
 /// One element: E = E0 + G K E. @return operations
@@ -224,10 +284,10 @@ static uint64_t visit(rsv_rt_solver *s, const float *direct, uint32_t row)
     float4 indirect;
     if (s->exitance[4 * (size_t)row + 3] == HANGS) return entries;
     indirect = gather(s, row);
+    if (s->bounced) keep_bounced(s, row, indirect);
     for (int c = 0; c < 3; c++) {
-        float value = direct[3 * (size_t)row + (size_t)c] + lane4(indirect, c);
-        note_change(s, e[c], value);
-        e[c] = value;
+        float arriving = direct[3 * (size_t)row + (size_t)c];
+        e[c] = settle(s, e[c], arriving + lane4(indirect, c), arriving);
     }
     scatter(s, row);
     entries += t->row_start[row + 1] - t->row_start[row];
@@ -235,18 +295,25 @@ static uint64_t visit(rsv_rt_solver *s, const float *direct, uint32_t row)
     return entries;
 }
 
+static float mean_of_parents(
+    const rsv_rt_operator *t, uint32_t hanging, const float *field, size_t channel)
+{
+    float sum = 0;
+    for (size_t p = 4 * (size_t)hanging; p < 4 * (size_t)hanging + 4; p++)
+        sum += t->hanging_weight[p] * field[3 * (size_t)t->hanging_parent[p] + channel];
+    return sum;
+}
+
 /// Hanging elements are means of their parents.
 static void fill_hanging(rsv_rt_solver *s)
 {
     const rsv_rt_operator *t = s->transport;
     for (uint32_t k = 0; k < t->hanging_count; k++) {
-        float *e = s->irradiance + 3 * (size_t)t->hanging_node[k];
+        size_t at = 3 * (size_t)t->hanging_node[k];
+        float *e = s->irradiance + at;
         for (size_t c = 0; c < 3; c++) {
-            float sum = 0;
-            for (size_t p = 4 * (size_t)k; p < 4 * (size_t)k + 4; p++)
-                sum += t->hanging_weight[p] * s->irradiance[3 * (size_t)t->hanging_parent[p] + c];
-            note_change(s, e[c], sum);
-            e[c] = sum;
+            e[c] = settle(s, e[c], mean_of_parents(t, k, s->irradiance, c), e[c]);
+            if (s->bounced) s->bounced[at + c] = mean_of_parents(t, k, s->bounced, c);
         }
         scatter(s, t->hanging_node[k]);
     }
@@ -258,15 +325,25 @@ void rsv_rt_solver_begin(
     s->transport = transport;
     s->irradiance = irradiance;
     s->exitance = exitance;
+    s->bounced = NULL;
     s->next = 0;
     s->sweeps = 0;
     s->largest = s->change = 0;
     for (uint32_t n = 0; n < transport->element_count; n++) {
+        for (size_t c = 3 * (size_t)n; c < 3 * (size_t)n + 3; c++)
+            if (!is_finite(irradiance[c])) irradiance[c] = 0;
         exitance[4 * (size_t)n + 3] = 0;
         scatter(s, n);
     }
     for (uint32_t k = 0; k < transport->hanging_count; k++)
         exitance[4 * (size_t)transport->hanging_node[k] + 3] = HANGS;
+}
+
+void rsv_rt_solver_keep_bounced(rsv_rt_solver *s, float *bounced)
+{
+    for (size_t k = 0; k < 3 * (size_t)s->transport->element_count; k++)
+        bounced[k] = 0;
+    s->bounced = bounced;
 }
 
 static void end_sweep(rsv_rt_solver *s)
@@ -367,7 +444,8 @@ rsv_rt_status rsv_rt_probe_at(
             sh[k] += weight * probe[index * 3 * RSV_RT_SH_COUNT + k];
         weights += weight;
     }
-    for (int k = 0; k < 3 * RSV_RT_SH_COUNT && weights > 0; k++)
+    if (!(weights > 0)) return RSV_RT_NO_PROBE;
+    for (int k = 0; k < 3 * RSV_RT_SH_COUNT; k++)
         sh[k] /= weights;
     return RSV_RT_OK;
 }

@@ -34,7 +34,10 @@ typedef enum rsv_rt_status {
     RSV_RT_ROWS,        ///< row starts that step back, or beyond the entries
     RSV_RT_INDEX,       ///< an index beyond the last element
     RSV_RT_NUMBER,      ///< a number that is not finite
-    RSV_RT_GRID         ///< a grid of probes without probes or without extent
+    RSV_RT_GRID,        ///< a grid of probes without probes or without extent
+    RSV_RT_ORDER,       ///< hanging elements before their parents, in circles, or twice
+    RSV_RT_ENERGY,  ///< elements that pass on far more light than reaches them, or less than none
+    RSV_RT_NO_PROBE ///< a place without a valid probe around it
 } rsv_rt_status;
 
 /// A short English sentence for a status.
@@ -46,9 +49,8 @@ const char *rsv_rt_status_text(rsv_rt_status status);
 typedef struct rsv_rt_basis {
     uint32_t light_count;
     uint32_t receiver_count;
-    uint32_t
-        value_count; ///< RGB values per receiver: 1 irradiance, 4 or 9 coefficients of spherical harmonics
-    const float *value; ///< [light_count][receiver_count][value_count][3]
+    uint32_t value_count; ///< RGB values per receiver: 1 irradiance, RSV_RT_SH_COUNT of probes
+    const float *value;   ///< [light_count][receiver_count][value_count][3]
 } rsv_rt_basis;
 
 /// out = sum of scale[l] * value[l] for receivers [first, first + count). Ranges are independent: spread them over
@@ -76,39 +78,49 @@ typedef struct rsv_rt_operator {
     const uint64_t
         *tinted_row_start; ///< [element_count + 1] entries with a colour; NULL = there are none
     const uint32_t *tinted_column;
-    const float *tinted_weight;     ///< [.][3], times scale
-    const float *albedo;            ///< [element_count][3] K: exitance over irradiance
+    const float *tinted_weight; ///< [.][3], times scale
+    const float *
+        albedo; ///< [element_count][3] K: exitance over irradiance that entered; above 1 for white under gloss
     uint32_t hanging_count;         ///< elements that are weighted means of others
     const uint32_t *hanging_node;   ///< [hanging_count] parents before children
     const uint32_t *hanging_parent; ///< [hanging_count][4]
     const float *hanging_weight;    ///< [hanging_count][4]
 } rsv_rt_operator;
 
-/// Checks sizes, indices and numbers: once, after loading, if the file is not your own.
+/// Checks sizes, indices, numbers and the order of hanging elements: once, after loading, if the file is not your own.
 /// @param entries, tinted_entries how long `column` and `tinted_column` are
+/// @param scratch [element_count]
 rsv_rt_status rsv_rt_operator_check(
-    const rsv_rt_operator *transport, uint64_t entries, uint64_t tinted_entries);
+    const rsv_rt_operator *transport, uint64_t entries, uint64_t tinted_entries, uint8_t *scratch);
 
 /// Light on its way. Treat all but `change` and `sweeps` as private.
 typedef struct rsv_rt_solver {
     const rsv_rt_operator *transport;
     float *irradiance; ///< [element_count][3]
     float *exitance;   ///< [element_count][4]
+    float *bounced;    ///< [element_count][3], or NULL
     uint32_t next;     ///< element to be visited next
     float largest;     ///< change within the sweep that is under way
-    float change;      ///< largest change of irradiance within the last whole sweep, W/m2
-    uint32_t sweeps;   ///< whole sweeps since rsv_rt_solver_begin
+    float
+        change; ///< largest change of irradiance within the last whole sweep, W/m2; FLT_MAX = some was not finite
+    uint32_t sweeps; ///< whole sweeps since rsv_rt_solver_begin
 } rsv_rt_solver;
 
-/// Starts from `irradiance` as it is: zeros, or any light of before.
+/// Starts from `irradiance` as it is: zeros, or any light of before. What is not finite becomes 0.
 /// @param irradiance [element_count][3]; in and out, valid at any time
 /// @param exitance [element_count][4]; scratch, aligned to 16 bytes
 void rsv_rt_solver_begin(
     rsv_rt_solver *solver, const rsv_rt_operator *transport, float *irradiance, float *exitance);
 
+/// Keeps G K E by itself, too: irradiance without the direct light, which engines draw sharper than elements can hold it.
+/// Goes right after rsv_rt_solver_begin.
+/// @param bounced [element_count][3]; set to 0, valid at any time
+void rsv_rt_solver_keep_bounced(rsv_rt_solver *solver, float *bounced);
+
 /// Visits elements one after the other and sets each to E0 + G K E (Gauss-Seidel), going on where the last call ended.
 /// `direct` may change at any time: the light follows. At rest when solver->change is small enough for you; the error left
-/// is then below change * a / (1 - a), with a the largest albedo.
+/// is then below change * a / (1 - a), with a the largest share of its light that any element passes on. Where `direct` is
+/// not finite, an element keeps the light that it had.
 /// @param direct [element_count][3] E0
 /// @param operations entries of the operator to be read at most; a row is never cut in two
 /// @return operations used
@@ -147,7 +159,7 @@ typedef struct rsv_rt_probe_grid {
 } rsv_rt_probe_grid;
 
 /// Coefficients at a point: the valid probes around it, weighted trilinearly; beyond the grid, those of its border.
-/// All zero where none is valid.
+/// @return RSV_RT_NO_PROBE where none is valid, with `sh` all zero: an engine keeps what the object had before
 /// @param probe [probes][RSV_RT_SH_COUNT][3] radiance, such as rsv_rt_relight makes
 /// @param sh [RSV_RT_SH_COUNT][3]
 rsv_rt_status rsv_rt_probe_at(

@@ -10,10 +10,21 @@
 static int fail(rsv_rt_file *file, const char *format, ...)
 {
     va_list arguments;
+    int length = snprintf(file->message, sizeof file->message, "%s: ", file->path);
     va_start(arguments, format);
-    vsnprintf(file->message, sizeof file->message, format, arguments);
+    vsnprintf(file->message + length, sizeof file->message - (size_t)length, format, arguments);
     va_end(arguments);
     return -1;
+}
+
+/// Keeps the end of a path that is too long for a message.
+static void keep_path(rsv_rt_file *file, const char *path)
+{
+    size_t length = strlen(path), most = sizeof file->path - 1;
+    if (length <= most)
+        memcpy(file->path, path, length + 1);
+    else
+        snprintf(file->path, sizeof file->path, "...%s", path + length - (most - 3));
 }
 
 // ---- the file -------------------------------------------------------------------------------------
@@ -23,17 +34,17 @@ static int read_all(rsv_rt_file *file, const char *path)
     FILE *stream = fopen(path, "rb");
     long size = -1;
     int result = 0;
-    if (!stream) return fail(file, "%s: cannot be opened", path);
+    if (!stream) return fail(file, "cannot be opened");
     if (fseek(stream, 0, SEEK_END) == 0) size = ftell(stream);
     if (size < 8 || fseek(stream, 0, SEEK_SET) != 0) {
-        result = fail(file, "%s: it is too short for a safetensors file", path);
+        result = fail(file, "it is too short for a safetensors file");
     } else {
         file->size = (size_t)size;
         file->bytes = malloc(file->size);
         if (!file->bytes)
-            result = fail(file, "%s: out of memory", path);
+            result = fail(file, "out of memory");
         else if (fread(file->bytes, 1, file->size, stream) != file->size)
-            result = fail(file, "%s: it cannot be read", path);
+            result = fail(file, "it cannot be read");
     }
     fclose(stream);
     return result;
@@ -43,13 +54,13 @@ int rsv_rt_file_open(rsv_rt_file *file, const char *path)
 {
     uint64_t length = 0;
     memset(file, 0, sizeof *file);
+    keep_path(file, path);
     if (read_all(file, path) != 0) return -1;
     for (int k = 7; k >= 0; k--)
         length = length << 8 | file->bytes[k];
-    if (length > file->size - 8)
-        return fail(file, "%s: it is cut off, or not a safetensors file", path);
+    if (length > file->size - 8) return fail(file, "it is cut off, or not a safetensors file");
     file->header = cJSON_ParseWithLength((const char *)file->bytes + 8, (size_t)length);
-    if (!cJSON_IsObject(file->header)) return fail(file, "%s: its header is no JSON object", path);
+    if (!cJSON_IsObject(file->header)) return fail(file, "its header is no JSON object");
     file->data = 8 + (size_t)length;
     return 0;
 }
@@ -113,13 +124,14 @@ const void *rsv_rt_file_array(rsv_rt_file *file, const char *name, const char *t
     return file->bytes + file->data + begin;
 }
 
-/// An array that must have so many numbers.
-static const void *sized(rsv_rt_file *file, const char *name, const char *type, size_t wanted)
+/// An array that must have so many numbers: 64 bits, as products of sizes in a file exceed 32.
+static const void *sized(rsv_rt_file *file, const char *name, const char *type, uint64_t wanted)
 {
     size_t count;
     const void *array = rsv_rt_file_array(file, name, type, &count);
     if (!array || count == wanted) return array;
-    fail(file, "array '%s' has %zu numbers instead of %zu", name, count, wanted);
+    fail(file, "array '%s' has %zu numbers instead of %llu", name, count,
+        (unsigned long long)wanted);
     return NULL;
 }
 
@@ -156,10 +168,10 @@ static int read_tinted(rsv_rt_file *file, rsv_rt_operator *t, size_t *entries)
     *entries = 0;
     if (!has(file, "transport.tinted.column")) return 0;
     t->tinted_row_start =
-        sized(file, "transport.tinted.row_start", "U64", (size_t)t->element_count + 1);
+        sized(file, "transport.tinted.row_start", "U64", (uint64_t)t->element_count + 1);
     t->tinted_column = rsv_rt_file_array(file, "transport.tinted.column", "U32", entries);
     if (!t->tinted_row_start || !t->tinted_column) return -1;
-    t->tinted_weight = sized(file, "transport.tinted.weight", "F32", 3 * *entries);
+    t->tinted_weight = sized(file, "transport.tinted.weight", "F32", 3 * (uint64_t)*entries);
     return t->tinted_weight ? 0 : -1;
 }
 
@@ -170,8 +182,8 @@ static int read_hanging(rsv_rt_file *file, rsv_rt_operator *t)
     t->hanging_node = rsv_rt_file_array(file, "element.hanging.node", "U32", &count);
     if (!t->hanging_node) return -1;
     t->hanging_count = (uint32_t)count;
-    t->hanging_parent = sized(file, "element.hanging.parent", "U32", 4 * count);
-    t->hanging_weight = sized(file, "element.hanging.weight", "F32", 4 * count);
+    t->hanging_parent = sized(file, "element.hanging.parent", "U32", 4 * (uint64_t)count);
+    t->hanging_weight = sized(file, "element.hanging.weight", "F32", 4 * (uint64_t)count);
     return t->hanging_parent && t->hanging_weight ? 0 : -1;
 }
 
@@ -181,18 +193,24 @@ int rsv_rt_file_operator(rsv_rt_file *file, rsv_rt_operator *t)
     memset(t, 0, sizeof *t);
     if (strcmp(note(file, "format"), "resolvent-operator") != 0)
         return fail(file, "it is not an operator file");
+    if (strcmp(note(file, "format_version"), "1") != 0)
+        return fail(file, "its format version is '%.16s', this loader reads 1",
+            note(file, "format_version"));
     if (has(file, "subsurface.column"))
         return fail(
             file, "it has translucent materials; bake a basis, which holds their light too");
     t->scale = rsv_rt_file_array(file, "transport.scale", "F32", &count);
     if (!t->scale) return -1;
     t->element_count = (uint32_t)count;
-    t->row_start = sized(file, "transport.row_start", "U64", count + 1);
+    t->row_start = sized(file, "transport.row_start", "U64", (uint64_t)count + 1);
     t->column = rsv_rt_file_array(file, "transport.column", "U32", &entries);
-    t->albedo = sized(file, "albedo", "F32", 3 * count);
+    t->albedo = sized(file, "albedo", "F32", 3 * (uint64_t)count);
     if (!t->row_start || !t->column || !t->albedo) return -1;
     if (read_tinted(file, t, &tinted) != 0 || read_hanging(file, t) != 0) return -1;
-    rsv_rt_status status = rsv_rt_operator_check(t, entries, tinted);
+    uint8_t *scratch = malloc(count ? count : 1);
+    if (!scratch) return fail(file, "out of memory");
+    rsv_rt_status status = rsv_rt_operator_check(t, entries, tinted, scratch);
+    free(scratch);
     return status == RSV_RT_OK ? 0 : fail(file, "%s", rsv_rt_status_text(status));
 }
 
@@ -242,6 +260,24 @@ int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct)
     return 0;
 }
 
+// ---- receivers ------------------------------------------------------------------------------------
+
+int rsv_rt_file_receivers(
+    rsv_rt_file *file, const rsv_rt_operator *transport, rsv_rt_receivers *receivers)
+{
+    const char *name = "receiver.element";
+    memset(receivers, 0, sizeof *receivers);
+    if (!has(file, name))
+        return fail(file, "it says nothing of receivers; `resolvent bake --operator` writes them");
+    uint32_t count = extent(file, name, 0);
+    receivers->element = sized(file, name, "U32", 3 * (uint64_t)count);
+    receivers->weight = sized(file, "receiver.weight", "F32", 3 * (uint64_t)count);
+    if (!receivers->element || !receivers->weight) return -1;
+    receivers->count = count;
+    rsv_rt_status status = rsv_rt_receivers_check(receivers, transport->element_count);
+    return status == RSV_RT_OK ? 0 : fail(file, "%s", rsv_rt_status_text(status));
+}
+
 // ---- baked bases ----------------------------------------------------------------------------------
 
 int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
@@ -255,8 +291,10 @@ int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
     basis->light_count = extent(file, name, 0);
     basis->receiver_count = extent(file, name, 1);
     basis->value_count = extent(file, name, 2) / 3;
-    basis->value = sized(file, name, "F32",
-        (size_t)basis->light_count * basis->receiver_count * basis->value_count * 3);
+    uint64_t receivers = (uint64_t)basis->light_count * basis->receiver_count;
+    if (receivers > UINT64_MAX >> 8 || basis->value_count > RSV_RT_SH_COUNT)
+        return fail(file, "its basis is larger than any");
+    basis->value = sized(file, name, "F32", receivers * basis->value_count * 3);
     if (!basis->value) return -1;
     if (basis->value_count && (uint32_t)cJSON_GetArraySize(light_names(file)) == basis->light_count)
         return 0;
@@ -284,6 +322,15 @@ int rsv_rt_file_probes(rsv_rt_file *file, const rsv_rt_basis *basis, rsv_rt_prob
     return 0;
 }
 
+/// A number as files have it, with a point whatever the locale is: cJSON knows what strtof would read.
+static float number_of(const char *text)
+{
+    cJSON *number = cJSON_Parse(text);
+    float value = cJSON_IsNumber(number) ? (float)number->valuedouble : 0;
+    cJSON_Delete(number);
+    return value - value == 0 ? value : 0;
+}
+
 rsv_rt_file_turns rsv_rt_file_find_turns(const rsv_rt_file *file, const rsv_rt_basis *basis)
 {
     rsv_rt_file_turns turns = { 0, 0, 0 };
@@ -291,7 +338,6 @@ rsv_rt_file_turns rsv_rt_file_find_turns(const rsv_rt_file *file, const rsv_rt_b
     if (count < 2 || count > basis->light_count) return turns;
     turns.count = (uint32_t)count;
     turns.first = basis->light_count - turns.count;
-    turns.rotation = strtof(note(file, "surroundings.rotation"), NULL);
-    if (!(turns.rotation - turns.rotation == 0)) turns.rotation = 0;
+    turns.rotation = number_of(note(file, "surroundings.rotation"));
     return turns;
 }

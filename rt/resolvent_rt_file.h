@@ -11,7 +11,8 @@ extern "C" {
 #endif
 
 typedef struct rsv_rt_file {
-    char message[320];    ///< what went wrong, one line
+    char message[320];    ///< what went wrong, one line that begins with the path
+    char path[160];       ///< as it was opened, its end where it is long
     unsigned char *bytes; ///< the whole file
     size_t size;
     struct cJSON *header;
@@ -38,6 +39,11 @@ int rsv_rt_file_operator(rsv_rt_file *file, rsv_rt_operator *transport);
 /// E0 of an operator file light by light: value_count 1, receivers are the elements. Light that the rows themselves
 /// found - large lamps, surroundings - is one light more at the end, without a name.
 int rsv_rt_file_direct(rsv_rt_file *file, rsv_rt_basis *direct);
+
+/// Receivers of an operator file that `resolvent bake --operator` wrote, checked: the vertices or texels of what was baked,
+/// in the order that docs/bake.md tells. @return 0, or -1 with file->message
+int rsv_rt_file_receivers(
+    rsv_rt_file *file, const rsv_rt_operator *transport, rsv_rt_receivers *receivers);
 
 /// The basis of a file that `resolvent bake` wrote.
 int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis);

@@ -3,7 +3,8 @@
 ///     engine_loop OPERATOR.safetensors [FRAMES]
 ///
 /// The lights of the scene take turns. Direct light is theirs, light by light, as the file holds it; an engine may as well
-/// put its own there. Bounced light follows by 200,000 operations a frame.
+/// put its own there. Bounced light follows by 200,000 operations a frame, at the vertices that `resolvent bake --operator`
+/// names in its file; files of `resolvent solve` name none, and light stays at the elements.
 #include <resolvent_rt_file.h>
 
 #include <stdio.h>
@@ -17,7 +18,8 @@ typedef struct engine {
     rsv_rt_operator transport;
     rsv_rt_basis lights; // direct light, light by light
     rsv_rt_solver solver;
-    float *scale, *direct, *irradiance, *exitance;
+    rsv_rt_receivers vertices; // count 0: the file names none
+    float *scale, *direct, *irradiance, *exitance, *bounced, *at_vertices;
 } engine;
 
 static int load(engine *e, const char *path)
@@ -26,13 +28,18 @@ static int load(engine *e, const char *path)
         rsv_rt_file_operator(&e->file, &e->transport) != 0 ||
         rsv_rt_file_direct(&e->file, &e->lights) != 0)
         return -1;
+    rsv_rt_file_receivers(&e->file, &e->transport, &e->vertices);
     size_t elements = e->transport.element_count;
     e->scale = calloc(3 * (size_t)e->lights.light_count, sizeof *e->scale);
     e->direct = calloc(3 * elements, sizeof *e->direct);
     e->irradiance = calloc(3 * elements, sizeof *e->irradiance);
     e->exitance = malloc(4 * elements * sizeof *e->exitance);
-    if (!e->scale || !e->direct || !e->irradiance || !e->exitance) return -1;
+    e->bounced = malloc(3 * elements * sizeof *e->bounced);
+    e->at_vertices = calloc(3 * (size_t)e->vertices.count + 1, sizeof *e->at_vertices);
+    if (!e->scale || !e->direct || !e->irradiance || !e->exitance || !e->bounced || !e->at_vertices)
+        return -1;
     rsv_rt_solver_begin(&e->solver, &e->transport, e->irradiance, e->exitance);
+    rsv_rt_solver_keep_bounced(&e->solver, e->bounced);
     return 0;
 }
 
@@ -44,13 +51,18 @@ static void animate(engine *e, int frame)
         e->scale[k] = k / 3 == lit;
 }
 
-static void draw(const engine *e, int frame)
+/// An engine would hand `at_vertices` to its shader, which adds direct light of its own.
+static void draw(engine *e, int frame)
 {
     double sum = 0;
-    for (size_t k = 1; k < 3 * (size_t)e->transport.element_count; k += 3)
-        sum += e->irradiance[k];
-    printf("frame %3d: mean green irradiance %.4g W/m2, last change %.2g\n", frame,
-        sum / e->transport.element_count, e->solver.change);
+    uint32_t count = e->vertices.count ? e->vertices.count : e->transport.element_count;
+    const float *light = e->vertices.count ? e->at_vertices : e->bounced;
+    rsv_rt_receive(&e->vertices, e->bounced, 0, e->vertices.count, e->at_vertices);
+    for (size_t k = 1; k < 3 * (size_t)count; k += 3)
+        sum += light[k];
+    printf("frame %3d: mean green irradiance %.4g W/m2 at %u %s, last change %.2g\n", frame,
+        sum / count, (unsigned)count, e->vertices.count ? "vertices" : "elements",
+        e->solver.change);
 }
 
 int main(int argc, char **argv)
@@ -73,5 +85,7 @@ int main(int argc, char **argv)
     free(e.direct);
     free(e.irradiance);
     free(e.exitance);
+    free(e.bounced);
+    free(e.at_vertices);
     return failed;
 }

@@ -27,6 +27,9 @@ static const char help[] =
     "  -o OUT             the file to write: .glb, probes .json\n"
     "  --basis            also write what each light does by itself: OUT.light.safetensors, for\n"
     "                     relighting at run time (docs/runtime.md)\n"
+    "  --operator         vertex, lightmap: also write the operator: OUT.operator.safetensors, "
+    "for\n"
+    "                     lights at run time that were not baked (docs/runtime.md)\n"
     "  --env-turns N      with --basis: surroundings at N angles of a full turn (1..64), so that\n"
     "                     they can be turned at run time (default 1: as they are)\n"
     "  --dry-run          say what would come out, write nothing\n"
@@ -75,6 +78,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
         { .name = "--to", .kind = CLI_CHOICE, .value = &s->target, .choices = target_names },
         { .name = "--basis", .kind = CLI_FLAG, .value = &s->bake.basis },
+        { .name = "--operator", .kind = CLI_FLAG, .value = &s->bake.operator_file },
         { .name = "--env-turns",
             .kind = CLI_COUNT,
             .value = &s->bake.turns,
@@ -142,6 +146,8 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     else if (!cli_ends_in(s->output, s->target == TO_PROBES ? ".json" : ".glb"))
         *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output,
             s->target == TO_PROBES ? ".json" : ".glb");
+    else if (s->target == TO_PROBES && s->bake.operator_file)
+        *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
     else
         return true;
     return false;
@@ -268,7 +274,7 @@ static int run(cli_session *session, settings *s)
 static bool keeps_inputs(const settings *s)
 {
     static const char *const sides[] = { ".lightmap.exr", ".lightmap-x.exr", ".lightmap-y.exr",
-        ".lightmap-z.exr", ".light.safetensors", ".probes.bin" };
+        ".lightmap-z.exr", ".light.safetensors", ".operator.safetensors", ".probes.bin" };
     const char *const given[] = { s->scene, s->mesh, s->environment.path, s->stats };
     size_t stem = strlen(s->output) - strlen(strrchr(s->output, '.'));
     char side[4096];

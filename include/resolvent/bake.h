@@ -27,6 +27,8 @@ typedef struct rsv_bake_desc {
         keep_uv; ///< use second texture coordinates where they are valid (default); else make new ones
     bool directional; ///< lightmaps: also where light comes from, for normal maps
     bool basis;       ///< also write what each light does by itself, for the runtime
+    bool
+        operator_file; ///< vertices, lightmaps: also write the operator, for light that nobody baked
     /// Angles, evenly spread over a full turn about the vertical, at which a basis holds the surroundings; 1..64, default 1:
     /// as they are.
     uint32_t turns;

@@ -1,6 +1,5 @@
 #include "bake_basis.h"
 
-#include "../io/atomic_file.h"
 #include "../opfile/exchange.h"
 #include "../relight/light_response.h"
 #include "../relight/turned_surroundings.h"
@@ -8,12 +7,11 @@
 #include <stdio.h>
 #include <string.h>
 
-/// "room.glb" -> "room.light.safetensors"
-static void name_file(const char *output, char path[RSV_PATH_BYTES])
+void rsv_bake_name_beside(const char *output, const char *kind, char path[RSV_PATH_BYTES])
 {
     const char *slash = strrchr(output, '/'), *dot = strrchr(output, '.');
     size_t length = dot && (!slash || dot > slash) ? (size_t)(dot - output) : strlen(output);
-    snprintf(path, RSV_PATH_BYTES, "%.*s.light.safetensors", (int)length, output);
+    snprintf(path, RSV_PATH_BYTES, "%.*s.%s.safetensors", (int)length, output, kind);
 }
 
 // ---- reading --------------------------------------------------------------------------------------
@@ -132,7 +130,7 @@ rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_rea
     rsv_status status;
     basis b = { .s = solution, .reader = reader, .turned = desc->turns - 1 };
     char path[RSV_PATH_BYTES];
-    name_file(output, path);
+    rsv_bake_name_beside(output, "light", path);
     rsv_tensor_file file;
     status = rsv_tensor_file_begin(solution->context, path, &file);
     if (status != RSV_OK) return status;

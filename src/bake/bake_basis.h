@@ -2,6 +2,7 @@
 #ifndef RSV_BAKE_BASIS_H
 #define RSV_BAKE_BASIS_H
 
+#include "../io/atomic_file.h"
 #include "../opfile/tensor_file.h"
 #include "bake_receiver.h"
 #include "resolvent/bake.h"
@@ -19,6 +20,9 @@ typedef struct rsv_bake_reader {
     /// Writes what else the file says of the receivers; NULL = nothing.
     rsv_status (*describe)(const struct rsv_bake_reader *reader, rsv_tensor_file *file);
 } rsv_bake_reader;
+
+/// "room.glb" -> "room.KIND.safetensors"
+void rsv_bake_name_beside(const char *output, const char *kind, char path[RSV_PATH_BYTES]);
 
 /// Irradiance on surfaces. @param receiver [count]; borrowed
 rsv_bake_reader rsv_bake_surface_reader(

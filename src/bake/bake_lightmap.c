@@ -5,6 +5,7 @@
 #include "bake_basis.h"
 #include "bake_desc.h"
 #include "bake_lightmap_file.h"
+#include "bake_operator.h"
 #include "bake_primitive.h"
 #include "bake_seam.h"
 
@@ -58,6 +59,13 @@ static rsv_status write_basis(const rsv_lightmap_bake *b, const char *output, si
     reader.receiver = b;
     reader.read = read_map;
     return rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
+}
+
+static rsv_status write_operator(const rsv_lightmap_bake *b, const char *output)
+{
+    const rsv_bake_map *map = &b->layout.map;
+    return rsv_bake_write_operator(
+        b->s, "texel", map->receiver, (size_t)map->width * map->height, output);
 }
 
 static void fill_report(const rsv_lightmap_bake *b, rsv_bake_report *report)
@@ -129,6 +137,7 @@ rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, co
         .document.context = solution->context,
         .parts.context = solution->context };
     RSV_TRY(rsv_bake_check_desc(b.desc));
+    RSV_TRY(rsv_bake_check_operator(solution, b.desc));
     RSV_TRY(open_file(&b, input));
     RSV_TRY(light_map(&b));
     warn_if_coarse(&b);
@@ -136,6 +145,7 @@ rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, co
     fill_report(&b, report);
     if (b.desc->dry_run) goto cleanup;
     if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
+    if (b.desc->operator_file) RSV_TRY(write_operator(&b, output));
     RSV_TRY(rsv_lightmap_bake_write(&b, output));
 cleanup:
     close_file(&b);

@@ -3,6 +3,7 @@
 
 #include "bake_basis.h"
 #include "bake_desc.h"
+#include "bake_operator.h"
 #include "bake_primitive.h"
 
 #include <string.h>
@@ -165,14 +166,15 @@ cleanup:
     return status;
 }
 
-/// What each light does, vertex after vertex of all that carries light, in the order of the file's nodes.
-static rsv_status write_basis(vertex_bake *b, const char *output, size_t *lights)
+/// What the runtime takes: vertex after vertex of all that carries light, in the order of the file's nodes.
+static rsv_status write_for_runtime(vertex_bake *b, const char *output, size_t *lights)
 {
+    rsv_status status = RSV_OK;
     size_t count = 0, at = 0;
     for (size_t k = 0; k < b->parts.count; k++)
         count += b->mesh[k].vertex_count;
     rsv_bake_receiver *all = rsv_alloc(b->s->context, count, sizeof *all);
-    if (!all) return RSV_ERROR_MEMORY;
+    RSV_TRY(all ? RSV_OK : RSV_ERROR_MEMORY);
     for (size_t k = 0; k < b->parts.count; k++) {
         const rsv_bake_mesh *mesh = &b->mesh[k];
         if (!mesh->vertex_count) continue;
@@ -181,8 +183,11 @@ static rsv_status write_basis(vertex_bake *b, const char *output, size_t *lights
         rsv_bake_number(&b->document, extras, "resolvent_first_receiver", (double)at);
         at += mesh->vertex_count;
     }
-    rsv_bake_reader reader = rsv_bake_surface_reader("vertex", all, count);
-    rsv_status status = rsv_bake_write_basis(b->s, &reader, b->desc, output, lights);
+    const rsv_bake_reader reader = rsv_bake_surface_reader("vertex", all, count);
+    if (b->desc->basis) RSV_TRY(rsv_bake_write_basis(b->s, &reader, b->desc, output, lights));
+    if (b->desc->operator_file)
+        RSV_TRY(rsv_bake_write_operator(b->s, reader.kind, all, count, output));
+cleanup:
     rsv_free(b->s->context, all);
     return status;
 }
@@ -204,6 +209,7 @@ rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *input, co
     rsv_bake_desc defaults = rsv_default_bake_desc();
     vertex_bake b = { .s = solution, .desc = desc ? desc : &defaults };
     RSV_TRY(rsv_bake_check_desc(b.desc));
+    RSV_TRY(rsv_bake_check_operator(solution, b.desc));
     RSV_TRY(rsv_bake_document_open(solution->context, input, &b.document));
     RSV_TRY(rsv_bake_parts_create(&b.document, solution, &b.parts));
     RSV_TRY(rsv_bake_separate(&b.document, &b.parts, &b.primitive));
@@ -214,7 +220,8 @@ rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *input, co
     fill_report(&b, scale, report);
     if (b.desc->dry_run) goto cleanup;
     RSV_TRY(write_light(&b, scale));
-    if (b.desc->basis) RSV_TRY(write_basis(&b, output, &report->lights));
+    if (b.desc->basis || b.desc->operator_file)
+        RSV_TRY(write_for_runtime(&b, output, &report->lights));
     RSV_TRY(rsv_bake_document_write(&b.document, output));
 cleanup:
     for (size_t k = 0; b.mesh && k < b.parts.count; k++)

@@ -55,6 +55,18 @@ rsv_status rsv_write_basis(
     rsv_tensor_file *file, const rsv_solution *solution, const rsv_light_basis *basis);
 rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *solution);
 
+/// Places where light is shown, for readers at run time: each is a weighted mean of three elements.
+typedef struct rsv_file_receivers {
+    const char *kind; ///< "vertex", "texel"
+    size_t count;
+    const uint32_t (*element)[3]; ///< [count]
+    const float (*weight)[3];     ///< [count]
+} rsv_file_receivers;
+
+/// rsv_solution_save with receivers. @param receivers NULL = none
+rsv_status rsv_solution_save_receivers(const rsv_solution *solution, const char *scene_name,
+    const rsv_file_receivers *receivers, const char *path);
+
 /// Prefixes of the sets of elements.
 #define RSV_COARSE_PREFIX "element."
 #define RSV_DIRECT_PREFIX "direct."

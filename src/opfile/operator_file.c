@@ -31,7 +31,21 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_solution_save(const rsv_solution *solution, const char *scene_name, const char *path)
+static rsv_status write_receivers(rsv_tensor_file *file, const rsv_file_receivers *r)
+{
+    rsv_status status;
+    if (!r) return RSV_OK;
+    const size_t shape[2] = { r->count, 3 };
+    rsv_tensor_prefix(file, "receiver.");
+    RSV_TRY(rsv_tensor_add(file, "element", RSV_TENSOR_U32, 2, shape, r->element));
+    RSV_TRY(rsv_tensor_add(file, "weight", RSV_TENSOR_F32, 2, shape, r->weight));
+    RSV_TRY(rsv_note_set(file, "receivers", r->kind));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_solution_save_receivers(const rsv_solution *solution, const char *scene_name,
+    const rsv_file_receivers *receivers, const char *path)
 {
     rsv_tensor_file file;
     rsv_light_basis *own = NULL;
@@ -42,11 +56,17 @@ rsv_status rsv_solution_save(const rsv_solution *solution, const char *scene_nam
     RSV_TRY(rsv_write_solution(&file, solution));
     if (!solution->basis) RSV_TRY(rsv_light_basis_create(solution, &own));
     RSV_TRY(rsv_write_basis(&file, solution, own ? own : solution->basis));
+    RSV_TRY(write_receivers(&file, receivers));
     RSV_TRY(rsv_tensor_file_write(&file));
 cleanup:
     rsv_light_basis_destroy(own);
     rsv_tensor_file_end(&file);
     return status;
+}
+
+rsv_status rsv_solution_save(const rsv_solution *solution, const char *scene_name, const char *path)
+{
+    return rsv_solution_save_receivers(solution, scene_name, NULL, path);
 }
 
 // ---- comparing ------------------------------------------------------------------------------------

@@ -95,7 +95,7 @@ plain, turned = mean("box.glb"), mean("turned.glb")
 assert 0.8 * plain < turned < 1.25 * plain, (plain, turned)
 TEXT
 # a lightmap: irradiance in a texture and beside it, by texture coordinates that were not there before
-succeeds bake two-rooms -o map.glb --to lightmap --quality draft --map-size 256 --basis --directional --stats map.json
+succeeds bake two-rooms -o map.glb --to lightmap --quality draft --map-size 256 --basis --operator --directional --stats map.json
 for axis in x y z; do
     [[ -s map.lightmap-$axis.exr ]] || complain "map.lightmap-$axis.exr is missing"
 done
@@ -106,6 +106,20 @@ refuses 1 'no surroundings to be turned' bake two-rooms -o "$out/a.glb" --to lig
 for key in elements residual_inf warnings peak_rss_bytes; do
     grep -q "\"$key\"" map.json || complain "the statistics lack $key"
 done
+python3 - <<'TEXT' || complain "the operator knows other texels than the map"
+import json
+def header(path):
+    raw = open(path, "rb").read()
+    return json.loads(raw[8:8 + int.from_bytes(raw[:8], "little")])
+operator, basis = header("map.operator.safetensors"), header("map.light.safetensors")
+assert operator["receiver.element"]["shape"] == operator["receiver.weight"]["shape"] == [basis["basis.value"]["shape"][1], 3]
+assert operator["__metadata__"]["receivers"] == basis["__metadata__"]["receivers"] == "texel"
+TEXT
+succeeds info map.operator.safetensors
+refuses 2 'operator goes with --to vertex' bake two-rooms -o "$out/a.json" --to probes --operator
+run bake cornell-marble -o "$out/a.glb" --to vertex --operator --quality draft --max-elements 300
+((status == 1)) || complain "an operator for run time takes marble"
+warns 'cannot hold translucent materials'
 awk -v c="$(number map.json coverage)" -v s="$(number map.json largest_seam)" 'BEGIN { exit !(c > 0.7 && s < 0.01) }' ||
     complain "coverage $(number map.json coverage), seams $(number map.json largest_seam)"
 [[ -s map.lightmap.exr && -s map.light.safetensors ]] || complain "a file is missing beside the map"

@@ -43,6 +43,8 @@ export PKG_CONFIG_PATH
 cc "$source/samples/minimal.c" -o "$work/minimal" $(pkg-config --cflags --libs --static resolvent)
 
 cc "$work/outside/engine.c" -o "$work/engine" $(pkg-config --cflags --libs resolvent_rt)
+cc -c "$prefix"/share/resolvent/rt/resolvent_rt_file.c -o "$work/loader.o" \
+    $(pkg-config --cflags resolvent_rt libcjson)
 
 cd "$work"
 outside/build/engine

@@ -5,6 +5,7 @@
 #define rsv_rt_turn scalar_turn
 #define rsv_rt_operator_check scalar_operator_check
 #define rsv_rt_solver_begin scalar_solver_begin
+#define rsv_rt_solver_keep_bounced scalar_solver_keep_bounced
 #define rsv_rt_solver_update scalar_solver_update
 #define rsv_rt_solver_update_while scalar_solver_update_while
 #define rsv_rt_receivers_check scalar_receivers_check

@@ -129,6 +129,12 @@ static void fill(random_operator *o, float albedo)
         o->hanging_node, o->hanging_parent, o->hanging_weight };
 }
 
+static rsv_rt_status check_operator(const random_operator *o, uint64_t entries)
+{
+    uint8_t scratch[ELEMENTS];
+    return rsv_rt_operator_check(&o->transport, entries, ELEMENTS * TINTED, scratch);
+}
+
 static int tick(void *user) { return --*(int *)user > 0; }
 
 /// A closed furnace: with rows of sum 1, E = E0 / (1 - albedo) everywhere.
@@ -142,8 +148,7 @@ static void furnace_fills_up_within_budgets(void)
     fill(&o, 0.75f);
     for (int k = 0; k < ELEMENTS * 3; k++)
         direct[k] = 1;
-    check(rsv_rt_operator_check(&o.transport, ELEMENTS * ROW, ELEMENTS * TINTED) == RSV_RT_OK,
-        "a sound operator is refused");
+    check(check_operator(&o, ELEMENTS * ROW) == RSV_RT_OK, "a sound operator is refused");
     rsv_rt_solver_begin(&simd, &o.transport, irradiance[0], exitance[0]);
     scalar_solver_begin(&scalar, &o.transport, irradiance[1], exitance[1]);
     for (int frame = 0; frame < 500; frame++) {
@@ -165,21 +170,82 @@ static void furnace_fills_up_within_budgets(void)
 static void damaged_operators_are_refused(void)
 {
     static random_operator o;
-    const uint64_t entries = ELEMENTS * ROW, tinted = ELEMENTS * TINTED;
+    const uint64_t entries = ELEMENTS * ROW;
     float zero = 0;
     fill(&o, 0.5f);
-    check(rsv_rt_operator_check(&o.transport, entries - 1, tinted) == RSV_RT_ROWS, "entries");
+    check(check_operator(&o, entries - 1) == RSV_RT_ROWS, "entries");
     o.row_start[7] = entries + 1;
-    check(rsv_rt_operator_check(&o.transport, entries, tinted) == RSV_RT_ROWS, "rows");
+    check(check_operator(&o, entries) == RSV_RT_ROWS, "rows");
     fill(&o, 0.5f);
     o.column[11] = ELEMENTS;
-    check(rsv_rt_operator_check(&o.transport, entries, tinted) == RSV_RT_INDEX, "columns");
+    check(check_operator(&o, entries) == RSV_RT_INDEX, "columns");
     fill(&o, 0.5f);
     o.hanging_parent[2] = ELEMENTS;
-    check(rsv_rt_operator_check(&o.transport, entries, tinted) == RSV_RT_INDEX, "parents");
+    check(check_operator(&o, entries) == RSV_RT_INDEX, "parents");
     fill(&o, 0.5f);
     o.albedo[4] = 0 / zero;
-    check(rsv_rt_operator_check(&o.transport, entries, tinted) == RSV_RT_NUMBER, "numbers");
+    check(check_operator(&o, entries) == RSV_RT_NUMBER, "numbers");
+    fill(&o, 2);
+    check(check_operator(&o, entries) == RSV_RT_ENERGY, "albedo 2");
+    fill(&o, -0.5f);
+    check(check_operator(&o, entries) == RSV_RT_ENERGY, "albedo below 0");
+    fill(&o, 1.07f); // white under gloss, whose rows find less than all light
+    check(check_operator(&o, entries) == RSV_RT_OK, "albedo of what entered");
+}
+
+/// Elements may hang from those that came before them, and from nothing else.
+static void parents_come_first(void)
+{
+    static random_operator o;
+    const uint64_t entries = ELEMENTS * ROW;
+    uint32_t first = ELEMENTS - HANGING;
+    fill(&o, 0.5f);
+    o.hanging_parent[4 * 2] = first;
+    check(check_operator(&o, entries) == RSV_RT_OK, "a parent that hangs, but earlier");
+    o.hanging_parent[4 * 0] = first + 2;
+    check(check_operator(&o, entries) == RSV_RT_ORDER, "parents of each other");
+    o.hanging_weight[4 * 0] = 0;
+    check(check_operator(&o, entries) == RSV_RT_OK, "a parent that counts for nothing");
+    fill(&o, 0.5f);
+    o.hanging_parent[1] = first;
+    check(check_operator(&o, entries) == RSV_RT_ORDER, "a parent of itself");
+    fill(&o, 0.5f);
+    o.hanging_node[1] = first;
+    check(check_operator(&o, entries) == RSV_RT_ORDER, "an element that hangs twice");
+}
+
+/// One NaN or infinity of the engine's, for one update, is no light; and it does not pass for rest.
+static void what_is_not_finite_does_not_stay(void)
+{
+    static random_operator o;
+    static float irradiance[2][ELEMENTS * 3], exitance[2][ELEMENTS * 4], direct[ELEMENTS * 3];
+    const float zero = 0, wrong[] = { 0 / zero, 1 / zero, -1 / zero, 3e38f };
+    rsv_rt_solver simd, scalar;
+    fill(&o, 0.5f);
+    for (size_t k = 0; k < ELEMENTS * 3; k++) {
+        direct[k] = 1;
+        irradiance[0][k] = irradiance[1][k] = wrong[k % 2];
+    }
+    rsv_rt_solver_begin(&simd, &o.transport, irradiance[0], exitance[0]);
+    scalar_solver_begin(&scalar, &o.transport, irradiance[1], exitance[1]);
+    for (size_t w = 0; w < sizeof wrong / sizeof wrong[0]; w++) {
+        rsv_rt_solver_update(&simd, direct, 1000000);
+        scalar_solver_update(&scalar, direct, 1000000);
+        check(simd.change <= 1e-6f, "no rest before");
+        for (size_t k = w; k < ELEMENTS * 3; k += 1 + w * w)
+            direct[k] = wrong[w];
+        rsv_rt_solver_update(&simd, direct, 20000);
+        scalar_solver_update(&scalar, direct, 20000);
+        check(simd.change > 1e30f, "what is not finite passes for rest");
+        for (size_t k = 0; k < ELEMENTS * 3; k++)
+            direct[k] = 1;
+        rsv_rt_solver_update(&simd, direct, 1000000);
+        scalar_solver_update(&scalar, direct, 1000000);
+        check(memcmp(irradiance[0], irradiance[1], sizeof irradiance[0]) == 0,
+            "the twins mend differently");
+        for (int k = 0; k < ELEMENTS * 3; k++)
+            check(is_near(irradiance[0][k], 2, 1e-4), "what was not finite stays");
+    }
 }
 
 static void receivers_mix_three_elements(void)
@@ -210,7 +276,7 @@ static void probes_give_irradiance(void)
     rsv_rt_sh_irradiance(sh, up, irradiance);
     check(is_near(irradiance[0], 3.14159265, 1e-5), "constant radiance 1 is irradiance pi");
     check(irradiance[1] == 0, "no green light");
-    rsv_rt_probe_at(&grid, &probe[0][0][0], corner, sh);
+    check(rsv_rt_probe_at(&grid, &probe[0][0][0], corner, sh) == RSV_RT_NO_PROBE, "no probe");
     check(sh[0] == 0, "a probe inside a wall counts for nothing");
     memset(probe, 0, sizeof probe);
     for (int p = 0; p < 8; p++) { // projections of max(0, cos): orders 0, 1 and 2
@@ -231,6 +297,8 @@ int main(void)
     a_turning_sky_goes_from_angle_to_angle();
     furnace_fills_up_within_budgets();
     damaged_operators_are_refused();
+    parents_come_first();
+    what_is_not_finite_does_not_stay();
     receivers_mix_three_elements();
     probes_give_irradiance();
     if (!failures) printf("all passed\n");

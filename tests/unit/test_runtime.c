@@ -1,4 +1,6 @@
 /// The runtime for engines against the library, by way of the files that both read.
+#include "resolvent/bake.h"
+#include "resolvent/io.h"
 #include "resolvent/opfile.h"
 #include "resolvent/relight.h"
 #include "resolvent_rt_file.h"
@@ -170,6 +172,144 @@ static void the_basis_route_is_relight(void **state)
     stop(&e);
 }
 
+// ---- receivers ------------------------------------------------------------------------------------
+
+typedef rsv_status (*bake_function)(const rsv_solution *solution, const char *input,
+    const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
+
+/// A box with its lamp, with a basis and an operator beside it. Direct light lies on the elements of the rows.
+static void bake_box(const solved_file *f, bake_function bake)
+{
+    char input[256], output[256];
+    snprintf(input, sizeof input, "%s", path_in(&f->place, "box.glb"));
+    snprintf(output, sizeof output, "%s", path_in(&f->place, "lit.glb"));
+    rsv_scene *scene;
+    rsv_solution *s;
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 600;
+    desc.direct_level = false;
+    desc.photon_count = 0;
+    desc.tolerance = 1e-6f;
+    rsv_bake_desc how = rsv_default_bake_desc();
+    how.map_size = 128;
+    how.basis = how.operator_file = true;
+    rsv_bake_report report = { 0 };
+    assert_int_equal(rsv_scene_builtin(f->context, "cornell-blocks", &scene), RSV_OK);
+    assert_int_equal(rsv_scene_save(scene, input), RSV_OK);
+    rsv_scene_destroy(scene);
+    assert_int_equal(rsv_scene_load(f->context, input, &scene), RSV_OK);
+    assert_int_equal(rsv_solution_create(scene, &desc, &s), RSV_OK);
+    if (bake(s, input, output, &how, &report)) fail_msg("%s", rsv_last_error());
+    rsv_solution_destroy(s);
+    rsv_scene_destroy(scene);
+}
+
+/// What was baked: all lights of the basis together. @return [basis.receiver_count][3]
+static float *read_baked(const char *path, uint32_t *count)
+{
+    rsv_rt_file file;
+    rsv_rt_basis basis;
+    float scale[3 * 64];
+    for (int k = 0; k < 3 * 64; k++)
+        scale[k] = 1;
+    if (rsv_rt_file_open(&file, path) || rsv_rt_file_basis(&file, &basis))
+        fail_msg("%s", file.message);
+    float *baked = calloc(basis.receiver_count, 3 * sizeof *baked);
+    assert_int_equal(
+        rsv_rt_relight(&basis, scale, basis.light_count, 0, basis.receiver_count, baked), 0);
+    *count = basis.receiver_count;
+    rsv_rt_file_close(&file);
+    return baked;
+}
+
+/// Mean over all receivers of the difference, relative to the mean.
+static double mean_difference(const float *a, const float *b, size_t count)
+{
+    double difference = 0, sum = 0;
+    for (size_t k = 0; k < 3 * count; k++) {
+        difference += fabs((double)a[k] - (double)b[k]);
+        sum += (double)b[k];
+    }
+    return difference / sum;
+}
+
+/// @param shown out: difference from what `bake` shows, with its sharpened indirect light @param solved out: of the runtime's
+/// own solution
+static void judge_receivers(const solved_file *f, double *shown, double *solved)
+{
+    engine e;
+    rsv_rt_receivers receivers;
+    uint32_t count;
+    float *baked = read_baked(path_in(&f->place, "lit.light.safetensors"), &count);
+    start(&e, path_in(&f->place, "lit.operator.safetensors"));
+    if (rsv_rt_file_receivers(&e.file, &e.transport, &receivers)) fail_msg("%s", e.file.message);
+    assert_int_equal(receivers.count, count);
+    size_t floats = 3 * (size_t)e.transport.element_count;
+    float *out = calloc(count, 3 * sizeof *out), *field = calloc(floats, sizeof *field);
+    const float *source = rsv_rt_file_array(&e.file, "source", "F32", NULL);
+    const float *indirect = rsv_rt_file_array(&e.file, "shown.indirect", "F32", NULL);
+    assert_true(source && indirect);
+    for (size_t k = 0; k < floats; k++) {
+        field[k] = source[k] + indirect[k];
+        e.source[k] = source[k];
+    }
+    assert_int_equal(rsv_rt_receive(&receivers, field, 0, count, out), RSV_RT_OK);
+    *shown = mean_difference(out, baked, count);
+    solve(&e);
+    assert_int_equal(rsv_rt_receive(&receivers, e.irradiance, 0, count, out), RSV_RT_OK);
+    *solved = mean_difference(out, baked, count);
+    free(field);
+    free(out);
+    free(baked);
+    stop(&e);
+}
+
+static void receivers_show_what_is_baked(void **state)
+{
+    const solved_file *f = *state;
+    const bake_function bake[] = { rsv_bake_vertices, rsv_bake_lightmap };
+    const double most[] = { 1e-6,
+        1e-3 }; // texels have their seams closed, and go on beyond borders
+    for (int k = 0; k < 2; k++) {
+        double shown, solved;
+        bake_box(f, bake[k]);
+        judge_receivers(f, &shown, &solved);
+        print_message(
+            "%s: off by %.2g, unsharpened by %.2g\n", k ? "texels" : "vertices", shown, solved);
+        assert_true(shown < most[k]);
+        assert_true(solved < 0.02);
+    }
+}
+
+/// Light without E0, whatever E0 was at the time of the visit.
+static void bounced_light_is_kept_by_itself(void **state)
+{
+    engine e;
+    rsv_rt_solver solver;
+    start(&e, ((solved_file *)*state)->path);
+    size_t floats = 3 * (size_t)e.transport.element_count;
+    float *bounced = malloc(floats * sizeof *bounced);
+    memcpy(e.source, e.direct.value, floats * sizeof *e.source);
+    rsv_rt_solver_begin(&solver, &e.transport, e.irradiance, e.exitance);
+    rsv_rt_solver_keep_bounced(&solver, bounced);
+    assert_int_equal(rsv_rt_solver_update_while(&solver, e.source, 1e-6f, 100000, always, NULL), 1);
+    for (uint32_t k = 0; k < e.transport.hanging_count; k++) // E0 there is that of the parents
+        for (size_t c = 0; c < 3; c++) {
+            float *own = &e.source[3 * (size_t)e.transport.hanging_node[k] + c];
+            *own = 0;
+            for (size_t p = 4 * (size_t)k; p < 4 * (size_t)k + 4; p++)
+                *own += e.transport.hanging_weight[p] *
+                        e.source[3 * (size_t)e.transport.hanging_parent[p] + c];
+        }
+    float largest = 0;
+    for (size_t k = 0; k < floats; k++)
+        largest = fmaxf(largest, e.irradiance[k]);
+    for (size_t k = 0; k < floats; k++)
+        assert_true(fabsf(e.source[k] + bounced[k] - e.irradiance[k]) <= 1e-5f * largest);
+    free(bounced);
+    stop(&e);
+}
+
 static void damaged_files_are_refused(void **state)
 {
     const solved_file *f = *state;
@@ -186,6 +326,16 @@ static void damaged_files_are_refused(void **state)
         assert_true(file.message[0]);
         rsv_rt_file_close(&file);
     }
+    for (size_t k = 0; k + 20 < bytes; k++) // of another version
+        if (memcmp(all + k, "format_version\":\"1\"", 19) == 0) all[k + 17] = '7';
+    write_bytes(path, all, bytes);
+    assert_int_equal(rsv_rt_file_open(&file, path), 0);
+    assert_int_equal(rsv_rt_file_operator(&file, &transport), -1);
+    assert_non_null(strstr(file.message, "version is '7'"));
+    rsv_rt_basis basis;
+    assert_int_equal(rsv_rt_file_basis(&file, &basis), -1);
+    assert_int_equal(strncmp(file.message, path, strlen(path)), 0);
+    rsv_rt_file_close(&file);
     assert_int_equal(rsv_rt_file_open(&file, path_in(&f->place, "nowhere")), -1);
     assert_non_null(strstr(file.message, "nowhere"));
     rsv_rt_file_close(&file);
@@ -197,6 +347,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_operator_route_is_relight),
         cmocka_unit_test(the_basis_route_is_relight),
+        cmocka_unit_test(receivers_show_what_is_baked),
+        cmocka_unit_test(bounced_light_is_kept_by_itself),
         cmocka_unit_test(damaged_files_are_refused),
     };
     return cmocka_run_group_tests(tests, write_operator, remove_operator);

@@ -1,0 +1,49 @@
+#include "bake_operator.h"
+
+#include "../opfile/exchange.h"
+#include "bake_basis.h"
+
+#include <string.h>
+
+rsv_status rsv_bake_check_operator(const rsv_solution *s, const rsv_bake_desc *desc)
+{
+    if (!desc->operator_file || !s->subsurface) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "bake: an operator for run time cannot hold translucent materials; leave it out, or bake a "
+        "basis, which holds their light too");
+}
+
+/// Elements and weights of a place; nothing where no light is kept.
+static void locate(
+    const rsv_elements *e, const rsv_bake_receiver *r, uint32_t element[3], float weight[3])
+{
+    uint32_t face = r->triangle == RSV_NONE ? RSV_NONE : e->face_of[r->back][r->triangle];
+    if (face == RSV_NONE) {
+        memset(element, 0, 3 * sizeof *element);
+        memset(weight, 0, 3 * sizeof *weight);
+        return;
+    }
+    uint32_t cell = rsv_elements_locate(e, face, r->u, r->v, weight);
+    memcpy(element, e->cell_node[cell], 3 * sizeof *element);
+}
+
+rsv_status rsv_bake_write_operator(const rsv_solution *s, const char *kind,
+    const rsv_bake_receiver *receiver, size_t count, const char *output)
+{
+    rsv_status status;
+    char path[RSV_PATH_BYTES];
+    uint32_t(*element)[3] = rsv_alloc(s->context, count, sizeof *element);
+    float(*weight)[3] = rsv_alloc(s->context, count, sizeof *weight);
+    RSV_TRY(element && weight ? RSV_OK : RSV_ERROR_MEMORY);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
+    for (size_t n = 0; n < count; n++)
+        locate(s->elements, &receiver[n], element[n], weight[n]);
+    const char *slash = strrchr(output, '/');
+    rsv_bake_name_beside(output, "operator", path);
+    const rsv_file_receivers receivers = { kind, count, element, weight };
+    RSV_TRY(rsv_solution_save_receivers(s, slash ? slash + 1 : output, &receivers, path));
+cleanup:
+    rsv_free(s->context, element);
+    rsv_free(s->context, weight);
+    return status;
+}
