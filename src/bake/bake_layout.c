@@ -23,8 +23,28 @@
 #define SMALL_PART 64
 /// Texels along a side by which the second texture coordinates of a file are judged.
 #define CHECK_TEXELS 256
+/// Share of the texels per square metre of a part below which a triangle has none, and share of a part's surface that may
+/// be without: slivers that rounding makes flat.
+#define COLLAPSED 1e-3
+#define MOST_COLLAPSED 0.01
 
 // ---- texture coordinates of the file --------------------------------------------------------------
+
+/// Whether triangles that hold more than a sliver of a part's surface have next to no area in its chart: light on them
+/// would be that of a point or a line.
+static bool is_collapsed(const rsv_bake_layout *b, const rsv_bake_charts *charts)
+{
+    const rsv_bake_part *part = &b->parts->part[charts->chart->part];
+    double all = 0, collapsed = 0;
+    for (uint32_t k = 0; k < charts->triangle_count; k++) {
+        const rsv_bake_chart alone = { .first = k, .triangle_count = 1 };
+        uint32_t triangle = part->triangle[charts->triangle[k]];
+        double area = (double)rsv_triangle_area(b->s->scene.view, triangle);
+        all += area; // the chart's scale is that of areas in the mean
+        if (rsv_bake_chart_area(charts, &alone) < COLLAPSED * area) collapsed += area;
+    }
+    return collapsed > MOST_COLLAPSED * all;
+}
 
 /// Why a part's second texture coordinates cannot hold light; NULL = they can.
 static rsv_status judge_uv(
@@ -41,14 +61,16 @@ static rsv_status judge_uv(
         for (int c = 0; c < 2; c++)
             if (!(uv[n][c] >= -1e-4f && uv[n][c] <= 1.0001f)) *why = "leave the unit square";
     if (*why) return RSV_OK;
-    RSV_TRY(rsv_bake_keep_chart(&charts, b->s, part, 0, uv));
+    RSV_TRY(rsv_bake_keep_chart(&charts, b->s, part, (uint32_t)k, uv));
     overlap = rsv_alloc(b->s->context, charts.triangle_count, 1);
     RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
     charts.chart->texels[0] = charts.chart->texels[1] = CHECK_TEXELS;
-    RSV_TRY(rsv_bake_map_create(&charts, part, CHECK_TEXELS, CHECK_TEXELS, 1, &map, overlap));
+    RSV_TRY(
+        rsv_bake_map_create(&charts, b->parts->part, CHECK_TEXELS, CHECK_TEXELS, 1, &map, overlap));
     for (size_t t = 0; t < charts.triangle_count; t++)
         upon += overlap[t];
     if (upon) *why = "overlap";
+    if (is_collapsed(b, &charts)) *why = "collapse triangles into points or lines";
     if (charts.chart->size[0] == 0 || charts.chart->size[1] == 0) *why = "have no area";
 cleanup:
     rsv_bake_map_destroy(b->s->context, &map);
