@@ -46,6 +46,26 @@ static bool is_collapsed(const rsv_bake_layout *b, const rsv_bake_charts *charts
     return collapsed > MOST_COLLAPSED * all;
 }
 
+/// Whether so many charts, of a few texels each, crowd a map of that side.
+static bool is_crowded(const rsv_bake_layout *b, size_t charts, uint32_t side)
+{
+    double least = b->desc->padding + 2.0;
+    return (double)charts * least * least > SMALL_CHARTS * side * side;
+}
+
+/// Whether texture coordinates have so many islands, such as one for each triangle, that charts of them would crowd the map.
+static rsv_status find_pieces(
+    const rsv_bake_layout *b, size_t k, const float (*uv)[2], const char **why)
+{
+    rsv_bake_charts charts = { .context = b->s->context };
+    uint32_t side = b->desc->map_size ? b->desc->map_size : FIRST_SIDE;
+    rsv_status status =
+        rsv_bake_keep_charts(&charts, b->s, &b->parts->part[k], (uint32_t)k, uv, false);
+    if (is_crowded(b, charts.count, side)) *why = "are in too many pieces for the map";
+    rsv_bake_charts_destroy(&charts);
+    return status;
+}
+
 /// Why a part's second texture coordinates cannot hold light; NULL = they can.
 static rsv_status judge_uv(
     const rsv_bake_layout *b, size_t k, const float (*uv)[2], const char **why)
@@ -61,7 +81,8 @@ static rsv_status judge_uv(
         for (int c = 0; c < 2; c++)
             if (!(uv[n][c] >= -1e-4f && uv[n][c] <= 1.0001f)) *why = "leave the unit square";
     if (*why) return RSV_OK;
-    RSV_TRY(rsv_bake_keep_chart(&charts, b->s, part, (uint32_t)k, uv));
+    RSV_TRY(rsv_bake_keep_charts(&charts, b->s, part, (uint32_t)k, uv, true));
+    RSV_TRY(find_pieces(b, k, uv, why));
     overlap = rsv_alloc(b->s->context, charts.triangle_count, 1);
     RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
     charts.chart->texels[0] = charts.chart->texels[1] = CHECK_TEXELS;
@@ -107,7 +128,8 @@ static rsv_status make_charts(rsv_bake_layout *b)
         const rsv_bake_part *part = &b->parts->part[k];
         if (!rsv_bake_carries_light(b->s, part)) continue;
         if (b->uv[k])
-            RSV_TRY(rsv_bake_keep_chart(&b->charts, b->s, part, k, (const float(*)[2])b->uv[k]));
+            RSV_TRY(rsv_bake_keep_charts(
+                &b->charts, b->s, part, k, (const float(*)[2])b->uv[k], false));
         else
             RSV_TRY(rsv_bake_add_charts(&b->charts, b->s, part, k, b->layer[k]));
     }
@@ -166,10 +188,9 @@ static rsv_status divide_hollow_charts(rsv_bake_layout *b, bool *any)
 /// Texels along a side at most: as asked for, or so many that charts of a few texels do not fill the map.
 static uint32_t largest_side(const rsv_bake_layout *b)
 {
-    uint32_t side = b->desc->map_size, least = b->desc->padding + 2;
+    uint32_t side = b->desc->map_size;
     if (side) return side;
-    double needed = (double)b->charts.count * least * least;
-    for (side = FIRST_SIDE; side < LAST_SIDE && needed > SMALL_CHARTS * side * side;)
+    for (side = FIRST_SIDE; side < LAST_SIDE && is_crowded(b, b->charts.count, side);)
         side *= 2;
     return side;
 }

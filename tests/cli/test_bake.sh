@@ -153,7 +153,8 @@ for case in 'outside:leave the unit square' 'overlapping:overlap' 'flat:have no 
     says '^coverage    [6-9][0-9]'
 done
 succeeds bake sliver.gltf -o "$out/x.glb" "${few[@]}"
-# two floors, the right one darker: its texture coordinates lie upon the other's or collapse, and are made anew
+# two floors, the right one darker: its texture coordinates lie upon the other's or collapse, and are made anew; or both touch
+# on the border, and each keeps its light
 python3 - <<'TEXT' || complain "the floors cannot be written"
 import json, struct
 lit = [(-2, 0, -2), (0, 0, -2), (0, 0, 2), (-2, 0, 2)]
@@ -183,14 +184,50 @@ def write(name, place, uv):
         "buffers": [{"byteLength": sum(map(len, parts)), "uri": name + ".bin"}]}, open(name + ".gltf", "w"))
     open(name + ".bin", "wb").write(b"".join(parts))
 rectangle = lambda x, y, right, low: [(x, y), (right, y), (right, low), (x, low)]
-for name, right in (("strip", rectangle(.48, 0, 1, 1)), ("point", rectangle(.7, .7, .7, .7)),
-                    ("line", rectangle(.7, 0, .7, 1))):
+for name, right in (("touching", rectangle(.5, 0, 1, 1)), ("strip", rectangle(.48, 0, 1, 1)),
+                    ("point", rectangle(.7, .7, .7, .7)), ("line", rectangle(.7, 0, .7, 1))):
     write(name, lit + dark, rectangle(0, 0, .5, 1) + right)
+corners = [(x / 10, y / 10) for x in range(10) for y in range(10)]
+tiles = lambda side: sum([rectangle(x, y, x + side, y + side) for x, y in corners], [])
+write("pieces", [(4 * round(x, 1), 0, 4 * round(y, 1)) for x, y in tiles(.1)], tiles(.08))
 TEXT
 for case in strip:overlap 'point:collapse triangles' 'line:collapse triangles'; do
     succeeds bake "${case%%:*}.gltf" -o "$out/x.glb" "${few[@]}"
     warns "second texture coordinates ${case#*:}.*; new ones are made"
 done
+succeeds bake pieces.gltf -o "$out/x.glb" "${few[@]}" --map-size 32
+warns 'second texture coordinates are in too many pieces for the map; new ones are made'
+succeeds bake touching.gltf -o touching.glb --to lightmap --quality draft --map-size 64 --basis
+! grep -q 'new ones are made' stderr || complain "texture coordinates that touch are refused"
+python3 - <<'TEXT' || complain "light runs over from one floor into the other"
+import json, struct
+raw = open("touching.glb", "rb").read()
+n = struct.unpack("<I", raw[12:16])[0]
+g, binary = json.loads(raw[20:20 + n]), raw[28 + n:]
+def start(view):
+    return g["bufferViews"][view].get("byteOffset", 0)
+def read(accessor, width):
+    a = g["accessors"][accessor]
+    at = start(a["bufferView"]) + a.get("byteOffset", 0)
+    return [struct.unpack_from(f"<{width}f", binary, at + 4 * width * k) for k in range(a["count"])]
+primitive = g["meshes"][0]["primitives"][0]
+size = struct.unpack_from(">2I", binary, start(g["images"][-1]["bufferView"]) + 16)
+lit = g["materials"][primitive["material"]]["extensions"]["MOZ_lightmap"]["texCoord"]
+places = list(zip(read(primitive["attributes"]["POSITION"], 3), read(primitive["attributes"][f"TEXCOORD_{lit}"], 2)))
+raw = open("touching.light.safetensors", "rb").read()
+n = struct.unpack("<Q", raw[:8])[0]
+first = 8 + n + json.loads(raw[8:8 + n])["basis.value"]["data_offsets"][0]
+def light(x):
+    """In the middle of the side at x, filtered."""
+    ends = [uv for p, uv in places if p[0] == x]
+    at = [sum(uv[a] for uv in ends) / len(ends) * size[a] - .5 for a in range(2)]
+    low = [min(int(at[a]), size[a] - 2) for a in range(2)]
+    u, v = at[0] - low[0], at[1] - low[1]
+    texel = lambda x, y: struct.unpack_from("<f", raw, first + 12 * (y * size[0] + x))[0]
+    row = lambda y: texel(low[0], y) * (1 - u) + texel(low[0] + 1, y) * u
+    return row(low[1]) * (1 - v) + row(low[1] + 1) * v
+assert light(0) > .35 and light(3) < .12, (light(0), light(3))
+TEXT
 run bake two-rooms -o "$out/x.glb" --to lightmap --quality draft --map-size 16
 ((status == 1)) || complain "51 charts fit into 16 x 16 texels"
 warns 'do not fit'
