@@ -33,8 +33,8 @@ typedef struct rsv_bake_charts {
 rsv_status rsv_bake_add_charts(rsv_bake_charts *charts, const rsv_solution *solution,
     const rsv_bake_part *part, uint32_t part_index, const uint8_t *layer);
 
-/// Makes charts of a part's texture coordinates, all at one scale: one of each island, so that they stay apart in the map
-/// however few texels their gutters had.
+/// Makes charts of a part's texture coordinates, all at one scale: one of each island, so that they stay apart in the
+/// map however few texels their gutters had.
 /// @param uv [vertex_count of the part] @param whole one of all islands together, as they lie
 rsv_status rsv_bake_keep_charts(rsv_bake_charts *charts, const rsv_solution *solution,
     const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2], bool whole);

@@ -23,8 +23,8 @@
 #define SMALL_PART 64
 /// Texels along a side by which the second texture coordinates of a file are judged.
 #define CHECK_TEXELS 256
-/// Share of the texels per square metre of a part below which a triangle has none, and share of a part's surface that may
-/// be without: slivers that rounding makes flat.
+/// Share of the texels per square metre of a part below which a triangle has none, and share of a part's surface that
+/// may be without: slivers that rounding makes flat.
 #define COLLAPSED 1e-3
 #define MOST_COLLAPSED 0.01
 
@@ -53,7 +53,8 @@ static bool is_crowded(const rsv_bake_layout *b, size_t charts, uint32_t side)
     return (double)charts * least * least > SMALL_CHARTS * side * side;
 }
 
-/// Whether texture coordinates have so many islands, such as one for each triangle, that charts of them would crowd the map.
+/// Whether texture coordinates have so many islands, such as one for each triangle, that charts of them would crowd the
+/// map.
 static rsv_status find_pieces(
     const rsv_bake_layout *b, size_t k, const float (*uv)[2], const char **why)
 {
