@@ -220,33 +220,114 @@ rsv_status rsv_bake_add_charts(rsv_bake_charts *c, const rsv_solution *solution,
 
 // ---- charts of the file ---------------------------------------------------------------------------
 
-rsv_status rsv_bake_keep_chart(rsv_bake_charts *c, const rsv_solution *solution,
-    const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2])
+static double uv_area(const uint32_t v[3], const float (*uv)[2])
 {
-    rsv_bake_chart *chart;
-    size_t count = 0;
-    double area = 0, uv_area = 0;
+    return 0.5 * fabs((double)(uv[v[1]][0] - uv[v[0]][0]) * (uv[v[2]][1] - uv[v[0]][1]) -
+                      (double)(uv[v[2]][0] - uv[v[0]][0]) * (uv[v[1]][1] - uv[v[0]][1]));
+}
+
+/// What makes a part's texture coordinates metres, in the mean; 0 = they have no area.
+static float metres_of(const rsv_solution *s, const rsv_bake_part *part, const float (*uv)[2])
+{
+    double area = 0, flat = 0;
     for (size_t t = 0; t < part->triangle_count; t++) {
         if (part->triangle[t] == RSV_NONE) continue;
-        const uint32_t *v = part->corner[t];
-        area += (double)rsv_triangle_area(solution->scene.view, part->triangle[t]);
-        uv_area += 0.5 * fabs((double)(uv[v[1]][0] - uv[v[0]][0]) * (uv[v[2]][1] - uv[v[0]][1]) -
-                              (double)(uv[v[2]][0] - uv[v[0]][0]) * (uv[v[1]][1] - uv[v[0]][1]));
-        count++;
+        area += (double)rsv_triangle_area(s->scene.view, part->triangle[t]);
+        flat += uv_area(part->corner[t], uv);
     }
-    float metres = uv_area > 0 ? (float)sqrt(area / uv_area) : 0;
-    rsv_status status = begin_chart(c, part_index, count, &chart);
-    if (status != RSV_OK) return status;
-    count = chart->first;
+    return flat > 0 ? (float)sqrt(area / flat) : 0;
+}
+
+/// Makes charts of those triangles of a part that have the same island, in the order of their first ones.
+/// @param island [triangle_count] a triangle of the same island, the first one being its own; RSV_NONE = in no chart
+static rsv_status keep(rsv_bake_charts *c, const rsv_bake_part *part, uint32_t part_index,
+    const float (*uv)[2], float metres, const uint32_t *island)
+{
+    rsv_status status;
+    uint32_t *count = rsv_alloc(c->context, part->triangle_count, sizeof *count);
+    uint32_t *next = rsv_alloc(c->context, part->triangle_count, sizeof *next);
+    size_t first_chart = c->count;
+    RSV_TRY(count && next ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t t = 0; t < part->triangle_count; t++)
+        if (island[t] != RSV_NONE) count[island[t]]++;
+    for (size_t t = 0; t < part->triangle_count; t++) {
+        rsv_bake_chart *chart;
+        if (!count[t]) continue;
+        RSV_TRY(begin_chart(c, part_index, count[t], &chart));
+        next[t] = chart->first;
+    }
     for (uint32_t t = 0; t < part->triangle_count; t++) {
-        if (part->triangle[t] == RSV_NONE) continue;
+        if (island[t] == RSV_NONE) continue;
+        uint32_t at = next[island[t]]++;
         for (int k = 0; k < 3; k++)
             for (int a = 0; a < 2; a++)
-                c->corner[count][k][a] = metres * uv[part->corner[t][k]][a];
-        c->triangle[count++] = t;
+                c->corner[at][k][a] = metres * uv[part->corner[t][k]][a];
+        c->triangle[at] = t;
     }
-    settle_chart(c, chart);
-    return RSV_OK;
+    for (size_t k = first_chart; k < c->count; k++)
+        settle_chart(c, &c->chart[k]);
+cleanup:
+    rsv_free(c->context, count);
+    rsv_free(c->context, next);
+    return status;
+}
+
+static uint64_t hash_vertex(const rsv_bake_part *part, const float (*uv)[2], uint32_t vertex)
+{
+    return mix(
+        hash_point(part->position[vertex]) ^ mix(hash_point(v3(uv[vertex][0], uv[vertex][1], 0))));
+}
+
+static uint32_t root_of(uint32_t *island, uint32_t t)
+{
+    while (island[t] != t)
+        t = island[t] = island[island[t]];
+    return t;
+}
+
+/// Triangles that share an edge both in space and in the map are of one island; it is known by the first of them.
+/// @param island [triangle_count] each triangle itself, RSV_NONE = of no island
+static rsv_status join_islands(
+    rsv_context *context, const rsv_bake_part *part, const float (*uv)[2], uint32_t *island)
+{
+    rsv_status status;
+    rsv_index_map edges = { 0 };
+    RSV_TRY(rsv_index_map_create(context, 2 * part->triangle_count, &edges));
+    for (uint32_t t = 0; t < part->triangle_count; t++) {
+        if (island[t] == RSV_NONE) continue;
+        for (int k = 0; k < 3; k++) {
+            uint64_t key = hash_vertex(part, uv, part->corner[t][k]) +
+                           hash_vertex(part, uv, part->corner[t][(k + 1) % 3]);
+            uint32_t other = rsv_index_map_insert(&edges, key, t);
+            RSV_TRY(other == RSV_NONE ? RSV_ERROR_MEMORY : RSV_OK);
+            uint32_t a = root_of(island, t), b = root_of(island, other);
+            island[a > b ? a : b] = a > b ? b : a;
+        }
+    }
+    for (uint32_t t = 0; t < part->triangle_count; t++)
+        if (island[t] != RSV_NONE) island[t] = root_of(island, t);
+cleanup:
+    rsv_index_map_destroy(&edges);
+    return status;
+}
+
+rsv_status rsv_bake_keep_charts(rsv_bake_charts *c, const rsv_solution *solution,
+    const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2], bool whole)
+{
+    rsv_status status = RSV_OK;
+    uint32_t first = RSV_NONE;
+    uint32_t *island = rsv_alloc(c->context, part->triangle_count, sizeof *island);
+    if (!island) return RSV_ERROR_MEMORY;
+    for (uint32_t t = 0; t < part->triangle_count; t++) {
+        bool none = part->triangle[t] == RSV_NONE;
+        if (!none && first == RSV_NONE) first = t;
+        island[t] = none ? RSV_NONE : whole ? first : t;
+    }
+    if (!whole) status = join_islands(c->context, part, uv, island);
+    if (status == RSV_OK)
+        status = keep(c, part, part_index, uv, metres_of(solution, part, uv), island);
+    rsv_free(c->context, island);
+    return status;
 }
 
 double rsv_bake_chart_area(const rsv_bake_charts *c, const rsv_bake_chart *chart)

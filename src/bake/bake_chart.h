@@ -2,7 +2,7 @@
 ///
 /// Triangles that meet at less than a crease, and whose normals stay near that of the first, are projected along
 /// their mean normal. Walls and floors become rectangles this way, undistorted; curved surfaces are compressed to
-/// less than 0.6 nowhere. A part whose own second texture coordinates do not overlap is one chart as it is.
+/// less than 0.6 nowhere. Where a part's own second texture coordinates can hold light, their islands are its charts.
 #ifndef RSV_BAKE_CHART_H
 #define RSV_BAKE_CHART_H
 
@@ -33,10 +33,11 @@ typedef struct rsv_bake_charts {
 rsv_status rsv_bake_add_charts(rsv_bake_charts *charts, const rsv_solution *solution,
     const rsv_bake_part *part, uint32_t part_index, const uint8_t *layer);
 
-/// Makes one chart of a part's texture coordinates.
-/// @param uv [vertex_count of the part]
-rsv_status rsv_bake_keep_chart(rsv_bake_charts *charts, const rsv_solution *solution,
-    const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2]);
+/// Makes charts of a part's texture coordinates, all at one scale: one of each island, so that they stay apart in the
+/// map however few texels their gutters had.
+/// @param uv [vertex_count of the part] @param whole one of all islands together, as they lie
+rsv_status rsv_bake_keep_charts(rsv_bake_charts *charts, const rsv_solution *solution,
+    const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2], bool whole);
 
 /// Area of a chart's triangles, m2 where they lie.
 double rsv_bake_chart_area(const rsv_bake_charts *charts, const rsv_bake_chart *chart);

@@ -23,8 +23,49 @@
 #define SMALL_PART 64
 /// Texels along a side by which the second texture coordinates of a file are judged.
 #define CHECK_TEXELS 256
+/// Share of the texels per square metre of a part below which a triangle has none, and share of a part's surface that
+/// may be without: slivers that rounding makes flat.
+#define COLLAPSED 1e-3
+#define MOST_COLLAPSED 0.01
 
 // ---- texture coordinates of the file --------------------------------------------------------------
+
+/// Whether triangles that hold more than a sliver of a part's surface have next to no area in its chart: light on them
+/// would be that of a point or a line.
+static bool is_collapsed(const rsv_bake_layout *b, const rsv_bake_charts *charts)
+{
+    const rsv_bake_part *part = &b->parts->part[charts->chart->part];
+    double all = 0, collapsed = 0;
+    for (uint32_t k = 0; k < charts->triangle_count; k++) {
+        const rsv_bake_chart alone = { .first = k, .triangle_count = 1 };
+        uint32_t triangle = part->triangle[charts->triangle[k]];
+        double area = (double)rsv_triangle_area(b->s->scene.view, triangle);
+        all += area; // the chart's scale is that of areas in the mean
+        if (rsv_bake_chart_area(charts, &alone) < COLLAPSED * area) collapsed += area;
+    }
+    return collapsed > MOST_COLLAPSED * all;
+}
+
+/// Whether so many charts, of a few texels each, crowd a map of that side.
+static bool is_crowded(const rsv_bake_layout *b, size_t charts, uint32_t side)
+{
+    double least = b->desc->padding + 2.0;
+    return (double)charts * least * least > SMALL_CHARTS * side * side;
+}
+
+/// Whether texture coordinates have so many islands, such as one for each triangle, that charts of them would crowd the
+/// map.
+static rsv_status find_pieces(
+    const rsv_bake_layout *b, size_t k, const float (*uv)[2], const char **why)
+{
+    rsv_bake_charts charts = { .context = b->s->context };
+    uint32_t side = b->desc->map_size ? b->desc->map_size : FIRST_SIDE;
+    rsv_status status =
+        rsv_bake_keep_charts(&charts, b->s, &b->parts->part[k], (uint32_t)k, uv, false);
+    if (is_crowded(b, charts.count, side)) *why = "are in too many pieces for the map";
+    rsv_bake_charts_destroy(&charts);
+    return status;
+}
 
 /// Why a part's second texture coordinates cannot hold light; NULL = they can.
 static rsv_status judge_uv(
@@ -41,14 +82,17 @@ static rsv_status judge_uv(
         for (int c = 0; c < 2; c++)
             if (!(uv[n][c] >= -1e-4f && uv[n][c] <= 1.0001f)) *why = "leave the unit square";
     if (*why) return RSV_OK;
-    RSV_TRY(rsv_bake_keep_chart(&charts, b->s, part, 0, uv));
+    RSV_TRY(rsv_bake_keep_charts(&charts, b->s, part, (uint32_t)k, uv, true));
+    RSV_TRY(find_pieces(b, k, uv, why));
     overlap = rsv_alloc(b->s->context, charts.triangle_count, 1);
     RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
     charts.chart->texels[0] = charts.chart->texels[1] = CHECK_TEXELS;
-    RSV_TRY(rsv_bake_map_create(&charts, part, CHECK_TEXELS, CHECK_TEXELS, 1, &map, overlap));
+    RSV_TRY(
+        rsv_bake_map_create(&charts, b->parts->part, CHECK_TEXELS, CHECK_TEXELS, 1, &map, overlap));
     for (size_t t = 0; t < charts.triangle_count; t++)
         upon += overlap[t];
     if (upon) *why = "overlap";
+    if (is_collapsed(b, &charts)) *why = "collapse triangles into points or lines";
     if (charts.chart->size[0] == 0 || charts.chart->size[1] == 0) *why = "have no area";
 cleanup:
     rsv_bake_map_destroy(b->s->context, &map);
@@ -85,7 +129,8 @@ static rsv_status make_charts(rsv_bake_layout *b)
         const rsv_bake_part *part = &b->parts->part[k];
         if (!rsv_bake_carries_light(b->s, part)) continue;
         if (b->uv[k])
-            RSV_TRY(rsv_bake_keep_chart(&b->charts, b->s, part, k, (const float(*)[2])b->uv[k]));
+            RSV_TRY(rsv_bake_keep_charts(
+                &b->charts, b->s, part, k, (const float(*)[2])b->uv[k], false));
         else
             RSV_TRY(rsv_bake_add_charts(&b->charts, b->s, part, k, b->layer[k]));
     }
@@ -144,10 +189,9 @@ static rsv_status divide_hollow_charts(rsv_bake_layout *b, bool *any)
 /// Texels along a side at most: as asked for, or so many that charts of a few texels do not fill the map.
 static uint32_t largest_side(const rsv_bake_layout *b)
 {
-    uint32_t side = b->desc->map_size, least = b->desc->padding + 2;
+    uint32_t side = b->desc->map_size;
     if (side) return side;
-    double needed = (double)b->charts.count * least * least;
-    for (side = FIRST_SIDE; side < LAST_SIDE && needed > SMALL_CHARTS * side * side;)
+    for (side = FIRST_SIDE; side < LAST_SIDE && is_crowded(b, b->charts.count, side);)
         side *= 2;
     return side;
 }

@@ -20,9 +20,9 @@ typedef struct rsv_bake_mask {
     size_t touched_capacity;
 } rsv_bake_mask;
 
-/// Finds the texels whose squares a chart touches, the chart's own first one at (0, 0). Filtering reads those next to them
-/// too, but none beyond the chart's rectangle, whose sides run through the middle of texels. Where that is all of the rectangle, it is
-/// the shape.
+/// Finds the texels whose squares a chart touches, the chart's own first one at (0, 0). Filtering reads those next to
+/// them too, but none beyond the chart's rectangle, whose sides run through the middle of texels. Where that is all of
+/// the rectangle, it is the shape.
 rsv_status rsv_bake_mask_draw(
     rsv_bake_mask *mask, const rsv_bake_charts *charts, const rsv_bake_chart *chart);
 void rsv_bake_mask_destroy(rsv_bake_mask *mask);

@@ -2,7 +2,8 @@
 
 #include "../core/vec.h"
 
-/// Texels this deep inside two triangles show that a chart overlaps itself; borders may touch.
+/// Texels whose middle is within one triangle, and in another by this share of a texel, show that a chart overlaps
+/// itself; borders may touch, and rounding moves them by far less.
 #define OVERLAP_DEPTH 0.05f
 /// How much brighter or darker a texel beyond a border may be than the border.
 #define MOST_BEYOND 0.5f
@@ -39,7 +40,8 @@ static float nearest_on_edge(const flat_triangle *f, int a, int b, float x, floa
 static float nearest(const flat_triangle *f, float x, float y, float w[3])
 {
     barycentric(f, x, y, w);
-    if (w[0] >= 0 && w[1] >= 0 && w[2] >= 0) return 0;
+    bool is_flat = w[0] + w[1] + w[2] < 0.5f; // not 1, as of others
+    if (!is_flat && w[0] >= 0 && w[1] >= 0 && w[2] >= 0) return 0;
     float best = INFINITY;
     for (int k = 0; k < 3; k++) {
         float on_edge[3], distance = nearest_on_edge(f, k, (k + 1) % 3, x, y, on_edge);
@@ -50,12 +52,15 @@ static float nearest(const flat_triangle *f, float x, float y, float w[3])
     return sqrtf(best);
 }
 
-/// How deep inside the triangle a point is, as a weight.
+/// Texels from a point within the triangle to its nearest edge.
 static float depth_of(const flat_triangle *f, float x, float y)
 {
-    float w[3];
-    barycentric(f, x, y, w);
-    return f_min(f_min(w[0], w[1]), w[2]);
+    float depth = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        float w[3];
+        depth = f_min(depth, nearest_on_edge(f, k, (k + 1) % 3, x, y, w));
+    }
+    return sqrtf(depth);
 }
 
 /// The receiver at weights `w`, for a texel at (x, y) that may lie beyond.

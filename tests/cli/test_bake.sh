@@ -181,6 +181,81 @@ for case in 'outside:leave the unit square' 'overlapping:overlap' 'flat:have no 
     says '^coverage    [6-9][0-9]'
 done
 succeeds bake sliver.gltf -o "$out/x.glb" "${few[@]}"
+# two floors, the right one darker: its texture coordinates lie upon the other's or collapse, and are made anew; or both touch
+# on the border, and each keeps its light
+python3 - <<'TEXT' || complain "the floors cannot be written"
+import json, struct
+lit = [(-2, 0, -2), (0, 0, -2), (0, 0, 2), (-2, 0, 2)]
+dark = [(x + 5, -1, z) for x, y, z in lit]
+lamp = [(x + 1, 3, z / 2) for x, y, z in lit]
+def write(name, place, uv):
+    index = [k // 6 * 4 + (0, 2, 1, 0, 3, 2)[k % 6] for k in range(6 * len(place) // 4)]
+    parts = [struct.pack(f"<{3 * len(place)}f", *sum(place, ())), struct.pack(f"<{2 * len(uv)}f", *sum(uv, ())),
+             struct.pack(f"<{len(index)}I", *index),
+             struct.pack("<12f", *sum(lamp, ())), struct.pack("<6I", 0, 1, 2, 0, 2, 3)]
+    at = [sum(len(p) for p in parts[:k]) for k in range(5)]
+    limits = lambda p: {"min": [min(v[a] for v in p) for a in range(3)], "max": [max(v[a] for v in p) for a in range(3)]}
+    accessor = lambda view, type, component, count, **more: {
+        "bufferView": view, "type": type, "componentType": component, "count": count, **more}
+    json.dump({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": [{"mesh": 0}, {"mesh": 1}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 1}, "indices": 2,
+                                    "material": 0}]},
+                   {"primitives": [{"attributes": {"POSITION": 3}, "indices": 4, "material": 1}]}],
+        "materials": [{"pbrMetallicRoughness": {"metallicFactor": 0}},
+                      {"pbrMetallicRoughness": {"metallicFactor": 0}, "emissiveFactor": [1, 1, 1]}],
+        "accessors": [accessor(0, "VEC3", 5126, len(place), **limits(place)),
+                      accessor(1, "VEC2", 5126, len(uv)), accessor(2, "SCALAR", 5125, len(index)),
+                      accessor(3, "VEC3", 5126, 4, **limits(lamp)),
+                      accessor(4, "SCALAR", 5125, 6)],
+        "bufferViews": [{"buffer": 0, "byteOffset": a, "byteLength": len(p)} for a, p in zip(at, parts)],
+        "buffers": [{"byteLength": sum(map(len, parts)), "uri": name + ".bin"}]}, open(name + ".gltf", "w"))
+    open(name + ".bin", "wb").write(b"".join(parts))
+rectangle = lambda x, y, right, low: [(x, y), (right, y), (right, low), (x, low)]
+for name, right in (("touching", rectangle(.5, 0, 1, 1)), ("strip", rectangle(.48, 0, 1, 1)),
+                    ("point", rectangle(.7, .7, .7, .7)), ("line", rectangle(.7, 0, .7, 1))):
+    write(name, lit + dark, rectangle(0, 0, .5, 1) + right)
+corners = [(x / 10, y / 10) for x in range(10) for y in range(10)]
+tiles = lambda side: sum([rectangle(x, y, x + side, y + side) for x, y in corners], [])
+write("pieces", [(4 * round(x, 1), 0, 4 * round(y, 1)) for x, y in tiles(.1)], tiles(.08))
+TEXT
+for case in strip:overlap 'point:collapse triangles' 'line:collapse triangles'; do
+    succeeds bake "${case%%:*}.gltf" -o "$out/x.glb" "${few[@]}"
+    warns "second texture coordinates ${case#*:}.*; new ones are made"
+done
+succeeds bake pieces.gltf -o "$out/x.glb" "${few[@]}" --map-size 32
+warns 'second texture coordinates are in too many pieces for the map; new ones are made'
+succeeds bake touching.gltf -o touching.glb --to lightmap --quality draft --map-size 64 --basis
+! grep -q 'new ones are made' stderr || complain "texture coordinates that touch are refused"
+python3 - <<'TEXT' || complain "light runs over from one floor into the other"
+import json, struct
+raw = open("touching.glb", "rb").read()
+n = struct.unpack("<I", raw[12:16])[0]
+g, binary = json.loads(raw[20:20 + n]), raw[28 + n:]
+def start(view):
+    return g["bufferViews"][view].get("byteOffset", 0)
+def read(accessor, width):
+    a = g["accessors"][accessor]
+    at = start(a["bufferView"]) + a.get("byteOffset", 0)
+    return [struct.unpack_from(f"<{width}f", binary, at + 4 * width * k) for k in range(a["count"])]
+primitive = g["meshes"][0]["primitives"][0]
+size = struct.unpack_from(">2I", binary, start(g["images"][-1]["bufferView"]) + 16)
+lit = g["materials"][primitive["material"]]["extensions"]["MOZ_lightmap"]["texCoord"]
+places = list(zip(read(primitive["attributes"]["POSITION"], 3), read(primitive["attributes"][f"TEXCOORD_{lit}"], 2)))
+raw = open("touching.light.safetensors", "rb").read()
+n = struct.unpack("<Q", raw[:8])[0]
+first = 8 + n + json.loads(raw[8:8 + n])["basis.value"]["data_offsets"][0]
+def light(x):
+    """In the middle of the side at x, filtered."""
+    ends = [uv for p, uv in places if p[0] == x]
+    at = [sum(uv[a] for uv in ends) / len(ends) * size[a] - .5 for a in range(2)]
+    low = [min(int(at[a]), size[a] - 2) for a in range(2)]
+    u, v = at[0] - low[0], at[1] - low[1]
+    texel = lambda x, y: struct.unpack_from("<f", raw, first + 12 * (y * size[0] + x))[0]
+    row = lambda y: texel(low[0], y) * (1 - u) + texel(low[0] + 1, y) * u
+    return row(low[1]) * (1 - v) + row(low[1] + 1) * v
+assert light(0) > .35 and light(3) < .12, (light(0), light(3))
+TEXT
 run bake two-rooms -o "$out/x.glb" --to lightmap --quality draft --map-size 16
 ((status == 1)) || complain "51 charts fit into 16 x 16 texels"
 warns 'do not fit'
