@@ -18,7 +18,7 @@ export function addControls(panel, basis, show) {
     const update = () => show(scales, Number(angle.value));
     basis.names.forEach((light, index) => {
         const strength = input({ type: "range", min: 0, max: 4, step: 0.01, value: 1 });
-        const color = input({ type: "color", value: "#ffffff" });
+        const color = input({ type: "color", value: "#ffffff", ariaLabel: `Colour of ${light}` });
         strength.dataset.light = light;
         strength.oninput = color.oninput = () => {
             scales[index] = new Color(color.value).toArray().map((c) => c * strength.value);

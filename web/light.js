@@ -1,7 +1,7 @@
 /// Where a baked scene keeps its light: in its vertices, or in the texels of a lightmap.
 import * as THREE from "three";
 
-/// COLOR_0 of the vertices: irradiance / (pi light_scale).
+/// COLOR_0 of the vertices: irradiance / (pi light_scale), times the colour that they had before. That is kept in _COLOR.
 export class VertexLight {
     kind = "vertices";
     #surfaces = [];
@@ -16,33 +16,30 @@ export class VertexLight {
         return this.#surfaces.reduce((sum, { light }) => sum + light.count, 0);
     }
 
-    get isNumbered() {
-        return this.#surfaces.every(({ first }) => first !== undefined);
-    }
-
-    /// Whether light is in this mesh; it becomes radiance of a white surface then, as baked.
+    /// Whether light is in this mesh; it becomes radiance of a white surface then, as baked. Other meshes keep their colours.
     adopt({ geometry }) {
-        const color = geometry.getAttribute("color");
-        if (!color) return false;
-        const values = new Float32Array(3 * color.count);
-        for (let k = 0; k < color.count; k++)
-            values.set([color.getX(k), color.getY(k), color.getZ(k)].map((c) => c * this.scale), 3 * k);
-        const light = new THREE.BufferAttribute(values, 3);
+        const { color: baked, _color: own } = geometry.attributes;
+        const first = geometry.userData.resolvent_first_receiver;
+        if (!baked || first === undefined) return false;
+        const light = new THREE.BufferAttribute(new Float32Array(baked.itemSize * baked.count), baked.itemSize);
+        for (let k = 0; k < light.count; k++)
+            for (let c = 0; c < light.itemSize; c++)
+                light.setComponent(k, c, baked.getComponent(k, c) * (c < 3 ? this.scale : 1));
         geometry.setAttribute("color", light);
-        this.#surfaces.push({ light, first: geometry.userData.resolvent_first_receiver });
+        geometry.deleteAttribute("_color"); // the card needs none
+        this.#surfaces.push({ light, own, first });
         return true;
     }
 
     adapt() {}
 
-    apply(shown) {
-        shown.vertexColors = true;
-    }
+    apply() {}
 
     show(irradiance) {
-        for (const { light, first } of this.#surfaces) {
-            for (let k = 0; k < light.array.length; k++)
-                light.array[k] = irradiance[3 * first + k] / Math.PI;
+        for (const { light, own, first } of this.#surfaces) {
+            for (let k = 0; k < light.count; k++)
+                for (let c = 0; c < 3; c++)
+                    light.setComponent(k, c, irradiance[3 * (first + k) + c] / Math.PI * (own?.getComponent(k, c) ?? 1));
             light.needsUpdate = true;
         }
     }
@@ -51,7 +48,6 @@ export class VertexLight {
 /// MOZ_lightmap: irradiance in one texture, as 8-bit codes until a basis brings it in full.
 export class MapLight {
     kind = "texels";
-    isNumbered = true;
     #materials = [];
 
     /// The map that the materials of a file name; null if none does, an error if they name several.
@@ -82,12 +78,11 @@ export class MapLight {
                 THREE.ShaderChunk[chunk].replace("varying vec2 vLightMapUv", "centroid varying vec2 vLightMapUv"));
     }
 
-    apply(shown, { vertexColors, userData }) {
+    apply(shown, { userData }) {
         const { texCoord = 1, intensity = 1 } = userData.gltfExtensions.MOZ_lightmap;
         this.texture.channel = texCoord;
         shown.lightMap = this.texture;
         shown.lightMapIntensity = intensity;
-        shown.vertexColors = vertexColors;
         this.#materials.push(shown);
     }
 

@@ -1,7 +1,7 @@
 /// The page: a baked scene under lights that can be dimmed and coloured. ?scene=FOLDER/NAME chooses another one.
 import * as THREE from "three";
-import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { VRButton } from "three/addons/webxr/VRButton.js";
+import { createCamera, fitView } from "./camera.js";
 import { addControls } from "./controls.js";
 import { Reflections } from "./reflections.js";
 import { LightBasis } from "./runtime.js";
@@ -24,11 +24,15 @@ async function fetchBytes(path) {
 }
 
 /// The path-traced picture over that share of the view, from the left.
-function showStill(share) {
+/// @return (promised) whether there is one
+async function showStill(share) {
     const still = element("still");
     if (share > 0 && !still.src) still.src = `${name}.png`;
     still.hidden = share === 0;
     still.style.clipPath = `inset(0 ${100 * (1 - share)}% 0 0)`;
+    if (share === 0 || await still.decode().then(() => true, () => false)) return true;
+    still.hidden = true;
+    return false;
 }
 
 /// The renderer; null where the browser has no WebGL.
@@ -61,7 +65,7 @@ function letLightsChange(basis, scene, sky, reflections, redraw) {
     });
 }
 
-/// Mean difference per channel between what is shown and a picture, 0..1.
+/// Mean difference per channel, 0..1, between what is shown and a picture that is fitted into the view as the still is.
 async function compareWith(renderer, draw, url) {
     const picture = new Image();
     picture.src = url;
@@ -70,26 +74,15 @@ async function compareWith(renderer, draw, url) {
     const pixels = [renderer.domElement, picture].map((source) => {
         const canvas = new OffscreenCanvas(picture.naturalWidth, picture.naturalHeight);
         const context = canvas.getContext("2d");
-        context.drawImage(source, 0, 0, canvas.width, canvas.height);
+        const scale = Math.min(source.width / canvas.width, source.height / canvas.height);
+        const [width, height] = [scale * canvas.width, scale * canvas.height];
+        context.drawImage(source, (source.width - width) / 2, (source.height - height) / 2, width, height, 0, 0, canvas.width, canvas.height);
         return context.getImageData(0, 0, canvas.width, canvas.height).data;
     });
     const sums = [0, 0, 0];
     for (let k = 0; k < pixels[0].length; k++)
         if (k % 4 < 3) sums[k % 4] += Math.abs(pixels[0][k] - pixels[1][k]);
     return sums.map((sum) => sum / 255 / (pixels[0].length / 4));
-}
-
-/// A camera where the file's is, and controls that lead it around what lies before it.
-function createCamera(scene, renderer) {
-    const camera = new THREE.PerspectiveCamera().copy(scene.camera, false);
-    scene.camera.matrixWorld.decompose(camera.position, camera.quaternion, camera.scale);
-    const middle = new THREE.Box3().setFromObject(scene.root).getCenter(new THREE.Vector3());
-    const ahead = new THREE.Vector3(0, 0, -1).applyQuaternion(camera.quaternion);
-    const controls = new OrbitControls(camera, renderer.domElement);
-    controls.target.copy(camera.position).addScaledVector(ahead, camera.position.distanceTo(middle));
-    controls.update();
-    controls.saveState();
-    return { camera, controls };
 }
 
 async function offerHeadset(renderer, draw) {
@@ -102,9 +95,9 @@ async function offerHeadset(renderer, draw) {
 async function main() {
     const renderer = createRenderer();
     if (!renderer) {
-        showStill(1);
         element("panel").hidden = true;
-        say("This browser shows no WebGL: here is a still picture instead.");
+        const instead = await showStill(1) ? ": here is a still picture instead" : `, and ${name}.png is missing`;
+        say(`This browser shows no WebGL${instead}.`);
         return {};
     }
     const scene = await BakedScene.load(await fetchBytes(`${name}.glb`));
@@ -116,8 +109,9 @@ async function main() {
     const reflections = new Reflections(renderer, world, scene, camera.position.clone());
     const draw = () => renderer.render(world, camera);
     const resize = () => {
-        camera.aspect = innerWidth / innerHeight;
-        camera.updateProjectionMatrix();
+        const { naturalWidth, naturalHeight } = element("still");
+        const aspect = naturalWidth ? naturalWidth / naturalHeight : scene.camera.aspect;
+        fitView(camera, scene.camera.fov, aspect, innerWidth, innerHeight);
         renderer.setSize(innerWidth, innerHeight);
         draw();
     };
@@ -127,10 +121,13 @@ async function main() {
         draw();
     };
     element("wireframe").onchange = () => { scene.setWireframe(element("wireframe").checked); draw(); };
-    element("compare").oninput = () => {
+    element("compare").oninput = async () => {
         controls.reset(); // the picture was taken from there
-        showStill(Number(element("compare").value));
+        if (await showStill(Number(element("compare").value))) return;
+        element("compare").disabled = true;
+        say(`${name}.png is missing.`);
     };
+    element("still").onload = resize;
     controls.addEventListener("change", draw);
     addEventListener("resize", resize);
     resize();

@@ -10,7 +10,7 @@ function emissionOf({ emissive, emissiveIntensity }) {
 
 /// Its colour, and where it covers what is behind.
 function coverOf(material) {
-    return { color: material.color, map: material.map ?? null, alphaTest: material.alphaTest,
+    return { color: material.color, vertexColors: material.vertexColors, map: material.map ?? null, alphaTest: material.alphaTest,
         transparent: material.transparent, opacity: material.opacity };
 }
 
@@ -23,8 +23,7 @@ function litMaterial(material, light) {
 
 /// What does not reflect diffusely: lamps, and metal and glass, which mirror the surroundings.
 function darkMaterial(material) {
-    if (!material.isMeshStandardMaterial)
-        return new THREE.MeshBasicMaterial({ ...coverOf(material), vertexColors: material.vertexColors });
+    if (!material.isMeshStandardMaterial) return new THREE.MeshBasicMaterial(coverOf(material));
     if (material.transmission > 0)
         return new THREE.MeshStandardMaterial({ color: 0, roughness: material.roughness, transparent: true,
             opacity: Math.max(GLASS, 1 - Math.max(...material.color.toArray())), depthWrite: false });

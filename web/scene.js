@@ -1,6 +1,7 @@
 /// A baked glTF scene: diffuse surfaces show base colour times light, lamps what they emit.
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { findCamera } from "./camera.js";
 import { MapLight, VertexLight } from "./light.js";
 import { shownMaterial } from "./materials.js";
 
@@ -9,14 +10,14 @@ export class BakedScene {
         const gltf = await new GLTFLoader().parseAsync(bytes, "");
         const scale = gltf.asset.extras?.resolvent?.light_scale;
         const light = scale ? new VertexLight(scale) : await MapLight.find(gltf);
-        if (!light) throw new Error("the file holds no baked light, neither in vertices nor in a lightmap");
-        return new BakedScene(gltf, light);
+        const scene = light && new BakedScene(gltf, light);
+        if (!light?.count) throw new Error("the file holds no baked light, neither in vertices nor in a lightmap");
+        return scene;
     }
 
     constructor(gltf, light) {
         this.root = gltf.scene;
         this.light = light;
-        this.camera = gltf.cameras[0] ?? new THREE.PerspectiveCamera(45, 1, 0.01, 100);
         this.exposure = { value: 1 };
         this.lamps = [];
         this.mirrors = [];
@@ -25,6 +26,7 @@ export class BakedScene {
         lights.forEach((node) => node.removeFromParent()); // their light is baked
         this.root.traverse((node) => node.isMesh && this.#adopt(node));
         this.root.updateMatrixWorld(true);
+        this.camera = findCamera(this.root);
     }
 
     #adopt(mesh) {
@@ -39,8 +41,8 @@ export class BakedScene {
 
     /// Whether a basis was baked with this scene; throws if it was not.
     checkBasis({ receiverCount }) {
-        const { count, kind, isNumbered } = this.light;
-        if (count !== receiverCount || !isNumbered)
+        const { count, kind } = this.light;
+        if (count !== receiverCount)
             throw new Error(`the light basis has ${receiverCount} receivers, the scene ${count} ${kind}: they were not baked together`);
     }
 

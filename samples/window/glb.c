@@ -98,10 +98,15 @@ static void multiply(const float a[16], const float b[16], float out[16])
 static int add_vertices(glb_scene *s, uint32_t count)
 {
     size_t all = (size_t)s->vertex_count + count;
-    void *larger = realloc(s->position, all * sizeof *s->position);
-    if (!larger || all > UINT32_MAX) return fail(s, "out of memory");
-    s->position = larger;
+    void *position = realloc(s->position, all * sizeof *s->position);
+    if (position) s->position = position;
+    void *color = realloc(s->color, all * sizeof *s->color);
+    if (color) s->color = color;
+    if (!position || !color || all > UINT32_MAX) return fail(s, "out of memory");
     memset(s->position + s->vertex_count, 0, count * sizeof *s->position);
+    for (size_t k = s->vertex_count; k < all; k++)
+        for (int c = 0; c < 4; c++)
+            s->color[k][c] = 1;
     s->vertex_count = (uint32_t)all;
     return 0;
 }
@@ -114,6 +119,23 @@ static int place_vertices(glb_scene *s, const cJSON *primitive, uint32_t count, 
     if (receiver < 0) return add_vertices(s, count);
     if (receiver + count > s->receiver_count) return fail(s, "it was not baked with that basis");
     *base = (uint32_t)receiver;
+    s->lit_count += count;
+    return 0;
+}
+
+/// Colours that vertices had before the bake, which light multiplies as it does base colours.
+static int read_colors(glb_scene *s, const cJSON *attributes, uint32_t base, uint32_t count)
+{
+    array color;
+    const cJSON *accessor = linked(s, "accessors", attributes, "_COLOR");
+    const char *type = cJSON_GetStringValue(get(accessor, "type"));
+    uint32_t width = type && strcmp(type, "VEC4") == 0 ? 4 : 3;
+    if (!accessor || base >= s->receiver_count) return 0;
+    if (find_array(s, attributes, "_COLOR", width, &color) != 0 || color.type != FLOATS ||
+        color.count != count)
+        return fail(s, "colours of vertices are not as `resolvent bake` writes them");
+    for (uint32_t k = 0; k < count; k++)
+        memcpy(s->color[base + k], color.data + 4 * width * (size_t)k, 4 * width);
     return 0;
 }
 
@@ -122,8 +144,11 @@ static void read_material(const glb_scene *s, const cJSON *primitive, glb_part *
     const cJSON *material = linked(s, "materials", primitive, "material");
     const cJSON *strength = get(get(material, "extensions"), "KHR_materials_emissive_strength");
     const char *name = cJSON_GetStringValue(get(material, "name"));
-    *part = (glb_part){ name ? name : "", { 1, 1, 1 }, { 0, 0, 0 }, s->index_count, 0 };
-    numbers(get(get(material, "pbrMetallicRoughness"), "baseColorFactor"), part->base_color, 3);
+    const char *mode = cJSON_GetStringValue(get(material, "alphaMode"));
+    *part = (glb_part){ name ? name : "", { 1, 1, 1, 1 }, 0, { 0, 0, 0 }, s->index_count, 0 };
+    if (mode && strcmp(mode, "MASK") == 0)
+        part->cutoff = (float)number(material, "alphaCutoff", 0.5);
+    numbers(get(get(material, "pbrMetallicRoughness"), "baseColorFactor"), part->base_color, 4);
     numbers(get(material, "emissiveFactor"), part->emission, 3);
     for (int c = 0; c < 3; c++)
         part->emission[c] *= (float)number(strength, "emissiveStrength", 1);
@@ -147,13 +172,16 @@ static int add_primitive(glb_scene *s, const cJSON *primitive, const float world
 {
     array position, index;
     uint32_t base;
+    const cJSON *attributes = get(primitive, "attributes");
     glb_part *larger = realloc(s->part, (s->part_count + 1) * sizeof *s->part);
     if (!larger) return fail(s, "out of memory");
     s->part = larger;
-    if (find_array(s, get(primitive, "attributes"), "POSITION", 3, &position) != 0 ||
+    if (find_array(s, attributes, "POSITION", 3, &position) != 0 ||
         find_array(s, primitive, "indices", 1, &index) != 0 || position.type != FLOATS)
         return fail(s, "a primitive lacks indexed triangles as `resolvent bake` writes them");
-    if (place_vertices(s, primitive, position.count, &base) != 0) return -1;
+    if (place_vertices(s, primitive, position.count, &base) != 0 ||
+        read_colors(s, attributes, base, position.count) != 0)
+        return -1;
     for (uint32_t k = 0; k < position.count; k++) {
         float local[3];
         memcpy(local, position.data + 12 * (size_t)k, sizeof local);
@@ -195,10 +223,11 @@ static int add_node(glb_scene *s, const cJSON *node, const float parent[16], int
     cJSON_ArrayForEach(
         primitive, get(linked(s, "meshes", node, "mesh"),
                        "primitives")) if (add_primitive(s, primitive, world) != 0) return -1;
-    if (camera && s->fov == 0) {
+    const cJSON *lens = get(camera, "perspective");
+    if (lens && s->fov == 0) {
         memcpy(s->camera, world, sizeof world);
-        s->fov = (float)number(get(camera, "perspective"), "yfov", 0.7);
-        s->aspect = (float)number(get(camera, "perspective"), "aspectRatio", 1);
+        s->fov = (float)number(lens, "yfov", 0.7);
+        s->aspect = (float)number(lens, "aspectRatio", 1);
     }
     cJSON_ArrayForEach(child, get(node, "children"))
     {
@@ -206,6 +235,35 @@ static int add_node(glb_scene *s, const cJSON *node, const float parent[16], int
         if (add_node(s, next, world, depth + 1) != 0) return -1;
     }
     return 0;
+}
+
+/// Everything from the front, a little above, as `resolvent render` sees a scene that has no camera.
+static void frame(glb_scene *s)
+{
+    const float back[3] = { 0, 0.35f / sqrtf(1.1225f), 1 / sqrtf(1.1225f) }, half_fov = 0.39269908f;
+    float low[3], high[3], radius = 1e-6f;
+    for (uint32_t k = 0; k < s->vertex_count; k++)
+        for (int c = 0; c < 3; c++) {
+            low[c] = k ? fminf(low[c], s->position[k][c]) : s->position[k][c];
+            high[c] = k ? fmaxf(high[c], s->position[k][c]) : s->position[k][c];
+        }
+    for (uint32_t k = 0; k < s->vertex_count; k++) {
+        float square = 0;
+        for (int c = 0; c < 3; c++)
+            square += powf(s->position[k][c] - (low[c] + high[c]) / 2, 2);
+        radius = fmaxf(radius, sqrtf(square));
+    }
+    memset(s->camera, 0, sizeof s->camera);
+    s->camera[0] = s->camera[15] = 1;
+    s->camera[5] = back[2], s->camera[6] = -back[1];
+    for (int c = 0; c < 3; c++) {
+        s->camera[8 + c] = back[c];
+        s->camera[12 + c] = (low[c] + high[c]) / 2 + 1.05f * radius / sinf(half_fov) * back[c];
+    }
+    s->fov = 2 * half_fov;
+    s->aspect = 1;
+    s->nearest = radius / 500;
+    s->farthest = 100 * radius;
 }
 
 static int read_file(glb_scene *s, const char *path)
@@ -228,6 +286,8 @@ int glb_load(glb_scene *s, const char *path, uint32_t receivers)
     const float identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
     memset(s, 0, sizeof *s);
     s->receiver_count = receivers;
+    s->nearest = 0.01f;
+    s->farthest = 1000;
     if (read_file(s, path) != 0 || add_vertices(s, receivers) != 0) return -1;
     s->json = cJSON_ParseWithLength((const char *)s->bytes + 20, little_endian(s->bytes + 12));
     const cJSON *node, *scenes = get(s->json, "scenes");
@@ -238,7 +298,12 @@ int glb_load(glb_scene *s, const char *path, uint32_t receivers)
         if (add_node(s, root, identity, 0) != 0) return -1;
     }
     if (s->part_count == 0) return fail(s, "it shows nothing");
-    return s->fov > 0 ? 0 : fail(s, "it has no camera");
+    if (s->lit_count == 0)
+        return fail(
+            s, "its vertices carry no light: `resolvent bake --to vertex --basis` gives it");
+    if (s->lit_count != receivers) return fail(s, "it was not baked with that basis");
+    if (s->fov == 0) frame(s);
+    return 0;
 }
 
 void glb_free(glb_scene *s)
@@ -246,6 +311,7 @@ void glb_free(glb_scene *s)
     cJSON_Delete(s->json);
     free(s->bytes);
     free(s->position);
+    free(s->color);
     free(s->index);
     free(s->part);
 }

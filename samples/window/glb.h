@@ -1,4 +1,4 @@
-/// As much of a baked glTF file as it takes to show its light: triangles, colours, one camera.
+/// As much of a glTF file baked by vertices as it takes to show its light: triangles, colours, one camera.
 #ifndef GLB_H
 #define GLB_H
 
@@ -7,7 +7,8 @@
 /// Triangles of one material.
 typedef struct glb_part {
     const char *name;      ///< of the material
-    float base_color[3];   ///< linear
+    float base_color[4];   ///< linear; the last one covers
+    float cutoff;          ///< what covers less is not there
     float emission[3];     ///< radiance of a lamp, as baked
     uint32_t first, count; ///< into glb_scene.index
 } glb_part;
@@ -18,11 +19,14 @@ typedef struct glb_scene {
     unsigned char *bytes;
     struct cJSON *json;
     uint32_t receiver_count, vertex_count, index_count, part_count, node_count;
+    uint32_t lit_count;   ///< vertices that carry baked light
     float (*position)[3]; ///< [vertex_count] metres, in the world
+    float (*color)[4];    ///< [vertex_count] that vertices had before the bake; white if none
     uint32_t *index;      ///< [index_count] three of each triangle
     glb_part *part;
-    float camera[16];  ///< camera to world, column by column
-    float fov, aspect; ///< vertical, radians; width over height
+    float camera[16];        ///< camera to world, column by column
+    float fov, aspect;       ///< vertical, radians; width over height
+    float nearest, farthest; ///< metres that are shown
 } glb_scene;
 
 /// @param receivers of the light basis that was baked with it

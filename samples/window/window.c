@@ -4,7 +4,8 @@
 ///     window box.glb box.light.safetensors [FRAMES PICTURE.png]
 ///
 /// Left and right choose a light, up and down change its strength; page up and down turn a sky that was baked with
-/// --env-turns. With FRAMES, the last one is kept as a picture. Base colours are those of materials, without textures.
+/// --env-turns. With FRAMES, the last one is kept as a picture. Base colours are those of materials and vertices, without
+/// textures.
 #define GL_GLEXT_PROTOTYPES // all that is called here is in libGL itself
 #include <SDL.h>
 #include <SDL_opengl.h>
@@ -42,18 +43,26 @@ static const char *const vertex_shader =
     "#version 330\n"
     "layout(location = 0) in vec3 position;\n"
     "layout(location = 1) in vec3 irradiance;\n"
+    "layout(location = 2) in vec4 color;\n"
     "uniform mat4 to_screen;\n"
-    "out vec3 arriving;\n"
-    "void main() { arriving = irradiance; gl_Position = to_screen * vec4(position, 1.0); }\n";
+    "out vec4 reflected;\n"
+    "void main() {\n"
+    "    reflected = color * vec4(irradiance / 3.14159265, 1.0);\n"
+    "    gl_Position = to_screen * vec4(position, 1.0);\n"
+    "}\n";
 
 // what a diffuse surface shows of irradiance; then codes of sRGB
 static const char *const fragment_shader =
     "#version 330\n"
-    "in vec3 arriving;\n"
-    "uniform vec3 base_color, emission;\n"
+    "in vec4 reflected;\n"
+    "uniform vec4 base_color;\n"
+    "uniform vec3 emission;\n"
+    "uniform float cutoff;\n"
     "out vec4 color;\n"
     "void main() {\n"
-    "    vec3 radiance = clamp(base_color * arriving / 3.14159265 + emission, 0.0, 1.0);\n"
+    "    vec4 shown = base_color * reflected;\n"
+    "    if (shown.a < cutoff) discard;\n"
+    "    vec3 radiance = clamp(shown.rgb + emission, 0.0, 1.0);\n"
     "    vec3 curve = 1.055 * pow(radiance, vec3(1.0 / 2.4)) - 0.055;\n"
     "    color = vec4(mix(curve, 12.92 * radiance, lessThanEqual(radiance, vec3(0.0031308))), "
     "1.0);\n"
@@ -101,13 +110,13 @@ static GLuint upload(GLenum kind, size_t bytes, const void *data, GLenum usage)
     return buffer;
 }
 
-static void attach_floats(GLuint location)
+static void attach_floats(GLuint location, GLint width)
 {
-    glVertexAttribPointer(location, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+    glVertexAttribPointer(location, width, GL_FLOAT, GL_FALSE, 0, NULL);
     glEnableVertexAttribArray(location);
 }
 
-/// Places and triangles once; light has a buffer of its own, to be filled in every frame.
+/// Places, colours and triangles once; light has a buffer of its own, to be filled in every frame.
 static int upload_scene(viewer *v)
 {
     const glb_scene *s = &v->scene;
@@ -123,10 +132,12 @@ static int upload_scene(viewer *v)
     glBindVertexArray(vertices);
     upload(GL_ELEMENT_ARRAY_BUFFER, s->index_count * sizeof *s->index, s->index, GL_STATIC_DRAW);
     upload(GL_ARRAY_BUFFER, s->vertex_count * sizeof *s->position, s->position, GL_STATIC_DRAW);
-    attach_floats(0);
+    attach_floats(0, 3);
+    upload(GL_ARRAY_BUFFER, s->vertex_count * sizeof *s->color, s->color, GL_STATIC_DRAW);
+    attach_floats(2, 4);
     v->light_buffer =
         upload(GL_ARRAY_BUFFER, s->vertex_count * 3 * sizeof(float), NULL, GL_STREAM_DRAW);
-    attach_floats(1);
+    attach_floats(1, 3);
     glEnable(GL_DEPTH_TEST);
     return linked ? 0 : -1;
 }
@@ -153,8 +164,9 @@ static void relight(viewer *v)
 /// World to screen, column by column: the inverse of the camera's matrix, then perspective.
 static void find_projection(const glb_scene *s, int width, int height, float m[16])
 {
-    const float near = 0.01f, far = 1000, *c = s->camera;
-    float y = 1 / tanf(s->fov / 2), x = y * (float)height / (float)width;
+    const float near = s->nearest, far = s->farthest, *c = s->camera;
+    float aspect = (float)width / (float)height; // a narrow window shows all that the camera does
+    float y = fminf(1, aspect / s->aspect) / tanf(s->fov / 2), x = y / aspect;
     float depth = (far + near) / (near - far), shift = 2 * far * near / (near - far);
     for (int column = 0; column < 4; column++) {
         float seen[3]; // along the camera's right, up and back
@@ -195,7 +207,8 @@ static void draw(const viewer *v)
     for (uint32_t p = 0; p < v->scene.part_count; p++) {
         const glb_part *part = &v->scene.part[p];
         const float *e = part->emission, strength = lamp_strength(v, part);
-        glUniform3fv(glGetUniformLocation(v->program, "base_color"), 1, part->base_color);
+        glUniform4fv(glGetUniformLocation(v->program, "base_color"), 1, part->base_color);
+        glUniform1f(glGetUniformLocation(v->program, "cutoff"), part->cutoff);
         glUniform3f(glGetUniformLocation(v->program, "emission"), strength * e[0], strength * e[1],
             strength * e[2]);
         glDrawElements(GL_TRIANGLES, (GLsizei)part->count, GL_UNSIGNED_INT,
@@ -248,7 +261,10 @@ static void handle_events(viewer *v)
 static int load(viewer *v, const char *scene, const char *basis)
 {
     if (rsv_rt_file_open(&v->file, basis) || rsv_rt_file_basis(&v->file, &v->basis)) return -1;
-    if (v->basis.light_count == 0 || v->basis.value_count != 1) return -1;
+    if (v->basis.light_count == 0 || v->basis.value_count != 1) {
+        snprintf(v->scene.message, sizeof v->scene.message, "it is no basis of light on surfaces");
+        return -1;
+    }
     v->turns = rsv_rt_file_find_turns(&v->file, &v->basis);
     v->choices = v->basis.light_count - (v->turns.count ? v->turns.count - 1 : 0);
     v->strength = malloc(v->basis.light_count * sizeof *v->strength);

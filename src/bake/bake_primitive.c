@@ -74,7 +74,8 @@ cJSON *rsv_bake_material(const rsv_bake_document *d, const cJSON *primitive)
 static bool is_blendable(const char *name)
 {
     return !strcmp(name, "POSITION") || !strcmp(name, "NORMAL") || !strcmp(name, "TANGENT") ||
-           !strncmp(name, "TEXCOORD_", 9) || !strncmp(name, "COLOR_", 6);
+           !strncmp(name, "TEXCOORD_", 9) || !strncmp(name, "COLOR_", 6) ||
+           !strcmp(name, "_COLOR"); // of an earlier bake
 }
 
 bool rsv_bake_may_divide(const cJSON *primitive)

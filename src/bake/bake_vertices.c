@@ -82,12 +82,13 @@ static rsv_status settle(vertex_bake *b, size_t k)
     return status;
 }
 
-/// COLOR_0: light times the colour that vertices had.
+/// COLOR_0: light times the colour that vertices had, which stays in the file as _COLOR, for those who change the light.
 /// @param old [vertex_count x width], NULL = white
 static rsv_status write_colors(
     vertex_bake *b, size_t k, float scale, const float *old, size_t width)
 {
     const rsv_bake_mesh *mesh = &b->mesh[k];
+    cJSON *attributes = cJSON_GetObjectItemCaseSensitive(b->primitive[k], "attributes");
     float *color = rsv_alloc(b->s->context, mesh->vertex_count, width * sizeof *color);
     if (!color) return RSV_ERROR_MEMORY;
     for (size_t n = 0; n < mesh->vertex_count; n++)
@@ -95,8 +96,14 @@ static rsv_status write_colors(
             float light = c < 3 ? f_min((&mesh->light[n].r)[c] / (PI_F * scale), 1) : 1;
             color[n * width + c] = old ? light * old[n * width + c] : light;
         }
-    rsv_bake_number(&b->document, cJSON_GetObjectItemCaseSensitive(b->primitive[k], "attributes"),
-        "COLOR_0", rsv_bake_add_floats(&b->document, color, mesh->vertex_count, (int)width, false));
+    if (old && mesh->changed) // they are in the file already
+        rsv_bake_number(&b->document, attributes, "_COLOR",
+            cJSON_GetObjectItemCaseSensitive(attributes, "COLOR_0")->valuedouble);
+    else if (old)
+        rsv_bake_number(&b->document, attributes, "_COLOR",
+            rsv_bake_add_floats(&b->document, old, mesh->vertex_count, (int)width, false));
+    rsv_bake_number(&b->document, attributes, "COLOR_0",
+        rsv_bake_add_floats(&b->document, color, mesh->vertex_count, (int)width, false));
     rsv_free(b->s->context, color);
     return RSV_OK;
 }
@@ -153,6 +160,23 @@ static void write_scale(rsv_bake_document *d, float scale)
     rsv_bake_number(d, own, "light_scale", (double)scale);
 }
 
+/// Tells primitives that carry light from those whose colours are their own: the former name their first receiver.
+static void mark_lit(vertex_bake *b)
+{
+    static const char mark[] = "resolvent_first_receiver";
+    size_t first = 0;
+    for (size_t k = 0; k < b->parts.count; k++) {
+        cJSON *primitive = b->primitive[k];
+        if (b->mesh[k].vertex_count)
+            rsv_bake_number(&b->document, rsv_bake_object(&b->document, primitive, "extras"), mark,
+                (double)first);
+        else // of an earlier bake
+            cJSON_DeleteItemFromObjectCaseSensitive(
+                cJSON_GetObjectItemCaseSensitive(primitive, "extras"), mark);
+        first += b->mesh[k].vertex_count;
+    }
+}
+
 static rsv_status write_light(vertex_bake *b, float scale)
 {
     rsv_status status = RSV_OK;
@@ -161,6 +185,7 @@ static rsv_status write_light(vertex_bake *b, float scale)
         RSV_TRY(write_part(b, k, scale));
         if (b->desc->unlit) mark_unlit(b, b->primitive[k], &b->parts.part[k]);
     }
+    mark_lit(b);
     write_scale(&b->document, scale);
 cleanup:
     return status;
@@ -179,8 +204,6 @@ static rsv_status write_for_runtime(vertex_bake *b, const char *output, size_t *
         const rsv_bake_mesh *mesh = &b->mesh[k];
         if (!mesh->vertex_count) continue;
         memcpy(all + at, mesh->receiver, mesh->vertex_count * sizeof *all);
-        cJSON *extras = rsv_bake_object(&b->document, b->primitive[k], "extras");
-        rsv_bake_number(&b->document, extras, "resolvent_first_receiver", (double)at);
         at += mesh->vertex_count;
     }
     const rsv_bake_reader reader = rsv_bake_surface_reader("vertex", all, count);

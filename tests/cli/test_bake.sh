@@ -53,6 +53,48 @@ assert after["buffers"][0]["name"] == "all" and "uri" not in after["buffers"][0]
 TEXT
 rm -f "$out"/*
 
+# colours that vertices had stay beside the light, alpha too; what carries light is marked, what keeps its own colours is not
+python3 "$(dirname "$0")/change_box.py" colored plain.glb colored.glb || complain "the box cannot be coloured"
+succeeds bake colored.glb -o colors.glb --to vertex --quality draft
+python3 - "$(dirname "$0")" <<'TEXT' || complain "colours of vertices, or marks of what is lit, are lost"
+import json, struct, sys
+sys.dont_write_bytecode = True
+sys.path.append(sys.argv[1])
+from change_box import color, read_floats
+raw = open("colors.glb", "rb").read()
+n = struct.unpack("<I", raw[12:16])[0]
+g, binary = json.loads(raw[20:20 + n]), raw[28 + n:]
+first = 0
+for mesh in g["meshes"]:
+    p, = mesh["primitives"]
+    metal = mesh["name"] == "metal"
+    assert p.get("extras", {}).get("resolvent_first_receiver") == (None if metal else first), mesh["name"]
+    assert ("_COLOR" in p["attributes"]) != metal
+    if metal: continue
+    a = g["accessors"][p["attributes"]["POSITION"]]
+    first += a["count"]
+    assert all(g["accessors"][p["attributes"][name]]["type"] == "VEC4" for name in ("COLOR_0", "_COLOR"))
+    places = read_floats(g, binary, p["attributes"]["POSITION"], 3)
+    own = read_floats(g, binary, p["attributes"]["_COLOR"], 4)
+    lit = read_floats(g, binary, p["attributes"]["COLOR_0"], 4)
+    for place, a_color, light in zip(places, own, lit):
+        had = color(place, a["min"], a["max"])
+        assert all(abs(x - y) < 0.003 for x, y in zip(a_color, had)), (a_color, had)
+        assert light[3] == a_color[3] and all(x <= y for x, y in zip(light, a_color))
+TEXT
+# baked as metal the next time, what was lit is marked no longer
+python3 - <<'TEXT' || complain "the floor cannot become metal"
+import json, struct
+raw = open("colors.glb", "rb").read()
+n = struct.unpack("<I", raw[12:16])[0]
+g = json.loads(raw[20:20 + n])
+next(m for m in g["meshes"] if m["name"] == "floor")["primitives"][0]["material"] = len(g["materials"]) - 1
+open("metal.glb", "wb").write(raw[:20] + json.dumps(g, separators=(",", ":")).encode().ljust(n) + raw[20 + n:])
+TEXT
+succeeds bake metal.glb -o metals.glb --to vertex --quality draft
+(($(grep -ao resolvent_first_receiver colors.glb | wc -l) == 8)) || complain "not all that is lit is marked"
+(($(grep -ao resolvent_first_receiver metals.glb | wc -l) == 7)) || complain "what carries light no more is marked"
+
 succeeds bake plain.glb -o "$out/none.glb" --to vertex --quality draft --dry-run
 says '^vertices '
 [[ -z $(ls -A "$out") ]] || complain "a dry run wrote something"

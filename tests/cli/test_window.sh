@@ -24,6 +24,19 @@ succeeds compare own.png shown.png
 says '^mean_ratio *\(0.9[89]\|1.0[01]\)'
 says '^relative_mse *[0-9.]*e-0[3-9]\|^relative_mse *0.00'
 
+# vertices with colours and cut-outs of their own beside the light, and a scene without a camera, framed as our own picture has
+# it. The lamp's border is a larger part of these darker pictures
+succeeds scene cornell-blocks -o plain.glb
+for box in colored framed; do
+    python3 "$(dirname "$0")/change_box.py" $box plain.glb $box.glb || complain "the $box box cannot be made"
+    succeeds bake $box.glb -o lit.glb --to vertex --basis --quality draft
+    "$window" lit.glb lit.light.safetensors 3 shown.png 2>stderr || complain "the $box box is not shown"
+    succeeds render $box.glb -o own.png --mode operator --quality draft --size 512x512 --spp 4
+    succeeds compare own.png shown.png
+    says '^mean_ratio *\(0.9[6-9]\|1.0[01]\)'
+    says '^relative_mse *[0-9.]*e-0[3-9]\|^relative_mse *0.00'
+done
+
 "$window" /dev/null box.light.safetensors 2>stderr && complain "an empty scene is shown"
 warns 'not a .glb'
 "$window" box.glb /dev/null 2>stderr && complain "an empty basis is taken"
@@ -31,4 +44,12 @@ warns 'too short'
 head -c 100000 box.glb >cut.glb
 "$window" cut.glb box.light.safetensors 2>stderr && complain "half a scene is shown"
 warns 'cut off'
+# light that is not in the vertices
+succeeds bake cornell-blocks -o map.glb --to lightmap --basis --map-size 256 --quality draft
+for scene in map.glb plain.glb; do
+    "$window" $scene map.light.safetensors 2>stderr && complain "$scene is shown without its light"
+    warns 'error: its vertices carry no light: .*--to vertex'
+done
+"$window" box.glb map.light.safetensors 2>stderr && complain "the basis of another file is taken"
+warns 'not baked with that basis'
 finish

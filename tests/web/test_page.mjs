@@ -59,6 +59,27 @@ await slide(hill, "#turn", 90);
 await test.compare(hill, "scene/hill-turned.png");
 await photograph(hill, "web-sky.png");
 
+// colours of vertices stay when light changes, and cut-outs by their alpha; a metal with colours of its own is in nobody's way
+const colored = await test.open("?scene=scene/colored");
+test.check(await colored.locator("#message").isHidden(), `colours: "${await colored.locator("#message").innerText()}"`);
+await test.compare(colored, "scene/colored.png");
+await photograph(colored, "web-colored.png");
+
+// without a camera all is seen, as in our own picture
+const framed = await test.open("?scene=scene/framed");
+await test.compare(framed, "scene/framed.png");
+
+// and so it is in a view of any shape: a narrow one shows as much from side to side, a wide one from top to bottom
+for (const [width, height] of [[192, 300], [400, 256]]) {
+    await framed.setViewportSize({ width, height });
+    await framed.waitForFunction((width) => document.querySelector("canvas").width === width, width);
+    await test.compare(framed, "scene/framed.png");
+}
+
+// what is to be set has names for those who hear the page
+test.check(await colored.getByRole("slider", { name: "light" }).count() === 1, "a slider has no name");
+test.check(await colored.getByLabel("Colour of light").count() === 1, "a colour has no name");
+
 // day and night: the sky turns by itself while the box is ticked, and the light with it
 const day = hill.getByRole("checkbox", { name: "Day and night" });
 const sky = () => hill.evaluate(() => window.page.then(({ basis }) => ({ degrees: Number(document.querySelector("#turn").value),
@@ -114,7 +135,15 @@ const complaints = await page.evaluate(async () => {
 });
 test.check(/names \d+ lights and holds \d+/.test(complaints[0]), `a light too few: "${complaints[0]}"`);
 test.check(complaints.slice(1).every((message) => /cut off/.test(message)), `a basis cut off: "${complaints}"`);
-const flat = await test.open("", () => { HTMLCanvasElement.prototype.getContext = () => null; });
-test.check(await flat.locator("#still").isVisible(), "no WebGL, and no still picture");
+// no WebGL: a still picture, where there is one
+for (const [query, words, still] of [["", /here is a still picture/, true], ["?scene=scene/hill", /hill.png is missing/, false]]) {
+    const flat = await test.open(query, () => { HTMLCanvasElement.prototype.getContext = () => null; });
+    const message = await flat.locator("#message").innerText();
+    test.check(await flat.locator("#still").isVisible() === still, `no WebGL, and the still picture is ${still ? "not there" : "broken"}`);
+    test.check(words.test(message), `no WebGL: "${message}"`);
+}
+await slide(hill, "#compare", 0.5);
+await hill.waitForFunction(() => document.querySelector("#message").innerText.includes("hill.png is missing"), null, { timeout: 5000 });
+test.check(await hill.locator("#still").isHidden(), "a still picture that is missing lies over the view");
 
 await test.close();

@@ -13,7 +13,7 @@ skip() {
 }
 
 [[ -d $source/web/node_modules ]] || skip "web/node_modules is absent; ./dev test or 'npm ci' in web installs it"
-for tool in node clang wasm-ld chromium; do
+for tool in node python3 clang wasm-ld chromium; do
     command -v "$tool" >/dev/null || skip "$tool is not installed"
 done
 CHROMIUM=$(command -v chromium)
@@ -30,9 +30,15 @@ cp "$page/scene/box-operator.png" "$page/scene/box.png"
 hill=(terraces:5000 --env "$page/scene/hill.hdr" --quality draft --max-elements 1500)
 node "$source/web/make_sky.mjs" "$page/scene/hill.hdr"
 "$program" bake "${hill[@]}" -o "$page/scene/hill.glb" --to vertex --unlit --basis --env-turns 4
-"$program" render "${hill[@]}" --env-rotate 90 -o "$page/scene/hill-turned.png" --mode operator --size 256x256 --spp 16
+"$program" render "${hill[@]}" --env-rotate 90 -o "$page/scene/hill-turned.png" --mode operator --size 256x144 --spp 16
 "$program" bake cornell-blocks -o "$page/scene/map.glb" --to lightmap --basis --map-size 512 --quality draft
 "$program" scene cornell-blocks -o "$page/scene/plain.glb"
+# vertices with colours of their own, and a box that no camera looks at
+for box in colored framed; do
+    python3 "$source/tests/cli/change_box.py" $box "$page/scene/plain.glb" "$work/$box.glb"
+    "$program" bake "$work/$box.glb" -o "$page/scene/$box.glb" --to vertex --basis --quality draft
+    "$program" render "$work/$box.glb" -o "$page/scene/$box.png" --mode operator --quality draft --size 256x256 --spp 16
+done
 # a scene with the basis of another one, and a file that is none
 mkdir "$page/mixed"
 cp "$page/scene/box.glb" "$page/mixed/hill.glb"
@@ -40,5 +46,5 @@ cp "$page/scene/hill.light.safetensors" "$page/mixed/"
 cp "$page/scene/box.png" "$page/mixed/picture.glb"
 # a mesh packed by Draco is written plain
 "$program" bake "$source/tests/fuzz/seeds/packed.gltf" -o "$work/unpacked.glb" --to lightmap --quality draft
-node "$source/tests/web/validate.mjs" "$source/web" "$page"/scene/{box,hill,map}.glb "$work/unpacked.glb"
+node "$source/tests/web/validate.mjs" "$source/web" "$page"/scene/{box,hill,map,colored}.glb "$work/unpacked.glb"
 node "$source/tests/web/test_page.mjs" "$source/web" "$page"
