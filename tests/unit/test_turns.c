@@ -228,7 +228,7 @@ static float *bake_probes(const open_box *b, bool basis, size_t *floats)
         fail_msg("%s", rsv_last_error());
     size_t probes = (size_t)report.probe_count[0] * report.probe_count[1] * report.probe_count[2];
     *floats = 3 * RSV_RT_SH_COUNT * probes;
-    float *coefficient = (float *)read_bytes(path_in(&b->place, "probes.bin"), &bytes);
+    float *coefficient = (float *)read_bytes(path_in(&b->place, "probes.probes.bin"), &bytes);
     assert_int_equal(bytes, *floats * sizeof(float) + probes);
     return coefficient;
 }
