@@ -35,6 +35,15 @@ static inline uint32_t lanes_set(const int *restrict word)
 #endif
 }
 
+/// Whether all lanes hold the same word: most packets see one triangle.
+static inline bool all_equal(const int *restrict word)
+{
+    int difference = 0;
+    for (int k = 0; k < LANES; k++)
+        difference |= word[k] ^ word[0];
+    return difference == 0;
+}
+
 _Static_assert(sizeof(rsv_shown_side) == 8, "as gathered");
 
 static void aim_packet(
@@ -75,6 +84,14 @@ static inline uint32_t find_sides(const rsv_light_table *restrict table,
         uint32_t triangle = p->triangle[k] < none ? p->triangle[k] : none;
         index[k] = 2 * (int)(2 * triangle + (rsv_packet_meets_back(p, (uint32_t)k) ? 1 : 0));
     }
+    if (all_equal(index)) {
+        const rsv_shown_side side = sides[index[0] / 2];
+        for (int k = 0; k < LANES; k++) {
+            first_cell[k] = (int)side.cell;
+            level[k] = side.level;
+        }
+        return side.kind == RSV_SHOWN_STORED ? 0 : (1u << LANES) - 1;
+    }
     gather(&sides->cell, index, first_cell);
     gather(&sides->level, index, kind);
     for (int k = 0; k < LANES; k++) {
@@ -86,7 +103,8 @@ static inline uint32_t find_sides(const rsv_light_table *restrict table,
 
 static void approach_packet(const rsv_light_table *restrict table, const rsv_ray_packet *restrict p)
 {
-    for (int k = 0; k < LANES; k++)
+    int count = all_equal((const int *)p->triangle) ? 1 : LANES;
+    for (int k = 0; k < count; k++)
         __builtin_prefetch(rsv_shown_side_of(table, p->triangle[k], false));
 }
 
