@@ -2,8 +2,8 @@
 
 #include "../core/vec.h"
 
-/// Texels whose middle is within one triangle, and in another by this share of a texel, show that a chart overlaps
-/// itself; borders may touch, and rounding moves them by far less.
+/// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a
+/// chart overlaps itself; borders may touch, and rounding moves them by far less.
 #define OVERLAP_DEPTH 0.05f
 /// How much brighter or darker a texel beyond a border may be than the border.
 #define MOST_BEYOND 0.5f
@@ -52,15 +52,15 @@ static float nearest(const flat_triangle *f, float x, float y, float w[3])
     return sqrtf(best);
 }
 
-/// Texels from a point within the triangle to its nearest edge.
+/// Texels from a point within the triangle to its nearest edge or, where more, the share of its height: many triangles
+/// are smaller than a texel.
 static float depth_of(const flat_triangle *f, float x, float y)
 {
-    float depth = INFINITY;
-    for (int k = 0; k < 3; k++) {
-        float w[3];
+    float depth = INFINITY, share[3], w[3];
+    barycentric(f, x, y, share);
+    for (int k = 0; k < 3; k++)
         depth = f_min(depth, nearest_on_edge(f, k, (k + 1) % 3, x, y, w));
-    }
-    return sqrtf(depth);
+    return f_max(sqrtf(depth), f_min(f_min(share[0], share[1]), share[2]));
 }
 
 /// The receiver at weights `w`, for a texel at (x, y) that may lie beyond.
