@@ -209,7 +209,6 @@ static int parse_option(const cli_usage *usage, int argc, char **argv, int *inde
     return store_value(option, value) ? CLI_SUCCESS : report_bad_value(usage, option, value);
 }
 
-/// Options that do nothing without others must not look as if they did.
 /// Whether `company`, "--option" or "--option=choice", is what the user chose.
 static bool is_chosen(const cli_usage *usage, const char *company, uint64_t given)
 {
@@ -219,6 +218,7 @@ static bool is_chosen(const cli_usage *usage, const char *company, uint64_t give
     return !choice || strcmp(option->choices[*(const int *)option->value], choice + 1) == 0;
 }
 
+/// Options that do nothing without others must not look as if they did.
 static int check_company(const cli_usage *usage, uint64_t given)
 {
     for (const cli_option *option = usage->options; option->name; option++) {

@@ -136,6 +136,8 @@ rsv_status rsv_light_table_create(const rsv_solution *s, rsv_light_table *t)
     if (!t->cell || !t->child) goto cleanup;
     fill_sides(t);
     rsv_light_table_bake(t, RSV_NONE);
+    for (size_t k = 0; k < t->cell_count; k++) // the same in every layer and light
+        t->child[k] = rsv_light_cell_child(&t->cell[k]);
     return RSV_OK;
 cleanup:
     rsv_light_table_destroy(t);
@@ -187,8 +189,6 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
         }
         rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);
     }
-    for (size_t k = 0; k < t->cell_count; k++)
-        t->child[k] = rsv_light_cell_child(&t->cell[k]);
 }
 
 rsv_rgb rsv_shown_reflected(
