@@ -23,6 +23,7 @@ rsv_status rsv_frame_device_render(
     rsv_frame_device *device, const rsv_eye_picture *eye, uint64_t *chain_rays, bool *done);
 
 /// Brings the last frame: its codes, unless `pixel` has them from an earlier call, and its sums.
+/// @param pixel, sum [height * width]
 void rsv_frame_device_pixels(rsv_frame_device *device, uint32_t eye, uint8_t (*pixel)[4]);
 void rsv_frame_device_sums(rsv_frame_device *device, uint32_t eye, float (*sum)[4]);
 

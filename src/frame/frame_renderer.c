@@ -44,8 +44,9 @@ static rsv_status check_desc(const rsv_frame_desc *desc)
 static rsv_status create_eyes(rsv_frame_renderer *r)
 {
     size_t pixels = (size_t)r->desc.width * r->desc.height;
+    size_t sums = (size_t)r->tiling.tile_count * RSV_TILE_PIXELS;
     for (uint32_t k = 0; k < r->desc.eyes; k++) {
-        r->eye[k].sum = rsv_alloc(r->context, pixels, sizeof *r->eye[k].sum);
+        r->eye[k].sum = rsv_alloc(r->context, sums, sizeof *r->eye[k].sum);
         r->eye[k].pixel = rsv_alloc(r->context, pixels, sizeof *r->eye[k].pixel);
         if (!r->eye[k].sum || !r->eye[k].pixel) return RSV_ERROR_MEMORY;
     }
@@ -291,14 +292,17 @@ const uint8_t (*rsv_frame_pixels(const rsv_frame_renderer *r, uint32_t eye))[4]
 
 void rsv_frame_radiance(const rsv_frame_renderer *r, uint32_t eye, rsv_rgb *radiance)
 {
+    uint32_t width = r->desc.width, height = r->desc.height;
     float scale = 1 / (float)(r->eye[eye].samples ? r->eye[eye].samples : 1);
-    if (r->on_device) rsv_frame_device_sums(r->device, eye, r->eye[eye].sum);
-    size_t pixels = (size_t)r->desc.width * r->desc.height;
-    for (size_t k = 0; k < pixels; k++) {
-        const float *sum = r->eye[eye].sum[k];
-        radiance[k] =
-            rgb(f_max(sum[0] * scale, 0), f_max(sum[1] * scale, 0), f_max(sum[2] * scale, 0));
-    }
+    float(*sums)[4] = r->eye[eye].sum;
+    if (r->on_device) rsv_frame_device_sums(r->device, eye, sums);
+    for (uint32_t row = 0; row < height; row++)
+        for (uint32_t column = 0; column < width; column++) {
+            size_t pixel = (size_t)row * width + column;
+            const float *sum = sums[r->on_device ? pixel : rsv_tile_place(&r->tiling, column, row)];
+            radiance[pixel] =
+                rgb(f_max(sum[0] * scale, 0), f_max(sum[1] * scale, 0), f_max(sum[2] * scale, 0));
+        }
 }
 
 rsv_instructions rsv_frame_instructions(const rsv_frame_renderer *r)

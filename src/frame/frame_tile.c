@@ -21,6 +21,7 @@ typedef struct tile {
     const rsv_tiling *tiling;
     rsv_eye_picture *eye;
     rsv_tile_worker *worker;
+    float (*sum)[4];                     ///< [RSV_TILE_PIXELS]
     uint32_t column, row, width, height; ///< pixels inside the picture
     uint32_t blocks_across, block_count;
 } tile;
@@ -33,6 +34,7 @@ static tile tile_at(
     tile t = { .tiling = tiling,
         .eye = eye,
         .worker = worker,
+        .sum = eye->sum + (size_t)index * RSV_TILE_PIXELS,
         .column = index % tiling->across * RSV_TILE,
         .row = index / tiling->across * RSV_TILE };
     t.width = smaller(tiling->width - t.column, RSV_TILE);
@@ -160,13 +162,27 @@ static void render_blocks(const tile *t)
     }
 }
 
-static void display(const tile *t)
+/// First of a row's pixels in the picture.
+static uint8_t (*shown_row(const tile *t, uint32_t row))[4]
+{
+    return t->eye->pixel + (size_t)(t->row + row) * t->tiling->width + t->column;
+}
+
+/// Asks the memory for what display will write: rows of a picture are far apart.
+static void approach_pixels(const tile *t)
 {
     for (uint32_t y = 0; y < t->height; y++) {
-        size_t first = (size_t)(t->row + y) * t->tiling->width + t->column;
-        t->tiling->kernels->display(&t->eye->tone, t->width, t->worker->radiance + y * RSV_TILE,
-            t->eye->sum + first, t->eye->pixel + first);
+        const uint8_t *row = shown_row(t, y)[0];
+        __builtin_prefetch(row, 1);
+        __builtin_prefetch(row + 4 * t->width - 1, 1);
     }
+}
+
+static void display(const tile *t)
+{
+    for (uint32_t y = 0; y < t->height; y++)
+        t->tiling->kernels->display(&t->eye->tone, t->worker->radiance + y * RSV_TILE,
+            t->sum + y * RSV_TILE, t->width, shown_row(t, y));
 }
 
 void rsv_tile_render(
@@ -174,6 +190,7 @@ void rsv_tile_render(
 {
     tile t = tile_at(tiling, eye, index, w);
     double start = rsv_seconds();
+    approach_pixels(&t);
     w->queue.light.mover = tiling->mover;
     w->queue.spread = eye->spread;
     render_blocks(&t);

@@ -21,7 +21,7 @@ typedef struct rsv_tile_worker {
 
 /// One eye's picture.
 typedef struct rsv_eye_picture {
-    float (*sum)[4];     ///< [height * width] radiance of all samples
+    float (*sum)[4];     ///< [tiles][RSV_TILE_PIXELS] radiance of all samples
     uint8_t (*pixel)[4]; ///< [height * width]
     uint32_t samples;    ///< in the sums
     rsv_camera camera;   ///< that they are of
@@ -49,6 +49,13 @@ typedef struct rsv_tiling {
 rsv_status rsv_tile_worker_create(
     const rsv_tiling *tiling, uint32_t chain_depth, rsv_tile_worker *worker);
 void rsv_tile_worker_destroy(rsv_tile_worker *worker);
+
+/// Where a pixel lies in an eye's sums.
+RSV_INLINE size_t rsv_tile_place(const rsv_tiling *tiling, uint32_t column, uint32_t row)
+{
+    size_t tile = (size_t)(row / RSV_TILE) * tiling->across + column / RSV_TILE;
+    return tile * RSV_TILE_PIXELS + row % RSV_TILE * RSV_TILE + column % RSV_TILE;
+}
 
 /// Adds one sample to each pixel and shows the sums.
 void rsv_tile_render(

@@ -91,10 +91,10 @@ typedef struct rsv_packet_kernels {
     /// Their radiance, a block of a tile's pixels. @param radiance [RSV_BLOCK][RSV_TILE]
     void (*look_up)(
         const rsv_light_table *table, const rsv_packet_places *places, float (*radiance)[4]);
-    /// Adds a row of samples to its sums, and shows them.
-    /// @param sum, radiance [count] @param pixel [count]
-    void (*display)(const rsv_frame_tone *tone, uint32_t count, const float (*radiance)[4],
-        float (*sum)[4], uint8_t (*pixel)[4]);
+    /// Adds a tile's row of samples to its sums, and shows the first `count` of them.
+    /// @param sum, radiance [RSV_TILE] @param pixel [count]
+    void (*display)(const rsv_frame_tone *tone, const float (*radiance)[4], float (*sum)[4],
+        uint32_t count, uint8_t (*pixel)[4]);
     /// The branches of chains that have arrived at surfaces of one smooth material. What comes out for other lanes means
     /// nothing.
     void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,

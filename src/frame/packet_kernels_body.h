@@ -171,44 +171,84 @@ static void look_up_packet(const rsv_light_table *restrict table,
     }
 }
 
-/// Compiled once for each choice of `first` and `soft`. @param code [4 * count]
-static inline __attribute__((always_inline)) void add_and_code(bool first, bool soft, float scale,
-    uint32_t count, const float *restrict in, float *restrict total, int *restrict code)
+/// rsv_srgb_octaves of a row.
+static inline void find_octaves(const float *restrict shown, float *restrict octave)
 {
-    for (uint32_t k = 0; k < 4 * count; k++) {
-        float sum = first ? in[k] : total[k] + in[k];
-        if (!first) total[k] = sum;
-        code[k] = rsv_tone_code(sum * scale, soft);
+    const float *table = rsv_srgb_octaves();
+#if defined(__AVX512F__)
+    const __m512 octaves = _mm512_loadu_ps(table);
+    for (int k = 0; k < 4 * RSV_TILE; k += 16) {
+        __m512i place = _mm512_srli_epi32(_mm512_castps_si512(_mm512_load_ps(shown + k)), 23);
+        _mm512_store_ps(octave + k, _mm512_permutexvar_ps(place, octaves));
     }
-}
-
-/// First sums, past the caches: while the camera moves nobody reads them.
-static void begin_sums(uint32_t count, const float *restrict in, float *restrict total)
-{
-#if defined(__SSE2__)
-    for (uint32_t k = 0; k < 4 * count; k += 4)
-        _mm_stream_ps(total + k, _mm_load_ps(in + k));
+#elif defined(__AVX2__)
+    const __m256 first = _mm256_loadu_ps(table), last = _mm256_loadu_ps(table + 8);
+    for (int k = 0; k < 4 * RSV_TILE; k += 8) {
+        __m256i place = _mm256_srli_epi32(_mm256_castps_si256(_mm256_load_ps(shown + k)), 23);
+        __m256 low = _mm256_permutevar8x32_ps(first, place);
+        __m256 high = _mm256_permutevar8x32_ps(last, place);
+        __m256 upper = _mm256_castsi256_ps(_mm256_slli_epi32(place, 28)); // bit 3 is the sign
+        _mm256_store_ps(octave + k, _mm256_blendv_ps(low, high, upper));
+    }
 #else
-    memcpy(total, in, 4 * count * sizeof *in);
+    for (int k = 0; k < 4 * RSV_TILE; k++)
+        octave[k] = table[rsv_srgb_octave_of(shown[k])];
 #endif
 }
 
-static void display_row(const rsv_frame_tone *tone, uint32_t count,
-    const float (*restrict radiance)[4], float (*restrict sum)[4], uint8_t (*restrict pixel)[4])
+/// Compiled once for each choice of `first` and `soft`. @param shown out [4 * RSV_TILE]
+static inline __attribute__((always_inline)) void add_and_show(bool first, bool soft, float scale,
+    const float *restrict in, float *restrict total, float *restrict shown)
 {
-    _Alignas(64) int code[4 * RSV_TILE];
+    for (int k = 0; k < 4 * RSV_TILE; k++) {
+        float sum = first ? in[k] : total[k] + in[k];
+        if (!first) total[k] = sum;
+        shown[k] = rsv_tone_shown(sum * scale, soft);
+    }
+}
+
+/// @param code out [4 * RSV_TILE]
+static inline void find_codes(const float *restrict shown, uint8_t *restrict code)
+{
+    _Alignas(64) float octave[4 * RSV_TILE];
+    _Alignas(64) int word[4 * RSV_TILE];
+    find_octaves(shown, octave);
+    for (int k = 0; k < 4 * RSV_TILE; k++)
+        word[k] = (int)(rsv_srgb_code(shown[k], octave[k]) + 0.5f);
+    for (int k = 0; k < 4 * RSV_TILE; k++)
+        code[k] = (uint8_t)(k % 4 == 3 ? 255 : word[k]);
+}
+
+/// First sums, past the caches: while the camera moves nobody reads them.
+static void begin_sums(const float *restrict in, float *restrict total)
+{
+#if defined(__SSE2__)
+    for (uint32_t k = 0; k < 4 * RSV_TILE; k += 4)
+        _mm_stream_ps(total + k, _mm_load_ps(in + k));
+#else
+    memcpy(total, in, 4 * RSV_TILE * sizeof *in);
+#endif
+}
+
+static void display_row(const rsv_frame_tone *tone, const float (*restrict radiance)[4],
+    float (*restrict sum)[4], uint32_t count, uint8_t (*restrict pixel)[4])
+{
+    _Alignas(64) float shown[4 * RSV_TILE];
+    _Alignas(64) uint8_t code[4 * RSV_TILE];
     const float *in = radiance[0];
     float *total = sum[0];
-    uint8_t *out = pixel[0];
     if (tone->first && tone->soft)
-        add_and_code(true, true, tone->scale, count, in, total, code);
+        add_and_show(true, true, tone->scale, in, total, shown);
     else if (tone->first)
-        add_and_code(true, false, tone->scale, count, in, total, code);
+        add_and_show(true, false, tone->scale, in, total, shown);
     else
-        add_and_code(false, tone->soft, tone->scale, count, in, total, code);
-    if (tone->first) begin_sums(count, in, total);
-    for (uint32_t k = 0; k < 4 * count; k++)
-        out[k] = (uint8_t)(k % 4 == 3 ? 255 : code[k]);
+        add_and_show(false, tone->soft, tone->scale, in, total, shown);
+    find_codes(shown, code);
+    if (tone->first) begin_sums(in, total);
+    if (count == RSV_TILE)
+        memcpy(pixel, code, sizeof code);
+    else
+        memcpy(pixel, code, 4 * count);
 }
 
 #include "smooth_kernels_body.h"
