@@ -51,6 +51,10 @@ void rsv_image_free_codes(rsv_image_codes *codes);
 /// overrun its arrays.
 rsv_status rsv_image_check_jpeg(const rsv_image_file *file);
 
+/// Refuses PNG files that end within a chunk: stb_image (2.27) takes memory for all that a chunk says it has, up to
+/// 2 GiB, before it reads it. Files of other formats pass.
+rsv_status rsv_image_check_png(const rsv_image_file *file);
+
 // Encoders: append to an open file, which the caller commits or discards. `exposure` is in stops
 // and ignored by formats that hold radiance.
 rsv_status rsv_image_encode_exr(const rsv_image *image, float exposure, rsv_atomic_file *file);

@@ -101,6 +101,7 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
     void *codes = NULL;
     int width = 0, height = 0, channels;
     RSV_TRY(rsv_image_check_jpeg(file));
+    RSV_TRY(rsv_image_check_png(file));
     if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(rsv_image_check_size(file->path, width, height));
@@ -134,6 +135,7 @@ rsv_status rsv_image_decode_codes(const rsv_image_file *file, rsv_image_codes *c
     source info = { .file = file }, from = { .file = file };
     int width = 0, height = 0, channels;
     RSV_TRY(rsv_image_check_jpeg(file));
+    RSV_TRY(rsv_image_check_png(file));
     if (!stbi_info_from_callbacks(&source_callbacks, &info, &width, &height, &channels))
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(check_texture_size(file, width, height));

@@ -588,6 +588,20 @@ static void jpeg_with_more_pixels_than_bits_is_refused(void **state)
     expect_failure(path_of("wide.jpg"), RSV_ERROR_FORMAT, "4096 x 4096 pixels cannot come out of");
 }
 
+/// A chunk of almost 2 GiB in a file of 63 bytes: no memory is taken for it.
+static void png_that_ends_within_a_chunk_is_refused(void **state)
+{
+    (void)state;
+    const uint16_t code[3] = { 1, 2, 3 };
+    uint8_t file[256];
+    size_t size = make_png16(file, 1, 1, code);
+    uint8_t *type = memmem(file, size, "IDAT", 4);
+    memcpy(type - 4, "\x7f\xff\xff\xf0", 4);
+    write_bytes(path_of("endless.png"), file, size);
+    expect_failure(path_of("endless.png"), RSV_ERROR_FORMAT,
+        "the chunk at byte 33 says it has 2147483632 bytes");
+}
+
 static void damaged_files_do_no_harm(void **state)
 {
     (void)state;
@@ -886,6 +900,7 @@ int main(void)
         IMAGE_TEST(truncated_files_are_refused),
         IMAGE_TEST(jpeg_with_an_oversized_huffman_table_is_refused),
         IMAGE_TEST(jpeg_with_more_pixels_than_bits_is_refused),
+        IMAGE_TEST(png_that_ends_within_a_chunk_is_refused),
         IMAGE_TEST(damaged_files_do_no_harm),
         IMAGE_TEST(oversized_pictures_are_refused_before_allocating),
         IMAGE_TEST(missing_and_unknown_files_are_named),
