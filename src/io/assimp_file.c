@@ -1,7 +1,5 @@
 #include "assimp_file.h"
 
-#include "trial.h"
-
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -123,41 +121,25 @@ static const struct aiScene *import(const char *path, file_access *access)
 }
 
 /// The importer's message as part of one line.
-static void copy_message(char *message)
+static rsv_status fail_import(void)
 {
+    char message[400];
     size_t length = 0;
-    for (const char *c = aiGetErrorString(); *c && length < RSV_TRIAL_MESSAGE_BYTES - 1; c++)
+    for (const char *c = aiGetErrorString(); *c && length < sizeof message - 1; c++)
         message[length++] = iscntrl((unsigned char)*c) ? ' ' : *c;
     while (length && (message[length - 1] == ' ' || message[length - 1] == '.'))
         length--;
     message[length] = 0;
-    if (!length) snprintf(message, RSV_TRIAL_MESSAGE_BYTES, "its content is malformed");
-}
-
-static bool try_import(void *user, char *message)
-{
-    file_access access = { .missing_count = 0 };
-    if (import(user, &access)) return true;
-    copy_message(message);
-    return false;
-}
-
-/// Importers crash on some malformed files; there is nobody to mend them here.
-static rsv_status try_apart(const char *path)
-{
-    struct stat info;
-    if (stat(path, &info) != 0) return rsv_fail(RSV_ERROR_IO, "cannot be read");
-    return rsv_trial(try_import, (void *)path, (size_t)info.st_size);
+    return rsv_fail(
+        RSV_ERROR_FORMAT, "cannot be read: %s", length ? message : "its content is malformed");
 }
 
 rsv_status rsv_assimp_import(
     rsv_context *context, const char *path, const struct aiScene **imported)
 {
-    rsv_status status = try_apart(path);
-    if (status != RSV_OK) return status;
     file_access access = { .missing_count = 0 };
     *imported = import(path, &access);
-    if (!*imported) return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: %s", aiGetErrorString());
+    if (!*imported) return fail_import();
     for (size_t i = 0; i < access.missing_count; i++)
         rsv_log(context, RSV_LOG_WARNING, "%s: refers to '%s', which cannot be read", path,
             access.missing[i]);

@@ -6,15 +6,19 @@
 #include "scene_read.h"
 
 #include <assimp/scene.h>
+#include <stdio.h>
 
 #define RSV_NAME_BYTES 128
 
-/// Reads and triangulates a file, in a copy of the process first: no exception, crash or endless loop of an importer
-/// leaves it. Materials and other files it refers to must be regular files; those that cannot be read are named in a
-/// warning.
+/// Reads and triangulates a file. Importers may crash, hang or harm memory: call this apart (apart.h). Materials and other
+/// files it refers to must be regular files; those that cannot be read are named in a warning.
 /// @param imported to be released by aiReleaseImport
 rsv_status rsv_assimp_import(
     rsv_context *context, const char *path, const struct aiScene **imported);
+
+/// Imports a file and sends what it holds as parts of a scene (scene_parts.h).
+rsv_status rsv_assimp_convert(rsv_context *context, const char *path, rsv_file_kind kind,
+    const rsv_load_desc *desc, FILE *to);
 
 /// A name fit for messages: printable, cut to size, `fallback` where there is none.
 /// @param name [RSV_NAME_BYTES]

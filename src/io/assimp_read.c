@@ -1,10 +1,9 @@
-/// From what Assimp read to a scene.
+/// From what Assimp read to parts of a scene.
 #include "../core/vec.h"
 #include "../scene/smooth_normals.h"
 #include "assimp_file.h"
 #include "matrix.h"
-#include "ply_header.h"
-#include "scene_read.h"
+#include "scene_parts.h"
 
 #include <assimp/cimport.h>
 #include <stdio.h>
@@ -23,7 +22,8 @@ typedef struct reader {
     rsv_file_kind kind;
     const rsv_load_desc *desc;
     const struct aiScene *file;
-    rsv_scene *scene;
+    FILE *to;
+    uint32_t mesh_count;      ///< sent
     uint32_t *mesh_id;        ///< [file->mNumMeshes]; RSV_NONE = nothing to show
     const void **light_node;  ///< [file->mNumLights] names, sorted
     const void **camera_node; ///< [file->mNumCameras] names, sorted
@@ -65,7 +65,7 @@ static rsv_status copy_positions(const struct aiMesh *mesh, const char *name, rs
 
 /// Adds a mesh without normals, split at its creases.
 static rsv_status add_smoothed(
-    reader *r, rsv_mesh_desc mesh, const rsv_vec3 *position, size_t vertex_count, uint32_t *id)
+    reader *r, rsv_mesh_desc mesh, const rsv_vec3 *position, size_t vertex_count)
 {
     rsv_status status;
     rsv_smooth_mesh smooth = { 0 };
@@ -80,13 +80,14 @@ static rsv_status add_smoothed(
     mesh.normals = smooth.normal;
     mesh.vertex_count = smooth.vertex_count;
     mesh.indices = smooth.index;
-    RSV_TRY(rsv_scene_add_mesh(r->scene, &mesh, id));
+    rsv_send_mesh(r->to, &mesh);
 cleanup:
     rsv_free(r->context, split);
     rsv_smooth_mesh_release(r->context, &smooth);
     return status;
 }
 
+/// @param id out: its number among those sent
 static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
 {
     rsv_status status;
@@ -109,9 +110,10 @@ static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
         .material = source->mMaterialIndex };
     // an .stl repeats its facets' normals at their corners: nothing that the triangles do not say
     if (source->mNormals && r->kind != RSV_FILE_STL)
-        RSV_TRY(rsv_scene_add_mesh(r->scene, &mesh, id));
+        rsv_send_mesh(r->to, &mesh);
     else
-        RSV_TRY(add_smoothed(r, mesh, position, source->mNumVertices, id));
+        RSV_TRY(add_smoothed(r, mesh, position, source->mNumVertices));
+    *id = r->mesh_count++;
 cleanup:
     rsv_free(r->context, position);
     rsv_free(r->context, index);
@@ -131,17 +133,14 @@ cleanup:
     return status;
 }
 
-static rsv_status add_materials(reader *r)
+static void add_materials(const reader *r)
 {
-    rsv_status status = RSV_OK;
     for (unsigned i = 0; i < r->file->mNumMaterials; i++) {
         char name[RSV_NAME_BYTES];
         rsv_material material;
         rsv_assimp_material(r->context, r->kind, r->file->mMaterials[i], name, &material);
-        RSV_TRY(rsv_scene_add_material(r->scene, &material, NULL));
+        rsv_send_material(r->to, &material);
     }
-cleanup:
-    return status;
 }
 
 // ---- lights and cameras ---------------------------------------------------------------------------
@@ -154,7 +153,7 @@ static rsv_vec3 transform(const double m[16], struct aiVector3D v, double w)
     return v3((float)r[0], (float)r[1], (float)r[2]);
 }
 
-static rsv_status add_light(reader *r, const struct aiLight *source, const double world[16])
+static void add_light(reader *r, const struct aiLight *source, const double world[16])
 {
     char name[RSV_NAME_BYTES];
     rsv_assimp_name(&source->mName, "unnamed", name);
@@ -167,7 +166,8 @@ static rsv_status add_light(reader *r, const struct aiLight *source, const doubl
     switch (source->mType) {
     case aiLightSource_DIRECTIONAL:
         light.kind = RSV_LIGHT_DIRECTIONAL;
-        return rsv_scene_add_light(r->scene, &light);
+        rsv_send_light(r->to, &light);
+        return;
     case aiLightSource_POINT:
         light.kind = RSV_LIGHT_POINT;
         break;
@@ -180,14 +180,14 @@ static rsv_status add_light(reader *r, const struct aiLight *source, const doubl
     default:
         rsv_log(r->context, RSV_LOG_WARNING,
             "light '%s': ambient and area lights are left out; use an emissive material", name);
-        return RSV_OK;
+        return;
     }
     if (falloff > 0 && isfinite(falloff)) light.intensity = rgb_scale(light.intensity, 1 / falloff);
     if (source->mAttenuationLinear > 0 || !(falloff > 0))
         rsv_log(r->context, RSV_LOG_WARNING,
             "light '%s': falls off with the square of the distance here, whatever the file says",
             name);
-    return rsv_scene_add_light(r->scene, &light);
+    rsv_send_light(r->to, &light);
 }
 
 static rsv_status add_camera(reader *r, const struct aiCamera *source, const double world[16])
@@ -210,7 +210,8 @@ static rsv_status add_camera(reader *r, const struct aiCamera *source, const dou
         camera.vertical_fov = 0;
         camera.vertical_extent = source->mOrthographicWidth / aspect;
     }
-    return rsv_scene_add_camera(r->scene, &camera);
+    rsv_send_camera(r->to, &camera);
+    return RSV_OK;
 }
 
 /// Lights, cameras and nodes refer to each other by name.
@@ -257,11 +258,10 @@ static rsv_status add_node(reader *r, const struct aiNode *node, const double wo
             return rsv_fail(
                 RSV_ERROR_FORMAT, "node '%s': mesh %u does not exist", name, node->mMeshes[i]);
         uint32_t id = r->mesh_id[node->mMeshes[i]];
-        if (id != RSV_NONE)
-            RSV_TRY(rsv_scene_add_instance(r->scene, id, placed, *name ? name : NULL));
+        if (id != RSV_NONE) rsv_send_instance(r->to, id, placed, *name ? name : NULL);
     }
     const struct aiLight *light = find_named(r->light_node, r->file->mNumLights, &node->mName);
-    if (light) RSV_TRY(add_light(r, light, world));
+    if (light) add_light(r, light, world);
     const struct aiCamera *camera = find_named(r->camera_node, r->file->mNumCameras, &node->mName);
     if (camera) RSV_TRY(add_camera(r, camera, world));
 cleanup:
@@ -365,27 +365,24 @@ static rsv_status allocate(reader *r)
     return RSV_OK;
 }
 
-rsv_status rsv_assimp_read(
-    const char *path, rsv_file_kind kind, const rsv_load_desc *desc, rsv_scene *scene)
+rsv_status rsv_assimp_convert(
+    rsv_context *context, const char *path, rsv_file_kind kind, const rsv_load_desc *desc, FILE *to)
 {
     rsv_status status;
     double frame[16];
-    reader r = {
-        .context = rsv_scene_get_context(scene), .kind = kind, .desc = desc, .scene = scene
-    };
-    if (kind == RSV_FILE_PLY) RSV_TRY(rsv_ply_check(path));
-    RSV_TRY(rsv_assimp_import(r.context, path, &r.file));
+    reader r = { .context = context, .kind = kind, .desc = desc, .to = to };
+    RSV_TRY(rsv_assimp_import(context, path, &r.file));
     if (!r.file->mRootNode) RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "it holds no scene"));
     RSV_TRY(find_frame(&r, frame));
     RSV_TRY(allocate(&r));
-    RSV_TRY(add_materials(&r));
+    add_materials(&r);
     RSV_TRY(add_meshes(&r));
     RSV_TRY(walk_nodes(&r, frame));
 cleanup:
-    rsv_free(r.context, r.mesh_id);
-    rsv_free(r.context, r.light_node);
-    rsv_free(r.context, r.camera_node);
-    rsv_free(r.context, r.pending);
+    rsv_free(context, r.mesh_id);
+    rsv_free(context, r.light_node);
+    rsv_free(context, r.camera_node);
+    rsv_free(context, r.pending);
     if (r.file) aiReleaseImport(r.file);
     return status;
 }

@@ -1,58 +1,81 @@
-/// Code of others tried on hostile input: whatever it does, the caller lives and learns of it.
-#include "io/trial.h"
+/// Code of others at work on hostile input: whatever it does, the caller lives and learns of it.
+#include "io/apart.h"
+
+#include "core/core_internal.h"
 
 #include "scene_fixture.h"
 
 #include <signal.h>
 #include <sys/resource.h>
 
-static rsv_status try_it(bool (*work)(void *, char *))
+static rsv_status try_it(rsv_apart_work work)
 {
     int touched = 0;
-    rsv_status status = rsv_trial(work, &touched, 100);
+    uint8_t *answer;
+    size_t count;
+    rsv_context *context;
+    assert_int_equal(rsv_context_create(NULL, &context), RSV_OK);
+    rsv_status status = rsv_apart(context, work, &touched, 100, &answer, &count);
     assert_int_equal(touched, 0); // the copy's memory is not ours
+    if (status == RSV_OK) {
+        assert_int_equal(count, 6);
+        assert_memory_equal(answer, "result", 6);
+    } else {
+        assert_null(answer);
+        assert_int_equal(count, 0);
+    }
+    rsv_free(context, answer);
+    rsv_context_destroy(context);
     return status;
 }
 
-static bool succeeds(void *user, char *message)
+static rsv_status succeeds(void *user, FILE *answer)
 {
-    (void)message;
     *(int *)user = 1;
-    return true;
+    fputs("result", answer);
+    return RSV_OK;
 }
 
-static bool complains(void *user, char *message)
+static rsv_status complains(void *user, FILE *answer)
 {
     (void)user;
-    snprintf(message, RSV_TRIAL_MESSAGE_BYTES, "no triangles at all");
-    return false;
+    fputs("half a res", answer);
+    return rsv_fail(RSV_ERROR_UNSUPPORTED, "no triangles at all");
 }
 
-static bool crashes(void *user, char *message)
+static rsv_status babbles(void *user, FILE *answer)
 {
-    (void)user, (void)message;
+    (void)user;
+    static const char nonsense[1 << 20];
+    while (fwrite(nonsense, sizeof nonsense, 1, answer) == 1) {}
+    return RSV_OK;
+}
+
+static rsv_status crashes(void *user, FILE *answer)
+{
+    (void)user, (void)answer;
     raise(SIGSEGV);
-    return true;
+    return RSV_OK;
 }
 
 /// An importer that believes a count in a file: it dies when it gets no memory, or goes on without.
-static bool devours(void *user, char *message)
+static rsv_status devours(void *user, FILE *answer)
 {
-    (void)user, (void)message;
+    (void)user, (void)answer;
     enum { pieces = 4096, piece = 1 << 20 };
     for (int k = 0; k < pieces; k++) {
         volatile char *memory = malloc(piece);
         if (!memory) abort();
         memory[0] = memory[piece / 2] = 1;
     }
-    return true;
+    return RSV_OK;
 }
 
-static bool hangs(void *user, char *message)
+static rsv_status hangs(void *user, FILE *answer)
 {
-    (void)user, (void)message;
+    (void)user, (void)answer;
     for (volatile unsigned long k = 0;; k++) {}
-    return true;
+    return RSV_OK;
 }
 
 static void good_work_is_let_through(void **state)
@@ -64,7 +87,7 @@ static void good_work_is_let_through(void **state)
 static void a_complaint_is_passed_on(void **state)
 {
     (void)state;
-    assert_int_equal(try_it(complains), RSV_ERROR_FORMAT);
+    assert_int_equal(try_it(complains), RSV_ERROR_UNSUPPORTED);
     assert_non_null(strstr(rsv_last_error(), "no triangles at all"));
 }
 
@@ -79,6 +102,13 @@ static void memory_is_bounded(void **state)
 {
     (void)state;
     assert_int_equal(try_it(devours), RSV_ERROR_FORMAT);
+}
+
+static void an_answer_without_end_is_cut_off(void **state)
+{
+    (void)state;
+    assert_int_equal(try_it(babbles), RSV_ERROR_FORMAT);
+    assert_non_null(strstr(rsv_last_error(), "more of it than it can hold"));
 }
 
 /// The bound on time is the caller's own where that is tighter: one second, so that the test need not wait longer.
@@ -105,7 +135,8 @@ int main(void)
         cmocka_unit_test(a_complaint_is_passed_on),
         cmocka_unit_test(a_crash_is_survived),
         cmocka_unit_test(memory_is_bounded),
+        cmocka_unit_test(an_answer_without_end_is_cut_off),
         cmocka_unit_test(time_is_bounded),
     };
-    return cmocka_run_group_tests_name("trial", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("apart", tests, NULL, NULL);
 }

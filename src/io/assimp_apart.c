@@ -1,0 +1,52 @@
+/// Assimp works apart: its importers crash on some malformed files, and there is nobody to mend them here.
+#include "apart.h"
+#include "assimp_file.h"
+#include "ply_header.h"
+#include "scene_parts.h"
+
+#include <sys/stat.h>
+
+typedef struct job {
+    const char *path;
+    rsv_file_kind kind;
+    const rsv_load_desc *desc;
+} job;
+
+static void log_to_answer(void *user, rsv_log_level level, const char *message)
+{
+    rsv_send_log(user, level, message);
+}
+
+/// With a context of its own: the caller's callbacks must not be called from a copy.
+static rsv_status convert(void *user, FILE *answer)
+{
+    const job *j = user;
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.thread_count = 1;
+    desc.log = log_to_answer;
+    desc.user = answer;
+    rsv_context *context;
+    rsv_status status = rsv_context_create(&desc, &context);
+    if (status != RSV_OK) return status;
+    status = rsv_assimp_convert(context, j->path, j->kind, j->desc, answer);
+    rsv_context_destroy(context);
+    return status;
+}
+
+rsv_status rsv_assimp_read(
+    const char *path, rsv_file_kind kind, const rsv_load_desc *desc, rsv_scene *scene)
+{
+    rsv_status status;
+    rsv_context *context = rsv_scene_get_context(scene);
+    job j = { path, kind, desc };
+    uint8_t *answer = NULL;
+    size_t count = 0;
+    struct stat info;
+    if (kind == RSV_FILE_PLY) RSV_TRY(rsv_ply_check(path));
+    if (stat(path, &info) != 0) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read"));
+    RSV_TRY(rsv_apart(context, convert, &j, (size_t)info.st_size, &answer, &count));
+    RSV_TRY(rsv_receive_parts(answer, count, scene));
+cleanup:
+    rsv_free(context, answer);
+    return status;
+}
