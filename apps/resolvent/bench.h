@@ -15,7 +15,7 @@ typedef struct cli_bench_task {
     cli_environment environment; ///< what surrounds it in bench quality
     uint32_t threads;            ///< at least 1
     uint32_t repetitions;        ///< what is timed is timed this often
-    uint32_t size;               ///< quality: pixels along each side
+    uint32_t size;               ///< quality: pixels along each side; fig8: rows of them
     uint32_t reference_samples;  ///< quality: camera rays per pixel of the reference
     int quality;                 ///< levels and quality: an rsv_quality
     uint32_t paths;              ///< certificate: of each reading of the truth, 0 = default

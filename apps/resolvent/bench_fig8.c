@@ -118,12 +118,11 @@ static rsv_status create_occlusion(
     return rsv_occlusion_create(c->scene, &desc, occlusion);
 }
 
-/// A tenth of that a side on the emulated device.
-static void choose_size(contest *c)
+/// A twentieth of that a side on the emulated device.
+static void choose_size(contest *c, uint32_t rows)
 {
-    bool emulated = cli_device_is_emulated();
-    c->width = emulated ? 64 : 640;
-    c->height = emulated ? 36 : 360;
+    c->height = cli_device_is_emulated() ? (rows + 19) / 20 : rows;
+    c->width = (16 * c->height + 8) / 9;
 }
 
 static rsv_status open_contest(const cli_bench_task *bench, unsigned kilobytes, contest *c)
@@ -132,7 +131,7 @@ static rsv_status open_contest(const cli_bench_task *bench, unsigned kilobytes, 
     rsv_builtin_desc body = rsv_default_builtin_desc();
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     rsv_frame_desc frame = rsv_default_frame_desc();
-    choose_size(c);
+    choose_size(c, bench->size);
     frame.width = c->width;
     frame.height = c->height;
     body.body_triangles = (size_t)(1024 * kilobytes / bytes_per_triangle);

@@ -64,7 +64,8 @@ static const char help[] =
     "  --threads N       default: one per processor\n"
     "  --repeat N        assemble, cluster, fig8, fps, gpu, move, quality, solvers: time\n"
     "                    everything N times (default 3 to 21)\n"
-    "  --size N          quality: pixels along each side of the pictures (default 256)\n"
+    "  --size N          quality: pixels along each side of the pictures (default 256); fig8:\n"
+    "                    their rows, of 16:9 (default 720)\n"
     "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
@@ -92,6 +93,7 @@ typedef struct benchmark {
     bool (*write_plot)(const char *path, const cJSON *scenes);
     const char *scenes[BENCH_SCENES];           ///< where none is given
     uint32_t repetitions;                       ///< likewise
+    uint32_t size;                              ///< likewise, where it is an option
     int quality;                                ///< likewise, where it is an option
     void (*print_summary)(const cJSON *scenes); ///< of all of them, or NULL
 } benchmark;
@@ -114,6 +116,7 @@ static const benchmark benchmarks[] = {
         .write_plot = cli_write_quality_plot,
         .scenes = { "cornell-blocks" },
         .repetitions = 3,
+        .size = 256,
         .quality = RSV_QUALITY_HIGH },
     { .name = "relight",
         .run = cli_bench_relight,
@@ -140,7 +143,8 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_fig8_csv,
         .write_plot = cli_write_fig8_plot,
         .scenes = { "cornell-plaster" },
-        .repetitions = 21 },
+        .repetitions = 21,
+        .size = 720 },
     { .name = "move",
         .run = cli_bench_move,
         .print = cli_print_move,
@@ -308,6 +312,8 @@ static int check_settings(const benchmark *b, const settings *s)
         b->run != cli_bench_rebake && b->run != cli_bench_gpu)
         return cli_usage_error(
             "bench", "--quality belongs to bench levels, quality, rebake and gpu");
+    if (s->bench.size && !b->size)
+        return cli_usage_error("bench", "--size belongs to bench quality and fig8");
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)) ||
@@ -329,6 +335,7 @@ static int measure_and_report(settings *s)
     s->bench.session = &session;
     s->bench.threads = cli_thread_count(s->bench.threads);
     if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
+    if (s->bench.size == 0) s->bench.size = b->size;
     if (s->bench.quality < 0) s->bench.quality = b->quality;
     exit_status = run(b, s);
     cli_session_end(&session);
@@ -337,8 +344,7 @@ static int measure_and_report(settings *s)
 
 int cli_bench(int argc, char **argv)
 {
-    settings s = { .bench = { .size = 256,
-                       .reference_samples = 1024,
+    settings s = { .bench = { .reference_samples = 1024,
                        .quality = -1,
                        .environment = CLI_DEFAULT_ENVIRONMENT } };
     cli_bench_task *bench = &s.bench;

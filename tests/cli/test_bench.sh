@@ -28,7 +28,7 @@ succeeds bench move cornell-blocks --repeat 1 --csv move.csv
 says 'one light moved'
 grep -q '^cornell-blocks,' move.csv || complain "the table lacks the scene"
 ! grep -q -e nan -e inf move.csv || complain "the table holds what is no number"
-succeeds bench fig8 cornell-blocks --repeat 1 --csv fig8.csv --plot fig8.svg
+succeeds bench fig8 cornell-blocks --repeat 1 --size 180 --csv fig8.csv --plot fig8.svg
 says '^| 3096 KB |'
 says 'of the smallest'
 [[ $(wc -l <fig8.csv) == 5 ]] || complain "the table has not one line per mesh"
@@ -53,6 +53,7 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
 refuses 2 'belongs to bench levels, quality, rebake and gpu' bench trace --quality draft
+refuses 2 'belongs to bench quality and fig8' bench trace --size 64
 
 refuses 2 'belong to bench' bench trace --plot trace.svg
 
