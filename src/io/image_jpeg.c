@@ -1,5 +1,6 @@
 /// A walk over a JPEG file's segments (ITU-T T.81, annex B), stricter than the decoder's own: what
-/// lies between segments is refused, so that the decoder meets no table that was not checked here.
+/// lies between segments is refused, so that the decoder meets no table that was not checked here, and scans
+/// whose tables are missing, for which the decoder would take whatever lies in its memory.
 #include "image_internal.h"
 
 #define STUFFED_ZERO 0x00 // after an 0xFF that is data
@@ -11,9 +12,13 @@
 #define EOI 0xD9
 #define SOS 0xDA
 
+/// Classes of Huffman tables.
+enum { OF_DC, OF_AC, CLASSES };
+
 typedef struct walker {
     const rsv_image_file *file;
     size_t position;
+    unsigned huffman[CLASSES]; ///< tables met so far, a bit each
 } walker;
 
 static rsv_status fail_format(const walker *at, const char *problem)
@@ -48,10 +53,34 @@ static rsv_status check_huffman_tables(walker *at, size_t end)
         const uint8_t *table = at->file->bytes + at->position;
         size_t left = end - at->position, symbols = 0;
         if (left < head) return fail_format(at, "Huffman table cut short");
+        if (table[0] >> 4 >= CLASSES || (table[0] & 15) > 3)
+            return fail_format(at, "Huffman table of no known class");
+        at->huffman[table[0] >> 4] |= 1u << (table[0] & 15);
         for (int length = 1; length <= 16; length++)
             symbols += table[length];
         if (symbols > 256 || symbols > left - head) return fail_format(at, "invalid Huffman table");
         at->position += head + symbols;
+    }
+    return RSV_OK;
+}
+
+static bool has_table(const walker *at, int class, unsigned id)
+{
+    return at->huffman[class] >> id & 1;
+}
+
+/// The header of a scan: count, then id and tables of each component, then the band of frequencies and how it is refined.
+static rsv_status check_scan(walker *at, size_t end)
+{
+    const uint8_t *header = at->file->bytes + at->position;
+    size_t left = end - at->position, count = left ? header[0] : 0;
+    if (count == 0 || count > 4 || left < 4 + 2 * count) return fail_format(at, "invalid scan");
+    const uint8_t *band = header + 1 + 2 * count;
+    bool codes_dc = band[0] == 0 && band[2] >> 4 == 0, codes_ac = band[1] > 0;
+    for (size_t k = 0; k < count; k++) {
+        unsigned dc = header[2 + 2 * k] >> 4, ac = header[2 + 2 * k] & 15;
+        if ((codes_dc && !has_table(at, OF_DC, dc)) || (codes_ac && !has_table(at, OF_AC, ac)))
+            return fail_format(at, "a scan names a Huffman table that the file does not have");
     }
     return RSV_OK;
 }
@@ -74,10 +103,10 @@ static rsv_status check_segment(walker *at, uint8_t marker)
     if (bytes < 2 || bytes > bytes_left(at)) return fail_format(at, "invalid segment length");
     size_t end = at->position + bytes;
     at->position += 2;
-    if (marker == DHT) {
-        rsv_status status = check_huffman_tables(at, end);
-        if (status != RSV_OK) return status;
-    }
+    rsv_status status = marker == DHT   ? check_huffman_tables(at, end)
+                        : marker == SOS ? check_scan(at, end)
+                                        : RSV_OK;
+    if (status != RSV_OK) return status;
     at->position = end;
     if (marker == SOS) skip_entropy_coded_data(at);
     return RSV_OK;

@@ -16,6 +16,10 @@
 #define STBI_ONLY_JPEG
 #define STBI_NO_STDIO
 #define STBI_FAILURE_USERMSG
+// memory that a broken file leaves unwritten is zeros, not whatever was there
+#define STBI_MALLOC(bytes) calloc(1, bytes)
+#define STBI_REALLOC realloc
+#define STBI_FREE free
 #include <stb/stb_image.h>
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC

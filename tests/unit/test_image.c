@@ -577,6 +577,20 @@ static void jpeg_with_an_oversized_huffman_table_is_refused(void **state)
 }
 
 /// As many pixels as no file of that size can hold: nothing is decoded.
+/// The decoder takes what lies in its memory for the tables.
+static void jpeg_whose_scan_lacks_a_table_is_refused(void **state)
+{
+    (void)state;
+    uint8_t file[512];
+    size_t size = make_jpeg(file);
+    uint8_t *scan = memmem(file, size, "\xff\xda", 2);
+    assert_non_null(scan);
+    scan[6] |= 0x03; // AC table 3 of the first component: after marker, length, count and id
+    write_bytes(path_of("tables.jpg"), file, size);
+    expect_failure(path_of("tables.jpg"), RSV_ERROR_FORMAT,
+        "a scan names a Huffman table that the file does not have");
+}
+
 static void jpeg_with_more_pixels_than_bits_is_refused(void **state)
 {
     (void)state;
@@ -899,6 +913,7 @@ int main(void)
         IMAGE_TEST(jpeg_is_decoded_from_srgb),
         IMAGE_TEST(truncated_files_are_refused),
         IMAGE_TEST(jpeg_with_an_oversized_huffman_table_is_refused),
+        IMAGE_TEST(jpeg_whose_scan_lacks_a_table_is_refused),
         IMAGE_TEST(jpeg_with_more_pixels_than_bits_is_refused),
         IMAGE_TEST(png_that_ends_within_a_chunk_is_refused),
         IMAGE_TEST(damaged_files_do_no_harm),
