@@ -145,7 +145,11 @@ static rsv_status add_environment(
     cli_session *session, rsv_scene *scene, const cli_environment *environment)
 {
     if (!environment) return RSV_OK;
-    if (environment->path)
+    const char *name = environment->path;
+    if (name && access(name, F_OK) != 0 && rsv_environment_is_builtin(name))
+        return rsv_scene_set_builtin_environment(
+            scene, name, environment->intensity, environment->rotation);
+    if (name)
         return rsv_scene_load_environment(
             scene, environment->path, environment->intensity, environment->rotation);
     if (environment->intensity != 1 || environment->rotation != 0)

@@ -60,7 +60,8 @@ typedef struct cli_environment {
 
 /// Their lines in a command's help.
 #define CLI_ENVIRONMENT_HELP                                                                       \
-    "  --env FILE         surround the scene with a latitude-longitude picture (.hdr, .exr)\n"     \
+    "  --env FILE         surround the scene with a latitude-longitude picture (.hdr, .exr), or\n"  \
+    "                     without a file: white (radiance 1 all around) or sky (a clear day)\n"    \
     "  --env-intensity S  multiply its radiance by S (default 1)\n"                                \
     "  --env-rotate DEG   turn it about the vertical, counter-clockwise from above (default 0)\n"
 

@@ -225,6 +225,16 @@ RSV_API rsv_status rsv_scene_add_camera(rsv_scene *scene, const rsv_camera *came
 /// RSV_ERROR_UNSUPPORTED beyond RSV_ENVIRONMENT_MAX_PIXELS.
 RSV_API rsv_status rsv_scene_set_environment(rsv_scene *scene, const rsv_environment *environment);
 
+/// Surrounds the scene without a picture's file: "white" is a radiance of 1 from everywhere; "sky" a clear day with the sun
+/// 45 degrees high, under which a white floor shows a radiance of about 1.
+/// @param intensity, rotation as in rsv_environment
+RSV_API rsv_status rsv_scene_set_builtin_environment(
+    rsv_scene *scene, const char *name, float intensity, float rotation);
+
+/// Whether `name` is one of those, and all of them, NULL-terminated.
+RSV_API bool rsv_environment_is_builtin(const char *name);
+RSV_API const char *const *rsv_environment_builtin_names(void);
+
 /// Flattens and checks. RSV_ERROR_SCENE if nothing remains to be drawn. A scene without a camera gets
 /// one named "framing" that shows all of it.
 RSV_API rsv_status rsv_scene_commit(rsv_scene *scene);

@@ -124,7 +124,7 @@ static void warn_if_dark(const rsv_lights *lights)
     if (!lit)
         rsv_log(lights->context, RSV_LOG_WARNING,
             "the scene has no light (emissive material, punctual light or environment): pictures "
-            "will be black");
+            "will be black; `--env sky` or `--env white` lights any scene");
 }
 
 rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_lights **lights)

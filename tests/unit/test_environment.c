@@ -38,7 +38,6 @@ static rsv_rgb contrasty_sky(rsv_vec3 d)
     return window ? rgb(30, 25, 20) : rgb(0.5f, 0.5f, 0.6f);
 }
 
-/// Dim, with a sun of 1 degree's radius.
 /// Bright patches all around, half of which are behind any surface.
 static rsv_rgb patchy_sky(rsv_vec3 d)
 {
@@ -46,6 +45,7 @@ static rsv_rgb patchy_sky(rsv_vec3 d)
     return rgb_gray(patch ? 20 : 0.1f);
 }
 
+/// Dim, with a sun of 1 degree's radius.
 static rsv_rgb sunny_sky(rsv_vec3 d)
 {
     rsv_vec3 sun = v3_normalize(v3(0.8f, 0.3f, -0.2f));
@@ -416,6 +416,28 @@ static void one_pixel_is_a_constant_sky(void **state)
     world_end(w);
 }
 
+/// A floor of albedo 0.8 shows about 1 under either: pictures need no exposure.
+static void surroundings_without_a_file_light_a_floor(void **state)
+{
+    (void)state;
+    for (const char *const *name = rsv_environment_builtin_names(); *name; name++) {
+        world *w = world_begin(1);
+        add_quad(w, v3(-1, 0, 1), v3(2, 0, 0), v3(0, 0, -2), 0.8f);
+        assert_true(rsv_environment_is_builtin(*name));
+        assert_int_equal(rsv_scene_set_builtin_environment(w->scene, *name, 1, 0), RSV_OK);
+        world_commit(w);
+        rsv_probe probe = { v3(0, 0.1f, 0), v3(0, 1, 0) };
+        rsv_probe_reading traced;
+        assert_int_equal(rsv_probe_reference(w->scene, &probe, 1, 4096, 1, &traced), RSV_OK);
+        float shown = 0.8f / RSV_PI * rgb_luminance(traced.irradiance);
+        print_message("%s: %.3f\n", *name, (double)shown);
+        assert_true(shown > 0.6f && shown < 1.1f);
+        assert_int_equal(
+            rsv_scene_set_builtin_environment(w->scene, "night", 1, 0), RSV_ERROR_ARGUMENT);
+        world_end(w);
+    }
+}
+
 static void broken_pictures_are_repaired_or_refused(void **state)
 {
     (void)state;
@@ -453,6 +475,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(the_parts_add_up_to_the_whole),
         cmocka_unit_test(a_constant_sky_is_exact),
         cmocka_unit_test(one_pixel_is_a_constant_sky),
+        cmocka_unit_test(surroundings_without_a_file_light_a_floor),
         cmocka_unit_test(broken_pictures_are_repaired_or_refused),
     };
     const struct CMUnitTest slow[] = {
