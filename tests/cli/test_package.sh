@@ -11,6 +11,14 @@ prefix=$work/prefix
 cmake --install "$build" --prefix "$prefix" >/dev/null
 "$prefix/bin/resolvent" --version
 [[ -s $prefix/share/man/man1/resolvent-render.1 ]]
+[[ -s $prefix/share/doc/resolvent/LICENSE ]]
+
+# the pages that manual pages point to are there
+sed 's/\\-/-/g' "$prefix"/share/man/man1/*.1 | grep -oE 'docs/[a-z-]+\.md' | sort -u >"$work/pages"
+[[ -s $work/pages ]]
+while read -r page; do
+    [[ -s $prefix/share/doc/resolvent/$page ]]
+done <"$work/pages"
 
 # what bash offers
 COMP_WORDS=("$prefix/bin/resolvent" rend) COMP_CWORD=1
@@ -54,11 +62,26 @@ mv minimal.png first.png
 ./minimal
 cmp first.png minimal.png
 
-# the package for Debian and Ubuntu, unpacked somewhere else
+# the packages for Debian and Ubuntu, unpacked somewhere else: the program in one, what compiles against it in the other
 if command -v dpkg-shlibdeps >/dev/null; then
     cpack --config "$build/CPackConfig.cmake" -B "$work" >/dev/null
-    dpkg-deb --field "$work"/resolvent_*.deb Depends | grep -q libembree
-    dpkg-deb --extract "$work"/resolvent_*.deb "$work/unpacked"
+    program=$(echo "$work"/resolvent_*.deb) development=$(echo "$work"/resolvent-dev_*.deb)
+    for package in "$program" "$development"; do
+        name=$(dpkg-deb --field "$package" Package)
+        [[ $(dpkg-deb --field "$package" Maintainer) =~ ^[^\<]+\ \<[^@]+@[^@]+\.[a-z]+\>$ ]]
+        dpkg-deb --contents "$package" >"$work/$name.contents"
+        grep -q "/usr/share/doc/$name/copyright" "$work/$name.contents"
+    done
+    [[ $(dpkg-deb --field "$program" Depends) == *libembree* ]]
+    [[ -z $(grep -E '/usr/include/|\.a$|\.pc$|\.cmake$' "$work/resolvent.contents") ]]
+    [[ -z $(grep '/usr/bin/' "$work/resolvent-dev.contents") ]]
+    for name in embree tinygltf draco assimp openexr cjson; do
+        [[ $(dpkg-deb --field "$development" Depends) == *lib$name-dev* ]]
+    done
+    dpkg-deb --extract "$program" "$work/unpacked"
     "$work/unpacked/usr/bin/resolvent" info furnace >/dev/null
+    dpkg-deb --extract "$development" "$work/unpacked"
+    PKG_CONFIG_PATH=$(dirname "$(find "$work/unpacked" -name resolvent.pc)")
+    cc "$source/samples/minimal.c" -o "$work/packaged" $(pkg-config --cflags --libs --static resolvent)
 fi
 echo "all passed"
