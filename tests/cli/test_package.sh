@@ -49,6 +49,8 @@ PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name resolvent.pc)")
 export PKG_CONFIG_PATH
 [[ $(pkg-config --variable=prefix resolvent) -ef $prefix ]]
 cc "$source/samples/minimal.c" -o "$work/minimal" $(pkg-config --cflags --libs --static resolvent)
+sed -n '/^```c$/,/^```$/{/^```/d;p}' "$source/docs/api.md" >"$work/tour.c" # the program in the tour of the API
+cc -Wall -Werror "$work/tour.c" -o "$work/tour" $(pkg-config --cflags --libs --static resolvent)
 
 cc "$work/outside/engine.c" -o "$work/engine" $(pkg-config --cflags --libs resolvent_rt)
 cc -c "$prefix"/share/resolvent/rt/resolvent_rt_file.c -o "$work/loader.o" \
@@ -61,6 +63,8 @@ outside/build/minimal
 mv minimal.png first.png
 ./minimal
 cmp first.png minimal.png
+./tour
+[[ -s spheres.png ]]
 
 # the packages for Debian and Ubuntu, unpacked somewhere else: the program in one, what compiles against it in the other
 if command -v dpkg-shlibdeps >/dev/null; then
