@@ -11,7 +11,8 @@ page() {
     printf '.TH %s 1 "" "%s" "User Commands"\n' "${1^^}" "$version"
     printf '.SH NAME\n%s \\- %s\n.SH DESCRIPTION\n.nf\n' "${1//-/\\-}" "$2"
     sed -e 's/\\/\\e/g' -e "s/^[.']/\\\\\\&&/" -e 's/-/\\-/g'
-    printf '.fi\n.SH SEE ALSO\n'
+    printf '.fi\n.SH FILES\n%s\n' 'Pages named docs/... lie in share/doc/resolvent/docs below the folder that was installed to:'
+    printf '%s\n.SH SEE ALSO\n' 'those of a Debian package in /usr/share/doc/resolvent/docs.'
 }
 
 overview=$("$program" --help)

@@ -1,4 +1,4 @@
-# Manual pages, completion, and a package for Debian and Ubuntu: `cpack --config build/release/CPackConfig.cmake`.
+# Manual pages, completion, and packages for Debian and Ubuntu: `cpack --config build/release/CPackConfig.cmake`.
 if(TARGET resolvent_program AND NOT CMAKE_CROSSCOMPILING)
     set(RSV_MAN_STAMP ${PROJECT_BINARY_DIR}/man/resolvent.1)
     add_custom_command(OUTPUT ${RSV_MAN_STAMP}
@@ -7,17 +7,35 @@ if(TARGET resolvent_program AND NOT CMAKE_CROSSCOMPILING)
         DEPENDS resolvent_program ${PROJECT_SOURCE_DIR}/cmake/man_pages.sh
         COMMENT "Writing manual pages")
     add_custom_target(resolvent_man ALL DEPENDS ${RSV_MAN_STAMP})
-    install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1
+    install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT runtime
         FILES_MATCHING PATTERN "*.1")
     install(FILES ${PROJECT_SOURCE_DIR}/cmake/completion.bash
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME resolvent)
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME resolvent
+        COMPONENT runtime)
 endif()
 
+set(RSV_PACKAGE_CONTACT "Resolvent developers <noreply@resolvent.example>" CACHE STRING "Maintainer of the packages")
 set(CPACK_GENERATOR DEB)
-set(CPACK_PACKAGE_CONTACT "The Resolvent developers <resolvent@localhost>")
+set(CPACK_PACKAGE_CONTACT ${RSV_PACKAGE_CONTACT})
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY ${PROJECT_DESCRIPTION})
 set(CPACK_STRIP_FILES ON)
-set(CPACK_DEBIAN_PACKAGE_SECTION graphics)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_COMPONENTS_ALL runtime development)
+set(CPACK_COMPONENTS_GROUPING IGNORE)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+    "Solves the global illumination of a scene once, for pictures, measured\nirradiance, baked light and other lights at run time: the program.")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME resolvent)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION graphics)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+
+# A static library brings no dependencies of its own: these are what resolventConfig.cmake and resolvent.pc look for.
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION
+    "Headers and static libraries of Resolvent and of its runtime for engines,\nand how CMake and pkg-config find them.")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME resolvent-dev)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
+    "libembree-dev, libtbb-dev, libtinygltf-dev, libdraco-dev, libassimp-dev, libopenexr-dev, libcjson-dev, pkg-config")
+set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SUGGESTS resolvent)
 include(CPack)

@@ -14,6 +14,9 @@ bash -euo pipefail commands.sh >log 2>&1 || {
 for picture in spheres room again evening evening-00 evening-05; do
     [[ -s $picture.png ]] || complain "$picture.png is missing"
 done
+for file in desk-light.csv baked.glb baked-map.glb baked-map.lightmap.exr probes.json probes.probes.bin; do
+    [[ -s $file ]] || complain "$file is missing"
+done
 # every example of all pages: its command and options exist
 docs=$(dirname "$page")
 mapfile -t examples < <(cat "$docs"/*.md "$docs/../README.md" |

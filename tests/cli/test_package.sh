@@ -11,6 +11,14 @@ prefix=$work/prefix
 cmake --install "$build" --prefix "$prefix" >/dev/null
 "$prefix/bin/resolvent" --version
 [[ -s $prefix/share/man/man1/resolvent-render.1 ]]
+[[ -s $prefix/share/doc/resolvent/LICENSE ]]
+
+# the pages that manual pages point to are there
+sed 's/\\-/-/g' "$prefix"/share/man/man1/*.1 | grep -oE 'docs/[a-z-]+\.md' | sort -u >"$work/pages"
+[[ -s $work/pages ]]
+while read -r page; do
+    [[ -s $prefix/share/doc/resolvent/$page ]]
+done <"$work/pages"
 
 # what bash offers
 COMP_WORDS=("$prefix/bin/resolvent" rend) COMP_CWORD=1
@@ -41,6 +49,8 @@ PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name resolvent.pc)")
 export PKG_CONFIG_PATH
 [[ $(pkg-config --variable=prefix resolvent) -ef $prefix ]]
 cc "$source/samples/minimal.c" -o "$work/minimal" $(pkg-config --cflags --libs --static resolvent)
+sed -n '/^```c$/,/^```$/{/^```/d;p}' "$source/docs/api.md" >"$work/tour.c" # the program in the tour of the API
+cc -Wall -Werror "$work/tour.c" -o "$work/tour" $(pkg-config --cflags --libs --static resolvent)
 
 cc "$work/outside/engine.c" -o "$work/engine" $(pkg-config --cflags --libs resolvent_rt)
 cc -c "$prefix"/share/resolvent/rt/resolvent_rt_file.c -o "$work/loader.o" \
@@ -53,12 +63,29 @@ outside/build/minimal
 mv minimal.png first.png
 ./minimal
 cmp first.png minimal.png
+./tour
+[[ -s spheres.png ]]
 
-# the package for Debian and Ubuntu, unpacked somewhere else
+# the packages for Debian and Ubuntu, unpacked somewhere else: the program in one, what compiles against it in the other
 if command -v dpkg-shlibdeps >/dev/null; then
     cpack --config "$build/CPackConfig.cmake" -B "$work" >/dev/null
-    dpkg-deb --field "$work"/resolvent_*.deb Depends | grep -q libembree
-    dpkg-deb --extract "$work"/resolvent_*.deb "$work/unpacked"
+    program=$(echo "$work"/resolvent_*.deb) development=$(echo "$work"/resolvent-dev_*.deb)
+    for package in "$program" "$development"; do
+        name=$(dpkg-deb --field "$package" Package)
+        [[ $(dpkg-deb --field "$package" Maintainer) =~ ^[^\<]+\ \<[^@]+@[^@]+\.[a-z]+\>$ ]]
+        dpkg-deb --contents "$package" >"$work/$name.contents"
+        grep -q "/usr/share/doc/$name/copyright" "$work/$name.contents"
+    done
+    [[ $(dpkg-deb --field "$program" Depends) == *libembree* ]]
+    [[ -z $(grep -E '/usr/include/|\.a$|\.pc$|\.cmake$' "$work/resolvent.contents") ]]
+    [[ -z $(grep '/usr/bin/' "$work/resolvent-dev.contents") ]]
+    for name in embree tinygltf draco assimp openexr cjson; do
+        [[ $(dpkg-deb --field "$development" Depends) == *lib$name-dev* ]]
+    done
+    dpkg-deb --extract "$program" "$work/unpacked"
     "$work/unpacked/usr/bin/resolvent" info furnace >/dev/null
+    dpkg-deb --extract "$development" "$work/unpacked"
+    PKG_CONFIG_PATH=$(dirname "$(find "$work/unpacked" -name resolvent.pc)")
+    cc "$source/samples/minimal.c" -o "$work/packaged" $(pkg-config --cflags --libs --static resolvent)
 fi
 echo "all passed"
