@@ -50,7 +50,8 @@ typedef struct rsv_frame_stats {
 
 typedef struct rsv_frame_renderer rsv_frame_renderer;
 
-/// The solution must outlive the renderer.
+/// The solution must outlive the renderer. Builds a hierarchy of its triangles where there is none yet, about a second per
+/// million.
 RSV_API rsv_status rsv_frame_renderer_create(
     const rsv_solution *solution, const rsv_frame_desc *desc, rsv_frame_renderer **renderer);
 RSV_API void rsv_frame_renderer_destroy(rsv_frame_renderer *renderer);

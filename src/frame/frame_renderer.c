@@ -11,6 +11,7 @@ struct rsv_frame_renderer {
     const rsv_mover *mover; ///< NULL = none
     rsv_chain_media media;
     rsv_clearances clearances;
+    rsv_beams beams;
     rsv_tiling tiling;
     rsv_eye_picture eye[RSV_MAX_EYES];
     rsv_tile_worker *worker; ///< [thread_count]
@@ -71,6 +72,7 @@ static void set_tiling(rsv_frame_renderer *r)
         .table = &r->table,
         .media = &r->media,
         .clearances = &r->clearances,
+        .beams = &r->beams,
         .kernels = rsv_packet_kernels_for(&r->desc.instructions),
         .width = r->desc.width,
         .height = r->desc.height,
@@ -95,6 +97,7 @@ rsv_status rsv_frame_renderer_create(
     RSV_TRY(rsv_light_table_create(solution, &r->table));
     RSV_TRY(rsv_chain_media_create(r->context, &solution->scene, &r->media));
     RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
+    RSV_TRY(rsv_beams_create(solution->scene.tracer, &r->beams));
     RSV_TRY(create_workers(r));
     RSV_TRY(rsv_frame_device_create(&r->table, &r->desc, &r->device));
     *renderer = r;
@@ -137,6 +140,7 @@ static void set_aim(const rsv_frame_renderer *r, rsv_eye_picture *e)
     e->aim = (rsv_frame_aim){ .lens = rsv_lens_of(&e->camera, r->desc.width, r->desc.height),
         .width = r->desc.width,
         .height = r->desc.height };
+    e->beam_lens = rsv_beam_lens_of(&e->aim.lens);
     rsv_shared_place(e->samples, &e->aim.place_x, &e->aim.place_y);
     e->spread = rsv_camera_spread(&e->camera, r->desc.height) / sqrtf((float)(e->samples + 1));
 }
@@ -241,6 +245,7 @@ rsv_status rsv_frame_render(
     if (status != RSV_OK) return status;
     double start = rsv_seconds();
     rsv_clearances_refresh(&r->clearances);
+    rsv_beams_refresh(&r->beams);
     begin_eyes(r, view);
     begin_workers(r);
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;

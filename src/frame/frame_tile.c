@@ -24,6 +24,7 @@ typedef struct tile {
     float (*sum)[4];                     ///< [RSV_TILE_PIXELS]
     uint32_t column, row, width, height; ///< pixels inside the picture
     uint32_t blocks_across, block_count;
+    const rsv_beam *beam; ///< NULL = packets go through the ray tracer
 } tile;
 
 static uint32_t smaller(uint32_t a, uint32_t b) { return a < b ? a : b; }
@@ -107,6 +108,18 @@ static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t st
     w->begins[stage] &= ~met;
 }
 
+/// What all rays of the tile meet, unless it is too much.
+static void gather_beam(tile *t)
+{
+    const rsv_tiling *tiling = t->tiling;
+    const rsv_frame_aim *aim = &t->eye->aim;
+    if (!tiling->beams->hold || !t->eye->beam_lens.usable) return;
+    float low[2] = { (float)t->column + aim->place_x, (float)t->row + aim->place_y };
+    float high[2] = { low[0] + (float)(t->width - 1), low[1] + (float)(t->height - 1) };
+    rsv_beam *beam = &t->worker->beam;
+    if (tiling->kernels->gather(tiling->beams, &t->eye->beam_lens, low, high, beam)) t->beam = beam;
+}
+
 static void trace_block(const tile *t, uint32_t block)
 {
     const rsv_tiling *tiling = t->tiling;
@@ -114,7 +127,10 @@ static void trace_block(const tile *t, uint32_t block)
     uint32_t column = block % t->blocks_across * RSV_BLOCK,
              row = block / t->blocks_across * RSV_BLOCK;
     tiling->kernels->aim(&t->eye->aim, t->column + column, t->row + row, packet);
-    rsv_tracer_closest_packet(tiling->solution->tracer, packet, true);
+    if (t->beam)
+        tiling->kernels->meet(t->beam, packet);
+    else
+        rsv_tracer_closest_packet(tiling->solution->tracer, packet, true);
 }
 
 static void locate_block(const tile *t, uint32_t block)
@@ -191,6 +207,7 @@ void rsv_tile_render(
     tile t = tile_at(tiling, eye, index, w);
     double start = rsv_seconds();
     approach_pixels(&t);
+    gather_beam(&t);
     w->queue.light.mover = tiling->mover;
     w->queue.spread = eye->spread;
     render_blocks(&t);

@@ -11,6 +11,7 @@ typedef struct rsv_tile_worker {
     _Alignas(64) float radiance[RSV_TILE_PIXELS][4];
     rsv_ray_packet packet[RSV_STAGES]; ///< of the last blocks
     rsv_packet_places places[RSV_STAGES];
+    rsv_beam beam;               ///< of the tile
     uint32_t left[RSV_STAGES];   ///< lanes of theirs that are not in the table
     uint32_t begins[RSV_STAGES]; ///< lanes that chains begin at
     rsv_chain_lanes chains;      ///< of a block
@@ -27,6 +28,7 @@ typedef struct rsv_eye_picture {
     rsv_camera camera;   ///< that they are of
     // of the frame in the making
     rsv_frame_aim aim;
+    rsv_beam_lens beam_lens;
     rsv_frame_tone tone;
     rsv_medium medium;     ///< the camera's
     uint8_t medium_number; ///< in the list of media
@@ -40,6 +42,7 @@ typedef struct rsv_tiling {
     const rsv_packet_kernels *kernels;
     const rsv_chain_media *media;
     const rsv_clearances *clearances;
+    const rsv_beams *beams;
     uint32_t width, height;      ///< of a picture
     uint32_t across, tile_count; ///< tiles of a picture
     uint32_t seed;

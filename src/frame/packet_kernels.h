@@ -3,7 +3,7 @@
 #ifndef RSV_PACKET_KERNELS_H
 #define RSV_PACKET_KERNELS_H
 
-#include "../trace/camera_ray.h"
+#include "beam.h"
 #include "chain_lanes.h"
 #include "clearance.h"
 #include "light_table.h"
@@ -81,6 +81,12 @@ RSV_INLINE void rsv_prefetch_corners(
 typedef struct rsv_packet_kernels {
     /// Camera rays of the block whose upper left pixel is (column, row); lanes outside the picture are switched off.
     void (*aim)(const rsv_frame_aim *aim, uint32_t column, uint32_t row, rsv_ray_packet *packet);
+    /// Finds what the rays through a part of a picture may meet. @param low, high places in the picture of the rays
+    /// farthest up and left, and down and right @return false: too much of it, or not for beams
+    bool (*gather)(const rsv_beams *beams, const rsv_beam_lens *lens, const float low[2],
+        const float high[2], rsv_beam *beam);
+    /// Traces rays of a beam, as rsv_tracer_closest_packet.
+    void (*meet)(const rsv_beam *beam, rsv_ray_packet *packet);
     /// Once its rays are traced.
     void (*approach)(const rsv_light_table *table, const rsv_ray_packet *packet);
     /// Finds the cells of what the rays met. @return lanes whose side is not RSV_SHOWN_STORED, a bit each

@@ -251,7 +251,8 @@ static void display_row(const rsv_frame_tone *tone, const float (*restrict radia
         memcpy(pixel, code, 4 * count);
 }
 
+#include "beam_kernels_body.h"
 #include "smooth_kernels_body.h"
 
-const rsv_packet_kernels RSV_KERNELS = { aim_packet, approach_packet, locate_packet, descend_packet,
-    look_up_packet, display_row, leave_smooth_packet };
+const rsv_packet_kernels RSV_KERNELS = { aim_packet, gather_beam, meet_packet, approach_packet,
+    locate_packet, descend_packet, look_up_packet, display_row, leave_smooth_packet };

@@ -115,8 +115,12 @@ cleanup:
 rsv_status rsv_tracer_hierarchy(const rsv_tracer *tracer, rsv_bvh_view *view)
 {
     rsv_bvh *kept = tracer->hierarchy;
-    rsv_status status = kept->context ? RSV_OK : rsv_bvh_build_scene(tracer->scene, kept);
-    *view = kept->view;
+    rsv_status status = RSV_OK;
+#pragma omp critical(rsv_tracer_hierarchy)
+    {
+        if (!kept->context) status = rsv_bvh_build_scene(tracer->scene, kept);
+        *view = kept->view;
+    }
     return status;
 }
 
@@ -134,14 +138,16 @@ static rsv_status list_apart(rsv_tracer *tracer, const bool *moves)
     return RSV_OK;
 }
 
-/// What was set apart has no extent in the first geometry: no ray meets it there, and the others keep their numbers.
-static void collapse_apart(const rsv_tracer *tracer)
+/// What was set apart has corners beyond the last vertex in the first geometry, so that Embree leaves it out and the others
+/// keep their numbers. Triangles without extent would do too, but where many lie in one point its builder finds no way to
+/// divide them, and aborts.
+static void drop_apart(const rsv_tracer *tracer)
 {
     RTCGeometry geometry = rtcGetGeometry(tracer->bvh, SCENE_GEOMETRY);
     uint32_t(*index)[3] = rtcGetGeometryBufferData(geometry, RTC_BUFFER_TYPE_INDEX, 0);
     for (size_t k = 0; k < tracer->apart_count; k++) {
         uint32_t *corner = index[tracer->apart[k]];
-        corner[1] = corner[2] = corner[0];
+        corner[0] = corner[1] = corner[2] = UINT32_MAX;
     }
     rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0);
     rtcCommitGeometry(geometry);
@@ -178,7 +184,7 @@ rsv_status rsv_tracer_set_apart(rsv_tracer *tracer, const bool *moves)
     if (tracer->apart) return RSV_OK;
     rsv_status status = list_apart(tracer, moves);
     if (status != RSV_OK) return status;
-    collapse_apart(tracer);
+    drop_apart(tracer);
     attach_apart(tracer);
     // a hierarchy for each geometry and one above them, each as good as the whole was, but for the splitting of triangles
     rtcSetSceneFlags(tracer->bvh, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);

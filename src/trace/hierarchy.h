@@ -5,7 +5,7 @@
 #include "../bvh/bvh.h"
 #include "resolvent/trace.h"
 
-/// Built when it is first asked for, by one thread at a time, and kept for the tracer's life or until triangles move.
+/// Built when it is first asked for, whichever thread that is, and kept for the tracer's life or until triangles move.
 /// @param view out: the tracer's
 rsv_status rsv_tracer_hierarchy(const rsv_tracer *tracer, rsv_bvh_view *view);
 

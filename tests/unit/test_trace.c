@@ -338,6 +338,29 @@ static void what_moved_is_hit_where_it_is(void **state)
     world_end(fresh);
 }
 
+/// A lamp of many triangles in a room, of which nothing or everything is left in its place.
+static void bodies_set_apart_are_hit_where_they_are(void **state)
+{
+    (void)state;
+    for (int all = 0; all < 2; all++) {
+        const bool moves[] = { all, true };
+        world *w = world_begin(2);
+        uint32_t wall = world_lambert(w, 0.5f, 0), lamp = world_lambert(w, 0.5f, 1);
+        world_room(w, wall, v3(-3, -3, 0), v3(3, 3, 6));
+        world_sphere(w, lamp, v3(0.5f, 0.4f, 1), 0.3f, 1);
+        world_commit(w);
+        const rsv_ray at_lamp = { { 0.5f, 0.4f, 5 }, { 0, 0, -1 }, INFINITY },
+                      at_wall = { { 0.5f, 0.4f, 5 }, { 0, 1, -1 }, INFINITY };
+        rsv_hit hit;
+        assert_int_equal(rsv_tracer_set_apart(w->tracer, moves), RSV_OK);
+        assert_true(rsv_tracer_closest(w->tracer, &at_lamp, &hit));
+        assert_true(hit.triangle >= 12 && fabsf(hit.t - 3.7f) < 0.05f);
+        assert_true(rsv_tracer_closest(w->tracer, &at_wall, &hit));
+        assert_true(hit.triangle < 12);
+        world_end(w);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -350,6 +373,7 @@ int main(void)
         cmocka_unit_test(nearest_finds_what_a_slow_search_finds),
         cmocka_unit_test(nearest_prefers_the_side_that_the_normal_points_to),
         cmocka_unit_test(what_moved_is_hit_where_it_is),
+        cmocka_unit_test(bodies_set_apart_are_hit_where_they_are),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

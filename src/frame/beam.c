@@ -1,0 +1,46 @@
+#include "beam.h"
+
+#include "../trace/hierarchy.h"
+#include "../trace/tracer_update.h"
+
+/// Scenes of more triangles wait too long for a hierarchy, and their pictures show few large ones.
+#define MOST_TRIANGLES 2000000
+
+/// a x b / volume
+static rsv_vec3 dual(rsv_vec3 a, rsv_vec3 b, double volume)
+{
+    return v3((float)(((double)a.y * b.z - (double)a.z * b.y) / volume),
+        (float)(((double)a.z * b.x - (double)a.x * b.z) / volume),
+        (float)(((double)a.x * b.y - (double)a.y * b.x) / volume));
+}
+
+rsv_beam_lens rsv_beam_lens_of(const rsv_lens *lens)
+{
+    const rsv_camera *c = &lens->camera;
+    rsv_beam_lens b = { .lens = *lens };
+    rsv_vec3 normal = dual(c->right, c->up, 1);
+    double volume = (double)normal.x * c->forward.x + (double)normal.y * c->forward.y +
+                    (double)normal.z * c->forward.z;
+    b.across = dual(c->up, c->forward, volume);
+    b.upwards = dual(c->forward, c->right, volume);
+    b.depth = dual(c->right, c->up, volume);
+    float x = lens->half_width * lens->pixel_size, y = lens->half_height * lens->pixel_size;
+    float size = v3_length(c->forward) + x * v3_length(c->right) + y * v3_length(c->up);
+    float skew = v3_length(b.across) + v3_length(b.upwards) + (x + y) * v3_length(b.depth);
+    b.slack = lens->pixel_size / 16 + 0x1p-20f * size * skew;
+    b.usable = c->vertical_fov != 0 && lens->pixel_size > 0 && b.slack < 1; // and a number
+    return b;
+}
+
+rsv_status rsv_beams_create(const rsv_tracer *tracer, rsv_beams *beams)
+{
+    *beams = (rsv_beams){ .tracer = tracer, .scene = rsv_scene_get_view(rsv_tracer_scene(tracer)) };
+    if (rsv_tracer_is_apart(tracer) || beams->scene->triangle_count > MOST_TRIANGLES) return RSV_OK;
+    beams->hold = true;
+    return rsv_tracer_hierarchy(tracer, &beams->bvh);
+}
+
+void rsv_beams_refresh(rsv_beams *beams)
+{
+    if (rsv_tracer_is_apart(beams->tracer)) beams->hold = false;
+}

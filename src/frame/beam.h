@@ -1,0 +1,61 @@
+/// Beams: what all camera rays of a part of a picture may meet, found at once.
+///
+/// The rays of a few hundred neighbouring pixels mostly meet the same few triangles. A beam walks the hierarchy of
+/// ../bvh once for all of them, with the pyramid that holds them, and lists the triangles in it that nothing hides; packets
+/// are then tested against these alone. Where a beam would meet more than a few, where surfaces are cut out, with
+/// orthographic cameras, and once triangles move (rsv_tracer_set_apart), packets are traced as any others.
+///
+/// What rays meet is what the ray tracer finds, but for rounding: the test is that of Embree's robust mode, with sides of
+/// edges that are exact opposites for the two triangles at an edge, and open by more than rounding (Davidovic, Engelhardt,
+/// Georgiev, Slusallek and Dachsbacher, "3D Rasterization: A Bridge between Rasterization and Ray Casting", 2012).
+#ifndef RSV_BEAM_H
+#define RSV_BEAM_H
+
+#include "../bvh/bvh.h"
+#include "../trace/camera_ray.h"
+
+/// Triangles of a beam at most.
+#define RSV_BEAM_TRIANGLES 32
+
+/// A triangle seen from the eye. Its corners weigh as side[k] . direction for a ray that meets it, all of them positive.
+typedef struct rsv_beam_triangle {
+    float side[3][3]; ///< normals of planes through the eye and the edge opposite corner k, inwards
+    float normal[3];  ///< of its own plane, away from the eye
+    float reach;      ///< rays meet that plane at reach / (normal . direction)
+    float slack;      ///< weights above -slack count as positive
+    float front;      ///< -1 where the normal is that of the back
+    uint32_t triangle;
+} rsv_beam_triangle;
+
+typedef struct rsv_beam {
+    uint32_t count;
+    rsv_beam_triangle of[RSV_BEAM_TRIANGLES]; ///< [count]
+    /// [count] indices into `of`, the scene's order: of two triangles at one distance, rays meet the first.
+    uint8_t order[RSV_BEAM_TRIANGLES];
+} rsv_beam;
+
+/// How beams see through the lens of a frame: places of points as (across, upwards, 1) * depth, as in rsv_lens_ray.
+typedef struct rsv_beam_lens {
+    bool usable;
+    rsv_lens lens;
+    rsv_vec3 across, upwards, depth; ///< products with a point's offset from the eye
+    float slack;                     ///< by which rounding may move rays, in across and upwards
+} rsv_beam_lens;
+
+rsv_beam_lens rsv_beam_lens_of(const rsv_lens *lens);
+
+/// What beams go through. They hold until triangles move.
+typedef struct rsv_beams {
+    const rsv_tracer *tracer;
+    const rsv_scene_view *scene;
+    rsv_bvh_view bvh;
+    bool hold;
+} rsv_beams;
+
+/// Has the tracer's hierarchy built, a second or so per million triangles, unless there are too many of them.
+rsv_status rsv_beams_create(const rsv_tracer *tracer, rsv_beams *beams);
+
+/// To be called ahead of every frame.
+void rsv_beams_refresh(rsv_beams *beams);
+
+#endif
