@@ -286,7 +286,8 @@ int rsv_rt_file_basis(rsv_rt_file *file, rsv_rt_basis *basis)
     memset(basis, 0, sizeof *basis);
     if (strcmp(note(file, "format"), "resolvent-light-basis") != 0)
         return fail(file, "it holds no light basis");
-    if (strcmp(note(file, "format_version"), "1") && strcmp(note(file, "format_version"), "2"))
+    if (strcmp(note(file, "format_version"), "1") != 0 &&
+        strcmp(note(file, "format_version"), "2") != 0)
         return fail(file, "it is a light basis of a version that is not known here");
     basis->light_count = extent(file, name, 0);
     basis->receiver_count = extent(file, name, 1);

@@ -93,10 +93,14 @@ static rsv_status measure_single(const rsv_solution *solution, uint32_t frames, 
     rsv_status status = create_renderer(solution, 1280, 720, 1, &renderer);
     if (status != RSV_OK) return status;
     double *times = calloc(5 * frames, sizeof *times);
+    if (!times) {
+        rsv_frame_renderer_destroy(renderer);
+        return RSV_ERROR_MEMORY;
+    }
     frame_times t = { times, times + frames, times + 2 * frames, times + 3 * frames,
         times + 4 * frames };
     rsv_frame_stats stats = { 0 };
-    for (uint32_t k = 0; times && k < frames && !cli_interrupted(); k++) {
+    for (uint32_t k = 0; k < frames && !cli_interrupted(); k++) {
         rsv_frame_view view = view_at(scene, k);
         double start = processor_seconds();
         t.bare[k] = rsv_frame_trace_only(renderer, &view);
@@ -107,15 +111,13 @@ static rsv_status measure_single(const rsv_solution *solution, uint32_t frames, 
         t.ratio[k] = t.whole[k] / t.bare[k];
         t.ratio_cpu[k] = t.whole_cpu[k] / (traced - start);
     }
-    if (times) {
-        cJSON_AddStringToObject(
-            result, "instructions", rsv_instructions_name(rsv_frame_instructions(renderer)));
-        add_times(result, &t, frames);
-        add_stages(result, &stats);
-    }
+    cJSON_AddStringToObject(
+        result, "instructions", rsv_instructions_name(rsv_frame_instructions(renderer)));
+    add_times(result, &t, frames);
+    add_stages(result, &stats);
     rsv_frame_renderer_destroy(renderer);
     free(times);
-    return times ? RSV_OK : RSV_ERROR_MEMORY;
+    return RSV_OK;
 }
 
 // ---- two eyes -----------------------------------------------------------------------------------

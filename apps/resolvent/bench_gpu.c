@@ -51,7 +51,7 @@ static rsv_status measure_solver(
     const cli_bench_task *bench, const rsv_solution *solution, rsv_solver solver, cJSON *solvers)
 {
     double seconds[MOST_REPETITIONS];
-    rsv_solver_cost cost;
+    rsv_solver_cost cost = { 0 };
     for (uint32_t k = 0; k < bench->repetitions; k++) {
         rsv_status status = rsv_measure_solver(solution, solver, goal, NULL, NULL, &cost);
         if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;

@@ -212,7 +212,7 @@ bool cli_bench_levels(const cli_bench_task *bench, cJSON *result)
 {
     rsv_scene *scene = cli_open_bench_scene(bench);
     if (!scene) return false;
-    judge *j = malloc(sizeof *j);
+    judge *j = calloc(1, sizeof *j);
     rsv_status status =
         j ? measure_all(scene, (rsv_quality)bench->quality, j, result) : RSV_ERROR_MEMORY;
     free(j);

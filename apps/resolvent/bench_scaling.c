@@ -106,14 +106,14 @@ static void keep_least(cJSON *result, const char *name, double value)
     if (!member)
         cJSON_AddNumberToObject(result, name, value);
     else
-        cJSON_SetNumberValue(member, fmin(member->valuedouble, value));
+        cJSON_SetNumberHelper(member, fmin(member->valuedouble, value));
 }
 
 /// Each setup once, what took least so far being kept. @return false: a run failed
 static bool run_round(const cli_bench_task *bench, const setup *setups, size_t count, cJSON *list)
 {
     for (size_t k = 0; k < count; k++) {
-        double processor_seconds;
+        double processor_seconds = 0;
         cJSON *numbers = run_setup(bench, &setups[k], &processor_seconds);
         if (!numbers) return false;
         cJSON *item = cJSON_GetArrayItem(list, (int)k);

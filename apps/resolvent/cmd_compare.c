@@ -146,7 +146,7 @@ static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
     rsv_image *image[3] = { NULL, NULL, NULL };
-    uint32_t layer[3];
+    uint32_t layer[3] = { 0 };
     findings found = { .judged = s->path[2] != NULL };
     rsv_status status = RSV_OK;
     for (int i = 0; i < 3; i++)

@@ -3,6 +3,7 @@
 #include "command.h"
 #include "crew.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -213,6 +214,7 @@ static int parse_option(const cli_usage *usage, int argc, char **argv, int *inde
 static bool is_chosen(const cli_usage *usage, const char *company, uint64_t given)
 {
     const cli_option *option = find_option(usage, company);
+    assert(option);
     const char *choice = strchr(company, '=');
     if (!(given >> (option - usage->options) & 1)) return false;
     return !choice || strcmp(option->choices[*(const int *)option->value], choice + 1) == 0;

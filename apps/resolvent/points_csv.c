@@ -151,7 +151,7 @@ static char *read_text(const char *path, size_t *length)
         }
         *length += fread(text + *length, 1, capacity - *length - 1, file);
     }
-    bool complete = file && feof(file) && !ferror(file);
+    bool complete = text && feof(file) && !ferror(file);
     if (!complete) cli_error("%s: cannot be read: %s", path, strerror(errno));
     if (file) fclose(file);
     if (complete) text[*length] = '\0';

@@ -58,8 +58,7 @@ void cli_warn(cli_session *session, const char *message)
     char **grown = realloc(session->warnings, (session->warning_count + 1) * sizeof *grown);
     if (!grown) return;
     session->warnings = grown;
-    char *copy = strdup(message);
-    if (copy) session->warnings[session->warning_count++] = copy;
+    if (asprintf(&grown[session->warning_count], "%s", message) >= 0) session->warning_count++;
 }
 
 static void on_log(void *user, rsv_log_level level, const char *message)

@@ -106,7 +106,7 @@ static rsv_status read_uv(rsv_bake_layout *b, size_t k)
     const rsv_bake_part *part = &b->parts->part[k];
     int accessor = b->document->gltf->mesh[part->mesh].primitive[part->primitive].uv[1];
     size_t count, width;
-    const char *why;
+    const char *why = NULL;
     if (!b->desc->keep_uv || accessor < 0) return RSV_OK;
     rsv_status status = rsv_gltf_read_attribute(
         b->s->context, b->document->gltf, accessor, part->label, &b->uv[k], &count, &width);

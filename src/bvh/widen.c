@@ -119,6 +119,7 @@ static void place_in_slots(
                 if (slot[s] || (child >= 0 && !(gain > best))) continue;
                 best = gain, child = k, into = s;
             }
+        RSV_ASSERT(child >= 0 && into >= 0); // no more children than slots
         slot[into] = from->node[child];
         placed[child] = true;
     }

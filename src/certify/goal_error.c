@@ -58,7 +58,7 @@ static double draw_point(const goal_job *job, uint32_t k, rsv_face_point *point)
     double total = job->below[e->cell_count];
     double strip = ((double)k + (double)rsv_random_float(&random)) / job->desc.samples;
     uint32_t cell = (uint32_t)rsv_interval_at(job->below + 1, e->cell_count, strip * total);
-    float x = rsv_random_float(&random), s, t, u[3], v[3];
+    float x = rsv_random_float(&random), s, t, u[3] = { 0 }, v[3] = { 0 };
     rsv_square_to_triangle(x, rsv_random_float(&random), &s, &t);
     for (int corner = 0; corner < 3; corner++)
         rsv_cell_corner(&e->cell[cell], corner, &u[corner], &v[corner]);

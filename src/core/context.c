@@ -102,7 +102,7 @@ const char *rsv_last_error(void) { return last_error; }
 
 const char *rsv_version(void) { return RSV_VERSION_STRING; }
 
-rsv_status rsv_fail(rsv_status status, const char *format, ...)
+bool rsv_note_error(const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -110,7 +110,7 @@ rsv_status rsv_fail(rsv_status status, const char *format, ...)
     va_end(arguments);
     for (char *c = last_error; *c; c++) // one line, whatever names a file brought in
         if ((unsigned char)*c < 0x20) *c = ' ';
-    return status;
+    return true;
 }
 
 void rsv_log(const rsv_context *context, rsv_log_level level, const char *format, ...)

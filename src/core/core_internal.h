@@ -16,8 +16,19 @@
         if (status != RSV_OK) goto cleanup;                                                        \
     } while (0)
 
-/// Records the calling thread's error message and returns `status`.
-rsv_status rsv_fail(rsv_status status, const char *format, ...) RSV_PRINTF(2, 3);
+/// Sets the calling thread's error message.
+/// @return true
+bool rsv_note_error(const char *format, ...) RSV_PRINTF(1, 2);
+
+static inline rsv_status rsv_failed(rsv_status status, bool noted)
+{
+    (void)noted;
+    return status;
+}
+
+/// Sets the calling thread's error message to what follows, as printf() has it; its value is `status`. A function elsewhere
+/// would hide from compilers and analysers that a failure is no RSV_OK.
+#define rsv_fail(status, ...) rsv_failed(status, rsv_note_error(__VA_ARGS__))
 
 void rsv_log(const rsv_context *context, rsv_log_level level, const char *format, ...)
     RSV_PRINTF(3, 4);

@@ -107,7 +107,7 @@ static inline void add_part(const rsv_receiver_block *restrict block,
         enter->z[k] = enters ? cz : enter->z[k];
         float term = edge_term(in_a ? a->x[k] : cx, in_a ? a->y[k] : cy, in_a ? a->z[k] : cz,
             in_b ? b->x[k] : cx, in_b ? b->y[k] : cy, in_b ? b->z[k] : cz, nx, ny, nz);
-        sum[k] += in_a | in_b ? term : 0;
+        sum[k] += (in_a | in_b) ? term : 0;
     }
 }
 
@@ -155,7 +155,7 @@ static void aim_packet(const rsv_receiver_block *restrict b, const rsv_glance_pl
         float inverse = inverse_length(x, y, z);
         float here = (b->normal_x[k] * x + b->normal_y[k] * y + b->normal_z[k] * z) * inverse;
         float there = -(at->normal_x[k] * x + at->normal_y[k] * y + at->normal_z[k] * z) * inverse;
-        float side = (there < 0) & (at->double_sided[k] != 0) ? -1.0f : 1.0f;
+        float side = ((there < 0) & (at->double_sided[k] != 0)) ? -1.0f : 1.0f;
         there *= side;
         bool lit = (here > 0) & (there > 0) & (b->valid >> k & 1);
         // moved off the source's surface as rsv_shadow_ray does

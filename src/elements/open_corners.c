@@ -77,7 +77,7 @@ static uint8_t judge_sheltered(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
     outlooks at = { .middle = rsv_cell_crouch(shape, shape->centre) };
-    bool blocked[3];
+    bool blocked[3] = { false };
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
         at.place[k] = rsv_cell_crouch(shape, corner);
@@ -93,7 +93,7 @@ static uint8_t judge_cell(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
     outlooks at = { .middle = rsv_cell_hover(shape, shape->centre) };
-    bool covered[3], blocked[3];
+    bool covered[3] = { false }, blocked[3] = { false };
     *rays += 3;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);

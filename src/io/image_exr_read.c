@@ -251,7 +251,7 @@ static rsv_status decode_pixels(reader *in)
 {
     rsv_status status = RSV_OK;
     exr_storage_t storage;
-    int32_t width = (int32_t)box_width(in->data_window), height;
+    int32_t width = (int32_t)box_width(in->data_window), height = 0;
     RSV_TRY(rsv_exr_check(&in->stream, exr_get_storage(in->exr, 0, &storage)));
     if (storage == EXR_STORAGE_SCANLINE)
         RSV_TRY(rsv_exr_check(&in->stream, exr_get_scanlines_per_chunk(in->exr, 0, &height)));

@@ -127,13 +127,14 @@ rsv_status rsv_read_names(
     bool sound = cJSON_IsArray(*list);
     size_t k = 0;
     const cJSON *item = NULL;
-    if (sound) cJSON_ArrayForEach(item, *list)
-        {
-            if (k == count || !cJSON_IsString(item)) {
-                sound = false;
-                break;
-            }
-            names[k++] = item->valuestring;
+    if (!sound) return fail_note(file, note);
+    cJSON_ArrayForEach(item, *list)
+    {
+        if (k == count || !cJSON_IsString(item)) {
+            sound = false;
+            break;
         }
+        names[k++] = item->valuestring;
+    }
     return sound && k == count ? RSV_OK : fail_note(file, note);
 }

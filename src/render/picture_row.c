@@ -97,11 +97,11 @@ static void average(const rsv_picture_row *r, uint32_t layer, uint32_t column)
     *out = rgb_positive(mean);
 }
 
-rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t row)
+rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t index)
 {
     const rsv_picture_job *job = r->job;
     uint32_t width = job->desc->width;
-    r->row = row;
+    r->row = index;
     for (uint32_t layer = 0; layer < job->layer_count; layer++)
         memset(r->layer[layer], 0, width * sizeof(rsv_rgb));
     memset(r->noise, 0, width * sizeof *r->noise);
@@ -118,7 +118,7 @@ rsv_status rsv_picture_row_render(rsv_picture_row *r, uint32_t row)
         for (uint32_t column = 0; column < width; column++)
             average(r, layer, column);
     if (job->noise && !job->extra)
-        memcpy(job->noise + (size_t)row * width, r->noise, width * sizeof *r->noise);
+        memcpy(job->noise + (size_t)index * width, r->noise, width * sizeof *r->noise);
     return status;
 }
 

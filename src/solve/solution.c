@@ -46,6 +46,8 @@ rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
     desc.max_orders = 4096;
     desc.tolerance = 1e-4f;
     desc.goal_camera = RSV_NONE;
+    desc.goal_points = NULL;
+    desc.goal_point_count = 0;
     desc.seed = 1;
     return desc;
 }

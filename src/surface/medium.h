@@ -38,7 +38,7 @@ RSV_INLINE int rsv_medium_find(const rsv_medium *medium, uint32_t material)
 RSV_INLINE void rsv_medium_remove(rsv_medium *medium, int place)
 {
     medium->depth--;
-    for (int k = place; k < (int)medium->depth; k++)
+    for (int k = place; k + 1 < RSV_MEDIUM_DEPTH; k++)
         medium->body[k] = medium->body[k + 1];
 }
 
