@@ -6,8 +6,8 @@
 ///     r(x) = E0(x) + (G K E~)(x) - E~(x)
 ///
 /// is estimated at random points of the surfaces, half of them uniform in area and half where E~ is bright, by one more
-/// gather, without elements at the receiving end, and with random numbers that the build never used. The error e = E - E~ obeys e = r + G K e, and in the area-weighted
-/// mean square G K shrinks by the largest albedo at least, so that
+/// gather, without elements at the receiving end, and with random numbers that the build never used. The error
+/// e = E - E~ obeys e = r + G K e, and in the area-weighted mean square G K shrinks by the largest albedo at least, so that
 ///
 ///     RMS(e) <= RMS(r) / (1 - max albedo)
 ///
@@ -112,13 +112,15 @@ RSV_API rsv_error_target rsv_default_error_target(double relative_error);
 typedef enum rsv_error_stop {
     RSV_ERROR_TARGET_REACHED,
     RSV_ERROR_TARGET_MAX_ELEMENTS, ///< one more round would have exceeded this
-    RSV_ERROR_TARGET_MAX_SECONDS, 
+    RSV_ERROR_TARGET_MAX_SECONDS,  ///< or there was no time to confirm that the target is reached
     RSV_ERROR_TARGET_MAX_ROUNDS
 } rsv_error_stop;
 
 /// Solves, certifies and refines until the certificate (with a goal: rsv_certify_goal or rsv_certify_points) says that the
-/// target is reached, by the *estimate* of the error at the upper end of its interval. (The bound would ask for several times the accuracy, and so for tens of times the work.) What is refined is what errs most: elements and rays of the operator, or those of direct light. Every
-/// round is logged; so is the budget that stopped them.
+/// target is reached, by the *estimate* of the error at the upper end of its interval, and four times as many other points
+/// confirm it. (The bound would ask for several times the accuracy, and so for tens of times the work.) What is refined is
+/// what errs most: elements and rays of the operator, or those of direct light. Every round is logged; so is the budget
+/// that stopped them.
 /// @param start of the first round, its goal that of all; NULL = draft
 /// @param solution the last one, whatever stopped the rounds
 /// @param certificate its certificate

@@ -425,6 +425,29 @@ static void refinement_reaches_its_target(void **state)
     world_end(w);
 }
 
+/// Whatever the seed, what is said to be reached is so by many other points.
+static void a_target_is_not_reached_by_luck(void **state)
+{
+    (void)state;
+    world *w = create_room_under_a_lamp(2);
+    rsv_error_target target = rsv_default_error_target(0.1);
+    target.max_rounds = 2;
+    for (uint32_t seed = 0; seed < 6; seed++) {
+        rsv_solve_desc desc = draft(200);
+        rsv_solution *s;
+        rsv_certificate c;
+        rsv_error_stop stop;
+        desc.seed = seed;
+        desc.rays_per_element = 64;
+        assert_int_equal(rsv_solve_to_error(w->scene, &desc, &target, &s, &c, &stop), RSV_OK);
+        rsv_certificate other = certify(s, 8192, 77);
+        if (stop == RSV_ERROR_TARGET_REACHED)
+            assert_true(other.error_estimate_ci95[0] <= 0.1 * other.irradiance_rms);
+        rsv_solution_destroy(s);
+    }
+    world_end(w);
+}
+
 static void budgets_end_refinement(void **state)
 {
     (void)state;
@@ -635,6 +658,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(intervals_hold_where_little_is_absorbed),
         cmocka_unit_test(intervals_hold_where_a_spot_is_bright),
+        cmocka_unit_test(a_target_is_not_reached_by_luck),
         cmocka_unit_test(the_split_knows_noise_from_large_elements),
         cmocka_unit_test(a_goal_spends_elements_where_they_count),
         cmocka_unit_test(sensors_are_goals_as_cameras_are),
