@@ -5,9 +5,9 @@
 ///
 ///     r(x) = E0(x) + (G K E~)(x) - E~(x)
 ///
-/// is estimated at random points of the surfaces by one more gather, without elements at the receiving end, and
-/// with random numbers that the build never used. The error e = E - E~ obeys e = r + G K e, and in the area-weighted
-/// mean square G K shrinks by the largest albedo at least, so that
+/// is estimated at random points of the surfaces, half of them uniform in area and half where E~ is bright, by one more
+/// gather, without elements at the receiving end, and with random numbers that the build never used. The error
+/// e = E - E~ obeys e = r + G K e, and in the area-weighted mean square G K shrinks by the largest albedo at least, so that
 ///
 ///     RMS(e) <= RMS(r) / (1 - max albedo)
 ///
@@ -112,15 +112,15 @@ RSV_API rsv_error_target rsv_default_error_target(double relative_error);
 typedef enum rsv_error_stop {
     RSV_ERROR_TARGET_REACHED,
     RSV_ERROR_TARGET_MAX_ELEMENTS, ///< one more round would have exceeded this
-    RSV_ERROR_TARGET_MAX_SECONDS,
+    RSV_ERROR_TARGET_MAX_SECONDS,  ///< or there was no time to confirm that the target is reached
     RSV_ERROR_TARGET_MAX_ROUNDS
 } rsv_error_stop;
 
 /// Solves, certifies and refines until the certificate (with a goal: rsv_certify_goal or rsv_certify_points) says that the
-/// target is reached, by the *estimate* of the error at
-/// the upper end of its interval: the bound would ask for several times the accuracy, and so for tens of times
-/// the work. What is refined is what errs most: elements and rays of the operator, or those of direct light. Every
-/// round is logged; so is the budget that stopped them.
+/// target is reached, by the *estimate* of the error at the upper end of its interval, and four times as many other points
+/// confirm it. (The bound would ask for several times the accuracy, and so for tens of times the work.) What is refined is
+/// what errs most: elements and rays of the operator, or those of direct light. Every round is logged; so is the budget
+/// that stopped them.
 /// @param start of the first round, its goal that of all; NULL = draft
 /// @param solution the last one, whatever stopped the rounds
 /// @param certificate its certificate
@@ -151,12 +151,13 @@ RSV_API rsv_status rsv_certify_picture(const rsv_solution *solution,
     const rsv_certify_desc *certify, const rsv_heat_map_desc *desc, rsv_certificate *certificate,
     rsv_image **image);
 
-/// What certificates are judged by: irradiance at random points, path traced twice over, by the reference that knows
-/// nothing of elements or operators.
+/// What certificates are judged by: irradiance at other random points, path traced twice over, by the reference that
+/// knows nothing of elements or operators.
 typedef struct rsv_truth rsv_truth;
 
-/// Points uniform in area where irradiance enters diffuse lobes unchanged: coated surfaces are left out.
-/// @param solution any of the scene: it tells where the points may lie
+/// Points, drawn and weighted as those of certificates are, where irradiance enters diffuse lobes unchanged: coated
+/// surfaces are left out.
+/// @param solution any of the scene: it tells where the points may lie, and where light is
 /// @param points 16..2^24 @param paths of each of the two readings at a point
 RSV_API rsv_status rsv_truth_create(const rsv_solution *solution, uint32_t points, uint32_t paths,
     uint32_t seed, rsv_truth **truth);

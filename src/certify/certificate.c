@@ -1,6 +1,7 @@
 #include "resolvent/certify.h"
 
 #include "error_field.h"
+#include "point_density.h"
 
 /// Separates the points from all that the build draws from its seed.
 #define SEED_OF_POINTS 0x7f4a7c15u
@@ -9,9 +10,9 @@
 typedef struct examination {
     const rsv_solution *solution;
     rsv_certify_desc desc;
-    rsv_face_areas areas;
+    rsv_point_density density;
     rsv_residual_sample *sample; ///< [desc.samples]
-    double *value;               ///< [desc.samples] scratch: one number per valid sample
+    double *value, *weight;      ///< [desc.samples] scratch: one number per valid sample
     rsv_error_field *field;
     rsv_certificate *certificate;
 } examination;
@@ -45,8 +46,8 @@ static rsv_status take_samples(examination *x)
         if (rsv_cancelled(context)) continue;
         rsv_residual_sample *sample = &x->sample[k];
         // each set is spread over all surfaces
-        sample->point = rsv_face_areas_draw(&x->areas, k / RSV_SAMPLE_SETS, count / RSV_SAMPLE_SETS,
-            rsv_hash2(seed, k % RSV_SAMPLE_SETS));
+        sample->point = rsv_point_density_draw(&x->density, k / RSV_SAMPLE_SETS,
+            count / RSV_SAMPLE_SETS, rsv_hash2(seed, k % RSV_SAMPLE_SETS), &sample->weight);
         uint32_t stream = rsv_hash3(seed, k, 0x1b87u);
         if (!rsv_point_is_buried(&s->scene, s->elements, &sample->point, stream, &rays)) {
             sample->at = rsv_residual_at(&job, &sample->point, stream);
@@ -73,9 +74,12 @@ typedef double (*sample_value)(const examination *x, size_t k);
 static rsv_moments moments(examination *x, sample_value value_of)
 {
     size_t count = 0;
-    for (size_t k = 0; k < x->desc.samples; k++)
-        if (x->sample[k].valid) x->value[count++] = value_of(x, k);
-    return rsv_moments_of(x->value, count);
+    for (size_t k = 0; k < x->desc.samples; k++) {
+        if (!x->sample[k].valid) continue;
+        x->weight[count] = x->sample[k].weight;
+        x->value[count++] = value_of(x, k);
+    }
+    return rsv_moments_by_weight(x->value, x->weight, count);
 }
 
 static double luminance(rsv_rgb color) { return (double)rgb_luminance(color); }
@@ -150,7 +154,7 @@ static rsv_status judge_error(examination *x)
 {
     rsv_certificate *c = x->certificate;
     if (c->samples == 0) return RSV_OK;
-    double area = rsv_face_areas_total(&x->areas) / x->desc.samples;
+    double area = x->density.area / x->desc.samples;
     rsv_status status =
         rsv_error_field_create(x->solution, x->sample, x->desc.samples, area, x->field);
     if (status != RSV_OK) return status;
@@ -166,17 +170,19 @@ static rsv_status examine(examination *x)
     const rsv_solution *s = x->solution;
     rsv_status status = RSV_OK;
     if (s->elements->face_count == 0) return RSV_OK;
-    RSV_TRY(rsv_face_areas_create(s->elements, &x->areas));
+    RSV_TRY(rsv_point_density_of_light(s, &x->density));
     x->sample = rsv_alloc(s->context, x->desc.samples, sizeof *x->sample);
     x->value = rsv_alloc(s->context, x->desc.samples, sizeof *x->value);
-    RSV_TRY(x->sample && x->value ? RSV_OK : RSV_ERROR_MEMORY);
+    x->weight = rsv_alloc(s->context, x->desc.samples, sizeof *x->weight);
+    RSV_TRY(x->sample && x->value && x->weight ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(take_samples(x));
     judge_residual(x);
     RSV_TRY(judge_error(x));
 cleanup:
-    rsv_face_areas_destroy(&x->areas);
+    rsv_point_density_destroy(&x->density);
     rsv_free(s->context, x->sample);
     rsv_free(s->context, x->value);
+    rsv_free(s->context, x->weight);
     return status;
 }
 

@@ -12,7 +12,7 @@
 /// The residual as a field on the elements: each sample is handed to the hats around it, over their areas. (What the
 /// operator makes of it is the mean over all samples of what it makes of each.)
 static void project(const rsv_solution *s, const rsv_residual_sample *sample, size_t count,
-    size_t set, float area, rsv_rgb *load)
+    size_t set, double area, rsv_rgb *load)
 {
     const rsv_elements *e = s->elements;
     for (size_t k = set; k < count; k += RSV_SAMPLE_SETS) {
@@ -20,8 +20,8 @@ static void project(const rsv_solution *s, const rsv_residual_sample *sample, si
         float weight[3];
         const rsv_face_point *p = &sample[k].point;
         const uint32_t *node = e->cell_node[rsv_elements_locate(e, p->face, p->u, p->v, weight)];
-        rsv_rgb residual =
-            rgb_scale(rgb_add(sample[k].at.residual[0], sample[k].at.residual[1]), 0.5f * area);
+        rsv_rgb residual = rgb_scale(rgb_add(sample[k].at.residual[0], sample[k].at.residual[1]),
+            (float)(0.5 * area * sample[k].weight));
         for (int corner = 0; corner < 3; corner++)
             load[node[corner]] = rgb_mad(load[node[corner]], weight[corner], residual);
     }
@@ -70,7 +70,7 @@ static rsv_status predict(const rsv_solution *s, const rsv_residual_sample *samp
     rsv_status status = RSV_OK;
     for (size_t k = 0; k < sets; k++) {
         memset(b->one, 0, nodes * sizeof *b->one);
-        project(s, sample, count, first_set + k, (float)(area * RSV_SAMPLE_SETS), b->one);
+        project(s, sample, count, first_set + k, area * RSV_SAMPLE_SETS, b->one);
         for (size_t n = 0; n < nodes; n++)
             b->load[n * sets + k] = b->one[n];
     }

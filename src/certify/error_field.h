@@ -23,12 +23,13 @@ typedef struct rsv_error_field {
 /// A residual at a point.
 typedef struct rsv_residual_sample {
     rsv_face_point point;
+    double weight; ///< of the point: density of area over that which it was drawn with
     rsv_residual at;
     bool valid; ///< not buried
 } rsv_residual_sample;
 
 /// Sample k belongs to set k % RSV_SAMPLE_SETS.
-/// @param area of the surfaces that one valid sample stands for, m2
+/// @param area of the surfaces that one valid sample of weight 1 stands for, m2
 rsv_status rsv_error_field_create(const rsv_solution *solution, const rsv_residual_sample *sample,
     size_t count, double area, rsv_error_field *field);
 void rsv_error_field_destroy(rsv_context *context, rsv_error_field *field);

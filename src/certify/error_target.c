@@ -1,4 +1,5 @@
 /// Refinement until the certificate is content.
+#include "../core/sampling.h"
 #include "../core/team.h"
 #include "resolvent/certify.h"
 
@@ -20,9 +21,11 @@ enum { STEPS = 3 };
 #define MOST_DIRECT_LEVELS 8
 #define MOST_PHOTONS 500000000u
 #define REFINEMENTS 3
-/// A certificate that cannot tell is given more points, from the first number up to the second.
+/// A certificate that cannot tell, or is to be confirmed, is given more points: from the first number up to the second.
 #define FIRST_SAMPLES 512
 #define MOST_SAMPLES 65536
+#define MORE_POINTS 4
+#define SEED_OF_MORE_POINTS 0x2b7e1516u
 
 typedef struct pursuit {
     const rsv_scene *scene;
@@ -33,7 +36,9 @@ typedef struct pursuit {
     rsv_certify_desc certify;
     rsv_solution *solution;
     rsv_certificate *certificate;
-    double error, upper; ///< relative: the present solution's, and the upper end of its interval
+    double error, upper;    ///< relative: the present solution's, and the upper end of its interval
+    bool confirmed;         ///< by other points: that the target is reached
+    double certify_seconds; ///< of the last certificate
     uint32_t rounds;
     double cost;        ///< of the next round over the present one
     double size;        ///< likewise its rows
@@ -89,22 +94,51 @@ static rsv_status certify_goal(pursuit *p)
 
 static rsv_status certify(pursuit *p)
 {
+    double start = rsv_seconds();
     rsv_status status = rsv_certify(p->solution, &p->certify, p->certificate);
     p->error = relative(p, p->certificate->error_estimate_rms);
     p->upper = relative(p, p->certificate->error_estimate_ci95[1]);
-    return status == RSV_OK ? certify_goal(p) : status;
+    if (status == RSV_OK) status = certify_goal(p);
+    p->certify_seconds = rsv_seconds() - start;
+    return status;
 }
 
-/// Certifies anew with more points as long as those are what keeps the interval above the target.
+static bool is_below_target(const pursuit *p) { return p->upper <= p->target->relative_error; }
+
+/// Whether points alone keep the interval above the target, and more may be had.
+static bool is_undecided(const pursuit *p)
+{
+    return p->error < AIM * p->target->relative_error && !is_below_target(p) &&
+           p->certify.samples < MOST_SAMPLES;
+}
+
+/// As the slowest process sees it.
+static bool has_time_for_more_points(const pursuit *p)
+{
+    double end = rsv_seconds() - p->started + MORE_POINTS * p->certify_seconds;
+    return rsv_team_largest(p->context, end) <= p->target->max_seconds;
+}
+
+static void take_more_points(rsv_certify_desc *certify)
+{
+    certify->samples = certify->samples < MOST_SAMPLES / MORE_POINTS
+                           ? certify->samples * MORE_POINTS
+                           : MOST_SAMPLES;
+    certify->seed = rsv_hash2(certify->seed, SEED_OF_MORE_POINTS);
+}
+
+/// Certifies anew, with more points and others, as long as those are what keeps the interval above the target; and once
+/// more where it lies below: of so many looks one might be lucky, and few points know little of what they have missed.
 static rsv_status certify_decisively(pursuit *p)
 {
-    for (;;) {
+    p->certify.samples = FIRST_SAMPLES;
+    for (bool confirms = false;; take_more_points(&p->certify)) {
         rsv_status status = certify(p);
         if (status != RSV_OK) return status;
-        double wanted = p->target->relative_error;
-        bool undecided = p->error < AIM * wanted && p->upper > wanted;
-        if (!undecided || p->certify.samples >= MOST_SAMPLES) return RSV_OK;
-        p->certify.samples *= 4;
+        p->confirmed = confirms && is_below_target(p);
+        confirms = is_below_target(p);
+        bool enough = confirms ? p->confirmed : !is_undecided(p);
+        if (enough || !has_time_for_more_points(p)) return RSV_OK;
     }
 }
 
@@ -204,8 +238,10 @@ static bool is_over(const pursuit *p, rsv_error_stop *stop)
     double most = (double)p->target->max_elements, rows = p->size * (double)report->rows;
     double direct = p->direct_size * (double)report->direct_elements;
     double planned = planned_seconds(p);
-    if (p->upper <= p->target->relative_error)
+    if (p->confirmed)
         *stop = RSV_ERROR_TARGET_REACHED;
+    else if (is_below_target(p)) // there was no time to confirm it
+        *stop = RSV_ERROR_TARGET_MAX_SECONDS;
     else if (p->rounds >= p->target->max_rounds)
         *stop = RSV_ERROR_TARGET_MAX_ROUNDS;
     else if (rows > most || direct > MOST_DIRECT_PER_ROW * most)
@@ -221,6 +257,13 @@ static void say_what_stopped(const pursuit *p, rsv_error_stop stop)
 {
     static const char *const budget[] = { "", "elements", "time", "rounds" };
     if (stop == RSV_ERROR_TARGET_REACHED) return;
+    if (is_below_target(p)) {
+        rsv_log(p->context, RSV_LOG_WARNING,
+            "error target: few points say up to %.3g %%; the budget of time ends before more "
+            "confirm it",
+            100 * p->upper);
+        return;
+    }
     rsv_log(p->context, RSV_LOG_WARNING,
         "error target: %.3g %% was not reached, the budget of %s ends at %.3g %%",
         100 * p->target->relative_error, budget[stop], 100 * p->upper);
@@ -238,7 +281,6 @@ rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *star
         .desc = start ? *start : rsv_default_solve_desc(RSV_QUALITY_DRAFT),
         .certify = rsv_default_certify_desc(),
         .certificate = certificate };
-    p.certify.samples = FIRST_SAMPLES;
     p.certify.seed = p.desc.seed;
     RSV_TRY(check_target(target));
     do {

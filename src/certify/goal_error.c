@@ -1,7 +1,7 @@
 /// <z, r>: the error of one picture or of sensors' mean reading, from residuals where they matter to it.
-#include "../elements/elements_internal.h"
 #include "../solve/goal.h"
 #include "moments.h"
+#include "point_density.h"
 #include "residual.h"
 #include "resolvent/certify.h"
 
@@ -15,72 +15,38 @@ typedef struct goal_job {
     const rsv_solution *solution;
     rsv_certify_desc desc;
     uint32_t seed;
-    rsv_rgb *density; ///< [node_count] z per area
-    double *below;    ///< [cell_count + 1] chances of the cells before each
-    double *term;     ///< [desc.samples] (z r) / density of the point
+    rsv_rgb *importance; ///< [node_count] z per area
+    rsv_point_density density;
+    double *term; ///< [desc.samples] (z r) / density of the point
 } goal_job;
 
-static double importance_of(const goal_job *job, uint32_t cell)
+/// Of z in a cell, per area.
+static double importance_of(const void *user, uint32_t cell)
 {
+    const goal_job *job = user;
     const uint32_t *node = job->solution->elements->cell_node[cell];
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        rsv_rgb d = job->density[node[k]];
+        rsv_rgb d = job->importance[node[k]];
         sum += (double)(fabsf(d.r) + fabsf(d.g) + fabsf(d.b));
     }
     return sum / 3;
 }
 
-/// Chances of cells: by importance times area, but for a share by area alone.
-static void set_chances(goal_job *job)
-{
-    const rsv_elements *e = job->solution->elements;
-    double total = 0, area = 0;
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        total += importance_of(job, c) * (double)rsv_cell_area(e, c);
-        area += (double)rsv_cell_area(e, c);
-    }
-    double even = total > 0 ? EVEN_SHARE : 1;
-    for (uint32_t c = 0; c < e->cell_count; c++) {
-        double by_area = (double)rsv_cell_area(e, c) / area;
-        double chance = even * by_area;
-        if (total > 0)
-            chance += (1 - even) * importance_of(job, c) * (double)rsv_cell_area(e, c) / total;
-        job->below[c + 1] = job->below[c] + chance;
-    }
-}
-
-/// Point k, one per strip of equal chance. @return its density, 1/m2
-static double draw_point(const goal_job *job, uint32_t k, rsv_face_point *point)
-{
-    const rsv_elements *e = job->solution->elements;
-    rsv_random random = rsv_random_from(job->seed, k, 0x41d3u);
-    double total = job->below[e->cell_count];
-    double strip = ((double)k + (double)rsv_random_float(&random)) / job->desc.samples;
-    uint32_t cell = (uint32_t)rsv_interval_at(job->below + 1, e->cell_count, strip * total);
-    float x = rsv_random_float(&random), s, t, u[3] = { 0 }, v[3] = { 0 };
-    rsv_square_to_triangle(x, rsv_random_float(&random), &s, &t);
-    for (int corner = 0; corner < 3; corner++)
-        rsv_cell_corner(&e->cell[cell], corner, &u[corner], &v[corner]);
-    *point = (rsv_face_point){ e->cell[cell].face, (1 - s - t) * u[0] + s * u[1] + t * u[2],
-        (1 - s - t) * v[0] + s * v[1] + t * v[2] };
-    double chance = (job->below[cell + 1] - job->below[cell]) / total;
-    return chance / (double)rsv_cell_area(e, cell);
-}
-
 static double measure_term(const goal_job *job, const rsv_residual_job *residual, uint32_t k)
 {
     const rsv_solution *s = job->solution;
-    rsv_face_point point;
     uint64_t rays = 0;
     uint32_t stream = rsv_hash3(job->seed, k, 0x2ab1u);
-    double density = draw_point(job, k, &point);
-    if (!(density > 0) || rsv_point_is_buried(&s->scene, s->elements, &point, stream, &rays))
-        return 0;
+    double weight;
+    rsv_face_point point =
+        rsv_point_density_draw(&job->density, k, job->desc.samples, job->seed, &weight);
+    if (rsv_point_is_buried(&s->scene, s->elements, &point, stream, &rays)) return 0;
     rsv_residual r = rsv_residual_at(residual, &point, stream);
-    rsv_rgb z = rsv_elements_interpolate(s->elements, job->density, point.face, point.u, point.v);
+    rsv_rgb z =
+        rsv_elements_interpolate(s->elements, job->importance, point.face, point.u, point.v);
     rsv_rgb term = rgb_mul(z, rgb_scale(rgb_add(r.residual[0], r.residual[1]), 0.5f));
-    double value = ((double)term.r + (double)term.g + (double)term.b) / density;
+    double value = ((double)term.r + (double)term.g + (double)term.b) * weight * job->density.area;
     return isfinite(value) ? value : 0;
 }
 
@@ -128,8 +94,8 @@ static rsv_status find_importance(
     RSV_TRY(weight ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_goal_weights(s, aim, SIDE, weight));
     certificate->reading = reading_of(s, weight);
-    RSV_TRY(rsv_goal_importance(s, weight, job->density));
-    rsv_goal_density(s->elements, job->density);
+    RSV_TRY(rsv_goal_importance(s, weight, job->importance));
+    rsv_goal_density(s->elements, job->importance);
 cleanup:
     rsv_free(s->context, weight);
     return status;
@@ -144,19 +110,18 @@ static rsv_status certify_aim(const rsv_solution *s, const rsv_certify_desc *des
     RSV_TRY(rsv_check_certify_desc(&job.desc));
     if (s->elements->cell_count == 0) return RSV_OK;
     job.seed = rsv_hash2(job.desc.seed, SEED_OF_GOAL);
-    job.density = rsv_alloc(s->context, s->elements->node_count, sizeof *job.density);
-    job.below = rsv_alloc(s->context, s->elements->cell_count + 1, sizeof *job.below);
+    job.importance = rsv_alloc(s->context, s->elements->node_count, sizeof *job.importance);
     job.term = rsv_alloc(s->context, job.desc.samples, sizeof *job.term);
-    RSV_TRY(job.density && job.below && job.term ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(job.importance && job.term ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(find_importance(&job, aim, certificate));
-    set_chances(&job);
+    RSV_TRY(rsv_point_density_create(s->elements, EVEN_SHARE, importance_of, &job, &job.density));
     RSV_TRY(measure_terms(&job));
     rsv_moments error = rsv_moments_of(job.term, job.desc.samples);
     certificate->error = error.mean;
     certificate->error_ci95[0] = error.ci95[0], certificate->error_ci95[1] = error.ci95[1];
 cleanup:
-    rsv_free(s->context, job.density);
-    rsv_free(s->context, job.below);
+    rsv_free(s->context, job.importance);
+    rsv_point_density_destroy(&job.density);
     rsv_free(s->context, job.term);
     return status;
 }

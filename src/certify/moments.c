@@ -29,6 +29,19 @@ rsv_moments rsv_moments_of(const double *sample, size_t count)
     return (rsv_moments){ mean, { mean + shift - half, mean + shift + half } };
 }
 
+rsv_moments rsv_moments_by_weight(double *sample, const double *weight, size_t count)
+{
+    double sum = 0, weights = 0;
+    for (size_t k = 0; k < count; k++) {
+        sum += weight[k] * sample[k];
+        weights += weight[k];
+    }
+    double mean = weights > 0 ? sum / weights : 0;
+    for (size_t k = 0; k < count && weights > 0; k++)
+        sample[k] = mean + weight[k] * (sample[k] - mean) * (double)count / weights;
+    return rsv_moments_of(sample, count);
+}
+
 rsv_moments rsv_moments_with(rsv_moments m, size_t count, double variance)
 {
     double t = student95((double)count - 1), half = (m.ci95[1] - m.ci95[0]) / 2;

@@ -14,6 +14,10 @@ typedef struct rsv_moments {
 /// interval would end too low.
 rsv_moments rsv_moments_of(const double *sample, size_t count);
 
+/// Mean by weights, a ratio of two sums: its interval is that of the ratio in the first order. Weights of 1 change nothing.
+/// @param sample overwritten
+rsv_moments rsv_moments_by_weight(double *sample, const double *weight, size_t count);
+
 /// With another independent variance of the mean. @param count of the samples
 rsv_moments rsv_moments_with(rsv_moments moments, size_t count, double variance);
 

@@ -1,6 +1,7 @@
 #include "../solve/solution.h"
+#include "moments.h"
+#include "point_density.h"
 #include "resolvent/certify.h"
-#include "surface_points.h"
 
 /// Points at which two solutions are compared: lookups cost next to nothing.
 #define POINTS 50000
@@ -18,30 +19,25 @@ static rsv_status mean_squared_difference(
     const rsv_solution *a, const rsv_solution *b, double *mean)
 {
     rsv_context *context = a->context;
-    rsv_face_areas areas = { 0 };
+    rsv_point_density density = { 0 };
     rsv_status status = RSV_ERROR_MEMORY;
     double *square = rsv_alloc(context, POINTS, sizeof *square);
-    uint8_t *valid = rsv_alloc(context, POINTS, 1);
-    if (!square || !valid) goto cleanup;
-    RSV_TRY(rsv_face_areas_create(a->elements, &areas));
+    double *weight = rsv_alloc(context, POINTS, sizeof *weight);
+    if (!square || !weight) goto cleanup;
+    RSV_TRY(rsv_point_density_of_light(a, &density));
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
     for (uint32_t k = 0; k < POINTS; k++) {
         uint64_t rays = 0;
-        rsv_face_point p = rsv_face_areas_draw(&areas, k, POINTS, OTHER_SEED);
-        valid[k] = !rsv_point_is_buried(&a->scene, a->elements, &p, k, &rays);
+        rsv_face_point p = rsv_point_density_draw(&density, k, POINTS, OTHER_SEED, &weight[k]);
+        if (rsv_point_is_buried(&a->scene, a->elements, &p, k, &rays)) weight[k] = 0;
         double difference = luminance_at(a, &p) - luminance_at(b, &p);
-        square[k] = difference * difference;
+        square[k] = weight[k] > 0 ? difference * difference : 0;
     }
-    double sum = 0, count = 0;
-    for (uint32_t k = 0; k < POINTS; k++) {
-        sum += valid[k] ? square[k] : 0;
-        count += valid[k];
-    }
-    *mean = count > 0 ? sum / count : 0;
+    *mean = rsv_moments_by_weight(square, weight, POINTS).mean;
 cleanup:
-    rsv_face_areas_destroy(&areas);
+    rsv_point_density_destroy(&density);
     rsv_free(context, square);
-    rsv_free(context, valid);
+    rsv_free(context, weight);
     return status;
 }
 

@@ -3,9 +3,9 @@
 
 #define SETS RSV_SAMPLE_SETS
 
-/// Sums over the valid samples of each set, and means over all surfaces.
+/// Weighted sums over the valid samples of each set, and means over all surfaces.
 typedef struct set_sums {
-    double count[SETS];
+    double weight[SETS];
     double residual[SETS];        ///< of r r', both estimates
     double crossed[SETS][SETS];   ///< of 2 r s: r of the first set, s of the second
     double reflected[SETS][SETS]; ///< area-weighted mean of s s'
@@ -19,13 +19,15 @@ static void add_samples(const rsv_solution *s, const rsv_residual_sample *sample
     for (size_t k = 0; k < count; k++) {
         if (!sample[k].valid) continue;
         size_t own = k % SETS;
+        double weight = sample[k].weight;
         double a = luminance(sample[k].at.residual[0]), b = luminance(sample[k].at.residual[1]);
-        sums->count[own]++;
-        sums->residual[own] += a * b;
+        sums->weight[own] += weight;
+        sums->residual[own] += weight * a * b;
         for (size_t set = 0; set < SETS; set++)
             if (set != own)
-                sums->crossed[own][set] += (a + b) * luminance(rsv_error_field_at(s,
-                                                         field->reflected[set], &sample[k].point));
+                sums->crossed[own][set] +=
+                    weight * (a + b) *
+                    luminance(rsv_error_field_at(s, field->reflected[set], &sample[k].point));
     }
 }
 
@@ -49,20 +51,20 @@ static void add_nodes(const rsv_elements *e, const rsv_error_field *field, set_s
 /// The estimate without one set. @param left_out SETS = none
 static double estimate(const set_sums *sums, size_t left_out)
 {
-    double count = 0, residual = 0, crossed = 0, partners = 0, reflected = 0, pairs = 0;
+    double weight = 0, residual = 0, crossed = 0, partners = 0, reflected = 0, pairs = 0;
     for (size_t a = 0; a < SETS; a++) {
         if (a == left_out) continue;
-        count += sums->count[a];
+        weight += sums->weight[a];
         residual += sums->residual[a];
         for (size_t b = 0; b < SETS; b++) {
             if (b == a || b == left_out) continue;
             crossed += sums->crossed[a][b];
-            partners += sums->count[a];
+            partners += sums->weight[a];
             reflected += sums->reflected[a][b];
             pairs++;
         }
     }
-    return count > 0 ? residual / count + crossed / partners + reflected / pairs : 0;
+    return weight > 0 ? residual / weight + crossed / partners + reflected / pairs : 0;
 }
 
 /// Mean square of the noise in the mean of all predictions of s: from how they differ.

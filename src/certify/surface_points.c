@@ -2,40 +2,6 @@
 
 #include "../elements/open_corners.h"
 
-rsv_status rsv_face_areas_create(const rsv_elements *e, rsv_face_areas *areas)
-{
-    areas->elements = e;
-    areas->below = rsv_alloc(e->context, e->face_count + 1, sizeof *areas->below);
-    if (!areas->below) return RSV_ERROR_MEMORY;
-    for (size_t f = 0; f < e->face_count; f++)
-        areas->below[f + 1] = areas->below[f] + (double)e->face_area[f];
-    return RSV_OK;
-}
-
-void rsv_face_areas_destroy(rsv_face_areas *areas)
-{
-    if (areas->elements) rsv_free(areas->elements->context, areas->below);
-    *areas = (rsv_face_areas){ 0 };
-}
-
-double rsv_face_areas_total(const rsv_face_areas *areas)
-{
-    return areas->below[areas->elements->face_count];
-}
-
-rsv_face_point rsv_face_areas_draw(
-    const rsv_face_areas *areas, uint32_t index, uint32_t count, uint32_t seed)
-{
-    rsv_random random = rsv_random_from(seed, index, 0x9d2cu);
-    double strip = ((double)index + (double)rsv_random_float(&random)) / count;
-    rsv_face_point point = { .face = (uint32_t)rsv_interval_at(areas->below + 1,
-                                 areas->elements->face_count,
-                                 strip * rsv_face_areas_total(areas)) };
-    float x = rsv_random_float(&random);
-    rsv_square_to_triangle(x, rsv_random_float(&random), &point.u, &point.v);
-    return point;
-}
-
 /// Whether something separates the point from a corner of its cell: then the point may be within it.
 static bool is_obstructed(
     const rsv_transport_scene *scene, uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 home)

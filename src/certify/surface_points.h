@@ -1,4 +1,4 @@
-/// Random points, uniform in area over everything that has an irradiance.
+/// Places on what has an irradiance, and which of them count.
 #ifndef RSV_SURFACE_POINTS_H
 #define RSV_SURFACE_POINTS_H
 
@@ -10,22 +10,6 @@ typedef struct rsv_face_point {
     uint32_t face;
     float u, v;
 } rsv_face_point;
-
-/// The faces' areas, added up.
-typedef struct rsv_face_areas {
-    const rsv_elements *elements;
-    double *below; ///< [face_count + 1] area of the faces before each, m2
-} rsv_face_areas;
-
-rsv_status rsv_face_areas_create(const rsv_elements *elements, rsv_face_areas *areas);
-void rsv_face_areas_destroy(rsv_face_areas *areas);
-
-/// All of them, m2.
-double rsv_face_areas_total(const rsv_face_areas *areas);
-
-/// Point `index` of `count`, one in each of as many strips of equal area. Different seeds are independent.
-rsv_face_point rsv_face_areas_draw(
-    const rsv_face_areas *areas, uint32_t index, uint32_t count, uint32_t seed);
 
 /// Whether a point lies inside other geometry or in touch with it, where nobody sees its light. What elements merely do
 /// without, because something hangs close above it, counts.

@@ -1,8 +1,8 @@
 #include "../solve/solution.h"
 #include "moments.h"
+#include "point_density.h"
 #include "resolvent/certify.h"
 #include "resolvent/render.h"
-#include "surface_points.h"
 
 /// Separates the points from those of certificates of the same seed.
 #define SEED_OF_TRUTH 0x3c6ef372u
@@ -11,6 +11,7 @@ struct rsv_truth {
     rsv_context *context;
     size_t count;
     rsv_face_point *point; ///< [count]
+    double *weight;        ///< [count] of the points
     rsv_probe *probe;      ///< [count]
     rsv_probe_reading *reading[2];
 };
@@ -26,19 +27,21 @@ static rsv_status place_points(
     const rsv_solution *s, uint32_t points, uint32_t seed, rsv_truth *truth)
 {
     const rsv_elements *e = s->elements;
-    rsv_face_areas areas = { 0 };
+    rsv_point_density density = { 0 };
     uint64_t rays = 0;
-    rsv_status status = rsv_face_areas_create(e, &areas);
+    rsv_status status = rsv_point_density_of_light(s, &density);
     for (uint32_t k = 0; k < points && e->face_count > 0 && status == RSV_OK; k++) {
-        rsv_face_point p = rsv_face_areas_draw(&areas, k, points, seed);
+        double weight;
+        rsv_face_point p = rsv_point_density_draw(&density, k, points, seed, &weight);
         uint32_t stream = rsv_hash3(seed, k, 1);
         if (is_coated(s, p.face) || rsv_point_is_buried(&s->scene, e, &p, stream, &rays)) continue;
         rsv_surface_point at = rsv_surface_point_at(
             s->scene.view, e->face_triangle[p.face], p.u, p.v, e->face_back[p.face]);
         truth->point[truth->count] = p;
+        truth->weight[truth->count] = weight;
         truth->probe[truth->count++] = (rsv_probe){ at.position, at.normal };
     }
-    rsv_face_areas_destroy(&areas);
+    rsv_point_density_destroy(&density);
     return status;
 }
 
@@ -54,10 +57,13 @@ rsv_status rsv_truth_create(
     rsv_status status = RSV_ERROR_MEMORY;
     truth->context = context;
     truth->point = rsv_alloc(context, points, sizeof *truth->point);
+    truth->weight = rsv_alloc(context, points, sizeof *truth->weight);
     truth->probe = rsv_alloc(context, points, sizeof *truth->probe);
     truth->reading[0] = rsv_alloc(context, points, sizeof *truth->reading[0]);
     truth->reading[1] = rsv_alloc(context, points, sizeof *truth->reading[1]);
-    if (!truth->point || !truth->probe || !truth->reading[0] || !truth->reading[1]) goto cleanup;
+    if (!truth->point || !truth->weight || !truth->probe || !truth->reading[0] ||
+        !truth->reading[1])
+        goto cleanup;
     seed = rsv_hash2(seed, SEED_OF_TRUTH);
     RSV_TRY(place_points(s, points, seed, truth));
     for (uint32_t half = 0; half < 2; half++)
@@ -74,6 +80,7 @@ void rsv_truth_destroy(rsv_truth *truth)
 {
     if (!truth) return;
     rsv_free(truth->context, truth->point);
+    rsv_free(truth->context, truth->weight);
     rsv_free(truth->context, truth->probe);
     rsv_free(truth->context, truth->reading[0]);
     rsv_free(truth->context, truth->reading[1]);
@@ -94,7 +101,8 @@ rsv_status rsv_truth_error(
             rgb_sub(truth->reading[1][k].irradiance, stored) };
         product[k] = (double)rgb_luminance(error[0]) * (double)rgb_luminance(error[1]);
     }
-    rsv_moments error = rsv_moments_root(rsv_moments_of(product, truth->count));
+    rsv_moments error =
+        rsv_moments_root(rsv_moments_by_weight(product, truth->weight, truth->count));
     rsv_free(truth->context, product);
     *error_rms = error.mean;
     ci95[0] = error.ci95[0], ci95[1] = error.ci95[1];
