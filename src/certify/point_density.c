@@ -52,7 +52,7 @@ void rsv_point_density_destroy(rsv_point_density *density)
 /// The point of a cell with barycentric coordinates s, t in it.
 static rsv_face_point point_in(const rsv_cell *cell, float s, float t)
 {
-    float u[3], v[3];
+    float u[3] = { 0 }, v[3] = { 0 };
     for (int corner = 0; corner < 3; corner++)
         rsv_cell_corner(cell, corner, &u[corner], &v[corner]);
     return (rsv_face_point){ cell->face, (1 - s - t) * u[0] + s * u[1] + t * u[2],
