@@ -126,13 +126,6 @@ typedef struct rsv_light_sample {
 RSV_SHARED bool rsv_local_lights_sample(
     const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample);
 
-/// Samples one emitter; the density is that of the place on it alone.
-RSV_SHARED bool rsv_local_lights_sample_emitter(
-    const rsv_local_lights *local, uint32_t emitter, float u1, float u2, rsv_light_sample *sample);
-
-/// Probability with which rsv_local_lights_sample selects an emitter.
-RSV_SHARED float rsv_local_lights_selection(const rsv_local_lights *local, uint32_t emitter);
-
 /// Density with which rsv_local_lights_sample would have drawn the point at `distance` along
 /// `direction` on `emitter`.
 RSV_SHARED float rsv_local_lights_pdf(

@@ -236,18 +236,13 @@ RSV_INLINE bool rsv_sample_any(
     return true;
 }
 
-/// Whether a sample comes from above the receiver's horizon, with a density that can be divided by.
-RSV_INLINE bool rsv_is_drawn_well(const rsv_local_lights *local, const rsv_light_sample *sample)
-{
-    return v3_dot(sample->direction, local->normal) > 0 && sample->pdf_solid_angle > 0 &&
-           isfinite(sample->pdf_solid_angle);
-}
-
 /// As rsv_local_lights_sample, but of an emitter that varies its mean radiance and the place.
 RSV_INLINE bool rsv_draw_light(
     const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
 {
-    return rsv_sample_any(local, u_select, u1, u2, sample) && rsv_is_drawn_well(local, sample);
+    return rsv_sample_any(local, u_select, u1, u2, sample) &&
+           v3_dot(sample->direction, local->normal) > 0 && sample->pdf_solid_angle > 0 &&
+           isfinite(sample->pdf_solid_angle);
 }
 
 #endif

@@ -10,19 +10,13 @@ RSV_SHARED void rsv_lights_at(
     rsv_weigh_lights(lights, point, normal, local);
 }
 
-/// The radiance of the place that was drawn, where it varies over the emitter.
-RSV_INLINE void rsv_look_up_radiance(const rsv_local_lights *local, rsv_light_sample *sample)
-{
-    if (sample->emitter != RSV_NONE && local->lights->emitter[sample->emitter].varies)
-        sample->radiance =
-            rsv_emitter_radiance(local->lights, sample->emitter, sample->u, sample->v);
-}
-
 RSV_SHARED bool rsv_local_lights_sample(
     const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
 {
     if (!rsv_draw_light(local, u_select, u1, u2, sample)) return false;
-    rsv_look_up_radiance(local, sample);
+    if (sample->emitter != RSV_NONE && local->lights->emitter[sample->emitter].varies)
+        sample->radiance =
+            rsv_emitter_radiance(local->lights, sample->emitter, sample->u, sample->v);
     return true;
 }
 
@@ -48,23 +42,6 @@ RSV_INLINE uint32_t rsv_find_sampled(const rsv_lights *lights, uint32_t emitter)
     }
     bool found = low < lights->sampled_count && lights->sampled[low] == emitter;
     return found ? (uint32_t)low : RSV_NONE;
-}
-
-RSV_SHARED bool rsv_local_lights_sample_emitter(
-    const rsv_local_lights *local, uint32_t emitter, float u1, float u2, rsv_light_sample *sample)
-{
-    uint32_t entry = rsv_find_sampled(local->lights, emitter);
-    if (entry == RSV_NONE || !rsv_sample_emitter(local, entry, 1, u1, u2, sample) ||
-        !rsv_is_drawn_well(local, sample))
-        return false;
-    rsv_look_up_radiance(local, sample);
-    return true;
-}
-
-RSV_SHARED float rsv_local_lights_selection(const rsv_local_lights *local, uint32_t emitter)
-{
-    uint32_t entry = rsv_find_sampled(local->lights, emitter);
-    return entry == RSV_NONE ? 0 : (float)rsv_selection_probability(local, entry);
 }
 
 RSV_SHARED float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction)

@@ -42,10 +42,7 @@ static void trace_pending(rsv_pixel_direct *d)
         rsv_direct_term *term = &d->term[d->owner[k]];
         term->arrived = rgb_add(term->arrived, d->carried[k]);
         term->seen++;
-        if (d->lesson[k].emitter != RSV_NONE)
-            rsv_light_guide_learn(&d->guide, d->lesson[k].emitter, d->lesson[k].luminance);
     }
-    if (d->pending) rsv_light_guide_fade(&d->guide);
     d->pending = 0;
 }
 
@@ -69,15 +66,13 @@ static void push_spot(
         d->spot[d->spot_count++] = (rsv_direct_spot){ *chain, weight, sample, d->term_count - 1 };
 }
 
-/// @param carried what the ray brings to its term if it is free, and what the guide learns then
-static void push_shadow_ray(
-    rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_rgb carried, rsv_lesson lesson)
+/// @param carried what the ray brings to its term if it is free
+static void push_shadow_ray(rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_rgb carried)
 {
     uint32_t k = d->pending++;
     rsv_packet_set_ray(&d->packet, k, ray);
     d->owner[k] = term;
     d->carried[k] = carried;
-    d->lesson[k] = lesson;
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
 
@@ -128,7 +123,7 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     rsv_pixel_sample_2d(sample, 4, &x, &y);
     d->term[term].rays++;
     rsv_light_sample light;
-    if (!rsv_light_guide_sample(&d->guide, local, select, x, y, &light)) return;
+    if (!rsv_local_lights_sample(local, select, x, y, &light)) return;
     float cos = v3_dot(point->normal, light.direction), scale = cos / light.pdf_solid_angle;
     d->term[term].asked++;
     rsv_rgb known = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), light.mean_radiance);
@@ -136,11 +131,9 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     // what the geometry hides from the shading normal is blocked like anything else
     if (!rsv_surface_faces(point, light.direction)) return;
     rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
-    rsv_lesson lesson = { local->by_tree ? light.emitter : RSV_NONE,
-        scale * rgb_luminance(light.radiance) };
     push_shadow_ray(d, term,
         rsv_shadow_ray(d->solution->lights, &light, point->position, lit->origin),
-        rgb_scale(rgb_mul(entered, light.radiance), scale), lesson);
+        rgb_scale(rgb_mul(entered, light.radiance), scale));
 }
 
 static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_point *lit,
@@ -175,7 +168,7 @@ static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weig
         rsv_direct_term term = { .column = column, .sample = sample.index, .rays = 1 };
         if (push_term(d, term))
             push_shadow_ray(d, d->term_count - 1, rsv_punctual_ray(&light, lit->origin),
-                rgb_scale(rgb_mul(entered, light.irradiance), cos), (rsv_lesson){ RSV_NONE, 0 });
+                rgb_scale(rgb_mul(entered, light.irradiance), cos));
     }
 }
 
@@ -305,7 +298,6 @@ rsv_status rsv_pixel_direct_resolve(
         add(user, column, light, squares);
     }
     d->term_count = d->spot_count = 0;
-    rsv_light_guide_reset(&d->guide);
     return d->status;
 }
 

@@ -18,7 +18,6 @@
 #define RSV_PIXEL_DIRECT_H
 
 #include "../solve/solution.h"
-#include "light_guide.h"
 #include "pixel_noise.h"
 #include "pixel_sample.h"
 
@@ -48,12 +47,6 @@ typedef struct rsv_shadow_tally {
         squares; ///< of the luminance that each could bring: the greatest, and their sum
 } rsv_shadow_tally;
 
-/// What the guide learns from a shadow ray that is free.
-typedef struct rsv_lesson {
-    uint32_t emitter; ///< RSV_NONE = nothing
-    float luminance;  ///< of the irradiance
-} rsv_lesson;
-
 /// The direct light of one row of pixels. Terms of a pixel must be added one after the other.
 typedef struct rsv_pixel_direct {
     const rsv_solution *solution;
@@ -66,8 +59,6 @@ typedef struct rsv_pixel_direct {
     uint32_t pending;
     size_t owner[RSV_PACKET_WIDTH];    ///< their terms
     rsv_rgb carried[RSV_PACKET_WIDTH]; ///< what arrives if they are free
-    rsv_lesson lesson[RSV_PACKET_WIDTH];
-    rsv_light_guide guide; ///< of the row
     rsv_status status;
 } rsv_pixel_direct;
 
