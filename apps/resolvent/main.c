@@ -81,14 +81,41 @@ static int run_command(const command *found, int argc, char **argv)
     return cli_crew_leave(exit_status);
 }
 
+/// A program that is built for AVX2 would end without a word elsewhere.
+static bool processor_serves(void)
+{
+#if defined(__x86_64__) && defined(__AVX2__)
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+    return true;
+#endif
+}
+
+/// All commands, or the one that is named.
+static int help(int argc, char **argv)
+{
+    static char option[] = "--help";
+    char *arguments[] = { option, NULL };
+    const command *found = argc > 0 ? find_command(argv[0]) : NULL;
+    if (found) return found->run(1, arguments);
+    if (argc > 0) return cli_usage_error(NULL, "'%s' is not a command", argv[0]);
+    print_help();
+    return CLI_SUCCESS;
+}
+
 int main(int argc, char **argv)
 {
+    if (!processor_serves()) {
+        fputs(
+            "error: this program is built for processors with AVX2, which this one lacks; build it "
+            "with -DRSV_AVX2=OFF\n",
+            stderr);
+        return CLI_FAILURE;
+    }
     if (argc < 2) return cli_usage_error(NULL, "no command given");
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
-        strcmp(argv[1], "help") == 0) {
-        print_help();
-        return CLI_SUCCESS;
-    }
+        strcmp(argv[1], "help") == 0)
+        return help(argc - 2, argv + 2);
     if (strcmp(argv[1], "--version") == 0) {
         printf("resolvent %s\n", rsv_version());
         return CLI_SUCCESS;

@@ -231,6 +231,12 @@ static void plan_round(pursuit *p)
     }
 }
 
+static bool stop_for(rsv_error_stop reason, rsv_error_stop *stop)
+{
+    *stop = reason;
+    return true;
+}
+
 /// Whether the target is reached, or a budget forbids the round that `p` plans.
 static bool is_over(const pursuit *p, rsv_error_stop *stop)
 {
@@ -238,19 +244,13 @@ static bool is_over(const pursuit *p, rsv_error_stop *stop)
     double most = (double)p->target->max_elements, rows = p->size * (double)report->rows;
     double direct = p->direct_size * (double)report->direct_elements;
     double planned = planned_seconds(p);
-    if (p->confirmed)
-        *stop = RSV_ERROR_TARGET_REACHED;
-    else if (is_below_target(p)) // there was no time to confirm it
-        *stop = RSV_ERROR_TARGET_MAX_SECONDS;
-    else if (p->rounds >= p->target->max_rounds)
-        *stop = RSV_ERROR_TARGET_MAX_ROUNDS;
-    else if (rows > most || direct > MOST_DIRECT_PER_ROW * most)
-        *stop = RSV_ERROR_TARGET_MAX_ELEMENTS;
-    else if (planned > p->target->max_seconds)
-        *stop = RSV_ERROR_TARGET_MAX_SECONDS;
-    else
-        return false;
-    return true;
+    if (p->confirmed) return stop_for(RSV_ERROR_TARGET_REACHED, stop);
+    // there was no time to confirm it
+    if (is_below_target(p)) return stop_for(RSV_ERROR_TARGET_MAX_SECONDS, stop);
+    if (p->rounds >= p->target->max_rounds) return stop_for(RSV_ERROR_TARGET_MAX_ROUNDS, stop);
+    if (rows > most || direct > MOST_DIRECT_PER_ROW * most)
+        return stop_for(RSV_ERROR_TARGET_MAX_ELEMENTS, stop);
+    return planned > p->target->max_seconds && stop_for(RSV_ERROR_TARGET_MAX_SECONDS, stop);
 }
 
 static void say_what_stopped(const pursuit *p, rsv_error_stop stop)

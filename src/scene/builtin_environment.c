@@ -23,8 +23,8 @@ static rsv_rgb clear_sky(float up)
 {
     static const rsv_rgb zenith = { 0.14f, 0.24f, 0.52f }, horizon = { 0.5f, 0.53f, 0.56f },
                          ground = { 0.16f, 0.15f, 0.13f };
-    if (up < 0) return ground;
-    return rgb_mad(rgb_scale(horizon, 1 - sqrtf(up)), sqrtf(up), zenith);
+    float blue = sqrtf(f_max(up, 0));
+    return up < 0 ? ground : rgb_mad(rgb_scale(horizon, 1 - blue), blue, zenith);
 }
 
 /// The sun stands 45 degrees high in a single pixel, and brings this irradiance across its rays.

@@ -5,6 +5,9 @@ source "$(dirname "$0")/support.sh"
 succeeds --help
 says 'usage: resolvent'
 succeeds --version
+succeeds help render
+says 'usage: resolvent render'
+refuses 2 'is not a command' help paint
 for command in render solve relight view probe certify compare layers sheet scene info bench; do
     succeeds $command --help
     says "usage: resolvent $command"
