@@ -145,12 +145,11 @@ static rsv_status add_environment(
 {
     if (!environment) return RSV_OK;
     const char *name = environment->path;
-    if (name && access(name, F_OK) != 0 && rsv_environment_is_builtin(name))
-        return rsv_scene_set_builtin_environment(
+    if (name) {
+        bool is_file = access(name, F_OK) == 0 || !rsv_environment_is_builtin(name);
+        return (is_file ? rsv_scene_load_environment : rsv_scene_set_builtin_environment)(
             scene, name, environment->intensity, environment->rotation);
-    if (name)
-        return rsv_scene_load_environment(
-            scene, environment->path, environment->intensity, environment->rotation);
+    }
     if (environment->intensity != 1 || environment->rotation != 0)
         cli_warn(session, "--env-intensity and --env-rotate do nothing without --env");
     return RSV_OK;

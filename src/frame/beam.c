@@ -1,5 +1,6 @@
 #include "beam.h"
 
+#include "../light/double3.h"
 #include "../trace/hierarchy.h"
 #include "../trace/tracer_update.h"
 
@@ -9,18 +10,15 @@
 /// a x b / volume
 static rsv_vec3 dual(rsv_vec3 a, rsv_vec3 b, double volume)
 {
-    return v3((float)(((double)a.y * b.z - (double)a.z * b.y) / volume),
-        (float)(((double)a.z * b.x - (double)a.x * b.z) / volume),
-        (float)(((double)a.x * b.y - (double)a.y * b.x) / volume));
+    rsv_double3 cross = d3_cross(d3_from(a), d3_from(b));
+    return v3((float)(cross.x / volume), (float)(cross.y / volume), (float)(cross.z / volume));
 }
 
 rsv_beam_lens rsv_beam_lens_of(const rsv_lens *lens)
 {
     const rsv_camera *c = &lens->camera;
     rsv_beam_lens b = { .lens = *lens };
-    rsv_vec3 normal = dual(c->right, c->up, 1);
-    double volume = (double)normal.x * c->forward.x + (double)normal.y * c->forward.y +
-                    (double)normal.z * c->forward.z;
+    double volume = d3_dot(d3_cross(d3_from(c->right), d3_from(c->up)), d3_from(c->forward));
     b.across = dual(c->up, c->forward, volume);
     b.upwards = dual(c->forward, c->right, volume);
     b.depth = dual(c->right, c->up, volume);
@@ -34,8 +32,9 @@ rsv_beam_lens rsv_beam_lens_of(const rsv_lens *lens)
 
 rsv_status rsv_beams_create(const rsv_tracer *tracer, rsv_beams *beams)
 {
-    *beams = (rsv_beams){ .tracer = tracer, .scene = rsv_scene_get_view(rsv_tracer_scene(tracer)) };
-    if (rsv_tracer_is_apart(tracer) || beams->scene->triangle_count > MOST_TRIANGLES) return RSV_OK;
+    const rsv_scene_view *scene = rsv_scene_get_view(rsv_tracer_scene(tracer));
+    *beams = (rsv_beams){ .tracer = tracer };
+    if (rsv_tracer_is_apart(tracer) || scene->triangle_count > MOST_TRIANGLES) return RSV_OK;
     beams->hold = true;
     return rsv_tracer_hierarchy(tracer, &beams->bvh);
 }

@@ -47,7 +47,6 @@ rsv_beam_lens rsv_beam_lens_of(const rsv_lens *lens);
 /// What beams go through. They hold until triangles move.
 typedef struct rsv_beams {
     const rsv_tracer *tracer;
-    const rsv_scene_view *scene;
     rsv_bvh_view bvh;
     bool hold;
 } rsv_beams;

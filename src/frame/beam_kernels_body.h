@@ -1,5 +1,6 @@
 /// Part of packet_kernels_body.h: finding the triangles of a beam, and packets that meet them.
 #include "../bvh/bvh_trace.h"
+#include "../light/double3.h"
 
 /// Beams that visit more nodes are not worth it.
 #define MOST_NODES 96
@@ -26,10 +27,16 @@ typedef struct beam_search {
     rsv_beam *beam;
 } beam_search;
 
+static inline float vector_size(const float a[3])
+{
+    return fabsf(a[0]) + fabsf(a[1]) + fabsf(a[2]);
+}
+
 static inline beam_plane beam_plane_of(rsv_vec3 normal, float offset)
 {
-    float size = fabsf(normal.x) + fabsf(normal.y) + fabsf(normal.z);
-    return (beam_plane){ { normal.x, normal.y, normal.z }, offset, size };
+    beam_plane plane = { { normal.x, normal.y, normal.z }, offset, 0 };
+    plane.size = vector_size(plane.normal);
+    return plane;
 }
 
 static inline float greatest(rsv_float4 a) { return f_max(f_max(a[0], a[1]), f_max(a[2], a[3])); }
@@ -68,46 +75,22 @@ static inline void aim_beam(
 
 // ---- triangles ----------------------------------------------------------------------------------
 
-/// Twice a triangle's area as a vector, in double. @param n out
-static inline void cross_exact(const double a[3], const double b[3], double n[3])
+static inline void round_vector(rsv_double3 from, double sign, float to[3])
 {
-    n[0] = a[1] * b[2] - a[2] * b[1];
-    n[1] = a[2] * b[0] - a[0] * b[2];
-    n[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static inline void round_vector(const double from[3], double sign, float to[3])
-{
-    for (int axis = 0; axis < 3; axis++)
-        to[axis] = (float)(sign * from[axis]);
-}
-
-static inline float vector_size(const float a[3])
-{
-    return fabsf(a[0]) + fabsf(a[1]) + fabsf(a[2]);
+    to[0] = (float)(sign * from.x), to[1] = (float)(sign * from.y), to[2] = (float)(sign * from.z);
 }
 
 /// @return the sixfold volume between triangle and eye
 static inline double see_triangle(rsv_vec3 eye, const rsv_bvh_triangle *t, rsv_beam_triangle *seen)
 {
-    const rsv_vec3 corner[3] = { t->a, t->b, t->c };
-    double p[3][3], e[2][3], n[3], side[3][3];
-    for (int k = 0; k < 3; k++) {
-        p[k][0] = (double)corner[k].x - eye.x;
-        p[k][1] = (double)corner[k].y - eye.y;
-        p[k][2] = (double)corner[k].z - eye.z;
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        e[0][axis] = p[1][axis] - p[0][axis];
-        e[1][axis] = p[2][axis] - p[0][axis];
-    }
-    cross_exact(e[0], e[1], n);
-    double volume = p[0][0] * n[0] + p[0][1] * n[1] + p[0][2] * n[2], sign = volume < 0 ? -1 : 1;
+    const rsv_double3 p[3] = { d3_between(eye, t->a), d3_between(eye, t->b),
+        d3_between(eye, t->c) };
+    rsv_double3 n = d3_cross(d3_sub(p[1], p[0]), d3_sub(p[2], p[0]));
+    double volume = d3_dot(p[0], n), sign = volume < 0 ? -1 : 1;
     round_vector(n, sign, seen->normal);
     float size = 0;
     for (int k = 0; k < 3; k++) {
-        cross_exact(p[(k + 1) % 3], p[(k + 2) % 3], side[k]);
-        round_vector(side[k], sign, seen->side[k]);
+        round_vector(d3_cross(p[(k + 1) % 3], p[(k + 2) % 3]), sign, seen->side[k]);
         size = f_max(size, vector_size(seen->side[k]));
     }
     seen->reach = (float)(sign * volume);

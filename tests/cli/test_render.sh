@@ -74,4 +74,21 @@ says '^rmse  *0$'
 succeeds sheet occlusion.exr occlusion-screen.exr difference.exr -o sheet.exr --columns 2
 succeeds render cornell-blocks -o larger.exr --size 40x24 --mode occlusion --spp 1
 refuses 1 'larger.exr' sheet occlusion.exr larger.exr -o "$out/a.png"
+# -- surroundings without a file
+
+cat >card.obj <<'TEXT'
+v -1 0 1
+v 1 0 1
+v 1 0 -1
+v -1 0 -1
+f 1 2 3 4
+TEXT
+succeeds render card.obj -o dark.png "${draft[@]}"
+grep -q 'env sky' stderr || complain "a scene without light names no way to light it"
+for name in white sky; do
+    succeeds render card.obj -o $name.png "${draft[@]}" --env $name
+    ! grep -q 'no light' stderr || complain "--env $name does not light the scene"
+done
+refuses 1 'night' render card.obj -o night.png "${draft[@]}" --env night
+
 finish
