@@ -72,8 +72,7 @@ static rsv_direct_estimate from_emitters(
     for (uint32_t first = 0; first < rays.samples; first += rays.lanes)
         sample_emitters(job, receiver, local, first, rays.lanes, &sums);
     float count = (float)rays.samples * valid / (float)s->points;
-    rsv_direct_estimate e = by_tree ? rsv_direct_from_mean(&sums, count)
-                                    : rsv_direct_from_ratio(&sums, unshadowed, count);
+    rsv_direct_estimate e = rsv_direct_from_sums(&sums, unshadowed, by_tree, count);
     e.rays = rays.samples;
     return e;
 }

@@ -84,17 +84,18 @@ RSV_INLINE rsv_direct_ray rsv_direct_to_sample(const rsv_direct_setting *s,
 
 /// Sums over the samples of one node.
 typedef struct rsv_direct_sums {
-    rsv_rgb open;          ///< f / p, visible or not
-    rsv_rgb visible;       ///< f / p of the visible ones that enters the surface
-    float visible_squared; ///< luminance
-    uint32_t seen, hidden; ///< how many
+    rsv_rgb open;          ///< f / p of what closed forms know, visible or not
+    rsv_rgb visible;       ///< f / p of those of them that are visible, as it enters the surface
+    rsv_rgb further;       ///< the same of emitters that a tree chose: `open` knows nothing of them
+    float further_squared; ///< luminance
+    uint32_t seen, hidden; ///< how many of those that `open` knows
 } rsv_direct_sums;
 
 RSV_INLINE rsv_direct_sums rsv_direct_no_sums(void)
 {
     rsv_direct_sums sums;
-    sums.open = sums.visible = rgb_gray(0);
-    sums.visible_squared = 0;
+    sums.open = sums.visible = sums.further = rgb_gray(0);
+    sums.further_squared = 0;
     sums.seen = sums.hidden = 0;
     return sums;
 }
@@ -102,12 +103,16 @@ RSV_INLINE rsv_direct_sums rsv_direct_no_sums(void)
 RSV_INLINE void rsv_direct_count(rsv_direct_sums *sums, const rsv_direct_ray *r, bool seen)
 {
     sums->open = rgb_add(sums->open, r->open);
-    sums->seen += seen;
+    sums->seen += seen && !rgb_is_black(r->open);
     sums->hidden += !seen && !rgb_is_black(r->open);
     if (!seen) return;
+    if (!rgb_is_black(r->open)) {
+        sums->visible = rgb_add(sums->visible, r->entering);
+        return;
+    }
     float luminance = rgb_luminance(r->entering);
-    sums->visible = rgb_add(sums->visible, r->entering);
-    sums->visible_squared += luminance * luminance;
+    sums->further = rgb_add(sums->further, r->entering);
+    sums->further_squared += luminance * luminance;
 }
 
 /// An estimate and the standard deviation of its luminance.
@@ -136,33 +141,30 @@ RSV_INLINE float rsv_direct_ratio(float unshadowed, float visible, float open)
 /// Stratified samples of one visibility boundary scatter less than independent ones, by about this factor.
 #define RSV_DIRECT_STRATIFIED 0.4f
 
-/// Visibility sampled, everything else known: the noise is that of a share of visible samples.
-RSV_INLINE rsv_direct_estimate rsv_direct_from_ratio(
-    const rsv_direct_sums *sums, rsv_rgb unshadowed, float count)
+/// Visibility sampled, everything else known: the noise is that of a share of visible samples. Emitters that a tree chose
+/// come on top of it, as the mean of what their samples found.
+/// @param by_tree there are such emitters
+RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
+    const rsv_direct_sums *sums, rsv_rgb unshadowed, bool by_tree, float count)
 {
     rsv_direct_estimate e = rsv_direct_no_estimate();
     e.irradiance = rgb(rsv_direct_ratio(unshadowed.r, sums->visible.r, sums->open.r),
         rsv_direct_ratio(unshadowed.g, sums->visible.g, sums->open.g),
         rsv_direct_ratio(unshadowed.b, sums->visible.b, sums->open.b));
-    e.partial = sums->seen > 0 && sums->hidden > 0;
+    e.partial = by_tree || (sums->seen > 0 && sums->hidden > 0);
     float open = rgb_luminance(sums->open), share = rgb_luminance(sums->visible) / open;
     if (open > 0)
         e.deviation = RSV_DIRECT_STRATIFIED * rgb_luminance(unshadowed) *
                       sqrtf(f_max(share * (1 - share), 0) / count);
+    if (!by_tree) return e;
+    e.irradiance = rgb_mad(e.irradiance, 1 / count, sums->further);
+    float mean = rgb_luminance(sums->further) / count;
+    float variance = f_max(sums->further_squared / count - mean * mean, 0) / count;
+    e.deviation = sqrtf(e.deviation * e.deviation + variance);
     return e;
 }
 
-RSV_INLINE rsv_direct_estimate rsv_direct_from_mean(const rsv_direct_sums *sums, float count)
-{
-    rsv_direct_estimate e = rsv_direct_no_estimate();
-    e.irradiance = rgb_scale(sums->visible, 1 / count);
-    e.partial = 1;
-    float mean = rgb_luminance(e.irradiance);
-    e.deviation = sqrtf(f_max(sums->visible_squared / count - mean * mean, 0) / count);
-    return e;
-}
-
-/// What all points would receive without occlusion; whether that is not known, as a tree chooses the emitters.
+/// What all points would receive without occlusion but for emitters in the tree; whether there are such.
 /// @param local [points] of those that are valid
 RSV_INLINE bool rsv_direct_unshadowed(const rsv_direct_setting *s,
     const rsv_direct_receiver *receiver, const rsv_local_lights *local, float valid,
@@ -173,7 +175,7 @@ RSV_INLINE bool rsv_direct_unshadowed(const rsv_direct_setting *s,
     for (uint32_t k = 0; k < s->points; k++) {
         if (!(receiver->valid >> k & 1)) continue;
         *unshadowed = rgb_mad(*unshadowed, 1 / valid, local[k].unshadowed);
-        by_tree = by_tree || local[k].by_tree;
+        by_tree = by_tree || local[k].tree_share > 0;
     }
     return by_tree;
 }

@@ -61,6 +61,7 @@ static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, 
     uint32_t stream, rsv_aimed_ray *ray)
 {
     uint32_t count = 0;
+    bool known[RSV_MOST_AIMED]; ///< to closed forms
     rsv_rgb open = rgb_gray(0);
     for (uint32_t k = 0; k < samples; k++) {
         rsv_light_sample light;
@@ -71,14 +72,14 @@ static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, 
         if (cos <= 0) continue;
         float weight = cos / (light.pdf_solid_angle * (float)samples);
         open = rgb_mad(open, weight, light.mean_radiance);
+        known[count] = !rgb_is_black(light.mean_radiance);
         ray[count].ray = rsv_shadow_ray(local->lights, &light, local->point, origin);
         ray[count++].irradiance = rgb_scale(light.radiance, weight);
     }
-    if (local->by_tree) return count;
     rsv_rgb scale = rgb(ratio(local->unshadowed.r, open.r), ratio(local->unshadowed.g, open.g),
         ratio(local->unshadowed.b, open.b));
     for (uint32_t k = 0; k < count; k++)
-        ray[k].irradiance = rgb_mul(ray[k].irradiance, scale);
+        if (known[k]) ray[k].irradiance = rgb_mul(ray[k].irradiance, scale);
     return count;
 }
 

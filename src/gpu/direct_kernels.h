@@ -73,7 +73,8 @@ RSV_INLINE rsv_direct_sums rsv_direct_sums_add(rsv_direct_sums a, rsv_direct_sum
 {
     a.open = rgb_add(a.open, b.open);
     a.visible = rgb_add(a.visible, b.visible);
-    a.visible_squared += b.visible_squared;
+    a.further = rgb_add(a.further, b.further);
+    a.further_squared += b.further_squared;
     a.seen += b.seen;
     a.hidden += b.hidden;
     return a;
@@ -100,8 +101,7 @@ RSV_INLINE void rsv_direct_finish_item(const rsv_direct_args *a, uint32_t node)
         rsv_direct_unshadowed(s, receiver, a->local + (size_t)node * s->points, valid, &unshadowed);
     rsv_direct_estimate e = rsv_direct_no_estimate();
     if (by_tree || !rgb_is_black(unshadowed)) {
-        e = by_tree ? rsv_direct_from_mean(&a->sums[node], count)
-                    : rsv_direct_from_ratio(&a->sums[node], unshadowed, count);
+        e = rsv_direct_from_sums(&a->sums[node], unshadowed, by_tree, count);
         e.rays = a->rays.samples;
     }
     a->estimate[node] = e;

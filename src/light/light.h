@@ -54,7 +54,10 @@ typedef struct rsv_lights {
     uint32_t *triangle_emitter; ///< [triangle_count] the first of its emitters; RSV_NONE = none
     uint32_t *sampled;          ///< indices of the emitters that next-event estimation samples
     size_t sampled_count;
-    rsv_light_tree *emitter_tree; ///< over `sampled`; NULL = RSV_LOCAL_LIGHTS or fewer
+    /// The first of `sampled` are weighed one by one at every receiver: all of them if they are RSV_LOCAL_LIGHTS or
+    /// fewer; else the few that give most of the light, if there are such. The others are in the tree.
+    size_t weighed_count;
+    rsv_light_tree *emitter_tree; ///< over those of `sampled` that are not weighed; NULL = none
     uint32_t *punctual;           ///< [light_count] those that shine: distant ones, then the others
     size_t distant_count, punctual_count;
     rsv_light_tree *punctual_tree; ///< over those not distant; NULL = RSV_SUMMED_LIGHTS or fewer
@@ -94,26 +97,29 @@ bool rsv_lights_any_sampled(const rsv_lights *lights);
 #define RSV_LOCAL_LIGHTS 64
 
 /// Emitters, suns and the sampled part of the sky as one receiver sees them: selection probabilities proportional to the
-/// unshadowed irradiance (luminance), for up to RSV_LOCAL_LIGHTS emitters; more of them by a light tree.
+/// unshadowed irradiance (luminance), for the emitters that are weighed; the others by a light tree.
 typedef struct rsv_local_lights {
     const rsv_lights *lights;
     rsv_vec3 point, normal;
-    uint32_t count; ///< emitters in `probability`, ahead of suns and sky
-    bool by_tree;   ///< emitters are selected by the tree, with `emitter_share` for all of them
-    float emitter_share;
+    uint32_t count;   ///< emitters in `probability`, ahead of suns and sky
+    float tree_share; ///< probability of a choice by the tree
+    float
+        tree_estimate; ///< rough irradiance (luminance) of the emitters in the tree; 0 only if they give none
     float probability[RSV_LOCAL_LIGHTS + RSV_MAX_SUNS + 1];
-    rsv_rgb unshadowed; ///< irradiance of everything sampled without occlusion, emitters with
-                        ///< their mean radiance; only meaningful when !by_tree
+    rsv_rgb
+        unshadowed; ///< irradiance of all but the emitters in the tree without occlusion, emitters with
+                    ///< their mean radiance
 } rsv_local_lights;
 
 RSV_SHARED void rsv_lights_at(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
 
 typedef struct rsv_light_sample {
-    rsv_vec3 direction;    ///< unit, towards the source
-    float distance;        ///< metres to the source; INFINITY for suns and sky
-    rsv_rgb radiance;      ///< arriving along direction, without occlusion
-    rsv_rgb mean_radiance; ///< of the emitter: what closed forms know of it; else the radiance
+    rsv_vec3 direction; ///< unit, towards the source
+    float distance;     ///< metres to the source; INFINITY for suns and sky
+    rsv_rgb radiance;   ///< arriving along direction, without occlusion
+    rsv_rgb
+        mean_radiance; ///< what `unshadowed` knows of it: of an emitter its mean, 0 if the tree chose it
     float pdf_solid_angle; ///< including the selection of the source
     uint32_t emitter;      ///< RSV_NONE for suns and sky
     bool from_sky;         ///< not from an emitter or a sun

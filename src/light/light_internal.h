@@ -19,7 +19,8 @@ void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *emitter);
 void rsv_emitter_set_strength(
     const rsv_scene_view *scene, const rsv_bsdf *material, rsv_emitter *emitter);
 
-/// Builds the trees, where there are enough lights for them; earlier ones are felled.
+/// Chooses the emitters that are weighed and builds trees of all others, and of punctual lights where there are enough;
+/// earlier ones are felled.
 rsv_status rsv_lights_plant_trees(rsv_lights *lights);
 
 /// Sets `share` and `gathered` of every group.

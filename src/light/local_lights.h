@@ -91,7 +91,7 @@ RSV_INLINE float rsv_weigh_environment(rsv_local_lights *local)
 RSV_INLINE float rsv_weigh_emitters(rsv_local_lights *local)
 {
     const rsv_lights *lights = local->lights;
-    local->count = (uint32_t)lights->sampled_count;
+    local->count = (uint32_t)lights->weighed_count;
     float sum = 0;
     for (uint32_t i = 0; i < local->count; i++) {
         const rsv_emitter *emitter = &lights->emitter[lights->sampled[i]];
@@ -103,8 +103,17 @@ RSV_INLINE float rsv_weigh_emitters(rsv_local_lights *local)
     return sum;
 }
 
-/// Of lamps and of the sky at every receiver: the stronger of the two may be hidden from all of a room.
+/// Of lamps and of the sky, and of lamps in the tree and others, at every receiver: the stronger of the two may be hidden
+/// from all of a room.
 #define RSV_LEAST_SHARE 0.25f
+
+/// Of the first of two.
+RSV_INLINE float rsv_share_of(float first, float second)
+{
+    if (!(first > 0)) return 0;
+    if (!(second > 0)) return 1;
+    return f_min(f_max(first / (first + second), RSV_LEAST_SHARE), 1 - RSV_LEAST_SHARE);
+}
 
 /// As rsv_lights_at.
 RSV_INLINE void rsv_weigh_lights(
@@ -115,16 +124,18 @@ RSV_INLINE void rsv_weigh_lights(
     local->normal = normal;
     local->count = 0;
     local->unshadowed = rgb_gray(0);
-    local->by_tree = lights->emitter_tree != NULL;
-    float emitters = local->by_tree ? 0 : rsv_weigh_emitters(local),
+    local->tree_estimate = 0;
+    if (lights->emitter_tree)
+        local->tree_estimate =
+            rsv_light_importance(&lights->emitter_tree->node[0].bounds, point, normal);
+    float tree = local->tree_estimate, emitters = rsv_weigh_emitters(local),
           sky = rsv_weigh_environment(local);
-    local->emitter_share = !local->by_tree ? 0 : sky > 0 ? 0.5f : 1;
-    float share = emitters > 0 ? emitters / (emitters + sky) : 0;
-    if (emitters > 0 && sky > 0) share = f_min(f_max(share, RSV_LEAST_SHARE), 1 - RSV_LEAST_SHARE);
+    float lamps_share = rsv_share_of(tree + emitters, sky), among = rsv_share_of(tree, emitters);
+    local->tree_share = lamps_share * among;
     for (uint32_t i = 0; i < local->count && emitters > 0; i++)
-        local->probability[i] *= share / emitters;
+        local->probability[i] *= lamps_share * (1 - among) / emitters;
     for (uint32_t i = local->count; i < rsv_entry_count(local) && sky > 0; i++)
-        local->probability[i] *= (1 - f_max(share, local->emitter_share)) / sky;
+        local->probability[i] *= (1 - lamps_share) / sky;
 }
 
 /// RSV_NONE if no entry has a probability; the last that has one also takes what rounding left
@@ -217,18 +228,21 @@ RSV_INLINE void rsv_sample_environment(
     sample->pdf_solid_angle *= local->probability[local->count + index];
 }
 
-/// Emitters of the tree have the first `emitter_share` of the numbers.
+/// Emitters of the tree have the first `tree_share` of the numbers.
 RSV_INLINE bool rsv_sample_any(
     const rsv_local_lights *local, float u_select, float u1, float u2, rsv_light_sample *sample)
 {
-    if (u_select < local->emitter_share) {
-        uint32_t entry;
+    uint32_t entry;
+    if (u_select < local->tree_share) {
         float probability = rsv_light_tree_sample(local->lights->emitter_tree, local->point,
-            local->normal, u_select / local->emitter_share, &entry);
-        return probability > 0 &&
-               rsv_sample_emitter(local, entry, local->emitter_share * probability, u1, u2, sample);
+            local->normal, u_select / local->tree_share, &entry);
+        if (!(probability > 0) || !rsv_sample_emitter(local, local->count + entry,
+                                      local->tree_share * probability, u1, u2, sample))
+            return false;
+        sample->mean_radiance = rgb_gray(0);
+        return true;
     }
-    uint32_t entry = rsv_select_by_irradiance(local, u_select - local->emitter_share);
+    entry = rsv_select_by_irradiance(local, u_select - local->tree_share);
     if (entry == RSV_NONE) return false;
     if (entry < local->count)
         return rsv_sample_emitter(local, entry, local->probability[entry], u1, u2, sample);

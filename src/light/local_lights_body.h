@@ -24,15 +24,16 @@ RSV_SHARED bool rsv_local_lights_sample(
 
 RSV_INLINE double rsv_selection_probability(const rsv_local_lights *local, uint32_t entry)
 {
-    if (!local->by_tree) return local->probability[entry];
-    return local->emitter_share * rsv_light_tree_probability(local->lights->emitter_tree,
-                                      local->point, local->normal, entry);
+    if (entry < local->count) return local->probability[entry];
+    return local->tree_share * rsv_light_tree_probability(local->lights->emitter_tree, local->point,
+                                   local->normal, entry - local->count);
 }
 
-/// Entry of lights->sampled that holds `emitter`, or RSV_NONE: the list ascends.
-RSV_INLINE uint32_t rsv_find_sampled(const rsv_lights *lights, uint32_t emitter)
+/// Entry among lights->sampled[first..end), which ascend, that holds `emitter`, or RSV_NONE.
+RSV_INLINE uint32_t rsv_find_between(
+    const rsv_lights *lights, size_t first, size_t end, uint32_t emitter)
 {
-    size_t low = 0, high = lights->sampled_count;
+    size_t low = first, high = end;
     while (low < high) {
         size_t middle = (low + high) / 2;
         if (lights->sampled[middle] < emitter)
@@ -40,8 +41,15 @@ RSV_INLINE uint32_t rsv_find_sampled(const rsv_lights *lights, uint32_t emitter)
         else
             high = middle;
     }
-    bool found = low < lights->sampled_count && lights->sampled[low] == emitter;
-    return found ? (uint32_t)low : RSV_NONE;
+    return low < end && lights->sampled[low] == emitter ? (uint32_t)low : RSV_NONE;
+}
+
+/// Entry of lights->sampled that holds `emitter`, or RSV_NONE.
+RSV_INLINE uint32_t rsv_find_sampled(const rsv_lights *lights, uint32_t emitter)
+{
+    uint32_t weighed = rsv_find_between(lights, 0, lights->weighed_count, emitter);
+    if (weighed != RSV_NONE) return weighed;
+    return rsv_find_between(lights, lights->weighed_count, lights->sampled_count, emitter);
 }
 
 RSV_SHARED float rsv_local_lights_sky_pdf(const rsv_local_lights *local, rsv_vec3 direction)

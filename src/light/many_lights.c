@@ -4,6 +4,9 @@
 
 #include "../core/core_internal.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 /// Narrow bounds of emission still have a width, or rounding would empty them.
 #define COS_NARROWEST 0.99995f
 
@@ -33,22 +36,91 @@ static rsv_light_bounds punctual_bounds(const rsv_light *light)
     return bounds;
 }
 
+/// Share of the light that the emitters which are weighed one by one give together, where there are too many to weigh all.
+#define MOST_OF_THE_LIGHT 0.9
+
+static double strength(const rsv_lights *lights, uint32_t emitter)
+{
+    return rsv_emitter_power(&lights->emitter[emitter]);
+}
+
+/// The strongest emitters, strongest first; those as strong in the order of `sampled`.
+/// @return how many: RSV_LOCAL_LIGHTS at most
+static size_t find_strongest(const rsv_lights *lights, uint32_t strongest[RSV_LOCAL_LIGHTS])
+{
+    size_t count = 0;
+    for (size_t i = 0; i < lights->sampled_count; i++) {
+        uint32_t emitter = lights->sampled[i];
+        double own = strength(lights, emitter);
+        if (count == RSV_LOCAL_LIGHTS && own <= strength(lights, strongest[count - 1])) continue;
+        size_t at = count < RSV_LOCAL_LIGHTS ? count++ : count - 1;
+        for (; at > 0 && strength(lights, strongest[at - 1]) < own; at--)
+            strongest[at] = strongest[at - 1];
+        strongest[at] = emitter;
+    }
+    return count;
+}
+
+/// The fewest emitters that give most of the light. @return how many; 0 = they are not few
+static size_t find_most_of_the_light(const rsv_lights *lights, uint32_t few[RSV_LOCAL_LIGHTS])
+{
+    double total = 0, sum = 0;
+    for (size_t i = 0; i < lights->sampled_count; i++)
+        total += strength(lights, lights->sampled[i]);
+    size_t count = find_strongest(lights, few);
+    for (size_t k = 0; k < count; k++) {
+        sum += strength(lights, few[k]);
+        if (sum >= MOST_OF_THE_LIGHT * total) return k + 1;
+    }
+    return 0;
+}
+
+static int compare_indices(const void *a, const void *b)
+{
+    uint32_t left = *(const uint32_t *)a, right = *(const uint32_t *)b;
+    return left < right ? -1 : left > right;
+}
+
+/// Those that are weighed come first in `sampled`; both parts ascend.
+static void choose_weighed(rsv_lights *lights)
+{
+    lights->weighed_count = lights->sampled_count;
+    if (lights->sampled_count == 0) return;
+    qsort(lights->sampled, lights->sampled_count, sizeof *lights->sampled, compare_indices);
+    if (lights->sampled_count <= RSV_LOCAL_LIGHTS) return;
+    uint32_t few[RSV_LOCAL_LIGHTS];
+    size_t count = find_most_of_the_light(lights, few), left = count;
+    lights->weighed_count = count;
+    if (count == 0) return;
+    qsort(few, count, sizeof *few, compare_indices);
+    // from the end on, all others move up by as many of the few as came behind them
+    for (size_t i = lights->sampled_count; i-- > 0;) {
+        if (left > 0 && lights->sampled[i] == few[left - 1])
+            left--;
+        else
+            lights->sampled[i + count - left] = lights->sampled[i];
+    }
+    memcpy(lights->sampled, few, count * sizeof *few);
+}
+
 rsv_status rsv_lights_plant_trees(rsv_lights *lights)
 {
     rsv_context *context = lights->context;
     rsv_status status = RSV_OK;
-    size_t emitters = lights->sampled_count;
+    choose_weighed(lights);
+    size_t emitters = lights->sampled_count - lights->weighed_count;
     size_t local = lights->punctual_count - lights->distant_count;
     rsv_light_tree_destroy(lights->emitter_tree);
     rsv_light_tree_destroy(lights->punctual_tree);
     lights->emitter_tree = lights->punctual_tree = NULL;
-    if (emitters <= RSV_LOCAL_LIGHTS && local <= RSV_SUMMED_LIGHTS) return RSV_OK;
+    if (emitters == 0 && local <= RSV_SUMMED_LIGHTS) return RSV_OK;
     rsv_light_bounds *bounds =
         rsv_alloc(context, emitters > local ? emitters : local, sizeof *bounds);
     if (!bounds) return RSV_ERROR_MEMORY;
-    if (emitters > RSV_LOCAL_LIGHTS) {
+    if (emitters > 0) {
+        const uint32_t *index = lights->sampled + lights->weighed_count;
         for (size_t i = 0; i < emitters; i++)
-            bounds[i] = emitter_bounds(&lights->emitter[lights->sampled[i]]);
+            bounds[i] = emitter_bounds(&lights->emitter[index[i]]);
         RSV_TRY(rsv_light_tree_create(context, bounds, emitters, &lights->emitter_tree));
     }
     if (local > RSV_SUMMED_LIGHTS) {

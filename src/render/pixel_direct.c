@@ -41,7 +41,7 @@ static void trace_pending(rsv_pixel_direct *d)
         if (!(d->packet.t_max[k] > 0)) continue;
         rsv_direct_term *term = &d->term[d->owner[k]];
         term->arrived = rgb_add(term->arrived, d->carried[k]);
-        term->seen++;
+        term->seen += d->known[k];
     }
     d->pending = 0;
 }
@@ -67,12 +67,15 @@ static void push_spot(
 }
 
 /// @param carried what the ray brings to its term if it is free
-static void push_shadow_ray(rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_rgb carried)
+/// @param known   closed forms know its source
+static void push_shadow_ray(
+    rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_rgb carried, bool known)
 {
     uint32_t k = d->pending++;
     rsv_packet_set_ray(&d->packet, k, ray);
     d->owner[k] = term;
     d->carried[k] = carried;
+    d->known[k] = known;
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
 
@@ -125,15 +128,16 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     rsv_light_sample light;
     if (!rsv_local_lights_sample(local, select, x, y, &light)) return;
     float cos = v3_dot(point->normal, light.direction), scale = cos / light.pdf_solid_angle;
-    d->term[term].asked++;
-    rsv_rgb known = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), light.mean_radiance);
-    d->term[term].control = rgb_mad(d->term[term].control, scale, known);
+    bool known = !rgb_is_black(light.mean_radiance);
+    d->term[term].asked += known;
+    rsv_rgb control = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), light.mean_radiance);
+    d->term[term].control = rgb_mad(d->term[term].control, scale, control);
     // what the geometry hides from the shading normal is blocked like anything else
     if (!rsv_surface_faces(point, light.direction)) return;
     rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
     push_shadow_ray(d, term,
         rsv_shadow_ray(d->solution->lights, &light, point->position, lit->origin),
-        rgb_scale(rgb_mul(entered, light.radiance), scale));
+        rgb_scale(rgb_mul(entered, light.radiance), scale), known);
 }
 
 static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_point *lit,
@@ -141,14 +145,14 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_
 {
     rsv_local_lights local;
     rsv_lights_at(d->solution->lights, lit->point.position, lit->point.normal, &local);
-    if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
+    if (!(local.tree_share > 0) && rgb_is_black(local.unshadowed)) return;
+    rsv_rgb entering = rgb_mul(weight, lit->bsdf->entry_mean);
     rsv_direct_term term = {
-        .column = column, .sample = sample.index, .controlled = !local.by_tree
+        .column = column, .sample = sample.index, .exact = rgb_mul(entering, local.unshadowed)
     };
-    if (term.controlled)
-        term.exact = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), local.unshadowed);
+    term.expected = rgb_luminance(term.exact) + rgb_luminance(entering) * local.tree_estimate;
     if (!push_term(d, term)) return;
-    if (term.controlled) push_spot(d, chain, weight, sample);
+    push_spot(d, chain, weight, sample);
     aim(d, d->term_count - 1, &local, lit, weight, within_half(sample));
 }
 
@@ -168,7 +172,7 @@ static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weig
         rsv_direct_term term = { .column = column, .sample = sample.index, .rays = 1 };
         if (push_term(d, term))
             push_shadow_ray(d, d->term_count - 1, rsv_punctual_ray(&light, lit->origin),
-                rgb_scale(rgb_mul(entered, light.irradiance), cos));
+                rgb_scale(rgb_mul(entered, light.irradiance), cos), false);
     }
 }
 
@@ -198,12 +202,25 @@ static void tally_rays(rsv_pixel_direct *d)
     for (size_t k = 0; k < d->spot_count; k++) {
         const rsv_direct_term *term = &d->term[d->spot[k].term];
         rsv_shadow_tally *tally = &d->tally[term->column];
-        float luminance = rgb_luminance(term->exact);
+        float exact = rgb_luminance(term->exact);
         tally->asked += term->asked;
         tally->seen += term->seen;
-        tally->brightest = f_max(tally->brightest, luminance);
-        tally->squares += luminance * luminance;
+        tally->brightest = f_max(tally->brightest, term->expected);
+        tally->squares += exact * exact;
+        float further = term->asked ? 0 : rgb_luminance(term->arrived);
+        tally->terms++;
+        tally->further += further;
+        tally->further_squares += further * further;
     }
+}
+
+/// Sum of the squared deviations of what the first shadow rays found: by visibility, as all else is known, and by which
+/// emitters the tree chose.
+static float light_spread(const rsv_shadow_tally *t)
+{
+    float share = t->asked ? (float)t->seen / (float)t->asked : 0;
+    float by_choice = t->terms ? t->further_squares - t->further * t->further / (float)t->terms : 0;
+    return t->squares * share * (1 - share) + f_max(by_choice, 0);
 }
 
 /// Further shadow rays of each sample of a pixel, by its neighbours.
@@ -218,14 +235,16 @@ static uint32_t further_rays(
         around.asked += d->tally[k].asked;
         around.seen += d->tally[k].seen;
         around.squares += d->tally[k].squares;
+        around.terms += d->tally[k].terms;
+        around.further += d->tally[k].further;
+        around.further_squares += d->tally[k].further_squares;
         spread += rsv_pixel_noise_spread(&noise[k]);
     }
-    if (around.seen == 0 || around.seen == around.asked) return 0;
-    float share = (float)around.seen / (float)around.asked;
-    float visibility = around.squares * share * (1 - share);
-    // nothing but visibility is uncertain
-    if (spread * (MOST_RAYS * MOST_RAYS) <= CAMERA_RAY_COST * visibility) return MOST_RAYS - 1;
-    float rays = sqrtf(CAMERA_RAY_COST * visibility / spread);
+    float light = light_spread(&around);
+    if (!(light > 0)) return 0;
+    // nothing else is uncertain
+    if (spread * (MOST_RAYS * MOST_RAYS) <= CAMERA_RAY_COST * light) return MOST_RAYS - 1;
+    float rays = sqrtf(CAMERA_RAY_COST * light / spread);
     return rays > 1 ? (uint32_t)(rays - 0.5f) : 0;
 }
 
@@ -247,8 +266,7 @@ static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *nois
     tally_rays(d);
     for (size_t k = 0; k < d->spot_count; k++) {
         const rsv_direct_term *term = &d->term[d->spot[k].term];
-        float least = FAINT_SHARE * d->tally[term->column].brightest;
-        if (rgb_luminance(term->exact) <= least) continue;
+        if (term->expected <= FAINT_SHARE * d->tally[term->column].brightest) continue;
         uint32_t further = further_rays(d, noise, term->column);
         if (further) send_further_rays(d, &d->spot[k], further);
     }
@@ -261,7 +279,6 @@ static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *s
     uint32_t seen[2] = { 0, 0 }, asked[2] = { 0, 0 };
     float of_sample = 0;
     for (size_t i = 0; i < count; i++) {
-        if (!term[i].controlled) continue;
         seen[half_of(term[i].sample)] += term[i].seen;
         asked[half_of(term[i].sample)] += term[i].asked;
     }
@@ -270,7 +287,7 @@ static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *s
         float share = 1 / (float)term[i].rays;
         rsv_rgb light = rgb_scale(term[i].arrived, share);
         uint32_t other = 1 - half_of(term[i].sample);
-        if (term[i].controlled && asked[other] > 0) {
+        if (asked[other] > 0) {
             float others = (float)seen[other] / (float)asked[other];
             light =
                 rgb_mad(light, others, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));

@@ -24,9 +24,10 @@
 /// What one sample finds by its shadow rays to one source or, chosen among them, to all emitters.
 typedef struct rsv_direct_term {
     uint32_t column, sample;
-    bool controlled; ///< A is known
     uint32_t rays, asked,
-        seen;        ///< drawn; of these not below the horizon; of those that see the light
+        seen; ///< drawn; of these, to sources that A knows, not below the horizon; of those that see
+              ///< the light
+    float expected;  ///< luminance without occlusion, emitters in a tree by a rough estimate
     rsv_rgb exact;   ///< A times the weight of the camera chain, as all that follows
     rsv_rgb arrived; ///< sum of S V over the rays
     rsv_rgb control; ///< sum of C over the rays
@@ -40,11 +41,12 @@ typedef struct rsv_direct_spot {
     size_t term;
 } rsv_direct_spot;
 
-/// What the controlled terms of a pixel have found by their first shadow rays.
+/// What the terms of a pixel that may ask for more have found by their first shadow rays.
 typedef struct rsv_shadow_tally {
-    uint32_t asked, seen;
-    float brightest,
-        squares; ///< of the luminance that each could bring: the greatest, and their sum
+    uint32_t terms, asked, seen;
+    float brightest;                ///< the luminance that each could bring: the greatest
+    float squares;                  ///< sum of the squares of their A
+    float further, further_squares; ///< found of emitters in a tree: sum, and sum of squares
 } rsv_shadow_tally;
 
 /// The direct light of one row of pixels. Terms of a pixel must be added one after the other.
@@ -59,6 +61,7 @@ typedef struct rsv_pixel_direct {
     uint32_t pending;
     size_t owner[RSV_PACKET_WIDTH];    ///< their terms
     rsv_rgb carried[RSV_PACKET_WIDTH]; ///< what arrives if they are free
+    bool known[RSV_PACKET_WIDTH];      ///< their sources are among those that A knows
     rsv_status status;
 } rsv_pixel_direct;
 

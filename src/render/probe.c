@@ -74,9 +74,9 @@ static rsv_rgb passed(const receiver *r, float distance)
     return rsv_medium_transmittance(&r->medium, r->job->solution->bsdf, distance);
 }
 
-/// Sums over the light samples of one group: unshadowed, and of the visible ones.
+/// Sums over the light samples of one group: unshadowed, of the visible ones, and of those of emitters that a tree chose.
 typedef struct emitter_sums {
-    rsv_rgb open, visible;
+    rsv_rgb open, visible, further;
 } emitter_sums;
 
 static emitter_sums sample_emitters(
@@ -92,9 +92,9 @@ static emitter_sums sample_emitters(
         float cos = f_max(v3_dot(r->normal, light.direction), 0);
         float weight = cos / (light.pdf_solid_angle * (float)count);
         sums.open = rgb_mad(sums.open, weight, light.mean_radiance);
+        rsv_rgb *sum = rgb_is_black(light.mean_radiance) ? &sums.further : &sums.visible;
         if (cos > 0 && is_open(r, rsv_shadow_ray(local->lights, &light, r->position, r->origin)))
-            sums.visible =
-                rgb_mad(sums.visible, weight, rgb_mul(light.radiance, passed(r, light.distance)));
+            *sum = rgb_mad(*sum, weight, rgb_mul(light.radiance, passed(r, light.distance)));
     }
     return sums;
 }
@@ -123,18 +123,15 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
     if (!rsv_lights_any_sampled(lights)) return;
     rsv_local_lights local;
     rsv_lights_at(lights, r->position, r->normal, &local);
-    if (!local.by_tree && rgb_is_black(local.unshadowed)) return;
+    if (!(local.tree_share > 0) && rgb_is_black(local.unshadowed)) return;
     float visible[3][GROUPS], open[3][GROUPS];
     for (uint32_t g = 0; g < GROUPS; g++) {
         emitter_sums sums = sample_emitters(r, &local, rsv_hash(rsv_hash3(r->job->seed, index, g)));
         visible[0][g] = sums.visible.r, visible[1][g] = sums.visible.g,
         visible[2][g] = sums.visible.b;
         open[0][g] = sums.open.r, open[1][g] = sums.open.g, open[2][g] = sums.open.b;
+        value[0][g] += sums.further.r, value[1][g] += sums.further.g, value[2][g] += sums.further.b;
     }
-    for (int c = 0; c < 3 && local.by_tree; c++)
-        for (int g = 0; g < GROUPS; g++)
-            value[c][g] += visible[c][g];
-    if (local.by_tree) return;
     const float exact[3] = { local.unshadowed.r, local.unshadowed.g, local.unshadowed.b };
     for (int c = 0; c < 3; c++)
         ratio_estimates(exact[c], visible[c], open[c], value[c]);

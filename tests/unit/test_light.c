@@ -392,7 +392,7 @@ static void selection_follows_unshadowed_irradiance(void **state)
     fixture f = open_fixture(triangles, 3, rgb(1, 2, 3), false);
     rsv_local_lights local;
     rsv_lights_at(f.lights, v3(0, 0, 0), v3(0, 1, 0), &local);
-    assert_false(local.by_tree);
+    assert_true(local.tree_share == 0);
     assert_int_equal(local.count, 3);
     double first = rsv_polygon_irradiance(triangles[0].corner, 3, local.point, local.normal);
     double third = 3 * rsv_polygon_irradiance(triangles[2].corner, 3, local.point, local.normal);
@@ -405,31 +405,57 @@ static void selection_follows_unshadowed_irradiance(void **state)
     close_fixture(&f);
 }
 
-static void many_emitters_are_selected_by_a_tree(void **state)
+/// Turned so that its front is seen from the origin.
+static triangle facing_the_origin(triangle t)
 {
-    (void)state;
+    rsv_vec3 second = t.corner[1];
+    if (v3_dot(triangle_normal(&t), t.corner[0]) < 0) return t;
+    t.corner[1] = t.corner[2];
+    t.corner[2] = second;
+    return t;
+}
+
+/// A hundred emitters above the origin: every `stride`-th is large, and faces it.
+static void check_many_emitters(int stride, bool any_weighed, uint32_t seed)
+{
     enum { COUNT = 100 };
     triangle triangles[COUNT];
-    rsv_random random = rsv_random_from(13, 14, 15);
+    rsv_random random = rsv_random_from(seed, 14, 15);
     for (int i = 0; i < COUNT; i++) {
         rsv_vec3 shift = v3_add(random_point(&random, 2), v3(0, 4, 0));
-        triangles[i] = random_triangle(&random, 0.3f);
+        triangles[i] = random_triangle(&random, i % stride == 0 ? 2.5f : 0.1f);
         for (int k = 0; k < 3; k++)
             triangles[i].corner[k] = v3_add(triangles[i].corner[k], shift);
+        if (i % stride == 0) triangles[i] = facing_the_origin(triangles[i]);
     }
     fixture f = open_fixture(triangles, COUNT, rgb_gray(1), false);
     rsv_local_lights local;
     rsv_lights_at(f.lights, v3(0, 0, 0), v3(0, 1, 0), &local);
-    assert_true(local.by_tree);
+    assert_true(any_weighed ? local.tree_share < 1 : local.tree_share == 1);
+    assert_true(any_weighed == (local.count > 0));
     double expected = 0, error;
     for (int i = 0; i < COUNT; i++)
         if (v3_dot(triangle_normal(&triangles[i]), triangles[i].corner[0]) < 0)
             expected += (1 + i % 3) *
                         rsv_polygon_irradiance(triangles[i].corner, 3, local.point, local.normal);
+    assert_true(rgb_luminance(local.unshadowed) < (1 - 1e-4) * expected);
     double mean = estimate(&local, 200000, &random, &error);
     assert_float_equal(mean, expected, 4.5 * error);
     assert_true(error < 0.02 * expected);
     close_fixture(&f);
+}
+
+static void many_emitters_are_selected_by_a_tree(void **state)
+{
+    (void)state;
+    check_many_emitters(1, false, 13);
+}
+
+static void of_many_emitters_the_strong_few_are_weighed_and_the_others_in_a_tree(void **state)
+{
+    (void)state;
+    check_many_emitters(9, true, 16);
+    check_many_emitters(40, true, 17);
 }
 
 static void emitters_are_grouped_and_black_ones_left_out(void **state)
@@ -564,6 +590,7 @@ int main(void)
         cmocka_unit_test(samples_fill_the_triangle_evenly),
         cmocka_unit_test(selection_follows_unshadowed_irradiance),
         cmocka_unit_test(many_emitters_are_selected_by_a_tree),
+        cmocka_unit_test(of_many_emitters_the_strong_few_are_weighed_and_the_others_in_a_tree),
         cmocka_unit_test(emitters_are_grouped_and_black_ones_left_out),
         cmocka_unit_test(emitters_that_surround_are_gathered),
         cmocka_unit_test(point_and_directional_lights_follow_their_laws),
