@@ -60,6 +60,14 @@ static const command *find_command(const char *name)
     return NULL;
 }
 
+static int report_unknown_command(const char *name)
+{
+    const char *names[sizeof commands / sizeof commands[0]];
+    for (size_t i = 0; i < command_count; i++)
+        names[i] = commands[i].name;
+    return cli_unknown_name(NULL, name, "a command", names, command_count);
+}
+
 /// Results that a full disk swallowed are a failure.
 static int flush_results(int exit_status)
 {
@@ -98,7 +106,7 @@ static int help(int argc, char **argv)
     char *arguments[] = { option, NULL };
     const command *found = argc > 0 ? find_command(argv[0]) : NULL;
     if (found) return found->run(1, arguments);
-    if (argc > 0) return cli_usage_error(NULL, "'%s' is not a command", argv[0]);
+    if (argc > 0) return report_unknown_command(argv[0]);
     print_help();
     return CLI_SUCCESS;
 }
@@ -121,6 +129,6 @@ int main(int argc, char **argv)
         return CLI_SUCCESS;
     }
     const command *found = find_command(argv[1]);
-    if (!found) return cli_usage_error(NULL, "'%s' is not a command", argv[1]);
+    if (!found) return report_unknown_command(argv[1]);
     return flush_results(run_command(found, argc - 2, argv + 2));
 }

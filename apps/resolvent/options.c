@@ -2,6 +2,7 @@
 
 #include "command.h"
 #include "crew.h"
+#include "near_name.h"
 
 #include <assert.h>
 #include <math.h>
@@ -9,6 +10,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/// A bit of `given` for each.
+#define MOST_OPTIONS 64
 
 int cli_usage_error(const char *command, const char *format, ...)
 {
@@ -188,13 +192,33 @@ static const cli_option *find_option(const cli_usage *usage, const char *argumen
     return NULL;
 }
 
+int cli_unknown_name(const char *command, const char *name, const char *kind,
+    const char *const *candidates, size_t count)
+{
+    const char *near = cli_near_name(name, candidates, count);
+    return cli_usage_error(command, "'%s' is not %s%s%s%s", name, kind,
+        near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+}
+
+static int report_unknown_option(const cli_usage *usage, const char *argument)
+{
+    const char *names[MOST_OPTIONS], *value = strchr(argument, '=');
+    char name[CLI_NAME_LENGTH];
+    size_t count = 0;
+    for (; usage->options[count].name; count++)
+        names[count] = usage->options[count].name;
+    snprintf(
+        name, sizeof name, "%.*s", value ? (int)(value - argument) : CLI_NAME_LENGTH, argument);
+    return cli_unknown_name(usage->command, name, "an option", names, count);
+}
+
 /// Reads the option at argv[*index] and moves *index past its value.
 /// @param given bit n for option n
 static int parse_option(const cli_usage *usage, int argc, char **argv, int *index, uint64_t *given)
 {
     const char *argument = argv[(*index)++];
     const cli_option *option = find_option(usage, argument);
-    if (!option) return cli_usage_error(usage->command, "'%s' is not an option", argument);
+    if (!option) return report_unknown_option(usage, argument);
     *given |= UINT64_C(1) << (option - usage->options);
     const char *value = strchr(argument, '=');
     if (option->kind == CLI_FLAG) {

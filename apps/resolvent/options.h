@@ -57,4 +57,8 @@ bool cli_parse(
 /// @param command NULL = the program itself
 int cli_usage_error(const char *command, const char *format, ...) RSV_PRINTF(2, 3);
 
+/// Says that `name` is not, say, "an option", and which of the candidates it resembles.
+int cli_unknown_name(const char *command, const char *name, const char *kind,
+    const char *const *candidates, size_t count);
+
 #endif

@@ -3,6 +3,7 @@
 #include "command.h"
 #include "crew.h"
 #include "device.h"
+#include "near_name.h"
 
 #include <signal.h>
 #include <stdarg.h>
@@ -140,6 +141,25 @@ rsv_status cli_build_scene(cli_session *session, const char *name, rsv_scene **s
     return status;
 }
 
+/// @param names ends with NULL
+static const char *near_builtin(const char *name, const char *const *names)
+{
+    size_t count = 0;
+    while (names[count])
+        count++;
+    return cli_near_name(name, names, count);
+}
+
+/// Whether a mistyped name of built-in surroundings would be taken for a picture.
+static bool environment_is_mistyped(const cli_environment *environment)
+{
+    const char *name = environment ? environment->path : NULL;
+    if (!name || access(name, F_OK) == 0 || rsv_environment_is_builtin(name)) return false;
+    const char *near = near_builtin(name, rsv_environment_builtin_names());
+    if (near) cli_error("--env %s: there is no such file; did you mean '%s'?", name, near);
+    return near != NULL;
+}
+
 static rsv_status add_environment(
     cli_session *session, rsv_scene *scene, const cli_environment *environment)
 {
@@ -166,15 +186,16 @@ rsv_scene *cli_open_scene(
             "--mesh %s: '%s' is no built-in scene; only those take a mesh", session->mesh, name);
         return NULL;
     }
+    if (environment_is_mistyped(environment)) return NULL;
     if (access(name, F_OK) == 0 && !session->mesh) {
         status = rsv_scene_load(session->context, name, &scene);
     } else if (rsv_scene_is_builtin(name)) {
         status = cli_build_scene(session, name, &scene);
     } else {
-        cli_error(
-            "'%s': there is no such file and no built-in scene of that name; `resolvent --help` "
-            "lists those",
-            name);
+        const char *near = near_builtin(name, rsv_scene_builtin_names());
+        cli_error("'%s': there is no such file and no built-in scene of that name; %s%s%s", name,
+            near ? "did you mean '" : "`resolvent --help` lists those", near ? near : "",
+            near ? "'?" : "");
         return NULL;
     }
     if (status == RSV_OK) status = add_environment(session, scene, environment);

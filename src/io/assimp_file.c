@@ -130,8 +130,10 @@ static rsv_status fail_import(void)
     while (length && (message[length - 1] == ' ' || message[length - 1] == '.'))
         length--;
     message[length] = 0;
-    return rsv_fail(
-        RSV_ERROR_FORMAT, "cannot be read: %s", length ? message : "its content is malformed");
+    if (length == 0 || strstr(message, "std::"))
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "cannot be read: its content is malformed, or is more than memory holds");
+    return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: %s", message);
 }
 
 rsv_status rsv_assimp_import(

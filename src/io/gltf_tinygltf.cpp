@@ -211,6 +211,16 @@ void check_required_extensions(const tinygltf::Model &model)
     }
 }
 
+/// What the parser found wrong, without the number that its exceptions have in front.
+std::string parser_says(const std::string &error)
+{
+    std::string line = first_line(error);
+    if (line.rfind("[json.exception", 0) == 0)
+        line.erase(0, std::min(line.find(']'), line.size() - 1) + 1);
+    line.erase(0, line.find_first_not_of(' '));
+    return line.empty() ? line : ": " + line;
+}
+
 void parse(const char *path, owned_document &document)
 {
     std::string file = path;
@@ -249,7 +259,7 @@ void parse(const char *path, owned_document &document)
     check_required_extensions(document.model); // first: it explains most failures of such files
     if (!loaded) {
         bool missing = error.find("File not found") != std::string::npos;
-        std::string message = error.empty() ? "is not valid glTF" : first_line(error);
+        std::string message = "is not valid glTF" + parser_says(error);
         if (missing) message += "; buffers must lie in the asset's folder or below";
         refuse(missing ? RSV_ERROR_IO : RSV_ERROR_FORMAT, message);
     }

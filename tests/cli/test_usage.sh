@@ -23,6 +23,10 @@ done
 
 refuses 2 'no command'
 refuses 2 'is not a command' paint
+refuses 2 "did you mean 'render'" rendr
+refuses 2 "did you mean '--spp'" render furnace -o "$out/a.png" --spq=3
+refuses 1 "did you mean 'furnace'" info furnac
+refuses 1 "did you mean 'white'" render furnace -o "$out/a.png" --env wihte
 refuses 2 'SCENE is missing' render -o "$out/a.png"
 refuses 2 'is missing' render furnace
 refuses 2 'one argument too many' render furnace two-rooms -o "$out/a.png"
