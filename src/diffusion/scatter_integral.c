@@ -16,10 +16,17 @@ typedef struct point_2d {
 
 static float cross_2d(point_2d a, point_2d b) { return a.x * b.y - a.y * b.x; }
 
-/// Integrals of p and of p times position over what is being integrated, per channel.
+/// Integrals of p and of p times position over what is being integrated, per channel: the parts of each ray of a fan,
+/// which are added up at the end.
 typedef struct moments {
-    float mass[3], x[3], y[3];
+    float mass[3][NODES], x[3][NODES], y[3][NODES];
 } moments;
+
+static float sum_over_rays(const float part[NODES])
+{
+    return ((part[0] + part[1]) + (part[2] + part[3])) +
+           ((part[4] + part[5]) + (part[6] + part[7]));
+}
 
 /// 1 - (1 + x) exp(-x), with `e` = exp(-x).
 static inline float ramp(float x, float e)
@@ -36,10 +43,17 @@ static inline float radial_moment(float d, float r, float wide)
 }
 
 /// int sqrt(s^2 - h^2) ds / int s ds from h to r: by how much height shortens a radial moment.
-static float shortening(float h, float r, float rho)
+static inline float shortening(float h, float r, float rho)
 {
-    if (h <= 1e-4f * r) return 1;
-    return (r * rho - h * h * logf((r + rho) / h)) / (rho * rho);
+    bool flat = h <= 1e-4f * r;
+    float log = rsv_log_above_one(flat ? 1 : (r + rho) / h);
+    return flat ? 1 : (r * rho - h * h * log) / (rho * rho);
+}
+
+static float arsinh(float x)
+{
+    float y = fabsf(x);
+    return copysignf(rsv_log_above_one(y + sqrtf(y * y + 1)), x);
 }
 
 /// What a ray in the plane has at the foot: it counts from there on.
@@ -62,19 +76,16 @@ static void add_fan(
 {
     for (int c = 0; c < 3; c++) {
         float d = profile->d[c], before = foot->wide[c], before3 = before * before * before;
-        float mass = 0, x = 0, y = 0;
-#pragma omp simd reduction(+ : mass, x, y)
+        float *mass = sum->mass[c], *x = sum->x[c], *y = sum->y[c];
+#pragma omp simd
         for (int k = 0; k < NODES; k++) {
             float wide = rsv_exp_negative(-fan->r[k] / (3 * d));
             float share = 0.25f * (before3 - wide * wide * wide) + 0.75f * (before - wide);
             float first = (radial_moment(d, fan->r[k], wide) - foot->moment[c]) * fan->arm[k];
-            mass += fan->angle[k] * share;
-            x += first * fan->x[k];
-            y += first * fan->y[k];
+            mass[k] += fan->angle[k] * share;
+            x[k] += first * fan->x[k];
+            y[k] += first * fan->y[k];
         }
-        sum->mass[c] += mass / (2 * RSV_PI);
-        sum->x[c] += x / (8 * RSV_PI);
-        sum->y[c] += y / (8 * RSV_PI);
     }
 }
 
@@ -88,15 +99,19 @@ static void add_edge(const rsv_scatter_profile *profile, const foot_height *foot
     dx /= length, dy /= length;
     float signed_distance = a.x * dy - a.y * dx, e = fabsf(signed_distance), h = foot->h;
     if (e < 1e-6f * length) return;
-    float t0 = a.x * dx + a.y * dy, u0 = asinhf(t0 / e), u1 = asinhf((t0 + length) / e);
+    float t0 = a.x * dx + a.y * dy, u0 = arsinh(t0 / e), u1 = arsinh((t0 + length) / e);
     int panels = 1 + (int)((u1 - u0) / PANEL);
     float half = 0.5f * (u1 - u0) / (float)panels;
     for (int panel = 0; panel < panels; panel++) {
         ray_fan fan;
+        float middle = u0 + half * (float)(2 * panel + 1);
+#pragma omp simd
         for (int k = 0; k < NODES; k++) {
-            float u = u0 + half * (float)(2 * panel + 1) + half * gauss_node[k];
-            float grown = expf(u), cosh_u = 0.5f * (grown + 1 / grown);
-            float along = 0.5f * e * (grown - 1 / grown) - t0, rho = e * cosh_u;
+            float u = middle + half * gauss_node[k];
+            float shrunk = rsv_exp_negative(-fabsf(u)), grown = 1 / shrunk;
+            float cosh_u = 0.5f * (grown + shrunk);
+            float sinh_u = copysignf(0.5f * (grown - shrunk), u);
+            float along = e * sinh_u - t0, rho = e * cosh_u;
             fan.x[k] = a.x + along * dx;
             fan.y[k] = a.y + along * dy;
             fan.r[k] = sqrtf(h * h + rho * rho);
@@ -134,12 +149,17 @@ void rsv_scatter_integrate(
     moments sum = { 0 };
     for (int k = 0; k < 3; k++)
         add_edge(profile, &foot, p[k], p[(k + 1) % 3], &sum);
+    float mass[3], x[3], y[3];
+    for (int c = 0; c < 3; c++) {
+        mass[c] = sum_over_rays(sum.mass[c]) / (2 * RSV_PI);
+        x[c] = sum_over_rays(sum.x[c]) / (8 * RSV_PI);
+        y[c] = sum_over_rays(sum.y[c]) / (8 * RSV_PI);
+    }
     for (int k = 0; k < 3; k++) {
         // barycentric weight at the foot and its gradient
         point_2d q = p[(k + 1) % 3], r = p[(k + 2) % 3];
         float at_foot = cross_2d(q, r) / area2, gx = (q.y - r.y) / area2, gy = (r.x - q.x) / area2;
-        weight[k] = rgb(at_foot * sum.mass[0] + gx * sum.x[0] + gy * sum.y[0],
-            at_foot * sum.mass[1] + gx * sum.x[1] + gy * sum.y[1],
-            at_foot * sum.mass[2] + gx * sum.x[2] + gy * sum.y[2]);
+        weight[k] = rgb(at_foot * mass[0] + gx * x[0] + gy * y[0],
+            at_foot * mass[1] + gx * x[1] + gy * y[1], at_foot * mass[2] + gx * x[2] + gy * y[2]);
     }
 }

@@ -8,6 +8,7 @@ rsv_status rsv_scatter_row_create(const rsv_scatter_sources *s, rsv_scatter_row 
     size_t columns = s->elements->node_count + s->cluster_count;
     row->context = s->context;
     row->count = 0;
+    row->patches = (rsv_scatter_patches){ 0 };
     row->column = rsv_alloc(s->context, columns, sizeof *row->column);
     row->weight = rsv_alloc(s->context, columns, sizeof *row->weight);
     row->listed = rsv_alloc(s->context, columns, sizeof *row->listed);
@@ -68,27 +69,60 @@ static void add_node(const gathering *g, uint32_t node, rsv_rgb weight)
             add_node(g, hanging->parent[p], rgb_scale(weight, hanging->weight[p]));
 }
 
-/// Mean of the profile over a piece of surface that is small against its distance, to third order: p at the centre
+/// Mean of the profile over pieces of surface that are small against their distance, to third order: p at the centre
 /// and a quarter of the Laplacian within the surface times the mean square distance from the centre.
-/// @param centre relative to the place @param normal of the surface, at most 1 long @param spread m2
-static rsv_rgb profile_over(const gathering *g, rsv_vec3 centre, rsv_vec3 normal, float spread)
+static void average_profile(const gathering *g, rsv_scatter_patches *p)
 {
-    float r = f_max(v3_length(centre), g->nearest), inverse = 1 / r;
-    float cos = v3_dot(centre, normal) * inverse, facing = f_min(cos * cos, 1);
-    float mean[3];
     for (int c = 0; c < 3; c++) {
-        float a = 1 / (3 * g->profile->d[c]), wide = rsv_exp_negative(-r * a), sum = 0;
-        float term[2] = { wide, wide * wide * wide };
-        for (int k = 0; k < 2; k++, a *= 3) {
+        const float d = g->profile->d[c], nearest = g->nearest;
+#pragma omp simd
+        for (int k = 0; k < RSV_SCATTER_PATCHES; k++) {
+            float x = p->x[k], y = p->y[k], z = p->z[k];
+            float r = f_max(sqrtf(x * x + y * y + z * z), nearest), inverse = 1 / r;
+            float cos = (x * p->nx[k] + y * p->ny[k] + z * p->nz[k]) * inverse;
+            float facing = f_min(cos * cos, 1), spread = 0.25f * p->spread[k];
+            float a = 1 / (3 * d), wide = rsv_exp_negative(-r * a), sum = 0;
             // f = exp(-a r) / r: f' = -f (a + 1/r), f'' = f ((a + 1/r)^2 + 1/r^2)
-            float slope = -(a + inverse) * inverse;
-            float bend = (a + inverse) * (a + inverse) + inverse * inverse;
-            float laplacian = bend * (1 - facing) + slope * (1 + facing);
-            sum += term[k] * f_max(1 + 0.25f * spread * laplacian, 0);
+            float slope = a + inverse, bend = slope * slope + inverse * inverse;
+            sum = wide *
+                  f_max(1 + spread * (bend * (1 - facing) - slope * inverse * (1 + facing)), 0);
+            slope = 3 * a + inverse, bend = slope * slope + inverse * inverse;
+            sum += wide * wide * wide *
+                   f_max(1 + spread * (bend * (1 - facing) - slope * inverse * (1 + facing)), 0);
+            p->mean[c][k] = sum * inverse / (8 * RSV_PI * d);
         }
-        mean[c] = sum * inverse / (8 * RSV_PI * g->profile->d[c]);
     }
-    return rgb(mean[0], mean[1], mean[2]);
+}
+
+/// Hands the weights of the patches to the row.
+static void settle_patches(const gathering *g)
+{
+    rsv_scatter_patches *p = &g->row->patches;
+    average_profile(g, p);
+    for (uint32_t k = 0; k < p->count; k++) {
+        rsv_rgb mean = rgb(p->mean[0][k], p->mean[1][k], p->mean[2][k]);
+        const uint32_t *node = p->node[k];
+        if (!node) add_entry(g, p->column[k], rgb_scale(mean, p->area[k]));
+        for (int i = 0; node && i < 3; i++)
+            add_node(g, node[i], rgb_scale(mean, p->area[k] / 3));
+    }
+    p->count = 0;
+}
+
+/// @param centre relative to the place @param normal of the surface, at most 1 long @param spread m2
+/// @param node of a cell; NULL = a cluster, with this `column`
+static void add_patch(const gathering *g, rsv_vec3 centre, rsv_vec3 normal, float spread,
+    float area, const uint32_t *node, uint32_t column)
+{
+    rsv_scatter_patches *p = &g->row->patches;
+    uint32_t k = p->count++;
+    p->x[k] = centre.x, p->y[k] = centre.y, p->z[k] = centre.z;
+    p->nx[k] = normal.x, p->ny[k] = normal.y, p->nz[k] = normal.z;
+    p->spread[k] = spread;
+    p->area[k] = area;
+    p->node[k] = node;
+    p->column[k] = column;
+    if (p->count == RSV_SCATTER_PATCHES) settle_patches(g);
 }
 
 static void add_exactly(const gathering *g, const rsv_vec3 corner[3], const uint32_t *node)
@@ -121,12 +155,10 @@ static void add_cell(const gathering *g, uint32_t k)
     float area = rsv_cell_area(s->elements, s->cell[k]);
     rsv_vec3 normal =
         v3_normalize(v3_cross(v3_sub(corner[1], corner[0]), v3_sub(corner[2], corner[0])));
-    rsv_rgb weight = rgb_scale(profile_over(g, centre, normal, squares / 12), area / 3);
-    for (int i = 0; i < 3; i++)
-        add_node(g, node[i], weight);
+    add_patch(g, centre, normal, squares / 12, area, node, RSV_NONE);
 }
 
-static void add_cluster(const gathering *g, uint32_t index)
+static void visit_cluster(const gathering *g, uint32_t index)
 {
     const rsv_scatter_sources *s = g->sources;
     const rsv_scatter_cluster *c = &s->cluster[index];
@@ -135,15 +167,22 @@ static void add_cluster(const gathering *g, uint32_t index)
     if (distance - c->radius > g->reach) return;
     float allowed = f_min(OPENING * distance, f_max(FAR_OPENING * distance, g->flat));
     if (c->radius < allowed) {
-        add_entry(g, (uint32_t)s->elements->node_count + index,
-            rgb_scale(profile_over(g, centre, c->normal, c->spread), c->area));
+        add_patch(g, centre, c->normal, c->spread, c->area, NULL,
+            (uint32_t)s->elements->node_count + index);
     } else if (c->right) {
-        add_cluster(g, index + 1);
-        add_cluster(g, c->right);
+        visit_cluster(g, index + 1);
+        visit_cluster(g, c->right);
     } else {
         for (uint32_t k = c->first_cell; k < c->first_cell + c->cell_count; k++)
             add_cell(g, k);
     }
+}
+
+/// The body that the cluster is the root of.
+static void add_body(const gathering *g, uint32_t root)
+{
+    visit_cluster(g, root);
+    settle_patches(g);
 }
 
 /// Whether the cells around a node leave a gap, as at creases and borders. Around inner nodes every neighbour belongs
@@ -179,7 +218,7 @@ static void gather_inside(gathering *g, uint32_t support, float share)
     }
     g->place = v3_mad(v3_scale(sum, INSET), 1 - 3 * INSET, corner[own]);
     g->share = share;
-    add_cluster(g, s->body[s->face_body[s->elements->cell[cell].face]].root);
+    add_body(g, s->body[s->face_body[s->elements->cell[cell].face]].root);
     double finest = (double)(RSV_PI / sqrtf(2 * rsv_cell_area(s->elements, cell)));
     rsv_rgb kept = rgb((float)rsv_diffusion_transfer((double)g->profile->d[0], finest),
         (float)rsv_diffusion_transfer((double)g->profile->d[1], finest),
@@ -217,7 +256,7 @@ void rsv_scatter_gather(const rsv_scatter_sources *s, uint32_t node, rsv_scatter
     if (is_border(s->elements, node))
         gather_at_border(&g, node);
     else
-        add_cluster(&g, body->root);
+        add_body(&g, body->root);
     for (uint32_t k = 0; k < row->count; k++)
         row->weight[row->column[k]] = rgb_scale(row->weight[row->column[k]], 1 / KEPT_SHARE);
 }

@@ -57,4 +57,19 @@ RSV_INLINE float rsv_exp_negative(float x)
     return power * scale.value;
 }
 
+/// log(x) for finite x >= 1 to 1e-7 of 1 or of itself, whichever is more; likewise.
+RSV_INLINE float rsv_log_above_one(float x)
+{
+    union {
+        float value;
+        int32_t bits;
+    } all = { x }, part;
+    // x = 2^exponent part, with part in [sqrt(1/2), sqrt(2))
+    int32_t exponent = (all.bits - 0x3f3504f3) >> 23;
+    part.bits = all.bits - exponent * (1 << 23);
+    float t = (part.value - 1) / (part.value + 1), t2 = t * t;
+    float series = 2 + t2 * (2.0f / 3 + t2 * (2.0f / 5 + t2 * (2.0f / 7 + t2 * (2.0f / 9))));
+    return (float)exponent * 0.693147181f + t * series;
+}
+
 #endif
