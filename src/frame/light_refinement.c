@@ -104,7 +104,9 @@ static rsv_rgb add_fields(
 static void fill_cell(const rsv_face_walk *w, uint32_t index, const refined_cell *at)
 {
     rsv_rgb share = rgb_gray(0);
-    if (w->detail) share = rsv_diffused_share(w->solution, at->slot[RSV_REFINED_LEVELS - 1]);
+    if (w->detail)
+        share =
+            rsv_diffused_share(w->solution->diffused.elements, at->slot[RSV_REFINED_LEVELS - 1]);
     for (int k = 0; k < 3; k++) {
         float u, v, *out = w->cell[index].corner[k];
         rsv_cell_corner(&at->cell, k, &u, &v);

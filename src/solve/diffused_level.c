@@ -223,9 +223,9 @@ rsv_rgb rsv_solution_diffused(
     return rsv_elements_interpolate(s->diffused.elements, field, face, u, v);
 }
 
-rsv_rgb rsv_diffused_share(const rsv_solution *s, uint32_t cell)
+rsv_rgb rsv_diffused_share(const rsv_elements *e, uint32_t cell)
 {
-    const rsv_elements *e = s->diffused.elements;
+    if (!rsv_material_scatters_below(face_material(e, e->cell[cell].face))) return rgb_gray(1);
     rsv_scatter_profile p = rsv_scatter_profile_of(face_material(e, e->cell[cell].face));
     double finest = (double)(RSV_PI / rsv_cell_spacing(e, cell));
     return rgb((float)rsv_diffusion_transfer((double)p.d[0], finest),
@@ -239,7 +239,7 @@ rsv_unresolved rsv_solution_unresolved(const rsv_solution *s, uint32_t face, flo
     float weight[3];
     uint32_t cell = rsv_elements_locate(e, face, u, v, weight);
     return (rsv_unresolved){ .known = rsv_elements_interpolate(e, s->diffused.entered, face, u, v),
-        .share = rsv_diffused_share(s, cell) };
+        .share = rsv_diffused_share(e, cell) };
 }
 
 rsv_rgb rsv_solution_diffused_direct(const rsv_solution *s, uint32_t face, float u, float v)

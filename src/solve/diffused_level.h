@@ -40,8 +40,8 @@ rsv_rgb rsv_solution_diffused(
 rsv_rgb rsv_solution_diffused_direct(
     const struct rsv_solution *solution, uint32_t face, float u, float v);
 
-/// The share of detail below the size of a cell of the level that survives diffusion.
-rsv_rgb rsv_diffused_share(const struct rsv_solution *solution, uint32_t cell);
+/// The share of detail below the size of a cell that survives diffusion: all of it on surfaces that are not translucent.
+rsv_rgb rsv_diffused_share(const rsv_elements *elements, uint32_t cell);
 
 /// The direct irradiance that the level knows at a place, and the share of unknown detail that survives.
 typedef struct rsv_unresolved {

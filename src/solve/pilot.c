@@ -8,6 +8,7 @@
 #include "../elements/past.h"
 #include "budget.h"
 #include "coarse_elements.h"
+#include "diffused_level.h"
 #include "goal.h"
 #include "source.h"
 #include "system.h"
@@ -71,6 +72,14 @@ static void weigh_bends(const rsv_goal *goal, const rsv_elements *e, float *bend
     }
 }
 
+/// Of a bend no more is seen than survives the diffusion below a translucent surface.
+static void diffuse_bends(const rsv_elements *e, float *bend)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        if (bend[c] > 0) bend[c] *= rgb_luminance(rsv_diffused_share(e, c));
+}
+
 /// What is known from before an edit that left sources as they were: other ones bend light elsewhere. NULL = nothing
 static const rsv_past *settled(const rsv_solution *s)
 {
@@ -122,6 +131,7 @@ static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t
     RSV_TRY(rsv_find_bends(
         e, arriving, deviation, PILOT_BEND, dark, RSV_BENDS_AND_BORDERS, note_bend, bend));
     rsv_find_cluster_bends(e, arriving, deviation, PILOT_BEND, dark, note_bend, bend);
+    diffuse_bends(e, bend);
     weigh_bends(goal, e, bend);
     bool marked = true;
     for (float least = PILOT_BEND; least < LARGEST_BEND && marked && !*any; least *= 1.5f) {
