@@ -5,6 +5,7 @@
 #ifndef RSV_BVH_TRACE_H
 #define RSV_BVH_TRACE_H
 
+#include "../core/bits.h"
 #include "../scene/material_at.h"
 #include "bvh.h"
 #include "watertight.h"
@@ -20,24 +21,6 @@ typedef struct rsv_bvh_ray {
 typedef struct rsv_bvh_group {
     uint32_t first, bits;
 } rsv_bvh_group;
-
-RSV_INLINE uint32_t rsv_lowest_bit(uint32_t bits)
-{
-#if defined(__CUDA_ARCH__)
-    return (uint32_t)__ffs((int)bits) - 1;
-#else
-    return (uint32_t)__builtin_ctz(bits);
-#endif
-}
-
-RSV_INLINE uint32_t rsv_count_bits(uint32_t bits)
-{
-#if defined(__CUDA_ARCH__)
-    return (uint32_t)__popc(bits);
-#else
-    return (uint32_t)__builtin_popcount(bits);
-#endif
-}
 
 /// 2^e of a biased exponent.
 RSV_INLINE float rsv_power_of_two(uint32_t biased)

@@ -41,7 +41,9 @@ static rsv_status take_samples(examination *x)
     uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
     size_t done = 0;
     uint64_t rays = 0;
-#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context)) reduction(+ : rays)
+    uint32_t broken = 0;
+#pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context)) \
+    reduction(+ : rays, broken)
     for (uint32_t k = 0; k < count; k++) {
         if (rsv_cancelled(context)) continue;
         rsv_residual_sample *sample = &x->sample[k];
@@ -52,6 +54,7 @@ static rsv_status take_samples(examination *x)
         if (!rsv_point_is_buried(&s->scene, s->elements, &sample->point, stream, &rays)) {
             sample->at = rsv_residual_at(&job, &sample->point, stream);
             sample->valid = is_finite(&sample->at);
+            broken += !sample->valid;
             rays += sample->at.rays;
         }
         size_t finished;
@@ -61,6 +64,9 @@ static rsv_status take_samples(examination *x)
             rsv_progress(context, "certify", (double)finished / (double)count);
     }
     x->certificate->rays += rays;
+    if (broken > 0)
+        return rsv_fail(RSV_ERROR_SCENE,
+            "certify: at %u of %u points the light is not a finite number", broken, count);
     if (job.stored_caustics)
         rsv_log(context, RSV_LOG_WARNING,
             "certify: caustics of punctual lights are taken from the solution: no gather ray can "

@@ -68,9 +68,10 @@ static bool is_aimed(const pursuit *p)
     return p->desc.goal_point_count > 0 || p->desc.goal_camera != RSV_NONE;
 }
 
-static double relative(const pursuit *p, double value)
+/// An error of what is held for dark is as large as any.
+static double relative(double error, double light)
 {
-    return p->certificate->irradiance_rms > 0 ? value / p->certificate->irradiance_rms : 0;
+    return light > 0 ? error / light : error > 0 ? INFINITY : 0;
 }
 
 /// Of the goal's reading, where there is a goal.
@@ -87,8 +88,8 @@ static rsv_status certify_goal(pursuit *p)
         status = rsv_certify_goal(p->solution, &p->certify, d->goal_camera, &g);
     if (status != RSV_OK) return status;
     double upper = fmax(fabs(g.error_ci95[0]), fabs(g.error_ci95[1]));
-    p->error = g.reading > 0 ? fabs(g.error) / g.reading : 0;
-    p->upper = g.reading > 0 ? upper / g.reading : 0;
+    p->error = relative(fabs(g.error), g.reading);
+    p->upper = relative(upper, g.reading);
     return RSV_OK;
 }
 
@@ -96,8 +97,9 @@ static rsv_status certify(pursuit *p)
 {
     double start = rsv_seconds();
     rsv_status status = rsv_certify(p->solution, &p->certify, p->certificate);
-    p->error = relative(p, p->certificate->error_estimate_rms);
-    p->upper = relative(p, p->certificate->error_estimate_ci95[1]);
+    double light = p->certificate->irradiance_rms;
+    p->error = relative(p->certificate->error_estimate_rms, light);
+    p->upper = relative(p->certificate->error_estimate_ci95[1], light);
     if (status == RSV_OK) status = certify_goal(p);
     p->certify_seconds = rsv_seconds() - start;
     return status;
@@ -204,8 +206,9 @@ static void choose_refinement(pursuit *p, double largest)
     // reflections make more of a residual than it was
     double gain = c->residual_rms > 0 ? fmax(c->error_estimate_rms / c->residual_rms, 0.5) : 1;
     // a goal may lack more or less than surfaces do in the mean
-    double all = relative(p, c->error_estimate_rms);
-    if (is_aimed(p) && all > 0) gain *= fmax(p->error, p->upper / 2) / all;
+    double all = relative(c->error_estimate_rms, c->irradiance_rms);
+    double lacking = fmax(p->error, p->upper / 2);
+    if (is_aimed(p) && all > 0 && isfinite(all) && isfinite(lacking)) gain *= lacking / all;
     double direct = gain * c->residual_direct_rms / (M_SQRT1_2 * allowed);
     double gathered = gain * c->residual_gathered_rms / (M_SQRT1_2 * allowed);
     p->cost = p->size = p->direct_size = 1;

@@ -46,8 +46,7 @@ static double measure_term(const goal_job *job, const rsv_residual_job *residual
     rsv_rgb z =
         rsv_elements_interpolate(s->elements, job->importance, point.face, point.u, point.v);
     rsv_rgb term = rgb_mul(z, rgb_scale(rgb_add(r.residual[0], r.residual[1]), 0.5f));
-    double value = ((double)term.r + (double)term.g + (double)term.b) * weight * job->density.area;
-    return isfinite(value) ? value : 0;
+    return ((double)term.r + (double)term.g + (double)term.b) * weight * job->density.area;
 }
 
 static rsv_status measure_terms(goal_job *job)
@@ -58,6 +57,10 @@ static rsv_status measure_terms(goal_job *job)
 #pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context))
     for (uint32_t k = 0; k < job->desc.samples; k++)
         if (!rsv_cancelled(context)) job->term[k] = measure_term(job, &residual, k);
+    for (uint32_t k = 0; k < job->desc.samples; k++)
+        if (!isfinite(job->term[k]))
+            return rsv_fail(
+                RSV_ERROR_SCENE, "certify: the light is not a finite number everywhere");
     return rsv_progress(context, "certify", 1);
 }
 

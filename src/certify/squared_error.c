@@ -31,10 +31,13 @@ static void add_samples(const rsv_solution *s, const rsv_residual_sample *sample
     }
 }
 
-static void add_nodes(const rsv_elements *e, const rsv_error_field *field, set_sums *sums)
+/// Over what is not buried, as samples are.
+static void add_nodes(const rsv_solution *solution, const rsv_error_field *field, set_sums *sums)
 {
+    const rsv_elements *e = solution->elements;
     double area = 0;
     for (size_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] == RSV_NONE && !solution->valid_points[n]) continue;
         double s[SETS], own = (double)e->node_area[n];
         for (size_t set = 0; set < SETS; set++)
             s[set] = luminance(field->reflected[set][n]);
@@ -85,7 +88,7 @@ rsv_moments rsv_mean_squared_error(const rsv_solution *s, const rsv_residual_sam
     set_sums sums = { 0 };
     double pseudo[SETS];
     add_samples(s, sample, count, field, &sums);
-    add_nodes(s->elements, field, &sums);
+    add_nodes(s, field, &sums);
     double all = estimate(&sums, SETS);
     // Tukey's pseudo-values: their spread is that of the estimate, however its parts depend on each other
     for (size_t set = 0; set < SETS; set++)

@@ -116,7 +116,6 @@ RSV_INLINE uint32_t rsv_pixel_seed(uint32_t seed, uint32_t row, uint32_t column)
     return rsv_hash3(seed ^ 0x6c078965u, row, column);
 }
 
-/// Uniform disk, area-preserving and continuous (Shirley and Chiu 1997).
 /// Entry of a cumulative table [count], from above 0 to its total, that holds `value`.
 RSV_INLINE size_t rsv_interval_at(const double *cumulative, size_t count, double value)
 {
@@ -147,6 +146,7 @@ RSV_INLINE uint32_t rsv_invert_cdf(const float *cdf, uint32_t count, float *x)
     return low;
 }
 
+/// Uniform disk, area-preserving and continuous (Shirley and Chiu 1997).
 RSV_INLINE void rsv_square_to_disk(float x, float y, float *dx, float *dy)
 {
     float a = 2 * x - 1, b = 2 * y - 1;

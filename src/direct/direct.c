@@ -40,7 +40,7 @@ static void sample_emitters(const rsv_direct_job *job, const rsv_direct_receiver
     const rsv_direct_setting *s = &job->setting;
     ray_lanes rays = { .count = lanes };
     for (uint32_t k = 0; k < lanes; k++) {
-        uint32_t at = k % s->points;
+        uint32_t at = rsv_direct_turn(s, receiver->valid, first + k);
         float select, x, y;
         rsv_light_sample sample;
         rays.lane[k] = rsv_direct_no_ray();
@@ -61,7 +61,7 @@ static rsv_direct_estimate from_emitters(
     rsv_local_lights local[LANES];
     rsv_rgb unshadowed;
     float valid = (float)__builtin_popcount(receiver->valid);
-    if (!rsv_lights_any_sampled(s->lights)) return rsv_direct_no_estimate();
+    if (!receiver->valid || !rsv_lights_any_sampled(s->lights)) return rsv_direct_no_estimate();
     for (uint32_t k = 0; k < s->points; k++)
         if (receiver->valid >> k & 1)
             rsv_lights_at(
@@ -71,8 +71,8 @@ static rsv_direct_estimate from_emitters(
     rsv_direct_sums sums = rsv_direct_no_sums();
     for (uint32_t first = 0; first < rays.samples; first += rays.lanes)
         sample_emitters(job, receiver, local, first, rays.lanes, &sums);
-    float count = (float)rays.samples * valid / (float)s->points;
-    rsv_direct_estimate e = rsv_direct_from_sums(&sums, unshadowed, by_tree, count);
+    rsv_direct_estimate e = rsv_direct_from_sums(
+        &sums, unshadowed, by_tree, rsv_direct_drawn(s, receiver->valid, rays.samples));
     e.rays = rays.samples;
     return e;
 }

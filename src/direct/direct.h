@@ -9,8 +9,8 @@
 /// Irradiance at the free nodes from all sources that are not gathered, averaged over receiver points on
 /// each node's support.
 ///
-/// Each point's unshadowed irradiance is known in closed form (Lambert's formula), so only visibility is
-/// sampled: E = E_unshadowed * (sum f V / p) / (sum f / p). Fully lit and fully shadowed nodes come out
+/// Each point's unshadowed irradiance is known in closed form (Lambert's formula) but for the weak ones of many emitters,
+/// so only visibility is sampled: E = E_unshadowed * (sum f V / p) / (sum f / p). Fully lit and fully shadowed nodes come out
 /// without noise; in penumbrae the ratio's bias is of order 1 / samples and far below its noise.
 ///
 /// @param points per node, 4 or 16

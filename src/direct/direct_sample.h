@@ -2,6 +2,7 @@
 #ifndef RSV_DIRECT_SAMPLE_H
 #define RSV_DIRECT_SAMPLE_H
 
+#include "../core/bits.h"
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
 #include "../surface/medium.h"
@@ -27,7 +28,7 @@ typedef struct rsv_direct_receiver {
     uint32_t valid; ///< bit k = point k counts
 } rsv_direct_receiver;
 
-/// Shadow rays of a look: ray k of `lanes` at a time starts at point k % points.
+/// Shadow rays of a look, of which `lanes` are traced at a time.
 typedef struct rsv_direct_rays {
     uint32_t samples, lanes;
 } rsv_direct_rays;
@@ -57,6 +58,26 @@ RSV_INLINE rsv_rgb rsv_direct_entering(const rsv_direct_setting *s,
 }
 
 // ---- emitters, suns and the sky -----------------------------------------------------------------
+
+/// The point that sample `index` starts from: they take turns, which keeps the samples of each one stratified. Where a tree has
+/// its share of the samples, points that do not count leave theirs to the others, or too few might be left for what closed
+/// forms know. @param valid of a receiver, not 0
+RSV_INLINE uint32_t rsv_direct_turn(const rsv_direct_setting *s, uint32_t valid, uint32_t index)
+{
+    uint32_t point = index % s->points, left;
+    if ((valid >> point & 1) || !s->lights->emitter_tree) return point;
+    left = (index + index / s->points) % rsv_count_bits(valid);
+    for (point = 0; left > 0 || !(valid >> point & 1); point++)
+        left -= valid >> point & 1;
+    return point;
+}
+
+/// How many of the samples are drawn.
+RSV_INLINE float rsv_direct_drawn(const rsv_direct_setting *s, uint32_t valid, uint32_t samples)
+{
+    if (s->lights->emitter_tree) return (float)samples;
+    return (float)samples * (float)rsv_count_bits(valid) / (float)s->points;
+}
 
 /// Random numbers of sample `index` of a node: which source, and where on it.
 RSV_INLINE void rsv_direct_numbers(
@@ -143,7 +164,7 @@ RSV_INLINE float rsv_direct_ratio(float unshadowed, float visible, float open)
 
 /// Visibility sampled, everything else known: the noise is that of a share of visible samples. Emitters that a tree chose
 /// come on top of it, as the mean of what their samples found.
-/// @param by_tree there are such emitters
+/// @param by_tree there are such emitters @param count of samples
 RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
     const rsv_direct_sums *sums, rsv_rgb unshadowed, bool by_tree, float count)
 {
@@ -153,10 +174,13 @@ RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
         rsv_direct_ratio(unshadowed.b, sums->visible.b, sums->open.b));
     e.partial = by_tree || (sums->seen > 0 && sums->hidden > 0);
     float open = rgb_luminance(sums->open), share = rgb_luminance(sums->visible) / open;
+    // the tree took some of the samples; if it took all, nothing is known
+    float known = by_tree ? (float)(sums->seen + sums->hidden) : count;
     if (open > 0)
         e.deviation = RSV_DIRECT_STRATIFIED * rgb_luminance(unshadowed) *
-                      sqrtf(f_max(share * (1 - share), 0) / count);
+                      sqrtf(f_max(share * (1 - share), 0) / known);
     if (!by_tree) return e;
+    if (!(open > 0)) e.deviation = rgb_luminance(unshadowed);
     e.irradiance = rgb_mad(e.irradiance, 1 / count, sums->further);
     float mean = rgb_luminance(sums->further) / count;
     float variance = f_max(sums->further_squared / count - mean * mean, 0) / count;

@@ -22,7 +22,7 @@ typedef struct rsv_beam_triangle {
     float side[3][3]; ///< normals of planes through the eye and the edge opposite corner k, inwards
     float normal[3];  ///< of its own plane, away from the eye
     float reach;      ///< rays meet that plane at reach / (normal . direction)
-    float slack;      ///< weights above -slack count as positive
+    float slack[3];   ///< weights above -slack count as positive
     float front;      ///< -1 where the normal is that of the back
     uint32_t triangle;
 } rsv_beam_triangle;
@@ -30,7 +30,7 @@ typedef struct rsv_beam_triangle {
 typedef struct rsv_beam {
     uint32_t count;
     rsv_beam_triangle of[RSV_BEAM_TRIANGLES]; ///< [count]
-    /// [count] indices into `of`, the scene's order: of two triangles at one distance, rays meet the first.
+    /// [count] indices into `of`, the scene's order: of two triangles at one distance, rays meet the last, as Embree's do.
     uint8_t order[RSV_BEAM_TRIANGLES];
 } rsv_beam;
 

@@ -88,13 +88,11 @@ static inline double see_triangle(rsv_vec3 eye, const rsv_bvh_triangle *t, rsv_b
     rsv_double3 n = d3_cross(d3_sub(p[1], p[0]), d3_sub(p[2], p[0]));
     double volume = d3_dot(p[0], n), sign = volume < 0 ? -1 : 1;
     round_vector(n, sign, seen->normal);
-    float size = 0;
     for (int k = 0; k < 3; k++) {
         round_vector(d3_cross(p[(k + 1) % 3], p[(k + 2) % 3]), sign, seen->side[k]);
-        size = f_max(size, vector_size(seen->side[k]));
+        seen->slack[k] = 0x1p-22f * vector_size(seen->side[k]);
     }
     seen->reach = (float)(sign * volume);
-    seen->slack = 0x1p-22f * size;
     seen->front = (float)sign;
     seen->triangle = t->index;
     return sign * volume;
@@ -133,11 +131,12 @@ static inline bool add_triangle(beam_search *s, const rsv_bvh_triangle *t)
     if (lies_beside(s, t)) return true;
     double volume = see_triangle(s->eye, t, &seen);
     if (volume == 0) return true; // seen from its edge, or no area
-    if (!(volume > 1e-30 && volume < 1e30 && seen.slack < 1e30f)) return false;
+    float most = f_max(f_max(seen.slack[0], seen.slack[1]), seen.slack[2]);
+    if (!(volume > 1e-30 && volume < 1e30 && most < 1e30f)) return false;
     rsv_float4 along = product4(s->corner, seen.normal);
-    float slack = 8 * seen.slack * s->longest;
     bool covers = true;
     for (int k = 0; k < 3; k++) {
+        float slack = 8 * seen.slack[k] * s->longest;
         rsv_float4 weight = product4(s->corner, seen.side[k]);
         if (greatest(weight) < -slack) return true;
         covers &= least(weight) > slack;
@@ -279,7 +278,7 @@ static bool gather_beam(const rsv_beams *beams, const rsv_beam_lens *lens, const
 
 // ---- packets ------------------------------------------------------------------------------------
 
-/// What the triangle's corners weigh. @return whether any lane may meet it
+/// What the triangle's corners weigh, after the least of the three with their slacks. @return whether any lane may meet it
 static inline bool weigh_corners(const rsv_beam_triangle *restrict t,
     const rsv_ray_packet *restrict p, float (*restrict weight)[LANES])
 {
@@ -289,11 +288,11 @@ static inline bool weigh_corners(const rsv_beam_triangle *restrict t,
         float a = t->side[0][0] * x + t->side[0][1] * y + t->side[0][2] * z;
         float b = t->side[1][0] * x + t->side[1][1] * y + t->side[1][2] * z;
         float c = t->side[2][0] * x + t->side[2][1] * y + t->side[2][2] * z;
-        weight[0][k] = f_min(f_min(a, b), c);
+        weight[0][k] = f_min(f_min(a + t->slack[0], b + t->slack[1]), c + t->slack[2]);
         weight[1][k] = b;
         weight[2][k] = c;
         weight[3][k] = a + b + c;
-        met |= weight[0][k] >= -t->slack;
+        met |= weight[0][k] >= 0;
     }
     return met;
 }
@@ -321,10 +320,10 @@ static inline void meet_triangle(const rsv_beam_triangle *restrict t,
                       t->normal[2] * p->direction_z[k];
         float inverse = 1 / weight[3][k];
         distance[k] = t->reach / along;
-        u[k] = weight[1][k] * inverse;
-        v[k] = weight[2][k] * inverse;
-        bool met = (weight[0][k] >= -t->slack) & (weight[3][k] > 0) & (distance[k] > 0) &
-                   (distance[k] < p->t_max[k]);
+        u[k] = f_min(f_max(weight[1][k] * inverse, 0), 1);
+        v[k] = f_min(f_max(weight[2][k] * inverse, 0), 1);
+        bool met = (weight[0][k] >= 0) & (weight[3][k] > 0) & (distance[k] > 0) &
+                   (distance[k] <= p->t_max[k]) & (distance[k] < INFINITY);
         nearer[k] = met ? UINT32_MAX : 0;
     }
     for (int k = 0; k < LANES; k++) {

@@ -57,6 +57,9 @@ rsv_rgb rsv_mover_shown(const rsv_mover *m, const rsv_ray_packet *p, uint32_t k)
 static float ratio(float exact, float sampled) { return sampled > 0 ? exact / sampled : 1; }
 
 /// Emitters, suns and sky. Where their unshadowed light is known in closed form, samples are scaled to it.
+/// Stratified samples that closed forms know, as many as make sure of one.
+#define FEWEST_KNOWN 2
+
 static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, uint32_t samples,
     uint32_t stream, rsv_aimed_ray *ray)
 {
@@ -76,6 +79,9 @@ static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, 
         ray[count].ray = rsv_shadow_ray(local->lights, &light, local->point, origin);
         ray[count++].irradiance = rgb_scale(light.radiance, weight);
     }
+    // few samples may all have been the tree's: a ratio would lose what they might have been
+    if (local->tree_share > 0 && (1 - local->tree_share) * (float)samples < FEWEST_KNOWN)
+        return count;
     rsv_rgb scale = rgb(ratio(local->unshadowed.r, open.r), ratio(local->unshadowed.g, open.g),
         ratio(local->unshadowed.b, open.b));
     for (uint32_t k = 0; k < count; k++)

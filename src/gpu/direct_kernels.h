@@ -47,9 +47,10 @@ RSV_INLINE rsv_direct_ray rsv_direct_draw(
 {
     const rsv_direct_setting *s = &a->setting;
     const rsv_direct_receiver *receiver = &a->receiver[node];
-    uint32_t at = index % a->rays.lanes % s->points;
     float select, x, y;
     rsv_light_sample sample;
+    if (!receiver->valid) return rsv_direct_no_ray();
+    uint32_t at = rsv_direct_turn(s, receiver->valid, index);
     if (!(receiver->valid >> at & 1)) return rsv_direct_no_ray();
     rsv_direct_numbers(s, receiver->node, index, &select, &x, &y);
     const rsv_local_lights *local = &a->local[(size_t)node * s->points + at];
@@ -95,13 +96,13 @@ RSV_INLINE void rsv_direct_finish_item(const rsv_direct_args *a, uint32_t node)
     const rsv_direct_setting *s = &a->setting;
     const rsv_direct_receiver *receiver = &a->receiver[node];
     float valid = (float)rsv_count_bits(receiver->valid);
-    float count = (float)a->rays.samples * valid / (float)s->points;
     rsv_rgb unshadowed;
     bool by_tree =
         rsv_direct_unshadowed(s, receiver, a->local + (size_t)node * s->points, valid, &unshadowed);
     rsv_direct_estimate e = rsv_direct_no_estimate();
     if (by_tree || !rgb_is_black(unshadowed)) {
-        e = rsv_direct_from_sums(&a->sums[node], unshadowed, by_tree, count);
+        e = rsv_direct_from_sums(&a->sums[node], unshadowed, by_tree,
+            rsv_direct_drawn(s, receiver->valid, a->rays.samples));
         e.rays = a->rays.samples;
     }
     a->estimate[node] = e;

@@ -54,11 +54,12 @@ typedef struct rsv_lights {
     uint32_t *triangle_emitter; ///< [triangle_count] the first of its emitters; RSV_NONE = none
     uint32_t *sampled;          ///< indices of the emitters that next-event estimation samples
     size_t sampled_count;
-    /// The first of `sampled` are weighed one by one at every receiver: all of them if they are RSV_LOCAL_LIGHTS or
+    /// The first of `sampled` are weighed one by one at every receiver: all that shine if they are RSV_LOCAL_LIGHTS or
     /// fewer; else the few that give most of the light, if there are such. The others are in the tree.
     size_t weighed_count;
-    rsv_light_tree *emitter_tree; ///< over those of `sampled` that are not weighed; NULL = none
-    uint32_t *punctual;           ///< [light_count] those that shine: distant ones, then the others
+    rsv_light_tree
+        *emitter_tree; ///< over those of `sampled` that are not weighed; NULL = none of them shines
+    uint32_t *punctual; ///< [light_count] those that shine: distant ones, then the others
     size_t distant_count, punctual_count;
     rsv_light_tree *punctual_tree; ///< over those not distant; NULL = RSV_SUMMED_LIGHTS or fewer
     rsv_environment_light *environment; ///< NULL = black surroundings

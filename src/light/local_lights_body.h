@@ -25,6 +25,7 @@ RSV_SHARED bool rsv_local_lights_sample(
 RSV_INLINE double rsv_selection_probability(const rsv_local_lights *local, uint32_t entry)
 {
     if (entry < local->count) return local->probability[entry];
+    if (!local->lights->emitter_tree) return 0;
     return local->tree_share * rsv_light_tree_probability(local->lights->emitter_tree, local->point,
                                    local->normal, entry - local->count);
 }

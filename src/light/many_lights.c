@@ -61,13 +61,20 @@ static size_t find_strongest(const rsv_lights *lights, uint32_t strongest[RSV_LO
     return count;
 }
 
-/// The fewest emitters that give most of the light. @return how many; 0 = they are not few
+/// The fewest emitters that give most of the light; all that give any, where those are few. @return how many; 0 = they are not
+/// few
 static size_t find_most_of_the_light(const rsv_lights *lights, uint32_t few[RSV_LOCAL_LIGHTS])
 {
     double total = 0, sum = 0;
-    for (size_t i = 0; i < lights->sampled_count; i++)
-        total += strength(lights, lights->sampled[i]);
+    size_t shining = 0;
+    for (size_t i = 0; i < lights->sampled_count; i++) {
+        double own = strength(lights, lights->sampled[i]);
+        total += own;
+        shining += own > 0;
+    }
+    if (shining == 0) return 0;
     size_t count = find_strongest(lights, few);
+    if (shining <= RSV_LOCAL_LIGHTS) return shining;
     for (size_t k = 0; k < count; k++) {
         sum += strength(lights, few[k]);
         if (sum >= MOST_OF_THE_LIGHT * total) return k + 1;
@@ -103,12 +110,20 @@ static void choose_weighed(rsv_lights *lights)
     memcpy(lights->sampled, few, count * sizeof *few);
 }
 
+/// Of those that are not weighed.
+static bool any_shines(const rsv_lights *lights)
+{
+    for (size_t i = lights->weighed_count; i < lights->sampled_count; i++)
+        if (strength(lights, lights->sampled[i]) > 0) return true;
+    return false;
+}
+
 rsv_status rsv_lights_plant_trees(rsv_lights *lights)
 {
     rsv_context *context = lights->context;
     rsv_status status = RSV_OK;
     choose_weighed(lights);
-    size_t emitters = lights->sampled_count - lights->weighed_count;
+    size_t emitters = any_shines(lights) ? lights->sampled_count - lights->weighed_count : 0;
     size_t local = lights->punctual_count - lights->distant_count;
     rsv_light_tree_destroy(lights->emitter_tree);
     rsv_light_tree_destroy(lights->punctual_tree);

@@ -3,6 +3,7 @@
 #include "trace/tracer_update.h"
 
 #include "frame_fixture.h"
+#include "core/sampling.h"
 #include "resolvent/relight.h"
 
 /// Tiles and pixels of a picture: the last tiles are cut off, and a row and a column lie in the middle.
@@ -246,6 +247,46 @@ static void a_speck_at_the_corner_of_a_tile_is_met(void **state)
     world_end(w);
 }
 
+/// A wall that stands twice in the scene, in other words of two materials.
+static void of_two_walls_in_one_place_the_tracers_is_met(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    rsv_camera camera = looking_at_the_origin();
+    uint32_t material[2] = { world_lambert(w, 0.5f, 0), world_lambert(w, 0.1f, 0) };
+    for (int k = 0; k < 2; k++)
+        world_quad(w, material[k], v3(-9, -9, -1), v3(9, -9, -1), v3(9, 9, -1), v3(-9, 9, -1));
+    commit(w);
+    comparison c = compare(w->tracer, &camera);
+    assert_true(c.rays > 1000);
+    if (c.other > 20) fail_msg("of %zu rays %zu meet the other wall", c.rays, c.other);
+    world_end(w);
+}
+
+/// Nothing is met beyond the ends of a triangle that is far longer than it is wide.
+static void slivers_end_where_they_end(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    rsv_camera camera = looking_at_the_origin();
+    uint32_t gray = world_lambert(w, 0.5f, 0);
+    world_quad(w, gray, v3(-9, -9, -1), v3(9, -9, -1), v3(9, 9, -1), v3(-9, 9, -1));
+    rsv_random random = rsv_random_from(4, 5, 6);
+    for (int k = 0; k < 40; k++) {
+        rsv_vec3 along = v3_normalize(v3(rsv_random_float(&random) - 0.5f,
+            rsv_random_float(&random) - 0.5f, 0.2f * rsv_random_float(&random)));
+        rsv_vec3 foot = v3(2 * rsv_random_float(&random) - 1, 2 * rsv_random_float(&random) - 1, 0);
+        const rsv_vec3 corner[3] = { foot, v3_mad(foot, 2, along),
+            v3_add(foot, v3(-1e-5f * along.y, 1e-5f * along.x, 0)) };
+        add_triangle(w, gray, corner);
+    }
+    commit(w);
+    comparison c = compare(w->tracer, &camera);
+    assert_true(c.rays > 1000);
+    if (c.other > 20) fail_msg("of %zu rays %zu meet other triangles", c.rays, c.other);
+    world_end(w);
+}
+
 /// Ray after ray along edges and through corners of a wall.
 static void no_ray_falls_between_triangles(void **state)
 {
@@ -406,6 +447,8 @@ int main(void)
         cmocka_unit_test(beams_meet_what_the_tracer_meets),
         cmocka_unit_test(all_instructions_meet_the_same_bytes),
         cmocka_unit_test(a_speck_at_the_corner_of_a_tile_is_met),
+        cmocka_unit_test(of_two_walls_in_one_place_the_tracers_is_met),
+        cmocka_unit_test(slivers_end_where_they_end),
         cmocka_unit_test(no_ray_falls_between_triangles),
         cmocka_unit_test(a_wall_hides_what_is_behind_it),
         cmocka_unit_test(cut_out_surfaces_are_left_to_the_tracer),
