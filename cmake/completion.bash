@@ -1,15 +1,22 @@
-# Completion of `resolvent` for bash: commands, and the options that each explains in its --help.
+# Completion of `resolvent` for bash: commands, the options that each explains in its --help, the values of those that have
+# a few, and the built-in scenes beside files.
 _resolvent()
 {
-    local current=${COMP_WORDS[COMP_CWORD]} program=${COMP_WORDS[0]}
+    local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]}
+    local program=${COMP_WORDS[0]} command=${COMP_WORDS[1]} words
     if ((COMP_CWORD == 1)); then
-        local commands
-        commands=$("$program" --help 2>/dev/null | sed -n '/^commands:/,/^$/s/^  \([a-z]*\).*/\1/p')
-        COMPREPLY=($(compgen -W "$commands --help --version" -- "$current"))
+        words=$("$program" --help 2>/dev/null | sed -n '/^commands:/,/^$/s/^  \([a-z]*\).*/\1/p')
+        COMPREPLY=($(compgen -W "$words --help --version" -- "$current"))
     elif [[ $current == -* ]]; then
-        local options
-        options=$("$program" "${COMP_WORDS[1]}" --help 2>/dev/null | grep -oE -- '(^|[ ,])--?[a-z][a-z-]*')
-        COMPREPLY=($(compgen -W "$options --help" -- "$current"))
+        words=$("$program" "$command" --help 2>/dev/null | grep -oE -- '(^|[ ,])--?[a-z][a-z-]*' | sort -u)
+        COMPREPLY=($(compgen -W "$words --help" -- "$current"))
+    elif [[ $previous == -* ]]; then
+        # what is no value is refused with those there are
+        words=$("$program" "$command" "$previous" '?' 2>&1 | sed -n 's/.* is not one of \(.*\); see .*/\1/p')
+        COMPREPLY=($(compgen -W "${words//,/}" -- "$current"))
+    else
+        words=$("$program" --help 2>/dev/null | sed -n 's/.*name of a built-in scene: *//p')
+        COMPREPLY=($(compgen -W "$words" -- "$current") $(compgen -f -- "$current"))
     fi
 }
 complete -o default -F _resolvent resolvent

@@ -28,6 +28,12 @@ _resolvent
 COMP_WORDS=("$prefix/bin/resolvent" render --expo) COMP_CWORD=2
 _resolvent
 [[ ${COMPREPLY[*]} == --exposure ]]
+COMP_WORDS=("$prefix/bin/resolvent" render --quality m) COMP_CWORD=3
+_resolvent
+[[ ${COMPREPLY[*]} == medium ]]
+COMP_WORDS=("$prefix/bin/resolvent" render cornell-pl) COMP_CWORD=2
+_resolvent
+[[ ${COMPREPLY[*]} == cornell-plaster ]]
 
 mkdir "$work/outside"
 cp "$source/samples/minimal.c" "$work/outside"
