@@ -12,11 +12,12 @@ _resolvent()
         COMPREPLY=($(compgen -W "$words --help" -- "$current"))
     elif [[ $previous == -* ]]; then
         # what is no value is refused with those there are
-        words=$("$program" "$command" "$previous" '?' 2>&1 | sed -n 's/.* is not one of \(.*\); see .*/\1/p')
-        COMPREPLY=($(compgen -W "${words//,/}" -- "$current"))
+        words=$({ "$program" "$command" "$previous" '?' 2>&1 || :; } |
+            sed -n 's/.* is not one of \(.*\); see .*/\1/p')
+        COMPREPLY=($(compgen -W "${words//,/}" -- "$current" || :))
     else
         words=$("$program" --help 2>/dev/null | sed -n 's/.*name of a built-in scene: *//p')
-        COMPREPLY=($(compgen -W "$words" -- "$current") $(compgen -f -- "$current"))
+        COMPREPLY=($(compgen -W "$words" -- "$current"; compgen -f -- "$current" || :))
     fi
 }
 complete -o default -F _resolvent resolvent
