@@ -31,6 +31,9 @@ rsv_status rsv_exr_check(const rsv_exr_stream *stream, exr_result_t result)
 {
     rsv_status status = status_of(stream, result);
     if (status == RSV_OK) return RSV_OK;
+    if (stream->output && stream->output->error) // the library does not know why
+        return rsv_fail(RSV_ERROR_IO, "cannot write '%s': %s", stream->output->target,
+            strerror(stream->output->error));
     const char *message =
         stream->message[0] ? stream->message : exr_get_default_error_message(result);
     return rsv_fail(status, "cannot %s '%s': %s (OpenEXR)", stream->input ? "read" : "write",

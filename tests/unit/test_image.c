@@ -705,6 +705,7 @@ static void failed_writes_leave_the_old_file_and_nothing_else(void **state)
         assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
         assert_int_equal(status, RSV_ERROR_IO);
         assert_non_null(strstr(rsv_last_error(), names[i]));
+        assert_non_null(strstr(rsv_last_error(), "File too large"));
         size_t size;
         uint8_t *bytes = read_bytes(path_of(names[i]), &size);
         assert_int_equal(size, 3);
