@@ -197,7 +197,7 @@ int cli_unknown_name(const char *command, const char *name, const char *kind,
 {
     const char *near = cli_near_name(name, candidates, count);
     return cli_usage_error(command, "'%s' is not %s%s%s%s", name, kind,
-        near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "");
+        near ? " (did you mean '" : "", near ? near : "", near ? "'?)" : "");
 }
 
 static int report_unknown_option(const cli_usage *usage, const char *argument)

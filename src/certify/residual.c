@@ -84,7 +84,7 @@ static rsv_rgb from_emitters(const receiver *r, rsv_random *random)
     if (!rsv_lights_any_sampled(lights)) return sum;
     rsv_local_lights local;
     rsv_lights_at(lights, r->point.position, r->point.normal, &local);
-    if (!(local.tree_share > 0) && rgb_is_black(local.unshadowed)) return sum;
+    if (rsv_local_lights_are_dark(&local)) return sum;
     for (uint32_t k = 0; k < r->job->light_samples; k++) {
         light_trial trial = try_light(r, &local, random);
         rsv_rgb difference = rgb_sub(local.unshadowed, trial.control);

@@ -69,6 +69,14 @@ static void add_node(const gathering *g, uint32_t node, rsv_rgb weight)
             add_node(g, hanging->parent[p], rgb_scale(weight, hanging->weight[p]));
 }
 
+/// Mean of f = exp(-a r) / r over a piece of surface, as a share of f at its centre: with f' = -f (a + 1/r) and
+/// f'' = f ((a + 1/r)^2 + 1/r^2). @param inverse 1/r @param facing squared cosine of the way to it @param spread a quarter of its own
+static inline float mean_share(float a, float inverse, float facing, float spread)
+{
+    float slope = a + inverse, bend = slope * slope + inverse * inverse;
+    return f_max(1 + spread * (bend * (1 - facing) - slope * inverse * (1 + facing)), 0);
+}
+
 /// Mean of the profile over pieces of surface that are small against their distance, to third order: p at the centre
 /// and a quarter of the Laplacian within the surface times the mean square distance from the centre.
 static void average_profile(const gathering *g, rsv_scatter_patches *p)
@@ -81,14 +89,9 @@ static void average_profile(const gathering *g, rsv_scatter_patches *p)
             float r = f_max(sqrtf(x * x + y * y + z * z), nearest), inverse = 1 / r;
             float cos = (x * p->nx[k] + y * p->ny[k] + z * p->nz[k]) * inverse;
             float facing = f_min(cos * cos, 1), spread = 0.25f * p->spread[k];
-            float a = 1 / (3 * d), wide = rsv_exp_negative(-r * a), sum = 0;
-            // f = exp(-a r) / r: f' = -f (a + 1/r), f'' = f ((a + 1/r)^2 + 1/r^2)
-            float slope = a + inverse, bend = slope * slope + inverse * inverse;
-            sum = wide *
-                  f_max(1 + spread * (bend * (1 - facing) - slope * inverse * (1 + facing)), 0);
-            slope = 3 * a + inverse, bend = slope * slope + inverse * inverse;
-            sum += wide * wide * wide *
-                   f_max(1 + spread * (bend * (1 - facing) - slope * inverse * (1 + facing)), 0);
+            float a = 1 / (3 * d), wide = rsv_exp_negative(-r * a);
+            float sum = wide * mean_share(a, inverse, facing, spread) +
+                        wide * wide * wide * mean_share(3 * a, inverse, facing, spread);
             p->mean[c][k] = sum * inverse / (8 * RSV_PI * d);
         }
     }

@@ -56,10 +56,10 @@ rsv_rgb rsv_mover_shown(const rsv_mover *m, const rsv_ray_packet *p, uint32_t k)
 
 static float ratio(float exact, float sampled) { return sampled > 0 ? exact / sampled : 1; }
 
-/// Emitters, suns and sky. Where their unshadowed light is known in closed form, samples are scaled to it.
 /// Stratified samples that closed forms know, as many as make sure of one.
 #define FEWEST_KNOWN 2
 
+/// Emitters, suns and sky. Where their unshadowed light is known in closed form, samples are scaled to it.
 static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, uint32_t samples,
     uint32_t stream, rsv_aimed_ray *ray)
 {
@@ -75,7 +75,7 @@ static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, 
         if (cos <= 0) continue;
         float weight = cos / (light.pdf_solid_angle * (float)samples);
         open = rgb_mad(open, weight, light.mean_radiance);
-        known[count] = !rgb_is_black(light.mean_radiance);
+        known[count] = rsv_light_sample_is_weighed(&light);
         ray[count].ray = rsv_shadow_ray(local->lights, &light, local->point, origin);
         ray[count++].irradiance = rgb_scale(light.radiance, weight);
     }

@@ -57,9 +57,8 @@ typedef struct rsv_lights {
     /// The first of `sampled` are weighed one by one at every receiver: all that shine if they are RSV_LOCAL_LIGHTS or
     /// fewer; else the few that give most of the light, if there are such. The others are in the tree.
     size_t weighed_count;
-    rsv_light_tree
-        *emitter_tree; ///< over those of `sampled` that are not weighed; NULL = none of them shines
-    uint32_t *punctual; ///< [light_count] those that shine: distant ones, then the others
+    rsv_light_tree *emitter_tree; ///< over those of `sampled` not weighed; NULL = none shines
+    uint32_t *punctual;           ///< [light_count] those that shine: distant ones, then the others
     size_t distant_count, punctual_count;
     rsv_light_tree *punctual_tree; ///< over those not distant; NULL = RSV_SUMMED_LIGHTS or fewer
     rsv_environment_light *environment; ///< NULL = black surroundings
@@ -104,13 +103,18 @@ typedef struct rsv_local_lights {
     rsv_vec3 point, normal;
     uint32_t count;   ///< emitters in `probability`, ahead of suns and sky
     float tree_share; ///< probability of a choice by the tree
-    float
-        tree_estimate; ///< rough irradiance (luminance) of the emitters in the tree; 0 only if they give none
+    /// Rough irradiance (luminance) of the emitters in the tree; 0 only if they give none.
+    float tree_estimate;
     float probability[RSV_LOCAL_LIGHTS + RSV_MAX_SUNS + 1];
-    rsv_rgb
-        unshadowed; ///< irradiance of all but the emitters in the tree without occlusion, emitters with
-                    ///< their mean radiance
+    /// Irradiance of all but the emitters in the tree without occlusion, emitters with their mean radiance.
+    rsv_rgb unshadowed;
 } rsv_local_lights;
+
+/// Whether no sampled source gives light here, occlusion or not.
+RSV_INLINE bool rsv_local_lights_are_dark(const rsv_local_lights *local)
+{
+    return !(local->tree_share > 0) && rgb_is_black(local->unshadowed);
+}
 
 RSV_SHARED void rsv_lights_at(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
@@ -120,12 +124,18 @@ typedef struct rsv_light_sample {
     float distance;     ///< metres to the source; INFINITY for suns and sky
     rsv_rgb radiance;   ///< arriving along direction, without occlusion
     rsv_rgb
-        mean_radiance; ///< what `unshadowed` knows of it: of an emitter its mean, 0 if the tree chose it
+        mean_radiance; ///< what `unshadowed` knows: of emitters their mean; 0 = the tree's choice
     float pdf_solid_angle; ///< including the selection of the source
     uint32_t emitter;      ///< RSV_NONE for suns and sky
     bool from_sky;         ///< not from an emitter or a sun
     float u, v;            ///< place on the emitter, if it varies
 } rsv_light_sample;
+
+/// Whether `unshadowed` counts its source: all but emitters that the tree chose.
+RSV_INLINE bool rsv_light_sample_is_weighed(const rsv_light_sample *sample)
+{
+    return !rgb_is_black(sample->mean_radiance);
+}
 
 /// Samples a source towards the receiver. Emitters: uniform in the solid angle of the chosen triangle (Arvo
 /// 1995) where that is numerically sound, uniform in area otherwise. False if nothing can

@@ -128,7 +128,7 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     rsv_light_sample light;
     if (!rsv_local_lights_sample(local, select, x, y, &light)) return;
     float cos = v3_dot(point->normal, light.direction), scale = cos / light.pdf_solid_angle;
-    bool known = !rgb_is_black(light.mean_radiance);
+    bool known = rsv_light_sample_is_weighed(&light);
     d->term[term].asked += known;
     rsv_rgb control = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), light.mean_radiance);
     d->term[term].control = rgb_mad(d->term[term].control, scale, control);
@@ -145,7 +145,7 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_
 {
     rsv_local_lights local;
     rsv_lights_at(d->solution->lights, lit->point.position, lit->point.normal, &local);
-    if (!(local.tree_share > 0) && rgb_is_black(local.unshadowed)) return;
+    if (rsv_local_lights_are_dark(&local)) return;
     rsv_rgb entering = rgb_mul(weight, lit->bsdf->entry_mean);
     rsv_direct_term term = {
         .column = column, .sample = sample.index, .exact = rgb_mul(entering, local.unshadowed)

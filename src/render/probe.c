@@ -92,7 +92,7 @@ static emitter_sums sample_emitters(
         float cos = f_max(v3_dot(r->normal, light.direction), 0);
         float weight = cos / (light.pdf_solid_angle * (float)count);
         sums.open = rgb_mad(sums.open, weight, light.mean_radiance);
-        rsv_rgb *sum = rgb_is_black(light.mean_radiance) ? &sums.further : &sums.visible;
+        rsv_rgb *sum = rsv_light_sample_is_weighed(&light) ? &sums.visible : &sums.further;
         if (cos > 0 && is_open(r, rsv_shadow_ray(local->lights, &light, r->position, r->origin)))
             *sum = rgb_mad(*sum, weight, rgb_mul(light.radiance, passed(r, light.distance)));
     }
@@ -123,7 +123,7 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
     if (!rsv_lights_any_sampled(lights)) return;
     rsv_local_lights local;
     rsv_lights_at(lights, r->position, r->normal, &local);
-    if (!(local.tree_share > 0) && rgb_is_black(local.unshadowed)) return;
+    if (rsv_local_lights_are_dark(&local)) return;
     float visible[3][GROUPS], open[3][GROUPS];
     for (uint32_t g = 0; g < GROUPS; g++) {
         emitter_sums sums = sample_emitters(r, &local, rsv_hash(rsv_hash3(r->job->seed, index, g)));
