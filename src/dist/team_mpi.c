@@ -50,8 +50,12 @@ static void share_in_pieces(
 static void share_at_once(mpi_team *m, char *array, const size_t *begin, MPI_Datatype item)
 {
     uint32_t size = m->base.size;
-    int *count = malloc(2 * (size_t)size * sizeof *count), *start = count + size;
-    if (!count) MPI_Abort(m->job, 1);
+    int *count = malloc(2 * (size_t)size * sizeof *count);
+    if (!count) {
+        MPI_Abort(m->job, 1);
+        return;
+    }
+    int *start = count + size;
     for (uint32_t rank = 0; rank < size; rank++) {
         start[rank] = (int)begin[rank];
         count[rank] = (int)(begin[rank + 1] - begin[rank]);
