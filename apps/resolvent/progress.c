@@ -10,8 +10,9 @@ enum { bar_width = 32 };
 
 /// Redrawing faster than the eye reads costs time in the terminal.
 static const double redraw_interval = 0.1;
-/// Without a terminal: work shorter than this stays silent, longer work adds a line this often.
-static const double quiet_period = 2.0, line_interval = 10.0;
+/// Without a terminal: work shorter than this stays silent, longer work adds a line this often, and for each new phase
+/// that comes no sooner than this after the last line.
+static const double quiet_period = 2.0, line_interval = 10.0, phase_interval = 1.0;
 
 double cli_seconds(void)
 {
@@ -55,7 +56,7 @@ static void draw_bar(const cli_progress *progress, double fraction, const char *
     static const char full[] = "################################",
                       empty[] = "................................";
     int filled = (int)(fraction * bar_width);
-    fprintf(stderr, "\r%-10s [%.*s%.*s] %3.0f %%%s\033[K", progress->phase, filled, full,
+    fprintf(stderr, "\r%-17s [%.*s%.*s] %3.0f %%%s\033[K", progress->phase, filled, full,
         bar_width - filled, empty, 100 * fraction, eta);
     fflush(stderr);
 }
@@ -69,9 +70,10 @@ void cli_progress_update(cli_progress *progress, const char *phase, double fract
         snprintf(progress->phase, sizeof progress->phase, "%s", phase);
         progress->phase_started = now;
     }
-    double interval = progress->terminal ? redraw_interval : line_interval;
+    double interval = new_phase ? 0 : redraw_interval;
+    if (!progress->terminal) interval = new_phase ? phase_interval : line_interval;
     if (!progress->terminal && now - progress->work_started < quiet_period) return;
-    if (!new_phase && now - progress->last_shown < interval) return;
+    if (now - progress->last_shown < interval) return;
     progress->last_shown = now;
     char eta[64];
     fraction = fmin(fmax(fraction, 0), 1);

@@ -59,7 +59,8 @@ typedef struct rsv_context_desc {
     /// Receives notes and warnings, one line each without a newline; NULL = silent.
     void (*log)(void *user, rsv_log_level level, const char *message);
     /// Called from the calling thread during long work, with `fraction` in [0, 1] within the named
-    /// phase. Return false to cancel. NULL = no progress.
+    /// phase: "assemble", or "pilot 2: assemble" where the same is done for several parts of the work.
+    /// Return false to cancel. NULL = no progress.
     bool (*progress)(void *user, const char *phase, double fraction);
     /// Allocator: returns `bytes` bytes aligned to 64, or NULL; worker threads call it at the same time.
     /// NULL = the C library's.

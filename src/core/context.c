@@ -16,6 +16,8 @@
 #include <omp.h>
 #endif
 
+#define PART_BYTES 24
+
 struct rsv_context {
     rsv_context_desc desc;
     int thread_count;
@@ -23,6 +25,7 @@ struct rsv_context {
     rsv_status team_status;   ///< the failure of another process
     rsv_status device_status; ///< why the device did not do what it was asked for
     bool device_lost;
+    char part[PART_BYTES]; ///< "pilot 2: ", or nothing
     char device_message[RSV_DEVICE_MESSAGE_BYTES];
 };
 
@@ -239,8 +242,20 @@ bool rsv_cancelled(const rsv_context *context)
     return atomic_load_explicit(&context->cancelled, memory_order_relaxed);
 }
 
-rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction)
+void rsv_progress_part(rsv_context *context, const char *name, uint32_t number)
 {
+    if (!name)
+        context->part[0] = '\0';
+    else if (number == 0)
+        snprintf(context->part, sizeof context->part, "%s: ", name);
+    else
+        snprintf(context->part, sizeof context->part, "%s %u: ", name, number);
+}
+
+rsv_status rsv_progress(rsv_context *context, const char *name, double fraction)
+{
+    char phase[2 * PART_BYTES];
+    snprintf(phase, sizeof phase, "%s%s", context->part, name);
     rsv_team *team = rsv_team_of(context);
     if (team) fraction = team->table->progress(team, phase, fraction);
     if (team && team->table->alarm(team, rsv_cancelled(context))) rsv_context_cancel(context);

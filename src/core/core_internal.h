@@ -57,6 +57,10 @@ int rsv_thread_index(void);
 /// True once somebody asked to stop. Cheap: parallel loops poll it.
 bool rsv_cancelled(const rsv_context *context);
 
+/// Names the part that the work has come to, such as "pilot" 2: phases are reported as "pilot 2: assemble" from now on.
+/// @param name NULL = none @param number from 1 on; 0 = there is only one
+void rsv_progress_part(rsv_context *context, const char *name, uint32_t number);
+
 /// Reports progress from the thread that entered the library, and turns a cancellation into
 /// RSV_ERROR_CANCELLED.
 rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction);

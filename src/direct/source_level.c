@@ -318,6 +318,7 @@ static rsv_status refine(level_builder *b)
     uint32_t rounds = b->desc->levels +
                       (b->desc->photon_count ? CAUSTIC_LEVELS : rounds_in_the_open(b->elements));
     for (uint32_t round = 0; round < rounds; round++) {
+        rsv_progress_part(context, "level", round + 1);
         if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
         rsv_free(context, b->split);
         b->split = rsv_alloc(context, b->elements->cell_count, 1);
@@ -327,8 +328,10 @@ static rsv_status refine(level_builder *b)
         if (marked == 0 || b->elements->cell_count + 3 * marked > most_cells(b, round)) break;
         RSV_TRY(split_once(b));
     }
+    rsv_progress_part(context, NULL, 0);
     if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count));
 cleanup:
+    rsv_progress_part(context, NULL, 0);
     return status;
 }
 

@@ -8,7 +8,7 @@
 
 /// Progress messages are sent at most so often, in seconds.
 #define TELL_INTERVAL 0.2
-#define PHASE_BYTES 24
+#define PHASE_BYTES 40
 
 /// Of messages to the side.
 enum { TAG_PROGRESS, TAG_ALARM };

@@ -296,14 +296,19 @@ rsv_status rsv_pilot_refine(rsv_solution *s)
     rsv_status status = RSV_OK;
     rsv_goal goal = { 0 };
     bool refined = rsv_reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
-    if (rsv_pilot_has_goal(s) && refined) RSV_TRY(remake_for_goal(s, &goal));
+    if (rsv_pilot_has_goal(s) && refined) {
+        rsv_progress_part(s->context, "goal", 0);
+        RSV_TRY(remake_for_goal(s, &goal));
+    }
     size_t first = rsv_solution_rows(s);
     for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++) {
         size_t rows = rsv_solution_rows(s), most = most_rows(s, first);
         if (!settled(s) && (double)most < (1 + LEAST_GROWTH) * (double)rows) break;
+        rsv_progress_part(s->context, "pilot", pilot + 1);
         RSV_TRY(refine_by_pilot(s, &goal, most, &refined));
     }
 cleanup:
+    rsv_progress_part(s->context, NULL, 0);
     rsv_goal_destroy(&goal);
     return status;
 }
