@@ -1,4 +1,4 @@
-/// PNG and JPEG, through stb_image and stb_image_write.
+/// PNG and JPEG, through stb_image and stb_image_write, which leaves compressing to zlib.
 #include "../core/srgb.h"
 #include "../core/vec.h"
 #include "image_internal.h"
@@ -7,6 +7,21 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
+
+/// stb_image_write's own does not notice where memory runs out, and packs worse.
+static unsigned char *compress_bytes(unsigned char *bytes, int count, int *packed_count, int level)
+{
+    uLongf most = compressBound((uLong)count);
+    unsigned char *packed = malloc(most);
+    if (!packed) return NULL;
+    if (compress2(packed, &most, bytes, (uLong)count, level) != Z_OK || most > INT_MAX) {
+        free(packed);
+        return NULL;
+    }
+    *packed_count = (int)most;
+    return packed;
+}
 
 // the headers declare more than is asked of them
 #pragma GCC diagnostic ignored "-Wunused-function"
@@ -24,6 +39,7 @@
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
 #define STBI_WRITE_NO_STDIO
+#define STBIW_ZLIB_COMPRESS compress_bytes
 #include <stb/stb_image_write.h>
 
 /// A file being decoded. stb_image takes bytes past the end for zeros; `exhausted` tells.

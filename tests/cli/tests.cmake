@@ -49,5 +49,9 @@ endif()
 if(TARGET resolvent_program AND NOT RSV_SANITIZE)
     add_test(NAME package COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_package.sh
         ${CMAKE_BINARY_DIR} ${PROJECT_SOURCE_DIR})
+    add_library(failing_malloc MODULE cli/failing_malloc.c)
+    set_target_properties(failing_malloc PROPERTIES C_VISIBILITY_PRESET default)
+    add_test(NAME cli_memory COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_memory.sh $<TARGET_FILE:resolvent_program>
+        $<TARGET_FILE:failing_malloc>)
     add_test(NAME bundle COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_bundle.sh ${CMAKE_BINARY_DIR})
 endif()

@@ -1,0 +1,30 @@
+#!/usr/bin/env bash
+# Memory that runs out anywhere in the program, in the libraries that it uses too: an error in one line, or it goes on.
+# RSV_FAULTS=1 in the environment tries every call of malloc, and not one in so many.
+# usage: test_memory.sh PROGRAM FAILING_MALLOC
+source "$(dirname "$0")/support.sh"
+malloc=$2
+export OMP_NUM_THREADS=1
+
+# survives STRIDE ARGUMENT...
+survives() {
+    local stride=$1 calls call
+    shift
+    RSV_FAIL=count LD_PRELOAD=$malloc succeeds "$@"
+    calls=$(sed -n 's/^calls: //p' stderr)
+    ((calls > 1000)) || complain "only $calls calls of malloc: $*"
+    [[ -z ${RSV_FAULTS:-} ]] || stride=1
+    # the last few calls are the ray tracer's threads that end themselves: nothing catches what they throw
+    for ((call = 0; call < calls - 10; call += stride)); do
+        rm -f "$out"/*
+        RSV_FAIL=$call LD_PRELOAD=$malloc run "$@"
+        ((status <= 1)) || complain "exit status $status where call $call of malloc fails: $*"
+        ((status == 0)) || [[ -z $(ls -A "$out") ]] || complain "a failure at call $call left $(ls -A "$out")"
+        ((status == 0)) || grep -qE '^(error: |libgomp: Out of memory)' stderr || complain "call $call fails in silence"
+    done
+}
+
+fewest=(--quality draft --max-elements 60)
+survives 97 render cornell-spheres -o "$out/a.png" --size 12x12 --spp 1 "${fewest[@]}"
+survives 211 bake cornell-blocks --to vertex -o "$out/a.glb" "${fewest[@]}"
+finish
