@@ -256,7 +256,7 @@ static void most_processes_may_have_next_to_nothing_to_do(void **state)
 static void the_failure_of_one_is_the_failure_of_all(void **state)
 {
     (void)state;
-    for (size_t allocations = 40; allocations < 5000; allocations = 2 * allocations + 1) {
+    for (size_t allocations = 40; allocations < 5000; allocations = 4 * allocations + 1) {
         job j = { .scene = "cornell-spheres", .allocations = allocations };
         run_team(3, run_member, &j);
         if (j.status[0] == RSV_OK) return; // so many are enough
