@@ -1,13 +1,18 @@
-# What `cmake --install` leaves. Component `runtime`: program, plug-ins and documentation. Component `development`: headers,
-# libraries, and how CMake and pkg-config find them. Packages hold one of them each (package.cmake).
+# What `cmake --install` leaves. Component `runtime`: program and documentation. Component `development`: headers, libraries,
+# and how CMake and pkg-config find them. Components `mpi` and `cuda`: the plug-ins, where they were built. Packages hold one
+# of them each (package.cmake).
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/resolvent)
 
 install(TARGETS resolvent resolvent_rt EXPORT resolventTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development)
-foreach(plug_in IN ITEMS resolvent_dist resolvent_cuda)
-    if(TARGET ${plug_in})
-        install(TARGETS ${plug_in} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime)
+set(plug_in_of_mpi resolvent_dist)
+set(plug_in_of_cuda resolvent_cuda)
+foreach(component IN ITEMS mpi cuda)
+    if(TARGET ${plug_in_of_${component}})
+        install(TARGETS ${plug_in_of_${component}} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${component})
+        install(FILES ${PROJECT_SOURCE_DIR}/cmake/copyright
+            DESTINATION ${CMAKE_INSTALL_DOCDIR}-${component} COMPONENT ${component})
     endif()
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)

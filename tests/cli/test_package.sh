@@ -85,6 +85,14 @@ if command -v dpkg-shlibdeps >/dev/null; then
     [[ $(dpkg-deb --field "$program" Depends) == *libembree* ]]
     [[ -z $(grep -E '/usr/include/|\.a$|\.pc$|\.cmake$' "$work/resolvent.contents") ]]
     [[ -z $(grep '/usr/bin/' "$work/resolvent-dev.contents") ]]
+    for plug_in in dist:mpi cuda:cuda; do # a package each: the program alone asks for neither MPI nor a GPU
+        [[ -e $build/bin/libresolvent_${plug_in%:*}.so ]] || continue
+        package=$(echo "$work"/resolvent-"${plug_in#*:}"_*.deb)
+        [[ $(dpkg-deb --contents "$package") == */usr/lib*/libresolvent_${plug_in%:*}.so* ]]
+        [[ $(dpkg-deb --contents "$package") == */usr/share/doc/resolvent-${plug_in#*:}/copyright* ]]
+        [[ $(dpkg-deb --field "$package" Depends) == *"resolvent (= "* ]]
+    done
+    [[ $(dpkg-deb --field "$program" Depends) != *mpi* && -z $(grep 'libresolvent_' "$work/resolvent.contents") ]]
     for name in embree tinygltf draco assimp openexr cjson; do
         [[ $(dpkg-deb --field "$development" Depends) == *lib$name-dev* ]]
     done
