@@ -17,6 +17,11 @@
 /// A front that receives less than this share of what its back does is in the dark.
 #define DARK 0.05
 #define RAYS 64 ///< from each side of a surface
+/// Where neighbours' normals have a cosine of less, a surface has a crease.
+#define SMOOTH 0.7f
+/// A piece between creases whose front receives so many times what its back does shows it, whatever the whole surface does: of
+/// a slab above a ceiling one sees nothing, of the beam below it that hangs on the same mesh, a face.
+#define LIGHTER 1.5
 
 /// Triangles that share edges and turn the same way.
 typedef struct surface {
@@ -56,10 +61,17 @@ static rsv_vec3 corner_of(const surfaces *f, uint32_t own)
     return view->position[view->triangle[f->part->triangle[own / 3]][own % 3]];
 }
 
+static rsv_vec3 normal_of(const surfaces *f, uint32_t t)
+{
+    return rsv_surface_point_at(f->s->scene.view, f->part->triangle[t], 1.0f / 3, 1.0f / 3, false)
+        .geometric;
+}
+
 static uint32_t next_corner(uint32_t own) { return own - own % 3 + (own + 1) % 3; }
 
 /// Joins triangles across edges that they run along in opposite directions.
-static rsv_status join_neighbours(surfaces *f)
+/// @param least_cosine of their normals
+static rsv_status join_neighbours(surfaces *f, float least_cosine)
 {
     rsv_status status;
     rsv_index_map edges = { 0 };
@@ -70,7 +82,8 @@ static rsv_status join_neighbours(surfaces *f)
         uint32_t other = rsv_index_map_insert(&edges, rsv_bake_edge_key(from, to), own);
         RSV_TRY(other == RSV_NONE ? RSV_ERROR_MEMORY : RSV_OK);
         rsv_vec3 theirs = corner_of(f, other);
-        if (other != own && theirs.x == to.x && theirs.y == to.y && theirs.z == to.z)
+        if (other != own && theirs.x == to.x && theirs.y == to.y && theirs.z == to.z &&
+            v3_dot(normal_of(f, own / 3), normal_of(f, other / 3)) >= least_cosine)
             join(f, own / 3, other / 3);
     }
 cleanup:
@@ -154,26 +167,47 @@ static bool has_backs(const rsv_solution *s, const rsv_bake_part *part)
     return false;
 }
 
+static void surfaces_destroy(surfaces *f)
+{
+    rsv_free(f->s->context, f->root);
+    rsv_free(f->s->context, f->surface);
+}
+
+/// Surfaces with the light on both of their sides, divided at creases.
+/// @param least_cosine see join_neighbours; -INFINITY = nothing is a crease @param f out
+static rsv_status surfaces_create(
+    const rsv_solution *s, const rsv_bake_part *part, float least_cosine, surfaces *f)
+{
+    rsv_status status;
+    *f = (surfaces){ .s = s, .part = part };
+    f->root = rsv_alloc(s->context, part->triangle_count, sizeof *f->root);
+    f->surface = rsv_alloc(s->context, part->triangle_count, sizeof *f->surface);
+    RSV_TRY(f->root && f->surface ? RSV_OK : RSV_ERROR_MEMORY);
+    for (uint32_t t = 0; t < part->triangle_count; t++)
+        f->root[t] = t;
+    RSV_TRY(join_neighbours(f, least_cosine));
+    add_up(f);
+cleanup:
+    return status;
+}
+
 rsv_status rsv_bake_choose_sides(const rsv_solution *s, rsv_bake_part *part)
 {
-    rsv_status status = RSV_OK;
-    size_t count = part->triangle_count;
-    surfaces f = { .s = s, .part = part };
-    part->back = rsv_alloc(s->context, count, sizeof *part->back);
+    rsv_status status;
+    surfaces whole = { .s = s }, pieces = { .s = s };
+    part->back = rsv_alloc(s->context, part->triangle_count, sizeof *part->back);
     if (!part->back) return RSV_ERROR_MEMORY;
     if (!has_backs(s, part)) return RSV_OK;
-    f.root = rsv_alloc(s->context, count, sizeof *f.root);
-    f.surface = rsv_alloc(s->context, count, sizeof *f.surface);
-    RSV_TRY(f.root && f.surface ? RSV_OK : RSV_ERROR_MEMORY);
-    for (uint32_t t = 0; t < count; t++)
-        f.root[t] = t;
-    RSV_TRY(join_neighbours(&f));
-    add_up(&f);
-    look_around(&f);
-    for (uint32_t t = 0; t < count; t++)
-        part->back[t] = shows_back(&f.surface[first_of(&f, t)]);
+    RSV_TRY(surfaces_create(s, part, -INFINITY, &whole));
+    RSV_TRY(surfaces_create(s, part, SMOOTH, &pieces));
+    look_around(&whole);
+    for (uint32_t t = 0; t < part->triangle_count; t++) {
+        const surface *piece = &pieces.surface[first_of(&pieces, t)];
+        bool shows_front = piece->power[0] > LIGHTER * piece->power[1];
+        part->back[t] = shows_back(&whole.surface[first_of(&whole, t)]) && !shows_front;
+    }
 cleanup:
-    rsv_free(s->context, f.root);
-    rsv_free(s->context, f.surface);
+    surfaces_destroy(&whole);
+    surfaces_destroy(&pieces);
     return status;
 }

@@ -126,11 +126,36 @@ static void rooms_turned_to_the_void_show_their_inside(void **state)
     }
 }
 
+/// A sheet 3 cm above a table, its front down, so that it shows its back; from its edge hangs another that one sees, its back
+/// to a board 2 cm away.
+static void what_hangs_from_a_hidden_sheet_is_seen(void **state)
+{
+    (void)state;
+    baked b = { .w = world_begin(2) };
+    uint32_t paint = sheet_paint(b.w), wood = world_lambert(b.w, PAINT, 0);
+    const rsv_vec3 near = v3(-1, 1.23f, -1), far = v3(-1, 1.23f, 1);
+    world_quad(b.w, paint, near, v3(1, 1.23f, -1), v3(1, 1.23f, 1), far);
+    world_quad(b.w, paint, near, far, v3(-1, 0.93f, 1), v3(-1, 0.93f, -1));
+    world_quad(
+        b.w, wood, v3(-0.98f, 1.2f, 1), v3(1, 1.2f, 1), v3(1, 1.2f, -1), v3(-0.98f, 1.2f, -1));
+    world_quad(b.w, wood, v3(-1.02f, 0.8f, -1), v3(-1.02f, 1.23f, -1), v3(-1.02f, 1.23f, 1),
+        v3(-1.02f, 0.8f, 1));
+    world_room(b.w, wood, v3(-1.5f, 0, -1.5f), v3(1.5f, 2.5f, 1.5f));
+    lamp(b.w, 1);
+    world_quad(b.w, world_lambert(b.w, 0, 1), v3(1.45f, 0.2f, -0.5f), v3(1.45f, 0.2f, 0.5f),
+        v3(1.45f, 1, 0.5f), v3(1.45f, 1, -0.5f));
+    bake(&b);
+    assert_shown(&b, 0, 2, true);
+    assert_shown(&b, 2, 4, false);
+    discard(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(rooms_in_the_sun_show_their_inside_and_cushions_their_outside),
         cmocka_unit_test(rooms_turned_to_the_void_show_their_inside),
+        cmocka_unit_test(what_hangs_from_a_hidden_sheet_is_seen),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
