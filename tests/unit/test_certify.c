@@ -657,11 +657,13 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_noisy_solution_confesses),
         cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(intervals_hold_where_little_is_absorbed),
-        cmocka_unit_test(intervals_hold_where_a_spot_is_bright),
         cmocka_unit_test(a_target_is_not_reached_by_luck),
         cmocka_unit_test(the_split_knows_noise_from_large_elements),
         cmocka_unit_test(a_goal_spends_elements_where_they_count),
         cmocka_unit_test(sensors_are_goals_as_cameras_are),
     };
-    return RUN_HALF(argc, argv, quick, slow);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(intervals_hold_where_a_spot_is_bright),
+    };
+    return RUN_THIRD(argc, argv, quick, slow, longest);
 }
