@@ -322,7 +322,7 @@ static rsv_status refine(level_builder *b)
         if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count / 8));
         rsv_free(context, b->split);
         b->split = rsv_alloc(context, b->elements->cell_count, 1);
-        if (!b->split) return RSV_ERROR_MEMORY;
+        RSV_TRY(b->split ? RSV_OK : RSV_ERROR_MEMORY);
         size_t marked;
         RSV_TRY(mark_cells(b, round, &marked));
         if (marked == 0 || b->elements->cell_count + 3 * marked > most_cells(b, round)) break;

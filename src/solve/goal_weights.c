@@ -134,7 +134,7 @@ rsv_status rsv_goal_weights(
         weigh_reading(s, aim, k, rays > FEWEST_SENSOR_RAYS ? rays : FEWEST_SENSOR_RAYS, weight);
     }
     rsv_status status = enter(s, weight);
-    return status == RSV_OK ? rsv_progress(s->context, "goal", 1) : status;
+    return status == RSV_OK ? rsv_progress(s->context, "weights", 1) : status;
 }
 
 rsv_status rsv_goal_hidden_cells(const rsv_solution *s, const rsv_goal_aim *aim, uint8_t *hidden)

@@ -96,6 +96,7 @@ if command -v dpkg-shlibdeps >/dev/null; then
     for name in embree tinygltf draco assimp openexr cjson; do
         [[ $(dpkg-deb --field "$development" Depends) == *lib$name-dev* ]]
     done
+    [[ $(dpkg-deb --field "$development" Depends) == *zlib1g-dev* ]]
     dpkg-deb --extract "$program" "$work/unpacked"
     "$work/unpacked/usr/bin/resolvent" info furnace >/dev/null
     dpkg-deb --extract "$development" "$work/unpacked"
