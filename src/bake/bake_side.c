@@ -35,6 +35,7 @@ typedef struct surface {
 typedef struct surfaces {
     const rsv_solution *s;
     const rsv_bake_part *part;
+    const double (*power)[2]; ///< [triangle_count] that front and back of each triangle receive
     uint32_t *root; ///< [triangle_count] another triangle of the same surface, in the end its first
     surface *surface; ///< [triangle_count] of a first one
 } surfaces;
@@ -63,8 +64,10 @@ static rsv_vec3 corner_of(const surfaces *f, uint32_t own)
 
 static rsv_vec3 normal_of(const surfaces *f, uint32_t t)
 {
-    return rsv_surface_point_at(f->s->scene.view, f->part->triangle[t], 1.0f / 3, 1.0f / 3, false)
-        .geometric;
+    rsv_vec3 normal = v3(0, 0, 0);
+    rsv_triangle_normal(
+        corner_of(f, 3 * t), corner_of(f, 3 * t + 1), corner_of(f, 3 * t + 2), &normal);
+    return normal;
 }
 
 static uint32_t next_corner(uint32_t own) { return own - own % 3 + (own + 1) % 3; }
@@ -102,16 +105,25 @@ static double light_on(const rsv_solution *s, uint32_t triangle, bool back)
     return sum / 4;
 }
 
+/// @param power [triangle_count] out; see surfaces
+static void find_power(const rsv_solution *s, const rsv_bake_part *part, double (*power)[2])
+{
+    for (uint32_t t = 0; t < part->triangle_count; t++) {
+        if (part->triangle[t] == RSV_NONE) continue;
+        double area = (double)rsv_triangle_area(s->scene.view, part->triangle[t]);
+        for (int side = 0; side < 2; side++)
+            power[t][side] = area * light_on(s, part->triangle[t], side);
+    }
+}
+
 static void add_up(surfaces *f)
 {
     for (uint32_t t = 0; t < f->part->triangle_count; t++) {
-        uint32_t triangle = f->part->triangle[t];
-        if (triangle == RSV_NONE) continue;
-        double area = (double)rsv_triangle_area(f->s->scene.view, triangle);
+        if (f->part->triangle[t] == RSV_NONE) continue;
         surface *own = &f->surface[first_of(f, t)];
-        own->area += area;
+        own->area += (double)rsv_triangle_area(f->s->scene.view, f->part->triangle[t]);
         for (int side = 0; side < 2; side++)
-            own->power[side] += area * light_on(f->s, triangle, side);
+            own->power[side] += f->power[t][side];
     }
 }
 
@@ -174,16 +186,16 @@ static void surfaces_destroy(surfaces *f)
 }
 
 /// Surfaces with the light on both of their sides, divided at creases.
-/// @param least_cosine see join_neighbours; -INFINITY = nothing is a crease @param f out
-static rsv_status surfaces_create(
-    const rsv_solution *s, const rsv_bake_part *part, float least_cosine, surfaces *f)
+/// @param least_cosine see join_neighbours; -INFINITY = nothing is a crease
+/// @param f in: solution, part and power; out: all
+static rsv_status surfaces_create(float least_cosine, surfaces *f)
 {
     rsv_status status;
-    *f = (surfaces){ .s = s, .part = part };
-    f->root = rsv_alloc(s->context, part->triangle_count, sizeof *f->root);
-    f->surface = rsv_alloc(s->context, part->triangle_count, sizeof *f->surface);
+    size_t count = f->part->triangle_count;
+    f->root = rsv_alloc(f->s->context, count, sizeof *f->root);
+    f->surface = rsv_alloc(f->s->context, count, sizeof *f->surface);
     RSV_TRY(f->root && f->surface ? RSV_OK : RSV_ERROR_MEMORY);
-    for (uint32_t t = 0; t < part->triangle_count; t++)
+    for (uint32_t t = 0; t < count; t++)
         f->root[t] = t;
     RSV_TRY(join_neighbours(f, least_cosine));
     add_up(f);
@@ -194,14 +206,18 @@ cleanup:
 rsv_status rsv_bake_choose_sides(const rsv_solution *s, rsv_bake_part *part)
 {
     rsv_status status;
-    surfaces whole = { .s = s }, pieces = { .s = s };
-    part->back = rsv_alloc(s->context, part->triangle_count, sizeof *part->back);
+    size_t count = part->triangle_count;
+    part->back = rsv_alloc(s->context, count, sizeof *part->back);
     if (!part->back) return RSV_ERROR_MEMORY;
     if (!has_backs(s, part)) return RSV_OK;
-    RSV_TRY(surfaces_create(s, part, -INFINITY, &whole));
-    RSV_TRY(surfaces_create(s, part, SMOOTH, &pieces));
+    double(*power)[2] = rsv_alloc(s->context, count, sizeof *power);
+    surfaces whole = { .s = s, .part = part, .power = power }, pieces = whole;
+    RSV_TRY(power ? RSV_OK : RSV_ERROR_MEMORY);
+    find_power(s, part, power);
+    RSV_TRY(surfaces_create(-INFINITY, &whole));
+    RSV_TRY(surfaces_create(SMOOTH, &pieces));
     look_around(&whole);
-    for (uint32_t t = 0; t < part->triangle_count; t++) {
+    for (uint32_t t = 0; t < count; t++) {
         const surface *piece = &pieces.surface[first_of(&pieces, t)];
         bool shows_front = piece->power[0] > LIGHTER * piece->power[1];
         part->back[t] = shows_back(&whole.surface[first_of(&whole, t)]) && !shows_front;
@@ -209,5 +225,6 @@ rsv_status rsv_bake_choose_sides(const rsv_solution *s, rsv_bake_part *part)
 cleanup:
     surfaces_destroy(&whole);
     surfaces_destroy(&pieces);
+    rsv_free(s->context, power);
     return status;
 }
