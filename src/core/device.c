@@ -12,7 +12,8 @@ typedef struct plug_in {
 
 static const plug_in plug_ins[] = {
     [RSV_DEVICE_CUDA] = { "libresolvent_cuda.so",
-        "which is built where nvcc of CUDA 12 or newer is found (docs/gpu.md)" },
+        "which is in the package resolvent-cuda, and built where nvcc of CUDA 12 or newer is found "
+        "(docs/gpu.md)" },
     [RSV_DEVICE_EMULATED] = { "libresolvent_emulated.so", "which is built along with the tests" },
 };
 

@@ -34,7 +34,8 @@ rsv_status rsv_team_join(rsv_team **team)
     if (!library)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "several processes, and PETSc, need the plug-in " PLUG_IN
-            ", which is built where MPI, PETSc and SLEPc are installed (./dev cluster): %s",
+            ", which is in the package resolvent-mpi, and built where MPI, PETSc and SLEPc are "
+            "installed (./dev cluster): %s",
             dlerror());
     rsv_team_open open = (rsv_team_open)dlsym(library, RSV_TEAM_OPEN);
     if (!open)

@@ -86,7 +86,7 @@ if command -v dpkg-shlibdeps >/dev/null; then
     [[ -z $(grep -E '/usr/include/|\.a$|\.pc$|\.cmake$' "$work/resolvent.contents") ]]
     [[ -z $(grep '/usr/bin/' "$work/resolvent-dev.contents") ]]
     for plug_in in dist:mpi cuda:cuda; do # a package each: the program alone asks for neither MPI nor a GPU
-        [[ -e $build/bin/libresolvent_${plug_in%:*}.so ]] || continue
+        grep -q "CPACK_COMPONENTS_ALL .*\b${plug_in#*:}\b" "$build/CPackConfig.cmake" || continue
         package=$(echo "$work"/resolvent-"${plug_in#*:}"_*.deb)
         [[ $(dpkg-deb --contents "$package") == */usr/lib*/libresolvent_${plug_in%:*}.so* ]]
         [[ $(dpkg-deb --contents "$package") == */usr/share/doc/resolvent-${plug_in#*:}/copyright* ]]
