@@ -2,6 +2,7 @@
 /// how many calls there were, if RSV_FAIL is "count".
 #define _GNU_SOURCE
 #include <errno.h>
+#include <malloc.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -41,14 +42,17 @@ void *malloc(size_t bytes) { return fails() ? NULL : __libc_malloc(bytes); }
 void *calloc(size_t count, size_t bytes) { return fails() ? NULL : __libc_calloc(count, bytes); }
 void *realloc(void *memory, size_t bytes) { return fails() ? NULL : __libc_realloc(memory, bytes); }
 
-void *aligned_alloc(size_t alignment, size_t bytes)
+void *memalign(size_t alignment, size_t bytes)
 {
     return fails() ? NULL : __libc_memalign(alignment, bytes);
 }
 
+void *aligned_alloc(size_t alignment, size_t bytes) { return memalign(alignment, bytes); }
+
 int posix_memalign(void **memory, size_t alignment, size_t bytes)
 {
-    if (fails()) return ENOMEM;
-    *memory = __libc_memalign(alignment, bytes);
-    return *memory ? 0 : ENOMEM;
+    void *made = memalign(alignment, bytes);
+    if (!made) return ENOMEM;
+    *memory = made;
+    return 0;
 }

@@ -11,7 +11,7 @@ if(TARGET resolvent_program)
         cli_view PROPERTIES LABELS slow)
     add_test(NAME cli_cluster COMMAND bash
         ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_cluster.sh $<TARGET_FILE:resolvent_program>)
-    # `./dev cluster` installs what they need, and runs them
+    # `./dev cluster` installs what they need, and runs them. MPI and PETSc keep what they allocate to the end
     set_tests_properties(cli_cluster PROPERTIES SKIP_RETURN_CODE 77 LABELS "cluster;long"
         ENVIRONMENT "OMP_WAIT_POLICY=passive")
     add_test(NAME cli_scaling COMMAND bash

@@ -1,4 +1,4 @@
-/// Programs of two halves: quick tests, which the sanitizers run as well, and long sums.
+/// Programs of two parts: quick tests, which the sanitizers run as well, and long sums; or of three.
 #ifndef SLOW_TESTS_H
 #define SLOW_TESTS_H
 
@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-/// Exit status of a test program that takes `slow` as its only argument (see rsv_add_slow_half in CMakeLists.txt).
+/// Exit status of a test program that takes `slow` as its only argument (see rsv_add_part in CMakeLists.txt).
 #define RUN_HALF(argc, argv, quick, slow) RUN_HALF_WITH(argc, argv, quick, slow, NULL, NULL)
 
 /// The same, with a third part for `./dev validate` alone, which runs the program with `long` as its only argument.
