@@ -252,10 +252,10 @@ void rsv_progress_part(rsv_context *context, const char *name, uint32_t number)
         snprintf(context->part, sizeof context->part, "%s %u: ", name, number);
 }
 
-rsv_status rsv_progress(rsv_context *context, const char *name, double fraction)
+rsv_status rsv_progress(rsv_context *context, const char *phase_of_part, double fraction)
 {
     char phase[2 * PART_BYTES];
-    snprintf(phase, sizeof phase, "%s%s", context->part, name);
+    snprintf(phase, sizeof phase, "%s%s", context->part, phase_of_part);
     rsv_team *team = rsv_team_of(context);
     if (team) fraction = team->table->progress(team, phase, fraction);
     if (team && team->table->alarm(team, rsv_cancelled(context))) rsv_context_cancel(context);

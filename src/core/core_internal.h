@@ -58,12 +58,12 @@ int rsv_thread_index(void);
 bool rsv_cancelled(const rsv_context *context);
 
 /// Names the part that the work has come to, such as "pilot" 2: phases are reported as "pilot 2: assemble" from now on.
-/// @param name NULL = none @param number from 1 on; 0 = there is only one
+/// Parts have no parts of their own. @param name NULL = none @param number from 1 on; 0 = there is only one
 void rsv_progress_part(rsv_context *context, const char *name, uint32_t number);
 
 /// Reports progress from the thread that entered the library, and turns a cancellation into
 /// RSV_ERROR_CANCELLED.
-rsv_status rsv_progress(rsv_context *context, const char *phase, double fraction);
+rsv_status rsv_progress(rsv_context *context, const char *phase_of_part, double fraction);
 
 /// Seconds on a monotonic clock.
 double rsv_seconds(void);
