@@ -20,6 +20,7 @@ export class Reflections {
     }
 
     update() {
+        clearTimeout(this.#timer);
         const { scene: { mirrors, exposure }, world } = this;
         if (!mirrors.length) return;
         const generator = new PMREMGenerator(this.renderer), exposed = exposure.value;

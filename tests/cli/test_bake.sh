@@ -38,7 +38,7 @@ g["scenes"][0]["name"] = "room"
 open("kept.bin", "wb").write(binary)
 json.dump(g, open("kept.gltf", "w"))
 TEXT
-succeeds bake kept.gltf -o "$out/kept.glb" --to vertex --quality draft
+succeeds bake kept.gltf -o "$out/kept.glb" --to vertex --quality draft --max-elements 300
 python3 - "$out/kept.glb" <<'TEXT' || complain "something of the file was lost"
 import json, struct, sys
 before = json.load(open("kept.gltf"))
@@ -55,7 +55,7 @@ rm -f "$out"/*
 
 # colours that vertices had stay beside the light, alpha too; what carries light is marked, what keeps its own colours is not
 python3 "$(dirname "$0")/change_box.py" colored plain.glb colored.glb || complain "the box cannot be coloured"
-succeeds bake colored.glb -o colors.glb --to vertex --quality draft
+succeeds bake colored.glb -o colors.glb --to vertex --quality draft --max-elements 300
 python3 - "$(dirname "$0")" <<'TEXT' || complain "colours of vertices, or marks of what is lit, are lost"
 import json, struct, sys
 sys.dont_write_bytecode = True
@@ -91,11 +91,11 @@ g = json.loads(raw[20:20 + n])
 next(m for m in g["meshes"] if m["name"] == "floor")["primitives"][0]["material"] = len(g["materials"]) - 1
 open("metal.glb", "wb").write(raw[:20] + json.dumps(g, separators=(",", ":")).encode().ljust(n) + raw[20 + n:])
 TEXT
-succeeds bake metal.glb -o metals.glb --to vertex --quality draft
+succeeds bake metal.glb -o metals.glb --to vertex --quality draft --max-elements 300
 (($(grep -ao resolvent_first_receiver colors.glb | wc -l) == 8)) || complain "not all that is lit is marked"
 (($(grep -ao resolvent_first_receiver metals.glb | wc -l) == 7)) || complain "what carries light no more is marked"
 
-succeeds bake plain.glb -o "$out/none.glb" --to vertex --quality draft --dry-run
+succeeds bake plain.glb -o "$out/none.glb" --to vertex --quality draft --max-elements 300 --dry-run
 says '^vertices '
 [[ -z $(ls -A "$out") ]] || complain "a dry run wrote something"
 # a box whose walls were modelled inside out, of double-sided materials, shows the light within all the same
@@ -341,7 +341,7 @@ cmp -s blocks.count double.count ||
     complain "as double-sided blocks there are $(cat double.count), as others $(cat blocks.count)"
 # what the user gave is never written over
 cp kept.bin kept.before
-succeeds bake kept.gltf -o kept.json --to probes --spacing 1 --quality draft
+succeeds bake kept.gltf -o kept.json --to probes --spacing 1 --quality draft --max-elements 300
 cmp -s kept.bin kept.before ||
     complain "the scene's buffer was written over"
 refuses 1 'would overwrite' bake furnace -o y.glb --to lightmap --quality draft --stats y.lightmap.exr

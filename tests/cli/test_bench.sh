@@ -28,7 +28,7 @@ succeeds bench move cornell-blocks --repeat 1 --csv move.csv
 says 'one light moved'
 grep -q '^cornell-blocks,' move.csv || complain "the table lacks the scene"
 ! grep -q -e nan -e inf move.csv || complain "the table holds what is no number"
-succeeds bench fig8 cornell-blocks --repeat 1 --size 180 --csv fig8.csv --plot fig8.svg
+succeeds bench fig8 cornell-blocks --repeat 1 --size 90 --csv fig8.csv --plot fig8.svg
 says '^| 3096 KB |'
 says 'of the smallest'
 [[ $(wc -l <fig8.csv) == 5 ]] || complain "the table has not one line per mesh"

@@ -5,8 +5,8 @@ source "$(dirname "$0")/support.sh"
 
 page=$2
 PATH=$(dirname "$program"):$PATH
-# pictures of a ninth of the size are as good a test
-sed -n '/^```sh$/,/^```$/{/^```/d;s/480x270/160x90/;p}' "$page" >commands.sh
+# pictures of a ninth of the size and coarser elements are as good a test
+sed -n '/^```sh$/,/^```$/{/^```/d;s/480x270/160x90/;s/--quality draft/& --max-elements 1500/;p}' "$page" >commands.sh
 [[ -s commands.sh ]] || complain "the page holds no commands"
 bash -euo pipefail commands.sh >log 2>&1 || {
     complain "a command of the page failed"

@@ -6,15 +6,16 @@
 
 #include "light_fixture.h"
 #include "resolvent/render.h"
+#include "slow_tests.h"
 
 enum { width = 70, height = 50, pixel_count = width * height };
 
 static inline rsv_solution *solve_for_frames(const world *w, uint32_t elements, uint32_t photons)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = elements;
+    desc.element_target = UNLESS_SANITIZED(elements, elements / 4);
     desc.rays_per_element = 64;
-    desc.photon_count = photons;
+    desc.photon_count = UNLESS_SANITIZED(photons, photons / 4);
     rsv_solution *solution;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
     return solution;

@@ -1,6 +1,7 @@
 /// Which side's light surfaces show that have one light in a file: that of the side from which people look.
 #include "bake/bake_side.h"
 #include "light_fixture.h"
+#include "slow_tests.h"
 
 #define PAINT 0.5f
 
@@ -150,12 +151,14 @@ static void what_hangs_from_a_hidden_sheet_is_seen(void **state)
     discard(&b);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rooms_in_the_sun_show_their_inside_and_cushions_their_outside),
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(rooms_turned_to_the_void_show_their_inside),
         cmocka_unit_test(what_hangs_from_a_hidden_sheet_is_seen),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(rooms_in_the_sun_show_their_inside_and_cushions_their_outside),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

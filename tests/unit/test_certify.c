@@ -638,8 +638,6 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_furnace_is_certified_exact),
         cmocka_unit_test(a_known_error_of_a_furnace_is_found),
         cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
-        cmocka_unit_test(refinement_reaches_its_target),
-        cmocka_unit_test(few_points_meet_a_bright_spot),
         cmocka_unit_test(budgets_end_refinement),
         cmocka_unit_test(unusable_targets_are_refused),
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
@@ -651,18 +649,20 @@ int main(int argc, char **argv)
         cmocka_unit_test(memory_may_run_out_anywhere),
     };
     const struct CMUnitTest slow[] = {
+        cmocka_unit_test(refinement_reaches_its_target),
+        cmocka_unit_test(few_points_meet_a_bright_spot),
         cmocka_unit_test(a_known_error_of_a_room_is_found),
         cmocka_unit_test(a_coarse_solution_confesses),
         cmocka_unit_test(a_rooms_picture_errs_as_importance_says),
         cmocka_unit_test(a_noisy_solution_confesses),
-        cmocka_unit_test(a_solution_without_caustics_confesses),
         cmocka_unit_test(intervals_hold_where_little_is_absorbed),
-        cmocka_unit_test(a_target_is_not_reached_by_luck),
         cmocka_unit_test(the_split_knows_noise_from_large_elements),
         cmocka_unit_test(a_goal_spends_elements_where_they_count),
         cmocka_unit_test(sensors_are_goals_as_cameras_are),
     };
     const struct CMUnitTest longest[] = {
+        cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(a_target_is_not_reached_by_luck),
         cmocka_unit_test(intervals_hold_where_a_spot_is_bright),
     };
     return RUN_THIRD(argc, argv, quick, slow, longest);

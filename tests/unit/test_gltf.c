@@ -808,11 +808,11 @@ int main(int argc, char **argv)
         GLTF_TEST(deep_nesting_is_refused),
         GLTF_TEST(deep_node_trees_are_walked),
         GLTF_TEST(damaged_files_do_no_harm),
-        GLTF_TEST(good_assets_load),
         GLTF_TEST(broken_assets_fail_cleanly),
     };
     const struct CMUnitTest slow[] = {
         GLTF_TEST(builtin_scenes_survive_the_file),
+        GLTF_TEST(good_assets_load),
         GLTF_TEST(interiors_load),
     };
     return RUN_HALF(argc, argv, quick, slow);

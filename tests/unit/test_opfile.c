@@ -152,7 +152,7 @@ static rsv_solution *solve(const world *w)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 60;
     desc.rays_per_element = 64;
-    desc.photon_count = 4000;
+    desc.photon_count = UNLESS_SANITIZED(4000, 1000);
     desc.direct_levels = 1;
     rsv_solution *solution;
     if (rsv_solution_create(w->scene, &desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());

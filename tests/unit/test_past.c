@@ -1,5 +1,6 @@
 /// Solving a scene again after an edit, from what the solution before knew.
 #include "past_fixture.h"
+#include "slow_tests.h"
 
 #include <math.h>
 
@@ -229,15 +230,17 @@ static void light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change(void
     end_edit(&r);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_edit_gives_what_a_whole_solution_gives),
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test(albedos_need_no_rays_of_rows),
         cmocka_unit_test(no_two_nodes_draw_the_same_points),
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change),
         cmocka_unit_test(another_coat_is_another_surface),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest slow[] = {
+        cmocka_unit_test(an_edit_gives_what_a_whole_solution_gives),
+    };
+    return RUN_HALF(argc, argv, quick, slow);
 }

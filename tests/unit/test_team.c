@@ -121,10 +121,10 @@ static rsv_status solve_and_save(rsv_context *context, const job *j, const char 
 {
     rsv_status status;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = 400;
+    desc.element_target = 150;
     desc.rays_per_element = 64;
     desc.refinements = 1;
-    desc.photon_count = 4000;
+    desc.photon_count = 1000;
     desc.solver = j->solver;
     desc.checkpoint = j->checkpoint;
     RSV_TRY(rsv_scene_builtin(context, name, scene));

@@ -64,7 +64,8 @@ endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends media mover past_pilots rough_box rough_sky
     subsurface translucent PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify opfile solve scene frame texture render bodies)
+foreach(name IN ITEMS environment light_tree gltf certify opfile past bake_side scene frame texture render bodies)
     rsv_add_part(${name} slow)
 endforeach()
 rsv_add_part(certify long)
+rsv_add_part(solve long)

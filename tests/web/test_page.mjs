@@ -107,6 +107,7 @@ await headset.waitForFunction(() => document.querySelector("#VRButton")?.textCon
 await button.click();
 test.check(await headset.evaluate(() => window.asked) === "immersive-vr", "the button asks for no session");
 await test.compare(headset, "scene/box-operator.png");
+await headset.close(); // it draws all the time
 test.check(await page.locator("#VRButton").count() === 0, "a headset is offered where there is none");
 
 /// What the page says of a scene that it cannot show, or not whole.
@@ -114,7 +115,7 @@ async function says(query, words) {
     const page = await test.open(`?scene=${query}`);
     const message = await page.locator("#message").innerText();
     test.check(words.test(message), `${query}: "${message}"`);
-    return page;
+    await page.close();
 }
 
 await says("truncated/box", /cannot be shown/);
@@ -141,6 +142,7 @@ for (const [query, words, still] of [["", /here is a still picture/, true], ["?s
     const message = await flat.locator("#message").innerText();
     test.check(await flat.locator("#still").isVisible() === still, `no WebGL, and the still picture is ${still ? "not there" : "broken"}`);
     test.check(words.test(message), `no WebGL: "${message}"`);
+    await flat.close();
 }
 await slide(hill, "#compare", 0.5);
 await hill.waitForFunction(() => document.querySelector("#message").innerText.includes("hill.png is missing"), null, { timeout: 5000 });
