@@ -25,7 +25,7 @@ kill_and_resume() {
     local result=$out/result.$1 after=$((RANDOM * $2 / 32768)) resume=()
     shift 2
     "$program" "$@" -o "$result" --checkpoint rows >stdout 2>stderr </dev/null &
-    sleep "$(printf '0.%03d' "$after")"
+    sleep "$((after / 1000)).$(printf '%03d' "$((after % 1000))")"
     kill -KILL $! 2>/dev/null && ((killed++))
     wait $! 2>/dev/null
     [[ ! -e $result ]] || cmp -s "$result" "whole.${result##*.}" ||
