@@ -2,6 +2,7 @@
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
 #include "unit/light_fixture.h"
+#include "unit/slow_tests.h"
 
 /// Of the mean over the picture.
 #define TOLERANCE 5e-3
@@ -226,15 +227,17 @@ static void matt_coats_show_glints_without_specks(void **state)
     world_end(w);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(matt_coats_show_glints_without_specks),
         cmocka_unit_test(rough_metal_agrees_with_the_reference),
         cmocka_unit_test(rough_glass_agrees_with_the_reference),
         cmocka_unit_test(layers_agree_with_the_reference),
+    };
+    const struct CMUnitTest longest[] = {
         cmocka_unit_test(leaves_agree_with_the_reference),
         cmocka_unit_test(tilted_normals_bend_shot_light_as_they_bend_paths),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return RUN_HALF(argc, argv, tests, longest);
 }
