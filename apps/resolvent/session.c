@@ -7,6 +7,7 @@
 
 #include <signal.h>
 #include <stdarg.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,6 +27,20 @@ static void on_signal(int signal_number)
     if (interruptible) rsv_context_cancel(interruptible);
 }
 
+/// Files of operators and rows are mapped: what is read of one that has become shorter since does not exist.
+static void on_lost_page(int signal_number)
+{
+    static const char text[] = "error: a file that was being read was cut off meanwhile: see who else "
+                               "writes to operator files and checkpoints, and run the command again\n";
+    static atomic_flag said = ATOMIC_FLAG_INIT;
+    (void)signal_number;
+    while (atomic_flag_test_and_set(&said))
+        pause(); // another thread says it
+    ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written; // nowhere to say it, then
+    _exit(CLI_FAILURE);
+}
+
 /// The first signal asks the work to stop; a second one finds the default action and kills.
 static void catch_signals(rsv_context *context)
 {
@@ -35,6 +50,7 @@ static void catch_signals(rsv_context *context)
     interruptible = context;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    signal(SIGBUS, on_lost_page);
     signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error of writing, not an end
 }
 

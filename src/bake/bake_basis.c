@@ -1,5 +1,6 @@
 #include "bake_basis.h"
 
+#include "../core/number_text.h"
 #include "../opfile/exchange.h"
 #include "../relight/light_response.h"
 #include "../relight/turned_surroundings.h"
@@ -107,7 +108,7 @@ static rsv_status check_turns(const basis *b)
 static rsv_status describe(const basis *b, rsv_tensor_file *file)
 {
     rsv_status status;
-    char text[32];
+    char text[RSV_NUMBER_BYTES];
     RSV_TRY(rsv_note_set(file, "format", "resolvent-light-basis"));
     RSV_TRY(rsv_note_set(file, "format_version", b->turned ? "2" : "1"));
     RSV_TRY(rsv_note_set(file, "units", b->reader->units));
@@ -116,7 +117,7 @@ static rsv_status describe(const basis *b, rsv_tensor_file *file)
     if (b->turned) {
         snprintf(text, sizeof text, "%zu", b->turned + 1);
         RSV_TRY(rsv_note_set(file, "surroundings.turns", text));
-        snprintf(text, sizeof text, "%.9g", (double)b->s->scene.view->environment->rotation);
+        rsv_number_text(text, 9, (double)b->s->scene.view->environment->rotation);
         RSV_TRY(rsv_note_set(file, "surroundings.rotation", text));
     }
     if (b->reader->describe) RSV_TRY(b->reader->describe(b->reader, file));

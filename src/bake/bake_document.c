@@ -1,6 +1,7 @@
 #include "bake_document.h"
 #include "bake_unpack.h"
 
+#include "../core/number_text.h"
 #include "../io/atomic_file.h"
 
 #include <math.h>
@@ -279,19 +280,18 @@ static void append_chunk(
 /// read back as they were.
 static void keep_digits(rsv_bake_document *d, cJSON *item)
 {
-    char digits[32];
+    char digits[RSV_NUMBER_BYTES];
     for (cJSON *child = item->child; child; child = child->next)
         keep_digits(d, child);
     if (!cJSON_IsNumber(item) || !isfinite(item->valuedouble)) return;
-    snprintf(digits, sizeof digits, "%.15g", item->valuedouble);
-    if (strtod(digits, NULL) == item->valuedouble) return;
-    int length = snprintf(digits, sizeof digits, "%.17g", item->valuedouble);
-    char *comma = strchr(digits, ','); // in the locale of whose program this is
-    if (comma) *comma = '.';
-    item->valuestring = cJSON_malloc((size_t)length + 1);
+    rsv_number_text(digits, 15, item->valuedouble);
+    if (rsv_number_value(digits, NULL) == item->valuedouble) return;
+    rsv_number_text(digits, 17, item->valuedouble);
+    size_t bytes = strlen(digits) + 1;
+    item->valuestring = cJSON_malloc(bytes);
     d->exhausted |= !item->valuestring;
     if (!item->valuestring) return;
-    memcpy(item->valuestring, digits, (size_t)length + 1);
+    memcpy(item->valuestring, digits, bytes);
     item->type = (item->type & ~0xff) | cJSON_Raw;
 }
 

@@ -2,6 +2,7 @@
 ///
 /// Our own few lines, because a reader must tell a truncated file from a black one and a writer
 /// must round to nearest: truncating mantissas darkens a picture by 0.3 % on average.
+#include "../core/number_text.h"
 #include "../core/vec.h"
 #include "image_internal.h"
 
@@ -49,7 +50,7 @@ static rsv_status read_header(reader *in, uint32_t *width, uint32_t *height, dou
             return rsv_fail(RSV_ERROR_UNSUPPORTED,
                 "cannot read '%s': pixel format '%s' is not 32-bit_rle_rgbe", in->file->path,
                 line + 7);
-        if (strncmp(line, "EXPOSURE=", 9) == 0) *exposure *= strtod(line + 9, NULL);
+        if (strncmp(line, "EXPOSURE=", 9) == 0) *exposure *= rsv_number_value(line + 9, NULL);
     } while (line[0]);
     if (!(*exposure > 0 && *exposure < INFINITY)) return fail_format(in, "invalid EXPOSURE");
     if (!next_line(in, line, sizeof line)) return fail_format(in, "no resolution line");

@@ -1,6 +1,8 @@
 /// Notes: structs as JSON objects, names as JSON arrays.
 #include "exchange.h"
 
+#include "../core/number_text.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -65,8 +67,8 @@ static bool store(const rsv_field *field, const cJSON *item, void *place)
 /// All 17 digits: the JSON library is content with a number that is almost the same.
 static cJSON *add_number(cJSON *json, const char *name, double value)
 {
-    char text[32];
-    snprintf(text, sizeof text, "%.17g", value);
+    char text[RSV_NUMBER_BYTES];
+    rsv_number_text(text, 17, value);
     return cJSON_AddRawToObject(json, name, text);
 }
 

@@ -1,5 +1,7 @@
 #include "builtin.h"
 
+#include "../core/number_text.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -63,7 +65,7 @@ static rsv_status read_size(size_t i, const char *name, double *size)
     if (!generators[i].build_sized)
         return rsv_fail(RSV_ERROR_ARGUMENT, "scene '%s': %s has no size to choose; leave out '%s'",
             name, builtin_names[i], text);
-    *size = strtod(text + 1, &end);
+    *size = rsv_number_value(text + 1, &end);
     if (end == text + 1 || *end || !(*size >= range->least && *size <= range->most) ||
         *size != floor(*size))
         return rsv_fail(RSV_ERROR_ARGUMENT,

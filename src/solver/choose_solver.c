@@ -1,5 +1,7 @@
 #include "choose_solver.h"
 
+#include "../core/number_text.h"
+
 #include <stdio.h>
 
 /// Orders that the series may still take before another solver, and the residual it checks afresh, are worth it.
@@ -19,6 +21,7 @@ rsv_solver rsv_choose_solver(const rsv_solver_question *q, char *reason, size_t 
         snprintf(reason, reason_bytes, "asked for");
         return q->wanted;
     }
+    char radius[RSV_NUMBER_BYTES], norm[RSV_NUMBER_BYTES]; // files keep the reason
     const char *because;
     rsv_solver solver;
     if (q->terms <= FEW_TERMS)
@@ -31,8 +34,10 @@ rsv_solver rsv_choose_solver(const rsv_solver_question *q, char *reason, size_t 
         solver = RSV_SOLVER_BICGSTAB, because = "so many elements ask for few fields";
     else
         solver = RSV_SOLVER_GMRES, because = "it takes the fewest applications";
+    rsv_number_text(radius, 3, q->spectral_radius);
+    rsv_number_text(norm, 3, q->norm_inf);
     snprintf(reason, reason_bytes,
-        "spectral radius %.3f, norm %.3f, %zu elements: the series would take %u more orders; %s",
-        q->spectral_radius, q->norm_inf, q->node_count, q->terms, because);
+        "spectral radius %s, norm %s, %zu elements: the series would take %u more orders; %s",
+        radius, norm, q->node_count, q->terms, because);
     return solver;
 }
