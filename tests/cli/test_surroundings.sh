@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+# Wherever the program runs: names of folders, locales, no home, no folder for temporary files, folders and files that
+# vanish meanwhile, one thread or many, numbers too small to be normal.
+source "$(dirname "$0")/support.sh"
+seeds=$(cd "$(dirname "$0")/../fuzz/seeds" && pwd)
+few=(--quality draft --max-elements 200)
+
+# spaces, letters of other scripts, what shells and file names take for their own
+odd="$work/a folder, Größe 100% 日本 [x] 'quoted'"
+mkdir "$odd"
+succeeds scene cornell-blocks -o "$odd/the box.glb"
+succeeds solve "$odd/the box.glb" -o "$odd/the light.safetensors" "${few[@]}"
+succeeds render "$odd/the light.safetensors" -o "$odd/a picture.png" -o "$odd/a picture.exr" --size 16x16 --spp 1
+succeeds bake "$odd/the box.glb" -o "$odd/baked 1.glb" --to lightmap --map-size 64 --basis "${few[@]}" --checkpoint "$odd/rows of it"
+cp "$seeds"/room.gltf "$odd/room 2.gltf"
+succeeds render "$odd/room 2.gltf" -o "$odd/room.png" --size 16x16 --spp 1 --env sky "${few[@]}"
+printf 'x,y,z,nx,ny,nz\n0,0.5,0,0,1,0\n' >"$odd/points of it.csv"
+succeeds probe "$odd/the light.safetensors" --points "$odd/points of it.csv" -o "$odd/read.csv"
+for file in "a picture.png" "a picture.exr" "baked 1.glb" "baked 1.lightmap.exr" room.png read.csv; do
+    [[ -s $odd/$file ]] || complain "'$file' is missing in a folder of an odd name"
+done
+
+# no home, no place for temporary files, hardly an environment; a locale with commas
+same() { cmp -s "$1" "$2" || complain "$3: other bytes"; }
+plain=(solve "$odd/the box.glb" "${few[@]}")
+env -i HOME=/nonexistent TMPDIR=/nonexistent "$program" "${plain[@]}" -o bare.safetensors >stdout 2>stderr ||
+    complain "it needs a home or a folder for temporary files"
+same bare.safetensors "$odd/the light.safetensors" "without an environment"
+if localedef -i de_DE -f UTF-8 "$work/de_DE.UTF-8" >/dev/null 2>&1; then
+    LOCPATH=$work LC_ALL=de_DE.UTF-8 "$program" "${plain[@]}" -o commas.safetensors --stats commas.json >stdout 2>stderr ||
+        complain "it does not run where numbers have commas"
+    same commas.safetensors bare.safetensors "where numbers have commas"
+    grep -q '"total":[[:space:]]*[0-9]*\.[0-9]' commas.json || complain "statistics have commas in numbers"
+fi
+
+# one thread or many more than processors
+for threads in 1 64; do
+    succeeds "${plain[@]}" -o "threads-$threads.safetensors" --threads "$threads"
+    succeeds render "$odd/the box.glb" -o "threads-$threads.png" --mode final --size 24x24 --spp 1 --threads "$threads" "${few[@]}"
+done
+same threads-1.safetensors threads-64.safetensors "64 threads"
+same threads-1.png threads-64.png "a picture by 64 threads"
+
+# numbers below the smallest normal one are as good as nothing
+cat >tiny.mtl <<'TEXT'
+newmtl tiny
+Kd 1e-40 1e-42 0
+Ke 1e-41 1e-41 1e-41
+TEXT
+cat >tiny.obj <<'TEXT'
+mtllib tiny.mtl
+usemtl tiny
+v 0 1e-40 0
+v 1 0 1e-44
+v 0 0 -1
+f 1 2 3
+TEXT
+succeeds render tiny.obj -o tiny.exr -o tiny.png --size 16x16 --spp 2 --env white "${few[@]}"
+succeeds compare tiny.exr tiny.exr --json
+! grep -qi nan stdout || complain "numbers that are too small end in NaN"
+
+# a folder that is gone when the work is done
+mkdir "$out/gone"
+"$program" solve cornell-blocks -o "$out/gone/a.safetensors" --quality draft >stdout 2>stderr </dev/null &
+sleep 0.1
+rmdir "$out/gone" 2>/dev/null
+status=0
+wait $! || status=$?
+((status == 1)) || complain "exit status $status where the folder of the output is gone"
+[[ $(error_lines | grep -c '^error: ') == 1 ]] || complain "not one line of error where the folder is gone"
+[[ -z $(ls -A "$out") ]] || complain "left where the folder is gone: $(ls -A "$out")"
+
+# files that are cut off while they are read: an error in one line, or all was read before
+slow=(solve cornell-blocks --quality draft --threads 1)
+succeeds "${slow[@]}" -o rows.safetensors --checkpoint rows
+cp -r rows rows-before
+for ((k = 4; k <= 12; k += 2)); do
+    rm -rf rows && cp -r rows-before rows
+    "$program" "${slow[@]}" -o "$out/a.safetensors" --checkpoint rows --resume >stdout 2>stderr </dev/null &
+    sleep "0.$(printf '%02d' $k)"
+    for file in rows/*/*.rows; do
+        : >"$file"
+    done
+    status=0
+    wait $! || status=$?
+    ((status <= 1)) || complain "exit status $status where rows are cut off after $k hundredths of a second"
+    ((status == 1)) || cmp -s "$out/a.safetensors" rows.safetensors || complain "other bytes where rows are cut off"
+    rm -f "$out"/*
+done
+# what the processor says where nothing is left of a page
+"$program" "${slow[@]}" -o "$out/a.safetensors" >stdout 2>stderr </dev/null &
+sleep 0.1
+kill -BUS $!
+status=0
+wait $! || status=$?
+((status == 1)) || complain "exit status $status where a mapped file is cut off"
+grep -q '^error: a file that was being read was cut off' stderr || complain "a mapped file is cut off in silence"
+[[ -z $(ls -A "$out") ]] || complain "left where a mapped file is cut off: $(ls -A "$out")"
+finish
