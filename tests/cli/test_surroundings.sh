@@ -3,7 +3,7 @@
 # vanish meanwhile, one thread or many, numbers too small to be normal.
 source "$(dirname "$0")/support.sh"
 seeds=$(cd "$(dirname "$0")/../fuzz/seeds" && pwd)
-few=(--quality draft --max-elements 200)
+few=(--quality draft --max-elements 60)
 
 # spaces, letters of other scripts, what shells and file names take for their own
 odd="$work/a folder, Größe 100% 日本 [x] 'quoted'"
@@ -13,7 +13,7 @@ succeeds solve "$odd/the box.glb" -o "$odd/the light.safetensors" "${few[@]}"
 succeeds render "$odd/the light.safetensors" -o "$odd/a picture.png" -o "$odd/a picture.exr" --size 16x16 --spp 1
 succeeds bake "$odd/the box.glb" -o "$odd/baked 1.glb" --to lightmap --map-size 64 --basis "${few[@]}" --checkpoint "$odd/rows of it"
 cp "$seeds"/room.gltf "$odd/room 2.gltf"
-succeeds render "$odd/room 2.gltf" -o "$odd/room.png" --size 16x16 --spp 1 --env sky "${few[@]}"
+succeeds render "$odd/room 2.gltf" -o "$odd/room.png" --size 16x16 --spp 1 "${few[@]}"
 printf 'x,y,z,nx,ny,nz\n0,0.5,0,0,1,0\n' >"$odd/points of it.csv"
 succeeds probe "$odd/the light.safetensors" --points "$odd/points of it.csv" -o "$odd/read.csv"
 for file in "a picture.png" "a picture.exr" "baked 1.glb" "baked 1.lightmap.exr" room.png read.csv; do
@@ -61,9 +61,9 @@ succeeds compare tiny.exr tiny.exr --json
 
 # a folder that is gone when the work is done
 mkdir "$out/gone"
-"$program" solve cornell-blocks -o "$out/gone/a.safetensors" --quality draft >stdout 2>stderr </dev/null &
-sleep 0.1
-rmdir "$out/gone" 2>/dev/null
+"$program" solve cornell-blocks -o "$out/gone/a.safetensors" --quality draft --checkpoint work >stdout 2>stderr </dev/null &
+until [[ -n $(find work -name '*.rows' 2>/dev/null) ]]; do sleep 0.01; done
+rmdir "$out/gone" || complain "the work was done before the folder could go"
 status=0
 wait $! || status=$?
 ((status == 1)) || complain "exit status $status where the folder of the output is gone"
@@ -88,8 +88,8 @@ for ((k = 4; k <= 12; k += 2)); do
     rm -f "$out"/*
 done
 # what the processor says where nothing is left of a page
-"$program" "${slow[@]}" -o "$out/a.safetensors" >stdout 2>stderr </dev/null &
-sleep 0.1
+"$program" "${slow[@]}" --quality high -o "$out/a.safetensors" --checkpoint long >stdout 2>stderr </dev/null &
+until [[ -n $(find long -name '*.rows' -size +0 2>/dev/null) ]]; do sleep 0.02; done
 kill -BUS $!
 status=0
 wait $! || status=$?
