@@ -30,13 +30,16 @@ static void on_signal(int signal_number)
 /// Files of operators and rows are mapped: what is read of one that has become shorter since does not exist.
 static void on_lost_page(int signal_number)
 {
-    static const char text[] = "error: a file that was being read was cut off meanwhile: see who else "
-                               "writes to operator files and checkpoints, and run the command again\n";
+    static const char clear[] = "\r\033[K"; // of progress
+    static const char text[] =
+        "error: a file that was being read was cut off meanwhile, or its disk fails: see who "
+        "else writes to operator files and checkpoints, and run the command again\n";
     static atomic_flag said = ATOMIC_FLAG_INIT;
     (void)signal_number;
     while (atomic_flag_test_and_set(&said))
         pause(); // another thread says it
-    ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    ssize_t written = isatty(STDERR_FILENO) ? write(STDERR_FILENO, clear, sizeof clear - 1) : 0;
+    written += write(STDERR_FILENO, text, sizeof text - 1);
     (void)written; // nowhere to say it, then
     _exit(CLI_FAILURE);
 }

@@ -39,9 +39,9 @@ static uint64_t key_of(const rsv_row_tracer *t)
 
 bool rsv_checkpoint_take(const rsv_checkpoint *c, uint32_t node, rsv_row_scratch *scratch)
 {
-    if (!c || !c->files.known[node]) return false;
-    rsv_row_record_take(c->files.known[node], c->ray_count, scratch);
-    return true;
+    const uint8_t *record = c ? rsv_row_files_find(&c->files, node) : NULL;
+    if (record) rsv_row_record_take(record, c->ray_count, scratch);
+    return record != NULL;
 }
 
 bool rsv_checkpoint_recall(const rsv_checkpoint *c, uint32_t node, rsv_row_past *past)

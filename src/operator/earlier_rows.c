@@ -156,8 +156,9 @@ void rsv_earlier_rows_close(rsv_earlier_rows *e)
 bool rsv_earlier_rows_find(const rsv_earlier_rows *e, uint32_t node, rsv_row_past *past)
 {
     uint32_t then = e ? e->row_then[node] : RSV_NONE;
-    if (then == RSV_NONE || !e->files.known[then]) return false;
-    *past = rsv_row_record_past(e->files.known[then]);
+    const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_files_find(&e->files, then);
+    if (!record) return false;
+    *past = rsv_row_record_past(record);
     past->end_now = e->end_now;
     past->change = &e->change;
     return true;

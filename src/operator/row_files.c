@@ -92,7 +92,7 @@ rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const ch
 {
     rsv_status status = RSV_OK;
     char path[RSV_ROW_PATH_BYTES];
-    *f = (rsv_row_files){ .context = context, .node_count = node_count };
+    *f = (rsv_row_files){ .context = context, .node_count = node_count, .ray_count = ray_count };
     f->known = rsv_alloc(context, node_count, sizeof *f->known);
     if (!f->known) return RSV_ERROR_MEMORY;
     DIR *directory = opendir(folder);
@@ -111,6 +111,25 @@ rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const ch
     }
     closedir(directory);
     return status;
+}
+
+static size_t bytes_from(const rsv_row_files *f, const uint8_t *record)
+{
+    for (size_t k = 0; k < f->file_count; k++)
+        if (record >= f->file[k].byte && record < f->file[k].byte + f->file[k].count)
+            return (size_t)(f->file[k].byte + f->file[k].count - record);
+    return 0;
+}
+
+const uint8_t *rsv_row_files_find(const rsv_row_files *f, uint32_t node)
+{
+    const uint8_t *record = f->known[node];
+    uint32_t there;
+    if (!record) return NULL;
+    size_t bytes =
+        rsv_row_record_bytes(record, bytes_from(f, record), f->node_count, f->ray_count, &there);
+    bool sound = bytes && there == node && rsv_row_record_is_sound(record, bytes, f->node_count);
+    return sound ? record : NULL;
 }
 
 void rsv_row_files_close(rsv_row_files *f)

@@ -16,6 +16,7 @@ typedef struct rsv_row_files {
     rsv_context *context;
     const uint8_t **known; ///< [node_count] records by node; NULL = none
     size_t node_count;
+    uint32_t ray_count;
     rsv_mapped_file *file;
     size_t file_count, capacity;
 } rsv_row_files;
@@ -25,6 +26,8 @@ typedef struct rsv_row_files {
 rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const char *key,
     size_t node_count, uint32_t ray_count, const char *own, size_t *own_bytes,
     rsv_row_files *files);
+/// @return the node's record, or NULL: there is none, or somebody else has written over it since the files were opened
+const uint8_t *rsv_row_files_find(const rsv_row_files *files, uint32_t node);
 void rsv_row_files_close(rsv_row_files *files);
 
 #endif

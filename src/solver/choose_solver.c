@@ -34,8 +34,8 @@ rsv_solver rsv_choose_solver(const rsv_solver_question *q, char *reason, size_t 
         solver = RSV_SOLVER_BICGSTAB, because = "so many elements ask for few fields";
     else
         solver = RSV_SOLVER_GMRES, because = "it takes the fewest applications";
-    rsv_number_text(radius, 3, q->spectral_radius);
-    rsv_number_text(norm, 3, q->norm_inf);
+    rsv_number_text(radius, 4, q->spectral_radius);
+    rsv_number_text(norm, 4, q->norm_inf);
     snprintf(reason, reason_bytes,
         "spectral radius %s, norm %s, %zu elements: the series would take %u more orders; %s",
         radius, norm, q->node_count, q->terms, because);

@@ -39,7 +39,10 @@ endif()
 if(TARGET resolvent_program)
     add_test(NAME cli_docs COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_docs.sh
         $<TARGET_FILE:resolvent_program> ${PROJECT_SOURCE_DIR}/docs/start-here.md)
+    add_test(NAME cli_docs_whole COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_docs.sh
+        $<TARGET_FILE:resolvent_program> ${PROJECT_SOURCE_DIR}/docs/start-here.md whole)
     set_tests_properties(cli_docs PROPERTIES LABELS slow ENVIRONMENT "${RSV_LEAKS}")
+    set_tests_properties(cli_docs_whole PROPERTIES LABELS long)
 endif()
 # the test of the package runs it twice
 if(TARGET sample_minimal AND (RSV_SANITIZE OR NOT TARGET resolvent_program))

@@ -227,6 +227,52 @@ static void damaged_catalogues_are_passed_over(void **state)
     remove_folder(rows.path);
 }
 
+static size_t count_found(const rsv_row_files *files)
+{
+    size_t found = 0;
+    for (uint32_t n = 0; n < files->node_count; n++)
+        found += rsv_row_files_find(files, n) != NULL;
+    return found;
+}
+
+/// Another process writes over the second half of a file of rows that is mapped.
+static void records_written_over_meanwhile_are_not_taken(void **state)
+{
+    (void)state;
+    folder rows = new_folder();
+    room before = plain;
+    before.rows = rows.path;
+    trace_rows(&before);
+    char path[512] = "", key[RSV_ROW_KEY_DIGITS + 1] = "";
+    DIR *directory = opendir(rows.path);
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        if (!strstr(entry->d_name, ".rows")) continue;
+        snprintf(path, sizeof path, "%.200s/%.200s", rows.path, entry->d_name);
+        snprintf(key, sizeof key, "%.*s", RSV_ROW_KEY_DIGITS, entry->d_name);
+    }
+    closedir(directory);
+    built b = build(&plain);
+    rsv_row_files files;
+    size_t own, bytes;
+    assert_int_equal(rsv_row_files_open(b.w->context, rows.path, key, b.elements->node_count, RAYS,
+                         path, &own, &files),
+        RSV_OK);
+    size_t all = count_found(&files);
+    assert_true(all > 100);
+    uint8_t *content = read_bytes(path, &bytes);
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    memset(content + bytes / 2, 0, bytes - bytes / 2);
+    assert_int_equal(fwrite(content, 1, bytes, file), bytes);
+    fclose(file);
+    free(content);
+    size_t left = count_found(&files);
+    assert_true(left > all / 3 && left < 2 * all / 3);
+    rsv_row_files_close(&files);
+    destroy(&b);
+    remove_folder(rows.path);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -236,6 +282,7 @@ int main(void)
         cmocka_unit_test(objects_come_and_go),
         cmocka_unit_test(another_way_to_scatter_costs_the_rays_that_meet_it),
         cmocka_unit_test(damaged_catalogues_are_passed_over),
+        cmocka_unit_test(records_written_over_meanwhile_are_not_taken),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

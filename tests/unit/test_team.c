@@ -4,6 +4,7 @@
 
 #include "file_fixture.h"
 #include "operator/division.h"
+#include "slow_tests.h"
 #include "solve/solution.h"
 #include "thread_team.h"
 
@@ -121,10 +122,10 @@ static rsv_status solve_and_save(rsv_context *context, const job *j, const char 
 {
     rsv_status status;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    desc.element_target = 150;
+    desc.element_target = UNLESS_SANITIZED(400, 150);
     desc.rays_per_element = 64;
     desc.refinements = 1;
-    desc.photon_count = 1000;
+    desc.photon_count = UNLESS_SANITIZED(4000, 1000);
     desc.solver = j->solver;
     desc.checkpoint = j->checkpoint;
     RSV_TRY(rsv_scene_builtin(context, name, scene));
