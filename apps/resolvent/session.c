@@ -19,6 +19,7 @@
 /// A signal handler has no argument of its own to find these by.
 static volatile sig_atomic_t interrupted;
 static rsv_context *volatile interruptible;
+static volatile sig_atomic_t on_terminal; ///< where progress is drawn, without an end of its line
 
 static void on_signal(int signal_number)
 {
@@ -38,7 +39,7 @@ static void on_lost_page(int signal_number)
     (void)signal_number;
     while (atomic_flag_test_and_set(&said))
         pause(); // another thread says it
-    ssize_t written = isatty(STDERR_FILENO) ? write(STDERR_FILENO, clear, sizeof clear - 1) : 0;
+    ssize_t written = on_terminal ? write(STDERR_FILENO, clear, sizeof clear - 1) : 0;
     written += write(STDERR_FILENO, text, sizeof text - 1);
     (void)written; // nowhere to say it, then
     _exit(CLI_FAILURE);
@@ -53,6 +54,7 @@ static void catch_signals(rsv_context *context)
     interruptible = context;
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
+    on_terminal = isatty(STDERR_FILENO);
     signal(SIGBUS, on_lost_page);
     signal(SIGXFSZ, SIG_IGN); // a file that may not grow is an error of writing, not an end
 }

@@ -63,7 +63,7 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends media mover past_pilots rough_box rough_sky
+set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends locale media mover past_pilots rough_box rough_sky
     subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile past bake_side scene frame texture render bodies)
     rsv_add_part(${name} slow)
