@@ -5,6 +5,7 @@
 set -uo pipefail
 
 program=$1
+here=$(cd "$(dirname "$0")" && pwd)
 work=$(mktemp -d)
 out=$work/out
 mkdir "$out"

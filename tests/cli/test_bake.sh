@@ -54,9 +54,9 @@ TEXT
 rm -f "$out"/*
 
 # colours that vertices had stay beside the light, alpha too; what carries light is marked, what keeps its own colours is not
-python3 "$(dirname "$0")/change_box.py" colored plain.glb colored.glb || complain "the box cannot be coloured"
+python3 "$here/change_box.py" colored plain.glb colored.glb || complain "the box cannot be coloured"
 succeeds bake colored.glb -o colors.glb --to vertex --quality draft --max-elements 300
-python3 - "$(dirname "$0")" <<'TEXT' || complain "colours of vertices, or marks of what is lit, are lost"
+python3 - "$here" <<'TEXT' || complain "colours of vertices, or marks of what is lit, are lost"
 import json, struct, sys
 sys.dont_write_bytecode = True
 sys.path.append(sys.argv[1])
@@ -372,7 +372,7 @@ print(json.dumps({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "node
 TEXT
 refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to vertex --quality draft
 refuses 1 'nothing here reflects diffusely' bake mirror.gltf -o "$out/x.glb" --to lightmap --quality draft
-succeeds bake "$(dirname "$0")/../fuzz/seeds/packed.gltf" -o unpacked.glb --to vertex --quality draft
+succeeds bake "$here/../fuzz/seeds/packed.gltf" -o unpacked.glb --to vertex --quality draft
 grep -qa KHR_draco unpacked.glb && complain "a packed mesh stayed packed"
 succeeds render unpacked.glb -o unpacked.png --size 16x16 --quality draft
 refuses 1 'nowhere' bake nowhere.glb -o "$out/x.glb" --to vertex

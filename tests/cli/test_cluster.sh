@@ -1,7 +1,6 @@
 #!/usr/bin/env bash
 # Several processes: the same bytes as one, and no failure leaves anybody waiting.
-scripts=$(cd "$(dirname "$0")" && pwd)
-source "$scripts/support.sh"
+source "$(dirname "$0")/support.sh"
 
 # Exit status 77 is a test skipped.
 if [[ ! -e $(dirname "$program")/libresolvent_dist.so ]]; then
@@ -131,7 +130,7 @@ petsc() { thrive "$1" solve "$2" -o "$3" "${@:5}" --quality draft --threads 1 --
 # agrees WHAT: the last two of them
 agrees() {
     command -v python3 >/dev/null || return
-    python3 "$scripts/compare_operators.py" petsc.safetensors other.safetensors >compared ||
+    python3 "$here/compare_operators.py" petsc.safetensors other.safetensors >compared ||
         complain "$(cat compared): $1"
 }
 petsc 1 cornell-blocks petsc.safetensors "-ksp_type gmres" --max-elements 300 --eigenvalues 2

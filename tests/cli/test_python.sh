@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The sample that reads an operator file with numpy arrives at our solution.
-samples=$(cd "$(dirname "$0")/../../samples/python" && pwd)
 source "$(dirname "$0")/support.sh"
+samples=$here/../../samples/python
 
 python3 -c 'import numpy, scipy' 2>/dev/null || {
     echo "skipped: python3 with numpy and scipy is not installed"

@@ -2,7 +2,7 @@
 # Wherever the program runs: names of folders, locales, no home, no folder for temporary files, folders and files that
 # vanish meanwhile, one thread or many, numbers too small to be normal.
 source "$(dirname "$0")/support.sh"
-seeds=$(cd "$(dirname "$0")/../fuzz/seeds" && pwd)
+seeds=$(cd "$here/../fuzz/seeds" && pwd)
 few=(--quality draft --max-elements 60)
 
 # spaces, letters of other scripts, what shells and file names take for their own
