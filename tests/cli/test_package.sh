@@ -74,7 +74,7 @@ cmp first.png minimal.png
 
 # the packages for Debian and Ubuntu, unpacked somewhere else: the program in one, what compiles against it in the other
 if command -v dpkg-shlibdeps >/dev/null; then
-    cpack --config "$build/CPackConfig.cmake" -B "$work" >/dev/null
+    cpack -D CPACK_DEBIAN_COMPRESSION_TYPE=gzip --config "$build/CPackConfig.cmake" -B "$work" >/dev/null
     program=$(echo "$work"/resolvent_*.deb) development=$(echo "$work"/resolvent-dev_*.deb)
     for package in "$program" "$development"; do
         name=$(dpkg-deb --field "$package" Package)
