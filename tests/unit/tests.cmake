@@ -60,7 +60,7 @@ rsv_add_test(solvers unit/test_solvers.c)
 rsv_add_test(certify unit/test_certify.c)
 # they run much of what is defined in headers
 foreach(name IN ITEMS bsdf bsdf_lobes bvh)
-    target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3> $<$<BOOL:${RSV_SANITIZE}>:-O1>)
+    target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends locale media mover past_pilots rough_box rough_sky
