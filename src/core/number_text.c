@@ -4,19 +4,34 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/// What a thread does in the C locale, between begin_plain and end_plain.
+typedef struct plain_locale {
+    locale_t plain, before;
+} plain_locale;
+
+static plain_locale begin_plain(void)
+{
+    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
+    return (plain_locale){ plain, uselocale(plain) };
+}
+
+static void end_plain(plain_locale l)
+{
+    uselocale(l.before);
+    if (l.plain) freelocale(l.plain);
+}
+
 void rsv_number_text(char text[RSV_NUMBER_BYTES], int digits, double value)
 {
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0), before = uselocale(plain);
+    plain_locale l = begin_plain();
     snprintf(text, RSV_NUMBER_BYTES, "%.*g", digits, value);
-    uselocale(before);
-    if (plain) freelocale(plain);
+    end_plain(l);
 }
 
 double rsv_number_value(const char *text, char **end)
 {
-    locale_t plain = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0), before = uselocale(plain);
+    plain_locale l = begin_plain();
     double value = strtod(text, end);
-    uselocale(before);
-    if (plain) freelocale(plain);
+    end_plain(l);
     return value;
 }

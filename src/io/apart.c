@@ -49,8 +49,8 @@ static void prepare_copy(size_t bytes)
         SIGTERM, SIGPIPE };
     for (size_t k = 0; k < sizeof deadly / sizeof *deadly; k++)
         signal(deadly[k], SIG_DFL);
-    uselocale(
-        newlocale(LC_ALL_MASK, "C", (locale_t)0)); // Assimp reads numbers by that of the program
+    // Assimp reads numbers by the locale of whose program this is
+    uselocale(newlocale(LC_ALL_MASK, "C", (locale_t)0));
     int nowhere = open("/dev/null", O_WRONLY);
     if (nowhere >= 0) dup2(nowhere, STDERR_FILENO);
     limit(RLIMIT_CORE, 0);

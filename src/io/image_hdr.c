@@ -7,7 +7,6 @@
 #include "image_internal.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct reader {

@@ -2,7 +2,6 @@
 
 #include "../core/number_text.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const char *const builtin_names[] = { "cornell-blocks", "cornell-spheres", "cornell-glass",

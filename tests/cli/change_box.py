@@ -1,7 +1,8 @@
-"""Other boxes for tests. usage: change_box.py colored|framed BOX.glb CHANGED.glb (BOX.glb by `resolvent scene cornell-blocks`)
+"""Other boxes for tests. usage: change_box.py colored|framed|marble BOX.glb CHANGED.glb (BOX.glb by `resolvent scene cornell-blocks`)
 
 colored: vertices have colours, the back wall's alpha cuts its top off, and a metal behind the camera has colours too
 framed: without a camera, and tipped so that one who frames it looks straight in
+marble: what was of the first material is translucent
 """
 import json, struct, sys
 
@@ -61,11 +62,15 @@ def leave_framing(g, _):
     g["scenes"][0]["nodes"] = [len(g["nodes"]) - 1]
 
 
+def make_translucent(g, _):
+    g["materials"][0]["extras"] = {"resolvent": {"scatter_distance": [0.0084, 0.0054, 0.0037]}}
+
+
 def main(kind, source, target):
     raw = open(source, "rb").read()
     length = struct.unpack("<I", raw[12:16])[0]
     g, binary = json.loads(raw[20:20 + length]), bytearray(raw[28 + length:])
-    {"colored": color_vertices, "framed": leave_framing}[kind](g, binary)
+    {"colored": color_vertices, "framed": leave_framing, "marble": make_translucent}[kind](g, binary)
     g["buffers"] = [{"byteLength": len(binary)}]
     text = json.dumps(g).encode()
     text += b" " * (-len(text) % 4)

@@ -19,8 +19,13 @@
 #define UNLESS_SANITIZED(all, sanitized) (all)
 #endif
 
-/// Exit status of a test program whose second part any argument asks for: `slow` or `long`, see rsv_add_part in
-/// CMakeLists.txt.
+/// Whether the only argument asks for more than the quick tests: `slow` or `long`, see rsv_add_part in CMakeLists.txt.
+static inline int asks_for_more(int argc, char **argv)
+{
+    return argc > 1 && (strcmp(argv[1], "slow") == 0 || strcmp(argv[1], "long") == 0);
+}
+
+/// Exit status of a test program of two parts.
 #define RUN_HALF(argc, argv, quick, slow) RUN_HALF_WITH(argc, argv, quick, slow, NULL, NULL)
 
 /// The same, with a third part for `long`.
@@ -30,7 +35,7 @@
 
 /// The same, with what is done before the first and after the last test (cmocka's group fixtures).
 #define RUN_HALF_WITH(argc, argv, quick, slow, setup, teardown)                                    \
-    ((void)(argv), (argc) > 1 ? cmocka_run_group_tests(slow, setup, teardown)                      \
-                              : cmocka_run_group_tests(quick, setup, teardown))
+    (asks_for_more(argc, argv) ? cmocka_run_group_tests(slow, setup, teardown)                     \
+                               : cmocka_run_group_tests(quick, setup, teardown))
 
 #endif

@@ -6,7 +6,7 @@
 #include "light_fixture.h"
 #include "operator/earlier_rows.h"
 
-enum { RAYS = 256, SEED = 1 };
+enum { RAYS = 256, SEED = 1, NAME_BYTES = 64 };
 
 /// What is edited. All lengths in metres.
 typedef struct room {
@@ -204,25 +204,35 @@ static void another_way_to_scatter_costs_the_rays_that_meet_it(void **state)
         }
 }
 
+/// Name of the only file in the folder that has the ending.
+static void find_file(const folder *f, const char *ending, char name[NAME_BYTES])
+{
+    int found = 0;
+    DIR *directory = opendir(f->path);
+    assert_non_null(directory);
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        if (!strstr(entry->d_name, ending)) continue;
+        snprintf(name, NAME_BYTES, "%.60s", entry->d_name); // a key of 16 digits, and the ending
+        found++;
+    }
+    closedir(directory);
+    assert_int_equal(found, 1);
+}
+
 static void damaged_catalogues_are_passed_over(void **state)
 {
     (void)state;
     folder rows = new_folder();
     room before = plain;
+    char name[NAME_BYTES];
     before.rows = rows.path;
     trace_rows(&before);
-    DIR *directory = opendir(rows.path);
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        if (!strstr(entry->d_name, ".scene")) continue;
-        char path[512];
-        snprintf(path, sizeof path, "%.200s/%.200s", rows.path, entry->d_name);
-        FILE *file = fopen(path, "r+b");
-        assert_non_null(file);
-        assert_int_equal(fseek(file, 2000, SEEK_SET), 0);
-        assert_int_equal(fputc(0x55, file), 0x55);
-        fclose(file);
-    }
-    closedir(directory);
+    find_file(&rows, ".scene", name);
+    FILE *file = fopen(path_in(&rows, name), "r+b");
+    assert_non_null(file);
+    assert_int_equal(fseek(file, 2000, SEEK_SET), 0);
+    assert_int_equal(fputc(0x55, file), 0x55);
+    fclose(file);
     assert_int_equal(update(&before, &plain).rows, 0);
     remove_folder(rows.path);
 }
@@ -243,14 +253,10 @@ static void records_written_over_meanwhile_are_not_taken(void **state)
     room before = plain;
     before.rows = rows.path;
     trace_rows(&before);
-    char path[512] = "", key[RSV_ROW_KEY_DIGITS + 1] = "";
-    DIR *directory = opendir(rows.path);
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        if (!strstr(entry->d_name, ".rows")) continue;
-        snprintf(path, sizeof path, "%.200s/%.200s", rows.path, entry->d_name);
-        snprintf(key, sizeof key, "%.*s", RSV_ROW_KEY_DIGITS, entry->d_name);
-    }
-    closedir(directory);
+    char name[NAME_BYTES], key[RSV_ROW_KEY_DIGITS + 1];
+    find_file(&rows, ".rows", name);
+    snprintf(key, sizeof key, "%.*s", RSV_ROW_KEY_DIGITS, name);
+    const char *path = path_in(&rows, name);
     built b = build(&plain);
     rsv_row_files files;
     size_t own, bytes;
