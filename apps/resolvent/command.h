@@ -20,6 +20,5 @@ int cli_sheet(int argc, char **argv);
 int cli_scene(int argc, char **argv);
 int cli_info(int argc, char **argv);
 int cli_view(int argc, char **argv);
-int cli_bench(int argc, char **argv);
 
 #endif

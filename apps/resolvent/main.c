@@ -1,4 +1,5 @@
 /// The `resolvent` program: finds the command and hands over.
+#include "bench.h"
 #include "command.h"
 #include "crew.h"
 #include "device.h"

@@ -1,4 +1,4 @@
-#include "bench.h"
+#include "benchmarks.h"
 
 #include "resolvent/certify.h"
 

@@ -2,7 +2,7 @@
 #ifndef CLI_BENCH_GPU_H
 #define CLI_BENCH_GPU_H
 
-#include "bench.h"
+#include "benchmarks.h"
 
 #include "resolvent/solve.h"
 

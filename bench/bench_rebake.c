@@ -1,5 +1,5 @@
 /// One object moved: the scene solved again from what is kept of the solution before, beside solving it as a whole.
-#include "bench.h"
+#include "benchmarks.h"
 #include "command.h"
 #include "moved_scene.h"
 

@@ -1,7 +1,7 @@
 /// The benchmarks behind `resolvent bench`: each measures one scene into a JSON object, and prints such
 /// an object as text.
-#ifndef CLI_BENCH_H
-#define CLI_BENCH_H
+#ifndef CLI_BENCHMARKS_H
+#define CLI_BENCHMARKS_H
 
 #include "options.h"
 #include "session.h"

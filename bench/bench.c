@@ -1,4 +1,6 @@
 #include "bench.h"
+
+#include "benchmarks.h"
 #include "command.h"
 #include "crew.h"
 #include "device.h"

@@ -1,5 +1,5 @@
 /// Bare shadow rays, beside which moved lights are timed.
-#include "bench.h"
+#include "benchmarks.h"
 
 #include "resolvent/trace.h"
 

@@ -1,6 +1,6 @@
 /// Frames per second: whole frames beside bare ray tracing, stereo, and whether frames leave anything behind.
 #include "bars.h"
-#include "bench.h"
+#include "benchmarks.h"
 
 #include "resolvent/frame.h"
 

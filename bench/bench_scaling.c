@@ -1,5 +1,5 @@
 /// Processes beside threads: this program, started anew by mpirun.
-#include "bench.h"
+#include "benchmarks.h"
 
 #include <cJSON.h>
 #include <errno.h>

@@ -1,5 +1,5 @@
 /// Relighting while somebody looks on: strengths of all lights changed, and one light moved.
-#include "bench.h"
+#include "benchmarks.h"
 
 #include "resolvent/relight.h"
 

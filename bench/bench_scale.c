@@ -1,4 +1,4 @@
-#include "bench.h"
+#include "benchmarks.h"
 #include "output_file.h"
 #include "plot.h"
 
