@@ -1,6 +1,6 @@
 #include "bake_desc.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 rsv_bake_desc rsv_default_bake_desc(void)
 {

@@ -5,7 +5,7 @@
 #ifndef RSV_BAKE_DOCUMENT_H
 #define RSV_BAKE_DOCUMENT_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../io/gltf_document.h"
 
 #include <cjson/cJSON.h>

@@ -2,7 +2,7 @@
 
 #include "../io/gltf_accessor.h"
 #include "../io/matrix.h"
-#include "../scene/scene_internal.h"
+#include "../scene/scene.h"
 #include "bake_side.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #include "../core/index_map.h"
 #include "../core/sampling.h"
 #include "../core/vec.h"
-#include "../scene/scene_internal.h"
+#include "../scene/scene.h"
 #include "../surface/surface.h"
 #include "bake_chart.h"
 #include "bake_receiver.h"

@@ -2,7 +2,7 @@
 #ifndef RSV_BVH_INTERNAL_H
 #define RSV_BVH_INTERNAL_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/vec.h"
 #include "bvh.h"
 

@@ -2,7 +2,7 @@
 #ifndef RSV_MOMENTS_H
 #define RSV_MOMENTS_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 typedef struct rsv_moments {
     double mean;

@@ -1,6 +1,6 @@
 #include "escapes.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/octahedral.h"
 
 #include <string.h>

@@ -2,7 +2,7 @@
 #ifndef RSV_ALIAS_TABLE_H
 #define RSV_ALIAS_TABLE_H
 
-#include "core_internal.h"
+#include "core.h"
 #include "vec.h"
 
 typedef struct rsv_alias_entry {

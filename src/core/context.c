@@ -1,4 +1,4 @@
-#include "core_internal.h"
+#include "core.h"
 #include "device.h"
 #include "team.h"
 

@@ -1,6 +1,6 @@
 #include "device.h"
 
-#include "core_internal.h"
+#include "core.h"
 
 #include <dlfcn.h>
 

@@ -2,7 +2,7 @@
 #ifndef RSV_FIRST_MAP_H
 #define RSV_FIRST_MAP_H
 
-#include "core_internal.h"
+#include "core.h"
 #include "vec.h"
 
 #include <stdatomic.h>

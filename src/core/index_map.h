@@ -2,7 +2,7 @@
 #ifndef RSV_INDEX_MAP_H
 #define RSV_INDEX_MAP_H
 
-#include "core_internal.h"
+#include "core.h"
 
 typedef struct rsv_index_map {
     rsv_context *context;

@@ -8,7 +8,7 @@
 #ifndef RSV_CORE_TEAM_H
 #define RSV_CORE_TEAM_H
 
-#include "core_internal.h"
+#include "core.h"
 #include "resolvent/team.h"
 
 #define RSV_TEAM_BLOCK 64 ///< nodes that stay together

@@ -6,7 +6,7 @@
 #ifndef RSV_PHOTON_GUIDE_H
 #define RSV_PHOTON_GUIDE_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/sampling.h"
 
 #define RSV_GUIDE_SIDE 64 ///< bins along each side of the square

@@ -11,7 +11,7 @@
 #ifndef RSV_ELEMENTS_H
 #define RSV_ELEMENTS_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../surface/surface.h"
 
 #define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together

@@ -5,7 +5,7 @@
 #ifndef RSV_SCENE_CHANGE_H
 #define RSV_SCENE_CHANGE_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "resolvent/trace.h"
 
 #define RSV_MOST_CHANGES 16

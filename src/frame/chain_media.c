@@ -1,6 +1,6 @@
 #include "chain_media.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "packet_kernels.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 #include "clearance.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../trace/near.h"
 #include "../trace/tracer_update.h"
 #include "chain_media.h"

@@ -1,6 +1,6 @@
 #include "apart.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #include <errno.h>
 #include <fcntl.h>

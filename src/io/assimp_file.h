@@ -2,7 +2,7 @@
 #ifndef RSV_ASSIMP_FILE_H
 #define RSV_ASSIMP_FILE_H
 
-#include "../scene/scene_internal.h"
+#include "../scene/scene.h"
 #include "scene_read.h"
 
 #include <assimp/scene.h>

@@ -3,7 +3,7 @@
 #ifndef RSV_ATOMIC_FILE_H
 #define RSV_ATOMIC_FILE_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #ifdef __cplusplus
 extern "C" {

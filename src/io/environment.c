@@ -1,4 +1,4 @@
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"
 

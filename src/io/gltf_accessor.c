@@ -1,6 +1,6 @@
 #include "gltf_accessor.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #include <math.h>
 #include <string.h>

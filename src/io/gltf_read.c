@@ -1,5 +1,5 @@
 /// From a glTF document to a scene.
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/vec.h"
 #include "gltf_accessor.h"
 #include "gltf_texture.h"

@@ -3,7 +3,7 @@
 #include "gltf_json.hpp"
 
 extern "C" {
-#include "../core/core_internal.h"
+#include "../core/core.h"
 }
 
 #include <algorithm>

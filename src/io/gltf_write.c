@@ -2,7 +2,7 @@
 ///
 /// The binary chunk is three runs - positions, normals, indices - of which each object's accessors are
 /// slices; it is streamed from the scene's own arrays.
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/vec.h"
 #include "atomic_file.h"
 #include "resolvent/io.h"

@@ -2,7 +2,7 @@
 #ifndef RSV_IMAGE_INTERNAL_H
 #define RSV_IMAGE_INTERNAL_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "atomic_file.h"
 #include "resolvent/image.h"
 

@@ -1,6 +1,6 @@
 #include "ply_header.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #include <ctype.h>
 #include <errno.h>

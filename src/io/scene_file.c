@@ -1,5 +1,5 @@
 /// Which reader a file goes to.
-#include "../scene/scene_internal.h"
+#include "../scene/scene.h"
 #include "scene_read.h"
 
 #include <errno.h>

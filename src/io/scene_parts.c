@@ -1,6 +1,6 @@
 #include "scene_parts.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #include <string.h>
 

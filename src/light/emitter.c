@@ -2,7 +2,7 @@
 #include "emitter_body.h"
 #include "light_internal.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 /// Places on a textured emitter from which its mean radiance is estimated.
 #define RADIANCE_POINTS 64

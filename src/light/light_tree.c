@@ -1,6 +1,6 @@
 #include "light_tree.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "resolvent/scene.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /// The list of a scene's sources, grouped, with the table for selection by power.
 #include "light_internal.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
 #include "light_internal.h"
 #include "punctual_light.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #include <stdlib.h>
 #include <string.h>

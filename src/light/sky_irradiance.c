@@ -1,5 +1,5 @@
 /// Irradiance of every normal from the sky, once and for all.
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/octahedral.h"
 #include "sky.h"
 

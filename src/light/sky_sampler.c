@@ -1,5 +1,5 @@
 /// Marginal and conditional distributions over the cells of a latitude-longitude picture.
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "sky.h"
 
 #define MAX_COLUMNS 2048 ///< cells along the equator; larger pictures have several pixels in each

@@ -1,6 +1,6 @@
 #include "solo.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "light_internal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /// Suns: strong, small, bright regions of a picture of the sky, found by growing them from the brightest pixel.
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "environment.h"
 
 /// A sun's brightest pixel exceeds the rest of the sky by this factor, on average over the sphere,

@@ -2,7 +2,7 @@
 #ifndef RSV_DIRECTIONS_H
 #define RSV_DIRECTIONS_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/sampling.h"
 
 #define RSV_DIRECTION_SETS 64

@@ -2,7 +2,7 @@
 #ifndef RSV_ROW_RECORD_HEAD_H
 #define RSV_ROW_RECORD_HEAD_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 /// Followed by `rsv_row_part`, and by zeros up to a multiple of 8.
 typedef struct rsv_row_record_head {

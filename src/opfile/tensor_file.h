@@ -7,7 +7,7 @@
 #ifndef RSV_TENSOR_FILE_H
 #define RSV_TENSOR_FILE_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #include <cjson/cJSON.h>
 

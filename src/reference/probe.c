@@ -1,4 +1,4 @@
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "reference_internal.h"
 #include "resolvent/render.h"
 

@@ -8,7 +8,7 @@
 #ifndef RSV_REFERENCE_SUBSURFACE_H
 #define RSV_REFERENCE_SUBSURFACE_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/index_map.h"
 #include "../core/sampling.h"
 #include "../subsurface/scatter_profile.h"

@@ -1,6 +1,6 @@
 #include "device_basis.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 /// The plug-in's objects start with what the library needs to find them by.
 struct rsv_device_basis {

@@ -1,6 +1,6 @@
 #include "light_places.h"
 
-#include "../scene/scene_internal.h"
+#include "../scene/scene.h"
 
 /// Marks the vertices of a material's triangles, which are no other's. @return how many
 static size_t mark_vertices(const rsv_scene *scene, uint32_t material, uint8_t *marked)

@@ -1,6 +1,6 @@
 #include "light_settings.h"
 
-#include "../scene/scene_internal.h"
+#include "../scene/scene.h"
 #include "../subsurface/scatter_profile.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #ifndef RSV_RELIGHTER_H
 #define RSV_RELIGHTER_H
 
-#include "../scene/scene_internal.h"
+#include "../scene/scene.h"
 #include "../solve/solution.h"
 #include "../solve/transport_map.h"
 #include "light_places.h"

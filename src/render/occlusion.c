@@ -1,7 +1,7 @@
 /// Pictures of ambient occlusion, in either form.
 #include "occlusion.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #define DEFAULT_SAMPLES 16
 #define SCREEN_REACH 0.05f ///< default of the screen-space form, as a share of the scene's diagonal

@@ -1,6 +1,6 @@
 #include "occlusion_device.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../trace/hierarchy.h"
 
 struct rsv_occlusion_device {

@@ -2,7 +2,7 @@
 /// would arrive unhindered.
 #include "occlusion.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../trace/packet.h"
 
 #include <string.h>

@@ -1,6 +1,6 @@
 #include "occlusion.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 #define BLOCK 4 ///< pixels of a packet lie in a square
 

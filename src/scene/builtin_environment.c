@@ -1,5 +1,5 @@
 /// Surroundings without a file.
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/vec.h"
 #include "resolvent/scene.h"
 

@@ -1,6 +1,6 @@
 #include "../core/vec.h"
 #include "material_at.h"
-#include "scene_internal.h"
+#include "scene.h"
 
 typedef struct bounding_box {
     rsv_vec3 low, high;

@@ -1,6 +1,6 @@
 /// The surroundings: taking over their picture, whatever is in it.
 #include "../core/vec.h"
-#include "scene_internal.h"
+#include "scene.h"
 
 #include <string.h>
 

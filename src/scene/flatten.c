@@ -1,6 +1,6 @@
 /// From instances of meshes to world-space triangles.
 #include "../core/vec.h"
-#include "scene_internal.h"
+#include "scene.h"
 
 #include <float.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "scene_internal.h"
+#include "scene.h"
 
 #include <math.h>
 

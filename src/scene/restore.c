@@ -1,7 +1,7 @@
 #include "restore.h"
 
 #include "../core/vec.h"
-#include "scene_internal.h"
+#include "scene.h"
 
 #include <string.h>
 

@@ -1,5 +1,5 @@
 #include "../core/vec.h"
-#include "scene_internal.h"
+#include "scene.h"
 
 #include <string.h>
 

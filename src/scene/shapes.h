@@ -4,7 +4,7 @@
 #define RSV_SCENE_SHAPES_H
 
 #include "../core/vec.h"
-#include "scene_internal.h"
+#include "scene.h"
 
 /// Where and of what; `transform` NULL = identity.
 typedef struct rsv_shape {

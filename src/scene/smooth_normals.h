@@ -2,7 +2,7 @@
 #ifndef RSV_SMOOTH_NORMALS_H
 #define RSV_SMOOTH_NORMALS_H
 
-#include "scene_internal.h"
+#include "scene.h"
 
 /// A mesh whose vertices are split where it is creased.
 typedef struct rsv_smooth_mesh {

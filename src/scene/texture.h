@@ -6,7 +6,7 @@
 #ifndef RSV_TEXTURE_H
 #define RSV_TEXTURE_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/vec.h"
 #include "resolvent/scene.h"
 

@@ -3,7 +3,7 @@
 #ifndef RSV_COLUMNS_H
 #define RSV_COLUMNS_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 /// Shape of the fields of a run: [count x columns].
 typedef struct rsv_field_shape {

@@ -9,7 +9,7 @@
 #ifndef RSV_LINEAR_MAP_H
 #define RSV_LINEAR_MAP_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 
 /// Results depend on the arguments alone, to the last bit, not on the number of threads. NULL where it says so.
 typedef struct rsv_linear_map_table {

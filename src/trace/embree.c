@@ -1,7 +1,7 @@
 /// Hierarchies of Embree. What knows it is here and in embree_rays.c; both work with Embree 3.13 and 4.
 #include "tracer_update.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/vec.h"
 #include "../scene/material_at.h"
 #include "embree_internal.h"

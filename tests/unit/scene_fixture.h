@@ -2,7 +2,7 @@
 #ifndef RSV_TEST_SCENE_FIXTURE_H
 #define RSV_TEST_SCENE_FIXTURE_H
 
-#include "core/core_internal.h"
+#include "core/core.h"
 #include "core/vec.h"
 #include "resolvent/scene.h"
 

@@ -1,7 +1,7 @@
 /// Code of others at work on hostile input: whatever it does, the caller lives and learns of it.
 #include "io/apart.h"
 
-#include "core/core_internal.h"
+#include "core/core.h"
 
 #include "scene_fixture.h"
 

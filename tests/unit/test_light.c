@@ -3,7 +3,7 @@
 #include "light/light.h"
 #include "light/punctual_light.h"
 
-#include "core/core_internal.h"
+#include "core/core.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -4,7 +4,7 @@
 #include "direct/glance_kernels.h"
 #include "light/light_internal.h"
 #include "light_fixture.h"
-#include "scene/scene_internal.h"
+#include "scene/scene.h"
 #include "solve/solution.h"
 
 static rsv_scene *own_scene(world *w) { return w->scene; }

@@ -1,7 +1,7 @@
 /// Parts of a scene from one process to another: all arrive, and whatever arrives does no harm.
 #include "io/scene_parts.h"
 
-#include "core/core_internal.h"
+#include "core/core.h"
 
 #include "scene_fixture.h"
 

@@ -4,7 +4,7 @@
 #include "resolvent/render.h"
 #include "resolvent/trace.h"
 #include "scene/material_at.h"
-#include "scene/scene_internal.h"
+#include "scene/scene.h"
 #include "scene_fixture.h"
 #include "slow_tests.h"
 

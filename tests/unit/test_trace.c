@@ -1,7 +1,7 @@
 /// Rays: packets against single rays, offsets at all scales, the nearest surface point.
 #include "elements/elements.h"
 #include "light_fixture.h"
-#include "scene/scene_internal.h"
+#include "scene/scene.h"
 #include "trace/tracer_update.h"
 
 static rsv_vec3 random_in_cube(rsv_random *random, float half)

@@ -1,6 +1,6 @@
 /// Private services every room uses: errors, memory, log, progress, threads.
-#ifndef RSV_CORE_INTERNAL_H
-#define RSV_CORE_INTERNAL_H
+#ifndef RSV_CORE_H
+#define RSV_CORE_H
 
 #include "resolvent/core.h"
 

@@ -1,8 +1,8 @@
 /// What a scene is made of before and after commit.
-#ifndef RSV_SCENE_INTERNAL_H
-#define RSV_SCENE_INTERNAL_H
+#ifndef RSV_SCENE_H
+#define RSV_SCENE_H
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "resolvent/scene.h"
 #include "texture.h"
 
