@@ -3,9 +3,11 @@
 #include "../core/index_map.h"
 #include "../core/srgb.h"
 #include "../core/vec.h"
-#include "../io/image_internal.h"
+#include "../io/atomic_file.h"
+#include "../io/image_codes.h"
 #include "bake_directions.h"
 #include "bake_primitive.h"
+#include "resolvent/image.h"
 
 #include <stdio.h>
 #include <string.h>

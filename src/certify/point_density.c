@@ -1,6 +1,6 @@
 #include "point_density.h"
 
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 
 #define SHARE_BY_AREA 0.5
 

@@ -1,6 +1,6 @@
 #include "scatter_row.h"
 
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "scatter_integral.h"
 
 rsv_status rsv_scatter_row_create(const rsv_scatter_sources *s, rsv_scatter_row *row)

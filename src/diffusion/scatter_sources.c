@@ -1,7 +1,7 @@
 #include "scatter_sources.h"
 
 #include "../core/index_map.h"
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 
 #include <stdlib.h>
 #include <string.h>

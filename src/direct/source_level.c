@@ -3,7 +3,7 @@
 #include "../elements/bend.h"
 #include "../elements/burial.h"
 #include "../elements/contact.h"
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "../elements/open_corners.h"
 #include "source_recall.h"
 

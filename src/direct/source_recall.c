@@ -1,7 +1,7 @@
 #include "source_recall.h"
 
 #include "../elements/element_keys.h"
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "direct.h"
 #include "source_level.h"
 

@@ -190,6 +190,16 @@ RSV_INLINE void rsv_cell_corner(const rsv_cell *cell, int k, float *u, float *v)
     *v = (float)(cell->j + dj) * size;
 }
 
+/// The children of a cell: 0..2 keep a corner of the parent, 3 is the middle one, turned over.
+rsv_cell rsv_child_cell(rsv_cell parent, int k);
+
+/// Area of a cell, m2.
+RSV_INLINE float rsv_cell_area(const rsv_elements *elements, uint32_t cell)
+{
+    const rsv_cell *c = &elements->cell[cell];
+    return elements->face_area[c->face] / (float)(1u << (2 * c->level));
+}
+
 /// Where to find a node on other elements of the same faces: its place, pulled a little into one of its own
 /// cells, so that a lookup does not end on the far side of a wall that runs along the cell's edge.
 void rsv_elements_place_node(

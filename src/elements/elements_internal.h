@@ -23,9 +23,6 @@ rsv_status rsv_elements_create_grid(rsv_elements *elements, const rsv_spacing *s
 rsv_status rsv_elements_split_cells(
     const rsv_elements *coarser, const uint8_t *split, rsv_elements *finer);
 
-/// The children of a cell: 0..2 keep a corner of the parent, 3 is the middle one, turned over.
-rsv_cell rsv_child_cell(rsv_cell parent, int k);
-
 /// Nodes, hanging nodes and supports of finished cells.
 /// @param unbalanced out, to be freed by the caller: cells with an edge halved more than once; where there are any,
 /// nodes are left out, as such cells are to be split
@@ -37,12 +34,5 @@ rsv_status rsv_elements_are_countable(const rsv_elements *elements);
 
 /// Supports, faces and areas of numbered nodes.
 rsv_status rsv_elements_create_supports(rsv_elements *elements);
-
-/// Area of a cell, m2.
-RSV_INLINE float rsv_cell_area(const rsv_elements *elements, uint32_t cell)
-{
-    const rsv_cell *c = &elements->cell[cell];
-    return elements->face_area[c->face] / (float)(1u << (2 * c->level));
-}
 
 #endif

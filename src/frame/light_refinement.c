@@ -1,6 +1,6 @@
 #include "light_refinement.h"
 
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 
 #include <string.h>
 

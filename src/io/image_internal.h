@@ -61,8 +61,4 @@ rsv_status rsv_image_encode_exr(const rsv_image *image, float exposure, rsv_atom
 rsv_status rsv_image_encode_hdr(const rsv_image *image, float exposure, rsv_atomic_file *file);
 rsv_status rsv_image_encode_png(const rsv_image *image, float exposure, rsv_atomic_file *file);
 
-/// A PNG of 8-bit RGB codes as they are. @param bytes out: to be freed
-rsv_status rsv_image_png_from_codes(rsv_context *context, const uint8_t (*codes)[3], uint32_t width,
-    uint32_t height, uint8_t **bytes, size_t *count);
-
 #endif

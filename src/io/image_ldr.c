@@ -1,6 +1,7 @@
 /// PNG and JPEG, through stb_image and stb_image_write, which leaves compressing to zlib.
 #include "../core/srgb.h"
 #include "../core/vec.h"
+#include "image_codes.h"
 #include "image_internal.h"
 #include "resolvent/scene.h"
 

@@ -4,7 +4,7 @@
 #include "../elements/cluster.h"
 #include "../elements/contact.h"
 #include "../elements/element_keys.h"
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "../elements/open_corners.h"
 #include "../elements/past.h"
 

@@ -2,7 +2,7 @@
 
 #include "../elements/burial.h"
 #include "../elements/contact.h"
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "../elements/follower.h"
 #include "../elements/open_corners.h"
 #include "solution.h"

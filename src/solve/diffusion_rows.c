@@ -1,6 +1,6 @@
 #include "diffusion_rows.h"
 
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 
 static bool is_leaf(const rsv_scatter_cluster *c) { return c->right == 0; }
 

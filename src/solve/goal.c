@@ -1,6 +1,6 @@
 #include "goal.h"
 
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "../solver/linear_solver.h"
 #include "solution.h"
 #include "transport_map.h"

@@ -3,7 +3,7 @@
 #include "../elements/bend.h"
 #include "../elements/burial.h"
 #include "../elements/element_keys.h"
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "../elements/follower.h"
 #include "../elements/past.h"
 #include "budget.h"

@@ -1,7 +1,7 @@
 #include "solution.h"
 
 #include "../core/team.h"
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 #include "budget.h"
 #include "coarse_elements.h"
 #include "goal.h"

@@ -1,6 +1,6 @@
 #include "system.h"
 
-#include "../elements/elements_internal.h"
+#include "../elements/elements.h"
 
 /// Places on each element where textured albedo is looked up.
 #define ALBEDO_POINTS 16

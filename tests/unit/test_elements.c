@@ -2,7 +2,7 @@
 /// across everything that is not.
 #include "elements/cluster.h"
 #include "elements/contact.h"
-#include "elements/elements_internal.h"
+#include "elements/elements.h"
 #include "elements/follower.h"
 #include "elements/spacing.h"
 #include "light_fixture.h"

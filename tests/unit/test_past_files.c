@@ -1,5 +1,5 @@
 /// Files of what a solve knew, damaged and forged.
-#include "elements/elements_internal.h"
+#include "elements/elements.h"
 #include "elements/open_corners.h"
 #include "past_fixture.h"
 
