@@ -3,8 +3,8 @@
 #define RSV_CHAIN_LIGHT_H
 
 #include "../chain/chain.h"
+#include "../mover/mover.h"
 #include "light_table.h"
-#include "mover_internal.h"
 #include "packet_kernels.h"
 
 typedef struct rsv_chain_light {

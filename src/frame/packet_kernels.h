@@ -3,11 +3,11 @@
 #ifndef RSV_PACKET_KERNELS_H
 #define RSV_PACKET_KERNELS_H
 
+#include "../trace/packet.h"
 #include "beam.h"
 #include "chain_lanes.h"
 #include "clearance.h"
 #include "light_table.h"
-#include "resolvent/trace.h"
 #include "tone.h"
 
 /// Pixels of a packet lie in a block of this side; its first eight lanes are the upper half.
@@ -35,22 +35,6 @@ RSV_INLINE rsv_grid_place rsv_packet_place(const rsv_packet_places *places, uint
 {
     return rsv_grid_place_of(
         (uint32_t)places->cell[lane], places->b0[lane], places->b1[lane], places->b2[lane]);
-}
-
-/// Whether a ray ended at the back of a triangle.
-RSV_INLINE bool rsv_packet_meets_back(const rsv_ray_packet *p, uint32_t lane)
-{
-    return p->normal_x[lane] * p->direction_x[lane] + p->normal_y[lane] * p->direction_y[lane] +
-               p->normal_z[lane] * p->direction_z[lane] >
-           0;
-}
-
-/// Where a ray ended.
-RSV_INLINE rsv_vec3 rsv_packet_point(const rsv_ray_packet *p, uint32_t lane)
-{
-    rsv_vec3 origin = v3(p->origin_x[lane], p->origin_y[lane], p->origin_z[lane]);
-    rsv_vec3 direction = v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]);
-    return v3_mad(origin, p->t_max[lane], direction);
 }
 
 /// Asks the memory for the triangles that lanes met.

@@ -1,8 +1,8 @@
-#include "mover_internal.h"
+#include "mover.h"
 
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
-#include "packet_kernels.h"
+#include "../trace/packet.h"
 
 bool rsv_mover_occludes(const rsv_mover *m, const rsv_ray *ray)
 {

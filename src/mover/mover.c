@@ -1,4 +1,4 @@
-#include "mover_internal.h"
+#include "mover.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /// Movers as frames see them.
-#ifndef RSV_MOVER_INTERNAL_H
-#define RSV_MOVER_INTERNAL_H
+#ifndef RSV_MOVER_H
+#define RSV_MOVER_H
 
 #include "../render/probe_grid.h"
 #include "resolvent/mover.h"
