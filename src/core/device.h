@@ -21,7 +21,7 @@ typedef struct rsv_device_table {
     const struct rsv_device_direct_table *direct;       ///< direct/device_direct.h
     const struct rsv_device_shooting_table *shooting;   ///< direct/device_shooting.h
     const struct rsv_device_frames_table *frames;       ///< frame/device_frames.h
-    const struct rsv_device_occlusion_table *occlusion; ///< render/device_occlusion.h
+    const struct rsv_device_occlusion_table *occlusion; ///< occlusion/device_occlusion.h
 } rsv_device_table;
 
 struct rsv_device {

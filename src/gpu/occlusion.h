@@ -2,7 +2,7 @@
 #ifndef RSV_GPU_OCCLUSION_H
 #define RSV_GPU_OCCLUSION_H
 
-#include "../render/device_occlusion.h"
+#include "../occlusion/device_occlusion.h"
 
 extern const rsv_device_occlusion_table rsv_gpu_occlusion;
 

@@ -1,10 +1,10 @@
 /// Ambient occlusion: camera rays to the surfaces that they meet, and from these rays or looks at the depth buffer. The
-/// arithmetic is that of src/render.
+/// arithmetic is that of src/occlusion.
 #ifndef RSV_OCCLUSION_KERNELS_H
 #define RSV_OCCLUSION_KERNELS_H
 
 #include "../bvh/bvh_trace.h"
-#include "../render/device_occlusion.h"
+#include "../occlusion/device_occlusion.h"
 #include "launch.h"
 
 /// All of it lies on the device, the picture's buffers too.

@@ -1,7 +1,7 @@
 /// Ambient occlusion found by a device against that of the processor, on a device that the processor emulates;
 /// `test_gpu_occlusion cuda` runs the same on a real one.
 #include "light_fixture.h"
-#include "render/occlusion_view.h"
+#include "occlusion/occlusion_view.h"
 #include "resolvent/device.h"
 
 #include <stdio.h>
