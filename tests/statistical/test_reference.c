@@ -1,7 +1,7 @@
 /// The reference path tracer against closed forms: it can judge the rest only if it passes itself.
+#include "builtin/builtin.h"
+#include "builtin/shapes.h"
 #include "resolvent/render.h"
-#include "scene/builtin.h"
-#include "scene/shapes.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -3,9 +3,9 @@
 #ifndef RSV_TEST_LIGHT_FIXTURE_H
 #define RSV_TEST_LIGHT_FIXTURE_H
 
+#include "builtin/builtin.h"
 #include "chain/chain.h"
 #include "light/light.h"
-#include "scene/builtin.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

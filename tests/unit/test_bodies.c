@@ -1,5 +1,5 @@
 /// Polygonised fields are closed and lie on their surface; bodies stand where a built-in scene wants them.
-#include "scene/body.h"
+#include "builtin/body.h"
 #include "unit/scene_fixture.h"
 #include "unit/slow_tests.h"
 

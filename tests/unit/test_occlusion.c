@@ -1,6 +1,6 @@
 /// Modes occlusion against closed forms: configuration factors of what hides the sky.
+#include "builtin/builtin.h"
 #include "resolvent/render.h"
-#include "scene/builtin.h"
 #include "unit/scene_fixture.h"
 
 #define ALBEDO 0.5f

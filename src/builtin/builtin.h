@@ -1,6 +1,6 @@
 /// The built-in scenes' generators: each fills an empty scene.
-#ifndef RSV_SCENE_BUILTIN_H
-#define RSV_SCENE_BUILTIN_H
+#ifndef RSV_BUILTIN_H
+#define RSV_BUILTIN_H
 
 #include "shapes.h"
 

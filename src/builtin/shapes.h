@@ -1,10 +1,10 @@
 /// Simple bodies, added to a scene as one mesh and one instance each; what the built-in scenes are
 /// made of.
-#ifndef RSV_SCENE_SHAPES_H
-#define RSV_SCENE_SHAPES_H
+#ifndef RSV_SHAPES_H
+#define RSV_SHAPES_H
 
 #include "../core/vec.h"
-#include "scene.h"
+#include "../scene/scene.h"
 
 /// Where and of what; `transform` NULL = identity.
 typedef struct rsv_shape {

@@ -1,6 +1,6 @@
 /// The body in the middle of a built-in scene: a given one, or one of our own.
-#ifndef RSV_SCENE_BODY_H
-#define RSV_SCENE_BODY_H
+#ifndef RSV_BODY_H
+#define RSV_BODY_H
 
 #include "sculpture.h"
 
