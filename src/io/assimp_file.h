@@ -10,8 +10,9 @@
 
 #define RSV_NAME_BYTES 128
 
-/// Reads and triangulates a file. Importers may crash, hang or harm memory: call this apart (apart.h). Materials and other
-/// files it refers to must be regular files; those that cannot be read are named in a warning.
+/// Reads and triangulates a file. Importers may crash, hang or harm memory: call this in a child process
+/// (child_process.h). Materials and other files it refers to must be regular files; those that cannot be read are named in
+/// a warning.
 /// @param imported to be released by aiReleaseImport
 rsv_status rsv_assimp_import(
     rsv_context *context, const char *path, const struct aiScene **imported);

@@ -1,6 +1,6 @@
-/// Assimp works apart: its importers crash on some malformed files, and there is nobody to mend them here.
-#include "apart.h"
+/// Assimp works in a child process: its importers crash on some malformed files, and there is nobody to mend them here.
 #include "assimp_file.h"
+#include "child_process.h"
 #include "ply_header.h"
 #include "scene_parts.h"
 
@@ -17,7 +17,7 @@ static void log_to_answer(void *user, rsv_log_level level, const char *message)
     rsv_send_log(user, level, message);
 }
 
-/// With a context of its own: the caller's callbacks must not be called from a copy.
+/// With a context of its own: the caller's callbacks must not be called from a child.
 static rsv_status convert(void *user, FILE *answer)
 {
     const job *j = user;
@@ -44,7 +44,7 @@ rsv_status rsv_assimp_read(
     struct stat info;
     if (kind == RSV_FILE_PLY) RSV_TRY(rsv_ply_check(path));
     if (stat(path, &info) != 0) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read"));
-    RSV_TRY(rsv_apart(context, convert, &j, (size_t)info.st_size, &answer, &count));
+    RSV_TRY(rsv_in_child_process(context, convert, &j, (size_t)info.st_size, &answer, &count));
     RSV_TRY(rsv_receive_parts(answer, count, scene));
 cleanup:
     rsv_free(context, answer);

@@ -1,4 +1,4 @@
-#include "apart.h"
+#include "child_process.h"
 
 #include "../core/core.h"
 
@@ -42,8 +42,8 @@ static size_t space_in_use(void)
     return pages * (size_t)sysconf(_SC_PAGESIZE);
 }
 
-/// Crashes end the copy without a core file, a report or a handler of the caller's.
-static void prepare_copy(size_t bytes)
+/// Crashes end the child without a core file, a report or a handler of the caller's.
+static void prepare_child(size_t bytes)
 {
     static const int deadly[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU, SIGINT,
         SIGTERM, SIGPIPE };
@@ -59,11 +59,11 @@ static void prepare_copy(size_t bytes)
     if (used) limit(RLIMIT_AS, used + most_memory(bytes));
 }
 
-/// The copy's life. @param message [MESSAGE_BYTES] shared with the caller
+/// The child's life. @param message [MESSAGE_BYTES] shared with the caller
 static _Noreturn void work_and_end(
-    rsv_apart_work work, void *user, size_t bytes, int to, char *message)
+    rsv_child_work work, void *user, size_t bytes, int to, char *message)
 {
-    prepare_copy(bytes);
+    prepare_child(bytes);
     FILE *answer = fdopen(to, "wb");
     rsv_status status = answer ? work(user, answer) : rsv_fail(RSV_ERROR_MEMORY, "out of memory");
     if (status == RSV_OK && (fflush(answer) != 0 || ferror(answer)))
@@ -72,7 +72,7 @@ static _Noreturn void work_and_end(
     _exit((int)status);
 }
 
-/// Reads until the copy has said all.
+/// Reads until the child has said all.
 static rsv_status collect(
     rsv_context *context, int from, size_t most, uint8_t **answer, size_t *count)
 {
@@ -110,29 +110,29 @@ static rsv_status judge(int ended, const char *message)
         "cannot be read: the importer crashes on it; repair it, or convert it to glTF");
 }
 
-static rsv_status work_in_copy(rsv_context *context, rsv_apart_work work, void *user, size_t bytes,
+static rsv_status work_in_child(rsv_context *context, rsv_child_work work, void *user, size_t bytes,
     char *message, uint8_t **answer, size_t *count)
 {
     int way[2], ended = 0;
     if (pipe(way) != 0)
         return rsv_fail(RSV_ERROR_MEMORY, "no process can be started: %s", strerror(errno));
-    pid_t copy = fork();
-    if (copy == 0) {
+    pid_t child = fork();
+    if (child == 0) {
         close(way[0]);
         work_and_end(work, user, bytes, way[1], message);
     }
     close(way[1]);
     rsv_status status =
-        copy > 0 ? collect(context, way[0], most_memory(bytes), answer, count)
-                 : rsv_fail(RSV_ERROR_MEMORY, "no process can be started: %s", strerror(errno));
+        child > 0 ? collect(context, way[0], most_memory(bytes), answer, count)
+                  : rsv_fail(RSV_ERROR_MEMORY, "no process can be started: %s", strerror(errno));
     close(way[0]);
-    if (status != RSV_OK && copy > 0) kill(copy, SIGKILL);
-    while (copy > 0 && waitpid(copy, &ended, 0) < 0 && errno == EINTR) {}
+    if (status != RSV_OK && child > 0) kill(child, SIGKILL);
+    while (child > 0 && waitpid(child, &ended, 0) < 0 && errno == EINTR) {}
     message[MESSAGE_BYTES - 1] = '\0';
     return status == RSV_OK ? judge(ended, message) : status;
 }
 
-rsv_status rsv_apart(rsv_context *context, rsv_apart_work work, void *user, size_t bytes,
+rsv_status rsv_in_child_process(rsv_context *context, rsv_child_work work, void *user, size_t bytes,
     uint8_t **answer, size_t *count)
 {
     *answer = NULL;
@@ -140,7 +140,7 @@ rsv_status rsv_apart(rsv_context *context, rsv_apart_work work, void *user, size
     char *message =
         mmap(NULL, MESSAGE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (message == MAP_FAILED) return rsv_fail(RSV_ERROR_MEMORY, "out of memory");
-    rsv_status status = work_in_copy(context, work, user, bytes, message, answer, count);
+    rsv_status status = work_in_child(context, work, user, bytes, message, answer, count);
     munmap(message, MESSAGE_BYTES);
     if (status == RSV_OK) return RSV_OK;
     rsv_free(context, *answer);

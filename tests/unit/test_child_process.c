@@ -1,5 +1,5 @@
 /// Code of others at work on hostile input: whatever it does, the caller lives and learns of it.
-#include "io/apart.h"
+#include "io/child_process.h"
 
 #include "core/core.h"
 
@@ -8,14 +8,14 @@
 #include <signal.h>
 #include <sys/resource.h>
 
-static rsv_status try_it(rsv_apart_work work)
+static rsv_status try_it(rsv_child_work work)
 {
     int touched = 0;
     uint8_t *answer;
     size_t count;
     rsv_context *context;
     assert_int_equal(rsv_context_create(NULL, &context), RSV_OK);
-    rsv_status status = rsv_apart(context, work, &touched, 100, &answer, &count);
+    rsv_status status = rsv_in_child_process(context, work, &touched, 100, &answer, &count);
     assert_int_equal(touched, 0); // the copy's memory is not ours
     if (status == RSV_OK) {
         assert_int_equal(count, 6);
@@ -138,5 +138,5 @@ int main(void)
         cmocka_unit_test(an_answer_without_end_is_cut_off),
         cmocka_unit_test(time_is_bounded),
     };
-    return cmocka_run_group_tests_name("apart", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("child_process", tests, NULL, NULL);
 }
