@@ -36,7 +36,7 @@ typedef struct rsv_emitter_group {
     /// next-event estimation or light shooting. In a closed uniform furnace the answer is then
     /// exact.
     bool gathered;
-    bool muted; ///< gives no light at all: the others of a solo (solo.h)
+    bool muted; ///< gives no light at all: the others of a subset (light_subset.h)
 } rsv_emitter_group;
 
 /// A group that fills more than this share is gathered; so are, where all emitters together fill

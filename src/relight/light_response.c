@@ -128,7 +128,7 @@ static rsv_status divide_lights(const builder *b)
         size_t count = 0;
         for (size_t k = 0; k < b->basis->source_count; k++)
             if (b->group[k] == r) own[count++] = b->basis->source[k];
-        RSV_TRY(rsv_solo_create(s->lights, own, count, &b->r->light[r].lights));
+        RSV_TRY(rsv_light_subset_create(s->lights, own, count, &b->r->light[r].lights));
     }
 cleanup:
     rsv_free(s->context, own);
@@ -245,7 +245,7 @@ void rsv_light_responses_destroy(rsv_light_responses *r)
     if (!r) return;
     for (size_t k = 0; r->owned && k < r->count; k++) {
         rsv_solution *light = &r->light[k];
-        rsv_solo_destroy(light->lights);
+        rsv_light_subset_destroy(light->lights);
         rsv_diffused_level_destroy(r->context, &light->diffused);
         rsv_free(r->context, light->source);
         rsv_free(r->context, light->gathered);

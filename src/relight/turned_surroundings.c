@@ -21,7 +21,7 @@ static rsv_status find_light(
     rsv_lights all = *s->lights;
     rsv_status status =
         rsv_environment_light_create_turned(s->scene.scene, rotation, &all.environment);
-    if (status == RSV_OK) status = rsv_solo_create(&all, surroundings, 1, &turned->lights);
+    if (status == RSV_OK) status = rsv_light_subset_create(&all, surroundings, 1, &turned->lights);
     if (status != RSV_OK) rsv_environment_light_destroy(all.environment);
     return status;
 }
@@ -80,7 +80,7 @@ void rsv_turned_surroundings_free(rsv_solution *turned)
 {
     rsv_context *context = turned->context;
     if (turned->lights) rsv_environment_light_destroy(turned->lights->environment);
-    rsv_solo_destroy(turned->lights);
+    rsv_light_subset_destroy(turned->lights);
     rsv_diffused_level_destroy(context, &turned->diffused);
     rsv_free(context, turned->bin_radiance);
     rsv_free(context, turned->gathered);

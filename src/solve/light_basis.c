@@ -142,12 +142,12 @@ rsv_status rsv_light_part_estimate(const rsv_solution *s, const rsv_lights *ligh
     rsv_status status;
     rsv_lights *solo = NULL;
     RSV_TRY(allocate_part(s, part));
-    RSV_TRY(rsv_solo_create(lights, source, 1, &solo));
+    RSV_TRY(rsv_light_subset_create(lights, source, 1, &solo));
     RSV_TRY(estimate_level(s, solo, false, effort, part->direct, rays));
     if (part->fine) RSV_TRY(estimate_level(s, solo, true, effort, part->fine, rays));
     if (part->caustic) RSV_TRY(shoot_alone(s, solo, effort->photons, part, rays));
 cleanup:
-    rsv_solo_destroy(solo);
+    rsv_light_subset_destroy(solo);
     return status;
 }
 

@@ -6,7 +6,7 @@
 #define RSV_LIGHT_BASIS_H
 
 #include "../direct/receiver_blocks.h"
-#include "../light/solo.h"
+#include "../light/light_subset.h"
 #include "resolvent/relight.h"
 
 struct rsv_solution;

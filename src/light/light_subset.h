@@ -1,6 +1,6 @@
 /// Some sources of light by themselves, all others switched off.
-#ifndef RSV_SOLO_H
-#define RSV_SOLO_H
+#ifndef RSV_LIGHT_SUBSET_H
+#define RSV_LIGHT_SUBSET_H
 
 #include "light.h"
 
@@ -21,9 +21,9 @@ rsv_status rsv_list_sources(const rsv_lights *lights, rsv_source **sources, size
 
 /// What next-event estimation, light shooting and probes find of some sources. Borrows from `lights`.
 /// @param source [count]
-rsv_status rsv_solo_create(
-    const rsv_lights *lights, const rsv_source *source, size_t count, rsv_lights **solo);
-void rsv_solo_destroy(rsv_lights *solo);
+rsv_status rsv_light_subset_create(
+    const rsv_lights *lights, const rsv_source *source, size_t count, rsv_lights **subset);
+void rsv_light_subset_destroy(rsv_lights *subset);
 
 /// Lets the same emitters be found by gathering as in `like`, lights of the same scene at other strengths.
 rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like);

@@ -1,4 +1,4 @@
-#include "solo.h"
+#include "light_subset.h"
 
 #include "../core/core.h"
 #include "light_internal.h"
@@ -38,13 +38,13 @@ bool rsv_is_gathered(const rsv_lights *lights, uint32_t material)
     return false;
 }
 
-/// Sources that are to be heard.
-typedef struct soloists {
+/// Sources that are to shine.
+typedef struct chosen_sources {
     const rsv_source *source;
     size_t count;
-} soloists;
+} chosen_sources;
 
-static bool plays(const soloists *s, rsv_source_kind kind, uint32_t index)
+static bool is_chosen(const chosen_sources *s, rsv_source_kind kind, uint32_t index)
 {
     for (size_t k = 0; k < s->count; k++)
         if (s->source[k].kind == kind && s->source[k].index == index) return true;
@@ -52,65 +52,65 @@ static bool plays(const soloists *s, rsv_source_kind kind, uint32_t index)
 }
 
 /// Groups that are gathered take no part in what samples and shoots: neither shall the others.
-static void mute_groups(rsv_lights *solo, const rsv_lights *all, const soloists *s)
+static void mute_groups(rsv_lights *subset, const rsv_lights *all, const chosen_sources *s)
 {
     for (size_t g = 0; g < all->group_count; g++) {
-        rsv_emitter_group *group = &solo->group[g];
+        rsv_emitter_group *group = &subset->group[g];
         *group = all->group[g];
-        group->muted = !plays(s, RSV_SOURCE_MATERIAL, material_of(all, group));
+        group->muted = !is_chosen(s, RSV_SOURCE_MATERIAL, material_of(all, group));
         group->gathered = group->gathered || group->muted;
     }
-    solo->sampled_count = 0;
+    subset->sampled_count = 0;
     for (size_t k = 0; k < all->sampled_count; k++)
-        if (!solo->group[all->emitter[all->sampled[k]].group].gathered)
-            solo->sampled[solo->sampled_count++] = all->sampled[k];
+        if (!subset->group[all->emitter[all->sampled[k]].group].gathered)
+            subset->sampled[subset->sampled_count++] = all->sampled[k];
 }
 
 /// Distant lights stay ahead of the others.
-static void mute_lights(rsv_lights *solo, const rsv_lights *all, const soloists *s)
+static void mute_lights(rsv_lights *subset, const rsv_lights *all, const chosen_sources *s)
 {
-    solo->distant_count = solo->punctual_count = 0;
+    subset->distant_count = subset->punctual_count = 0;
     for (size_t k = 0; k < all->punctual_count; k++) {
-        if (!plays(s, RSV_SOURCE_LIGHT, all->punctual[k])) continue;
-        solo->punctual[solo->punctual_count++] = all->punctual[k];
-        solo->distant_count += k < all->distant_count;
+        if (!is_chosen(s, RSV_SOURCE_LIGHT, all->punctual[k])) continue;
+        subset->punctual[subset->punctual_count++] = all->punctual[k];
+        subset->distant_count += k < all->distant_count;
     }
 }
 
-rsv_status rsv_solo_create(
+rsv_status rsv_light_subset_create(
     const rsv_lights *all, const rsv_source *source, size_t count, rsv_lights **result)
 {
     rsv_status status = RSV_OK;
     rsv_context *context = all->context;
-    const soloists s = { source, count };
-    rsv_lights *solo = rsv_alloc(context, 1, sizeof *solo);
-    if (!solo) return RSV_ERROR_MEMORY;
-    *solo = *all;
-    solo->emitter_tree = solo->punctual_tree = NULL;
-    solo->group = rsv_alloc(context, all->group_count, sizeof *solo->group);
-    solo->sampled = rsv_alloc(context, all->sampled_count, sizeof *solo->sampled);
-    solo->punctual = rsv_alloc(context, all->punctual_count, sizeof *solo->punctual);
-    if (!solo->group || !solo->sampled || !solo->punctual) RSV_TRY(RSV_ERROR_MEMORY);
-    mute_groups(solo, all, &s);
-    mute_lights(solo, all, &s);
-    if (!plays(&s, RSV_SOURCE_SURROUNDINGS, 0)) solo->environment = NULL;
-    RSV_TRY(rsv_lights_plant_trees(solo));
-    *result = solo;
-    solo = NULL;
+    const chosen_sources s = { source, count };
+    rsv_lights *subset = rsv_alloc(context, 1, sizeof *subset);
+    if (!subset) return RSV_ERROR_MEMORY;
+    *subset = *all;
+    subset->emitter_tree = subset->punctual_tree = NULL;
+    subset->group = rsv_alloc(context, all->group_count, sizeof *subset->group);
+    subset->sampled = rsv_alloc(context, all->sampled_count, sizeof *subset->sampled);
+    subset->punctual = rsv_alloc(context, all->punctual_count, sizeof *subset->punctual);
+    if (!subset->group || !subset->sampled || !subset->punctual) RSV_TRY(RSV_ERROR_MEMORY);
+    mute_groups(subset, all, &s);
+    mute_lights(subset, all, &s);
+    if (!is_chosen(&s, RSV_SOURCE_SURROUNDINGS, 0)) subset->environment = NULL;
+    RSV_TRY(rsv_lights_plant_trees(subset));
+    *result = subset;
+    subset = NULL;
 cleanup:
-    rsv_solo_destroy(solo);
+    rsv_light_subset_destroy(subset);
     return status;
 }
 
-void rsv_solo_destroy(rsv_lights *solo)
+void rsv_light_subset_destroy(rsv_lights *subset)
 {
-    if (!solo) return;
-    rsv_free(solo->context, solo->group);
-    rsv_free(solo->context, solo->sampled);
-    rsv_free(solo->context, solo->punctual);
-    rsv_light_tree_destroy(solo->emitter_tree);
-    rsv_light_tree_destroy(solo->punctual_tree);
-    rsv_free(solo->context, solo);
+    if (!subset) return;
+    rsv_free(subset->context, subset->group);
+    rsv_free(subset->context, subset->sampled);
+    rsv_free(subset->context, subset->punctual);
+    rsv_light_tree_destroy(subset->emitter_tree);
+    rsv_light_tree_destroy(subset->punctual_tree);
+    rsv_free(subset->context, subset);
 }
 
 rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like)
