@@ -2,8 +2,8 @@
 #ifndef RSV_SURFACE_POINTS_H
 #define RSV_SURFACE_POINTS_H
 
+#include "../elements/cell_visibility.h"
 #include "../elements/elements.h"
-#include "../elements/hover.h"
 
 /// A place on a face of the elements.
 typedef struct rsv_face_point {

@@ -76,11 +76,11 @@ static bool is_free_in_gap(const rsv_transport_scene *scene, const rsv_cell_shap
 static uint8_t judge_sheltered(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
-    outlooks at = { .middle = rsv_cell_crouch(shape, shape->centre) };
+    outlooks at = { .middle = rsv_cell_within_gap(shape, shape->centre) };
     bool blocked[3] = { false };
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        at.place[k] = rsv_cell_crouch(shape, corner);
+        at.place[k] = rsv_cell_within_gap(shape, corner);
         at.open |= (uint32_t)is_free_in_gap(scene, shape, corner, at.place[k], rays) << k;
     }
     bool cut = find_blocked_sides(scene, at.place, blocked, rays) || at.open != RSV_CORNERS_OPEN;
@@ -92,12 +92,12 @@ static uint8_t judge_sheltered(
 static uint8_t judge_cell(
     const rsv_transport_scene *scene, const rsv_cell_shape *shape, uint64_t *rays)
 {
-    outlooks at = { .middle = rsv_cell_hover(shape, shape->centre) };
+    outlooks at = { .middle = rsv_cell_above_gaps(shape, shape->centre) };
     bool covered[3] = { false }, blocked[3] = { false };
     *rays += 3;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = rsv_cell_inset(shape, shape->corner[k]);
-        at.place[k] = rsv_cell_hover(shape, corner);
+        at.place[k] = rsv_cell_above_gaps(shape, corner);
         covered[k] = rsv_is_covered(scene, shape, corner);
     }
     bool any = covered[0] || covered[1] || covered[2], all = covered[0] && covered[1] && covered[2];
@@ -152,8 +152,8 @@ rsv_status rsv_elements_find_open_corners(
 
 rsv_vec3 rsv_cell_above(uint8_t openness, const rsv_cell_shape *shape, rsv_vec3 place)
 {
-    return openness & RSV_CELL_SHELTERED ? rsv_cell_crouch(shape, place)
-                                         : rsv_cell_hover(shape, place);
+    return openness & RSV_CELL_SHELTERED ? rsv_cell_within_gap(shape, place)
+                                         : rsv_cell_above_gaps(shape, place);
 }
 
 bool rsv_cell_outlook(

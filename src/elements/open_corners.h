@@ -6,7 +6,7 @@
 #ifndef RSV_OPEN_CORNERS_H
 #define RSV_OPEN_CORNERS_H
 
-#include "hover.h"
+#include "cell_visibility.h"
 
 #define RSV_CORNERS_OPEN 7u      ///< bit k: corner k of the cell lies in the open
 #define RSV_CELL_CUT 8u          ///< something stands upon the cell, or between its corners

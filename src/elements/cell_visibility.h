@@ -1,6 +1,6 @@
 /// Places just above cells, and what stands between or upon them.
-#ifndef RSV_HOVER_H
-#define RSV_HOVER_H
+#ifndef RSV_CELL_VISIBILITY_H
+#define RSV_CELL_VISIBILITY_H
 
 #include "../chain/chain.h"
 #include "elements.h"
@@ -21,10 +21,10 @@ rsv_vec3 rsv_cell_inset(const rsv_cell_shape *shape, rsv_vec3 border);
 
 /// Right above a place by a tenth of the elements' spacing (of the cell's size, if that is larger): higher than gaps that
 /// light could pass below a wall.
-rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place);
+rsv_vec3 rsv_cell_above_gaps(const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// The same below anything that does not touch the place.
-rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place);
+rsv_vec3 rsv_cell_within_gap(const rsv_cell_shape *shape, rsv_vec3 place);
 
 /// Whether something touches the cell at a place: anything less than a fiftieth of the elements' spacing above, however
 /// small the cell.

@@ -1,4 +1,4 @@
-#include "hover.h"
+#include "cell_visibility.h"
 
 #define BURIAL_RAYS 8
 #define BURIAL_MAJORITY                                                                            \
@@ -50,12 +50,12 @@ static rsv_vec3 leave(const rsv_cell_shape *shape, rsv_vec3 place)
     return rsv_offset_origin(place, shape->normal, shape->extent);
 }
 
-rsv_vec3 rsv_cell_hover(const rsv_cell_shape *shape, rsv_vec3 place)
+rsv_vec3 rsv_cell_above_gaps(const rsv_cell_shape *shape, rsv_vec3 place)
 {
     return v3_mad(leave(shape, place), LIFT * f_max(shape->size, shape->spacing), shape->normal);
 }
 
-rsv_vec3 rsv_cell_crouch(const rsv_cell_shape *shape, rsv_vec3 place)
+rsv_vec3 rsv_cell_within_gap(const rsv_cell_shape *shape, rsv_vec3 place)
 {
     return v3_mad(leave(shape, place), 0.5f * CONTACT * shape->spacing, shape->normal);
 }
