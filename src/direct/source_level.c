@@ -1,8 +1,8 @@
 #include "source_level.h"
 
-#include "../elements/bend.h"
 #include "../elements/burial.h"
 #include "../elements/contact.h"
+#include "../elements/curvature.h"
 #include "../elements/elements.h"
 #include "../elements/open_corners.h"
 #include "source_recall.h"
@@ -234,10 +234,12 @@ static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
     rsv_status status = RSV_OK;
     float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
     if (b->direct)
-        RSV_TRY(rsv_find_bends(e, b->direct, b->deviation, BEND, dark, RSV_BENDS, mark_direct, b));
+        RSV_TRY(rsv_find_curved_edges(
+            e, b->direct, b->deviation, BEND, dark, RSV_CURVED_EDGES, mark_direct, b));
     if (b->caustic) {
         float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
-        RSV_TRY(rsv_find_bends(e, b->caustic, NULL, BEND, faint, RSV_BENDS, mark_caustic, b));
+        RSV_TRY(rsv_find_curved_edges(
+            e, b->caustic, NULL, BEND, faint, RSV_CURVED_EDGES, mark_caustic, b));
     }
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {

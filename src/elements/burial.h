@@ -25,7 +25,7 @@ uint16_t rsv_judge_points(const rsv_transport_scene *scene, const rsv_elements *
 rsv_status rsv_elements_bridge_buried(rsv_elements *elements, const uint16_t *valid_points);
 
 /// Marks nodes that say nothing, buried ones and those that hang on them, by an infinite deviation, so that
-/// rsv_find_bends does not take their zero for a shadow. @param deviation [node_count], others are kept
+/// rsv_find_curved_edges does not take their zero for a shadow. @param deviation [node_count], others are kept
 void rsv_mark_buried(const rsv_elements *elements, const uint16_t *valid_points, float *deviation);
 
 #endif

@@ -54,15 +54,15 @@ static float disagreement(
     return apart > 0 && level > 0 ? apart / level : 0;
 }
 
-void rsv_find_cluster_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
-    float threshold, float floor, rsv_bend_found found, void *user)
+void rsv_find_cluster_curvature(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
+    float threshold, float floor, rsv_curved_edge_found found, void *user)
 {
     for (size_t h = 0; h < e->follower_count; h++) {
         const rsv_hanging *follower = &e->hanging[h];
-        float bend = disagreement(follower, value, deviation, floor);
-        if (!(bend > threshold)) continue;
+        float curvature = disagreement(follower, value, deviation, floor);
+        if (!(curvature > threshold)) continue;
         for (uint32_t s = e->support_begin[follower->node];
              s < e->support_begin[follower->node + 1]; s++)
-            found(user, e->support[s] / 4, e->support[s] / 4, bend);
+            found(user, e->support[s] / 4, e->support[s] / 4, curvature);
     }
 }

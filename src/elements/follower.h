@@ -2,13 +2,13 @@
 #ifndef RSV_FOLLOWER_H
 #define RSV_FOLLOWER_H
 
-#include "bend.h"
 #include "cluster.h"
+#include "curvature.h"
 
 /// Reports the cells around followers whose leaders differ by more than `threshold` of the local level plus `floor`.
 /// @param value [node_count] @param deviation [node_count] noise of its luminance
-void rsv_find_cluster_bends(const rsv_elements *elements, const rsv_rgb *value,
-    const float *deviation, float threshold, float floor, rsv_bend_found found, void *user);
+void rsv_find_cluster_curvature(const rsv_elements *elements, const rsv_rgb *value,
+    const float *deviation, float threshold, float floor, rsv_curved_edge_found found, void *user);
 
 /// Whether a cell has nodes that follow.
 bool rsv_cell_follows(const rsv_elements *elements, uint32_t cell);

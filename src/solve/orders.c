@@ -3,7 +3,7 @@
 #include "solution.h"
 
 #include "../core/team.h"
-#include "../elements/bend.h"
+#include "../elements/curvature.h"
 #include "../solver/choose_solver.h"
 #include "../solver/fredholm.h"
 #include "../solver/linear_solver.h"

@@ -1,7 +1,7 @@
 #include "pilot.h"
 
-#include "../elements/bend.h"
 #include "../elements/burial.h"
+#include "../elements/curvature.h"
 #include "../elements/element_keys.h"
 #include "../elements/elements.h"
 #include "../elements/follower.h"
@@ -128,9 +128,9 @@ static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t
     *any = false;
     float *bend = rsv_alloc(s->context, e->cell_count, sizeof *bend);
     if (!bend) return RSV_ERROR_MEMORY;
-    RSV_TRY(rsv_find_bends(
-        e, arriving, deviation, PILOT_BEND, dark, RSV_BENDS_AND_BORDERS, note_bend, bend));
-    rsv_find_cluster_bends(e, arriving, deviation, PILOT_BEND, dark, note_bend, bend);
+    RSV_TRY(rsv_find_curved_edges(
+        e, arriving, deviation, PILOT_BEND, dark, RSV_CURVED_EDGES_AND_BORDERS, note_bend, bend));
+    rsv_find_cluster_curvature(e, arriving, deviation, PILOT_BEND, dark, note_bend, bend);
     diffuse_bends(e, bend);
     weigh_bends(goal, e, bend);
     bool marked = true;

@@ -643,9 +643,9 @@ static void nodes_of_fine_meshes_follow_near_leaders(void **state)
     world_end(w);
 }
 
-static void mark_cell(void *user, uint32_t cell, uint32_t other, float bend)
+static void mark_cell(void *user, uint32_t cell, uint32_t other, float curvature)
 {
-    (void)bend;
+    (void)curvature;
     (void)other;
     ((uint8_t *)user)[cell] = 1;
 }
@@ -695,7 +695,7 @@ static void clusters_shrink_where_leaders_disagree(void **state)
     for (uint32_t n = 0; n < e->node_count; n++) // a step at x = 1
         value[n] = rgb_gray(node_place(e, n).x < 1 ? 1 : 2);
     rsv_elements_constrain(e, value);
-    rsv_find_cluster_bends(e, value, deviation, 0.2f, 0, mark_cell, marked);
+    rsv_find_cluster_curvature(e, value, deviation, 0.2f, 0, mark_cell, marked);
     double expected = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
         if (!marked[c]) continue;

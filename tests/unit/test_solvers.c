@@ -3,7 +3,7 @@
 #include "light_fixture.h"
 
 #include "dense_map.h"
-#include "elements/bend.h"
+#include "elements/curvature.h"
 #include "solve/solution.h"
 #include "solve/transport_map.h"
 #include "solver/fredholm.h"

@@ -1,5 +1,5 @@
 /// The refinement indicator: finds kinks, leaves planes alone, and sees slopes at borders when asked to.
-#include "elements/bend.h"
+#include "elements/curvature.h"
 #include "elements/elements.h"
 #include "elements/spacing.h"
 #include "light_fixture.h"
@@ -53,20 +53,20 @@ static void destroy_square(flat_square *s)
     world_end(s->w);
 }
 
-static void mark(void *user, uint32_t cell, uint32_t other, float bend)
+static void mark(void *user, uint32_t cell, uint32_t other, float curvature)
 {
-    (void)bend;
+    (void)curvature;
     uint8_t *marked = user;
     marked[cell] = marked[other] = 1;
 }
 
 /// Marks cells and returns the range of x that they cover; false if there are none.
 static bool find(
-    flat_square *s, const float *deviation, rsv_bend_places places, float *low, float *high)
+    flat_square *s, const float *deviation, rsv_curved_edges places, float *low, float *high)
 {
     memset(s->marked, 0, s->elements->cell_count);
-    assert_int_equal(
-        rsv_find_bends(s->elements, s->value, deviation, 0.2f, 0.01f, places, mark, s->marked),
+    assert_int_equal(rsv_find_curved_edges(
+                         s->elements, s->value, deviation, 0.2f, 0.01f, places, mark, s->marked),
         RSV_OK);
     *low = SIDE, *high = 0;
     bool any = false;
@@ -83,27 +83,27 @@ static float ramp(float x) { return 1 + x; }
 static float shadow_edge(float x) { return x < SIDE / 2 ? 1 : 0.2f; }
 static float corner_power(float x) { return sqrtf(x); }
 
-static void planes_do_not_bend(void **state)
+static void planes_have_no_curvature(void **state)
 {
     (void)state;
     flat_square s = create_square(ramp);
     float low, high;
-    assert_false(find(&s, NULL, RSV_BENDS, &low, &high));
+    assert_false(find(&s, NULL, RSV_CURVED_EDGES, &low, &high));
     destroy_square(&s);
 }
 
-static void shadow_edges_bend_where_they_are(void **state)
+static void shadow_edges_curve_where_they_are(void **state)
 {
     (void)state;
     flat_square s = create_square(shadow_edge);
     float low, high;
-    assert_true(find(&s, NULL, RSV_BENDS, &low, &high));
+    assert_true(find(&s, NULL, RSV_CURVED_EDGES, &low, &high));
     assert_true(low >= SIDE / 2 - 1.1f && high <= SIDE / 2 + 1.1f);
     assert_true(low < SIDE / 2 && high >= SIDE / 2);
     destroy_square(&s);
 }
 
-static void noise_is_no_bend(void **state)
+static void noise_is_no_curvature(void **state)
 {
     (void)state;
     flat_square s = create_square(shadow_edge);
@@ -111,7 +111,7 @@ static void noise_is_no_bend(void **state)
     assert_non_null(deviation);
     for (size_t n = 0; n < s.elements->node_count; n++)
         deviation[n] = 0.5f;
-    assert_false(find(&s, deviation, RSV_BENDS_AND_BORDERS, &low, &high));
+    assert_false(find(&s, deviation, RSV_CURVED_EDGES_AND_BORDERS, &low, &high));
     free(deviation);
     destroy_square(&s);
 }
@@ -122,7 +122,7 @@ static void falls_towards_a_border_are_found(void **state)
     (void)state;
     flat_square s = create_square(corner_power);
     float low, high;
-    assert_true(find(&s, NULL, RSV_BENDS_AND_BORDERS, &low, &high));
+    assert_true(find(&s, NULL, RSV_CURVED_EDGES_AND_BORDERS, &low, &high));
     assert_true(low == 0 && high <= SIDE / 2);
     destroy_square(&s);
 }
@@ -130,9 +130,9 @@ static void falls_towards_a_border_are_found(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(planes_do_not_bend),
-        cmocka_unit_test(shadow_edges_bend_where_they_are),
-        cmocka_unit_test(noise_is_no_bend),
+        cmocka_unit_test(planes_have_no_curvature),
+        cmocka_unit_test(shadow_edges_curve_where_they_are),
+        cmocka_unit_test(noise_is_no_curvature),
         cmocka_unit_test(falls_towards_a_border_are_found),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

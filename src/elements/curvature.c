@@ -1,4 +1,4 @@
-#include "bend.h"
+#include "curvature.h"
 
 #include "../core/first_map.h"
 
@@ -86,39 +86,41 @@ static edge_values values_at(const rsv_elements *e, const rsv_rgb *value, const 
     return v;
 }
 
-/// Standard deviations of noise that pass for no bend.
+/// Standard deviations of noise that pass for no curvature.
 #define NOISE 2.0f
 
 /// What noise does not explain, as a share of the local level; 0 where there is nothing.
-static float bend_of(const edge_values *v, float floor)
+static float curvature_of(const edge_values *v, float floor)
 {
     float level = 0.25f * (v->ends + v->opposite) + floor;
     float departure = fabsf(v->ends - v->opposite) - NOISE * v->noise;
     return departure > 0 && level > 0 ? departure / level : 0;
 }
 
-rsv_status rsv_find_bends(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
-    float threshold, float floor, rsv_bend_places places, rsv_bend_found found, void *user)
+rsv_status rsv_find_curved_edges(const rsv_elements *e, const rsv_rgb *value,
+    const float *deviation, float threshold, float floor, rsv_curved_edges places,
+    rsv_curved_edge_found found, void *user)
 {
     rsv_status status;
     size_t count = 4 * e->cell_count;
     _Atomic uint32_t *across = rsv_reserve(e->context, count, sizeof *across);
-    float *bend = rsv_alloc(e->context, count, sizeof *bend);
-    RSV_TRY(across && bend ? RSV_OK : RSV_ERROR_MEMORY);
+    float *curvature = rsv_alloc(e->context, count, sizeof *curvature);
+    RSV_TRY(across && curvature ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(find_partners(e, across));
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (uint32_t edge = 0; edge < count; edge++) {
-        bool border = across[edge] == NO_CELL && places == RSV_BENDS_AND_BORDERS;
+        bool border = across[edge] == NO_CELL && places == RSV_CURVED_EDGES_AND_BORDERS;
         // an inner edge once, from its later side
         if (edge % 4 == 3 || (!border && across[edge] > edge)) continue;
         edge_values v = values_at(e, value, deviation, edge, border ? edge : across[edge]);
-        bend[edge] = bend_of(&v, floor);
+        curvature[edge] = curvature_of(&v, floor);
     }
     for (uint32_t edge = 0; edge < count; edge++)
-        if (bend[edge] > threshold)
-            found(user, edge / 4, (across[edge] == NO_CELL ? edge : across[edge]) / 4, bend[edge]);
+        if (curvature[edge] > threshold)
+            found(user, edge / 4, (across[edge] == NO_CELL ? edge : across[edge]) / 4,
+                curvature[edge]);
 cleanup:
     rsv_free(e->context, (void *)across);
-    rsv_free(e->context, bend);
+    rsv_free(e->context, curvature);
     return status;
 }
