@@ -88,7 +88,7 @@ static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
     t->radiance =
         rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
     rsv_sky_aim aim;
-    rsv_rough_aim(&surface, t->setting->openings, &aim);
+    rsv_rough_aim(&surface, t->setting->visibility, &aim);
     t->radiance =
         rgb_add(t->radiance, rsv_rough_aimed_light(&surface, t->lights, &aim, numbers.sky));
     rsv_bsdf_event event = rsv_rough_draw(&surface, numbers.direction);

@@ -5,8 +5,8 @@
 #include "../chain/chain.h"
 #include "../light/light.h"
 #include "branch.h"
-#include "openings.h"
 #include "pixel_sample.h"
+#include "sky_visibility.h"
 
 /// Specular events along a branch that are enough for any picture.
 #define RSV_CAMERA_CHAIN_DEPTH 64
@@ -15,9 +15,9 @@
 typedef struct rsv_camera_setting {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
-    const rsv_openings *openings; ///< NULL = rough surfaces do not know where they see the sky
-    uint32_t max_events;          ///< specular ones along a branch at most
-    bool shot;                    ///< leave out what rsv_add_shot_light adds
+    const rsv_sky_visibility *visibility; ///< of rough surfaces; NULL = not known
+    uint32_t max_events;                  ///< specular ones along a branch at most
+    bool shot;                            ///< leave out what rsv_add_shot_light adds
 } rsv_camera_setting;
 
 /// Called for each diffuse interface a camera ray leads to.

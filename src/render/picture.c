@@ -115,7 +115,7 @@ static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc
 rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_status status = check_desc(solution, desc);
-    rsv_openings *openings = NULL;
+    rsv_sky_visibility *visibility = NULL;
     if (status != RSV_OK) return status;
     rsv_picture_job job = { .solution = solution,
         .desc = desc,
@@ -130,15 +130,15 @@ rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc,
     RSV_TRY(name_layers(job.image, job.layer_count));
     job.setting = (rsv_camera_setting){ &solution->scene, solution->lights, NULL, desc->chain_depth,
         !desc->shared_pattern && rsv_shot_light_wanted(solution) };
-    if (!desc->shared_pattern) RSV_TRY(rsv_openings_create(solution, &openings));
-    job.setting.openings = openings;
+    if (!desc->shared_pattern) RSV_TRY(rsv_sky_visibility_create(solution, &visibility));
+    job.setting.visibility = visibility;
     RSV_TRY(render_passes(&job));
     if (job.setting.shot)
         RSV_TRY(rsv_add_shot_light(solution, desc, job.camera, &job.medium, job.image));
     *image = job.image;
     job.image = NULL;
 cleanup:
-    rsv_openings_destroy(openings);
+    rsv_sky_visibility_destroy(visibility);
     rsv_image_destroy(job.image);
     return status;
 }

@@ -1,11 +1,12 @@
 #include "rough_aim.h"
 
-void rsv_rough_aim(const rsv_rough_surface *s, const rsv_openings *openings, rsv_sky_aim *aim)
+void rsv_rough_aim(
+    const rsv_rough_surface *s, const rsv_sky_visibility *visibility, rsv_sky_aim *aim)
 {
     aim->count = 0;
-    if (openings)
-        rsv_sky_aim_at(openings, rsv_openings_at(openings, s->chain, &s->point), s->bsdf, s->wo,
-            s->normal, aim);
+    if (visibility)
+        rsv_sky_aim_at(visibility, rsv_sky_visibility_at(visibility, s->chain, &s->point), s->bsdf,
+            s->wo, s->normal, aim);
 }
 
 rsv_rgb rsv_rough_aimed_light(

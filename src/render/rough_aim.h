@@ -7,9 +7,9 @@
 #include "sky_aim.h"
 
 /// Where the surface aims at the gathered sky; nowhere if none is known to be seen.
-/// @param openings NULL = none is
+/// @param visibility NULL = none is
 void rsv_rough_aim(
-    const rsv_rough_surface *surface, const rsv_openings *openings, rsv_sky_aim *aim);
+    const rsv_rough_surface *surface, const rsv_sky_visibility *visibility, rsv_sky_aim *aim);
 
 /// Radiance that the surface scatters towards the camera from the gathered sky. @param u in [0, 1)
 rsv_rgb rsv_rough_aimed_light(const rsv_rough_surface *surface, const rsv_lights *lights,

@@ -43,22 +43,22 @@ static float reflect(const rough_lobe *lobe, float cos_o, float cos_i, float cos
     return fresnel * lobe->alpha2 * seen / (spread * spread);
 }
 
-void rsv_sky_aim_at(const rsv_openings *openings, const rsv_opening *opening, const rsv_bsdf *bsdf,
-    rsv_vec3 wo, rsv_vec3 normal, rsv_sky_aim *aim)
+void rsv_sky_aim_at(const rsv_sky_visibility *visibility, const rsv_visible_sky *visible,
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 normal, rsv_sky_aim *aim)
 {
     rough_lobe lobe[3];
     int lobes = find_lobes(bsdf, lobe);
     float cos_o = v3_dot(wo, normal), sum = 0;
-    aim->square = openings->square;
+    aim->square = visibility->square;
     aim->count = 0;
-    for (uint32_t k = 0; opening && k < opening->count; k++) {
-        const rsv_sky_square *square = &aim->square[opening->square[k]];
+    for (uint32_t k = 0; visible && k < visible->count; k++) {
+        const rsv_sky_square *square = &aim->square[visible->square[k]];
         float cos_i = f_max(v3_dot(square->direction, normal), LEAST_COSINE), weight = 0;
         for (int l = 0; l < lobes; l++)
             weight += reflect(&lobe[l], cos_o, cos_i, v3_dot(square->direction, wo));
         weight *= square->luminance;
         if (!(weight > 0)) continue;
-        aim->choice[aim->count] = opening->square[k];
+        aim->choice[aim->count] = visible->square[k];
         aim->chance[aim->count++] = weight;
         sum += weight;
     }

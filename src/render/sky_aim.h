@@ -3,20 +3,20 @@
 #ifndef RSV_SKY_AIM_H
 #define RSV_SKY_AIM_H
 
-#include "openings.h"
+#include "sky_visibility.h"
 
 typedef struct rsv_sky_aim {
     const rsv_sky_square *square; ///< borrowed
     uint32_t count;               ///< 0 = nothing to aim at
-    uint16_t choice[RSV_MOST_OPENINGS];
-    float chance[RSV_MOST_OPENINGS]; ///< of each; they add up to 1
+    uint16_t choice[RSV_MOST_VISIBLE_SQUARES];
+    float chance[RSV_MOST_VISIBLE_SQUARES]; ///< of each; they add up to 1
 } rsv_sky_aim;
 
 /// Weighs what is seen by its brightness and by what the surface makes of it, about.
-/// @param opening from rsv_openings_at, NULL = nothing
+/// @param visible from rsv_sky_visibility_at, NULL = nothing
 /// @param wo, normal as in bsdf.h
-void rsv_sky_aim_at(const rsv_openings *openings, const rsv_opening *opening, const rsv_bsdf *bsdf,
-    rsv_vec3 wo, rsv_vec3 normal, rsv_sky_aim *aim);
+void rsv_sky_aim_at(const rsv_sky_visibility *visibility, const rsv_visible_sky *visible,
+    const rsv_bsdf *bsdf, rsv_vec3 wo, rsv_vec3 normal, rsv_sky_aim *aim);
 
 /// A direction. @param aim not empty @param u for the choice and for the place, in [0, 1)
 rsv_vec3 rsv_sky_aim_sample(const rsv_sky_aim *aim, const float u[3]);

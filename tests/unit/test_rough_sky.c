@@ -132,12 +132,12 @@ static void aims_have_the_density_that_they_say(void **state)
     desc.rays_per_element = 1024;
     desc.element_target = 1000;
     rsv_solution *solution;
-    rsv_openings *openings;
+    rsv_sky_visibility *visibility;
     rsv_sky_aim aim;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
-    assert_int_equal(rsv_openings_create(solution, &openings), RSV_OK);
+    assert_int_equal(rsv_sky_visibility_create(solution, &visibility), RSV_OK);
     const rsv_vec3 up = v3(0, 1, 0), wo = v3_normalize(v3_sub(eye, spot));
-    rsv_sky_aim_at(openings, &openings->opening[0], &w->bsdf[1], wo, up, &aim);
+    rsv_sky_aim_at(visibility, &visibility->visible[0], &w->bsdf[1], wo, up, &aim);
     assert_true(aim.count > 0);
     const uint32_t count = 1 << 18;
     double whole = 0, covered = 0, drawn = 0;
@@ -153,7 +153,7 @@ static void aims_have_the_density_that_they_say(void **state)
     }
     assert_close(whole, 1, 5e-3);
     assert_close(drawn, covered, 5e-3 * covered);
-    rsv_openings_destroy(openings);
+    rsv_sky_visibility_destroy(visibility);
     rsv_solution_destroy(solution);
     world_end(w);
 }

@@ -1,4 +1,4 @@
-#include "openings.h"
+#include "sky_visibility.h"
 
 #include "../core/octahedral.h"
 #include "../core/team.h"
@@ -8,7 +8,7 @@
 #define SIDE RSV_ESCAPE_SIDE
 #define BINS (SIDE * SIDE)
 /// How far squares reach from their middle, by level, in bins.
-static const float reach[RSV_OPENING_LEVELS] = { 1.5f, 2, 2 };
+static const float reach[RSV_SKY_SQUARE_LEVELS] = { 1.5f, 2, 2 };
 
 static uint32_t level_side(uint32_t level) { return SIDE >> level; }
 
@@ -36,7 +36,7 @@ static rsv_sky_square make_square(const rsv_rgb *radiance, uint32_t level, uint3
 
 static void make_squares(const rsv_rgb *radiance, rsv_sky_square *square)
 {
-    for (uint32_t level = 0; level < RSV_OPENING_LEVELS; level++)
+    for (uint32_t level = 0; level < RSV_SKY_SQUARE_LEVELS; level++)
         for (uint32_t k = 0; k < level_side(level) * level_side(level); k++)
             *square++ = make_square(radiance, level, k % level_side(level), k / level_side(level));
 }
@@ -68,7 +68,7 @@ static uint64_t place_key(float cube, rsv_vec3 position, rsv_vec3 normal)
 }
 
 /// @param place out @return false when out of memory
-static bool add_place(const rsv_solution *s, rsv_openings *o, uint32_t node, uint32_t *place)
+static bool add_place(const rsv_solution *s, rsv_sky_visibility *o, uint32_t node, uint32_t *place)
 {
     uint32_t face, triangle;
     float u, v;
@@ -92,7 +92,7 @@ static uint32_t strongest_parent(const rsv_hanging *hanging)
     return hanging->parent[strongest];
 }
 
-static rsv_status find_places(const rsv_solution *s, rsv_openings *o)
+static rsv_status find_places(const rsv_solution *s, rsv_sky_visibility *o)
 {
     const rsv_elements *e = s->elements;
     for (uint32_t node = 0; node < e->node_count; node++) {
@@ -113,7 +113,7 @@ static void mark_bins(const uint16_t *bin, size_t count, uint16_t *seen)
 
 /// What the rows of a batch of places saw, in all processes. @param seen [BATCH][BINS] how many processes saw it
 static void mark_batch(
-    const rsv_solution *s, const rsv_openings *o, uint32_t first, uint16_t (*seen)[BINS])
+    const rsv_solution *s, const rsv_sky_visibility *o, uint32_t first, uint16_t (*seen)[BINS])
 {
     const rsv_escapes *e = &s->transport->escapes;
     memset(seen, 0, BATCH * sizeof *seen);
@@ -130,46 +130,46 @@ static void mark_batch(
 }
 
 /// @param seen [BINS] @return false if a level has more squares than are kept
-static bool list_level(const uint16_t *seen, uint32_t level, rsv_opening *opening)
+static bool list_level(const uint16_t *seen, uint32_t level, rsv_visible_sky *visible)
 {
     uint8_t square[BINS] = { 0 };
     uint32_t side = level_side(level), begin = level_begin(level);
     for (uint32_t k = 0; k < BINS; k++)
         if (seen[k]) square[(k / SIDE >> level) * side + (k % SIDE >> level)] = 1;
-    opening->count = 0;
+    visible->count = 0;
     for (uint32_t k = 0; k < side * side; k++) {
         if (!square[k]) continue;
-        if (opening->count == RSV_MOST_OPENINGS) return false;
-        opening->square[opening->count++] = (uint16_t)(begin + k);
+        if (visible->count == RSV_MOST_VISIBLE_SQUARES) return false;
+        visible->square[visible->count++] = (uint16_t)(begin + k);
     }
     return true;
 }
 
 /// Squares of the finest level of which not too many are seen; of the coarsest, the first ones.
-static rsv_opening list_seen(const uint16_t *seen)
+static rsv_visible_sky list_seen(const uint16_t *seen)
 {
-    rsv_opening opening;
-    for (uint32_t level = 0; level < RSV_OPENING_LEVELS; level++)
-        if (list_level(seen, level, &opening)) break;
-    return opening;
+    rsv_visible_sky visible;
+    for (uint32_t level = 0; level < RSV_SKY_SQUARE_LEVELS; level++)
+        if (list_level(seen, level, &visible)) break;
+    return visible;
 }
 
-static rsv_status prepare(const rsv_solution *s, rsv_openings *o)
+static rsv_status prepare(const rsv_solution *s, rsv_sky_visibility *o)
 {
     rsv_status status;
-    o->square = rsv_alloc(s->context, level_begin(RSV_OPENING_LEVELS), sizeof *o->square);
+    o->square = rsv_alloc(s->context, level_begin(RSV_SKY_SQUARE_LEVELS), sizeof *o->square);
     o->place_of = rsv_alloc(s->context, s->elements->node_count, sizeof *o->place_of);
     RSV_TRY(o->square && o->place_of ? RSV_OK : RSV_ERROR_MEMORY);
     make_squares(s->bin_radiance, o->square);
     RSV_TRY(rsv_index_map_create(s->context, 1024, &o->places));
     RSV_TRY(find_places(s, o));
-    o->opening = rsv_alloc(s->context, o->places.count, sizeof *o->opening);
-    if (!o->opening) status = RSV_ERROR_MEMORY;
+    o->visible = rsv_alloc(s->context, o->places.count, sizeof *o->visible);
+    if (!o->visible) status = RSV_ERROR_MEMORY;
 cleanup:
     return status;
 }
 
-static rsv_status find_openings(const rsv_solution *s, rsv_openings *o)
+static rsv_status find_visible(const rsv_solution *s, rsv_sky_visibility *o)
 {
     uint16_t(*seen)[BINS] = rsv_alloc(s->context, BATCH, sizeof *seen);
     rsv_status status = seen ? prepare(s, o) : RSV_ERROR_MEMORY;
@@ -180,7 +180,7 @@ static rsv_status find_openings(const rsv_solution *s, rsv_openings *o)
         mark_batch(s, o, first, seen);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
         for (uint32_t place = first; place < end; place++)
-            o->opening[place] = list_seen(seen[place - first]);
+            o->visible[place] = list_seen(seen[place - first]);
     }
 cleanup:
     rsv_free(s->context, seen);
@@ -195,11 +195,11 @@ static bool wanted(const rsv_solution *s)
     return rough && s->lights->environment && s->lights->environment->gathered.pixel;
 }
 
-rsv_status rsv_openings_create(const rsv_solution *s, rsv_openings **openings)
+rsv_status rsv_sky_visibility_create(const rsv_solution *s, rsv_sky_visibility **visibility)
 {
-    *openings = NULL;
+    *visibility = NULL;
     if (!wanted(s)) return RSV_OK;
-    rsv_openings *o = rsv_alloc(s->context, 1, sizeof *o);
+    rsv_sky_visibility *o = rsv_alloc(s->context, 1, sizeof *o);
     rsv_status status = rsv_team_meet(s->context, o ? RSV_OK : RSV_ERROR_MEMORY);
     if (status != RSV_OK) {
         rsv_free(s->context, o);
@@ -208,19 +208,19 @@ rsv_status rsv_openings_create(const rsv_solution *s, rsv_openings **openings)
     o->context = s->context;
     o->elements = s->elements;
     o->cube = CUBE_SPACINGS * s->elements->spacing;
-    RSV_TRY(find_openings(s, o));
-    *openings = o;
+    RSV_TRY(find_visible(s, o));
+    *visibility = o;
     o = NULL;
 cleanup:
-    rsv_openings_destroy(o);
+    rsv_sky_visibility_destroy(o);
     return status;
 }
 
-void rsv_openings_destroy(rsv_openings *o)
+void rsv_sky_visibility_destroy(rsv_sky_visibility *o)
 {
     if (!o) return;
     rsv_free(o->context, o->square);
-    rsv_free(o->context, o->opening);
+    rsv_free(o->context, o->visible);
     rsv_free(o->context, o->place_of);
     rsv_index_map_destroy(&o->places);
     rsv_free(o->context, o);
@@ -233,8 +233,8 @@ static uint32_t nearest_node(const rsv_elements *e, uint32_t face, float u, floa
     return e->cell_node[cell][weight[2] > weight[k] ? 2 : k];
 }
 
-const rsv_opening *rsv_openings_at(
-    const rsv_openings *o, const rsv_chain *chain, const rsv_surface_point *point)
+const rsv_visible_sky *rsv_sky_visibility_at(
+    const rsv_sky_visibility *o, const rsv_chain *chain, const rsv_surface_point *point)
 {
     uint32_t face = o->elements->face_of[chain->back][chain->triangle], place;
     if (face != RSV_NONE)
@@ -242,5 +242,5 @@ const rsv_opening *rsv_openings_at(
     else
         place =
             rsv_index_map_find(&o->places, place_key(o->cube, point->position, point->geometric));
-    return place == RSV_NONE ? NULL : &o->opening[place];
+    return place == RSV_NONE ? NULL : &o->visible[place];
 }

@@ -3,15 +3,15 @@
 /// Nodes that lie in one cube of a grid and face about the same way share what they see, so that it has few gaps where
 /// one row has few rays, along its surface. The sky is divided into squares of the octahedral map: the bins of escapes.h
 /// or, where more of them are seen than are kept, squares of two or four bins a side.
-#ifndef RSV_OPENINGS_H
-#define RSV_OPENINGS_H
+#ifndef RSV_SKY_VISIBILITY_H
+#define RSV_SKY_VISIBILITY_H
 
 #include "../core/index_map.h"
 #include "../solve/solution.h"
 
 /// Squares that are kept: half the sphere in those of four bins a side, and those on the horizon.
-#define RSV_MOST_OPENINGS 160
-#define RSV_OPENING_LEVELS 3
+#define RSV_MOST_VISIBLE_SQUARES 160
+#define RSV_SKY_SQUARE_LEVELS 3
 
 /// A square, as it is drawn from: those of the two finer levels are larger than they are, so that what rays have missed
 /// between two others is aimed at.
@@ -23,29 +23,29 @@ typedef struct rsv_sky_square {
 } rsv_sky_square;
 
 /// What is seen from one place.
-typedef struct rsv_opening {
+typedef struct rsv_visible_sky {
     uint32_t count;
-    uint16_t square[RSV_MOST_OPENINGS];
-} rsv_opening;
+    uint16_t square[RSV_MOST_VISIBLE_SQUARES];
+} rsv_visible_sky;
 
-typedef struct rsv_openings {
+typedef struct rsv_sky_visibility {
     rsv_context *context;
     const rsv_elements *elements;
-    uint32_t *place_of;     ///< [node_count] RSV_NONE = the node is not rough or has no row
-    float cube;             ///< side of the grid's cubes, metres
-    rsv_index_map places;   ///< cube and side that is faced -> index of the place
-    rsv_opening *opening;   ///< [places.count]
-    rsv_sky_square *square; ///< of all levels, the finest first
-} rsv_openings;
+    uint32_t *place_of;       ///< [node_count] RSV_NONE = the node is not rough or has no row
+    float cube;               ///< side of the grid's cubes, metres
+    rsv_index_map places;     ///< cube and side that is faced -> index of the place
+    rsv_visible_sky *visible; ///< [places.count]
+    rsv_sky_square *square;   ///< of all levels, the finest first
+} rsv_sky_visibility;
 
-/// @param openings NULL where no rough surface has rows, or no sky is gathered
-rsv_status rsv_openings_create(const rsv_solution *solution, rsv_openings **openings);
-void rsv_openings_destroy(rsv_openings *openings);
+/// @param visibility NULL where no rough surface has rows, or no sky is gathered
+rsv_status rsv_sky_visibility_create(const rsv_solution *solution, rsv_sky_visibility **visibility);
+void rsv_sky_visibility_destroy(rsv_sky_visibility *visibility);
 
 /// What is seen of the sky from the surface that a chain has come to: as its nearest node has it or, where there are no
 /// elements, as those around do that face the same way. NULL = nothing is known.
 /// @param point of the chain
-const rsv_opening *rsv_openings_at(
-    const rsv_openings *openings, const rsv_chain *chain, const rsv_surface_point *point);
+const rsv_visible_sky *rsv_sky_visibility_at(
+    const rsv_sky_visibility *visibility, const rsv_chain *chain, const rsv_surface_point *point);
 
 #endif
