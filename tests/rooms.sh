@@ -78,7 +78,8 @@ programs() {
             if (("include/" $2) in known && folder != "rt" || ("rt/" $2) in known) next
             if (beside in known && index(beside, folder "/") == 1) next
             if ((folder "/" $2) in excepted) { used[folder "/" $2] = 1; next }
-            if (beside in known || ("src/" $2) in known || ("include/" $2) in known || ("apps/resolvent/" $2) in known || ("bench/" $2) in known) {
+            if (beside in known || ("src/" $2) in known || ("include/" $2) in known ||
+                ("apps/resolvent/" $2) in known || ("bench/" $2) in known) {
                 print $1 ": " $2 " is neither public nor in " folder > "/dev/stderr"
                 wrong = 1
             }
