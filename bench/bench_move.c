@@ -151,7 +151,7 @@ static rsv_status measure(const cli_bench_task *bench, rsv_scene *scene, cJSON *
     rsv_solution *solution = NULL;
     rsv_relighter *relighter = NULL;
     rsv_status status = rsv_solution_create(scene, &desc, &solution);
-    if (!status) status = rsv_relighter_create(solution, scene, &relighter);
+    if (!status) status = rsv_relighter_create(solution, &relighter);
     if (!status) {
         const rsv_solve_report *report = rsv_solution_report(solution);
         cJSON_AddNumberToObject(result, "receivers", (double)report->elements);

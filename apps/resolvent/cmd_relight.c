@@ -342,7 +342,7 @@ static bool write_stats(
 static rsv_status relight(const settings *s, const cli_subject *subject)
 {
     rsv_relighter *relighter = NULL;
-    rsv_status status = rsv_relighter_create(subject->solution, subject->scene, &relighter);
+    rsv_status status = rsv_relighter_create(subject->solution, &relighter);
     for (size_t k = 0; k < s->added.count && status == RSV_OK; k++)
         status = rsv_relighter_add_light(relighter, &s->add[k]);
     if (status == RSV_OK) status = rsv_relighter_change(relighter, &s->relight);

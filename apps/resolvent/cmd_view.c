@@ -128,7 +128,8 @@ static bool begin_state(viewer *v)
             v->settings->scene, v->settings->camera, v->settings->scene);
         return false;
     }
-    if (!cli_view_state_begin(v->relighter, v->subject.scene, layers, v->body, &v->state)) {
+    if (!cli_view_state_begin(
+            v->relighter, rsv_solution_scene(v->subject.solution), layers, v->body, &v->state)) {
         cli_error("out of memory");
         return false;
     }
@@ -160,7 +161,7 @@ static bool open_light(viewer *v)
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
     if (!report(v, cli_solve_subject(v->session, &desc, NULL, &v->subject, NULL))) return false;
-    if (!report(v, rsv_relighter_create(v->subject.solution, v->subject.scene, &v->relighter)) ||
+    if (!report(v, rsv_relighter_create(v->subject.solution, &v->relighter)) ||
         !report(v, rsv_relighter_prepare(v->relighter)))
         return false;
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;

@@ -39,10 +39,10 @@ typedef struct rsv_relight_desc {
     float rotation; ///< degrees about +y, counter-clockwise from above, as in rsv_environment
 } rsv_relight_desc;
 
-/// Changes a solution from rsv_solution_load and its scene in place and solves again: E0 is the sum of the sources'
-/// parts, each times its scale. The parts come from the file, or are sampled here if it has none. What translucent
+/// Changes a light and solves again: E0 is the sum of the sources' parts, each times its scale. The scene that it was made
+/// of stays as it is, as do other lights of it: rsv_solution_scene says how this one has it from then on. The parts come from the file, or are sampled here if it has none. What translucent
 /// bodies show directly is sampled anew, and so are lights that move and the suns of surroundings that turn; the rest of
-/// these is known direction by direction. Nobody else may use solution or scene meanwhile.
+/// these is known direction by direction. Nobody else may use the solution meanwhile.
 ///
 /// Rows of G stay as they are: a lamp that moves takes its light and the shadows in it along, but what its own body
 /// hides of other lights and of what surfaces reflect stays hidden where it began.
@@ -52,17 +52,13 @@ typedef struct rsv_relight_desc {
 /// RSV_ERROR_UNSUPPORTED for materials whose colour is part of G, for unequal scales of lamps that only
 /// gather rays find, and for moving these or what is infinitely far away. After other errors the solution may be used no
 /// more.
-/// @param scene that of the solution
-RSV_API rsv_status rsv_solution_relight(
-    rsv_solution *solution, rsv_scene *scene, const rsv_relight_desc *desc);
+RSV_API rsv_status rsv_solution_relight(rsv_solution *solution, const rsv_relight_desc *desc);
 
 /// The same over and over, while somebody looks on: keeps the parts of E0 and starts each solve from the last.
 typedef struct rsv_relighter rsv_relighter;
 
-/// Solution and scene must outlive it. They stay as they were last put.
-/// @param scene that of the solution
-RSV_API rsv_status rsv_relighter_create(
-    rsv_solution *solution, rsv_scene *scene, rsv_relighter **relighter);
+/// The solution must outlive it, and stays as it was last put.
+RSV_API rsv_status rsv_relighter_create(rsv_solution *solution, rsv_relighter **relighter);
 RSV_API void rsv_relighter_destroy(rsv_relighter *relighter);
 
 /// Does beforehand most of what the first change of each kind would have to set up: worth its time (that of a solve, and
@@ -85,7 +81,7 @@ typedef struct rsv_relight_source {
 RSV_API size_t rsv_relighter_source_count(const rsv_relighter *relighter);
 RSV_API rsv_relight_source rsv_relighter_source(const rsv_relighter *relighter, size_t index);
 
-/// Adds a punctual light to scene and solution; the last source then. It can be named like the others, and a desc that does
+/// Adds a punctual light to the solution and its scene; the last source then. It can be named like the others, and a desc that does
 /// not name it leaves it as it was added. Its caustics are found where the scene had any before.
 /// RSV_ERROR_ARGUMENT if there is a source of that name, or as in rsv_scene_add_light, RSV_ERROR_UNSUPPORTED beyond
 /// RSV_MAX_RELIGHT_SOURCES.

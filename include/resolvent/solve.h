@@ -3,7 +3,7 @@
 #ifndef RESOLVENT_SOLVE_H
 #define RESOLVENT_SOLVE_H
 
-#include "resolvent/scene.h"
+#include "resolvent/operator.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -110,7 +110,8 @@ typedef struct rsv_solve_report {
     double critical_assemble, critical_solve;
 } rsv_solve_report;
 
-/// Elements, operator and solved irradiance of one scene. Constant after creation; thread-safe.
+/// The light of a scene, solved on the elements of its operator, which it keeps alive. Constant until it is relit;
+/// thread-safe. As many of one operator as are wanted live side by side.
 typedef struct rsv_solution rsv_solution;
 
 /// Builds and solves. RSV_ERROR_SCENE if the scene is closed and lossless (norm 1: no bounded answer).
@@ -118,7 +119,21 @@ typedef struct rsv_solution rsv_solution;
 RSV_API rsv_status rsv_solution_create(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution);
 RSV_API void rsv_solution_destroy(rsv_solution *solution);
+
+/// Another light of the same operator, the same at first, that can be changed by itself (relight.h). Costs memory for
+/// fields, not for rows, and no rays. Either may be destroyed first.
+RSV_API rsv_status rsv_solution_copy(const rsv_solution *solution, rsv_solution **copy);
+
+/// Borrowed: retain it to keep it longer than the solution.
+RSV_API rsv_operator *rsv_solution_operator(const rsv_solution *solution);
+
+/// E0 and E on the elements of the operator, [element_count]; valid until the solution changes.
+RSV_API const rsv_rgb *rsv_solution_source_field(const rsv_solution *solution);
+RSV_API const rsv_rgb *rsv_solution_irradiance_field(const rsv_solution *solution);
+
 RSV_API const rsv_solve_report *rsv_solution_report(const rsv_solution *solution);
+
+/// The scene as the light has it: the one that it was made of or, once it was relit, one of its own with the same surfaces.
 RSV_API const rsv_scene *rsv_solution_scene(const rsv_solution *solution);
 
 /// Number of Neumann orders kept: order 0 is E0 (direct), order n is (G K)^n E0.

@@ -18,7 +18,7 @@ void rsv_bake_name_beside(const char *output, const char *kind, char path[RSV_PA
 // ---- reading --------------------------------------------------------------------------------------
 
 static rsv_status read_surfaces(
-    const rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value)
+    const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
 {
     const rsv_bake_receiver *receiver = reader->receiver;
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(light->context))
@@ -40,7 +40,7 @@ rsv_bake_reader rsv_bake_surface_reader(
 
 /// A basis on its way into its file.
 typedef struct basis {
-    const rsv_solution *s;
+    const rsv_light_view *s;
     const rsv_bake_reader *reader;
     rsv_light_responses *responses;
     size_t turned; ///< angles of the surroundings beyond the first
@@ -59,12 +59,13 @@ static rsv_status read_turned(basis *b)
     rsv_status status = RSV_OK;
     float first = b->s->scene.view->environment->rotation;
     for (size_t k = 1; k <= b->turned; k++) {
-        rsv_solution sky;
+        rsv_solution *sky = NULL;
         float rotation = first + 360 * (float)k / (float)(b->turned + 1);
-        status = rsv_turned_surroundings_solve(b->s, rotation, &sky);
+        status = rsv_turned_surroundings_solve(b->s->light, rotation, &sky);
         if (status == RSV_OK)
-            status = b->reader->read(b->reader, &sky, values_of(b, b->responses->count + k - 1));
-        rsv_turned_surroundings_free(&sky);
+            status = b->reader->read(
+                b->reader, rsv_solution_get_view(sky), values_of(b, b->responses->count + k - 1));
+        rsv_solution_destroy(sky);
         if (status == RSV_OK)
             status = rsv_progress(b->s->context, "turn", (double)k / (double)b->turned);
         if (status != RSV_OK) break;
@@ -84,7 +85,7 @@ static rsv_status read_lights(basis *b)
     for (size_t k = 0; k < b->count; k++)
         b->name[k] = k < responses->count ? responses->name[k] : "environment";
     for (size_t k = 0; k < responses->count; k++)
-        RSV_TRY(b->reader->read(b->reader, &responses->light[k], values_of(b, k)));
+        RSV_TRY(b->reader->read(b->reader, responses->view[k], values_of(b, k)));
     if (b->turned) RSV_TRY(read_turned(b));
 cleanup:
     return status;
@@ -125,7 +126,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_reader *reader,
+rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_reader *reader,
     const rsv_bake_desc *desc, const char *output, size_t *lights)
 {
     rsv_status status;
@@ -135,7 +136,7 @@ rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_rea
     rsv_tensor_file file;
     status = rsv_tensor_file_begin(solution->context, path, &file);
     if (status != RSV_OK) return status;
-    RSV_TRY(rsv_light_responses_create(solution, &b.responses));
+    RSV_TRY(rsv_light_responses_create(solution->light, &b.responses));
     if (b.turned) RSV_TRY(check_turns(&b));
     RSV_TRY(read_lights(&b));
     *lights = b.count;

@@ -16,7 +16,7 @@ typedef struct rsv_bake_reader {
     size_t width; ///< RGB values of each
     /// @param value out: [count][width]
     rsv_status (*read)(
-        const struct rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value);
+        const struct rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value);
     /// Writes what else the file says of the receivers; NULL = nothing.
     rsv_status (*describe)(const struct rsv_bake_reader *reader, rsv_tensor_file *file);
 } rsv_bake_reader;
@@ -31,7 +31,7 @@ rsv_bake_reader rsv_bake_surface_reader(
 /// Writes what receivers read, light by light, beside the baked file: OUT.light.safetensors. Surroundings are there at
 /// each of desc->turns angles, last of all.
 /// @param lights out: how many there are, every angle of the surroundings counted
-rsv_status rsv_bake_write_basis(const rsv_solution *solution, const rsv_bake_reader *reader,
+rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_reader *reader,
     const rsv_bake_desc *desc, const char *output, size_t *lights);
 
 #endif

@@ -7,7 +7,7 @@
 #define RSV_BAKE_DEEPEST 9 ///< levels of a quadtree
 
 typedef struct rsv_bake_cells {
-    const rsv_solution *s;
+    const rsv_light_view *s;
     const rsv_bake_part *part;
     const rsv_bake_tessellation *desc;
     uint8_t *split; ///< of the quadtree at hand, in the order of a heap

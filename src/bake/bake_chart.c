@@ -88,7 +88,7 @@ static void destroy_surface(rsv_context *context, surface *f)
     rsv_free(context, f->taken);
 }
 
-static rsv_status create_surface(const rsv_solution *s, const rsv_bake_part *part, surface *f)
+static rsv_status create_surface(const rsv_light_view *s, const rsv_bake_part *part, surface *f)
 {
     rsv_context *context = s->context;
     size_t count = part->triangle_count;
@@ -206,7 +206,7 @@ static rsv_status add_chart(rsv_bake_charts *c, const surface *f, uint32_t part,
     return RSV_OK;
 }
 
-rsv_status rsv_bake_add_charts(rsv_bake_charts *c, const rsv_solution *solution,
+rsv_status rsv_bake_add_charts(rsv_bake_charts *c, const rsv_light_view *solution,
     const rsv_bake_part *part, uint32_t part_index, const uint8_t *layer)
 {
     surface f;
@@ -227,7 +227,7 @@ static double uv_area(const uint32_t v[3], const float (*uv)[2])
 }
 
 /// What makes a part's texture coordinates metres, in the mean; 0 = they have no area.
-static float metres_of(const rsv_solution *s, const rsv_bake_part *part, const float (*uv)[2])
+static float metres_of(const rsv_light_view *s, const rsv_bake_part *part, const float (*uv)[2])
 {
     double area = 0, flat = 0;
     for (size_t t = 0; t < part->triangle_count; t++) {
@@ -311,7 +311,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_bake_keep_charts(rsv_bake_charts *c, const rsv_solution *solution,
+rsv_status rsv_bake_keep_charts(rsv_bake_charts *c, const rsv_light_view *solution,
     const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2], bool whole)
 {
     rsv_status status = RSV_OK;

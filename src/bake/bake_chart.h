@@ -30,13 +30,13 @@ typedef struct rsv_bake_charts {
 
 /// Divides a part into charts.
 /// @param layer [triangle_count of the part] only triangles of one layer lie in a chart; NULL = all are of one
-rsv_status rsv_bake_add_charts(rsv_bake_charts *charts, const rsv_solution *solution,
+rsv_status rsv_bake_add_charts(rsv_bake_charts *charts, const rsv_light_view *solution,
     const rsv_bake_part *part, uint32_t part_index, const uint8_t *layer);
 
 /// Makes charts of a part's texture coordinates, all at one scale: one of each island, so that they stay apart in the
 /// map however few texels their gutters had.
 /// @param uv [vertex_count of the part] @param whole one of all islands together, as they lie
-rsv_status rsv_bake_keep_charts(rsv_bake_charts *charts, const rsv_solution *solution,
+rsv_status rsv_bake_keep_charts(rsv_bake_charts *charts, const rsv_light_view *solution,
     const rsv_bake_part *part, uint32_t part_index, const float (*uv)[2], bool whole);
 
 /// Area of a chart's triangles, m2 where they lie.

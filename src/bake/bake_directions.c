@@ -8,7 +8,7 @@
 #define LONGEST 4.0f ///< d
 
 /// A point of the node's support that is not buried. @return false where there is none
-static bool find_place(const rsv_solution *s, uint32_t node, rsv_surface_point *place)
+static bool find_place(const rsv_light_view *s, uint32_t node, rsv_surface_point *place)
 {
     const rsv_elements *e = s->elements;
     uint16_t valid = s->valid_points[node];
@@ -66,7 +66,7 @@ static void read_node(
     fit(rsv_probe_read(job, &upright, node).irradiance, tangent, reading, d);
 }
 
-static rsv_status read_nodes(const rsv_solution *s, rsv_rgb *const axis[3])
+static rsv_status read_nodes(const rsv_light_view *s, rsv_rgb *const axis[3])
 {
     rsv_probe_job job = rsv_probe_job_of(s, SAMPLES, s->desc.seed, true);
     size_t count = s->elements->node_count, done = 0;
@@ -87,7 +87,7 @@ static rsv_status read_nodes(const rsv_solution *s, rsv_rgb *const axis[3])
     return rsv_progress(s->context, "directions", 1);
 }
 
-rsv_status rsv_bake_directions_create(const rsv_solution *solution, rsv_bake_directions *d)
+rsv_status rsv_bake_directions_create(const rsv_light_view *solution, rsv_bake_directions *d)
 {
     rsv_status status;
     size_t count = solution->elements->node_count;
@@ -120,7 +120,7 @@ void rsv_bake_directions_destroy(rsv_bake_directions *d)
 void rsv_bake_directions_at(
     const rsv_bake_directions *directions, const rsv_bake_receiver *r, rsv_rgb out[3])
 {
-    const rsv_solution *s = directions->solution;
+    const rsv_light_view *s = directions->solution;
     for (int a = 0; a < 3; a++)
         out[a] = rgb_gray(0);
     if (r->triangle == RSV_NONE) return;

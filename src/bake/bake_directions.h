@@ -13,12 +13,12 @@
 #include "bake_receiver.h"
 
 typedef struct rsv_bake_directions {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     rsv_rgb *axis[3]; ///< [node_count] x, y and z of d, for each channel
 } rsv_bake_directions;
 
 rsv_status rsv_bake_directions_create(
-    const rsv_solution *solution, rsv_bake_directions *directions);
+    const rsv_light_view *solution, rsv_bake_directions *directions);
 void rsv_bake_directions_destroy(rsv_bake_directions *directions);
 
 /// V / E at a place of the surfaces. @param out x, y and z for each channel

@@ -323,7 +323,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_bake_layout_create(const rsv_solution *solution, const rsv_bake_desc *desc,
+rsv_status rsv_bake_layout_create(const rsv_light_view *solution, const rsv_bake_desc *desc,
     const rsv_bake_document *document, const rsv_bake_parts *parts, rsv_bake_layout *b)
 {
     *b = (rsv_bake_layout){ .s = solution,

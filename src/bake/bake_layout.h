@@ -6,7 +6,7 @@
 #include "resolvent/bake.h"
 
 typedef struct rsv_bake_layout {
-    const rsv_solution *s;
+    const rsv_light_view *s;
     const rsv_bake_desc *desc;
     const rsv_bake_document *document;
     const rsv_bake_parts *parts;
@@ -19,7 +19,7 @@ typedef struct rsv_bake_layout {
 } rsv_bake_layout;
 
 /// Borrows all that it is made of. To be destroyed even after an error.
-rsv_status rsv_bake_layout_create(const rsv_solution *solution, const rsv_bake_desc *desc,
+rsv_status rsv_bake_layout_create(const rsv_light_view *solution, const rsv_bake_desc *desc,
     const rsv_bake_document *document, const rsv_bake_parts *parts, rsv_bake_layout *layout);
 
 /// Gives chosen charts, but for large ones, twice as many texels along their sides, and lays all out anew.

@@ -40,7 +40,8 @@ static rsv_status find_scale(rsv_lightmap_bake *b)
 }
 
 /// The map under one light, its seams closed too: lights together then show no larger jumps, whatever their strengths.
-static rsv_status read_map(const rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value)
+static rsv_status read_map(
+    const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
 {
     const rsv_lightmap_bake *b = reader->receiver;
     rsv_bake_map map = b->layout.map;
@@ -127,9 +128,10 @@ static void warn_if_coarse(const rsv_lightmap_bake *b)
             (double)b->layout.density, (double)b->desc->density, b->layout.side, b->layout.side);
 }
 
-rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *input, const char *output,
+rsv_status rsv_bake_lightmap(const rsv_solution *light, const char *input, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
+    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_status status;
     rsv_bake_desc defaults = rsv_default_bake_desc();
     rsv_lightmap_bake b = { .s = solution,

@@ -5,7 +5,7 @@
 #include "bake_layout.h"
 
 typedef struct rsv_lightmap_bake {
-    const rsv_solution *s;
+    const rsv_light_view *s;
     const rsv_bake_desc *desc;
     rsv_bake_document document;
     rsv_bake_parts parts;

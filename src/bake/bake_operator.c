@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-rsv_status rsv_bake_check_operator(const rsv_solution *s, const rsv_bake_desc *desc)
+rsv_status rsv_bake_check_operator(const rsv_light_view *s, const rsv_bake_desc *desc)
 {
     if (!desc->operator_file || !s->subsurface) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
@@ -27,7 +27,7 @@ static void locate(
     memcpy(element, e->cell_node[cell], 3 * sizeof *element);
 }
 
-rsv_status rsv_bake_write_operator(const rsv_solution *s, const char *kind,
+rsv_status rsv_bake_write_operator(const rsv_light_view *s, const char *kind,
     const rsv_bake_receiver *receiver, size_t count, const char *output)
 {
     rsv_status status;
@@ -41,7 +41,7 @@ rsv_status rsv_bake_write_operator(const rsv_solution *s, const char *kind,
     const char *slash = strrchr(output, '/');
     rsv_bake_name_beside(output, "operator", path);
     const rsv_file_receivers receivers = { kind, count, element, weight };
-    RSV_TRY(rsv_solution_save_receivers(s, slash ? slash + 1 : output, &receivers, path));
+    RSV_TRY(rsv_solution_save_receivers(s->light, slash ? slash + 1 : output, &receivers, path));
 cleanup:
     rsv_free(s->context, element);
     rsv_free(s->context, weight);

@@ -139,7 +139,7 @@ static rsv_status match(const rsv_bake_document *d, const rsv_scene *scene, rsv_
         "%s: bake: the solved scene was not loaded from this file as it is now", d->path);
 }
 
-bool rsv_bake_carries_light(const rsv_solution *solution, const rsv_bake_part *part)
+bool rsv_bake_carries_light(const rsv_light_view *solution, const rsv_bake_part *part)
 {
     for (size_t t = 0; t < part->triangle_count; t++)
         if (part->triangle[t] != RSV_NONE)
@@ -148,7 +148,7 @@ bool rsv_bake_carries_light(const rsv_solution *solution, const rsv_bake_part *p
 }
 
 static rsv_status check_lit(
-    const rsv_bake_document *d, const rsv_solution *solution, const rsv_bake_parts *parts)
+    const rsv_bake_document *d, const rsv_light_view *solution, const rsv_bake_parts *parts)
 {
     for (size_t k = 0; k < parts->count; k++)
         if (rsv_bake_carries_light(solution, &parts->part[k])) return RSV_OK;
@@ -157,7 +157,7 @@ static rsv_status check_lit(
 }
 
 rsv_status rsv_bake_parts_create(
-    const rsv_bake_document *d, const rsv_solution *solution, rsv_bake_parts *parts)
+    const rsv_bake_document *d, const rsv_light_view *solution, rsv_bake_parts *parts)
 {
     rsv_status status;
     size_t nodes = d->gltf->node_count;
@@ -168,7 +168,7 @@ rsv_status rsv_bake_parts_create(
         .pending = rsv_alloc(d->context, nodes, sizeof *w.pending) };
     RSV_TRY(w.world && w.pending ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(walk(&w));
-    RSV_TRY(match(d, rsv_solution_scene(solution), parts));
+    RSV_TRY(match(d, solution->scene.scene, parts));
     RSV_TRY(check_lit(d, solution, parts));
     for (size_t k = 0; k < parts->count; k++)
         RSV_TRY(rsv_bake_choose_sides(solution, &parts->part[k]));

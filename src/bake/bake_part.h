@@ -28,11 +28,11 @@ typedef struct rsv_bake_parts {
 /// Lists the parts in the order of the scene's instances. RSV_ERROR_ARGUMENT if the scene was not loaded from
 /// this file, RSV_ERROR_SCENE if no part carries light.
 rsv_status rsv_bake_parts_create(
-    const rsv_bake_document *document, const rsv_solution *solution, rsv_bake_parts *parts);
+    const rsv_bake_document *document, const rsv_light_view *solution, rsv_bake_parts *parts);
 void rsv_bake_parts_destroy(rsv_bake_parts *parts);
 
 /// Whether anything of a part scatters diffusely: its base colour is what light multiplies.
-bool rsv_bake_carries_light(const rsv_solution *solution, const rsv_bake_part *part);
+bool rsv_bake_carries_light(const rsv_light_view *solution, const rsv_bake_part *part);
 
 /// The scene's barycentric coordinates for weights of the corners of the file's triangle.
 static inline void rsv_bake_place(

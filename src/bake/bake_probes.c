@@ -88,7 +88,7 @@ static rsv_status write_files(const rsv_probe_grid *g, const char *output)
 
 /// The same probes under another light.
 static rsv_status read_probes(
-    const rsv_bake_reader *reader, const rsv_solution *light, rsv_rgb *value)
+    const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
 {
     rsv_probe_grid grid = *(const rsv_probe_grid *)reader->receiver;
     grid.solution = grid.job.solution = light;
@@ -120,9 +120,10 @@ static rsv_bake_reader reader_of(const rsv_probe_grid *grid)
         .describe = describe_grid };
 }
 
-rsv_status rsv_bake_probes(const rsv_solution *solution, const char *input, const char *output,
+rsv_status rsv_bake_probes(const rsv_solution *light, const char *input, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
+    const rsv_light_view *solution = rsv_solution_get_view(light);
     (void)input;
     rsv_bake_desc defaults = rsv_default_bake_desc();
     rsv_probe_grid grid = { 0 };

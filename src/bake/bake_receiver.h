@@ -15,17 +15,17 @@ typedef struct rsv_bake_receiver {
 
 /// What a side of a surface shows: the irradiance that enters, diffused below it where the material is translucent.
 static inline rsv_rgb rsv_bake_shown(
-    const rsv_solution *s, uint32_t triangle, bool back, float u, float v)
+    const rsv_light_view *s, uint32_t triangle, bool back, float u, float v)
 {
     uint32_t face = s->elements->face_of[back][triangle];
     if (face == RSV_NONE || !rsv_is_translucent(s, face))
-        return rsv_solution_irradiance(s, triangle, u, v, back, RSV_NONE);
+        return rsv_light_irradiance(s, triangle, u, v, back, RSV_NONE);
     rsv_rgb shown = rgb_add(rsv_solution_diffused_direct(s, face, u, v),
         rsv_solution_diffused(s, face, u, v, RSV_NONE));
     return rgb_positive(shown);
 }
 
-static inline rsv_rgb rsv_bake_irradiance(const rsv_solution *s, const rsv_bake_receiver *r)
+static inline rsv_rgb rsv_bake_irradiance(const rsv_light_view *s, const rsv_bake_receiver *r)
 {
     if (r->triangle == RSV_NONE) return rgb_gray(0);
     rsv_rgb on = rsv_bake_shown(s, r->triangle, r->back, r->u, r->v);

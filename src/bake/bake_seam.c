@@ -26,7 +26,7 @@ typedef struct border {
 } border;
 
 typedef struct seam_search {
-    const rsv_solution *s;
+    const rsv_light_view *s;
     const rsv_bake_charts *charts;
     const rsv_bake_parts *parts;
     float dark;
@@ -158,7 +158,7 @@ static void mark_open(const seam_search *q, const rsv_bake_map *map, uint8_t *op
             open[q->stitch[k].chart[0]] = open[q->stitch[k].chart[1]] = 1;
 }
 
-rsv_status rsv_bake_close_seams(const rsv_solution *solution, const rsv_bake_charts *charts,
+rsv_status rsv_bake_close_seams(const rsv_light_view *solution, const rsv_bake_charts *charts,
     const rsv_bake_parts *parts, double mean, rsv_bake_map *map, uint8_t *open, double *largest)
 {
     seam_search q = { .s = solution, .charts = charts, .parts = parts, .dark = DARK * (float)mean };

@@ -9,7 +9,7 @@
 /// @param mean of the light: jumps where there is far less of it are seen against a share of that
 /// @param open [charts->count] out: set for charts along which jumps stay that are seen; or NULL
 /// @param largest out: the largest jump left, relative to the light there
-rsv_status rsv_bake_close_seams(const rsv_solution *solution, const rsv_bake_charts *charts,
+rsv_status rsv_bake_close_seams(const rsv_light_view *solution, const rsv_bake_charts *charts,
     const rsv_bake_parts *parts, double mean, rsv_bake_map *map, uint8_t *open, double *largest);
 
 #endif

@@ -33,7 +33,7 @@ typedef struct surface {
 } surface;
 
 typedef struct surfaces {
-    const rsv_solution *s;
+    const rsv_light_view *s;
     const rsv_bake_part *part;
     const double (*power)[2]; ///< [triangle_count] that front and back of each triangle receive
     uint32_t *root; ///< [triangle_count] another triangle of the same surface, in the end its first
@@ -95,7 +95,7 @@ cleanup:
 }
 
 /// Light on a side of a triangle, the mean of a few places.
-static double light_on(const rsv_solution *s, uint32_t triangle, bool back)
+static double light_on(const rsv_light_view *s, uint32_t triangle, bool back)
 {
     static const float place[4][2] = { { 1.0f / 3, 1.0f / 3 }, { 0.15f, 0.15f }, { 0.7f, 0.15f },
         { 0.15f, 0.7f } };
@@ -106,7 +106,7 @@ static double light_on(const rsv_solution *s, uint32_t triangle, bool back)
 }
 
 /// @param power [triangle_count] out; see surfaces
-static void find_power(const rsv_solution *s, const rsv_bake_part *part, double (*power)[2])
+static void find_power(const rsv_light_view *s, const rsv_bake_part *part, double (*power)[2])
 {
     for (uint32_t t = 0; t < part->triangle_count; t++) {
         if (part->triangle[t] == RSV_NONE) continue;
@@ -128,7 +128,7 @@ static void add_up(surfaces *f)
 }
 
 /// How far one sees from a place on a side of a triangle, FAR at most. In the void there is nothing to be seen.
-static double sight_from(const rsv_solution *s, uint32_t triangle, bool back, uint32_t k)
+static double sight_from(const rsv_light_view *s, uint32_t triangle, bool back, uint32_t k)
 {
     float x, y, u, v;
     rsv_vec3 tangent, bitangent;
@@ -171,7 +171,7 @@ static bool shows_back(const surface *own)
     return is_darker(own) && narrow && (narrower || dark);
 }
 
-static bool has_backs(const rsv_solution *s, const rsv_bake_part *part)
+static bool has_backs(const rsv_light_view *s, const rsv_bake_part *part)
 {
     for (size_t t = 0; t < part->triangle_count; t++)
         if (part->triangle[t] != RSV_NONE)
@@ -203,7 +203,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_bake_choose_sides(const rsv_solution *s, rsv_bake_part *part)
+rsv_status rsv_bake_choose_sides(const rsv_light_view *s, rsv_bake_part *part)
 {
     rsv_status status;
     size_t count = part->triangle_count;

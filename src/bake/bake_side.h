@@ -8,6 +8,6 @@
 /// but where modellers turned that away from the room: whole surfaces whose front is darker than their back, and
 /// from where one does not see far, show that of their back.
 /// @param part its `back` is allocated and set
-rsv_status rsv_bake_choose_sides(const rsv_solution *solution, rsv_bake_part *part);
+rsv_status rsv_bake_choose_sides(const rsv_light_view *solution, rsv_bake_part *part);
 
 #endif

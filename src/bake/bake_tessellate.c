@@ -251,7 +251,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_bake_tessellate(const rsv_solution *solution, const rsv_bake_part *part,
+rsv_status rsv_bake_tessellate(const rsv_light_view *solution, const rsv_bake_part *part,
     const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh)
 {
     *mesh = (rsv_bake_mesh){ .context = solution->context };

@@ -32,7 +32,7 @@ typedef struct rsv_bake_tessellation {
     bool divide;     ///< false = only vertices may be doubled
 } rsv_bake_tessellation;
 
-rsv_status rsv_bake_tessellate(const rsv_solution *solution, const rsv_bake_part *part,
+rsv_status rsv_bake_tessellate(const rsv_light_view *solution, const rsv_bake_part *part,
     const rsv_bake_tessellation *desc, rsv_bake_mesh *mesh);
 void rsv_bake_mesh_destroy(rsv_bake_mesh *mesh);
 

@@ -195,7 +195,7 @@ static float limit(float beyond, rsv_rgb on, rsv_rgb back)
     return change > 0 ? most / change : 0;
 }
 
-static rsv_rgb light_of(const rsv_solution *s, rsv_bake_receiver r)
+static rsv_rgb light_of(const rsv_light_view *s, rsv_bake_receiver r)
 {
     if (r.beyond > 0)
         r.beyond = limit(r.beyond, rsv_bake_shown(s, r.triangle, r.back, r.u, r.v),
@@ -203,7 +203,7 @@ static rsv_rgb light_of(const rsv_solution *s, rsv_bake_receiver r)
     return rsv_bake_irradiance(s, &r);
 }
 
-void rsv_bake_map_light(const rsv_solution *s, rsv_bake_map *map)
+void rsv_bake_map_light(const rsv_light_view *s, rsv_bake_map *map)
 {
     size_t texels = (size_t)map->width * map->height;
 #pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(s->context))

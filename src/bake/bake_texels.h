@@ -22,7 +22,7 @@ rsv_status rsv_bake_map_create(const rsv_bake_charts *charts, const rsv_bake_par
 void rsv_bake_map_destroy(rsv_context *context, rsv_bake_map *map);
 
 /// Light of all texels.
-void rsv_bake_map_light(const rsv_solution *solution, rsv_bake_map *map);
+void rsv_bake_map_light(const rsv_light_view *solution, rsv_bake_map *map);
 
 /// The upper left one of the four texels around a place in texels, and the place between them, 0..1.
 void rsv_bake_map_locate(

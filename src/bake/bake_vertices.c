@@ -13,7 +13,7 @@
 #define DARK 0.05f
 
 typedef struct vertex_bake {
-    const rsv_solution *s;
+    const rsv_light_view *s;
     const rsv_bake_desc *desc;
     rsv_bake_document document;
     rsv_bake_parts parts;
@@ -24,7 +24,7 @@ typedef struct vertex_bake {
 static rsv_status tessellate(vertex_bake *b)
 {
     rsv_status status = RSV_OK;
-    const rsv_solution *s = b->s;
+    const rsv_light_view *s = b->s;
     rsv_bake_tessellation desc = { .tolerance = b->desc->tolerance,
         .finest = s->elements->spacing / (float)(1 << s->desc.direct_levels),
         .dark = DARK * 3 * (float)s->report.mean_irradiance };
@@ -225,9 +225,10 @@ static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *repo
     }
 }
 
-rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *input, const char *output,
+rsv_status rsv_bake_vertices(const rsv_solution *light, const char *input, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
+    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_status status;
     rsv_bake_desc defaults = rsv_default_bake_desc();
     vertex_bake b = { .s = solution, .desc = desc ? desc : &defaults };

@@ -8,7 +8,7 @@
 
 /// What is worked on.
 typedef struct examination {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     rsv_certify_desc desc;
     rsv_point_density density;
     rsv_residual_sample *sample; ///< [desc.samples]
@@ -35,7 +35,7 @@ static bool is_finite(const rsv_residual *r)
 
 static rsv_status take_samples(examination *x)
 {
-    const rsv_solution *s = x->solution;
+    const rsv_light_view *s = x->solution;
     rsv_context *context = s->context;
     rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
     uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
@@ -117,7 +117,7 @@ static double squared_irradiance(const examination *x, size_t k)
 
 static double largest_albedo(const examination *x)
 {
-    const rsv_solution *s = x->solution;
+    const rsv_light_view *s = x->solution;
     float largest = 0;
     for (size_t n = 0; n < s->elements->node_count; n++)
         largest = f_max(largest, rgb_max(s->exitance_albedo[n]));
@@ -173,7 +173,7 @@ static rsv_status judge_error(examination *x)
 
 static rsv_status examine(examination *x)
 {
-    const rsv_solution *s = x->solution;
+    const rsv_light_view *s = x->solution;
     rsv_status status = RSV_OK;
     if (s->elements->face_count == 0) return RSV_OK;
     RSV_TRY(rsv_point_density_of_light(s, &x->density));
@@ -192,7 +192,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *desc,
+rsv_status rsv_examine(const rsv_light_view *solution, const rsv_certify_desc *desc,
     rsv_certificate *certificate, rsv_error_field *field)
 {
     double start = rsv_seconds();
@@ -211,8 +211,9 @@ rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *des
 }
 
 rsv_status rsv_certify(
-    const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate)
+    const rsv_solution *light, const rsv_certify_desc *desc, rsv_certificate *certificate)
 {
+    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_error_field field;
     rsv_status status = rsv_examine(solution, desc, certificate, &field);
     rsv_error_field_destroy(solution->context, &field);

@@ -11,7 +11,7 @@
 
 /// The residual as a field on the elements: each sample is handed to the hats around it, over their areas. (What the
 /// operator makes of it is the mean over all samples of what it makes of each.)
-static void project(const rsv_solution *s, const rsv_residual_sample *sample, size_t count,
+static void project(const rsv_light_view *s, const rsv_residual_sample *sample, size_t count,
     size_t set, double area, rsv_rgb *load)
 {
     const rsv_elements *e = s->elements;
@@ -31,7 +31,8 @@ static void project(const rsv_solution *s, const rsv_residual_sample *sample, si
 }
 
 /// Solves x = A load + A x for some sets at once.
-static rsv_status solve(const rsv_solution *s, const rsv_rgb *load, rsv_rgb *image, rsv_rgb *error)
+static rsv_status solve(
+    const rsv_light_view *s, const rsv_rgb *load, rsv_rgb *image, rsv_rgb *error)
 {
     rsv_transport_map *map = NULL;
     rsv_linear_report report;
@@ -43,8 +44,7 @@ static rsv_status solve(const rsv_solution *s, const rsv_rgb *load, rsv_rgb *ima
     desc.relative = ACCURACY;
     desc.spectral_radius = s->report.spectral_radius;
     rsv_status status = RSV_OK;
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, SETS_AT_A_TIME, &map));
+    RSV_TRY(rsv_operator_map(s->op, SETS_AT_A_TIME, &map));
     RSV_TRY(rsv_transport_map_prepare(map, desc.solver));
     map->linear.table->apply(map->linear.data, columns, &load->r, &image->r);
     RSV_TRY(rsv_linear_solve(&map->linear, columns, &image->r, &desc, &error->r, &report));
@@ -63,7 +63,7 @@ typedef struct batch {
     rsv_rgb *load, *image, *error; ///< [node_count x SETS_AT_A_TIME]
 } batch;
 
-static rsv_status predict(const rsv_solution *s, const rsv_residual_sample *sample, size_t count,
+static rsv_status predict(const rsv_light_view *s, const rsv_residual_sample *sample, size_t count,
     double area, size_t first_set, batch *b, rsv_error_field *field)
 {
     size_t nodes = s->elements->node_count, sets = SETS_AT_A_TIME;
@@ -86,7 +86,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_error_field_create(const rsv_solution *s, const rsv_residual_sample *sample,
+rsv_status rsv_error_field_create(const rsv_light_view *s, const rsv_residual_sample *sample,
     size_t count, double area, rsv_error_field *field)
 {
     rsv_context *context = s->context;
@@ -119,7 +119,8 @@ void rsv_error_field_destroy(rsv_context *context, rsv_error_field *field)
     *field = (rsv_error_field){ 0 };
 }
 
-rsv_rgb rsv_error_field_at(const rsv_solution *s, const rsv_rgb *reflected, const rsv_face_point *p)
+rsv_rgb rsv_error_field_at(
+    const rsv_light_view *s, const rsv_rgb *reflected, const rsv_face_point *p)
 {
     return rsv_elements_interpolate(s->elements, reflected, p->face, p->u, p->v);
 }

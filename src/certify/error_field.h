@@ -30,22 +30,22 @@ typedef struct rsv_residual_sample {
 
 /// Sample k belongs to set k % RSV_SAMPLE_SETS.
 /// @param area of the surfaces that one valid sample of weight 1 stands for, m2
-rsv_status rsv_error_field_create(const rsv_solution *solution, const rsv_residual_sample *sample,
+rsv_status rsv_error_field_create(const rsv_light_view *solution, const rsv_residual_sample *sample,
     size_t count, double area, rsv_error_field *field);
 void rsv_error_field_destroy(rsv_context *context, rsv_error_field *field);
 
 /// rsv_certify, and the field that it found on the way.
 /// @param field to be destroyed by the caller, whatever is returned; its fields stay NULL where nothing is diffuse
-rsv_status rsv_examine(const rsv_solution *solution, const rsv_certify_desc *desc,
+rsv_status rsv_examine(const rsv_light_view *solution, const rsv_certify_desc *desc,
     rsv_certificate *certificate, rsv_error_field *field);
 
 /// Mean of e^2 with e = r + s, luminance, (W/m2)^2, and how well it is known, all noise that the residuals of a set share
 /// through their s included.
-rsv_moments rsv_mean_squared_error(const rsv_solution *solution, const rsv_residual_sample *sample,
-    size_t count, const rsv_error_field *field);
+rsv_moments rsv_mean_squared_error(const rsv_light_view *solution,
+    const rsv_residual_sample *sample, size_t count, const rsv_error_field *field);
 
 /// s as the samples of one set predict it.
 rsv_rgb rsv_error_field_at(
-    const rsv_solution *solution, const rsv_rgb *reflected, const rsv_face_point *point);
+    const rsv_light_view *solution, const rsv_rgb *reflected, const rsv_face_point *point);
 
 #endif

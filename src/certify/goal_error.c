@@ -12,7 +12,7 @@
 #define EVEN_SHARE 0.1
 
 typedef struct goal_job {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     rsv_certify_desc desc;
     uint32_t seed;
     rsv_rgb *importance; ///< [node_count] z per area
@@ -35,7 +35,7 @@ static double importance_of(const void *user, uint32_t cell)
 
 static double measure_term(const goal_job *job, const rsv_residual_job *residual, uint32_t k)
 {
-    const rsv_solution *s = job->solution;
+    const rsv_light_view *s = job->solution;
     uint64_t rays = 0;
     uint32_t stream = rsv_hash3(job->seed, k, 0x2ab1u);
     double weight;
@@ -65,7 +65,7 @@ static rsv_status measure_terms(goal_job *job)
 }
 
 /// E~ at a node; the coarse elements' own direct light where the solution leaves that to the renderer.
-static rsv_rgb irradiance_at_node(const rsv_solution *s, uint32_t node)
+static rsv_rgb irradiance_at_node(const rsv_light_view *s, uint32_t node)
 {
     const rsv_elements *e = s->elements;
     uint32_t face;
@@ -73,11 +73,11 @@ static rsv_rgb irradiance_at_node(const rsv_solution *s, uint32_t node)
     if (!s->desc.direct_level || e->support_begin[node] == e->support_begin[node + 1])
         return rgb_add(s->source[node], s->indirect[node]);
     rsv_elements_place_node(e, node, &face, &u, &v);
-    return rsv_solution_irradiance(s, e->face_triangle[face], u, v, e->face_back[face], RSV_NONE);
+    return rsv_light_irradiance(s, e->face_triangle[face], u, v, e->face_back[face], RSV_NONE);
 }
 
 /// <w, E~>: what the goal sees of diffuse surfaces.
-static double reading_of(const rsv_solution *s, const rsv_rgb *weight)
+static double reading_of(const rsv_light_view *s, const rsv_rgb *weight)
 {
     double sum = 0;
     for (uint32_t n = 0; n < s->elements->node_count; n++) {
@@ -91,20 +91,20 @@ static double reading_of(const rsv_solution *s, const rsv_rgb *weight)
 static rsv_status find_importance(
     goal_job *job, const rsv_goal_aim *aim, rsv_goal_certificate *certificate)
 {
-    const rsv_solution *s = job->solution;
+    const rsv_light_view *s = job->solution;
     rsv_status status;
     rsv_rgb *weight = rsv_alloc(s->context, s->elements->node_count, sizeof *weight);
     RSV_TRY(weight ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_goal_weights(s, aim, SIDE, weight));
+    RSV_TRY(rsv_goal_weights(s->op, aim, SIDE, s->desc.seed, weight));
     certificate->reading = reading_of(s, weight);
-    RSV_TRY(rsv_goal_importance(s, weight, job->importance));
+    RSV_TRY(rsv_goal_importance(s->op, s->desc.max_orders, weight, job->importance));
     rsv_goal_density(s->elements, job->importance);
 cleanup:
     rsv_free(s->context, weight);
     return status;
 }
 
-static rsv_status certify_aim(const rsv_solution *s, const rsv_certify_desc *desc,
+static rsv_status certify_aim(const rsv_light_view *s, const rsv_certify_desc *desc,
     const rsv_goal_aim *aim, rsv_goal_certificate *certificate)
 {
     rsv_status status;
@@ -129,9 +129,10 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_certify_goal(const rsv_solution *s, const rsv_certify_desc *desc, uint32_t camera,
-    rsv_goal_certificate *certificate)
+rsv_status rsv_certify_goal(const rsv_solution *light, const rsv_certify_desc *desc,
+    uint32_t camera, rsv_goal_certificate *certificate)
 {
+    const rsv_light_view *s = rsv_solution_get_view(light);
     rsv_goal_aim aim = { .camera = camera };
     if (camera >= s->scene.view->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "certify: camera %u does not exist, the scene has %zu",
@@ -139,11 +140,12 @@ rsv_status rsv_certify_goal(const rsv_solution *s, const rsv_certify_desc *desc,
     return certify_aim(s, desc, &aim, certificate);
 }
 
-rsv_status rsv_certify_points(const rsv_solution *s, const rsv_certify_desc *desc,
+rsv_status rsv_certify_points(const rsv_solution *light, const rsv_certify_desc *desc,
     const rsv_probe *points, size_t point_count, rsv_goal_certificate *certificate)
 {
     rsv_goal_aim aim = { RSV_NONE, points, point_count };
     if (point_count == 0) return rsv_fail(RSV_ERROR_ARGUMENT, "certify: there are no points");
     rsv_status status = rsv_check_probes(points, point_count);
-    return status == RSV_OK ? certify_aim(s, desc, &aim, certificate) : status;
+    return status == RSV_OK ? certify_aim(rsv_solution_get_view(light), desc, &aim, certificate)
+                            : status;
 }

@@ -20,7 +20,7 @@ typedef struct heat_pixel {
 } heat_pixel;
 
 typedef struct heat_job {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     const rsv_error_field *field;
     rsv_heat_map_desc desc;
     const rsv_camera *camera;
@@ -50,7 +50,7 @@ static void keep_brightest(void *user, const rsv_chain *chain, rsv_rgb weight)
 
 static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_point *point)
 {
-    const rsv_solution *s = job->solution;
+    const rsv_light_view *s = job->solution;
     rsv_ray ray = rsv_camera_ray(
         job->camera, job->desc.width, job->desc.height, (float)x + 0.5f, (float)y + 0.5f);
     rsv_hit hit;
@@ -181,7 +181,7 @@ static void paint(const heat_job *job, double irradiance, rsv_image *image)
         }
 }
 
-static rsv_status check_desc(const rsv_solution *s, const rsv_heat_map_desc *desc)
+static rsv_status check_desc(const rsv_light_view *s, const rsv_heat_map_desc *desc)
 {
     if (desc->width < 16 || desc->height < 32 || desc->width > 16384 || desc->height > 16384)
         return rsv_fail(RSV_ERROR_ARGUMENT, "heat map: size %ux%u is not in 16x32 .. 16384x16384",
@@ -195,9 +195,10 @@ static rsv_status check_desc(const rsv_solution *s, const rsv_heat_map_desc *des
     return RSV_OK;
 }
 
-rsv_status rsv_certify_picture(const rsv_solution *s, const rsv_certify_desc *certify,
+rsv_status rsv_certify_picture(const rsv_solution *light, const rsv_certify_desc *certify,
     const rsv_heat_map_desc *desc, rsv_certificate *certificate, rsv_image **result)
 {
+    const rsv_light_view *s = rsv_solution_get_view(light);
     rsv_status status;
     rsv_certify_desc sampling = certify ? *certify : rsv_default_certify_desc();
     rsv_error_field field = { 0 };

@@ -75,14 +75,14 @@ rsv_face_point rsv_point_density_draw(
 }
 
 /// What lookups return there; of direct light that the renderer finds itself what coarse elements know.
-static double stored_luminance(const rsv_solution *s, rsv_face_point p)
+static double stored_luminance(const rsv_light_view *s, rsv_face_point p)
 {
     return (double)rgb_luminance(rgb_add(rsv_solution_direct(s, p.face, p.u, p.v, false),
         rsv_elements_interpolate(s->elements, s->indirect, p.face, p.u, p.v)));
 }
 
 typedef struct lit_cells {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     const rsv_elements *elements;
 } lit_cells;
 
@@ -100,7 +100,7 @@ static double squared_light(const void *user, uint32_t cell)
     return sum / CHILDREN;
 }
 
-static const rsv_elements *finest_elements(const rsv_solution *s)
+static const rsv_elements *finest_elements(const rsv_light_view *s)
 {
     const rsv_elements *finest = s->elements;
     const rsv_elements *level[] = { s->fine.elements, s->caustics.elements };
@@ -109,7 +109,7 @@ static const rsv_elements *finest_elements(const rsv_solution *s)
     return finest;
 }
 
-rsv_status rsv_point_density_of_light(const rsv_solution *s, rsv_point_density *density)
+rsv_status rsv_point_density_of_light(const rsv_light_view *s, rsv_point_density *density)
 {
     const lit_cells lit = { s, finest_elements(s) };
     return rsv_point_density_create(lit.elements, SHARE_BY_AREA, squared_light, &lit, density);

@@ -26,7 +26,7 @@ rsv_status rsv_point_density_create(const rsv_elements *elements, double even_sh
 
 /// Half of the points by area, half by area x E~^2 as the solution's finest elements hold it: errors are a share of the light
 /// that is there, and a small bright spot may hold most of what there is.
-rsv_status rsv_point_density_of_light(const rsv_solution *solution, rsv_point_density *density);
+rsv_status rsv_point_density_of_light(const rsv_light_view *solution, rsv_point_density *density);
 
 void rsv_point_density_destroy(rsv_point_density *density);
 

@@ -16,7 +16,7 @@ typedef struct receiver {
 } receiver;
 
 rsv_residual_job rsv_residual_job_of(
-    const rsv_solution *s, uint32_t gather_rays, uint32_t light_samples)
+    const rsv_light_view *s, uint32_t gather_rays, uint32_t light_samples)
 {
     return (rsv_residual_job){ .solution = s,
         .gather_rays = gather_rays,
@@ -27,7 +27,7 @@ rsv_residual_job rsv_residual_job_of(
 
 static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p, receiver *r)
 {
-    const rsv_solution *s = job->solution;
+    const rsv_light_view *s = job->solution;
     uint32_t triangle = s->elements->face_triangle[p->face];
     r->job = job;
     r->bsdf = rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
@@ -149,12 +149,12 @@ static rsv_rgb radiance_beyond(const rsv_residual_job *job, rsv_vec3 direction, 
 /// E~ at the end of a gather ray; diffused below the surface where that is translucent.
 static rsv_rgb stored_at(const receiver *r, uint32_t face, const rsv_chain *end, rsv_random *random)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     if (rsv_is_translucent(s, face))
         return rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
             rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
     if (!r->job->exact_direct)
-        return rsv_solution_irradiance(s, end->triangle, end->u, end->v, end->back, RSV_NONE);
+        return rsv_light_irradiance(s, end->triangle, end->u, end->v, end->back, RSV_NONE);
     r->result->rays++;
     rsv_rgb direct = rgb_add(
         rsv_solution_direct(s, face, end->u, end->v, true), rsv_sampled_irradiance(s, end, random));
@@ -164,7 +164,7 @@ static rsv_rgb stored_at(const receiver *r, uint32_t face, const rsv_chain *end,
 
 static rsv_rgb radiance_at_end(const receiver *r, const rsv_chain *end, rsv_random *random)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     uint32_t face = s->elements->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return rgb_gray(0);
     rsv_bsdf storage;
@@ -228,7 +228,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
 
 rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *p, uint32_t stream)
 {
-    const rsv_solution *s = job->solution;
+    const rsv_light_view *s = job->solution;
     rsv_residual result = { 0 };
     receiver r = { .result = &result };
     set_up_receiver(job, p, &r);

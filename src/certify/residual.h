@@ -17,7 +17,7 @@
 #include "surface_points.h"
 
 typedef struct rsv_residual_job {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     uint32_t gather_rays, light_samples; ///< of one estimate
     bool stored_caustics;                ///< caustics are taken from the solution
     bool exact_direct; ///< the renderer estimates direct light itself: E~ has no error there
@@ -34,7 +34,7 @@ typedef struct rsv_residual {
 } rsv_residual;
 
 rsv_residual_job rsv_residual_job_of(
-    const rsv_solution *solution, uint32_t gather_rays, uint32_t light_samples);
+    const rsv_light_view *solution, uint32_t gather_rays, uint32_t light_samples);
 
 /// @param stream differs between points; the estimates of different streams are independent
 rsv_residual rsv_residual_at(

@@ -7,7 +7,7 @@
 #define POINTS 50000
 #define OTHER_SEED 0x6a09e667u
 
-static double luminance_at(const rsv_solution *s, const rsv_face_point *p)
+static double luminance_at(const rsv_light_view *s, const rsv_face_point *p)
 {
     rsv_rgb e = rgb_add(rsv_solution_direct(s, p->face, p->u, p->v, !s->desc.direct_level),
         rsv_elements_interpolate(s->elements, s->indirect, p->face, p->u, p->v));
@@ -16,7 +16,7 @@ static double luminance_at(const rsv_solution *s, const rsv_face_point *p)
 
 /// Mean square of the difference of two solutions of one scene.
 static rsv_status mean_squared_difference(
-    const rsv_solution *a, const rsv_solution *b, double *mean)
+    const rsv_light_view *a, const rsv_light_view *b, double *mean)
 {
     rsv_context *context = a->context;
     rsv_point_density density = { 0 };
@@ -42,8 +42,9 @@ cleanup:
 }
 
 rsv_status rsv_split_error(
-    const rsv_solution *s, const rsv_certificate *certificate, rsv_error_split *split)
+    const rsv_solution *light, const rsv_certificate *certificate, rsv_error_split *split)
 {
+    const rsv_light_view *s = rsv_solution_get_view(light);
     rsv_solution *other = NULL;
     rsv_solve_desc desc = s->desc;
     double difference, error = certificate->error_estimate_rms;
@@ -53,7 +54,7 @@ rsv_status rsv_split_error(
     desc.seed = rsv_hash2(desc.seed, OTHER_SEED);
     desc.checkpoint = desc.earlier = NULL; // they are of the other seed
     RSV_TRY(rsv_solution_create(s->scene.scene, &desc, &other));
-    RSV_TRY(mean_squared_difference(s, other, &difference));
+    RSV_TRY(mean_squared_difference(s, rsv_solution_get_view(other), &difference));
     double rest = error * error - split->truncation * split->truncation;
     split->sampling = sqrt(fmin(difference / 2, rest));
     split->discretisation = sqrt(fmax(rest - difference / 2, 0));

@@ -13,7 +13,7 @@ typedef struct set_sums {
 
 static double luminance(rsv_rgb color) { return (double)rgb_luminance(color); }
 
-static void add_samples(const rsv_solution *s, const rsv_residual_sample *sample, size_t count,
+static void add_samples(const rsv_light_view *s, const rsv_residual_sample *sample, size_t count,
     const rsv_error_field *field, set_sums *sums)
 {
     for (size_t k = 0; k < count; k++) {
@@ -32,7 +32,7 @@ static void add_samples(const rsv_solution *s, const rsv_residual_sample *sample
 }
 
 /// Over what is not buried, as samples are.
-static void add_nodes(const rsv_solution *solution, const rsv_error_field *field, set_sums *sums)
+static void add_nodes(const rsv_light_view *solution, const rsv_error_field *field, set_sums *sums)
 {
     const rsv_elements *e = solution->elements;
     double area = 0;
@@ -82,7 +82,7 @@ static double reflected_noise(const set_sums *sums)
     return fmax(own - all / SETS, 0) / (SETS * (SETS - 1));
 }
 
-rsv_moments rsv_mean_squared_error(const rsv_solution *s, const rsv_residual_sample *sample,
+rsv_moments rsv_mean_squared_error(const rsv_light_view *s, const rsv_residual_sample *sample,
     size_t count, const rsv_error_field *field)
 {
     set_sums sums = { 0 };

@@ -1,3 +1,4 @@
+#include "../core/references.h"
 #include "elements_internal.h"
 
 #include <string.h>
@@ -8,6 +9,7 @@ rsv_status rsv_elements_create_empty(const rsv_scene_view *scene, const rsv_bsdf
     rsv_elements *e = rsv_alloc(context, 1, sizeof *e);
     if (!e) return RSV_ERROR_MEMORY;
     e->context = context;
+    e->references = 1;
     e->scene = scene;
     e->bsdf = bsdf;
     e->spacing = spacing;
@@ -183,9 +185,15 @@ cleanup:
     return status;
 }
 
+rsv_elements *rsv_elements_retain(rsv_elements *e)
+{
+    if (e) rsv_references_add(&e->references);
+    return e;
+}
+
 void rsv_elements_destroy(rsv_elements *e)
 {
-    if (!e) return;
+    if (!e || !rsv_references_drop(&e->references)) return;
     rsv_context *context = e->context;
     void *arrays[] = { e->face_of[0], e->face_of[1], e->face_triangle, e->face_back, e->face_level,
         e->face_halvings, e->face_slot, e->face_area, e->face_corner, e->face_edge, e->slot,

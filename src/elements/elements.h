@@ -41,6 +41,7 @@ typedef struct rsv_led {
 
 typedef struct rsv_elements {
     rsv_context *context;
+    uint32_t references; ///< holders; rsv_elements_destroy by the last one frees
     const rsv_scene_view *scene;
     const rsv_bsdf *bsdf; ///< [material_count], borrowed
     float spacing;        ///< metres between nodes that was asked for
@@ -110,6 +111,8 @@ rsv_status rsv_elements_refine_where(
 /// Rebuilds supports after cell_node was changed to use `node_count` nodes; fresh nodes do not hang.
 rsv_status rsv_elements_renumber(rsv_elements *elements, size_t node_count);
 
+/// One more holder of the same elements, who destroys them in turn. @param elements NULL is allowed
+rsv_elements *rsv_elements_retain(rsv_elements *elements);
 void rsv_elements_destroy(rsv_elements *elements);
 
 /// Memory they take.

@@ -39,7 +39,8 @@ rsv_status rsv_beams_create(const rsv_tracer *tracer, rsv_beams *beams)
     return rsv_tracer_hierarchy(tracer, &beams->bvh);
 }
 
-void rsv_beams_refresh(rsv_beams *beams)
+void rsv_beams_refresh(rsv_beams *beams, const rsv_tracer *tracer)
 {
-    if (rsv_tracer_is_apart(beams->tracer)) beams->hold = false;
+    if (tracer != beams->tracer || rsv_tracer_is_apart(tracer)) beams->hold = false;
+    beams->tracer = tracer;
 }

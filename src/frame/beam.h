@@ -55,6 +55,6 @@ typedef struct rsv_beams {
 rsv_status rsv_beams_create(const rsv_tracer *tracer, rsv_beams *beams);
 
 /// To be called ahead of every frame.
-void rsv_beams_refresh(rsv_beams *beams);
+void rsv_beams_refresh(rsv_beams *beams, const rsv_tracer *tracer);
 
 #endif

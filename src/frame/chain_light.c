@@ -25,7 +25,7 @@ static rsv_rgb without(rsv_rgb a, rsv_rgb b) { return rgb_positive(rgb_sub(a, b)
 rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
     float u, float v, bool back, uint32_t stream, rsv_rgb shown)
 {
-    const rsv_solution *s = table->solution;
+    const rsv_light_view *s = table->solution;
     if (s->elements->face_of[back][triangle] == RSV_NONE) return shown;
     rsv_surface_point point = rsv_surface_point_at(s->scene.view, triangle, u, v, back);
     rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
@@ -55,7 +55,7 @@ void rsv_add_emission(
 void rsv_add_diffuse_end(void *light, const rsv_chain *chain, rsv_rgb weight)
 {
     rsv_chain_light *l = light;
-    const rsv_solution *s = l->table->solution;
+    const rsv_light_view *s = l->table->solution;
     uint32_t face = s->elements->face_of[chain->back][chain->triangle];
     if (face == RSV_NONE) return;
     rsv_bsdf storage;

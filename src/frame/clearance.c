@@ -120,7 +120,7 @@ rsv_status rsv_clearances_create(
     find_range(media, c);
     c->of = rsv_alloc(context, (size_t)c->count + 1, sizeof *c->of);
     if (!c->of) return RSV_ERROR_MEMORY;
-    rsv_clearances_refresh(c);
+    rsv_clearances_refresh(c, c->tracer);
     if (!c->holds) return RSV_OK;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
     for (uint32_t k = 0; k < c->count; k++)
@@ -134,9 +134,11 @@ void rsv_clearances_destroy(rsv_clearances *c)
     if (c->context) rsv_free(c->context, c->of);
 }
 
-void rsv_clearances_refresh(rsv_clearances *c)
+void rsv_clearances_refresh(rsv_clearances *c, const rsv_tracer *tracer)
 {
-    if (!c->holds || !rsv_tracer_is_apart(c->tracer)) return;
+    bool same = tracer == c->tracer && !rsv_tracer_is_apart(tracer);
+    c->tracer = tracer;
+    if (!c->holds || same) return;
     memset(c->of, 0, (size_t)c->count * sizeof *c->of);
     c->holds = false;
 }

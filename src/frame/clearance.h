@@ -32,7 +32,7 @@ rsv_status rsv_clearances_create(
 void rsv_clearances_destroy(rsv_clearances *clearances);
 
 /// Forgets all if the scene's triangles may have moved.
-void rsv_clearances_refresh(rsv_clearances *clearances);
+void rsv_clearances_refresh(rsv_clearances *clearances, const rsv_tracer *tracer);
 
 RSV_INLINE const rsv_clearance *rsv_clearance_of(const rsv_clearances *c, uint32_t triangle)
 {

@@ -19,7 +19,7 @@ struct rsv_frame_device {
 // ---- what can be shown --------------------------------------------------------------------------
 
 /// Notes why not.
-static bool can_show(const rsv_solution *s, const rsv_frame_desc *desc)
+static bool can_show(const rsv_light_view *s, const rsv_frame_desc *desc)
 {
     if (desc->chain_depth <= RSV_DEVICE_CHAIN_DEPTH) return true;
     rsv_log(s->context, RSV_LOG_WARNING,
@@ -46,7 +46,7 @@ static rsv_status bring_stage(
     rsv_frame_device *d, rsv_device *device, const rsv_frame_desc *desc, rsv_bvh_view bvh)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
-    const rsv_solution *s = d->table->solution;
+    const rsv_light_view *s = d->table->solution;
     rsv_shown_side(*received)[2] =
         rsv_alloc(d->context, d->table->triangle_count, sizeof *received);
     if (!received) return RSV_ERROR_MEMORY;
@@ -71,7 +71,7 @@ rsv_status rsv_frame_device_create(
     const rsv_light_table *table, const rsv_frame_desc *desc, rsv_frame_device **made)
 {
     rsv_status status = RSV_OK;
-    const rsv_solution *s = table->solution;
+    const rsv_light_view *s = table->solution;
     rsv_device *device = rsv_context_device(s->context);
     rsv_bvh_view bvh;
     *made = NULL;
@@ -121,7 +121,7 @@ static rsv_status check(rsv_frame_device *d, rsv_status status, const char *mess
 static rsv_status bring_light(rsv_frame_device *d)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
-    const rsv_solution *s = d->table->solution;
+    const rsv_light_view *s = d->table->solution;
     const rsv_device_light light = { .cell = d->table->cell,
         .scene = s->scene.view,
         .bsdf = s->bsdf,

@@ -5,7 +5,7 @@
 
 struct rsv_frame_renderer {
     rsv_context *context;
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     rsv_frame_desc desc;
     rsv_light_table table;
     const rsv_mover *mover; ///< NULL = none
@@ -82,8 +82,9 @@ static void set_tiling(rsv_frame_renderer *r)
 }
 
 rsv_status rsv_frame_renderer_create(
-    const rsv_solution *solution, const rsv_frame_desc *desc, rsv_frame_renderer **renderer)
+    const rsv_solution *light, const rsv_frame_desc *desc, rsv_frame_renderer **renderer)
 {
+    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_frame_desc settings = desc ? *desc : rsv_default_frame_desc();
     rsv_status status = check_desc(&settings);
     if (status != RSV_OK) return status;
@@ -244,8 +245,8 @@ rsv_status rsv_frame_render(
     rsv_status status = check_view(r, view);
     if (status != RSV_OK) return status;
     double start = rsv_seconds();
-    rsv_clearances_refresh(&r->clearances);
-    rsv_beams_refresh(&r->beams);
+    rsv_clearances_refresh(&r->clearances, r->solution->tracer);
+    rsv_beams_refresh(&r->beams, r->solution->tracer);
     begin_eyes(r, view);
     begin_workers(r);
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;

@@ -37,7 +37,7 @@ typedef struct rsv_eye_picture {
 
 /// What all tiles have in common.
 typedef struct rsv_tiling {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     const rsv_light_table *table;
     const rsv_packet_kernels *kernels;
     const rsv_chain_media *media;

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-rsv_face_walk rsv_face_walk_begin(const rsv_solution *s)
+rsv_face_walk rsv_face_walk_begin(const rsv_light_view *s)
 {
     return (rsv_face_walk){ .solution = s,
         .level = { s->elements, s->fine.elements, s->caustics.elements, s->diffused.elements } };

@@ -28,7 +28,7 @@ typedef struct rsv_field_sum {
 /// rsv_place_in_grid, then what cells of the grid are split into, four by four.
 typedef struct rsv_face_walk {
     const rsv_elements *level[RSV_REFINED_LEVELS]; ///< the coarse one first; NULL = not there
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     const rsv_field_sum *sum;
     const rsv_field_sum *detail; ///< of which only a share survives diffusion; NULL = none
     rsv_rgb scale, offset;       ///< radiance = offset + scale * irradiance
@@ -38,7 +38,7 @@ typedef struct rsv_face_walk {
     uint32_t next;               ///< first cell that is not in use yet
 } rsv_face_walk;
 
-rsv_face_walk rsv_face_walk_begin(const rsv_solution *solution);
+rsv_face_walk rsv_face_walk_begin(const rsv_light_view *solution);
 
 /// The level of a face's grid: the coarsest one that has a whole cell. A coarser one would take more cells, and one more
 /// step to every place.

@@ -10,7 +10,7 @@ static void add_field(
     if (elements && value) sum->part[sum->count++] = (rsv_stored_field){ elements, value, sign };
 }
 
-static void add_direct(rsv_field_sum *sum, const rsv_solution *s)
+static void add_direct(rsv_field_sum *sum, const rsv_light_view *s)
 {
     if (!s->fine.direct) {
         add_field(sum, s->elements, s->source, 1);
@@ -23,7 +23,7 @@ static void add_direct(rsv_field_sum *sum, const rsv_solution *s)
 
 static bool shows_direct(uint32_t layer) { return layer == RSV_NONE || layer == 1; }
 
-static rsv_field_sum shown_fields(const rsv_solution *s, uint32_t layer)
+static rsv_field_sum shown_fields(const rsv_light_view *s, uint32_t layer)
 {
     rsv_field_sum sum = { .count = 0 };
     if (shows_direct(layer)) add_direct(&sum, s);
@@ -34,7 +34,7 @@ static rsv_field_sum shown_fields(const rsv_solution *s, uint32_t layer)
 }
 
 /// The same of translucent surfaces: diffused.
-static rsv_field_sum diffused_fields(const rsv_solution *s, uint32_t layer)
+static rsv_field_sum diffused_fields(const rsv_light_view *s, uint32_t layer)
 {
     const rsv_diffused_level *d = &s->diffused;
     rsv_field_sum sum = { .count = 0 };
@@ -46,7 +46,7 @@ static rsv_field_sum diffused_fields(const rsv_solution *s, uint32_t layer)
 }
 
 /// Of their direct light, what the diffused level does not resolve.
-static rsv_field_sum detail_fields(const rsv_solution *s, uint32_t layer)
+static rsv_field_sum detail_fields(const rsv_light_view *s, uint32_t layer)
 {
     rsv_field_sum sum = { .count = 0 };
     if (!shows_direct(layer) || !s->fine.direct) return sum;
@@ -57,7 +57,7 @@ static rsv_field_sum detail_fields(const rsv_solution *s, uint32_t layer)
 
 // ---- sides --------------------------------------------------------------------------------------
 
-static bool is_stored(const rsv_solution *s, uint32_t material)
+static bool is_stored(const rsv_light_view *s, uint32_t material)
 {
     const rsv_bsdf *bsdf = &s->bsdf[material];
     bool translucent = s->diffused.material && s->diffused.material[material];
@@ -66,14 +66,14 @@ static bool is_stored(const rsv_solution *s, uint32_t material)
 }
 
 /// Cells before those of faces: a black one, then one for the emission of each material.
-static uint32_t first_face_cell(const rsv_solution *s)
+static uint32_t first_face_cell(const rsv_light_view *s)
 {
     return 1 + (uint32_t)s->scene.view->material_count;
 }
 
 static rsv_shown_side shown_side(const rsv_light_table *t, uint32_t triangle, bool back)
 {
-    const rsv_solution *s = t->solution;
+    const rsv_light_view *s = t->solution;
     uint32_t material = s->scene.view->triangle_material[triangle];
     uint32_t face = s->elements->face_of[back][triangle];
     if (!is_stored(s, material)) return (rsv_shown_side){ 1 + material, 0, RSV_SHOWN_CHAIN };
@@ -95,7 +95,7 @@ static void fill_sides(rsv_light_table *t)
 
 static rsv_status number_cells(rsv_light_table *t)
 {
-    const rsv_solution *s = t->solution;
+    const rsv_light_view *s = t->solution;
     rsv_face_walk walk = rsv_face_walk_begin(s);
     uint32_t next = first_face_cell(s);
     for (uint32_t face = 0; face < s->elements->face_count; face++) {
@@ -110,7 +110,7 @@ static rsv_status number_cells(rsv_light_table *t)
     return RSV_OK;
 }
 
-static uint32_t material_of_face(const rsv_solution *s, uint32_t face)
+static uint32_t material_of_face(const rsv_light_view *s, uint32_t face)
 {
     return s->scene.view->triangle_material[s->elements->face_triangle[face]];
 }
@@ -120,7 +120,7 @@ bool rsv_holds_irradiance(const rsv_light_table *t, uint32_t face)
     return !is_stored(t->solution, material_of_face(t->solution, face));
 }
 
-rsv_status rsv_light_table_create(const rsv_solution *s, rsv_light_table *t)
+rsv_status rsv_light_table_create(const rsv_light_view *s, rsv_light_table *t)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     *t = (rsv_light_table){ .context = s->context, .solution = s };
@@ -168,7 +168,7 @@ static void bake_emission(rsv_light_table *t)
 
 void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
 {
-    const rsv_solution *s = t->solution;
+    const rsv_light_view *s = t->solution;
     t->layer = layer;
     bake_emission(t);
     rsv_field_sum fields = shown_fields(s, layer), diffused = diffused_fields(s, layer),

@@ -12,7 +12,7 @@
 
 typedef struct rsv_light_table {
     rsv_context *context;
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     uint32_t layer;            ///< on show, RSV_NONE = all
     rsv_shown_side (*side)[2]; ///< [triangle_count + 1] front and back; the last: no triangle
     uint32_t triangle_count;
@@ -24,7 +24,7 @@ typedef struct rsv_light_table {
     size_t cell_count;
 } rsv_light_table;
 
-rsv_status rsv_light_table_create(const rsv_solution *solution, rsv_light_table *table);
+rsv_status rsv_light_table_create(const rsv_light_view *solution, rsv_light_table *table);
 void rsv_light_table_destroy(rsv_light_table *table);
 
 /// Fills the cells from the solution's fields. @param layer as for rsv_frame_renderer_show

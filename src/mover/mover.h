@@ -14,7 +14,7 @@ typedef struct rsv_ball {
 
 struct rsv_mover {
     rsv_context *context;
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     const rsv_scene_view *body;
     rsv_tracer *tracer; ///< of the body, where its scene has it
     rsv_mover_desc desc;

@@ -96,25 +96,26 @@ cleanup:
     return status;
 }
 
-static void place_of_node(
-    const rsv_elements *e, uint32_t node, rsv_vec3 *position, rsv_vec3 *normal)
+static void place_of_node(const rsv_scene_view *scene, const rsv_elements *e, uint32_t node,
+    rsv_vec3 *position, rsv_vec3 *normal)
 {
     uint32_t support = e->support[e->support_begin[node]], face = e->cell[support / 4].face;
     float u, v;
     rsv_cell_corner(&e->cell[support / 4], (int)(support & 3), &u, &v);
     rsv_surface_point point =
-        rsv_surface_point_at(e->scene, e->face_triangle[face], u, v, e->face_back[face]);
+        rsv_surface_point_at(scene, e->face_triangle[face], u, v, e->face_back[face]);
     *position = point.position;
     *normal = point.normal;
 }
 
 /// Places and normals, for those who read files without us.
-static rsv_status write_places(rsv_tensor_file *file, const rsv_elements *e)
+static rsv_status write_places(
+    rsv_tensor_file *file, const rsv_scene_view *scene, const rsv_elements *e)
 {
     rsv_vec3 *position = rsv_alloc(e->context, e->node_count, sizeof *position);
     rsv_vec3 *normal = rsv_alloc(e->context, e->node_count, sizeof *normal);
     for (size_t n = 0; position && normal && n < e->node_count; n++)
-        place_of_node(e, (uint32_t)n, &position[n], &normal[n]);
+        place_of_node(scene, e, (uint32_t)n, &position[n], &normal[n]);
     rsv_status status =
         rsv_tensor_give(file, "position", RSV_TENSOR_F32, 3, e->node_count, position);
     if (status != RSV_OK) {
@@ -124,8 +125,8 @@ static rsv_status write_places(rsv_tensor_file *file, const rsv_elements *e)
     return rsv_tensor_give(file, "normal", RSV_TENSOR_F32, 3, e->node_count, normal);
 }
 
-rsv_status rsv_write_elements(
-    rsv_tensor_file *file, const char *prefix, const rsv_elements *elements)
+rsv_status rsv_write_elements(rsv_tensor_file *file, const char *prefix,
+    const rsv_scene_view *scene, const rsv_elements *elements)
 {
     if (!elements) return RSV_OK;
     rsv_status status;
@@ -140,7 +141,7 @@ rsv_status rsv_write_elements(
     RSV_TRY(rsv_tensor_give(
         file, "cell.split", RSV_TENSOR_U8, 1, e.slot_count, rsv_elements_splits(&e)));
     RSV_TRY(exchange_nodes(file, &e));
-    RSV_TRY(write_places(file, &e));
+    RSV_TRY(write_places(file, scene, &e));
     RSV_TRY(split_hanging(&e, &h));
     RSV_TRY(give_hanging(file, &h));
 cleanup:
@@ -176,8 +177,8 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix,
-    const rsv_solution *solution, const rsv_elements *alike, rsv_elements **elements)
+rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rsv_world *world,
+    const rsv_elements *alike, rsv_elements **elements)
 {
     rsv_status status;
     rsv_elements *e = NULL;
@@ -186,7 +187,7 @@ rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix,
     rsv_tensor_prefix(file, prefix);
     if (alike && !rsv_tensor_find(file, "spacing")) return RSV_OK;
     RSV_TRY(read_spacing(file, &spacing));
-    RSV_TRY(rsv_elements_create_bare(solution->scene.scene, solution->bsdf, spacing, alike, &e));
+    RSV_TRY(rsv_elements_create_bare(world->scene.scene, world->bsdf, spacing, alike, &e));
     RSV_TRY(read_cells(file, e));
     e->node_count = RSV_ANY_COUNT;
     status = exchange_nodes(file, e);

@@ -2,7 +2,7 @@
 #ifndef RSV_EXCHANGE_H
 #define RSV_EXCHANGE_H
 
-#include "../solve/solution.h"
+#include "../solve/light_change.h"
 #include "tensor_file.h"
 
 rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene);
@@ -39,21 +39,21 @@ rsv_status rsv_read_names(
 
 /// One set of elements, under the prefix.
 /// @param prefix of the tensors, such as "element."
-rsv_status rsv_write_elements(
-    rsv_tensor_file *file, const char *prefix, const rsv_elements *elements);
+/// @param scene as a light has it
+rsv_status rsv_write_elements(rsv_tensor_file *file, const char *prefix,
+    const rsv_scene_view *scene, const rsv_elements *elements);
 /// @param alike elements of the same scene; NULL = these are the first
-rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix,
-    const rsv_solution *solution, const rsv_elements *alike, rsv_elements **elements);
+rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rsv_world *world,
+    const rsv_elements *alike, rsv_elements **elements);
 
-/// G, K, sources and solution: all of a solution but its scene and elements.
-rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_solution *solution);
-rsv_status rsv_read_desc(rsv_tensor_file *file, rsv_solve_desc *desc);
-rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *solution);
+/// Operator and light: elements, G, K, E0 and E.
+rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *light);
+rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_solution **light);
 
 /// E0 light by light.
 rsv_status rsv_write_basis(
-    rsv_tensor_file *file, const rsv_solution *solution, const rsv_light_basis *basis);
-rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *solution);
+    rsv_tensor_file *file, const rsv_solution *light, const rsv_light_basis *basis);
+rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *light);
 
 /// Places where light is shown, for readers at run time: each is a weighted mean of three elements.
 typedef struct rsv_file_receivers {

@@ -49,13 +49,14 @@ rsv_status rsv_solution_save_receivers(const rsv_solution *solution, const char 
 {
     rsv_tensor_file file;
     rsv_light_basis *own = NULL;
-    rsv_status status = rsv_tensor_file_begin(solution->context, path, &file);
+    const rsv_light_view *s = rsv_solution_get_view(solution);
+    rsv_status status = rsv_tensor_file_begin(s->context, path, &file);
     if (status != RSV_OK) return status;
     RSV_TRY(write_provenance(&file, scene_name));
-    RSV_TRY(rsv_write_scene(&file, solution->scene.scene));
-    RSV_TRY(rsv_write_solution(&file, solution));
-    if (!solution->basis) RSV_TRY(rsv_light_basis_create(solution, &own));
-    RSV_TRY(rsv_write_basis(&file, solution, own ? own : solution->basis));
+    RSV_TRY(rsv_write_scene(&file, s->scene.scene));
+    RSV_TRY(rsv_write_solution(&file, s));
+    if (!s->basis) RSV_TRY(rsv_light_basis_create(solution, &own));
+    RSV_TRY(rsv_write_basis(&file, solution, own ? own : s->basis));
     RSV_TRY(write_receivers(&file, receivers));
     RSV_TRY(rsv_tensor_file_write(&file));
 cleanup:
@@ -138,16 +139,16 @@ static rsv_status read_file(rsv_tensor_file *file, rsv_scene **scene, rsv_soluti
     char digits[RSV_SHA256_DIGITS + 1])
 {
     rsv_status status;
-    rsv_solve_desc desc;
+    rsv_world *world = NULL;
     RSV_TRY(check_provenance(file));
     RSV_TRY(rsv_tensor_file_verify(file));
     snprintf(digits, RSV_SHA256_DIGITS + 1, "%s", rsv_note_get(file, RSV_CHECKSUM_NOTE));
     RSV_TRY(rsv_read_scene(file, scene));
-    RSV_TRY(rsv_read_desc(file, &desc));
-    RSV_TRY(rsv_solution_prepare(*scene, &desc, solution));
-    RSV_TRY(rsv_read_solution(file, *solution));
+    RSV_TRY(rsv_world_create(*scene, &world));
+    RSV_TRY(rsv_read_solution(file, world, solution));
     RSV_TRY(rsv_read_basis(file, *solution));
 cleanup:
+    rsv_world_release(world);
     return status;
 }
 

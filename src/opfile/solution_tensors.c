@@ -1,5 +1,6 @@
 /// G, K, sources and solution.
 #include "../solve/goal.h"
+#include "../solve/solve_desc.h"
 #include "exchange.h"
 
 #include <math.h>
@@ -51,6 +52,19 @@ static const rsv_field report_fields[] = {
 };
 
 _Static_assert(sizeof(rsv_solver) == 4 && sizeof(rsv_stop_reason) == 4, "enumerations are U32");
+
+/// What a file holds of operator and light: owned while it is read, borrowed while it is written.
+typedef struct parts {
+    rsv_elements *elements;
+    rsv_transport *transport;
+    rsv_subsurface *subsurface;
+    uint16_t *valid_points;
+    rsv_rgb *albedo;
+    rsv_light_fields field;
+    rsv_solve_desc desc;
+    rsv_probe *goal_points;
+    rsv_solve_report report;
+} parts;
 
 // ---- what both directions share -------------------------------------------------------------------
 
@@ -109,7 +123,22 @@ cleanup:
     return status;
 }
 
-static rsv_status exchange_transport(rsv_tensor_file *file, rsv_transport *t)
+/// Emission that rows gathered; written as strong as it is now. @param scale factor of what it was
+static rsv_status exchange_gathered(rsv_tensor_file *file, rsv_transport *t, rsv_rgb scale)
+{
+    rsv_status status;
+    if (file->reading) {
+        status = exchange_rgb(file, "gathered", &t->gathered, t->row_count, 0);
+        return status == RSV_OK ? need(file, "gathered", t->gathered) : status;
+    }
+    rsv_rgb *scaled = rsv_alloc(file->context, t->row_count, sizeof *scaled);
+    for (size_t n = 0; scaled && n < t->row_count; n++)
+        scaled[n] = rgb_mul(t->gathered[n], scale);
+    return rsv_tensor_give(file, "gathered", RSV_TENSOR_F32, 3, t->row_count, scaled);
+}
+
+static rsv_status exchange_transport(
+    rsv_tensor_file *file, rsv_transport *t, rsv_rgb gathered_scale)
 {
     rsv_status status;
     size_t rows = t->row_count, bins = RSV_ESCAPE_BINS;
@@ -121,8 +150,7 @@ static rsv_status exchange_transport(rsv_tensor_file *file, rsv_transport *t)
         &t->tinted_column, &t->tinted_weight));
     RSV_TRY(rsv_tensor_exchange(file, "scale", RSV_TENSOR_F32, 1, &t->scale, &rows));
     if (file->reading) RSV_TRY(rsv_check_numbers(file, "scale", t->scale, rows, 0));
-    RSV_TRY(exchange_rgb(file, "gathered", &t->gathered, rows, 0));
-    RSV_TRY(need(file, "gathered", t->gathered));
+    RSV_TRY(exchange_gathered(file, t, gathered_scale));
     rsv_tensor_prefix(file, "escape.");
     rsv_escapes *e = &t->escapes;
     RSV_TRY(exchange_rows(file, "", u16, rows, bins, divided, &e->begin, &e->list.bin, NULL));
@@ -135,34 +163,34 @@ cleanup:
 }
 
 /// E0, its gathered part, E and its orders on the coarse elements.
-static rsv_status exchange_system(rsv_tensor_file *file, rsv_solution *s)
+static rsv_status exchange_system(rsv_tensor_file *file, parts *p)
 {
     rsv_status status;
-    size_t nodes = s->elements->node_count, valid = nodes;
+    size_t nodes = p->elements->node_count, valid = nodes;
     char name[32];
     rsv_tensor_prefix(file, NULL);
-    RSV_TRY(exchange_rgb(file, "albedo", &s->exitance_albedo, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "source", &s->source, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "source.gathered", &s->gathered, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "irradiance", &s->irradiance, nodes, 0));
-    RSV_TRY(exchange_rgb(file, "shown.indirect", &s->indirect, nodes, -INFINITY));
+    RSV_TRY(exchange_rgb(file, "albedo", &p->albedo, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "source", &p->field.source, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "source.gathered", &p->field.gathered, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "irradiance", &p->field.irradiance, nodes, 0));
+    RSV_TRY(exchange_rgb(file, "shown.indirect", &p->field.indirect, nodes, -INFINITY));
     for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
         snprintf(name, sizeof name, "shown.order%u", k);
-        if (!file->reading && k >= s->order_count) break;
-        RSV_TRY(exchange_rgb(file, name, &s->order[k], nodes, -INFINITY));
-        if (file->reading && s->order[k]) s->order_count = k + 1;
-        if (!s->order[k]) break;
+        if (!file->reading && k >= p->field.order_count) break;
+        RSV_TRY(exchange_rgb(file, name, &p->field.order[k], nodes, -INFINITY));
+        if (file->reading && p->field.order[k]) p->field.order_count = k + 1;
+        if (!p->field.order[k]) break;
     }
     RSV_TRY(rsv_tensor_exchange(
-        file, RSV_COARSE_PREFIX "valid_points", RSV_TENSOR_U16, 1, &s->valid_points, &valid));
+        file, RSV_COARSE_PREFIX "valid_points", RSV_TENSOR_U16, 1, &p->valid_points, &valid));
     RSV_TRY(rsv_tensor_exchange_optional(
-        file, RSV_COARSE_PREFIX "draw", RSV_TENSOR_U32, 1, &s->elements->node_draw, &valid));
-    RSV_TRY(need(file, "albedo", s->exitance_albedo));
-    RSV_TRY(need(file, "source", s->source));
-    RSV_TRY(need(file, "source.gathered", s->gathered));
-    RSV_TRY(need(file, "irradiance", s->irradiance));
-    RSV_TRY(need(file, "shown.indirect", s->indirect));
-    RSV_TRY(need(file, "shown.order0", s->order[0]));
+        file, RSV_COARSE_PREFIX "draw", RSV_TENSOR_U32, 1, &p->elements->node_draw, &valid));
+    RSV_TRY(need(file, "albedo", p->albedo));
+    RSV_TRY(need(file, "source", p->field.source));
+    RSV_TRY(need(file, "source.gathered", p->field.gathered));
+    RSV_TRY(need(file, "irradiance", p->field.irradiance));
+    RSV_TRY(need(file, "shown.indirect", p->field.indirect));
+    RSV_TRY(need(file, "shown.order0", p->field.order[0]));
 cleanup:
     return status;
 }
@@ -181,10 +209,10 @@ cleanup:
     return status;
 }
 
-static rsv_status exchange_diffused(rsv_tensor_file *file, rsv_solution *s)
+static rsv_status exchange_diffused(rsv_tensor_file *file, parts *p)
 {
     rsv_status status;
-    rsv_diffused_level *d = &s->diffused;
+    rsv_diffused_level *d = &p->field.diffused;
     char name[32];
     if (!d->elements) return RSV_OK;
     size_t nodes = d->elements->node_count;
@@ -193,7 +221,7 @@ static rsv_status exchange_diffused(rsv_tensor_file *file, rsv_solution *s)
     RSV_TRY(exchange_rgb(file, "indirect", &d->indirect, nodes, -INFINITY));
     RSV_TRY(need(file, "entered", d->entered));
     RSV_TRY(need(file, "indirect", d->indirect));
-    for (uint32_t k = 0; k < s->order_count; k++) {
+    for (uint32_t k = 0; k < p->field.order_count; k++) {
         snprintf(name, sizeof name, "order%u", k);
         RSV_TRY(exchange_rgb(file, name, &d->order[k], nodes, -INFINITY));
         RSV_TRY(need(file, name, d->order[k]));
@@ -203,18 +231,18 @@ cleanup:
 }
 
 /// What the solution was made for: places and normals.
-static rsv_status exchange_goal_points(rsv_tensor_file *file, rsv_solution *s)
+static rsv_status exchange_goal_points(rsv_tensor_file *file, parts *p)
 {
     _Static_assert(sizeof(rsv_probe) == 6 * sizeof(float), "a probe is six numbers");
-    size_t count = file->reading ? RSV_ANY_COUNT : s->desc.goal_point_count;
+    size_t count = file->reading ? RSV_ANY_COUNT : p->desc.goal_point_count;
     rsv_status status;
     rsv_tensor_prefix(file, NULL);
     RSV_TRY(rsv_tensor_exchange_optional(
-        file, "goal_points", RSV_TENSOR_F32, 6, &s->goal_points, &count));
-    if (!file->reading || !s->goal_points) return RSV_OK;
-    s->desc.goal_points = s->goal_points;
-    s->desc.goal_point_count = count;
-    if (rsv_check_probes(s->goal_points, count) != RSV_OK)
+        file, "goal_points", RSV_TENSOR_F32, 6, &p->goal_points, &count));
+    if (!file->reading || !p->goal_points) return RSV_OK;
+    p->desc.goal_points = p->goal_points;
+    p->desc.goal_point_count = count;
+    if (rsv_check_probes(p->goal_points, count) != RSV_OK)
         RSV_TRY(rsv_tensor_fail(file, "goal_points", "holds what is no receiver"));
 cleanup:
     return status;
@@ -231,61 +259,93 @@ static rsv_status write_subsurface(rsv_tensor_file *file, const rsv_subsurface *
         file, "", RSV_TENSOR_U32, p.row_count, 0, NULL, &p.row_begin, &p.column, &p.weight);
 }
 
-rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_solution *solution)
+static parts parts_of(const rsv_light_view *s)
+{
+    const rsv_operator_view *op = rsv_operator_get_view(s->op);
+    parts p = { .elements = op->elements,
+        .valid_points = (uint16_t *)(uintptr_t)op->valid_points,
+        .albedo = (rsv_rgb *)(uintptr_t)op->albedo,
+        .desc = s->desc,
+        .goal_points = (rsv_probe *)(uintptr_t)s->desc.goal_points,
+        .report = s->report };
+    p.field = (rsv_light_fields){ .gathered = (rsv_rgb *)(uintptr_t)s->gathered,
+        .source = (rsv_rgb *)(uintptr_t)s->source,
+        .irradiance = (rsv_rgb *)(uintptr_t)s->irradiance,
+        .order_count = s->order_count,
+        .indirect = (rsv_rgb *)(uintptr_t)s->indirect,
+        .fine = s->fine,
+        .caustics = s->caustics,
+        .diffused = s->diffused };
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++)
+        p.field.order[k] = (rsv_rgb *)(uintptr_t)s->order[k];
+    return p;
+}
+
+static rsv_status write_levels(rsv_tensor_file *file, const rsv_scene_view *scene, parts *p)
 {
     rsv_status status;
-    rsv_solution s = *solution;
-    rsv_transport t = *solution->transport;
-    size_t coarse = s.elements->node_count;
-    RSV_TRY(rsv_write_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), &s.desc));
-    RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &s.report));
-    RSV_TRY(exchange_goal_points(file, &s));
-    RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, s.elements));
-    RSV_TRY(exchange_transport(file, &t));
-    RSV_TRY(write_subsurface(file, s.subsurface));
-    RSV_TRY(exchange_system(file, &s));
-    RSV_TRY(rsv_write_elements(file, RSV_DIRECT_PREFIX, s.fine.elements));
-    RSV_TRY(exchange_level(file, RSV_DIRECT_PREFIX, &s.fine, coarse));
-    RSV_TRY(rsv_write_elements(file, RSV_CAUSTIC_PREFIX, s.caustics.elements));
-    RSV_TRY(exchange_level(file, RSV_CAUSTIC_PREFIX, &s.caustics, coarse));
-    RSV_TRY(rsv_write_elements(file, RSV_DIFFUSED_PREFIX, s.diffused.elements));
-    RSV_TRY(exchange_diffused(file, &s));
+    rsv_light_fields *f = &p->field;
+    size_t coarse = p->elements->node_count;
+    RSV_TRY(rsv_write_elements(file, RSV_DIRECT_PREFIX, scene, f->fine.elements));
+    RSV_TRY(exchange_level(file, RSV_DIRECT_PREFIX, &f->fine, coarse));
+    RSV_TRY(rsv_write_elements(file, RSV_CAUSTIC_PREFIX, scene, f->caustics.elements));
+    RSV_TRY(exchange_level(file, RSV_CAUSTIC_PREFIX, &f->caustics, coarse));
+    RSV_TRY(rsv_write_elements(file, RSV_DIFFUSED_PREFIX, scene, f->diffused.elements));
+    RSV_TRY(exchange_diffused(file, p));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *s)
+{
+    rsv_status status;
+    parts p = parts_of(s);
+    rsv_transport t = *s->transport;
+    const rsv_scene_view *scene = s->scene.view;
+    RSV_TRY(rsv_write_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), &p.desc));
+    RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &p.report));
+    RSV_TRY(exchange_goal_points(file, &p));
+    RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, scene, p.elements));
+    RSV_TRY(exchange_transport(file, &t, s->gathered_scale));
+    RSV_TRY(write_subsurface(file, s->subsurface));
+    RSV_TRY(exchange_system(file, &p));
+    RSV_TRY(write_levels(file, scene, &p));
 cleanup:
     return status;
 }
 
 // ---- reading --------------------------------------------------------------------------------------
 
-static rsv_status read_transport(rsv_tensor_file *file, rsv_solution *s)
+static rsv_status read_transport(rsv_tensor_file *file, rsv_context *context, parts *p)
 {
-    s->transport = rsv_alloc(s->context, 1, sizeof *s->transport);
-    if (!s->transport) return RSV_ERROR_MEMORY;
-    s->transport->context = s->context;
-    s->transport->row_count = s->elements->node_count;
-    return exchange_transport(file, s->transport);
+    p->transport = rsv_alloc(context, 1, sizeof *p->transport);
+    if (!p->transport) return RSV_ERROR_MEMORY;
+    p->transport->context = context;
+    p->transport->row_count = p->elements->node_count;
+    return exchange_transport(file, p->transport, rgb_gray(1));
 }
 
-static rsv_status read_subsurface(rsv_tensor_file *file, rsv_solution *s)
+static rsv_status read_subsurface(rsv_tensor_file *file, rsv_context *context, parts *p)
 {
     rsv_status status;
-    rsv_subsurface rows = { .row_count = s->elements->node_count };
+    rsv_subsurface rows = { .row_count = p->elements->node_count };
     rsv_tensor_prefix(file, "subsurface.");
     if (!rsv_tensor_find(file, "row_start")) return RSV_OK;
     status = exchange_rows(file, "", RSV_TENSOR_U32, rows.row_count, SIZE_MAX, NULL,
         &rows.row_begin, &rows.column, &rows.weight);
-    if (status == RSV_OK) return rsv_subsurface_restore(s->elements, &rows, &s->subsurface);
-    rsv_free(s->context, rows.row_begin);
-    rsv_free(s->context, rows.column);
-    rsv_free(s->context, rows.weight);
+    if (status == RSV_OK) return rsv_subsurface_restore(p->elements, &rows, &p->subsurface);
+    rsv_free(context, rows.row_begin);
+    rsv_free(context, rows.column);
+    rsv_free(context, rows.weight);
     return status;
 }
 
-static rsv_status read_caustics(rsv_tensor_file *file, rsv_solution *s)
+static rsv_status read_caustics(rsv_tensor_file *file, const rsv_world *world, parts *p)
 {
     rsv_status status;
-    rsv_source_level *level = &s->caustics;
-    RSV_TRY(rsv_read_elements(file, RSV_CAUSTIC_PREFIX, s, s->elements, &level->elements));
-    RSV_TRY(exchange_level(file, RSV_CAUSTIC_PREFIX, level, s->elements->node_count));
+    rsv_source_level *level = &p->field.caustics;
+    RSV_TRY(rsv_read_elements(file, RSV_CAUSTIC_PREFIX, world, p->elements, &level->elements));
+    RSV_TRY(exchange_level(file, RSV_CAUSTIC_PREFIX, level, p->elements->node_count));
     // both levels keep their field under the same name
     level->caustic = level->direct;
     level->direct = NULL;
@@ -295,11 +355,11 @@ cleanup:
     return status;
 }
 
-static rsv_status check_report(const rsv_tensor_file *file, const rsv_solution *s)
+static rsv_status check_report(const rsv_tensor_file *file, const parts *p)
 {
-    const rsv_solve_report *r = &s->report;
+    const rsv_solve_report *r = &p->report;
     bool sound = r->stop_reason <= RSV_STOP_BREAKDOWN && r->solver <= RSV_SOLVER_PETSC &&
-                 s->desc.solver <= RSV_SOLVER_PETSC;
+                 p->desc.solver <= RSV_SOLVER_PETSC;
     return sound ? RSV_OK
                  : rsv_fail(RSV_ERROR_FORMAT,
                        "%s: note 'report' or 'solve' names no known solver "
@@ -307,34 +367,87 @@ static rsv_status check_report(const rsv_tensor_file *file, const rsv_solution *
                        file->path);
 }
 
-rsv_status rsv_read_desc(rsv_tensor_file *file, rsv_solve_desc *desc)
+static rsv_status read_notes(rsv_tensor_file *file, parts *p)
 {
-    *desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
-    rsv_status status = rsv_read_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), desc);
-    if (desc->solver == RSV_SOLVER_PETSC) desc->solver = RSV_SOLVER_AUTO; // not everywhere at hand
+    rsv_status status;
+    p->desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    RSV_TRY(rsv_read_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), &p->desc));
+    if (p->desc.solver == RSV_SOLVER_PETSC)
+        p->desc.solver = RSV_SOLVER_AUTO; // not everywhere at hand
+    RSV_TRY(rsv_check_solve_desc(&p->desc));
+    RSV_TRY(rsv_read_fields(file, "report", report_fields, COUNT_OF(report_fields), &p->report));
+    RSV_TRY(check_report(file, p));
+    RSV_TRY(exchange_goal_points(file, p));
+cleanup:
     return status;
 }
 
-rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_solution *s)
+static rsv_status read_parts(rsv_tensor_file *file, const rsv_world *world, parts *p)
 {
     rsv_status status;
-    double time_bvh = s->report.time_bvh;
-    RSV_TRY(rsv_read_fields(file, "report", report_fields, COUNT_OF(report_fields), &s->report));
-    s->report.time_bvh = time_bvh;
-    RSV_TRY(check_report(file, s));
-    RSV_TRY(exchange_goal_points(file, s));
-    RSV_TRY(rsv_read_elements(file, RSV_COARSE_PREFIX, s, NULL, &s->elements));
-    RSV_TRY(read_transport(file, s));
-    RSV_TRY(read_subsurface(file, s));
-    RSV_TRY(exchange_system(file, s));
-    RSV_TRY(rsv_read_elements(file, RSV_DIRECT_PREFIX, s, s->elements, &s->fine.elements));
-    RSV_TRY(exchange_level(file, RSV_DIRECT_PREFIX, &s->fine, s->elements->node_count));
-    if (s->fine.elements) RSV_TRY(need(file, "irradiance", s->fine.direct));
-    RSV_TRY(read_caustics(file, s));
-    RSV_TRY(rsv_read_elements(file, RSV_DIFFUSED_PREFIX, s, s->elements, &s->diffused.elements));
-    RSV_TRY(rsv_diffused_level_name_materials(s));
-    RSV_TRY(exchange_diffused(file, s));
+    rsv_light_fields *f = &p->field;
+    RSV_TRY(read_notes(file, p));
+    RSV_TRY(rsv_read_elements(file, RSV_COARSE_PREFIX, world, NULL, &p->elements));
+    RSV_TRY(read_transport(file, world->context, p));
+    RSV_TRY(read_subsurface(file, world->context, p));
+    RSV_TRY(exchange_system(file, p));
+    RSV_TRY(rsv_read_elements(file, RSV_DIRECT_PREFIX, world, p->elements, &f->fine.elements));
+    RSV_TRY(exchange_level(file, RSV_DIRECT_PREFIX, &f->fine, p->elements->node_count));
+    if (f->fine.elements) RSV_TRY(need(file, "irradiance", f->fine.direct));
+    RSV_TRY(read_caustics(file, world, p));
+    RSV_TRY(
+        rsv_read_elements(file, RSV_DIFFUSED_PREFIX, world, p->elements, &f->diffused.elements));
+    RSV_TRY(exchange_diffused(file, p));
 cleanup:
+    return status;
+}
+
+/// What was not handed on.
+static void free_parts(rsv_context *context, parts *p)
+{
+    rsv_elements_destroy(p->elements);
+    rsv_transport_destroy(p->transport);
+    rsv_subsurface_destroy(p->subsurface);
+    rsv_free(context, p->valid_points);
+    rsv_free(context, p->albedo);
+    rsv_light_fields_free(context, &p->field);
+    rsv_free(context, p->goal_points);
+}
+
+/// Hands on what an operator is made of.
+static rsv_status restore_operator(rsv_world *world, parts *p, rsv_operator **op)
+{
+    const rsv_operator_view view = { .context = world->context,
+        .world = world,
+        .elements = p->elements,
+        .valid_points = p->valid_points,
+        .transport = p->transport,
+        .albedo = p->albedo,
+        .subsurface = p->subsurface };
+    p->valid_points = NULL;
+    p->transport = NULL;
+    p->albedo = NULL;
+    p->subsurface = NULL;
+    return rsv_operator_restore(&view, op);
+}
+
+rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_solution **light)
+{
+    rsv_status status;
+    parts p = { 0 };
+    rsv_operator *op = NULL;
+    rsv_light_sources *sources = NULL;
+    RSV_TRY(read_parts(file, world, &p));
+    RSV_TRY(rsv_light_sources_create(world, NULL, &sources));
+    RSV_TRY(restore_operator(world, &p, &op));
+    p.report.time_bvh = world->build_seconds;
+    rsv_light_fields field = p.field;
+    p.field = (rsv_light_fields){ 0 };
+    RSV_TRY(rsv_light_restore(op, sources, &p.desc, &field, &p.report, light));
+cleanup:
+    free_parts(world->context, &p);
+    rsv_light_sources_release(sources);
+    rsv_operator_release(op);
     return status;
 }
 
@@ -381,10 +494,14 @@ cleanup:
 rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *s)
 {
     rsv_status status;
-    RSV_TRY(rsv_light_basis_create_empty(s, &s->basis));
-    bool many = s->basis->source_count > 1 && s->basis->source_count <= RSV_MAX_LIGHT_PARTS;
-    for (size_t k = 0; many && k < s->basis->source_count; k++)
-        RSV_TRY(exchange_part(file, s, k, &s->basis->part[k]));
+    rsv_light_basis *basis = NULL;
+    RSV_TRY(rsv_light_basis_create_empty(s, &basis));
+    bool many = basis->source_count > 1 && basis->source_count <= RSV_MAX_LIGHT_PARTS;
+    for (size_t k = 0; many && k < basis->source_count; k++)
+        RSV_TRY(exchange_part(file, s, k, &basis->part[k]));
+    rsv_light_set_basis(s, basis);
+    basis = NULL;
 cleanup:
+    rsv_light_basis_destroy(basis);
     return status;
 }

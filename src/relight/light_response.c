@@ -8,7 +8,8 @@
 #define TOLERANCE 1e-6
 
 typedef struct builder {
-    const rsv_solution *s;
+    const rsv_solution *whole;
+    const rsv_light_view *s; ///< of that
     const rsv_light_basis *basis;
     rsv_light_responses *r;
     size_t *group;            ///< [source_count] which response a source belongs to
@@ -53,57 +54,54 @@ static void add_field(rsv_rgb *sum, const rsv_rgb *value, size_t count)
         sum[n] = rgb_add(sum[n], value[n]);
 }
 
-/// What a response owns of its own: direct light of one group.
-static rsv_status create_fields(const builder *b, rsv_solution *light)
+/// A light for each response, without any light yet.
+static rsv_status begin_lights(const builder *b)
 {
-    const rsv_solution *s = b->s;
-    size_t nodes = s->elements->node_count;
-    *light = *s;
-    light->lights = NULL;
-    light->diffused = (rsv_diffused_level){ 0 };
-    light->fine.direct = light->caustics.caustic = NULL;
-    light->source = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
-    light->gathered = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
-    light->indirect = rsv_alloc(s->context, nodes, sizeof(rsv_rgb));
-    bool complete = light->source && light->gathered && light->indirect;
-    if (s->fine.direct) {
-        light->fine.direct = rsv_alloc(s->context, s->fine.elements->node_count, sizeof(rsv_rgb));
-        complete = complete && light->fine.direct;
+    rsv_status status = RSV_OK;
+    rsv_source *own = rsv_alloc(b->s->context, b->basis->source_count, sizeof *own);
+    if (!own) return RSV_ERROR_MEMORY;
+    for (size_t r = 0; r < b->r->count; r++) {
+        rsv_light_sources *sources = NULL;
+        size_t count = 0;
+        for (size_t k = 0; k < b->basis->source_count; k++)
+            if (b->group[k] == r) own[count++] = b->basis->source[k];
+        RSV_TRY(rsv_light_sources_select(rsv_light_get_sources(b->whole), own, count, &sources));
+        status = rsv_light_begin_like(b->whole, sources, &b->r->light[r]);
+        rsv_light_sources_release(sources);
+        RSV_TRY(status);
+        b->r->view[r] = rsv_solution_get_view(b->r->light[r]);
     }
-    if (s->caustics.caustic) {
-        light->caustics.caustic =
-            rsv_alloc(s->context, s->caustics.elements->node_count, sizeof(rsv_rgb));
-        complete = complete && light->caustics.caustic;
-    }
-    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+cleanup:
+    rsv_free(b->s->context, own);
+    return status;
 }
 
 /// What rows gathered: of lamps, or of the surroundings, which are the rest.
 static void divide_gathered(const builder *b)
 {
-    const rsv_solution *s = b->s;
+    const rsv_light_view *s = b->s;
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        rsv_rgb lamps = b->gathered == SIZE_MAX ? rgb_gray(0) : s->transport->gathered[n];
-        if (b->gathered != SIZE_MAX) b->r->light[b->gathered].gathered[n] = lamps;
+        rsv_rgb lamps = rgb_gray(0);
+        if (b->gathered != SIZE_MAX) {
+            lamps = rgb_mul(s->transport->gathered[n], s->gathered_scale);
+            rsv_light_edit(b->r->light[b->gathered])->gathered[n] = lamps;
+        }
         if (b->surroundings != SIZE_MAX) {
-            rsv_rgb *own = &b->r->light[b->surroundings].gathered[n];
+            rsv_rgb *own = &rsv_light_edit(b->r->light[b->surroundings])->gathered[n];
             *own = rgb_add(*own, rgb_sub(s->gathered[n], lamps));
         }
     }
     for (size_t k = 0; k < b->r->count; k++)
-        rsv_elements_constrain(s->elements, b->r->light[k].gathered);
+        rsv_elements_constrain(s->elements, rsv_light_edit(b->r->light[k])->gathered);
 }
 
-static rsv_status divide_direct(const builder *b)
+static void divide_direct(const builder *b)
 {
-    const rsv_solution *s = b->s;
-    rsv_status status = RSV_OK;
+    const rsv_light_view *s = b->s;
     size_t nodes = s->elements->node_count;
-    for (size_t k = 0; k < b->r->count; k++)
-        RSV_TRY(create_fields(b, &b->r->light[k]));
     for (size_t k = 0; k < b->basis->source_count; k++) {
         const rsv_light_part *part = &b->basis->part[k];
-        rsv_solution *light = &b->r->light[b->group[k]];
+        const rsv_light_fields *light = rsv_light_edit(b->r->light[b->group[k]]);
         add_field(light->source, part->direct, nodes);
         add_field(light->source, part->coarse_caustic, nodes);
         if (s->fine.direct) add_field(light->fine.direct, part->fine, s->fine.elements->node_count);
@@ -111,28 +109,10 @@ static rsv_status divide_direct(const builder *b)
             add_field(light->caustics.caustic, part->caustic, s->caustics.elements->node_count);
     }
     divide_gathered(b);
-    for (size_t k = 0; k < b->r->count; k++)
-        add_field(b->r->light[k].source, b->r->light[k].gathered, nodes);
-cleanup:
-    return status;
-}
-
-/// The lights of each response, for what samples them anew.
-static rsv_status divide_lights(const builder *b)
-{
-    const rsv_solution *s = b->s;
-    rsv_status status = RSV_OK;
-    rsv_source *own = rsv_alloc(s->context, b->basis->source_count, sizeof *own);
-    if (!own) return RSV_ERROR_MEMORY;
-    for (size_t r = 0; r < b->r->count; r++) {
-        size_t count = 0;
-        for (size_t k = 0; k < b->basis->source_count; k++)
-            if (b->group[k] == r) own[count++] = b->basis->source[k];
-        RSV_TRY(rsv_light_subset_create(s->lights, own, count, &b->r->light[r].lights));
+    for (size_t k = 0; k < b->r->count; k++) {
+        const rsv_light_fields *light = rsv_light_edit(b->r->light[k]);
+        add_field(light->source, light->gathered, nodes);
     }
-cleanup:
-    rsv_free(s->context, own);
-    return status;
 }
 
 // ---- bounces --------------------------------------------------------------------------------------
@@ -140,14 +120,14 @@ cleanup:
 /// All responses at once: they share every pass over G.
 static rsv_status solve(builder *b)
 {
-    const rsv_solution *s = b->s;
+    const rsv_light_view *s = b->s;
     size_t nodes = s->elements->node_count, count = b->r->count;
     b->source = rsv_alloc(s->context, nodes, count * sizeof *b->source);
     b->solved = rsv_alloc(s->context, nodes, count * sizeof *b->solved);
     if (!b->source || !b->solved) return RSV_ERROR_MEMORY;
     for (size_t n = 0; n < nodes; n++)
         for (size_t k = 0; k < count; k++)
-            b->source[n * count + k] = b->r->light[k].source[n];
+            b->source[n * count + k] = b->r->view[k]->source[n];
     return rsv_solve_fields(s, count, TOLERANCE, b->source, b->solved, NULL);
 }
 
@@ -159,7 +139,7 @@ static float share(float part, float sum, size_t count)
 /// Divides the indirect light that is shown in proportion to what each response has of it as solved.
 static void divide_indirect(const builder *b)
 {
-    const rsv_solution *s = b->s;
+    const rsv_light_view *s = b->s;
     size_t count = b->r->count;
     for (size_t n = 0; n < s->elements->node_count; n++) {
         const rsv_rgb *source = b->source + n * count, whole = s->indirect[n];
@@ -170,24 +150,20 @@ static void divide_indirect(const builder *b)
             sum = rgb_add(sum, part[k]);
         }
         for (size_t k = 0; k < count; k++)
-            b->r->light[k].indirect[n] =
+            rsv_light_edit(b->r->light[k])->indirect[n] =
                 rgb_mul(whole, rgb(share(part[k].r, sum.r, count), share(part[k].g, sum.g, count),
                                    share(part[k].b, sum.b, count)));
     }
     for (size_t k = 0; k < count; k++)
-        rsv_elements_constrain(s->elements, b->r->light[k].indirect);
+        rsv_elements_constrain(s->elements, rsv_light_edit(b->r->light[k])->indirect);
 }
 
 /// What translucent surfaces show of each response.
 static rsv_status diffuse(const builder *b)
 {
     rsv_status status = RSV_OK;
-    for (size_t k = 0; k < b->r->count && b->s->diffused.elements; k++) {
-        rsv_solution *light = &b->r->light[k];
-        light->order[1] = light->indirect;
-        light->order_count = 2;
-        RSV_TRY(rsv_diffused_level_create(light));
-    }
+    for (size_t k = 0; k < b->r->count && b->s->diffused.elements; k++)
+        RSV_TRY(rsv_light_diffuse(b->r->light[k]));
 cleanup:
     return status;
 }
@@ -204,31 +180,41 @@ static rsv_status create_groups(builder *b)
     b->group = rsv_alloc(b->s->context, sources, sizeof *b->group);
     b->r->name = rsv_alloc(b->s->context, sources, sizeof *b->r->name);
     b->r->light = rsv_alloc(b->s->context, sources, sizeof *b->r->light);
-    if (!b->group || !b->r->name || !b->r->light) return RSV_ERROR_MEMORY;
+    b->r->view = rsv_alloc(b->s->context, sources, sizeof *b->r->view);
+    if (!b->group || !b->r->name || !b->r->light || !b->r->view) return RSV_ERROR_MEMORY;
     group_sources(b);
     return RSV_OK;
 }
 
-rsv_status rsv_light_responses_create(const rsv_solution *s, rsv_light_responses **responses)
+static rsv_status divide(builder *b)
 {
     rsv_status status;
+    RSV_TRY(begin_lights(b));
+    divide_direct(b);
+    RSV_TRY(solve(b));
+    divide_indirect(b);
+    RSV_TRY(diffuse(b));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_light_responses_create(const rsv_solution *whole, rsv_light_responses **responses)
+{
+    rsv_status status;
+    const rsv_light_view *s = rsv_solution_get_view(whole);
     rsv_light_basis *own = NULL;
-    builder b = { .s = s, .basis = s->basis, .r = rsv_alloc(s->context, 1, sizeof *b.r) };
+    builder b = {
+        .whole = whole, .s = s, .basis = s->basis, .r = rsv_alloc(s->context, 1, sizeof *b.r)
+    };
     RSV_TRY(b.r ? RSV_OK : RSV_ERROR_MEMORY);
     b.r->context = s->context;
-    if (!b.basis) RSV_TRY(rsv_light_basis_create(s, &own));
+    if (!b.basis) RSV_TRY(rsv_light_basis_create(whole, &own));
     if (!b.basis) b.basis = own;
     RSV_TRY(create_groups(&b));
-    if (b.basis->source_count == 1) {
-        *b.r->light = *s; // one source alone is the whole
-    } else {
-        b.r->owned = true;
-        RSV_TRY(divide_direct(&b));
-        RSV_TRY(divide_lights(&b));
-        RSV_TRY(solve(&b));
-        divide_indirect(&b);
-        RSV_TRY(diffuse(&b));
-    }
+    if (b.basis->source_count == 1)
+        b.r->view[0] = s; // one source alone is the whole
+    else
+        RSV_TRY(divide(&b));
     *responses = b.r;
     b.r = NULL;
 cleanup:
@@ -243,17 +229,10 @@ cleanup:
 void rsv_light_responses_destroy(rsv_light_responses *r)
 {
     if (!r) return;
-    for (size_t k = 0; r->owned && k < r->count; k++) {
-        rsv_solution *light = &r->light[k];
-        rsv_light_subset_destroy(light->lights);
-        rsv_diffused_level_destroy(r->context, &light->diffused);
-        rsv_free(r->context, light->source);
-        rsv_free(r->context, light->gathered);
-        rsv_free(r->context, light->indirect);
-        rsv_free(r->context, light->fine.direct);
-        rsv_free(r->context, light->caustics.caustic);
-    }
+    for (size_t k = 0; r->light && k < r->count; k++)
+        rsv_solution_destroy(r->light[k]);
     rsv_free(r->context, r->light);
+    rsv_free(r->context, r->view);
     rsv_free(r->context, r->name);
     rsv_free(r->context, r);
 }

@@ -5,16 +5,16 @@
 #ifndef RSV_LIGHT_RESPONSE_H
 #define RSV_LIGHT_RESPONSE_H
 
-#include "../solve/solution.h"
+#include "../solve/light_change.h"
 
 typedef struct rsv_light_responses {
     rsv_context *context;
     size_t count;
     const char **name; ///< [count] the scene's
-    /// [count] for rsv_solution_irradiance with all orders and for probes, and for nothing else
-    rsv_solution *light;
-    bool sky_last; ///< the last one is of the surroundings and of nothing else
-    bool owned;    ///< whether the fields of `light` are its own
+    /// [count] on the operator and the levels of the whole. Their orders are not kept apart
+    rsv_solution **light;        ///< those of its own; NULL = the whole itself
+    const rsv_light_view **view; ///< [count] of these
+    bool sky_last;               ///< the last one is of the surroundings and of nothing else
 } rsv_light_responses;
 
 /// RSV_ERROR_UNSUPPORTED beyond RSV_MAX_LIGHT_PARTS sources. The solution must outlive the responses.

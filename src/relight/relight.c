@@ -19,11 +19,12 @@ static double largest(const rsv_rgb *field, size_t count)
 /// E = E0 + G K E once, from the E of the last time.
 static void apply_once(rsv_relighter *r, double size)
 {
-    rsv_solution *s = r->s;
+    const rsv_light_view *s = r->s;
+    rsv_rgb *irradiance = r->field->irradiance;
     const rsv_linear_map *map = &r->map->linear;
     size_t nodes = rsv_relighter_nodes(r);
     float change = 0;
-    map->table->apply(map->data, 3, &s->irradiance->r, &r->next->r);
+    map->table->apply(map->data, 3, &irradiance->r, &r->next->r);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
     for (size_t n = 0; n < nodes; n++)
         r->next[n] = rgb_add(s->source[n], r->next[n]);
@@ -31,9 +32,9 @@ static void apply_once(rsv_relighter *r, double size)
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context)) reduction(max       \
                                                                                          : change)
     for (size_t n = 0; n < nodes; n++) {
-        rsv_rgb step = rgb_sub(r->next[n], s->irradiance[n]);
+        rsv_rgb step = rgb_sub(r->next[n], irradiance[n]);
         change = f_max(change, f_max(fabsf(step.r), f_max(fabsf(step.g), fabsf(step.b))));
-        s->irradiance[n] = r->next[n];
+        irradiance[n] = r->next[n];
     }
     r->residual = size > 0 ? (double)change / size : 0;
 }
@@ -41,14 +42,14 @@ static void apply_once(rsv_relighter *r, double size)
 /// What cameras look up: all but E0, sharpened.
 static void show(rsv_relighter *r)
 {
-    rsv_solution *s = r->s;
+    const rsv_light_fields *f = r->field;
     size_t nodes = rsv_relighter_nodes(r);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
     for (size_t n = 0; n < nodes; n++) {
-        rsv_rgb rest = rgb_sub(s->irradiance[n], s->source[n]);
-        s->indirect[n] = rgb_positive(rest);
+        rsv_rgb rest = rgb_sub(f->irradiance[n], f->source[n]);
+        f->indirect[n] = rgb_positive(rest);
     }
-    rsv_sharpen(s->elements, s->indirect, r->next, r->scratch);
+    rsv_sharpen(r->s->elements, f->indirect, r->next, r->scratch);
 }
 
 rsv_status rsv_relighter_step(rsv_relighter *r, double milliseconds, rsv_relight_progress *progress)
@@ -73,14 +74,14 @@ rsv_status rsv_relighter_settle(rsv_relighter *r)
 {
     rsv_status status = RSV_OK;
     if (r->settled) return RSV_OK;
-    rsv_light_effort effort = rsv_full_light_effort(r->s, r->valid);
+    rsv_light_effort effort = rsv_full_light_effort(r->light, r->valid);
     if (rsv_relighter_any_stale(r)) {
         RSV_TRY(rsv_relighter_sample(r, r->stale, RSV_RELIGHTER_ANYTHING, &effort));
         RSV_TRY(rsv_relighter_update_sources(r, RSV_RELIGHTER_ANYTHING));
         rsv_relight_responses_forget(r);
         memset(r->stale, 0, r->basis->source_count * sizeof *r->stale);
     }
-    RSV_TRY(rsv_solution_solve_again(r->s));
+    RSV_TRY(rsv_solution_solve_again(r->light));
     r->settled = true;
 cleanup:
     return status;
@@ -100,7 +101,8 @@ rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
     bool distant = source->kind == RSV_SOURCE_SURROUNDINGS ||
                    (source->kind == RSV_SOURCE_LIGHT &&
                        r->scene->light[source->index].kind == RSV_LIGHT_DIRECTIONAL);
-    bool stored = source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(r->lights, source->index);
+    bool stored =
+        source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(r->sources->lights, source->index);
     return (rsv_relight_source){ .name = source->name,
         .strength = r->strength[k],
         .scale = r->now.scale[k],
@@ -108,10 +110,10 @@ rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
         .movable = !distant && !stored };
 }
 
-rsv_status rsv_solution_relight(rsv_solution *s, rsv_scene *scene, const rsv_relight_desc *desc)
+rsv_status rsv_solution_relight(rsv_solution *s, const rsv_relight_desc *desc)
 {
     rsv_relighter *r = NULL;
-    rsv_status status = rsv_relighter_create(s, scene, &r);
+    rsv_status status = rsv_relighter_create(s, &r);
     if (status == RSV_OK) status = rsv_relighter_change(r, desc);
     if (status == RSV_OK) status = rsv_relighter_settle(r);
     rsv_relighter_destroy(r);

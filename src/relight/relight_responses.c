@@ -10,7 +10,7 @@
 static bool is_gathered(const rsv_relighter *r, size_t source)
 {
     const rsv_source *s = &r->basis->source[source];
-    return s->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(r->lights, s->index);
+    return s->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(r->sources->lights, s->index);
 }
 
 /// @return number of responses
@@ -40,7 +40,7 @@ static void add_source(const rsv_relighter *r, size_t k, const rsv_rgb *sky, rsv
 static void add_gathered(const rsv_relighter *r, rsv_rgb *field)
 {
     for (size_t n = 0; n < rsv_relighter_nodes(r); n++)
-        field[n] = rgb_add(field[n], r->gathered[n]);
+        field[n] = rgb_add(field[n], rgb_mul(r->s->transport->gathered[n], r->gathered_scale));
 }
 
 /// E0 of responses `first` to `first + count`, side by side for the solver.
@@ -123,7 +123,7 @@ rsv_status rsv_relight_responses_create(rsv_relighter *r, rsv_relight_responses 
     own->irradiance = rsv_alloc(r->context, nodes, own->count * sizeof(rsv_rgb));
     own->shown = rsv_alloc(r->context, nodes, own->count * sizeof(rsv_rgb));
     RSV_TRY(own->irradiance && own->shown ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_relighter_see_sky(r, sky));
+    rsv_relighter_see_sky(r, sky);
     bool solved = true;
     for (size_t first = 0; first < own->count && solved; first += FIELDS_AT_ONCE) {
         size_t left = own->count - first, count = left < FIELDS_AT_ONCE ? left : FIELDS_AT_ONCE;
@@ -168,7 +168,7 @@ void rsv_relight_responses_combine(const rsv_relight_responses *own, const rsv_r
             whole = rgb_add(whole, rgb_mul(scale[k], irradiance[k]));
             rest = rgb_add(rest, rgb_mul(scale[k], shown[k]));
         }
-        r->s->irradiance[n] = whole;
-        r->s->indirect[n] = rest;
+        r->field->irradiance[n] = whole;
+        r->field->indirect[n] = rest;
     }
 }

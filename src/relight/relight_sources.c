@@ -1,6 +1,5 @@
 /// E0 as a sum over its sources, each part times its factor or sampled again where its source stands elsewhere.
-#include "../solve/source.h"
-#include "../trace/tracer_update.h"
+#include "../scene/variant.h"
 #include "relight_responses.h"
 
 #include <math.h>
@@ -13,8 +12,8 @@
 
 static rsv_light_settings_home home_of(const rsv_relighter *r)
 {
-    return (rsv_light_settings_home){ r->scene, r->lights, r->basis->source, r->basis->source_count,
-        &r->home };
+    return (rsv_light_settings_home){ r->scene, r->sources->lights, r->basis->source,
+        r->basis->source_count, &r->home };
 }
 
 rsv_rgb *rsv_source_strength(rsv_scene *scene, const rsv_source *source)
@@ -38,38 +37,60 @@ size_t rsv_surroundings_length(const rsv_scene *scene)
 
 static bool same_color(rsv_rgb a, rsv_rgb b) { return a.r == b.r && a.g == b.g && a.b == b.b; }
 
-/// @param scale [source_count] NULL = the strengths that the sources began with
-static void set_strengths(rsv_relighter *r, const rsv_rgb *scale)
+/// @param factor of the pixels that they began with
+static rsv_status scale_environment(rsv_relighter *r, rsv_rgb factor)
 {
-    for (size_t k = 0; k < r->basis->source_count; k++) {
+    if (same_color(factor, r->environment_scale)) return RSV_OK;
+    rsv_status status = rsv_scene_vary_environment(r->scene);
+    if (status != RSV_OK) return status;
+    rsv_rgb *pixel = (rsv_rgb *)(uintptr_t)r->scene->environment.pixels;
+    for (size_t p = 0; p < rsv_surroundings_length(r->scene); p++)
+        pixel[p] = rgb_mul(r->environment[p], factor);
+    r->environment_scale = factor;
+    return RSV_OK;
+}
+
+/// @param scale [source_count] NULL = the strengths that the sources began with
+static rsv_status set_strengths(rsv_relighter *r, const rsv_rgb *scale)
+{
+    rsv_status status = RSV_OK;
+    for (size_t k = 0; k < r->basis->source_count && status == RSV_OK; k++) {
         rsv_rgb factor = scale ? scale[k] : rgb_gray(1);
         rsv_rgb *strength = rsv_source_strength(r->scene, &r->basis->source[k]);
-        if (strength) {
+        if (strength)
             *strength = rgb_mul(r->strength[k], factor);
-            continue;
-        }
-        rsv_rgb *pixel = (rsv_rgb *)r->scene->environment.pixels;
-        if (same_color(factor, r->environment_scale)) continue;
-        r->environment_scale = factor;
-        for (size_t p = 0; p < rsv_surroundings_length(r->scene); p++)
-            pixel[p] = rgb_mul(r->environment[p], factor);
+        else
+            status = scale_environment(r, factor);
     }
+    return status;
 }
 
 static bool same_place(rsv_vec3 a, rsv_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
 
-/// Marks sources that are to stand elsewhere, and puts them there. @param body out: whether triangles moved
-static bool move_sources(rsv_relighter *r, bool *body)
+static bool is_moved(const rsv_relighter *r, size_t k)
+{
+    return !same_place(r->wanted.offset[k], r->now.offset[k]);
+}
+
+/// Whether triangles are to stand elsewhere.
+static bool any_body_moves(const rsv_relighter *r)
 {
     bool any = false;
-    *body = false;
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        any = any || (is_moved(r, k) && r->place[k].vertex_count > 0);
+    return any;
+}
+
+/// Marks sources that are to stand elsewhere, and puts them there. @return whether there are any
+static bool move_sources(rsv_relighter *r)
+{
+    bool any = false;
     for (size_t k = 0; k < r->basis->source_count; k++) {
         const rsv_source *source = &r->basis->source[k];
         bool turned =
             source->kind == RSV_SOURCE_SURROUNDINGS && r->wanted.rotation != r->now.rotation;
-        bool moved = !same_place(r->wanted.offset[k], r->now.offset[k]);
+        bool moved = is_moved(r, k);
         if (moved) rsv_light_place_move(r->scene, source, &r->place[k], r->wanted.offset[k]);
-        *body = *body || (moved && r->place[k].vertex_count > 0);
         r->moved[k] = moved || turned;
         r->stale[k] = r->stale[k] || r->moved[k];
         any = any || r->moved[k];
@@ -78,57 +99,48 @@ static bool move_sources(rsv_relighter *r, bool *body)
     return any;
 }
 
-/// Gives a material another colour, and so K at its elements.
-static void set_color(rsv_relighter *r, uint32_t material, rsv_rgb color)
+/// Gives materials their colours, and so K at their elements.
+static rsv_status set_colors(rsv_relighter *r)
 {
-    rsv_solution *s = r->s;
-    r->scene->material[material].base_color = color;
-    rsv_rgb albedo = rsv_surface_common_bsdf(s->scene.view, material).exitance_albedo;
-    for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
-        uint32_t triangle = s->elements->face_triangle[s->elements->node_face[n]];
-        if (s->scene.view->triangle_material[triangle] == material) s->exitance_albedo[n] = albedo;
+    bool any = false;
+    for (uint32_t m = 0; m < r->scene->material_count; m++) {
+        if (same_color(r->now.base_color[m], r->wanted.base_color[m])) continue;
+        r->scene->material[m].base_color = r->wanted.base_color[m];
+        any = true;
     }
-}
-
-static void set_colors(rsv_relighter *r)
-{
-    for (uint32_t m = 0; m < r->scene->material_count; m++)
-        if (!same_color(r->now.base_color[m], r->wanted.base_color[m]))
-            set_color(r, m, r->wanted.base_color[m]);
+    if (!any) return RSV_OK;
+    rsv_status status = rsv_light_recolor(r->light);
+    return status == RSV_OK ? rsv_relighter_map(r) : status;
 }
 
 // ---- E0 -------------------------------------------------------------------------------------------
 
 rsv_status rsv_relighter_find_lights(rsv_relighter *r)
 {
-    rsv_solution *s = r->s;
-    rsv_lights *found = NULL;
-    rsv_status status;
-    rsv_solution_find_bsdfs(s);
-    RSV_TRY(rsv_lights_create(r->scene, s->bsdf, &found));
-    RSV_TRY(rsv_lights_gather_like(found, r->lights ? r->lights : s->lights));
-    if (found->environment) RSV_TRY(rsv_environment_light_divide(found->environment));
-    rsv_lights_destroy(r->lights);
-    r->lights = found;
-    found = NULL;
-cleanup:
-    rsv_lights_destroy(found);
-    return status;
+    rsv_light_sources *found = NULL;
+    rsv_world *world = rsv_light_world(r->light);
+    rsv_world_find_bsdfs(world);
+    rsv_status status =
+        rsv_light_sources_create(world, r->sources ? r->sources->lights : r->s->lights, &found);
+    if (status != RSV_OK) return status;
+    rsv_light_sources_release(r->sources);
+    r->sources = found;
+    return RSV_OK;
 }
 
 rsv_status rsv_relighter_sample(rsv_relighter *r, const bool *which, rsv_relighter_change_kind kind,
     const rsv_light_effort *effort)
 {
     rsv_status status = RSV_OK;
-    set_strengths(r, NULL);
+    RSV_TRY(set_strengths(r, NULL));
     if (kind == RSV_RELIGHTER_PLACES)
-        RSV_TRY(rsv_lights_follow(r->lights));
+        RSV_TRY(rsv_lights_follow(r->sources->lights));
     else
         RSV_TRY(rsv_relighter_find_lights(r));
     for (size_t k = 0; k < r->basis->source_count; k++)
         if (which[k])
-            RSV_TRY(rsv_light_part_estimate(
-                r->s, r->lights, &r->basis->source[k], effort, &r->basis->part[k], &r->rays));
+            RSV_TRY(rsv_light_part_estimate(r->light, r->sources->lights, &r->basis->source[k],
+                effort, &r->basis->part[k], &r->rays));
 cleanup:
     return status;
 }
@@ -137,8 +149,8 @@ cleanup:
 static void combine(const rsv_relighter *r, size_t field)
 {
     const rsv_light_basis *b = r->basis;
-    size_t length = rsv_light_field_length(r->s, field);
-    rsv_rgb *sum = rsv_light_field(r->s, field);
+    size_t length = rsv_light_field_length(r->light, field);
+    rsv_rgb *sum = rsv_light_field(r->light, field);
     const rsv_rgb *part[RSV_MAX_LIGHT_PARTS];
     for (size_t k = 0; k < b->source_count; k++)
         part[k] = *rsv_light_part_field(&b->part[k], field);
@@ -151,17 +163,6 @@ static void combine(const rsv_relighter *r, size_t field)
     }
 }
 
-/// What rows gathered, from the emission and the bins as they are now; and all of E0 on the coarse elements.
-static void gather_sources(rsv_relighter *r, rsv_rgb scale)
-{
-    rsv_solution *s = r->s;
-    size_t nodes = rsv_relighter_nodes(r);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
-    for (size_t n = 0; n < nodes; n++)
-        s->transport->gathered[n] = rgb_mul(r->gathered[n], scale);
-    rsv_source_add_gathered(s);
-}
-
 rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_kind kind)
 {
     rsv_status status;
@@ -169,29 +170,25 @@ rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_k
     rsv_light_settings_home home = home_of(r);
     rsv_rgb environment_scale = r->environment_scale;
     bool followed = false;
-    set_strengths(r, r->now.scale);
+    RSV_TRY(set_strengths(r, r->now.scale));
     if (kind == RSV_RELIGHTER_PLACES)
-        RSV_TRY(rsv_lights_follow(r->s->lights));
+        RSV_TRY(rsv_light_follow_places(r->light));
     else if (kind == RSV_RELIGHTER_STRENGTHS && same_color(environment_scale, r->environment_scale))
-        RSV_TRY(rsv_solution_follow_strengths(r->s, &followed));
-    if (kind != RSV_RELIGHTER_PLACES && !followed) RSV_TRY(rsv_solution_refresh(r->s, r->lights));
+        RSV_TRY(rsv_light_follow_strengths(r->light, &followed));
+    if (kind != RSV_RELIGHTER_PLACES && !followed)
+        RSV_TRY(rsv_light_find_sources(r->light, r->sources->lights));
     RSV_TRY(rsv_gathered_scale(&home, &r->now, &gathered));
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
         combine(r, field);
-    gather_sources(r, gathered);
+    rsv_light_gather(r->light, rgb_mul(r->gathered_scale, gathered));
 cleanup:
     return status;
 }
 
-rsv_status rsv_relighter_see_sky(rsv_relighter *r, rsv_rgb *sky)
+void rsv_relighter_see_sky(const rsv_relighter *r, rsv_rgb *sky)
 {
     memset(sky, 0, rsv_relighter_nodes(r) * sizeof *sky);
-    if (!r->environment) return RSV_OK;
-    set_strengths(r, NULL);
-    rsv_status status = rsv_solution_refresh(r->s, r->lights);
-    if (status == RSV_OK) rsv_transport_environment(r->s->transport, r->s->bin_radiance, sky);
-    set_strengths(r, r->now.scale);
-    return status == RSV_OK ? rsv_solution_refresh(r->s, r->lights) : status;
+    if (r->environment) rsv_transport_environment(r->s->transport, r->sources->bin_radiance, sky);
 }
 
 // ---- changes --------------------------------------------------------------------------------------
@@ -210,14 +207,14 @@ static rsv_light_effort rough_effort(const rsv_relighter *r)
 /// Receivers are kept from the first move on.
 static rsv_status keep_receivers(rsv_relighter *r)
 {
-    const rsv_solution *s = r->s;
+    const rsv_light_view *s = r->s;
     rsv_status status = RSV_OK;
     if (!r->coarse)
         RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed,
             s->valid_points, r->moves, &r->coarse));
     if (!r->fine && s->fine.elements)
         RSV_TRY(rsv_receiver_blocks_create(&s->scene, s->fine.elements, RSV_LEVEL_POINTS,
-            rsv_level_seed(s), r->valid, r->moves, &r->fine));
+            rsv_level_seed(s->desc.seed), r->valid, r->moves, &r->fine));
 cleanup:
     return status;
 }
@@ -311,19 +308,17 @@ rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
     rsv_relighter_change_kind kind =
         r->behind ? RSV_RELIGHTER_ANYTHING : kind_of_change(r, &r->now, &r->wanted);
     r->behind = true;
-    bool body, moved = move_sources(r, &body);
-    set_colors(r);
+    bool body = any_body_moves(r);
+    if (body) RSV_TRY(rsv_light_vary_places(r->light, r->moves));
+    bool moved = move_sources(r);
+    RSV_TRY(set_colors(r));
     rsv_light_settings before = r->now;
     r->now = r->wanted;
     r->wanted = before;
     r->settled = false;
     r->residual = INFINITY;
     if (kind != RSV_RELIGHTER_STRENGTHS) rsv_relight_responses_forget(r);
-    if (body) {
-        rsv_scene_update_bounds(r->scene);
-        RSV_TRY(rsv_tracer_set_apart(r->s->tracer, r->moves));
-        RSV_TRY(rsv_tracer_update(r->s->tracer));
-    }
+    if (body) RSV_TRY(rsv_world_follow_places(rsv_light_world(r->light)));
     if (moved) {
         RSV_TRY(keep_receivers(r));
         rsv_light_effort rough = rough_effort(r);

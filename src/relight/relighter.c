@@ -6,13 +6,11 @@
 /// Takes over the solution's basis: once anything is scaled, its parts are no longer those of the solution.
 static rsv_status take_basis(rsv_relighter *r)
 {
-    rsv_solution *s = r->s;
-    if (!s->basis) {
-        rsv_status status = rsv_light_basis_create(s, &s->basis);
+    r->basis = rsv_light_take_basis(r->light);
+    if (!r->basis) {
+        rsv_status status = rsv_light_basis_create(r->light, &r->basis);
         if (status != RSV_OK) return status;
     }
-    r->basis = s->basis;
-    s->basis = NULL;
     return r->basis->source_count <= RSV_MAX_LIGHT_PARTS
                ? RSV_OK
                : rsv_fail(RSV_ERROR_UNSUPPORTED,
@@ -44,12 +42,12 @@ static rsv_status make_room(rsv_relighter *r)
 static rsv_status fill_single_part(rsv_relighter *r)
 {
     for (size_t field = 0; field < RSV_LIGHT_FIELDS && r->basis->source_count == 1; field++) {
-        size_t length = rsv_light_field_length(r->s, field);
+        size_t length = rsv_light_field_length(r->light, field);
         rsv_rgb **part = rsv_light_part_field(&r->basis->part[0], field);
         if (!length || *part) continue;
         *part = rsv_alloc(r->context, length, sizeof **part);
         if (!*part) return RSV_ERROR_MEMORY;
-        rsv_light_total(r->s, field, *part);
+        rsv_light_total(r->light, field, *part);
     }
     return RSV_OK;
 }
@@ -72,7 +70,7 @@ static void note_settings(rsv_relighter *r)
         r->home.base_color[m] = r->now.base_color[m] = r->scene->material[m].base_color;
     r->home.rotation = r->now.rotation = r->scene->environment.rotation;
     r->environment_scale = rgb_gray(1);
-    memcpy(r->gathered, r->s->transport->gathered, rsv_relighter_nodes(r) * sizeof *r->gathered);
+    r->gathered_scale = r->s->gathered_scale;
     if (r->environment)
         memcpy(r->environment, r->scene->environment.pixels,
             rsv_surroundings_length(r->scene) * sizeof *r->environment);
@@ -90,38 +88,56 @@ static rsv_status allocate(rsv_relighter *r)
     r->moves = rsv_alloc(r->context, materials, sizeof *r->moves);
     r->stale = rsv_alloc(r->context, sources, sizeof *r->stale);
     r->moved = rsv_alloc(r->context, sources, sizeof *r->moved);
-    r->gathered = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->gathered);
     r->next = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->next);
     r->scratch = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->scratch);
     bool surrounded = r->scene->environment.pixels != NULL;
     if (surrounded)
         r->environment =
             rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
-    return r->strength && r->place && r->moves && r->stale && r->moved && r->gathered && r->next &&
-                   r->scratch && (r->environment || !surrounded)
+    return r->strength && r->place && r->moves && r->stale && r->moved && r->next && r->scratch &&
+                   (r->environment || !surrounded)
                ? RSV_OK
                : RSV_ERROR_MEMORY;
 }
 
-rsv_status rsv_relighter_create(rsv_solution *s, rsv_scene *scene, rsv_relighter **relighter)
+rsv_status rsv_relighter_map(rsv_relighter *r)
+{
+    rsv_transport_map_destroy(r->map);
+    r->map = NULL;
+    return rsv_operator_map(r->s->op, 1, &r->map);
+}
+
+static rsv_status begin(rsv_solution *light, rsv_relighter **relighter)
+{
+    rsv_status status = rsv_light_vary_world(light);
+    if (status != RSV_OK) return status;
+    const rsv_light_view *view = rsv_solution_get_view(light);
+    rsv_relighter *r = *relighter = rsv_alloc(view->context, 1, sizeof *r);
+    if (!r) return RSV_ERROR_MEMORY;
+    *r = (rsv_relighter){ .context = view->context,
+        .light = light,
+        .s = view,
+        .field = rsv_light_edit(light),
+        .scene = rsv_light_world(light)->variant,
+        .settled = true };
+    return RSV_OK;
+}
+
+rsv_status rsv_relighter_create(rsv_solution *light, rsv_relighter **relighter)
 {
     rsv_status status;
-    if (rsv_solution_scene(s) != scene)
-        return rsv_fail(RSV_ERROR_ARGUMENT, "relight: the scene is not the solution's");
-    rsv_relighter *r = rsv_alloc(s->context, 1, sizeof *r);
-    if (!r) return RSV_ERROR_MEMORY;
-    *r = (rsv_relighter){ .context = s->context, .s = s, .scene = scene, .settled = true };
+    rsv_relighter *r = NULL;
+    RSV_TRY(begin(light, &r));
     RSV_TRY(take_basis(r));
     RSV_TRY(make_room(r));
     RSV_TRY(fill_single_part(r));
     RSV_TRY(allocate(r));
     note_settings(r);
-    RSV_TRY(rsv_light_places_find(scene, r->basis->source, r->basis->source_count, r->place));
+    RSV_TRY(rsv_light_places_find(r->scene, r->basis->source, r->basis->source_count, r->place));
     RSV_TRY(rsv_relighter_find_lights(r));
     note_movable(r);
-    RSV_TRY(rsv_find_fine_valid(s, &r->valid));
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &r->map));
+    RSV_TRY(rsv_find_fine_valid(light, &r->valid));
+    RSV_TRY(rsv_relighter_map(r));
     *relighter = r;
     return RSV_OK;
 cleanup:
@@ -142,12 +158,11 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_light_settings_free(context, &r->home);
     rsv_light_settings_free(context, &r->now);
     rsv_light_settings_free(context, &r->wanted);
-    rsv_lights_destroy(r->lights);
+    rsv_light_sources_release(r->sources);
     rsv_free(context, r->place);
     rsv_free(context, r->strength);
     rsv_free(context, r->stale);
     rsv_free(context, r->moved);
-    rsv_free(context, r->gathered);
     rsv_free(context, r->environment);
     rsv_free(context, r->next);
     rsv_free(context, r->scratch);

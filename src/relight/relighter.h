@@ -3,7 +3,7 @@
 #define RSV_RELIGHTER_H
 
 #include "../scene/scene.h"
-#include "../solve/solution.h"
+#include "../solve/light_change.h"
 #include "../solve/transport_map.h"
 #include "light_places.h"
 #include "light_settings.h"
@@ -11,16 +11,18 @@
 
 struct rsv_relighter {
     rsv_context *context;
-    rsv_solution *s;
-    rsv_scene *scene;
-    rsv_light_basis *basis;    ///< parts of E0 at the strengths that the sources began with
-    rsv_lights *lights;        ///< at those strengths, where they stand now
-    uint16_t *valid;           ///< receiver points of the direct level
-    rsv_rgb *gathered;         ///< [node_count] emission that rows found, at those strengths
-    rsv_rgb *environment;      ///< pixels at those strengths; NULL = no surroundings
-    rsv_rgb environment_scale; ///< that the scene's pixels have now
-    rsv_rgb *strength;         ///< [source_count]
-    rsv_light_place *place;    ///< [source_count]
+    rsv_solution *light;
+    const rsv_light_view *s;    ///< of that
+    rsv_light_fields *field;    ///< of that
+    rsv_scene *scene;           ///< of that: its own
+    rsv_light_basis *basis;     ///< parts of E0 at the strengths that the sources began with
+    rsv_light_sources *sources; ///< at those strengths, where they stand now
+    uint16_t *valid;            ///< receiver points of the direct level
+    rsv_rgb gathered_scale;     ///< of the emission that rows found, at those strengths
+    rsv_rgb *environment;       ///< pixels at those strengths; NULL = no surroundings
+    rsv_rgb environment_scale;  ///< that the scene's pixels have now
+    rsv_rgb *strength;          ///< [source_count]
+    rsv_light_place *place;     ///< [source_count]
     rsv_light_settings home, now, wanted;
     bool *stale; ///< [source_count] to be sampled in full before the light has settled
     bool *moved; ///< [source_count] to be sampled at once
@@ -72,7 +74,10 @@ rsv_status rsv_relighter_sample(rsv_relighter *relighter, const bool *which,
 
 /// What rows gather of the surroundings as they stand, at the strength that they began with; 0 without.
 /// @param sky [node_count] out
-rsv_status rsv_relighter_see_sky(rsv_relighter *relighter, rsv_rgb *sky);
+void rsv_relighter_see_sky(const rsv_relighter *relighter, rsv_rgb *sky);
+
+/// The linear map of the light's operator, anew.
+rsv_status rsv_relighter_map(rsv_relighter *relighter);
 
 /// Brings scene, lights and E0 to the present settings, after parts have changed.
 rsv_status rsv_relighter_update_sources(rsv_relighter *relighter, rsv_relighter_change_kind kind);

@@ -9,7 +9,7 @@
 /// @param source [node_count * fields] E0 in W/m^2, fields side by side; 0 at hanging nodes afterwards
 /// @param solved [node_count * fields] E, out
 /// @param reached whether the residual was; NULL = never mind. What is solved is good to a larger one otherwise.
-rsv_status rsv_solve_fields(const rsv_solution *solution, size_t fields, double relative,
+rsv_status rsv_solve_fields(const rsv_light_view *light, size_t fields, double relative,
     rsv_rgb *source, rsv_rgb *solved, bool *reached);
 
 #endif

@@ -1,95 +1,48 @@
 #include "turned_surroundings.h"
 
-#include "../solve/source.h"
-
-/// A solution without light on the surfaces and rows of another.
-static void darken(const rsv_solution *s, rsv_solution *dark)
+static void add_field(rsv_rgb *sum, const rsv_rgb *value, size_t count)
 {
-    *dark = *s;
-    dark->lights = NULL;
-    dark->bin_radiance = dark->gathered = dark->source = dark->irradiance = dark->indirect = NULL;
-    dark->fine.direct = dark->caustics.caustic = dark->caustics.coarse_caustic = NULL;
-    dark->diffused = (rsv_diffused_level){ 0 };
-    for (uint32_t order = 0; order < RSV_KEPT_ORDERS; order++)
-        dark->order[order] = NULL;
-}
-
-/// The surroundings alone, at their new angle.
-static rsv_status find_light(
-    const rsv_solution *s, const rsv_source *surroundings, float rotation, rsv_solution *turned)
-{
-    rsv_lights all = *s->lights;
-    rsv_status status =
-        rsv_environment_light_create_turned(s->scene.scene, rotation, &all.environment);
-    if (status == RSV_OK) status = rsv_light_subset_create(&all, surroundings, 1, &turned->lights);
-    if (status != RSV_OK) rsv_environment_light_destroy(all.environment);
-    return status;
+    for (size_t n = 0; sum && value && n < count; n++)
+        sum[n] = rgb_add(sum[n], value[n]);
 }
 
 /// What shadow rays and photons find.
-static rsv_status sample(
-    const rsv_solution *s, const rsv_source *surroundings, rsv_solution *turned)
+static rsv_status sample(const rsv_solution *like, rsv_solution *turned)
 {
+    const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment" };
+    const rsv_light_view *s = rsv_solution_get_view(turned);
     rsv_light_part part = { 0 };
     uint16_t *valid = NULL;
     uint64_t rays = 0;
-    rsv_status status = rsv_find_fine_valid(s, &valid);
-    if (status == RSV_OK) {
-        rsv_light_effort effort = rsv_full_light_effort(s, valid);
-        status = rsv_light_part_estimate(s, turned->lights, surroundings, &effort, &part, &rays);
-    }
-    turned->source = part.direct;
-    turned->caustics.coarse_caustic = part.coarse_caustic;
-    turned->fine.direct = part.fine;
-    turned->caustics.caustic = part.caustic;
+    rsv_status status;
+    RSV_TRY(rsv_find_fine_valid(like, &valid));
+    rsv_light_effort effort = rsv_full_light_effort(like, valid);
+    RSV_TRY(rsv_light_part_estimate(turned, s->lights, &surroundings, &effort, &part, &rays));
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
+        add_field(rsv_light_field(turned, field), *rsv_light_part_field(&part, field),
+            rsv_light_field_length(turned, field));
+cleanup:
+    rsv_light_part_free(s->context, &part);
     rsv_free(s->context, valid);
     return status;
 }
 
-/// What rows found, bin by bin.
-static rsv_status gather(rsv_solution *turned)
-{
-    rsv_context *context = turned->context;
-    turned->bin_radiance = rsv_alloc(context, RSV_ESCAPE_BINS, sizeof *turned->bin_radiance);
-    turned->gathered = rsv_alloc(context, turned->elements->node_count, sizeof *turned->gathered);
-    if (!turned->bin_radiance || !turned->gathered) return RSV_ERROR_MEMORY;
-    rsv_status status =
-        rsv_escape_radiance(context, turned->lights->environment, turned->bin_radiance);
-    if (status == RSV_OK)
-        rsv_transport_environment(turned->transport, turned->bin_radiance, turned->gathered);
-    return status;
-}
-
 rsv_status rsv_turned_surroundings_solve(
-    const rsv_solution *s, float rotation, rsv_solution *turned)
+    const rsv_solution *like, float rotation, rsv_solution **result)
 {
     rsv_status status;
-    const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment" };
-    darken(s, turned);
-    RSV_TRY(find_light(s, &surroundings, rotation, turned));
-    RSV_TRY(sample(s, &surroundings, turned));
-    RSV_TRY(gather(turned));
-    rsv_source_complete(turned);
-    RSV_TRY(rsv_solve_orders(turned, s->desc.max_orders));
-    RSV_TRY(rsv_diffused_level_create(turned));
+    rsv_light_sources *sources = NULL;
+    rsv_solution *turned = NULL;
+    RSV_TRY(rsv_light_sources_turn(
+        rsv_light_get_sources(like), rsv_solution_get_view(like)->scene.scene, rotation, &sources));
+    RSV_TRY(rsv_light_begin_like(like, sources, &turned));
+    RSV_TRY(sample(like, turned));
+    rsv_light_gather(turned, rgb_gray(0));
+    RSV_TRY(rsv_light_solve(turned));
+    *result = turned;
+    turned = NULL;
 cleanup:
+    rsv_solution_destroy(turned);
+    rsv_light_sources_release(sources);
     return status;
-}
-
-void rsv_turned_surroundings_free(rsv_solution *turned)
-{
-    rsv_context *context = turned->context;
-    if (turned->lights) rsv_environment_light_destroy(turned->lights->environment);
-    rsv_light_subset_destroy(turned->lights);
-    rsv_diffused_level_destroy(context, &turned->diffused);
-    rsv_free(context, turned->bin_radiance);
-    rsv_free(context, turned->gathered);
-    rsv_free(context, turned->source);
-    rsv_free(context, turned->irradiance);
-    rsv_free(context, turned->indirect);
-    rsv_free(context, turned->fine.direct);
-    rsv_free(context, turned->caustics.caustic);
-    rsv_free(context, turned->caustics.coarse_caustic);
-    for (uint32_t order = 0; order < RSV_KEPT_ORDERS; order++)
-        rsv_free(context, turned->order[order]);
 }

@@ -3,14 +3,12 @@
 #ifndef RSV_TURNED_SURROUNDINGS_H
 #define RSV_TURNED_SURROUNDINGS_H
 
-#include "../solve/solution.h"
+#include "../solve/light_change.h"
 
 /// The answer of rsv_solution_relight to the same turn with all other lights off.
 /// @param rotation degrees as in rsv_environment; the scene must have surroundings
-/// @param turned for rsv_solution_irradiance with all orders and for probes, and for nothing else; to be freed by
-/// rsv_turned_surroundings_free even after an error. The solution must outlive it.
+/// @param turned another light of the same operator, on the same levels
 rsv_status rsv_turned_surroundings_solve(
-    const rsv_solution *solution, float rotation, rsv_solution *turned);
-void rsv_turned_surroundings_free(rsv_solution *turned);
+    const rsv_solution *solution, float rotation, rsv_solution **turned);
 
 #endif

@@ -89,7 +89,7 @@ static rsv_status name_layers(rsv_image *image, uint32_t layer_count)
     return status;
 }
 
-static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc *desc)
+static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_desc *desc)
 {
     if (desc->width == 0 || desc->height == 0 || desc->width > 65536 || desc->height > 65536)
         return rsv_fail(RSV_ERROR_ARGUMENT, "render: size %ux%u is not in 1x1 .. 65536x65536",
@@ -112,8 +112,9 @@ static rsv_status check_desc(const rsv_solution *solution, const rsv_render_desc
     return RSV_OK;
 }
 
-rsv_status rsv_render(const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image)
+rsv_status rsv_render(const rsv_solution *light, const rsv_render_desc *desc, rsv_image **image)
 {
+    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_status status = check_desc(solution, desc);
     rsv_sky_visibility *visibility = NULL;
     if (status != RSV_OK) return status;

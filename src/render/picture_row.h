@@ -14,7 +14,7 @@
 
 /// One pass over a picture.
 typedef struct rsv_picture_job {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     const rsv_render_desc *desc;
     const rsv_camera *camera;
     rsv_medium medium; ///< the camera's

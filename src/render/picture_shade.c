@@ -9,7 +9,7 @@ void rsv_picture_add_light(rsv_picture_row *r, uint32_t column, uint32_t order, 
 
 static void look_up_indirect(rsv_picture_row *r, uint32_t face, float u, float v, rsv_rgb weight)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     if (r->job->layer_count == 1) {
         rsv_rgb e = rsv_elements_interpolate(s->elements, s->indirect, face, u, v);
         rsv_picture_add_light(r, r->column, 0, rgb_mul(weight, e));
@@ -24,7 +24,7 @@ static void look_up_indirect(rsv_picture_row *r, uint32_t face, float u, float v
 /// Indirect light of a translucent surface: diffused before it is looked up.
 static void look_up_diffused(rsv_picture_row *r, uint32_t face, float u, float v, rsv_rgb weight)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     if (r->job->layer_count == 1) {
         rsv_picture_add_light(
             r, r->column, 0, rgb_mul(weight, rsv_solution_diffused(s, face, u, v, RSV_NONE)));
@@ -40,7 +40,7 @@ static void look_up_diffused(rsv_picture_row *r, uint32_t face, float u, float v
 static void shade_translucent(
     rsv_picture_row *r, const rsv_chain *chain, uint32_t face, rsv_rgb weight)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
     rsv_rgb direct = rsv_solution_diffused(s, face, chain->u, chain->v, 0);
     if (final || s->fine.direct) {
@@ -59,7 +59,7 @@ static void shade_translucent(
 static void add_gathered(
     rsv_picture_row *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     const rsv_chain *chain = &gather->chain;
     uint32_t face = s->elements->face_of[chain->back][chain->triangle];
     if (face == RSV_NONE) return;
@@ -88,7 +88,7 @@ static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
 
 static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb weight)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     rsv_surface_point point = rsv_surface_point_seen(
@@ -119,7 +119,7 @@ static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb 
 void rsv_picture_shade(void *user, const rsv_chain *chain, rsv_rgb weight)
 {
     rsv_picture_row *r = user;
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     uint32_t face = s->elements->face_of[chain->back][chain->triangle];
     if (face == RSV_NONE) return;
     rsv_bsdf storage;

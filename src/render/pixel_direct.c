@@ -14,7 +14,8 @@
 /// Pixels to either side that a pixel asks how noisy it is.
 #define NEIGHBOURS 2
 
-rsv_status rsv_pixel_direct_begin(rsv_pixel_direct *d, const rsv_solution *solution, uint32_t width)
+rsv_status rsv_pixel_direct_begin(
+    rsv_pixel_direct *d, const rsv_light_view *solution, uint32_t width)
 {
     memset(d, 0, sizeof *d);
     memset(d->packet.mask, 0xff, sizeof d->packet.mask);
@@ -101,7 +102,7 @@ typedef struct lit_point {
 } lit_point;
 
 static void set_up_point(
-    const rsv_solution *s, const rsv_chain *chain, rsv_surface_point point, lit_point *lit)
+    const rsv_light_view *s, const rsv_chain *chain, rsv_surface_point point, lit_point *lit)
 {
     lit->bsdf = rsv_chain_bsdf(&s->scene, chain, &lit->storage);
     lit->point = point;
@@ -176,7 +177,7 @@ static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weig
     }
 }
 
-static void set_up_seen(const rsv_solution *s, const rsv_chain *chain, lit_point *lit)
+static void set_up_seen(const rsv_light_view *s, const rsv_chain *chain, lit_point *lit)
 {
     set_up_point(s, chain,
         rsv_surface_point_seen(
@@ -250,7 +251,7 @@ static uint32_t further_rays(
 
 static void send_further_rays(rsv_pixel_direct *d, const rsv_direct_spot *spot, uint32_t further)
 {
-    const rsv_solution *s = d->solution;
+    const rsv_light_view *s = d->solution;
     lit_point lit;
     rsv_local_lights local;
     set_up_seen(s, &spot->chain, &lit);
@@ -318,12 +319,12 @@ rsv_status rsv_pixel_direct_resolve(
     return d->status;
 }
 
-static bool is_open(const rsv_solution *s, rsv_ray ray)
+static bool is_open(const rsv_light_view *s, rsv_ray ray)
 {
     return !rsv_tracer_occluded(s->tracer, &ray);
 }
 
-static rsv_rgb sampled_emitter(const rsv_solution *s, const lit_point *lit, rsv_random *random)
+static rsv_rgb sampled_emitter(const rsv_light_view *s, const lit_point *lit, rsv_random *random)
 {
     rsv_local_lights local;
     rsv_light_sample light;
@@ -339,7 +340,7 @@ static rsv_rgb sampled_emitter(const rsv_solution *s, const lit_point *lit, rsv_
     return rgb_scale(entered, cos / light.pdf_solid_angle);
 }
 
-rsv_rgb rsv_sampled_irradiance(const rsv_solution *s, const rsv_chain *chain, rsv_random *random)
+rsv_rgb rsv_sampled_irradiance(const rsv_light_view *s, const rsv_chain *chain, rsv_random *random)
 {
     lit_point lit;
     set_up_point(s, chain,

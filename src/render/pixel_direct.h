@@ -51,7 +51,7 @@ typedef struct rsv_shadow_tally {
 
 /// The direct light of one row of pixels. Terms of a pixel must be added one after the other.
 typedef struct rsv_pixel_direct {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     uint32_t width;
     rsv_shadow_tally *tally; ///< [width]
     rsv_direct_term *term;
@@ -67,7 +67,7 @@ typedef struct rsv_pixel_direct {
 
 /// @param width of the picture
 rsv_status rsv_pixel_direct_begin(
-    rsv_pixel_direct *direct, const rsv_solution *solution, uint32_t width);
+    rsv_pixel_direct *direct, const rsv_light_view *solution, uint32_t width);
 void rsv_pixel_direct_end(rsv_pixel_direct *direct);
 
 /// Adds the sampled light of all sources at the chain's surface.
@@ -85,6 +85,6 @@ rsv_status rsv_pixel_direct_resolve(
 
 /// One-sample estimate of the irradiance that next-event estimation finds at the chain's surface.
 rsv_rgb rsv_sampled_irradiance(
-    const rsv_solution *solution, const rsv_chain *chain, rsv_random *random);
+    const rsv_light_view *solution, const rsv_chain *chain, rsv_random *random);
 
 #endif

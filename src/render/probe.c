@@ -21,7 +21,7 @@ typedef struct receiver {
     const rsv_probe_job *job;
 } receiver;
 
-static bool all_sources_large(const rsv_solution *s)
+static bool all_sources_large(const rsv_light_view *s)
 {
     double total = 0;
     for (size_t t = 0; t < s->scene.view->triangle_count; t++)
@@ -34,7 +34,7 @@ static bool all_sources_large(const rsv_solution *s)
 /// A receiver that lies on a surface takes the caustic light stored there.
 static void find_surface(receiver *r)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     float lift = v3_length(v3_sub(r->origin, r->position));
     rsv_ray ray = { r->origin, v3_neg(r->normal), 4 * lift };
     rsv_hit hit;
@@ -192,7 +192,7 @@ static rsv_rgb radiance_beyond(const receiver *r, rsv_vec3 direction, uint32_t e
 
 static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
 {
-    const rsv_solution *s = r->job->solution;
+    const rsv_light_view *s = r->job->solution;
     rsv_ray ray = { r->origin, direction, INFINITY };
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return radiance_beyond(r, direction, 0);
@@ -273,7 +273,7 @@ rsv_probe_reading rsv_probe_read(const rsv_probe_job *job, const rsv_probe *prob
 }
 
 rsv_probe_job rsv_probe_job_of(
-    const rsv_solution *solution, uint32_t samples, uint32_t seed, bool sources)
+    const rsv_light_view *solution, uint32_t samples, uint32_t seed, bool sources)
 {
     uint32_t per_group = samples / GROUPS + (samples % GROUPS != 0);
     if (per_group < 2) per_group = 2;
@@ -281,7 +281,7 @@ rsv_probe_job rsv_probe_job_of(
         all_sources_large(solution), sources };
 }
 
-static rsv_probe_reading look_up(const rsv_solution *s, const rsv_probe *probe)
+static rsv_probe_reading look_up(const rsv_light_view *s, const rsv_probe *probe)
 {
     rsv_probe_reading reading = { 0 };
     rsv_hit hit;
@@ -290,15 +290,16 @@ static rsv_probe_reading look_up(const rsv_solution *s, const rsv_probe *probe)
     rsv_vec3 a = s->scene.view->position[corner[0]];
     rsv_vec3 front = v3_cross(v3_sub(s->scene.view->position[corner[1]], a),
         v3_sub(s->scene.view->position[corner[2]], a));
-    reading.irradiance = rsv_solution_irradiance(
+    reading.irradiance = rsv_light_irradiance(
         s, hit.triangle, hit.u, hit.v, v3_dot(front, probe->normal) < 0, RSV_NONE);
     return reading;
 }
 
-rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mode,
+rsv_status rsv_probe_irradiance(const rsv_solution *light, rsv_probe_mode mode,
     const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
     rsv_probe_reading *readings)
 {
+    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_context *context = solution->context;
     if (mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(

@@ -6,7 +6,7 @@
 #include "resolvent/render.h"
 
 typedef struct rsv_probe_job {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     uint32_t gather_rays, light_samples; ///< per group
     uint32_t seed;
     bool gather_caustics; ///< all sources are large
@@ -14,7 +14,7 @@ typedef struct rsv_probe_job {
 } rsv_probe_job;
 
 rsv_probe_job rsv_probe_job_of(
-    const rsv_solution *solution, uint32_t samples, uint32_t seed, bool sources);
+    const rsv_light_view *solution, uint32_t samples, uint32_t seed, bool sources);
 
 /// @param index of the reading's random numbers
 rsv_probe_reading rsv_probe_read(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index);

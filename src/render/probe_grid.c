@@ -121,8 +121,8 @@ static void find_valid(rsv_probe_grid *g)
     }
 }
 
-rsv_status rsv_probe_grid_create(
-    const rsv_solution *solution, float spacing, uint32_t samples, bool sources, rsv_probe_grid *g)
+rsv_status rsv_probe_grid_create(const rsv_light_view *solution, float spacing, uint32_t samples,
+    bool sources, rsv_probe_grid *g)
 {
     *g = (rsv_probe_grid){ .solution = solution,
         .job = rsv_probe_job_of(solution, samples, solution->desc.seed, sources) };
@@ -161,7 +161,7 @@ static void add_reading(rsv_rgb irradiance, rsv_vec3 normal, double weight, doub
 
 void rsv_probe_grid_light(rsv_probe_grid *g, size_t probe)
 {
-    const rsv_solution *s = g->solution;
+    const rsv_light_view *s = g->solution;
     rsv_vec3 normal[NORMALS], place = place_of(g, probe);
     double weight[NORMALS], sum[HARMONICS][3] = { { 0 } };
     rsv_rgb irradiance[NORMALS];
@@ -232,7 +232,7 @@ static bool sees_probe(const rsv_probe_grid *g, rsv_vec3 origin, size_t probe)
 
 rsv_rgb rsv_probe_grid_irradiance(const rsv_probe_grid *g, rsv_vec3 point, rsv_vec3 normal)
 {
-    const rsv_solution *s = g->solution;
+    const rsv_light_view *s = g->solution;
     size_t probe[8];
     float weight[8], total = 0;
     rsv_rgb sum = rgb_gray(0);

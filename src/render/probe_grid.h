@@ -14,7 +14,7 @@
 #define RSV_PROBE_ENCLOSED 2
 
 typedef struct rsv_probe_grid {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     rsv_probe_job job; ///< what its probes read
     uint32_t size[3];
     rsv_vec3 origin, spacing; ///< of the first probe; between neighbours
@@ -28,7 +28,7 @@ typedef struct rsv_probe_grid {
 /// lit.
 /// @param spacing metres; 0 = a sixteenth of the scene's longest side @param samples rays per normal
 /// @param sources whether what next-event estimation finds is in the probes
-rsv_status rsv_probe_grid_create(const rsv_solution *solution, float spacing, uint32_t samples,
+rsv_status rsv_probe_grid_create(const rsv_light_view *solution, float spacing, uint32_t samples,
     bool sources, rsv_probe_grid *grid);
 void rsv_probe_grid_destroy(rsv_probe_grid *grid);
 

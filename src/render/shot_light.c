@@ -20,7 +20,7 @@ typedef struct splat_list {
 } splat_list;
 
 typedef struct shot_job {
-    const rsv_solution *solution;
+    const rsv_light_view *solution;
     const rsv_render_desc *desc;
     const rsv_medium *medium;
     rsv_lens lens;
@@ -29,7 +29,7 @@ typedef struct shot_job {
     splat_list *list; ///< [threads]
 } shot_job;
 
-bool rsv_shot_light_wanted(const rsv_solution *s)
+bool rsv_shot_light_wanted(const rsv_light_view *s)
 {
     bool rough = false;
     for (size_t m = 0; m < s->scene.view->material_count; m++)
@@ -120,7 +120,7 @@ static void collect(void *user)
     list->count = 0;
 }
 
-rsv_status rsv_add_shot_light(const rsv_solution *solution, const rsv_render_desc *desc,
+rsv_status rsv_add_shot_light(const rsv_light_view *solution, const rsv_render_desc *desc,
     const rsv_camera *camera, const rsv_medium *medium, rsv_image *image)
 {
     rsv_context *context = solution->context;

@@ -12,12 +12,12 @@
 #include "resolvent/render.h"
 
 /// Whether there may be any.
-bool rsv_shot_light_wanted(const rsv_solution *solution);
+bool rsv_shot_light_wanted(const rsv_light_view *solution);
 
 /// Adds it to the picture and, where there are layers, to that of emission. One light path per camera ray, but no fewer
 /// than a few hundred thousand.
 /// @param medium that the camera is in
-rsv_status rsv_add_shot_light(const rsv_solution *solution, const rsv_render_desc *desc,
+rsv_status rsv_add_shot_light(const rsv_light_view *solution, const rsv_render_desc *desc,
     const rsv_camera *camera, const rsv_medium *medium, rsv_image *image);
 
 #endif

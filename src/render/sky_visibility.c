@@ -68,7 +68,8 @@ static uint64_t place_key(float cube, rsv_vec3 position, rsv_vec3 normal)
 }
 
 /// @param place out @return false when out of memory
-static bool add_place(const rsv_solution *s, rsv_sky_visibility *o, uint32_t node, uint32_t *place)
+static bool add_place(
+    const rsv_light_view *s, rsv_sky_visibility *o, uint32_t node, uint32_t *place)
 {
     uint32_t face, triangle;
     float u, v;
@@ -92,7 +93,7 @@ static uint32_t strongest_parent(const rsv_hanging *hanging)
     return hanging->parent[strongest];
 }
 
-static rsv_status find_places(const rsv_solution *s, rsv_sky_visibility *o)
+static rsv_status find_places(const rsv_light_view *s, rsv_sky_visibility *o)
 {
     const rsv_elements *e = s->elements;
     for (uint32_t node = 0; node < e->node_count; node++) {
@@ -113,7 +114,7 @@ static void mark_bins(const uint16_t *bin, size_t count, uint16_t *seen)
 
 /// What the rows of a batch of places saw, in all processes. @param seen [BATCH][BINS] how many processes saw it
 static void mark_batch(
-    const rsv_solution *s, const rsv_sky_visibility *o, uint32_t first, uint16_t (*seen)[BINS])
+    const rsv_light_view *s, const rsv_sky_visibility *o, uint32_t first, uint16_t (*seen)[BINS])
 {
     const rsv_escapes *e = &s->transport->escapes;
     memset(seen, 0, BATCH * sizeof *seen);
@@ -154,7 +155,7 @@ static rsv_visible_sky list_seen(const uint16_t *seen)
     return visible;
 }
 
-static rsv_status prepare(const rsv_solution *s, rsv_sky_visibility *o)
+static rsv_status prepare(const rsv_light_view *s, rsv_sky_visibility *o)
 {
     rsv_status status;
     o->square = rsv_alloc(s->context, level_begin(RSV_SKY_SQUARE_LEVELS), sizeof *o->square);
@@ -169,7 +170,7 @@ cleanup:
     return status;
 }
 
-static rsv_status find_visible(const rsv_solution *s, rsv_sky_visibility *o)
+static rsv_status find_visible(const rsv_light_view *s, rsv_sky_visibility *o)
 {
     uint16_t(*seen)[BINS] = rsv_alloc(s->context, BATCH, sizeof *seen);
     rsv_status status = seen ? prepare(s, o) : RSV_ERROR_MEMORY;
@@ -187,7 +188,7 @@ cleanup:
     return status;
 }
 
-static bool wanted(const rsv_solution *s)
+static bool wanted(const rsv_light_view *s)
 {
     bool rough = false;
     for (size_t m = 0; m < s->scene.view->material_count; m++)
@@ -195,7 +196,7 @@ static bool wanted(const rsv_solution *s)
     return rough && s->lights->environment && s->lights->environment->gathered.pixel;
 }
 
-rsv_status rsv_sky_visibility_create(const rsv_solution *s, rsv_sky_visibility **visibility)
+rsv_status rsv_sky_visibility_create(const rsv_light_view *s, rsv_sky_visibility **visibility)
 {
     *visibility = NULL;
     if (!wanted(s)) return RSV_OK;

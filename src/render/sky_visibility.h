@@ -39,7 +39,8 @@ typedef struct rsv_sky_visibility {
 } rsv_sky_visibility;
 
 /// @param visibility NULL where no rough surface has rows, or no sky is gathered
-rsv_status rsv_sky_visibility_create(const rsv_solution *solution, rsv_sky_visibility **visibility);
+rsv_status rsv_sky_visibility_create(
+    const rsv_light_view *solution, rsv_sky_visibility **visibility);
 void rsv_sky_visibility_destroy(rsv_sky_visibility *visibility);
 
 /// What is seen of the sky from the surface that a chain has come to: as its nearest node has it or, where there are no

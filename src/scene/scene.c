@@ -40,26 +40,50 @@ void rsv_scene_release_sources(rsv_scene *scene)
     scene->instance_count = scene->instance_capacity = 0;
 }
 
-void rsv_scene_destroy(rsv_scene *scene)
+/// What a variant has of its own too.
+static void release_lights_and_colors(rsv_scene *scene)
 {
-    if (!scene) return;
+    for (size_t i = 0; i < scene->light_count; i++)
+        rsv_free(scene->context, (void *)scene->light[i].name);
+    rsv_free(scene->context, scene->light);
+    rsv_free(scene->context, scene->material);
+}
+
+static void release_names(rsv_scene *scene)
+{
     rsv_context *context = scene->context;
-    rsv_scene_release_sources(scene);
-    rsv_scene_release_environment(scene);
     for (size_t i = 0; i < scene->material_count; i++) {
         rsv_free(context, (void *)scene->material[i].name);
         rsv_free(context, (void *)scene->material[i].textures);
     }
-    for (size_t i = 0; i < scene->texture_count; i++)
-        rsv_texture_release(context, &scene->texture[i]);
-    for (size_t i = 0; i < scene->light_count; i++)
-        rsv_free(context, (void *)scene->light[i].name);
     for (size_t i = 0; i < scene->camera_count; i++)
         rsv_free(context, (void *)scene->camera[i].name);
     for (size_t i = 0; i < scene->object_count; i++)
         rsv_free(context, scene->object_name[i]);
-    rsv_free(context, scene->material);
-    rsv_free(context, scene->light);
+}
+
+static void release_variant(rsv_scene *scene)
+{
+    release_lights_and_colors(scene);
+    if (scene->owns_positions) rsv_free(scene->context, scene->position);
+    if (scene->owns_environment) rsv_free(scene->context, (void *)scene->environment.pixels);
+    rsv_free(scene->context, scene);
+}
+
+void rsv_scene_destroy(rsv_scene *scene)
+{
+    if (!scene) return;
+    if (scene->base) {
+        release_variant(scene);
+        return;
+    }
+    rsv_context *context = scene->context;
+    rsv_scene_release_sources(scene);
+    release_names(scene);
+    rsv_scene_release_environment(scene);
+    release_lights_and_colors(scene);
+    for (size_t i = 0; i < scene->texture_count; i++)
+        rsv_texture_release(context, &scene->texture[i]);
     rsv_free(context, scene->camera);
     rsv_free(context, scene->position);
     rsv_free(context, scene->normal);

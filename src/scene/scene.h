@@ -29,6 +29,8 @@ struct rsv_scene {
     rsv_context *context;
     bool commit_tried, committed;
     bool is_part; ///< of another scene: no camera is missed
+    const struct rsv_scene *base; ///< that this one varies (variant.h); NULL = it stands by itself
+    bool owns_positions, owns_environment; ///< of a variant
 
     rsv_material *material;
     rsv_light *light;

@@ -31,14 +31,14 @@ static size_t resident_bytes(void)
 
 static double mebibytes(double bytes) { return bytes / (1 << 20); }
 
-rsv_status rsv_budget_open(rsv_solution *s)
+rsv_status rsv_budget_open(rsv_builder *b)
 {
-    if (s->desc.max_bytes == 0) return RSV_OK;
-    size_t resident = (size_t)rsv_team_largest(s->context, (double)resident_bytes());
-    size_t most = s->desc.max_bytes;
+    if (b->desc.max_bytes == 0) return RSV_OK;
+    size_t resident = (size_t)rsv_team_largest(b->context, (double)resident_bytes());
+    size_t most = b->desc.max_bytes;
     double left = most > resident ? PLANNED * (double)(most - resident) : 0;
-    double mesh = (double)BYTES_PER_TRIANGLE * (double)s->scene.view->triangle_count;
-    s->bytes_left = (size_t)left;
+    double mesh = (double)BYTES_PER_TRIANGLE * (double)b->scene.view->triangle_count;
+    b->bytes_left = (size_t)left;
     if (left > mesh * MAKING_ELEMENTS) return RSV_OK;
     return rsv_fail(RSV_ERROR_MEMORY,
         "solve: a memory budget of %.0f MiB is too small: the scene takes %.0f MiB and its "
@@ -48,93 +48,71 @@ rsv_status rsv_budget_open(rsv_solution *s)
 }
 
 /// Largest size of an entry: ends behind coats, tints and media carry a colour, escapes a bin.
-static size_t entry_bytes(const rsv_solution *s)
+static size_t entry_bytes(const rsv_builder *b)
 {
     bool tinted = false;
-    for (size_t m = 0; m < s->scene.view->material_count; m++)
-        tinted = tinted || s->bsdf[m].coated || !s->bsdf[m].lambert;
+    for (size_t m = 0; m < b->scene.view->material_count; m++)
+        tinted = tinted || b->world->bsdf[m].coated || !b->world->bsdf[m].lambert;
     return sizeof(uint32_t) + (tinted ? sizeof(rsv_rgb) : 0);
 }
 
 /// What the elements in hand take beside rows: themselves, and fields on them.
-static double element_bytes(const rsv_solution *s)
+static double element_bytes(const rsv_builder *b)
 {
     double fields = (double)(RSV_KEPT_ORDERS + 16) * sizeof(rsv_rgb);
-    return MAKING_ELEMENTS * (double)rsv_elements_bytes(s->elements) +
-           fields * (double)s->elements->node_count;
+    return MAKING_ELEMENTS * (double)rsv_elements_bytes(b->elements) +
+           fields * (double)b->elements->node_count;
 }
 
-size_t rsv_budget_rows(const rsv_solution *s)
+size_t rsv_budget_rows(const rsv_builder *b)
 {
-    size_t rows = s->desc.max_elements ? s->desc.max_elements : SIZE_MAX;
-    if (s->desc.max_bytes == 0) return rows;
-    double left = (1 - LEVELS) * (double)s->bytes_left - element_bytes(s);
-    double affordable = left / (double)(s->desc.rays_per_element * entry_bytes(s));
+    size_t rows = b->desc.max_elements ? b->desc.max_elements : SIZE_MAX;
+    if (b->desc.max_bytes == 0) return rows;
+    double left = (1 - LEVELS) * (double)b->bytes_left - element_bytes(b);
+    double affordable = left / (double)(b->desc.rays_per_element * entry_bytes(b));
     if (affordable < 0) return 0;
     return affordable < (double)rows ? (size_t)affordable : rows;
 }
 
-bool rsv_budget_halve_rays(rsv_solution *s)
+bool rsv_budget_halve_rays(rsv_builder *b)
 {
-    size_t rows = s->desc.max_elements ? s->desc.max_elements : SIZE_MAX;
-    if (rsv_solution_rows(s) > rows || s->desc.rays_per_element <= FEWEST_RAYS) return false;
-    s->desc.rays_per_element /= 2;
+    size_t rows = b->desc.max_elements ? b->desc.max_elements : SIZE_MAX;
+    if (rsv_builder_rows(b) > rows || b->desc.rays_per_element <= FEWEST_RAYS) return false;
+    b->desc.rays_per_element /= 2;
     return true;
 }
 
-size_t rsv_budget_cells(const rsv_solution *s)
+size_t rsv_budget_cells(const rsv_builder *b)
 {
-    if (s->desc.max_bytes == 0) return SIZE_MAX;
-    return (size_t)(LEVELS * (double)s->bytes_left / BYTES_PER_CELL);
+    if (b->desc.max_bytes == 0) return SIZE_MAX;
+    return (size_t)(LEVELS * (double)b->bytes_left / BYTES_PER_CELL);
 }
 
-rsv_status rsv_budget_refuse(const rsv_solution *s, size_t rows)
+rsv_status rsv_budget_refuse(const rsv_builder *b, size_t rows)
 {
-    if (s->desc.max_elements && rows > s->desc.max_elements)
+    if (b->desc.max_elements && rows > b->desc.max_elements)
         return rsv_fail(RSV_ERROR_MEMORY,
             "solve: a budget of %zu elements is too small: the surfaces of this scene take %zu at "
             "the least; allow as many",
-            s->desc.max_elements, rows);
+            b->desc.max_elements, rows);
     return rsv_fail(RSV_ERROR_MEMORY,
         "solve: a memory budget of %.0f MiB is too small: %zu rows of %u rays and their elements "
         "take %.0f MiB more; allow that",
-        mebibytes((double)s->desc.max_bytes), rows, s->desc.rays_per_element,
-        mebibytes((element_bytes(s) +
-                      (double)rows * (double)(s->desc.rays_per_element * entry_bytes(s))) /
+        mebibytes((double)b->desc.max_bytes), rows, b->desc.rays_per_element,
+        mebibytes((element_bytes(b) +
+                      (double)rows * (double)(b->desc.rays_per_element * entry_bytes(b))) /
                       ((1 - LEVELS) * PLANNED) -
-                  (double)s->bytes_left / PLANNED) +
+                  (double)b->bytes_left / PLANNED) +
             1);
 }
 
-void rsv_budget_report(const rsv_solution *s, float wanted)
+void rsv_budget_report(const rsv_builder *b, float wanted)
 {
-    bool coarser = s->elements->spacing > 1.001f * wanted;
-    if (!coarser && s->desc.rays_per_element == s->wanted_rays) return;
-    rsv_log(s->context, RSV_LOG_WARNING,
+    bool coarser = b->elements->spacing > 1.001f * wanted;
+    if (!coarser && b->desc.rays_per_element == b->wanted_rays) return;
+    rsv_log(b->context, RSV_LOG_WARNING,
         "solve: coarser than asked for, to keep the budget: %zu elements %.3g m apart instead of "
         "%.3g m, rows of %u rays instead of %u",
-        rsv_solution_rows(s), s->elements->spacing, wanted, s->desc.rays_per_element,
-        s->wanted_rays);
-}
-
-size_t rsv_solution_rows(const rsv_solution *s)
-{
-    size_t rows = 0;
-    for (size_t n = 0; n < s->elements->node_count; n++)
-        rows += s->valid_points[n] != 0;
-    return rows;
-}
-
-static size_t level_bytes(const rsv_elements *elements, size_t fields)
-{
-    if (!elements) return 0;
-    return rsv_elements_bytes(elements) + fields * elements->node_count * sizeof(rsv_rgb);
-}
-
-size_t rsv_solution_bytes(const rsv_solution *s)
-{
-    return level_bytes(s->elements, 1) + s->elements->node_count * sizeof *s->valid_points +
-           rsv_transport_bytes(s->transport) + rsv_subsurface_bytes(s->subsurface) +
-           level_bytes(s->fine.elements, 1) + level_bytes(s->caustics.elements, 1) +
-           level_bytes(s->diffused.elements, 1);
+        rsv_builder_rows(b), b->elements->spacing, wanted, b->desc.rays_per_element,
+        b->wanted_rays);
 }

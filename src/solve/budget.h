@@ -2,32 +2,26 @@
 #ifndef RSV_BUDGET_H
 #define RSV_BUDGET_H
 
-#include "solution.h"
+#include "builder.h"
 
 /// Notes what is left for the solution, after what the process holds already. RSV_ERROR_MEMORY if that cannot do for
 /// the elements of the scene's own triangles.
-rsv_status rsv_budget_open(rsv_solution *solution);
+rsv_status rsv_budget_open(rsv_builder *builder);
 
 /// Rows that the budgets leave to the elements in hand; SIZE_MAX without budgets.
-size_t rsv_budget_rows(const rsv_solution *solution);
+size_t rsv_budget_rows(const rsv_builder *builder);
 
 /// Halves the rays of a row where memory is short and they are many. @return whether it did
-bool rsv_budget_halve_rays(rsv_solution *solution);
+bool rsv_budget_halve_rays(rsv_builder *builder);
 
 /// Cells that the budget of memory leaves to the levels of direct light and caustics; SIZE_MAX without one.
-size_t rsv_budget_cells(const rsv_solution *solution);
+size_t rsv_budget_cells(const rsv_builder *builder);
 
 /// Says that `rows` are the fewest there can be.
-rsv_status rsv_budget_refuse(const rsv_solution *solution, size_t rows);
+rsv_status rsv_budget_refuse(const rsv_builder *builder, size_t rows);
 
 /// Says what a budget made coarser than was asked for, if anything.
 /// @param wanted metres between elements
-void rsv_budget_report(const rsv_solution *solution, float wanted);
-
-/// Bytes of elements, with one field each, and of the operator.
-size_t rsv_solution_bytes(const rsv_solution *solution);
-
-/// Nodes with a row of their own.
-size_t rsv_solution_rows(const rsv_solution *solution);
+void rsv_budget_report(const rsv_builder *builder, float wanted);
 
 #endif

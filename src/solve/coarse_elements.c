@@ -38,55 +38,55 @@ static rsv_status draw_fresh_apart(rsv_elements *e, const uint8_t *known)
 
 /// Points of nodes that were there before the scene was edited are drawn as they were then: those around which nothing
 /// changed need not be judged. @param known [node_count], out
-static rsv_status recall_points(rsv_solution *s, uint8_t *known)
+static rsv_status recall_points(rsv_builder *b, uint8_t *known)
 {
-    rsv_elements *e = s->elements;
+    rsv_elements *e = b->elements;
     uint64_t *key = NULL;
     rsv_status status;
-    e->node_draw = rsv_alloc(s->context, e->node_count, sizeof *e->node_draw);
+    e->node_draw = rsv_alloc(b->context, e->node_count, sizeof *e->node_draw);
     RSV_TRY(e->node_draw ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(rsv_node_keys_create(e, &key));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
         e->node_draw[n] = n;
         if (e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
+        const rsv_past_node *then = rsv_past_find_node(b->scene.past, e, n, key[n]);
         if (!then) continue;
         known[n] = 1;
         e->node_draw[n] = then->draw;
-        s->valid_points[n] = (uint16_t)then->light.valid;
+        b->valid_points[n] = (uint16_t)then->light.valid;
     }
     RSV_TRY(draw_fresh_apart(e, known));
 cleanup:
-    rsv_free(s->context, key);
+    rsv_free(b->context, key);
     return status;
 }
 
 /// Points are drawn by the numbers of nodes, which each split changes: none are known from earlier elements.
-static rsv_status find_valid_points(rsv_solution *s)
+static rsv_status find_valid_points(rsv_builder *b)
 {
     rsv_status status;
-    size_t nodes = s->elements->node_count;
-    uint8_t *known = rsv_alloc(s->context, nodes, 1);
-    s->valid_points = rsv_alloc(s->context, nodes, sizeof *s->valid_points);
-    RSV_TRY(known && s->valid_points ? RSV_OK : RSV_ERROR_MEMORY);
-    if (s->scene.past) RSV_TRY(recall_points(s, known));
-    RSV_TRY(rsv_find_buried(&s->scene, s->elements, RSV_SUPPORT_POINTS, s->desc.seed, known,
-        s->valid_points, &s->report.rays));
+    size_t nodes = b->elements->node_count;
+    uint8_t *known = rsv_alloc(b->context, nodes, 1);
+    b->valid_points = rsv_alloc(b->context, nodes, sizeof *b->valid_points);
+    RSV_TRY(known && b->valid_points ? RSV_OK : RSV_ERROR_MEMORY);
+    if (b->scene.past) RSV_TRY(recall_points(b, known));
+    RSV_TRY(rsv_find_buried(&b->scene, b->elements, RSV_SUPPORT_POINTS, b->desc.seed, known,
+        b->valid_points, &b->report.rays));
 cleanup:
-    rsv_free(s->context, known);
+    rsv_free(b->context, known);
     return status;
 }
 
 /// @param earlier NULL = these are the first
-static rsv_status prepare_elements(rsv_solution *s, const rsv_elements *earlier)
+static rsv_status prepare_elements(rsv_builder *b, const rsv_elements *earlier)
 {
     rsv_status status;
-    float part = s->desc.refinements ? CLUSTER_RADIUS : CLUSTER_RADIUS_WITHOUT_PILOTS;
-    RSV_TRY(rsv_elements_separate(&s->scene, earlier, s->elements, &s->report.rays));
-    RSV_TRY(rsv_elements_cluster(s->elements, part * s->elements->spacing));
-    RSV_TRY(find_valid_points(s));
-    RSV_TRY(rsv_elements_bridge_buried(s->elements, s->valid_points));
+    float part = b->desc.refinements ? CLUSTER_RADIUS : CLUSTER_RADIUS_WITHOUT_PILOTS;
+    RSV_TRY(rsv_elements_separate(&b->scene, earlier, b->elements, &b->report.rays));
+    RSV_TRY(rsv_elements_cluster(b->elements, part * b->elements->spacing));
+    RSV_TRY(find_valid_points(b));
+    RSV_TRY(rsv_elements_bridge_buried(b->elements, b->valid_points));
 cleanup:
     return status;
 }
@@ -102,12 +102,12 @@ static void choose_as_then(void *user, const rsv_elements *e, uint8_t *split)
 }
 
 /// Splits cells and shrinks clusters like those before the scene was edited.
-static rsv_status refine_as_then(rsv_solution *s)
+static rsv_status refine_as_then(rsv_builder *b)
 {
     rsv_elements *finer = NULL;
-    const rsv_past *past = s->scene.past;
+    const rsv_past *past = b->scene.past;
     rsv_status status =
-        rsv_elements_refine_where(s->elements, choose_as_then, (void *)(uintptr_t)past, &finer);
+        rsv_elements_refine_where(b->elements, choose_as_then, (void *)(uintptr_t)past, &finer);
     if (status != RSV_OK) return status;
     for (uint32_t face = 0; face < finer->face_count; face++) {
         uint8_t halvings, level;
@@ -115,38 +115,38 @@ static rsv_status refine_as_then(rsv_solution *s)
             rsv_past_find_face(past, finer, face, &halvings, &level))
             finer->face_halvings[face] = halvings;
     }
-    status = rsv_elements_find_open_corners(&s->scene, s->elements, finer, &s->report.rays);
-    rsv_elements_destroy(s->elements);
-    s->elements = finer;
+    status = rsv_elements_find_open_corners(&b->scene, b->elements, finer, &b->report.rays);
+    rsv_elements_destroy(b->elements);
+    b->elements = finer;
     return status;
 }
 
 /// Splits cells that other geometry cuts. @param growth NULL = none
-static rsv_status refine_contacts(rsv_solution *s, const rsv_growth *growth)
+static rsv_status refine_contacts(rsv_builder *b, const rsv_growth *growth)
 {
-    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(s->desc.element_target));
+    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(b->desc.element_target));
     return rsv_elements_refine_contacts(
-        &s->scene, most_nodes, growth, &s->elements, &s->report.rays);
+        &b->scene, most_nodes, growth, &b->elements, &b->report.rays);
 }
 
-/// Grids whose cells are larger than the solution's spacing by a factor.
-static rsv_status create_grids(rsv_solution *s, float coarsening)
+/// Grids whose cells are larger than the builder's spacing by a factor.
+static rsv_status create_grids(rsv_builder *b, float coarsening)
 {
-    rsv_spacing spacing = s->spacing;
+    rsv_spacing spacing = b->spacing;
     spacing.metres *= coarsening;
-    rsv_free(s->context, s->valid_points);
-    s->valid_points = NULL;
-    rsv_status status = rsv_elements_create(s->scene.scene, s->bsdf, &spacing, &s->elements);
-    if (status == RSV_OK) s->elements->spacing = s->spacing.metres;
+    rsv_free(b->context, b->valid_points);
+    b->valid_points = NULL;
+    rsv_status status = rsv_elements_create(b->scene.scene, b->world->bsdf, &spacing, &b->elements);
+    if (status == RSV_OK) b->elements->spacing = b->spacing.metres;
     return status;
 }
 
-rsv_status rsv_coarse_elements_create(rsv_solution *s, float coarsening)
+rsv_status rsv_coarse_elements_create(rsv_builder *b, float coarsening)
 {
-    rsv_status status = create_grids(s, coarsening);
-    if (status == RSV_OK) status = refine_contacts(s, NULL);
-    if (status == RSV_OK && s->scene.past) status = refine_as_then(s);
-    return status == RSV_OK ? prepare_elements(s, NULL) : status;
+    rsv_status status = create_grids(b, coarsening);
+    if (status == RSV_OK) status = refine_contacts(b, NULL);
+    if (status == RSV_OK && b->scene.past) status = refine_as_then(b);
+    return status == RSV_OK ? prepare_elements(b, NULL) : status;
 }
 
 /// Splits halve cells: they end up at most this much larger than wanted.
@@ -176,32 +176,34 @@ static float growth_for_goal(const void *goal, const rsv_elements *e, uint32_t c
     return rsv_goal_size_at(goal, e, cell);
 }
 
-rsv_status rsv_coarse_elements_create_for_goal(rsv_solution *s, const rsv_goal *goal)
+rsv_status rsv_coarse_elements_create_for_goal(rsv_builder *b, const rsv_goal *goal)
 {
     rsv_elements *coarsest = NULL;
-    goal_chooser chooser = { goal, &s->spacing };
+    goal_chooser chooser = { goal, &b->spacing };
     rsv_growth growth = { growth_for_goal, goal };
     rsv_status status;
-    RSV_TRY(create_grids(s, RSV_GOAL_COARSEST));
-    coarsest = s->elements;
-    s->elements = NULL;
-    RSV_TRY(rsv_elements_refine_where(coarsest, choose_for_goal, &chooser, &s->elements));
-    RSV_TRY(refine_contacts(s, &growth));
-    RSV_TRY(prepare_elements(s, NULL));
+    rsv_elements_destroy(b->elements);
+    b->elements = NULL;
+    RSV_TRY(create_grids(b, RSV_GOAL_COARSEST));
+    coarsest = b->elements;
+    b->elements = NULL;
+    RSV_TRY(rsv_elements_refine_where(coarsest, choose_for_goal, &chooser, &b->elements));
+    RSV_TRY(refine_contacts(b, &growth));
+    RSV_TRY(prepare_elements(b, NULL));
 cleanup:
     rsv_elements_destroy(coarsest);
     return status;
 }
 
-rsv_status rsv_coarse_elements_split(rsv_solution *s, const uint8_t *split)
+rsv_status rsv_coarse_elements_split(rsv_builder *b, const uint8_t *split)
 {
-    rsv_elements *earlier = s->elements, *finer = NULL;
+    rsv_elements *earlier = b->elements, *finer = NULL;
     rsv_status status = rsv_elements_refine(earlier, split, &finer);
     if (status != RSV_OK) return status;
-    s->elements = finer;
-    rsv_free(s->context, s->valid_points);
-    s->valid_points = NULL;
-    status = prepare_elements(s, earlier);
+    b->elements = finer;
+    rsv_free(b->context, b->valid_points);
+    b->valid_points = NULL;
+    status = prepare_elements(b, earlier);
     rsv_elements_destroy(earlier);
     return status;
 }

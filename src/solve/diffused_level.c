@@ -5,7 +5,7 @@
 #include "../elements/elements.h"
 #include "../elements/follower.h"
 #include "../elements/open_corners.h"
-#include "solution.h"
+#include "solution_internal.h"
 
 #include <string.h>
 
@@ -22,7 +22,7 @@ static const rsv_material *face_material(const rsv_elements *e, uint32_t face)
     return &e->scene->material[e->scene->triangle_material[e->face_triangle[face]]];
 }
 
-bool rsv_is_translucent(const rsv_solution *s, uint32_t face)
+bool rsv_is_translucent(const rsv_light_view *s, uint32_t face)
 {
     if (!s->diffused.elements) return false;
     return s->diffused.material[s->scene.view->triangle_material[s->elements->face_triangle[face]]];
@@ -31,17 +31,17 @@ bool rsv_is_translucent(const rsv_solution *s, uint32_t face)
 rsv_status rsv_diffused_level_name_materials(rsv_solution *s)
 {
     size_t count = s->scene.view->material_count;
-    s->diffused.material = rsv_alloc(s->context, count, 1);
-    if (!s->diffused.material) return RSV_ERROR_MEMORY;
+    s->field.diffused.material = rsv_alloc(s->context, count, 1);
+    if (!s->field.diffused.material) return RSV_ERROR_MEMORY;
     for (size_t m = 0; m < count; m++)
-        s->diffused.material[m] = rsv_material_scatters_below(&s->scene.view->material[m]);
+        s->field.diffused.material[m] = rsv_material_scatters_below(&s->scene.view->material[m]);
     return RSV_OK;
 }
 
 static bool any_translucent(const rsv_solution *s)
 {
     size_t count = s->scene.view->material_count;
-    return count && memchr(s->diffused.material, 1, count);
+    return count && memchr(s->field.diffused.material, 1, count);
 }
 
 static float cell_size(const rsv_elements *e, uint32_t cell)
@@ -60,7 +60,7 @@ static float finest_wanted(const rsv_solution *s)
     const rsv_scene_view *view = s->scene.view;
     float finest = INFINITY;
     for (size_t m = 0; m < view->material_count; m++)
-        if (s->diffused.material[m]) finest = f_min(finest, wanted_size(&view->material[m]));
+        if (s->field.diffused.material[m]) finest = f_min(finest, wanted_size(&view->material[m]));
     return finest;
 }
 
@@ -111,7 +111,7 @@ static rsv_status create_elements(rsv_solution *s)
     RSV_TRY(rsv_elements_find_open_corners(&s->scene, s->elements, e, &s->report.rays));
     RSV_TRY(rsv_elements_separate(&s->scene, NULL, e, &s->report.rays));
     RSV_TRY(rsv_elements_cluster(e, CLUSTER_SHARE * f_max(finest_wanted(s), affordable)));
-    s->diffused.elements = e;
+    s->field.diffused.elements = e;
     e = NULL;
 cleanup:
     rsv_free(s->context, split);
@@ -137,28 +137,29 @@ static rsv_rgb field_at(
 /// Direct light at the level's own nodes; what is gathered or shot comes from where it is stored.
 static rsv_status create_entered(rsv_solution *s)
 {
-    const rsv_elements *e = s->diffused.elements;
+    const rsv_elements *e = s->field.diffused.elements;
     rsv_status status;
     uint64_t *rays = &s->report.rays;
     uint16_t *valid = rsv_alloc(s->context, e->node_count, sizeof *valid);
     uint8_t *known = rsv_alloc(s->context, e->node_count, 1);
-    rsv_rgb *entered = s->diffused.entered = rsv_alloc(s->context, e->node_count, sizeof *entered);
+    rsv_rgb *entered = s->field.diffused.entered =
+        rsv_alloc(s->context, e->node_count, sizeof *entered);
     if (!valid || !known || !entered) {
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
     RSV_TRY(rsv_find_buried(&s->scene, e, RECEIVER_POINTS, s->desc.seed, NULL, valid, rays));
-    RSV_TRY(rsv_elements_bridge_buried(s->diffused.elements, valid));
+    RSV_TRY(rsv_elements_bridge_buried(s->field.diffused.elements, valid));
     for (uint32_t n = 0; n < e->node_count; n++)
         known[n] = !is_translucent_node(e, n);
-    RSV_TRY(rsv_direct_irradiance(&s->scene, s->lights, e, RECEIVER_POINTS,
+    RSV_TRY(rsv_direct_irradiance(&s->scene, s->sources->lights, e, RECEIVER_POINTS,
         4 * s->desc.light_samples, s->desc.seed ^ 0x3c6ef372u, valid, known, entered, NULL, rays));
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (!valid[n] || known[n]) continue;
-        entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->gathered));
-        if (s->caustics.caustic)
-            entered[n] =
-                rgb_add(entered[n], field_at(e, n, s->caustics.elements, s->caustics.caustic));
+        entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->field.gathered));
+        if (s->field.caustics.caustic)
+            entered[n] = rgb_add(
+                entered[n], field_at(e, n, s->field.caustics.elements, s->field.caustics.caustic));
     }
     rsv_elements_constrain(e, entered);
 cleanup:
@@ -171,15 +172,16 @@ cleanup:
 static rsv_status diffuse_order(
     rsv_solution *s, rsv_subsurface *p, uint32_t order, rsv_rgb *irradiance)
 {
-    const rsv_elements *e = s->diffused.elements;
-    rsv_rgb *diffused = s->diffused.order[order] =
+    const rsv_elements *e = s->field.diffused.elements;
+    rsv_rgb *diffused = s->field.diffused.order[order] =
         rsv_alloc(s->context, e->node_count, sizeof *diffused);
     if (!diffused) return RSV_ERROR_MEMORY;
     for (uint32_t n = 0; order > 0 && n < e->node_count; n++)
-        if (is_translucent_node(e, n)) irradiance[n] = field_at(e, n, s->elements, s->order[order]);
-    rsv_subsurface_apply(p, e, order > 0 ? irradiance : s->diffused.entered, diffused);
+        if (is_translucent_node(e, n))
+            irradiance[n] = field_at(e, n, s->elements, s->field.order[order]);
+    rsv_subsurface_apply(p, e, order > 0 ? irradiance : s->field.diffused.entered, diffused);
     for (uint32_t n = 0; order > 0 && n < e->node_count; n++)
-        s->diffused.indirect[n] = rgb_add(s->diffused.indirect[n], diffused[n]);
+        s->field.diffused.indirect[n] = rgb_add(s->field.diffused.indirect[n], diffused[n]);
     return RSV_OK;
 }
 
@@ -192,16 +194,42 @@ rsv_status rsv_diffused_level_create(rsv_solution *s)
     if (!any_translucent(s)) return RSV_OK;
     RSV_TRY(create_elements(s));
     RSV_TRY(create_entered(s));
-    RSV_TRY(rsv_subsurface_create(s->diffused.elements, &p));
-    size_t nodes = s->diffused.elements->node_count;
+    RSV_TRY(rsv_subsurface_create(s->field.diffused.elements, &p));
+    size_t nodes = s->field.diffused.elements->node_count;
     irradiance = rsv_alloc(s->context, nodes, sizeof *irradiance);
-    s->diffused.indirect = rsv_alloc(s->context, nodes, sizeof *s->diffused.indirect);
-    if (!irradiance || !s->diffused.indirect) RSV_TRY(RSV_ERROR_MEMORY);
-    for (uint32_t order = 0; order < s->order_count; order++)
+    s->field.diffused.indirect = rsv_alloc(s->context, nodes, sizeof *s->field.diffused.indirect);
+    if (!irradiance || !s->field.diffused.indirect) RSV_TRY(RSV_ERROR_MEMORY);
+    for (uint32_t order = 0; order < s->field.order_count; order++)
         RSV_TRY(diffuse_order(s, p, order, irradiance));
 cleanup:
     rsv_free(s->context, irradiance);
     rsv_subsurface_destroy(p);
+    return status;
+}
+
+/// @param to NULL stays NULL where there is nothing to copy
+static rsv_status copy_array(
+    rsv_context *context, const void *from, size_t count, size_t size, void **to)
+{
+    if (!from) return RSV_OK;
+    *to = rsv_alloc(context, count, size);
+    if (!*to) return RSV_ERROR_MEMORY;
+    if (count) memcpy(*to, from, count * size);
+    return RSV_OK;
+}
+
+rsv_status rsv_diffused_level_copy(rsv_context *context, const rsv_diffused_level *level,
+    size_t material_count, rsv_diffused_level *copy)
+{
+    rsv_status status;
+    size_t nodes = level->elements ? level->elements->node_count : 0, rgb_bytes = sizeof(rsv_rgb);
+    copy->elements = rsv_elements_retain(level->elements);
+    RSV_TRY(copy_array(context, level->material, material_count, 1, (void **)&copy->material));
+    RSV_TRY(copy_array(context, level->entered, nodes, rgb_bytes, (void **)&copy->entered));
+    RSV_TRY(copy_array(context, level->indirect, nodes, rgb_bytes, (void **)&copy->indirect));
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++)
+        RSV_TRY(copy_array(context, level->order[k], nodes, rgb_bytes, (void **)&copy->order[k]));
+cleanup:
     return status;
 }
 
@@ -217,7 +245,7 @@ void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level)
 }
 
 rsv_rgb rsv_solution_diffused(
-    const rsv_solution *s, uint32_t face, float u, float v, uint32_t order)
+    const rsv_light_view *s, uint32_t face, float u, float v, uint32_t order)
 {
     const rsv_rgb *field = order == RSV_NONE ? s->diffused.indirect : s->diffused.order[order];
     return rsv_elements_interpolate(s->diffused.elements, field, face, u, v);
@@ -233,7 +261,7 @@ rsv_rgb rsv_diffused_share(const rsv_elements *e, uint32_t cell)
         (float)rsv_diffusion_transfer((double)p.d[2], finest));
 }
 
-rsv_unresolved rsv_solution_unresolved(const rsv_solution *s, uint32_t face, float u, float v)
+rsv_unresolved rsv_solution_unresolved(const rsv_light_view *s, uint32_t face, float u, float v)
 {
     const rsv_elements *e = s->diffused.elements;
     float weight[3];
@@ -242,7 +270,7 @@ rsv_unresolved rsv_solution_unresolved(const rsv_solution *s, uint32_t face, flo
         .share = rsv_diffused_share(e, cell) };
 }
 
-rsv_rgb rsv_solution_diffused_direct(const rsv_solution *s, uint32_t face, float u, float v)
+rsv_rgb rsv_solution_diffused_direct(const rsv_light_view *s, uint32_t face, float u, float v)
 {
     rsv_rgb direct = rsv_solution_diffused(s, face, u, v, 0);
     if (!s->fine.direct) return direct;

@@ -10,6 +10,7 @@
 #include "../direct/source_level.h"
 
 struct rsv_solution;
+struct rsv_light_view;
 
 /// Orders kept apart; the last one collects all higher ones.
 #define RSV_KEPT_ORDERS 8
@@ -29,16 +30,20 @@ rsv_status rsv_diffused_level_name_materials(struct rsv_solution *solution);
 rsv_status rsv_diffused_level_create(struct rsv_solution *solution);
 void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level);
 
+/// The same on the same elements, with fields of its own. @param copy empty before; to be destroyed even after an error
+rsv_status rsv_diffused_level_copy(rsv_context *context, const rsv_diffused_level *level,
+    size_t material_count, rsv_diffused_level *copy);
+
 /// Whether light leaves a face elsewhere than it entered.
-bool rsv_is_translucent(const struct rsv_solution *solution, uint32_t face);
+bool rsv_is_translucent(const struct rsv_light_view *light, uint32_t face);
 
 /// Diffused irradiance of one order, 0 = direct; RSV_NONE = all but the direct.
 rsv_rgb rsv_solution_diffused(
-    const struct rsv_solution *solution, uint32_t face, float u, float v, uint32_t order);
+    const struct rsv_light_view *light, uint32_t face, float u, float v, uint32_t order);
 
 /// Direct light diffused, with the share of the direct level's detail that survives.
 rsv_rgb rsv_solution_diffused_direct(
-    const struct rsv_solution *solution, uint32_t face, float u, float v);
+    const struct rsv_light_view *light, uint32_t face, float u, float v);
 
 /// The share of detail below the size of a cell that survives diffusion: all of it on surfaces that are not translucent.
 rsv_rgb rsv_diffused_share(const rsv_elements *elements, uint32_t cell);
@@ -49,6 +54,6 @@ typedef struct rsv_unresolved {
 } rsv_unresolved;
 
 rsv_unresolved rsv_solution_unresolved(
-    const struct rsv_solution *solution, uint32_t face, float u, float v);
+    const struct rsv_light_view *light, uint32_t face, float u, float v);
 
 #endif

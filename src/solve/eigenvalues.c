@@ -1,14 +1,12 @@
 #include "../core/team.h"
-#include "solution.h"
-#include "transport_map.h"
+#include "solution_internal.h"
 
 rsv_status rsv_leading_eigenvalues(const rsv_solution *s, size_t *count, double *value)
 {
     rsv_status status;
     rsv_transport_map *map = NULL;
     char message[RSV_MESSAGE_BYTES];
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map));
+    RSV_TRY(rsv_operator_map(s->op, 1, &map));
     RSV_TRY(rsv_transport_map_prepare(map, RSV_SOLVER_PETSC));
     status = rsv_context_team(s->context)
                  ->table->krylov->eigenvalues(map->krylov, count, value, message);

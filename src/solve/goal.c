@@ -2,8 +2,6 @@
 
 #include "../elements/elements.h"
 #include "../solver/linear_solver.h"
-#include "solution.h"
-#include "transport_map.h"
 
 /// Rays each way that weigh what is seen.
 #define PILOT_SIDE 128
@@ -14,16 +12,16 @@
 /// Places each way at which a cell is asked for its size, at most.
 #define MOST_PLACES 4
 
-rsv_status rsv_goal_importance(const rsv_solution *s, const rsv_rgb *weight, rsv_rgb *importance)
+rsv_status rsv_goal_importance(
+    const rsv_operator *op, uint32_t max_orders, const rsv_rgb *weight, rsv_rgb *importance)
 {
     rsv_transport_map *map = NULL;
     rsv_linear_report report;
     rsv_linear_desc desc = rsv_default_linear_desc(RSV_SOLVER_GMRES);
     desc.relative = ACCURACY;
-    desc.max_applications = s->desc.max_orders;
+    desc.max_applications = max_orders;
     rsv_status status;
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map));
+    RSV_TRY(rsv_operator_map(op, 1, &map));
     RSV_TRY(rsv_transport_map_transpose(map));
     rsv_linear_map transposed = rsv_linear_map_transposed(&map->linear);
     RSV_TRY(rsv_linear_solve(&transposed, 3, &weight->r, &desc, &importance->r, &report));
@@ -67,25 +65,25 @@ static void set_sizes(const rsv_elements *e, rsv_rgb *density)
     }
 }
 
-rsv_status rsv_goal_create(rsv_solution *s, rsv_goal *goal)
+rsv_status rsv_goal_create(const rsv_operator *op, const rsv_solve_desc *desc, rsv_goal *goal)
 {
-    rsv_goal_aim aim = rsv_goal_aim_of(s);
-    size_t nodes = s->elements->node_count;
+    rsv_goal_aim aim = rsv_goal_aim_of(desc);
+    rsv_context *context = rsv_operator_get_view(op)->context;
+    rsv_elements *elements = rsv_operator_get_view(op)->elements;
     rsv_status status = RSV_ERROR_MEMORY;
-    rsv_rgb *weight = rsv_alloc(s->context, nodes, sizeof *weight);
-    rsv_rgb *importance = rsv_alloc(s->context, nodes, sizeof *importance);
+    rsv_rgb *weight = rsv_alloc(context, elements->node_count, sizeof *weight);
+    rsv_rgb *importance = rsv_alloc(context, elements->node_count, sizeof *importance);
     if (!weight || !importance) goto cleanup;
-    RSV_TRY(rsv_goal_weights(s, &aim, PILOT_SIDE, weight));
-    RSV_TRY(rsv_goal_importance(s, weight, importance));
-    rsv_goal_density(s->elements, importance);
-    set_sizes(s->elements, importance);
-    goal->elements = s->elements;
+    RSV_TRY(rsv_goal_weights(op, &aim, PILOT_SIDE, desc->seed, weight));
+    RSV_TRY(rsv_goal_importance(op, desc->max_orders, weight, importance));
+    rsv_goal_density(elements, importance);
+    set_sizes(elements, importance);
+    goal->elements = rsv_elements_retain(elements);
     goal->size = importance;
-    s->elements = NULL;
     importance = NULL;
 cleanup:
-    rsv_free(s->context, weight);
-    rsv_free(s->context, importance);
+    rsv_free(context, weight);
+    rsv_free(context, importance);
     return status;
 }
 

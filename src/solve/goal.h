@@ -7,10 +7,7 @@
 #ifndef RSV_GOAL_H
 #define RSV_GOAL_H
 
-#include "../elements/elements.h"
-#include "resolvent/solve.h"
-
-struct rsv_solution;
+#include "operator.h"
 
 /// Importance is learned on elements larger than usual by this.
 #define RSV_GOAL_LEARNED 2.0f
@@ -30,8 +27,8 @@ typedef struct rsv_goal_aim {
     size_t point_count;
 } rsv_goal_aim;
 
-/// What a solution is made for.
-rsv_goal_aim rsv_goal_aim_of(const struct rsv_solution *solution);
+/// What a description asks for.
+rsv_goal_aim rsv_goal_aim_of(const rsv_solve_desc *desc);
 bool rsv_goal_is_wanted(const rsv_goal_aim *aim);
 
 /// RSV_ERROR_ARGUMENT where one is no receiver.
@@ -39,26 +36,26 @@ rsv_status rsv_check_probes(const rsv_probe *probes, size_t count);
 
 /// w, times the weights of luminance: <w, E> over the free nodes and channels is the mean luminance of the picture, or
 /// the mean luminance of the readings, as far as it comes from diffuse surfaces.
-/// @param side camera rays across and down; sensors share as many @param weight [node_count] of solution->elements
+/// @param side camera rays across and down; sensors share as many @param weight [node_count]
 rsv_status rsv_goal_weights(
-    const struct rsv_solution *solution, const rsv_goal_aim *aim, uint32_t side, rsv_rgb *weight);
+    const rsv_operator *op, const rsv_goal_aim *aim, uint32_t side, uint32_t seed, rsv_rgb *weight);
 
-/// z for given w. Needs rows and albedos, no solution. @param importance [node_count]
+/// z for given w. @param max_orders applications of G K at most @param importance [node_count]
 rsv_status rsv_goal_importance(
-    const struct rsv_solution *solution, const rsv_rgb *weight, rsv_rgb *importance);
+    const rsv_operator *op, uint32_t max_orders, const rsv_rgb *weight, rsv_rgb *importance);
 
 /// Importance per area, for evaluation between nodes. @param importance in and out, hanging nodes filled
 void rsv_goal_density(const rsv_elements *elements, rsv_rgb *importance);
 
-/// Finds the sizes for what a solution is made for from rows and albedos on coarse elements, which it takes over.
-rsv_status rsv_goal_create(struct rsv_solution *solution, rsv_goal *goal);
+/// Finds the sizes for what a description asks for, from an operator on coarse elements, which the goal keeps.
+rsv_status rsv_goal_create(const rsv_operator *op, const rsv_solve_desc *desc, rsv_goal *goal);
 void rsv_goal_destroy(rsv_goal *goal);
 
 /// How much larger than usual a cell of other elements may be: the least at some places of it.
 float rsv_goal_size_at(const rsv_goal *goal, const rsv_elements *elements, uint32_t cell);
 
-/// Cells whose light no ray of the goal sees. @param hidden [cell_count] of solution->elements
+/// Cells whose light no ray of the goal sees. @param hidden [cell_count]
 rsv_status rsv_goal_hidden_cells(
-    const struct rsv_solution *solution, const rsv_goal_aim *aim, uint8_t *hidden);
+    const rsv_operator *op, const rsv_goal_aim *aim, uint32_t seed, uint8_t *hidden);
 
 #endif

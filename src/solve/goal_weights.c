@@ -1,7 +1,6 @@
 #include "../core/stratified.h"
 #include "../trace/camera_ray.h"
 #include "goal.h"
-#include "solution.h"
 
 #include <string.h>
 
@@ -10,9 +9,9 @@
 /// Rays each way that tell what is seen at all.
 #define VIEW_SIDE 384
 
-rsv_goal_aim rsv_goal_aim_of(const rsv_solution *s)
+rsv_goal_aim rsv_goal_aim_of(const rsv_solve_desc *desc)
 {
-    return (rsv_goal_aim){ s->desc.goal_camera, s->desc.goal_points, s->desc.goal_point_count };
+    return (rsv_goal_aim){ desc->goal_camera, desc->goal_points, desc->goal_point_count };
 }
 
 bool rsv_goal_is_wanted(const rsv_goal_aim *aim)
@@ -38,27 +37,28 @@ static bool counts_nothing(const void *user, uint32_t triangle, uint32_t events)
 }
 
 /// One ray of the goal: to the diffuse surface that it leads to.
-static bool follow(const rsv_solution *s, const rsv_ray *ray, const rsv_medium *medium,
+static bool follow(const rsv_transport_scene *scene, const rsv_ray *ray, const rsv_medium *medium,
     rsv_random *random, rsv_chain *end)
 {
     rsv_hit hit;
-    if (!rsv_tracer_closest(s->tracer, ray, &hit)) return false;
+    if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
     rsv_chain first =
-        rsv_chain_begin(&s->scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts_nothing, NULL);
+        rsv_chain_begin(scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_gather gather = rsv_chain_gather(scene, first, random, counts_nothing, NULL);
     *end = gather.chain;
     return gather.end == RSV_CHAIN_DIFFUSE;
 }
 
 /// @param share of the goal that the radiance of this ray is
-static void add_weight(const rsv_solution *s, const rsv_chain *end, float share, rsv_rgb *weight)
+static void add_weight(
+    const rsv_operator_view *op, const rsv_chain *end, float share, rsv_rgb *weight)
 {
-    const rsv_elements *e = s->elements;
+    const rsv_elements *e = op->elements;
     uint32_t face = e->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return;
     rsv_bsdf storage;
     float w[3];
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, end, &storage);
+    const rsv_bsdf *bsdf = rsv_chain_bsdf(&op->world->scene, end, &storage);
     rsv_rgb seen = rgb_scale(rgb_mul(end->weight, bsdf->exitance_albedo), share / RSV_PI);
     // luminance is linear: its weights go along
     seen = rgb(rgb_luminance(rgb(seen.r, 0, 0)), rgb_luminance(rgb(0, seen.g, 0)),
@@ -68,31 +68,33 @@ static void add_weight(const rsv_solution *s, const rsv_chain *end, float share,
         weight[node[k]] = rgb_mad(weight[node[k]], w[k], seen);
 }
 
-static void weigh_picture(const rsv_solution *s, uint32_t index, uint32_t side, rsv_rgb *weight)
+static void weigh_picture(
+    const rsv_operator_view *op, uint32_t index, uint32_t side, uint32_t seed, rsv_rgb *weight)
 {
-    const rsv_camera *camera = &s->scene.view->camera[index];
-    rsv_medium medium = rsv_medium_above(&s->scene.media, camera->position, camera->forward);
+    const rsv_transport_scene *scene = &op->world->scene;
+    const rsv_camera *camera = &scene->view->camera[index];
+    rsv_medium medium = rsv_medium_above(&scene->media, camera->position, camera->forward);
     float aspect = camera->aspect > 0 ? camera->aspect : 1;
     uint32_t height = 1024, width = (uint32_t)fmaxf(height * aspect, 1);
     for (uint32_t k = 0; k < side * side; k++) {
-        rsv_random random = rsv_random_from(s->desc.seed, k, 0x60a1u);
+        rsv_random random = rsv_random_from(seed, k, 0x60a1u);
         float x = ((float)(k % side) + rsv_random_float(&random)) / (float)side;
         float y = ((float)(k / side) + rsv_random_float(&random)) / (float)side;
         rsv_ray ray = rsv_camera_ray(camera, width, height, x * (float)width, y * (float)height);
         rsv_chain end;
-        if (follow(s, &ray, &medium, &random, &end))
-            add_weight(s, &end, 1 / (float)(side * side), weight);
+        if (follow(scene, &ray, &medium, &random, &end))
+            add_weight(op, &end, 1 / (float)(side * side), weight);
     }
 }
 
-/// A gather ray counts pi / rays times the radiance it finds.
-static void weigh_reading(
-    const rsv_solution *s, const rsv_goal_aim *aim, size_t index, uint32_t rays, rsv_rgb *weight)
+/// A gather ray counts pi / rays times the radiance it finds. @param stream of random numbers
+static void weigh_reading(const rsv_operator_view *op, const rsv_goal_aim *aim, size_t index,
+    uint32_t rays, uint32_t stream, rsv_rgb *weight)
 {
+    const rsv_transport_scene *scene = &op->world->scene;
     rsv_vec3 normal = v3_normalize(aim->point[index].normal), t, b;
-    rsv_vec3 origin = rsv_tracer_receiver_origin(s->tracer, aim->point[index].position, normal);
-    rsv_medium medium = rsv_medium_above(&s->scene.media, origin, normal);
-    uint32_t stream = rsv_hash3(s->desc.seed, (uint32_t)index, 0x5e45u);
+    rsv_vec3 origin = rsv_tracer_receiver_origin(scene->tracer, aim->point[index].position, normal);
+    rsv_medium medium = rsv_medium_above(&scene->media, origin, normal);
     v3_frame(normal, &t, &b);
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
@@ -101,54 +103,57 @@ static void weigh_reading(
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
         rsv_chain end;
-        if (follow(s, &ray, &medium, &random, &end))
-            add_weight(s, &end, RSV_PI / ((float)rays * (float)aim->point_count), weight);
+        if (follow(scene, &ray, &medium, &random, &end))
+            add_weight(op, &end, RSV_PI / ((float)rays * (float)aim->point_count), weight);
     }
 }
 
 /// From weights of what surfaces show to those of the irradiance that enters them, at free nodes: P* on translucent
 /// ones.
-static rsv_status enter(const rsv_solution *s, rsv_rgb *weight)
+static rsv_status enter(const rsv_operator_view *op, rsv_rgb *weight)
 {
-    if (s->subsurface) {
-        size_t bytes = s->elements->node_count * sizeof *weight;
-        rsv_rgb *shown = rsv_alloc(s->context, s->elements->node_count, sizeof *shown);
+    const rsv_elements *e = op->elements;
+    if (op->subsurface) {
+        rsv_rgb *shown = rsv_alloc(op->context, e->node_count, sizeof *shown);
         if (!shown) return RSV_ERROR_MEMORY;
-        memcpy(shown, weight, bytes);
-        rsv_subsurface_apply_transpose(s->subsurface, s->elements, shown, weight);
-        rsv_free(s->context, shown);
+        memcpy(shown, weight, e->node_count * sizeof *weight);
+        rsv_subsurface_apply_transpose(op->subsurface, e, shown, weight);
+        rsv_free(op->context, shown);
     }
-    rsv_elements_constrain_transpose(s->elements, weight);
+    rsv_elements_constrain_transpose(e, weight);
     return RSV_OK;
 }
 
 rsv_status rsv_goal_weights(
-    const rsv_solution *s, const rsv_goal_aim *aim, uint32_t side, rsv_rgb *weight)
+    const rsv_operator *of, const rsv_goal_aim *aim, uint32_t side, uint32_t seed, rsv_rgb *weight)
 {
-    for (size_t n = 0; n < s->elements->node_count; n++)
+    const rsv_operator_view *op = rsv_operator_get_view(of);
+    for (size_t n = 0; n < op->elements->node_count; n++)
         weight[n] = rgb_gray(0);
-    if (aim->camera != RSV_NONE) weigh_picture(s, aim->camera, side, weight);
+    if (aim->camera != RSV_NONE) weigh_picture(op, aim->camera, side, seed, weight);
     for (size_t k = 0; k < aim->point_count; k++) {
         uint32_t rays = (uint32_t)(side * side / aim->point_count);
-        if (rsv_cancelled(s->context)) break;
-        weigh_reading(s, aim, k, rays > FEWEST_SENSOR_RAYS ? rays : FEWEST_SENSOR_RAYS, weight);
+        if (rsv_cancelled(op->context)) break;
+        weigh_reading(op, aim, k, rays > FEWEST_SENSOR_RAYS ? rays : FEWEST_SENSOR_RAYS,
+            rsv_hash3(seed, (uint32_t)k, 0x5e45u), weight);
     }
-    rsv_status status = enter(s, weight);
-    return status == RSV_OK ? rsv_progress(s->context, "weights", 1) : status;
+    rsv_status status = enter(op, weight);
+    return status == RSV_OK ? rsv_progress(op->context, "weights", 1) : status;
 }
 
-rsv_status rsv_goal_hidden_cells(const rsv_solution *s, const rsv_goal_aim *aim, uint8_t *hidden)
+rsv_status rsv_goal_hidden_cells(
+    const rsv_operator *op, const rsv_goal_aim *aim, uint32_t seed, uint8_t *hidden)
 {
-    const rsv_elements *e = s->elements;
+    const rsv_elements *e = rsv_operator_get_view(op)->elements;
     rsv_rgb *weight = rsv_alloc(e->context, e->node_count, sizeof *weight);
     if (!weight) return RSV_ERROR_MEMORY;
-    rsv_status status = rsv_goal_weights(s, aim, VIEW_SIDE, weight);
+    rsv_status status = rsv_goal_weights(op, aim, VIEW_SIDE, seed, weight);
     rsv_elements_constrain(e, weight);
     for (size_t c = 0; c < e->cell_count; c++) {
         hidden[c] = 1;
         for (int k = 0; k < 3; k++)
             if (!rgb_is_black(weight[e->cell_node[c][k]])) hidden[c] = 0;
     }
-    rsv_free(s->context, weight);
+    rsv_free(e->context, weight);
     return status;
 }

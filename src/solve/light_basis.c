@@ -2,7 +2,7 @@
 
 #include "../direct/direct_glance.h"
 #include "../elements/burial.h"
-#include "solution.h"
+#include "solution_internal.h"
 
 #include <string.h>
 
@@ -21,18 +21,18 @@ size_t rsv_light_field_length(const rsv_solution *s, size_t field)
     case DIRECT:
         return s->elements->node_count;
     case COARSE_CAUSTIC:
-        return s->caustics.elements ? s->elements->node_count : 0;
+        return s->field.caustics.elements ? s->elements->node_count : 0;
     case FINE:
-        return s->fine.elements ? s->fine.elements->node_count : 0;
+        return s->field.fine.elements ? s->field.fine.elements->node_count : 0;
     default:
-        return s->caustics.elements ? s->caustics.elements->node_count : 0;
+        return s->field.caustics.elements ? s->field.caustics.elements->node_count : 0;
     }
 }
 
 rsv_rgb *rsv_light_field(const rsv_solution *s, size_t field)
 {
-    rsv_rgb *const fields[RSV_LIGHT_FIELDS] = { s->source, s->caustics.coarse_caustic,
-        s->fine.direct, s->caustics.caustic };
+    rsv_rgb *const fields[RSV_LIGHT_FIELDS] = { s->field.source, s->field.caustics.coarse_caustic,
+        s->field.fine.direct, s->field.caustics.caustic };
     return fields[field];
 }
 
@@ -43,8 +43,9 @@ void rsv_light_total(const rsv_solution *s, size_t field, rsv_rgb *total)
     size_t length = rsv_light_field_length(s, field);
     if (length) memcpy(total, rsv_light_field(s, field), length * sizeof *total);
     for (size_t n = 0; field == DIRECT && n < length; n++) {
-        rsv_rgb rest = rgb_sub(total[n], s->gathered[n]);
-        if (s->caustics.coarse_caustic) rest = rgb_sub(rest, s->caustics.coarse_caustic[n]);
+        rsv_rgb rest = rgb_sub(total[n], s->field.gathered[n]);
+        if (s->field.caustics.coarse_caustic)
+            rest = rgb_sub(rest, s->field.caustics.coarse_caustic[n]);
         total[n] = rgb(positive(rest.r), positive(rest.g), positive(rest.b));
     }
 }
@@ -55,7 +56,7 @@ rsv_status rsv_light_basis_create_empty(const rsv_solution *s, rsv_light_basis *
     rsv_light_basis *b = rsv_alloc(s->context, 1, sizeof *b);
     if (!b) return RSV_ERROR_MEMORY;
     b->context = s->context;
-    RSV_TRY(rsv_list_sources(s->lights, &b->source, &b->source_count));
+    RSV_TRY(rsv_list_sources(s->sources->lights, &b->source, &b->source_count));
     b->part = rsv_alloc(s->context, b->source_count, sizeof *b->part);
     if (!b->part) RSV_TRY(RSV_ERROR_MEMORY);
     *basis = b;
@@ -92,13 +93,13 @@ static rsv_status allocate_part(const rsv_solution *s, rsv_light_part *part)
     return RSV_OK;
 }
 
-static rsv_status shoot_alone(const rsv_solution *s, const rsv_lights *solo, uint32_t photons,
+static rsv_status shoot_subset(const rsv_solution *s, const rsv_lights *subset, uint32_t photons,
     rsv_light_part *part, uint64_t *rays)
 {
     rsv_photon_map map[2] = { 0 };
-    const rsv_elements *const targets[2] = { s->caustics.elements, s->elements };
-    rsv_status status =
-        rsv_photons_shoot(&s->scene, solo, photons, rsv_level_seed(s), targets, map, 2, rays);
+    const rsv_elements *const targets[2] = { s->field.caustics.elements, s->elements };
+    rsv_status status = rsv_photons_shoot(
+        &s->scene, subset, photons, rsv_level_seed(s->desc.seed), targets, map, 2, rays);
     if (status == RSV_OK) {
         rsv_photon_map_irradiance(&map[0], part->caustic);
         rsv_photon_map_irradiance(&map[1], part->coarse_caustic);
@@ -117,37 +118,37 @@ rsv_light_effort rsv_full_light_effort(const rsv_solution *s, const uint16_t *va
 }
 
 /// The light of one level: by a glance where that will do.
-static rsv_status estimate_level(const rsv_solution *s, const rsv_lights *solo, bool fine,
+static rsv_status estimate_level(const rsv_solution *s, const rsv_lights *subset, bool fine,
     const rsv_light_effort *effort, rsv_rgb *irradiance, uint64_t *rays)
 {
-    const rsv_elements *elements = fine ? s->fine.elements : s->elements;
+    const rsv_elements *elements = fine ? s->field.fine.elements : s->elements;
     const rsv_receiver_blocks *blocks = fine ? effort->fine : effort->coarse;
     const uint8_t *known = NULL;
-    if (blocks && rsv_can_glance(solo)) {
-        rsv_status status = rsv_direct_glance(blocks, solo, irradiance, rays);
+    if (blocks && rsv_can_glance(subset)) {
+        rsv_status status = rsv_direct_glance(blocks, subset, irradiance, rays);
         if (status == RSV_OK && blocks->holds_all) rsv_elements_constrain(elements, irradiance);
         if (status != RSV_OK || blocks->holds_all) return status;
         known = blocks->held;
     }
-    return rsv_direct_irradiance(&s->scene, solo, elements,
+    return rsv_direct_irradiance(&s->scene, subset, elements,
         fine ? RSV_LEVEL_POINTS : RSV_SUPPORT_POINTS,
         fine ? effort->fine_samples : effort->coarse_samples,
-        fine ? rsv_level_seed(s) : s->desc.seed, fine ? effort->valid : s->valid_points, known,
-        irradiance, NULL, rays);
+        fine ? rsv_level_seed(s->desc.seed) : s->desc.seed,
+        fine ? effort->valid : s->view.valid_points, known, irradiance, NULL, rays);
 }
 
 rsv_status rsv_light_part_estimate(const rsv_solution *s, const rsv_lights *lights,
     const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part, uint64_t *rays)
 {
     rsv_status status;
-    rsv_lights *solo = NULL;
+    rsv_lights *subset = NULL;
     RSV_TRY(allocate_part(s, part));
-    RSV_TRY(rsv_light_subset_create(lights, source, 1, &solo));
-    RSV_TRY(estimate_level(s, solo, false, effort, part->direct, rays));
-    if (part->fine) RSV_TRY(estimate_level(s, solo, true, effort, part->fine, rays));
-    if (part->caustic) RSV_TRY(shoot_alone(s, solo, effort->photons, part, rays));
+    RSV_TRY(rsv_light_subset_create(lights, source, 1, &subset));
+    RSV_TRY(estimate_level(s, subset, false, effort, part->direct, rays));
+    if (part->fine) RSV_TRY(estimate_level(s, subset, true, effort, part->fine, rays));
+    if (part->caustic) RSV_TRY(shoot_subset(s, subset, effort->photons, part, rays));
 cleanup:
-    rsv_light_subset_destroy(solo);
+    rsv_light_subset_destroy(subset);
     return status;
 }
 
@@ -155,11 +156,11 @@ rsv_status rsv_find_fine_valid(const rsv_solution *s, uint16_t **valid)
 {
     uint64_t rays = 0;
     *valid = NULL;
-    if (!s->fine.elements) return RSV_OK;
-    *valid = rsv_alloc(s->context, s->fine.elements->node_count, sizeof **valid);
+    if (!s->field.fine.elements) return RSV_OK;
+    *valid = rsv_alloc(s->context, s->field.fine.elements->node_count, sizeof **valid);
     if (!*valid) return RSV_ERROR_MEMORY;
-    return rsv_find_buried(
-        &s->scene, s->fine.elements, RSV_LEVEL_POINTS, rsv_level_seed(s), NULL, *valid, &rays);
+    return rsv_find_buried(&s->scene, s->field.fine.elements, RSV_LEVEL_POINTS,
+        rsv_level_seed(s->desc.seed), NULL, *valid, &rays);
 }
 
 /// value's share of sum; equal shares where nothing was found by anyone.
@@ -201,7 +202,8 @@ rsv_status rsv_light_basis_create(const rsv_solution *s, rsv_light_basis **basis
     if (many) RSV_TRY(rsv_find_fine_valid(s, &valid));
     rsv_light_effort effort = rsv_full_light_effort(s, valid);
     for (size_t k = 0; many && k < b->source_count; k++)
-        RSV_TRY(rsv_light_part_estimate(s, s->lights, &b->source[k], &effort, &b->part[k], &rays));
+        RSV_TRY(rsv_light_part_estimate(
+            s, s->sources->lights, &b->source[k], &effort, &b->part[k], &rays));
     for (size_t field = 0; many && field < RSV_LIGHT_FIELDS; field++)
         RSV_TRY(divide(s, b, field));
     *basis = b;

@@ -1,6 +1,6 @@
 /// How evenly rows of G can be divided, and what the parts would have to tell each other, without any other process.
 #include "../operator/row_tracer.h"
-#include "solution.h"
+#include "solution_internal.h"
 
 #include <string.h>
 
@@ -109,7 +109,7 @@ static rsv_status measure_cut(
         total += sum;
         most = fmax(most, sum);
         needed.part = part;
-        count_needed(s->transport, d, &needed, cost);
+        count_needed(s->view.transport, d, &needed, cost);
     }
     cost->imbalance = total > 0 ? most * d->part_count / total : 1;
 cleanup:
@@ -124,7 +124,7 @@ rsv_status rsv_measure_division(
 {
     rsv_status status;
     rsv_division *division = NULL;
-    rsv_row_tracer tracer = { &s->scene, s->lights, s->elements, s->valid_points,
+    rsv_row_tracer tracer = { &s->scene, s->sources->lights, s->elements, s->view.valid_points,
         .seed = s->desc.seed };
     float *seconds = rsv_alloc(s->context, s->elements->node_count, sizeof *seconds);
     RSV_TRY(seconds ? RSV_OK : RSV_ERROR_MEMORY);

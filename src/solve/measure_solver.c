@@ -2,8 +2,7 @@
 #include "../solver/choose_solver.h"
 #include "../solver/linear_solver.h"
 #include "../solver/spectrum.h"
-#include "solution.h"
-#include "transport_map.h"
+#include "solution_internal.h"
 
 /// Orders of light that show how fast they die out, before a solver is chosen.
 #define SCOUT_TERMS 5
@@ -31,7 +30,7 @@ static rsv_status run(rsv_transport_map *map, const rsv_solution *s, rsv_linear_
     desc->user = l;
     l->before = cost->applications;
     rsv_status status =
-        rsv_linear_solve(&map->linear, 3, &s->source->r, desc, &irradiance->r, &report);
+        rsv_linear_solve(&map->linear, 3, &s->field.source->r, desc, &irradiance->r, &report);
     cost->solver = desc->solver;
     cost->stop_reason = report.stop_reason;
     cost->applications += report.applications;
@@ -70,8 +69,7 @@ rsv_status rsv_measure_solver(const rsv_solution *s, rsv_solver solver, double t
     listener l = { .observe = observe, .user = user };
     rsv_rgb *irradiance = rsv_alloc(s->context, s->elements->node_count, sizeof *irradiance);
     if (!irradiance) return RSV_ERROR_MEMORY;
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map));
+    RSV_TRY(rsv_operator_map(s->op, 1, &map));
     RSV_TRY(rsv_transport_map_prepare(map, solver));
     rsv_linear_desc desc = rsv_default_linear_desc(solver);
     desc.relative = tolerance;
@@ -93,13 +91,12 @@ rsv_status rsv_measure_application(const rsv_solution *s, uint32_t repetitions, 
     rsv_rgb *image = rsv_alloc(s->context, nodes, sizeof *image);
     rsv_rgb *bare = rsv_alloc(s->context, nodes, sizeof *bare);
     if (!image || !bare) goto cleanup;
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map));
+    RSV_TRY(rsv_operator_map(s->op, 1, &map));
     for (uint32_t k = 0; k < repetitions; k++) {
         double start = rsv_seconds();
-        map->linear.table->apply(map, 3, &s->irradiance->r, &image->r);
+        map->linear.table->apply(map, 3, &s->field.irradiance->r, &image->r);
         double applied = rsv_seconds();
-        rsv_transport_gather_only(s->transport, s->irradiance, bare);
+        rsv_transport_gather_only(s->view.transport, s->field.irradiance, bare);
         ratio[k] = (rsv_seconds() - applied) / (applied - start);
     }
 cleanup:
@@ -113,8 +110,7 @@ rsv_status rsv_measure_device(
     const rsv_solution *s, uint32_t repetitions, double *copy_rate, double *seconds, size_t *bytes)
 {
     rsv_transport_map *map = NULL;
-    rsv_status status = rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map);
+    rsv_status status = rsv_operator_map(s->op, 1, &map);
     if (status == RSV_OK)
         status = rsv_device_map_measure(map->device, repetitions, copy_rate, seconds, bytes);
     rsv_transport_map_destroy(map);

@@ -1,6 +1,6 @@
 /// E = sum (G K)^n E0. The first orders are kept one by one, as layers of pictures; what follows them is kept as
 /// one, and a faster solver may find it.
-#include "solution.h"
+#include "solution_internal.h"
 
 #include "../core/team.h"
 #include "../elements/curvature.h"
@@ -50,9 +50,10 @@ static double residual_norm(const series *q, rsv_rgb *irradiance, rsv_rgb *resid
 {
     const rsv_solution *s = q->s;
     double max = 0;
-    q->map->linear.table->residual(q->map, 3, &s->source->r, &irradiance->r, &residual->r);
+    q->map->linear.table->residual(q->map, 3, &s->field.source->r, &irradiance->r, &residual->r);
+    const float *scale = rsv_operator_get_view(s->op)->transport->scale;
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        if (s->transport->scale[n] == 0) continue;
+        if (scale[n] == 0) continue;
         rsv_rgb r = residual[n];
         max = fmax(max, fmax(fabs(r.r), fmax(fabs(r.g), fabs(r.b))));
     }
@@ -74,7 +75,7 @@ static double caught_share(const rsv_solution *s, const float *survival)
     for (size_t c = 0; c < 3; c++) {
         double caught = 0, all = 0;
         for (size_t n = 0; n < s->elements->node_count; n++) {
-            double light = s->elements->node_area[n] * (&s->source[n].r)[c];
+            double light = s->elements->node_area[n] * (&s->field.source[n].r)[c];
             all += light;
             caught += light * survival[3 * n + c];
         }
@@ -83,23 +84,56 @@ static double caught_share(const rsv_solution *s, const float *survival)
     return most;
 }
 
-/// Leaves pockets dark: no light starts there, none arrives. @param least share that a pocket keeps
-static void close_pockets(rsv_solution *s, const float *survival, float least)
+/// Nodes of pockets have no albedo, nor have those that hang between such nodes. @param albedo [node_count] in and out
+/// @return m2
+static double blacken_pockets(
+    const rsv_elements *e, const float *survival, float least, rsv_rgb *albedo)
 {
-    for (size_t n = 0; n < s->elements->node_count; n++) {
+    double area = 0;
+    for (size_t n = 0; n < e->node_count; n++) {
         const float *share = &survival[3 * n];
         if (fmaxf(share[0], fmaxf(share[1], share[2])) <= least) continue;
-        s->transport->scale[n] = 0;
-        s->source[n] = s->order[0][n] = rgb_gray(0);
-        s->pocket_area += s->elements->node_area[n];
+        albedo[n] = rgb_gray(0);
+        area += (double)e->node_area[n];
     }
+    for (size_t k = 0; k < e->hanging_count; k++) {
+        const rsv_hanging *h = &e->hanging[k];
+        bool lit = false;
+        for (int p = 0; p < RSV_PARENTS; p++)
+            lit = lit || (h->weight[p] > 0 && !rgb_is_black(albedo[h->parent[p]]));
+        if (!lit) albedo[h->node] = rgb_gray(0);
+    }
+    return area;
+}
+
+/// Leaves pockets dark: no light starts there, and what arrives is absorbed. That is another operator, for this light alone.
+/// @param least share that a pocket keeps
+static rsv_status close_pockets(rsv_solution *s, const float *survival, float least)
+{
+    rsv_operator *closed = NULL;
+    size_t nodes = s->elements->node_count;
+    rsv_rgb *albedo = rsv_alloc(s->context, nodes, sizeof *albedo);
+    if (!albedo) return RSV_ERROR_MEMORY;
+    memcpy(albedo, rsv_operator_get_view(s->op)->albedo, nodes * sizeof *albedo);
+    s->pocket_area += blacken_pockets(s->elements, survival, least, albedo);
+    for (size_t n = 0; n < nodes; n++) {
+        const float *share = &survival[3 * n];
+        if (fmaxf(share[0], fmaxf(share[1], share[2])) > least)
+            s->field.source[n] = s->field.order[0][n] = rgb_gray(0);
+    }
+    rsv_status status = rsv_operator_recolor(s->op, s->world, albedo, &closed);
+    rsv_free(s->context, albedo);
+    if (status != RSV_OK) return status;
+    rsv_operator_release(s->op);
+    s->op = closed;
+    return RSV_OK;
 }
 
 static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
 {
     double compatibility;
     rsv_status status =
-        rsv_fredholm_compatibility(&q->map->linear, &q->s->source->r, &compatibility);
+        rsv_fredholm_compatibility(&q->map->linear, &q->s->field.source->r, &compatibility);
     if (status != RSV_OK) return status;
     return rsv_fail(RSV_ERROR_SCENE,
         "solve: the scene is closed and absorbs nothing (albedo 1): E = G K E has solutions of its "
@@ -114,9 +148,15 @@ static rsv_status refuse_lossless(const series *q, const rsv_alternative *a)
 static rsv_status look_without(
     series *q, const float *survival, float least, rsv_alternative *alternative)
 {
-    close_pockets(q->s, survival, least);
+    rsv_status status;
+    RSV_TRY(close_pockets(q->s, survival, least));
+    rsv_transport_map_destroy(q->map);
+    q->map = NULL;
+    RSV_TRY(rsv_operator_map(q->s->op, 1, &q->map));
     q->s->report.norm_inf = operator_norm(q);
-    return rsv_fredholm_alternative(&q->map->linear, alternative, NULL);
+    RSV_TRY(rsv_fredholm_alternative(&q->map->linear, alternative, NULL));
+cleanup:
+    return status;
 }
 
 /// A norm of 1 bounds nothing. In an open scene later orders still die out; in a closed lossless one they do not,
@@ -152,12 +192,12 @@ cleanup:
 static void add_term(rsv_solution *s, const rsv_rgb *term)
 {
     uint32_t last = RSV_KEPT_ORDERS - 1;
-    uint32_t slot = s->order_count > last ? last : s->order_count;
+    uint32_t slot = s->field.order_count > last ? last : s->field.order_count;
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        s->order[slot][n] = rgb_add(s->order[slot][n], term[n]);
-        s->indirect[n] = rgb_add(s->indirect[n], term[n]);
+        s->field.order[slot][n] = rgb_add(s->field.order[slot][n], term[n]);
+        s->field.indirect[n] = rgb_add(s->field.indirect[n], term[n]);
     }
-    s->order_count = slot + 1;
+    s->field.order_count = slot + 1;
 }
 
 /// What another solver finds beyond the present term goes to the last order. Its rounding must not darken anything.
@@ -217,7 +257,7 @@ static void keep_target_in_reach(series *q, const rsv_rgb *term)
     size_t nodes = s->elements->node_count;
     double radius = fmin(fmax(s->report.spectral_radius, 0), RSV_LOSSLESS), most = 0;
     for (size_t n = 0; n < nodes; n++)
-        most = fmax(most, (double)rgb_max(rgb_add(s->source[n], s->indirect[n])));
+        most = fmax(most, (double)rgb_max(rgb_add(s->field.source[n], s->field.indirect[n])));
     most += radius / (1 - radius) * largest(term, nodes);
     q->target = fmax(q->target, ROUNDING * most);
 }
@@ -241,9 +281,9 @@ static void choose_solver(series *q, double size)
 static double rayleigh_quotient(const rsv_solution *s, const rsv_rgb *term, const rsv_rgb *next)
 {
     double image[3] = { 0 }, square[3] = { 0 }, most = 0;
+    const rsv_rgb *albedo = rsv_operator_get_view(s->op)->albedo;
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        rsv_rgb weighted =
-            rgb_scale(rgb_mul(s->exitance_albedo[n], term[n]), s->elements->node_area[n]);
+        rsv_rgb weighted = rgb_scale(rgb_mul(albedo[n], term[n]), s->elements->node_area[n]);
         const rsv_rgb to[2] = { rgb_mul(weighted, next[n]), rgb_mul(weighted, term[n]) };
         image[0] += (double)to[0].r, image[1] += (double)to[0].g, image[2] += (double)to[0].b;
         square[0] += (double)to[1].r, square[1] += (double)to[1].g, square[2] += (double)to[1].b;
@@ -267,7 +307,7 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
     rsv_solution *s = q->s;
     rsv_solve_report *report = &s->report;
     size_t nodes = s->elements->node_count;
-    memcpy(q->term, s->source, nodes * sizeof *q->term);
+    memcpy(q->term, s->field.source, nodes * sizeof *q->term);
     report->stop_reason = RSV_STOP_MAX_ORDERS;
     for (uint32_t order = 1; order <= max_orders; order++) {
         apply(q, q->term, q->next);
@@ -299,15 +339,15 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
 static rsv_status create_orders(rsv_solution *s)
 {
     size_t nodes = s->elements->node_count;
-    s->irradiance = rsv_alloc(s->context, nodes, sizeof *s->irradiance);
-    s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
-    if (!s->irradiance || !s->indirect) return RSV_ERROR_MEMORY;
+    s->field.irradiance = rsv_alloc(s->context, nodes, sizeof *s->field.irradiance);
+    s->field.indirect = rsv_alloc(s->context, nodes, sizeof *s->field.indirect);
+    if (!s->field.irradiance || !s->field.indirect) return RSV_ERROR_MEMORY;
     for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
-        s->order[k] = rsv_alloc(s->context, nodes, sizeof *s->order[k]);
-        if (!s->order[k]) return RSV_ERROR_MEMORY;
+        s->field.order[k] = rsv_alloc(s->context, nodes, sizeof *s->field.order[k]);
+        if (!s->field.order[k]) return RSV_ERROR_MEMORY;
     }
-    memcpy(s->order[0], s->source, nodes * sizeof *s->source);
-    s->order_count = 1;
+    memcpy(s->field.order[0], s->field.source, nodes * sizeof *s->field.source);
+    s->field.order_count = 1;
     return RSV_OK;
 }
 
@@ -316,12 +356,12 @@ static rsv_status solve(series *q, uint32_t max_orders)
 {
     rsv_solution *s = q->s;
     rsv_solve_report *report = &s->report;
-    double mean = rsv_elements_mean_luminance(s->elements, s->source);
+    double mean = rsv_elements_mean_luminance(s->elements, s->field.source);
     report->solver = RSV_SOLVER_NEUMANN;
     snprintf(report->solver_reason, sizeof report->solver_reason, "few orders are enough");
     report->norm_inf = operator_norm(q);
     q->resolvent = 1 / (1 - report->norm_inf);
-    if (largest(s->source, s->elements->node_count) == 0) {
+    if (largest(s->field.source, s->elements->node_count) == 0) {
         report->stop_reason = RSV_STOP_NO_LIGHT;
         return RSV_OK;
     }
@@ -336,10 +376,10 @@ static void report_error(const series *q, rsv_rgb *scratch)
 {
     rsv_solution *s = q->s;
     for (size_t n = 0; n < s->elements->node_count; n++)
-        s->irradiance[n] = rgb_add(s->source[n], s->indirect[n]);
-    s->report.residual_inf = residual_norm(q, s->irradiance, scratch);
+        s->field.irradiance[n] = rgb_add(s->field.source[n], s->field.indirect[n]);
+    s->report.residual_inf = residual_norm(q, s->field.irradiance, scratch);
     s->report.truncation_bound = s->report.residual_inf * q->resolvent;
-    s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, s->irradiance);
+    s->report.mean_irradiance = rsv_elements_mean_luminance(s->elements, s->field.irradiance);
     // a solver that rounding stopped has arrived if what is left is small enough all the same
     if (s->report.stop_reason == RSV_STOP_STAGNATED && s->report.residual_inf <= q->target)
         s->report.stop_reason = RSV_STOP_CONVERGED;
@@ -347,7 +387,7 @@ static void report_error(const series *q, rsv_rgb *scratch)
 
 static rsv_rgb *kept_field(rsv_solution *s, uint32_t k)
 {
-    return k < s->order_count ? s->order[k] : s->indirect;
+    return k < s->field.order_count ? s->field.order[k] : s->field.indirect;
 }
 
 /// The orders after the first, and their sum. Processes take fields in turns.
@@ -355,10 +395,10 @@ static void sharpen_fields(series *q)
 {
     rsv_solution *s = q->s;
     rsv_team_place place = rsv_team_place_of(s->context);
-    for (uint32_t k = 1; k <= s->order_count; k++)
+    for (uint32_t k = 1; k <= s->field.order_count; k++)
         if (k % place.size == place.rank)
             rsv_sharpen(s->elements, kept_field(s, k), q->term, q->next);
-    for (uint32_t k = 1; k <= s->order_count; k++)
+    for (uint32_t k = 1; k <= s->field.order_count; k++)
         rsv_team_copy(s->context, k % place.size, kept_field(s, k),
             s->elements->node_count * sizeof(rsv_rgb));
 }
@@ -372,8 +412,7 @@ rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
         .next = rsv_alloc(s->context, nodes, sizeof *q.next) };
     RSV_TRY(q.term && q.next ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(create_orders(s));
-    RSV_TRY(rsv_transport_map_create(
-        s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &q.map));
+    RSV_TRY(rsv_operator_map(s->op, 1, &q.map));
     RSV_TRY(solve(&q, max_orders));
     report_error(&q, q.next);
     sharpen_fields(&q);

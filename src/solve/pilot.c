@@ -10,8 +10,8 @@
 #include "coarse_elements.h"
 #include "diffused_level.h"
 #include "goal.h"
+#include "solve_desc.h"
 #include "source.h"
-#include "system.h"
 
 #include <string.h>
 
@@ -81,9 +81,9 @@ static void diffuse_bends(const rsv_elements *e, float *bend)
 }
 
 /// What is known from before an edit that left sources as they were: other ones bend light elsewhere. NULL = nothing
-static const rsv_past *settled(const rsv_solution *s)
+static const rsv_past *settled(const rsv_builder *b)
 {
-    const rsv_past *past = s->scene.past;
+    const rsv_past *past = b->scene.past;
     return past && !rsv_past_has_other_sources(past) ? past : NULL;
 }
 
@@ -95,38 +95,39 @@ static void unmark_settled(const rsv_past *past, const rsv_elements *e, uint8_t 
 }
 
 /// Rows that pilots may bring the solution to. @param first rows before them
-static size_t most_rows(const rsv_solution *s, size_t first)
+static size_t most_rows(const rsv_builder *b, size_t first)
 {
-    size_t target = s->desc.element_target, budget = rsv_budget_rows(s);
-    size_t most = first + (s->scene.past ? 1 : MOST_ADDED) * target;
+    size_t target = b->desc.element_target, budget = rsv_budget_rows(b);
+    size_t most = first + (b->scene.past ? 1 : MOST_ADDED) * target;
     if (most < MOST_NODES * target) most = MOST_NODES * target;
     return most < budget ? most : budget;
 }
 
 /// Mean luminance of the light that has no finer level. @param far [node_count] nodes for which nothing is gathered
-static float mean_arriving(const rsv_solution *s, const uint8_t *far)
+static float mean_arriving(const rsv_solution *light, const uint8_t *far)
 {
-    const rsv_elements *e = s->elements;
+    const rsv_elements *e = light->elements;
     double gathered = 0, area = 0;
     for (size_t n = 0; n < e->node_count; n++) {
         if (far[n]) continue;
-        gathered += (double)(e->node_area[n] * rgb_luminance(s->gathered[n]));
+        gathered += (double)(e->node_area[n] * rgb_luminance(light->field.gathered[n]));
         area += (double)e->node_area[n];
     }
-    return (float)(rsv_elements_mean_luminance(e, s->indirect) + (area > 0 ? gathered / area : 0));
+    return (float)(rsv_elements_mean_luminance(e, light->field.indirect) +
+                   (area > 0 ? gathered / area : 0));
 }
 
 /// Marks the cells over which light bends that has no finer level, the strongest bends alone where all of them would
 /// take more than `most` rows. @param arriving [node_count] that light @param dark too little of it to be seen
 /// @param any out: false if none are marked
-static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t most,
+static rsv_status mark_bends(const rsv_builder *b, const rsv_goal *goal, size_t most,
     const rsv_rgb *arriving, float dark, const float *deviation, uint8_t *split, bool *any)
 {
-    const rsv_elements *e = s->elements;
-    size_t rows = rsv_solution_rows(s);
+    const rsv_elements *e = b->elements;
+    size_t rows = rsv_builder_rows(b);
     rsv_status status;
     *any = false;
-    float *bend = rsv_alloc(s->context, e->cell_count, sizeof *bend);
+    float *bend = rsv_alloc(b->context, e->cell_count, sizeof *bend);
     if (!bend) return RSV_ERROR_MEMORY;
     RSV_TRY(rsv_find_curved_edges(
         e, arriving, deviation, PILOT_BEND, dark, RSV_CURVED_EDGES_AND_BORDERS, note_bend, bend));
@@ -137,178 +138,235 @@ static rsv_status mark_bends(const rsv_solution *s, const rsv_goal *goal, size_t
     for (float least = PILOT_BEND; least < LARGEST_BEND && marked && !*any; least *= 1.5f) {
         for (size_t c = 0; c < e->cell_count; c++)
             split[c] = bend[c] > least;
-        unmark_settled(settled(s), e, split);
+        unmark_settled(settled(b), e, split);
         *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
     }
 cleanup:
-    rsv_free(s->context, bend);
+    rsv_free(b->context, bend);
     return status;
+}
+
+static rsv_status begin_light(rsv_builder *b, rsv_operator *op, rsv_solution **light)
+{
+    return rsv_light_begin(op, b->sources, &b->scene, &b->desc, light);
 }
 
 /// The first few orders of light, with rows of few rays.
-static rsv_status solve_roughly(rsv_solution *s)
+static rsv_status solve_roughly(rsv_builder *b, rsv_solution **light)
 {
     rsv_status status;
-    RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
-    RSV_TRY(rsv_source_create(s));
-    RSV_TRY(rsv_solve_orders(s, PILOT_ORDERS));
+    rsv_operator *op = NULL;
+    RSV_TRY(rsv_builder_trace(b, NULL, PILOT_RAYS, &op));
+    RSV_TRY(begin_light(b, op, light));
+    RSV_TRY(rsv_source_create(*light));
+    RSV_TRY(rsv_solve_orders(*light, PILOT_ORDERS));
 cleanup:
+    rsv_operator_release(op);
     return status;
 }
 
-/// Sorts nodes into those that an edit of the scene is far from, whose light from before will do, and those that are
-/// looked at again. @param far [node_count], out @param indirect [node_count], out
-static rsv_status recall_far(const rsv_solution *s, uint8_t *far, rsv_rgb *indirect)
+/// Light of nodes that an edit of the scene is far from is what it was before. [node_count] each
+typedef struct settled_light {
+    uint8_t *far;      ///< those nodes: nothing is gathered for them
+    rsv_rgb *source;   ///< of these
+    rsv_rgb *indirect; ///< of all that were there before
+} settled_light;
+
+static rsv_status allocate_settled(const rsv_builder *b, settled_light *then)
 {
-    const rsv_elements *e = s->elements;
+    size_t nodes = b->elements->node_count;
+    then->source = rsv_alloc(b->context, nodes, sizeof *then->source);
+    then->indirect = rsv_alloc(b->context, nodes, sizeof *then->indirect);
+    return then->source && then->indirect ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+/// Sorts nodes into those that an edit of the scene is far from, whose light from before will do, and those that are
+/// looked at again.
+static rsv_status recall_far(const rsv_builder *b, settled_light *light)
+{
+    const rsv_elements *e = b->elements;
     uint64_t *key = NULL;
     rsv_status status = rsv_node_keys_create(e, &key);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (status != RSV_OK || e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
-        far[n] = !s->valid_points[n] || (then && !rsv_past_is_node_near(s->scene.past, e, n));
+        const rsv_past_node *then = rsv_past_find_node(b->scene.past, e, n, key[n]);
+        light->far[n] =
+            !b->valid_points[n] || (then && !rsv_past_is_node_near(b->scene.past, e, n));
         if (!then) continue;
-        indirect[n] = then->indirect;
-        if (far[n]) s->source[n] = then->source; // nothing is gathered without a row
+        light->indirect[n] = then->indirect;
+        if (light->far[n]) light->source[n] = then->source; // nothing is gathered without a row
     }
-    rsv_free(s->context, key);
+    rsv_free(b->context, key);
     return status;
 }
 
 /// Rows of nodes that are not far from an edit.
-static rsv_status assemble_near(rsv_solution *s, const uint8_t *far)
+static rsv_status trace_near(rsv_builder *b, const uint8_t *far, rsv_operator **op)
 {
-    size_t nodes = s->elements->node_count;
-    rsv_transport_scene scene = s->scene;
-    scene.checkpoint = scene.earlier = NULL;
-    uint16_t *valid = rsv_alloc(s->context, nodes, sizeof *valid);
+    size_t nodes = b->elements->node_count;
+    uint16_t *valid = rsv_alloc(b->context, nodes, sizeof *valid);
     if (!valid) return RSV_ERROR_MEMORY;
     for (size_t n = 0; n < nodes; n++)
-        valid[n] = far[n] ? 0 : s->valid_points[n];
-    rsv_status status = rsv_transport_create(
-        &scene, s->lights, s->elements, valid, PILOT_RAYS, s->desc.seed, &s->transport);
-    rsv_free(s->context, valid);
-    if (status != RSV_OK) return status;
-    s->report.rays += s->transport->rays;
-    s->report.row_rays += s->transport->rays;
+        valid[n] = far[n] ? 0 : b->valid_points[n];
+    rsv_transport_scene scene = b->scene;
+    b->scene.checkpoint = b->scene.earlier = NULL;
+    rsv_status status = rsv_builder_trace(b, valid, PILOT_RAYS, op);
+    b->scene = scene;
+    rsv_free(b->context, valid);
     return status;
 }
 
 /// One more order of light for nodes near an edit, from the light of all.
-/// @param then [node_count] indirect light before it
-static void gather_near(rsv_solution *s, const uint8_t *far, const rsv_rgb *then, rsv_rgb *exitance)
+static void gather_near(rsv_solution *light, const settled_light *then, rsv_rgb *exitance)
 {
-    const rsv_elements *e = s->elements;
+    const rsv_elements *e = light->elements;
+    rsv_rgb *indirect = light->field.indirect;
     for (size_t n = 0; n < e->node_count; n++)
-        exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
-    rsv_transport_apply(s->transport, exitance, s->indirect);
+        exitance[n] =
+            rgb_mul(light->view.exitance_albedo[n], rgb_add(light->field.source[n], indirect[n]));
+    rsv_transport_apply(light->view.transport, exitance, indirect);
     for (size_t n = 0; n < e->node_count; n++)
-        if (far[n]) s->indirect[n] = then[n];
-    rsv_elements_constrain(e, s->indirect);
+        if (then->far[n]) indirect[n] = then->indirect[n];
+    rsv_elements_constrain(e, indirect);
+}
+
+/// Direct light of nodes near an edit, and the settled light of the others.
+static rsv_status begin_near(rsv_solution *light, const settled_light *then)
+{
+    size_t nodes = light->elements->node_count;
+    light->field.indirect = rsv_alloc(light->context, nodes, sizeof *light->field.indirect);
+    if (!light->field.indirect) return RSV_ERROR_MEMORY;
+    memcpy(light->field.indirect, then->indirect, nodes * sizeof *then->indirect);
+    memcpy(light->field.source, then->source, nodes * sizeof *then->source);
+    rsv_elements_constrain(light->elements, light->field.indirect);
+    rsv_status status = rsv_source_estimate(light, then->far);
+    if (status == RSV_OK) rsv_source_add_gathered(light);
+    return status;
 }
 
 /// The same as solve_roughly where the light of all that an edit is far from is taken for what it was.
 /// @param far [node_count], out: nodes that it is far from, for which nothing is gathered
-static rsv_status solve_near(rsv_solution *s, uint8_t *far)
+static rsv_status solve_near(rsv_builder *b, uint8_t *far, rsv_solution **light)
 {
     rsv_status status;
-    size_t nodes = s->elements->node_count;
-    rsv_rgb *then = rsv_alloc(s->context, nodes, sizeof *then);
-    rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
-    s->indirect = rsv_alloc(s->context, nodes, sizeof *s->indirect);
-    RSV_TRY(then && exitance && s->indirect ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(recall_far(s, far, then));
-    memcpy(s->indirect, then, nodes * sizeof *then);
-    rsv_elements_constrain(s->elements, s->indirect);
-    RSV_TRY(assemble_near(s, far));
-    RSV_TRY(rsv_source_estimate(s, far));
-    rsv_source_add_gathered(s);
+    settled_light then = { .far = far };
+    rsv_operator *op = NULL;
+    rsv_rgb *exitance = rsv_alloc(b->context, b->elements->node_count, sizeof *exitance);
+    RSV_TRY(exitance ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(allocate_settled(b, &then));
+    RSV_TRY(recall_far(b, &then));
+    RSV_TRY(trace_near(b, far, &op));
+    RSV_TRY(begin_light(b, op, light));
+    RSV_TRY(begin_near(*light, &then));
     for (uint32_t order = 0; order < PILOT_ORDERS; order++)
-        gather_near(s, far, then, exitance);
+        gather_near(*light, &then, exitance);
 cleanup:
-    rsv_free(s->context, then);
-    rsv_free(s->context, exitance);
+    rsv_operator_release(op);
+    rsv_free(b->context, then.source);
+    rsv_free(b->context, then.indirect);
+    rsv_free(b->context, exitance);
     return status;
 }
 
-/// Splits coarse cells over which the first few orders of a pilot solution bend.
-/// @param most rows afterwards @param refined out: false if there are none
-static rsv_status refine_by_pilot(rsv_solution *s, const rsv_goal *goal, size_t most, bool *refined)
+/// Light without a finer level, indirect and what is gathered of the sky and of lamps, and its standard deviation; INFINITY
+/// where none was gathered.
+static void note_arriving(const rsv_builder *b, const rsv_solution *light, const uint8_t *far,
+    rsv_rgb *arriving, float *deviation)
 {
-    rsv_status status = RSV_OK;
-    uint8_t *split = rsv_alloc(s->context, s->elements->cell_count, 1);
-    size_t nodes = s->elements->node_count;
-    uint8_t *far = rsv_alloc(s->context, nodes, 1);
-    float *deviation = rsv_alloc(s->context, nodes, sizeof *deviation);
-    rsv_rgb *exitance = rsv_alloc(s->context, nodes, sizeof *exitance);
-    if (!split || !far || !deviation || !exitance) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
-    }
-    RSV_TRY(rsv_system_create_fields(s));
-    RSV_TRY(settled(s) ? solve_near(s, far) : solve_roughly(s));
+    size_t nodes = b->elements->node_count;
+    const rsv_light_fields *f = &light->field;
+    rsv_rgb *exitance = arriving;
     for (size_t n = 0; n < nodes; n++)
-        exitance[n] = rgb_mul(s->exitance_albedo[n], rgb_add(s->source[n], s->indirect[n]));
-    rsv_transport_deviation(s->transport, exitance, s->bin_radiance, deviation);
+        exitance[n] =
+            rgb_mul(light->view.exitance_albedo[n], rgb_add(f->source[n], f->indirect[n]));
+    rsv_transport_deviation(
+        light->view.transport, exitance, light->sources->bin_radiance, deviation);
     for (size_t n = 0; n < nodes; n++)
         if (far[n]) deviation[n] = INFINITY;
-    rsv_mark_buried(s->elements, s->valid_points, deviation);
-    // light without a finer level: indirect, and what is gathered of the sky and of lamps
-    rsv_rgb *arriving = exitance;
+    rsv_mark_buried(b->elements, b->valid_points, deviation);
     for (size_t n = 0; n < nodes; n++)
-        arriving[n] = rgb_add(s->gathered[n], s->indirect[n]);
-    float dark = PILOT_DARK * mean_arriving(s, far);
-    RSV_TRY(mark_bends(s, goal, most, arriving, dark, deviation, split, refined));
-    rsv_system_destroy(s);
-    if (!*refined) goto cleanup;
-    shrink_clusters(s->elements, split);
-    RSV_TRY(rsv_coarse_elements_split(s, split));
+        arriving[n] = rgb_add(f->gathered[n], f->indirect[n]);
+}
+
+/// Marks coarse cells over which the first few orders of a pilot solution bend.
+/// @param most rows afterwards @param split [cell_count] out @param any out: false if none are marked
+static rsv_status mark_by_pilot(
+    rsv_builder *b, const rsv_goal *goal, size_t most, uint8_t *split, bool *any)
+{
+    rsv_status status;
+    rsv_solution *light = NULL;
+    size_t nodes = b->elements->node_count;
+    uint8_t *far = rsv_alloc(b->context, nodes, 1);
+    float *deviation = rsv_alloc(b->context, nodes, sizeof *deviation);
+    rsv_rgb *arriving = rsv_alloc(b->context, nodes, sizeof *arriving);
+    RSV_TRY(far && deviation && arriving ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(settled(b) ? solve_near(b, far, &light) : solve_roughly(b, &light));
+    b->report.rays += light->report.rays;
+    note_arriving(b, light, far, arriving, deviation);
+    float dark = PILOT_DARK * mean_arriving(light, far);
+    RSV_TRY(mark_bends(b, goal, most, arriving, dark, deviation, split, any));
 cleanup:
-    rsv_free(s->context, split);
-    rsv_free(s->context, far);
-    rsv_free(s->context, deviation);
-    rsv_free(s->context, exitance);
+    rsv_solution_destroy(light);
+    rsv_free(b->context, far);
+    rsv_free(b->context, deviation);
+    rsv_free(b->context, arriving);
+    return status;
+}
+
+/// Splits coarse cells over which the light of a pilot bends.
+/// @param most rows afterwards @param refined out: false if there are none
+static rsv_status refine_by_pilot(rsv_builder *b, const rsv_goal *goal, size_t most, bool *refined)
+{
+    rsv_status status;
+    uint8_t *split = rsv_alloc(b->context, b->elements->cell_count, 1);
+    RSV_TRY(split ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(mark_by_pilot(b, goal, most, split, refined));
+    if (!*refined) goto cleanup;
+    shrink_clusters(b->elements, split);
+    RSV_TRY(rsv_coarse_elements_split(b, split));
+cleanup:
+    rsv_free(b->context, split);
     return status;
 }
 
 /// Learns on coarse elements what matters to the goal, and makes elements anew for that.
-static rsv_status remake_for_goal(rsv_solution *s, rsv_goal *goal)
+static rsv_status remake_for_goal(rsv_builder *b, rsv_goal *goal)
 {
     rsv_status status;
-    RSV_TRY(rsv_system_create_fields(s));
-    RSV_TRY(rsv_system_assemble(s, PILOT_RAYS));
-    RSV_TRY(rsv_goal_create(s, goal));
-    rsv_system_destroy(s);
-    RSV_TRY(rsv_coarse_elements_create_for_goal(s, goal));
+    rsv_operator *op = NULL;
+    RSV_TRY(rsv_builder_trace(b, NULL, PILOT_RAYS, &op));
+    RSV_TRY(rsv_goal_create(op, &b->desc, goal));
+    RSV_TRY(rsv_coarse_elements_create_for_goal(b, goal));
 cleanup:
+    rsv_operator_release(op);
     return status;
 }
 
-bool rsv_pilot_has_goal(const rsv_solution *s)
+bool rsv_pilot_has_goal(const rsv_builder *b)
 {
-    rsv_goal_aim aim = rsv_goal_aim_of(s);
-    return rsv_goal_is_wanted(&aim) && rsv_reflects_diffusely(s);
+    rsv_goal_aim aim = rsv_goal_aim_of(&b->desc);
+    return rsv_goal_is_wanted(&aim) && rsv_reflects_diffusely(&b->scene);
 }
 
-rsv_status rsv_pilot_refine(rsv_solution *s)
+rsv_status rsv_pilot_refine(rsv_builder *b)
 {
     rsv_status status = RSV_OK;
     rsv_goal goal = { 0 };
-    bool refined = rsv_reflects_diffusely(s) && rsv_solution_rows(s) <= rsv_budget_rows(s);
-    if (rsv_pilot_has_goal(s) && refined) {
-        rsv_progress_part(s->context, "goal", 0);
-        RSV_TRY(remake_for_goal(s, &goal));
+    bool refined = rsv_reflects_diffusely(&b->scene) && rsv_builder_rows(b) <= rsv_budget_rows(b);
+    if (rsv_pilot_has_goal(b) && refined) {
+        rsv_progress_part(b->context, "goal", 0);
+        RSV_TRY(remake_for_goal(b, &goal));
     }
-    size_t first = rsv_solution_rows(s);
-    for (uint32_t pilot = 0; refined && pilot < s->desc.refinements; pilot++) {
-        size_t rows = rsv_solution_rows(s), most = most_rows(s, first);
-        if (!settled(s) && (double)most < (1 + LEAST_GROWTH) * (double)rows) break;
-        rsv_progress_part(s->context, "pilot", pilot + 1);
-        RSV_TRY(refine_by_pilot(s, &goal, most, &refined));
+    size_t first = rsv_builder_rows(b);
+    for (uint32_t pilot = 0; refined && pilot < b->desc.refinements; pilot++) {
+        size_t rows = rsv_builder_rows(b), most = most_rows(b, first);
+        if (!settled(b) && (double)most < (1 + LEAST_GROWTH) * (double)rows) break;
+        rsv_progress_part(b->context, "pilot", pilot + 1);
+        RSV_TRY(refine_by_pilot(b, &goal, most, &refined));
     }
 cleanup:
-    rsv_progress_part(s->context, NULL, 0);
+    rsv_progress_part(b->context, NULL, 0);
     rsv_goal_destroy(&goal);
     return status;
 }

@@ -5,19 +5,19 @@
 #include "goal.h"
 
 /// Of all that decides how a scene is solved, beside the scene.
-static uint64_t settings_of(const rsv_solution *s)
+static uint64_t settings_of(const rsv_builder *b)
 {
-    const rsv_solve_desc *d = &s->desc;
-    const uint64_t word[] = { d->element_target, s->wanted_rays, d->refinements, d->light_samples,
+    const rsv_solve_desc *d = &b->desc;
+    const uint64_t word[] = { d->element_target, b->wanted_rays, d->refinements, d->light_samples,
         d->photon_count, d->direct_levels, d->direct_level, d->max_elements, d->max_bytes,
         d->seed };
     return rsv_key_add_bytes(1, word, sizeof word);
 }
 
 /// A goal decides by what a camera sees, of which nothing is kept.
-static bool has_goal(const rsv_solution *s)
+static bool has_goal(const rsv_builder *b)
 {
-    rsv_goal_aim aim = rsv_goal_aim_of(s);
+    rsv_goal_aim aim = rsv_goal_aim_of(&b->desc);
     return rsv_goal_is_wanted(&aim);
 }
 
@@ -29,48 +29,50 @@ static bool all_opened(rsv_context *context, const rsv_past *past)
     return rsv_team_total(context, first != checksum) == 0;
 }
 
-rsv_status rsv_solution_recall(rsv_solution *s, rsv_past **past)
+rsv_status rsv_builder_recall(rsv_builder *b, rsv_past **past)
 {
     rsv_status status = RSV_OK;
     *past = NULL;
-    if (!s->desc.checkpoint || has_goal(s)) return RSV_OK;
-    if (s->desc.earlier)
-        status = rsv_past_open(&s->scene, s->lights, s->desc.earlier, settings_of(s), past);
-    status = rsv_team_meet(s->context, status);
-    if (status == RSV_OK && !all_opened(s->context, *past)) {
+    if (!b->desc.checkpoint || has_goal(b)) return RSV_OK;
+    if (b->desc.earlier)
+        status =
+            rsv_past_open(&b->scene, b->sources->lights, b->desc.earlier, settings_of(b), past);
+    status = rsv_team_meet(b->context, status);
+    if (status == RSV_OK && !all_opened(b->context, *past)) {
         rsv_past_close(*past);
         *past = NULL;
     }
-    s->scene.past = *past;
+    b->scene.past = *past;
     return status;
 }
 
-static void write_down(const rsv_solution *s)
+static void write_down(const rsv_builder *b, const rsv_solution *light)
 {
-    size_t nodes = s->elements->node_count;
-    rsv_rgb *direct = rsv_alloc(s->context, nodes, sizeof *direct);
+    size_t nodes = b->elements->node_count;
+    rsv_rgb *direct = rsv_alloc(b->context, nodes, sizeof *direct);
     if (!direct) {
-        rsv_log(s->context, RSV_LOG_WARNING,
+        rsv_log(b->context, RSV_LOG_WARNING,
             "checkpoint: no memory to keep what this solution knew; after an edit of the scene "
             "everything will be solved anew");
         return;
     }
-    rsv_light_total(s, 0, direct);
-    rsv_spacing wanted = s->spacing; // budgets coarsen that anew each time
-    wanted.metres = s->wanted_metres;
+    rsv_light_total(light, 0, direct);
+    rsv_spacing wanted = b->spacing; // budgets coarsen that anew each time
+    wanted.metres = b->wanted_metres;
     const rsv_past_fields level[RSV_PAST_LEVELS] = {
-        [RSV_PAST_COARSE] = { .elements = s->elements,
+        [RSV_PAST_COARSE] = { .elements = b->elements,
             .direct = direct,
-            .source = s->source,
-            .indirect = s->indirect,
-            .valid_points = s->valid_points },
-        [RSV_PAST_FINE] = { .elements = s->fine.elements,
-            .direct = s->fine.direct,
-            .deviation = s->fine.deviation,
-            .valid_points = s->fine.valid_points },
+            .source = light->field.source,
+            .indirect = light->field.indirect,
+            .valid_points = b->valid_points },
+        [RSV_PAST_FINE] = { .elements = light->field.fine.elements,
+            .direct = light->field.fine.direct,
+            .deviation = light->field.fine.deviation,
+            .valid_points = light->field.fine.valid_points },
     };
-    rsv_past_write(&s->scene, s->lights, s->desc.checkpoint, settings_of(s), &wanted, level);
-    rsv_free(s->context, direct);
+    rsv_past_write(
+        &b->scene, b->sources->lights, b->desc.checkpoint, settings_of(b), &wanted, level);
+    rsv_free(b->context, direct);
 }
 
 static void let_go(rsv_context *context, rsv_source_level *level)
@@ -81,10 +83,10 @@ static void let_go(rsv_context *context, rsv_source_level *level)
     level->valid_points = NULL;
 }
 
-void rsv_solution_remember(rsv_solution *s)
+void rsv_builder_remember(const rsv_builder *b, rsv_solution *light)
 {
-    if (s->desc.checkpoint && !has_goal(s) && rsv_team_place_of(s->context).rank == 0)
-        write_down(s);
-    let_go(s->context, &s->fine);
-    let_go(s->context, &s->caustics);
+    if (b->desc.checkpoint && !has_goal(b) && rsv_team_place_of(b->context).rank == 0)
+        write_down(b, light);
+    let_go(b->context, &light->field.fine);
+    let_go(b->context, &light->field.caustics);
 }

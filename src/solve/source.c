@@ -2,38 +2,27 @@
 
 #include "../elements/element_keys.h"
 #include "../elements/past.h"
-#include "budget.h"
-#include "goal.h"
 
-rsv_status rsv_source_create_levels(rsv_solution *s)
+rsv_status rsv_source_create_levels(rsv_solution *s, const rsv_level_limits *limits)
 {
     bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
-                    rsv_photons_wanted(&s->scene, s->lights);
-    bool sampled = rsv_lights_any_sampled(s->lights) || s->scene.view->light_count > 0;
+                    rsv_photons_wanted(&s->scene, s->sources->lights);
+    bool sampled = rsv_lights_any_sampled(s->sources->lights) || s->scene.view->light_count > 0;
     rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
-        .max_cells = rsv_budget_cells(s),
+        .max_cells = limits->max_cells,
         .light_samples = s->desc.light_samples,
-        .seed = rsv_level_seed(s) };
+        .hidden = limits->hidden,
+        .seed = rsv_level_seed(s->desc.seed) };
     rsv_status status = RSV_OK;
-    uint8_t *hidden = NULL;
-    rsv_goal_aim aim = rsv_goal_aim_of(s);
-    if (rsv_goal_is_wanted(&aim)) {
-        hidden = rsv_alloc(s->context, s->elements->cell_count, 1);
-        RSV_TRY(hidden ? RSV_OK : RSV_ERROR_MEMORY);
-        RSV_TRY(rsv_goal_hidden_cells(s, &aim, hidden));
-    }
-    desc.hidden = hidden;
     rsv_source_level_desc direct_desc = desc, caustic_desc = desc;
     direct_desc.direct = true;
     caustic_desc.photon_count = s->desc.photon_count;
     if (s->desc.direct_level && sampled)
-        status = rsv_source_level_create(
-            &s->scene, s->lights, s->elements, &direct_desc, &s->fine, &s->report.rays);
+        status = rsv_source_level_create(&s->scene, s->sources->lights, s->elements, &direct_desc,
+            &s->field.fine, &s->report.rays);
     if (status == RSV_OK && caustics)
-        status = rsv_source_level_create(
-            &s->scene, s->lights, s->elements, &caustic_desc, &s->caustics, &s->report.rays);
-cleanup:
-    rsv_free(s->context, hidden);
+        status = rsv_source_level_create(&s->scene, s->sources->lights, s->elements, &caustic_desc,
+            &s->field.caustics, &s->report.rays);
     return status;
 }
 
@@ -41,20 +30,22 @@ void rsv_source_complete(rsv_solution *s)
 {
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < s->elements->node_count; n++) {
-        s->source[n] = rgb_add(s->source[n], s->gathered[n]);
-        if (s->caustics.coarse_caustic)
-            s->source[n] = rgb_add(s->source[n], s->caustics.coarse_caustic[n]);
+        s->field.source[n] = rgb_add(s->field.source[n], s->field.gathered[n]);
+        if (s->field.caustics.coarse_caustic)
+            s->field.source[n] = rgb_add(s->field.source[n], s->field.caustics.coarse_caustic[n]);
     }
-    rsv_elements_constrain(s->elements, s->gathered);
-    rsv_elements_constrain(s->elements, s->source);
+    rsv_elements_constrain(s->elements, s->field.gathered);
+    rsv_elements_constrain(s->elements, s->field.source);
 }
 
 void rsv_source_add_gathered(rsv_solution *s)
 {
-    rsv_transport_environment(s->transport, s->bin_radiance, s->gathered);
+    const rsv_transport *rows = rsv_operator_get_view(s->op)->transport;
+    rsv_rgb *gathered = s->field.gathered;
+    rsv_transport_environment(rows, s->sources->bin_radiance, gathered);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < s->elements->node_count; n++)
-        s->gathered[n] = rgb_add(s->gathered[n], s->transport->gathered[n]);
+        gathered[n] = rgb_add(gathered[n], rgb_mul(rows->gathered[n], s->gathered_scale));
     rsv_source_complete(s);
 }
 
@@ -72,7 +63,7 @@ static rsv_status recall_direct(rsv_solution *s, uint8_t *known)
         if (e->node_hanging[n] != RSV_NONE || rsv_past_is_node_lit_anew(e, n, lit_anew)) continue;
         const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
         known[n] = then != NULL;
-        if (then) s->source[n] = then->light.direct;
+        if (then) s->field.source[n] = then->light.direct;
     }
 cleanup:
     rsv_free(s->context, key);
@@ -84,8 +75,8 @@ cleanup:
 static rsv_status find_direct(
     const rsv_solution *s, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
 {
-    return rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->valid_points, known,
+    return rsv_direct_irradiance(&s->scene, s->sources->lights, s->elements, RSV_SUPPORT_POINTS,
+        RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->view.valid_points, known,
         irradiance, NULL, rays);
 }
 
@@ -103,7 +94,7 @@ rsv_status rsv_measure_direct(const rsv_solution *s, double *seconds, uint64_t *
 
 rsv_status rsv_source_estimate(rsv_solution *s, const uint8_t *known)
 {
-    return find_direct(s, known, s->source, &s->report.rays);
+    return find_direct(s, known, s->field.source, &s->report.rays);
 }
 
 rsv_status rsv_source_create(rsv_solution *s)
@@ -117,14 +108,4 @@ rsv_status rsv_source_create(rsv_solution *s)
 cleanup:
     rsv_free(s->context, known);
     return status;
-}
-
-rsv_status rsv_source_divide_environment(rsv_solution *s)
-{
-    rsv_environment_light *environment = s->lights->environment;
-    s->bin_radiance = rsv_alloc(s->context, RSV_ESCAPE_BINS, sizeof *s->bin_radiance);
-    if (!s->bin_radiance) return RSV_ERROR_MEMORY;
-    rsv_status status = environment ? rsv_environment_light_divide(environment) : RSV_OK;
-    return status == RSV_OK ? rsv_escape_radiance(s->context, environment, s->bin_radiance)
-                            : status;
 }

@@ -5,7 +5,7 @@
 #include "elements/past_file.h"
 #include "file_fixture.h"
 #include "light_fixture.h"
-#include "solve/solution.h"
+#include "light_view.h"
 
 #include <math.h>
 
@@ -122,14 +122,15 @@ static inline bool is_near_the_box(rsv_vec3 p)
 static inline double difference(const rsv_solution *a, const rsv_solution *b)
 {
     double sum = 0, all = 0;
-    for (uint32_t t = 0; t < a->scene.view->triangle_count; t++)
+    for (uint32_t t = 0; t < inside(a)->scene.view->triangle_count; t++)
         for (uint32_t k = 0; k < 512; k++) {
             float x, y;
             rsv_sobol_2d(k, t, &x, &y);
             float root = sqrtf(x), u = 1 - root, v = root * y;
-            if (!is_near_the_box(rsv_surface_point_at(a->scene.view, t, u, v, false).position))
+            if (!is_near_the_box(
+                    rsv_surface_point_at(inside(a)->scene.view, t, u, v, false).position))
                 continue;
-            double area = (double)rsv_triangle_area(a->scene.view, t);
+            double area = (double)rsv_triangle_area(inside(a)->scene.view, t);
             double p = (double)rgb_luminance(rsv_solution_irradiance(a, t, u, v, false, RSV_NONE));
             double q = (double)rgb_luminance(rsv_solution_irradiance(b, t, u, v, false, RSV_NONE));
             sum += area * fabs(p - q);

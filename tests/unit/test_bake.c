@@ -4,6 +4,7 @@
 #include "bake/bake_stitch.h"
 #include "bake/bake_texels.h"
 #include "resolvent/render.h"
+#include "unit/light_view.h"
 #include "unit/scene_fixture.h"
 
 #define TILT 0.5235988f // 30 degrees, not what the fit looks at
@@ -26,7 +27,7 @@ static float reconstruct(float e, const rsv_rgb v[3], rsv_vec3 m, int c)
 
 static void judge_place(const rsv_bake_directions *d, uint32_t triangle, judgement *j)
 {
-    const rsv_solution *s = d->solution;
+    const rsv_light_view *s = d->solution;
     const rsv_bake_receiver receiver = { .triangle = triangle, .u = 0.3f, .v = 0.4f };
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, triangle, receiver.u, receiver.v, false);
@@ -43,7 +44,8 @@ static void judge_place(const rsv_bake_directions *d, uint32_t triangle, judgeme
     }
     rsv_probe_reading reading[TURNS + 1];
     assert_int_equal(
-        rsv_probe_irradiance(s, RSV_PROBE_REFERENCE, probe, TURNS + 1, 4096, 1, reading), RSV_OK);
+        rsv_probe_irradiance(s->light, RSV_PROBE_REFERENCE, probe, TURNS + 1, 4096, 1, reading),
+        RSV_OK);
     for (int k = 1; k <= TURNS; k++)
         for (int c = 0; c < 3; c++) {
             float e = channel(reading[0].irradiance, c), truth = channel(reading[k].irradiance, c);
@@ -70,11 +72,11 @@ static void light_for_tilted_normals_is_what_is_measured(void **state)
     assert_int_equal(rsv_scene_builtin(f->context, "cornell-blocks", &scene), RSV_OK);
     rsv_solution *solution = solve(scene);
     rsv_bake_directions directions;
-    assert_int_equal(rsv_bake_directions_create(solution, &directions), RSV_OK);
+    assert_int_equal(rsv_bake_directions_create(inside(solution), &directions), RSV_OK);
     judgement j = { 0 };
-    for (uint32_t t = 0; t < solution->scene.view->triangle_count; t++)
-        if (solution->elements->face_of[0][t] != RSV_NONE &&
-            solution->lights->triangle_emitter[t] == RSV_NONE)
+    for (uint32_t t = 0; t < inside(solution)->scene.view->triangle_count; t++)
+        if (inside(solution)->elements->face_of[0][t] != RSV_NONE &&
+            inside(solution)->lights->triangle_emitter[t] == RSV_NONE)
             judge_place(&directions, t, &j);
     assert_true(j.readings > 300);
     print_message("mean errors: flat %.3f, directional %.3f\n", j.flat / (double)j.readings,

@@ -1,6 +1,7 @@
 /// Which side's light surfaces show that have one light in a file: that of the side from which people look.
 #include "bake/bake_side.h"
 #include "light_fixture.h"
+#include "light_view.h"
 #include "slow_tests.h"
 
 #define PAINT 0.5f
@@ -40,17 +41,17 @@ static void bake(baked *b)
     desc.element_target = 700;
     desc.rays_per_element = 64;
     assert_int_equal(rsv_solution_create(b->w->scene, &desc, &b->solution), RSV_OK);
-    size_t count = b->solution->scene.view->triangle_count;
+    size_t count = inside(b->solution)->scene.view->triangle_count;
     assert_true(count <= 64);
     for (uint32_t t = 0; t < count; t++)
         b->triangle[t] = t;
     b->part = (rsv_bake_part){ .triangle = b->triangle, .triangle_count = count };
-    assert_int_equal(rsv_bake_choose_sides(b->solution, &b->part), RSV_OK);
+    assert_int_equal(rsv_bake_choose_sides(inside(b->solution), &b->part), RSV_OK);
 }
 
 static void discard(baked *b)
 {
-    rsv_free(b->solution->context, b->part.back);
+    rsv_free(inside(b->solution)->context, b->part.back);
     rsv_solution_destroy(b->solution);
     world_end(b->w);
 }

@@ -419,7 +419,7 @@ static void frames_see_a_lamp_where_it_was_moved(void **state)
     assert_int_equal(rsv_frame_renderer_create(solution, &desc, &moved), RSV_OK);
     assert_int_equal(rsv_frame_renderer_create(fresh, &desc, &still), RSV_OK);
     assert_int_equal(rsv_frame_render(moved, &view, NULL), RSV_OK);
-    assert_int_equal(rsv_solution_relight(solution, w->scene, &change), RSV_OK);
+    assert_int_equal(rsv_solution_relight(solution, &change), RSV_OK);
     rsv_frame_renderer_refresh(moved);
     assert_int_equal(rsv_frame_render(moved, &view, NULL), RSV_OK);
     assert_int_equal(rsv_frame_render(still, &view, NULL), RSV_OK);
@@ -443,10 +443,10 @@ static void beams_hold_until_triangles_are_set_apart(void **state)
     world *w = lamp_at(v3(0.5f, 0.4f, 1));
     assert_int_equal(rsv_tracer_create(w->scene, &w->tracer), RSV_OK);
     assert_int_equal(rsv_beams_create(w->tracer, &beams), RSV_OK);
-    rsv_beams_refresh(&beams);
+    rsv_beams_refresh(&beams, w->tracer);
     assert_true(beams.hold);
     assert_int_equal(rsv_tracer_set_apart(w->tracer, moves), RSV_OK);
-    rsv_beams_refresh(&beams);
+    rsv_beams_refresh(&beams, w->tracer);
     assert_false(beams.hold);
     assert_int_equal(rsv_beams_create(w->tracer, &beams), RSV_OK);
     assert_false(beams.hold);

@@ -2,7 +2,8 @@
 /// threads, and patient with scenes that have nothing to certify.
 #include "resolvent/certify.h"
 
-#include "solve/solution.h"
+#include "light_view.h"
+#include "solve/light_change.h"
 
 #include "light_fixture.h"
 #include "slow_tests.h"
@@ -42,12 +43,13 @@ static void scale(rsv_rgb *field, size_t count, float factor)
 /// Puts a known error of (factor - 1) E~ into everything that lookups read.
 static void scale_solution(rsv_solution *s, float factor)
 {
-    size_t nodes = s->elements->node_count;
-    scale(s->indirect, nodes, factor);
-    scale(s->gathered, nodes, factor);
-    scale(s->source, nodes, factor);
-    if (s->fine.elements) scale(s->fine.direct, s->fine.elements->node_count, factor);
-    if (s->caustics.elements) scale(s->caustics.caustic, s->caustics.elements->node_count, factor);
+    rsv_light_fields *f = rsv_light_edit(s);
+    size_t nodes = inside(s)->elements->node_count;
+    scale(f->indirect, nodes, factor);
+    scale(f->gathered, nodes, factor);
+    scale(f->source, nodes, factor);
+    if (f->fine.elements) scale(f->fine.direct, f->fine.elements->node_count, factor);
+    if (f->caustics.elements) scale(f->caustics.caustic, f->caustics.elements->node_count, factor);
 }
 
 /// A closed room whose walls emit 1 W/m2 and reflect `albedo`: E = 1 / (1 - albedo) everywhere.
@@ -543,10 +545,11 @@ static void the_picture_shows_where_the_error_is(void **state)
     world_commit(w);
     rsv_solve_desc desc = draft(300);
     rsv_solution *s = solve(w, &desc);
-    for (size_t n = 0; n < s->elements->node_count; n++) {
-        uint32_t triangle = s->elements->face_triangle[s->elements->node_face[n]];
+    for (size_t n = 0; n < inside(s)->elements->node_count; n++) {
+        uint32_t triangle = inside(s)->elements->face_triangle[inside(s)->elements->node_face[n]];
         if (w->transport.view->triangle_material[triangle] != liar) continue;
-        s->indirect[n] = rgb_scale(s->indirect[n], 1.5f);
+        rsv_rgb *indirect = &rsv_light_edit(s)->indirect[n];
+        *indirect = rgb_scale(*indirect, 1.5f);
     }
     rsv_certify_desc certify_desc = { .samples = 256, .gather_rays = 64, .light_samples = 8 };
     rsv_heat_map_desc map = { .width = 64, .height = 76, .gather_rays = 32 };

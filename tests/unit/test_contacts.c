@@ -4,8 +4,8 @@
 #include "elements/open_corners.h"
 #include "elements/spacing.h"
 #include "light_fixture.h"
+#include "light_view.h"
 #include "resolvent/render.h"
-#include "solve/solution.h"
 
 // ---- leaks --------------------------------------------------------------------------------------
 
@@ -351,15 +351,15 @@ static void rows_start_from_the_points_that_were_judged(void **state)
     desc.rays_per_element = 64;
     desc.refinements = 2;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
-    const rsv_elements *e = s->elements;
+    const rsv_elements *e = inside(s)->elements;
     uint64_t rays = 0;
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (e->node_hanging[n] != RSV_NONE) continue;
-        uint16_t judged =
-            rsv_judge_points(&s->scene, e, n, n, RSV_SUPPORT_POINTS, s->desc.seed, &rays);
-        if (s->valid_points[n] != judged)
+        uint16_t judged = rsv_judge_points(
+            &inside(s)->scene, e, n, n, RSV_SUPPORT_POINTS, inside(s)->desc.seed, &rays);
+        if (inside(s)->valid_points[n] != judged)
             fail_msg("node %u of %zu: %04x of the points count, %04x were to", n, e->node_count,
-                judged, s->valid_points[n]);
+                judged, inside(s)->valid_points[n]);
     }
     rsv_solution_destroy(s);
     world_end(w);

@@ -5,8 +5,8 @@
 #include "chain/escapes.h"
 #include "core/octahedral.h"
 #include "light/environment.h"
+#include "light_view.h"
 #include "resolvent/render.h"
-#include "solve/solution.h"
 
 static rsv_environment picture(const rsv_rgb *pixels, uint32_t width, uint32_t height)
 {
@@ -281,11 +281,11 @@ static void turning_the_sky_takes_no_new_rays(void **state)
     sky.intensity = 0.5f;
     surround(w, sky);
     rsv_solution *turned = solve(w);
-    assert_int_equal(still->elements->node_count, turned->elements->node_count);
-    size_t nodes = still->elements->node_count;
+    assert_int_equal(inside(still)->elements->node_count, inside(turned)->elements->node_count);
+    size_t nodes = inside(still)->elements->node_count;
     rsv_rgb *before = malloc(nodes * sizeof *before), *after = malloc(nodes * sizeof *after);
-    rsv_transport_environment(still->transport, turned->bin_radiance, before);
-    rsv_transport_environment(turned->transport, turned->bin_radiance, after);
+    rsv_transport_environment(inside(still)->transport, inside(turned)->bin_radiance, before);
+    rsv_transport_environment(inside(turned)->transport, inside(turned)->bin_radiance, after);
     assert_memory_equal(before, after, nodes * sizeof *before);
     free(before);
     free(after);

@@ -118,7 +118,7 @@ static rsv_status run_file(fixture *f, const char *scene, products *p)
     }
     if (status == RSV_OK) {
         rsv_relight_desc desc = { 0 };
-        status = rsv_solution_relight(p->solution, p->scene, &desc);
+        status = rsv_solution_relight(p->solution, &desc);
     }
     remove_folder(made.path);
     return status;

@@ -265,7 +265,7 @@ static void frames_follow_the_light(void **state)
     rsv_frame_renderer *before = begin_frames(solution, &desc);
     rsv_frame_view view = view_of(w);
     render_frames(before, &view, 1);
-    assert_int_equal(rsv_solution_relight(solution, w->scene, &change), RSV_OK);
+    assert_int_equal(rsv_solution_relight(solution, &change), RSV_OK);
     rsv_frame_renderer_refresh(before);
     rsv_frame_renderer *after = begin_frames(solution, &desc);
     render_frames(before, &view, 1);

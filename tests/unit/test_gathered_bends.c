@@ -1,7 +1,6 @@
 /// Light of the sky that rows of G gather lives on the coarse elements: these must be split where it bends.
 #include "light/polygon_irradiance.h"
 #include "light_fixture.h"
-#include "solve/budget.h"
 #include "solve/solution.h"
 
 #define HALF 1.0f   ///< side of the floor, halved
@@ -86,7 +85,7 @@ static double error_after(const world *w, uint32_t pilots)
     assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
     double error = error_on_floor(w, solution);
     print_message("%u pilots: mean error %.1f %%, %zu rows\n", pilots, 100 * error,
-        rsv_solution_rows(solution));
+        rsv_solution_report(solution)->rows);
     rsv_solution_destroy(solution);
     return error;
 }

@@ -269,9 +269,9 @@ static void sample_assets_load(void **state)
 {
     fixture *f = *state;
     static const char *const names[] = { "AlphaBlendModeTest.glb", "BoxTextured.glb",
-        "Duck_draco/Duck.gltf", "Duck_quantized/Duck.gltf", "SimpleSparseAccessor/SimpleSparseAccessor.gltf",
-        "TextureSettingsTest.glb", "TriangleWithoutIndices/TriangleWithoutIndices.gltf",
-        "VertexColorTest.glb" };
+        "Duck_draco/Duck.gltf", "Duck_quantized/Duck.gltf",
+        "SimpleSparseAccessor/SimpleSparseAccessor.gltf", "TextureSettingsTest.glb",
+        "TriangleWithoutIndices/TriangleWithoutIndices.gltf", "VertexColorTest.glb" };
     char path[512];
     const char *assets = getenv("RSV_ASSETS");
     snprintf(path, sizeof path, "%s/gltf", assets ? assets : "");

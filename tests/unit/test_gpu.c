@@ -2,8 +2,9 @@
 /// the same on a real device and is skipped where there is none.
 #include "resolvent/device.h"
 
+#include "light_view.h"
 #include "scene_fixture.h"
-#include "solve/solution.h"
+#include "solve/light_change.h"
 #include "solve/transport_map.h"
 #include "solver/linear_solver.h"
 
@@ -94,11 +95,9 @@ static void compare_products(const char *scene)
     rsv_transport_map *map;
     assert_int_equal(start(&r, scene, &desc), RSV_OK);
     const rsv_solution *s = r.solution;
-    size_t values = 3 * s->elements->node_count;
-    assert_true(s->elements->hanging_count > 0);
-    assert_int_equal(rsv_transport_map_create(
-                         s->elements, s->transport, s->subsurface, s->exitance_albedo, 3, &map),
-        RSV_OK);
+    size_t values = 3 * inside(s)->elements->node_count;
+    assert_true(inside(s)->elements->hanging_count > 0);
+    assert_int_equal(rsv_operator_map(inside(s)->op, 3, &map), RSV_OK);
     assert_non_null(map->device);
     const rsv_linear_map_table *table = map->linear.table;
     rsv_device_map *device = map->device;
@@ -112,7 +111,7 @@ static void compare_products(const char *scene)
     map->device = device;
     table->residual(map, 9, &source->r, &field->r, &there->r);
     // G's sums are rounded once, at the end; diffusion's are in float
-    assert_true(difference(there, here, values) < (s->subsurface ? ROUNDING : 1e-7));
+    assert_true(difference(there, here, values) < (inside(s)->subsurface ? ROUNDING : 1e-7));
     free(field), free(source), free(here), free(there);
     rsv_transport_map_destroy(map);
     finish(&r);
@@ -136,8 +135,10 @@ static void a_product_moves_each_of_its_arrays_once_at_least(void **state)
     assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_OK);
     assert_int_equal(rsv_measure_device(r.solution, 2, rate, seconds, &bytes), RSV_OK);
     assert_true(rate[1] > 0 && seconds[1] > 0);
-    assert_true(bytes > r.solution->transport->row_begin[r.solution->elements->node_count] * 4);
-    assert_true(bytes < 2 * r.solution->report.bytes);
+    assert_true(
+        bytes >
+        inside(r.solution)->transport->row_begin[inside(r.solution)->elements->node_count] * 4);
+    assert_true(bytes < 2 * inside(r.solution)->report.bytes);
     finish(&r);
     assert_int_equal(start(&r, "cornell-blocks", NULL), RSV_OK);
     assert_int_equal(
@@ -157,7 +158,8 @@ static double solve_with(
     memset(solution, 0, map->linear.count * sizeof *solution);
     assert_int_equal(rsv_transport_map_prepare(map, solver), RSV_OK);
     assert_int_equal(
-        rsv_linear_solve(&map->linear, 3, &s->source->r, &desc, &solution->r, &report), RSV_OK);
+        rsv_linear_solve(&map->linear, 3, &inside(s)->source->r, &desc, &solution->r, &report),
+        RSV_OK);
     assert_int_equal(report.stop_reason, RSV_STOP_CONVERGED);
     return report.applications;
 }
@@ -171,13 +173,12 @@ static void solvers_find_what_those_of_the_processor_find(void **state)
     rsv_transport_map *map;
     assert_int_equal(start(&r, "cornell-spheres", &desc), RSV_OK);
     const rsv_solution *s = r.solution;
-    size_t nodes = s->elements->node_count;
-    assert_int_equal(rsv_transport_map_create(
-                         s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map),
-        RSV_OK);
+    size_t nodes = inside(s)->elements->node_count;
+    assert_int_equal(rsv_operator_map(inside(s)->op, 1, &map), RSV_OK);
     rsv_rgb *here = calloc(nodes, sizeof *here), *there = calloc(nodes, sizeof *there);
     rsv_rgb *again = calloc(nodes, sizeof *again);
-    rsv_transport_map_mask(map, 1, r.solution->source); // hanging nodes are no unknowns
+    rsv_transport_map_mask(
+        map, 1, rsv_light_edit(r.solution)->source); // hanging nodes are no unknowns
     for (size_t k = 0; k < sizeof solvers / sizeof solvers[0]; k++) {
         rsv_device_map *device = map->device;
         double on_device = solve_with(s, map, solvers[k], there);
@@ -202,10 +203,11 @@ static void solutions_are_those_of_the_processor(void **state)
     rsv_device_desc desc = device_desc();
     assert_int_equal(start(&there, "two-rooms", &desc), RSV_OK);
     assert_int_equal(start(&here, "two-rooms", NULL), RSV_OK);
-    size_t nodes = here.solution->elements->node_count;
-    assert_int_equal(there.solution->elements->node_count, nodes);
+    size_t nodes = inside(here.solution)->elements->node_count;
+    assert_int_equal(inside(there.solution)->elements->node_count, nodes);
     // both solve to a residual of 1e-6 of the mean; the pilot's splits are the same
-    assert_true(difference(there.solution->irradiance, here.solution->irradiance, nodes) < 1e-5);
+    assert_true(difference(inside(there.solution)->irradiance, inside(here.solution)->irradiance,
+                    nodes) < 1e-5);
     finish(&there);
     finish(&here);
 }
@@ -270,8 +272,7 @@ static void memory_of_the_host_that_runs_out_is_an_error_and_nothing_leaks(void 
     const rsv_solution *s = r.solution;
     for (size_t left = 0; !map; left++) {
         r.f.allocations_left = left;
-        rsv_status status = rsv_transport_map_create(
-            s->elements, s->transport, s->subsurface, s->exitance_albedo, 1, &map);
+        rsv_status status = rsv_operator_map(inside(s)->op, 1, &map);
         assert_int_equal(status, map ? RSV_OK : RSV_ERROR_MEMORY);
     }
     assert_non_null(map->device);
@@ -308,8 +309,8 @@ static void where_the_device_is_optional_the_processor_steps_in(void **state)
     assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_OK);
     assert_int_equal(start(&here, "cornell-blocks", NULL), RSV_OK);
     assert_mentions(r.f.log, "warning: device: the operator would take");
-    size_t bytes = here.solution->elements->node_count * sizeof(rsv_rgb);
-    assert_memory_equal(r.solution->irradiance, here.solution->irradiance, bytes);
+    size_t bytes = inside(here.solution)->elements->node_count * sizeof(rsv_rgb);
+    assert_memory_equal(inside(r.solution)->irradiance, inside(here.solution)->irradiance, bytes);
     finish(&r);
     finish(&here);
 }
@@ -321,7 +322,7 @@ static void a_lost_device_is_an_error_or_none(void **state)
     rig r, here;
     rsv_device_desc desc = device_desc();
     assert_int_equal(start(&here, "cornell-blocks", NULL), RSV_OK);
-    size_t nodes = here.solution->elements->node_count;
+    size_t nodes = inside(here.solution)->elements->node_count;
     const uint64_t launches[] = { 1, 15, 20, 60 }; // the orders, then a solver
     for (size_t k = 0; k < sizeof launches / sizeof launches[0]; k++) {
         desc.fail_after = launches[k];
@@ -332,7 +333,8 @@ static void a_lost_device_is_an_error_or_none(void **state)
         desc.optional = true;
         assert_int_equal(start(&r, "cornell-blocks", &desc), RSV_OK);
         assert_mentions(r.f.log, "warning: device: emulated device is lost");
-        assert_true(difference(r.solution->irradiance, here.solution->irradiance, nodes) < 1e-5);
+        assert_true(difference(inside(r.solution)->irradiance, inside(here.solution)->irradiance,
+                        nodes) < 1e-5);
         finish(&r);
     }
     finish(&here);

@@ -3,8 +3,8 @@
 #include "core/device.h"
 #include "direct/direct.h"
 #include "light_fixture.h"
+#include "light_view.h"
 #include "resolvent/device.h"
-#include "solve/solution.h"
 
 #include <stdio.h>
 
@@ -45,7 +45,7 @@ typedef struct pass {
 
 static pass begin_pass(const rsv_solution *s)
 {
-    size_t nodes = s->elements->node_count;
+    size_t nodes = inside(s)->elements->node_count;
     return (pass){ calloc(nodes, sizeof(rsv_rgb)), calloc(nodes, sizeof(float)), 0 };
 }
 
@@ -58,10 +58,11 @@ static void end_pass(pass *p)
 /// @param on_device whether the context's device traces the rays
 static rsv_status find(const rsv_solution *s, uint32_t samples, bool on_device, pass *p)
 {
-    rsv_device *device = rsv_context_device(s->context);
+    rsv_device *device = rsv_context_device(inside(s)->context);
     if (device) device->desc.rows = on_device;
-    rsv_status status = rsv_direct_irradiance(&s->scene, s->lights, s->elements, RSV_SUPPORT_POINTS,
-        samples, 7, s->valid_points, NULL, p->irradiance, p->deviation, &p->rays);
+    rsv_status status = rsv_direct_irradiance(&inside(s)->scene, inside(s)->lights,
+        inside(s)->elements, RSV_SUPPORT_POINTS, samples, 7, inside(s)->valid_points, NULL,
+        p->irradiance, p->deviation, &p->rays);
     if (device) device->desc.rows = false;
     return status;
 }
@@ -69,7 +70,7 @@ static rsv_status find(const rsv_solution *s, uint32_t samples, bool on_device, 
 static double sum_of(const rsv_solution *s, const rsv_rgb *value)
 {
     double sum = 0;
-    for (size_t k = 0; k < s->elements->node_count; k++)
+    for (size_t k = 0; k < inside(s)->elements->node_count; k++)
         sum += (double)rgb_luminance(value[k]);
     return sum;
 }
@@ -78,7 +79,7 @@ static double sum_of(const rsv_solution *s, const rsv_rgb *value)
 static size_t count_different(const rsv_solution *s, const pass *a, const pass *b, double mean)
 {
     size_t different = 0;
-    for (size_t k = 0; k < s->elements->node_count; k++) {
+    for (size_t k = 0; k < inside(s)->elements->node_count; k++) {
         double e = (double)rgb_luminance(b->irradiance[k]);
         double off = fabs((double)rgb_luminance(a->irradiance[k]) - e);
         double deviation = fabs((double)(a->deviation[k] - b->deviation[k]));
@@ -91,7 +92,7 @@ static size_t count_different(const rsv_solution *s, const pass *a, const pass *
 static void compare_pass(const rsv_solution *s, uint32_t samples)
 {
     pass here = begin_pass(s), there = begin_pass(s), again = begin_pass(s);
-    size_t nodes = s->elements->node_count;
+    size_t nodes = inside(s)->elements->node_count;
     assert_int_equal(find(s, samples, false, &here), RSV_OK);
     assert_int_equal(find(s, samples, true, &there), RSV_OK);
     assert_int_equal(find(s, samples, true, &again), RSV_OK);
@@ -189,8 +190,8 @@ static void skies_and_suns_light_as_on_the_processor(void **state)
     rsv_device *device = open_device(NULL);
     world *w = sunny_world(device);
     rsv_solution *s = solve(w);
-    assert_true(s->lights->environment->sun_count > 0);
-    assert_true(s->lights->environment->sampler.flux > 0);
+    assert_true(inside(s)->lights->environment->sun_count > 0);
+    assert_true(inside(s)->lights->environment->sampler.flux > 0);
     compare_pass(s, 64);
     rsv_solution_destroy(s);
     world_end(w);
@@ -246,7 +247,7 @@ static void many_lamps_light_as_on_the_processor(void **state)
     }
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
     rsv_solution *s = solve(w);
-    assert_non_null(s->lights->emitter_tree);
+    assert_non_null(inside(s)->lights->emitter_tree);
     compare_pass(s, 64);
     rsv_solution_destroy(s);
     world_end(w);
@@ -267,8 +268,8 @@ static rsv_status find_on(const rsv_device_desc *desc, uint64_t fail_after)
     device->desc.fail_after = fail_after;
     rsv_status status = find(s, 8, true, &found);
     if (status == RSV_OK)
-        assert_memory_equal(
-            found.irradiance, expected.irradiance, s->elements->node_count * sizeof(rsv_rgb));
+        assert_memory_equal(found.irradiance, expected.irradiance,
+            inside(s)->elements->node_count * sizeof(rsv_rgb));
     end_pass(&expected), end_pass(&found);
     rsv_solution_destroy(s);
     world_end(w);

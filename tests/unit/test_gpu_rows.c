@@ -1,8 +1,8 @@
 /// Rows of G whose rays a device traces against those of the processor, on a device that the processor emulates;
 /// `test_gpu_rows cuda` runs the same on a real one.
 #include "light_fixture.h"
+#include "light_view.h"
 #include "resolvent/device.h"
-#include "solve/solution.h"
 
 #include <stdio.h>
 
@@ -92,17 +92,17 @@ static void compare(world *here, world *there, double tolerance)
     rsv_solution *a, *b;
     assert_int_equal(solve(here, &a), RSV_OK);
     assert_int_equal(solve(there, &b), RSV_OK);
-    const rsv_transport *g = a->transport, *h = b->transport;
-    size_t nodes = a->elements->node_count;
+    const rsv_transport *g = inside(a)->transport, *h = inside(b)->transport;
+    size_t nodes = inside(a)->elements->node_count;
     assert_int_equal(g->row_count, h->row_count);
     assert_memory_equal(g->scale, h->scale, nodes * sizeof *g->scale);
     assert_true(g->row_begin[nodes] > 1000);
     size_t different = count_different(g, h);
     if ((double)different > tolerance * (double)g->row_begin[nodes])
         fail_msg("%zu of %zu entries differ", different, g->row_begin[nodes]);
-    double exact = luminance_sum(a->irradiance, nodes);
+    double exact = luminance_sum(inside(a)->irradiance, nodes);
     assert_true(exact > 0);
-    assert_true(fabs(luminance_sum(b->irradiance, nodes) - exact) <= 1e-3 * exact);
+    assert_true(fabs(luminance_sum(inside(b)->irradiance, nodes) - exact) <= 1e-3 * exact);
     rsv_solution_destroy(a);
     rsv_solution_destroy(b);
     world_end(here);
@@ -169,9 +169,9 @@ static rsv_status solve_on(const rsv_device_desc *desc)
         world *here = world_builtin(1, "cornell-blocks");
         rsv_solution *exact;
         assert_int_equal(solve(here, &exact), RSV_OK);
-        size_t nodes = exact->elements->node_count;
-        double sum = luminance_sum(exact->irradiance, nodes);
-        assert_true(fabs(luminance_sum(solution->irradiance, nodes) - sum) <= 1e-5 * sum);
+        size_t nodes = inside(exact)->elements->node_count;
+        double sum = luminance_sum(inside(exact)->irradiance, nodes);
+        assert_true(fabs(luminance_sum(inside(solution)->irradiance, nodes) - sum) <= 1e-5 * sum);
         rsv_solution_destroy(exact);
         rsv_solution_destroy(solution);
         world_end(here);

@@ -3,8 +3,8 @@
 #include "core/device.h"
 #include "direct/photons.h"
 #include "light_fixture.h"
+#include "light_view.h"
 #include "resolvent/device.h"
-#include "solve/solution.h"
 
 #include <stdio.h>
 
@@ -45,11 +45,11 @@ typedef struct shot {
 /// @param on_device whether the context's device traces the rays
 static rsv_status shoot(const rsv_solution *s, bool on_device, shot *found)
 {
-    const rsv_elements *const elements[2] = { s->elements, s->elements };
-    rsv_device *device = rsv_context_device(s->context);
+    const rsv_elements *const elements[2] = { inside(s)->elements, inside(s)->elements };
+    rsv_device *device = rsv_context_device(inside(s)->context);
     if (device) device->desc.rows = on_device;
-    rsv_status status =
-        rsv_photons_shoot(&s->scene, s->lights, PHOTONS, 7, elements, found->map, 2, &found->rays);
+    rsv_status status = rsv_photons_shoot(
+        &inside(s)->scene, inside(s)->lights, PHOTONS, 7, elements, found->map, 2, &found->rays);
     if (device) device->desc.rows = false;
     return status;
 }
@@ -82,7 +82,7 @@ static double share_elsewhere(const rsv_photon_map *a, const rsv_photon_map *b)
 static void compare(world *w)
 {
     rsv_solution *s = solve(w);
-    size_t nodes = s->elements->node_count;
+    size_t nodes = inside(s)->elements->node_count;
     shot here = { .rays = 0 }, there = { .rays = 0 }, again = { .rays = 0 };
     assert_int_equal(shoot(s, false, &here), RSV_OK);
     assert_int_equal(shoot(s, true, &there), RSV_OK);
@@ -181,7 +181,7 @@ static rsv_status shoot_on(const rsv_device_desc *desc, uint64_t fail_after)
     rsv_status status = shoot(s, true, &found);
     if (status == RSV_OK)
         assert_memory_equal(found.map[0].flux, expected.map[0].flux,
-            s->elements->node_count * sizeof *found.map[0].flux);
+            inside(s)->elements->node_count * sizeof *found.map[0].flux);
     destroy_shot(&expected), destroy_shot(&found);
     rsv_solution_destroy(s);
     world_end(w);

@@ -127,7 +127,8 @@ static void files_are_the_same(void **state)
 
 static const char collada[] =
     "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
-    "version=\"1.4.1\"><library_cameras><camera id=\"c\" name=\"c\"><optics><technique_common><perspective>"
+    "version=\"1.4.1\"><library_cameras><camera id=\"c\" "
+    "name=\"c\"><optics><technique_common><perspective>"
     "<xfov>49.5</xfov><aspect_ratio>1.75</aspect_ratio><znear>0.1</znear><zfar>100</zfar>"
     "</perspective></technique_common></optics></camera></library_cameras><library_geometries>"
     "<geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"pa\" count=\"9\">0 0 0 1 0 0 0 1 0"
@@ -137,7 +138,8 @@ static const char collada[] =
     "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
     "<triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p>"
     "</triangles></mesh></geometry></library_geometries><library_visual_scenes>"
-    "<visual_scene id=\"s\"><node id=\"m\" name=\"m\"><instance_geometry url=\"#g\"/></node><node id=\"n\" name=\"n\">"
+    "<visual_scene id=\"s\"><node id=\"m\" name=\"m\"><instance_geometry url=\"#g\"/></node><node "
+    "id=\"n\" name=\"n\">"
     "<instance_camera url=\"#c\"/></node></visual_scene></library_visual_scenes>"
     "<scene><instance_visual_scene url=\"#s\"/></scene></COLLADA>";
 

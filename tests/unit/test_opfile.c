@@ -4,9 +4,10 @@
 
 #include "file_fixture.h"
 #include "light_fixture.h"
+#include "light_view.h"
 #include "opfile/sha256.h"
 #include "slow_tests.h"
-#include "solve/solution.h"
+#include "solve/solution_internal.h"
 
 #include <cjson/cJSON.h>
 
@@ -556,7 +557,7 @@ static void elements_of_another_scene_are_refused(void **state)
     rsv_solution *solution, *unused;
     assert_int_equal(load(&s, &scene, &solution), RSV_OK);
     rsv_solution mixed = *solution;
-    mixed.scene.scene = other->scene;
+    mixed.view.scene.scene = other->scene;
     assert_int_equal(rsv_solution_save(&mixed, "mixed", s.path), RSV_OK);
     rsv_solution_destroy(solution);
     rsv_scene_destroy(scene);

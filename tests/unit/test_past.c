@@ -30,7 +30,7 @@ static void measure(const room *now, folder rows[SEEDS], const folder earlier[SE
         rows[k] = new_folder();
         again[k] = solve_as(w, rows[k].path, earlier[k].path, 1 + k);
         whole[k] = solve_as(w, NULL, NULL, 1 + SEEDS + k);
-        assert_true(again[k]->report.kept_row_rays > again[k]->report.row_rays / 2);
+        assert_true(inside(again[k])->report.kept_row_rays > inside(again[k])->report.row_rays / 2);
     }
     for (int k = 0; k < SEEDS; k++) {
         again_distance[k] = distance(again[k], whole);
@@ -92,8 +92,8 @@ static void albedos_need_no_rays_of_rows(void **state)
     room dark = plain;
     dark.albedo = 0.1f;
     edited_room r = edit(&plain, &dark);
-    assert_true(r.s->report.kept_row_rays > 0);
-    assert_int_equal(r.s->report.kept_row_rays, r.s->report.row_rays);
+    assert_true(inside(r.s)->report.kept_row_rays > 0);
+    assert_int_equal(inside(r.s)->report.kept_row_rays, inside(r.s)->report.row_rays);
     end_edit(&r);
 }
 
@@ -107,13 +107,13 @@ static void no_two_nodes_draw_the_same_points(void **state)
 {
     (void)state;
     edited_room r = edit(&plain, &moved);
-    const rsv_elements *e = r.s->elements;
+    const rsv_elements *e = inside(r.s)->elements;
     uint32_t *draw = calloc(e->node_count, sizeof *draw), count = 0, recalled = 0;
     assert_non_null(draw);
     assert_non_null(e->node_draw);
     for (uint32_t n = 0; n < e->node_count; n++) {
         recalled += e->node_draw[n] != n;
-        if (r.s->valid_points[n]) draw[count++] = e->node_draw[n];
+        if (inside(r.s)->valid_points[n]) draw[count++] = e->node_draw[n];
     }
     assert_true(recalled > 0);
     qsort(draw, count, sizeof *draw, compare_numbers);
@@ -136,11 +136,12 @@ static void threads_make_no_difference(void **state)
         s[k] = solve(w[k], after.path, before.path);
         remove_folder(after.path);
     }
-    assert_int_equal(s[0]->fine.elements->node_count, s[1]->fine.elements->node_count);
-    assert_memory_equal(
-        s[0]->irradiance, s[1]->irradiance, s[0]->elements->node_count * sizeof *s[0]->irradiance);
-    assert_memory_equal(s[0]->fine.direct, s[1]->fine.direct,
-        s[0]->fine.elements->node_count * sizeof *s[0]->fine.direct);
+    assert_int_equal(
+        inside(s[0])->fine.elements->node_count, inside(s[1])->fine.elements->node_count);
+    assert_memory_equal(inside(s[0])->irradiance, inside(s[1])->irradiance,
+        inside(s[0])->elements->node_count * sizeof *inside(s[0])->irradiance);
+    assert_memory_equal(inside(s[0])->fine.direct, inside(s[1])->fine.direct,
+        inside(s[0])->fine.elements->node_count * sizeof *inside(s[0])->fine.direct);
     for (int k = 0; k < 2; k++) {
         rsv_solution_destroy(s[k]);
         world_end(w[k]);
@@ -211,12 +212,13 @@ static void light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change(void
 {
     (void)state;
     edited_room r = edit(&plain, &moved);
-    const rsv_elements *e = r.s->elements;
+    const rsv_elements *e = inside(r.s)->elements;
     rsv_past *past = NULL;
     size_t bytes;
     rsv_past_header *h = read_past(r.before.path, &bytes);
     assert_int_equal(
-        rsv_past_open(&r.s->scene, r.s->lights, r.before.path, h->settings, &past), RSV_OK);
+        rsv_past_open(&inside(r.s)->scene, inside(r.s)->lights, r.before.path, h->settings, &past),
+        RSV_OK);
     assert_non_null(past);
     free(h);
     size_t same = 0;

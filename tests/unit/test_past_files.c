@@ -29,9 +29,9 @@ static void damaged_files_are_passed_over(void **state)
     damage(before.path);
     world *w = build(&brighter, 2);
     rsv_solution *again = solve(w, after.path, before.path), *whole = solve(w, NULL, NULL);
-    assert_int_equal(again->elements->node_count, whole->elements->node_count);
-    assert_memory_equal(again->irradiance, whole->irradiance,
-        whole->elements->node_count * sizeof *whole->irradiance);
+    assert_int_equal(inside(again)->elements->node_count, inside(whole)->elements->node_count);
+    assert_memory_equal(inside(again)->irradiance, inside(whole)->irradiance,
+        inside(whole)->elements->node_count * sizeof *inside(whole)->irradiance);
     rsv_solution_destroy(again);
     rsv_solution_destroy(whole);
     world_end(w);
@@ -176,7 +176,7 @@ static void cells_are_found_again(void **state)
     rsv_past_header *h = read_past(f.path, &bytes);
     assert_int_equal(rsv_past_open(&w->transport, w->lights, f.path, h->settings, &past), RSV_OK);
     assert_non_null(past);
-    rsv_elements *e = s->fine.elements, unjudged = *e;
+    rsv_elements *e = inside(s)->fine.elements, unjudged = *e;
     unjudged.cell_openness = NULL;
     uint64_t rays = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
@@ -243,11 +243,11 @@ static void cells_are_split_to_the_finest_level_at_most(void **state)
     write_past(f.path, h, bytes);
     assert_int_equal(rsv_past_open(&w->transport, w->lights, f.path, h->settings, &past), RSV_OK);
     assert_non_null(past);
-    rsv_cell *cell = &s->fine.elements->cell[0]; // the first of its face, at any depth
+    rsv_cell *cell = &inside(s)->fine.elements->cell[0]; // the first of its face, at any depth
     *cell = (rsv_cell){ .level = RSV_MAX_LEVEL };
-    assert_false(rsv_past_was_cell_split(past, RSV_PAST_FINE, s->fine.elements, 0));
+    assert_false(rsv_past_was_cell_split(past, RSV_PAST_FINE, inside(s)->fine.elements, 0));
     cell->level--;
-    assert_true(rsv_past_was_cell_split(past, RSV_PAST_FINE, s->fine.elements, 0));
+    assert_true(rsv_past_was_cell_split(past, RSV_PAST_FINE, inside(s)->fine.elements, 0));
     rsv_past_close(past);
     rsv_solution_destroy(s);
     free(h);

@@ -1,6 +1,5 @@
 /// Pilots and budgets of a scene that is solved again after an edit.
 #include "past_fixture.h"
-#include "solve/budget.h"
 
 /// Pilots gather light of the sky anew near an edit, and take what they know of the rest.
 static void pilots_split_under_a_sky_after_an_edit(void **state)
@@ -10,8 +9,9 @@ static void pilots_split_under_a_sky_after_an_edit(void **state)
     then.sky = now.sky = 1;
     edited_room r = edit(&then, &now);
     rsv_solution *whole = solve_as(r.w, NULL, NULL, 1), *other = solve_as(r.w, NULL, NULL, 2);
-    assert_true(r.s->report.kept_row_rays > r.s->report.row_rays / 2);
-    double rows = (double)rsv_solution_rows(r.s), rows_whole = (double)rsv_solution_rows(whole);
+    assert_true(inside(r.s)->report.kept_row_rays > inside(r.s)->report.row_rays / 2);
+    double rows = (double)rsv_solution_report(r.s)->rows,
+           rows_whole = (double)rsv_solution_report(whole)->rows;
     assert_true(rows > 0.8 * rows_whole && rows < 1.25 * rows_whole);
     assert_true(difference(whole, r.s) < 1.5 * difference(whole, other));
     rsv_solution_destroy(whole);
@@ -33,10 +33,10 @@ static void memory_enough_changes_nothing_after_an_edit(void **state)
     desc.checkpoint = after.path;
     desc.earlier = before.path;
     assert_int_equal(rsv_solution_create(r.w->scene, &desc, &s), RSV_OK);
-    assert_int_equal(s->report.kept_row_rays, r.s->report.kept_row_rays);
-    assert_int_equal(s->elements->node_count, r.s->elements->node_count);
-    assert_memory_equal(
-        s->irradiance, r.s->irradiance, s->elements->node_count * sizeof *s->irradiance);
+    assert_int_equal(inside(s)->report.kept_row_rays, inside(r.s)->report.kept_row_rays);
+    assert_int_equal(inside(s)->elements->node_count, inside(r.s)->elements->node_count);
+    assert_memory_equal(inside(s)->irradiance, inside(r.s)->irradiance,
+        inside(s)->elements->node_count * sizeof(rsv_rgb));
     rsv_solution_destroy(s);
     world_end(w);
     remove_folder(before.path);
@@ -67,15 +67,15 @@ static void budgets_coarsen_what_was_finer_before(void **state)
     assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
     size_t bytes;
     rsv_past_header *h = read_past(after.path, &bytes);
-    float metres = s->elements->spacing;
+    float metres = inside(s)->elements->spacing;
     assert_true(metres > 1.1f * h->spacing[0]); // what was asked for: the next one begins there
     rsv_solution_destroy(s);
     leave_for(&plain, before.path, h->settings);
     free(h);
     desc.earlier = before.path;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
-    assert_true(rsv_solution_rows(s) <= desc.max_elements);
-    assert_true(s->elements->spacing < 1.5f * metres); // not clusters of what is too fine
+    assert_true(rsv_solution_report(s)->rows <= desc.max_elements);
+    assert_true(inside(s)->elements->spacing < 1.5f * metres); // not clusters of what is too fine
     rsv_solution_destroy(s);
     world_end(w);
     remove_folder(before.path);

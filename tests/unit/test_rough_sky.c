@@ -135,7 +135,8 @@ static void aims_have_the_density_that_they_say(void **state)
     rsv_sky_visibility *visibility;
     rsv_sky_aim aim;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
-    assert_int_equal(rsv_sky_visibility_create(solution, &visibility), RSV_OK);
+    assert_int_equal(
+        rsv_sky_visibility_create(rsv_solution_get_view(solution), &visibility), RSV_OK);
     const rsv_vec3 up = v3(0, 1, 0), wo = v3_normalize(v3_sub(eye, spot));
     rsv_sky_aim_at(visibility, &visibility->visible[0], &w->bsdf[1], wo, up, &aim);
     assert_true(aim.count > 0);

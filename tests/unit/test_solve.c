@@ -1,7 +1,7 @@
 /// The solution E = E0 + G K E: furnaces with a closed answer, a truthful report, refusals, and memory that
 /// runs out anywhere.
+#include "light_view.h"
 #include "resolvent/render.h"
-#include "solve/solution.h"
 
 #include "light_fixture.h"
 #include "slow_tests.h"
@@ -149,7 +149,7 @@ static void orders_sum_to_the_solution(void **state)
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
     rsv_solution *s = solve(w, 400);
-    double mean = s->report.mean_irradiance, square = 0, wrong = 0;
+    double mean = inside(s)->report.mean_irradiance, square = 0, wrong = 0;
     for (uint32_t t = 0; t < rsv_scene_get_view(w->scene)->triangle_count; t++) {
         rsv_rgb sum = rgb_gray(0), all = rsv_solution_irradiance(s, t, 0.2f, 0.3f, false, RSV_NONE);
         for (uint32_t order = 0; order < rsv_solution_order_count(s); order++)
@@ -184,7 +184,7 @@ typedef struct series {
 
 static void constrain(const series *q, double (*value)[3])
 {
-    const rsv_elements *e = q->s->elements;
+    const rsv_elements *e = inside(q->s)->elements;
     for (size_t h = 0; h < e->hanging_count; h++)
         for (int c = 0; c < 3; c++) {
             double sum = 0;
@@ -202,8 +202,8 @@ static double channel(rsv_rgb value, int c)
 /// next = G K term
 static void apply(const series *q, double (*term)[3], double (*next)[3])
 {
-    const rsv_transport *t = q->s->transport;
-    const rsv_rgb *albedo = q->s->exitance_albedo;
+    const rsv_transport *t = inside(q->s)->transport;
+    const rsv_rgb *albedo = inside(q->s)->exitance_albedo;
     for (size_t row = 0; row < q->nodes; row++)
         for (int c = 0; c < 3; c++) {
             double sum = 0;
@@ -230,14 +230,14 @@ static double largest(const series *q, double (*value)[3])
 
 static series create_series(const rsv_solution *s)
 {
-    series q = { .s = s, .nodes = s->elements->node_count };
+    series q = { .s = s, .nodes = inside(s)->elements->node_count };
     q.term = calloc(q.nodes, sizeof *q.term);
     q.next = calloc(q.nodes, sizeof *q.next);
     q.sum = calloc(q.nodes, sizeof *q.sum);
     assert_true(q.term && q.next && q.sum);
     for (size_t n = 0; n < q.nodes; n++)
         for (int c = 0; c < 3; c++)
-            q.term[n][c] = q.sum[n][c] = channel(s->source[n], c);
+            q.term[n][c] = q.sum[n][c] = channel(inside(s)->source[n], c);
     return q;
 }
 
@@ -314,9 +314,9 @@ static void the_report_counts_what_was_built(void **state)
     world *w = world_builtin(1, "cornell-blocks");
     rsv_solution *s = solve(w, 300);
     const rsv_solve_report *report = rsv_solution_report(s);
-    assert_int_equal(report->elements, s->elements->node_count);
-    assert_int_equal(report->direct_elements, s->fine.elements->node_count);
-    assert_int_equal(report->entries, rsv_transport_entries(s->transport));
+    assert_int_equal(report->elements, inside(s)->elements->node_count);
+    assert_int_equal(report->direct_elements, inside(s)->fine.elements->node_count);
+    assert_int_equal(report->entries, rsv_transport_entries(inside(s)->transport));
     assert_true(report->rays >= report->entries);
     assert_true(report->time_bvh >= 0 && report->time_assemble > 0 && report->time_solve > 0);
     assert_ptr_equal(rsv_solution_scene(s), w->scene);
@@ -349,11 +349,12 @@ static void caustics_do_not_depend_on_who_finds_direct_light(void **state)
     rsv_solution *with = solve_with(w, &desc);
     desc.direct_level = false;
     rsv_solution *without = solve_with(w, &desc);
-    size_t nodes = with->caustics.elements->node_count;
-    assert_non_null(with->fine.direct);
-    assert_null(without->fine.elements);
-    assert_int_equal(without->caustics.elements->node_count, nodes);
-    assert_memory_equal(with->caustics.caustic, without->caustics.caustic, nodes * sizeof(rsv_rgb));
+    size_t nodes = inside(with)->caustics.elements->node_count;
+    assert_non_null(inside(with)->fine.direct);
+    assert_null(inside(without)->fine.elements);
+    assert_int_equal(inside(without)->caustics.elements->node_count, nodes);
+    assert_memory_equal(
+        inside(with)->caustics.caustic, inside(without)->caustics.caustic, nodes * sizeof(rsv_rgb));
     rsv_solution_destroy(with);
     rsv_solution_destroy(without);
     world_end(w);
@@ -365,12 +366,14 @@ static uint64_t hash_of_solution_with(int threads)
     rsv_solve_desc desc = small_desc(200);
     desc.refinements = 1;
     rsv_solution *s = solve_with(w, &desc);
-    size_t nodes = s->elements->node_count;
-    uint64_t hash = hash_bytes(HASH_START, s->indirect, nodes * sizeof *s->indirect);
-    hash = hash_bytes(hash, s->source, nodes * sizeof *s->source);
-    hash = hash_bytes(hash, s->fine.direct, s->fine.elements->node_count * sizeof(rsv_rgb));
-    hash =
-        hash_bytes(hash, s->caustics.caustic, s->caustics.elements->node_count * sizeof(rsv_rgb));
+    size_t nodes = inside(s)->elements->node_count;
+    uint64_t hash =
+        hash_bytes(HASH_START, inside(s)->indirect, nodes * sizeof *inside(s)->indirect);
+    hash = hash_bytes(hash, inside(s)->source, nodes * sizeof *inside(s)->source);
+    hash = hash_bytes(
+        hash, inside(s)->fine.direct, inside(s)->fine.elements->node_count * sizeof(rsv_rgb));
+    hash = hash_bytes(hash, inside(s)->caustics.caustic,
+        inside(s)->caustics.elements->node_count * sizeof(rsv_rgb));
     rsv_solution_destroy(s);
     world_end(w);
     return hash;
@@ -456,7 +459,7 @@ static void lossless_pockets_are_left_dark(void **state)
         rsv_solution *s = solve(w, 200);
         assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_CONVERGED);
         outside[sealed] = rsv_solution_irradiance(s, 0, 0.3f, 0.3f, false, RSV_NONE).g;
-        assert_close(s->pocket_area, sealed ? 6 * 0.09 : 0, 1e-3);
+        assert_close(inside(s)->pocket_area, sealed ? 6 * 0.09 : 0, 1e-3);
         assert_true(rgb_is_black(rsv_solution_irradiance(s, 12, 0.3f, 0.3f, false, RSV_NONE)));
         rsv_solution_destroy(s);
         world_end(w);

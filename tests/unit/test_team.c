@@ -3,9 +3,9 @@
 #include "resolvent/opfile.h"
 
 #include "file_fixture.h"
+#include "light_view.h"
 #include "operator/division.h"
 #include "slow_tests.h"
-#include "solve/solution.h"
 #include "thread_team.h"
 
 // ---- parts of the curve --------------------------------------------------------------------------
@@ -36,17 +36,17 @@ static void neighbours_on_the_curve_are_neighbours_in_space(void **state)
     rsv_scene *scene;
     rsv_division *d;
     rsv_solution *s = solve_alone(*state, "cornell-blocks", &scene);
-    assert_int_equal(rsv_division_create(s->elements, &d), RSV_OK);
+    assert_int_equal(rsv_division_create(inside(s)->elements, &d), RSV_OK);
     uint8_t *seen = calloc(d->node_count, 1);
     double length = 0;
     for (size_t k = 0; k < d->node_count; k++) {
         assert_false(seen[d->order[k]]++); // each node once
         if (k > 0)
-            length += (double)v3_length(
-                v3_sub(place_of(s->elements, d->order[k]), place_of(s->elements, d->order[k - 1])));
+            length += (double)v3_length(v3_sub(place_of(inside(s)->elements, d->order[k]),
+                place_of(inside(s)->elements, d->order[k - 1])));
     }
     // nodes on a grid with that spacing cannot follow each other more closely than it; jumps between walls come on top
-    assert_true(length / (double)d->node_count < 2 * (double)s->elements->spacing);
+    assert_true(length / (double)d->node_count < 2 * (double)inside(s)->elements->spacing);
     free(seen);
     rsv_division_destroy(d);
     rsv_solution_destroy(s);
@@ -66,7 +66,7 @@ static void parts_cost_the_same(void **state)
     rsv_scene *scene;
     rsv_division *d;
     rsv_solution *s = solve_alone(*state, "cornell-blocks", &scene);
-    assert_int_equal(rsv_division_create(s->elements, &d), RSV_OK);
+    assert_int_equal(rsv_division_create(inside(s)->elements, &d), RSV_OK);
     double total = 0, dearest = 0;
     for (size_t n = 0; n < d->node_count; n++) {
         d->cost[n] = n % 3 == 0 ? 0 : n % 7 == 0 ? 20 : 1; // glass among plaster, nodes that hang
@@ -131,8 +131,9 @@ static rsv_status solve_and_save(rsv_context *context, const job *j, const char 
     RSV_TRY(rsv_scene_builtin(context, name, scene));
     RSV_TRY(rsv_scene_compare(*scene));
     RSV_TRY(rsv_solution_create(*scene, &desc, solution));
-    *entries = rsv_transport_entries((*solution)->transport);
-    if (j->complete) RSV_TRY(rsv_transport_complete((*solution)->transport));
+    *entries = rsv_transport_entries(inside(*solution)->transport);
+    if (j->complete)
+        RSV_TRY(rsv_transport_complete(rsv_operator_get_view(inside(*solution)->op)->transport));
     if (j->path) RSV_TRY(rsv_solution_save(*solution, name, j->path));
 cleanup:
     return status;

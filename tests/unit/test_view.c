@@ -33,7 +33,7 @@ static stage *open_stage(void)
     desc.element_target = 30;
     desc.rays_per_element = 64;
     assert_int_equal(rsv_solution_create(s->w->scene, &desc, &s->solution), RSV_OK);
-    assert_int_equal(rsv_relighter_create(s->solution, s->w->scene, &s->relighter), RSV_OK);
+    assert_int_equal(rsv_relighter_create(s->solution, &s->relighter), RSV_OK);
     assert_true(cli_view_state_begin(s->relighter, s->w->scene,
         1 + rsv_solution_order_count(s->solution), s->w->scene, &s->state));
     s->state.aspect = 1.5f;

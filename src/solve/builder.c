@@ -1,0 +1,268 @@
+#include "builder.h"
+
+#include "../core/team.h"
+#include "../elements/elements.h"
+#include "budget.h"
+#include "coarse_elements.h"
+#include "goal.h"
+#include "pilot.h"
+#include "remember.h"
+#include "solve_desc.h"
+#include "source.h"
+
+#include <string.h>
+
+/// Where budgets are exceeded, elements grow by this factor at most at a time; always by it, and no pilot splits them, as
+/// soon as a step leaves more than this part of them.
+#define LARGEST_STEP 4.0f
+#define LEAST_PROGRESS 0.95
+/// Elements that are larger than wanted by this factor are as few as the surfaces can have.
+#define COARSEST 1e3f
+
+// ---- elements and rows ----------------------------------------------------------------------------
+
+/// Creates elements, larger ones as long as there are more than budgets allow.
+static rsv_status create_elements(rsv_builder *b)
+{
+    rsv_status status;
+    b->spacing = rsv_spacing_for(&b->scene, b->desc.element_target);
+    if (b->scene.past) b->spacing = rsv_past_spacing(b->scene.past, b->spacing);
+    float wanted = b->wanted_metres = b->spacing.metres;
+    size_t before = SIZE_MAX;
+    bool stalled = false;
+    RSV_TRY(rsv_budget_open(b));
+    for (;;) {
+        RSV_TRY(rsv_coarse_elements_create(b, rsv_pilot_has_goal(b) ? RSV_GOAL_LEARNED : 1));
+        if (!stalled) RSV_TRY(rsv_pilot_refine(b));
+        while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
+        size_t rows = rsv_builder_rows(b), most = rsv_budget_rows(b);
+        if (rows <= most) break;
+        b->scene.past = NULL; // its grids and splits would stay as they were
+        if (b->spacing.metres > COARSEST * wanted) RSV_TRY(rsv_budget_refuse(b, rows));
+        stalled = stalled || (double)rows > LEAST_PROGRESS * (double)before;
+        before = rows;
+        float step = sqrtf(1.2f * (float)rows / ((float)most + 1));
+        b->spacing.metres *= stalled ? LARGEST_STEP : f_min(step, LARGEST_STEP);
+        rsv_elements_destroy(b->elements);
+        b->elements = NULL;
+    }
+    rsv_budget_report(b, wanted);
+cleanup:
+    return status;
+}
+
+rsv_status rsv_builder_trace(
+    rsv_builder *b, const uint16_t *valid_points, uint32_t rays, rsv_operator **op)
+{
+    const rsv_operator_desc desc = { .world = b->world,
+        .scene = &b->scene,
+        .lights = b->sources->lights,
+        .elements = b->elements,
+        .valid_points = valid_points ? valid_points : b->valid_points,
+        .rays = rays,
+        .seed = b->desc.seed };
+    rsv_status status = rsv_operator_trace(&desc, op);
+    if (status != RSV_OK) return status;
+    const rsv_transport *rows = rsv_operator_get_view(*op)->transport;
+    b->report.rays += rows->rays;
+    b->report.row_rays += rows->rays;
+    b->report.kept_row_rays += rows->kept_rays;
+    b->report.spared_seconds += rows->spared_seconds;
+    return RSV_OK;
+}
+
+// ---- light ----------------------------------------------------------------------------------------
+
+/// Direct light and caustics on finer elements, where they are wanted and seen.
+static rsv_status create_levels(const rsv_builder *b, rsv_solution *light)
+{
+    rsv_status status;
+    uint8_t *hidden = NULL;
+    rsv_goal_aim aim = rsv_goal_aim_of(&b->desc);
+    if (rsv_goal_is_wanted(&aim)) {
+        hidden = rsv_alloc(b->context, b->elements->cell_count, 1);
+        RSV_TRY(hidden ? RSV_OK : RSV_ERROR_MEMORY);
+        RSV_TRY(rsv_goal_hidden_cells(light->op, &aim, b->desc.seed, hidden));
+    }
+    rsv_level_limits limits = { rsv_budget_cells(b), hidden };
+    RSV_TRY(rsv_source_create_levels(light, &limits));
+cleanup:
+    rsv_free(b->context, hidden);
+    return status;
+}
+
+/// E0 on the elements of an operator and on levels of its own. @param light out, even after an error
+static rsv_status find_sources(rsv_builder *b, rsv_operator *op, rsv_solution **light)
+{
+    rsv_status status;
+    RSV_TRY(rsv_light_begin(op, b->sources, &b->scene, &b->desc, light));
+    RSV_TRY(create_levels(b, *light));
+    RSV_TRY(rsv_source_create(*light));
+cleanup:
+    return status;
+}
+
+// ---- the report -----------------------------------------------------------------------------------
+
+static size_t count_nodes(const rsv_elements *elements)
+{
+    return elements ? elements->node_count : 0;
+}
+
+static size_t level_bytes(const rsv_elements *elements)
+{
+    if (!elements) return 0;
+    return rsv_elements_bytes(elements) + elements->node_count * sizeof(rsv_rgb);
+}
+
+/// Bytes of elements, with one field each, and of the operator.
+static size_t bytes_of(const rsv_solution *s)
+{
+    return level_bytes(s->elements) + s->elements->node_count * sizeof(uint16_t) +
+           rsv_transport_bytes(s->view.transport) + rsv_subsurface_bytes(s->view.subsurface) +
+           level_bytes(s->field.fine.elements) + level_bytes(s->field.caustics.elements) +
+           level_bytes(s->field.diffused.elements);
+}
+
+static void report_sizes(const rsv_builder *b, rsv_solution *light)
+{
+    const rsv_operator_view *op = rsv_operator_get_view(light->op);
+    rsv_solve_report *report = &light->report;
+    report->elements = b->elements->node_count;
+    report->rows = rsv_builder_rows(b);
+    report->direct_elements =
+        count_nodes(light->field.fine.elements) + count_nodes(light->field.caustics.elements);
+    report->entries = rsv_team_total(b->context, rsv_transport_entries(op->transport)) +
+                      rsv_subsurface_entries(op->subsurface);
+}
+
+static void report_kept_rays(const rsv_builder *b, const rsv_solve_report *r)
+{
+    if (r->kept_row_rays > 0)
+        rsv_log(b->context, RSV_LOG_INFO,
+            "checkpoint: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced "
+            "again: %.1f s saved",
+            100 * (double)r->kept_row_rays / (double)r->row_rays,
+            100 * (1 - (double)r->kept_row_rays / (double)r->row_rays), fmax(r->spared_seconds, 0));
+}
+
+/// Counts what the builder did before there was a light.
+static void add_report(rsv_solve_report *report, const rsv_solve_report *before)
+{
+    report->rays += before->rays;
+    report->row_rays = before->row_rays;
+    report->kept_row_rays = before->kept_row_rays;
+    report->spared_seconds = before->spared_seconds;
+    report->time_bvh = before->time_bvh;
+}
+
+// ---- all of it ------------------------------------------------------------------------------------
+
+static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_solution **light)
+{
+    rsv_status status;
+    double start = rsv_seconds(), path = rsv_team_path(b->context);
+    RSV_TRY(create_elements(b));
+    uint32_t rays = rsv_reflects_diffusely(&b->scene) ? b->desc.rays_per_element : RSV_FEWEST_RAYS;
+    RSV_TRY(rsv_builder_trace(b, NULL, rays, op));
+    RSV_TRY(rsv_operator_scatter(*op));
+    RSV_TRY(find_sources(b, *op, light));
+    add_report(&(*light)->report, &b->report);
+    (*light)->report.time_assemble = rsv_seconds() - start;
+    (*light)->report.critical_assemble = rsv_team_path(b->context) - path;
+    report_sizes(b, *light);
+cleanup:
+    return status;
+}
+
+static rsv_status solve(rsv_builder *b, rsv_solution *light)
+{
+    rsv_status status;
+    double start = rsv_seconds(), path = rsv_team_path(b->context);
+    RSV_TRY(rsv_solve_orders(light, b->desc.max_orders));
+    RSV_TRY(rsv_diffused_level_create(light));
+    light->report.time_solve = rsv_seconds() - start;
+    light->report.critical_solve = rsv_team_path(b->context) - path;
+    rsv_light_publish(light);
+    light->report.bytes = bytes_of(light);
+    report_kept_rays(b, &light->report);
+    rsv_light_warn_if_unbounded(light);
+cleanup:
+    return status;
+}
+
+/// @param light out, even after an error
+static rsv_status build(rsv_builder *b, rsv_solution **light)
+{
+    rsv_status status;
+    rsv_past *past = NULL;
+    rsv_operator *op = NULL;
+    RSV_TRY(rsv_builder_recall(b, &past));
+    RSV_TRY(assemble(b, &op, light));
+    RSV_TRY(solve(b, *light));
+    rsv_builder_remember(b, *light);
+cleanup:
+    if (*light) {
+        (*light)->scene = b->world->scene;
+        rsv_light_publish(*light);
+    }
+    rsv_past_close(past);
+    rsv_operator_release(op);
+    return status;
+}
+
+static rsv_status begin(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_builder *b)
+{
+    rsv_status status;
+    *b = (rsv_builder){ .context = rsv_scene_get_context(scene),
+        .desc = *desc,
+        .wanted_rays = desc->rays_per_element };
+    RSV_TRY(rsv_world_create(scene, &b->world));
+    b->report.time_bvh = b->world->build_seconds;
+    b->scene = b->world->scene;
+    b->scene.checkpoint = desc->checkpoint;
+    b->scene.earlier = desc->earlier;
+    RSV_TRY(rsv_light_sources_create(b->world, NULL, &b->sources));
+cleanup:
+    return status;
+}
+
+static void end(rsv_builder *b)
+{
+    rsv_elements_destroy(b->elements);
+    rsv_free(b->context, b->valid_points);
+    rsv_light_sources_release(b->sources);
+    rsv_world_release(b->world);
+}
+
+static rsv_status check_goal(const rsv_solve_desc *desc, size_t cameras)
+{
+    if (desc->goal_camera == RSV_NONE)
+        return rsv_check_probes(desc->goal_points, desc->goal_point_count);
+    if (desc->goal_point_count > 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "solve: goal_camera and goal_points are both given; one goal is all there can be");
+    if (desc->goal_camera >= cameras)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: goal_camera is %u; the scene has %zu cameras",
+            desc->goal_camera, cameras);
+    return RSV_OK;
+}
+
+rsv_status rsv_solution_create(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
+{
+    rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    rsv_builder b;
+    rsv_solution *light = NULL;
+    rsv_status status = check_goal(&settings, rsv_scene_get_view(scene)->camera_count);
+    if (status == RSV_OK) status = rsv_check_solve_desc(&settings);
+    if (status != RSV_OK) return status;
+    status = begin(scene, &settings, &b);
+    if (status == RSV_OK) status = build(&b, &light);
+    end(&b);
+    if (status == RSV_OK)
+        *solution = light;
+    else
+        rsv_solution_destroy(light);
+    return status;
+}

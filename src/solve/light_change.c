@@ -1,0 +1,178 @@
+#include "light_change.h"
+
+#include "solution_internal.h"
+#include "source.h"
+
+rsv_world *rsv_light_world(rsv_solution *s) { return s->world; }
+
+rsv_light_fields *rsv_light_edit(rsv_solution *s) { return &s->field; }
+
+rsv_light_sources *rsv_light_get_sources(const rsv_solution *s) { return s->sources; }
+
+rsv_light_basis *rsv_light_take_basis(rsv_solution *s)
+{
+    rsv_light_basis *basis = s->basis;
+    s->basis = NULL;
+    s->view.basis = NULL;
+    return basis;
+}
+
+void rsv_light_set_basis(rsv_solution *s, rsv_light_basis *basis)
+{
+    rsv_light_basis_destroy(s->basis);
+    s->basis = basis;
+    s->view.basis = basis;
+}
+
+// ---- the scene ------------------------------------------------------------------------------------
+
+static void take_sources(rsv_solution *s, rsv_light_sources *sources)
+{
+    rsv_light_sources_release(s->sources);
+    s->sources = sources;
+    rsv_light_publish(s);
+}
+
+rsv_status rsv_light_vary_world(rsv_solution *s)
+{
+    return s->world->variant ? RSV_OK : rsv_light_part_world(s);
+}
+
+rsv_status rsv_light_part_world(rsv_solution *s)
+{
+    rsv_world *own = NULL;
+    rsv_status status = rsv_world_vary(s->world, &own);
+    if (status != RSV_OK) return status;
+    rsv_world_release(s->world);
+    s->world = own;
+    s->scene = own->scene;
+    return rsv_light_find_sources(s, s->sources->lights);
+}
+
+rsv_status rsv_light_find_sources(rsv_solution *s, const rsv_lights *like)
+{
+    rsv_light_sources *found = NULL;
+    rsv_world_find_bsdfs(s->world);
+    s->scene = s->world->scene;
+    rsv_status status = rsv_light_sources_create(s->world, like, &found);
+    if (status == RSV_OK) take_sources(s, found);
+    return status;
+}
+
+rsv_status rsv_light_follow_strengths(rsv_solution *s, bool *followed)
+{
+    rsv_world_find_bsdfs(s->world);
+    return rsv_lights_follow_strengths(s->sources->lights, s->world->bsdf, followed);
+}
+
+rsv_status rsv_light_vary_places(rsv_solution *s, const bool *moves)
+{
+    rsv_status status = rsv_world_vary_places(s->world, moves);
+    s->scene = s->world->scene;
+    rsv_light_publish(s);
+    return status;
+}
+
+rsv_status rsv_light_follow_places(rsv_solution *s)
+{
+    return rsv_lights_follow(s->sources->lights);
+}
+
+rsv_status rsv_light_recolor(rsv_solution *s)
+{
+    rsv_operator *op = NULL;
+    rsv_rgb *albedo = NULL;
+    rsv_status status;
+    rsv_world_find_bsdfs(s->world);
+    RSV_TRY(rsv_element_albedos(&s->scene, s->elements, s->desc.seed, &albedo));
+    RSV_TRY(rsv_operator_recolor(s->op, s->world, albedo, &op));
+    rsv_operator_release(s->op);
+    s->op = op;
+    rsv_light_publish(s);
+cleanup:
+    rsv_free(s->context, albedo);
+    return status;
+}
+
+// ---- E0 and E -------------------------------------------------------------------------------------
+
+void rsv_light_gather(rsv_solution *s, rsv_rgb scale)
+{
+    s->gathered_scale = scale;
+    rsv_source_add_gathered(s);
+    rsv_light_publish(s);
+}
+
+rsv_status rsv_light_diffuse(rsv_solution *s)
+{
+    rsv_light_fields *f = &s->field;
+    // all bounces stand in for the first one
+    f->order[1] = f->indirect;
+    f->order_count = 2;
+    rsv_diffused_level_destroy(s->context, &f->diffused);
+    rsv_status status = rsv_diffused_level_create(s);
+    f->order[1] = NULL;
+    f->order_count = 0;
+    rsv_light_publish(s);
+    return status;
+}
+
+static void drop_orders(rsv_solution *s)
+{
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        rsv_free(s->context, s->field.order[k]);
+        s->field.order[k] = NULL;
+    }
+    rsv_free(s->context, s->field.irradiance);
+    rsv_free(s->context, s->field.indirect);
+    s->field.irradiance = s->field.indirect = NULL;
+}
+
+rsv_status rsv_light_solve(rsv_solution *s)
+{
+    rsv_status status;
+    double start = rsv_seconds();
+    drop_orders(s);
+    RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
+    rsv_diffused_level_destroy(s->context, &s->field.diffused);
+    RSV_TRY(rsv_diffused_level_create(s));
+    s->report.time_solve = rsv_seconds() - start;
+cleanup:
+    rsv_light_publish(s);
+    return status;
+}
+
+rsv_status rsv_solution_solve_again(rsv_solution *s)
+{
+    rsv_status status = rsv_light_solve(s);
+    if (status == RSV_OK) rsv_light_warn_if_unbounded(s);
+    return status;
+}
+
+/// Errors of the operator are amplified by about 1 / (1 - spectral radius): beyond this the reader must know.
+#define WORRYING_RADIUS 0.98
+
+void rsv_light_warn_if_unbounded(const rsv_solution *s)
+{
+    const rsv_solve_report *report = &s->report;
+    if (s->pocket_area > 0)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: %.3g m2 of surfaces that absorb nothing enclose pockets which hardly any light "
+            "enters, and are left dark there; lower their albedo below 1",
+            s->pocket_area);
+    if (report->stop_reason == RSV_STOP_MAX_ORDERS)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: stopped after %u orders of light with a residual of %.3g W/m2",
+            report->iterations, report->residual_inf);
+    else if (report->stop_reason > RSV_STOP_NO_LIGHT)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: solver %s gave up after %u applications with a residual of %.3g W/m2; leave "
+            "the choice to 'auto'",
+            rsv_solver_name(report->solver), report->iterations, report->residual_inf);
+    else if (report->stop_reason == RSV_STOP_CONVERGED && report->norm_inf > WORRYING_RADIUS &&
+             report->spectral_radius > WORRYING_RADIUS)
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "solve: the scene absorbs almost nothing (spectral radius %.4f): small errors of the "
+            "operator weigh heavily; use a higher quality or lower the albedos",
+            report->spectral_radius);
+}

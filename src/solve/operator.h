@@ -1,0 +1,66 @@
+/// The light-transport operator of a scene: which share of the light that arrives at each element arrives at every other
+/// one next, G K. Constant once it is made; lights of it come and go (solution.h).
+///
+/// G, the rows, is what costs: operators of other albedos (K) share it with the one that they vary.
+#ifndef RSV_OPERATOR_H
+#define RSV_OPERATOR_H
+
+#include "../diffusion/subsurface.h"
+#include "../operator/transport.h"
+#include "resolvent/operator.h"
+#include "transport_map.h"
+#include "world.h"
+
+/// What an operator is made of. All of it is constant but for scratch memory within `subsurface`.
+typedef struct rsv_operator_view {
+    rsv_context *context;
+    rsv_world *world;             ///< whose surfaces it is made of
+    rsv_elements *elements;       ///< where light is stored: the unknowns
+    const uint16_t *valid_points; ///< [node_count] receiver points that are not buried, bit by bit
+    rsv_transport *transport;     ///< G
+    const rsv_rgb *albedo;        ///< [node_count] K = diag(albedo) P
+    rsv_subsurface *subsurface;   ///< P; NULL = light leaves where it entered, everywhere
+} rsv_operator_view;
+
+/// How to trace one.
+typedef struct rsv_operator_desc {
+    rsv_world *world; ///< retained
+    /// Of that world, with what is known of rows from before (checkpoint, earlier, past); borrowed for the call
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights; ///< tell which emitters rows gather; borrowed for the call
+    rsv_elements *elements;   ///< retained
+    const uint16_t
+        *valid_points; ///< [node_count] from rsv_find_buried with RSV_SUPPORT_POINTS points; copied
+    uint32_t rays;     ///< of each row, a power of two
+    uint32_t seed;     ///< that of valid_points
+} rsv_operator_desc;
+
+rsv_status rsv_operator_trace(const rsv_operator_desc *desc, rsv_operator **op);
+
+/// The same from what was kept of one. @param parts world and elements are retained, all else is taken over, even on failure
+rsv_status rsv_operator_restore(const rsv_operator_view *parts, rsv_operator **op);
+
+/// The same rows with other albedos. @param world whose they are; retained @param albedo [node_count], copied
+rsv_status rsv_operator_recolor(
+    rsv_operator *base, rsv_world *world, const rsv_rgb *albedo, rsv_operator **op);
+
+/// Adds P, where anything is translucent. Part of making an operator, once.
+rsv_status rsv_operator_scatter(rsv_operator *op);
+
+const rsv_operator_view *rsv_operator_get_view(const rsv_operator *op);
+
+/// Albedos of elements, textured ones as means over their hat functions. @param albedo out: [node_count], to be freed
+rsv_status rsv_element_albedos(const rsv_transport_scene *scene, const rsv_elements *elements,
+    uint32_t seed, rsv_rgb **albedo);
+
+/// Whether any material reflects diffusely. Where none does, irradiance is of no consequence: what cameras and probes see
+/// comes straight from the sources.
+bool rsv_reflects_diffusely(const rsv_transport_scene *scene);
+
+/// G K as a linear map for solvers; borrows the operator. @param fields RGB fields at once, at most
+rsv_status rsv_operator_map(const rsv_operator *op, size_t fields, rsv_transport_map **map);
+
+/// Nodes with a row of their own.
+size_t rsv_count_rows(const rsv_elements *elements, const uint16_t *valid_points);
+
+#endif

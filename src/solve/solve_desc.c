@@ -1,0 +1,59 @@
+#include "solve_desc.h"
+
+#include "operator.h"
+
+rsv_solve_desc rsv_default_solve_desc(rsv_quality quality)
+{
+    static const rsv_solve_desc presets[] = {
+        [RSV_QUALITY_DRAFT] = { .element_target = 3000,
+            .rays_per_element = 256,
+            .refinements = 0,
+            .light_samples = 16,
+            .photon_count = 300000,
+            .direct_levels = 2 },
+        [RSV_QUALITY_MEDIUM] = { .element_target = 7000,
+            .rays_per_element = 1024,
+            .refinements = 3,
+            .light_samples = 16,
+            .photon_count = 1500000,
+            .direct_levels = 3 },
+        [RSV_QUALITY_HIGH] = { .element_target = 24000,
+            .rays_per_element = 1024,
+            .refinements = 3,
+            .light_samples = 32,
+            .photon_count = 6000000,
+            .direct_levels = 4 },
+    };
+    rsv_solve_desc desc = presets[quality];
+    desc.direct_level = true;
+    desc.max_orders = 4096;
+    desc.tolerance = 1e-4f;
+    desc.goal_camera = RSV_NONE;
+    desc.goal_points = NULL;
+    desc.goal_point_count = 0;
+    desc.seed = 1;
+    return desc;
+}
+
+static bool is_power_of_two(uint32_t value) { return value && (value & (value - 1)) == 0; }
+
+rsv_status rsv_check_solve_desc(const rsv_solve_desc *desc)
+{
+    if (desc->element_target == 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: element_target must be positive");
+    if (!is_power_of_two(desc->rays_per_element) || desc->rays_per_element < RSV_FEWEST_RAYS ||
+        desc->rays_per_element > 4096)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "solve: rays_per_element is %u; it must be a power of two from 64 to 4096",
+            desc->rays_per_element);
+    if (!is_power_of_two(desc->light_samples) || desc->light_samples < 16 ||
+        desc->light_samples > 65536)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "solve: light_samples is %u; it must be a power of two from 16 to 65536",
+            desc->light_samples);
+    if (desc->max_orders == 0)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: max_orders must be positive");
+    if (!(desc->tolerance > 0))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: tolerance must be positive");
+    return RSV_OK;
+}

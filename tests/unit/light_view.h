@@ -1,0 +1,12 @@
+/// What a light holds, for tests that look inside.
+#ifndef RSV_TEST_LIGHT_VIEW_H
+#define RSV_TEST_LIGHT_VIEW_H
+
+#include "solve/solution.h"
+
+static inline const rsv_light_view *inside(const rsv_solution *light)
+{
+    return rsv_solution_get_view(light);
+}
+
+#endif
