@@ -1,4 +1,4 @@
-#include "../render/branch.h"
+#include "../render/camera_step.h"
 #include "chain_queue.h"
 
 typedef rsv_chain_queue queue;
@@ -83,20 +83,18 @@ static void leave_smooth(queue *q, const rsv_arrival *a, uint32_t lanes)
 static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_chain *chain,
     const rsv_surface_point *point, bool transmit, const rsv_bsdf_branches *branches)
 {
-    rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
-    rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
+    rsv_camera_branch branch;
     rsv_ray ray;
-    if (chain->events >= q->light.max_events ||
-        !rsv_branch_survives(chain, q->light.path, transmit, &weight) ||
-        !rsv_chain_depart(point, transmit, direction, &ray))
+    if (!rsv_ideal_branch(chain, q->light.path, q->light.max_events, transmit, branches, &branch) ||
+        !rsv_chain_depart(point, transmit, branch.direction, &ray))
         return;
     rsv_branch_lanes *b = &q->branch[transmit];
     rsv_set_lane_vector(b->origin, lane, ray.origin);
-    rsv_set_lane_vector(b->direction, lane, direction);
-    rsv_set_lane_color(b->weight, lane, rgb_mul(chain->weight, weight));
+    rsv_set_lane_vector(b->direction, lane, branch.direction);
+    rsv_set_lane_color(b->weight, lane, rgb_mul(chain->weight, branch.weight));
     b->t_min[lane] = 0;
-    b->path[lane] = rsv_branch_path(q->light.path, transmit);
-    b->kind[lane] = rsv_branch_kind(chain->back, transmit, direction);
+    b->path[lane] = branch.path;
+    b->kind[lane] = rsv_branch_kind(chain->back, transmit, branch.direction);
     set_out(q, a->chains, lane, transmit);
 }
 

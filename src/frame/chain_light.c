@@ -47,8 +47,7 @@ void rsv_add_stored(rsv_chain_light *l, rsv_rgb throughput, const rsv_ray_packet
 void rsv_add_emission(
     rsv_chain_light *l, const rsv_chain *chain, const rsv_bsdf *bsdf, rsv_rgb throughput)
 {
-    bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
-    if (shows && rsv_shows_emission(l->table))
+    if (rsv_side_shows_emission(bsdf, chain->back) && rsv_shows_emission(l->table))
         add(l, rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity)));
 }
 

@@ -1,5 +1,5 @@
 /// Included once per instruction set, with RSV_KERNELS the name of its table.
-#include "../render/branch.h"
+#include "../render/camera_step.h"
 #include "packet_kernels.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
 #define RSV_FRAME_KERNELS_H
 
 #include "../frame/device_frames.h"
-#include "../render/rough_branch.h"
+#include "../render/camera_step.h"
 #include "../trace/ray.h"
 #include "launch.h"
 
@@ -110,12 +110,13 @@ RSV_KERNEL_VARIED(frame_camera, rsv_frame_args, rsv_frame_camera_item)
 
 /// Sets a branch out. @return false = the direction belongs to the other side of the surface
 RSV_INLINE bool rsv_frame_set_out(const rsv_frame_args *a, const rsv_surface_point *point,
-    bool transmit, rsv_vec3 direction, rsv_rgb weight, rsv_gpu_traveller *t)
+    const rsv_camera_branch *b, rsv_gpu_traveller *t)
 {
     rsv_ray ray;
-    if (!rsv_chain_depart(point, transmit, direction, &ray)) return false;
+    if (!rsv_chain_depart(point, b->transmit, b->direction, &ray)) return false;
     t->origin = ray.origin;
-    rsv_chain_set_out(&a->stage->transport, &t->chain, transmit, direction, weight);
+    t->path = b->path;
+    rsv_chain_set_out(&a->stage->transport, &t->chain, b->transmit, b->direction, b->weight);
     return true;
 }
 
@@ -124,15 +125,12 @@ RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_travelle
     const rsv_surface_point *point, bool transmit, const rsv_bsdf_branches *branches,
     rsv_gpu_traveller *slot)
 {
-    rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
-    rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
-    if (at->chain.events >= a->chain_depth ||
-        !rsv_branch_survives(&at->chain, at->path, transmit, &weight))
+    rsv_camera_branch branch;
+    if (!rsv_ideal_branch(&at->chain, at->path, a->chain_depth, transmit, branches, &branch))
         return false;
     rsv_gpu_traveller t = *at;
-    t.path = rsv_branch_path(at->path, transmit);
     t.departure.pdf_solid_angle = 0;
-    if (!rsv_frame_set_out(a, point, transmit, direction, weight, &t)) return false;
+    if (!rsv_frame_set_out(a, point, &branch, &t)) return false;
     *slot = t;
     return true;
 }
@@ -140,8 +138,7 @@ RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_travelle
 RSV_INLINE bool rsv_frame_shows_emission(
     const rsv_gpu_stage *stage, const rsv_chain *chain, const rsv_bsdf *bsdf)
 {
-    bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
-    return shows && stage->emission;
+    return stage->emission && rsv_side_shows_emission(bsdf, chain->back);
 }
 
 /// A chain that has arrived at a surface. @return what that shows; its branches go to the slots of `item`
@@ -253,20 +250,14 @@ RSV_INLINE bool rsv_frame_rough_branch(const rsv_frame_args *a, const rsv_gpu_tr
     const rsv_gpu_stage *stage = a->stage;
     rsv_gpu_traveller t = *at;
     rsv_rough_surface surface;
-    rsv_rough_meet(&stage->transport, &t.chain, &surface);
     rsv_rough_numbers numbers = rsv_rough_numbers_of(at->path, t.chain.triangle);
-    float chance = rsv_rough_chance(&surface, branches);
-    if (numbers.kept >= chance) return false;
-    t.chain.weight = rgb_scale(t.chain.weight, 1 / chance);
+    if (!rsv_rough_arrive(&stage->transport, &t.chain, &numbers, branches, &surface)) return false;
     if (stage->emission)
         *found = rgb_add(*found, rsv_rough_light(&surface, stage->lights, false, numbers.light));
-    rsv_bsdf_event event = rsv_rough_draw(&surface, numbers.direction);
-    if (!rsv_rough_goes_on(&event) || t.chain.events >= a->chain_depth) return false;
-    t.departure = rsv_rough_depart(&surface, event.direction, 0);
-    t.path = rsv_branch_path(at->path, false);
-    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
-    if (!rsv_frame_set_out(a, &surface.point, transmit, event.direction, event.weight, &t))
-        return false;
+    rsv_camera_branch branch;
+    if (!rsv_rough_branch(&surface, &numbers, at->path, a->chain_depth, &branch)) return false;
+    t.departure = rsv_rough_depart(&surface, branch.direction, 0);
+    if (!rsv_frame_set_out(a, &surface.point, &branch, &t)) return false;
     *slot = t;
     return true;
 }

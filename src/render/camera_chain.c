@@ -1,7 +1,6 @@
 #include "camera_chain.h"
 
 #include "rough_aim.h"
-#include "rough_branch.h"
 
 #define STACK 64
 
@@ -29,8 +28,7 @@ static void add_emission(tree *t, const link *at)
     rsv_bsdf storage;
     const rsv_chain *chain = &at->chain;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(t->scene, chain, &storage);
-    bool shows = (bsdf->emissive || bsdf->unlit) && (!chain->back || bsdf->double_sided);
-    if (!shows) return;
+    if (!rsv_side_shows_emission(bsdf, chain->back)) return;
     float weight = rsv_rough_emission_weight(t->scene, t->lights, chain, &at->departure);
     rsv_rgb emission = rgb_scale(bsdf->emission, weight * bsdf->opacity);
     rsv_rgb throughput = rsv_chain_throughput(t->scene, chain, &chain->medium);
@@ -38,13 +36,15 @@ static void add_emission(tree *t, const link *at)
 }
 
 /// Moves one branch on: to the next link or to the sky.
-static void leave(tree *t, link next, bool transmit, rsv_vec3 direction, rsv_rgb weight)
+static void leave(tree *t, link next, const rsv_camera_branch *b)
 {
     if (t->depth == STACK) return;
-    rsv_chain_move move = rsv_chain_step(t->scene, &next.chain, transmit, direction, weight);
+    next.path = b->path;
+    rsv_chain_move move =
+        rsv_chain_step(t->scene, &next.chain, b->transmit, b->direction, b->weight);
     if (move == RSV_CHAIN_MOVED) t->stack[t->depth++] = next;
     if (move != RSV_CHAIN_LEFT_SCENE) return;
-    rsv_rgb beyond = rsv_rough_sky(t->lights, direction, &next.departure);
+    rsv_rgb beyond = rsv_rough_sky(t->lights, b->direction, &next.departure);
     rsv_rgb throughput = rsv_chain_throughput(t->scene, &next.chain, &next.chain.medium);
     t->radiance = rgb_add(t->radiance, rgb_mul(throughput, beyond));
 }
@@ -52,13 +52,10 @@ static void leave(tree *t, link next, bool transmit, rsv_vec3 direction, rsv_rgb
 /// One branch of a smooth surface.
 static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branches *branches)
 {
-    rsv_rgb weight = transmit ? branches->transmit : branches->reflect;
-    if (at->chain.events >= t->setting->max_events ||
-        !rsv_branch_survives(&at->chain, at->path, transmit, &weight))
-        return;
-    rsv_vec3 direction = transmit ? branches->transmit_direction : branches->reflect_direction;
-    link next = { at->chain, { .shot = at->shot }, rsv_branch_path(at->path, transmit), at->shot };
-    leave(t, next, transmit, direction, weight);
+    rsv_camera_branch branch;
+    uint32_t most = t->setting->max_events;
+    if (!rsv_ideal_branch(&at->chain, at->path, most, transmit, branches, &branch)) return;
+    leave(t, (link){ at->chain, { .shot = at->shot }, at->path, at->shot }, &branch);
 }
 
 static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
@@ -80,25 +77,22 @@ static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
 static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
 {
     rsv_rough_surface surface;
-    rsv_rough_meet(t->scene, &at.chain, &surface);
     rsv_rough_numbers numbers = draw_numbers(t, &at);
-    float chance = rsv_rough_chance(&surface, branches);
-    if (numbers.kept >= chance) return;
-    at.chain.weight = rgb_scale(at.chain.weight, 1 / chance);
+    if (!rsv_rough_arrive(t->scene, &at.chain, &numbers, branches, &surface)) return;
     t->radiance =
         rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
     rsv_sky_aim aim;
     rsv_rough_aim(&surface, t->setting->visibility, &aim);
     t->radiance =
         rgb_add(t->radiance, rsv_rough_aimed_light(&surface, t->lights, &aim, numbers.sky));
-    rsv_bsdf_event event = rsv_rough_draw(&surface, numbers.direction);
-    if (!rsv_rough_goes_on(&event) || at.chain.events >= t->setting->max_events) return;
-    float sky_pdf = rsv_sky_aim_pdf(&aim, event.direction);
-    link next = { at.chain, rsv_rough_depart(&surface, event.direction, sky_pdf),
-        rsv_branch_path(at.path, false), at.shot };
+    rsv_camera_branch branch;
+    if (!rsv_rough_branch(&surface, &numbers, at.path, t->setting->max_events, &branch)) return;
+    float sky_pdf = rsv_sky_aim_pdf(&aim, branch.direction);
+    link next = { at.chain, rsv_rough_depart(&surface, branch.direction, sky_pdf), at.path,
+        at.shot };
     next.departure.shot = at.shot;
     if (t->setting->shot && at.chain.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);
-    leave(t, next, event.lobe == RSV_LOBE_TRANSMIT, event.direction, event.weight);
+    leave(t, next, &branch);
 }
 
 rsv_rgb rsv_camera_chain(const rsv_camera_setting *setting, rsv_chain chain, uint32_t path,

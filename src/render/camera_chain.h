@@ -4,7 +4,7 @@
 
 #include "../chain/chain.h"
 #include "../light/light.h"
-#include "branch.h"
+#include "camera_step.h"
 #include "pixel_sample.h"
 #include "sky_visibility.h"
 

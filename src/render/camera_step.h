@@ -1,0 +1,135 @@
+/// One step of a camera path: what it finds at the surface where it has arrived, and the branches that leave from there.
+/// Whoever follows paths drives it: one by one (camera_chain.c), sixteen at a time (frame/chain_arrival.c), in waves on a
+/// device (gpu/frame_kernels.h). Plain C, also for device code.
+#ifndef RSV_CAMERA_STEP_H
+#define RSV_CAMERA_STEP_H
+
+#include "../chain/chain_walk.h"
+#include "../core/sampling.h"
+#include "rough_light.h"
+
+// ---- what is found --------------------------------------------------------------------------------
+
+/// Whether a side of a surface shows its emission, or is unlit.
+RSV_INLINE bool rsv_side_shows_emission(const rsv_bsdf *bsdf, bool back)
+{
+    return (bsdf->emissive || bsdf->unlit) && (!back || bsdf->double_sided);
+}
+
+// ---- ideal branches -------------------------------------------------------------------------------
+
+#define RSV_FAINT_BRANCH 0.01f ///< branches below this weight play roulette
+
+/// Whether an ideal branch is to be followed.
+/// @param carried of the chain so far @param weight of the branch; made up for those that are not
+RSV_INLINE bool rsv_weight_survives(rsv_rgb carried, uint32_t path, bool transmit, rsv_rgb *weight)
+{
+    float most = rgb_max(rgb_mul(carried, *weight));
+    if (most <= 0) return false;
+    if (most >= RSV_FAINT_BRANCH) return true;
+    if (rsv_unit_float(rsv_hash2(path, transmit)) * RSV_FAINT_BRANCH >= most) return false;
+    *weight = rgb_scale(*weight, RSV_FAINT_BRANCH / most);
+    return true;
+}
+
+RSV_INLINE bool rsv_branch_survives(
+    const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight)
+{
+    return rsv_weight_survives(chain->weight, path, transmit, weight);
+}
+
+/// The path of the link at the end of an ideal branch.
+RSV_INLINE uint32_t rsv_branch_path(uint32_t path, bool transmit)
+{
+    return rsv_hash2(path, 2 + transmit);
+}
+
+/// A branch that is to be followed.
+typedef struct rsv_camera_branch {
+    bool transmit;
+    rsv_vec3 direction;
+    rsv_rgb weight; ///< multiplies the chain's
+    uint32_t path;  ///< its name
+} rsv_camera_branch;
+
+/// One ideal branch of a surface, if it is to be followed. @param path of the chain @param max_events specular ones at most
+RSV_INLINE bool rsv_ideal_branch(const rsv_chain *chain, uint32_t path, uint32_t max_events,
+    bool transmit, const rsv_bsdf_branches *branches, rsv_camera_branch *branch)
+{
+    branch->transmit = transmit;
+    branch->direction = transmit ? branches->transmit_direction : branches->reflect_direction;
+    branch->weight = transmit ? branches->transmit : branches->reflect;
+    branch->path = rsv_branch_path(path, transmit);
+    return chain->events < max_events &&
+           rsv_branch_survives(chain, path, transmit, &branch->weight);
+}
+
+// ---- the branch of rough lobes --------------------------------------------------------------------
+
+/// What a rough surface draws.
+typedef struct rsv_rough_numbers {
+    float kept, light[3], direction[3], sky[3];
+} rsv_rough_numbers;
+
+/// @param path as in camera_chain.h
+RSV_INLINE rsv_rough_numbers rsv_rough_numbers_of(uint32_t path, uint32_t triangle)
+{
+    rsv_rough_numbers n;
+    rsv_random random = rsv_random_from(path, triangle, 0x17c3u);
+    n.kept = rsv_random_float(&random);
+    for (int k = 0; k < 3; k++)
+        n.light[k] = rsv_random_float(&random);
+    for (int k = 0; k < 3; k++)
+        n.direction[k] = rsv_random_float(&random);
+    for (int k = 0; k < 3; k++)
+        n.sky[k] = rsv_random_float(&random);
+    return n;
+}
+
+/// Rough lobes are looked at as often as they are this many times the diffuse one's share.
+#define RSV_ROUGH_WORTH 10
+
+/// Chance of looking at rough lobes: wide ones that are faint beside the diffuse one, to the eye, are not worth two rays
+/// each time.
+RSV_INLINE float rsv_rough_chance(
+    const rsv_rough_surface *surface, const rsv_bsdf_branches *branches)
+{
+    const rsv_bsdf *bsdf = surface->bsdf;
+    if (!rsv_rough_is_wide(bsdf)) return 1;
+    float rough = rsv_bsdf_specular_chance(bsdf, surface->wo, surface->normal, surface->front);
+    float diffuse = rgb_luminance(rgb_mul(branches->diffuse, bsdf->exitance_albedo));
+    return RSV_ROUGH_WORTH * rough < diffuse ? RSV_ROUGH_WORTH * rough / diffuse : 1;
+}
+
+/// Whether an event of rsv_rough_draw sends the chain on.
+RSV_INLINE bool rsv_rough_goes_on(const rsv_bsdf_event *event)
+{
+    bool specular = event->lobe == RSV_LOBE_REFLECT || event->lobe == RSV_LOBE_TRANSMIT;
+    return specular && event->pdf_solid_angle > 0;
+}
+
+/// A rough surface whose lobes are looked at: the chain, which is made up for those that are not, and its surface.
+/// @param chain in and out @return false = this one is not
+RSV_INLINE bool rsv_rough_arrive(const rsv_transport_scene *scene, rsv_chain *chain,
+    const rsv_rough_numbers *numbers, const rsv_bsdf_branches *branches, rsv_rough_surface *surface)
+{
+    rsv_rough_meet(scene, chain, surface);
+    float chance = rsv_rough_chance(surface, branches);
+    if (numbers->kept >= chance) return false;
+    chain->weight = rgb_scale(chain->weight, 1 / chance);
+    return true;
+}
+
+/// The branch that its lobes draw. @param path of the chain @param max_events specular ones at most
+RSV_INLINE bool rsv_rough_branch(const rsv_rough_surface *surface, const rsv_rough_numbers *numbers,
+    uint32_t path, uint32_t max_events, rsv_camera_branch *branch)
+{
+    rsv_bsdf_event event = rsv_rough_draw(surface, numbers->direction);
+    branch->transmit = event.lobe == RSV_LOBE_TRANSMIT;
+    branch->direction = event.direction;
+    branch->weight = event.weight;
+    branch->path = rsv_branch_path(path, false);
+    return rsv_rough_goes_on(&event) && surface->chain->events < max_events;
+}
+
+#endif
