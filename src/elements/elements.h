@@ -12,6 +12,7 @@
 #define RSV_ELEMENTS_H
 
 #include "../core/core.h"
+#include "../core/triangle_grid.h"
 #include "../surface/surface.h"
 
 #define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together
@@ -122,20 +123,9 @@ size_t rsv_elements_bytes(const rsv_elements *elements);
 RSV_INLINE uint32_t rsv_elements_locate(
     const rsv_elements *elements, uint32_t face, float u, float v, float weight[3])
 {
-    int side = 1 << elements->face_level[face];
-    float x = u * (float)side, y = v * (float)side;
-    int i = (int)x, j = (int)y;
-    j = j < 0 ? 0 : j > side - 1 ? side - 1 : j;
-    i = i < 0 ? 0 : i > side - 1 - j ? side - 1 - j : i;
-    float fx = x - (float)i, fy = y - (float)j;
-    int flipped = fx + fy > 1 && i + j < side - 1;
-    float b0 = flipped ? fx + fy - 1 : 1 - fx - fy;
-    float b1 = flipped ? 1 - fx : fx;
-    float b2 = flipped ? 1 - fy : fy;
-    // row j of the triangular grid starts after j (2 side - j) cells
-    uint32_t slot =
-        elements
-            ->slot[elements->face_slot[face] + (uint32_t)(j * (2 * side - j) + 2 * i + flipped)];
+    rsv_triangle_place place = rsv_triangle_grid_find(1 << elements->face_level[face], u, v);
+    float b0 = place.b0, b1 = place.b1, b2 = place.b2;
+    uint32_t slot = elements->slot[elements->face_slot[face] + place.index];
     while (slot & RSV_SLOT_SPLIT) {
         uint32_t child = slot & ~RSV_SLOT_SPLIT;
         if (b0 >= 0.5f) {

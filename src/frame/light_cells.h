@@ -2,7 +2,7 @@
 #ifndef RSV_LIGHT_CELLS_H
 #define RSV_LIGHT_CELLS_H
 
-#include "../core/vec.h"
+#include "../core/triangle_grid.h"
 
 #include <string.h>
 
@@ -40,20 +40,12 @@ RSV_INLINE rsv_grid_place rsv_grid_place_of(uint32_t cell, float b0, float b1, f
 /// As rsv_elements_locate, without the descent.
 RSV_INLINE rsv_grid_place rsv_place_in_grid(rsv_shown_side side, float u, float v)
 {
-    int cells = 1 << side.level;
-    float x = u * (float)cells, y = v * (float)cells;
-    int i = (int)x, j = (int)y;
-    j = j < 0 ? 0 : j;
-    j = j > cells - 1 ? cells - 1 : j;
-    i = i < 0 ? 0 : i;
-    i = i > cells - 1 - j ? cells - 1 - j : i;
-    float fx = x - (float)i, fy = y - (float)j;
-    int flipped = (fx + fy > 1) & (i + j < cells - 1);
+    rsv_triangle_place at = rsv_triangle_grid_find(1 << side.level, u, v);
     rsv_grid_place place;
-    place.cell = side.cell + (uint32_t)(j * (2 * cells - j) + 2 * i + flipped);
+    place.cell = side.cell + at.index;
     // what rounding puts outside the cell is moved to its border
-    place.b0 = f_min(f_max(flipped ? fx + fy - 1 : 1 - fx - fy, 0), 1);
-    place.b1 = f_min(f_max(flipped ? 1 - fx : fx, 0), 1 - place.b0);
+    place.b0 = f_min(f_max(at.b0, 0), 1);
+    place.b1 = f_min(f_max(at.b1, 0), 1 - place.b0);
     place.b2 = 1 - place.b0 - place.b1;
     return place;
 }

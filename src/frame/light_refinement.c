@@ -38,8 +38,7 @@ static refined_cell child_of(const rsv_face_walk *w, const refined_cell *at, uin
 /// Of a cell in the regular grid of its level. @return as rsv_place_in_grid
 static uint32_t grid_index(const rsv_cell *c)
 {
-    uint32_t side = 1u << c->level;
-    return c->j * (2 * side - c->j) + 2 * c->i + c->flipped;
+    return (uint32_t)rsv_triangle_grid_index(1 << c->level, c->i, c->j, c->flipped);
 }
 
 /// @param cell of the coarse elements' grid

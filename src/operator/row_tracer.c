@@ -91,7 +91,7 @@ static void place_on_grids(grid_places *g, uint32_t stream)
         int32_t flipped = (fx + fy > 1) & (i + j < side - 1);
         float b0 = flipped ? fx + fy - 1 : 1 - fx - fy, b1 = flipped ? 1 - fx : fx;
         float random = rsv_unit_float(rsv_hash(stream + (uint32_t)k));
-        g->index[k] = j * (2 * side - j) + 2 * i + flipped;
+        g->index[k] = rsv_triangle_grid_index(side, i, j, flipped);
         g->corner[k] = (random >= b0) + (random >= b0 + b1);
     }
 }
