@@ -33,15 +33,18 @@ static cost now(void)
 }
 
 /// @param rows folders for rows and for those of the scene before; NULL = none
-static rsv_status solve(const cli_bench_task *bench, const rsv_scene *scene, uint32_t seed,
-    const char *rows, const char *earlier, rsv_solution **solution, cost *took)
+static rsv_solve_desc describe(const cli_bench_task *bench, uint32_t seed)
 {
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
     desc.seed = seed;
-    desc.checkpoint = rows;
-    desc.earlier = earlier;
+    return desc;
+}
+
+static rsv_status solve(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution, cost *took)
+{
     cost start = now();
-    rsv_status status = rsv_solution_create(scene, &desc, solution);
+    rsv_status status = rsv_solution_create(scene, desc, solution);
     cost end = now();
     *took = (cost){ end.clock - start.clock, end.processor - start.processor,
         end.thread - start.thread };
@@ -121,9 +124,13 @@ static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, c
 {
     rsv_solution *again = NULL, *whole = NULL, *other = NULL;
     cost took[3];
-    rsv_status status = solve(bench, moved, 1, rows, earlier, &again, &took[0]);
-    if (!status) status = solve(bench, moved, 1, NULL, NULL, &whole, &took[1]);
-    if (!status) status = solve(bench, moved, 2, NULL, NULL, &other, &took[2]);
+    rsv_solve_desc update = describe(bench, 1), anew = describe(bench, 1),
+                   noise = describe(bench, 2);
+    update.checkpoint = rows;
+    update.earlier = earlier;
+    rsv_status status = solve(moved, &update, &again, &took[0]);
+    if (!status) status = solve(moved, &anew, &whole, &took[1]);
+    if (!status) status = solve(moved, &noise, &other, &took[2]);
     if (!status) {
         const rsv_solve_report *r = rsv_solution_report(again);
         cJSON_AddNumberToObject(result, "elements", (double)r->elements);
@@ -175,11 +182,13 @@ static rsv_status measure_scenes(const cli_bench_task *bench, const rsv_scene *s
 {
     char before[PATH_MAX] = "", after[PATH_MAX] = "";
     rsv_solution *solution = NULL;
+    rsv_solve_desc first = describe(bench, 1);
     cost took;
     rsv_status status = RSV_ERROR_IO;
+    first.checkpoint = before;
     *made = make_folder(before) && make_folder(after);
     if (*made) {
-        status = solve(bench, scene, 1, before, NULL, &solution, &took);
+        status = solve(scene, &first, &solution, &took);
         rsv_solution_destroy(solution);
         add_cost(result, "first", took);
         if (!status) status = compare(bench, moved, after, before, result);

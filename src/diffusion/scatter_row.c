@@ -112,19 +112,25 @@ static void settle_patches(const gathering *g)
     p->count = 0;
 }
 
-/// @param centre relative to the place @param normal of the surface, at most 1 long @param spread m2
-/// @param node of a cell; NULL = a cluster, with this `column`
-static void add_patch(const gathering *g, rsv_vec3 centre, rsv_vec3 normal, float spread,
-    float area, const uint32_t *node, uint32_t column)
+/// A cell or a cluster as one piece.
+typedef struct patch {
+    rsv_vec3 centre;      ///< relative to the place
+    rsv_vec3 normal;      ///< of the surface, at most 1 long
+    float spread, area;   ///< m2
+    const uint32_t *node; ///< of a cell; NULL = a cluster
+    uint32_t column;      ///< of a cluster
+} patch;
+
+static void add_patch(const gathering *g, const patch *from)
 {
     rsv_scatter_patches *p = &g->row->patches;
     uint32_t k = p->count++;
-    p->x[k] = centre.x, p->y[k] = centre.y, p->z[k] = centre.z;
-    p->nx[k] = normal.x, p->ny[k] = normal.y, p->nz[k] = normal.z;
-    p->spread[k] = spread;
-    p->area[k] = area;
-    p->node[k] = node;
-    p->column[k] = column;
+    p->x[k] = from->centre.x, p->y[k] = from->centre.y, p->z[k] = from->centre.z;
+    p->nx[k] = from->normal.x, p->ny[k] = from->normal.y, p->nz[k] = from->normal.z;
+    p->spread[k] = from->spread;
+    p->area[k] = from->area;
+    p->node[k] = from->node;
+    p->column[k] = from->column;
     if (p->count == RSV_SCATTER_PATCHES) settle_patches(g);
 }
 
@@ -158,7 +164,7 @@ static void add_cell(const gathering *g, uint32_t k)
     float area = rsv_cell_area(s->elements, s->cell[k]);
     rsv_vec3 normal =
         v3_normalize(v3_cross(v3_sub(corner[1], corner[0]), v3_sub(corner[2], corner[0])));
-    add_patch(g, centre, normal, squares / 12, area, node, RSV_NONE);
+    add_patch(g, &(patch){ centre, normal, squares / 12, area, node, RSV_NONE });
 }
 
 static void visit_cluster(const gathering *g, uint32_t index)
@@ -170,8 +176,8 @@ static void visit_cluster(const gathering *g, uint32_t index)
     if (distance - c->radius > g->reach) return;
     float allowed = f_min(OPENING * distance, f_max(FAR_OPENING * distance, g->flat));
     if (c->radius < allowed) {
-        add_patch(g, centre, c->normal, c->spread, c->area, NULL,
-            (uint32_t)s->elements->node_count + index);
+        uint32_t column = (uint32_t)s->elements->node_count + index;
+        add_patch(g, &(patch){ centre, c->normal, c->spread, c->area, NULL, column });
     } else if (c->right) {
         visit_cluster(g, index + 1);
         visit_cluster(g, c->right);

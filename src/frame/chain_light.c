@@ -22,12 +22,15 @@ void rsv_add_sky(rsv_chain_light *l, rsv_vec3 direction, rsv_rgb weight)
 
 static rsv_rgb without(rsv_rgb a, rsv_rgb b) { return rgb_positive(rgb_sub(a, b)); }
 
-rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
-    float u, float v, bool back, uint32_t stream, rsv_rgb shown)
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
+    const rsv_ray_packet *rays, uint32_t lane, uint32_t stream, rsv_rgb shown)
 {
     const rsv_light_view *s = table->solution;
+    uint32_t triangle = rays->triangle[lane];
+    bool back = rsv_packet_meets_back(rays, lane);
     if (s->elements->face_of[back][triangle] == RSV_NONE) return shown;
-    rsv_surface_point point = rsv_surface_point_at(s->scene.view, triangle, u, v, back);
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, triangle, rays->u[lane], rays->v[lane], back);
     rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
     rsv_rgb kept = rsv_mover_shadow(mover, &point, stream);
     return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
@@ -38,9 +41,7 @@ void rsv_add_stored(rsv_chain_light *l, rsv_rgb throughput, const rsv_ray_packet
 {
     rsv_float4 light = rsv_light_in_cell(l->table->cell, rsv_packet_place(places, lane));
     rsv_rgb shown = rgb(light[0], light[1], light[2]);
-    if (l->mover)
-        shown = rsv_shade_stored(l->table, l->mover, rays->triangle[lane], rays->u[lane],
-            rays->v[lane], rsv_packet_meets_back(rays, lane), l->path, shown);
+    if (l->mover) shown = rsv_shade_stored(l->table, l->mover, rays, lane, l->path, shown);
     add(l, rgb_mul(throughput, shown));
 }
 

@@ -43,8 +43,8 @@ void rsv_add_whole_chain(rsv_chain_light *light, const rsv_chain *chain);
 void rsv_add_mover(
     rsv_chain_light *light, const rsv_chain *chain, const rsv_ray_packet *body, uint32_t lane);
 
-/// What a surface in the table shows with the mover's shadow on it. @param shown without
-rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover, uint32_t triangle,
-    float u, float v, bool back, uint32_t stream, rsv_rgb shown);
+/// What the surface in the table that a lane's ray met shows with the mover's shadow on it. @param shown without
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
+    const rsv_ray_packet *rays, uint32_t lane, uint32_t stream, rsv_rgb shown);
 
 #endif

@@ -101,8 +101,8 @@ static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t st
                     &t->eye->medium, t->tiling->solution->bsdf, w->body.t_max[lane]));
         else if (!(w->begins[stage] >> lane & 1) && p->triangle[lane] != RSV_NONE &&
                  rsv_mover_may_shade(t->tiling->mover, rsv_packet_point(p, lane)))
-            shown = rsv_shade_stored(t->tiling->table, t->tiling->mover, p->triangle[lane],
-                p->u[lane], p->v[lane], rsv_packet_meets_back(p, lane), path_of(t, pixel), shown);
+            shown = rsv_shade_stored(
+                t->tiling->table, t->tiling->mover, p, lane, path_of(t, pixel), shown);
         radiance[0] = shown.r, radiance[1] = shown.g, radiance[2] = shown.b;
     }
     w->begins[stage] &= ~met;

@@ -43,65 +43,76 @@ static void add_gathered(const rsv_relighter *r, rsv_rgb *field)
         field[n] = rgb_add(field[n], rgb_mul(r->s->transport->gathered[n], r->gathered_scale));
 }
 
-/// E0 of responses `first` to `first + count`, side by side for the solver.
-static void collect_sources(const rsv_relighter *r, const rsv_relight_responses *own, size_t first,
-    size_t count, const rsv_rgb *sky, rsv_rgb *field, rsv_rgb *source)
+/// Responses `first` to `first + count`, solved for together.
+typedef struct batch {
+    rsv_relighter *r;
+    rsv_relight_responses *own;
+    size_t first, count;
+    const rsv_rgb *sky;       ///< [node_count] what rows gathered of the surroundings
+    rsv_rgb *field;           ///< [node_count] scratch
+    rsv_rgb *source, *solved; ///< [node_count x count]
+} batch;
+
+/// E0 of each, side by side for the solver.
+static void collect_sources(const batch *b)
 {
+    const rsv_relighter *r = b->r;
     size_t nodes = rsv_relighter_nodes(r);
-    for (size_t f = 0; f < count; f++) {
+    for (size_t f = 0; f < b->count; f++) {
         bool gathers = false;
         for (size_t n = 0; n < nodes; n++)
-            field[n] = rgb_gray(0);
+            b->field[n] = rgb_gray(0);
         for (size_t k = 0; k < r->basis->source_count; k++) {
-            if (own->of_source[k] != first + f) continue;
-            add_source(r, k, sky, field);
+            if (b->own->of_source[k] != b->first + f) continue;
+            add_source(r, k, b->sky, b->field);
             gathers = gathers || is_gathered(r, k);
         }
-        if (gathers) add_gathered(r, field);
+        if (gathers) add_gathered(r, b->field);
         for (size_t n = 0; n < nodes; n++)
-            source[n * count + f] = field[n];
+            b->source[n * b->count + f] = b->field[n];
     }
 }
 
 /// Keeps what was solved for, whole and as it is shown.
-static void keep(rsv_relighter *r, rsv_relight_responses *own, size_t first, size_t count,
-    const rsv_rgb *source, const rsv_rgb *solved, rsv_rgb *field)
+static void keep(const batch *b)
 {
-    const rsv_elements *e = r->s->elements;
-    for (size_t f = 0; f < count; f++) {
+    const rsv_elements *e = b->r->s->elements;
+    rsv_rgb *field = b->field;
+    for (size_t f = 0; f < b->count; f++) {
+        size_t at = b->first + f, all = b->own->count;
         for (size_t n = 0; n < e->node_count; n++)
-            field[n] = solved[n * count + f];
+            field[n] = b->solved[n * b->count + f];
         rsv_elements_constrain(e, field);
         for (size_t n = 0; n < e->node_count; n++)
-            own->irradiance[n * own->count + first + f] = field[n];
+            b->own->irradiance[n * all + at] = field[n];
         for (size_t n = 0; n < e->node_count; n++) {
-            rsv_rgb rest = rgb_sub(solved[n * count + f], source[n * count + f]);
+            rsv_rgb rest = rgb_sub(b->solved[n * b->count + f], b->source[n * b->count + f]);
             field[n] = rgb_positive(rest);
         }
         rsv_elements_constrain(e, field);
-        rsv_sharpen(e, field, r->next, r->scratch);
+        rsv_sharpen(e, field, b->r->next, b->r->scratch);
         for (size_t n = 0; n < e->node_count; n++)
-            own->shown[n * own->count + first + f] = field[n];
+            b->own->shown[n * all + at] = field[n];
     }
 }
 
-/// Some responses at once. @param field [node_count] scratch @param solved_all is cleared where the solver fails
-static rsv_status solve(rsv_relighter *r, rsv_relight_responses *own, size_t first, size_t count,
-    const rsv_rgb *sky, rsv_rgb *field, bool *solved_all)
+/// @param solved_all is cleared where the solver fails
+static rsv_status solve(batch *b, bool *solved_all)
 {
     rsv_status status;
     bool reached;
-    size_t nodes = rsv_relighter_nodes(r);
-    rsv_rgb *source = rsv_alloc(r->context, nodes, count * sizeof *source);
-    rsv_rgb *solved = rsv_alloc(r->context, nodes, count * sizeof *solved);
-    RSV_TRY(source && solved ? RSV_OK : RSV_ERROR_MEMORY);
-    collect_sources(r, own, first, count, sky, field, source);
-    RSV_TRY(rsv_solve_fields(r->s, count, TOLERANCE, source, solved, &reached));
+    rsv_context *context = b->r->context;
+    size_t nodes = rsv_relighter_nodes(b->r);
+    b->source = rsv_alloc(context, nodes, b->count * sizeof *b->source);
+    b->solved = rsv_alloc(context, nodes, b->count * sizeof *b->solved);
+    RSV_TRY(b->source && b->solved ? RSV_OK : RSV_ERROR_MEMORY);
+    collect_sources(b);
+    RSV_TRY(rsv_solve_fields(b->r->s, b->count, TOLERANCE, b->source, b->solved, &reached));
     *solved_all = *solved_all && reached;
-    keep(r, own, first, count, source, solved, field);
+    keep(b);
 cleanup:
-    rsv_free(r->context, source);
-    rsv_free(r->context, solved);
+    rsv_free(context, b->source);
+    rsv_free(context, b->solved);
     return status;
 }
 
@@ -127,7 +138,7 @@ rsv_status rsv_relight_responses_create(rsv_relighter *r, rsv_relight_responses 
     bool solved = true;
     for (size_t first = 0; first < own->count && solved; first += FIELDS_AT_ONCE) {
         size_t left = own->count - first, count = left < FIELDS_AT_ONCE ? left : FIELDS_AT_ONCE;
-        RSV_TRY(solve(r, own, first, count, sky, field, &solved));
+        RSV_TRY(solve(&(batch){ r, own, first, count, sky, field, NULL, NULL }, &solved));
     }
     if (!solved) goto cleanup;
     *responses = own;

@@ -176,28 +176,34 @@ static rsv_status improve(rsv_solver_run *run, double caution, float *residual, 
     return status == RSV_OK ? run->status : status;
 }
 
-/// One cycle: a correction, kept if it helps. @return the part of the excess that it left
-static rsv_status run_cycle(rsv_solver_run *run, double caution, const float *source,
-    float *solution, float *residual, float *trial, double *left)
+/// What cycles work on.
+typedef struct cycle_fields {
+    const float *source;
+    float *solution, *residual, *trial;
+} cycle_fields;
+
+/// One cycle: a correction, kept if it helps. @param left out: the part of the excess that it left
+static rsv_status run_cycle(
+    rsv_solver_run *run, double caution, const cycle_fields *f, double *left)
 {
-    size_t bytes = run->shape.count * run->shape.columns * sizeof *trial;
+    size_t bytes = run->shape.count * run->shape.columns * sizeof *f->trial;
     double before = excess(run);
-    memset(trial, 0, bytes);
-    rsv_status status = improve(run, caution, residual, trial);
+    memset(f->trial, 0, bytes);
+    rsv_status status = improve(run, caution, f->residual, f->trial);
     if (status != RSV_OK) return status;
-    rsv_columns_sum(&run->shape, solution, trial);
-    form_residual(run, source, trial, residual);
+    rsv_columns_sum(&run->shape, f->solution, f->trial);
+    form_residual(run, f->source, f->trial, f->residual);
     *left = excess(run) / before;
     if (*left <= 1)
-        memcpy(solution, trial, bytes);
+        memcpy(f->solution, f->trial, bytes);
     else
-        form_residual(run, source, solution, residual);
+        form_residual(run, f->source, f->solution, f->residual);
     tell(run);
     return RSV_OK;
 }
 
-static rsv_status iterate(rsv_solver_run *run, const float *source, float *solution,
-    float *residual, float *trial, rsv_linear_report *report)
+static rsv_status iterate(
+    rsv_solver_run *run, const cycle_fields *fields, rsv_linear_report *report)
 {
     uint32_t poor = 0;
     double caution = 1;
@@ -207,7 +213,7 @@ static rsv_status iterate(rsv_solver_run *run, const float *source, float *solut
             report->stop_reason = RSV_STOP_MAX_ORDERS;
             return RSV_OK;
         }
-        rsv_status status = run_cycle(run, caution, source, solution, residual, trial, &left);
+        rsv_status status = run_cycle(run, caution, fields, &left);
         if (status != RSV_OK) return status;
         report->cycles++;
         poor = left < POOR_REDUCTION ? 0 : poor + 1;
@@ -261,7 +267,7 @@ rsv_status rsv_linear_solve(const rsv_linear_map *map, size_t columns, const flo
         goto cleanup;
     }
     start(&run, source, solution, residual);
-    RSV_TRY(iterate(&run, source, solution, residual, trial, report));
+    RSV_TRY(iterate(&run, &(cycle_fields){ source, solution, residual, trial }, report));
     report->applications = run.applications;
     for (size_t c = 0; c < columns; c++)
         report->residual = fmax(report->residual, run.size[c]);

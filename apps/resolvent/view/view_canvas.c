@@ -47,22 +47,6 @@ static float distance_to_line(float x, float y, float dx, float dy)
 
 static float coverage_at(float distance) { return fminf(fmaxf(0.5f - distance, 0), 1); }
 
-void cli_draw_line(
-    cli_canvas *canvas, float x0, float y0, float x1, float y1, float radius, cli_ink ink)
-{
-    float reach = radius + 1;
-    if (!isfinite(x0 + y0 + x1 + y1)) return;
-    pixel_box box = box_on(canvas, fminf(x0, x1) - reach, fminf(y0, y1) - reach,
-        fmaxf(x0, x1) + reach, fmaxf(y0, y1) + reach);
-    for (int j = box.top; j < box.bottom; j++)
-        for (int i = box.left; i < box.right; i++) {
-            float x = (float)i + 0.5f - x0, y = (float)j + 0.5f - y0;
-            float coverage = coverage_at(distance_to_line(x, y, x1 - x0, y1 - y0) - radius);
-            if (coverage > 0)
-                blend(canvas->pixel[(size_t)j * canvas->width + (size_t)i], ink, coverage);
-        }
-}
-
 void cli_draw_ring(
     cli_canvas *canvas, float x, float y, float radius, float half_width, cli_ink ink)
 {

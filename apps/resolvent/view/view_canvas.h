@@ -18,10 +18,6 @@ typedef struct cli_ink {
 /// What reaches beyond the canvas is cut off. Coordinates in pixels, y down.
 void cli_draw_box(cli_canvas *canvas, float x, float y, float width, float height, cli_ink ink);
 
-/// A line with round ends. @param radius half its width
-void cli_draw_line(
-    cli_canvas *canvas, float x0, float y0, float x1, float y1, float radius, cli_ink ink);
-
 void cli_draw_ring(
     cli_canvas *canvas, float x, float y, float radius, float half_width, cli_ink ink);
 
