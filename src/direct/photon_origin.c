@@ -9,8 +9,8 @@
 static double light_flux(const rsv_photon_origins *o, const rsv_light *light)
 {
     double intensity = rgb_luminance(light->intensity);
-    if (light->kind == RSV_LIGHT_DIRECTIONAL) return intensity * RSV_PI * o->radius * o->radius;
-    double cos_outer = light->kind == RSV_LIGHT_SPOT ? cos(light->outer_cone_angle) : -1;
+    if (rsv_punctual_is_distant(light)) return intensity * RSV_PI * o->radius * o->radius;
+    double cos_outer = rsv_punctual_has_cone(light) ? cos(light->outer_cone_angle) : -1;
     return intensity * 2 * RSV_PI * (1 - cos_outer);
 }
 
@@ -33,8 +33,7 @@ static rsv_medium origin_medium(const rsv_photon_origins *o, rsv_origin_kind kin
 {
     if (kind == RSV_ORIGIN_GROUP) return group_medium(o, index);
     const rsv_light *light = &o->scene->view->light[index];
-    if (kind == RSV_ORIGIN_SUN || light->kind == RSV_LIGHT_DIRECTIONAL)
-        return (rsv_medium){ .depth = 0 };
+    if (kind == RSV_ORIGIN_SUN || rsv_punctual_is_distant(light)) return (rsv_medium){ .depth = 0 };
     return rsv_medium_above(&o->scene->media, light->position, v3(0, 1, 0));
 }
 

@@ -67,10 +67,10 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_light(
     out.origin = light->position;
     out.flux = rgb_gray(0);
     out.medium = NULL;
-    if (light->kind == RSV_LIGHT_DIRECTIONAL)
+    if (rsv_punctual_is_distant(light))
         return rsv_emit_from_afar(o, light->direction, light->intensity, x, y);
     float solid_angle = 4 * RSV_PI;
-    if (light->kind == RSV_LIGHT_POINT) {
+    if (!rsv_punctual_has_cone(light)) {
         out.direction = rsv_square_to_sphere(x, y);
     } else {
         float cos_outer = cosf(light->outer_cone_angle);

@@ -2,6 +2,7 @@
 #include "light_internal.h"
 
 #include "../core/core.h"
+#include "../scene/punctual.h"
 
 #include <stdlib.h>
 
@@ -102,8 +103,6 @@ static void list_sampled(rsv_lights *lights)
             lights->sampled[lights->sampled_count++] = (uint32_t)i;
 }
 
-static bool is_distant(const rsv_light *light) { return light->kind == RSV_LIGHT_DIRECTIONAL; }
-
 /// Lists the punctual lights that are not black, distant ones first.
 static void list_punctual(rsv_lights *lights)
 {
@@ -111,7 +110,8 @@ static void list_punctual(rsv_lights *lights)
     lights->punctual_count = 0;
     for (int distant = 1; distant >= 0; distant--) {
         for (size_t i = 0; i < scene->light_count; i++)
-            if (is_distant(&scene->light[i]) == distant && !rgb_is_black(scene->light[i].intensity))
+            if (rsv_punctual_is_distant(&scene->light[i]) == distant &&
+                !rgb_is_black(scene->light[i].intensity))
                 lights->punctual[lights->punctual_count++] = (uint32_t)i;
         if (distant) lights->distant_count = lights->punctual_count;
     }

@@ -28,7 +28,7 @@ static rsv_light_bounds punctual_bounds(const rsv_light *light)
         .cos_spread = -1,
         .cos_emission = 0,
         .strength = f_max(rgb_luminance(light->intensity), 1e-30f) };
-    if (light->kind == RSV_LIGHT_SPOT) {
+    if (rsv_punctual_has_cone(light)) {
         bounds.axis = light->direction;
         bounds.cos_spread = cosf(light->outer_cone_angle);
         bounds.cos_emission = COS_NARROWEST;

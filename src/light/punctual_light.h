@@ -3,6 +3,7 @@
 #ifndef RSV_PUNCTUAL_LIGHT_H
 #define RSV_PUNCTUAL_LIGHT_H
 
+#include "../scene/punctual.h"
 #include "../trace/offset.h"
 #include "light.h"
 
@@ -42,7 +43,7 @@ RSV_INLINE bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_v
     float *distance, rsv_rgb *irradiance)
 {
     if (rgb_is_black(light->intensity)) return false;
-    if (light->kind == RSV_LIGHT_DIRECTIONAL) {
+    if (rsv_punctual_is_distant(light)) {
         *direction = v3_neg(light->direction);
         *distance = INFINITY;
         *irradiance = light->intensity;
@@ -53,7 +54,7 @@ RSV_INLINE bool rsv_punctual_light(const rsv_light *light, rsv_vec3 point, rsv_v
     if (!(*distance > 0)) return false;
     *direction = v3_scale(towards, 1 / *distance);
     double scale = 1 / ((double)*distance * *distance);
-    if (light->kind == RSV_LIGHT_SPOT)
+    if (rsv_punctual_has_cone(light))
         scale *= rsv_spot_falloff(light, -v3_dot(*direction, light->direction));
     *irradiance = rgb_scale(light->intensity, (float)scale);
     return scale > 0;

@@ -1,4 +1,5 @@
 /// The scene: what a committed one holds, array by array.
+#include "../scene/punctual.h"
 #include "../scene/restore.h"
 #include "../scene/texture.h"
 #include "exchange.h"
@@ -39,7 +40,7 @@ static const rsv_column material_columns[] = {
 };
 
 static const rsv_column light_columns[] = {
-    RSV_CHOICE(rsv_light, kind, RSV_LIGHT_DIRECTIONAL + 1),
+    RSV_CHOICE(rsv_light, kind, RSV_LIGHT_KINDS),
     RSV_FLOATS(rsv_light, position, 3),
     RSV_FLOATS(rsv_light, direction, 3),
     RSV_FLOATS(rsv_light, intensity, 3),

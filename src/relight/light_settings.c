@@ -1,5 +1,6 @@
 #include "light_settings.h"
 
+#include "../scene/punctual.h"
 #include "../scene/scene.h"
 #include "../subsurface/scatter_profile.h"
 
@@ -64,7 +65,7 @@ static rsv_status check_movable(const rsv_light_settings_home *home, const rsv_s
 {
     if (source->kind == RSV_SOURCE_SURROUNDINGS ||
         (source->kind == RSV_SOURCE_LIGHT &&
-            home->scene->light[source->index].kind == RSV_LIGHT_DIRECTIONAL))
+            rsv_punctual_is_distant(&home->scene->light[source->index])))
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "relight: light '%s' comes from infinitely far away: there is nothing to move",
             source->name);

@@ -1,4 +1,5 @@
 /// Relighting: solving again for another E0, from where the last solve stopped.
+#include "../scene/punctual.h"
 #include "../solve/sharpen.h"
 #include "relight_responses.h"
 
@@ -100,7 +101,7 @@ rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
     const rsv_source *source = &r->basis->source[k];
     bool distant = source->kind == RSV_SOURCE_SURROUNDINGS ||
                    (source->kind == RSV_SOURCE_LIGHT &&
-                       r->scene->light[source->index].kind == RSV_LIGHT_DIRECTIONAL);
+                       rsv_punctual_is_distant(&r->scene->light[source->index]));
     bool stored =
         source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(r->sources->lights, source->index);
     return (rsv_relight_source){ .name = source->name,
