@@ -39,6 +39,14 @@ bool rsv_is_gathered(const rsv_lights *lights, uint32_t material)
 }
 
 /// Sources that are to shine.
+double rsv_emission_share(const rsv_lights *lights, uint32_t material)
+{
+    double share = 0;
+    for (size_t g = 0; g < lights->group_count; g++)
+        if (material_of(lights, &lights->group[g]) == material) share += lights->group[g].share;
+    return share;
+}
+
 typedef struct chosen_sources {
     const rsv_source *source;
     size_t count;

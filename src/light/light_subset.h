@@ -31,4 +31,7 @@ rsv_status rsv_lights_gather_like(rsv_lights *lights, const rsv_lights *like);
 /// Whether a material emits and is found by gathering.
 bool rsv_is_gathered(const rsv_lights *lights, uint32_t material);
 
+/// What all that emits by a material fills of the hemispheres above the scene's surfaces: 0..1, as rsv_emitter_group.share.
+double rsv_emission_share(const rsv_lights *lights, uint32_t material);
+
 #endif

@@ -475,18 +475,62 @@ cleanup:
     return status;
 }
 
+/// A part as strong as it is now.
+static rsv_status write_part(
+    rsv_tensor_file *file, const rsv_solution *s, size_t index, rsv_light_part *part, rsv_rgb scale)
+{
+    rsv_status status = RSV_OK;
+    char prefix[32];
+    if (scale.r == 1 && scale.g == 1 && scale.b == 1) return exchange_part(file, s, index, part);
+    snprintf(prefix, sizeof prefix, "light.%zu.", index);
+    rsv_tensor_prefix(file, prefix);
+    for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
+        size_t length = rsv_light_field_length(s, field);
+        const rsv_rgb *value = *rsv_light_part_field(part, field);
+        if (!length || !value) continue;
+        rsv_rgb *scaled = rsv_alloc(file->context, length, sizeof *scaled);
+        for (size_t n = 0; scaled && n < length; n++)
+            scaled[n] = rgb_mul(scale, value[n]);
+        RSV_TRY(rsv_tensor_give(file, part_names[field], RSV_TENSOR_F32, 3, length, scaled));
+    }
+cleanup:
+    return status;
+}
+
+/// The part of a source; NULL = not known.
+static rsv_light_part *part_of(
+    const rsv_light_basis *basis, const rsv_source *source, rsv_rgb *scale)
+{
+    for (size_t k = 0; k < basis->source_count; k++) {
+        if (basis->source[k].kind != source->kind || basis->source[k].index != source->index)
+            continue;
+        *scale = basis->scale[k];
+        return &basis->part[k];
+    }
+    return NULL;
+}
+
+/// Of the sources that a reader will find: those that are black now are no lamps any more.
 rsv_status rsv_write_basis(
     rsv_tensor_file *file, const rsv_solution *s, const rsv_light_basis *basis)
 {
     rsv_status status;
-    const char **name = rsv_alloc(file->context, basis->source_count, sizeof *name);
-    if (!name) return RSV_ERROR_MEMORY;
-    for (size_t k = 0; k < basis->source_count; k++)
-        name[k] = basis->source[k].name;
-    RSV_TRY(rsv_write_names(file, "light.name", name, basis->source_count));
-    for (size_t k = 0; k < basis->source_count; k++)
-        RSV_TRY(exchange_part(file, s, k, &basis->part[k]));
+    rsv_source *source = NULL;
+    const char **name = NULL;
+    size_t count = 0;
+    RSV_TRY(rsv_list_sources(rsv_solution_get_view(s)->lights, &source, &count));
+    name = rsv_alloc(file->context, count, sizeof *name);
+    RSV_TRY(name ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < count; k++)
+        name[k] = source[k].name;
+    RSV_TRY(rsv_write_names(file, "light.name", name, count));
+    for (size_t k = 0; count > 1 && k < count; k++) {
+        rsv_rgb scale = rgb_gray(1);
+        rsv_light_part *part = part_of(basis, &source[k], &scale);
+        if (part) RSV_TRY(write_part(file, s, k, part, scale));
+    }
 cleanup:
+    rsv_free(file->context, source);
     rsv_free(file->context, name);
     return status;
 }

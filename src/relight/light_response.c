@@ -48,10 +48,10 @@ static void group_sources(builder *b)
 
 // ---- direct light ---------------------------------------------------------------------------------
 
-static void add_field(rsv_rgb *sum, const rsv_rgb *value, size_t count)
+static void add_field(rsv_rgb *sum, rsv_rgb scale, const rsv_rgb *value, size_t count)
 {
     for (size_t n = 0; sum && value && n < count; n++)
-        sum[n] = rgb_add(sum[n], value[n]);
+        sum[n] = rgb_add(sum[n], rgb_mul(scale, value[n]));
 }
 
 /// A light for each response, without any light yet.
@@ -102,16 +102,19 @@ static void divide_direct(const builder *b)
     for (size_t k = 0; k < b->basis->source_count; k++) {
         const rsv_light_part *part = &b->basis->part[k];
         const rsv_light_fields *light = rsv_light_edit(b->r->light[b->group[k]]);
-        add_field(light->source, part->direct, nodes);
-        add_field(light->source, part->coarse_caustic, nodes);
-        if (s->fine.direct) add_field(light->fine.direct, part->fine, s->fine.elements->node_count);
+        rsv_rgb scale = b->basis->scale[k];
+        add_field(light->source, scale, part->direct, nodes);
+        add_field(light->source, scale, part->coarse_caustic, nodes);
+        if (s->fine.direct)
+            add_field(light->fine.direct, scale, part->fine, s->fine.elements->node_count);
         if (s->caustics.caustic)
-            add_field(light->caustics.caustic, part->caustic, s->caustics.elements->node_count);
+            add_field(
+                light->caustics.caustic, scale, part->caustic, s->caustics.elements->node_count);
     }
     divide_gathered(b);
     for (size_t k = 0; k < b->r->count; k++) {
         const rsv_light_fields *light = rsv_light_edit(b->r->light[k]);
-        add_field(light->source, light->gathered, nodes);
+        add_field(light->source, rgb_gray(1), light->gathered, nodes);
     }
 }
 

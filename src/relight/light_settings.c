@@ -69,9 +69,12 @@ static rsv_status check_movable(const rsv_light_settings_home *home, const rsv_s
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "relight: light '%s' comes from infinitely far away: there is nothing to move",
             source->name);
-    if (source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(home->lights, source->index))
+    if (source->kind == RSV_SOURCE_MATERIAL &&
+        (rsv_is_gathered(home->lights, source->index) ||
+            rsv_emission_share(home->lights, source->index) > RSV_MOVABLE_SHARE))
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "relight: lamp '%s' fills much of the view and is part of the operator; move it in the "
+            "relight: lamp '%s' fills much of the view, and what it hides is part of the operator; "
+            "move it in the "
             "scene and solve anew",
             source->name);
     return RSV_OK;

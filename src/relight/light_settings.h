@@ -30,6 +30,9 @@ typedef struct rsv_light_settings_home {
 rsv_status rsv_light_settings_read(
     const rsv_light_settings_home *home, const rsv_relight_desc *desc, rsv_light_settings *wanted);
 
+/// A lamp of which surfaces see more than this cannot be moved: what its body hides of the rest is part of the operator.
+#define RSV_MOVABLE_SHARE 0.015
+
 /// The factor of all lamps that gather rays find: their light is stored as one sum.
 rsv_status rsv_gathered_scale(
     const rsv_light_settings_home *home, const rsv_light_settings *settings, rsv_rgb *scale);

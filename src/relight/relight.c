@@ -102,8 +102,10 @@ rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
     bool distant = source->kind == RSV_SOURCE_SURROUNDINGS ||
                    (source->kind == RSV_SOURCE_LIGHT &&
                        rsv_punctual_is_distant(&r->scene->light[source->index]));
-    bool stored =
-        source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(r->sources->lights, source->index);
+    const rsv_lights *lights = r->sources->lights;
+    bool stored = source->kind == RSV_SOURCE_MATERIAL &&
+                  (rsv_is_gathered(lights, source->index) ||
+                      rsv_emission_share(lights, source->index) > RSV_MOVABLE_SHARE);
     return (rsv_relight_source){ .name = source->name,
         .strength = r->strength[k],
         .scale = r->now.scale[k],
@@ -115,6 +117,7 @@ rsv_status rsv_solution_relight(rsv_solution *s, const rsv_relight_desc *desc)
 {
     rsv_relighter *r = NULL;
     rsv_status status = rsv_relighter_create(s, &r);
+    if (status == RSV_OK) r->once = true;
     if (status == RSV_OK) status = rsv_relighter_change(r, desc);
     if (status == RSV_OK) status = rsv_relighter_settle(r);
     rsv_relighter_destroy(r);

@@ -81,36 +81,73 @@ static bool any_body_moves(const rsv_relighter *r)
     return any;
 }
 
-/// Marks sources that are to stand elsewhere, and puts them there. @return whether there are any
-static bool move_sources(rsv_relighter *r)
+/// Whether a source is to be away from where it began.
+static bool will_be_away(const rsv_relighter *r, size_t k)
+{
+    return !same_place(r->wanted.offset[k], r->home.offset[k]) ||
+           (r->basis->source[k].kind == RSV_SOURCE_SURROUNDINGS &&
+               r->wanted.rotation != r->home.rotation);
+}
+
+/// Keeps the part that a source has where it began, or has it back there. @return whether it has it back
+static bool leave_or_return(rsv_relighter *r, size_t k)
+{
+    rsv_light_part *part = &r->basis->part[k];
+    bool away = will_be_away(r, k);
+    if (away == r->away[k] || (away && r->stale[k])) return false;
+    rsv_light_part_free(r->context, away ? &r->home_part[k] : part);
+    *(away ? &r->home_part[k] : part) = *(away ? part : &r->home_part[k]);
+    *(away ? part : &r->home_part[k]) = (rsv_light_part){ 0 };
+    r->away[k] = away;
+    return !away;
+}
+
+/// Marks sources that are to stand elsewhere, and puts them there. @param returned out: whether any stands where it began
+/// again, where its part is known @return whether there are others
+static bool move_sources(rsv_relighter *r, bool *returned)
 {
     bool any = false;
+    *returned = false;
     for (size_t k = 0; k < r->basis->source_count; k++) {
         const rsv_source *source = &r->basis->source[k];
         bool turned =
             source->kind == RSV_SOURCE_SURROUNDINGS && r->wanted.rotation != r->now.rotation;
-        bool moved = is_moved(r, k);
+        bool moved = is_moved(r, k), known = leave_or_return(r, k);
         if (moved) rsv_light_place_move(r->scene, source, &r->place[k], r->wanted.offset[k]);
-        r->moved[k] = moved || turned;
-        r->stale[k] = r->stale[k] || r->moved[k];
+        r->moved[k] = (moved || turned) && !known;
+        r->stale[k] = !known && (r->stale[k] || r->moved[k]);
         any = any || r->moved[k];
+        *returned = *returned || known;
     }
     r->scene->environment.rotation = r->wanted.rotation;
     return any;
 }
 
-/// Gives materials their colours, and so K at their elements.
-static rsv_status set_colors(rsv_relighter *r)
+/// Gives materials their colours. @param changed [material_count] those that get others @return whether there are any
+static bool put_colors(rsv_relighter *r, const rsv_light_settings *settings, bool *changed)
 {
     bool any = false;
     for (uint32_t m = 0; m < r->scene->material_count; m++) {
-        if (same_color(r->now.base_color[m], r->wanted.base_color[m])) continue;
-        r->scene->material[m].base_color = r->wanted.base_color[m];
-        any = true;
+        changed[m] = !same_color(r->scene->material[m].base_color, settings->base_color[m]);
+        r->scene->material[m].base_color = settings->base_color[m];
+        any = any || changed[m];
     }
-    if (!any) return RSV_OK;
-    rsv_status status = rsv_light_recolor(r->light);
-    return status == RSV_OK ? rsv_relighter_map(r) : status;
+    return any;
+}
+
+/// Gives materials their colours, and so K at its elements; as they were where light would never die out in them.
+static rsv_status set_colors(rsv_relighter *r)
+{
+    bool *changed = rsv_alloc(r->context, r->scene->material_count, sizeof *changed);
+    rsv_status status = changed ? RSV_OK : RSV_ERROR_MEMORY;
+    if (status == RSV_OK && put_colors(r, &r->wanted, changed)) {
+        status = rsv_light_recolor(r->light, changed);
+        if (status != RSV_OK) put_colors(r, &r->now, changed);
+        if (status != RSV_OK) rsv_world_find_bsdfs(rsv_light_world(r->light));
+        if (status == RSV_OK) status = rsv_relighter_map(r);
+    }
+    rsv_free(r->context, changed);
+    return status;
 }
 
 // ---- E0 -------------------------------------------------------------------------------------------
@@ -128,15 +165,20 @@ rsv_status rsv_relighter_find_lights(rsv_relighter *r)
     return RSV_OK;
 }
 
+/// Takes over where sources stand, at the strengths that they began with.
+static rsv_status follow_lights(rsv_relighter *r, rsv_relighter_change_kind kind)
+{
+    rsv_status status = set_strengths(r, NULL);
+    if (status != RSV_OK) return status;
+    return kind == RSV_RELIGHTER_PLACES ? rsv_lights_follow(r->sources->lights)
+                                        : rsv_relighter_find_lights(r);
+}
+
 rsv_status rsv_relighter_sample(rsv_relighter *r, const bool *which, rsv_relighter_change_kind kind,
     const rsv_light_effort *effort)
 {
     rsv_status status = RSV_OK;
-    RSV_TRY(set_strengths(r, NULL));
-    if (kind == RSV_RELIGHTER_PLACES)
-        RSV_TRY(rsv_lights_follow(r->sources->lights));
-    else
-        RSV_TRY(rsv_relighter_find_lights(r));
+    RSV_TRY(follow_lights(r, kind));
     for (size_t k = 0; k < r->basis->source_count; k++)
         if (which[k])
             RSV_TRY(rsv_light_part_estimate(r->light, r->sources->lights, &r->basis->source[k],
@@ -178,6 +220,7 @@ rsv_status rsv_relighter_update_sources(rsv_relighter *r, rsv_relighter_change_k
     if (kind != RSV_RELIGHTER_PLACES && !followed)
         RSV_TRY(rsv_light_find_sources(r->light, r->sources->lights));
     RSV_TRY(rsv_gathered_scale(&home, &r->now, &gathered));
+    memcpy(r->basis->scale, r->now.scale, r->basis->source_count * sizeof *r->now.scale);
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++)
         combine(r, field);
     rsv_light_gather(r->light, rgb_mul(r->gathered_scale, gathered));
@@ -272,6 +315,10 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
     uint32_t index = (uint32_t)r->scene->light_count - 1;
     const rsv_light *added = &r->scene->light[index];
     b->source[k] = (rsv_source){ RSV_SOURCE_LIGHT, index, added->name };
+    b->scale[k] = rgb_gray(1);
+    rsv_solution_destroy(r->began); // without that light
+    r->began = NULL;
+    r->grown = true;
     r->strength[k] = added->intensity;
     r->place[k].centre = added->position;
     r->home.scale[k] = r->now.scale[k] = rgb_gray(1);
@@ -300,34 +347,86 @@ static rsv_relighter_change_kind kind_of_change(
     return others && places ? RSV_RELIGHTER_STRENGTHS : RSV_RELIGHTER_ANYTHING;
 }
 
-rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
+/// Keeps the light as it is, for whoever goes back to that.
+static rsv_status keep_beginning(rsv_relighter *r)
 {
-    rsv_light_settings_home home = home_of(r);
-    rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
-    if (status != RSV_OK) return status;
-    rsv_relighter_change_kind kind =
-        r->behind ? RSV_RELIGHTER_ANYTHING : kind_of_change(r, &r->now, &r->wanted);
-    r->behind = true;
-    bool body = any_body_moves(r);
-    if (body) RSV_TRY(rsv_light_vary_places(r->light, r->moves));
-    bool moved = move_sources(r);
-    RSV_TRY(set_colors(r));
+    rsv_status status;
+    if (r->began || r->once || r->grown) return RSV_OK;
+    RSV_TRY(rsv_light_begin_like(r->light, rsv_light_get_sources(r->light), &r->began));
+    RSV_TRY(rsv_light_assign(r->began, r->light));
+cleanup:
+    return status;
+}
+
+static bool is_as_it_began(const rsv_relighter *r)
+{
+    bool same = r->now.rotation == r->home.rotation;
+    for (size_t k = 0; k < r->basis->source_count; k++)
+        same = same && same_color(r->now.scale[k], r->home.scale[k]) &&
+               same_place(r->now.offset[k], r->home.offset[k]);
+    for (size_t m = 0; m < r->scene->material_count; m++)
+        same = same && same_color(r->now.base_color[m], r->home.base_color[m]);
+    return same;
+}
+
+/// The light as it began, once sources and colours are.
+static rsv_status go_back(rsv_relighter *r)
+{
+    rsv_status status;
+    RSV_TRY(rsv_light_assign(r->light, r->began));
+    RSV_TRY(rsv_relighter_map(r));
+    r->settled = true;
+    r->residual = 0;
+cleanup:
+    return status;
+}
+
+/// Sources as they stand now, after some were moved. @param moved, returned of move_sources
+static rsv_status follow_moves(
+    rsv_relighter *r, bool moved, bool returned, rsv_relighter_change_kind kind)
+{
+    rsv_status status = RSV_OK;
+    if (returned && !moved) RSV_TRY(follow_lights(r, kind));
+    if (!moved) return RSV_OK;
+    RSV_TRY(keep_receivers(r));
+    rsv_light_effort rough = rough_effort(r);
+    RSV_TRY(rsv_relighter_sample(r, r->moved, kind, &rough));
+cleanup:
+    return status;
+}
+
+/// What is wanted is what is.
+static void take_settings(rsv_relighter *r)
+{
     rsv_light_settings before = r->now;
     r->now = r->wanted;
     r->wanted = before;
     r->settled = false;
     r->residual = INFINITY;
+}
+
+rsv_status rsv_relighter_change(rsv_relighter *r, const rsv_relight_desc *desc)
+{
+    rsv_light_settings_home home = home_of(r);
+    rsv_status status = rsv_light_settings_read(&home, desc, &r->wanted);
+    if (status == RSV_OK) status = keep_beginning(r);
+    if (status == RSV_OK) status = set_colors(r);
+    if (status != RSV_OK) return status;
+    rsv_relighter_change_kind kind =
+        r->behind ? RSV_RELIGHTER_ANYTHING : kind_of_change(r, &r->now, &r->wanted);
+    r->behind = true;
+    bool body = any_body_moves(r), returned;
+    if (body) RSV_TRY(rsv_light_vary_places(r->light, r->moves));
+    bool moved = move_sources(r, &returned);
+    take_settings(r);
     if (kind != RSV_RELIGHTER_STRENGTHS) rsv_relight_responses_forget(r);
     if (body) RSV_TRY(rsv_world_follow_places(rsv_light_world(r->light)));
-    if (moved) {
-        RSV_TRY(keep_receivers(r));
-        rsv_light_effort rough = rough_effort(r);
-        RSV_TRY(rsv_relighter_sample(r, r->moved, kind, &rough));
-    }
+    RSV_TRY(follow_moves(r, moved, returned, kind));
     if (kind == RSV_RELIGHTER_STRENGTHS)
         RSV_TRY(follow_strengths(r));
     else
         RSV_TRY(rsv_relighter_update_sources(r, kind));
+    if (r->began && !rsv_relighter_any_stale(r) && is_as_it_began(r)) RSV_TRY(go_back(r));
     r->behind = false;
 cleanup:
     return status;

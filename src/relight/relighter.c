@@ -3,14 +3,17 @@
 #include <math.h>
 #include <string.h>
 
-/// Takes over the solution's basis: once anything is scaled, its parts are no longer those of the solution.
-static rsv_status take_basis(rsv_relighter *r)
+/// Has the light know its parts of E0, at the strengths that its sources have now.
+static rsv_status find_basis(rsv_relighter *r)
 {
-    r->basis = rsv_light_take_basis(r->light);
-    if (!r->basis) {
-        rsv_status status = rsv_light_basis_create(r->light, &r->basis);
+    if (!r->s->basis) {
+        rsv_light_basis *found = NULL;
+        rsv_status status = rsv_light_basis_create(r->light, &found);
         if (status != RSV_OK) return status;
+        rsv_light_set_basis(r->light, found);
     }
+    r->basis = rsv_light_edit_basis(r->light);
+    rsv_light_basis_apply_scales(r->light, r->basis);
     return r->basis->source_count <= RSV_MAX_LIGHT_PARTS
                ? RSV_OK
                : rsv_fail(RSV_ERROR_UNSUPPORTED,
@@ -22,19 +25,24 @@ static rsv_status take_basis(rsv_relighter *r)
 static rsv_status make_room(rsv_relighter *r)
 {
     rsv_light_basis *b = r->basis;
-    rsv_source *source = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *source);
-    rsv_light_part *part = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *part);
-    if (!source || !part) {
-        rsv_free(r->context, source);
-        rsv_free(r->context, part);
-        return RSV_ERROR_MEMORY;
+    size_t count = b->source_count;
+    rsv_light_basis more = { .source =
+                                 rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *b->source),
+        .part = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *b->part),
+        .scale = rsv_alloc(r->context, RSV_MAX_LIGHT_PARTS, sizeof *b->scale) };
+    bool made = more.source && more.part && more.scale;
+    if (made && count) {
+        memcpy(more.source, b->source, count * sizeof *b->source);
+        memcpy(more.part, b->part, count * sizeof *b->part);
+        memcpy(more.scale, b->scale, count * sizeof *b->scale);
     }
-    memcpy(source, b->source, b->source_count * sizeof *source);
-    memcpy(part, b->part, b->source_count * sizeof *part);
-    rsv_free(r->context, b->source);
-    rsv_free(r->context, b->part);
-    b->source = source;
-    b->part = part;
+    rsv_free(r->context, made ? b->source : more.source);
+    rsv_free(r->context, made ? b->part : more.part);
+    rsv_free(r->context, made ? b->scale : more.scale);
+    if (!made) return RSV_ERROR_MEMORY;
+    b->source = more.source;
+    b->part = more.part;
+    b->scale = more.scale;
     return RSV_OK;
 }
 
@@ -88,14 +96,16 @@ static rsv_status allocate(rsv_relighter *r)
     r->moves = rsv_alloc(r->context, materials, sizeof *r->moves);
     r->stale = rsv_alloc(r->context, sources, sizeof *r->stale);
     r->moved = rsv_alloc(r->context, sources, sizeof *r->moved);
+    r->away = rsv_alloc(r->context, sources, sizeof *r->away);
+    r->home_part = rsv_alloc(r->context, sources, sizeof *r->home_part);
     r->next = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->next);
     r->scratch = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->scratch);
     bool surrounded = r->scene->environment.pixels != NULL;
     if (surrounded)
         r->environment =
             rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
-    return r->strength && r->place && r->moves && r->stale && r->moved && r->next && r->scratch &&
-                   (r->environment || !surrounded)
+    return r->strength && r->place && r->moves && r->stale && r->moved && r->away && r->home_part &&
+                   r->next && r->scratch && (r->environment || !surrounded)
                ? RSV_OK
                : RSV_ERROR_MEMORY;
 }
@@ -128,7 +138,7 @@ rsv_status rsv_relighter_create(rsv_solution *light, rsv_relighter **relighter)
     rsv_status status;
     rsv_relighter *r = NULL;
     RSV_TRY(begin(light, &r));
-    RSV_TRY(take_basis(r));
+    RSV_TRY(find_basis(r));
     RSV_TRY(make_room(r));
     RSV_TRY(fill_single_part(r));
     RSV_TRY(allocate(r));
@@ -150,6 +160,12 @@ void rsv_relighter_destroy(rsv_relighter *r)
     if (!r) return;
     rsv_context *context = r->context;
     size_t sources = r->basis ? r->basis->source_count : 0;
+    // parts that few rays found are no better than none
+    if (r->basis && r->stale && (r->behind || rsv_relighter_any_stale(r)))
+        rsv_light_set_basis(r->light, NULL);
+    for (size_t k = 0; r->home_part && k < RSV_MAX_LIGHT_PARTS; k++)
+        rsv_light_part_free(context, &r->home_part[k]);
+    rsv_solution_destroy(r->began);
     rsv_transport_map_destroy(r->map);
     rsv_free(context, r->moves);
     rsv_receiver_blocks_destroy(r->coarse);
@@ -163,11 +179,12 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_free(context, r->strength);
     rsv_free(context, r->stale);
     rsv_free(context, r->moved);
+    rsv_free(context, r->away);
+    rsv_free(context, r->home_part);
     rsv_free(context, r->environment);
     rsv_free(context, r->next);
     rsv_free(context, r->scratch);
     rsv_free(context, r->valid);
     rsv_relight_responses_destroy(r->responses);
-    rsv_light_basis_destroy(r->basis);
     rsv_free(context, r);
 }

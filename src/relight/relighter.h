@@ -12,10 +12,15 @@
 struct rsv_relighter {
     rsv_context *context;
     rsv_solution *light;
-    const rsv_light_view *s;    ///< of that
-    rsv_light_fields *field;    ///< of that
-    rsv_scene *scene;           ///< of that: its own
-    rsv_light_basis *basis;     ///< parts of E0 at the strengths that the sources began with
+    const rsv_light_view *s; ///< of that
+    rsv_light_fields *field; ///< of that
+    rsv_scene *scene;        ///< of that: its own
+    rsv_solution *began;     ///< a copy of the light as it was; NULL once a source was added
+    rsv_light_basis
+        *basis; ///< the light's parts of E0, at the strengths that the sources began with
+    rsv_light_part
+        *home_part; ///< [RSV_MAX_LIGHT_PARTS] of sources that are away from where they began
+    bool *away;     ///< [RSV_MAX_LIGHT_PARTS] those sources
     rsv_light_sources *sources; ///< at those strengths, where they stand now
     uint16_t *valid;            ///< receiver points of the direct level
     rsv_rgb gathered_scale;     ///< of the emission that rows found, at those strengths
@@ -35,6 +40,8 @@ struct rsv_relighter {
     struct rsv_relight_responses *responses; ///< NULL = not known, for the sources as they stand
     bool prepared;                           ///< whether they are wanted, and can be had
     bool settled;
+    bool once;   ///< there will be one change, and no way back
+    bool grown;  ///< a source was added
     bool behind; ///< a change was cut short: the next one takes everything over again
 };
 

@@ -58,7 +58,10 @@ rsv_status rsv_light_basis_create_empty(const rsv_solution *s, rsv_light_basis *
     b->context = s->context;
     RSV_TRY(rsv_list_sources(s->sources->lights, &b->source, &b->source_count));
     b->part = rsv_alloc(s->context, b->source_count, sizeof *b->part);
-    if (!b->part) RSV_TRY(RSV_ERROR_MEMORY);
+    b->scale = rsv_alloc(s->context, b->source_count, sizeof *b->scale);
+    RSV_TRY(b->part && b->scale ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < b->source_count; k++)
+        b->scale[k] = rgb_gray(1);
     *basis = b;
     b = NULL;
 cleanup:
@@ -78,8 +81,23 @@ void rsv_light_basis_destroy(rsv_light_basis *b)
     for (size_t k = 0; b->part && k < b->source_count; k++)
         rsv_light_part_free(b->context, &b->part[k]);
     rsv_free(b->context, b->part);
+    rsv_free(b->context, b->scale);
     rsv_free(b->context, b->source);
     rsv_free(b->context, b);
+}
+
+void rsv_light_basis_apply_scales(const rsv_solution *s, rsv_light_basis *b)
+{
+    for (size_t k = 0; k < b->source_count; k++) {
+        rsv_rgb scale = b->scale[k];
+        if (scale.r == 1 && scale.g == 1 && scale.b == 1) continue;
+        for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
+            rsv_rgb *value = *rsv_light_part_field(&b->part[k], field);
+            for (size_t n = 0; value && n < rsv_light_field_length(s, field); n++)
+                value[n] = rgb_mul(scale, value[n]);
+        }
+        b->scale[k] = rgb_gray(1);
+    }
 }
 
 static rsv_status allocate_part(const rsv_solution *s, rsv_light_part *part)

@@ -26,6 +26,7 @@ typedef struct rsv_light_basis {
     size_t source_count;
     rsv_source *source;   ///< [source_count] names are the scene's
     rsv_light_part *part; ///< [source_count]
+    rsv_rgb *scale;       ///< [source_count] factor by which the part counts
 } rsv_light_basis;
 
 /// The fields of a part in order, and how long they are; 0 = the solution has none.
@@ -59,6 +60,9 @@ rsv_status rsv_light_part_estimate(const struct rsv_solution *solution, const rs
     const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part, uint64_t *rays);
 void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
 void rsv_light_basis_destroy(rsv_light_basis *basis);
+
+/// Multiplies parts by their factors, which are 1 then.
+void rsv_light_basis_apply_scales(const struct rsv_solution *solution, rsv_light_basis *basis);
 
 #define RSV_MAX_LIGHT_PARTS RSV_MAX_RELIGHT_SOURCES
 

@@ -9,13 +9,7 @@ rsv_light_fields *rsv_light_edit(rsv_solution *s) { return &s->field; }
 
 rsv_light_sources *rsv_light_get_sources(const rsv_solution *s) { return s->sources; }
 
-rsv_light_basis *rsv_light_take_basis(rsv_solution *s)
-{
-    rsv_light_basis *basis = s->basis;
-    s->basis = NULL;
-    s->view.basis = NULL;
-    return basis;
-}
+rsv_light_basis *rsv_light_edit_basis(rsv_solution *s) { return s->basis; }
 
 void rsv_light_set_basis(rsv_solution *s, rsv_light_basis *basis)
 {
@@ -78,16 +72,33 @@ rsv_status rsv_light_follow_places(rsv_solution *s)
     return rsv_lights_follow(s->sources->lights);
 }
 
-rsv_status rsv_light_recolor(rsv_solution *s)
+/// Albedos of the operator, those of changed materials anew. @param albedo out: to be freed
+static rsv_status paint(const rsv_solution *s, const bool *changed, rsv_rgb **albedo)
 {
-    rsv_operator *op = NULL;
+    const rsv_elements *e = s->elements;
+    rsv_rgb *a = *albedo = rsv_alloc(s->context, e->node_count, sizeof *a);
+    if (!a) return RSV_ERROR_MEMORY;
+    for (size_t n = 0; n < e->node_count; n++) {
+        uint32_t triangle = e->face_triangle[e->node_face[n]];
+        uint32_t material = s->scene.view->triangle_material[triangle];
+        a[n] = changed[material] ? s->world->bsdf[material].exitance_albedo
+                                 : s->view.exitance_albedo[n];
+    }
+    return RSV_OK;
+}
+
+rsv_status rsv_light_recolor(rsv_solution *s, const bool *changed)
+{
+    rsv_operator *op = NULL, *before = s->op;
     rsv_rgb *albedo = NULL;
     rsv_status status;
     rsv_world_find_bsdfs(s->world);
-    RSV_TRY(rsv_element_albedos(&s->scene, s->elements, s->desc.seed, &albedo));
+    RSV_TRY(paint(s, changed, &albedo));
     RSV_TRY(rsv_operator_recolor(s->op, s->world, albedo, &op));
-    rsv_operator_release(s->op);
     s->op = op;
+    status = rsv_light_check_bounded(s);
+    if (status != RSV_OK) s->op = before;
+    rsv_operator_release(status == RSV_OK ? before : op);
     rsv_light_publish(s);
 cleanup:
     rsv_free(s->context, albedo);

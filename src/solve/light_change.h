@@ -33,8 +33,9 @@ rsv_status rsv_light_follow_places(rsv_solution *light);
 /// next-event estimates that `source` was set to.
 void rsv_light_gather(rsv_solution *light, rsv_rgb scale);
 
-/// Takes over the colours that materials have now: another operator, of the same rows.
-rsv_status rsv_light_recolor(rsv_solution *light);
+/// Takes over the colours that some materials have now, the same all over each: another operator, of the same rows.
+/// RSV_ERROR_SCENE, and all as it was, where light would never die out. @param changed [material_count]
+rsv_status rsv_light_recolor(rsv_solution *light, const bool *changed);
 
 /// What translucent surfaces show of `source` and `indirect`, bounces not kept apart.
 rsv_status rsv_light_diffuse(rsv_solution *light);
@@ -43,9 +44,13 @@ rsv_status rsv_light_diffuse(rsv_solution *light);
 rsv_status rsv_light_solve(rsv_solution *light);
 rsv_status rsv_solution_solve_again(rsv_solution *light);
 
-/// Takes the parts of E0 out of the light, which it then does not know any more; NULL = it knew none.
-rsv_light_basis *rsv_light_take_basis(rsv_solution *light);
+/// The parts of E0, to be changed with it; NULL = not known.
+rsv_light_basis *rsv_light_edit_basis(rsv_solution *light);
+/// @param basis taken over; NULL = not known any more
 void rsv_light_set_basis(rsv_solution *light, rsv_light_basis *basis);
+
+/// Makes operator, E0 and all that follows from it those of another light on the same levels.
+rsv_status rsv_light_assign(rsv_solution *light, const rsv_solution *from);
 
 /// A light of some of the sources on the operator, world and levels of another, with zeros for E0 and all that follows.
 /// @param sources retained

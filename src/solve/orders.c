@@ -189,6 +189,41 @@ cleanup:
     return status;
 }
 
+/// Whether all but little of the light dies out. @param alternative of the map
+static rsv_status look_for_losses(series *q, const rsv_alternative *alternative, float *share)
+{
+    const rsv_solution *s = q->s;
+    rsv_status status = RSV_OK;
+    if (alternative->unique || caught_share(s, share) < POCKET_SHARE) return RSV_OK;
+    RSV_TRY(rsv_transport_map_transpose(q->map));
+    RSV_TRY(rsv_survival(&q->map->linear, s->elements->node_area, POCKET_ORDERS, share));
+    if (caught_share(s, share) >= POCKET_SHARE) RSV_TRY(refuse_lossless(q, alternative));
+cleanup:
+    return status;
+}
+
+rsv_status rsv_light_check_bounded(rsv_solution *s)
+{
+    rsv_status status;
+    size_t nodes = s->elements->node_count;
+    rsv_alternative alternative;
+    series q = { .s = s,
+        .term = rsv_alloc(s->context, nodes, sizeof *q.term),
+        .next = rsv_alloc(s->context, nodes, sizeof *q.next) };
+    float *share = rsv_alloc(s->context, 3 * nodes, sizeof *share);
+    RSV_TRY(q.term && q.next && share ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_operator_map(s->op, 1, &q.map));
+    if (operator_norm(&q) < RSV_LOSSLESS) goto cleanup;
+    RSV_TRY(rsv_fredholm_alternative(&q.map->linear, &alternative, share));
+    RSV_TRY(look_for_losses(&q, &alternative, share));
+cleanup:
+    rsv_transport_map_destroy(q.map);
+    rsv_free(s->context, q.term);
+    rsv_free(s->context, q.next);
+    rsv_free(s->context, share);
+    return status;
+}
+
 static void add_term(rsv_solution *s, const rsv_rgb *term)
 {
     uint32_t last = RSV_KEPT_ORDERS - 1;

@@ -159,24 +159,46 @@ static void copy_level(const rsv_solution *s, const rsv_source_level *from, rsv_
     copy_field(from->coarse_caustic, s->elements->node_count, to->coarse_caustic);
 }
 
-rsv_status rsv_solution_copy(const rsv_solution *from, rsv_solution **copy)
+static void drop_orders(rsv_solution *s)
+{
+    for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
+        rsv_free(s->context, s->field.order[k]);
+        s->field.order[k] = NULL;
+    }
+}
+
+rsv_status rsv_light_assign(rsv_solution *s, const rsv_solution *from)
 {
     rsv_status status;
-    rsv_solution *s = NULL;
     size_t nodes = from->elements->node_count;
-    RSV_TRY(rsv_light_begin_like(from, from->sources, &s));
+    rsv_operator *before = s->op;
+    s->op = rsv_operator_retain(from->op);
+    rsv_operator_release(before);
     copy_field(from->field.source, nodes, s->field.source);
     copy_field(from->field.gathered, nodes, s->field.gathered);
     copy_field(from->field.irradiance, nodes, s->field.irradiance);
     copy_field(from->field.indirect, nodes, s->field.indirect);
+    drop_orders(s);
     RSV_TRY(copy_orders(from, s));
     copy_level(from, &from->field.fine, &s->field.fine);
     copy_level(from, &from->field.caustics, &s->field.caustics);
+    rsv_diffused_level_destroy(s->context, &s->field.diffused);
     RSV_TRY(rsv_diffused_level_copy(
         s->context, &from->field.diffused, s->scene.view->material_count, &s->field.diffused));
+    s->gathered_scale = from->gathered_scale;
     s->pocket_area = from->pocket_area;
     s->report = from->report;
+cleanup:
     rsv_light_publish(s);
+    return status;
+}
+
+rsv_status rsv_solution_copy(const rsv_solution *from, rsv_solution **copy)
+{
+    rsv_status status;
+    rsv_solution *s = NULL;
+    RSV_TRY(rsv_light_begin_like(from, from->sources, &s));
+    RSV_TRY(rsv_light_assign(s, from));
     // a world that may be changed is nobody else's
     if (from->world->variant) RSV_TRY(rsv_light_part_world(s));
     *copy = s;

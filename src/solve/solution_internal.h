@@ -30,6 +30,9 @@ struct rsv_solution {
 rsv_status rsv_light_begin(rsv_operator *op, rsv_light_sources *sources,
     const rsv_transport_scene *scene, const rsv_solve_desc *desc, rsv_solution **light);
 
+/// RSV_ERROR_SCENE where the light never dies out in the operator that it has now.
+rsv_status rsv_light_check_bounded(rsv_solution *light);
+
 /// Gives a light a variant of the world that it has.
 rsv_status rsv_light_part_world(rsv_solution *light);
 

@@ -693,9 +693,145 @@ static void the_transposed_operator_is_the_adjoint(void **state)
     world_end(w);
 }
 
+// ---- there and back -------------------------------------------------------------------------------
+
+static rsv_rgb *copy_of(const rsv_rgb *field, size_t count)
+{
+    rsv_rgb *copy = malloc((count + 1) * sizeof *copy);
+    memcpy(copy, field, count * sizeof *copy);
+    return copy;
+}
+
+static const rsv_light_part *part_named(const rsv_solution *s, const char *name)
+{
+    const rsv_light_basis *b = inside(s)->basis;
+    for (size_t k = 0; b && k < b->source_count; k++)
+        if (strcmp(b->source[k].name, name) == 0) return &b->part[k];
+    return NULL;
+}
+
+static void moving_one_light_leaves_the_parts_of_others_alone(void **state)
+{
+    (void)state;
+    world *w = lit_box((float[]){ 1, 1, 1 });
+    rsv_solution *s = solve(w, true);
+    size_t nodes = inside(s)->elements->node_count;
+    const rsv_light_move nudge = { "bulb", { 1e-6f, 0, 0 } };
+    relight(s, &(rsv_relight_desc){ .move = &nudge, .move_count = 1 });
+    assert_non_null(part_named(s, "light"));
+    rsv_rgb *lamp = copy_of(part_named(s, "light")->direct, nodes);
+    rsv_rgb *torch = copy_of(part_named(s, "torch")->direct, nodes);
+    for (int k = 0; k < 4; k++) {
+        relight(s, &(rsv_relight_desc){ .move = &nudge, .move_count = 1 });
+        assert_memory_equal(lamp, part_named(s, "light")->direct, nodes * sizeof *lamp);
+        assert_memory_equal(torch, part_named(s, "torch")->direct, nodes * sizeof *torch);
+    }
+    free(lamp), free(torch);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// Whatever was moved, scaled and painted: back at the start the light is what it was, byte by byte, and at once.
+static void going_back_ends_where_it_began(void **state)
+{
+    (void)state;
+    world *w = lit_box((float[]){ 1, 1, 1 });
+    rsv_solution *s = solve(w, true);
+    size_t nodes = inside(s)->elements->node_count, fine = inside(s)->fine.elements->node_count;
+    rsv_rgb *light = copy_of(inside(s)->irradiance, nodes);
+    rsv_rgb *first = copy_of(inside(s)->source, nodes);
+    rsv_rgb *direct = copy_of(inside(s)->fine.direct, fine);
+    const rsv_light_move move = { "bulb", { 0.1f, -0.05f, 0 } };
+    const rsv_light_scale dim = { "light", { 0, 0.5f, 1 } };
+    const rsv_albedo_change paint = { "red", { 0.1f, 0.2f, 0.7f } };
+    const rsv_relight_desc there = { .move = &move,
+        .move_count = 1,
+        .light = &dim,
+        .light_count = 1,
+        .albedo = &paint,
+        .albedo_count = 1 };
+    rsv_relighter *r;
+    begin_relighting(s, &r);
+    for (int k = 0; k < 3; k++) {
+        change(r, &there);
+        if (k == 1) assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+        assert_true(largest_difference(first, inside(s)->source, nodes) > 0.01);
+        change(r, &(rsv_relight_desc){ 0 });
+        assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+        assert_memory_equal(light, inside(s)->irradiance, nodes * sizeof *light);
+        assert_memory_equal(direct, inside(s)->fine.direct, fine * sizeof *direct);
+    }
+    free(light), free(direct), free(first);
+    rsv_relighter_destroy(r);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// A closed box of one diffuse material around a bulb.
+static rsv_solution *closed_box(world **w)
+{
+    *w = world_begin(2);
+    uint32_t white = world_lambert(*w, 0.5f, 0);
+    world_room(*w, white, v3(0, 0, 0), v3(1, 1, 1));
+    rsv_light bulb = { .name = "bulb",
+        .kind = RSV_LIGHT_POINT,
+        .position = { 0.5f, 0.5f, 0.5f },
+        .intensity = { 1, 1, 1 } };
+    assert_int_equal(rsv_scene_add_light((*w)->scene, &bulb), RSV_OK);
+    world_commit(*w);
+    return solve(*w, false);
+}
+
+static void walls_that_absorb_nothing_are_refused_and_change_nothing(void **state)
+{
+    (void)state;
+    world *w;
+    rsv_solution *s = closed_box(&w);
+    const char *name = rsv_scene_get_view(w->scene)->material[0].name;
+    const rsv_albedo_change white = { name, { 1, 1, 1 } }, grey = { name, { 0.25f, 0.25f, 0.25f } };
+    size_t nodes = inside(s)->elements->node_count;
+    rsv_rgb *light = copy_of(inside(s)->irradiance, nodes);
+    rsv_relighter *r;
+    begin_relighting(s, &r);
+    assert_int_equal(
+        rsv_relighter_change(r, &(rsv_relight_desc){ .albedo = &white, .albedo_count = 1 }),
+        RSV_ERROR_SCENE);
+    assert_int_equal(rsv_relighter_step(r, 10, NULL), RSV_OK);
+    assert_memory_equal(light, inside(s)->irradiance, nodes * sizeof *light);
+    change(r, &(rsv_relight_desc){ .albedo = &grey, .albedo_count = 1 });
+    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    assert_true(inside(s)->irradiance[0].g < light[0].g);
+    free(light);
+    rsv_relighter_destroy(r);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// What a lamp as large as a wall hides is in the rows: it stays where it is.
+static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t wall = world_lambert(w, 0.5f, 0), lamp = world_lambert(w, 0.5f, 1);
+    world_room(w, wall, v3(0, 0, 0), v3(1, 1, 1));
+    world_quad(w, lamp, v3(0.3f, 0.98f, 0.3f), v3(0.7f, 0.98f, 0.3f), v3(0.7f, 0.98f, 0.7f),
+        v3(0.3f, 0.98f, 0.7f));
+    world_commit(w);
+    rsv_solution *s = solve(w, false);
+    const char *name = rsv_scene_get_view(w->scene)->material[lamp].name;
+    const rsv_light_move move = { name, { 0, -0.1f, 0 } };
+    check_refused(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 }, name, "solve anew");
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(moving_one_light_leaves_the_parts_of_others_alone),
+        cmocka_unit_test(going_back_ends_where_it_began),
+        cmocka_unit_test(walls_that_absorb_nothing_are_refused_and_change_nothing),
+        cmocka_unit_test(a_lamp_as_large_as_a_wall_cannot_be_moved),
         cmocka_unit_test(lights_of_one_operator_leave_each_other_alone),
         cmocka_unit_test(copies_of_a_moved_light_move_on_alone),
         cmocka_unit_test(the_operator_solves_for_its_light),
