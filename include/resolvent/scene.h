@@ -170,7 +170,7 @@ typedef struct rsv_environment {
 
 #define RSV_ENVIRONMENT_MAX_PIXELS ((size_t)1 << 27) ///< 16384 x 8192
 
-/// The committed scene as flat arrays in world space; valid until the scene is destroyed.
+/// The committed scene as flat arrays in world space, less `origin`; valid until the scene is destroyed.
 typedef struct rsv_scene_view {
     size_t vertex_count, triangle_count, material_count, light_count, camera_count, object_count;
     size_t texture_count;
@@ -190,6 +190,11 @@ typedef struct rsv_scene_view {
     const char *const *object_name; ///< [object_count]
     const rsv_environment *environment; ///< pixels with the intensity in them; NULL = black
     rsv_vec3 bounds_min, bounds_max;
+    /// Metres that were taken out of all coordinates above, because the scene lies far from the origin of its file:
+    /// position + origin is what the file says (docs/conventions.md). All 0 in most scenes.
+    double origin[3];
+    const char *const *light_node;  ///< [light_count] the node that placed it; NULL = none
+    const char *const *camera_node; ///< [camera_count] likewise
 } rsv_scene_view;
 
 RSV_API rsv_status rsv_scene_create(rsv_context *context, rsv_scene **scene);
@@ -246,7 +251,7 @@ RSV_API rsv_context *rsv_scene_get_context(const rsv_scene *scene);
 RSV_API rsv_camera rsv_camera_look_at(
     const char *name, rsv_vec3 position, rsv_vec3 target, float vertical_fov, float aspect);
 
-/// Index of the camera called `name`; NULL = the first. RSV_NONE if there is none of that name.
+/// Index of the camera called `name`, or placed by a node of that name; NULL = the first. RSV_NONE if there is none.
 RSV_API uint32_t rsv_scene_find_camera(const rsv_scene *scene, const char *name);
 
 /// Choices of a built-in scene. Start from rsv_default_builtin_desc().

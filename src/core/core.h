@@ -45,6 +45,9 @@ void rsv_free(rsv_context *context, void *memory);
 rsv_status rsv_grow(
     rsv_context *context, void **array, size_t *capacity, size_t needed, size_t size);
 
+/// Bytes of memory that this machine, or the container that the program runs in, has; INFINITY if nobody says.
+double rsv_machine_memory(void);
+
 /// A copy of `text` (NULL counts as ""); NULL on exhaustion.
 char *rsv_copy_string(rsv_context *context, const char *text);
 

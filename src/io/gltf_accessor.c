@@ -5,9 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-/// Zero-filled accessors need no bytes in the file, so that their count must be bounded otherwise.
-#define MAX_ZERO_FILLED ((size_t)1 << 24)
-
 /// A run of elements in memory.
 typedef struct elements {
     const uint8_t *data; ///< NULL = all zero
@@ -43,6 +40,7 @@ static const char *locate(const rsv_gltf_document *document, rsv_gltf_span span,
     if ((size_t)view->buffer >= document->buffer_count)
         return "lies in a buffer that does not exist";
     const rsv_gltf_buffer *buffer = &document->buffer[view->buffer];
+    if (!buffer->data && count) return "lies in a buffer without data";
     if (view->offset > buffer->size || view->length > buffer->size - view->offset)
         return "lies in a buffer view that reaches past the end of its buffer";
     size_t stride = view->stride ? view->stride : element_bytes;
@@ -106,9 +104,15 @@ static void read_element(
     }
 }
 
-static rsv_status refuse(int accessor, const char *owner, const char *problem)
+/// For messages: "mesh", "skin" or "node", and its name.
+typedef struct owner_label {
+    const char *kind, *name;
+} owner_label;
+
+static rsv_status refuse(int accessor, owner_label owner, const char *problem)
 {
-    return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d %s", owner, accessor, problem);
+    return rsv_fail(
+        RSV_ERROR_FORMAT, "%s '%s': accessor %d %s", owner.kind, owner.name, accessor, problem);
 }
 
 /// Replaces the elements that a sparse accessor lists.
@@ -136,22 +140,18 @@ static const char *apply_sparse(
     return NULL;
 }
 
-rsv_status rsv_gltf_read_attribute(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *owner, float **values, size_t *count, size_t *component_count)
+/// Decodes `*values` [count * component_count] of an accessor whose type has been checked. The caller frees them.
+static rsv_status decode(rsv_context *context, const rsv_gltf_document *document, int accessor,
+    owner_label owner, float **values)
 {
-    if ((size_t)accessor >= document->accessor_count)
-        return refuse(accessor, owner, "does not exist");
     const rsv_gltf_accessor *a = &document->accessor[accessor];
-    int type = a->span.component_type;
-    if (a->component_count < 2 || a->component_count > 4 || !component_bytes(type) ||
-        type == RSV_GLTF_UNSIGNED_INT)
-        return refuse(accessor, owner, "must hold vectors of float or of 8- or 16-bit integers");
     size_t width = (size_t)a->component_count;
     elements from = { .data = NULL };
     const char *problem = NULL;
     if (a->span.buffer_view >= 0)
-        problem = locate(document, a->span, a->count, width * component_bytes(type), &from);
-    else if (a->count > MAX_ZERO_FILLED)
+        problem = locate(
+            document, a->span, a->count, width * component_bytes(a->span.component_type), &from);
+    else if (a->count > RSV_GLTF_MAX_ZERO_FILLED)
         problem = "has no buffer view and too large a count";
     if (problem) return refuse(accessor, owner, problem);
 
@@ -166,9 +166,56 @@ rsv_status rsv_gltf_read_attribute(rsv_context *context, const rsv_gltf_document
         return refuse(accessor, owner, problem);
     }
     *values = decoded;
-    *count = a->count;
-    *component_count = width;
     return RSV_OK;
+}
+
+static rsv_status read_vectors(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, owner_label owner, float **values)
+{
+    if ((size_t)accessor >= document->accessor_count)
+        return refuse(accessor, owner, "does not exist");
+    const rsv_gltf_accessor *a = &document->accessor[accessor];
+    int type = a->span.component_type;
+    if (a->component_count < 2 || a->component_count > 4 || !component_bytes(type) ||
+        type == RSV_GLTF_UNSIGNED_INT)
+        return refuse(accessor, owner, "must hold vectors of float or of 8- or 16-bit integers");
+    return decode(context, document, accessor, owner, values);
+}
+
+rsv_status rsv_gltf_read_attribute(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *owner, float **values, size_t *count, size_t *component_count)
+{
+    rsv_status status =
+        read_vectors(context, document, accessor, (owner_label){ "mesh", owner }, values);
+    if (status != RSV_OK) return status;
+    *count = document->accessor[accessor].count;
+    *component_count = (size_t)document->accessor[accessor].component_count;
+    return RSV_OK;
+}
+
+rsv_status rsv_gltf_read_instances(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *node, size_t width, float **values)
+{
+    const owner_label owner = { "node", node };
+    rsv_status status = read_vectors(context, document, accessor, owner, values);
+    if (status != RSV_OK || (size_t)document->accessor[accessor].component_count == width)
+        return status;
+    rsv_free(context, *values);
+    *values = NULL;
+    return refuse(accessor, owner, width == 3 ? "must hold VEC3" : "must hold VEC4");
+}
+
+rsv_status rsv_gltf_read_matrices(rsv_context *context, const rsv_gltf_document *document,
+    int accessor, const char *skin, float (**matrices)[16], size_t *count)
+{
+    const owner_label owner = { "skin", skin };
+    if ((size_t)accessor >= document->accessor_count)
+        return refuse(accessor, owner, "does not exist");
+    const rsv_gltf_accessor *a = &document->accessor[accessor];
+    if (a->component_count != 16 || a->span.component_type != RSV_GLTF_FLOAT)
+        return refuse(accessor, owner, "must hold MAT4 of float");
+    *count = a->count;
+    return decode(context, document, accessor, owner, (float **)matrices);
 }
 
 rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *document,
@@ -183,12 +230,13 @@ rsv_status rsv_gltf_read_vectors(rsv_context *context, const rsv_gltf_document *
     if (width == 3) return RSV_OK;
     rsv_free(context, values);
     *vectors = NULL;
-    return refuse(accessor, owner, "must hold VEC3");
+    return refuse(accessor, (owner_label){ "mesh", owner }, "must hold VEC3");
 }
 
 rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *document,
-    int accessor, const char *owner, size_t vertex_count, uint32_t **indices, size_t *count)
+    int accessor, const char *mesh, size_t vertex_count, uint32_t **indices, size_t *count)
 {
+    const owner_label owner = { "mesh", mesh };
     if ((size_t)accessor >= document->accessor_count)
         return refuse(accessor, owner, "does not exist");
     const rsv_gltf_accessor *a = &document->accessor[accessor];
@@ -208,7 +256,7 @@ rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *
         if (decoded[i] >= vertex_count) {
             rsv_fail(RSV_ERROR_FORMAT,
                 "mesh '%s': accessor %d: index %zu refers to vertex %u, but there are only %zu",
-                owner, accessor, i, decoded[i], vertex_count);
+                mesh, accessor, i, decoded[i], vertex_count);
             rsv_free(context, decoded);
             return RSV_ERROR_FORMAT;
         }

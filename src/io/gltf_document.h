@@ -51,27 +51,69 @@ typedef struct rsv_gltf_accessor {
     rsv_gltf_span sparse_indices, sparse_values;
 } rsv_gltf_accessor;
 
+/// A morph target: accessors of what it adds to each attribute.
+typedef struct rsv_gltf_target {
+    int position, normal, tangent, uv[2], color;
+} rsv_gltf_target;
+
+/// Four joints per vertex and their weights: accessors.
+typedef struct rsv_gltf_influence {
+    int joints, weights;
+} rsv_gltf_influence;
+
 typedef struct rsv_gltf_primitive {
     int position, normal, indices; ///< accessors
     int uv[2], tangent, color;     ///< accessors
     int material;
     int mode;
-    bool has_morph_targets;
+    const rsv_gltf_target *target;       ///< [target_count] morph targets
+    const rsv_gltf_influence *influence; ///< [influence_count]
+    size_t target_count, influence_count;
 } rsv_gltf_primitive;
 
 typedef struct rsv_gltf_mesh {
     const char *name;
     const rsv_gltf_primitive *primitive;
     size_t primitive_count;
+    const float *weight; ///< [weight_count] of its morph targets; those missing are 0
+    size_t weight_count;
 } rsv_gltf_mesh;
+
+typedef struct rsv_gltf_skin {
+    const char *name;
+    const int *joint; ///< [joint_count] nodes
+    size_t joint_count;
+    int inverse_bind_matrices; ///< accessor; -1 = all identity
+} rsv_gltf_skin;
+
+/// EXT_mesh_gpu_instancing: accessors; all -1 = the mesh is shown once.
+typedef struct rsv_gltf_instancing {
+    int translation, rotation, scale;
+} rsv_gltf_instancing;
 
 typedef struct rsv_gltf_node {
     const char *name;
     int mesh, camera, light, skin;
     const int *child;
     size_t child_count;
-    double local[16]; ///< column-major, to the parent
+    double local[16];    ///< column-major, to the parent
+    const float *weight; ///< [weight_count] in place of those of the mesh; NULL = those
+    size_t weight_count;
+    bool hidden; ///< by KHR_node_visibility, with all below
+    bool instanced;
+    rsv_gltf_instancing instancing;
 } rsv_gltf_node;
+
+typedef struct rsv_gltf_light {
+    rsv_light value; ///< kind, intensity, cone and name; placed by nodes
+    bool known;      ///< false = of a kind that is not in the format: left out
+} rsv_gltf_light;
+
+/// A message about the whole file.
+typedef struct rsv_gltf_note {
+    rsv_log_level level;
+    const char *text;
+} rsv_gltf_note;
 
 /// An encoded picture.
 typedef struct rsv_gltf_image {
@@ -113,15 +155,17 @@ typedef struct rsv_gltf_document {
     const rsv_gltf_texture *texture;
     const rsv_gltf_image *image;
     const rsv_camera *camera; ///< lens and name; placed by nodes
-    const rsv_light *light;   ///< kind, intensity, cone and name; placed by nodes
-    const int *root;          ///< nodes of the scene to show
+    const rsv_gltf_light *light;
+    const rsv_gltf_skin *skin;
+    const int *root;           ///< nodes of the scene to show
+    const rsv_gltf_note *note; ///< what of the file is not read
     size_t buffer_count, buffer_view_count, accessor_count, mesh_count, node_count, material_count,
-        camera_count, light_count, root_count, texture_count, image_count;
-    const char *warning; ///< what the parser tolerated, one line; "" = nothing
+        camera_count, light_count, skin_count, root_count, texture_count, image_count, note_count;
 } rsv_gltf_document;
 
-/// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below.
-/// Images are read as they are, not decoded; missing ones have neither bytes nor a buffer view. Error messages do not name the file.
+/// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below. Bytes beyond a
+/// buffer's byteLength are left out; buffers that say nowhere where they are have no data. Images are read as they are,
+/// not decoded; missing ones have neither bytes nor a buffer view. Error messages do not name the file.
 rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document);
 void rsv_gltf_close(const rsv_gltf_document *document);
 

@@ -2,7 +2,6 @@
 #include "gltf_json.hpp"
 
 #include <draco/compression/decode.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstring>
@@ -18,73 +17,81 @@ constexpr const char *extension_name = "KHR_draco_mesh_compression";
 constexpr size_t word = 4; // glTF wants vertex attributes to begin at multiples of it
 
 /// A new buffer with one view over all of it; its index.
-int add_view(tinygltf::Model &model, std::vector<unsigned char> &&bytes, size_t stride, int target)
+int add_view(owned_document &document, bytes &&data, size_t stride)
 {
-    tinygltf::Buffer buffer;
-    tinygltf::BufferView view;
-    view.buffer = static_cast<int>(model.buffers.size());
-    view.byteLength = bytes.size();
-    view.byteStride = stride;
-    view.target = target;
-    buffer.data = std::move(bytes);
-    model.buffers.push_back(std::move(buffer));
-    model.bufferViews.push_back(std::move(view));
-    return static_cast<int>(model.bufferViews.size()) - 1;
+    document.buffer_views.push_back(
+        { static_cast<int>(document.buffer_bytes.size()), 0, data.size(), stride });
+    document.buffer_bytes.push_back(std::move(data));
+    return static_cast<int>(document.buffer_views.size()) - 1;
 }
 
-tinygltf::Accessor &find_accessor(tinygltf::Model &model, int index, const std::string &what)
+rsv_gltf_accessor &find_accessor(owned_document &document, int index, const std::string &what)
 {
-    if (index < 0 || static_cast<size_t>(index) >= model.accessors.size())
+    if (index < 0 || static_cast<size_t>(index) >= document.accessors.size())
         refuse(RSV_ERROR_FORMAT, what + ": accessor " + std::to_string(index) + " does not exist");
-    return model.accessors[static_cast<size_t>(index)];
+    return document.accessors[static_cast<size_t>(index)];
 }
 
-void place(tinygltf::Accessor &accessor, int view)
+void place(rsv_gltf_accessor &accessor, int view)
 {
-    accessor.bufferView = view;
-    accessor.byteOffset = 0;
-    accessor.sparse.isSparse = false;
+    accessor.span.buffer_view = view;
+    accessor.span.offset = 0;
+    accessor.sparse_count = 0;
 }
 
 std::unique_ptr<draco::Mesh> unpack(
-    const tinygltf::Model &model, const tinygltf::Value &packed, const std::string &what)
+    const owned_document &document, const json &packed, const std::string &what)
 {
-    const double view_number = number(packed, "bufferView", -1);
-    if (!(view_number >= 0 && view_number < static_cast<double>(model.bufferViews.size())))
+    const size_t index = static_cast<size_t>(reference(packed, "bufferView"));
+    if (index >= document.buffer_views.size())
         refuse(RSV_ERROR_FORMAT, what + ": " + extension_name + " names no buffer view");
-    const tinygltf::BufferView &view = model.bufferViews[static_cast<size_t>(view_number)];
-    if (view.buffer < 0 || static_cast<size_t>(view.buffer) >= model.buffers.size())
+    const rsv_gltf_buffer_view &view = document.buffer_views[index];
+    if (static_cast<size_t>(view.buffer) >= document.buffer_bytes.size())
         refuse(RSV_ERROR_FORMAT, what + ": its packed data lie in a buffer that does not exist");
-    const std::vector<unsigned char> &bytes = model.buffers[static_cast<size_t>(view.buffer)].data;
-    if (view.byteOffset > bytes.size() || view.byteLength > bytes.size() - view.byteOffset)
+    const bytes &data = document.buffer_bytes[static_cast<size_t>(view.buffer)];
+    if (view.offset > data.size() || view.length > data.size() - view.offset)
         refuse(RSV_ERROR_FORMAT, what + ": its packed data reach past the end of their buffer");
     draco::DecoderBuffer buffer;
-    buffer.Init(reinterpret_cast<const char *>(bytes.data()) + view.byteOffset, view.byteLength);
+    buffer.Init(reinterpret_cast<const char *>(data.data()) + view.offset, view.length);
     auto mesh = draco::Decoder().DecodeMeshFromBuffer(&buffer);
     if (!mesh.ok())
-        refuse(RSV_ERROR_FORMAT,
-            what + ": its Draco data cannot be unpacked: " + mesh.status().error_msg_string());
+        refuse(RSV_ERROR_FORMAT, what + ": its Draco data cannot be unpacked; are they damaged?");
     return std::move(mesh).value();
 }
 
-template <class integer>
-std::vector<unsigned char> indices_of(const draco::Mesh &mesh, const std::string &what)
+int component_bytes(int type)
+{
+    switch (type) {
+    case RSV_GLTF_BYTE:
+    case RSV_GLTF_UNSIGNED_BYTE:
+        return 1;
+    case RSV_GLTF_SHORT:
+    case RSV_GLTF_UNSIGNED_SHORT:
+        return 2;
+    case RSV_GLTF_UNSIGNED_INT:
+    case RSV_GLTF_FLOAT:
+        return 4;
+    default:
+        return 0;
+    }
+}
+
+template <class integer> bytes indices_of(const draco::Mesh &mesh, const std::string &what)
 {
     if (mesh.num_points() > std::numeric_limits<integer>::max())
         refuse(RSV_ERROR_FORMAT, what + ": more vertices than its type of indices can name");
-    std::vector<unsigned char> bytes(3 * sizeof(integer) * mesh.num_faces());
-    unsigned char *to = bytes.data();
+    bytes data(3 * sizeof(integer) * mesh.num_faces());
+    unsigned char *to = data.data();
     for (draco::FaceIndex f(0); f < mesh.num_faces(); ++f)
         for (draco::PointIndex point : mesh.face(f)) {
             const integer index = static_cast<integer>(point.value());
             std::memcpy(to, &index, sizeof index);
             to += sizeof index;
         }
-    return bytes;
+    return data;
 }
 
-std::vector<unsigned char> indices_of(
-    const draco::Mesh &mesh, int component_type, const std::string &what)
+bytes indices_of(const draco::Mesh &mesh, int component_type, const std::string &what)
 {
     switch (component_type) {
     case RSV_GLTF_UNSIGNED_BYTE:
@@ -112,13 +119,11 @@ void copy_values(const draco::Mesh &mesh, const draco::PointAttribute &attribute
 }
 
 /// One attribute in the accessor's own type. @param stride filled in
-std::vector<unsigned char> values_of(const draco::Mesh &mesh,
-    const draco::PointAttribute &attribute, const tinygltf::Accessor &accessor, size_t *stride,
-    const std::string &what)
+bytes values_of(const draco::Mesh &mesh, const draco::PointAttribute &attribute,
+    const rsv_gltf_accessor &accessor, size_t *stride, const std::string &what)
 {
-    const int width = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
-    const int size =
-        tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(accessor.componentType));
+    const int width = accessor.component_count,
+              size = component_bytes(accessor.span.component_type);
     if (width < 1 || width > 4 || size < 1 || attribute.num_components() != width)
         refuse(RSV_ERROR_FORMAT, what + ": packed with other components than its accessor has");
     if (accessor.count != mesh.num_points())
@@ -126,12 +131,12 @@ std::vector<unsigned char> values_of(const draco::Mesh &mesh,
                                      " vertices are packed where " +
                                      std::to_string(accessor.count) + " are announced");
     *stride = (static_cast<size_t>(width * size) + word - 1) / word * word;
-    std::vector<unsigned char> bytes(*stride * mesh.num_points());
+    bytes data(*stride * mesh.num_points());
     const auto copy = [&](auto component) {
         copy_values<decltype(component)>(
-            mesh, attribute, static_cast<size_t>(width), *stride, bytes.data());
+            mesh, attribute, static_cast<size_t>(width), *stride, data.data());
     };
-    switch (accessor.componentType) {
+    switch (accessor.span.component_type) {
     case RSV_GLTF_BYTE:
         copy(int8_t{});
         break;
@@ -153,83 +158,47 @@ std::vector<unsigned char> values_of(const draco::Mesh &mesh,
     default:
         refuse(RSV_ERROR_FORMAT, what + ": of a type that glTF does not have");
     }
-    return bytes;
+    return data;
 }
 
-void unpack_primitive(tinygltf::Model &model, tinygltf::Primitive &primitive,
-    const tinygltf::Value &packed, const std::string &what)
+void unpack_primitive(owned_document &document, const json &source, rsv_gltf_primitive &primitive,
+    const std::string &what)
 {
-    const std::unique_ptr<draco::Mesh> mesh = unpack(model, packed, what);
-    const tinygltf::Value *attributes = find(packed, "attributes");
-    if (!attributes || !attributes->IsObject())
+    const json &packed = extension(source, extension_name);
+    const std::unique_ptr<draco::Mesh> mesh = unpack(document, packed, what);
+    const json &attributes = member(packed, "attributes");
+    if (!attributes.is_object())
         refuse(RSV_ERROR_FORMAT, what + ": " + extension_name + " names no attributes");
-    for (const std::string &name : attributes->Keys()) {
-        const std::string label = what + ": attribute '" + name + "'";
-        auto named = primitive.attributes.find(name);
-        if (named == primitive.attributes.end()) continue; // nothing asks for it
-        const double id = number(*attributes, name.c_str(), -1);
+    for (const auto &entry : attributes.items()) {
+        const std::string label = what + ": attribute '" + shown(entry.key()) + "'";
+        const int named = reference(member(source, "attributes"), entry.key().c_str());
+        if (named < 0) continue; // nothing asks for it
+        const int id = reference(attributes, entry.key().c_str());
         const draco::PointAttribute *attribute =
-            id >= 0 && id < std::numeric_limits<uint32_t>::max()
-                ? mesh->GetAttributeByUniqueId(static_cast<uint32_t>(id))
-                : nullptr;
+            id >= 0 ? mesh->GetAttributeByUniqueId(static_cast<uint32_t>(id)) : nullptr;
         if (!attribute) refuse(RSV_ERROR_FORMAT, label + " is not among its packed data");
-        tinygltf::Accessor &accessor = find_accessor(model, named->second, label);
+        rsv_gltf_accessor &accessor = find_accessor(document, named, label);
         size_t stride;
-        std::vector<unsigned char> bytes = values_of(*mesh, *attribute, accessor, &stride, label);
-        place(accessor, add_view(model, std::move(bytes), stride, TINYGLTF_TARGET_ARRAY_BUFFER));
+        bytes data = values_of(*mesh, *attribute, accessor, &stride, label);
+        place(accessor, add_view(document, std::move(data), stride));
     }
     if (primitive.indices < 0) return;
-    tinygltf::Accessor &accessor = find_accessor(model, primitive.indices, what);
+    rsv_gltf_accessor &accessor = find_accessor(document, primitive.indices, what);
     accessor.count = 3 * static_cast<size_t>(mesh->num_faces());
-    place(accessor, add_view(model, indices_of(*mesh, accessor.componentType, what), 0,
-                        TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER));
+    place(accessor, add_view(document, indices_of(*mesh, accessor.span.component_type, what), 0));
     primitive.mode = RSV_GLTF_TRIANGLES; // whatever it was, triangles are what is packed
-}
-
-/// Member `name` of a JSON object; NULL if absent.
-nlohmann::json *member(nlohmann::json *object, const char *name)
-{
-    if (!object || !object->is_object()) return nullptr;
-    auto found = object->find(name);
-    return found == object->end() ? nullptr : &*found;
-}
-
-void name_view(nlohmann::json &root, nlohmann::json &primitive)
-{
-    nlohmann::json *packed = member(member(&primitive, "extensions"), extension_name);
-    nlohmann::json *view = member(packed, "bufferView"), *indices = member(&primitive, "indices"),
-                   *accessors = member(&root, "accessors");
-    if (!view || !indices || !indices->is_number_unsigned() || !accessors ||
-        !accessors->is_array() || indices->get<size_t>() >= accessors->size())
-        return;
-    nlohmann::json &accessor = (*accessors)[indices->get<size_t>()];
-    if (accessor.is_object() && !accessor.contains("bufferView")) accessor["bufferView"] = *view;
 }
 
 } // namespace
 
-std::string rsv_gltf::name_packed_indices(const unsigned char *text, size_t length)
+void rsv_gltf::unpack_draco(owned_document &document)
 {
-    const unsigned char *end = text + length;
-    if (std::search(text, end, extension_name, extension_name + std::strlen(extension_name)) == end)
-        return {};
-    nlohmann::json root = nlohmann::json::parse(text, end, nullptr, false);
-    nlohmann::json *meshes = member(&root, "meshes");
-    if (!meshes || !meshes->is_array()) return {}; // tinygltf says what is wrong
-    for (nlohmann::json &mesh : *meshes)
-        if (nlohmann::json *primitives = member(&mesh, "primitives"))
-            if (primitives->is_array())
-                for (nlohmann::json &primitive : *primitives)
-                    name_view(root, primitive);
-    return root.dump();
-}
-
-void rsv_gltf::unpack_draco(tinygltf::Model &model)
-{
-    for (tinygltf::Mesh &mesh : model.meshes)
-        for (tinygltf::Primitive &primitive : mesh.primitives) {
-            auto packed = primitive.extensions.find(extension_name);
-            if (packed != primitive.extensions.end())
-                unpack_primitive(model, primitive, packed->second, "mesh '" + mesh.name + "'");
-        }
+    const json &meshes = list(document.tree, "meshes");
+    for (size_t k = 0; k < meshes.size(); k++) {
+        const json &primitives = list(meshes[k], "primitives");
+        for (size_t i = 0; i < primitives.size(); i++)
+            if (extension(primitives[i], extension_name).is_object())
+                unpack_primitive(document, primitives[i], document.primitives[k][i],
+                    label(meshes[k], "mesh", k));
+    }
 }

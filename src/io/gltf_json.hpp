@@ -1,15 +1,23 @@
-/// Members of a glTF file's extensions and extras, each with a value to fall back on.
+/// The JSON of a glTF file, its members each with a value to fall back on, and the document that is made of it.
+///
+/// A member of the wrong type counts as absent: rsv_gltf::find_unread() names it.
 #ifndef RSV_GLTF_JSON_HPP
 #define RSV_GLTF_JSON_HPP
 
 #include "gltf_document.h"
 
-#include <tiny_gltf.h>
+#include <nlohmann/json.hpp>
 
+#include <cmath>
+#include <deque>
 #include <string>
+#include <vector>
 
 namespace rsv_gltf
 {
+
+typedef nlohmann::json json;
+typedef std::vector<unsigned char> bytes;
 
 /// Ends reading; rsv_gltf_open turns it into an error.
 struct refusal {
@@ -22,29 +30,89 @@ struct refusal {
     throw refusal{ status, message };
 }
 
-/// A member of an extension or of extras; NULL if absent.
-inline const tinygltf::Value *find(const tinygltf::Value &object, const char *key)
+/// A member of an object; null if absent, or if this is no object.
+inline const json &member(const json &object, const char *key)
 {
-    if (!object.IsObject() || !object.Has(key)) return nullptr;
-    return &object.Get(key);
+    static const json none;
+    if (!object.is_object()) return none;
+    auto found = object.find(key);
+    return found == object.end() ? none : *found;
 }
 
-inline double number(const tinygltf::Value &object, const char *key, double fallback)
+/// An array of objects; empty if absent.
+inline const json &list(const json &object, const char *key)
 {
-    const tinygltf::Value *value = find(object, key);
-    return value && value->IsNumber() ? value->GetNumberAsDouble() : fallback;
+    static const json none = json::array();
+    const json &found = member(object, key);
+    return found.is_array() ? found : none;
+}
+
+inline const json &extension(const json &object, const char *name)
+{
+    return member(member(object, "extensions"), name);
+}
+
+inline double number(const json &object, const char *key, double fallback)
+{
+    const json &value = member(object, key);
+    return value.is_number() ? value.get<double>() : fallback;
+}
+
+/// Whether JSON's number has no fraction: some exporters write 5126.0.
+inline bool is_whole(const json &value)
+{
+    if (value.is_number_integer()) return true; // unsigned ones, too
+    if (!value.is_number()) return false;
+    const double number = value.get<double>();
+    return std::floor(number) == number && std::fabs(number) < 9007199254740992.0;
+}
+
+/// An index; `fallback` if absent, and -2, which refers to nothing, for numbers beyond int.
+inline int reference(const json &object, const char *key, int fallback = -1)
+{
+    const json &value = member(object, key);
+    if (!is_whole(value)) return fallback;
+    const double number = value.get<double>();
+    return std::fabs(number) <= INT32_MAX ? static_cast<int>(number) : -2;
+}
+
+/// A size or an offset in bytes or elements.
+inline size_t size_of(const json &object, const char *key, const std::string &owner)
+{
+    const json &value = member(object, key);
+    if (!is_whole(value)) return 0;
+    if (value.is_number_unsigned()) return value.get<size_t>();
+    const double number = value.get<double>();
+    if (number < 0) refuse(RSV_ERROR_FORMAT, owner + ": its " + std::string(key) + " is negative");
+    return static_cast<size_t>(number);
+}
+
+inline bool flag(const json &object, const char *key, bool fallback = false)
+{
+    const json &value = member(object, key);
+    return value.is_boolean() ? value.get<bool>() : fallback;
+}
+
+inline std::string text(const json &object, const char *key)
+{
+    const json &value = member(object, key);
+    return value.is_string() ? value.get<std::string>() : std::string();
 }
 
 /// An array of at least `count` numbers; else `value` stays as it is.
-inline void numbers(const tinygltf::Value &object, const char *key, size_t count, double *value)
+inline void numbers(const json &object, const char *key, size_t count, double *value)
 {
-    const tinygltf::Value *array = find(object, key);
-    if (!array || !array->IsArray() || array->ArrayLen() < count) return;
+    const json &array = member(object, key);
+    if (!array.is_array() || array.size() < count) return;
     for (size_t i = 0; i < count; i++)
-        if (!array->Get(i).IsNumber()) return;
+        if (!array[i].is_number()) return;
     for (size_t i = 0; i < count; i++)
-        value[i] = array->Get(i).GetNumberAsDouble();
+        value[i] = array[i].get<double>();
 }
+
+/// An array of exactly `count` numbers, of the core; absent ones keep what is in `value`.
+void exact_numbers(
+    const json &object, const char *key, size_t count, double *value, const std::string &owner);
 
 inline rsv_rgb to_rgb(const double *value)
 {
@@ -52,23 +120,18 @@ inline rsv_rgb to_rgb(const double *value)
         static_cast<float>(value[2]) };
 }
 
-inline rsv_rgb color(const tinygltf::Value &object, const char *key, rsv_rgb fallback)
+inline rsv_rgb color(const json &object, const char *key, rsv_rgb fallback)
 {
     double value[3] = { fallback.r, fallback.g, fallback.b };
     numbers(object, key, 3, value);
     return to_rgb(value);
 }
 
-inline const tinygltf::Value &extension(const tinygltf::ExtensionMap &extensions, const char *name)
-{
-    static const tinygltf::Value none;
-    auto found = extensions.find(name);
-    return found == extensions.end() ? none : found->second;
-}
+/// The name, or "node 3".
+std::string label(const json &object, const char *kind, size_t index);
 
-/// Copies a core property of known length; absent ones keep the default in `to`.
-void copy_numbers(
-    const std::vector<double> &from, double *to, size_t count, const std::string &what);
+/// A text from the file, cut short for a message.
+std::string shown(const std::string &text);
 
 /// A material and what its pointers lead to.
 struct owned_material {
@@ -77,13 +140,49 @@ struct owned_material {
     std::string name, note, remark;
 };
 
-/// Debian's tinygltf is built without Draco and refuses indices without a buffer view, as packed ones are. This is the same
-/// JSON with a view for each of them; empty if nothing is packed.
-std::string name_packed_indices(const unsigned char *text, size_t length);
-/// Makes plain buffers of meshes packed by KHR_draco_mesh_compression.
-void unpack_draco(tinygltf::Model &model);
+/// A message about the file as a whole.
+struct owned_note {
+    rsv_log_level level;
+    std::string text;
+};
 
-void convert_material(const tinygltf::Material &source, owned_material &result);
+/// The document and what its pointers lead to.
+struct owned_document : rsv_gltf_document {
+    json tree; ///< the whole file; empty once it is converted
+    std::deque<bytes> buffer_bytes, image_bytes;
+    std::vector<rsv_gltf_buffer> buffers;
+    std::vector<rsv_gltf_buffer_view> buffer_views;
+    std::vector<rsv_gltf_accessor> accessors;
+    std::deque<std::vector<rsv_gltf_primitive>> primitives;
+    std::deque<std::vector<rsv_gltf_target>> targets;
+    std::deque<std::vector<int>> indices;
+    std::deque<std::vector<float>> weights;
+    std::deque<std::vector<rsv_gltf_influence>> influences;
+    std::vector<rsv_gltf_mesh> meshes;
+    std::vector<rsv_gltf_skin> skins;
+    std::vector<rsv_gltf_node> nodes;
+    std::vector<rsv_gltf_material> materials;
+    std::deque<owned_material> owned_materials;
+    std::vector<rsv_gltf_texture> textures;
+    std::vector<rsv_gltf_image> images;
+    std::vector<rsv_camera> cameras;
+    std::vector<rsv_gltf_light> lights;
+    std::vector<int> roots;
+    std::deque<std::string> names; // a deque: c_str() stays valid while it grows
+    std::deque<owned_note> owned_notes;
+    std::vector<rsv_gltf_note> notes;
+};
+
+/// Parses the file, loads buffers and images, and refuses what is no glTF 2.0 or requires what is not supported.
+void read_file(const char *path, owned_document &document);
+
+/// Names what of the file is not read: extensions and properties that nobody here knows, and values of a wrong type.
+void find_unread(owned_document &document);
+
+/// Makes plain buffers of meshes packed by KHR_draco_mesh_compression.
+void unpack_draco(owned_document &document);
+
+void convert_material(const json &source, owned_material &result);
 
 } // namespace rsv_gltf
 

@@ -10,28 +10,17 @@ namespace rsv_gltf
 namespace
 {
 
-typedef tinygltf::Value json;
-
-/// Where a texture is used, in either of tinygltf's forms.
+/// Where a texture is used.
 struct texture_use {
     int texture, uv_set;
-    const json *transform; ///< KHR_texture_transform; may be NULL
+    const json &transform; ///< KHR_texture_transform; may be null
 };
-
-texture_use use_of(int index, int uv_set, const tinygltf::ExtensionMap &extensions)
-{
-    const json &transform = extension(extensions, "KHR_texture_transform");
-    return { index, uv_set, transform.IsObject() ? &transform : nullptr };
-}
 
 texture_use use_of(const json &object, const char *key)
 {
-    const json *info = find(object, key);
-    if (!info) return { -1, 0, nullptr };
-    const json *extensions = find(*info, "extensions");
-    return { static_cast<int>(number(*info, "index", -1)),
-        static_cast<int>(number(*info, "texCoord", 0)),
-        extensions ? find(*extensions, "KHR_texture_transform") : nullptr };
+    const json &info = member(object, key);
+    return { reference(info, "index"), reference(info, "texCoord", 0),
+        extension(info, "KHR_texture_transform") };
 }
 
 /// Offset after rotation (counter-clockwise, as seen with v running down) after scale.
@@ -53,9 +42,9 @@ void add_texture(
     if (use.texture < 0) return;
     rsv_gltf_texture_ref ref{ use.texture, srgb, rsv_default_texture_ref(role, 0) };
     int uv_set = use.uv_set;
-    if (use.transform) {
-        set_transform(*use.transform, ref.ref);
-        uv_set = static_cast<int>(number(*use.transform, "texCoord", uv_set));
+    if (use.transform.is_object()) {
+        set_transform(use.transform, ref.ref);
+        uv_set = reference(use.transform, "texCoord", uv_set);
     }
     if (uv_set < 0 || uv_set > 1) {
         to.note += "; a texture by texture coordinates " + std::to_string(uv_set) +
@@ -71,41 +60,37 @@ void add_texture(
 void add_note(owned_material &to, const std::string &text) { to.note += "; " + text; }
 
 /// Base colour, its texture and alpha.
-void convert_base_color(const tinygltf::Material &source, const double factor[4],
-    const texture_use &use, owned_material &to)
+void convert_base_color(
+    const json &source, const double factor[4], const texture_use &use, owned_material &to)
 {
     rsv_material &m = to.material.value;
-    double cutoff = source.alphaMode == "MASK" ? source.alphaCutoff : 0;
+    const std::string mode = text(source, "alphaMode");
+    const double cutoff = mode == "MASK" ? number(source, "alphaCutoff", 0.5) : 0;
+    if (!mode.empty() && mode != "OPAQUE" && mode != "MASK" && mode != "BLEND")
+        add_note(to, "its alphaMode '" + shown(mode) + "' is not in the format; OPAQUE is taken");
     m.base_color = to_rgb(factor);
     add_texture(to, RSV_TEXTURE_BASE_COLOR, true, use);
-    to.material.opaque = source.alphaMode != "BLEND" && !(cutoff > 0);
+    to.material.opaque = mode != "BLEND" && !(cutoff > 0);
     if (to.material.opaque) return;
     m.opacity = static_cast<float>(factor[3]);
     m.alpha_cutoff = static_cast<float>(cutoff);
     add_texture(to, RSV_TEXTURE_OPACITY, true, use);
 }
 
-void convert_metallic_roughness(const tinygltf::Material &source, owned_material &to)
+void convert_metallic_roughness(const json &source, owned_material &to)
 {
-    const tinygltf::PbrMetallicRoughness &pbr = source.pbrMetallicRoughness;
+    const json &pbr = member(source, "pbrMetallicRoughness");
     double base_color[4] = { 1, 1, 1, 1 };
-    copy_numbers(
-        pbr.baseColorFactor, base_color, 4, "baseColorFactor of material '" + to.name + "'");
-    convert_base_color(source, base_color,
-        use_of(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord,
-            pbr.baseColorTexture.extensions),
-        to);
-    to.material.value.metallic = static_cast<float>(pbr.metallicFactor);
-    to.material.value.roughness = static_cast<float>(pbr.roughnessFactor);
-    add_texture(to, RSV_TEXTURE_METALLIC_ROUGHNESS, false,
-        use_of(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord,
-            pbr.metallicRoughnessTexture.extensions));
+    exact_numbers(pbr, "baseColorFactor", 4, base_color, "material '" + to.name + "'");
+    convert_base_color(source, base_color, use_of(pbr, "baseColorTexture"), to);
+    to.material.value.metallic = static_cast<float>(number(pbr, "metallicFactor", 1));
+    to.material.value.roughness = static_cast<float>(number(pbr, "roughnessFactor", 1));
+    add_texture(to, RSV_TEXTURE_METALLIC_ROUGHNESS, false, use_of(pbr, "metallicRoughnessTexture"));
 }
 
 /// A dielectric whose Fresnel reflectance at normal incidence is the given specular colour; bright ones over a
 /// dark base are metals.
-void convert_specular_glossiness(
-    const tinygltf::Material &source, const json &from, owned_material &to)
+void convert_specular_glossiness(const json &source, const json &from, owned_material &to)
 {
     rsv_material &m = to.material.value;
     double diffuse[4] = { 1, 1, 1, 1 }, specular[3] = { 1, 1, 1 };
@@ -127,62 +112,60 @@ void convert_specular_glossiness(
         m.specular = 0;
     }
     add_note(to, "KHR_materials_pbrSpecularGlossiness is converted to metal and roughness");
-    if (find(from, "specularGlossinessTexture"))
+    if (from.contains("specularGlossinessTexture"))
         add_note(to, "its specularGlossinessTexture is left out");
 }
 
-void convert_emission(const tinygltf::Material &source, owned_material &to)
+void convert_emission(const json &source, owned_material &to)
 {
     double emission[3] = { 0, 0, 0 };
-    copy_numbers(
-        source.emissiveFactor, emission, 3, "emissiveFactor of material '" + to.name + "'");
-    const json &strength = extension(source.extensions, "KHR_materials_emissive_strength");
+    exact_numbers(source, "emissiveFactor", 3, emission, "material '" + to.name + "'");
+    const json &strength = extension(source, "KHR_materials_emissive_strength");
     double scale = number(strength, "emissiveStrength", 1);
     for (double &channel : emission)
         channel *= scale;
     to.material.value.emission = to_rgb(emission);
-    add_texture(to, RSV_TEXTURE_EMISSION, true,
-        use_of(source.emissiveTexture.index, source.emissiveTexture.texCoord,
-            source.emissiveTexture.extensions));
+    add_texture(to, RSV_TEXTURE_EMISSION, true, use_of(source, "emissiveTexture"));
 }
 
-void convert_interface(const tinygltf::ExtensionMap &extensions, owned_material &to)
+void convert_interface(const json &source, owned_material &to)
 {
     rsv_material &m = to.material.value;
-    const json &ior = extension(extensions, "KHR_materials_ior");
-    const json &specular = extension(extensions, "KHR_materials_specular");
+    const json &ior = extension(source, "KHR_materials_ior");
+    const json &specular = extension(source, "KHR_materials_specular");
     double index = number(ior, "ior", m.ior);
     m.ior = static_cast<float>(index == 0 ? 1e3 : index); // 0 stands for total reflection
-    if (!specular.IsObject()) return;
+    if (!specular.is_object()) return;
     m.specular = static_cast<float>(number(specular, "specularFactor", 1));
     m.specular_color = color(specular, "specularColorFactor", { 1, 1, 1 });
     add_texture(to, RSV_TEXTURE_SPECULAR, false, use_of(specular, "specularTexture"));
     add_texture(to, RSV_TEXTURE_SPECULAR_COLOR, true, use_of(specular, "specularColorTexture"));
 }
 
-void convert_layers(const tinygltf::ExtensionMap &extensions, owned_material &to)
+void convert_layers(const json &source, owned_material &to)
 {
     rsv_material &m = to.material.value;
-    const json &coat = extension(extensions, "KHR_materials_clearcoat");
+    const json &coat = extension(source, "KHR_materials_clearcoat");
     m.clearcoat = static_cast<float>(number(coat, "clearcoatFactor", 0));
     m.clearcoat_roughness = static_cast<float>(number(coat, "clearcoatRoughnessFactor", 0));
     add_texture(to, RSV_TEXTURE_CLEARCOAT, false, use_of(coat, "clearcoatTexture"));
     add_texture(
         to, RSV_TEXTURE_CLEARCOAT_ROUGHNESS, false, use_of(coat, "clearcoatRoughnessTexture"));
-    if (find(coat, "clearcoatNormalTexture")) add_note(to, "clearcoatNormalTexture is ignored");
-    const json &sheen = extension(extensions, "KHR_materials_sheen");
+    if (!member(coat, "clearcoatNormalTexture").is_null())
+        add_note(to, "clearcoatNormalTexture is ignored");
+    const json &sheen = extension(source, "KHR_materials_sheen");
     m.sheen_color = color(sheen, "sheenColorFactor", { 0, 0, 0 });
     m.sheen_roughness = static_cast<float>(number(sheen, "sheenRoughnessFactor", 0));
     add_texture(to, RSV_TEXTURE_SHEEN_COLOR, true, use_of(sheen, "sheenColorTexture"));
     add_texture(to, RSV_TEXTURE_SHEEN_ROUGHNESS, false, use_of(sheen, "sheenRoughnessTexture"));
 }
 
-void convert_transmission(const tinygltf::ExtensionMap &extensions, owned_material &to)
+void convert_transmission(const json &source, owned_material &to)
 {
     rsv_material &m = to.material.value;
-    const json &transmission = extension(extensions, "KHR_materials_transmission");
-    const json &diffuse = extension(extensions, "KHR_materials_diffuse_transmission");
-    const json &volume = extension(extensions, "KHR_materials_volume");
+    const json &transmission = extension(source, "KHR_materials_transmission");
+    const json &diffuse = extension(source, "KHR_materials_diffuse_transmission");
+    const json &volume = extension(source, "KHR_materials_volume");
     m.transmission = static_cast<float>(number(transmission, "transmissionFactor", 0));
     add_texture(to, RSV_TEXTURE_TRANSMISSION, false, use_of(transmission, "transmissionTexture"));
     m.diffuse_transmission = static_cast<float>(number(diffuse, "diffuseTransmissionFactor", 0));
@@ -205,15 +188,15 @@ float mean_free_path(float color, float distance)
 
 /// A medium that scatters: what enters leaves near by, with the multiple-scattering colour as reflectance, after
 /// a mean free path that the attenuation of KHR_materials_volume tells.
-void convert_scatter(const tinygltf::Material &source, owned_material &to)
+void convert_scatter(const json &source, owned_material &to)
 {
     rsv_material &m = to.material.value;
-    const json &current = extension(source.extensions, "KHR_materials_scatter");
-    const json &former = extension(source.extensions, "KHR_materials_volume_scatter");
-    bool any = current.IsObject() || former.IsObject();
+    const json &current = extension(source, "KHR_materials_scatter");
+    const json &former = extension(source, "KHR_materials_volume_scatter");
+    bool any = current.is_object() || former.is_object();
     if (any && m.thickness > 0 && m.attenuation_distance < INFINITY) {
-        m.base_color = current.IsObject() ? color(current, "multiscatterColorFactor", { 1, 1, 1 })
-                                          : color(former, "multiscatterColor", { 0, 0, 0 });
+        m.base_color = current.is_object() ? color(current, "multiscatterColorFactor", { 1, 1, 1 })
+                                           : color(former, "multiscatterColor", { 0, 0, 0 });
         m.scatter_distance = { mean_free_path(m.attenuation_color.r, m.attenuation_distance),
             mean_free_path(m.attenuation_color.g, m.attenuation_distance),
             mean_free_path(m.attenuation_color.b, m.attenuation_distance) };
@@ -222,46 +205,40 @@ void convert_scatter(const tinygltf::Material &source, owned_material &to)
     } else if (any) {
         add_note(to, "scattering is ignored: it needs a thickness and an attenuationDistance");
     }
-    const json *own = find(source.extras, "resolvent");
-    if (own) m.scatter_distance = color(*own, "scatter_distance", m.scatter_distance);
+    m.scatter_distance = color(
+        member(member(source, "extras"), "resolvent"), "scatter_distance", m.scatter_distance);
 }
 
-void note_ignored(const tinygltf::Material &source, owned_material &to)
+void note_left_out(const json &source, owned_material &to)
 {
-    static const char *const ignored[] = { "KHR_materials_anisotropy", "KHR_materials_iridescence",
-        "KHR_materials_dispersion" };
-    for (const char *name : ignored)
-        if (source.extensions.count(name)) add_note(to, std::string(name) + " is ignored");
-    if (source.occlusionTexture.index >= 0)
+    if (reference(member(source, "occlusionTexture"), "index") >= 0)
         to.remark += "; its occlusion texture is left out: light is computed instead";
-    if (find(extension(source.extensions, "KHR_materials_volume"), "thicknessTexture"))
+    if (!member(extension(source, "KHR_materials_volume"), "thicknessTexture").is_null())
         to.remark +=
             "; its thickness texture is left out: bodies are as thick as they are modelled";
 }
 
 } // namespace
 
-void convert_material(const tinygltf::Material &source, owned_material &to)
+void convert_material(const json &source, owned_material &to)
 {
     rsv_material &m = to.material.value;
     m = rsv_default_material();
-    m.double_sided = source.doubleSided;
-    m.unlit = source.extensions.count("KHR_materials_unlit") != 0;
-    const json &glossiness = extension(source.extensions, "KHR_materials_pbrSpecularGlossiness");
-    if (glossiness.IsObject())
+    m.double_sided = flag(source, "doubleSided");
+    m.unlit = extension(source, "KHR_materials_unlit").is_object();
+    const json &glossiness = extension(source, "KHR_materials_pbrSpecularGlossiness");
+    if (glossiness.is_object())
         convert_specular_glossiness(source, glossiness, to);
     else
         convert_metallic_roughness(source, to);
     convert_emission(source, to);
-    convert_interface(source.extensions, to);
-    convert_layers(source.extensions, to);
-    convert_transmission(source.extensions, to);
+    convert_interface(source, to);
+    convert_layers(source, to);
+    convert_transmission(source, to);
     convert_scatter(source, to);
-    add_texture(to, RSV_TEXTURE_NORMAL, false,
-        use_of(source.normalTexture.index, source.normalTexture.texCoord,
-            source.normalTexture.extensions),
-        source.normalTexture.scale);
-    note_ignored(source, to);
+    add_texture(to, RSV_TEXTURE_NORMAL, false, use_of(source, "normalTexture"),
+        number(member(source, "normalTexture"), "scale", 1));
+    note_left_out(source, to);
     to.note.erase(0, 2); // the first separator
     to.remark.erase(0, 2);
 }

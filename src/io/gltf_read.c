@@ -1,7 +1,10 @@
 /// From a glTF document to a scene.
 #include "../core/core.h"
 #include "../core/vec.h"
-#include "gltf_accessor.h"
+#include "../scene/scene.h"
+#include "gltf_geometry.h"
+#include "gltf_part.h"
+#include "gltf_skin.h"
 #include "gltf_texture.h"
 #include "matrix.h"
 #include "scene_read.h"
@@ -15,15 +18,14 @@ typedef struct reader {
     rsv_context *context;
     const rsv_gltf_document *document;
     rsv_scene *scene;
+    rsv_gltf_parts parts;
+    rsv_gltf_joints *joints; ///< [skin_count]; those without matrices have not been needed yet
     /// [mesh_count + 1] where the scene ids of a mesh's primitives begin in primitive_id
     size_t *first_primitive;
-    uint32_t *primitive_id; ///< scene mesh of each primitive; RSV_NONE = nothing to show
-    bool *mesh_read;        ///< [mesh_count]
-    double (*world)[16];    ///< [node_count], column-major
-    bool *visited;          ///< [node_count]
-    uint32_t *pending;      ///< [node_count] nodes still to be walked, last first
+    uint32_t
+        *primitive_id; ///< scene mesh of each primitive as its mesh has it; RSV_NONE = not read
+    bool *mesh_named;  ///< [mesh_count] whether it was told what of it is skipped
     uint32_t material_count, default_material;
-    size_t morphed_count, skinned_count; ///< primitives and nodes shown at rest
 } reader;
 
 static bool refers(int reference, size_t count)
@@ -45,8 +47,8 @@ static rsv_status add_materials(reader *r)
 static rsv_status find_material(reader *r, int reference, const char *owner, uint32_t *id)
 {
     rsv_status status = RSV_OK;
-    if (reference >= 0) {
-        if ((size_t)reference >= r->material_count)
+    if (reference != -1) {
+        if (!refers(reference, r->material_count))
             return rsv_fail(
                 RSV_ERROR_FORMAT, "mesh '%s': material %d does not exist", owner, reference);
         *id = (uint32_t)reference;
@@ -65,177 +67,146 @@ cleanup:
 
 // ---- meshes ---------------------------------------------------------------------------------------
 
-/// Geometry of one primitive while it is read.
-typedef struct geometry {
-    rsv_vec3 *position, *normal;
-    float *uv[2], *tangent, *color;
-    uint32_t *index;
-    size_t vertex_count, index_count;
-} geometry;
-
-static void release_geometry(rsv_context *context, geometry *g)
+static void name_primitive(const rsv_gltf_mesh *mesh, size_t primitive, char label[LABEL_BYTES])
 {
-    rsv_free(context, g->position);
-    rsv_free(context, g->normal);
-    rsv_free(context, g->uv[0]);
-    rsv_free(context, g->uv[1]);
-    rsv_free(context, g->tangent);
-    rsv_free(context, g->color);
-    rsv_free(context, g->index);
+    snprintf(label, LABEL_BYTES, mesh->primitive_count > 1 ? "%.200s, primitive %zu" : "%.200s",
+        mesh->name, primitive);
 }
 
-static rsv_status check_count(
-    const geometry *g, const char *owner, int accessor, const char *what, size_t count)
+static rsv_status add_geometry(
+    reader *r, const rsv_gltf_geometry *g, const char *owner, uint32_t material, uint32_t *id)
 {
-    if (count == g->vertex_count) return RSV_OK;
-    return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d holds %zu %s for %zu positions",
-        owner, accessor, count, what, g->vertex_count);
+    if (g->index_count % 3)
+        rsv_log(r->context, RSV_LOG_WARNING,
+            "mesh '%s': the last %zu indices make no whole triangle and are ignored", owner,
+            g->index_count % 3);
+    const rsv_mesh_desc mesh = { .name = owner,
+        .positions = g->position,
+        .normals = g->normal,
+        .uvs = { (const float(*)[2])g->uv[0], (const float(*)[2])g->uv[1] },
+        .tangents = (const float(*)[4])g->tangent,
+        .colors = (const float(*)[4])g->color,
+        .vertex_count = g->vertex_count,
+        .indices = g->index,
+        .triangle_count = g->index_count / 3,
+        .material = material };
+    return rsv_scene_add_mesh(r->scene, &mesh, id);
 }
 
-/// An attribute of `width` floats per vertex; absent ones stay NULL.
-static rsv_status read_attribute(reader *r, int accessor, const char *owner, const char *what,
-    size_t width, const geometry *g, float **values)
+/// The joints of a skin, found when they are first needed.
+static rsv_status find_joints(reader *r, int skin, const rsv_gltf_joints **joints)
+{
+    rsv_gltf_joints *found = &r->joints[skin];
+    *joints = found;
+    return found->matrix ? RSV_OK : rsv_gltf_joints_create(&r->parts, (size_t)skin, found);
+}
+
+/// Adds a primitive to the scene, bent and morphed as one part shows it.
+static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
     rsv_status status;
-    size_t count, found;
-    if (accessor < 0) return RSV_OK;
-    RSV_TRY(
-        rsv_gltf_read_attribute(r->context, r->document, accessor, owner, values, &count, &found));
-    if (found != width)
-        return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d must hold VEC%zu as %s", owner,
-            accessor, width, what);
-    status = check_count(g, owner, accessor, what, count);
+    uint32_t material;
+    rsv_gltf_geometry g = { 0 };
+    const rsv_gltf_node *node = &r->document->node[part->node];
+    const rsv_gltf_mesh *mesh = &r->document->mesh[part->mesh];
+    const rsv_gltf_primitive *primitive = &mesh->primitive[part->primitive];
+    char label[LABEL_BYTES];
+    name_primitive(mesh, part->primitive, label);
+    RSV_TRY(find_material(r, primitive->material, label, &material));
+    RSV_TRY(rsv_gltf_read_geometry(
+        r->context, r->document, primitive, rsv_gltf_weights_of(r->document, node), label, &g));
+    if (part->skinned) {
+        const rsv_gltf_joints *joints;
+        RSV_TRY(find_joints(r, node->skin, &joints));
+        RSV_TRY(rsv_gltf_bend(joints, r->document, primitive, label, part->mirrored, &g));
+    }
+    RSV_TRY(add_geometry(r, &g, label, material, id));
 cleanup:
+    rsv_gltf_release_geometry(r->context, &g);
     return status;
 }
 
-/// Colours of vertices have three components or four.
-static rsv_status read_colors(reader *r, int accessor, const char *owner, bool opaque, geometry *g)
+/// The scene's mesh for a part: shared by all that show a primitive as it is in the file.
+static rsv_status find_mesh(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
-    rsv_status status;
-    size_t count, width;
-    float *values = NULL;
-    if (accessor < 0) return RSV_OK;
-    RSV_TRY(
-        rsv_gltf_read_attribute(r->context, r->document, accessor, owner, &values, &count, &width));
-    if (width < 3) {
-        status = rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d must hold VEC3 or VEC4 colours",
-            owner, accessor);
-        goto cleanup;
-    }
-    RSV_TRY(check_count(g, owner, accessor, "colours", count));
-    g->color = rsv_alloc(r->context, count, 4 * sizeof *g->color);
-    if (!g->color) status = RSV_ERROR_MEMORY;
-    for (size_t i = 0; g->color && i < 4 * count; i++) {
-        size_t k = i % 4;
-        g->color[i] = k < 3 || (width == 4 && !opaque) ? values[i / 4 * width + k] : 1;
-    }
-cleanup:
-    rsv_free(r->context, values);
-    return status;
-}
-
-static rsv_status read_geometry(
-    reader *r, const rsv_gltf_primitive *primitive, const char *owner, geometry *g)
-{
-    rsv_status status;
-    bool opaque = primitive->material < 0 || r->document->material[primitive->material].opaque;
-    RSV_TRY(rsv_gltf_read_vectors(
-        r->context, r->document, primitive->position, owner, &g->position, &g->vertex_count));
-    RSV_TRY(read_attribute(r, primitive->normal, owner, "normals", 3, g, (float **)&g->normal));
-    for (int set = 0; set < 2; set++)
-        RSV_TRY(
-            read_attribute(r, primitive->uv[set], owner, "texture coordinates", 2, g, &g->uv[set]));
-    RSV_TRY(read_attribute(r, primitive->tangent, owner, "tangents", 4, g, &g->tangent));
-    RSV_TRY(read_colors(r, primitive->color, owner, opaque, g));
-    g->index_count = g->vertex_count;
-    if (primitive->indices >= 0)
-        RSV_TRY(rsv_gltf_read_indices(r->context, r->document, primitive->indices, owner,
-            g->vertex_count, &g->index, &g->index_count));
-cleanup:
-    return status;
-}
-
-/// Turns a strip or fan into separate triangles; both keep the winding of the specification.
-static rsv_status unroll(reader *r, int mode, geometry *g, size_t triangle_count)
-{
-    uint32_t *list = rsv_alloc(r->context, triangle_count, 3 * sizeof *list);
-    if (!list) return RSV_ERROR_MEMORY;
-    for (size_t t = 0; t < triangle_count; t++) {
-        size_t strip[3] = { t, t + 1 + t % 2, t + 2 - t % 2 }, fan[3] = { t + 1, t + 2, 0 };
-        const size_t *corner = mode == RSV_GLTF_TRIANGLE_STRIP ? strip : fan;
-        for (int k = 0; k < 3; k++)
-            list[3 * t + k] = g->index ? g->index[corner[k]] : (uint32_t)corner[k];
-    }
-    rsv_free(r->context, g->index);
-    g->index = list;
-    return RSV_OK;
-}
-
-static rsv_status add_primitive(
-    reader *r, const rsv_gltf_primitive *primitive, const char *owner, uint32_t *id)
-{
-    rsv_status status;
-    geometry g = { 0 };
-    rsv_mesh_desc mesh = { .name = owner };
-    RSV_TRY(find_material(r, primitive->material, owner, &mesh.material));
-    RSV_TRY(read_geometry(r, primitive, owner, &g));
-    if (g.vertex_count >= RSV_NONE) {
-        status = rsv_fail(RSV_ERROR_UNSUPPORTED, "mesh '%s': too many vertices", owner);
-        goto cleanup;
-    }
-    if (primitive->mode == RSV_GLTF_TRIANGLES) {
-        mesh.triangle_count = g.index_count / 3;
-        if (g.index_count % 3)
-            rsv_log(r->context, RSV_LOG_WARNING,
-                "mesh '%s': the last %zu indices make no whole triangle and are ignored", owner,
-                g.index_count % 3);
-    } else {
-        mesh.triangle_count = g.index_count < 3 ? 0 : g.index_count - 2;
-        RSV_TRY(unroll(r, primitive->mode, &g, mesh.triangle_count));
-    }
-    mesh.positions = g.position;
-    mesh.normals = g.normal;
-    mesh.uvs[0] = (const float(*)[2])g.uv[0];
-    mesh.uvs[1] = (const float(*)[2])g.uv[1];
-    mesh.tangents = (const float(*)[4])g.tangent;
-    mesh.colors = (const float(*)[4])g.color;
-    mesh.vertex_count = g.vertex_count;
-    mesh.indices = g.index;
-    RSV_TRY(rsv_scene_add_mesh(r->scene, &mesh, id));
-cleanup:
-    release_geometry(r->context, &g);
-    return status;
-}
-
-/// Reads a mesh when a node first uses it.
-static rsv_status read_mesh(reader *r, size_t index)
-{
+    const rsv_gltf_node *node = &r->document->node[part->node];
+    uint32_t *shared = &r->primitive_id[r->first_primitive[part->mesh] + part->primitive];
+    bool own = part->skinned || node->weight;
     rsv_status status = RSV_OK;
+    if (own) return add_primitive(r, part, id);
+    if (*shared == RSV_NONE) status = add_primitive(r, part, shared);
+    *id = *shared;
+    return status;
+}
+
+/// Says once per mesh what of it cannot be shown.
+static void name_skipped(reader *r, int index)
+{
     const rsv_gltf_mesh *mesh = &r->document->mesh[index];
-    if (r->mesh_read[index]) return RSV_OK;
-    r->mesh_read[index] = true;
-    for (size_t i = 0; i < mesh->primitive_count; i++) {
-        const rsv_gltf_primitive *primitive = &mesh->primitive[i];
-        uint32_t *id = &r->primitive_id[r->first_primitive[index] + i];
+    if (r->mesh_named[index]) return;
+    r->mesh_named[index] = true;
+    for (size_t k = 0; k < mesh->primitive_count; k++) {
+        const rsv_gltf_primitive *primitive = &mesh->primitive[k];
         char label[LABEL_BYTES];
-        snprintf(label, sizeof label,
-            mesh->primitive_count > 1 ? "%.200s, primitive %zu" : "%.200s", mesh->name, i);
-        *id = RSV_NONE;
-        r->morphed_count += primitive->has_morph_targets;
+        name_primitive(mesh, k, label);
         if (primitive->position < 0)
             rsv_log(r->context, RSV_LOG_WARNING, "mesh '%s': it has no positions and is skipped",
                 label);
-        else if (primitive->mode < RSV_GLTF_TRIANGLES || primitive->mode > RSV_GLTF_TRIANGLE_FAN)
+        else if (primitive->mode < 0 || primitive->mode > RSV_GLTF_TRIANGLE_FAN)
+            rsv_log(r->context, RSV_LOG_WARNING,
+                "mesh '%s': its mode %d is not in the format; it is skipped", label,
+                primitive->mode);
+        else if (primitive->mode < RSV_GLTF_TRIANGLES)
             rsv_log(r->context, RSV_LOG_INFO, "mesh '%s': points and lines are skipped", label);
-        else
-            RSV_TRY(add_primitive(r, primitive, label, id));
     }
+}
+
+// ---- parts ----------------------------------------------------------------------------------------
+
+/// Instances of one node are told apart by their numbers.
+static void name_part(const reader *r, const rsv_gltf_part *part, char name[LABEL_BYTES])
+{
+    const char *node = r->document->node[part->node].name;
+    if (part->copy == RSV_NONE)
+        snprintf(name, LABEL_BYTES, "%s", node);
+    else
+        snprintf(name, LABEL_BYTES, "%.200s, instance %u", node,
+            part->copy - r->parts.first_copy[part->node]);
+}
+
+static rsv_status add_part(reader *r, const rsv_gltf_part *part)
+{
+    rsv_status status;
+    uint32_t mesh;
+    double world[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+    char name[LABEL_BYTES];
+    RSV_TRY(find_mesh(r, part, &mesh));
+    if (part->skinned)
+        memcpy(world + 12, r->joints[r->document->node[part->node].skin].origin, sizeof(double[3]));
+    else
+        rsv_gltf_part_world(&r->parts, part, world);
+    name_part(r, part, name);
+    RSV_TRY(rsv_scene_place_instance(
+        r->scene, mesh, world, part->copy == RSV_NONE ? r->document->node[part->node].name : name));
 cleanup:
     return status;
 }
 
-// ---- nodes ----------------------------------------------------------------------------------------
+static rsv_status add_parts(reader *r)
+{
+    rsv_status status = RSV_OK;
+    for (size_t k = 0; k < r->parts.order_count; k++) {
+        uint32_t node = r->parts.order[k];
+        int mesh = r->document->node[node].mesh;
+        if (mesh >= 0 && !r->parts.hidden[node]) name_skipped(r, mesh);
+    }
+    for (size_t k = 0; k < r->parts.count; k++)
+        RSV_TRY(add_part(r, &r->parts.part[k]));
+cleanup:
+    return status;
+}
+
+// ---- cameras and lights ---------------------------------------------------------------------------
 
 static rsv_vec3 column_of(const double m[16], int column)
 {
@@ -243,101 +214,89 @@ static rsv_vec3 column_of(const double m[16], int column)
     return v3((float)c[0], (float)c[1], (float)c[2]);
 }
 
-static rsv_status add_node_mesh(reader *r, const rsv_gltf_node *node, const double world[16])
-{
-    rsv_status status;
-    float transform[16];
-    if (!refers(node->mesh, r->document->mesh_count))
-        return rsv_fail(
-            RSV_ERROR_FORMAT, "node '%s': mesh %d does not exist", node->name, node->mesh);
-    r->skinned_count += node->skin >= 0;
-    RSV_TRY(read_mesh(r, (size_t)node->mesh));
-    for (int i = 0; i < 16; i++)
-        transform[i] = (float)world[i];
-    for (size_t i = r->first_primitive[node->mesh]; i < r->first_primitive[node->mesh + 1]; i++)
-        if (r->primitive_id[i] != RSV_NONE)
-            RSV_TRY(rsv_scene_add_instance(r->scene, r->primitive_id[i], transform, node->name));
-cleanup:
-    return status;
-}
-
-static rsv_status add_node_camera(reader *r, const rsv_gltf_node *node, const double world[16])
+static rsv_status add_camera(reader *r, const rsv_gltf_node *node, const double world[16])
 {
     if (!refers(node->camera, r->document->camera_count))
         return rsv_fail(
             RSV_ERROR_FORMAT, "node '%s': camera %d does not exist", node->name, node->camera);
     rsv_camera camera = r->document->camera[node->camera];
     if (!*camera.name) camera.name = node->name;
-    camera.position = column_of(world, 3);
     camera.forward = v3_neg(v3_normalize(column_of(world, 2)));
     camera.right = v3_normalize(v3_cross(camera.forward, column_of(world, 1)));
     camera.up = v3_cross(camera.right, camera.forward);
     if (v3_length(camera.right) == 0)
         return rsv_fail(RSV_ERROR_FORMAT, "node '%s': its transform leaves the camera no direction",
             node->name);
-    return rsv_scene_add_camera(r->scene, &camera);
+    return rsv_scene_place_camera(r->scene, &camera, world + 12, node->name);
 }
 
-static rsv_status add_node_light(reader *r, const rsv_gltf_node *node, const double world[16])
+static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double world[16])
 {
     if (!refers(node->light, r->document->light_count))
         return rsv_fail(
             RSV_ERROR_FORMAT, "node '%s': light %d does not exist", node->name, node->light);
-    rsv_light light = r->document->light[node->light];
+    rsv_light light = r->document->light[node->light].value;
+    if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
-    light.position = column_of(world, 3);
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
-    return rsv_scene_add_light(r->scene, &light);
+    return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
 }
 
-static rsv_status add_node(reader *r, const rsv_gltf_node *node, const double world[16])
+/// What is hidden neither shows nor shines; a camera sees from where it is, whoever sees it.
+static rsv_status add_cameras_and_lights(reader *r)
 {
     rsv_status status = RSV_OK;
-    if (node->mesh != -1) RSV_TRY(add_node_mesh(r, node, world));
-    if (node->camera != -1) RSV_TRY(add_node_camera(r, node, world));
-    if (node->light != -1) RSV_TRY(add_node_light(r, node, world));
-cleanup:
-    return status;
-}
-
-/// Puts nodes on the stack, last first. Each node may be reached once only: that is what makes the
-/// hierarchy a forest, and the walk end.
-static rsv_status push_nodes(
-    reader *r, const int *node, size_t count, const double *parent, size_t *pending_count)
-{
-    static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
-    for (size_t i = count; i-- > 0;) {
-        if (!refers(node[i], r->document->node_count))
-            return rsv_fail(RSV_ERROR_FORMAT, "node %d does not exist", node[i]);
-        if (r->visited[node[i]])
-            return rsv_fail(RSV_ERROR_FORMAT,
-                "node '%s' is reached twice: nodes must form a tree without cycles",
-                r->document->node[node[i]].name);
-        r->visited[node[i]] = true;
-        rsv_matrix_multiply(
-            parent ? parent : identity, r->document->node[node[i]].local, r->world[node[i]]);
-        r->pending[(*pending_count)++] = (uint32_t)node[i];
-    }
-    return RSV_OK;
-}
-
-static rsv_status walk_nodes(reader *r)
-{
-    rsv_status status;
-    size_t pending_count = 0;
-    RSV_TRY(push_nodes(r, r->document->root, r->document->root_count, NULL, &pending_count));
-    while (pending_count) {
-        uint32_t index = r->pending[--pending_count];
+    for (size_t k = 0; k < r->parts.order_count; k++) {
+        uint32_t index = r->parts.order[k];
         const rsv_gltf_node *node = &r->document->node[index];
-        RSV_TRY(add_node(r, node, r->world[index]));
-        RSV_TRY(push_nodes(r, node->child, node->child_count, r->world[index], &pending_count));
+        if (node->camera != -1) RSV_TRY(add_camera(r, node, r->parts.world[index]));
+        if (node->light != -1 && !r->parts.hidden[index])
+            RSV_TRY(add_light(r, node, r->parts.world[index]));
     }
-    if (r->morphed_count || r->skinned_count)
-        rsv_log(r->context, RSV_LOG_INFO,
-            "%zu primitives with morph targets and %zu nodes with skins are shown at rest",
-            r->morphed_count, r->skinned_count);
 cleanup:
     return status;
+}
+
+// ---- what is left out -----------------------------------------------------------------------------
+
+/// A group of nodes of which something is not done, named once.
+typedef struct group {
+    size_t count;
+    const char *first;
+} group;
+
+static void count_in(group *g, bool is_in, const char *name)
+{
+    if (is_in && !g->count++) g->first = name;
+}
+
+static void name_groups(const reader *r)
+{
+    group hidden = { 0 }, bent = { 0 }, loose = { 0 };
+    for (size_t k = 0; k < r->parts.order_count; k++) {
+        const rsv_gltf_node *node = &r->document->node[r->parts.order[k]];
+        count_in(&hidden, node->hidden, node->name);
+        count_in(&bent, node->instanced && node->skin >= 0, node->name);
+        count_in(&loose, node->instanced && node->mesh < 0, node->name);
+    }
+    if (hidden.count)
+        rsv_log(r->context, RSV_LOG_INFO,
+            "%zu nodes (first: '%s') are hidden by KHR_node_visibility, with all below them",
+            hidden.count, hidden.first);
+    if (bent.count)
+        rsv_log(r->context, RSV_LOG_WARNING,
+            "%zu nodes (first: '%s') have instances and a skin: they are shown once, by the skin",
+            bent.count, bent.first);
+    if (loose.count)
+        rsv_log(r->context, RSV_LOG_WARNING, "%zu nodes (first: '%s') have instances of no mesh",
+            loose.count, loose.first);
+}
+
+static void tell_notes(const reader *r)
+{
+    for (size_t k = 0; k < r->document->note_count; k++)
+        rsv_log(r->context, r->document->note[k].level, "%s", r->document->note[k].text);
+    name_groups(r);
 }
 
 // ---- the whole file -------------------------------------------------------------------------------
@@ -350,34 +309,40 @@ static rsv_status allocate(reader *r)
     if (!r->first_primitive) return RSV_ERROR_MEMORY;
     for (size_t i = 0; i < document->mesh_count; i++)
         r->first_primitive[i + 1] = r->first_primitive[i] + document->mesh[i].primitive_count;
-    r->primitive_id =
-        rsv_alloc(context, r->first_primitive[document->mesh_count], sizeof *r->primitive_id);
-    r->mesh_read = rsv_alloc(context, document->mesh_count, sizeof *r->mesh_read);
-    r->world = rsv_alloc(context, document->node_count, sizeof *r->world);
-    r->visited = rsv_alloc(context, document->node_count, sizeof *r->visited);
-    r->pending = rsv_alloc(context, document->node_count, sizeof *r->pending);
-    bool complete = r->primitive_id && r->mesh_read && r->world && r->visited && r->pending;
-    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+    size_t primitives = r->first_primitive[document->mesh_count];
+    r->primitive_id = rsv_alloc(context, primitives, sizeof *r->primitive_id);
+    r->mesh_named = rsv_alloc(context, document->mesh_count, sizeof *r->mesh_named);
+    r->joints = rsv_alloc(context, document->skin_count, sizeof *r->joints);
+    for (size_t i = 0; r->primitive_id && i < primitives; i++)
+        r->primitive_id[i] = RSV_NONE;
+    return r->primitive_id && r->mesh_named && r->joints ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+static void release(reader *r)
+{
+    for (size_t k = 0; r->joints && k < r->document->skin_count; k++)
+        if (r->joints[k].matrix) rsv_gltf_joints_destroy(&r->joints[k]);
+    rsv_free(r->context, r->joints);
+    rsv_free(r->context, r->first_primitive);
+    rsv_free(r->context, r->primitive_id);
+    rsv_free(r->context, r->mesh_named);
+    rsv_gltf_parts_destroy(&r->parts);
+    rsv_gltf_close(r->document);
 }
 
 rsv_status rsv_gltf_read(const char *path, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
-    reader r = { .context = context, .scene = scene };
+    reader r = { .context = context, .scene = scene, .parts = { .context = context } };
     RSV_TRY(rsv_gltf_open(path, &r.document));
-    if (*r.document->warning)
-        rsv_log(context, RSV_LOG_WARNING, "%s: %s", path, r.document->warning);
+    RSV_TRY(rsv_gltf_parts_create(context, r.document, &r.parts));
     RSV_TRY(allocate(&r));
+    tell_notes(&r);
     RSV_TRY(add_materials(&r));
-    RSV_TRY(walk_nodes(&r));
+    RSV_TRY(add_parts(&r));
+    RSV_TRY(add_cameras_and_lights(&r));
 cleanup:
-    rsv_free(context, r.first_primitive);
-    rsv_free(context, r.primitive_id);
-    rsv_free(context, r.mesh_read);
-    rsv_free(context, r.world);
-    rsv_free(context, r.visited);
-    rsv_free(context, r.pending);
-    rsv_gltf_close(r.document);
+    release(&r);
     return status;
 }

@@ -421,6 +421,20 @@ static void add_buffer_views(writer *w)
 
 // ---- the file -------------------------------------------------------------------------------------
 
+static bool is_far(const rsv_scene_view *view)
+{
+    return view->origin[0] != 0 || view->origin[1] != 0 || view->origin[2] != 0;
+}
+
+/// Puts back what was taken out of all coordinates: a node above all others, which floats below it keep their digits by.
+static void add_origin(writer *w)
+{
+    cJSON *node = add_node(w, "origin"), *translation = add_array(w, node, "translation");
+    for (int axis = 0; axis < 3; axis++)
+        append(w, translation, cJSON_CreateNumber(w->view->origin[axis]));
+    w->roots = add_array(w, node, "children");
+}
+
 /// The JSON chunk; free with cJSON_free. NULL on exhaustion.
 static char *print_json(writer *w)
 {
@@ -434,6 +448,7 @@ static char *print_json(writer *w)
     add_number(w, w->root, "scene", 0);
     w->roots = add_array(w, append_object(w, add_array(w, w->root, "scenes")), "nodes");
     w->nodes = add_array(w, w->root, "nodes");
+    if (is_far(w->view)) add_origin(w);
     add_objects(w);
     add_cameras(w);
     add_lights(w);

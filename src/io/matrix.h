@@ -1,6 +1,9 @@
-/// Products of 4x4 matrices, column-major, in double: node hierarchies can be deep.
+/// 4x4 matrices, column-major, in double: node hierarchies can be deep, and far from the origin.
 #ifndef RSV_MATRIX_H
 #define RSV_MATRIX_H
+
+#include <math.h>
+#include <stdbool.h>
 
 /// result = a b; must not alias either
 static inline void rsv_matrix_multiply(const double a[16], const double b[16], double result[16])
@@ -12,6 +15,36 @@ static inline void rsv_matrix_multiply(const double a[16], const double b[16], d
                 sum += a[4 * k + row] * b[4 * column + k];
             result[4 * column + row] = sum;
         }
+}
+
+/// T * R * S, of any length of the quaternion `q` (x, y, z, w). False if that is zero.
+static inline bool rsv_matrix_place(
+    const double t[3], const double q[4], const double s[3], double m[16])
+{
+    double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    if (!(length > 0)) return false;
+    double x = q[0] / length, y = q[1] / length, z = q[2] / length, w = q[3] / length;
+    const double rotation[3][3] = {
+        { 1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w) },
+        { 2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w) },
+        { 2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y) },
+    };
+    for (int column = 0; column < 3; column++) {
+        for (int row = 0; row < 3; row++)
+            m[4 * column + row] = rotation[column][row] * s[column];
+        m[4 * column + 3] = 0;
+        m[12 + column] = t[column];
+    }
+    m[15] = 1;
+    return true;
+}
+
+/// Determinant of the linear part, up to a positive factor.
+static inline double rsv_matrix_handedness(const double m[16])
+{
+    double x = m[5] * m[10] - m[6] * m[9], y = m[6] * m[8] - m[4] * m[10];
+    double z = m[4] * m[9] - m[5] * m[8];
+    return m[0] * x + m[1] * y + m[2] * z;
 }
 
 #endif

@@ -20,13 +20,15 @@ rsv_status rsv_list_sources(const rsv_lights *lights, rsv_source **sources, size
     for (uint32_t m = 0; m < view->material_count; m++)
         for (size_t g = 0; g < lights->group_count; g++)
             if (material_of(lights, &lights->group[g]) == m) {
-                list[(*count)++] = (rsv_source){ RSV_SOURCE_MATERIAL, m, view->material[m].name };
+                list[(*count)++] =
+                    (rsv_source){ RSV_SOURCE_MATERIAL, m, view->material[m].name, NULL };
                 break;
             }
     for (uint32_t l = 0; l < view->light_count; l++)
-        list[(*count)++] = (rsv_source){ RSV_SOURCE_LIGHT, l, view->light[l].name };
+        list[(*count)++] =
+            (rsv_source){ RSV_SOURCE_LIGHT, l, view->light[l].name, view->light_node[l] };
     if (lights->environment)
-        list[(*count)++] = (rsv_source){ RSV_SOURCE_SURROUNDINGS, 0, "environment" };
+        list[(*count)++] = (rsv_source){ RSV_SOURCE_SURROUNDINGS, 0, "environment", NULL };
     return RSV_OK;
 }
 

@@ -14,6 +14,8 @@ typedef struct rsv_source {
     rsv_source_kind kind;
     uint32_t index; ///< of the material or light
     const char *name;
+    const char *
+        node; ///< that placed the light: a name for it alone where several share theirs; NULL = none
 } rsv_source;
 
 /// The sources of a scene: materials first, then lights, then the surroundings. @param sources out, to be freed

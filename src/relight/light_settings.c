@@ -34,11 +34,28 @@ static rsv_status fail_unknown_light(const rsv_light_settings_home *home, const 
 {
     char known[512] = "";
     for (size_t k = 0; k < home->source_count; k++) {
+        const rsv_source *source = &home->source[k];
+        bool placed = source->node && strcmp(source->node, source->name) != 0;
         size_t used = strlen(known);
-        snprintf(known + used, sizeof known - used, "%s'%s'", k ? ", " : "", home->source[k].name);
+        snprintf(known + used, sizeof known - used, placed ? "%s'%s' of node '%s'" : "%s'%s'",
+            k ? ", " : "", source->name, placed ? source->node : "");
     }
     return rsv_fail(RSV_ERROR_ARGUMENT, "relight: there is no light '%s'; there are: %s", name,
         *known ? known : "none");
+}
+
+/// Whether a name is one of the sources' own. If not, it can be that of a node that placed a light.
+static bool is_own_name(const rsv_light_settings_home *home, const char *name)
+{
+    for (size_t k = 0; k < home->source_count; k++)
+        if (strcmp(home->source[k].name, name) == 0) return true;
+    return false;
+}
+
+static bool is_meant(const rsv_source *source, const char *name, bool own)
+{
+    const char *called = own ? source->name : source->node;
+    return called && strcmp(called, name) == 0;
 }
 
 static bool is_scale(float value) { return value >= 0 && value <= LARGEST_SCALE; }
@@ -50,8 +67,9 @@ static rsv_status read_scale(
     if (!is_scale(light->scale.r) || !is_scale(light->scale.g) || !is_scale(light->scale.b))
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "relight: the factors of light '%s' must be from 0 to %g", light->name, LARGEST_SCALE);
+    const bool own = is_own_name(home, light->name);
     for (size_t k = 0; k < home->source_count; k++) {
-        if (strcmp(home->source[k].name, light->name) != 0) continue;
+        if (!is_meant(&home->source[k], light->name, own)) continue;
         if (home->source[k].kind == RSV_SOURCE_SURROUNDINGS && !gray)
             return rsv_fail(
                 RSV_ERROR_UNSUPPORTED, "relight: the environment takes one factor for all colours");
@@ -88,8 +106,9 @@ static rsv_status read_move(
     if (!isfinite(offset.x + offset.y + offset.z) || v3_max_abs(offset) > LARGEST_OFFSET)
         return rsv_fail(RSV_ERROR_ARGUMENT, "relight: light '%s' cannot be moved by more than %g m",
             move->name, LARGEST_OFFSET);
+    const bool own = is_own_name(home, move->name);
     for (size_t k = 0; k < home->source_count; k++) {
-        if (strcmp(home->source[k].name, move->name) != 0) continue;
+        if (!is_meant(&home->source[k], move->name, own)) continue;
         rsv_status status = check_movable(home, &home->source[k]);
         if (status != RSV_OK) return status;
         wanted->offset[k] = offset;

@@ -314,7 +314,7 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
     if (status != RSV_OK) return status;
     uint32_t index = (uint32_t)r->scene->light_count - 1;
     const rsv_light *added = &r->scene->light[index];
-    b->source[k] = (rsv_source){ RSV_SOURCE_LIGHT, index, added->name };
+    b->source[k] = (rsv_source){ RSV_SOURCE_LIGHT, index, added->name, NULL };
     b->scale[k] = rgb_gray(1);
     rsv_solution_destroy(r->began); // without that light
     r->began = NULL;

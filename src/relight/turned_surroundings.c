@@ -9,7 +9,7 @@ static void add_field(rsv_rgb *sum, const rsv_rgb *value, size_t count)
 /// What shadow rays and photons find.
 static rsv_status sample(const rsv_solution *like, rsv_solution *turned)
 {
-    const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment" };
+    const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment", NULL };
     const rsv_light_view *s = rsv_solution_get_view(turned);
     rsv_light_part part = { 0 };
     uint16_t *valid = NULL;

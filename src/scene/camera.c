@@ -36,5 +36,9 @@ uint32_t rsv_scene_find_camera(const rsv_scene *scene, const char *name)
     if (!name) return scene->camera_count ? 0 : RSV_NONE;
     for (size_t i = 0; i < scene->camera_count; i++)
         if (strcmp(scene->camera[i].name, name) == 0) return (uint32_t)i;
+    for (size_t i = 0; i < scene->camera_count; i++) {
+        const char *node = scene->camera_fixture[i].node;
+        if (node && strcmp(node, name) == 0) return (uint32_t)i;
+    }
     return RSV_NONE;
 }

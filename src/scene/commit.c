@@ -79,6 +79,7 @@ static void fill_view(rsv_scene *scene, bounding_box bounds)
         .environment = scene->environment.pixels ? &scene->environment : NULL,
         .bounds_min = bounds.low,
         .bounds_max = bounds.high,
+        .origin = { scene->origin[0], scene->origin[1], scene->origin[2] },
     };
 }
 
@@ -117,7 +118,8 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
     if (!scene->is_part)
         rsv_log(scene->context, RSV_LOG_INFO,
             "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g)",
-            camera.position.x, camera.position.y, camera.position.z);
+            camera.position.x + scene->origin[0], camera.position.y + scene->origin[1],
+            camera.position.z + scene->origin[2]);
     return rsv_scene_add_camera(scene, &camera);
 }
 
@@ -131,6 +133,7 @@ rsv_status rsv_scene_finish(rsv_scene *scene)
     RSV_TRY(find_varying_materials(scene));
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
+    RSV_TRY(rsv_scene_list_nodes(scene));
     rsv_scene_release_sources(scene);
     scene->commit_tried = scene->committed = true;
 cleanup:
@@ -142,6 +145,7 @@ rsv_status rsv_scene_commit(rsv_scene *scene)
     if (scene->commit_tried)
         return rsv_fail(RSV_ERROR_ARGUMENT, "scene: it was committed already, or failed to");
     scene->commit_tried = true;
-    rsv_status status = rsv_scene_flatten(scene);
+    rsv_status status = rsv_scene_take_origin(scene);
+    if (status == RSV_OK) status = rsv_scene_flatten(scene);
     return status == RSV_OK ? rsv_scene_finish(scene) : status;
 }

@@ -8,6 +8,9 @@
 /// A triangle whose height is below this share of its longest edge has no usable normal in float.
 #define DEGENERATE_HEIGHT (4 * (double)FLT_EPSILON)
 
+/// A mesh is flat if no vertex is farther from a plane than this share of its size.
+#define FLAT_HEIGHT 1e-6
+
 /// A transform whose volume is below this share of the product of its axes is singular.
 #define SINGULAR_VOLUME 1e-9
 
@@ -43,14 +46,20 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/// Near the origin transforms are floats, as users of the library give them.
+static double narrow(const rsv_scene *scene, double value)
+{
+    return rsv_scene_is_far(scene) ? value : (double)(float)value;
+}
+
 /// False if the transform is singular.
-static bool make_map(const float m[16], linear_map *map)
+static bool make_map(const rsv_scene *scene, const double m[16], linear_map *map)
 {
     for (int column = 0; column < 3; column++)
         for (int row = 0; row < 3; row++)
-            map->axis[column][row] = m[4 * column + row];
+            map->axis[column][row] = narrow(scene, m[4 * column + row]);
     for (int row = 0; row < 3; row++)
-        map->offset[row] = m[12 + row];
+        map->offset[row] = narrow(scene, m[12 + row]) - scene->origin[row];
     for (int column = 0; column < 3; column++)
         cross(map->axis[(column + 1) % 3], map->axis[(column + 2) % 3], map->cofactor[column]);
 
@@ -214,19 +223,43 @@ cleanup:
     return status;
 }
 
+static double distance_to(const rsv_mesh *mesh, uint32_t vertex, uint32_t from, const double n[3])
+{
+    rsv_vec3 a = mesh->position[from], b = mesh->position[vertex];
+    const double d[3] = { (double)b.x - a.x, (double)b.y - a.y, (double)b.z - a.z };
+    return n ? fabs(dot(d, n)) : sqrt(dot(d, d));
+}
+
+/// Whether all triangles of a mesh lie in one plane.
+static bool is_flat(const rsv_mesh *mesh)
+{
+    rsv_vec3 normal = v3(0, 0, 0);
+    const uint32_t *corner = mesh->index;
+    size_t t = 0;
+    while (t < mesh->triangle_count &&
+           !rsv_triangle_normal(mesh->position[corner[0]], mesh->position[corner[1]],
+               mesh->position[corner[2]], &normal))
+        corner = &mesh->index[3 * ++t];
+    if (t == mesh->triangle_count) return false;
+    const double n[3] = { normal.x, normal.y, normal.z };
+    double size = 0, height = 0;
+    for (size_t k = 0; k < 3 * mesh->triangle_count; k++) {
+        size = fmax(size, distance_to(mesh, mesh->index[k], corner[0], NULL));
+        height = fmax(height, distance_to(mesh, mesh->index[k], corner[0], n));
+    }
+    return height <= FLAT_HEIGHT * size;
+}
+
 static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
 {
     rsv_scene *scene = f->scene;
     rsv_mesh *mesh = &scene->mesh[instance->mesh];
     f->mesh = mesh;
-    if (!make_map(instance->transform, &f->map)) {
-        rsv_log(scene->context, RSV_LOG_WARNING,
-            "node '%s': its transform is singular (a zero scale?); the node is skipped",
-            instance->name);
-        return RSV_OK;
-    }
-    rsv_status status;
-    size_t first = scene->triangle_count;
+    bool singular = !make_map(scene, instance->transform, &f->map);
+    size_t first = scene->triangle_count, degenerate = mesh->degenerate_count;
+    rsv_status status = RSV_OK;
+    // a scale of zero across a flat mesh takes nothing from it
+    if (singular && !is_flat(mesh)) goto cleanup;
     RSV_TRY(transform_vertices(f, mesh, &f->map, instance->name));
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *index = &mesh->index[3 * t];
@@ -241,6 +274,12 @@ static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
         instance->name = NULL;
     }
 cleanup:
+    if (status == RSV_OK && singular && scene->triangle_count == first) {
+        mesh->degenerate_count = degenerate;
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "node '%s': its transform is singular (a zero scale?); the node is skipped",
+            instance->name);
+    }
     return status;
 }
 

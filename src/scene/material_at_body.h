@@ -148,6 +148,9 @@ RSV_SHARED rsv_material rsv_material_at(
     return m;
 }
 
+/// What is exactly as opaque as the limit stays: products and interpolation miss it by their rounding.
+#define RSV_CUTOFF_SHARE (1 - 1e-6f)
+
 RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v)
 {
     uint32_t index = scene->triangle_material[triangle];
@@ -159,7 +162,7 @@ RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, f
             opacity *= rsv_texture_at(scene, &m->textures[i], triangle, u, v, 0).a;
     if (scene->material_varies[index] & RSV_VARIES_BY_OPACITY)
         opacity *= rsv_vertex_color(scene, scene->triangle[triangle], u, v, 3);
-    return opacity < m->alpha_cutoff;
+    return opacity < RSV_CUTOFF_SHARE * m->alpha_cutoff;
 }
 
 // ---- normal maps --------------------------------------------------------------------------------

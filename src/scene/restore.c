@@ -132,12 +132,21 @@ static rsv_status add_texture(rsv_scene *scene, const rsv_texture_parts *parts)
 }
 
 /// Adding a light makes its direction unit: that may change the last digit of one that is unit already.
-static rsv_status add_light(rsv_scene *scene, const rsv_light *light)
+static rsv_status add_light(rsv_scene *scene, const rsv_light *light, const char *node)
 {
-    rsv_status status = rsv_scene_add_light(scene, light);
+    const double position[3] = { (double)light->position.x, (double)light->position.y,
+        (double)light->position.z };
+    rsv_status status = rsv_scene_place_light(scene, light, position, node);
     if (status == RSV_OK && is_unit(light->direction))
         scene->light[scene->light_count - 1].direction = light->direction;
     return status;
+}
+
+static rsv_status add_camera(rsv_scene *scene, const rsv_camera *camera, const char *node)
+{
+    const double position[3] = { (double)camera->position.x, (double)camera->position.y,
+        (double)camera->position.z };
+    return rsv_scene_place_camera(scene, camera, position, node);
 }
 
 static rsv_status add_parts(rsv_scene *scene, const rsv_scene_parts *parts)
@@ -149,9 +158,10 @@ static rsv_status add_parts(rsv_scene *scene, const rsv_scene_parts *parts)
     for (size_t k = 0; k < view->material_count; k++)
         RSV_TRY(rsv_scene_add_material(scene, &view->material[k], NULL));
     for (size_t k = 0; k < view->light_count; k++)
-        RSV_TRY(add_light(scene, &view->light[k]));
+        RSV_TRY(add_light(scene, &view->light[k], view->light_node ? view->light_node[k] : NULL));
     for (size_t k = 0; k < view->camera_count; k++)
-        RSV_TRY(rsv_scene_add_camera(scene, &view->camera[k]));
+        RSV_TRY(
+            add_camera(scene, &view->camera[k], view->camera_node ? view->camera_node[k] : NULL));
     if (view->environment) RSV_TRY(rsv_scene_set_environment(scene, view->environment));
 cleanup:
     return status;
@@ -166,6 +176,8 @@ rsv_status rsv_scene_restore(rsv_context *context, const rsv_scene_parts *parts,
     RSV_TRY(copy_arrays(restored, &parts->view));
     RSV_TRY(check_triangles(restored));
     RSV_TRY(check_colors(restored));
+    for (int axis = 0; axis < 3; axis++)
+        restored->origin[axis] = isfinite(parts->view.origin[axis]) ? parts->view.origin[axis] : 0;
     RSV_TRY(rsv_scene_finish(restored));
     *scene = restored;
     restored = NULL;

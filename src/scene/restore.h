@@ -11,7 +11,8 @@ typedef struct rsv_texture_parts {
     const float *value;     ///< the same as floats
 } rsv_texture_parts;
 
-/// Everything is borrowed, nothing trusted. Of the view, textures, variations and bounds are not looked at.
+/// Everything is borrowed, nothing trusted. Of the view, textures, variations and bounds are not looked at. Its lists of
+/// nodes may be NULL.
 typedef struct rsv_scene_parts {
     rsv_scene_view view;
     const rsv_texture_parts *texture; ///< [view.texture_count]

@@ -43,9 +43,13 @@ void rsv_scene_release_sources(rsv_scene *scene)
 /// What a variant has of its own too.
 static void release_lights_and_colors(rsv_scene *scene)
 {
-    for (size_t i = 0; i < scene->light_count; i++)
+    for (size_t i = 0; i < scene->light_count; i++) {
         rsv_free(scene->context, (void *)scene->light[i].name);
+        rsv_free(scene->context, scene->light_fixture[i].node);
+    }
     rsv_free(scene->context, scene->light);
+    rsv_free(scene->context, scene->light_fixture);
+    rsv_free(scene->context, (void *)scene->light_node);
     rsv_free(scene->context, scene->material);
 }
 
@@ -56,8 +60,10 @@ static void release_names(rsv_scene *scene)
         rsv_free(context, (void *)scene->material[i].name);
         rsv_free(context, (void *)scene->material[i].textures);
     }
-    for (size_t i = 0; i < scene->camera_count; i++)
+    for (size_t i = 0; i < scene->camera_count; i++) {
         rsv_free(context, (void *)scene->camera[i].name);
+        rsv_free(context, scene->camera_fixture[i].node);
+    }
     for (size_t i = 0; i < scene->object_count; i++)
         rsv_free(context, scene->object_name[i]);
 }
@@ -85,6 +91,8 @@ void rsv_scene_destroy(rsv_scene *scene)
     for (size_t i = 0; i < scene->texture_count; i++)
         rsv_texture_release(context, &scene->texture[i]);
     rsv_free(context, scene->camera);
+    rsv_free(context, scene->camera_fixture);
+    rsv_free(context, (void *)scene->camera_node);
     rsv_free(context, scene->position);
     rsv_free(context, scene->normal);
     rsv_free(context, scene->texture);
@@ -339,7 +347,15 @@ cleanup:
 rsv_status rsv_scene_add_instance(
     rsv_scene *scene, uint32_t mesh_id, const float transform[16], const char *name)
 {
-    static const float identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+    double wide[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+    for (int i = 0; transform && i < 16; i++)
+        wide[i] = (double)transform[i];
+    return rsv_scene_place_instance(scene, mesh_id, wide, name);
+}
+
+rsv_status rsv_scene_place_instance(
+    rsv_scene *scene, uint32_t mesh_id, const double transform[16], const char *name)
+{
     rsv_status status;
     rsv_instance stored = { .mesh = mesh_id };
     RSV_TRY(reserve_one(scene, "instance", (void **)&scene->instance, &scene->instance_capacity,
@@ -347,7 +363,7 @@ rsv_status rsv_scene_add_instance(
     if (mesh_id >= scene->mesh_count)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "instance '%s': mesh %u does not exist", name ? name : "", mesh_id);
-    memcpy(stored.transform, transform ? transform : identity, sizeof stored.transform);
+    memcpy(stored.transform, transform, sizeof stored.transform);
     RSV_TRY(copy_name(scene, name, scene->mesh[mesh_id].name, &stored.name));
     scene->instance[scene->instance_count++] = stored;
 cleanup:
@@ -381,22 +397,46 @@ static rsv_status check_light(const rsv_light *light, const char *name)
     return RSV_OK;
 }
 
-rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_light *light)
+/// Where a light or camera stands, and by which node.
+static rsv_status make_fixture(
+    rsv_scene *scene, const double position[3], const char *node, rsv_fixture *fixture)
+{
+    *fixture = (rsv_fixture){ .position = { position[0], position[1], position[2] } };
+    if (!node) return RSV_OK;
+    fixture->node = rsv_copy_string(scene->context, node);
+    return fixture->node ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+static rsv_vec3 rounded(const double v[3]) { return v3((float)v[0], (float)v[1], (float)v[2]); }
+
+rsv_status rsv_scene_place_light(
+    rsv_scene *scene, const rsv_light *light, const double position[3], const char *node)
 {
     rsv_status status;
     char *name = NULL;
     rsv_light stored = *light;
     RSV_TRY(reserve_one(scene, "light", (void **)&scene->light, &scene->light_capacity,
         scene->light_count, sizeof stored));
+    RSV_TRY(reserve_one(scene, "light", (void **)&scene->light_fixture,
+        &scene->light_fixture_capacity, scene->light_count, sizeof *scene->light_fixture));
     RSV_TRY(copy_name(scene, light->name, "unnamed", &name));
-    RSV_TRY(check_light(light, name));
     stored.name = name;
+    stored.position = rounded(position);
+    RSV_TRY(check_light(&stored, name));
     stored.direction = v3_normalize(light->direction);
+    RSV_TRY(make_fixture(scene, position, node, &scene->light_fixture[scene->light_count]));
     scene->light[scene->light_count++] = stored;
     return RSV_OK;
 cleanup:
     rsv_free(scene->context, name);
     return status;
+}
+
+rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_light *light)
+{
+    rsv_vec3 p = light->position;
+    return rsv_scene_place_light(
+        scene, light, (const double[3]){ (double)p.x, (double)p.y, (double)p.z }, NULL);
 }
 
 rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light)
@@ -407,7 +447,7 @@ rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light)
     scene->committed = committed;
     scene->view.light = scene->light;
     scene->view.light_count = scene->light_count;
-    return status;
+    return status == RSV_OK ? rsv_scene_list_nodes(scene) : status;
 }
 
 static rsv_status check_camera(const rsv_camera *camera, const char *name)
@@ -430,18 +470,56 @@ static rsv_status check_camera(const rsv_camera *camera, const char *name)
 
 rsv_status rsv_scene_add_camera(rsv_scene *scene, const rsv_camera *camera)
 {
+    rsv_vec3 p = camera->position;
+    return rsv_scene_place_camera(
+        scene, camera, (const double[3]){ (double)p.x, (double)p.y, (double)p.z }, NULL);
+}
+
+rsv_status rsv_scene_place_camera(
+    rsv_scene *scene, const rsv_camera *camera, const double position[3], const char *node)
+{
     rsv_status status;
     char *name = NULL;
     rsv_camera stored = *camera;
     RSV_TRY(reserve_one(scene, "camera", (void **)&scene->camera, &scene->camera_capacity,
         scene->camera_count, sizeof stored));
+    RSV_TRY(reserve_one(scene, "camera", (void **)&scene->camera_fixture,
+        &scene->camera_fixture_capacity, scene->camera_count, sizeof *scene->camera_fixture));
     RSV_TRY(copy_name(scene, camera->name, "unnamed", &name));
-    RSV_TRY(check_camera(camera, name));
     stored.name = name;
+    stored.position = rounded(position);
+    RSV_TRY(check_camera(&stored, name));
+    RSV_TRY(make_fixture(scene, position, node, &scene->camera_fixture[scene->camera_count]));
     scene->camera[scene->camera_count++] = stored;
     return RSV_OK;
 cleanup:
     rsv_free(scene->context, name);
+    return status;
+}
+
+static rsv_status list_nodes(
+    rsv_context *context, const rsv_fixture *fixture, size_t count, const char ***list)
+{
+    const char **node = rsv_alloc(context, count, sizeof *node);
+    if (!node) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < count; k++)
+        node[k] = fixture[k].node;
+    rsv_free(context, (void *)*list);
+    *list = node;
+    return RSV_OK;
+}
+
+rsv_status rsv_scene_list_nodes(rsv_scene *scene)
+{
+    rsv_status status;
+    RSV_TRY(
+        list_nodes(scene->context, scene->light_fixture, scene->light_count, &scene->light_node));
+    if (!scene->base) // whose cameras a variant has
+        RSV_TRY(list_nodes(
+            scene->context, scene->camera_fixture, scene->camera_count, &scene->camera_node));
+    scene->view.light_node = (const char *const *)scene->light_node;
+    scene->view.camera_node = (const char *const *)scene->camera_node;
+cleanup:
     return status;
 }
 

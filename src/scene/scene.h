@@ -22,8 +22,14 @@ typedef struct rsv_mesh {
 typedef struct rsv_instance {
     char *name;
     uint32_t mesh;
-    float transform[16]; ///< column-major, object to world
+    double transform[16]; ///< column-major, object to world
 } rsv_instance;
+
+/// What a light or camera is beside what users of the library see of it.
+typedef struct rsv_fixture {
+    double position[3]; ///< in the world, before an origin is taken out
+    char *node;         ///< name of the node that placed it; NULL = its own name alone
+} rsv_fixture;
 
 struct rsv_scene {
     rsv_context *context;
@@ -37,6 +43,10 @@ struct rsv_scene {
     rsv_camera *camera;
     size_t material_count, light_count, camera_count;
     size_t material_capacity, light_capacity, camera_capacity;
+    rsv_fixture *light_fixture, *camera_fixture; ///< [light_count], [camera_count]
+    size_t light_fixture_capacity, camera_fixture_capacity;
+    const char **light_node, **camera_node; ///< the view's, from rsv_scene_list_nodes()
+    double origin[3];                       ///< taken out of all coordinates (origin.c)
     rsv_texture *texture;
     size_t texture_count, texture_capacity;
     uint8_t *material_varies; ///< [material_count]; filled by commit
@@ -62,6 +72,30 @@ struct rsv_scene {
 
     rsv_scene_view view;
 };
+
+/// As rsv_scene_add_instance, in double: far from the origin floats have few digits.
+rsv_status rsv_scene_place_instance(
+    rsv_scene *scene, uint32_t mesh_id, const double transform[16], const char *name);
+
+/// As rsv_scene_add_light and rsv_scene_add_camera, at a place in double, which counts in place of that in `light` and
+/// `camera`. @param node name of the node that placed it, by which it can be chosen too; NULL = none
+rsv_status rsv_scene_place_light(
+    rsv_scene *scene, const rsv_light *light, const double position[3], const char *node);
+rsv_status rsv_scene_place_camera(
+    rsv_scene *scene, const rsv_camera *camera, const double position[3], const char *node);
+
+/// Lists the names of the nodes that placed lights and cameras, for the view.
+rsv_status rsv_scene_list_nodes(rsv_scene *scene);
+
+/// Takes a common origin out of instances, lights and cameras where the scene lies far from its own; else leaves all as
+/// it is, bit for bit. Before flattening.
+rsv_status rsv_scene_take_origin(rsv_scene *scene);
+
+/// Whether an origin was taken out.
+static inline bool rsv_scene_is_far(const rsv_scene *scene)
+{
+    return scene->origin[0] != 0 || scene->origin[1] != 0 || scene->origin[2] != 0;
+}
 
 /// Brings every value into its range, with one warning that names the material.
 void rsv_material_clamp(const rsv_context *context, rsv_material *material);

@@ -17,16 +17,22 @@ static rsv_status copy_materials(const rsv_scene *base, rsv_scene *variant)
 static rsv_status copy_lights(const rsv_scene *base, rsv_scene *variant)
 {
     variant->light = rsv_alloc(base->context, base->light_count, sizeof *base->light);
-    if (!variant->light) return RSV_ERROR_MEMORY;
-    variant->light_capacity = base->light_count;
+    variant->light_fixture =
+        rsv_alloc(base->context, base->light_count, sizeof *base->light_fixture);
+    if (!variant->light || !variant->light_fixture) return RSV_ERROR_MEMORY;
+    variant->light_capacity = variant->light_fixture_capacity = base->light_count;
     for (size_t k = 0; k < base->light_count; k++) {
-        char *name = rsv_copy_string(base->context, base->light[k].name);
-        if (!name) return RSV_ERROR_MEMORY;
+        const char *node = base->light_fixture[k].node;
+        char *name = rsv_copy_string(base->context, base->light[k].name),
+             *own = node ? rsv_copy_string(base->context, node) : NULL;
         variant->light[k] = base->light[k];
         variant->light[k].name = name;
+        variant->light_fixture[k] = base->light_fixture[k];
+        variant->light_fixture[k].node = own;
         variant->light_count = k + 1;
+        if (!name || (node && !own)) return RSV_ERROR_MEMORY;
     }
-    return RSV_OK;
+    return rsv_scene_list_nodes(variant);
 }
 
 rsv_status rsv_scene_vary_positions(rsv_scene *variant)
@@ -65,6 +71,8 @@ rsv_status rsv_scene_vary(const rsv_scene *base, rsv_scene **result)
     variant->owns_positions = variant->owns_environment = false;
     variant->material = NULL;
     variant->light = NULL;
+    variant->light_fixture = NULL;
+    variant->light_node = NULL;
     variant->light_count = variant->light_capacity = 0;
     if (base->owns_positions) RSV_TRY(rsv_scene_vary_positions(variant));
     if (base->owns_environment) RSV_TRY(rsv_scene_vary_environment(variant));

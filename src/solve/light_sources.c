@@ -60,7 +60,7 @@ cleanup:
 rsv_status rsv_light_sources_turn(
     rsv_light_sources *whole, const rsv_scene *scene, float rotation, rsv_light_sources **sources)
 {
-    static const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment" };
+    static const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment", NULL };
     rsv_status status;
     rsv_light_sources *s = NULL;
     RSV_TRY(rsv_light_sources_select(whole, &surroundings, 1, &s));

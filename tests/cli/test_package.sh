@@ -93,7 +93,7 @@ if command -v dpkg-shlibdeps >/dev/null; then
         [[ $(dpkg-deb --field "$package" Depends) == *"resolvent (= "* ]]
     done
     [[ $(dpkg-deb --field "$program" Depends) != *mpi* && -z $(grep 'libresolvent_' "$work/resolvent.contents") ]]
-    for name in embree tinygltf draco assimp openexr cjson; do
+    for name in embree draco assimp openexr cjson; do
         [[ $(dpkg-deb --field "$development" Depends) == *lib$name-dev* ]]
     done
     [[ $(dpkg-deb --field "$development" Depends) == *zlib1g-dev* ]]

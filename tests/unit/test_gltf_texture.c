@@ -221,7 +221,7 @@ static void extensions_set_what_they_name(void **state)
     assert_float_equal(m->diffuse_transmission, 0.6f, 0);
     assert_float_equal(m->diffuse_transmission_color.g, 0.8f, 0);
     assert_float_equal(m->scatter_distance.g, 0.002f, 0);
-    assert_mentions(f->log, "material 'paint': KHR_materials_iridescence is ignored");
+    assert_mentions(f->log, "extension 'KHR_materials_iridescence' is ignored: material 'paint'");
 
     // what is written is read back
     assert_int_equal(rsv_scene_save(scene, path_in(&at, "again.glb")), RSV_OK);

@@ -140,13 +140,57 @@ static void singular_transforms_are_skipped_by_name(void **state)
 {
     fixture *f = *state;
     rsv_scene *scene = new_scene(f);
-    const float flat[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1 };
+    const float flat[16] = { 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
     rsv_mesh_desc mesh = triangle_mesh(NULL);
     assert_int_equal(rsv_scene_add_mesh(scene, &mesh, NULL), RSV_OK);
     assert_int_equal(rsv_scene_add_instance(scene, 0, flat, "pressed"), RSV_OK);
     assert_int_equal(rsv_scene_commit(scene), RSV_ERROR_SCENE);
     assert_mentions(f->log, "node 'pressed'");
+    assert_null(strstr(f->log, "degenerate"));
     assert_int_equal(rsv_scene_commit(scene), RSV_ERROR_ARGUMENT);
+    rsv_scene_destroy(scene);
+}
+
+/// A plane stays a plane, however it is turned; a body would become two faces in one place, and is skipped.
+static void a_scale_of_zero_across_a_flat_mesh_shows_it(void **state)
+{
+    fixture *f = *state;
+    const float pressed[3][16] = {
+        { 4, 0, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 1, 2, 3, 1 },
+        { 0, 0, 4, 0, 0, -2, 0, 0, 0, 0, 0, 0, 1, 2, 3, 1 },
+        { 4, 0, 0, 0, 0, 2, 0, 0, 4, 2, 0, 0, 1, 2, 3, 1 }, // its z falls into its plane
+    };
+    const rsv_vec3 normals[3] = { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } };
+    const rsv_vec3 expected[3] = { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 0, 1 } };
+    for (int k = 0; k < 3; k++) {
+        rsv_scene *scene = new_scene(f);
+        rsv_mesh_desc mesh = triangle_mesh(normals);
+        const rsv_scene_view *view = commit_mesh(scene, &mesh, pressed[k]);
+        assert_int_equal(view->triangle_count, 1);
+        rsv_vec3 n = expected[k];
+        assert_vector(geometric_normal(view, 0), n.x, n.y, n.z);
+        assert_vector(view->normal[0], n.x, n.y, n.z);
+        rsv_scene_destroy(scene);
+    }
+    assert_null(strstr(f->log, "singular"));
+}
+
+static void a_scale_of_zero_across_a_body_skips_it(void **state)
+{
+    fixture *f = *state;
+    rsv_scene *scene = new_scene(f);
+    const rsv_vec3 corner[4] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+    const uint32_t index[12] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
+    const float flat[16] = { 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+    const rsv_mesh_desc mesh = { .name = "body",
+        .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 4 };
+    assert_int_equal(rsv_scene_add_mesh(scene, &mesh, NULL), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(scene, 0, flat, "pressed"), RSV_OK);
+    assert_int_equal(rsv_scene_commit(scene), RSV_ERROR_SCENE);
+    assert_mentions(f->log, "node 'pressed': its transform is singular");
     rsv_scene_destroy(scene);
 }
 
@@ -488,6 +532,8 @@ int main(int argc, char **argv)
         SCENE_TEST(unusable_normals_become_geometric),
         SCENE_TEST(degenerate_triangles_get_one_warning),
         SCENE_TEST(singular_transforms_are_skipped_by_name),
+        SCENE_TEST(a_scale_of_zero_across_a_flat_mesh_shows_it),
+        SCENE_TEST(a_scale_of_zero_across_a_body_skips_it),
         SCENE_TEST(bad_meshes_are_refused),
         SCENE_TEST(a_transform_beyond_float_is_refused),
         SCENE_TEST(an_empty_scene_is_refused),

@@ -1,0 +1,23 @@
+#include "core.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <unistd.h>
+
+/// What a container allows its programs; INFINITY = no limit, or none that is known.
+static double container_memory(void)
+{
+    double bytes;
+    FILE *file = fopen("/sys/fs/cgroup/memory.max", "r");
+    if (!file) return INFINITY;
+    if (fscanf(file, "%lf", &bytes) != 1) bytes = INFINITY; // "max"
+    fclose(file);
+    return bytes;
+}
+
+double rsv_machine_memory(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    double bytes = pages > 0 && page > 0 ? (double)pages * (double)page : INFINITY;
+    return fmin(bytes, container_memory());
+}

@@ -1,0 +1,165 @@
+/// Places far from the origin: what all have in common is taken out on reading, and put back on writing.
+#include "gltf_fixture.h"
+
+/// A room of 4 x 3 x 5 m with a lamp and a camera, all below one node; % is where that node is.
+static const char room[] =
+    "\"meshes\":[{\"name\":\"walls\",\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+    "\"cameras\":[{\"name\":\"eye\",\"type\":\"perspective\",\"perspective\":{\"yfov\":1,\"znear\":"
+    "1}}],"
+    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"name\":\"bulb\",\"type\":\"point\"}]}}"
+    ","
+    "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1,2,3],%s},"
+    "{\"name\":\"walls\",\"mesh\":0,\"rotation\":[0,0.6,0,0.8]},"
+    "{\"camera\":0,\"translation\":[0.25,1.5,2]},{\"translation\":[0,2.5,0],\"extensions\":{"
+    "\"KHR_lights_punctual\":{\"light\":0}}}]";
+
+static sketch room_sketch(void)
+{
+    const float lo[3] = { -2, 0, -2.5f }, hi[3] = { 2, 3, 2.5f };
+    static const uint8_t face[6][6] = { { 0, 1, 5, 0, 5, 4 }, { 2, 6, 7, 2, 7, 3 },
+        { 0, 4, 6, 0, 6, 2 }, { 1, 3, 7, 1, 7, 5 }, { 0, 2, 3, 0, 3, 1 }, { 4, 5, 7, 4, 7, 6 } };
+    float corner[108];
+    for (int k = 0; k < 36; k++)
+        for (int axis = 0; axis < 3; axis++)
+            corner[3 * k + axis] = face[k / 6][k % 6] >> axis & 1 ? hi[axis] : lo[axis];
+    sketch s = { .count = 0 };
+    add_vectors(&s, corner, 36, 3);
+    return s;
+}
+
+static rsv_scene *room_at(fixture *f, const folder *place, const char *where)
+{
+    char text[4096];
+    const sketch s = room_sketch();
+    snprintf(text, sizeof text, room, where);
+    return load(f, write_sketch(place, &s, text));
+}
+
+static void assert_origin(const rsv_scene *scene, double x, double y, double z)
+{
+    const double *origin = rsv_scene_get_view(scene)->origin;
+    assert_true(origin[0] == x && origin[1] == y && origin[2] == z);
+}
+
+static void assert_same_places(const rsv_scene *a, const rsv_scene *b, float tolerance)
+{
+    const rsv_scene_view *p = rsv_scene_get_view(a), *q = rsv_scene_get_view(b);
+    assert_int_equal(p->vertex_count, q->vertex_count);
+    for (size_t k = 0; k < p->vertex_count; k++) {
+        assert_true(v3_max_abs(v3_sub(p->position[k], q->position[k])) <= tolerance);
+        assert_true(v3_max_abs(v3_sub(p->normal[k], q->normal[k])) <= 1e-6f);
+    }
+    assert_true(v3_max_abs(v3_sub(p->camera[0].position, q->camera[0].position)) <= tolerance);
+    assert_true(v3_max_abs(v3_sub(p->light[0].position, q->light[0].position)) <= tolerance);
+}
+
+static void far_rooms_are_as_near_ones(void **state)
+{
+    static const struct {
+        const char *where;
+        double origin[3];
+    } cases[] = {
+        { "\"translation\":[22000,0,0]", { 22000, 0, 0 } },
+        { "\"translation\":[-22000,0,7000]", { -22000, 0, 7000 } },
+        { "\"translation\":[500000,0,5700000]", { 500000, 0, 5700000 } },
+        { "\"translation\":[0,0,-4e10]", { 0, 0, -4e10 } },
+        { "\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,5700000,0,-400,1]", { 5700000, 0, -400 } },
+    };
+    folder place = new_folder();
+    rsv_scene *near = room_at(*state, &place, "\"translation\":[0,0,0]");
+    assert_origin(near, 0, 0, 0);
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        rsv_scene *far = room_at(*state, &place, cases[k].where);
+        const double *o = cases[k].origin;
+        assert_origin(far, o[0], o[1], o[2]);
+        assert_same_places(near, far, 1e-6f);
+        rsv_scene_destroy(far);
+    }
+    rsv_scene_destroy(near);
+    remove_folder(place.path);
+}
+
+/// Scaled, and by a number of metres that is not round: coordinates differ by a shift, which the origin tells.
+static void what_is_taken_out_is_told(void **state)
+{
+    folder place = new_folder();
+    rsv_scene *scene =
+        room_at(*state, &place, "\"translation\":[448262.37,51.5,5411932.8],\"scale\":[2,2,2]");
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    assert_origin(scene, 448300, 100, 5411900);
+    assert_true(fabs(view->origin[0] + (double)view->light[0].position.x - 448262.37) < 1e-5);
+    assert_true(fabs(view->origin[1] + (double)view->light[0].position.y - 56.5) < 1e-5);
+    assert_true(fabs(view->origin[2] + (double)view->camera[0].position.z - 5411936.8) < 1e-5);
+    assert_mentions(((fixture *)*state)->log, "(448300, 100, 5411900) m is taken out");
+    rsv_scene_destroy(scene);
+    remove_folder(place.path);
+}
+
+/// Large scenes, and those a few times their size away, stay as they are.
+static void near_scenes_are_left_alone(void **state)
+{
+    static const char *const where[] = { "\"translation\":[300,0,0]",
+        "\"translation\":[9000,0,0],\"scale\":[100,100,100]", "\"scale\":[1e6,1e6,1e6]" };
+    folder place = new_folder();
+    for (size_t k = 0; k < sizeof where / sizeof *where; k++) {
+        rsv_scene *scene = room_at(*state, &place, where[k]);
+        assert_origin(scene, 0, 0, 0);
+        rsv_scene_destroy(scene);
+    }
+    remove_folder(place.path);
+}
+
+static void what_is_written_is_where_it_was(void **state)
+{
+    folder place = new_folder();
+    rsv_scene *scene = room_at(*state, &place, "\"translation\":[22000,40,5700000.25]");
+    const char *path = path_in(&place, "again.glb");
+    assert_int_equal(rsv_scene_save(scene, path), RSV_OK);
+    rsv_scene *again = load(*state, path);
+    const double *o = rsv_scene_get_view(scene)->origin;
+    assert_origin(again, o[0], o[1], o[2]);
+    assert_same_places(scene, again, 0);
+    rsv_scene_destroy(again);
+    rsv_scene_destroy(scene);
+    remove_folder(place.path);
+}
+
+/// Skins and instances are far away, too.
+static void skins_and_instances_keep_their_digits(void **state)
+{
+    folder place = new_folder();
+    sketch s = square_sketch();
+    const uint8_t joints[16] = { 0 };
+    const float weights[16] = { 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0 };
+    const float shift[6] = { 0, 0, 0, 0.125f, 0, 0 };
+    add_accessor(&s, joints, sizeof joints, 5121, 4, "VEC4", "");
+    add_vectors(&s, weights, 4, 4);
+    add_vectors(&s, shift, 2, 3);
+    rsv_scene *scene = load(*state,
+        write_sketch(&place, &s,
+            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":2,"
+            "\"WEIGHTS_0\":3},\"indices\":1}]}],\"skins\":[{\"joints\":[1]}],\"scenes\":[{"
+            "\"nodes\":"
+            "[2]}],\"nodes\":[{\"mesh\":0,\"skin\":0},{\"translation\":[0,0,0.0625]},"
+            "{\"translation\":[5700000,0,0],\"children\":[0,1,3]},{\"mesh\":0,\"extensions\":{"
+            "\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":4}}}}]"));
+    assert_origin(scene, 5700000, 0, 0);
+    assert_bounds(scene, v3(0, 0, 0), v3(1.125f, 1, 0.0625f));
+    rsv_scene_destroy(scene);
+    remove_folder(place.path);
+}
+
+#define ORIGIN_TEST(function)                                                                      \
+    cmocka_unit_test_setup_teardown(function, fixture_setup, fixture_teardown)
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        ORIGIN_TEST(far_rooms_are_as_near_ones),
+        ORIGIN_TEST(what_is_taken_out_is_told),
+        ORIGIN_TEST(near_scenes_are_left_alone),
+        ORIGIN_TEST(what_is_written_is_where_it_was),
+        ORIGIN_TEST(skins_and_instances_keep_their_digits),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
