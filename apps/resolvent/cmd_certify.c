@@ -142,6 +142,7 @@ static rsv_status solve_and_certify(
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
     uint32_t camera = rsv_scene_find_camera(subject->scene, s->camera);
     if (s->goal) desc.goal_camera = camera;
+    cli_place_points(&s->sensors, subject->scene);
     desc.goal_points = s->sensors.probe;
     desc.goal_point_count = s->sensors.count;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, subject, &found->certificate);

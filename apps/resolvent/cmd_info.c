@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char help[] =
     "usage: resolvent info SCENE [options]\n"
@@ -99,6 +100,22 @@ static void add_triple(cJSON *object, const char *name, float x, float y, float 
     cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(values, 3));
 }
 
+/// A coordinate as the file has it: plus what was taken out of the scene.
+static double placed(float value, double origin)
+{
+    return origin == 0 ? tidy(value) : origin + tidy(value);
+}
+
+/// A point of the scene.
+static void add_point(cJSON *object, const char *name, rsv_vec3 p, const double origin[3])
+{
+    const double at[3] = { placed(p.x, origin[0]), placed(p.y, origin[1]), placed(p.z, origin[2]) };
+    cJSON_AddItemToObject(object, name, cJSON_CreateDoubleArray(at, 3));
+}
+
+/// The node that placed a light or camera, where that has another name.
+static bool has_node(const char *node, const char *name) { return node && strcmp(node, name) != 0; }
+
 static void add_rgb(cJSON *object, const char *name, rsv_rgb c)
 {
     add_triple(object, name, c.r, c.g, c.b);
@@ -158,9 +175,12 @@ static void add_lights(cJSON *root, const rsv_scene_view *view)
     for (size_t i = 0; i < view->light_count; i++) {
         const rsv_light *light = &view->light[i];
         cJSON *item = add_named_item(lights, light->name);
+        if (has_node(view->light_node[i], light->name))
+            cJSON_AddStringToObject(item, "node", view->light_node[i]);
         cJSON_AddStringToObject(item, "kind", light_kind_name(light->kind));
         add_rgb(item, "intensity", light->intensity);
-        if (light->kind != RSV_LIGHT_DIRECTIONAL) add_vec3(item, "position", light->position);
+        if (light->kind != RSV_LIGHT_DIRECTIONAL)
+            add_point(item, "position", light->position, view->origin);
         if (light->kind != RSV_LIGHT_POINT) add_vec3(item, "direction", light->direction);
     }
 }
@@ -196,7 +216,9 @@ static void add_cameras(cJSON *root, const rsv_scene_view *view)
     for (size_t i = 0; i < view->camera_count; i++) {
         const rsv_camera *camera = &view->camera[i];
         cJSON *item = add_named_item(cameras, camera->name);
-        add_vec3(item, "position", camera->position);
+        if (has_node(view->camera_node[i], camera->name))
+            cJSON_AddStringToObject(item, "node", view->camera_node[i]);
+        add_point(item, "position", camera->position, view->origin);
         add_vec3(item, "forward", camera->forward);
         cJSON_AddNumberToObject(item, "vertical_fov_degrees", degrees(camera->vertical_fov));
         add_number(item, "aspect", camera->aspect);
@@ -212,8 +234,8 @@ static bool print_json(
     cJSON_AddNumberToObject(root, "triangle_count", (double)view->triangle_count);
     cJSON_AddNumberToObject(root, "vertex_count", (double)view->vertex_count);
     cJSON_AddNumberToObject(root, "area", t->area);
-    add_vec3(root, "bounds_min", view->bounds_min);
-    add_vec3(root, "bounds_max", view->bounds_max);
+    add_point(root, "bounds_min", view->bounds_min, view->origin);
+    add_point(root, "bounds_max", view->bounds_max, view->origin);
     add_objects(root, view, t);
     add_materials(root, view, t);
     add_lights(root, view);
@@ -234,6 +256,22 @@ static void print_name(const char *name)
     fputs("  ", stdout);
     for (; *name; name++)
         putchar((unsigned char)*name < 0x20 || *name == 0x7f ? '?' : *name);
+}
+
+static void print_node(const char *node, const char *name)
+{
+    if (!has_node(node, name)) return;
+    fputs("  node", stdout);
+    print_name(node);
+}
+
+/// Three coordinates; far from the origin as many digits as tell them apart.
+static void print_point(rsv_vec3 p, const double origin[3], int digits)
+{
+    bool far = origin[0] != 0 || origin[1] != 0 || origin[2] != 0;
+    digits = far ? 12 : digits;
+    printf("%.*g %.*g %.*g", digits, placed(p.x, origin[0]), digits, placed(p.y, origin[1]), digits,
+        placed(p.z, origin[2]));
 }
 
 static void print_rgb(const char *label, rsv_rgb c)
@@ -275,6 +313,7 @@ static void print_lights(const rsv_scene_view *view)
     for (size_t i = 0; i < view->light_count; i++) {
         const rsv_light *light = &view->light[i];
         print_name(light->name);
+        print_node(view->light_node[i], light->name);
         printf("  %s", light_kind_name(light->kind));
         print_rgb(light->kind == RSV_LIGHT_DIRECTIONAL ? "W/m2" : "W/sr", light->intensity);
         putchar('\n');
@@ -297,8 +336,10 @@ static void print_cameras(const rsv_scene_view *view)
         const rsv_camera *camera = &view->camera[i];
         rsv_vec3 p = camera->position, f = camera->forward;
         print_name(camera->name);
-        printf("  at (%.4g %.4g %.4g) towards (%.3g %.3g %.3g)", tidy(p.x), tidy(p.y), tidy(p.z),
-            tidy(f.x), tidy(f.y), tidy(f.z));
+        print_node(view->camera_node[i], camera->name);
+        fputs("  at (", stdout);
+        print_point(p, view->origin, 4);
+        printf(") towards (%.3g %.3g %.3g)", tidy(f.x), tidy(f.y), tidy(f.z));
         if (camera->vertical_fov > 0)
             printf(", %.4g degrees high\n", degrees(camera->vertical_fov));
         else
@@ -324,8 +365,11 @@ static void print_text(const char *name, const cli_subject *subject, const total
     rsv_vec3 low = view->bounds_min, high = view->bounds_max;
     printf("%s: %zu triangles, %zu vertices, %.6g m2\n", name, view->triangle_count,
         view->vertex_count, t->area);
-    printf("bounds: (%.6g %.6g %.6g) to (%.6g %.6g %.6g) m\n", low.x, low.y, low.z, high.x, high.y,
-        high.z);
+    fputs("bounds: (", stdout);
+    print_point(low, view->origin, 6);
+    fputs(") to (", stdout);
+    print_point(high, view->origin, 6);
+    fputs(") m\n", stdout);
     print_objects(view, t);
     print_materials(view, t);
     print_lights(view);

@@ -133,6 +133,7 @@ static int run(cli_session *session, const settings *s, const cli_points *points
         cli_error("out of memory for %zu points", points->count);
         goto cleanup;
     }
+    cli_place_points(points, subject.scene);
     rsv_status status =
         read_light(session, s, points, readings, &subject, &certificate, &time_render);
     if (status != RSV_OK)

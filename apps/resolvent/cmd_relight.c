@@ -85,6 +85,20 @@ typedef struct settings {
 
 // ---- options --------------------------------------------------------------------------------------
 
+/// Where a light is to be added, of the scene's file: in double, as the scene may lie far from its origin.
+static rsv_vec3 place_of_added(const char *item, const rsv_scene *scene)
+{
+    const double *origin = rsv_scene_get_view(scene)->origin;
+    const char *next = strrchr(item, '=');
+    double at[3] = { 0 };
+    for (int axis = 0; axis < 3 && next; axis++) {
+        char *end;
+        at[axis] = strtod(next + 1, &end) - origin[axis];
+        next = end;
+    }
+    return (rsv_vec3){ (float)at[0], (float)at[1], (float)at[2] };
+}
+
 /// The changes that options ask for; false after saying what is wrong.
 static bool read_changes(settings *s)
 {
@@ -343,8 +357,11 @@ static rsv_status relight(const settings *s, const cli_subject *subject)
 {
     rsv_relighter *relighter = NULL;
     rsv_status status = rsv_relighter_create(subject->solution, &relighter);
-    for (size_t k = 0; k < s->added.count && status == RSV_OK; k++)
-        status = rsv_relighter_add_light(relighter, &s->add[k]);
+    for (size_t k = 0; k < s->added.count && status == RSV_OK; k++) {
+        rsv_light light = s->add[k];
+        light.position = place_of_added(s->added.item[k], subject->scene);
+        status = rsv_relighter_add_light(relighter, &light);
+    }
     if (status == RSV_OK) status = rsv_relighter_change(relighter, &s->relight);
     if (status == RSV_OK) status = rsv_relighter_settle(relighter);
     rsv_relighter_destroy(relighter);

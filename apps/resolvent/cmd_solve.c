@@ -112,6 +112,7 @@ static rsv_status print_eigenvalues(const settings *s, const rsv_solution *solut
 
 static bool choose_goal(const settings *s, const rsv_scene *scene, rsv_solve_desc *desc)
 {
+    cli_place_points(&s->sensors, scene);
     desc->goal_points = s->sensors.probe;
     desc->goal_point_count = s->sensors.count;
     if (!s->goal) return true;

@@ -187,12 +187,25 @@ bool cli_read_points(const char *path, cli_points *points)
     return good;
 }
 
+void cli_place_points(const cli_points *points, const rsv_scene *scene)
+{
+    const double *origin = rsv_scene_get_view(scene)->origin;
+    for (size_t i = 0; i < points->count; i++) {
+        const double *given = points->given[i];
+        points->probe[i].position = (rsv_vec3){ (float)(given[0] - origin[0]),
+            (float)(given[1] - origin[1]), (float)(given[2] - origin[2]) };
+    }
+}
+
 void cli_free_points(cli_points *points)
 {
     free(points->probe);
     free(points->given);
     *points = (cli_points){ 0 };
 }
+
+/// As many digits as a coordinate may have come with: far from the origin those behind the point count, too.
+static int digits_of(double value) { return fabs(value) < 1e4 ? 9 : 15; }
 
 bool cli_write_readings(
     const char *path, const cli_points *points, const rsv_probe_reading *readings)
@@ -204,8 +217,9 @@ bool cli_write_readings(
     for (size_t i = 0; stream && i < points->count; i++) {
         const double *p = points->given[i];
         rsv_rgb e = readings[i].irradiance, d = readings[i].standard_error;
-        fprintf(stream, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", p[0], p[1],
-            p[2], p[3], p[4], p[5], e.r, e.g, e.b, d.r, d.g, d.b);
+        fprintf(stream, "%.*g,%.*g,%.*g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+            digits_of(p[0]), p[0], digits_of(p[1]), p[1], digits_of(p[2]), p[2], p[3], p[4], p[5],
+            e.r, e.g, e.b, d.r, d.g, d.b);
     }
     bool complete = stream && !ferror(stream);
     if (stream && fclose(stream) != 0) complete = false;

@@ -17,6 +17,9 @@ typedef struct cli_points {
 bool cli_read_points(const char *path, cli_points *points);
 void cli_free_points(cli_points *points);
 
+/// Makes probes of points of the scene's file: less the origin that was taken out of the scene.
+void cli_place_points(const cli_points *points, const rsv_scene *scene);
+
 /// Writes the points with r,g,b,err_r,err_g,err_b. Says what went wrong on standard error.
 bool cli_write_readings(
     const char *path, const cli_points *points, const rsv_probe_reading *readings);

@@ -92,6 +92,7 @@ typedef struct rsv_probe_reading {
     rsv_rgb standard_error; ///< W/m2, from independent randomisations
 } rsv_probe_reading;
 
+/// Of scenes far from the origin, probes are less rsv_scene_view.origin, as all coordinates are.
 /// @param samples gather rays (operator) or paths (reference) per probe; rounded up to 32 equal groups
 RSV_API rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mode,
     const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,

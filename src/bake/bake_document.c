@@ -212,6 +212,37 @@ cJSON *rsv_bake_extension(rsv_bake_document *d, cJSON *parent, const char *name)
     return rsv_bake_object(d, rsv_bake_object(d, parent, "extensions"), name);
 }
 
+/// Removes member `name` of `object` if nothing is left in it.
+static void remove_empty(cJSON *object, const char *name)
+{
+    const cJSON *emptied = cJSON_GetObjectItemCaseSensitive(object, name);
+    if (emptied && !emptied->child) cJSON_DeleteItemFromObjectCaseSensitive(object, name);
+}
+
+void rsv_bake_remove_extension(cJSON *object, const char *name)
+{
+    cJSON_DeleteItemFromObjectCaseSensitive(
+        cJSON_GetObjectItemCaseSensitive(object, "extensions"), name);
+    remove_empty(object, "extensions");
+}
+
+static void unlist(cJSON *root, const char *list, const char *name)
+{
+    cJSON *names = cJSON_GetObjectItemCaseSensitive(root, list), *entry, *next;
+    for (entry = names ? names->child : NULL; entry; entry = next) {
+        next = entry->next;
+        if (cJSON_IsString(entry) && strcmp(entry->valuestring, name) == 0)
+            cJSON_Delete(cJSON_DetachItemViaPointer(names, entry));
+    }
+    remove_empty(root, list);
+}
+
+void rsv_bake_unlist_extension(rsv_bake_document *d, const char *name)
+{
+    unlist(d->root, "extensionsUsed", name);
+    unlist(d->root, "extensionsRequired", name);
+}
+
 int rsv_bake_add_view(rsv_bake_document *d, const void *data, size_t bytes, int target)
 {
     size_t begin = append_bytes(d, data, bytes);

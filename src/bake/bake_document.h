@@ -40,6 +40,10 @@ void rsv_bake_string(
 int rsv_bake_append(rsv_bake_document *document, cJSON *array, cJSON *item);
 /// An object for extension `name` of `parent`, which is listed as used.
 cJSON *rsv_bake_extension(rsv_bake_document *document, cJSON *parent, const char *name);
+/// Takes extension `name` out of an object, and its "extensions" if nothing else is left there.
+void rsv_bake_remove_extension(cJSON *object, const char *name);
+/// Takes an extension that nothing uses any more out of the file's lists.
+void rsv_bake_unlist_extension(rsv_bake_document *document, const char *name);
 
 /// Appends data as a buffer view of its own. @param target one of the two above, 0 = neither @return its index
 int rsv_bake_add_view(rsv_bake_document *document, const void *data, size_t bytes, int target);

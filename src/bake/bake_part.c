@@ -1,19 +1,11 @@
 #include "bake_part.h"
 
 #include "../io/gltf_accessor.h"
-#include "../io/matrix.h"
 #include "../scene/scene.h"
 #include "bake_side.h"
 
 #include <stdio.h>
 #include <string.h>
-
-typedef struct walker {
-    const rsv_bake_document *document;
-    rsv_bake_parts *parts;
-    double (*world)[16]; ///< [node_count]
-    uint32_t *pending;   ///< [node_count]
-} walker;
 
 // ---- geometry -------------------------------------------------------------------------------------
 
@@ -58,70 +50,29 @@ cleanup:
     return status;
 }
 
-static bool mirrors(const double m[16])
-{
-    double x = m[5] * m[10] - m[6] * m[9], y = m[6] * m[8] - m[4] * m[10];
-    double z = m[4] * m[9] - m[5] * m[8];
-    return m[0] * x + m[1] * y + m[2] * z < 0;
-}
-
-// ---- nodes ----------------------------------------------------------------------------------------
-
 /// The primitives that loading a scene turns into instances, in the same order.
-static rsv_status add_parts(walker *w, uint32_t index)
+static rsv_status add_parts(
+    const rsv_bake_document *d, const rsv_gltf_parts *shown, rsv_bake_parts *parts)
 {
     rsv_status status = RSV_OK;
-    const rsv_gltf_document *gltf = w->document->gltf;
-    const rsv_gltf_node *node = &gltf->node[index];
-    if (node->mesh < 0) return RSV_OK;
-    const rsv_gltf_mesh *mesh = &gltf->mesh[node->mesh];
-    for (size_t k = 0; k < mesh->primitive_count; k++) {
-        const rsv_gltf_primitive *primitive = &mesh->primitive[k];
-        if (primitive->position < 0 || primitive->mode < RSV_GLTF_TRIANGLES ||
-            primitive->mode > RSV_GLTF_TRIANGLE_FAN)
-            continue;
-        rsv_bake_parts *parts = w->parts;
-        RSV_TRY(rsv_grow(parts->context, (void **)&parts->part, &parts->capacity, parts->count + 1,
-            sizeof *parts->part));
-        rsv_bake_part *part = &parts->part[parts->count];
-        *part = (rsv_bake_part){ .node = index,
-            .mesh = (uint32_t)node->mesh,
-            .primitive = (uint32_t)k,
-            .instance = (uint32_t)parts->count,
-            .mirrored = mirrors(w->world[index]) };
-        snprintf(part->label, sizeof part->label, "%.100s, primitive %zu", mesh->name, k);
-        parts->count++;
-        RSV_TRY(read_part(w->document, primitive, part));
+    parts->part = rsv_alloc(parts->context, shown->count, sizeof *parts->part);
+    if (!parts->part) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < shown->count; k++) {
+        const rsv_gltf_part *from = &shown->part[k];
+        const rsv_gltf_mesh *mesh = &d->gltf->mesh[from->mesh];
+        rsv_bake_part *part = &parts->part[parts->count++];
+        *part = (rsv_bake_part){ .node = from->node,
+            .mesh = from->mesh,
+            .primitive = from->primitive,
+            .copy = from->copy,
+            .instance = (uint32_t)k,
+            .mirrored = from->mirrored };
+        snprintf(
+            part->label, sizeof part->label, "%.100s, primitive %u", mesh->name, part->primitive);
+        RSV_TRY(read_part(d, &mesh->primitive[from->primitive], part));
     }
 cleanup:
     return status;
-}
-
-static void push_nodes(
-    walker *w, const int *node, size_t count, const double *parent, size_t *pending)
-{
-    static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
-    for (size_t k = count; k-- > 0;) {
-        rsv_matrix_multiply(
-            parent ? parent : identity, w->document->gltf->node[node[k]].local, w->world[node[k]]);
-        w->pending[(*pending)++] = (uint32_t)node[k];
-    }
-}
-
-/// Loading the scene has shown that nodes form a forest.
-static rsv_status walk(walker *w)
-{
-    const rsv_gltf_document *gltf = w->document->gltf;
-    size_t pending = 0;
-    push_nodes(w, gltf->root, gltf->root_count, NULL, &pending);
-    while (pending) {
-        uint32_t index = w->pending[--pending];
-        const rsv_gltf_node *node = &gltf->node[index];
-        rsv_status status = add_parts(w, index);
-        if (status != RSV_OK) return status;
-        push_nodes(w, node->child, node->child_count, w->world[index], &pending);
-    }
-    return RSV_OK;
 }
 
 /// Tells each part which triangles of the scene are its own.
@@ -160,21 +111,14 @@ rsv_status rsv_bake_parts_create(
     const rsv_bake_document *d, const rsv_light_view *solution, rsv_bake_parts *parts)
 {
     rsv_status status;
-    size_t nodes = d->gltf->node_count;
     *parts = (rsv_bake_parts){ .context = d->context };
-    walker w = { .document = d,
-        .parts = parts,
-        .world = rsv_alloc(d->context, nodes, sizeof *w.world),
-        .pending = rsv_alloc(d->context, nodes, sizeof *w.pending) };
-    RSV_TRY(w.world && w.pending ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(walk(&w));
+    RSV_TRY(rsv_gltf_parts_create(d->context, d->gltf, &parts->shown));
+    RSV_TRY(add_parts(d, &parts->shown, parts));
     RSV_TRY(match(d, solution->scene.scene, parts));
     RSV_TRY(check_lit(d, solution, parts));
     for (size_t k = 0; k < parts->count; k++)
         RSV_TRY(rsv_bake_choose_sides(solution, &parts->part[k]));
 cleanup:
-    rsv_free(d->context, w.world);
-    rsv_free(d->context, w.pending);
     if (status != RSV_OK) rsv_bake_parts_destroy(parts);
     return status;
 }
@@ -188,5 +132,6 @@ void rsv_bake_parts_destroy(rsv_bake_parts *parts)
         rsv_free(parts->context, parts->part[k].back);
     }
     rsv_free(parts->context, parts->part);
+    if (parts->shown.context) rsv_gltf_parts_destroy(&parts->shown);
     *parts = (rsv_bake_parts){ .context = parts->context };
 }

@@ -2,14 +2,16 @@
 #ifndef RSV_BAKE_PART_H
 #define RSV_BAKE_PART_H
 
+#include "../io/gltf_part.h"
 #include "../solve/solution.h"
 #include "bake_document.h"
 
 typedef struct rsv_bake_part {
     uint32_t node, mesh, primitive; ///< of the file
-    uint32_t instance;              ///< of the scene
-    bool mirrored;                  ///< its node turns the winding
-    char label[160];                ///< for messages
+    uint32_t copy;     ///< of EXT_mesh_gpu_instancing, in `shown`; RSV_NONE = the node itself
+    uint32_t instance; ///< of the scene
+    bool mirrored;     ///< its winding is turned
+    char label[160];   ///< for messages
     // of the primitive, in its own space
     rsv_vec3 *position; ///< [vertex_count]
     size_t vertex_count;
@@ -21,8 +23,9 @@ typedef struct rsv_bake_part {
 
 typedef struct rsv_bake_parts {
     rsv_context *context;
-    rsv_bake_part *part;
-    size_t count, capacity;
+    rsv_bake_part *part; ///< [count], as in `shown`
+    size_t count;
+    rsv_gltf_parts shown; ///< what loading the file shows
 } rsv_bake_parts;
 
 /// Lists the parts in the order of the scene's instances. RSV_ERROR_ARGUMENT if the scene was not loaded from

@@ -3,6 +3,7 @@
 #include "../core/vec.h"
 #include "../io/gltf_accessor.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static cJSON *item(const cJSON *parent, const char *name)
@@ -29,15 +30,63 @@ static void count_uses(const cJSON *nodes, uint32_t *uses, size_t mesh_count)
 }
 
 /// The mesh that a node shows alone: a copy, if others show it too.
-static cJSON *own_mesh(rsv_bake_document *d, const rsv_bake_part *part, bool shared)
+static cJSON *own_mesh(rsv_bake_document *d, const rsv_bake_part *part, int node, bool shared)
 {
     cJSON *meshes = item(d->root, "meshes");
     cJSON *mesh = cJSON_GetArrayItem(meshes, (int)part->mesh);
     if (!shared) return mesh;
     cJSON *copy = cJSON_Duplicate(mesh, true);
     int index = rsv_bake_append(d, meshes, copy);
-    rsv_bake_number(d, cJSON_GetArrayItem(item(d->root, "nodes"), (int)part->node), "mesh", index);
+    rsv_bake_number(d, cJSON_GetArrayItem(item(d->root, "nodes"), node), "mesh", index);
     return copy;
+}
+
+// ---- instances become nodes -----------------------------------------------------------------------
+
+static const char instancing[] = "EXT_mesh_gpu_instancing";
+
+/// A node below that of an instanced mesh, for one of the instances: each gets light of its own. @return its index
+static int add_instance_node(
+    rsv_bake_document *d, const rsv_bake_parts *parts, uint32_t of, size_t k)
+{
+    const rsv_bake_part *part = &parts->part[k];
+    char name[160];
+    cJSON *node = cJSON_CreateObject(), *matrix = cJSON_CreateArray(),
+          *parent = cJSON_GetArrayItem(item(d->root, "nodes"), (int)part->node);
+    snprintf(name, sizeof name, "%.100s, instance %u", d->gltf->node[part->node].name,
+        part->copy - parts->shown.first_copy[part->node]);
+    for (int i = 0; i < 16; i++)
+        rsv_bake_append(d, matrix, cJSON_CreateNumber(parts->shown.copy[part->copy][i]));
+    rsv_bake_string(d, node, "name", name);
+    rsv_bake_number(d, node, "mesh", (double)of);
+    if (!node || !cJSON_AddItemToObject(node, "matrix", matrix)) d->exhausted = true;
+    int index = rsv_bake_append(d, rsv_bake_array(d, d->root, "nodes"), node);
+    rsv_bake_append(d, rsv_bake_array(d, parent, "children"), cJSON_CreateNumber(index));
+    return index;
+}
+
+/// Puts nodes in the place of EXT_mesh_gpu_instancing. @param node [parts->count] out: which shows each part
+static void unfold_instances(rsv_bake_document *d, const rsv_bake_parts *parts, int *node)
+{
+    for (size_t k = 0; k < parts->count; k++) {
+        const rsv_bake_part *part = &parts->part[k];
+        bool same = k > 0 && part[-1].node == part->node && part[-1].copy == part->copy;
+        node[k] = part->copy == RSV_NONE ? (int)part->node
+                  : same                 ? node[k - 1]
+                                         : add_instance_node(d, parts, part->mesh, k);
+    }
+    for (size_t k = 0; k < parts->count; k++) {
+        if (parts->part[k].copy == RSV_NONE) continue;
+        cJSON *json = cJSON_GetArrayItem(item(d->root, "nodes"), (int)parts->part[k].node);
+        cJSON_DeleteItemFromObjectCaseSensitive(json, "mesh");
+        rsv_bake_remove_extension(json, instancing);
+    }
+    const cJSON *json; // those that are hidden keep it
+    cJSON_ArrayForEach(json, item(d->root, "nodes"))
+    {
+        if (item(item(json, "extensions"), instancing)) return;
+    }
+    rsv_bake_unlist_extension(d, instancing);
 }
 
 rsv_status rsv_bake_separate(rsv_bake_document *d, const rsv_bake_parts *parts, cJSON ***primitive)
@@ -45,12 +94,15 @@ rsv_status rsv_bake_separate(rsv_bake_document *d, const rsv_bake_parts *parts, 
     rsv_status status;
     size_t meshes = d->gltf->mesh_count;
     uint32_t *uses = rsv_alloc(d->context, meshes, sizeof *uses);
+    int *node = rsv_alloc(d->context, parts->count, sizeof *node);
     cJSON **json = rsv_alloc(d->context, parts->count, sizeof *json), *mesh = NULL;
-    RSV_TRY(uses && json ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(uses && json && node ? RSV_OK : RSV_ERROR_MEMORY);
+    unfold_instances(d, parts, node);
     count_uses(item(d->root, "nodes"), uses, meshes);
     for (size_t k = 0; k < parts->count; k++) {
         const rsv_bake_part *part = &parts->part[k];
-        if (k == 0 || part[-1].node != part->node) mesh = own_mesh(d, part, uses[part->mesh] > 1);
+        if (k == 0 || node[k - 1] != node[k])
+            mesh = own_mesh(d, part, node[k], uses[part->mesh] > 1);
         json[k] = cJSON_GetArrayItem(item(mesh, "primitives"), (int)part->primitive);
         RSV_TRY(json[k] ? RSV_OK : rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory", d->path));
     }
@@ -58,6 +110,7 @@ rsv_status rsv_bake_separate(rsv_bake_document *d, const rsv_bake_parts *parts, 
     json = NULL;
 cleanup:
     rsv_free(d->context, uses);
+    rsv_free(d->context, node);
     rsv_free(d->context, json);
     return status;
 }

@@ -2,6 +2,7 @@
 #include "resolvent/bake.h"
 
 #include "../io/atomic_file.h"
+#include "../opfile/exchange.h"
 #include "../render/probe_grid.h"
 #include "bake_basis.h"
 #include "bake_desc.h"
@@ -44,12 +45,14 @@ static rsv_status write_bytes(
 static char *describe(const rsv_probe_grid *g, const char *data_name)
 {
     size_t bytes = g->count * sizeof *g->coefficient;
+    const double *from = g->solution->scene.view->origin;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "format", "resolvent-probes");
     cJSON_AddNumberToObject(root, "format_version", 1);
     cJSON_AddStringToObject(root, "units", "W/(sr m2), linear RGB; metres, y up");
     add_vector(root, "size", g->size[0], g->size[1], g->size[2]);
-    add_vector(root, "origin", (double)g->origin.x, (double)g->origin.y, (double)g->origin.z);
+    add_vector(root, "origin", (double)g->origin.x + from[0], (double)g->origin.y + from[1],
+        (double)g->origin.z + from[2]);
     add_vector(root, "spacing", (double)g->spacing.x, (double)g->spacing.y, (double)g->spacing.z);
     cJSON_AddStringToObject(root, "data", data_name);
     cJSON *sh = cJSON_AddObjectToObject(root, "coefficients");
@@ -105,6 +108,7 @@ static rsv_status describe_grid(const rsv_bake_reader *reader, rsv_tensor_file *
     RSV_TRY(rsv_tensor_add(file, "probe.origin", RSV_TENSOR_F32, 1, &three, &g->origin));
     RSV_TRY(rsv_tensor_add(file, "probe.spacing", RSV_TENSOR_F32, 1, &three, &g->spacing));
     RSV_TRY(rsv_tensor_add(file, "probe.valid", RSV_TENSOR_U8, 1, &g->count, g->valid));
+    RSV_TRY(rsv_write_origin(file, g->solution->scene.view));
 cleanup:
     return status;
 }

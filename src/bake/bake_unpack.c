@@ -64,24 +64,6 @@ static void move_accessors(rsv_bake_document *d, int first)
     }
 }
 
-/// Removes member `name` of `object` if nothing is left in it.
-static void remove_empty(cJSON *object, const char *name)
-{
-    const cJSON *emptied = member(object, name);
-    if (emptied && !emptied->child) cJSON_DeleteItemFromObjectCaseSensitive(object, name);
-}
-
-static void unlist(cJSON *root, const char *list)
-{
-    cJSON *names = member(root, list), *entry, *next;
-    for (entry = names ? names->child : NULL; entry; entry = next) {
-        next = entry->next;
-        if (cJSON_IsString(entry) && strcmp(entry->valuestring, draco) == 0)
-            cJSON_Delete(cJSON_DetachItemViaPointer(names, entry));
-    }
-    remove_empty(root, list);
-}
-
 void rsv_bake_unpack(rsv_bake_document *d)
 {
     cJSON *views = member(d->root, "bufferViews"), *mesh, *primitive;
@@ -93,10 +75,8 @@ void rsv_bake_unpack(rsv_bake_document *d)
     {
         cJSON_ArrayForEach(primitive, member(mesh, "primitives"))
         {
-            cJSON_DeleteItemFromObjectCaseSensitive(member(primitive, "extensions"), draco);
-            remove_empty(primitive, "extensions");
+            rsv_bake_remove_extension(primitive, draco);
         }
     }
-    unlist(d->root, "extensionsUsed");
-    unlist(d->root, "extensionsRequired");
+    rsv_bake_unlist_extension(d, draco);
 }

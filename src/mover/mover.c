@@ -87,10 +87,10 @@ rsv_status rsv_mover_place(rsv_mover *m, rsv_vec3 offset, float turn)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "mover: its place must be within 1e6 m and its turn finite");
     float angle = fmodf(turn, 360) * (RSV_PI / 180);
-    m->offset = offset;
+    m->offset = v3_add(m->base, offset);
     m->sine = sinf(angle);
     m->cosine = cosf(angle);
-    m->ball.centre = v3_add(m->middle, offset);
+    m->ball.centre = v3_add(m->middle, m->offset);
     light_vertices(m);
     return RSV_OK;
 }
@@ -117,7 +117,10 @@ static void set_body(rsv_mover *m)
 {
     const rsv_scene_view *b = m->body;
     m->middle = v3_scale(v3_add(b->bounds_min, b->bounds_max), 0.5f);
-    m->ball.centre = m->middle;
+    const double *own = b->origin, *room = m->solution->scene.view->origin;
+    m->base = m->offset =
+        v3((float)(own[0] - room[0]), (float)(own[1] - room[1]), (float)(own[2] - room[2]));
+    m->ball.centre = v3_add(m->middle, m->offset);
     for (size_t v = 0; v < b->vertex_count; v++)
         m->ball.radius = f_max(m->ball.radius, v3_length(v3_sub(b->position[v], m->middle)));
     for (size_t k = 0; k < b->material_count; k++)

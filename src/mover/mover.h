@@ -22,11 +22,12 @@ struct rsv_mover {
     rsv_rgb *irradiance; ///< [vertex_count]
     rsv_rgb *albedo;     ///< [material_count]
     rsv_vec3 middle;     ///< that it turns about
-    rsv_vec3 offset;
-    float sine, cosine; ///< of the turn
-    rsv_ball ball;      ///< around it, in the world
-    rsv_ball lamps;     ///< around all sources
-    bool lamps_bounded; ///< false: some are infinitely far away
+    rsv_vec3 offset;     ///< from where its scene has it, in the coordinates of the solution's
+    rsv_vec3 base;       ///< what of that is due to the two scenes' origins
+    float sine, cosine;  ///< of the turn
+    rsv_ball ball;       ///< around it, in the world
+    rsv_ball lamps;      ///< around all sources
+    bool lamps_bounded;  ///< false: some are infinitely far away
 };
 
 /// Between the world and the body's scene; lengths are kept.

@@ -7,6 +7,8 @@
 
 rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene);
 rsv_status rsv_read_scene(rsv_tensor_file *file, rsv_scene **scene);
+/// Notes what was taken out of the coordinates of a scene far from its origin; of others nothing.
+rsv_status rsv_write_origin(rsv_tensor_file *file, const rsv_scene_view *scene);
 
 /// The text of a note that is a JSON object of numbers: the fields of a struct by name.
 typedef enum rsv_field_kind {

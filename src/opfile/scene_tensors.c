@@ -122,6 +122,53 @@ static rsv_status read_struct_names(rsv_tensor_file *file, const char *note, voi
     read_struct_names(                                                                             \
         file, note, rows, offsetof(__typeof__(*(rows)), name), sizeof *(rows), count, list)
 
+// ---- where it is, and by which nodes --------------------------------------------------------------
+
+static const rsv_field origin_fields[] = {
+    { "x", RSV_FIELD_DOUBLE, offsetof(rsv_scene_view, origin[0]), sizeof(double) },
+    { "y", RSV_FIELD_DOUBLE, offsetof(rsv_scene_view, origin[1]), sizeof(double) },
+    { "z", RSV_FIELD_DOUBLE, offsetof(rsv_scene_view, origin[2]), sizeof(double) },
+};
+
+rsv_status rsv_write_origin(rsv_tensor_file *file, const rsv_scene_view *view)
+{
+    if (view->origin[0] == 0 && view->origin[1] == 0 && view->origin[2] == 0) return RSV_OK;
+    return rsv_write_fields(file, "scene.origin", origin_fields, COUNT_OF(origin_fields), view);
+}
+
+/// Names of nodes; none where each is that of what the node placed. @param own [count], `stride` bytes apart
+static rsv_status write_nodes(rsv_tensor_file *file, const char *note, const char *const *node,
+    const void *own, size_t stride, size_t count)
+{
+    bool any = false;
+    const char **name = rsv_alloc(file->context, count, sizeof *name);
+    if (!name) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < count; k++) {
+        const char *of_itself = *(const char *const *)((const char *)own + k * stride);
+        name[k] = node[k] ? node[k] : "";
+        any = any || (node[k] && strcmp(node[k], of_itself) != 0);
+    }
+    rsv_status status = any ? rsv_write_names(file, note, name, count) : RSV_OK;
+    rsv_free(file->context, name);
+    return status;
+}
+
+#define WRITE_NODES(file, note, nodes, rows, count)                                                \
+    write_nodes(file, note, nodes, &(rows)->name, sizeof *(rows), count)
+
+/// @param node out: [count], to be freed; "" = none
+static rsv_status read_nodes(
+    rsv_tensor_file *file, const char *note, size_t count, const char ***node, cJSON **list)
+{
+    if (!rsv_note_get(file, note)) return RSV_OK;
+    *node = rsv_alloc(file->context, count, sizeof **node);
+    if (!*node) return RSV_ERROR_MEMORY;
+    rsv_status status = rsv_read_names(file, note, count, *node, list);
+    for (size_t k = 0; status == RSV_OK && k < count; k++)
+        if (!*(*node)[k]) (*node)[k] = NULL;
+    return status;
+}
+
 // ---- writing --------------------------------------------------------------------------------------
 
 static rsv_status write_texture_uses(rsv_tensor_file *file, const rsv_scene_view *view)
@@ -218,9 +265,13 @@ rsv_status rsv_write_scene(rsv_tensor_file *file, const rsv_scene *scene)
     rsv_tensor_prefix(file, "scene.light.");
     RSV_TRY(WRITE_TABLE(file, light_columns, view.light, view.light_count));
     RSV_TRY(WRITE_NAMES(file, "scene.light.name", view.light, view.light_count));
+    RSV_TRY(WRITE_NODES(file, "scene.light.node", view.light_node, view.light, view.light_count));
     rsv_tensor_prefix(file, "scene.camera.");
     RSV_TRY(WRITE_TABLE(file, camera_columns, view.camera, view.camera_count));
     RSV_TRY(WRITE_NAMES(file, "scene.camera.name", view.camera, view.camera_count));
+    RSV_TRY(
+        WRITE_NODES(file, "scene.camera.node", view.camera_node, view.camera, view.camera_count));
+    RSV_TRY(rsv_write_origin(file, &view));
     RSV_TRY(write_texture_uses(file, &view));
     RSV_TRY(write_textures(file, &view));
     RSV_TRY(write_environment(file, view.environment));
@@ -230,7 +281,17 @@ cleanup:
 
 // ---- reading --------------------------------------------------------------------------------------
 
-enum { OBJECT_NAMES, MATERIAL_NAMES, LIGHT_NAMES, CAMERA_NAMES, TEXTURE_NAMES, SKY_NAME, LISTS };
+enum {
+    OBJECT_NAMES,
+    MATERIAL_NAMES,
+    LIGHT_NAMES,
+    LIGHT_NODES,
+    CAMERA_NAMES,
+    CAMERA_NODES,
+    TEXTURE_NAMES,
+    SKY_NAME,
+    LISTS
+};
 
 /// What has been read so far; the scene copies it.
 typedef struct scene_reader {
@@ -239,7 +300,7 @@ typedef struct scene_reader {
     rsv_material *material;
     rsv_light *light;
     rsv_camera *camera;
-    const char **object_name;
+    const char **object_name, **light_node, **camera_node;
     rsv_texture_parts *texture;
     rsv_texture_desc *desc; ///< [texture_count]
     texture_use *use;       ///< by material
@@ -359,10 +420,17 @@ static rsv_status read_tables(scene_reader *r)
     rsv_tensor_prefix(r->file, "scene.camera.");
     RSV_TRY(READ_TABLE(r->file, camera_columns, r->camera, &cameras));
     RSV_TRY(READ_NAMES(r->file, "scene.camera.name", r->camera, cameras, &r->list[CAMERA_NAMES]));
+    RSV_TRY(read_nodes(r->file, "scene.light.node", lights, &r->light_node, &r->list[LIGHT_NODES]));
+    RSV_TRY(
+        read_nodes(r->file, "scene.camera.node", cameras, &r->camera_node, &r->list[CAMERA_NODES]));
+    if (rsv_note_get(r->file, "scene.origin"))
+        RSV_TRY(
+            rsv_read_fields(r->file, "scene.origin", origin_fields, COUNT_OF(origin_fields), view));
     if (cameras == 0) RSV_TRY(rsv_tensor_fail(r->file, "position", "lists no camera"));
     view->material = r->material, view->material_count = materials;
     view->light = r->light, view->light_count = lights;
     view->camera = r->camera, view->camera_count = cameras;
+    view->light_node = r->light_node, view->camera_node = r->camera_node;
 cleanup:
     return status;
 }
@@ -372,7 +440,8 @@ static void free_reader(scene_reader *r)
     const rsv_scene_view *view = &r->parts.view;
     const void *arrays[] = { view->position, view->normal, view->uv[0], view->uv[1], view->tangent,
         view->color, view->triangle, view->triangle_material, view->triangle_object, r->material,
-        r->light, r->camera, r->object_name, r->texture, r->desc, r->use, r->ref, r->environment };
+        r->light, r->camera, r->object_name, r->light_node, r->camera_node, r->texture, r->desc,
+        r->use, r->ref, r->environment };
     for (size_t k = 0; k < COUNT_OF(arrays); k++)
         rsv_free(r->file->context, (void *)arrays[k]);
     for (int k = 0; k < LISTS; k++)

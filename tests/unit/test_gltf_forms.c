@@ -1,6 +1,8 @@
 /// Forms that a glTF mesh takes beside its plain one: morph targets, skins, instances; and what is hidden.
 #include "gltf_fixture.h"
 
+#include "scene/material_at.h"
+
 #define SQUARE "\"attributes\":{\"POSITION\":0},\"indices\":1"
 
 static rsv_scene *load_sketch(fixture *f, const folder *place, const sketch *s, const char *rest)
@@ -497,6 +499,48 @@ static void lights_and_cameras_know_their_nodes(void **state)
     remove_folder(place.path);
 }
 
+// ---- opacity --------------------------------------------------------------------------------------
+
+/// How many of a square's points are cut out. @param alpha of its vertices
+static size_t count_holes(
+    fixture *f, const folder *place, float alpha, const char *factor, const char *cutoff)
+{
+    sketch s = square_sketch();
+    float color[16];
+    char rest[1024];
+    for (int k = 0; k < 16; k++)
+        color[k] = k % 4 == 3 ? alpha : 1;
+    add_vectors(&s, color, 4, 4);
+    snprintf(rest, sizeof rest,
+        "\"materials\":[{\"alphaMode\":\"MASK\",\"alphaCutoff\":%s,\"pbrMetallicRoughness\":{"
+        "\"baseColorFactor\":[1,1,1,%s]}}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
+        "\"POSITION\":0,\"COLOR_0\":2},\"indices\":1,\"material\":0}]}],\"nodes\":[{\"mesh\":0}]",
+        cutoff, factor);
+    rsv_scene *scene = load(f, write_sketch(place, &s, rest));
+    size_t holes = 0;
+    for (int k = 0; k < 10000; k++) {
+        float u = 0.0099f * (float)(k % 100), v = 0.0099f * (float)(k / 100) * (1 - u);
+        holes += rsv_is_cut_out(rsv_scene_get_view(scene), (uint32_t)k % 2, u, v);
+    }
+    rsv_scene_destroy(scene);
+    return holes;
+}
+
+static void opacity_equal_to_the_cutoff_is_opaque(void **state)
+{
+    static const struct {
+        float alpha;
+        const char *factor, *cutoff;
+    } equal[] = { { 0.5f, "0.5", "0.25" }, { 0.3f, "0.7", "0.21" }, { 0.1f, "1", "0.1" },
+        { 0.9f, "0.9", "0.81" }, { 1, "0.3", "0.3" }, { 1.0f / 3, "0.6", "0.2" } };
+    folder place = new_folder();
+    for (size_t k = 0; k < sizeof equal / sizeof *equal; k++)
+        assert_int_equal(
+            count_holes(*state, &place, equal[k].alpha, equal[k].factor, equal[k].cutoff), 0);
+    assert_int_equal(count_holes(*state, &place, 0.4999f, "0.5", "0.25"), 10000);
+    remove_folder(place.path);
+}
+
 #define FORM_TEST(function)                                                                        \
     cmocka_unit_test_setup_teardown(function, fixture_setup, fixture_teardown)
 
@@ -523,6 +567,7 @@ int main(void)
         FORM_TEST(hidden_nodes_neither_show_nor_shine),
         FORM_TEST(lights_of_an_unknown_type_are_left_out_by_name),
         FORM_TEST(lights_and_cameras_know_their_nodes),
+        FORM_TEST(opacity_equal_to_the_cutoff_is_opaque),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

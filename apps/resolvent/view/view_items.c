@@ -262,6 +262,7 @@ bool cli_view_add_light(cli_view_state *s, const cli_view_command *c, char *prob
         return cli_view_fail(problem, "there is no room for one more light '%.60s'", c->text);
     if (cli_view_find_item(s, name) < s->item_count)
         return cli_view_fail(problem, "there is a '%.100s' already", name);
+    const double *from = s->scene->origin; // numbers are those of the scene's file
     char *own = s->added_name[s->added_count++];
     memcpy(own, c->text, strlen(c->text) + 1);
     s->selected = s->item_count++;
@@ -269,7 +270,8 @@ bool cli_view_add_light(cli_view_state *s, const cli_view_command *c, char *prob
         .name = own,
         .color = { 1, 1, 1 },
         .scale = 1,
-        .home = { c->number[0], c->number[1], c->number[2] },
+        .home = { (float)(c->number[0] - from[0]), (float)(c->number[1] - from[1]),
+            (float)(c->number[2] - from[2]) },
         .glow = { 1, 1, 1 },
         .movable = true };
     s->home[s->selected].scale = 0; // `reset` switches it off

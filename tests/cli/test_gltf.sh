@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# A glTF file near and far from its origin: pictures, operators, probes and bakes agree; lights answer to their nodes.
+source "$(dirname "$0")/support.sh"
+command -v python3 >/dev/null || exit 77
+
+# close A B: the same picture but for roundings
+close() {
+    succeeds compare "$1" "$2"
+    awk '/^rmse/ { exit !($2 < 1e-4) }' stdout || complain "$1 and $2 differ by $(head -n 1 stdout)"
+}
+
+differ() {
+    succeeds compare "$1" "$2"
+    awk '/^rmse/ { exit !($2 > 0.01) }' stdout
+}
+
+solving=(--quality draft --max-elements 600)
+small=(--size 32x24 --spp 1)
+far=(448262.5 51 5411932.25)
+python3 "$here/make_gltf.py" near.gltf
+python3 "$here/make_gltf.py" km22.gltf 22000 0 0
+python3 "$here/make_gltf.py" far.gltf "${far[@]}"
+
+# -- what is there
+
+succeeds info far.gltf
+says 'bounds: (448260.5 51 5411929.75) to (448264.5 54 5411934.75) m'
+says 'crates, instance 2  12 triangles'
+says 'bulb  node  middle  point'
+says 'lens  node  top  at (448262.5 53.8 5411932.25)'
+says 'punctual lights: 3'
+warns 'note: 1 nodes (first: .off.) are hidden by KHR_node_visibility'
+grep -q warning stderr && complain "an ordinary file is warned of"
+
+# -- pictures of all modes
+
+for name in near far; do
+    succeeds solve $name.gltf -o $name.safetensors "${solving[@]}"
+    for mode in final operator; do
+        succeeds render $name.safetensors -o $name-$mode.exr --mode $mode "${small[@]}"
+    done
+done
+for name in near km22 far; do
+    for mode in reference occlusion; do
+        succeeds render $name.gltf -o $name-$mode.exr --mode $mode "${small[@]}"
+    done
+    [[ $name == near ]] || close near-reference.exr $name-reference.exr
+done
+for mode in final operator occlusion; do
+    close near-$mode.exr far-$mode.exr
+done
+succeeds render far.safetensors -o top.exr --mode operator --camera top "${small[@]}"
+refuses 1 'has no camera' render far.safetensors -o "$out/a.exr" --camera bottom "${small[@]}"
+
+# -- operator files keep places and nodes
+
+for light in left bulb; do
+    succeeds relight far.safetensors -o far-$light.exr --light $light=0 --mode operator "${small[@]}"
+done
+differ far-operator.exr far-left.exr || complain "the light at node 'left' cannot be switched off by itself"
+differ far-left.exr far-bulb.exr || complain "lights of one name cannot be switched off together"
+refuses 1 "'bulb' of node 'right'" relight far.safetensors -o "$out/a.exr" --light nobody=0
+succeeds info far.safetensors
+says 'bulb  node  middle  point'
+says 'bounds: (448260.5 51 5411929.75)'
+
+# -- points are the file's
+
+printf '0.5,0,0.25,0,1,0\n' >near.csv
+printf '448263,51,5411932.5,0,1,0\n' >far.csv
+for name in near far; do
+    succeeds probe $name.safetensors --points $name.csv -o $name-read.csv
+done
+grep -q '^448263,51,5411932.5,' far-read.csv || complain "points come back as $(tail -n 1 far-read.csv)"
+awk -F, 'FNR == 2 { value[++n] = $7 } END { d = value[1] - value[2]; exit !(d < 1e-4 && d > -1e-4 && value[1] > 0) }' \
+    near-read.csv far-read.csv || complain "probes differ: $(tail -qn 1 near-read.csv far-read.csv)"
+succeeds bake far.gltf -o probes.json --to probes --spacing 2 "${solving[@]}"
+grep -q '"origin":.*\[44826' probes.json || complain "probes are at $(grep origin probes.json)"
+
+# -- baked files are where the file was; instances become nodes, each with light of its own
+
+succeeds bake far.gltf -o baked.glb --to vertex "${solving[@]}"
+succeeds info baked.glb
+says 'bounds: (448260.5 51 5411929.75) to (448264.5 54 5411934.75) m'
+says 'crates, instance 2'
+grep -a -q EXT_mesh_gpu_instancing baked.glb && complain "a baked file still has instances"
+
+finish
