@@ -27,7 +27,7 @@ static const char help[] =
     "  -o FILE            the picture or operator file; repeat it for more than one\n"
     "  --light NAME=SCALE[,R,G,B]  multiply a light by SCALE, or by SCALE times R, G, B; NAME is "
     "a\n"
-    "                     punctual light or a material that emits\n"
+    "                     punctual light, its node, or a material that emits\n"
     "  --albedo MATERIAL=R,G,B  another base color for a plain diffuse material\n"
     "  --move NAME=X,Y,Z  a light in another place, so many metres from where it is; lamps take "
     "their\n"
