@@ -227,8 +227,44 @@ void convert_node_extensions(const json &source, rsv_gltf_node &node)
                      node.instancing.scale >= 0;
 }
 
+/// Things of one kind that something is wrong with: told in one line.
+struct group {
+    size_t count = 0;
+    std::string first;
+
+    void add(const std::string &name)
+    {
+        if (!count++) first = name;
+    }
+
+    void tell(owned_document &document, const std::string &many, const std::string &what) const
+    {
+        if (count == 1) note(document, RSV_LOG_WARNING, first + ": " + what);
+        if (count > 1)
+            note(document, RSV_LOG_WARNING,
+                std::to_string(count) + " " + many + " (first: " + first + "): " + what);
+    }
+};
+
+bool has_more_than_matrix(const json &node)
+{
+    return member(node, "matrix").is_array() &&
+           (member(node, "translation").is_array() || member(node, "rotation").is_array() ||
+               member(node, "scale").is_array());
+}
+
+/// Makes the last row of a matrix that of one that moves, turns, scales and shears. @return whether it was, but for roundings
+bool make_affine(double m[16])
+{
+    const double off = std::fabs(m[3]) + std::fabs(m[7]) + std::fabs(m[11]) + std::fabs(m[15] - 1);
+    m[3] = m[7] = m[11] = 0;
+    m[15] = 1;
+    return off <= 1e-6;
+}
+
 void convert_nodes(owned_document &document)
 {
+    group both, skewed;
     for (const json &source : list(document.tree, "nodes")) {
         rsv_gltf_node node{};
         node.name = keep_label(document, source, "node", document.nodes.size());
@@ -239,8 +275,12 @@ void convert_nodes(owned_document &document)
         node.weight = keep_weights(document, source, &node.weight_count);
         convert_node_extensions(source, node);
         local_transform(source, node.name, node.local);
+        if (has_more_than_matrix(source)) both.add(label(source, "node", document.nodes.size()));
+        if (!make_affine(node.local)) skewed.add(label(source, "node", document.nodes.size()));
         document.nodes.push_back(node);
     }
+    both.tell(document, "nodes", "translation, rotation and scale are ignored beside a matrix");
+    skewed.tell(document, "nodes", "the last row of the matrix is not 0, 0, 0, 1, and is ignored");
 }
 
 /// The default scene, else the first, else every node that is nobody's child.
@@ -357,13 +397,20 @@ bool light_kind(const std::string &type, rsv_light_kind &kind)
     return true;
 }
 
-void convert_cone(const json &source, rsv_light &light)
+/// Angles of a cone, brought into their range. @return whether they had to be
+bool convert_cone(const json &source, rsv_light &light)
 {
-    const double quarter_pi = 0.78539816339744831;
+    const double quarter_pi = 0.78539816339744831, half_pi = 2 * quarter_pi;
     const json &spot = member(source, "spot");
-    light.inner_cone_angle = static_cast<float>(number(spot, "innerConeAngle", 0));
-    light.outer_cone_angle = static_cast<float>(number(spot, "outerConeAngle", quarter_pi));
+    const double inner = number(spot, "innerConeAngle", 0);
+    const double outer = number(spot, "outerConeAngle", quarter_pi);
+    const double widest = std::min(std::max(outer, 0.0), half_pi);
+    const double narrow = std::min(std::max(inner, 0.0), widest);
+    light.inner_cone_angle = static_cast<float>(narrow);
+    light.outer_cone_angle = static_cast<float>(widest);
     light.exponent = static_cast<float>(number(member(source, "extras"), "cosExponent", 0));
+    return inner > outer || narrow < inner - 1e-6 || widest < outer - 1e-6 || inner < 0 ||
+           outer < 0;
 }
 
 void convert_light(owned_document &document, const json &source)
@@ -371,32 +418,35 @@ void convert_light(owned_document &document, const json &source)
     double factor[3] = { 1, 1, 1 };
     rsv_gltf_light light{};
     const double intensity = number(source, "intensity", 1);
-    const std::string type = text(source, "type"), name = text(source, "name");
-    light.value.name = keep(document, name);
+    const std::string type = text(source, "type");
+    const std::string owner = label(source, "light", document.lights.size());
+    light.value.name = keep(document, text(source, "name"));
     light.known = light_kind(type, light.value.kind);
     if (!light.known)
         note(document, RSV_LOG_WARNING,
-            label(source, "light", document.lights.size()) + ": its type '" + shown(type) +
-                "' is not in the format; it is left out");
-    exact_numbers(source, "color", 3, factor, "light '" + name + "'");
+            owner + ": its type '" + shown(type) + "' is not in the format; it is left out");
+    exact_numbers(source, "color", 3, factor, owner);
+    if (light.known && std::min(std::min(factor[0], factor[1]), factor[2]) * intensity < 0) {
+        note(document, RSV_LOG_WARNING, owner + ": it takes light away; it is left out");
+        light.known = false;
+    }
     light.value.intensity = { static_cast<float>(factor[0] * intensity),
         static_cast<float>(factor[1] * intensity), static_cast<float>(factor[2] * intensity) };
-    if (light.value.kind == RSV_LIGHT_SPOT) convert_cone(source, light.value);
+    if (light.value.kind == RSV_LIGHT_SPOT && convert_cone(source, light.value))
+        note(document, RSV_LOG_WARNING,
+            owner + ": its cone is not in the format (0 <= inner <= outer <= pi/2), and is brought "
+                    "into it");
     document.lights.push_back(light);
 }
 
 /// Light falls off by the square of the distance, for ever.
 void note_ranges(owned_document &document, const json &lights)
 {
-    size_t count = 0, first = 0;
-    for (size_t k = lights.size(); k-- > 0;)
-        if (member(lights[k], "range").is_number()) count++, first = k;
-    if (count)
-        note(document, RSV_LOG_WARNING,
-            "the range of " + std::to_string(count) +
-                (count == 1 ? " light (" : " lights (first: ") +
-                label(lights[first], "light", first) +
-                ") is ignored: light reaches as far as nothing is in its way");
+    group ranged;
+    for (size_t k = 0; k < lights.size(); k++)
+        if (member(lights[k], "range").is_number()) ranged.add(label(lights[k], "light", k));
+    ranged.tell(
+        document, "lights", "the range is ignored: light reaches as far as nothing is in its way");
 }
 
 void convert_lights(owned_document &document)

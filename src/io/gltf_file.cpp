@@ -307,7 +307,8 @@ void check_required_extensions(const json &root)
         "KHR_mesh_quantization", "KHR_node_visibility", "KHR_texture_transform",
         "KHR_xmp_json_ld" };
     for (const json &entry : list(root, "extensionsRequired")) {
-        const std::string name = entry.is_string() ? entry.get<std::string>() : std::string();
+        if (!entry.is_string()) continue; // find_unread() tells
+        const std::string name = entry.get<std::string>();
         bool found = false;
         for (const char *candidate : known)
             found = found || name == candidate;

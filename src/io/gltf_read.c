@@ -9,6 +9,7 @@
 #include "matrix.h"
 #include "scene_read.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -101,6 +102,23 @@ static rsv_status find_joints(reader *r, int skin, const rsv_gltf_joints **joint
     return found->matrix ? RSV_OK : rsv_gltf_joints_create(&r->parts, (size_t)skin, found);
 }
 
+/// Textures that a mesh has no coordinates for show one texel everywhere.
+static void check_coordinates(
+    const reader *r, const rsv_gltf_geometry *g, int reference, const char *owner)
+{
+    if (reference < 0) return;
+    const rsv_gltf_material *material = &r->document->material[reference];
+    for (size_t k = 0; k < material->texture_count; k++) {
+        uint32_t set = material->texture[k].ref.uv_set;
+        if (g->uv[set]) continue;
+        rsv_log(r->context, RSV_LOG_WARNING,
+            "mesh '%s': material '%s' has textures by TEXCOORD_%u, which the mesh lacks: they are "
+            "of one colour",
+            owner, material->value.name, set);
+        return;
+    }
+}
+
 /// Adds a primitive to the scene, bent and morphed as one part shows it.
 static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
@@ -120,6 +138,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
         RSV_TRY(find_joints(r, node->skin, &joints));
         RSV_TRY(rsv_gltf_bend(joints, r->document, primitive, label, part->mirrored, &g));
     }
+    check_coordinates(r, &g, primitive->material, label);
     RSV_TRY(add_geometry(r, &g, label, material, id));
 cleanup:
     rsv_gltf_release_geometry(r->context, &g);
@@ -214,19 +233,31 @@ static rsv_vec3 column_of(const double m[16], int column)
     return v3((float)c[0], (float)c[1], (float)c[2]);
 }
 
+/// What a node cannot show does not keep the rest from being shown.
+static rsv_status leave_out(
+    const reader *r, const rsv_gltf_node *node, const char *what, const char *why)
+{
+    rsv_log(
+        r->context, RSV_LOG_WARNING, "node '%s': its %s is left out: %s", node->name, what, why);
+    return RSV_OK;
+}
+
 static rsv_status add_camera(reader *r, const rsv_gltf_node *node, const double world[16])
 {
     if (!refers(node->camera, r->document->camera_count))
         return rsv_fail(
             RSV_ERROR_FORMAT, "node '%s': camera %d does not exist", node->name, node->camera);
     rsv_camera camera = r->document->camera[node->camera];
+    bool perspective = camera.vertical_fov > 0 && camera.vertical_fov < RSV_PI;
+    bool orthographic = camera.vertical_fov == 0 && camera.vertical_extent > 0;
     if (!*camera.name) camera.name = node->name;
+    if ((!perspective && !orthographic) || !(camera.aspect >= 0 && isfinite(camera.aspect)))
+        return leave_out(r, node, "camera", "its lens shows nothing (yfov, ymag or aspect)");
     camera.forward = v3_neg(v3_normalize(column_of(world, 2)));
     camera.right = v3_normalize(v3_cross(camera.forward, column_of(world, 1)));
     camera.up = v3_cross(camera.right, camera.forward);
     if (v3_length(camera.right) == 0)
-        return rsv_fail(RSV_ERROR_FORMAT, "node '%s': its transform leaves the camera no direction",
-            node->name);
+        return leave_out(r, node, "camera", "its transform leaves it no direction");
     return rsv_scene_place_camera(r->scene, &camera, world + 12, node->name);
 }
 
@@ -239,6 +270,8 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
+    if (light.kind != RSV_LIGHT_POINT && v3_length(light.direction) == 0)
+        return leave_out(r, node, "light", "its transform leaves it no direction");
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
 }
 
@@ -270,14 +303,25 @@ static void count_in(group *g, bool is_in, const char *name)
     if (is_in && !g->count++) g->first = name;
 }
 
+/// Whether a node has a skin for a mesh that is bound to no joints.
+static bool is_stiff(const rsv_gltf_document *document, const rsv_gltf_node *node)
+{
+    if (node->skin < 0 || node->mesh < 0) return false;
+    const rsv_gltf_mesh *mesh = &document->mesh[node->mesh];
+    for (size_t k = 0; k < mesh->primitive_count; k++)
+        if (mesh->primitive[k].influence_count) return false;
+    return true;
+}
+
 static void name_groups(const reader *r)
 {
-    group hidden = { 0 }, bent = { 0 }, loose = { 0 };
+    group hidden = { 0 }, bent = { 0 }, loose = { 0 }, stiff = { 0 };
     for (size_t k = 0; k < r->parts.order_count; k++) {
         const rsv_gltf_node *node = &r->document->node[r->parts.order[k]];
         count_in(&hidden, node->hidden, node->name);
         count_in(&bent, node->instanced && node->skin >= 0, node->name);
         count_in(&loose, node->instanced && node->mesh < 0, node->name);
+        count_in(&stiff, is_stiff(r->document, node), node->name);
     }
     if (hidden.count)
         rsv_log(r->context, RSV_LOG_INFO,
@@ -287,6 +331,11 @@ static void name_groups(const reader *r)
         rsv_log(r->context, RSV_LOG_WARNING,
             "%zu nodes (first: '%s') have instances and a skin: they are shown once, by the skin",
             bent.count, bent.first);
+    if (stiff.count)
+        rsv_log(r->context, RSV_LOG_WARNING,
+            "%zu nodes (first: '%s') have a skin, but their mesh has no joints and weights: they "
+            "are shown where they are",
+            stiff.count, stiff.first);
     if (loose.count)
         rsv_log(r->context, RSV_LOG_WARNING, "%zu nodes (first: '%s') have instances of no mesh",
             loose.count, loose.first);

@@ -430,7 +430,7 @@ void finder::walk_extensions(const json &extensions, const place &at)
 void finder::walk(const place &at)
 {
     for (const auto &entry : at.value->items()) {
-        if (entry.key() == "extras") continue;
+        if (entry.key() == "extras" || entry.value().is_null()) continue; // null is absent
         if (entry.key() == "extensions") {
             walk_extensions(entry.value(), at);
             continue;

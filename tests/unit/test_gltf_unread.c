@@ -178,12 +178,95 @@ static void each_is_named_once_with_how_many_it_affects(void **state)
         "attribute 'TEXCOORD_2' is ignored: a primitive of mesh 0\n",
         "attribute '_ID' is ignored: a primitive of mesh 0\n",
         "warning: property 'skin' has a value that is not in the format, and is ignored: node 1\n",
-        "warning: the range of 2 lights (first: light 'a') is ignored",
+        "warning: 2 lights (first: light 'a'): the range is ignored",
     };
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++)
         assert_mentions(f->log, expected[k]);
     assert_int_equal(count_mentions(f->log, "MSFT_lod"), 1);
     assert_null(strstr(f->log, "KHR_mesh_quantization"));
+    remove_folder(place.path);
+}
+
+#define PLAIN_MESH                                                                                 \
+    "\"meshes\":[{\"name\":\"m\",\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1%"  \
+    "s}]}],"
+#define LAMP(light)                                                                                \
+    "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"name\":\"l\"," light                  \
+    "}]}},\"nodes\":[{"                                                                            \
+    "\"name\":\"n\",\"mesh\":0,\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}]"
+#define CAMERA(camera, node)                                                                       \
+    "\"cameras\":[{" camera "}],\"nodes\":[{\"mesh\":0},{\"name\":\"n\",\"camera\":0" node "}]"
+
+/// What cannot be shown as it is said is told, and the rest is shown.
+static void oddities_are_told_and_the_rest_is_shown(void **state)
+{
+    static const struct {
+        const char *primitive, *rest, *told;
+        size_t lights;
+    } cases[] = {
+        { "", LAMP("\"type\":\"point\",\"intensity\":-5"), "light 'l': it takes light away", 0 },
+        { "", LAMP("\"type\":\"spot\",\"spot\":{\"innerConeAngle\":1,\"outerConeAngle\":0.5}"),
+            "light 'l': its cone is not in the format", 1 },
+        { "", LAMP("\"type\":\"spot\",\"spot\":{\"outerConeAngle\":2}"),
+            "light 'l': its cone is not in the format", 1 },
+        { "", LAMP("\"type\":\"spot\",\"spot\":{\"innerConeAngle\":0.5,\"outerConeAngle\":0.5}"),
+            "", 1 },
+        { "", LAMP("\"intensity\":5"), "light 'l': its type '' is not in the format", 0 },
+        { "",
+            "\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"spot\"}]}},\"nodes\":"
+            "[{"
+            "\"mesh\":0},{\"name\":\"n\",\"scale\":[0,0,0],\"extensions\":{\"KHR_lights_punctual\":"
+            "{"
+            "\"light\":0}}}]",
+            "node 'n': its light is left out: its transform leaves it no direction", 0 },
+        { "", CAMERA("\"type\":\"perspective\",\"perspective\":{\"yfov\":0}", ""),
+            "node 'n': its camera is left out: its lens", 0 },
+        { "", CAMERA("\"type\":\"orthographic\",\"orthographic\":{\"xmag\":1,\"ymag\":0}", ""),
+            "node 'n': its camera is left out: its lens", 0 },
+        { "", CAMERA("\"type\":\"perspective\",\"perspective\":{\"yfov\":1}", ",\"scale\":[0,0,0]"),
+            "node 'n': its camera is left out: its transform", 0 },
+        { "", "\"skins\":[{\"joints\":[0]}],\"nodes\":[{\"name\":\"n\",\"mesh\":0,\"skin\":0}]",
+            "1 nodes (first: 'n') have a skin, but their mesh has no joints", 0 },
+        { "",
+            "\"nodes\":[{\"name\":\"n\",\"mesh\":0,\"translation\":[1,2,3],\"matrix\":[1,0,0,0,0,1,"
+            "0,0,"
+            "0,0,1,0,0,0,0,1]}]",
+            "node 'n': translation, rotation and scale are ignored beside a matrix", 0 },
+        { "",
+            "\"nodes\":[{\"name\":\"n\",\"mesh\":0,\"matrix\":[1,0,0,0.5,0,1,0,0,0,0,1,0,0,0,0,2]}"
+            "]",
+            "node 'n': the last row of the matrix", 0 },
+        { ",\"material\":0", "\"materials\":[{\"alphaMode\":\"CLIP\"}],\"nodes\":[{\"mesh\":0}]",
+            "its alphaMode 'CLIP' is not in the format", 0 },
+        { ",\"material\":0",
+            "\"materials\":[{\"name\":\"p\",\"emissiveTexture\":{\"index\":7,\"texCoord\":1}}],"
+            "\"nodes\":"
+            "[{\"mesh\":0}]",
+            "material 'p' has textures by TEXCOORD_1, which the mesh lacks", 0 },
+        { ",\"material\":null",
+            "\"nodes\":[{\"mesh\":0,\"camera\":null,\"name\":null,\"children\":null}]", "", 0 },
+        { "", "\"extensionsRequired\":[7],\"nodes\":[{\"mesh\":0}]",
+            "property 'extensionsRequired' has a value that is not in the format", 0 },
+        { "",
+            "\"scenes\":[{\"nodes\":[0]},{\"name\":\"b\",\"nodes\":[0]}],\"scene\":1,\"nodes\":[{"
+            "\"mesh\":0}]",
+            "it holds 2 scenes: scene 'b' is shown", 0 },
+    };
+    fixture *f = *state;
+    folder place = new_folder();
+    const sketch s = square_sketch();
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char rest[2048];
+        int head = snprintf(rest, sizeof rest, PLAIN_MESH, cases[k].primitive);
+        snprintf(rest + head, sizeof rest - (size_t)head, "%s", cases[k].rest);
+        f->log[0] = 0;
+        rsv_scene *scene = load(f, write_sketch(&place, &s, rest));
+        assert_mentions(f->log, cases[k].told);
+        if (!*cases[k].told) assert_null(strstr(f->log, "warning"));
+        assert_bounds(scene, v3(0, 0, 0), v3(1, 1, 0));
+        assert_int_equal(rsv_scene_get_view(scene)->light_count, cases[k].lights);
+        rsv_scene_destroy(scene);
+    }
     remove_folder(place.path);
 }
 
@@ -224,6 +307,7 @@ int main(void)
         UNREAD_TEST(unknown_extensions_and_properties_are_named_on_every_object),
         UNREAD_TEST(extensions_are_named_with_their_objects),
         UNREAD_TEST(each_is_named_once_with_how_many_it_affects),
+        UNREAD_TEST(oddities_are_told_and_the_rest_is_shown),
         UNREAD_TEST(hostile_variety_is_cut_short),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
