@@ -9,7 +9,8 @@
 extern "C" {
 #endif
 
-/// A source by the name of its punctual light or emissive material; "environment" is the surroundings.
+/// A source by the name of its punctual light or emissive material, or, if none is called so, of the node that placed the
+/// light; "environment" is the surroundings. All sources of a name are meant.
 typedef struct rsv_light_scale {
     const char *name;
     rsv_rgb scale; ///< factors of its strength, 0..1e6; of the surroundings: all three alike
@@ -76,6 +77,7 @@ typedef struct rsv_relight_source {
     rsv_rgb scale;     ///< present
     rsv_vec3 position; ///< present; of a lamp, the mean of its vertices
     bool movable;
+    const char *node; ///< that placed a light: means it alone where several share a name; NULL = none
 } rsv_relight_source;
 
 RSV_API size_t rsv_relighter_source_count(const rsv_relighter *relighter);

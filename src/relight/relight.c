@@ -110,7 +110,8 @@ rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
         .strength = r->strength[k],
         .scale = r->now.scale[k],
         .position = v3_add(r->place[k].centre, r->now.offset[k]),
-        .movable = !distant && !stored };
+        .movable = !distant && !stored,
+        .node = source->node };
 }
 
 rsv_status rsv_solution_relight(rsv_solution *s, const rsv_relight_desc *desc)

@@ -47,14 +47,25 @@ static void list_object(cli_view_state *s, const rsv_scene_view *body)
         .movable = true };
 }
 
+/// Whether more than one source has this name.
+static bool is_shared(const rsv_relighter *relighter, const char *name)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < rsv_relighter_source_count(relighter); k++)
+        count += strcmp(rsv_relighter_source(relighter, k).name, name) == 0;
+    return count > 1;
+}
+
 void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter, const rsv_scene *body)
 {
     size_t sources = rsv_relighter_source_count(relighter);
     for (size_t k = 0; k < sources; k++) {
         rsv_relight_source source = rsv_relighter_source(relighter, k);
+        bool by_node = source.node && is_shared(relighter, source.name);
         s->home[s->item_count++] = (cli_view_item){
             .kind = is_surroundings(s, k, sources) ? CLI_VIEW_ENVIRONMENT : CLI_VIEW_LIGHT,
-            .name = source.name,
+            .name = by_node ? source.node : source.name,
+            .shared = by_node ? source.name : NULL,
             .color = { 1, 1, 1 },
             .scale = 1,
             .home = source.position,
@@ -89,7 +100,14 @@ size_t cli_view_find_item(const cli_view_state *s, const char *name)
     char own[CLI_VIEW_TEXT_LENGTH];
     for (; k < s->item_count; k++) {
         cli_view_item_name(&s->item[k], own);
-        if (strcmp(own, name) == 0) break;
+        if (strcmp(own, name) == 0) return k;
+    }
+    for (k = 0; k < s->item_count; k++) {
+        const cli_view_item *item = &s->item[k];
+        size_t prefix = strlen(prefix_of(item->kind));
+        if (item->shared && strncmp(name, prefix_of(item->kind), prefix) == 0 &&
+            strcmp(name + prefix, item->shared) == 0)
+            break;
     }
     return k;
 }

@@ -168,11 +168,17 @@ static bool toggle(cli_view_state *s, const char *name, char *problem)
 
 static bool set_camera(cli_view_state *s, const char *name, char *problem)
 {
-    for (size_t k = 0; k < s->scene->camera_count; k++)
-        if (strcmp(s->scene->camera[k].name, name) == 0) {
-            s->camera = s->scene->camera[k];
-            return true;
-        }
+    size_t count = s->scene->camera_count, k = 0;
+    while (k < count && strcmp(s->scene->camera[k].name, name) != 0)
+        k++;
+    for (size_t n = 0; k == count && n < count; n++) {
+        const char *node = s->scene->camera_node[n];
+        if (node && strcmp(node, name) == 0) k = n;
+    }
+    if (k < count) {
+        s->camera = s->scene->camera[k];
+        return true;
+    }
     return cli_view_fail(problem, "the scene has no camera '%.100s'", name);
 }
 

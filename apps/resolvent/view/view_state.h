@@ -28,10 +28,12 @@ typedef enum cli_view_kind {
 /// Something whose light or colour can be changed.
 typedef struct cli_view_item {
     cli_view_kind kind;
-    const char *name; ///< borrowed from the scene
-    rsv_rgb color;    ///< factors of a light, base colour of a material
-    float scale;      ///< of a light
-    rsv_vec3 offset;  ///< likewise, from `home`
+    const char
+        *name; ///< borrowed from the scene; of a node, where lights share a name of their own
+    const char *shared; ///< that name; NULL = `name` is its own
+    rsv_rgb color;      ///< factors of a light, base colour of a material
+    float scale;        ///< of a light
+    rsv_vec3 offset;    ///< likewise, from `home`
     rsv_vec3 home;
     rsv_rgb glow; ///< a light's own colour, the largest component 1
     bool movable;
