@@ -249,16 +249,13 @@ static rsv_status add_node(reader *r, const struct aiNode *node, const double wo
 {
     rsv_status status = RSV_OK;
     char name[RSV_NAME_BYTES];
-    float placed[16];
     rsv_assimp_name(&node->mName, "", name);
-    for (int i = 0; i < 16; i++)
-        placed[i] = (float)world[i];
     for (unsigned i = 0; i < node->mNumMeshes; i++) {
         if (node->mMeshes[i] >= r->file->mNumMeshes)
             return rsv_fail(
                 RSV_ERROR_FORMAT, "node '%s': mesh %u does not exist", name, node->mMeshes[i]);
         uint32_t id = r->mesh_id[node->mMeshes[i]];
-        if (id != RSV_NONE) rsv_send_instance(r->to, id, placed, *name ? name : NULL);
+        if (id != RSV_NONE) rsv_send_instance(r->to, id, world, *name ? name : NULL);
     }
     const struct aiLight *light = find_named(r->light_node, r->file->mNumLights, &node->mName);
     if (light) add_light(r, light, world);

@@ -1,6 +1,7 @@
 #include "scene_parts.h"
 
 #include "../core/core.h"
+#include "../scene/scene.h"
 
 #include <string.h>
 
@@ -59,7 +60,7 @@ void rsv_send_mesh(FILE *to, const rsv_mesh_desc *mesh)
     send(to, mesh->indices, mesh->triangle_count, 3 * sizeof *mesh->indices);
 }
 
-void rsv_send_instance(FILE *to, uint32_t mesh, const float transform[16], const char *name)
+void rsv_send_instance(FILE *to, uint32_t mesh, const double transform[16], const char *name)
 {
     send_head(to, (part_head){ .kind = INSTANCE, .number = mesh }, name);
     send(to, transform, 16, sizeof *transform);
@@ -149,9 +150,10 @@ static rsv_status receive_mesh(parcel *p, const part_head *head, const char *nam
 
 static rsv_status receive_instance(parcel *p, const part_head *head, const char *name)
 {
-    const float *transform = take(p, 16, sizeof *transform);
-    if (!transform) return fail_astray();
-    return rsv_scene_add_instance(p->scene, head->number, transform, name);
+    double transform[16]; // records are aligned to less than doubles are
+    rsv_status status = take_value(p, transform, sizeof transform);
+    if (status != RSV_OK) return status;
+    return rsv_scene_place_instance(p->scene, head->number, transform, name);
 }
 
 static rsv_status receive_light(parcel *p, const char *name)

@@ -13,7 +13,7 @@ void rsv_send_log(FILE *to, rsv_log_level level, const char *message);
 void rsv_send_material(FILE *to, const rsv_material *material);
 /// Without texture coordinates, tangents and colours.
 void rsv_send_mesh(FILE *to, const rsv_mesh_desc *mesh);
-void rsv_send_instance(FILE *to, uint32_t mesh, const float transform[16], const char *name);
+void rsv_send_instance(FILE *to, uint32_t mesh, const double transform[16], const char *name);
 void rsv_send_light(FILE *to, const rsv_light *light);
 void rsv_send_camera(FILE *to, const rsv_camera *camera);
 

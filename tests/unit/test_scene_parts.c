@@ -23,7 +23,7 @@ static void send_all(FILE *to)
     static const rsv_vec3 position[3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     static const rsv_vec3 normal[3] = { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0.6f, 0.8f } };
     static const uint32_t index[3] = { 0, 1, 2 };
-    static const float moved[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1 };
+    static const double moved[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1 };
     rsv_material material = rsv_default_material();
     material.name = "clay";
     material.base_color = (rsv_rgb){ 0.25f, 0.5f, 0.75f };
