@@ -196,7 +196,7 @@ cleanup:
 
 static rsv_vec3 turn(const double m[16], const double offset[3], rsv_vec3 v)
 {
-    double r[3];
+    double r[3] = { 0 };
     for (int i = 0; i < 3; i++)
         r[i] = m[i] * (double)v.x + m[4 + i] * (double)v.y + m[8 + i] * (double)v.z + offset[i];
     return v3((float)r[0], (float)r[1], (float)r[2]);
