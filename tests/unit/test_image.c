@@ -425,6 +425,92 @@ static void hdr_reads_runs_and_exposure(void **state)
     rsv_image_destroy(image);
 }
 
+/// A Radiance picture of flat pixels under a header of its own.
+static void write_hdr(const char *path, const char *header, const uint8_t (*code)[4], size_t count)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fprintf(file, "#?RADIANCE\n%s", header);
+    assert_int_equal(fwrite(code, 4, count, file), count);
+    fclose(file);
+}
+
+/// Three columns and two rows; the red of a pixel says where it belongs: 16 (x + 1) + 64 y.
+static void hdr_stands_upright_however_its_lines_run(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        int red[6]; // as they lie in the file, in units of 16
+    } form[] = { { "-Y 2 +X 3", { 1, 2, 3, 5, 6, 7 } }, { "-Y 2 -X 3", { 3, 2, 1, 7, 6, 5 } },
+        { "+Y 2 +X 3", { 5, 6, 7, 1, 2, 3 } }, { "+Y 2 -X 3", { 7, 6, 5, 3, 2, 1 } },
+        { "+X 3 -Y 2", { 1, 5, 2, 6, 3, 7 } }, { "+X 3 +Y 2", { 5, 1, 6, 2, 7, 3 } },
+        { "-X 3 -Y 2", { 3, 7, 2, 6, 1, 5 } }, { "-X 3 +Y 2", { 7, 3, 6, 2, 5, 1 } } };
+    for (size_t k = 0; k < sizeof form / sizeof *form; k++) {
+        uint8_t code[6][4];
+        char header[64];
+        for (int i = 0; i < 6; i++)
+            memcpy(code[i], ((uint8_t[4]){ (uint8_t)(16 * form[k].red[i]), 200, 0, 136 }), 4);
+        snprintf(header, sizeof header, "FORMAT=32-bit_rle_rgbe\n\n%s\n", form[k].line);
+        write_hdr(path_of("turned.hdr"), header, (const uint8_t(*)[4])code, 6);
+        rsv_image *image = read_image(path_of("turned.hdr"));
+        assert_int_equal(rsv_image_width(image), 3);
+        assert_int_equal(rsv_image_height(image), 2);
+        for (int i = 0; i < 6; i++)
+            assert_float_equal(
+                rsv_image_const_pixels(image, 0)[i].r, 16 * (i % 3 + 1) + 64 * (i / 3), 0);
+        rsv_image_destroy(image);
+    }
+    static const uint8_t black[6][4];
+    write_hdr(path_of("odd.hdr"), "\n-Y 2 +Y 3\n", black, 6);
+    expect_failure(path_of("odd.hdr"), RSV_ERROR_UNSUPPORTED, "'-Y 2 +Y 3'");
+    write_hdr(path_of("none.hdr"), "\n+X 0 -Y 3\n", black, 6);
+    expect_failure(path_of("none.hdr"), RSV_ERROR_FORMAT, "size 0 x 3");
+}
+
+/// X, Y, Z of the white of sRGB (D65), and of its red.
+static void hdr_of_xyz_becomes_linear_srgb(void **state)
+{
+    (void)state;
+    static const uint8_t code[2][4] = { { 122, 128, 139, 129 }, { 106, 54, 5, 128 } };
+    write_hdr(path_of("xyz.hdr"), "FORMAT=32-bit_rle_xyze\nEXPOSURE=0.5\n\n-Y 1 +X 2\n", code, 2);
+    rsv_image *image = read_image(path_of("xyz.hdr"));
+    const rsv_rgb *pixel = rsv_image_const_pixels(image, 0);
+    assert_float_equal(
+        pixel[0].r, 2, 0.03); // a mantissa is known to 0.4 %, times what the matrix has
+    assert_float_equal(pixel[0].g, 2, 0.03);
+    assert_float_equal(pixel[0].b, 2, 0.03);
+    assert_float_equal(pixel[1].r, 2, 0.03);
+    assert_float_equal(pixel[1].g, 0, 0.03);
+    assert_float_equal(pixel[1].b, 0, 0.03);
+    rsv_image_destroy(image);
+}
+
+static void hdr_headers_of_other_programs_are_understood(void **state)
+{
+    (void)state;
+    static const uint8_t code[1][4] = { { 128, 64, 32, 129 } };
+    write_hdr(path_of("more.hdr"),
+        "# made by hand\nVIEW= -vtv\nEXPOSURE=2\nEXPOSURE= 2\nCOLORCORR= 1 2 4\nPIXASPECT=1.0\n"
+        "FORMAT= 32-bit_rle_rgbe \nGAMMA=1\n\n-Y 1 +X 1\n",
+        code, 1);
+    rsv_image *image = read_image(path_of("more.hdr"));
+    rsv_rgb pixel = rsv_image_const_pixels(image, 0)[0];
+    assert_float_equal(pixel.r, 0.25, 0);
+    assert_float_equal(pixel.g, 0.0625, 0);
+    assert_float_equal(pixel.b, 0.015625, 0);
+    rsv_image_destroy(image);
+    write_hdr(path_of("e.hdr"), "EXPOSURE=-1\n\n-Y 1 +X 1\n", code, 1);
+    expect_failure(path_of("e.hdr"), RSV_ERROR_FORMAT, "invalid EXPOSURE");
+    write_hdr(path_of("c.hdr"), "COLORCORR=1 2\n\n-Y 1 +X 1\n", code, 1);
+    expect_failure(path_of("c.hdr"), RSV_ERROR_FORMAT, "invalid COLORCORR");
+    static const uint8_t bright[1][4] = { { 255, 1, 0, 255 } };
+    write_hdr(path_of("bright.hdr"), "EXPOSURE=1e-9\n\n-Y 1 +X 1\n", bright, 1);
+    image = read_image(path_of("bright.hdr"));
+    assert_true(isfinite(rsv_image_const_pixels(image, 0)[0].r));
+    rsv_image_destroy(image);
+}
+
 // ---- PNG and JPEG ----
 
 static void png_holds_the_nearest_srgb_code(void **state)
@@ -908,6 +994,9 @@ int main(void)
         IMAGE_TEST(exr_reads_luminance_as_grey),
         IMAGE_TEST(hdr_rounds_to_the_nearest_mantissa),
         IMAGE_TEST(hdr_reads_runs_and_exposure),
+        IMAGE_TEST(hdr_stands_upright_however_its_lines_run),
+        IMAGE_TEST(hdr_of_xyz_becomes_linear_srgb),
+        IMAGE_TEST(hdr_headers_of_other_programs_are_understood),
         IMAGE_TEST(png_holds_the_nearest_srgb_code),
         IMAGE_TEST(srgb_matches_its_definition),
         IMAGE_TEST(png_with_16_bits_is_read_with_16_bits),
