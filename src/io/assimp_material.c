@@ -188,7 +188,7 @@ void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
     if (aiGetMaterialString(source, AI_MATKEY_NAME, &given) != aiReturn_SUCCESS) given.length = 0;
     rsv_assimp_name(&given, "unnamed", name);
     material->name = name;
-    if (kind == RSV_FILE_PLY || kind == RSV_FILE_STL) {
+    if (kind == RSV_FILE_PLY) {
         become_bare(material);
         return;
     }

@@ -108,8 +108,7 @@ static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
         .indices = index,
         .triangle_count = source->mNumFaces,
         .material = source->mMaterialIndex };
-    // an .stl repeats its facets' normals at their corners: nothing that the triangles do not say
-    if (source->mNormals && r->kind != RSV_FILE_STL)
+    if (source->mNormals)
         rsv_send_mesh(r->to, &mesh);
     else
         RSV_TRY(add_smoothed(r, mesh, position, source->mNumVertices));
@@ -302,18 +301,6 @@ cleanup:
 
 // ---- units and axes -------------------------------------------------------------------------------
 
-/// Rows of the rotation that takes each axis, pointing up, to y.
-static void upright(rsv_axis up, double scale, double matrix[16])
-{
-    static const double row[3][3][3] = { [RSV_AXIS_X] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },
-        [RSV_AXIS_Y] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },
-        [RSV_AXIS_Z] = { { 1, 0, 0 }, { 0, 0, 1 }, { 0, -1, 0 } } };
-    memset(matrix, 0, 16 * sizeof *matrix);
-    for (int i = 0; i < 9; i++)
-        matrix[4 * (i % 3) + i / 3] = scale * row[up][i / 3][i % 3];
-    matrix[15] = 1;
-}
-
 /// FBX names the axes that point right, up and forward, and its unit in centimetres. Versions of the
 /// importer differ in whether they put these into the root node, which has no transform otherwise.
 static rsv_status fbx_frame(const reader *r, double matrix[16])
@@ -342,7 +329,7 @@ static rsv_status find_frame(const reader *r, double matrix[16])
 {
     if (r->kind == RSV_FILE_FBX) return fbx_frame(r, matrix);
     bool says_its_own = r->kind == RSV_FILE_COLLADA;
-    upright(says_its_own ? RSV_AXIS_Y : r->desc->up,
+    rsv_matrix_upright(says_its_own ? RSV_AXIS_Y : r->desc->up,
         says_its_own ? 1 : (double)r->desc->metres_per_unit, matrix);
     return RSV_OK;
 }
