@@ -42,7 +42,7 @@ rsv_status rsv_assimp_read(
     uint8_t *answer = NULL;
     size_t count = 0;
     struct stat info;
-    if (kind == RSV_FILE_PLY) RSV_TRY(rsv_ply_check(path));
+    if (kind == RSV_FILE_PLY) RSV_TRY(rsv_ply_check(context, path));
     if (stat(path, &info) != 0) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read"));
     RSV_TRY(rsv_in_child_process(context, convert, &j, (size_t)info.st_size, &answer, &count));
     RSV_TRY(rsv_receive_parts(answer, count, scene));

@@ -17,6 +17,8 @@ typedef struct ply_header {
     uint64_t count;     ///< of the element at hand
     uint64_t row_bytes; ///< least that one of them takes
     uint64_t needed;    ///< least that all elements before it take
+    char element[64];   ///< its name
+    char unused[256];   ///< names of what has no effect, with commas
 } ply_header;
 
 /// Bytes of a value in a binary file; 0 = no such type.
@@ -54,9 +56,40 @@ static bool end_element(ply_header *header)
     return true;
 }
 
+static void note_unused(ply_header *header, const char *name)
+{
+    size_t used = strlen(header->unused);
+    if (header->count == 0) return;
+    if (used + strlen(name) + 8 > sizeof header->unused)
+        return; // a list without an end helps nobody
+    snprintf(header->unused + used, sizeof header->unused - used, "%s%s", used ? ", " : "", name);
+}
+
+static bool is_one_of(const char *name, const char *const *list)
+{
+    for (; *list; list++)
+        if (strcmp(name, *list) == 0) return true;
+    return false;
+}
+
+static void judge_property(ply_header *header, const char *name)
+{
+    static const char *const of_vertex[] = { "x", "y", "z", "nx", "ny", "nz", NULL };
+    static const char *const of_face[] = { "vertex_indices", "vertex_index", NULL };
+    bool is_vertex = strcmp(header->element, "vertex") == 0;
+    bool is_face =
+        strcmp(header->element, "face") == 0 || strcmp(header->element, "tristrips") == 0;
+    if (is_vertex || is_face) {
+        if (!is_one_of(name, is_vertex ? of_vertex : of_face)) note_unused(header, name);
+    } else if (*header->element) {
+        note_unused(header, header->element);
+        header->element[0] = '\0'; // once is enough
+    }
+}
+
 static bool begin_element(ply_header *header, const char *line)
 {
-    char name[64], count[24];
+    char *name = header->element, count[24];
     if (!end_element(header) || sscanf(line, "element %63s %23s", name, count) != 2) return false;
     if (!isdigit((unsigned char)*count)) return false;
     return sscanf(count, "%" SCNu64, &header->count) == 1 && header->count < UINT32_MAX;
@@ -73,6 +106,7 @@ static bool read_property(ply_header *header, const char *line)
         if (sscanf(line, "property %15s %63s", type, name) != 2) return false;
         size = size_of_type(type);
     }
+    judge_property(header, name);
     header->row_bytes += header->is_ascii ? 2 : size;
     return header->has_format && size > 0;
 }
@@ -118,17 +152,17 @@ static rsv_status check_size(ply_header *header, FILE *file)
     return RSV_OK;
 }
 
-static rsv_status check_header(FILE *file)
+/// @param header all zero
+static rsv_status check_header(FILE *file, ply_header *header)
 {
     char line[LINE_BYTES];
-    ply_header header = { .is_ascii = false };
     for (unsigned number = 1; number <= MAX_LINES; number++) {
         if (!fgets(line, sizeof line, file))
             return rsv_fail(RSV_ERROR_FORMAT, "its header has no end_header");
         if (!trim_line(line))
             return rsv_fail(RSV_ERROR_FORMAT, "line %u of its header is not text", number);
-        if (strcmp(line, "end_header") == 0) return check_size(&header, file);
-        bool understood = number == 1 ? strcmp(line, "ply") == 0 : read_line(&header, line);
+        if (strcmp(line, "end_header") == 0) return check_size(header, file);
+        bool understood = number == 1 ? strcmp(line, "ply") == 0 : read_line(header, line);
         if (!understood)
             return rsv_fail(
                 RSV_ERROR_FORMAT, "line %u of its header is malformed: %.60s", number, line);
@@ -136,11 +170,15 @@ static rsv_status check_header(FILE *file)
     return rsv_fail(RSV_ERROR_FORMAT, "its header is longer than %d lines", MAX_LINES);
 }
 
-rsv_status rsv_ply_check(const char *path)
+rsv_status rsv_ply_check(const rsv_context *context, const char *path)
 {
+    ply_header header = { .is_ascii = false };
     FILE *file = fopen(path, "rb");
     if (!file) return rsv_fail(RSV_ERROR_IO, "%s", strerror(errno));
-    rsv_status status = check_header(file);
+    rsv_status status = check_header(file, &header);
     fclose(file);
+    if (status == RSV_OK && *header.unused)
+        rsv_log(context, RSV_LOG_WARNING, "%s: properties and elements that are not used: %s", path,
+            header.unused);
     return status;
 }

@@ -4,7 +4,8 @@
 
 #include "resolvent/core.h"
 
-/// RSV_OK if the header is well-formed, and the file large enough for the elements it announces.
-rsv_status rsv_ply_check(const char *path);
+/// RSV_OK if the header is well-formed, and the file large enough for the elements it announces. Names, in a warning, what it
+/// announces that is not used.
+rsv_status rsv_ply_check(const rsv_context *context, const char *path);
 
 #endif
