@@ -11,6 +11,7 @@
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
 
+#include <cJSON.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -82,6 +83,15 @@ typedef struct settings {
     rsv_relight_desc still;            ///< what options ask for
     rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
 } settings;
+
+/// What all frames share: the file is read once.
+typedef struct stage {
+    cli_subject subject;
+    rsv_relighter *relighter;
+    uint32_t camera, frame_count;
+    bool prepared; ///< strengths alone change: what each source does by itself is known
+    double time_relight, time_render;
+} stage;
 
 // ---- options --------------------------------------------------------------------------------------
 
@@ -300,12 +310,12 @@ static rsv_status render(
 }
 
 /// Everything after the solve; the picture is taken once, whatever number of files wants it.
-static rsv_status write_outputs(const settings *s, const rsv_solution *solution, uint32_t camera,
-    uint32_t frame, double *time_render)
+static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
 {
     char path[PATH_MAX];
     rsv_status status = RSV_OK;
     rsv_image *image = NULL;
+    const rsv_solution *solution = on->subject.solution;
     double started = cli_seconds();
     for (size_t k = 0; k < s->outputs.count && status == RSV_OK; k++) {
         if (!output_path(s, k, frame, path)) continue; // check_outputs saw to it
@@ -313,86 +323,128 @@ static rsv_status write_outputs(const settings *s, const rsv_solution *solution,
             status = rsv_solution_save(solution, s->scene, path);
             continue;
         }
-        if (!image) status = render(s, solution, camera, &image);
+        if (!image) status = render(s, solution, on->camera, &image);
         if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
         if (status == RSV_OK) status = rsv_image_write(image, path, s->exposure);
     }
     rsv_image_destroy(image);
-    *time_render = cli_seconds() - started;
+    on->time_render += cli_seconds() - started;
     return status;
 }
 
-static bool write_stats(
-    const cli_session *session, const settings *s, const rsv_solution *solution, double time_render)
+static bool write_stats(const cli_session *session, const settings *s, const stage *on)
 {
+    const rsv_solution *solution = on->subject.solution;
+    const rsv_scene_view *view = rsv_scene_get_view(on->subject.scene);
+    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[on->camera]);
+    cJSON *more = cJSON_CreateObject();
+    cJSON_AddNumberToObject(more, "frames", on->frame_count);
+    cJSON_AddNumberToObject(more, "relight_rays", (double)rsv_relighter_rays(on->relighter));
     cli_stats stats = { .command = "relight",
         .scene = s->scene,
         .mode = mode_names[s->mode],
         .quality = RSV_QUALITY_MEDIUM,
+        .width = size.width,
+        .height = size.height,
         .samples = s->samples,
         .threads = cli_thread_count(s->threads),
         .seed = s->seed,
         .report = rsv_solution_report(solution),
         .order_count = rsv_solution_order_count(solution),
         .standard_error = NAN,
-        .time_render = time_render };
+        .time_solve = on->time_relight,
+        .time_render = on->time_render,
+        .more = more };
     return cli_write_stats(s->stats, session, &stats);
 }
 
-static rsv_status relight(const settings *s, const cli_subject *subject)
+/// Whether frames differ in strengths alone, and want nothing but pictures: then each is a sum of what is known.
+static bool is_a_sum(const settings *s, const rsv_scene *scene)
 {
-    rsv_relighter *relighter = NULL;
-    rsv_status status = rsv_relighter_create(subject->solution, &relighter);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    if (s->animation.first == s->animation.last) return false;
+    for (size_t k = 0; k < s->animation.track_count; k++) {
+        cli_track_kind kind = s->animation.track[k].kind;
+        if (kind != CLI_TRACK_LIGHT && kind != CLI_TRACK_INTENSITY && kind != CLI_TRACK_PLACE)
+            return false;
+    }
+    for (size_t k = 0; k < s->outputs.count; k++)
+        if (is_operator_name(s->outputs.item[k])) return false;
+    for (size_t m = 0; m < view->material_count; m++) {
+        rsv_rgb scatter = view->material[m].scatter_distance;
+        if (scatter.r + scatter.g + scatter.b > 0) return false;
+    }
+    return true;
+}
+
+/// Opens the file, and sets up what frames share.
+static bool set_stage(cli_session *session, const settings *s, stage *on)
+{
+    if (!cli_open_subject(session, s->scene, NULL, &on->subject)) return false;
+    on->camera = rsv_scene_find_camera(on->subject.scene, s->camera);
+    if (on->camera == RSV_NONE) {
+        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
+            s->camera ? s->camera : "", s->scene);
+        return false;
+    }
+    double started = cli_seconds();
+    rsv_status status = rsv_relighter_create(on->subject.solution, &on->relighter);
     for (size_t k = 0; k < s->added.count && status == RSV_OK; k++)
-        status = rsv_relighter_add_light(relighter, &s->add[k]);
-    if (status == RSV_OK) status = rsv_relighter_change(relighter, &s->relight);
-    if (status == RSV_OK) status = rsv_relighter_settle(relighter);
-    rsv_relighter_destroy(relighter);
+        status = rsv_relighter_add_light(on->relighter, &s->add[k]);
+    on->prepared = is_a_sum(s, on->subject.scene);
+    if (status == RSV_OK && on->prepared) status = rsv_relighter_prepare(on->relighter);
+    on->time_relight += cli_seconds() - started;
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+/// Makes the light what the frame wants; exact, or a sum of what was solved as far as anybody can see.
+static rsv_status relight(const settings *s, stage *on)
+{
+    rsv_relight_progress progress = { 0 };
+    double started = cli_seconds();
+    rsv_status status = rsv_relighter_change(on->relighter, &s->relight);
+    if (status == RSV_OK && on->prepared) status = rsv_relighter_step(on->relighter, 0, &progress);
+    if (status == RSV_OK && !(progress.converged && progress.orders == 0))
+        status = rsv_relighter_settle(on->relighter);
+    on->time_relight += cli_seconds() - started;
     return status;
 }
 
-/// One frame, from the file to what is written; the last one's statistics are those of the run.
-static bool run_frame(cli_session *session, settings *s, uint32_t frame)
+static bool run_frame(cli_session *session, settings *s, stage *on, uint32_t frame)
 {
-    bool good = false;
-    cli_subject subject;
-    if (!cli_open_subject(session, s->scene, NULL, &subject)) return false;
-    uint32_t camera = rsv_scene_find_camera(subject.scene, s->camera);
-    if (camera == RSV_NONE) {
-        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
-            s->camera ? s->camera : "", s->scene);
-        goto cleanup;
-    }
-    double time_render = 0;
     enter_frame(s, frame);
-    rsv_status status = relight(s, &subject);
-    if (status == RSV_OK) status = write_outputs(s, subject.solution, camera, frame, &time_render);
-    if (status != RSV_OK)
-        cli_report_failure(session, status);
-    else
-        good = !s->stats || frame < s->animation.last ||
-               write_stats(session, s, subject.solution, time_render);
-cleanup:
-    cli_close_subject(&subject);
-    return good;
+    rsv_status status = relight(s, on);
+    if (status == RSV_OK) status = write_outputs(s, on, frame);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    on->frame_count++;
+    return status == RSV_OK;
+}
+
+/// Those frames that are this process's: several take turns, the first of them with the last, whose statistics count.
+static bool run_frames(cli_session *session, settings *s, stage *on)
+{
+    uint32_t first = s->animation.first, last = s->animation.last, count = last - first + 1;
+    for (uint32_t frame = first; frame <= last && !cli_crew_alarmed(); frame++) {
+        if ((last - frame) % cli_crew_size() != cli_crew_rank()) continue;
+        if (count > 1) cli_progress_part(&session->progress, "frame", frame - first + 1, count);
+        if (!run_frame(session, s, on, frame)) return false;
+    }
+    return true;
 }
 
 static int run(cli_session *session, settings *s)
 {
-    if (!rsv_is_operator_file(s->scene)) {
-        cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
-                  "one",
-            s->scene);
-        return CLI_FAILURE;
-    }
+    stage on = { .frame_count = 0 };
+    uint32_t frames = s->animation.last - s->animation.first + 1;
+    if (!cli_is_operator(s->scene)) return CLI_FAILURE;
     if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
-    // several processes take turns with the frames, the first of them with the last, whose statistics count
-    for (uint32_t frame = s->animation.first; frame <= s->animation.last && !cli_crew_alarmed();
-         frame++)
-        if ((s->animation.last - frame) % cli_crew_size() == cli_crew_rank() &&
-            !run_frame(session, s, frame))
-            return CLI_FAILURE;
-    return CLI_SUCCESS;
+    if (frames > 1) cli_progress_part(&session->progress, "frame", 0, frames);
+    bool good = set_stage(session, s, &on) && run_frames(session, s, &on);
+    if (good && s->stats) good = write_stats(session, s, &on);
+    rsv_relighter_destroy(on.relighter);
+    cli_close_subject(&on.subject);
+    return good ? CLI_SUCCESS : CLI_FAILURE;
 }
 
 /// Before several processes read the file each for itself.

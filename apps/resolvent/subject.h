@@ -18,6 +18,9 @@ typedef struct cli_subject {
 bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
     cli_subject *subject);
 
+/// Whether a command that takes nothing but operator files can go on; says what is wrong with the file where it cannot.
+bool cli_is_operator(const char *name);
+
 /// How a scene is to be solved: --quality, --solver, --seed, --max-elements and --max-memory.
 typedef struct cli_solve_choice {
     int quality, solver; ///< rsv_quality, rsv_solver
