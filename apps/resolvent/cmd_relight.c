@@ -26,9 +26,10 @@ static const char help[] =
     "ray is traced for it), and takes a picture or keeps the result as an operator file.\n"
     "\n"
     "  -o FILE            the picture or operator file; repeat it for more than one\n"
-    "  --light NAME=SCALE[,R,G,B]  multiply a light by SCALE, or by SCALE times R, G, B; NAME is "
-    "a\n"
-    "                     punctual light or a material that emits\n"
+    "  --light NAME=SCALE multiply a light by SCALE; NAME is a punctual light or a material that "
+    "emits.\n"
+    "                     NAME=R,G,B has a factor for each channel, as rsv_rt_relight takes them;\n"
+    "                     NAME=SCALE,R,G,B those times SCALE\n"
     "  --albedo MATERIAL=R,G,B  another base color for a plain diffuse material\n"
     "  --move NAME=X,Y,Z  a light in another place, so many metres from where it is; lamps take "
     "their\n"
@@ -39,8 +40,9 @@ static const char help[] =
     "  --env-rotate DEG   turn them to DEG degrees about the vertical, counter-clockwise from "
     "above\n"
     "  --script FILE      a picture for every frame of a script; -o day-%04d.png numbers them.\n"
-    "                     Lines of FRAME light.NAME=SCALE[,R,G,B] albedo.MATERIAL=R,G,B\n"
-    "                     move.NAME=X,Y,Z place.object=X,Y,Z env-rotate=DEG env-intensity=S;\n"
+    "                     Lines of FRAME light.NAME=SCALE (or R,G,B or SCALE,R,G,B)\n"
+    "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z place.object=X,Y,Z\n"
+    "                     env-rotate=DEG env-intensity=S;\n"
     "                     what lies between two lines changes evenly\n"
     "  --object FILE      a rigid object, lit and shown in --mode operator without solving for "
     "it;\n"
@@ -103,13 +105,14 @@ static bool read_changes(settings *s)
     for (size_t k = 0; k < s->lights.count; k++) {
         char *name = s->name[names++] = strdup(s->lights.item[k]);
         size_t count = name ? cli_cut_change(name, v) : 0;
-        if (count != 1 && count != 4) {
-            cli_usage_error("relight", "--light: '%s' is not NAME=SCALE or NAME=SCALE,R,G,B",
+        rsv_rgb scale;
+        if (!cli_light_scale(v, count, &scale)) {
+            cli_usage_error("relight",
+                "--light: '%s' is not NAME=SCALE, NAME=R,G,B or NAME=SCALE,R,G,B",
                 s->lights.item[k]);
             return false;
         }
-        rsv_rgb color = count == 4 ? (rsv_rgb){ v[1], v[2], v[3] } : (rsv_rgb){ 1, 1, 1 };
-        s->light[k] = (rsv_light_scale){ name, { v[0] * color.r, v[0] * color.g, v[0] * color.b } };
+        s->light[k] = (rsv_light_scale){ name, scale };
     }
     for (size_t k = 0; k < s->albedos.count; k++) {
         char *name = s->name[names++] = strdup(s->albedos.item[k]);

@@ -121,8 +121,8 @@ static void show(cli_progress *progress, double now)
         draw_bar(progress, eta);
         progress->bar_shown = true;
     } else {
-        fprintf(stderr, "%3.0f %%%s (%s%s)\n", floor(100 * progress->done), eta, progress->part,
-            progress->phase);
+        fprintf(stderr, "%s%s: %.0f %%%s\n", progress->part, progress->phase,
+            floor(100 * progress->done), eta);
     }
 }
 

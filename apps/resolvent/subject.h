@@ -54,7 +54,8 @@ typedef struct cli_solve_choice {
     "                     gmres, two-grid or petsc: how the equation is solved\n"                  \
     "  --petsc OPTIONS    solve with PETSc, by its options: \"-ksp_type bcgs -ksp_monitor\"\n"     \
     "  --seed N           another set of random numbers (default 0)\n"                             \
-    "  --max-elements N   rows of the operator at most: a coarser solution where N are too few\n"  \
+    "  --max-elements N   elements of the operator at most: a coarser solution where N are too "   \
+    "few\n"                                                                                        \
     "  --max-memory SIZE  memory of the program at most, such as 2GiB; likewise\n"
 
 /// Loads the plug-in for PETSc if that is to solve. Before the session begins; prints what went wrong.

@@ -43,10 +43,12 @@ succeeds relight box.safetensors --script evening.txt -o frame%03d.exr "${box[@]
 succeeds relight box.safetensors --light light=1,0.75,0.625,0.5 --move light=0.05,0,0 --albedo white=0.7,0.7,0.7 -o between.exr "${box[@]}" --mode operator
 cmp -s frame004.exr between.exr || complain "between two lines light changes evenly"
 # strengths alone: the file is read once, each frame is what one call makes of it, and statistics are of all
-printf '%s\n' '0 light.light=1' '11 light.light=0.2,1,0.5,0.5' >dim.txt
+printf '%s\n' '0 light.light=1,1,1' '11 light.light=0.2,1,0.5,0.5' >dim.txt
 succeeds relight box.safetensors --script dim.txt -o dim%02d.exr "${box[@]}" --stats dim.json
 [[ $(ls dim??.exr | wc -l) == 12 ]] || complain "frames are $(echo dim*.exr)"
 succeeds relight box.safetensors --light light=0.2,1,0.5,0.5 -o last.exr "${box[@]}"
+succeeds relight box.safetensors --light light=0.2,0.1,0.1 -o rgb.exr "${box[@]}"
+cmp -s last.exr rgb.exr || complain "three factors are not those of the runtime"
 succeeds compare last.exr dim11.exr
 says '^relative_mse *[0-9.]*\(e-0[6-9]\|e-1\)\|^relative_mse *0$'
 says '^mean_ratio *\(1.0000\|0.9999\)'
