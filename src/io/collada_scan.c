@@ -1,7 +1,7 @@
 /// Walks over the tags of an XML file and keeps the few values that are asked for.
 #include "collada_scan.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/number_text.h"
 
 #include <errno.h>

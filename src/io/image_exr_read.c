@@ -49,7 +49,7 @@ static rsv_status open_file(reader *in)
     rsv_status status = RSV_OK;
     const char *path = in->stream.input->path;
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    settings.error_handler_fn = rsv_exr_keep_message;
+    settings.error_handler_fn = rsv_exr_keep_silent;
     settings.user_data = &in->stream;
     settings.read_fn = read_stream;
     settings.size_fn = stream_size;

@@ -29,6 +29,21 @@ static const image_format *find_format(const char *path)
     return NULL;
 }
 
+/// By the first bytes, whatever the name says; NULL = they say nothing.
+static const image_format *format_of_content(const uint8_t *bytes, size_t size)
+{
+    static const struct {
+        const char *start, *extension;
+    } known[] = { { "\x76\x2f\x31\x01", ".exr" }, { "#?", ".hdr" }, { "\x89PNG", ".png" },
+        { "\xff\xd8\xff", ".jpg" } };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        size_t length = strlen(known[i].start);
+        if (size >= length && memcmp(bytes, known[i].start, length) == 0)
+            return find_format(known[i].extension);
+    }
+    return NULL;
+}
+
 static rsv_status find_output_format(const char *path, const image_format **format)
 {
     *format = find_format(path);
@@ -80,6 +95,10 @@ rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **im
             "cannot read '%s' as an image: the name must end in .exr, .hdr, .png or .jpg", path);
     RSV_TRY(read_bytes(context, path, &bytes, &file.size));
     file.bytes = bytes;
+    if (file.size == 0)
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", path));
+    const image_format *told = format_of_content(bytes, file.size);
+    if (told) format = told;
     RSV_TRY(format->decode(context, &file, image));
 cleanup:
     rsv_free(context, bytes);

@@ -78,10 +78,20 @@ static int source_eof(void *user)
 
 static const stbi_io_callbacks source_callbacks = { source_read, source_skip, source_eof };
 
+/// What the decoder's messages mean; its own words are for those who develop it.
 static rsv_status fail_decoding(const source *from)
 {
+    static const char *const known[][2] = { { "not of any known",
+                                                "it is neither a PNG nor a JPEG" },
+        { "not supported",
+            "a kind of JPEG that is not supported; save it as baseline JPEG or PNG" },
+        { "memory", "it is damaged, or more than memory holds" },
+        { "PNG", "its PNG data are damaged" }, { "JPEG", "its JPEG data are damaged" } };
+    const char *said = stbi_failure_reason(), *meaning = "its data are damaged";
+    for (size_t k = sizeof known / sizeof *known; said && k-- > 0;)
+        if (strstr(said, known[k][0])) meaning = known[k][1];
     return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': %s", from->file->path,
-        from->exhausted ? "the file is truncated" : stbi_failure_reason());
+        from->exhausted ? "the file is truncated" : meaning);
 }
 
 /// Any size of code: `codes` holds RGB triples of 8 or 16 bits.

@@ -1,6 +1,6 @@
 #include "obj_scan.h"
 
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/number_text.h"
 
 #include <ctype.h>

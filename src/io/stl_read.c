@@ -1,6 +1,6 @@
 /// STL, text and binary. Our own few lines, because what programs write varies more than importers bear: capitals, several
 /// solids, polygons, bytes behind the last triangle, binary files that begin with "solid", counts that were never filled in.
-#include "../core/core_internal.h"
+#include "../core/core.h"
 #include "../core/number_text.h"
 #include "../core/vec.h"
 #include "../scene/smooth_normals.h"

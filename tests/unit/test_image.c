@@ -435,6 +435,33 @@ static void write_hdr(const char *path, const char *header, const uint8_t (*code
     fclose(file);
 }
 
+/// Whatever its name, a picture is what its first bytes say; what is wrong is said in our words.
+static void pictures_are_told_by_their_content(void **state)
+{
+    (void)state;
+    static const uint8_t code[1][4] = { { 128, 64, 32, 129 } };
+    static const char text[] = "this is no picture at all, but some lines of text\n";
+    static const char *const theirs[] = { "OpenEXR", "known type", "Corrupt", "corrupt", "zlib" };
+    static const char *const names[] = { "text.png", "text.jpg", "text.exr", "text.hdr" };
+    rsv_image *image = make_image(4, 3, 1);
+    assert_int_equal(rsv_image_write(image, path_of("a.exr"), 0), RSV_OK);
+    assert_int_equal(rename(path_of("a.exr"), path_of("a.png")), 0);
+    rsv_image *read = read_image(path_of("a.png"));
+    assert_int_equal(rsv_image_width(read), 4);
+    rsv_image_destroy(read);
+    rsv_image_destroy(image);
+    write_hdr(path_of("a.exr"), "\n-Y 1 +X 1\n", code, 1);
+    rsv_image_destroy(read_image(path_of("a.exr")));
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        write_bytes(path_of(names[i]), text, sizeof text - 1);
+        expect_failure(path_of(names[i]), RSV_ERROR_FORMAT, names[i]);
+        for (size_t k = 0; k < sizeof theirs / sizeof *theirs; k++)
+            assert_null(strstr(rsv_last_error(), theirs[k]));
+        write_bytes(path_of(names[i]), text, 0);
+        expect_failure(path_of(names[i]), RSV_ERROR_FORMAT, "empty");
+    }
+}
+
 /// Three columns and two rows; the red of a pixel says where it belongs: 16 (x + 1) + 64 y.
 static void hdr_stands_upright_however_its_lines_run(void **state)
 {
@@ -994,6 +1021,7 @@ int main(void)
         IMAGE_TEST(exr_reads_luminance_as_grey),
         IMAGE_TEST(hdr_rounds_to_the_nearest_mantissa),
         IMAGE_TEST(hdr_reads_runs_and_exposure),
+        IMAGE_TEST(pictures_are_told_by_their_content),
         IMAGE_TEST(hdr_stands_upright_however_its_lines_run),
         IMAGE_TEST(hdr_of_xyz_becomes_linear_srgb),
         IMAGE_TEST(hdr_headers_of_other_programs_are_understood),
