@@ -246,7 +246,6 @@ static const char *meaning_of(const char *message)
         { "index out of range", "a face refers to a vertex that does not exist" },
         { "is out of range", "a face refers to a vertex that does not exist" },
         { "Invalid face index", "a face refers to a vertex that does not exist" },
-        { "before faces", "its faces stand before its vertices" },
         { "Cannot parse string", "there is a word where a number is expected" },
         { "No suitable reader", "its content is not what its name says" },
         { "allocate", "it is damaged, or more than memory holds" },
@@ -294,7 +293,7 @@ rsv_status rsv_assimp_import(
     for (size_t i = 0; i < access.library_count; i++)
         rsv_obj_warn_of_unused(context, access.library[i], true);
     if (kind == RSV_FILE_FBX && rsv_file_mentions(path, "AnimationCurve")) losses.animations = 1;
-    rsv_assimp_warn_of_losses(context, path, kind, *imported, &losses);
+    rsv_assimp_warn_of_losses(context, path, *imported, &losses);
     return RSV_OK;
 }
 

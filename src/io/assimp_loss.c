@@ -115,7 +115,7 @@ static void add_part(char *text, size_t size, size_t count, const char *what)
     if (count) snprintf(text + used, size - used, "%s%zu %s", used ? ", " : "", count, what);
 }
 
-void rsv_assimp_warn_of_losses(const rsv_context *context, const char *path, rsv_file_kind kind,
+void rsv_assimp_warn_of_losses(const rsv_context *context, const char *path,
     const struct aiScene *file, const rsv_assimp_losses *losses)
 {
     char text[512] = "";
@@ -134,7 +134,6 @@ void rsv_assimp_warn_of_losses(const rsv_context *context, const char *path, rsv
         losses->lines == 1 ? "line or point" : "lines and points");
     add_part(text, sizeof text, losses->broken,
         losses->broken == 1 ? "face without corners" : "faces without corners");
-    if (kind == RSV_FILE_PLY) return; // its header has told
     if (*text) rsv_log(context, RSV_LOG_WARNING, "%s: not used: %s", path, text);
     warn_of_properties(context, path, file);
 }

@@ -14,7 +14,7 @@ typedef struct rsv_assimp_losses {
 void rsv_assimp_strip(struct aiScene *file, rsv_assimp_losses *losses);
 
 /// Warns of what was lost, materials' properties included.
-void rsv_assimp_warn_of_losses(const rsv_context *context, const char *path, rsv_file_kind kind,
+void rsv_assimp_warn_of_losses(const rsv_context *context, const char *path,
     const struct aiScene *file, const rsv_assimp_losses *losses);
 
 #endif

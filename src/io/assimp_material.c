@@ -11,8 +11,7 @@
 #include <assimp/material.h>
 #include <string.h>
 
-#define SHARPEST_SHININESS 1000 ///< end of the scale in .mtl files: an ideal mirror
-#define BARE_ALBEDO 0.8f
+#define SHARPEST_SHININESS 1000      ///< end of the scale in .mtl files: an ideal mirror
 #define KEY_ILLUM "$mat.illum", 0, 0 ///< given by newer versions alone
 
 /// The terms of a Phong material.
@@ -172,14 +171,6 @@ static void warn_of_losses(
             "material '%s': its mirror reflection takes on the diffuse colour", material->name);
 }
 
-/// Scans have no materials, whatever the importer makes up for them.
-static void become_bare(rsv_material *material)
-{
-    material->base_color = rgb_gray(BARE_ALBEDO);
-    material->specular = 0;
-    material->double_sided = true;
-}
-
 void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
     const struct aiMaterial *source, char *name, rsv_material *material)
 {
@@ -188,10 +179,6 @@ void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
     if (aiGetMaterialString(source, AI_MATKEY_NAME, &given) != aiReturn_SUCCESS) given.length = 0;
     rsv_assimp_name(&given, "unnamed", name);
     material->name = name;
-    if (kind == RSV_FILE_PLY) {
-        become_bare(material);
-        return;
-    }
     if (has_float(source, AI_MATKEY_METALLIC_FACTOR) ||
         has_float(source, AI_MATKEY_ROUGHNESS_FACTOR))
         take_metallic_roughness(source, material);

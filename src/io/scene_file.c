@@ -100,6 +100,8 @@ rsv_status rsv_scene_load_with(
     loaded->is_part = desc->is_part;
     if (kind == RSV_FILE_GLTF)
         RSV_TRY(rsv_gltf_read(path, loaded));
+    else if (kind == RSV_FILE_PLY)
+        RSV_TRY(rsv_ply_read(path, desc, loaded));
     else if (kind == RSV_FILE_STL)
         RSV_TRY(rsv_stl_read(path, desc, loaded));
     else

@@ -3,21 +3,16 @@
 #include "../core/core.h"
 #include "../core/number_text.h"
 #include "../core/vec.h"
-#include "../scene/smooth_normals.h"
-#include "matrix.h"
+#include "bare_mesh.h"
 #include "scene_read.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
-#define BARE_ALBEDO 0.8f
 #define NAME_BYTES 128
 #define WORD_BYTES 40
-#define LARGEST_FILE ((off_t)1 << 32)
 
 /// A binary file: a head of any content, a number of triangles, and these.
 enum { HEAD_BYTES = 80, TABLE_START = 84, RECORD_BYTES = 50, NORMAL_BYTES = 12 };
@@ -38,25 +33,6 @@ typedef struct stl_reader {
     size_t unknown_line;      ///< 0 = there is none
 } stl_reader;
 
-static rsv_status read_file(stl_reader *r)
-{
-    rsv_status status = RSV_OK;
-    struct stat info;
-    FILE *file = fopen(r->path, "rb");
-    if (!file || fstat(fileno(file), &info) != 0)
-        RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
-    if (info.st_size > LARGEST_FILE)
-        RSV_TRY(rsv_fail(RSV_ERROR_UNSUPPORTED, "is larger than 4 GiB; cut it into parts"));
-    r->bytes = rsv_reserve(r->context, (size_t)info.st_size + 1, 1);
-    if (!r->bytes) RSV_TRY(RSV_ERROR_MEMORY);
-    r->size = fread(r->bytes, 1, (size_t)info.st_size, file);
-    r->bytes[r->size] = '\0';
-    if (ferror(file)) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
-cleanup:
-    if (file) fclose(file);
-    return status;
-}
-
 // ---- solids -----------------------------------------------------------------------------------------
 
 static rsv_status add_corner(stl_reader *r, rsv_vec3 p)
@@ -67,38 +43,10 @@ static rsv_status add_corner(stl_reader *r, rsv_vec3 p)
     return status;
 }
 
-/// The mesh of the corners in hand, smooth but for its creases, and its place.
-static rsv_status add_mesh(stl_reader *r, const rsv_smooth_mesh *smooth, rsv_vec3 *position)
-{
-    rsv_status status;
-    uint32_t id;
-    double frame[16];
-    float placed[16];
-    for (size_t i = 0; i < smooth->vertex_count; i++)
-        position[i] = r->corner[smooth->source[i]];
-    rsv_matrix_upright(r->desc->up, (double)r->desc->metres_per_unit, frame);
-    for (int i = 0; i < 16; i++)
-        placed[i] = (float)frame[i];
-    const char *name = *r->name ? r->name : "unnamed";
-    RSV_TRY(rsv_scene_add_mesh(r->scene,
-        &(rsv_mesh_desc){ .name = name,
-            .positions = position,
-            .normals = smooth->normal,
-            .vertex_count = smooth->vertex_count,
-            .indices = smooth->index,
-            .triangle_count = r->corner_count / 3,
-            .material = r->material },
-        &id));
-    RSV_TRY(rsv_scene_add_instance(r->scene, id, placed, name));
-cleanup:
-    return status;
-}
-
+/// The mesh of the corners in hand.
 static rsv_status end_solid(stl_reader *r)
 {
     rsv_status status = RSV_OK;
-    rsv_smooth_mesh smooth = { 0 };
-    rsv_vec3 *position = NULL;
     uint32_t *index = NULL;
     size_t count = r->corner_count;
     if (count == 0) return RSV_OK;
@@ -108,17 +56,17 @@ static rsv_status end_solid(stl_reader *r)
     if (!index) return RSV_ERROR_MEMORY;
     for (size_t i = 0; i < count; i++)
         index[i] = (uint32_t)i;
-    RSV_TRY(rsv_smooth_normals(
-        r->context, r->corner, count, index, count / 3, r->desc->crease_angle, &smooth));
-    position = rsv_alloc(r->context, smooth.vertex_count, sizeof *position);
-    if (!position) RSV_TRY(RSV_ERROR_MEMORY);
-    RSV_TRY(add_mesh(r, &smooth, position));
+    RSV_TRY(rsv_add_bare_mesh(r->scene, r->desc,
+        (rsv_mesh_desc){ .name = *r->name ? r->name : "unnamed",
+            .positions = r->corner,
+            .vertex_count = count,
+            .indices = index,
+            .triangle_count = count / 3,
+            .material = r->material }));
     r->triangle_count += count / 3;
     r->corner_count = 0;
 cleanup:
-    rsv_free(r->context, position);
     rsv_free(r->context, index);
-    rsv_smooth_mesh_release(r->context, &smooth);
     return status;
 }
 
@@ -369,25 +317,15 @@ cleanup:
 
 // ---- the whole file ---------------------------------------------------------------------------------
 
-static rsv_status add_material(stl_reader *r)
-{
-    rsv_material material = rsv_default_material();
-    material.name = "unnamed";
-    material.base_color = rgb_gray(BARE_ALBEDO);
-    material.specular = 0;
-    material.double_sided = true;
-    return rsv_scene_add_material(r->scene, &material, &r->material);
-}
-
 rsv_status rsv_stl_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene)
 {
     rsv_status status;
     stl_reader r = {
         .context = rsv_scene_get_context(scene), .scene = scene, .desc = desc, .path = path
     };
-    RSV_TRY(read_file(&r));
+    RSV_TRY(rsv_read_whole(r.context, path, &r.bytes, &r.size));
     if (r.size == 0) RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot be read: the file is empty"));
-    RSV_TRY(add_material(&r));
+    RSV_TRY(rsv_add_bare_material(scene, &r.material));
     RSV_TRY(is_text(&r) ? read_text(&r) : read_binary(&r));
     if (r.triangle_count == 0) RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "it holds no triangle"));
 cleanup:
