@@ -43,7 +43,7 @@ rsv_status rsv_assimp_learn(rsv_context *context, const char *path, rsv_file_kin
         .kind = kind, .metres_per_unit = metres_per_unit, .watts = has_watts(file)
     };
     bool needed = file->mNumLights + file->mNumCameras > 0;
-    if (needed && kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, path, &facts->collada);
+    if (kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, path, &facts->collada);
     facts->has_decay = needed && kind == RSV_FILE_FBX && rsv_file_mentions(path, "DecayType");
     return RSV_OK;
 }

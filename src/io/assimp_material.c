@@ -78,6 +78,12 @@ static phong read_phong(const struct aiMaterial *source, rsv_file_kind kind)
         .ior = read_float(source, AI_MATKEY_REFRACTI, 1) };
     float strength = read_float(source, AI_MATKEY_SHININESS_STRENGTH, 1);
     p.specular = rgb_scale(p.specular, f_max(strength, 0));
+    // COLLADA's <lambert> and <constant> have no highlight, whatever the importer makes up for them
+    int shading = read_int(source, AI_MATKEY_SHADING_MODEL, aiShadingMode_Phong);
+    if (kind == RSV_FILE_COLLADA && shading == aiShadingMode_NoShading) p.diffuse = rgb_gray(0);
+    if (kind == RSV_FILE_COLLADA &&
+        (shading == aiShadingMode_NoShading || shading == aiShadingMode_Gouraud))
+        p.specular = rgb_gray(0);
     p.traced = is_traced(source, kind, p.specular);
     return p;
 }

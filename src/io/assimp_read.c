@@ -377,12 +377,12 @@ static rsv_status allocate(reader *r)
     return RSV_OK;
 }
 
-/// Metres per unit at the root: the cube root of what becomes of a unit's volume.
+/// Metres per unit at the root: the cube root of what becomes of a unit's volume, negative where that is turned inside out.
 static double metres_per_unit(const double m[16])
 {
     double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
                     m[8] * (m[1] * m[6] - m[2] * m[5]);
-    return cbrt(fabs(volume));
+    return cbrt(volume);
 }
 
 rsv_status rsv_assimp_convert(
@@ -394,7 +394,10 @@ rsv_status rsv_assimp_convert(
     RSV_TRY(rsv_assimp_import(context, path, kind, &r.file));
     RSV_TRY(find_frame(&r, frame));
     place_root(&r, frame, root);
-    RSV_TRY(rsv_assimp_learn(context, path, kind, r.file, metres_per_unit(root), &r.facts));
+    double unit = metres_per_unit(root);
+    if (kind == RSV_FILE_COLLADA && !(unit > 0 && unit < INFINITY))
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "its <unit> of %g m is not usable", unit));
+    RSV_TRY(rsv_assimp_learn(context, path, kind, r.file, fabs(unit), &r.facts));
     RSV_TRY(allocate(&r));
     add_materials(&r);
     RSV_TRY(add_meshes(&r));

@@ -7,11 +7,13 @@
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 /// Nodes that enclose another, at most, whose names are remembered.
 #define DEEPEST 256
+#define MOST_MISSING 8 ///< references to nothing that are named
 
 typedef struct scanner {
     rsv_context *context;
@@ -162,6 +164,90 @@ static void take_value(const scanner *s, const tag *t)
     }
 }
 
+static bool is_one_of(const tag *t, const char *const *names)
+{
+    for (; *names; names++)
+        if (is_named(t, *names)) return true;
+    return false;
+}
+
+static void note_unused(rsv_collada *found, const char *name)
+{
+    size_t used = strlen(found->unused), length = strlen(name);
+    for (const char *at = strstr(found->unused, name); at; at = strstr(at + 1, name))
+        if ((at == found->unused || at[-1] == ' ') && (at[length] == ',' || !at[length])) return;
+    if (used + length + 4 > sizeof found->unused) return;
+    snprintf(found->unused + used, sizeof found->unused - used, "%s%s", used ? ", " : "", name);
+}
+
+/// Geometry that is no mesh, libraries of what has no place here, and what programs put beside the format.
+static void judge_tag(scanner *s, const tag *t)
+{
+    static const char *const kinds[] = { "spline", "convex_mesh", "brep", "library_physics_models",
+        "library_physics_scenes", "library_force_fields", "library_articulated_systems",
+        "library_kinematics_models", "library_kinematics_scenes", NULL };
+    char profile[RSV_COLLADA_NAME_BYTES], name[RSV_COLLADA_NAME_BYTES + 32];
+    if (is_one_of(t, kinds)) {
+        snprintf(name, sizeof name, "%.*s", (int)t->name_length, t->name);
+        note_unused(s->found, name);
+    } else if (is_named(t, "technique")) {
+        attribute(t, "profile", profile);
+        if (!*profile) return; // of an effect
+        for (char *c = profile; *c; c++)
+            if ((unsigned char)*c < ' ' || *c == ',') *c = '?';
+        snprintf(name, sizeof name, "technique of profile '%s'", profile);
+        note_unused(s->found, name);
+    }
+}
+
+static rsv_status add_name(scanner *s, rsv_collada_name **list, size_t *count, size_t *capacity,
+    const char text[RSV_COLLADA_NAME_BYTES])
+{
+    if (!*text) return RSV_OK;
+    rsv_status status = rsv_grow(s->context, (void **)list, capacity, *count + 1, sizeof **list);
+    if (status == RSV_OK) memcpy((*list)[(*count)++].text, text, RSV_COLLADA_NAME_BYTES);
+    return status;
+}
+
+/// Ids, and references to them.
+static rsv_status take_names(scanner *s, const tag *t)
+{
+    static const char *const named[] = { "geometry", "controller", "camera", "light", "node",
+        "material", "effect", "visual_scene", NULL };
+    static const char *const referring[] = { "instance_geometry", "instance_controller",
+        "instance_camera", "instance_light", "instance_node", "instance_material",
+        "instance_effect", "instance_visual_scene", NULL };
+    char text[RSV_COLLADA_NAME_BYTES];
+    rsv_collada *f = s->found;
+    if (is_one_of(t, named)) {
+        attribute(t, "id", text);
+        return add_name(s, &f->id, &f->id_count, &f->id_capacity, text);
+    }
+    if (!is_one_of(t, referring)) return RSV_OK;
+    attribute(t, is_named(t, "instance_material") ? "target" : "url", text);
+    if (*text == '#') memmove(text, text + 1, sizeof text - 1);
+    return add_name(s, &f->reference, &f->reference_count, &f->reference_capacity, text);
+}
+
+static int compare_texts(const void *a, const void *b) { return strcmp(a, b); }
+
+static void warn(const rsv_context *context, const char *path, rsv_collada *f)
+{
+    if (*f->unused) rsv_log(context, RSV_LOG_WARNING, "%s: not used: %s", path, f->unused);
+    if (f->id_count) qsort(f->id, f->id_count, sizeof *f->id, compare_texts);
+    if (f->reference_count)
+        qsort(f->reference, f->reference_count, sizeof *f->reference, compare_texts);
+    size_t named = 0;
+    for (size_t k = 0; k < f->reference_count && named < MOST_MISSING; k++) {
+        char *text = f->reference[k].text;
+        if (k > 0 && strcmp(text, f->reference[k - 1].text) == 0) continue;
+        if (f->id_count && bsearch(text, f->id, f->id_count, sizeof *f->id, compare_texts))
+            continue;
+        named++;
+        rsv_log(context, RSV_LOG_WARNING, "%s: refers to '%s', which it does not hold", path, text);
+    }
+}
+
 static rsv_status take_tag(scanner *s, const tag *t)
 {
     bool is_node = is_named(t, "node") || is_named(t, "visual_scene");
@@ -171,6 +257,9 @@ static rsv_status take_tag(scanner *s, const tag *t)
         if (is_node && s->depth) s->depth--;
         return RSV_OK;
     }
+    judge_tag(s, t);
+    rsv_status status = take_names(s, t);
+    if (status != RSV_OK) return status;
     if (is_object)
         return open_object(s, t, *t->name == 'c' ? RSV_COLLADA_CAMERA : RSV_COLLADA_LIGHT);
     if (is_node && !t->is_empty) open_node(s, t);
@@ -209,6 +298,7 @@ rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada 
     *s = (scanner){ .context = context, .at = bytes, .end = bytes + size, .found = collada };
     for (tag t; next_tag(s, &t);)
         RSV_TRY(take_tag(s, &t));
+    warn(context, path, collada);
 cleanup:
     rsv_free(context, bytes);
     rsv_free(context, s);
@@ -220,6 +310,8 @@ void rsv_collada_release(rsv_context *context, rsv_collada *collada)
 {
     rsv_free(context, collada->object);
     rsv_free(context, collada->instance);
+    rsv_free(context, collada->id);
+    rsv_free(context, collada->reference);
     *collada = (rsv_collada){ 0 };
 }
 

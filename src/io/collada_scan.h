@@ -37,14 +37,25 @@ typedef struct rsv_collada_instance {
     char id[RSV_COLLADA_NAME_BYTES];   ///< of the camera or light
 } rsv_collada_instance;
 
+/// An id, or a reference to one.
+typedef struct rsv_collada_name {
+    char text[RSV_COLLADA_NAME_BYTES];
+} rsv_collada_name;
+
 typedef struct rsv_collada {
     rsv_collada_object *object; ///< [object_count]
     size_t object_count, object_capacity;
     rsv_collada_instance *instance; ///< [instance_count], in the order of the file
     size_t instance_count, instance_capacity;
+    rsv_collada_name *id; ///< [id_count] of all that can be referred to
+    size_t id_count, id_capacity;
+    rsv_collada_name *reference; ///< [reference_count] without the '#' of this file
+    size_t reference_count, reference_capacity;
+    char unused[400]; ///< names of what nothing here reads, with commas
 } rsv_collada;
 
-/// Reads a file that Assimp has taken for COLLADA; whatever is not understood is passed over.
+/// Reads a file that Assimp has taken for COLLADA; whatever is not understood is passed over. Warns of references to what
+/// the file does not hold, and of kinds of things in it that are not used.
 rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada *collada);
 void rsv_collada_release(rsv_context *context, rsv_collada *collada);
 

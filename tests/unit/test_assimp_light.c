@@ -212,6 +212,65 @@ static void collada_cameras_see_what_they_say(void **state)
     }
 }
 
+/// References that lead nowhere, and kinds of things that nobody reads, are named once each.
+static void collada_names_what_is_not_there_or_not_used(void **state)
+{
+    fixture *f = *state;
+    write_collada("any", 1,
+        "<library_physics_scenes><physics_scene id=\"w\"/></library_physics_scenes>"
+        "<library_geometries><geometry id=\"curve\"><spline/></geometry><geometry id=\"more\">"
+        "<spline/></geometry></library_geometries>",
+        "<node id=\"a\"><instance_geometry url=\"#nowhere\"/><instance_light url=\"#nowhere\"/>"
+        "<instance_camera url=\"#lens\"/><instance_geometry url=\"#curve\"/><extra><technique "
+        "profile=\"OTHER\"><x/></technique></extra></node>");
+    rsv_scene_destroy(load(f, "a.dae"));
+    assert_mentions(
+        f->log, "not used: library_physics_scenes, spline, technique of profile 'OTHER'");
+    assert_int_equal(count_mentions(f->log, "'nowhere', which it does not hold"), 1);
+    assert_int_equal(count_mentions(f->log, "'lens', which it does not hold"), 1);
+    assert_int_equal(count_mentions(f->log, "does not hold"), 2);
+}
+
+static void collada_opacity_and_shading_are_as_specified(void **state)
+{
+    static const struct {
+        const char *technique;
+        float opacity, specular, red;
+    } paint[] = {
+        { "<lambert><diffuse><color>.5 .4 .6 1</color></diffuse></lambert>", 1, 0, .5f },
+        { "<constant><emission><color>1 1 1 1</color></emission></constant>", 1, 0, 0 },
+        { "<lambert><diffuse><color>.5 .4 .6 1</color></diffuse><transparent "
+          "opaque=\"A_ONE\"><color>"
+          "1 1 1 .5</color></transparent><transparency><float>1</float></transparency></lambert>",
+            .5f, 0, .5f },
+        { "<lambert><diffuse><color>.5 .4 .6 1</color></diffuse><transparent opaque=\"RGB_ZERO\">"
+          "<color>.25 .25 .25 1</color></transparent><transparency><float>1</float></transparency>"
+          "</lambert>",
+            .75f, 0, .5f },
+        { "<phong><diffuse><color>.5 .4 .6 1</color></diffuse><specular><color>.5 .5 .5 1</color>"
+          "</specular></phong>",
+            1, .5f, .5f },
+    };
+    for (size_t k = 0; k < sizeof paint / sizeof *paint; k++) {
+        char library[1024];
+        snprintf(library, sizeof library,
+            "<library_materials><material id=\"m\" name=\"paint\"><instance_effect url=\"#e\"/>"
+            "</material></library_materials><library_effects><effect id=\"e\"><profile_COMMON>"
+            "<technique sid=\"c\">%s</technique></profile_COMMON></effect></library_effects>",
+            paint[k].technique);
+        write_collada("any", 1, library, "");
+        rsv_scene *scene = load(*state, "a.dae");
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        const rsv_material *m = &view->material[0];
+        assert_string_equal(m->name, "paint");
+        if (fabsf(m->opacity - paint[k].opacity) > 1e-4f)
+            fail_msg("%zu: opacity %g", k, (double)m->opacity);
+        assert_float_equal(m->specular, paint[k].specular, 1e-4);
+        assert_float_equal(m->base_color.r, paint[k].red, 1e-4);
+        rsv_scene_destroy(scene);
+    }
+}
+
 // ---- FBX ------------------------------------------------------------------------------------------
 
 /// A lamp 2 m above the floor that shines downwards. @param properties of the light
@@ -322,6 +381,8 @@ int main(void)
         CASE(collada_spots_end_where_they_say),
         CASE(every_light_of_a_node_shines_and_ambient_ones_are_named),
         CASE(collada_cameras_see_what_they_say),
+        CASE(collada_names_what_is_not_there_or_not_used),
+        CASE(collada_opacity_and_shading_are_as_specified),
         CASE(fbx_lights_are_as_bright_in_any_unit),
         CASE(fbx_decay_may_start_at_the_light),
     };
