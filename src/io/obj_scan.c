@@ -5,9 +5,11 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define MOST_WORDS 8 ///< that a warning names
 #define WORD_BYTES 32
@@ -20,24 +22,39 @@ typedef struct unused {
     size_t colored; ///< vertices with a colour
 } unused;
 
-static bool is_one_of(const char *word, const char *const *list)
-{
-    for (; *list; list++)
-        if (strcmp(word, *list) == 0) return true;
-    return false;
-}
-
 /// Statements that the importer and assimp_material.c take in, or that say nothing here: names, smoothing groups, which
 /// normals or creases overrule, and points and lines, which are counted elsewhere.
-static bool has_effect(const char *word, bool is_library)
+static const char *const object_words[] = { "v", "vn", "vt", "f", "g", "o", "s", "usemtl", "mtllib",
+    "l", "p", NULL };
+static const char *const library_words[] = { "newmtl", "Ka", "Kd", "Ks", "Ke", "Ns", "Ni", "d",
+    "Tr", "Tf", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "bump", "disp", "decal", "refl", "norm",
+    NULL };
+static const char *const color_words[] = { "Ka", "Kd", "Ks", "Ke", "Tf", NULL };
+static const char *const naming_words[] = { "usemtl", "newmtl", "mtllib", "o", "g", NULL };
+
+/// The word of a list that is meant, whether or not its letters are capitals as they should be; NULL = none.
+static const char *meant_word(const char *word, const char *const *list)
 {
-    static const char *const object[] = { "v", "vn", "vt", "f", "g", "o", "s", "usemtl", "mtllib",
-        "l", "p", NULL };
-    static const char *const library[] = { "newmtl", "Ka", "Kd", "Ks", "Ke", "Ns", "Ni", "d", "Tr",
-        "Tf", "illum", "Pr", "Pm", "Ps", "Pc", "Pcr", "bump", "disp", "decal", "refl", "norm",
-        NULL };
-    if (is_library && (strncmp(word, "map_", 4) == 0 || strcmp(word, "bump") == 0)) return true;
-    return is_one_of(word, is_library ? library : object);
+    for (; *list; list++)
+        if (strcasecmp(word, *list) == 0) return *list;
+    return NULL;
+}
+
+static bool is_number(const char *text)
+{
+    char *end = NULL;
+    rsv_number_value(text, &end);
+    return end != text;
+}
+
+/// What a statement is, in the letters that importers know; NULL = nothing that has an effect. Colours may be given as
+/// spectra and CIE XYZ, which nobody reads. @param arguments what follows the word
+static const char *meaning_of(const char *word, const char *arguments, bool is_library)
+{
+    const char *meant = meant_word(word, is_library ? library_words : object_words);
+    if (is_library && strncasecmp(word, "map_", 4) == 0) return word;
+    if (meant && is_library && meant_word(meant, color_words) && !is_number(arguments)) return NULL;
+    return meant;
 }
 
 static void note(unused *u, const char *word, size_t line)
@@ -93,7 +110,7 @@ void rsv_obj_warn_of_unused(const rsv_context *context, const char *path, bool i
         continued = goes_on(text, (size_t)length);
         if (inside || !*start || *start == '#') continue;
         copy_word(start, word);
-        if (!has_effect(word, is_library)) note(&u, word, number);
+        if (!meaning_of(word, start + strlen(word), is_library)) note(&u, word, number);
         if (!is_library && strcmp(word, "v") == 0 && count_words(start) >= 7) u.colored++;
     }
     free(text);
@@ -133,46 +150,116 @@ static char *read_text(FILE *file, size_t *size)
     return NULL;
 }
 
-/// Lines that end in one '\n', without blanks before and behind. @return the size of what is left
-static size_t trim_lines(char *text, size_t size)
+/// Lines that end in one '\n', without blanks before and behind; those that go on in the next are joined with it.
+/// @return the size of what is left
+static size_t join_lines(char *text, size_t size)
 {
     size_t kept = 0;
     if (strncmp(text, "\xef\xbb\xbf", 3) == 0) memset(text, ' ', 3);
     for (size_t i = 0; i < size; i++) {
         char c = text[i] == '\r' && text[i + 1] != '\n' ? '\n' : text[i];
+        if (c == '\0') c = ' ';
         bool is_blank = c == ' ' || c == '\t' || c == '\r';
         if (is_blank && (kept == 0 || text[kept - 1] == '\n')) continue;
         if (c == '\n')
-            while (kept && strchr(" \t\r", text[kept - 1]) && text[kept - 1])
+            while (kept && strchr(" \t\r", text[kept - 1]))
                 kept--;
-        text[kept++] = c;
+        if (c == '\n' && kept && text[kept - 1] == '\\')
+            text[kept - 1] = ' ';
+        else
+            text[kept++] = c;
     }
     text[kept] = '\0';
     return kept;
 }
 
+/// A name without the comment behind it and the quotes around it; several libraries become several statements.
+static void put_name(FILE *to, const char *word, char *name)
+{
+    bool is_library = strcmp(word, "mtllib") == 0;
+    char *comment = strstr(name, " #"), *next = name;
+    if (comment) *comment = '\0';
+    for (size_t length = strlen(name); length && isspace((unsigned char)name[length - 1]); length--)
+        name[length - 1] = '\0';
+    for (char *c = name; *c && is_library; c++)
+        if (*c == '\\') *c = '/';
+    while (is_library && (next = strcasestr(name, ".mtl ")) != NULL) {
+        next[strlen(".mtl")] = '\0';
+        fprintf(to, "%s %s\n", word, name);
+        name = next + strlen(".mtl ");
+        name += strspn(name, " \t");
+    }
+    size_t length = strlen(name);
+    bool quoted = length > 2 && name[0] == '"' && name[length - 1] == '"';
+    fprintf(to, "%s %.*s\n", word, (int)(length - (quoted ? 2 : 0)), name + quoted);
+}
+
+/// One number stands for three.
+static void put_color(FILE *to, const char *word, const char *arguments)
+{
+    char *end = NULL;
+    rsv_number_value(arguments, &end);
+    bool alone = (!*end || isspace((unsigned char)*end)) && !is_number(end);
+    int length = (int)(alone ? end - arguments : (ptrdiff_t)strlen(arguments));
+    fprintf(to, "%s", word);
+    for (int k = 0; k < (alone ? 3 : 1); k++)
+        fprintf(to, " %.*s", length, arguments);
+    fputc('\n', to);
+}
+
+/// Numbers that begin with a point, which the importer does not know for numbers, get a zero.
+static void put_numbers(FILE *to, const char *word, const char *arguments)
+{
+    fprintf(to, "%s ", word);
+    if (*arguments != '.' && !strstr(arguments, " .") && !strstr(arguments, "\t.")) {
+        fprintf(to, "%s\n", arguments);
+        return;
+    }
+    for (const char *c = arguments; *c; c++) {
+        if (*c == '.' && (c == arguments || isspace((unsigned char)c[-1]))) fputc('0', to);
+        fputc(*c, to);
+    }
+    fputc('\n', to);
+}
+
+static void put_statement(FILE *to, char *line, bool is_library)
+{
+    char word[WORD_BYTES];
+    copy_word(line, word);
+    char *arguments = line + strcspn(line, " \t");
+    arguments += strspn(arguments, " \t");
+    const char *meant = *line == '#' || !*line ? NULL : meaning_of(word, arguments, is_library);
+    if (!meant) return;
+    if (meant_word(meant, naming_words))
+        put_name(to, meant, arguments);
+    else if (is_library && meant_word(meant, color_words))
+        put_color(to, meant, arguments);
+    else if (is_library && strcmp(meant, "d") == 0 && strncmp(arguments, "-halo", 5) == 0)
+        fprintf(to, "d %s\n", arguments + 5);
+    else if (!is_library && *meant == 'v')
+        put_numbers(to, meant, arguments);
+    else
+        fprintf(to, "%s %s\n", meant, arguments);
+}
+
 char *rsv_obj_clean(FILE *file, bool is_library, size_t *size)
 {
-    char *text = read_text(file, size);
-    if (!text) return NULL;
-    *size = trim_lines(text, *size);
-    bool continued = false, dropped = false;
-    for (char *line = text, *next; line < text + *size; line = next) {
-        char word[WORD_BYTES], *end = memchr(line, '\n', (size_t)(text + *size - line));
-        next = end ? end + 1 : text + *size;
-        char *start = line + strspn(line, " \t");
-        copy_word(start, word);
-        bool is_empty = start >= next || *start == '\n' || *start == '\0';
-        if (!continued) dropped = !is_empty && *start != '#' && !has_effect(word, is_library);
-        size_t length = (size_t)(next - line);
-        while (length && isspace((unsigned char)line[length - 1]))
-            length--;
-        continued = !is_empty && length && line[length - 1] == '\\';
-        if (!dropped || is_empty) continue;
-        *start = '#';
-        if (continued) line[length - 1] = '#'; // the next line is one of its own
+    char *cleaned = NULL, *text = read_text(file, size);
+    FILE *to = text ? open_memstream(&cleaned, size) : NULL;
+    if (to) {
+        join_lines(text, *size);
+        for (char *line = text, *next; line; line = next) {
+            next = strchr(line, '\n');
+            if (next) *next++ = '\0';
+            put_statement(to, line, is_library);
+        }
+        if (fclose(to) != 0) {
+            free(cleaned);
+            cleaned = NULL;
+        }
     }
-    return text;
+    free(text);
+    return cleaned;
 }
 
 // ---- what is wrong ----------------------------------------------------------------------------------

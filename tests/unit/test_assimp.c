@@ -215,6 +215,45 @@ static void line_ends_blanks_and_marks_do_not_matter(void **state)
     }
 }
 
+/// What programs write in more than one way means the same.
+static void spellings_of_mtl_and_obj_are_understood(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *library, *object;
+        float red, green, opacity;
+    } spelt[] = {
+        { "newmtl m\nKd 0.5\n", "usemtl m\n", .5f, .5f, 1 },
+        { "NewMtl m\nkd .5 .25 .125\n", "UseMtl m\n", .5f, .25f, 1 },
+        { "newmtl m # the paint\nKd .5 .25 .125 # as measured\n", "usemtl m # here\n", .5f, .25f,
+            1 },
+        { "newmtl \"m\"\nKd 0.5 0.25 0.125\nd -halo 0.75\n", "usemtl \"m\"\n", .5f, .25f, .75f },
+        { "newmtl m\nKd 0.5 0.25 0.125\nTr 0.25\n", "usemtl m\n", .5f, .25f, .75f },
+        { "newmtl m\nKd 0.5 0.25 0.125\nKs spectral a.rfl\n", "usemtl m\n", .5f, .25f, 1 },
+    };
+    static const char *const libraries[] = { "mtllib spelt.mtl\n", "mtllib \"spelt.mtl\"\n",
+        "mtllib .\\spelt.mtl\n", "mtllib plain.mtl spelt.mtl\n", "MTLLIB spelt.mtl\n" };
+    write_file("plain.mtl", "newmtl x\nKd 1 1 1\n");
+    for (size_t i = 0; i < sizeof spelt / sizeof *spelt; i++) {
+        for (size_t k = 0; k < sizeof libraries / sizeof *libraries; k++) {
+            char text[512];
+            snprintf(text, sizeof text, "%sV .0 0 0\nv 2 0 0\nv 2 .3e1 0\nv 0 3 0\n%sF 1 2 3 4\n",
+                libraries[k], spelt[i].object);
+            f->log[0] = 0;
+            write_file("spelt.mtl", spelt[i].library);
+            write_file("spelt.obj", text);
+            rsv_scene *scene = load(f, "spelt.obj");
+            const rsv_material *m = material_of(rsv_scene_get_view(scene), "m");
+            assert_near(m->base_color.r, spelt[i].red);
+            assert_near(m->base_color.g, spelt[i].green);
+            assert_near(m->opacity, spelt[i].opacity);
+            assert_near(rsv_scene_get_view(scene)->bounds_max.y, 3);
+            assert_null(strstr(f->log, "cannot be read"));
+            rsv_scene_destroy(scene);
+        }
+    }
+}
+
 // ---- units and axes -------------------------------------------------------------------------------
 
 static void polygons_without_units_follow_the_description(void **state)
@@ -578,6 +617,7 @@ int main(void)
         CASE(textures_are_warned_of),
         CASE(what_is_not_used_is_named_once),
         CASE(line_ends_blanks_and_marks_do_not_matter),
+        CASE(spellings_of_mtl_and_obj_are_understood),
         CASE(bones_morph_targets_colours_and_animations_are_named),
         CASE(importers_do_not_speak_for_themselves),
         CASE(polygons_without_units_follow_the_description),
