@@ -44,7 +44,9 @@ rsv_status rsv_assimp_learn(rsv_context *context, const char *path, rsv_file_kin
     };
     bool needed = file->mNumLights + file->mNumCameras > 0;
     if (kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, path, &facts->collada);
-    facts->has_decay = needed && kind == RSV_FILE_FBX && rsv_file_mentions(path, "DecayType");
+    if (!needed || kind != RSV_FILE_FBX) return RSV_OK;
+    facts->has_decay = file->mNumLights && rsv_file_mentions(path, "DecayType");
+    facts->has_fov = file->mNumCameras && rsv_file_mentions(path, "FieldOfView");
     return RSV_OK;
 }
 
@@ -117,8 +119,9 @@ static void become_surface(const rsv_context *context, const char *name, rsv_lig
     light->inner_cone_angle = light->outer_cone_angle = RSV_PI / 2;
     light->exponent = 1;
     rsv_log(context, RSV_LOG_WARNING,
-        "light '%s': an area light whose size the file does not say; it shines from a point, with "
-        "the cosine of a surface",
+        "light '%s': an area light (or a volume) whose size the file does not say; it shines from "
+        "a "
+        "point, with the cosine of a surface",
         name);
 }
 
@@ -187,14 +190,17 @@ static bool take_projection(const rsv_collada_object *text, double metres, rsv_c
 }
 
 /// The projection of any other camera.
-static void take_fov(const rsv_context *context, const struct aiCamera *source, rsv_camera *camera)
+static void take_fov(const rsv_context *context, const rsv_assimp_facts *facts,
+    const struct aiCamera *source, rsv_camera *camera)
 {
+    bool is_given =
+        facts->kind != RSV_FILE_FBX || facts->has_fov; // else the importer makes up a degree
     float aspect = source->mAspect > 0 && isfinite(source->mAspect) ? source->mAspect : 1;
     float whole =
         source
             ->mHorizontalFOV; // the header calls it half an angle, every importer stores the whole
     camera->aspect = aspect;
-    if (whole > 0 && whole < RSV_PI) {
+    if (is_given && whole > 0 && whole < RSV_PI) {
         camera->vertical_fov = 2 * atanf(tanf(whole / 2) / aspect);
     } else if (source->mOrthographicWidth > 0) {
         camera->vertical_extent = source->mOrthographicWidth / aspect;
@@ -218,14 +224,14 @@ rsv_status rsv_assimp_camera(const rsv_context *context, const rsv_assimp_facts 
     if (!(v3_length(camera->right) > 0))
         return rsv_fail(RSV_ERROR_FORMAT, "camera '%s': it has no direction", name);
     if (facts->kind != RSV_FILE_COLLADA) {
-        take_fov(context, source, camera);
+        take_fov(context, facts, source, camera);
         return RSV_OK;
     }
     const rsv_collada_object *text =
         rsv_collada_find(&facts->collada, RSV_COLLADA_CAMERA, source->mName.data, order);
     if (text && take_projection(text, facts->metres_per_unit, camera)) return RSV_OK;
     if (!text) { // named in a way of its own by the importer
-        take_fov(context, source, camera);
+        take_fov(context, facts, source, camera);
         return RSV_OK;
     }
     camera->aspect = said(text, RSV_COLLADA_ASPECT) > 0 ? (float)said(text, RSV_COLLADA_ASPECT) : 1;

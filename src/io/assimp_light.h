@@ -11,6 +11,7 @@ typedef struct rsv_assimp_facts {
     double metres_per_unit;
     bool watts;          ///< written by Blender 2.80 or later: strengths are watts
     bool has_decay;      ///< .fbx: some light says how it falls off
+    bool has_fov;        ///< .fbx: some camera says its field of view
     rsv_collada collada; ///< .dae: what its text says
 } rsv_assimp_facts;
 

@@ -371,6 +371,38 @@ static void fbx_decay_may_start_at_the_light(void **state)
     }
 }
 
+/// The importer makes up one degree where a camera says nothing.
+static void fbx_cameras_without_a_field_of_view_see_something(void **state)
+{
+    fixture *f = *state;
+    for (int given = 0; given < 2; given++) {
+        rsv_scene_destroy(load_fbx_light(f, "any", 1, ""));
+        size_t bytes;
+        char *text = (char *)read_bytes(path_in(&files, "a.fbx"), &bytes);
+        text[bytes] = '\0';
+        char *connections = strstr(text, "}\nConnections: {\n");
+        assert_non_null(connections);
+        FILE *file = fopen(path_in(&files, "b.fbx"), "w");
+        fprintf(file,
+            "%.*s NodeAttribute: 20, \"NodeAttribute::cam\", \"Camera\" {\n  TypeFlags: "
+            "\"Camera\"\n"
+            "  Properties70: {\n%s  }\n }\n Model: 21, \"Model::cam\", \"Camera\" {\n  Version: "
+            "232\n }\n"
+            "}\nConnections: {\n C: \"OO\",21,0\n C: \"OO\",20,21\n%s",
+            (int)(connections - text), text,
+            given ? "   P: \"FieldOfView\", \"FieldOfView\", \"\", \"A\",60\n" : "",
+            connections + strlen("}\nConnections: {\n"));
+        fclose(file);
+        free(text);
+        rsv_scene *scene = load(f, "b.fbx");
+        assert_int_equal(rsv_scene_get_view(scene)->camera_count, 1);
+        assert_about(
+            rsv_scene_get_view(scene)->camera[0].vertical_fov, (given ? 60 : 45) * 0.0174532925f);
+        assert_int_equal(count_mentions(f->log, "45 degrees are taken"), given ? 0 : 1);
+        rsv_scene_destroy(scene);
+    }
+}
+
 int main(void)
 {
 #define CASE(name) cmocka_unit_test_setup_teardown(name, enter, leave)
@@ -385,6 +417,7 @@ int main(void)
         CASE(collada_opacity_and_shading_are_as_specified),
         CASE(fbx_lights_are_as_bright_in_any_unit),
         CASE(fbx_decay_may_start_at_the_light),
+        CASE(fbx_cameras_without_a_field_of_view_see_something),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
