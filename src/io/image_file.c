@@ -84,21 +84,27 @@ cleanup:
     return status;
 }
 
+static rsv_status fail_unknown(const char *path)
+{
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "cannot read '%s' as an image: the name must end in .exr, .hdr, .png or .jpg", path);
+}
+
 rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image)
 {
     rsv_status status = RSV_OK;
     uint8_t *bytes = NULL;
     rsv_image_file file = { .path = path };
     const image_format *format = find_format(path);
-    if (!format)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "cannot read '%s' as an image: the name must end in .exr, .hdr, .png or .jpg", path);
-    RSV_TRY(read_bytes(context, path, &bytes, &file.size));
+    status = read_bytes(context, path, &bytes, &file.size);
+    if (status != RSV_OK && !format) RSV_TRY(fail_unknown(path));
+    RSV_TRY(status);
     file.bytes = bytes;
-    if (file.size == 0)
-        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", path));
     const image_format *told = format_of_content(bytes, file.size);
     if (told) format = told;
+    if (!format) RSV_TRY(fail_unknown(path));
+    if (file.size == 0)
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", path));
     RSV_TRY(format->decode(context, &file, image));
 cleanup:
     rsv_free(context, bytes);

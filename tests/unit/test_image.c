@@ -452,6 +452,8 @@ static void pictures_are_told_by_their_content(void **state)
     rsv_image_destroy(image);
     write_hdr(path_of("a.exr"), "\n-Y 1 +X 1\n", code, 1);
     rsv_image_destroy(read_image(path_of("a.exr")));
+    write_hdr(path_of("a.pic"), "\n-Y 1 +X 1\n", code, 1);
+    rsv_image_destroy(read_image(path_of("a.pic")));
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         write_bytes(path_of(names[i]), text, sizeof text - 1);
         expect_failure(path_of(names[i]), RSV_ERROR_FORMAT, names[i]);
