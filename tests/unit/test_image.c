@@ -340,6 +340,42 @@ static void exr_places_the_data_window_in_the_display_window(void **state)
     }
 }
 
+static char logged[1024];
+
+static void keep_log(void *user, rsv_log_level level, const char *message)
+{
+    (void)user, (void)level;
+    snprintf(logged + strlen(logged), sizeof logged - strlen(logged), "%s\n", message);
+}
+
+/// Depth and names are no colours; alpha needs no word.
+static void exr_channels_that_are_no_colours_are_named(void **state)
+{
+    (void)state;
+    exr_variant variant = { .compression = EXR_COMPRESSION_ZIP, .type = EXR_PIXEL_FLOAT };
+    static const char *const named[][2] = { { "A", "" }, { "Z", "not used: Z\n" } };
+    rsv_context *own;
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.log = keep_log;
+    assert_int_equal(rsv_context_create(&desc, &own), RSV_OK);
+    variant.data_window = variant.display_window =
+        (exr_attr_box2i_t){ { .x = 0, .y = 0 }, { .x = 3, .y = 3 } };
+    for (int k = 0; k < 2; k++) {
+        rsv_image *image;
+        memcpy(variant.channels, (const char *[5]){ "B", "G", "R", named[k][0] },
+            sizeof variant.channels);
+        logged[0] = '\0';
+        write_variant(path_of("more.exr"), &variant);
+        assert_int_equal(rsv_image_read(own, path_of("more.exr"), &image), RSV_OK);
+        if (*named[k][1])
+            assert_non_null(strstr(logged, named[k][1]));
+        else
+            assert_string_equal(logged, "");
+        rsv_image_destroy(image);
+    }
+    rsv_context_destroy(own);
+}
+
 static void exr_refuses_what_the_library_misreads(void **state)
 {
     (void)state;
@@ -1023,6 +1059,7 @@ int main(void)
         IMAGE_TEST(exr_reads_luminance_as_grey),
         IMAGE_TEST(hdr_rounds_to_the_nearest_mantissa),
         IMAGE_TEST(hdr_reads_runs_and_exposure),
+        IMAGE_TEST(exr_channels_that_are_no_colours_are_named),
         IMAGE_TEST(pictures_are_told_by_their_content),
         IMAGE_TEST(hdr_stands_upright_however_its_lines_run),
         IMAGE_TEST(hdr_of_xyz_becomes_linear_srgb),
