@@ -77,11 +77,14 @@ static bool is_news(cli_messages *said, const char *message)
 {
     for (size_t i = 0; i < said->count; i++)
         if (strcmp(said->text[i], message) == 0) return false;
-    char **grown = realloc(said->text, (said->count + 1) * sizeof *grown);
-    if (!grown) return true;
+    char *copy = strdup(message);
+    char **grown = copy ? realloc(said->text, (said->count + 1) * sizeof *grown) : NULL;
+    if (!grown) {
+        free(copy);
+        return true;
+    }
     said->text = grown;
-    said->text[said->count] = strdup(message);
-    if (said->text[said->count]) said->count++;
+    said->text[said->count++] = copy;
     return true;
 }
 

@@ -50,7 +50,7 @@ static bool next_line(reader *in, char *line, size_t line_bytes)
 /// EXPOSURE and COLORCORR lines say what the radiances were multiplied by; all of them count.
 static rsv_status divide_by(const reader *in, const char *text, int count, hdr_header *h)
 {
-    double factor[3];
+    double factor[3] = { 1, 1, 1 };
     for (int c = 0; c < count; c++) {
         char *end = NULL;
         factor[c] = rsv_number_value(text, &end);

@@ -55,28 +55,31 @@ static rsv_status read_text_number(ply_reader *r, double *value)
 
 static double decode(const uint8_t *b, rsv_ply_type type, bool big)
 {
-    uint64_t bits = 0;
+    union {
+        uint64_t bits;
+        double value;
+    } twice = { .bits = 0 };
+    union {
+        uint32_t bits;
+        float value;
+    } single = { .bits = 0 };
     unsigned size = rsv_ply_size(type);
     for (unsigned k = 0; k < size; k++)
-        bits |= (uint64_t)b[big ? size - 1 - k : k] << 8 * k;
-    float single;
-    double twice;
-    uint32_t low = (uint32_t)bits;
+        twice.bits |= (uint64_t)b[big ? size - 1 - k : k] << 8 * k;
+    single.bits = (uint32_t)twice.bits;
     switch (type) {
     case RSV_PLY_INT8:
-        return (int8_t)bits;
+        return (int8_t)single.bits;
     case RSV_PLY_INT16:
-        return (int16_t)bits;
+        return (int16_t)single.bits;
     case RSV_PLY_INT32:
-        return (int32_t)low;
+        return (int32_t)single.bits;
     case RSV_PLY_FLOAT:
-        memcpy(&single, &low, sizeof single);
-        return (double)single;
+        return (double)single.value;
     case RSV_PLY_DOUBLE:
-        memcpy(&twice, &bits, sizeof twice);
-        return twice;
+        return twice.value;
     default:
-        return (double)low;
+        return (double)single.bits;
     }
 }
 
