@@ -73,6 +73,14 @@ cleanup:
     return status;
 }
 
+/// How many times too many elements or rows there are.
+static float excess(const rsv_builder *b)
+{
+    size_t nodes = b->elements->node_count, most = b->desc.max_elements;
+    if (most && nodes > most) return (float)nodes / ((float)most + 1);
+    return (float)rsv_builder_rows(b) / ((float)rsv_budget_rows(b) + 1);
+}
+
 /// Creates elements, larger ones as long as there are more than budgets allow.
 static rsv_status create_elements(rsv_builder *b)
 {
@@ -89,14 +97,14 @@ static rsv_status create_elements(rsv_builder *b)
         while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
         if (is_within_budget(b)) break;
         b->scene.past = NULL; // its grids and splits would stay as they were
-        size_t rows = rsv_builder_rows(b), most = rsv_budget_rows(b);
+        size_t rows = rsv_builder_rows(b);
         if (rows == 0 || b->spacing.metres >= f_max(coarsest, wanted)) {
             RSV_TRY(create_fewest(b));
             break;
         }
         stalled = stalled || (double)rows > LEAST_PROGRESS * (double)before;
         before = rows;
-        float step = sqrtf(1.2f * (float)rows / ((float)most + 1));
+        float step = sqrtf(1.2f * excess(b));
         b->spacing.metres *= stalled ? LARGEST_STEP : f_min(step, LARGEST_STEP);
         b->spacing.metres = f_min(b->spacing.metres, f_max(coarsest, wanted));
     }
