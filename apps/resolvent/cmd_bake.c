@@ -8,6 +8,8 @@
 #include "resolvent/bake.h"
 
 #include <cJSON.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -153,17 +155,29 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-/// A scene that is no glTF file, written as one beside the output and opened again.
+/// A scene that is no glTF file, written as one and opened again. The file has no name once it is open, so that
+/// nothing of it is left, however this ends.
+/// @param path out: what it can be read by @param descriptor out: to be closed
 static rsv_scene *open_as_gltf(
-    cli_session *session, const settings *s, rsv_scene *scene, char *path, size_t bytes)
+    cli_session *session, const settings *s, rsv_scene *scene, char path[64], int *descriptor)
 {
-    snprintf(path, bytes, "%s.%ld.glb", s->output, (long)getpid());
-    rsv_status status = rsv_scene_save(scene, path);
+    char name[4096];
+    snprintf(name, sizeof name, "%s.%ld.glb", s->output, (long)getpid());
+    rsv_status status = rsv_scene_save(scene, name);
     rsv_scene_destroy(scene);
-    if (status == RSV_OK) return cli_open_scene(session, path, &s->environment);
-    cli_report_failure(session, status);
-    *path = 0;
-    return NULL;
+    if (status != RSV_OK) {
+        cli_report_failure(session, status);
+        return NULL;
+    }
+    *descriptor = open(name, O_RDONLY | O_CLOEXEC);
+    int error = errno;
+    unlink(name);
+    if (*descriptor < 0) {
+        cli_error("%s: cannot be opened again: %s", name, strerror(error));
+        return NULL;
+    }
+    snprintf(path, 64, "/proc/self/fd/%d", *descriptor);
+    return cli_open_scene(session, path, &s->environment);
 }
 
 static void print_report(const settings *s, const rsv_bake_report *r)
@@ -259,14 +273,15 @@ static int bake(cli_session *session, settings *s, const rsv_scene *scene, const
 
 static int run(cli_session *session, settings *s)
 {
-    char temporary[4096] = "";
+    char nameless[64] = "";
+    int descriptor = -1;
     bool gltf =
         cli_ends_in(s->scene, ".gltf") || cli_ends_in(s->scene, ".glb") || s->target == TO_PROBES;
     rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
-    if (scene && !gltf) scene = open_as_gltf(session, s, scene, temporary, sizeof temporary);
-    int exit_status = scene ? bake(session, s, scene, gltf ? s->scene : temporary) : CLI_FAILURE;
+    if (scene && !gltf) scene = open_as_gltf(session, s, scene, nameless, &descriptor);
+    int exit_status = scene ? bake(session, s, scene, gltf ? s->scene : nameless) : CLI_FAILURE;
     rsv_scene_destroy(scene);
-    if (*temporary) unlink(temporary);
+    if (descriptor >= 0) close(descriptor);
     return exit_status;
 }
 

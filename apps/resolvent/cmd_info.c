@@ -243,8 +243,8 @@ static bool print_json(
     add_cameras(root, view);
     add_operator(root, subject->solution);
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
-    for (size_t i = 0; i < session->warning_count; i++)
-        cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings[i]));
+    for (size_t i = 0; i < session->warnings.count; i++)
+        cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings.text[i]));
     bool printed = cli_write_json(NULL, root);
     cJSON_Delete(root);
     return printed;

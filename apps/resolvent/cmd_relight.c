@@ -11,6 +11,7 @@
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
 
+#include <cJSON.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -25,9 +26,11 @@ static const char help[] =
     "ray is traced for it), and takes a picture or keeps the result as an operator file.\n"
     "\n"
     "  -o FILE            the picture or operator file; repeat it for more than one\n"
-    "  --light NAME=SCALE[,R,G,B]  multiply a light by SCALE, or by SCALE times R, G, B; NAME is "
-    "a\n"
-    "                     punctual light, its node, or a material that emits\n"
+    "  --light NAME=SCALE multiply a light by SCALE; NAME is a punctual light, its node, or a "
+    "material\n"
+    "                     that emits.\n"
+    "                     NAME=R,G,B has a factor for each channel, as rsv_rt_relight takes them;\n"
+    "                     NAME=SCALE,R,G,B those times SCALE\n"
     "  --albedo MATERIAL=R,G,B  another base color for a plain diffuse material\n"
     "  --move NAME=X,Y,Z  a light in another place, so many metres from where it is; lamps take "
     "their\n"
@@ -38,8 +41,9 @@ static const char help[] =
     "  --env-rotate DEG   turn them to DEG degrees about the vertical, counter-clockwise from "
     "above\n"
     "  --script FILE      a picture for every frame of a script; -o day-%04d.png numbers them.\n"
-    "                     Lines of FRAME light.NAME=SCALE[,R,G,B] albedo.MATERIAL=R,G,B\n"
-    "                     move.NAME=X,Y,Z place.object=X,Y,Z env-rotate=DEG env-intensity=S;\n"
+    "                     Lines of FRAME light.NAME=SCALE (or R,G,B or SCALE,R,G,B)\n"
+    "                     albedo.MATERIAL=R,G,B move.NAME=X,Y,Z place.object=X,Y,Z\n"
+    "                     env-rotate=DEG env-intensity=S;\n"
     "                     what lies between two lines changes evenly\n"
     "  --object FILE      a rigid object, lit and shown in --mode operator without solving for "
     "it;\n"
@@ -83,6 +87,15 @@ typedef struct settings {
     rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
 } settings;
 
+/// What all frames share: the file is read once.
+typedef struct stage {
+    cli_subject subject;
+    rsv_relighter *relighter;
+    uint32_t camera, frame_count;
+    bool prepared; ///< strengths alone change: what each source does by itself is known
+    double time_relight, time_render;
+} stage;
+
 // ---- options --------------------------------------------------------------------------------------
 
 /// Where a light is to be added, of the scene's file: in double, as the scene may lie far from its origin.
@@ -107,13 +120,14 @@ static bool read_changes(settings *s)
     for (size_t k = 0; k < s->lights.count; k++) {
         char *name = s->name[names++] = strdup(s->lights.item[k]);
         size_t count = name ? cli_cut_change(name, v) : 0;
-        if (count != 1 && count != 4) {
-            cli_usage_error("relight", "--light: '%s' is not NAME=SCALE or NAME=SCALE,R,G,B",
+        rsv_rgb scale;
+        if (!cli_light_scale(v, count, &scale)) {
+            cli_usage_error("relight",
+                "--light: '%s' is not NAME=SCALE, NAME=R,G,B or NAME=SCALE,R,G,B",
                 s->lights.item[k]);
             return false;
         }
-        rsv_rgb color = count == 4 ? (rsv_rgb){ v[1], v[2], v[3] } : (rsv_rgb){ 1, 1, 1 };
-        s->light[k] = (rsv_light_scale){ name, { v[0] * color.r, v[0] * color.g, v[0] * color.b } };
+        s->light[k] = (rsv_light_scale){ name, scale };
     }
     for (size_t k = 0; k < s->albedos.count; k++) {
         char *name = s->name[names++] = strdup(s->albedos.item[k]);
@@ -314,12 +328,12 @@ static rsv_status render(
 }
 
 /// Everything after the solve; the picture is taken once, whatever number of files wants it.
-static rsv_status write_outputs(const settings *s, const rsv_solution *solution, uint32_t camera,
-    uint32_t frame, double *time_render)
+static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
 {
     char path[PATH_MAX];
     rsv_status status = RSV_OK;
     rsv_image *image = NULL;
+    const rsv_solution *solution = on->subject.solution;
     double started = cli_seconds();
     for (size_t k = 0; k < s->outputs.count && status == RSV_OK; k++) {
         if (!output_path(s, k, frame, path)) continue; // check_outputs saw to it
@@ -327,89 +341,131 @@ static rsv_status write_outputs(const settings *s, const rsv_solution *solution,
             status = rsv_solution_save(solution, s->scene, path);
             continue;
         }
-        if (!image) status = render(s, solution, camera, &image);
+        if (!image) status = render(s, solution, on->camera, &image);
         if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
         if (status == RSV_OK) status = rsv_image_write(image, path, s->exposure);
     }
     rsv_image_destroy(image);
-    *time_render = cli_seconds() - started;
+    on->time_render += cli_seconds() - started;
     return status;
 }
 
-static bool write_stats(
-    const cli_session *session, const settings *s, const rsv_solution *solution, double time_render)
+static bool write_stats(const cli_session *session, const settings *s, const stage *on)
 {
+    const rsv_solution *solution = on->subject.solution;
+    const rsv_scene_view *view = rsv_scene_get_view(on->subject.scene);
+    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[on->camera]);
+    cJSON *more = cJSON_CreateObject();
+    cJSON_AddNumberToObject(more, "frames", on->frame_count);
+    cJSON_AddNumberToObject(more, "relight_rays", (double)rsv_relighter_rays(on->relighter));
     cli_stats stats = { .command = "relight",
         .scene = s->scene,
         .mode = mode_names[s->mode],
         .quality = RSV_QUALITY_MEDIUM,
+        .width = size.width,
+        .height = size.height,
         .samples = s->samples,
         .threads = cli_thread_count(s->threads),
         .seed = s->seed,
         .report = rsv_solution_report(solution),
         .order_count = rsv_solution_order_count(solution),
         .standard_error = NAN,
-        .time_render = time_render };
+        .time_solve = on->time_relight,
+        .time_render = on->time_render,
+        .more = more };
     return cli_write_stats(s->stats, session, &stats);
 }
 
-static rsv_status relight(const settings *s, const cli_subject *subject)
+/// Whether frames differ in strengths alone, and want nothing but pictures: then each is a sum of what is known.
+static bool is_a_sum(const settings *s, const rsv_scene *scene)
 {
-    rsv_relighter *relighter = NULL;
-    rsv_status status = rsv_relighter_create(subject->solution, &relighter);
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    if (s->animation.first == s->animation.last) return false;
+    for (size_t k = 0; k < s->animation.track_count; k++) {
+        cli_track_kind kind = s->animation.track[k].kind;
+        if (kind != CLI_TRACK_LIGHT && kind != CLI_TRACK_INTENSITY && kind != CLI_TRACK_PLACE)
+            return false;
+    }
+    for (size_t k = 0; k < s->outputs.count; k++)
+        if (is_operator_name(s->outputs.item[k])) return false;
+    for (size_t m = 0; m < view->material_count; m++) {
+        rsv_rgb scatter = view->material[m].scatter_distance;
+        if (scatter.r + scatter.g + scatter.b > 0) return false;
+    }
+    return true;
+}
+
+/// Opens the file, and sets up what frames share.
+static bool set_stage(cli_session *session, const settings *s, stage *on)
+{
+    if (!cli_open_subject(session, s->scene, NULL, &on->subject)) return false;
+    on->camera = rsv_scene_find_camera(on->subject.scene, s->camera);
+    if (on->camera == RSV_NONE) {
+        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
+            s->camera ? s->camera : "", s->scene);
+        return false;
+    }
+    double started = cli_seconds();
+    rsv_status status = rsv_relighter_create(on->subject.solution, &on->relighter);
     for (size_t k = 0; k < s->added.count && status == RSV_OK; k++) {
         rsv_light light = s->add[k];
-        light.position = place_of_added(s->added.item[k], subject->scene);
-        status = rsv_relighter_add_light(relighter, &light);
+        light.position = place_of_added(s->added.item[k], on->subject.scene);
+        status = rsv_relighter_add_light(on->relighter, &light);
     }
-    if (status == RSV_OK) status = rsv_relighter_change(relighter, &s->relight);
-    if (status == RSV_OK) status = rsv_relighter_settle(relighter);
-    rsv_relighter_destroy(relighter);
+    on->prepared = is_a_sum(s, on->subject.scene);
+    if (status == RSV_OK && on->prepared) status = rsv_relighter_prepare(on->relighter);
+    on->time_relight += cli_seconds() - started;
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK;
+}
+
+/// Makes the light what the frame wants; exact, or a sum of what was solved as far as anybody can see.
+static rsv_status relight(const settings *s, stage *on)
+{
+    rsv_relight_progress progress = { 0 };
+    double started = cli_seconds();
+    rsv_status status = rsv_relighter_change(on->relighter, &s->relight);
+    if (status == RSV_OK && on->prepared) status = rsv_relighter_step(on->relighter, 0, &progress);
+    if (status == RSV_OK && !(progress.converged && progress.orders == 0))
+        status = rsv_relighter_settle(on->relighter);
+    on->time_relight += cli_seconds() - started;
     return status;
 }
 
-/// One frame, from the file to what is written; the last one's statistics are those of the run.
-static bool run_frame(cli_session *session, settings *s, uint32_t frame)
+static bool run_frame(cli_session *session, settings *s, stage *on, uint32_t frame)
 {
-    bool good = false;
-    cli_subject subject;
-    if (!cli_open_subject(session, s->scene, NULL, &subject)) return false;
-    uint32_t camera = rsv_scene_find_camera(subject.scene, s->camera);
-    if (camera == RSV_NONE) {
-        cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them", s->scene,
-            s->camera ? s->camera : "", s->scene);
-        goto cleanup;
-    }
-    double time_render = 0;
     enter_frame(s, frame);
-    rsv_status status = relight(s, &subject);
-    if (status == RSV_OK) status = write_outputs(s, subject.solution, camera, frame, &time_render);
-    if (status != RSV_OK)
-        cli_report_failure(session, status);
-    else
-        good = !s->stats || frame < s->animation.last ||
-               write_stats(session, s, subject.solution, time_render);
-cleanup:
-    cli_close_subject(&subject);
-    return good;
+    rsv_status status = relight(s, on);
+    if (status == RSV_OK) status = write_outputs(s, on, frame);
+    if (status != RSV_OK) cli_report_failure(session, status);
+    on->frame_count++;
+    return status == RSV_OK;
+}
+
+/// Those frames that are this process's: several take turns, the first of them with the last, whose statistics count.
+static bool run_frames(cli_session *session, settings *s, stage *on)
+{
+    uint32_t first = s->animation.first, last = s->animation.last, count = last - first + 1;
+    for (uint32_t frame = first; frame <= last && !cli_crew_alarmed(); frame++) {
+        if ((last - frame) % cli_crew_size() != cli_crew_rank()) continue;
+        if (count > 1) cli_progress_part(&session->progress, "frame", frame - first + 1, count);
+        if (!run_frame(session, s, on, frame)) return false;
+    }
+    return true;
 }
 
 static int run(cli_session *session, settings *s)
 {
-    if (!rsv_is_operator_file(s->scene)) {
-        cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
-                  "one",
-            s->scene);
-        return CLI_FAILURE;
-    }
+    stage on = { .frame_count = 0 };
+    uint32_t frames = s->animation.last - s->animation.first + 1;
+    if (!cli_is_operator(s->scene)) return CLI_FAILURE;
     if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
-    // several processes take turns with the frames, the first of them with the last, whose statistics count
-    for (uint32_t frame = s->animation.first; frame <= s->animation.last && !cli_crew_alarmed();
-         frame++)
-        if ((s->animation.last - frame) % cli_crew_size() == cli_crew_rank() &&
-            !run_frame(session, s, frame))
-            return CLI_FAILURE;
-    return CLI_SUCCESS;
+    if (frames > 1) cli_progress_part(&session->progress, "frame", 0, frames);
+    bool good = set_stage(session, s, &on) && run_frames(session, s, &on);
+    if (good && s->stats) good = write_stats(session, s, &on);
+    rsv_relighter_destroy(on.relighter);
+    cli_close_subject(&on.subject);
+    return good ? CLI_SUCCESS : CLI_FAILURE;
 }
 
 /// Before several processes read the file each for itself.

@@ -36,6 +36,18 @@ size_t cli_cut_change(char *text, float number[4])
     }
 }
 
+bool cli_light_scale(const float *number, size_t count, rsv_rgb *scale)
+{
+    const rsv_rgb one = { number[0], number[0], number[0] };
+    if (count == 1)
+        *scale = one;
+    else if (count == 3)
+        *scale = (rsv_rgb){ number[0], number[1], number[2] };
+    else if (count == 4)
+        *scale = (rsv_rgb){ number[0] * number[1], number[0] * number[2], number[0] * number[3] };
+    return count == 1 || count == 3 || count == 4;
+}
+
 /// The next word, or what stands between double quotes; NULL at the end.
 static char *cut_word(char **rest)
 {
@@ -108,12 +120,11 @@ static bool read_change(
             "expected light.NAME=, move.NAME=, albedo.MATERIAL=, place.object=, env-rotate= or "
             "env-intensity= instead of ",
             word);
-    bool scale_alone = kind == CLI_TRACK_LIGHT && count == 1;
-    if (count != wanted && !scale_alone)
-        return complain(line, "not the numbers that belong to ", word);
     cli_key key = { frame, { number[0], number[1], number[2] } };
-    for (int c = 0; c < 3 && kind == CLI_TRACK_LIGHT; c++)
-        key.value[c] = number[0] * (scale_alone ? 1 : number[1 + c]);
+    rsv_rgb scale;
+    bool fits = kind == CLI_TRACK_LIGHT ? cli_light_scale(number, count, &scale) : count == wanted;
+    if (!fits) return complain(line, "not the numbers that belong to ", word);
+    if (kind == CLI_TRACK_LIGHT) key = (cli_key){ frame, { scale.r, scale.g, scale.b } };
     cli_track *track = find_track(script, kind, name);
     if (!track) return complain(line, "too many lights and materials", "");
     return add_key(line, track, key);

@@ -11,10 +11,12 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "resolvent/scene.h"
+
 enum { CLI_MAX_TRACKS = 64, CLI_MAX_FRAME = 1000000 };
 
 typedef enum cli_track_kind {
-    CLI_TRACK_LIGHT,     ///< light.NAME=SCALE[,R,G,B]: three factors
+    CLI_TRACK_LIGHT,     ///< light.NAME=SCALE, =R,G,B or =SCALE,R,G,B: three factors
     CLI_TRACK_ALBEDO,    ///< albedo.MATERIAL=R,G,B
     CLI_TRACK_MOVE,      ///< move.NAME=X,Y,Z
     CLI_TRACK_PLACE,     ///< place.object=X,Y,Z
@@ -47,6 +49,9 @@ void cli_free_light_script(cli_light_script *script);
 
 /// Linear between keys, constant before the first and after the last.
 void cli_track_at(const cli_track *track, uint32_t frame, float value[3]);
+
+/// The three factors of a light, from one number, R, G, B, or a factor and R, G, B. @return false for other counts
+bool cli_light_scale(const float *number, size_t count, rsv_rgb *scale);
 
 /// Cuts "NAME=1,2,..." into name and at most four numbers. @return how many; 0 = it is nothing of the kind
 size_t cli_cut_change(char *text, float number[4]);

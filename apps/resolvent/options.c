@@ -13,6 +13,8 @@
 
 /// A bit of `given` for each.
 #define MOST_OPTIONS 64
+/// Of a picture, as rsv_image_create has it.
+#define MOST_PIXELS (1u << 28)
 
 int cli_usage_error(const char *command, const char *format, ...)
 {
@@ -52,7 +54,8 @@ static bool read_size(const char *text, const cli_option *option, cli_size *size
     memcpy(width, text, (size_t)(separator - text));
     width[separator - text] = '\0';
     return read_count(width, option, &size->width) &&
-           read_count(separator + 1, option, &size->height);
+           read_count(separator + 1, option, &size->height) &&
+           (uint64_t)size->width * size->height <= MOST_PIXELS;
 }
 
 static bool read_choice(const char *text, const cli_option *option, int *choice)
@@ -162,8 +165,9 @@ static int report_bad_value(const cli_usage *usage, const cli_option *option, co
             100 * option->max);
         break;
     case CLI_SIZE:
-        snprintf(expected, sizeof expected, "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f",
-            option->min, option->max);
+        snprintf(expected, sizeof expected,
+            "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f, and %u pixels in all",
+            option->min, option->max, MOST_PIXELS);
         break;
     case CLI_BYTES:
         snprintf(expected, sizeof expected, "an amount of memory such as 500MiB or 2GiB");

@@ -10,9 +10,10 @@ enum { bar_width = 32 };
 
 /// Redrawing faster than the eye reads costs time in the terminal.
 static const double redraw_interval = 0.1;
-/// Without a terminal: work shorter than this stays silent, longer work adds a line this often, and for each new phase
-/// that comes no sooner than this after the last line.
-static const double quiet_period = 2.0, line_interval = 10.0, phase_interval = 1.0;
+/// Without a terminal: work shorter than this stays silent, longer work adds a line this often.
+static const double quiet_period = 2.0, line_interval = 10.0;
+/// The time left is worth saying once so much is done, and so long it took.
+static const double least_done = 0.08, least_seconds = 1.0;
 
 double cli_seconds(void)
 {
@@ -25,6 +26,48 @@ void cli_progress_begin(cli_progress *progress)
 {
     *progress = (cli_progress){ .terminal = isatty(STDERR_FILENO) };
     progress->work_started = cli_seconds();
+    progress->part_share = 1;
+}
+
+void cli_progress_part(cli_progress *progress, const char *name, unsigned number, unsigned count)
+{
+    if (number > 0)
+        snprintf(progress->part, sizeof progress->part, "%s %u of %u: ", name, number, count);
+    progress->part_begin = (double)number / (count + 1);
+    progress->part_share = 1.0 / (count + 1);
+    progress->phase_begin = progress->phase_share = 0;
+    progress->phase[0] = '\0';
+}
+
+static bool begins_with(const char *phase, const char *word)
+{
+    return strncmp(phase, word, strlen(word)) == 0;
+}
+
+/// What a phase takes of the work that is left when it begins, on average over what is solved and rendered.
+static double share_of_rest(const char *phase)
+{
+    static const struct {
+        const char *begin;
+        double share;
+    } known[] = { { "pilot", 0.05 }, { "goal", 0.05 }, { "assemble", 0.35 }, { "direct", 0.2 },
+        { "level", 0.08 }, { "caustics", 0.2 }, { "divide", 0.1 }, { "weights", 0.1 },
+        { "subsurface", 0.2 }, { "spectrum", 0.3 }, { "solve", 0.3 } };
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        if (begins_with(phase, known[k].begin)) return known[k].share;
+    return 0.95; // pictures, readings and bakes come last
+}
+
+/// Everything before a new phase is done, but for what was only announced.
+static void begin_phase(cli_progress *progress, const char *phase)
+{
+    size_t length = strlen(progress->phase), tail = strlen("assemble");
+    bool announced = length >= tail && progress->reached < 0.02 &&
+                     strcmp(progress->phase + length - tail, "assemble") == 0;
+    if (!announced) progress->phase_begin += progress->phase_share;
+    progress->reached = 0;
+    progress->phase_share = (1 - progress->phase_begin) * share_of_rest(phase);
+    snprintf(progress->phase, sizeof progress->phase, "%s", phase);
 }
 
 /// "12 s", "3 min 20 s", "2 h 5 min"
@@ -39,51 +82,65 @@ static void format_duration(double seconds, char *text, size_t size)
         snprintf(text, size, "%ld h %ld min", whole / 3600, whole / 60 % 60);
 }
 
-/// ", 12 s left", or nothing while too little is known.
-static void format_eta(
-    const cli_progress *progress, double now, double fraction, char *text, size_t size)
+/// Seconds that all the work will have taken: guesses differ, the more the earlier, and are averaged over a second.
+static void guess_total(cli_progress *progress, double now, double elapsed)
 {
-    double elapsed = now - progress->phase_started;
-    text[0] = '\0';
-    if (fraction <= 0.01 || elapsed < 0.3) return;
+    if (progress->done < least_done || elapsed < least_seconds) return;
+    double guess = elapsed / progress->done, weight = exp(progress->last_shown - now);
+    progress->total = progress->total > 0 ? weight * progress->total + (1 - weight) * guess : guess;
+}
+
+/// ", 12 s left", or nothing while too little is known.
+static void format_eta(const cli_progress *progress, double elapsed, char *text, size_t size)
+{
     char duration[32];
-    format_duration(elapsed * (1 - fraction) / fraction, duration, sizeof duration);
+    text[0] = '\0';
+    if (progress->total <= 0 || progress->done >= 1) return;
+    format_duration(fmax(progress->total - elapsed, 0), duration, sizeof duration);
     snprintf(text, size, ", %s left", duration);
 }
 
-static void draw_bar(const cli_progress *progress, double fraction, const char *eta)
+static void draw_bar(const cli_progress *progress, const char *eta)
 {
     static const char full[] = "################################",
                       empty[] = "................................";
-    int filled = (int)(fraction * bar_width);
-    fprintf(stderr, "\r%-17s [%.*s%.*s] %3.0f %%%s\033[K", progress->phase, filled, full,
-        bar_width - filled, empty, 100 * fraction, eta);
+    int filled = (int)(progress->done * bar_width);
+    fprintf(stderr, "\r[%.*s%.*s] %3.0f %%%s  %s%s\033[K", filled, full, bar_width - filled, empty,
+        floor(100 * progress->done), eta, progress->part, progress->phase);
     fflush(stderr);
+}
+
+static void show(cli_progress *progress, double now)
+{
+    char eta[64];
+    double elapsed = now - progress->phase_started;
+    guess_total(progress, now, elapsed);
+    format_eta(progress, elapsed, eta, sizeof eta);
+    progress->last_shown = now;
+    if (progress->terminal) {
+        draw_bar(progress, eta);
+        progress->bar_shown = true;
+    } else {
+        fprintf(stderr, "%s%s: %.0f %%%s\n", progress->part, progress->phase,
+            floor(100 * progress->done), eta);
+    }
 }
 
 void cli_progress_update(cli_progress *progress, const char *phase, double fraction)
 {
     if (progress->muted) return;
     double now = cli_seconds();
-    bool new_phase = strncmp(progress->phase, phase, sizeof progress->phase - 1) != 0;
-    if (new_phase) {
-        snprintf(progress->phase, sizeof progress->phase, "%s", phase);
-        progress->phase_started = now;
-    }
-    double interval = new_phase ? 0 : redraw_interval;
-    if (!progress->terminal) interval = new_phase ? phase_interval : line_interval;
-    if (!progress->terminal && now - progress->work_started < quiet_period) return;
-    if (now - progress->last_shown < interval) return;
-    progress->last_shown = now;
-    char eta[64];
+    if (progress->phase_started == 0) progress->phase_started = now;
+    if (strncmp(progress->phase, phase, sizeof progress->phase - 1) != 0)
+        begin_phase(progress, phase);
     fraction = fmin(fmax(fraction, 0), 1);
-    format_eta(progress, now, fraction, eta, sizeof eta);
-    if (progress->terminal) {
-        draw_bar(progress, fraction, eta);
-        progress->bar_shown = true;
-    } else {
-        fprintf(stderr, "%s: %.0f %%%s\n", progress->phase, 100 * fraction, eta);
-    }
+    progress->reached = fmax(progress->reached, fraction);
+    double of_part = progress->phase_begin + progress->phase_share * fraction;
+    progress->done =
+        fmax(progress->done, progress->part_begin + progress->part_share * fmin(of_part, 1));
+    if (!progress->terminal && now - progress->work_started < quiet_period) return;
+    if (now - progress->last_shown < (progress->terminal ? redraw_interval : line_interval)) return;
+    show(progress, now);
 }
 
 void cli_progress_clear(cli_progress *progress)

@@ -1,4 +1,6 @@
-/// Progress of long work on standard error: a bar with an ETA on a terminal, plain lines elsewhere.
+/// Progress of a command on standard error: one bar with the time left on a terminal, plain lines elsewhere. The library reports
+/// phases, each from 0 to 1, and nobody knows how many are to come: each takes a share of what is left, by its kind, so that
+/// the bar goes forward only.
 #ifndef CLI_PROGRESS_H
 #define CLI_PROGRESS_H
 
@@ -9,14 +11,26 @@ typedef struct cli_progress {
     bool bar_shown;
     bool muted; ///< shows nothing
     char phase[32];
+    char part[32];       ///< "frame 3 of 12: ", or nothing
+    double part_begin;   ///< share of all the work that was done when the part began
+    double part_share;   ///< of all the work
+    double phase_begin;  ///< of the part's, when the phase began
+    double phase_share;  ///< of the part's
+    double reached;      ///< of the phase
+    double done;         ///< share of all the work
+    double total;        ///< seconds that the work will have taken, as guessed so far; 0 = no guess
     double work_started; ///< seconds, cli_seconds()
-    double phase_started;
+    double phase_started; ///< of the first phase; 0 = none has begun
     double last_shown;
 } cli_progress;
 
 void cli_progress_begin(cli_progress *progress);
 
-/// Shows that `fraction` of `phase` is done; cheap enough to be called often.
+/// Begins one of `count` equal parts of the command. @param name such as "frame"; `number` counts from 1, 0 = what comes
+/// before the first and counts as much
+void cli_progress_part(cli_progress *progress, const char *name, unsigned number, unsigned count);
+
+/// Takes in that `fraction` of `phase` is done, and shows how much of the command that makes; cheap enough to be called often.
 void cli_progress_update(cli_progress *progress, const char *phase, double fraction);
 
 /// Takes the bar off the terminal, so that another line can be printed.

@@ -72,15 +72,34 @@ void cli_error(const char *format, ...)
     if (cli_crew_speaks()) fprintf(stderr, "error: %s\n", agreed);
 }
 
+/// Adds a message to those that were said; false if it is one of them.
+static bool is_news(cli_messages *said, const char *message)
+{
+    for (size_t i = 0; i < said->count; i++)
+        if (strcmp(said->text[i], message) == 0) return false;
+    char *copy = strdup(message);
+    char **grown = copy ? realloc(said->text, (said->count + 1) * sizeof *grown) : NULL;
+    if (!grown) {
+        free(copy);
+        return true;
+    }
+    said->text = grown;
+    said->text[said->count++] = copy;
+    return true;
+}
+
+static void forget(cli_messages *said)
+{
+    for (size_t i = 0; i < said->count; i++)
+        free(said->text[i]);
+    free(said->text);
+}
+
 void cli_warn(cli_session *session, const char *message)
 {
-    if (!cli_crew_speaks()) return;
+    if (!cli_crew_speaks() || !is_news(&session->warnings, message)) return;
     cli_progress_clear(&session->progress);
     fprintf(stderr, "warning: %s\n", message);
-    char **grown = realloc(session->warnings, (session->warning_count + 1) * sizeof *grown);
-    if (!grown) return;
-    session->warnings = grown;
-    if (asprintf(&grown[session->warning_count], "%s", message) >= 0) session->warning_count++;
 }
 
 static void on_log(void *user, rsv_log_level level, const char *message)
@@ -88,7 +107,7 @@ static void on_log(void *user, rsv_log_level level, const char *message)
     cli_session *session = user;
     if (level == RSV_LOG_WARNING) {
         cli_warn(session, message);
-    } else if (cli_crew_speaks()) {
+    } else if (cli_crew_speaks() && is_news(&session->notes, message)) {
         cli_progress_clear(&session->progress);
         fprintf(stderr, "note: %s\n", message);
     }
@@ -140,9 +159,8 @@ void cli_session_end(cli_session *session)
     cli_progress_clear(&session->progress);
     interruptible = NULL;
     rsv_context_destroy(session->context);
-    for (size_t i = 0; i < session->warning_count; i++)
-        free(session->warnings[i]);
-    free(session->warnings);
+    forget(&session->warnings);
+    forget(&session->notes);
     *session = (cli_session){ 0 };
 }
 

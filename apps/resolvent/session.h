@@ -10,11 +10,16 @@
 
 #include <stdatomic.h>
 
+/// What was said: each message once in a command, however often its cause comes up.
+typedef struct cli_messages {
+    char **text; ///< [count], owned
+    size_t count;
+} cli_messages;
+
 typedef struct cli_session {
     rsv_context *context;
     cli_progress progress;
-    char **warnings; ///< [warning_count], owned
-    size_t warning_count;
+    cli_messages warnings, notes;
     const char *mesh;          ///< file of --mesh, the body of a built-in scene; NULL = none
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
@@ -60,7 +65,7 @@ typedef struct cli_environment {
 
 /// Their lines in a command's help.
 #define CLI_ENVIRONMENT_HELP                                                                       \
-    "  --env FILE         surround the scene with a latitude-longitude picture (.hdr, .exr), or\n"  \
+    "  --env FILE         surround the scene with a latitude-longitude picture (.hdr, .exr), or\n" \
     "                     without a file: white (radiance 1 all around) or sky (a clear day)\n"    \
     "  --env-intensity S  multiply its radiance by S (default 1)\n"                                \
     "  --env-rotate DEG   turn it about the vertical, counter-clockwise from above (default 0)\n"
@@ -83,7 +88,7 @@ uint32_t cli_thread_count(uint32_t threads);
 /// Prints "error: ..." on standard error.
 void cli_error(const char *format, ...) RSV_PRINTF(1, 2);
 
-/// Prints "warning: ..." on standard error and keeps it for the statistics.
+/// Prints "warning: ..." on standard error and keeps it for the statistics, unless it was said before.
 void cli_warn(cli_session *session, const char *message);
 
 #endif

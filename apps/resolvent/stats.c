@@ -166,7 +166,7 @@ static void add_times(cJSON *root, const cli_session *session, const cli_stats *
     add_seconds(times, "load", session->time_load);
     add_seconds(times, "bvh", report->time_bvh);
     add_seconds(times, "assemble", report->time_assemble);
-    add_seconds(times, "solve", report->time_solve);
+    add_seconds(times, "solve", stats->time_solve > 0 ? stats->time_solve : report->time_solve);
     add_seconds(times, "render", stats->time_render);
     add_seconds(times, "certify", stats->certificate ? stats->certificate->seconds : 0);
     add_seconds(times, "total", cli_seconds() - session->started);
@@ -175,8 +175,8 @@ static void add_times(cJSON *root, const cli_session *session, const cli_stats *
 static void add_warnings(cJSON *root, const cli_session *session)
 {
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
-    for (size_t i = 0; i < session->warning_count; i++)
-        cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings[i]));
+    for (size_t i = 0; i < session->warnings.count; i++)
+        cJSON_AddItemToArray(warnings, cJSON_CreateString(session->warnings.text[i]));
 }
 
 rsv_status cli_certify_briefly(

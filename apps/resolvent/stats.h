@@ -21,6 +21,7 @@ typedef struct cli_stats {
     const rsv_error_split *split;       ///< likewise
     uint32_t order_count;
     double standard_error; ///< of the picture's mean, relative; NAN = unknown
+    double time_solve;     ///< seconds; 0 = as the report has it
     double time_render;
     /// More members of the file, which take them over; NULL = none.
     struct cJSON *more;

@@ -3,8 +3,13 @@
 #include "command.h"
 #include "crew.h"
 
+#include "resolvent/scene.h"
+
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
+#include <unistd.h>
 
 enum { default_longer_side = 512 };
 
@@ -24,6 +29,18 @@ static bool refuse_scene_options(
                   "new solve",
             name);
     return !surrounded;
+}
+
+bool cli_is_operator(const char *name)
+{
+    if (rsv_is_operator_file(name)) return true;
+    if (access(name, F_OK) != 0 && !rsv_scene_is_builtin(name))
+        cli_error("%s: cannot be opened: %s", name, strerror(errno));
+    else
+        cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
+                  "one",
+            name);
+    return false;
 }
 
 bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,

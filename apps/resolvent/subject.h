@@ -18,6 +18,9 @@ typedef struct cli_subject {
 bool cli_open_subject(cli_session *session, const char *name, const cli_environment *environment,
     cli_subject *subject);
 
+/// Whether a command that takes nothing but operator files can go on; says what is wrong with the file where it cannot.
+bool cli_is_operator(const char *name);
+
 /// How a scene is to be solved: --quality, --solver, --seed, --max-elements and --max-memory.
 typedef struct cli_solve_choice {
     int quality, solver; ///< rsv_quality, rsv_solver
@@ -51,7 +54,8 @@ typedef struct cli_solve_choice {
     "                     gmres, two-grid or petsc: how the equation is solved\n"                  \
     "  --petsc OPTIONS    solve with PETSc, by its options: \"-ksp_type bcgs -ksp_monitor\"\n"     \
     "  --seed N           another set of random numbers (default 0)\n"                             \
-    "  --max-elements N   rows of the operator at most: a coarser solution where N are too few\n"  \
+    "  --max-elements N   elements of the operator at most: a coarser solution where N are too "   \
+    "few\n"                                                                                        \
     "  --max-memory SIZE  memory of the program at most, such as 2GiB; likewise\n"
 
 /// Loads the plug-in for PETSc if that is to solve. Before the session begins; prints what went wrong.

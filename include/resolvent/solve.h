@@ -55,7 +55,8 @@ typedef struct rsv_solve_desc {
     const rsv_probe *goal_points;
     size_t goal_point_count; ///< 0 (default) = none
     uint32_t seed;
-    size_t max_elements; ///< rows of the operator at most: elements are larger then; 0 = no limit
+    size_t
+        max_elements; ///< of the operator at most, hanging ones included: they are larger then; 0 = no limit
     size_t
         max_bytes; ///< of memory for the whole process, as far as the solution can keep it by larger
                    ///< elements and fewer rays; 0 = no limit

@@ -1,7 +1,6 @@
 /// Assimp works in a child process: its importers crash on some malformed files, and there is nobody to mend them here.
 #include "assimp_file.h"
 #include "child_process.h"
-#include "ply_header.h"
 #include "scene_parts.h"
 
 #include <sys/stat.h>
@@ -42,7 +41,6 @@ rsv_status rsv_assimp_read(
     uint8_t *answer = NULL;
     size_t count = 0;
     struct stat info;
-    if (kind == RSV_FILE_PLY) RSV_TRY(rsv_ply_check(path));
     if (stat(path, &info) != 0) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read"));
     RSV_TRY(rsv_in_child_process(context, convert, &j, (size_t)info.st_size, &answer, &count));
     RSV_TRY(rsv_receive_parts(answer, count, scene));

@@ -1,5 +1,8 @@
 #include "assimp_file.h"
 
+#include "assimp_loss.h"
+#include "obj_scan.h"
+
 #include <assimp/cfileio.h>
 #include <assimp/cimport.h>
 #include <assimp/config.h>
@@ -8,20 +11,34 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #define MAX_MISSING 8 ///< files a warning names
+#define MAX_LIBRARIES 8
 #define LARGEST_FILE ((off_t)1 << 32)
 
-/// The files an import asked for in vain.
+/// The files an import asked for in vain, and those that it got.
 typedef struct file_access {
+    const char *path; ///< of the file itself
     char missing[MAX_MISSING][512];
     size_t missing_count;
+    char library[MAX_LIBRARIES][512]; ///< of materials, that were read
+    size_t library_count;
 } file_access;
+
+/// What is behind one of the importer's files.
+typedef struct stream {
+    FILE *file;
+    char *text; ///< that `file` reads; NULL = the disk
+    size_t size;
+} stream;
+
+static FILE *file_of(const struct aiFile *file) { return ((const stream *)file->UserData)->file; }
 
 static size_t read_file(struct aiFile *file, char *buffer, size_t size, size_t count)
 {
-    return fread(buffer, size, count, (FILE *)file->UserData);
+    return fread(buffer, size, count, file_of(file));
 }
 
 static size_t refuse_write(struct aiFile *file, const char *buffer, size_t size, size_t count)
@@ -32,16 +49,11 @@ static size_t refuse_write(struct aiFile *file, const char *buffer, size_t size,
 
 static size_t tell_file(struct aiFile *file)
 {
-    long position = ftell((FILE *)file->UserData);
+    long position = ftell(file_of(file));
     return position < 0 ? 0 : (size_t)position;
 }
 
-static size_t size_of_file(struct aiFile *file)
-{
-    struct stat info;
-    if (fstat(fileno((FILE *)file->UserData), &info) != 0) return 0;
-    return (size_t)info.st_size;
-}
+static size_t size_of_file(struct aiFile *file) { return ((const stream *)file->UserData)->size; }
 
 static enum aiReturn seek_file(struct aiFile *file, size_t offset, enum aiOrigin origin)
 {
@@ -49,16 +61,34 @@ static enum aiReturn seek_file(struct aiFile *file, size_t offset, enum aiOrigin
         [aiOrigin_SET] = SEEK_SET, [aiOrigin_CUR] = SEEK_CUR, [aiOrigin_END] = SEEK_END
     };
     if ((unsigned)origin > aiOrigin_END) return aiReturn_FAILURE;
-    int failed = fseek((FILE *)file->UserData, (long)offset, whence[origin]);
+    int failed = fseek(file_of(file), (long)offset, whence[origin]);
     return failed ? aiReturn_FAILURE : aiReturn_SUCCESS;
 }
 
 static void flush_nothing(struct aiFile *file) { (void)file; }
 
+static const char *base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/// Whether the importer made a name up, having found no library of materials under that which the file gives: it puts folders
+/// before it, and takes the file's own.
+static bool is_guess(const file_access *access, const char *path)
+{
+    const char *own = base_of(access->path), *name = base_of(path);
+    size_t stem = strcspn(own, ".");
+    if (access->missing_count == 0) return false;
+    return strstr(path, "//") ||
+           (strncmp(own, name, stem) == 0 && strcmp(name + stem, ".mtl") == 0);
+}
+
 static void remember_missing(file_access *access, const char *path)
 {
+    if (is_guess(access, path)) return;
     for (size_t i = 0; i < access->missing_count; i++)
-        if (strcmp(access->missing[i], path) == 0) return;
+        if (strcmp(base_of(access->missing[i]), base_of(path)) == 0) return;
     if (access->missing_count == MAX_MISSING) return;
     char *name = access->missing[access->missing_count++];
     snprintf(name, sizeof access->missing[0], "%s", path);
@@ -66,31 +96,71 @@ static void remember_missing(file_access *access, const char *path)
         if (iscntrl((unsigned char)*name)) *name = '?';
 }
 
+static void remember_library(file_access *access, const char *path)
+{
+    const char *extension = strrchr(path, '.');
+    if (!extension || strcasecmp(extension, ".mtl") != 0) return;
+    for (size_t i = 0; i < access->library_count; i++)
+        if (strcmp(access->library[i], path) == 0) return;
+    if (access->library_count == MAX_LIBRARIES) return;
+    snprintf(access->library[access->library_count++], sizeof access->library[0], "%s", path);
+}
+
 /// Devices and pipes, which might never end, and files beyond all measure count as absent.
-static FILE *open_regular(const char *path)
+static bool open_regular(const char *path, stream *opened)
 {
     struct stat info;
     if (stat(path, &info) != 0 || !S_ISREG(info.st_mode) || info.st_size > LARGEST_FILE)
-        return NULL;
-    return fopen(path, "rb");
+        return false;
+    *opened = (stream){ .file = fopen(path, "rb"), .size = (size_t)info.st_size };
+    return opened->file != NULL;
+}
+
+/// Wavefront files are read without what an importer mistakes for something else.
+static void clean(const char *path, stream *opened)
+{
+    const char *extension = strrchr(path, '.');
+    bool is_library = extension && strcasecmp(extension, ".mtl") == 0;
+    if (!is_library && (!extension || strcasecmp(extension, ".obj") != 0)) return;
+    size_t size;
+    char *text = rsv_obj_clean(opened->file, is_library, &size);
+    FILE *file = text && size ? fmemopen(text, size, "rb") : NULL;
+    if (!file) {
+        free(text);
+        rewind(opened->file);
+        return;
+    }
+    fclose(opened->file);
+    *opened = (stream){ file, text, size };
+}
+
+static void close_stream(stream *opened)
+{
+    if (!opened) return;
+    if (opened->file) fclose(opened->file);
+    free(opened->text);
+    free(opened);
 }
 
 static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
 {
-    FILE *stream = strchr(mode, 'r') ? open_regular(path) : NULL;
-    struct aiFile *file = stream ? malloc(sizeof *file) : NULL;
-    if (!file) {
-        if (stream) fclose(stream);
+    stream *opened = calloc(1, sizeof *opened);
+    struct aiFile *file = calloc(1, sizeof *file);
+    if (!file || !opened || !strchr(mode, 'r') || !open_regular(path, opened)) {
+        close_stream(opened);
+        free(file);
         remember_missing((file_access *)io->UserData, path);
         return NULL;
     }
+    clean(path, opened);
+    remember_library((file_access *)io->UserData, path);
     *file = (struct aiFile){ .ReadProc = read_file,
         .WriteProc = refuse_write,
         .TellProc = tell_file,
         .FileSizeProc = size_of_file,
         .SeekProc = seek_file,
         .FlushProc = flush_nothing,
-        .UserData = (aiUserData)stream };
+        .UserData = (aiUserData)opened };
     return file;
 }
 
@@ -98,54 +168,152 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
 {
     (void)io;
     if (!file) return;
-    fclose((FILE *)file->UserData);
+    close_stream((stream *)(void *)file->UserData);
     free(file);
 }
 
-/// @return NULL if it cannot be read; aiGetErrorString says why
-static const struct aiScene *import(const char *path, file_access *access)
+/// What triangulation trusts. Assimp's own validation refuses whole files for what nobody uses, names that two lights share
+/// among them.
+static rsv_status check_mesh(const struct aiMesh *mesh)
 {
-    // validation first: the later steps trust the indices of what was read
-    static const unsigned steps =
-        aiProcess_ValidateDataStructure | aiProcess_Triangulate | aiProcess_SortByPType;
+    char name[RSV_NAME_BYTES];
+    rsv_assimp_name(&mesh->mName, "unnamed", name);
+    for (unsigned i = 0; i < mesh->mNumFaces; i++) {
+        const struct aiFace *face = &mesh->mFaces[i];
+        for (unsigned k = 0; k < face->mNumIndices; k++)
+            if (face->mIndices[k] >= mesh->mNumVertices)
+                return rsv_fail(RSV_ERROR_FORMAT,
+                    "mesh '%s': face %u refers to vertex %u, but there are only %u", name, i,
+                    face->mIndices[k], mesh->mNumVertices);
+    }
+    return RSV_OK;
+}
+
+/// Checks and triangulates. Meshes without faces stay as they are.
+static rsv_status process(const struct aiScene *scene)
+{
+    size_t faces = 0;
+    if (!scene->mRootNode) return rsv_fail(RSV_ERROR_FORMAT, "it holds no scene");
+    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
+        struct aiMesh *mesh = scene->mMeshes[i];
+        if (!mesh->mVertices || !mesh->mFaces) mesh->mNumFaces = 0;
+        rsv_status status = check_mesh(mesh);
+        if (status != RSV_OK) return status;
+        faces += mesh->mNumFaces;
+    }
+    if (faces == 0)
+        return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: it holds no triangle or polygon");
+    if (!aiApplyPostProcessing(scene, aiProcess_Triangulate))
+        return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: its polygons are no polygons");
+    return RSV_OK;
+}
+
+/// @return NULL if it cannot be read; aiGetErrorString says why
+static const struct aiScene *import(
+    const char *path, file_access *access, rsv_assimp_losses *losses)
+{
     struct aiFileIO io = { open_file, close_file, (aiUserData)access };
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     if (!properties) return NULL;
-    aiSetImportPropertyInteger(
-        properties, AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_NO_SKELETON_MESHES, 1);
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_FBX_READ_ANIMATIONS, 0);
-    const struct aiScene *scene = aiImportFileExWithProperties(path, steps, &io, properties);
+    const struct aiScene *scene = aiImportFileExWithProperties(path, 0, &io, properties);
     aiReleasePropertyStore(properties);
+    // ours alone, until it is released
+    if (scene) rsv_assimp_strip((struct aiScene *)(uintptr_t)scene, losses);
     return scene;
 }
 
-/// The importer's message as part of one line.
-static rsv_status fail_import(void)
+/// What the importer's messages mean; its own words are for those who develop it.
+static const char *meaning_of(const char *message)
 {
-    char message[400];
-    size_t length = 0;
-    for (const char *c = aiGetErrorString(); *c && length < sizeof message - 1; c++)
-        message[length++] = iscntrl((unsigned char)*c) ? ' ' : *c;
-    while (length && (message[length - 1] == ' ' || message[length - 1] == '.'))
-        length--;
-    message[length] = 0;
-    if (length == 0 || strstr(message, "std::"))
-        return rsv_fail(RSV_ERROR_FORMAT,
-            "cannot be read: its content is malformed, or is more than memory holds");
-    return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: %s", message);
+    static const char *const known[][2] = {
+        { "too small", "it is empty or cut off" },
+        { "malformed XML", "it is no well-formed XML, or cut off" },
+        { "File came out empty", "it holds no scene: no <visual_scene> that its <scene> names" },
+        { "index count in <p>",
+            "a <p> element has not as many indices as the element around it announces" },
+        { "Invalid data index", "an index of a <p> element is past the end of its source" },
+        { "Unable to resolve library", "it refers to a source or geometry that it does not hold" },
+        { "old format version", "it is older than FBX 2011" },
+        { "no Objects dictionary", "it holds no objects" },
+        { "end of file", "it is empty, or cut off" },
+        { "unexpected token", "its text is not that of a file of this kind" },
+        { "mNumMeshes is 0", "it holds no triangle or polygon" },
+        { "contains no faces", "it holds no triangle or polygon" },
+        { "No meshes remaining", "it holds no triangle or polygon, only lines or points" },
+        { "index is out of range", "a face refers to a vertex that does not exist" },
+        { "index out of range", "a face refers to a vertex that does not exist" },
+        { "is out of range", "a face refers to a vertex that does not exist" },
+        { "Invalid face index", "a face refers to a vertex that does not exist" },
+        { "Cannot parse string", "there is a word where a number is expected" },
+        { "No suitable reader", "its content is not what its name says" },
+        { "allocate", "it is damaged, or more than memory holds" },
+        { "std::", "it is damaged, or more than memory holds" },
+    };
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        if (strstr(message, known[k][0])) return known[k][1];
+    return *message ? "its content is damaged, or of a kind that is not supported"
+                    : "it is damaged, or more than memory holds";
+}
+
+/// Why a file was refused, where, and what to do.
+static rsv_status fail_import(const char *path, rsv_file_kind kind)
+{
+    char message[400], place[32] = "";
+    unsigned line;
+    snprintf(message, sizeof message, "%s", aiGetErrorString());
+    if (kind == RSV_FILE_OBJ) {
+        rsv_status status = rsv_obj_explain(path);
+        if (status != RSV_OK) return status;
+    }
+    const char *at = strstr(message, "line ");
+    if (at && sscanf(at, "line %u", &line) == 1)
+        snprintf(place, sizeof place, "near line %u: ", line);
+    return rsv_fail(RSV_ERROR_FORMAT, "cannot be read: %s%s; export it anew, or convert it to glTF",
+        place, meaning_of(message));
 }
 
 rsv_status rsv_assimp_import(
-    rsv_context *context, const char *path, const struct aiScene **imported)
+    rsv_context *context, const char *path, rsv_file_kind kind, const struct aiScene **imported)
 {
-    file_access access = { .missing_count = 0 };
-    *imported = import(path, &access);
-    if (!*imported) return fail_import();
+    file_access access = { .path = path };
+    rsv_assimp_losses losses = { 0 };
+    *imported = import(path, &access, &losses);
+    if (!*imported) return fail_import(path, kind);
+    rsv_status status = process(*imported);
+    if (status != RSV_OK) return status;
     for (size_t i = 0; i < access.missing_count; i++)
         rsv_log(context, RSV_LOG_WARNING, "%s: refers to '%s', which cannot be read", path,
             access.missing[i]);
+    if (kind == RSV_FILE_OBJ) {
+        losses.colored = 0; // named by the text, with their number
+        rsv_obj_warn_of_unused(context, path, false);
+    }
+    for (size_t i = 0; i < access.library_count; i++)
+        rsv_obj_warn_of_unused(context, access.library[i], true);
+    if (kind == RSV_FILE_FBX && rsv_file_mentions(path, "AnimationCurve")) losses.animations = 1;
+    rsv_assimp_warn_of_losses(context, path, *imported, &losses);
     return RSV_OK;
+}
+
+bool rsv_file_mentions(const char *path, const char *word)
+{
+    enum { PIECE = 65536 };
+    size_t length = strlen(word), kept = 0;
+    FILE *file = fopen(path, "rb");
+    char *piece = file ? malloc(PIECE) : NULL;
+    bool found = false;
+    while (piece && !found) {
+        size_t count = fread(piece + kept, 1, PIECE - kept, file) + kept;
+        found = memmem(piece, count, word, length) != NULL;
+        if (count < PIECE) break;
+        kept = length - 1;
+        memmove(piece, piece + count - kept, kept);
+    }
+    free(piece);
+    if (file) fclose(file);
+    return found;
 }
 
 void rsv_assimp_name(const struct aiString *source, const char *fallback, char *name)

@@ -11,8 +11,7 @@
 #include <assimp/material.h>
 #include <string.h>
 
-#define SHARPEST_SHININESS 1000 ///< end of the scale in .mtl files: an ideal mirror
-#define BARE_ALBEDO 0.8f
+#define SHARPEST_SHININESS 1000      ///< end of the scale in .mtl files: an ideal mirror
 #define KEY_ILLUM "$mat.illum", 0, 0 ///< given by newer versions alone
 
 /// The terms of a Phong material.
@@ -79,6 +78,12 @@ static phong read_phong(const struct aiMaterial *source, rsv_file_kind kind)
         .ior = read_float(source, AI_MATKEY_REFRACTI, 1) };
     float strength = read_float(source, AI_MATKEY_SHININESS_STRENGTH, 1);
     p.specular = rgb_scale(p.specular, f_max(strength, 0));
+    // COLLADA's <lambert> and <constant> have no highlight, whatever the importer makes up for them
+    int shading = read_int(source, AI_MATKEY_SHADING_MODEL, aiShadingMode_Phong);
+    if (kind == RSV_FILE_COLLADA && shading == aiShadingMode_NoShading) p.diffuse = rgb_gray(0);
+    if (kind == RSV_FILE_COLLADA &&
+        (shading == aiShadingMode_NoShading || shading == aiShadingMode_Gouraud))
+        p.specular = rgb_gray(0);
     p.traced = is_traced(source, kind, p.specular);
     return p;
 }
@@ -172,14 +177,6 @@ static void warn_of_losses(
             "material '%s': its mirror reflection takes on the diffuse colour", material->name);
 }
 
-/// Scans have no materials, whatever the importer makes up for them.
-static void become_bare(rsv_material *material)
-{
-    material->base_color = rgb_gray(BARE_ALBEDO);
-    material->specular = 0;
-    material->double_sided = true;
-}
-
 void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
     const struct aiMaterial *source, char *name, rsv_material *material)
 {
@@ -188,10 +185,6 @@ void rsv_assimp_material(const rsv_context *context, rsv_file_kind kind,
     if (aiGetMaterialString(source, AI_MATKEY_NAME, &given) != aiReturn_SUCCESS) given.length = 0;
     rsv_assimp_name(&given, "unnamed", name);
     material->name = name;
-    if (kind == RSV_FILE_PLY || kind == RSV_FILE_STL) {
-        become_bare(material);
-        return;
-    }
     if (has_float(source, AI_MATKEY_METALLIC_FACTOR) ||
         has_float(source, AI_MATKEY_ROUGHNESS_FACTOR))
         take_metallic_roughness(source, material);

@@ -1,7 +1,7 @@
 /// From what Assimp read to parts of a scene.
 #include "../core/vec.h"
 #include "../scene/smooth_normals.h"
-#include "assimp_file.h"
+#include "assimp_light.h"
 #include "matrix.h"
 #include "scene_parts.h"
 
@@ -14,8 +14,22 @@
 /// A node still to be walked.
 typedef struct pending_node {
     const struct aiNode *node;
-    double world[16]; ///< of its parent
+    double world[16]; ///< its place
 } pending_node;
+
+/// A light or camera, and the nodes of its name.
+typedef struct named {
+    const struct aiString *name;
+    const void *object;
+    uint32_t number; ///< among those of its kind
+    uint32_t nodes,
+        visited; ///< of the first of namesakes: nodes of that name, and those seen so far
+} named;
+
+typedef struct named_list {
+    named *item; ///< [count] sorted by name, then number
+    size_t count;
+} named_list;
 
 typedef struct reader {
     rsv_context *context;
@@ -23,10 +37,10 @@ typedef struct reader {
     const rsv_load_desc *desc;
     const struct aiScene *file;
     FILE *to;
-    uint32_t mesh_count;      ///< sent
-    uint32_t *mesh_id;        ///< [file->mNumMeshes]; RSV_NONE = nothing to show
-    const void **light_node;  ///< [file->mNumLights] names, sorted
-    const void **camera_node; ///< [file->mNumCameras] names, sorted
+    uint32_t mesh_count; ///< sent
+    uint32_t *mesh_id;   ///< [file->mNumMeshes]; RSV_NONE = nothing to show
+    rsv_assimp_facts facts;
+    named_list lights, cameras;
     pending_node *pending;
     size_t pending_count, pending_capacity;
 } reader;
@@ -35,20 +49,14 @@ _Static_assert(sizeof(struct aiVector3D) == sizeof(rsv_vec3), "both are three fl
 
 // ---- meshes ---------------------------------------------------------------------------------------
 
-static rsv_status copy_triangles(const struct aiMesh *mesh, const char *name, uint32_t *index)
+/// Lines and points are left out. @return how many triangles
+static size_t copy_triangles(const struct aiMesh *mesh, uint32_t *index)
 {
-    for (size_t t = 0; t < mesh->mNumFaces; t++) {
-        const struct aiFace *face = &mesh->mFaces[t];
-        if (face->mNumIndices != 3 || !face->mIndices)
-            return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': face %zu is not a triangle", name, t);
-        memcpy(&index[3 * t], face->mIndices, 3 * sizeof *index);
-        for (int k = 0; k < 3; k++)
-            if (index[3 * t + k] >= mesh->mNumVertices)
-                return rsv_fail(RSV_ERROR_FORMAT,
-                    "mesh '%s': face %zu refers to vertex %u, but there are only %u", name, t,
-                    index[3 * t + k], mesh->mNumVertices);
-    }
-    return RSV_OK;
+    size_t count = 0;
+    for (size_t t = 0; t < mesh->mNumFaces; t++)
+        if (mesh->mFaces[t].mNumIndices == 3)
+            memcpy(&index[3 * count++], mesh->mFaces[t].mIndices, 3 * sizeof *index);
+    return count;
 }
 
 static rsv_status copy_positions(const struct aiMesh *mesh, const char *name, rsv_vec3 *position)
@@ -87,7 +95,7 @@ cleanup:
     return status;
 }
 
-/// @param id out: its number among those sent
+/// @param id out: its number among those sent; as it was where there is nothing to show
 static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
 {
     rsv_status status;
@@ -100,16 +108,16 @@ static rsv_status add_mesh(reader *r, const struct aiMesh *source, uint32_t *id)
         RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': material %u does not exist", name,
             source->mMaterialIndex));
     RSV_TRY(copy_positions(source, name, position));
-    RSV_TRY(copy_triangles(source, name, index));
+    size_t triangles = copy_triangles(source, index);
+    if (triangles == 0) goto cleanup;
     rsv_mesh_desc mesh = { .name = name,
         .positions = position,
         .normals = (const rsv_vec3 *)source->mNormals,
         .vertex_count = source->mNumVertices,
         .indices = index,
-        .triangle_count = source->mNumFaces,
+        .triangle_count = triangles,
         .material = source->mMaterialIndex };
-    // an .stl repeats its facets' normals at their corners: nothing that the triangles do not say
-    if (source->mNormals && r->kind != RSV_FILE_STL)
+    if (source->mNormals)
         rsv_send_mesh(r->to, &mesh);
     else
         RSV_TRY(add_smoothed(r, mesh, position, source->mNumVertices));
@@ -124,10 +132,8 @@ static rsv_status add_meshes(reader *r)
 {
     rsv_status status = RSV_OK;
     for (unsigned i = 0; i < r->file->mNumMeshes; i++) {
-        const struct aiMesh *mesh = r->file->mMeshes[i];
         r->mesh_id[i] = RSV_NONE;
-        if (mesh->mPrimitiveTypes & aiPrimitiveType_TRIANGLE && mesh->mVertices && mesh->mFaces)
-            RSV_TRY(add_mesh(r, mesh, &r->mesh_id[i]));
+        RSV_TRY(add_mesh(r, r->file->mMeshes[i], &r->mesh_id[i]));
     }
 cleanup:
     return status;
@@ -145,93 +151,83 @@ static void add_materials(const reader *r)
 
 // ---- lights and cameras ---------------------------------------------------------------------------
 
-static rsv_vec3 transform(const double m[16], struct aiVector3D v, double w)
-{
-    double r[3];
-    for (int i = 0; i < 3; i++)
-        r[i] = m[i] * v.x + m[4 + i] * v.y + m[8 + i] * v.z + m[12 + i] * w;
-    return v3((float)r[0], (float)r[1], (float)r[2]);
-}
-
-static void add_light(reader *r, const struct aiLight *source, const double world[16])
-{
-    char name[RSV_NAME_BYTES];
-    rsv_assimp_name(&source->mName, "unnamed", name);
-    float falloff = source->mAttenuationQuadratic;
-    rsv_light light = { .name = name,
-        .position = transform(world, source->mPosition, 1),
-        .direction = transform(world, source->mDirection, 0),
-        .intensity = {
-            source->mColorDiffuse.r, source->mColorDiffuse.g, source->mColorDiffuse.b } };
-    switch (source->mType) {
-    case aiLightSource_DIRECTIONAL:
-        light.kind = RSV_LIGHT_DIRECTIONAL;
-        rsv_send_light(r->to, &light);
-        return;
-    case aiLightSource_POINT:
-        light.kind = RSV_LIGHT_POINT;
-        break;
-    case aiLightSource_SPOT:
-        light.kind = RSV_LIGHT_SPOT;
-        light.outer_cone_angle = f_min(f_max(source->mAngleOuterCone / 2, 0), RSV_PI / 2);
-        light.inner_cone_angle =
-            f_min(f_max(source->mAngleInnerCone / 2, 0), light.outer_cone_angle);
-        break;
-    default:
-        rsv_log(r->context, RSV_LOG_WARNING,
-            "light '%s': ambient and area lights are left out; use an emissive material", name);
-        return;
-    }
-    if (falloff > 0 && isfinite(falloff)) light.intensity = rgb_scale(light.intensity, 1 / falloff);
-    if (source->mAttenuationLinear > 0 || !(falloff > 0))
-        rsv_log(r->context, RSV_LOG_WARNING,
-            "light '%s': falls off with the square of the distance here, whatever the file says",
-            name);
-    rsv_send_light(r->to, &light);
-}
-
-static rsv_status add_camera(reader *r, const struct aiCamera *source, const double world[16])
-{
-    char name[RSV_NAME_BYTES];
-    rsv_assimp_name(&source->mName, "unnamed", name);
-    float aspect = source->mAspect > 0 && isfinite(source->mAspect) ? source->mAspect : 1;
-    rsv_camera camera = { .name = name,
-        .position = transform(world, source->mPosition, 1),
-        .forward = v3_normalize(transform(world, source->mLookAt, 0)),
-        .aspect = aspect };
-    rsv_vec3 up = transform(world, source->mUp, 0);
-    camera.right = v3_normalize(v3_cross(camera.forward, up));
-    camera.up = v3_cross(camera.right, camera.forward);
-    if (!(v3_length(camera.right) > 0))
-        return rsv_fail(RSV_ERROR_FORMAT, "camera '%s': it has no direction", name);
-    // the header calls it half an angle, every importer stores the whole
-    camera.vertical_fov = 2 * atanf(tanf(source->mHorizontalFOV / 2) / aspect);
-    if (!(source->mHorizontalFOV > 0)) {
-        camera.vertical_fov = 0;
-        camera.vertical_extent = source->mOrthographicWidth / aspect;
-    }
-    rsv_send_camera(r->to, &camera);
-    return RSV_OK;
-}
-
 /// Lights, cameras and nodes refer to each other by name.
-static int compare_names(const void *a, const void *b)
+static int compare_named(const void *a, const void *b)
 {
-    const struct aiString *p = *(const struct aiString *const *)a;
-    const struct aiString *q = *(const struct aiString *const *)b;
-    size_t shorter = p->length < q->length ? p->length : q->length;
-    int order = memcmp(p->data, q->data, shorter);
-    return order ? order : (p->length > q->length) - (p->length < q->length);
+    const named *p = a, *q = b;
+    size_t shorter = p->name->length < q->name->length ? p->name->length : q->name->length;
+    int order = memcmp(p->name->data, q->name->data, shorter);
+    if (!order) order = (p->name->length > q->name->length) - (p->name->length < q->name->length);
+    return order ? order : (p->number > q->number) - (p->number < q->number);
 }
 
-/// What a light or camera starts with is its name: a pointer to one is a pointer to the other.
-_Static_assert(offsetof(struct aiLight, mName) == 0, "a light begins with its name");
-_Static_assert(offsetof(struct aiCamera, mName) == 0, "a camera begins with its name");
-
-static const void *find_named(const void **sorted, size_t count, const struct aiString *name)
+static bool are_namesakes(const struct aiString *a, const struct aiString *b)
 {
-    const void **found = bsearch(&name, sorted, count, sizeof *sorted, compare_names);
-    return found ? *found : NULL;
+    return a->length == b->length && memcmp(a->data, b->data, a->length) == 0;
+}
+
+static void sort_named(named_list *list)
+{
+    qsort(list->item, list->count, sizeof *list->item, compare_named);
+}
+
+/// The first of those that bear a name, and their number; NULL = there is none.
+static named *find_named(const named_list *list, const struct aiString *name, size_t *count)
+{
+    size_t low = 0, high = list->count;
+    named wanted = { .name = name };
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (compare_named(&list->item[middle], &wanted) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (*count = 0; low + *count < list->count; ++*count)
+        if (!are_namesakes(list->item[low + *count].name, name)) break;
+    return *count ? &list->item[low] : NULL;
+}
+
+/// The lights or cameras of a node: where several nodes share a name, they share what bears it, in the order of the file.
+/// @param first out: of `list` @return how many
+static size_t take_own(const named_list *list, const struct aiString *name, size_t *first)
+{
+    size_t count;
+    named *found = find_named(list, name, &count);
+    if (!found || !found->nodes) return 0;
+    size_t begin = count * found->visited / found->nodes;
+    size_t end = count * ++found->visited / found->nodes;
+    *first = (size_t)(found - list->item) + begin;
+    return end - begin;
+}
+
+static void add_lights(reader *r, const struct aiString *node, const double world[16])
+{
+    size_t first = 0, count = take_own(&r->lights, node, &first);
+    for (size_t k = 0; k < count; k++) {
+        char name[RSV_NAME_BYTES];
+        rsv_light light = { .name = name };
+        const named *own = &r->lights.item[first + k];
+        rsv_assimp_name(own->name, "unnamed", name);
+        if (rsv_assimp_light(r->context, &r->facts, own->object, k, world, &light))
+            rsv_send_light(r->to, &light);
+    }
+}
+
+static rsv_status add_cameras(reader *r, const struct aiString *node, const double world[16])
+{
+    rsv_status status = RSV_OK;
+    size_t first = 0, count = take_own(&r->cameras, node, &first);
+    for (size_t k = 0; k < count; k++) {
+        char name[RSV_NAME_BYTES];
+        rsv_camera camera = { .name = name };
+        const named *own = &r->cameras.item[first + k];
+        rsv_assimp_name(own->name, "unnamed", name);
+        RSV_TRY(rsv_assimp_camera(r->context, &r->facts, own->object, k, world, &camera));
+        rsv_send_camera(r->to, &camera);
+    }
+cleanup:
+    return status;
 }
 
 // ---- nodes ----------------------------------------------------------------------------------------
@@ -257,59 +253,68 @@ static rsv_status add_node(reader *r, const struct aiNode *node, const double wo
         uint32_t id = r->mesh_id[node->mMeshes[i]];
         if (id != RSV_NONE) rsv_send_instance(r->to, id, world, *name ? name : NULL);
     }
-    const struct aiLight *light = find_named(r->light_node, r->file->mNumLights, &node->mName);
-    if (light) add_light(r, light, world);
-    const struct aiCamera *camera = find_named(r->camera_node, r->file->mNumCameras, &node->mName);
-    if (camera) RSV_TRY(add_camera(r, camera, world));
+    add_lights(r, &node->mName, world);
+    RSV_TRY(add_cameras(r, &node->mName, world));
 cleanup:
     return status;
 }
 
-static rsv_status push_node(reader *r, const struct aiNode *node, const double parent[16])
+static rsv_status push_node(reader *r, const struct aiNode *node, const double world[16])
 {
     rsv_status status;
     RSV_TRY(rsv_grow(r->context, (void **)&r->pending, &r->pending_capacity, r->pending_count + 1,
         sizeof *r->pending));
     pending_node *pushed = &r->pending[r->pending_count++];
     pushed->node = node;
-    memcpy(pushed->world, parent, sizeof pushed->world);
+    memcpy(pushed->world, world, sizeof pushed->world);
 cleanup:
     return status;
 }
 
-static rsv_status walk_nodes(reader *r, const double file_to_scene[16])
+/// Where the root's own coordinates lie.
+static void place_root(const reader *r, const double file_to_scene[16], double world[16])
+{
+    double local[16];
+    matrix_of(&r->file->mRootNode->mTransformation, local);
+    if (r->kind == RSV_FILE_FBX)
+        memcpy(world, file_to_scene, 16 * sizeof *world);
+    else
+        rsv_matrix_multiply(file_to_scene, local, world);
+}
+
+static void count_node(reader *r, const struct aiString *name)
+{
+    named_list *const lists[] = { &r->lights, &r->cameras };
+    for (int k = 0; k < 2; k++) {
+        size_t count;
+        named *found = find_named(lists[k], name, &count);
+        if (found) found->nodes++;
+    }
+}
+
+/// Visits every node after its parent. @param root its place @param counting nodes of lights and cameras, nothing else
+static rsv_status walk_nodes(reader *r, const double root[16], bool counting)
 {
     rsv_status status;
-    RSV_TRY(push_node(r, r->file->mRootNode, file_to_scene));
+    RSV_TRY(push_node(r, r->file->mRootNode, root));
     while (r->pending_count) {
-        pending_node parent = r->pending[--r->pending_count];
-        double local[16], world[16];
-        matrix_of(&parent.node->mTransformation, local);
-        if (parent.node == r->file->mRootNode && r->kind == RSV_FILE_FBX)
-            memcpy(world, parent.world, sizeof world);
+        pending_node next = r->pending[--r->pending_count];
+        if (counting)
+            count_node(r, &next.node->mName);
         else
-            rsv_matrix_multiply(parent.world, local, world);
-        RSV_TRY(add_node(r, parent.node, world));
-        for (unsigned i = parent.node->mNumChildren; i-- > 0;)
-            RSV_TRY(push_node(r, parent.node->mChildren[i], world));
+            RSV_TRY(add_node(r, next.node, next.world));
+        for (unsigned i = next.node->mNumChildren; i-- > 0;) {
+            double local[16], world[16];
+            matrix_of(&next.node->mChildren[i]->mTransformation, local);
+            rsv_matrix_multiply(next.world, local, world);
+            RSV_TRY(push_node(r, next.node->mChildren[i], world));
+        }
     }
 cleanup:
     return status;
 }
 
 // ---- units and axes -------------------------------------------------------------------------------
-
-/// Rows of the rotation that takes each axis, pointing up, to y.
-static void upright(rsv_axis up, double scale, double matrix[16])
-{
-    static const double row[3][3][3] = { [RSV_AXIS_X] = { { 0, -1, 0 }, { 1, 0, 0 }, { 0, 0, 1 } },
-        [RSV_AXIS_Y] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } },
-        [RSV_AXIS_Z] = { { 1, 0, 0 }, { 0, 0, 1 }, { 0, -1, 0 } } };
-    memset(matrix, 0, 16 * sizeof *matrix);
-    for (int i = 0; i < 9; i++)
-        matrix[4 * (i % 3) + i / 3] = scale * row[up][i / 3][i % 3];
-    matrix[15] = 1;
-}
 
 /// FBX names the axes that point right, up and forward, and its unit in centimetres. Versions of the
 /// importer differ in whether they put these into the root node, which has no transform otherwise.
@@ -339,7 +344,7 @@ static rsv_status find_frame(const reader *r, double matrix[16])
 {
     if (r->kind == RSV_FILE_FBX) return fbx_frame(r, matrix);
     bool says_its_own = r->kind == RSV_FILE_COLLADA;
-    upright(says_its_own ? RSV_AXIS_Y : r->desc->up,
+    rsv_matrix_upright(says_its_own ? RSV_AXIS_Y : r->desc->up,
         says_its_own ? 1 : (double)r->desc->metres_per_unit, matrix);
     return RSV_OK;
 }
@@ -350,36 +355,57 @@ static rsv_status allocate(reader *r)
 {
     const struct aiScene *file = r->file;
     r->mesh_id = rsv_alloc(r->context, file->mNumMeshes, sizeof *r->mesh_id);
-    r->light_node = rsv_alloc(r->context, file->mNumLights, sizeof *r->light_node);
-    r->camera_node = rsv_alloc(r->context, file->mNumCameras, sizeof *r->camera_node);
-    if (!r->mesh_id || !r->light_node || !r->camera_node) return RSV_ERROR_MEMORY;
-    for (unsigned i = 0; i < file->mNumLights; i++)
-        r->light_node[i] = file->mLights[i];
-    for (unsigned i = 0; i < file->mNumCameras; i++)
-        r->camera_node[i] = file->mCameras[i];
-    qsort(r->light_node, file->mNumLights, sizeof *r->light_node, compare_names);
-    qsort(r->camera_node, file->mNumCameras, sizeof *r->camera_node, compare_names);
+    r->lights.item = rsv_alloc(r->context, file->mNumLights, sizeof *r->lights.item);
+    r->cameras.item = rsv_alloc(r->context, file->mNumCameras, sizeof *r->cameras.item);
+    if (!r->mesh_id || !r->lights.item || !r->cameras.item) return RSV_ERROR_MEMORY;
+    for (; r->lights.count < file->mNumLights; r->lights.count++) {
+        const struct aiLight *light = file->mLights[r->lights.count];
+        r->lights.item[r->lights.count] =
+            (named){ .name = &light->mName, .object = light, .number = (uint32_t)r->lights.count };
+    }
+    for (; r->cameras.count < file->mNumCameras; r->cameras.count++) {
+        const struct aiCamera *camera = file->mCameras[r->cameras.count];
+        r->cameras.item[r->cameras.count] = (named){
+            .name = &camera->mName, .object = camera, .number = (uint32_t)r->cameras.count
+        };
+    }
+    sort_named(&r->lights);
+    sort_named(&r->cameras);
     return RSV_OK;
+}
+
+/// Metres per unit at the root: the cube root of what becomes of a unit's volume, negative where that is turned inside out.
+static double metres_per_unit(const double m[16])
+{
+    double volume = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+                    m[8] * (m[1] * m[6] - m[2] * m[5]);
+    return cbrt(volume);
 }
 
 rsv_status rsv_assimp_convert(
     rsv_context *context, const char *path, rsv_file_kind kind, const rsv_load_desc *desc, FILE *to)
 {
     rsv_status status;
-    double frame[16];
+    double frame[16], root[16];
     reader r = { .context = context, .kind = kind, .desc = desc, .to = to };
-    RSV_TRY(rsv_assimp_import(context, path, &r.file));
-    if (!r.file->mRootNode) RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "it holds no scene"));
+    RSV_TRY(rsv_assimp_import(context, path, kind, &r.file));
     RSV_TRY(find_frame(&r, frame));
+    place_root(&r, frame, root);
+    double unit = metres_per_unit(root);
+    if (kind == RSV_FILE_COLLADA && !(unit > 0 && unit < INFINITY))
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "its <unit> of %g m is not usable", unit));
+    RSV_TRY(rsv_assimp_learn(context, path, kind, r.file, fabs(unit), &r.facts));
     RSV_TRY(allocate(&r));
     add_materials(&r);
     RSV_TRY(add_meshes(&r));
-    RSV_TRY(walk_nodes(&r, frame));
+    if (r.lights.count + r.cameras.count) RSV_TRY(walk_nodes(&r, root, true));
+    RSV_TRY(walk_nodes(&r, root, false));
 cleanup:
     rsv_free(context, r.mesh_id);
-    rsv_free(context, r.light_node);
-    rsv_free(context, r.camera_node);
+    rsv_free(context, r.lights.item);
+    rsv_free(context, r.cameras.item);
     rsv_free(context, r.pending);
+    rsv_assimp_forget(context, &r.facts);
     if (r.file) aiReleaseImport(r.file);
     return status;
 }

@@ -1,16 +1,10 @@
 #include "image_exr.h"
 
-#include <stdio.h>
 #include <string.h>
 
-void rsv_exr_keep_message(exr_const_context_t exr, exr_result_t code, const char *message)
+void rsv_exr_keep_silent(exr_const_context_t exr, exr_result_t code, const char *message)
 {
-    void *user = NULL;
-    (void)code;
-    exr_get_user_data(exr, &user);
-    rsv_exr_stream *stream = user;
-    if (stream && !stream->message[0])
-        snprintf(stream->message, sizeof stream->message, "%s", message);
+    (void)exr, (void)code, (void)message; // results say enough
 }
 
 static rsv_status status_of(const rsv_exr_stream *stream, exr_result_t result)
@@ -27,6 +21,31 @@ static rsv_status status_of(const rsv_exr_stream *stream, exr_result_t result)
     }
 }
 
+/// What the library's results mean to who has the file.
+static const char *meaning_of(exr_result_t result)
+{
+    switch (result) {
+    case EXR_ERR_OUT_OF_MEMORY:
+        return "it is damaged, or more than memory holds";
+    case EXR_ERR_FILE_ACCESS:
+    case EXR_ERR_FILE_BAD_HEADER:
+        return "it is no EXR file, or its header is damaged";
+    case EXR_ERR_MISSING_REQ_ATTR:
+    case EXR_ERR_NO_ATTR_BY_NAME:
+        return "its header lacks an attribute that every EXR file has";
+    case EXR_ERR_NAME_TOO_LONG:
+    case EXR_ERR_INVALID_ATTR:
+    case EXR_ERR_ATTR_TYPE_MISMATCH:
+    case EXR_ERR_ATTR_SIZE_MISMATCH:
+        return "an attribute of its header is not valid";
+    case EXR_ERR_FEATURE_NOT_IMPLEMENTED:
+        return "it is stored in a way that is not supported; save it as scan lines with ZIP "
+               "compression";
+    default:
+        return "its pixels are damaged or cut off";
+    }
+}
+
 rsv_status rsv_exr_check(const rsv_exr_stream *stream, exr_result_t result)
 {
     rsv_status status = status_of(stream, result);
@@ -34,10 +53,10 @@ rsv_status rsv_exr_check(const rsv_exr_stream *stream, exr_result_t result)
     if (stream->output && stream->output->error) // the library does not know why
         return rsv_fail(RSV_ERROR_IO, "cannot write '%s': %s", stream->output->target,
             strerror(stream->output->error));
-    const char *message =
-        stream->message[0] ? stream->message : exr_get_default_error_message(result);
-    return rsv_fail(status, "cannot %s '%s': %s (OpenEXR)", stream->input ? "read" : "write",
-        stream->input ? stream->input->path : stream->output->target, message);
+    if (stream->input)
+        return rsv_fail(status, "cannot read '%s': %s", stream->input->path, meaning_of(result));
+    return rsv_fail(status, "cannot write '%s': %s", stream->output->target,
+        result == EXR_ERR_OUT_OF_MEMORY ? "out of memory" : "its pixels cannot be packed");
 }
 
 bool rsv_exr_split_channel(

@@ -6,17 +6,16 @@
 
 #include <openexr.h>
 
-/// The user data of an OpenEXR context: where its bytes are, and its first complaint.
+/// The user data of an OpenEXR context: where its bytes are.
 typedef struct rsv_exr_stream {
     const rsv_image_file *input; ///< when reading
     rsv_atomic_file *output;     ///< when writing
-    char message[512];
 } rsv_exr_stream;
 
-/// Keeps the library's first message in the stream, instead of on standard error.
-void rsv_exr_keep_message(exr_const_context_t exr, exr_result_t code, const char *message);
+/// Keeps the library's messages from standard error.
+void rsv_exr_keep_silent(exr_const_context_t exr, exr_result_t code, const char *message);
 
-/// Turns a failed call into an error that names the file and repeats the library's message.
+/// Turns a failed call into an error that names the file and says what is wrong with it.
 rsv_status rsv_exr_check(const rsv_exr_stream *stream, exr_result_t result);
 
 /// Splits "direct.R" into layer "direct" and component "R"; a plain "R" has layer "". False if the

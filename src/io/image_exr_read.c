@@ -1,6 +1,8 @@
 #include "../core/vec.h"
 #include "image_exr.h"
 
+#include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /// Which channels hold a layer: indices into the file's channel list, -1 = absent.
@@ -49,7 +51,7 @@ static rsv_status open_file(reader *in)
     rsv_status status = RSV_OK;
     const char *path = in->stream.input->path;
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    settings.error_handler_fn = rsv_exr_keep_message;
+    settings.error_handler_fn = rsv_exr_keep_silent;
     settings.user_data = &in->stream;
     settings.read_fn = read_stream;
     settings.size_fn = stream_size;
@@ -65,6 +67,26 @@ cleanup:
     return status;
 }
 
+/// Names what is left out: parts behind the first, primaries other than those of sRGB.
+static void warn_of_losses(const reader *in)
+{
+    static const float usual[6] = { 0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f };
+    const char *path = in->stream.input->path;
+    exr_attr_chromaticities_t c;
+    int parts = 1;
+    if (exr_get_count(in->exr, &parts) == EXR_ERR_SUCCESS && parts > 1)
+        rsv_log(in->context, RSV_LOG_WARNING, "'%s': only the first of its %d parts is used", path,
+            parts);
+    if (exr_attr_get_chromaticities(in->exr, 0, "chromaticities", &c) != EXR_ERR_SUCCESS) return;
+    const float given[6] = { c.red_x, c.red_y, c.green_x, c.green_y, c.blue_x, c.blue_y };
+    for (int k = 0; k < 6; k++) {
+        if (fabsf(given[k] - usual[k]) <= 0.02f) continue;
+        rsv_log(in->context, RSV_LOG_WARNING,
+            "'%s': its chromaticities are not used; its colours are taken for those of sRGB", path);
+        return;
+    }
+}
+
 static layer_source *find_or_add_layer(reader *in, const char *name)
 {
     for (uint32_t i = 0; i < in->layer_count; i++)
@@ -75,7 +97,16 @@ static layer_source *find_or_add_layer(reader *in, const char *name)
     return added;
 }
 
-static void register_channel(reader *in, int index)
+/// Adds to a list of names, with commas, while it has room.
+static void note_unused(char *list, size_t size, const char *channel)
+{
+    size_t used = strlen(list);
+    if (used + strlen(channel) + 3 < size)
+        snprintf(list + used, size - used, "%s%s", used ? ", " : "", channel);
+}
+
+/// Channels of depth, names and the like are no colours; that there is alpha goes without saying.
+static void register_channel(reader *in, int index, char *unused, size_t size)
 {
     char name[RSV_LAYER_NAME_BYTES];
     const char *component;
@@ -91,6 +122,10 @@ static void register_channel(reader *in, int index)
     if (strcmp(component, "B") == 0) layer->rgb[2] = index;
     if (strcmp(component, "Y") == 0) layer->luminance = index;
     if (strcmp(component, "RY") == 0 || strcmp(component, "BY") == 0) layer->has_chroma = true;
+    static const char *const known[] = { "R", "G", "B", "Y", "RY", "BY", "A" };
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
+        if (strcmp(component, known[k]) == 0) return;
+    note_unused(unused, size, channel);
 }
 
 /// A layer of grey counts as RGB with three times the same channel.
@@ -126,8 +161,11 @@ static rsv_status find_layers(reader *in)
     const char *path = in->stream.input->path;
     in->layers = rsv_alloc(in->context, (size_t)in->channels->num_channels, sizeof *in->layers);
     if (!in->layers) return RSV_ERROR_MEMORY;
+    char unused[256] = "";
     for (int i = 0; i < in->channels->num_channels; i++)
-        register_channel(in, i);
+        register_channel(in, i, unused, sizeof unused);
+    if (*unused)
+        rsv_log(in->context, RSV_LOG_WARNING, "'%s': channels that are not used: %s", path, unused);
     select_layers(in);
     if (in->layer_count > 0) return RSV_OK;
     return rsv_fail(RSV_ERROR_UNSUPPORTED,
@@ -277,6 +315,7 @@ rsv_status rsv_image_decode_exr(rsv_context *context, const rsv_image_file *file
     RSV_TRY(check_compression(&in));
     RSV_TRY(find_layers(&in));
     RSV_TRY(check_sampling(&in));
+    warn_of_losses(&in);
     RSV_TRY(decode_pixels(&in));
     *image = in.image;
     in.image = NULL;

@@ -115,7 +115,7 @@ rsv_status rsv_image_encode_exr(const rsv_image *image, float exposure, rsv_atom
     exr_context_t exr = NULL;
     rsv_exr_stream stream = { .output = file };
     exr_context_initializer_t settings = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    settings.error_handler_fn = rsv_exr_keep_message;
+    settings.error_handler_fn = rsv_exr_keep_silent;
     settings.user_data = &stream;
     settings.write_fn = write_stream;
     settings.zip_level = ZIP_LEVEL;

@@ -29,6 +29,21 @@ static const image_format *find_format(const char *path)
     return NULL;
 }
 
+/// By the first bytes, whatever the name says; NULL = they say nothing.
+static const image_format *format_of_content(const uint8_t *bytes, size_t size)
+{
+    static const struct {
+        const char *start, *extension;
+    } known[] = { { "\x76\x2f\x31\x01", ".exr" }, { "#?", ".hdr" }, { "\x89PNG", ".png" },
+        { "\xff\xd8\xff", ".jpg" } };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        size_t length = strlen(known[i].start);
+        if (size >= length && memcmp(bytes, known[i].start, length) == 0)
+            return find_format(known[i].extension);
+    }
+    return NULL;
+}
+
 static rsv_status find_output_format(const char *path, const image_format **format)
 {
     *format = find_format(path);
@@ -69,17 +84,27 @@ cleanup:
     return status;
 }
 
+static rsv_status fail_unknown(const char *path)
+{
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "cannot read '%s' as an image: the name must end in .exr, .hdr, .png or .jpg", path);
+}
+
 rsv_status rsv_image_read(rsv_context *context, const char *path, rsv_image **image)
 {
     rsv_status status = RSV_OK;
     uint8_t *bytes = NULL;
     rsv_image_file file = { .path = path };
     const image_format *format = find_format(path);
-    if (!format)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "cannot read '%s' as an image: the name must end in .exr, .hdr, .png or .jpg", path);
-    RSV_TRY(read_bytes(context, path, &bytes, &file.size));
+    status = read_bytes(context, path, &bytes, &file.size);
+    if (status != RSV_OK && !format) RSV_TRY(fail_unknown(path));
+    RSV_TRY(status);
     file.bytes = bytes;
+    const image_format *told = format_of_content(bytes, file.size);
+    if (told) format = told;
+    if (!format) RSV_TRY(fail_unknown(path));
+    if (file.size == 0)
+        RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': the file is empty", path));
     RSV_TRY(format->decode(context, &file, image));
 cleanup:
     rsv_free(context, bytes);

@@ -6,6 +6,7 @@
 #include "../core/vec.h"
 #include "image_internal.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -13,6 +14,17 @@ typedef struct reader {
     const rsv_image_file *file;
     size_t position;
 } reader;
+
+/// What the lines before the pixels say.
+typedef struct hdr_header {
+    bool is_xyz; ///< pixels are CIE X, Y, Z
+    double
+        scale[3]; ///< to the radiance that was recorded, before exposures and corrections of colour
+    uint32_t width, height;
+    bool columns;                 ///< the file holds one column after the other
+    bool from_right, from_bottom; ///< where columns and rows begin
+    bool foreign_primaries;
+} hdr_header;
 
 static rsv_status fail_format(const reader *in, const char *problem)
 {
@@ -35,31 +47,91 @@ static bool next_line(reader *in, char *line, size_t line_bytes)
     return true;
 }
 
-/// @param exposure product of all EXPOSURE lines: what the radiances were multiplied by
-static rsv_status read_header(reader *in, uint32_t *width, uint32_t *height, double *exposure)
+/// EXPOSURE and COLORCORR lines say what the radiances were multiplied by; all of them count.
+static rsv_status divide_by(const reader *in, const char *text, int count, hdr_header *h)
+{
+    double factor[3] = { 1, 1, 1 };
+    for (int c = 0; c < count; c++) {
+        char *end = NULL;
+        factor[c] = rsv_number_value(text, &end);
+        if (end == text || !(factor[c] > 0 && factor[c] < INFINITY))
+            return fail_format(in, count == 1 ? "invalid EXPOSURE" : "invalid COLORCORR");
+        text = end;
+    }
+    for (int c = 0; c < 3; c++)
+        h->scale[c] /= factor[count == 1 ? 0 : c];
+    return RSV_OK;
+}
+
+/// Whether a PRIMARIES line (x and y of red, green, blue and white) says something else than what pictures mean without
+/// one: Radiance's own primaries and those of sRGB, which are nearly the same.
+static bool are_foreign(const char *text)
+{
+    static const double usual[6] = { 0.64, 0.33, 0.295, 0.6, 0.15, 0.06 };
+    for (int i = 0; i < 6; i++) {
+        char *end = NULL;
+        double value = rsv_number_value(text, &end);
+        if (end == text || fabs(value - usual[i]) > 0.02) return true;
+        text = end;
+    }
+    return false;
+}
+
+static rsv_status read_variable(const reader *in, const char *line, hdr_header *h)
+{
+    if (strncmp(line, "FORMAT=", 7) == 0) {
+        const char *format = line + 7 + strspn(line + 7, " \t");
+        size_t length = strcspn(format, " \t");
+        h->is_xyz = length == 15 && strncmp(format, "32-bit_rle_xyze", 15) == 0;
+        if (!h->is_xyz && (length != 15 || strncmp(format, "32-bit_rle_rgbe", 15) != 0))
+            return rsv_fail(RSV_ERROR_UNSUPPORTED,
+                "cannot read '%s': pixel format '%.40s' is neither 32-bit_rle_rgbe nor "
+                "32-bit_rle_xyze",
+                in->file->path, format);
+    }
+    if (strncmp(line, "EXPOSURE=", 9) == 0) return divide_by(in, line + 9, 1, h);
+    if (strncmp(line, "COLORCORR=", 10) == 0) return divide_by(in, line + 10, 3, h);
+    if (strncmp(line, "PRIMARIES=", 10) == 0) h->foreign_primaries = are_foreign(line + 10);
+    return RSV_OK;
+}
+
+/// "-Y height +X width" and its seven turned and mirrored forms: the axis that changes slowly comes first, and Y counts
+/// upwards.
+static rsv_status read_resolution(const reader *in, const char *line, hdr_header *h)
+{
+    char sign[2], axis[2];
+    long long count[2];
+    bool understood = sscanf(line, "%c%c %lld %c%c %lld", &sign[0], &axis[0], &count[0], &sign[1],
+                          &axis[1], &count[1]) == 6;
+    for (int i = 0; i < 2 && understood; i++)
+        understood = (sign[i] == '+' || sign[i] == '-') && (axis[i] == 'X' || axis[i] == 'Y');
+    if (!understood || axis[0] == axis[1])
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "cannot read '%s': resolution line '%.60s' is not of a form such as '-Y height +X "
+            "width'",
+            in->file->path, line);
+    h->columns = axis[0] == 'X';
+    h->from_right = sign[h->columns ? 0 : 1] == '-';
+    h->from_bottom = sign[h->columns ? 1 : 0] == '+';
+    long long width = count[h->columns ? 0 : 1], height = count[h->columns ? 1 : 0];
+    h->width = (uint32_t)width;
+    h->height = (uint32_t)height;
+    return rsv_image_check_size(in->file->path, width, height);
+}
+
+static rsv_status read_header(reader *in, hdr_header *h)
 {
     char line[256];
-    long long columns, rows;
-    *exposure = 1;
+    *h = (hdr_header){ .scale = { 1, 1, 1 } };
     if (!next_line(in, line, sizeof line) || strncmp(line, "#?", 2) != 0)
         return fail_format(in, "not a Radiance picture (no '#?' line)");
     do {
         if (!next_line(in, line, sizeof line)) return fail_format(in, "header without an end");
-        if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-            return rsv_fail(RSV_ERROR_UNSUPPORTED,
-                "cannot read '%s': pixel format '%s' is not 32-bit_rle_rgbe", in->file->path,
-                line + 7);
-        if (strncmp(line, "EXPOSURE=", 9) == 0) *exposure *= rsv_number_value(line + 9, NULL);
+        rsv_status status = read_variable(in, line, h);
+        if (status != RSV_OK) return status;
     } while (line[0]);
-    if (!(*exposure > 0 && *exposure < INFINITY)) return fail_format(in, "invalid EXPOSURE");
     if (!next_line(in, line, sizeof line)) return fail_format(in, "no resolution line");
-    if (sscanf(line, "-Y %lld +X %lld", &rows, &columns) != 2)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "cannot read '%s': resolution line '%s' is not of the form '-Y height +X width'",
-            in->file->path, line);
-    *width = (uint32_t)columns;
-    *height = (uint32_t)rows;
-    return rsv_image_check_size(in->file->path, columns, rows);
+    return read_resolution(in, line, h);
 }
 
 /// Pixels one after the other; (1, 1, 1, n) repeats the previous one n << 8k times, the k-th such
@@ -120,39 +192,66 @@ static rsv_status read_row(reader *in, uint32_t width, uint8_t (*row)[4])
     return RSV_OK;
 }
 
-static rsv_rgb decode_rgbe(const uint8_t rgbe[4], double scale)
+/// The radiance of a pixel. What exceeds a float, once the exposure is taken back, becomes the largest.
+static rsv_rgb decode_pixel(const uint8_t code[4], const hdr_header *h)
 {
-    if (rgbe[3] == 0) return rgb_gray(0);
-    double unit = ldexp(scale, rgbe[3] - (128 + 8));
-    return rgb((float)(rgbe[0] * unit), (float)(rgbe[1] * unit), (float)(rgbe[2] * unit));
+    if (code[3] == 0) return rgb_gray(0);
+    double unit = ldexp(1, code[3] - (128 + 8)), v[3];
+    for (int c = 0; c < 3; c++)
+        v[c] = code[c] * unit * h->scale[c];
+    if (h->is_xyz) { // to the primaries and the white of sRGB (IEC 61966-2-1)
+        static const double row[3][3] = { { 3.2404542, -1.5371385, -0.4985314 },
+            { -0.9692660, 1.8760108, 0.0415560 }, { 0.0556434, -0.2040259, 1.0572252 } };
+        const double x = v[0], y = v[1], z = v[2];
+        for (int c = 0; c < 3; c++)
+            v[c] = row[c][0] * x + row[c][1] * y + row[c][2] * z;
+    }
+    for (int c = 0; c < 3; c++)
+        v[c] = fmax(fmin(v[c], (double)FLT_MAX), h->is_xyz ? 0 : -INFINITY);
+    return rgb((float)v[0], (float)v[1], (float)v[2]);
+}
+
+/// A line of the file, a row or a column, to its place in the picture.
+static void place_line(
+    const hdr_header *h, uint32_t line, const uint8_t (*code)[4], rsv_rgb *pixels)
+{
+    uint32_t length = h->columns ? h->height : h->width;
+    for (uint32_t i = 0; i < length; i++) {
+        uint32_t x = h->columns ? line : i, y = h->columns ? i : line;
+        if (h->from_right) x = h->width - 1 - x;
+        if (h->from_bottom) y = h->height - 1 - y;
+        pixels[(size_t)y * h->width + x] = decode_pixel(code[i], h);
+    }
 }
 
 rsv_status rsv_image_decode_hdr(rsv_context *context, const rsv_image_file *file, rsv_image **image)
 {
     rsv_status status = RSV_OK;
     reader in = { .file = file };
+    hdr_header h;
     rsv_image *decoded = NULL;
-    uint8_t(*row)[4] = NULL;
-    uint32_t width = 0, height = 0;
-    double exposure = 1;
-    RSV_TRY(read_header(&in, &width, &height, &exposure));
+    uint8_t(*line)[4] = NULL;
+    RSV_TRY(read_header(&in, &h));
+    uint32_t lines = h.columns ? h.width : h.height, length = h.columns ? h.height : h.width;
     // no row is stored in less: memory is not taken for a header alone
-    if ((file->size - in.position) / sizeof *row < height)
+    if ((file->size - in.position) / sizeof *line < lines)
         RSV_TRY(fail_format(&in, "the file is truncated: fewer bytes than its rows need"));
-    row = rsv_alloc(context, width, sizeof *row);
-    if (!row) RSV_TRY(RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_image_create(context, width, height, 1, &decoded));
-    rsv_rgb *pixel = rsv_image_pixels(decoded, 0);
-    for (uint32_t y = 0; y < height; y++) {
-        RSV_TRY(read_row(&in, width, row));
-        for (uint32_t x = 0; x < width; x++)
-            *pixel++ = decode_rgbe(row[x], 1 / exposure);
+    line = rsv_alloc(context, length, sizeof *line);
+    if (!line) RSV_TRY(RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_image_create(context, h.width, h.height, 1, &decoded));
+    for (uint32_t i = 0; i < lines; i++) {
+        RSV_TRY(read_row(&in, length, line));
+        place_line(&h, i, (const uint8_t(*)[4])line, rsv_image_pixels(decoded, 0));
     }
+    if (h.foreign_primaries)
+        rsv_log(context, RSV_LOG_WARNING,
+            "picture '%s': its PRIMARIES are not used; its colours are taken for those of sRGB",
+            file->path);
     *image = decoded;
     decoded = NULL;
 cleanup:
     rsv_image_destroy(decoded);
-    rsv_free(context, row);
+    rsv_free(context, line);
     return status;
 }
 

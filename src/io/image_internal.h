@@ -55,6 +55,9 @@ rsv_status rsv_image_check_jpeg(const rsv_image_file *file);
 /// 2 GiB, before it reads it. Files of other formats pass.
 rsv_status rsv_image_check_png(const rsv_image_file *file);
 
+/// Whether a PNG file says that its codes are not those of sRGB, by a gAMA chunk of another gamma.
+bool rsv_image_png_gamma_is_foreign(const rsv_image_file *file);
+
 // Encoders: append to an open file, which the caller commits or discards. `exposure` is in stops
 // and ignored by formats that hold radiance.
 rsv_status rsv_image_encode_exr(const rsv_image *image, float exposure, rsv_atomic_file *file);

@@ -78,10 +78,20 @@ static int source_eof(void *user)
 
 static const stbi_io_callbacks source_callbacks = { source_read, source_skip, source_eof };
 
+/// What the decoder's messages mean; its own words are for those who develop it.
 static rsv_status fail_decoding(const source *from)
 {
+    static const char *const known[][2] = { { "not of any known",
+                                                "it is neither a PNG nor a JPEG" },
+        { "not supported",
+            "a kind of PNG or JPEG that is not supported; save it as plain 8-bit PNG" },
+        { "memory", "it is damaged, or more than memory holds" },
+        { "PNG", "its PNG data are damaged" }, { "JPEG", "its JPEG data are damaged" } };
+    const char *said = stbi_failure_reason(), *meaning = "its data are damaged";
+    for (size_t k = sizeof known / sizeof *known; said && k-- > 0;)
+        if (strstr(said, known[k][0])) meaning = known[k][1];
     return rsv_fail(RSV_ERROR_FORMAT, "cannot read '%s': %s", from->file->path,
-        from->exhausted ? "the file is truncated" : stbi_failure_reason());
+        from->exhausted ? "the file is truncated" : meaning);
 }
 
 /// Any size of code: `codes` holds RGB triples of 8 or 16 bits.
@@ -127,6 +137,10 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(rsv_image_check_size(file->path, width, height));
     RSV_TRY(check_pixel_count(file, width, height));
+    if (rsv_image_png_gamma_is_foreign(file))
+        rsv_log(context, RSV_LOG_WARNING,
+            "picture '%s': its gamma (gAMA) is not used; its codes are taken for those of sRGB",
+            file->path);
     bool is_16_bit = stbi_is_16_bit_from_callbacks(&source_callbacks, &depth);
     codes = is_16_bit ? (void *)stbi_load_16_from_callbacks(
                             &source_callbacks, &from, &width, &height, &channels, 3)

@@ -29,3 +29,24 @@ rsv_status rsv_image_check_png(const rsv_image_file *file)
     }
     return RSV_OK;
 }
+
+bool rsv_image_png_gamma_is_foreign(const rsv_image_file *file)
+{
+    const size_t around = 4 + 4 + 4; // length, name and check sum
+    if (file->size < sizeof signature || memcmp(file->bytes, signature, sizeof signature) != 0)
+        return false;
+    bool foreign = false;
+    for (size_t at = sizeof signature; file->size - at >= around;) {
+        const uint8_t *chunk = file->bytes + at;
+        size_t length = big_endian(chunk);
+        if (length > file->size - at - around) return foreign;
+        if (memcmp(chunk + 4, "sRGB", 4) == 0 || memcmp(chunk + 4, "iCCP", 4) == 0) return false;
+        if (memcmp(chunk + 4, "IDAT", 4) == 0) return foreign;
+        if (memcmp(chunk + 4, "gAMA", 4) == 0 && length == 4) {
+            size_t gamma = big_endian(chunk + 8); // times 100,000; 45,455 is sRGB's, about
+            foreign = gamma < 40000 || gamma > 50000;
+        }
+        at += around + length;
+    }
+    return foreign;
+}

@@ -41,7 +41,8 @@ static rsv_file_kind kind_of_content(FILE *file)
     size_t length = fread(start, 1, sizeof start - 1, file);
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         size_t needed = strlen(known[i].start);
-        if (length >= needed && memcmp(start, known[i].start, needed) == 0) return known[i].kind;
+        if (length >= needed && strncasecmp(start, known[i].start, needed) == 0)
+            return known[i].kind;
     }
     return RSV_FILE_UNKNOWN;
 }
@@ -99,6 +100,10 @@ rsv_status rsv_scene_load_with(
     loaded->is_part = desc->is_part;
     if (kind == RSV_FILE_GLTF)
         RSV_TRY(rsv_gltf_read(path, loaded));
+    else if (kind == RSV_FILE_PLY)
+        RSV_TRY(rsv_ply_read(path, desc, loaded));
+    else if (kind == RSV_FILE_STL)
+        RSV_TRY(rsv_stl_read(path, desc, loaded));
     else
         RSV_TRY(rsv_assimp_read(path, kind, desc, loaded));
     RSV_TRY(rsv_scene_commit(loaded));

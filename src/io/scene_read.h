@@ -18,6 +18,12 @@ typedef enum rsv_file_kind {
 /// glTF 2.0.
 rsv_status rsv_gltf_read(const char *path, rsv_scene *scene);
 
+/// Stanford polygons, text and binary.
+rsv_status rsv_ply_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene);
+
+/// STL, text and binary.
+rsv_status rsv_stl_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene);
+
 /// All other kinds.
 rsv_status rsv_assimp_read(
     const char *path, rsv_file_kind kind, const rsv_load_desc *desc, rsv_scene *scene);

@@ -44,36 +44,59 @@ static float largest_recorded(const rsv_environment *environment)
     return largest;
 }
 
-/// Radiance of one channel of a pixel; `*repaired` if it had none.
-static float usable_radiance(float value, float intensity, float brightest, bool *repaired)
+/// Pixels that cannot be taken as they are, by what is the matter with them.
+typedef struct repairs {
+    size_t missing;    ///< negative, infinite or not a number
+    size_t too_bright; ///< finite, but above LARGEST_RADIANCE
+} repairs;
+
+/// Radiance of one channel of a pixel; says whether it had none, or too much.
+static float usable_radiance(
+    float value, float intensity, float brightest, bool *missing, bool *too_bright)
 {
     if (!(value >= 0)) { // negative or not a number
-        *repaired = true;
+        *missing = true;
         return 0;
     }
     if (!isfinite(value)) {
-        *repaired = true;
+        *missing = true;
         value = brightest;
     }
     double radiance = (double)value * intensity;
-    *repaired = *repaired || radiance > LARGEST_RADIANCE;
+    *too_bright = *too_bright || radiance > LARGEST_RADIANCE;
     return radiance > LARGEST_RADIANCE ? LARGEST_RADIANCE : (float)radiance;
 }
 
-/// Copies the pixels, intensity included; returns how many had to be repaired.
-static size_t copy_pixels(const rsv_environment *environment, rsv_rgb *pixels)
+/// Copies the pixels, intensity included.
+static repairs copy_pixels(const rsv_environment *environment, rsv_rgb *pixels)
 {
     float brightest = largest_recorded(environment), intensity = environment->intensity;
-    size_t repaired_count = 0;
+    repairs count = { 0 };
     for (size_t i = 0; i < (size_t)environment->width * environment->height; i++) {
         rsv_rgb value = environment->pixels[i];
-        bool repaired = false;
-        pixels[i] = rgb(usable_radiance(value.r, intensity, brightest, &repaired),
-            usable_radiance(value.g, intensity, brightest, &repaired),
-            usable_radiance(value.b, intensity, brightest, &repaired));
-        repaired_count += repaired;
+        bool missing = false, bright = false;
+        pixels[i] = rgb(usable_radiance(value.r, intensity, brightest, &missing, &bright),
+            usable_radiance(value.g, intensity, brightest, &missing, &bright),
+            usable_radiance(value.b, intensity, brightest, &missing, &bright));
+        count.missing += missing;
+        count.too_bright += bright;
     }
-    return repaired_count;
+    return count;
+}
+
+static void warn_of_repairs(
+    const rsv_context *context, const char *name, const repairs *count, size_t pixels)
+{
+    if (count->missing)
+        rsv_log(context, RSV_LOG_WARNING,
+            "environment '%s': %zu of %zu pixels are negative, infinite or not a number; they "
+            "count as black, infinite ones as the brightest finite value",
+            name, count->missing, pixels);
+    if (count->too_bright)
+        rsv_log(context, RSV_LOG_WARNING,
+            "environment '%s': %zu of %zu pixels are brighter than %g W/(sr m2), the most that is "
+            "reckoned with; they count as that",
+            name, count->too_bright, pixels, (double)LARGEST_RADIANCE);
 }
 
 rsv_status rsv_scene_set_environment(rsv_scene *scene, const rsv_environment *environment)
@@ -91,13 +114,8 @@ rsv_status rsv_scene_set_environment(rsv_scene *scene, const rsv_environment *en
     size_t count = (size_t)environment->width * environment->height;
     pixels = rsv_alloc(context, count, sizeof *pixels);
     RSV_TRY(pixels ? RSV_OK : RSV_ERROR_MEMORY);
-    size_t repaired = copy_pixels(environment, pixels);
-    if (repaired)
-        rsv_log(context, RSV_LOG_WARNING,
-            "environment '%s': %zu of %zu pixels are negative, infinite or not a number; they "
-            "count "
-            "as black, infinite ones as the brightest finite value",
-            name, repaired, count);
+    repairs repaired = copy_pixels(environment, pixels);
+    warn_of_repairs(context, name, &repaired, count);
     rsv_scene_release_environment(scene);
     scene->environment = *environment;
     scene->environment.name = name;

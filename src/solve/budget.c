@@ -2,6 +2,7 @@
 
 #include "../core/team.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -11,6 +12,8 @@
 #define BYTES_PER_TRIANGLE 150
 /// Bytes per cell of a level in the making.
 #define BYTES_PER_CELL 250
+/// What the process takes besides, however small the scene: code that is run for the first time, stacks, a small picture.
+#define BESIDES ((size_t)4 << 20)
 /// Part of the memory left that is planned for: the rest is for what no plan foresees.
 #define PLANNED 0.85
 /// Part of it for the levels of direct light and caustics.
@@ -36,15 +39,17 @@ rsv_status rsv_budget_open(rsv_builder *b)
     if (b->desc.max_bytes == 0) return RSV_OK;
     size_t resident = (size_t)rsv_team_largest(b->context, (double)resident_bytes());
     size_t most = b->desc.max_bytes;
+    resident += BESIDES;
     double left = most > resident ? PLANNED * (double)(most - resident) : 0;
     double mesh = (double)BYTES_PER_TRIANGLE * (double)b->scene.view->triangle_count;
     b->bytes_left = (size_t)left;
     if (left > mesh * MAKING_ELEMENTS) return RSV_OK;
     return rsv_fail(RSV_ERROR_MEMORY,
-        "solve: a memory budget of %.0f MiB is too small: the scene takes %.0f MiB and its "
-        "elements at least %.0f MiB more; allow that or simplify its meshes",
-        mebibytes((double)most), mebibytes((double)resident),
-        mebibytes(mesh * MAKING_ELEMENTS / PLANNED) + 1);
+        "solve: a memory budget of %.0f MiB is too small: program and scene take %.0f MiB and "
+        "elements at least %.0f MiB more; allow %.0f MiB or simplify its meshes",
+        mebibytes((double)most), ceil(mebibytes((double)resident)),
+        ceil(mebibytes(mesh * MAKING_ELEMENTS / PLANNED)),
+        ceil(mebibytes((double)resident)) + ceil(mebibytes(mesh * MAKING_ELEMENTS / PLANNED)) + 1);
 }
 
 /// Largest size of an entry: ends behind coats, tints and media carry a colour, escapes a bin.
@@ -64,9 +69,17 @@ static double element_bytes(const rsv_builder *b)
            fields * (double)b->elements->node_count;
 }
 
+/// Rows that the budget of elements leaves: what hangs, follows or is buried counts as well.
+static size_t rows_of_elements(const rsv_builder *b)
+{
+    if (b->desc.max_elements == 0) return SIZE_MAX;
+    size_t others = b->elements->node_count - rsv_builder_rows(b);
+    return b->desc.max_elements > others ? b->desc.max_elements - others : 0;
+}
+
 size_t rsv_budget_rows(const rsv_builder *b)
 {
-    size_t rows = b->desc.max_elements ? b->desc.max_elements : SIZE_MAX;
+    size_t rows = rows_of_elements(b);
     if (b->desc.max_bytes == 0) return rows;
     double left = (1 - LEVELS) * (double)b->bytes_left - element_bytes(b);
     double affordable = left / (double)(b->desc.rays_per_element * entry_bytes(b));
@@ -76,8 +89,8 @@ size_t rsv_budget_rows(const rsv_builder *b)
 
 bool rsv_budget_halve_rays(rsv_builder *b)
 {
-    size_t rows = b->desc.max_elements ? b->desc.max_elements : SIZE_MAX;
-    if (rsv_builder_rows(b) > rows || b->desc.rays_per_element <= FEWEST_RAYS) return false;
+    if (rsv_builder_rows(b) > rows_of_elements(b) || b->desc.rays_per_element <= FEWEST_RAYS)
+        return false;
     b->desc.rays_per_element /= 2;
     return true;
 }
@@ -88,21 +101,22 @@ size_t rsv_budget_cells(const rsv_builder *b)
     return (size_t)(LEVELS * (double)b->bytes_left / BYTES_PER_CELL);
 }
 
-rsv_status rsv_budget_refuse(const rsv_builder *b, size_t rows)
+rsv_status rsv_budget_refuse(const rsv_builder *b, size_t least)
 {
-    if (b->desc.max_elements && rows > b->desc.max_elements)
+    size_t rows = rsv_builder_rows(b);
+    if (b->desc.max_elements && (least > b->desc.max_elements || b->desc.max_bytes == 0))
         return rsv_fail(RSV_ERROR_MEMORY,
             "solve: a budget of %zu elements is too small: the surfaces of this scene take %zu at "
             "the least; allow as many",
-            b->desc.max_elements, rows);
+            b->desc.max_elements, least);
     return rsv_fail(RSV_ERROR_MEMORY,
         "solve: a memory budget of %.0f MiB is too small: %zu rows of %u rays and their elements "
-        "take %.0f MiB more; allow that",
+        "take more; allow %.0f MiB",
         mebibytes((double)b->desc.max_bytes), rows, b->desc.rays_per_element,
-        mebibytes((element_bytes(b) +
-                      (double)rows * (double)(b->desc.rays_per_element * entry_bytes(b))) /
-                      ((1 - LEVELS) * PLANNED) -
-                  (double)b->bytes_left / PLANNED) +
+        ceil(mebibytes((double)b->desc.max_bytes - (double)b->bytes_left / PLANNED +
+                       (element_bytes(b) +
+                           (double)rows * (double)(b->desc.rays_per_element * entry_bytes(b))) /
+                           ((1 - LEVELS) * PLANNED))) +
             1);
 }
 
@@ -113,6 +127,6 @@ void rsv_budget_report(const rsv_builder *b, float wanted)
     rsv_log(b->context, RSV_LOG_WARNING,
         "solve: coarser than asked for, to keep the budget: %zu elements %.3g m apart instead of "
         "%.3g m, rows of %u rays instead of %u",
-        rsv_builder_rows(b), b->elements->spacing, wanted, b->desc.rays_per_element,
+        b->elements->node_count, b->elements->spacing, wanted, b->desc.rays_per_element,
         b->wanted_rays);
 }

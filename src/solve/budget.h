@@ -1,4 +1,4 @@
-/// Budgets of a solution: rows of the operator, and memory. They are kept by a coarser solution.
+/// Budgets of a solution: elements of the operator, and memory. They are kept by a coarser solution.
 #ifndef RSV_BUDGET_H
 #define RSV_BUDGET_H
 
@@ -17,8 +17,8 @@ bool rsv_budget_halve_rays(rsv_builder *builder);
 /// Cells that the budget of memory leaves to the levels of direct light and caustics; SIZE_MAX without one.
 size_t rsv_budget_cells(const rsv_builder *builder);
 
-/// Says that `rows` are the fewest there can be.
-rsv_status rsv_budget_refuse(const rsv_builder *builder, size_t rows);
+/// Says why the elements in hand do not keep the budgets. @param least elements that there can be
+rsv_status rsv_budget_refuse(const rsv_builder *builder, size_t least);
 
 /// Says what a budget made coarser than was asked for, if anything.
 /// @param wanted metres between elements

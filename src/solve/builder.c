@@ -16,10 +16,70 @@
 /// soon as a step leaves more than this part of them.
 #define LARGEST_STEP 4.0f
 #define LEAST_PROGRESS 0.95
-/// Elements that are larger than wanted by this factor are as few as the surfaces can have.
-#define COARSEST 1e3f
+#define SPACINGS_TRIED 7 ///< in search of the fewest elements
 
 // ---- elements and rows ----------------------------------------------------------------------------
+
+/// Whether budgets are kept, by elements that see each other: cells much larger than what they lie on may end up with no
+/// valid point at all.
+static bool is_within_budget(const rsv_builder *b)
+{
+    size_t rows = rsv_builder_rows(b);
+    bool limited = b->desc.max_elements || b->desc.max_bytes;
+    return rows <= rsv_budget_rows(b) &&
+           (rows > 0 || !limited || !rsv_reflects_diffusely(&b->scene));
+}
+
+static rsv_status create_grids(rsv_builder *b)
+{
+    rsv_elements_destroy(b->elements);
+    b->elements = NULL;
+    return rsv_coarse_elements_create(b, rsv_pilot_has_goal(b) ? RSV_GOAL_LEARNED : 1);
+}
+
+/// Twice the size of the scene: beyond it, elements do not get fewer, and less and less of them sees anything.
+static float coarsest_spacing(const rsv_builder *b)
+{
+    const rsv_scene_view *view = b->scene.view;
+    return 2 * v3_length(v3_sub(view->bounds_max, view->bounds_min));
+}
+
+/// The last resort: spacings from the coarsest down, the same ones whatever the budget, so that the fewest
+/// elements that a refusal names are found again.
+static rsv_status create_fewest(rsv_builder *b)
+{
+    rsv_status status = RSV_OK;
+    float best = 0;
+    size_t least = SIZE_MAX, budget = b->desc.max_elements;
+    if (budget) b->desc.max_elements = 1; // none to spare for splits where surfaces meet
+    for (int k = 0; k < SPACINGS_TRIED; k++) {
+        b->spacing.metres = coarsest_spacing(b) * exp2f(-(float)k);
+        RSV_TRY(create_grids(b));
+        size_t nodes = b->elements->node_count;
+        bool usable = rsv_builder_rows(b) > 0 || !rsv_reflects_diffusely(&b->scene);
+        if (!usable || nodes > least) continue; // of equal ones the finest
+        least = nodes;
+        best = b->spacing.metres;
+    }
+    if (best > 0) {
+        b->spacing.metres = best;
+        RSV_TRY(create_grids(b));
+    }
+    b->desc.max_elements = budget;
+    while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
+    if (!is_within_budget(b)) RSV_TRY(rsv_budget_refuse(b, b->elements->node_count));
+cleanup:
+    b->desc.max_elements = budget;
+    return status;
+}
+
+/// How many times too many elements or rows there are.
+static float excess(const rsv_builder *b)
+{
+    size_t nodes = b->elements->node_count, most = b->desc.max_elements;
+    if (most && nodes > most) return (float)nodes / ((float)most + 1);
+    return (float)rsv_builder_rows(b) / ((float)rsv_budget_rows(b) + 1);
+}
 
 /// Creates elements, larger ones as long as there are more than budgets allow.
 static rsv_status create_elements(rsv_builder *b)
@@ -27,24 +87,26 @@ static rsv_status create_elements(rsv_builder *b)
     rsv_status status;
     b->spacing = rsv_spacing_for(&b->scene, b->desc.element_target);
     if (b->scene.past) b->spacing = rsv_past_spacing(b->scene.past, b->spacing);
-    float wanted = b->wanted_metres = b->spacing.metres;
+    float wanted = b->wanted_metres = b->spacing.metres, coarsest = coarsest_spacing(b);
     size_t before = SIZE_MAX;
     bool stalled = false;
     RSV_TRY(rsv_budget_open(b));
     for (;;) {
-        RSV_TRY(rsv_coarse_elements_create(b, rsv_pilot_has_goal(b) ? RSV_GOAL_LEARNED : 1));
+        RSV_TRY(create_grids(b));
         if (!stalled) RSV_TRY(rsv_pilot_refine(b));
         while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
-        size_t rows = rsv_builder_rows(b), most = rsv_budget_rows(b);
-        if (rows <= most) break;
+        if (is_within_budget(b)) break;
         b->scene.past = NULL; // its grids and splits would stay as they were
-        if (b->spacing.metres > COARSEST * wanted) RSV_TRY(rsv_budget_refuse(b, rows));
+        size_t rows = rsv_builder_rows(b);
+        if (rows == 0 || b->spacing.metres >= f_max(coarsest, wanted)) {
+            RSV_TRY(create_fewest(b));
+            break;
+        }
         stalled = stalled || (double)rows > LEAST_PROGRESS * (double)before;
         before = rows;
-        float step = sqrtf(1.2f * (float)rows / ((float)most + 1));
+        float step = sqrtf(1.2f * excess(b));
         b->spacing.metres *= stalled ? LARGEST_STEP : f_min(step, LARGEST_STEP);
-        rsv_elements_destroy(b->elements);
-        b->elements = NULL;
+        b->spacing.metres = f_min(b->spacing.metres, f_max(coarsest, wanted));
     }
     rsv_budget_report(b, wanted);
 cleanup:

@@ -35,8 +35,8 @@ succeeds() {
     ((status == 0)) || complain "exit status $status, not 0: $*"
 }
 
-# What is left of standard error without warnings and notes.
-error_lines() { grep -v -e '^warning: ' -e '^note: ' stderr; }
+# What is left of standard error without warnings, notes and progress.
+error_lines() { grep -v -e '^warning: ' -e '^note: ' -e '^[a-z0-9 :]*: [0-9]* %' stderr; }
 
 # refuses STATUS PATTERN ARGUMENT...: that exit status, one line that says why, nothing written
 refuses() {

@@ -367,4 +367,13 @@ succeeds bake "$here/../fuzz/seeds/packed.gltf" -o unpacked.glb --to vertex --qu
 grep -qa KHR_draco unpacked.glb && complain "a packed mesh stayed packed"
 succeeds render unpacked.glb -o unpacked.png --size 16x16 --quality draft
 refuses 1 'nowhere' bake nowhere.glb -o "$out/x.glb" --to vertex
+
+# a scene that is no glTF file leaves nothing of the file in between, however the program ends
+mkdir killed
+printf '%s\n' 'mtllib a.mtl' 'usemtl m' 'v 0 0 0' 'v 2 0 0' 'v 2 0 2' 'v 0 0 2' 'f 1 4 3 2' >killed/a.obj
+printf '%s\n' 'newmtl m' 'Kd .5 .5 .5' >killed/a.mtl
+succeeds bake killed/a.obj -o "$out/a.glb" --to vertex --quality draft --env white
+rm -f "$out"/*
+(cd killed && timeout -s KILL 2 "$program" bake a.obj -o a.glb --to vertex --quality high --env white >said 2>&1; true)
+[[ $(ls -A killed | grep -v -e '^a[.]glb$' -e '^[.]resolvent') == $'a.mtl\na.obj\nsaid' ]] || complain "a bake that was killed left $(ls -A killed)"
 finish

@@ -10,19 +10,25 @@ at_most() { (($(value "$1") <= $2)) || complain "$1 is $(value "$1"), more than 
 
 succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 400 --stats stats.json
 warns 'coarser than asked for'
-at_most rows 400
+at_most elements 400
 succeeds render gallery:1 -o "$out/a.png" "${small[@]}" --quality medium --max-elements 3000 --stats stats.json
-at_most rows 3000
+at_most elements 3000
 succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 100000 --stats stats.json
 grep -q 'coarser' stderr && complain "a budget that is large enough is spoken of"
 rm -f "$out"/*
 
-refuses 1 'elements is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements 3
-# as many as the line asks for are enough
-enough=$(sed -n 's/^.* take \([0-9]*\) at the least.*$/\1/p' stderr)
-succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-elements "${enough:-1}" --stats stats.json
-at_most rows "${enough:-1}"
-rm -f "$out"/*
+# small limits hold, or are refused with the fewest elements that there can be: those are enough, and one fewer is not
+for scene in cornell-blocks furnace; do
+    refuses 1 'elements is too small' render $scene -o "$out/a.png" "${small[@]}" --max-elements 1
+    enough=$(sed -n 's/^.* take \([0-9]*\) at the least.*$/\1/p' stderr)
+    refuses 1 "take $enough at the least" render $scene -o "$out/a.png" "${small[@]}" --max-elements $((enough - 1))
+    for most in "$enough" $((enough + 36)); do
+        succeeds render $scene -o "$out/a.png" "${small[@]}" --max-elements "$most" --stats stats.json
+        at_most elements "$most"
+        (($(value rows) > 0)) || complain "$scene: none of $most elements sees anything"
+    done
+    rm -f "$out"/*
+done
 refuses 1 'memory budget of 5 MiB is too small' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory 5MiB
 refuses 1 'memory budget of 40 MiB is too small' render terraces:3e5 -o "$out/a.png" "${small[@]}" --max-memory 40MiB
 for amount in 2 -1GiB 0MiB 1e30TiB nanGiB GiB 1gib '3 GiB'; do
@@ -35,6 +41,13 @@ if ! grep -q -a __asan_init "$program"; then
     succeeds render terraces:1e5 -o "$out/a.png" "${small[@]}" --quality medium --max-memory 150MiB --stats stats.json
     warns 'coarser than asked for'
     at_most peak_rss_bytes $((150 << 20))
+    rm -f "$out"/*
+    refuses 1 'allow [0-9]* MiB' render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory 12MiB
+    enough=$(sed -n 's/^.*allow \([0-9]*\) MiB.*$/\1/p' stderr)
+    for most in "$enough" $((enough + 6)); do
+        succeeds render cornell-blocks -o "$out/a.png" "${small[@]}" --max-memory "${most}MiB" --stats stats.json
+        at_most peak_rss_bytes $((most << 20))
+    done
 fi
 rm -f "$out"/*
 finish

@@ -49,7 +49,7 @@ thrive 2 info one.safetensors # one process does what is not worth sharing
 # More processes than rows
 printf 'newmtl lamp\nKe 5 5 5\nKd 0.5 0.5 0.5\n' >corner.mtl
 printf '%s\n' 'mtllib corner.mtl' 'v 0 0 0' 'v 1 0 0' 'v 0 1 0' 'v 0 0 1' 'f 1 3 4' 'usemtl lamp' 'f 1 2 3' >corner.obj
-few=(solve corner.obj --quality draft --max-elements 4 --threads 1)
+few=(solve corner.obj --quality draft --max-elements 6 --threads 1)
 succeeds "${few[@]}" -o few1.safetensors --stats few.json
 grep -q '"rows":[[:space:]]*[1-5],' few.json || complain "too many rows"
 thrive 6 "${few[@]}" -o many.safetensors

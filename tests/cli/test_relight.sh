@@ -42,6 +42,17 @@ succeeds relight box.safetensors --script evening.txt -o frame%03d.exr "${box[@]
 [[ $(echo frame*) == 'frame003.exr frame004.exr frame005.exr' ]] || complain "frames are $(echo frame*)"
 succeeds relight box.safetensors --light light=1,0.75,0.625,0.5 --move light=0.05,0,0 --albedo white=0.7,0.7,0.7 -o between.exr "${box[@]}" --mode operator
 cmp -s frame004.exr between.exr || complain "between two lines light changes evenly"
+# strengths alone: the file is read once, each frame is what one call makes of it, and statistics are of all
+printf '%s\n' '0 light.light=1,1,1' '11 light.light=0.2,1,0.5,0.5' >dim.txt
+succeeds relight box.safetensors --script dim.txt -o dim%02d.exr "${box[@]}" --stats dim.json
+[[ $(ls dim??.exr | wc -l) == 12 ]] || complain "frames are $(echo dim*.exr)"
+succeeds relight box.safetensors --light light=0.2,1,0.5,0.5 -o last.exr "${box[@]}"
+succeeds relight box.safetensors --light light=0.2,0.1,0.1 -o rgb.exr "${box[@]}"
+cmp -s last.exr rgb.exr || complain "three factors are not those of the runtime"
+succeeds compare last.exr dim11.exr
+says '^relative_mse *[0-9.]*\(e-0[6-9]\|e-1\)\|^relative_mse *0$'
+says '^mean_ratio *\(1.0000\|0.9999\)'
+grep -q '"frames":.*12' dim.json && grep -q '"width":.*32' dim.json || complain "statistics are not complete"
 # an object on its way, without solving for it
 printf '%s\n' 'v 0 0 0' 'v 0.15 0 0' 'v 0 0 -0.15' 'v 0 0.15 0' 'f 1 3 2' 'f 1 2 4' 'f 2 3 4' 'f 1 4 3' >body.obj
 printf '%s\n' '0 place.object=-0.4,0.1,-0.1' '1 place.object=-0.2,0.2,-0.1' >way.txt
@@ -64,6 +75,7 @@ refuses 1 "'moon'.*'light'" relight box.safetensors --light moon=2 -o "$out/a.pn
 refuses 1 "'gold'.*'white'" relight box.safetensors --albedo gold=1,1,0 -o "$out/a.png"
 refuses 1 'environment' relight box.safetensors --env-intensity 2 -o "$out/a.png"
 refuses 1 'no operator file' relight cornell-blocks -o "$out/a.png"
+refuses 1 'No such file' relight none.safetensors -o "$out/a.png"
 refuses 1 'camera' relight box.safetensors --camera nobody -o "$out/a.png"
 refuses 1 'folder' relight box.safetensors -o no/such/folder/a.safetensors
 refuses 2 'NAME=SCALE' relight box.safetensors --light light -o "$out/a.png"

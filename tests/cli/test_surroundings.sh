@@ -3,7 +3,7 @@
 # vanish meanwhile, one thread or many, numbers too small to be normal.
 source "$(dirname "$0")/support.sh"
 seeds=$(cd "$here/../fuzz/seeds" && pwd)
-few=(--quality draft --max-elements 60)
+few=(--quality draft --max-elements 80)
 
 # spaces, letters of other scripts, what shells and file names take for their own
 odd="$work/a folder, Größe 100% 日本 [x] 'quoted'"

@@ -60,4 +60,5 @@ refuses 1 'one.exr' layers one.exr -o "$out/a.png"
 refuses 2 'is missing' sheet -o "$out/a.png"
 refuses 2 'is missing' sheet one.exr
 refuses 1 'one.exr' sheet one.exr -o "$out/a.png"
+refuses 2 '268435456 pixels' render cornell-blocks -o "$out/a.png" --size 32768x32768
 finish

@@ -107,6 +107,7 @@ static void missing_and_endless_libraries_are_named(void **state)
     write_file("b.obj", "mtllib pipe.mtl\nusemtl x\n" QUAD);
     rsv_scene_destroy(load(f, "a.obj"));
     assert_mentions(f->log, "nowhere.mtl");
+    assert_int_equal(count_mentions(f->log, "cannot be read"), 1);
     rsv_scene_destroy(load(f, "b.obj"));
     assert_mentions(f->log, "pipe.mtl");
 }
@@ -118,6 +119,139 @@ static void textures_are_warned_of(void **state)
     write_file("t.obj", "mtllib t.mtl\nusemtl skin\n" QUAD);
     rsv_scene_destroy(load(f, "t.obj"));
     assert_mentions(f->log, "'skin'");
+}
+
+/// One warning for each kind of thing, with what it is.
+static void what_is_not_used_is_named_once(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *name, *text, *warning;
+    } odd[] = {
+        { "curve.obj", "vp 0 0\ncstype bezier\n" QUAD "lod 1\nlod 2\n",
+            "'vp' (line 1), 'cstype' (line 2), 'lod' (line 8)" },
+        { "paint.obj", "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 1 0 0\nf 1 2 3\n",
+            "colours of its 3 vertices" },
+        { "wires.obj", QUAD "l 1 2 3\np 1\n", "not used: 3 lines and points" },
+        { "odd.obj", "mtllib odd.mtl\nusemtl x\n" QUAD, "'sharpness' (line 3)" },
+        { "hair.obj", "mtllib hair.mtl\nusemtl x\n" QUAD, "'aniso' (line 4)" },
+        { "scan.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\nproperty uchar red\nproperty float quality\nelement face 1\n"
+            "property list uchar int vertex_indices\nproperty int flags\nelement edge 1\n"
+            "property int a\nproperty int b\nend_header\n0 0 0 9 1\n1 0 0 9 1\n0 1 0 9 1\n"
+            "3 0 1 2 7\n0 1\n",
+            "not used: red, quality, flags, edge" },
+    };
+    write_file("odd.mtl", "newmtl x\nKd 1 1 1\nsharpness 60\nsharpness 50\n");
+    write_file("hair.mtl", "newmtl x\nKd 1 1 1\nPr 0.5\naniso 0.7\n");
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+        f->log[0] = 0;
+        write_file(odd[i].name, odd[i].text);
+        rsv_scene_destroy(load(f, odd[i].name));
+        assert_mentions(f->log, odd[i].warning);
+        assert_int_equal(count_mentions(f->log, "not used"), 1);
+    }
+    f->log[0] = 0;
+    write_file("plain.mtl", "newmtl x\nKa 0 0 0\nKd 1 1 1\nKs 0 0 0\nNs 10\nd 1\nillum 2\n");
+    write_file("plain.obj", "mtllib plain.mtl\no a\ng b\ns 1\nusemtl x\n" QUAD);
+    rsv_scene_destroy(load(f, "plain.obj"));
+    assert_null(strstr(f->log, "not used"));
+}
+
+/// What is wrong, where, and what to do, in our words.
+static void importers_do_not_speak_for_themselves(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *name, *text, *reason;
+    } broken[] = {
+        { "far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "line 4: a face refers to vertex 9" },
+        { "back.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf -9 -2 -1\n", "line 5" },
+        { "word.obj", "v 0 0 0\nv one 0 0\nv 0 1 0\nf 1 2 3\n", "line 2: a vertex needs three" },
+        { "loose.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no triangle" },
+        { "other.dae", "<?xml version=\"1.0\"?><svg></svg>", "holds no scene" },
+        { "text.dae", "this is no XML\nthis is no XML\n", "no well-formed XML" },
+        { "text.fbx", "this is no FBX\nthis is no FBX\n", "near line 1" },
+        { "old.fbx",
+            "; FBX 6.1.0 project file\nFBXHeaderExtension: {\n FBXHeaderVersion: 1003\n "
+            "FBXVersion: "
+            "6100\n}\nObjects: {\n}\n",
+            "older than FBX 2011" },
+    };
+    static const char *const theirs[] = { "OBJ:", "FBX-", "Collada", "TOK_", "Validation", "aiMesh",
+        "aiScene", "std::", "Assimp", "Unable", "Invalid" };
+    for (size_t i = 0; i < sizeof broken / sizeof *broken; i++) {
+        write_file(broken[i].name, broken[i].text);
+        assert_refused(f, broken[i].name, broken[i].reason);
+        for (size_t k = 0; k < sizeof theirs / sizeof *theirs; k++)
+            assert_null(strstr(rsv_last_error(), theirs[k]));
+    }
+}
+
+/// However a text editor leaves it.
+static void line_ends_blanks_and_marks_do_not_matter(void **state)
+{
+    fixture *f = *state;
+    static const char *const texts[] = {
+        "mtllib my lib.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nusemtl x y\r\nf 1 2 3\r\n",
+        "mtllib my lib.mtl\rv 0 0 0\rv 1 0 0\rv 1 1 0\rusemtl x y\rf 1 2 3",
+        "\xef\xbb\xbfv 0 0 0\nmtllib my lib.mtl  \n\tv 1 0 0\n  v 1 1 0\nusemtl x y \t\nf 1 2 3",
+        "mtllib my lib.mtl\nv 0 0 0 # a\nv 1 0 \\\n0\nv 1 1 0\nusemtl x y\nf 1 \\\n2 3\n",
+        "mtllib my lib.mtl\nlod 1 \\\n2 3\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl x y\nf 1 2 3\n",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nmtllib my lib.mtl\nusemtl x y\nf -3 -2 -1\n",
+    };
+    write_file("my lib.mtl", "\xef\xbb\xbfnewmtl x y\r\n\tKd .25 .5 .75 \r\n");
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        f->log[0] = 0;
+        write_file("ends.obj", texts[i]);
+        rsv_scene *scene = load(f, "ends.obj");
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        assert_int_equal(view->triangle_count, 1);
+        assert_near(view->bounds_max.y, 1);
+        assert_near(material_of(view, "x y")->base_color.g, 0.5f);
+        assert_null(strstr(f->log, "cannot be read"));
+        rsv_scene_destroy(scene);
+    }
+}
+
+/// What programs write in more than one way means the same.
+static void spellings_of_mtl_and_obj_are_understood(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *library, *object;
+        float red, green, opacity;
+    } spelt[] = {
+        { "newmtl m\nKd 0.5\n", "usemtl m\n", .5f, .5f, 1 },
+        { "NewMtl m\nkd .5 .25 .125\n", "UseMtl m\n", .5f, .25f, 1 },
+        { "newmtl m # the paint\nKd .5 .25 .125 # as measured\n", "usemtl m # here\n", .5f, .25f,
+            1 },
+        { "newmtl \"m\"\nKd 0.5 0.25 0.125\nd -halo 0.75\n", "usemtl \"m\"\n", .5f, .25f, .75f },
+        { "newmtl m\nKd 0.5 0.25 0.125\nTr 0.25\n", "usemtl m\n", .5f, .25f, .75f },
+        { "newmtl m\nKd 0.5 0.25 0.125\nKs spectral a.rfl\n", "usemtl m\n", .5f, .25f, 1 },
+    };
+    static const char *const libraries[] = { "mtllib spelt.mtl\n", "mtllib \"spelt.mtl\"\n",
+        "mtllib .\\spelt.mtl\n", "mtllib plain.mtl spelt.mtl\n", "MTLLIB spelt.mtl\n" };
+    write_file("plain.mtl", "newmtl x\nKd 1 1 1\n");
+    for (size_t i = 0; i < sizeof spelt / sizeof *spelt; i++) {
+        for (size_t k = 0; k < sizeof libraries / sizeof *libraries; k++) {
+            char text[512];
+            snprintf(text, sizeof text, "%sV .0 0 0\nv 2 0 0\nv 2 .3e1 0\nv 0 3 0\n%sF 1 2 3 4\n",
+                libraries[k], spelt[i].object);
+            f->log[0] = 0;
+            write_file("spelt.mtl", spelt[i].library);
+            write_file("spelt.obj", text);
+            rsv_scene *scene = load(f, "spelt.obj");
+            const rsv_material *m = material_of(rsv_scene_get_view(scene), "m");
+            assert_near(m->base_color.r, spelt[i].red);
+            assert_near(m->base_color.g, spelt[i].green);
+            assert_near(m->opacity, spelt[i].opacity);
+            assert_near(rsv_scene_get_view(scene)->bounds_max.y, 3);
+            assert_null(strstr(f->log, "cannot be read"));
+            rsv_scene_destroy(scene);
+        }
+    }
 }
 
 // ---- units and axes -------------------------------------------------------------------------------
@@ -188,7 +322,7 @@ static void collada_units_axes_cameras_and_lights_are_kept(void **state)
     assert_near(camera->vertical_fov, 2 * atanf(0.5f));
     assert_int_equal(view->light_count, 1);
     assert_near(view->light[0].position.y, 4);
-    assert_near(view->light[0].intensity.r, 4);
+    assert_float_equal(view->light[0].intensity.r, 4e-4, 1e-8); // W/sr: 8 / 2 cm2
     rsv_scene_destroy(scene);
 }
 
@@ -229,6 +363,40 @@ static void fbx_units_and_axes_become_metres_and_y_up(void **state)
     assert_near(view->bounds_min.z, -1);
     assert_near(material_of(view, "clay")->base_color.g, 0.25f);
     rsv_scene_destroy(scene);
+}
+
+static void bones_morph_targets_colours_and_animations_are_named(void **state)
+{
+    fixture *f = *state;
+    char text[8192];
+    const char *at = strstr(collada, "<library_visual_scenes>");
+    snprintf(text, sizeof text, "%.*s%s%s", (int)(at - collada), collada,
+        "<library_animations><animation id=\"a\"><source id=\"t\"><float_array id=\"ta\" "
+        "count=\"2\">"
+        "0 1</float_array><technique_common><accessor source=\"#ta\" count=\"2\" "
+        "stride=\"1\"><param "
+        "name=\"TIME\" type=\"float\"/></accessor></technique_common></source><source id=\"o\">"
+        "<float_array id=\"oa\" count=\"2\">0 1</float_array><technique_common><accessor "
+        "source=\"#oa\" count=\"2\" stride=\"1\"><param name=\"X\" type=\"float\"/></accessor>"
+        "</technique_common></source><sampler id=\"m\"><input semantic=\"INPUT\" source=\"#t\"/>"
+        "<input semantic=\"OUTPUT\" source=\"#o\"/></sampler><channel source=\"#m\" "
+        "target=\"n/translate.X\"/></animation></library_animations>",
+        at);
+    // a node can only be animated through what has a name
+    char *translate = strstr(text, "<translate>0 0 50");
+    memmove(translate + strlen("<translate sid=\"translate\">0 0 50"),
+        translate + strlen("<translate>0 0 50"),
+        strlen(translate + strlen("<translate>0 0 50")) + 1);
+    memcpy(translate, "<translate sid=\"translate\">0 0 50",
+        strlen("<translate sid=\"translate\">0 0 50"));
+    write_file("moving.dae", text);
+    rsv_scene_destroy(load(f, "moving.dae"));
+    assert_mentions(f->log, "not used: 1 animation");
+    f->log[0] = 0;
+    snprintf(text, sizeof text, "%s; AnimationCurve\n", fbx);
+    write_file("moving.fbx", text);
+    rsv_scene_destroy(load(f, "moving.fbx"));
+    assert_mentions(f->log, "not used: 1 animation");
 }
 
 static void kinds_are_told_by_content_where_names_say_nothing(void **state)
@@ -447,6 +615,11 @@ int main(void)
         CASE(mtl_phong_becomes_lambert_plastic_mirror_and_glass),
         CASE(missing_and_endless_libraries_are_named),
         CASE(textures_are_warned_of),
+        CASE(what_is_not_used_is_named_once),
+        CASE(line_ends_blanks_and_marks_do_not_matter),
+        CASE(spellings_of_mtl_and_obj_are_understood),
+        CASE(bones_morph_targets_colours_and_animations_are_named),
+        CASE(importers_do_not_speak_for_themselves),
         CASE(polygons_without_units_follow_the_description),
         CASE(collada_units_axes_cameras_and_lights_are_kept),
         CASE(fbx_units_and_axes_become_metres_and_y_up),

@@ -340,6 +340,42 @@ static void exr_places_the_data_window_in_the_display_window(void **state)
     }
 }
 
+static char logged[1024];
+
+static void keep_log(void *user, rsv_log_level level, const char *message)
+{
+    (void)user, (void)level;
+    snprintf(logged + strlen(logged), sizeof logged - strlen(logged), "%s\n", message);
+}
+
+/// Depth and names are no colours; alpha needs no word.
+static void exr_channels_that_are_no_colours_are_named(void **state)
+{
+    (void)state;
+    exr_variant variant = { .compression = EXR_COMPRESSION_ZIP, .type = EXR_PIXEL_FLOAT };
+    static const char *const named[][2] = { { "A", "" }, { "Z", "not used: Z\n" } };
+    rsv_context *own;
+    rsv_context_desc desc = rsv_default_context_desc();
+    desc.log = keep_log;
+    assert_int_equal(rsv_context_create(&desc, &own), RSV_OK);
+    variant.data_window = variant.display_window =
+        (exr_attr_box2i_t){ { .x = 0, .y = 0 }, { .x = 3, .y = 3 } };
+    for (int k = 0; k < 2; k++) {
+        rsv_image *image;
+        memcpy(variant.channels, (const char *[5]){ "B", "G", "R", named[k][0] },
+            sizeof variant.channels);
+        logged[0] = '\0';
+        write_variant(path_of("more.exr"), &variant);
+        assert_int_equal(rsv_image_read(own, path_of("more.exr"), &image), RSV_OK);
+        if (*named[k][1])
+            assert_non_null(strstr(logged, named[k][1]));
+        else
+            assert_string_equal(logged, "");
+        rsv_image_destroy(image);
+    }
+    rsv_context_destroy(own);
+}
+
 static void exr_refuses_what_the_library_misreads(void **state)
 {
     (void)state;
@@ -422,6 +458,121 @@ static void hdr_reads_runs_and_exposure(void **state)
         assert_float_equal(pixels[x].b, (float)(x < 4 ? x + 1 : 5) / 256, 0);
         assert_float_equal(pixels[9 + x].g, x < 8 ? 0.5 : 0.25, 0);
     }
+    rsv_image_destroy(image);
+}
+
+/// A Radiance picture of flat pixels under a header of its own.
+static void write_hdr(const char *path, const char *header, const uint8_t (*code)[4], size_t count)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    fprintf(file, "#?RADIANCE\n%s", header);
+    assert_int_equal(fwrite(code, 4, count, file), count);
+    fclose(file);
+}
+
+/// Whatever its name, a picture is what its first bytes say; what is wrong is said in our words.
+static void pictures_are_told_by_their_content(void **state)
+{
+    (void)state;
+    static const uint8_t code[1][4] = { { 128, 64, 32, 129 } };
+    static const char text[] = "this is no picture at all, but some lines of text\n";
+    static const char *const theirs[] = { "OpenEXR", "known type", "Corrupt", "corrupt", "zlib" };
+    static const char *const names[] = { "text.png", "text.jpg", "text.exr", "text.hdr" };
+    rsv_image *image = make_image(4, 3, 1);
+    assert_int_equal(rsv_image_write(image, path_of("a.exr"), 0), RSV_OK);
+    assert_int_equal(rename(path_of("a.exr"), path_of("a.png")), 0);
+    rsv_image *read = read_image(path_of("a.png"));
+    assert_int_equal(rsv_image_width(read), 4);
+    rsv_image_destroy(read);
+    rsv_image_destroy(image);
+    write_hdr(path_of("a.exr"), "\n-Y 1 +X 1\n", code, 1);
+    rsv_image_destroy(read_image(path_of("a.exr")));
+    write_hdr(path_of("a.pic"), "\n-Y 1 +X 1\n", code, 1);
+    rsv_image_destroy(read_image(path_of("a.pic")));
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        write_bytes(path_of(names[i]), text, sizeof text - 1);
+        expect_failure(path_of(names[i]), RSV_ERROR_FORMAT, names[i]);
+        for (size_t k = 0; k < sizeof theirs / sizeof *theirs; k++)
+            assert_null(strstr(rsv_last_error(), theirs[k]));
+        write_bytes(path_of(names[i]), text, 0);
+        expect_failure(path_of(names[i]), RSV_ERROR_FORMAT, "empty");
+    }
+}
+
+/// Three columns and two rows; the red of a pixel says where it belongs: 16 (x + 1) + 64 y.
+static void hdr_stands_upright_however_its_lines_run(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line;
+        int red[6]; // as they lie in the file, in units of 16
+    } form[] = { { "-Y 2 +X 3", { 1, 2, 3, 5, 6, 7 } }, { "-Y 2 -X 3", { 3, 2, 1, 7, 6, 5 } },
+        { "+Y 2 +X 3", { 5, 6, 7, 1, 2, 3 } }, { "+Y 2 -X 3", { 7, 6, 5, 3, 2, 1 } },
+        { "+X 3 -Y 2", { 1, 5, 2, 6, 3, 7 } }, { "+X 3 +Y 2", { 5, 1, 6, 2, 7, 3 } },
+        { "-X 3 -Y 2", { 3, 7, 2, 6, 1, 5 } }, { "-X 3 +Y 2", { 7, 3, 6, 2, 5, 1 } } };
+    for (size_t k = 0; k < sizeof form / sizeof *form; k++) {
+        uint8_t code[6][4];
+        char header[64];
+        for (int i = 0; i < 6; i++)
+            memcpy(code[i], ((uint8_t[4]){ (uint8_t)(16 * form[k].red[i]), 200, 0, 136 }), 4);
+        snprintf(header, sizeof header, "FORMAT=32-bit_rle_rgbe\n\n%s\n", form[k].line);
+        write_hdr(path_of("turned.hdr"), header, (const uint8_t(*)[4])code, 6);
+        rsv_image *image = read_image(path_of("turned.hdr"));
+        assert_int_equal(rsv_image_width(image), 3);
+        assert_int_equal(rsv_image_height(image), 2);
+        for (int i = 0; i < 6; i++)
+            assert_float_equal(
+                rsv_image_const_pixels(image, 0)[i].r, 16 * (i % 3 + 1) + 64 * (i / 3), 0);
+        rsv_image_destroy(image);
+    }
+    static const uint8_t black[6][4];
+    write_hdr(path_of("odd.hdr"), "\n-Y 2 +Y 3\n", black, 6);
+    expect_failure(path_of("odd.hdr"), RSV_ERROR_UNSUPPORTED, "'-Y 2 +Y 3'");
+    write_hdr(path_of("none.hdr"), "\n+X 0 -Y 3\n", black, 6);
+    expect_failure(path_of("none.hdr"), RSV_ERROR_FORMAT, "size 0 x 3");
+}
+
+/// X, Y, Z of the white of sRGB (D65), and of its red.
+static void hdr_of_xyz_becomes_linear_srgb(void **state)
+{
+    (void)state;
+    static const uint8_t code[2][4] = { { 122, 128, 139, 129 }, { 106, 54, 5, 128 } };
+    write_hdr(path_of("xyz.hdr"), "FORMAT=32-bit_rle_xyze\nEXPOSURE=0.5\n\n-Y 1 +X 2\n", code, 2);
+    rsv_image *image = read_image(path_of("xyz.hdr"));
+    const rsv_rgb *pixel = rsv_image_const_pixels(image, 0);
+    assert_float_equal(
+        pixel[0].r, 2, 0.03); // a mantissa is known to 0.4 %, times what the matrix has
+    assert_float_equal(pixel[0].g, 2, 0.03);
+    assert_float_equal(pixel[0].b, 2, 0.03);
+    assert_float_equal(pixel[1].r, 2, 0.03);
+    assert_float_equal(pixel[1].g, 0, 0.03);
+    assert_float_equal(pixel[1].b, 0, 0.03);
+    rsv_image_destroy(image);
+}
+
+static void hdr_headers_of_other_programs_are_understood(void **state)
+{
+    (void)state;
+    static const uint8_t code[1][4] = { { 128, 64, 32, 129 } };
+    write_hdr(path_of("more.hdr"),
+        "# made by hand\nVIEW= -vtv\nEXPOSURE=2\nEXPOSURE= 2\nCOLORCORR= 1 2 4\nPIXASPECT=1.0\n"
+        "FORMAT= 32-bit_rle_rgbe \nGAMMA=1\n\n-Y 1 +X 1\n",
+        code, 1);
+    rsv_image *image = read_image(path_of("more.hdr"));
+    rsv_rgb pixel = rsv_image_const_pixels(image, 0)[0];
+    assert_float_equal(pixel.r, 0.25, 0);
+    assert_float_equal(pixel.g, 0.0625, 0);
+    assert_float_equal(pixel.b, 0.015625, 0);
+    rsv_image_destroy(image);
+    write_hdr(path_of("e.hdr"), "EXPOSURE=-1\n\n-Y 1 +X 1\n", code, 1);
+    expect_failure(path_of("e.hdr"), RSV_ERROR_FORMAT, "invalid EXPOSURE");
+    write_hdr(path_of("c.hdr"), "COLORCORR=1 2\n\n-Y 1 +X 1\n", code, 1);
+    expect_failure(path_of("c.hdr"), RSV_ERROR_FORMAT, "invalid COLORCORR");
+    static const uint8_t bright[1][4] = { { 255, 1, 0, 255 } };
+    write_hdr(path_of("bright.hdr"), "EXPOSURE=1e-9\n\n-Y 1 +X 1\n", bright, 1);
+    image = read_image(path_of("bright.hdr"));
+    assert_true(isfinite(rsv_image_const_pixels(image, 0)[0].r));
     rsv_image_destroy(image);
 }
 
@@ -908,6 +1059,11 @@ int main(void)
         IMAGE_TEST(exr_reads_luminance_as_grey),
         IMAGE_TEST(hdr_rounds_to_the_nearest_mantissa),
         IMAGE_TEST(hdr_reads_runs_and_exposure),
+        IMAGE_TEST(exr_channels_that_are_no_colours_are_named),
+        IMAGE_TEST(pictures_are_told_by_their_content),
+        IMAGE_TEST(hdr_stands_upright_however_its_lines_run),
+        IMAGE_TEST(hdr_of_xyz_becomes_linear_srgb),
+        IMAGE_TEST(hdr_headers_of_other_programs_are_understood),
         IMAGE_TEST(png_holds_the_nearest_srgb_code),
         IMAGE_TEST(srgb_matches_its_definition),
         IMAGE_TEST(png_with_16_bits_is_read_with_16_bits),

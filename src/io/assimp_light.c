@@ -1,0 +1,242 @@
+/// Neither format says what a light's strength is measured in. Programs write a strength and how it falls off, in units of the
+/// file: what arrives is strength / (attenuation x distance^2), so that the intensity in W/sr is (metres per unit)^2 of the
+/// quotient. Blender writes its watts, and next to them numbers that mean nothing.
+#include "assimp_light.h"
+
+#include "../core/vec.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <assimp/commonMetaData.h>
+
+#define PI 3.14159265358979323846
+#define USUAL_FOV 0.785398163f ///< of a camera that does not say its own, radians
+
+// ---- what the file says as a whole ------------------------------------------------------------------
+
+/// Whether the file was written by a Blender whose lights have watts: 2.80 or later.
+static bool has_watts(const struct aiScene *file)
+{
+    const struct aiMetadata *metadata = file->mMetaData;
+    for (unsigned i = 0; metadata && i < metadata->mNumProperties; i++) {
+        const struct aiMetadataEntry *entry = &metadata->mValues[i];
+        if (entry->mType != AI_AISTRING || !entry->mData ||
+            strcmp(metadata->mKeys[i].data, AI_METADATA_SOURCE_GENERATOR) != 0)
+            continue;
+        const char *at = strstr(((const struct aiString *)entry->mData)->data, "Blender");
+        if (!at) return false;
+        at += strcspn(at, "0123456789");
+        char *end;
+        long major = strtol(at, &end, 10), minor = *end == '.' ? strtol(end + 1, NULL, 10) : 0;
+        return major == 0 || major > 2 || minor >= 80; // 0 = it says no version
+    }
+    return false;
+}
+
+rsv_status rsv_assimp_learn(rsv_context *context, const char *path, rsv_file_kind kind,
+    const struct aiScene *file, double metres_per_unit, rsv_assimp_facts *facts)
+{
+    *facts = (rsv_assimp_facts){
+        .kind = kind, .metres_per_unit = metres_per_unit, .watts = has_watts(file)
+    };
+    bool needed = file->mNumLights + file->mNumCameras > 0;
+    if (kind == RSV_FILE_COLLADA) return rsv_collada_scan(context, path, &facts->collada);
+    if (!needed || kind != RSV_FILE_FBX) return RSV_OK;
+    facts->has_decay = file->mNumLights && rsv_file_mentions(path, "DecayType");
+    facts->has_fov = file->mNumCameras && rsv_file_mentions(path, "FieldOfView");
+    return RSV_OK;
+}
+
+void rsv_assimp_forget(rsv_context *context, rsv_assimp_facts *facts)
+{
+    rsv_collada_release(context, &facts->collada);
+}
+
+/// A value of the text that the light or camera stands in; NAN = it says none.
+static double said(const rsv_collada_object *object, rsv_collada_value value)
+{
+    return object ? object->value[value] : NAN;
+}
+
+static rsv_vec3 transform(const double m[16], struct aiVector3D v, double w)
+{
+    double r[3];
+    for (int i = 0; i < 3; i++)
+        r[i] = m[i] * v.x + m[4 + i] * v.y + m[8 + i] * v.z + m[12 + i] * w;
+    return v3((float)r[0], (float)r[1], (float)r[2]);
+}
+
+// ---- lights -----------------------------------------------------------------------------------------
+
+static void warn_of_decay(const rsv_context *context, const char *name)
+{
+    rsv_log(context, RSV_LOG_WARNING,
+        "light '%s': falls off with the square of the distance here, whatever the file says", name);
+}
+
+/// What the colour of a point or spot light is to be multiplied by, W/sr.
+static double intensity_factor(
+    const rsv_context *context, const rsv_assimp_facts *facts, const struct aiLight *source)
+{
+    const double square = facts->metres_per_unit * facts->metres_per_unit;
+    double quadratic = (double)source->mAttenuationQuadratic;
+    if (facts->watts) return 1 / (4 * PI);
+    bool falls_off = quadratic > 0 && (facts->kind != RSV_FILE_FBX || facts->has_decay);
+    if (!falls_off || source->mAttenuationLinear > 0 ||
+        (double)source->mAttenuationConstant * square > 1.001 * quadratic)
+        warn_of_decay(context, source->mName.data);
+    if (!falls_off) return 1; // as if meant for a distance of a metre
+    // a decay that starts at no distance, as Maya writes it
+    return isfinite(quadratic) ? square / quadratic : square;
+}
+
+/// Half the angles of a spot light. Of COLLADA's falloff Assimp makes a guess; it is a power of the cosine.
+static void take_cone(
+    const rsv_assimp_facts *facts, const struct aiLight *source, size_t order, rsv_light *light)
+{
+    double outer = (double)source->mAngleOuterCone / 2, inner = (double)source->mAngleInnerCone / 2;
+    if (facts->kind == RSV_FILE_COLLADA) {
+        const rsv_collada_object *text =
+            rsv_collada_find(&facts->collada, RSV_COLLADA_LIGHT, source->mName.data, order);
+        double exponent = said(text, RSV_COLLADA_FALLOFF_EXPONENT);
+        if (text && isnan(said(text, RSV_COLLADA_OUTER_CONE)) &&
+            isnan(said(text, RSV_COLLADA_PENUMBRA))) {
+            outer = inner;
+            if (exponent > 0) light->exponent = (float)exponent;
+        }
+    }
+    light->outer_cone_angle = f_min(f_max((float)outer, 0), RSV_PI / 2);
+    light->inner_cone_angle = f_min(f_max((float)inner, 0), light->outer_cone_angle);
+}
+
+/// A small surface of no known size, seen from afar: the cosine of Lambert's law.
+static void become_surface(const rsv_context *context, const char *name, rsv_light *light)
+{
+    light->kind = RSV_LIGHT_SPOT;
+    light->inner_cone_angle = light->outer_cone_angle = RSV_PI / 2;
+    light->exponent = 1;
+    rsv_log(context, RSV_LOG_WARNING,
+        "light '%s': an area light (or a volume) whose size the file does not say; it shines from "
+        "a "
+        "point, with the cosine of a surface",
+        name);
+}
+
+bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
+    const struct aiLight *source, size_t order, const double world[16], rsv_light *light)
+{
+    const char *name = light->name;
+    double factor = 1;
+    *light = (rsv_light){ .name = name,
+        .kind = RSV_LIGHT_POINT,
+        .position = transform(world, source->mPosition, 1),
+        .direction = transform(world, source->mDirection, 0) };
+    bool is_area = source->mType == aiLightSource_AREA ||
+                   (facts->kind == RSV_FILE_FBX && source->mType == aiLightSource_UNDEFINED);
+    if (source->mType == aiLightSource_DIRECTIONAL) {
+        light->kind = RSV_LIGHT_DIRECTIONAL;
+    } else if (source->mType == aiLightSource_POINT || source->mType == aiLightSource_SPOT) {
+        factor = intensity_factor(context, facts, source);
+    } else if (is_area) {
+        // a surface sends 1 / pi of its flux along its normal, a point 1 / (4 pi)
+        factor = intensity_factor(context, facts, source) * (facts->watts ? 4 : 1);
+        become_surface(context, name, light);
+    } else {
+        rsv_log(context, RSV_LOG_WARNING,
+            "light '%s': ambient light is left out; surroundings (--env white) give light from "
+            "everywhere",
+            name);
+        return false;
+    }
+    if (source->mType == aiLightSource_SPOT) {
+        light->kind = RSV_LIGHT_SPOT;
+        take_cone(facts, source, order, light);
+    }
+    if (source->mColorDiffuse.r < 0 || source->mColorDiffuse.g < 0 || source->mColorDiffuse.b < 0) {
+        rsv_log(context, RSV_LOG_WARNING, "light '%s': negative light is left out", name);
+        return false;
+    }
+    light->intensity = rgb((float)((double)source->mColorDiffuse.r * factor),
+        (float)((double)source->mColorDiffuse.g * factor),
+        (float)((double)source->mColorDiffuse.b * factor));
+    return true;
+}
+
+// ---- cameras ----------------------------------------------------------------------------------------
+
+/// The projection of a COLLADA camera: any one or two of xfov, yfov and aspect, or of their like.
+/// @return false if it says none
+static bool take_projection(const rsv_collada_object *text, double metres, rsv_camera *camera)
+{
+    const bool is_flat =
+        !isnan(said(text, RSV_COLLADA_XMAG)) || !isnan(said(text, RSV_COLLADA_YMAG));
+    double width = said(text, is_flat ? RSV_COLLADA_XMAG : RSV_COLLADA_XFOV);
+    double height = said(text, is_flat ? RSV_COLLADA_YMAG : RSV_COLLADA_YFOV);
+    double aspect = said(text, RSV_COLLADA_ASPECT);
+    if (!is_flat) { // half the extent at a distance of 1
+        width = tan(width * PI / 360);
+        height = tan(height * PI / 360);
+    }
+    if (!(width > 0) && !(height > 0)) return false;
+    if (!(aspect > 0)) aspect = width > 0 && height > 0 ? width / height : 1;
+    if (!(height > 0)) height = width / aspect;
+    camera->aspect = (float)aspect;
+    camera->vertical_fov = is_flat ? 0 : (float)(2 * atan(height));
+    camera->vertical_extent = is_flat ? (float)(height * metres) : 0;
+    return true;
+}
+
+/// The projection of any other camera.
+static void take_fov(const rsv_context *context, const rsv_assimp_facts *facts,
+    const struct aiCamera *source, rsv_camera *camera)
+{
+    bool is_given =
+        facts->kind != RSV_FILE_FBX || facts->has_fov; // else the importer makes up a degree
+    float aspect = source->mAspect > 0 && isfinite(source->mAspect) ? source->mAspect : 1;
+    float whole =
+        source
+            ->mHorizontalFOV; // the header calls it half an angle, every importer stores the whole
+    camera->aspect = aspect;
+    if (is_given && whole > 0 && whole < RSV_PI) {
+        camera->vertical_fov = 2 * atanf(tanf(whole / 2) / aspect);
+    } else if (source->mOrthographicWidth > 0) {
+        camera->vertical_extent = source->mOrthographicWidth / aspect;
+    } else {
+        camera->vertical_fov = USUAL_FOV;
+        rsv_log(context, RSV_LOG_WARNING,
+            "camera '%s': its field of view is not usable; 45 degrees are taken", camera->name);
+    }
+}
+
+rsv_status rsv_assimp_camera(const rsv_context *context, const rsv_assimp_facts *facts,
+    const struct aiCamera *source, size_t order, const double world[16], rsv_camera *camera)
+{
+    const char *name = camera->name;
+    *camera = (rsv_camera){ .name = name,
+        .position = transform(world, source->mPosition, 1),
+        .forward = v3_normalize(transform(world, source->mLookAt, 0)) };
+    rsv_vec3 up = transform(world, source->mUp, 0);
+    camera->right = v3_normalize(v3_cross(camera->forward, up));
+    camera->up = v3_cross(camera->right, camera->forward);
+    if (!(v3_length(camera->right) > 0))
+        return rsv_fail(RSV_ERROR_FORMAT, "camera '%s': it has no direction", name);
+    if (facts->kind != RSV_FILE_COLLADA) {
+        take_fov(context, facts, source, camera);
+        return RSV_OK;
+    }
+    const rsv_collada_object *text =
+        rsv_collada_find(&facts->collada, RSV_COLLADA_CAMERA, source->mName.data, order);
+    if (text && take_projection(text, facts->metres_per_unit, camera)) return RSV_OK;
+    if (!text) { // named in a way of its own by the importer
+        take_fov(context, facts, source, camera);
+        return RSV_OK;
+    }
+    camera->aspect = said(text, RSV_COLLADA_ASPECT) > 0 ? (float)said(text, RSV_COLLADA_ASPECT) : 1;
+    camera->vertical_fov = USUAL_FOV;
+    rsv_log(context, RSV_LOG_WARNING,
+        "camera '%s': the file does not say its field of view; 45 degrees are taken", name);
+    return RSV_OK;
+}

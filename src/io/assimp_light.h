@@ -1,0 +1,32 @@
+/// Lights and cameras as Assimp read them, in metres and W/sr.
+#ifndef RSV_ASSIMP_LIGHT_H
+#define RSV_ASSIMP_LIGHT_H
+
+#include "assimp_file.h"
+#include "collada_scan.h"
+
+/// What lights and cameras of a file are to be understood by.
+typedef struct rsv_assimp_facts {
+    rsv_file_kind kind;
+    double metres_per_unit;
+    bool watts;          ///< written by Blender 2.80 or later: strengths are watts
+    bool has_decay;      ///< .fbx: some light says how it falls off
+    bool has_fov;        ///< .fbx: some camera says its field of view
+    rsv_collada collada; ///< .dae: what its text says
+} rsv_assimp_facts;
+
+/// @param metres_per_unit of its coordinates
+rsv_status rsv_assimp_learn(rsv_context *context, const char *path, rsv_file_kind kind,
+    const struct aiScene *file, double metres_per_unit, rsv_assimp_facts *facts);
+void rsv_assimp_forget(rsv_context *context, rsv_assimp_facts *facts);
+
+/// A light, or false, after a warning, where there is no such kind.
+/// @param order how many lights its node has had before @param name [RSV_NAME_BYTES] storage for light->name
+bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
+    const struct aiLight *source, size_t order, const double world[16], rsv_light *light);
+
+/// @param order, name as above
+rsv_status rsv_assimp_camera(const rsv_context *context, const rsv_assimp_facts *facts,
+    const struct aiCamera *source, size_t order, const double world[16], rsv_camera *camera);
+
+#endif

@@ -1,0 +1,78 @@
+#include "bare_mesh.h"
+
+#include "../core/vec.h"
+#include "../scene/smooth_normals.h"
+#include "matrix.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define BARE_ALBEDO 0.8f
+#define LARGEST_FILE ((off_t)1 << 32)
+
+rsv_status rsv_add_bare_material(rsv_scene *scene, uint32_t *material)
+{
+    rsv_material bare = rsv_default_material();
+    bare.name = "unnamed";
+    bare.base_color = rgb_gray(BARE_ALBEDO);
+    bare.specular = 0;
+    bare.double_sided = true;
+    return rsv_scene_add_material(scene, &bare, material);
+}
+
+static rsv_status add_placed(rsv_scene *scene, const rsv_load_desc *desc, const rsv_mesh_desc *mesh)
+{
+    uint32_t id;
+    double frame[16];
+    float placed[16];
+    rsv_matrix_upright(desc->up, (double)desc->metres_per_unit, frame);
+    for (int i = 0; i < 16; i++)
+        placed[i] = (float)frame[i];
+    rsv_status status = rsv_scene_add_mesh(scene, mesh, &id);
+    return status == RSV_OK ? rsv_scene_add_instance(scene, id, placed, mesh->name) : status;
+}
+
+rsv_status rsv_add_bare_mesh(rsv_scene *scene, const rsv_load_desc *desc, rsv_mesh_desc mesh)
+{
+    rsv_status status;
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_smooth_mesh smooth = { 0 };
+    rsv_vec3 *split = NULL;
+    if (mesh.normals) return add_placed(scene, desc, &mesh);
+    RSV_TRY(rsv_smooth_normals(context, mesh.positions, mesh.vertex_count, mesh.indices,
+        mesh.triangle_count, desc->crease_angle, &smooth));
+    split = rsv_alloc(context, smooth.vertex_count, sizeof *split);
+    if (!split) RSV_TRY(RSV_ERROR_MEMORY);
+    for (size_t i = 0; i < smooth.vertex_count; i++)
+        split[i] = mesh.positions[smooth.source[i]];
+    mesh.positions = split;
+    mesh.normals = smooth.normal;
+    mesh.vertex_count = smooth.vertex_count;
+    mesh.indices = smooth.index;
+    RSV_TRY(add_placed(scene, desc, &mesh));
+cleanup:
+    rsv_free(context, split);
+    rsv_smooth_mesh_release(context, &smooth);
+    return status;
+}
+
+rsv_status rsv_read_whole(rsv_context *context, const char *path, char **bytes, size_t *size)
+{
+    rsv_status status = RSV_OK;
+    struct stat info;
+    FILE *file = fopen(path, "rb");
+    if (!file || fstat(fileno(file), &info) != 0)
+        RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
+    if (info.st_size > LARGEST_FILE)
+        RSV_TRY(rsv_fail(RSV_ERROR_UNSUPPORTED, "is larger than 4 GiB; cut it into parts"));
+    *bytes = rsv_reserve(context, (size_t)info.st_size + 1, 1);
+    if (!*bytes) RSV_TRY(RSV_ERROR_MEMORY);
+    *size = fread(*bytes, 1, (size_t)info.st_size, file);
+    (*bytes)[*size] = '\0';
+    if (ferror(file)) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
+cleanup:
+    if (file) fclose(file);
+    return status;
+}

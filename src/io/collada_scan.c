@@ -1,0 +1,331 @@
+/// Walks over the tags of an XML file and keeps the few values that are asked for.
+#include "collada_scan.h"
+
+#include "../core/core.h"
+#include "../core/number_text.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/// Nodes that enclose another, at most, whose names are remembered.
+#define DEEPEST 256
+#define MOST_MISSING 8 ///< references to nothing that are named
+
+typedef struct scanner {
+    rsv_context *context;
+    const char *at, *end;
+    rsv_collada *found;
+    rsv_collada_object *open; ///< the camera or light that the tags lie in; NULL = none
+    char node[DEEPEST][RSV_COLLADA_NAME_BYTES];
+    size_t depth;   ///< nodes that are open
+    size_t unnamed; ///< nodes without an id so far
+} scanner;
+
+/// A tag between '<' and '>'.
+typedef struct tag {
+    const char *name, *rest, *end;
+    size_t name_length;
+    bool closes, is_empty; ///< </name>, <name/>
+} tag;
+
+static bool is_named(const tag *t, const char *name)
+{
+    return strlen(name) == t->name_length && strncmp(t->name, name, t->name_length) == 0;
+}
+
+static const char *find(const char *from, const char *end, const char *text)
+{
+    size_t left = (size_t)(end - from);
+    return memmem(from, left, text, strlen(text));
+}
+
+/// The next tag; passes over comments, declarations and character data.
+static bool next_tag(scanner *s, tag *t)
+{
+    static const char *const passed[][2] = { { "<!--", "-->" }, { "<![CDATA[", "]]>" },
+        { "<?", "?>" }, { "<!", ">" } };
+    for (;;) {
+        const char *start = memchr(s->at, '<', (size_t)(s->end - s->at));
+        if (!start) return false;
+        const char *close = NULL;
+        bool skip = false;
+        for (size_t k = 0; k < sizeof passed / sizeof *passed && !skip; k++) {
+            skip = strncmp(start, passed[k][0], strlen(passed[k][0])) == 0;
+            if (skip) close = find(start, s->end, passed[k][1]);
+        }
+        if (!skip) close = memchr(start, '>', (size_t)(s->end - start));
+        if (!close) return false;
+        s->at = close + 1;
+        if (skip) continue;
+        t->closes = start[1] == '/';
+        t->name = start + 1 + t->closes;
+        t->end = close;
+        t->is_empty = close[-1] == '/';
+        t->name_length = strcspn(t->name, " \t\r\n/>");
+        t->rest = t->name + t->name_length;
+        return true;
+    }
+}
+
+/// Copies text between quotes, cut to fit, its five entities resolved.
+static void copy_text(const char *from, const char *end, char text[RSV_COLLADA_NAME_BYTES])
+{
+    static const char *const entity[][2] = { { "&amp;", "&" }, { "&lt;", "<" }, { "&gt;", ">" },
+        { "&quot;", "\"" }, { "&apos;", "'" } };
+    size_t length = 0;
+    while (from < end && length < RSV_COLLADA_NAME_BYTES - 1) {
+        char c = *from++;
+        for (size_t k = 0; c == '&' && k < sizeof entity / sizeof *entity; k++)
+            if (strncmp(from - 1, entity[k][0], strlen(entity[k][0])) == 0) {
+                c = *entity[k][1];
+                from += strlen(entity[k][0]) - 1;
+                break;
+            }
+        text[length++] = c;
+    }
+    text[length] = '\0';
+}
+
+/// The value of an attribute; empty if there is none.
+static void attribute(const tag *t, const char *name, char text[RSV_COLLADA_NAME_BYTES])
+{
+    size_t length = strlen(name);
+    text[0] = '\0';
+    for (const char *at = t->rest; at < t->end; at++) {
+        const char *value = at + 1 + length;
+        if (!strchr(" \t\r\n", *at) || value >= t->end || strncmp(at + 1, name, length) != 0)
+            continue;
+        value += strspn(value, " \t\r\n");
+        if (*value++ != '=') continue;
+        value += strspn(value, " \t\r\n");
+        const char *close = value < t->end && (*value == '"' || *value == '\'')
+                                ? memchr(value + 1, *value, (size_t)(t->end - value - 1))
+                                : NULL;
+        if (close) copy_text(value + 1, close, text);
+        return;
+    }
+}
+
+static rsv_status open_object(scanner *s, const tag *t, rsv_collada_kind kind)
+{
+    rsv_collada *found = s->found;
+    rsv_status status = rsv_grow(s->context, (void **)&found->object, &found->object_capacity,
+        found->object_count + 1, sizeof *found->object);
+    if (status != RSV_OK || t->is_empty) return status;
+    s->open = &found->object[found->object_count++];
+    s->open->kind = kind;
+    attribute(t, "id", s->open->id);
+    for (int k = 0; k < RSV_COLLADA_VALUE_COUNT; k++)
+        s->open->value[k] = NAN;
+    return RSV_OK;
+}
+
+/// Names are those that Assimp gives.
+static void open_node(scanner *s, const tag *t)
+{
+    char name[RSV_COLLADA_NAME_BYTES];
+    attribute(t, "id", name);
+    if (!*name) attribute(t, "sid", name);
+    if (!*name) snprintf(name, sizeof name, "$ColladaAutoName$_%zu", s->unnamed++);
+    if (s->depth < DEEPEST) memcpy(s->node[s->depth], name, sizeof name);
+    s->depth++;
+}
+
+static rsv_status add_instance(scanner *s, const tag *t, rsv_collada_kind kind)
+{
+    char url[RSV_COLLADA_NAME_BYTES];
+    rsv_collada *found = s->found;
+    if (s->depth == 0 || s->depth > DEEPEST) return RSV_OK;
+    rsv_status status = rsv_grow(s->context, (void **)&found->instance, &found->instance_capacity,
+        found->instance_count + 1, sizeof *found->instance);
+    if (status != RSV_OK) return status;
+    rsv_collada_instance *added = &found->instance[found->instance_count++];
+    added->kind = kind;
+    attribute(t, "url", url);
+    memcpy(added->node, s->node[s->depth - 1], sizeof added->node);
+    memcpy(added->id, url + (*url == '#'), sizeof added->id - 1);
+    added->id[sizeof added->id - 1] = '\0';
+    return RSV_OK;
+}
+
+static void take_value(const scanner *s, const tag *t)
+{
+    static const char *const names[RSV_COLLADA_VALUE_COUNT] = { "xfov", "yfov", "aspect_ratio",
+        "xmag", "ymag", "falloff_angle", "falloff_exponent", "outer_cone", "penumbra_angle" };
+    for (int k = 0; k < RSV_COLLADA_VALUE_COUNT; k++) {
+        if (!is_named(t, names[k])) continue;
+        char *end = NULL;
+        double value = rsv_number_value(s->at, &end);
+        if (end != s->at && isfinite(value)) s->open->value[k] = value;
+    }
+}
+
+static bool is_one_of(const tag *t, const char *const *names)
+{
+    for (; *names; names++)
+        if (is_named(t, *names)) return true;
+    return false;
+}
+
+static void note_unused(rsv_collada *found, const char *name)
+{
+    size_t used = strlen(found->unused), length = strlen(name);
+    for (const char *at = strstr(found->unused, name); at; at = strstr(at + 1, name))
+        if ((at == found->unused || at[-1] == ' ') && (at[length] == ',' || !at[length])) return;
+    if (used + length + 4 > sizeof found->unused) return;
+    snprintf(found->unused + used, sizeof found->unused - used, "%s%s", used ? ", " : "", name);
+}
+
+/// Geometry that is no mesh, libraries of what has no place here, and what programs put beside the format.
+static void judge_tag(scanner *s, const tag *t)
+{
+    static const char *const kinds[] = { "spline", "convex_mesh", "brep", "library_physics_models",
+        "library_physics_scenes", "library_force_fields", "library_articulated_systems",
+        "library_kinematics_models", "library_kinematics_scenes", NULL };
+    char profile[RSV_COLLADA_NAME_BYTES], name[RSV_COLLADA_NAME_BYTES + 32];
+    if (is_one_of(t, kinds)) {
+        snprintf(name, sizeof name, "%.*s", (int)t->name_length, t->name);
+        note_unused(s->found, name);
+    } else if (is_named(t, "technique")) {
+        attribute(t, "profile", profile);
+        if (!*profile) return; // of an effect
+        for (char *c = profile; *c; c++)
+            if ((unsigned char)*c < ' ' || *c == ',') *c = '?';
+        snprintf(name, sizeof name, "technique of profile '%s'", profile);
+        note_unused(s->found, name);
+    }
+}
+
+static rsv_status add_name(scanner *s, rsv_collada_name **list, size_t *count, size_t *capacity,
+    const char text[RSV_COLLADA_NAME_BYTES])
+{
+    if (!*text) return RSV_OK;
+    rsv_status status = rsv_grow(s->context, (void **)list, capacity, *count + 1, sizeof **list);
+    if (status == RSV_OK) memcpy((*list)[(*count)++].text, text, RSV_COLLADA_NAME_BYTES);
+    return status;
+}
+
+/// Ids, and references to them.
+static rsv_status take_names(scanner *s, const tag *t)
+{
+    static const char *const named[] = { "geometry", "controller", "camera", "light", "node",
+        "material", "effect", "visual_scene", NULL };
+    static const char *const referring[] = { "instance_geometry", "instance_controller",
+        "instance_camera", "instance_light", "instance_node", "instance_material",
+        "instance_effect", "instance_visual_scene", NULL };
+    char text[RSV_COLLADA_NAME_BYTES];
+    rsv_collada *f = s->found;
+    if (is_one_of(t, named)) {
+        attribute(t, "id", text);
+        return add_name(s, &f->id, &f->id_count, &f->id_capacity, text);
+    }
+    if (!is_one_of(t, referring)) return RSV_OK;
+    attribute(t, is_named(t, "instance_material") ? "target" : "url", text);
+    if (*text == '#') memmove(text, text + 1, sizeof text - 1);
+    return add_name(s, &f->reference, &f->reference_count, &f->reference_capacity, text);
+}
+
+static int compare_texts(const void *a, const void *b) { return strcmp(a, b); }
+
+static void warn(const rsv_context *context, const char *path, rsv_collada *f)
+{
+    if (*f->unused) rsv_log(context, RSV_LOG_WARNING, "%s: not used: %s", path, f->unused);
+    if (f->id_count) qsort(f->id, f->id_count, sizeof *f->id, compare_texts);
+    if (f->reference_count)
+        qsort(f->reference, f->reference_count, sizeof *f->reference, compare_texts);
+    size_t named = 0;
+    for (size_t k = 0; k < f->reference_count && named < MOST_MISSING; k++) {
+        char *text = f->reference[k].text;
+        if (k > 0 && strcmp(text, f->reference[k - 1].text) == 0) continue;
+        if (f->id_count && bsearch(text, f->id, f->id_count, sizeof *f->id, compare_texts))
+            continue;
+        named++;
+        rsv_log(context, RSV_LOG_WARNING, "%s: refers to '%s', which it does not hold", path, text);
+    }
+}
+
+static rsv_status take_tag(scanner *s, const tag *t)
+{
+    bool is_node = is_named(t, "node") || is_named(t, "visual_scene");
+    bool is_object = is_named(t, "camera") || is_named(t, "light");
+    if (t->closes) {
+        if (is_object) s->open = NULL;
+        if (is_node && s->depth) s->depth--;
+        return RSV_OK;
+    }
+    judge_tag(s, t);
+    rsv_status status = take_names(s, t);
+    if (status != RSV_OK) return status;
+    if (is_object)
+        return open_object(s, t, *t->name == 'c' ? RSV_COLLADA_CAMERA : RSV_COLLADA_LIGHT);
+    if (is_node && !t->is_empty) open_node(s, t);
+    if (is_named(t, "instance_camera")) return add_instance(s, t, RSV_COLLADA_CAMERA);
+    if (is_named(t, "instance_light")) return add_instance(s, t, RSV_COLLADA_LIGHT);
+    if (s->open && !t->is_empty) take_value(s, t);
+    return RSV_OK;
+}
+
+/// @param bytes out: with a zero behind them, to be released by rsv_free
+static rsv_status read_file(rsv_context *context, const char *path, char **bytes, size_t *size)
+{
+    rsv_status status = RSV_OK;
+    struct stat info;
+    FILE *file = fopen(path, "rb");
+    if (!file || fstat(fileno(file), &info) != 0)
+        RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read: %s", strerror(errno)));
+    *bytes = rsv_reserve(context, (size_t)info.st_size + 1, 1);
+    if (!*bytes) RSV_TRY(RSV_ERROR_MEMORY);
+    *size = fread(*bytes, 1, (size_t)info.st_size, file);
+    (*bytes)[*size] = '\0';
+cleanup:
+    if (file) fclose(file);
+    return status;
+}
+
+rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada *collada)
+{
+    rsv_status status;
+    char *bytes = NULL;
+    size_t size = 0;
+    scanner *s = rsv_alloc(context, 1, sizeof *s);
+    *collada = (rsv_collada){ 0 };
+    if (!s) return RSV_ERROR_MEMORY;
+    RSV_TRY(read_file(context, path, &bytes, &size));
+    *s = (scanner){ .context = context, .at = bytes, .end = bytes + size, .found = collada };
+    for (tag t; next_tag(s, &t);)
+        RSV_TRY(take_tag(s, &t));
+    warn(context, path, collada);
+cleanup:
+    rsv_free(context, bytes);
+    rsv_free(context, s);
+    if (status != RSV_OK) rsv_collada_release(context, collada);
+    return status;
+}
+
+void rsv_collada_release(rsv_context *context, rsv_collada *collada)
+{
+    rsv_free(context, collada->object);
+    rsv_free(context, collada->instance);
+    rsv_free(context, collada->id);
+    rsv_free(context, collada->reference);
+    *collada = (rsv_collada){ 0 };
+}
+
+const rsv_collada_object *rsv_collada_find(
+    const rsv_collada *collada, rsv_collada_kind kind, const char *node, size_t order)
+{
+    const char *id = NULL;
+    for (size_t k = 0; k < collada->instance_count && !id; k++) {
+        const rsv_collada_instance *instance = &collada->instance[k];
+        if (instance->kind == kind && strcmp(instance->node, node) == 0 && order-- == 0)
+            id = instance->id;
+    }
+    for (size_t k = 0; id && k < collada->object_count; k++)
+        if (collada->object[k].kind == kind && strcmp(collada->object[k].id, id) == 0)
+            return &collada->object[k];
+    return NULL;
+}

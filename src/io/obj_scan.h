@@ -1,0 +1,21 @@
+/// What Wavefront files say that Assimp passes over without a word, and why it refuses some.
+#ifndef RSV_OBJ_SCAN_H
+#define RSV_OBJ_SCAN_H
+
+#include "resolvent/core.h"
+
+#include <stdio.h>
+
+/// Names, in one warning, the statements of an .obj or .mtl file that have no effect.
+/// @param is_library .mtl
+void rsv_obj_warn_of_unused(const rsv_context *context, const char *path, bool is_library);
+
+/// The text of a file as an importer understands it: statements without effect, which some are taken for others, are comments,
+/// lines end in '\n', and there is no byte order mark.
+/// @param file open for reading, at its start @param size out @return malloc'ed; NULL = no memory, or unreadable
+char *rsv_obj_clean(FILE *file, bool is_library, size_t *size);
+
+/// The first thing that is wrong with an .obj file, as the error message, with its line. RSV_OK if nothing is found.
+rsv_status rsv_obj_explain(const char *path);
+
+#endif
