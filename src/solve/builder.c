@@ -6,8 +6,8 @@
 #include "coarse_elements.h"
 #include "goal.h"
 #include "pilot.h"
-#include "remember.h"
 #include "solve_desc.h"
+#include "solve_update.h"
 #include "source.h"
 
 #include <string.h>
@@ -26,7 +26,7 @@ static rsv_status create_elements(rsv_builder *b)
 {
     rsv_status status;
     b->spacing = rsv_spacing_for(&b->scene, b->desc.element_target);
-    if (b->scene.past) b->spacing = rsv_past_spacing(b->scene.past, b->spacing);
+    if (b->update.history) b->spacing = rsv_history_spacing(b->update.history, b->spacing);
     float wanted = b->wanted_metres = b->spacing.metres;
     size_t before = SIZE_MAX;
     bool stalled = false;
@@ -37,7 +37,7 @@ static rsv_status create_elements(rsv_builder *b)
         while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
         size_t rows = rsv_builder_rows(b), most = rsv_budget_rows(b);
         if (rows <= most) break;
-        b->scene.past = NULL; // its grids and splits would stay as they were
+        rsv_builder_forget_history(b); // its grids and splits would stay as they were
         if (b->spacing.metres > COARSEST * wanted) RSV_TRY(rsv_budget_refuse(b, rows));
         stalled = stalled || (double)rows > LEAST_PROGRESS * (double)before;
         before = rows;
@@ -195,18 +195,18 @@ cleanup:
 static rsv_status build(rsv_builder *b, rsv_solution **light)
 {
     rsv_status status;
-    rsv_past *past = NULL;
+    rsv_history *history = NULL;
     rsv_operator *op = NULL;
-    RSV_TRY(rsv_builder_recall(b, &past));
+    RSV_TRY(rsv_builder_open_history(b, &history));
     RSV_TRY(assemble(b, &op, light));
     RSV_TRY(solve(b, *light));
-    rsv_builder_remember(b, *light);
+    rsv_builder_keep_history(b, *light);
 cleanup:
     if (*light) {
         (*light)->scene = b->world->scene;
         rsv_light_publish(*light);
     }
-    rsv_past_close(past);
+    rsv_history_close(history);
     rsv_operator_release(op);
     return status;
 }
@@ -220,8 +220,8 @@ static rsv_status begin(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_
     RSV_TRY(rsv_world_create(scene, &b->world));
     b->report.time_bvh = b->world->build_seconds;
     b->scene = b->world->scene;
-    b->scene.checkpoint = desc->checkpoint;
-    b->scene.earlier = desc->earlier;
+    b->update = (rsv_update){ .store = desc->checkpoint, .earlier = desc->earlier };
+    b->scene.update = &b->update;
     RSV_TRY(rsv_light_sources_create(b->world, NULL, &b->sources));
 cleanup:
     return status;

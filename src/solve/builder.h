@@ -4,6 +4,7 @@
 #define RSV_BUILDER_H
 
 #include "../elements/spacing.h"
+#include "../update/update.h"
 #include "solution_internal.h"
 
 /// What there is before there is an operator.
@@ -14,7 +15,8 @@ typedef struct rsv_builder {
     float wanted_metres;  ///< of the spacing, likewise
     size_t bytes_left;    ///< of the memory budget, for elements, rows and levels
     rsv_world *world;
-    rsv_transport_scene scene; ///< of that, with what is known from before an edit
+    rsv_transport_scene scene; ///< of that, with `update`
+    rsv_update update;         ///< what is known from before an edit, and where rows are kept
     rsv_light_sources *sources;
     rsv_spacing spacing;     ///< of the coarse elements
     rsv_elements *elements;  ///< coarse: the unknowns to be

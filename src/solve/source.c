@@ -1,7 +1,7 @@
 #include "source.h"
 
-#include "../elements/element_keys.h"
-#include "../elements/past.h"
+#include "../update/kept_light.h"
+#include "../update/update.h"
 
 rsv_status rsv_source_create_levels(rsv_solution *s, const rsv_level_limits *limits)
 {
@@ -49,28 +49,6 @@ void rsv_source_add_gathered(rsv_solution *s)
     rsv_source_complete(s);
 }
 
-/// Direct light that is what it was before the scene was edited. @param known [node_count], out
-static rsv_status recall_direct(rsv_solution *s, uint8_t *known)
-{
-    const rsv_elements *e = s->elements;
-    rsv_status status;
-    uint64_t *key = NULL;
-    uint8_t *lit_anew = NULL;
-    RSV_TRY(rsv_node_keys_create(e, &key));
-    RSV_TRY(rsv_past_find_lit_anew(s->scene.past, e, &lit_anew));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        if (e->node_hanging[n] != RSV_NONE || rsv_past_is_node_lit_anew(e, n, lit_anew)) continue;
-        const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
-        known[n] = then != NULL;
-        if (then) s->field.source[n] = then->light.direct;
-    }
-cleanup:
-    rsv_free(s->context, key);
-    rsv_free(s->context, lit_anew);
-    return status;
-}
-
 /// @param known [node_count] nodes that are left as they are; NULL = none
 static rsv_status find_direct(
     const rsv_solution *s, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
@@ -100,9 +78,10 @@ rsv_status rsv_source_estimate(rsv_solution *s, const uint8_t *known)
 rsv_status rsv_source_create(rsv_solution *s)
 {
     rsv_status status;
+    const rsv_history *history = rsv_history_of(&s->scene);
     uint8_t *known = rsv_alloc(s->context, s->elements->node_count, 1);
     RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
-    if (s->scene.past) RSV_TRY(recall_direct(s, known));
+    if (history) RSV_TRY(rsv_kept_direct(history, s->elements, s->field.source, known));
     RSV_TRY(rsv_source_estimate(s, known));
     rsv_source_add_gathered(s);
 cleanup:

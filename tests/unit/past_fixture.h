@@ -2,10 +2,10 @@
 #ifndef RSV_TEST_PAST_FIXTURE_H
 #define RSV_TEST_PAST_FIXTURE_H
 
-#include "elements/past_file.h"
 #include "file_fixture.h"
 #include "light_fixture.h"
 #include "light_view.h"
+#include "update/history_file.h"
 
 #include <math.h>
 
@@ -140,7 +140,7 @@ static inline double difference(const rsv_solution *a, const rsv_solution *b)
 }
 
 /// The file of what a solve knew, in a folder. @return to be freed
-static inline rsv_past_header *read_past(const char *folder_path, size_t *bytes)
+static inline rsv_history_header *read_past(const char *folder_path, size_t *bytes)
 {
     char path[512] = { 0 };
     DIR *directory = opendir(folder_path);
@@ -148,14 +148,14 @@ static inline rsv_past_header *read_past(const char *folder_path, size_t *bytes)
         if (strstr(entry->d_name, ".past"))
             snprintf(path, sizeof path, "%.200s/%.200s", folder_path, entry->d_name);
     closedir(directory);
-    return (rsv_past_header *)(void *)read_bytes(path, bytes);
+    return (rsv_history_header *)(void *)read_bytes(path, bytes);
 }
 
-static inline void write_past(const char *folder_path, rsv_past_header *h, size_t bytes)
+static inline void write_past(const char *folder_path, rsv_history_header *h, size_t bytes)
 {
     char path[512];
-    assert_true(rsv_past_path(folder_path, h->settings, path, sizeof path));
-    h->checksum = rsv_past_checksum(h, bytes);
+    assert_true(rsv_history_path(folder_path, h->settings, path, sizeof path));
+    h->checksum = rsv_history_checksum(h, bytes);
     write_bytes(path, h, bytes);
 }
 

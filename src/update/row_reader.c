@@ -1,4 +1,4 @@
-#include "row_files.h"
+#include "row_reader.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 /// @param file out: empty if there is nothing to learn from it
-static rsv_status map_file(rsv_row_files *f, const char *path, rsv_mapped_file *file)
+static rsv_status map_file(rsv_row_reader *f, const char *path, rsv_mapped_file *file)
 {
     struct stat info;
     *file = (rsv_mapped_file){ 0 };
@@ -41,7 +41,7 @@ typedef struct listed_record {
 } listed_record;
 
 /// Hops from head to head. @param list out, to be freed
-static rsv_status list_records(const rsv_row_files *f, const rsv_mapped_file *file,
+static rsv_status list_records(const rsv_row_reader *f, const rsv_mapped_file *file,
     uint32_t ray_count, listed_record **list, size_t *count)
 {
     size_t capacity = 0, at = 0;
@@ -62,7 +62,7 @@ static rsv_status list_records(const rsv_row_files *f, const rsv_mapped_file *fi
 
 /// Notes the records of a file. @param end out: bytes up to the first that is not sound
 static rsv_status index_records(
-    rsv_row_files *f, const rsv_mapped_file *file, uint32_t ray_count, size_t *end)
+    rsv_row_reader *f, const rsv_mapped_file *file, uint32_t ray_count, size_t *end)
 {
     listed_record *list;
     size_t count;
@@ -87,12 +87,12 @@ static bool is_named(const char *name, const char *key)
            strcmp(name + length - ending, ".rows") == 0;
 }
 
-rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const char *key,
-    size_t node_count, uint32_t ray_count, const char *own, size_t *own_bytes, rsv_row_files *f)
+rsv_status rsv_row_reader_open(rsv_context *context, const char *folder, const char *key,
+    size_t node_count, uint32_t ray_count, const char *own, size_t *own_bytes, rsv_row_reader *f)
 {
     rsv_status status = RSV_OK;
     char path[RSV_ROW_PATH_BYTES];
-    *f = (rsv_row_files){ .context = context, .node_count = node_count, .ray_count = ray_count };
+    *f = (rsv_row_reader){ .context = context, .node_count = node_count, .ray_count = ray_count };
     f->known = rsv_alloc(context, node_count, sizeof *f->known);
     if (!f->known) return RSV_ERROR_MEMORY;
     DIR *directory = opendir(folder);
@@ -113,7 +113,7 @@ rsv_status rsv_row_files_open(rsv_context *context, const char *folder, const ch
     return status;
 }
 
-static size_t bytes_from(const rsv_row_files *f, const uint8_t *record)
+static size_t bytes_from(const rsv_row_reader *f, const uint8_t *record)
 {
     for (size_t k = 0; k < f->file_count; k++)
         if (record >= f->file[k].byte && record < f->file[k].byte + f->file[k].count)
@@ -121,7 +121,7 @@ static size_t bytes_from(const rsv_row_files *f, const uint8_t *record)
     return 0;
 }
 
-const uint8_t *rsv_row_files_find(const rsv_row_files *f, uint32_t node)
+const uint8_t *rsv_row_reader_find(const rsv_row_reader *f, uint32_t node)
 {
     const uint8_t *record = f->known[node];
     uint32_t there;
@@ -132,12 +132,12 @@ const uint8_t *rsv_row_files_find(const rsv_row_files *f, uint32_t node)
     return sound ? record : NULL;
 }
 
-void rsv_row_files_close(rsv_row_files *f)
+void rsv_row_reader_close(rsv_row_reader *f)
 {
     if (!f->context) return;
     for (size_t k = 0; k < f->file_count; k++)
         munmap(f->file[k].byte, f->file[k].count);
     rsv_free(f->context, f->file);
     rsv_free(f->context, f->known);
-    *f = (rsv_row_files){ 0 };
+    *f = (rsv_row_reader){ 0 };
 }

@@ -1,8 +1,8 @@
 #include "row_catalogue.h"
 
 #include "../core/key.h"
-#include "../elements/element_keys.h"
-#include "../elements/scene_change.h"
+#include "element_keys.h"
+#include "scene_change.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -45,7 +45,7 @@ void rsv_row_catalogue_destroy(rsv_row_catalogue *c)
     rsv_free(c->context, c);
 }
 
-static void fill(const rsv_row_tracer *t, rsv_row_catalogue *c)
+static void fill(const rsv_row_basis *t, rsv_row_catalogue *c)
 {
     const rsv_elements *e = t->elements;
     rsv_elements_cell_keys(e, c->cell_key);
@@ -56,11 +56,11 @@ static void fill(const rsv_row_tracer *t, rsv_row_catalogue *c)
     for (size_t k = 0; k < e->cell_count; k++) {
         uint32_t face = e->cell[k].face;
         size_t side = 2 * (size_t)e->face_triangle[face] + e->face_back[face];
-        c->cell_key[k] = rsv_key_add(c->cell_key[k], t->target[side].kind);
+        c->cell_key[k] = rsv_key_add(c->cell_key[k], t->side_kind[side]);
     }
 }
 
-rsv_status rsv_row_catalogue_create(const rsv_row_tracer *t, rsv_row_catalogue **catalogue)
+rsv_status rsv_row_catalogue_create(const rsv_row_basis *t, rsv_row_catalogue **catalogue)
 {
     rsv_context *context = t->elements->context;
     rsv_row_catalogue *c = NULL;
@@ -69,7 +69,7 @@ rsv_status rsv_row_catalogue_create(const rsv_row_tracer *t, rsv_row_catalogue *
     rsv_status status = rsv_scene_change_keys(context, t->scene->view, &triangles, &count);
     if (status != RSV_OK) return status;
     const rsv_row_catalogue_header header = { .magic = MAGIC,
-        .ray_count = t->directions.count,
+        .ray_count = t->ray_count,
         .seed = t->seed,
         .node_count = t->elements->node_count,
         .cell_count = t->elements->cell_count,

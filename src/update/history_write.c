@@ -1,10 +1,9 @@
 /// Writes down what a solve knows.
-#include "past_file.h"
+#include "history_file.h"
 
 #include "../core/key.h"
+#include "../elements/open_corners.h"
 #include "element_keys.h"
-#include "elements_internal.h"
-#include "open_corners.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -21,18 +20,18 @@ static uint64_t slots_for(size_t count)
 }
 
 /// @return its value, to be filled
-static uint8_t *put(rsv_past_table *table, uint64_t key)
+static uint8_t *put(rsv_history_table *table, uint64_t key)
 {
-    size_t at = rsv_past_slot(table, key);
+    size_t at = rsv_history_slot(table, key);
     table->key[at] = key;
     return table->value + at * table->value_bytes;
 }
 
-static void put_cells(rsv_past_cells *cells, const rsv_elements *e)
+static void put_cells(rsv_history_cells *cells, const rsv_elements *e)
 {
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
     for (uint32_t face = 0; face < e->face_count; face++)
-        cells->face[face] = (rsv_past_face){ .key = rsv_face_key(e, face),
+        cells->face[face] = (rsv_history_face){ .key = rsv_face_key(e, face),
             .slot = e->face_slot[face],
             .level = e->face_level[face],
             .halvings = e->face_halvings[face] };
@@ -46,22 +45,22 @@ static void put_cells(rsv_past_cells *cells, const rsv_elements *e)
     }
 }
 
-static rsv_past_light light_of(const rsv_past_fields *f, size_t n)
+static rsv_history_light light_of(const rsv_history_fields *f, size_t n)
 {
-    return (rsv_past_light){ .direct = f->direct ? f->direct[n] : rgb_gray(0),
+    return (rsv_history_light){ .direct = f->direct ? f->direct[n] : rgb_gray(0),
         .deviation = f->deviation ? f->deviation[n] : 0,
         .valid = f->valid_points[n] };
 }
 
-static rsv_past_node node_of(const rsv_past_fields *f, uint32_t n)
+static rsv_history_node node_of(const rsv_history_fields *f, uint32_t n)
 {
-    return (rsv_past_node){ .light = light_of(f, n),
+    return (rsv_history_node){ .light = light_of(f, n),
         .source = f->source ? f->source[n] : rgb_gray(0),
         .indirect = f->indirect ? f->indirect[n] : rgb_gray(0),
         .draw = rsv_elements_draw_of(f->elements, n) };
 }
 
-static rsv_status put_nodes(rsv_past_table *table, const rsv_past_fields *f)
+static rsv_status put_nodes(rsv_history_table *table, const rsv_history_fields *f)
 {
     const rsv_elements *e = f->elements;
     rsv_status status;
@@ -69,7 +68,7 @@ static rsv_status put_nodes(rsv_past_table *table, const rsv_past_fields *f)
     RSV_TRY(rsv_node_keys_create(e, &node_key));
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_past_node node = node_of(f, n); // of the fine level, its beginning
+        const rsv_history_node node = node_of(f, n); // of the fine level, its beginning
         memcpy(put(table, node_key[n]), &node, table->value_bytes);
     }
 cleanup:
@@ -77,28 +76,28 @@ cleanup:
     return status;
 }
 
-static size_t put_triangles(const rsv_transport_scene *scene, rsv_past_triangle *triangle)
+static size_t put_triangles(const rsv_transport_scene *scene, rsv_history_triangle *triangle)
 {
     size_t count = 0;
     for (uint32_t t = 0; t < scene->view->triangle_count; t++) {
-        rsv_past_triangle now = { .key = rsv_past_triangle_key(scene, t) };
+        rsv_history_triangle now = { .key = rsv_history_triangle_key(scene, t) };
         if (now.key == 0) continue;
-        rsv_past_triangle_box(scene->view, t, &now.low, &now.high);
+        rsv_history_triangle_box(scene->view, t, &now.low, &now.high);
         if (triangle) triangle[count] = now;
         count++;
     }
     return count;
 }
 
-static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_lights *lights,
-    uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields *level)
+static rsv_history_header describe(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint64_t settings, const rsv_spacing *spacing, const rsv_history_fields *level)
 {
-    rsv_past_header h = { .magic = RSV_PAST_MAGIC,
+    rsv_history_header h = { .magic = RSV_HISTORY_MAGIC,
         .settings = settings,
-        .lights = scene->media.bodies ? RSV_PAST_NO_LIGHTS : rsv_past_lights_key(lights),
+        .lights = scene->media.bodies ? RSV_HISTORY_NO_LIGHTS : rsv_history_lights_key(lights),
         .triangle_count = put_triangles(scene, NULL),
         .spacing = { spacing->metres, spacing->reach } };
-    for (int k = 0; k < RSV_PAST_LEVELS; k++) {
+    for (int k = 0; k < RSV_HISTORY_LEVELS; k++) {
         const rsv_elements *e = level[k].elements;
         h.faces[k] = e ? e->face_count : 0;
         h.slots[k] = e ? e->slot_count : 0;
@@ -108,9 +107,9 @@ static rsv_past_header describe(const rsv_transport_scene *scene, const rsv_ligh
 }
 
 /// Writes a file beside its place, out to the disk, and moves it there. @return 0, or why not
-static int save(const rsv_past_header *h, size_t bytes, const char *path)
+static int save(const rsv_history_header *h, size_t bytes, const char *path)
 {
-    char beside[RSV_PAST_PATH_BYTES];
+    char beside[RSV_HISTORY_PATH_BYTES];
     // of this run alone: another one of the same scene has its own
     if (snprintf(beside, sizeof beside, "%s.%ld.part", path, (long)getpid()) >= (int)sizeof beside)
         return ENAMETOOLONG;
@@ -126,34 +125,35 @@ static int save(const rsv_past_header *h, size_t bytes, const char *path)
     return why;
 }
 
-static rsv_status fill(const rsv_transport_scene *scene, const rsv_past_fields *level,
-    rsv_past_header *h, size_t bytes)
+static rsv_status fill(const rsv_transport_scene *scene, const rsv_history_fields *level,
+    rsv_history_header *h, size_t bytes)
 {
     rsv_status status = RSV_OK;
-    rsv_past_layout layout = rsv_past_layout_of(h);
+    rsv_history_layout layout = rsv_history_layout_of(h);
     put_triangles(scene, layout.triangle);
-    for (int k = 0; k < RSV_PAST_LEVELS; k++) {
+    for (int k = 0; k < RSV_HISTORY_LEVELS; k++) {
         if (!level[k].elements) continue;
         put_cells(&layout.cells[k], level[k].elements);
         RSV_TRY(put_nodes(&layout.nodes[k], &level[k]));
     }
-    h->checksum = rsv_past_checksum(h, bytes);
+    h->checksum = rsv_history_checksum(h, bytes);
 cleanup:
     return status;
 }
 
-void rsv_past_write(const rsv_transport_scene *scene, const rsv_lights *lights, const char *folder,
-    uint64_t settings, const rsv_spacing *spacing, const rsv_past_fields level[RSV_PAST_LEVELS])
+void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const char *folder, uint64_t settings, const rsv_spacing *spacing,
+    const rsv_history_fields level[RSV_HISTORY_LEVELS])
 {
     rsv_context *context = lights->context;
-    char path[RSV_PAST_PATH_BYTES];
-    rsv_past_header header = describe(scene, lights, settings, spacing, level);
-    size_t bytes = rsv_past_layout_of(&header).bytes;
-    rsv_past_header *h = rsv_alloc(context, bytes, 1);
+    char path[RSV_HISTORY_PATH_BYTES];
+    rsv_history_header header = describe(scene, lights, settings, spacing, level);
+    size_t bytes = rsv_history_layout_of(&header).bytes;
+    rsv_history_header *h = rsv_alloc(context, bytes, 1);
     int why = h ? 0 : ENOMEM;
     if (h) *h = header;
     if (!why && fill(scene, level, h, bytes) != RSV_OK) why = ENOMEM;
-    if (!rsv_past_path(folder, settings, path, sizeof path)) why = ENAMETOOLONG;
+    if (!rsv_history_path(folder, settings, path, sizeof path)) why = ENAMETOOLONG;
     if (!why) why = save(h, bytes, path);
     if (why)
         rsv_log(context, RSV_LOG_WARNING,

@@ -1,7 +1,7 @@
-#include "earlier_rows.h"
+#include "kept_rows.h"
 
 #include "../core/index_map.h"
-#include "../elements/past.h"
+#include "update.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -97,7 +97,7 @@ cleanup:
     return status;
 }
 
-static rsv_status match(rsv_earlier_rows *e, const rsv_row_catalogue *then,
+static rsv_status match(rsv_kept_rows *e, const rsv_row_catalogue *then,
     const rsv_row_catalogue *now, const rsv_index_map *nodes)
 {
     size_t count = now->header->node_count;
@@ -112,14 +112,14 @@ static rsv_status match(rsv_earlier_rows *e, const rsv_row_catalogue *then,
     return match_ends(then, now, nodes, e->end_now);
 }
 
-rsv_status rsv_earlier_rows_open(const rsv_row_tracer *tracer, const rsv_row_catalogue *now,
-    const char *folder, rsv_earlier_rows **earlier)
+rsv_status rsv_kept_rows_open(const rsv_row_basis *basis, const rsv_row_catalogue *now,
+    const char *folder, rsv_kept_rows **earlier)
 {
     rsv_context *context = now->context;
     rsv_status status;
     rsv_index_map nodes = { 0 };
     rsv_row_catalogue *then = NULL;
-    rsv_earlier_rows *e = NULL;
+    rsv_kept_rows *e = NULL;
     char key[RSV_ROW_KEY_DIGITS + 1] = { 0 };
     *earlier = NULL;
     RSV_TRY(map_keys(context, now->node_key, now->header->node_count, &nodes));
@@ -129,37 +129,38 @@ rsv_status rsv_earlier_rows_open(const rsv_row_tracer *tracer, const rsv_row_cat
     RSV_TRY(e ? RSV_OK : RSV_ERROR_MEMORY);
     e->context = context;
     e->seconds = then->header->seconds;
-    e->change = tracer->scene->past ? *rsv_past_change(tracer->scene->past)
-                                    : rsv_scene_change_since(tracer->scene->view,
-                                          then->triangle_key, then->header->triangle_count);
+    const rsv_history *history = rsv_history_of(basis->scene);
+    e->change = history ? *rsv_history_change(history)
+                        : rsv_scene_change_since(
+                              basis->scene->view, then->triangle_key, then->header->triangle_count);
     RSV_TRY(match(e, then, now, &nodes));
-    RSV_TRY(rsv_row_files_open(context, folder, key, then->header->node_count,
+    RSV_TRY(rsv_row_reader_open(context, folder, key, then->header->node_count,
         now->header->ray_count, NULL, NULL, &e->files));
     *earlier = e;
     e = NULL;
 cleanup:
-    rsv_earlier_rows_close(e);
+    rsv_kept_rows_close(e);
     rsv_row_catalogue_destroy(then);
     rsv_index_map_destroy(&nodes);
     return status;
 }
 
-void rsv_earlier_rows_close(rsv_earlier_rows *e)
+void rsv_kept_rows_close(rsv_kept_rows *e)
 {
     if (!e) return;
-    rsv_row_files_close(&e->files);
+    rsv_row_reader_close(&e->files);
     rsv_free(e->context, e->row_then);
     rsv_free(e->context, e->end_now);
     rsv_free(e->context, e);
 }
 
-bool rsv_earlier_rows_find(const rsv_earlier_rows *e, uint32_t node, rsv_row_past *past)
+bool rsv_kept_rows_find(const rsv_kept_rows *e, uint32_t node, rsv_kept_row *row)
 {
     uint32_t then = e ? e->row_then[node] : RSV_NONE;
-    const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_files_find(&e->files, then);
+    const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_reader_find(&e->files, then);
     if (!record) return false;
-    *past = rsv_row_record_past(record);
-    past->end_now = e->end_now;
-    past->change = &e->change;
+    *row = rsv_row_record_kept(record);
+    row->end_now = e->end_now;
+    row->change = &e->change;
     return true;
 }

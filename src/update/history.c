@@ -1,8 +1,7 @@
-#include "past_internal.h"
+#include "history_internal.h"
 
 #include "../core/index_map.h"
 #include "element_keys.h"
-#include "elements_internal.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -26,53 +25,57 @@ static bool is_box(rsv_vec3 low, rsv_vec3 high)
     return low.x <= high.x && low.y <= high.y && low.z <= high.z;
 }
 
-static bool is_light(const rsv_past_light *l) { return is_finite(l->direct) && l->deviation >= 0; }
+static bool is_light(const rsv_history_light *l)
+{
+    return is_finite(l->direct) && l->deviation >= 0;
+}
 
 /// Whether all numbers are ones that scenes and their light have.
-static bool has_sound_numbers(const rsv_past_header *h)
+static bool has_sound_numbers(const rsv_history_header *h)
 {
-    rsv_past_layout l = rsv_past_layout_of(h);
-    const rsv_past_node *node = (const rsv_past_node *)(const void *)l.nodes[RSV_PAST_COARSE].value;
-    const rsv_past_light *light =
-        (const rsv_past_light *)(const void *)l.nodes[RSV_PAST_FINE].value;
+    rsv_history_layout l = rsv_history_layout_of(h);
+    const rsv_history_node *node =
+        (const rsv_history_node *)(const void *)l.nodes[RSV_HISTORY_COARSE].value;
+    const rsv_history_light *light =
+        (const rsv_history_light *)(const void *)l.nodes[RSV_HISTORY_FINE].value;
     for (size_t t = 0; t < h->triangle_count; t++)
         if (!is_box(l.triangle[t].low, l.triangle[t].high)) return false;
-    for (size_t k = 0; k < l.nodes[RSV_PAST_COARSE].slots; k++)
+    for (size_t k = 0; k < l.nodes[RSV_HISTORY_COARSE].slots; k++)
         if (!is_light(&node[k].light) || !is_finite(node[k].source) || !is_finite(node[k].indirect))
             return false;
-    for (size_t k = 0; k < l.nodes[RSV_PAST_FINE].slots; k++)
+    for (size_t k = 0; k < l.nodes[RSV_HISTORY_FINE].slots; k++)
         if (!is_light(&light[k])) return false;
     return true;
 }
 
-static bool is_sound(const rsv_past_header *h, size_t bytes, uint64_t settings)
+static bool is_sound(const rsv_history_header *h, size_t bytes, uint64_t settings)
 {
-    if (bytes < sizeof *h || h->magic != RSV_PAST_MAGIC || h->settings != settings ||
+    if (bytes < sizeof *h || h->magic != RSV_HISTORY_MAGIC || h->settings != settings ||
         h->triangle_count >= TOO_MANY || !(h->spacing[0] > 0) || isinf(h->spacing[0]) ||
         !(h->spacing[1] >= 0))
         return false;
-    for (int k = 0; k < RSV_PAST_LEVELS; k++)
+    for (int k = 0; k < RSV_HISTORY_LEVELS; k++)
         if (h->faces[k] >= RSV_NONE || h->slots[k] >= RSV_SLOT_SPLIT || !is_table_size(h->nodes[k]))
             return false;
-    return rsv_past_layout_of(h).bytes == bytes && rsv_past_checksum(h, bytes) == h->checksum &&
-           has_sound_numbers(h);
+    return rsv_history_layout_of(h).bytes == bytes &&
+           rsv_history_checksum(h, bytes) == h->checksum && has_sound_numbers(h);
 }
 
-static rsv_status check_cells(const rsv_past *p, bool *sound)
+static rsv_status check_cells(const rsv_history *p, bool *sound)
 {
     *sound = true;
-    for (int k = 0; k < RSV_PAST_LEVELS && *sound; k++) {
-        const rsv_past_cells *c = &p->layout.cells[k];
+    for (int k = 0; k < RSV_HISTORY_LEVELS && *sound; k++) {
+        const rsv_history_cells *c = &p->layout.cells[k];
         uint8_t *taken = rsv_alloc(p->context, c->slot_count, 1);
         if (!taken) return RSV_ERROR_MEMORY;
-        *sound = rsv_past_cells_are_sound(c, taken);
+        *sound = rsv_history_cells_are_sound(c, taken);
         rsv_free(p->context, taken);
     }
     return RSV_OK;
 }
 
 /// @return NULL if there is nothing sound
-static const rsv_past_header *map(const char *path, uint64_t settings)
+static const rsv_history_header *map(const char *path, uint64_t settings)
 {
     struct stat info;
     int descriptor = open(path, O_RDONLY | O_CLOEXEC);
@@ -87,7 +90,7 @@ static const rsv_past_header *map(const char *path, uint64_t settings)
 }
 
 /// Boxes around triangles of one version that the other does not have, one for each run of them.
-static rsv_status find_change(rsv_past *p, const rsv_transport_scene *scene)
+static rsv_status find_change(rsv_history *p, const rsv_transport_scene *scene)
 {
     rsv_index_map then = { 0 };
     rsv_status status;
@@ -101,18 +104,18 @@ static rsv_status find_change(rsv_past *p, const rsv_transport_scene *scene)
         if (rsv_index_map_insert(&then, p->layout.triangle[k].key, k) == UINT32_MAX)
             RSV_TRY(RSV_ERROR_MEMORY);
     for (uint32_t t = 0; t < scene->view->triangle_count; t++) {
-        uint64_t key = rsv_past_triangle_key(scene, t);
+        uint64_t key = rsv_history_triangle_key(scene, t);
         uint32_t same = key ? rsv_index_map_find(&then, key) : UINT32_MAX;
         uint32_t new_object = same == UINT32_MAX ? scene->view->triangle_object[t] : RSV_NONE;
         if (same != UINT32_MAX) stays[same] = 1;
         rsv_box b;
-        rsv_past_triangle_box(scene->view, t, &b.low, &b.high);
+        rsv_history_triangle_box(scene->view, t, &b.low, &b.high);
         if (same == UINT32_MAX)
             rsv_scene_change_add(&p->change, b.low, b.high, object == new_object);
         object = new_object;
     }
     for (size_t k = 0; k < count; k++) {
-        const rsv_past_triangle *t = &p->layout.triangle[k];
+        const rsv_history_triangle *t = &p->layout.triangle[k];
         bool twice = rsv_index_map_find(&then, t->key) != k;
         if (!stays[k] && !twice) rsv_scene_change_add(&p->change, t->low, t->high, gone);
         gone = !stays[k] && !twice;
@@ -125,39 +128,40 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_past_open(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, rsv_past **past)
+rsv_status rsv_history_open(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const char *folder, uint64_t settings, rsv_history **history)
 {
     rsv_status status;
-    char path[RSV_PAST_PATH_BYTES];
-    *past = NULL;
-    const rsv_past_header *header =
-        rsv_past_path(folder, settings, path, sizeof path) ? map(path, settings) : NULL;
+    char path[RSV_HISTORY_PATH_BYTES];
+    *history = NULL;
+    const rsv_history_header *header =
+        rsv_history_path(folder, settings, path, sizeof path) ? map(path, settings) : NULL;
     if (!header) return RSV_OK;
-    rsv_past *p = rsv_alloc(lights->context, 1, sizeof *p);
+    rsv_history *p = rsv_alloc(lights->context, 1, sizeof *p);
     if (!p) {
-        munmap((void *)(uintptr_t)header, rsv_past_layout_of(header).bytes);
+        munmap((void *)(uintptr_t)header, rsv_history_layout_of(header).bytes);
         return RSV_ERROR_MEMORY;
     }
     p->context = lights->context;
     p->header = header;
-    p->layout = rsv_past_layout_of(header);
-    p->all_lit_anew = header->lights == RSV_PAST_NO_LIGHTS || scene->media.bodies ||
-                      header->lights != rsv_past_lights_key(lights);
+    p->layout = rsv_history_layout_of(header);
+    p->all_light_changed = header->lights == RSV_HISTORY_NO_LIGHTS || scene->media.bodies ||
+                           header->lights != rsv_history_lights_key(lights);
     bool sound;
     RSV_TRY(check_cells(p, &sound));
     if (!sound) goto cleanup;
-    RSV_TRY(rsv_past_find_faces(p, scene->view));
+    RSV_TRY(rsv_history_find_faces(p, scene->view));
     RSV_TRY(find_change(p, scene));
-    rsv_past_find_sources(p, lights);
-    *past = p;
+    rsv_history_find_sources(p, lights);
+    p->known_cells = rsv_history_answers(p);
+    *history = p;
     p = NULL;
 cleanup:
-    rsv_past_close(p);
+    rsv_history_close(p);
     return status;
 }
 
-void rsv_past_close(rsv_past *p)
+void rsv_history_close(rsv_history *p)
 {
     if (!p) return;
     munmap((void *)(uintptr_t)p->header, p->layout.bytes);
@@ -166,7 +170,7 @@ void rsv_past_close(rsv_past *p)
     rsv_free(p->context, p);
 }
 
-rsv_spacing rsv_past_spacing(const rsv_past *p, rsv_spacing now)
+rsv_spacing rsv_history_spacing(const rsv_history *p, rsv_spacing now)
 {
     float metres = p->header->spacing[0], reach = p->header->spacing[1];
     bool is_open = reach < INFINITY;
@@ -177,11 +181,13 @@ rsv_spacing rsv_past_spacing(const rsv_past *p, rsv_spacing now)
     return now;
 }
 
-const rsv_scene_change *rsv_past_change(const rsv_past *p) { return &p->change; }
+const rsv_known_cells *rsv_history_known_cells(const rsv_history *p) { return &p->known_cells; }
 
-uint64_t rsv_past_identity(const rsv_past *p) { return p->header->checksum | 1; }
+const rsv_scene_change *rsv_history_change(const rsv_history *p) { return &p->change; }
 
-bool rsv_past_has_other_sources(const rsv_past *p) { return p->all_lit_anew; }
+uint64_t rsv_history_identity(const rsv_history *p) { return p->header->checksum | 1; }
+
+bool rsv_history_sources_changed(const rsv_history *p) { return p->all_light_changed; }
 
 static bool overlap(const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
 {
@@ -189,7 +195,7 @@ static bool overlap(const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
            b->high.y >= low.y && b->high.z >= low.z;
 }
 
-bool rsv_past_is_beside(const rsv_past *p, const rsv_elements *e, uint32_t cell)
+bool rsv_history_is_beside(const rsv_history *p, const rsv_elements *e, uint32_t cell)
 {
     rsv_box b = rsv_reach_of_cell(e, cell);
     for (uint32_t k = 0; k < p->change.count; k++)
@@ -197,38 +203,39 @@ bool rsv_past_is_beside(const rsv_past *p, const rsv_elements *e, uint32_t cell)
     return false;
 }
 
-static bool is_support_beside(const rsv_past *p, const rsv_elements *e, uint32_t node)
+static bool is_support_beside(const rsv_history *p, const rsv_elements *e, uint32_t node)
 {
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
-        if (rsv_past_is_beside(p, e, e->support[s] / 4)) return true;
+        if (rsv_history_is_beside(p, e, e->support[s] / 4)) return true;
     return false;
 }
 
-const rsv_past_light *rsv_past_find_light(const rsv_past *p, rsv_past_level level,
+const rsv_history_light *rsv_history_find_light(const rsv_history *p, rsv_history_level level,
     const rsv_elements *e, uint32_t node, uint64_t node_key)
 {
-    const uint8_t *value = rsv_past_find(&p->layout.nodes[level], node_key);
+    const uint8_t *value = rsv_history_find(&p->layout.nodes[level], node_key);
     if (!value || is_support_beside(p, e, node)) return NULL;
     for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
          e->led_begin && k < e->led_begin[node + 1]; k++)
         if (is_support_beside(p, e, e->led[k].follower)) return NULL;
-    return (const rsv_past_light *)(const void *)value;
+    return (const rsv_history_light *)(const void *)value;
 }
 
-const rsv_past_node *rsv_past_find_node(
-    const rsv_past *p, const rsv_elements *e, uint32_t node, uint64_t node_key)
+const rsv_history_node *rsv_history_find_node(
+    const rsv_history *p, const rsv_elements *e, uint32_t node, uint64_t node_key)
 {
-    return (const rsv_past_node *)rsv_past_find_light(p, RSV_PAST_COARSE, e, node, node_key);
+    return (const rsv_history_node *)rsv_history_find_light(
+        p, RSV_HISTORY_COARSE, e, node, node_key);
 }
 
-bool rsv_past_knows_around(
-    const rsv_past *p, const rsv_elements *e, uint32_t node, uint64_t node_key)
+bool rsv_history_knows_around(
+    const rsv_history *p, const rsv_elements *e, uint32_t node, uint64_t node_key)
 {
-    return rsv_past_find_light(p, RSV_PAST_FINE, e, node, node_key) ||
-           rsv_past_find_light(p, RSV_PAST_COARSE, e, node, node_key);
+    return rsv_history_find_light(p, RSV_HISTORY_FINE, e, node, node_key) ||
+           rsv_history_find_light(p, RSV_HISTORY_COARSE, e, node, node_key);
 }
 
-static bool is_box_near(const rsv_past *p, const rsv_box *b)
+static bool is_box_near(const rsv_history *p, const rsv_box *b)
 {
     for (uint32_t k = 0; k < p->change.count; k++) {
         rsv_vec3 low = p->change.low[k], high = p->change.high[k];
@@ -238,22 +245,22 @@ static bool is_box_near(const rsv_past *p, const rsv_box *b)
     return false;
 }
 
-bool rsv_past_is_face_near(const rsv_past *p, const rsv_elements *e, uint32_t face)
+bool rsv_history_is_face_near(const rsv_history *p, const rsv_elements *e, uint32_t face)
 {
     rsv_box b;
-    rsv_past_triangle_box(e->scene, e->face_triangle[face], &b.low, &b.high);
+    rsv_history_triangle_box(e->scene, e->face_triangle[face], &b.low, &b.high);
     return is_box_near(p, &b);
 }
 
-bool rsv_past_is_near(const rsv_past *p, const rsv_elements *e, uint32_t cell)
+bool rsv_history_is_near(const rsv_history *p, const rsv_elements *e, uint32_t cell)
 {
     rsv_box b = rsv_box_of_cell(e, cell);
     return is_box_near(p, &b);
 }
 
-bool rsv_past_is_node_near(const rsv_past *p, const rsv_elements *e, uint32_t node)
+bool rsv_history_is_node_near(const rsv_history *p, const rsv_elements *e, uint32_t node)
 {
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
-        if (rsv_past_is_near(p, e, e->support[s] / 4)) return true;
+        if (rsv_history_is_near(p, e, e->support[s] / 4)) return true;
     return false;
 }

@@ -1,8 +1,9 @@
-#include "checkpoint.h"
+#include "row_store.h"
 
 #include "../core/key.h"
 #include "../core/team.h"
-#include "earlier_rows.h"
+#include "kept_rows.h"
+#include "update.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -10,22 +11,22 @@
 #include <string.h>
 #include <unistd.h>
 
-struct rsv_checkpoint {
+struct rsv_row_store {
     rsv_context *context;
     uint32_t ray_count;
-    rsv_row_files files; ///< of earlier runs
+    rsv_row_reader files; ///< of earlier runs
     rsv_row_catalogue *catalogue;
-    rsv_earlier_rows *earlier; ///< of the scene before it was edited; NULL = none
-    int descriptor;            ///< of the file that grows
-    int error;                 ///< errno of what could not be written; 0 = all was
-    size_t own_bytes;          ///< of sound records that it had
+    rsv_kept_rows *earlier; ///< of the scene before it was edited; NULL = none
+    int descriptor;         ///< of the file that grows
+    int error;              ///< errno of what could not be written; 0 = all was
+    size_t own_bytes;       ///< of sound records that it had
     char path[RSV_ROW_PATH_BYTES], catalogue_path[RSV_ROW_PATH_BYTES];
 };
 
-static uint64_t key_of(const rsv_row_tracer *t)
+static uint64_t key_of(const rsv_row_basis *t)
 {
     const rsv_elements *e = t->elements;
-    uint64_t key = rsv_key_add(rsv_key_add(e->node_count, t->directions.count), t->seed);
+    uint64_t key = rsv_key_add(rsv_key_add(e->node_count, t->ray_count), t->seed);
     for (uint32_t c = 0; c < e->cell_count; c++) {
         const rsv_cell *cell = &e->cell[c];
         key = rsv_key_add(key, (uint64_t)cell->face << 32 | (uint64_t)cell->i << 16 | cell->j);
@@ -37,29 +38,29 @@ static uint64_t key_of(const rsv_row_tracer *t)
     return rsv_key_add_bytes(key, t->valid_points, e->node_count * sizeof *t->valid_points);
 }
 
-bool rsv_checkpoint_take(const rsv_checkpoint *c, uint32_t node, rsv_row_scratch *scratch)
+bool rsv_row_store_take(const rsv_row_store *c, uint32_t node, rsv_row_scratch *scratch)
 {
-    const uint8_t *record = c ? rsv_row_files_find(&c->files, node) : NULL;
+    const uint8_t *record = c ? rsv_row_reader_find(&c->files, node) : NULL;
     if (record) rsv_row_record_take(record, c->ray_count, scratch);
     return record != NULL;
 }
 
-bool rsv_checkpoint_recall(const rsv_checkpoint *c, uint32_t node, rsv_row_past *past)
+bool rsv_row_store_find_kept(const rsv_row_store *c, uint32_t node, rsv_kept_row *row)
 {
-    return c && rsv_earlier_rows_find(c->earlier, node, past);
+    return c && rsv_kept_rows_find(c->earlier, node, row);
 }
 
-rsv_status rsv_checkpoint_keep(rsv_checkpoint *c, uint32_t node, const rsv_row_scratch *scratch,
+rsv_status rsv_row_store_keep(rsv_row_store *c, uint32_t node, const rsv_row_scratch *scratch,
     uint64_t rays, rsv_row_block *block)
 {
     return rsv_row_record_put(c->context, node, c->ray_count, scratch, rays, block);
 }
 
-rsv_status rsv_checkpoint_write(rsv_checkpoint *c, rsv_row_block *b)
+rsv_status rsv_row_store_write(rsv_row_store *c, rsv_row_block *b)
 {
     rsv_status status = RSV_OK;
     if (!c) return status;
-#pragma omp critical(rsv_checkpoint)
+#pragma omp critical(rsv_row_store)
     {
         for (size_t done = 0; c->error == 0 && done < b->count;) {
             ssize_t written = write(c->descriptor, b->byte + done, b->count - done);
@@ -74,7 +75,7 @@ rsv_status rsv_checkpoint_write(rsv_checkpoint *c, rsv_row_block *b)
     return status;
 }
 
-rsv_status rsv_checkpoint_outcome(const rsv_checkpoint *c)
+rsv_status rsv_row_store_outcome(const rsv_row_store *c)
 {
     if (!c || c->error == 0) return RSV_OK;
     return rsv_fail(RSV_ERROR_IO,
@@ -83,7 +84,7 @@ rsv_status rsv_checkpoint_outcome(const rsv_checkpoint *c)
         c->path, strerror(c->error));
 }
 
-double rsv_checkpoint_finish(rsv_checkpoint *c, double seconds)
+double rsv_row_store_finish(rsv_row_store *c, double seconds)
 {
     if (!c) return 0;
     c->catalogue->header->seconds = c->earlier ? c->earlier->seconds : seconds;
@@ -93,7 +94,7 @@ double rsv_checkpoint_finish(rsv_checkpoint *c, double seconds)
 }
 
 /// Goes on behind the last sound record.
-static rsv_status open_own(rsv_checkpoint *c)
+static rsv_status open_own(rsv_row_store *c)
 {
     c->descriptor = open(c->path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (c->descriptor < 0 || ftruncate(c->descriptor, (off_t)c->own_bytes) != 0 ||
@@ -103,7 +104,7 @@ static rsv_status open_own(rsv_checkpoint *c)
     return RSV_OK;
 }
 
-static void report(const rsv_checkpoint *c)
+static void report(const rsv_row_store *c)
 {
     size_t known = 0;
     for (size_t n = 0; n < c->files.node_count; n++)
@@ -113,7 +114,7 @@ static void report(const rsv_checkpoint *c)
             known, c->ray_count);
 }
 
-static rsv_status name_files(rsv_checkpoint *c, const char *folder, const char *key)
+static rsv_status name_files(rsv_row_store *c, const char *folder, const char *key)
 {
     uint32_t rank = rsv_team_place_of(c->context).rank;
     int length = snprintf(c->path, sizeof c->path, "%s/%s-%u.rows", folder, key, rank);
@@ -124,49 +125,48 @@ static rsv_status name_files(rsv_checkpoint *c, const char *folder, const char *
 }
 
 /// Rows of this scene, and of an earlier version of it.
-static rsv_status read_rows(rsv_checkpoint *c, const rsv_row_tracer *tracer, const char *key)
+static rsv_status read_rows(rsv_row_store *c, const rsv_row_basis *basis, const char *key)
 {
-    const rsv_transport_scene *scene = tracer->scene;
+    const rsv_update *update = basis->scene->update;
     rsv_status status;
-    RSV_TRY(rsv_row_files_open(c->context, scene->checkpoint, key, tracer->elements->node_count,
+    RSV_TRY(rsv_row_reader_open(c->context, update->store, key, basis->elements->node_count,
         c->ray_count, c->path, &c->own_bytes, &c->files));
-    RSV_TRY(rsv_row_catalogue_create(tracer, &c->catalogue));
-    if (scene->earlier)
-        RSV_TRY(rsv_earlier_rows_open(tracer, c->catalogue, scene->earlier, &c->earlier));
+    RSV_TRY(rsv_row_catalogue_create(basis, &c->catalogue));
+    if (update->earlier)
+        RSV_TRY(rsv_kept_rows_open(basis, c->catalogue, update->earlier, &c->earlier));
 cleanup:
     return status;
 }
 
-rsv_status rsv_checkpoint_open(const rsv_row_tracer *tracer, rsv_checkpoint **checkpoint)
+rsv_status rsv_row_store_open(const rsv_row_basis *basis, rsv_row_store **store)
 {
     rsv_status status;
-    rsv_context *context = tracer->elements->context;
+    rsv_context *context = basis->elements->context;
     char key[RSV_ROW_KEY_DIGITS + 1];
-    *checkpoint = NULL;
-    if (!tracer->scene->checkpoint) return RSV_OK;
-    rsv_checkpoint *c = rsv_alloc(context, 1, sizeof *c);
+    *store = NULL;
+    rsv_row_store *c = rsv_alloc(context, 1, sizeof *c);
     if (!c) return RSV_ERROR_MEMORY;
     c->context = context;
     c->descriptor = -1;
-    c->ray_count = tracer->directions.count;
-    snprintf(key, sizeof key, "%016llx", (unsigned long long)key_of(tracer));
-    RSV_TRY(name_files(c, tracer->scene->checkpoint, key));
-    RSV_TRY(rsv_team_meet(context, read_rows(c, tracer, key)));
+    c->ray_count = basis->ray_count;
+    snprintf(key, sizeof key, "%016llx", (unsigned long long)key_of(basis));
+    RSV_TRY(name_files(c, basis->scene->update->store, key));
+    RSV_TRY(rsv_team_meet(context, read_rows(c, basis, key)));
     RSV_TRY(open_own(c)); // after all have read it
     report(c);
-    *checkpoint = c;
+    *store = c;
     c = NULL;
 cleanup:
-    rsv_checkpoint_close(c);
+    rsv_row_store_close(c);
     return status;
 }
 
-void rsv_checkpoint_close(rsv_checkpoint *c)
+void rsv_row_store_close(rsv_row_store *c)
 {
     if (!c) return;
-    rsv_earlier_rows_close(c->earlier);
+    rsv_kept_rows_close(c->earlier);
     rsv_row_catalogue_destroy(c->catalogue);
-    rsv_row_files_close(&c->files);
+    rsv_row_reader_close(&c->files);
     if (c->descriptor >= 0) close(c->descriptor);
     rsv_free(c->context, c);
 }

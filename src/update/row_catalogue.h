@@ -2,7 +2,17 @@
 #ifndef RSV_ROW_CATALOGUE_H
 #define RSV_ROW_CATALOGUE_H
 
-#include "row_tracer.h"
+#include "../chain/chain_walk.h"
+#include "../elements/elements.h"
+
+/// What rows are traced on; borrowed.
+typedef struct rsv_row_basis {
+    const rsv_transport_scene *scene;
+    const rsv_elements *elements;
+    const uint16_t *valid_points; ///< [node_count] from rsv_find_buried
+    const uint8_t *side_kind; ///< [2 * triangle_count] what each side of each triangle is to rays
+    uint32_t ray_count, seed;
+} rsv_row_basis;
 
 typedef struct rsv_row_catalogue_header {
     uint32_t magic, ray_count, seed, unused;
@@ -22,7 +32,7 @@ typedef struct rsv_row_catalogue {
     uint8_t *has_row;         ///< [node_count]
 } rsv_row_catalogue;
 
-rsv_status rsv_row_catalogue_create(const rsv_row_tracer *tracer, rsv_row_catalogue **catalogue);
+rsv_status rsv_row_catalogue_create(const rsv_row_basis *basis, rsv_row_catalogue **catalogue);
 
 /// @param catalogue out: NULL where the file is none, or not whole
 rsv_status rsv_row_catalogue_read(
