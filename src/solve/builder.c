@@ -220,7 +220,6 @@ static rsv_status begin(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_
     RSV_TRY(rsv_world_create(scene, &b->world));
     b->report.time_bvh = b->world->build_seconds;
     b->scene = b->world->scene;
-    b->update = (rsv_update){ .store = desc->checkpoint, .earlier = desc->earlier };
     b->scene.update = &b->update;
     RSV_TRY(rsv_light_sources_create(b->world, NULL, &b->sources));
 cleanup:
@@ -248,21 +247,42 @@ static rsv_status check_goal(const rsv_solve_desc *desc, size_t cameras)
     return RSV_OK;
 }
 
-rsv_status rsv_solution_create(
-    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
+rsv_status rsv_solution_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
+    rsv_store *earlier, rsv_solution **solution)
 {
-    rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     rsv_builder b;
     rsv_solution *light = NULL;
-    rsv_status status = check_goal(&settings, rsv_scene_get_view(scene)->camera_count);
-    if (status == RSV_OK) status = rsv_check_solve_desc(&settings);
-    if (status != RSV_OK) return status;
-    status = begin(scene, &settings, &b);
+    rsv_status status = begin(scene, desc, &b);
+    b.update.store = store;
+    b.update.earlier = earlier;
     if (status == RSV_OK) status = build(&b, &light);
     end(&b);
     if (status == RSV_OK)
         *solution = light;
     else
         rsv_solution_destroy(light);
+    return status;
+}
+
+rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc)
+{
+    rsv_status status = check_goal(desc, rsv_scene_get_view(scene)->camera_count);
+    return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
+}
+
+rsv_status rsv_solution_create(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
+{
+    rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_store *store = NULL, *earlier = NULL;
+    rsv_status status;
+    RSV_TRY(rsv_check_settings(scene, &settings));
+    if (settings.checkpoint) RSV_TRY(rsv_store_folder(context, settings.checkpoint, &store));
+    if (settings.earlier) RSV_TRY(rsv_store_folder(context, settings.earlier, &earlier));
+    RSV_TRY(rsv_solution_build(scene, &settings, store, earlier, solution));
+cleanup:
+    rsv_store_destroy(store);
+    rsv_store_destroy(earlier);
     return status;
 }

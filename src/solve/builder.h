@@ -35,4 +35,12 @@ static inline size_t rsv_builder_rows(const rsv_builder *builder)
 rsv_status rsv_builder_trace(
     rsv_builder *builder, const uint16_t *valid_points, uint32_t rays, rsv_operator **op);
 
+/// Whether a scene can be solved by these settings: their bounds, and the goal.
+rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc);
+
+/// Builds and solves. @param store where all is kept that the next solve may take over; NULL = nowhere
+/// @param earlier what a solve of an earlier version of the scene kept; NULL = nothing
+rsv_status rsv_solution_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
+    rsv_store *earlier, rsv_solution **solution);
+
 #endif

@@ -33,10 +33,10 @@ rsv_status rsv_builder_open_history(rsv_builder *b, rsv_history **history)
 {
     rsv_status status = RSV_OK;
     *history = NULL;
-    if (!b->desc.checkpoint || has_goal(b)) return RSV_OK;
-    if (b->desc.earlier)
+    if (!b->update.store || has_goal(b)) return RSV_OK;
+    if (b->update.earlier)
         status = rsv_history_open(
-            &b->scene, b->sources->lights, b->desc.earlier, settings_of(b), history);
+            &b->scene, b->sources->lights, b->update.earlier, settings_of(b), history);
     status = rsv_team_meet(b->context, status);
     if (status == RSV_OK && !all_opened(b->context, *history)) {
         rsv_history_close(*history);
@@ -78,7 +78,7 @@ static void write_down(const rsv_builder *b, const rsv_solution *light)
             .valid_points = light->field.fine.valid_points },
     };
     rsv_history_write(
-        &b->scene, b->sources->lights, b->desc.checkpoint, settings_of(b), &wanted, level);
+        &b->scene, b->sources->lights, b->update.store, settings_of(b), &wanted, level);
     rsv_free(b->context, direct);
 }
 
@@ -92,8 +92,9 @@ static void let_go(rsv_context *context, rsv_source_level *level)
 
 void rsv_builder_keep_history(const rsv_builder *b, rsv_solution *light)
 {
-    if (b->desc.checkpoint && !has_goal(b) && rsv_team_place_of(b->context).rank == 0)
-        write_down(b, light);
+    const rsv_store *store = b->update.store;
+    bool writes = store && (!store->shared || rsv_team_place_of(b->context).rank == 0);
+    if (writes && !has_goal(b)) write_down(b, light);
     let_go(b->context, &light->field.fine);
     let_go(b->context, &light->field.caustics);
 }

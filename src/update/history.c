@@ -3,11 +3,6 @@
 #include "../core/index_map.h"
 #include "element_keys.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 /// More than tables and scenes can have.
 #define TOO_MANY ((uint64_t)1 << 36)
 /// An edit that changes the spacing by less than this part leaves it as it was.
@@ -74,21 +69,6 @@ static rsv_status check_cells(const rsv_history *p, bool *sound)
     return RSV_OK;
 }
 
-/// @return NULL if there is nothing sound
-static const rsv_history_header *map(const char *path, uint64_t settings)
-{
-    struct stat info;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0) return NULL;
-    size_t bytes = fstat(descriptor, &info) == 0 ? (size_t)info.st_size : 0;
-    void *memory = bytes ? mmap(NULL, bytes, PROT_READ, MAP_PRIVATE, descriptor, 0) : MAP_FAILED;
-    close(descriptor);
-    if (memory == MAP_FAILED) return NULL;
-    if (is_sound(memory, bytes, settings)) return memory;
-    munmap(memory, bytes);
-    return NULL;
-}
-
 /// Boxes around triangles of one version that the other does not have, one for each run of them.
 static rsv_status find_change(rsv_history *p, const rsv_transport_scene *scene)
 {
@@ -128,35 +108,46 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_history_open(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, rsv_history **history)
+/// Looks at the blob, and finds what the edit changed. @param sound out: whether it can be used
+static rsv_status open_blob(rsv_history *p, const rsv_transport_scene *scene,
+    const rsv_lights *lights, uint64_t settings, bool *sound)
 {
-    rsv_status status;
-    char path[RSV_HISTORY_PATH_BYTES];
-    *history = NULL;
-    const rsv_history_header *header =
-        rsv_history_path(folder, settings, path, sizeof path) ? map(path, settings) : NULL;
-    if (!header) return RSV_OK;
-    rsv_history *p = rsv_alloc(lights->context, 1, sizeof *p);
-    if (!p) {
-        munmap((void *)(uintptr_t)header, rsv_history_layout_of(header).bytes);
-        return RSV_ERROR_MEMORY;
-    }
-    p->context = lights->context;
-    p->header = header;
-    p->layout = rsv_history_layout_of(header);
-    p->all_light_changed = header->lights == RSV_HISTORY_NO_LIGHTS || scene->media.bodies ||
-                           header->lights != rsv_history_lights_key(lights);
-    bool sound;
-    RSV_TRY(check_cells(p, &sound));
-    if (!sound) goto cleanup;
+    rsv_status status = RSV_OK;
+    p->header = (const rsv_history_header *)(const void *)p->blob.byte;
+    *sound = is_sound(p->header, p->blob.count, settings);
+    if (!*sound) return RSV_OK;
+    p->layout = rsv_history_layout_of(p->header);
+    p->all_light_changed = p->header->lights == RSV_HISTORY_NO_LIGHTS || scene->media.bodies ||
+                           p->header->lights != rsv_history_lights_key(lights);
+    RSV_TRY(check_cells(p, sound));
+    if (!*sound) goto cleanup;
     RSV_TRY(rsv_history_find_faces(p, scene->view));
     RSV_TRY(find_change(p, scene));
     rsv_history_find_sources(p, lights);
     p->known_cells = rsv_history_answers(p);
-    *history = p;
-    p = NULL;
 cleanup:
+    return status;
+}
+
+rsv_status rsv_history_open(const rsv_transport_scene *scene, const rsv_lights *lights,
+    rsv_store *store, uint64_t settings, rsv_history **history)
+{
+    rsv_status status;
+    bool sound = false;
+    char name[RSV_STORE_NAME_BYTES];
+    *history = NULL;
+    rsv_history *p = rsv_alloc(lights->context, 1, sizeof *p);
+    if (!p) return RSV_ERROR_MEMORY;
+    p->context = lights->context;
+    p->store = store;
+    rsv_history_name(settings, name);
+    status = store->table->read(store, name, 0, &p->blob);
+    if (status == RSV_OK) status = open_blob(p, scene, lights, settings, &sound);
+    if (status == RSV_ERROR_IO) status = RSV_OK; // solved as a whole
+    if (status == RSV_OK && sound) {
+        *history = p;
+        p = NULL;
+    }
     rsv_history_close(p);
     return status;
 }
@@ -164,7 +155,7 @@ cleanup:
 void rsv_history_close(rsv_history *p)
 {
     if (!p) return;
-    munmap((void *)(uintptr_t)p->header, p->layout.bytes);
+    p->store->table->release(p->store, &p->blob);
     rsv_free(p->context, p->face_then[0]);
     rsv_free(p->context, p->face_then[1]);
     rsv_free(p->context, p);

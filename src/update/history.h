@@ -1,7 +1,7 @@
 /// What an earlier solve of the scene knew, before an edit: every stage of the next solve asks it by key and does again
 /// only what the edit may have changed.
 ///
-/// A file in the folder of the rows, mapped into memory: how cells were split and which of their corners are open; of each
+/// A blob beside those of the rows: how cells were split and which of their corners are open; of each
 /// node its receiver points, direct light and indirect light; where the triangles were. Places have the same keys in every
 /// version of a scene (element_keys.h). What is known holds until something comes near it or into its light:
 /// - corners and buried points, unless a box around what changed reaches the cells (what lies inside a changed body lies
@@ -17,6 +17,7 @@
 #include "../elements/spacing.h"
 #include "../light/light.h"
 #include "scene_change.h"
+#include "store.h"
 
 typedef enum rsv_history_level {
     RSV_HISTORY_COARSE,
@@ -42,9 +43,10 @@ typedef struct rsv_history_node {
 typedef struct rsv_history rsv_history;
 
 /// @param settings key of all else that decides how a scene is solved: another one has another history
-/// @param history out: NULL if the folder holds none that is sound, for these settings
+/// @param store that outlives it
+/// @param history out: NULL if the store holds none that is sound, for these settings
 rsv_status rsv_history_open(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, rsv_history **history);
+    rsv_store *store, uint64_t settings, rsv_history **history);
 void rsv_history_close(rsv_history *history);
 
 /// The spacing of the coarse elements then, if that is like the one now: cells keep their places. Else the one now.
@@ -109,9 +111,9 @@ typedef struct rsv_history_fields {
     const uint16_t *valid_points;              ///< [node_count]
 } rsv_history_fields;
 
-/// Writes it beside its place and moves it there; a warning where that fails: a solution is complete without it.
-void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, const rsv_spacing *spacing,
+/// A warning where that fails: a solution is complete without it.
+void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *lights, rsv_store *store,
+    uint64_t settings, const rsv_spacing *spacing,
     const rsv_history_fields level[RSV_HISTORY_LEVELS]);
 
 #endif

@@ -51,10 +51,9 @@ uint64_t rsv_history_checksum(const rsv_history_header *h, size_t bytes)
     return rsv_key_add_bytes(sum, h + 1, bytes - sizeof header);
 }
 
-bool rsv_history_path(const char *folder, uint64_t settings, char *path, size_t bytes)
+void rsv_history_name(uint64_t settings, char name[RSV_STORE_NAME_BYTES])
 {
-    return snprintf(path, bytes, "%s/%016llx.past", folder, (unsigned long long)settings) <
-           (int)bytes;
+    snprintf(name, RSV_STORE_NAME_BYTES, "%016llx.past", (unsigned long long)settings);
 }
 
 static uint64_t add_numbers(uint64_t key, const float *number, size_t count)

@@ -1,11 +1,10 @@
-/// The file of what a solve knew (history.h): a header and arrays behind it.
+/// The blob of what a solve knew (history.h): a header and arrays behind it.
 #ifndef RSV_HISTORY_FILE_H
 #define RSV_HISTORY_FILE_H
 
 #include "history.h"
 
 #define RSV_HISTORY_MAGIC 0x36747370u // "pst6"
-#define RSV_HISTORY_PATH_BYTES 4096
 
 typedef struct rsv_history_header {
     uint64_t magic;
@@ -56,7 +55,7 @@ typedef struct rsv_history_layout {
     size_t bytes;
 } rsv_history_layout;
 
-/// @param header of a file that lies in memory as a whole
+/// @param header of a blob as a whole
 rsv_history_layout rsv_history_layout_of(const rsv_history_header *header);
 
 /// The slot of a key, or the free one that it belongs to; any where a damaged table is full.
@@ -78,8 +77,8 @@ RSV_INLINE const uint8_t *rsv_history_find(const rsv_history_table *table, uint6
 
 uint64_t rsv_history_checksum(const rsv_history_header *header, size_t bytes);
 
-/// "DIR/<settings>.past" @return false if that is too long
-bool rsv_history_path(const char *folder, uint64_t settings, char *path, size_t bytes);
+/// "<settings>.past"
+void rsv_history_name(uint64_t settings, char name[RSV_STORE_NAME_BYTES]);
 
 /// Of all sources; RSV_HISTORY_NO_LIGHTS where textures decide what they give.
 uint64_t rsv_history_lights_key(const rsv_lights *lights);

@@ -14,7 +14,9 @@ typedef struct rsv_box {
 struct rsv_history {
     rsv_context *context;
     rsv_known_cells known_cells;
-    const rsv_history_header *header;
+    rsv_store *store; ///< where it lies
+    rsv_blob blob;
+    const rsv_history_header *header; ///< of the blob
     rsv_history_layout layout;
     uint32_t
         *face_then[2]; ///< [triangle_count of the scene] by side: the same face; RSV_NONE = none

@@ -6,9 +6,7 @@
 #include "element_keys.h"
 
 #include <errno.h>
-#include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 /// Slots for so many keys, a third of them free at least.
 static uint64_t slots_for(size_t count)
@@ -106,25 +104,6 @@ static rsv_history_header describe(const rsv_transport_scene *scene, const rsv_l
     return h;
 }
 
-/// Writes a file beside its place, out to the disk, and moves it there. @return 0, or why not
-static int save(const rsv_history_header *h, size_t bytes, const char *path)
-{
-    char beside[RSV_HISTORY_PATH_BYTES];
-    // of this run alone: another one of the same scene has its own
-    if (snprintf(beside, sizeof beside, "%s.%ld.part", path, (long)getpid()) >= (int)sizeof beside)
-        return ENAMETOOLONG;
-    FILE *file = fopen(beside, "wb");
-    if (!file) return errno;
-    errno = 0;
-    bool written =
-        fwrite(h, 1, bytes, file) == bytes && fflush(file) == 0 && fsync(fileno(file)) == 0;
-    int why = written ? 0 : errno ? errno : EIO;
-    if (fclose(file) != 0 && !why) why = errno;
-    if (!why && rename(beside, path) != 0) why = errno;
-    if (why) remove(beside);
-    return why;
-}
-
 static rsv_status fill(const rsv_transport_scene *scene, const rsv_history_fields *level,
     rsv_history_header *h, size_t bytes)
 {
@@ -141,24 +120,24 @@ cleanup:
     return status;
 }
 
-void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *lights,
-    const char *folder, uint64_t settings, const rsv_spacing *spacing,
+void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *lights, rsv_store *store,
+    uint64_t settings, const rsv_spacing *spacing,
     const rsv_history_fields level[RSV_HISTORY_LEVELS])
 {
     rsv_context *context = lights->context;
-    char path[RSV_HISTORY_PATH_BYTES];
+    char name[RSV_STORE_NAME_BYTES];
     rsv_history_header header = describe(scene, lights, settings, spacing, level);
     size_t bytes = rsv_history_layout_of(&header).bytes;
     rsv_history_header *h = rsv_alloc(context, bytes, 1);
     int why = h ? 0 : ENOMEM;
     if (h) *h = header;
     if (!why && fill(scene, level, h, bytes) != RSV_OK) why = ENOMEM;
-    if (!rsv_history_path(folder, settings, path, sizeof path)) why = ENAMETOOLONG;
-    if (!why) why = save(h, bytes, path);
+    rsv_history_name(settings, name);
+    if (!why) why = store->table->write(store, name, h, bytes);
     if (why)
         rsv_log(context, RSV_LOG_WARNING,
             "checkpoint: cannot keep in '%s' what this solution knew: %s; after an edit of the "
             "scene everything will be solved anew",
-            folder, strerror(why));
+            store->place, strerror(why));
     rsv_free(context, h);
 }

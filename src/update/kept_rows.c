@@ -3,8 +3,6 @@
 #include "../core/index_map.h"
 #include "update.h"
 
-#include <dirent.h>
-#include <stdio.h>
 #include <string.h>
 
 static bool is_catalogue(const char *name)
@@ -40,33 +38,34 @@ static size_t count_known(
     return known;
 }
 
-/// The catalogue in a folder that knows most rows. @param name out: of its file, up to the key @param best out: NULL = none
-static rsv_status find_best(const rsv_row_catalogue *now, const rsv_index_map *nodes,
-    const char *folder, char name[RSV_ROW_KEY_DIGITS + 1], rsv_row_catalogue **best)
+/// The catalogue in a store that knows most rows, as far as it was searched.
+typedef struct best_catalogue {
+    rsv_store *store;
+    const rsv_row_catalogue *now;
+    const rsv_index_map *nodes;
+    size_t known;
+    rsv_row_catalogue *catalogue; ///< NULL = none
+    char key[RSV_ROW_KEY_DIGITS + 1];
+} best_catalogue;
+
+static rsv_status look_at(void *user, const char *name)
 {
-    rsv_status status = RSV_OK;
-    char path[RSV_ROW_PATH_BYTES];
-    size_t most = 0;
-    DIR *directory = opendir(folder);
-    for (struct dirent *entry; directory && status == RSV_OK && (entry = readdir(directory));) {
-        rsv_row_catalogue *then = NULL;
-        if (!is_catalogue(entry->d_name) ||
-            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
-            continue;
-        status = rsv_row_catalogue_read(now->context, path, &then);
-        bool alike = then && then->header->ray_count == now->header->ray_count &&
-                     then->header->seed == now->header->seed;
-        size_t known = alike ? count_known(then, now, nodes) : 0;
-        if (known > most) {
-            rsv_row_catalogue *swap = *best;
-            *best = then;
-            then = swap;
-            most = known;
-            memcpy(name, entry->d_name, RSV_ROW_KEY_DIGITS);
-        }
-        rsv_row_catalogue_destroy(then);
+    best_catalogue *best = user;
+    const rsv_row_catalogue *now = best->now;
+    rsv_row_catalogue *then = NULL;
+    if (!is_catalogue(name)) return RSV_OK;
+    rsv_status status = rsv_row_catalogue_read(now->context, best->store, name, &then);
+    bool alike = then && then->header->ray_count == now->header->ray_count &&
+                 then->header->seed == now->header->seed;
+    size_t known = alike ? count_known(then, now, best->nodes) : 0;
+    if (known > best->known) {
+        rsv_row_catalogue *swap = best->catalogue;
+        best->catalogue = then;
+        then = swap;
+        best->known = known;
+        memcpy(best->key, name, RSV_ROW_KEY_DIGITS);
     }
-    if (directory) closedir(directory);
+    rsv_row_catalogue_destroy(then);
     return status;
 }
 
@@ -112,35 +111,46 @@ static rsv_status match(rsv_kept_rows *e, const rsv_row_catalogue *then,
     return match_ends(then, now, nodes, e->end_now);
 }
 
+static rsv_status open_rows(
+    const rsv_row_basis *basis, const best_catalogue *best, rsv_kept_rows *e)
+{
+    const rsv_history *history = rsv_history_of(basis->scene);
+    const rsv_row_catalogue *then = best->catalogue;
+    e->seconds = then->header->seconds;
+    e->change = history ? *rsv_history_change(history)
+                        : rsv_scene_change_since(
+                              basis->scene->view, then->triangle_key, then->header->triangle_count);
+    rsv_status status = match(e, then, best->now, best->nodes);
+    e->reader = (rsv_row_reader){ .context = e->context,
+        .store = best->store,
+        .node_count = then->header->node_count,
+        .ray_count = best->now->header->ray_count };
+    return status == RSV_OK ? rsv_row_reader_open(&e->reader, best->key, NULL, NULL) : status;
+}
+
 rsv_status rsv_kept_rows_open(const rsv_row_basis *basis, const rsv_row_catalogue *now,
-    const char *folder, rsv_kept_rows **earlier)
+    rsv_store *store, rsv_kept_rows **earlier)
 {
     rsv_context *context = now->context;
     rsv_status status;
     rsv_index_map nodes = { 0 };
-    rsv_row_catalogue *then = NULL;
+    best_catalogue best = { .store = store, .now = now, .nodes = &nodes };
     rsv_kept_rows *e = NULL;
-    char key[RSV_ROW_KEY_DIGITS + 1] = { 0 };
     *earlier = NULL;
     RSV_TRY(map_keys(context, now->node_key, now->header->node_count, &nodes));
-    RSV_TRY(find_best(now, &nodes, folder, key, &then));
-    if (!then) goto cleanup;
+    status = store->table->list(store, look_at, &best);
+    if (status == RSV_ERROR_IO) status = RSV_OK; // then none is known
+    RSV_TRY(status);
+    if (!best.catalogue) goto cleanup;
     e = rsv_alloc(context, 1, sizeof *e);
     RSV_TRY(e ? RSV_OK : RSV_ERROR_MEMORY);
     e->context = context;
-    e->seconds = then->header->seconds;
-    const rsv_history *history = rsv_history_of(basis->scene);
-    e->change = history ? *rsv_history_change(history)
-                        : rsv_scene_change_since(
-                              basis->scene->view, then->triangle_key, then->header->triangle_count);
-    RSV_TRY(match(e, then, now, &nodes));
-    RSV_TRY(rsv_row_reader_open(context, folder, key, then->header->node_count,
-        now->header->ray_count, NULL, NULL, &e->files));
+    RSV_TRY(open_rows(basis, &best, e));
     *earlier = e;
     e = NULL;
 cleanup:
     rsv_kept_rows_close(e);
-    rsv_row_catalogue_destroy(then);
+    rsv_row_catalogue_destroy(best.catalogue);
     rsv_index_map_destroy(&nodes);
     return status;
 }
@@ -148,7 +158,7 @@ cleanup:
 void rsv_kept_rows_close(rsv_kept_rows *e)
 {
     if (!e) return;
-    rsv_row_reader_close(&e->files);
+    rsv_row_reader_close(&e->reader);
     rsv_free(e->context, e->row_then);
     rsv_free(e->context, e->end_now);
     rsv_free(e->context, e);
@@ -157,7 +167,7 @@ void rsv_kept_rows_close(rsv_kept_rows *e)
 bool rsv_kept_rows_find(const rsv_kept_rows *e, uint32_t node, rsv_kept_row *row)
 {
     uint32_t then = e ? e->row_then[node] : RSV_NONE;
-    const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_reader_find(&e->files, then);
+    const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_reader_find(&e->reader, then);
     if (!record) return false;
     *row = rsv_row_record_kept(record);
     row->end_now = e->end_now;

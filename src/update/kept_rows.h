@@ -12,17 +12,17 @@
 
 typedef struct rsv_kept_rows {
     rsv_context *context;
-    rsv_row_reader files;
+    rsv_row_reader reader;
     uint32_t *row_then; ///< [node_count] node then whose row has the same rays; RSV_NONE = none
     uint32_t *end_now;  ///< [node_count then] the same node now; RSV_NONE = there is none
     rsv_scene_change change;
     double seconds; ///< that tracing all rows took then
 } rsv_kept_rows;
 
-/// Looks among the rows in a folder for those most like the rows to be traced. @param now of these
+/// Looks among the rows in a store for those most like the rows to be traced. @param now of these
 /// @param earlier out: NULL if there are none
 rsv_status rsv_kept_rows_open(const rsv_row_basis *basis, const rsv_row_catalogue *now,
-    const char *folder, rsv_kept_rows **earlier);
+    rsv_store *store, rsv_kept_rows **earlier);
 void rsv_kept_rows_close(rsv_kept_rows *earlier);
 
 /// What the rays of a row found then. @param earlier NULL = nothing is known @return false if nothing is known

@@ -1,9 +1,10 @@
-/// What rows in files were traced on, in keys: enough to know their nodes again on the elements of an edited scene.
+/// What rows in a store were traced on, in keys: enough to know their nodes again on the elements of an edited scene.
 #ifndef RSV_ROW_CATALOGUE_H
 #define RSV_ROW_CATALOGUE_H
 
 #include "../chain/chain_walk.h"
 #include "../elements/elements.h"
+#include "store.h"
 
 /// What rows are traced on; borrowed.
 typedef struct rsv_row_basis {
@@ -34,12 +35,12 @@ typedef struct rsv_row_catalogue {
 
 rsv_status rsv_row_catalogue_create(const rsv_row_basis *basis, rsv_row_catalogue **catalogue);
 
-/// @param catalogue out: NULL where the file is none, or not whole
+/// @param catalogue out: NULL where the blob is none, or not whole
 rsv_status rsv_row_catalogue_read(
-    rsv_context *context, const char *path, rsv_row_catalogue **catalogue);
+    rsv_context *context, rsv_store *store, const char *name, rsv_row_catalogue **catalogue);
 
-/// Writes it beside its place and moves it there; a warning where that fails.
-void rsv_row_catalogue_write(rsv_row_catalogue *catalogue, const char *path);
+/// A warning where that fails.
+void rsv_row_catalogue_write(rsv_row_catalogue *catalogue, rsv_store *store, const char *name);
 
 void rsv_row_catalogue_destroy(rsv_row_catalogue *catalogue);
 

@@ -1,39 +1,8 @@
 #include "row_reader.h"
 
-#include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
-#include <stdio.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
-/// @param file out: empty if there is nothing to learn from it
-static rsv_status map_file(rsv_row_reader *f, const char *path, rsv_mapped_file *file)
-{
-    struct stat info;
-    *file = (rsv_mapped_file){ 0 };
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (descriptor < 0 || fstat(descriptor, &info) != 0 || info.st_size == 0) {
-        if (descriptor >= 0) close(descriptor);
-        return RSV_OK;
-    }
-    void *byte = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_PRIVATE, descriptor, 0);
-    close(descriptor);
-    if (byte == MAP_FAILED)
-        return rsv_fail(RSV_ERROR_IO, "checkpoint: cannot read '%s': %s", path, strerror(errno));
-    rsv_status status =
-        rsv_grow(f->context, (void **)&f->file, &f->capacity, f->file_count + 1, sizeof *f->file);
-    *file = (rsv_mapped_file){ byte, (size_t)info.st_size };
-    if (status == RSV_OK)
-        f->file[f->file_count++] = *file;
-    else
-        munmap(byte, file->count);
-    return status;
-}
-
-/// A record of a file, and whether it is what its writer wrote.
+/// A record of a blob, and whether it is what its writer wrote.
 typedef struct listed_record {
     size_t at, bytes;
     uint32_t node;
@@ -41,44 +10,64 @@ typedef struct listed_record {
 } listed_record;
 
 /// Hops from head to head. @param list out, to be freed
-static rsv_status list_records(const rsv_row_reader *f, const rsv_mapped_file *file,
-    uint32_t ray_count, listed_record **list, size_t *count)
+static rsv_status list_records(
+    const rsv_row_reader *r, const rsv_blob *blob, listed_record **list, size_t *count)
 {
     size_t capacity = 0, at = 0;
     *list = NULL;
     *count = 0;
     for (;;) {
-        listed_record r = { .at = at };
-        r.bytes = rsv_row_record_bytes(
-            file->byte + at, file->count - at, f->node_count, ray_count, &r.node);
-        if (r.bytes == 0) return RSV_OK;
+        listed_record next = { .at = at };
+        next.bytes = rsv_row_record_bytes(
+            blob->byte + at, blob->count - at, r->node_count, r->ray_count, &next.node);
+        if (next.bytes == 0) return RSV_OK;
         rsv_status status =
-            rsv_grow(f->context, (void **)list, &capacity, *count + 1, sizeof **list);
+            rsv_grow(r->context, (void **)list, &capacity, *count + 1, sizeof **list);
         if (status != RSV_OK) return status;
-        (*list)[(*count)++] = r;
-        at += r.bytes;
+        (*list)[(*count)++] = next;
+        at += next.bytes;
     }
 }
 
-/// Notes the records of a file. @param end out: bytes up to the first that is not sound
-static rsv_status index_records(
-    rsv_row_reader *f, const rsv_mapped_file *file, uint32_t ray_count, size_t *end)
+/// Notes the records of a blob. @param end out: bytes up to the first that is not sound
+static rsv_status index_records(rsv_row_reader *r, const rsv_blob *blob, size_t *end)
 {
     listed_record *list;
     size_t count;
     *end = 0;
-    rsv_status status = list_records(f, file, ray_count, &list, &count);
-#pragma omp parallel for schedule(static) num_threads(rsv_threads(f->context))
+    rsv_status status = list_records(r, blob, &list, &count);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(r->context))
     for (size_t k = 0; k < count; k++)
         list[k].sound =
-            rsv_row_record_is_sound(file->byte + list[k].at, list[k].bytes, f->node_count);
+            rsv_row_record_is_sound(blob->byte + list[k].at, list[k].bytes, r->node_count);
     for (size_t k = 0; k < count && list[k].sound; k++) {
-        f->known[list[k].node] = file->byte + list[k].at;
+        r->known[list[k].node] = (rsv_blob){ blob->byte + list[k].at, list[k].bytes };
         *end = list[k].at + list[k].bytes;
     }
-    rsv_free(f->context, list);
+    rsv_free(r->context, list);
     return status;
 }
+
+/// A part of a blob, held until the reader is closed.
+static rsv_status hold(rsv_row_reader *r, const char *name, size_t part, rsv_blob *blob)
+{
+    rsv_status status = r->store->table->read(r->store, name, part, blob);
+    if (status != RSV_OK || blob->count == 0) return status;
+    status =
+        rsv_grow(r->context, (void **)&r->blob, &r->capacity, r->blob_count + 1, sizeof *r->blob);
+    if (status == RSV_OK)
+        r->blob[r->blob_count++] = *blob;
+    else
+        r->store->table->release(r->store, blob);
+    return status;
+}
+
+/// What is looked for among the names of a store.
+typedef struct search {
+    rsv_row_reader *reader;
+    const char *key, *own;
+    size_t *own_bytes;
+} search;
 
 static bool is_named(const char *name, const char *key)
 {
@@ -87,57 +76,51 @@ static bool is_named(const char *name, const char *key)
            strcmp(name + length - ending, ".rows") == 0;
 }
 
-rsv_status rsv_row_reader_open(rsv_context *context, const char *folder, const char *key,
-    size_t node_count, uint32_t ray_count, const char *own, size_t *own_bytes, rsv_row_reader *f)
+static rsv_status read_blob(void *user, const char *name)
 {
-    rsv_status status = RSV_OK;
-    char path[RSV_ROW_PATH_BYTES];
-    *f = (rsv_row_reader){ .context = context, .node_count = node_count, .ray_count = ray_count };
-    f->known = rsv_alloc(context, node_count, sizeof *f->known);
-    if (!f->known) return RSV_ERROR_MEMORY;
-    DIR *directory = opendir(folder);
-    if (!directory)
-        return rsv_fail(
-            RSV_ERROR_IO, "checkpoint: cannot open the folder '%s': %s", folder, strerror(errno));
-    for (struct dirent *entry; status == RSV_OK && (entry = readdir(directory));) {
-        rsv_mapped_file file;
-        if (!is_named(entry->d_name, key)) continue;
-        if (snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
-            continue;
-        status = map_file(f, path, &file);
-        size_t sound = 0;
-        if (status == RSV_OK && file.byte) status = index_records(f, &file, ray_count, &sound);
-        if (own && strcmp(path, own) == 0) *own_bytes = sound;
+    search *s = user;
+    size_t sound = 0, bytes = 0;
+    rsv_blob blob;
+    if (!is_named(name, s->key)) return RSV_OK;
+    for (size_t part = 0;; part++) {
+        rsv_status status = hold(s->reader, name, part, &blob);
+        if (status != RSV_OK) return status;
+        if (blob.count == 0) break;
+        status = index_records(s->reader, &blob, &bytes);
+        if (status != RSV_OK) return status;
+        sound += bytes;
     }
-    closedir(directory);
-    return status;
+    if (s->own && strcmp(name, s->own) == 0) *s->own_bytes = sound;
+    return RSV_OK;
 }
 
-static size_t bytes_from(const rsv_row_reader *f, const uint8_t *record)
+rsv_status rsv_row_reader_open(
+    rsv_row_reader *r, const char *key, const char *own, size_t *own_bytes)
 {
-    for (size_t k = 0; k < f->file_count; k++)
-        if (record >= f->file[k].byte && record < f->file[k].byte + f->file[k].count)
-            return (size_t)(f->file[k].byte + f->file[k].count - record);
-    return 0;
+    search s = { r, key, own, own_bytes };
+    r->known = rsv_alloc(r->context, r->node_count, sizeof *r->known);
+    if (!r->known) return RSV_ERROR_MEMORY;
+    return r->store->table->list(r->store, read_blob, &s);
 }
 
-const uint8_t *rsv_row_reader_find(const rsv_row_reader *f, uint32_t node)
+const uint8_t *rsv_row_reader_find(const rsv_row_reader *r, uint32_t node)
 {
-    const uint8_t *record = f->known[node];
+    const rsv_blob *record = &r->known[node];
     uint32_t there;
-    if (!record) return NULL;
+    if (record->count == 0) return NULL;
     size_t bytes =
-        rsv_row_record_bytes(record, bytes_from(f, record), f->node_count, f->ray_count, &there);
-    bool sound = bytes && there == node && rsv_row_record_is_sound(record, bytes, f->node_count);
-    return sound ? record : NULL;
+        rsv_row_record_bytes(record->byte, record->count, r->node_count, r->ray_count, &there);
+    bool sound =
+        bytes && there == node && rsv_row_record_is_sound(record->byte, bytes, r->node_count);
+    return sound ? record->byte : NULL;
 }
 
-void rsv_row_reader_close(rsv_row_reader *f)
+void rsv_row_reader_close(rsv_row_reader *r)
 {
-    if (!f->context) return;
-    for (size_t k = 0; k < f->file_count; k++)
-        munmap(f->file[k].byte, f->file[k].count);
-    rsv_free(f->context, f->file);
-    rsv_free(f->context, f->known);
-    *f = (rsv_row_reader){ 0 };
+    if (!r->context) return;
+    for (size_t k = 0; k < r->blob_count; k++)
+        r->store->table->release(r->store, &r->blob[k]);
+    rsv_free(r->context, r->blob);
+    rsv_free(r->context, r->known);
+    *r = (rsv_row_reader){ 0 };
 }

@@ -6,21 +6,21 @@
 #include "update.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 struct rsv_row_store {
     rsv_context *context;
+    rsv_store *store;
     uint32_t ray_count;
-    rsv_row_reader files; ///< of earlier runs
+    rsv_row_reader reader; ///< of earlier runs
     rsv_row_catalogue *catalogue;
     rsv_kept_rows *earlier; ///< of the scene before it was edited; NULL = none
-    int descriptor;         ///< of the file that grows
-    int error;              ///< errno of what could not be written; 0 = all was
-    size_t own_bytes;       ///< of sound records that it had
-    char path[RSV_ROW_PATH_BYTES], catalogue_path[RSV_ROW_PATH_BYTES];
+    bool open;
+    int end;          ///< of the blob that grows, where it is open
+    int error;        ///< errno of what could not be written; 0 = all was
+    size_t own_bytes; ///< of sound records that it had
+    char name[RSV_STORE_NAME_BYTES], catalogue_name[RSV_STORE_NAME_BYTES];
 };
 
 static uint64_t key_of(const rsv_row_basis *t)
@@ -40,7 +40,7 @@ static uint64_t key_of(const rsv_row_basis *t)
 
 bool rsv_row_store_take(const rsv_row_store *c, uint32_t node, rsv_row_scratch *scratch)
 {
-    const uint8_t *record = c ? rsv_row_reader_find(&c->files, node) : NULL;
+    const uint8_t *record = c ? rsv_row_reader_find(&c->reader, node) : NULL;
     if (record) rsv_row_record_take(record, c->ray_count, scratch);
     return record != NULL;
 }
@@ -62,14 +62,8 @@ rsv_status rsv_row_store_write(rsv_row_store *c, rsv_row_block *b)
     if (!c) return status;
 #pragma omp critical(rsv_row_store)
     {
-        for (size_t done = 0; c->error == 0 && done < b->count;) {
-            ssize_t written = write(c->descriptor, b->byte + done, b->count - done);
-            if (written >= 0)
-                done += (size_t)written;
-            else if (errno != EINTR)
-                c->error = errno;
-        }
-        if (c->error != 0) status = RSV_ERROR_IO;
+        if (c->error == 0) c->error = c->store->table->append(c->store, c->end, b->byte, b->count);
+        if (c->error != 0) status = c->error == ENOMEM ? RSV_ERROR_MEMORY : RSV_ERROR_IO;
     }
     b->count = 0;
     return status;
@@ -79,61 +73,53 @@ rsv_status rsv_row_store_outcome(const rsv_row_store *c)
 {
     if (!c || c->error == 0) return RSV_OK;
     return rsv_fail(RSV_ERROR_IO,
-        "checkpoint: cannot write '%s': %s; with that mended, the same command goes on with the "
+        "checkpoint: cannot write '%s/%s': %s; with that mended, the same command goes on with the "
         "rows that are there",
-        c->path, strerror(c->error));
+        c->store->place, c->name, strerror(c->error));
 }
 
 double rsv_row_store_finish(rsv_row_store *c, double seconds)
 {
     if (!c) return 0;
     c->catalogue->header->seconds = c->earlier ? c->earlier->seconds : seconds;
-    if (rsv_team_place_of(c->context).rank == 0)
-        rsv_row_catalogue_write(c->catalogue, c->catalogue_path);
+    if (!c->store->shared || rsv_team_place_of(c->context).rank == 0)
+        rsv_row_catalogue_write(c->catalogue, c->store, c->catalogue_name);
     return c->earlier ? c->earlier->seconds - seconds : 0;
 }
 
 /// Goes on behind the last sound record.
 static rsv_status open_own(rsv_row_store *c)
 {
-    c->descriptor = open(c->path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
-    if (c->descriptor < 0 || ftruncate(c->descriptor, (off_t)c->own_bytes) != 0 ||
-        lseek(c->descriptor, 0, SEEK_END) < 0)
-        return rsv_fail(
-            RSV_ERROR_IO, "checkpoint: cannot write '%s': %s", c->path, strerror(errno));
-    return RSV_OK;
+    int why = c->store->table->open(c->store, c->name, c->own_bytes, &c->end);
+    c->open = why == 0;
+    if (why == ENOMEM) return RSV_ERROR_MEMORY;
+    if (why == 0) return RSV_OK;
+    return rsv_fail(RSV_ERROR_IO, "checkpoint: cannot write '%s/%s': %s", c->store->place, c->name,
+        strerror(why));
 }
 
 static void report(const rsv_row_store *c)
 {
     size_t known = 0;
-    for (size_t n = 0; n < c->files.node_count; n++)
-        known += c->files.known[n] != NULL;
+    for (size_t n = 0; n < c->reader.node_count; n++)
+        known += c->reader.known[n].count > 0;
     if (known)
         rsv_log(c->context, RSV_LOG_INFO, "checkpoint: %zu rows of %u rays are known already",
             known, c->ray_count);
 }
 
-static rsv_status name_files(rsv_row_store *c, const char *folder, const char *key)
-{
-    uint32_t rank = rsv_team_place_of(c->context).rank;
-    int length = snprintf(c->path, sizeof c->path, "%s/%s-%u.rows", folder, key, rank);
-    snprintf(c->catalogue_path, sizeof c->catalogue_path, "%s/%s.scene", folder, key);
-    return length < (int)sizeof c->path
-               ? RSV_OK
-               : rsv_fail(RSV_ERROR_IO, "checkpoint: the name of the folder is too long");
-}
-
 /// Rows of this scene, and of an earlier version of it.
 static rsv_status read_rows(rsv_row_store *c, const rsv_row_basis *basis, const char *key)
 {
-    const rsv_update *update = basis->scene->update;
+    rsv_store *earlier = basis->scene->update->earlier;
     rsv_status status;
-    RSV_TRY(rsv_row_reader_open(c->context, update->store, key, basis->elements->node_count,
-        c->ray_count, c->path, &c->own_bytes, &c->files));
+    c->reader = (rsv_row_reader){ .context = c->context,
+        .store = c->store,
+        .node_count = basis->elements->node_count,
+        .ray_count = c->ray_count };
+    RSV_TRY(rsv_row_reader_open(&c->reader, key, c->name, &c->own_bytes));
     RSV_TRY(rsv_row_catalogue_create(basis, &c->catalogue));
-    if (update->earlier)
-        RSV_TRY(rsv_kept_rows_open(basis, c->catalogue, update->earlier, &c->earlier));
+    if (earlier) RSV_TRY(rsv_kept_rows_open(basis, c->catalogue, earlier, &c->earlier));
 cleanup:
     return status;
 }
@@ -147,10 +133,11 @@ rsv_status rsv_row_store_open(const rsv_row_basis *basis, rsv_row_store **store)
     rsv_row_store *c = rsv_alloc(context, 1, sizeof *c);
     if (!c) return RSV_ERROR_MEMORY;
     c->context = context;
-    c->descriptor = -1;
+    c->store = basis->scene->update->store;
     c->ray_count = basis->ray_count;
     snprintf(key, sizeof key, "%016llx", (unsigned long long)key_of(basis));
-    RSV_TRY(name_files(c, basis->scene->update->store, key));
+    snprintf(c->name, sizeof c->name, "%s-%u.rows", key, rsv_team_place_of(context).rank);
+    snprintf(c->catalogue_name, sizeof c->catalogue_name, "%s.scene", key);
     RSV_TRY(rsv_team_meet(context, read_rows(c, basis, key)));
     RSV_TRY(open_own(c)); // after all have read it
     report(c);
@@ -166,7 +153,7 @@ void rsv_row_store_close(rsv_row_store *c)
     if (!c) return;
     rsv_kept_rows_close(c->earlier);
     rsv_row_catalogue_destroy(c->catalogue);
-    rsv_row_reader_close(&c->files);
-    if (c->descriptor >= 0) close(c->descriptor);
+    rsv_row_reader_close(&c->reader);
+    if (c->open) c->store->table->close(c->store, c->end);
     rsv_free(c->context, c);
 }

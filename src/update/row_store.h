@@ -1,8 +1,8 @@
-/// Rows of G kept in files while they are traced, so that a run that is killed need not trace them again, nor one of the
-/// same scene after an edit all of them.
+/// Rows of G kept while they are traced, so that a run that is killed need not trace them again, nor one of the same scene
+/// after an edit all of them.
 ///
-/// A folder belongs to one scene and one version of the program. In it, files are named after all else that rows depend
-/// on: elements, buried points, rays, seed. Every process of a team appends to a file of its own and reads those of all,
+/// A store belongs to one scene and one version of the program. In it, blobs are named after all else that rows depend
+/// on: elements, buried points, rays, seed. Every process of a team appends to a blob of its own and reads those of all,
 /// so that a run may go on with another number of them. A record cut off by the end of its writer is dropped. Once all
 /// rows are there, a catalogue says what they were traced on (row_catalogue.h).
 #ifndef RSV_ROW_STORE_H
@@ -27,7 +27,7 @@ bool rsv_row_store_find_kept(const rsv_row_store *store, uint32_t node, rsv_kept
 rsv_status rsv_row_store_keep(rsv_row_store *store, uint32_t node, const rsv_row_scratch *scratch,
     uint64_t rays, rsv_row_block *block);
 
-/// Appends a block to the file and empties it; threads may call it at the same time. After a failure, such as a full
+/// Appends a block to the blob and empties it; threads may call it at the same time. After a failure, such as a full
 /// disk, all calls fail: rows before it are kept.
 rsv_status rsv_row_store_write(rsv_row_store *store, rsv_row_block *block);
 /// @return why writing failed, if it did, with the message for the calling thread

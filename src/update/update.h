@@ -2,6 +2,7 @@
 ///
 /// - history.h: what that solve knew of elements and their light; it tells elements what they need not find out
 ///   (known_cells.h of elements), and kept_elements.h and kept_light.h take over splits, receiver points and direct light;
+/// - store.h: where all of that is kept, in a folder or in memory;
 /// - row_store.h: rows of G, kept while they are traced and taken over ray by ray;
 /// - scene_change.h: where the two versions of the scene differ; element_keys.h: what is the same in both.
 #ifndef RSV_UPDATE_H
@@ -11,8 +12,8 @@
 
 /// All of it is borrowed.
 typedef struct rsv_update {
-    const char *store;          ///< folder for rows while they are traced; NULL = they are not kept
-    const char *earlier;        ///< that of an earlier version of the scene; NULL = none
+    rsv_store *store;           ///< keeps rows while they are traced; NULL = nobody does
+    rsv_store *earlier;         ///< that of an earlier version of the scene; NULL = none
     const rsv_history *history; ///< what the solve of that knew; NULL = nothing
 } rsv_update;
 

@@ -154,9 +154,32 @@ static inline rsv_history_header *read_past(const char *folder_path, size_t *byt
 static inline void write_past(const char *folder_path, rsv_history_header *h, size_t bytes)
 {
     char path[512];
-    assert_true(rsv_history_path(folder_path, h->settings, path, sizeof path));
+    char name[RSV_STORE_NAME_BYTES];
+    rsv_history_name(h->settings, name);
+    snprintf(path, sizeof path, "%.200s/%s", folder_path, name);
     h->checksum = rsv_history_checksum(h, bytes);
     write_bytes(path, h, bytes);
+}
+
+/// What a solve left in a folder.
+typedef struct opened {
+    rsv_store *store;
+    rsv_history *history; ///< NULL = nothing that is sound
+} opened;
+
+static inline opened open_history(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const char *folder_path, uint64_t settings)
+{
+    opened o = { 0 };
+    assert_int_equal(rsv_store_folder(lights->context, folder_path, &o.store), RSV_OK);
+    assert_int_equal(rsv_history_open(scene, lights, o.store, settings, &o.history), RSV_OK);
+    return o;
+}
+
+static inline void close_history(opened *o)
+{
+    rsv_history_close(o->history);
+    rsv_store_destroy(o->store);
 }
 
 #endif

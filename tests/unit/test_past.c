@@ -213,12 +213,10 @@ static void light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change(void
     (void)state;
     edited_room r = edit(&plain, &moved);
     const rsv_elements *e = inside(r.s)->elements;
-    rsv_history *past = NULL;
     size_t bytes;
     rsv_history_header *h = read_past(r.before.path, &bytes);
-    assert_int_equal(rsv_history_open(&inside(r.s)->scene, inside(r.s)->lights, r.before.path,
-                         h->settings, &past),
-        RSV_OK);
+    opened o = open_history(&inside(r.s)->scene, inside(r.s)->lights, r.before.path, h->settings);
+    const rsv_history *past = o.history;
     assert_non_null(past);
     free(h);
     size_t same = 0;
@@ -228,7 +226,7 @@ static void light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change(void
         assert_false(any_line_meets(rsv_history_change(past), e, c));
     }
     assert_true(same > e->cell_count / 3);
-    rsv_history_close(past);
+    close_history(&o);
     end_edit(&r);
 }
 

@@ -107,20 +107,18 @@ static void forge_loop(rsv_history_header *h, const rsv_history_layout *l)
 }
 
 /// What a solve of the room left, forged, and opened again.
-static rsv_history *open_forged(
+static opened open_forged(
     const world *w, const folder *f, const rsv_history_header *left, size_t bytes, forger forge)
 {
-    rsv_history *past = NULL;
     rsv_history_header *h = malloc(bytes);
     assert_non_null(h);
     memcpy(h, left, bytes);
     rsv_history_layout layout = rsv_history_layout_of(h);
     forge(h, &layout);
     write_past(f->path, h, bytes);
-    assert_int_equal(
-        rsv_history_open(&w->transport, w->lights, f->path, h->settings, &past), RSV_OK);
+    opened o = open_history(&w->transport, w->lights, f->path, h->settings);
     free(h);
-    return past;
+    return o;
 }
 
 static void forged_files_lead_nowhere(void **state)
@@ -134,19 +132,22 @@ static void forged_files_lead_nowhere(void **state)
     size_t bytes;
     rsv_solution_destroy(solve(w, f.path, NULL));
     rsv_history_header *left = read_past(f.path, &bytes);
-    rsv_history *past = open_forged(w, &f, left, bytes, forge_nothing);
-    assert_non_null(past);
-    rsv_history_close(past);
-    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++)
-        assert_null(open_forged(w, &f, left, bytes, refused[k]));
-    past = open_forged(w, &f, left, bytes, forge_table);
-    assert_non_null(past);
+    opened o = open_forged(w, &f, left, bytes, forge_nothing);
+    assert_non_null(o.history);
+    close_history(&o);
+    for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
+        o = open_forged(w, &f, left, bytes, refused[k]);
+        assert_null(o.history);
+        close_history(&o);
+    }
+    o = open_forged(w, &f, left, bytes, forge_table);
+    assert_non_null(o.history);
     rsv_elements *e = NULL;
     const rsv_spacing spacing = { .metres = 1, .reach = INFINITY };
     assert_int_equal(rsv_elements_create(w->scene, w->bsdf, &spacing, &e), RSV_OK);
-    assert_null(rsv_history_find_node(past, e, 0, 999)); // comes back at all
+    assert_null(rsv_history_find_node(o.history, e, 0, 999)); // comes back at all
     rsv_elements_destroy(e);
-    rsv_history_close(past);
+    close_history(&o);
     free(left);
     world_end(w);
     remove_folder(f.path);
@@ -174,10 +175,9 @@ static void cells_are_found_again(void **state)
     world *w = build(&plain, 1);
     size_t bytes, parents = 0;
     rsv_solution *s = solve(w, f.path, NULL);
-    rsv_history *past = NULL;
     rsv_history_header *h = read_past(f.path, &bytes);
-    assert_int_equal(
-        rsv_history_open(&w->transport, w->lights, f.path, h->settings, &past), RSV_OK);
+    opened o = open_history(&w->transport, w->lights, f.path, h->settings);
+    const rsv_history *past = o.history;
     assert_non_null(past);
     rsv_elements *e = inside(s)->fine.elements, unjudged = *e;
     unjudged.cell_openness = NULL;
@@ -198,7 +198,7 @@ static void cells_are_found_again(void **state)
         parents++;
     }
     assert_true(parents > e->cell_count / 2);
-    rsv_history_close(past);
+    close_history(&o);
     rsv_solution_destroy(s);
     free(h);
     world_end(w);
@@ -241,19 +241,18 @@ static void cells_are_split_to_the_finest_level_at_most(void **state)
     world *w = build(&plain, 1);
     size_t bytes;
     rsv_solution *s = solve(w, f.path, NULL);
-    rsv_history *past = NULL;
     rsv_history_header *h = read_past(f.path, &bytes);
     dig(&h, &bytes);
     write_past(f.path, h, bytes);
-    assert_int_equal(
-        rsv_history_open(&w->transport, w->lights, f.path, h->settings, &past), RSV_OK);
+    opened o = open_history(&w->transport, w->lights, f.path, h->settings);
+    const rsv_history *past = o.history;
     assert_non_null(past);
     rsv_cell *cell = &inside(s)->fine.elements->cell[0]; // the first of its face, at any depth
     *cell = (rsv_cell){ .level = RSV_MAX_LEVEL };
     assert_false(rsv_history_was_split(past, RSV_HISTORY_FINE, inside(s)->fine.elements, 0));
     cell->level--;
     assert_true(rsv_history_was_split(past, RSV_HISTORY_FINE, inside(s)->fine.elements, 0));
-    rsv_history_close(past);
+    close_history(&o);
     rsv_solution_destroy(s);
     free(h);
     world_end(w);

@@ -63,17 +63,25 @@ static void destroy(built *b)
     world_end(b->w);
 }
 
+static rsv_store *open_folder(rsv_context *context, const char *path)
+{
+    rsv_store *store = NULL;
+    assert_int_equal(rsv_store_folder(context, path, &store), RSV_OK);
+    return store;
+}
+
 /// Leaves rows in the room's folder.
 static void trace_rows(const room *r)
 {
     built b = build(r);
     rsv_transport *transport;
-    const rsv_update update = { .store = r->rows };
+    rsv_update update = { .store = open_folder(b.w->context, r->rows) };
     b.w->transport.update = &update;
     assert_int_equal(rsv_transport_create(&b.w->transport, b.w->lights, b.elements, b.valid_points,
                          RAYS, SEED, &transport),
         RSV_OK);
     rsv_transport_destroy(transport);
+    rsv_store_destroy(update.store);
     destroy(&b);
 }
 
@@ -128,6 +136,7 @@ static kept update(const room *before, const room *after)
 {
     built b = build(after);
     rsv_row_catalogue *now;
+    rsv_store *store = open_folder(b.w->context, before->rows);
     rsv_kept_rows *earlier;
     rsv_row_tracer tracer = { .scene = &b.w->transport,
         .lights = b.w->lights,
@@ -141,10 +150,11 @@ static kept update(const room *before, const room *after)
         kind[side] = tracer.target[side].kind;
     const rsv_row_basis basis = { &b.w->transport, b.elements, b.valid_points, kind, RAYS, SEED };
     assert_int_equal(rsv_row_catalogue_create(&basis, &now), RSV_OK);
-    assert_int_equal(rsv_kept_rows_open(&basis, now, before->rows, &earlier), RSV_OK);
+    assert_int_equal(rsv_kept_rows_open(&basis, now, store, &earlier), RSV_OK);
     free(kind);
     kept k = compare_rows(&tracer, earlier);
     rsv_kept_rows_close(earlier);
+    rsv_store_destroy(store);
     rsv_row_catalogue_destroy(now);
     rsv_row_tracer_end(&tracer);
     destroy(&b);
@@ -267,11 +277,13 @@ static void records_written_over_meanwhile_are_not_taken(void **state)
     snprintf(key, sizeof key, "%.*s", RSV_ROW_KEY_DIGITS, name);
     const char *path = path_in(&rows, name);
     built b = build(&plain);
-    rsv_row_reader files;
+    rsv_row_reader files = { .context = b.w->context,
+        .store = open_folder(b.w->context, rows.path),
+        .node_count = b.elements->node_count,
+        .ray_count = RAYS };
+    rsv_store *store = files.store;
     size_t own, bytes;
-    assert_int_equal(rsv_row_reader_open(b.w->context, rows.path, key, b.elements->node_count, RAYS,
-                         path, &own, &files),
-        RSV_OK);
+    assert_int_equal(rsv_row_reader_open(&files, key, name, &own), RSV_OK);
     size_t all = count_found(&files);
     assert_true(all > 100);
     uint8_t *content = read_bytes(path, &bytes);
@@ -284,6 +296,7 @@ static void records_written_over_meanwhile_are_not_taken(void **state)
     size_t left = count_found(&files);
     assert_true(left > all / 3 && left < 2 * all / 3);
     rsv_row_reader_close(&files);
+    rsv_store_destroy(store);
     destroy(&b);
     remove_folder(rows.path);
 }
