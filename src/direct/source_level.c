@@ -37,6 +37,8 @@ typedef struct level_builder {
     rsv_rgb *caustic;
     uint8_t *split;       ///< [cell_count]
     rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
+    bool complete;        ///< there will be no more splits
+    size_t kept_count;    ///< nodes in the end of which it is
     uint64_t *rays;
 } level_builder;
 
@@ -94,7 +96,8 @@ static rsv_status prepare_elements(level_builder *b, const earlier_level *earlie
     if (earlier) carry_over(b, earlier);
     const rsv_kept_light_fields fields = { b->direct, b->deviation, b->valid_points,
         RSV_LEVEL_POINTS, b->known, b->lit };
-    if (b->kept) RSV_TRY(rsv_kept_light_nodes(b->kept, e, &fields));
+    if (b->kept)
+        RSV_TRY(rsv_kept_light_nodes(b->kept, e, &fields, b->complete ? &b->kept_count : NULL));
     RSV_TRY(rsv_find_buried(
         b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->known, b->valid_points, b->rays));
     RSV_TRY(rsv_elements_bridge_buried(e, b->valid_points));
@@ -295,6 +298,7 @@ static rsv_status add_kept(level_builder *b)
 {
     rsv_status status;
     earlier_level earlier = set_aside(b);
+    b->complete = true;
     RSV_TRY(rsv_kept_light_splits(b->kept, b->desc->max_cells, earlier.elements, &b->elements));
     RSV_TRY(prepare_elements(b, &earlier));
     // nodes where both meet; shadows may end there
@@ -405,6 +409,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     level->caustic = b.caustic;
     level->deviation = b.deviation;
     level->valid_points = b.valid_points;
+    level->kept = b.kept_count;
     b.elements = NULL;
     b.direct = b.caustic = NULL;
     b.deviation = NULL;

@@ -76,6 +76,7 @@ void rsv_row_retrace(
         return;
     }
     uint32_t rays = tracer->directions.count;
+    uint64_t kept_before = s->kept;
     const uint32_t *column = row->column;
     rsv_ray_packet packet = rsv_row_begin(tracer, &r, s);
     for (uint32_t first = 0; first < rays; first += LANES) {
@@ -90,4 +91,5 @@ void rsv_row_retrace(
         }
     }
     s->rays += rays;
+    s->kept_rows += s->kept - kept_before == rays;
 }

@@ -196,6 +196,7 @@ static rsv_status trace_all(assembly *a)
     for (int thread = 0; thread < rsv_threads(context); thread++) {
         a->transport->rays += a->scratch[thread].rays;
         a->transport->kept_rays += a->scratch[thread].kept;
+        a->transport->kept_rows += a->scratch[thread].kept_rows;
     }
     a->transport->spared_seconds = rsv_row_store_finish(a->store, rsv_seconds() - start);
     RSV_TRY(rsv_progress(context, "assemble", 1));
@@ -211,6 +212,7 @@ static rsv_status share_rows(rsv_transport *t)
 {
     t->rays = rsv_team_total(t->context, t->rays);
     t->kept_rays = rsv_team_total(t->context, t->kept_rays);
+    t->kept_rows = rsv_team_total(t->context, t->kept_rows);
     rsv_division_share(t->division, t->scale, sizeof *t->scale);
     rsv_division_share(t->division, t->gathered, sizeof *t->gathered);
     return rsv_team_meet(t->context, RSV_OK);

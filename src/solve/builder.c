@@ -68,6 +68,7 @@ rsv_status rsv_builder_trace(
     b->report.row_rays += rows->rays;
     b->report.kept_row_rays += rows->kept_rays;
     b->report.spared_seconds += rows->spared_seconds;
+    b->kept.kept_rows = rows->kept_rows;
     return RSV_OK;
 }
 
@@ -140,9 +141,9 @@ static void report_kept_rays(const rsv_builder *b, const rsv_solve_report *r)
 {
     if (r->kept_row_rays > 0)
         rsv_log(b->context, RSV_LOG_INFO,
-            "checkpoint: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced "
-            "again: %.1f s saved",
-            100 * (double)r->kept_row_rays / (double)r->row_rays,
+            "%s: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced again: "
+            "%.1f s saved",
+            b->update.store->kind, 100 * (double)r->kept_row_rays / (double)r->row_rays,
             100 * (1 - (double)r->kept_row_rays / (double)r->row_rays), fmax(r->spared_seconds, 0));
 }
 
@@ -168,6 +169,8 @@ static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_solution **lig
     RSV_TRY(rsv_operator_scatter(*op));
     RSV_TRY(find_sources(b, *op, light));
     add_report(&(*light)->report, &b->report);
+    (*light)->update.kept_elements = b->kept.kept_elements;
+    (*light)->update.kept_rows = b->kept.kept_rows;
     (*light)->report.time_assemble = rsv_seconds() - start;
     (*light)->report.critical_assemble = rsv_team_path(b->context) - path;
     report_sizes(b, *light);

@@ -22,6 +22,7 @@ typedef struct rsv_builder {
     rsv_elements *elements;  ///< coarse: the unknowns to be
     uint16_t *valid_points;  ///< [node_count] receiver points that are not buried, bit by bit
     rsv_solve_report report; ///< of what was done so far
+    rsv_update_report kept;  ///< likewise
 } rsv_builder;
 
 /// Nodes with a row of their own.

@@ -27,6 +27,9 @@ static rsv_status find_valid_points(rsv_builder *b)
     if (history) RSV_TRY(rsv_kept_points(history, b->elements, b->valid_points, known));
     RSV_TRY(rsv_find_buried(&b->scene, b->elements, RSV_SUPPORT_POINTS, b->desc.seed, known,
         b->valid_points, &b->report.rays));
+    b->kept.kept_elements = 0;
+    for (size_t n = 0; n < nodes; n++)
+        b->kept.kept_elements += known[n] && b->valid_points[n];
 cleanup:
     rsv_free(b->context, known);
     return status;

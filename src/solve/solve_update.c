@@ -59,8 +59,9 @@ static void write_down(const rsv_builder *b, const rsv_solution *light)
     rsv_rgb *direct = rsv_alloc(b->context, nodes, sizeof *direct);
     if (!direct) {
         rsv_log(b->context, RSV_LOG_WARNING,
-            "checkpoint: no memory to keep what this solution knew; after an edit of the scene "
-            "everything will be solved anew");
+            "%s: no memory to keep what this solution knew; after an edit of the scene everything "
+            "will be solved anew",
+            b->update.store->kind);
         return;
     }
     rsv_light_total(light, 0, direct);

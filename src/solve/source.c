@@ -75,6 +75,27 @@ rsv_status rsv_source_estimate(rsv_solution *s, const uint8_t *known)
     return find_direct(s, known, s->field.source, &s->report.rays);
 }
 
+/// Elements that receive light: neither hanging nor buried.
+static size_t count_lit(const rsv_elements *e, const uint16_t *valid_points)
+{
+    size_t count = 0;
+    for (size_t n = 0; e && valid_points && n < e->node_count; n++)
+        count += e->node_hanging[n] == RSV_NONE && valid_points[n];
+    return count;
+}
+
+/// @param known [node_count] coarse elements whose light was not sampled
+static void report_kept(rsv_solution *s, const uint8_t *known)
+{
+    const rsv_source_level *fine = &s->field.fine;
+    size_t kept = 0;
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        kept += known[n] && s->view.valid_points[n];
+    s->update.lit_elements = count_lit(s->elements, s->view.valid_points) +
+                             count_lit(fine->elements, fine->valid_points);
+    s->update.kept_lit_elements = kept + fine->kept;
+}
+
 rsv_status rsv_source_create(rsv_solution *s)
 {
     rsv_status status;
@@ -82,6 +103,7 @@ rsv_status rsv_source_create(rsv_solution *s)
     uint8_t *known = rsv_alloc(s->context, s->elements->node_count, 1);
     RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
     if (history) RSV_TRY(rsv_kept_direct(history, s->elements, s->field.source, known));
+    report_kept(s, known);
     RSV_TRY(rsv_source_estimate(s, known));
     rsv_source_add_gathered(s);
 cleanup:

@@ -136,8 +136,8 @@ void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *light
     if (!why) why = store->table->write(store, name, h, bytes);
     if (why)
         rsv_log(context, RSV_LOG_WARNING,
-            "checkpoint: cannot keep in '%s' what this solution knew: %s; after an edit of the "
-            "scene everything will be solved anew",
-            store->place, strerror(why));
+            "%s: cannot keep in '%s' what this solution knew: %s; after an edit of the scene "
+            "everything will be solved anew",
+            store->kind, store->place, strerror(why));
     rsv_free(context, h);
 }

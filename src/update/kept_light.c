@@ -89,26 +89,40 @@ static bool few_points_of(uint32_t valid, uint32_t points, uint16_t *few)
     return valid == 0 || valid == (1u << RSV_SUPPORT_POINTS) - 1;
 }
 
+/// What was known of a node, if that still holds. @param valid out: receiver points that are not buried
+static const rsv_history_light *find_light(const rsv_kept_light *r, const rsv_elements *e,
+    uint32_t n, uint64_t key, uint32_t points, uint16_t *valid)
+{
+    const rsv_history_light *fine = rsv_history_find_light(r->history, RSV_HISTORY_FINE, e, n, key);
+    const rsv_history_light *then =
+        fine ? fine : rsv_history_find_light(r->history, RSV_HISTORY_COARSE, e, n, key);
+    if (!then || (!fine && !few_points_of(then->valid, points, valid))) return NULL;
+    if (is_node_light_changed(r, e, n)) return NULL; // its points are drawn by another number
+    if (fine) *valid = (uint16_t)fine->valid;
+    return then;
+}
+
 rsv_status rsv_kept_light_nodes(
-    const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f)
+    const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f, size_t *kept)
 {
     uint64_t *key = NULL;
+    size_t known = 0;
     rsv_status status = rsv_node_keys_create(e, &key);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : known)
     for (uint32_t n = 0; n < e->node_count; n++) {
-        if (status != RSV_OK || e->node_hanging[n] != RSV_NONE || f->lit[n]) continue;
-        uint16_t few = 0;
-        const rsv_history_light *fine =
-            rsv_history_find_light(r->history, RSV_HISTORY_FINE, e, n, key[n]);
-        const rsv_history_light *then =
-            fine ? fine : rsv_history_find_light(r->history, RSV_HISTORY_COARSE, e, n, key[n]);
-        if (!then || (!fine && !few_points_of(then->valid, f->points, &few))) continue;
-        if (is_node_light_changed(r, e, n)) continue; // its points are drawn by another number
+        if (status != RSV_OK || e->node_hanging[n] != RSV_NONE || (f->lit[n] && !kept)) continue;
+        uint16_t valid = 0;
+        const rsv_history_light *then = find_light(r, e, n, key[n], f->points, &valid);
+        if (!then) continue;
+        known += valid != 0;
+        if (f->lit[n]) continue;
         f->known[n] = f->lit[n] = 1;
-        f->valid_points[n] = fine ? (uint16_t)fine->valid : few;
+        f->valid_points[n] = valid;
         f->direct[n] = then->direct;
         f->deviation[n] = then->deviation;
     }
+    if (kept) *kept = known;
     rsv_free(e->context, key);
     return status;
 }

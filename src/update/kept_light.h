@@ -35,9 +35,10 @@ bool rsv_kept_light_is_changed(const rsv_kept_light *kept, const rsv_cell *cell)
 rsv_status rsv_kept_light_splits(
     rsv_kept_light *kept, size_t most_cells, const rsv_elements *elements, rsv_elements **finer);
 
-/// Fills in what is known of free nodes, of this level or of the coarse one; leaves the others as they are.
-rsv_status rsv_kept_light_nodes(
-    const rsv_kept_light *kept, const rsv_elements *elements, const rsv_kept_light_fields *fields);
+/// Fills in what is known of free nodes, of this level or of the coarse one; leaves the others as they are, and those that
+/// are lit already. @param kept out: free nodes, not buried, of which it is known; NULL = nobody asks
+rsv_status rsv_kept_light_nodes(const rsv_kept_light *light, const rsv_elements *elements,
+    const rsv_kept_light_fields *fields, size_t *kept);
 
 /// Fills in what is known of the direct light of free nodes of the coarse level. @param known [node_count], out
 rsv_status rsv_kept_direct(

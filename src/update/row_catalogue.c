@@ -144,7 +144,7 @@ void rsv_row_catalogue_write(rsv_row_catalogue *c, rsv_store *store, const char 
     int why = store->table->write(store, name, c->header, bytes_of(c->header));
     if (why)
         rsv_log(c->context, RSV_LOG_WARNING,
-            "checkpoint: cannot write '%s/%s': %s; after an edit of the scene all rows will be "
-            "traced again",
-            store->place, name, strerror(why));
+            "%s: cannot write '%s/%s': %s; after an edit of the scene all rows will be traced "
+            "again",
+            store->kind, store->place, name, strerror(why));
 }

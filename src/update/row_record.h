@@ -17,8 +17,9 @@ typedef struct rsv_row_scratch {
     rsv_rgb *tinted_weight;
     rsv_escape_row escapes;
     rsv_rgb emission;
-    uint64_t rays; ///< of all rows so far
-    uint64_t kept; ///< rays of all rows so far that rsv_row_retrace did not trace again
+    uint64_t rays;    ///< of all rows so far
+    uint64_t kept;    ///< rays of all rows so far that rsv_row_retrace did not trace again
+    size_t kept_rows; ///< rows so far of which it traced none
 } rsv_row_scratch;
 
 #define RSV_ROW_RAY_ENDS 0x80 ///< with the kind: the ray ended at a node

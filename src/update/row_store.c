@@ -73,9 +73,9 @@ rsv_status rsv_row_store_outcome(const rsv_row_store *c)
 {
     if (!c || c->error == 0) return RSV_OK;
     return rsv_fail(RSV_ERROR_IO,
-        "checkpoint: cannot write '%s/%s': %s; with that mended, the same command goes on with the "
-        "rows that are there",
-        c->store->place, c->name, strerror(c->error));
+        "%s: cannot write '%s/%s': %s; with that mended, the same command goes on with the rows "
+        "that are there",
+        c->store->kind, c->store->place, c->name, strerror(c->error));
 }
 
 double rsv_row_store_finish(rsv_row_store *c, double seconds)
@@ -94,8 +94,8 @@ static rsv_status open_own(rsv_row_store *c)
     c->open = why == 0;
     if (why == ENOMEM) return RSV_ERROR_MEMORY;
     if (why == 0) return RSV_OK;
-    return rsv_fail(RSV_ERROR_IO, "checkpoint: cannot write '%s/%s': %s", c->store->place, c->name,
-        strerror(why));
+    return rsv_fail(RSV_ERROR_IO, "%s: cannot write '%s/%s': %s", c->store->kind, c->store->place,
+        c->name, strerror(why));
 }
 
 static void report(const rsv_row_store *c)
@@ -104,8 +104,8 @@ static void report(const rsv_row_store *c)
     for (size_t n = 0; n < c->reader.node_count; n++)
         known += c->reader.known[n].count > 0;
     if (known)
-        rsv_log(c->context, RSV_LOG_INFO, "checkpoint: %zu rows of %u rays are known already",
-            known, c->ray_count);
+        rsv_log(c->context, RSV_LOG_INFO, "%s: %zu rows of %u rays are known already",
+            c->store->kind, known, c->ray_count);
 }
 
 /// Rows of this scene, and of an earlier version of it.

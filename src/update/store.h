@@ -39,6 +39,7 @@ typedef struct rsv_store_table {
 struct rsv_store {
     const rsv_store_table *table;
     rsv_context *context;
+    const char *kind;  ///< for messages, at their beginning: "checkpoint", "update"
     const char *place; ///< for messages: the folder
     bool shared;       ///< all processes of a team have the same one
 };

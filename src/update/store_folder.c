@@ -162,7 +162,7 @@ rsv_status rsv_store_folder(rsv_context *context, const char *path, rsv_store **
     folder_store *s = rsv_alloc(context, 1, sizeof *s);
     if (!s) return RSV_ERROR_MEMORY;
     memcpy(s->path, path, length + 1);
-    s->store = (rsv_store){ &table, context, s->path, true };
+    s->store = (rsv_store){ &table, context, "checkpoint", s->path, true };
     *store = &s->store;
     return RSV_OK;
 }

@@ -154,7 +154,7 @@ rsv_status rsv_store_memory(rsv_context *context, rsv_store **store)
         close_end, bytes_of, destroy };
     memory_store *m = rsv_alloc(context, 1, sizeof *m);
     if (!m) return RSV_ERROR_MEMORY;
-    m->store = (rsv_store){ &table, context, "memory", false };
+    m->store = (rsv_store){ &table, context, "update", "memory", false };
     *store = &m->store;
     return RSV_OK;
 }
