@@ -34,9 +34,8 @@ static inline void build_outdoors(world *w, uint32_t walls, float radiance)
     world_box(w, walls, v3(0, 1e-4f, 2), v3(6, 2, 2.1f));
 }
 
-static inline world *build(const room *r, int threads)
+static inline void furnish(world *w, const room *r)
 {
-    world *w = world_begin(threads);
     uint32_t walls = world_lambert(w, 0.7f, 0), box = world_lambert(w, r->albedo, 0);
     uint32_t lamp = world_lambert(w, 0, r->radiance);
     if (r->sky > 0)
@@ -46,6 +45,12 @@ static inline world *build(const room *r, int threads)
     world_box(w, box, v3(r->box_at, 1e-4f, 0.5f), v3(r->box_at + 0.3f, 0.4f, 0.8f));
     world_box(w, lamp, v3(1, 1.9f, 0.8f), v3(1.3f, 1.95f, 1.2f));
     world_commit(w);
+}
+
+static inline world *build(const room *r, int threads)
+{
+    world *w = world_begin(threads);
+    furnish(w, r);
     return w;
 }
 

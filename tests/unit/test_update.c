@@ -1,4 +1,6 @@
 /// Solving a scene again after an edit from a store in memory, beside what folders do; and what stores of each kind do.
+#include "thread_team.h" // which has rooms of another kind
+
 #include "past_fixture.h"
 #include "resolvent/update.h"
 
@@ -321,6 +323,73 @@ static void memory_that_runs_out_costs_no_more_than_the_update(void **state)
     world_end(w[1]);
 }
 
+/// What each process of a team has of an edited room in the end.
+typedef struct team_result {
+    rsv_rgb *irradiance[TEAM_MOST]; ///< [count], to be freed
+    size_t count[TEAM_MOST];
+    rsv_update_report report[TEAM_MOST];
+} team_result;
+
+static rsv_scene *furnish_scene(rsv_context *context, const room *r)
+{
+    world w = { .context = context };
+    if (rsv_scene_create(context, &w.scene) != RSV_OK) abort();
+    furnish(&w, r);
+    rsv_lights_destroy(w.lights);
+    rsv_tracer_destroy(w.tracer);
+    free(w.bsdf);
+    return w.scene;
+}
+
+static void update_twice(rsv_team *team, void *user)
+{
+    team_result *result = user;
+    rsv_context_desc desc = rsv_default_context_desc();
+    const rsv_solve_desc solve_desc = fewer_elements();
+    const room *version[] = { &plain, &moved };
+    rsv_context *context;
+    rsv_update_store *store;
+    desc.thread_count = 1;
+    desc.team = team;
+    if (rsv_context_create(&desc, &context) != RSV_OK) abort();
+    if (rsv_update_store_create(context, &store) != RSV_OK) abort();
+    for (uint32_t k = 0, rank = team ? team->rank : 0; k < 2; k++) {
+        rsv_solution *s = NULL;
+        rsv_scene *scene = furnish_scene(context, version[k]);
+        if (rsv_operator_update(scene, &solve_desc, store, &s, &result->report[rank]) != RSV_OK)
+            abort();
+        free(result->irradiance[rank]);
+        size_t count = result->count[rank] = inside(s)->elements->node_count;
+        result->irradiance[rank] = malloc(count * sizeof(rsv_rgb));
+        if (!result->irradiance[rank]) abort();
+        memcpy(result->irradiance[rank], inside(s)->irradiance, count * sizeof(rsv_rgb));
+        rsv_solution_destroy(s);
+        rsv_scene_destroy(scene);
+    }
+    rsv_update_store_destroy(store);
+    rsv_context_destroy(context);
+}
+
+static void processes_of_a_team_have_stores_of_their_own(void **state)
+{
+    (void)state;
+    enum { SIZE = 3 };
+    team_result alone = { 0 }, together = { 0 };
+    update_twice(NULL, &alone);
+    run_team(SIZE, update_twice, &together);
+    for (int rank = 0; rank < SIZE; rank++) {
+        const rsv_update_report *r = &together.report[rank];
+        assert_int_equal(together.count[rank], alone.count[0]);
+        assert_memory_equal(
+            together.irradiance[rank], alone.irradiance[0], alone.count[0] * sizeof(rsv_rgb));
+        assert_int_equal(r->kept_elements, alone.report[0].kept_elements);
+        assert_int_equal(r->kept_lit_elements, alone.report[0].kept_lit_elements);
+        assert_true(r->kept_row_rays > r->row_rays / 2);
+        free(together.irradiance[rank]);
+    }
+    free(alone.irradiance[0]);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -331,6 +400,7 @@ int main(void)
         cmocka_unit_test(what_does_not_fit_is_solved_as_a_whole),
         cmocka_unit_test(wrong_settings_are_one_error_and_leave_the_store_alone),
         cmocka_unit_test(memory_that_runs_out_costs_no_more_than_the_update),
+        cmocka_unit_test(processes_of_a_team_have_stores_of_their_own),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
