@@ -156,8 +156,8 @@ void rsv_history_close(rsv_history *p)
 {
     if (!p) return;
     p->store->table->release(p->store, &p->blob);
-    rsv_free(p->context, p->face_then[0]);
-    rsv_free(p->context, p->face_then[1]);
+    rsv_free(p->context, p->face_before[0]);
+    rsv_free(p->context, p->face_before[1]);
     rsv_free(p->context, p);
 }
 

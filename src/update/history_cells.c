@@ -76,11 +76,11 @@ rsv_status rsv_history_find_faces(rsv_history *p, const rsv_scene_view *scene)
     face_finder finder = { 0 };
     RSV_TRY(create_finder(p->context, &p->layout.cells[RSV_HISTORY_COARSE], &finder));
     for (int back = 0; back < 2; back++) {
-        p->face_then[back] =
-            rsv_alloc(p->context, scene->triangle_count, sizeof *p->face_then[back]);
-        RSV_TRY(p->face_then[back] ? RSV_OK : RSV_ERROR_MEMORY);
+        p->face_before[back] =
+            rsv_alloc(p->context, scene->triangle_count, sizeof *p->face_before[back]);
+        RSV_TRY(p->face_before[back] ? RSV_OK : RSV_ERROR_MEMORY);
         for (uint32_t t = 0; t < scene->triangle_count; t++)
-            p->face_then[back][t] = take_face(&finder, rsv_face_key_of(scene, t, (uint8_t)back));
+            p->face_before[back][t] = take_face(&finder, rsv_face_key_of(scene, t, (uint8_t)back));
     }
 cleanup:
     destroy_finder(p->context, &finder);
@@ -90,7 +90,7 @@ cleanup:
 static const rsv_history_face *find_face(
     const rsv_history *p, rsv_history_level level, const rsv_elements *e, uint32_t face)
 {
-    uint32_t then = p->face_then[e->face_back[face]][e->face_triangle[face]];
+    uint32_t then = p->face_before[e->face_back[face]][e->face_triangle[face]];
     const rsv_history_cells *c = &p->layout.cells[level];
     return then < c->face_count ? &c->face[then] : NULL; // RSV_NONE is none of them
 }

@@ -131,11 +131,11 @@ bool rsv_history_is_light_changed(const rsv_history *p, const rsv_elements *e, u
 rsv_status rsv_history_find_light_changed(
     const rsv_history *p, const rsv_elements *e, uint8_t **light_changed)
 {
-    uint8_t *anew = *light_changed = rsv_alloc(p->context, e->cell_count, 1);
-    if (!anew) return RSV_ERROR_MEMORY;
+    uint8_t *changed = *light_changed = rsv_alloc(p->context, e->cell_count, 1);
+    if (!changed) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(p->context))
     for (uint32_t c = 0; c < e->cell_count; c++)
-        anew[c] = rsv_history_is_light_changed(p, e, c);
+        changed[c] = rsv_history_is_light_changed(p, e, c);
     return RSV_OK;
 }
 
@@ -150,9 +150,9 @@ static bool is_support_light_changed(
 bool rsv_history_is_node_light_changed(
     const rsv_elements *e, uint32_t node, const uint8_t *cell_light_changed)
 {
-    bool anew = is_support_light_changed(e, node, cell_light_changed);
+    bool changed = is_support_light_changed(e, node, cell_light_changed);
     for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
-         e->led_begin && !anew && k < e->led_begin[node + 1]; k++)
-        anew = is_support_light_changed(e, e->led[k].follower, cell_light_changed);
-    return anew;
+         e->led_begin && !changed && k < e->led_begin[node + 1]; k++)
+        changed = is_support_light_changed(e, e->led[k].follower, cell_light_changed);
+    return changed;
 }

@@ -4,7 +4,7 @@
 #include "element_keys.h"
 
 /// Cells that were split before the scene was edited, away from the edit.
-static void choose_as_then(void *user, const rsv_elements *e, uint8_t *split)
+static void choose_as_before(void *user, const rsv_elements *e, uint8_t *split)
 {
     const rsv_history *history = user;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
@@ -18,7 +18,7 @@ rsv_status rsv_kept_splits(const rsv_history *history, const rsv_transport_scene
 {
     rsv_elements *finer = NULL;
     rsv_status status =
-        rsv_elements_refine_where(*elements, choose_as_then, (void *)(uintptr_t)history, &finer);
+        rsv_elements_refine_where(*elements, choose_as_before, (void *)(uintptr_t)history, &finer);
     if (status != RSV_OK) return status;
     for (uint32_t face = 0; face < finer->face_count; face++) {
         uint8_t halvings, level;

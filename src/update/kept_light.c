@@ -54,7 +54,7 @@ bool rsv_kept_light_is_changed(const rsv_kept_light *r, const rsv_cell *cell)
     return r->changed[rsv_elements_find_around(r->coarse, cell)];
 }
 
-static void choose_as_then(void *user, const rsv_elements *e, uint8_t *split)
+static void choose_as_before(void *user, const rsv_elements *e, uint8_t *split)
 {
     const rsv_kept_light *r = user;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
@@ -71,7 +71,7 @@ rsv_status rsv_kept_light_splits(
     rsv_kept_light *r, size_t most_cells, const rsv_elements *elements, rsv_elements **finer)
 {
     r->most_cells = most_cells;
-    return rsv_elements_refine_where(elements, choose_as_then, r, finer);
+    return rsv_elements_refine_where(elements, choose_as_before, r, finer);
 }
 
 static bool is_node_light_changed(const rsv_kept_light *r, const rsv_elements *e, uint32_t node)

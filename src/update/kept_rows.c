@@ -100,13 +100,13 @@ static rsv_status match(rsv_kept_rows *e, const rsv_row_catalogue *then,
     const rsv_row_catalogue *now, const rsv_index_map *nodes)
 {
     size_t count = now->header->node_count;
-    e->row_then = rsv_alloc(e->context, count, sizeof *e->row_then);
+    e->row_before = rsv_alloc(e->context, count, sizeof *e->row_before);
     e->end_now = rsv_alloc(e->context, then->header->node_count, sizeof *e->end_now);
-    if (!e->row_then || !e->end_now) return RSV_ERROR_MEMORY;
-    memset(e->row_then, 0xff, count * sizeof *e->row_then);
+    if (!e->row_before || !e->end_now) return RSV_ERROR_MEMORY;
+    memset(e->row_before, 0xff, count * sizeof *e->row_before);
     for (uint32_t n = 0; n < then->header->node_count; n++) {
         uint32_t same = find_row(then, n, now, nodes);
-        if (same != RSV_NONE) e->row_then[same] = n;
+        if (same != RSV_NONE) e->row_before[same] = n;
     }
     return match_ends(then, now, nodes, e->end_now);
 }
@@ -159,14 +159,14 @@ void rsv_kept_rows_close(rsv_kept_rows *e)
 {
     if (!e) return;
     rsv_row_reader_close(&e->reader);
-    rsv_free(e->context, e->row_then);
+    rsv_free(e->context, e->row_before);
     rsv_free(e->context, e->end_now);
     rsv_free(e->context, e);
 }
 
 bool rsv_kept_rows_find(const rsv_kept_rows *e, uint32_t node, rsv_kept_row *row)
 {
-    uint32_t then = e ? e->row_then[node] : RSV_NONE;
+    uint32_t then = e ? e->row_before[node] : RSV_NONE;
     const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_reader_find(&e->reader, then);
     if (!record) return false;
     *row = rsv_row_record_kept(record);
