@@ -10,13 +10,14 @@
 #include "resolvent/image.h"
 #include "resolvent/io.h"
 #include "resolvent/mover.h"
+#include "resolvent/operator.h"
 #include "resolvent/opfile.h"
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
 #include "resolvent/scene.h"
-#include "resolvent/operator.h"
 #include "resolvent/solve.h"
 #include "resolvent/team.h"
 #include "resolvent/trace.h"
+#include "resolvent/update.h"
 
 #endif

@@ -66,7 +66,7 @@ typedef struct rsv_solve_desc {
     const char *checkpoint;
     /// Such a folder of the scene before it was edited (objects moved, added or removed, materials changed): what its
     /// solution knew and still holds is not found again. The solution is that of a run without, within its sampling error.
-    /// Has a use only beside `checkpoint`; borrowed. NULL (default) = none.
+    /// Requires `checkpoint`; borrowed. NULL (default) = none. update.h does the same in memory.
     const char *earlier;
 } rsv_solve_desc;
 

@@ -14,10 +14,8 @@ typedef struct rsv_transport_scene {
     const rsv_tracer *tracer;
     const rsv_bsdf *bsdf; ///< [material_count] rsv_surface_common_bsdf
     rsv_media media;
-    const char
-        *checkpoint;     ///< folder for rows of G while they are traced (checkpoint.h); NULL = none
-    const char *earlier; ///< that of an earlier version of the scene; NULL = none
-    const struct rsv_past *past; ///< what its solve knew (past.h); NULL = nothing
+    const struct rsv_known_cells *known_cells; ///< of an earlier version; NULL = none
+    const struct rsv_update *update;           ///< what is taken over from it; NULL = nothing
 } rsv_transport_scene;
 
 /// A chain at one of its surfaces. Set by rsv_chain_begin, moved by rsv_chain_step.

@@ -5,7 +5,8 @@
 #include "../elements/curvature.h"
 #include "../elements/elements.h"
 #include "../elements/open_corners.h"
-#include "source_recall.h"
+#include "../update/kept_light.h"
+#include "../update/update.h"
 
 #include <string.h>
 
@@ -34,8 +35,10 @@ typedef struct level_builder {
     uint8_t *lit;          ///< [node_count] 1 where direct and deviation are
     rsv_photon_map map[2]; ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
-    uint8_t *split;            ///< [cell_count]
-    rsv_source_recall *recall; ///< NULL = nothing is known from before the scene was edited
+    uint8_t *split;       ///< [cell_count]
+    rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
+    bool complete;        ///< there will be no more splits
+    size_t kept_count;    ///< nodes in the end of which it is
     uint64_t *rays;
 } level_builder;
 
@@ -91,9 +94,10 @@ static rsv_status prepare_elements(level_builder *b, const earlier_level *earlie
     RSV_TRY(rsv_elements_separate(b->scene, earlier ? earlier->elements : NULL, e, b->rays));
     RSV_TRY(allocate_fields(b));
     if (earlier) carry_over(b, earlier);
-    const rsv_recalled_fields fields = { b->direct, b->deviation, b->valid_points, b->known,
-        b->lit };
-    if (b->recall) RSV_TRY(rsv_source_recall_nodes(b->recall, e, &fields));
+    const rsv_kept_light_fields fields = { b->direct, b->deviation, b->valid_points,
+        RSV_LEVEL_POINTS, b->known, b->lit };
+    if (b->kept)
+        RSV_TRY(rsv_kept_light_nodes(b->kept, e, &fields, b->complete ? &b->kept_count : NULL));
     RSV_TRY(rsv_find_buried(
         b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->known, b->valid_points, b->rays));
     RSV_TRY(rsv_elements_bridge_buried(e, b->valid_points));
@@ -224,7 +228,7 @@ static bool is_left_alone(const level_builder *b, uint32_t cell)
     const uint8_t *hidden = b->desc->hidden;
     const rsv_cell *c = &b->elements->cell[cell];
     if (hidden && hidden[rsv_elements_find_around(b->coarse, c)]) return true;
-    return b->recall && !rsv_source_recall_is_anew(b->recall, c);
+    return b->kept && !rsv_kept_light_is_changed(b->kept, c);
 }
 
 /// Marks the cells on both sides of every edge across which light bends; counts them.
@@ -290,12 +294,12 @@ cleanup:
 }
 
 /// Adds the splits from before the scene was edited, and the light there: those of the rest have been found again.
-static rsv_status add_recalled(level_builder *b)
+static rsv_status add_kept(level_builder *b)
 {
     rsv_status status;
     earlier_level earlier = set_aside(b);
-    RSV_TRY(
-        rsv_source_recall_splits(b->recall, b->desc->max_cells, earlier.elements, &b->elements));
+    b->complete = true;
+    RSV_TRY(rsv_kept_light_splits(b->kept, b->desc->max_cells, earlier.elements, &b->elements));
     RSV_TRY(prepare_elements(b, &earlier));
     // nodes where both meet; shadows may end there
     RSV_TRY(estimate_direct(b, RSV_PENUMBRA_FACTOR * b->desc->light_samples, b->lit));
@@ -342,7 +346,7 @@ static bool may_begin_finer(const level_builder *b, size_t cell)
 {
     const uint8_t *hidden = b->desc->hidden;
     return cell_size(b->coarse, cell) > 0.25f * b->coarse->spacing && !(hidden && hidden[cell]) &&
-           (!b->recall || b->recall->anew[cell]);
+           (!b->kept || b->kept->changed[cell]);
 }
 
 static bool is_lit(const level_builder *b, size_t cell)
@@ -352,15 +356,16 @@ static bool is_lit(const level_builder *b, size_t cell)
              rgb_is_black(b->direct[node[2]]));
 }
 
-/// Elements to begin with, split once for direct light but for what is recalled in the end. For a goal, which has the
+/// Elements to begin with, split once for direct light but for what is kept in the end. For a goal, which has the
 /// fewest elements that do, those alone that a first look finds lit.
 static rsv_status begin(level_builder *b)
 {
     const rsv_elements *coarse = b->coarse;
+    const rsv_history *history = rsv_history_of(b->scene);
     bool looks_first = b->desc->direct && b->desc->hidden;
     rsv_status status;
-    if (b->scene->past && b->desc->direct && !b->desc->hidden)
-        RSV_TRY(rsv_source_recall_create(b->scene->past, coarse, &b->recall));
+    if (history && b->desc->direct && !b->desc->hidden)
+        RSV_TRY(rsv_kept_light_create(history, coarse, &b->kept));
     b->split = rsv_alloc(coarse->context, coarse->cell_count, 1);
     if (!b->split) return RSV_ERROR_MEMORY;
     for (size_t c = 0; b->desc->direct && !looks_first && c < coarse->cell_count; c++)
@@ -388,7 +393,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     *level = (rsv_source_level){ 0 };
     RSV_TRY(begin(&b));
     RSV_TRY(refine(&b));
-    if (b.recall) RSV_TRY(add_recalled(&b));
+    if (b.kept) RSV_TRY(add_kept(&b));
     if (b.caustic) {
         level->coarse_caustic =
             rsv_alloc(context, coarse->node_count, sizeof *level->coarse_caustic);
@@ -404,6 +409,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     level->caustic = b.caustic;
     level->deviation = b.deviation;
     level->valid_points = b.valid_points;
+    level->kept = b.kept_count;
     b.elements = NULL;
     b.direct = b.caustic = NULL;
     b.deviation = NULL;
@@ -415,7 +421,7 @@ cleanup:
     rsv_free(context, b.valid_points);
     rsv_free(context, b.known);
     rsv_free(context, b.lit);
-    rsv_source_recall_destroy(b.recall);
+    rsv_kept_light_destroy(b.kept);
     free_photons(&b);
     rsv_elements_destroy(b.elements);
     return status;

@@ -29,6 +29,7 @@ typedef struct rsv_source_level {
     rsv_rgb *coarse_caustic; ///< [node_count of the coarse elements], or NULL
     float *deviation;        ///< [node_count] of `direct`, or NULL
     uint16_t *valid_points;  ///< [node_count]
+    size_t kept;             ///< nodes whose direct light is from before an edit
 } rsv_source_level;
 
 /// @param coarse elements to start from

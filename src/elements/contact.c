@@ -1,10 +1,9 @@
 #include "contact.h"
 
 #include "../core/team.h"
-#include "element_keys.h"
 #include "elements_internal.h"
+#include "known_cells.h"
 #include "open_corners.h"
-#include "past.h"
 
 #include <string.h>
 
@@ -216,20 +215,6 @@ static void reattach_hanging(rsv_elements *e, const hanging_edge *edge)
             e->hanging[h].parent[p] = e->cell_node[edge[h].cell][edge[h].corner[p]];
 }
 
-/// Marks nodes that no wall divided before the scene was edited, and none does now.
-static rsv_status mark_whole(const rsv_past *past, const rsv_elements *e, uint8_t *whole)
-{
-    rsv_status status;
-    uint64_t *node_key = NULL;
-    RSV_TRY(rsv_node_keys_create(e, &node_key));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (uint32_t node = 0; node < e->node_count; node++)
-        whole[node] = rsv_past_knows_around(past, e, node, node_key[node]);
-cleanup:
-    rsv_free(e->context, node_key);
-    return status;
-}
-
 rsv_status rsv_elements_separate(
     const rsv_transport_scene *scene, const rsv_elements *earlier, rsv_elements *e, uint64_t *rays)
 {
@@ -237,9 +222,10 @@ rsv_status rsv_elements_separate(
     if (status != RSV_OK) return status;
     hanging_edge *edge = rsv_alloc(e->context, e->hanging_count, sizeof *edge);
     uint8_t *divided = rsv_alloc(e->context, e->node_count, 1);
-    uint8_t *whole = rsv_alloc(e->context, e->node_count, 1);
-    RSV_TRY(edge && divided && whole ? RSV_OK : RSV_ERROR_MEMORY);
-    if (scene->past) RSV_TRY(mark_whole(scene->past, e, whole));
+    uint8_t *undivided = rsv_alloc(e->context, e->node_count, 1);
+    RSV_TRY(edge && divided && undivided ? RSV_OK : RSV_ERROR_MEMORY);
+    const rsv_known_cells *known_cells = scene->known_cells;
+    if (known_cells) RSV_TRY(known_cells->find_undivided(known_cells->user, e, undivided));
     size_t hanging_before = e->hanging_count;
     rsv_team_place place = rsv_team_place_of(e->context);
     uint64_t traced = 0;
@@ -250,7 +236,7 @@ rsv_status rsv_elements_separate(
         if (!rsv_team_owns(place, node, RSV_TEAM_BLOCK)) continue;
         // walls took away some of the cells around each node that they divided: such have no twin
         bool known =
-            whole[node] || (earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE);
+            undivided[node] || (earlier && rsv_elements_find_twin(e, node, earlier) != RSV_NONE);
         divided[node] = !known && is_divided(scene, e, node, &traced);
     }
     rsv_team_merge(e->context, divided, sizeof *divided, e->node_count, RSV_TEAM_BLOCK);
@@ -264,6 +250,6 @@ rsv_status rsv_elements_separate(
 cleanup:
     rsv_free(e->context, edge);
     rsv_free(e->context, divided);
-    rsv_free(e->context, whole);
+    rsv_free(e->context, undivided);
     return status;
 }

@@ -1,7 +1,7 @@
 #include "contact.h"
 #include "elements_internal.h"
+#include "known_cells.h"
 #include "open_corners.h"
-#include "past.h"
 
 #define CONTACT_LEVELS 2
 /// Smaller cells, as parts of the spacing, are left alone: they come from meshes finer than wanted.
@@ -85,13 +85,13 @@ static allowance afford(const rsv_elements *e, const float *finest, size_t most_
     return (allowance){ least, step_below > 0 ? (float)share : 0 };
 }
 
-/// @param past decides where it knows: what is affordable depends on the whole scene
-static bool is_affordable(
-    const rsv_past *past, const rsv_elements *e, uint32_t cell, float finest, const allowance *a)
+/// @param known decides where it knows: what is affordable depends on the whole scene
+static bool is_affordable(const rsv_known_cells *known, const rsv_elements *e, uint32_t cell,
+    float finest, const allowance *a)
 {
     if (e->cell[cell].level >= RSV_MAX_LEVEL) return false;
-    if (past && !rsv_past_is_near(past, e, cell))
-        return rsv_past_was_cell_split(past, RSV_PAST_COARSE, e, cell);
+    bool split;
+    if (known && known->is_split(known->user, e, cell, &split)) return split;
     float size = cell_size(e, cell), drawn = rsv_unit_float(rsv_hash(cell));
     return size > f_max(a->least, finest) ||
            (drawn < a->share && size > f_max(a->least / SIZE_STEP, finest));
@@ -119,7 +119,7 @@ rsv_status rsv_elements_refine_contacts(const rsv_transport_scene *scene, size_t
             size_t left = most > e->node_count ? most - e->node_count : 0;
             allowance a = afford(e, finest, left, least);
             for (uint32_t c = 0; c < e->cell_count; c++)
-                marked += split[c] = is_affordable(scene->past, e, c, finest[c], &a);
+                marked += split[c] = is_affordable(scene->known_cells, e, c, finest[c], &a);
             least = a.least;
             if (marked) status = rsv_elements_refine(e, split, elements);
         } else {

@@ -1,9 +1,8 @@
 /// Faces, their grids and the 4-to-1 subdivision of cells.
 #include "elements_internal.h"
 
+#include "known_cells.h"
 #include "open_corners.h"
-#include "past.h"
-
 #include "weld.h"
 
 #include <string.h>
@@ -77,10 +76,9 @@ static uint8_t grid_level(const rsv_elements *e, const rsv_spacing *spacing, siz
 {
     if (!spacing->scene)
         return (uint8_t)rsv_spacing_level(e->scene, e->face_triangle[face], spacing->metres);
-    const rsv_past *past = spacing->scene->past;
-    uint8_t halvings,
-        level; // where cells have other grids to lie in, random numbers of nodes are others too
-    if (past && rsv_past_find_face(past, e, (uint32_t)face, &halvings, &level)) return level;
+    const rsv_known_cells *known = spacing->scene->known_cells;
+    uint8_t level; // where cells have other grids to lie in, random numbers of nodes are others too
+    if (known && known->grid_level(known->user, e, (uint32_t)face, &level)) return level;
     return (uint8_t)rsv_spacing_divide(spacing, e->face_triangle[face], e->face_back[face])
         .coarsest;
 }

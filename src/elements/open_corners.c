@@ -1,7 +1,7 @@
 #include "open_corners.h"
 
 #include "../core/team.h"
-#include "past.h"
+#include "known_cells.h"
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
 
@@ -127,6 +127,7 @@ rsv_status rsv_elements_find_open_corners(
     if (e->cell_openness) return RSV_OK;
     e->cell_openness = rsv_alloc(e->context, e->cell_count, sizeof *e->cell_openness);
     if (!e->cell_openness) return RSV_ERROR_MEMORY;
+    const rsv_known_cells *known_cells = scene->known_cells;
     rsv_team_place place = rsv_team_place_of(e->context);
     uint64_t traced = 0;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
@@ -140,7 +141,8 @@ rsv_status rsv_elements_find_open_corners(
             e->cell_openness[c] = earlier->cell_openness[same];
             continue;
         }
-        if (scene->past && rsv_past_openness(scene->past, e, c, &e->cell_openness[c])) continue;
+        if (known_cells && known_cells->openness(known_cells->user, e, c, &e->cell_openness[c]))
+            continue;
         shape = rsv_cell_shape_of(e, c);
         e->cell_openness[c] = judge_cell(scene, &shape, &traced);
     }

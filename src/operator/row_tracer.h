@@ -2,7 +2,7 @@
 #ifndef RSV_ROW_TRACER_H
 #define RSV_ROW_TRACER_H
 
-#include "../elements/scene_change.h"
+#include "../update/row_record.h"
 #include "directions.h"
 #include "division.h"
 #include "row_rays.h"
@@ -21,33 +21,6 @@ typedef struct rsv_row_tracer {
     rsv_directions directions;
 } rsv_row_tracer;
 
-/// What the rays of one row found.
-typedef struct rsv_row_scratch {
-    uint32_t *column; ///< [rays] RSV_NONE = nothing
-    uint8_t *kind;    ///< [rays] rsv_target_kind of what was met first
-    uint32_t index;   ///< of the node whose random numbers were used
-    uint16_t valid;   ///< points that were used, bit by bit
-    uint32_t tinted_count;
-    uint32_t *tinted_column; ///< [rays]
-    rsv_rgb *tinted_weight;
-    rsv_escape_row escapes;
-    rsv_rgb emission;
-    uint64_t rays; ///< of all rows so far
-    uint64_t kept; ///< rays of all rows so far that rsv_row_trace_anew did not trace again
-} rsv_row_scratch;
-
-#define RSV_ROW_RAY_ENDS 0x80 ///< with the kind: the ray ended at a node
-
-/// What the same rays found before the scene was edited.
-typedef struct rsv_row_past {
-    uint32_t index;          ///< of the node whose random numbers were used
-    uint16_t valid;          ///< points that were used
-    const uint8_t *kind;     ///< [rays] with RSV_ROW_RAY_ENDS
-    const uint32_t *column;  ///< nodes of then at which rays ended, in their order
-    const uint32_t *end_now; ///< the same nodes now; RSV_NONE = gone
-    const rsv_scene_change *change;
-} rsv_row_past;
-
 /// Adds targets and directions to what the other fields say.
 /// @param rays per row
 rsv_status rsv_row_tracer_begin(rsv_row_tracer *tracer, uint32_t rays);
@@ -60,7 +33,7 @@ void rsv_row_scratch_destroy(rsv_context *context, rsv_row_scratch *scratch);
 void rsv_row_trace(const rsv_row_tracer *tracer, uint32_t node, rsv_row_scratch *scratch);
 
 /// The same, but the rays whose ends still hold are not traced.
-void rsv_row_trace_anew(const rsv_row_tracer *tracer, uint32_t node, const rsv_row_past *past,
+void rsv_row_retrace(const rsv_row_tracer *tracer, uint32_t node, const rsv_kept_row *kept,
     rsv_row_scratch *scratch);
 
 /// rsv_row_trace in parts, for those who trace the rays of many rows side by side: where they leave, and what becomes of

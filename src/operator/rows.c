@@ -1,6 +1,7 @@
 /// Assembly of G: rows traced in blocks by all threads, then moved to the operator in their order.
 #include "../core/team.h"
-#include "checkpoint.h"
+#include "../update/row_store.h"
+#include "../update/update.h"
 #include "row_device.h"
 
 #include <stdlib.h>
@@ -22,7 +23,7 @@ typedef struct row_block {
 
 typedef struct assembly {
     rsv_row_tracer tracer;
-    rsv_checkpoint *checkpoint; ///< NULL = rows are not kept
+    rsv_row_store *store; ///< NULL = rows are not kept
     rsv_transport *transport;
     rsv_division *division; ///< until the transport has it
     uint32_t *node;         ///< [row_count] whose rows are traced here, in ascending order
@@ -79,14 +80,14 @@ static rsv_status find_row(
         return RSV_OK;
     }
     uint64_t before = scratch->rays;
-    if (rsv_checkpoint_take(a->checkpoint, node, scratch)) return RSV_OK;
-    rsv_row_past past;
-    if (rsv_checkpoint_recall(a->checkpoint, node, &past))
-        rsv_row_trace_anew(&a->tracer, node, &past, scratch);
+    if (rsv_row_store_take(a->store, node, scratch)) return RSV_OK;
+    rsv_kept_row kept;
+    if (rsv_row_store_find_kept(a->store, node, &kept))
+        rsv_row_retrace(&a->tracer, node, &kept, scratch);
     else
         rsv_row_trace(&a->tracer, node, scratch);
-    if (!a->checkpoint) return RSV_OK;
-    return rsv_checkpoint_keep(a->checkpoint, node, scratch, scratch->rays - before, &block->kept);
+    if (!a->store) return RSV_OK;
+    return rsv_row_store_keep(a->store, node, scratch, scratch->rays - before, &block->kept);
 }
 
 /// @param wave its first block
@@ -101,7 +102,7 @@ static rsv_status trace_block(
         if (status == RSV_OK) status = store_row(a, a->node[k], scratch, block);
         if (status != RSV_OK) return status;
     }
-    return rsv_checkpoint_write(a->checkpoint, &block->kept);
+    return rsv_row_store_write(a->store, &block->kept);
 }
 
 /// Has the device trace the rays of a wave, if there is one.
@@ -195,13 +196,14 @@ static rsv_status trace_all(assembly *a)
     for (int thread = 0; thread < rsv_threads(context); thread++) {
         a->transport->rays += a->scratch[thread].rays;
         a->transport->kept_rays += a->scratch[thread].kept;
+        a->transport->kept_rows += a->scratch[thread].kept_rows;
     }
-    a->transport->spared_seconds = rsv_checkpoint_finish(a->checkpoint, rsv_seconds() - start);
+    a->transport->spared_seconds = rsv_row_store_finish(a->store, rsv_seconds() - start);
     RSV_TRY(rsv_progress(context, "assemble", 1));
 cleanup:
     if (status == RSV_ERROR_MEMORY)
         status = rsv_fail(status, "out of memory assembling the operator");
-    if (status == RSV_ERROR_IO) status = rsv_checkpoint_outcome(a->checkpoint);
+    if (status == RSV_ERROR_IO) status = rsv_row_store_outcome(a->store);
     return rsv_team_meet(context, status);
 }
 
@@ -210,6 +212,7 @@ static rsv_status share_rows(rsv_transport *t)
 {
     t->rays = rsv_team_total(t->context, t->rays);
     t->kept_rays = rsv_team_total(t->context, t->kept_rays);
+    t->kept_rows = rsv_team_total(t->context, t->kept_rows);
     rsv_division_share(t->division, t->scale, sizeof *t->scale);
     rsv_division_share(t->division, t->gathered, sizeof *t->gathered);
     return rsv_team_meet(t->context, RSV_OK);
@@ -294,7 +297,7 @@ static void end_assembly(assembly *a)
 {
     destroy_workers(a);
     rsv_row_device_destroy(a->device);
-    rsv_checkpoint_close(a->checkpoint);
+    rsv_row_store_close(a->store);
     rsv_free(a->tracer.elements->context, a->node);
     rsv_row_tracer_end(&a->tracer);
 }
@@ -306,6 +309,23 @@ static rsv_status divide_rows(assembly *a)
     if (place.size == 1) return RSV_OK;
     rsv_status status = rsv_row_costs(&a->tracer, &a->division);
     return status == RSV_OK ? rsv_division_cut(a->division, place.rank, place.size) : status;
+}
+
+/// Where rows are kept, if the scene asks for that, with those of an earlier version of it.
+static rsv_status open_store(assembly *a)
+{
+    const rsv_row_tracer *t = &a->tracer;
+    if (!t->scene->update || !t->scene->update->store) return RSV_OK;
+    size_t sides = 2 * (size_t)t->scene->view->triangle_count;
+    uint8_t *kind = rsv_alloc(t->elements->context, sides, sizeof *kind);
+    if (!kind) return RSV_ERROR_MEMORY;
+    for (size_t side = 0; side < sides; side++)
+        kind[side] = t->target[side].kind;
+    const rsv_row_basis basis = { t->scene, t->elements, t->valid_points, kind, t->directions.count,
+        t->seed };
+    rsv_status status = rsv_row_store_open(&basis, &a->store);
+    rsv_free(t->elements->context, kind);
+    return status;
 }
 
 rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_lights *lights,
@@ -320,8 +340,8 @@ rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_ligh
     RSV_TRY(create_empty(&a, rays, &a.transport));
     a.transport->division = a.division;
     a.division = NULL;
-    RSV_TRY(rsv_checkpoint_open(&a.tracer, &a.checkpoint));
-    RSV_TRY(a.checkpoint ? RSV_OK : rsv_row_device_create(&a.tracer, a.row_count, &a.device));
+    RSV_TRY(open_store(&a));
+    RSV_TRY(a.store ? RSV_OK : rsv_row_device_create(&a.tracer, a.row_count, &a.device));
     RSV_TRY(create_workers(&a));
     RSV_TRY(trace_all(&a));
     RSV_TRY(share_rows(a.transport));

@@ -30,6 +30,7 @@ typedef struct rsv_transport {
     rsv_escapes escapes; ///< of the rays that left the scene
     uint64_t rays;
     uint64_t kept_rays;    ///< of these, known from an earlier version of the scene
+    size_t kept_rows;      ///< rows of which none was traced
     double spared_seconds; ///< by that, about
     /// Of the rows among processes: rows of others are empty here but for `scale` and `gathered`. NULL = all are here
     rsv_division *division;

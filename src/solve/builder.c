@@ -6,8 +6,8 @@
 #include "coarse_elements.h"
 #include "goal.h"
 #include "pilot.h"
-#include "remember.h"
 #include "solve_desc.h"
+#include "solve_update.h"
 #include "source.h"
 
 #include <string.h>
@@ -86,7 +86,7 @@ static rsv_status create_elements(rsv_builder *b)
 {
     rsv_status status;
     b->spacing = rsv_spacing_for(&b->scene, b->desc.element_target);
-    if (b->scene.past) b->spacing = rsv_past_spacing(b->scene.past, b->spacing);
+    if (b->update.history) b->spacing = rsv_history_spacing(b->update.history, b->spacing);
     float wanted = b->wanted_metres = b->spacing.metres, coarsest = coarsest_spacing(b);
     size_t before = SIZE_MAX;
     bool stalled = false;
@@ -96,7 +96,7 @@ static rsv_status create_elements(rsv_builder *b)
         if (!stalled) RSV_TRY(rsv_pilot_refine(b));
         while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
         if (is_within_budget(b)) break;
-        b->scene.past = NULL; // its grids and splits would stay as they were
+        rsv_builder_forget_history(b); // its grids and splits would stay as they were
         size_t rows = rsv_builder_rows(b);
         if (rows == 0 || b->spacing.metres >= f_max(coarsest, wanted)) {
             RSV_TRY(create_fewest(b));
@@ -130,6 +130,7 @@ rsv_status rsv_builder_trace(
     b->report.row_rays += rows->rays;
     b->report.kept_row_rays += rows->kept_rays;
     b->report.spared_seconds += rows->spared_seconds;
+    b->kept.kept_rows = rows->kept_rows;
     return RSV_OK;
 }
 
@@ -202,9 +203,9 @@ static void report_kept_rays(const rsv_builder *b, const rsv_solve_report *r)
 {
     if (r->kept_row_rays > 0)
         rsv_log(b->context, RSV_LOG_INFO,
-            "checkpoint: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced "
-            "again: %.1f s saved",
-            100 * (double)r->kept_row_rays / (double)r->row_rays,
+            "%s: %.1f %% of the rays of rows kept from before the edit, %.1f %% traced again: "
+            "%.1f s saved",
+            b->update.store->kind, 100 * (double)r->kept_row_rays / (double)r->row_rays,
             100 * (1 - (double)r->kept_row_rays / (double)r->row_rays), fmax(r->spared_seconds, 0));
 }
 
@@ -230,6 +231,8 @@ static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_solution **lig
     RSV_TRY(rsv_operator_scatter(*op));
     RSV_TRY(find_sources(b, *op, light));
     add_report(&(*light)->report, &b->report);
+    (*light)->update.kept_elements = b->kept.kept_elements;
+    (*light)->update.kept_rows = b->kept.kept_rows;
     (*light)->report.time_assemble = rsv_seconds() - start;
     (*light)->report.critical_assemble = rsv_team_path(b->context) - path;
     report_sizes(b, *light);
@@ -257,18 +260,18 @@ cleanup:
 static rsv_status build(rsv_builder *b, rsv_solution **light)
 {
     rsv_status status;
-    rsv_past *past = NULL;
+    rsv_history *history = NULL;
     rsv_operator *op = NULL;
-    RSV_TRY(rsv_builder_recall(b, &past));
+    RSV_TRY(rsv_builder_open_history(b, &history));
     RSV_TRY(assemble(b, &op, light));
     RSV_TRY(solve(b, *light));
-    rsv_builder_remember(b, *light);
+    rsv_builder_keep_history(b, *light);
 cleanup:
     if (*light) {
         (*light)->scene = b->world->scene;
         rsv_light_publish(*light);
     }
-    rsv_past_close(past);
+    rsv_history_close(history);
     rsv_operator_release(op);
     return status;
 }
@@ -282,8 +285,7 @@ static rsv_status begin(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_
     RSV_TRY(rsv_world_create(scene, &b->world));
     b->report.time_bvh = b->world->build_seconds;
     b->scene = b->world->scene;
-    b->scene.checkpoint = desc->checkpoint;
-    b->scene.earlier = desc->earlier;
+    b->scene.update = &b->update;
     RSV_TRY(rsv_light_sources_create(b->world, NULL, &b->sources));
 cleanup:
     return status;
@@ -310,21 +312,42 @@ static rsv_status check_goal(const rsv_solve_desc *desc, size_t cameras)
     return RSV_OK;
 }
 
-rsv_status rsv_solution_create(
-    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
+rsv_status rsv_solution_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
+    rsv_store *earlier, rsv_solution **solution)
 {
-    rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     rsv_builder b;
     rsv_solution *light = NULL;
-    rsv_status status = check_goal(&settings, rsv_scene_get_view(scene)->camera_count);
-    if (status == RSV_OK) status = rsv_check_solve_desc(&settings);
-    if (status != RSV_OK) return status;
-    status = begin(scene, &settings, &b);
+    rsv_status status = begin(scene, desc, &b);
+    b.update.store = store;
+    b.update.earlier = earlier;
     if (status == RSV_OK) status = build(&b, &light);
     end(&b);
     if (status == RSV_OK)
         *solution = light;
     else
         rsv_solution_destroy(light);
+    return status;
+}
+
+rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc)
+{
+    rsv_status status = check_goal(desc, rsv_scene_get_view(scene)->camera_count);
+    return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
+}
+
+rsv_status rsv_solution_create(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
+{
+    rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_store *store = NULL, *earlier = NULL;
+    rsv_status status;
+    RSV_TRY(rsv_check_settings(scene, &settings));
+    if (settings.checkpoint) RSV_TRY(rsv_store_folder(context, settings.checkpoint, &store));
+    if (settings.earlier) RSV_TRY(rsv_store_folder(context, settings.earlier, &earlier));
+    RSV_TRY(rsv_solution_build(scene, &settings, store, earlier, solution));
+cleanup:
+    rsv_store_destroy(store);
+    rsv_store_destroy(earlier);
     return status;
 }

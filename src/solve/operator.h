@@ -25,7 +25,7 @@ typedef struct rsv_operator_view {
 /// How to trace one.
 typedef struct rsv_operator_desc {
     rsv_world *world; ///< retained
-    /// Of that world, with what is known of rows from before (checkpoint, earlier, past); borrowed for the call
+    /// Of that world, with what is known from before (update); borrowed for the call
     const rsv_transport_scene *scene;
     const rsv_lights *lights; ///< tell which emitters rows gather; borrowed for the call
     rsv_elements *elements;   ///< retained

@@ -2,21 +2,18 @@
 
 #include "../elements/burial.h"
 #include "../elements/curvature.h"
-#include "../elements/element_keys.h"
 #include "../elements/elements.h"
 #include "../elements/follower.h"
-#include "../elements/past.h"
 #include "budget.h"
 #include "coarse_elements.h"
 #include "diffused_level.h"
 #include "goal.h"
+#include "pilot_near.h"
 #include "solve_desc.h"
 #include "source.h"
 
 #include <string.h>
 
-#define PILOT_RAYS 128
-#define PILOT_ORDERS 3
 #define PILOT_BEND 0.2f
 #define LARGEST_BEND 2.0f
 /// Pilots may bring rows to so many times those that were asked for, or, where detailed surfaces take most of these anyway,
@@ -80,25 +77,18 @@ static void diffuse_bends(const rsv_elements *e, float *bend)
         if (bend[c] > 0) bend[c] *= rgb_luminance(rsv_diffused_share(e, c));
 }
 
-/// What is known from before an edit that left sources as they were: other ones bend light elsewhere. NULL = nothing
-static const rsv_past *settled(const rsv_builder *b)
-{
-    const rsv_past *past = b->scene.past;
-    return past && !rsv_past_has_other_sources(past) ? past : NULL;
-}
-
 /// Leaves cells alone that an edit of the scene is far from: they are split as they were before.
-static void unmark_settled(const rsv_past *past, const rsv_elements *e, uint8_t *split)
+static void unmark_settled(const rsv_history *history, const rsv_elements *e, uint8_t *split)
 {
-    for (uint32_t c = 0; past && c < e->cell_count; c++)
-        if (split[c] && !rsv_past_is_near(past, e, c)) split[c] = 0;
+    for (uint32_t c = 0; history && c < e->cell_count; c++)
+        if (split[c] && !rsv_history_is_near(history, e, c)) split[c] = 0;
 }
 
 /// Rows that pilots may bring the solution to. @param first rows before them
 static size_t most_rows(const rsv_builder *b, size_t first)
 {
     size_t target = b->desc.element_target, budget = rsv_budget_rows(b);
-    size_t most = first + (b->scene.past ? 1 : MOST_ADDED) * target;
+    size_t most = first + (rsv_history_of(&b->scene) ? 1 : MOST_ADDED) * target;
     if (most < MOST_NODES * target) most = MOST_NODES * target;
     return most < budget ? most : budget;
 }
@@ -138,7 +128,7 @@ static rsv_status mark_bends(const rsv_builder *b, const rsv_goal *goal, size_t 
     for (float least = PILOT_BEND; least < LARGEST_BEND && marked && !*any; least *= 1.5f) {
         for (size_t c = 0; c < e->cell_count; c++)
             split[c] = bend[c] > least;
-        unmark_settled(settled(b), e, split);
+        unmark_settled(rsv_pilot_settled(b), e, split);
         *any = (double)rows + rows_for(e, split, &marked) <= (double)most && marked;
     }
 cleanup:
@@ -146,126 +136,17 @@ cleanup:
     return status;
 }
 
-static rsv_status begin_light(rsv_builder *b, rsv_operator *op, rsv_solution **light)
-{
-    return rsv_light_begin(op, b->sources, &b->scene, &b->desc, light);
-}
-
 /// The first few orders of light, with rows of few rays.
 static rsv_status solve_roughly(rsv_builder *b, rsv_solution **light)
 {
     rsv_status status;
     rsv_operator *op = NULL;
-    RSV_TRY(rsv_builder_trace(b, NULL, PILOT_RAYS, &op));
-    RSV_TRY(begin_light(b, op, light));
+    RSV_TRY(rsv_builder_trace(b, NULL, RSV_PILOT_RAYS, &op));
+    RSV_TRY(rsv_light_begin(op, b->sources, &b->scene, &b->desc, light));
     RSV_TRY(rsv_source_create(*light));
-    RSV_TRY(rsv_solve_orders(*light, PILOT_ORDERS));
+    RSV_TRY(rsv_solve_orders(*light, RSV_PILOT_ORDERS));
 cleanup:
     rsv_operator_release(op);
-    return status;
-}
-
-/// Light of nodes that an edit of the scene is far from is what it was before. [node_count] each
-typedef struct settled_light {
-    uint8_t *far;      ///< those nodes: nothing is gathered for them
-    rsv_rgb *source;   ///< of these
-    rsv_rgb *indirect; ///< of all that were there before
-} settled_light;
-
-static rsv_status allocate_settled(const rsv_builder *b, settled_light *then)
-{
-    size_t nodes = b->elements->node_count;
-    then->source = rsv_alloc(b->context, nodes, sizeof *then->source);
-    then->indirect = rsv_alloc(b->context, nodes, sizeof *then->indirect);
-    return then->source && then->indirect ? RSV_OK : RSV_ERROR_MEMORY;
-}
-
-/// Sorts nodes into those that an edit of the scene is far from, whose light from before will do, and those that are
-/// looked at again.
-static rsv_status recall_far(const rsv_builder *b, settled_light *light)
-{
-    const rsv_elements *e = b->elements;
-    uint64_t *key = NULL;
-    rsv_status status = rsv_node_keys_create(e, &key);
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        if (status != RSV_OK || e->node_hanging[n] != RSV_NONE) continue;
-        const rsv_past_node *then = rsv_past_find_node(b->scene.past, e, n, key[n]);
-        light->far[n] =
-            !b->valid_points[n] || (then && !rsv_past_is_node_near(b->scene.past, e, n));
-        if (!then) continue;
-        light->indirect[n] = then->indirect;
-        if (light->far[n]) light->source[n] = then->source; // nothing is gathered without a row
-    }
-    rsv_free(b->context, key);
-    return status;
-}
-
-/// Rows of nodes that are not far from an edit.
-static rsv_status trace_near(rsv_builder *b, const uint8_t *far, rsv_operator **op)
-{
-    size_t nodes = b->elements->node_count;
-    uint16_t *valid = rsv_alloc(b->context, nodes, sizeof *valid);
-    if (!valid) return RSV_ERROR_MEMORY;
-    for (size_t n = 0; n < nodes; n++)
-        valid[n] = far[n] ? 0 : b->valid_points[n];
-    rsv_transport_scene scene = b->scene;
-    b->scene.checkpoint = b->scene.earlier = NULL;
-    rsv_status status = rsv_builder_trace(b, valid, PILOT_RAYS, op);
-    b->scene = scene;
-    rsv_free(b->context, valid);
-    return status;
-}
-
-/// One more order of light for nodes near an edit, from the light of all.
-static void gather_near(rsv_solution *light, const settled_light *then, rsv_rgb *exitance)
-{
-    const rsv_elements *e = light->elements;
-    rsv_rgb *indirect = light->field.indirect;
-    for (size_t n = 0; n < e->node_count; n++)
-        exitance[n] =
-            rgb_mul(light->view.exitance_albedo[n], rgb_add(light->field.source[n], indirect[n]));
-    rsv_transport_apply(light->view.transport, exitance, indirect);
-    for (size_t n = 0; n < e->node_count; n++)
-        if (then->far[n]) indirect[n] = then->indirect[n];
-    rsv_elements_constrain(e, indirect);
-}
-
-/// Direct light of nodes near an edit, and the settled light of the others.
-static rsv_status begin_near(rsv_solution *light, const settled_light *then)
-{
-    size_t nodes = light->elements->node_count;
-    light->field.indirect = rsv_alloc(light->context, nodes, sizeof *light->field.indirect);
-    if (!light->field.indirect) return RSV_ERROR_MEMORY;
-    memcpy(light->field.indirect, then->indirect, nodes * sizeof *then->indirect);
-    memcpy(light->field.source, then->source, nodes * sizeof *then->source);
-    rsv_elements_constrain(light->elements, light->field.indirect);
-    rsv_status status = rsv_source_estimate(light, then->far);
-    if (status == RSV_OK) rsv_source_add_gathered(light);
-    return status;
-}
-
-/// The same as solve_roughly where the light of all that an edit is far from is taken for what it was.
-/// @param far [node_count], out: nodes that it is far from, for which nothing is gathered
-static rsv_status solve_near(rsv_builder *b, uint8_t *far, rsv_solution **light)
-{
-    rsv_status status;
-    settled_light then = { .far = far };
-    rsv_operator *op = NULL;
-    rsv_rgb *exitance = rsv_alloc(b->context, b->elements->node_count, sizeof *exitance);
-    RSV_TRY(exitance ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(allocate_settled(b, &then));
-    RSV_TRY(recall_far(b, &then));
-    RSV_TRY(trace_near(b, far, &op));
-    RSV_TRY(begin_light(b, op, light));
-    RSV_TRY(begin_near(*light, &then));
-    for (uint32_t order = 0; order < PILOT_ORDERS; order++)
-        gather_near(*light, &then, exitance);
-cleanup:
-    rsv_operator_release(op);
-    rsv_free(b->context, then.source);
-    rsv_free(b->context, then.indirect);
-    rsv_free(b->context, exitance);
     return status;
 }
 
@@ -301,7 +182,7 @@ static rsv_status mark_by_pilot(
     float *deviation = rsv_alloc(b->context, nodes, sizeof *deviation);
     rsv_rgb *arriving = rsv_alloc(b->context, nodes, sizeof *arriving);
     RSV_TRY(far && deviation && arriving ? RSV_OK : RSV_ERROR_MEMORY);
-    RSV_TRY(settled(b) ? solve_near(b, far, &light) : solve_roughly(b, &light));
+    RSV_TRY(rsv_pilot_settled(b) ? rsv_pilot_solve_near(b, far, &light) : solve_roughly(b, &light));
     b->report.rays += light->report.rays;
     note_arriving(b, light, far, arriving, deviation);
     float dark = PILOT_DARK * mean_arriving(light, far);
@@ -335,7 +216,7 @@ static rsv_status remake_for_goal(rsv_builder *b, rsv_goal *goal)
 {
     rsv_status status;
     rsv_operator *op = NULL;
-    RSV_TRY(rsv_builder_trace(b, NULL, PILOT_RAYS, &op));
+    RSV_TRY(rsv_builder_trace(b, NULL, RSV_PILOT_RAYS, &op));
     RSV_TRY(rsv_goal_create(op, &b->desc, goal));
     RSV_TRY(rsv_coarse_elements_create_for_goal(b, goal));
 cleanup:
@@ -361,7 +242,7 @@ rsv_status rsv_pilot_refine(rsv_builder *b)
     size_t first = rsv_builder_rows(b);
     for (uint32_t pilot = 0; refined && pilot < b->desc.refinements; pilot++) {
         size_t rows = rsv_builder_rows(b), most = most_rows(b, first);
-        if (!settled(b) && (double)most < (1 + LEAST_GROWTH) * (double)rows) break;
+        if (!rsv_pilot_settled(b) && (double)most < (1 + LEAST_GROWTH) * (double)rows) break;
         rsv_progress_part(b->context, "pilot", pilot + 1);
         RSV_TRY(refine_by_pilot(b, &goal, most, &refined));
     }

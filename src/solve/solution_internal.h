@@ -3,6 +3,7 @@
 #define RSV_SOLUTION_INTERNAL_H
 
 #include "light_change.h"
+#include "resolvent/update.h"
 
 struct rsv_solution {
     rsv_context *context;
@@ -20,6 +21,8 @@ struct rsv_solution {
     double pocket_area;
     rsv_light_basis *basis;
     rsv_solve_report report;
+    rsv_update_report
+        update; ///< what was kept from before an edit, as far as `report` does not say
 
     rsv_light_view view; ///< all of that, for others
 };

@@ -1,7 +1,7 @@
 #include "source.h"
 
-#include "../elements/element_keys.h"
-#include "../elements/past.h"
+#include "../update/kept_light.h"
+#include "../update/update.h"
 
 rsv_status rsv_source_create_levels(rsv_solution *s, const rsv_level_limits *limits)
 {
@@ -49,28 +49,6 @@ void rsv_source_add_gathered(rsv_solution *s)
     rsv_source_complete(s);
 }
 
-/// Direct light that is what it was before the scene was edited. @param known [node_count], out
-static rsv_status recall_direct(rsv_solution *s, uint8_t *known)
-{
-    const rsv_elements *e = s->elements;
-    rsv_status status;
-    uint64_t *key = NULL;
-    uint8_t *lit_anew = NULL;
-    RSV_TRY(rsv_node_keys_create(e, &key));
-    RSV_TRY(rsv_past_find_lit_anew(s->scene.past, e, &lit_anew));
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
-    for (uint32_t n = 0; n < e->node_count; n++) {
-        if (e->node_hanging[n] != RSV_NONE || rsv_past_is_node_lit_anew(e, n, lit_anew)) continue;
-        const rsv_past_node *then = rsv_past_find_node(s->scene.past, e, n, key[n]);
-        known[n] = then != NULL;
-        if (then) s->field.source[n] = then->light.direct;
-    }
-cleanup:
-    rsv_free(s->context, key);
-    rsv_free(s->context, lit_anew);
-    return status;
-}
-
 /// @param known [node_count] nodes that are left as they are; NULL = none
 static rsv_status find_direct(
     const rsv_solution *s, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
@@ -97,12 +75,35 @@ rsv_status rsv_source_estimate(rsv_solution *s, const uint8_t *known)
     return find_direct(s, known, s->field.source, &s->report.rays);
 }
 
+/// Elements that receive light: neither hanging nor buried.
+static size_t count_lit(const rsv_elements *e, const uint16_t *valid_points)
+{
+    size_t count = 0;
+    for (size_t n = 0; e && valid_points && n < e->node_count; n++)
+        count += e->node_hanging[n] == RSV_NONE && valid_points[n];
+    return count;
+}
+
+/// @param known [node_count] coarse elements whose light was not sampled
+static void report_kept(rsv_solution *s, const uint8_t *known)
+{
+    const rsv_source_level *fine = &s->field.fine;
+    size_t kept = 0;
+    for (size_t n = 0; n < s->elements->node_count; n++)
+        kept += known[n] && s->view.valid_points[n];
+    s->update.lit_elements = count_lit(s->elements, s->view.valid_points) +
+                             count_lit(fine->elements, fine->valid_points);
+    s->update.kept_lit_elements = kept + fine->kept;
+}
+
 rsv_status rsv_source_create(rsv_solution *s)
 {
     rsv_status status;
+    const rsv_history *history = rsv_history_of(&s->scene);
     uint8_t *known = rsv_alloc(s->context, s->elements->node_count, 1);
     RSV_TRY(known ? RSV_OK : RSV_ERROR_MEMORY);
-    if (s->scene.past) RSV_TRY(recall_direct(s, known));
+    if (history) RSV_TRY(rsv_kept_direct(history, s->elements, s->field.source, known));
+    report_kept(s, known);
     RSV_TRY(rsv_source_estimate(s, known));
     rsv_source_add_gathered(s);
 cleanup:

@@ -1,12 +1,12 @@
 #include "kept_files.h"
 
 #include "core/key.h"
-#include "elements/past_file.h"
-#include "operator/row_catalogue.h"
-#include "operator/row_files.h"
-#include "operator/row_record_head.h"
 #include "unit/file_fixture.h"
 #include "unit/light_fixture.h"
+#include "update/history_file.h"
+#include "update/row_catalogue.h"
+#include "update/row_reader.h"
+#include "update/row_record_head.h"
 
 #include "resolvent/solve.h"
 
@@ -139,11 +139,11 @@ static kept_room *the_room(void)
 
 static void mend_past(const kept_room *room, uint8_t *data, size_t size)
 {
-    rsv_past_header *h = (rsv_past_header *)(void *)data;
+    rsv_history_header *h = (rsv_history_header *)(void *)data;
     if (size < sizeof *h) return;
-    h->magic = RSV_PAST_MAGIC;
-    h->settings = ((const rsv_past_header *)(const void *)room->file[0])->settings;
-    h->checksum = rsv_past_checksum(h, size);
+    h->magic = RSV_HISTORY_MAGIC;
+    h->settings = ((const rsv_history_header *)(const void *)room->file[0])->settings;
+    h->checksum = rsv_history_checksum(h, size);
 }
 
 static void mend_catalogue(uint8_t *data, size_t size)

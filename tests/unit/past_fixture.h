@@ -2,10 +2,10 @@
 #ifndef RSV_TEST_PAST_FIXTURE_H
 #define RSV_TEST_PAST_FIXTURE_H
 
-#include "elements/past_file.h"
 #include "file_fixture.h"
 #include "light_fixture.h"
 #include "light_view.h"
+#include "update/history_file.h"
 
 #include <math.h>
 
@@ -34,9 +34,8 @@ static inline void build_outdoors(world *w, uint32_t walls, float radiance)
     world_box(w, walls, v3(0, 1e-4f, 2), v3(6, 2, 2.1f));
 }
 
-static inline world *build(const room *r, int threads)
+static inline void furnish(world *w, const room *r)
 {
-    world *w = world_begin(threads);
     uint32_t walls = world_lambert(w, 0.7f, 0), box = world_lambert(w, r->albedo, 0);
     uint32_t lamp = world_lambert(w, 0, r->radiance);
     if (r->sky > 0)
@@ -46,6 +45,12 @@ static inline world *build(const room *r, int threads)
     world_box(w, box, v3(r->box_at, 1e-4f, 0.5f), v3(r->box_at + 0.3f, 0.4f, 0.8f));
     world_box(w, lamp, v3(1, 1.9f, 0.8f), v3(1.3f, 1.95f, 1.2f));
     world_commit(w);
+}
+
+static inline world *build(const room *r, int threads)
+{
+    world *w = world_begin(threads);
+    furnish(w, r);
     return w;
 }
 
@@ -140,7 +145,7 @@ static inline double difference(const rsv_solution *a, const rsv_solution *b)
 }
 
 /// The file of what a solve knew, in a folder. @return to be freed
-static inline rsv_past_header *read_past(const char *folder_path, size_t *bytes)
+static inline rsv_history_header *read_past(const char *folder_path, size_t *bytes)
 {
     char path[512] = { 0 };
     DIR *directory = opendir(folder_path);
@@ -148,15 +153,38 @@ static inline rsv_past_header *read_past(const char *folder_path, size_t *bytes)
         if (strstr(entry->d_name, ".past"))
             snprintf(path, sizeof path, "%.200s/%.200s", folder_path, entry->d_name);
     closedir(directory);
-    return (rsv_past_header *)(void *)read_bytes(path, bytes);
+    return (rsv_history_header *)(void *)read_bytes(path, bytes);
 }
 
-static inline void write_past(const char *folder_path, rsv_past_header *h, size_t bytes)
+static inline void write_past(const char *folder_path, rsv_history_header *h, size_t bytes)
 {
     char path[512];
-    assert_true(rsv_past_path(folder_path, h->settings, path, sizeof path));
-    h->checksum = rsv_past_checksum(h, bytes);
+    char name[RSV_STORE_NAME_BYTES];
+    rsv_history_name(h->settings, name);
+    snprintf(path, sizeof path, "%.200s/%s", folder_path, name);
+    h->checksum = rsv_history_checksum(h, bytes);
     write_bytes(path, h, bytes);
+}
+
+/// What a solve left in a folder.
+typedef struct opened {
+    rsv_store *store;
+    rsv_history *history; ///< NULL = nothing that is sound
+} opened;
+
+static inline opened open_history(const rsv_transport_scene *scene, const rsv_lights *lights,
+    const char *folder_path, uint64_t settings)
+{
+    opened o = { 0 };
+    assert_int_equal(rsv_store_folder(lights->context, folder_path, &o.store), RSV_OK);
+    assert_int_equal(rsv_history_open(scene, lights, o.store, settings, &o.history), RSV_OK);
+    return o;
+}
+
+static inline void close_history(opened *o)
+{
+    rsv_history_close(o->history);
+    rsv_store_destroy(o->store);
 }
 
 #endif

@@ -159,7 +159,7 @@ static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float r
     coat.roughness = roughness;
     world_room(w, world_material(w, coat), v3(0, 0, 0), v3(1, 1, 1));
     world_commit(w);
-    uint64_t key = rsv_past_triangle_key(&w->transport, 0);
+    uint64_t key = rsv_history_triangle_key(&w->transport, 0);
     world_end(w);
     return key;
 }
@@ -213,22 +213,20 @@ static void light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change(void
     (void)state;
     edited_room r = edit(&plain, &moved);
     const rsv_elements *e = inside(r.s)->elements;
-    rsv_past *past = NULL;
     size_t bytes;
-    rsv_past_header *h = read_past(r.before.path, &bytes);
-    assert_int_equal(
-        rsv_past_open(&inside(r.s)->scene, inside(r.s)->lights, r.before.path, h->settings, &past),
-        RSV_OK);
+    rsv_history_header *h = read_past(r.before.path, &bytes);
+    opened o = open_history(&inside(r.s)->scene, inside(r.s)->lights, r.before.path, h->settings);
+    const rsv_history *past = o.history;
     assert_non_null(past);
     free(h);
     size_t same = 0;
     for (uint32_t c = 0; c < e->cell_count; c++) {
-        if (rsv_past_is_lit_anew(past, e, c)) continue;
+        if (rsv_history_is_light_changed(past, e, c)) continue;
         same++;
-        assert_false(any_line_meets(rsv_past_change(past), e, c));
+        assert_false(any_line_meets(rsv_history_change(past), e, c));
     }
     assert_true(same > e->cell_count / 3);
-    rsv_past_close(past);
+    close_history(&o);
     end_edit(&r);
 }
 

@@ -49,7 +49,7 @@ static void leave_for(const room *r, const char *rows, uint64_t settings)
 {
     size_t bytes;
     leave(r, rows, NULL);
-    rsv_past_header *h = read_past(rows, &bytes);
+    rsv_history_header *h = read_past(rows, &bytes);
     h->settings = settings;
     write_past(rows, h, bytes);
     free(h);
@@ -66,7 +66,7 @@ static void budgets_coarsen_what_was_finer_before(void **state)
     desc.direct_level = false;
     assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
     size_t bytes;
-    rsv_past_header *h = read_past(after.path, &bytes);
+    rsv_history_header *h = read_past(after.path, &bytes);
     float metres = inside(s)->elements->spacing;
     assert_true(metres > 1.1f * h->spacing[0]); // what was asked for: the next one begins there
     rsv_solution_destroy(s);

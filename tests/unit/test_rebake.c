@@ -4,7 +4,9 @@
 #include "elements/spacing.h"
 #include "file_fixture.h"
 #include "light_fixture.h"
-#include "operator/earlier_rows.h"
+#include "operator/row_tracer.h"
+#include "update/kept_rows.h"
+#include "update/update.h"
 
 enum { RAYS = 256, SEED = 1, NAME_BYTES = 64 };
 
@@ -61,16 +63,25 @@ static void destroy(built *b)
     world_end(b->w);
 }
 
+static rsv_store *open_folder(rsv_context *context, const char *path)
+{
+    rsv_store *store = NULL;
+    assert_int_equal(rsv_store_folder(context, path, &store), RSV_OK);
+    return store;
+}
+
 /// Leaves rows in the room's folder.
 static void trace_rows(const room *r)
 {
     built b = build(r);
     rsv_transport *transport;
-    b.w->transport.checkpoint = r->rows;
+    rsv_update update = { .store = open_folder(b.w->context, r->rows) };
+    b.w->transport.update = &update;
     assert_int_equal(rsv_transport_create(&b.w->transport, b.w->lights, b.elements, b.valid_points,
                          RAYS, SEED, &transport),
         RSV_OK);
     rsv_transport_destroy(transport);
+    rsv_store_destroy(update.store);
     destroy(&b);
 }
 
@@ -96,7 +107,7 @@ typedef struct kept {
 } kept;
 
 /// Every row that is taken over against the same row with all of its rays traced.
-static kept compare_rows(const rsv_row_tracer *tracer, const rsv_earlier_rows *earlier)
+static kept compare_rows(const rsv_row_tracer *tracer, const rsv_kept_rows *earlier)
 {
     rsv_context *context = tracer->elements->context;
     static const uint8_t nothing[RAYS];
@@ -105,14 +116,14 @@ static kept compare_rows(const rsv_row_tracer *tracer, const rsv_earlier_rows *e
     assert_int_equal(rsv_row_scratch_create(context, RAYS, &anew), RSV_OK);
     assert_int_equal(rsv_row_scratch_create(context, RAYS, &whole), RSV_OK);
     for (uint32_t n = 0; n < tracer->elements->node_count; n++) {
-        rsv_row_past past;
+        rsv_kept_row past;
         if (!tracer->valid_points[n]) continue;
         k.all++;
-        if (!rsv_earlier_rows_find(earlier, n, &past)) continue;
+        if (!rsv_kept_rows_find(earlier, n, &past)) continue;
         k.rows++;
-        rsv_row_trace_anew(tracer, n, &past, &anew);
+        rsv_row_retrace(tracer, n, &past, &anew);
         past.kind = nothing;
-        rsv_row_trace_anew(tracer, n, &past, &whole);
+        rsv_row_retrace(tracer, n, &past, &whole);
         check_same_row(&anew, &whole);
     }
     k.rays = (double)anew.kept / ((double)k.all * RAYS);
@@ -125,17 +136,25 @@ static kept update(const room *before, const room *after)
 {
     built b = build(after);
     rsv_row_catalogue *now;
-    rsv_earlier_rows *earlier;
+    rsv_store *store = open_folder(b.w->context, before->rows);
+    rsv_kept_rows *earlier;
     rsv_row_tracer tracer = { .scene = &b.w->transport,
         .lights = b.w->lights,
         .elements = b.elements,
         .valid_points = b.valid_points,
         .seed = SEED };
     assert_int_equal(rsv_row_tracer_begin(&tracer, RAYS), RSV_OK);
-    assert_int_equal(rsv_row_catalogue_create(&tracer, &now), RSV_OK);
-    assert_int_equal(rsv_earlier_rows_open(&tracer, now, before->rows, &earlier), RSV_OK);
+    uint8_t *kind = calloc(b.w->transport.view->triangle_count, 2);
+    assert_non_null(kind);
+    for (size_t side = 0; side < 2 * (size_t)b.w->transport.view->triangle_count; side++)
+        kind[side] = tracer.target[side].kind;
+    const rsv_row_basis basis = { &b.w->transport, b.elements, b.valid_points, kind, RAYS, SEED };
+    assert_int_equal(rsv_row_catalogue_create(&basis, &now), RSV_OK);
+    assert_int_equal(rsv_kept_rows_open(&basis, now, store, &earlier), RSV_OK);
+    free(kind);
     kept k = compare_rows(&tracer, earlier);
-    rsv_earlier_rows_close(earlier);
+    rsv_kept_rows_close(earlier);
+    rsv_store_destroy(store);
     rsv_row_catalogue_destroy(now);
     rsv_row_tracer_end(&tracer);
     destroy(&b);
@@ -237,11 +256,11 @@ static void damaged_catalogues_are_passed_over(void **state)
     remove_folder(rows.path);
 }
 
-static size_t count_found(const rsv_row_files *files)
+static size_t count_found(const rsv_row_reader *files)
 {
     size_t found = 0;
     for (uint32_t n = 0; n < files->node_count; n++)
-        found += rsv_row_files_find(files, n) != NULL;
+        found += rsv_row_reader_find(files, n) != NULL;
     return found;
 }
 
@@ -258,11 +277,13 @@ static void records_written_over_meanwhile_are_not_taken(void **state)
     snprintf(key, sizeof key, "%.*s", RSV_ROW_KEY_DIGITS, name);
     const char *path = path_in(&rows, name);
     built b = build(&plain);
-    rsv_row_files files;
+    rsv_row_reader files = { .context = b.w->context,
+        .store = open_folder(b.w->context, rows.path),
+        .node_count = b.elements->node_count,
+        .ray_count = RAYS };
+    rsv_store *store = files.store;
     size_t own, bytes;
-    assert_int_equal(rsv_row_files_open(b.w->context, rows.path, key, b.elements->node_count, RAYS,
-                         path, &own, &files),
-        RSV_OK);
+    assert_int_equal(rsv_row_reader_open(&files, key, name, &own), RSV_OK);
     size_t all = count_found(&files);
     assert_true(all > 100);
     uint8_t *content = read_bytes(path, &bytes);
@@ -274,7 +295,8 @@ static void records_written_over_meanwhile_are_not_taken(void **state)
     free(content);
     size_t left = count_found(&files);
     assert_true(left > all / 3 && left < 2 * all / 3);
-    rsv_row_files_close(&files);
+    rsv_row_reader_close(&files);
+    rsv_store_destroy(store);
     destroy(&b);
     remove_folder(rows.path);
 }

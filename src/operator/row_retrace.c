@@ -14,19 +14,19 @@ typedef struct kept_rays {
 } kept_rays;
 
 /// @param seen [LANES] of the packet @param column of these rays, moved on to those of the next
-static kept_rays keep_rays(const rsv_row_past *past, const uint8_t *seen, const uint32_t **column,
+static kept_rays keep_rays(const rsv_kept_row *row, const uint8_t *seen, const uint32_t **column,
     const rsv_ray_packet *packet)
 {
     kept_rays kept = { .ends = 0 };
-    uint16_t meets = rsv_scene_change_meets(past->change, packet);
+    uint16_t meets = rsv_scene_change_meets(row->change, packet);
     for (int k = 0; k < LANES; k++) {
         uint32_t then = seen[k] & RSV_ROW_RAY_ENDS ? *(*column)++ : RSV_NONE;
         bool lambert = (seen[k] & ~RSV_ROW_RAY_ENDS) == RSV_TARGET_LAMBERT;
-        kept.column[k] = lambert && then != RSV_NONE ? past->end_now[then] : RSV_NONE;
+        kept.column[k] = lambert && then != RSV_NONE ? row->end_now[then] : RSV_NONE;
         bool passes = packet->t_max[k] > 0 && !(meets >> k & 1);
         kept.ends |= (uint16_t)((passes && kept.column[k] != RSV_NONE) << k);
         kept.skies |= (uint16_t)((passes && seen[k] == RSV_TARGET_SKY) << k);
-        bool black = past->change->has_gone && seen[k] == RSV_TARGET_BLACK;
+        bool black = row->change->has_gone && seen[k] == RSV_TARGET_BLACK;
         kept.blacks |= (uint16_t)((passes && black) << k);
     }
     return kept;
@@ -54,33 +54,34 @@ static uint32_t trace_others(
 }
 
 /// Whether the points that counted then count still, and no others.
-static bool points_hold(const rsv_row_tracer *tracer, uint32_t node, const rsv_row_past *past)
+static bool points_hold(const rsv_row_tracer *tracer, uint32_t node, const rsv_kept_row *row)
 {
     const uint16_t all = (1u << RSV_SUPPORT_POINTS) - 1;
-    if (past->valid == all && tracer->valid_points[node] == all) return true;
-    if (past->index == rsv_elements_draw_of(tracer->elements, node))
-        return past->valid == tracer->valid_points[node];
+    if (row->valid == all && tracer->valid_points[node] == all) return true;
+    if (row->index == rsv_elements_draw_of(tracer->elements, node))
+        return row->valid == tracer->valid_points[node];
     uint64_t rays = 0; // not counted, as a run that knows of nothing does without them
-    return past->valid == rsv_judge_points(tracer->scene, tracer->elements, node, past->index,
-                              RSV_SUPPORT_POINTS, tracer->seed, &rays);
+    return row->valid == rsv_judge_points(tracer->scene, tracer->elements, node, row->index,
+                             RSV_SUPPORT_POINTS, tracer->seed, &rays);
 }
 
-void rsv_row_trace_anew(
-    const rsv_row_tracer *tracer, uint32_t node, const rsv_row_past *past, rsv_row_scratch *s)
+void rsv_row_retrace(
+    const rsv_row_tracer *tracer, uint32_t node, const rsv_kept_row *row, rsv_row_scratch *s)
 {
     rsv_row_receiver r;
-    rsv_row_receive_as(tracer, node, past->index, past->valid, &r);
+    rsv_row_receive_as(tracer, node, row->index, row->valid, &r);
     // what passes through coats and media is nothing but chains
-    if (r.tints || !points_hold(tracer, node, past)) {
+    if (r.tints || !points_hold(tracer, node, row)) {
         rsv_row_trace(tracer, node, s);
         return;
     }
     uint32_t rays = tracer->directions.count;
-    const uint32_t *column = past->column;
+    uint64_t kept_before = s->kept;
+    const uint32_t *column = row->column;
     rsv_ray_packet packet = rsv_row_begin(tracer, &r, s);
     for (uint32_t first = 0; first < rays; first += LANES) {
         const float *z = rsv_row_aim(tracer, &r, first, &packet);
-        kept_rays kept = keep_rays(past, past->kind + first, &column, &packet);
+        kept_rays kept = keep_rays(row, row->kind + first, &column, &packet);
         s->kept += LANES - trace_others(tracer, &kept, &packet);
         if (kept.ends != ALL_LANES) rsv_row_process_hits(tracer, s, first, &r, z, &packet);
         for (uint32_t k = 0; k < LANES; k++) {
@@ -90,4 +91,5 @@ void rsv_row_trace_anew(
         }
     }
     s->rays += rays;
+    s->kept_rows += s->kept - kept_before == rays;
 }

@@ -1,15 +1,12 @@
 #include "row_catalogue.h"
 
 #include "../core/key.h"
-#include "../elements/element_keys.h"
-#include "../elements/scene_change.h"
+#include "element_keys.h"
+#include "scene_change.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <string.h>
 
 #define MAGIC 0x31746163u // "cat1"
-#define PATH_BYTES 4096
 /// More nodes, cells or triangles than elements can have.
 #define TOO_MANY ((uint64_t)1 << 34)
 
@@ -45,7 +42,7 @@ void rsv_row_catalogue_destroy(rsv_row_catalogue *c)
     rsv_free(c->context, c);
 }
 
-static void fill(const rsv_row_tracer *t, rsv_row_catalogue *c)
+static void fill(const rsv_row_basis *t, rsv_row_catalogue *c)
 {
     const rsv_elements *e = t->elements;
     rsv_elements_cell_keys(e, c->cell_key);
@@ -56,11 +53,11 @@ static void fill(const rsv_row_tracer *t, rsv_row_catalogue *c)
     for (size_t k = 0; k < e->cell_count; k++) {
         uint32_t face = e->cell[k].face;
         size_t side = 2 * (size_t)e->face_triangle[face] + e->face_back[face];
-        c->cell_key[k] = rsv_key_add(c->cell_key[k], t->target[side].kind);
+        c->cell_key[k] = rsv_key_add(c->cell_key[k], t->side_kind[side]);
     }
 }
 
-rsv_status rsv_row_catalogue_create(const rsv_row_tracer *t, rsv_row_catalogue **catalogue)
+rsv_status rsv_row_catalogue_create(const rsv_row_basis *t, rsv_row_catalogue **catalogue)
 {
     rsv_context *context = t->elements->context;
     rsv_row_catalogue *c = NULL;
@@ -69,7 +66,7 @@ rsv_status rsv_row_catalogue_create(const rsv_row_tracer *t, rsv_row_catalogue *
     rsv_status status = rsv_scene_change_keys(context, t->scene->view, &triangles, &count);
     if (status != RSV_OK) return status;
     const rsv_row_catalogue_header header = { .magic = MAGIC,
-        .ray_count = t->directions.count,
+        .ray_count = t->ray_count,
         .seed = t->seed,
         .node_count = t->elements->node_count,
         .cell_count = t->elements->cell_count,
@@ -101,53 +98,53 @@ static bool nodes_exist(const rsv_row_catalogue *c)
     return true;
 }
 
-static bool is_sound_header(const rsv_row_catalogue_header *h, FILE *file)
+static bool is_sound_header(const rsv_row_catalogue_header *h, size_t bytes)
 {
-    if (h->magic != MAGIC || h->node_count >= TOO_MANY || h->cell_count >= TOO_MANY ||
-        h->triangle_count >= TOO_MANY || !(h->seconds >= 0 && h->seconds < INFINITY) ||
-        fseek(file, 0, SEEK_END) != 0)
-        return false;
-    bool fits = ftell(file) == (long)bytes_of(h);
-    return fseek(file, sizeof *h, SEEK_SET) == 0 && fits;
+    return h->magic == MAGIC && h->node_count < TOO_MANY && h->cell_count < TOO_MANY &&
+           h->triangle_count < TOO_MANY && h->seconds >= 0 && h->seconds < INFINITY &&
+           bytes_of(h) == bytes;
 }
 
-rsv_status rsv_row_catalogue_read(
-    rsv_context *context, const char *path, rsv_row_catalogue **catalogue)
+/// A copy, as others may write over the blob. @param catalogue out: NULL if it is not sound
+static rsv_status copy_sound(
+    rsv_context *context, const rsv_blob *blob, rsv_row_catalogue **catalogue)
 {
     rsv_row_catalogue_header header;
     rsv_row_catalogue *c = NULL;
-    rsv_status status = RSV_OK;
-    *catalogue = NULL;
-    FILE *file = fopen(path, "rb");
-    if (!file) return RSV_OK;
-    if (fread(&header, sizeof header, 1, file) == 1 && is_sound_header(&header, file)) {
-        RSV_TRY(create_empty(context, &header, &c));
-        size_t rest = bytes_of(&header) - sizeof header;
-        if (fread(c->header + 1, 1, rest, file) == rest && header.checksum == checksum_of(c) &&
-            nodes_exist(c)) {
+    if (blob->count < sizeof header) return RSV_OK;
+    memcpy(&header, blob->byte, sizeof header);
+    if (!is_sound_header(&header, blob->count)) return RSV_OK;
+    rsv_status status = create_empty(context, &header, &c);
+    if (status == RSV_OK) {
+        memcpy(c->header + 1, blob->byte + sizeof header, blob->count - sizeof header);
+        if (header.checksum == checksum_of(c) && nodes_exist(c)) {
             *catalogue = c;
             c = NULL;
         }
     }
-cleanup:
-    fclose(file);
     rsv_row_catalogue_destroy(c);
     return status;
 }
 
-void rsv_row_catalogue_write(rsv_row_catalogue *c, const char *path)
+rsv_status rsv_row_catalogue_read(
+    rsv_context *context, rsv_store *store, const char *name, rsv_row_catalogue **catalogue)
 {
-    char beside[PATH_BYTES];
+    rsv_blob blob;
+    *catalogue = NULL;
+    rsv_status status = store->table->read(store, name, 0, &blob);
+    if (status != RSV_OK) return status;
+    status = copy_sound(context, &blob, catalogue);
+    store->table->release(store, &blob);
+    return status;
+}
+
+void rsv_row_catalogue_write(rsv_row_catalogue *c, rsv_store *store, const char *name)
+{
     c->header->checksum = checksum_of(c);
-    bool named = snprintf(beside, sizeof beside, "%s.part", path) < (int)sizeof beside;
-    FILE *file = named ? fopen(beside, "wb") : NULL;
-    size_t bytes = bytes_of(c->header);
-    bool written = file && fwrite(c->header, 1, bytes, file) == bytes;
-    if (file) written = fclose(file) == 0 && written;
-    if (written && rename(beside, path) == 0) return;
-    rsv_log(c->context, RSV_LOG_WARNING,
-        "checkpoint: cannot write '%s': %s; after an edit of the scene all rows will be traced "
-        "again",
-        path, strerror(errno));
-    if (file) remove(beside);
+    int why = store->table->write(store, name, c->header, bytes_of(c->header));
+    if (why)
+        rsv_log(c->context, RSV_LOG_WARNING,
+            "%s: cannot write '%s/%s': %s; after an edit of the scene all rows will be traced "
+            "again",
+            store->kind, store->place, name, strerror(why));
 }

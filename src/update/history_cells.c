@@ -1,14 +1,14 @@
 /// Which cells there were, and what of each is known: grids and splits as elements have them (elements.h).
-#include "past_internal.h"
+#include "history_internal.h"
 
 #include "../core/index_map.h"
+#include "../elements/open_corners.h"
 #include "element_keys.h"
-#include "open_corners.h"
 
-static size_t cells_in_grid(const rsv_past_face *face) { return (size_t)1 << (2 * face->level); }
+static size_t cells_in_grid(const rsv_history_face *face) { return (size_t)1 << (2 * face->level); }
 
 /// Marks slots as taken. @return false if they do not exist, or are taken already
-static bool take(const rsv_past_cells *c, size_t first, size_t count, uint8_t *taken)
+static bool take(const rsv_history_cells *c, size_t first, size_t count, uint8_t *taken)
 {
     if (first > c->slot_count || count > c->slot_count - first) return false;
     for (size_t slot = first; slot < first + count; slot++)
@@ -16,7 +16,7 @@ static bool take(const rsv_past_cells *c, size_t first, size_t count, uint8_t *t
     return true;
 }
 
-bool rsv_past_cells_are_sound(const rsv_past_cells *c, uint8_t *taken)
+bool rsv_history_cells_are_sound(const rsv_history_cells *c, uint8_t *taken)
 {
     for (size_t k = 0; k < c->face_count; k++)
         if (c->face[k].level > RSV_MAX_LEVEL || c->face[k].halvings > RSV_MAX_LEVEL ||
@@ -35,7 +35,7 @@ typedef struct face_finder {
     uint32_t *turn;      ///< [face_count] by first: whose turn it is
 } face_finder;
 
-static rsv_status create_finder(rsv_context *context, const rsv_past_cells *c, face_finder *f)
+static rsv_status create_finder(rsv_context *context, const rsv_history_cells *c, face_finder *f)
 {
     *f = (face_finder){ .next = rsv_alloc(context, c->face_count, sizeof *f->next),
         .turn = rsv_alloc(context, c->face_count, sizeof *f->turn) };
@@ -70,28 +70,28 @@ static uint32_t take_face(face_finder *f, uint64_t key)
     return face;
 }
 
-rsv_status rsv_past_find_faces(rsv_past *p, const rsv_scene_view *scene)
+rsv_status rsv_history_find_faces(rsv_history *p, const rsv_scene_view *scene)
 {
     rsv_status status;
     face_finder finder = { 0 };
-    RSV_TRY(create_finder(p->context, &p->layout.cells[RSV_PAST_COARSE], &finder));
+    RSV_TRY(create_finder(p->context, &p->layout.cells[RSV_HISTORY_COARSE], &finder));
     for (int back = 0; back < 2; back++) {
-        p->face_then[back] =
-            rsv_alloc(p->context, scene->triangle_count, sizeof *p->face_then[back]);
-        RSV_TRY(p->face_then[back] ? RSV_OK : RSV_ERROR_MEMORY);
+        p->face_before[back] =
+            rsv_alloc(p->context, scene->triangle_count, sizeof *p->face_before[back]);
+        RSV_TRY(p->face_before[back] ? RSV_OK : RSV_ERROR_MEMORY);
         for (uint32_t t = 0; t < scene->triangle_count; t++)
-            p->face_then[back][t] = take_face(&finder, rsv_face_key_of(scene, t, (uint8_t)back));
+            p->face_before[back][t] = take_face(&finder, rsv_face_key_of(scene, t, (uint8_t)back));
     }
 cleanup:
     destroy_finder(p->context, &finder);
     return status;
 }
 
-static const rsv_past_face *find_face(
-    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t face)
+static const rsv_history_face *find_face(
+    const rsv_history *p, rsv_history_level level, const rsv_elements *e, uint32_t face)
 {
-    uint32_t then = p->face_then[e->face_back[face]][e->face_triangle[face]];
-    const rsv_past_cells *c = &p->layout.cells[level];
+    uint32_t then = p->face_before[e->face_back[face]][e->face_triangle[face]];
+    const rsv_history_cells *c = &p->layout.cells[level];
     return then < c->face_count ? &c->face[then] : NULL; // RSV_NONE is none of them
 }
 
@@ -109,11 +109,11 @@ static uint32_t climb(rsv_cell *c)
 
 /// The slot of a cell; RSV_NONE if there was none.
 static uint32_t find_slot(
-    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t cell)
+    const rsv_history *p, rsv_history_level level, const rsv_elements *e, uint32_t cell)
 {
     rsv_cell at = e->cell[cell];
     const uint32_t *slots = p->layout.cells[level].slot;
-    const rsv_past_face *face = find_face(p, level, e, at.face);
+    const rsv_history_face *face = find_face(p, level, e, at.face);
     uint32_t way[RSV_MAX_LEVEL + 1], steps = 0;
     if (!face || at.level < face->level || at.level > RSV_MAX_LEVEL) return RSV_NONE;
     while (at.level > face->level)
@@ -127,33 +127,69 @@ static uint32_t find_slot(
     return slot;
 }
 
-bool rsv_past_was_cell_split(
-    const rsv_past *p, rsv_past_level level, const rsv_elements *e, uint32_t cell)
+bool rsv_history_was_split(
+    const rsv_history *p, rsv_history_level level, const rsv_elements *e, uint32_t cell)
 {
     if (e->cell[cell].level >= RSV_MAX_LEVEL) return false;
     uint32_t slot = find_slot(p, level, e, cell);
     return slot != RSV_NONE && p->layout.cells[level].slot[slot] & RSV_SLOT_SPLIT;
 }
 
-bool rsv_past_find_face(
-    const rsv_past *p, const rsv_elements *e, uint32_t face, uint8_t *halvings, uint8_t *level)
+bool rsv_history_find_face(
+    const rsv_history *p, const rsv_elements *e, uint32_t face, uint8_t *halvings, uint8_t *level)
 {
-    const rsv_past_face *then = find_face(p, RSV_PAST_COARSE, e, face);
+    const rsv_history_face *then = find_face(p, RSV_HISTORY_COARSE, e, face);
     if (!then) return false;
     *halvings = then->halvings;
     *level = then->level;
     return true;
 }
 
-bool rsv_past_openness(const rsv_past *p, const rsv_elements *e, uint32_t cell, uint8_t *openness)
+bool rsv_history_openness(
+    const rsv_history *p, const rsv_elements *e, uint32_t cell, uint8_t *openness)
 {
-    for (int level = RSV_PAST_LEVELS; level-- > 0;) {
-        const rsv_past_cells *c = &p->layout.cells[level];
-        uint32_t slot = find_slot(p, (rsv_past_level)level, e, cell);
+    for (int level = RSV_HISTORY_LEVELS; level-- > 0;) {
+        const rsv_history_cells *c = &p->layout.cells[level];
+        uint32_t slot = find_slot(p, (rsv_history_level)level, e, cell);
         if (slot == RSV_NONE || !(c->openness[slot] & RSV_OPENNESS_KNOWN)) continue;
-        if (rsv_past_is_beside(p, e, cell)) return false;
+        if (rsv_history_is_beside(p, e, cell)) return false;
         *openness = c->openness[slot] & (uint8_t)~RSV_OPENNESS_KNOWN;
         return true;
     }
     return false;
+}
+
+static bool grid_level(const void *history, const rsv_elements *e, uint32_t face, uint8_t *level)
+{
+    uint8_t halvings;
+    return rsv_history_find_face(history, e, face, &halvings, level);
+}
+
+static bool is_split(const void *history, const rsv_elements *e, uint32_t cell, bool *split)
+{
+    if (rsv_history_is_near(history, e, cell)) return false;
+    *split = rsv_history_was_split(history, RSV_HISTORY_COARSE, e, cell);
+    return true;
+}
+
+static bool openness(const void *history, const rsv_elements *e, uint32_t cell, uint8_t *known)
+{
+    return rsv_history_openness(history, e, cell, known);
+}
+
+/// Nodes that no wall divided then, and none does now.
+static rsv_status find_undivided(const void *history, const rsv_elements *e, uint8_t *undivided)
+{
+    uint64_t *key = NULL;
+    rsv_status status = rsv_node_keys_create(e, &key);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t n = 0; n < e->node_count; n++)
+        if (status == RSV_OK) undivided[n] = rsv_history_knows_around(history, e, n, key[n]);
+    rsv_free(e->context, key);
+    return status;
+}
+
+rsv_known_cells rsv_history_answers(const rsv_history *history)
+{
+    return (rsv_known_cells){ history, grid_level, is_split, openness, find_undivided };
 }

@@ -1,4 +1,4 @@
-#include "remember.h"
+#include "solve_update.h"
 
 #include "../core/key.h"
 #include "../core/team.h"
@@ -22,28 +22,35 @@ static bool has_goal(const rsv_builder *b)
 }
 
 /// Whether all processes opened the same: another one in any of them would make other elements there.
-static bool all_opened(rsv_context *context, const rsv_past *past)
+static bool all_opened(rsv_context *context, const rsv_history *history)
 {
-    uint64_t checksum = past ? rsv_past_identity(past) : 0, first = checksum;
+    uint64_t checksum = history ? rsv_history_identity(history) : 0, first = checksum;
     rsv_team_copy(context, 0, &first, sizeof first);
     return rsv_team_total(context, first != checksum) == 0;
 }
 
-rsv_status rsv_builder_recall(rsv_builder *b, rsv_past **past)
+rsv_status rsv_builder_open_history(rsv_builder *b, rsv_history **history)
 {
     rsv_status status = RSV_OK;
-    *past = NULL;
-    if (!b->desc.checkpoint || has_goal(b)) return RSV_OK;
-    if (b->desc.earlier)
-        status =
-            rsv_past_open(&b->scene, b->sources->lights, b->desc.earlier, settings_of(b), past);
+    *history = NULL;
+    if (!b->update.store || has_goal(b)) return RSV_OK;
+    if (b->update.earlier)
+        status = rsv_history_open(
+            &b->scene, b->sources->lights, b->update.earlier, settings_of(b), history);
     status = rsv_team_meet(b->context, status);
-    if (status == RSV_OK && !all_opened(b->context, *past)) {
-        rsv_past_close(*past);
-        *past = NULL;
+    if (status == RSV_OK && !all_opened(b->context, *history)) {
+        rsv_history_close(*history);
+        *history = NULL;
     }
-    b->scene.past = *past;
+    b->update.history = *history;
+    b->scene.known_cells = *history ? rsv_history_known_cells(*history) : NULL;
     return status;
+}
+
+void rsv_builder_forget_history(rsv_builder *b)
+{
+    b->update.history = NULL;
+    b->scene.known_cells = NULL;
 }
 
 static void write_down(const rsv_builder *b, const rsv_solution *light)
@@ -52,26 +59,27 @@ static void write_down(const rsv_builder *b, const rsv_solution *light)
     rsv_rgb *direct = rsv_alloc(b->context, nodes, sizeof *direct);
     if (!direct) {
         rsv_log(b->context, RSV_LOG_WARNING,
-            "checkpoint: no memory to keep what this solution knew; after an edit of the scene "
-            "everything will be solved anew");
+            "%s: no memory to keep what this solution knew; after an edit of the scene everything "
+            "will be solved anew",
+            b->update.store->kind);
         return;
     }
     rsv_light_total(light, 0, direct);
     rsv_spacing wanted = b->spacing; // budgets coarsen that anew each time
     wanted.metres = b->wanted_metres;
-    const rsv_past_fields level[RSV_PAST_LEVELS] = {
-        [RSV_PAST_COARSE] = { .elements = b->elements,
+    const rsv_history_fields level[RSV_HISTORY_LEVELS] = {
+        [RSV_HISTORY_COARSE] = { .elements = b->elements,
             .direct = direct,
             .source = light->field.source,
             .indirect = light->field.indirect,
             .valid_points = b->valid_points },
-        [RSV_PAST_FINE] = { .elements = light->field.fine.elements,
+        [RSV_HISTORY_FINE] = { .elements = light->field.fine.elements,
             .direct = light->field.fine.direct,
             .deviation = light->field.fine.deviation,
             .valid_points = light->field.fine.valid_points },
     };
-    rsv_past_write(
-        &b->scene, b->sources->lights, b->desc.checkpoint, settings_of(b), &wanted, level);
+    rsv_history_write(
+        &b->scene, b->sources->lights, b->update.store, settings_of(b), &wanted, level);
     rsv_free(b->context, direct);
 }
 
@@ -83,10 +91,11 @@ static void let_go(rsv_context *context, rsv_source_level *level)
     level->valid_points = NULL;
 }
 
-void rsv_builder_remember(const rsv_builder *b, rsv_solution *light)
+void rsv_builder_keep_history(const rsv_builder *b, rsv_solution *light)
 {
-    if (b->desc.checkpoint && !has_goal(b) && rsv_team_place_of(b->context).rank == 0)
-        write_down(b, light);
+    const rsv_store *store = b->update.store;
+    bool writes = store && (!store->shared || rsv_team_place_of(b->context).rank == 0);
+    if (writes && !has_goal(b)) write_down(b, light);
     let_go(b->context, &light->field.fine);
     let_go(b->context, &light->field.caustics);
 }

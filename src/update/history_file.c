@@ -1,4 +1,4 @@
-#include "past_file.h"
+#include "history_file.h"
 
 #include "../core/key.h"
 #include "element_keys.h"
@@ -8,7 +8,7 @@
 
 /// Takes a table's place in memory. @return what lies behind it
 static uint8_t *place_table(
-    rsv_past_table *table, uint64_t slots, size_t value_bytes, uint8_t *memory)
+    rsv_history_table *table, uint64_t slots, size_t value_bytes, uint8_t *memory)
 {
     table->slots = slots;
     table->value_bytes = value_bytes;
@@ -18,23 +18,24 @@ static uint8_t *place_table(
 }
 
 static uint8_t *place_cells(
-    rsv_past_cells *cells, uint64_t face_count, uint64_t slot_count, uint8_t *memory)
+    rsv_history_cells *cells, uint64_t face_count, uint64_t slot_count, uint8_t *memory)
 {
     cells->face_count = face_count;
     cells->slot_count = slot_count;
-    cells->face = (rsv_past_face *)memory;
+    cells->face = (rsv_history_face *)memory;
     cells->slot = (uint32_t *)(cells->face + face_count);
     cells->openness = (uint8_t *)(cells->slot + slot_count);
     return memory + (face_count * sizeof *cells->face + slot_count * 5 + 7) / 8 * 8;
 }
 
-rsv_past_layout rsv_past_layout_of(const rsv_past_header *h)
+rsv_history_layout rsv_history_layout_of(const rsv_history_header *h)
 {
     uint8_t *start = (uint8_t *)h, *at = start + sizeof *h;
-    rsv_past_layout l = { .triangle = (rsv_past_triangle *)at };
+    rsv_history_layout l = { .triangle = (rsv_history_triangle *)at };
     at += h->triangle_count * sizeof *l.triangle;
-    for (int level = 0; level < RSV_PAST_LEVELS; level++) {
-        size_t value = level == RSV_PAST_COARSE ? sizeof(rsv_past_node) : sizeof(rsv_past_light);
+    for (int level = 0; level < RSV_HISTORY_LEVELS; level++) {
+        size_t value =
+            level == RSV_HISTORY_COARSE ? sizeof(rsv_history_node) : sizeof(rsv_history_light);
         at = place_cells(&l.cells[level], h->faces[level], h->slots[level], at);
         at = place_table(&l.nodes[level], h->nodes[level], value, at);
     }
@@ -42,18 +43,17 @@ rsv_past_layout rsv_past_layout_of(const rsv_past_header *h)
     return l;
 }
 
-uint64_t rsv_past_checksum(const rsv_past_header *h, size_t bytes)
+uint64_t rsv_history_checksum(const rsv_history_header *h, size_t bytes)
 {
-    rsv_past_header header = *h;
+    rsv_history_header header = *h;
     header.checksum = 0;
     uint64_t sum = rsv_key_add_bytes(h->magic, &header, sizeof header);
     return rsv_key_add_bytes(sum, h + 1, bytes - sizeof header);
 }
 
-bool rsv_past_path(const char *folder, uint64_t settings, char *path, size_t bytes)
+void rsv_history_name(uint64_t settings, char name[RSV_STORE_NAME_BYTES])
 {
-    return snprintf(path, bytes, "%s/%016llx.past", folder, (unsigned long long)settings) <
-           (int)bytes;
+    snprintf(name, RSV_STORE_NAME_BYTES, "%016llx.past", (unsigned long long)settings);
 }
 
 static uint64_t add_numbers(uint64_t key, const float *number, size_t count)
@@ -74,12 +74,12 @@ static uint64_t add_environment(uint64_t key, const rsv_environment *e)
     return rsv_key_add_bytes(key, e->pixels, (size_t)e->width * e->height * sizeof *e->pixels);
 }
 
-uint64_t rsv_past_lights_key(const rsv_lights *lights)
+uint64_t rsv_history_lights_key(const rsv_lights *lights)
 {
     uint64_t key = rsv_key_add(1, lights->sampled_count);
     for (size_t k = 0; k < lights->emitter_count; k++) {
         const rsv_emitter *e = &lights->emitter[k];
-        if (e->varies) return RSV_PAST_NO_LIGHTS;
+        if (e->varies) return RSV_HISTORY_NO_LIGHTS;
         for (int corner = 0; corner < 3; corner++)
             key = rsv_key_add_vector(key, e->corner[corner]);
         key = rsv_key_add(add_color(key, e->radiance), lights->group[e->group].gathered);
@@ -95,7 +95,7 @@ uint64_t rsv_past_lights_key(const rsv_lights *lights)
     return add_environment(key, lights->scene->environment);
 }
 
-uint64_t rsv_past_triangle_key(const rsv_transport_scene *scene, uint32_t triangle)
+uint64_t rsv_history_triangle_key(const rsv_transport_scene *scene, uint32_t triangle)
 {
     uint32_t index = scene->view->triangle_material[triangle];
     const rsv_material *m = &scene->view->material[index];
@@ -110,7 +110,7 @@ uint64_t rsv_past_triangle_key(const rsv_transport_scene *scene, uint32_t triang
     return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1 + b->coated);
 }
 
-void rsv_past_triangle_box(
+void rsv_history_triangle_box(
     const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high)
 {
     const uint32_t *corner = scene->triangle[triangle];

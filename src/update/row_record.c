@@ -156,12 +156,12 @@ void rsv_row_record_take(const uint8_t *bytes, uint32_t ray_count, rsv_row_scrat
     s->rays += r.rays;
 }
 
-rsv_row_past rsv_row_record_past(const uint8_t *bytes)
+rsv_kept_row rsv_row_record_kept(const uint8_t *bytes)
 {
     rsv_row_record_head r;
     memcpy(&r, bytes, sizeof r);
     rsv_row_record_layout l = rsv_row_record_layout_of(&r);
-    return (rsv_row_past){ .index = r.index,
+    return (rsv_kept_row){ .index = r.index,
         .valid = (uint16_t)r.valid,
         .kind = bytes + l.begin[RSV_ROW_KIND],
         .column = (const uint32_t *)(bytes + l.begin[RSV_ROW_COLUMN]) };

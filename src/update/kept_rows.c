@@ -1,10 +1,8 @@
-#include "earlier_rows.h"
+#include "kept_rows.h"
 
 #include "../core/index_map.h"
-#include "../elements/past.h"
+#include "update.h"
 
-#include <dirent.h>
-#include <stdio.h>
 #include <string.h>
 
 static bool is_catalogue(const char *name)
@@ -40,33 +38,34 @@ static size_t count_known(
     return known;
 }
 
-/// The catalogue in a folder that knows most rows. @param name out: of its file, up to the key @param best out: NULL = none
-static rsv_status find_best(const rsv_row_catalogue *now, const rsv_index_map *nodes,
-    const char *folder, char name[RSV_ROW_KEY_DIGITS + 1], rsv_row_catalogue **best)
+/// The catalogue in a store that knows most rows, as far as it was searched.
+typedef struct best_catalogue {
+    rsv_store *store;
+    const rsv_row_catalogue *now;
+    const rsv_index_map *nodes;
+    size_t known;
+    rsv_row_catalogue *catalogue; ///< NULL = none
+    char key[RSV_ROW_KEY_DIGITS + 1];
+} best_catalogue;
+
+static rsv_status look_at(void *user, const char *name)
 {
-    rsv_status status = RSV_OK;
-    char path[RSV_ROW_PATH_BYTES];
-    size_t most = 0;
-    DIR *directory = opendir(folder);
-    for (struct dirent *entry; directory && status == RSV_OK && (entry = readdir(directory));) {
-        rsv_row_catalogue *then = NULL;
-        if (!is_catalogue(entry->d_name) ||
-            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
-            continue;
-        status = rsv_row_catalogue_read(now->context, path, &then);
-        bool alike = then && then->header->ray_count == now->header->ray_count &&
-                     then->header->seed == now->header->seed;
-        size_t known = alike ? count_known(then, now, nodes) : 0;
-        if (known > most) {
-            rsv_row_catalogue *swap = *best;
-            *best = then;
-            then = swap;
-            most = known;
-            memcpy(name, entry->d_name, RSV_ROW_KEY_DIGITS);
-        }
-        rsv_row_catalogue_destroy(then);
+    best_catalogue *best = user;
+    const rsv_row_catalogue *now = best->now;
+    rsv_row_catalogue *then = NULL;
+    if (!is_catalogue(name)) return RSV_OK;
+    rsv_status status = rsv_row_catalogue_read(now->context, best->store, name, &then);
+    bool alike = then && then->header->ray_count == now->header->ray_count &&
+                 then->header->seed == now->header->seed;
+    size_t known = alike ? count_known(then, now, best->nodes) : 0;
+    if (known > best->known) {
+        rsv_row_catalogue *swap = best->catalogue;
+        best->catalogue = then;
+        then = swap;
+        best->known = known;
+        memcpy(best->key, name, RSV_ROW_KEY_DIGITS);
     }
-    if (directory) closedir(directory);
+    rsv_row_catalogue_destroy(then);
     return status;
 }
 
@@ -97,69 +96,81 @@ cleanup:
     return status;
 }
 
-static rsv_status match(rsv_earlier_rows *e, const rsv_row_catalogue *then,
+static rsv_status match(rsv_kept_rows *e, const rsv_row_catalogue *then,
     const rsv_row_catalogue *now, const rsv_index_map *nodes)
 {
     size_t count = now->header->node_count;
-    e->row_then = rsv_alloc(e->context, count, sizeof *e->row_then);
+    e->row_before = rsv_alloc(e->context, count, sizeof *e->row_before);
     e->end_now = rsv_alloc(e->context, then->header->node_count, sizeof *e->end_now);
-    if (!e->row_then || !e->end_now) return RSV_ERROR_MEMORY;
-    memset(e->row_then, 0xff, count * sizeof *e->row_then);
+    if (!e->row_before || !e->end_now) return RSV_ERROR_MEMORY;
+    memset(e->row_before, 0xff, count * sizeof *e->row_before);
     for (uint32_t n = 0; n < then->header->node_count; n++) {
         uint32_t same = find_row(then, n, now, nodes);
-        if (same != RSV_NONE) e->row_then[same] = n;
+        if (same != RSV_NONE) e->row_before[same] = n;
     }
     return match_ends(then, now, nodes, e->end_now);
 }
 
-rsv_status rsv_earlier_rows_open(const rsv_row_tracer *tracer, const rsv_row_catalogue *now,
-    const char *folder, rsv_earlier_rows **earlier)
+static rsv_status open_rows(
+    const rsv_row_basis *basis, const best_catalogue *best, rsv_kept_rows *e)
+{
+    const rsv_history *history = rsv_history_of(basis->scene);
+    const rsv_row_catalogue *then = best->catalogue;
+    e->seconds = then->header->seconds;
+    e->change = history ? *rsv_history_change(history)
+                        : rsv_scene_change_since(
+                              basis->scene->view, then->triangle_key, then->header->triangle_count);
+    rsv_status status = match(e, then, best->now, best->nodes);
+    e->reader = (rsv_row_reader){ .context = e->context,
+        .store = best->store,
+        .node_count = then->header->node_count,
+        .ray_count = best->now->header->ray_count };
+    return status == RSV_OK ? rsv_row_reader_open(&e->reader, best->key, NULL, NULL) : status;
+}
+
+rsv_status rsv_kept_rows_open(const rsv_row_basis *basis, const rsv_row_catalogue *now,
+    rsv_store *store, rsv_kept_rows **earlier)
 {
     rsv_context *context = now->context;
     rsv_status status;
     rsv_index_map nodes = { 0 };
-    rsv_row_catalogue *then = NULL;
-    rsv_earlier_rows *e = NULL;
-    char key[RSV_ROW_KEY_DIGITS + 1] = { 0 };
+    best_catalogue best = { .store = store, .now = now, .nodes = &nodes };
+    rsv_kept_rows *e = NULL;
     *earlier = NULL;
     RSV_TRY(map_keys(context, now->node_key, now->header->node_count, &nodes));
-    RSV_TRY(find_best(now, &nodes, folder, key, &then));
-    if (!then) goto cleanup;
+    status = store->table->list(store, look_at, &best);
+    if (status == RSV_ERROR_IO) status = RSV_OK; // then none is known
+    RSV_TRY(status);
+    if (!best.catalogue) goto cleanup;
     e = rsv_alloc(context, 1, sizeof *e);
     RSV_TRY(e ? RSV_OK : RSV_ERROR_MEMORY);
     e->context = context;
-    e->seconds = then->header->seconds;
-    e->change = tracer->scene->past ? *rsv_past_change(tracer->scene->past)
-                                    : rsv_scene_change_since(tracer->scene->view,
-                                          then->triangle_key, then->header->triangle_count);
-    RSV_TRY(match(e, then, now, &nodes));
-    RSV_TRY(rsv_row_files_open(context, folder, key, then->header->node_count,
-        now->header->ray_count, NULL, NULL, &e->files));
+    RSV_TRY(open_rows(basis, &best, e));
     *earlier = e;
     e = NULL;
 cleanup:
-    rsv_earlier_rows_close(e);
-    rsv_row_catalogue_destroy(then);
+    rsv_kept_rows_close(e);
+    rsv_row_catalogue_destroy(best.catalogue);
     rsv_index_map_destroy(&nodes);
     return status;
 }
 
-void rsv_earlier_rows_close(rsv_earlier_rows *e)
+void rsv_kept_rows_close(rsv_kept_rows *e)
 {
     if (!e) return;
-    rsv_row_files_close(&e->files);
-    rsv_free(e->context, e->row_then);
+    rsv_row_reader_close(&e->reader);
+    rsv_free(e->context, e->row_before);
     rsv_free(e->context, e->end_now);
     rsv_free(e->context, e);
 }
 
-bool rsv_earlier_rows_find(const rsv_earlier_rows *e, uint32_t node, rsv_row_past *past)
+bool rsv_kept_rows_find(const rsv_kept_rows *e, uint32_t node, rsv_kept_row *row)
 {
-    uint32_t then = e ? e->row_then[node] : RSV_NONE;
-    const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_files_find(&e->files, then);
+    uint32_t then = e ? e->row_before[node] : RSV_NONE;
+    const uint8_t *record = then == RSV_NONE ? NULL : rsv_row_reader_find(&e->reader, then);
     if (!record) return false;
-    *past = rsv_row_record_past(record);
-    past->end_now = e->end_now;
-    past->change = &e->change;
+    *row = rsv_row_record_kept(record);
+    row->end_now = e->end_now;
+    row->change = &e->change;
     return true;
 }

@@ -1,12 +1,11 @@
 /// Where the light of sources may be another after an edit.
-#include "elements_internal.h"
-#include "past_internal.h"
+#include "history_internal.h"
 
 /// What cells ask their surroundings reaches no farther than that: part of their size, and of the spacing.
 #define REACH_OF_SIZE 0.6f
 #define REACH_OF_SPACING 0.25f
 
-static void add_source(rsv_past *p, uint32_t at, rsv_vec3 place)
+static void add_source(rsv_history *p, uint32_t at, rsv_vec3 place)
 {
     if (at >= p->source_count) {
         p->source[at] = (rsv_box){ place, place };
@@ -17,19 +16,19 @@ static void add_source(rsv_past *p, uint32_t at, rsv_vec3 place)
 }
 
 /// Emitters and punctual lights in their order share the boxes.
-void rsv_past_find_sources(rsv_past *p, const rsv_lights *lights)
+void rsv_history_find_sources(rsv_history *p, const rsv_lights *lights)
 {
     const rsv_scene_view *scene = lights->scene;
     size_t count = lights->sampled_count + lights->punctual_count, at = 0;
-    size_t share = (count + RSV_PAST_SOURCES - 1) / RSV_PAST_SOURCES;
+    size_t share = (count + RSV_HISTORY_SOURCES - 1) / RSV_HISTORY_SOURCES;
     for (size_t k = 0; k < lights->sampled_count; k++, at++)
         for (int corner = 0; corner < 3; corner++)
             add_source(
                 p, (uint32_t)(at / share), lights->emitter[lights->sampled[k]].corner[corner]);
     for (size_t k = lights->distant_count; k < lights->punctual_count; k++, at++)
         add_source(p, (uint32_t)(at / share), scene->light[lights->punctual[k]].position);
-    p->all_lit_anew = p->all_lit_anew || lights->distant_count > RSV_PAST_SOURCES;
-    for (size_t k = 0; k < lights->distant_count && !p->all_lit_anew; k++)
+    p->all_light_changed = p->all_light_changed || lights->distant_count > RSV_HISTORY_SOURCES;
+    for (size_t k = 0; k < lights->distant_count && !p->all_light_changed; k++)
         p->sun[p->sun_count++] = v3_neg(scene->light[lights->punctual[k]].direction);
     // suns of an environment have a size, and its sky has one anyway
     p->sky = lights->environment && rsv_environment_light_is_sampled(lights->environment);
@@ -108,9 +107,9 @@ static bool rises_above(
     return v3_dot(top, normal) > 0;
 }
 
-bool rsv_past_is_lit_anew(const rsv_past *p, const rsv_elements *e, uint32_t cell)
+bool rsv_history_is_light_changed(const rsv_history *p, const rsv_elements *e, uint32_t cell)
 {
-    if (p->all_lit_anew) return true;
+    if (p->all_light_changed) return true;
     const rsv_scene_view *scene = e->scene;
     float far = 2 * v3_length(v3_sub(scene->bounds_max, scene->bounds_min));
     rsv_box place = rsv_reach_of_cell(e, cell);
@@ -129,28 +128,31 @@ bool rsv_past_is_lit_anew(const rsv_past *p, const rsv_elements *e, uint32_t cel
     return false;
 }
 
-rsv_status rsv_past_find_lit_anew(const rsv_past *p, const rsv_elements *e, uint8_t **lit_anew)
+rsv_status rsv_history_find_light_changed(
+    const rsv_history *p, const rsv_elements *e, uint8_t **light_changed)
 {
-    uint8_t *anew = *lit_anew = rsv_alloc(p->context, e->cell_count, 1);
-    if (!anew) return RSV_ERROR_MEMORY;
+    uint8_t *changed = *light_changed = rsv_alloc(p->context, e->cell_count, 1);
+    if (!changed) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(p->context))
     for (uint32_t c = 0; c < e->cell_count; c++)
-        anew[c] = rsv_past_is_lit_anew(p, e, c);
+        changed[c] = rsv_history_is_light_changed(p, e, c);
     return RSV_OK;
 }
 
-static bool is_support_lit_anew(const rsv_elements *e, uint32_t node, const uint8_t *cell_lit_anew)
+static bool is_support_light_changed(
+    const rsv_elements *e, uint32_t node, const uint8_t *cell_light_changed)
 {
     for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
-        if (cell_lit_anew[e->support[s] / 4]) return true;
+        if (cell_light_changed[e->support[s] / 4]) return true;
     return false;
 }
 
-bool rsv_past_is_node_lit_anew(const rsv_elements *e, uint32_t node, const uint8_t *cell_lit_anew)
+bool rsv_history_is_node_light_changed(
+    const rsv_elements *e, uint32_t node, const uint8_t *cell_light_changed)
 {
-    bool anew = is_support_lit_anew(e, node, cell_lit_anew);
+    bool changed = is_support_light_changed(e, node, cell_light_changed);
     for (uint32_t k = e->led_begin ? e->led_begin[node] : 0;
-         e->led_begin && !anew && k < e->led_begin[node + 1]; k++)
-        anew = is_support_lit_anew(e, e->led[k].follower, cell_lit_anew);
-    return anew;
+         e->led_begin && !changed && k < e->led_begin[node + 1]; k++)
+        changed = is_support_light_changed(e, e->led[k].follower, cell_light_changed);
+    return changed;
 }

@@ -4,7 +4,7 @@
 #ifndef RSV_ELEMENT_KEYS_H
 #define RSV_ELEMENT_KEYS_H
 
-#include "elements.h"
+#include "../elements/elements.h"
 
 uint64_t rsv_triangle_key(const rsv_scene_view *scene, uint32_t triangle);
 

@@ -1,0 +1,50 @@
+/// What the parts of history.c share.
+#ifndef RSV_HISTORY_INTERNAL_H
+#define RSV_HISTORY_INTERNAL_H
+
+#include "history_file.h"
+
+#define RSV_HISTORY_SOURCES 64
+
+/// Metres.
+typedef struct rsv_box {
+    rsv_vec3 low, high;
+} rsv_box;
+
+struct rsv_history {
+    rsv_context *context;
+    rsv_known_cells known_cells;
+    rsv_store *store; ///< where it lies
+    rsv_blob blob;
+    const rsv_history_header *header; ///< of the blob
+    rsv_history_layout layout;
+    uint32_t
+        *face_before[2]; ///< [triangle_count of the scene] by side: the same face; RSV_NONE = none
+    rsv_scene_change change; ///< what is new, and what is gone
+    rsv_box source[RSV_HISTORY_SOURCES];
+    uint32_t source_count;
+    rsv_vec3 sun[RSV_MAX_SUNS + RSV_HISTORY_SOURCES]; ///< unit, towards distant sources
+    uint32_t sun_count;
+    bool all_light_changed; ///< sources are not what they were
+    bool sky;               ///< light comes from everywhere above
+};
+
+/// Whether every face has a grid, and slots form trees below it. @param taken [slot_count], zeros
+bool rsv_history_cells_are_sound(const rsv_history_cells *cells, uint8_t *taken);
+/// What elements ask of it, answered by it.
+rsv_known_cells rsv_history_answers(const rsv_history *history);
+/// Finds the faces of the scene again.
+rsv_status rsv_history_find_faces(rsv_history *history, const rsv_scene_view *scene);
+
+/// Whether something new or gone may reach what a cell is asked for.
+bool rsv_history_is_beside(const rsv_history *history, const rsv_elements *elements, uint32_t cell);
+
+/// Boxes around the sources of direct light.
+void rsv_history_find_sources(rsv_history *history, const rsv_lights *lights);
+
+rsv_box rsv_box_grow(rsv_box box, float by);
+rsv_box rsv_box_of_cell(const rsv_elements *elements, uint32_t cell);
+/// A cell with all that is asked of its surroundings.
+rsv_box rsv_reach_of_cell(const rsv_elements *elements, uint32_t cell);
+
+#endif

@@ -1,0 +1,143 @@
+/// Writes down what a solve knows.
+#include "history_file.h"
+
+#include "../core/key.h"
+#include "../elements/open_corners.h"
+#include "element_keys.h"
+
+#include <errno.h>
+#include <string.h>
+
+/// Slots for so many keys, a third of them free at least.
+static uint64_t slots_for(size_t count)
+{
+    uint64_t slots = 16;
+    while (2 * slots < 3 * (uint64_t)count)
+        slots *= 2;
+    return slots;
+}
+
+/// @return its value, to be filled
+static uint8_t *put(rsv_history_table *table, uint64_t key)
+{
+    size_t at = rsv_history_slot(table, key);
+    table->key[at] = key;
+    return table->value + at * table->value_bytes;
+}
+
+static void put_cells(rsv_history_cells *cells, const rsv_elements *e)
+{
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (uint32_t face = 0; face < e->face_count; face++)
+        cells->face[face] = (rsv_history_face){ .key = rsv_face_key(e, face),
+            .slot = e->face_slot[face],
+            .level = e->face_level[face],
+            .halvings = e->face_halvings[face] };
+    memcpy(cells->slot, e->slot, e->slot_count * sizeof *e->slot);
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(e->context))
+    for (size_t slot = 0; slot < e->slot_count; slot++) {
+        bool split = e->slot[slot] & RSV_SLOT_SPLIT;
+        const uint8_t *known = split ? e->slot_openness : e->cell_openness;
+        size_t at = split ? slot : e->slot[slot];
+        cells->openness[slot] = known ? known[at] | (split ? 0 : RSV_OPENNESS_KNOWN) : 0;
+    }
+}
+
+static rsv_history_light light_of(const rsv_history_fields *f, size_t n)
+{
+    return (rsv_history_light){ .direct = f->direct ? f->direct[n] : rgb_gray(0),
+        .deviation = f->deviation ? f->deviation[n] : 0,
+        .valid = f->valid_points[n] };
+}
+
+static rsv_history_node node_of(const rsv_history_fields *f, uint32_t n)
+{
+    return (rsv_history_node){ .light = light_of(f, n),
+        .source = f->source ? f->source[n] : rgb_gray(0),
+        .indirect = f->indirect ? f->indirect[n] : rgb_gray(0),
+        .draw = rsv_elements_draw_of(f->elements, n) };
+}
+
+static rsv_status put_nodes(rsv_history_table *table, const rsv_history_fields *f)
+{
+    const rsv_elements *e = f->elements;
+    rsv_status status;
+    uint64_t *node_key = NULL;
+    RSV_TRY(rsv_node_keys_create(e, &node_key));
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        const rsv_history_node node = node_of(f, n); // of the fine level, its beginning
+        memcpy(put(table, node_key[n]), &node, table->value_bytes);
+    }
+cleanup:
+    rsv_free(e->context, node_key);
+    return status;
+}
+
+static size_t put_triangles(const rsv_transport_scene *scene, rsv_history_triangle *triangle)
+{
+    size_t count = 0;
+    for (uint32_t t = 0; t < scene->view->triangle_count; t++) {
+        rsv_history_triangle now = { .key = rsv_history_triangle_key(scene, t) };
+        if (now.key == 0) continue;
+        rsv_history_triangle_box(scene->view, t, &now.low, &now.high);
+        if (triangle) triangle[count] = now;
+        count++;
+    }
+    return count;
+}
+
+static rsv_history_header describe(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint64_t settings, const rsv_spacing *spacing, const rsv_history_fields *level)
+{
+    rsv_history_header h = { .magic = RSV_HISTORY_MAGIC,
+        .settings = settings,
+        .lights = scene->media.bodies ? RSV_HISTORY_NO_LIGHTS : rsv_history_lights_key(lights),
+        .triangle_count = put_triangles(scene, NULL),
+        .spacing = { spacing->metres, spacing->reach } };
+    for (int k = 0; k < RSV_HISTORY_LEVELS; k++) {
+        const rsv_elements *e = level[k].elements;
+        h.faces[k] = e ? e->face_count : 0;
+        h.slots[k] = e ? e->slot_count : 0;
+        h.nodes[k] = slots_for(e ? e->node_count : 0);
+    }
+    return h;
+}
+
+static rsv_status fill(const rsv_transport_scene *scene, const rsv_history_fields *level,
+    rsv_history_header *h, size_t bytes)
+{
+    rsv_status status = RSV_OK;
+    rsv_history_layout layout = rsv_history_layout_of(h);
+    put_triangles(scene, layout.triangle);
+    for (int k = 0; k < RSV_HISTORY_LEVELS; k++) {
+        if (!level[k].elements) continue;
+        put_cells(&layout.cells[k], level[k].elements);
+        RSV_TRY(put_nodes(&layout.nodes[k], &level[k]));
+    }
+    h->checksum = rsv_history_checksum(h, bytes);
+cleanup:
+    return status;
+}
+
+void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *lights, rsv_store *store,
+    uint64_t settings, const rsv_spacing *spacing,
+    const rsv_history_fields level[RSV_HISTORY_LEVELS])
+{
+    rsv_context *context = lights->context;
+    char name[RSV_STORE_NAME_BYTES];
+    rsv_history_header header = describe(scene, lights, settings, spacing, level);
+    size_t bytes = rsv_history_layout_of(&header).bytes;
+    rsv_history_header *h = rsv_alloc(context, bytes, 1);
+    int why = h ? 0 : ENOMEM;
+    if (h) *h = header;
+    if (!why && fill(scene, level, h, bytes) != RSV_OK) why = ENOMEM;
+    rsv_history_name(settings, name);
+    if (!why) why = store->table->write(store, name, h, bytes);
+    if (why)
+        rsv_log(context, RSV_LOG_WARNING,
+            "%s: cannot keep in '%s' what this solution knew: %s; after an edit of the scene "
+            "everything will be solved anew",
+            store->kind, store->place, strerror(why));
+    rsv_free(context, h);
+}

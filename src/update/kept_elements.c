@@ -1,0 +1,77 @@
+#include "kept_elements.h"
+
+#include "../elements/open_corners.h"
+#include "element_keys.h"
+
+/// Cells that were split before the scene was edited, away from the edit.
+static void choose_as_before(void *user, const rsv_elements *e, uint8_t *split)
+{
+    const rsv_history *history = user;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        split[c] = rsv_history_was_split(history, RSV_HISTORY_COARSE, e, c) &&
+                   !rsv_history_is_near(history, e, c);
+}
+
+rsv_status rsv_kept_splits(const rsv_history *history, const rsv_transport_scene *scene,
+    rsv_elements **elements, uint64_t *rays)
+{
+    rsv_elements *finer = NULL;
+    rsv_status status =
+        rsv_elements_refine_where(*elements, choose_as_before, (void *)(uintptr_t)history, &finer);
+    if (status != RSV_OK) return status;
+    for (uint32_t face = 0; face < finer->face_count; face++) {
+        uint8_t halvings, level;
+        if (!rsv_history_is_face_near(history, finer, face) &&
+            rsv_history_find_face(history, finer, face, &halvings, &level))
+            finer->face_halvings[face] = halvings;
+    }
+    status = rsv_elements_find_open_corners(scene, *elements, finer, rays);
+    rsv_elements_destroy(*elements);
+    *elements = finer;
+    return status;
+}
+
+/// Gives fresh nodes numbers that none of the kept ones has: the same points twice would err alike.
+static rsv_status draw_fresh_apart(rsv_elements *e, const uint8_t *known)
+{
+    uint32_t next = (uint32_t)e->node_count;
+    uint8_t *taken = rsv_alloc(e->context, e->node_count, 1);
+    if (!taken) return RSV_ERROR_MEMORY;
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (!known[n]) continue;
+        uint32_t draw = e->node_draw[n];
+        if (draw < e->node_count)
+            taken[draw] = 1;
+        else if (draw >= next)
+            next = draw + 1;
+    }
+    for (uint32_t n = 0; n < e->node_count; n++)
+        if (!known[n] && taken[n]) e->node_draw[n] = next++;
+    rsv_free(e->context, taken);
+    return RSV_OK;
+}
+
+rsv_status rsv_kept_points(
+    const rsv_history *history, rsv_elements *e, uint16_t *valid_points, uint8_t *known)
+{
+    uint64_t *key = NULL;
+    rsv_status status;
+    e->node_draw = rsv_alloc(e->context, e->node_count, sizeof *e->node_draw);
+    RSV_TRY(e->node_draw ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_node_keys_create(e, &key));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        e->node_draw[n] = n;
+        if (e->node_hanging[n] != RSV_NONE) continue;
+        const rsv_history_node *then = rsv_history_find_node(history, e, n, key[n]);
+        if (!then) continue;
+        known[n] = 1;
+        e->node_draw[n] = then->draw;
+        valid_points[n] = (uint16_t)then->light.valid;
+    }
+    RSV_TRY(draw_fresh_apart(e, known));
+cleanup:
+    rsv_free(e->context, key);
+    return status;
+}

@@ -1,0 +1,151 @@
+#include "kept_light.h"
+
+#include "element_keys.h"
+
+#include <string.h>
+
+/// Marks cells that share a node with one where light may be another.
+static rsv_status widen(rsv_kept_light *r)
+{
+    const rsv_elements *e = r->coarse;
+    uint8_t *beside = rsv_alloc(e->context, e->node_count, 1);
+    if (!beside) return RSV_ERROR_MEMORY;
+    for (size_t c = 0; c < e->cell_count; c++)
+        for (int k = 0; k < 3; k++)
+            beside[e->cell_node[c][k]] |= r->light_changed[c];
+    for (size_t c = 0; c < e->cell_count; c++) {
+        const uint32_t *node = e->cell_node[c];
+        r->changed[c] = beside[node[0]] | beside[node[1]] | beside[node[2]];
+    }
+    rsv_free(e->context, beside);
+    return RSV_OK;
+}
+
+rsv_status rsv_kept_light_create(
+    const rsv_history *history, const rsv_elements *coarse, rsv_kept_light **kept)
+{
+    rsv_status status;
+    rsv_kept_light *r = rsv_alloc(coarse->context, 1, sizeof *r);
+    if (!r) return RSV_ERROR_MEMORY;
+    r->history = history;
+    r->coarse = coarse;
+    r->changed = rsv_alloc(coarse->context, coarse->cell_count, 1);
+    RSV_TRY(r->changed ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_history_find_light_changed(history, coarse, &r->light_changed));
+    RSV_TRY(widen(r));
+    *kept = r;
+    r = NULL;
+cleanup:
+    rsv_kept_light_destroy(r);
+    return status;
+}
+
+void rsv_kept_light_destroy(rsv_kept_light *r)
+{
+    if (!r) return;
+    rsv_context *context = r->coarse->context;
+    rsv_free(context, r->light_changed);
+    rsv_free(context, r->changed);
+    rsv_free(context, r);
+}
+
+bool rsv_kept_light_is_changed(const rsv_kept_light *r, const rsv_cell *cell)
+{
+    return r->changed[rsv_elements_find_around(r->coarse, cell)];
+}
+
+static void choose_as_before(void *user, const rsv_elements *e, uint8_t *split)
+{
+    const rsv_kept_light *r = user;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t c = 0; c < e->cell_count; c++)
+        split[c] = rsv_history_was_split(r->history, RSV_HISTORY_FINE, e, c) &&
+                   !r->light_changed[rsv_elements_find_around(r->coarse, &e->cell[c])];
+    size_t marked = 0;
+    for (size_t c = 0; c < e->cell_count; c++)
+        marked += split[c];
+    if (e->cell_count + 3 * marked > r->most_cells) memset(split, 0, e->cell_count);
+}
+
+rsv_status rsv_kept_light_splits(
+    rsv_kept_light *r, size_t most_cells, const rsv_elements *elements, rsv_elements **finer)
+{
+    r->most_cells = most_cells;
+    return rsv_elements_refine_where(elements, choose_as_before, r, finer);
+}
+
+static bool is_node_light_changed(const rsv_kept_light *r, const rsv_elements *e, uint32_t node)
+{
+    for (uint32_t s = e->support_begin[node]; s < e->support_begin[node + 1]; s++)
+        if (r->light_changed[rsv_elements_find_around(r->coarse, &e->cell[e->support[s] / 4])])
+            return true;
+    return false;
+}
+
+/// Points of the fine level, told by the many more of the coarse one where these agree.
+static bool few_points_of(uint32_t valid, uint32_t points, uint16_t *few)
+{
+    *few = (uint16_t)(valid ? (1u << points) - 1 : 0);
+    return valid == 0 || valid == (1u << RSV_SUPPORT_POINTS) - 1;
+}
+
+/// What was known of a node, if that still holds. @param valid out: receiver points that are not buried
+static const rsv_history_light *find_light(const rsv_kept_light *r, const rsv_elements *e,
+    uint32_t n, uint64_t key, uint32_t points, uint16_t *valid)
+{
+    const rsv_history_light *fine = rsv_history_find_light(r->history, RSV_HISTORY_FINE, e, n, key);
+    const rsv_history_light *then =
+        fine ? fine : rsv_history_find_light(r->history, RSV_HISTORY_COARSE, e, n, key);
+    if (!then || (!fine && !few_points_of(then->valid, points, valid))) return NULL;
+    if (is_node_light_changed(r, e, n)) return NULL; // its points are drawn by another number
+    if (fine) *valid = (uint16_t)fine->valid;
+    return then;
+}
+
+rsv_status rsv_kept_light_nodes(
+    const rsv_kept_light *r, const rsv_elements *e, const rsv_kept_light_fields *f, size_t *kept)
+{
+    uint64_t *key = NULL;
+    size_t known = 0;
+    rsv_status status = rsv_node_keys_create(e, &key);
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : known)
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (status != RSV_OK || e->node_hanging[n] != RSV_NONE || (f->lit[n] && !kept)) continue;
+        uint16_t valid = 0;
+        const rsv_history_light *then = find_light(r, e, n, key[n], f->points, &valid);
+        if (!then) continue;
+        known += valid != 0;
+        if (f->lit[n]) continue;
+        f->known[n] = f->lit[n] = 1;
+        f->valid_points[n] = valid;
+        f->direct[n] = then->direct;
+        f->deviation[n] = then->deviation;
+    }
+    if (kept) *kept = known;
+    rsv_free(e->context, key);
+    return status;
+}
+
+rsv_status rsv_kept_direct(
+    const rsv_history *history, const rsv_elements *e, rsv_rgb *direct, uint8_t *known)
+{
+    rsv_status status;
+    uint64_t *key = NULL;
+    uint8_t *light_changed = NULL;
+    RSV_TRY(rsv_node_keys_create(e, &key));
+    RSV_TRY(rsv_history_find_light_changed(history, e, &light_changed));
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (uint32_t n = 0; n < e->node_count; n++) {
+        if (e->node_hanging[n] != RSV_NONE ||
+            rsv_history_is_node_light_changed(e, n, light_changed))
+            continue;
+        const rsv_history_node *then = rsv_history_find_node(history, e, n, key[n]);
+        known[n] = then != NULL;
+        if (then) direct[n] = then->light.direct;
+    }
+cleanup:
+    rsv_free(e->context, key);
+    rsv_free(e->context, light_changed);
+    return status;
+}

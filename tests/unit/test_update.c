@@ -1,0 +1,409 @@
+/// Solving a scene again after an edit from a store in memory, beside what folders do; and what stores of each kind do.
+#include "thread_team.h" // which has rooms of another kind
+
+#include "past_fixture.h"
+#include "resolvent/update.h"
+
+// ---- stores ---------------------------------------------------------------------------------------
+
+static rsv_status add_name(void *user, const char *name)
+{
+    strcat(strcat(user, name), " ");
+    return RSV_OK;
+}
+
+/// What a blob holds, all of its parts, as text.
+static const char *text_of(rsv_store *s, const char *name)
+{
+    static char text[64];
+    size_t length = 0;
+    rsv_blob blob;
+    for (size_t part = 0;; part++) {
+        assert_int_equal(s->table->read(s, name, part, &blob), RSV_OK);
+        if (blob.count == 0) break;
+        assert_true(length + blob.count < sizeof text);
+        memcpy(text + length, blob.byte, blob.count);
+        length += blob.count;
+        s->table->release(s, &blob);
+    }
+    text[length] = 0;
+    return text;
+}
+
+static void append(rsv_store *s, const char *name, size_t keep, const char *text)
+{
+    int end;
+    assert_int_equal(s->table->open(s, name, keep, &end), 0);
+    assert_int_equal(s->table->append(s, end, text, strlen(text)), 0);
+    s->table->close(s, end);
+}
+
+static void check_store(rsv_store *s)
+{
+    char names[64] = "";
+    assert_string_equal(text_of(s, "none"), "");
+    assert_int_equal(s->table->write(s, "b", "old", 3), 0);
+    assert_int_equal(s->table->write(s, "b", "newer", 5), 0);
+    append(s, "a", 0, "abc");
+    append(s, "c", 0, "");
+    append(s, "a", 3, "def");
+    assert_string_equal(text_of(s, "a"), "abcdef");
+    append(s, "a", 3, "ghi");
+    assert_string_equal(text_of(s, "a"), "abcghi");
+    assert_string_equal(text_of(s, "b"), "newer");
+    assert_string_equal(text_of(s, "c"), "");
+    assert_int_equal(s->table->list(s, add_name, names), RSV_OK);
+    assert_string_equal(names, "a b c ");
+    rsv_store_destroy(s);
+}
+
+static void stores_of_each_kind_keep_blobs(void **state)
+{
+    (void)state;
+    folder f = new_folder();
+    world *w = world_begin(1);
+    rsv_store *s = NULL;
+    assert_int_equal(rsv_store_memory(w->context, &s), RSV_OK);
+    check_store(s);
+    assert_int_equal(rsv_store_folder(w->context, f.path, &s), RSV_OK);
+    check_store(s);
+    world_end(w);
+    remove_folder(f.path);
+}
+
+// ---- updates --------------------------------------------------------------------------------------
+
+static rsv_solve_desc fewer_elements(void)
+{
+    rsv_solve_desc desc = few_elements(NULL, NULL);
+    desc.element_target = 200;
+    return desc;
+}
+
+/// A store in a context of its own, which counts what is alive.
+typedef struct memory {
+    world *w;
+    rsv_update_store *store;
+} memory;
+
+static memory new_memory(void)
+{
+    memory m = { .w = world_begin(1) };
+    assert_int_equal(rsv_update_store_create(m.w->context, &m.store), RSV_OK);
+    return m;
+}
+
+static void end_memory(memory *m)
+{
+    rsv_update_store_destroy(m->store);
+    world_end(m->w);
+}
+
+static rsv_solution *update_by(
+    const world *w, const rsv_solve_desc *desc, rsv_update_store *store, rsv_update_report *report)
+{
+    rsv_solution *s = NULL;
+    if (rsv_operator_update(w->scene, desc, store, &s, report) != RSV_OK)
+        fail_msg("%s", rsv_last_error());
+    return s;
+}
+
+static rsv_solution *update(const world *w, rsv_update_store *store, rsv_update_report *report)
+{
+    const rsv_solve_desc desc = fewer_elements();
+    return update_by(w, &desc, store, report);
+}
+
+static void check_same(const rsv_solution *a, const rsv_solution *b)
+{
+    const rsv_light_view *p = inside(a), *q = inside(b);
+    assert_int_equal(p->elements->node_count, q->elements->node_count);
+    assert_memory_equal(
+        p->irradiance, q->irradiance, p->elements->node_count * sizeof *p->irradiance);
+    assert_int_equal(p->fine.elements->node_count, q->fine.elements->node_count);
+    assert_memory_equal(
+        p->fine.direct, q->fine.direct, p->fine.elements->node_count * sizeof *p->fine.direct);
+    assert_int_equal(p->report.kept_row_rays, q->report.kept_row_rays);
+}
+
+/// A box that is moved, painted, and moved back.
+static void memory_does_what_folders_do(void **state)
+{
+    (void)state;
+    enum { VERSIONS = 4 };
+    room version[VERSIONS] = { plain, moved, moved, plain };
+    version[2].albedo = 0.1f;
+    folder f[VERSIONS];
+    memory m = new_memory();
+    for (int k = 0; k < VERSIONS; k++) {
+        world *w = build(&version[k], 1 + k % 2);
+        rsv_solve_desc desc = fewer_elements();
+        rsv_solution *by_folder = NULL, *by_memory = update(w, m.store, NULL);
+        f[k] = new_folder();
+        desc.checkpoint = f[k].path;
+        desc.earlier = k > 0 ? f[k - 1].path : NULL;
+        assert_int_equal(rsv_solution_create(w->scene, &desc, &by_folder), RSV_OK);
+        check_same(by_memory, by_folder);
+        rsv_solution_destroy(by_memory);
+        rsv_solution_destroy(by_folder);
+        world_end(w);
+    }
+    for (int k = 0; k < VERSIONS; k++)
+        remove_folder(f[k].path);
+    end_memory(&m);
+}
+
+static void the_report_says_what_was_kept(void **state)
+{
+    (void)state;
+    rsv_update_report first, same, painted, edited;
+    room dark = plain;
+    dark.albedo = 0.1f;
+    world *w[3] = { build(&plain, 2), build(&dark, 2), build(&moved, 2) };
+    memory m = new_memory();
+    assert_int_equal(rsv_update_store_bytes(m.store), 0);
+    rsv_solution_destroy(update(w[0], m.store, &first));
+    assert_true(rsv_update_store_bytes(m.store) > first.row_rays);
+    rsv_solution_destroy(update(w[0], m.store, &same));
+    rsv_solution_destroy(update(w[1], m.store, &painted));
+    rsv_solution_destroy(update(w[2], m.store, &edited));
+    assert_true(first.rows > 0 && first.row_rays > 0 && first.lit_elements > first.rows);
+    assert_int_equal(
+        first.kept_elements + first.kept_rows + first.kept_row_rays + first.kept_lit_elements, 0);
+    const rsv_update_report *all[] = { &same, &painted };
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(all[k]->kept_elements, all[k]->rows);
+        assert_int_equal(all[k]->kept_rows, all[k]->rows);
+        assert_int_equal(all[k]->kept_row_rays, all[k]->row_rays);
+        assert_int_equal(all[k]->kept_lit_elements, all[k]->lit_elements);
+    }
+    assert_true(edited.kept_elements > edited.rows / 2 && edited.kept_elements < edited.rows);
+    assert_true(edited.kept_rows > 0 && edited.kept_rows < edited.kept_elements);
+    assert_true(
+        edited.kept_row_rays > edited.row_rays / 2 && edited.kept_row_rays < edited.row_rays);
+    assert_true(edited.kept_lit_elements > edited.lit_elements / 4 &&
+                edited.kept_lit_elements < edited.lit_elements);
+    rsv_update_store_clear(m.store);
+    assert_int_equal(rsv_update_store_bytes(m.store), 0);
+    end_memory(&m);
+    for (int k = 0; k < 3; k++)
+        world_end(w[k]);
+}
+
+/// The same room after each pair of edits: neither its light nor what the store takes drifts.
+static void edits_back_and_forth_end_where_they_began(void **state)
+{
+    (void)state;
+    enum { PAIRS = 3 };
+    world *w[2] = { build(&plain, 2), build(&moved, 2) };
+    memory m = new_memory();
+    rsv_solution *first = update(w[0], m.store, NULL), *last = NULL;
+    size_t bytes = rsv_update_store_bytes(m.store);
+    for (int pair = 0; pair < PAIRS; pair++) {
+        rsv_solution_destroy(last);
+        rsv_solution_destroy(update(w[1], m.store, NULL));
+        last = update(w[0], m.store, NULL);
+    }
+    rsv_solve_desc desc = fewer_elements();
+    desc.seed = 2;
+    rsv_solution *other = NULL;
+    assert_int_equal(rsv_solution_create(w[0]->scene, &desc, &other), RSV_OK);
+    double chance = difference(first, other), drift = difference(first, last);
+    if (!(drift < chance)) fail_msg("%g after edits, %g by chance", drift, chance);
+    assert_true((double)rsv_update_store_bytes(m.store) < 1.1 * (double)bytes);
+    rsv_solution_destroy(first);
+    rsv_solution_destroy(last);
+    rsv_solution_destroy(other);
+    end_memory(&m);
+    world_end(w[0]);
+    world_end(w[1]);
+}
+
+static void check_whole(const world *w, const rsv_solve_desc *desc, rsv_update_store *store)
+{
+    rsv_update_report report;
+    rsv_solution *whole = NULL, *updated = update_by(w, desc, store, &report);
+    assert_int_equal(rsv_solution_create(w->scene, desc, &whole), RSV_OK);
+    assert_int_equal(report.kept_elements + report.kept_rows + report.kept_row_rays, 0);
+    assert_int_equal(report.kept_lit_elements, 0);
+    check_same(updated, whole);
+    rsv_solution_destroy(updated);
+    rsv_solution_destroy(whole);
+}
+
+static world *build_elsewhere(void)
+{
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(20, 0, 0), v3(23, 2, 2));
+    world_box(w, world_lambert(w, 0, 5), v3(21, 1.9f, 0.8f), v3(21.3f, 1.95f, 1.1f));
+    world_commit(w);
+    return w;
+}
+
+static void what_does_not_fit_is_solved_as_a_whole(void **state)
+{
+    (void)state;
+    world *w = build(&plain, 2), *elsewhere = build_elsewhere();
+    rsv_solve_desc desc = fewer_elements();
+    memory m = new_memory();
+    rsv_solution_destroy(update(w, m.store, NULL));
+    check_whole(elsewhere, &desc, m.store);
+    desc.seed = 7;
+    check_whole(elsewhere, &desc, m.store);
+    desc.seed = 1;
+    desc.rays_per_element = 128;
+    check_whole(w, &desc, m.store);
+    end_memory(&m);
+    world_end(elsewhere);
+    world_end(w);
+}
+
+static void wrong_settings_are_one_error_and_leave_the_store_alone(void **state)
+{
+    (void)state;
+    world *w = build(&plain, 2);
+    memory m = new_memory();
+    rsv_update_report report;
+    rsv_solution *s = NULL;
+    rsv_solution_destroy(update(w, m.store, NULL));
+    size_t bytes = rsv_update_store_bytes(m.store);
+    for (int k = 0; k < 3; k++) {
+        rsv_solve_desc desc = fewer_elements();
+        if (k == 0) desc.checkpoint = "rows";
+        if (k == 1) desc.earlier = "rows";
+        if (k == 2) desc.rays_per_element = 100;
+        assert_int_equal(
+            rsv_operator_update(w->scene, &desc, m.store, &s, &report), RSV_ERROR_ARGUMENT);
+        assert_null(s);
+        assert_non_null(strstr(rsv_last_error(), k < 2 ? "leave both NULL" : "rays_per_element"));
+        assert_int_equal(rsv_update_store_bytes(m.store), bytes);
+    }
+    rsv_solution_destroy(update(w, m.store, &report));
+    assert_int_equal(report.kept_rows, report.rows);
+    end_memory(&m);
+    world_end(w);
+}
+
+/// Fails one allocation of an update. @param of the scene's context or the store's @return whether there were so many
+static bool fail_one(const world *w, memory *m, world *of, long which)
+{
+    const rsv_solve_desc desc = fewer_elements();
+    rsv_solution *s = NULL;
+    long alive = w->alive;
+    of->fail_once = true;
+    of->until_failure = which;
+    rsv_status status = rsv_operator_update(w->scene, &desc, m->store, &s, NULL);
+    bool failed = of->until_failure < 0;
+    of->until_failure = -1;
+    if (!failed) assert_int_equal(status, RSV_OK);
+    if (status != RSV_OK) assert_int_equal(status, RSV_ERROR_MEMORY);
+    if (status != RSV_OK) assert_null(s);
+    rsv_solution_destroy(s);
+    assert_int_equal(w->alive, alive); // what the store keeps is the other context's
+    return failed;
+}
+
+/// The next allocation to fail; with RSV_FAULTS=1 in the environment, every one does in turn.
+static long after(long which) { return getenv("RSV_FAULTS") ? which + 1 : which + 1 + which / 2; }
+
+static void memory_that_runs_out_costs_no_more_than_the_update(void **state)
+{
+    (void)state;
+    world *w[2] = { build(&plain, 1), build(&moved, 1) };
+    memory m = new_memory();
+    rsv_update_report report;
+    for (int of_store = 0; of_store < 2; of_store++) {
+        rsv_solution_destroy(update(w[0], m.store, NULL));
+        long which = 0;
+        for (int edit = 1; fail_one(w[edit & 1], &m, of_store ? m.w : w[edit & 1], which); edit++)
+            which = after(which);
+    }
+    rsv_solution_destroy(update(w[0], m.store, NULL));
+    rsv_solution_destroy(update(w[1], m.store, &report));
+    assert_true(report.kept_row_rays > report.row_rays / 2);
+    end_memory(&m);
+    world_end(w[0]);
+    world_end(w[1]);
+}
+
+/// What each process of a team has of an edited room in the end.
+typedef struct team_result {
+    rsv_rgb *irradiance[TEAM_MOST]; ///< [count], to be freed
+    size_t count[TEAM_MOST];
+    rsv_update_report report[TEAM_MOST];
+} team_result;
+
+static rsv_scene *furnish_scene(rsv_context *context, const room *r)
+{
+    world w = { .context = context };
+    if (rsv_scene_create(context, &w.scene) != RSV_OK) abort();
+    furnish(&w, r);
+    rsv_lights_destroy(w.lights);
+    rsv_tracer_destroy(w.tracer);
+    free(w.bsdf);
+    return w.scene;
+}
+
+static void update_twice(rsv_team *team, void *user)
+{
+    team_result *result = user;
+    rsv_context_desc desc = rsv_default_context_desc();
+    const rsv_solve_desc solve_desc = fewer_elements();
+    const room *version[] = { &plain, &moved };
+    rsv_context *context;
+    rsv_update_store *store;
+    desc.thread_count = 1;
+    desc.team = team;
+    if (rsv_context_create(&desc, &context) != RSV_OK) abort();
+    if (rsv_update_store_create(context, &store) != RSV_OK) abort();
+    for (uint32_t k = 0, rank = team ? team->rank : 0; k < 2; k++) {
+        rsv_solution *s = NULL;
+        rsv_scene *scene = furnish_scene(context, version[k]);
+        if (rsv_operator_update(scene, &solve_desc, store, &s, &result->report[rank]) != RSV_OK)
+            abort();
+        free(result->irradiance[rank]);
+        size_t count = result->count[rank] = inside(s)->elements->node_count;
+        result->irradiance[rank] = malloc(count * sizeof(rsv_rgb));
+        if (!result->irradiance[rank]) abort();
+        memcpy(result->irradiance[rank], inside(s)->irradiance, count * sizeof(rsv_rgb));
+        rsv_solution_destroy(s);
+        rsv_scene_destroy(scene);
+    }
+    rsv_update_store_destroy(store);
+    rsv_context_destroy(context);
+}
+
+static void processes_of_a_team_have_stores_of_their_own(void **state)
+{
+    (void)state;
+    enum { SIZE = 3 };
+    team_result alone = { 0 }, together = { 0 };
+    update_twice(NULL, &alone);
+    run_team(SIZE, update_twice, &together);
+    for (int rank = 0; rank < SIZE; rank++) {
+        const rsv_update_report *r = &together.report[rank];
+        assert_int_equal(together.count[rank], alone.count[0]);
+        assert_memory_equal(
+            together.irradiance[rank], alone.irradiance[0], alone.count[0] * sizeof(rsv_rgb));
+        assert_int_equal(r->kept_elements, alone.report[0].kept_elements);
+        assert_int_equal(r->kept_lit_elements, alone.report[0].kept_lit_elements);
+        assert_true(r->kept_row_rays > r->row_rays / 2);
+        free(together.irradiance[rank]);
+    }
+    free(alone.irradiance[0]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(stores_of_each_kind_keep_blobs),
+        cmocka_unit_test(memory_does_what_folders_do),
+        cmocka_unit_test(the_report_says_what_was_kept),
+        cmocka_unit_test(edits_back_and_forth_end_where_they_began),
+        cmocka_unit_test(what_does_not_fit_is_solved_as_a_whole),
+        cmocka_unit_test(wrong_settings_are_one_error_and_leave_the_store_alone),
+        cmocka_unit_test(memory_that_runs_out_costs_no_more_than_the_update),
+        cmocka_unit_test(processes_of_a_team_have_stores_of_their_own),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
