@@ -8,11 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
+/// Names of instances may be cut after so many bytes.
+#define MOST_OF_NAME 200
+
 typedef struct walker {
     const rsv_bake_document *document;
     rsv_bake_parts *parts;
-    double (*world)[16]; ///< [node_count]
-    uint32_t *pending;   ///< [node_count]
+    bool *visited;     ///< [node_count]
+    uint32_t *pending; ///< [node_count]
 } walker;
 
 // ---- geometry -------------------------------------------------------------------------------------
@@ -74,6 +77,9 @@ static rsv_status add_parts(walker *w, uint32_t index)
     const rsv_gltf_document *gltf = w->document->gltf;
     const rsv_gltf_node *node = &gltf->node[index];
     if (node->mesh < 0) return RSV_OK;
+    if ((size_t)node->mesh >= gltf->mesh_count)
+        return rsv_fail(RSV_ERROR_FORMAT, "%s: bake: node '%s' has mesh %d, which does not exist",
+            w->document->name, node->name, node->mesh);
     const rsv_gltf_mesh *mesh = &gltf->mesh[node->mesh];
     for (size_t k = 0; k < mesh->primitive_count; k++) {
         const rsv_gltf_primitive *primitive = &mesh->primitive[k];
@@ -88,7 +94,7 @@ static rsv_status add_parts(walker *w, uint32_t index)
             .mesh = (uint32_t)node->mesh,
             .primitive = (uint32_t)k,
             .instance = (uint32_t)parts->count,
-            .mirrored = mirrors(w->world[index]) };
+            .mirrored = mirrors(w->parts->world[index]) };
         snprintf(part->label, sizeof part->label, "%.100s, primitive %zu", mesh->name, k);
         parts->count++;
         RSV_TRY(read_part(w->document, primitive, part));
@@ -97,46 +103,85 @@ cleanup:
     return status;
 }
 
-static void push_nodes(
+/// Documents of operator files are what somebody wrote: that no node is met twice makes the walk end.
+static rsv_status push_nodes(
     walker *w, const int *node, size_t count, const double *parent, size_t *pending)
 {
     static const double identity[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
     for (size_t k = count; k-- > 0;) {
-        rsv_matrix_multiply(
-            parent ? parent : identity, w->document->gltf->node[node[k]].local, w->world[node[k]]);
+        bool exists = node[k] >= 0 && (size_t)node[k] < w->document->gltf->node_count;
+        if (!exists || w->visited[node[k]])
+            return rsv_fail(RSV_ERROR_FORMAT, "%s: bake: node %d %s", w->document->name, node[k],
+                exists ? "has two parents, or is its own" : "does not exist");
+        w->visited[node[k]] = true;
+        rsv_matrix_multiply(parent ? parent : identity, w->document->gltf->node[node[k]].local,
+            w->parts->world[node[k]]);
         w->pending[(*pending)++] = (uint32_t)node[k];
     }
+    return RSV_OK;
 }
 
-/// Loading the scene has shown that nodes form a forest.
 static rsv_status walk(walker *w)
 {
+    rsv_status status;
     const rsv_gltf_document *gltf = w->document->gltf;
     size_t pending = 0;
-    push_nodes(w, gltf->root, gltf->root_count, NULL, &pending);
+    RSV_TRY(push_nodes(w, gltf->root, gltf->root_count, NULL, &pending));
     while (pending) {
         uint32_t index = w->pending[--pending];
         const rsv_gltf_node *node = &gltf->node[index];
-        rsv_status status = add_parts(w, index);
-        if (status != RSV_OK) return status;
-        push_nodes(w, node->child, node->child_count, w->world[index], &pending);
+        RSV_TRY(add_parts(w, index));
+        w->parts->order[w->parts->order_count++] = index;
+        RSV_TRY(push_nodes(w, node->child, node->child_count, w->parts->world[index], &pending));
     }
-    return RSV_OK;
+cleanup:
+    return status;
+}
+
+/// Whether materials are those of the scene, by their names. One more is the default of primitives without.
+static bool has_materials(const rsv_gltf_document *gltf, const rsv_scene *scene)
+{
+    if (gltf->material_count > scene->material_count) return false;
+    for (size_t m = 0; m < gltf->material_count; m++)
+        if (strcmp(gltf->material[m].value.name, scene->material[m].name) != 0) return false;
+    return true;
+}
+
+/// Whether a part is what an object of the scene was made of, by their names. Those of instances go on with a number.
+static bool is_part_of(
+    const rsv_gltf_document *gltf, const rsv_bake_part *part, const rsv_scene *scene, uint32_t o)
+{
+    const char *node = gltf->node[part->node].name;
+    return strncmp(node, scene->object_name[o], strnlen(node, MOST_OF_NAME)) == 0;
+}
+
+/// The part that triangle `t` of the scene is of, and which of its triangles; NULL = the document is another scene's.
+static rsv_bake_part *find_part(const rsv_bake_document *d, const rsv_scene *scene, size_t t,
+    const rsv_bake_parts *parts, uint32_t *source)
+{
+    uint32_t object = scene->triangle_object[t];
+    uint32_t instance = d->is_made ? object : scene->object_instance[object];
+    rsv_bake_part *part = instance < parts->count ? &parts->part[instance] : NULL;
+    if (!d->is_made) *source = scene->triangle_source[t];
+    if (!part || *source >= part->triangle_count || !is_part_of(d->gltf, part, scene, object))
+        return NULL;
+    return part;
 }
 
 /// Tells each part which triangles of the scene are its own.
 static rsv_status match(const rsv_bake_document *d, const rsv_scene *scene, rsv_bake_parts *parts)
 {
-    bool fits = scene->triangle_source != NULL;
-    for (size_t t = 0; fits && t < scene->triangle_count; t++) {
-        uint32_t instance = scene->object_instance[scene->triangle_object[t]];
-        rsv_bake_part *part = instance < parts->count ? &parts->part[instance] : NULL;
-        fits = part && scene->triangle_source[t] < part->triangle_count;
-        if (fits) part->triangle[scene->triangle_source[t]] = (uint32_t)t;
+    bool fits = (d->is_made || scene->triangle_source) && has_materials(d->gltf, scene);
+    uint32_t source = 0;
+    for (size_t t = 0; fits && t < scene->triangle_count; t++, source++) {
+        if (t == 0 || scene->triangle_object[t] != scene->triangle_object[t - 1]) source = 0;
+        rsv_bake_part *part = find_part(d, scene, t, parts, &source);
+        fits = part && part->triangle[source] == RSV_NONE;
+        if (fits) part->triangle[source] = (uint32_t)t;
     }
     if (fits) return RSV_OK;
     return rsv_fail(RSV_ERROR_ARGUMENT,
-        "%s: bake: the solved scene was not loaded from this file as it is now", d->path);
+        "%s: bake: the document that it holds is that of another scene; solve anew", d->name);
 }
 
 bool rsv_bake_carries_light(const rsv_light_view *solution, const rsv_bake_part *part)
@@ -153,7 +198,7 @@ static rsv_status check_lit(
     for (size_t k = 0; k < parts->count; k++)
         if (rsv_bake_carries_light(solution, &parts->part[k])) return RSV_OK;
     return rsv_fail(RSV_ERROR_SCENE,
-        "%s: bake: nothing here reflects diffusely, so there is no light to keep", d->path);
+        "%s: bake: nothing here reflects diffusely, so there is no light to keep", d->name);
 }
 
 rsv_status rsv_bake_parts_create(
@@ -164,16 +209,18 @@ rsv_status rsv_bake_parts_create(
     *parts = (rsv_bake_parts){ .context = d->context };
     walker w = { .document = d,
         .parts = parts,
-        .world = rsv_alloc(d->context, nodes, sizeof *w.world),
+        .visited = rsv_alloc(d->context, nodes, sizeof *w.visited),
         .pending = rsv_alloc(d->context, nodes, sizeof *w.pending) };
-    RSV_TRY(w.world && w.pending ? RSV_OK : RSV_ERROR_MEMORY);
+    parts->world = rsv_alloc(d->context, nodes, sizeof *parts->world);
+    parts->order = rsv_alloc(d->context, nodes, sizeof *parts->order);
+    RSV_TRY(parts->world && parts->order && w.visited && w.pending ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(walk(&w));
     RSV_TRY(match(d, solution->scene.scene, parts));
     RSV_TRY(check_lit(d, solution, parts));
     for (size_t k = 0; k < parts->count; k++)
         RSV_TRY(rsv_bake_choose_sides(solution, &parts->part[k]));
 cleanup:
-    rsv_free(d->context, w.world);
+    rsv_free(d->context, w.visited);
     rsv_free(d->context, w.pending);
     if (status != RSV_OK) rsv_bake_parts_destroy(parts);
     return status;
@@ -188,5 +235,7 @@ void rsv_bake_parts_destroy(rsv_bake_parts *parts)
         rsv_free(parts->context, parts->part[k].back);
     }
     rsv_free(parts->context, parts->part);
+    rsv_free(parts->context, parts->world);
+    rsv_free(parts->context, parts->order);
     *parts = (rsv_bake_parts){ .context = parts->context };
 }

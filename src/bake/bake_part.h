@@ -23,6 +23,10 @@ typedef struct rsv_bake_parts {
     rsv_context *context;
     rsv_bake_part *part;
     size_t count, capacity;
+    double (*world)[16]; ///< [node_count of the file] column-major
+    uint32_t
+        *order; ///< [order_count] nodes of the file in the order in which loading goes through them
+    size_t order_count;
 } rsv_bake_parts;
 
 /// Lists the parts in the order of the scene's instances. RSV_ERROR_ARGUMENT if the scene was not loaded from

@@ -1,7 +1,9 @@
 /// From a glTF document to a scene.
 #include "../core/core.h"
 #include "../core/vec.h"
+#include "../scene/document.h"
 #include "gltf_accessor.h"
+#include "gltf_archive.h"
 #include "gltf_texture.h"
 #include "matrix.h"
 #include "scene_read.h"
@@ -360,7 +362,21 @@ static rsv_status allocate(reader *r)
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
-rsv_status rsv_gltf_read(const char *path, rsv_scene *scene)
+/// Gives the scene the file, where it is not too large.
+static rsv_status keep(const reader *r, const char *path)
+{
+    uint8_t *bytes;
+    size_t count;
+    rsv_status status = rsv_gltf_archive_pack(r->context, r->document, &bytes, &count);
+    if (status != RSV_ERROR_UNSUPPORTED)
+        return status == RSV_OK ? rsv_scene_set_document(r->scene, path, bytes, count) : status;
+    rsv_log(r->context, RSV_LOG_WARNING,
+        "with what lies beside it, it exceeds 4 GiB and is not kept: bakes will write a file of "
+        "their own");
+    return RSV_OK;
+}
+
+rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
@@ -371,6 +387,7 @@ rsv_status rsv_gltf_read(const char *path, rsv_scene *scene)
     RSV_TRY(allocate(&r));
     RSV_TRY(add_materials(&r));
     RSV_TRY(walk_nodes(&r));
+    if (keep_document) RSV_TRY(keep(&r, path));
 cleanup:
     rsv_free(context, r.first_primitive);
     rsv_free(context, r.primitive_id);

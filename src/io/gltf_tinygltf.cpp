@@ -1,5 +1,6 @@
 /// tinygltf behind a C interface: parses, then copies what a scene needs into plain arrays. No exception
 /// leaves this file.
+#include "gltf_archive.h"
 #include "gltf_json.hpp"
 
 extern "C" {
@@ -14,6 +15,7 @@ extern "C" {
 #include <cstring>
 #include <deque>
 #include <exception>
+#include <map>
 #include <memory>
 #include <new>
 #include <string>
@@ -45,7 +47,7 @@ struct owned_document : rsv_gltf_document {
     std::vector<rsv_light> lights;
     std::vector<int> roots;
     std::deque<std::string> names; // a deque: c_str() stays valid while it grows
-    std::string parser_warning;
+    std::string parser_warning, json;
 };
 
 // ---- files --------------------------------------------------------------------------------------
@@ -84,10 +86,26 @@ bool lies_below(const std::string &root, const std::string &path)
     return true;
 }
 
+/// Where a document lies: in a folder, or in an archive.
+struct source {
+    std::string folder;
+    bool is_archive;
+    std::map<std::string, rsv_gltf_chunk>
+        files; ///< of the archive, by the path that tinygltf asks for
+
+    const rsv_gltf_chunk *find(const std::string &path) const
+    {
+        auto found = files.find(path);
+        return found == files.end() ? nullptr : &found->second;
+    }
+};
+
 /// What tinygltf may open: files in the asset's folder or below. It also tries the working directory.
 bool file_exists(const std::string &path, void *user)
 {
-    if (!lies_below(*static_cast<const std::string *>(user), path)) return false;
+    const source &from = *static_cast<const source *>(user);
+    if (from.is_archive) return from.find(path) != nullptr;
+    if (!lies_below(from.folder, path)) return false;
     struct stat info;
     return stat(path.c_str(), &info) == 0 && S_ISREG(info.st_mode);
 }
@@ -95,10 +113,15 @@ bool file_exists(const std::string &path, void *user)
 std::string same_path(const std::string &path, void *) { return path; }
 
 bool read_whole_file(
-    std::vector<unsigned char> *bytes, std::string *error, const std::string &path, void *)
+    std::vector<unsigned char> *bytes, std::string *error, const std::string &path, void *user)
 {
+    const source &from = *static_cast<const source *>(user);
     try {
-        *bytes = read_file(path);
+        const rsv_gltf_chunk *kept = from.find(path);
+        if (kept)
+            bytes->assign(kept->data, kept->data + kept->size);
+        else
+            *bytes = read_file(path);
         return true;
     } catch (const refusal &r) {
         if (error) *error = r.message;
@@ -111,9 +134,13 @@ bool write_nothing(std::string *, const std::string &, const std::vector<unsigne
     return false;
 }
 
-bool file_size(size_t *size, std::string *, const std::string &path, void *)
+bool file_size(size_t *size, std::string *, const std::string &path, void *user)
 {
     struct stat info;
+    if (const rsv_gltf_chunk *kept = static_cast<const source *>(user)->find(path)) {
+        *size = kept->size;
+        return true;
+    }
     if (stat(path.c_str(), &info) != 0) return false;
     *size = static_cast<size_t>(info.st_size);
     return true;
@@ -221,19 +248,49 @@ std::string parser_says(const std::string &error)
     return line.empty() ? line : ": " + line;
 }
 
-void parse(const char *path, owned_document &document)
+/// As tinygltf decodes URIs: a plus is a blank, too.
+std::string decoded(const std::string &uri)
 {
-    std::string file = path;
-    std::string folder = file.substr(0, file.rfind('/') + 1) + "."; // npos + 1 = 0: "." alone
-    std::vector<unsigned char> bytes = read_file(file);
+    std::string text;
+    for (size_t k = 0; k < uri.size(); k++) {
+        const char digits[] = { k + 2 < uri.size() ? uri[k + 1] : '\0',
+            k + 2 < uri.size() ? uri[k + 2] : '\0', '\0' };
+        const bool coded = uri[k] == '%' && std::isxdigit(static_cast<unsigned char>(digits[0])) &&
+                           std::isxdigit(static_cast<unsigned char>(digits[1]));
+        text += coded           ? static_cast<char>(std::stoi(digits, nullptr, 16))
+                : uri[k] == '+' ? ' '
+                                : uri[k];
+        if (coded) k += 2;
+    }
+    return text;
+}
 
+/// The text or binary glTF of an archive, and the files beside it.
+std::vector<unsigned char> read_archive(const uint8_t *archive, size_t count, source &from)
+{
+    size_t at = 0;
+    bool binary = false;
+    rsv_gltf_chunk chunk, text{};
+    while (rsv_gltf_archive_next(archive, count, &at, &chunk)) {
+        if (chunk.type == RSV_GLB_JSON && !text.data) text = chunk;
+        if (chunk.type == RSV_GLB_BINARY) binary = true;
+        if (chunk.uri) from.files.emplace("./" + decoded(chunk.uri), chunk);
+    }
+    if (at != count || !text.data) refuse(RSV_ERROR_FORMAT, "is cut off or no binary glTF");
+    if (binary) return { archive, archive + count };
+    return { text.data, text.data + text.size };
+}
+
+void parse(std::vector<unsigned char> bytes, source &from, owned_document &document)
+{
+    const std::string &folder = from.folder;
     tinygltf::TinyGLTF loader;
     tinygltf::FsCallbacks fs{};
     fs.FileExists = file_exists;
     fs.ExpandFilePath = same_path;
     fs.ReadWholeFile = read_whole_file;
     fs.WriteWholeFile = write_nothing;
-    fs.user_data = &folder;
+    fs.user_data = &from;
     set_file_size(fs, 0);
     loader.SetFsCallbacks(fs);
     loader.SetImageLoader(keep_image, nullptr);
@@ -241,6 +298,8 @@ void parse(const char *path, owned_document &document)
     std::string error, image_warnings;
     bool loaded;
     if (is_binary(bytes)) {
+        const auto text = bytes.begin() + std::min<std::ptrdiff_t>(20, bytes.end() - bytes.begin());
+        document.json.assign(text, text + static_cast<std::ptrdiff_t>(json_chunk_length(bytes)));
         check_json_depth(
             bytes.data() + std::min<size_t>(20, bytes.size()), json_chunk_length(bytes));
         const std::string named = name_packed_indices(
@@ -249,6 +308,7 @@ void parse(const char *path, owned_document &document)
         loaded = loader.LoadBinaryFromMemory(&document.model, &error, &image_warnings, bytes.data(),
             static_cast<unsigned>(bytes.size()), folder);
     } else {
+        document.json.assign(bytes.begin(), bytes.end());
         check_json_depth(bytes.data(), bytes.size());
         const std::string named = name_packed_indices(bytes.data(), bytes.size());
         if (!named.empty()) bytes.assign(named.begin(), named.end());
@@ -283,7 +343,8 @@ std::string numbered(const char *kind, size_t index)
 void convert_buffers(owned_document &document)
 {
     for (const tinygltf::Buffer &buffer : document.model.buffers)
-        document.buffers.push_back({ buffer.data.data(), buffer.data.size() });
+        document.buffers.push_back({ buffer.data.data(), buffer.data.size(),
+            buffer.uri.empty() ? nullptr : buffer.uri.c_str() });
     for (const tinygltf::BufferView &view : document.model.bufferViews)
         document.buffer_views.push_back(
             { view.buffer, view.byteOffset, view.byteLength, view.byteStride });
@@ -446,7 +507,7 @@ void convert_textures(owned_document &document)
         document.images.push_back({ keep_name(document, source.uri.empty() ? name : source.uri,
                                         numbered("image", document.images.size())),
             source.image.empty() ? nullptr : source.image.data(), source.image.size(),
-            source.bufferView });
+            source.bufferView, source.uri.empty() ? nullptr : source.uri.c_str() });
     }
 }
 
@@ -516,6 +577,8 @@ void publish(owned_document &document)
     publish_array(document.lights, document.light, document.light_count);
     publish_array(document.roots, document.root, document.root_count);
     document.warning = document.parser_warning.c_str();
+    document.text = document.json.data();
+    document.text_bytes = document.json.size();
 }
 
 } // namespace
@@ -535,11 +598,17 @@ void copy_numbers(
 
 } // namespace rsv_gltf
 
-rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
+namespace
+{
+
+/// @param read gives the bytes of the document, and says where those beside it lie
+template <class reader> rsv_status open_document(const rsv_gltf_document **document, reader read)
 {
     try {
         std::unique_ptr<owned_document> owned(new owned_document());
-        parse(path, *owned);
+        source from{};
+        std::vector<unsigned char> bytes = read(from);
+        parse(std::move(bytes), from, *owned);
         unpack_draco(owned->model);
         convert_buffers(*owned);
         convert_accessors(*owned);
@@ -562,6 +631,27 @@ rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
     } catch (...) {
         return rsv_fail(RSV_ERROR_FORMAT, "is not valid glTF");
     }
+}
+
+} // namespace
+
+rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
+{
+    return open_document(document, [path](source &from) {
+        const std::string file = path;
+        from.folder = file.substr(0, file.rfind('/') + 1) + "."; // npos + 1 = 0: "." alone
+        return read_file(file);
+    });
+}
+
+rsv_status rsv_gltf_open_archive(
+    const uint8_t *archive, size_t count, const rsv_gltf_document **document)
+{
+    return open_document(document, [archive, count](source &from) {
+        from.is_archive = true;
+        from.folder = ".";
+        return read_archive(archive, count, from);
+    });
 }
 
 void rsv_gltf_close(const rsv_gltf_document *document)
