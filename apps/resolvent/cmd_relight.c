@@ -368,6 +368,14 @@ static rsv_status relight(const settings *s, const cli_subject *subject)
     return status;
 }
 
+static bool keeps_operators(const settings *s)
+{
+    bool any = false;
+    for (size_t k = 0; k < s->outputs.count; k++)
+        any = any || is_operator_name(s->outputs.item[k]);
+    return any;
+}
+
 /// One frame, from the file to what is written; the last one's statistics are those of the run.
 static bool run_frame(cli_session *session, settings *s, uint32_t frame)
 {
@@ -402,6 +410,7 @@ static int run(cli_session *session, settings *s)
             s->scene);
         return CLI_FAILURE;
     }
+    session->keep_document = keeps_operators(s);
     if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
     // several processes take turns with the frames, the first of them with the last, whose statistics count
     for (uint32_t frame = s->animation.first; frame <= s->animation.last && !cli_crew_alarmed();
