@@ -8,19 +8,17 @@
 #include "resolvent/bake.h"
 
 #include <cJSON.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char help[] =
-    "usage: resolvent bake SCENE -o OUT.glb --to vertex|lightmap|probes [options]\n"
+    "usage: resolvent bake SCENE|OPERATOR -o OUT.glb --to vertex|lightmap|probes [options]\n"
     "\n"
     "Solves the light of SCENE and writes it into a copy of its glTF file for engines and web\n"
     "pages. All else of the file stays as it is: nodes, animations, cameras, extras, extensions.\n"
-    "Scenes that are no glTF file become one first. docs/bake.md says what is written.\n"
+    "Scenes that are no glTF file become one. A file of `solve` or `relight` is taken as it is\n"
+    "solved, with the lights and colours that it was given. docs/bake.md says what is written.\n"
     "\n"
     "  --to vertex        light in COLOR_0, surfaces tessellated where light asks for it\n"
     "  --to lightmap      irradiance in a texture (MOZ_lightmap), and as OUT.lightmap.exr\n"
@@ -54,18 +52,13 @@ static const char help[] =
     "examples:\n"
     "  resolvent bake room.glb -o room-lit.glb --to vertex --unlit\n"
     "  resolvent bake room.glb -o room-map.glb --to lightmap --map-size 2048\n"
+    "  resolvent bake evening.safetensors -o evening.glb --to vertex\n"
     "  resolvent bake cornell-blocks -o box.glb --to vertex --basis --quality high\n";
-
-typedef rsv_status (*bake_function)(const rsv_solution *solution, const char *input,
-    const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
-
-static const char *const target_names[] = { "vertex", "lightmap", "probes", NULL };
-static const bake_function bake_to[] = { rsv_bake_vertices, rsv_bake_lightmap, rsv_bake_probes };
-enum { TO_VERTEX, TO_LIGHTMAP, TO_PROBES };
 
 typedef struct settings {
     const char *scene, *output, *stats, *mesh;
-    int target; ///< index into target_names; -1 = missing
+    int target_index; ///< into rsv_bake_target_names(); -1 = missing
+    const char *target;
     cli_environment environment;
     cli_solve_choice solve;
     cli_checkpoint checkpoint;
@@ -78,7 +71,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
         { .name = "-o", .kind = CLI_TEXT, .value = &s->output },
-        { .name = "--to", .kind = CLI_CHOICE, .value = &s->target, .choices = target_names },
+        { .name = "--to",
+            .kind = CLI_CHOICE,
+            .value = &s->target_index,
+            .choices = rsv_bake_target_names() },
         { .name = "--basis", .kind = CLI_FLAG, .value = &s->bake.basis },
         { .name = "--operator", .kind = CLI_FLAG, .value = &s->bake.operator_file },
         { .name = "--env-turns",
@@ -141,60 +137,39 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     };
     const cli_usage usage = { "bake", help, options, "SCENE", 1, 1 };
     if (!cli_parse(&usage, argc, argv, &s->scene, exit_status)) return false;
-    if (s->target < 0)
+    if (s->target_index < 0) {
         *exit_status = cli_usage_error("bake", "--to vertex, lightmap or probes is missing");
-    else if (!s->output)
-        *exit_status = cli_usage_error("bake", "-o OUT.glb is missing");
-    else if (!cli_ends_in(s->output, s->target == TO_PROBES ? ".json" : ".glb"))
-        *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output,
-            s->target == TO_PROBES ? ".json" : ".glb");
-    else if (s->target == TO_PROBES && s->bake.operator_file)
+        return false;
+    }
+    s->target = rsv_bake_target_names()[s->target_index];
+    const char *extension = rsv_bake_target_extension(s->target);
+    if (!s->output)
+        *exit_status = cli_usage_error("bake", "-o OUT%s is missing", extension);
+    else if (!cli_ends_in(s->output, extension))
+        *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output, extension);
+    else if (strcmp(s->target, "probes") == 0 && s->bake.operator_file)
         *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
     else
         return true;
     return false;
 }
 
-/// A scene that is no glTF file, written as one and opened again. The file has no name once it is open, so that
-/// nothing of it is left, however this ends.
-/// @param path out: what it can be read by @param descriptor out: to be closed
-static rsv_scene *open_as_gltf(
-    cli_session *session, const settings *s, rsv_scene *scene, char path[64], int *descriptor)
+/// What a target does not have is 0.
+static void print_report(const rsv_bake_report *r)
 {
-    char name[4096];
-    snprintf(name, sizeof name, "%s.%ld.glb", s->output, (long)getpid());
-    rsv_status status = rsv_scene_save(scene, name);
-    rsv_scene_destroy(scene);
-    if (status != RSV_OK) {
-        cli_report_failure(session, status);
-        return NULL;
-    }
-    *descriptor = open(name, O_RDONLY | O_CLOEXEC);
-    int error = errno;
-    unlink(name);
-    if (*descriptor < 0) {
-        cli_error("%s: cannot be opened again: %s", name, strerror(error));
-        return NULL;
-    }
-    snprintf(path, 64, "/proc/self/fd/%d", *descriptor);
-    return cli_open_scene(session, path, &s->environment);
-}
-
-static void print_report(const settings *s, const rsv_bake_report *r)
-{
-    if (s->target == TO_VERTEX)
+    if (r->vertices)
         printf("vertices    %zu, %zu triangles (of %zu)\n", r->vertices, r->triangles,
             r->input_triangles);
-    if (s->target == TO_LIGHTMAP)
+    if (r->map_width)
         printf("map         %u x %u texels, %.4g per metre, %zu charts\n"
                "coverage    %.1f %%\n"
                "seams       %.2f %% at most\n",
             r->map_width, r->map_height, (double)r->density, r->charts, 100 * r->coverage,
             100 * r->largest_seam);
-    if (s->target == TO_PROBES)
+    if (r->probe_count[0])
         printf("probes      %u x %u x %u, %zu valid\n", r->probe_count[0], r->probe_count[1],
             r->probe_count[2], r->valid_probes);
-    else
+    else if (r->light_scale > 0)
         printf("light scale %.4g\n", (double)r->light_scale);
     if (r->lights) printf("lights      %zu\n", r->lights);
 }
@@ -203,15 +178,14 @@ static void print_report(const settings *s, const rsv_bake_report *r)
 static cJSON *describe(const settings *s, const rsv_bake_report *r)
 {
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "to", target_names[s->target]);
+    cJSON_AddStringToObject(root, "to", s->target);
     cJSON_AddNumberToObject(root, "light_scale", (double)r->light_scale);
-    if (s->target == TO_VERTEX) {
+    if (r->vertices) {
         cJSON_AddNumberToObject(root, "vertices", (double)r->vertices);
         cJSON_AddNumberToObject(root, "triangles", (double)r->triangles);
     }
-    if (s->target == TO_PROBES)
-        cJSON_AddNumberToObject(root, "valid_probes", (double)r->valid_probes);
-    if (s->target == TO_LIGHTMAP) {
+    if (r->probe_count[0]) cJSON_AddNumberToObject(root, "valid_probes", (double)r->valid_probes);
+    if (r->map_width) {
         cJSON_AddNumberToObject(root, "map_width", r->map_width);
         cJSON_AddNumberToObject(root, "map_height", r->map_height);
         cJSON_AddNumberToObject(root, "density", (double)r->density);
@@ -247,41 +221,42 @@ static bool can_turn(const settings *s, const rsv_scene *scene)
     return false;
 }
 
-/// Solves and bakes. @param input the scene's glTF file
-static int bake(cli_session *session, settings *s, const rsv_scene *scene, const char *input)
+/// Whether an operator file was asked for what only tracing gives; says so.
+static bool refuse_checkpoint(const settings *s, const cli_subject *subject)
 {
-    rsv_solution *solution = NULL;
+    if (!subject->solution || !s->checkpoint.folder) return false;
+    cli_error("--checkpoint: '%s' is a solved operator: there are no rows to be traced", s->scene);
+    return true;
+}
+
+static int bake(cli_session *session, settings *s, cli_subject *subject)
+{
     rsv_bake_report report = { 0 };
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
-    if (!can_turn(s, scene) || !cli_checkpoint_prepare(session, &s->checkpoint, scene, &desc))
+    if (!can_turn(s, subject->scene) || refuse_checkpoint(s, subject) ||
+        !cli_checkpoint_prepare(session, &s->checkpoint, subject->scene, &desc))
         return CLI_FAILURE;
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_status status = cli_solve_subject(session, &desc, NULL, subject, NULL);
     double solved = cli_seconds();
     if (status == RSV_OK)
-        status = bake_to[s->target](solution, input, s->output, &s->bake, &report);
-    bool written = status == RSV_OK;
-    if (written) {
-        cli_checkpoint_prune(&s->checkpoint);
-        cli_progress_clear(&session->progress);
-        print_report(s, &report);
-        written = !s->stats || write_stats(session, s, solution, &report, cli_seconds() - solved);
-    }
-    rsv_solution_destroy(solution);
+        status = rsv_bake(subject->solution, s->target, s->output, &s->bake, &report);
     if (status != RSV_OK) return cli_report_failure(session, status);
+    cli_checkpoint_prune(&s->checkpoint);
+    cli_progress_clear(&session->progress);
+    print_report(&report);
+    bool written =
+        !s->stats || write_stats(session, s, subject->solution, &report, cli_seconds() - solved);
     return written ? CLI_SUCCESS : CLI_FAILURE;
 }
 
 static int run(cli_session *session, settings *s)
 {
-    char nameless[64] = "";
-    int descriptor = -1;
-    bool gltf =
-        cli_ends_in(s->scene, ".gltf") || cli_ends_in(s->scene, ".glb") || s->target == TO_PROBES;
-    rsv_scene *scene = cli_open_scene(session, s->scene, &s->environment);
-    if (scene && !gltf) scene = open_as_gltf(session, s, scene, nameless, &descriptor);
-    int exit_status = scene ? bake(session, s, scene, gltf ? s->scene : nameless) : CLI_FAILURE;
-    rsv_scene_destroy(scene);
-    if (descriptor >= 0) close(descriptor);
+    cli_subject subject;
+    session->mesh = s->mesh;
+    session->keep_document = strcmp(rsv_bake_target_extension(s->target), ".glb") == 0;
+    if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
+    int exit_status = bake(session, s, &subject);
+    cli_close_subject(&subject);
     return exit_status;
 }
 
@@ -304,7 +279,7 @@ static bool keeps_inputs(const settings *s)
 
 int cli_bake(int argc, char **argv)
 {
-    settings s = { .target = -1,
+    settings s = { .target_index = -1,
         .solve = CLI_DEFAULT_SOLVE,
         .environment = CLI_DEFAULT_ENVIRONMENT,
         .bake = rsv_default_bake_desc() };
@@ -315,7 +290,6 @@ int cli_bake(int argc, char **argv)
         return CLI_FAILURE;
     cli_session session;
     if (!cli_prepare_solve(&s.solve) || !cli_session_begin(&session, s.threads)) return CLI_FAILURE;
-    session.mesh = s.mesh;
     exit_status = run(&session, &s);
     cli_session_end(&session);
     return exit_status;

@@ -432,6 +432,14 @@ static rsv_status relight(const settings *s, stage *on)
     return status;
 }
 
+static bool keeps_operators(const settings *s)
+{
+    bool any = false;
+    for (size_t k = 0; k < s->outputs.count; k++)
+        any = any || is_operator_name(s->outputs.item[k]);
+    return any;
+}
+
 static bool run_frame(cli_session *session, settings *s, stage *on, uint32_t frame)
 {
     enter_frame(s, frame);
@@ -459,6 +467,7 @@ static int run(cli_session *session, settings *s)
     stage on = { .frame_count = 0 };
     uint32_t frames = s->animation.last - s->animation.first + 1;
     if (!cli_is_operator(s->scene)) return CLI_FAILURE;
+    session->keep_document = keeps_operators(s);
     if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
     if (frames > 1) cli_progress_part(&session->progress, "frame", 0, frames);
     bool good = set_stage(session, s, &on) && run_frames(session, s, &on);

@@ -15,10 +15,9 @@ static const char help[] =
     "usage: resolvent solve SCENE -o FILE.safetensors [options]\n"
     "\n"
     "Solves the light of SCENE (a file or a built-in scene) and keeps it: scene, light-transport\n"
-    "operator and solution in one file that `render`, `probe`, `relight`, `certify` and `info` "
-    "take in place "
-    "of\n"
-    "a scene, and that numpy reads without us (docs/operator-files.md).\n"
+    "operator and solution in one file that `render`, `probe`, `relight`, `bake`, `certify` and "
+    "`info`\n"
+    "take in place of a scene, and that numpy reads without us (docs/operator-files.md).\n"
     "\n"
     "  -o FILE.safetensors  the operator file\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
         CLI_ERROR_TARGET_HELP
@@ -26,6 +25,7 @@ static const char help[] =
     "  --camera NAME      --goal: one of `resolvent info SCENE` (default: the first)\n"
     "  --points FILE.csv  spend them on the irradiance at these points instead (x,y,z,nx,ny,nz as\n"
     "                     for `resolvent probe`)\n" CLI_CHECKPOINT_HELP
+    "  --no-document      leave out the glTF file of SCENE, which `bake` writes the light into\n"
     "  --eigenvalues N    print the N largest eigenvalues of the operator, found by SLEPc\n"
     "  --threads N        default: one per processor; the file does not depend on "
     "it\n" CLI_DEVICE_HELP
@@ -39,7 +39,7 @@ enum { MOST_EIGENVALUES = 256 };
 
 typedef struct settings {
     const char *scene, *output, *stats, *mesh, *camera, *points;
-    bool goal;
+    bool goal, no_document;
     cli_points sensors; ///< of --points
     cli_environment environment;
     cli_error_target target;
@@ -67,6 +67,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_ERROR_TARGET_OPTIONS(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
+        { .name = "--no-document", .kind = CLI_FLAG, .value = &s->no_document },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera, .goes_with = "--goal" },
         { .name = "--points", .kind = CLI_TEXT, .value = &s->points },
         { .name = NULL },
@@ -162,6 +163,7 @@ int cli_solve(int argc, char **argv)
         !cli_session_begin(&session, s.threads))
         return CLI_FAILURE;
     session.mesh = s.mesh;
+    session.keep_document = !s.no_document;
     exit_status = run(&session, &s);
     cli_session_end(&session);
     cli_free_points(&s.sensors);

@@ -227,7 +227,9 @@ rsv_scene *cli_open_scene(
     }
     if (environment_is_mistyped(environment)) return NULL;
     if (access(name, F_OK) == 0 && !session->mesh) {
-        status = rsv_scene_load(session->context, name, &scene);
+        rsv_load_desc load = rsv_default_load_desc();
+        load.keep_document = session->keep_document;
+        status = rsv_scene_load_with(session->context, name, &load, &scene);
     } else if (rsv_scene_is_builtin(name)) {
         status = cli_build_scene(session, name, &scene);
     } else {

@@ -21,6 +21,7 @@ typedef struct cli_session {
     cli_progress progress;
     cli_messages warnings, notes;
     const char *mesh;          ///< file of --mesh, the body of a built-in scene; NULL = none
+    bool keep_document;        ///< scenes are to keep the glTF file that they come from
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
     atomic_ullong allocations; ///< of the context so far

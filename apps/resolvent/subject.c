@@ -55,6 +55,7 @@ bool cli_open_subject(cli_session *session, const char *name, const cli_environm
     double started = cli_seconds();
     rsv_status status =
         rsv_solution_load(session->context, name, &subject->scene, &subject->solution);
+    if (status == RSV_OK && !session->keep_document) rsv_scene_drop_document(subject->scene);
     if (status == RSV_OK) status = rsv_scene_compare(subject->scene);
     session->time_load = cli_seconds() - started;
     if (status != RSV_OK) cli_report_failure(session, status);

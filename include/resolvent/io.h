@@ -24,6 +24,9 @@ typedef struct rsv_load_desc {
     float crease_angle;
     /// The file will become part of another scene: nobody misses lights or cameras in it.
     bool is_part;
+    /// Keep a glTF file, and the buffers and pictures beside it, in memory as they are: bakes write them back with light
+    /// added (bake.h), operator files hold them (opfile.h). Default true; rsv_scene_drop_document() frees them.
+    bool keep_document;
 } rsv_load_desc;
 
 RSV_API rsv_load_desc rsv_default_load_desc(void);

@@ -13,7 +13,8 @@
 extern "C" {
 #endif
 
-/// Writes a solution with its scene. The same solution gives the same bytes, up to the times in its report, which are left
+/// Writes a solution with its scene, and the glTF file that this came from, where it keeps one (rsv_load_desc.keep_document):
+/// what was read can be baked into that file. The same solution gives the same bytes, up to the times in its report, which are left
 /// out. The file appears complete or not at all.
 /// @param scene_name what the scene is called, for `info` and messages; NULL = "unnamed"
 RSV_API rsv_status rsv_solution_save(

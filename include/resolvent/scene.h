@@ -247,6 +247,10 @@ RSV_API rsv_status rsv_scene_commit(rsv_scene *scene);
 RSV_API const rsv_scene_view *rsv_scene_get_view(const rsv_scene *scene);
 RSV_API rsv_context *rsv_scene_get_context(const rsv_scene *scene);
 
+/// Frees what a scene keeps of the file that it came from (rsv_load_desc.keep_document). Bakes of it write a file of their own
+/// from then on, and operator files hold none.
+RSV_API void rsv_scene_drop_document(rsv_scene *scene);
+
 /// A camera at `position` looking at `target`, y up.
 RSV_API rsv_camera rsv_camera_look_at(
     const char *name, rsv_vec3 position, rsv_vec3 target, float vertical_fov, float aspect);

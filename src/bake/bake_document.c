@@ -3,59 +3,15 @@
 
 #include "../core/number_text.h"
 #include "../io/atomic_file.h"
+#include "../io/gltf_archive.h"
+#include "../io/gltf_write.h"
+#include "../scene/document.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define GLB_MAGIC 0x46546c67u
-#define GLB_JSON 0x4e4f534au
-#define GLB_BINARY 0x004e4942u
-
 // ---- reading --------------------------------------------------------------------------------------
-
-static uint32_t little_endian(const uint8_t *b)
-{
-    return (uint32_t)b[0] | (uint32_t)b[1] << 8 | (uint32_t)b[2] << 16 | (uint32_t)b[3] << 24;
-}
-
-/// The whole file, with a 0 behind it. The parser has read it before: it is no larger than memory.
-static rsv_status read_file(const rsv_bake_document *d, uint8_t **bytes, size_t *count)
-{
-    rsv_status status = RSV_OK;
-    FILE *file = fopen(d->path, "rb");
-    long size = -1;
-    *bytes = NULL;
-    if (file && fseek(file, 0, SEEK_END) == 0) size = ftell(file);
-    if (size >= 0) *bytes = rsv_alloc(d->context, (size_t)size + 1, 1);
-    if (size >= 0 && !*bytes) status = RSV_ERROR_MEMORY;
-    if (size < 0 || (*bytes && (fseek(file, 0, SEEK_SET) ||
-                                   fread(*bytes, 1, (size_t)size, file) != (size_t)size)))
-        status = rsv_fail(RSV_ERROR_IO, "%s: it cannot be read", d->path);
-    *count = size < 0 ? 0 : (size_t)size;
-    if (file) fclose(file);
-    return status;
-}
-
-static rsv_status parse_json(rsv_bake_document *d)
-{
-    rsv_status status;
-    uint8_t *bytes = NULL;
-    size_t count;
-    RSV_TRY(read_file(d, &bytes, &count));
-    const char *text = (const char *)bytes;
-    if (count >= 20 && little_endian(bytes) == GLB_MAGIC) {
-        size_t length = little_endian(bytes + 12);
-        text += 20;
-        count = length < count - 20 ? length : count - 20;
-    }
-    d->root = cJSON_ParseWithLength(text, count);
-    if (!cJSON_IsObject(d->root))
-        status = rsv_fail(RSV_ERROR_FORMAT, "%s: its JSON cannot be read", d->path);
-cleanup:
-    rsv_free(d->context, bytes);
-    return status;
-}
 
 static size_t append_bytes(rsv_bake_document *d, const void *data, size_t count)
 {
@@ -129,18 +85,45 @@ static void embed_images(rsv_bake_document *d)
     }
 }
 
-rsv_status rsv_bake_document_open(rsv_context *context, const char *path, rsv_bake_document *d)
+/// @param archive [count] what the scene keeps, or is as a file
+static rsv_status read_archive(rsv_bake_document *d, const uint8_t *archive, size_t count)
+{
+    char message[512];
+    rsv_status status = rsv_gltf_open_archive(archive, count, &d->gltf);
+    if (status == RSV_ERROR_MEMORY) return status;
+    if (status != RSV_OK) {
+        snprintf(message, sizeof message, "%s", rsv_last_error());
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "%s: bake: the document that it holds is damaged: it %s; solve anew", d->name, message);
+    }
+    d->root = cJSON_ParseWithLength(d->gltf->text, d->gltf->text_bytes);
+    return cJSON_IsObject(d->root)
+               ? RSV_OK
+               : rsv_fail(RSV_ERROR_FORMAT, "%s: bake: its JSON cannot be read", d->name);
+}
+
+/// The document that the scene keeps, or the scene as it is now.
+static rsv_status read_document(rsv_bake_document *d, const rsv_scene *scene)
 {
     rsv_status status;
-    *d = (rsv_bake_document){ .context = context, .path = path };
-    status = rsv_gltf_open(path, &d->gltf);
-    if (status != RSV_OK) {
-        char message[512];
-        snprintf(message, sizeof message, "%s", rsv_last_error());
-        status = rsv_fail(status, "%s: %s", path, message);
-        goto cleanup;
-    }
-    RSV_TRY(parse_json(d));
+    uint8_t *bytes;
+    size_t count;
+    const rsv_scene_document *kept = rsv_scene_find_document(scene);
+    d->name = kept ? kept->name : "scene";
+    d->is_made = !kept;
+    if (kept) return read_archive(d, kept->bytes, kept->count);
+    status = rsv_scene_write_document(scene, &bytes, &count);
+    if (status != RSV_OK) return status;
+    status = read_archive(d, bytes, count);
+    rsv_free(d->context, bytes);
+    return status;
+}
+
+rsv_status rsv_bake_document_open(const rsv_scene *scene, rsv_bake_document *d)
+{
+    rsv_status status;
+    *d = (rsv_bake_document){ .context = rsv_scene_get_context(scene) };
+    RSV_TRY(read_document(d, scene));
     RSV_TRY(join_buffers(d));
     embed_images(d);
 cleanup:
@@ -344,11 +327,11 @@ rsv_status rsv_bake_document_write(rsv_bake_document *d, const char *path)
             rsv_fail(RSV_ERROR_UNSUPPORTED, "%s: it would exceed 4 GiB, the most of a .glb", path);
         goto cleanup;
     }
-    const uint32_t header[3] = { GLB_MAGIC, 2, (uint32_t)total };
+    const uint32_t header[3] = { RSV_GLB_MAGIC, 2, (uint32_t)total };
     RSV_TRY(rsv_atomic_file_open(&file, path));
     rsv_atomic_file_append(&file, header, sizeof header);
-    append_chunk(&file, GLB_JSON, text, length, ' ');
-    append_chunk(&file, GLB_BINARY, d->bytes, d->byte_count, 0);
+    append_chunk(&file, RSV_GLB_JSON, text, length, ' ');
+    append_chunk(&file, RSV_GLB_BINARY, d->bytes, d->byte_count, 0);
     status = rsv_atomic_file_commit(&file);
 cleanup:
     rsv_atomic_file_discard(&file);

@@ -15,7 +15,8 @@ enum { RSV_BAKE_VERTICES = 34962, RSV_BAKE_INDICES = 34963 };
 
 typedef struct rsv_bake_document {
     rsv_context *context;
-    const char *path;              ///< borrowed
+    const char *name; ///< of the file, for messages; borrowed
+    bool is_made;     ///< of the scene as it is: an object is a node, a mesh and a primitive
     const rsv_gltf_document *gltf; ///< the same file, parsed
     cJSON *root;
     uint8_t *bytes; ///< of the only buffer
@@ -23,8 +24,8 @@ typedef struct rsv_bake_document {
     bool exhausted; ///< something could not be allocated; told when it is written
 } rsv_bake_document;
 
-rsv_status rsv_bake_document_open(
-    rsv_context *context, const char *path, rsv_bake_document *document);
+/// The document that a scene keeps, which must outlive this; or one made of the scene, where it keeps none.
+rsv_status rsv_bake_document_open(const rsv_scene *scene, rsv_bake_document *document);
 void rsv_bake_document_close(rsv_bake_document *document);
 /// Writes binary glTF. The file appears complete or not at all.
 rsv_status rsv_bake_document_write(rsv_bake_document *document, const char *path);

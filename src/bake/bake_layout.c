@@ -110,6 +110,10 @@ static rsv_status read_uv(rsv_bake_layout *b, size_t k)
     if (!b->desc->keep_uv || accessor < 0) return RSV_OK;
     rsv_status status = rsv_gltf_read_attribute(
         b->s->context, b->document->gltf, accessor, part->label, &b->uv[k], &count, &width);
+    if (status == RSV_OK && (width != 2 || count != part->vertex_count))
+        return rsv_fail(RSV_ERROR_FORMAT,
+            "mesh '%s': accessor %d holds no texture coordinates of its vertices", part->label,
+            accessor);
     if (status == RSV_OK) status = judge_uv(b, k, (const float(*)[2])b->uv[k], &why);
     if (status != RSV_OK || !why) return status;
     rsv_log(b->s->context, RSV_LOG_WARNING,

@@ -7,6 +7,9 @@
 #include <stdio.h>
 #include <string.h>
 
+/// Names of instances may be cut after so many bytes.
+#define MOST_OF_NAME 200
+
 // ---- geometry -------------------------------------------------------------------------------------
 
 /// Corners of triangle `t` of a list, strip or fan.
@@ -75,19 +78,50 @@ cleanup:
     return status;
 }
 
+/// Whether materials are those of the scene, by their names. One more is the default of primitives without.
+static bool has_materials(const rsv_gltf_document *gltf, const rsv_scene *scene)
+{
+    if (gltf->material_count > scene->material_count) return false;
+    for (size_t m = 0; m < gltf->material_count; m++)
+        if (strcmp(gltf->material[m].value.name, scene->material[m].name) != 0) return false;
+    return true;
+}
+
+/// Whether a part is what an object of the scene was made of, by their names. Those of instances go on with a number.
+static bool is_part_of(
+    const rsv_gltf_document *gltf, const rsv_bake_part *part, const rsv_scene *scene, uint32_t o)
+{
+    const char *node = gltf->node[part->node].name;
+    return strncmp(node, scene->object_name[o], strnlen(node, MOST_OF_NAME)) == 0;
+}
+
+/// The part that triangle `t` of the scene is of, and which of its triangles; NULL = the document is another scene's.
+static rsv_bake_part *find_part(const rsv_bake_document *d, const rsv_scene *scene, size_t t,
+    const rsv_bake_parts *parts, uint32_t *source)
+{
+    uint32_t object = scene->triangle_object[t];
+    uint32_t instance = d->is_made ? object : scene->object_instance[object];
+    rsv_bake_part *part = instance < parts->count ? &parts->part[instance] : NULL;
+    if (!d->is_made) *source = scene->triangle_source[t];
+    if (!part || *source >= part->triangle_count || !is_part_of(d->gltf, part, scene, object))
+        return NULL;
+    return part;
+}
+
 /// Tells each part which triangles of the scene are its own.
 static rsv_status match(const rsv_bake_document *d, const rsv_scene *scene, rsv_bake_parts *parts)
 {
-    bool fits = scene->triangle_source != NULL;
-    for (size_t t = 0; fits && t < scene->triangle_count; t++) {
-        uint32_t instance = scene->object_instance[scene->triangle_object[t]];
-        rsv_bake_part *part = instance < parts->count ? &parts->part[instance] : NULL;
-        fits = part && scene->triangle_source[t] < part->triangle_count;
-        if (fits) part->triangle[scene->triangle_source[t]] = (uint32_t)t;
+    bool fits = (d->is_made || scene->triangle_source) && has_materials(d->gltf, scene);
+    uint32_t source = 0;
+    for (size_t t = 0; fits && t < scene->triangle_count; t++, source++) {
+        if (t == 0 || scene->triangle_object[t] != scene->triangle_object[t - 1]) source = 0;
+        rsv_bake_part *part = find_part(d, scene, t, parts, &source);
+        fits = part && part->triangle[source] == RSV_NONE;
+        if (fits) part->triangle[source] = (uint32_t)t;
     }
     if (fits) return RSV_OK;
     return rsv_fail(RSV_ERROR_ARGUMENT,
-        "%s: bake: the solved scene was not loaded from this file as it is now", d->path);
+        "%s: bake: the document that it holds is that of another scene; solve anew", d->name);
 }
 
 bool rsv_bake_carries_light(const rsv_light_view *solution, const rsv_bake_part *part)
@@ -104,7 +138,17 @@ static rsv_status check_lit(
     for (size_t k = 0; k < parts->count; k++)
         if (rsv_bake_carries_light(solution, &parts->part[k])) return RSV_OK;
     return rsv_fail(RSV_ERROR_SCENE,
-        "%s: bake: nothing here reflects diffusely, so there is no light to keep", d->path);
+        "%s: bake: nothing here reflects diffusely, so there is no light to keep", d->name);
+}
+
+/// Documents of operator files are what somebody wrote.
+static rsv_status find_shown(const rsv_bake_document *d, rsv_gltf_parts *shown)
+{
+    char message[512];
+    rsv_status status = rsv_gltf_parts_create(d->context, d->gltf, shown);
+    if (status == RSV_OK || status == RSV_ERROR_MEMORY) return status;
+    snprintf(message, sizeof message, "%s", rsv_last_error());
+    return rsv_fail(status, "%s: bake: %s", d->name, message);
 }
 
 rsv_status rsv_bake_parts_create(
@@ -112,7 +156,7 @@ rsv_status rsv_bake_parts_create(
 {
     rsv_status status;
     *parts = (rsv_bake_parts){ .context = d->context };
-    RSV_TRY(rsv_gltf_parts_create(d->context, d->gltf, &parts->shown));
+    RSV_TRY(find_shown(d, &parts->shown));
     RSV_TRY(add_parts(d, &parts->shown, parts));
     RSV_TRY(match(d, solution->scene.scene, parts));
     RSV_TRY(check_lit(d, solution, parts));

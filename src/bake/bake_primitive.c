@@ -104,7 +104,7 @@ rsv_status rsv_bake_separate(rsv_bake_document *d, const rsv_bake_parts *parts, 
         if (k == 0 || node[k - 1] != node[k])
             mesh = own_mesh(d, part, node[k], uses[part->mesh] > 1);
         json[k] = cJSON_GetArrayItem(item(mesh, "primitives"), (int)part->primitive);
-        RSV_TRY(json[k] ? RSV_OK : rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory", d->path));
+        RSV_TRY(json[k] ? RSV_OK : rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory", d->name));
     }
     *primitive = json;
     json = NULL;
@@ -166,6 +166,14 @@ static void normalize(float *value, size_t count, size_t width)
     }
 }
 
+/// Attributes of a mesh have as many values as there are vertices. Those that loading does not read were not looked at.
+static rsv_status check_count(const rsv_bake_part *part, int accessor, size_t count)
+{
+    if (count >= part->vertex_count) return RSV_OK;
+    return rsv_fail(RSV_ERROR_FORMAT, "mesh '%s': accessor %d holds %zu values for %zu positions",
+        part->label, accessor, count, part->vertex_count);
+}
+
 /// An attribute of the file at the vertices of a mesh.
 static rsv_status read_blended(const rsv_bake_document *d, int accessor, const rsv_bake_part *part,
     const rsv_bake_mesh *mesh, float **value, size_t *width)
@@ -175,6 +183,7 @@ static rsv_status read_blended(const rsv_bake_document *d, int accessor, const r
     size_t count;
     RSV_TRY(
         rsv_gltf_read_attribute(d->context, d->gltf, accessor, part->label, &from, &count, width));
+    RSV_TRY(check_count(part, accessor, count));
     all = rsv_alloc(d->context, mesh->attribute_count, *width * sizeof *all);
     to = rsv_alloc(d->context, mesh->vertex_count, *width * sizeof *to);
     RSV_TRY(all && to ? RSV_OK : RSV_ERROR_MEMORY);
@@ -197,6 +206,18 @@ static int component_bytes(int type)
                                                                        : 4;
 }
 
+/// Whether `count` elements of an accessor lie within its buffer; nothing of the document is to be trusted.
+/// @param stride between elements @param bytes of each
+static bool holds(const rsv_gltf_document *gltf, const rsv_gltf_accessor *a,
+    const rsv_gltf_buffer_view *view, size_t count, size_t stride, size_t bytes)
+{
+    if ((size_t)view->buffer >= gltf->buffer_count || a->count < count) return false;
+    size_t size = gltf->buffer[view->buffer].size;
+    if (view->offset > size || a->span.offset > size - view->offset) return false;
+    size_t left = size - view->offset - a->span.offset;
+    return count == 0 || (left >= bytes && count - 1 <= (left - bytes) / stride);
+}
+
 /// Integers are copied as they are: joints, weights, and whatever nobody here knows.
 static rsv_status copy_attribute(
     rsv_bake_document *d, cJSON *attribute, const rsv_bake_part *part, const rsv_bake_mesh *mesh)
@@ -208,10 +229,8 @@ static rsv_status copy_attribute(
             : NULL;
     size_t bytes = (size_t)a->component_count * (size_t)component_bytes(a->span.component_type);
     size_t stride = view && view->stride ? view->stride : bytes, padded = (bytes + 3) & ~(size_t)3;
-    if (!view || a->sparse_count || a->count < part->vertex_count ||
-        (size_t)view->buffer >= d->gltf->buffer_count ||
-        view->offset + a->span.offset + stride * (a->count - 1) + bytes >
-            d->gltf->buffer[view->buffer].size)
+    if (!view || a->sparse_count || a->component_count < 1 ||
+        !holds(d->gltf, a, view, part->vertex_count, stride, bytes))
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "mesh '%s': accessor %d ('%s') is sparse or out of range and cannot be copied",
             part->label, attribute->valueint, attribute->string);
@@ -270,9 +289,10 @@ rsv_status rsv_bake_read_colors(const rsv_bake_document *d, const cJSON *primiti
     *color = NULL;
     *width = 3;
     if (accessor < 0) return RSV_OK;
-    return mesh->changed ? read_blended(d, accessor, part, mesh, color, width)
-                         : rsv_gltf_read_attribute(
-                               d->context, d->gltf, accessor, part->label, color, &count, width);
+    if (mesh->changed) return read_blended(d, accessor, part, mesh, color, width);
+    rsv_status status =
+        rsv_gltf_read_attribute(d->context, d->gltf, accessor, part->label, color, &count, width);
+    return status == RSV_OK ? check_count(part, accessor, count) : status;
 }
 
 static rsv_status replace_attributes(

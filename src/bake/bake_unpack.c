@@ -24,6 +24,14 @@ static void add_views(rsv_bake_document *d, cJSON *views)
     }
 }
 
+/// Whether all of an accessor lies in its view. Accessors that no mesh uses were never read.
+static bool lies_within(const rsv_gltf_accessor *a, const rsv_gltf_buffer_view *view)
+{
+    size_t element = (size_t)a->component_count * sizeof(float);
+    return a->count && view->stride >= element && view->length >= element &&
+           a->count - 1 <= (view->length - element) / view->stride;
+}
+
 /// Packing rounds: limits of vectors of floats are those of what came out. Of other types they are optional and go.
 static void renew_limits(rsv_bake_document *d, cJSON *json, const rsv_gltf_accessor *accessor)
 {
@@ -31,7 +39,7 @@ static void renew_limits(rsv_bake_document *d, cJSON *json, const rsv_gltf_acces
     const uint8_t *data = d->gltf->buffer[view->buffer].data + view->offset;
     cJSON_DeleteItemFromObjectCaseSensitive(json, "min");
     cJSON_DeleteItemFromObjectCaseSensitive(json, "max");
-    if (accessor->span.component_type != RSV_GLTF_FLOAT || !accessor->count) return;
+    if (accessor->span.component_type != RSV_GLTF_FLOAT || !lies_within(accessor, view)) return;
     cJSON *min = rsv_bake_array(d, json, "min"), *max = rsv_bake_array(d, json, "max");
     for (int c = 0; c < accessor->component_count; c++) {
         float low = INFINITY, high = -INFINITY;
@@ -55,7 +63,9 @@ static void move_accessors(rsv_bake_document *d, int first)
     {
         if (k >= d->gltf->accessor_count) break;
         const rsv_gltf_accessor *accessor = &d->gltf->accessor[k++];
-        if (accessor->span.buffer_view < first) continue;
+        if (accessor->span.buffer_view < first ||
+            (size_t)accessor->span.buffer_view >= d->gltf->buffer_view_count)
+            continue;
         rsv_bake_number(d, json, "bufferView", accessor->span.buffer_view);
         rsv_bake_number(d, json, "count", (double)accessor->count);
         cJSON_DeleteItemFromObjectCaseSensitive(json, "byteOffset");

@@ -87,10 +87,22 @@ void convert_accessors(owned_document &document)
 }
 
 /// After unpacking, which adds to them.
+/// Of data a few letters: they are in the JSON.
+const char *keep_uri(owned_document &document, const json &owner)
+{
+    const std::string uri = text(owner, "uri");
+    if (uri.empty()) return nullptr;
+    return keep(document, uri.compare(0, 5, "data:") == 0 ? "data:" : uri);
+}
+
 void publish_buffers(owned_document &document)
 {
-    for (const bytes &buffer : document.buffer_bytes)
-        document.buffers.push_back({ buffer.empty() ? nullptr : buffer.data(), buffer.size() });
+    const json &sources = list(document.tree, "buffers");
+    for (const bytes &buffer : document.buffer_bytes) {
+        const size_t k = document.buffers.size();
+        document.buffers.push_back({ buffer.empty() ? nullptr : buffer.data(), buffer.size(),
+            k < sources.size() ? keep_uri(document, sources[k]) : nullptr });
+    }
 }
 
 // ---- meshes -------------------------------------------------------------------------------------
@@ -363,7 +375,7 @@ void convert_textures(owned_document &document)
             { uri.empty() || is_data ? keep_label(document, images[k], "image", k)
                                      : keep(document, shown(uri)),
                 data.empty() ? nullptr : data.data(), data.size(),
-                reference(images[k], "bufferView") });
+                reference(images[k], "bufferView"), keep_uri(document, images[k]) });
     }
 }
 
@@ -512,6 +524,8 @@ void convert(owned_document &document)
     find_unread(document);
     publish(document);
     document.tree = nullptr;
+    document.text = document.json_text.data();
+    document.text_bytes = document.json_text.size();
 }
 
 } // namespace
@@ -540,11 +554,15 @@ std::string label(const json &object, const char *kind, size_t index)
 
 } // namespace rsv_gltf
 
-rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
+namespace
+{
+
+/// @param read fills a document with what is to be converted
+template <class reader> rsv_status open_document(const rsv_gltf_document **document, reader read)
 {
     try {
         std::unique_ptr<owned_document> owned(new owned_document());
-        read_file(path, *owned);
+        read(*owned);
         convert(*owned);
         *document = owned.release();
         return RSV_OK;
@@ -555,6 +573,20 @@ rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
     } catch (const std::exception &) {
         return rsv_fail(RSV_ERROR_FORMAT, "is not valid glTF");
     }
+}
+
+} // namespace
+
+rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document)
+{
+    return open_document(document, [path](owned_document &owned) { read_file(path, owned); });
+}
+
+rsv_status rsv_gltf_open_archive(
+    const uint8_t *archive, size_t count, const rsv_gltf_document **document)
+{
+    return open_document(
+        document, [archive, count](owned_document &owned) { read_archive(archive, count, owned); });
 }
 
 void rsv_gltf_close(const rsv_gltf_document *document)

@@ -27,6 +27,7 @@ typedef enum rsv_gltf_mode {
 typedef struct rsv_gltf_buffer {
     const uint8_t *data;
     size_t size;
+    const char *uri; ///< of the file or data; NULL = the binary chunk, or nothing of the file
 } rsv_gltf_buffer;
 
 typedef struct rsv_gltf_buffer_view {
@@ -121,6 +122,7 @@ typedef struct rsv_gltf_image {
     const uint8_t *bytes; ///< NULL = in `buffer_view`, or missing
     size_t size;
     int buffer_view;
+    const char *uri; ///< of the file or data; NULL = none
 } rsv_gltf_image;
 
 typedef struct rsv_gltf_texture {
@@ -161,12 +163,18 @@ typedef struct rsv_gltf_document {
     const rsv_gltf_note *note; ///< what of the file is not read
     size_t buffer_count, buffer_view_count, accessor_count, mesh_count, node_count, material_count,
         camera_count, light_count, skin_count, root_count, texture_count, image_count, note_count;
+    const char *text; ///< [text_bytes] the JSON as it stands in the file
+    size_t text_bytes;
 } rsv_gltf_document;
 
 /// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below. Bytes beyond a
 /// buffer's byteLength are left out; buffers that say nowhere where they are have no data. Images are read as they are,
 /// not decoded; missing ones have neither bytes nor a buffer view. Error messages do not name the file.
 rsv_status rsv_gltf_open(const char *path, const rsv_gltf_document **document);
+/// The same from an archive in memory (gltf_archive.h): no file is read.
+/// @param archive [count]; borrowed until this returns
+rsv_status rsv_gltf_open_archive(
+    const uint8_t *archive, size_t count, const rsv_gltf_document **document);
 void rsv_gltf_close(const rsv_gltf_document *document);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
 /// A glTF file in parts: its JSON, and the bytes of its buffers and images, wherever they are. Messages are our own and
 /// hold no data.
+#include "gltf_archive.h"
 #include "gltf_json.hpp"
 
 extern "C" {
@@ -12,6 +13,7 @@ extern "C" {
 #include <climits>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <memory>
 
 #include <sys/stat.h>
@@ -325,6 +327,8 @@ struct source {
     std::string folder; ///< "" or with a slash at its end
     bytes file;
     chunk binary;
+    bool is_archive;
+    std::map<std::string, bytes> kept; ///< files of an archive, by their URIs
 };
 
 std::string more_bytes(size_t there, size_t wanted)
@@ -335,9 +339,14 @@ std::string more_bytes(size_t there, size_t wanted)
 
 /// A buffer of the file named `uri`: its first bytes.
 bytes read_buffer_file(
-    const std::string &folder, const std::string &uri, size_t wanted, const std::string &owner)
+    source &from, const std::string &uri, size_t wanted, const std::string &owner)
 {
-    const std::string path = find_file(folder, uri);
+    if (from.is_archive) {
+        bytes kept = from.kept[uri];
+        kept.resize(std::min(kept.size(), wanted));
+        return kept;
+    }
+    const std::string path = find_file(from.folder, uri);
     if (path.empty())
         refuse(RSV_ERROR_IO, owner + ": there is no file '" + shown(uri) +
                                  "'; buffers must lie in the asset's folder or below");
@@ -347,7 +356,7 @@ bytes read_buffer_file(
     return data;
 }
 
-void read_buffers(owned_document &document, const source &from)
+void read_buffers(owned_document &document, source &from)
 {
     const json &buffers = list(document.tree, "buffers");
     for (size_t k = 0; k < buffers.size(); k++) {
@@ -358,7 +367,7 @@ void read_buffers(owned_document &document, const source &from)
             const std::string problem = decode_data_uri(uri, wanted, data);
             if (!problem.empty()) refuse(RSV_ERROR_FORMAT, owner + ": " + problem);
         } else if (!uri.empty()) {
-            data = read_buffer_file(from.folder, uri, wanted, owner);
+            data = read_buffer_file(from, uri, wanted, owner);
         } else if (k == 0 && from.binary.found) {
             const size_t size = std::min(wanted, from.binary.length);
             const auto begin = from.file.begin() + static_cast<std::ptrdiff_t>(from.binary.begin);
@@ -374,7 +383,7 @@ void read_buffers(owned_document &document, const source &from)
 }
 
 /// Missing and broken images are empty.
-void read_images(owned_document &document, const source &from)
+void read_images(owned_document &document, source &from)
 {
     for (const json &image : list(document.tree, "images")) {
         const std::string uri = text(image, "uri");
@@ -382,6 +391,8 @@ void read_images(owned_document &document, const source &from)
         bytes data;
         if (is_data_uri(uri)) {
             problem = decode_data_uri(uri, SIZE_MAX, data);
+        } else if (from.is_archive) {
+            data = uri.empty() ? bytes() : from.kept[uri];
         } else if (!uri.empty()) {
             const std::string path = find_file(from.folder, uri);
             if (!path.empty()) data = read_bytes(path, UINT64_MAX, problem);
@@ -389,6 +400,18 @@ void read_images(owned_document &document, const source &from)
         if (!problem.empty()) data.clear();
         document.image_bytes.push_back(std::move(data));
     }
+}
+
+/// All of a document, once its text and its binary chunk are found.
+void read_parts(owned_document &document, source &from, const chunk &text)
+{
+    const unsigned char *begin = from.file.data() + text.begin;
+    document.tree = parse_json(begin, text.length);
+    document.json_text.assign(begin, begin + text.length);
+    check_version(document.tree);
+    check_required_extensions(document.tree);
+    read_buffers(document, from);
+    read_images(document, from);
 }
 
 bool is_binary(const bytes &file)
@@ -422,11 +445,22 @@ void read_file(const char *path, owned_document &document)
         text.found = false;
         find_chunks(from.file, text, from.binary);
     }
-    document.tree = parse_json(from.file.data() + text.begin, text.length);
-    check_version(document.tree);
-    check_required_extensions(document.tree);
-    read_buffers(document, from);
-    read_images(document, from);
+    read_parts(document, from, text);
+}
+
+void read_archive(const uint8_t *archive, size_t count, owned_document &document)
+{
+    source from{};
+    size_t at = 0;
+    chunk text{};
+    rsv_gltf_chunk part;
+    from.is_archive = true;
+    while (rsv_gltf_archive_next(archive, count, &at, &part))
+        if (part.uri) from.kept[part.uri].assign(part.data, part.data + part.size);
+    if (at != count) refuse(RSV_ERROR_FORMAT, "is cut off or no binary glTF");
+    from.file.assign(archive, archive + count);
+    find_chunks(from.file, text, from.binary);
+    read_parts(document, from, text);
 }
 
 } // namespace rsv_gltf

@@ -149,6 +149,7 @@ struct owned_note {
 /// The document and what its pointers lead to.
 struct owned_document : rsv_gltf_document {
     json tree; ///< the whole file; empty once it is converted
+    std::string json_text;
     std::deque<bytes> buffer_bytes, image_bytes;
     std::vector<rsv_gltf_buffer> buffers;
     std::vector<rsv_gltf_buffer_view> buffer_views;
@@ -175,6 +176,9 @@ struct owned_document : rsv_gltf_document {
 
 /// Parses the file, loads buffers and images, and refuses what is no glTF 2.0 or requires what is not supported.
 void read_file(const char *path, owned_document &document);
+
+/// The same from an archive (gltf_archive.h).
+void read_archive(const uint8_t *archive, size_t count, owned_document &document);
 
 /// Names what of the file is not read: extensions and properties that nobody here knows, and values of a wrong type.
 void find_unread(owned_document &document);

@@ -2,6 +2,7 @@
 #include "../core/core.h"
 #include "../core/vec.h"
 #include "../scene/scene.h"
+#include "gltf_archive.h"
 #include "gltf_geometry.h"
 #include "gltf_part.h"
 #include "gltf_skin.h"
@@ -379,7 +380,21 @@ static void release(reader *r)
     rsv_gltf_close(r->document);
 }
 
-rsv_status rsv_gltf_read(const char *path, rsv_scene *scene)
+/// Gives the scene the file, where it is not too large.
+static rsv_status keep(const reader *r, const char *path)
+{
+    uint8_t *bytes;
+    size_t count;
+    rsv_status status = rsv_gltf_archive_pack(r->context, r->document, &bytes, &count);
+    if (status != RSV_ERROR_UNSUPPORTED)
+        return status == RSV_OK ? rsv_scene_set_document(r->scene, path, bytes, count) : status;
+    rsv_log(r->context, RSV_LOG_WARNING,
+        "with what lies beside it, it exceeds 4 GiB and is not kept: bakes will write a file of "
+        "their own");
+    return RSV_OK;
+}
+
+rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
@@ -391,6 +406,7 @@ rsv_status rsv_gltf_read(const char *path, rsv_scene *scene)
     RSV_TRY(add_materials(&r));
     RSV_TRY(add_parts(&r));
     RSV_TRY(add_cameras_and_lights(&r));
+    if (keep_document) RSV_TRY(keep(&r, path));
 cleanup:
     release(&r);
     return status;

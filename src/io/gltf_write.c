@@ -2,6 +2,7 @@
 ///
 /// The binary chunk is three runs - positions, normals, indices - of which each object's accessors are
 /// slices; it is streamed from the scene's own arrays.
+#include "gltf_write.h"
 #include "../core/core.h"
 #include "../core/vec.h"
 #include "atomic_file.h"
@@ -459,15 +460,31 @@ static char *print_json(writer *w)
     return w->exhausted ? NULL : cJSON_PrintUnformatted(w->root);
 }
 
-static void append_word(rsv_atomic_file *file, size_t value)
+/// Where the bytes go: into a file, or into memory.
+typedef struct sink {
+    rsv_atomic_file *file; ///< NULL = memory
+    uint8_t *bytes;
+    size_t count;
+} sink;
+
+static void append_bytes(sink *to, const void *data, size_t count)
+{
+    if (to->file)
+        rsv_atomic_file_append(to->file, data, count);
+    else if (count)
+        memcpy(to->bytes + to->count, data, count);
+    to->count += count;
+}
+
+static void append_word(sink *to, size_t value)
 {
     const uint8_t little_endian[4] = { value & 255, value >> 8 & 255, value >> 16 & 255,
         value >> 24 & 255 };
-    rsv_atomic_file_append(file, little_endian, 4);
+    append_bytes(to, little_endian, 4);
 }
 
 /// Indices relative to their object's first vertex, in blocks.
-static void append_indices(const writer *w, rsv_atomic_file *file)
+static void append_indices(const writer *w, sink *to)
 {
     enum { BLOCK = 4096 };
     uint32_t block[BLOCK][3];
@@ -479,32 +496,60 @@ static void append_indices(const writer *w, rsv_atomic_file *file)
             for (int k = 0; k < 3; k++)
                 block[i][k] = w->view->triangle[begin + i][k] - first;
         }
-        rsv_atomic_file_append(file, block, count * sizeof *block);
+        append_bytes(to, block, count * sizeof *block);
     }
 }
 
-/// Header, JSON chunk and binary chunk; see "GLB File Format Specification" of glTF 2.0.
-static rsv_status write_chunks(const writer *w, const char *json, rsv_atomic_file *file)
+/// How long the parts of a file are.
+typedef struct extent {
+    size_t json_length, json_bytes, binary_bytes, total;
+} extent;
+
+static rsv_status measure(const writer *w, const char *json, extent *e)
 {
-    size_t json_length = strlen(json), json_bytes = (json_length + 3) / 4 * 4;
-    size_t binary_bytes = 2 * vertex_bytes(w) + index_bytes(w); // all multiples of 4
-    size_t total = 12 + 8 + json_bytes + 8 + binary_bytes;
-    if (total > UINT32_MAX)
-        return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "the scene needs %zu bytes, but a .glb file holds 4 GiB at most", total);
-    rsv_atomic_file_append(file, "glTF", 4);
-    append_word(file, 2);
-    append_word(file, total);
-    append_word(file, json_bytes);
-    rsv_atomic_file_append(file, "JSON", 4);
-    rsv_atomic_file_append(file, json, json_length);
-    rsv_atomic_file_append(file, "   ", json_bytes - json_length);
-    append_word(file, binary_bytes);
-    rsv_atomic_file_append(file, "BIN\0", 4);
-    rsv_atomic_file_append(file, w->view->position, vertex_bytes(w));
-    rsv_atomic_file_append(file, w->view->normal, vertex_bytes(w));
-    append_indices(w, file);
-    return rsv_atomic_file_commit(file);
+    e->json_length = strlen(json);
+    e->json_bytes = (e->json_length + 3) / 4 * 4;
+    e->binary_bytes = 2 * vertex_bytes(w) + index_bytes(w); // all multiples of 4
+    e->total = 12 + 8 + e->json_bytes + 8 + e->binary_bytes;
+    if (e->total <= UINT32_MAX) return RSV_OK;
+    return rsv_fail(RSV_ERROR_UNSUPPORTED,
+        "the scene needs %zu bytes, but a .glb file holds 4 GiB at most", e->total);
+}
+
+/// Header, JSON chunk and binary chunk; see "GLB File Format Specification" of glTF 2.0.
+static void write_chunks(const writer *w, const char *json, const extent *e, sink *to)
+{
+    append_bytes(to, "glTF", 4);
+    append_word(to, 2);
+    append_word(to, e->total);
+    append_word(to, e->json_bytes);
+    append_bytes(to, "JSON", 4);
+    append_bytes(to, json, e->json_length);
+    append_bytes(to, "   ", e->json_bytes - e->json_length);
+    append_word(to, e->binary_bytes);
+    append_bytes(to, "BIN\0", 4);
+    append_bytes(to, w->view->position, vertex_bytes(w));
+    append_bytes(to, w->view->normal, vertex_bytes(w));
+    append_indices(w, to);
+}
+
+/// @param path for messages @param json out: to be freed with cJSON_free even after an error
+static rsv_status prepare(writer *w, const char *path, char **json, extent *e)
+{
+    rsv_status status = RSV_OK;
+    RSV_TRY(find_objects(w));
+    *json = print_json(w);
+    RSV_TRY(*json ? RSV_OK : rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory writing glTF", path));
+    RSV_TRY(measure(w, *json, e));
+cleanup:
+    return status;
+}
+
+static void release(writer *w, char *json)
+{
+    cJSON_free(json);
+    cJSON_Delete(w->root);
+    rsv_free(w->context, w->object);
 }
 
 rsv_status rsv_scene_save(const rsv_scene *scene, const char *path)
@@ -513,21 +558,32 @@ rsv_status rsv_scene_save(const rsv_scene *scene, const char *path)
     writer w = { .context = rsv_scene_get_context(scene), .view = rsv_scene_get_view(scene) };
     rsv_atomic_file file = { .descriptor = -1 };
     char *json = NULL;
+    extent e;
     if (!w.view->triangle_count)
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "%s: the scene must be committed before it is written", path);
     RSV_TRY(rsv_atomic_file_open(&file, path));
-    RSV_TRY(find_objects(&w));
-    json = print_json(&w);
-    if (!json) {
-        status = rsv_fail(RSV_ERROR_MEMORY, "%s: out of memory writing glTF", path);
-        goto cleanup;
-    }
-    RSV_TRY(write_chunks(&w, json, &file));
+    RSV_TRY(prepare(&w, path, &json, &e));
+    write_chunks(&w, json, &e, &(sink){ .file = &file });
+    status = rsv_atomic_file_commit(&file);
 cleanup:
     rsv_atomic_file_discard(&file);
-    cJSON_free(json);
-    cJSON_Delete(w.root);
-    rsv_free(w.context, w.object);
+    release(&w, json);
+    return status;
+}
+
+rsv_status rsv_scene_write_document(const rsv_scene *scene, uint8_t **bytes, size_t *count)
+{
+    rsv_status status;
+    writer w = { .context = rsv_scene_get_context(scene), .view = rsv_scene_get_view(scene) };
+    char *json = NULL;
+    extent e;
+    RSV_TRY(prepare(&w, "scene", &json, &e));
+    *bytes = rsv_alloc(w.context, e.total, 1);
+    RSV_TRY(*bytes ? RSV_OK : RSV_ERROR_MEMORY);
+    write_chunks(&w, json, &e, &(sink){ .bytes = *bytes });
+    *count = e.total;
+cleanup:
+    release(&w, json);
     return status;
 }

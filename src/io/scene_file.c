@@ -11,7 +11,9 @@
 
 rsv_load_desc rsv_default_load_desc(void)
 {
-    return (rsv_load_desc){ .metres_per_unit = 1, .up = RSV_AXIS_Y, .crease_angle = 0.785398163f };
+    return (rsv_load_desc){
+        .metres_per_unit = 1, .up = RSV_AXIS_Y, .crease_angle = 0.785398163f, .keep_document = true
+    };
 }
 
 static rsv_file_kind kind_of_extension(const char *path)
@@ -99,7 +101,7 @@ rsv_status rsv_scene_load_with(
     RSV_TRY(rsv_scene_create(context, &loaded));
     loaded->is_part = desc->is_part;
     if (kind == RSV_FILE_GLTF)
-        RSV_TRY(rsv_gltf_read(path, loaded));
+        RSV_TRY(rsv_gltf_read(path, desc->keep_document, loaded));
     else if (kind == RSV_FILE_PLY)
         RSV_TRY(rsv_ply_read(path, desc, loaded));
     else if (kind == RSV_FILE_STL)

@@ -10,6 +10,10 @@ rsv_status rsv_read_scene(rsv_tensor_file *file, rsv_scene **scene);
 /// Notes what was taken out of the coordinates of a scene far from its origin; of others nothing.
 rsv_status rsv_write_origin(rsv_tensor_file *file, const rsv_scene_view *scene);
 
+/// The document that the scene keeps (scene/document.h). Scenes and files may have none.
+rsv_status rsv_write_document(rsv_tensor_file *file, const rsv_scene *scene);
+rsv_status rsv_read_document(rsv_tensor_file *file, rsv_scene *scene);
+
 /// The text of a note that is a JSON object of numbers: the fields of a struct by name.
 typedef enum rsv_field_kind {
     RSV_FIELD_U32,
@@ -65,7 +69,7 @@ typedef struct rsv_file_receivers {
     const float (*weight)[3];     ///< [count]
 } rsv_file_receivers;
 
-/// rsv_solution_save with receivers. @param receivers NULL = none
+/// rsv_solution_save with receivers, and then without the document. @param receivers NULL = none
 rsv_status rsv_solution_save_receivers(const rsv_solution *solution, const char *scene_name,
     const rsv_file_receivers *receivers, const char *path);
 

@@ -58,6 +58,7 @@ rsv_status rsv_solution_save_receivers(const rsv_solution *solution, const char 
     if (!s->basis) RSV_TRY(rsv_light_basis_create(solution, &own));
     RSV_TRY(rsv_write_basis(&file, solution, own ? own : s->basis));
     RSV_TRY(write_receivers(&file, receivers));
+    if (!receivers) RSV_TRY(rsv_write_document(&file, s->scene.scene));
     RSV_TRY(rsv_tensor_file_write(&file));
 cleanup:
     rsv_light_basis_destroy(own);
@@ -144,6 +145,7 @@ static rsv_status read_file(rsv_tensor_file *file, rsv_scene **scene, rsv_soluti
     RSV_TRY(rsv_tensor_file_verify(file));
     snprintf(digits, RSV_SHA256_DIGITS + 1, "%s", rsv_note_get(file, RSV_CHECKSUM_NOTE));
     RSV_TRY(rsv_read_scene(file, scene));
+    RSV_TRY(rsv_read_document(file, *scene));
     RSV_TRY(rsv_world_create(*scene, &world));
     RSV_TRY(rsv_read_solution(file, world, solution));
     RSV_TRY(rsv_read_basis(file, *solution));

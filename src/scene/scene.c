@@ -87,6 +87,7 @@ void rsv_scene_destroy(rsv_scene *scene)
     rsv_scene_release_sources(scene);
     release_names(scene);
     rsv_scene_release_environment(scene);
+    rsv_scene_drop_document(scene);
     release_lights_and_colors(scene);
     for (size_t i = 0; i < scene->texture_count; i++)
         rsv_texture_release(context, &scene->texture[i]);

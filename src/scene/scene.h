@@ -3,6 +3,7 @@
 #define RSV_SCENE_H
 
 #include "../core/core.h"
+#include "document.h"
 #include "resolvent/scene.h"
 #include "texture.h"
 
@@ -61,7 +62,8 @@ struct rsv_scene {
     float (*uv[2])[2], (*tangent)[4], (*color)[4]; ///< NULL = no mesh has any
     uint32_t (*triangle)[3];
     uint32_t *triangle_material, *triangle_object;
-    uint32_t *triangle_source; ///< triangle within its mesh; NULL = not known (scenes restored)
+    uint32_t *
+        triangle_source; ///< triangle within its mesh; NULL = not known (scenes restored without a document)
     uint32_t *object_instance; ///< which call of rsv_scene_add_instance placed it; likewise
     char **object_name;
     size_t vertex_count, triangle_count, object_count;
@@ -69,6 +71,7 @@ struct rsv_scene {
     size_t uv_capacity[2], tangent_capacity, color_capacity;
 
     rsv_environment environment; ///< name and pixels owned; pixels NULL = none
+    rsv_scene_document document; ///< of a variant, its base's counts
 
     rsv_scene_view view;
 };

@@ -158,10 +158,21 @@ static rsv_status run_bakes(fixture *f, const char *scene, products *p)
     desc.probe_spacing = 0.5F;
     desc.tolerance = 0.5F;
     rsv_bake_report report;
-    if (status == RSV_OK) status = rsv_bake_vertices(p->solution, input, output, &desc, &report);
-    if (status == RSV_OK) status = rsv_bake_lightmap(p->solution, input, output, &desc, &report);
+    if (status == RSV_OK) status = rsv_bake_vertices(p->solution, output, &desc, &report);
+    // from an operator file, and without the document that it holds
+    char kept[160];
+    snprintf(kept, sizeof kept, "%s/kept.safetensors", made.path);
+    if (status == RSV_OK) status = rsv_solution_save(p->solution, scene, kept);
+    if (status == RSV_OK) {
+        destroy(p);
+        *p = (products){ 0 };
+        status = rsv_solution_load(f->context, kept, &p->scene, &p->solution);
+    }
+    if (status == RSV_OK) status = rsv_bake_lightmap(p->solution, output, &desc, &report);
+    if (status == RSV_OK) rsv_scene_drop_document(p->scene);
+    if (status == RSV_OK) status = rsv_bake_vertices(p->solution, output, &desc, NULL);
     snprintf(output, sizeof output, "%s/output.json", made.path);
-    if (status == RSV_OK) status = rsv_bake_probes(p->solution, NULL, output, &desc, &report);
+    if (status == RSV_OK) status = rsv_bake_probes(p->solution, output, &desc, &report);
     remove_folder(made.path);
     return status;
 }

@@ -94,8 +94,7 @@ static void write_all(const folder *f)
     rsv_bake_report report;
     bake.basis = true;
     bake.turns = 2;
-    assert_int_equal(
-        rsv_bake_vertices(solution, room, path_in(f, "baked.glb"), &bake, &report), RSV_OK);
+    assert_int_equal(rsv_bake_vertices(solution, path_in(f, "baked.glb"), &bake, &report), RSV_OK);
     rsv_solution_destroy(solution);
     world_end(w);
 }

@@ -175,8 +175,8 @@ static void the_basis_route_is_relight(void **state)
 
 // ---- receivers ------------------------------------------------------------------------------------
 
-typedef rsv_status (*bake_function)(const rsv_solution *solution, const char *input,
-    const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
+typedef rsv_status (*bake_function)(const rsv_solution *solution, const char *output,
+    const rsv_bake_desc *desc, rsv_bake_report *report);
 
 /// A box with its lamp, with a basis and an operator beside it. Direct light lies on the elements of the rows.
 static void bake_box(const solved_file *f, bake_function bake)
@@ -200,7 +200,7 @@ static void bake_box(const solved_file *f, bake_function bake)
     rsv_scene_destroy(scene);
     assert_int_equal(rsv_scene_load(f->context, input, &scene), RSV_OK);
     assert_int_equal(rsv_solution_create(scene, &desc, &s), RSV_OK);
-    if (bake(s, input, output, &how, &report)) fail_msg("%s", rsv_last_error());
+    if (bake(s, output, &how, &report)) fail_msg("%s", rsv_last_error());
     rsv_solution_destroy(s);
     rsv_scene_destroy(scene);
 }

@@ -225,7 +225,7 @@ static float *bake_probes(const open_box *b, bool basis, size_t *floats)
     desc.probe_spacing = 0.4f;
     desc.basis = basis;
     desc.turns = TURNS;
-    if (rsv_bake_probes(b->solution, NULL, path_in(&b->place, "probes.json"), &desc, &report))
+    if (rsv_bake_probes(b->solution, path_in(&b->place, "probes.json"), &desc, &report))
         fail_msg("%s", rsv_last_error());
     size_t probes = (size_t)report.probe_count[0] * report.probe_count[1] * report.probe_count[2];
     *floats = 3 * RSV_RT_SH_COUNT * probes;

@@ -1,11 +1,9 @@
 /// Light for what moves: probes (render/probe_grid.h) in files.
-#include "resolvent/bake.h"
-
 #include "../io/atomic_file.h"
 #include "../opfile/exchange.h"
 #include "../render/probe_grid.h"
 #include "bake_basis.h"
-#include "bake_desc.h"
+#include "bake_target.h"
 
 #include <cjson/cJSON.h>
 
@@ -124,18 +122,13 @@ static rsv_bake_reader reader_of(const rsv_probe_grid *grid)
         .describe = describe_grid };
 }
 
-rsv_status rsv_bake_probes(const rsv_solution *light, const char *input, const char *output,
-    const rsv_bake_desc *desc, rsv_bake_report *report)
+static rsv_status write_probes(const rsv_light_view *solution, const rsv_bake_desc *desc,
+    const char *output, rsv_bake_report *report)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
-    (void)input;
-    rsv_bake_desc defaults = rsv_default_bake_desc();
+    rsv_status status;
     rsv_probe_grid grid = { 0 };
-    if (!desc) desc = &defaults;
-    rsv_status status = rsv_bake_check_desc(desc);
-    if (status != RSV_OK) return status;
     RSV_TRY(rsv_probe_grid_create(solution, desc->probe_spacing, desc->probe_samples, true, &grid));
-    *report = (rsv_bake_report){ .light_scale = 1 };
+    report->light_scale = 1;
     memcpy(report->probe_count, grid.size, sizeof grid.size);
     if (!desc->dry_run) {
         RSV_TRY(light_probes(&grid));
@@ -152,3 +145,5 @@ cleanup:
     rsv_probe_grid_destroy(&grid);
     return status;
 }
+
+const rsv_bake_target rsv_bake_target_probes = { ".json", write_probes };

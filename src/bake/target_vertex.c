@@ -1,10 +1,9 @@
 /// Light in the vertices of a glTF file.
-#include "resolvent/bake.h"
-
 #include "bake_basis.h"
-#include "bake_desc.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
+#include "bake_relit.h"
+#include "bake_target.h"
 
 #include <string.h>
 
@@ -217,7 +216,7 @@ cleanup:
 
 static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *report)
 {
-    *report = (rsv_bake_report){ .light_scale = scale };
+    report->light_scale = scale;
     for (size_t k = 0; k < b->parts.count; k++) {
         report->vertices += b->mesh[k].vertex_count;
         report->triangles += b->mesh[k].triangle_count;
@@ -225,18 +224,16 @@ static void fill_report(const vertex_bake *b, float scale, rsv_bake_report *repo
     }
 }
 
-rsv_status rsv_bake_vertices(const rsv_solution *light, const char *input, const char *output,
-    const rsv_bake_desc *desc, rsv_bake_report *report)
+static rsv_status write_vertices(const rsv_light_view *solution, const rsv_bake_desc *desc,
+    const char *output, rsv_bake_report *report)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_status status;
-    rsv_bake_desc defaults = rsv_default_bake_desc();
-    vertex_bake b = { .s = solution, .desc = desc ? desc : &defaults };
-    RSV_TRY(rsv_bake_check_desc(b.desc));
+    vertex_bake b = { .s = solution, .desc = desc };
     RSV_TRY(rsv_bake_check_operator(solution, b.desc));
-    RSV_TRY(rsv_bake_document_open(solution->context, input, &b.document));
+    RSV_TRY(rsv_bake_document_open(solution->scene.scene, &b.document));
     RSV_TRY(rsv_bake_parts_create(&b.document, solution, &b.parts));
     RSV_TRY(rsv_bake_separate(&b.document, &b.parts, &b.primitive));
+    RSV_TRY(rsv_bake_follow_relight(solution, &b.parts, b.primitive, &b.document));
     b.mesh = rsv_alloc(solution->context, b.parts.count, sizeof *b.mesh);
     RSV_TRY(b.mesh ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(tessellate(&b));
@@ -256,3 +253,5 @@ cleanup:
     rsv_bake_document_close(&b.document);
     return status;
 }
+
+const rsv_bake_target rsv_bake_target_vertex = { ".glb", write_vertices };

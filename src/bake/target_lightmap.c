@@ -1,13 +1,12 @@
 /// Light in a picture over the surfaces of a glTF file.
-#include "resolvent/bake.h"
-
 #include "../core/vec.h"
 #include "bake_basis.h"
-#include "bake_desc.h"
 #include "bake_lightmap_file.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
+#include "bake_relit.h"
 #include "bake_seam.h"
+#include "bake_target.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -71,27 +70,28 @@ static rsv_status write_operator(const rsv_lightmap_bake *b, const char *output)
 
 static void fill_report(const rsv_lightmap_bake *b, rsv_bake_report *report)
 {
-    *report = (rsv_bake_report){ .charts = b->layout.charts.count,
-        .map_width = b->layout.map.width,
-        .map_height = b->layout.map.height,
-        .density = b->layout.density,
-        .coverage = rsv_bake_map_coverage(&b->layout.map),
-        .light_scale = b->scale,
-        .largest_seam = b->largest_seam };
+    report->charts = b->layout.charts.count;
+    report->map_width = b->layout.map.width;
+    report->map_height = b->layout.map.height;
+    report->density = b->layout.density;
+    report->coverage = rsv_bake_map_coverage(&b->layout.map);
+    report->light_scale = b->scale;
+    report->largest_seam = b->largest_seam;
 }
 
-static rsv_status open_file(rsv_lightmap_bake *b, const char *input)
+static rsv_status open_document(rsv_lightmap_bake *b)
 {
     rsv_status status;
-    RSV_TRY(rsv_bake_document_open(b->s->context, input, &b->document));
+    RSV_TRY(rsv_bake_document_open(b->s->scene.scene, &b->document));
     RSV_TRY(rsv_bake_parts_create(&b->document, b->s, &b->parts));
     RSV_TRY(rsv_bake_separate(&b->document, &b->parts, &b->primitive));
+    RSV_TRY(rsv_bake_follow_relight(b->s, &b->parts, b->primitive, &b->document));
     RSV_TRY(rsv_bake_layout_create(b->s, b->desc, &b->document, &b->parts, &b->layout));
 cleanup:
     return status;
 }
 
-static void close_file(rsv_lightmap_bake *b)
+static void close_document(rsv_lightmap_bake *b)
 {
     rsv_bake_layout_destroy(&b->layout);
     rsv_free(b->s->context, b->primitive);
@@ -128,19 +128,16 @@ static void warn_if_coarse(const rsv_lightmap_bake *b)
             (double)b->layout.density, (double)b->desc->density, b->layout.side, b->layout.side);
 }
 
-rsv_status rsv_bake_lightmap(const rsv_solution *light, const char *input, const char *output,
-    const rsv_bake_desc *desc, rsv_bake_report *report)
+static rsv_status write_lightmap(const rsv_light_view *solution, const rsv_bake_desc *desc,
+    const char *output, rsv_bake_report *report)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
     rsv_status status;
-    rsv_bake_desc defaults = rsv_default_bake_desc();
     rsv_lightmap_bake b = { .s = solution,
-        .desc = desc ? desc : &defaults,
+        .desc = desc,
         .document.context = solution->context,
         .parts.context = solution->context };
-    RSV_TRY(rsv_bake_check_desc(b.desc));
     RSV_TRY(rsv_bake_check_operator(solution, b.desc));
-    RSV_TRY(open_file(&b, input));
+    RSV_TRY(open_document(&b));
     RSV_TRY(light_map(&b));
     warn_if_coarse(&b);
     RSV_TRY(find_scale(&b));
@@ -150,6 +147,8 @@ rsv_status rsv_bake_lightmap(const rsv_solution *light, const char *input, const
     if (b.desc->operator_file) RSV_TRY(write_operator(&b, output));
     RSV_TRY(rsv_lightmap_bake_write(&b, output));
 cleanup:
-    close_file(&b);
+    close_document(&b);
     return status;
 }
+
+const rsv_bake_target rsv_bake_target_lightmap = { ".glb", write_lightmap };
