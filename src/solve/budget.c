@@ -69,11 +69,12 @@ static double element_bytes(const rsv_builder *b)
            fields * (double)b->elements->node_count;
 }
 
-/// Rows that the budget of elements leaves: what hangs, follows or is buried counts as well.
+/// Rows that the budget of elements leaves: what hangs or is buried counts as well.
 static size_t rows_of_elements(const rsv_builder *b)
 {
     if (b->desc.max_elements == 0) return SIZE_MAX;
-    size_t others = b->elements->node_count - rsv_builder_rows(b);
+    size_t counted = rsv_budget_elements(b), rows = rsv_builder_rows(b);
+    size_t others = counted > rows ? counted - rows : 0;
     return b->desc.max_elements > others ? b->desc.max_elements - others : 0;
 }
 
@@ -127,6 +128,6 @@ void rsv_budget_report(const rsv_builder *b, float wanted)
     rsv_log(b->context, RSV_LOG_WARNING,
         "solve: coarser than asked for, to keep the budget: %zu elements %.3g m apart instead of "
         "%.3g m, rows of %u rays instead of %u",
-        b->elements->node_count, b->elements->spacing, wanted, b->desc.rays_per_element,
+        rsv_budget_elements(b), b->elements->spacing, wanted, b->desc.rays_per_element,
         b->wanted_rays);
 }

@@ -2,11 +2,18 @@
 #ifndef RSV_BUDGET_H
 #define RSV_BUDGET_H
 
+#include "../elements/elements.h"
 #include "builder.h"
 
 /// Notes what is left for the solution, after what the process holds already. RSV_ERROR_MEMORY if that cannot do for
 /// the elements of the scene's own triangles.
 rsv_status rsv_budget_open(rsv_builder *builder);
+
+/// Elements that a budget counts: those that follow others, on meshes finer than the spacing, cost nothing to speak of.
+static inline size_t rsv_budget_elements(const rsv_builder *builder)
+{
+    return builder->elements->node_count - builder->elements->follower_count;
+}
 
 /// Rows that the budgets leave to the elements in hand; SIZE_MAX without budgets.
 size_t rsv_budget_rows(const rsv_builder *builder);

@@ -55,7 +55,7 @@ static rsv_status create_fewest(rsv_builder *b)
     for (int k = 0; k < SPACINGS_TRIED; k++) {
         b->spacing.metres = coarsest_spacing(b) * exp2f(-(float)k);
         RSV_TRY(create_grids(b));
-        size_t nodes = b->elements->node_count;
+        size_t nodes = rsv_budget_elements(b);
         bool usable = rsv_builder_rows(b) > 0 || !rsv_reflects_diffusely(&b->scene);
         if (!usable || nodes > least) continue; // of equal ones the finest
         least = nodes;
@@ -67,7 +67,7 @@ static rsv_status create_fewest(rsv_builder *b)
     }
     b->desc.max_elements = budget;
     while (rsv_builder_rows(b) > rsv_budget_rows(b) && rsv_budget_halve_rays(b)) {}
-    if (!is_within_budget(b)) RSV_TRY(rsv_budget_refuse(b, b->elements->node_count));
+    if (!is_within_budget(b)) RSV_TRY(rsv_budget_refuse(b, rsv_budget_elements(b)));
 cleanup:
     b->desc.max_elements = budget;
     return status;
@@ -76,7 +76,7 @@ cleanup:
 /// How many times too many elements or rows there are.
 static float excess(const rsv_builder *b)
 {
-    size_t nodes = b->elements->node_count, most = b->desc.max_elements;
+    size_t nodes = rsv_budget_elements(b), most = b->desc.max_elements;
     if (most && nodes > most) return (float)nodes / ((float)most + 1);
     return (float)rsv_builder_rows(b) / ((float)rsv_budget_rows(b) + 1);
 }
@@ -191,7 +191,7 @@ static void report_sizes(const rsv_builder *b, rsv_solution *light)
 {
     const rsv_operator_view *op = rsv_operator_get_view(light->op);
     rsv_solve_report *report = &light->report;
-    report->elements = b->elements->node_count;
+    report->elements = rsv_budget_elements(b);
     report->rows = rsv_builder_rows(b);
     report->direct_elements =
         count_nodes(light->field.fine.elements) + count_nodes(light->field.caustics.elements);

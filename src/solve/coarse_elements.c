@@ -52,8 +52,8 @@ cleanup:
 static rsv_status refine_contacts(rsv_builder *b, const rsv_growth *growth)
 {
     size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(b->desc.element_target));
-    size_t nodes = b->elements->node_count, budget = b->desc.max_elements;
-    if (budget && nodes + most_nodes > budget) most_nodes = budget > nodes ? budget - nodes : 0;
+    size_t budget = b->desc.max_elements;
+    if (budget && most_nodes > budget) most_nodes = budget;
     if (most_nodes == 0) return RSV_OK;
     return rsv_elements_refine_contacts(
         &b->scene, most_nodes, growth, &b->elements, &b->report.rays);
