@@ -144,7 +144,8 @@ static inline bool add_triangle(beam_search *s, const rsv_bvh_triangle *t)
     if (!(greatest(along) > 0)) return true;
     float nearest = seen.reach / greatest(along);
     if (nearest > s->plane[4].offset) return true;
-    const rsv_scene_view *holes = s->beams->bvh.holes;
+    const rsv_scene_view *holes = s->beams->bvh.holes, *twins = s->beams->bvh.twins;
+    if (twins && twins->twins->flags[t->index]) return false;
     if (holes && holes->material[holes->triangle_material[t->index]].alpha_cutoff > 0) return false;
     if (covers && least(along) > 0)
         s->plane[4].offset = f_min(s->plane[4].offset, BEHIND * (seen.reach / least(along)));

@@ -46,6 +46,7 @@ void rsv_scene_destroy(rsv_scene *scene)
     rsv_context *context = scene->context;
     rsv_scene_release_sources(scene);
     rsv_scene_release_environment(scene);
+    rsv_scene_release_twins(scene);
     for (size_t i = 0; i < scene->material_count; i++) {
         rsv_free(context, (void *)scene->material[i].name);
         rsv_free(context, (void *)scene->material[i].textures);

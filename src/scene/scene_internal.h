@@ -58,6 +58,8 @@ struct rsv_scene {
 
     rsv_environment environment; ///< name and pixels owned; pixels NULL = none
 
+    struct rsv_twins_owner *twins; ///< NULL = no two faces lie in the same place
+
     rsv_scene_view view;
 };
 
@@ -91,6 +93,13 @@ rsv_status rsv_scene_finish(rsv_scene *scene);
 
 /// Adds a punctual light to a committed scene; the view's array of lights may move.
 rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light);
+
+/// Finds the faces of a committed scene that lie in the same place (twins.h), warns where only a guess can tell which of
+/// them is to be seen, and puts them into the view.
+rsv_status rsv_scene_find_twins(rsv_scene *scene);
+/// After vertices were moved. Faces that came together only now are not found.
+void rsv_scene_move_twins(rsv_scene *scene);
+void rsv_scene_release_twins(rsv_scene *scene);
 
 /// Finds the bounds of a committed scene again, after vertices were moved.
 void rsv_scene_update_bounds(rsv_scene *scene);

@@ -1,0 +1,294 @@
+/// Finds faces that lie in the same place.
+#include "twins.h"
+
+#include "scene_internal.h"
+#include "twin_overlap.h"
+#include "twin_tree.h"
+
+#include <string.h>
+
+/// Opposite faces may lie apart by this part of the scene's size: copies come out of programs of single precision.
+#define REACH 0x1p-18f
+/// Places are the same to this part of the largest coordinate: what two hits of one ray differ by.
+#define ROUNDING 0x1p-21f
+/// Rays leave faces with copies by so many times what these may lie off.
+#define CLEAR 1.5f
+
+/// The four triangles of a leaf look at so many others at most, and find so many: beyond, as around the tip of a fan of
+/// a million slivers, or in a heap of inexact copies of one triangle, time would grow with the square.
+#define MOST_LOOKS 16384
+#define MOST_FOUND 128
+
+/// Places on a triangle that tell whether all of it is hidden.
+#define PLACES 16
+
+typedef struct rsv_twins_owner {
+    rsv_twins twins;
+    rsv_twin_tree tree;
+    uint8_t *flags; ///< [triangle_count]
+} rsv_twins_owner;
+
+typedef struct finder {
+    const rsv_scene *scene;
+    const rsv_scene_view *view;
+    rsv_twin_tree tree;
+    rsv_vec3 *normal; ///< [triangle_count] unit
+    uint8_t *flags;   ///< [triangle_count]
+    float reach, rounding;
+    bool apart; ///< out: some twins lie apart by more than rounding
+} finder;
+
+static void flag(finder *f, uint32_t triangle, uint8_t flags)
+{
+#pragma omp atomic
+    f->flags[triangle] |= flags;
+}
+
+/// What a leaf has found.
+typedef struct leaf_search {
+    uint32_t looks, found;
+    bool apart;
+} leaf_search;
+
+/// @param opposite whether some face in the place of this one turns the other way, else the same way
+static void flag_twin(finder *f, uint32_t triangle, bool opposite)
+{
+    // a front is sure to be seen before a back, unless it lets light through and the back does not
+    bool sure = opposite && rsv_twin_is_opaque(f->view, f->view->triangle_material[triangle]);
+    flag(f, triangle,
+        (uint8_t)(RSV_TWIN_OVER_BACK | (sure ? 0 : RSV_TWIN_OVER_FRONT) |
+                  (opposite ? RSV_TWIN_OPPOSITE : 0)));
+}
+
+static void compare(finder *f, uint32_t a, uint32_t b, leaf_search *s)
+{
+    rsv_twin_overlap overlap;
+    if (a == b || !rsv_twins_overlap(f->view, f->normal, a, b, f->reach, &overlap)) return;
+    flag_twin(f, a, overlap.opposite);
+    flag_twin(f, b, overlap.opposite);
+    s->found++;
+    s->apart |= overlap.gap > 0.25 * (double)f->rounding;
+}
+
+static bool boxes_meet(const rsv_twin_node *a, const rsv_twin_node *b, float reach)
+{
+    return a->low.x <= b->high.x + reach && b->low.x <= a->high.x + reach &&
+           a->low.y <= b->high.y + reach && b->low.y <= a->high.y + reach &&
+           a->low.z <= b->high.z + reach && b->low.z <= a->high.z + reach;
+}
+
+static void compare_leaves(
+    finder *f, const rsv_twin_node *leaf, const rsv_twin_node *other, leaf_search *s)
+{
+    for (uint32_t a = leaf->first; a < leaf[1].first; a++)
+        for (uint32_t b = other->first; b < other[1].first; b++) {
+            s->looks++;
+            compare(f, f->tree.face[a], f->tree.face[b], s);
+        }
+}
+
+/// Compares the triangles of a leaf with all around them.
+static leaf_search search_around(finder *f, const rsv_twin_node *leaf)
+{
+    leaf_search s = { 0 };
+    const rsv_twin_tree *tree = &f->tree;
+    for (uint32_t n = 0; n < tree->node_count;) {
+        const rsv_twin_node *node = &tree->node[n];
+        bool meets = boxes_meet(leaf, node, f->reach);
+        if (meets && node->next == n + 1) compare_leaves(f, leaf, node, &s);
+        if (s.looks > MOST_LOOKS || s.found > MOST_FOUND) break;
+        n = meets ? n + 1 : node->next;
+    }
+    // stopped amid copies: what the others are is not known
+    for (uint32_t k = leaf->first; k < leaf[1].first && s.found > MOST_FOUND; k++)
+        flag(f, tree->face[k], RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK);
+    return s;
+}
+
+static void find_pairs(finder *f)
+{
+    const rsv_twin_tree *tree = &f->tree;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(f->scene->context))
+    for (uint32_t n = 0; n < tree->node_count; n++) {
+        if (tree->node[n].next != n + 1) continue;
+        leaf_search s = search_around(f, &tree->node[n]);
+        if (!s.apart) continue;
+#pragma omp atomic write
+        f->apart = true;
+    }
+}
+
+static rsv_status finder_create(const rsv_scene *scene, finder *f)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    const rsv_scene_view *view = &scene->view;
+    uint32_t count = (uint32_t)view->triangle_count;
+    float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
+    float farthest = f_max(v3_max_abs(view->bounds_min), v3_max_abs(view->bounds_max));
+    *f = (finder){ .scene = scene, .view = view };
+    f->rounding = ROUNDING * farthest;
+    f->reach = f_max(REACH * size, 2 * f->rounding);
+    f->normal = rsv_reserve(scene->context, count, sizeof *f->normal);
+    f->flags = rsv_alloc(scene->context, count, 1);
+    uint32_t *all = rsv_reserve(scene->context, count, sizeof *all);
+    if (!f->normal || !f->flags || !all) goto cleanup;
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(scene->context))
+    for (uint32_t t = 0; t < count; t++) {
+        const uint32_t *corner = view->triangle[t];
+        all[t] = t;
+        f->normal[t] = v3(0, 0, 0);
+        rsv_triangle_normal(view->position[corner[0]], view->position[corner[1]],
+            view->position[corner[2]], &f->normal[t]);
+    }
+    RSV_TRY(rsv_twin_tree_create(scene->context, view, all, count, f->flags, &f->tree));
+cleanup:
+    rsv_free(scene->context, all);
+    return status;
+}
+
+static void finder_destroy(finder *f)
+{
+    rsv_twin_tree_destroy(&f->tree);
+    rsv_free(f->scene->context, f->normal);
+    rsv_free(f->scene->context, f->flags);
+}
+
+// ---- what was found ------------------------------------------------------------------------------
+
+/// Who is seen at places spread over a triangle, by those who look at one of its sides.
+typedef struct showing {
+    bool some;      ///< of the triangle itself
+    uint32_t other; ///< whom one sees in its place; RSV_NONE = nobody
+} showing;
+
+static showing look_at(const rsv_scene_view *view, uint32_t triangle, bool back)
+{
+    rsv_vec3 normal = rsv_twin_plane_of(view, triangle).normal;
+    showing seen = { false, RSV_NONE };
+    for (int k = 0; k < PLACES; k++) {
+        // Hammersley's points, folded into the triangle
+        float u = ((float)k + 0.5f) / PLACES, v = 0.5f / PLACES, digit = 0.5f;
+        for (int n = k; n; n /= 2, digit /= 2)
+            v += digit * (float)(n % 2);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        rsv_hit hit = { triangle, 0, u, v };
+        rsv_twins_search(view, back ? normal : v3_neg(normal), &hit);
+        if (hit.triangle == triangle)
+            seen.some = true;
+        else
+            seen.other = hit.triangle < seen.other ? hit.triangle : seen.other;
+    }
+    return seen;
+}
+
+/// Whether it is a guess which of two faces that turn the same way is wanted. Where there are faces of both windings, things
+/// stand on the copy of a floor, say, whose outside nobody looks at.
+static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t t, uint32_t other)
+{
+    return other != RSV_NONE && view->triangle_material[t] != view->triangle_material[other] &&
+           !((flags[t] | flags[other]) & RSV_TWIN_OPPOSITE);
+}
+
+/// Marks the faces that others hide. @return a triangle of which it is a guess that it is hidden, the first; RSV_NONE = none
+static uint32_t find_hidden(
+    const rsv_scene_view *view, rsv_twins_owner *owner, rsv_context *context)
+{
+    const rsv_twin_tree *tree = &owner->tree;
+    uint32_t guessed = RSV_NONE;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))                   \
+    reduction(min                                                                                  \
+              : guessed)
+    for (uint32_t k = 0; k < tree->face_count; k++) {
+        uint32_t t = tree->face[k];
+        bool two = view->material[view->triangle_material[t]].double_sided;
+        if (owner->flags[t] & RSV_TWIN_OVER_FRONT) {
+            showing seen = look_at(view, t, false);
+            if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
+            if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
+        }
+        if (two && !look_at(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+    }
+    return guessed;
+}
+
+static const char *object_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    return view->object_name[view->triangle_object[triangle]];
+}
+
+static const char *material_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    return view->material[view->triangle_material[triangle]].name;
+}
+
+/// @param guessed RSV_NONE = nothing to be said
+static void warn_of_guess(const rsv_scene *scene, uint32_t guessed)
+{
+    const rsv_scene_view *view = &scene->view;
+    if (guessed == RSV_NONE || scene->is_part) return;
+    uint32_t shown = look_at(view, guessed, false).other;
+    rsv_log(scene->context, RSV_LOG_WARNING,
+        "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and face "
+        "the "
+        "same way; the latter are shown, which is a guess: delete what is not wanted",
+        object_of(view, guessed), object_of(view, shown), material_of(view, guessed),
+        material_of(view, shown));
+}
+
+/// @param count triangles with a flag
+static rsv_status keep(rsv_scene *scene, const finder *f, uint32_t count)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_context *context = scene->context;
+    uint32_t *face = rsv_reserve(context, count, sizeof *face), next = 0;
+    rsv_twins_owner *owner = scene->twins = rsv_alloc(context, 1, sizeof *owner);
+    if (!face || !owner) goto cleanup;
+    owner->flags = rsv_alloc(context, scene->triangle_count, 1);
+    if (!owner->flags) goto cleanup;
+    memcpy(owner->flags, f->flags, scene->triangle_count);
+    for (uint32_t t = 0; t < scene->triangle_count; t++)
+        if (f->flags[t] && !(f->flags[t] & RSV_TWIN_HIDDEN)) face[next++] = t;
+    RSV_TRY(rsv_twin_tree_create(context, &scene->view, face, next, NULL, &owner->tree));
+    owner->twins = (rsv_twins){ .flags = owner->flags,
+        .node = owner->tree.node,
+        .face = owner->tree.face,
+        .node_count = owner->tree.node_count,
+        .face_count = owner->tree.face_count,
+        .reach = f->reach,
+        .rounding = f->rounding,
+        .extent = f->apart ? CLEAR * f->reach * 0x1p20f : 0 };
+    scene->view.twins = &owner->twins;
+    warn_of_guess(scene, find_hidden(&scene->view, owner, context));
+cleanup:
+    rsv_free(context, face);
+    return status;
+}
+
+rsv_status rsv_scene_find_twins(rsv_scene *scene)
+{
+    rsv_status status;
+    finder f;
+    uint32_t count = 0;
+    RSV_TRY(finder_create(scene, &f));
+    find_pairs(&f);
+    for (size_t t = 0; t < scene->triangle_count; t++)
+        count += f.flags[t] != 0;
+    if (count) RSV_TRY(keep(scene, &f, count));
+cleanup:
+    finder_destroy(&f);
+    return status;
+}
+
+void rsv_scene_move_twins(rsv_scene *scene)
+{
+    if (scene->twins) rsv_twin_tree_fit(&scene->view, &scene->twins->tree);
+}
+
+void rsv_scene_release_twins(rsv_scene *scene)
+{
+    if (!scene->twins) return;
+    rsv_twin_tree_destroy(&scene->twins->tree);
+    rsv_free(scene->context, scene->twins->flags);
+    rsv_free(scene->context, scene->twins);
+    scene->twins = NULL;
+}
