@@ -2,9 +2,6 @@
 
 #include "../core/vec.h"
 
-/// Planes that meet at a larger angle share a line, not a piece (18 degrees: copies of the smallest triangles are inexact
-/// by a part of their size).
-#define PARALLEL 0.95f
 /// Overlaps narrower than this part of the narrower triangle are rounding.
 #define NARROW 1e-3
 
@@ -13,6 +10,8 @@ typedef struct flat_triangle {
     double x[3], y[3], height[3];
     double area, longest; ///< twice the area
 } flat_triangle;
+
+static double length_of(double x, double y) { return sqrt(x * x + y * y); }
 
 /// @param drop the axis along which one looks; x and y are those that follow it
 static flat_triangle flatten(
@@ -34,7 +33,8 @@ static flat_triangle flatten(
         t.area = -t.area;
     }
     for (int k = 0; k < 3; k++)
-        t.longest = fmax(t.longest, hypot(t.x[(k + 1) % 3] - t.x[k], t.y[(k + 1) % 3] - t.y[k]));
+        t.longest =
+            fmax(t.longest, length_of(t.x[(k + 1) % 3] - t.x[k], t.y[(k + 1) % 3] - t.y[k]));
     return t;
 }
 
@@ -45,7 +45,7 @@ static double depth_of(const flat_triangle *t, int edge, double x, double y)
 {
     int next = (edge + 1) % 3;
     double dx = t->x[next] - t->x[edge], dy = t->y[next] - t->y[edge];
-    return (dx * (y - t->y[edge]) - dy * (x - t->x[edge])) / hypot(dx, dy);
+    return (dx * (y - t->y[edge]) - dy * (x - t->x[edge])) / length_of(dx, dy);
 }
 
 /// Whether an edge of one triangle has the other beyond it.
@@ -114,12 +114,10 @@ static double height_at(const flat_triangle *t, double x, double y)
     return (1 - u - v) * t->height[0] + u * t->height[1] + v * t->height[2];
 }
 
-bool rsv_twins_overlap(const rsv_scene_view *scene, const rsv_vec3 *normal, uint32_t a, uint32_t b,
-    float reach, rsv_twin_overlap *overlap)
+bool rsv_twins_overlap(const rsv_scene_view *scene, uint32_t a, uint32_t b, rsv_vec3 normal_a,
+    rsv_vec3 normal_b, float reach, rsv_twin_overlap *overlap)
 {
-    rsv_vec3 n = normal[a];
-    float cosine = v3_dot(n, normal[b]);
-    if (fabsf(cosine) < PARALLEL) return false;
+    rsv_vec3 n = normal_a;
     int drop = fabsf(n.x) > fabsf(n.y) ? (fabsf(n.x) > fabsf(n.z) ? 0 : 2)
                                        : (fabsf(n.y) > fabsf(n.z) ? 1 : 2);
     rsv_vec3 from = scene->position[scene->triangle[a][0]];
@@ -132,7 +130,7 @@ bool rsv_twins_overlap(const rsv_scene_view *scene, const rsv_vec3 *normal, uint
     if (has_beyond(&own, &other, margin) || has_beyond(&other, &own, margin) ||
         !find_middle(&own, &other, &x, &y))
         return false;
-    overlap->opposite = cosine < 0;
+    overlap->opposite = v3_dot(normal_a, normal_b) < 0;
     overlap->gap = fabs(height_at(&other, x, y) - height_at(&own, x, y));
     return overlap->gap <= (double)reach;
 }

@@ -19,6 +19,9 @@
 #define MOST_LOOKS 16384
 #define MOST_FOUND 128
 
+/// Boxes that share no more than this part of an axis merely touch along it.
+#define THIN 1e-4f
+
 /// Places on a triangle that tell whether all of it is hidden.
 #define PLACES 16
 
@@ -28,12 +31,17 @@ typedef struct rsv_twins_owner {
     uint8_t *flags; ///< [triangle_count]
 } rsv_twins_owner;
 
+/// A face, for quick looks. In the order of the tree: neighbours are read together.
+typedef struct face_box {
+    rsv_vec3 low, high, normal; ///< unit
+} face_box;
+
 typedef struct finder {
     const rsv_scene *scene;
     const rsv_scene_view *view;
     rsv_twin_tree tree;
-    rsv_vec3 *normal; ///< [triangle_count] unit
-    uint8_t *flags;   ///< [triangle_count]
+    face_box *box;  ///< [tree.face_count]
+    uint8_t *flags; ///< [triangle_count]
     float reach, rounding;
     bool apart; ///< out: some twins lie apart by more than rounding
 } finder;
@@ -60,12 +68,16 @@ static void flag_twin(finder *f, uint32_t triangle, bool opposite)
                   (opposite ? RSV_TWIN_OPPOSITE : 0)));
 }
 
+/// @param a, b places in the tree
 static void compare(finder *f, uint32_t a, uint32_t b, leaf_search *s)
 {
     rsv_twin_overlap overlap;
-    if (a == b || !rsv_twins_overlap(f->view, f->normal, a, b, f->reach, &overlap)) return;
-    flag_twin(f, a, overlap.opposite);
-    flag_twin(f, b, overlap.opposite);
+    uint32_t face_a = f->tree.face[a], face_b = f->tree.face[b];
+    if (!rsv_twins_overlap(
+            f->view, face_a, face_b, f->box[a].normal, f->box[b].normal, f->reach, &overlap))
+        return;
+    flag_twin(f, face_a, overlap.opposite);
+    flag_twin(f, face_b, overlap.opposite);
     s->found++;
     s->apart |= overlap.gap > 0.25 * (double)f->rounding;
 }
@@ -77,22 +89,44 @@ static bool boxes_meet(const rsv_twin_node *a, const rsv_twin_node *b, float rea
            a->low.z <= b->high.z + reach && b->low.z <= a->high.z + reach;
 }
 
+/// Parts of an axis that both boxes span.
+static float shared_span(float low_a, float high_a, float low_b, float high_b)
+{
+    return f_min(high_a, high_b) - f_max(low_a, low_b);
+}
+
+/// Whether two faces may share more than an edge: their boxes do so along two axes at the least. Most neighbours do not, and
+/// others are bent.
+static bool may_overlap(const face_box *a, const face_box *b, float reach)
+{
+    float x = shared_span(a->low.x, a->high.x, b->low.x, b->high.x);
+    float y = shared_span(a->low.y, a->high.y, b->low.y, b->high.y);
+    float z = shared_span(a->low.z, a->high.z, b->low.z, b->high.z);
+    if (f_min(x, f_min(y, z)) < -reach) return false;
+    int wide = x > THIN * f_min(a->high.x - a->low.x, b->high.x - b->low.x);
+    wide += y > THIN * f_min(a->high.y - a->low.y, b->high.y - b->low.y);
+    wide += z > THIN * f_min(a->high.z - a->low.z, b->high.z - b->low.z);
+    return wide >= 2 && fabsf(v3_dot(a->normal, b->normal)) >= RSV_TWIN_PARALLEL;
+}
+
 static void compare_leaves(
     finder *f, const rsv_twin_node *leaf, const rsv_twin_node *other, leaf_search *s)
 {
     for (uint32_t a = leaf->first; a < leaf[1].first; a++)
         for (uint32_t b = other->first; b < other[1].first; b++) {
             s->looks++;
-            compare(f, f->tree.face[a], f->tree.face[b], s);
+            if ((leaf != other || a < b) && may_overlap(&f->box[a], &f->box[b], f->reach))
+                compare(f, a, b, s);
         }
 }
 
-/// Compares the triangles of a leaf with all around them.
-static leaf_search search_around(finder *f, const rsv_twin_node *leaf)
+/// Compares the triangles of a leaf with one another and with all around them in later leaves.
+static leaf_search search_around(finder *f, uint32_t own)
 {
     leaf_search s = { 0 };
     const rsv_twin_tree *tree = &f->tree;
-    for (uint32_t n = 0; n < tree->node_count;) {
+    const rsv_twin_node *leaf = &tree->node[own];
+    for (uint32_t n = own; n < tree->node_count;) {
         const rsv_twin_node *node = &tree->node[n];
         bool meets = boxes_meet(leaf, node, f->reach);
         if (meets && node->next == n + 1) compare_leaves(f, leaf, node, &s);
@@ -111,45 +145,62 @@ static void find_pairs(finder *f)
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(f->scene->context))
     for (uint32_t n = 0; n < tree->node_count; n++) {
         if (tree->node[n].next != n + 1) continue;
-        leaf_search s = search_around(f, &tree->node[n]);
+        leaf_search s = search_around(f, n);
         if (!s.apart) continue;
 #pragma omp atomic write
         f->apart = true;
     }
 }
 
+static face_box box_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
+             c = view->position[corner[2]];
+    face_box box = { v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c), v3(0, 0, 0) };
+    rsv_triangle_normal(a, b, c, &box.normal);
+    return box;
+}
+
+static rsv_status plant_tree(finder *f)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_context *context = f->scene->context;
+    uint32_t count = (uint32_t)f->view->triangle_count;
+    uint32_t *all = rsv_reserve(context, count, sizeof *all);
+    if (!all) return RSV_ERROR_MEMORY;
+    for (uint32_t t = 0; t < count; t++)
+        all[t] = t;
+    RSV_TRY(rsv_twin_tree_create(context, f->view, all, count, f->flags, &f->tree));
+cleanup:
+    rsv_free(context, all);
+    return status;
+}
+
 static rsv_status finder_create(const rsv_scene *scene, finder *f)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     const rsv_scene_view *view = &scene->view;
-    uint32_t count = (uint32_t)view->triangle_count;
     float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
     float farthest = f_max(v3_max_abs(view->bounds_min), v3_max_abs(view->bounds_max));
     *f = (finder){ .scene = scene, .view = view };
     f->rounding = ROUNDING * farthest;
     f->reach = f_max(REACH * size, 2 * f->rounding);
-    f->normal = rsv_reserve(scene->context, count, sizeof *f->normal);
-    f->flags = rsv_alloc(scene->context, count, 1);
-    uint32_t *all = rsv_reserve(scene->context, count, sizeof *all);
-    if (!f->normal || !f->flags || !all) goto cleanup;
+    f->flags = rsv_alloc(scene->context, view->triangle_count, 1);
+    f->box = rsv_reserve(scene->context, view->triangle_count, sizeof *f->box);
+    if (!f->flags || !f->box) goto cleanup;
+    RSV_TRY(plant_tree(f));
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(scene->context))
-    for (uint32_t t = 0; t < count; t++) {
-        const uint32_t *corner = view->triangle[t];
-        all[t] = t;
-        f->normal[t] = v3(0, 0, 0);
-        rsv_triangle_normal(view->position[corner[0]], view->position[corner[1]],
-            view->position[corner[2]], &f->normal[t]);
-    }
-    RSV_TRY(rsv_twin_tree_create(scene->context, view, all, count, f->flags, &f->tree));
+    for (uint32_t k = 0; k < f->tree.face_count; k++)
+        f->box[k] = box_of(view, f->tree.face[k]);
 cleanup:
-    rsv_free(scene->context, all);
     return status;
 }
 
 static void finder_destroy(finder *f)
 {
     rsv_twin_tree_destroy(&f->tree);
-    rsv_free(f->scene->context, f->normal);
+    rsv_free(f->scene->context, f->box);
     rsv_free(f->scene->context, f->flags);
 }
 

@@ -2,6 +2,7 @@
 #include "../scene/twins.h"
 #include "embree_internal.h"
 #include "near.h"
+#include "packet.h"
 
 #include <string.h>
 
@@ -168,26 +169,6 @@ static void name_apart(const rsv_tracer *tracer, rsv_ray_packet *packet)
         packet->triangle[k] = triangle_of(tracer, packet->geometry[k], packet->triangle[k]);
 }
 
-/// See rsv_twins_settle.
-static void settle_twins(const rsv_scene_view *scene, rsv_ray_packet *packet)
-{
-    for (int k = 0; k < 16; k++) {
-        uint32_t met = packet->triangle[k];
-        if (met == RSV_NONE || !scene->twins->flags[met]) continue;
-        rsv_hit hit = { met, packet->t_max[k], packet->u[k], packet->v[k] };
-        rsv_twins_settle(scene,
-            v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]), &hit);
-        if (hit.triangle == met) continue;
-        rsv_vec3 normal = rsv_twin_plane_of(scene, hit.triangle).normal;
-        packet->normal_x[k] = normal.x;
-        packet->normal_y[k] = normal.y;
-        packet->normal_z[k] = normal.z;
-        packet->triangle[k] = hit.triangle;
-        packet->u[k] = hit.u;
-        packet->v[k] = hit.v;
-    }
-}
-
 void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)
 {
     if (tracer->native_width == 8) {
@@ -201,7 +182,7 @@ void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet,
         INTERSECT(16, all_lanes, (struct RTCRayHit16 *)packet);
     }
     if (tracer->apart) name_apart(tracer, packet);
-    if (tracer->twins) settle_twins(tracer->twins, packet);
+    if (tracer->twins) rsv_packet_settle(tracer->twins, packet);
 }
 
 void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)

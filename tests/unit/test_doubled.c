@@ -221,10 +221,12 @@ static void shows_the_side_that_faces_the_ray(void **state)
 
 enum { pictures = 4 };
 
-/// Mean pixels of all modes. Frames: the sum of what the eye sees.
+/// What all modes say of a scene.
 typedef struct readings {
     rsv_image *image[pictures]; ///< reference, operator, final, occlusion
-    double frame, probe[3], certificate;
+    double frame;               ///< mean
+    double probe[3];
+    double certificate[2]; ///< where the residual lies by 95 %
 } readings;
 
 static rsv_image *render_mode(const world *w, const rsv_solution *s, rsv_render_mode mode)
@@ -234,7 +236,7 @@ static rsv_image *render_mode(const world *w, const rsv_solution *s, rsv_render_
     desc.mode = mode;
     desc.width = width;
     desc.height = height;
-    desc.samples = mode == RSV_RENDER_REFERENCE ? UNLESS_SANITIZED(16, 4) : 2;
+    desc.samples = mode == RSV_RENDER_REFERENCE ? UNLESS_SANITIZED(4, 1) : 1;
     rsv_status status =
         mode == RSV_RENDER_REFERENCE   ? rsv_render_reference(w->scene, &desc, &image, NULL)
         : mode == RSV_RENDER_OCCLUSION ? rsv_render_occlusion(w->scene, &desc, &image)
@@ -265,7 +267,7 @@ static readings read_all(const world *w)
     static const rsv_render_mode mode[pictures] = { RSV_RENDER_REFERENCE, RSV_RENDER_OPERATOR,
         RSV_RENDER_FINAL, RSV_RENDER_OCCLUSION };
     readings r;
-    rsv_solution *s = solve_for_frames(w, 3000, 2000);
+    rsv_solution *s = solve_for_frames(w, 1500, 1000);
     for (int k = 0; k < pictures; k++)
         r.image[k] = render_mode(w, s, mode[k]);
     r.frame = frame_mean(w, s);
@@ -273,14 +275,16 @@ static readings read_all(const world *w)
     for (int k = 0; k < 3; k++) {
         rsv_probe_reading reading;
         assert_int_equal(
-            rsv_probe_irradiance(s, (rsv_probe_mode)k, &probe, 1, 4096, 0, &reading), RSV_OK);
+            rsv_probe_irradiance(s, (rsv_probe_mode)k, &probe, 1, 1024, 0, &reading), RSV_OK);
         r.probe[k] = (double)rgb_luminance(reading.irradiance);
     }
     rsv_certify_desc certify = rsv_default_certify_desc();
     rsv_certificate certificate;
-    certify.samples = UNLESS_SANITIZED(512, 128);
+    certify.samples = 1024;
+    certify.gather_rays = 128;
     assert_int_equal(rsv_certify(s, &certify, &certificate), RSV_OK);
-    r.certificate = certificate.residual_rms;
+    r.certificate[0] = certificate.residual_ci95[0];
+    r.certificate[1] = certificate.residual_ci95[1];
     rsv_solution_destroy(s);
     return r;
 }
@@ -311,6 +315,12 @@ static double difference(const rsv_image *a, const rsv_image *b)
     return sqrt(sum) / mean_of(b);
 }
 
+static void check_ratio(copies kind, double ratio, double expected)
+{
+    if (!(fabs(ratio / expected - 1) < 0.01))
+        fail_msg("%s: modes differ by %.4f, not by %.4f", name_of_copies[kind], ratio, expected);
+}
+
 /// Elements lie elsewhere where walls are copied: pixels differ by what draft quality leaves, the path tracer's by rounding.
 static void check_light(copies kind, const readings *plain, const readings *r)
 {
@@ -320,23 +330,22 @@ static void check_light(copies kind, const readings *plain, const readings *r)
         if (!(d < most[k])) fail_msg("%s: picture %d differs by %.4f", name_of_copies[kind], k, d);
         assert_close(mean_of(r->image[k]) / mean_of(plain->image[k]), 1, 0.01);
     }
-    // the modes agree with one another, and frames with the picture of mode operator
-    assert_close(mean_of(r->image[1]) / mean_of(r->image[0]), 1, 0.02);
-    assert_close(mean_of(r->image[2]) / mean_of(r->image[0]), 1, 0.02);
-    assert_close(r->frame / mean_of(r->image[1]), 1, 0.02);
+    // the modes agree with one another as in the plain room, but for what other elements make of it
+    for (int k = 1; k < 3; k++)
+        check_ratio(kind, mean_of(r->image[k]) / mean_of(r->image[0]),
+            mean_of(plain->image[k]) / mean_of(plain->image[0]));
+    check_ratio(kind, r->frame / mean_of(r->image[1]), plain->frame / mean_of(plain->image[1]));
     for (int k = 0; k < 3; k++)
         assert_close(r->probe[k] / plain->probe[k], 1, k == 0 ? 0.03 : 0.01);
-    assert_true(r->certificate < 1.5 * plain->certificate);
+    if (!(r->certificate[0] < plain->certificate[1]))
+        fail_msg("%s: residual %.4f", name_of_copies[kind], r->certificate[0]);
 }
 
-static void light_is_that_of_single_walls(void **state)
+static void check_kinds(const copies *kinds, size_t count)
 {
-    (void)state;
-    static const copies kinds[] = { BEFORE, MIXED, COLORED, INSIDE, THREEFOLD, FINE, SHARED,
-        SAME_WAY };
     world *w = create_room(SINGLE);
     readings plain = read_all(w);
-    for (size_t k = 0; k < sizeof kinds / sizeof kinds[0]; k++) {
+    for (size_t k = 0; k < count; k++) {
         world *copied = create_room(kinds[k]);
         readings r = read_all(copied);
         check_light(kinds[k], &plain, &r);
@@ -345,6 +354,21 @@ static void light_is_that_of_single_walls(void **state)
     }
     readings_release(&plain);
     world_end(w);
+}
+
+static void light_is_that_of_single_walls(void **state)
+{
+    (void)state;
+    static const copies kinds[] = { MIXED, INSIDE };
+    check_kinds(kinds, UNLESS_SANITIZED(2, 1));
+}
+
+static void light_is_that_of_single_walls_however_copied(void **state)
+{
+    (void)state;
+    static const copies kinds[] = { AFTER, BEFORE, COLORED, OUTSIDE, THREEFOLD, DIAGONAL, FINE,
+        SHARED, SAME_WAY, TWO_SIDED };
+    check_kinds(kinds, sizeof kinds / sizeof kinds[0]);
 }
 
 // ---- lamps --------------------------------------------------------------------------------------
@@ -420,7 +444,7 @@ static void crates_on_crates_stay_dark_inside(void **state)
 static void many_copies_are_found_quickly(void **state)
 {
     (void)state;
-    enum { side = UNLESS_SANITIZED(256, 64) };
+    enum { side = UNLESS_SANITIZED(128, 32) };
     world *w = world_begin(2);
     rsv_vec3 *p = calloc((side + 1) * (side + 1), sizeof *p);
     uint32_t *index = calloc(12 * side * side, sizeof *index), next = 0;
@@ -457,7 +481,7 @@ static void many_copies_are_found_quickly(void **state)
 static void a_heap_of_copies_takes_no_square(void **state)
 {
     (void)state;
-    enum { count = UNLESS_SANITIZED(100000, 5000) };
+    enum { count = UNLESS_SANITIZED(20000, 2000) };
     world *w = world_begin(2);
     static const rsv_vec3 p[3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     uint32_t *index = calloc(3 * count, sizeof *index);
@@ -527,7 +551,7 @@ static void says_so_where_it_had_to_guess(void **state)
         if (!strstr(warning, part[k])) fail_msg("'%s' lacks %s", warning, part[k]);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shows_the_side_that_faces_the_ray),
@@ -538,5 +562,8 @@ int main(void)
         cmocka_unit_test(a_heap_of_copies_takes_no_square),
         cmocka_unit_test(says_so_where_it_had_to_guess),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(light_is_that_of_single_walls_however_copied),
+    };
+    return RUN_HALF(argc, argv, tests, longest);
 }

@@ -69,6 +69,6 @@ set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends 
 foreach(name IN ITEMS environment light_tree gltf certify opfile past bake_side scene frame texture render bodies)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS certify rough_box solve)
+foreach(name IN ITEMS certify doubled rough_box solve)
     rsv_add_part(${name} long)
 endforeach()
