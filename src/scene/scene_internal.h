@@ -95,7 +95,8 @@ rsv_status rsv_scene_finish(rsv_scene *scene);
 rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light);
 
 /// Finds the faces of a committed scene that lie in the same place (twins.h), warns where only a guess can tell which of
-/// them is to be seen, and puts them into the view.
+/// them is to be seen, and puts them into the view. Then warns of lamps that something opaque is closed around: the search
+/// for both is in the same tree.
 rsv_status rsv_scene_find_twins(rsv_scene *scene);
 /// After vertices were moved. Faces that came together only now are not found.
 void rsv_scene_move_twins(rsv_scene *scene);

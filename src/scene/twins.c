@@ -1,6 +1,7 @@
 /// Finds faces that lie in the same place.
 #include "twins.h"
 
+#include "enclosed_lamps.h"
 #include "scene_internal.h"
 #include "twin_overlap.h"
 #include "twin_tree.h"
@@ -325,6 +326,7 @@ rsv_status rsv_scene_find_twins(rsv_scene *scene)
     for (size_t t = 0; t < scene->triangle_count; t++)
         count += f.flags[t] != 0;
     if (count) RSV_TRY(keep(scene, &f, count));
+    if (!scene->is_part) rsv_warn_of_enclosed_lamps(scene, &f.tree);
 cleanup:
     finder_destroy(&f);
     return status;
