@@ -1,150 +1,12 @@
 /// Faces that lie in the same place: a room whose walls were written twice is the room.
 #include "bvh/bvh_trace.h"
+#include "copies_fixture.h"
 #include "core/sampling.h"
 #include "frame_fixture.h"
 #include "resolvent/certify.h"
 #include "trace/packet.h"
 
 #include <stdio.h>
-
-/// How the walls of a room are copied: as single-sided faces that look outwards, if nothing else is said.
-typedef enum copies {
-    SINGLE, ///< not at all
-    AFTER,
-    BEFORE,    ///< in the scene
-    MIXED,     ///< of one wall before, of the next after it
-    COLORED,   ///< of another material
-    OUTSIDE,   ///< a millionth of the room off the walls
-    INSIDE,    ///< likewise, in front of them
-    THREEFOLD, ///< copy, wall, copy
-    DIAGONAL,  ///< divided along the other diagonal
-    FINE,      ///< of 7 x 7 squares
-    SHARED,    ///< of the same vertices, in one mesh
-    SAME_WAY,  ///< looking inwards
-    TWO_SIDED, ///< double-sided, as is the wall
-    KINDS
-} copies;
-
-static const char *const name_of_copies[KINDS] = { "single", "after", "before", "mixed", "colored",
-    "outside", "inside", "threefold", "diagonal", "fine", "shared", "same way", "two-sided" };
-
-/// A wall from `corner`, along two edges, which turn counter-clockwise about its front.
-typedef struct wall {
-    rsv_vec3 corner, edge[2];
-} wall;
-
-enum { SIDE_X = 4, SIDE_Y = 3, SIDE_Z = 5, WALLS = 6, MOST_SQUARES = 7 };
-
-static const wall room_wall[WALLS] = {
-    { { 0, 0, SIDE_Z }, { { SIDE_X, 0, 0 }, { 0, 0, -SIDE_Z } } },
-    { { 0, SIDE_Y, 0 }, { { SIDE_X, 0, 0 }, { 0, 0, SIDE_Z } } },
-    { { 0, 0, SIDE_Z }, { { 0, 0, -SIDE_Z }, { 0, SIDE_Y, 0 } } },
-    { { SIDE_X, 0, 0 }, { { 0, 0, SIDE_Z }, { 0, SIDE_Y, 0 } } },
-    { { 0, 0, 0 }, { { SIDE_X, 0, 0 }, { 0, SIDE_Y, 0 } } },
-    { { SIDE_X, 0, SIDE_Z }, { { -SIDE_X, 0, 0 }, { 0, SIDE_Y, 0 } } },
-};
-
-/// The triangles of a wall.
-typedef struct sheet {
-    rsv_vec3 position[(MOST_SQUARES + 1) * (MOST_SQUARES + 1)];
-    uint32_t index[2 * 6 * MOST_SQUARES * MOST_SQUARES];
-    size_t vertex_count, triangle_count;
-} sheet;
-
-/// @param lift metres off the wall, towards its front
-static void make_sheet(const wall *w, uint32_t squares, float lift, sheet *s)
-{
-    rsv_vec3 normal = v3_normalize(v3_cross(w->edge[0], w->edge[1]));
-    *s = (sheet){ 0 };
-    for (uint32_t j = 0; j <= squares; j++)
-        for (uint32_t i = 0; i <= squares; i++) {
-            rsv_vec3 p = v3_mad(w->corner, (float)i / (float)squares, w->edge[0]);
-            p = v3_mad(p, (float)j / (float)squares, w->edge[1]);
-            s->position[s->vertex_count++] = v3_mad(p, lift, normal);
-        }
-    for (uint32_t j = 0; j < squares; j++)
-        for (uint32_t i = 0; i < squares; i++) {
-            uint32_t a = j * (squares + 1) + i, c = a + squares + 2;
-            const uint32_t corner[6] = { a, a + 1, c, a, c, c - 1 };
-            memcpy(&s->index[3 * s->triangle_count], corner, sizeof corner);
-            s->triangle_count += 2;
-        }
-}
-
-static void turn_over(sheet *s)
-{
-    for (size_t t = 0; t < s->triangle_count; t++) {
-        uint32_t second = s->index[3 * t + 1];
-        s->index[3 * t + 1] = s->index[3 * t + 2];
-        s->index[3 * t + 2] = second;
-    }
-}
-
-static void add_sheet(world *w, uint32_t material, const sheet *s)
-{
-    world_triangles(w, material, s->position, s->vertex_count, s->index, s->triangle_count);
-}
-
-static void make_copy(copies kind, const wall *of, sheet *s)
-{
-    static const uint32_t other_diagonal[6] = { 0, 1, 2, 1, 3, 2 };
-    float lift = kind == INSIDE ? 1e-6f * SIDE_Z : kind == OUTSIDE ? -1e-6f * SIDE_Z : 0;
-    make_sheet(of, kind == FINE ? MOST_SQUARES : 1, lift, s);
-    if (kind == DIAGONAL) memcpy(s->index, other_diagonal, sizeof other_diagonal);
-    if (kind != SAME_WAY) turn_over(s);
-}
-
-/// Puts both windings into one mesh.
-static void add_shared(world *w, uint32_t material, sheet *s)
-{
-    sheet back = *s;
-    turn_over(&back);
-    memcpy(
-        &s->index[3 * s->triangle_count], back.index, 3 * s->triangle_count * sizeof *back.index);
-    s->triangle_count *= 2;
-    add_sheet(w, material, s);
-}
-
-static void add_wall(world *w, copies kind, int index, uint32_t paint, uint32_t other)
-{
-    const wall *of = &room_wall[index];
-    sheet own, copy;
-    make_sheet(of, 1, 0, &own);
-    make_copy(kind, of, &copy);
-    bool before = kind == BEFORE || kind == THREEFOLD || (kind == MIXED && index % 2);
-    if (kind == SHARED) {
-        add_shared(w, paint, &own);
-        return;
-    }
-    if (before) add_sheet(w, paint, &copy);
-    add_sheet(w, paint, &own);
-    if (kind == SINGLE || (before && kind != THREEFOLD)) return;
-    add_sheet(w, kind == COLORED ? other : paint, &copy);
-}
-
-/// A room of 4 x 3 x 5 m, with a lamp below its ceiling, a crate on the floor and a mirror on the rear wall.
-static world *create_room(copies kind)
-{
-    world *w = world_begin(2);
-    rsv_material gray = lambert_material(0.7f, 0), red = gray, blue = gray;
-    red.base_color = rgb(0.63f, 0.06f, 0.05f);
-    blue.base_color = rgb(0.05f, 0.06f, 0.8f);
-    gray.double_sided = red.double_sided = kind == TWO_SIDED;
-    uint32_t paint[2] = { world_material(w, gray), world_material(w, red) };
-    uint32_t other = world_material(w, blue);
-    for (int k = 0; k < WALLS; k++)
-        add_wall(w, kind, k, paint[k == 2], other);
-    world_box(w, world_lambert(w, 0.5f, 0), v3(0.5f, 0, 1), v3(1.3f, 0.8f, 1.8f));
-    world_quad(w, world_material(w, mirror_material(0.9f)), v3(2.2f, 0.5f, 0.01f),
-        v3(3.6f, 0.5f, 0.01f), v3(3.6f, 2, 0.01f), v3(2.2f, 2, 0.01f));
-    world_quad(w, world_lambert(w, 0, 10), v3(1.5f, 2.8f, 2), v3(2.5f, 2.8f, 2), v3(2.5f, 2.8f, 3),
-        v3(1.5f, 2.8f, 3));
-    rsv_camera camera =
-        rsv_camera_look_at("inside", v3(2.1f, 1.6f, 4.7f), v3(1.9f, 1.2f, 0), 1.2f, 1.4f);
-    assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
-    world_commit(w);
-    return w;
-}
 
 // ---- rays ---------------------------------------------------------------------------------------
 
@@ -184,7 +46,7 @@ static void check_rays(copies kind, const world *plain, const world *w, bool out
             assert_true(rsv_bvh_closest(&bvh.view, &ray, &other));
             assert_close(hit.t, expected.t, 3e-6 * SIDE_Z * 20);
             if (!meets_front(view, &ray, hit.triangle))
-                fail_msg("%s: ray %u meets a back", name_of_copies[kind], first + k);
+                fail_msg("%s: ray %u meets a back", name_of_copies(kind), first + k);
             rsv_rgb seen = view->material[view->triangle_material[hit.triangle]].base_color;
             const rsv_scene_view *of = rsv_scene_get_view(plain->scene);
             rsv_rgb wanted = of->material[of->triangle_material[expected.triangle]].base_color;
@@ -207,9 +69,9 @@ static void check_rays(copies kind, const world *plain, const world *w, bool out
 static void shows_the_side_that_faces_the_ray(void **state)
 {
     (void)state;
-    world *plain = create_room(SINGLE);
+    world *plain = create_copied_room(NULL, SINGLE);
     for (copies kind = AFTER; kind < KINDS; kind++) {
-        world *w = create_room(kind);
+        world *w = create_copied_room(NULL, kind);
         check_rays(kind, plain, w, false);
         if (kind != SAME_WAY) check_rays(kind, plain, w, true);
         world_end(w);
@@ -318,7 +180,7 @@ static double difference(const rsv_image *a, const rsv_image *b)
 static void check_ratio(copies kind, double ratio, double expected)
 {
     if (!(fabs(ratio / expected - 1) < 0.01))
-        fail_msg("%s: modes differ by %.4f, not by %.4f", name_of_copies[kind], ratio, expected);
+        fail_msg("%s: modes differ by %.4f, not by %.4f", name_of_copies(kind), ratio, expected);
 }
 
 /// Elements lie elsewhere where walls are copied: pixels differ by what draft quality leaves, the path tracer's by rounding.
@@ -327,7 +189,7 @@ static void check_light(copies kind, const readings *plain, const readings *r)
     static const double most[pictures] = { 5e-3, 0.04, 0.04, 5e-3 };
     for (int k = 0; k < pictures; k++) {
         double d = difference(r->image[k], plain->image[k]);
-        if (!(d < most[k])) fail_msg("%s: picture %d differs by %.4f", name_of_copies[kind], k, d);
+        if (!(d < most[k])) fail_msg("%s: picture %d differs by %.4f", name_of_copies(kind), k, d);
         assert_close(mean_of(r->image[k]) / mean_of(plain->image[k]), 1, 0.01);
     }
     // the modes agree with one another as in the plain room, but for what other elements make of it
@@ -338,15 +200,15 @@ static void check_light(copies kind, const readings *plain, const readings *r)
     for (int k = 0; k < 3; k++)
         assert_close(r->probe[k] / plain->probe[k], 1, k == 0 ? 0.03 : 0.01);
     if (!(r->certificate[0] < plain->certificate[1]))
-        fail_msg("%s: residual %.4f", name_of_copies[kind], r->certificate[0]);
+        fail_msg("%s: residual %.4f", name_of_copies(kind), r->certificate[0]);
 }
 
 static void check_kinds(const copies *kinds, size_t count)
 {
-    world *w = create_room(SINGLE);
+    world *w = create_copied_room(NULL, SINGLE);
     readings plain = read_all(w);
     for (size_t k = 0; k < count; k++) {
-        world *copied = create_room(kinds[k]);
+        world *copied = create_copied_room(NULL, kinds[k]);
         readings r = read_all(copied);
         check_light(kinds[k], &plain, &r);
         readings_release(&r);
@@ -380,8 +242,9 @@ static world *create_lamps(int count, bool double_sided)
     rsv_material lamp = lambert_material(0, 5);
     lamp.double_sided = double_sided;
     for (int k = 0; k < count; k++) {
-        sheet s;
-        make_sheet(&(wall){ { -0.2f, 0.5f, -0.2f }, { { 0.4f, 0, 0 }, { 0, 0, 0.4f } } }, 1, 0, &s);
+        wall_mesh s;
+        make_sheet(
+            &(plain_wall){ { -0.2f, 0.5f, -0.2f }, { { 0.4f, 0, 0 }, { 0, 0, 0.4f } } }, 1, 0, &s);
         if (double_sided && k % 2) turn_over(&s);
         add_sheet(w, world_material(w, lamp), &s);
     }
@@ -514,7 +377,7 @@ static void warning_for(bool flip, bool same_material, char *warning)
     assert_int_equal(rsv_context_create(&desc, &context), RSV_OK);
     assert_int_equal(rsv_scene_create(context, &scene), RSV_OK);
     for (int k = 0; k < 2; k++) {
-        sheet s;
+        wall_mesh s;
         uint32_t paint = 0, mesh;
         rsv_material m = lambert_material(0.5f, 0);
         m.name = k ? "wallpaper" : "plaster";
