@@ -233,23 +233,36 @@ static showing look_at(const rsv_scene_view *view, uint32_t triangle, bool back)
     return seen;
 }
 
-/// Whether it is a guess which of two faces that turn the same way is wanted. Where there are faces of both windings, things
-/// stand on the copy of a floor, say, whose outside nobody looks at.
+static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
+{
+    const rsv_material *m = &view->material[view->triangle_material[triangle]];
+    return !rgb_is_black(m->emission) && !m->unlit;
+}
+
+/// Whether it is a guess which of two faces that turn the same way is wanted. Lamps in the plane of a ceiling are. Where there
+/// are faces of both windings, things stand on the copy of a floor, say, whose outside nobody looks at.
 static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t t, uint32_t other)
 {
     return other != RSV_NONE && view->triangle_material[t] != view->triangle_material[other] &&
+           is_lamp(view, t) == is_lamp(view, other) &&
            !((flags[t] | flags[other]) & RSV_TWIN_OPPOSITE);
 }
 
-/// Marks the faces that others hide. @return a triangle of which it is a guess that it is hidden, the first; RSV_NONE = none
-static uint32_t find_hidden(
+/// What the user is to be told of: triangles, the first of each kind; RSV_NONE = none.
+typedef struct oddities {
+    uint32_t guessed; ///< others are shown in its place, which is a guess
+    uint32_t doubled; ///< a lamp that another covers in part
+} oddities;
+
+/// Marks the faces that others hide.
+static oddities find_hidden(
     const rsv_scene_view *view, rsv_twins_owner *owner, rsv_context *context)
 {
     const rsv_twin_tree *tree = &owner->tree;
-    uint32_t guessed = RSV_NONE;
+    uint32_t guessed = RSV_NONE, doubled = RSV_NONE;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))                   \
     reduction(min                                                                                  \
-              : guessed)
+              : guessed, doubled)
     for (uint32_t k = 0; k < tree->face_count; k++) {
         uint32_t t = tree->face[k];
         bool two = view->material[view->triangle_material[t]].double_sided;
@@ -257,10 +270,13 @@ static uint32_t find_hidden(
             showing seen = look_at(view, t, false);
             if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
             if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
+            if (seen.some && t < doubled && is_lamp(view, t) && seen.other != RSV_NONE &&
+                is_lamp(view, seen.other))
+                doubled = t;
         }
         if (two && !look_at(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
     }
-    return guessed;
+    return (oddities){ guessed, doubled };
 }
 
 static const char *object_of(const rsv_scene_view *view, uint32_t triangle)
@@ -273,18 +289,23 @@ static const char *material_of(const rsv_scene_view *view, uint32_t triangle)
     return view->material[view->triangle_material[triangle]].name;
 }
 
-/// @param guessed RSV_NONE = nothing to be said
-static void warn_of_guess(const rsv_scene *scene, uint32_t guessed)
+static void warn_of_oddities(const rsv_scene *scene, oddities found)
 {
     const rsv_scene_view *view = &scene->view;
-    if (guessed == RSV_NONE || scene->is_part) return;
-    uint32_t shown = look_at(view, guessed, false).other;
-    rsv_log(scene->context, RSV_LOG_WARNING,
-        "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and face "
-        "the "
-        "same way; the latter are shown, which is a guess: delete what is not wanted",
-        object_of(view, guessed), object_of(view, shown), material_of(view, guessed),
-        material_of(view, shown));
+    if (scene->is_part) return;
+    if (found.guessed != RSV_NONE) {
+        uint32_t shown = look_at(view, found.guessed, false).other;
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and "
+            "face the same way; the latter are shown, which is a guess: delete what is not wanted",
+            object_of(view, found.guessed), object_of(view, shown),
+            material_of(view, found.guessed), material_of(view, shown));
+    }
+    if (found.doubled != RSV_NONE)
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "lamp '%s': another covers a part of one of its triangles, and shines there as well: "
+            "delete one of them",
+            object_of(view, found.doubled));
 }
 
 /// @param count triangles with a flag
@@ -310,7 +331,7 @@ static rsv_status keep(rsv_scene *scene, const finder *f, uint32_t count)
         .rounding = f->rounding,
         .extent = f->apart ? CLEAR * f->reach * 0x1p20f : 0 };
     scene->view.twins = &owner->twins;
-    warn_of_guess(scene, find_hidden(&scene->view, owner, context));
+    warn_of_oddities(scene, find_hidden(&scene->view, owner, context));
 cleanup:
     rsv_free(context, face);
     return status;

@@ -5,8 +5,9 @@
 /// however either is divided into triangles: of the faces at that place
 ///  1. an opaque one hides one that lets light through,
 ///  2. a front hides a back,
-///  3. a double-sided one hides a single-sided one,
-///  4. a later one hides an earlier one.
+///  3. a lamp hides what does not shine,
+///  4. a double-sided one hides a single-sided one,
+///  5. a later one hides an earlier one.
 /// Bodies of glass have no front in this sense: the surface between inside and outside is one surface.
 ///
 /// Faces that turn the same way lie in the same place if they do so up to rounding: else the nearer one is seen, as ever.
@@ -71,8 +72,9 @@ RSV_INLINE uint32_t rsv_twin_rank(const rsv_scene_view *scene, uint32_t triangle
     uint32_t material = scene->triangle_material[triangle];
     const rsv_material *m = &scene->material[material];
     bool body = m->transmission > 0 && m->thickness > 0;
-    return (rsv_twin_is_opaque(scene, material) ? 4u : 0u) | (!back && !body ? 2u : 0u) |
-           (m->double_sided ? 1u : 0u);
+    bool shines = !rgb_is_black(m->emission) && !m->unlit && (!back || m->double_sided);
+    return (rsv_twin_is_opaque(scene, material) ? 8u : 0u) | (!back && !body ? 4u : 0u) |
+           (shines ? 2u : 0u) | (m->double_sided ? 1u : 0u);
 }
 
 /// A triangle as seen from its first corner, its longer edge from there being 1: products stay within float.

@@ -271,6 +271,28 @@ static void copies_of_a_lamp_give_no_light_of_their_own(void **state)
     }
 }
 
+/// A lamp in the plane of a ceiling, before or after it in the scene.
+static void a_lamp_in_a_ceiling_shines(void **state)
+{
+    (void)state;
+    for (int first = 0; first < 2; first++) {
+        world *w = world_begin(2);
+        const rsv_vec3 corner[4] = { { -0.2f, 1, -0.2f }, { 0.2f, 1, -0.2f }, { 0.2f, 1, 0.2f },
+            { -0.2f, 1, 0.2f } };
+        uint32_t lamp = world_lambert(w, 0, 5);
+        if (first) world_quad(w, lamp, corner[0], corner[1], corner[2], corner[3]);
+        world_room(w, world_lambert(w, 0.5f, 0), v3(-1, -1, -1), v3(1, 1, 1));
+        if (!first) world_quad(w, lamp, corner[0], corner[1], corner[2], corner[3]);
+        world_commit(w);
+        rsv_hit hit;
+        rsv_ray up = { v3(0.05f, 0, 0.02f), v3(0.01f, 1, 0), INFINITY };
+        assert_true(rsv_tracer_closest(w->tracer, &up, &hit));
+        assert_int_equal(rsv_scene_get_view(w->scene)->triangle_material[hit.triangle], lamp);
+        assert_int_equal(w->lights->emitter_count, 2);
+        world_end(w);
+    }
+}
+
 // ---- burial -------------------------------------------------------------------------------------
 
 /// Bodies that touch hide from each other what lies inside of them.
@@ -420,6 +442,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(shows_the_side_that_faces_the_ray),
         cmocka_unit_test(light_is_that_of_single_walls),
         cmocka_unit_test(copies_of_a_lamp_give_no_light_of_their_own),
+        cmocka_unit_test(a_lamp_in_a_ceiling_shines),
         cmocka_unit_test(crates_on_crates_stay_dark_inside),
         cmocka_unit_test(many_copies_are_found_quickly),
         cmocka_unit_test(a_heap_of_copies_takes_no_square),
