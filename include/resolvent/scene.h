@@ -185,6 +185,7 @@ typedef struct rsv_scene_view {
     const rsv_material *material;      ///< [material_count]
     const struct rsv_texture *texture; ///< [texture_count]; private to the library
     const uint8_t *material_varies; ///< [material_count] 0 = the same all over; else private flags
+    const struct rsv_twins *twins;  ///< private; NULL = no two faces lie in the same place
     const rsv_light *light;         ///< [light_count]
     const rsv_camera *camera;       ///< [camera_count]
     const char *const *object_name; ///< [object_count]

@@ -65,6 +65,7 @@ rsv_status rsv_bvh_build_scene(const rsv_scene *scene, rsv_bvh *bvh)
     rsv_status status = rsv_bvh_build(
         rsv_scene_get_context(scene), view->position, view->triangle, view->triangle_count, bvh);
     if (status == RSV_OK && rsv_find_cut_out(view)) bvh->view.holes = view;
+    if (status == RSV_OK && view->twins) bvh->view.twins = view;
     return status;
 }
 

@@ -6,7 +6,7 @@
 #define RSV_BVH_TRACE_H
 
 #include "../core/bits.h"
-#include "../scene/material_at.h"
+#include "../scene/twins.h"
 #include "bvh.h"
 #include "watertight.h"
 
@@ -163,7 +163,9 @@ RSV_INLINE rsv_bvh_view rsv_bvh_with_holes(rsv_bvh_view bvh, bool holes)
 
 RSV_INLINE bool rsv_bvh_closest(const rsv_bvh_view *bvh, const rsv_ray *ray, rsv_hit *hit)
 {
-    return rsv_bvh_trace(bvh, ray, false, hit);
+    if (!rsv_bvh_trace(bvh, ray, false, hit)) return false;
+    if (bvh->twins) rsv_twins_settle(bvh->twins, ray->direction, hit);
+    return true;
 }
 
 RSV_INLINE bool rsv_bvh_occluded(const rsv_bvh_view *bvh, const rsv_ray *ray)

@@ -1,5 +1,7 @@
 #include "cell_visibility.h"
 
+#include "../scene/twins.h"
+
 #define BURIAL_RAYS 8
 #define BURIAL_MAJORITY                                                                            \
     6 ///< so many of them must see backs before a place near other geometry is buried
@@ -136,7 +138,9 @@ bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shap
     return is_opaque(scene, &hit);
 }
 
-typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT } sight;
+/// SIGHT_BOTH: faces of both windings in one place, of which the front is seen. That is a wall written twice, and says that
+/// one is in the open; or two bodies touch, and one is inside of the first.
+typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT, SIGHT_BOTH } sight;
 
 /// What a ray meets first: the back of a one-sided opaque surface, or anything else.
 static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_chain *chain)
@@ -146,19 +150,23 @@ static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_chai
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
     *chain = rsv_chain_begin(scene, NULL, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
     bool opaque = !bsdf->double_sided && is_opaque(scene, &hit);
+    if (rsv_twins_meet(scene->view, ray->direction, hit)) return SIGHT_BOTH;
     return chain->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
 }
 
 bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,
     uint64_t *rays)
 {
+    int backs = 0;
     for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
         rsv_chain chain;
         rsv_ray ray = ray_from(place, normal, k, seed);
         ++*rays;
-        if (look(scene, &ray, &chain) != SIGHT_BACK) return false;
+        sight seen = look(scene, &ray, &chain);
+        if (seen != SIGHT_BACK && seen != SIGHT_BOTH) return false;
+        backs += seen == SIGHT_BACK;
     }
-    return true;
+    return backs > 0;
 }
 
 bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
@@ -170,7 +178,7 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
         rsv_ray ray = ray_from(place, normal, k, seed);
         sight seen = look(scene, &ray, &chain);
         ++*rays;
-        for (uint32_t step = 1; step < BURIAL_STEPS && seen == SIGHT_FRONT; step++) {
+        for (uint32_t step = 1; step < BURIAL_STEPS && seen >= SIGHT_FRONT; step++) {
             // the surface met may be inside the same body: look on from there
             rsv_surface_point point =
                 rsv_surface_point_at(scene->view, chain.triangle, chain.u, chain.v, chain.back);

@@ -32,6 +32,7 @@ typedef struct rsv_beam {
     rsv_beam_triangle of[RSV_BEAM_TRIANGLES]; ///< [count]
     /// [count] indices into `of`, the scene's order: of two triangles at one distance, rays meet the last, as Embree's do.
     uint8_t order[RSV_BEAM_TRIANGLES];
+    const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
 } rsv_beam;
 
 /// How beams see through the lens of a frame: places of points as (across, upwards, 1) * depth, as in rsv_lens_ray.

@@ -1,6 +1,7 @@
 /// Part of packet_kernels_body.h: finding the triangles of a beam, and packets that meet them.
 #include "../bvh/bvh_trace.h"
 #include "../light/double3.h"
+#include "../trace/packet.h"
 
 /// Beams that visit more nodes are not worth it.
 #define MOST_NODES 96
@@ -269,6 +270,7 @@ static bool gather_beam(const rsv_beams *beams, const rsv_beam_lens *lens, const
     const float greatest_place[2] = { (high[0] - lens->lens.half_width) * scale + lens->slack,
         (lens->lens.half_height - low[1]) * scale + lens->slack };
     beam->count = 0;
+    beam->twins = beams->bvh.twins;
     aim_beam(lens, least_place, greatest_place, &s);
     if (!search_beam(&s)) return false;
     drop_hidden(&s);
@@ -345,4 +347,5 @@ static void meet_packet(const rsv_beam *restrict beam, rsv_ray_packet *restrict 
         const rsv_beam_triangle *t = &beam->of[beam->order[k]];
         if (weigh_corners(t, p, weight)) meet_triangle(t, weight, p);
     }
+    if (beam->twins) rsv_packet_settle(beam->twins, p);
 }

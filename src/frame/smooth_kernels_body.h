@@ -3,13 +3,16 @@
 /// Corners of the triangles that a packet met.
 typedef struct corner_lanes {
     rsv_lanes3 position[3], normal[3];
+    float extent[LANES]; ///< see rsv_twins_extent
 } corner_lanes;
 
 static inline void gather_corners(const rsv_scene_view *restrict view,
     const uint32_t *restrict triangle, corner_lanes *restrict to)
 {
     for (uint32_t k = 0; k < LANES; k++) {
-        const uint32_t *corner = view->triangle[triangle[k] == RSV_NONE ? 0 : triangle[k]];
+        uint32_t met = triangle[k] == RSV_NONE ? 0 : triangle[k];
+        const uint32_t *corner = view->triangle[met];
+        to->extent[k] = rsv_twins_extent(view, met);
         for (int c = 0; c < 3; c++) {
             rsv_set_lane_vector(to->position[c], k, view->position[corner[c]]);
             rsv_set_lane_vector(to->normal[c], k, view->normal[corner[c]]);
@@ -39,7 +42,7 @@ static inline void find_points(const corner_lanes *restrict corners,
         rsv_set_lane_vector(to->position, k, point.position);
         rsv_set_lane_vector(to->geometric, k, point.geometric);
         rsv_set_lane_vector(to->normal, k, normal);
-        to->extent[k] = point.extent;
+        to->extent[k] = f_max(point.extent, corners->extent[k]);
     }
 }
 

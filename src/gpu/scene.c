@@ -86,6 +86,31 @@ static void upload_variation(const rsv_gpu_scene *s, rsv_gpu *gpu)
     }
 }
 
+// ---- faces in the same place -------------------------------------------------------------------
+
+static void place_twins(rsv_gpu_scene *s, rsv_gpu_block *b)
+{
+    const rsv_twins *host = s->host->twins;
+    if (!host) return;
+    s->twins = *host;
+    s->twins.flags = rsv_gpu_place(b, s->host->triangle_count, sizeof *host->flags);
+    s->twins.node = rsv_gpu_place(b, (size_t)host->node_count + 1, sizeof *host->node);
+    s->twins.face = rsv_gpu_place(b, host->face_count, sizeof *host->face);
+    s->view.twins = rsv_gpu_place(b, 1, sizeof *host);
+    s->bvh.twins = s->there;
+}
+
+static void upload_twins(const rsv_gpu_scene *s, rsv_gpu *gpu)
+{
+    const rsv_twins *host = s->host->twins;
+    if (!host) return;
+    const rsv_gpu_array array[] = { { s->view.twins, &s->twins, 1, sizeof s->twins },
+        { s->twins.flags, host->flags, s->host->triangle_count, sizeof *host->flags },
+        { s->twins.node, host->node, (size_t)host->node_count + 1, sizeof *host->node },
+        { s->twins.face, host->face, host->face_count, sizeof *host->face } };
+    rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
+}
+
 // ---- all ----------------------------------------------------------------------------------------
 
 void rsv_gpu_scene_place(rsv_gpu_scene *s, rsv_gpu_block *b)
@@ -103,6 +128,7 @@ void rsv_gpu_scene_place(rsv_gpu_scene *s, rsv_gpu_block *b)
     s->bvh.triangle = rsv_gpu_place(b, s->host_bvh.triangle_count, sizeof *s->bvh.triangle);
     s->bvh.holes = s->host_bvh.holes ? s->there : NULL;
     if (s->varied) place_variation(s, b);
+    place_twins(s, b);
 }
 
 void rsv_gpu_scene_upload(const rsv_gpu_scene *s, rsv_gpu *gpu)
@@ -119,6 +145,7 @@ void rsv_gpu_scene_upload(const rsv_gpu_scene *s, rsv_gpu *gpu)
         { s->bvh.triangle, bvh->triangle, bvh->triangle_count, sizeof *bvh->triangle } };
     rsv_gpu_upload_all(gpu, array, sizeof array / sizeof array[0]);
     if (s->varied) upload_variation(s, gpu);
+    upload_twins(s, gpu);
     rsv_gpu_scene_upload_materials(s, gpu);
 }
 

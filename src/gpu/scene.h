@@ -4,6 +4,7 @@
 
 #include "../bvh/bvh.h"
 #include "../scene/texture.h"
+#include "../scene/twins.h"
 #include "gpu.h"
 
 typedef struct rsv_gpu_scene {
@@ -16,6 +17,7 @@ typedef struct rsv_gpu_scene {
     /// With addresses on the device. No lights (sources.h) and no names; where it is not varied no textures either.
     rsv_scene_view view;
     rsv_scene_view *there; ///< the same, on the device
+    rsv_twins twins;       ///< with addresses on the device
     rsv_bvh_view bvh;
 } rsv_gpu_scene;
 

@@ -3,6 +3,7 @@
 #include "light_internal.h"
 
 #include "../core/core.h"
+#include "../scene/twins.h"
 
 /// Places on a textured emitter from which its mean radiance is estimated.
 #define RADIANCE_POINTS 64
@@ -75,9 +76,9 @@ rsv_emitter rsv_emitter_create(
     const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell)
 {
     const rsv_bsdf *material = &bsdf[scene->triangle_material[triangle]];
-    rsv_emitter emitter = {
-        .triangle = triangle, .level = (uint8_t)level, .double_sided = material->double_sided
-    };
+    rsv_emitter emitter = { .triangle = triangle,
+        .level = (uint8_t)level,
+        .double_sided = material->double_sided && !rsv_twins_hide(scene, triangle, true) };
     cell_corners(level, cell, emitter.u, emitter.v);
     rsv_emitter_follow(scene, &emitter);
     emitter.varies = rsv_emission_varies(&scene->material[scene->triangle_material[triangle]]);

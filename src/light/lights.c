@@ -3,6 +3,7 @@
 
 #include "../core/core.h"
 #include "../scene/punctual.h"
+#include "../scene/twins.h"
 
 #include <stdlib.h>
 
@@ -26,17 +27,24 @@ static bool is_emissive(const rsv_bsdf *bsdf)
     return bsdf->emissive && !bsdf->unlit && !rgb_is_black(bsdf->emission);
 }
 
+/// What other faces at its place hide gives no light: else the place would shine twice.
+static bool shines(const rsv_scene_view *scene, const rsv_bsdf *bsdf, size_t triangle)
+{
+    return is_emissive(&bsdf[scene->triangle_material[triangle]]) &&
+           !rsv_twins_hide(scene, (uint32_t)triangle, false);
+}
+
 /// Keys of the emissive triangles, in order.
 static rsv_status collect_triangles(rsv_context *context, const rsv_scene_view *scene,
     const rsv_bsdf *bsdf, emitter_key **keys, size_t *count)
 {
     *count = 0;
     for (size_t i = 0; i < scene->triangle_count; i++)
-        *count += is_emissive(&bsdf[scene->triangle_material[i]]);
+        *count += shines(scene, bsdf, i);
     emitter_key *key = *keys = rsv_alloc(context, *count, sizeof *key);
     if (!key) return RSV_ERROR_MEMORY;
     for (size_t i = 0; i < scene->triangle_count; i++)
-        if (is_emissive(&bsdf[scene->triangle_material[i]]))
+        if (shines(scene, bsdf, i))
             *key++ = (emitter_key){ scene->triangle_object[i], scene->triangle_material[i], i };
     qsort(*keys, *count, sizeof **keys, compare_keys);
     return RSV_OK;

@@ -88,6 +88,7 @@ void rsv_scene_update_bounds(rsv_scene *scene)
     bounding_box bounds = find_bounds(scene);
     scene->view.bounds_min = bounds.low;
     scene->view.bounds_max = bounds.high;
+    rsv_scene_move_twins(scene);
 }
 
 /// Finds out which materials are not the same all over: textured ones, and those on coloured vertices.
@@ -134,6 +135,7 @@ rsv_status rsv_scene_finish(rsv_scene *scene)
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
     RSV_TRY(rsv_scene_list_nodes(scene));
+    RSV_TRY(rsv_scene_find_twins(scene));
     rsv_scene_release_sources(scene);
     scene->commit_tried = scene->committed = true;
 cleanup:

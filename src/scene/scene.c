@@ -71,7 +71,10 @@ static void release_names(rsv_scene *scene)
 static void release_variant(rsv_scene *scene)
 {
     release_lights_and_colors(scene);
-    if (scene->owns_positions) rsv_free(scene->context, scene->position);
+    if (scene->owns_positions) {
+        rsv_free(scene->context, scene->position);
+        rsv_scene_release_twins(scene);
+    }
     if (scene->owns_environment) rsv_free(scene->context, (void *)scene->environment.pixels);
     rsv_free(scene->context, scene);
 }
@@ -87,6 +90,7 @@ void rsv_scene_destroy(rsv_scene *scene)
     rsv_scene_release_sources(scene);
     release_names(scene);
     rsv_scene_release_environment(scene);
+    rsv_scene_release_twins(scene);
     rsv_scene_drop_document(scene);
     release_lights_and_colors(scene);
     for (size_t i = 0; i < scene->texture_count; i++)

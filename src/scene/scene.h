@@ -73,6 +73,8 @@ struct rsv_scene {
     rsv_environment environment; ///< name and pixels owned; pixels NULL = none
     rsv_scene_document document; ///< of a variant, its base's counts
 
+    struct rsv_twins_owner *twins; ///< NULL = no two faces lie in the same place
+
     rsv_scene_view view;
 };
 
@@ -130,6 +132,16 @@ rsv_status rsv_scene_finish(rsv_scene *scene);
 
 /// Adds a punctual light to a committed scene; the view's array of lights may move.
 rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light);
+
+/// Finds the faces of a committed scene that lie in the same place (twins.h), warns where only a guess can tell which of
+/// them is to be seen, and puts them into the view. Then warns of lamps that something opaque is closed around: the search
+/// for both is in the same tree.
+rsv_status rsv_scene_find_twins(rsv_scene *scene);
+/// After vertices were moved. Faces that came together only now are not found.
+void rsv_scene_move_twins(rsv_scene *scene);
+/// Gives a variant boxes of its own around faces that lie in the same place, for vertices of its own.
+rsv_status rsv_scene_copy_twins(rsv_scene *variant);
+void rsv_scene_release_twins(rsv_scene *scene);
 
 /// Finds the bounds of a committed scene again, after vertices were moved.
 void rsv_scene_update_bounds(rsv_scene *scene);

@@ -45,7 +45,7 @@ rsv_status rsv_scene_vary_positions(rsv_scene *variant)
     variant->position = position;
     variant->view.position = position;
     variant->owns_positions = true;
-    return RSV_OK;
+    return rsv_scene_copy_twins(variant);
 }
 
 rsv_status rsv_scene_vary_environment(rsv_scene *variant)

@@ -10,6 +10,7 @@
 
 #include "../bsdf/bsdf.h"
 #include "../core/vec.h"
+#include "../scene/twins.h"
 
 /// A point of the surface with its two normals, on the side of its face.
 typedef struct rsv_surface_point {
@@ -44,7 +45,9 @@ RSV_INLINE rsv_surface_point rsv_surface_point_at(
     const uint32_t *at = scene->triangle[triangle];
     rsv_vec3 corner[3] = { scene->position[at[0]], scene->position[at[1]], scene->position[at[2]] };
     rsv_vec3 normal[3] = { scene->normal[at[0]], scene->normal[at[1]], scene->normal[at[2]] };
-    return rsv_surface_point_of(corner, normal, u, v, back);
+    rsv_surface_point point = rsv_surface_point_of(corner, normal, u, v, back);
+    point.extent = f_max(point.extent, rsv_twins_extent(scene, triangle));
+    return point;
 }
 
 /// The point with its normal map: what is seen.

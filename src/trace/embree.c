@@ -105,6 +105,8 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     tracer->bvh = rtcNewScene(tracer->device);
     RSV_TRY(check_device(tracer));
     RSV_TRY(build(tracer));
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    tracer->twins = view->twins ? view : NULL;
     *result = tracer;
     return RSV_OK;
 cleanup:

@@ -1,6 +1,8 @@
 /// Rays through the hierarchies of embree.c.
+#include "../scene/twins.h"
 #include "embree_internal.h"
 #include "near.h"
+#include "packet.h"
 
 #include <string.h>
 
@@ -61,7 +63,9 @@ bool rsv_tracer_closest(const rsv_tracer *tracer, const rsv_ray *ray, rsv_hit *h
     INTERSECT_ONE(&query_ray);
     uint32_t triangle = triangle_of(tracer, query_ray.hit.geomID, query_ray.hit.primID);
     *hit = (rsv_hit){ triangle, query_ray.ray.tfar, query_ray.hit.u, query_ray.hit.v };
-    return query_ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    if (query_ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+    if (tracer->twins) rsv_twins_settle(tracer->twins, ray->direction, hit);
+    return true;
 }
 
 bool rsv_tracer_occluded(const rsv_tracer *tracer, const rsv_ray *ray)
@@ -178,6 +182,7 @@ void rsv_tracer_closest_packet(const rsv_tracer *tracer, rsv_ray_packet *packet,
         INTERSECT(16, all_lanes, (struct RTCRayHit16 *)packet);
     }
     if (tracer->apart) name_apart(tracer, packet);
+    if (tracer->twins) rsv_packet_settle(tracer->twins, packet);
 }
 
 void rsv_tracer_occluded_packet(const rsv_tracer *tracer, rsv_ray_packet *packet, bool coherent)

@@ -3,7 +3,7 @@
 #define RSV_OFFSET_H
 
 #include "../core/vec.h"
-#include "resolvent/scene.h"
+#include "../scene/twins.h"
 
 RSV_INLINE rsv_vec3 rsv_moved_off(rsv_vec3 point, rsv_vec3 normal, float extent)
 {
@@ -17,7 +17,8 @@ RSV_INLINE float rsv_extent_of(const rsv_scene_view *scene, uint32_t triangle)
 {
     const uint32_t *corner = scene->triangle[triangle];
     float a = v3_max_abs(scene->position[corner[0]]), b = v3_max_abs(scene->position[corner[1]]);
-    return f_max(f_max(a, b), v3_max_abs(scene->position[corner[2]]));
+    float extent = f_max(f_max(a, b), v3_max_abs(scene->position[corner[2]]));
+    return f_max(extent, rsv_twins_extent(scene, triangle));
 }
 
 #endif

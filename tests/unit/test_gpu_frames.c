@@ -1,5 +1,6 @@
 /// Frames made by a device against the pictures of rsv_render, on a device that the processor emulates;
 /// `test_gpu_frames cuda` runs the same on a real one.
+#include "copies_fixture.h"
 #include "frame/frame_device.h"
 #include "frame_fixture.h"
 #include "resolvent/device.h"
@@ -96,6 +97,8 @@ static void frames_are_the_pictures_of_the_processor(void **state)
     check_frames(world_builtin_on(2, device, "cornell-blocks"), 3, 1, 0);
     check_frames(world_builtin_on(2, device, "cornell-blocks"), 1, 2, 0);
     check_frames(world_builtin_on(2, device, "cornell-spheres"), 2, 1, pixel_count / 200);
+    check_frames(create_copied_room(device, MIXED), 1, 1, 0);
+    check_frames(create_copied_room(device, INSIDE), 1, 1, 0);
     rsv_device_close(device);
 }
 

@@ -1,5 +1,6 @@
 /// Rows of G whose rays a device traces against those of the processor, on a device that the processor emulates;
 /// `test_gpu_rows cuda` runs the same on a real one.
+#include "copies_fixture.h"
 #include "light_fixture.h"
 #include "light_view.h"
 #include "resolvent/device.h"
@@ -121,6 +122,9 @@ static void rows_are_those_of_the_processor(void **state)
     (void)state;
     check_builtin("cornell-blocks", 0.001);
     check_builtin("two-rooms", 0.001);
+    rsv_device *device = open_device();
+    compare(create_copied_room(NULL, MIXED), create_copied_room(device, MIXED), 0.001);
+    rsv_device_close(device);
 }
 
 /// A sky that matters, a coat that tints, a mirror, a lattice, a lamp so large that gathering finds it.

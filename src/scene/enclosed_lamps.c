@@ -1,0 +1,269 @@
+#include "enclosed_lamps.h"
+
+#include "../core/sampling.h"
+#include "scene.h"
+
+/// Rays from a lamp, and how often each is reflected at random: what leaves by no more than the 256th part of a sphere, or
+/// not within some reflections, is none to speak of.
+#define RAYS 256
+#define REFLECTIONS 6
+/// Places on an emissive object that rays are sent from, at most.
+#define PLACES 16
+
+/// A body is no room if it is smaller than this many metres, or this part of the scene ...
+#define SMALL 1.0f
+#define SMALL_PART (1 / 20.0f)
+/// ... and at any rate than this part of the scene, with no more than this share of its surface within.
+#define MOST_PART (1 / 3.0f)
+#define MOST_SURFACE 0.1
+
+/// Warnings about single lamps.
+#define MOST_NAMED 8
+
+/// A lamp and the space around it that its light gets to.
+typedef struct search {
+    const rsv_scene_view *view;
+    const rsv_twin_tree *tree;
+    float size, limit;  ///< of the scene, and of what is no room; metres
+    rsv_vec3 low, high; ///< of the places that light was followed to
+    bool reflected;     ///< some of it; else it met backs alone
+    uint32_t object;    ///< that light met first, by majority (Boyer and Moore 1991)
+    int votes;
+} search;
+
+// ---- rays ---------------------------------------------------------------------------------------
+
+/// Moeller and Trumbore (1997), in double and with edges included: nothing slips through between triangles.
+static bool meets(
+    const rsv_scene_view *view, uint32_t triangle, const rsv_ray *ray, float t_min, rsv_hit *hit)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 p[3] = { view->position[corner[0]], view->position[corner[1]],
+        view->position[corner[2]] };
+    double a[3] = { (double)p[1].x - p[0].x, (double)p[1].y - p[0].y, (double)p[1].z - p[0].z };
+    double b[3] = { (double)p[2].x - p[0].x, (double)p[2].y - p[0].y, (double)p[2].z - p[0].z };
+    double o[3] = { (double)ray->origin.x - p[0].x, (double)ray->origin.y - p[0].y,
+        (double)ray->origin.z - p[0].z };
+    double d[3] = { ray->direction.x, ray->direction.y, ray->direction.z };
+    double db[3] = { d[1] * b[2] - d[2] * b[1], d[2] * b[0] - d[0] * b[2],
+        d[0] * b[1] - d[1] * b[0] };
+    double oa[3] = { o[1] * a[2] - o[2] * a[1], o[2] * a[0] - o[0] * a[2],
+        o[0] * a[1] - o[1] * a[0] };
+    double volume = db[0] * a[0] + db[1] * a[1] + db[2] * a[2];
+    if (volume == 0) return false;
+    double u = (db[0] * o[0] + db[1] * o[1] + db[2] * o[2]) / volume;
+    double v = (oa[0] * d[0] + oa[1] * d[1] + oa[2] * d[2]) / volume;
+    double t = (oa[0] * b[0] + oa[1] * b[1] + oa[2] * b[2]) / volume;
+    if (u < -1e-7 || v < -1e-7 || u + v > 1 + 1e-7 || t <= (double)t_min || t >= (double)hit->t)
+        return false;
+    float inside = f_min(f_max((float)u, 0), 1);
+    if (rsv_is_cut_out(view, triangle, inside, f_min(f_max((float)v, 0), 1 - inside))) return false;
+    *hit = (rsv_hit){ triangle, (float)t, inside, f_min(f_max((float)v, 0), 1 - inside) };
+    return true;
+}
+
+static bool misses_box(const rsv_twin_node *node, const rsv_ray *ray, float slack, float t_max)
+{
+    const float *low = &node->low.x, *high = &node->high.x, *from = &ray->origin.x,
+                *along = &ray->direction.x;
+    float enter = 0, leave = t_max;
+    for (int k = 0; k < 3; k++) {
+        float near = low[k] - slack - from[k], far = high[k] + slack - from[k];
+        if (fabsf(along[k]) < 1e-12f) {
+            if (near > 0 || far < 0) return true;
+            continue;
+        }
+        float a = near / along[k], b = far / along[k];
+        enter = f_max(enter, f_min(a, b));
+        leave = f_min(leave, f_max(a, b));
+    }
+    return enter > leave;
+}
+
+static bool find_hit(const search *s, const rsv_ray *ray, rsv_hit *hit)
+{
+    const rsv_twin_tree *tree = s->tree;
+    float slack = 1e-6f * s->size;
+    *hit = (rsv_hit){ RSV_NONE, INFINITY, 0, 0 };
+    for (uint32_t n = 0; n < tree->node_count;) {
+        const rsv_twin_node *node = &tree->node[n];
+        bool misses = misses_box(node, ray, slack, hit->t);
+        if (!misses && node->next == n + 1)
+            for (uint32_t k = node->first; k < node[1].first; k++)
+                meets(s->view, tree->face[k], ray, slack, hit);
+        n = misses ? node->next : n + 1;
+    }
+    if (hit->triangle != RSV_NONE && s->view->twins) rsv_twins_settle(s->view, ray->direction, hit);
+    return hit->triangle != RSV_NONE;
+}
+
+// ---- one lamp -----------------------------------------------------------------------------------
+
+static void spread(search *s, rsv_vec3 place)
+{
+    s->low = v3_min(s->low, place);
+    s->high = v3_max(s->high, place);
+}
+
+static bool is_large(const search *s) { return v3_max_abs(v3_sub(s->high, s->low)) > s->limit; }
+
+static void vote(search *s, uint32_t object)
+{
+    if (s->votes == 0) s->object = object;
+    s->votes += object == s->object ? 1 : -1;
+}
+
+static rsv_vec3 random_around(rsv_vec3 normal, uint32_t stream, uint32_t k)
+{
+    rsv_vec3 t, b;
+    rsv_vec3 d = rsv_square_to_cosine_hemisphere(
+        rsv_unit_float(rsv_hash2(2 * stream, k)), rsv_unit_float(rsv_hash2(2 * stream + 1, k)));
+    v3_frame(normal, &t, &b);
+    return v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal);
+}
+
+/// Follows light from a lamp. @return whether it may stay close to the lamp, as far as this ray can tell
+static bool stays(search *s, rsv_ray ray, uint32_t index)
+{
+    const rsv_scene_view *view = s->view;
+    for (uint32_t step = 0; step <= REFLECTIONS; step++) {
+        rsv_hit hit;
+        if (!find_hit(s, &ray, &hit)) return false;
+        uint32_t material = view->triangle_material[hit.triangle];
+        const rsv_material *m = &view->material[material];
+        if (!rsv_twin_is_opaque(view, material) || m->diffuse_transmission > 0) return false;
+        if (step == 0) vote(s, view->triangle_object[hit.triangle]);
+        rsv_twin_plane plane = rsv_twin_plane_of(view, hit.triangle);
+        rsv_vec3 normal = v3_normalize(plane.normal);
+        bool back = v3_dot(normal, ray.direction) > 0;
+        spread(s, v3_mad(ray.origin, hit.t, ray.direction));
+        if (back && !m->double_sided) return !(s->reflected && is_large(s));
+        s->reflected = true;
+        if (is_large(s)) return false;
+        if (back) normal = v3_neg(normal);
+        ray.origin = rsv_twin_point(&plane, hit.u, hit.v);
+        ray.direction = random_around(normal, step + 1, index);
+    }
+    return true;
+}
+
+static bool is_within(const search *s, rsv_vec3 p)
+{
+    return p.x >= s->low.x && p.x <= s->high.x && p.y >= s->low.y && p.y <= s->high.y &&
+           p.z >= s->low.z && p.z <= s->high.z;
+}
+
+/// Whether what light gets to is a room rather than a body: one looks at it, or there is much in it.
+static bool is_room(const search *s)
+{
+    const rsv_scene_view *view = s->view;
+    double within = 0, all = 0;
+    for (size_t k = 0; k < view->camera_count; k++)
+        if (is_within(s, view->camera[k].position)) return true;
+    for (uint32_t t = 0; t < view->triangle_count; t++) {
+        const uint32_t *corner = view->triangle[t];
+        rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
+                 c = view->position[corner[2]];
+        double area = (double)v3_length(v3_cross(v3_sub(b, a), v3_sub(c, a)));
+        all += area;
+        if (is_within(s, a) && is_within(s, b) && is_within(s, c)) within += area;
+    }
+    return within > MOST_SURFACE * all;
+}
+
+static void begin(search *s, rsv_vec3 place)
+{
+    s->low = s->high = place;
+    s->reflected = false;
+    s->votes = 0;
+}
+
+/// What met backs alone is dark whatever its size.
+static bool is_enclosed(const search *s) { return !s->reflected || (!is_large(s) && !is_room(s)); }
+
+static bool is_light_enclosed(search *s, const rsv_light *light)
+{
+    bool spot = light->kind == RSV_LIGHT_SPOT;
+    float least = spot ? cosf(light->outer_cone_angle) : -1;
+    rsv_vec3 t, b, axis = spot ? light->direction : v3(0, 1, 0);
+    if (light->kind == RSV_LIGHT_DIRECTIONAL || rgb_is_black(light->intensity)) return false;
+    begin(s, light->position);
+    v3_frame(axis, &t, &b);
+    for (uint32_t k = 0; k < RAYS; k++) {
+        // Fibonacci's spiral
+        float z = 1 - (1 - least) * ((float)k + 0.5f) / RAYS, r = sqrtf(f_max(1 - z * z, 0));
+        float turn = 2.39996323f * (float)k + 0.1f;
+        rsv_vec3 d = v3_mad(v3_scale(t, r * cosf(turn)), r * sinf(turn), b);
+        rsv_ray ray = { light->position, v3_mad(d, z, axis), INFINITY };
+        if (!stays(s, ray, k)) return false;
+    }
+    return is_enclosed(s);
+}
+
+static bool emits(const rsv_scene_view *view, uint32_t triangle)
+{
+    const rsv_material *m = &view->material[view->triangle_material[triangle]];
+    return !rgb_is_black(m->emission) && !m->unlit && !rsv_twins_hide(view, triangle, false);
+}
+
+/// Whether light from a few places all over the emissive faces of an object stays near.
+/// @param first, end of the object's triangles @param count of those that emit
+static bool is_object_enclosed(search *s, uint32_t first, uint32_t end, uint32_t count)
+{
+    const rsv_scene_view *view = s->view;
+    uint32_t places = count < PLACES ? count : PLACES, taken = 0, seen = 0;
+    for (uint32_t t = first; t < end; t++) {
+        if (!emits(view, t) || (uint64_t)seen++ * places < (uint64_t)taken * count) continue;
+        rsv_twin_plane plane = rsv_twin_plane_of(view, t);
+        rsv_vec3 normal = v3_normalize(plane.normal), from = rsv_twin_point(&plane, 0.3f, 0.3f);
+        int sides = view->material[view->triangle_material[t]].double_sided ? 2 : 1;
+        if (taken++ == 0) begin(s, from);
+        spread(s, from);
+        for (uint32_t k = 0; k < RAYS / places; k++) {
+            rsv_vec3 side = k % (uint32_t)sides ? v3_neg(normal) : normal;
+            rsv_ray ray = { from, random_around(side, 0, taken * RAYS + k), INFINITY };
+            if (!stays(s, ray, taken * RAYS + k)) return false;
+        }
+    }
+    return is_enclosed(s);
+}
+
+// ---- all ----------------------------------------------------------------------------------------
+
+static void warn(const search *s, const rsv_context *context, const char *kind, const char *name,
+    uint32_t *count)
+{
+    if ((*count)++ >= MOST_NAMED) return;
+    rsv_log(context, RSV_LOG_WARNING,
+        "%s '%s': the opaque object '%s' is closed around it and keeps all of its light; give that "
+        "a transparent material (KHR_materials_transmission), open it, or delete it",
+        kind, name, s->view->object_name[s->object]);
+}
+
+static void look_into_objects(search *s, const rsv_context *context, uint32_t *count)
+{
+    const rsv_scene_view *view = s->view;
+    for (uint32_t first = 0, end; first < view->triangle_count; first = end) {
+        uint32_t object = view->triangle_object[first], emissive = 0;
+        for (end = first; end < view->triangle_count && view->triangle_object[end] == object; end++)
+            emissive += emits(view, end);
+        if (emissive && is_object_enclosed(s, first, end, emissive))
+            warn(s, context, "lamp", view->object_name[object], count);
+    }
+}
+
+void rsv_warn_of_enclosed_lamps(const rsv_scene *scene, const rsv_twin_tree *tree)
+{
+    const rsv_scene_view *view = &scene->view;
+    float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
+    search s = { .view = view, .tree = tree, .size = size };
+    uint32_t count = 0;
+    s.limit = f_min(f_max(SMALL, SMALL_PART * size), MOST_PART * size);
+    for (size_t k = 0; k < view->light_count; k++)
+        if (is_light_enclosed(&s, &view->light[k]))
+            warn(&s, scene->context, "light", view->light[k].name, &count);
+    look_into_objects(&s, scene->context, &count);
+    if (count > MOST_NAMED)
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "%u more lamps have something opaque closed around them", count - MOST_NAMED);
+}

@@ -1,0 +1,397 @@
+/// Finds faces that lie in the same place.
+#include "twins.h"
+
+#include "enclosed_lamps.h"
+#include "scene.h"
+#include "twin_overlap.h"
+#include "twin_tree.h"
+
+#include <string.h>
+
+/// Opposite faces may lie apart by this part of the scene's size: copies come out of programs of single precision.
+#define REACH 0x1p-18f
+/// Places are the same to this part of the largest coordinate: what two hits of one ray differ by.
+#define ROUNDING 0x1p-21f
+/// Rays leave faces with copies by so many times what these may lie off.
+#define CLEAR 1.5f
+
+/// The four triangles of a leaf look at so many others at most, and find so many: beyond, as around the tip of a fan of
+/// a million slivers, or in a heap of inexact copies of one triangle, time would grow with the square.
+#define MOST_LOOKS 16384
+#define MOST_FOUND 128
+
+/// Boxes that share no more than this part of an axis merely touch along it.
+#define THIN 1e-4f
+
+/// Places on a triangle that tell whether all of it is hidden.
+#define PLACES 16
+
+typedef struct rsv_twins_owner {
+    rsv_twins twins;
+    rsv_twin_tree tree;
+    uint8_t *flags; ///< [triangle_count]
+} rsv_twins_owner;
+
+/// A face, for quick looks. In the order of the tree: neighbours are read together.
+typedef struct face_box {
+    rsv_vec3 low, high, normal; ///< unit
+} face_box;
+
+typedef struct finder {
+    const rsv_scene *scene;
+    const rsv_scene_view *view;
+    rsv_twin_tree tree;
+    face_box *box;  ///< [tree.face_count]
+    uint8_t *flags; ///< [triangle_count]
+    float reach, rounding;
+    bool apart; ///< out: some twins lie apart by more than rounding
+} finder;
+
+static void flag(finder *f, uint32_t triangle, uint8_t flags)
+{
+#pragma omp atomic
+    f->flags[triangle] |= flags;
+}
+
+/// What a leaf has found.
+typedef struct leaf_search {
+    uint32_t looks, found;
+    bool apart;
+} leaf_search;
+
+/// @param opposite whether some face in the place of this one turns the other way, else the same way
+static void flag_twin(finder *f, uint32_t triangle, bool opposite)
+{
+    // a front is sure to be seen before a back, unless it lets light through and the back does not
+    bool sure = opposite && rsv_twin_is_opaque(f->view, f->view->triangle_material[triangle]);
+    flag(f, triangle,
+        (uint8_t)(RSV_TWIN_OVER_BACK | (sure ? 0 : RSV_TWIN_OVER_FRONT) |
+                  (opposite ? RSV_TWIN_OPPOSITE : 0)));
+}
+
+/// @param a, b places in the tree
+static void compare(finder *f, uint32_t a, uint32_t b, leaf_search *s)
+{
+    rsv_twin_overlap overlap;
+    uint32_t face_a = f->tree.face[a], face_b = f->tree.face[b];
+    if (!rsv_twins_overlap(
+            f->view, face_a, face_b, f->box[a].normal, f->box[b].normal, f->reach, &overlap))
+        return;
+    flag_twin(f, face_a, overlap.opposite);
+    flag_twin(f, face_b, overlap.opposite);
+    s->found++;
+    s->apart |= overlap.gap > 0.25 * (double)f->rounding;
+}
+
+static bool boxes_meet(const rsv_twin_node *a, const rsv_twin_node *b, float reach)
+{
+    return a->low.x <= b->high.x + reach && b->low.x <= a->high.x + reach &&
+           a->low.y <= b->high.y + reach && b->low.y <= a->high.y + reach &&
+           a->low.z <= b->high.z + reach && b->low.z <= a->high.z + reach;
+}
+
+/// Parts of an axis that both boxes span.
+static float shared_span(float low_a, float high_a, float low_b, float high_b)
+{
+    return f_min(high_a, high_b) - f_max(low_a, low_b);
+}
+
+/// Whether two faces may share more than an edge: their boxes do so along two axes at the least. Most neighbours do not, and
+/// others are bent.
+static bool may_overlap(const face_box *a, const face_box *b, float reach)
+{
+    float x = shared_span(a->low.x, a->high.x, b->low.x, b->high.x);
+    float y = shared_span(a->low.y, a->high.y, b->low.y, b->high.y);
+    float z = shared_span(a->low.z, a->high.z, b->low.z, b->high.z);
+    if (f_min(x, f_min(y, z)) < -reach) return false;
+    int wide = x > THIN * f_min(a->high.x - a->low.x, b->high.x - b->low.x);
+    wide += y > THIN * f_min(a->high.y - a->low.y, b->high.y - b->low.y);
+    wide += z > THIN * f_min(a->high.z - a->low.z, b->high.z - b->low.z);
+    return wide >= 2 && fabsf(v3_dot(a->normal, b->normal)) >= RSV_TWIN_PARALLEL;
+}
+
+static void compare_leaves(
+    finder *f, const rsv_twin_node *leaf, const rsv_twin_node *other, leaf_search *s)
+{
+    for (uint32_t a = leaf->first; a < leaf[1].first; a++)
+        for (uint32_t b = other->first; b < other[1].first; b++) {
+            s->looks++;
+            if ((leaf != other || a < b) && may_overlap(&f->box[a], &f->box[b], f->reach))
+                compare(f, a, b, s);
+        }
+}
+
+/// Compares the triangles of a leaf with one another and with all around them in later leaves.
+static leaf_search search_around(finder *f, uint32_t own)
+{
+    leaf_search s = { 0 };
+    const rsv_twin_tree *tree = &f->tree;
+    const rsv_twin_node *leaf = &tree->node[own];
+    for (uint32_t n = own; n < tree->node_count;) {
+        const rsv_twin_node *node = &tree->node[n];
+        bool meets = boxes_meet(leaf, node, f->reach);
+        if (meets && node->next == n + 1) compare_leaves(f, leaf, node, &s);
+        if (s.looks > MOST_LOOKS || s.found > MOST_FOUND) break;
+        n = meets ? n + 1 : node->next;
+    }
+    // stopped amid copies: what the others are is not known
+    for (uint32_t k = leaf->first; k < leaf[1].first && s.found > MOST_FOUND; k++)
+        flag(f, tree->face[k], RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK);
+    return s;
+}
+
+static void find_pairs(finder *f)
+{
+    const rsv_twin_tree *tree = &f->tree;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(f->scene->context))
+    for (uint32_t n = 0; n < tree->node_count; n++) {
+        if (tree->node[n].next != n + 1) continue;
+        leaf_search s = search_around(f, n);
+        if (!s.apart) continue;
+#pragma omp atomic write
+        f->apart = true;
+    }
+}
+
+static face_box box_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    const uint32_t *corner = view->triangle[triangle];
+    rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
+             c = view->position[corner[2]];
+    face_box box = { v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c), v3(0, 0, 0) };
+    rsv_triangle_normal(a, b, c, &box.normal);
+    return box;
+}
+
+static rsv_status plant_tree(finder *f)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_context *context = f->scene->context;
+    uint32_t count = (uint32_t)f->view->triangle_count;
+    uint32_t *all = rsv_reserve(context, count, sizeof *all);
+    if (!all) return RSV_ERROR_MEMORY;
+    for (uint32_t t = 0; t < count; t++)
+        all[t] = t;
+    RSV_TRY(rsv_twin_tree_create(context, f->view, all, count, f->flags, &f->tree));
+cleanup:
+    rsv_free(context, all);
+    return status;
+}
+
+static rsv_status finder_create(const rsv_scene *scene, finder *f)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    const rsv_scene_view *view = &scene->view;
+    float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
+    float farthest = f_max(v3_max_abs(view->bounds_min), v3_max_abs(view->bounds_max));
+    *f = (finder){ .scene = scene, .view = view };
+    f->rounding = ROUNDING * farthest;
+    f->reach = f_max(REACH * size, 2 * f->rounding);
+    f->flags = rsv_alloc(scene->context, view->triangle_count, 1);
+    f->box = rsv_reserve(scene->context, view->triangle_count, sizeof *f->box);
+    if (!f->flags || !f->box) goto cleanup;
+    RSV_TRY(plant_tree(f));
+#pragma omp parallel for schedule(static) num_threads(rsv_threads(scene->context))
+    for (uint32_t k = 0; k < f->tree.face_count; k++)
+        f->box[k] = box_of(view, f->tree.face[k]);
+cleanup:
+    return status;
+}
+
+static void finder_destroy(finder *f)
+{
+    rsv_twin_tree_destroy(&f->tree);
+    rsv_free(f->scene->context, f->box);
+    rsv_free(f->scene->context, f->flags);
+}
+
+// ---- what was found ------------------------------------------------------------------------------
+
+/// Who is seen at places spread over a triangle, by those who look at one of its sides.
+typedef struct showing {
+    bool some;      ///< of the triangle itself
+    uint32_t other; ///< whom one sees in its place; RSV_NONE = nobody
+} showing;
+
+static showing look_at(const rsv_scene_view *view, uint32_t triangle, bool back)
+{
+    rsv_vec3 normal = rsv_twin_plane_of(view, triangle).normal;
+    showing seen = { false, RSV_NONE };
+    for (int k = 0; k < PLACES; k++) {
+        // Hammersley's points, folded into the triangle
+        float u = ((float)k + 0.5f) / PLACES, v = 0.5f / PLACES, digit = 0.5f;
+        for (int n = k; n; n /= 2, digit /= 2)
+            v += digit * (float)(n % 2);
+        if (u + v > 1) u = 1 - u, v = 1 - v;
+        rsv_hit hit = { triangle, 0, u, v };
+        rsv_twins_search(view, back ? normal : v3_neg(normal), &hit);
+        if (hit.triangle == triangle)
+            seen.some = true;
+        else
+            seen.other = hit.triangle < seen.other ? hit.triangle : seen.other;
+    }
+    return seen;
+}
+
+static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
+{
+    const rsv_material *m = &view->material[view->triangle_material[triangle]];
+    return !rgb_is_black(m->emission) && !m->unlit;
+}
+
+/// Whether it is a guess which of two faces that turn the same way is wanted. Lamps in the plane of a ceiling are. Where there
+/// are faces of both windings, things stand on the copy of a floor, say, whose outside nobody looks at.
+static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t t, uint32_t other)
+{
+    return other != RSV_NONE && view->triangle_material[t] != view->triangle_material[other] &&
+           is_lamp(view, t) == is_lamp(view, other) &&
+           !((flags[t] | flags[other]) & RSV_TWIN_OPPOSITE);
+}
+
+/// What the user is to be told of: triangles, the first of each kind; RSV_NONE = none.
+typedef struct oddities {
+    uint32_t guessed; ///< others are shown in its place, which is a guess
+    uint32_t doubled; ///< a lamp that another covers in part
+} oddities;
+
+/// Marks the faces that others hide.
+static oddities find_hidden(
+    const rsv_scene_view *view, rsv_twins_owner *owner, rsv_context *context)
+{
+    const rsv_twin_tree *tree = &owner->tree;
+    uint32_t guessed = RSV_NONE, doubled = RSV_NONE;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))                   \
+    reduction(min                                                                                  \
+              : guessed, doubled)
+    for (uint32_t k = 0; k < tree->face_count; k++) {
+        uint32_t t = tree->face[k];
+        bool two = view->material[view->triangle_material[t]].double_sided;
+        if (owner->flags[t] & RSV_TWIN_OVER_FRONT) {
+            showing seen = look_at(view, t, false);
+            if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
+            if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
+            if (seen.some && t < doubled && is_lamp(view, t) && seen.other != RSV_NONE &&
+                is_lamp(view, seen.other))
+                doubled = t;
+        }
+        if (two && !look_at(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+    }
+    return (oddities){ guessed, doubled };
+}
+
+static const char *object_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    return view->object_name[view->triangle_object[triangle]];
+}
+
+static const char *material_of(const rsv_scene_view *view, uint32_t triangle)
+{
+    return view->material[view->triangle_material[triangle]].name;
+}
+
+static void warn_of_oddities(const rsv_scene *scene, oddities found)
+{
+    const rsv_scene_view *view = &scene->view;
+    if (scene->is_part) return;
+    if (found.guessed != RSV_NONE) {
+        uint32_t shown = look_at(view, found.guessed, false).other;
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and "
+            "face the same way; the latter are shown, which is a guess: delete what is not wanted",
+            object_of(view, found.guessed), object_of(view, shown),
+            material_of(view, found.guessed), material_of(view, shown));
+    }
+    if (found.doubled != RSV_NONE)
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "lamp '%s': another covers a part of one of its triangles, and shines there as well: "
+            "delete one of them",
+            object_of(view, found.doubled));
+}
+
+/// @param count triangles with a flag
+static rsv_status keep(rsv_scene *scene, const finder *f, uint32_t count)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_context *context = scene->context;
+    uint32_t *face = rsv_reserve(context, count, sizeof *face), next = 0;
+    rsv_twins_owner *owner = scene->twins = rsv_alloc(context, 1, sizeof *owner);
+    if (!face || !owner) goto cleanup;
+    owner->flags = rsv_alloc(context, scene->triangle_count, 1);
+    if (!owner->flags) goto cleanup;
+    memcpy(owner->flags, f->flags, scene->triangle_count);
+    for (uint32_t t = 0; t < scene->triangle_count; t++)
+        if (f->flags[t] && !(f->flags[t] & RSV_TWIN_HIDDEN)) face[next++] = t;
+    RSV_TRY(rsv_twin_tree_create(context, &scene->view, face, next, NULL, &owner->tree));
+    owner->twins = (rsv_twins){ .flags = owner->flags,
+        .node = owner->tree.node,
+        .face = owner->tree.face,
+        .node_count = owner->tree.node_count,
+        .face_count = owner->tree.face_count,
+        .reach = f->reach,
+        .rounding = f->rounding,
+        .extent = f->apart ? CLEAR * f->reach * 0x1p20f : 0 };
+    scene->view.twins = &owner->twins;
+    warn_of_oddities(scene, find_hidden(&scene->view, owner, context));
+cleanup:
+    rsv_free(context, face);
+    return status;
+}
+
+rsv_status rsv_scene_find_twins(rsv_scene *scene)
+{
+    rsv_status status;
+    finder f;
+    uint32_t count = 0;
+    RSV_TRY(finder_create(scene, &f));
+    find_pairs(&f);
+    for (size_t t = 0; t < scene->triangle_count; t++)
+        count += f.flags[t] != 0;
+    if (count) RSV_TRY(keep(scene, &f, count));
+    if (!scene->is_part) rsv_warn_of_enclosed_lamps(scene, &f.tree);
+cleanup:
+    finder_destroy(&f);
+    return status;
+}
+
+void rsv_scene_move_twins(rsv_scene *scene)
+{
+    if (scene->twins) rsv_twin_tree_fit(&scene->view, &scene->twins->tree);
+}
+
+static void *copy_bytes(rsv_context *context, const void *from, size_t bytes)
+{
+    void *copy = rsv_alloc(context, bytes, 1);
+    if (copy) memcpy(copy, from, bytes);
+    return copy;
+}
+
+rsv_status rsv_scene_copy_twins(rsv_scene *variant)
+{
+    const rsv_twins_owner *from = variant->twins;
+    rsv_context *context = variant->context;
+    if (!from) return RSV_OK;
+    rsv_twins_owner *own = rsv_alloc(context, 1, sizeof *own);
+    if (!own) return RSV_ERROR_MEMORY;
+    *own = *from;
+    own->tree.node =
+        copy_bytes(context, from->tree.node, (from->tree.node_count + 1) * sizeof *from->tree.node);
+    own->tree.face =
+        copy_bytes(context, from->tree.face, from->tree.face_count * sizeof *from->tree.face);
+    own->flags = copy_bytes(context, from->flags, variant->triangle_count);
+    own->twins.node = own->tree.node;
+    own->twins.face = own->tree.face;
+    own->twins.flags = own->flags;
+    variant->twins = own;
+    variant->view.twins = &own->twins;
+    bool complete = own->tree.node && own->tree.face && own->flags;
+    return complete ? RSV_OK : RSV_ERROR_MEMORY;
+}
+
+void rsv_scene_release_twins(rsv_scene *scene)
+{
+    if (!scene->twins) return;
+    rsv_twin_tree_destroy(&scene->twins->tree);
+    rsv_free(scene->context, scene->twins->flags);
+    rsv_free(scene->context, scene->twins);
+    scene->twins = NULL;
+}

@@ -1,0 +1,224 @@
+/// Faces that lie in the same place as others, and which of them a ray sees.
+///
+/// Modelling programs and exporters write a surface twice, once for each side: two single-sided faces of opposite winding. A
+/// ray that meets such a surface meets both at once. What it sees follows from one rule, whichever is found first and
+/// however either is divided into triangles: of the faces at that place
+///  1. an opaque one hides one that lets light through,
+///  2. a front hides a back,
+///  3. a lamp hides what does not shine,
+///  4. a double-sided one hides a single-sided one,
+///  5. a later one hides an earlier one.
+/// Bodies of glass have no front in this sense: the surface between inside and outside is one surface.
+///
+/// Faces that turn the same way lie in the same place if they do so up to rounding: else the nearer one is seen, as ever.
+/// Opposite ones may lie apart by `reach`: what turns its back to the ray in front of a front is an inexact copy.
+///
+/// Commit finds them (twins.c). Scenes without any have no rsv_twins, and pay for none of this.
+#ifndef RSV_TWINS_H
+#define RSV_TWINS_H
+
+#include "material_at.h"
+#include "resolvent/trace.h"
+
+/// Flags of a triangle.
+#define RSV_TWIN_OVER_FRONT 1  ///< what meets its front may see another face
+#define RSV_TWIN_OVER_BACK 2   ///< likewise
+#define RSV_TWIN_HIDDEN 4      ///< others hide all of it: it gives no light
+#define RSV_TWIN_BACK_HIDDEN 8 ///< likewise of its back, if it is double-sided
+#define RSV_TWIN_OPPOSITE 16   ///< some face at the same place turns the other way
+#define RSV_TWIN_LAST 32       ///< of several that are alike in all respects
+/// All of a face that is not the last of several
+#define RSV_TWIN_COPY (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_HIDDEN)
+/// Faces at one place that are looked at: more are a heap.
+#define RSV_TWIN_MOST 256
+
+/// A box around triangles. Nodes stand in the order in which a search visits them: the first child of an inner node comes
+/// next; whoever misses the box goes on at `next`. A leaf has none but itself.
+typedef struct rsv_twin_node {
+    rsv_vec3 low;
+    uint32_t next;
+    rsv_vec3 high;
+    uint32_t first; ///< of its triangles in `face`; those of the node at `next` follow
+} rsv_twin_node;
+
+/// Plain arrays, which can be copied to any memory.
+typedef struct rsv_twins {
+    const uint8_t *flags;      ///< [triangle_count]
+    const rsv_twin_node *node; ///< [node_count + 1], the last without a box
+    const uint32_t *face;      ///< [face_count] triangles with a flag that are not copies
+    uint32_t node_count, face_count;
+    float reach;    ///< metres that opposite faces at the same place may lie apart
+    float rounding; ///< metres within which places are the same
+    float
+        extent; ///< rays leave faces with flags as if their corners reached so far: past all copies
+} rsv_twins;
+
+/// Whether a material lets nothing through, but where it is cut out.
+RSV_INLINE bool rsv_twin_is_opaque(const rsv_scene_view *scene, uint32_t material)
+{
+    const rsv_material *m = &scene->material[material];
+    if (m->transmission > 0) return false;
+    if (m->alpha_cutoff > 0) return true;
+    for (size_t i = 0; i < m->texture_count; i++)
+        if (m->textures[i].role == RSV_TEXTURE_OPACITY) return false;
+    bool varies =
+        scene->material_varies && (scene->material_varies[material] & RSV_VARIES_BY_OPACITY);
+    return m->opacity >= 1 && !varies;
+}
+
+/// How much a face counts at its place. @param back which side the ray meets
+RSV_INLINE uint32_t rsv_twin_rank(const rsv_scene_view *scene, uint32_t triangle, bool back)
+{
+    uint32_t material = scene->triangle_material[triangle];
+    const rsv_material *m = &scene->material[material];
+    bool body = m->transmission > 0 && m->thickness > 0;
+    bool shines = !rgb_is_black(m->emission) && !m->unlit && (!back || m->double_sided);
+    return (rsv_twin_is_opaque(scene, material) ? 8u : 0u) | (!back && !body ? 4u : 0u) |
+           (shines ? 2u : 0u) | (m->double_sided ? 1u : 0u);
+}
+
+/// A triangle as seen from its first corner, its longer edge from there being 1: products stay within float.
+typedef struct rsv_twin_plane {
+    rsv_vec3 corner, edge1, edge2;
+    rsv_vec3 normal; ///< cross product of the edges
+    float scale;     ///< 1/m
+} rsv_twin_plane;
+
+RSV_INLINE rsv_twin_plane rsv_twin_plane_of(const rsv_scene_view *scene, uint32_t triangle)
+{
+    const uint32_t *corner = scene->triangle[triangle];
+    rsv_twin_plane p;
+    p.corner = scene->position[corner[0]];
+    p.edge1 = v3_sub(scene->position[corner[1]], p.corner);
+    p.edge2 = v3_sub(scene->position[corner[2]], p.corner);
+    p.scale = 1 / f_max(v3_max_abs(p.edge1), v3_max_abs(p.edge2));
+    p.edge1 = v3_scale(p.edge1, p.scale);
+    p.edge2 = v3_scale(p.edge2, p.scale);
+    p.normal = v3_cross(p.edge1, p.edge2);
+    return p;
+}
+
+RSV_INLINE rsv_vec3 rsv_twin_point(const rsv_twin_plane *p, float u, float v)
+{
+    return v3_mad(p->corner, 1 / p->scale, v3_mad(v3_scale(p->edge1, u), v, p->edge2));
+}
+
+/// Whether the triangle covers the foot of a point in its plane, or misses it by rounding.
+/// @param height, slack metres out of the plane, and beyond the edges @param u, v out: of the foot
+RSV_INLINE bool rsv_twin_covers(
+    const rsv_twin_plane *p, rsv_vec3 point, float height, float slack, float *u, float *v)
+{
+    rsv_vec3 to = v3_scale(v3_sub(point, p->corner), p->scale);
+    float square = v3_dot(p->normal, p->normal), length = sqrtf(square);
+    if (!(fabsf(v3_dot(p->normal, to)) <= height * p->scale * length)) return false;
+    float along_u = v3_dot(v3_cross(to, p->edge2), p->normal) / square;
+    float along_v = v3_dot(v3_cross(p->edge1, to), p->normal) / square;
+    // a weight falls by edge / normal for each unit beyond that edge
+    float fall = slack * p->scale / length;
+    if (along_u < -fall * v3_length(p->edge2) || along_v < -fall * v3_length(p->edge1) ||
+        1 - along_u - along_v < -fall * v3_length(v3_sub(p->edge2, p->edge1)))
+        return false;
+    along_u = f_min(f_max(along_u, 0), 1);
+    *u = along_u;
+    *v = f_min(f_max(along_v, 0), 1 - along_u);
+    return true;
+}
+
+RSV_INLINE bool rsv_twin_misses(const rsv_twin_node *node, rsv_vec3 point, float reach)
+{
+    return point.x < node->low.x - reach || point.x > node->high.x + reach ||
+           point.y < node->low.y - reach || point.y > node->high.y + reach ||
+           point.z < node->low.z - reach || point.z > node->high.z + reach;
+}
+
+/// A place on a face, and the face that is seen there so far.
+typedef struct rsv_twin_search {
+    rsv_vec3 point, direction; ///< of the ray
+    rsv_vec3 normal;           ///< of the face that was met
+    uint32_t met, rank;
+    uint32_t found; ///< faces there
+    bool opposite;  ///< whether one of them turns the other way than the one that was met
+    rsv_hit *hit;
+} rsv_twin_search;
+
+RSV_INLINE void rsv_twin_try(const rsv_scene_view *scene, uint32_t triangle, rsv_twin_search *s)
+{
+    const rsv_twins *twins = scene->twins;
+    rsv_twin_plane plane = rsv_twin_plane_of(scene, triangle);
+    bool opposite = v3_dot(plane.normal, s->normal) < 0;
+    float u, v;
+    if (triangle == s->met) return;
+    if (!rsv_twin_covers(
+            &plane, s->point, opposite ? twins->reach : twins->rounding, twins->rounding, &u, &v))
+        return;
+    if (rsv_is_cut_out(scene, triangle, u, v)) return;
+    s->found++;
+    s->opposite = s->opposite || opposite;
+    uint32_t rank = rsv_twin_rank(scene, triangle, v3_dot(plane.normal, s->direction) > 0);
+    if (rank < s->rank || (rank == s->rank && triangle < s->hit->triangle)) return;
+    s->rank = rank;
+    s->hit->triangle = triangle;
+    s->hit->u = u;
+    s->hit->v = v;
+}
+
+/// Looks through the faces at the place of a hit. @param hit in: what was met; out: what is seen
+/// @return whether one of them turns the other way than what was met
+RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction, rsv_hit *hit)
+{
+    const rsv_twins *twins = scene->twins;
+    rsv_twin_plane plane = rsv_twin_plane_of(scene, hit->triangle);
+    rsv_twin_search s;
+    s.point = rsv_twin_point(&plane, hit->u, hit->v);
+    s.direction = direction;
+    s.normal = plane.normal;
+    s.met = hit->triangle;
+    s.rank = rsv_twin_rank(scene, hit->triangle, v3_dot(plane.normal, direction) > 0);
+    s.found = 0;
+    s.opposite = false;
+    s.hit = hit;
+    float reach = twins->reach + twins->rounding;
+    for (uint32_t n = 0; n < twins->node_count && s.found < RSV_TWIN_MOST;) {
+        const rsv_twin_node *node = &twins->node[n];
+        bool misses = rsv_twin_misses(node, s.point, reach);
+        if (!misses && node->next == n + 1)
+            for (uint32_t k = node->first; k < node[1].first; k++)
+                rsv_twin_try(scene, twins->face[k], &s);
+        n = misses ? node->next : n + 1;
+    }
+    return s.opposite;
+}
+
+/// What a ray sees where it meets a triangle: that one, or a twin. @param scene with twins @param hit in and out
+RSV_INLINE void rsv_twins_settle(const rsv_scene_view *scene, rsv_vec3 direction, rsv_hit *hit)
+{
+    uint32_t over = scene->twins->flags[hit->triangle] & (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK);
+    if (!over) return;
+    rsv_twin_plane plane = rsv_twin_plane_of(scene, hit->triangle);
+    bool back = v3_dot(plane.normal, direction) > 0;
+    if (over & (back ? RSV_TWIN_OVER_BACK : RSV_TWIN_OVER_FRONT))
+        rsv_twins_search(scene, direction, hit);
+}
+
+/// Whether two faces that turn opposite ways lie at the place of a hit.
+RSV_INLINE bool rsv_twins_meet(const rsv_scene_view *scene, rsv_vec3 direction, rsv_hit hit)
+{
+    if (!scene->twins || !(scene->twins->flags[hit.triangle] & RSV_TWIN_OPPOSITE)) return false;
+    return rsv_twins_search(scene, direction, &hit);
+}
+
+/// The least extent with which rays leave a triangle (rsv_offset_origin): copies of it may lie a little off it, on either
+/// side. 0 = any will do.
+RSV_INLINE float rsv_twins_extent(const rsv_scene_view *scene, uint32_t triangle)
+{
+    return scene->twins && scene->twins->flags[triangle] ? scene->twins->extent : 0;
+}
+
+/// Whether others hide all of a triangle, or all of its back.
+RSV_INLINE bool rsv_twins_hide(const rsv_scene_view *scene, uint32_t triangle, bool back)
+{
+    uint8_t hidden = back ? RSV_TWIN_HIDDEN | RSV_TWIN_BACK_HIDDEN : RSV_TWIN_HIDDEN;
+    return scene->twins && (scene->twins->flags[triangle] & hidden);
+}
+
+#endif

@@ -1,0 +1,457 @@
+/// Faces that lie in the same place: a room whose walls were written twice is the room.
+#include "bvh/bvh_trace.h"
+#include "copies_fixture.h"
+#include "core/sampling.h"
+#include "frame_fixture.h"
+#include "resolvent/certify.h"
+#include "trace/packet.h"
+
+#include <stdio.h>
+
+// ---- rays ---------------------------------------------------------------------------------------
+
+static rsv_ray random_ray(uint32_t k, bool outside)
+{
+    float x[5];
+    for (uint32_t d = 0; d < 5; d++)
+        x[d] = rsv_unit_float(rsv_hash2(7 + d, k));
+    rsv_vec3 inside = v3(0.2f + 3.6f * x[0], 0.1f + 0.3f * x[1], 2 + 2.8f * x[2]);
+    rsv_vec3 direction = rsv_square_to_sphere(x[3], x[4]);
+    if (!outside) return (rsv_ray){ inside, direction, INFINITY };
+    return (rsv_ray){ v3_mad(inside, 20, direction), v3_neg(direction), INFINITY };
+}
+
+static bool meets_front(const rsv_scene_view *view, const rsv_ray *ray, uint32_t triangle)
+{
+    return v3_dot(rsv_twin_plane_of(view, triangle).normal, ray->direction) < 0;
+}
+
+/// What rays meet in a room of copied walls, and what in the plain one. From outside, they see the copies.
+static void check_rays(copies kind, const world *plain, const world *w, bool outside)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(w->scene);
+    rsv_bvh bvh;
+    assert_int_equal(rsv_bvh_build_scene(w->scene, &bvh), RSV_OK);
+    for (uint32_t first = 0; first < 4096; first += 16) {
+        rsv_ray_packet packet = { 0 };
+        memset(packet.mask, 0xff, sizeof packet.mask);
+        for (uint32_t k = 0; k < 16; k++)
+            rsv_packet_set_ray(&packet, k, random_ray(first + k, outside));
+        rsv_tracer_closest_packet(w->tracer, &packet, false);
+        for (uint32_t k = 0; k < 16; k++) {
+            rsv_ray ray = random_ray(first + k, outside);
+            rsv_hit hit, expected, other;
+            assert_true(rsv_tracer_closest(plain->tracer, &ray, &expected));
+            assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
+            assert_true(rsv_bvh_closest(&bvh.view, &ray, &other));
+            assert_close(hit.t, expected.t, 3e-6 * SIDE_Z * 20);
+            if (!meets_front(view, &ray, hit.triangle))
+                fail_msg("%s: ray %u meets a back", name_of_copies(kind), first + k);
+            rsv_rgb seen = view->material[view->triangle_material[hit.triangle]].base_color;
+            const rsv_scene_view *of = rsv_scene_get_view(plain->scene);
+            rsv_rgb wanted = of->material[of->triangle_material[expected.triangle]].base_color;
+            if (kind == COLORED && outside) wanted = rgb(0.05f, 0.06f, 0.8f);
+            // from below, the crate's bottom is as good as the floor's copy
+            if (!outside || ray.direction.y <= 0) assert_memory_equal(&seen, &wanted, sizeof seen);
+            assert_int_equal(packet.triangle[k], hit.triangle);
+            assert_true(packet.normal_x[k] * ray.direction.x +
+                            packet.normal_y[k] * ray.direction.y +
+                            packet.normal_z[k] * ray.direction.z <
+                        0);
+            // neighbours may tie at an edge
+            if (other.triangle != hit.triangle)
+                assert_true(meets_front(view, &ray, other.triangle));
+        }
+    }
+    rsv_bvh_destroy(&bvh);
+}
+
+static void shows_the_side_that_faces_the_ray(void **state)
+{
+    (void)state;
+    world *plain = create_copied_room(NULL, SINGLE);
+    for (copies kind = AFTER; kind < KINDS; kind++) {
+        world *w = create_copied_room(NULL, kind);
+        check_rays(kind, plain, w, false);
+        if (kind != SAME_WAY) check_rays(kind, plain, w, true);
+        world_end(w);
+    }
+    world_end(plain);
+}
+
+// ---- light --------------------------------------------------------------------------------------
+
+enum { pictures = 4 };
+
+/// What all modes say of a scene.
+typedef struct readings {
+    rsv_image *image[pictures]; ///< reference, operator, final, occlusion
+    double frame;               ///< mean
+    double probe[3];
+    double certificate[2]; ///< where the residual lies by 95 %
+} readings;
+
+static rsv_image *render_mode(const world *w, const rsv_solution *s, rsv_render_mode mode)
+{
+    rsv_render_desc desc = rsv_default_render_desc();
+    rsv_image *image;
+    desc.mode = mode;
+    desc.width = width;
+    desc.height = height;
+    desc.samples = mode == RSV_RENDER_REFERENCE ? UNLESS_SANITIZED(4, 1) : 1;
+    rsv_status status =
+        mode == RSV_RENDER_REFERENCE   ? rsv_render_reference(w->scene, &desc, &image, NULL)
+        : mode == RSV_RENDER_OCCLUSION ? rsv_render_occlusion(w->scene, &desc, &image)
+                                       : rsv_render(s, &desc, &image);
+    assert_int_equal(status, RSV_OK);
+    return image;
+}
+
+static double frame_mean(const world *w, const rsv_solution *s)
+{
+    static rsv_rgb shown[pixel_count];
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_renderer *renderer;
+    assert_int_equal(rsv_frame_renderer_create(s, &desc, &renderer), RSV_OK);
+    rsv_frame_view view = view_of(w);
+    double sum = 0;
+    for (int k = 0; k < 4; k++)
+        assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
+    rsv_frame_radiance(renderer, 0, shown);
+    for (size_t k = 0; k < pixel_count; k++)
+        sum += (double)rgb_luminance(shown[k]) / pixel_count;
+    rsv_frame_renderer_destroy(renderer);
+    return sum;
+}
+
+static readings read_all(const world *w)
+{
+    static const rsv_render_mode mode[pictures] = { RSV_RENDER_REFERENCE, RSV_RENDER_OPERATOR,
+        RSV_RENDER_FINAL, RSV_RENDER_OCCLUSION };
+    readings r;
+    rsv_solution *s = solve_for_frames(w, 1500, 1000);
+    for (int k = 0; k < pictures; k++)
+        r.image[k] = render_mode(w, s, mode[k]);
+    r.frame = frame_mean(w, s);
+    const rsv_probe probe = { { 2.5f, 0, 2.5f }, { 0, 1, 0 } };
+    for (int k = 0; k < 3; k++) {
+        rsv_probe_reading reading;
+        assert_int_equal(
+            rsv_probe_irradiance(s, (rsv_probe_mode)k, &probe, 1, 1024, 0, &reading), RSV_OK);
+        r.probe[k] = (double)rgb_luminance(reading.irradiance);
+    }
+    rsv_certify_desc certify = rsv_default_certify_desc();
+    rsv_certificate certificate;
+    certify.samples = 4096; // most of the residual is in few of them, behind the mirror
+    certify.gather_rays = 32;
+    assert_int_equal(rsv_certify(s, &certify, &certificate), RSV_OK);
+    r.certificate[0] = certificate.residual_ci95[0];
+    r.certificate[1] = certificate.residual_ci95[1];
+    rsv_solution_destroy(s);
+    return r;
+}
+
+static void readings_release(readings *r)
+{
+    for (int k = 0; k < pictures; k++)
+        rsv_image_destroy(r->image[k]);
+}
+
+static double mean_of(const rsv_image *image)
+{
+    double sum = 0;
+    for (size_t k = 0; k < pixel_count; k++)
+        sum += (double)rgb_luminance(rsv_image_const_pixels(image, 0)[k]) / pixel_count;
+    return sum;
+}
+
+/// Root mean square of what pixels differ by, over the mean.
+static double difference(const rsv_image *a, const rsv_image *b)
+{
+    double sum = 0;
+    for (size_t k = 0; k < pixel_count; k++) {
+        double d = (double)rgb_luminance(rsv_image_const_pixels(a, 0)[k]) -
+                   (double)rgb_luminance(rsv_image_const_pixels(b, 0)[k]);
+        sum += d * d / pixel_count;
+    }
+    return sqrt(sum) / mean_of(b);
+}
+
+static void check_ratio(copies kind, double ratio, double expected)
+{
+    if (!(fabs(ratio / expected - 1) < 0.01))
+        fail_msg("%s: modes differ by %.4f, not by %.4f", name_of_copies(kind), ratio, expected);
+}
+
+/// Elements lie elsewhere where walls are copied: pixels differ by what draft quality leaves, the path tracer's by rounding.
+static void check_light(copies kind, const readings *plain, const readings *r)
+{
+    static const double most[pictures] = { 5e-3, 0.04, 0.04, 5e-3 };
+    for (int k = 0; k < pictures; k++) {
+        double d = difference(r->image[k], plain->image[k]);
+        if (!(d < most[k])) fail_msg("%s: picture %d differs by %.4f", name_of_copies(kind), k, d);
+        assert_close(mean_of(r->image[k]) / mean_of(plain->image[k]), 1, 0.01);
+    }
+    // the modes agree with one another as in the plain room, but for what other elements make of it
+    for (int k = 1; k < 3; k++)
+        check_ratio(kind, mean_of(r->image[k]) / mean_of(r->image[0]),
+            mean_of(plain->image[k]) / mean_of(plain->image[0]));
+    check_ratio(kind, r->frame / mean_of(r->image[1]), plain->frame / mean_of(plain->image[1]));
+    for (int k = 0; k < 3; k++)
+        assert_close(r->probe[k] / plain->probe[k], 1, k == 0 ? 0.03 : 0.01);
+    // copies that are lit as well take half of the elements: what is left is coarser
+    bool shares = kind == SAME_WAY || kind == TWO_SIDED;
+    if (!shares && !(r->certificate[0] < plain->certificate[1]))
+        fail_msg("%s: residual %.4f", name_of_copies(kind), r->certificate[0]);
+}
+
+static void check_kinds(const copies *kinds, size_t count)
+{
+    world *w = create_copied_room(NULL, SINGLE);
+    readings plain = read_all(w);
+    for (size_t k = 0; k < count; k++) {
+        world *copied = create_copied_room(NULL, kinds[k]);
+        readings r = read_all(copied);
+        check_light(kinds[k], &plain, &r);
+        readings_release(&r);
+        world_end(copied);
+    }
+    readings_release(&plain);
+    world_end(w);
+}
+
+static void light_is_that_of_single_walls(void **state)
+{
+    (void)state;
+    static const copies kinds[] = { MIXED, INSIDE };
+    check_kinds(kinds, UNLESS_SANITIZED(2, 1));
+}
+
+static void light_is_that_of_single_walls_however_copied(void **state)
+{
+    (void)state;
+    static const copies kinds[] = { TWO_SIDED, SAME_WAY, AFTER, BEFORE, COLORED, OUTSIDE, THREEFOLD,
+        DIAGONAL, FINE, SHARED };
+    check_kinds(kinds, sizeof kinds / sizeof kinds[0]);
+}
+
+// ---- lamps --------------------------------------------------------------------------------------
+
+static world *create_lamps(int count, bool double_sided)
+{
+    world *w = world_begin(2);
+    world_room(w, world_lambert(w, 0.5f, 0), v3(-1, -1, -1), v3(1, 1, 1));
+    rsv_material lamp = lambert_material(0, 5);
+    lamp.double_sided = double_sided;
+    for (int k = 0; k < count; k++) {
+        wall_mesh s;
+        make_sheet(
+            &(plain_wall){ { -0.2f, 0.5f, -0.2f }, { { 0.4f, 0, 0 }, { 0, 0, 0.4f } } }, 1, 0, &s);
+        if (double_sided && k % 2) turn_over(&s);
+        add_sheet(w, world_material(w, lamp), &s);
+    }
+    world_commit(w);
+    return w;
+}
+
+static double power_of(const world *w)
+{
+    double power = 0;
+    for (size_t g = 0; g < w->lights->group_count; g++)
+        power += w->lights->group[g].power;
+    return power;
+}
+
+static void copies_of_a_lamp_give_no_light_of_their_own(void **state)
+{
+    (void)state;
+    for (int two = 0; two < 2; two++) {
+        world *one = create_lamps(1, two), *three = create_lamps(3, two);
+        assert_close(power_of(three) / power_of(one), 1, 1e-6);
+        world_end(one);
+        world_end(three);
+    }
+}
+
+/// A lamp in the plane of a ceiling, before or after it in the scene.
+static void a_lamp_in_a_ceiling_shines(void **state)
+{
+    (void)state;
+    for (int first = 0; first < 2; first++) {
+        world *w = world_begin(2);
+        const rsv_vec3 corner[4] = { { -0.2f, 1, -0.2f }, { 0.2f, 1, -0.2f }, { 0.2f, 1, 0.2f },
+            { -0.2f, 1, 0.2f } };
+        uint32_t lamp = world_lambert(w, 0, 5);
+        if (first) world_quad(w, lamp, corner[0], corner[1], corner[2], corner[3]);
+        world_room(w, world_lambert(w, 0.5f, 0), v3(-1, -1, -1), v3(1, 1, 1));
+        if (!first) world_quad(w, lamp, corner[0], corner[1], corner[2], corner[3]);
+        world_commit(w);
+        rsv_hit hit;
+        rsv_ray up = { v3(0.05f, 0, 0.02f), v3(0.01f, 1, 0), INFINITY };
+        assert_true(rsv_tracer_closest(w->tracer, &up, &hit));
+        assert_int_equal(rsv_scene_get_view(w->scene)->triangle_material[hit.triangle], lamp);
+        assert_int_equal(w->lights->emitter_count, 2);
+        world_end(w);
+    }
+}
+
+// ---- burial -------------------------------------------------------------------------------------
+
+/// Bodies that touch hide from each other what lies inside of them.
+static void crates_on_crates_stay_dark_inside(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t paint = world_lambert(w, 0.7f, 0);
+    world_room(w, paint, v3(-2, 0, -2), v3(2, 3, 2));
+    world_box(w, paint, v3(-0.5f, 0, -0.5f), v3(0.5f, 1, 0.5f));
+    world_box(w, paint, v3(-0.5f, 1, -0.5f), v3(0.5f, 2, 0.5f));
+    world_quad(w, world_lambert(w, 0, 10), v3(1, 2.9f, -1), v3(2, 2.9f, -1), v3(2, 2.9f, 1),
+        v3(1, 2.9f, 1));
+    world_commit(w);
+    rsv_solution *s = solve_for_frames(w, 2000, 500);
+    for (int k = 0; k < 32; k++) {
+        // along the foot of the lower crate, on its lit side
+        float z = -0.4f + 0.8f * (float)k / 31;
+        rsv_probe place = { v3(0.52f, 0, z), v3(0, 1, 0) };
+        rsv_probe_reading stored, exact;
+        assert_int_equal(
+            rsv_probe_irradiance(s, RSV_PROBE_LOOKUP, &place, 1, 1, 0, &stored), RSV_OK);
+        assert_int_equal(
+            rsv_probe_irradiance(s, RSV_PROBE_OPERATOR, &place, 1, 1024, 0, &exact), RSV_OK);
+        assert_close(stored.irradiance.g / exact.irradiance.g, 1, 0.25);
+    }
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+// ---- many ---------------------------------------------------------------------------------------
+
+/// A hilly field of squares, each written twice, as the squares of a game's blocks.
+static void many_copies_are_found_quickly(void **state)
+{
+    (void)state;
+    enum { side = UNLESS_SANITIZED(128, 32) };
+    world *w = world_begin(2);
+    rsv_vec3 *p = calloc((side + 1) * (side + 1), sizeof *p);
+    uint32_t *index = calloc(12 * side * side, sizeof *index), next = 0;
+    for (uint32_t k = 0; k < (side + 1) * (side + 1); k++) {
+        float x = (float)(k % (side + 1)), z = (float)(k / (side + 1));
+        p[k] = v3(x, 3 * sinf(0.1f * x) * cosf(0.07f * z), z);
+    }
+    for (uint32_t k = 0; k < side * side; k++) {
+        uint32_t a = k / side * (side + 1) + k % side, d = a + side + 2;
+        const uint32_t corner[12] = { a, d, a + 1, a, d - 1, d, a, a + 1, d, a, d, d - 1 };
+        memcpy(&index[next], corner, sizeof corner);
+        next += 12;
+    }
+    world_triangles(w, world_lambert(w, 0.5f, 0), p, (side + 1) * (side + 1), index, next / 3);
+    double start = rsv_thread_seconds();
+    world_commit(w);
+    assert_true(rsv_thread_seconds() - start < UNLESS_SANITIZED(4, 40));
+    const rsv_scene_view *view = rsv_scene_get_view(w->scene);
+    assert_int_equal(view->twins->face_count, next / 3);
+    for (uint32_t k = 0; k < 1000; k++) {
+        rsv_hit hit;
+        float x = side * rsv_unit_float(rsv_hash2(1, k)),
+              z = side * rsv_unit_float(rsv_hash2(2, k));
+        rsv_ray down = { v3(x, 50, z), v3(0.01f, -1, 0.02f), INFINITY };
+        if (!rsv_tracer_closest(w->tracer, &down, &hit)) continue;
+        assert_true(meets_front(view, &down, hit.triangle));
+    }
+    free(p);
+    free(index);
+    world_end(w);
+}
+
+/// A heap of copies of one triangle must not take the square of their number.
+static void a_heap_of_copies_takes_no_square(void **state)
+{
+    (void)state;
+    enum { count = UNLESS_SANITIZED(20000, 2000) };
+    world *w = world_begin(2);
+    static const rsv_vec3 p[3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
+    uint32_t *index = calloc(3 * count, sizeof *index);
+    for (uint32_t k = 0; k < 3 * count; k++)
+        index[k] = k / 3 % 2 ? 2 - k % 3 : k % 3;
+    world_triangles(w, world_lambert(w, 0.5f, 0), p, 3, index, count);
+    double start = rsv_thread_seconds();
+    assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
+    assert_true(rsv_thread_seconds() - start < 30);
+    free(index);
+    world_end(w);
+}
+
+// ---- words --------------------------------------------------------------------------------------
+
+static void note(void *user, rsv_log_level level, const char *message)
+{
+    if (level == RSV_LOG_WARNING) snprintf(user, 1024, "%s", message);
+}
+
+/// @param flip whether the second face turns the other way
+static void warning_for(bool flip, bool same_material, char *warning)
+{
+    rsv_context_desc desc = rsv_default_context_desc();
+    rsv_context *context;
+    rsv_scene *scene;
+    *warning = 0;
+    desc.log = note;
+    desc.user = warning;
+    assert_int_equal(rsv_context_create(&desc, &context), RSV_OK);
+    assert_int_equal(rsv_scene_create(context, &scene), RSV_OK);
+    for (int k = 0; k < 2; k++) {
+        wall_mesh s;
+        uint32_t paint = 0, mesh;
+        rsv_material m = lambert_material(0.5f, 0);
+        m.name = k ? "wallpaper" : "plaster";
+        if (k == 0 || !same_material)
+            assert_int_equal(rsv_scene_add_material(scene, &m, &paint), RSV_OK);
+        make_sheet(&room_wall[0], 1, 0, &s);
+        if (k && flip) turn_over(&s);
+        rsv_mesh_desc d = { .name = k ? "second" : "first",
+            .positions = s.position,
+            .vertex_count = s.vertex_count,
+            .indices = s.index,
+            .triangle_count = s.triangle_count,
+            .material = paint };
+        assert_int_equal(rsv_scene_add_mesh(scene, &d, &mesh), RSV_OK);
+        assert_int_equal(rsv_scene_add_instance(scene, mesh, NULL, NULL), RSV_OK);
+    }
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    rsv_scene_destroy(scene);
+    rsv_context_destroy(context);
+}
+
+static void says_so_where_it_had_to_guess(void **state)
+{
+    (void)state;
+    char warning[1024];
+    warning_for(true, false, warning);
+    assert_string_equal(warning, "");
+    warning_for(false, true, warning);
+    assert_string_equal(warning, "");
+    warning_for(false, false, warning);
+    static const char *const part[] = { "'first'", "'second'", "'plaster'", "'wallpaper'",
+        "in the same place" };
+    for (int k = 0; k < 5; k++)
+        if (!strstr(warning, part[k])) fail_msg("'%s' lacks %s", warning, part[k]);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(shows_the_side_that_faces_the_ray),
+        cmocka_unit_test(light_is_that_of_single_walls),
+        cmocka_unit_test(copies_of_a_lamp_give_no_light_of_their_own),
+        cmocka_unit_test(a_lamp_in_a_ceiling_shines),
+        cmocka_unit_test(crates_on_crates_stay_dark_inside),
+        cmocka_unit_test(many_copies_are_found_quickly),
+        cmocka_unit_test(a_heap_of_copies_takes_no_square),
+        cmocka_unit_test(says_so_where_it_had_to_guess),
+    };
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(light_is_that_of_single_walls_however_copied),
+    };
+    return RUN_HALF(argc, argv, tests, longest);
+}
