@@ -1,8 +1,10 @@
 #include "residual.h"
 
 #include "../core/stratified.h"
+#include "../light/partition.h"
 #include "../light/punctual_light.h"
 #include "../render/pixel_direct.h"
+#include "../trace/passage.h"
 
 /// The surface point at which light is gathered.
 typedef struct receiver {
@@ -38,10 +40,11 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     v3_frame(r->point.normal, &r->tangent, &r->bitangent);
 }
 
-static bool is_open(const receiver *r, rsv_ray ray)
+/// What arrives along a shadow ray.
+static float arriving(const receiver *r, rsv_ray ray)
 {
     r->result->rays++;
-    return !rsv_tracer_occluded(r->job->solution->tracer, &ray);
+    return rsv_tracer_passed(r->job->solution->tracer, &ray);
 }
 
 /// Share of light from that distance and under that angle that enters the surface.
@@ -54,7 +57,7 @@ static rsv_rgb entry(const receiver *r, float distance, float cos)
 /// One shadow ray: what arrives if it is open, and what closed forms know of it.
 typedef struct light_trial {
     rsv_rgb light, control;
-    bool open;
+    float open; ///< how far
 } light_trial;
 
 static light_trial try_light(const receiver *r, const rsv_local_lights *local, rsv_random *random)
@@ -68,8 +71,9 @@ static light_trial try_light(const receiver *r, const rsv_local_lights *local, r
     float scale = cos / light.pdf_solid_angle;
     trial.control = rgb_scale(light.mean_radiance, scale);
     trial.light = rgb_scale(rgb_mul(light.radiance, entry(r, light.distance, cos)), scale);
-    trial.open = rsv_surface_faces(&r->point, light.direction) &&
-                 is_open(r, rsv_shadow_ray(local->lights, &light, r->point.position, r->origin));
+    if (rsv_surface_faces(&r->point, light.direction))
+        trial.open =
+            arriving(r, rsv_shadow_ray(local->lights, &light, r->point.position, r->origin));
     return trial;
 }
 
@@ -89,10 +93,10 @@ static rsv_rgb from_emitters(const receiver *r, rsv_random *random)
         light_trial trial = try_light(r, &local, random);
         rsv_rgb difference = rgb_sub(local.unshadowed, trial.control);
         rest = rgb_add(rest, difference);
-        if (!trial.open) continue;
-        sum = rgb_add(sum, trial.light);
-        open_rest = rgb_add(open_rest, difference);
-        open += 1;
+        if (!(trial.open > 0)) continue;
+        sum = rgb_mad(sum, trial.open, trial.light);
+        open_rest = rgb_mad(open_rest, trial.open, difference);
+        open += trial.open;
     }
     if (!r->bsdf->coated)
         sum = rgb_mad(sum, 1 / (count - 1), rgb_sub(rgb_scale(rest, open), open_rest));
@@ -109,8 +113,10 @@ static rsv_rgb from_punctual(const receiver *r, float u)
             !rsv_surface_faces(&r->point, light.direction))
             continue;
         float cos = v3_dot(r->point.normal, light.direction);
-        if (is_open(r, rsv_punctual_ray(&light, r->origin)))
-            sum = rgb_mad(sum, cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
+        float share = arriving(r, rsv_punctual_ray(&light, r->origin));
+        if (share > 0)
+            sum = rgb_mad(
+                sum, share * cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
     }
     return sum;
 }
@@ -126,24 +132,15 @@ static rsv_rgb sampled_direct(const receiver *r, uint32_t stream)
     return rgb_mad(sum, 1 / (float)count, punctual);
 }
 
-/// Gathered sources always count, the others behind specular surfaces: those are caustics.
-static bool counts(const void *user, uint32_t triangle, uint32_t events)
+static bool counts(const void *user, uint32_t triangle, uint32_t turns)
 {
     const rsv_residual_job *job = user;
-    const rsv_lights *lights = job->solution->lights;
-    uint32_t emitter = lights->triangle_emitter[triangle];
-    if (emitter == RSV_NONE) return false;
-    return lights->group[lights->emitter[emitter].group].gathered ||
-           (events > 0 && !job->stored_caustics);
+    return rsv_gathering_counts(job->solution->lights, triangle, turns, job->stored_caustics);
 }
 
-static rsv_rgb radiance_beyond(const rsv_residual_job *job, rsv_vec3 direction, uint32_t events)
+static rsv_rgb radiance_beyond(const rsv_residual_job *job, rsv_vec3 direction, uint32_t turns)
 {
-    const rsv_environment_light *environment = job->solution->lights->environment;
-    if (!environment) return rgb_gray(0);
-    if (events == 0) return rsv_sky_radiance(&environment->gathered, direction);
-    return job->stored_caustics ? rsv_environment_light_sunless(environment, direction)
-                                : rsv_sky_radiance(&environment->whole, direction);
+    return rsv_gathering_sky(job->solution->lights, direction, turns, job->stored_caustics);
 }
 
 /// E~ at the end of a gather ray; diffused below the surface where that is translucent.
@@ -193,7 +190,8 @@ static rsv_rgb gather_one(
     r->result->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_ESCAPED)
         return rgb_add(gather.emission,
-            rgb_mul(gather.chain.weight, radiance_beyond(job, gather.chain.direction, 1)));
+            rgb_mul(gather.chain.weight,
+                radiance_beyond(job, gather.chain.direction, gather.chain.turns)));
     if (gather.end != RSV_CHAIN_DIFFUSE) return gather.emission;
     return rgb_add(gather.emission, radiance_at_end(r, &gather.chain, random));
 }

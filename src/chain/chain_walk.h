@@ -31,6 +31,9 @@ typedef struct rsv_chain {
     float u, v;
     bool back;       ///< arrived at the triangle's back
     uint32_t events; ///< specular events so far
+    /// Of those, all but RSV_LOBE_PASS. 0 = light that comes this way is counted where shadow rays find it
+    /// (light/partition.h); counted by chains that draw their events.
+    uint32_t turns;
     uint32_t rays;   ///< rays traced so far
     float spread;    ///< metres by which the footprint grows per metre
     float width;     ///< of the footprint on this surface: what textures are averaged over
@@ -91,7 +94,7 @@ RSV_INLINE rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, const rsv
     chain.medium = medium ? *medium : outside;
     chain.start_ior = rsv_medium_ior(&chain.medium, scene->bsdf);
     chain.settled = false;
-    chain.events = chain.rays = 0;
+    chain.events = chain.turns = chain.rays = 0;
     chain.spread = RSV_GATHER_SPREAD;
     chain.width = 0;
     rsv_chain_end_segment(scene, &chain, &hit, rsv_meets_back(scene, triangle, direction));

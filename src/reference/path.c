@@ -29,7 +29,7 @@ static void start_path(rsv_light_path *path, const rsv_path_tracer *tracer,
     path->start_ior = rsv_medium_ior(medium, tracer->bsdf);
     path->settled = false;
     path->bounces = path->diffuse_events = 0;
-    path->pdf_solid_angle = 0;
+    path->pdf_solid_angle = path->passed = 0;
     path->light = light;
 }
 
@@ -85,6 +85,7 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
     if (v3_dot(entry.geometric_normal, wi) <= 0) return false;
     path->throughput = rgb_mul(path->throughput, rsv_bsdf_entry(entry.bsdf, local.z));
     path->pdf_solid_angle = local.z / RSV_PI;
+    path->passed = 0;
     path->below = false;
     path->diffuse_events++;
     path->departure = entry.point;
@@ -124,6 +125,7 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
     path->throughput = rgb_mul(path->throughput, sample.weight);
     if (rgb_is_black(path->throughput)) return false;
     path->pdf_solid_angle = path->aimed[transmitted] ? sample.pdf_solid_angle : 0;
+    path->passed = 0;
     path->below = transmitted;
     path->medium = rsv_path_medium_beside(path, s, transmitted);
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
@@ -141,12 +143,12 @@ static bool survives_roulette(rsv_light_path *path)
     return true;
 }
 
-/// Goes straight on where the surface does not cover. Next-event estimation sees no lamp through it.
-static bool passes(rsv_light_path *path, const rsv_path_surface *s)
+/// Goes straight on where the surface does not cover. Next-event estimation sees lamps past it, too.
+static bool passes(rsv_light_path *path, const rsv_path_surface *s, float distance)
 {
     if (s->bsdf->opacity >= 1 || rsv_random_float(&path->numbers.random) < s->bsdf->opacity)
         return false;
-    path->pdf_solid_angle = 0;
+    path->passed += distance;
     path->departure = s->point;
     path->ray.origin = rsv_path_surface_departure(s, true);
     return true;
@@ -163,7 +165,7 @@ static void follow(rsv_light_path *path)
         rsv_path_surface s;
         rsv_path_surface_meet(path->tracer, &path->ray, &hit, &s);
         cross_medium(path, &s);
-        if (passes(path, &s)) {
+        if (passes(path, &s, hit.t)) {
             if (!survives_roulette(path)) return;
             continue;
         }

@@ -47,24 +47,27 @@ rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, 
 }
 
 /// Share of light that passes a surface without turning: past what it does not cover, and through thin sheets.
-static rsv_rgb straight_through(const rsv_path_surface *s)
+static rsv_rgb straight_through(const rsv_path_surface *s, bool sheets)
 {
     rsv_rgb uncovered = rgb_gray(1 - s->bsdf->opacity);
-    if (s->bsdf->transmission == 0 || s->bsdf->solid) return uncovered;
+    if (!sheets || s->bsdf->transmission == 0 || s->bsdf->solid) return uncovered;
     rsv_rgb sheet = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front).transmit;
     return rgb_mad(uncovered, s->bsdf->opacity, sheet);
 }
 
-rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray)
+rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray, bool sheets)
 {
     rsv_rgb passed = rgb_gray(1);
+    rsv_vec3 end = v3_mad(ray.origin, ray.t_max, ray.direction);
     rsv_hit hit;
     while (!rgb_is_black(passed) && rsv_tracer_closest(tracer->tracer, &ray, &hit)) {
         rsv_path_surface s;
         rsv_path_surface_meet(tracer, &ray, &hit, &s);
-        passed = rgb_mul(passed, straight_through(&s));
+        passed = rgb_mul(passed, straight_through(&s, sheets));
         ray.origin = rsv_path_surface_departure(&s, true);
-        ray.t_max -= hit.t;
+        if (!(ray.t_max < INFINITY)) continue;
+        ray.direction = v3_sub(end, ray.origin);
+        ray.t_max = 1;
     }
     return passed;
 }

@@ -30,6 +30,7 @@ rsv_vec3 rsv_path_surface_departure(const rsv_path_surface *s, bool transmitted)
 rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, rsv_lobe_set lobes);
 
 /// Share of light that reaches the ray's origin from its end without turning.
-rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray);
+/// @param sheets what thin sheets transmit counts, too, besides what surfaces do not cover
+rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray, bool sheets);
 
 #endif

@@ -80,9 +80,9 @@ static void add_gathered(
     }
 }
 
-static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
+static bool no_emission(const void *user, uint32_t triangle, uint32_t turns)
 {
-    (void)user, (void)triangle, (void)events;
+    (void)user, (void)triangle, (void)turns;
     return false;
 }
 

@@ -6,7 +6,7 @@
 #include "../chain/chain.h"
 #include "../light/light.h"
 
-/// How a chain left a rough surface, for what it meets next.
+/// How a chain left a rough surface, for what it meets next, past blended surfaces.
 typedef struct rsv_rough_departure {
     rsv_vec3 point, side;  ///< of the surface; unit normal on the side that the chain left to
     float pdf_solid_angle; ///< 0 = not from a rough surface: nothing has been aimed at

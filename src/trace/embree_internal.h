@@ -20,6 +20,7 @@ struct rsv_tracer {
     uint32_t *apart;  ///< [apart_count] triangles of the second geometry; NULL = there is but one
     size_t apart_count;
     rsv_bvh *hierarchy; ///< for devices; empty until one asks
+    bool blended;       ///< light passes some surfaces in part (passage.h)
 };
 
 /// Geometries: the scene's triangles under their own numbers, and those set apart.
