@@ -4,6 +4,7 @@
 #include "../light/partition.h"
 #include "../light/punctual_light.h"
 #include "../render/pixel_direct.h"
+#include "../surface/lift.h"
 #include "../trace/passage.h"
 
 /// The surface point at which light is gathered.
@@ -35,6 +36,8 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     r->bsdf = rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
     r->point =
         rsv_surface_point_at(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face]);
+    rsv_surface_lift(s->scene.view, s->tracer, triangle, p->u, p->v, s->elements->face_back[p->face],
+        &r->point);
     r->origin = rsv_offset_origin(r->point.position, r->point.geometric, r->point.extent);
     r->medium = rsv_medium_above(&s->scene.media, r->origin, r->point.geometric);
     v3_frame(r->point.normal, &r->tangent, &r->bitangent);
@@ -72,8 +75,8 @@ static light_trial try_light(const receiver *r, const rsv_local_lights *local, r
     trial.control = rgb_scale(light.mean_radiance, scale);
     trial.light = rgb_scale(rgb_mul(light.radiance, entry(r, light.distance, cos)), scale);
     if (rsv_surface_faces(&r->point, light.direction))
-        trial.open =
-            arriving(r, rsv_shadow_ray(local->lights, &light, r->point.position, r->origin));
+        trial.open = arriving(r, rsv_shadow_ray(local->lights, &light, r->point.position,
+                                     rsv_lifted_origin(&r->point, r->origin, light.direction)));
     return trial;
 }
 
@@ -113,7 +116,8 @@ static rsv_rgb from_punctual(const receiver *r, float u)
             !rsv_surface_faces(&r->point, light.direction))
             continue;
         float cos = v3_dot(r->point.normal, light.direction);
-        float share = arriving(r, rsv_punctual_ray(&light, r->origin));
+        float share = arriving(r, rsv_punctual_ray(&light,
+                                      rsv_lifted_origin(&r->point, r->origin, light.direction)));
         if (share > 0)
             sum = rgb_mad(
                 sum, share * cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
@@ -177,7 +181,7 @@ static rsv_rgb gather_one(
 {
     const rsv_residual_job *job = r->job;
     const rsv_transport_scene *scene = &job->solution->scene;
-    rsv_ray ray = { r->origin, direction, INFINITY };
+    rsv_ray ray = { rsv_lifted_origin(&r->point, r->origin, direction), direction, INFINITY };
     rsv_hit hit;
     r->result->rays++;
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
@@ -216,7 +220,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_vec3 direction =
             v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->point.normal);
         // what an interpolated normal sends below the surface counts, and finds nothing
-        if (v3_dot(direction, r->point.geometric) <= 0) continue;
+        if (v3_dot(direction, r->point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->bsdf, d.z), &random);
         sum[0] += (double)found.r, sum[1] += (double)found.g, sum[2] += (double)found.b;
     }

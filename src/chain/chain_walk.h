@@ -3,7 +3,7 @@
 #define RSV_CHAIN_WALK_H
 
 #include "../surface/medium.h"
-#include "../surface/surface.h"
+#include "../surface/lift.h"
 #include "../trace/offset.h"
 #include "resolvent/trace.h"
 
@@ -166,8 +166,9 @@ RSV_INLINE bool rsv_chain_depart(
     ray->origin = rsv_moved_off(point->position, leave, point->extent);
     ray->direction = direction;
     ray->t_max = INFINITY;
+    if (!transmit) ray->origin = rsv_lifted_origin(point, ray->origin, direction);
     // an interpolated normal can send light through the surface: it is lost, as to the reference
-    return v3_dot(direction, leave) > 0;
+    return v3_dot(direction, transmit ? leave : point->horizon) > 0;
 }
 
 /// The chain on its way along that ray. @param weight multiplies the throughput

@@ -182,6 +182,7 @@ static void aim_block(const glance_job *job, const rsv_receiver_block *block, bl
                                      : sum_places(job, block, &look->packet, look->unshadowed);
     if (!any) return;
     job->kernels->aim(block, &job->turn[0], &look->packet, look->share, look->cosine);
+    rsv_receiver_block_lift(block, &look->packet);
     look->sent = lanes_in_use(&look->packet);
 }
 
@@ -340,6 +341,7 @@ static uint64_t light_by_light(
     clear_packet(&packet);
     for (uint32_t k = 0; k < LANES; k++)
         arriving[k] = aim_at_light(job, block, k, light, &packet);
+    rsv_receiver_block_lift(block, &packet);
     uint32_t sent = lanes_in_use(&packet);
     if (!sent) return 0;
     float passed[LANES];

@@ -6,7 +6,7 @@
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
 #include "../surface/medium.h"
-#include "../surface/surface.h"
+#include "../surface/lift.h"
 
 /// Receiver points of a node at most, and shadow rays at a time.
 #define RSV_DIRECT_LANES 16
@@ -99,7 +99,8 @@ RSV_INLINE rsv_direct_ray rsv_direct_to_sample(const rsv_direct_setting *s,
     if (!rsv_surface_faces(point, sample->direction)) return r;
     r.entering = rsv_direct_entering(s, receiver,
         rgb_scale(sample->radiance, cos / sample->pdf_solid_angle), sample->distance, cos);
-    r.ray = rsv_shadow_ray(s->lights, sample, point->position, receiver->origin[k]);
+    r.ray = rsv_shadow_ray(s->lights, sample, point->position,
+        rsv_lifted_origin(point, receiver->origin[k], sample->direction));
     return r;
 }
 
@@ -226,7 +227,8 @@ RSV_INLINE rsv_direct_ray rsv_direct_to_punctual(
     float cos = v3_dot(point->normal, sample.direction);
     r.open = rgb_scale(sample.irradiance, cos);
     r.entering = rsv_direct_entering(s, receiver, r.open, sample.distance, cos);
-    r.ray = rsv_punctual_ray(&sample, receiver->origin[k]);
+    r.ray = rsv_punctual_ray(
+        &sample, rsv_lifted_origin(point, receiver->origin[k], sample.direction));
     return r;
 }
 

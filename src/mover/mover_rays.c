@@ -2,6 +2,7 @@
 
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
+#include "../surface/lift.h"
 #include "../trace/packet.h"
 #include "../trace/passage.h"
 
@@ -151,6 +152,7 @@ rsv_rgb rsv_mover_shadow(const rsv_mover *m, const rsv_surface_point *point, uin
     uint32_t count =
         rsv_mover_aim(m, point->position, point->normal, origin, samples, stream, aimed);
     for (uint32_t k = 0; k < count; k++) {
+        rsv_lift_ray(point, &aimed[k].ray);
         if (misses_ball(m, &aimed[k].ray)) continue;
         float lost = 1 - rsv_mover_passed(m, &aimed[k].ray);
         if (lost > 0) lost *= rsv_tracer_passed(m->solution->tracer, &aimed[k].ray);

@@ -9,7 +9,8 @@ void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t in
     rsv_row_receiver *r)
 {
     rsv_receiver_points *p = &r->points;
-    rsv_receiver_points_set_up(tracer->elements, node, index, tracer->seed, valid, p);
+    rsv_receiver_points_set_up(tracer->elements, tracer->scene->tracer,
+        (rsv_receiver_draw){ node, index, tracer->seed, valid }, p);
     uint32_t face = tracer->elements->node_face[node];
     uint32_t material =
         tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];

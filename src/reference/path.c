@@ -82,14 +82,14 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
     v3_frame(entry.normal, &t, &b);
     rsv_vec3 wi =
         v3_normalize(v3_mad(v3_mad(v3_scale(entry.normal, local.z), local.x, t), local.y, b));
-    if (v3_dot(entry.geometric_normal, wi) <= 0) return false;
+    if (!rsv_path_surface_leads(&entry, false, wi)) return false;
     path->throughput = rgb_mul(path->throughput, rsv_bsdf_entry(entry.bsdf, local.z));
     path->pdf_solid_angle = local.z / RSV_PI;
     path->passed = 0;
     path->below = false;
     path->diffuse_events++;
     path->departure = entry.point;
-    path->ray = (rsv_ray){ rsv_path_surface_departure(&entry, false), wi, INFINITY };
+    path->ray = (rsv_ray){ rsv_path_surface_departure(&entry, false, wi), wi, INFINITY };
     return true;
 }
 
@@ -120,8 +120,7 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
     if (s->translucent && sample.lobe == RSV_LOBE_DIFFUSE)
         return scatter_below(path, s, sample.weight);
     bool transmitted = sample.lobe == RSV_LOBE_TRANSMIT;
-    float rise = v3_dot(s->geometric_normal, sample.direction);
-    if (transmitted ? rise >= 0 : rise <= 0) return false;
+    if (!rsv_path_surface_leads(s, transmitted, sample.direction)) return false;
     path->throughput = rgb_mul(path->throughput, sample.weight);
     if (rgb_is_black(path->throughput)) return false;
     path->pdf_solid_angle = path->aimed[transmitted] ? sample.pdf_solid_angle : 0;
@@ -130,7 +129,7 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
     path->medium = rsv_path_medium_beside(path, s, transmitted);
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
     path->departure = s->point;
-    path->ray = (rsv_ray){ rsv_path_surface_departure(s, transmitted), sample.direction, INFINITY };
+    path->ray = (rsv_ray){ rsv_path_surface_departure(s, transmitted, sample.direction), sample.direction, INFINITY };
     return true;
 }
 
@@ -150,7 +149,7 @@ static bool passes(rsv_light_path *path, const rsv_path_surface *s, float distan
         return false;
     path->passed += distance;
     path->departure = s->point;
-    path->ray.origin = rsv_path_surface_departure(s, true);
+    path->ray.origin = rsv_path_surface_departure(s, true, path->ray.direction);
     return true;
 }
 
@@ -200,6 +199,7 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
         .wo = normal,
         .geometric_normal = normal,
         .normal = normal,
+        .horizon = normal,
         .extent = 0x1p20f * lift, // what rsv_offset_origin makes the lift of
         .triangle = RSV_NONE,
         .front = true };

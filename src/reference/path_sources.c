@@ -72,8 +72,8 @@ void rsv_path_add_environment(rsv_light_path *path)
 static rsv_rgb seen_of_light(const rsv_path_tracer *tracer, const rsv_path_surface *s,
     const rsv_light_sample *sample, bool below)
 {
-    rsv_ray ray =
-        rsv_shadow_ray(tracer->lights, sample, s->point, rsv_path_surface_departure(s, below));
+    rsv_ray ray = rsv_shadow_ray(tracer->lights, sample, s->point,
+        rsv_path_surface_departure(s, below, sample->direction));
     if (!rsv_tracer_occluded(tracer->tracer, &ray)) return rgb_gray(1);
     return tracer->blended ? rsv_straight_transmittance(tracer, ray, false) : rgb_gray(0);
 }
@@ -110,8 +110,9 @@ static void add_punctual_light(
     rsv_bsdf_value diffuse = rsv_path_surface_respond(s, light->direction, RSV_LOBES_DIFFUSE);
     rsv_bsdf_value rough = rsv_path_surface_respond(s, light->direction, RSV_LOBES_ROUGH);
     if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) return;
-    bool below = v3_dot(s->geometric_normal, light->direction) < 0;
-    rsv_ray ray = { rsv_path_surface_departure(s, below), light->direction, light->distance };
+    bool below = v3_dot(s->normal, light->direction) < 0;
+    rsv_ray ray = { rsv_path_surface_departure(s, below, light->direction), light->direction,
+        light->distance };
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
     rsv_rgb arriving = rgb_mul(light->irradiance, rsv_straight_transmittance(path->tracer, ray, true));
     arriving = rgb_mul(arriving, from_source(path, &medium, light->distance));

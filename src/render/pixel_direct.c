@@ -1,6 +1,7 @@
 #include "pixel_direct.h"
 
 #include "../light/punctual_light.h"
+#include "../surface/lift.h"
 #include "../trace/packet.h"
 #include "../trace/passage.h"
 
@@ -110,6 +111,8 @@ static void set_up_point(
 {
     lit->bsdf = rsv_chain_bsdf(&s->scene, chain, &lit->storage);
     lit->point = point;
+    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, chain->back,
+        &lit->point);
     lit->origin = rsv_offset_origin(point.position, point.geometric, point.extent);
     lit->medium = &chain->medium;
     lit->media = s->bsdf;
@@ -141,7 +144,8 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     if (!rsv_surface_faces(point, light.direction)) return;
     rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
     push_shadow_ray(d, term,
-        rsv_shadow_ray(d->solution->lights, &light, point->position, lit->origin),
+        rsv_shadow_ray(d->solution->lights, &light, point->position,
+            rsv_lifted_origin(point, lit->origin, light.direction)),
         rgb_scale(rgb_mul(entered, light.radiance), scale), known);
 }
 
@@ -176,7 +180,8 @@ static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weig
         rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
         rsv_direct_term term = { .column = column, .sample = sample.index, .rays = 1 };
         if (push_term(d, term))
-            push_shadow_ray(d, d->term_count - 1, rsv_punctual_ray(&light, lit->origin),
+            push_shadow_ray(d, d->term_count - 1,
+                rsv_punctual_ray(&light, rsv_lifted_origin(point, lit->origin, light.direction)),
                 rgb_scale(rgb_mul(entered, light.irradiance), cos), false);
     }
 }
@@ -336,7 +341,8 @@ static rsv_rgb sampled_emitter(const rsv_light_view *s, const lit_point *lit, rs
     if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) ||
         !rsv_surface_faces(point, light.direction))
         return rgb_gray(0);
-    rsv_ray ray = rsv_shadow_ray(s->lights, &light, point->position, lit->origin);
+    rsv_ray ray = rsv_shadow_ray(s->lights, &light, point->position,
+        rsv_lifted_origin(point, lit->origin, light.direction));
     float cos = v3_dot(point->normal, light.direction), passed = rsv_tracer_passed(s->tracer, &ray);
     rsv_rgb entered = rgb_mul(light.radiance, entry(lit, light.distance, cos));
     return rgb_scale(entered, passed * cos / light.pdf_solid_angle);
@@ -356,7 +362,8 @@ rsv_rgb rsv_sampled_irradiance(const rsv_light_view *s, const rsv_chain *chain, 
         if (!rsv_punctual_at(s->lights, lit.point.position, lit.point.normal, k, u, &light) ||
             !rsv_surface_faces(&lit.point, light.direction))
             continue;
-        rsv_ray ray = rsv_punctual_ray(&light, lit.origin);
+        rsv_ray ray = rsv_punctual_ray(
+            &light, rsv_lifted_origin(&lit.point, lit.origin, light.direction));
         float cos = v3_dot(lit.point.normal, light.direction);
         rsv_rgb entered = rgb_mul(light.irradiance, entry(&lit, light.distance, cos));
         sum = rgb_mad(sum, cos * rsv_tracer_passed(s->tracer, &ray), entered);

@@ -1,10 +1,12 @@
-/// Shadow rays: past alpha-blended surfaces, in every estimator of direct light.
+/// Shadow rays: past alpha-blended surfaces, and off coarse bodies with smooth normals.
 #include "resolvent/render.h"
 
 #include "light/punctual_light.h"
 #include "light_fixture.h"
+#include "render/pixel_direct.h"
 #include "slow_tests.h"
 #include "solve/solution.h"
+#include "surface/lift.h"
 #include "trace/passage.h"
 
 enum { SUN, POINT, LAMP, SOURCES };
@@ -293,16 +295,214 @@ static void the_reference_sees_past_blended_cards(void **state)
     }
 }
 
+// ---- coarse bodies with smooth normals --------------------------------------------------------------
+
+enum { AROUND = 16, ALONG = 8, FACETS = 2 * AROUND * (ALONG - 1) };
+
+/// A sphere of radius 1, of 16 x 8 facets.
+static void add_coarse_sphere(world *w, uint32_t material, rsv_vec3 centre, bool smooth)
+{
+    rsv_vec3 position[(AROUND + 1) * (ALONG + 1)], normal[(AROUND + 1) * (ALONG + 1)];
+    uint32_t index[FACETS][3], count = 0, id;
+    for (uint32_t k = 0; k < (AROUND + 1) * (ALONG + 1); k++) {
+        double theta = M_PI * (k / (AROUND + 1)) / ALONG;
+        double phi = 2 * M_PI * (k % (AROUND + 1) % AROUND) / AROUND;
+        normal[k] =
+            v3((float)(sin(theta) * cos(phi)), (float)cos(theta), (float)(sin(theta) * sin(phi)));
+        position[k] = v3_add(centre, normal[k]);
+    }
+    for (uint32_t k = 0; k < AROUND * ALONG; k++) {
+        uint32_t a = k / AROUND * (AROUND + 1) + k % AROUND, b = a + AROUND + 1;
+        const uint32_t upper[3] = { a, a + 1, b + 1 }, lower[3] = { a, b + 1, b };
+        if (k >= AROUND) memcpy(index[count++], upper, sizeof upper);
+        if (k < AROUND * (ALONG - 1)) memcpy(index[count++], lower, sizeof lower);
+    }
+    rsv_mesh_desc mesh = { .name = "sphere",
+        .positions = position,
+        .normals = smooth ? normal : NULL,
+        .vertex_count = (AROUND + 1) * (ALONG + 1),
+        .indices = index[0],
+        .triangle_count = count,
+        .material = material };
+    assert_int_equal(count, FACETS);
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+}
+
+/// One of the places of a facet.
+static rsv_chain place_of(const world *w, uint32_t facet, uint32_t k)
+{
+    float x, y, u, v;
+    const rsv_scene_view *view = w->transport.view;
+    rsv_sobol_2d(k, facet, &x, &y);
+    rsv_square_to_triangle(x, y, &u, &v);
+    rsv_vec3 normal = rsv_surface_point_at(view, facet, u, v, false).geometric;
+    return rsv_chain_begin(&w->transport, NULL, v3_neg(normal), facet, u, v, 1);
+}
+
+/// What sources send to a surface that stands alone.
+static double unshadowed_at(const world *w, const rsv_surface_point *p)
+{
+    rsv_local_lights local;
+    rsv_punctual_sample light;
+    rsv_lights_at(w->lights, p->position, p->normal, &local);
+    if (w->transport.view->light_count == 0) return local.unshadowed.g;
+    if (!rsv_punctual_at(w->lights, p->position, p->normal, 0, 0, &light)) return 0;
+    return light.irradiance.g * f_max(v3_dot(p->normal, light.direction), 0);
+}
+
+/// Lambert's law holds by the smooth normals, up to the terminator. Facets that turn away from the light used to be dark
+/// before that: off by the sine of 11 degrees.
+static void shadows_end_where_smooth_surfaces_turn_away(void **state)
+{
+    enum { PLACES = 8, TRIES = 16 };
+    (void)state;
+    for (int source = 0; source < SOURCES; source++) {
+        world *w = world_begin(1);
+        add_coarse_sphere(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), true);
+        add_source(w, source);
+        world_commit(w);
+        rsv_solution *s = solve(w);
+        double worst = 0, most = 0;
+        for (uint32_t facet = 0; facet < FACETS; facet++) {
+            double expected = 0, found = 0;
+            for (uint32_t k = 0; k < PLACES; k++) {
+                rsv_chain chain = place_of(w, facet, k);
+                rsv_surface_point p = rsv_surface_point_at(
+                    w->transport.view, chain.triangle, chain.u, chain.v, false);
+                expected += unshadowed_at(w, &p) / PLACES;
+                for (uint32_t n = 0; n < TRIES; n++) {
+                    rsv_random random = rsv_random_from(facet, k, n);
+                    found +=
+                        (double)rsv_sampled_irradiance(rsv_solution_get_view(s), &chain, &random)
+                            .g /
+                        (PLACES * TRIES);
+                }
+            }
+            most = fmax(most, expected);
+            worst = fmax(worst, fabs(found - expected));
+        }
+        if (worst > (source == LAMP ? 0.02 : 0.005) * most)
+            fail_msg("source %d: off by %g of %g", source, worst, most);
+        rsv_solution_destroy(s);
+        world_end(w);
+    }
+}
+
+/// Elements receive by the same law: stored light has no jags either.
+static void elements_of_coarse_bodies_store_even_light(void **state)
+{
+    (void)state;
+    for (int source = 0; source < SOURCES; source++) {
+        world *w = world_begin(2);
+        add_coarse_sphere(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), true);
+        add_source(w, source);
+        world_commit(w);
+        rsv_solution *s = solve(w);
+        double squares = 0, sum = 0;
+        for (uint32_t facet = 0; facet < FACETS; facet++)
+            for (uint32_t k = 0; k < 4; k++) {
+                rsv_chain c = place_of(w, facet, k);
+                rsv_surface_point p =
+                    rsv_surface_point_at(w->transport.view, c.triangle, c.u, c.v, false);
+                double expected = unshadowed_at(w, &p);
+                rsv_rgb found = rsv_solution_irradiance(s, c.triangle, c.u, c.v, false, RSV_NONE);
+                squares += ((double)found.g - expected) * ((double)found.g - expected);
+                sum += expected * expected;
+            }
+        if (sqrt(squares / sum) > 0.03) fail_msg("source %d: %g", source, sqrt(squares / sum));
+        rsv_solution_destroy(s);
+        world_end(w);
+    }
+}
+
+/// Nothing is lost of light from all around, at any facet.
+static void coarse_bodies_gather_all_light(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    add_coarse_sphere(w, world_lambert(w, 1, 0), v3(0, 0, 0), true);
+    world_room(w, world_lambert(w, 0, 1), v3(-9, -9, -9), v3(9, 9, 9));
+    add_camera(w, 1.2f);
+    world_commit(w);
+    rsv_solution *s = solve(w);
+    for (uint32_t facet = 0; facet < FACETS; facet++) {
+        rsv_chain c = place_of(w, facet, 0);
+        rsv_rgb e = rsv_solution_irradiance(s, c.triangle, c.u, c.v, false, RSV_NONE);
+        assert_close(e.g, M_PI, 0.002 * M_PI);
+    }
+    rsv_image *image = picture(s, RSV_RENDER_REFERENCE, 4);
+    for (size_t k = 0; k < 48 * 48; k++)
+        assert_close(rsv_image_const_pixels(image, 0)[k].g, 1, 0.03);
+    rsv_image_destroy(image);
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// A sphere of which a little stands out below the floor that it lies on, and bright light beneath: none of it gets above.
+static void light_does_not_leak_where_bodies_touch(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t white = world_lambert(w, 0.8f, 0);
+    add_coarse_sphere(w, white, v3(0, 0.985f, 0), true);
+    add_floor(w, 6);
+    world_quad(w, white, v3(-6, 2.2f, -6), v3(6, 2.2f, -6), v3(6, 2.2f, 6), v3(-6, 2.2f, 6));
+    for (int k = 0; k < 4; k++) { // walls, open below
+        float a = k < 2 ? 6.0f : -6.0f, b = k == 1 || k == 2 ? 6.0f : -6.0f;
+        world_quad(w, white, v3(a, 0, b), v3(b, 0, -a), v3(b, 2.2f, -a), v3(a, 2.2f, b));
+    }
+    rsv_light below = {
+        .kind = RSV_LIGHT_POINT, .position = v3(2, -1, 0), .intensity = rgb_gray(99)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &below), RSV_OK);
+    world_commit(w);
+    rsv_solution *s = solve(w);
+    for (uint32_t facet = 0; facet < FACETS; facet++)
+        for (uint32_t k = 0; k < 32; k++) {
+            rsv_chain c = place_of(w, facet, k);
+            rsv_surface_point p =
+                rsv_surface_point_at(w->transport.view, c.triangle, c.u, c.v, false);
+            rsv_random random = rsv_random_from(facet, k, 0);
+            if (p.position.y > 1e-4f)
+                assert_true(rsv_sampled_irradiance(rsv_solution_get_view(s), &c, &random).g == 0);
+        }
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
+/// Flat ones are left alone, to the bit.
+static void flat_bodies_are_not_lifted(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    add_coarse_sphere(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), false);
+    world_commit(w);
+    const rsv_scene_view *view = w->transport.view;
+    for (uint32_t facet = 0; facet < FACETS; facet++) {
+        rsv_chain c = place_of(w, facet, 3);
+        rsv_surface_point p = rsv_surface_point_at(view, facet, c.u, c.v, false), lifted = p;
+        rsv_surface_lift(view, w->tracer, facet, c.u, c.v, false, &lifted);
+        assert_memory_equal(&p, &lifted, sizeof p);
+    }
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(rays_pass_what_is_left_uncovered),
         cmocka_unit_test(curtains_dim_all_that_passes),
         cmocka_unit_test(veils_before_rough_metal_keep_its_light),
+        cmocka_unit_test(shadows_end_where_smooth_surfaces_turn_away),
+        cmocka_unit_test(elements_of_coarse_bodies_store_even_light),
+        cmocka_unit_test(light_does_not_leak_where_bodies_touch),
+        cmocka_unit_test(flat_bodies_are_not_lifted),
     };
     const struct CMUnitTest slow[] = {
         cmocka_unit_test(blended_cards_shade_like_cut_out_ones),
         cmocka_unit_test(the_reference_sees_past_blended_cards),
+        cmocka_unit_test(coarse_bodies_gather_all_light),
     };
     return RUN_HALF(argc, argv, quick, slow);
 }
