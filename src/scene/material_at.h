@@ -45,6 +45,10 @@ bool rsv_find_blended(const rsv_scene_view *scene);
 /// How much of the light on a triangle does not pass straight on there; 1 = it is not blended, whether cut out or not.
 RSV_SHARED float rsv_opacity_at(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
 
+/// About how much of a patch around a point is left where a surface is cut out; 1 = it is not.
+RSV_SHARED float rsv_left_of_cut_out(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width);
+
 /// The shading normal that a normal map makes of the interpolated one (unit, on the front side); the same one if
 /// there is no map.
 RSV_SHARED rsv_vec3 rsv_mapped_normal(

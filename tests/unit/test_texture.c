@@ -86,6 +86,13 @@ static void what_is_cut_away_lends_no_colour(void **state)
     assert_float_equal(mean.r, 0, 1e-4);
     assert_float_equal(mean.g, 128 / 255.0, 1e-4);
     assert_float_equal(mean.a, 0.5, 1e-4);
+    for (int k = 0; k < 300; k++) { // nor does it between texels, and between levels
+        float u = rsv_unit_float(rsv_hash((uint32_t)k)),
+              v = rsv_unit_float(rsv_hash2((uint32_t)k, 1));
+        rsv_texel at = rsv_texture_lookup(texture, u, v, (float)(k % 30) / 10);
+        if (at.a > 1e-3f) assert_float_equal(at.r, 0, 1e-4);
+        if (at.a > 1e-3f) assert_float_equal(at.g, 128 / 255.0, 1e-3);
+    }
 
     m.texture_count = 1; // somebody shows the paper too
     assert_int_equal(rsv_scene_add_material(scene, &m, NULL), RSV_OK);
