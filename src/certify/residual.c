@@ -36,8 +36,7 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     r->bsdf = rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
     r->point =
         rsv_surface_point_at(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face]);
-    rsv_surface_lift(s->scene.view, s->tracer, triangle, p->u, p->v, s->elements->face_back[p->face],
-        &r->point);
+    rsv_surface_lift(s->scene.view, s->tracer, triangle, p->u, p->v, &r->point);
     r->origin = rsv_offset_origin(r->point.position, r->point.geometric, r->point.extent);
     r->medium = rsv_medium_above(&s->scene.media, r->origin, r->point.geometric);
     v3_frame(r->point.normal, &r->tangent, &r->bitangent);
@@ -116,11 +115,11 @@ static rsv_rgb from_punctual(const receiver *r, float u)
             !rsv_surface_faces(&r->point, light.direction))
             continue;
         float cos = v3_dot(r->point.normal, light.direction);
-        float share = arriving(r, rsv_punctual_ray(&light,
-                                      rsv_lifted_origin(&r->point, r->origin, light.direction)));
+        float share = arriving(
+            r, rsv_punctual_ray(&light, rsv_lifted_origin(&r->point, r->origin, light.direction)));
         if (share > 0)
-            sum = rgb_mad(
-                sum, share * cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
+            sum =
+                rgb_mad(sum, share * cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
     }
     return sum;
 }
@@ -193,9 +192,9 @@ static rsv_rgb gather_one(
     rsv_gather gather = rsv_chain_gather(scene, first, random, counts, job);
     r->result->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_ESCAPED)
-        return rgb_add(gather.emission,
-            rgb_mul(gather.chain.weight,
-                radiance_beyond(job, gather.chain.direction, gather.chain.turns)));
+        return rgb_add(
+            gather.emission, rgb_mul(gather.chain.weight,
+                                 radiance_beyond(job, gather.chain.direction, gather.chain.turns)));
     if (gather.end != RSV_CHAIN_DIFFUSE) return gather.emission;
     return rgb_add(gather.emission, radiance_at_end(r, &gather.chain, random));
 }

@@ -83,8 +83,7 @@ RSV_SHARED rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_c
         rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
     // ideal lobes never go below the triangle (rsv_bsdf_specular_normal): they leave it as it is
     if (!transmit && v3_dot(direction, point.geometric) <= 0)
-        rsv_surface_lift(scene->view, scene->tracer, chain->triangle, chain->u, chain->v,
-            chain->back, &point);
+        rsv_surface_lift(scene->view, scene->tracer, chain->triangle, chain->u, chain->v, &point);
     if (!rsv_chain_depart(&point, transmit, direction, &ray)) return RSV_CHAIN_LOST;
     bool meets = rsv_ray_meets(scene->tracer, &ray, &hit);
     rsv_chain_set_out(scene, chain, transmit, direction, weight);
@@ -93,12 +92,11 @@ RSV_SHARED rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_c
     return RSV_CHAIN_MOVED;
 }
 
-RSV_SHARED rsv_chain_move rsv_chain_follow(const rsv_transport_scene *scene, rsv_chain *chain,
-    const rsv_bsdf_event *event, rsv_rgb weight)
+RSV_SHARED rsv_chain_move rsv_chain_follow(
+    const rsv_transport_scene *scene, rsv_chain *chain, const rsv_bsdf_event *event, rsv_rgb weight)
 {
     chain->turns += event->lobe != RSV_LOBE_PASS;
-    return rsv_chain_step(
-        scene, chain, event->lobe != RSV_LOBE_REFLECT, event->direction, weight);
+    return rsv_chain_step(scene, chain, event->lobe != RSV_LOBE_REFLECT, event->direction, weight);
 }
 
 #endif

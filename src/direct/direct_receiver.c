@@ -20,8 +20,8 @@ void rsv_direct_receive(
         uint32_t triangle = e->face_triangle[face];
         bool back = e->face_back[face];
         r->point[k] = rsv_surface_point_at(view, triangle, sample[k].u, sample[k].v, back);
-        rsv_surface_lift(view, job->scene->tracer, triangle, sample[k].u, sample[k].v, back,
-            &r->point[k]);
+        rsv_surface_lift(
+            view, job->scene->tracer, triangle, sample[k].u, sample[k].v, &r->point[k]);
         r->origin[k] =
             rsv_offset_origin(r->point[k].position, r->point[k].geometric, r->point[k].extent);
     }

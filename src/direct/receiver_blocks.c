@@ -47,7 +47,7 @@ static uint32_t find_points(const builder *w, uint32_t node, rsv_surface_point *
         points[count] = rsv_surface_point_at(
             e->scene, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
         rsv_surface_lift(e->scene, w->b->scene->tracer, e->face_triangle[face], sample[k].u,
-            sample[k].v, e->face_back[face], &points[count++]);
+            sample[k].v, &points[count++]);
     }
     return count;
 }

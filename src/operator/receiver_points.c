@@ -37,8 +37,8 @@ static void set_frame(
     r->normal_x[k] = normal.x, r->normal_y[k] = normal.y, r->normal_z[k] = normal.z;
 }
 
-void rsv_receiver_points_set_up(const rsv_elements *e, const rsv_tracer *tracer,
-    rsv_receiver_draw draw, rsv_receiver_points *r)
+void rsv_receiver_points_set_up(
+    const rsv_elements *e, const rsv_tracer *tracer, rsv_receiver_draw draw, rsv_receiver_points *r)
 {
     float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(draw.seed, draw.index, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
@@ -51,7 +51,7 @@ void rsv_receiver_points_set_up(const rsv_elements *e, const rsv_tracer *tracer,
         float u = sample[k].u, v = sample[k].v;
         bool back = e->face_back[face];
         rsv_surface_point point = rsv_surface_point_at(e->scene, triangle, u, v, back);
-        rsv_surface_lift(e->scene, tracer, triangle, u, v, back, &point);
+        rsv_surface_lift(e->scene, tracer, triangle, u, v, &point);
         set_origin(r, k, &point);
         set_frame(r, k, point.normal, cos_turn, sin_turn);
     }
@@ -63,12 +63,11 @@ static void lift_lanes(const rsv_receiver_points *r, rsv_ray_packet *packet)
     for (uint32_t left = r->lifted; left; left &= left - 1) {
         rsv_ray ray;
         uint32_t k = (uint32_t)__builtin_ctz(left);
-        packet->t_max[k] = rsv_receiver_points_lift(r, k,
-                               v3(packet->direction_x[k], packet->direction_y[k],
-                                   packet->direction_z[k]),
-                               &ray)
-                               ? INFINITY
-                               : -1;
+        packet->t_max[k] =
+            rsv_receiver_points_lift(r, k,
+                v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]), &ray)
+                ? INFINITY
+                : -1;
         packet->origin_x[k] = ray.origin.x, packet->origin_y[k] = ray.origin.y;
         packet->origin_z[k] = ray.origin.z;
     }
@@ -89,5 +88,6 @@ void rsv_receiver_points_aim(const rsv_receiver_points *r, const float *x, const
         packet->direction_y[k] = dy;
         packet->direction_z[k] = dz;
         packet->t_max[k] = above > 0 ? INFINITY : -1;
-    }    if (r->lifted) lift_lanes(r, packet);
+    }
+    if (r->lifted) lift_lanes(r, packet);
 }

@@ -95,8 +95,7 @@ static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb 
     const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     rsv_surface_point point = rsv_surface_point_seen(
         s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    rsv_surface_lift(
-        s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, chain->back, &point);
+    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, &point);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
     v3_frame(point.normal, &t, &b);
     uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
@@ -108,8 +107,7 @@ static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb 
             INFINITY };
         ray.origin = rsv_lifted_origin(&point, origin, ray.direction);
         rsv_hit hit;
-        if (v3_dot(ray.direction, point.horizon) <= 0 ||
-            !rsv_tracer_closest(s->tracer, &ray, &hit))
+        if (v3_dot(ray.direction, point.horizon) <= 0 || !rsv_tracer_closest(s->tracer, &ray, &hit))
             continue;
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
         rsv_chain first = rsv_chain_begin(

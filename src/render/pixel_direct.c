@@ -111,8 +111,7 @@ static void set_up_point(
 {
     lit->bsdf = rsv_chain_bsdf(&s->scene, chain, &lit->storage);
     lit->point = point;
-    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, chain->back,
-        &lit->point);
+    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, &lit->point);
     lit->origin = rsv_offset_origin(point.position, point.geometric, point.extent);
     lit->medium = &chain->medium;
     lit->media = s->bsdf;
@@ -341,8 +340,8 @@ static rsv_rgb sampled_emitter(const rsv_light_view *s, const lit_point *lit, rs
     if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) ||
         !rsv_surface_faces(point, light.direction))
         return rgb_gray(0);
-    rsv_ray ray = rsv_shadow_ray(s->lights, &light, point->position,
-        rsv_lifted_origin(point, lit->origin, light.direction));
+    rsv_ray ray = rsv_shadow_ray(
+        s->lights, &light, point->position, rsv_lifted_origin(point, lit->origin, light.direction));
     float cos = v3_dot(point->normal, light.direction), passed = rsv_tracer_passed(s->tracer, &ray);
     rsv_rgb entered = rgb_mul(light.radiance, entry(lit, light.distance, cos));
     return rgb_scale(entered, passed * cos / light.pdf_solid_angle);
@@ -362,8 +361,8 @@ rsv_rgb rsv_sampled_irradiance(const rsv_light_view *s, const rsv_chain *chain, 
         if (!rsv_punctual_at(s->lights, lit.point.position, lit.point.normal, k, u, &light) ||
             !rsv_surface_faces(&lit.point, light.direction))
             continue;
-        rsv_ray ray = rsv_punctual_ray(
-            &light, rsv_lifted_origin(&lit.point, lit.origin, light.direction));
+        rsv_ray ray =
+            rsv_punctual_ray(&light, rsv_lifted_origin(&lit.point, lit.origin, light.direction));
         float cos = v3_dot(lit.point.normal, light.direction);
         rsv_rgb entered = rgb_mul(light.irradiance, entry(&lit, light.distance, cos));
         sum = rgb_mad(sum, cos * rsv_tracer_passed(s->tracer, &ray), entered);

@@ -17,8 +17,7 @@ RSV_SHARED void rsv_rough_meet(
     s->bsdf = rsv_chain_scattering(scene, chain, &s->normal, &s->storage);
     s->point = rsv_surface_point_seen(
         scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    rsv_surface_lift(scene->view, scene->tracer, chain->triangle, chain->u, chain->v, chain->back,
-        &s->point);
+    rsv_surface_lift(scene->view, scene->tracer, chain->triangle, chain->u, chain->v, &s->point);
     s->wo = v3_neg(chain->direction);
     s->front = !chain->back;
 }

@@ -44,21 +44,23 @@ RSV_INLINE rsv_vec3 rsv_lift_of(const rsv_vec3 corner[3], const rsv_vec3 normal[
     return lift;
 }
 
-/// Lifts a point to the curved surface, unless something lies between.
+/// Lifts a point of a triangle, on the side of its geometric normal, to the curved surface, unless something lies between.
 RSV_INLINE void rsv_surface_lift(const rsv_scene_view *scene, const rsv_tracer *tracer,
-    uint32_t triangle, float u, float v, bool back, rsv_surface_point *point)
+    uint32_t triangle, float u, float v, rsv_surface_point *point)
 {
     const uint32_t *at = scene->triangle[triangle];
     rsv_vec3 normal[3] = { scene->normal[at[0]], scene->normal[at[1]], scene->normal[at[2]] };
     if (rsv_normals_are_flat(normal)) return;
     rsv_vec3 corner[3] = { scene->position[at[0]], scene->position[at[1]], scene->position[at[2]] };
-    rsv_vec3 lift = rsv_lift_of(corner, normal, u, v, point, back ? -1.0f : 1.0f);
+    rsv_vec3 front = v3_cross(v3_sub(corner[1], corner[0]), v3_sub(corner[2], corner[0]));
+    float side = v3_dot(front, point->geometric) < 0 ? -1.0f : 1.0f;
+    rsv_vec3 lift = rsv_lift_of(corner, normal, u, v, point, side);
     if (!(v3_dot(lift, lift) > 0)) return;
     rsv_ray up = { rsv_moved_off(point->position, point->geometric, point->extent), lift, 1 };
     if (rsv_ray_passed(tracer, &up) < 1) return;
     rsv_vec3 smooth = v3_normalize(v3_barycentric(normal[0], normal[1], normal[2], u, v));
     point->lift = lift;
-    point->horizon = back ? v3_neg(smooth) : smooth;
+    point->horizon = v3_scale(smooth, side);
 }
 
 /// Where a ray that leaves along unit `direction` starts. @param origin off the triangle
@@ -80,8 +82,7 @@ RSV_INLINE void rsv_lift_ray(const rsv_surface_point *point, rsv_ray *ray)
     if (!rsv_is_lifted(point)) return;
     rsv_vec3 origin = rsv_lifted_origin(point, ray->origin, v3_normalize(ray->direction));
     if (ray->t_max < INFINITY)
-        ray->direction = v3_mad(
-            ray->direction, -1 / ray->t_max, v3_sub(origin, ray->origin));
+        ray->direction = v3_mad(ray->direction, -1 / ray->t_max, v3_sub(origin, ray->origin));
     ray->origin = origin;
 }
 

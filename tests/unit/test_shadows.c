@@ -507,7 +507,7 @@ static void flat_bodies_are_not_lifted(void **state)
     for (uint32_t facet = 0; facet < FACETS; facet++) {
         rsv_chain c = place_of(w, facet, 3);
         rsv_surface_point p = rsv_surface_point_at(view, facet, c.u, c.v, false), lifted = p;
-        rsv_surface_lift(view, w->tracer, facet, c.u, c.v, false, &lifted);
+        rsv_surface_lift(view, w->tracer, facet, c.u, c.v, &lifted);
         assert_memory_equal(&p, &lifted, sizeof p);
     }
     world_end(w);
