@@ -64,7 +64,8 @@ rsv_status rsv_bvh_build_scene(const rsv_scene *scene, rsv_bvh *bvh)
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     rsv_status status = rsv_bvh_build(
         rsv_scene_get_context(scene), view->position, view->triangle, view->triangle_count, bvh);
-    if (status == RSV_OK && rsv_find_cut_out(view)) bvh->view.holes = view;
+    if (status == RSV_OK && (rsv_find_cut_out(view) || rsv_find_blended(view)))
+        bvh->view.holes = view;
     if (status == RSV_OK && view->twins) bvh->view.twins = view;
     return status;
 }

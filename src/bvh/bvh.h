@@ -45,7 +45,8 @@ typedef struct rsv_bvh_view {
     const rsv_bvh_node *node;            ///< [node_count]; the first is the root
     const rsv_bvh_triangle *triangle;    ///< [triangle_count] in the order of the leaves
     uint32_t node_count, triangle_count; ///< 0 nodes: nothing to hit
-    const rsv_scene_view *holes; ///< whose cut-out surfaces rays pass; NULL = there are none
+    /// Whose cut-out surfaces rays pass, and light in part those that are blended; NULL = there are neither.
+    const rsv_scene_view *holes;
     const rsv_scene_view *twins; ///< faces of which lie in the same place; NULL = none do
 } rsv_bvh_view;
 
@@ -61,8 +62,8 @@ typedef struct rsv_bvh {
 rsv_status rsv_bvh_build(rsv_context *context, const rsv_vec3 *position,
     const uint32_t (*triangle)[3], size_t triangle_count, rsv_bvh *bvh);
 
-/// Over a committed scene, which must outlive it where a material is cut out (alpha_cutoff) and where faces lie in the same
-/// place.
+/// Over a committed scene, which must outlive it where a material is cut out or blended and where faces lie in the
+/// same place.
 rsv_status rsv_bvh_build_scene(const rsv_scene *scene, rsv_bvh *bvh);
 
 void rsv_bvh_destroy(rsv_bvh *bvh);

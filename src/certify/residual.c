@@ -1,8 +1,11 @@
 #include "residual.h"
 
 #include "../core/stratified.h"
+#include "../light/partition.h"
 #include "../light/punctual_light.h"
 #include "../render/pixel_direct.h"
+#include "../surface/lift.h"
+#include "../trace/passage.h"
 
 /// The surface point at which light is gathered.
 typedef struct receiver {
@@ -33,15 +36,17 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     r->bsdf = rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
     r->point =
         rsv_surface_point_at(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face]);
+    rsv_surface_lift(s->scene.view, s->tracer, triangle, p->u, p->v, &r->point);
     r->origin = rsv_offset_origin(r->point.position, r->point.geometric, r->point.extent);
     r->medium = rsv_medium_above(&s->scene.media, r->origin, r->point.geometric);
     v3_frame(r->point.normal, &r->tangent, &r->bitangent);
 }
 
-static bool is_open(const receiver *r, rsv_ray ray)
+/// What arrives along a shadow ray.
+static float arriving(const receiver *r, rsv_ray ray)
 {
     r->result->rays++;
-    return !rsv_tracer_occluded(r->job->solution->tracer, &ray);
+    return rsv_tracer_passed(r->job->solution->tracer, &ray);
 }
 
 /// Share of light from that distance and under that angle that enters the surface.
@@ -54,7 +59,7 @@ static rsv_rgb entry(const receiver *r, float distance, float cos)
 /// One shadow ray: what arrives if it is open, and what closed forms know of it.
 typedef struct light_trial {
     rsv_rgb light, control;
-    bool open;
+    float open; ///< how far
 } light_trial;
 
 static light_trial try_light(const receiver *r, const rsv_local_lights *local, rsv_random *random)
@@ -68,8 +73,9 @@ static light_trial try_light(const receiver *r, const rsv_local_lights *local, r
     float scale = cos / light.pdf_solid_angle;
     trial.control = rgb_scale(light.mean_radiance, scale);
     trial.light = rgb_scale(rgb_mul(light.radiance, entry(r, light.distance, cos)), scale);
-    trial.open = rsv_surface_faces(&r->point, light.direction) &&
-                 is_open(r, rsv_shadow_ray(local->lights, &light, r->point.position, r->origin));
+    if (rsv_surface_faces(&r->point, light.direction))
+        trial.open = arriving(r, rsv_shadow_ray(local->lights, &light, r->point.position,
+                                     rsv_lifted_origin(&r->point, r->origin, light.direction)));
     return trial;
 }
 
@@ -89,10 +95,10 @@ static rsv_rgb from_emitters(const receiver *r, rsv_random *random)
         light_trial trial = try_light(r, &local, random);
         rsv_rgb difference = rgb_sub(local.unshadowed, trial.control);
         rest = rgb_add(rest, difference);
-        if (!trial.open) continue;
-        sum = rgb_add(sum, trial.light);
-        open_rest = rgb_add(open_rest, difference);
-        open += 1;
+        if (!(trial.open > 0)) continue;
+        sum = rgb_mad(sum, trial.open, trial.light);
+        open_rest = rgb_mad(open_rest, trial.open, difference);
+        open += trial.open;
     }
     if (!r->bsdf->coated)
         sum = rgb_mad(sum, 1 / (count - 1), rgb_sub(rgb_scale(rest, open), open_rest));
@@ -109,8 +115,11 @@ static rsv_rgb from_punctual(const receiver *r, float u)
             !rsv_surface_faces(&r->point, light.direction))
             continue;
         float cos = v3_dot(r->point.normal, light.direction);
-        if (is_open(r, rsv_punctual_ray(&light, r->origin)))
-            sum = rgb_mad(sum, cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
+        float share = arriving(
+            r, rsv_punctual_ray(&light, rsv_lifted_origin(&r->point, r->origin, light.direction)));
+        if (share > 0)
+            sum =
+                rgb_mad(sum, share * cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
     }
     return sum;
 }
@@ -126,24 +135,15 @@ static rsv_rgb sampled_direct(const receiver *r, uint32_t stream)
     return rgb_mad(sum, 1 / (float)count, punctual);
 }
 
-/// Gathered sources always count, the others behind specular surfaces: those are caustics.
-static bool counts(const void *user, uint32_t triangle, uint32_t events)
+static bool counts(const void *user, uint32_t triangle, uint32_t turns)
 {
     const rsv_residual_job *job = user;
-    const rsv_lights *lights = job->solution->lights;
-    uint32_t emitter = lights->triangle_emitter[triangle];
-    if (emitter == RSV_NONE) return false;
-    return lights->group[lights->emitter[emitter].group].gathered ||
-           (events > 0 && !job->stored_caustics);
+    return rsv_gathering_counts(job->solution->lights, triangle, turns, job->stored_caustics);
 }
 
-static rsv_rgb radiance_beyond(const rsv_residual_job *job, rsv_vec3 direction, uint32_t events)
+static rsv_rgb radiance_beyond(const rsv_residual_job *job, rsv_vec3 direction, uint32_t turns)
 {
-    const rsv_environment_light *environment = job->solution->lights->environment;
-    if (!environment) return rgb_gray(0);
-    if (events == 0) return rsv_sky_radiance(&environment->gathered, direction);
-    return job->stored_caustics ? rsv_environment_light_sunless(environment, direction)
-                                : rsv_sky_radiance(&environment->whole, direction);
+    return rsv_gathering_sky(job->solution->lights, direction, turns, job->stored_caustics);
 }
 
 /// E~ at the end of a gather ray; diffused below the surface where that is translucent.
@@ -180,7 +180,7 @@ static rsv_rgb gather_one(
 {
     const rsv_residual_job *job = r->job;
     const rsv_transport_scene *scene = &job->solution->scene;
-    rsv_ray ray = { r->origin, direction, INFINITY };
+    rsv_ray ray = { rsv_lifted_origin(&r->point, r->origin, direction), direction, INFINITY };
     rsv_hit hit;
     r->result->rays++;
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
@@ -192,8 +192,9 @@ static rsv_rgb gather_one(
     rsv_gather gather = rsv_chain_gather(scene, first, random, counts, job);
     r->result->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_ESCAPED)
-        return rgb_add(gather.emission,
-            rgb_mul(gather.chain.weight, radiance_beyond(job, gather.chain.direction, 1)));
+        return rgb_add(
+            gather.emission, rgb_mul(gather.chain.weight,
+                                 radiance_beyond(job, gather.chain.direction, gather.chain.turns)));
     if (gather.end != RSV_CHAIN_DIFFUSE) return gather.emission;
     return rgb_add(gather.emission, radiance_at_end(r, &gather.chain, random));
 }
@@ -218,7 +219,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_vec3 direction =
             v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->point.normal);
         // what an interpolated normal sends below the surface counts, and finds nothing
-        if (v3_dot(direction, r->point.geometric) <= 0) continue;
+        if (v3_dot(direction, r->point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->bsdf, d.z), &random);
         sum[0] += (double)found.r, sum[1] += (double)found.g, sum[2] += (double)found.b;
     }

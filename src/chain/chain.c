@@ -24,7 +24,7 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
 {
     rsv_gather gather = { .end = RSV_CHAIN_ABSORBED };
     for (;;) {
-        if (filter(user, chain.triangle, chain.events))
+        if (filter(user, chain.triangle, chain.turns))
             gather.emission =
                 rgb_add(gather.emission, rgb_mul(rsv_chain_throughput(scene, &chain, &chain.medium),
                                              emission_towards(scene, &chain)));
@@ -38,9 +38,7 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
             gather.chain.weight = rsv_chain_throughput(scene, &gather.chain, &gather.chain.medium);
             return gather;
         }
-        bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
-        rsv_chain_move move =
-            rsv_chain_step(scene, &chain, transmit, event.direction, event.weight);
+        rsv_chain_move move = rsv_chain_follow(scene, &chain, &event, event.weight);
         if (move == RSV_CHAIN_LOST) return gather;
         gather.chain = chain;
         if (move == RSV_CHAIN_LEFT_SCENE) {

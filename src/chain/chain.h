@@ -33,7 +33,7 @@ RSV_SHARED rsv_bsdf_branches rsv_chain_branches(
 RSV_SHARED rsv_bsdf_branches rsv_chain_branches_at(
     const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_surface_point *seen);
 
-/// Draws what happens to the chain at its surface, which it may pass where that does not cover.
+/// Draws what happens to the chain at its surface, which it may pass where that does not cover (RSV_LOBE_PASS).
 RSV_SHARED rsv_bsdf_event rsv_chain_draw_event(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random);
 
@@ -54,6 +54,10 @@ typedef enum rsv_chain_move {
 RSV_SHARED rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_chain *chain,
     bool transmit, rsv_vec3 direction, rsv_rgb weight);
 
+/// The same for an event that was drawn and is not diffuse.
+RSV_SHARED rsv_chain_move rsv_chain_follow(const rsv_transport_scene *scene, rsv_chain *chain,
+    const rsv_bsdf_event *event, rsv_rgb weight);
+
 /// What a gather chain found on its way: emission that counts, and where it ended.
 typedef struct rsv_gather {
     rsv_chain_end end;
@@ -63,8 +67,8 @@ typedef struct rsv_gather {
     rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
 } rsv_gather;
 
-/// Whether radiance emitted by a surface met after `events` specular events is wanted.
-typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t events);
+/// Whether radiance emitted by a surface met after `turns` specular events (rsv_chain.turns) is wanted.
+typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t turns);
 
 /// Follows a gather chain to its diffuse end, drawing events by their probability. What the roulette
 /// leaves is colour only: a colourless chain keeps weight 1.

@@ -57,7 +57,7 @@ RSV_SHARED rsv_bsdf_event rsv_chain_draw_event(
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_scattering(scene, chain, &normal, &storage);
     if (bsdf->opacity < 1 && rsv_random_float(random) >= bsdf->opacity)
-        return rsv_event(RSV_LOBE_TRANSMIT, chain->direction, rgb_gray(1));
+        return rsv_event(RSV_LOBE_PASS, chain->direction, rgb_gray(1));
     float u_lobe = rsv_random_float(random), u1 = rsv_random_float(random);
     return rsv_bsdf_draw_event(
         bsdf, v3_neg(chain->direction), normal, !chain->back, u_lobe, u1, rsv_random_float(random));
@@ -81,12 +81,22 @@ RSV_SHARED rsv_chain_move rsv_chain_step(const rsv_transport_scene *scene, rsv_c
     rsv_hit hit;
     rsv_surface_point point =
         rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
+    // ideal lobes never go below the triangle (rsv_bsdf_specular_normal): they leave it as it is
+    if (!transmit && v3_dot(direction, point.geometric) <= 0)
+        rsv_surface_lift(scene->view, scene->tracer, chain->triangle, chain->u, chain->v, &point);
     if (!rsv_chain_depart(&point, transmit, direction, &ray)) return RSV_CHAIN_LOST;
     bool meets = rsv_ray_meets(scene->tracer, &ray, &hit);
     rsv_chain_set_out(scene, chain, transmit, direction, weight);
     if (!meets) return RSV_CHAIN_LEFT_SCENE;
     rsv_chain_arrive(scene, chain, &hit);
     return RSV_CHAIN_MOVED;
+}
+
+RSV_SHARED rsv_chain_move rsv_chain_follow(
+    const rsv_transport_scene *scene, rsv_chain *chain, const rsv_bsdf_event *event, rsv_rgb weight)
+{
+    chain->turns += event->lobe != RSV_LOBE_PASS;
+    return rsv_chain_step(scene, chain, event->lobe != RSV_LOBE_REFLECT, event->direction, weight);
 }
 
 #endif

@@ -3,7 +3,7 @@
 #define RSV_CHAIN_WALK_H
 
 #include "../surface/medium.h"
-#include "../surface/surface.h"
+#include "../surface/lift.h"
 #include "../trace/offset.h"
 #include "resolvent/trace.h"
 
@@ -29,6 +29,9 @@ typedef struct rsv_chain {
     float u, v;
     bool back;       ///< arrived at the triangle's back
     uint32_t events; ///< specular events so far
+    /// Of those, all but RSV_LOBE_PASS. 0 = light that comes this way is counted where shadow rays find it
+    /// (light/partition.h); counted by chains that draw their events.
+    uint32_t turns;
     uint32_t rays;   ///< rays traced so far
     float spread;    ///< metres by which the footprint grows per metre
     float width;     ///< of the footprint on this surface: what textures are averaged over
@@ -89,7 +92,7 @@ RSV_INLINE rsv_chain rsv_chain_begin(const rsv_transport_scene *scene, const rsv
     chain.medium = medium ? *medium : outside;
     chain.start_ior = rsv_medium_ior(&chain.medium, scene->bsdf);
     chain.settled = false;
-    chain.events = chain.rays = 0;
+    chain.events = chain.turns = chain.rays = 0;
     chain.spread = RSV_GATHER_SPREAD;
     chain.width = 0;
     rsv_chain_end_segment(scene, &chain, &hit, rsv_meets_back(scene, triangle, direction));
@@ -161,8 +164,9 @@ RSV_INLINE bool rsv_chain_depart(
     ray->origin = rsv_moved_off(point->position, leave, point->extent);
     ray->direction = direction;
     ray->t_max = INFINITY;
+    if (!transmit) ray->origin = rsv_lifted_origin(point, ray->origin, direction);
     // an interpolated normal can send light through the surface: it is lost, as to the reference
-    return v3_dot(direction, leave) > 0;
+    return v3_dot(direction, transmit ? leave : point->horizon) > 0;
 }
 
 /// The chain on its way along that ray. @param weight multiplies the throughput

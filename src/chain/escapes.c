@@ -68,9 +68,9 @@ void rsv_escape_row_destroy(rsv_context *context, rsv_escape_row *row)
     rsv_free(context, row->tinted_weight);
 }
 
-void rsv_escape_row_add(rsv_escape_row *row, rsv_vec3 direction, rsv_rgb weight, uint32_t events)
+void rsv_escape_row_add(rsv_escape_row *row, rsv_vec3 direction, rsv_rgb weight, uint32_t turns)
 {
-    uint32_t bin = rsv_octahedral_bin(direction, RSV_ESCAPE_SIDE) + (events ? HALF : 0);
+    uint32_t bin = rsv_octahedral_bin(direction, RSV_ESCAPE_SIDE) + (turns ? HALF : 0);
     if (fabsf(weight.r - 1) + fabsf(weight.g - 1) + fabsf(weight.b - 1) < 1e-4f) {
         row->bin[row->count++] = (uint16_t)bin;
         return;

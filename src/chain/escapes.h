@@ -1,7 +1,7 @@
 /// Where gather chains left the scene: bins of directions that stay with the rows of G, so that turning,
 /// dimming or replacing the surroundings takes no new rays.
 ///
-/// Bins are octahedral. Chains that escaped straight from the receiver and chains that met specular surfaces first
+/// Bins are octahedral. Chains that escaped straight from the receiver, past blended surfaces or not, and chains that met specular surfaces first
 /// are told apart, as they find different parts of the environment: `gathered` the first (the rest is sampled),
 /// all but the suns the second.
 #ifndef RSV_ESCAPES_H
@@ -43,8 +43,8 @@ rsv_status rsv_escape_radiance(
 
 rsv_status rsv_escape_row_create(rsv_context *context, uint32_t capacity, rsv_escape_row *row);
 void rsv_escape_row_destroy(rsv_context *context, rsv_escape_row *row);
-/// @param events specular ones before the escape
-void rsv_escape_row_add(rsv_escape_row *row, rsv_vec3 direction, rsv_rgb weight, uint32_t events);
+/// @param turns specular events before the escape (rsv_chain.turns)
+void rsv_escape_row_add(rsv_escape_row *row, rsv_vec3 direction, rsv_rgb weight, uint32_t turns);
 
 rsv_status rsv_escapes_create(rsv_context *context, size_t row_count, rsv_escapes *escapes);
 void rsv_escapes_destroy(rsv_context *context, rsv_escapes *escapes);

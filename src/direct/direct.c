@@ -2,6 +2,7 @@
 
 #include "../core/team.h"
 #include "../trace/packet.h"
+#include "../trace/passage.h"
 #include "direct_device.h"
 
 #include <string.h>
@@ -14,11 +15,10 @@ typedef struct ray_lanes {
     uint32_t count;
 } ray_lanes;
 
-/// @return bit k = ray k finds its source
-static uint32_t trace(const rsv_direct_job *job, const ray_lanes *rays)
+/// @param passed [LANES] out: what arrives of the light of each
+static void trace(const rsv_direct_job *job, const ray_lanes *rays, float *passed)
 {
     rsv_ray_packet packet;
-    uint32_t seen = 0;
     memset(&packet, 0, sizeof packet);
     memset(packet.mask, 0xff, sizeof packet.mask);
     for (uint32_t k = 0; k < LANES; k++) {
@@ -27,10 +27,7 @@ static uint32_t trace(const rsv_direct_job *job, const ray_lanes *rays)
         else
             packet.t_max[k] = -1;
     }
-    rsv_tracer_occluded_packet(job->scene->tracer, &packet, true);
-    for (uint32_t k = 0; k < rays->count; k++)
-        seen |= (uint32_t)(packet.t_max[k] > 0) << k;
-    return seen;
+    rsv_tracer_passed_packet(job->scene->tracer, &packet, true, passed);
 }
 
 /// Up to sixteen shadow rays.
@@ -49,9 +46,10 @@ static void sample_emitters(const rsv_direct_job *job, const rsv_direct_receiver
         if (rsv_local_lights_sample(&local[at], select, x, y, &sample))
             rays.lane[k] = rsv_direct_to_sample(s, receiver, at, &sample);
     }
-    uint32_t seen = trace(job, &rays);
+    float passed[LANES];
+    trace(job, &rays, passed);
     for (uint32_t k = 0; k < lanes; k++)
-        rsv_direct_count(sums, &rays.lane[k], seen >> k & 1);
+        rsv_direct_count(sums, &rays.lane[k], passed[k]);
 }
 
 static rsv_direct_estimate from_emitters(
@@ -88,10 +86,11 @@ static void add_punctual(
         for (uint32_t k = 0; k < s->points; k++)
             rays.lane[k] = receiver->valid >> k & 1 ? rsv_direct_to_punctual(s, receiver, k, l)
                                                     : rsv_direct_no_ray();
-        uint32_t seen = trace(job, &rays);
+        float passed[LANES];
+        trace(job, &rays, passed);
         p.seen = p.hidden = 0;
         for (uint32_t k = 0; k < s->points; k++)
-            rsv_direct_count_punctual(&p, &rays.lane[k], seen >> k & 1);
+            rsv_direct_count_punctual(&p, &rays.lane[k], passed[k]);
         e->partial = e->partial || (p.seen > 0 && p.hidden > 0);
         e->rays += s->points;
     }

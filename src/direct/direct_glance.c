@@ -3,6 +3,7 @@
 #include "../light/light_pattern.h"
 #include "../light/punctual_light.h"
 #include "../trace/packet.h"
+#include "../trace/passage.h"
 #include "glance_kernels.h"
 #include "glance_sharing.h"
 
@@ -166,19 +167,22 @@ static uint32_t lanes_in_use(const rsv_ray_packet *packet)
 typedef struct block_look {
     rsv_ray_packet packet;
     float share[LANES], cosine[LANES];
+    float passed[LANES]; ///< what arrives of each ray's light
     rsv_rgb unshadowed[NODES];
-    uint32_t sent, known, seen; ///< lanes: with a ray, traced, free
+    uint32_t sent, known; ///< lanes: with a ray, traced
 } __attribute__((aligned(64))) block_look;
 
 /// First what arrives without occlusion.
 static void aim_block(const glance_job *job, const rsv_receiver_block *block, block_look *look)
 {
-    look->sent = look->known = look->seen = 0;
+    look->sent = look->known = 0;
+    memset(look->passed, 0, sizeof look->passed);
     memset(look->unshadowed, 0, sizeof look->unshadowed);
     bool any = job->pattern.polygons ? sum_polygons(job, block, look->unshadowed)
                                      : sum_places(job, block, &look->packet, look->unshadowed);
     if (!any) return;
     job->kernels->aim(block, &job->turn[0], &look->packet, look->share, look->cosine);
+    rsv_receiver_block_lift(block, &look->packet);
     look->sent = lanes_in_use(&look->packet);
 }
 
@@ -193,6 +197,26 @@ static void copy_lane(const rsv_ray_packet *from, uint32_t a, rsv_ray_packet *to
     to->t_max[b] = from->t_max[a];
 }
 
+/// Whether all of some rays are free, or none.
+static bool see_alike(const float *passed, uint32_t lanes)
+{
+    bool all = true, none = true;
+    for (; lanes; lanes &= lanes - 1) {
+        float share = passed[__builtin_ctz(lanes)];
+        all = all && share == 1;
+        none = none && share == 0;
+    }
+    return all || none;
+}
+
+/// The rays of a block as if all had been traced and brought the same.
+static void take_as_seen(block_look *look, float passed)
+{
+    look->known = look->sent;
+    for (uint32_t k = 0; k < LANES; k++)
+        look->passed[k] = look->sent >> k & 1 ? passed : 0;
+}
+
 /// One ray of each node of the group: between them they aim at all places. Where they see alike, so do the others.
 /// @param first [GROUP] @return how many rays
 static uint64_t look_first(const glance_job *job, block_look *first, rsv_ray_packet *packet)
@@ -204,18 +228,17 @@ static uint64_t look_first(const glance_job *job, block_look *first, rsv_ray_pac
         if (look->sent >> lane & 1) copy_lane(&look->packet, lane, packet, k);
     }
     uint32_t sent = lanes_in_use(packet);
-    if (sent) rsv_tracer_occluded_packet(job->blocks->scene->tracer, packet, false);
-    uint32_t seen = lanes_in_use(packet);
+    if (!sent) return 0;
+    float passed[LANES];
+    rsv_tracer_passed_packet(job->blocks->scene->tracer, packet, false, passed);
     for (uint32_t k = 0; k < LANES; k++) {
         block_look *look = &first[k / NODES];
         uint32_t lane = k % NODES * POINTS + k / NODES;
         look->known |= (sent >> k & 1) << lane;
-        look->seen |= (seen >> k & 1) << lane;
+        look->passed[lane] = passed[k];
     }
-    for (uint32_t g = 0; g < GROUP && sent && (seen == 0 || seen == sent); g++) {
-        first[g].known = first[g].sent;
-        first[g].seen = seen ? first[g].sent : 0;
-    }
+    for (uint32_t g = 0; g < GROUP && see_alike(passed, sent); g++)
+        take_as_seen(&first[g], passed[__builtin_ctz(sent)]);
     return (uint64_t)__builtin_popcount(sent);
 }
 
@@ -226,8 +249,10 @@ static uint64_t look_on(const glance_job *job, block_look *look)
     if (!left) return 0;
     for (uint32_t k = 0; k < LANES; k++)
         if (!(left >> k & 1)) look->packet.t_max[k] = -1;
-    rsv_tracer_occluded_packet(job->blocks->scene->tracer, &look->packet, false);
-    look->seen |= lanes_in_use(&look->packet);
+    float passed[LANES];
+    rsv_tracer_passed_packet(job->blocks->scene->tracer, &look->packet, false, passed);
+    for (uint32_t k = 0; k < LANES; k++)
+        if (left >> k & 1) look->passed[k] = passed[k];
     return (uint64_t)__builtin_popcount(left);
 }
 
@@ -236,15 +261,15 @@ static void note_block(
     const glance_job *job, size_t index, const block_look *look, rsv_rgb *irradiance)
 {
     const rsv_receiver_block *block = &job->blocks->block[index];
-    bool partial = look->seen && look->seen != look->sent;
+    bool partial = !see_alike(look->passed, look->sent);
     rsv_glance_sums sums[NODES] = { 0 }, all = { { 0, 0, 0 }, { 0, 0, 0 } };
     for (uint32_t k = 0; k < LANES && look->sent; k++) {
         rsv_glance_sums *s = &sums[k / POINTS];
         rsv_rgb light = rgb_scale(job->turn[0].strength[k], look->share[k]);
         s->open = rgb_add(s->open, light);
-        if (look->seen >> k & 1)
-            s->visible =
-                rgb_add(s->visible, entering(job, block, k / POINTS, look->cosine[k], light));
+        if (look->passed[k] > 0)
+            s->visible = rgb_mad(s->visible, look->passed[k],
+                entering(job, block, k / POINTS, look->cosine[k], light));
     }
     for (uint32_t n = 0; n < NODES; n++) {
         all.open = rgb_mad(all.open, 1.0f / NODES, sums[n].open);
@@ -277,7 +302,7 @@ static uint64_t light_group(
 {
     size_t left = job->blocks->block_count - first, count = left < GROUP ? left : GROUP;
     for (size_t g = 0; g < GROUP; g++) {
-        group->block[g].sent = group->block[g].known = group->block[g].seen = 0;
+        group->block[g].sent = group->block[g].known = 0;
         if (g < count) aim_block(job, &job->blocks->block[first + g], &group->block[g]);
     }
     uint64_t rays = look_first(job, group->block, &group->first);
@@ -316,14 +341,15 @@ static uint64_t light_by_light(
     clear_packet(&packet);
     for (uint32_t k = 0; k < LANES; k++)
         arriving[k] = aim_at_light(job, block, k, light, &packet);
+    rsv_receiver_block_lift(block, &packet);
     uint32_t sent = lanes_in_use(&packet);
     if (!sent) return 0;
-    rsv_tracer_occluded_packet(job->blocks->scene->tracer, &packet, false);
-    uint32_t seen = lanes_in_use(&packet);
+    float passed[LANES];
+    rsv_tracer_passed_packet(job->blocks->scene->tracer, &packet, false, passed);
     for (uint32_t n = 0; n < NODES && block->node[n] != RSV_NONE; n++) {
         float value[3][LANES];
         for (uint32_t k = n * POINTS; k < (n + 1) * POINTS; k++) {
-            rsv_rgb light_in = seen >> k & 1 ? arriving[k] : rgb_gray(0);
+            rsv_rgb light_in = passed[k] > 0 ? rgb_scale(arriving[k], passed[k]) : rgb_gray(0);
             value[0][k] = light_in.r, value[1][k] = light_in.g, value[2][k] = light_in.b;
         }
         rsv_rgb *e = &irradiance[block->node[n]];

@@ -17,8 +17,11 @@ void rsv_direct_receive(
     for (uint32_t k = 0; k < points; k++) {
         if (!(valid >> k & 1)) continue;
         uint32_t face = e->cell[sample[k].support / 4].face;
-        r->point[k] = rsv_surface_point_at(
-            view, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
+        uint32_t triangle = e->face_triangle[face];
+        bool back = e->face_back[face];
+        r->point[k] = rsv_surface_point_at(view, triangle, sample[k].u, sample[k].v, back);
+        rsv_surface_lift(
+            view, job->scene->tracer, triangle, sample[k].u, sample[k].v, &r->point[k]);
         r->origin[k] =
             rsv_offset_origin(r->point[k].position, r->point[k].geometric, r->point[k].extent);
     }

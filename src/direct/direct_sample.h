@@ -6,7 +6,7 @@
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
 #include "../surface/medium.h"
-#include "../surface/surface.h"
+#include "../surface/lift.h"
 
 /// Receiver points of a node at most, and shadow rays at a time.
 #define RSV_DIRECT_LANES 16
@@ -99,16 +99,18 @@ RSV_INLINE rsv_direct_ray rsv_direct_to_sample(const rsv_direct_setting *s,
     if (!rsv_surface_faces(point, sample->direction)) return r;
     r.entering = rsv_direct_entering(s, receiver,
         rgb_scale(sample->radiance, cos / sample->pdf_solid_angle), sample->distance, cos);
-    r.ray = rsv_shadow_ray(s->lights, sample, point->position, receiver->origin[k]);
+    r.ray = rsv_shadow_ray(s->lights, sample, point->position,
+        rsv_lifted_origin(point, receiver->origin[k], sample->direction));
     return r;
 }
 
-/// Sums over the samples of one node.
+/// Sums over the samples of one node. What passes blended surfaces in part counts as seen, by as much as passes.
 typedef struct rsv_direct_sums {
     rsv_rgb open;          ///< f / p of what closed forms know, visible or not
     rsv_rgb visible;       ///< f / p of those of them that are visible, as it enters the surface
     rsv_rgb further;       ///< the same of emitters that a tree chose: `open` knows nothing of them
     float further_squared; ///< luminance
+    float veiled; ///< luminance of `visible` that is sure of not being all or nothing: times what is lost
     uint32_t seen, hidden; ///< how many of those that `open` knows
 } rsv_direct_sums;
 
@@ -116,23 +118,27 @@ RSV_INLINE rsv_direct_sums rsv_direct_no_sums(void)
 {
     rsv_direct_sums sums;
     sums.open = sums.visible = sums.further = rgb_gray(0);
-    sums.further_squared = 0;
+    sums.further_squared = sums.veiled = 0;
     sums.seen = sums.hidden = 0;
     return sums;
 }
 
-RSV_INLINE void rsv_direct_count(rsv_direct_sums *sums, const rsv_direct_ray *r, bool seen)
+/// @param passed share of the ray's light that arrives
+RSV_INLINE void rsv_direct_count(rsv_direct_sums *sums, const rsv_direct_ray *r, float passed)
 {
+    bool seen = passed > 0;
     sums->open = rgb_add(sums->open, r->open);
     sums->seen += seen && !rgb_is_black(r->open);
     sums->hidden += !seen && !rgb_is_black(r->open);
     if (!seen) return;
+    rsv_rgb arriving = rgb_scale(r->entering, passed);
     if (!rgb_is_black(r->open)) {
-        sums->visible = rgb_add(sums->visible, r->entering);
+        sums->visible = rgb_add(sums->visible, arriving);
+        sums->veiled += (1 - passed) * rgb_luminance(arriving);
         return;
     }
-    float luminance = rgb_luminance(r->entering);
-    sums->further = rgb_add(sums->further, r->entering);
+    float luminance = rgb_luminance(arriving);
+    sums->further = rgb_add(sums->further, arriving);
     sums->further_squared += luminance * luminance;
 }
 
@@ -172,13 +178,14 @@ RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
     e.irradiance = rgb(rsv_direct_ratio(unshadowed.r, sums->visible.r, sums->open.r),
         rsv_direct_ratio(unshadowed.g, sums->visible.g, sums->open.g),
         rsv_direct_ratio(unshadowed.b, sums->visible.b, sums->open.b));
-    e.partial = by_tree || (sums->seen > 0 && sums->hidden > 0);
+    e.partial = by_tree || sums->veiled > 0 || (sums->seen > 0 && sums->hidden > 0);
     float open = rgb_luminance(sums->open), share = rgb_luminance(sums->visible) / open;
+    float spread = share * (1 - share) - sums->veiled / open;
     // the tree took some of the samples; if it took all, nothing is known
     float known = by_tree ? (float)(sums->seen + sums->hidden) : count;
     if (open > 0)
         e.deviation = RSV_DIRECT_STRATIFIED * rgb_luminance(unshadowed) *
-                      sqrtf(f_max(share * (1 - share), 0) / known);
+                      sqrtf(f_max(spread, 0) / known);
     if (!by_tree) return e;
     if (!(open > 0)) e.deviation = rgb_luminance(unshadowed);
     e.irradiance = rgb_mad(e.irradiance, 1 / count, sums->further);
@@ -220,22 +227,24 @@ RSV_INLINE rsv_direct_ray rsv_direct_to_punctual(
     float cos = v3_dot(point->normal, sample.direction);
     r.open = rgb_scale(sample.irradiance, cos);
     r.entering = rsv_direct_entering(s, receiver, r.open, sample.distance, cos);
-    r.ray = rsv_punctual_ray(&sample, receiver->origin[k]);
+    r.ray = rsv_punctual_ray(
+        &sample, rsv_lifted_origin(point, receiver->origin[k], sample.direction));
     return r;
 }
 
 /// Sums of one punctual light over the points.
 typedef struct rsv_direct_punctual {
     rsv_rgb sum;
-    uint32_t seen, hidden;
+    uint32_t seen, hidden; ///< what arrives in part is both
 } rsv_direct_punctual;
 
+/// @param passed share of the ray's light that arrives
 RSV_INLINE void rsv_direct_count_punctual(
-    rsv_direct_punctual *p, const rsv_direct_ray *r, bool seen)
+    rsv_direct_punctual *p, const rsv_direct_ray *r, float passed)
 {
-    if (seen) p->sum = rgb_add(p->sum, r->entering);
-    p->seen += seen;
-    p->hidden += !seen && !rgb_is_black(r->entering);
+    if (passed > 0) p->sum = rgb_mad(p->sum, passed, r->entering);
+    p->seen += passed > 0;
+    p->hidden += passed < 1 && !rgb_is_black(r->entering);
 }
 
 #endif

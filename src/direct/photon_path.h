@@ -68,38 +68,52 @@ RSV_INLINE bool rsv_photon_begin(const rsv_shooting *s, const rsv_photon_source 
     return rsv_photon_arrive(s->scene, &e, &photon->chain);
 }
 
-/// Draws a specular event of a photon. At its first surface it always leaves, with less flux, so that faint coats have
-/// as many photons as their light is worth.
+/// Draws a specular event of a photon. At the first surface that it does not merely pass it always leaves, with less flux,
+/// so that faint coats have as many photons as their light is worth.
 RSV_INLINE rsv_bsdf_event rsv_photon_draw(
     const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random)
 {
     rsv_bsdf storage;
     bool covered = rsv_chain_bsdf(scene, chain, &storage)->opacity >= 1;
-    if (!covered || chain->events > 0) return rsv_chain_draw_event(scene, chain, random);
+    if (!covered || chain->turns > 0) return rsv_chain_draw_event(scene, chain, random);
     float u[3];
     for (int k = 0; k < 3; k++)
         u[k] = rsv_random_float(random);
     return rsv_chain_draw_specular(scene, chain, u);
 }
 
-/// Leaves a surface by one of its specular lobes. False if the photon ends.
+/// Goes on to the next surface, past this one or by one of its specular lobes. False if the photon ends.
 /// @param level as in rsv_photon
-RSV_INLINE bool rsv_photon_scatter(
+RSV_INLINE bool rsv_photon_step(
     const rsv_transport_scene *scene, rsv_chain *chain, float *level, rsv_random *random)
 {
     rsv_bsdf_event event = rsv_photon_draw(scene, chain, random);
+    bool passes = event.lobe == RSV_LOBE_PASS;
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!specular || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
-    bool transmit = event.lobe == RSV_LOBE_TRANSMIT;
-    rsv_rgb weight = rgb_mul(event.weight, rsv_photon_turn(scene, chain, &event));
-    if (rsv_chain_step(scene, chain, transmit, event.direction, weight) != RSV_CHAIN_MOVED)
-        return false;
+    if (!(passes || specular) || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
+    bool first = chain->turns == 0 && !passes;
+    rsv_rgb weight = event.weight;
+    if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, chain, &event));
+    if (rsv_chain_follow(scene, chain, &event, weight) != RSV_CHAIN_MOVED) return false;
     float left = rgb_max(chain->weight);
-    if (chain->events == 1) *level = left;
+    if (chain->turns == 0) return true;
+    if (first) *level = left;
     if (left >= *level) return left > 0;
     if (rsv_random_float(random) * *level >= left) return false;
     chain->weight = rgb_scale(chain->weight, *level / left);
     return true;
+}
+
+/// Comes to the next surface that the photon lands on, by at least one specular lobe: what merely passes blended surfaces
+/// is found by shadow rays. False if the photon ends.
+RSV_INLINE bool rsv_photon_scatter(
+    const rsv_transport_scene *scene, rsv_chain *chain, float *level, rsv_random *random)
+{
+    while (rsv_photon_step(scene, chain, level, random)) {
+        if (chain->turns > 0) return true;
+        if (!rsv_is_specular(&scene->bsdf[rsv_chain_material(scene, chain)])) return false;
+    }
+    return false;
 }
 
 /// Leaves on maps what of a photon's flux enters the surface that it has come to.

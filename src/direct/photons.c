@@ -27,8 +27,7 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
     bool specular = false, source = scene->view->light_count > 0;
     for (size_t m = 0; m < scene->view->material_count; m++)
         specular = specular || (rsv_is_specular(&scene->bsdf[m]) &&
-                                   (scene->bsdf[m].coated || scene->bsdf[m].diffuse < 1 ||
-                                       scene->bsdf[m].opacity < 1));
+                                   (scene->bsdf[m].coated || scene->bsdf[m].diffuse < 1));
     for (size_t g = 0; g < lights->group_count; g++)
         source = source || !lights->group[g].gathered;
     source = source || (lights->environment && lights->environment->sun_count > 0);

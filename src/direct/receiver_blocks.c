@@ -1,5 +1,8 @@
 #include "receiver_blocks.h"
 
+#include "../surface/lift.h"
+#include "../trace/packet.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,8 +44,10 @@ static uint32_t find_points(const builder *w, uint32_t node, rsv_surface_point *
     for (uint32_t k = 0; k < w->points && count < RSV_BLOCK_POINTS; k++) {
         if (!(w->valid_points[node] >> k & 1)) continue;
         uint32_t face = e->cell[sample[k].support / 4].face;
-        points[count++] = rsv_surface_point_at(
+        points[count] = rsv_surface_point_at(
             e->scene, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
+        rsv_surface_lift(e->scene, w->b->scene->tracer, e->face_triangle[face], sample[k].u,
+            sample[k].v, &points[count++]);
     }
     return count;
 }
@@ -141,6 +146,24 @@ static void set_lane(rsv_receiver_block *block, uint32_t lane, const rsv_surface
     block->normal_y[lane] = p->normal.y;
     block->normal_z[lane] = p->normal.z;
     block->valid |= 1u << lane;
+    if (!rsv_is_lifted(p)) return;
+    block->lifted |= 1u << lane;
+    block->geometric[lane] = p->geometric;
+    block->lift[lane] = p->lift;
+}
+
+void rsv_receiver_block_lift(const rsv_receiver_block *block, rsv_ray_packet *packet)
+{
+    for (uint32_t left = block->lifted; left; left &= left - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(left);
+        if (!(packet->t_max[k] > 0)) continue;
+        rsv_surface_point point = { .geometric = block->geometric[k], .lift = block->lift[k] };
+        rsv_ray ray = { v3(packet->origin_x[k], packet->origin_y[k], packet->origin_z[k]),
+            v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]),
+            packet->t_max[k] };
+        rsv_lift_ray(&point, &ray);
+        rsv_packet_set_ray(packet, k, ray);
+    }
 }
 
 static void fill_block(const builder *w, size_t index)

@@ -13,6 +13,8 @@
 typedef struct rsv_receiver_block {
     float x[RSV_PACKET_WIDTH], y[RSV_PACKET_WIDTH], z[RSV_PACKET_WIDTH]; ///< off their surface
     float normal_x[RSV_PACKET_WIDTH], normal_y[RSV_PACKET_WIDTH], normal_z[RSV_PACKET_WIDTH];
+    rsv_vec3 geometric[RSV_PACKET_WIDTH], lift[RSV_PACKET_WIDTH]; ///< of lanes that are lifted
+    uint32_t lifted; ///< lanes whose rays may leave another surface than their triangle (lift.h)
     uint32_t node[RSV_BLOCK_NODES]; ///< RSV_NONE = none
     uint32_t valid;                 ///< lanes, a bit each
     bool coated;                    ///< some of them lose light at an interface as it enters
@@ -43,6 +45,9 @@ rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
     const rsv_elements *elements, uint32_t points, uint32_t seed, const uint16_t *valid_points,
     const bool *moves, rsv_receiver_blocks **blocks);
 void rsv_receiver_blocks_destroy(rsv_receiver_blocks *blocks);
+
+/// Gives rays that were aimed from a block's points their start; their ends stay.
+void rsv_receiver_block_lift(const rsv_receiver_block *block, rsv_ray_packet *packet);
 
 /// How the surface of a block's n-th node scatters.
 const rsv_bsdf *rsv_receiver_bsdf(

@@ -1,6 +1,7 @@
 #include "chain_light.h"
 
 #include "../render/camera_chain.h"
+#include "../surface/lift.h"
 
 void rsv_chain_light_refresh(rsv_chain_light *l)
 {
@@ -31,6 +32,7 @@ rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
     if (s->elements->face_of[back][triangle] == RSV_NONE) return shown;
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, triangle, rays->u[lane], rays->v[lane], back);
+    rsv_surface_lift(s->scene.view, s->tracer, triangle, rays->u[lane], rays->v[lane], &point);
     rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
     rsv_rgb kept = rsv_mover_shadow(mover, &point, stream);
     return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
@@ -65,6 +67,8 @@ void rsv_add_diffuse_end(void *light, const rsv_chain *chain, rsv_rgb weight)
     if (l->mover) {
         rsv_surface_point point =
             rsv_surface_point_at(l->scene->view, chain->triangle, chain->u, chain->v, chain->back);
+        rsv_surface_lift(
+            l->scene->view, l->scene->tracer, chain->triangle, chain->u, chain->v, &point);
         rsv_rgb kept = rsv_mover_shadow(l->mover, &point, l->path);
         shown = without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
     }

@@ -6,6 +6,7 @@
 #include "../bvh/bvh_trace.h"
 #include "../direct/device_direct.h"
 #include "../light/local_lights.h"
+#include "../trace/ray.h"
 #include "launch.h"
 
 typedef struct rsv_direct_args {
@@ -20,10 +21,11 @@ typedef struct rsv_direct_args {
     rsv_direct_estimate *estimate;
 } rsv_direct_args;
 
-RSV_INLINE bool rsv_direct_arrives(const rsv_direct_args *a, const rsv_direct_ray *r, bool varied)
+/// What arrives of a ray's light.
+RSV_INLINE float rsv_direct_arrives(const rsv_direct_args *a, const rsv_direct_ray *r, bool varied)
 {
-    rsv_bvh_view bvh = rsv_bvh_with_holes(a->bvh, varied);
-    return r->ray.t_max > 0 && !rsv_bvh_occluded(&bvh, &r->ray);
+    rsv_tracer tracer = { rsv_bvh_with_holes(a->bvh, varied) };
+    return r->ray.t_max > 0 ? rsv_ray_passed(&tracer, &r->ray) : 0;
 }
 
 // ---- emitters, suns and the sky -----------------------------------------------------------------
@@ -76,6 +78,7 @@ RSV_INLINE rsv_direct_sums rsv_direct_sums_add(rsv_direct_sums a, rsv_direct_sum
     a.visible = rgb_add(a.visible, b.visible);
     a.further = rgb_add(a.further, b.further);
     a.further_squared += b.further_squared;
+    a.veiled += b.veiled;
     a.seen += b.seen;
     a.hidden += b.hidden;
     return a;

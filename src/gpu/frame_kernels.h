@@ -120,6 +120,14 @@ RSV_INLINE bool rsv_frame_set_out(const rsv_frame_args *a, const rsv_surface_poi
     return true;
 }
 
+/// Whether what is transmitted goes straight on past a blended surface.
+RSV_INLINE bool rsv_frame_passes(const rsv_gpu_stage *stage, const rsv_chain *chain)
+{
+    uint32_t material = rsv_chain_material(&stage->transport, chain);
+    return stage->transport.bsdf[material].transmission == 0 &&
+           rsv_is_blended(stage->transport.view, material);
+}
+
 /// Sets one ideal branch out, if it is to be followed. @param slot of the branch
 RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_traveller *at,
     const rsv_surface_point *point, bool transmit, const rsv_bsdf_branches *branches,
@@ -129,7 +137,8 @@ RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_travelle
     if (!rsv_ideal_branch(&at->chain, at->path, a->chain_depth, transmit, branches, &branch))
         return false;
     rsv_gpu_traveller t = *at;
-    t.departure.pdf_solid_angle = 0;
+    // what a rough surface aims at is aimed at past blended surfaces, too
+    if (!transmit || !rsv_frame_passes(a->stage, &at->chain)) t.departure.pdf_solid_angle = 0;
     if (!rsv_frame_set_out(a, point, &branch, &t)) return false;
     *slot = t;
     return true;

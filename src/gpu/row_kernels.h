@@ -36,6 +36,7 @@ RSV_INLINE bool rsv_row_aim(
         x * p->tangent_y[k] + y * p->bitangent_y[k] + z * p->normal_y[k],
         x * p->tangent_z[k] + y * p->bitangent_z[k] + z * p->normal_z[k]);
     ray->t_max = INFINITY;
+    if (p->lifted >> k & 1) return rsv_receiver_points_lift(p, k, ray->direction, ray);
     rsv_vec3 geometric = v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]);
     return v3_dot(ray->direction, geometric) > 0;
 }

@@ -7,20 +7,44 @@
 
 /// Places on a textured emitter from which its mean radiance is estimated.
 #define RADIANCE_POINTS 64
+/// Relative variance where only wider patches see any light.
+#define BARELY_SEEN 8
 
-/// Mean over the emitter, each place standing for its share of the area.
-static rsv_rgb mean_radiance(const rsv_scene_view *scene, const rsv_emitter *e)
+/// Mean over the emitter, each place standing for a patch.
+static rsv_rgb mean_over(
+    const rsv_scene_view *scene, const rsv_emitter *e, float width, rsv_emission_spread *spread)
 {
     rsv_rgb sum = rgb_gray(0);
-    float width = sqrtf(e->area / RADIANCE_POINTS);
+    double luminance = 0, squares = 0, most = 0;
     for (uint32_t k = 0; k < RADIANCE_POINTS; k++) {
         float x, y, u, v;
         rsv_sobol_2d(k, 0, &x, &y);
         rsv_square_to_triangle(x, y, &u, &v);
         rsv_emitter_to_triangle(e, &u, &v);
-        sum = rgb_add(sum, rsv_emission_at(scene, e->triangle, u, v, width));
+        rsv_rgb radiance = rsv_emission_at(scene, e->triangle, u, v, width);
+        double own = rgb_luminance(radiance);
+        sum = rgb_add(sum, radiance);
+        luminance += own / RADIANCE_POINTS;
+        squares += own * own / RADIANCE_POINTS;
+        if (own <= most) continue;
+        most = own;
+        spread->u = u, spread->v = v;
     }
+    spread->variance = luminance > 0 ? (float)fmax(squares / (luminance * luminance) - 1, 0) : 0;
     return rgb_scale(sum, 1.0f / RADIANCE_POINTS);
+}
+
+/// Each place stands for its share of the area. Where that is dark, wider patches see what lies between: a texel in the
+/// sun, say.
+static rsv_rgb mean_radiance(
+    const rsv_scene_view *scene, const rsv_emitter *e, rsv_emission_spread *spread)
+{
+    float width = sqrtf(e->area / RADIANCE_POINTS);
+    rsv_rgb mean = mean_over(scene, e, width, spread);
+    if (!rgb_is_black(mean)) return mean;
+    mean = mean_over(scene, e, 2 * width, spread);
+    if (!rgb_is_black(mean)) spread->variance = BARELY_SEEN;
+    return mean;
 }
 
 bool rsv_emission_varies(const rsv_material *m)
@@ -69,19 +93,25 @@ void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *e)
 
 void rsv_emitter_set_strength(const rsv_scene_view *scene, const rsv_bsdf *material, rsv_emitter *e)
 {
-    e->radiance = e->varies ? mean_radiance(scene, e) : material->emission;
+    rsv_emission_spread spread;
+    e->radiance = e->varies ? mean_radiance(scene, e, &spread) : material->emission;
 }
 
-rsv_emitter rsv_emitter_create(
-    const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell)
+rsv_emitter rsv_emitter_create(const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle,
+    int level, uint32_t place, rsv_emission_spread *spread)
 {
-    const rsv_bsdf *material = &bsdf[scene->triangle_material[triangle]];
-    rsv_emitter emitter = { .triangle = triangle,
-        .level = (uint8_t)level,
-        .double_sided = material->double_sided && !rsv_twins_hide(scene, triangle, true) };
-    cell_corners(level, cell, emitter.u, emitter.v);
+    const rsv_material *material = &scene->material[scene->triangle_material[triangle]];
+    const rsv_bsdf *common = &bsdf[scene->triangle_material[triangle]];
+    rsv_emitter emitter = {
+        .triangle = triangle,
+        .place = place,
+        .cells = 1,
+        .double_sided = common->double_sided && !rsv_twins_hide(scene, triangle, true),
+    };
+    cell_corners(level, place >> 2 * (RSV_EMITTER_LEVELS - level), emitter.u, emitter.v);
     rsv_emitter_follow(scene, &emitter);
-    emitter.varies = rsv_emission_varies(&scene->material[scene->triangle_material[triangle]]);
-    rsv_emitter_set_strength(scene, material, &emitter);
+    emitter.varies = rsv_emission_varies(material);
+    *spread = (rsv_emission_spread){ 0 };
+    emitter.radiance = emitter.varies ? mean_radiance(scene, &emitter, spread) : common->emission;
     return emitter;
 }

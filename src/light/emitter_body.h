@@ -32,16 +32,16 @@ RSV_SHARED rsv_rgb rsv_emitter_radiance(
 
 RSV_SHARED uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v)
 {
-    uint32_t first = lights->triangle_emitter[triangle], cell = 0;
-    if (first == RSV_NONE) return RSV_NONE;
-    float b[3] = { 1 - u - v, u, v };
-    for (int level = lights->emitter[first].level; level > 0; level--) {
-        uint32_t part = b[0] >= 0.5f ? 0 : b[1] >= 0.5f ? 1 : b[2] >= 0.5f ? 2 : 3;
-        for (uint32_t k = 0; k < 3; k++)
-            b[k] = part == 3 ? 1 - 2 * b[k] : 2 * b[k] - (k == part ? 1 : 0);
-        cell = 4 * cell + part;
+    uint32_t first = lights->triangle_emitter[triangle];
+    if (first == RSV_NONE || lights->emitter[first].cells == 1) return first;
+    uint32_t place = rsv_emitter_place(u, v), count = lights->emitter[first].cells;
+    while (count > 1) { // the last one that does not begin behind the place
+        uint32_t half = count / 2;
+        bool behind = lights->emitter[first + half].place > place;
+        first += behind ? 0 : half;
+        count = behind ? half : count - half;
     }
-    return first + cell;
+    return first;
 }
 
 #endif

@@ -1,6 +1,7 @@
 /// Every source of a committed scene, and how to sample them: emissive triangles ("emitters"),
 /// punctual lights and the environment. Triangles of textured brightness are divided into cells that are emitters each,
-/// so that all that is chosen by brightness is chosen by the texture's.
+/// down to texels where these are what shines, so that all that is chosen by brightness is chosen by the texture's
+/// (emitter_cells.h).
 ///
 /// Emitters that share object and material form a group: the unit of decisions such as whether a
 /// source is so large that gathering finds it better than next-event estimation.
@@ -13,6 +14,9 @@
 #include "polygon_irradiance.h"
 #include "resolvent/trace.h"
 
+/// Halvings of a textured triangle's sides at most.
+#define RSV_EMITTER_LEVELS 15
+
 typedef struct rsv_emitter {
     rsv_vec3 corner[3];
     rsv_vec3 normal;  ///< unit, geometric, front
@@ -21,7 +25,8 @@ typedef struct rsv_emitter {
     uint32_t triangle; ///< in the scene
     float u[3], v[3];  ///< of the corners, on that triangle
     uint32_t group;
-    uint8_t level; ///< the triangle is divided into 4^level emitters
+    uint32_t place; ///< of the cell: two bits per division say which of four parts, from RSV_EMITTER_LEVELS pairs on down
+    uint32_t cells; ///< emitters that the triangle is divided into: side by side, in the order of their places
     bool double_sided;
     bool varies; ///< the emission is textured
 } rsv_emitter;
@@ -76,6 +81,20 @@ rsv_status rsv_lights_follow(rsv_lights *lights);
 /// @param bsdf [material_count], borrowed
 /// @param followed out: false, and nothing done, if other materials emit than did: then the lights are to be created anew
 rsv_status rsv_lights_follow_strengths(rsv_lights *lights, const rsv_bsdf *bsdf, bool *followed);
+
+/// The place of the smallest cell around a point of a triangle.
+RSV_INLINE uint32_t rsv_emitter_place(float u, float v)
+{
+    float b[3] = { 1 - u - v, u, v };
+    uint32_t place = 0;
+    for (int level = 0; level < RSV_EMITTER_LEVELS; level++) {
+        uint32_t part = b[0] >= 0.5f ? 0 : b[1] >= 0.5f ? 1 : b[2] >= 0.5f ? 2 : 3;
+        for (uint32_t k = 0; k < 3; k++)
+            b[k] = part == 3 ? 1 - 2 * b[k] : 2 * b[k] - (k == part ? 1 : 0);
+        place = place << 2 | part;
+    }
+    return place;
+}
 
 /// The emitter at barycentric (u, v) of a triangle; RSV_NONE = it does not emit.
 RSV_SHARED uint32_t rsv_emitter_at(const rsv_lights *lights, uint32_t triangle, float u, float v);

@@ -8,9 +8,16 @@
 /// Whether a surface of this material is brighter here than there.
 bool rsv_emission_varies(const rsv_material *material);
 
-/// One of the 4^level cells of a triangle, with its mean radiance; all of its group is left to be set.
-rsv_emitter rsv_emitter_create(
-    const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle, int level, uint32_t cell);
+/// How unevenly a cell shines, as patches of an eighth of its size see it.
+typedef struct rsv_emission_spread {
+    float variance; ///< of the luminance, over its squared mean
+    float u, v;     ///< the brightest patch, on the triangle
+} rsv_emission_spread;
+
+/// One of the 4^level cells of a triangle, with its mean radiance; its group, and how many cells there are, are left to be
+/// set. @param spread out
+rsv_emitter rsv_emitter_create(const rsv_scene_view *scene, const rsv_bsdf *bsdf, uint32_t triangle,
+    int level, uint32_t place, rsv_emission_spread *spread);
 
 /// Puts it where its triangle is now.
 void rsv_emitter_follow(const rsv_scene_view *scene, rsv_emitter *emitter);

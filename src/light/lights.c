@@ -4,6 +4,7 @@
 #include "../core/core.h"
 #include "../scene/punctual.h"
 #include "../scene/twins.h"
+#include "emitter_cells.h"
 
 #include <stdlib.h>
 
@@ -64,43 +65,50 @@ static void add_emitter(rsv_lights *lights, const rsv_emitter *emitter)
     lights->emitter[lights->emitter_count++] = *emitter;
 }
 
-static void fill_emitters(
-    rsv_lights *lights, const rsv_bsdf *bsdf, const emitter_key *keys, size_t count, int level)
+/// The emitters of one triangle.
+/// @param cells those of the triangle and of others behind it @return how many are its own
+static uint32_t fill_triangle(rsv_lights *lights, const rsv_bsdf *bsdf, const emitter_key *key,
+    const rsv_emitter_cell *cells, size_t left)
 {
-    const rsv_scene_view *scene = lights->scene;
-    for (size_t i = 0; i < count; i++) {
+    uint32_t count = 1;
+    while (count < left && cells[count].rank == cells->rank)
+        count++;
+    lights->triangle_emitter[key->triangle] = (uint32_t)lights->emitter_count;
+    for (uint32_t k = 0; k < count; k++) {
+        rsv_emission_spread spread;
+        rsv_emitter emitter = rsv_emitter_create(
+            lights->scene, bsdf, key->triangle, cells[k].level, cells[k].place, &spread);
+        emitter.cells = count;
+        emitter.group = (uint32_t)lights->group_count - 1;
+        add_emitter(lights, &emitter);
+    }
+    return count;
+}
+
+/// @param cells [cell_count] from rsv_divide_emitters
+static void fill_emitters(rsv_lights *lights, const rsv_bsdf *bsdf, const emitter_key *keys,
+    const rsv_emitter_cell *cells, size_t cell_count)
+{
+    for (size_t k = 0; k < cell_count;) {
+        uint32_t i = cells[k].rank;
         if (i == 0 || !same_group(&keys[i], &keys[i - 1]))
             lights->group[lights->group_count++].first = (uint32_t)lights->emitter_count;
-        lights->triangle_emitter[keys[i].triangle] = (uint32_t)lights->emitter_count;
-        bool varies = rsv_emission_varies(&scene->material[keys[i].material]);
-        uint32_t cells = varies ? 1u << 2 * level : 1;
-        for (uint32_t cell = 0; cell < cells; cell++) {
-            rsv_emitter emitter =
-                rsv_emitter_create(scene, bsdf, keys[i].triangle, varies ? level : 0, cell);
-            emitter.group = (uint32_t)lights->group_count - 1;
-            add_emitter(lights, &emitter);
-        }
+        k += fill_triangle(lights, bsdf, &keys[i], cells + k, cell_count - k);
     }
 }
 
-/// Textured triangles are divided into 4^MOST_LEVEL cells at most, as far as all emitters together stay few enough for
-/// closed forms, or at least for a tree that is quickly built.
-#define MOST_LEVEL 3
-#define MOST_CELLS 4096
-
-/// @param count in: triangles; out: emitters that they are divided into
-static int cell_level(const rsv_scene_view *scene, const emitter_key *keys, size_t *count)
+/// @param keys [count] in the order of ranks
+static rsv_status divide(const rsv_scene *scene, const rsv_bsdf *bsdf, const emitter_key *keys,
+    size_t count, rsv_emitter_cell **cells, size_t *cell_count)
 {
-    size_t varying = 0;
-    for (size_t i = 0; i < *count; i++)
-        varying += rsv_emission_varies(&scene->material[keys[i].material]);
-    size_t plain = *count - varying;
-    size_t most = plain + 4 * varying <= RSV_LOCAL_LIGHTS ? RSV_LOCAL_LIGHTS : MOST_CELLS;
-    int level = 0;
-    while (varying && level < MOST_LEVEL && plain + (varying << 2 * (level + 1)) <= most)
-        level++;
-    *count = plain + (varying << 2 * level);
-    return level;
+    rsv_context *context = rsv_scene_get_context(scene);
+    uint32_t *triangle = rsv_alloc(context, count, sizeof *triangle);
+    if (!triangle) return RSV_ERROR_MEMORY;
+    for (size_t k = 0; k < count; k++)
+        triangle[k] = keys[k].triangle;
+    rsv_status status = rsv_divide_emitters(scene, bsdf, triangle, count, cells, cell_count);
+    rsv_free(context, triangle);
+    return status;
 }
 
 /// Lists the emitters of groups that are not gathered.
@@ -141,14 +149,14 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     rsv_context *context = rsv_scene_get_context(scene);
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     emitter_key *keys = NULL;
-    size_t count;
+    rsv_emitter_cell *cells = NULL;
+    size_t count, emitters;
     rsv_lights *created = rsv_alloc(context, 1, sizeof *created);
     if (!created) return RSV_ERROR_MEMORY;
     created->context = context;
     created->scene = view;
     RSV_TRY(collect_triangles(context, view, bsdf, &keys, &count));
-    size_t emitters = count;
-    int level = cell_level(view, keys, &emitters);
+    RSV_TRY(divide(scene, bsdf, keys, count, &cells, &emitters));
     created->emitter = rsv_alloc(context, emitters, sizeof *created->emitter);
     created->group = rsv_alloc(context, count, sizeof *created->group);
     created->triangle_emitter =
@@ -160,7 +168,7 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     RSV_TRY(complete ? RSV_OK : RSV_ERROR_MEMORY);
     for (size_t i = 0; i < view->triangle_count; i++)
         created->triangle_emitter[i] = RSV_NONE;
-    fill_emitters(created, bsdf, keys, count, level);
+    fill_emitters(created, bsdf, keys, cells, emitters);
     rsv_lights_choose_gathered(created);
     list_sampled(created);
     list_punctual(created);
@@ -171,6 +179,7 @@ rsv_status rsv_lights_create(const rsv_scene *scene, const rsv_bsdf *bsdf, rsv_l
     created = NULL;
 cleanup:
     rsv_free(context, keys);
+    rsv_free(context, cells);
     rsv_lights_destroy(created);
     return status;
 }

@@ -1,5 +1,7 @@
 #include "mover.h"
 
+#include "../trace/passage.h"
+
 #include <string.h>
 
 rsv_mover_desc rsv_default_mover_desc(void)
@@ -59,10 +61,11 @@ static rsv_rgb irradiance_at(const rsv_mover *m, size_t vertex)
     uint32_t stream = rsv_hash2((uint32_t)vertex, 0x6d6fu);
     uint32_t count = rsv_mover_aim(m, point, normal, origin, m->desc.light_samples, stream, aimed);
     rsv_rgb sum = rsv_probe_grid_irradiance(&m->grid, point, normal);
-    for (uint32_t k = 0; k < count; k++)
-        if (!rsv_mover_occludes(m, &aimed[k].ray) &&
-            !rsv_tracer_occluded(m->solution->tracer, &aimed[k].ray))
-            sum = rgb_add(sum, aimed[k].irradiance);
+    for (uint32_t k = 0; k < count; k++) {
+        float passed = rsv_mover_passed(m, &aimed[k].ray);
+        if (passed > 0) passed *= rsv_tracer_passed(m->solution->tracer, &aimed[k].ray);
+        sum = rgb_mad(sum, passed, aimed[k].irradiance);
+    }
     return sum;
 }
 

@@ -47,7 +47,7 @@ RSV_INLINE rsv_vec3 rsv_mover_point_back(const rsv_mover *m, rsv_vec3 p)
     return v3_add(rsv_mover_turn_back(m, from_middle), m->middle);
 }
 
-bool rsv_mover_occludes(const rsv_mover *mover, const rsv_ray *ray);
+float rsv_mover_passed(const rsv_mover *mover, const rsv_ray *ray);
 
 /// What the rays of a packet meet of the object before they end where they do. @param body scratch
 /// @return lanes that meet it, a bit each; their hits are in `body`

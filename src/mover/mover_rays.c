@@ -2,13 +2,15 @@
 
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
+#include "../surface/lift.h"
 #include "../trace/packet.h"
+#include "../trace/passage.h"
 
-bool rsv_mover_occludes(const rsv_mover *m, const rsv_ray *ray)
+float rsv_mover_passed(const rsv_mover *m, const rsv_ray *ray)
 {
     rsv_ray turned = { rsv_mover_point_back(m, ray->origin), rsv_mover_turn_back(m, ray->direction),
         ray->t_max };
-    return rsv_tracer_occluded(m->tracer, &turned);
+    return rsv_tracer_passed(m->tracer, &turned);
 }
 
 // ---- what is seen of it ---------------------------------------------------------------------------
@@ -149,9 +151,12 @@ rsv_rgb rsv_mover_shadow(const rsv_mover *m, const rsv_surface_point *point, uin
     uint32_t samples = (m->desc.light_samples + 3) / 4;
     uint32_t count =
         rsv_mover_aim(m, point->position, point->normal, origin, samples, stream, aimed);
-    for (uint32_t k = 0; k < count; k++)
-        if (!misses_ball(m, &aimed[k].ray) && rsv_mover_occludes(m, &aimed[k].ray) &&
-            !rsv_tracer_occluded(m->solution->tracer, &aimed[k].ray))
-            kept = rgb_add(kept, aimed[k].irradiance);
+    for (uint32_t k = 0; k < count; k++) {
+        rsv_lift_ray(point, &aimed[k].ray);
+        if (misses_ball(m, &aimed[k].ray)) continue;
+        float lost = 1 - rsv_mover_passed(m, &aimed[k].ray);
+        if (lost > 0) lost *= rsv_tracer_passed(m->solution->tracer, &aimed[k].ray);
+        kept = rgb_mad(kept, lost, aimed[k].irradiance);
+    }
     return kept;
 }

@@ -41,6 +41,7 @@ RSV_INLINE rsv_seen_surface rsv_seen_sky(const rsv_occlusion_setting *s, rsv_vec
     rsv_seen_surface seen;
     seen.hit = false;
     seen.point.position = seen.point.normal = seen.point.geometric = v3(0, 0, 0);
+    seen.point.horizon = seen.point.lift = v3(0, 0, 0);
     seen.point.extent = 0;
     seen.ambient = rgb_gray(0);
     seen.emission = rsv_sky_radiance(&s->sky, direction);
@@ -66,6 +67,7 @@ RSV_INLINE rsv_seen_surface rsv_seen_surface_at(const rsv_occlusion_setting *s, 
     if (back) {
         seen.point.geometric = v3_neg(seen.point.geometric);
         seen.point.normal = v3_neg(seen.point.normal);
+        seen.point.horizon = seen.point.geometric;
     }
     if (back && !material->double_sided && material->transmission == 0) return seen;
     if (material->unlit) {

@@ -7,13 +7,12 @@
 
 #define LANES RSV_SUPPORT_POINTS
 
-static void aim_row(const rsv_elements *elements, const rsv_directions *directions, uint32_t node,
-    uint16_t valid, uint32_t seed, rsv_ray_packet *packets)
+static void aim_row(const rsv_elements *elements, const rsv_tracer *tracer,
+    const rsv_directions *directions, rsv_receiver_draw draw, rsv_ray_packet *packets)
 {
     rsv_receiver_points points;
-    rsv_receiver_points_set_up(
-        elements, node, rsv_elements_draw_of(elements, node), seed, valid, &points);
-    size_t set = rsv_directions_of(directions, seed, node);
+    rsv_receiver_points_set_up(elements, tracer, draw, &points);
+    size_t set = rsv_directions_of(directions, draw.seed, draw.node);
     for (uint32_t p = 0; p < directions->count / LANES; p++) {
         size_t first = set + (size_t)p * LANES;
         memset(packets[p].mask, 0xff, sizeof packets[p].mask);
@@ -63,7 +62,9 @@ rsv_status rsv_transport_trace_only(const rsv_transport_scene *scene, const rsv_
 #pragma omp for schedule(dynamic, 64)
         for (size_t node = 0; node < elements->node_count; node++) {
             if (!packets || valid_points[node] == 0) continue;
-            aim_row(elements, &directions, (uint32_t)node, valid_points[node], seed, packets);
+            rsv_receiver_draw draw = { (uint32_t)node,
+                rsv_elements_draw_of(elements, (uint32_t)node), seed, valid_points[node] };
+            aim_row(elements, scene->tracer, &directions, draw, packets);
             time_row(scene->tracer, packets, rays / LANES, &packet_sum, &single_sum);
             traced += rays;
         }

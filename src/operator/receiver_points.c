@@ -12,31 +12,64 @@ static void replace_buried(uint16_t valid, uint32_t random, rsv_support_point *s
         if (!(valid >> k & 1)) sample[k] = sample[sound[next++ % count]];
 }
 
-void rsv_receiver_points_set_up(const rsv_elements *e, uint32_t node, uint32_t index, uint32_t seed,
-    uint16_t valid, rsv_receiver_points *r)
+static void set_origin(rsv_receiver_points *r, uint32_t k, const rsv_surface_point *point)
 {
-    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(seed, index, 0x7a3du));
+    rsv_vec3 origin = rsv_offset_origin(point->position, point->geometric, point->extent);
+    r->origin_x[k] = origin.x, r->origin_y[k] = origin.y, r->origin_z[k] = origin.z;
+    r->geometric_x[k] = point->geometric.x, r->geometric_y[k] = point->geometric.y;
+    r->geometric_z[k] = point->geometric.z;
+    r->horizon_x[k] = point->horizon.x, r->horizon_y[k] = point->horizon.y;
+    r->horizon_z[k] = point->horizon.z;
+    r->lift_x[k] = point->lift.x, r->lift_y[k] = point->lift.y, r->lift_z[k] = point->lift.z;
+    if (v3_dot(point->lift, point->lift) > 0) r->lifted |= 1u << k;
+}
+
+static void set_frame(
+    rsv_receiver_points *r, uint32_t k, rsv_vec3 normal, float cos_turn, float sin_turn)
+{
+    rsv_vec3 t, b;
+    v3_frame(normal, &t, &b);
+    rsv_vec3 tangent = v3_mad(v3_scale(t, cos_turn), sin_turn, b);
+    rsv_vec3 bitangent = v3_mad(v3_scale(b, cos_turn), -sin_turn, t);
+    r->tangent_x[k] = tangent.x, r->tangent_y[k] = tangent.y, r->tangent_z[k] = tangent.z;
+    r->bitangent_x[k] = bitangent.x, r->bitangent_y[k] = bitangent.y;
+    r->bitangent_z[k] = bitangent.z;
+    r->normal_x[k] = normal.x, r->normal_y[k] = normal.y, r->normal_z[k] = normal.z;
+}
+
+void rsv_receiver_points_set_up(
+    const rsv_elements *e, const rsv_tracer *tracer, rsv_receiver_draw draw, rsv_receiver_points *r)
+{
+    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(draw.seed, draw.index, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
     rsv_support_point sample[LANES];
-    rsv_elements_sample_support_as(e, node, index, LANES, seed, sample);
-    replace_buried(valid, rsv_hash3(seed, index, 0x3f1du) % LANES, sample);
+    rsv_elements_sample_support_as(e, draw.node, draw.index, LANES, draw.seed, sample);
+    replace_buried(draw.valid, rsv_hash3(draw.seed, draw.index, 0x3f1du) % LANES, sample);
+    r->lifted = 0;
     for (uint32_t k = 0; k < LANES; k++) {
-        uint32_t face = e->cell[sample[k].support / 4].face;
-        rsv_surface_point point = rsv_surface_point_at(
-            e->scene, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
-        rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-        rsv_vec3 t, b;
-        v3_frame(point.normal, &t, &b);
-        rsv_vec3 tangent = v3_mad(v3_scale(t, cos_turn), sin_turn, b);
-        rsv_vec3 bitangent = v3_mad(v3_scale(b, cos_turn), -sin_turn, t);
-        r->origin_x[k] = origin.x, r->origin_y[k] = origin.y, r->origin_z[k] = origin.z;
-        r->tangent_x[k] = tangent.x, r->tangent_y[k] = tangent.y, r->tangent_z[k] = tangent.z;
-        r->bitangent_x[k] = bitangent.x, r->bitangent_y[k] = bitangent.y;
-        r->bitangent_z[k] = bitangent.z;
-        r->normal_x[k] = point.normal.x, r->normal_y[k] = point.normal.y;
-        r->normal_z[k] = point.normal.z;
-        r->geometric_x[k] = point.geometric.x, r->geometric_y[k] = point.geometric.y;
-        r->geometric_z[k] = point.geometric.z;
+        uint32_t face = e->cell[sample[k].support / 4].face, triangle = e->face_triangle[face];
+        float u = sample[k].u, v = sample[k].v;
+        bool back = e->face_back[face];
+        rsv_surface_point point = rsv_surface_point_at(e->scene, triangle, u, v, back);
+        rsv_surface_lift(e->scene, tracer, triangle, u, v, &point);
+        set_origin(r, k, &point);
+        set_frame(r, k, point.normal, cos_turn, sin_turn);
+    }
+}
+
+/// Rays that graze curved surfaces leave these instead of their triangles.
+static void lift_lanes(const rsv_receiver_points *r, rsv_ray_packet *packet)
+{
+    for (uint32_t left = r->lifted; left; left &= left - 1) {
+        rsv_ray ray;
+        uint32_t k = (uint32_t)__builtin_ctz(left);
+        packet->t_max[k] =
+            rsv_receiver_points_lift(r, k,
+                v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]), &ray)
+                ? INFINITY
+                : -1;
+        packet->origin_x[k] = ray.origin.x, packet->origin_y[k] = ray.origin.y;
+        packet->origin_z[k] = ray.origin.z;
     }
 }
 
@@ -56,4 +89,5 @@ void rsv_receiver_points_aim(const rsv_receiver_points *r, const float *x, const
         packet->direction_z[k] = dz;
         packet->t_max[k] = above > 0 ? INFINITY : -1;
     }
+    if (r->lifted) lift_lanes(r, packet);
 }

@@ -1,3 +1,4 @@
+#include "../light/partition.h"
 #include "row_tracer_internal.h"
 
 #include <string.h>
@@ -8,7 +9,8 @@ void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t in
     rsv_row_receiver *r)
 {
     rsv_receiver_points *p = &r->points;
-    rsv_receiver_points_set_up(tracer->elements, node, index, tracer->seed, valid, p);
+    rsv_receiver_points_set_up(tracer->elements, tracer->scene->tracer,
+        (rsv_receiver_draw){ node, index, tracer->seed, valid }, p);
     uint32_t face = tracer->elements->node_face[node];
     uint32_t material =
         tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];
@@ -30,12 +32,9 @@ void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiv
 
 /// Light of gathered sources counts however it arrives; that of the others is the business of
 /// next-event estimation and light shooting.
-static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t events)
+static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t turns)
 {
-    (void)events;
-    const rsv_lights *lights = user;
-    uint32_t emitter = lights->triangle_emitter[triangle];
-    return emitter != RSV_NONE && lights->group[lights->emitter[emitter].group].gathered;
+    return rsv_gathering_counts(user, triangle, turns, true);
 }
 
 static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
@@ -71,7 +70,7 @@ static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     if (gather.end == RSV_CHAIN_DIFFUSE)
         record_end(tracer, s, ray, &gather.chain, rsv_random_float(&random));
     else if (gather.end == RSV_CHAIN_ESCAPED)
-        rsv_escape_row_add(&s->escapes, gather.chain.direction, gather.chain.weight, 1);
+        rsv_escape_row_add(&s->escapes, gather.chain.direction, gather.chain.weight, gather.chain.turns);
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.

@@ -29,7 +29,7 @@ static void start_path(rsv_light_path *path, const rsv_path_tracer *tracer,
     path->start_ior = rsv_medium_ior(medium, tracer->bsdf);
     path->settled = false;
     path->bounces = path->diffuse_events = 0;
-    path->pdf_solid_angle = 0;
+    path->pdf_solid_angle = path->passed = 0;
     path->light = light;
 }
 
@@ -82,13 +82,14 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
     v3_frame(entry.normal, &t, &b);
     rsv_vec3 wi =
         v3_normalize(v3_mad(v3_mad(v3_scale(entry.normal, local.z), local.x, t), local.y, b));
-    if (v3_dot(entry.geometric_normal, wi) <= 0) return false;
+    if (!rsv_path_surface_leads(&entry, false, wi)) return false;
     path->throughput = rgb_mul(path->throughput, rsv_bsdf_entry(entry.bsdf, local.z));
     path->pdf_solid_angle = local.z / RSV_PI;
+    path->passed = 0;
     path->below = false;
     path->diffuse_events++;
     path->departure = entry.point;
-    path->ray = (rsv_ray){ rsv_path_surface_departure(&entry, false), wi, INFINITY };
+    path->ray = (rsv_ray){ rsv_path_surface_departure(&entry, false, wi), wi, INFINITY };
     return true;
 }
 
@@ -119,16 +120,16 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
     if (s->translucent && sample.lobe == RSV_LOBE_DIFFUSE)
         return scatter_below(path, s, sample.weight);
     bool transmitted = sample.lobe == RSV_LOBE_TRANSMIT;
-    float rise = v3_dot(s->geometric_normal, sample.direction);
-    if (transmitted ? rise >= 0 : rise <= 0) return false;
+    if (!rsv_path_surface_leads(s, transmitted, sample.direction)) return false;
     path->throughput = rgb_mul(path->throughput, sample.weight);
     if (rgb_is_black(path->throughput)) return false;
     path->pdf_solid_angle = path->aimed[transmitted] ? sample.pdf_solid_angle : 0;
+    path->passed = 0;
     path->below = transmitted;
     path->medium = rsv_path_medium_beside(path, s, transmitted);
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
     path->departure = s->point;
-    path->ray = (rsv_ray){ rsv_path_surface_departure(s, transmitted), sample.direction, INFINITY };
+    path->ray = (rsv_ray){ rsv_path_surface_departure(s, transmitted, sample.direction), sample.direction, INFINITY };
     return true;
 }
 
@@ -141,14 +142,14 @@ static bool survives_roulette(rsv_light_path *path)
     return true;
 }
 
-/// Goes straight on where the surface does not cover. Next-event estimation sees no lamp through it.
-static bool passes(rsv_light_path *path, const rsv_path_surface *s)
+/// Goes straight on where the surface does not cover. Next-event estimation sees lamps past it, too.
+static bool passes(rsv_light_path *path, const rsv_path_surface *s, float distance)
 {
     if (s->bsdf->opacity >= 1 || rsv_random_float(&path->numbers.random) < s->bsdf->opacity)
         return false;
-    path->pdf_solid_angle = 0;
+    path->passed += distance;
     path->departure = s->point;
-    path->ray.origin = rsv_path_surface_departure(s, true);
+    path->ray.origin = rsv_path_surface_departure(s, true, path->ray.direction);
     return true;
 }
 
@@ -163,7 +164,7 @@ static void follow(rsv_light_path *path)
         rsv_path_surface s;
         rsv_path_surface_meet(path->tracer, &path->ray, &hit, &s);
         cross_medium(path, &s);
-        if (passes(path, &s)) {
+        if (passes(path, &s, hit.t)) {
             if (!survives_roulette(path)) return;
             continue;
         }
@@ -198,6 +199,7 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
         .wo = normal,
         .geometric_normal = normal,
         .normal = normal,
+        .horizon = normal,
         .extent = 0x1p20f * lift, // what rsv_offset_origin makes the lift of
         .triangle = RSV_NONE,
         .front = true };

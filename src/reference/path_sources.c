@@ -45,7 +45,8 @@ void rsv_path_add_emission(rsv_light_path *path, const rsv_path_surface *s, floa
     float weight = 1;
     if (path->pdf_solid_angle > 0 && !lights->group[emitter->group].gathered) {
         float pdf_light =
-            rsv_local_lights_pdf(&path->local[path->below], index, path->ray.direction, distance);
+            rsv_local_lights_pdf(&path->local[path->below], index, path->ray.direction,
+                path->passed + distance);
         weight = power_heuristic(path->pdf_solid_angle, pdf_light);
     }
     rsv_rgb arriving = rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission);
@@ -66,12 +67,15 @@ void rsv_path_add_environment(rsv_light_path *path)
     add_light(path, path->diffuse_events, rgb_scale(arriving, weight));
 }
 
-static bool sees_light(const rsv_path_tracer *tracer, const rsv_path_surface *s,
+/// What of a sample's light arrives past surfaces that do not cover. What sheets transmit is found by paths that meet the
+/// source.
+static rsv_rgb seen_of_light(const rsv_path_tracer *tracer, const rsv_path_surface *s,
     const rsv_light_sample *sample, bool below)
 {
-    rsv_ray ray =
-        rsv_shadow_ray(tracer->lights, sample, s->point, rsv_path_surface_departure(s, below));
-    return !rsv_tracer_occluded(tracer->tracer, &ray);
+    rsv_ray ray = rsv_shadow_ray(tracer->lights, sample, s->point,
+        rsv_path_surface_departure(s, below, sample->direction));
+    if (!rsv_tracer_occluded(tracer->tracer, &ray)) return rgb_gray(1);
+    return tracer->blended ? rsv_straight_transmittance(tracer, ray, false) : rgb_gray(0);
 }
 
 /// Adds light that arrives at the surface and scatters: diffusely, which makes it one order more, or in
@@ -90,10 +94,13 @@ static void add_emitter_sample(
     rsv_bsdf_value diffuse = rsv_path_surface_respond(s, sample.direction, RSV_LOBES_DIFFUSE);
     rsv_bsdf_value rough = rsv_path_surface_respond(s, sample.direction, RSV_LOBES_ROUGH);
     float pdf_bsdf = diffuse.pdf_solid_angle + rough.pdf_solid_angle;
-    if (pdf_bsdf == 0 || !sees_light(path->tracer, s, &sample, below)) return;
+    if (pdf_bsdf == 0) return;
+    rsv_rgb seen = seen_of_light(path->tracer, s, &sample, below);
+    if (rgb_is_black(seen)) return;
     float weight = power_heuristic(sample.pdf_solid_angle, pdf_bsdf) / sample.pdf_solid_angle;
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
     rsv_rgb arriving = rgb_mul(from_source(path, &medium, sample.distance), sample.radiance);
+    arriving = rgb_mul(arriving, seen);
     add_scattered(path, rgb_scale(arriving, weight), diffuse.response, rough.response);
 }
 
@@ -103,10 +110,11 @@ static void add_punctual_light(
     rsv_bsdf_value diffuse = rsv_path_surface_respond(s, light->direction, RSV_LOBES_DIFFUSE);
     rsv_bsdf_value rough = rsv_path_surface_respond(s, light->direction, RSV_LOBES_ROUGH);
     if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) return;
-    bool below = v3_dot(s->geometric_normal, light->direction) < 0;
-    rsv_ray ray = { rsv_path_surface_departure(s, below), light->direction, light->distance };
+    bool below = v3_dot(s->normal, light->direction) < 0;
+    rsv_ray ray = { rsv_path_surface_departure(s, below, light->direction), light->direction,
+        light->distance };
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
-    rsv_rgb arriving = rgb_mul(light->irradiance, rsv_straight_transmittance(path->tracer, ray));
+    rsv_rgb arriving = rgb_mul(light->irradiance, rsv_straight_transmittance(path->tracer, ray, true));
     arriving = rgb_mul(arriving, from_source(path, &medium, light->distance));
     add_scattered(path, arriving, diffuse.response, rough.response);
 }

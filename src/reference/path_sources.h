@@ -24,6 +24,7 @@ typedef struct rsv_light_path {
     /// With which the last surface chose the ray; 0 = next-event estimation could not have found
     /// what the ray finds.
     float pdf_solid_angle;
+    float passed; ///< metres since then, past surfaces that did not cover
     /// The lights as the last surface sees them that next-event estimation knows of: above it and
     /// below, and on which of these sides the ray left.
     rsv_local_lights local[2];

@@ -1,5 +1,33 @@
 #include "path_surface.h"
 
+/// Largest cosine with the triangle at which a ray begins above it.
+#define GRAZING 0.1f
+
+/// Heights by which the tangent planes of the vertices pass over a point of the triangle that they enclose from outside,
+/// weighed as normals are: the shape that the shading normals speak of. Concave ones do not count.
+static void rise_to_curve(const rsv_path_tracer *tracer, const rsv_hit *hit, rsv_path_surface *s)
+{
+    const rsv_scene_view *scene = tracer->scene;
+    const uint32_t *corner = scene->triangle[hit->triangle];
+    const float share[3] = { 1 - hit->u - hit->v, hit->u, hit->v };
+    rsv_vec3 normal[3], smooth = v3(0, 0, 0), rise = v3(0, 0, 0);
+    bool curved = false;
+    for (int k = 0; k < 3; k++) {
+        normal[k] = v3_normalize(scene->normal[corner[k]]);
+        if (!s->front) normal[k] = v3_neg(normal[k]);
+        if (v3_dot(normal[k], s->geometric_normal) <= 0) return;
+        curved = curved || v3_dot(normal[k], normal[0]) < 1 - 1e-6f;
+        smooth = v3_mad(smooth, share[k], normal[k]);
+        float height = v3_dot(v3_sub(scene->position[corner[k]], s->point), normal[k]);
+        if (height > 0) rise = v3_mad(rise, share[k] * height, normal[k]);
+    }
+    rsv_vec3 start = rsv_offset_origin(s->point, s->geometric_normal, s->extent);
+    rsv_ray up = { start, rise, 1 };
+    if (!curved || !(v3_length(rise) > 0) || rsv_tracer_occluded(tracer->tracer, &up)) return;
+    s->rise = rise;
+    s->horizon = v3_normalize(smooth);
+}
+
 /// Textures are looked up as they are: what a pixel averages is the business of its samples.
 void rsv_path_surface_meet(
     const rsv_path_tracer *tracer, const rsv_ray *ray, const rsv_hit *hit, rsv_path_surface *s)
@@ -20,14 +48,29 @@ void rsv_path_surface_meet(
     s->front = v3_dot(point.geometric, s->wo) > 0;
     s->geometric_normal = s->front ? point.geometric : v3_neg(point.geometric);
     s->normal = s->front ? point.normal : v3_neg(point.normal);
+    s->horizon = s->geometric_normal;
+    s->rise = v3(0, 0, 0);
+    rise_to_curve(tracer, hit, s);
     if (!s->bsdf->lambert)
         s->normal = rsv_bsdf_specular_normal(s->normal, s->geometric_normal, s->wo);
+    else if (v3_dot(s->normal, s->wo) <= 0) // a silhouette, whose normal turns away: Lambert's law asks for no direction
+        s->wo = s->geometric_normal;
 }
 
-rsv_vec3 rsv_path_surface_departure(const rsv_path_surface *s, bool transmitted)
+rsv_vec3 rsv_path_surface_departure(
+    const rsv_path_surface *s, bool transmitted, rsv_vec3 direction)
 {
     rsv_vec3 side = transmitted ? v3_neg(s->geometric_normal) : s->geometric_normal;
-    return rsv_offset_origin(s->point, side, s->extent);
+    rsv_vec3 start = rsv_offset_origin(s->point, side, s->extent);
+    float slope = v3_dot(s->geometric_normal, direction);
+    if (transmitted || slope >= GRAZING) return start;
+    return v3_mad(start, f_min(1 - slope / GRAZING, 1), s->rise);
+}
+
+bool rsv_path_surface_leads(const rsv_path_surface *s, bool transmitted, rsv_vec3 direction)
+{
+    return transmitted ? v3_dot(s->geometric_normal, direction) < 0
+                       : v3_dot(s->horizon, direction) > 0;
 }
 
 /// What of the light from wi enters a translucent body, over pi: as if it left a white one right here.
@@ -40,31 +83,35 @@ static rsv_bsdf_value respond_to_entering(const rsv_path_surface *s, rsv_vec3 wi
 rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, rsv_lobe_set lobes)
 {
     rsv_bsdf_value nothing = { rgb_gray(0), 0 };
-    if (v3_dot(s->geometric_normal, wi) * v3_dot(s->normal, wi) <= 0) return nothing;
+    float cos = v3_dot(s->normal, wi);
+    if (cos == 0 || !rsv_path_surface_leads(s, cos < 0, wi)) return nothing;
     if (s->entry) return lobes == RSV_LOBES_DIFFUSE ? respond_to_entering(s, wi) : nothing;
     if (s->translucent && lobes == RSV_LOBES_DIFFUSE) return nothing;
     return rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, lobes);
 }
 
 /// Share of light that passes a surface without turning: past what it does not cover, and through thin sheets.
-static rsv_rgb straight_through(const rsv_path_surface *s)
+static rsv_rgb straight_through(const rsv_path_surface *s, bool sheets)
 {
     rsv_rgb uncovered = rgb_gray(1 - s->bsdf->opacity);
-    if (s->bsdf->transmission == 0 || s->bsdf->solid) return uncovered;
+    if (!sheets || s->bsdf->transmission == 0 || s->bsdf->solid) return uncovered;
     rsv_rgb sheet = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front).transmit;
     return rgb_mad(uncovered, s->bsdf->opacity, sheet);
 }
 
-rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray)
+rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray, bool sheets)
 {
     rsv_rgb passed = rgb_gray(1);
+    rsv_vec3 end = v3_mad(ray.origin, ray.t_max, ray.direction);
     rsv_hit hit;
     while (!rgb_is_black(passed) && rsv_tracer_closest(tracer->tracer, &ray, &hit)) {
         rsv_path_surface s;
         rsv_path_surface_meet(tracer, &ray, &hit, &s);
-        passed = rgb_mul(passed, straight_through(&s));
-        ray.origin = rsv_path_surface_departure(&s, true);
-        ray.t_max -= hit.t;
+        passed = rgb_mul(passed, straight_through(&s, sheets));
+        ray.origin = rsv_path_surface_departure(&s, true, ray.direction);
+        if (!(ray.t_max < INFINITY)) continue;
+        ray.direction = v3_sub(end, ray.origin);
+        ray.t_max = 1;
     }
     return passed;
 }

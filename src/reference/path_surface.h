@@ -11,6 +11,9 @@ typedef struct rsv_path_surface {
     rsv_vec3 point, wo;
     rsv_vec3 geometric_normal;
     rsv_vec3 normal; ///< for scattering
+    /// Coarse triangles whose normals bulge stand for a curved surface: what light is above it, and the way to it from
+    /// the point. The geometric normal and zero elsewhere, and where something lies between.
+    rsv_vec3 horizon, rise;
     float extent;    ///< for rsv_offset_origin
     uint32_t triangle, material;
     float u, v;
@@ -23,13 +26,18 @@ typedef struct rsv_path_surface {
 void rsv_path_surface_meet(
     const rsv_path_tracer *tracer, const rsv_ray *ray, const rsv_hit *hit, rsv_path_surface *s);
 
-/// Where rays that leave it begin. @param transmitted below it
-rsv_vec3 rsv_path_surface_departure(const rsv_path_surface *s, bool transmitted);
+/// Where rays that leave it along `direction` begin. @param transmitted below it
+rsv_vec3 rsv_path_surface_departure(
+    const rsv_path_surface *s, bool transmitted, rsv_vec3 direction);
+
+/// Whether light along `direction` is on that side of the surface.
+bool rsv_path_surface_leads(const rsv_path_surface *s, bool transmitted, rsv_vec3 direction);
 
 /// Response of the lobes in `lobes`; nothing where the normals disagree on wi's side.
 rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, rsv_lobe_set lobes);
 
 /// Share of light that reaches the ray's origin from its end without turning.
-rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray);
+/// @param sheets what thin sheets transmit counts, too, besides what surfaces do not cover
+rsv_rgb rsv_straight_transmittance(const rsv_path_tracer *tracer, rsv_ray ray, bool sheets);
 
 #endif

@@ -1,4 +1,5 @@
 #include "../core/core.h"
+#include "../scene/material_at.h"
 #include "reference_internal.h"
 
 #if defined(_OPENMP)
@@ -41,6 +42,7 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **resu
     RSV_TRY(rsv_lights_create(scene, tracer->bsdf, &tracer->lights));
     RSV_TRY(rsv_tracer_create(scene, &tracer->tracer));
     tracer->media = rsv_media_of(tracer->scene, tracer->tracer, tracer->bsdf);
+    tracer->blended = rsv_find_blended(tracer->scene);
     RSV_TRY(rsv_bodies_create(scene, tracer->tracer, &tracer->bodies));
     warn_of_unreachable_caustics(tracer);
     *result = tracer;

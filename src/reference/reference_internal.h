@@ -17,6 +17,7 @@ typedef struct rsv_path_tracer {
     rsv_lights *lights;
     rsv_bodies *bodies; ///< translucent ones
     rsv_media media;
+    bool blended; ///< some surfaces do not cover all that is behind them
 } rsv_path_tracer;
 
 rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **tracer);

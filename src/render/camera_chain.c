@@ -58,6 +58,22 @@ static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branch
     leave(t, (link){ at->chain, { .shot = at->shot }, at->path, at->shot }, &branch);
 }
 
+/// Goes straight on where the surface does not cover. What a rough surface aims at is aimed at through it, too, so that the
+/// departure stays what it was; without one, that is done along with what is transmitted.
+static void pass(tree *t, const link *at, rsv_bsdf_branches *branches)
+{
+    rsv_bsdf storage;
+    if (!(at->departure.pdf_solid_angle > 0)) return;
+    float uncovered = 1 - rsv_chain_bsdf(t->scene, &at->chain, &storage)->opacity;
+    if (!(uncovered > 0)) return;
+    rsv_bsdf_branches past = { .transmit = rgb_gray(uncovered),
+        .transmit_direction = at->chain.direction };
+    branches->transmit = rgb_positive(rgb_sub(branches->transmit, past.transmit));
+    rsv_camera_branch branch;
+    if (rsv_ideal_branch(&at->chain, at->path, t->setting->max_events, true, &past, &branch))
+        leave(t, *at, &branch);
+}
+
 static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
 {
     rsv_rough_numbers n;
@@ -115,6 +131,7 @@ rsv_rgb rsv_camera_chain(const rsv_camera_setting *setting, rsv_chain chain, uin
             end(user, &at.chain,
                 rgb_mul(
                     rsv_chain_throughput(scene, &at.chain, &at.chain.medium), branches.diffuse));
+        pass(&t, &at, &branches);
         follow(&t, &at, false, &branches);
         follow(&t, &at, true, &branches);
         if (branches.rough) follow_rough(&t, at, &branches);

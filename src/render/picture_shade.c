@@ -1,5 +1,7 @@
 #include "picture_shade.h"
 
+#include "../surface/lift.h"
+
 void rsv_picture_add_light(rsv_picture_row *r, uint32_t column, uint32_t order, rsv_rgb radiance)
 {
     r->layer[0][column] = rgb_add(r->layer[0][column], radiance);
@@ -80,9 +82,9 @@ static void add_gathered(
     }
 }
 
-static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
+static bool no_emission(const void *user, uint32_t triangle, uint32_t turns)
 {
-    (void)user, (void)triangle, (void)events;
+    (void)user, (void)triangle, (void)turns;
     return false;
 }
 
@@ -93,6 +95,7 @@ static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb 
     const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     rsv_surface_point point = rsv_surface_point_seen(
         s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, &point);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
     v3_frame(point.normal, &t, &b);
     uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
@@ -102,9 +105,9 @@ static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb 
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point.normal),
             INFINITY };
+        ray.origin = rsv_lifted_origin(&point, origin, ray.direction);
         rsv_hit hit;
-        if (v3_dot(ray.direction, point.geometric) <= 0 ||
-            !rsv_tracer_closest(s->tracer, &ray, &hit))
+        if (v3_dot(ray.direction, point.horizon) <= 0 || !rsv_tracer_closest(s->tracer, &ray, &hit))
             continue;
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
         rsv_chain first = rsv_chain_begin(

@@ -1,7 +1,9 @@
 #include "pixel_direct.h"
 
 #include "../light/punctual_light.h"
+#include "../surface/lift.h"
 #include "../trace/packet.h"
+#include "../trace/passage.h"
 
 #include <string.h>
 
@@ -37,12 +39,15 @@ static void trace_pending(rsv_pixel_direct *d)
 {
     for (uint32_t k = d->pending; k < RSV_PACKET_WIDTH; k++)
         d->packet.t_max[k] = -1;
-    if (d->pending) rsv_tracer_occluded_packet(d->solution->tracer, &d->packet, true);
+    float passed[RSV_PACKET_WIDTH];
+    if (d->pending) rsv_tracer_passed_packet(d->solution->tracer, &d->packet, true, passed);
     for (uint32_t k = 0; k < d->pending; k++) {
-        if (!(d->packet.t_max[k] > 0)) continue;
+        if (!(passed[k] > 0)) continue;
         rsv_direct_term *term = &d->term[d->owner[k]];
-        term->arrived = rgb_add(term->arrived, d->carried[k]);
-        term->seen += d->known[k];
+        term->arrived = rgb_mad(term->arrived, passed[k], d->carried[k]);
+        if (!d->known[k]) continue;
+        term->seen += passed[k];
+        term->veiled += passed[k] * (1 - passed[k]);
     }
     d->pending = 0;
 }
@@ -106,6 +111,7 @@ static void set_up_point(
 {
     lit->bsdf = rsv_chain_bsdf(&s->scene, chain, &lit->storage);
     lit->point = point;
+    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, &lit->point);
     lit->origin = rsv_offset_origin(point.position, point.geometric, point.extent);
     lit->medium = &chain->medium;
     lit->media = s->bsdf;
@@ -137,7 +143,8 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     if (!rsv_surface_faces(point, light.direction)) return;
     rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
     push_shadow_ray(d, term,
-        rsv_shadow_ray(d->solution->lights, &light, point->position, lit->origin),
+        rsv_shadow_ray(d->solution->lights, &light, point->position,
+            rsv_lifted_origin(point, lit->origin, light.direction)),
         rgb_scale(rgb_mul(entered, light.radiance), scale), known);
 }
 
@@ -172,7 +179,8 @@ static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weig
         rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
         rsv_direct_term term = { .column = column, .sample = sample.index, .rays = 1 };
         if (push_term(d, term))
-            push_shadow_ray(d, d->term_count - 1, rsv_punctual_ray(&light, lit->origin),
+            push_shadow_ray(d, d->term_count - 1,
+                rsv_punctual_ray(&light, rsv_lifted_origin(point, lit->origin, light.direction)),
                 rgb_scale(rgb_mul(entered, light.irradiance), cos), false);
     }
 }
@@ -206,6 +214,7 @@ static void tally_rays(rsv_pixel_direct *d)
         float exact = rgb_luminance(term->exact);
         tally->asked += term->asked;
         tally->seen += term->seen;
+        tally->veiled += term->veiled;
         tally->brightest = f_max(tally->brightest, term->expected);
         tally->squares += exact * exact;
         float further = term->asked ? 0 : rgb_luminance(term->arrived);
@@ -219,9 +228,10 @@ static void tally_rays(rsv_pixel_direct *d)
 /// emitters the tree chose.
 static float light_spread(const rsv_shadow_tally *t)
 {
-    float share = t->asked ? (float)t->seen / (float)t->asked : 0;
+    float share = t->asked ? t->seen / (float)t->asked : 0;
+    float veiled = t->asked ? t->veiled / (float)t->asked : 0;
     float by_choice = t->terms ? t->further_squares - t->further * t->further / (float)t->terms : 0;
-    return t->squares * share * (1 - share) + f_max(by_choice, 0);
+    return t->squares * f_max(share * (1 - share) - veiled, 0) + f_max(by_choice, 0);
 }
 
 /// Further shadow rays of each sample of a pixel, by its neighbours.
@@ -235,6 +245,7 @@ static uint32_t further_rays(
         if (k == column) continue;
         around.asked += d->tally[k].asked;
         around.seen += d->tally[k].seen;
+        around.veiled += d->tally[k].veiled;
         around.squares += d->tally[k].squares;
         around.terms += d->tally[k].terms;
         around.further += d->tally[k].further;
@@ -277,8 +288,8 @@ static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *nois
 static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *squares)
 {
     rsv_rgb sum = rgb_gray(0);
-    uint32_t seen[2] = { 0, 0 }, asked[2] = { 0, 0 };
-    float of_sample = 0;
+    uint32_t asked[2] = { 0, 0 };
+    float of_sample = 0, seen[2] = { 0, 0 };
     for (size_t i = 0; i < count; i++) {
         seen[half_of(term[i].sample)] += term[i].seen;
         asked[half_of(term[i].sample)] += term[i].asked;
@@ -289,7 +300,7 @@ static rsv_rgb resolve_pixel(const rsv_direct_term *term, size_t count, float *s
         rsv_rgb light = rgb_scale(term[i].arrived, share);
         uint32_t other = 1 - half_of(term[i].sample);
         if (asked[other] > 0) {
-            float others = (float)seen[other] / (float)asked[other];
+            float others = seen[other] / (float)asked[other];
             light =
                 rgb_mad(light, others, rgb_sub(term[i].exact, rgb_scale(term[i].control, share)));
         }
@@ -319,11 +330,6 @@ rsv_status rsv_pixel_direct_resolve(
     return d->status;
 }
 
-static bool is_open(const rsv_light_view *s, rsv_ray ray)
-{
-    return !rsv_tracer_occluded(s->tracer, &ray);
-}
-
 static rsv_rgb sampled_emitter(const rsv_light_view *s, const lit_point *lit, rsv_random *random)
 {
     rsv_local_lights local;
@@ -332,12 +338,13 @@ static rsv_rgb sampled_emitter(const rsv_light_view *s, const lit_point *lit, rs
     rsv_lights_at(s->lights, point->position, point->normal, &local);
     float select = rsv_random_float(random), x = rsv_random_float(random);
     if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) ||
-        !rsv_surface_faces(point, light.direction) ||
-        !is_open(s, rsv_shadow_ray(s->lights, &light, point->position, lit->origin)))
+        !rsv_surface_faces(point, light.direction))
         return rgb_gray(0);
-    float cos = v3_dot(point->normal, light.direction);
+    rsv_ray ray = rsv_shadow_ray(
+        s->lights, &light, point->position, rsv_lifted_origin(point, lit->origin, light.direction));
+    float cos = v3_dot(point->normal, light.direction), passed = rsv_tracer_passed(s->tracer, &ray);
     rsv_rgb entered = rgb_mul(light.radiance, entry(lit, light.distance, cos));
-    return rgb_scale(entered, cos / light.pdf_solid_angle);
+    return rgb_scale(entered, passed * cos / light.pdf_solid_angle);
 }
 
 rsv_rgb rsv_sampled_irradiance(const rsv_light_view *s, const rsv_chain *chain, rsv_random *random)
@@ -352,12 +359,13 @@ rsv_rgb rsv_sampled_irradiance(const rsv_light_view *s, const rsv_chain *chain, 
     for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
         rsv_punctual_sample light;
         if (!rsv_punctual_at(s->lights, lit.point.position, lit.point.normal, k, u, &light) ||
-            !rsv_surface_faces(&lit.point, light.direction) ||
-            !is_open(s, rsv_punctual_ray(&light, lit.origin)))
+            !rsv_surface_faces(&lit.point, light.direction))
             continue;
+        rsv_ray ray =
+            rsv_punctual_ray(&light, rsv_lifted_origin(&lit.point, lit.origin, light.direction));
         float cos = v3_dot(lit.point.normal, light.direction);
         rsv_rgb entered = rgb_mul(light.irradiance, entry(&lit, light.distance, cos));
-        sum = rgb_mad(sum, cos, entered);
+        sum = rgb_mad(sum, cos * rsv_tracer_passed(s->tracer, &ray), entered);
     }
     return sum;
 }

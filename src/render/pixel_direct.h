@@ -24,9 +24,8 @@
 /// What one sample finds by its shadow rays to one source or, chosen among them, to all emitters.
 typedef struct rsv_direct_term {
     uint32_t column, sample;
-    uint32_t rays, asked,
-        seen; ///< drawn; of these, to sources that A knows, not below the horizon; of those that see
-              ///< the light
+    uint32_t rays, asked; ///< drawn; of these, to sources that A knows, not below the horizon
+    float seen, veiled;   ///< of those: what passes of each, and what passes times what does not
     float expected;  ///< luminance without occlusion, emitters in a tree by a rough estimate
     rsv_rgb exact;   ///< A times the weight of the camera chain, as all that follows
     rsv_rgb arrived; ///< sum of S V over the rays
@@ -43,7 +42,8 @@ typedef struct rsv_direct_spot {
 
 /// What the terms of a pixel that may ask for more have found by their first shadow rays.
 typedef struct rsv_shadow_tally {
-    uint32_t terms, asked, seen;
+    uint32_t terms, asked;
+    float seen, veiled;
     float brightest;                ///< the luminance that each could bring: the greatest
     float squares;                  ///< sum of the squares of their A
     float further, further_squares; ///< found of emitters in a tree: sum, and sum of squares

@@ -1,8 +1,10 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
 #include "../core/stratified.h"
+#include "../light/partition.h"
 #include "../light/punctual_light.h"
 #include "../solve/goal.h"
 #include "../solve/solution.h"
+#include "../trace/passage.h"
 #include "pixel_direct.h"
 #include "probe_gather.h"
 #include "resolvent/render.h"
@@ -63,9 +65,10 @@ static receiver set_up_receiver(const rsv_probe_job *job, const rsv_probe *probe
     return r;
 }
 
-static bool is_open(const receiver *r, rsv_ray ray)
+/// What arrives along a shadow ray; nothing from behind the receiver.
+static float arriving(const receiver *r, float cos, rsv_ray ray)
 {
-    return !rsv_tracer_occluded(r->job->solution->tracer, &ray);
+    return cos > 0 ? rsv_tracer_passed(r->job->solution->tracer, &ray) : 0;
 }
 
 /// What the receiver's medium leaves of light from a source at that distance.
@@ -93,8 +96,11 @@ static emitter_sums sample_emitters(
         float weight = cos / (light.pdf_solid_angle * (float)count);
         sums.open = rgb_mad(sums.open, weight, light.mean_radiance);
         rsv_rgb *sum = rsv_light_sample_is_weighed(&light) ? &sums.visible : &sums.further;
-        if (cos > 0 && is_open(r, rsv_shadow_ray(local->lights, &light, r->position, r->origin)))
-            *sum = rgb_mad(*sum, weight, rgb_mul(light.radiance, passed(r, light.distance)));
+        float share =
+            arriving(r, cos, rsv_shadow_ray(local->lights, &light, r->position, r->origin));
+        if (share > 0)
+            *sum =
+                rgb_mad(*sum, share * weight, rgb_mul(light.radiance, passed(r, light.distance)));
     }
     return sums;
 }
@@ -146,8 +152,9 @@ static rsv_rgb from_punctual(const receiver *r, float u)
         rsv_punctual_sample light;
         if (!rsv_punctual_at(lights, r->position, r->normal, k, u, &light)) continue;
         float cos = v3_dot(r->normal, light.direction);
-        if (cos > 0 && is_open(r, rsv_punctual_ray(&light, r->origin)))
-            sum = rgb_mad(sum, cos, rgb_mul(light.irradiance, passed(r, light.distance)));
+        float share = arriving(r, cos, rsv_punctual_ray(&light, r->origin));
+        if (share > 0)
+            sum = rgb_mad(sum, share * cos, rgb_mul(light.irradiance, passed(r, light.distance)));
     }
     return sum;
 }
@@ -167,27 +174,15 @@ static void add_punctual(const receiver *r, uint32_t index, double value[3][GROU
     }
 }
 
-/// Gathered sources always count; the others do behind specular surfaces, unless the stored caustic
-/// already holds that light.
-static bool counts(const void *user, uint32_t triangle, uint32_t events)
+static bool counts(const void *user, uint32_t triangle, uint32_t turns)
 {
     const receiver *r = user;
-    const rsv_lights *lights = r->job->solution->lights;
-    uint32_t emitter = lights->triangle_emitter[triangle];
-    if (emitter == RSV_NONE) return false;
-    const rsv_emitter_group *group = &lights->group[lights->emitter[emitter].group];
-    return !group->muted && (group->gathered || (events > 0 && !r->has_caustic));
+    return rsv_gathering_counts(r->job->solution->lights, triangle, turns, r->has_caustic);
 }
 
-/// What a gather ray finds beyond the scene. Behind specular surfaces that is everything, unless the stored
-/// caustic already holds the light of the suns.
-static rsv_rgb radiance_beyond(const receiver *r, rsv_vec3 direction, uint32_t events)
+static rsv_rgb radiance_beyond(const receiver *r, rsv_vec3 direction, uint32_t turns)
 {
-    const rsv_environment_light *environment = r->job->solution->lights->environment;
-    if (!environment) return rgb_gray(0);
-    if (events == 0) return rsv_sky_radiance(&environment->gathered, direction);
-    return r->has_caustic ? rsv_environment_light_sunless(environment, direction)
-                          : rsv_sky_radiance(&environment->whole, direction);
+    return rsv_gathering_sky(r->job->solution->lights, direction, turns, r->has_caustic);
 }
 
 static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
@@ -201,8 +196,9 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
     rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts, r);
     rsv_rgb radiance = gather.emission;
     if (gather.end == RSV_CHAIN_ESCAPED)
-        return rgb_add(
-            radiance, rgb_mul(gather.chain.weight, radiance_beyond(r, gather.chain.direction, 1)));
+        return rgb_add(radiance,
+            rgb_mul(gather.chain.weight,
+                radiance_beyond(r, gather.chain.direction, gather.chain.turns)));
     if (gather.end != RSV_CHAIN_DIFFUSE) return radiance;
     const rsv_chain *end = &gather.chain;
     uint32_t face = s->elements->face_of[end->back][end->triangle];

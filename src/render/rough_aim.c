@@ -1,5 +1,7 @@
 #include "rough_aim.h"
 
+#include "../trace/passage.h"
+
 void rsv_rough_aim(
     const rsv_rough_surface *s, const rsv_sky_visibility *visibility, rsv_sky_aim *aim)
 {
@@ -18,9 +20,10 @@ rsv_rgb rsv_rough_aimed_light(
     float pdf = rsv_sky_aim_pdf(aim, direction);
     if (value.pdf_solid_angle == 0 || !(pdf > 0)) return rgb_gray(0);
     rsv_ray ray = { rsv_rough_leaving_point(s, direction), direction, INFINITY };
-    if (rsv_tracer_occluded(s->scene->tracer, &ray)) return rgb_gray(0);
+    float passed = rsv_tracer_passed(s->scene->tracer, &ray);
+    if (!(passed > 0)) return rgb_gray(0);
     rsv_rgb arriving = rgb_mul(rsv_rough_throughput(s, direction, INFINITY),
         rsv_sky_radiance(&lights->environment->gathered, direction));
-    float weight = rsv_power_heuristic(pdf, value.pdf_solid_angle);
+    float weight = passed * rsv_power_heuristic(pdf, value.pdf_solid_angle);
     return rgb_scale(rgb_mul(value.response, arriving), weight / pdf);
 }

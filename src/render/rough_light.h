@@ -5,8 +5,9 @@
 
 #include "../chain/chain.h"
 #include "../light/light.h"
+#include "../surface/lift.h"
 
-/// How a chain left a rough surface, for what it meets next.
+/// How a chain left a rough surface, for what it meets next, past blended surfaces.
 typedef struct rsv_rough_departure {
     rsv_vec3 point, side;  ///< of the surface; unit normal on the side that the chain left to
     float pdf_solid_angle; ///< 0 = not from a rough surface: nothing has been aimed at
@@ -75,7 +76,8 @@ RSV_INLINE rsv_rgb rsv_rough_throughput(const rsv_rough_surface *s, rsv_vec3 wi,
 RSV_LARGE rsv_bsdf_value rsv_rough_respond(const rsv_rough_surface *s, rsv_vec3 wi)
 {
     rsv_bsdf_value value = { rgb_gray(0), 0 };
-    if (v3_dot(s->point.geometric, wi) * v3_dot(s->normal, wi) <= 0) return value;
+    float above = v3_dot(s->normal, wi);
+    if (above * v3_dot(above > 0 ? s->point.horizon : s->point.geometric, wi) <= 0) return value;
     value = rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, RSV_LOBES_ROUGH);
     value.response = rgb_scale(value.response, s->bsdf->opacity);
     float chance = rsv_bsdf_specular_chance(s->bsdf, s->wo, s->normal, s->front);
@@ -92,8 +94,10 @@ RSV_INLINE float rsv_power_heuristic(float own, float other)
 RSV_INLINE rsv_vec3 rsv_rough_leaving_point(const rsv_rough_surface *s, rsv_vec3 direction)
 {
     rsv_vec3 side = s->point.geometric;
-    if (v3_dot(side, direction) < 0) side = v3_neg(side);
-    return rsv_moved_off(s->point.position, side, s->point.extent);
+    if (v3_dot(s->normal, direction) < 0)
+        return rsv_moved_off(s->point.position, v3_neg(side), s->point.extent);
+    rsv_vec3 origin = rsv_moved_off(s->point.position, side, s->point.extent);
+    return rsv_lifted_origin(&s->point, origin, direction);
 }
 
 #if defined(RSV_DEVICE_CODE)

@@ -17,6 +17,7 @@ RSV_SHARED void rsv_rough_meet(
     s->bsdf = rsv_chain_scattering(scene, chain, &s->normal, &s->storage);
     s->point = rsv_surface_point_seen(
         scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+    rsv_surface_lift(scene->view, scene->tracer, chain->triangle, chain->u, chain->v, &s->point);
     s->wo = v3_neg(chain->direction);
     s->front = !chain->back;
 }
@@ -68,8 +69,9 @@ RSV_INLINE rsv_rgb rsv_rough_sampled_light(const rsv_rough_surface *s, const rsv
     if (value.pdf_solid_angle == 0 || (shot && !light.from_sky)) return rgb_gray(0);
     rsv_ray ray = rsv_shadow_ray(
         lights, &light, s->point.position, rsv_rough_leaving_point(s, light.direction));
-    if (rsv_ray_is_stopped(s->scene->tracer, &ray)) return rgb_gray(0);
-    float weight = rsv_power_heuristic(light.pdf_solid_angle, value.pdf_solid_angle);
+    float passed = rsv_ray_passed(s->scene->tracer, &ray);
+    if (!(passed > 0)) return rgb_gray(0);
+    float weight = passed * rsv_power_heuristic(light.pdf_solid_angle, value.pdf_solid_angle);
     rsv_rgb arriving =
         rgb_mul(rsv_rough_throughput(s, light.direction, light.distance), light.radiance);
     return rgb_scale(rgb_mul(value.response, arriving), weight / light.pdf_solid_angle);
@@ -81,8 +83,9 @@ RSV_INLINE rsv_rgb rsv_rough_punctual_light(
     rsv_bsdf_value value = rsv_rough_respond(s, light->direction);
     if (value.pdf_solid_angle == 0) return rgb_gray(0);
     rsv_ray ray = rsv_punctual_ray(light, rsv_rough_leaving_point(s, light->direction));
-    if (rsv_ray_is_stopped(s->scene->tracer, &ray)) return rgb_gray(0);
-    return rgb_mul(value.response,
+    float passed = rsv_ray_passed(s->scene->tracer, &ray);
+    if (!(passed > 0)) return rgb_gray(0);
+    return rgb_mul(rgb_scale(value.response, passed),
         rgb_mul(rsv_rough_throughput(s, light->direction, light->distance), light->irradiance));
 }
 

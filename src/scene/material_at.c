@@ -11,6 +11,13 @@ rsv_material rsv_material_mean(const rsv_scene_view *scene, uint32_t material)
     return m;
 }
 
+bool rsv_find_blended(const rsv_scene_view *scene)
+{
+    for (uint32_t m = 0; m < scene->material_count; m++)
+        if (rsv_is_blended(scene, m)) return true;
+    return false;
+}
+
 const rsv_material *rsv_find_cut_out(const rsv_scene_view *scene)
 {
     for (size_t m = 0; m < scene->material_count; m++)

@@ -27,6 +27,28 @@ const rsv_material *rsv_find_cut_out(const rsv_scene_view *scene);
 /// Whether a ray that meets the triangle there goes on because the surface is cut out.
 RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
 
+/// Whether light passes surfaces of a material straight on, in part: alpha-blended ones, but for those of bodies.
+RSV_INLINE bool rsv_is_blended(const rsv_scene_view *scene, uint32_t material)
+{
+    const rsv_material *m = &scene->material[material];
+    bool body = m->thickness > 0 && m->transmission > 0 && m->metallic < 1 && !m->unlit;
+    if (m->alpha_cutoff > 0 || body) return false;
+    if (m->opacity < 1 || (scene->material_varies[material] & RSV_VARIES_BY_OPACITY)) return true;
+    for (size_t i = 0; i < m->texture_count; i++)
+        if (m->textures[i].role == RSV_TEXTURE_OPACITY) return true;
+    return false;
+}
+
+/// Whether a scene has such materials.
+bool rsv_find_blended(const rsv_scene_view *scene);
+
+/// How much of the light on a triangle does not pass straight on there; 1 = it is not blended, whether cut out or not.
+RSV_SHARED float rsv_opacity_at(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
+
+/// About how much of a patch around a point is left where a surface is cut out; 1 = it is not.
+RSV_SHARED float rsv_left_of_cut_out(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width);
+
 /// The shading normal that a normal map makes of the interpolated one (unit, on the front side); the same one if
 /// there is no map.
 RSV_SHARED rsv_vec3 rsv_mapped_normal(

@@ -151,18 +151,39 @@ RSV_SHARED rsv_material rsv_material_at(
 /// What is exactly as opaque as the limit stays: products and interpolation miss it by their rounding.
 #define RSV_CUTOFF_SHARE (1 - 1e-6f)
 
-RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v)
+/// What textures and vertices make of the opacity.
+RSV_INLINE float rsv_varied_opacity(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
 {
     uint32_t index = scene->triangle_material[triangle];
     const rsv_material *m = &scene->material[index];
-    if (!(m->alpha_cutoff > 0)) return false;
     float opacity = m->opacity;
     for (size_t i = 0; i < m->texture_count; i++)
         if (m->textures[i].role == RSV_TEXTURE_OPACITY)
-            opacity *= rsv_texture_at(scene, &m->textures[i], triangle, u, v, 0).a;
+            opacity *= rsv_texture_at(scene, &m->textures[i], triangle, u, v, width).a;
     if (scene->material_varies[index] & RSV_VARIES_BY_OPACITY)
         opacity *= rsv_vertex_color(scene, scene->triangle[triangle], u, v, 3);
-    return opacity < RSV_CUTOFF_SHARE * m->alpha_cutoff;
+    return f_min(f_max(opacity, 0), 1);
+}
+
+RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v)
+{
+    const rsv_material *m = &scene->material[scene->triangle_material[triangle]];
+    return m->alpha_cutoff > 0
+        && rsv_varied_opacity(scene, triangle, u, v, 0) < RSV_CUTOFF_SHARE * m->alpha_cutoff;
+}
+
+RSV_SHARED float rsv_opacity_at(const rsv_scene_view *scene, uint32_t triangle, float u, float v)
+{
+    if (!rsv_is_blended(scene, scene->triangle_material[triangle])) return 1;
+    return rsv_varied_opacity(scene, triangle, u, v, 0);
+}
+
+RSV_SHARED float rsv_left_of_cut_out(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
+{
+    const rsv_material *m = &scene->material[scene->triangle_material[triangle]];
+    return m->alpha_cutoff > 0 ? rsv_varied_opacity(scene, triangle, u, v, width) : 1;
 }
 
 // ---- normal maps --------------------------------------------------------------------------------

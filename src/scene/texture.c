@@ -97,6 +97,13 @@ static texel_sums sum_texels(const rsv_texture *t, uint32_t coarse, uint32_t i, 
     return sums;
 }
 
+/// What is not black stays so, however little of it there is: by that, a lamp of one texel is found.
+static uint16_t to_unorm_above_zero(double mean)
+{
+    uint16_t code = to_unorm(mean);
+    return code == 0 && mean > 0 ? 1 : code;
+}
+
 static void reduce_texel(rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j)
 {
     const rsv_texture_level *to = &t->level[coarse];
@@ -107,7 +114,7 @@ static void reduce_texel(rsv_texture *t, uint32_t coarse, uint32_t i, uint32_t j
         bool weighed = t->covers && c != alpha && sums.plain[alpha] > 0;
         double mean = weighed ? sums.covered[c] / sums.plain[alpha] : sums.plain[c];
         if (t->unorm)
-            t->unorm[texel + c] = to_unorm(fmin(mean, 1));
+            t->unorm[texel + c] = to_unorm_above_zero(fmin(mean, 1));
         else
             t->value[texel + c] = (float)mean;
     }

@@ -25,7 +25,7 @@ typedef struct rsv_texture {
     float *value;    ///< the same as floats; the other is NULL
     rsv_wrap wrap_u, wrap_v;
     bool nearest;
-    bool covers; ///< alpha weighs colours on the coarser levels
+    bool covers; ///< alpha weighs colours, on the coarser levels and between texels
     bool whole;  ///< a material shows all of it, whatever alpha says: colours are not weighed
 } rsv_texture;
 

@@ -41,6 +41,21 @@ RSV_INLINE rsv_texel rsv_texel_mix(rsv_texel a, rsv_texel b, float share)
         a.b + share * (b.b - a.b), a.a + share * (b.a - a.a));
 }
 
+/// Colours that alpha weighs, so that what is cut away lends none to what is left beside it; plain where nothing is left.
+RSV_INLINE rsv_texel rsv_texel_mix_covers(rsv_texel a, rsv_texel b, float share)
+{
+    float alpha = a.a + share * (b.a - a.a);
+    rsv_texel mix = rsv_texel_mix(a, b, alpha > 0 ? share * b.a / alpha : share);
+    mix.a = alpha;
+    return mix;
+}
+
+RSV_INLINE rsv_texel rsv_texel_between(
+    const rsv_texture *t, rsv_texel a, rsv_texel b, float share)
+{
+    return t->covers ? rsv_texel_mix_covers(a, b, share) : rsv_texel_mix(a, b, share);
+}
+
 /// Coordinates far away, or none at all, are as good as 0: nothing repeats visibly out there.
 RSV_INLINE float rsv_tame(float coordinate) { return fabsf(coordinate) < 1e7f ? coordinate : 0; }
 
@@ -53,11 +68,11 @@ RSV_INLINE rsv_texel rsv_texture_bilinear(const rsv_texture *t, uint32_t index, 
     float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
     float right_share = x - 0.5f - left, bottom_share = y - 0.5f - top;
     int64_t i = (int64_t)left, j = (int64_t)top;
-    rsv_texel upper =
-        rsv_texel_mix(rsv_texel_at(t, level, i, j), rsv_texel_at(t, level, i + 1, j), right_share);
-    rsv_texel lower = rsv_texel_mix(
-        rsv_texel_at(t, level, i, j + 1), rsv_texel_at(t, level, i + 1, j + 1), right_share);
-    return rsv_texel_mix(upper, lower, bottom_share);
+    rsv_texel upper = rsv_texel_between(
+        t, rsv_texel_at(t, level, i, j), rsv_texel_at(t, level, i + 1, j), right_share);
+    rsv_texel lower = rsv_texel_between(
+        t, rsv_texel_at(t, level, i, j + 1), rsv_texel_at(t, level, i + 1, j + 1), right_share);
+    return rsv_texel_between(t, upper, lower, bottom_share);
 }
 
 RSV_SHARED rsv_texel rsv_texture_lookup(const rsv_texture *t, float u, float v, float level)
@@ -67,7 +82,7 @@ RSV_SHARED rsv_texel rsv_texture_lookup(const rsv_texture *t, float u, float v, 
     uint32_t last = t->level_count - 1;
     if (level >= (float)last) return rsv_texture_bilinear(t, last, u, v);
     uint32_t finer = (uint32_t)level;
-    return rsv_texel_mix(rsv_texture_bilinear(t, finer, u, v),
+    return rsv_texel_between(t, rsv_texture_bilinear(t, finer, u, v),
         rsv_texture_bilinear(t, finer + 1, u, v), level - (float)finer);
 }
 

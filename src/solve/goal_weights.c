@@ -30,9 +30,9 @@ rsv_status rsv_check_probes(const rsv_probe *probes, size_t count)
     return RSV_OK;
 }
 
-static bool counts_nothing(const void *user, uint32_t triangle, uint32_t events)
+static bool counts_nothing(const void *user, uint32_t triangle, uint32_t turns)
 {
-    (void)user, (void)triangle, (void)events;
+    (void)user, (void)triangle, (void)turns;
     return false;
 }
 

@@ -1,6 +1,7 @@
 #include "operator.h"
 
 #include "../core/references.h"
+#include "../scene/material_at.h"
 
 #include <string.h>
 
@@ -26,7 +27,7 @@ bool rsv_reflects_diffusely(const rsv_transport_scene *scene)
 }
 
 /// Mean over the hat function of a node: irradiance is smooth there, textures are not. Weighted by the share of
-/// light that is scattered diffusely, which gather rays take care of.
+/// light that is scattered diffusely, which gather rays take care of, as they do of what is cut out.
 static rsv_rgb mean_albedo(
     const rsv_transport_scene *scene, const rsv_elements *e, uint32_t seed, uint32_t node)
 {
@@ -40,7 +41,9 @@ static rsv_rgb mean_albedo(
         uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
         const rsv_bsdf *bsdf = rsv_surface_bsdf(
             scene->view, scene->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
-        float weight = bsdf->diffuse * bsdf->opacity;
+        float weight = bsdf->diffuse * bsdf->opacity *
+                       rsv_left_of_cut_out(
+                           scene->view, triangle, sample[k].u, sample[k].v, width);
         sum = rgb_mad(sum, weight, bsdf->exitance_albedo);
         weights += weight;
     }

@@ -18,6 +18,8 @@ typedef struct rsv_surface_point {
     rsv_vec3 normal;    ///< unit shading normal
     rsv_vec3 geometric; ///< unit geometric normal
     float extent;       ///< for rsv_offset_origin
+    rsv_vec3 horizon;   ///< unit normal of what light is above: the geometric one, but where lifted
+    rsv_vec3 lift;      ///< to the curved surface that the triangle stands for (lift.h); zero = none
 } rsv_surface_point;
 
 /// The point of a triangle with these corners and normals at them.
@@ -34,6 +36,8 @@ RSV_INLINE rsv_surface_point rsv_surface_point_of(
         point.geometric = v3_neg(point.geometric);
         point.normal = v3_neg(point.normal);
     }
+    point.horizon = point.geometric;
+    point.lift = v3(0, 0, 0);
     point.extent = f_max(v3_max_abs(a), f_max(v3_max_abs(b), v3_max_abs(c)));
     return point;
 }
@@ -57,7 +61,7 @@ RSV_SHARED rsv_surface_point rsv_surface_point_seen(
 /// Whether light from `direction` is above the surface by both of its normals.
 RSV_INLINE bool rsv_surface_faces(const rsv_surface_point *point, rsv_vec3 direction)
 {
-    return v3_dot(point->normal, direction) > 0 && v3_dot(point->geometric, direction) > 0;
+    return v3_dot(point->normal, direction) > 0 && v3_dot(point->horizon, direction) > 0;
 }
 
 /// Area of a triangle of the scene, m2.

@@ -91,6 +91,7 @@ rsv_status rsv_tracer_create(const rsv_scene *scene, rsv_tracer **result)
     if (!tracer) return RSV_ERROR_MEMORY;
     tracer->context = context;
     tracer->scene = scene;
+    tracer->blended = rsv_find_blended(rsv_scene_get_view(scene));
     tracer->hierarchy = rsv_alloc(context, 1, sizeof *tracer->hierarchy);
     RSV_TRY(tracer->hierarchy ? RSV_OK : RSV_ERROR_MEMORY);
     char settings[64];

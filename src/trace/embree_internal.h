@@ -21,6 +21,7 @@ struct rsv_tracer {
     size_t apart_count;
     rsv_bvh *hierarchy;          ///< for devices; empty until one asks
     const rsv_scene_view *twins; ///< the scene, if faces of it lie in the same place; else NULL
+    bool blended;                ///< light passes some surfaces in part (passage.h)
 };
 
 /// Geometries: the scene's triangles under their own numbers, and those set apart.
