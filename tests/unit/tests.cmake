@@ -56,6 +56,7 @@ rsv_add_test(subsurface unit/test_subsurface.c)
 rsv_add_test(translucent statistical/test_translucent.c)
 rsv_add_test(media statistical/test_media.c)
 rsv_add_test(rough_box statistical/test_rough_box.c)
+rsv_add_test(random_scenes statistical/test_random_scenes.c unit/random_scene.c)
 rsv_add_test(solvers unit/test_solvers.c)
 rsv_add_test(certify unit/test_certify.c)
 # they run much of what is defined in headers
