@@ -7,7 +7,10 @@
 
 #define RSV_TABLE_COS 64   ///< cos = (k / 63)^2
 #define RSV_TABLE_ALPHA 40 ///< alpha = (k / 39)^2
-#define RSV_TABLE_ETA 14   ///< (eta - 1) / (eta + 1) = (k / 13)^2 / 2: from 1 to 3
+#define RSV_TABLE_ETA 20   ///< (eta - 1) / (eta + 1) = (k / 19)^2 RSV_MOST_BEND: from 1 to RSV_MOST_IOR
+
+#define RSV_MOST_IOR 1000.0f ///< reflects all but 0.4 %
+#define RSV_MOST_BEND ((RSV_MOST_IOR - 1) / (RSV_MOST_IOR + 1))
 
 #define RSV_LOW_IOR 1.5f
 #define RSV_HIGH_IOR 3.0f
@@ -62,7 +65,7 @@ RSV_INLINE rsv_table_place rsv_table_cos(float cos)
 }
 RSV_INLINE rsv_table_place rsv_table_eta(float eta)
 {
-    return rsv_table_place_at(sqrtf(2 * (eta - 1) / (eta + 1)), RSV_TABLE_ETA);
+    return rsv_table_place_at(sqrtf((eta - 1) / (eta + 1) / RSV_MOST_BEND), RSV_TABLE_ETA);
 }
 
 RSV_INLINE float rsv_table_line(const float *entry, rsv_table_place at)

@@ -29,6 +29,7 @@ typedef struct rsv_receiver_blocks {
     const rsv_elements *elements;
     rsv_receiver_block *block; ///< [block_count]
     size_t block_count;
+    rsv_surface_entry *entry; ///< [block_count * RSV_BLOCK_NODES]; NULL = no material is coated
     uint8_t *held; ///< [node_count] non-zero = in a block, or receives nothing
     bool holds_all;
     rsv_glance_sums *sums,
@@ -44,8 +45,11 @@ rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
     const bool *moves, rsv_receiver_blocks **blocks);
 void rsv_receiver_blocks_destroy(rsv_receiver_blocks *blocks);
 
-/// How the surface of a block's n-th node scatters.
-const rsv_bsdf *rsv_receiver_bsdf(
-    const rsv_receiver_blocks *blocks, const rsv_receiver_block *block, uint32_t n);
+/// How light enters at a block's n-th node. @param block that is coated
+RSV_INLINE const rsv_surface_entry *rsv_receiver_entry(
+    const rsv_receiver_blocks *blocks, const rsv_receiver_block *block, uint32_t n)
+{
+    return &blocks->entry[(size_t)(block - blocks->block) * RSV_BLOCK_NODES + n];
+}
 
 #endif

@@ -11,8 +11,10 @@ static void aim_row(const rsv_elements *elements, const rsv_directions *directio
     uint16_t valid, uint32_t seed, rsv_ray_packet *packets)
 {
     rsv_receiver_points points;
-    rsv_receiver_points_set_up(
-        elements, node, rsv_elements_draw_of(elements, node), seed, valid, &points);
+    rsv_support_point sample[LANES];
+    uint32_t index = rsv_elements_draw_of(elements, node);
+    rsv_receiver_points_choose(elements, node, index, seed, valid, sample);
+    rsv_receiver_points_set_up(elements, sample, index, seed, &points);
     size_t set = rsv_directions_of(directions, seed, node);
     for (uint32_t p = 0; p < directions->count / LANES; p++) {
         size_t first = set + (size_t)p * LANES;

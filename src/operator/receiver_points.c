@@ -12,14 +12,18 @@ static void replace_buried(uint16_t valid, uint32_t random, rsv_support_point *s
         if (!(valid >> k & 1)) sample[k] = sample[sound[next++ % count]];
 }
 
-void rsv_receiver_points_set_up(const rsv_elements *e, uint32_t node, uint32_t index, uint32_t seed,
-    uint16_t valid, rsv_receiver_points *r)
+void rsv_receiver_points_choose(const rsv_elements *e, uint32_t node, uint32_t index, uint32_t seed,
+    uint16_t valid, rsv_support_point sample[LANES])
+{
+    rsv_elements_sample_support_as(e, node, index, LANES, seed, sample);
+    replace_buried(valid, rsv_hash3(seed, index, 0x3f1du) % LANES, sample);
+}
+
+void rsv_receiver_points_set_up(const rsv_elements *e, const rsv_support_point sample[LANES],
+    uint32_t index, uint32_t seed, rsv_receiver_points *r)
 {
     float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(seed, index, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
-    rsv_support_point sample[LANES];
-    rsv_elements_sample_support_as(e, node, index, LANES, seed, sample);
-    replace_buried(valid, rsv_hash3(seed, index, 0x3f1du) % LANES, sample);
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t face = e->cell[sample[k].support / 4].face;
         rsv_surface_point point = rsv_surface_point_at(

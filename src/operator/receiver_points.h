@@ -20,11 +20,16 @@ typedef struct rsv_receiver_points {
     float geometric_z[RSV_SUPPORT_POINTS];
 } __attribute__((aligned(64))) rsv_receiver_points;
 
-/// Points that are buried leave their lanes to the others.
+/// Where the points lie. Points that are buried leave their lanes to the others.
 /// @param index of the node whose random numbers are used: `node`, or what it was in an earlier version of the scene
 /// @param valid bit k = point k counts; not 0
-void rsv_receiver_points_set_up(const rsv_elements *elements, uint32_t node, uint32_t index,
-    uint32_t seed, uint16_t valid, rsv_receiver_points *points);
+void rsv_receiver_points_choose(const rsv_elements *elements, uint32_t node, uint32_t index,
+    uint32_t seed, uint16_t valid, rsv_support_point sample[RSV_SUPPORT_POINTS]);
+
+/// @param sample from rsv_receiver_points_choose with the same index and seed
+void rsv_receiver_points_set_up(const rsv_elements *elements,
+    const rsv_support_point sample[RSV_SUPPORT_POINTS], uint32_t index, uint32_t seed,
+    rsv_receiver_points *points);
 
 /// Aims one ray per lane along (x, y, z) in the lane's frame. Rays that an interpolated normal sends below the surface start
 /// dead, but count: they carry nothing.

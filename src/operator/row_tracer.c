@@ -7,19 +7,19 @@
 void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *r)
 {
+    const rsv_elements *e = tracer->elements;
     rsv_receiver_points *p = &r->points;
-    rsv_receiver_points_set_up(tracer->elements, node, index, tracer->seed, valid, p);
-    uint32_t face = tracer->elements->node_face[node];
-    uint32_t material =
-        tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];
-    // one of the points speaks for the medium of all
+    rsv_support_point sample[LANES];
+    rsv_receiver_points_choose(e, node, index, tracer->seed, valid, sample);
+    rsv_receiver_points_set_up(e, sample, index, tracer->seed, p);
     r->index = index;
     r->valid = valid;
-    r->bsdf = &tracer->scene->bsdf[material];
+    r->entry = rsv_elements_entry(e, node, sample, LANES, UINT32_MAX);
+    // one of the points speaks for the medium of all
     r->medium =
         rsv_medium_above(&tracer->scene->media, v3(p->origin_x[0], p->origin_y[0], p->origin_z[0]),
             v3(p->geometric_x[0], p->geometric_y[0], p->geometric_z[0]));
-    r->tints = r->bsdf->coated || rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
+    r->tints = tracer->scene->bsdf[r->entry.material].coated || r->entry.points > 0 || rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
 }
 
 void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
@@ -55,6 +55,12 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
     s->tinted_weight[s->tinted_count++] = w;
 }
 
+/// What light that a receiver gathers at that cosine counts for.
+static rsv_rgb entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r, float cos)
+{
+    return rsv_surface_entry_at(&r->entry, tracer->scene->bsdf, cos);
+}
+
 /// The general case: specular surfaces, coats, emission.
 static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
@@ -63,7 +69,7 @@ static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
     rsv_chain chain = rsv_chain_begin(tracer->scene, &r->medium, direction, packet->triangle[k],
         packet->u[k], packet->v[k], packet->t_max[k]);
-    chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(r->bsdf, cos_receiver));
+    chain.weight = rgb_mul(chain.weight, entering(tracer, r, cos_receiver));
     rsv_gather gather =
         rsv_chain_gather(tracer->scene, chain, &random, counts_by_gathering, tracer->lights);
     s->emission = rgb_add(s->emission, gather.emission);
@@ -108,11 +114,11 @@ static rsv_ray_target hit_target(const rsv_row_tracer *tracer, const rsv_ray_pac
     return tracer->target[2 * (size_t)triangle + back];
 }
 
-static void record_sky(rsv_row_scratch *s, const rsv_row_receiver *r, float cos_receiver,
-    const rsv_ray_packet *packet, int k)
+static void record_sky(const rsv_row_tracer *tracer, rsv_row_scratch *s, const rsv_row_receiver *r,
+    float cos_receiver, const rsv_ray_packet *packet, int k)
 {
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(r->bsdf, cos_receiver), 0);
+    rsv_escape_row_add(&s->escapes, direction, entering(tracer, r, cos_receiver), 0);
 }
 
 void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
@@ -135,7 +141,7 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
         s->kind[ray] = target[k].kind;
         if (target[k].kind == RSV_TARGET_BLACK) continue;
         if (target[k].kind == RSV_TARGET_SKY) {
-            record_sky(s, r, cos_receiver[k], packet, k);
+            record_sky(tracer, s, r, cos_receiver[k], packet, k);
             continue;
         }
         if (target[k].kind == RSV_TARGET_CHAIN || r->tints) {
@@ -212,7 +218,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         packet.v[k] = ends->hit[n].v;
         packet.t_max[k] = ends->hit[n].t;
         if (packet.triangle[k] == RSV_NONE)
-            record_sky(s, r, z[k], &packet, (int)k);
+            record_sky(tracer, s, r, z[k], &packet, (int)k);
         else
             follow_chain(tracer, s, ray, r, z[k], &packet, (int)k);
     }

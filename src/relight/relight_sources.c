@@ -83,7 +83,7 @@ static void set_color(rsv_relighter *r, uint32_t material, rsv_rgb color)
 {
     rsv_solution *s = r->s;
     r->scene->material[material].base_color = color;
-    rsv_rgb albedo = rsv_surface_common_bsdf(s->scene.view, material).exitance_albedo;
+    rsv_rgb albedo = rsv_surface_common_bsdf(s->scene.view, material).base_color;
     for (size_t n = 0; n < rsv_relighter_nodes(r); n++) {
         uint32_t triangle = s->elements->face_triangle[s->elements->node_face[n]];
         if (s->scene.view->triangle_material[triangle] == material) s->exitance_albedo[n] = albedo;

@@ -212,7 +212,7 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
     if (rsv_is_translucent(s, face)) {
         rsv_rgb diffused = rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
             rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
-        rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, diffused);
+        rsv_rgb exitance = rgb_mul(bsdf->base_color, diffused);
         return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
     }
     // Direct light at the far end is sampled there and then: what elements cannot resolve of it must not enter a
@@ -221,7 +221,7 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
         rsv_solution_direct(s, face, end->u, end->v, true), rsv_sampled_irradiance(s, end, random));
     rsv_rgb irradiance =
         rgb_add(direct, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
-    rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, irradiance);
+    rsv_rgb exitance = rgb_mul(bsdf->base_color, irradiance);
     return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
 }
 

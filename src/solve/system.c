@@ -8,30 +8,33 @@
 bool rsv_reflects_diffusely(const rsv_solution *s)
 {
     for (size_t m = 0; m < s->scene.view->material_count; m++)
-        if (s->bsdf[m].diffuse > 0 && !rgb_is_black(s->bsdf[m].exitance_albedo)) return true;
+        if (s->bsdf[m].diffuse > 0 && !rgb_is_black(s->bsdf[m].base_color)) return true;
     return false;
 }
 
 /// Mean over the hat function of a node: irradiance is smooth there, textures are not. Weighted by the share of
-/// light that is scattered diffusely, which gather rays take care of.
+/// light that leaves diffusely, which gather rays take care of.
 static rsv_rgb mean_albedo(const rsv_solution *s, uint32_t node)
 {
     const rsv_elements *e = s->elements;
     rsv_support_point sample[ALBEDO_POINTS];
     if (e->support_begin[node] == e->support_begin[node + 1]) return rgb_gray(0); // bridged
     rsv_elements_sample_support(e, node, ALBEDO_POINTS, s->desc.seed, sample);
-    float width = sqrtf(3 * e->node_area[node] / ALBEDO_POINTS), weights = 0;
-    rsv_rgb sum = rgb_gray(0);
+    float width = sqrtf(3 * e->node_area[node] / ALBEDO_POINTS);
+    rsv_rgb sum = rgb_gray(0), weights = rgb_gray(0);
     for (uint32_t k = 0; k < ALBEDO_POINTS; k++) {
         rsv_bsdf storage;
         uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
-        const rsv_bsdf *bsdf = rsv_surface_bsdf(
+        const rsv_bsdf *bsdf = rsv_surface_entry_bsdf(
             s->scene.view, s->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
-        float weight = bsdf->diffuse * bsdf->opacity;
-        sum = rgb_mad(sum, weight, bsdf->exitance_albedo);
-        weights += weight;
+        rsv_rgb scale = bsdf->entry_scale, left = rgb(1 / scale.r, 1 / scale.g, 1 / scale.b);
+        rsv_rgb weight = rgb_scale(left, bsdf->diffuse * bsdf->opacity);
+        sum = rgb_add(sum, rgb_mul(weight, bsdf->base_color));
+        weights = rgb_add(weights, weight);
     }
-    return weights > 0 ? rgb_scale(sum, 1 / weights) : sum;
+    const float none = 1e-9f;
+    return rgb(sum.r / f_max(weights.r, none), sum.g / f_max(weights.g, none),
+        sum.b / f_max(weights.b, none));
 }
 
 rsv_status rsv_system_create_fields(rsv_solution *s)
@@ -47,7 +50,7 @@ rsv_status rsv_system_create_fields(rsv_solution *s)
         uint32_t material = s->scene.view->triangle_material[triangle];
         s->exitance_albedo[n] = s->scene.view->material_varies[material]
                                     ? mean_albedo(s, (uint32_t)n)
-                                    : s->bsdf[material].exitance_albedo;
+                                    : s->bsdf[material].base_color;
     }
     return RSV_OK;
 }

@@ -54,10 +54,286 @@ static void a_seed_names_a_scene(void **state)
     assert_string_equal(f->log, "");
 }
 
-int main(void)
+#define SAMPLES 16
+
+static const char *const mode_name[] = { "operator", "final", "reference" };
+
+/// Where a picture is taken, and how large.
+typedef struct shot {
+    uint32_t camera, width, height;
+} shot;
+
+/// A picture with other random numbers for each seed.
+static rsv_image *picture(const rsv_scene *scene, const rsv_solution *solution, shot from,
+    rsv_render_mode mode, uint32_t seed)
 {
-    const struct CMUnitTest tests[] = {
+    rsv_render_desc desc = rsv_default_render_desc();
+    rsv_image *image;
+    desc.width = from.width;
+    desc.height = from.height;
+    desc.samples = SAMPLES;
+    desc.camera = from.camera;
+    desc.mode = mode;
+    desc.seed = seed;
+    if (mode == RSV_RENDER_REFERENCE)
+        assert_int_equal(rsv_render_reference(scene, &desc, &image, NULL), RSV_OK);
+    else
+        assert_int_equal(rsv_render(solution, &desc, &image), RSV_OK);
+    return image;
+}
+
+typedef struct moments {
+    double mean, error;
+} moments;
+
+/// Sums over pixels.
+typedef struct sums {
+    double value, squares, count;
+} sums;
+
+static void add_value(sums *s, double value)
+{
+    s->value += value;
+    s->squares += value * value;
+    s->count += 1;
+}
+
+static moments moments_of(const sums *s)
+{
+    double mean = s->value / s->count;
+    double variance = fmax(s->squares / s->count - mean * mean, 0);
+    return (moments){ mean, sqrt(variance / (s->count - 1)) };
+}
+
+static double value_at(const rsv_image *image, uint32_t x, uint32_t y)
+{
+    const rsv_rgb *pixels = rsv_image_const_pixels(image, 0);
+    return (double)rgb_luminance(pixels[y * rsv_image_width(image) + x]);
+}
+
+// ---- furnaces -----------------------------------------------------------------------------------
+
+#define MEAN_TOLERANCE 3e-3
+#define PIXEL_TOLERANCE 1e-2
+
+/// A block of pixels of two pictures of what should be 1.
+typedef struct block {
+    moments mean;   ///< of the pixels of both
+    moments square; ///< of the error that a pixel has in both, squared
+} block;
+
+static block block_of(
+    rsv_image *const image[2], uint32_t x, uint32_t y, uint32_t width, uint32_t height)
+{
+    sums mean = { 0 }, square = { 0 };
+    for (uint32_t k = 0; k < width * height; k++) {
+        double a = value_at(image[0], x + k % width, y + k / width) - 1;
+        double b = value_at(image[1], x + k % width, y + k / width) - 1;
+        add_value(&mean, 1 + (a + b) / 2);
+        add_value(&square, a * b);
+    }
+    return (block){ moments_of(&mean), moments_of(&square) };
+}
+
+static bool is_one(const block *b)
+{
+    return fabs(b->mean.mean - 1) <= MEAN_TOLERANCE + 3 * b->mean.error &&
+           b->square.mean <= PIXEL_TOLERANCE * PIXEL_TOLERANCE + 4 * b->square.error;
+}
+
+static void say_block(const char *what, uint32_t number, int mode, const block *b)
+{
+    print_message("%s %u, %s: %.4f +- %.4f, pixels are off by %.4f%s\n", what, number,
+        mode_name[mode], b->mean.mean, b->mean.error, sqrt(fmax(b->square.mean, 0)),
+        is_one(b) ? "" : " WRONG");
+}
+
+static uint32_t check_pair(const rsv_scene *scene, const rsv_solution *solution, uint32_t pair)
+{
+    uint32_t wrong = 0;
+    const shot seen = { pair, 16, 16 };
+    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++) {
+        rsv_image *image[2];
+        for (uint32_t k = 0; k < 2; k++)
+            image[k] = picture(scene, solution, seen, (rsv_render_mode)mode, k);
+        block b = block_of(image, 0, 0, seen.width, seen.height);
+        say_block("pair", pair, mode, &b);
+        wrong += !is_one(&b);
+        rsv_image_destroy(image[0]);
+        rsv_image_destroy(image[1]);
+    }
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    for (size_t k = 2 * pair; k < 2 * pair + 2 && wrong; k++)
+        print_message("    %s\n", view->material[k].name);
+    return wrong;
+}
+
+static void check_furnace(fixture *f, uint32_t seed, uint32_t pairs)
+{
+    rsv_scene *scene = begin_scene(f);
+    rsv_solution *solution;
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    uint32_t wrong = 0;
+    assert_int_equal(random_furnace(scene, seed, pairs), RSV_OK);
+    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    print_message("furnace %u\n", seed);
+    for (uint32_t pair = 0; pair < pairs; pair++)
+        wrong += check_pair(scene, solution, pair);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+    assert_int_equal(wrong, 0);
+}
+
+static void lossless_things_cannot_be_seen(void **state) { check_furnace(*state, 0, 12); }
+
+static void many_lossless_things_cannot_be_seen(void **state)
+{
+    for (uint32_t seed = 1; seed <= 10; seed++)
+        check_furnace(*state, seed, 20);
+}
+
+// ---- pairs of slots -----------------------------------------------------------------------------
+
+static const rsv_texture_role slot[] = { RSV_TEXTURE_METALLIC_ROUGHNESS, RSV_TEXTURE_SPECULAR,
+    RSV_TEXTURE_SPECULAR_COLOR, RSV_TEXTURE_TRANSMISSION, RSV_TEXTURE_CLEARCOAT,
+    RSV_TEXTURE_CLEARCOAT_ROUGHNESS, RSV_TEXTURE_SHEEN_COLOR, RSV_TEXTURE_SHEEN_ROUGHNESS,
+    RSV_TEXTURE_DIFFUSE_TRANSMISSION, RSV_TEXTURE_OPACITY };
+#define SLOTS (sizeof slot / sizeof *slot)
+#define PLATES (SLOTS * (SLOTS + 1) / 2)
+#define PLATES_ABREAST 8
+#define PLATE_ROWS ((PLATES - 1) / PLATES_ABREAST + 1)
+#define PLATE_PITCH 1.25f ///< metres from plate to plate
+#define PLATE_PIXELS 8    ///< of its height
+
+/// White, with all that the slots vary.
+static rsv_material material_with(rsv_texture_role a, rsv_texture_role b)
+{
+    rsv_material m = rsv_default_material();
+    bool all[RSV_TEXTURE_ROLE_COUNT] = { false };
+    all[a] = all[b] = true;
+    m.ior = 2;
+    m.double_sided = true;
+    m.metallic = all[RSV_TEXTURE_METALLIC_ROUGHNESS] && a != b ? 0.5f : 0;
+    m.transmission = all[RSV_TEXTURE_TRANSMISSION];
+    m.clearcoat = all[RSV_TEXTURE_CLEARCOAT] || all[RSV_TEXTURE_CLEARCOAT_ROUGHNESS];
+    m.clearcoat_roughness = 1;
+    if (all[RSV_TEXTURE_SHEEN_COLOR] || all[RSV_TEXTURE_SHEEN_ROUGHNESS])
+        m.sheen_color = rgb_gray(0.9f);
+    m.sheen_roughness = 1;
+    m.diffuse_transmission = all[RSV_TEXTURE_DIFFUSE_TRANSMISSION];
+    return m;
+}
+
+/// One slot is 0 on the left and 1 on the right side of a plate, another is 0 in front and 1 behind.
+static void add_split_plate(rsv_scene *scene, uint32_t texture, rsv_texture_role left_right,
+    rsv_texture_role front_behind, rsv_vec3 at)
+{
+    static const float uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_vec3 corner[4] = { at, v3(at.x + 1, at.y, at.z), v3(at.x + 1, at.y, at.z - 1),
+        v3(at.x, at.y, at.z - 1) };
+    rsv_texture_ref ref[2] = { rsv_default_texture_ref(left_right, texture),
+        rsv_default_texture_ref(front_behind, texture) };
+    rsv_material m = material_with(left_right, front_behind);
+    uint32_t material, mesh;
+    ref[1].transform[0][0] = ref[1].transform[1][1] = 0;
+    ref[1].transform[0][1] = ref[1].transform[1][0] = 1;
+    m.textures = ref;
+    m.texture_count = left_right == front_behind ? 1 : 2;
+    assert_int_equal(rsv_scene_add_material(scene, &m, &material), RSV_OK);
+    const rsv_mesh_desc desc = { .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = material,
+        .uvs = { uv, NULL } };
+    assert_int_equal(rsv_scene_add_mesh(scene, &desc, &mesh), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(scene, mesh, NULL, NULL), RSV_OK);
+}
+
+/// All plates, and a camera that looks down at them from 30 degrees: row by row, each in a block of pixels.
+static void add_split_plates(rsv_scene *scene)
+{
+    static const float half[2][4] = { { 0, 0, 0, 0 }, { 1, 1, 1, 1 } };
+    const rsv_texture_desc desc = { .width = 2,
+        .height = 1,
+        .channel_count = 4,
+        .values = half[0],
+        .nearest = true,
+        .wrap_u = RSV_WRAP_CLAMP,
+        .wrap_v = RSV_WRAP_CLAMP };
+    uint32_t texture, count = 0;
+    assert_int_equal(rsv_scene_add_texture(scene, &desc, &texture), RSV_OK);
+    for (size_t a = 0; a < SLOTS; a++)
+        for (size_t b = a; b < SLOTS; b++, count++) {
+            float x = (float)(count % PLATES_ABREAST), z = (float)(count / PLATES_ABREAST);
+            rsv_vec3 at = v3(PLATE_PITCH * x + 0.125f, 0, PLATE_PITCH * z + 1.125f);
+            add_split_plate(scene, texture, slot[a], slot[b], at);
+        }
+    const float down = 0.5f, depth = PLATE_PITCH * PLATE_ROWS;
+    rsv_vec3 forward = v3(0, -down, -sqrtf(1 - down * down)), right = v3(1, 0, 0);
+    rsv_vec3 centre = v3(0.5f * PLATE_PITCH * PLATES_ABREAST, 0, 0.5f * depth);
+    rsv_camera camera = { .name = "eye",
+        .position = v3_mad(centre, -20, forward),
+        .right = right,
+        .up = v3_cross(right, forward),
+        .forward = forward,
+        .vertical_extent = 0.5f * down * depth };
+    assert_int_equal(rsv_scene_add_camera(scene, &camera), RSV_OK);
+    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+}
+
+static uint32_t check_plates(const rsv_scene *scene, const rsv_solution *solution, int mode)
+{
+    const shot seen = { 0, PLATES_ABREAST * 2 * PLATE_PIXELS, PLATE_ROWS * PLATE_PIXELS };
+    rsv_image *image[2];
+    uint32_t wrong = 0, count = 0;
+    for (uint32_t k = 0; k < 2; k++)
+        image[k] = picture(scene, solution, seen, (rsv_render_mode)mode, k);
+    for (size_t a = 0; a < SLOTS; a++)
+        for (size_t b = a; b < SLOTS; b++, count++) {
+            uint32_t x = count % PLATES_ABREAST, y = count / PLATES_ABREAST;
+            block found = block_of(
+                image, 2 * PLATE_PIXELS * x, PLATE_PIXELS * y, 2 * PLATE_PIXELS, PLATE_PIXELS);
+            if (is_one(&found)) continue;
+            print_message("slots %d and %d: ", (int)slot[a], (int)slot[b]);
+            say_block("plate", count, mode, &found);
+            wrong++;
+        }
+    rsv_image_destroy(image[0]);
+    rsv_image_destroy(image[1]);
+    return wrong;
+}
+
+/// What one texel's layers keep back of the light must not be given to another's.
+static void no_pair_of_textures_can_be_seen(void **state)
+{
+    rsv_scene *scene = begin_scene(*state);
+    rsv_solution *solution;
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    uint32_t wrong = 0;
+    add_split_plates(scene);
+    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
+        wrong += check_plates(scene, solution, mode);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+    assert_int_equal(wrong, 0);
+}
+
+int main(int argc, char **argv)
+{
+    const struct CMUnitTest quick[] = {
         cmocka_unit_test_setup_teardown(a_seed_names_a_scene, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            no_pair_of_textures_can_be_seen, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            lossless_things_cannot_be_seen, fixture_setup, fixture_teardown),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test_setup_teardown(
+            many_lossless_things_cannot_be_seen, fixture_setup, fixture_teardown),
+    };
+    return RUN_THIRD(argc, argv, quick, quick, longest);
 }
