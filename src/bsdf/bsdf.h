@@ -58,11 +58,11 @@
 
 /// Constants of a material at a point; rsv_bsdf_vary makes them from those of the material.
 typedef struct rsv_bsdf {
-    rsv_rgb base_color;  ///< exitance per irradiance, metal F0 and tint of transmission
-    rsv_rgb entry_scale; ///< 1 / T_mean
-    rsv_rgb absorption;                         ///< 1/m inside a solid body (Beer-Lambert)
-    rsv_rgb emission;                           ///< W/(sr m2)
-    rsv_rgb specular_tint;                      ///< s = specular * specular_color
+    rsv_rgb base_color;    ///< exitance per irradiance, metal F0 and tint of transmission
+    rsv_rgb entry_scale;   ///< 1 / T_mean
+    rsv_rgb absorption;    ///< 1/m inside a solid body (Beer-Lambert)
+    rsv_rgb emission;      ///< W/(sr m2)
+    rsv_rgb specular_tint; ///< s = specular * specular_color
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
     float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
@@ -71,7 +71,7 @@ typedef struct rsv_bsdf {
     float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power
     float passed;         ///< share of light that leaves diffusely on the other side, like D
     rsv_rgb passed_color; ///< its tint
-    float smooth_mean;     ///< hemispherical mean of F from outside
+    float smooth_mean;    ///< hemispherical mean of F from outside
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
     rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
@@ -106,8 +106,7 @@ RSV_SHARED rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material
 RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
 
 /// The same for the diffuse lobe alone, at less cost: the others are undefined.
-RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(
-    const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
+RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
 
 typedef enum rsv_lobe {
     RSV_LOBE_NONE,

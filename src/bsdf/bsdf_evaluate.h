@@ -34,8 +34,7 @@ RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
     if (bsdf->alpha == 0)
         rsv_set_ideal_branches(&branches, bsdf, wo, n, front);
     else if (bsdf->straight)
-        branches.transmit =
-            rgb_scale(bsdf->base_color, (1 - bsdf->metallic) * bsdf->transmission);
+        branches.transmit = rgb_scale(bsdf->base_color, (1 - bsdf->metallic) * bsdf->transmission);
     if (!rsv_bsdf_meets_layers(bsdf, front)) return branches;
     rsv_rgb left = rsv_bsdf_passage(bsdf, cos_o).light;
     branches.reflect = rgb_mul(branches.reflect, left);

@@ -22,10 +22,7 @@ static rsv_bsdf unlit_bsdf(const rsv_material *material)
         .unlit = true };
 }
 
-static float interface_ior(float ior)
-{
-    return ior < RSV_LEAST_IOR ? 1 : f_min(ior, RSV_MOST_IOR);
-}
+static float interface_ior(float ior) { return ior < RSV_LEAST_IOR ? 1 : f_min(ior, RSV_MOST_IOR); }
 
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
 {

@@ -7,7 +7,7 @@
 
 #define RSV_TABLE_COS 64   ///< cos = (k / 63)^2
 #define RSV_TABLE_ALPHA 40 ///< alpha = (k / 39)^2
-#define RSV_TABLE_ETA 20   ///< (eta - 1) / (eta + 1) = (k / 19)^2 RSV_MOST_BEND: from 1 to RSV_MOST_IOR
+#define RSV_TABLE_ETA 20   ///< (eta - 1) / (eta + 1) = (k / 19)^2 RSV_MOST_BEND
 
 #define RSV_MOST_IOR 1000.0f ///< reflects all but 0.4 %
 #define RSV_MOST_BEND ((RSV_MOST_IOR - 1) / (RSV_MOST_IOR + 1))

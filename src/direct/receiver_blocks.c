@@ -152,8 +152,8 @@ static void fill_block(const builder *w, size_t index)
             set_lane(block, n * RSV_BLOCK_POINTS + p, &point[p]);
         if (!w->b->entry) continue;
         block->coated = block->coated || w->b->scene->bsdf[material_of(w->b, node)].coated;
-        w->b->entry[k] = rsv_elements_entry(
-            w->b->elements, node, sample, w->points, w->valid_points[node]);
+        w->b->entry[k] =
+            rsv_elements_entry(w->b->elements, node, sample, w->points, w->valid_points[node]);
     }
 }
 

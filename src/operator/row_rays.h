@@ -24,6 +24,8 @@ typedef struct rsv_ray_target {
 typedef struct rsv_row_receiver {
     rsv_receiver_points points;
     rsv_surface_entry entry;
+    rsv_rgb
+        entry_scale; ///< makes the mean of the entry over the rays 1, which it is over all angles
     rsv_medium medium;
     uint32_t index; ///< of the node, or of the one whose random numbers are used
     uint16_t valid; ///< bit k = point k counts

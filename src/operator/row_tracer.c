@@ -4,6 +4,19 @@
 
 #define LANES RSV_SUPPORT_POINTS
 
+/// So rows of coated surfaces sum to no more than 1 either.
+static rsv_rgb scale_of_entry(const rsv_row_tracer *tracer, const rsv_row_receiver *r)
+{
+    const rsv_directions *d = &tracer->directions;
+    const float *cos = d->z + rsv_directions_of(d, tracer->seed, r->index);
+    const float rays = (float)d->count, least = 1e-6f;
+    rsv_rgb sum = rgb_gray(0);
+    if (!rsv_surface_entry_tints(&r->entry, tracer->scene->bsdf)) return rgb_gray(1);
+    for (uint32_t k = 0; k < d->count; k++)
+        sum = rgb_add(sum, rsv_surface_entry_at(&r->entry, tracer->scene->bsdf, cos[k]));
+    return rgb(rays / f_max(sum.r, least), rays / f_max(sum.g, least), rays / f_max(sum.b, least));
+}
+
 void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *r)
 {
@@ -15,11 +28,13 @@ void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t in
     r->index = index;
     r->valid = valid;
     r->entry = rsv_elements_entry(e, node, sample, LANES, UINT32_MAX);
+    r->entry_scale = scale_of_entry(tracer, r);
     // one of the points speaks for the medium of all
     r->medium =
         rsv_medium_above(&tracer->scene->media, v3(p->origin_x[0], p->origin_y[0], p->origin_z[0]),
             v3(p->geometric_x[0], p->geometric_y[0], p->geometric_z[0]));
-    r->tints = tracer->scene->bsdf[r->entry.material].coated || r->entry.points > 0 || rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
+    r->tints = rsv_surface_entry_tints(&r->entry, tracer->scene->bsdf) ||
+               rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
 }
 
 void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
@@ -58,7 +73,8 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
 /// What light that a receiver gathers at that cosine counts for.
 static rsv_rgb entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r, float cos)
 {
-    return rsv_surface_entry_at(&r->entry, tracer->scene->bsdf, cos);
+    rsv_rgb entry = rsv_surface_entry_at(&r->entry, tracer->scene->bsdf, cos);
+    return rgb_mul(entry, r->entry_scale);
 }
 
 /// The general case: specular surfaces, coats, emission.
@@ -69,10 +85,12 @@ static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
     rsv_chain chain = rsv_chain_begin(tracer->scene, &r->medium, direction, packet->triangle[k],
         packet->u[k], packet->v[k], packet->t_max[k]);
-    chain.weight = rgb_mul(chain.weight, entering(tracer, r, cos_receiver));
     rsv_gather gather =
         rsv_chain_gather(tracer->scene, chain, &random, counts_by_gathering, tracer->lights);
-    s->emission = rgb_add(s->emission, gather.emission);
+    // not ahead of roulette, which could raise the sum of the row
+    rsv_rgb entered = entering(tracer, r, cos_receiver);
+    gather.chain.weight = rgb_mul(gather.chain.weight, entered);
+    s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
     s->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_DIFFUSE)
         record_end(tracer, s, ray, &gather.chain, rsv_random_float(&random));

@@ -30,6 +30,12 @@ void rsv_surface_entry_add(rsv_surface_entry *entry, const rsv_scene_view *scene
 /// Makes means of what was added.
 void rsv_surface_entry_finish(rsv_surface_entry *entry);
 
+/// Whether the patch is coated at all.
+RSV_INLINE bool rsv_surface_entry_tints(const rsv_surface_entry *entry, const rsv_bsdf *common)
+{
+    return entry->points > 0 || common[entry->material].coated;
+}
+
 /// What light at that cosine counts for as irradiance of the patch.
 RSV_INLINE rsv_rgb rsv_surface_entry_at(
     const rsv_surface_entry *entry, const rsv_bsdf *common, float cos)

@@ -1,6 +1,7 @@
 /// Random materials and rooms: what every mode of rendering shows of them.
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
+#include "scene/shapes.h"
 #include "unit/random_scene.h"
 #include "unit/scene_fixture.h"
 #include "unit/slow_tests.h"
@@ -148,20 +149,28 @@ static void say_block(const char *what, uint32_t number, int mode, const block *
         is_one(b) ? "" : " WRONG");
 }
 
-static uint32_t check_pair(const rsv_scene *scene, const rsv_solution *solution, uint32_t pair)
+/// What the k-th camera sees in all modes. @return how many are wrong
+static uint32_t check_shot(
+    const rsv_scene *scene, const rsv_solution *solution, const char *what, uint32_t k)
 {
     uint32_t wrong = 0;
-    const shot seen = { pair, 16, 16 };
+    const shot seen = { k, 16, 16 };
     for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++) {
         rsv_image *image[2];
-        for (uint32_t k = 0; k < 2; k++)
-            image[k] = picture(scene, solution, seen, (rsv_render_mode)mode, k);
+        for (uint32_t n = 0; n < 2; n++)
+            image[n] = picture(scene, solution, seen, (rsv_render_mode)mode, n);
         block b = block_of(image, 0, 0, seen.width, seen.height);
-        say_block("pair", pair, mode, &b);
+        say_block(what, k, mode, &b);
         wrong += !is_one(&b);
         rsv_image_destroy(image[0]);
         rsv_image_destroy(image[1]);
     }
+    return wrong;
+}
+
+static uint32_t check_pair(const rsv_scene *scene, const rsv_solution *solution, uint32_t pair)
+{
+    uint32_t wrong = check_shot(scene, solution, "pair", pair);
     const rsv_scene_view *view = rsv_scene_get_view(scene);
     for (size_t k = 2 * pair; k < 2 * pair + 2 && wrong; k++)
         print_message("    %s\n", view->material[k].name);
@@ -322,12 +331,83 @@ static void no_pair_of_textures_can_be_seen(void **state)
     assert_int_equal(wrong, 0);
 }
 
+// ---- at the ends of the ranges ------------------------------------------------------------------
+
+/// What glTF's KHR_materials_ior calls 0.
+#define ENDLESS_IOR 1000
+
+static rsv_material extreme_material(uint32_t kind)
+{
+    rsv_material m = rsv_default_material();
+    m.roughness = 0.5f;
+    m.double_sided = true;
+    switch (kind) {
+    case 0:
+        m.ior = ENDLESS_IOR;
+        break;
+    case 1:
+        m.ior = ENDLESS_IOR;
+        m.roughness = 0;
+        m.clearcoat = 1;
+        break;
+    case 2:
+    case 3:
+    case 4:
+        m.ior = kind == 2 ? 1 : kind == 3 ? 1.004f : 1.05f;
+        m.transmission = m.thickness = 1;
+        break;
+    case 5:
+        m.ior = 1;
+        m.transmission = m.thickness = 1;
+        m.metallic = 0.5f;
+        break;
+    case 6:
+        m.diffuse_transmission = 1;
+        break;
+    default:
+        m.diffuse_transmission = 1;
+        m.roughness = 0;
+        m.transmission = 0.3f;
+        m.sheen_color = rgb_gray(1);
+        m.sheen_roughness = 0.7f;
+        break;
+    }
+    return m;
+}
+#define EXTREMES 8
+
+static void extremes_cannot_be_seen(void **state)
+{
+    rsv_scene *scene = begin_scene(*state);
+    rsv_solution *solution;
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    uint32_t wrong = 0;
+    for (uint32_t k = 0; k < EXTREMES; k++) {
+        rsv_material m = extreme_material(k);
+        uint32_t id;
+        assert_int_equal(rsv_scene_add_material(scene, &m, &id), RSV_OK);
+        rsv_vec3 at = v3(4 * (float)k, 0, 0);
+        assert_int_equal(rsv_add_sphere((rsv_shape){ scene, "ball", id, NULL }, at, 1, 3), RSV_OK);
+        rsv_camera camera = rsv_camera_look_at("eye", v3(at.x, 0, 4), at, 0.6f, 1);
+        assert_int_equal(rsv_scene_add_camera(scene, &camera), RSV_OK);
+    }
+    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    for (uint32_t k = 0; k < EXTREMES; k++)
+        wrong += check_shot(scene, solution, "extreme", k);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+    assert_int_equal(wrong, 0);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test_setup_teardown(a_seed_names_a_scene, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             no_pair_of_textures_can_be_seen, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(extremes_cannot_be_seen, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             lossless_things_cannot_be_seen, fixture_setup, fixture_teardown),
     };

@@ -133,7 +133,7 @@ static void choose_passage(maker *k)
     if (solid) {
         k->m.thickness = 1;
         k->m.metallic = 0;
-        k->m.transmission = 1;               // the rest would be black inside
+        k->m.transmission = 1;            // the rest would be black inside
         k->m.ior = f_min(k->m.ior, 2.8f); // light must get out again
         if (!k->choice.lossless && chance(random, 0.5f)) {
             k->m.attenuation_color = color_between(random, 0.3f, 1);
