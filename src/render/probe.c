@@ -3,6 +3,7 @@
 #include "../light/punctual_light.h"
 #include "../solve/goal.h"
 #include "../solve/solution.h"
+#include "lit_gather.h"
 #include "pixel_direct.h"
 #include "probe_gather.h"
 #include "resolvent/render.h"
@@ -167,42 +168,19 @@ static void add_punctual(const receiver *r, uint32_t index, double value[3][GROU
     }
 }
 
-/// Gathered sources always count; the others do behind specular surfaces, unless the stored caustic
-/// already holds that light.
-static bool counts(const void *user, uint32_t triangle, uint32_t events)
-{
-    const receiver *r = user;
-    const rsv_lights *lights = r->job->solution->lights;
-    uint32_t emitter = lights->triangle_emitter[triangle];
-    if (emitter == RSV_NONE) return false;
-    const rsv_emitter_group *group = &lights->group[lights->emitter[emitter].group];
-    return !group->muted && (group->gathered || (events > 0 && !r->has_caustic));
-}
-
-/// What a gather ray finds beyond the scene. Behind specular surfaces that is everything, unless the stored
-/// caustic already holds the light of the suns.
-static rsv_rgb radiance_beyond(const receiver *r, rsv_vec3 direction, uint32_t events)
-{
-    const rsv_environment_light *environment = r->job->solution->lights->environment;
-    if (!environment) return rgb_gray(0);
-    if (events == 0) return rsv_sky_radiance(&environment->gathered, direction);
-    return r->has_caustic ? rsv_environment_light_sunless(environment, direction)
-                          : rsv_sky_radiance(&environment->whole, direction);
-}
-
 static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_solution *s = r->job->solution;
+    const rsv_environment_light *environment = s->lights->environment;
     rsv_ray ray = { r->origin, direction, INFINITY };
     rsv_hit hit;
-    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return radiance_beyond(r, direction, 0);
+    if (!rsv_tracer_closest(s->tracer, &ray, &hit))
+        return environment ? rsv_sky_radiance(&environment->gathered, direction) : rgb_gray(0);
     rsv_chain first =
         rsv_chain_begin(&s->scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts, r);
+    // the stored caustic holds what photons bring
+    rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
     rsv_rgb radiance = gather.emission;
-    if (gather.end == RSV_CHAIN_ESCAPED)
-        return rgb_add(
-            radiance, rgb_mul(gather.chain.weight, radiance_beyond(r, gather.chain.direction, 1)));
     if (gather.end != RSV_CHAIN_DIFFUSE) return radiance;
     const rsv_chain *end = &gather.chain;
     uint32_t face = s->elements->face_of[end->back][end->triangle];
