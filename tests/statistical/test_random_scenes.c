@@ -193,7 +193,7 @@ static void check_furnace(fixture *f, uint32_t seed, uint32_t pairs)
     assert_int_equal(wrong, 0);
 }
 
-static void lossless_things_cannot_be_seen(void **state) { check_furnace(*state, 0, 12); }
+static void lossless_things_cannot_be_seen(void **state) { check_furnace(*state, 0, 6); }
 
 static void many_lossless_things_cannot_be_seen(void **state)
 {
@@ -401,19 +401,127 @@ static void extremes_cannot_be_seen(void **state)
     assert_int_equal(wrong, 0);
 }
 
+// ---- rooms --------------------------------------------------------------------------------------
+
+#define ROOM_PIXELS 32 ///< along an edge of a picture
+#define ROOM_BLOCKS 4  ///< of them likewise
+#define ROOM_MEAN_TOLERANCE 1e-2
+#define ROOM_BLOCK_TOLERANCE 2e-2
+
+/// Two pictures of one mode, which differ by chance alone.
+typedef struct twins {
+    rsv_image *image[2];
+} twins;
+
+static twins take_twins(const rsv_scene *scene, const rsv_solution *solution, int mode)
+{
+    const shot seen = { 0, ROOM_PIXELS, ROOM_PIXELS };
+    twins t;
+    for (uint32_t k = 0; k < 2; k++)
+        t.image[k] = picture(scene, solution, seen, (rsv_render_mode)mode, k);
+    return t;
+}
+
+/// Mean of a square of pixels of both, and its noise as the two differ.
+static moments mean_of_square(const twins *t, uint32_t x, uint32_t y, uint32_t size)
+{
+    double sum = 0, squares = 0, count = size * size;
+    for (uint32_t k = 0; k < size * size; k++) {
+        double a = value_at(t->image[0], x + k % size, y + k / size);
+        double b = value_at(t->image[1], x + k % size, y + k / size);
+        sum += a + b;
+        squares += (a - b) * (a - b);
+    }
+    return (moments){ sum / (2 * count), sqrt(squares) / (2 * count) };
+}
+
+/// By how many standard errors two means differ more than is tolerated; 0 = no more.
+static double excess(moments found, moments expected, double tolerated)
+{
+    double difference = fabs(found.mean - expected.mean) - tolerated;
+    double error = hypot(found.error, expected.error);
+    return difference > 0 ? difference / fmax(error, 1e-9) : 0;
+}
+
+/// Blocks that are all but black are compared by what is a fifth of the picture's mean.
+static uint32_t compare_blocks(const twins *found, const twins *expected, double mean)
+{
+    const uint32_t size = ROOM_PIXELS / ROOM_BLOCKS;
+    uint32_t wrong = 0;
+    for (uint32_t k = 0; k < ROOM_BLOCKS * ROOM_BLOCKS; k++) {
+        uint32_t x = k % ROOM_BLOCKS * size, y = k / ROOM_BLOCKS * size;
+        moments a = mean_of_square(found, x, y, size), b = mean_of_square(expected, x, y, size);
+        double z = excess(a, b, ROOM_BLOCK_TOLERANCE * fmax(b.mean, 0.2 * mean));
+        if (z <= 4) continue;
+        print_message("    block %u %u: %.4f, reference %.4f, %.1f sigma beyond 2 %%\n",
+            k % ROOM_BLOCKS, k / ROOM_BLOCKS, a.mean, b.mean, z);
+        wrong++;
+    }
+    return wrong;
+}
+
+/// @return whether anything is wrong
+static bool check_room(fixture *f, uint32_t seed)
+{
+    rsv_scene *scene = begin_scene(f);
+    rsv_solution *solution;
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    uint32_t wrong = 0;
+    solve.photon_count = 100000;
+    assert_int_equal(random_room(scene, seed), RSV_OK);
+    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    twins t[3];
+    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
+        t[mode] = take_twins(scene, solution, mode);
+    moments expected = mean_of_square(&t[RSV_RENDER_REFERENCE], 0, 0, ROOM_PIXELS);
+    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_FINAL; mode++) {
+        moments found = mean_of_square(&t[mode], 0, 0, ROOM_PIXELS);
+        double z = excess(found, expected, ROOM_MEAN_TOLERANCE * expected.mean);
+        print_message("room %u, %s: %.4f +- %.4f, reference %.4f +- %.4f%s\n", seed,
+            mode_name[mode], found.mean, found.error, expected.mean, expected.error,
+            z > 4 ? " WRONG" : "");
+        wrong += (z > 4) + compare_blocks(&t[mode], &t[RSV_RENDER_REFERENCE], expected.mean);
+    }
+    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
+        for (int k = 0; k < 2; k++)
+            rsv_image_destroy(t[mode].image[k]);
+    rsv_solution_destroy(solution);
+    rsv_scene_destroy(scene);
+    return wrong > 0;
+}
+
+static void check_rooms(fixture *f, uint32_t first, uint32_t count)
+{
+    uint32_t wrong = 0;
+    for (uint32_t seed = first; seed < first + count; seed++)
+        wrong += check_room(f, seed);
+    print_message("%u of %u rooms are wrong somewhere\n", wrong, count);
+    assert_int_equal(wrong, 0);
+}
+
+static void rooms_are_as_the_path_tracer_sees_them(void **state) { check_rooms(*state, 0, 2); }
+
+static void many_rooms_are_as_the_path_tracer_sees_them(void **state)
+{
+    check_rooms(*state, 0, 100);
+}
+
+#define SCENE_TEST(test) cmocka_unit_test_setup_teardown(test, fixture_setup, fixture_teardown)
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
-        cmocka_unit_test_setup_teardown(a_seed_names_a_scene, fixture_setup, fixture_teardown),
-        cmocka_unit_test_setup_teardown(
-            no_pair_of_textures_can_be_seen, fixture_setup, fixture_teardown),
-        cmocka_unit_test_setup_teardown(extremes_cannot_be_seen, fixture_setup, fixture_teardown),
-        cmocka_unit_test_setup_teardown(
-            lossless_things_cannot_be_seen, fixture_setup, fixture_teardown),
+        SCENE_TEST(a_seed_names_a_scene),
+        SCENE_TEST(no_pair_of_textures_can_be_seen),
+        SCENE_TEST(extremes_cannot_be_seen),
+        SCENE_TEST(lossless_things_cannot_be_seen),
+    };
+    const struct CMUnitTest slow[] = {
+        SCENE_TEST(rooms_are_as_the_path_tracer_sees_them),
     };
     const struct CMUnitTest longest[] = {
-        cmocka_unit_test_setup_teardown(
-            many_lossless_things_cannot_be_seen, fixture_setup, fixture_teardown),
+        SCENE_TEST(many_lossless_things_cannot_be_seen),
+        SCENE_TEST(many_rooms_are_as_the_path_tracer_sees_them),
     };
-    return RUN_THIRD(argc, argv, quick, quick, longest);
+    return RUN_THIRD(argc, argv, quick, slow, longest);
 }

@@ -66,9 +66,9 @@ endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends locale media mover past_pilots rough_box rough_sky
     subsurface translucent PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify opfile past bake_side scene frame texture render bodies)
+foreach(name IN ITEMS environment light_tree gltf certify opfile past bake_side scene frame texture render bodies random_scenes)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS certify rough_box solve)
+foreach(name IN ITEMS certify random_scenes rough_box solve)
     rsv_add_part(${name} long)
 endforeach()
