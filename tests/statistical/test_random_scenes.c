@@ -115,6 +115,7 @@ static double value_at(const rsv_image *image, uint32_t x, uint32_t y)
 // ---- furnaces -----------------------------------------------------------------------------------
 
 #define MEAN_TOLERANCE 3e-3
+#define FURNACE_ELEMENTS 1500
 #define PIXEL_TOLERANCE 1e-2
 
 /// A block of pixels of two pictures of what should be 1.
@@ -182,6 +183,7 @@ static void check_furnace(fixture *f, uint32_t seed, uint32_t pairs)
     rsv_scene *scene = begin_scene(f);
     rsv_solution *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    solve.element_target = FURNACE_ELEMENTS;
     uint32_t wrong = 0;
     assert_int_equal(random_furnace(scene, seed, pairs), RSV_OK);
     assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
@@ -321,6 +323,7 @@ static void no_pair_of_textures_can_be_seen(void **state)
     rsv_scene *scene = begin_scene(*state);
     rsv_solution *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    solve.element_target = FURNACE_ELEMENTS;
     uint32_t wrong = 0;
     add_split_plates(scene);
     assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
@@ -340,7 +343,6 @@ static rsv_material extreme_material(uint32_t kind)
 {
     rsv_material m = rsv_default_material();
     m.roughness = 0.5f;
-    m.double_sided = true;
     switch (kind) {
     case 0:
         m.ior = ENDLESS_IOR;
@@ -362,9 +364,11 @@ static rsv_material extreme_material(uint32_t kind)
         m.metallic = 0.5f;
         break;
     case 6:
+        m.double_sided = true;
         m.diffuse_transmission = 1;
         break;
     default:
+        m.double_sided = true;
         m.diffuse_transmission = 1;
         m.roughness = 0;
         m.transmission = 0.3f;
@@ -381,13 +385,14 @@ static void extremes_cannot_be_seen(void **state)
     rsv_scene *scene = begin_scene(*state);
     rsv_solution *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    solve.element_target = FURNACE_ELEMENTS;
     uint32_t wrong = 0;
     for (uint32_t k = 0; k < EXTREMES; k++) {
         rsv_material m = extreme_material(k);
         uint32_t id;
         assert_int_equal(rsv_scene_add_material(scene, &m, &id), RSV_OK);
         rsv_vec3 at = v3(4 * (float)k, 0, 0);
-        assert_int_equal(rsv_add_sphere((rsv_shape){ scene, "ball", id, NULL }, at, 1, 3), RSV_OK);
+        assert_int_equal(rsv_add_sphere((rsv_shape){ scene, "ball", id, NULL }, at, 1, 2), RSV_OK);
         rsv_camera camera = rsv_camera_look_at("eye", v3(at.x, 0, 4), at, 0.6f, 1);
         assert_int_equal(rsv_scene_add_camera(scene, &camera), RSV_OK);
     }

@@ -90,6 +90,7 @@ typedef struct maker {
     rsv_random random;
     random_material_choice choice;
     rsv_material m;
+    bool open; ///< light gets through
     rsv_texture_ref ref[RSV_TEXTURE_ROLE_COUNT];
 } maker;
 
@@ -121,7 +122,7 @@ static void choose_layers(maker *k)
 static void choose_passage(maker *k)
 {
     rsv_random *random = &k->random;
-    k->m.double_sided = !k->choice.body || k->choice.lossless || chance(random, 0.5f);
+    k->m.double_sided = !k->choice.body || (!k->choice.lossless && chance(random, 0.5f));
     if (k->choice.opaque) return;
     k->m.transmission = share(random, 0.6f, 0.2f);
     if (chance(random, 0.3f)) {
@@ -143,6 +144,9 @@ static void choose_passage(maker *k)
     }
     if (chance(random, 0.15f)) k->m.opacity = rsv_random_float(random);
     if (chance(random, 0.1f)) k->m.alpha_cutoff = 0.5f;
+    // whoever looks inside must find that white, too; a closed inside would be a lossless cavity
+    k->open = k->m.transmission > 0 || k->m.diffuse_transmission > 0 || k->m.opacity < 1;
+    if (k->open) k->m.double_sided = true;
 }
 
 /// Least value of the role's texels, or -1 where it must have no texture.
@@ -153,6 +157,7 @@ static float least_texel(const maker *k, rsv_texture_role role)
     if (role == RSV_TEXTURE_EMISSION) return -1;
     if (role == RSV_TEXTURE_TRANSMISSION && m->thickness > 0) return -1;
     if (role == RSV_TEXTURE_OPACITY && (k->choice.opaque || m->thickness > 0)) return -1;
+    if (role == RSV_TEXTURE_OPACITY && !k->open && !m->double_sided) return -1;
     if (rough && k->choice.matt) return -1;
     if (!k->choice.lossless) return 0;
     bool colours = role == RSV_TEXTURE_BASE_COLOR || role == RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR;
