@@ -30,7 +30,7 @@ typedef struct rsv_receiver_blocks {
     rsv_receiver_block *block; ///< [block_count]
     size_t block_count;
     rsv_surface_entry *entry; ///< [block_count * RSV_BLOCK_NODES]; NULL = no material is coated
-    uint8_t *held; ///< [node_count] non-zero = in a block, or receives nothing
+    uint8_t *held;            ///< [node_count] non-zero = in a block, or receives nothing
     bool holds_all;
     rsv_glance_sums *sums,
         *spread;   ///< [node_count] of the last glance, of nodes and of those around them

@@ -185,11 +185,9 @@ void rsv_trace_camera_path(const rsv_path_tracer *tracer, const rsv_ray *ray,
 void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light)
 {
-    static const rsv_bsdf white = { .base_color = { 1, 1, 1 },
-        .ior = 1,
-        .diffuse = 1,
-        .opacity = 1,
-        .lambert = true };
+    static const rsv_bsdf white = {
+        .base_color = { 1, 1, 1 }, .ior = 1, .diffuse = 1, .opacity = 1, .lambert = true
+    };
     rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, point, normal);
     float lift = v3_length(v3_sub(origin, point));
     rsv_path_surface receiver = { .bsdf = &white,
