@@ -78,9 +78,8 @@ typedef struct rsv_rt_operator {
     const uint64_t
         *tinted_row_start; ///< [element_count + 1] entries with a colour; NULL = there are none
     const uint32_t *tinted_column;
-    const float *tinted_weight; ///< [.][3], times scale
-    const float *
-        albedo; ///< [element_count][3] K: exitance over irradiance that entered; above 1 for white under gloss
+    const float *tinted_weight;     ///< [.][3], times scale
+    const float *albedo;            ///< [element_count][3] K: exitance over irradiance
     uint32_t hanging_count;         ///< elements that are weighted means of others
     const uint32_t *hanging_node;   ///< [hanging_count] parents before children
     const uint32_t *hanging_parent; ///< [hanging_count][4]

@@ -193,8 +193,8 @@ int rsv_rt_file_operator(rsv_rt_file *file, rsv_rt_operator *t)
     memset(t, 0, sizeof *t);
     if (strcmp(note(file, "format"), "resolvent-operator") != 0)
         return fail(file, "it is not an operator file");
-    if (strcmp(note(file, "format_version"), "1") != 0)
-        return fail(file, "its format version is '%.16s', this loader reads 1",
+    if (strcmp(note(file, "format_version"), "2") != 0)
+        return fail(file, "its format version is '%.16s', this loader reads 2",
             note(file, "format_version"));
     if (has(file, "subsurface.column"))
         return fail(

@@ -52,7 +52,7 @@ typedef struct rsv_certificate {
         residual_direct_rms; ///< the part of r in direct light that shadow rays find; 0 where that is exact
     double residual_gathered_rms; ///< the rest: indirect light, gathered sources, caustics
     double irradiance_rms;        ///< of E~: what makes the others relative
-    double max_albedo; ///< largest that was met: at the elements' nodes, where gather rays ended
+    double max_albedo; ///< largest of the operator that was solved, at the nodes of elements
     double
         medium_factor; ///< (largest / least refractive index around the points)^2: 1 but for surfaces within glass or water
     uint64_t rays;

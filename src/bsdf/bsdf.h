@@ -20,9 +20,10 @@
 ///     f(wi, wo) = D base_color T(wi) T(wo) / (pi T_mean),  T_mean = 2 int T(cos) cos dcos
 ///
 /// so that its directional albedo is D base_color T(wo). It is evaluated through two factors: the
-/// light that enters, E = int L T(wi) cos dwi ("irradiance" of the operator), and the radiance that
-/// leaves, D T(wo) B / pi with B = exitance_albedo * E, exitance_albedo = base_color / T_mean. A share of
-/// it leaves thin sheets on the other side; no elements keep that, it scatters like a rough lobe.
+/// irradiance E = int L T(wi) / T_mean cos dwi, in which light counts as it gets through the coat, and the
+/// radiance that leaves, D T(wo) B / pi with B = base_color E. Under even light E is what arrives, whatever the
+/// coat: it is smooth where textures change the coat, and is what elements store. A share of the light leaves thin
+/// sheets on the other side; no elements keep that, it scatters like a rough lobe.
 ///
 /// Over all this lie sheen and a clear coat (ior 1.5). Each reflects by itself, c R(w); the rest, L(w) =
 /// (1 - c R)(1 - c S), reaches the base. What a white base sends up and the layers send back to it must
@@ -49,32 +50,35 @@
 /// Narrower microsurfaces scatter like smooth ones: ideal reflection and refraction.
 #define RSV_SMOOTH_ALPHA 1e-3f
 
+/// An interface that bends less is none: a facet would have to be known to more digits than there are.
+#define RSV_LEAST_IOR 1.002f
+
 /// Of the layer of KHR_materials_clearcoat.
 #define RSV_CLEARCOAT_IOR 1.5f
 
 /// Constants of a material at a point; rsv_bsdf_vary makes them from those of the material.
 typedef struct rsv_bsdf {
-    rsv_rgb base_color;                         ///< metal F0 and tint of transmission
-    rsv_rgb entry_mean;                         ///< T_mean
-    rsv_rgb exitance_albedo;                    ///< base_color / T_mean: exitance per irradiance
-    rsv_rgb absorption;                         ///< 1/m inside a solid body (Beer-Lambert)
-    rsv_rgb emission;                           ///< W/(sr m2)
-    rsv_rgb specular_tint;                      ///< s = specular * specular_color
+    rsv_rgb base_color;    ///< exitance per irradiance, metal F0 and tint of transmission
+    rsv_rgb entry_scale;   ///< 1 / T_mean
+    rsv_rgb absorption;    ///< 1/m inside a solid body (Beer-Lambert)
+    rsv_rgb emission;      ///< W/(sr m2)
+    rsv_rgb specular_tint; ///< s = specular * specular_color
     float ior, metallic, transmission, diffuse; ///< diffuse = D
     float alpha;                                ///< width of the microsurface; 0 = smooth
     float clearcoat, clearcoat_alpha;           ///< share and width of the layer over all
     float sheen_mean;                           ///< hemispherical mean of S(w) (1 - c R(w))
     rsv_rgb sheen;                              ///< reflectance at grazing angles
     float sheen_power;                          ///< S(w) = (1 - cos)^sheen_power
-    float passed;          ///< share of light that leaves diffusely on the other side, like D
-    rsv_rgb passed_albedo; ///< its tint / T_mean
-    float smooth_mean;     ///< hemispherical mean of F from outside
+    float passed;         ///< share of light that leaves diffusely on the other side, like D
+    rsv_rgb passed_color; ///< its tint
+    float smooth_mean;    ///< hemispherical mean of F from outside
     rsv_table_place alpha_place, eta_place; ///< in the tables, if alpha > 0
     rsv_table_place clearcoat_place, clearcoat_eta_place;
     rsv_rgb balance[RSV_SPREADS][RSV_SPREAD_COS]; ///< s^2 - L; if layered and alpha > 0
     const rsv_bsdf_tables *tables;
     float opacity;     ///< coverage; the rest of the light passes unchanged
     bool solid;        ///< transmission refracts into a body
+    bool straight;     ///< of the same index as what is around it: however rough, nothing bends
     bool double_sided; ///< both sides scatter; solid bodies count as double-sided
     bool lambert;      ///< nothing but D = 1, T = 1: the fast path
     bool coated;       ///< T is not 1
@@ -100,6 +104,9 @@ RSV_SHARED rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material
 /// The same material with other values at one point; whatever depends on the ior alone is kept. Cheap
 /// enough for every hit. What `bsdf` is - solid, double-sided, unlit - stays.
 RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
+
+/// The same for the diffuse lobe alone, at less cost: the others are undefined.
+RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
 
 typedef enum rsv_lobe {
     RSV_LOBE_NONE,
@@ -153,7 +160,10 @@ typedef enum rsv_lobe_set {
 /// unit and `geometric` is on wo's side.
 RSV_INLINE rsv_vec3 rsv_bsdf_specular_normal(rsv_vec3 shading, rsv_vec3 geometric, rsv_vec3 wo);
 
-/// T(w): share of light at cosine `cos` that passes the coat, per channel.
+/// T(w): share of what the base sends up at cosine `cos` that gets out through the coat, per channel.
+RSV_INLINE rsv_rgb rsv_bsdf_exit(const rsv_bsdf *bsdf, float cos);
+
+/// T(w) / T_mean: what light that arrives at cosine `cos` counts for as irradiance; 1 in the mean over the hemisphere.
 RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos);
 
 RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(

@@ -30,8 +30,11 @@ RSV_INLINE rsv_bsdf_branches rsv_bsdf_evaluate_branches(
     branches.rough = bsdf->rough;
     branches.reflect_direction = rsv_mirrored(wo, n);
     if (rsv_bsdf_diffuses(bsdf, front))
-        branches.diffuse = rgb_scale(rsv_bsdf_entry(bsdf, cos_o), bsdf->diffuse);
-    if (bsdf->alpha == 0) rsv_set_ideal_branches(&branches, bsdf, wo, n, front);
+        branches.diffuse = rgb_scale(rsv_bsdf_exit(bsdf, cos_o), bsdf->diffuse);
+    if (bsdf->alpha == 0)
+        rsv_set_ideal_branches(&branches, bsdf, wo, n, front);
+    else if (bsdf->straight)
+        branches.transmit = rgb_scale(bsdf->base_color, (1 - bsdf->metallic) * bsdf->transmission);
     if (!rsv_bsdf_meets_layers(bsdf, front)) return branches;
     rsv_rgb left = rsv_bsdf_passage(bsdf, cos_o).light;
     branches.reflect = rgb_mul(branches.reflect, left);
@@ -76,7 +79,7 @@ RSV_INLINE void rsv_add_refraction(
     rsv_vec3 h = v3_mad(wo, eta, wi);
     if (v3_dot(h, n) < 0) h = v3_neg(h);
     float length = v3_length(h);
-    if (length < 1e-4f) return; // media of the same index: nothing bends
+    if (length < 1e-6f) return;
     h = v3_scale(h, 1 / length);
     float cos_oh = v3_dot(wo, h), cos_ih = v3_dot(wi, h);
     if (cos_oh <= 0 || cos_ih >= 0) return;
@@ -118,9 +121,9 @@ RSV_INLINE void rsv_add_diffuse(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o)
 {
     if (cos_i <= 0) return;
-    rsv_rgb weight = rgb_mul(rsv_bsdf_entry_weight(bsdf, cos_o), rsv_bsdf_entry(bsdf, cos_i));
-    rsv_add_term(value, bsdf->diffuse * rsv_bsdf_entry_chance(bsdf, cos_o) * cos_i / RSV_PI,
-        rgb_mul(weight, bsdf->exitance_albedo));
+    rsv_rgb weight = rgb_mul(rsv_bsdf_exit_weight(bsdf, cos_o), rsv_bsdf_entry(bsdf, cos_i));
+    rsv_add_term(value, bsdf->diffuse * rsv_bsdf_exit_chance(bsdf, cos_o) * cos_i / RSV_PI,
+        rgb_mul(weight, bsdf->base_color));
 }
 
 /// Diffuse light that leaves a thin sheet on the other side.
@@ -128,9 +131,9 @@ RSV_INLINE void rsv_add_passed(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, float cos_i, float cos_o)
 {
     if (cos_i >= 0 || bsdf->passed == 0) return;
-    rsv_rgb weight = rgb_mul(rsv_bsdf_entry_weight(bsdf, cos_o), rsv_bsdf_entry(bsdf, -cos_i));
-    rsv_add_term(value, bsdf->passed * rsv_bsdf_entry_chance(bsdf, cos_o) * -cos_i / RSV_PI,
-        rgb_mul(weight, bsdf->passed_albedo));
+    rsv_rgb weight = rgb_mul(rsv_bsdf_exit_weight(bsdf, cos_o), rsv_bsdf_entry(bsdf, -cos_i));
+    rsv_add_term(value, bsdf->passed * rsv_bsdf_exit_chance(bsdf, cos_o) * -cos_i / RSV_PI,
+        rgb_mul(weight, bsdf->passed_color));
 }
 
 /// Adds lobes of the base that the layers leave `factor` of. @param chance of drawing them
@@ -154,7 +157,7 @@ RSV_LARGE rsv_rough_base rsv_evaluate_rough_base(
     float cos_o = v3_dot(n, wo), cos_i = v3_dot(n, wi);
     rsv_add_metal(&base.metal, bsdf, wi, wo, n);
     rsv_add_interface_reflection(&base.interface, bsdf, wi, wo, n, front);
-    if (bsdf->transmission == 0 || bsdf->metallic == 1) return base;
+    if (bsdf->transmission == 0 || bsdf->metallic == 1 || bsdf->straight) return base;
     if (cos_i < 0 && bsdf->solid) rsv_add_refraction(&base.glass, bsdf, wi, wo, n, front);
     if (cos_i < 0 && !bsdf->solid) rsv_add_sheet_transmission(&base.glass, bsdf, wi, wo, n);
     rsv_add_glass_again(&base.glass, bsdf, cos_i, cos_o, front);

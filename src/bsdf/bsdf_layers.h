@@ -70,7 +70,7 @@ RSV_INLINE rsv_rgb rsv_bsdf_both_ways(const rsv_bsdf *bsdf, int spread, float co
     return rgb_mul(rsv_bsdf_way(bsdf, spread, cos_i), rsv_bsdf_way(bsdf, spread, cos_o));
 }
 
-RSV_LARGE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
+RSV_LARGE rsv_rgb rsv_bsdf_exit(const rsv_bsdf *bsdf, float cos)
 {
     if (!bsdf->coated) return rgb_gray(1);
     rsv_rgb passed = rgb_scale(bsdf->specular_tint, rsv_bsdf_interface_albedo(bsdf, cos));
@@ -78,19 +78,24 @@ RSV_LARGE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
     return bsdf->layered ? rgb_mul(passed, rsv_bsdf_passage(bsdf, cos).light) : passed;
 }
 
-/// Chance that light reaches the diffuse base; its share per channel is rsv_bsdf_entry.
-RSV_INLINE float rsv_bsdf_entry_chance(const rsv_bsdf *bsdf, float cos)
+RSV_INLINE rsv_rgb rsv_bsdf_entry(const rsv_bsdf *bsdf, float cos)
+{
+    return bsdf->coated ? rgb_mul(rsv_bsdf_exit(bsdf, cos), bsdf->entry_scale) : rgb_gray(1);
+}
+
+/// Chance that light comes from the diffuse base; its share per channel is rsv_bsdf_exit.
+RSV_INLINE float rsv_bsdf_exit_chance(const rsv_bsdf *bsdf, float cos)
 {
     if (!bsdf->coated) return 1;
     float chance = 1 - rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos);
     return bsdf->layered ? chance * rsv_bsdf_passage(bsdf, cos).chance : chance;
 }
 
-/// Weight of light that reached the diffuse base.
-RSV_INLINE rsv_rgb rsv_bsdf_entry_weight(const rsv_bsdf *bsdf, float cos)
+/// Weight of light that comes from the diffuse base.
+RSV_INLINE rsv_rgb rsv_bsdf_exit_weight(const rsv_bsdf *bsdf, float cos)
 {
-    float chance = rsv_bsdf_entry_chance(bsdf, cos);
-    return chance > 0 ? rgb_scale(rsv_bsdf_entry(bsdf, cos), 1 / chance) : rgb_gray(0);
+    float chance = rsv_bsdf_exit_chance(bsdf, cos);
+    return chance > 0 ? rgb_scale(rsv_bsdf_exit(bsdf, cos), 1 / chance) : rgb_gray(0);
 }
 
 /// Density of directions off the clear coat, without its share.

@@ -110,6 +110,10 @@ RSV_INLINE rsv_bsdf_event rsv_draw_glass(rsv_bsdf_draw *draw, float u)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
     draw->spread = bsdf->solid ? RSV_SPREAD_INTERFACE : RSV_SPREAD_METAL;
+    if (bsdf->straight) {
+        draw->ideal = true;
+        return rsv_event(RSV_LOBE_TRANSMIT, v3_neg(draw->wo), bsdf->base_color);
+    }
     float cos_t, cos_h = f_max(v3_dot(draw->wo, draw->h), 0);
     float eta = rsv_bsdf_eta(bsdf, draw->front);
     rsv_facet_choice choice = rsv_choose_at_facet(bsdf, cos_h, eta, &cos_t);
@@ -142,8 +146,9 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
 {
     const rsv_bsdf *bsdf = draw->bsdf;
     rsv_bsdf_event event;
+    bool diffuses = rsv_bsdf_diffuses(bsdf, draw->front);
     draw->spread = RSV_SPREAD_INTERFACE;
-    if (!rsv_bsdf_diffuses(bsdf, draw->front))
+    if (!diffuses && bsdf->passed == 0)
         return rsv_reflects_at_coat(draw, u, &event)
                    ? event
                    : rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
@@ -159,17 +164,19 @@ RSV_LARGE rsv_bsdf_event rsv_draw_coated(rsv_bsdf_draw *draw, float u)
         }
         return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
     }
-    event = rsv_event(RSV_LOBE_DIFFUSE, draw->n, rsv_bsdf_entry_weight(bsdf, cos_o));
-    event.pdf_solid_angle = bsdf->diffuse * rsv_bsdf_entry_chance(bsdf, cos_o);
+    event = rsv_event(RSV_LOBE_DIFFUSE, draw->n, rsv_bsdf_exit_weight(bsdf, cos_o));
+    event.pdf_solid_angle = bsdf->diffuse * rsv_bsdf_exit_chance(bsdf, cos_o);
     float both = bsdf->diffuse + bsdf->passed;
-    if (bsdf->passed > 0 && u * both >= bsdf->diffuse) {
+    bool passes = bsdf->passed > 0 && u * both >= bsdf->diffuse;
+    if (!passes && !diffuses) return rsv_event(RSV_LOBE_NONE, draw->n, rgb_gray(0));
+    if (passes) {
         float x = rsv_random_float(&draw->rest);
         rsv_vec3 local = rsv_square_to_cosine_hemisphere(x, rsv_random_float(&draw->rest));
         event.lobe = RSV_LOBE_TRANSMIT;
         draw->entered = true;
         event.direction = rsv_from_frame(v3(local.x, local.y, -local.z), draw->n);
         event.weight =
-            rgb_mul(event.weight, rgb_mul(bsdf->passed_albedo, rsv_bsdf_entry(bsdf, local.z)));
+            rgb_mul(event.weight, rgb_mul(bsdf->passed_color, rsv_bsdf_entry(bsdf, local.z)));
     }
     return event;
 }
@@ -371,7 +378,7 @@ RSV_INLINE rsv_bsdf_sample rsv_bsdf_sample_direction(
     if (event.lobe != RSV_LOBE_DIFFUSE) return sample;
     rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2);
     sample.direction = rsv_from_frame(local, n);
-    rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, rsv_bsdf_entry(bsdf, local.z));
+    rsv_rgb exitance = rgb_mul(bsdf->base_color, rsv_bsdf_entry(bsdf, local.z));
     sample.weight = rgb_mul(sample.weight, exitance);
     sample.pdf_solid_angle =
         bsdf->lambert ? local.z / RSV_PI : rsv_bsdf_pdf(bsdf, sample.direction, wo, n, front);

@@ -7,7 +7,11 @@
 
 #define RSV_TABLE_COS 64   ///< cos = (k / 63)^2
 #define RSV_TABLE_ALPHA 40 ///< alpha = (k / 39)^2
-#define RSV_TABLE_ETA 14   ///< (eta - 1) / (eta + 1) = (k / 13)^2 / 2: from 1 to 3
+#define RSV_TABLE_ETA 20   ///< from 1 to RSV_MOST_IOR: rsv_table_bend
+
+#define RSV_MOST_IOR 1000.0f ///< reflects all but 0.4 %
+#define RSV_MOST_BEND ((RSV_MOST_IOR - 1) / (RSV_MOST_IOR + 1))
+#define RSV_LOW_BENDS 13 ///< entries up to eta = 3, those that occur
 
 #define RSV_LOW_IOR 1.5f
 #define RSV_HIGH_IOR 3.0f
@@ -60,9 +64,21 @@ RSV_INLINE rsv_table_place rsv_table_cos(float cos)
 {
     return rsv_table_place_at(sqrtf(f_max(cos, 0)), RSV_TABLE_COS);
 }
+/// (eta - 1) / (eta + 1) of entry k.
+RSV_INLINE float rsv_table_bend(int k)
+{
+    const float high = RSV_TABLE_ETA - 1 - RSV_LOW_BENDS;
+    float low = (float)k / RSV_LOW_BENDS;
+    if (k <= RSV_LOW_BENDS) return 0.5f * low * low;
+    return 0.5f + (RSV_MOST_BEND - 0.5f) * (float)(k - RSV_LOW_BENDS) / high;
+}
 RSV_INLINE rsv_table_place rsv_table_eta(float eta)
 {
-    return rsv_table_place_at(sqrtf(2 * (eta - 1) / (eta + 1)), RSV_TABLE_ETA);
+    const float high = RSV_TABLE_ETA - 1 - RSV_LOW_BENDS;
+    float bend = (eta - 1) / (eta + 1);
+    float at = bend <= 0.5f ? RSV_LOW_BENDS * sqrtf(2 * bend)
+                            : RSV_LOW_BENDS + high * (bend - 0.5f) / (RSV_MOST_BEND - 0.5f);
+    return rsv_table_place_at(at / (RSV_TABLE_ETA - 1), RSV_TABLE_ETA);
 }
 
 RSV_INLINE float rsv_table_line(const float *entry, rsv_table_place at)

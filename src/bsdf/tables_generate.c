@@ -26,7 +26,7 @@ static float square(int k, int count)
 /// Far side's ior over that of the side seen.
 static float eta_of(int side, int e)
 {
-    float x = 0.5f * square(e, RSV_TABLE_ETA), eta = (1 + x) / (1 - x);
+    float x = rsv_table_bend(e), eta = (1 + x) / (1 - x);
     return side ? 1 / eta : eta;
 }
 

@@ -72,21 +72,22 @@ RSV_INLINE void rsv_bsdf_set_layers(rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
     if (!rgb_is_black(v->sheen_color)) bsdf->sheen_mean = rsv_bsdf_sheen_mean(bsdf);
 }
 
-RSV_INLINE rsv_rgb rsv_bsdf_layered_entry_mean(const rsv_bsdf *bsdf)
+RSV_INLINE rsv_rgb rsv_bsdf_layered_exit_mean(const rsv_bsdf *bsdf)
 {
     rsv_rgb sum = rgb_gray(0);
     RSV_ROLLED
     for (int n = 0; n < RSV_MEAN_NODES; n++) {
         float cos, weight = rsv_mean_node(n, &cos);
-        sum = rgb_mad(sum, weight, rsv_bsdf_entry(bsdf, cos));
+        sum = rgb_mad(sum, weight, rsv_bsdf_exit(bsdf, cos));
     }
     return sum;
 }
 
-RSV_INLINE rsv_rgb rsv_bsdf_entry_mean(const rsv_bsdf *bsdf)
+/// T_mean
+RSV_INLINE rsv_rgb rsv_bsdf_exit_mean(const rsv_bsdf *bsdf)
 {
     if (!bsdf->coated) return rgb_gray(1);
-    if (bsdf->layered) return rsv_bsdf_layered_entry_mean(bsdf);
+    if (bsdf->layered) return rsv_bsdf_layered_exit_mean(bsdf);
     float reflected = bsdf->alpha == 0 ? bsdf->smooth_mean
                                        : rsv_table_mean(bsdf->tables->reflected_mean,
                                              bsdf->eta_place, bsdf->alpha_place);
@@ -98,7 +99,7 @@ RSV_INLINE bool rsv_rgb_equal(rsv_rgb a, rsv_rgb b)
     return a.r == b.r && a.g == b.g && a.b == b.b;
 }
 
-/// Whether all that `entry_mean` and `balance` follow from is the same: most textures vary no more than the base color.
+/// Whether all that `entry_scale` and `balance` follow from is the same: most textures vary no more than the base color.
 RSV_INLINE bool rsv_same_interface(const rsv_bsdf *a, const rsv_bsdf *b)
 {
     return a->coated == b->coated && a->layered == b->layered && a->alpha == b->alpha &&
@@ -108,19 +109,23 @@ RSV_INLINE bool rsv_same_interface(const rsv_bsdf *a, const rsv_bsdf *b)
            rsv_rgb_equal(a->specular_tint, b->specular_tint);
 }
 
-RSV_INLINE rsv_rgb rsv_rgb_divided(rsv_rgb a, rsv_rgb b)
+/// Below this nothing gets in or out.
+#define RSV_LEAST_EXIT 1e-6f
+
+RSV_INLINE rsv_rgb rsv_bsdf_entry_scale(const rsv_bsdf *bsdf)
 {
-    return rgb(a.r / b.r, a.g / b.g, a.b / b.b);
+    rsv_rgb mean = rsv_bsdf_exit_mean(bsdf);
+    return rgb(1 / f_max(mean.r, RSV_LEAST_EXIT), 1 / f_max(mean.g, RSV_LEAST_EXIT),
+        1 / f_max(mean.b, RSV_LEAST_EXIT));
 }
 
-RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
+/// All but what rough lobes under layers need. @return whether they do
+RSV_INLINE bool rsv_bsdf_vary_unbalanced(
+    const rsv_bsdf *bsdf, const rsv_bsdf_variation *v, rsv_bsdf *to)
 {
     rsv_bsdf varied = *bsdf;
-    if (bsdf->unlit) {
-        varied.emission = v->base_color;
-        return varied;
-    }
     varied.base_color = v->base_color;
+    varied.passed_color = v->diffuse_transmission_color;
     varied.emission = v->emission;
     varied.emissive = !rgb_is_black(v->emission);
     varied.specular_tint = v->specular_tint;
@@ -133,17 +138,34 @@ RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation
     rsv_bsdf_set_layers(&varied, v);
     bool coat = varied.ior > 1 && !rgb_is_black(v->specular_tint);
     varied.coated = coat || varied.layered;
-    if (!coat && v->metallic == 0 && v->transmission == 0) varied.alpha = 0;
+    bool bends = coat || (v->transmission > 0 && !varied.straight);
+    if (!bends && v->metallic == 0) varied.alpha = 0;
     varied.alpha_place = rsv_table_alpha(varied.alpha);
     varied.lambert = varied.diffuse == 1 && !varied.coated && !varied.solid;
     varied.rough = varied.alpha > 0 || varied.passed > 0 || !rgb_is_black(varied.sheen) ||
                    (v->clearcoat > 0 && varied.clearcoat_alpha > 0);
-    if (rgb_is_black(bsdf->entry_mean) || !rsv_same_interface(&varied, bsdf)) {
-        varied.entry_mean = rsv_bsdf_entry_mean(&varied);
+    bool anew = rgb_is_black(bsdf->entry_scale) || !rsv_same_interface(&varied, bsdf);
+    if (anew) varied.entry_scale = rsv_bsdf_entry_scale(&varied);
+    *to = varied;
+    return anew;
+}
+
+RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
+{
+    rsv_bsdf varied;
+    if (bsdf->unlit) {
+        varied = *bsdf;
+        varied.emission = v->base_color;
+    } else if (rsv_bsdf_vary_unbalanced(bsdf, v, &varied)) {
         rsv_bsdf_balance_layers(&varied);
     }
-    varied.exitance_albedo = rsv_rgb_divided(v->base_color, varied.entry_mean);
-    varied.passed_albedo = rsv_rgb_divided(v->diffuse_transmission_color, varied.entry_mean);
+    return varied;
+}
+
+RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_bsdf_variation *v)
+{
+    rsv_bsdf varied = *bsdf;
+    if (!bsdf->unlit) rsv_bsdf_vary_unbalanced(bsdf, v, &varied);
     return varied;
 }
 

@@ -115,14 +115,12 @@ static double squared_irradiance(const examination *x, size_t k)
     return luminance(r->irradiance[0]) * luminance(r->irradiance[1]);
 }
 
-static double largest_albedo(const examination *x)
+/// Of the operator that was solved.
+static double largest_albedo(const rsv_light_view *s)
 {
-    const rsv_light_view *s = x->solution;
     float largest = 0;
     for (size_t n = 0; n < s->elements->node_count; n++)
         largest = f_max(largest, rgb_max(s->exitance_albedo[n]));
-    for (size_t k = 0; k < x->desc.samples; k++)
-        largest = f_max(largest, rgb_max(x->sample[k].at.albedo));
     return (double)largest;
 }
 
@@ -149,7 +147,7 @@ static void judge_residual(examination *x)
     c->residual_direct_rms = rsv_moments_root(moments(x, squared_direct)).mean;
     c->residual_gathered_rms = rsv_moments_root(moments(x, squared_gathered)).mean;
     c->irradiance_rms = rsv_moments_root(moments(x, squared_irradiance)).mean;
-    c->max_albedo = largest_albedo(x);
+    c->max_albedo = largest_albedo(x->solution);
     c->medium_factor = medium_factor(x);
     c->error_bound_rms = c->max_albedo < 1
                              ? c->medium_factor * c->residual_ci95[1] / (1 - c->max_albedo)

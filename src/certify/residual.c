@@ -168,9 +168,7 @@ static rsv_rgb radiance_at_end(const receiver *r, const rsv_chain *end, rsv_rand
     uint32_t face = s->elements->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return rgb_gray(0);
     rsv_bsdf storage;
-    rsv_rgb albedo = rsv_chain_bsdf(&s->scene, end, &storage)->exitance_albedo;
-    rsv_rgb *most = &r->result->albedo;
-    *most = rgb(f_max(most->r, albedo.r), f_max(most->g, albedo.g), f_max(most->b, albedo.b));
+    rsv_rgb albedo = rsv_chain_bsdf(&s->scene, end, &storage)->base_color;
     rsv_rgb exitance = rgb_mul(albedo, stored_at(r, face, end, random));
     return rgb_scale(rgb_mul(end->weight, exitance), 1 / RSV_PI);
 }

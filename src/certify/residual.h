@@ -28,7 +28,6 @@ typedef struct rsv_residual {
     rsv_rgb residual[2];
     rsv_rgb direct[2];     ///< the part of it in what next-event estimation finds
     rsv_rgb irradiance[2]; ///< E~; the two differ if direct light is exact
-    rsv_rgb albedo;        ///< largest of the surfaces that gather rays ended on
     float ior;             ///< of the medium that the point faces
     uint64_t rays;
 } rsv_residual;

@@ -9,8 +9,7 @@ static rsv_rgb emission_towards(const rsv_transport_scene *scene, const rsv_chai
     return shows ? rgb_scale(bsdf->emission, bsdf->opacity) : rgb_gray(0);
 }
 
-/// Divides by the largest channel after having survived with that probability.
-static bool survive_roulette(rsv_rgb *weight, rsv_random *random)
+bool rsv_chain_survives(rsv_rgb *weight, rsv_random *random)
 {
     float largest = rgb_max(*weight);
     if (largest >= 1 || largest <= 0) return largest > 0;
@@ -33,8 +32,8 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
         if (event.lobe == RSV_LOBE_NONE || chain.events >= RSV_CHAIN_MAX_EVENTS) return gather;
         if (event.lobe == RSV_LOBE_DIFFUSE) {
             gather.chain.weight = rgb_mul(chain.weight, event.weight);
-            gather.end = survive_roulette(&gather.chain.weight, random) ? RSV_CHAIN_DIFFUSE
-                                                                        : RSV_CHAIN_ABSORBED;
+            gather.end = rsv_chain_survives(&gather.chain.weight, random) ? RSV_CHAIN_DIFFUSE
+                                                                          : RSV_CHAIN_ABSORBED;
             gather.chain.weight = rsv_chain_throughput(scene, &gather.chain, &gather.chain.medium);
             return gather;
         }
@@ -46,6 +45,6 @@ rsv_gather rsv_chain_gather(const rsv_transport_scene *scene, rsv_chain chain, r
             gather.end = RSV_CHAIN_ESCAPED;
             return gather;
         }
-        if (!survive_roulette(&chain.weight, random)) return gather;
+        if (!rsv_chain_survives(&chain.weight, random)) return gather;
     }
 }

@@ -67,6 +67,9 @@ typedef struct rsv_gather {
     rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
 } rsv_gather;
 
+/// Roulette: divides by the largest channel after having survived with that probability.
+bool rsv_chain_survives(rsv_rgb *weight, rsv_random *random);
+
 /// Whether radiance emitted by a surface met after `turns` specular events (rsv_chain.turns) is wanted.
 typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t turns);
 

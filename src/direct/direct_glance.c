@@ -110,7 +110,8 @@ static rsv_rgb entering(
     const glance_job *job, const rsv_receiver_block *block, uint32_t n, float cos, rsv_rgb light)
 {
     if (!block->coated) return light;
-    return rgb_mul(light, rsv_bsdf_entry(rsv_receiver_bsdf(job->blocks, block, n), cos));
+    const rsv_surface_entry *entry = rsv_receiver_entry(job->blocks, block, n);
+    return rgb_mul(light, rsv_surface_entry_at(entry, job->blocks->scene->bsdf, cos));
 }
 
 /// Irradiance of the nodes without occlusion. @return whether there is any

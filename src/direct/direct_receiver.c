@@ -11,9 +11,9 @@ void rsv_direct_receive(
     uint32_t points = job->setting.points;
     rsv_support_point sample[RSV_DIRECT_LANES];
     r->node = node;
-    r->material = view->triangle_material[e->face_triangle[e->node_face[node]]];
     r->valid = valid;
     rsv_elements_sample_support(e, node, points, job->setting.seed, sample);
+    r->entry = rsv_elements_entry(e, node, sample, points, valid);
     for (uint32_t k = 0; k < points; k++) {
         if (!(valid >> k & 1)) continue;
         uint32_t face = e->cell[sample[k].support / 4].face;

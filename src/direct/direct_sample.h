@@ -5,6 +5,7 @@
 #include "../core/bits.h"
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
+#include "../surface/entry.h"
 #include "../surface/medium.h"
 #include "../surface/lift.h"
 
@@ -24,7 +25,8 @@ typedef struct rsv_direct_receiver {
     rsv_surface_point point[RSV_DIRECT_LANES];
     rsv_vec3 origin[RSV_DIRECT_LANES]; ///< off the surface
     rsv_medium medium;                 ///< of the first of them that is not buried
-    uint32_t node, material;
+    rsv_surface_entry entry;           ///< of all of them
+    uint32_t node;
     uint32_t valid; ///< bit k = point k counts
 } rsv_direct_receiver;
 
@@ -54,7 +56,7 @@ RSV_INLINE rsv_rgb rsv_direct_entering(const rsv_direct_setting *s,
     const rsv_direct_receiver *receiver, rsv_rgb light, float distance, float cos)
 {
     rsv_rgb passed = rsv_medium_transmittance(&receiver->medium, s->bsdf, distance);
-    return rgb_mul(rgb_mul(light, passed), rsv_bsdf_entry(&s->bsdf[receiver->material], cos));
+    return rgb_mul(rgb_mul(light, passed), rsv_surface_entry_at(&receiver->entry, s->bsdf, cos));
 }
 
 // ---- emitters, suns and the sky -----------------------------------------------------------------

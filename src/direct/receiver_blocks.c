@@ -28,17 +28,11 @@ static uint32_t material_of(const rsv_receiver_blocks *b, uint32_t node)
         ->triangle_material[b->elements->face_triangle[b->elements->node_face[node]]];
 }
 
-const rsv_bsdf *rsv_receiver_bsdf(
-    const rsv_receiver_blocks *b, const rsv_receiver_block *block, uint32_t n)
-{
-    return &b->scene->bsdf[material_of(b, block->node[n])];
-}
-
 /// The first few of a node's points that are not buried. @return how many
-static uint32_t find_points(const builder *w, uint32_t node, rsv_surface_point *points)
+static uint32_t find_points(
+    const builder *w, uint32_t node, rsv_support_point *sample, rsv_surface_point *points)
 {
     const rsv_elements *e = w->b->elements;
-    rsv_support_point sample[RSV_SUPPORT_POINTS];
     uint32_t count = 0;
     rsv_elements_sample_support(e, node, w->points, w->seed, sample);
     for (uint32_t k = 0; k < w->points && count < RSV_BLOCK_POINTS; k++) {
@@ -119,11 +113,12 @@ static rsv_status sort_nodes(builder *w, const bool *moves)
     if (!w->place) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
     for (size_t node = 0; node < nodes; node++) {
+        rsv_support_point sample[RSV_SUPPORT_POINTS];
         rsv_surface_point point[RSV_BLOCK_POINTS];
         w->place[node] = (curve_place){ UINT64_MAX, (uint32_t)node };
         b->held[node] = !w->valid_points[node];
         if (b->held[node] || moves[material_of(b, (uint32_t)node)]) continue;
-        find_points(w, (uint32_t)node, point);
+        find_points(w, (uint32_t)node, sample, point);
         b->held[node] = !absorbs(b->scene, &point[0]);
         if (b->held[node]) w->place[node].key = curve_key(w, point[0].position, point[0].geometric);
     }
@@ -171,14 +166,25 @@ static void fill_block(const builder *w, size_t index)
     rsv_receiver_block *block = &w->b->block[index];
     for (uint32_t n = 0; n < RSV_BLOCK_NODES; n++) {
         size_t k = index * RSV_BLOCK_NODES + n;
+        rsv_support_point sample[RSV_SUPPORT_POINTS];
         rsv_surface_point point[RSV_BLOCK_POINTS];
         block->node[n] = k < w->count ? w->place[k].node : RSV_NONE;
         if (k >= w->count) continue;
-        uint32_t count = find_points(w, block->node[n], point);
+        uint32_t node = block->node[n], count = find_points(w, node, sample, point);
         for (uint32_t p = 0; p < count; p++)
             set_lane(block, n * RSV_BLOCK_POINTS + p, &point[p]);
-        block->coated = block->coated || rsv_receiver_bsdf(w->b, block, n)->coated;
+        if (!w->b->entry) continue;
+        block->coated = block->coated || w->b->scene->bsdf[material_of(w->b, node)].coated;
+        w->b->entry[k] =
+            rsv_elements_entry(w->b->elements, node, sample, w->points, w->valid_points[node]);
     }
+}
+
+static bool any_coated(const rsv_transport_scene *scene)
+{
+    for (size_t m = 0; m < scene->view->material_count; m++)
+        if (scene->bsdf[m].coated) return true;
+    return false;
 }
 
 rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
@@ -201,6 +207,10 @@ rsv_status rsv_receiver_blocks_create(const rsv_transport_scene *scene,
     b->sums = rsv_alloc(context, elements->node_count, sizeof *b->sums);
     b->spread = rsv_alloc(context, elements->node_count, sizeof *b->spread);
     RSV_TRY(b->block && b->edge && b->sums && b->spread ? RSV_OK : RSV_ERROR_MEMORY);
+    if (any_coated(scene)) {
+        b->entry = rsv_alloc(context, b->block_count * RSV_BLOCK_NODES, sizeof *b->entry);
+        RSV_TRY(b->entry ? RSV_OK : RSV_ERROR_MEMORY);
+    }
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))
     for (size_t k = 0; k < b->block_count; k++)
         fill_block(&w, k);
@@ -216,6 +226,7 @@ void rsv_receiver_blocks_destroy(rsv_receiver_blocks *b)
 {
     if (!b) return;
     rsv_free(b->context, b->block);
+    rsv_free(b->context, b->entry);
     rsv_free(b->context, b->edge);
     rsv_free(b->context, b->sums);
     rsv_free(b->context, b->spread);

@@ -31,7 +31,8 @@ typedef struct rsv_receiver_blocks {
     const rsv_elements *elements;
     rsv_receiver_block *block; ///< [block_count]
     size_t block_count;
-    uint8_t *held; ///< [node_count] non-zero = in a block, or receives nothing
+    rsv_surface_entry *entry; ///< [block_count * RSV_BLOCK_NODES]; NULL = no material is coated
+    uint8_t *held;            ///< [node_count] non-zero = in a block, or receives nothing
     bool holds_all;
     rsv_glance_sums *sums,
         *spread;   ///< [node_count] of the last glance, of nodes and of those around them
@@ -49,8 +50,11 @@ void rsv_receiver_blocks_destroy(rsv_receiver_blocks *blocks);
 /// Gives rays that were aimed from a block's points their start; their ends stay.
 void rsv_receiver_block_lift(const rsv_receiver_block *block, rsv_ray_packet *packet);
 
-/// How the surface of a block's n-th node scatters.
-const rsv_bsdf *rsv_receiver_bsdf(
-    const rsv_receiver_blocks *blocks, const rsv_receiver_block *block, uint32_t n);
+/// How light enters at a block's n-th node. @param block that is coated
+RSV_INLINE const rsv_surface_entry *rsv_receiver_entry(
+    const rsv_receiver_blocks *blocks, const rsv_receiver_block *block, uint32_t n)
+{
+    return &blocks->entry[(size_t)(block - blocks->block) * RSV_BLOCK_NODES + n];
+}
 
 #endif

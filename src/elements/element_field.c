@@ -165,6 +165,20 @@ void rsv_elements_sample_support_as(const rsv_elements *e, uint32_t node, uint32
     }
 }
 
+rsv_surface_entry rsv_elements_entry(const rsv_elements *e, uint32_t node,
+    const rsv_support_point *sample, uint32_t count, uint32_t valid)
+{
+    uint32_t material = e->scene->triangle_material[e->face_triangle[e->node_face[node]]];
+    rsv_surface_entry entry = rsv_surface_entry_of(material);
+    for (uint32_t k = 0; k < count && rsv_coat_varies(e->scene, material); k++) {
+        uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
+        if (valid >> k & 1)
+            rsv_surface_entry_add(&entry, e->scene, e->bsdf, triangle, sample[k].u, sample[k].v);
+    }
+    rsv_surface_entry_finish(&entry);
+    return entry;
+}
+
 static void constrain_node(const rsv_hanging *hanging, rsv_rgb *value)
 {
     rsv_rgb sum = rgb_scale(value[hanging->parent[0]], hanging->weight[0]);

@@ -13,7 +13,7 @@
 
 #include "../core/core.h"
 #include "../core/triangle_grid.h"
-#include "../surface/surface.h"
+#include "../surface/entry.h"
 
 #define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together
 
@@ -225,6 +225,10 @@ void rsv_elements_sample_support(const rsv_elements *elements, uint32_t node, ui
 /// The same with the random numbers of a node of another index.
 void rsv_elements_sample_support_as(const rsv_elements *elements, uint32_t node, uint32_t index,
     uint32_t count, uint32_t seed, rsv_support_point *points);
+
+/// How light enters at a node. @param sample [count], of which those count whose bit of `valid` is set
+rsv_surface_entry rsv_elements_entry(const rsv_elements *elements, uint32_t node,
+    const rsv_support_point *sample, uint32_t count, uint32_t valid);
 
 /// The number by which points of a node are drawn.
 RSV_INLINE uint32_t rsv_elements_draw_of(const rsv_elements *elements, uint32_t node)

@@ -66,7 +66,7 @@ static patch patch_of(
 static bool is_mere_lamp(const rsv_transport_scene *scene, uint32_t triangle)
 {
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[triangle]];
-    return bsdf->lambert && rgb_is_black(bsdf->exitance_albedo);
+    return bsdf->lambert && rgb_is_black(bsdf->base_color);
 }
 
 /// Looks for what rises above a patch.

@@ -33,7 +33,7 @@ rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
     rsv_surface_point point =
         rsv_surface_point_at(s->scene.view, triangle, rays->u[lane], rays->v[lane], back);
     rsv_surface_lift(s->scene.view, s->tracer, triangle, rays->u[lane], rays->v[lane], &point);
-    rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].exitance_albedo;
+    rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].base_color;
     rsv_rgb kept = rsv_mover_shadow(mover, &point, stream);
     return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
 }
@@ -62,7 +62,7 @@ void rsv_add_diffuse_end(void *light, const rsv_chain *chain, rsv_rgb weight)
     if (face == RSV_NONE) return;
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(l->scene, chain, &storage);
-    rsv_rgb albedo = bsdf->exitance_albedo;
+    rsv_rgb albedo = bsdf->base_color;
     rsv_rgb shown = rsv_shown_reflected(l->table, face, albedo, chain->u, chain->v);
     if (l->mover) {
         rsv_surface_point point =

@@ -184,7 +184,7 @@ void rsv_light_table_bake(rsv_light_table *t, uint32_t layer)
         walk.scale = rgb_gray(1);
         walk.offset = rgb_gray(0);
         if (is_stored(s, material)) {
-            walk.scale = rgb_scale(s->bsdf[material].exitance_albedo, 1 / RSV_PI);
+            walk.scale = rgb_scale(s->bsdf[material].base_color, 1 / RSV_PI);
             memcpy(&walk.offset, t->cell[1 + material].corner[0], sizeof walk.offset);
         }
         rsv_face_walk_cells(&walk, face, t->face_level[face], t->face_cell[face]);

@@ -292,8 +292,7 @@ RSV_INLINE rsv_rgb rsv_frame_diffuse(const rsv_gpu_stage *stage, const rsv_chain
     if (shown.kind == RSV_SHOWN_STORED) return rsv_frame_unlit(stage, shown, chain);
     if (side.kind != RSV_SHOWN_STORED || rgb_is_black(branches->diffuse)) return rgb_gray(0);
     rsv_rgb irradiance = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, chain->u, chain->v));
-    return rgb_scale(
-        rgb_mul(rgb_mul(branches->diffuse, bsdf->exitance_albedo), irradiance), 1 / RSV_PI);
+    return rgb_scale(rgb_mul(rgb_mul(branches->diffuse, bsdf->base_color), irradiance), 1 / RSV_PI);
 }
 
 /// A traveller that has arrived at a surface of any kind. @return what that shows

@@ -11,7 +11,9 @@ static void aim_row(const rsv_elements *elements, const rsv_tracer *tracer,
     const rsv_directions *directions, rsv_receiver_draw draw, rsv_ray_packet *packets)
 {
     rsv_receiver_points points;
-    rsv_receiver_points_set_up(elements, tracer, draw, &points);
+    rsv_support_point sample[LANES];
+    rsv_receiver_points_choose(elements, draw, sample);
+    rsv_receiver_points_set_up(elements, tracer, draw, sample, &points);
     size_t set = rsv_directions_of(directions, draw.seed, draw.node);
     for (uint32_t p = 0; p < directions->count / LANES; p++) {
         size_t first = set + (size_t)p * LANES;

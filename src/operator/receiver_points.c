@@ -12,6 +12,13 @@ static void replace_buried(uint16_t valid, uint32_t random, rsv_support_point *s
         if (!(valid >> k & 1)) sample[k] = sample[sound[next++ % count]];
 }
 
+void rsv_receiver_points_choose(
+    const rsv_elements *e, rsv_receiver_draw draw, rsv_support_point sample[LANES])
+{
+    rsv_elements_sample_support_as(e, draw.node, draw.index, LANES, draw.seed, sample);
+    replace_buried(draw.valid, rsv_hash3(draw.seed, draw.index, 0x3f1du) % LANES, sample);
+}
+
 static void set_origin(rsv_receiver_points *r, uint32_t k, const rsv_surface_point *point)
 {
     rsv_vec3 origin = rsv_offset_origin(point->position, point->geometric, point->extent);
@@ -37,14 +44,11 @@ static void set_frame(
     r->normal_x[k] = normal.x, r->normal_y[k] = normal.y, r->normal_z[k] = normal.z;
 }
 
-void rsv_receiver_points_set_up(
-    const rsv_elements *e, const rsv_tracer *tracer, rsv_receiver_draw draw, rsv_receiver_points *r)
+void rsv_receiver_points_set_up(const rsv_elements *e, const rsv_tracer *tracer,
+    rsv_receiver_draw draw, const rsv_support_point sample[LANES], rsv_receiver_points *r)
 {
     float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(draw.seed, draw.index, 0x7a3du));
     float cos_turn = cosf(turn), sin_turn = sinf(turn);
-    rsv_support_point sample[LANES];
-    rsv_elements_sample_support_as(e, draw.node, draw.index, LANES, draw.seed, sample);
-    replace_buried(draw.valid, rsv_hash3(draw.seed, draw.index, 0x3f1du) % LANES, sample);
     r->lifted = 0;
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t face = e->cell[sample[k].support / 4].face, triangle = e->face_triangle[face];

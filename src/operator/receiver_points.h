@@ -32,9 +32,14 @@ typedef struct rsv_receiver_draw {
     uint16_t valid; ///< bit k = point k counts; not 0
 } rsv_receiver_draw;
 
-/// Points that are buried leave their lanes to the others.
+/// Where the points lie. Points that are buried leave their lanes to the others.
+void rsv_receiver_points_choose(const rsv_elements *elements, rsv_receiver_draw draw,
+    rsv_support_point sample[RSV_SUPPORT_POINTS]);
+
+/// @param sample from rsv_receiver_points_choose with the same draw
 void rsv_receiver_points_set_up(const rsv_elements *elements, const rsv_tracer *tracer,
-    rsv_receiver_draw draw, rsv_receiver_points *points);
+    rsv_receiver_draw draw, const rsv_support_point sample[RSV_SUPPORT_POINTS],
+    rsv_receiver_points *points);
 
 /// The ray of a lane that may leave another surface than its triangle (bit k of `lifted`). @return false = it carries nothing
 RSV_INLINE bool rsv_receiver_points_lift(

@@ -2,6 +2,7 @@
 #ifndef RSV_ROW_RAYS_H
 #define RSV_ROW_RAYS_H
 
+#include "../surface/entry.h"
 #include "../surface/medium.h"
 #include "receiver_points.h"
 
@@ -22,7 +23,9 @@ typedef struct rsv_ray_target {
 /// The receiver points of one node and what holds for the node as a whole.
 typedef struct rsv_row_receiver {
     rsv_receiver_points points;
-    const rsv_bsdf *bsdf;
+    rsv_surface_entry entry;
+    rsv_rgb
+        entry_scale; ///< makes the mean of the entry over the rays 1, which it is over all angles
     rsv_medium medium;
     uint32_t index; ///< of the node, or of the one whose random numbers are used
     uint16_t valid; ///< bit k = point k counts

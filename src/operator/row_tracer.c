@@ -5,23 +5,38 @@
 
 #define LANES RSV_SUPPORT_POINTS
 
+/// So rows of coated surfaces sum to no more than 1 either.
+static rsv_rgb scale_of_entry(const rsv_row_tracer *tracer, const rsv_row_receiver *r)
+{
+    const rsv_directions *d = &tracer->directions;
+    const float *cos = d->z + rsv_directions_of(d, tracer->seed, r->index);
+    const float rays = (float)d->count, least = 1e-6f;
+    rsv_rgb sum = rgb_gray(0);
+    if (!rsv_surface_entry_tints(&r->entry, tracer->scene->bsdf)) return rgb_gray(1);
+    for (uint32_t k = 0; k < d->count; k++)
+        sum = rgb_add(sum, rsv_surface_entry_at(&r->entry, tracer->scene->bsdf, cos[k]));
+    return rgb(rays / f_max(sum.r, least), rays / f_max(sum.g, least), rays / f_max(sum.b, least));
+}
+
 void rsv_row_receive_as(const rsv_row_tracer *tracer, uint32_t node, uint32_t index, uint16_t valid,
     rsv_row_receiver *r)
 {
+    const rsv_elements *e = tracer->elements;
     rsv_receiver_points *p = &r->points;
-    rsv_receiver_points_set_up(tracer->elements, tracer->scene->tracer,
-        (rsv_receiver_draw){ node, index, tracer->seed, valid }, p);
-    uint32_t face = tracer->elements->node_face[node];
-    uint32_t material =
-        tracer->scene->view->triangle_material[tracer->elements->face_triangle[face]];
-    // one of the points speaks for the medium of all
+    rsv_support_point sample[LANES];
+    rsv_receiver_draw draw = { node, index, tracer->seed, valid };
+    rsv_receiver_points_choose(e, draw, sample);
+    rsv_receiver_points_set_up(e, tracer->scene->tracer, draw, sample, p);
     r->index = index;
     r->valid = valid;
-    r->bsdf = &tracer->scene->bsdf[material];
+    r->entry = rsv_elements_entry(e, node, sample, LANES, UINT32_MAX);
+    r->entry_scale = scale_of_entry(tracer, r);
+    // one of the points speaks for the medium of all
     r->medium =
         rsv_medium_above(&tracer->scene->media, v3(p->origin_x[0], p->origin_y[0], p->origin_z[0]),
             v3(p->geometric_x[0], p->geometric_y[0], p->geometric_z[0]));
-    r->tints = r->bsdf->coated || rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
+    r->tints = rsv_surface_entry_tints(&r->entry, tracer->scene->bsdf) ||
+               rsv_medium_absorbs(&r->medium, tracer->scene->bsdf);
 }
 
 void rsv_row_receive(const rsv_row_tracer *tracer, uint32_t node, rsv_row_receiver *r)
@@ -54,6 +69,13 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
     s->tinted_weight[s->tinted_count++] = w;
 }
 
+/// What light that a receiver gathers at that cosine counts for.
+static rsv_rgb entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r, float cos)
+{
+    rsv_rgb entry = rsv_surface_entry_at(&r->entry, tracer->scene->bsdf, cos);
+    return rgb_mul(entry, r->entry_scale);
+}
+
 /// The general case: specular surfaces, coats, emission.
 static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
@@ -62,10 +84,12 @@ static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
     rsv_chain chain = rsv_chain_begin(tracer->scene, &r->medium, direction, packet->triangle[k],
         packet->u[k], packet->v[k], packet->t_max[k]);
-    chain.weight = rgb_mul(chain.weight, rsv_bsdf_entry(r->bsdf, cos_receiver));
     rsv_gather gather =
         rsv_chain_gather(tracer->scene, chain, &random, counts_by_gathering, tracer->lights);
-    s->emission = rgb_add(s->emission, gather.emission);
+    // not ahead of roulette, which could raise the sum of the row
+    rsv_rgb entered = entering(tracer, r, cos_receiver);
+    gather.chain.weight = rgb_mul(gather.chain.weight, entered);
+    s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
     s->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_DIFFUSE)
         record_end(tracer, s, ray, &gather.chain, rsv_random_float(&random));
@@ -107,11 +131,11 @@ static rsv_ray_target hit_target(const rsv_row_tracer *tracer, const rsv_ray_pac
     return tracer->target[2 * (size_t)triangle + back];
 }
 
-static void record_sky(rsv_row_scratch *s, const rsv_row_receiver *r, float cos_receiver,
-    const rsv_ray_packet *packet, int k)
+static void record_sky(const rsv_row_tracer *tracer, rsv_row_scratch *s, const rsv_row_receiver *r,
+    float cos_receiver, const rsv_ray_packet *packet, int k)
 {
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_escape_row_add(&s->escapes, direction, rsv_bsdf_entry(r->bsdf, cos_receiver), 0);
+    rsv_escape_row_add(&s->escapes, direction, entering(tracer, r, cos_receiver), 0);
 }
 
 void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t first_ray,
@@ -134,7 +158,7 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
         s->kind[ray] = target[k].kind;
         if (target[k].kind == RSV_TARGET_BLACK) continue;
         if (target[k].kind == RSV_TARGET_SKY) {
-            record_sky(s, r, cos_receiver[k], packet, k);
+            record_sky(tracer, s, r, cos_receiver[k], packet, k);
             continue;
         }
         if (target[k].kind == RSV_TARGET_CHAIN || r->tints) {
@@ -211,7 +235,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         packet.v[k] = ends->hit[n].v;
         packet.t_max[k] = ends->hit[n].t;
         if (packet.triangle[k] == RSV_NONE)
-            record_sky(s, r, z[k], &packet, (int)k);
+            record_sky(tracer, s, r, z[k], &packet, (int)k);
         else
             follow_chain(tracer, s, ray, r, z[k], &packet, (int)k);
     }

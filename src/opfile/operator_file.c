@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 
 #define FORMAT_NAME "resolvent-operator"
-#define FORMAT_VERSION 1
+#define FORMAT_VERSION 2
 
 // ---- writing --------------------------------------------------------------------------------------
 

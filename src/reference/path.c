@@ -69,7 +69,7 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
     if (!rsv_bodies_sample_entry(path->tracer->bodies, &out, &path->numbers.random, &in, &share))
         return false;
     path->throughput = rgb_mul(path->throughput, rgb_mul(leaving, share));
-    path->throughput = rgb_mul(path->throughput, exit->bsdf->exitance_albedo);
+    path->throughput = rgb_mul(path->throughput, exit->bsdf->base_color);
     if (rgb_is_black(path->throughput)) return false;
     rsv_path_surface entry;
     enter_surface(path->tracer, exit, &in, &entry);
@@ -186,12 +186,9 @@ void rsv_trace_camera_path(const rsv_path_tracer *tracer, const rsv_ray *ray,
 void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light)
 {
-    static const rsv_bsdf white = { .base_color = { 1, 1, 1 },
-        .exitance_albedo = { 1, 1, 1 },
-        .ior = 1,
-        .diffuse = 1,
-        .opacity = 1,
-        .lambert = true };
+    static const rsv_bsdf white = {
+        .base_color = { 1, 1, 1 }, .ior = 1, .diffuse = 1, .opacity = 1, .lambert = true
+    };
     rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, point, normal);
     float lift = v3_length(v3_sub(origin, point));
     rsv_path_surface receiver = { .bsdf = &white,

@@ -138,7 +138,7 @@ static void choose_sides(const rsv_path_surface *s, bool aim[2])
     aim[0] = s->entry, aim[1] = false;
     if (s->entry) return;
     rsv_bsdf_branches branches = rsv_bsdf_evaluate_branches(s->bsdf, s->wo, s->normal, s->front);
-    rsv_rgb diffuse = rgb_mul(branches.diffuse, s->bsdf->exitance_albedo);
+    rsv_rgb diffuse = rgb_mul(branches.diffuse, s->bsdf->base_color);
     aim[0] = branches.rough || (!s->translucent && !rgb_is_black(diffuse));
     aim[1] = branches.rough && (s->bsdf->transmission > 0 || s->bsdf->passed > 0);
 }

@@ -16,15 +16,25 @@ static rsv_status create_bsdfs(rsv_path_tracer *tracer)
     return RSV_OK;
 }
 
-/// No path that starts at the camera can hit a point through a lens or by way of a mirror.
+/// Whether it sends light of a point on in a direction that no path from elsewhere aims at: by lenses, mirrors, panes and
+/// polish. What goes straight through thin sheets is found.
+static bool mirrors(const rsv_bsdf *b)
+{
+    bool polished =
+        b->metallic > 0 || b->transmission > 0 || (b->ior > 1 && !rgb_is_black(b->specular_tint));
+    if (b->lambert || b->unlit) return false;
+    return (polished && b->alpha == 0) || (b->clearcoat > 0 && b->clearcoat_alpha == 0);
+}
+
 static void warn_of_unreachable_caustics(const rsv_path_tracer *tracer)
 {
     if (tracer->scene->light_count == 0) return;
     for (size_t i = 0; i < tracer->scene->material_count; i++) {
-        if (!tracer->bsdf[i].solid && tracer->bsdf[i].metallic == 0) continue;
+        if (!mirrors(&tracer->bsdf[i])) continue;
         rsv_log(tracer->context, RSV_LOG_WARNING,
-            "material '%s': the reference leaves out what it focuses of punctual lights; use an "
-            "emissive surface to include caustics",
+            "material '%s': the reference leaves out what it mirrors or focuses of punctual "
+            "lights; use "
+            "an emissive surface to include that",
             tracer->scene->material[i].name);
         return;
     }

@@ -97,7 +97,7 @@ RSV_INLINE float rsv_rough_chance(
     const rsv_bsdf *bsdf = surface->bsdf;
     if (!rsv_rough_is_wide(bsdf)) return 1;
     float rough = rsv_bsdf_specular_chance(bsdf, surface->wo, surface->normal, surface->front);
-    float diffuse = rgb_luminance(rgb_mul(branches->diffuse, bsdf->exitance_albedo));
+    float diffuse = rgb_luminance(rgb_mul(branches->diffuse, bsdf->base_color));
     return RSV_ROUGH_WORTH * rough < diffuse ? RSV_ROUGH_WORTH * rough / diffuse : 1;
 }
 

@@ -67,7 +67,7 @@ static void add_gathered(
     if (face == RSV_NONE) return;
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
-    weight = rgb_mul(rgb_mul(weight, chain->weight), bsdf->exitance_albedo);
+    weight = rgb_mul(rgb_mul(weight, chain->weight), bsdf->base_color);
     bool translucent = rsv_is_translucent(s, face);
     rsv_rgb direct = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, 0)
                                  : rgb_add(rsv_solution_direct(s, face, chain->u, chain->v, true),
@@ -128,7 +128,7 @@ void rsv_picture_shade(void *user, const rsv_chain *chain, rsv_rgb weight)
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
     // radiance at the camera per irradiance of the surface
-    weight = rgb_scale(rgb_mul(weight, bsdf->exitance_albedo), 1 / RSV_PI);
+    weight = rgb_scale(rgb_mul(weight, bsdf->base_color), 1 / RSV_PI);
     if (rsv_is_translucent(s, face)) {
         shade_translucent(r, chain, face, weight);
         return;

@@ -137,7 +137,7 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
     float cos = v3_dot(point->normal, light.direction), scale = cos / light.pdf_solid_angle;
     bool known = rsv_light_sample_is_weighed(&light);
     d->term[term].asked += known;
-    rsv_rgb control = rgb_mul(rgb_mul(weight, lit->bsdf->entry_mean), light.mean_radiance);
+    rsv_rgb control = rgb_mul(weight, light.mean_radiance);
     d->term[term].control = rgb_mad(d->term[term].control, scale, control);
     // what the geometry hides from the shading normal is blocked like anything else
     if (!rsv_surface_faces(point, light.direction)) return;
@@ -154,11 +154,10 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_
     rsv_local_lights local;
     rsv_lights_at(d->solution->lights, lit->point.position, lit->point.normal, &local);
     if (rsv_local_lights_are_dark(&local)) return;
-    rsv_rgb entering = rgb_mul(weight, lit->bsdf->entry_mean);
     rsv_direct_term term = {
-        .column = column, .sample = sample.index, .exact = rgb_mul(entering, local.unshadowed)
+        .column = column, .sample = sample.index, .exact = rgb_mul(weight, local.unshadowed)
     };
-    term.expected = rgb_luminance(term.exact) + rgb_luminance(entering) * local.tree_estimate;
+    term.expected = rgb_luminance(term.exact) + rgb_luminance(weight) * local.tree_estimate;
     if (!push_term(d, term)) return;
     push_spot(d, chain, weight, sample);
     aim(d, d->term_count - 1, &local, lit, weight, within_half(sample));

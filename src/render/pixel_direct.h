@@ -6,7 +6,7 @@
 ///
 ///     sum_i  S_i V_i + a_i (A_i - C_i)
 ///
-/// (C_i = S_i with the mean radiance of a textured emitter and the mean transmission of a coat) is free of noise where
+/// (C_i = S_i with the mean radiance of a textured emitter, whatever the coat lets through) is free of noise where
 /// all samples see the light, and unbiased: A_i - C_i is 0 on average, whatever the other half has seen. (Samples that
 /// are stratified against sample i know where it is not, which is a bias of order 1 / samples.)
 ///

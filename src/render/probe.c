@@ -5,6 +5,7 @@
 #include "../solve/goal.h"
 #include "../solve/solution.h"
 #include "../trace/passage.h"
+#include "lit_gather.h"
 #include "pixel_direct.h"
 #include "probe_gather.h"
 #include "resolvent/render.h"
@@ -174,31 +175,18 @@ static void add_punctual(const receiver *r, uint32_t index, double value[3][GROU
     }
 }
 
-static bool counts(const void *user, uint32_t triangle, uint32_t turns)
-{
-    const receiver *r = user;
-    return rsv_gathering_counts(r->job->solution->lights, triangle, turns, r->has_caustic);
-}
-
-static rsv_rgb radiance_beyond(const receiver *r, rsv_vec3 direction, uint32_t turns)
-{
-    return rsv_gathering_sky(r->job->solution->lights, direction, turns, r->has_caustic);
-}
-
 static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
     rsv_ray ray = { r->origin, direction, INFINITY };
     rsv_hit hit;
-    if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return radiance_beyond(r, direction, 0);
+    if (!rsv_tracer_closest(s->tracer, &ray, &hit))
+        return rsv_gathering_sky(s->lights, direction, 0, r->has_caustic);
     rsv_chain first =
         rsv_chain_begin(&s->scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_gather gather = rsv_chain_gather(&s->scene, first, random, counts, r);
+    // the stored caustic holds what photons bring
+    rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
     rsv_rgb radiance = gather.emission;
-    if (gather.end == RSV_CHAIN_ESCAPED)
-        return rgb_add(radiance,
-            rgb_mul(gather.chain.weight,
-                radiance_beyond(r, gather.chain.direction, gather.chain.turns)));
     if (gather.end != RSV_CHAIN_DIFFUSE) return radiance;
     const rsv_chain *end = &gather.chain;
     uint32_t face = s->elements->face_of[end->back][end->triangle];
@@ -208,7 +196,7 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
     if (rsv_is_translucent(s, face)) {
         rsv_rgb diffused = rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
             rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
-        rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, diffused);
+        rsv_rgb exitance = rgb_mul(bsdf->base_color, diffused);
         return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
     }
     // Direct light at the far end is sampled there and then: what elements cannot resolve of it must not enter a
@@ -217,7 +205,7 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
         rsv_solution_direct(s, face, end->u, end->v, true), rsv_sampled_irradiance(s, end, random));
     rsv_rgb irradiance =
         rgb_add(direct, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
-    rsv_rgb exitance = rgb_mul(bsdf->exitance_albedo, irradiance);
+    rsv_rgb exitance = rgb_mul(bsdf->base_color, irradiance);
     return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
 }
 

@@ -59,7 +59,7 @@ static void add_weight(
     rsv_bsdf storage;
     float w[3];
     const rsv_bsdf *bsdf = rsv_chain_bsdf(&op->world->scene, end, &storage);
-    rsv_rgb seen = rgb_scale(rgb_mul(end->weight, bsdf->exitance_albedo), share / RSV_PI);
+    rsv_rgb seen = rgb_scale(rgb_mul(end->weight, bsdf->base_color), share / RSV_PI);
     // luminance is linear: its weights go along
     seen = rgb(rgb_luminance(rgb(seen.r, 0, 0)), rgb_luminance(rgb(0, seen.g, 0)),
         rgb_luminance(rgb(0, 0, seen.b)));

@@ -21,7 +21,7 @@ struct rsv_operator {
 bool rsv_reflects_diffusely(const rsv_transport_scene *scene)
 {
     for (size_t m = 0; m < scene->view->material_count; m++)
-        if (scene->bsdf[m].diffuse > 0 && !rgb_is_black(scene->bsdf[m].exitance_albedo))
+        if (scene->bsdf[m].diffuse > 0 && !rgb_is_black(scene->bsdf[m].base_color))
             return true;
     return false;
 }
@@ -34,20 +34,24 @@ static rsv_rgb mean_albedo(
     rsv_support_point sample[ALBEDO_POINTS];
     if (e->support_begin[node] == e->support_begin[node + 1]) return rgb_gray(0); // bridged
     rsv_elements_sample_support(e, node, ALBEDO_POINTS, seed, sample);
-    float width = sqrtf(3 * e->node_area[node] / ALBEDO_POINTS), weights = 0;
-    rsv_rgb sum = rgb_gray(0);
+    float width = sqrtf(3 * e->node_area[node] / ALBEDO_POINTS);
+    rsv_rgb sum = rgb_gray(0), weights = rgb_gray(0);
     for (uint32_t k = 0; k < ALBEDO_POINTS; k++) {
         rsv_bsdf storage;
         uint32_t triangle = e->face_triangle[e->cell[sample[k].support / 4].face];
-        const rsv_bsdf *bsdf = rsv_surface_bsdf(
+        const rsv_bsdf *bsdf = rsv_surface_entry_bsdf(
             scene->view, scene->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
-        float weight = bsdf->diffuse * bsdf->opacity *
-                       rsv_left_of_cut_out(
-                           scene->view, triangle, sample[k].u, sample[k].v, width);
-        sum = rgb_mad(sum, weight, bsdf->exitance_albedo);
-        weights += weight;
+        rsv_rgb scale = bsdf->entry_scale, left = rgb(1 / scale.r, 1 / scale.g, 1 / scale.b);
+        float share = bsdf->diffuse * bsdf->opacity *
+                      rsv_left_of_cut_out(
+                          scene->view, triangle, sample[k].u, sample[k].v, width);
+        rsv_rgb weight = rgb_scale(left, share);
+        sum = rgb_add(sum, rgb_mul(weight, bsdf->base_color));
+        weights = rgb_add(weights, weight);
     }
-    return weights > 0 ? rgb_scale(sum, 1 / weights) : sum;
+    const float none = 1e-9f;
+    return rgb(sum.r / f_max(weights.r, none), sum.g / f_max(weights.g, none),
+        sum.b / f_max(weights.b, none));
 }
 
 rsv_status rsv_element_albedos(
@@ -60,7 +64,7 @@ rsv_status rsv_element_albedos(
         uint32_t triangle = e->face_triangle[e->node_face[n]];
         uint32_t material = scene->view->triangle_material[triangle];
         a[n] = scene->view->material_varies[material] ? mean_albedo(scene, e, seed, (uint32_t)n)
-                                                      : scene->bsdf[material].exitance_albedo;
+                                                      : scene->bsdf[material].base_color;
     }
     return RSV_OK;
 }

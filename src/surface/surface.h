@@ -78,6 +78,10 @@ rsv_bsdf rsv_surface_common_bsdf(const rsv_scene_view *scene, uint32_t material)
 RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const rsv_bsdf *common,
     uint32_t triangle, float u, float v, float width, rsv_bsdf *storage);
 
+/// The same for the diffuse lobe alone (rsv_bsdf_vary_entry).
+RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(const rsv_scene_view *scene,
+    const rsv_bsdf *common, uint32_t triangle, float u, float v, float width, rsv_bsdf *storage);
+
 #if defined(RSV_DEVICE_CODE)
 #include "surface_body.h"
 #endif

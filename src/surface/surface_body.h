@@ -30,4 +30,16 @@ RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const r
     return storage;
 }
 
+RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(const rsv_scene_view *scene,
+    const rsv_bsdf *common, uint32_t triangle, float u, float v, float width, rsv_bsdf *storage)
+{
+    uint32_t material = scene->triangle_material[triangle];
+    if (!scene->material_varies[material]) return &common[material];
+    rsv_material at = rsv_material_at(scene, triangle, u, v, width);
+    rsv_bsdf_variation variation = rsv_bsdf_variation_of(&at);
+    *storage = rsv_bsdf_vary_entry(&common[material], &variation);
+    if (!storage->solid) storage->opacity = at.opacity;
+    return storage;
+}
+
 #endif

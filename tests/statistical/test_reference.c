@@ -17,12 +17,14 @@ typedef struct fixture {
     rsv_context *context;
     rsv_scene *scene;
     int rejected; ///< warnings about samples that were not finite
+    int named;    ///< and about light that is left out
 } fixture;
 
 static void count_rejections(void *user, rsv_log_level level, const char *message)
 {
     (void)level;
     ((fixture *)user)->rejected += strstr(message, "not finite") != NULL;
+    ((fixture *)user)->named += strstr(message, "leaves out what it mirrors") != NULL;
 }
 
 static fixture *start(int threads)
@@ -522,6 +524,47 @@ static void cancelled_work_leaves_no_picture(void **state)
     finish(f);
 }
 
+/// A wall in the material, lit by a point. @return whether it is said that light is left out
+static bool names_what_is_left_out(const rsv_material *material)
+{
+    fixture *f = start(1);
+    const rsv_vec3 corner[4] = { v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1) };
+    const rsv_probe probe = { v3(0, 0.5f, 0), v3(0, 1, 0) };
+    const rsv_light light = { .position = v3(0, 1, 0), .intensity = rgb_gray(1) };
+    rsv_probe_reading reading;
+    rsv_shape wall = { f->scene, "wall", add_material(f, material), NULL };
+    assert_int_equal(rsv_add_quad(wall, corner), RSV_OK);
+    assert_int_equal(rsv_scene_add_light(f->scene, &light), RSV_OK);
+    assert_int_equal(rsv_scene_commit(f->scene), RSV_OK);
+    assert_int_equal(rsv_probe_reference(f->scene, &probe, 1, 32, 1, &reading), RSV_OK);
+    int named = f->named;
+    finish(f);
+    return named > 0;
+}
+
+static void light_of_points_in_mirrors_and_panes_is_named(void **state)
+{
+    (void)state;
+    rsv_material material = rsv_default_material();
+    material.roughness = 0.5f;
+    assert_false(names_what_is_left_out(&material));
+    material.clearcoat = 1;
+    assert_true(names_what_is_left_out(&material));
+    material.clearcoat_roughness = 0.5f;
+    material.metallic = 1;
+    assert_false(names_what_is_left_out(&material));
+    material.roughness = 0;
+    assert_true(names_what_is_left_out(&material));
+    material = rsv_default_material();
+    material.transmission = 1;
+    material.roughness = 0; // a pane
+    assert_true(names_what_is_left_out(&material));
+    material = rsv_default_material();
+    material.specular = 0;
+    material.roughness = 0;
+    assert_false(names_what_is_left_out(&material));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -545,6 +588,7 @@ int main(void)
         cmocka_unit_test(layers_are_named_by_order_and_sum_to_the_picture),
         cmocka_unit_test(pictures_do_not_depend_on_the_number_of_threads),
         cmocka_unit_test(standard_error_tells_the_spread_over_seeds),
+        cmocka_unit_test(light_of_points_in_mirrors_and_panes_is_named),
         cmocka_unit_test(impossible_requests_are_refused),
         cmocka_unit_test(cancelled_work_leaves_no_picture),
     };

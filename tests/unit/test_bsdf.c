@@ -378,7 +378,7 @@ static void unlit_material_is_black_to_light_transport(void **state)
     material.unlit = true;
     material.emission = rgb_gray(5);
     rsv_bsdf bsdf = make_bsdf(&material);
-    assert_true(bsdf.unlit && !bsdf.emissive && rgb_is_black(bsdf.exitance_albedo));
+    assert_true(bsdf.unlit && !bsdf.emissive && rgb_is_black(bsdf.base_color));
     assert_float_equal(bsdf.emission.b, 0.6f, 0);
 }
 

@@ -78,6 +78,33 @@ static void a_furnace_is_certified_exact(void **state)
     world_end(w);
 }
 
+/// White under a coat reflects no more than it receives: all albedos are below 1, and so there is a bound.
+static void a_coat_does_not_raise_the_albedo(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    rsv_material coated = rsv_default_material();
+    coated.base_color = rgb_gray(0.95f);
+    coated.clearcoat = 1;
+    coated.sheen_color = rgb_gray(0.5f);
+    coated.sheen_roughness = 0.5f;
+    world_room(w, world_material(w, coated), v3(0, 0, 0), v3(1, 1, 1));
+    world_quad(w, world_lambert(w, 0.5f, 3), v3(0.3f, 0.99f, 0.3f), v3(0.7f, 0.99f, 0.3f),
+        v3(0.7f, 0.99f, 0.7f), v3(0.3f, 0.99f, 0.7f));
+    world_commit(w);
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 300;
+    rsv_solution *solution;
+    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_certify_desc brief = rsv_brief_certify_desc();
+    rsv_certificate c;
+    assert_int_equal(rsv_certify(solution, &brief, &c), RSV_OK);
+    assert_float_equal(c.max_albedo, 0.95, 1e-6);
+    assert_true(isfinite(c.error_bound_rms));
+    rsv_solution_destroy(solution);
+    world_end(w);
+}
+
 /// A constant error of a furnace shrinks to 1 - albedo of it in the residual: the bound is met with equality.
 static void a_known_error_of_a_furnace_is_found(void **state)
 {
@@ -639,6 +666,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(a_furnace_is_certified_exact),
+        cmocka_unit_test(a_coat_does_not_raise_the_albedo),
         cmocka_unit_test(a_known_error_of_a_furnace_is_found),
         cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
         cmocka_unit_test(budgets_end_refinement),

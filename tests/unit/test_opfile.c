@@ -418,7 +418,7 @@ static void replace(specimen *s, const char *text, const char *by)
 static void other_versions_and_formats_are_named(void **state)
 {
     specimen s = new_specimen(state);
-    replace(&s, "\"format_version\":\"1\"", "\"format_version\":\"9\"");
+    replace(&s, "\"format_version\":\"2\"", "\"format_version\":\"9\"");
     check_refused(&s, s.content, s.bytes, "newer");
     replace(&s, "\"format_version\":\"9\"", "\"format_version\":\"0\"");
     check_refused(&s, s.content, s.bytes, "version is 0");

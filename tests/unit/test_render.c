@@ -382,12 +382,52 @@ static void memory_that_runs_out_is_an_error_and_nothing_leaks(void **state)
     world_end(w);
 }
 
+// ---- probes -------------------------------------------------------------------------------------
+
+/// Points in the air, and on a wall under a coat, see the lamp by way of rough metal.
+static void probes_see_lights_by_way_of_rough_metal(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    rsv_material metal = mirror_material(0.9f);
+    metal.roughness = 0.5f;
+    rsv_material coated = lambert_material(0.5f, 0);
+    coated.specular = 1;
+    coated.roughness = 0.6f;
+    world_room(w, world_material(w, coated), v3(-1, -1, -1), v3(1, 1, 1));
+    world_quad(w, world_material(w, metal), v3(-1, -0.9f, 1), v3(1, -0.9f, 1), v3(1, -0.9f, -1),
+        v3(-1, -0.9f, -1));
+    const rsv_light lamp = { .name = "lamp",
+        .kind = RSV_LIGHT_POINT,
+        .position = { 0.2f, 0.3f, 0.1f },
+        .intensity = { 3, 3, 3 } };
+    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+    world_commit(w);
+    rsv_solution *s = solve(w, 1000, 256);
+    const rsv_probe probe[] = { { { 0, 0, 0 }, { 0, -1, 0 } },
+        { { 0.9f, 0.9f, 0 }, { -0.7f, -0.7f, 0 } }, { { -1, 0.2f, 0.1f }, { 1, 0, 0 } } };
+    enum { COUNT = sizeof probe / sizeof *probe };
+    rsv_probe_reading found[COUNT], expected[COUNT];
+    assert_int_equal(
+        rsv_probe_irradiance(s, RSV_PROBE_OPERATOR, probe, COUNT, 4096, 1, found), RSV_OK);
+    assert_int_equal(rsv_probe_reference(w->scene, probe, COUNT, 8192, 1, expected), RSV_OK);
+    for (int k = 0; k < COUNT; k++) {
+        double error =
+            hypot((double)found[k].standard_error.g, (double)expected[k].standard_error.g);
+        assert_close((double)found[k].irradiance.g, (double)expected[k].irradiance.g,
+            4 * error + 0.01 * (double)expected[k].irradiance.g);
+    }
+    rsv_solution_destroy(s);
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(layers_sum_to_the_picture),
         cmocka_unit_test(pictures_are_the_same_bytes_for_any_thread_count),
         cmocka_unit_test(an_orthographic_camera_keeps_sizes),
+        cmocka_unit_test(probes_see_lights_by_way_of_rough_metal),
         cmocka_unit_test(a_mirror_sphere_in_a_furnace_is_invisible),
         cmocka_unit_test(a_glass_sphere_in_a_furnace_keeps_the_energy),
         cmocka_unit_test(a_thin_sheet_of_glass_in_a_furnace_is_invisible),

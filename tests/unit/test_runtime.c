@@ -328,7 +328,7 @@ static void damaged_files_are_refused(void **state)
         rsv_rt_file_close(&file);
     }
     for (size_t k = 0; k + 20 < bytes; k++) // of another version
-        if (memcmp(all + k, "format_version\":\"1\"", 19) == 0) all[k + 17] = '7';
+        if (memcmp(all + k, "format_version\":\"2\"", 19) == 0) all[k + 17] = '7';
     write_bytes(path, all, bytes);
     assert_int_equal(rsv_rt_file_open(&file, path), 0);
     assert_int_equal(rsv_rt_file_operator(&file, &transport), -1);

@@ -70,6 +70,7 @@ rsv_add_test(subsurface unit/test_subsurface.c)
 rsv_add_test(translucent statistical/test_translucent.c)
 rsv_add_test(media statistical/test_media.c)
 rsv_add_test(rough_box statistical/test_rough_box.c)
+rsv_add_test(random_scenes statistical/test_random_scenes.c unit/random_scene.c)
 rsv_add_test(solvers unit/test_solvers.c)
 rsv_add_test(certify unit/test_certify.c)
 # they run much of what is defined in headers
@@ -79,9 +80,10 @@ endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends locale media mover past_pilots rough_box rough_sky
     subsurface translucent PROPERTIES LABELS slow)
-foreach(name IN ITEMS environment light_tree gltf certify opfile past bake_side scene frame texture render bodies shadows)
+foreach(name IN ITEMS environment light_tree gltf certify opfile past bake_side scene frame texture render bodies
+        random_scenes shadows)
     rsv_add_part(${name} slow)
 endforeach()
-foreach(name IN ITEMS certify doubled rough_box solve)
+foreach(name IN ITEMS certify doubled random_scenes rough_box solve)
     rsv_add_part(${name} long)
 endforeach()

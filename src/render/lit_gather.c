@@ -1,0 +1,106 @@
+#include "lit_gather.h"
+
+#include "../light/partition.h"
+#include "camera_step.h"
+
+/// A chain on its way.
+typedef struct traveller {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    bool shot;
+    rsv_random *random;
+    rsv_chain chain;
+    rsv_rough_departure departure; ///< how it left the surface before
+    rsv_rgb found;
+} traveller;
+
+static void add(traveller *t, rsv_rgb radiance) { t->found = rgb_add(t->found, radiance); }
+
+static bool counts(const traveller *t)
+{
+    return rsv_gathering_counts(t->lights, t->chain.triangle, t->chain.turns, t->shot);
+}
+
+static void add_emission(traveller *t, const rsv_bsdf *bsdf)
+{
+    const rsv_chain *chain = &t->chain;
+    if (!bsdf->emissive || (chain->back && !bsdf->double_sided) || !counts(t)) return;
+    float weight = rsv_rough_emission_weight(t->scene, t->lights, chain, &t->departure);
+    rsv_rgb emission = rgb_scale(bsdf->emission, weight * bsdf->opacity);
+    add(t, rgb_mul(rsv_chain_throughput(t->scene, chain, &chain->medium), emission));
+}
+
+static void add_sky(traveller *t)
+{
+    rsv_vec3 direction = t->chain.direction;
+    rsv_rgb sky = t->chain.turns ? rsv_rough_sky(t->lights, direction, &t->departure)
+                                 : rsv_gathering_sky(t->lights, direction, 0, t->shot);
+    add(t, rgb_mul(rsv_chain_throughput(t->scene, &t->chain, &t->chain.medium), sky));
+}
+
+/// Aims at sources. @param chance of coming to aim at them from here
+static void add_aimed(traveller *t, const rsv_rough_surface *surface, float chance)
+{
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(t->random);
+    add(t, rgb_scale(rsv_rough_light(surface, t->lights, t->shot, u), 1 / chance));
+}
+
+/// Draws what happens at the surface, and aims at sources where that is not the diffuse lobe.
+static rsv_bsdf_event draw(traveller *t, const rsv_rough_surface *s)
+{
+    float opacity = s->bsdf->opacity;
+    // what was aimed at was so past blended surfaces, too
+    if (opacity < 1 && rsv_random_float(t->random) >= opacity)
+        return rsv_event(RSV_LOBE_PASS, t->chain.direction, rgb_gray(1));
+    t->departure = (rsv_rough_departure){ .shot = t->shot };
+    float u_lobe = rsv_random_float(t->random), u1 = rsv_random_float(t->random);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(
+        s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, rsv_random_float(t->random));
+    if (event.lobe == RSV_LOBE_DIFFUSE || !s->bsdf->rough) return event;
+    float specular = rsv_bsdf_specular_chance(s->bsdf, s->wo, s->normal, s->front);
+    if (specular * opacity > 0) add_aimed(t, s, specular * opacity);
+    if (event.lobe != RSV_LOBE_NONE && event.pdf_solid_angle > 0) {
+        t->departure = rsv_rough_depart(s, event.direction, 0);
+        t->departure.shot = t->shot;
+    }
+    return event;
+}
+
+/// Moves on by an event. @return false if the chain ends, as `end` then says
+static bool move_on(traveller *t, const rsv_bsdf_event *event, rsv_chain_end *end)
+{
+    *end = RSV_CHAIN_ABSORBED;
+    if (event->lobe == RSV_LOBE_NONE || t->chain.events >= RSV_CHAIN_MAX_EVENTS) return false;
+    if (event->lobe == RSV_LOBE_DIFFUSE) {
+        t->chain.weight = rgb_mul(t->chain.weight, event->weight);
+        if (rsv_chain_survives(&t->chain.weight, t->random)) *end = RSV_CHAIN_DIFFUSE;
+        return false;
+    }
+    rsv_chain_move move = rsv_chain_follow(t->scene, &t->chain, event, event->weight);
+    if (move == RSV_CHAIN_MOVED) return rsv_chain_survives(&t->chain.weight, t->random);
+    if (move == RSV_CHAIN_LEFT_SCENE) {
+        add_sky(t);
+        *end = RSV_CHAIN_ESCAPED;
+    }
+    return false;
+}
+
+rsv_gather rsv_gather_lit(const rsv_transport_scene *scene, const rsv_lights *lights, bool shot,
+    rsv_chain chain, rsv_random *random)
+{
+    traveller t = { scene, lights, shot, random, chain, { .shot = shot }, rgb_gray(0) };
+    rsv_gather gather = { .end = RSV_CHAIN_ABSORBED };
+    rsv_bsdf_event event;
+    do {
+        rsv_rough_surface surface;
+        rsv_rough_meet(scene, &t.chain, &surface);
+        add_emission(&t, surface.bsdf);
+        event = draw(&t, &surface);
+    } while (move_on(&t, &event, &gather.end));
+    gather.chain = t.chain;
+    gather.chain.weight = rsv_chain_throughput(scene, &t.chain, &t.chain.medium);
+    gather.emission = t.found;
+    return gather;
+}
