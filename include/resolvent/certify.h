@@ -155,8 +155,7 @@ RSV_API rsv_status rsv_certify_picture(const rsv_solution *solution,
 /// knows nothing of elements or operators.
 typedef struct rsv_truth rsv_truth;
 
-/// Points, drawn and weighted as those of certificates are, where irradiance enters diffuse lobes unchanged: coated
-/// surfaces are left out.
+/// Points, drawn and weighted as those of certificates are. Of coated surfaces what gets past the coat counts.
 /// @param solution any of the scene: it tells where the points may lie, and where light is
 /// @param points 16..2^24 @param paths of each of the two readings at a point
 RSV_API rsv_status rsv_truth_create(const rsv_solution *solution, uint32_t points, uint32_t paths,
