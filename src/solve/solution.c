@@ -236,7 +236,7 @@ rsv_status rsv_solution_solve_again(rsv_solution *s)
     rsv_free(s->context, s->irradiance);
     rsv_free(s->context, s->indirect);
     s->irradiance = s->indirect = NULL;
-    RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
+    RSV_TRY(rsv_solve_and_measure(s));
     rsv_diffused_level_destroy(s->context, &s->diffused);
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - start;
@@ -278,7 +278,7 @@ static rsv_status build(rsv_solution *s)
     s->report.direct_elements = count_nodes(s->fine.elements) + count_nodes(s->caustics.elements);
     s->report.entries = rsv_team_total(s->context, rsv_transport_entries(s->transport)) +
                         rsv_subsurface_entries(s->subsurface);
-    RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
+    RSV_TRY(rsv_solve_and_measure(s));
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - assembled;
     s->report.critical_solve = rsv_team_path(s->context) - path_assembled;

@@ -82,4 +82,7 @@ rsv_rgb rsv_solution_direct(
 /// @param max_orders applications of G K at most
 rsv_status rsv_solve_orders(rsv_solution *solution, uint32_t max_orders);
 
+/// The same with as many applications as the description allows, and then the spectral radius, converged.
+rsv_status rsv_solve_and_measure(rsv_solution *solution);
+
 #endif
