@@ -89,7 +89,9 @@ typedef enum rsv_probe_mode {
 
 typedef struct rsv_probe_reading {
     rsv_rgb irradiance;     ///< W/m2
-    rsv_rgb standard_error; ///< W/m2, from independent randomisations
+    /// W/m2, from independent randomisations. In modes that read a solution what all readings share enters too: the noise of
+    /// stored light, of caustics above all, and what interpolation misses, as far as fields depart from planes.
+    rsv_rgb standard_error;
 } rsv_probe_reading;
 
 /// @param samples gather rays (operator) or paths (reference) per probe; rounded up to 32 equal groups
