@@ -170,6 +170,36 @@ static void a_solution_without_caustics_confesses(void **state)
     check_against_truth("cornell-spheres", &desc, 25600, 32, 8192, 0.6);
 }
 
+/// Better solutions are said to be better, and by as much as they are: the estimate is within 1.25 times of what the truth may
+/// be.
+static void estimates_fall_as_errors_do(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = { "cornell-blocks", "cornell-spheres", "two-rooms",
+        "gallery:1" };
+    for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
+        world *w = world_builtin(2, scenes[k]);
+        rsv_truth *truth = NULL;
+        double before = INFINITY;
+        for (rsv_quality q = RSV_QUALITY_DRAFT; q <= RSV_QUALITY_HIGH; q++) {
+            rsv_solve_desc desc = rsv_default_solve_desc(q);
+            rsv_solution *s = solve(w, &desc);
+            double error, interval[2];
+            if (!truth) assert_int_equal(rsv_truth_create(s, 8000, 512, 5, &truth), RSV_OK);
+            assert_int_equal(rsv_truth_error(truth, s, &error, interval), RSV_OK);
+            double estimate = certify(s, 8192, 3).error_estimate_rms;
+            print_message("%s, quality %d: true error %.4f (%.4f .. %.4f), estimate %.4f\n",
+                scenes[k], (int)q, error, interval[0], interval[1], estimate);
+            assert_true(estimate <= 1.25 * interval[1] && interval[0] <= 1.25 * estimate);
+            assert_true(estimate < before);
+            before = estimate;
+            rsv_solution_destroy(s);
+        }
+        rsv_truth_destroy(truth);
+        world_end(w);
+    }
+}
+
 /// A room that absorbs little reflects each residual many times: noise that all points share is most of what there is
 /// to know. The truth is another certificate, of many points.
 static void intervals_hold_where_little_is_absorbed(void **state)
@@ -739,6 +769,7 @@ int main(int argc, char **argv)
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(estimates_fall_as_errors_do),
         cmocka_unit_test(a_target_is_not_reached_by_luck),
         cmocka_unit_test(intervals_hold_where_a_spot_is_bright),
     };
