@@ -354,7 +354,8 @@ static void print_operator(const rsv_solution *solution)
     printf("\nsolved operator:\n");
     printf("  %zu elements, %zu of direct light and caustics, %zu entries\n", report->elements,
         report->direct_elements, report->entries);
-    printf("  norm %.4f, spectral radius %.4f\n", report->norm_inf, report->spectral_radius);
+    printf("  norm %.4f, spectral radius %.4f (leading eigenvalue)\n", report->norm_inf,
+        report->spectral_radius);
     printf("  mean irradiance %.5g W/m2, truncated by %.2g at most, by solver %s\n",
         report->mean_irradiance, report->truncation_bound, rsv_solver_name(report->solver));
 }

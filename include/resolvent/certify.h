@@ -113,7 +113,8 @@ typedef enum rsv_error_stop {
     RSV_ERROR_TARGET_REACHED,
     RSV_ERROR_TARGET_MAX_ELEMENTS, ///< one more round would have exceeded this
     RSV_ERROR_TARGET_MAX_SECONDS,  ///< or there was no time to confirm that the target is reached
-    RSV_ERROR_TARGET_MAX_ROUNDS
+    RSV_ERROR_TARGET_MAX_ROUNDS,
+    RSV_ERROR_TARGET_STALLED ///< refinement does not lower the error any more
 } rsv_error_stop;
 
 /// Solves, certifies and refines until the certificate (with a goal: rsv_certify_goal or rsv_certify_points) says that the
@@ -122,7 +123,8 @@ typedef enum rsv_error_stop {
 /// what errs most: elements and rays of the operator, or those of direct light. Every round is logged; so is the budget
 /// that stopped them.
 /// @param start of the first round, its goal that of all; NULL = draft
-/// @param solution the last one, whatever stopped the rounds
+/// Rounds end early where two in a row have not lowered the error.
+/// @param solution the one that reached the target; else that of the lowest error, whatever stopped the rounds
 /// @param certificate its certificate
 RSV_API rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *start,
     const rsv_error_target *target, rsv_solution **solution, rsv_certificate *certificate,
@@ -155,8 +157,7 @@ RSV_API rsv_status rsv_certify_picture(const rsv_solution *solution,
 /// knows nothing of elements or operators.
 typedef struct rsv_truth rsv_truth;
 
-/// Points, drawn and weighted as those of certificates are, where irradiance enters diffuse lobes unchanged: coated
-/// surfaces are left out.
+/// Points, drawn and weighted as those of certificates are. Of coated surfaces what gets past the coat counts.
 /// @param solution any of the scene: it tells where the points may lie, and where light is
 /// @param points 16..2^24 @param paths of each of the two readings at a point
 RSV_API rsv_status rsv_truth_create(const rsv_solution *solution, uint32_t points, uint32_t paths,

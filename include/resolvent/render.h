@@ -88,8 +88,10 @@ typedef enum rsv_probe_mode {
 } rsv_probe_mode;
 
 typedef struct rsv_probe_reading {
-    rsv_rgb irradiance;     ///< W/m2
-    rsv_rgb standard_error; ///< W/m2, from independent randomisations
+    rsv_rgb irradiance; ///< W/m2
+    /// W/m2, from independent randomisations. In modes that read a solution what all readings share enters too: the noise of
+    /// stored light, of caustics above all, and what interpolation misses, as far as fields depart from planes.
+    rsv_rgb standard_error;
 } rsv_probe_reading;
 
 /// Of scenes far from the origin, probes are less rsv_scene_view.origin, as all coordinates are.

@@ -98,7 +98,7 @@ typedef struct rsv_solve_report {
     rsv_solver solver;       ///< that was used, not RSV_SOLVER_AUTO
     char solver_reason[192]; ///< why, in a sentence
     double norm_inf;         ///< ||G K||_inf, largest row sum over rows and channels
-    double spectral_radius;  ///< of G K, estimated from the orders of light; 0 = too few orders
+    double spectral_radius;  ///< of G K: its leading eigenvalue, converged to about 1e-4
     uint32_t
         neumann_terms;   ///< orders that the Neumann series takes, as the spectral radius predicts
     double residual_inf; ///< ||E0 + G K E - E||_inf, W/m2, accumulated in double

@@ -91,6 +91,18 @@ cleanup:
     return status;
 }
 
+/// What the lights add up to, surroundings as they are.
+static void add_up(const basis *b)
+{
+    size_t values = b->reader->count * b->reader->width;
+    rsv_rgb *sum = b->reader->sum;
+    for (size_t i = 0; sum && i < values; i++) {
+        sum[i] = rgb_gray(0);
+        for (size_t k = 0; k < b->responses->count; k++)
+            sum[i] = rgb_add(sum[i], values_of(b, k)[i]);
+    }
+}
+
 // ---- the file -------------------------------------------------------------------------------------
 
 /// Surroundings that turn are told apart by their number: what comes last.
@@ -139,6 +151,7 @@ rsv_status rsv_bake_write_basis(const rsv_light_view *solution, const rsv_bake_r
     RSV_TRY(rsv_light_responses_create(solution->light, &b.responses));
     if (b.turned) RSV_TRY(check_turns(&b));
     RSV_TRY(read_lights(&b));
+    add_up(&b);
     *lights = b.count;
     const size_t shape[3] = { b.count, reader->count, 3 * reader->width };
     RSV_TRY(describe(&b, &file));

@@ -87,7 +87,8 @@ static rsv_status write_files(const rsv_probe_grid *g, const char *output)
 
 // ---- light by light -------------------------------------------------------------------------------
 
-/// The same probes under another light.
+/// The same probes under another light. Each light draws numbers of its own, so that together they are another estimate of
+/// the whole, which takes the place of the first.
 static rsv_status read_probes(
     const rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value)
 {
@@ -118,6 +119,7 @@ static rsv_bake_reader reader_of(const rsv_probe_grid *grid)
         .receiver = grid,
         .count = grid->count,
         .width = RSV_PROBE_HARMONICS,
+        .sum = grid->coefficient[0],
         .read = read_probes,
         .describe = describe_grid };
 }

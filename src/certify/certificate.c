@@ -38,6 +38,7 @@ static rsv_status take_samples(examination *x)
     const rsv_light_view *s = x->solution;
     rsv_context *context = s->context;
     rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
+    rsv_visible_surface visible = rsv_visible_surface_of(&s->scene, s->elements);
     uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
     size_t done = 0;
     uint64_t rays = 0;
@@ -51,7 +52,7 @@ static rsv_status take_samples(examination *x)
         sample->point = rsv_point_density_draw(&x->density, k / RSV_SAMPLE_SETS,
             count / RSV_SAMPLE_SETS, rsv_hash2(seed, k % RSV_SAMPLE_SETS), &sample->weight);
         uint32_t stream = rsv_hash3(seed, k, 0x1b87u);
-        if (!rsv_point_is_buried(&s->scene, s->elements, &sample->point, stream, &rays)) {
+        if (!rsv_point_is_buried(&visible, &sample->point, stream, &rays)) {
             sample->at = rsv_residual_at(&job, &sample->point, stream);
             sample->valid = is_finite(&sample->at);
             broken += !sample->valid;

@@ -21,11 +21,22 @@ enum { STEPS = 3 };
 #define MOST_DIRECT_LEVELS 8
 #define MOST_PHOTONS 500000000u
 #define REFINEMENTS 3
+/// A round that leaves more than this of the lowest error so far has not helped; so many of them in a row end it.
+#define LEAST_PROGRESS 0.9
+#define IDLE_ROUNDS 2
 /// A certificate that cannot tell, or is to be confirmed, is given more points: from the first number up to the second.
 #define FIRST_SAMPLES 512
 #define MOST_SAMPLES 65536
 #define MORE_POINTS 4
 #define SEED_OF_MORE_POINTS 0x2b7e1516u
+
+/// A solution that was made and certified.
+typedef struct attempt {
+    rsv_solution *solution; ///< NULL = none is kept: the description makes it again
+    rsv_solve_desc desc;
+    rsv_certificate certificate;
+    double upper;
+} attempt;
 
 typedef struct pursuit {
     const rsv_scene *scene;
@@ -39,7 +50,9 @@ typedef struct pursuit {
     double error, upper;    ///< relative: the present solution's, and the upper end of its interval
     bool confirmed;         ///< by other points: that the target is reached
     double certify_seconds; ///< of the last certificate
-    uint32_t rounds;
+    attempt best;           ///< so far; may be the present one
+    double lowest;          ///< error so far
+    uint32_t rounds, idle;
     double cost;        ///< of the next round over the present one
     double size;        ///< likewise its rows
     double direct_size; ///< likewise its direct elements
@@ -144,14 +157,35 @@ static rsv_status certify_decisively(pursuit *p)
     }
 }
 
+/// Lets go of the present solution, but for the best one where memory is not short.
+static void let_go(pursuit *p)
+{
+    if (p->solution != p->best.solution) rsv_solution_destroy(p->solution);
+    p->solution = NULL;
+    if (p->desc.max_bytes == 0) return;
+    rsv_solution_destroy(p->best.solution);
+    p->best.solution = NULL;
+}
+
+/// Notes whether the round has helped, and keeps what is best: what reaches the target, or else errs least.
+static void judge_round(pursuit *p)
+{
+    bool helped = p->rounds == 0 || p->error <= LEAST_PROGRESS * p->lowest;
+    p->idle = helped ? 0 : p->idle + 1;
+    p->lowest = p->rounds == 0 ? p->error : fmin(p->lowest, p->error);
+    if (p->rounds > 0 && !p->confirmed && p->upper >= p->best.upper) return;
+    rsv_solution_destroy(p->best.solution);
+    p->best = (attempt){ p->solution, p->desc, *p->certificate, p->upper };
+}
+
 static rsv_status build_round(pursuit *p)
 {
     p->round_started = rsv_seconds();
-    rsv_solution_destroy(p->solution);
-    p->solution = NULL;
+    let_go(p);
     rsv_status status = rsv_solution_create(p->scene, &p->desc, &p->solution);
     if (status == RSV_OK) status = certify_decisively(p);
     if (status != RSV_OK) return status;
+    judge_round(p);
     p->rounds++;
     p->round_seconds = rsv_seconds() - p->round_started;
     const rsv_solve_report *report = rsv_solution_report(p->solution);
@@ -250,6 +284,7 @@ static bool is_over(const pursuit *p, rsv_error_stop *stop)
     if (p->confirmed) return stop_for(RSV_ERROR_TARGET_REACHED, stop);
     // there was no time to confirm it
     if (is_below_target(p)) return stop_for(RSV_ERROR_TARGET_MAX_SECONDS, stop);
+    if (p->idle >= IDLE_ROUNDS) return stop_for(RSV_ERROR_TARGET_STALLED, stop);
     if (p->rounds >= p->target->max_rounds) return stop_for(RSV_ERROR_TARGET_MAX_ROUNDS, stop);
     if (rows > most || direct > MOST_DIRECT_PER_ROW * most)
         return stop_for(RSV_ERROR_TARGET_MAX_ELEMENTS, stop);
@@ -258,8 +293,19 @@ static bool is_over(const pursuit *p, rsv_error_stop *stop)
 
 static void say_what_stopped(const pursuit *p, rsv_error_stop stop)
 {
-    static const char *const budget[] = { "", "elements", "time", "rounds" };
+    static const char *const budget[] = { "", "elements", "time", "rounds", "" };
+    const rsv_certificate *c = &p->best.certificate;
+    bool direct = c->residual_direct_rms > c->residual_gathered_rms;
     if (stop == RSV_ERROR_TARGET_REACHED) return;
+    if (stop == RSV_ERROR_TARGET_STALLED) {
+        rsv_log(p->context, RSV_LOG_WARNING,
+            "error target: %.3g %% was not reached: %d rounds of refinement in a row have not "
+            "lowered the error, %.3g %% is the least; what errs is %s, `resolvent certify "
+            "--heatmap` shows where",
+            100 * p->target->relative_error, IDLE_ROUNDS, 100 * p->best.upper,
+            direct ? "direct light" : "indirect light, gathered sources or caustics");
+        return;
+    }
     if (is_below_target(p)) {
         rsv_log(p->context, RSV_LOG_WARNING,
             "error target: few points say up to %.3g %%; the budget of time ends before more "
@@ -269,7 +315,23 @@ static void say_what_stopped(const pursuit *p, rsv_error_stop stop)
     }
     rsv_log(p->context, RSV_LOG_WARNING,
         "error target: %.3g %% was not reached, the budget of %s ends at %.3g %%",
-        100 * p->target->relative_error, budget[stop], 100 * p->upper);
+        100 * p->target->relative_error, budget[stop], 100 * p->best.upper);
+}
+
+/// Hands over the best solution, made once more where it was not kept.
+static rsv_status hand_over(pursuit *p, rsv_solution **solution)
+{
+    rsv_status status = RSV_OK;
+    if (!p->best.solution) {
+        let_go(p);
+        status = rsv_solution_create(p->scene, &p->best.desc, &p->best.solution);
+    }
+    if (status != RSV_OK) return status;
+    if (p->solution != p->best.solution) rsv_solution_destroy(p->solution);
+    *p->certificate = p->best.certificate;
+    *solution = p->best.solution;
+    p->solution = p->best.solution = NULL;
+    return status;
 }
 
 rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *start,
@@ -291,9 +353,9 @@ rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *star
         plan_round(&p);
     } while (!is_over(&p, stop));
     say_what_stopped(&p, *stop);
-    *solution = p.solution;
-    p.solution = NULL;
+    RSV_TRY(hand_over(&p, solution));
 cleanup:
-    rsv_solution_destroy(p.solution);
+    if (p.solution != p.best.solution) rsv_solution_destroy(p.solution);
+    rsv_solution_destroy(p.best.solution);
     return status;
 }

@@ -33,7 +33,8 @@ static double importance_of(const void *user, uint32_t cell)
     return sum / 3;
 }
 
-static double measure_term(const goal_job *job, const rsv_residual_job *residual, uint32_t k)
+static double measure_term(const goal_job *job, const rsv_visible_surface *visible,
+    const rsv_residual_job *residual, uint32_t k)
 {
     const rsv_light_view *s = job->solution;
     uint64_t rays = 0;
@@ -41,7 +42,7 @@ static double measure_term(const goal_job *job, const rsv_residual_job *residual
     double weight;
     rsv_face_point point =
         rsv_point_density_draw(&job->density, k, job->desc.samples, job->seed, &weight);
-    if (rsv_point_is_buried(&s->scene, s->elements, &point, stream, &rays)) return 0;
+    if (rsv_point_is_buried(visible, &point, stream, &rays)) return 0;
     rsv_residual r = rsv_residual_at(residual, &point, stream);
     rsv_rgb z =
         rsv_elements_interpolate(s->elements, job->importance, point.face, point.u, point.v);
@@ -54,9 +55,11 @@ static rsv_status measure_terms(goal_job *job)
     rsv_context *context = job->solution->context;
     rsv_residual_job residual =
         rsv_residual_job_of(job->solution, job->desc.gather_rays, job->desc.light_samples);
+    rsv_visible_surface visible =
+        rsv_visible_surface_of(&job->solution->scene, job->solution->elements);
 #pragma omp parallel for schedule(dynamic, 8) num_threads(rsv_threads(context))
     for (uint32_t k = 0; k < job->desc.samples; k++)
-        if (!rsv_cancelled(context)) job->term[k] = measure_term(job, &residual, k);
+        if (!rsv_cancelled(context)) job->term[k] = measure_term(job, &visible, &residual, k);
     for (uint32_t k = 0; k < job->desc.samples; k++)
         if (!isfinite(job->term[k]))
             return rsv_fail(

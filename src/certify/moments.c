@@ -2,10 +2,14 @@
 
 #include <math.h>
 
+#define NORMAL95 1.959963985 ///< half of a 95 % interval, in deviations
+/// Estimates that lie farther below 0 than that are taken to lie there.
+#define LEAST_DEVIATIONS 8.0
+
 /// Two-sided 95 % point of Student's distribution, to 1e-3 from 15 degrees of freedom on (Cornish and Fisher).
 static double student95(double freedom)
 {
-    static const double z = 1.959963985;
+    static const double z = NORMAL95;
     return z + (z * z * z + z) / (4 * freedom) +
            (5 * pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * freedom * freedom);
 }
@@ -49,9 +53,20 @@ rsv_moments rsv_moments_with(rsv_moments m, size_t count, double variance)
     return (rsv_moments){ m.mean, { m.ci95[0] - wider, m.ci95[1] + wider } };
 }
 
+/// Mean of what is known of a number that cannot be negative: of the part above 0 of a normal distribution.
+static double positive_mean(double mean, double deviation)
+{
+    if (!(deviation > 0)) return fmax(mean, 0);
+    double z = fmax(mean / deviation, -LEAST_DEVIATIONS);
+    double density = exp(-0.5 * z * z) / sqrt(2 * M_PI), above = 0.5 * erfc(-z / M_SQRT2);
+    return fmax(deviation * (z + density / above), 0);
+}
+
 rsv_moments rsv_moments_root(rsv_moments squares)
 {
-    double mean = fmax(squares.mean, 0), above = fmax(squares.ci95[1] - squares.mean, 0);
-    double low = fmin(squares.ci95[0], squares.mean);
-    return (rsv_moments){ sqrt(mean), { sqrt(fmax(low, 0)), sqrt(mean + above) } };
+    double deviation = (squares.ci95[1] - squares.ci95[0]) / (2 * NORMAL95);
+    double mean = positive_mean(squares.mean, deviation);
+    double above = fmax(squares.ci95[1] - squares.mean, 0);
+    double low = fmin(squares.ci95[0], squares.mean), high = fmax(squares.mean, 0) + above;
+    return (rsv_moments){ sqrt(mean), { sqrt(fmax(low, 0)), sqrt(fmax(high, mean)) } };
 }

@@ -21,7 +21,8 @@ rsv_moments rsv_moments_by_weight(double *sample, const double *weight, size_t c
 /// With another independent variance of the mean. @param count of the samples
 rsv_moments rsv_moments_with(rsv_moments moments, size_t count, double variance);
 
-/// Square roots. A negative estimate counts as 0: chance has made it too small, and its interval with it.
+/// Square roots. Where chance has made an estimate too small, negative even, it is the mean of what it may be: of the
+/// normal distribution around it, as far as that is above 0. Of a number that is known well it is the root.
 rsv_moments rsv_moments_root(rsv_moments squares);
 
 #endif

@@ -1,8 +1,12 @@
 #include "point_density.h"
 
 #include "../elements/elements.h"
+#include "../elements/open_corners.h"
+#include "../render/stored_noise.h"
 
 #define SHARE_BY_AREA 0.5
+/// Share of the light that may be wrong where something stands on a cell, or close beside it.
+#define CUT_ERROR 0.3
 
 /// A cell is known by the middles of the four it could be split into.
 #define CHILDREN 4
@@ -81,23 +85,53 @@ static double stored_luminance(const rsv_light_view *s, rsv_face_point p)
         rsv_elements_interpolate(s->elements, s->indirect, p.face, p.u, p.v)));
 }
 
-typedef struct lit_cells {
+/// Indicators of the finest cells, each of them to have the same share of points.
+typedef struct cell_indicators {
     const rsv_light_view *solution;
     const rsv_elements *elements;
-} lit_cells;
+    rsv_stored_noise noise;
+    float *value[2];  ///< [cell_count]: squares of the light, of what it is suspected to err by
+    double weight[2]; ///< that makes their integrals 1
+} cell_indicators;
 
-static double squared_light(const void *user, uint32_t cell)
+static const float middle[CHILDREN][2] = { { 1.0f / 6, 1.0f / 6 }, { 2.0f / 3, 1.0f / 6 },
+    { 1.0f / 6, 2.0f / 3 }, { 1.0f / 3, 1.0f / 3 } };
+
+/// The square of the light, and the variance that stored light shows; beside what something cuts, any share of the light may
+/// be wrong.
+static void judge_cell(cell_indicators *i, uint32_t cell)
 {
-    static const float middle[CHILDREN][2] = { { 1.0f / 6, 1.0f / 6 }, { 2.0f / 3, 1.0f / 6 },
-        { 1.0f / 6, 2.0f / 3 }, { 1.0f / 3, 1.0f / 3 } };
-    const lit_cells *lit = user;
-    double sum = 0;
+    double light = 0, variance = 0;
     for (int k = 0; k < CHILDREN; k++) {
-        double light = stored_luminance(
-            lit->solution, point_in(&lit->elements->cell[cell], middle[k][0], middle[k][1]));
-        sum += light * light;
+        rsv_face_point p = point_in(&i->elements->cell[cell], middle[k][0], middle[k][1]);
+        double stored = stored_luminance(i->solution, p);
+        light += stored * stored / CHILDREN;
+        variance += rsv_stored_noise_at(&i->noise, p.face, p.u, p.v, false) / CHILDREN;
     }
-    return sum / CHILDREN;
+    const uint8_t *openness = i->elements->cell_openness;
+    if (openness && openness[cell] & RSV_CELL_CUT) variance += CUT_ERROR * CUT_ERROR * light;
+    i->value[0][cell] = isfinite(light) ? (float)light : 0;
+    i->value[1][cell] = isfinite(variance) ? (float)variance : 0;
+}
+
+static void judge_cells(cell_indicators *i)
+{
+    const rsv_elements *e = i->elements;
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(rsv_threads(e->context))
+    for (uint32_t cell = 0; cell < e->cell_count; cell++)
+        judge_cell(i, cell);
+    for (int k = 0; k < 2; k++) {
+        double sum = 0;
+        for (uint32_t cell = 0; cell < e->cell_count; cell++)
+            sum += (double)i->value[k][cell] * (double)rsv_cell_area(e, cell);
+        i->weight[k] = sum > 0 ? 1 / sum : 0;
+    }
+}
+
+static double indicator_of(const void *user, uint32_t cell)
+{
+    const cell_indicators *i = user;
+    return i->weight[0] * (double)i->value[0][cell] + i->weight[1] * (double)i->value[1][cell];
 }
 
 static const rsv_elements *finest_elements(const rsv_light_view *s)
@@ -111,6 +145,18 @@ static const rsv_elements *finest_elements(const rsv_light_view *s)
 
 rsv_status rsv_point_density_of_light(const rsv_light_view *s, rsv_point_density *density)
 {
-    const lit_cells lit = { s, finest_elements(s) };
-    return rsv_point_density_create(lit.elements, SHARE_BY_AREA, squared_light, &lit, density);
+    rsv_status status;
+    cell_indicators i = { .solution = s, .elements = finest_elements(s) };
+    size_t cells = i.elements->cell_count;
+    RSV_TRY(rsv_stored_noise_create(s, s->desc.direct_level, &i.noise));
+    i.value[0] = rsv_alloc(s->context, cells, sizeof *i.value[0]);
+    i.value[1] = rsv_alloc(s->context, cells, sizeof *i.value[1]);
+    RSV_TRY(i.value[0] && i.value[1] ? RSV_OK : RSV_ERROR_MEMORY);
+    judge_cells(&i);
+    status = rsv_point_density_create(i.elements, SHARE_BY_AREA, indicator_of, &i, density);
+cleanup:
+    rsv_stored_noise_destroy(&i.noise);
+    rsv_free(s->context, i.value[0]);
+    rsv_free(s->context, i.value[1]);
+    return status;
 }

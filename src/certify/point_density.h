@@ -24,8 +24,9 @@ typedef double (*rsv_cell_indicator)(const void *user, uint32_t cell);
 rsv_status rsv_point_density_create(const rsv_elements *elements, double even_share,
     rsv_cell_indicator indicator, const void *user, rsv_point_density *density);
 
-/// Half of the points by area, half by area x E~^2 as the solution's finest elements hold it: errors are a share of the light
-/// that is there, and a small bright spot may hold most of what there is.
+/// Half of the points by area; a quarter by area x E~^2 as the solution's finest elements hold it, for errors are a share of
+/// the light that is there, and a small bright spot may hold most of it; a quarter by the variance that stored light shows
+/// (render/stored_noise.h), and where something stands on cells or close beside them.
 rsv_status rsv_point_density_of_light(const rsv_light_view *solution, rsv_point_density *density);
 
 void rsv_point_density_destroy(rsv_point_density *density);

@@ -25,11 +25,12 @@ static rsv_status mean_squared_difference(
     double *weight = rsv_alloc(context, POINTS, sizeof *weight);
     if (!square || !weight) goto cleanup;
     RSV_TRY(rsv_point_density_of_light(a, &density));
+    rsv_visible_surface visible = rsv_visible_surface_of(&a->scene, a->elements);
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
     for (uint32_t k = 0; k < POINTS; k++) {
         uint64_t rays = 0;
         rsv_face_point p = rsv_point_density_draw(&density, k, POINTS, OTHER_SEED, &weight[k]);
-        if (rsv_point_is_buried(&a->scene, a->elements, &p, k, &rays)) weight[k] = 0;
+        if (rsv_point_is_buried(&visible, &p, k, &rays)) weight[k] = 0;
         double difference = luminance_at(a, &p) - luminance_at(b, &p);
         square[k] = weight[k] > 0 ? difference * difference : 0;
     }

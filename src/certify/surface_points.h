@@ -11,9 +11,19 @@ typedef struct rsv_face_point {
     float u, v;
 } rsv_face_point;
 
+/// What is seen of a scene's surfaces: judged by its geometry alone, alike for solutions of every quality.
+typedef struct rsv_visible_surface {
+    const rsv_transport_scene *scene;
+    const rsv_elements *elements; ///< whose faces points lie on
+    float contact;                ///< m: what is closer above a point touches it
+} rsv_visible_surface;
+
+rsv_visible_surface rsv_visible_surface_of(
+    const rsv_transport_scene *scene, const rsv_elements *elements);
+
 /// Whether a point lies inside other geometry or in touch with it, where nobody sees its light. What elements merely do
 /// without, because something hangs close above it, counts.
-bool rsv_point_is_buried(const rsv_transport_scene *scene, const rsv_elements *elements,
-    const rsv_face_point *point, uint32_t seed, uint64_t *rays);
+bool rsv_point_is_buried(
+    const rsv_visible_surface *surface, const rsv_face_point *point, uint32_t seed, uint64_t *rays);
 
 #endif

@@ -1,3 +1,4 @@
+#include "../reference/surface_light.h"
 #include "../solve/solution.h"
 #include "moments.h"
 #include "point_density.h"
@@ -10,19 +11,12 @@
 struct rsv_truth {
     rsv_context *context;
     size_t count;
-    rsv_face_point *point; ///< [count]
-    double *weight;        ///< [count] of the points
-    rsv_probe *probe;      ///< [count]
+    rsv_face_point *point;    ///< [count]
+    double *weight;           ///< [count] of the points
+    rsv_surface_place *place; ///< [count]
     rsv_probe_reading *reading[2];
 };
 
-static bool is_coated(const rsv_light_view *s, uint32_t face)
-{
-    uint32_t triangle = s->elements->face_triangle[face];
-    return s->bsdf[s->scene.view->triangle_material[triangle]].coated;
-}
-
-/// Points that the truth can speak of.
 static rsv_status place_points(
     const rsv_light_view *s, uint32_t points, uint32_t seed, rsv_truth *truth)
 {
@@ -30,16 +24,16 @@ static rsv_status place_points(
     rsv_point_density density = { 0 };
     uint64_t rays = 0;
     rsv_status status = rsv_point_density_of_light(s, &density);
+    rsv_visible_surface visible = rsv_visible_surface_of(&s->scene, e);
     for (uint32_t k = 0; k < points && e->face_count > 0 && status == RSV_OK; k++) {
         double weight;
         rsv_face_point p = rsv_point_density_draw(&density, k, points, seed, &weight);
         uint32_t stream = rsv_hash3(seed, k, 1);
-        if (is_coated(s, p.face) || rsv_point_is_buried(&s->scene, e, &p, stream, &rays)) continue;
-        rsv_surface_point at = rsv_surface_point_at(
-            s->scene.view, e->face_triangle[p.face], p.u, p.v, e->face_back[p.face]);
+        if (rsv_point_is_buried(&visible, &p, stream, &rays)) continue;
         truth->point[truth->count] = p;
         truth->weight[truth->count] = weight;
-        truth->probe[truth->count++] = (rsv_probe){ at.position, at.normal };
+        truth->place[truth->count++] =
+            (rsv_surface_place){ e->face_triangle[p.face], p.u, p.v, e->face_back[p.face] };
     }
     rsv_point_density_destroy(&density);
     return status;
@@ -59,16 +53,16 @@ rsv_status rsv_truth_create(
     truth->context = context;
     truth->point = rsv_alloc(context, points, sizeof *truth->point);
     truth->weight = rsv_alloc(context, points, sizeof *truth->weight);
-    truth->probe = rsv_alloc(context, points, sizeof *truth->probe);
+    truth->place = rsv_alloc(context, points, sizeof *truth->place);
     truth->reading[0] = rsv_alloc(context, points, sizeof *truth->reading[0]);
     truth->reading[1] = rsv_alloc(context, points, sizeof *truth->reading[1]);
-    if (!truth->point || !truth->weight || !truth->probe || !truth->reading[0] ||
+    if (!truth->point || !truth->weight || !truth->place || !truth->reading[0] ||
         !truth->reading[1])
         goto cleanup;
     seed = rsv_hash2(seed, SEED_OF_TRUTH);
     RSV_TRY(place_points(s, points, seed, truth));
     for (uint32_t half = 0; half < 2; half++)
-        RSV_TRY(rsv_probe_reference(s->scene.scene, truth->probe, truth->count, paths,
+        RSV_TRY(rsv_surface_light_reference(s->scene.scene, truth->place, truth->count, paths,
             rsv_hash2(seed, 1 + half), truth->reading[half]));
     *result = truth;
     truth = NULL;
@@ -82,7 +76,7 @@ void rsv_truth_destroy(rsv_truth *truth)
     if (!truth) return;
     rsv_free(truth->context, truth->point);
     rsv_free(truth->context, truth->weight);
-    rsv_free(truth->context, truth->probe);
+    rsv_free(truth->context, truth->place);
     rsv_free(truth->context, truth->reading[0]);
     rsv_free(truth->context, truth->reading[1]);
     rsv_free(truth->context, truth);

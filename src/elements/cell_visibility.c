@@ -191,3 +191,57 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
     }
     return backs >= BURIAL_MAJORITY;
 }
+
+/// Surfaces that a search for the skin of a body meets, along a line or from surface to surface.
+#define SKIN_STEPS 8
+
+/// Whether a ray leaves a body that it did not enter: its skin is seen from within, whatever other bodies lie in it.
+/// Clear surfaces and two-sided ones bound no body.
+static bool leaves_body(const rsv_transport_scene *scene, rsv_ray ray, uint64_t *rays)
+{
+    rsv_hit hit;
+    int entered = 0;
+    for (int step = 0; step < SKIN_STEPS; step++) {
+        ++*rays;
+        if (!rsv_tracer_closest(scene->tracer, &ray, &hit)) return false;
+        const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
+        rsv_surface_point met =
+            rsv_surface_point_at(scene->view, hit.triangle, hit.u, hit.v, false);
+        bool back = v3_dot(met.geometric, ray.direction) > 0;
+        if (!bsdf->double_sided && is_opaque(scene, &hit)) {
+            if (back && entered == 0) return true;
+            entered += back ? -1 : 1;
+        }
+        rsv_vec3 onward = back ? met.geometric : v3_neg(met.geometric);
+        ray.origin = rsv_offset_origin(met.position, onward, met.extent);
+    }
+    return false;
+}
+
+/// The same on a way from surface to surface: one-sided sheets that run on into a body are entered, and never left.
+static bool wanders_to_skin(
+    const rsv_transport_scene *scene, rsv_ray ray, uint32_t k, uint32_t seed, uint64_t *rays)
+{
+    rsv_chain chain;
+    for (uint32_t step = 1; step <= SKIN_STEPS; step++) {
+        ++*rays;
+        sight seen = look(scene, &ray, &chain);
+        if (seen != SIGHT_FRONT) return seen == SIGHT_BACK;
+        rsv_surface_point point =
+            rsv_surface_point_at(scene->view, chain.triangle, chain.u, chain.v, chain.back);
+        rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
+        ray = ray_from(origin, point.geometric, k, seed + step);
+    }
+    return false;
+}
+
+bool rsv_is_within_body(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
+    uint32_t seed, uint64_t *rays)
+{
+    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
+        rsv_ray ray = ray_from(place, normal, k, seed);
+        if (!leaves_body(scene, ray, rays) && !wanders_to_skin(scene, ray, k, seed, rays))
+            return false;
+    }
+    return true;
+}

@@ -54,4 +54,10 @@ bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 no
 bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
     uint32_t seed, uint64_t *rays);
 
+/// Whether a place itself, not one that hovers above a cell, lies inside a closed opaque body: in whatever direction one
+/// looks, one sees that body's skin from within, past other bodies that lie in it or by way of them. Depends on no
+/// elements.
+bool rsv_is_within_body(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
+    uint32_t seed, uint64_t *rays);
+
 #endif

@@ -58,11 +58,34 @@ static void enter_surface(const rsv_path_tracer *tracer, const rsv_path_surface 
     result->entry = true;
 }
 
+/// Gathers the sources where light entered and turns into a direction in which it did.
+static bool go_where_light_entered(rsv_light_path *path, const rsv_path_surface *entry)
+{
+    float u_select, u_unused, light_u1, light_u2, u1, u2;
+    next_pair(&path->numbers, &u_select, &u_unused);
+    next_pair(&path->numbers, &light_u1, &light_u2);
+    next_pair(&path->numbers, &u1, &u2);
+    rsv_path_gather_sources(path, entry, u_select, light_u1, light_u2);
+
+    rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2), t, b;
+    v3_frame(entry->normal, &t, &b);
+    rsv_vec3 wi =
+        v3_normalize(v3_mad(v3_mad(v3_scale(entry->normal, local.z), local.x, t), local.y, b));
+    if (!rsv_path_surface_leads(entry, false, wi)) return false;
+    path->throughput = rgb_mul(path->throughput, rsv_bsdf_entry(entry->bsdf, local.z));
+    path->pdf_solid_angle = local.z / RSV_PI;
+    path->passed = 0;
+    path->below = false;
+    path->diffuse_events++;
+    path->departure = entry->point;
+    path->ray = (rsv_ray){ rsv_path_surface_departure(entry, false, wi), wi, INFINITY };
+    return true;
+}
+
 /// Leaves diffusely from below a translucent surface: from where light entered, gathers the sources there and
 /// turns into a direction in which light entered.
 static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rsv_rgb leaving)
 {
-    float u_select, u_unused, light_u1, light_u2, u1, u2;
     rsv_body_point out = { exit->point, exit->geometric_normal, exit->triangle, exit->u, exit->v };
     rsv_body_point in;
     rsv_rgb share;
@@ -73,24 +96,7 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
     if (rgb_is_black(path->throughput)) return false;
     rsv_path_surface entry;
     enter_surface(path->tracer, exit, &in, &entry);
-    next_pair(&path->numbers, &u_select, &u_unused);
-    next_pair(&path->numbers, &light_u1, &light_u2);
-    next_pair(&path->numbers, &u1, &u2);
-    rsv_path_gather_sources(path, &entry, u_select, light_u1, light_u2);
-
-    rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2), t, b;
-    v3_frame(entry.normal, &t, &b);
-    rsv_vec3 wi =
-        v3_normalize(v3_mad(v3_mad(v3_scale(entry.normal, local.z), local.x, t), local.y, b));
-    if (!rsv_path_surface_leads(&entry, false, wi)) return false;
-    path->throughput = rgb_mul(path->throughput, rsv_bsdf_entry(entry.bsdf, local.z));
-    path->pdf_solid_angle = local.z / RSV_PI;
-    path->passed = 0;
-    path->below = false;
-    path->diffuse_events++;
-    path->departure = entry.point;
-    path->ray = (rsv_ray){ rsv_path_surface_departure(&entry, false, wi), wi, INFINITY };
-    return true;
+    return go_where_light_entered(path, &entry);
 }
 
 /// An event at a translucent surface; its diffuse lobe has no direction of its own.
@@ -203,6 +209,19 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
     rsv_light_path path;
     start_path(&path, tracer, medium, id, light);
     if (scatter(&path, &receiver)) follow(&path);
+}
+
+void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point,
+    const rsv_medium *medium, rsv_path_id id, rsv_path_light *light)
+{
+    rsv_ray down = { v3_add(point.point, point.geometric), v3_neg(point.geometric), 1 };
+    rsv_hit hit = { point.triangle, 1, point.u, point.v };
+    rsv_path_surface entry;
+    rsv_light_path path;
+    rsv_path_surface_meet(tracer, &down, &hit, &entry);
+    entry.entry = true;
+    start_path(&path, tracer, medium, id, light);
+    if (go_where_light_entered(&path, &entry)) follow(&path);
 }
 
 rsv_rgb rsv_path_light_total(const rsv_path_light *light)

@@ -1,6 +1,7 @@
 #include "../core/core.h"
 #include "reference_internal.h"
 #include "resolvent/render.h"
+#include "surface_light.h"
 
 /// Independent randomisations of a reading; their spread is its standard error.
 #define GROUPS 32
@@ -15,16 +16,47 @@ typedef struct group_mean {
     uint64_t rejected; ///< paths that were not finite
 } group_mean;
 
-static group_mean measure_group(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
-    uint32_t samples, uint32_t stream)
+/// Where light is measured: anywhere, or at a surface, of which it enters as much as gets past the coat.
+typedef struct receiver {
+    rsv_body_point at; ///< anywhere: without a triangle
+    bool on_surface;
+    rsv_medium medium; ///< above it
+} receiver;
+
+static receiver receiver_of_probe(const rsv_path_tracer *tracer, const rsv_probe *probe)
+{
+    receiver r = { .at = { .point = probe->position, .geometric = v3_normalize(probe->normal) } };
+    rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, r.at.point, r.at.geometric);
+    r.medium = rsv_medium_above(&tracer->media, origin, r.at.geometric);
+    return r;
+}
+
+static receiver receiver_of_place(const rsv_path_tracer *tracer, const rsv_surface_place *place)
+{
+    rsv_surface_point p =
+        rsv_surface_point_at(tracer->scene, place->triangle, place->u, place->v, place->back);
+    rsv_vec3 origin = rsv_offset_origin(p.position, p.geometric, p.extent);
+    return (receiver){ .at = { p.position, p.geometric, place->triangle, place->u, place->v },
+        .on_surface = true,
+        .medium = rsv_medium_above(&tracer->media, origin, p.geometric) };
+}
+
+static rsv_rgb trace_path(const rsv_path_tracer *tracer, const receiver *r, rsv_path_id id)
+{
+    rsv_path_light light;
+    if (r->on_surface)
+        rsv_trace_entering_path(tracer, r->at, &r->medium, id, &light);
+    else
+        rsv_trace_receiver_path(tracer, r->at.point, r->at.geometric, &r->medium, id, &light);
+    return rsv_path_light_total(&light);
+}
+
+static group_mean measure_group(
+    const rsv_path_tracer *tracer, const receiver *r, uint32_t samples, uint32_t stream)
 {
     group_mean group = { 0 };
-    rsv_vec3 origin = rsv_tracer_receiver_origin(tracer->tracer, point, normal);
-    rsv_medium medium = rsv_medium_above(&tracer->media, origin, normal);
     for (uint32_t i = 0; i < samples; i++) {
-        rsv_path_light light;
-        rsv_trace_receiver_path(tracer, point, normal, &medium, (rsv_path_id){ i, stream }, &light);
-        rsv_rgb radiance = rsv_path_light_total(&light);
+        rsv_rgb radiance = trace_path(tracer, r, (rsv_path_id){ i, stream });
         if (!isfinite(rgb_luminance(radiance))) {
             group.rejected++;
             continue;
@@ -72,18 +104,17 @@ static rsv_status check_probe(const rsv_probe *probe, size_t index)
 }
 
 /// Groups, not probes, are shared out among threads: a single probe keeps all of them busy.
-static rsv_status measure_groups(const rsv_path_tracer *tracer, const rsv_probe *probes,
-    size_t probe_count, uint32_t samples, uint32_t seed, group_mean *groups)
+static rsv_status measure_groups(const rsv_path_tracer *tracer, const receiver *receivers,
+    size_t count, uint32_t samples, uint32_t seed, group_mean *groups)
 {
     rsv_context *context = tracer->context;
-    size_t total = probe_count * GROUPS, groups_done = 0;
+    size_t total = count * GROUPS, groups_done = 0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
     for (size_t i = 0; i < total; i++) {
         if (rsv_cancelled(context)) continue;
         size_t probe = i / GROUPS;
-        rsv_vec3 normal = v3_normalize(probes[probe].normal);
         uint32_t stream = rsv_hash3((uint32_t)probe, (uint32_t)(i % GROUPS), seed);
-        groups[i] = measure_group(tracer, probes[probe].position, normal, samples, stream);
+        groups[i] = measure_group(tracer, &receivers[probe], samples, stream);
         size_t done;
 #pragma omp atomic capture
         done = ++groups_done;
@@ -102,26 +133,54 @@ static void warn_of_rejected(rsv_context *context, const group_mean *groups, siz
             (unsigned long long)rejected);
 }
 
+typedef struct measurement {
+    const rsv_probe *probe;
+    const rsv_surface_place *place; ///< where there are no probes
+    size_t count;
+    uint32_t samples, seed;
+} measurement;
+
+static rsv_status measure(const rsv_scene *scene, const measurement *m, rsv_probe_reading *readings)
+{
+    rsv_status status = RSV_ERROR_MEMORY;
+    rsv_context *context = rsv_scene_get_context(scene);
+    rsv_path_tracer *tracer = NULL;
+    uint32_t samples = m->samples / GROUPS + (m->samples % GROUPS != 0);
+    receiver *receivers = rsv_alloc(context, m->count, sizeof *receivers);
+    group_mean *groups = rsv_alloc(context, m->count, GROUPS * sizeof *groups);
+    if (!receivers || !groups) goto cleanup;
+    RSV_TRY(rsv_path_tracer_create(scene, &tracer));
+    for (size_t i = 0; i < m->count; i++)
+        receivers[i] = m->probe ? receiver_of_probe(tracer, &m->probe[i])
+                                : receiver_of_place(tracer, &m->place[i]);
+    RSV_TRY(measure_groups(tracer, receivers, m->count, samples, m->seed, groups));
+    for (size_t i = 0; i < m->count; i++)
+        readings[i] = summarise(groups + i * GROUPS);
+    warn_of_rejected(context, groups, m->count * GROUPS);
+cleanup:
+    rsv_path_tracer_destroy(tracer);
+    rsv_free(context, receivers);
+    rsv_free(context, groups);
+    return status;
+}
+
 rsv_status rsv_probe_reference(const rsv_scene *scene, const rsv_probe *probes, size_t probe_count,
     uint32_t samples, uint32_t seed, rsv_probe_reading *readings)
 {
-    rsv_status status = RSV_OK;
-    rsv_context *context = rsv_scene_get_context(scene);
-    rsv_path_tracer *tracer = NULL;
-    group_mean *groups = NULL;
-    if (samples == 0) RSV_TRY(rsv_fail(RSV_ERROR_ARGUMENT, "probe: samples must be at least 1"));
-    for (size_t i = 0; i < probe_count; i++)
-        RSV_TRY(check_probe(&probes[i], i));
-    groups = rsv_alloc(context, probe_count, GROUPS * sizeof *groups);
-    if (!groups) RSV_TRY(RSV_ERROR_MEMORY);
-    RSV_TRY(rsv_path_tracer_create(scene, &tracer));
-    uint32_t samples_per_group = samples / GROUPS + (samples % GROUPS != 0);
-    RSV_TRY(measure_groups(tracer, probes, probe_count, samples_per_group, seed, groups));
-    for (size_t i = 0; i < probe_count; i++)
-        readings[i] = summarise(groups + i * GROUPS);
-    warn_of_rejected(context, groups, probe_count * GROUPS);
-cleanup:
-    rsv_path_tracer_destroy(tracer);
-    rsv_free(context, groups);
-    return status;
+    if (samples == 0) return rsv_fail(RSV_ERROR_ARGUMENT, "probe: samples must be at least 1");
+    for (size_t i = 0; i < probe_count; i++) {
+        rsv_status status = check_probe(&probes[i], i);
+        if (status != RSV_OK) return status;
+    }
+    return measure(scene,
+        &(measurement){ .probe = probes, .count = probe_count, .samples = samples, .seed = seed },
+        readings);
+}
+
+rsv_status rsv_surface_light_reference(const rsv_scene *scene, const rsv_surface_place *places,
+    size_t count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings)
+{
+    return measure(scene,
+        &(measurement){ .place = places, .count = count, .samples = samples, .seed = seed },
+        readings);
 }

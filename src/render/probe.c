@@ -22,6 +22,8 @@ typedef struct receiver {
     rsv_rgb caustic; ///< stored, where the receiver lies on a surface
     bool has_caustic;
     const rsv_probe_job *job;
+    double variance; ///< of the luminance of `caustic`
+    rsv_shared_noise shared;
 } receiver;
 
 static bool all_sources_large(const rsv_light_view *s)
@@ -54,6 +56,7 @@ static void find_surface(receiver *r)
     if (face == RSV_NONE || bsdf->coated || v3_dot(point.normal, r->normal) < 0.999f) return;
     r->caustic =
         rsv_elements_interpolate(s->caustics.elements, s->caustics.caustic, face, hit.u, hit.v);
+    if (r->job->noise) r->variance = rsv_stored_noise_at(r->job->noise, face, hit.u, hit.v, true);
     r->has_caustic = true;
 }
 
@@ -175,7 +178,18 @@ static void add_punctual(const receiver *r, uint32_t index, double value[3][GROU
     }
 }
 
-static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *random)
+/// Remembers what a ray has looked up, for the standard error.
+static void note_stored(
+    receiver *r, const rsv_chain *end, uint32_t face, const rsv_bsdf *bsdf, rsv_rgb stored)
+{
+    if (!r->job->noise) return;
+    float share = rgb_luminance(rgb_mul(end->weight, bsdf->base_color));
+    float rays = (float)(GROUPS * r->job->gather_rays);
+    rsv_shared_noise_add(
+        &r->shared, r->job->noise, face, end->u, end->v, share / rays, rgb_luminance(stored));
+}
+
+static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
     rsv_ray ray = { r->origin, direction, INFINITY };
@@ -197,19 +211,20 @@ static rsv_rgb gather_one(const receiver *r, rsv_vec3 direction, rsv_random *ran
         rsv_rgb diffused = rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
             rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
         rsv_rgb exitance = rgb_mul(bsdf->base_color, diffused);
+        note_stored(r, end, face, bsdf, diffused);
         return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
     }
     // Direct light at the far end is sampled there and then: what elements cannot resolve of it must not enter a
     // reading. All further light is looked up.
-    rsv_rgb direct = rgb_add(
-        rsv_solution_direct(s, face, end->u, end->v, true), rsv_sampled_irradiance(s, end, random));
-    rsv_rgb irradiance =
-        rgb_add(direct, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
+    rsv_rgb stored = rgb_add(rsv_solution_direct(s, face, end->u, end->v, true),
+        rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
+    note_stored(r, end, face, bsdf, stored);
+    rsv_rgb irradiance = rgb_add(stored, rsv_sampled_irradiance(s, end, random));
     rsv_rgb exitance = rgb_mul(bsdf->base_color, irradiance);
     return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
 }
 
-static rsv_rgb gather(const receiver *r, uint32_t stream)
+static rsv_rgb gather(receiver *r, uint32_t stream)
 {
     rsv_vec3 t, b;
     v3_frame(r->normal, &t, &b);
@@ -237,6 +252,19 @@ static void summarise(const double value[GROUPS], float *mean, float *error)
     *error = (float)fmax(sqrt(squares / (GROUPS * (GROUPS - 1.0))), ROUNDING * fabs(sum / GROUPS));
 }
 
+/// @param variance of the luminance: each channel errs by as large a share
+static void add_stored_noise(rsv_probe_reading *reading, double variance)
+{
+    double luminance = (double)rgb_luminance(reading->irradiance);
+    double square = luminance > 0 ? variance / (luminance * luminance) : 0;
+    float *error = &reading->standard_error.r;
+    const float *value = &reading->irradiance.r;
+    for (int c = 0; c < 3; c++) {
+        double own = (double)error[c], stored = (double)value[c];
+        error[c] = (float)sqrt(own * own + square * stored * stored);
+    }
+}
+
 rsv_probe_reading rsv_probe_read(const rsv_probe_job *job, const rsv_probe *probe, uint32_t index)
 {
     receiver r = set_up_receiver(job, probe);
@@ -253,6 +281,8 @@ rsv_probe_reading rsv_probe_read(const rsv_probe_job *job, const rsv_probe *prob
     summarise(value[0], &reading.irradiance.r, &reading.standard_error.r);
     summarise(value[1], &reading.irradiance.g, &reading.standard_error.g);
     summarise(value[2], &reading.irradiance.b, &reading.standard_error.b);
+    if (job->noise)
+        add_stored_noise(&reading, r.variance + rsv_shared_noise_variance(&r.shared, job->noise));
     return reading;
 }
 
@@ -262,10 +292,11 @@ rsv_probe_job rsv_probe_job_of(
     uint32_t per_group = samples / GROUPS + (samples % GROUPS != 0);
     if (per_group < 2) per_group = 2;
     return (rsv_probe_job){ solution, per_group, per_group / 4 < 4 ? 4 : per_group / 4, seed,
-        all_sources_large(solution), sources };
+        all_sources_large(solution), sources, NULL };
 }
 
-static rsv_probe_reading look_up(const rsv_light_view *s, const rsv_probe *probe)
+static rsv_probe_reading look_up(
+    const rsv_light_view *s, const rsv_stored_noise *noise, const rsv_probe *probe)
 {
     rsv_probe_reading reading = { 0 };
     rsv_hit hit;
@@ -276,6 +307,9 @@ static rsv_probe_reading look_up(const rsv_light_view *s, const rsv_probe *probe
         v3_sub(s->scene.view->position[corner[2]], a));
     reading.irradiance = rsv_light_irradiance(
         s, hit.triangle, hit.u, hit.v, v3_dot(front, probe->normal) < 0, RSV_NONE);
+    uint32_t face = s->elements->face_of[v3_dot(front, probe->normal) < 0][hit.triangle];
+    if (face != RSV_NONE)
+        add_stored_noise(&reading, rsv_stored_noise_at(noise, face, hit.u, hit.v, false));
     return reading;
 }
 
@@ -291,11 +325,15 @@ rsv_status rsv_probe_irradiance(const rsv_solution *light, rsv_probe_mode mode,
     rsv_status status = rsv_check_probes(probes, probe_count);
     if (status != RSV_OK) return status;
     rsv_probe_job job = rsv_probe_job_of(solution, samples, seed, true);
+    rsv_stored_noise noise;
+    status = rsv_stored_noise_create(solution, mode == RSV_PROBE_LOOKUP, &noise);
+    if (status != RSV_OK) return status;
+    job.noise = &noise;
     size_t done = 0;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(context))
     for (size_t k = 0; k < probe_count; k++) {
         if (rsv_cancelled(context)) continue;
-        readings[k] = mode == RSV_PROBE_LOOKUP ? look_up(solution, &probes[k])
+        readings[k] = mode == RSV_PROBE_LOOKUP ? look_up(solution, &noise, &probes[k])
                                                : rsv_probe_read(&job, &probes[k], (uint32_t)k);
         size_t finished;
 #pragma omp atomic capture
@@ -303,5 +341,6 @@ rsv_status rsv_probe_irradiance(const rsv_solution *light, rsv_probe_mode mode,
         if (rsv_thread_index() == 0)
             rsv_progress(context, "probe", (double)finished / (double)probe_count);
     }
+    rsv_stored_noise_destroy(&noise);
     return rsv_progress(context, "probe", 1);
 }

@@ -4,13 +4,15 @@
 
 #include "../solve/solution.h"
 #include "resolvent/render.h"
+#include "stored_noise.h"
 
 typedef struct rsv_probe_job {
     const rsv_light_view *solution;
     uint32_t gather_rays, light_samples; ///< per group
     uint32_t seed;
-    bool gather_caustics; ///< all sources are large
-    bool sources;         ///< light that next-event estimation finds is included
+    bool gather_caustics;          ///< all sources are large
+    bool sources;                  ///< light that next-event estimation finds is included
+    const rsv_stored_noise *noise; ///< enters standard errors; NULL = it does not
 } rsv_probe_job;
 
 rsv_probe_job rsv_probe_job_of(

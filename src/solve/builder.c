@@ -244,7 +244,7 @@ static rsv_status solve(rsv_builder *b, rsv_solution *light)
 {
     rsv_status status;
     double start = rsv_seconds(), path = rsv_team_path(b->context);
-    RSV_TRY(rsv_solve_orders(light, b->desc.max_orders));
+    RSV_TRY(rsv_solve_and_measure(light));
     RSV_TRY(rsv_diffused_level_create(light));
     light->report.time_solve = rsv_seconds() - start;
     light->report.critical_solve = rsv_team_path(b->context) - path;

@@ -139,12 +139,13 @@ static void drop_orders(rsv_solution *s)
     s->field.irradiance = s->field.indirect = NULL;
 }
 
-rsv_status rsv_light_solve(rsv_solution *s)
+/// @param solve E on the coarse elements
+static rsv_status solve_by(rsv_solution *s, rsv_status (*solve)(rsv_solution *light))
 {
     rsv_status status;
     double start = rsv_seconds();
     drop_orders(s);
-    RSV_TRY(rsv_solve_orders(s, s->desc.max_orders));
+    RSV_TRY(solve(s));
     rsv_diffused_level_destroy(s->context, &s->field.diffused);
     RSV_TRY(rsv_diffused_level_create(s));
     s->report.time_solve = rsv_seconds() - start;
@@ -153,9 +154,13 @@ cleanup:
     return status;
 }
 
+static rsv_status solve_alone(rsv_solution *s) { return rsv_solve_orders(s, s->desc.max_orders); }
+
+rsv_status rsv_light_solve(rsv_solution *s) { return solve_by(s, solve_alone); }
+
 rsv_status rsv_solution_solve_again(rsv_solution *s)
 {
-    rsv_status status = rsv_light_solve(s);
+    rsv_status status = solve_by(s, rsv_solve_and_measure);
     if (status == RSV_OK) rsv_light_warn_if_unbounded(s);
     return status;
 }

@@ -6,6 +6,7 @@
 #include "../elements/curvature.h"
 #include "../solver/choose_solver.h"
 #include "../solver/fredholm.h"
+#include "../solver/leading.h"
 #include "../solver/linear_solver.h"
 #include "sharpen.h"
 #include "transport_map.h"
@@ -438,7 +439,22 @@ static void sharpen_fields(series *q)
             s->elements->node_count * sizeof(rsv_rgb));
 }
 
-rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
+/// Residual of the spectral radius, relative, and the applications that it may take. As A is symmetric, nearly, in some inner
+/// product, the radius itself is known to about the square of that over the distance of the next eigenvalue.
+#define RADIUS_TOLERANCE 2e-3
+#define RADIUS_STEPS 24
+
+/// The radius that the orders suggest is a Rayleigh quotient, below the true one; this is the leading eigenvalue.
+static rsv_status find_radius(const series *q)
+{
+    rsv_leading_value leading;
+    rsv_status status =
+        rsv_leading_eigenvalue(&q->map->linear, RADIUS_TOLERANCE, RADIUS_STEPS, &leading);
+    if (status == RSV_OK) q->s->report.spectral_radius = leading.value;
+    return status;
+}
+
+static rsv_status solve_orders(rsv_solution *s, uint32_t max_orders, bool measures)
 {
     rsv_status status;
     size_t nodes = s->elements->node_count;
@@ -451,9 +467,20 @@ rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
     RSV_TRY(solve(&q, max_orders));
     report_error(&q, q.next);
     sharpen_fields(&q);
+    if (measures) RSV_TRY(find_radius(&q));
 cleanup:
     rsv_transport_map_destroy(q.map);
     rsv_free(s->context, q.term);
     rsv_free(s->context, q.next);
     return status;
+}
+
+rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
+{
+    return solve_orders(s, max_orders, false);
+}
+
+rsv_status rsv_solve_and_measure(rsv_solution *s)
+{
+    return solve_orders(s, s->desc.max_orders, true);
 }

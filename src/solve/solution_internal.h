@@ -47,4 +47,7 @@ void rsv_light_warn_if_unbounded(const rsv_solution *light);
 /// @param max_orders applications of G K at most
 rsv_status rsv_solve_orders(rsv_solution *light, uint32_t max_orders);
 
+/// The same with as many applications as the description allows, and then the spectral radius, converged.
+rsv_status rsv_solve_and_measure(rsv_solution *light);
+
 #endif

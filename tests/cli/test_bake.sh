@@ -321,6 +321,21 @@ for probe in range(count):
     assert abs(mean - irradiance) < 0.02 * irradiance, (mean, irradiance)
     assert all(abs(sh[27 * probe + k]) < 0.05 * irradiance for k in range(3, 27))
 TEXT
+# what each light does to probes adds up to what was baked, although each draws numbers of its own
+succeeds bake cornell-blocks -o parts.json --to probes --basis --env sky --spacing 0.3 --quality draft --max-elements 500
+python3 - <<'TEXT' || complain "the parts of probes do not add up to what was baked"
+import array, json, struct
+grid = json.load(open("parts.json"))
+baked = array.array("f", open(grid["data"], "rb").read()[:grid["coefficients"]["byteLength"]])
+raw = open("parts.light.safetensors", "rb").read()
+start = 8 + struct.unpack("<Q", raw[:8])[0]
+begin, end = json.loads(raw[8:start])["basis.value"]["data_offsets"]
+part = array.array("f", raw[start + begin:start + end])
+lights = len(part) // len(baked)
+assert lights > 1 and max(baked) > .1
+for k, value in enumerate(baked):
+    assert abs(sum(part[k::len(baked)]) - value) < 1e-5 * max(baked), k
+TEXT
 # within blocks no light is, though their materials are double-sided
 succeeds scene cornell-blocks -o blocks.glb
 python3 - <<'TEXT' || complain "the blocks cannot be made double-sided"

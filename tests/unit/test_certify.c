@@ -2,6 +2,7 @@
 /// threads, and patient with scenes that have nothing to certify.
 #include "resolvent/certify.h"
 
+#include "certify/point_density.h"
 #include "light_view.h"
 #include "solve/light_change.h"
 
@@ -198,6 +199,36 @@ static void a_solution_without_caustics_confesses(void **state)
     check_against_truth("cornell-spheres", &desc, 25600, 32, 8192, 0.6);
 }
 
+/// Better solutions are said to be better, and by as much as they are: the estimate is within 1.25 times of what the truth may
+/// be.
+static void estimates_fall_as_errors_do(void **state)
+{
+    (void)state;
+    static const char *const scenes[] = { "cornell-blocks", "cornell-spheres", "two-rooms",
+        "gallery:1" };
+    for (size_t k = 0; k < sizeof scenes / sizeof *scenes; k++) {
+        world *w = world_builtin(2, scenes[k]);
+        rsv_truth *truth = NULL;
+        double before = INFINITY;
+        for (rsv_quality q = RSV_QUALITY_DRAFT; q <= RSV_QUALITY_HIGH; q++) {
+            rsv_solve_desc desc = rsv_default_solve_desc(q);
+            rsv_solution *s = solve(w, &desc);
+            double error, interval[2];
+            if (!truth) assert_int_equal(rsv_truth_create(s, 8000, 512, 5, &truth), RSV_OK);
+            assert_int_equal(rsv_truth_error(truth, s, &error, interval), RSV_OK);
+            double estimate = certify(s, 8192, 3).error_estimate_rms;
+            print_message("%s, quality %d: true error %.4f (%.4f .. %.4f), estimate %.4f\n",
+                scenes[k], (int)q, error, interval[0], interval[1], estimate);
+            assert_true(estimate <= 1.25 * interval[1] && interval[0] <= 1.25 * estimate);
+            assert_true(estimate < before);
+            before = estimate;
+            rsv_solution_destroy(s);
+        }
+        rsv_truth_destroy(truth);
+        world_end(w);
+    }
+}
+
 /// A room that absorbs little reflects each residual many times: noise that all points share is most of what there is
 /// to know. The truth is another certificate, of many points.
 static void intervals_hold_where_little_is_absorbed(void **state)
@@ -254,6 +285,81 @@ static void the_split_knows_noise_from_large_elements(void **state)
     print_message(
         "coarse: sampling %.4f, discretisation %.4f\n", split[1].sampling, split[1].discretisation);
     assert_true(split[1].discretisation > 2 * split[1].sampling);
+    world_end(w);
+}
+
+// ---- what is not seen --------------------------------------------------------------------------
+
+/// A canvas in a frame: bodies that reach into each other, their fronts five millimetres apart.
+typedef struct cuboid {
+    rsv_vec3 low, high;
+} cuboid;
+
+static const cuboid hung[] = {
+    { { -0.1f, -0.02f, -0.1f }, { 3.1f, 2.5f, 0 } },   // wall
+    { { 1, 1, -0.02f }, { 2, 1.8f, 0.04f } },          // frame
+    { { 1.06f, 1.06f, 0 }, { 1.94f, 1.74f, 0.045f } }, // canvas
+    { { 0.2f, 0.0001f, 0.5f }, { 0.7f, 0.6f, 1 } },    // plinth, in touch with the floor
+    { { -0.1f, -0.1f, -0.1f }, { 3.1f, 0, 3 } },       // floor
+};
+enum { hung_count = sizeof hung / sizeof *hung };
+
+static bool lies_within(const cuboid *c, rsv_vec3 p, float margin)
+{
+    return p.x > c->low.x + margin && p.x < c->high.x - margin && p.y > c->low.y + margin &&
+           p.y < c->high.y - margin && p.z > c->low.z + margin && p.z < c->high.z - margin;
+}
+
+static bool lies_within_any(rsv_vec3 p, float margin)
+{
+    for (int k = 0; k < hung_count; k++)
+        if (lies_within(&hung[k], p, margin)) return true;
+    return false;
+}
+
+/// Checks the points of one solution. @return how many are buried
+static uint32_t judge_points_of(const rsv_light_view *s, uint32_t points)
+{
+    rsv_point_density density;
+    rsv_visible_surface visible = rsv_visible_surface_of(&s->scene, s->elements);
+    uint32_t buried = 0;
+    assert_int_equal(rsv_point_density_of_light(s, &density), RSV_OK);
+    for (uint32_t k = 0; k < points; k++) {
+        double weight;
+        uint64_t rays = 0;
+        rsv_face_point p = rsv_point_density_draw(&density, k, points, 3, &weight);
+        rsv_surface_point at = rsv_surface_point_at(s->scene.view,
+            s->elements->face_triangle[p.face], p.u, p.v, s->elements->face_back[p.face]);
+        rsv_vec3 above = v3_mad(at.position, 1e-4f, at.geometric);
+        bool judged = rsv_point_is_buried(&visible, &p, k, &rays);
+        if (lies_within_any(above, 2e-5f)) assert_true(judged);
+        if (!lies_within_any(above, -0.02f)) assert_false(judged);
+        buried += judged;
+    }
+    rsv_point_density_destroy(&density);
+    return buried;
+}
+
+/// Whether a point is seen depends on the scene, and not on how large the elements around it are.
+static void points_within_bodies_count_at_no_quality(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t grey = world_lambert(w, 0.7f, 0);
+    for (int k = 0; k < hung_count; k++)
+        world_box(w, grey, hung[k].low, hung[k].high);
+    rsv_light lamp = {
+        .kind = RSV_LIGHT_POINT, .position = v3(1.5f, 2, 1.5f), .intensity = rgb_gray(10)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+    world_commit(w);
+    for (uint32_t elements = 100; elements <= 6400; elements *= 8) {
+        rsv_solve_desc desc = draft(elements);
+        desc.rays_per_element = 64;
+        rsv_solution *s = solve(w, &desc);
+        assert_true(judge_points_of(inside(s), 4000) > 100);
+        rsv_solution_destroy(s);
+    }
     world_end(w);
 }
 
@@ -674,6 +780,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
+        cmocka_unit_test(points_within_bodies_count_at_no_quality),
         cmocka_unit_test(darkness_is_exact),
         cmocka_unit_test(a_scene_without_diffuse_surfaces_has_no_error),
         cmocka_unit_test(unusable_numbers_of_samples_are_refused),
@@ -693,6 +800,7 @@ int main(int argc, char **argv)
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(a_solution_without_caustics_confesses),
+        cmocka_unit_test(estimates_fall_as_errors_do),
         cmocka_unit_test(a_target_is_not_reached_by_luck),
         cmocka_unit_test(intervals_hold_where_a_spot_is_bright),
     };

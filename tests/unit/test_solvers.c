@@ -7,6 +7,7 @@
 #include "light_view.h"
 #include "solve/transport_map.h"
 #include "solver/fredholm.h"
+#include "solver/leading.h"
 #include "solver/linear_solver.h"
 
 static const rsv_solver all_solvers[] = { RSV_SOLVER_NEUMANN, RSV_SOLVER_GAUSS_SEIDEL,
@@ -302,6 +303,37 @@ static void power_iteration_brackets_the_spectral_radius(void **state)
     world_end(w);
 }
 
+static double leading_value(const rsv_linear_map *map)
+{
+    rsv_leading_value leading;
+    assert_int_equal(rsv_leading_eigenvalue(map, 1e-5, 60, &leading), RSV_OK);
+    assert_true(leading.residual <= 1e-5 * leading.value);
+    return leading.value;
+}
+
+/// Of matrices whose other eigenvalues are as large, with the other sign; that mix slowly; that are 0.
+static void the_leading_eigenvalue_is_found(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    dense_map *m = dense_begin(w->context, 2);
+    m->a[0][0] = 0.5, m->a[0][1] = 0.3;
+    m->a[1][0] = 0.2, m->a[1][1] = 0.4;
+    assert_close(leading_value(&m->linear), 0.7, 1e-6);
+    m->a[0][0] = m->a[1][1] = 0; // two walls that see each other alone: +-sqrt(0.06)
+    assert_close(leading_value(&m->linear), sqrt(0.06), 1e-6);
+    m->a[1][0] = 0; // nilpotent
+    assert_close(leading_value(&m->linear), 0, 1e-6);
+    free(m);
+    m = dense_begin(w->context, 20); // two rooms of ten, and hardly a door between them
+    for (int i = 0; i < 20; i++)
+        for (int j = 0; j < 20; j++)
+            m->a[i][j] = (i < 10) == (j < 10) ? (i < 10 ? 0.06 : 0.0599) : 1e-6;
+    assert_close(leading_value(&m->linear), 0.6, 1e-4);
+    free(m);
+    world_end(w);
+}
+
 // ---- scenes -------------------------------------------------------------------------------------
 
 /// A solved scene and its operator, columns included.
@@ -438,6 +470,23 @@ static void the_report_names_solver_and_reason(void **state)
     }
     discard(&fast);
     discard(&slow);
+}
+
+/// The bounds of Collatz and Wielandt enclose it, as do those of Gelfand and of the mean of the orders.
+static void the_reported_radius_is_the_true_one(void **state)
+{
+    (void)state;
+    solved q = solve_scene(world_builtin(2, "cornell-blocks"), 400, RSV_SOLVER_AUTO);
+    size_t nodes = inside(q.s)->elements->node_count;
+    float *vector = calloc(3 * nodes, sizeof *vector);
+    rsv_spectral_radius radius;
+    rsv_power_desc desc = { .max_steps = 400 };
+    assert_non_null(vector);
+    assert_int_equal(rsv_power_iteration(&q.map->linear, &desc, vector, &radius), RSV_OK);
+    assert_true(radius.upper - radius.lower < 1e-3);
+    assert_close(inside(q.s)->report.spectral_radius, radius.lower, 1e-3);
+    free(vector);
+    discard(&q);
 }
 
 /// Two light sources at once, on one pass over the entries.
@@ -659,6 +708,8 @@ int main(void)
         cmocka_unit_test(many_columns_are_solved_like_one),
         cmocka_unit_test(memory_that_runs_out_is_an_error),
         cmocka_unit_test(power_iteration_brackets_the_spectral_radius),
+        cmocka_unit_test(the_leading_eigenvalue_is_found),
+        cmocka_unit_test(the_reported_radius_is_the_true_one),
         cmocka_unit_test(solvers_agree_on_scenes),
         cmocka_unit_test(the_automatic_solver_needs_a_third_of_the_series),
         cmocka_unit_test(the_report_names_solver_and_reason),

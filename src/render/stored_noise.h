@@ -1,0 +1,52 @@
+/// How uncertain a solution's stored light is, and what of that enters a reading: what all readings share, and no
+/// randomisation of theirs can show.
+///
+/// Nodes are found independently, but for what few photons leave of a caustic. How a field departs from planes across the
+/// edges of its cells therefore shows both the noise of nodes and the curvature that interpolation misses: of four nodes with
+/// variance v that departure has the variance 4 v.
+#ifndef RSV_STORED_NOISE_H
+#define RSV_STORED_NOISE_H
+
+#include "../solve/solution.h"
+
+typedef struct rsv_stored_noise {
+    const rsv_light_view *solution;
+    rsv_rgb *
+        stored; ///< [node_count] r: variance of the luminance of indirect and gathered light; constrained
+    rsv_rgb *caustic; ///< [node_count of the caustic level] likewise; NULL = there is none
+    rsv_rgb
+        *direct;   ///< likewise of direct light, on the elements that hold it; NULL = not asked for
+    double coarse; ///< area-weighted mean of the variance of all that the coarse elements hold
+    double reflected; ///< light after further reflections over that of the first: rho / (1 - rho)
+    double nodes;     ///< that share it
+} rsv_stored_noise;
+
+/// @param direct whether direct light is looked up too
+rsv_status rsv_stored_noise_create(
+    const rsv_light_view *solution, bool direct, rsv_stored_noise *noise);
+void rsv_stored_noise_destroy(rsv_stored_noise *noise);
+
+/// Variance of the luminance of what lookups find at a point.
+/// @param caustic whether the caustic alone is asked for
+double rsv_stored_noise_at(
+    const rsv_stored_noise *noise, uint32_t face, float u, float v, bool caustic);
+
+/// Sums over all rays of one reading. A reading that gets the share a of its light from node j has the variance sum a^2 v: nodes
+/// are dealt out to a few sums with random signs, which have the same expectation (Charikar, Chen and Farach-Colton 2002).
+#define RSV_NOISE_SUMS 256
+
+typedef struct rsv_shared_noise {
+    float stored[RSV_NOISE_SUMS], caustic[RSV_NOISE_SUMS];
+    double all;   ///< shares of all nodes
+    double light; ///< luminance of the reading that they bring
+} rsv_shared_noise;
+
+/// A ray that ends at a surface. @param share luminance of the reading by that of the surface's light
+/// @param light luminance that is stored there
+void rsv_shared_noise_add(rsv_shared_noise *sums, const rsv_stored_noise *noise, uint32_t face,
+    float u, float v, float share, float light);
+
+/// Variance of the reading's luminance.
+double rsv_shared_noise_variance(const rsv_shared_noise *sums, const rsv_stored_noise *noise);
+
+#endif
