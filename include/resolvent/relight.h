@@ -77,7 +77,7 @@ typedef struct rsv_relight_source {
     rsv_rgb scale;     ///< present
     rsv_vec3 position; ///< present; of a lamp, the mean of its vertices
     bool movable;
-    const char *node; ///< that placed a light: means it alone where several share a name; NULL = none
+    const char *node; ///< that placed a light, where several share a name; NULL = none
 } rsv_relight_source;
 
 RSV_API size_t rsv_relighter_source_count(const rsv_relighter *relighter);

@@ -17,7 +17,7 @@ typedef struct rsv_bake_reader {
     /// @param value out: [count][width]
     rsv_status (*read)(
         const struct rsv_bake_reader *reader, const rsv_light_view *light, rsv_rgb *value);
-    rsv_rgb *sum; ///< out: [count][width] what all lights together bring, exactly; NULL = not asked for
+    rsv_rgb *sum; ///< out: [count][width] what all lights together bring; NULL = not asked for
     /// Writes what else the file says of the receivers; NULL = nothing.
     rsv_status (*describe)(const struct rsv_bake_reader *reader, rsv_tensor_file *file);
 } rsv_bake_reader;

@@ -48,15 +48,16 @@ static rsv_status add_box(
     return rsv_add_box((rsv_shape){ g->scene, name, material, NULL }, low, high);
 }
 
-/// Floor and ceiling of the whole gallery, and its long wall at the back.
+/// Floor and ceiling of the whole gallery, a little beyond its walls, and its long wall at the back.
 static rsv_status add_shell(const gallery *g, float end)
 {
     rsv_status status;
-    const float low = -SUNK, top = HEIGHT + WALL, back = -WALL, front = DEPTH + WALL + NICHE_DEPTH;
-    RSV_TRY(add_box(g, "floor", g->boards, v3(-WALL, -WALL, back), v3(end + WALL, 0, front)));
-    RSV_TRY(add_box(g, "ceiling", g->plaster, v3(-WALL, HEIGHT, back), v3(end + WALL, top, front)));
+    const float beyond = WALL + SUNK, left = -beyond, right = end + beyond;
+    const float back = -beyond, front = DEPTH + NICHE_DEPTH + beyond, top = HEIGHT + WALL;
+    RSV_TRY(add_box(g, "floor", g->boards, v3(left, -WALL, back), v3(right, 0, front)));
+    RSV_TRY(add_box(g, "ceiling", g->plaster, v3(left, HEIGHT, back), v3(right, top, front)));
     RSV_TRY(add_box(
-        g, "long wall", g->plaster, v3(-WALL, low, back), v3(end + WALL, HEIGHT + SUNK, 0)));
+        g, "long wall", g->plaster, v3(-WALL, -SUNK, -WALL), v3(end + WALL, HEIGHT + SUNK, 0)));
 cleanup:
     return status;
 }

@@ -2,8 +2,8 @@
 #ifndef RSV_CHAIN_WALK_H
 #define RSV_CHAIN_WALK_H
 
-#include "../surface/medium.h"
 #include "../surface/lift.h"
+#include "../surface/medium.h"
 #include "../trace/offset.h"
 #include "resolvent/trace.h"
 
@@ -32,9 +32,9 @@ typedef struct rsv_chain {
     /// Of those, all but RSV_LOBE_PASS. 0 = light that comes this way is counted where shadow rays find it
     /// (light/partition.h); counted by chains that draw their events.
     uint32_t turns;
-    uint32_t rays;   ///< rays traced so far
-    float spread;    ///< metres by which the footprint grows per metre
-    float width;     ///< of the footprint on this surface: what textures are averaged over
+    uint32_t rays; ///< rays traced so far
+    float spread;  ///< metres by which the footprint grows per metre
+    float width;   ///< of the footprint on this surface: what textures are averaged over
 } rsv_chain;
 
 /// Footprint of a gather ray: an eighth of the cone of one of the 250 or so that share a hemisphere. Wider averages mix

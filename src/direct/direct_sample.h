@@ -6,8 +6,8 @@
 #include "../core/stratified.h"
 #include "../light/punctual_light.h"
 #include "../surface/entry.h"
-#include "../surface/medium.h"
 #include "../surface/lift.h"
+#include "../surface/medium.h"
 
 /// Receiver points of a node at most, and shadow rays at a time.
 #define RSV_DIRECT_LANES 16
@@ -112,7 +112,8 @@ typedef struct rsv_direct_sums {
     rsv_rgb visible;       ///< f / p of those of them that are visible, as it enters the surface
     rsv_rgb further;       ///< the same of emitters that a tree chose: `open` knows nothing of them
     float further_squared; ///< luminance
-    float veiled; ///< luminance of `visible` that is sure of not being all or nothing: times what is lost
+    /// Luminance of `visible` that is sure of not being all or nothing: times what is lost.
+    float veiled;
     uint32_t seen, hidden; ///< how many of those that `open` knows
 } rsv_direct_sums;
 
@@ -186,8 +187,8 @@ RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
     // the tree took some of the samples; if it took all, nothing is known
     float known = by_tree ? (float)(sums->seen + sums->hidden) : count;
     if (open > 0)
-        e.deviation = RSV_DIRECT_STRATIFIED * rgb_luminance(unshadowed) *
-                      sqrtf(f_max(spread, 0) / known);
+        e.deviation =
+            RSV_DIRECT_STRATIFIED * rgb_luminance(unshadowed) * sqrtf(f_max(spread, 0) / known);
     if (!by_tree) return e;
     if (!(open > 0)) e.deviation = rgb_luminance(unshadowed);
     e.irradiance = rgb_mad(e.irradiance, 1 / count, sums->further);
@@ -229,8 +230,8 @@ RSV_INLINE rsv_direct_ray rsv_direct_to_punctual(
     float cos = v3_dot(point->normal, sample.direction);
     r.open = rgb_scale(sample.irradiance, cos);
     r.entering = rsv_direct_entering(s, receiver, r.open, sample.distance, cos);
-    r.ray = rsv_punctual_ray(
-        &sample, rsv_lifted_origin(point, receiver->origin[k], sample.direction));
+    r.ray =
+        rsv_punctual_ray(&sample, rsv_lifted_origin(point, receiver->origin[k], sample.direction));
     return r;
 }
 

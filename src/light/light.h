@@ -25,8 +25,10 @@ typedef struct rsv_emitter {
     uint32_t triangle; ///< in the scene
     float u[3], v[3];  ///< of the corners, on that triangle
     uint32_t group;
-    uint32_t place; ///< of the cell: two bits per division say which of four parts, from RSV_EMITTER_LEVELS pairs on down
-    uint32_t cells; ///< emitters that the triangle is divided into: side by side, in the order of their places
+    /// Of the cell: two bits per division say which of four parts, from RSV_EMITTER_LEVELS pairs on down.
+    uint32_t place;
+    uint32_t
+        cells; ///< that the triangle is divided into: side by side, in the order of their places
     bool double_sided;
     bool varies; ///< the emission is textured
 } rsv_emitter;

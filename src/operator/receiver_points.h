@@ -27,7 +27,9 @@ typedef struct rsv_receiver_points {
 
 /// Which points of which node.
 typedef struct rsv_receiver_draw {
-    uint32_t node, index; ///< `index` has the random numbers: the node, or what it was in an earlier version of the scene
+    uint32_t node;
+    uint32_t
+        index; ///< has the random numbers: the node, or what it was in an earlier version of the scene
     uint32_t seed;
     uint16_t valid; ///< bit k = point k counts; not 0
 } rsv_receiver_draw;
@@ -49,8 +51,8 @@ RSV_INLINE bool rsv_receiver_points_lift(
     point.geometric = v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]);
     point.lift = v3(p->lift_x[k], p->lift_y[k], p->lift_z[k]);
     rsv_vec3 horizon = v3(p->horizon_x[k], p->horizon_y[k], p->horizon_z[k]);
-    ray->origin = rsv_lifted_origin(
-        &point, v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]), direction);
+    ray->origin =
+        rsv_lifted_origin(&point, v3(p->origin_x[k], p->origin_y[k], p->origin_z[k]), direction);
     ray->direction = direction;
     ray->t_max = INFINITY;
     return v3_dot(direction, horizon) > 0;

@@ -94,7 +94,8 @@ static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
     if (gather.end == RSV_CHAIN_DIFFUSE)
         record_end(tracer, s, ray, &gather.chain, rsv_random_float(&random));
     else if (gather.end == RSV_CHAIN_ESCAPED)
-        rsv_escape_row_add(&s->escapes, gather.chain.direction, gather.chain.weight, gather.chain.turns);
+        rsv_escape_row_add(
+            &s->escapes, gather.chain.direction, gather.chain.weight, gather.chain.turns);
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.

@@ -135,7 +135,8 @@ static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
     path->medium = rsv_path_medium_beside(path, s, transmitted);
     path->diffuse_events += sample.lobe == RSV_LOBE_DIFFUSE;
     path->departure = s->point;
-    path->ray = (rsv_ray){ rsv_path_surface_departure(s, transmitted, sample.direction), sample.direction, INFINITY };
+    path->ray = (rsv_ray){ rsv_path_surface_departure(s, transmitted, sample.direction),
+        sample.direction, INFINITY };
     return true;
 }
 

@@ -44,9 +44,8 @@ void rsv_path_add_emission(rsv_light_path *path, const rsv_path_surface *s, floa
 
     float weight = 1;
     if (path->pdf_solid_angle > 0 && !lights->group[emitter->group].gathered) {
-        float pdf_light =
-            rsv_local_lights_pdf(&path->local[path->below], index, path->ray.direction,
-                path->passed + distance);
+        float pdf_light = rsv_local_lights_pdf(
+            &path->local[path->below], index, path->ray.direction, path->passed + distance);
         weight = power_heuristic(path->pdf_solid_angle, pdf_light);
     }
     rsv_rgb arriving = rgb_mul(from_source(path, &path->medium, 0), s->bsdf->emission);
@@ -72,8 +71,8 @@ void rsv_path_add_environment(rsv_light_path *path)
 static rsv_rgb seen_of_light(const rsv_path_tracer *tracer, const rsv_path_surface *s,
     const rsv_light_sample *sample, bool below)
 {
-    rsv_ray ray = rsv_shadow_ray(tracer->lights, sample, s->point,
-        rsv_path_surface_departure(s, below, sample->direction));
+    rsv_ray ray = rsv_shadow_ray(
+        tracer->lights, sample, s->point, rsv_path_surface_departure(s, below, sample->direction));
     if (!rsv_tracer_occluded(tracer->tracer, &ray)) return rgb_gray(1);
     return tracer->blended ? rsv_straight_transmittance(tracer, ray, false) : rgb_gray(0);
 }
@@ -114,7 +113,8 @@ static void add_punctual_light(
     rsv_ray ray = { rsv_path_surface_departure(s, below, light->direction), light->direction,
         light->distance };
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
-    rsv_rgb arriving = rgb_mul(light->irradiance, rsv_straight_transmittance(path->tracer, ray, true));
+    rsv_rgb arriving =
+        rgb_mul(light->irradiance, rsv_straight_transmittance(path->tracer, ray, true));
     arriving = rgb_mul(arriving, from_source(path, &medium, light->distance));
     add_scattered(path, arriving, diffuse.response, rough.response);
 }

@@ -53,12 +53,12 @@ void rsv_path_surface_meet(
     rise_to_curve(tracer, hit, s);
     if (!s->bsdf->lambert)
         s->normal = rsv_bsdf_specular_normal(s->normal, s->geometric_normal, s->wo);
-    else if (v3_dot(s->normal, s->wo) <= 0) // a silhouette, whose normal turns away: Lambert's law asks for no direction
+    else if (v3_dot(s->normal, s->wo) <=
+             0) // a silhouette, whose normal turns away: Lambert's law asks for no direction
         s->wo = s->geometric_normal;
 }
 
-rsv_vec3 rsv_path_surface_departure(
-    const rsv_path_surface *s, bool transmitted, rsv_vec3 direction)
+rsv_vec3 rsv_path_surface_departure(const rsv_path_surface *s, bool transmitted, rsv_vec3 direction)
 {
     rsv_vec3 side = transmitted ? v3_neg(s->geometric_normal) : s->geometric_normal;
     rsv_vec3 start = rsv_offset_origin(s->point, side, s->extent);

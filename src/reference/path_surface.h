@@ -14,7 +14,7 @@ typedef struct rsv_path_surface {
     /// Coarse triangles whose normals bulge stand for a curved surface: what light is above it, and the way to it from
     /// the point. The geometric normal and zero elsewhere, and where something lies between.
     rsv_vec3 horizon, rise;
-    float extent;    ///< for rsv_offset_origin
+    float extent; ///< for rsv_offset_origin
     uint32_t triangle, material;
     float u, v;
     bool front;

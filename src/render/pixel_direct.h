@@ -26,10 +26,10 @@ typedef struct rsv_direct_term {
     uint32_t column, sample;
     uint32_t rays, asked; ///< drawn; of these, to sources that A knows, not below the horizon
     float seen, veiled;   ///< of those: what passes of each, and what passes times what does not
-    float expected;  ///< luminance without occlusion, emitters in a tree by a rough estimate
-    rsv_rgb exact;   ///< A times the weight of the camera chain, as all that follows
-    rsv_rgb arrived; ///< sum of S V over the rays
-    rsv_rgb control; ///< sum of C over the rays
+    float expected;       ///< luminance without occlusion, emitters in a tree by a rough estimate
+    rsv_rgb exact;        ///< A times the weight of the camera chain, as all that follows
+    rsv_rgb arrived;      ///< sum of S V over the rays
+    rsv_rgb control;      ///< sum of C over the rays
 } rsv_direct_term;
 
 /// A surface that may want further shadow rays.

@@ -169,8 +169,8 @@ RSV_INLINE float rsv_varied_opacity(
 RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v)
 {
     const rsv_material *m = &scene->material[scene->triangle_material[triangle]];
-    return m->alpha_cutoff > 0
-        && rsv_varied_opacity(scene, triangle, u, v, 0) < RSV_CUTOFF_SHARE * m->alpha_cutoff;
+    return m->alpha_cutoff > 0 &&
+           rsv_varied_opacity(scene, triangle, u, v, 0) < RSV_CUTOFF_SHARE * m->alpha_cutoff;
 }
 
 RSV_SHARED float rsv_opacity_at(const rsv_scene_view *scene, uint32_t triangle, float u, float v)

@@ -95,6 +95,7 @@ static void shift(const rsv_scene *scene, const rsv_fixture *fixture, rsv_vec3 *
 rsv_status rsv_scene_take_origin(rsv_scene *scene)
 {
     box all;
+    if (!scene->in_double) return RSV_OK;
     rsv_status status = find_bounds(scene, &all);
     if (status != RSV_OK || !choose(&all, scene->origin)) return status;
     for (size_t k = 0; k < scene->light_count; k++)

@@ -1,5 +1,5 @@
-#include "../core/vec.h"
 #include "scene.h"
+#include "../core/vec.h"
 
 #include <string.h>
 
@@ -349,16 +349,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_scene_add_instance(
-    rsv_scene *scene, uint32_t mesh_id, const float transform[16], const char *name)
-{
-    double wide[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
-    for (int i = 0; transform && i < 16; i++)
-        wide[i] = (double)transform[i];
-    return rsv_scene_place_instance(scene, mesh_id, wide, name);
-}
-
-rsv_status rsv_scene_place_instance(
+static rsv_status add_instance(
     rsv_scene *scene, uint32_t mesh_id, const double transform[16], const char *name)
 {
     rsv_status status;
@@ -373,6 +364,22 @@ rsv_status rsv_scene_place_instance(
     scene->instance[scene->instance_count++] = stored;
 cleanup:
     return status;
+}
+
+rsv_status rsv_scene_add_instance(
+    rsv_scene *scene, uint32_t mesh_id, const float transform[16], const char *name)
+{
+    double wide[16] = { [0] = 1, [5] = 1, [10] = 1, [15] = 1 };
+    for (int i = 0; transform && i < 16; i++)
+        wide[i] = (double)transform[i];
+    return add_instance(scene, mesh_id, wide, name);
+}
+
+rsv_status rsv_scene_place_instance(
+    rsv_scene *scene, uint32_t mesh_id, const double transform[16], const char *name)
+{
+    scene->in_double = true;
+    return add_instance(scene, mesh_id, transform, name);
 }
 
 static rsv_status check_light(const rsv_light *light, const char *name)

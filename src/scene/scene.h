@@ -35,7 +35,7 @@ typedef struct rsv_fixture {
 struct rsv_scene {
     rsv_context *context;
     bool commit_tried, committed;
-    bool is_part; ///< of another scene: no camera is missed
+    bool is_part;                 ///< of another scene: no camera is missed
     const struct rsv_scene *base; ///< that this one varies (variant.h); NULL = it stands by itself
     bool owns_positions, owns_environment; ///< of a variant
 
@@ -47,6 +47,7 @@ struct rsv_scene {
     rsv_fixture *light_fixture, *camera_fixture; ///< [light_count], [camera_count]
     size_t light_fixture_capacity, camera_fixture_capacity;
     const char **light_node, **camera_node; ///< the view's, from rsv_scene_list_nodes()
+    bool in_double;                         ///< instances came in double (rsv_scene_place_instance)
     double origin[3];                       ///< taken out of all coordinates (origin.c)
     rsv_texture *texture;
     size_t texture_count, texture_capacity;
@@ -92,8 +93,8 @@ rsv_status rsv_scene_place_camera(
 /// Lists the names of the nodes that placed lights and cameras, for the view.
 rsv_status rsv_scene_list_nodes(rsv_scene *scene);
 
-/// Takes a common origin out of instances, lights and cameras where the scene lies far from its own; else leaves all as
-/// it is, bit for bit. Before flattening.
+/// Takes a common origin out of instances, lights and cameras where a scene placed in double lies far from its own; else
+/// leaves all as it is, bit for bit: who places in floats gains no digits, and goes on in these coordinates. Before flattening.
 rsv_status rsv_scene_take_origin(rsv_scene *scene);
 
 /// Whether an origin was taken out.

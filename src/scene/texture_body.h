@@ -50,8 +50,7 @@ RSV_INLINE rsv_texel rsv_texel_mix_covers(rsv_texel a, rsv_texel b, float share)
     return mix;
 }
 
-RSV_INLINE rsv_texel rsv_texel_between(
-    const rsv_texture *t, rsv_texel a, rsv_texel b, float share)
+RSV_INLINE rsv_texel rsv_texel_between(const rsv_texture *t, rsv_texel a, rsv_texel b, float share)
 {
     return t->covers ? rsv_texel_mix_covers(a, b, share) : rsv_texel_mix(a, b, share);
 }

@@ -81,8 +81,7 @@ static rsv_status paint(const rsv_solution *s, const bool *changed, rsv_rgb **al
     for (size_t n = 0; n < e->node_count; n++) {
         uint32_t triangle = e->face_triangle[e->node_face[n]];
         uint32_t material = s->scene.view->triangle_material[triangle];
-        a[n] = changed[material] ? s->world->bsdf[material].base_color
-                                 : s->view.exitance_albedo[n];
+        a[n] = changed[material] ? s->world->bsdf[material].base_color : s->view.exitance_albedo[n];
     }
     return RSV_OK;
 }

@@ -21,8 +21,7 @@ struct rsv_operator {
 bool rsv_reflects_diffusely(const rsv_transport_scene *scene)
 {
     for (size_t m = 0; m < scene->view->material_count; m++)
-        if (scene->bsdf[m].diffuse > 0 && !rgb_is_black(scene->bsdf[m].base_color))
-            return true;
+        if (scene->bsdf[m].diffuse > 0 && !rgb_is_black(scene->bsdf[m].base_color)) return true;
     return false;
 }
 
@@ -43,8 +42,7 @@ static rsv_rgb mean_albedo(
             scene->view, scene->bsdf, triangle, sample[k].u, sample[k].v, width, &storage);
         rsv_rgb scale = bsdf->entry_scale, left = rgb(1 / scale.r, 1 / scale.g, 1 / scale.b);
         float share = bsdf->diffuse * bsdf->opacity *
-                      rsv_left_of_cut_out(
-                          scene->view, triangle, sample[k].u, sample[k].v, width);
+                      rsv_left_of_cut_out(scene->view, triangle, sample[k].u, sample[k].v, width);
         rsv_rgb weight = rgb_scale(left, share);
         sum = rgb_add(sum, rgb_mul(weight, bsdf->base_color));
         weights = rgb_add(weights, weight);

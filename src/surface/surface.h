@@ -19,7 +19,7 @@ typedef struct rsv_surface_point {
     rsv_vec3 geometric; ///< unit geometric normal
     float extent;       ///< for rsv_offset_origin
     rsv_vec3 horizon;   ///< unit normal of what light is above: the geometric one, but where lifted
-    rsv_vec3 lift;      ///< to the curved surface that the triangle stands for (lift.h); zero = none
+    rsv_vec3 lift; ///< to the curved surface that the triangle stands for (lift.h); zero = none
 } rsv_surface_point;
 
 /// The point of a triangle with these corners and normals at them.

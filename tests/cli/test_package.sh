@@ -55,8 +55,20 @@ PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name resolvent.pc)")
 export PKG_CONFIG_PATH
 [[ $(pkg-config --variable=prefix resolvent) -ef $prefix ]]
 cc "$source/samples/minimal.c" -o "$work/minimal" $(pkg-config --cflags --libs --static resolvent)
-sed -n '/^```c$/,/^```$/{/^```/d;p}' "$source/docs/api.md" >"$work/tour.c" # the program in the tour of the API
+
+# c_block N: the n-th piece of C in the tour of the API
+c_block() { awk -v n="$1" '/^```c$/ { k++; next } /^```$/ { if (k == n) exit } k == n' "$source/docs/api.md"; }
+c_block 1 >"$work/tour.c"
 cc -Wall -Werror "$work/tour.c" -o "$work/tour" $(pkg-config --cflags --libs --static resolvent)
+{
+    echo '#include <resolvent/resolvent.h>'
+    echo '#include <stdio.h>'
+    echo 'rsv_status follow(rsv_context *context, rsv_scene *room, rsv_scene *moved, rsv_solve_desc solve) {'
+    echo 'rsv_solution *before = NULL, *after = NULL; rsv_status status;'
+    c_block 2
+    echo 'return status; }'
+} >"$work/update.c"
+cc -Wall -Werror -c "$work/update.c" -o "$work/update.o" $(pkg-config --cflags resolvent)
 
 cc "$work/outside/engine.c" -o "$work/engine" $(pkg-config --cflags --libs resolvent_rt)
 cc -c "$prefix"/share/resolvent/rt/resolvent_rt_file.c -o "$work/loader.o" \

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # After an edit of the scene, rows kept by --checkpoint are traced again only where rays met what changed.
 source "$(dirname "$0")/support.sh"
-quick=(--quality draft --max-elements 300 --threads 1)
+quick=(--quality draft --max-elements 1000 --threads 1)
 
 # edit FROM TO PYTHON: a copy whose JSON, `scene`, the line of Python has changed
 edit() {

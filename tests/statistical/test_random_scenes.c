@@ -1,7 +1,7 @@
 /// Random materials and rooms: what every mode of rendering shows of them.
+#include "builtin/shapes.h"
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
-#include "builtin/shapes.h"
 #include "unit/random_scene.h"
 #include "unit/scene_fixture.h"
 #include "unit/slow_tests.h"

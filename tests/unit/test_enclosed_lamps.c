@@ -1,6 +1,6 @@
 /// Lamps that something opaque is closed around are named; others are not.
-#include "resolvent/scene.h"
 #include "builtin/builtin.h"
+#include "resolvent/scene.h"
 #include "scene_fixture.h"
 
 static rsv_material paint(const char *name, bool double_sided)

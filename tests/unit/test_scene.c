@@ -496,7 +496,7 @@ static void every_room_of_the_gallery_has_its_lights(void **state)
         panels += !strcmp(object_of(view, t), "panel");
     assert_int_equal(panels, 2 * 11);
     assert_int_equal(view->light_count, 3 * 11);
-    assert_float_equal(view->bounds_max.x - view->bounds_min.x, 11 * 6 + 0.4f, 1e-3f);
+    assert_float_equal(view->bounds_max.x - view->bounds_min.x, 11 * 6 + 0.44f, 1e-3f);
     rsv_scene_destroy(scene);
 }
 
