@@ -154,7 +154,7 @@ static rsv_status write_nodes(rsv_tensor_file *file, const char *note, const cha
 }
 
 #define WRITE_NODES(file, note, nodes, rows, count)                                                \
-    write_nodes(file, note, nodes, &(rows)->name, sizeof *(rows), count)
+    write_nodes(file, note, nodes, (rows) ? &(rows)->name : NULL, sizeof *(rows), count)
 
 /// @param node out: [count], to be freed; "" = none
 static rsv_status read_nodes(
