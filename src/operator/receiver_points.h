@@ -47,7 +47,7 @@ void rsv_receiver_points_set_up(const rsv_elements *elements, const rsv_tracer *
 RSV_INLINE bool rsv_receiver_points_lift(
     const rsv_receiver_points *p, uint32_t k, rsv_vec3 direction, rsv_ray *ray)
 {
-    rsv_surface_point point;
+    rsv_surface_point point = { .geometric = { 0 } };
     point.geometric = v3(p->geometric_x[k], p->geometric_y[k], p->geometric_z[k]);
     point.lift = v3(p->lift_x[k], p->lift_y[k], p->lift_z[k]);
     rsv_vec3 horizon = v3(p->horizon_x[k], p->horizon_y[k], p->horizon_z[k]);
