@@ -52,8 +52,17 @@ static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t tu
     return rsv_gathering_counts(user, triangle, turns, true);
 }
 
+static bool is_one(rsv_rgb w) { return fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f; }
+
+static void add_tinted(rsv_row_scratch *s, uint32_t node, rsv_rgb weight)
+{
+    s->tinted_column[s->tinted_count] = node;
+    s->tinted_weight[s->tinted_count++] = weight;
+}
+
+/// @param entered what the light counts for, as it enters the receiver
 static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
-    const rsv_chain *chain, float random)
+    const rsv_chain *chain, rsv_rgb entered, float random)
 {
     uint32_t face = tracer->elements->face_of[chain->back][chain->triangle];
     if (face == RSV_NONE) return;
@@ -61,12 +70,16 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
     uint32_t cell = rsv_elements_locate(tracer->elements, face, chain->u, chain->v, weight);
     uint32_t node = rsv_elements_pick_node(tracer->elements, cell, weight, random);
     rsv_rgb w = chain->weight;
-    if (fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f) {
-        s->column[ray] = node;
+    uint32_t copies = s->whole ? s->copies[ray] : 1;
+    if (!s->whole) w = rgb_mul(w, entered);
+    if (copies == 0) return;
+    if (!is_one(w)) {
+        add_tinted(s, node, rgb_scale(w, (float)copies));
         return;
     }
-    s->tinted_column[s->tinted_count] = node;
-    s->tinted_weight[s->tinted_count++] = w;
+    s->column[ray] = node;
+    for (uint32_t k = 1; k < copies; k++)
+        add_tinted(s, node, rgb_gray(1));
 }
 
 /// What light that a receiver gathers at that cosine counts for.
@@ -88,14 +101,13 @@ static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint3
         rsv_chain_gather(tracer->scene, chain, &random, counts_by_gathering, tracer->lights);
     // not ahead of roulette, which could raise the sum of the row
     rsv_rgb entered = entering(tracer, r, cos_receiver);
-    gather.chain.weight = rgb_mul(gather.chain.weight, entered);
     s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
     s->rays += gather.chain.rays;
     if (gather.end == RSV_CHAIN_DIFFUSE)
-        record_end(tracer, s, ray, &gather.chain, rsv_random_float(&random));
+        record_end(tracer, s, ray, &gather.chain, entered, rsv_random_float(&random));
     else if (gather.end == RSV_CHAIN_ESCAPED)
-        rsv_escape_row_add(
-            &s->escapes, gather.chain.direction, gather.chain.weight, gather.chain.turns);
+        rsv_escape_row_add(&s->escapes, gather.chain.direction,
+            rgb_mul(gather.chain.weight, entered), gather.chain.turns);
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.
@@ -179,6 +191,27 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
     }
 }
 
+/// Shares a row's ends out to its rays, as a colourless coat lets them in: each counts not at all, once, or more often, by
+/// turns, all together as often as there are rays. So rows stay lists of whole rays, half the size of weighed ones.
+static void share_out(const rsv_row_tracer *tracer, const rsv_row_receiver *r, rsv_row_scratch *s)
+{
+    const rsv_directions *d = &tracer->directions;
+    const float *cos = d->z + rsv_directions_of(d, tracer->seed, r->index);
+    double sum = (double)rsv_unit_float(rsv_hash3(tracer->seed, r->index, 0x6c0au));
+    uint32_t left = d->count;
+    s->whole = rsv_surface_entry_tints(&r->entry, tracer->scene->bsdf);
+    for (uint32_t k = 0; k < d->count && s->whole; k++) {
+        rsv_rgb w = entering(tracer, r, cos[k]);
+        double before = floor(sum);
+        sum += (double)w.g;
+        uint32_t copies = (uint32_t)(floor(sum) - before);
+        if (copies > left) copies = left;
+        left -= copies;
+        s->copies[k] = (uint8_t)copies;
+        s->whole = fabsf(w.r - w.g) + fabsf(w.b - w.g) < 1e-4f && copies <= UINT8_MAX;
+    }
+}
+
 static void clear_scratch(rsv_row_scratch *s)
 {
     s->tinted_count = 0;
@@ -193,6 +226,7 @@ rsv_ray_packet rsv_row_begin(
     s->valid = r->valid;
     memset(s->column, 0xff, tracer->directions.count * sizeof *s->column);
     clear_scratch(s);
+    share_out(tracer, r, s);
     rsv_ray_packet packet = { 0 };
     memset(packet.mask, 0xff, sizeof packet.mask);
     return packet;
@@ -227,6 +261,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
     memcpy(s->column, ends->column, tracer->directions.count * sizeof *s->column);
     s->valid = r->valid;
     clear_scratch(s);
+    share_out(tracer, r, s);
     rsv_ray_packet packet = { 0 };
     for (size_t n = 0; n < ends->left_count; n++) {
         uint32_t ray = ends->left[n], k = ray % LANES;
@@ -247,9 +282,10 @@ rsv_status rsv_row_scratch_create(rsv_context *context, uint32_t rays, rsv_row_s
 {
     s->column = rsv_alloc(context, rays, sizeof *s->column);
     s->kind = rsv_alloc(context, rays, sizeof *s->kind);
+    s->copies = rsv_alloc(context, rays, sizeof *s->copies);
     s->tinted_column = rsv_alloc(context, rays, sizeof *s->tinted_column);
     s->tinted_weight = rsv_alloc(context, rays, sizeof *s->tinted_weight);
-    bool complete = s->column && s->kind && s->tinted_column && s->tinted_weight;
+    bool complete = s->column && s->kind && s->copies && s->tinted_column && s->tinted_weight;
     return complete ? rsv_escape_row_create(context, rays, &s->escapes) : RSV_ERROR_MEMORY;
 }
 
@@ -257,6 +293,7 @@ void rsv_row_scratch_destroy(rsv_context *context, rsv_row_scratch *s)
 {
     rsv_free(context, s->column);
     rsv_free(context, s->kind);
+    rsv_free(context, s->copies);
     rsv_free(context, s->tinted_column);
     rsv_free(context, s->tinted_weight);
     rsv_escape_row_destroy(context, &s->escapes);

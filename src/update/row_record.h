@@ -10,6 +10,8 @@
 typedef struct rsv_row_scratch {
     uint32_t *column; ///< [rays] RSV_NONE = nothing
     uint8_t *kind;    ///< [rays] of what was met first, below RSV_ROW_RAY_ENDS
+    uint8_t *copies;  ///< [rays] how often an end counts, if `whole`
+    bool whole;       ///< a colourless coat takes and gives whole ends
     uint32_t index;   ///< of the node whose random numbers were used
     uint16_t valid;   ///< points that were used, bit by bit
     uint32_t tinted_count;
