@@ -12,23 +12,6 @@ typedef struct elements {
     int component_type;
 } elements;
 
-static size_t component_bytes(int type)
-{
-    switch (type) {
-    case RSV_GLTF_BYTE:
-    case RSV_GLTF_UNSIGNED_BYTE:
-        return 1;
-    case RSV_GLTF_SHORT:
-    case RSV_GLTF_UNSIGNED_SHORT:
-        return 2;
-    case RSV_GLTF_UNSIGNED_INT:
-    case RSV_GLTF_FLOAT:
-        return 4;
-    default:
-        return 0;
-    }
-}
-
 /// Finds `count` elements of `element_bytes` each and checks that they lie in their buffer view, and the
 /// view in its buffer. NULL, or what is wrong.
 static const char *locate(const rsv_gltf_document *document, rsv_gltf_span span, size_t count,
@@ -96,7 +79,7 @@ static double normalization(const rsv_gltf_accessor *accessor)
 static void read_element(
     const elements *from, size_t i, size_t component_count, double scale, float *value)
 {
-    size_t step = component_bytes(from->component_type);
+    size_t step = rsv_gltf_component_bytes(from->component_type);
     for (size_t k = 0; k < component_count; k++) {
         double v =
             scale * component(from->data + i * from->stride + k * step, from->component_type);
@@ -126,10 +109,10 @@ static const char *apply_sparse(
         index_type != RSV_GLTF_UNSIGNED_INT)
         return "has sparse indices that are not unsigned integers";
     const char *problem = locate(document, accessor->sparse_indices, accessor->sparse_count,
-        component_bytes(index_type), &indices);
+        rsv_gltf_component_bytes(index_type), &indices);
     if (problem) return problem;
     problem = locate(document, accessor->sparse_values, accessor->sparse_count,
-        width * component_bytes(accessor->span.component_type), &values);
+        width * rsv_gltf_component_bytes(accessor->span.component_type), &values);
     if (problem) return problem;
     double scale = normalization(accessor);
     for (size_t i = 0; i < accessor->sparse_count; i++) {
@@ -149,8 +132,8 @@ static rsv_status decode(rsv_context *context, const rsv_gltf_document *document
     elements from = { .data = NULL };
     const char *problem = NULL;
     if (a->span.buffer_view >= 0)
-        problem = locate(
-            document, a->span, a->count, width * component_bytes(a->span.component_type), &from);
+        problem = locate(document, a->span, a->count,
+            width * rsv_gltf_component_bytes(a->span.component_type), &from);
     else if (a->count > RSV_GLTF_MAX_ZERO_FILLED)
         problem = "has no buffer view and too large a count";
     if (problem) return refuse(accessor, owner, problem);
@@ -176,7 +159,7 @@ static rsv_status read_vectors(rsv_context *context, const rsv_gltf_document *do
         return refuse(accessor, owner, "does not exist");
     const rsv_gltf_accessor *a = &document->accessor[accessor];
     int type = a->span.component_type;
-    if (a->component_count < 2 || a->component_count > 4 || !component_bytes(type) ||
+    if (a->component_count < 2 || a->component_count > 4 || !rsv_gltf_component_bytes(type) ||
         type == RSV_GLTF_UNSIGNED_INT)
         return refuse(accessor, owner, "must hold vectors of float or of 8- or 16-bit integers");
     return decode(context, document, accessor, owner, values);
@@ -246,7 +229,8 @@ rsv_status rsv_gltf_read_indices(rsv_context *context, const rsv_gltf_document *
     if (a->component_count != 1 || !is_index || a->sparse_count)
         return refuse(accessor, owner, "must hold plain SCALAR indices of unsigned integers");
     elements from;
-    const char *problem = locate(document, a->span, a->count, component_bytes(type), &from);
+    const char *problem =
+        locate(document, a->span, a->count, rsv_gltf_component_bytes(type), &from);
     if (problem) return refuse(accessor, owner, problem);
 
     uint32_t *decoded = rsv_alloc(context, a->count, sizeof *decoded);

@@ -18,6 +18,24 @@ typedef enum rsv_gltf_component {
     RSV_GLTF_FLOAT = 5126
 } rsv_gltf_component;
 
+/// Bytes of a component; 0 = there is no such type.
+static inline size_t rsv_gltf_component_bytes(int type)
+{
+    switch (type) {
+    case RSV_GLTF_BYTE:
+    case RSV_GLTF_UNSIGNED_BYTE:
+        return 1;
+    case RSV_GLTF_SHORT:
+    case RSV_GLTF_UNSIGNED_SHORT:
+        return 2;
+    case RSV_GLTF_UNSIGNED_INT:
+    case RSV_GLTF_FLOAT:
+        return 4;
+    default:
+        return 0;
+    }
+}
+
 typedef enum rsv_gltf_mode {
     RSV_GLTF_TRIANGLES = 4,
     RSV_GLTF_TRIANGLE_STRIP = 5,

@@ -59,23 +59,6 @@ std::unique_ptr<draco::Mesh> unpack(
     return std::move(mesh).value();
 }
 
-int component_bytes(int type)
-{
-    switch (type) {
-    case RSV_GLTF_BYTE:
-    case RSV_GLTF_UNSIGNED_BYTE:
-        return 1;
-    case RSV_GLTF_SHORT:
-    case RSV_GLTF_UNSIGNED_SHORT:
-        return 2;
-    case RSV_GLTF_UNSIGNED_INT:
-    case RSV_GLTF_FLOAT:
-        return 4;
-    default:
-        return 0;
-    }
-}
-
 template <class integer> bytes indices_of(const draco::Mesh &mesh, const std::string &what)
 {
     if (mesh.num_points() > std::numeric_limits<integer>::max())
@@ -123,7 +106,7 @@ bytes values_of(const draco::Mesh &mesh, const draco::PointAttribute &attribute,
     const rsv_gltf_accessor &accessor, size_t *stride, const std::string &what)
 {
     const int width = accessor.component_count,
-              size = component_bytes(accessor.span.component_type);
+              size = rsv_gltf_component_bytes(accessor.span.component_type);
     if (width < 1 || width > 4 || size < 1 || attribute.num_components() != width)
         refuse(RSV_ERROR_FORMAT, what + ": packed with other components than its accessor has");
     if (accessor.count != mesh.num_points())

@@ -2,6 +2,7 @@
 #ifndef RSV_TEST_FILE_FIXTURE_H
 #define RSV_TEST_FILE_FIXTURE_H
 
+#include "resolvent/io.h"
 #include "scene_fixture.h"
 
 #include <dirent.h>
@@ -63,6 +64,20 @@ static inline uint8_t *read_bytes(const char *path, size_t *bytes)
     assert_int_equal(fread(data, 1, *bytes, file), *bytes);
     fclose(file);
     return data;
+}
+
+/// The scene of a file of these bytes, or NULL and one line of rsv_last_error() that names it.
+static inline rsv_scene *load_written(fixture *f, const char *path, const void *bytes, size_t count)
+{
+    rsv_scene *scene = NULL;
+    f->log[0] = '\0';
+    write_bytes(path, bytes, count);
+    if (rsv_scene_load(f->context, path, &scene) != RSV_OK) {
+        assert_null(scene);
+        assert_mentions(rsv_last_error(), strrchr(path, '/') + 1);
+        assert_null(strchr(rsv_last_error(), '\n'));
+    }
+    return scene;
 }
 
 #endif

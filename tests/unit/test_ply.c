@@ -16,18 +16,9 @@ static int leave(void **state)
     return fixture_teardown(state);
 }
 
-/// The scene of such a file, or NULL and rsv_last_error().
 static rsv_scene *load(fixture *f, const void *bytes, size_t count)
 {
-    rsv_scene *scene = NULL;
-    f->log[0] = '\0';
-    write_bytes(path_in(&files, "a.ply"), bytes, count);
-    if (rsv_scene_load(f->context, path_in(&files, "a.ply"), &scene) != RSV_OK) {
-        assert_null(scene);
-        assert_mentions(rsv_last_error(), "a.ply");
-        assert_null(strchr(rsv_last_error(), '\n'));
-    }
-    return scene;
+    return load_written(f, path_in(&files, "a.ply"), bytes, count);
 }
 
 /// Looks at what became of a file whose points reach (2, 3).

@@ -20,18 +20,9 @@ static int leave(void **state)
     return fixture_teardown(state);
 }
 
-/// The scene of such a file, or NULL and rsv_last_error().
 static rsv_scene *load(fixture *f, const void *bytes, size_t count)
 {
-    rsv_scene *scene = NULL;
-    f->log[0] = '\0';
-    write_bytes(path_in(&files, "a.stl"), bytes, count);
-    if (rsv_scene_load(f->context, path_in(&files, "a.stl"), &scene) != RSV_OK) {
-        assert_null(scene);
-        assert_mentions(rsv_last_error(), "a.stl");
-        assert_null(strchr(rsv_last_error(), '\n'));
-    }
-    return scene;
+    return load_written(f, path_in(&files, "a.stl"), bytes, count);
 }
 
 /// Reads a text and looks at what became of it.
