@@ -17,7 +17,7 @@ typedef struct assembly_timing {
 } assembly_timing;
 
 static rsv_status time_assembly(
-    const rsv_solution *solution, uint32_t repetitions, assembly_timing *timing)
+    const rsv_light *solution, uint32_t repetitions, assembly_timing *timing)
 {
     timing->fastest = (rsv_assembly_cost){ 0, INFINITY, INFINITY, INFINITY };
     for (uint32_t i = 0; i < repetitions; i++) {
@@ -61,14 +61,14 @@ static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, r
 {
     rsv_solve_desc desc = rsv_default_solve_desc(quality);
     desc.direct_level = false;
-    rsv_solution *solution = NULL;
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_light *solution = NULL;
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (status != RSV_OK) return status;
-    const rsv_solve_report *report = rsv_solution_report(solution);
+    const rsv_solve_report *report = rsv_light_report(solution);
     cJSON_AddStringToObject(result, "quality", cli_quality_names[quality]);
     cJSON_AddNumberToObject(result, "elements", (double)report->elements);
     status = time_assembly(solution, bench->repetitions, timing);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     if (status == RSV_OK) add_timing(result, timing, bench->repetitions);
     return status;
 }

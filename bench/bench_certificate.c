@@ -37,14 +37,14 @@ static rsv_solve_desc describe_solve(const grade *g, uint32_t seed)
     return desc;
 }
 
-static cJSON *describe_case(const grade *g, uint32_t seed, const rsv_solution *solution,
+static cJSON *describe_case(const grade *g, uint32_t seed, const rsv_light *solution,
     const rsv_certificate *c, double error, const double interval[2])
 {
     cJSON *object = cJSON_CreateObject();
-    double solve = rsv_solution_report(solution)->time_assemble;
+    double solve = rsv_light_report(solution)->time_assemble;
     cJSON_AddStringToObject(object, "quality", g->name);
     cJSON_AddNumberToObject(object, "seed", seed);
-    cJSON_AddNumberToObject(object, "elements", (double)rsv_solution_report(solution)->elements);
+    cJSON_AddNumberToObject(object, "elements", (double)rsv_light_report(solution)->elements);
     cJSON_AddNumberToObject(object, "irradiance_rms", c->irradiance_rms);
     cJSON_AddNumberToObject(object, "true_error", error);
     cJSON_AddNumberToObject(object, "true_error_low", interval[0]);
@@ -64,9 +64,9 @@ static rsv_status measure_case(const cli_bench_task *bench, const rsv_scene *sce
     rsv_certificate certificate;
     rsv_certify_desc certify = rsv_default_certify_desc();
     rsv_solve_desc desc = describe_solve(g, seed);
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     certify.seed = seed;
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (status == RSV_OK) status = rsv_certify(solution, &certify, &certificate);
     if (status == RSV_OK && !*truth)
         status = rsv_truth_create(solution, truth_points, bench->paths, 1, truth);
@@ -74,7 +74,7 @@ static rsv_status measure_case(const cli_bench_task *bench, const rsv_scene *sce
     if (status == RSV_OK)
         cJSON_AddItemToArray(
             cases, describe_case(g, seed, solution, &certificate, error, interval));
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
 

@@ -42,15 +42,15 @@ bool cli_bench_cluster(const cli_bench_task *bench, cJSON *result)
     if (strncmp(bench->scene, "terraces", strlen("terraces")) == 0)
         desc.element_target =
             (uint32_t)(rsv_scene_get_view(scene)->triangle_count / TRIANGLES_PER_ELEMENT);
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     rsv_division_cost cost[part_counts];
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (status == RSV_OK) status = rsv_measure_division(solution, parts, part_counts, cost);
     if (status == RSV_OK)
-        add_divisions(result, rsv_solution_report(solution), cost);
+        add_divisions(result, rsv_light_report(solution), cost);
     else
         cli_report_failure(bench->session, status);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     return status == RSV_OK && cli_measure_scaling(bench, result);
 }

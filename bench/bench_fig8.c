@@ -22,7 +22,7 @@ static const double bytes_per_triangle = 3 * 4 + 0.5 * 6 * 4;
 typedef struct contest {
     uint32_t width, height; ///< pixels
     rsv_scene *scene;
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_frame_renderer *frames;
     rsv_occlusion *by_rays, *on_screen;
     rsv_occlusion *faster; ///< of the two
@@ -140,7 +140,7 @@ static rsv_status open_contest(const cli_bench_task *bench, unsigned kilobytes, 
     c->occlusion_s = c->frame_s + bench->repetitions;
     c->speed_up = c->occlusion_s + bench->repetitions;
     rsv_status status = rsv_scene_builtin_with(context, bench->scene, &body, &c->scene);
-    if (!status) status = rsv_solution_create(c->scene, &desc, &c->solution);
+    if (!status) status = rsv_light_create(c->scene, &desc, &c->solution);
     if (!status) status = rsv_frame_renderer_create(c->solution, &frame, &c->frames);
     if (!status) status = create_occlusion(c, RSV_RENDER_OCCLUSION, &c->by_rays);
     if (!status) status = create_occlusion(c, RSV_RENDER_OCCLUSION_SCREEN, &c->on_screen);
@@ -156,7 +156,7 @@ static void close_contest(contest *c)
     rsv_occlusion_destroy(c->by_rays);
     rsv_occlusion_destroy(c->on_screen);
     rsv_image_destroy(c->picture);
-    rsv_solution_destroy(c->solution);
+    rsv_light_destroy(c->solution);
     rsv_scene_destroy(c->scene);
     free(c->frame_s);
 }

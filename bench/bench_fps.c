@@ -30,7 +30,7 @@ static rsv_frame_view view_at(const rsv_scene *scene, uint32_t index)
                                  rsv_camera_eye(&camera, 1, eye_distance) } };
 }
 
-static rsv_status create_renderer(const rsv_solution *solution, uint32_t width, uint32_t height,
+static rsv_status create_renderer(const rsv_light *solution, uint32_t width, uint32_t height,
     uint32_t eyes, rsv_frame_renderer **renderer)
 {
     rsv_frame_desc desc = rsv_default_frame_desc();
@@ -79,17 +79,17 @@ static void add_times(cJSON *result, const frame_times *t, uint32_t frames)
 
 static void add_stages(cJSON *result, const rsv_frame_stats *stats)
 {
-    cJSON_AddNumberToObject(result, "chain_rays", (double)stats->chain_rays);
+    cJSON_AddNumberToObject(result, "path_rays", (double)stats->path_rays);
     cJSON_AddNumberToObject(result, "camera_ms", stats->camera_ms);
-    cJSON_AddNumberToObject(result, "chain_ms", stats->chain_ms);
+    cJSON_AddNumberToObject(result, "path_ms", stats->path_ms);
     cJSON_AddNumberToObject(result, "display_ms", stats->display_ms);
 }
 
 /// Whole frames and bare tracing by turns; ratios of neighbours.
-static rsv_status measure_single(const rsv_solution *solution, uint32_t frames, cJSON *result)
+static rsv_status measure_single(const rsv_light *solution, uint32_t frames, cJSON *result)
 {
     rsv_frame_renderer *renderer = NULL;
-    const rsv_scene *scene = rsv_solution_scene(solution);
+    const rsv_scene *scene = rsv_light_scene(solution);
     rsv_status status = create_renderer(solution, 1280, 720, 1, &renderer);
     if (status != RSV_OK) return status;
     double *times = calloc(5 * frames, sizeof *times);
@@ -123,10 +123,10 @@ static rsv_status measure_single(const rsv_solution *solution, uint32_t frames, 
 // ---- two eyes -----------------------------------------------------------------------------------
 
 /// What the second eye adds to a frame of one, as a share of that.
-static rsv_status measure_stereo(const rsv_solution *solution, uint32_t frames, cJSON *result)
+static rsv_status measure_stereo(const rsv_light *solution, uint32_t frames, cJSON *result)
 {
     rsv_frame_renderer *one = NULL, *two = NULL;
-    const rsv_scene *scene = rsv_solution_scene(solution);
+    const rsv_scene *scene = rsv_light_scene(solution);
     rsv_status status = create_renderer(solution, 1920, 1080, 1, &one);
     if (status == RSV_OK) status = create_renderer(solution, 1920, 1080, 2, &two);
     double *second = calloc(frames, sizeof *second);
@@ -157,10 +157,10 @@ static double resident_bytes(void)
 }
 
 static rsv_status measure_steady_state(
-    const cli_bench_task *bench, const rsv_solution *solution, cJSON *result)
+    const cli_bench_task *bench, const rsv_light *solution, cJSON *result)
 {
     rsv_frame_renderer *renderer = NULL;
-    const rsv_scene *scene = rsv_solution_scene(solution);
+    const rsv_scene *scene = rsv_light_scene(solution);
     rsv_status status = create_renderer(solution, 64, 36, 1, &renderer);
     if (status != RSV_OK) return status;
     uint64_t allocations = 0;
@@ -186,13 +186,13 @@ static rsv_status measure_steady_state(
 static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, cJSON *result)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution = NULL;
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_light *solution = NULL;
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (status == RSV_OK) status = measure_single(solution, bench->repetitions, result);
     if (status == RSV_OK) status = measure_stereo(solution, bench->repetitions, result);
     if (status == RSV_OK) status = measure_steady_state(bench, solution, result);
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return status;
 }
 
@@ -219,9 +219,9 @@ void cli_print_fps(const cJSON *result)
         cli_json_number(result, "ratio_to_tracing_cpu"));
     printf("  processor time         %.1f ms per frame\n",
         1e3 * cli_json_number(result, "frame_cpu_s"));
-    printf("  stages, per thread     camera %.1f ms, chains %.1f ms (%.0f rays), display %.1f ms\n",
-        cli_json_number(result, "camera_ms"), cli_json_number(result, "chain_ms"),
-        cli_json_number(result, "chain_rays"), cli_json_number(result, "display_ms"));
+    printf("  stages, per thread     camera %.1f ms, paths %.1f ms (%.0f rays), display %.1f ms\n",
+        cli_json_number(result, "camera_ms"), cli_json_number(result, "path_ms"),
+        cli_json_number(result, "path_rays"), cli_json_number(result, "display_ms"));
     printf("  second eye, 1920x1080  %.2f of the first\n", cli_json_number(result, "second_eye"));
     printf("  %.0f frames          %.0f allocations, memory grew by %.0f bytes\n",
         cli_json_number(result, "steady_frames"), cli_json_number(result, "allocations"),
@@ -247,7 +247,7 @@ bool cli_write_fps_plot(const char *path, const cJSON *scenes)
 bool cli_write_fps_csv(const char *path, const cJSON *scenes)
 {
     static const char *const columns[] = { "triangles", "frame_s", "frame_cpu_s", "tracing_s",
-        "ratio_to_tracing", "ratio_to_tracing_cpu", "frames_per_second", "second_eye", "chain_rays",
+        "ratio_to_tracing", "ratio_to_tracing_cpu", "frames_per_second", "second_eye", "path_rays",
         "allocations", "grown_bytes" };
     return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
 }

@@ -30,16 +30,16 @@ static rsv_solve_desc describe_solve(uint32_t elements, bool goal, uint32_t seed
 static rsv_status take_picture(
     const rsv_scene *scene, const rsv_solve_desc *desc, rsv_image **image, rsv_solve_report *report)
 {
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     rsv_render_desc picture = rsv_default_render_desc();
     picture.mode = RSV_RENDER_OPERATOR;
     picture.width = width;
     picture.height = height;
     picture.samples = samples;
-    rsv_status status = rsv_solution_create(scene, desc, &solution);
+    rsv_status status = rsv_light_create(scene, desc, &solution);
     if (status == RSV_OK) status = rsv_render(solution, &picture, image);
-    if (status == RSV_OK) *report = *rsv_solution_report(solution);
-    rsv_solution_destroy(solution);
+    if (status == RSV_OK) *report = *rsv_light_report(solution);
+    rsv_light_destroy(solution);
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
 

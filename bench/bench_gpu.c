@@ -28,9 +28,9 @@ void cli_describe_device(cJSON *result)
 
 /// An application beside copies.
 static rsv_status measure_operator(
-    const cli_bench_task *bench, const rsv_solution *solution, cJSON *result)
+    const cli_bench_task *bench, const rsv_light *solution, cJSON *result)
 {
-    const rsv_solve_report *report = rsv_solution_report(solution);
+    const rsv_solve_report *report = rsv_light_report(solution);
     double rate[MOST_REPETITIONS], seconds[MOST_REPETITIONS];
     size_t bytes;
     rsv_status status = rsv_measure_device(solution, bench->repetitions, rate, seconds, &bytes);
@@ -48,7 +48,7 @@ static rsv_status measure_operator(
 
 /// One solver: everything included, from the operator on the host to the solution there.
 static rsv_status measure_solver(
-    const cli_bench_task *bench, const rsv_solution *solution, rsv_solver solver, cJSON *solvers)
+    const cli_bench_task *bench, const rsv_light *solution, rsv_solver solver, cJSON *solvers)
 {
     double seconds[MOST_REPETITIONS];
     rsv_solver_cost cost = { 0 };
@@ -84,7 +84,7 @@ static rsv_status measure_relighting(const cli_bench_task *bench, cJSON *result)
 }
 
 /// Rows of the operator once more, receivers and transfers included.
-static rsv_status measure_rows(const rsv_solution *solution, cJSON *result)
+static rsv_status measure_rows(const rsv_light *solution, cJSON *result)
 {
     rsv_assembly_cost cost;
     rsv_status status = rsv_measure_assembly(solution, &cost);
@@ -95,7 +95,7 @@ static rsv_status measure_rows(const rsv_solution *solution, cJSON *result)
 }
 
 /// Direct light of the elements once more, likewise.
-static rsv_status measure_direct(const rsv_solution *solution, cJSON *result)
+static rsv_status measure_direct(const rsv_light *solution, cJSON *result)
 {
     double seconds;
     uint64_t rays;
@@ -114,10 +114,10 @@ bool cli_bench_gpu(const cli_bench_task *bench, cJSON *result)
     rsv_scene *scene = cli_open_bench_scene(bench);
     if (!scene) return false;
     rsv_solve_desc desc = rsv_default_solve_desc((rsv_quality)bench->quality);
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     desc.direct_level = false;
     cli_describe_device(result);
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (status == RSV_OK) status = measure_operator(bench, solution, result);
     if (status == RSV_OK) status = measure_rows(solution, result);
     if (status == RSV_OK) status = measure_direct(solution, result);
@@ -127,7 +127,7 @@ bool cli_bench_gpu(const cli_bench_task *bench, cJSON *result)
         status = measure_solver(bench, solution, timed[k], solvers);
     if (status == RSV_OK) status = measure_relighting(bench, result);
     if (status == RSV_OK) status = cli_measure_gpu_frames(bench, solution, result);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     if (status != RSV_OK) cli_report_failure(bench->session, status);
     return status == RSV_OK;

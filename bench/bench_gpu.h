@@ -12,6 +12,6 @@ void cli_describe_device(struct cJSON *result);
 /// 1920x1080 frames of the scene's first camera, until they lie in the device's memory; a tenth of that a side on the
 /// emulated device.
 rsv_status cli_measure_gpu_frames(
-    const cli_bench_task *bench, const rsv_solution *solution, struct cJSON *result);
+    const cli_bench_task *bench, const rsv_light *solution, struct cJSON *result);
 
 #endif

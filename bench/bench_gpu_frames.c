@@ -25,7 +25,7 @@ static rsv_status time_frames(
 }
 
 rsv_status cli_measure_gpu_frames(
-    const cli_bench_task *bench, const rsv_solution *solution, cJSON *result)
+    const cli_bench_task *bench, const rsv_light *solution, cJSON *result)
 {
     rsv_frame_desc desc = rsv_default_frame_desc();
     rsv_frame_renderer *renderer = NULL;
@@ -36,7 +36,7 @@ rsv_status cli_measure_gpu_frames(
     rsv_status status = seconds ? RSV_OK : RSV_ERROR_MEMORY;
     if (status == RSV_OK) status = rsv_frame_renderer_create(solution, &desc, &renderer);
     if (status == RSV_OK)
-        status = time_frames(renderer, rsv_solution_scene(solution), bench->repetitions, seconds);
+        status = time_frames(renderer, rsv_light_scene(solution), bench->repetitions, seconds);
     if (status == RSV_OK) {
         cJSON_AddNumberToObject(result, "frame_width", desc.width);
         cJSON_AddNumberToObject(result, "frame_height", desc.height);

@@ -41,21 +41,21 @@ static void add_indirect(const rsv_image *image, double share, double *sum)
 static rsv_status take_picture(const rsv_scene *scene, const rsv_solve_desc *desc, double share,
     double *indirect, rsv_solve_report *report)
 {
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     rsv_image *image = NULL;
     rsv_render_desc picture = rsv_default_render_desc();
     picture.mode = RSV_RENDER_OPERATOR;
     picture.width = picture.height = side;
     picture.samples = samples;
     picture.layers = true;
-    rsv_status status = rsv_solution_create(scene, desc, &solution);
+    rsv_status status = rsv_light_create(scene, desc, &solution);
     if (status == RSV_OK) status = rsv_render(solution, &picture, &image);
     if (status == RSV_OK) {
         add_indirect(image, share, indirect);
-        *report = *rsv_solution_report(solution);
+        *report = *rsv_light_report(solution);
     }
     rsv_image_destroy(image);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
 

@@ -148,12 +148,12 @@ static rsv_status measure_relighter(
 static rsv_status measure(const cli_bench_task *bench, rsv_scene *scene, cJSON *result)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     rsv_relighter *relighter = NULL;
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (!status) status = rsv_relighter_create(solution, &relighter);
     if (!status) {
-        const rsv_solve_report *report = rsv_solution_report(solution);
+        const rsv_solve_report *report = rsv_light_report(solution);
         cJSON_AddNumberToObject(result, "receivers", (double)report->elements);
         cJSON_AddNumberToObject(result, "direct_elements", (double)report->direct_elements);
         cJSON_AddNumberToObject(result, "entries", (double)report->entries);
@@ -164,7 +164,7 @@ static rsv_status measure(const cli_bench_task *bench, rsv_scene *scene, cJSON *
     }
     if (!status && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     rsv_relighter_destroy(relighter);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return status;
 }
 

@@ -57,10 +57,10 @@ static rsv_status solve_and_render(
     if (r->mode == RSV_RENDER_REFERENCE) return rsv_render_reference(scene, &picture, image, NULL);
     rsv_solve_desc desc = rsv_default_solve_desc(r->quality);
     desc.direct_level = r->mode == RSV_RENDER_OPERATOR;
-    rsv_solution *solution = NULL;
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_light *solution = NULL;
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (status == RSV_OK) status = rsv_render(solution, &picture, image);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return status;
 }
 

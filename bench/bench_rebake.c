@@ -41,10 +41,10 @@ static rsv_solve_desc describe(const cli_bench_task *bench, uint32_t seed)
 }
 
 static rsv_status solve(
-    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution, cost *took)
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_light **solution, cost *took)
 {
     cost start = now();
-    rsv_status status = rsv_solution_create(scene, desc, solution);
+    rsv_status status = rsv_light_create(scene, desc, solution);
     cost end = now();
     *took = (cost){ end.clock - start.clock, end.processor - start.processor,
         end.thread - start.thread };
@@ -73,16 +73,16 @@ static double area_of(const rsv_scene_view *view, size_t t)
     return 0.5 * sqrt(x * x + y * y + z * z);
 }
 
-static double luminance_at(const rsv_solution *s, uint32_t t, double u, double v)
+static double luminance_at(const rsv_light *s, uint32_t t, double u, double v)
 {
-    rsv_rgb e = rsv_solution_irradiance(s, t, (float)u, (float)v, false, RSV_NONE);
+    rsv_rgb e = rsv_light_irradiance(s, t, (float)u, (float)v, false, RSV_NONE);
     return 0.2126 * (double)e.r + 0.7152 * (double)e.g + 0.0722 * (double)e.b;
 }
 
 /// RMS difference of the irradiance (luminance) of two solutions of one scene over its surfaces, over its RMS.
-static double difference(const rsv_solution *a, const rsv_solution *b)
+static double difference(const rsv_light *a, const rsv_light *b)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(rsv_solution_scene(a));
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(a));
     double *sum = malloc((view->triangle_count + 1) * sizeof *sum), squares = 0, all = 0;
     if (!sum) return NAN;
     sum[0] = 0;
@@ -122,7 +122,7 @@ static void add_cost(cJSON *result, const char *name, cost took)
 static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, const char *rows,
     const char *earlier, cJSON *result)
 {
-    rsv_solution *again = NULL, *whole = NULL, *other = NULL;
+    rsv_light *again = NULL, *whole = NULL, *other = NULL;
     cost took[3];
     rsv_solve_desc update = describe(bench, 1), anew = describe(bench, 1),
                    noise = describe(bench, 2);
@@ -132,7 +132,7 @@ static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, c
     if (!status) status = solve(moved, &anew, &whole, &took[1]);
     if (!status) status = solve(moved, &noise, &other, &took[2]);
     if (!status) {
-        const rsv_solve_report *r = rsv_solution_report(again);
+        const rsv_solve_report *r = rsv_light_report(again);
         cJSON_AddNumberToObject(result, "elements", (double)r->elements);
         cJSON_AddNumberToObject(result, "direct_elements", (double)r->direct_elements);
         cJSON_AddNumberToObject(
@@ -146,9 +146,9 @@ static rsv_status compare(const cli_bench_task *bench, const rsv_scene *moved, c
         cJSON_AddNumberToObject(result, "difference_of_seeds", difference(whole, other));
         cJSON_AddNumberToObject(result, "difference_to_other_seed", difference(other, again));
     }
-    rsv_solution_destroy(again);
-    rsv_solution_destroy(whole);
-    rsv_solution_destroy(other);
+    rsv_light_destroy(again);
+    rsv_light_destroy(whole);
+    rsv_light_destroy(other);
     return status;
 }
 
@@ -181,7 +181,7 @@ static rsv_status measure_scenes(const cli_bench_task *bench, const rsv_scene *s
     const rsv_scene *moved, cJSON *result, bool *made)
 {
     char before[PATH_MAX] = "", after[PATH_MAX] = "";
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     rsv_solve_desc first = describe(bench, 1);
     cost took;
     rsv_status status = RSV_ERROR_IO;
@@ -189,7 +189,7 @@ static rsv_status measure_scenes(const cli_bench_task *bench, const rsv_scene *s
     *made = make_folder(before) && make_folder(after);
     if (*made) {
         status = solve(scene, &first, &solution, &took);
-        rsv_solution_destroy(solution);
+        rsv_light_destroy(solution);
         add_cost(result, "first", took);
         if (!status) status = compare(bench, moved, after, before, result);
     }

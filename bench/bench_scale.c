@@ -60,15 +60,15 @@ bool cli_bench_scale(const cli_bench_task *bench, cJSON *result)
         desc.direct_level = false;
         desc.element_target = (uint32_t)(triangles / TRIANGLES_PER_ELEMENT);
     }
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     double started = cli_seconds(), worked = processor_seconds();
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     const double seconds[2] = { cli_seconds() - started, processor_seconds() - worked };
     if (status == RSV_OK)
-        add_numbers(result, triangles, rsv_solution_report(solution), seconds);
+        add_numbers(result, triangles, rsv_light_report(solution), seconds);
     else
         cli_report_failure(bench->session, status);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     return status == RSV_OK;
 }

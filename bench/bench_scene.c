@@ -13,8 +13,8 @@ static rsv_status create_bright_box(rsv_context *context, rsv_scene **scene)
     white.base_color = (rsv_rgb){ 0.95f, 0.95f, 0.95f };
     white.metallic = 0;
     white.specular = 0;
-    rsv_light lamp = { .name = "lamp",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light lamp = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = { 0.3f, 0.8f, 1.1f },
         .intensity = { 1, 1, 1 } };
     rsv_mesh_desc box = { .name = "box",

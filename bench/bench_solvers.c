@@ -36,7 +36,7 @@ static void remember(void *user, double applications, double residual)
 }
 
 /// The fastest of the repetitions. @return what they cost
-static rsv_status time_solver(const rsv_solution *solution, rsv_solver solver, uint32_t repetitions,
+static rsv_status time_solver(const rsv_light *solution, rsv_solver solver, uint32_t repetitions,
     history *fastest, rsv_solver_cost *cost)
 {
     rsv_status status = RSV_OK;
@@ -71,7 +71,7 @@ static cJSON *describe(rsv_solver solver, const rsv_solver_cost *cost, const his
 /// Applications are short: so many pairs of them and the bare loop are timed.
 enum { APPLICATION_PAIRS = 31 };
 
-static rsv_status measure_application(const rsv_solution *solution, cJSON *result)
+static rsv_status measure_application(const rsv_light *solution, cJSON *result)
 {
     double ratio[APPLICATION_PAIRS];
     rsv_status status = rsv_measure_application(solution, APPLICATION_PAIRS, ratio);
@@ -80,10 +80,9 @@ static rsv_status measure_application(const rsv_solution *solution, cJSON *resul
     return status;
 }
 
-static rsv_status measure_all(
-    const cli_bench_task *bench, const rsv_solution *solution, cJSON *result)
+static rsv_status measure_all(const cli_bench_task *bench, const rsv_light *solution, cJSON *result)
 {
-    const rsv_solve_report *report = rsv_solution_report(solution);
+    const rsv_solve_report *report = rsv_light_report(solution);
     cJSON_AddNumberToObject(result, "elements", (double)report->elements);
     cJSON_AddNumberToObject(result, "entries", (double)report->entries);
     cJSON_AddNumberToObject(result, "norm_inf", report->norm_inf);
@@ -106,10 +105,10 @@ bool cli_bench_solvers(const cli_bench_task *bench, cJSON *result)
     if (!scene) return false;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     desc.direct_level = false;
-    rsv_solution *solution = NULL;
-    rsv_status status = rsv_solution_create(scene, &desc, &solution);
+    rsv_light *solution = NULL;
+    rsv_status status = rsv_light_create(scene, &desc, &solution);
     if (status == RSV_OK) status = measure_all(bench, solution, result);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     if (status != RSV_OK) cli_report_failure(bench->session, status);
     return status == RSV_OK;

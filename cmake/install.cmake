@@ -6,7 +6,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/resolvent)
 install(TARGETS resolvent resolvent_rt EXPORT resolventTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT development)
-set(plug_in_of_mpi resolvent_dist)
+set(plug_in_of_mpi resolvent_mpi)
 set(plug_in_of_cuda resolvent_cuda)
 foreach(component IN ITEMS mpi cuda)
     if(TARGET ${plug_in_of_${component}})

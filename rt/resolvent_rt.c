@@ -147,7 +147,7 @@ static rsv_rt_status check_numbers(const float *number, uint64_t count)
     return RSV_RT_OK;
 }
 
-/// Whether elements hang once each, and from those that are free or come earlier: no chain of parents leads back.
+/// Whether elements hang once each, and from those that are free or come earlier: no specular path of parents leads back.
 /// @param waits [element_count] scratch: elements that hang and have not come yet
 static rsv_rt_status check_order(const rsv_rt_operator *t, uint8_t *waits)
 {

@@ -20,7 +20,7 @@ int main(int argc, char **argv)
 {
     rsv_context *context = NULL;
     rsv_scene *scene = NULL;
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     rsv_image *image = NULL;
     int exit_status = 1;
 
@@ -33,9 +33,9 @@ int main(int argc, char **argv)
         TRY(rsv_scene_builtin(context, "cornell-spheres", &scene));
 
     rsv_solve_desc solve_desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    TRY(rsv_solution_create(scene, &solve_desc, &solution));
-    printf("%zu elements, norm %.3f\n", rsv_solution_report(solution)->elements,
-        rsv_solution_report(solution)->norm_inf);
+    TRY(rsv_light_create(scene, &solve_desc, &solution));
+    printf("%zu elements, norm %.3f\n", rsv_light_report(solution)->elements,
+        rsv_light_report(solution)->norm_inf);
 
     rsv_render_desc render_desc = rsv_default_render_desc();
     render_desc.mode = RSV_RENDER_OPERATOR;
@@ -47,7 +47,7 @@ int main(int argc, char **argv)
 failed:
     if (exit_status) fprintf(stderr, "error: %s\n", rsv_last_error());
     rsv_image_destroy(image);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     rsv_context_destroy(context);
     return exit_status;

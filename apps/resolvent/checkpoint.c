@@ -53,7 +53,7 @@ static bool is_finished(const char *path)
     bool found = false;
     DIR *directory = opendir(path);
     for (struct dirent *entry; directory && !found && (entry = readdir(directory));)
-        found = cli_ends_in(entry->d_name, ".past");
+        found = cli_ends_in(entry->d_name, ".history");
     if (directory) closedir(directory);
     return found;
 }
@@ -80,7 +80,7 @@ static void find_earlier(cli_checkpoint *c)
 /// Removes a folder and the files in it that runs leave there.
 static void remove_kept(const char *path)
 {
-    static const char *const endings[] = { ".rows", ".scene", ".past", ".part" };
+    static const char *const endings[] = { ".rows", ".scene", ".history", ".part" };
     char file[PATH_MAX];
     DIR *directory = opendir(path);
     for (struct dirent *entry; directory && (entry = readdir(directory));) {

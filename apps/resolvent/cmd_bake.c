@@ -196,7 +196,7 @@ static cJSON *describe(const settings *s, const rsv_bake_report *r)
     return root;
 }
 
-static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution,
+static bool write_stats(const cli_session *session, const settings *s, const rsv_light *solution,
     const rsv_bake_report *report, double time_bake)
 {
     cli_stats stats = { .command = "bake",
@@ -205,8 +205,8 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
         .quality = (rsv_quality)s->solve.quality,
         .threads = cli_thread_count(s->threads),
         .seed = s->solve.seed,
-        .report = rsv_solution_report(solution),
-        .order_count = rsv_solution_order_count(solution),
+        .report = rsv_light_report(solution),
+        .order_count = rsv_light_order_count(solution),
         .standard_error = NAN,
         .time_render = time_bake,
         .more = describe(s, report) };

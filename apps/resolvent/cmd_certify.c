@@ -111,14 +111,14 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 
 /// The certificate, and the picture of the error where one is wanted.
 static rsv_status certify(
-    const settings *s, const rsv_solution *solution, rsv_certificate *certificate)
+    const settings *s, const rsv_light *solution, rsv_certificate *certificate)
 {
     rsv_certify_desc desc = s->certify;
     desc.seed = s->solve.seed;
     if (!s->heat_map) return rsv_certify(solution, &desc, certificate);
     rsv_image *image = NULL;
     rsv_heat_map_desc map = rsv_default_heat_map_desc();
-    map.camera = rsv_scene_find_camera(rsv_solution_scene(solution), s->camera);
+    map.camera = rsv_scene_find_camera(rsv_light_scene(solution), s->camera);
     if (s->size.width) map.width = s->size.width, map.height = s->size.height;
     rsv_status status = rsv_certify_picture(solution, &desc, &map, certificate, &image);
     if (status == RSV_OK) status = rsv_image_write(image, s->heat_map, 0);
@@ -127,7 +127,7 @@ static rsv_status certify(
 }
 
 static rsv_status certify_goal(
-    const settings *s, const rsv_solution *solution, uint32_t camera, rsv_goal_certificate *goal)
+    const settings *s, const rsv_light *solution, uint32_t camera, rsv_goal_certificate *goal)
 {
     rsv_certify_desc desc = s->certify;
     desc.seed = s->solve.seed;
@@ -188,8 +188,8 @@ static void print_goal(const char *name, const char *unit, const rsv_goal_certif
         percent * g->error, percent * g->error_ci95[0], percent * g->error_ci95[1]);
 }
 
-static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution,
-    const findings *found)
+static bool write_stats(
+    const cli_session *session, const settings *s, const rsv_light *solution, const findings *found)
 {
     cli_stats stats = { .command = "certify",
         .scene = s->scene,
@@ -198,11 +198,11 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
         .samples = s->certify.samples,
         .threads = cli_thread_count(s->threads),
         .seed = s->solve.seed,
-        .report = rsv_solution_report(solution),
+        .report = rsv_light_report(solution),
         .certificate = &found->certificate,
         .goal = s->goal || s->points ? &found->goal : NULL,
         .split = s->split ? &found->split : NULL,
-        .order_count = rsv_solution_order_count(solution),
+        .order_count = rsv_light_order_count(solution),
         .standard_error = NAN };
     return cli_write_stats(s->stats, session, &stats);
 }

@@ -71,14 +71,14 @@ static bool add_up(const rsv_scene_view *view, totals *t)
     return true;
 }
 
-static const char *light_kind_name(rsv_light_kind kind)
+static const char *light_kind_name(rsv_punctual_light_kind kind)
 {
     switch (kind) {
-    case RSV_LIGHT_POINT:
+    case RSV_PUNCTUAL_POINT:
         return "point";
-    case RSV_LIGHT_SPOT:
+    case RSV_PUNCTUAL_SPOT:
         return "spot";
-    case RSV_LIGHT_DIRECTIONAL:
+    case RSV_PUNCTUAL_DIRECTIONAL:
         return "directional";
     }
     return "unknown";
@@ -173,15 +173,15 @@ static void add_lights(cJSON *root, const rsv_scene_view *view)
 {
     cJSON *lights = cJSON_AddArrayToObject(root, "lights");
     for (size_t i = 0; i < view->light_count; i++) {
-        const rsv_light *light = &view->light[i];
+        const rsv_punctual_light *light = &view->light[i];
         cJSON *item = add_named_item(lights, light->name);
         if (has_node(view->light_node[i], light->name))
             cJSON_AddStringToObject(item, "node", view->light_node[i]);
         cJSON_AddStringToObject(item, "kind", light_kind_name(light->kind));
         add_rgb(item, "intensity", light->intensity);
-        if (light->kind != RSV_LIGHT_DIRECTIONAL)
+        if (light->kind != RSV_PUNCTUAL_DIRECTIONAL)
             add_point(item, "position", light->position, view->origin);
-        if (light->kind != RSV_LIGHT_POINT) add_vec3(item, "direction", light->direction);
+        if (light->kind != RSV_PUNCTUAL_POINT) add_vec3(item, "direction", light->direction);
     }
 }
 
@@ -195,10 +195,10 @@ static void add_environment(cJSON *root, const rsv_scene_view *view)
     add_number(item, "rotation_degrees", view->environment->rotation);
 }
 
-static void add_operator(cJSON *root, const rsv_solution *solution)
+static void add_operator(cJSON *root, const rsv_light *solution)
 {
     if (!solution) return;
-    const rsv_solve_report *report = rsv_solution_report(solution);
+    const rsv_solve_report *report = rsv_light_report(solution);
     cJSON *item = cJSON_AddObjectToObject(root, "operator");
     cJSON_AddNumberToObject(item, "elements", (double)report->elements);
     cJSON_AddNumberToObject(item, "direct_elements", (double)report->direct_elements);
@@ -311,11 +311,11 @@ static void print_lights(const rsv_scene_view *view)
 {
     printf("\npunctual lights: %zu\n", view->light_count);
     for (size_t i = 0; i < view->light_count; i++) {
-        const rsv_light *light = &view->light[i];
+        const rsv_punctual_light *light = &view->light[i];
         print_name(light->name);
         print_node(view->light_node[i], light->name);
         printf("  %s", light_kind_name(light->kind));
-        print_rgb(light->kind == RSV_LIGHT_DIRECTIONAL ? "W/m2" : "W/sr", light->intensity);
+        print_rgb(light->kind == RSV_PUNCTUAL_DIRECTIONAL ? "W/m2" : "W/sr", light->intensity);
         putchar('\n');
     }
 }
@@ -347,10 +347,10 @@ static void print_cameras(const rsv_scene_view *view)
     }
 }
 
-static void print_operator(const rsv_solution *solution)
+static void print_operator(const rsv_light *solution)
 {
     if (!solution) return;
-    const rsv_solve_report *report = rsv_solution_report(solution);
+    const rsv_solve_report *report = rsv_light_report(solution);
     printf("\nsolved operator:\n");
     printf("  %zu elements, %zu of direct light and caustics, %zu entries\n", report->elements,
         report->direct_elements, report->entries);

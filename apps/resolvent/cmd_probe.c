@@ -103,7 +103,7 @@ static rsv_status read_light(cli_session *session, const settings *s, const cli_
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
 
-static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution,
+static bool write_stats(const cli_session *session, const settings *s, const rsv_light *solution,
     const rsv_certificate *certificate, double time_render)
 {
     cli_stats stats = { .command = "probe",
@@ -113,9 +113,9 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
         .samples = s->samples,
         .threads = cli_thread_count(s->threads),
         .seed = s->solve.seed,
-        .report = solution ? rsv_solution_report(solution) : NULL,
+        .report = solution ? rsv_light_report(solution) : NULL,
         .certificate = solution ? certificate : NULL,
-        .order_count = solution ? rsv_solution_order_count(solution) : 0,
+        .order_count = solution ? rsv_light_order_count(solution) : 0,
         .standard_error = NAN,
         .time_render = time_render };
     return cli_write_stats(s->stats, session, &stats);

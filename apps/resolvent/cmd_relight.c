@@ -81,7 +81,7 @@ typedef struct settings {
     rsv_light_scale light[CLI_LIST_CAPACITY + 1 + CLI_MAX_TRACKS];
     rsv_albedo_change albedo[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
     rsv_light_move move[CLI_LIST_CAPACITY + CLI_MAX_TRACKS];
-    rsv_light add[CLI_LIST_CAPACITY];
+    rsv_punctual_light add[CLI_LIST_CAPACITY];
     char *name[4 * CLI_LIST_CAPACITY]; ///< owned copies for the four above
     rsv_relight_desc still;            ///< what options ask for
     rsv_relight_desc relight;          ///< that, and what the script says of the frame in hand
@@ -152,8 +152,8 @@ static bool read_changes(settings *s)
                 "relight", "--add: '%s' is not NAME=X,Y,Z,I with I from 0 on", s->added.item[k]);
             return false;
         }
-        s->add[k] = (rsv_light){ .name = name,
-            .kind = RSV_LIGHT_POINT,
+        s->add[k] = (rsv_punctual_light){ .name = name,
+            .kind = RSV_PUNCTUAL_POINT,
             .position = { v[0], v[1], v[2] },
             .intensity = { v[3], v[3], v[3] } };
     }
@@ -312,9 +312,9 @@ static bool check_outputs(const settings *s)
 // ---- work -----------------------------------------------------------------------------------------
 
 static rsv_status render(
-    const settings *s, const rsv_solution *solution, uint32_t camera, rsv_image **image)
+    const settings *s, const rsv_light *solution, uint32_t camera, rsv_image **image)
 {
-    const rsv_scene_view *view = rsv_scene_get_view(rsv_solution_scene(solution));
+    const rsv_scene_view *view = rsv_scene_get_view(rsv_light_scene(solution));
     rsv_render_desc desc = rsv_default_render_desc();
     cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[camera]);
     desc.mode = (rsv_render_mode)s->mode;
@@ -333,12 +333,12 @@ static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
     char path[PATH_MAX];
     rsv_status status = RSV_OK;
     rsv_image *image = NULL;
-    const rsv_solution *solution = on->subject.solution;
+    const rsv_light *solution = on->subject.solution;
     double started = cli_seconds();
     for (size_t k = 0; k < s->outputs.count && status == RSV_OK; k++) {
         if (!output_path(s, k, frame, path)) continue; // check_outputs saw to it
         if (is_operator_name(path)) {
-            status = rsv_solution_save(solution, s->scene, path);
+            status = rsv_light_save(solution, s->scene, path);
             continue;
         }
         if (!image) status = render(s, solution, on->camera, &image);
@@ -352,7 +352,7 @@ static rsv_status write_outputs(const settings *s, stage *on, uint32_t frame)
 
 static bool write_stats(const cli_session *session, const settings *s, const stage *on)
 {
-    const rsv_solution *solution = on->subject.solution;
+    const rsv_light *solution = on->subject.solution;
     const rsv_scene_view *view = rsv_scene_get_view(on->subject.scene);
     cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[on->camera]);
     cJSON *more = cJSON_CreateObject();
@@ -367,8 +367,8 @@ static bool write_stats(const cli_session *session, const settings *s, const sta
         .samples = s->samples,
         .threads = cli_thread_count(s->threads),
         .seed = s->seed,
-        .report = rsv_solution_report(solution),
-        .order_count = rsv_solution_order_count(solution),
+        .report = rsv_light_report(solution),
+        .order_count = rsv_light_order_count(solution),
         .standard_error = NAN,
         .time_solve = on->time_relight,
         .time_render = on->time_render,
@@ -408,7 +408,7 @@ static bool set_stage(cli_session *session, const settings *s, stage *on)
     double started = cli_seconds();
     rsv_status status = rsv_relighter_create(on->subject.solution, &on->relighter);
     for (size_t k = 0; k < s->added.count && status == RSV_OK; k++) {
-        rsv_light light = s->add[k];
+        rsv_punctual_light light = s->add[k];
         light.position = place_of_added(s->added.item[k], on->subject.scene);
         status = rsv_relighter_add_light(on->relighter, &light);
     }

@@ -205,7 +205,7 @@ static rsv_status write_pictures(const settings *s, const rsv_image *image)
 }
 
 static bool write_stats(const cli_session *session, const settings *s, const rsv_render_desc *desc,
-    const rsv_solution *solution, const rsv_certificate *certificate, cli_stats *stats)
+    const rsv_light *solution, const rsv_certificate *certificate, cli_stats *stats)
 {
     stats->command = "render";
     stats->scene = s->scene;
@@ -216,9 +216,9 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->samples = desc->samples;
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
-    stats->report = solution ? rsv_solution_report(solution) : NULL;
+    stats->report = solution ? rsv_light_report(solution) : NULL;
     stats->certificate = solution ? certificate : NULL;
-    stats->order_count = solution ? rsv_solution_order_count(solution) : 0;
+    stats->order_count = solution ? rsv_light_order_count(solution) : 0;
     return cli_write_stats(s->stats, session, stats);
 }
 

@@ -86,7 +86,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-static bool write_stats(const cli_session *session, const settings *s, const rsv_solution *solution)
+static bool write_stats(const cli_session *session, const settings *s, const rsv_light *solution)
 {
     cli_stats stats = { .command = "solve",
         .scene = s->scene,
@@ -94,13 +94,13 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
         .quality = (rsv_quality)s->solve.quality,
         .threads = cli_thread_count(s->threads),
         .seed = s->solve.seed,
-        .report = rsv_solution_report(solution),
-        .order_count = rsv_solution_order_count(solution),
+        .report = rsv_light_report(solution),
+        .order_count = rsv_light_order_count(solution),
         .standard_error = NAN };
     return cli_write_stats(s->stats, session, &stats);
 }
 
-static rsv_status print_eigenvalues(const settings *s, const rsv_solution *solution)
+static rsv_status print_eigenvalues(const settings *s, const rsv_light *solution)
 {
     double value[2 * MOST_EIGENVALUES];
     size_t count = s->eigenvalues;
@@ -136,7 +136,7 @@ static int run(cli_session *session, settings *s)
         goto cleanup;
     rsv_status status = cli_solve_subject(session, &desc, &s->target, &subject, &certificate);
     if (status == RSV_OK) status = print_eigenvalues(s, subject.solution);
-    if (status == RSV_OK) status = rsv_solution_save(subject.solution, s->scene, s->output);
+    if (status == RSV_OK) status = rsv_light_save(subject.solution, s->scene, s->output);
     if (status == RSV_OK) cli_checkpoint_prune(&s->checkpoint);
     if (status != RSV_OK)
         cli_report_failure(session, status);

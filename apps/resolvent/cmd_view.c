@@ -121,7 +121,7 @@ static bool report(viewer *v, rsv_status status)
 
 static bool begin_state(viewer *v)
 {
-    uint32_t layers = 1 + rsv_solution_order_count(v->subject.solution);
+    uint32_t layers = 1 + rsv_light_order_count(v->subject.solution);
     uint32_t camera = rsv_scene_find_camera(v->subject.scene, v->settings->camera);
     if (camera == RSV_NONE) {
         cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them",
@@ -129,7 +129,7 @@ static bool begin_state(viewer *v)
         return false;
     }
     if (!cli_view_state_begin(
-            v->relighter, rsv_solution_scene(v->subject.solution), layers, v->body, &v->state)) {
+            v->relighter, rsv_light_scene(v->subject.solution), layers, v->body, &v->state)) {
         cli_error("out of memory");
         return false;
     }

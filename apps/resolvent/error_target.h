@@ -21,12 +21,12 @@ typedef struct cli_error_target {
 #define CLI_ERROR_TARGET_HELP                                                                      \
     "  --error P%         refine, from --quality on, until the certificate's estimate of the\n"    \
     "                     irradiance's relative error is below P percent (upper end of its 95 %\n" \
-    "                     interval; with a goal: of what that reads), or until a budget ends\n"                                     \
+    "                     interval; with a goal: of what that reads), or until a budget ends\n"    \
     "  --max-time S       --error: seconds (default: as long as it takes)\n"
 
 /// Solves once within the budget of `desc`, or until the target is reached.
 /// @param certificate of the solution, where there is a target
 rsv_status cli_solve_to_target(const rsv_scene *scene, const rsv_solve_desc *desc,
-    const cli_error_target *target, rsv_solution **solution, rsv_certificate *certificate);
+    const cli_error_target *target, rsv_light **solution, rsv_certificate *certificate);
 
 #endif

@@ -12,16 +12,16 @@ static rsv_status render_frames(
     return status;
 }
 
-rsv_status cli_render_object(const rsv_solution *solution, const rsv_scene *body, rsv_vec3 offset,
+rsv_status cli_render_object(const rsv_light *solution, const rsv_scene *body, rsv_vec3 offset,
     const rsv_render_desc *desc, rsv_image **image)
 {
     rsv_mover *mover = NULL;
     rsv_frame_renderer *renderer = NULL;
-    const rsv_scene *scene = rsv_solution_scene(solution);
+    const rsv_scene *scene = rsv_light_scene(solution);
     rsv_frame_desc frame = rsv_default_frame_desc();
     frame.width = desc->width;
     frame.height = desc->height;
-    frame.chain_depth = desc->chain_depth;
+    frame.path_depth = desc->path_depth;
     frame.seed = desc->seed;
     rsv_status status = rsv_mover_create(solution, body, NULL, &mover);
     if (status == RSV_OK) status = rsv_mover_place(mover, offset, 0);

@@ -6,7 +6,7 @@
 #include "resolvent/render.h"
 
 /// Mode operator, as many samples as are asked for, with the body moved by `offset` metres.
-rsv_status cli_render_object(const rsv_solution *solution, const rsv_scene *body, rsv_vec3 offset,
+rsv_status cli_render_object(const rsv_light *solution, const rsv_scene *body, rsv_vec3 offset,
     const rsv_render_desc *desc, rsv_image **image);
 
 #endif

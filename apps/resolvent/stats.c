@@ -180,7 +180,7 @@ static void add_warnings(cJSON *root, const cli_session *session)
 }
 
 rsv_status cli_certify_briefly(
-    const char *path, const rsv_solution *solution, uint32_t seed, rsv_certificate *certificate)
+    const char *path, const rsv_light *solution, uint32_t seed, rsv_certificate *certificate)
 {
     if (!path) return RSV_OK;
     rsv_certify_desc desc = rsv_brief_certify_desc();

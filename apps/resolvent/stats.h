@@ -35,7 +35,7 @@ extern const char *const cli_solver_names[];
 
 /// The short certificate of a solution, where `path` says that statistics are wanted.
 rsv_status cli_certify_briefly(
-    const char *path, const rsv_solution *solution, uint32_t seed, rsv_certificate *certificate);
+    const char *path, const rsv_light *solution, uint32_t seed, rsv_certificate *certificate);
 
 /// Says what went wrong on standard error.
 bool cli_write_stats(const char *path, const cli_session *session, const cli_stats *stats);

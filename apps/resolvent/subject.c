@@ -53,8 +53,7 @@ bool cli_open_subject(cli_session *session, const char *name, const cli_environm
     }
     if (!refuse_scene_options(session, name, environment)) return false;
     double started = cli_seconds();
-    rsv_status status =
-        rsv_solution_load(session->context, name, &subject->scene, &subject->solution);
+    rsv_status status = rsv_light_load(session->context, name, &subject->scene, &subject->solution);
     if (status == RSV_OK && !session->keep_document) rsv_scene_drop_document(subject->scene);
     if (status == RSV_OK) status = rsv_scene_compare(subject->scene);
     session->time_load = cli_seconds() - started;
@@ -115,7 +114,7 @@ rsv_status cli_solve_subject(cli_session *session, const rsv_solve_desc *desc,
 
 void cli_close_subject(cli_subject *subject)
 {
-    rsv_solution_destroy(subject->solution);
+    rsv_light_destroy(subject->solution);
     rsv_scene_destroy(subject->scene);
     *subject = (cli_subject){ 0 };
 }

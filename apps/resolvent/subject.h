@@ -10,7 +10,7 @@
 
 typedef struct cli_subject {
     rsv_scene *scene;
-    rsv_solution *solution; ///< NULL = not solved yet
+    rsv_light *solution; ///< NULL = not solved yet
 } cli_subject;
 
 /// Opens an operator file, or as cli_open_scene does. Prints what went wrong; false then.

@@ -59,23 +59,23 @@ typedef struct rsv_bake_report {
 /// Light in COLOR_0: irradiance / pi / light_scale, so that base colour times it is what is seen.
 /// @param output .glb @param desc NULL = defaults @param report may be NULL
 /// @return RSV_ERROR_FORMAT if the document that the scene keeps is damaged, RSV_ERROR_ARGUMENT if it is another scene's
-RSV_API rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *output,
-    const rsv_bake_desc *desc, rsv_bake_report *report);
+RSV_API rsv_status rsv_bake_vertices(
+    const rsv_light *light, const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
 /// Irradiance in a picture: MOZ_lightmap with 8-bit sRGB codes in the file, and OUT.lightmap.exr beside it in full
 /// precision, for normal maps also OUT.lightmap-x.exr, -y and -z (desc->directional). Second texture coordinates of the file are used where they are in the unit square and do not overlap.
-RSV_API rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *output,
-    const rsv_bake_desc *desc, rsv_bake_report *report);
+RSV_API rsv_status rsv_bake_lightmap(
+    const rsv_light *light, const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
 /// Radiance around the points of a grid, in spherical harmonics of order 2, for what moves: OUT.json and OUT.probes.bin.
 /// Probes
 /// that see mostly backs of surfaces are inside something and invalid.
 /// @param output .json
-RSV_API rsv_status rsv_bake_probes(const rsv_solution *solution, const char *output,
-    const rsv_bake_desc *desc, rsv_bake_report *report);
+RSV_API rsv_status rsv_bake_probes(
+    const rsv_light *light, const char *output, const rsv_bake_desc *desc, rsv_bake_report *report);
 
 /// Any of them by its name: "vertex", "lightmap", "probes", and whatever else rsv_bake_target_names() lists.
-RSV_API rsv_status rsv_bake(const rsv_solution *solution, const char *target, const char *output,
+RSV_API rsv_status rsv_bake(const rsv_light *light, const char *target, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report);
 RSV_API const char *const *rsv_bake_target_names(void); ///< ends with NULL
 /// Of the files that a target writes: ".glb"; NULL = there is no such target.

@@ -1,7 +1,7 @@
 /// @file certify.h
 /// How wrong a solution is: a certificate that trusts nothing of how the solution was made.
 ///
-/// Let E~ be what rsv_solution_irradiance returns at every point of every diffuse surface. Its residual
+/// Let E~ be what rsv_light_irradiance returns at every point of every diffuse surface. Its residual
 ///
 ///     r(x) = E0(x) + (G K E~)(x) - E~(x)
 ///
@@ -64,7 +64,7 @@ typedef struct rsv_certificate {
 /// Caustics of punctual lights cannot be found by gathering: a warning says where they are taken on trust.
 /// @param desc NULL = defaults
 RSV_API rsv_status rsv_certify(
-    const rsv_solution *solution, const rsv_certify_desc *desc, rsv_certificate *certificate);
+    const rsv_light *light, const rsv_certify_desc *desc, rsv_certificate *certificate);
 
 /// Where an error comes from, luminance, W/m2. Squares add up to that of the certificate's estimate.
 typedef struct rsv_error_split {
@@ -76,7 +76,7 @@ typedef struct rsv_error_split {
 /// Splits a certified error. Solves once more with another seed: two solutions that differ in their random numbers
 /// alone, elements refined by noisy pilots included, differ by sqrt(2) times the sampling error of each.
 RSV_API rsv_status rsv_split_error(
-    const rsv_solution *solution, const rsv_certificate *certificate, rsv_error_split *split);
+    const rsv_light *light, const rsv_certificate *certificate, rsv_error_split *split);
 
 /// The error of one camera's picture, or of what sensors read: of the mean luminance, as far as it comes from diffuse
 /// surfaces.
@@ -90,12 +90,12 @@ typedef struct rsv_goal_certificate {
 /// <z, r>: residuals at points drawn by importance. Their signs count, so unlike in rsv_certify one estimate at a point
 /// would do, and what errs where the camera does not look is weighted by what comes of it.
 /// @param desc NULL = defaults
-RSV_API rsv_status rsv_certify_goal(const rsv_solution *solution, const rsv_certify_desc *desc,
+RSV_API rsv_status rsv_certify_goal(const rsv_light *light, const rsv_certify_desc *desc,
     uint32_t camera, rsv_goal_certificate *certificate);
 
 /// The same of sensors: of the mean of their irradiances, but for what reaches them from sources without a diffuse
 /// surface in between (rsv_probe_irradiance samples that for itself).
-RSV_API rsv_status rsv_certify_points(const rsv_solution *solution, const rsv_certify_desc *desc,
+RSV_API rsv_status rsv_certify_points(const rsv_light *light, const rsv_certify_desc *desc,
     const rsv_probe *points, size_t point_count, rsv_goal_certificate *certificate);
 
 /// How good a solution must be, and what it may cost. Start from rsv_default_error_target().
@@ -124,10 +124,10 @@ typedef enum rsv_error_stop {
 /// that stopped them.
 /// @param start of the first round, its goal that of all; NULL = draft
 /// Rounds end early where two in a row have not lowered the error.
-/// @param solution the one that reached the target; else that of the lowest error, whatever stopped the rounds
+/// @param light the one that reached the target; else that of the lowest error, whatever stopped the rounds
 /// @param certificate its certificate
 RSV_API rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *start,
-    const rsv_error_target *target, rsv_solution **solution, rsv_certificate *certificate,
+    const rsv_error_target *target, rsv_light **light, rsv_certificate *certificate,
     rsv_error_stop *stop);
 
 /// A picture of where the error is. Start from rsv_default_heat_map_desc().
@@ -149,26 +149,25 @@ RSV_API rsv_heat_map_desc rsv_default_heat_map_desc(void);
 /// RSV_HEAT_MAP_LOW to RSV_HEAT_MAP_HIGH on a logarithmic scale, what has no irradiance grey; layer
 /// "relative_error" holds the numbers.
 /// @param certify, desc NULL = defaults
-RSV_API rsv_status rsv_certify_picture(const rsv_solution *solution,
-    const rsv_certify_desc *certify, const rsv_heat_map_desc *desc, rsv_certificate *certificate,
-    rsv_image **image);
+RSV_API rsv_status rsv_certify_picture(const rsv_light *light, const rsv_certify_desc *certify,
+    const rsv_heat_map_desc *desc, rsv_certificate *certificate, rsv_image **image);
 
 /// What certificates are judged by: irradiance at other random points, path traced twice over, by the reference that
 /// knows nothing of elements or operators.
 typedef struct rsv_truth rsv_truth;
 
 /// Points, drawn and weighted as those of certificates are. Of coated surfaces what gets past the coat counts.
-/// @param solution any of the scene: it tells where the points may lie, and where light is
+/// @param light any of the scene: it tells where the points may lie, and where light is
 /// @param points 16..2^24 @param paths of each of the two readings at a point
-RSV_API rsv_status rsv_truth_create(const rsv_solution *solution, uint32_t points, uint32_t paths,
-    uint32_t seed, rsv_truth **truth);
+RSV_API rsv_status rsv_truth_create(
+    const rsv_light *light, uint32_t points, uint32_t paths, uint32_t seed, rsv_truth **truth);
 RSV_API void rsv_truth_destroy(rsv_truth *truth);
 
 /// True error of a solution, luminance, W/m2: the root of the mean product of both readings' differences from it, in
 /// which their noise cancels. Counts direct light even where the solution leaves it to the renderer.
-/// @param solution of the truth's scene @param ci95 its 95 % confidence interval
+/// @param light of the truth's scene @param ci95 its 95 % confidence interval
 RSV_API rsv_status rsv_truth_error(
-    const rsv_truth *truth, const rsv_solution *solution, double *error_rms, double ci95[2]);
+    const rsv_truth *truth, const rsv_light *light, double *error_rms, double ci95[2]);
 
 #ifdef __cplusplus
 }

@@ -2,7 +2,7 @@
 /// Pictures from a solution at interactive rates: `operator` mode as an object that keeps what frames share.
 ///
 /// Creation bakes what every plain diffuse surface shows into one table, so that a pixel costs a camera ray and
-/// a lookup; mirrors, glass, textures and translucent surfaces cost a chain each. A frame takes one sample per
+/// a lookup; mirrors, glass, textures and translucent surfaces cost a specular path each. A frame takes one sample per
 /// pixel, at the same place in all of them. While cameras rest, frames add up to the picture that rsv_render makes
 /// with rsv_render_desc.shared_pattern and as many samples. Nothing is allocated after creation.
 #ifndef RESOLVENT_FRAME_H
@@ -31,20 +31,20 @@ RSV_API const char *rsv_instructions_name(rsv_instructions instructions);
 typedef struct rsv_frame_desc {
     uint32_t width, height; ///< of one eye's picture
     uint32_t eyes;          ///< pictures per frame that share everything but the camera: 1 or 2
-    uint32_t chain_depth;   ///< mirror and glass events along a camera ray at most; default 8
+    uint32_t path_depth;    ///< mirror and glass events along a camera ray at most; default 8
     uint32_t seed;          ///< of rough reflections and faint branches
     rsv_instructions instructions;
 } rsv_frame_desc;
 
 RSV_API rsv_frame_desc rsv_default_frame_desc(void);
 
-/// Milliseconds of the last frame, and its chains.
+/// Milliseconds of the last frame, and its specular paths.
 typedef struct rsv_frame_stats {
     double total_ms;
     double camera_ms;  ///< camera rays and lookups, mean over the threads
-    double chain_ms;   ///< mirrors, glass and all that is not in the table
+    double path_ms;    ///< mirrors, glass and all that is not in the table
     double display_ms; ///< adding up and tone mapping
-    uint64_t chain_rays;
+    uint64_t path_rays;
     uint32_t samples; ///< frames that have added up
 } rsv_frame_stats;
 
@@ -53,7 +53,7 @@ typedef struct rsv_frame_renderer rsv_frame_renderer;
 /// The solution must outlive the renderer. Builds a hierarchy of its triangles where there is none yet, about a second per
 /// million.
 RSV_API rsv_status rsv_frame_renderer_create(
-    const rsv_solution *solution, const rsv_frame_desc *desc, rsv_frame_renderer **renderer);
+    const rsv_light *light, const rsv_frame_desc *desc, rsv_frame_renderer **renderer);
 RSV_API void rsv_frame_renderer_destroy(rsv_frame_renderer *renderer);
 
 /// Which light to show, and how.

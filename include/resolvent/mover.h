@@ -31,10 +31,10 @@ RSV_API rsv_mover_desc rsv_default_mover_desc(void);
 typedef struct rsv_mover rsv_mover;
 
 /// The object stands where its scene has it. RSV_ERROR_ARGUMENT for values out of range.
-/// @param solution must outlive the mover @param body committed; its triangles are the object. Must outlive the mover too
+/// @param light must outlive the mover @param body committed; its triangles are the object. Must outlive the mover too
 /// @param desc NULL = defaults
-RSV_API rsv_status rsv_mover_create(const rsv_solution *solution, const rsv_scene *body,
-    const rsv_mover_desc *desc, rsv_mover **mover);
+RSV_API rsv_status rsv_mover_create(
+    const rsv_light *light, const rsv_scene *body, const rsv_mover_desc *desc, rsv_mover **mover);
 RSV_API void rsv_mover_destroy(rsv_mover *mover);
 
 /// Puts the object in another place and lights it there.

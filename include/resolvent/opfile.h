@@ -17,16 +17,15 @@ extern "C" {
 /// what was read can be baked into that file. The same solution gives the same bytes, up to the times in its report, which are left
 /// out. The file appears complete or not at all.
 /// @param scene_name what the scene is called, for `info` and messages; NULL = "unnamed"
-RSV_API rsv_status rsv_solution_save(
-    const rsv_solution *solution, const char *scene_name, const char *path);
+RSV_API rsv_status rsv_light_save(const rsv_light *light, const char *scene_name, const char *path);
 
-/// Reads what rsv_solution_save wrote: pictures and probes of it are the same bytes as of the solution that was saved. The
+/// Reads what rsv_light_save wrote: pictures and probes of it are the same bytes as of the solution that was saved. The
 /// file is mapped and may be gone afterwards. It is treated as hostile: RSV_ERROR_IO if it cannot be read,
 /// RSV_ERROR_FORMAT if it is cut off, foreign, changed (SHA-256) or inconsistent, RSV_ERROR_UNSUPPORTED if its
 /// format is of another version.
 /// @param scene, solution out; to be destroyed by the caller, the solution first
-RSV_API rsv_status rsv_solution_load(
-    rsv_context *context, const char *path, rsv_scene **scene, rsv_solution **solution);
+RSV_API rsv_status rsv_light_load(
+    rsv_context *context, const char *path, rsv_scene **scene, rsv_light **light);
 
 /// In a team, fails unless all processes run the same code and name the same operator file, by the checksum that it says it
 /// has: for those who will read it each for themselves.

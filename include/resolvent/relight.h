@@ -41,7 +41,7 @@ typedef struct rsv_relight_desc {
 } rsv_relight_desc;
 
 /// Changes a light and solves again: E0 is the sum of the sources' parts, each times its scale. The scene that it was made
-/// of stays as it is, as do other lights of it: rsv_solution_scene says how this one has it from then on. The parts come from the file, or are sampled here if it has none. What translucent
+/// of stays as it is, as do other lights of it: rsv_light_scene says how this one has it from then on. The parts come from the file, or are sampled here if it has none. What translucent
 /// bodies show directly is sampled anew, and so are lights that move and the suns of surroundings that turn; the rest of
 /// these is known direction by direction. Nobody else may use the solution meanwhile.
 ///
@@ -53,13 +53,13 @@ typedef struct rsv_relight_desc {
 /// RSV_ERROR_UNSUPPORTED for materials whose colour is part of G, for unequal scales of lamps that only
 /// gather rays find, and for moving these or what is infinitely far away. After other errors the solution may be used no
 /// more.
-RSV_API rsv_status rsv_solution_relight(rsv_solution *solution, const rsv_relight_desc *desc);
+RSV_API rsv_status rsv_light_relight(rsv_light *light, const rsv_relight_desc *desc);
 
 /// The same over and over, while somebody looks on: keeps the parts of E0 and starts each solve from the last.
 typedef struct rsv_relighter rsv_relighter;
 
 /// The solution must outlive it, and stays as it was last put.
-RSV_API rsv_status rsv_relighter_create(rsv_solution *solution, rsv_relighter **relighter);
+RSV_API rsv_status rsv_relighter_create(rsv_light *light, rsv_relighter **relighter);
 RSV_API void rsv_relighter_destroy(rsv_relighter *relighter);
 
 /// Does beforehand most of what the first change of each kind would have to set up: worth its time (that of a solve, and
@@ -87,13 +87,14 @@ RSV_API rsv_relight_source rsv_relighter_source(const rsv_relighter *relighter, 
 /// not name it leaves it as it was added. Its caustics are found where the scene had any before.
 /// RSV_ERROR_ARGUMENT if there is a source of that name, or as in rsv_scene_add_light, RSV_ERROR_UNSUPPORTED beyond
 /// RSV_MAX_RELIGHT_SOURCES.
-RSV_API rsv_status rsv_relighter_add_light(rsv_relighter *relighter, const rsv_light *light);
+RSV_API rsv_status rsv_relighter_add_light(
+    rsv_relighter *relighter, const rsv_punctual_light *light);
 
 #define RSV_MAX_RELIGHT_SOURCES 64
 
 /// Changes E0; rsv_relighter_step and rsv_relighter_settle find what follows of it. Rays are traced for sources that
 /// stand elsewhere than at the last call, few of them until the light settles. The first move takes longer: it sets up
-/// what the next ones share. Errors as in rsv_solution_relight; the first two kinds leave everything as it was.
+/// what the next ones share. Errors as in rsv_light_relight; the first two kinds leave everything as it was.
 /// @param desc against how things were when the relighter was created
 RSV_API rsv_status rsv_relighter_change(rsv_relighter *relighter, const rsv_relight_desc *desc);
 
@@ -110,7 +111,7 @@ RSV_API rsv_status rsv_relighter_step(
     rsv_relighter *relighter, double milliseconds, rsv_relight_progress *progress);
 
 /// Makes everything exact: sources that moved with all their rays, every order of light, translucent surfaces. Then the
-/// solution is what rsv_solution_relight makes of it. Does nothing where it is exact already.
+/// solution is what rsv_light_relight makes of it. Does nothing where it is exact already.
 RSV_API rsv_status rsv_relighter_settle(rsv_relighter *relighter);
 
 /// Whether nothing is left for rsv_relighter_settle.

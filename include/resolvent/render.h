@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 typedef enum rsv_render_mode {
-    RSV_RENDER_OPERATOR,  ///< camera chains + lookup of the solved light
+    RSV_RENDER_OPERATOR,  ///< camera paths + lookup of the solved light
     RSV_RENDER_FINAL,     ///< direct light per pixel, the rest from the operator
     RSV_RENDER_REFERENCE, ///< unbiased path tracing; needs no solution
     RSV_RENDER_OCCLUSION, ///< the classic baseline: ambient occlusion by rays, times ambient light
@@ -38,7 +38,7 @@ typedef struct rsv_render_desc {
     /// Modes occlusion: metres beyond which nothing occludes; 0 = none (rays), a twentieth of the scene's
     /// diagonal (screen).
     float occlusion_distance;
-    uint32_t chain_depth; ///< mirror and glass events along a camera ray at most; default 64
+    uint32_t path_depth; ///< mirror and glass events along a camera ray at most; default 64
     /// Modes operator and final: all pixels take their samples at the same places, the first at their centre,
     /// as frames do (frame.h); else each has a pattern of its own, and noise may be reduced as above and by shooting
     /// light at matt coats.
@@ -51,7 +51,7 @@ RSV_API rsv_render_desc rsv_default_render_desc(void);
 
 /// Renders modes operator and final.
 RSV_API rsv_status rsv_render(
-    const rsv_solution *solution, const rsv_render_desc *desc, rsv_image **image);
+    const rsv_light *light, const rsv_render_desc *desc, rsv_image **image);
 
 /// Renders the modes occlusion: albedo times unoccluded share of the hemisphere times what a white surface would
 /// reflect of the environment, or of a sky of radiance 1 where there is none, plus emission. Every surface counts as
@@ -96,7 +96,7 @@ typedef struct rsv_probe_reading {
 
 /// Of scenes far from the origin, probes are less rsv_scene_view.origin, as all coordinates are.
 /// @param samples gather rays (operator) or paths (reference) per probe; rounded up to 32 equal groups
-RSV_API rsv_status rsv_probe_irradiance(const rsv_solution *solution, rsv_probe_mode mode,
+RSV_API rsv_status rsv_probe_irradiance(const rsv_light *light, rsv_probe_mode mode,
     const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
     rsv_probe_reading *readings);
 

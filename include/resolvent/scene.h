@@ -129,23 +129,23 @@ typedef struct rsv_mesh_desc {
         *colors)[4]; ///< [vertex_count] linear RGB and opacity, multiply the material's; or NULL
 } rsv_mesh_desc;
 
-typedef enum rsv_light_kind {
-    RSV_LIGHT_POINT,
-    RSV_LIGHT_SPOT,
-    RSV_LIGHT_DIRECTIONAL
-} rsv_light_kind;
+typedef enum rsv_punctual_light_kind {
+    RSV_PUNCTUAL_POINT,
+    RSV_PUNCTUAL_SPOT,
+    RSV_PUNCTUAL_DIRECTIONAL
+} rsv_punctual_light_kind;
 
 /// A punctual light (area lights are emissive materials).
-typedef struct rsv_light {
+typedef struct rsv_punctual_light {
     const char *name; ///< copied
-    rsv_light_kind kind;
+    rsv_punctual_light_kind kind;
     rsv_vec3 position;
     rsv_vec3 direction;     ///< unit, the way the light travels (spot axis, directional)
     rsv_rgb intensity;      ///< W/sr; directional: irradiance at normal incidence, W/m2
     float inner_cone_angle; ///< radians, half angle; full intensity inside (spot)
     float outer_cone_angle; ///< radians, half angle; none outside (spot)
     float exponent;         ///< spot intensity is also multiplied by cos^exponent; default 0
-} rsv_light;
+} rsv_punctual_light;
 
 typedef struct rsv_camera {
     const char *name; ///< copied
@@ -184,11 +184,11 @@ typedef struct rsv_scene_view {
     const uint32_t *triangle_object;   ///< [triangle_count]; one object per instanced mesh
     const rsv_material *material;      ///< [material_count]
     const struct rsv_texture *texture; ///< [texture_count]; private to the library
-    const uint8_t *material_varies; ///< [material_count] 0 = the same all over; else private flags
-    const struct rsv_twins *twins;  ///< private; NULL = no two faces lie in the same place
-    const rsv_light *light;         ///< [light_count]
-    const rsv_camera *camera;       ///< [camera_count]
-    const char *const *object_name; ///< [object_count]
+    const uint8_t *material_varies;  ///< [material_count] 0 = the same all over; else private flags
+    const struct rsv_twins *twins;   ///< private; NULL = no two faces lie in the same place
+    const rsv_punctual_light *light; ///< [light_count]
+    const rsv_camera *camera;        ///< [camera_count]
+    const char *const *object_name;  ///< [object_count]
     const rsv_environment *environment; ///< pixels with the intensity in them; NULL = black
     rsv_vec3 bounds_min, bounds_max;
     /// Metres that were taken out of all coordinates above, because the scene lies far from the origin of its file:
@@ -222,7 +222,7 @@ RSV_API rsv_status rsv_scene_add_mesh(
 RSV_API rsv_status rsv_scene_add_instance(
     rsv_scene *scene, uint32_t mesh_id, const float transform[16], const char *name);
 
-RSV_API rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_light *light);
+RSV_API rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_punctual_light *light);
 RSV_API rsv_status rsv_scene_add_camera(rsv_scene *scene, const rsv_camera *camera);
 
 /// Surrounds the scene with `environment` (NULL = with nothing), before or after commit; solutions and pictures

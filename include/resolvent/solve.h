@@ -113,56 +113,55 @@ typedef struct rsv_solve_report {
 
 /// The light of a scene, solved on the elements of its operator, which it keeps alive. Constant until it is relit;
 /// thread-safe. As many of one operator as are wanted live side by side.
-typedef struct rsv_solution rsv_solution;
+typedef struct rsv_light rsv_light;
 
 /// Builds and solves. RSV_ERROR_SCENE if the scene is closed and lossless (norm 1: no bounded answer).
 /// The scene must outlive the solution.
-RSV_API rsv_status rsv_solution_create(
-    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution);
-RSV_API void rsv_solution_destroy(rsv_solution *solution);
+RSV_API rsv_status rsv_light_create(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_light **light);
+RSV_API void rsv_light_destroy(rsv_light *light);
 
 /// Another light of the same operator, the same at first, that can be changed by itself (relight.h). Costs memory for
 /// fields, not for rows, and no rays. Either may be destroyed first.
-RSV_API rsv_status rsv_solution_copy(const rsv_solution *solution, rsv_solution **copy);
+RSV_API rsv_status rsv_light_copy(const rsv_light *light, rsv_light **copy);
 
-/// Borrowed: retain it to keep it longer than the solution.
-RSV_API rsv_operator *rsv_solution_operator(const rsv_solution *solution);
+/// Borrowed: retain it to keep it longer than the light.
+RSV_API rsv_operator *rsv_light_operator(const rsv_light *light);
 
-/// E0 and E on the elements of the operator, [element_count]; valid until the solution changes.
-RSV_API const rsv_rgb *rsv_solution_source_field(const rsv_solution *solution);
-RSV_API const rsv_rgb *rsv_solution_irradiance_field(const rsv_solution *solution);
+/// E0 and E on the elements of the operator, [element_count]; valid until the light changes.
+RSV_API const rsv_rgb *rsv_light_source_field(const rsv_light *light);
+RSV_API const rsv_rgb *rsv_light_irradiance_field(const rsv_light *light);
 
-RSV_API const rsv_solve_report *rsv_solution_report(const rsv_solution *solution);
+RSV_API const rsv_solve_report *rsv_light_report(const rsv_light *light);
 
 /// The scene as the light has it: the one that it was made of or, once it was relit, one of its own with the same surfaces.
-RSV_API const rsv_scene *rsv_solution_scene(const rsv_solution *solution);
+RSV_API const rsv_scene *rsv_light_scene(const rsv_light *light);
 
 /// Number of Neumann orders kept: order 0 is E0 (direct), order n is (G K)^n E0.
-RSV_API uint32_t rsv_solution_order_count(const rsv_solution *solution);
+RSV_API uint32_t rsv_light_order_count(const rsv_light *light);
 
 /// Solved irradiance (W/m2, light that enters the diffuse lobe) at a point of a triangle.
 /// @param order one Neumann order, or RSV_NONE = their sum
 /// @param back_side the back of a double-sided surface
-RSV_API rsv_rgb rsv_solution_irradiance(const rsv_solution *solution, uint32_t triangle, float u,
-    float v, bool back_side, uint32_t order);
+RSV_API rsv_rgb rsv_light_irradiance(
+    const rsv_light *light, uint32_t triangle, float u, float v, bool back_side, uint32_t order);
 
 /// Times an application of G K beside a bare loop that sums a field over the same indices, one right after the other.
 /// @param ratio out, [repetitions] the bare loop's time over the application's
 RSV_API rsv_status rsv_measure_application(
-    const rsv_solution *solution, uint32_t repetitions, double *ratio);
+    const rsv_light *light, uint32_t repetitions, double *ratio);
 
 /// Times an application of G K on the device of the solution's context, and copies there, by its clock.
 /// @param copy_rate out, [repetitions]: bytes per second, read and written, of copies too large for any cache
 /// @param seconds out, [repetitions]: of an application
 /// @param bytes out: that an application must move at least
-RSV_API rsv_status rsv_measure_device(const rsv_solution *solution, uint32_t repetitions,
+RSV_API rsv_status rsv_measure_device(const rsv_light *light, uint32_t repetitions,
     double *copy_rate, double *seconds, size_t *bytes);
 
 /// The eigenvalues of G K that are largest by magnitude, those of all colour channels together, by SLEPc and its options.
 /// In a context with a team, be it of one process.
 /// @param count wanted in, found out @param value out, [2 x count]: real and imaginary parts
-RSV_API rsv_status rsv_leading_eigenvalues(
-    const rsv_solution *solution, size_t *count, double *value);
+RSV_API rsv_status rsv_leading_eigenvalues(const rsv_light *light, size_t *count, double *value);
 
 /// What a solver did.
 typedef struct rsv_solver_cost {
@@ -176,8 +175,8 @@ typedef struct rsv_solver_cost {
 /// Solves the coarse system of a solution once more, from nothing and without keeping orders apart.
 /// @param tolerance of the residual, on the scale of rsv_solver_cost
 /// @param observe called whenever the solver knows a residual; NULL = nobody listens
-RSV_API rsv_status rsv_measure_solver(const rsv_solution *solution, rsv_solver solver,
-    double tolerance, void (*observe)(void *user, double applications, double residual), void *user,
+RSV_API rsv_status rsv_measure_solver(const rsv_light *light, rsv_solver solver, double tolerance,
+    void (*observe)(void *user, double applications, double residual), void *user,
     rsv_solver_cost *cost);
 
 /// What it would mean to divide the rows of G among processes, by numbers that do not depend on how many there are.
@@ -193,7 +192,7 @@ typedef struct rsv_division_cost {
 /// all once more to see what the parts cost.
 /// @param parts [count] @param cost out, [count]
 RSV_API rsv_status rsv_measure_division(
-    const rsv_solution *solution, const uint32_t *parts, size_t count, rsv_division_cost *cost);
+    const rsv_light *light, const uint32_t *parts, size_t count, rsv_division_cost *cost);
 
 /// What assembly costs beside ray tracing alone.
 typedef struct rsv_assembly_cost {
@@ -205,12 +204,11 @@ typedef struct rsv_assembly_cost {
 
 /// Assembles the coarse rows of a solution again, and traces the very same rays without doing anything with
 /// them, in the same run, so that the ratio does not depend on how busy the machine is.
-/// @param solution of a scene whose surfaces are all Lambertian, so that every ray ends at its first hit
-RSV_API rsv_status rsv_measure_assembly(const rsv_solution *solution, rsv_assembly_cost *cost);
+/// @param light of a scene whose surfaces are all Lambertian, so that every ray ends at its first hit
+RSV_API rsv_status rsv_measure_assembly(const rsv_light *light, rsv_assembly_cost *cost);
 
 /// Finds the direct light of the coarse elements again. @param seconds, rays out: all that takes, shadow rays alone
-RSV_API rsv_status rsv_measure_direct(
-    const rsv_solution *solution, double *seconds, uint64_t *rays);
+RSV_API rsv_status rsv_measure_direct(const rsv_light *light, double *seconds, uint64_t *rays);
 
 #ifdef __cplusplus
 }

@@ -8,7 +8,7 @@
 ///     rsv_operator_update(edited, &desc, store, &next, &report);  // over and over, at a part of the cost
 ///
 /// `edited` is another scene, built or loaded anew: what stays where it was is known again by its place, not by a name. The
-/// solution is a whole one, that of rsv_solution_create within its sampling error, and the same bytes for any number of
+/// solution is a whole one, that of rsv_light_create within its sampling error, and the same bytes for any number of
 /// threads. Errors do not add up: light that is taken over is light that was sampled for the very same surroundings.
 #ifndef RESOLVENT_UPDATE_H
 #define RESOLVENT_UPDATE_H
@@ -48,7 +48,7 @@ typedef struct rsv_update_report {
     double spared_seconds;    ///< by rows that were kept, about
 } rsv_update_report;
 
-/// Builds the operator of an edited scene and solves it, as rsv_solution_create does, with what still holds of what the store
+/// Builds the operator of an edited scene and solves it, as rsv_light_create does, with what still holds of what the store
 /// knows, which it replaces by what is known then. After a failure, be it that the caller cancels, the store is as it was.
 ///
 /// Any scene will do: where nothing is in common with the one before, or the settings are others, it is solved as a whole.
@@ -57,7 +57,7 @@ typedef struct rsv_update_report {
 /// @param desc NULL = the default; RSV_ERROR_ARGUMENT where it names folders (`checkpoint`, `earlier`)
 /// @param report NULL is allowed
 RSV_API rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_desc *desc,
-    rsv_update_store *store, rsv_solution **solution, rsv_update_report *report);
+    rsv_update_store *store, rsv_light **light, rsv_update_report *report);
 
 #ifdef __cplusplus
 }

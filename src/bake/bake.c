@@ -49,7 +49,7 @@ static bool ends_in(const char *text, const char *end)
     return length > least && strcmp(text + length - least, end) == 0;
 }
 
-rsv_status rsv_bake(const rsv_solution *solution, const char *name, const char *output,
+rsv_status rsv_bake(const rsv_light *solution, const char *name, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
     const rsv_bake_target *target = find_target(name);
@@ -64,23 +64,23 @@ rsv_status rsv_bake(const rsv_solution *solution, const char *name, const char *
             RSV_ERROR_ARGUMENT, "bake: '%s' does not end in %s", output, target->extension);
     rsv_status status = rsv_bake_check_desc(desc);
     if (status != RSV_OK) return status;
-    return target->write(rsv_solution_get_view(solution), desc, output, report);
+    return target->write(rsv_light_get_view(solution), desc, output, report);
 }
 
-rsv_status rsv_bake_vertices(const rsv_solution *solution, const char *output,
+rsv_status rsv_bake_vertices(const rsv_light *solution, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
     return rsv_bake(solution, "vertex", output, desc, report);
 }
 
-rsv_status rsv_bake_lightmap(const rsv_solution *solution, const char *output,
+rsv_status rsv_bake_lightmap(const rsv_light *solution, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report)
 {
     return rsv_bake(solution, "lightmap", output, desc, report);
 }
 
-rsv_status rsv_bake_probes(const rsv_solution *solution, const char *output,
-    const rsv_bake_desc *desc, rsv_bake_report *report)
+rsv_status rsv_bake_probes(const rsv_light *solution, const char *output, const rsv_bake_desc *desc,
+    rsv_bake_report *report)
 {
     return rsv_bake(solution, "probes", output, desc, report);
 }

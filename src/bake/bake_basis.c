@@ -59,13 +59,13 @@ static rsv_status read_turned(basis *b)
     rsv_status status = RSV_OK;
     float first = b->s->scene.view->environment->rotation;
     for (size_t k = 1; k <= b->turned; k++) {
-        rsv_solution *sky = NULL;
+        rsv_light *sky = NULL;
         float rotation = first + 360 * (float)k / (float)(b->turned + 1);
         status = rsv_turned_surroundings_solve(b->s->light, rotation, &sky);
         if (status == RSV_OK)
             status = b->reader->read(
-                b->reader, rsv_solution_get_view(sky), values_of(b, b->responses->count + k - 1));
-        rsv_solution_destroy(sky);
+                b->reader, rsv_light_get_view(sky), values_of(b, b->responses->count + k - 1));
+        rsv_light_destroy(sky);
         if (status == RSV_OK)
             status = rsv_progress(b->s->context, "turn", (double)k / (double)b->turned);
         if (status != RSV_OK) break;

@@ -41,7 +41,7 @@ rsv_status rsv_bake_write_operator(const rsv_light_view *s, const char *kind,
     const char *slash = strrchr(output, '/');
     rsv_bake_name_beside(output, "operator", path);
     const rsv_file_receivers receivers = { kind, count, element, weight };
-    RSV_TRY(rsv_solution_save_receivers(s->light, slash ? slash + 1 : output, &receivers, path));
+    RSV_TRY(rsv_light_save_receivers(s->light, slash ? slash + 1 : output, &receivers, path));
 cleanup:
     rsv_free(s->context, element);
     rsv_free(s->context, weight);

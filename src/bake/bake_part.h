@@ -3,7 +3,7 @@
 #define RSV_BAKE_PART_H
 
 #include "../io/gltf_part.h"
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "bake_document.h"
 
 typedef struct rsv_bake_part {

@@ -2,7 +2,7 @@
 #ifndef RSV_BAKE_RECEIVER_H
 #define RSV_BAKE_RECEIVER_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 
 /// Light there, or a little beyond a border: E(u, v) + beyond (E(u, v) - E(u_back, v_back)).
 typedef struct rsv_bake_receiver {
@@ -19,9 +19,9 @@ static inline rsv_rgb rsv_bake_shown(
 {
     uint32_t face = s->elements->face_of[back][triangle];
     if (face == RSV_NONE || !rsv_is_translucent(s, face))
-        return rsv_light_irradiance(s, triangle, u, v, back, RSV_NONE);
-    rsv_rgb shown = rgb_add(rsv_solution_diffused_direct(s, face, u, v),
-        rsv_solution_diffused(s, face, u, v, RSV_NONE));
+        return rsv_light_view_irradiance(s, triangle, u, v, back, RSV_NONE);
+    rsv_rgb shown = rgb_add(rsv_light_view_diffused_direct(s, face, u, v),
+        rsv_light_view_diffused(s, face, u, v, RSV_NONE));
     return rgb_positive(shown);
 }
 

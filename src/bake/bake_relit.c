@@ -130,7 +130,7 @@ static cJSON *light_list(follower *f)
 }
 
 /// Names a light of its own for a node: others may show the one that it has.
-static void own_light(follower *f, cJSON *node, int index, const rsv_light *is)
+static void own_light(follower *f, cJSON *node, int index, const rsv_punctual_light *is)
 {
     cJSON *light = cJSON_Duplicate(cJSON_GetArrayItem(light_list(f), index), true);
     if (!light) return;
@@ -162,7 +162,7 @@ static bool is_elsewhere(const follower *f, rsv_vec3 was, rsv_vec3 is)
     return v3_max_abs(v3_sub(is, was)) > ROUNDING * (size + v3_max_abs(is));
 }
 
-static void follow_light(follower *f, uint32_t index, const rsv_light *is)
+static void follow_light(follower *f, uint32_t index, const rsv_punctual_light *is)
 {
     int light = f->d->gltf->node[index].light;
     if (differs(f->d->gltf->light[light].value.intensity, is->intensity))
@@ -172,11 +172,11 @@ static void follow_light(follower *f, uint32_t index, const rsv_light *is)
         move_light(f, index, is->position);
 }
 
-static void write_shape(follower *f, cJSON *json, const rsv_light *is)
+static void write_shape(follower *f, cJSON *json, const rsv_punctual_light *is)
 {
-    static const char *const type[] = { [RSV_LIGHT_POINT] = "point",
-        [RSV_LIGHT_SPOT] = "spot",
-        [RSV_LIGHT_DIRECTIONAL] = "directional" };
+    static const char *const type[] = { [RSV_PUNCTUAL_POINT] = "point",
+        [RSV_PUNCTUAL_SPOT] = "spot",
+        [RSV_PUNCTUAL_DIRECTIONAL] = "directional" };
     rsv_bake_string(f->d, json, "type", type[is->kind]);
     if (!rsv_punctual_has_cone(is)) return;
     cJSON *spot = rsv_bake_object(f->d, json, "spot");
@@ -185,11 +185,11 @@ static void write_shape(follower *f, cJSON *json, const rsv_light *is)
 }
 
 /// One that relighting added.
-static void add_light(follower *f, const rsv_light *is)
+static void add_light(follower *f, const rsv_punctual_light *is)
 {
     rsv_vec3 x = v3(1, 0, 0), y = v3(0, 1, 0), z = v3(0, 0, 1), p = is->position;
     const double *origin = f->scene->view.origin;
-    if (is->kind != RSV_LIGHT_POINT) {
+    if (is->kind != RSV_PUNCTUAL_POINT) {
         z = v3_neg(is->direction);
         v3_frame(z, &x, &y);
     }
@@ -213,7 +213,7 @@ static bool shines(const follower *f, uint32_t node)
     if (f->parts->shown.hidden[node] || (exists && !gltf->light[light].known)) return false;
     const double *back = &f->parts->shown.world[node][8];
     bool flat = back[0] == 0 && back[1] == 0 && back[2] == 0; // no direction: it is left out
-    return !exists || gltf->light[light].value.kind == RSV_LIGHT_POINT || !flat;
+    return !exists || gltf->light[light].value.kind == RSV_PUNCTUAL_POINT || !flat;
 }
 
 /// Lights of the scene are those of the file's nodes, one after the other, and then those that were added.

@@ -6,7 +6,7 @@
 #ifndef RSV_BAKE_TARGET_H
 #define RSV_BAKE_TARGET_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "resolvent/bake.h"
 
 typedef struct rsv_bake_target {

@@ -113,7 +113,7 @@ typedef enum rsv_lobe {
     RSV_LOBE_DIFFUSE,
     RSV_LOBE_REFLECT,
     RSV_LOBE_TRANSMIT,
-    RSV_LOBE_PASS ///< straight on, where the surface does not cover: drawn by chains, not by the BSDF
+    RSV_LOBE_PASS ///< straight on, where the surface does not cover: drawn by specular paths, not by the BSDF
 } rsv_lobe;
 
 /// Weights of the ideal branches in which light that leaves along `wo` may have arrived, and where

@@ -105,8 +105,8 @@ static rsv_status add_picture(const gallery *g, float x, uint32_t number)
     RSV_TRY(add_box(g, "canvas", g->paint[number % PAINTS], v3(x - half, bottom, 0),
         v3(x + half, top, thickness + 0.005f)));
     rsv_vec3 lamp = v3(x, HEIGHT - 0.15f, 1.2f);
-    rsv_light spot = { .name = "spotlight",
-        .kind = RSV_LIGHT_SPOT,
+    rsv_punctual_light spot = { .name = "spotlight",
+        .kind = RSV_PUNCTUAL_SPOT,
         .position = lamp,
         .direction = v3_normalize(v3_sub(v3(x, (bottom + top) / 2, 0), lamp)),
         .intensity = { 14, 13, 11 },

@@ -179,8 +179,8 @@ cleanup:
 static rsv_status add_sun_and_camera(rsv_scene *scene)
 {
     rsv_status status;
-    rsv_light sun = { .name = "sun",
-        .kind = RSV_LIGHT_DIRECTIONAL,
+    rsv_punctual_light sun = { .name = "sun",
+        .kind = RSV_PUNCTUAL_DIRECTIONAL,
         .direction = v3_normalize(v3(-0.7f, -0.62f, -0.25f)),
         .intensity = { 4, 3.7f, 3.2f } };
     RSV_TRY(rsv_scene_add_light(scene, &sun));

@@ -210,9 +210,9 @@ rsv_status rsv_examine(const rsv_light_view *solution, const rsv_certify_desc *d
 }
 
 rsv_status rsv_certify(
-    const rsv_solution *light, const rsv_certify_desc *desc, rsv_certificate *certificate)
+    const rsv_light *light, const rsv_certify_desc *desc, rsv_certificate *certificate)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
+    const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_error_field field;
     rsv_status status = rsv_examine(solution, desc, certificate, &field);
     rsv_error_field_destroy(solution->context, &field);

@@ -32,7 +32,7 @@ enum { STEPS = 3 };
 
 /// A solution that was made and certified.
 typedef struct attempt {
-    rsv_solution *solution; ///< NULL = none is kept: the description makes it again
+    rsv_light *solution; ///< NULL = none is kept: the description makes it again
     rsv_solve_desc desc;
     rsv_certificate certificate;
     double upper;
@@ -45,7 +45,7 @@ typedef struct pursuit {
     double started, round_started, round_seconds;
     rsv_solve_desc desc; ///< of the present round
     rsv_certify_desc certify;
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_certificate *certificate;
     double error, upper;    ///< relative: the present solution's, and the upper end of its interval
     bool confirmed;         ///< by other points: that the target is reached
@@ -160,10 +160,10 @@ static rsv_status certify_decisively(pursuit *p)
 /// Lets go of the present solution, but for the best one where memory is not short.
 static void let_go(pursuit *p)
 {
-    if (p->solution != p->best.solution) rsv_solution_destroy(p->solution);
+    if (p->solution != p->best.solution) rsv_light_destroy(p->solution);
     p->solution = NULL;
     if (p->desc.max_bytes == 0) return;
-    rsv_solution_destroy(p->best.solution);
+    rsv_light_destroy(p->best.solution);
     p->best.solution = NULL;
 }
 
@@ -174,7 +174,7 @@ static void judge_round(pursuit *p)
     p->idle = helped ? 0 : p->idle + 1;
     p->lowest = p->rounds == 0 ? p->error : fmin(p->lowest, p->error);
     if (p->rounds > 0 && !p->confirmed && p->upper >= p->best.upper) return;
-    rsv_solution_destroy(p->best.solution);
+    rsv_light_destroy(p->best.solution);
     p->best = (attempt){ p->solution, p->desc, *p->certificate, p->upper };
 }
 
@@ -182,13 +182,13 @@ static rsv_status build_round(pursuit *p)
 {
     p->round_started = rsv_seconds();
     let_go(p);
-    rsv_status status = rsv_solution_create(p->scene, &p->desc, &p->solution);
+    rsv_status status = rsv_light_create(p->scene, &p->desc, &p->solution);
     if (status == RSV_OK) status = certify_decisively(p);
     if (status != RSV_OK) return status;
     judge_round(p);
     p->rounds++;
     p->round_seconds = rsv_seconds() - p->round_started;
-    const rsv_solve_report *report = rsv_solution_report(p->solution);
+    const rsv_solve_report *report = rsv_light_report(p->solution);
     rsv_log(p->context, RSV_LOG_INFO,
         "error target: %.3g %% (95 %%: up to %.3g %%) with %zu elements and %u rays each",
         100 * p->error, 100 * p->upper, report->elements + report->direct_elements,
@@ -277,7 +277,7 @@ static bool stop_for(rsv_error_stop reason, rsv_error_stop *stop)
 /// Whether the target is reached, or a budget forbids the round that `p` plans.
 static bool is_over(const pursuit *p, rsv_error_stop *stop)
 {
-    const rsv_solve_report *report = rsv_solution_report(p->solution);
+    const rsv_solve_report *report = rsv_light_report(p->solution);
     double most = (double)p->target->max_elements, rows = p->size * (double)report->rows;
     double direct = p->direct_size * (double)report->direct_elements;
     double planned = planned_seconds(p);
@@ -319,15 +319,15 @@ static void say_what_stopped(const pursuit *p, rsv_error_stop stop)
 }
 
 /// Hands over the best solution, made once more where it was not kept.
-static rsv_status hand_over(pursuit *p, rsv_solution **solution)
+static rsv_status hand_over(pursuit *p, rsv_light **solution)
 {
     rsv_status status = RSV_OK;
     if (!p->best.solution) {
         let_go(p);
-        status = rsv_solution_create(p->scene, &p->best.desc, &p->best.solution);
+        status = rsv_light_create(p->scene, &p->best.desc, &p->best.solution);
     }
     if (status != RSV_OK) return status;
-    if (p->solution != p->best.solution) rsv_solution_destroy(p->solution);
+    if (p->solution != p->best.solution) rsv_light_destroy(p->solution);
     *p->certificate = p->best.certificate;
     *solution = p->best.solution;
     p->solution = p->best.solution = NULL;
@@ -335,7 +335,7 @@ static rsv_status hand_over(pursuit *p, rsv_solution **solution)
 }
 
 rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *start,
-    const rsv_error_target *target, rsv_solution **solution, rsv_certificate *certificate,
+    const rsv_error_target *target, rsv_light **solution, rsv_certificate *certificate,
     rsv_error_stop *stop)
 {
     rsv_status status;
@@ -355,7 +355,7 @@ rsv_status rsv_solve_to_error(const rsv_scene *scene, const rsv_solve_desc *star
     say_what_stopped(&p, *stop);
     RSV_TRY(hand_over(&p, solution));
 cleanup:
-    if (p.solution != p.best.solution) rsv_solution_destroy(p.solution);
-    rsv_solution_destroy(p.best.solution);
+    if (p.solution != p.best.solution) rsv_light_destroy(p.solution);
+    rsv_light_destroy(p.best.solution);
     return status;
 }

@@ -76,7 +76,7 @@ static rsv_rgb irradiance_at_node(const rsv_light_view *s, uint32_t node)
     if (!s->desc.direct_level || e->support_begin[node] == e->support_begin[node + 1])
         return rgb_add(s->source[node], s->indirect[node]);
     rsv_elements_place_node(e, node, &face, &u, &v);
-    return rsv_light_irradiance(s, e->face_triangle[face], u, v, e->face_back[face], RSV_NONE);
+    return rsv_light_view_irradiance(s, e->face_triangle[face], u, v, e->face_back[face], RSV_NONE);
 }
 
 /// <w, E~>: what the goal sees of diffuse surfaces.
@@ -132,10 +132,10 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_certify_goal(const rsv_solution *light, const rsv_certify_desc *desc,
-    uint32_t camera, rsv_goal_certificate *certificate)
+rsv_status rsv_certify_goal(const rsv_light *light, const rsv_certify_desc *desc, uint32_t camera,
+    rsv_goal_certificate *certificate)
 {
-    const rsv_light_view *s = rsv_solution_get_view(light);
+    const rsv_light_view *s = rsv_light_get_view(light);
     rsv_goal_aim aim = { .camera = camera };
     if (camera >= s->scene.view->camera_count)
         return rsv_fail(RSV_ERROR_ARGUMENT, "certify: camera %u does not exist, the scene has %zu",
@@ -143,12 +143,12 @@ rsv_status rsv_certify_goal(const rsv_solution *light, const rsv_certify_desc *d
     return certify_aim(s, desc, &aim, certificate);
 }
 
-rsv_status rsv_certify_points(const rsv_solution *light, const rsv_certify_desc *desc,
+rsv_status rsv_certify_points(const rsv_light *light, const rsv_certify_desc *desc,
     const rsv_probe *points, size_t point_count, rsv_goal_certificate *certificate)
 {
     rsv_goal_aim aim = { RSV_NONE, points, point_count };
     if (point_count == 0) return rsv_fail(RSV_ERROR_ARGUMENT, "certify: there are no points");
     rsv_status status = rsv_check_probes(points, point_count);
-    return status == RSV_OK ? certify_aim(rsv_solution_get_view(light), desc, &aim, certificate)
+    return status == RSV_OK ? certify_aim(rsv_light_get_view(light), desc, &aim, certificate)
                             : status;
 }

@@ -1,7 +1,7 @@
 /// Where the error is, as a picture: the estimate of e^2 at one surface point per pixel, averaged over its neighbours on
 /// the same surface.
 #include "../core/srgb.h"
-#include "../render/camera_chain.h"
+#include "../render/camera_path.h"
 #include "../trace/camera_ray.h"
 #include "error_field.h"
 
@@ -32,7 +32,7 @@ typedef struct heat_job {
 
 /// The end of a camera ray that matters most.
 typedef struct brightest_end {
-    rsv_chain chain;
+    rsv_specular_path path;
     float weight;
 } brightest_end;
 
@@ -41,11 +41,11 @@ rsv_heat_map_desc rsv_default_heat_map_desc(void)
     return (rsv_heat_map_desc){ .width = 256, .height = 256, .gather_rays = 128 };
 }
 
-static void keep_brightest(void *user, const rsv_chain *chain, rsv_rgb weight)
+static void keep_brightest(void *user, const rsv_specular_path *path, rsv_rgb weight)
 {
     brightest_end *end = user;
     float luminance = rgb_luminance(weight);
-    if (luminance > end->weight) *end = (brightest_end){ *chain, luminance };
+    if (luminance > end->weight) *end = (brightest_end){ *path, luminance };
 }
 
 static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_point *point)
@@ -56,14 +56,13 @@ static bool find_surface(const heat_job *job, uint32_t x, uint32_t y, rsv_face_p
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit)) return false;
     brightest_end end = { 0 };
-    rsv_chain chain =
-        rsv_chain_begin(&s->scene, &job->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
-    const rsv_camera_setting setting = { &s->scene, s->lights, NULL, RSV_CAMERA_CHAIN_DEPTH,
-        false };
-    rsv_camera_chain(&setting, chain, rsv_hash3(job->seed, x, y), NULL, keep_brightest, &end);
+    rsv_specular_path path = rsv_specular_begin(
+        &s->scene, &job->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    const rsv_camera_setting setting = { &s->scene, s->lights, NULL, RSV_CAMERA_PATH_DEPTH, false };
+    rsv_camera_path(&setting, path, rsv_hash3(job->seed, x, y), NULL, keep_brightest, &end);
     if (end.weight == 0) return false;
-    uint32_t face = s->elements->face_of[end.chain.back][end.chain.triangle];
-    *point = (rsv_face_point){ face, end.chain.u, end.chain.v };
+    uint32_t face = s->elements->face_of[end.path.back][end.path.triangle];
+    *point = (rsv_face_point){ face, end.path.u, end.path.v };
     return face != RSV_NONE;
 }
 
@@ -195,10 +194,10 @@ static rsv_status check_desc(const rsv_light_view *s, const rsv_heat_map_desc *d
     return RSV_OK;
 }
 
-rsv_status rsv_certify_picture(const rsv_solution *light, const rsv_certify_desc *certify,
+rsv_status rsv_certify_picture(const rsv_light *light, const rsv_certify_desc *certify,
     const rsv_heat_map_desc *desc, rsv_certificate *certificate, rsv_image **result)
 {
-    const rsv_light_view *s = rsv_solution_get_view(light);
+    const rsv_light_view *s = rsv_light_get_view(light);
     rsv_status status;
     rsv_certify_desc sampling = certify ? *certify : rsv_default_certify_desc();
     rsv_error_field field = { 0 };

@@ -81,7 +81,7 @@ rsv_face_point rsv_point_density_draw(
 /// What lookups return there; of direct light that the renderer finds itself what coarse elements know.
 static double stored_luminance(const rsv_light_view *s, rsv_face_point p)
 {
-    return (double)rgb_luminance(rgb_add(rsv_solution_direct(s, p.face, p.u, p.v, false),
+    return (double)rgb_luminance(rgb_add(rsv_light_view_direct(s, p.face, p.u, p.v, false),
         rsv_elements_interpolate(s->elements, s->indirect, p.face, p.u, p.v)));
 }
 

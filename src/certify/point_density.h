@@ -6,7 +6,7 @@
 #ifndef RSV_POINT_DENSITY_H
 #define RSV_POINT_DENSITY_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "surface_points.h"
 
 /// A mixture over cells, uniform within each.

@@ -1,9 +1,9 @@
 #include "residual.h"
 
 #include "../core/stratified.h"
-#include "../light/partition.h"
-#include "../light/punctual_light.h"
 #include "../render/pixel_direct.h"
+#include "../sources/partition.h"
+#include "../sources/punctual_light.h"
 #include "../surface/lift.h"
 #include "../trace/passage.h"
 
@@ -147,28 +147,29 @@ static rsv_rgb radiance_beyond(const rsv_residual_job *job, rsv_vec3 direction, 
 }
 
 /// E~ at the end of a gather ray; diffused below the surface where that is translucent.
-static rsv_rgb stored_at(const receiver *r, uint32_t face, const rsv_chain *end, rsv_random *random)
+static rsv_rgb stored_at(
+    const receiver *r, uint32_t face, const rsv_specular_path *end, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
     if (rsv_is_translucent(s, face))
-        return rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
-            rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
+        return rgb_add(rsv_light_view_diffused(s, face, end->u, end->v, 0),
+            rsv_light_view_diffused(s, face, end->u, end->v, RSV_NONE));
     if (!r->job->exact_direct)
-        return rsv_light_irradiance(s, end->triangle, end->u, end->v, end->back, RSV_NONE);
+        return rsv_light_view_irradiance(s, end->triangle, end->u, end->v, end->back, RSV_NONE);
     r->result->rays++;
-    rsv_rgb direct = rgb_add(
-        rsv_solution_direct(s, face, end->u, end->v, true), rsv_sampled_irradiance(s, end, random));
+    rsv_rgb direct = rgb_add(rsv_light_view_direct(s, face, end->u, end->v, true),
+        rsv_sampled_irradiance(s, end, random));
     return rgb_add(
         direct, rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
 }
 
-static rsv_rgb radiance_at_end(const receiver *r, const rsv_chain *end, rsv_random *random)
+static rsv_rgb radiance_at_end(const receiver *r, const rsv_specular_path *end, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
     uint32_t face = s->elements->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return rgb_gray(0);
     rsv_bsdf storage;
-    rsv_rgb albedo = rsv_chain_bsdf(&s->scene, end, &storage)->base_color;
+    rsv_rgb albedo = rsv_specular_bsdf(&s->scene, end, &storage)->base_color;
     rsv_rgb exitance = rgb_mul(albedo, stored_at(r, face, end, random));
     return rgb_scale(rgb_mul(end->weight, exitance), 1 / RSV_PI);
 }
@@ -183,18 +184,18 @@ static rsv_rgb gather_one(
     r->result->rays++;
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
         return rgb_mul(entered, radiance_beyond(job, direction, 0));
-    rsv_chain first =
-        rsv_chain_begin(scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_chain_set_spread(&first, 0, hit.t);
+    rsv_specular_path first =
+        rsv_specular_begin(scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_set_spread(&first, 0, hit.t);
     first.weight = rgb_mul(first.weight, entered);
-    rsv_gather gather = rsv_chain_gather(scene, first, random, counts, job);
-    r->result->rays += gather.chain.rays;
-    if (gather.end == RSV_CHAIN_ESCAPED)
+    rsv_gather gather = rsv_specular_gather(scene, first, random, counts, job);
+    r->result->rays += gather.path.rays;
+    if (gather.end == RSV_SPECULAR_ESCAPED)
         return rgb_add(
-            gather.emission, rgb_mul(gather.chain.weight,
-                                 radiance_beyond(job, gather.chain.direction, gather.chain.turns)));
-    if (gather.end != RSV_CHAIN_DIFFUSE) return gather.emission;
-    return rgb_add(gather.emission, radiance_at_end(r, &gather.chain, random));
+            gather.emission, rgb_mul(gather.path.weight,
+                                 radiance_beyond(job, gather.path.direction, gather.path.turns)));
+    if (gather.end != RSV_SPECULAR_DIFFUSE) return gather.emission;
+    return rgb_add(gather.emission, radiance_at_end(r, &gather.path, random));
 }
 
 /// Gather rays find small lamps through glass now and then only: where caustics are bright, more rays are due. What
@@ -232,8 +233,8 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
     receiver r = { .result = &result };
     set_up_receiver(job, p, &r);
     result.ior = rsv_medium_ior(&r.medium, s->bsdf);
-    rsv_rgb unsampled = rsv_solution_direct(s, p->face, p->u, p->v, true);
-    rsv_rgb all = rsv_solution_direct(s, p->face, p->u, p->v, job->exact_direct);
+    rsv_rgb unsampled = rsv_light_view_direct(s, p->face, p->u, p->v, true);
+    rsv_rgb all = rsv_light_view_direct(s, p->face, p->u, p->v, job->exact_direct);
     rsv_rgb stored_direct = rgb_sub(all, unsampled);
     rsv_rgb stored =
         rgb_add(all, rsv_elements_interpolate(s->elements, s->indirect, p->face, p->u, p->v));

@@ -12,7 +12,7 @@
 #ifndef RSV_RESIDUAL_H
 #define RSV_RESIDUAL_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "resolvent/certify.h"
 #include "surface_points.h"
 

@@ -1,4 +1,4 @@
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "moments.h"
 #include "point_density.h"
 #include "resolvent/certify.h"
@@ -9,7 +9,7 @@
 
 static double luminance_at(const rsv_light_view *s, const rsv_face_point *p)
 {
-    rsv_rgb e = rgb_add(rsv_solution_direct(s, p->face, p->u, p->v, !s->desc.direct_level),
+    rsv_rgb e = rgb_add(rsv_light_view_direct(s, p->face, p->u, p->v, !s->desc.direct_level),
         rsv_elements_interpolate(s->elements, s->indirect, p->face, p->u, p->v));
     return (double)rgb_luminance(e);
 }
@@ -43,10 +43,10 @@ cleanup:
 }
 
 rsv_status rsv_split_error(
-    const rsv_solution *light, const rsv_certificate *certificate, rsv_error_split *split)
+    const rsv_light *light, const rsv_certificate *certificate, rsv_error_split *split)
 {
-    const rsv_light_view *s = rsv_solution_get_view(light);
-    rsv_solution *other = NULL;
+    const rsv_light_view *s = rsv_light_get_view(light);
+    rsv_light *other = NULL;
     rsv_solve_desc desc = s->desc;
     double difference, error = certificate->error_estimate_rms;
     rsv_status status = RSV_OK;
@@ -54,12 +54,12 @@ rsv_status rsv_split_error(
     if (s->elements->face_count == 0) return RSV_OK;
     desc.seed = rsv_hash2(desc.seed, OTHER_SEED);
     desc.checkpoint = desc.earlier = NULL; // they are of the other seed
-    RSV_TRY(rsv_solution_create(s->scene.scene, &desc, &other));
-    RSV_TRY(mean_squared_difference(s, rsv_solution_get_view(other), &difference));
+    RSV_TRY(rsv_light_create(s->scene.scene, &desc, &other));
+    RSV_TRY(mean_squared_difference(s, rsv_light_get_view(other), &difference));
     double rest = error * error - split->truncation * split->truncation;
     split->sampling = sqrt(fmin(difference / 2, rest));
     split->discretisation = sqrt(fmax(rest - difference / 2, 0));
 cleanup:
-    rsv_solution_destroy(other);
+    rsv_light_destroy(other);
     return status;
 }

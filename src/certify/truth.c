@@ -1,5 +1,5 @@
 #include "../reference/surface_light.h"
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "moments.h"
 #include "point_density.h"
 #include "resolvent/certify.h"
@@ -40,9 +40,9 @@ static rsv_status place_points(
 }
 
 rsv_status rsv_truth_create(
-    const rsv_solution *light, uint32_t points, uint32_t paths, uint32_t seed, rsv_truth **result)
+    const rsv_light *light, uint32_t points, uint32_t paths, uint32_t seed, rsv_truth **result)
 {
-    const rsv_light_view *s = rsv_solution_get_view(light);
+    const rsv_light_view *s = rsv_light_get_view(light);
     rsv_context *context = s->context;
     if (points < 16 || points > 1u << 24)
         return rsv_fail(
@@ -83,15 +83,15 @@ void rsv_truth_destroy(rsv_truth *truth)
 }
 
 rsv_status rsv_truth_error(
-    const rsv_truth *truth, const rsv_solution *light, double *error_rms, double ci95[2])
+    const rsv_truth *truth, const rsv_light *light, double *error_rms, double ci95[2])
 {
-    const rsv_light_view *s = rsv_solution_get_view(light);
+    const rsv_light_view *s = rsv_light_get_view(light);
     const rsv_elements *e = s->elements;
     double *product = rsv_alloc(truth->context, truth->count, sizeof *product);
     if (!product) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < truth->count; k++) {
         const rsv_face_point *p = &truth->point[k];
-        rsv_rgb stored = rsv_light_irradiance(
+        rsv_rgb stored = rsv_light_view_irradiance(
             s, e->face_triangle[p->face], p->u, p->v, e->face_back[p->face], RSV_NONE);
         rsv_rgb error[2] = { rgb_sub(truth->reading[0][k].irradiance, stored),
             rgb_sub(truth->reading[1][k].irradiance, stored) };

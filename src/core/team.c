@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define PLUG_IN "libresolvent_dist.so"
+#define PLUG_IN "libresolvent_mpi.so"
 
 static uint32_t number_of(const char *variable)
 {

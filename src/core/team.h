@@ -14,7 +14,7 @@
 #define RSV_TEAM_BLOCK 64 ///< nodes that stay together
 
 /// The plug-in's one symbol, and what it must say of itself.
-#define RSV_TEAM_OPEN "rsv_dist_join"
+#define RSV_TEAM_OPEN "rsv_mpi_join"
 typedef rsv_status (*rsv_team_open)(const char *version, rsv_team **team, char *message);
 
 /// Which process this is, of how many.

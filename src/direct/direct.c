@@ -108,19 +108,19 @@ static rsv_direct_estimate estimate_from(
     return e;
 }
 
-/// A glance, and a look where that sees sources in part.
+/// A preview, and a look where that sees sources in part.
 static rsv_direct_estimate estimate(const rsv_direct_job *job, uint32_t node)
 {
-    uint32_t glanced = 0;
-    if (rsv_direct_glances(job)) {
+    uint32_t previewed = 0;
+    if (rsv_direct_previews(job)) {
         rsv_direct_estimate e = estimate_from(
-            job, node, rsv_direct_glance_points(job, node), rsv_direct_glance_rays(job));
+            job, node, rsv_direct_preview_points(job, node), rsv_direct_preview_rays(job));
         if (!e.partial) return e;
-        glanced = e.rays;
+        previewed = e.rays;
     }
     rsv_direct_estimate e =
         estimate_from(job, node, job->valid_points[node], rsv_direct_look_rays(job));
-    e.rays += glanced;
+    e.rays += previewed;
     return e;
 }
 

@@ -2,9 +2,9 @@
 #ifndef RSV_DIRECT_H
 #define RSV_DIRECT_H
 
-#include "../chain/chain.h"
 #include "../elements/elements.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
 
 /// Irradiance at the free nodes from all sources that are not gathered, averaged over receiver points on
 /// each node's support.
@@ -15,7 +15,7 @@
 ///
 /// @param points per node, 4 or 16
 /// @param samples shadow rays per node to emitters, a multiple of 16; punctual lights get one per point. Less than 16: a
-///                glance from four points, and 16 rays where these see not the same
+///                preview from four points, and 16 rays where these see not the same
 /// @param valid_points [node_count] from rsv_find_buried with the same points and seed
 /// @param known [node_count] non-zero = the irradiance of this node stands already; NULL = none
 /// @param deviation [node_count] estimated standard deviation of the luminance of each estimate; NULL = not

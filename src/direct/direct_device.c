@@ -75,16 +75,16 @@ static void close_device(direct_device *d)
 
 // ---- nodes --------------------------------------------------------------------------------------
 
-/// @param glance from few points
-static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count, bool glance)
+/// @param preview from few points
+static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count, bool preview)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     const rsv_direct_job *job = d->job;
-    rsv_direct_rays rays = glance ? rsv_direct_glance_rays(job) : rsv_direct_look_rays(job);
+    rsv_direct_rays rays = preview ? rsv_direct_preview_rays(job) : rsv_direct_look_rays(job);
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(d->context))
     for (size_t k = 0; k < count; k++) {
         uint32_t valid =
-            glance ? rsv_direct_glance_points(job, node[k]) : job->valid_points[node[k]];
+            preview ? rsv_direct_preview_points(job, node[k]) : job->valid_points[node[k]];
         rsv_direct_receive(job, node[k], valid, &d->receiver[k]);
     }
     rsv_status status =
@@ -96,7 +96,7 @@ static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count,
 }
 
 /// Notes the estimates of some nodes. @return how many are to be looked at again
-static size_t take(direct_device *d, const uint32_t *node, size_t count, bool glance,
+static size_t take(direct_device *d, const uint32_t *node, size_t count, bool preview,
     rsv_rgb *irradiance, float *deviation, uint64_t *rays)
 {
     size_t again = 0;
@@ -105,7 +105,7 @@ static size_t take(direct_device *d, const uint32_t *node, size_t count, bool gl
         *rays += e->rays;
         irradiance[node[k]] = e->irradiance;
         if (deviation) deviation[node[k]] = e->deviation;
-        if (glance && e->partial) d->again[again++] = node[k];
+        if (preview && e->partial) d->again[again++] = node[k];
     }
     return again;
 }
@@ -115,15 +115,15 @@ rsv_status rsv_direct_by_device(const rsv_direct_job *job, const uint32_t *node,
 {
     rsv_status status = RSV_OK;
     direct_device d = { .context = job->elements->context, .job = job };
-    bool glances = rsv_direct_glances(job);
+    bool previews = rsv_direct_previews(job);
     *done = 0;
     if (!can_do(job, count)) return RSV_OK;
     RSV_TRY(open_device(&d, count));
     while (d.direct && *done < count) {
         size_t part = count - *done < d.most ? count - *done : d.most;
-        RSV_TRY(estimate(&d, node + *done, part, glances));
+        RSV_TRY(estimate(&d, node + *done, part, previews));
         if (!d.direct) break;
-        size_t again = take(&d, node + *done, part, glances, irradiance, deviation, rays);
+        size_t again = take(&d, node + *done, part, previews, irradiance, deviation, rays);
         if (again) RSV_TRY(estimate(&d, d.again, again, false));
         if (!d.direct) break;
         take(&d, d.again, again, false, irradiance, deviation, rays);

@@ -1,7 +1,7 @@
 #include "direct_receiver.h"
 
 /// Points that are looked at first where `samples` is less than RSV_DIRECT_LANES.
-#define GLANCE_POINTS 4
+#define PREVIEW_POINTS 4
 
 void rsv_direct_receive(
     const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_direct_receiver *r)
@@ -29,20 +29,20 @@ void rsv_direct_receive(
     r->medium = rsv_medium_above(&job->scene->media, r->origin[speaks], r->point[speaks].geometric);
 }
 
-bool rsv_direct_glances(const rsv_direct_job *job)
+bool rsv_direct_previews(const rsv_direct_job *job)
 {
     return job->samples < RSV_DIRECT_LANES && !job->setting.lights->emitter_tree;
 }
 
-uint32_t rsv_direct_glance_points(const rsv_direct_job *job, uint32_t node)
+uint32_t rsv_direct_preview_points(const rsv_direct_job *job, uint32_t node)
 {
     uint32_t few = 0, valid = job->valid_points[node];
-    for (uint32_t k = 0; k < GLANCE_POINTS && valid; k++, valid &= valid - 1)
+    for (uint32_t k = 0; k < PREVIEW_POINTS && valid; k++, valid &= valid - 1)
         few |= valid & -valid;
     return few;
 }
 
-rsv_direct_rays rsv_direct_glance_rays(const rsv_direct_job *job)
+rsv_direct_rays rsv_direct_preview_rays(const rsv_direct_job *job)
 {
     return (rsv_direct_rays){ job->setting.points, job->setting.points };
 }

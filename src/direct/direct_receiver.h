@@ -2,9 +2,9 @@
 #ifndef RSV_DIRECT_RECEIVER_H
 #define RSV_DIRECT_RECEIVER_H
 
-#include "../chain/chain.h"
 #include "../elements/elements.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
 #include "direct_sample.h"
 
 /// All nodes of a pass.
@@ -20,13 +20,13 @@ typedef struct rsv_direct_job {
 void rsv_direct_receive(
     const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_direct_receiver *receiver);
 
-/// Whether nodes are glanced at first.
-bool rsv_direct_glances(const rsv_direct_job *job);
-/// The points of a node that a glance is from.
-uint32_t rsv_direct_glance_points(const rsv_direct_job *job, uint32_t node);
+/// Whether nodes are previewed at first.
+bool rsv_direct_previews(const rsv_direct_job *job);
+/// The points of a node that a preview is from.
+uint32_t rsv_direct_preview_points(const rsv_direct_job *job, uint32_t node);
 /// Its rays, one from each of them.
-rsv_direct_rays rsv_direct_glance_rays(const rsv_direct_job *job);
-/// Rays of a node that a glance has seen in part, or of any where there are none.
+rsv_direct_rays rsv_direct_preview_rays(const rsv_direct_job *job);
+/// Rays of a node that a preview has seen in part, or of any where there are none.
 rsv_direct_rays rsv_direct_look_rays(const rsv_direct_job *job);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "../core/bits.h"
 #include "../core/stratified.h"
-#include "../light/punctual_light.h"
+#include "../sources/punctual_light.h"
 #include "../surface/entry.h"
 #include "../surface/lift.h"
 #include "../surface/medium.h"

@@ -1,12 +1,12 @@
 #include "photon_origin_body.h"
 
-#include "../light/punctual_light.h"
+#include "../sources/punctual_light.h"
 
 #include <stdlib.h>
 
 // ---- what there is ------------------------------------------------------------------------------
 
-static double light_flux(const rsv_photon_origins *o, const rsv_light *light)
+static double light_flux(const rsv_photon_origins *o, const rsv_punctual_light *light)
 {
     double intensity = rgb_luminance(light->intensity);
     if (rsv_punctual_is_distant(light)) return intensity * RSV_PI * o->radius * o->radius;
@@ -32,7 +32,7 @@ static rsv_medium group_medium(const rsv_photon_origins *o, uint32_t group)
 static rsv_medium origin_medium(const rsv_photon_origins *o, rsv_origin_kind kind, uint32_t index)
 {
     if (kind == RSV_ORIGIN_GROUP) return group_medium(o, index);
-    const rsv_light *light = &o->scene->view->light[index];
+    const rsv_punctual_light *light = &o->scene->view->light[index];
     if (kind == RSV_ORIGIN_SUN || rsv_punctual_is_distant(light)) return (rsv_medium){ .depth = 0 };
     return rsv_medium_above(&o->scene->media, light->position, v3(0, 1, 0));
 }

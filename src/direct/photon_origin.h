@@ -2,10 +2,10 @@
 #ifndef RSV_PHOTON_ORIGIN_H
 #define RSV_PHOTON_ORIGIN_H
 
-#include "../chain/chain.h"
 #include "../core/alias_table.h"
 #include "../elements/elements.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
 
 typedef enum rsv_origin_kind { RSV_ORIGIN_GROUP, RSV_ORIGIN_LIGHT, RSV_ORIGIN_SUN } rsv_origin_kind;
 

@@ -2,7 +2,7 @@
 #ifndef RSV_PHOTON_ORIGIN_BODY_H
 #define RSV_PHOTON_ORIGIN_BODY_H
 
-#include "../light/punctual_light.h"
+#include "../sources/punctual_light.h"
 #include "photon_origin.h"
 
 RSV_INLINE rsv_vec3 rsv_photon_to_world(rsv_vec3 local, rsv_vec3 axis)
@@ -62,7 +62,7 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_sun(
 RSV_INLINE rsv_photon_emission rsv_emit_from_light(
     const rsv_photon_origins *o, uint32_t light_index, float x, float y)
 {
-    const rsv_light *light = &o->scene->view->light[light_index];
+    const rsv_punctual_light *light = &o->scene->view->light[light_index];
     rsv_photon_emission out;
     out.origin = light->position;
     out.flux = rgb_gray(0);
@@ -83,7 +83,7 @@ RSV_INLINE rsv_photon_emission rsv_emit_from_light(
     rsv_vec3 back;
     float distance;
     rsv_rgb intensity; // the irradiance one metre away
-    if (rsv_punctual_light(
+    if (rsv_punctual_irradiance(
             light, v3_add(light->position, out.direction), &back, &distance, &intensity))
         out.flux = rgb_scale(intensity, solid_angle);
     return out;

@@ -31,7 +31,7 @@ typedef struct rsv_shooting {
 
 /// A photon at a surface.
 typedef struct rsv_photon {
-    rsv_chain chain;
+    rsv_specular_path path;
     rsv_rgb flux; ///< that it left with, W
     float level;  ///< weight that it keeps: what the first surface leaves of it
     rsv_random random;
@@ -44,13 +44,13 @@ RSV_INLINE bool rsv_is_specular(const rsv_bsdf *bsdf)
 
 /// Follows a photon to its first surface. False if that is not specular, or if there is none.
 RSV_INLINE bool rsv_photon_arrive(
-    const rsv_transport_scene *scene, const rsv_photon_emission *e, rsv_chain *chain)
+    const rsv_transport_scene *scene, const rsv_photon_emission *e, rsv_specular_path *path)
 {
     rsv_ray ray = { e->origin, e->direction, INFINITY };
     rsv_hit hit;
     if (!rsv_ray_meets(scene->tracer, &ray, &hit)) return false;
-    *chain = rsv_chain_begin(scene, e->medium, e->direction, hit.triangle, hit.u, hit.v, hit.t);
-    return rsv_is_specular(&scene->bsdf[rsv_chain_material(scene, chain)]);
+    *path = rsv_specular_begin(scene, e->medium, e->direction, hit.triangle, hit.u, hit.v, hit.t);
+    return rsv_is_specular(&scene->bsdf[rsv_specular_material(scene, path)]);
 }
 
 /// Photon `index` of `count` from source `id`, at its first surface. False if it is of no use.
@@ -65,68 +65,68 @@ RSV_INLINE bool rsv_photon_begin(const rsv_shooting *s, const rsv_photon_source 
         rsv_photon_emit(s->origins, source->first, source->count, x, y, &photon->random);
     photon->flux = rgb_scale(e.flux, 1 / (density * (float)count));
     photon->level = 0;
-    return rsv_photon_arrive(s->scene, &e, &photon->chain);
+    return rsv_photon_arrive(s->scene, &e, &photon->path);
 }
 
 /// Draws a specular event of a photon. At the first surface that it does not merely pass it always leaves, with less flux,
 /// so that faint coats have as many photons as their light is worth.
 RSV_INLINE rsv_bsdf_event rsv_photon_draw(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_random *random)
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_random *random)
 {
     rsv_bsdf storage;
-    bool covered = rsv_chain_bsdf(scene, chain, &storage)->opacity >= 1;
-    if (!covered || chain->turns > 0) return rsv_chain_draw_event(scene, chain, random);
+    bool covered = rsv_specular_bsdf(scene, path, &storage)->opacity >= 1;
+    if (!covered || path->turns > 0) return rsv_specular_draw_event(scene, path, random);
     float u[3];
     for (int k = 0; k < 3; k++)
         u[k] = rsv_random_float(random);
-    return rsv_chain_draw_specular(scene, chain, u);
+    return rsv_specular_draw_specular(scene, path, u);
 }
 
 /// Goes on to the next surface, past this one or by one of its specular lobes. False if the photon ends.
 /// @param level as in rsv_photon
 RSV_INLINE bool rsv_photon_step(
-    const rsv_transport_scene *scene, rsv_chain *chain, float *level, rsv_random *random)
+    const rsv_transport_scene *scene, rsv_specular_path *path, float *level, rsv_random *random)
 {
-    rsv_bsdf_event event = rsv_photon_draw(scene, chain, random);
+    rsv_bsdf_event event = rsv_photon_draw(scene, path, random);
     bool passes = event.lobe == RSV_LOBE_PASS;
     bool specular = event.lobe == RSV_LOBE_REFLECT || event.lobe == RSV_LOBE_TRANSMIT;
-    if (!(passes || specular) || chain->events >= RSV_CHAIN_MAX_EVENTS) return false;
-    bool first = chain->turns == 0 && !passes;
+    if (!(passes || specular) || path->events >= RSV_SPECULAR_MAX_EVENTS) return false;
+    bool first = path->turns == 0 && !passes;
     rsv_rgb weight = event.weight;
-    if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, chain, &event));
-    if (rsv_chain_follow(scene, chain, &event, weight) != RSV_CHAIN_MOVED) return false;
-    float left = rgb_max(chain->weight);
-    if (chain->turns == 0) return true;
+    if (!passes) weight = rgb_mul(weight, rsv_photon_turn(scene, path, &event));
+    if (rsv_specular_follow(scene, path, &event, weight) != RSV_SPECULAR_MOVED) return false;
+    float left = rgb_max(path->weight);
+    if (path->turns == 0) return true;
     if (first) *level = left;
     if (left >= *level) return left > 0;
     if (rsv_random_float(random) * *level >= left) return false;
-    chain->weight = rgb_scale(chain->weight, *level / left);
+    path->weight = rgb_scale(path->weight, *level / left);
     return true;
 }
 
 /// Comes to the next surface that the photon lands on, by at least one specular lobe: what merely passes blended surfaces
 /// is found by shadow rays. False if the photon ends.
 RSV_INLINE bool rsv_photon_scatter(
-    const rsv_transport_scene *scene, rsv_chain *chain, float *level, rsv_random *random)
+    const rsv_transport_scene *scene, rsv_specular_path *path, float *level, rsv_random *random)
 {
-    while (rsv_photon_step(scene, chain, level, random)) {
-        if (chain->turns > 0) return true;
-        if (!rsv_is_specular(&scene->bsdf[rsv_chain_material(scene, chain)])) return false;
+    while (rsv_photon_step(scene, path, level, random)) {
+        if (path->turns > 0) return true;
+        if (!rsv_is_specular(&scene->bsdf[rsv_specular_material(scene, path)])) return false;
     }
     return false;
 }
 
 /// Leaves on maps what of a photon's flux enters the surface that it has come to.
-RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_chain *chain,
+RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_specular_path *path,
     rsv_rgb flux, const rsv_photon_map *map, size_t map_count)
 {
     rsv_vec3 shading, geometric;
     rsv_bsdf storage;
-    rsv_chain_normals(scene, chain, &shading, &geometric);
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
-    rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, chain->direction)));
+    rsv_specular_normals(scene, path, &shading, &geometric);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
+    rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, path->direction)));
     for (size_t m = 0; m < map_count; m++)
-        rsv_photon_map_deposit(&map[m], chain->back, chain->triangle, chain->u, chain->v, entered);
+        rsv_photon_map_deposit(&map[m], path->back, path->triangle, path->u, path->v, entered);
 }
 
 // ---- pilots -------------------------------------------------------------------------------------
@@ -136,13 +136,13 @@ RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_chai
 
 /// A pilot ray into a bin of a source's guide. False if it finds nothing specular.
 RSV_INLINE bool rsv_photon_pilot(const rsv_shooting *s, const rsv_photon_source *source,
-    const rsv_guide_grid *grid, int bin, rsv_random *random, rsv_chain *chain)
+    const rsv_guide_grid *grid, int bin, rsv_random *random, rsv_specular_path *path)
 {
     const float *across = grid->x + bin % RSV_GUIDE_SIDE, *down = grid->y + bin / RSV_GUIDE_SIDE;
     float x = across[0] + (across[1] - across[0]) * rsv_random_float(random);
     float y = down[0] + (down[1] - down[0]) * rsv_random_float(random);
     rsv_photon_emission e = rsv_photon_emit(s->origins, source->first, source->count, x, y, random);
-    return rsv_photon_arrive(s->scene, &e, chain);
+    return rsv_photon_arrive(s->scene, &e, path);
 }
 
 /// The random numbers of a bin's pilot rays.

@@ -17,15 +17,15 @@ typedef struct rsv_turn {
 } rsv_turn;
 
 RSV_INLINE rsv_turn rsv_turn_of(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_vec3 out)
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_vec3 out)
 {
     rsv_surface_point seen = rsv_surface_point_seen(
-        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
+        scene->view, path->triangle, path->u, path->v, path->back, path->width);
     rsv_turn t;
-    t.in = v3_neg(chain->direction);
+    t.in = v3_neg(path->direction);
     t.out = out;
     t.geometric = seen.geometric;
-    t.front = !chain->back;
+    t.front = !path->back;
     t.normal = rsv_bsdf_specular_normal(seen.normal, t.geometric, t.in);
     t.eye_normal =
         v3_dot(t.geometric, out) >= 0
@@ -59,13 +59,13 @@ RSV_INLINE rsv_rgb rsv_eye_response(const rsv_turn *t, const rsv_bsdf *bsdf)
 }
 
 RSV_SHARED rsv_rgb rsv_photon_turn(
-    const rsv_transport_scene *scene, const rsv_chain *chain, const rsv_bsdf_event *event)
+    const rsv_transport_scene *scene, const rsv_specular_path *path, const rsv_bsdf_event *event)
 {
-    rsv_turn t = rsv_turn_of(scene, chain, event->direction);
+    rsv_turn t = rsv_turn_of(scene, path, event->direction);
     float in = v3_dot(t.geometric, t.in), out = fabsf(v3_dot(t.geometric, t.out));
     if (event->pdf_solid_angle > 0 && !rsv_same_direction(t.normal, t.eye_normal)) {
         rsv_bsdf storage;
-        const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+        const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
         return rgb_scale(rsv_eye_response(&t, bsdf), rsv_bounded_ratio(out, in));
     }
     float arrives = v3_dot(t.normal, t.in), leaves = fabsf(v3_dot(t.normal, t.out));

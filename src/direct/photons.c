@@ -38,11 +38,11 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
 
 /// What a photon that has met a specular surface is worth: the share of its flux that goes on to another surface where
 /// it is wanted.
-static float worth(const photon_job *job, rsv_chain *chain, rsv_random *random)
+static float worth(const photon_job *job, rsv_specular_path *path, rsv_random *random)
 {
     float level = 0;
-    if (!rsv_photon_scatter(job->scene, chain, &level, random)) return 0;
-    bool wanted = !job->sink->wants || job->sink->wants(job->sink->user, chain);
+    if (!rsv_photon_scatter(job->scene, path, &level, random)) return 0;
+    bool wanted = !job->sink->wants || job->sink->wants(job->sink->user, path);
     return f_min(level, 1) * (wanted ? 1 : RSV_UNWANTED_PHOTON);
 }
 
@@ -52,9 +52,9 @@ static void pilot_bin(const photon_job *job, const rsv_photon_source *source, ui
     rsv_random random = rsv_pilot_numbers(&job->shooting, id, bin);
     useful[bin] = 0;
     for (int k = 0; k < RSV_GUIDE_RAYS; k++) {
-        rsv_chain chain;
-        if (rsv_photon_pilot(&job->shooting, source, grid, bin, &random, &chain))
-            useful[bin] += worth(job, &chain, &random);
+        rsv_specular_path path;
+        if (rsv_photon_pilot(&job->shooting, source, grid, bin, &random, &path))
+            useful[bin] += worth(job, &path, &random);
     }
 }
 
@@ -127,9 +127,9 @@ static uint64_t shoot_one(const photon_job *job, uint32_t id, uint32_t index, ui
 {
     rsv_photon photon;
     if (!rsv_photon_begin(&job->shooting, &job->source[id], id, index, count, &photon)) return 1;
-    while (rsv_photon_scatter(job->scene, &photon.chain, &photon.level, &photon.random))
-        job->sink->land(job->sink->user, &photon.chain, rgb_mul(photon.flux, photon.chain.weight));
-    return 1 + photon.chain.rays;
+    while (rsv_photon_scatter(job->scene, &photon.path, &photon.level, &photon.random))
+        job->sink->land(job->sink->user, &photon.path, rgb_mul(photon.flux, photon.path.weight));
+    return 1 + photon.path.rays;
 }
 
 static rsv_status shoot_source(const photon_job *job, const rsv_photon_source *source, uint32_t id,
@@ -206,10 +206,10 @@ typedef struct map_set {
     size_t count;
 } map_set;
 
-static void deposit(void *user, const rsv_chain *chain, rsv_rgb flux)
+static void deposit(void *user, const rsv_specular_path *path, rsv_rgb flux)
 {
     const map_set *maps = user;
-    rsv_photon_land(maps->scene, chain, flux, maps->map, maps->count);
+    rsv_photon_land(maps->scene, path, flux, maps->map, maps->count);
 }
 
 rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,

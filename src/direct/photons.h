@@ -3,9 +3,9 @@
 #ifndef RSV_PHOTONS_H
 #define RSV_PHOTONS_H
 
-#include "../chain/chain.h"
 #include "../elements/elements.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
 #include "photon_map.h"
 
 /// Whether the scene has anything that could cast a caustic, lit by a source that is not gathered.
@@ -15,12 +15,12 @@ bool rsv_photons_wanted(const rsv_transport_scene *scene, const rsv_lights *ligh
 typedef struct rsv_photon_sink {
     void *user;
     /// Several threads may call it. @param flux W
-    void (*land)(void *user, const rsv_chain *chain, rsv_rgb flux);
+    void (*land)(void *user, const rsv_specular_path *path, rsv_rgb flux);
     /// NULL, or called after every few photons by the thread that traced them, in an order that does not depend on
     /// the threads, one at a time.
     void (*collect)(void *user);
     /// NULL, or whether a photon that lands there is of any use, as far as is known: most go where many are.
-    bool (*wants)(void *user, const rsv_chain *chain);
+    bool (*wants)(void *user, const rsv_specular_path *path);
 } rsv_photon_sink;
 
 /// Shoots `count` light paths, guided towards directions in which each source sees specular surfaces that pass its

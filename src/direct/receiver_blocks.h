@@ -2,9 +2,9 @@
 #ifndef RSV_RECEIVER_BLOCKS_H
 #define RSV_RECEIVER_BLOCKS_H
 
-#include "../chain/chain.h"
 #include "../elements/elements.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
 
 #define RSV_BLOCK_NODES 4
 #define RSV_BLOCK_POINTS 4 ///< of each node
@@ -21,9 +21,9 @@ typedef struct rsv_receiver_block {
 } __attribute__((aligned(64))) rsv_receiver_block;
 
 /// What the rays of a node could have brought, without occlusion, and what they brought.
-typedef struct rsv_glance_sums {
+typedef struct rsv_preview_sums {
     rsv_rgb open, visible;
-} rsv_glance_sums;
+} rsv_preview_sums;
 
 typedef struct rsv_receiver_blocks {
     rsv_context *context;
@@ -34,8 +34,8 @@ typedef struct rsv_receiver_blocks {
     rsv_surface_entry *entry; ///< [block_count * RSV_BLOCK_NODES]; NULL = no material is coated
     uint8_t *held;            ///< [node_count] non-zero = in a block, or receives nothing
     bool holds_all;
-    rsv_glance_sums *sums,
-        *spread;   ///< [node_count] of the last glance, of nodes and of those around them
+    rsv_preview_sums *sums,
+        *spread;   ///< [node_count] of the last preview, of nodes and of those around them
     uint8_t *edge; ///< [node_count] likewise, non-zero = a shadow ended there or beside
 } rsv_receiver_blocks;
 

@@ -2,7 +2,7 @@
 #ifndef RSV_BURIAL_H
 #define RSV_BURIAL_H
 
-#include "../chain/chain.h"
+#include "../specular/specular_path.h"
 #include "elements.h"
 
 /// Judges the receiver points of every free node. A point counts if it is seen from its node, or, where that is buried,

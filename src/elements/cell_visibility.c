@@ -143,15 +143,15 @@ bool rsv_is_covered(const rsv_transport_scene *scene, const rsv_cell_shape *shap
 typedef enum sight { SIGHT_NOTHING, SIGHT_BACK, SIGHT_FRONT, SIGHT_BOTH } sight;
 
 /// What a ray meets first: the back of a one-sided opaque surface, or anything else.
-static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_chain *chain)
+static sight look(const rsv_transport_scene *scene, const rsv_ray *ray, rsv_specular_path *path)
 {
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return SIGHT_NOTHING;
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit.triangle]];
-    *chain = rsv_chain_begin(scene, NULL, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    *path = rsv_specular_begin(scene, NULL, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
     bool opaque = !bsdf->double_sided && is_opaque(scene, &hit);
     if (rsv_twins_meet(scene->view, ray->direction, hit)) return SIGHT_BOTH;
-    return chain->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
+    return path->back && opaque ? SIGHT_BACK : SIGHT_FRONT;
 }
 
 bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal, uint32_t seed,
@@ -159,10 +159,10 @@ bool rsv_is_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 no
 {
     int backs = 0;
     for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
-        rsv_chain chain;
+        rsv_specular_path path;
         rsv_ray ray = ray_from(place, normal, k, seed);
         ++*rays;
-        sight seen = look(scene, &ray, &chain);
+        sight seen = look(scene, &ray, &path);
         if (seen != SIGHT_BACK && seen != SIGHT_BOTH) return false;
         backs += seen == SIGHT_BACK;
     }
@@ -174,17 +174,17 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
 {
     int backs = 0;
     for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
-        rsv_chain chain;
+        rsv_specular_path path;
         rsv_ray ray = ray_from(place, normal, k, seed);
-        sight seen = look(scene, &ray, &chain);
+        sight seen = look(scene, &ray, &path);
         ++*rays;
         for (uint32_t step = 1; step < BURIAL_STEPS && seen >= SIGHT_FRONT; step++) {
             // the surface met may be inside the same body: look on from there
             rsv_surface_point point =
-                rsv_surface_point_at(scene->view, chain.triangle, chain.u, chain.v, chain.back);
+                rsv_surface_point_at(scene->view, path.triangle, path.u, path.v, path.back);
             rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
             ray = ray_from(origin, point.geometric, k, seed + step);
-            seen = look(scene, &ray, &chain);
+            seen = look(scene, &ray, &path);
             ++*rays;
         }
         backs += seen == SIGHT_BACK;
@@ -222,13 +222,13 @@ static bool leaves_body(const rsv_transport_scene *scene, rsv_ray ray, uint64_t 
 static bool wanders_to_skin(
     const rsv_transport_scene *scene, rsv_ray ray, uint32_t k, uint32_t seed, uint64_t *rays)
 {
-    rsv_chain chain;
+    rsv_specular_path path;
     for (uint32_t step = 1; step <= SKIN_STEPS; step++) {
         ++*rays;
-        sight seen = look(scene, &ray, &chain);
+        sight seen = look(scene, &ray, &path);
         if (seen != SIGHT_FRONT) return seen == SIGHT_BACK;
         rsv_surface_point point =
-            rsv_surface_point_at(scene->view, chain.triangle, chain.u, chain.v, chain.back);
+            rsv_surface_point_at(scene->view, path.triangle, path.u, path.v, path.back);
         rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
         ray = ray_from(origin, point.geometric, k, seed + step);
     }

@@ -2,7 +2,7 @@
 #ifndef RSV_CELL_VISIBILITY_H
 #define RSV_CELL_VISIBILITY_H
 
-#include "../chain/chain.h"
+#include "../specular/specular_path.h"
 #include "elements.h"
 
 /// A cell in space.

@@ -6,7 +6,7 @@
 #ifndef RSV_CONTACT_H
 #define RSV_CONTACT_H
 
-#include "../chain/chain.h"
+#include "../specular/specular_path.h"
 #include "elements.h"
 
 /// How much larger than usual a cell may be, at least 1. Any thread.

@@ -128,7 +128,7 @@ static bool cells_are_sound(const rsv_elements *e)
     return true;
 }
 
-/// Parents are free or hang earlier in the list: so every chain of them ends.
+/// Parents are free or hang earlier in the list: so every specular path of them ends.
 static bool parents_are_sound(const rsv_elements *e, size_t index)
 {
     const rsv_hanging *h = &e->hanging[index];

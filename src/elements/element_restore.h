@@ -17,7 +17,7 @@ rsv_status rsv_elements_restore_cells(
     rsv_elements *elements, const uint8_t *split, size_t slot_count);
 
 /// Checks cell_node, supports, hanging nodes and areas of elements whose arrays have their proper lengths, and fills
-/// node_hanging. RSV_ERROR_FORMAT for what would lead astray: indices past the end, nodes without cells, chains of
+/// node_hanging. RSV_ERROR_FORMAT for what would lead astray: indices past the end, nodes without cells, specular paths of
 /// hanging nodes without an end.
 rsv_status rsv_elements_restore_nodes(rsv_elements *elements);
 

@@ -11,7 +11,7 @@
 #ifndef RSV_SPACING_H
 #define RSV_SPACING_H
 
-#include "../chain/chain.h"
+#include "../specular/specular_path.h"
 #include "elements.h"
 
 typedef struct rsv_spacing {

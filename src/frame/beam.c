@@ -1,6 +1,6 @@
 #include "beam.h"
 
-#include "../light/double3.h"
+#include "../sources/double3.h"
 #include "../trace/hierarchy.h"
 #include "../trace/tracer_update.h"
 

@@ -1,6 +1,6 @@
 /// Part of packet_kernels_body.h: finding the triangles of a beam, and packets that meet them.
 #include "../bvh/bvh_trace.h"
-#include "../light/double3.h"
+#include "../sources/double3.h"
 #include "../trace/packet.h"
 
 /// Beams that visit more nodes are not worth it.

@@ -3,7 +3,7 @@
 #include "../core/core.h"
 #include "../trace/near.h"
 #include "../trace/tracer_update.h"
-#include "chain_media.h"
+#include "specular_media.h"
 
 #include <string.h>
 
@@ -99,7 +99,7 @@ static rsv_clearance survey_around(const rsv_clearances *c, uint32_t triangle)
 }
 
 /// The range of triangles that have a smooth material.
-static void find_range(const rsv_chain_media *media, rsv_clearances *c)
+static void find_range(const rsv_specular_media *media, rsv_clearances *c)
 {
     const rsv_scene_view *view = media->scene->view;
     uint32_t last = 0;
@@ -113,7 +113,7 @@ static void find_range(const rsv_chain_media *media, rsv_clearances *c)
 }
 
 rsv_status rsv_clearances_create(
-    rsv_context *context, const rsv_chain_media *media, rsv_clearances *c)
+    rsv_context *context, const rsv_specular_media *media, rsv_clearances *c)
 {
     const rsv_scene_view *view = media->scene->view;
     *c = (rsv_clearances){ .context = context, .tracer = media->scene->tracer, .holds = true };

@@ -1,7 +1,7 @@
-/// How far chains that leave a curved surface surely meet nothing.
+/// How far specular paths that leave a curved surface surely meet nothing.
 ///
 /// A ray that leaves a finely divided surface starts amid its neighbours' boxes, all of which the ray tracer looks into: a
-/// third of what chains through glass spheres cost. But what lies around a triangle rises above its plane by some angle at
+/// third of what specular paths through glass spheres cost. But what lies around a triangle rises above its plane by some angle at
 /// most, and rays that are steeper get by.
 #ifndef RSV_CLEARANCE_H
 #define RSV_CLEARANCE_H
@@ -9,7 +9,7 @@
 #include "../core/vec.h"
 #include "resolvent/trace.h"
 
-struct rsv_chain_media;
+struct rsv_specular_media;
 
 /// No point of the scene within `reach` of a triangle's points lies in a direction from them whose cosine to the
 /// triangle's normal is more than that of its side.
@@ -28,7 +28,7 @@ typedef struct rsv_clearances {
 } rsv_clearances;
 
 rsv_status rsv_clearances_create(
-    rsv_context *context, const struct rsv_chain_media *media, rsv_clearances *clearances);
+    rsv_context *context, const struct rsv_specular_media *media, rsv_clearances *clearances);
 void rsv_clearances_destroy(rsv_clearances *clearances);
 
 /// Forgets all if the scene's triangles may have moved.

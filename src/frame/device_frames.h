@@ -4,14 +4,14 @@
 
 #include "../bvh/bvh.h"
 #include "../core/device.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
 #include "../surface/medium.h"
 #include "../trace/camera_ray.h"
 #include "light_cells.h"
 #include "resolvent/frame.h"
 #include "tone.h"
 
-/// Branches of chains are followed in waves, with room for each: deeper ones are for the processor.
+/// Branches of specular paths are followed in waves, with room for each: deeper ones are for the processor.
 #define RSV_DEVICE_CHAIN_DEPTH 64
 
 /// A scene to make pictures of. All borrowed and copied to the device.
@@ -23,7 +23,7 @@ typedef struct rsv_device_stage {
     const rsv_shown_side (
         *received)[2]; ///< [triangle_count] cells of irradiance; RSV_SHOWN_SKY: none
     size_t cell_count;
-    uint32_t width, height, eyes, chain_depth, seed; ///< as in rsv_frame_desc
+    uint32_t width, height, eyes, path_depth, seed; ///< as in rsv_frame_desc
 } rsv_device_stage;
 
 /// What is shown on it.
@@ -55,9 +55,9 @@ typedef struct rsv_device_frames_table {
     /// To be called before the first frame, and when the light has changed.
     rsv_status (*set_light)(
         rsv_device_frames *frames, const rsv_device_light *light, char *message);
-    /// Adds one sample to each pixel and shows the sums. @param eye [eyes] @param chain_rays out
+    /// Adds one sample to each pixel and shows the sums. @param eye [eyes] @param path_rays out
     rsv_status (*render)(
-        rsv_device_frames *frames, const rsv_device_eye *eye, uint64_t *chain_rays, char *message);
+        rsv_device_frames *frames, const rsv_device_eye *eye, uint64_t *path_rays, char *message);
     /// Codes of one eye's picture, and its sums. @param pixel, sum [height * width]
     rsv_status (*pixels)(
         rsv_device_frames *frames, uint32_t eye, uint8_t (*pixel)[4], char *message);

@@ -21,10 +21,10 @@ struct rsv_frame_device {
 /// Notes why not.
 static bool can_show(const rsv_light_view *s, const rsv_frame_desc *desc)
 {
-    if (desc->chain_depth <= RSV_DEVICE_CHAIN_DEPTH) return true;
+    if (desc->path_depth <= RSV_DEVICE_CHAIN_DEPTH) return true;
     rsv_log(s->context, RSV_LOG_WARNING,
-        "frames are made by the processor: the device follows chains to depth %d, not %u",
-        RSV_DEVICE_CHAIN_DEPTH, desc->chain_depth);
+        "frames are made by the processor: the device follows paths to depth %d, not %u",
+        RSV_DEVICE_CHAIN_DEPTH, desc->path_depth);
     return false;
 }
 
@@ -60,7 +60,7 @@ static rsv_status bring_stage(
         .width = desc->width,
         .height = desc->height,
         .eyes = desc->eyes,
-        .chain_depth = desc->chain_depth,
+        .path_depth = desc->path_depth,
         .seed = desc->seed };
     rsv_status status = d->device->create(device, &stage, &d->frames, message);
     rsv_free(d->context, received);
@@ -144,7 +144,7 @@ static rsv_device_eye eye_of(const rsv_eye_picture *e)
 }
 
 rsv_status rsv_frame_device_render(
-    rsv_frame_device *d, const rsv_eye_picture *picture, uint64_t *chain_rays, bool *done)
+    rsv_frame_device *d, const rsv_eye_picture *picture, uint64_t *path_rays, bool *done)
 {
     char message[RSV_DEVICE_MESSAGE_BYTES];
     rsv_device_eye eye[RSV_MAX_EYES];
@@ -155,7 +155,7 @@ rsv_status rsv_frame_device_render(
         eye[k] = eye_of(&picture[k]);
         d->fresh[k] = true;
     }
-    status = check(d, d->device->render(d->frames, eye, chain_rays, message), message);
+    status = check(d, d->device->render(d->frames, eye, path_rays, message), message);
     *done = d->frames != NULL;
     return status;
 }

@@ -20,7 +20,7 @@ void rsv_frame_device_refresh(rsv_frame_device *device);
 /// Adds one sample to each pixel. @param device NULL = there is none @param eye [eyes]
 /// @param done out: false = the caller has to do it @return the device's failure, unless it is optional
 rsv_status rsv_frame_device_render(
-    rsv_frame_device *device, const rsv_eye_picture *eye, uint64_t *chain_rays, bool *done);
+    rsv_frame_device *device, const rsv_eye_picture *eye, uint64_t *path_rays, bool *done);
 
 /// Brings the last frame: its codes, unless `pixel` has them from an earlier call, and its sums.
 /// @param pixel, sum [height * width]

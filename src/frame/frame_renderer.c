@@ -9,7 +9,7 @@ struct rsv_frame_renderer {
     rsv_frame_desc desc;
     rsv_light_table table;
     const rsv_mover *mover; ///< NULL = none
-    rsv_chain_media media;
+    rsv_specular_media media;
     rsv_clearances clearances;
     rsv_beams beams;
     rsv_tiling tiling;
@@ -22,7 +22,7 @@ struct rsv_frame_renderer {
 
 rsv_frame_desc rsv_default_frame_desc(void)
 {
-    return (rsv_frame_desc){ .width = 1280, .height = 720, .eyes = 1, .chain_depth = 8, .seed = 1 };
+    return (rsv_frame_desc){ .width = 1280, .height = 720, .eyes = 1, .path_depth = 8, .seed = 1 };
 }
 
 // ---- creation -----------------------------------------------------------------------------------
@@ -61,7 +61,7 @@ static rsv_status create_workers(rsv_frame_renderer *r)
     if (!r->worker) return RSV_ERROR_MEMORY;
     rsv_status status = RSV_OK;
     for (int k = 0; k < r->thread_count && status == RSV_OK; k++)
-        status = rsv_tile_worker_create(&r->tiling, r->desc.chain_depth, &r->worker[k]);
+        status = rsv_tile_worker_create(&r->tiling, r->desc.path_depth, &r->worker[k]);
     return status;
 }
 
@@ -82,9 +82,9 @@ static void set_tiling(rsv_frame_renderer *r)
 }
 
 rsv_status rsv_frame_renderer_create(
-    const rsv_solution *light, const rsv_frame_desc *desc, rsv_frame_renderer **renderer)
+    const rsv_light *light, const rsv_frame_desc *desc, rsv_frame_renderer **renderer)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
+    const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_frame_desc settings = desc ? *desc : rsv_default_frame_desc();
     rsv_status status = check_desc(&settings);
     if (status != RSV_OK) return status;
@@ -96,7 +96,7 @@ rsv_status rsv_frame_renderer_create(
     set_tiling(r);
     RSV_TRY(create_eyes(r));
     RSV_TRY(rsv_light_table_create(solution, &r->table));
-    RSV_TRY(rsv_chain_media_create(r->context, &solution->scene, &r->media));
+    RSV_TRY(rsv_specular_media_create(r->context, &solution->scene, &r->media));
     RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
     RSV_TRY(rsv_beams_create(solution->scene.tracer, &r->beams));
     RSV_TRY(create_workers(r));
@@ -120,7 +120,7 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
     }
     rsv_frame_device_destroy(r->device);
     rsv_clearances_destroy(&r->clearances);
-    rsv_chain_media_destroy(&r->media);
+    rsv_specular_media_destroy(&r->media);
     rsv_light_table_destroy(&r->table);
     rsv_free(r->context, r);
 }
@@ -155,7 +155,7 @@ static void begin_eye(
         e->medium =
             rsv_medium_above(&r->solution->scene.media, e->camera.position, e->camera.forward);
     }
-    e->medium_number = rsv_chain_media_of_eye(&r->media, k, &e->medium);
+    e->medium_number = rsv_specular_media_of_eye(&r->media, k, &e->medium);
     set_aim(r, e);
     e->tone = (rsv_frame_tone){ .scale = exp2f(view->exposure) / (float)(e->samples + 1),
         .soft = view->soft,
@@ -178,7 +178,7 @@ static void begin_workers(rsv_frame_renderer *r)
 {
     for (int k = 0; k < r->thread_count; k++) {
         rsv_tile_worker *w = &r->worker[k];
-        w->camera_seconds = w->chain_seconds = w->display_seconds = 0;
+        w->camera_seconds = w->path_seconds = w->display_seconds = 0;
         w->queue.rays = 0;
     }
 }
@@ -189,9 +189,9 @@ static void sum_stats(const rsv_frame_renderer *r, double seconds, rsv_frame_sta
     for (int k = 0; k < r->thread_count; k++) {
         const rsv_tile_worker *w = &r->worker[k];
         stats->camera_ms += 1e3 * w->camera_seconds / r->thread_count;
-        stats->chain_ms += 1e3 * w->chain_seconds / r->thread_count;
+        stats->path_ms += 1e3 * w->path_seconds / r->thread_count;
         stats->display_ms += 1e3 * w->display_seconds / r->thread_count;
-        stats->chain_rays += w->queue.rays;
+        stats->path_rays += w->queue.rays;
     }
 }
 
@@ -282,9 +282,9 @@ void rsv_frame_renderer_put(rsv_frame_renderer *r, const rsv_mover *mover)
 
 void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
 {
-    rsv_chain_media_refresh(&r->media);
+    rsv_specular_media_refresh(&r->media);
     for (int k = 0; k < r->thread_count; k++)
-        rsv_chain_light_refresh(&r->worker[k].queue.light);
+        rsv_specular_light_refresh(&r->worker[k].queue.light);
     rsv_light_table_bake(&r->table, r->table.layer);
     rsv_frame_device_refresh(r->device);
     start_over(r);

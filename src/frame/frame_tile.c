@@ -2,19 +2,18 @@
 
 #include <string.h>
 
-rsv_status rsv_tile_worker_create(
-    const rsv_tiling *tiling, uint32_t chain_depth, rsv_tile_worker *w)
+rsv_status rsv_tile_worker_create(const rsv_tiling *tiling, uint32_t path_depth, rsv_tile_worker *w)
 {
     for (int stage = 0; stage < RSV_STAGES; stage++)
         memset(w->packet[stage].mask, 0xff, sizeof w->packet[stage].mask);
-    rsv_status status = rsv_chain_queue_create(
+    rsv_status status = rsv_specular_queue_create(
         tiling->table, tiling->kernels, tiling->media, tiling->clearances, &w->queue);
-    w->queue.light.max_events = chain_depth;
+    w->queue.light.max_events = path_depth;
     w->queue.light.radiance = w->radiance;
     return status;
 }
 
-void rsv_tile_worker_destroy(rsv_tile_worker *w) { rsv_chain_queue_destroy(&w->queue); }
+void rsv_tile_worker_destroy(rsv_tile_worker *w) { rsv_specular_queue_destroy(&w->queue); }
 
 /// A tile in the hands of a worker.
 typedef struct tile {
@@ -58,12 +57,12 @@ static uint32_t pixel_of(uint32_t column, uint32_t row, uint32_t lane)
     return (row + lane / RSV_BLOCK) * RSV_TILE + column + lane % RSV_BLOCK;
 }
 
-/// Starts the chains of a block's pixels that are not in the table.
-static void begin_chains(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
+/// Starts the specular paths of a block's pixels that are not in the table.
+static void begin_paths(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
 {
     rsv_tile_worker *w = t->worker;
     const rsv_ray_packet *p = &w->packet[stage];
-    rsv_chain_lanes *c = &w->chains;
+    rsv_specular_lanes *c = &w->paths;
     uint32_t lanes = 0;
     float ior = rsv_medium_ior(&t->eye->medium, t->tiling->solution->bsdf);
     for (uint32_t k = 0; k < RSV_LANES; k++) {
@@ -78,11 +77,11 @@ static void begin_chains(const tile *t, uint32_t column, uint32_t row, uint32_t 
         if (!begins) continue;
         lanes |= 1u << k;
         c->pixel[k] = pixel_of(column, row, k);
-        c->path[k] = path_of(t, c->pixel[k]);
+        c->trail[k] = path_of(t, c->pixel[k]);
         memset(w->radiance[c->pixel[k]], 0, sizeof *w->radiance);
     }
     const rsv_arrival arrival = { p, &w->places[stage], w->left[stage], c };
-    rsv_chain_queue_arrive(&w->queue, &arrival, lanes);
+    rsv_specular_queue_arrive(&w->queue, &arrival, lanes);
 }
 
 /// Puts the object before what a block shows, and its shadow on it.
@@ -161,7 +160,7 @@ static void look_up_block(const tile *t, uint32_t block)
     t->tiling->kernels->look_up(
         t->tiling->table, &w->places[stage], w->radiance + row * RSV_TILE + column);
     if (t->tiling->mover) show_mover(t, column, row, stage);
-    if (w->begins[stage]) begin_chains(t, column, row, stage);
+    if (w->begins[stage]) begin_paths(t, column, row, stage);
 }
 
 /// Every block one step behind the one after it.
@@ -212,11 +211,11 @@ void rsv_tile_render(
     w->queue.spread = eye->spread;
     render_blocks(&t);
     double traced = rsv_seconds();
-    rsv_chain_queue_run(&w->queue);
+    rsv_specular_queue_run(&w->queue);
     double followed = rsv_seconds();
     display(&t);
     w->camera_seconds += traced - start;
-    w->chain_seconds += followed - traced;
+    w->path_seconds += followed - traced;
     w->display_seconds += rsv_seconds() - followed;
 }
 

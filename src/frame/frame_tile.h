@@ -2,7 +2,7 @@
 #ifndef RSV_FRAME_TILE_H
 #define RSV_FRAME_TILE_H
 
-#include "chain_queue.h"
+#include "specular_queue.h"
 
 #define RSV_TILE_PIXELS (RSV_TILE * RSV_TILE)
 
@@ -13,11 +13,11 @@ typedef struct rsv_tile_worker {
     rsv_packet_places places[RSV_STAGES];
     rsv_beam beam;               ///< of the tile
     uint32_t left[RSV_STAGES];   ///< lanes of theirs that are not in the table
-    uint32_t begins[RSV_STAGES]; ///< lanes that chains begin at
-    rsv_chain_lanes chains;      ///< of a block
+    uint32_t begins[RSV_STAGES]; ///< lanes that specular paths begin at
+    rsv_specular_lanes paths;    ///< of a block
     rsv_ray_packet body;         ///< camera rays as a mover meets them
-    rsv_chain_queue queue;
-    double camera_seconds, chain_seconds, display_seconds; ///< of the frame
+    rsv_specular_queue queue;
+    double camera_seconds, path_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
 
 /// One eye's picture.
@@ -40,7 +40,7 @@ typedef struct rsv_tiling {
     const rsv_light_view *solution;
     const rsv_light_table *table;
     const rsv_packet_kernels *kernels;
-    const rsv_chain_media *media;
+    const rsv_specular_media *media;
     const rsv_clearances *clearances;
     const rsv_beams *beams;
     uint32_t width, height;      ///< of a picture
@@ -50,7 +50,7 @@ typedef struct rsv_tiling {
 } rsv_tiling;
 
 rsv_status rsv_tile_worker_create(
-    const rsv_tiling *tiling, uint32_t chain_depth, rsv_tile_worker *worker);
+    const rsv_tiling *tiling, uint32_t path_depth, rsv_tile_worker *worker);
 void rsv_tile_worker_destroy(rsv_tile_worker *worker);
 
 /// Where a pixel lies in an eye's sums.

@@ -4,7 +4,7 @@
 #ifndef RSV_LIGHT_REFINEMENT_H
 #define RSV_LIGHT_REFINEMENT_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "light_cells.h"
 
 /// A field on elements of its own.

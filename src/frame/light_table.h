@@ -6,7 +6,7 @@
 #ifndef RSV_LIGHT_TABLE_H
 #define RSV_LIGHT_TABLE_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "light_cells.h"
 #include "resolvent/frame.h"
 

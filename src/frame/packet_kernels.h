@@ -5,9 +5,9 @@
 
 #include "../trace/packet.h"
 #include "beam.h"
-#include "chain_lanes.h"
 #include "clearance.h"
 #include "light_table.h"
+#include "specular_lanes.h"
 #include "tone.h"
 
 /// Pixels of a packet lie in a block of this side; its first eight lanes are the upper half.
@@ -85,11 +85,12 @@ typedef struct rsv_packet_kernels {
     /// @param sum, radiance [RSV_TILE] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, const float (*radiance)[4], float (*sum)[4],
         uint32_t count, uint8_t (*pixel)[4]);
-    /// The branches of chains that have arrived at surfaces of one smooth material. What comes out for other lanes means
+    /// The branches of specular paths that have arrived at surfaces of one smooth material. What comes out for other lanes means
     /// nothing.
     void (*leave_smooth)(const rsv_scene_view *view, const rsv_bsdf *bsdf,
         const rsv_clearances *clearances, const rsv_ray_packet *packet,
-        const rsv_chain_lanes *chains, rsv_branch_lanes *reflected, rsv_branch_lanes *transmitted);
+        const rsv_specular_lanes *paths, rsv_branch_lanes *reflected,
+        rsv_branch_lanes *transmitted);
 } rsv_packet_kernels;
 
 /// @param instructions BEST, or what the processor is known to have; set to what is in use

@@ -1,4 +1,4 @@
-/// Sixteen chains at smooth surfaces, included by packet_kernels_body.h.
+/// Sixteen specular paths at smooth surfaces, included by packet_kernels_body.h.
 
 /// Corners of the triangles that a packet met.
 typedef struct corner_lanes {
@@ -26,7 +26,7 @@ typedef struct point_lanes {
     float extent[LANES];
 } point_lanes;
 
-/// rsv_surface_point_at and rsv_chain_bsdf_normal, all lanes at once.
+/// rsv_surface_point_at and rsv_specular_bsdf_normal, all lanes at once.
 static inline void find_points(const corner_lanes *restrict corners,
     const rsv_ray_packet *restrict p, const int *restrict back, point_lanes *restrict to)
 {
@@ -109,10 +109,10 @@ static inline void gather_clearances(const rsv_clearances *restrict from,
     }
 }
 
-/// Sets branches out, all of them reflected or all transmitted: rsv_chain_depart, rsv_branch_survives and
-/// rsv_chain_set_out. Their weights come in as those of the branches alone.
+/// Sets branches out, all of them reflected or all transmitted: rsv_specular_depart, rsv_branch_survives and
+/// rsv_specular_set_out. Their weights come in as those of the branches alone.
 static inline __attribute__((always_inline)) void depart(bool transmit,
-    const rsv_chain_lanes *restrict c, const point_lanes *restrict points,
+    const rsv_specular_lanes *restrict c, const point_lanes *restrict points,
     const clear_lanes *restrict clear, rsv_branch_lanes *restrict b)
 {
     for (uint32_t k = 0; k < LANES; k++) {
@@ -120,11 +120,11 @@ static inline __attribute__((always_inline)) void depart(bool transmit,
         rsv_vec3 leave = rsv_lane_vector(points->geometric, k);
         if (transmit) leave = v3_neg(leave);
         rsv_rgb carried = rsv_lane_color(c->weight, k), weight = rsv_lane_color(b->weight, k);
-        bool survives = rsv_weight_survives(carried, c->path[k], transmit, &weight);
+        bool survives = rsv_weight_survives(carried, c->trail[k], transmit, &weight);
         rsv_set_lane_vector(b->origin, k,
             rsv_moved_off(rsv_lane_vector(points->position, k), leave, points->extent[k]));
         rsv_set_lane_color(b->weight, k, rgb_mul(carried, weight));
-        b->path[k] = rsv_branch_path(c->path[k], transmit);
+        b->trail[k] = rsv_branch_trail(c->trail[k], transmit);
         b->kind[k] = rsv_branch_kind(c->back[k] != 0, transmit, direction);
         float cosine = v3_dot(direction, leave);
         b->alive[k] = (survives ? 1 : 0) & (cosine > 0 ? 1 : 0);
@@ -134,7 +134,7 @@ static inline __attribute__((always_inline)) void depart(bool transmit,
 
 static void leave_smooth_packet(const rsv_scene_view *restrict view, const rsv_bsdf *restrict bsdf,
     const rsv_clearances *restrict clearances, const rsv_ray_packet *restrict p,
-    const rsv_chain_lanes *restrict c, rsv_branch_lanes *restrict reflected,
+    const rsv_specular_lanes *restrict c, rsv_branch_lanes *restrict reflected,
     rsv_branch_lanes *restrict transmitted)
 {
     corner_lanes corners;

@@ -5,7 +5,7 @@
 
 #include "../bvh/bvh_trace.h"
 #include "../direct/device_direct.h"
-#include "../light/local_lights.h"
+#include "../sources/local_lights.h"
 #include "../trace/ray.h"
 #include "launch.h"
 

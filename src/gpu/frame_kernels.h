@@ -24,24 +24,24 @@ typedef struct rsv_gpu_stage {
 /// A surface sends on a mirrored and a transmitted branch, and one that its rough lobes draw.
 #define RSV_FRAME_BRANCHES 3
 
-/// A branch on its way: the chain has set out along its direction. Or one that has arrived.
+/// A branch on its way: the specular path has set out along its direction. Or one that has arrived.
 typedef struct rsv_gpu_traveller {
-    rsv_chain chain;
+    rsv_specular_path path;
     rsv_rough_departure departure;
     rsv_vec3 origin;
     bool missed; ///< has left the scene
-    uint32_t path, pixel;
+    uint32_t trail, pixel;
 } rsv_gpu_traveller;
 
 /// A wave has a slot for each of the branches of each of its items. Pixels of all eyes are numbered through.
 typedef struct rsv_frame_args {
     const rsv_gpu_stage *stage;
     rsv_device_eye eye[RSV_MAX_EYES];
-    uint32_t width, eye_pixels, chain_depth, seed;
+    uint32_t width, eye_pixels, path_depth, seed;
     float (*radiance)[4], (*sum)[4]; ///< [pixels] of this sample, of all
     uint32_t *code;                  ///< [pixels] four bytes each
     bool varied;                     ///< some surfaces have holes
-    rsv_hit *hit;                    ///< [pixels] of camera rays that chains begin at
+    rsv_hit *hit;                    ///< [pixels] of camera rays that specular paths begin at
     uint8_t *begins;                 ///< [pixels] whether one does
     const uint32_t
         *list;      ///< of a wave: pixels that begin, or slots of `from`; of what is left: items
@@ -106,24 +106,24 @@ RSV_INLINE void rsv_frame_camera_item(const rsv_frame_args *a, uint32_t pixel, b
 
 RSV_KERNEL_VARIED(frame_camera, rsv_frame_args, rsv_frame_camera_item)
 
-// ---- chains -------------------------------------------------------------------------------------
+// ---- specular paths -------------------------------------------------------------------------------------
 
 /// Sets a branch out. @return false = the direction belongs to the other side of the surface
 RSV_INLINE bool rsv_frame_set_out(const rsv_frame_args *a, const rsv_surface_point *point,
     const rsv_camera_branch *b, rsv_gpu_traveller *t)
 {
     rsv_ray ray;
-    if (!rsv_chain_depart(point, b->transmit, b->direction, &ray)) return false;
+    if (!rsv_specular_depart(point, b->transmit, b->direction, &ray)) return false;
     t->origin = ray.origin;
-    t->path = b->path;
-    rsv_chain_set_out(&a->stage->transport, &t->chain, b->transmit, b->direction, b->weight);
+    t->trail = b->trail;
+    rsv_specular_set_out(&a->stage->transport, &t->path, b->transmit, b->direction, b->weight);
     return true;
 }
 
 /// Whether what is transmitted goes straight on past a blended surface.
-RSV_INLINE bool rsv_frame_passes(const rsv_gpu_stage *stage, const rsv_chain *chain)
+RSV_INLINE bool rsv_frame_passes(const rsv_gpu_stage *stage, const rsv_specular_path *path)
 {
-    uint32_t material = rsv_chain_material(&stage->transport, chain);
+    uint32_t material = rsv_specular_material(&stage->transport, path);
     return stage->transport.bsdf[material].transmission == 0 &&
            rsv_is_blended(stage->transport.view, material);
 }
@@ -134,42 +134,42 @@ RSV_INLINE bool rsv_frame_branch(const rsv_frame_args *a, const rsv_gpu_travelle
     rsv_gpu_traveller *slot)
 {
     rsv_camera_branch branch;
-    if (!rsv_ideal_branch(&at->chain, at->path, a->chain_depth, transmit, branches, &branch))
+    if (!rsv_ideal_branch(&at->path, at->trail, a->path_depth, transmit, branches, &branch))
         return false;
     rsv_gpu_traveller t = *at;
     // what a rough surface aims at is aimed at past blended surfaces, too
-    if (!transmit || !rsv_frame_passes(a->stage, &at->chain)) t.departure.pdf_solid_angle = 0;
+    if (!transmit || !rsv_frame_passes(a->stage, &at->path)) t.departure.pdf_solid_angle = 0;
     if (!rsv_frame_set_out(a, point, &branch, &t)) return false;
     *slot = t;
     return true;
 }
 
 RSV_INLINE bool rsv_frame_shows_emission(
-    const rsv_gpu_stage *stage, const rsv_chain *chain, const rsv_bsdf *bsdf)
+    const rsv_gpu_stage *stage, const rsv_specular_path *path, const rsv_bsdf *bsdf)
 {
-    return stage->emission && rsv_side_shows_emission(bsdf, chain->back);
+    return stage->emission && rsv_side_shows_emission(bsdf, path->back);
 }
 
-/// A chain that has arrived at a surface. @return what that shows; its branches go to the slots of `item`
+/// A specular path that has arrived at a surface. @return what that shows; its branches go to the slots of `item`
 RSV_INLINE rsv_rgb rsv_frame_arrive(
     const rsv_frame_args *a, const rsv_gpu_traveller *at, uint32_t item)
 {
     const rsv_gpu_stage *stage = a->stage;
-    const rsv_chain *chain = &at->chain;
-    rsv_rgb throughput = rsv_chain_throughput(&stage->transport, chain, &chain->medium);
-    rsv_shown_side side = stage->side[chain->triangle][chain->back];
+    const rsv_specular_path *path = &at->path;
+    rsv_rgb throughput = rsv_specular_throughput(&stage->transport, path, &path->medium);
+    rsv_shown_side side = stage->side[path->triangle][path->back];
     if (side.kind == RSV_SHOWN_STORED)
         return rgb_mul(
-            throughput, rsv_radiance_at(stage->cell, rsv_place_in_grid(side, chain->u, chain->v)));
-    const rsv_bsdf *bsdf = &stage->transport.bsdf[rsv_chain_material(&stage->transport, chain)];
-    rsv_surface_point point = rsv_surface_point_at(
-        stage->transport.view, chain->triangle, chain->u, chain->v, chain->back);
-    rsv_bsdf_branches branches = rsv_chain_branches_of(bsdf, chain, &point);
+            throughput, rsv_radiance_at(stage->cell, rsv_place_in_grid(side, path->u, path->v)));
+    const rsv_bsdf *bsdf = &stage->transport.bsdf[rsv_specular_material(&stage->transport, path)];
+    rsv_surface_point point =
+        rsv_surface_point_at(stage->transport.view, path->triangle, path->u, path->v, path->back);
+    rsv_bsdf_branches branches = rsv_specular_branches_of(bsdf, path, &point);
     for (uint32_t k = 0; k < 2; k++) {
         size_t slot = (size_t)RSV_FRAME_BRANCHES * item + k;
         a->alive[slot] = rsv_frame_branch(a, at, &point, k == 1, &branches, &a->to[slot]);
     }
-    if (!rsv_frame_shows_emission(stage, chain, bsdf)) return rgb_gray(0);
+    if (!rsv_frame_shows_emission(stage, path, bsdf)) return rgb_gray(0);
     return rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity));
 }
 
@@ -184,8 +184,8 @@ RSV_INLINE void rsv_frame_find(
 RSV_INLINE bool rsv_frame_is_plain(const rsv_gpu_stage *stage, const rsv_gpu_traveller *at)
 {
     if (at->departure.pdf_solid_angle != 0) return false;
-    return stage->side[at->chain.triangle][at->chain.back].kind == RSV_SHOWN_STORED ||
-           stage->plain[rsv_chain_material(&stage->transport, &at->chain)];
+    return stage->side[at->path.triangle][at->path.back].kind == RSV_SHOWN_STORED ||
+           stage->plain[rsv_specular_material(&stage->transport, &at->path)];
 }
 
 RSV_INLINE void rsv_frame_leave(const rsv_frame_args *a, uint32_t item, const rsv_gpu_traveller *t)
@@ -209,14 +209,14 @@ RSV_INLINE void rsv_frame_begin_item(const rsv_frame_args *a, uint32_t item)
     rsv_hit hit = a->hit[pixel];
     rsv_gpu_traveller t;
     rsv_vec3 direction = rsv_frame_camera_ray(a, pixel).direction;
-    t.chain = rsv_chain_begin(
+    t.path = rsv_specular_begin(
         &a->stage->transport, &eye->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_chain_set_spread(&t.chain, eye->spread, hit.t);
+    rsv_specular_set_spread(&t.path, eye->spread, hit.t);
     t.departure.pdf_solid_angle = t.departure.sky_pdf = 0;
     t.departure.shot = t.missed = false;
     t.departure.point = t.departure.side = t.origin = v3(0, 0, 0);
     uint32_t seed = rsv_pixel_seed(a->seed, within / a->width, within % a->width);
-    t.path = rsv_hash2(seed, eye->samples);
+    t.trail = rsv_hash2(seed, eye->samples);
     t.pixel = pixel;
     rsv_frame_clear_slots(a, item);
     if (rsv_frame_is_plain(a->stage, &t))
@@ -231,15 +231,15 @@ RSV_INLINE void rsv_frame_follow_item(const rsv_frame_args *a, uint32_t item, bo
 {
     const rsv_gpu_stage *stage = a->stage;
     rsv_gpu_traveller t = a->from[a->list[item]];
-    rsv_ray ray = { t.origin, t.chain.direction, INFINITY };
+    rsv_ray ray = { t.origin, t.path.direction, INFINITY };
     rsv_tracer tracer = { rsv_bvh_with_holes(stage->tracer.bvh, varied) };
     rsv_hit hit;
     rsv_frame_clear_slots(a, item);
     t.missed = !rsv_ray_meets(&tracer, &ray, &hit);
-    if (!t.missed) rsv_chain_arrive(&stage->transport, &t.chain, &hit);
+    if (!t.missed) rsv_specular_arrive(&stage->transport, &t.path, &hit);
     if (t.missed && t.departure.pdf_solid_angle == 0)
         rsv_frame_find(a, item, t.pixel,
-            rgb_mul(rsv_chain_throughput(&stage->transport, &t.chain, &t.chain.medium),
+            rgb_mul(rsv_specular_throughput(&stage->transport, &t.path, &t.path.medium),
                 rsv_frame_sky(stage, ray.direction)));
     else if (!t.missed && rsv_frame_is_plain(stage, &t))
         rsv_frame_find(a, item, t.pixel, rsv_frame_arrive(a, &t, item));
@@ -259,12 +259,12 @@ RSV_INLINE bool rsv_frame_rough_branch(const rsv_frame_args *a, const rsv_gpu_tr
     const rsv_gpu_stage *stage = a->stage;
     rsv_gpu_traveller t = *at;
     rsv_rough_surface surface;
-    rsv_rough_numbers numbers = rsv_rough_numbers_of(at->path, t.chain.triangle);
-    if (!rsv_rough_arrive(&stage->transport, &t.chain, &numbers, branches, &surface)) return false;
+    rsv_rough_numbers numbers = rsv_rough_numbers_of(at->trail, t.path.triangle);
+    if (!rsv_rough_arrive(&stage->transport, &t.path, &numbers, branches, &surface)) return false;
     if (stage->emission)
         *found = rgb_add(*found, rsv_rough_light(&surface, stage->lights, false, numbers.light));
     rsv_camera_branch branch;
-    if (!rsv_rough_branch(&surface, &numbers, at->path, a->chain_depth, &branch)) return false;
+    if (!rsv_rough_branch(&surface, &numbers, at->trail, a->path_depth, &branch)) return false;
     t.departure = rsv_rough_depart(&surface, branch.direction, 0);
     if (!rsv_frame_set_out(a, &surface.point, &branch, &t)) return false;
     *slot = t;
@@ -273,25 +273,25 @@ RSV_INLINE bool rsv_frame_rough_branch(const rsv_frame_args *a, const rsv_gpu_tr
 
 /// Radiance of what the table has all of, but for its emission.
 RSV_INLINE rsv_rgb rsv_frame_unlit(
-    const rsv_gpu_stage *stage, rsv_shown_side side, const rsv_chain *chain)
+    const rsv_gpu_stage *stage, rsv_shown_side side, const rsv_specular_path *path)
 {
-    uint32_t material = rsv_chain_material(&stage->transport, chain);
+    uint32_t material = rsv_specular_material(&stage->transport, path);
     const float *emission = stage->cell[1 + material].corner[0];
-    rsv_rgb shown = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, chain->u, chain->v));
+    rsv_rgb shown = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, path->u, path->v));
     // nothing is shown on the back of a one-sided surface
     if (side.cell == 0) return rgb_gray(0);
     return rgb_positive(rgb_sub(shown, rgb(emission[0], emission[1], emission[2])));
 }
 
 /// Radiance of the diffuse light of a surface.
-RSV_INLINE rsv_rgb rsv_frame_diffuse(const rsv_gpu_stage *stage, const rsv_chain *chain,
+RSV_INLINE rsv_rgb rsv_frame_diffuse(const rsv_gpu_stage *stage, const rsv_specular_path *path,
     const rsv_bsdf *bsdf, const rsv_bsdf_branches *branches)
 {
-    rsv_shown_side shown = stage->side[chain->triangle][chain->back];
-    rsv_shown_side side = stage->received[chain->triangle][chain->back];
-    if (shown.kind == RSV_SHOWN_STORED) return rsv_frame_unlit(stage, shown, chain);
+    rsv_shown_side shown = stage->side[path->triangle][path->back];
+    rsv_shown_side side = stage->received[path->triangle][path->back];
+    if (shown.kind == RSV_SHOWN_STORED) return rsv_frame_unlit(stage, shown, path);
     if (side.kind != RSV_SHOWN_STORED || rgb_is_black(branches->diffuse)) return rgb_gray(0);
-    rsv_rgb irradiance = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, chain->u, chain->v));
+    rsv_rgb irradiance = rsv_radiance_at(stage->cell, rsv_place_in_grid(side, path->u, path->v));
     return rgb_scale(rgb_mul(rgb_mul(branches->diffuse, bsdf->base_color), irradiance), 1 / RSV_PI);
 }
 
@@ -300,21 +300,21 @@ RSV_INLINE rsv_rgb rsv_frame_scatter_at(
     const rsv_frame_args *a, const rsv_gpu_traveller *at, uint32_t item)
 {
     const rsv_gpu_stage *stage = a->stage;
-    const rsv_chain *chain = &at->chain;
+    const rsv_specular_path *path = &at->path;
     const rsv_transport_scene *scene = &stage->transport;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(scene, chain, &storage);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
     rsv_surface_point point = rsv_surface_point_seen(
-        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    rsv_bsdf_branches branches = rsv_chain_branches_of(bsdf, chain, &point);
+        scene->view, path->triangle, path->u, path->v, path->back, path->width);
+    rsv_bsdf_branches branches = rsv_specular_branches_of(bsdf, path, &point);
     rsv_gpu_traveller *to = a->to + (size_t)RSV_FRAME_BRANCHES * item;
     uint8_t *alive = a->alive + (size_t)RSV_FRAME_BRANCHES * item;
-    rsv_rgb shown = rsv_frame_diffuse(stage, chain, bsdf, &branches);
-    if (rsv_frame_shows_emission(stage, chain, bsdf))
+    rsv_rgb shown = rsv_frame_diffuse(stage, path, bsdf, &branches);
+    if (rsv_frame_shows_emission(stage, path, bsdf))
         shown = rgb_mad(shown,
-            bsdf->opacity * rsv_rough_emission_weight(scene, stage->lights, chain, &at->departure),
+            bsdf->opacity * rsv_rough_emission_weight(scene, stage->lights, path, &at->departure),
             bsdf->emission);
-    rsv_rgb found = rgb_mul(rsv_chain_throughput(scene, chain, &chain->medium), shown);
+    rsv_rgb found = rgb_mul(rsv_specular_throughput(scene, path, &path->medium), shown);
     for (uint32_t k = 0; k < 2; k++)
         alive[k] = rsv_frame_branch(a, at, &point, k == 1, &branches, &to[k]);
     if (branches.rough) alive[2] = rsv_frame_rough_branch(a, at, &branches, &to[2], &found);
@@ -331,8 +331,8 @@ RSV_INLINE void rsv_frame_scatter_item(const rsv_frame_args *a, uint32_t k)
     if (!t.missed)
         found = rsv_frame_scatter_at(a, &t, item);
     else if (stage->emission)
-        found = rgb_mul(rsv_chain_throughput(&stage->transport, &t.chain, &t.chain.medium),
-            rsv_rough_sky(stage->lights, t.chain.direction, &t.departure));
+        found = rgb_mul(rsv_specular_throughput(&stage->transport, &t.path, &t.path.medium),
+            rsv_rough_sky(stage->lights, t.path.direction, &t.departure));
     a->found[item] = found;
 }
 

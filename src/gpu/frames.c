@@ -28,8 +28,8 @@ struct rsv_device_frames {
     uint8_t *plain;               ///< [material_count] on the host
     uint32_t *begin_list;         ///< [pixels]
     uint32_t *left_list;          ///< [items of a wave]
-    uint32_t *list;               ///< [chain_depth][slots]
-    rsv_gpu_traveller *traveller; ///< [chain_depth + 1][slots]
+    uint32_t *list;               ///< [path_depth][slots]
+    rsv_gpu_traveller *traveller; ///< [path_depth + 1][slots]
 };
 
 // ---- what is resident ---------------------------------------------------------------------------
@@ -69,7 +69,7 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
 {
     rsv_device_frames *f = task;
     rsv_frame_args *a = &f->args;
-    size_t depth = f->stage.chain_depth, most = f->slots > f->pixels ? f->slots : f->pixels;
+    size_t depth = f->stage.path_depth, most = f->slots > f->pixels ? f->slots : f->pixels;
     a->radiance = rsv_gpu_place(b, f->pixels, sizeof *a->radiance);
     a->sum = rsv_gpu_place(b, f->pixels, sizeof *a->sum);
     a->code = rsv_gpu_place(b, f->pixels, sizeof *a->code);
@@ -89,7 +89,7 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
 /// All slots for each pixel, in so far as that is not too much.
 static size_t count_slots(const rsv_device_frames *f)
 {
-    size_t wave = (f->stage.chain_depth + 1) * sizeof(rsv_gpu_traveller);
+    size_t wave = (f->stage.path_depth + 1) * sizeof(rsv_gpu_traveller);
     size_t share = f->gpu->device.info.memory_bytes / TRAVELLER_SHARE;
     size_t room = share < TRAVELLER_BYTES ? share : TRAVELLER_BYTES;
     size_t items = room / (RSV_FRAME_BRANCHES * wave) + 1;
@@ -103,7 +103,7 @@ static void set_constants(rsv_device_frames *f)
     f->slots = count_slots(f);
     f->args.width = s->width;
     f->args.eye_pixels = s->width * s->height;
-    f->args.chain_depth = s->chain_depth;
+    f->args.path_depth = s->path_depth;
     f->args.seed = s->seed;
 }
 
@@ -248,7 +248,7 @@ static uint64_t follow(rsv_device_frames *f, uint32_t level, const uint32_t *lis
             rsv_launch_frame_begin(f->gpu, &args, items);
         if (!f->all_plain) scatter(f, &args);
         rsv_launch_frame_gather(f->gpu, &args, items);
-        if (level == f->stage.chain_depth) continue;
+        if (level == f->stage.path_depth) continue;
         uint32_t *next = f->list + next_level;
         uint32_t alive =
             rsv_compact(f->gpu, &f->compactor, args.alive, RSV_FRAME_BRANCHES * items, next);
@@ -258,13 +258,13 @@ static uint64_t follow(rsv_device_frames *f, uint32_t level, const uint32_t *lis
 }
 
 static rsv_status render(
-    rsv_device_frames *f, const rsv_device_eye *eye, uint64_t *chain_rays, char *message)
+    rsv_device_frames *f, const rsv_device_eye *eye, uint64_t *path_rays, char *message)
 {
     for (uint32_t k = 0; k < f->stage.eyes; k++)
         f->args.eye[k] = eye[k];
     rsv_launch_frame_camera(f->gpu, &f->args, f->pixels);
     uint32_t begins = rsv_compact(f->gpu, &f->compactor, f->args.begins, f->pixels, f->begin_list);
-    *chain_rays = follow(f, 0, f->begin_list, begins);
+    *path_rays = follow(f, 0, f->begin_list, begins);
     rsv_launch_frame_display(f->gpu, &f->args, f->pixels);
     return rsv_gpu_wait(f->gpu, message);
 }

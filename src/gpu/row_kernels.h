@@ -73,7 +73,7 @@ RSV_INLINE void rsv_row_ray_item(const rsv_row_args *a, uint32_t item, bool vari
     }
     rsv_ray_target target = rsv_row_target(a, &hit, ray.direction);
     if (target.kind == RSV_TARGET_BLACK) return;
-    if (target.kind == RSV_TARGET_CHAIN || r->tints) {
+    if (target.kind == RSV_TARGET_SPECULAR || r->tints) {
         rsv_row_leave(a, item, &hit);
         return;
     }

@@ -2,7 +2,7 @@
 #ifndef RSV_GPU_SOURCES_H
 #define RSV_GPU_SOURCES_H
 
-#include "../light/light.h"
+#include "../sources/lights.h"
 #include "scene.h"
 
 /// All with addresses on the device.

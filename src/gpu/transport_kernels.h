@@ -2,7 +2,7 @@
 #ifndef RSV_TRANSPORT_KERNELS_H
 #define RSV_TRANSPORT_KERNELS_H
 
-#include "../light/double3.h"
+#include "../sources/double3.h"
 #include "launch.h"
 
 #if defined(__cplusplus)

@@ -94,8 +94,8 @@ static double intensity_factor(
 }
 
 /// Half the angles of a spot light. Of COLLADA's falloff Assimp makes a guess; it is a power of the cosine.
-static void take_cone(
-    const rsv_assimp_facts *facts, const struct aiLight *source, size_t order, rsv_light *light)
+static void take_cone(const rsv_assimp_facts *facts, const struct aiLight *source, size_t order,
+    rsv_punctual_light *light)
 {
     double outer = (double)source->mAngleOuterCone / 2, inner = (double)source->mAngleInnerCone / 2;
     if (facts->kind == RSV_FILE_COLLADA) {
@@ -113,9 +113,9 @@ static void take_cone(
 }
 
 /// A small surface of no known size, seen from afar: the cosine of Lambert's law.
-static void become_surface(const rsv_context *context, const char *name, rsv_light *light)
+static void become_surface(const rsv_context *context, const char *name, rsv_punctual_light *light)
 {
-    light->kind = RSV_LIGHT_SPOT;
+    light->kind = RSV_PUNCTUAL_SPOT;
     light->inner_cone_angle = light->outer_cone_angle = RSV_PI / 2;
     light->exponent = 1;
     rsv_log(context, RSV_LOG_WARNING,
@@ -126,18 +126,18 @@ static void become_surface(const rsv_context *context, const char *name, rsv_lig
 }
 
 bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
-    const struct aiLight *source, size_t order, const double world[16], rsv_light *light)
+    const struct aiLight *source, size_t order, const double world[16], rsv_punctual_light *light)
 {
     const char *name = light->name;
     double factor = 1;
-    *light = (rsv_light){ .name = name,
-        .kind = RSV_LIGHT_POINT,
+    *light = (rsv_punctual_light){ .name = name,
+        .kind = RSV_PUNCTUAL_POINT,
         .position = transform(world, source->mPosition, 1),
         .direction = transform(world, source->mDirection, 0) };
     bool is_area = source->mType == aiLightSource_AREA ||
                    (facts->kind == RSV_FILE_FBX && source->mType == aiLightSource_UNDEFINED);
     if (source->mType == aiLightSource_DIRECTIONAL) {
-        light->kind = RSV_LIGHT_DIRECTIONAL;
+        light->kind = RSV_PUNCTUAL_DIRECTIONAL;
     } else if (source->mType == aiLightSource_POINT || source->mType == aiLightSource_SPOT) {
         factor = intensity_factor(context, facts, source);
     } else if (is_area) {
@@ -152,7 +152,7 @@ bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
         return false;
     }
     if (source->mType == aiLightSource_SPOT) {
-        light->kind = RSV_LIGHT_SPOT;
+        light->kind = RSV_PUNCTUAL_SPOT;
         take_cone(facts, source, order, light);
     }
     if (source->mColorDiffuse.r < 0 || source->mColorDiffuse.g < 0 || source->mColorDiffuse.b < 0) {

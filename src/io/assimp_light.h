@@ -23,7 +23,7 @@ void rsv_assimp_forget(rsv_context *context, rsv_assimp_facts *facts);
 /// A light, or false, after a warning, where there is no such kind.
 /// @param order how many lights its node has had before @param name [RSV_NAME_BYTES] storage for light->name
 bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
-    const struct aiLight *source, size_t order, const double world[16], rsv_light *light);
+    const struct aiLight *source, size_t order, const double world[16], rsv_punctual_light *light);
 
 /// @param order, name as above
 rsv_status rsv_assimp_camera(const rsv_context *context, const rsv_assimp_facts *facts,

@@ -206,7 +206,7 @@ static void add_lights(reader *r, const struct aiString *node, const double worl
     size_t first = 0, count = take_own(&r->lights, node, &first);
     for (size_t k = 0; k < count; k++) {
         char name[RSV_NAME_BYTES];
-        rsv_light light = { .name = name };
+        rsv_punctual_light light = { .name = name };
         const named *own = &r->lights.item[first + k];
         rsv_assimp_name(own->name, "unnamed", name);
         if (rsv_assimp_light(r->context, &r->facts, own->object, k, world, &light))

@@ -400,17 +400,17 @@ void convert_cameras(owned_document &document)
     }
 }
 
-bool light_kind(const std::string &type, rsv_light_kind &kind)
+bool light_kind(const std::string &type, rsv_punctual_light_kind &kind)
 {
     if (type != "point" && type != "spot" && type != "directional") return false;
-    kind = type == "point"  ? RSV_LIGHT_POINT
-           : type == "spot" ? RSV_LIGHT_SPOT
-                            : RSV_LIGHT_DIRECTIONAL;
+    kind = type == "point"  ? RSV_PUNCTUAL_POINT
+           : type == "spot" ? RSV_PUNCTUAL_SPOT
+                            : RSV_PUNCTUAL_DIRECTIONAL;
     return true;
 }
 
 /// Angles of a cone, brought into their range. @return whether they had to be
-bool convert_cone(const json &source, rsv_light &light)
+bool convert_cone(const json &source, rsv_punctual_light &light)
 {
     const double quarter_pi = 0.78539816339744831, half_pi = 2 * quarter_pi;
     const json &spot = member(source, "spot");
@@ -444,7 +444,7 @@ void convert_light(owned_document &document, const json &source)
     }
     light.value.intensity = { static_cast<float>(factor[0] * intensity),
         static_cast<float>(factor[1] * intensity), static_cast<float>(factor[2] * intensity) };
-    if (light.value.kind == RSV_LIGHT_SPOT && convert_cone(source, light.value))
+    if (light.value.kind == RSV_PUNCTUAL_SPOT && convert_cone(source, light.value))
         note(document, RSV_LOG_WARNING,
             owner + ": its cone is not in the format (0 <= inner <= outer <= pi/2), and is brought "
                     "into it");

@@ -124,8 +124,8 @@ typedef struct rsv_gltf_node {
 } rsv_gltf_node;
 
 typedef struct rsv_gltf_light {
-    rsv_light value; ///< kind, intensity, cone and name; placed by nodes
-    bool known;      ///< false = of a kind that is not in the format: left out
+    rsv_punctual_light value; ///< kind, intensity, cone and name; placed by nodes
+    bool known;               ///< false = of a kind that is not in the format: left out
 } rsv_gltf_light;
 
 /// A message about the whole file.

@@ -267,11 +267,11 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     if (!refers(node->light, r->document->light_count))
         return rsv_fail(
             RSV_ERROR_FORMAT, "node '%s': light %d does not exist", node->name, node->light);
-    rsv_light light = r->document->light[node->light].value;
+    rsv_punctual_light light = r->document->light[node->light].value;
     if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
-    if (light.kind != RSV_LIGHT_POINT && v3_length(light.direction) == 0)
+    if (light.kind != RSV_PUNCTUAL_POINT && v3_length(light.direction) == 0)
         return leave_out(r, node, "light", "its transform leaves it no direction");
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
 }

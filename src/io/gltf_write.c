@@ -273,13 +273,13 @@ static void add_cameras(writer *w)
     }
 }
 
-static void add_light_shape(writer *w, cJSON *json, const rsv_light *light)
+static void add_light_shape(writer *w, cJSON *json, const rsv_punctual_light *light)
 {
-    static const char *const type[] = { [RSV_LIGHT_POINT] = "point",
-        [RSV_LIGHT_SPOT] = "spot",
-        [RSV_LIGHT_DIRECTIONAL] = "directional" };
+    static const char *const type[] = { [RSV_PUNCTUAL_POINT] = "point",
+        [RSV_PUNCTUAL_SPOT] = "spot",
+        [RSV_PUNCTUAL_DIRECTIONAL] = "directional" };
     add_string(w, json, "type", type[light->kind]);
-    if (light->kind != RSV_LIGHT_SPOT) return;
+    if (light->kind != RSV_PUNCTUAL_SPOT) return;
     // the format wants inner < outer <= pi/2, which floats may miss by their rounding
     double outer = fmin(shortest(light->outer_cone_angle), HALF_PI);
     double inner = fmin(shortest(light->inner_cone_angle), outer * (1 - 1e-7));
@@ -295,7 +295,7 @@ static void add_lights(writer *w)
     if (!w->view->light_count) return;
     cJSON *lights = add_array(w, add_extension(w, w->root, "KHR_lights_punctual"), "lights");
     for (size_t i = 0; i < w->view->light_count; i++) {
-        const rsv_light *light = &w->view->light[i];
+        const rsv_punctual_light *light = &w->view->light[i];
         cJSON *json = append_object(w, lights);
         float strength = rgb_max(light->intensity), scale = strength > 0 ? strength : 1;
         add_string(w, json, "name", light->name);

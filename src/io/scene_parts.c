@@ -66,7 +66,7 @@ void rsv_send_instance(FILE *to, uint32_t mesh, const double transform[16], cons
     send(to, transform, 16, sizeof *transform);
 }
 
-void rsv_send_light(FILE *to, const rsv_light *light)
+void rsv_send_light(FILE *to, const rsv_punctual_light *light)
 {
     send_head(to, (part_head){ .kind = LIGHT }, light->name);
     send(to, light, 1, sizeof *light);
@@ -158,7 +158,7 @@ static rsv_status receive_instance(parcel *p, const part_head *head, const char 
 
 static rsv_status receive_light(parcel *p, const char *name)
 {
-    rsv_light light;
+    rsv_punctual_light light;
     rsv_status status = take_value(p, &light, sizeof light);
     if (status != RSV_OK) return status;
     light.name = name;

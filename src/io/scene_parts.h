@@ -14,7 +14,7 @@ void rsv_send_material(FILE *to, const rsv_material *material);
 /// Without texture coordinates, tangents and colours.
 void rsv_send_mesh(FILE *to, const rsv_mesh_desc *mesh);
 void rsv_send_instance(FILE *to, uint32_t mesh, const double transform[16], const char *name);
-void rsv_send_light(FILE *to, const rsv_light *light);
+void rsv_send_light(FILE *to, const rsv_punctual_light *light);
 void rsv_send_camera(FILE *to, const rsv_camera *camera);
 
 /// Adds all parts to a scene that has none, and logs what was logged. RSV_ERROR_FORMAT if the bytes are no whole number of

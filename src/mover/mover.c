@@ -132,9 +132,9 @@ static void set_body(rsv_mover *m)
 }
 
 rsv_status rsv_mover_create(
-    const rsv_solution *light, const rsv_scene *body, const rsv_mover_desc *desc, rsv_mover **mover)
+    const rsv_light *light, const rsv_scene *body, const rsv_mover_desc *desc, rsv_mover **mover)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
+    const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_mover_desc settings = desc ? *desc : rsv_default_mover_desc();
     rsv_status status = check_desc(&settings);
     if (status != RSV_OK) return status;

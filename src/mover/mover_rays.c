@@ -1,7 +1,7 @@
 #include "mover.h"
 
 #include "../core/stratified.h"
-#include "../light/punctual_light.h"
+#include "../sources/punctual_light.h"
 #include "../surface/lift.h"
 #include "../trace/packet.h"
 #include "../trace/passage.h"

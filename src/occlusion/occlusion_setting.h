@@ -4,8 +4,8 @@
 #define RSV_OCCLUSION_SETTING_H
 
 #include "../core/stratified.h"
-#include "../light/sky.h"
 #include "../scene/material_at.h"
+#include "../sources/sky.h"
 #include "../surface/surface.h"
 #include "../trace/camera_ray.h"
 #include "../trace/offset.h"

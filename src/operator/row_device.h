@@ -1,5 +1,5 @@
 /// Rows of G whose rays the context's device traces, many rows at a time. What a ray does beyond a first surface that is
-/// not plain - chains through mirrors and glass, emission that is gathered - is the processor's part.
+/// not plain - specular paths through mirrors and glass, emission that is gathered - is the processor's part.
 #ifndef RSV_ROW_DEVICE_H
 #define RSV_ROW_DEVICE_H
 

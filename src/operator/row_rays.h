@@ -9,7 +9,7 @@
 typedef enum rsv_target_kind {
     RSV_TARGET_BLACK,
     RSV_TARGET_LAMBERT,
-    RSV_TARGET_CHAIN,
+    RSV_TARGET_SPECULAR,
     RSV_TARGET_SKY
 } rsv_target_kind;
 

@@ -70,7 +70,7 @@ void rsv_row_retrace(
 {
     rsv_row_receiver r;
     rsv_row_receive_as(tracer, node, row->index, row->valid, &r);
-    // what passes through coats and media is nothing but chains
+    // what passes through coats and media is nothing but specular paths
     if (r.tints || !points_hold(tracer, node, row)) {
         rsv_row_trace(tracer, node, s);
         return;

@@ -1,4 +1,4 @@
-#include "../light/partition.h"
+#include "../sources/partition.h"
 #include "row_tracer_internal.h"
 
 #include <string.h>
@@ -62,14 +62,14 @@ static void add_tinted(rsv_row_scratch *s, uint32_t node, rsv_rgb weight)
 
 /// @param entered what the light counts for, as it enters the receiver
 static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
-    const rsv_chain *chain, rsv_rgb entered, float random)
+    const rsv_specular_path *path, rsv_rgb entered, float random)
 {
-    uint32_t face = tracer->elements->face_of[chain->back][chain->triangle];
+    uint32_t face = tracer->elements->face_of[path->back][path->triangle];
     if (face == RSV_NONE) return;
     float weight[3];
-    uint32_t cell = rsv_elements_locate(tracer->elements, face, chain->u, chain->v, weight);
+    uint32_t cell = rsv_elements_locate(tracer->elements, face, path->u, path->v, weight);
     uint32_t node = rsv_elements_pick_node(tracer->elements, cell, weight, random);
-    rsv_rgb w = chain->weight;
+    rsv_rgb w = path->weight;
     uint32_t copies = s->whole ? s->copies[ray] : 1;
     if (!s->whole) w = rgb_mul(w, entered);
     if (copies == 0) return;
@@ -90,24 +90,24 @@ static rsv_rgb entering(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
 }
 
 /// The general case: specular surfaces, coats, emission.
-static void follow_chain(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
+static void follow_path(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_t ray,
     const rsv_row_receiver *r, float cos_receiver, const rsv_ray_packet *packet, int k)
 {
     rsv_random random = rsv_random_from(tracer->seed ^ 0x51ed270bu, r->index, ray);
     rsv_vec3 direction = v3(packet->direction_x[k], packet->direction_y[k], packet->direction_z[k]);
-    rsv_chain chain = rsv_chain_begin(tracer->scene, &r->medium, direction, packet->triangle[k],
-        packet->u[k], packet->v[k], packet->t_max[k]);
+    rsv_specular_path path = rsv_specular_begin(tracer->scene, &r->medium, direction,
+        packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
     rsv_gather gather =
-        rsv_chain_gather(tracer->scene, chain, &random, counts_by_gathering, tracer->lights);
+        rsv_specular_gather(tracer->scene, path, &random, counts_by_gathering, tracer->lights);
     // not ahead of roulette, which could raise the sum of the row
     rsv_rgb entered = entering(tracer, r, cos_receiver);
     s->emission = rgb_add(s->emission, rgb_mul(gather.emission, entered));
-    s->rays += gather.chain.rays;
-    if (gather.end == RSV_CHAIN_DIFFUSE)
-        record_end(tracer, s, ray, &gather.chain, entered, rsv_random_float(&random));
-    else if (gather.end == RSV_CHAIN_ESCAPED)
-        rsv_escape_row_add(&s->escapes, gather.chain.direction,
-            rgb_mul(gather.chain.weight, entered), gather.chain.turns);
+    s->rays += gather.path.rays;
+    if (gather.end == RSV_SPECULAR_DIFFUSE)
+        record_end(tracer, s, ray, &gather.path, entered, rsv_random_float(&random));
+    else if (gather.end == RSV_SPECULAR_ESCAPED)
+        rsv_escape_row_add(&s->escapes, gather.path.direction, rgb_mul(gather.path.weight, entered),
+            gather.path.turns);
 }
 
 /// Where sixteen rays ended on the grids of their faces, in arithmetic without branches.
@@ -174,9 +174,9 @@ void rsv_row_process_hits(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint
             record_sky(tracer, s, r, cos_receiver[k], packet, k);
             continue;
         }
-        if (target[k].kind == RSV_TARGET_CHAIN || r->tints) {
-            s->kind[ray] = RSV_TARGET_CHAIN;
-            follow_chain(tracer, s, ray, r, cos_receiver[k], packet, k);
+        if (target[k].kind == RSV_TARGET_SPECULAR || r->tints) {
+            s->kind[ray] = RSV_TARGET_SPECULAR;
+            follow_path(tracer, s, ray, r, cos_receiver[k], packet, k);
             continue;
         }
         uint32_t slot = e->slot[e->face_slot[target[k].face] + (uint32_t)g.index[k]];
@@ -273,7 +273,7 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
         if (packet.triangle[k] == RSV_NONE)
             record_sky(tracer, s, r, z[k], &packet, (int)k);
         else
-            follow_chain(tracer, s, ray, r, z[k], &packet, (int)k);
+            follow_path(tracer, s, ray, r, z[k], &packet, (int)k);
     }
     s->rays += tracer->directions.count;
 }
@@ -315,7 +315,7 @@ static rsv_status create_targets(rsv_row_tracer *tracer)
             (!bsdf->emissive || !counts_by_gathering(tracer->lights, (uint32_t)(side / 2), 0));
         tracer->target[side].kind = opaque_back ? RSV_TARGET_BLACK
                                     : plain     ? RSV_TARGET_LAMBERT
-                                                : RSV_TARGET_CHAIN;
+                                                : RSV_TARGET_SPECULAR;
         if (face == RSV_NONE) continue;
         tracer->target[side].face = face;
         tracer->target[side].side = (uint16_t)(1u << e->face_level[face]);

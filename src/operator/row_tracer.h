@@ -1,4 +1,4 @@
-/// One row of G: gather rays from a node's support, each followed to the diffuse end of its chain.
+/// One row of G: gather rays from a node's support, each followed to the diffuse end of its specular path.
 #ifndef RSV_ROW_TRACER_H
 #define RSV_ROW_TRACER_H
 

@@ -1,9 +1,9 @@
 /// The propagation operator G on elements: which share of the exitance of each element arrives at each
-/// other one, through any chain of specular events.
+/// other one, through any specular path of specular events.
 ///
 /// Row i holds the ends of its gather rays. Rays are cosine-distributed, so that each counts the same:
 /// an end without colour is a bare element index and carries the weight 1 / (rays of the row); ends of
-/// chains that met coloured glass or metal carry an RGB factor besides. Without coats
+/// specular paths that met coloured glass or metal carry an RGB factor besides. Without coats
 /// and tints row sums are at most 1 because a ray ends once: energy conservation by construction. With them
 /// it holds on average over the rays, and a row can exceed 1 by its sampling noise. Rows of receivers in
 /// another medium than their ends carry (index of the start / index of the end)^2 besides, which is above 1
@@ -11,10 +11,10 @@
 #ifndef RSV_TRANSPORT_H
 #define RSV_TRANSPORT_H
 
-#include "../chain/chain.h"
-#include "../chain/escapes.h"
 #include "../elements/elements.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/escapes.h"
+#include "../specular/specular_path.h"
 #include "division.h"
 
 typedef struct rsv_transport {

@@ -54,12 +54,12 @@ rsv_status rsv_read_elements(rsv_tensor_file *file, const char *prefix, const rs
 
 /// Operator and light: elements, G, K, E0 and E.
 rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *light);
-rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_solution **light);
+rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_light **light);
 
 /// E0 light by light.
 rsv_status rsv_write_basis(
-    rsv_tensor_file *file, const rsv_solution *light, const rsv_light_basis *basis);
-rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *light);
+    rsv_tensor_file *file, const rsv_light *light, const rsv_light_basis *basis);
+rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_light *light);
 
 /// Places where light is shown, for readers at run time: each is a weighted mean of three elements.
 typedef struct rsv_file_receivers {
@@ -69,8 +69,8 @@ typedef struct rsv_file_receivers {
     const float (*weight)[3];     ///< [count]
 } rsv_file_receivers;
 
-/// rsv_solution_save with receivers, and then without the document. @param receivers NULL = none
-rsv_status rsv_solution_save_receivers(const rsv_solution *solution, const char *scene_name,
+/// rsv_light_save with receivers, and then without the document. @param receivers NULL = none
+rsv_status rsv_light_save_receivers(const rsv_light *solution, const char *scene_name,
     const rsv_file_receivers *receivers, const char *path);
 
 /// Prefixes of the sets of elements.

@@ -44,12 +44,12 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_solution_save_receivers(const rsv_solution *solution, const char *scene_name,
+rsv_status rsv_light_save_receivers(const rsv_light *solution, const char *scene_name,
     const rsv_file_receivers *receivers, const char *path)
 {
     rsv_tensor_file file;
     rsv_light_basis *own = NULL;
-    const rsv_light_view *s = rsv_solution_get_view(solution);
+    const rsv_light_view *s = rsv_light_get_view(solution);
     rsv_status status = rsv_tensor_file_begin(s->context, path, &file);
     if (status != RSV_OK) return status;
     RSV_TRY(write_provenance(&file, scene_name));
@@ -66,9 +66,9 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_solution_save(const rsv_solution *solution, const char *scene_name, const char *path)
+rsv_status rsv_light_save(const rsv_light *solution, const char *scene_name, const char *path)
 {
-    return rsv_solution_save_receivers(solution, scene_name, NULL, path);
+    return rsv_light_save_receivers(solution, scene_name, NULL, path);
 }
 
 // ---- comparing ------------------------------------------------------------------------------------
@@ -136,7 +136,7 @@ static rsv_status name_file(const char *path, rsv_status status)
 }
 
 /// @param digits out: the checksum
-static rsv_status read_file(rsv_tensor_file *file, rsv_scene **scene, rsv_solution **solution,
+static rsv_status read_file(rsv_tensor_file *file, rsv_scene **scene, rsv_light **solution,
     char digits[RSV_SHA256_DIGITS + 1])
 {
     rsv_status status;
@@ -154,12 +154,12 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_solution_load(
-    rsv_context *context, const char *path, rsv_scene **scene, rsv_solution **solution)
+rsv_status rsv_light_load(
+    rsv_context *context, const char *path, rsv_scene **scene, rsv_light **solution)
 {
     rsv_tensor_file file;
     rsv_scene *read_scene = NULL;
-    rsv_solution *s = NULL;
+    rsv_light *s = NULL;
     char digits[RSV_SHA256_DIGITS + 1];
     rsv_status status = rsv_tensor_file_open(context, path, &file);
     if (status != RSV_OK) return status;
@@ -170,7 +170,7 @@ rsv_status rsv_solution_load(
     read_scene = NULL;
     s = NULL;
 cleanup:
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     rsv_scene_destroy(read_scene);
     rsv_tensor_file_end(&file);
     return status;

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-_Static_assert(sizeof(rsv_light_kind) == 4 && sizeof(rsv_texture_role) == 4 &&
+_Static_assert(sizeof(rsv_punctual_light_kind) == 4 && sizeof(rsv_texture_role) == 4 &&
                    sizeof(rsv_wrap) == 4 && sizeof(bool) == 1,
     "tables hold enumerations as U32 and flags as U8");
 
@@ -40,13 +40,13 @@ static const rsv_column material_columns[] = {
 };
 
 static const rsv_column light_columns[] = {
-    RSV_CHOICE(rsv_light, kind, RSV_LIGHT_KINDS),
-    RSV_FLOATS(rsv_light, position, 3),
-    RSV_FLOATS(rsv_light, direction, 3),
-    RSV_FLOATS(rsv_light, intensity, 3),
-    RSV_FLOATS(rsv_light, inner_cone_angle, 1),
-    RSV_FLOATS(rsv_light, outer_cone_angle, 1),
-    RSV_FLOATS(rsv_light, exponent, 1),
+    RSV_CHOICE(rsv_punctual_light, kind, RSV_LIGHT_KINDS),
+    RSV_FLOATS(rsv_punctual_light, position, 3),
+    RSV_FLOATS(rsv_punctual_light, direction, 3),
+    RSV_FLOATS(rsv_punctual_light, intensity, 3),
+    RSV_FLOATS(rsv_punctual_light, inner_cone_angle, 1),
+    RSV_FLOATS(rsv_punctual_light, outer_cone_angle, 1),
+    RSV_FLOATS(rsv_punctual_light, exponent, 1),
 };
 
 static const rsv_column camera_columns[] = {
@@ -298,7 +298,7 @@ typedef struct scene_reader {
     rsv_tensor_file *file;
     rsv_scene_parts parts;
     rsv_material *material;
-    rsv_light *light;
+    rsv_punctual_light *light;
     rsv_camera *camera;
     const char **object_name, **light_node, **camera_node;
     rsv_texture_parts *texture;

@@ -431,7 +431,7 @@ static rsv_status restore_operator(rsv_world *world, parts *p, rsv_operator **op
     return rsv_operator_restore(&view, op);
 }
 
-rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_solution **light)
+rsv_status rsv_read_solution(rsv_tensor_file *file, rsv_world *world, rsv_light **light)
 {
     rsv_status status;
     parts p = { 0 };
@@ -458,7 +458,7 @@ static const char *const part_names[RSV_LIGHT_FIELDS] = { "source", "coarse_caus
 
 /// Parts that a solution has no field for are left out.
 static rsv_status exchange_part(
-    rsv_tensor_file *file, const rsv_solution *s, size_t index, rsv_light_part *part)
+    rsv_tensor_file *file, const rsv_light *s, size_t index, rsv_light_part *part)
 {
     rsv_status status = RSV_OK;
     char prefix[32];
@@ -477,7 +477,7 @@ cleanup:
 
 /// A part as strong as it is now.
 static rsv_status write_part(
-    rsv_tensor_file *file, const rsv_solution *s, size_t index, rsv_light_part *part, rsv_rgb scale)
+    rsv_tensor_file *file, const rsv_light *s, size_t index, rsv_light_part *part, rsv_rgb scale)
 {
     rsv_status status = RSV_OK;
     char prefix[32];
@@ -511,14 +511,13 @@ static rsv_light_part *part_of(
 }
 
 /// Of the sources that a reader will find: those that are black now are no lamps any more.
-rsv_status rsv_write_basis(
-    rsv_tensor_file *file, const rsv_solution *s, const rsv_light_basis *basis)
+rsv_status rsv_write_basis(rsv_tensor_file *file, const rsv_light *s, const rsv_light_basis *basis)
 {
     rsv_status status;
     rsv_source *source = NULL;
     const char **name = NULL;
     size_t count = 0;
-    RSV_TRY(rsv_list_sources(rsv_solution_get_view(s)->lights, &source, &count));
+    RSV_TRY(rsv_list_sources(rsv_light_get_view(s)->lights, &source, &count));
     name = rsv_alloc(file->context, count, sizeof *name);
     RSV_TRY(name ? RSV_OK : RSV_ERROR_MEMORY);
     for (size_t k = 0; k < count; k++)
@@ -535,7 +534,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_solution *s)
+rsv_status rsv_read_basis(rsv_tensor_file *file, rsv_light *s)
 {
     rsv_status status;
     rsv_light_basis *basis = NULL;

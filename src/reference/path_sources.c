@@ -1,6 +1,6 @@
 #include "path_sources.h"
 
-#include "../light/punctual_light.h"
+#include "../sources/punctual_light.h"
 
 /// Weight of a sample drawn with density `own` that another technique draws with density `other`.
 static float power_heuristic(float own, float other)

@@ -37,7 +37,7 @@ rsv_render_desc rsv_default_render_desc(void)
         .width = 512,
         .height = 512,
         .samples = 16,
-        .chain_depth = 64,
+        .path_depth = 64,
         .seed = 1 };
 }
 

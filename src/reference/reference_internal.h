@@ -2,7 +2,7 @@
 #ifndef RSV_REFERENCE_INTERNAL_H
 #define RSV_REFERENCE_INTERNAL_H
 
-#include "../light/light.h"
+#include "../sources/lights.h"
 #include "../surface/medium.h"
 #include "../surface/surface.h"
 #include "resolvent/trace.h"

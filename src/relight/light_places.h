@@ -2,7 +2,7 @@
 #ifndef RSV_LIGHT_PLACES_H
 #define RSV_LIGHT_PLACES_H
 
-#include "../light/light_subset.h"
+#include "../sources/light_subset.h"
 
 /// Where one source began.
 typedef struct rsv_light_place {

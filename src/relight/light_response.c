@@ -8,7 +8,7 @@
 #define TOLERANCE 1e-6
 
 typedef struct builder {
-    const rsv_solution *whole;
+    const rsv_light *whole;
     const rsv_light_view *s; ///< of that
     const rsv_light_basis *basis;
     rsv_light_responses *r;
@@ -69,7 +69,7 @@ static rsv_status begin_lights(const builder *b)
         status = rsv_light_begin_like(b->whole, sources, &b->r->light[r]);
         rsv_light_sources_release(sources);
         RSV_TRY(status);
-        b->r->view[r] = rsv_solution_get_view(b->r->light[r]);
+        b->r->view[r] = rsv_light_get_view(b->r->light[r]);
     }
 cleanup:
     rsv_free(b->s->context, own);
@@ -201,10 +201,10 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_light_responses_create(const rsv_solution *whole, rsv_light_responses **responses)
+rsv_status rsv_light_responses_create(const rsv_light *whole, rsv_light_responses **responses)
 {
     rsv_status status;
-    const rsv_light_view *s = rsv_solution_get_view(whole);
+    const rsv_light_view *s = rsv_light_get_view(whole);
     rsv_light_basis *own = NULL;
     builder b = {
         .whole = whole, .s = s, .basis = s->basis, .r = rsv_alloc(s->context, 1, sizeof *b.r)
@@ -233,7 +233,7 @@ void rsv_light_responses_destroy(rsv_light_responses *r)
 {
     if (!r) return;
     for (size_t k = 0; r->light && k < r->count; k++)
-        rsv_solution_destroy(r->light[k]);
+        rsv_light_destroy(r->light[k]);
     rsv_free(r->context, r->light);
     rsv_free(r->context, r->view);
     rsv_free(r->context, r->name);

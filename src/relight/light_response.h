@@ -12,14 +12,13 @@ typedef struct rsv_light_responses {
     size_t count;
     const char **name; ///< [count] the scene's
     /// [count] on the operator and the levels of the whole. Their orders are not kept apart
-    rsv_solution **light;        ///< those of its own; NULL = the whole itself
+    rsv_light **light;           ///< those of its own; NULL = the whole itself
     const rsv_light_view **view; ///< [count] of these
     bool sky_last;               ///< the last one is of the surroundings and of nothing else
 } rsv_light_responses;
 
 /// RSV_ERROR_UNSUPPORTED beyond RSV_MAX_LIGHT_PARTS sources. The solution must outlive the responses.
-rsv_status rsv_light_responses_create(
-    const rsv_solution *solution, rsv_light_responses **responses);
+rsv_status rsv_light_responses_create(const rsv_light *solution, rsv_light_responses **responses);
 void rsv_light_responses_destroy(rsv_light_responses *responses);
 
 #endif

@@ -26,7 +26,7 @@ typedef struct rsv_light_settings_home {
     const rsv_light_settings *settings; ///< as they began
 } rsv_light_settings_home;
 
-/// What a description asks for; what it does not name is as it began. Errors as in rsv_solution_relight.
+/// What a description asks for; what it does not name is as it began. Errors as in rsv_light_relight.
 rsv_status rsv_light_settings_read(
     const rsv_light_settings_home *home, const rsv_relight_desc *desc, rsv_light_settings *wanted);
 

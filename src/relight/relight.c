@@ -82,7 +82,7 @@ rsv_status rsv_relighter_settle(rsv_relighter *r)
         rsv_relight_responses_forget(r);
         memset(r->stale, 0, r->basis->source_count * sizeof *r->stale);
     }
-    RSV_TRY(rsv_solution_solve_again(r->light));
+    RSV_TRY(rsv_light_solve_again(r->light));
     r->settled = true;
 cleanup:
     return status;
@@ -114,7 +114,7 @@ rsv_relight_source rsv_relighter_source(const rsv_relighter *r, size_t k)
         .node = source->node };
 }
 
-rsv_status rsv_solution_relight(rsv_solution *s, const rsv_relight_desc *desc)
+rsv_status rsv_light_relight(rsv_light *s, const rsv_relight_desc *desc)
 {
     rsv_relighter *r = NULL;
     rsv_status status = rsv_relighter_create(s, &r);

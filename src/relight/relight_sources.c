@@ -7,7 +7,7 @@
 
 /// Photons of a source on the move, as a share of all.
 #define ROUGH_PHOTON_SHARE 16
-/// A glance, and more rays in penumbrae alone.
+/// A preview, and more rays in penumbrae alone.
 #define ROUGH_SAMPLES 4
 
 static rsv_light_settings_home home_of(const rsv_relighter *r)
@@ -262,7 +262,7 @@ cleanup:
     return status;
 }
 
-static rsv_status check_added(const rsv_relighter *r, const rsv_light *light)
+static rsv_status check_added(const rsv_relighter *r, const rsv_punctual_light *light)
 {
     const rsv_light_basis *b = r->basis;
     for (size_t k = 0; k < b->source_count; k++)
@@ -304,7 +304,7 @@ rsv_status rsv_relighter_prepare(rsv_relighter *r)
     return status == RSV_OK ? find_responses(r) : status;
 }
 
-rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
+rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_punctual_light *light)
 {
     rsv_light_basis *b = r->basis;
     size_t k = b->source_count;
@@ -313,10 +313,10 @@ rsv_status rsv_relighter_add_light(rsv_relighter *r, const rsv_light *light)
     if (status == RSV_OK) status = rsv_scene_append_light(r->scene, light);
     if (status != RSV_OK) return status;
     uint32_t index = (uint32_t)r->scene->light_count - 1;
-    const rsv_light *added = &r->scene->light[index];
+    const rsv_punctual_light *added = &r->scene->light[index];
     b->source[k] = (rsv_source){ RSV_SOURCE_LIGHT, index, added->name, NULL };
     b->scale[k] = rgb_gray(1);
-    rsv_solution_destroy(r->began); // without that light
+    rsv_light_destroy(r->began); // without that light
     r->began = NULL;
     r->grown = true;
     r->strength[k] = added->intensity;

@@ -117,11 +117,11 @@ rsv_status rsv_relighter_map(rsv_relighter *r)
     return rsv_operator_map(r->s->op, 1, &r->map);
 }
 
-static rsv_status begin(rsv_solution *light, rsv_relighter **relighter)
+static rsv_status begin(rsv_light *light, rsv_relighter **relighter)
 {
     rsv_status status = rsv_light_vary_world(light);
     if (status != RSV_OK) return status;
-    const rsv_light_view *view = rsv_solution_get_view(light);
+    const rsv_light_view *view = rsv_light_get_view(light);
     rsv_relighter *r = *relighter = rsv_alloc(view->context, 1, sizeof *r);
     if (!r) return RSV_ERROR_MEMORY;
     *r = (rsv_relighter){ .context = view->context,
@@ -133,7 +133,7 @@ static rsv_status begin(rsv_solution *light, rsv_relighter **relighter)
     return RSV_OK;
 }
 
-rsv_status rsv_relighter_create(rsv_solution *light, rsv_relighter **relighter)
+rsv_status rsv_relighter_create(rsv_light *light, rsv_relighter **relighter)
 {
     rsv_status status;
     rsv_relighter *r = NULL;
@@ -165,7 +165,7 @@ void rsv_relighter_destroy(rsv_relighter *r)
         rsv_light_set_basis(r->light, NULL);
     for (size_t k = 0; r->home_part && k < RSV_MAX_LIGHT_PARTS; k++)
         rsv_light_part_free(context, &r->home_part[k]);
-    rsv_solution_destroy(r->began);
+    rsv_light_destroy(r->began);
     rsv_transport_map_destroy(r->map);
     rsv_free(context, r->moves);
     rsv_receiver_blocks_destroy(r->coarse);

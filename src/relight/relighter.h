@@ -11,11 +11,11 @@
 
 struct rsv_relighter {
     rsv_context *context;
-    rsv_solution *light;
+    rsv_light *light;
     const rsv_light_view *s; ///< of that
     rsv_light_fields *field; ///< of that
     rsv_scene *scene;        ///< of that: its own
-    rsv_solution *began;     ///< a copy of the light as it was; NULL once a source was added
+    rsv_light *began;        ///< a copy of the light as it was; NULL once a source was added
     rsv_light_basis
         *basis; ///< the light's parts of E0, at the strengths that the sources began with
     rsv_light_part

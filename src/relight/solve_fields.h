@@ -2,7 +2,7 @@
 #ifndef RSV_SOLVE_FIELDS_H
 #define RSV_SOLVE_FIELDS_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 
 /// E = E0 + G K E for every field, by the solver that the solution was found with; fields share each pass over G.
 /// @param relative residual to reach, over the size of E0

@@ -7,10 +7,10 @@ static void add_field(rsv_rgb *sum, const rsv_rgb *value, size_t count)
 }
 
 /// What shadow rays and photons find.
-static rsv_status sample(const rsv_solution *like, rsv_solution *turned)
+static rsv_status sample(const rsv_light *like, rsv_light *turned)
 {
     const rsv_source surroundings = { RSV_SOURCE_SURROUNDINGS, 0, "environment", NULL };
-    const rsv_light_view *s = rsv_solution_get_view(turned);
+    const rsv_light_view *s = rsv_light_get_view(turned);
     rsv_light_part part = { 0 };
     uint16_t *valid = NULL;
     uint64_t rays = 0;
@@ -27,14 +27,13 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_turned_surroundings_solve(
-    const rsv_solution *like, float rotation, rsv_solution **result)
+rsv_status rsv_turned_surroundings_solve(const rsv_light *like, float rotation, rsv_light **result)
 {
     rsv_status status;
     rsv_light_sources *sources = NULL;
-    rsv_solution *turned = NULL;
+    rsv_light *turned = NULL;
     RSV_TRY(rsv_light_sources_turn(
-        rsv_light_get_sources(like), rsv_solution_get_view(like)->scene.scene, rotation, &sources));
+        rsv_light_get_sources(like), rsv_light_get_view(like)->scene.scene, rotation, &sources));
     RSV_TRY(rsv_light_begin_like(like, sources, &turned));
     RSV_TRY(sample(like, turned));
     rsv_light_gather(turned, rgb_gray(0));
@@ -42,7 +41,7 @@ rsv_status rsv_turned_surroundings_solve(
     *result = turned;
     turned = NULL;
 cleanup:
-    rsv_solution_destroy(turned);
+    rsv_light_destroy(turned);
     rsv_light_sources_release(sources);
     return status;
 }

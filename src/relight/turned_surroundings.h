@@ -5,10 +5,10 @@
 
 #include "../solve/light_change.h"
 
-/// The answer of rsv_solution_relight to the same turn with all other lights off.
+/// The answer of rsv_light_relight to the same turn with all other lights off.
 /// @param rotation degrees as in rsv_environment; the scene must have surroundings
 /// @param turned another light of the same operator, on the same levels
 rsv_status rsv_turned_surroundings_solve(
-    const rsv_solution *solution, float rotation, rsv_solution **turned);
+    const rsv_light *solution, float rotation, rsv_light **turned);
 
 #endif

@@ -1,11 +1,11 @@
 /// One step of a camera path: what it finds at the surface where it has arrived, and the branches that leave from there.
-/// Whoever follows paths drives it: one by one (camera_chain.c), sixteen at a time (frame/chain_arrival.c), in waves on a
+/// Whoever follows paths drives it: one by one (camera_path.c), sixteen at a time (frame/specular_arrival.c), in waves on a
 /// device (gpu/frame_kernels.h). Plain C, also for device code.
 #ifndef RSV_CAMERA_STEP_H
 #define RSV_CAMERA_STEP_H
 
-#include "../chain/chain_walk.h"
 #include "../core/sampling.h"
+#include "../specular/specular_walk.h"
 #include "rough_light.h"
 
 // ---- what is found --------------------------------------------------------------------------------
@@ -21,47 +21,46 @@ RSV_INLINE bool rsv_side_shows_emission(const rsv_bsdf *bsdf, bool back)
 #define RSV_FAINT_BRANCH 0.01f ///< branches below this weight play roulette
 
 /// Whether an ideal branch is to be followed.
-/// @param carried of the chain so far @param weight of the branch; made up for those that are not
-RSV_INLINE bool rsv_weight_survives(rsv_rgb carried, uint32_t path, bool transmit, rsv_rgb *weight)
+/// @param carried of the specular path so far @param weight of the branch; made up for those that are not
+RSV_INLINE bool rsv_weight_survives(rsv_rgb carried, uint32_t trail, bool transmit, rsv_rgb *weight)
 {
     float most = rgb_max(rgb_mul(carried, *weight));
     if (most <= 0) return false;
     if (most >= RSV_FAINT_BRANCH) return true;
-    if (rsv_unit_float(rsv_hash2(path, transmit)) * RSV_FAINT_BRANCH >= most) return false;
+    if (rsv_unit_float(rsv_hash2(trail, transmit)) * RSV_FAINT_BRANCH >= most) return false;
     *weight = rgb_scale(*weight, RSV_FAINT_BRANCH / most);
     return true;
 }
 
 RSV_INLINE bool rsv_branch_survives(
-    const rsv_chain *chain, uint32_t path, bool transmit, rsv_rgb *weight)
+    const rsv_specular_path *path, uint32_t trail, bool transmit, rsv_rgb *weight)
 {
-    return rsv_weight_survives(chain->weight, path, transmit, weight);
+    return rsv_weight_survives(path->weight, trail, transmit, weight);
 }
 
-/// The path of the link at the end of an ideal branch.
-RSV_INLINE uint32_t rsv_branch_path(uint32_t path, bool transmit)
+/// The trail of the link at the end of an ideal branch.
+RSV_INLINE uint32_t rsv_branch_trail(uint32_t trail, bool transmit)
 {
-    return rsv_hash2(path, 2 + transmit);
+    return rsv_hash2(trail, 2 + transmit);
 }
 
 /// A branch that is to be followed.
 typedef struct rsv_camera_branch {
     bool transmit;
     rsv_vec3 direction;
-    rsv_rgb weight; ///< multiplies the chain's
-    uint32_t path;  ///< its name
+    rsv_rgb weight; ///< multiplies the specular path's
+    uint32_t trail; ///< its name
 } rsv_camera_branch;
 
-/// One ideal branch of a surface, if it is to be followed. @param path of the chain @param max_events specular ones at most
-RSV_INLINE bool rsv_ideal_branch(const rsv_chain *chain, uint32_t path, uint32_t max_events,
+/// One ideal branch of a surface, if it is to be followed. @param trail of the specular path @param max_events specular ones at most
+RSV_INLINE bool rsv_ideal_branch(const rsv_specular_path *path, uint32_t trail, uint32_t max_events,
     bool transmit, const rsv_bsdf_branches *branches, rsv_camera_branch *branch)
 {
     branch->transmit = transmit;
     branch->direction = transmit ? branches->transmit_direction : branches->reflect_direction;
     branch->weight = transmit ? branches->transmit : branches->reflect;
-    branch->path = rsv_branch_path(path, transmit);
-    return chain->events < max_events &&
-           rsv_branch_survives(chain, path, transmit, &branch->weight);
+    branch->trail = rsv_branch_trail(trail, transmit);
+    return path->events < max_events && rsv_branch_survives(path, trail, transmit, &branch->weight);
 }
 
 // ---- the branch of rough lobes --------------------------------------------------------------------
@@ -71,11 +70,11 @@ typedef struct rsv_rough_numbers {
     float kept, light[3], direction[3], sky[3];
 } rsv_rough_numbers;
 
-/// @param path as in camera_chain.h
-RSV_INLINE rsv_rough_numbers rsv_rough_numbers_of(uint32_t path, uint32_t triangle)
+/// @param trail as in camera_path.h
+RSV_INLINE rsv_rough_numbers rsv_rough_numbers_of(uint32_t trail, uint32_t triangle)
 {
     rsv_rough_numbers n;
-    rsv_random random = rsv_random_from(path, triangle, 0x17c3u);
+    rsv_random random = rsv_random_from(trail, triangle, 0x17c3u);
     n.kept = rsv_random_float(&random);
     for (int k = 0; k < 3; k++)
         n.light[k] = rsv_random_float(&random);
@@ -101,35 +100,35 @@ RSV_INLINE float rsv_rough_chance(
     return RSV_ROUGH_WORTH * rough < diffuse ? RSV_ROUGH_WORTH * rough / diffuse : 1;
 }
 
-/// Whether an event of rsv_rough_draw sends the chain on.
+/// Whether an event of rsv_rough_draw sends the specular path on.
 RSV_INLINE bool rsv_rough_goes_on(const rsv_bsdf_event *event)
 {
     bool specular = event->lobe == RSV_LOBE_REFLECT || event->lobe == RSV_LOBE_TRANSMIT;
     return specular && event->pdf_solid_angle > 0;
 }
 
-/// A rough surface whose lobes are looked at: the chain, which is made up for those that are not, and its surface.
-/// @param chain in and out @return false = this one is not
-RSV_INLINE bool rsv_rough_arrive(const rsv_transport_scene *scene, rsv_chain *chain,
+/// A rough surface whose lobes are looked at: the specular path, which is made up for those that are not, and its surface.
+/// @param specular path in and out @return false = this one is not
+RSV_INLINE bool rsv_rough_arrive(const rsv_transport_scene *scene, rsv_specular_path *path,
     const rsv_rough_numbers *numbers, const rsv_bsdf_branches *branches, rsv_rough_surface *surface)
 {
-    rsv_rough_meet(scene, chain, surface);
+    rsv_rough_meet(scene, path, surface);
     float chance = rsv_rough_chance(surface, branches);
     if (numbers->kept >= chance) return false;
-    chain->weight = rgb_scale(chain->weight, 1 / chance);
+    path->weight = rgb_scale(path->weight, 1 / chance);
     return true;
 }
 
-/// The branch that its lobes draw. @param path of the chain @param max_events specular ones at most
+/// The branch that its lobes draw. @param trail of the specular path @param max_events specular ones at most
 RSV_INLINE bool rsv_rough_branch(const rsv_rough_surface *surface, const rsv_rough_numbers *numbers,
-    uint32_t path, uint32_t max_events, rsv_camera_branch *branch)
+    uint32_t trail, uint32_t max_events, rsv_camera_branch *branch)
 {
     rsv_bsdf_event event = rsv_rough_draw(surface, numbers->direction);
     branch->transmit = event.lobe == RSV_LOBE_TRANSMIT;
     branch->direction = event.direction;
     branch->weight = event.weight;
-    branch->path = rsv_branch_path(path, false);
-    return rsv_rough_goes_on(&event) && surface->chain->events < max_events;
+    branch->trail = rsv_branch_trail(trail, false);
+    return rsv_rough_goes_on(&event) && surface->path->events < max_events;
 }
 
 #endif

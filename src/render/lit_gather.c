@@ -1,15 +1,15 @@
 #include "lit_gather.h"
 
-#include "../light/partition.h"
+#include "../sources/partition.h"
 #include "camera_step.h"
 
-/// A chain on its way.
+/// A specular path on its way.
 typedef struct traveller {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
     bool shot;
     rsv_random *random;
-    rsv_chain chain;
+    rsv_specular_path path;
     rsv_rough_departure departure; ///< how it left the surface before
     rsv_rgb found;
 } traveller;
@@ -18,24 +18,24 @@ static void add(traveller *t, rsv_rgb radiance) { t->found = rgb_add(t->found, r
 
 static bool counts(const traveller *t)
 {
-    return rsv_gathering_counts(t->lights, t->chain.triangle, t->chain.turns, t->shot);
+    return rsv_gathering_counts(t->lights, t->path.triangle, t->path.turns, t->shot);
 }
 
 static void add_emission(traveller *t, const rsv_bsdf *bsdf)
 {
-    const rsv_chain *chain = &t->chain;
-    if (!bsdf->emissive || (chain->back && !bsdf->double_sided) || !counts(t)) return;
-    float weight = rsv_rough_emission_weight(t->scene, t->lights, chain, &t->departure);
+    const rsv_specular_path *path = &t->path;
+    if (!bsdf->emissive || (path->back && !bsdf->double_sided) || !counts(t)) return;
+    float weight = rsv_rough_emission_weight(t->scene, t->lights, path, &t->departure);
     rsv_rgb emission = rgb_scale(bsdf->emission, weight * bsdf->opacity);
-    add(t, rgb_mul(rsv_chain_throughput(t->scene, chain, &chain->medium), emission));
+    add(t, rgb_mul(rsv_specular_throughput(t->scene, path, &path->medium), emission));
 }
 
 static void add_sky(traveller *t)
 {
-    rsv_vec3 direction = t->chain.direction;
-    rsv_rgb sky = t->chain.turns ? rsv_rough_sky(t->lights, direction, &t->departure)
-                                 : rsv_gathering_sky(t->lights, direction, 0, t->shot);
-    add(t, rgb_mul(rsv_chain_throughput(t->scene, &t->chain, &t->chain.medium), sky));
+    rsv_vec3 direction = t->path.direction;
+    rsv_rgb sky = t->path.turns ? rsv_rough_sky(t->lights, direction, &t->departure)
+                                : rsv_gathering_sky(t->lights, direction, 0, t->shot);
+    add(t, rgb_mul(rsv_specular_throughput(t->scene, &t->path, &t->path.medium), sky));
 }
 
 /// Aims at sources. @param chance of coming to aim at them from here
@@ -53,7 +53,7 @@ static rsv_bsdf_event draw(traveller *t, const rsv_rough_surface *s)
     float opacity = s->bsdf->opacity;
     // what was aimed at was so past blended surfaces, too
     if (opacity < 1 && rsv_random_float(t->random) >= opacity)
-        return rsv_event(RSV_LOBE_PASS, t->chain.direction, rgb_gray(1));
+        return rsv_event(RSV_LOBE_PASS, t->path.direction, rgb_gray(1));
     t->departure = (rsv_rough_departure){ .shot = t->shot };
     float u_lobe = rsv_random_float(t->random), u1 = rsv_random_float(t->random);
     rsv_bsdf_event event = rsv_bsdf_draw_event(
@@ -68,39 +68,39 @@ static rsv_bsdf_event draw(traveller *t, const rsv_rough_surface *s)
     return event;
 }
 
-/// Moves on by an event. @return false if the chain ends, as `end` then says
-static bool move_on(traveller *t, const rsv_bsdf_event *event, rsv_chain_end *end)
+/// Moves on by an event. @return false if the specular path ends, as `end` then says
+static bool move_on(traveller *t, const rsv_bsdf_event *event, rsv_specular_end *end)
 {
-    *end = RSV_CHAIN_ABSORBED;
-    if (event->lobe == RSV_LOBE_NONE || t->chain.events >= RSV_CHAIN_MAX_EVENTS) return false;
+    *end = RSV_SPECULAR_ABSORBED;
+    if (event->lobe == RSV_LOBE_NONE || t->path.events >= RSV_SPECULAR_MAX_EVENTS) return false;
     if (event->lobe == RSV_LOBE_DIFFUSE) {
-        t->chain.weight = rgb_mul(t->chain.weight, event->weight);
-        if (rsv_chain_survives(&t->chain.weight, t->random)) *end = RSV_CHAIN_DIFFUSE;
+        t->path.weight = rgb_mul(t->path.weight, event->weight);
+        if (rsv_specular_survives(&t->path.weight, t->random)) *end = RSV_SPECULAR_DIFFUSE;
         return false;
     }
-    rsv_chain_move move = rsv_chain_follow(t->scene, &t->chain, event, event->weight);
-    if (move == RSV_CHAIN_MOVED) return rsv_chain_survives(&t->chain.weight, t->random);
-    if (move == RSV_CHAIN_LEFT_SCENE) {
+    rsv_specular_move move = rsv_specular_follow(t->scene, &t->path, event, event->weight);
+    if (move == RSV_SPECULAR_MOVED) return rsv_specular_survives(&t->path.weight, t->random);
+    if (move == RSV_SPECULAR_LEFT_SCENE) {
         add_sky(t);
-        *end = RSV_CHAIN_ESCAPED;
+        *end = RSV_SPECULAR_ESCAPED;
     }
     return false;
 }
 
 rsv_gather rsv_gather_lit(const rsv_transport_scene *scene, const rsv_lights *lights, bool shot,
-    rsv_chain chain, rsv_random *random)
+    rsv_specular_path path, rsv_random *random)
 {
-    traveller t = { scene, lights, shot, random, chain, { .shot = shot }, rgb_gray(0) };
-    rsv_gather gather = { .end = RSV_CHAIN_ABSORBED };
+    traveller t = { scene, lights, shot, random, path, { .shot = shot }, rgb_gray(0) };
+    rsv_gather gather = { .end = RSV_SPECULAR_ABSORBED };
     rsv_bsdf_event event;
     do {
         rsv_rough_surface surface;
-        rsv_rough_meet(scene, &t.chain, &surface);
+        rsv_rough_meet(scene, &t.path, &surface);
         add_emission(&t, surface.bsdf);
         event = draw(&t, &surface);
     } while (move_on(&t, &event, &gather.end));
-    gather.chain = t.chain;
-    gather.chain.weight = rsv_chain_throughput(scene, &t.chain, &t.chain.medium);
+    gather.path = t.path;
+    gather.path.weight = rsv_specular_throughput(scene, &t.path, &t.path.medium);
     gather.emission = t.found;
     return gather;
 }

@@ -1,17 +1,17 @@
-/// Gather chains that find, on their way over rough surfaces, what sources send there: light that no row of G holds, for
+/// Gather specular paths that find, on their way over rough surfaces, what sources send there: light that no row of G holds, for
 /// receivers that no photon lands on.
 #ifndef RSV_LIT_GATHER_H
 #define RSV_LIT_GATHER_H
 
-#include "../chain/chain.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
 
-/// Follows a chain from its first surface to its diffuse end, drawing events by their probability. Emission of gathered
+/// Follows a specular path from its first surface to its diffuse end, drawing events by their probability. Emission of gathered
 /// groups counts wherever it is met, that of other sources behind specular surfaces: smooth ones lead there by chance, from
 /// rough ones sources are aimed at as well (rough_light.h).
 /// @param shot leaves out what photons bring: emitters that are not gathered, suns and punctual lights
-/// @return emission: what was found of sources, the sky included. Of an escaped chain it holds all there is.
+/// @return emission: what was found of sources, the sky included. Of an escaped specular path it holds all there is.
 rsv_gather rsv_gather_lit(const rsv_transport_scene *scene, const rsv_lights *lights, bool shot,
-    rsv_chain chain, rsv_random *random);
+    rsv_specular_path path, rsv_random *random);
 
 #endif

@@ -1,4 +1,4 @@
-/// Modes operator and final: camera chains, then the solved light.
+/// Modes operator and final: camera paths, then the solved light.
 #include "../core/team.h"
 #include "picture_row.h"
 #include "shot_light.h"
@@ -112,9 +112,9 @@ static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_de
     return RSV_OK;
 }
 
-rsv_status rsv_render(const rsv_solution *light, const rsv_render_desc *desc, rsv_image **image)
+rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_image **image)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
+    const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_status status = check_desc(solution, desc);
     rsv_sky_visibility *visibility = NULL;
     if (status != RSV_OK) return status;
@@ -129,7 +129,7 @@ rsv_status rsv_render(const rsv_solution *light, const rsv_render_desc *desc, rs
     RSV_TRY(rsv_image_create(
         solution->context, desc->width, desc->height, job.layer_count, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));
-    job.setting = (rsv_camera_setting){ &solution->scene, solution->lights, NULL, desc->chain_depth,
+    job.setting = (rsv_camera_setting){ &solution->scene, solution->lights, NULL, desc->path_depth,
         !desc->shared_pattern && rsv_shot_light_wanted(solution) };
     if (!desc->shared_pattern) RSV_TRY(rsv_sky_visibility_create(solution, &visibility));
     job.setting.visibility = visibility;

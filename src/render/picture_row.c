@@ -1,7 +1,7 @@
 #include "picture_row.h"
 
 #include "../trace/packet.h"
-#include "camera_chain.h"
+#include "camera_path.h"
 #include "picture_shade.h"
 
 #include <string.h>
@@ -57,11 +57,11 @@ static void shade_ray(rsv_picture_row *r, uint32_t k)
         rsv_picture_add_light(r, r->column, 0, rsv_sky_radiance(&job->sky, direction));
         return;
     }
-    rsv_chain chain = rsv_chain_begin(&job->solution->scene, &job->medium, direction,
+    rsv_specular_path path = rsv_specular_begin(&job->solution->scene, &job->medium, direction,
         packet->triangle[k], packet->u[k], packet->v[k], packet->t_max[k]);
-    rsv_chain_set_spread(&chain, spread_of(r), packet->t_max[k]);
+    rsv_specular_set_spread(&path, spread_of(r), packet->t_max[k]);
     rsv_rgb emission =
-        rsv_camera_chain(&job->setting, chain, rsv_hash2(r->sample.seed, r->sample.index),
+        rsv_camera_path(&job->setting, path, rsv_hash2(r->sample.seed, r->sample.index),
             job->desc->shared_pattern ? NULL : &r->sample, rsv_picture_shade, r);
     rsv_picture_add_light(r, r->column, 0, emission);
 }

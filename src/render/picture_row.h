@@ -2,9 +2,9 @@
 #ifndef RSV_PICTURE_ROW_H
 #define RSV_PICTURE_ROW_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "../trace/camera_ray.h"
-#include "camera_chain.h"
+#include "camera_path.h"
 #include "pixel_direct.h"
 #include "pixel_noise.h"
 #include "resolvent/render.h"
@@ -42,7 +42,7 @@ typedef struct rsv_picture_row {
     rsv_pixel_direct direct;
     rsv_picture_batch batch;
     uint32_t row;
-    // what rsv_camera_chain's callback needs to know of the ray in hand
+    // what rsv_camera_path's callback needs to know of the ray in hand
     uint32_t column;
     rsv_pixel_sample sample;
 } rsv_picture_row;

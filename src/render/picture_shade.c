@@ -29,32 +29,32 @@ static void look_up_diffused(rsv_picture_row *r, uint32_t face, float u, float v
     const rsv_light_view *s = r->job->solution;
     if (r->job->layer_count == 1) {
         rsv_picture_add_light(
-            r, r->column, 0, rgb_mul(weight, rsv_solution_diffused(s, face, u, v, RSV_NONE)));
+            r, r->column, 0, rgb_mul(weight, rsv_light_view_diffused(s, face, u, v, RSV_NONE)));
         return;
     }
     for (uint32_t order = 1; order < s->order_count; order++)
-        rsv_picture_add_light(
-            r, r->column, 1 + order, rgb_mul(weight, rsv_solution_diffused(s, face, u, v, order)));
+        rsv_picture_add_light(r, r->column, 1 + order,
+            rgb_mul(weight, rsv_light_view_diffused(s, face, u, v, order)));
 }
 
 /// Direct light of a translucent surface: diffused, and the share of detail that only pixels or the direct level
 /// resolve. @param weight radiance at the camera per irradiance
 static void shade_translucent(
-    rsv_picture_row *r, const rsv_chain *chain, uint32_t face, rsv_rgb weight)
+    rsv_picture_row *r, const rsv_specular_path *path, uint32_t face, rsv_rgb weight)
 {
     const rsv_light_view *s = r->job->solution;
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
-    rsv_rgb direct = rsv_solution_diffused(s, face, chain->u, chain->v, 0);
+    rsv_rgb direct = rsv_light_view_diffused(s, face, path->u, path->v, 0);
     if (final || s->fine.direct) {
-        rsv_unresolved detail = rsv_solution_unresolved(s, face, chain->u, chain->v);
-        rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
+        rsv_unresolved detail = rsv_light_unresolved(s, face, path->u, path->v);
+        rsv_rgb stored = rsv_light_view_direct(s, face, path->u, path->v, final);
         direct = rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
         if (final)
             rsv_pixel_direct_add(
-                &r->direct, chain, rgb_mul(weight, detail.share), r->column, r->sample);
+                &r->direct, path, rgb_mul(weight, detail.share), r->column, r->sample);
     }
     rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, direct));
-    look_up_diffused(r, face, chain->u, chain->v, weight);
+    look_up_diffused(r, face, path->u, path->v, weight);
 }
 
 /// One gather ray's contribution to each order at the receiver.
@@ -62,21 +62,21 @@ static void add_gathered(
     rsv_picture_row *r, const rsv_gather *gather, rsv_rgb weight, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
-    const rsv_chain *chain = &gather->chain;
-    uint32_t face = s->elements->face_of[chain->back][chain->triangle];
+    const rsv_specular_path *path = &gather->path;
+    uint32_t face = s->elements->face_of[path->back][path->triangle];
     if (face == RSV_NONE) return;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
-    weight = rgb_mul(rgb_mul(weight, chain->weight), bsdf->base_color);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
+    weight = rgb_mul(rgb_mul(weight, path->weight), bsdf->base_color);
     bool translucent = rsv_is_translucent(s, face);
-    rsv_rgb direct = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, 0)
-                                 : rgb_add(rsv_solution_direct(s, face, chain->u, chain->v, true),
-                                       rsv_sampled_irradiance(s, chain, random));
+    rsv_rgb direct = translucent ? rsv_light_view_diffused(s, face, path->u, path->v, 0)
+                                 : rgb_add(rsv_light_view_direct(s, face, path->u, path->v, true),
+                                       rsv_sampled_irradiance(s, path, random));
     rsv_picture_add_light(r, r->column, 2, rgb_mul(weight, direct));
     for (uint32_t order = 1; order < s->order_count; order++) {
-        rsv_rgb e = translucent ? rsv_solution_diffused(s, face, chain->u, chain->v, order)
+        rsv_rgb e = translucent ? rsv_light_view_diffused(s, face, path->u, path->v, order)
                                 : rsv_elements_interpolate(
-                                      s->elements, s->order[order], face, chain->u, chain->v);
+                                      s->elements, s->order[order], face, path->u, path->v);
         uint32_t shown = order + 2 <= RSV_KEPT_ORDERS ? order + 2 : RSV_KEPT_ORDERS;
         rsv_picture_add_light(r, r->column, shown, rgb_mul(weight, e));
     }
@@ -88,14 +88,14 @@ static bool no_emission(const void *user, uint32_t triangle, uint32_t turns)
     return false;
 }
 
-static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb weight)
+static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, rsv_rgb weight)
 {
     const rsv_light_view *s = r->job->solution;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
     rsv_surface_point point = rsv_surface_point_seen(
-        s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, &point);
+        s->scene.view, path->triangle, path->u, path->v, path->back, path->width);
+    rsv_surface_lift(s->scene.view, s->tracer, path->triangle, path->u, path->v, &point);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
     v3_frame(point.normal, &t, &b);
     uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
@@ -110,35 +110,35 @@ static void gather_indirect(rsv_picture_row *r, const rsv_chain *chain, rsv_rgb 
         if (v3_dot(ray.direction, point.horizon) <= 0 || !rsv_tracer_closest(s->tracer, &ray, &hit))
             continue;
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
-        rsv_chain first = rsv_chain_begin(
-            &s->scene, &chain->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
-        rsv_gather gather = rsv_chain_gather(&s->scene, first, &random, no_emission, NULL);
+        rsv_specular_path first = rsv_specular_begin(
+            &s->scene, &path->medium, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+        rsv_gather gather = rsv_specular_gather(&s->scene, first, &random, no_emission, NULL);
         rsv_rgb entered = rgb_mul(weight, rsv_bsdf_entry(bsdf, d.z));
-        if (gather.end == RSV_CHAIN_DIFFUSE)
+        if (gather.end == RSV_SPECULAR_DIFFUSE)
             add_gathered(r, &gather, rgb_scale(entered, 1 / (float)rays), &random);
     }
 }
 
-void rsv_picture_shade(void *user, const rsv_chain *chain, rsv_rgb weight)
+void rsv_picture_shade(void *user, const rsv_specular_path *path, rsv_rgb weight)
 {
     rsv_picture_row *r = user;
     const rsv_light_view *s = r->job->solution;
-    uint32_t face = s->elements->face_of[chain->back][chain->triangle];
+    uint32_t face = s->elements->face_of[path->back][path->triangle];
     if (face == RSV_NONE) return;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, chain, &storage);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
     // radiance at the camera per irradiance of the surface
     weight = rgb_scale(rgb_mul(weight, bsdf->base_color), 1 / RSV_PI);
     if (rsv_is_translucent(s, face)) {
-        shade_translucent(r, chain, face, weight);
+        shade_translucent(r, path, face, weight);
         return;
     }
     bool final = r->job->desc->mode == RSV_RENDER_FINAL;
-    rsv_rgb stored = rsv_solution_direct(s, face, chain->u, chain->v, final);
+    rsv_rgb stored = rsv_light_view_direct(s, face, path->u, path->v, final);
     rsv_picture_add_light(r, r->column, 1, rgb_mul(weight, stored));
-    if (final) rsv_pixel_direct_add(&r->direct, chain, weight, r->column, r->sample);
+    if (final) rsv_pixel_direct_add(&r->direct, path, weight, r->column, r->sample);
     if (final && r->job->desc->gather_rays)
-        gather_indirect(r, chain, weight);
+        gather_indirect(r, path, weight);
     else
-        look_up_indirect(r, face, chain->u, chain->v, weight);
+        look_up_indirect(r, face, path->u, path->v, weight);
 }

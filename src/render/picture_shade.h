@@ -7,7 +7,7 @@
 /// Adds radiance to the picture and, where wanted, to the layer of its order: 0 = emission, 1 = direct.
 void rsv_picture_add_light(rsv_picture_row *row, uint32_t column, uint32_t order, rsv_rgb radiance);
 
-/// A diffuse surface seen by the camera: callback of rsv_camera_chain. @param user the rsv_picture_row
-void rsv_picture_shade(void *user, const rsv_chain *chain, rsv_rgb weight);
+/// A diffuse surface seen by the camera: callback of rsv_camera_path. @param user the rsv_picture_row
+void rsv_picture_shade(void *user, const rsv_specular_path *path, rsv_rgb weight);
 
 #endif

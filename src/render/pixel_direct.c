@@ -1,6 +1,6 @@
 #include "pixel_direct.h"
 
-#include "../light/punctual_light.h"
+#include "../sources/punctual_light.h"
 #include "../surface/lift.h"
 #include "../trace/packet.h"
 #include "../trace/passage.h"
@@ -63,13 +63,13 @@ static bool push_term(rsv_pixel_direct *d, rsv_direct_term term)
 
 /// Of the last term.
 static void push_spot(
-    rsv_pixel_direct *d, const rsv_chain *chain, rsv_rgb weight, rsv_pixel_sample sample)
+    rsv_pixel_direct *d, const rsv_specular_path *path, rsv_rgb weight, rsv_pixel_sample sample)
 {
     if (d->status == RSV_OK)
         d->status = rsv_grow(d->solution->context, (void **)&d->spot, &d->spot_capacity,
             d->spot_count + 1, sizeof *d->spot);
     if (d->status == RSV_OK)
-        d->spot[d->spot_count++] = (rsv_direct_spot){ *chain, weight, sample, d->term_count - 1 };
+        d->spot[d->spot_count++] = (rsv_direct_spot){ *path, weight, sample, d->term_count - 1 };
 }
 
 /// @param carried what the ray brings to its term if it is free
@@ -107,13 +107,13 @@ typedef struct lit_point {
 } lit_point;
 
 static void set_up_point(
-    const rsv_light_view *s, const rsv_chain *chain, rsv_surface_point point, lit_point *lit)
+    const rsv_light_view *s, const rsv_specular_path *path, rsv_surface_point point, lit_point *lit)
 {
-    lit->bsdf = rsv_chain_bsdf(&s->scene, chain, &lit->storage);
+    lit->bsdf = rsv_specular_bsdf(&s->scene, path, &lit->storage);
     lit->point = point;
-    rsv_surface_lift(s->scene.view, s->tracer, chain->triangle, chain->u, chain->v, &lit->point);
+    rsv_surface_lift(s->scene.view, s->tracer, path->triangle, path->u, path->v, &lit->point);
     lit->origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-    lit->medium = &chain->medium;
+    lit->medium = &path->medium;
     lit->media = s->bsdf;
 }
 
@@ -148,7 +148,7 @@ static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
         rgb_scale(rgb_mul(entered, light.radiance), scale), known);
 }
 
-static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_point *lit,
+static void add_emitters(rsv_pixel_direct *d, const rsv_specular_path *path, const lit_point *lit,
     rsv_rgb weight, uint32_t column, rsv_pixel_sample sample)
 {
     rsv_local_lights local;
@@ -159,7 +159,7 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_chain *chain, const lit_
     };
     term.expected = rgb_luminance(term.exact) + rgb_luminance(weight) * local.tree_estimate;
     if (!push_term(d, term)) return;
-    push_spot(d, chain, weight, sample);
+    push_spot(d, path, weight, sample);
     aim(d, d->term_count - 1, &local, lit, weight, within_half(sample));
 }
 
@@ -184,21 +184,21 @@ static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weig
     }
 }
 
-static void set_up_seen(const rsv_light_view *s, const rsv_chain *chain, lit_point *lit)
+static void set_up_seen(const rsv_light_view *s, const rsv_specular_path *path, lit_point *lit)
 {
-    set_up_point(s, chain,
+    set_up_point(s, path,
         rsv_surface_point_seen(
-            s->scene.view, chain->triangle, chain->u, chain->v, chain->back, chain->width),
+            s->scene.view, path->triangle, path->u, path->v, path->back, path->width),
         lit);
 }
 
-void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_chain *chain, rsv_rgb weight,
+void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_specular_path *path, rsv_rgb weight,
     uint32_t column, rsv_pixel_sample sample)
 {
     lit_point lit;
-    set_up_seen(d->solution, chain, &lit);
+    set_up_seen(d->solution, path, &lit);
     if (rsv_lights_any_sampled(d->solution->lights))
-        add_emitters(d, chain, &lit, weight, column, sample);
+        add_emitters(d, path, &lit, weight, column, sample);
     add_punctual(d, &lit, weight, column, sample);
 }
 
@@ -264,7 +264,7 @@ static void send_further_rays(rsv_pixel_direct *d, const rsv_direct_spot *spot, 
     const rsv_light_view *s = d->solution;
     lit_point lit;
     rsv_local_lights local;
-    set_up_seen(s, &spot->chain, &lit);
+    set_up_seen(s, &spot->path, &lit);
     rsv_lights_at(s->lights, lit.point.position, lit.point.normal, &local);
     rsv_pixel_sample own = within_half(spot->sample);
     rsv_pixel_sample sample = { own.index * further, own.count * further, rsv_hash2(own.seed, 6) };
@@ -346,12 +346,12 @@ static rsv_rgb sampled_emitter(const rsv_light_view *s, const lit_point *lit, rs
     return rgb_scale(entered, passed * cos / light.pdf_solid_angle);
 }
 
-rsv_rgb rsv_sampled_irradiance(const rsv_light_view *s, const rsv_chain *chain, rsv_random *random)
+rsv_rgb rsv_sampled_irradiance(
+    const rsv_light_view *s, const rsv_specular_path *path, rsv_random *random)
 {
     lit_point lit;
-    set_up_point(s, chain,
-        rsv_surface_point_at(s->scene.view, chain->triangle, chain->u, chain->v, chain->back),
-        &lit);
+    set_up_point(s, path,
+        rsv_surface_point_at(s->scene.view, path->triangle, path->u, path->v, path->back), &lit);
     rsv_rgb sum = rgb_gray(0);
     if (rsv_lights_any_sampled(s->lights)) sum = sampled_emitter(s, &lit, random);
     float u = rsv_random_float(random);

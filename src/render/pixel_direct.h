@@ -17,7 +17,7 @@
 #ifndef RSV_PIXEL_DIRECT_H
 #define RSV_PIXEL_DIRECT_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "pixel_noise.h"
 #include "pixel_sample.h"
 
@@ -27,14 +27,14 @@ typedef struct rsv_direct_term {
     uint32_t rays, asked; ///< drawn; of these, to sources that A knows, not below the horizon
     float seen, veiled;   ///< of those: what passes of each, and what passes times what does not
     float expected;       ///< luminance without occlusion, emitters in a tree by a rough estimate
-    rsv_rgb exact;        ///< A times the weight of the camera chain, as all that follows
+    rsv_rgb exact;        ///< A times the weight of the camera path, as all that follows
     rsv_rgb arrived;      ///< sum of S V over the rays
     rsv_rgb control;      ///< sum of C over the rays
 } rsv_direct_term;
 
 /// A surface that may want further shadow rays.
 typedef struct rsv_direct_spot {
-    rsv_chain chain;
+    rsv_specular_path path;
     rsv_rgb weight;
     rsv_pixel_sample sample;
     size_t term;
@@ -70,9 +70,9 @@ rsv_status rsv_pixel_direct_begin(
     rsv_pixel_direct *direct, const rsv_light_view *solution, uint32_t width);
 void rsv_pixel_direct_end(rsv_pixel_direct *direct);
 
-/// Adds the sampled light of all sources at the chain's surface.
+/// Adds the sampled light of all sources at the specular path's surface.
 /// @param weight radiance at the camera per irradiance
-void rsv_pixel_direct_add(rsv_pixel_direct *direct, const rsv_chain *chain, rsv_rgb weight,
+void rsv_pixel_direct_add(rsv_pixel_direct *direct, const rsv_specular_path *path, rsv_rgb weight,
     uint32_t column, rsv_pixel_sample sample);
 
 /// Called for each pixel with the sum over its samples, and the sum of the squares of their luminance.
@@ -83,8 +83,8 @@ typedef void (*rsv_pixel_direct_sink)(void *user, uint32_t column, rsv_rgb radia
 rsv_status rsv_pixel_direct_resolve(
     rsv_pixel_direct *direct, const rsv_pixel_noise *noise, rsv_pixel_direct_sink add, void *user);
 
-/// One-sample estimate of the irradiance that next-event estimation finds at the chain's surface.
+/// One-sample estimate of the irradiance that next-event estimation finds at the specular path's surface.
 rsv_rgb rsv_sampled_irradiance(
-    const rsv_light_view *solution, const rsv_chain *chain, rsv_random *random);
+    const rsv_light_view *solution, const rsv_specular_path *path, rsv_random *random);
 
 #endif

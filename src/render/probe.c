@@ -1,9 +1,9 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
 #include "../core/stratified.h"
-#include "../light/partition.h"
-#include "../light/punctual_light.h"
 #include "../solve/goal.h"
-#include "../solve/solution.h"
+#include "../solve/light.h"
+#include "../sources/partition.h"
+#include "../sources/punctual_light.h"
 #include "../trace/passage.h"
 #include "lit_gather.h"
 #include "pixel_direct.h"
@@ -46,11 +46,11 @@ static void find_surface(receiver *r)
     if (!s->caustics.caustic || r->job->gather_caustics ||
         !rsv_tracer_closest(s->tracer, &ray, &hit))
         return;
-    rsv_chain chain =
-        rsv_chain_begin(&s->scene, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
-    uint32_t face = s->elements->face_of[chain.back][hit.triangle];
+    rsv_specular_path path =
+        rsv_specular_begin(&s->scene, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    uint32_t face = s->elements->face_of[path.back][hit.triangle];
     rsv_surface_point point =
-        rsv_surface_point_at(s->scene.view, hit.triangle, hit.u, hit.v, chain.back);
+        rsv_surface_point_at(s->scene.view, hit.triangle, hit.u, hit.v, path.back);
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[hit.triangle]];
     // what is stored is the light that enters this surface: of use to receivers that lie flat on it
     if (face == RSV_NONE || bsdf->coated || v3_dot(point.normal, r->normal) < 0.999f) return;
@@ -180,7 +180,7 @@ static void add_punctual(const receiver *r, uint32_t index, double value[3][GROU
 
 /// Remembers what a ray has looked up, for the standard error.
 static void note_stored(
-    receiver *r, const rsv_chain *end, uint32_t face, const rsv_bsdf *bsdf, rsv_rgb stored)
+    receiver *r, const rsv_specular_path *end, uint32_t face, const rsv_bsdf *bsdf, rsv_rgb stored)
 {
     if (!r->job->noise) return;
     float share = rgb_luminance(rgb_mul(end->weight, bsdf->base_color));
@@ -196,27 +196,27 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit))
         return rsv_gathering_sky(s->lights, direction, 0, r->has_caustic);
-    rsv_chain first =
-        rsv_chain_begin(&s->scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path first =
+        rsv_specular_begin(&s->scene, &r->medium, direction, hit.triangle, hit.u, hit.v, hit.t);
     // the stored caustic holds what photons bring
     rsv_gather gather = rsv_gather_lit(&s->scene, s->lights, r->has_caustic, first, random);
     rsv_rgb radiance = gather.emission;
-    if (gather.end != RSV_CHAIN_DIFFUSE) return radiance;
-    const rsv_chain *end = &gather.chain;
+    if (gather.end != RSV_SPECULAR_DIFFUSE) return radiance;
+    const rsv_specular_path *end = &gather.path;
     uint32_t face = s->elements->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return radiance;
     rsv_bsdf storage;
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&s->scene, end, &storage);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, end, &storage);
     if (rsv_is_translucent(s, face)) {
-        rsv_rgb diffused = rgb_add(rsv_solution_diffused(s, face, end->u, end->v, 0),
-            rsv_solution_diffused(s, face, end->u, end->v, RSV_NONE));
+        rsv_rgb diffused = rgb_add(rsv_light_view_diffused(s, face, end->u, end->v, 0),
+            rsv_light_view_diffused(s, face, end->u, end->v, RSV_NONE));
         rsv_rgb exitance = rgb_mul(bsdf->base_color, diffused);
         note_stored(r, end, face, bsdf, diffused);
         return rgb_mad(radiance, 1 / RSV_PI, rgb_mul(end->weight, exitance));
     }
     // Direct light at the far end is sampled there and then: what elements cannot resolve of it must not enter a
     // reading. All further light is looked up.
-    rsv_rgb stored = rgb_add(rsv_solution_direct(s, face, end->u, end->v, true),
+    rsv_rgb stored = rgb_add(rsv_light_view_direct(s, face, end->u, end->v, true),
         rsv_elements_interpolate(s->elements, s->indirect, face, end->u, end->v));
     note_stored(r, end, face, bsdf, stored);
     rsv_rgb irradiance = rgb_add(stored, rsv_sampled_irradiance(s, end, random));
@@ -305,7 +305,7 @@ static rsv_probe_reading look_up(
     rsv_vec3 a = s->scene.view->position[corner[0]];
     rsv_vec3 front = v3_cross(v3_sub(s->scene.view->position[corner[1]], a),
         v3_sub(s->scene.view->position[corner[2]], a));
-    reading.irradiance = rsv_light_irradiance(
+    reading.irradiance = rsv_light_view_irradiance(
         s, hit.triangle, hit.u, hit.v, v3_dot(front, probe->normal) < 0, RSV_NONE);
     uint32_t face = s->elements->face_of[v3_dot(front, probe->normal) < 0][hit.triangle];
     if (face != RSV_NONE)
@@ -313,11 +313,11 @@ static rsv_probe_reading look_up(
     return reading;
 }
 
-rsv_status rsv_probe_irradiance(const rsv_solution *light, rsv_probe_mode mode,
+rsv_status rsv_probe_irradiance(const rsv_light *light, rsv_probe_mode mode,
     const rsv_probe *probes, size_t probe_count, uint32_t samples, uint32_t seed,
     rsv_probe_reading *readings)
 {
-    const rsv_light_view *solution = rsv_solution_get_view(light);
+    const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_context *context = solution->context;
     if (mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(

@@ -2,7 +2,7 @@
 #ifndef RSV_PROBE_GATHER_H
 #define RSV_PROBE_GATHER_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "resolvent/render.h"
 #include "stored_noise.h"
 

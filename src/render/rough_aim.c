@@ -7,7 +7,7 @@ void rsv_rough_aim(
 {
     aim->count = 0;
     if (visibility)
-        rsv_sky_aim_at(visibility, rsv_sky_visibility_at(visibility, s->chain, &s->point), s->bsdf,
+        rsv_sky_aim_at(visibility, rsv_sky_visibility_at(visibility, s->path, &s->point), s->bsdf,
             s->wo, s->normal, aim);
 }
 

@@ -3,23 +3,24 @@
 #ifndef RSV_ROUGH_LIGHT_H
 #define RSV_ROUGH_LIGHT_H
 
-#include "../chain/chain.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_path.h"
 #include "../surface/lift.h"
 
-/// How a chain left a rough surface, for what it meets next, past blended surfaces.
+/// How a specular path left a rough surface, for what it meets next, past blended surfaces.
 typedef struct rsv_rough_departure {
-    rsv_vec3 point, side;  ///< of the surface; unit normal on the side that the chain left to
+    rsv_vec3 point,
+        side; ///< of the surface; unit normal on the side that the specular path left to
     float pdf_solid_angle; ///< 0 = not from a rough surface: nothing has been aimed at
     float sky_pdf;         ///< of the aim at the gathered sky
     bool
         shot; ///< emitters that are not gathered, suns and punctual lights are left out: shot_light.h
 } rsv_rough_departure;
 
-/// A rough surface that a chain has come to, as sources light it: what its textures make of it is looked up once.
+/// A rough surface that a specular path has come to, as sources light it: what its textures make of it is looked up once.
 typedef struct rsv_rough_surface {
     const rsv_transport_scene *scene;
-    const rsv_chain *chain;
+    const rsv_specular_path *path;
     const rsv_bsdf *bsdf; ///< into the scene's, or `storage`: the surface is not to be copied
     rsv_bsdf storage;
     rsv_surface_point point;
@@ -27,14 +28,14 @@ typedef struct rsv_rough_surface {
     bool front;
 } rsv_rough_surface;
 
-/// @param chain borrowed
+/// @param specular path borrowed
 RSV_SHARED void rsv_rough_meet(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_rough_surface *surface);
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *surface);
 
 /// Whether the lobes of a rough surface are all so wide that a light path which ends there is likely to reach any eye.
 RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf);
 
-/// What the rough lobes make of light from unit direction `wi`: radiance at the chain's start per irradiance on a
+/// What the rough lobes make of light from unit direction `wi`: radiance at the specular path's start per irradiance on a
 /// surface that faces it.
 RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *surface, rsv_vec3 wi);
 
@@ -48,27 +49,27 @@ RSV_SHARED rsv_rgb rsv_rough_light(
 /// @param u for the lobe and for the direction within it, in [0, 1)
 RSV_SHARED rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *surface, const float u[3]);
 
-/// The departure of the chain along `direction`. @param sky_pdf as in rsv_rough_departure
+/// The departure of the specular path along `direction`. @param sky_pdf as in rsv_rough_departure
 RSV_SHARED rsv_rough_departure rsv_rough_depart(
     const rsv_rough_surface *surface, rsv_vec3 direction, float sky_pdf);
 
-/// Weight of the emission of the surface that the chain has come to.
+/// Weight of the emission of the surface that the specular path has come to.
 RSV_SHARED float rsv_rough_emission_weight(const rsv_transport_scene *scene,
-    const rsv_lights *lights, const rsv_chain *chain, const rsv_rough_departure *departure);
+    const rsv_lights *lights, const rsv_specular_path *path, const rsv_rough_departure *departure);
 
-/// Radiance of the sky that the chain has left the scene to. What rough surfaces aim at is weighed part by part, as
+/// Radiance of the sky that the specular path has left the scene to. What rough surfaces aim at is weighed part by part, as
 /// it is drawn; what is gathered counts in full.
 RSV_SHARED rsv_rgb rsv_rough_sky(
     const rsv_lights *lights, rsv_vec3 direction, const rsv_rough_departure *departure);
 
 // ---- what these are made of ----------------------------------------------------------------------
 
-/// Radiance at the chain's start per radiance that sources send from that distance along `wi`.
+/// Radiance at the specular path's start per radiance that sources send from that distance along `wi`.
 RSV_INLINE rsv_rgb rsv_rough_throughput(const rsv_rough_surface *s, rsv_vec3 wi, float distance)
 {
-    rsv_medium medium = s->chain->medium;
-    if (v3_dot(s->normal, wi) < 0) medium = rsv_chain_medium_beyond(s->scene, s->chain);
-    return rgb_mul(rsv_chain_throughput(s->scene, s->chain, &medium),
+    rsv_medium medium = s->path->medium;
+    if (v3_dot(s->normal, wi) < 0) medium = rsv_specular_medium_beyond(s->scene, s->path);
+    return rgb_mul(rsv_specular_throughput(s->scene, s->path, &medium),
         rsv_medium_transmittance(&medium, s->scene->bsdf, distance));
 }
 

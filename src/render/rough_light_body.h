@@ -2,7 +2,7 @@
 #ifndef RSV_ROUGH_LIGHT_BODY_H
 #define RSV_ROUGH_LIGHT_BODY_H
 
-#include "../light/punctual_light.h"
+#include "../sources/punctual_light.h"
 #include "../trace/ray.h"
 #include "rough_light.h"
 
@@ -10,16 +10,16 @@
 #define WIDE_ALPHA 0.25f
 
 RSV_SHARED void rsv_rough_meet(
-    const rsv_transport_scene *scene, const rsv_chain *chain, rsv_rough_surface *s)
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_rough_surface *s)
 {
     s->scene = scene;
-    s->chain = chain;
-    s->bsdf = rsv_chain_scattering(scene, chain, &s->normal, &s->storage);
+    s->path = path;
+    s->bsdf = rsv_specular_scattering(scene, path, &s->normal, &s->storage);
     s->point = rsv_surface_point_seen(
-        scene->view, chain->triangle, chain->u, chain->v, chain->back, chain->width);
-    rsv_surface_lift(scene->view, scene->tracer, chain->triangle, chain->u, chain->v, &s->point);
-    s->wo = v3_neg(chain->direction);
-    s->front = !chain->back;
+        scene->view, path->triangle, path->u, path->v, path->back, path->width);
+    rsv_surface_lift(scene->view, scene->tracer, path->triangle, path->u, path->v, &s->point);
+    s->wo = v3_neg(path->direction);
+    s->front = !path->back;
 }
 
 RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf)
@@ -104,18 +104,18 @@ RSV_SHARED rsv_rgb rsv_rough_light(
 }
 
 RSV_SHARED float rsv_rough_emission_weight(const rsv_transport_scene *scene,
-    const rsv_lights *lights, const rsv_chain *chain, const rsv_rough_departure *departure)
+    const rsv_lights *lights, const rsv_specular_path *path, const rsv_rough_departure *departure)
 {
-    uint32_t emitter = rsv_emitter_at(lights, chain->triangle, chain->u, chain->v);
+    uint32_t emitter = rsv_emitter_at(lights, path->triangle, path->u, path->v);
     if (emitter == RSV_NONE || lights->group[lights->emitter[emitter].group].gathered) return 1;
     if (departure->shot) return 0;
     if (departure->pdf_solid_angle == 0) return 1;
     rsv_surface_point point =
-        rsv_surface_point_at(scene->view, chain->triangle, chain->u, chain->v, chain->back);
+        rsv_surface_point_at(scene->view, path->triangle, path->u, path->v, path->back);
     rsv_local_lights local;
     rsv_lights_at(lights, departure->point, departure->side, &local);
     float distance = v3_length(v3_sub(point.position, departure->point));
-    float pdf = rsv_local_lights_pdf(&local, emitter, chain->direction, distance);
+    float pdf = rsv_local_lights_pdf(&local, emitter, path->direction, distance);
     return rsv_power_heuristic(departure->pdf_solid_angle, pdf);
 }
 

@@ -24,7 +24,7 @@ typedef struct shot_job {
     const rsv_render_desc *desc;
     const rsv_medium *medium;
     rsv_lens lens;
-    float spread; ///< of a camera ray, as camera chains have it
+    float spread; ///< of a camera ray, as camera paths have it
     rsv_image *image;
     splat_list *list; ///< [threads]
 } shot_job;
@@ -62,35 +62,37 @@ static bool hidden(const shot_job *job, const rsv_surface_point *point, const rs
     return rsv_tracer_occluded(job->solution->tracer, &ray);
 }
 
-/// Joins the end of a light path to the camera, as the surface that a camera chain meets first. False if it is seen by
+/// Joins the end of a light path to the camera, as the surface that a camera path meets first. False if it is seen by
 /// no camera ray, or does not scatter widely.
-static bool join(const shot_job *job, const rsv_chain *end, rsv_lens_view *view, rsv_chain *seen)
+static bool join(
+    const shot_job *job, const rsv_specular_path *end, rsv_lens_view *view, rsv_specular_path *seen)
 {
     const rsv_transport_scene *scene = &job->solution->scene;
     rsv_surface_point point =
         rsv_surface_point_at(scene->view, end->triangle, end->u, end->v, end->back);
-    if (end->events >= job->desc->chain_depth || !in_picture(job, point.position, view))
+    if (end->events >= job->desc->path_depth || !in_picture(job, point.position, view))
         return false;
-    *seen = rsv_chain_begin(
+    *seen = rsv_specular_begin(
         scene, job->medium, view->direction, end->triangle, end->u, end->v, view->distance);
-    rsv_chain_set_spread(seen, job->spread, view->distance);
+    rsv_specular_set_spread(seen, job->spread, view->distance);
     rsv_bsdf storage;
-    return rsv_rough_is_wide(rsv_chain_bsdf(scene, seen, &storage)) && !hidden(job, &point, view);
+    return rsv_rough_is_wide(rsv_specular_bsdf(scene, seen, &storage)) &&
+           !hidden(job, &point, view);
 }
 
-static bool is_seen(void *user, const rsv_chain *end)
+static bool is_seen(void *user, const rsv_specular_path *end)
 {
     rsv_lens_view view;
-    rsv_chain seen;
+    rsv_specular_path seen;
     return join(user, end, &view, &seen);
 }
 
-static void add_light_path(void *user, const rsv_chain *end, rsv_rgb flux)
+static void add_light_path(void *user, const rsv_specular_path *end, rsv_rgb flux)
 {
     const shot_job *job = user;
     const rsv_transport_scene *scene = &job->solution->scene;
     rsv_lens_view view;
-    rsv_chain seen;
+    rsv_specular_path seen;
     if (!join(job, end, &view, &seen)) return;
     rsv_rough_surface surface;
     rsv_rough_meet(scene, &seen, &surface);

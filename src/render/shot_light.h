@@ -4,11 +4,11 @@
 /// A camera ray that a nearly matt coat scatters meets a small lamp or a sun behind another rough surface so seldom
 /// that a picture shows specks instead of their light. Light paths that end on the coat are many and weak. Each
 /// path has one owner, by its events alone: W is the first surface that the camera sees, all of its lobes are wide
-/// (rsv_rough_is_wide), and the source is one that photons start from. All others are left to camera chains.
+/// (rsv_rough_is_wide), and the source is one that photons start from. All others are left to camera paths.
 #ifndef RSV_SHOT_LIGHT_H
 #define RSV_SHOT_LIGHT_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 #include "resolvent/render.h"
 
 /// Whether there may be any.

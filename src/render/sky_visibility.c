@@ -235,11 +235,11 @@ static uint32_t nearest_node(const rsv_elements *e, uint32_t face, float u, floa
 }
 
 const rsv_visible_sky *rsv_sky_visibility_at(
-    const rsv_sky_visibility *o, const rsv_chain *chain, const rsv_surface_point *point)
+    const rsv_sky_visibility *o, const rsv_specular_path *path, const rsv_surface_point *point)
 {
-    uint32_t face = o->elements->face_of[chain->back][chain->triangle], place;
+    uint32_t face = o->elements->face_of[path->back][path->triangle], place;
     if (face != RSV_NONE)
-        place = o->place_of[nearest_node(o->elements, face, chain->u, chain->v)];
+        place = o->place_of[nearest_node(o->elements, face, path->u, path->v)];
     else
         place =
             rsv_index_map_find(&o->places, place_key(o->cube, point->position, point->geometric));

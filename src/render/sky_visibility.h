@@ -7,7 +7,7 @@
 #define RSV_SKY_VISIBILITY_H
 
 #include "../core/index_map.h"
-#include "../solve/solution.h"
+#include "../solve/light.h"
 
 /// Squares that are kept: half the sphere in those of four bins a side, and those on the horizon.
 #define RSV_MOST_VISIBLE_SQUARES 160
@@ -43,10 +43,10 @@ rsv_status rsv_sky_visibility_create(
     const rsv_light_view *solution, rsv_sky_visibility **visibility);
 void rsv_sky_visibility_destroy(rsv_sky_visibility *visibility);
 
-/// What is seen of the sky from the surface that a chain has come to: as its nearest node has it or, where there are no
+/// What is seen of the sky from the surface that a specular path has come to: as its nearest node has it or, where there are no
 /// elements, as those around do that face the same way. NULL = nothing is known.
-/// @param point of the chain
-const rsv_visible_sky *rsv_sky_visibility_at(
-    const rsv_sky_visibility *visibility, const rsv_chain *chain, const rsv_surface_point *point);
+/// @param point of the specular path
+const rsv_visible_sky *rsv_sky_visibility_at(const rsv_sky_visibility *visibility,
+    const rsv_specular_path *path, const rsv_surface_point *point);
 
 #endif

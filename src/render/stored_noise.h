@@ -7,7 +7,7 @@
 #ifndef RSV_STORED_NOISE_H
 #define RSV_STORED_NOISE_H
 
-#include "../solve/solution.h"
+#include "../solve/light.h"
 
 typedef struct rsv_stored_noise {
     const rsv_light_view *solution;

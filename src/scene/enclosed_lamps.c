@@ -181,12 +181,12 @@ static void begin(search *s, rsv_vec3 place)
 /// What met backs alone is dark whatever its size.
 static bool is_enclosed(const search *s) { return !s->reflected || (!is_large(s) && !is_room(s)); }
 
-static bool is_light_enclosed(search *s, const rsv_light *light)
+static bool is_light_enclosed(search *s, const rsv_punctual_light *light)
 {
-    bool spot = light->kind == RSV_LIGHT_SPOT;
+    bool spot = light->kind == RSV_PUNCTUAL_SPOT;
     float least = spot ? cosf(light->outer_cone_angle) : -1;
     rsv_vec3 t, b, axis = spot ? light->direction : v3(0, 1, 0);
-    if (light->kind == RSV_LIGHT_DIRECTIONAL || rgb_is_black(light->intensity)) return false;
+    if (light->kind == RSV_PUNCTUAL_DIRECTIONAL || rgb_is_black(light->intensity)) return false;
     begin(s, light->position);
     v3_frame(axis, &t, &b);
     for (uint32_t k = 0; k < RAYS; k++) {

@@ -132,7 +132,7 @@ static rsv_status add_texture(rsv_scene *scene, const rsv_texture_parts *parts)
 }
 
 /// Adding a light makes its direction unit: that may change the last digit of one that is unit already.
-static rsv_status add_light(rsv_scene *scene, const rsv_light *light, const char *node)
+static rsv_status add_light(rsv_scene *scene, const rsv_punctual_light *light, const char *node)
 {
     const double position[3] = { (double)light->position.x, (double)light->position.y,
         (double)light->position.z };

@@ -382,13 +382,13 @@ rsv_status rsv_scene_place_instance(
     return add_instance(scene, mesh_id, transform, name);
 }
 
-static rsv_status check_light(const rsv_light *light, const char *name)
+static rsv_status check_light(const rsv_punctual_light *light, const char *name)
 {
     if (!finite3(light->position) || !finite3(light->direction) || !isfinite(light->exponent) ||
         light->exponent < 0)
         return rsv_fail(
             RSV_ERROR_FORMAT, "light '%s': position, direction or exponent is not usable", name);
-    if (light->kind != RSV_LIGHT_DIRECTIONAL && !rsv_within_reach(light->position))
+    if (light->kind != RSV_PUNCTUAL_DIRECTIONAL && !rsv_within_reach(light->position))
         return rsv_fail(RSV_ERROR_FORMAT,
             "light '%s': it is farther than %g m from the origin; make it directional", name,
             (double)RSV_FARTHEST);
@@ -397,12 +397,12 @@ static rsv_status check_light(const rsv_light *light, const char *name)
         f_min(light->intensity.r, f_min(light->intensity.g, light->intensity.b)) < 0)
         return rsv_fail(
             RSV_ERROR_FORMAT, "light '%s': intensity must be finite and not negative", name);
-    if (light->kind != RSV_LIGHT_POINT && v3_length(light->direction) == 0)
+    if (light->kind != RSV_PUNCTUAL_POINT && v3_length(light->direction) == 0)
         return rsv_fail(RSV_ERROR_FORMAT, "light '%s': it has no direction", name);
     bool cone_ok = light->inner_cone_angle >= 0 &&
                    light->inner_cone_angle <= light->outer_cone_angle &&
                    light->outer_cone_angle <= RSV_PI / 2 * 1.000001f;
-    if (light->kind == RSV_LIGHT_SPOT && !cone_ok)
+    if (light->kind == RSV_PUNCTUAL_SPOT && !cone_ok)
         return rsv_fail(RSV_ERROR_FORMAT,
             "light '%s': cone angles must be 0 <= inner <= outer <= pi/2, not %g and %g", name,
             light->inner_cone_angle, light->outer_cone_angle);
@@ -422,11 +422,11 @@ static rsv_status make_fixture(
 static rsv_vec3 rounded(const double v[3]) { return v3((float)v[0], (float)v[1], (float)v[2]); }
 
 rsv_status rsv_scene_place_light(
-    rsv_scene *scene, const rsv_light *light, const double position[3], const char *node)
+    rsv_scene *scene, const rsv_punctual_light *light, const double position[3], const char *node)
 {
     rsv_status status;
     char *name = NULL;
-    rsv_light stored = *light;
+    rsv_punctual_light stored = *light;
     RSV_TRY(reserve_one(scene, "light", (void **)&scene->light, &scene->light_capacity,
         scene->light_count, sizeof stored));
     RSV_TRY(reserve_one(scene, "light", (void **)&scene->light_fixture,
@@ -444,14 +444,14 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_light *light)
+rsv_status rsv_scene_add_light(rsv_scene *scene, const rsv_punctual_light *light)
 {
     rsv_vec3 p = light->position;
     return rsv_scene_place_light(
         scene, light, (const double[3]){ (double)p.x, (double)p.y, (double)p.z }, NULL);
 }
 
-rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light)
+rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_punctual_light *light)
 {
     bool committed = scene->committed;
     scene->committed = false;

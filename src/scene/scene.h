@@ -40,7 +40,7 @@ struct rsv_scene {
     bool owns_positions, owns_environment; ///< of a variant
 
     rsv_material *material;
-    rsv_light *light;
+    rsv_punctual_light *light;
     rsv_camera *camera;
     size_t material_count, light_count, camera_count;
     size_t material_capacity, light_capacity, camera_capacity;
@@ -86,7 +86,7 @@ rsv_status rsv_scene_place_instance(
 /// As rsv_scene_add_light and rsv_scene_add_camera, at a place in double, which counts in place of that in `light` and
 /// `camera`. @param node name of the node that placed it, by which it can be chosen too; NULL = none
 rsv_status rsv_scene_place_light(
-    rsv_scene *scene, const rsv_light *light, const double position[3], const char *node);
+    rsv_scene *scene, const rsv_punctual_light *light, const double position[3], const char *node);
 rsv_status rsv_scene_place_camera(
     rsv_scene *scene, const rsv_camera *camera, const double position[3], const char *node);
 
@@ -132,7 +132,7 @@ bool rsv_triangle_normal(rsv_vec3 a, rsv_vec3 b, rsv_vec3 c, rsv_vec3 *normal);
 rsv_status rsv_scene_finish(rsv_scene *scene);
 
 /// Adds a punctual light to a committed scene; the view's array of lights may move.
-rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_light *light);
+rsv_status rsv_scene_append_light(rsv_scene *scene, const rsv_punctual_light *light);
 
 /// Finds the faces of a committed scene that lie in the same place (twins.h), warns where only a guess can tell which of
 /// them is to be seen, and puts them into the view. Then warns of lamps that something opaque is closed around: the search

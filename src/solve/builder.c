@@ -137,7 +137,7 @@ rsv_status rsv_builder_trace(
 // ---- light ----------------------------------------------------------------------------------------
 
 /// Direct light and caustics on finer elements, where they are wanted and seen.
-static rsv_status create_levels(const rsv_builder *b, rsv_solution *light)
+static rsv_status create_levels(const rsv_builder *b, rsv_light *light)
 {
     rsv_status status;
     uint8_t *hidden = NULL;
@@ -155,7 +155,7 @@ cleanup:
 }
 
 /// E0 on the elements of an operator and on levels of its own. @param light out, even after an error
-static rsv_status find_sources(rsv_builder *b, rsv_operator *op, rsv_solution **light)
+static rsv_status find_sources(rsv_builder *b, rsv_operator *op, rsv_light **light)
 {
     rsv_status status;
     RSV_TRY(rsv_light_begin(op, b->sources, &b->scene, &b->desc, light));
@@ -179,7 +179,7 @@ static size_t level_bytes(const rsv_elements *elements)
 }
 
 /// Bytes of elements, with one field each, and of the operator.
-static size_t bytes_of(const rsv_solution *s)
+static size_t bytes_of(const rsv_light *s)
 {
     return level_bytes(s->elements) + s->elements->node_count * sizeof(uint16_t) +
            rsv_transport_bytes(s->view.transport) + rsv_subsurface_bytes(s->view.subsurface) +
@@ -187,7 +187,7 @@ static size_t bytes_of(const rsv_solution *s)
            level_bytes(s->field.diffused.elements);
 }
 
-static void report_sizes(const rsv_builder *b, rsv_solution *light)
+static void report_sizes(const rsv_builder *b, rsv_light *light)
 {
     const rsv_operator_view *op = rsv_operator_get_view(light->op);
     rsv_solve_report *report = &light->report;
@@ -221,7 +221,7 @@ static void add_report(rsv_solve_report *report, const rsv_solve_report *before)
 
 // ---- all of it ------------------------------------------------------------------------------------
 
-static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_solution **light)
+static rsv_status assemble(rsv_builder *b, rsv_operator **op, rsv_light **light)
 {
     rsv_status status;
     double start = rsv_seconds(), path = rsv_team_path(b->context);
@@ -240,7 +240,7 @@ cleanup:
     return status;
 }
 
-static rsv_status solve(rsv_builder *b, rsv_solution *light)
+static rsv_status solve(rsv_builder *b, rsv_light *light)
 {
     rsv_status status;
     double start = rsv_seconds(), path = rsv_team_path(b->context);
@@ -257,7 +257,7 @@ cleanup:
 }
 
 /// @param light out, even after an error
-static rsv_status build(rsv_builder *b, rsv_solution **light)
+static rsv_status build(rsv_builder *b, rsv_light **light)
 {
     rsv_status status;
     rsv_history *history = NULL;
@@ -312,11 +312,11 @@ static rsv_status check_goal(const rsv_solve_desc *desc, size_t cameras)
     return RSV_OK;
 }
 
-rsv_status rsv_solution_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
-    rsv_store *earlier, rsv_solution **solution)
+rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
+    rsv_store *earlier, rsv_light **solution)
 {
     rsv_builder b;
-    rsv_solution *light = NULL;
+    rsv_light *light = NULL;
     rsv_status status = begin(scene, desc, &b);
     b.update.store = store;
     b.update.earlier = earlier;
@@ -325,7 +325,7 @@ rsv_status rsv_solution_build(const rsv_scene *scene, const rsv_solve_desc *desc
     if (status == RSV_OK)
         *solution = light;
     else
-        rsv_solution_destroy(light);
+        rsv_light_destroy(light);
     return status;
 }
 
@@ -335,8 +335,8 @@ rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc
     return status == RSV_OK ? rsv_check_solve_desc(desc) : status;
 }
 
-rsv_status rsv_solution_create(
-    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_solution **solution)
+rsv_status rsv_light_create(
+    const rsv_scene *scene, const rsv_solve_desc *desc, rsv_light **solution)
 {
     rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     rsv_context *context = rsv_scene_get_context(scene);
@@ -345,7 +345,7 @@ rsv_status rsv_solution_create(
     RSV_TRY(rsv_check_settings(scene, &settings));
     if (settings.checkpoint) RSV_TRY(rsv_store_folder(context, settings.checkpoint, &store));
     if (settings.earlier) RSV_TRY(rsv_store_folder(context, settings.earlier, &earlier));
-    RSV_TRY(rsv_solution_build(scene, &settings, store, earlier, solution));
+    RSV_TRY(rsv_light_build(scene, &settings, store, earlier, solution));
 cleanup:
     rsv_store_destroy(store);
     rsv_store_destroy(earlier);

@@ -5,7 +5,7 @@
 
 #include "../elements/spacing.h"
 #include "../update/update.h"
-#include "solution_internal.h"
+#include "light_internal.h"
 
 /// What there is before there is an operator.
 typedef struct rsv_builder {
@@ -41,7 +41,7 @@ rsv_status rsv_check_settings(const rsv_scene *scene, const rsv_solve_desc *desc
 
 /// Builds and solves. @param store where all is kept that the next solve may take over; NULL = nowhere
 /// @param earlier what a solve of an earlier version of the scene kept; NULL = nothing
-rsv_status rsv_solution_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
-    rsv_store *earlier, rsv_solution **solution);
+rsv_status rsv_light_build(const rsv_scene *scene, const rsv_solve_desc *desc, rsv_store *store,
+    rsv_store *earlier, rsv_light **solution);
 
 #endif

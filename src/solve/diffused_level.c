@@ -5,7 +5,7 @@
 #include "../elements/elements.h"
 #include "../elements/follower.h"
 #include "../elements/open_corners.h"
-#include "solution_internal.h"
+#include "light_internal.h"
 
 #include <string.h>
 
@@ -28,7 +28,7 @@ bool rsv_is_translucent(const rsv_light_view *s, uint32_t face)
     return s->diffused.material[s->scene.view->triangle_material[s->elements->face_triangle[face]]];
 }
 
-rsv_status rsv_diffused_level_name_materials(rsv_solution *s)
+rsv_status rsv_diffused_level_name_materials(rsv_light *s)
 {
     size_t count = s->scene.view->material_count;
     s->field.diffused.material = rsv_alloc(s->context, count, 1);
@@ -38,7 +38,7 @@ rsv_status rsv_diffused_level_name_materials(rsv_solution *s)
     return RSV_OK;
 }
 
-static bool any_translucent(const rsv_solution *s)
+static bool any_translucent(const rsv_light *s)
 {
     size_t count = s->scene.view->material_count;
     return count && memchr(s->field.diffused.material, 1, count);
@@ -55,7 +55,7 @@ static float wanted_size(const rsv_material *m)
     return rsv_scatter_profile_narrowest(&profile) / CELLS_PER_PROFILE;
 }
 
-static float finest_wanted(const rsv_solution *s)
+static float finest_wanted(const rsv_light *s)
 {
     const rsv_scene_view *view = s->scene.view;
     float finest = INFINITY;
@@ -65,7 +65,7 @@ static float finest_wanted(const rsv_solution *s)
 }
 
 /// Size of cells at which the translucent surfaces use up the budget.
-static float affordable_size(const rsv_solution *s)
+static float affordable_size(const rsv_light *s)
 {
     const rsv_elements *e = s->elements;
     double area = 0;
@@ -90,7 +90,7 @@ static size_t mark_large(const rsv_elements *e, float affordable, uint8_t *split
 }
 
 /// The coarse elements, split on translucent faces.
-static rsv_status create_elements(rsv_solution *s)
+static rsv_status create_elements(rsv_light *s)
 {
     rsv_status status;
     float affordable = affordable_size(s);
@@ -135,7 +135,7 @@ static rsv_rgb field_at(
 }
 
 /// Direct light at the level's own nodes; what is gathered or shot comes from where it is stored.
-static rsv_status create_entered(rsv_solution *s)
+static rsv_status create_entered(rsv_light *s)
 {
     const rsv_elements *e = s->field.diffused.elements;
     rsv_status status;
@@ -170,7 +170,7 @@ cleanup:
 
 /// order n = P of the solved irradiance of that order.
 static rsv_status diffuse_order(
-    rsv_solution *s, rsv_subsurface *p, uint32_t order, rsv_rgb *irradiance)
+    rsv_light *s, rsv_subsurface *p, uint32_t order, rsv_rgb *irradiance)
 {
     const rsv_elements *e = s->field.diffused.elements;
     rsv_rgb *diffused = s->field.diffused.order[order] =
@@ -185,7 +185,7 @@ static rsv_status diffuse_order(
     return RSV_OK;
 }
 
-rsv_status rsv_diffused_level_create(rsv_solution *s)
+rsv_status rsv_diffused_level_create(rsv_light *s)
 {
     rsv_status status = RSV_OK;
     rsv_subsurface *p = NULL;
@@ -244,7 +244,7 @@ void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level)
     *level = (rsv_diffused_level){ 0 };
 }
 
-rsv_rgb rsv_solution_diffused(
+rsv_rgb rsv_light_view_diffused(
     const rsv_light_view *s, uint32_t face, float u, float v, uint32_t order)
 {
     const rsv_rgb *field = order == RSV_NONE ? s->diffused.indirect : s->diffused.order[order];
@@ -261,7 +261,7 @@ rsv_rgb rsv_diffused_share(const rsv_elements *e, uint32_t cell)
         (float)rsv_diffusion_transfer((double)p.d[2], finest));
 }
 
-rsv_unresolved rsv_solution_unresolved(const rsv_light_view *s, uint32_t face, float u, float v)
+rsv_unresolved rsv_light_unresolved(const rsv_light_view *s, uint32_t face, float u, float v)
 {
     const rsv_elements *e = s->diffused.elements;
     float weight[3];
@@ -270,11 +270,11 @@ rsv_unresolved rsv_solution_unresolved(const rsv_light_view *s, uint32_t face, f
         .share = rsv_diffused_share(e, cell) };
 }
 
-rsv_rgb rsv_solution_diffused_direct(const rsv_light_view *s, uint32_t face, float u, float v)
+rsv_rgb rsv_light_view_diffused_direct(const rsv_light_view *s, uint32_t face, float u, float v)
 {
-    rsv_rgb direct = rsv_solution_diffused(s, face, u, v, 0);
+    rsv_rgb direct = rsv_light_view_diffused(s, face, u, v, 0);
     if (!s->fine.direct) return direct;
-    rsv_unresolved detail = rsv_solution_unresolved(s, face, u, v);
-    rsv_rgb stored = rsv_solution_direct(s, face, u, v, false);
+    rsv_unresolved detail = rsv_light_unresolved(s, face, u, v);
+    rsv_rgb stored = rsv_light_view_direct(s, face, u, v, false);
     return rgb_add(direct, rgb_mul(detail.share, rgb_sub(stored, detail.known)));
 }

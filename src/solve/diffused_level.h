@@ -9,7 +9,7 @@
 
 #include "../direct/source_level.h"
 
-struct rsv_solution;
+struct rsv_light;
 struct rsv_light_view;
 
 /// Orders kept apart; the last one collects all higher ones.
@@ -24,10 +24,10 @@ typedef struct rsv_diffused_level {
 } rsv_diffused_level;
 
 /// Finds out which materials are translucent. Part of creating the level.
-rsv_status rsv_diffused_level_name_materials(struct rsv_solution *solution);
+rsv_status rsv_diffused_level_name_materials(struct rsv_light *solution);
 
 /// Builds the level of a solved solution. Leaves it empty if the scene has no translucent material.
-rsv_status rsv_diffused_level_create(struct rsv_solution *solution);
+rsv_status rsv_diffused_level_create(struct rsv_light *solution);
 void rsv_diffused_level_destroy(rsv_context *context, rsv_diffused_level *level);
 
 /// The same on the same elements, with fields of its own. @param copy empty before; to be destroyed even after an error
@@ -38,11 +38,11 @@ rsv_status rsv_diffused_level_copy(rsv_context *context, const rsv_diffused_leve
 bool rsv_is_translucent(const struct rsv_light_view *light, uint32_t face);
 
 /// Diffused irradiance of one order, 0 = direct; RSV_NONE = all but the direct.
-rsv_rgb rsv_solution_diffused(
+rsv_rgb rsv_light_view_diffused(
     const struct rsv_light_view *light, uint32_t face, float u, float v, uint32_t order);
 
 /// Direct light diffused, with the share of the direct level's detail that survives.
-rsv_rgb rsv_solution_diffused_direct(
+rsv_rgb rsv_light_view_diffused_direct(
     const struct rsv_light_view *light, uint32_t face, float u, float v);
 
 /// The share of detail below the size of a cell that survives diffusion: all of it on surfaces that are not translucent.
@@ -53,7 +53,7 @@ typedef struct rsv_unresolved {
     rsv_rgb known, share;
 } rsv_unresolved;
 
-rsv_unresolved rsv_solution_unresolved(
+rsv_unresolved rsv_light_unresolved(
     const struct rsv_light_view *light, uint32_t face, float u, float v);
 
 #endif

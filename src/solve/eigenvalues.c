@@ -1,7 +1,7 @@
 #include "../core/team.h"
-#include "solution_internal.h"
+#include "light_internal.h"
 
-rsv_status rsv_leading_eigenvalues(const rsv_solution *s, size_t *count, double *value)
+rsv_status rsv_leading_eigenvalues(const rsv_light *s, size_t *count, double *value)
 {
     rsv_status status;
     rsv_transport_map *map = NULL;

@@ -38,27 +38,27 @@ static bool counts_nothing(const void *user, uint32_t triangle, uint32_t turns)
 
 /// One ray of the goal: to the diffuse surface that it leads to.
 static bool follow(const rsv_transport_scene *scene, const rsv_ray *ray, const rsv_medium *medium,
-    rsv_random *random, rsv_chain *end)
+    rsv_random *random, rsv_specular_path *end)
 {
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
-    rsv_chain first =
-        rsv_chain_begin(scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
-    rsv_gather gather = rsv_chain_gather(scene, first, random, counts_nothing, NULL);
-    *end = gather.chain;
-    return gather.end == RSV_CHAIN_DIFFUSE;
+    rsv_specular_path first =
+        rsv_specular_begin(scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_gather gather = rsv_specular_gather(scene, first, random, counts_nothing, NULL);
+    *end = gather.path;
+    return gather.end == RSV_SPECULAR_DIFFUSE;
 }
 
 /// @param share of the goal that the radiance of this ray is
 static void add_weight(
-    const rsv_operator_view *op, const rsv_chain *end, float share, rsv_rgb *weight)
+    const rsv_operator_view *op, const rsv_specular_path *end, float share, rsv_rgb *weight)
 {
     const rsv_elements *e = op->elements;
     uint32_t face = e->face_of[end->back][end->triangle];
     if (face == RSV_NONE) return;
     rsv_bsdf storage;
     float w[3];
-    const rsv_bsdf *bsdf = rsv_chain_bsdf(&op->world->scene, end, &storage);
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(&op->world->scene, end, &storage);
     rsv_rgb seen = rgb_scale(rgb_mul(end->weight, bsdf->base_color), share / RSV_PI);
     // luminance is linear: its weights go along
     seen = rgb(rgb_luminance(rgb(seen.r, 0, 0)), rgb_luminance(rgb(0, seen.g, 0)),
@@ -81,7 +81,7 @@ static void weigh_picture(
         float x = ((float)(k % side) + rsv_random_float(&random)) / (float)side;
         float y = ((float)(k / side) + rsv_random_float(&random)) / (float)side;
         rsv_ray ray = rsv_camera_ray(camera, width, height, x * (float)width, y * (float)height);
-        rsv_chain end;
+        rsv_specular_path end;
         if (follow(scene, &ray, &medium, &random, &end))
             add_weight(op, &end, 1 / (float)(side * side), weight);
     }
@@ -102,7 +102,7 @@ static void weigh_reading(const rsv_operator_view *op, const rsv_goal_aim *aim, 
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal), INFINITY };
-        rsv_chain end;
+        rsv_specular_path end;
         if (follow(scene, &ray, &medium, &random, &end))
             add_weight(op, &end, RSV_PI / ((float)rays * (float)aim->point_count), weight);
     }

@@ -1,5 +1,5 @@
 /// The system (I - G K) x = b as solvers outside of this library see it: rows and fields divided among the processes of
-/// a team. PETSc's are reached through the team's plug-in (src/dist).
+/// a team. PETSc's are reached through the team's plug-in (src/mpi).
 #ifndef RSV_KRYLOV_H
 #define RSV_KRYLOV_H
 

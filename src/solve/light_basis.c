@@ -1,8 +1,8 @@
 #include "light_basis.h"
 
-#include "../direct/direct_glance.h"
+#include "../direct/direct_preview.h"
 #include "../elements/burial.h"
-#include "solution_internal.h"
+#include "light_internal.h"
 
 #include <string.h>
 
@@ -15,7 +15,7 @@ rsv_rgb **rsv_light_part_field(rsv_light_part *part, size_t field)
     return fields[field];
 }
 
-size_t rsv_light_field_length(const rsv_solution *s, size_t field)
+size_t rsv_light_field_length(const rsv_light *s, size_t field)
 {
     switch (field) {
     case DIRECT:
@@ -29,7 +29,7 @@ size_t rsv_light_field_length(const rsv_solution *s, size_t field)
     }
 }
 
-rsv_rgb *rsv_light_field(const rsv_solution *s, size_t field)
+rsv_rgb *rsv_light_field(const rsv_light *s, size_t field)
 {
     rsv_rgb *const fields[RSV_LIGHT_FIELDS] = { s->field.source, s->field.caustics.coarse_caustic,
         s->field.fine.direct, s->field.caustics.caustic };
@@ -38,7 +38,7 @@ rsv_rgb *rsv_light_field(const rsv_solution *s, size_t field)
 
 static float positive(float value) { return f_max(value, 0); }
 
-void rsv_light_total(const rsv_solution *s, size_t field, rsv_rgb *total)
+void rsv_light_total(const rsv_light *s, size_t field, rsv_rgb *total)
 {
     size_t length = rsv_light_field_length(s, field);
     if (length) memcpy(total, rsv_light_field(s, field), length * sizeof *total);
@@ -50,7 +50,7 @@ void rsv_light_total(const rsv_solution *s, size_t field, rsv_rgb *total)
     }
 }
 
-rsv_status rsv_light_basis_create_empty(const rsv_solution *s, rsv_light_basis **basis)
+rsv_status rsv_light_basis_create_empty(const rsv_light *s, rsv_light_basis **basis)
 {
     rsv_status status;
     rsv_light_basis *b = rsv_alloc(s->context, 1, sizeof *b);
@@ -86,7 +86,7 @@ void rsv_light_basis_destroy(rsv_light_basis *b)
     rsv_free(b->context, b);
 }
 
-void rsv_light_basis_apply_scales(const rsv_solution *s, rsv_light_basis *b)
+void rsv_light_basis_apply_scales(const rsv_light *s, rsv_light_basis *b)
 {
     for (size_t k = 0; k < b->source_count; k++) {
         rsv_rgb scale = b->scale[k];
@@ -100,7 +100,7 @@ void rsv_light_basis_apply_scales(const rsv_solution *s, rsv_light_basis *b)
     }
 }
 
-static rsv_status allocate_part(const rsv_solution *s, rsv_light_part *part)
+static rsv_status allocate_part(const rsv_light *s, rsv_light_part *part)
 {
     for (size_t field = 0; field < RSV_LIGHT_FIELDS; field++) {
         size_t length = rsv_light_field_length(s, field);
@@ -111,7 +111,7 @@ static rsv_status allocate_part(const rsv_solution *s, rsv_light_part *part)
     return RSV_OK;
 }
 
-static rsv_status shoot_subset(const rsv_solution *s, const rsv_lights *subset, uint32_t photons,
+static rsv_status shoot_subset(const rsv_light *s, const rsv_lights *subset, uint32_t photons,
     rsv_light_part *part, uint64_t *rays)
 {
     rsv_photon_map map[2] = { 0 };
@@ -127,7 +127,7 @@ static rsv_status shoot_subset(const rsv_solution *s, const rsv_lights *subset, 
     return status;
 }
 
-rsv_light_effort rsv_full_light_effort(const rsv_solution *s, const uint16_t *valid)
+rsv_light_effort rsv_full_light_effort(const rsv_light *s, const uint16_t *valid)
 {
     return (rsv_light_effort){ .coarse_samples = RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples,
         .fine_samples = RSV_PENUMBRA_FACTOR * s->desc.light_samples,
@@ -135,15 +135,15 @@ rsv_light_effort rsv_full_light_effort(const rsv_solution *s, const uint16_t *va
         .valid = valid };
 }
 
-/// The light of one level: by a glance where that will do.
-static rsv_status estimate_level(const rsv_solution *s, const rsv_lights *subset, bool fine,
+/// The light of one level: by a preview where that will do.
+static rsv_status estimate_level(const rsv_light *s, const rsv_lights *subset, bool fine,
     const rsv_light_effort *effort, rsv_rgb *irradiance, uint64_t *rays)
 {
     const rsv_elements *elements = fine ? s->field.fine.elements : s->elements;
     const rsv_receiver_blocks *blocks = fine ? effort->fine : effort->coarse;
     const uint8_t *known = NULL;
-    if (blocks && rsv_can_glance(subset)) {
-        rsv_status status = rsv_direct_glance(blocks, subset, irradiance, rays);
+    if (blocks && rsv_can_preview(subset)) {
+        rsv_status status = rsv_direct_preview(blocks, subset, irradiance, rays);
         if (status == RSV_OK && blocks->holds_all) rsv_elements_constrain(elements, irradiance);
         if (status != RSV_OK || blocks->holds_all) return status;
         known = blocks->held;
@@ -155,7 +155,7 @@ static rsv_status estimate_level(const rsv_solution *s, const rsv_lights *subset
         fine ? effort->valid : s->view.valid_points, known, irradiance, NULL, rays);
 }
 
-rsv_status rsv_light_part_estimate(const rsv_solution *s, const rsv_lights *lights,
+rsv_status rsv_light_part_estimate(const rsv_light *s, const rsv_lights *lights,
     const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part, uint64_t *rays)
 {
     rsv_status status;
@@ -170,7 +170,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_find_fine_valid(const rsv_solution *s, uint16_t **valid)
+rsv_status rsv_find_fine_valid(const rsv_light *s, uint16_t **valid)
 {
     uint64_t rays = 0;
     *valid = NULL;
@@ -188,7 +188,7 @@ static float share(float value, float sum, size_t count)
 }
 
 /// Divides the whole of a field in proportion to what each source gave by itself.
-static rsv_status divide(const rsv_solution *s, rsv_light_basis *b, size_t field)
+static rsv_status divide(const rsv_light *s, rsv_light_basis *b, size_t field)
 {
     size_t length = rsv_light_field_length(s, field), count = b->source_count;
     rsv_rgb *total = rsv_alloc(s->context, length, sizeof *total);
@@ -209,7 +209,7 @@ static rsv_status divide(const rsv_solution *s, rsv_light_basis *b, size_t field
     return RSV_OK;
 }
 
-rsv_status rsv_light_basis_create(const rsv_solution *s, rsv_light_basis **basis)
+rsv_status rsv_light_basis_create(const rsv_light *s, rsv_light_basis **basis)
 {
     rsv_status status;
     rsv_light_basis *b = NULL;

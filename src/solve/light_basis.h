@@ -6,10 +6,10 @@
 #define RSV_LIGHT_BASIS_H
 
 #include "../direct/receiver_blocks.h"
-#include "../light/light_subset.h"
+#include "../sources/light_subset.h"
 #include "resolvent/relight.h"
 
-struct rsv_solution;
+struct rsv_light;
 
 /// The fields of one source, on their own sets of elements; NULL where the solution has none.
 typedef struct rsv_light_part {
@@ -31,45 +31,44 @@ typedef struct rsv_light_basis {
 
 /// The fields of a part in order, and how long they are; 0 = the solution has none.
 rsv_rgb **rsv_light_part_field(rsv_light_part *part, size_t field);
-size_t rsv_light_field_length(const struct rsv_solution *solution, size_t field);
+size_t rsv_light_field_length(const struct rsv_light *solution, size_t field);
 
 /// @param basis out; without parts if there are fewer than two sources, or more than RSV_MAX_LIGHT_PARTS
-rsv_status rsv_light_basis_create(const struct rsv_solution *solution, rsv_light_basis **basis);
+rsv_status rsv_light_basis_create(const struct rsv_light *solution, rsv_light_basis **basis);
 /// A basis whose parts are to be filled.
-rsv_status rsv_light_basis_create_empty(
-    const struct rsv_solution *solution, rsv_light_basis **basis);
+rsv_status rsv_light_basis_create_empty(const struct rsv_light *solution, rsv_light_basis **basis);
 /// What samples of one source may cost, beside `valid`: receiver points of the direct level that are not inside anything.
 typedef struct rsv_light_effort {
     uint32_t coarse_samples, fine_samples; ///< shadow rays per element of either level
     uint32_t photons;
     const uint16_t *valid;
     const rsv_receiver_blocks *coarse,
-        *fine; ///< of either level, where a glance will do; NULL = nowhere
+        *fine; ///< of either level, where a preview will do; NULL = nowhere
 } rsv_light_effort;
 
 /// All that the solution's own description asks for. @param valid borrowed
-rsv_light_effort rsv_full_light_effort(const struct rsv_solution *solution, const uint16_t *valid);
+rsv_light_effort rsv_full_light_effort(const struct rsv_light *solution, const uint16_t *valid);
 
 /// @param valid out, to be freed; NULL if there is no direct level
-rsv_status rsv_find_fine_valid(const struct rsv_solution *solution, uint16_t **valid);
+rsv_status rsv_find_fine_valid(const struct rsv_light *solution, uint16_t **valid);
 
 /// Samples one of the lights by itself. @param part its arrays are created where it has none; to be freed by
 /// rsv_light_part_free even after an error
 /// @param rays is added to
-rsv_status rsv_light_part_estimate(const struct rsv_solution *solution, const rsv_lights *lights,
+rsv_status rsv_light_part_estimate(const struct rsv_light *solution, const rsv_lights *lights,
     const rsv_source *source, const rsv_light_effort *effort, rsv_light_part *part, uint64_t *rays);
 void rsv_light_part_free(rsv_context *context, rsv_light_part *part);
 void rsv_light_basis_destroy(rsv_light_basis *basis);
 
 /// Multiplies parts by their factors, which are 1 then.
-void rsv_light_basis_apply_scales(const struct rsv_solution *solution, rsv_light_basis *basis);
+void rsv_light_basis_apply_scales(const struct rsv_light *solution, rsv_light_basis *basis);
 
 #define RSV_MAX_LIGHT_PARTS RSV_MAX_RELIGHT_SOURCES
 
 /// Where the solution keeps a field; all its sources together, in the first one with what rows gathered and caustics.
-rsv_rgb *rsv_light_field(const struct rsv_solution *solution, size_t field);
+rsv_rgb *rsv_light_field(const struct rsv_light *solution, size_t field);
 
 /// What the next-event estimates and caustics of a solution are, all sources together. @param total [length of field]
-void rsv_light_total(const struct rsv_solution *solution, size_t field, rsv_rgb *total);
+void rsv_light_total(const struct rsv_light *solution, size_t field, rsv_rgb *total);
 
 #endif

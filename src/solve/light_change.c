@@ -1,17 +1,17 @@
 #include "light_change.h"
 
-#include "solution_internal.h"
+#include "light_internal.h"
 #include "source.h"
 
-rsv_world *rsv_light_world(rsv_solution *s) { return s->world; }
+rsv_world *rsv_light_world(rsv_light *s) { return s->world; }
 
-rsv_light_fields *rsv_light_edit(rsv_solution *s) { return &s->field; }
+rsv_light_fields *rsv_light_edit(rsv_light *s) { return &s->field; }
 
-rsv_light_sources *rsv_light_get_sources(const rsv_solution *s) { return s->sources; }
+rsv_light_sources *rsv_light_get_sources(const rsv_light *s) { return s->sources; }
 
-rsv_light_basis *rsv_light_edit_basis(rsv_solution *s) { return s->basis; }
+rsv_light_basis *rsv_light_edit_basis(rsv_light *s) { return s->basis; }
 
-void rsv_light_set_basis(rsv_solution *s, rsv_light_basis *basis)
+void rsv_light_set_basis(rsv_light *s, rsv_light_basis *basis)
 {
     rsv_light_basis_destroy(s->basis);
     s->basis = basis;
@@ -20,19 +20,19 @@ void rsv_light_set_basis(rsv_solution *s, rsv_light_basis *basis)
 
 // ---- the scene ------------------------------------------------------------------------------------
 
-static void take_sources(rsv_solution *s, rsv_light_sources *sources)
+static void take_sources(rsv_light *s, rsv_light_sources *sources)
 {
     rsv_light_sources_release(s->sources);
     s->sources = sources;
     rsv_light_publish(s);
 }
 
-rsv_status rsv_light_vary_world(rsv_solution *s)
+rsv_status rsv_light_vary_world(rsv_light *s)
 {
     return s->world->variant ? RSV_OK : rsv_light_part_world(s);
 }
 
-rsv_status rsv_light_part_world(rsv_solution *s)
+rsv_status rsv_light_part_world(rsv_light *s)
 {
     rsv_world *own = NULL;
     rsv_status status = rsv_world_vary(s->world, &own);
@@ -43,7 +43,7 @@ rsv_status rsv_light_part_world(rsv_solution *s)
     return rsv_light_find_sources(s, s->sources->lights);
 }
 
-rsv_status rsv_light_find_sources(rsv_solution *s, const rsv_lights *like)
+rsv_status rsv_light_find_sources(rsv_light *s, const rsv_lights *like)
 {
     rsv_light_sources *found = NULL;
     rsv_world_find_bsdfs(s->world);
@@ -53,13 +53,13 @@ rsv_status rsv_light_find_sources(rsv_solution *s, const rsv_lights *like)
     return status;
 }
 
-rsv_status rsv_light_follow_strengths(rsv_solution *s, bool *followed)
+rsv_status rsv_light_follow_strengths(rsv_light *s, bool *followed)
 {
     rsv_world_find_bsdfs(s->world);
     return rsv_lights_follow_strengths(s->sources->lights, s->world->bsdf, followed);
 }
 
-rsv_status rsv_light_vary_places(rsv_solution *s, const bool *moves)
+rsv_status rsv_light_vary_places(rsv_light *s, const bool *moves)
 {
     rsv_status status = rsv_world_vary_places(s->world, moves);
     s->scene = s->world->scene;
@@ -67,13 +67,10 @@ rsv_status rsv_light_vary_places(rsv_solution *s, const bool *moves)
     return status;
 }
 
-rsv_status rsv_light_follow_places(rsv_solution *s)
-{
-    return rsv_lights_follow(s->sources->lights);
-}
+rsv_status rsv_light_follow_places(rsv_light *s) { return rsv_lights_follow(s->sources->lights); }
 
 /// Albedos of the operator, those of changed materials anew. @param albedo out: to be freed
-static rsv_status paint(const rsv_solution *s, const bool *changed, rsv_rgb **albedo)
+static rsv_status paint(const rsv_light *s, const bool *changed, rsv_rgb **albedo)
 {
     const rsv_elements *e = s->elements;
     rsv_rgb *a = *albedo = rsv_alloc(s->context, e->node_count, sizeof *a);
@@ -86,7 +83,7 @@ static rsv_status paint(const rsv_solution *s, const bool *changed, rsv_rgb **al
     return RSV_OK;
 }
 
-rsv_status rsv_light_recolor(rsv_solution *s, const bool *changed)
+rsv_status rsv_light_recolor(rsv_light *s, const bool *changed)
 {
     rsv_operator *op = NULL, *before = s->op;
     rsv_rgb *albedo = NULL;
@@ -106,14 +103,14 @@ cleanup:
 
 // ---- E0 and E -------------------------------------------------------------------------------------
 
-void rsv_light_gather(rsv_solution *s, rsv_rgb scale)
+void rsv_light_gather(rsv_light *s, rsv_rgb scale)
 {
     s->gathered_scale = scale;
     rsv_source_add_gathered(s);
     rsv_light_publish(s);
 }
 
-rsv_status rsv_light_diffuse(rsv_solution *s)
+rsv_status rsv_light_diffuse(rsv_light *s)
 {
     rsv_light_fields *f = &s->field;
     // all bounces stand in for the first one
@@ -127,7 +124,7 @@ rsv_status rsv_light_diffuse(rsv_solution *s)
     return status;
 }
 
-static void drop_orders(rsv_solution *s)
+static void drop_orders(rsv_light *s)
 {
     for (uint32_t k = 0; k < RSV_KEPT_ORDERS; k++) {
         rsv_free(s->context, s->field.order[k]);
@@ -139,7 +136,7 @@ static void drop_orders(rsv_solution *s)
 }
 
 /// @param solve E on the coarse elements
-static rsv_status solve_by(rsv_solution *s, rsv_status (*solve)(rsv_solution *light))
+static rsv_status solve_by(rsv_light *s, rsv_status (*solve)(rsv_light *light))
 {
     rsv_status status;
     double start = rsv_seconds();
@@ -153,11 +150,11 @@ cleanup:
     return status;
 }
 
-static rsv_status solve_alone(rsv_solution *s) { return rsv_solve_orders(s, s->desc.max_orders); }
+static rsv_status solve_alone(rsv_light *s) { return rsv_solve_orders(s, s->desc.max_orders); }
 
-rsv_status rsv_light_solve(rsv_solution *s) { return solve_by(s, solve_alone); }
+rsv_status rsv_light_solve(rsv_light *s) { return solve_by(s, solve_alone); }
 
-rsv_status rsv_solution_solve_again(rsv_solution *s)
+rsv_status rsv_light_solve_again(rsv_light *s)
 {
     rsv_status status = solve_by(s, rsv_solve_and_measure);
     if (status == RSV_OK) rsv_light_warn_if_unbounded(s);
@@ -167,7 +164,7 @@ rsv_status rsv_solution_solve_again(rsv_solution *s)
 /// Errors of the operator are amplified by about 1 / (1 - spectral radius): beyond this the reader must know.
 #define WORRYING_RADIUS 0.98
 
-void rsv_light_warn_if_unbounded(const rsv_solution *s)
+void rsv_light_warn_if_unbounded(const rsv_light *s)
 {
     const rsv_solve_report *report = &s->report;
     if (s->pocket_area > 0)

@@ -1,8 +1,8 @@
 #include "light_sources.h"
 
-#include "../chain/escapes.h"
 #include "../core/core.h"
 #include "../core/references.h"
+#include "../specular/escapes.h"
 
 #include <string.h>
 

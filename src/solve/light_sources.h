@@ -2,7 +2,7 @@
 #ifndef RSV_LIGHT_SOURCES_H
 #define RSV_LIGHT_SOURCES_H
 
-#include "../light/light_subset.h"
+#include "../sources/light_subset.h"
 #include "world.h"
 
 typedef struct rsv_light_sources {

@@ -1,6 +1,6 @@
-#include "solution_internal.h"
+#include "light_internal.h"
 
-rsv_status rsv_measure_assembly(const rsv_solution *s, rsv_assembly_cost *cost)
+rsv_status rsv_measure_assembly(const rsv_light *s, rsv_assembly_cost *cost)
 {
     rsv_transport *again = NULL;
     uint32_t rays = s->desc.rays_per_element;

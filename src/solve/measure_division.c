@@ -1,6 +1,6 @@
 /// How evenly rows of G can be divided, and what the parts would have to tell each other, without any other process.
 #include "../operator/row_tracer.h"
-#include "solution_internal.h"
+#include "light_internal.h"
 
 #include <string.h>
 
@@ -90,7 +90,7 @@ static void count_needed(
 }
 
 static rsv_status measure_cut(
-    const rsv_solution *s, const rsv_division *d, const float *seconds, rsv_division_cost *cost)
+    const rsv_light *s, const rsv_division *d, const float *seconds, rsv_division_cost *cost)
 {
     rsv_status status = RSV_OK;
     uint32_t *owner = rsv_alloc(d->context, d->node_count, sizeof *owner);
@@ -120,7 +120,7 @@ cleanup:
 }
 
 rsv_status rsv_measure_division(
-    const rsv_solution *s, const uint32_t *parts, size_t count, rsv_division_cost *cost)
+    const rsv_light *s, const uint32_t *parts, size_t count, rsv_division_cost *cost)
 {
     rsv_status status;
     rsv_division *division = NULL;

@@ -2,7 +2,7 @@
 #include "../solver/choose_solver.h"
 #include "../solver/linear_solver.h"
 #include "../solver/spectrum.h"
-#include "solution_internal.h"
+#include "light_internal.h"
 
 /// Orders of light that show how fast they die out, before a solver is chosen.
 #define SCOUT_TERMS 5
@@ -22,7 +22,7 @@ static void listen(void *user, double applications, double residual)
     if (l->observe) l->observe(l->user, l->before + applications, residual);
 }
 
-static rsv_status run(rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
+static rsv_status run(rsv_transport_map *map, const rsv_light *s, rsv_linear_desc *desc,
     listener *l, rsv_rgb *irradiance, rsv_solver_cost *cost)
 {
     rsv_linear_report report;
@@ -39,7 +39,7 @@ static rsv_status run(rsv_transport_map *map, const rsv_solution *s, rsv_linear_
 }
 
 /// A few orders of light, then the choice that they suggest.
-static rsv_status scout(rsv_transport_map *map, const rsv_solution *s, rsv_linear_desc *desc,
+static rsv_status scout(rsv_transport_map *map, const rsv_light *s, rsv_linear_desc *desc,
     listener *l, rsv_rgb *irradiance, rsv_solver_cost *cost)
 {
     char reason[sizeof s->report.solver_reason];
@@ -59,7 +59,7 @@ static rsv_status scout(rsv_transport_map *map, const rsv_solution *s, rsv_linea
     return status != RSV_OK ? status : run(map, s, desc, l, irradiance, cost);
 }
 
-rsv_status rsv_measure_solver(const rsv_solution *s, rsv_solver solver, double tolerance,
+rsv_status rsv_measure_solver(const rsv_light *s, rsv_solver solver, double tolerance,
     void (*observe)(void *user, double applications, double residual), void *user,
     rsv_solver_cost *cost)
 {
@@ -83,7 +83,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_measure_application(const rsv_solution *s, uint32_t repetitions, double *ratio)
+rsv_status rsv_measure_application(const rsv_light *s, uint32_t repetitions, double *ratio)
 {
     rsv_status status = RSV_ERROR_MEMORY;
     size_t nodes = s->elements->node_count;
@@ -107,7 +107,7 @@ cleanup:
 }
 
 rsv_status rsv_measure_device(
-    const rsv_solution *s, uint32_t repetitions, double *copy_rate, double *seconds, size_t *bytes)
+    const rsv_light *s, uint32_t repetitions, double *copy_rate, double *seconds, size_t *bytes)
 {
     rsv_transport_map *map = NULL;
     rsv_status status = rsv_operator_map(s->op, 1, &map);

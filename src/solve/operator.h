@@ -1,5 +1,5 @@
 /// The light-transport operator of a scene: which share of the light that arrives at each element arrives at every other
-/// one next, G K. Constant once it is made; lights of it come and go (solution.h).
+/// one next, G K. Constant once it is made; lights of it come and go (light.h).
 ///
 /// G, the rows, is what costs: operators of other albedos (K) share it with the one that they vary.
 #ifndef RSV_OPERATOR_H

@@ -34,7 +34,7 @@ size_t rsv_update_store_bytes(const rsv_update_store *s)
     return s->kept ? s->kept->table->bytes(s->kept) : 0;
 }
 
-static void fill_report(const rsv_solution *light, double seconds, rsv_update_report *report)
+static void fill_report(const rsv_light *light, double seconds, rsv_update_report *report)
 {
     const rsv_solve_report *r = &light->report;
     *report = light->update;
@@ -55,7 +55,7 @@ static rsv_status check(const rsv_scene *scene, const rsv_solve_desc *desc)
 }
 
 rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_desc *desc,
-    rsv_update_store *store, rsv_solution **solution, rsv_update_report *report)
+    rsv_update_store *store, rsv_light **solution, rsv_update_report *report)
 {
     const rsv_solve_desc settings = desc ? *desc : rsv_default_solve_desc(RSV_QUALITY_MEDIUM);
     double start = rsv_seconds();
@@ -63,7 +63,7 @@ rsv_status rsv_operator_update(const rsv_scene *scene, const rsv_solve_desc *des
     rsv_status status;
     RSV_TRY(check(scene, &settings));
     RSV_TRY(rsv_store_memory(store->context, &next));
-    RSV_TRY(rsv_solution_build(scene, &settings, next, store->kept, solution));
+    RSV_TRY(rsv_light_build(scene, &settings, next, store->kept, solution));
     rsv_store_destroy(store->kept);
     store->kept = next;
     next = NULL;

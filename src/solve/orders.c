@@ -1,6 +1,6 @@
 /// E = sum (G K)^n E0. The first orders are kept one by one, as layers of pictures; what follows them is kept as
 /// one, and a faster solver may find it.
-#include "solution_internal.h"
+#include "light_internal.h"
 
 #include "../core/team.h"
 #include "../elements/curvature.h"
@@ -24,7 +24,7 @@ static double largest(const rsv_rgb *value, size_t count)
 
 /// What the solution of one system needs beside the solution.
 typedef struct series {
-    rsv_solution *s;
+    rsv_light *s;
     rsv_transport_map *map;
     rsv_rgb *term, *next;
     double target;    ///< W/m2: a residual that is small enough
@@ -49,7 +49,7 @@ static double operator_norm(const series *q)
 /// ||E0 + G K E - E||_inf with sums in double. Hanging nodes are no unknowns.
 static double residual_norm(const series *q, rsv_rgb *irradiance, rsv_rgb *residual)
 {
-    const rsv_solution *s = q->s;
+    const rsv_light *s = q->s;
     double max = 0;
     q->map->linear.table->residual(q->map, 3, &s->field.source->r, &irradiance->r, &residual->r);
     const float *scale = rsv_operator_get_view(s->op)->transport->scale;
@@ -70,7 +70,7 @@ static double residual_norm(const series *q, rsv_rgb *irradiance, rsv_rgb *resid
 #define POCKET_SHARE 0.01
 
 /// Share of the source's light that is caught in pockets: the largest of the channels.
-static double caught_share(const rsv_solution *s, const float *survival)
+static double caught_share(const rsv_light *s, const float *survival)
 {
     double most = 0;
     for (size_t c = 0; c < 3; c++) {
@@ -109,7 +109,7 @@ static double blacken_pockets(
 
 /// Leaves pockets dark: no light starts there, and what arrives is absorbed. That is another operator, for this light alone.
 /// @param least share that a pocket keeps
-static rsv_status close_pockets(rsv_solution *s, const float *survival, float least)
+static rsv_status close_pockets(rsv_light *s, const float *survival, float least)
 {
     rsv_operator *closed = NULL;
     size_t nodes = s->elements->node_count;
@@ -168,7 +168,7 @@ cleanup:
 /// pockets at no cost. Where it does not, survival itself takes POCKET_ORDERS more applications.
 static rsv_status check_losses(series *q)
 {
-    rsv_solution *s = q->s;
+    rsv_light *s = q->s;
     rsv_alternative a;
     float *share = rsv_alloc(s->context, 3 * s->elements->node_count, sizeof *share);
     rsv_status status;
@@ -193,7 +193,7 @@ cleanup:
 /// Whether all but little of the light dies out. @param alternative of the map
 static rsv_status look_for_losses(series *q, const rsv_alternative *alternative, float *share)
 {
-    const rsv_solution *s = q->s;
+    const rsv_light *s = q->s;
     rsv_status status = RSV_OK;
     if (alternative->unique || caught_share(s, share) < POCKET_SHARE) return RSV_OK;
     RSV_TRY(rsv_transport_map_transpose(q->map));
@@ -203,7 +203,7 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_light_check_bounded(rsv_solution *s)
+rsv_status rsv_light_check_bounded(rsv_light *s)
 {
     rsv_status status;
     size_t nodes = s->elements->node_count;
@@ -225,7 +225,7 @@ cleanup:
     return status;
 }
 
-static void add_term(rsv_solution *s, const rsv_rgb *term)
+static void add_term(rsv_light *s, const rsv_rgb *term)
 {
     uint32_t last = RSV_KEPT_ORDERS - 1;
     uint32_t slot = s->field.order_count > last ? last : s->field.order_count;
@@ -289,7 +289,7 @@ cleanup:
 /// leaves: asks for no less. Orders beyond the present term are taken to fall by the spectral radius.
 static void keep_target_in_reach(series *q, const rsv_rgb *term)
 {
-    const rsv_solution *s = q->s;
+    const rsv_light *s = q->s;
     size_t nodes = s->elements->node_count;
     double radius = fmin(fmax(s->report.spectral_radius, 0), RSV_LOSSLESS), most = 0;
     for (size_t n = 0; n < nodes; n++)
@@ -314,7 +314,7 @@ static void choose_solver(series *q, double size)
 
 /// <term, G K term> / <term, term> with the weights area x albedo. By reciprocity G K is symmetric in that product, so
 /// this is a Rayleigh quotient: below the spectral radius, by the square of the distance from the slowest mode.
-static double rayleigh_quotient(const rsv_solution *s, const rsv_rgb *term, const rsv_rgb *next)
+static double rayleigh_quotient(const rsv_light *s, const rsv_rgb *term, const rsv_rgb *next)
 {
     double image[3] = { 0 }, square[3] = { 0 }, most = 0;
     const rsv_rgb *albedo = rsv_operator_get_view(s->op)->albedo;
@@ -340,7 +340,7 @@ static void note_radius(series *q, uint32_t order, const rsv_rgb *term, const rs
 
 static rsv_status sum_series(series *q, uint32_t max_orders)
 {
-    rsv_solution *s = q->s;
+    rsv_light *s = q->s;
     rsv_solve_report *report = &s->report;
     size_t nodes = s->elements->node_count;
     memcpy(q->term, s->field.source, nodes * sizeof *q->term);
@@ -372,7 +372,7 @@ static rsv_status sum_series(series *q, uint32_t max_orders)
     return rsv_progress(s->context, "solve", 1);
 }
 
-static rsv_status create_orders(rsv_solution *s)
+static rsv_status create_orders(rsv_light *s)
 {
     size_t nodes = s->elements->node_count;
     s->field.irradiance = rsv_alloc(s->context, nodes, sizeof *s->field.irradiance);
@@ -390,7 +390,7 @@ static rsv_status create_orders(rsv_solution *s)
 /// Sums the orders, after finding out by how much a residual can be amplified.
 static rsv_status solve(series *q, uint32_t max_orders)
 {
-    rsv_solution *s = q->s;
+    rsv_light *s = q->s;
     rsv_solve_report *report = &s->report;
     double mean = rsv_elements_mean_luminance(s->elements, s->field.source);
     report->solver = RSV_SOLVER_NEUMANN;
@@ -410,7 +410,7 @@ static rsv_status solve(series *q, uint32_t max_orders)
 
 static void report_error(const series *q, rsv_rgb *scratch)
 {
-    rsv_solution *s = q->s;
+    rsv_light *s = q->s;
     for (size_t n = 0; n < s->elements->node_count; n++)
         s->field.irradiance[n] = rgb_add(s->field.source[n], s->field.indirect[n]);
     s->report.residual_inf = residual_norm(q, s->field.irradiance, scratch);
@@ -421,7 +421,7 @@ static void report_error(const series *q, rsv_rgb *scratch)
         s->report.stop_reason = RSV_STOP_CONVERGED;
 }
 
-static rsv_rgb *kept_field(rsv_solution *s, uint32_t k)
+static rsv_rgb *kept_field(rsv_light *s, uint32_t k)
 {
     return k < s->field.order_count ? s->field.order[k] : s->field.indirect;
 }
@@ -429,7 +429,7 @@ static rsv_rgb *kept_field(rsv_solution *s, uint32_t k)
 /// The orders after the first, and their sum. Processes take fields in turns.
 static void sharpen_fields(series *q)
 {
-    rsv_solution *s = q->s;
+    rsv_light *s = q->s;
     rsv_team_place place = rsv_team_place_of(s->context);
     for (uint32_t k = 1; k <= s->field.order_count; k++)
         if (k % place.size == place.rank)
@@ -454,7 +454,7 @@ static rsv_status find_radius(const series *q)
     return status;
 }
 
-static rsv_status solve_orders(rsv_solution *s, uint32_t max_orders, bool measures)
+static rsv_status solve_orders(rsv_light *s, uint32_t max_orders, bool measures)
 {
     rsv_status status;
     size_t nodes = s->elements->node_count;
@@ -475,12 +475,9 @@ cleanup:
     return status;
 }
 
-rsv_status rsv_solve_orders(rsv_solution *s, uint32_t max_orders)
+rsv_status rsv_solve_orders(rsv_light *s, uint32_t max_orders)
 {
     return solve_orders(s, max_orders, false);
 }
 
-rsv_status rsv_solve_and_measure(rsv_solution *s)
-{
-    return solve_orders(s, s->desc.max_orders, true);
-}
+rsv_status rsv_solve_and_measure(rsv_light *s) { return solve_orders(s, s->desc.max_orders, true); }

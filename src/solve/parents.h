@@ -1,4 +1,4 @@
-/// Values of nodes that hang, as means of nodes that do not: chains of parents are resolved.
+/// Values of nodes that hang, as means of nodes that do not: specular paths of parents are resolved.
 #ifndef RSV_PARENTS_H
 #define RSV_PARENTS_H
 

@@ -94,7 +94,7 @@ static size_t most_rows(const rsv_builder *b, size_t first)
 }
 
 /// Mean luminance of the light that has no finer level. @param far [node_count] nodes for which nothing is gathered
-static float mean_arriving(const rsv_solution *light, const uint8_t *far)
+static float mean_arriving(const rsv_light *light, const uint8_t *far)
 {
     const rsv_elements *e = light->elements;
     double gathered = 0, area = 0;
@@ -137,7 +137,7 @@ cleanup:
 }
 
 /// The first few orders of light, with rows of few rays.
-static rsv_status solve_roughly(rsv_builder *b, rsv_solution **light)
+static rsv_status solve_roughly(rsv_builder *b, rsv_light **light)
 {
     rsv_status status;
     rsv_operator *op = NULL;
@@ -152,7 +152,7 @@ cleanup:
 
 /// Light without a finer level, indirect and what is gathered of the sky and of lamps, and its standard deviation; INFINITY
 /// where none was gathered.
-static void note_arriving(const rsv_builder *b, const rsv_solution *light, const uint8_t *far,
+static void note_arriving(const rsv_builder *b, const rsv_light *light, const uint8_t *far,
     rsv_rgb *arriving, float *deviation)
 {
     size_t nodes = b->elements->node_count;
@@ -176,7 +176,7 @@ static rsv_status mark_by_pilot(
     rsv_builder *b, const rsv_goal *goal, size_t most, uint8_t *split, bool *any)
 {
     rsv_status status;
-    rsv_solution *light = NULL;
+    rsv_light *light = NULL;
     size_t nodes = b->elements->node_count;
     uint8_t *far = rsv_alloc(b->context, nodes, 1);
     float *deviation = rsv_alloc(b->context, nodes, sizeof *deviation);
@@ -188,7 +188,7 @@ static rsv_status mark_by_pilot(
     float dark = PILOT_DARK * mean_arriving(light, far);
     RSV_TRY(mark_bends(b, goal, most, arriving, dark, deviation, split, any));
 cleanup:
-    rsv_solution_destroy(light);
+    rsv_light_destroy(light);
     rsv_free(b->context, far);
     rsv_free(b->context, deviation);
     rsv_free(b->context, arriving);

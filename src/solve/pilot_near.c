@@ -66,7 +66,7 @@ static rsv_status trace_near(rsv_builder *b, const uint8_t *far, rsv_operator **
 }
 
 /// One more order of light for nodes near an edit, from the light of all.
-static void gather_near(rsv_solution *light, const settled_light *then, rsv_rgb *exitance)
+static void gather_near(rsv_light *light, const settled_light *then, rsv_rgb *exitance)
 {
     const rsv_elements *e = light->elements;
     rsv_rgb *indirect = light->field.indirect;
@@ -80,7 +80,7 @@ static void gather_near(rsv_solution *light, const settled_light *then, rsv_rgb 
 }
 
 /// Direct light of nodes near an edit, and the settled light of the others.
-static rsv_status begin_near(rsv_solution *light, const settled_light *then)
+static rsv_status begin_near(rsv_light *light, const settled_light *then)
 {
     size_t nodes = light->elements->node_count;
     light->field.indirect = rsv_alloc(light->context, nodes, sizeof *light->field.indirect);
@@ -93,7 +93,7 @@ static rsv_status begin_near(rsv_solution *light, const settled_light *then)
     return status;
 }
 
-rsv_status rsv_pilot_solve_near(rsv_builder *b, uint8_t *far, rsv_solution **light)
+rsv_status rsv_pilot_solve_near(rsv_builder *b, uint8_t *far, rsv_light **light)
 {
     rsv_status status;
     settled_light then = { .far = far };

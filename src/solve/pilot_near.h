@@ -11,6 +11,6 @@ const rsv_history *rsv_pilot_settled(const rsv_builder *builder);
 
 /// The first few orders of light, with rows near the edit alone, where rsv_pilot_settled knows the rest.
 /// @param far [node_count], out: nodes that it is far from, for which nothing is gathered
-rsv_status rsv_pilot_solve_near(rsv_builder *builder, uint8_t *far, rsv_solution **light);
+rsv_status rsv_pilot_solve_near(rsv_builder *builder, uint8_t *far, rsv_light **light);
 
 #endif

@@ -53,7 +53,7 @@ void rsv_builder_forget_history(rsv_builder *b)
     b->scene.known_cells = NULL;
 }
 
-static void write_down(const rsv_builder *b, const rsv_solution *light)
+static void write_down(const rsv_builder *b, const rsv_light *light)
 {
     size_t nodes = b->elements->node_count;
     rsv_rgb *direct = rsv_alloc(b->context, nodes, sizeof *direct);
@@ -91,7 +91,7 @@ static void let_go(rsv_context *context, rsv_source_level *level)
     level->valid_points = NULL;
 }
 
-void rsv_builder_keep_history(const rsv_builder *b, rsv_solution *light)
+void rsv_builder_keep_history(const rsv_builder *b, rsv_light *light)
 {
     const rsv_store *store = b->update.store;
     bool writes = store && (!store->shared || rsv_team_place_of(b->context).rank == 0);

@@ -13,6 +13,6 @@ void rsv_builder_forget_history(rsv_builder *builder);
 
 /// Writes down what a finished solution knows beside its rows, if these are kept. Lets go of fields that nothing else needs.
 /// A warning where it cannot be written.
-void rsv_builder_keep_history(const rsv_builder *builder, rsv_solution *light);
+void rsv_builder_keep_history(const rsv_builder *builder, rsv_light *light);
 
 #endif

@@ -3,7 +3,7 @@
 #include "../update/kept_light.h"
 #include "../update/update.h"
 
-rsv_status rsv_source_create_levels(rsv_solution *s, const rsv_level_limits *limits)
+rsv_status rsv_source_create_levels(rsv_light *s, const rsv_level_limits *limits)
 {
     bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
                     rsv_photons_wanted(&s->scene, s->sources->lights);
@@ -26,7 +26,7 @@ rsv_status rsv_source_create_levels(rsv_solution *s, const rsv_level_limits *lim
     return status;
 }
 
-void rsv_source_complete(rsv_solution *s)
+void rsv_source_complete(rsv_light *s)
 {
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < s->elements->node_count; n++) {
@@ -38,7 +38,7 @@ void rsv_source_complete(rsv_solution *s)
     rsv_elements_constrain(s->elements, s->field.source);
 }
 
-void rsv_source_add_gathered(rsv_solution *s)
+void rsv_source_add_gathered(rsv_light *s)
 {
     const rsv_transport *rows = rsv_operator_get_view(s->op)->transport;
     rsv_rgb *gathered = s->field.gathered;
@@ -51,14 +51,14 @@ void rsv_source_add_gathered(rsv_solution *s)
 
 /// @param known [node_count] nodes that are left as they are; NULL = none
 static rsv_status find_direct(
-    const rsv_solution *s, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
+    const rsv_light *s, const uint8_t *known, rsv_rgb *irradiance, uint64_t *rays)
 {
     return rsv_direct_irradiance(&s->scene, s->sources->lights, s->elements, RSV_SUPPORT_POINTS,
         RSV_COARSE_LIGHT_FACTOR * s->desc.light_samples, s->desc.seed, s->view.valid_points, known,
         irradiance, NULL, rays);
 }
 
-rsv_status rsv_measure_direct(const rsv_solution *s, double *seconds, uint64_t *rays)
+rsv_status rsv_measure_direct(const rsv_light *s, double *seconds, uint64_t *rays)
 {
     rsv_rgb *again = rsv_alloc(s->context, s->elements->node_count, sizeof *again);
     if (!again) return RSV_ERROR_MEMORY;
@@ -70,7 +70,7 @@ rsv_status rsv_measure_direct(const rsv_solution *s, double *seconds, uint64_t *
     return status;
 }
 
-rsv_status rsv_source_estimate(rsv_solution *s, const uint8_t *known)
+rsv_status rsv_source_estimate(rsv_light *s, const uint8_t *known)
 {
     return find_direct(s, known, s->field.source, &s->report.rays);
 }
@@ -85,7 +85,7 @@ static size_t count_lit(const rsv_elements *e, const uint16_t *valid_points)
 }
 
 /// @param known [node_count] coarse elements whose light was not sampled
-static void report_kept(rsv_solution *s, const uint8_t *known)
+static void report_kept(rsv_light *s, const uint8_t *known)
 {
     const rsv_source_level *fine = &s->field.fine;
     size_t kept = 0;
@@ -96,7 +96,7 @@ static void report_kept(rsv_solution *s, const uint8_t *known)
     s->update.kept_lit_elements = kept + fine->kept;
 }
 
-rsv_status rsv_source_create(rsv_solution *s)
+rsv_status rsv_source_create(rsv_light *s)
 {
     rsv_status status;
     const rsv_history *history = rsv_history_of(&s->scene);

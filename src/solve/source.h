@@ -2,7 +2,7 @@
 #ifndef RSV_SOURCE_H
 #define RSV_SOURCE_H
 
-#include "solution_internal.h"
+#include "light_internal.h"
 
 /// What elements of the levels are not to be spent on.
 typedef struct rsv_level_limits {
@@ -13,18 +13,18 @@ typedef struct rsv_level_limits {
 
 /// Direct light and caustics on finer elements, where they are wanted. Caustics have elements of their own: they are
 /// the same whether direct light is left to the renderer or not.
-rsv_status rsv_source_create_levels(rsv_solution *light, const rsv_level_limits *limits);
+rsv_status rsv_source_create_levels(rsv_light *light, const rsv_level_limits *limits);
 
 /// Direct light alone, of all nodes that are not known. @param known [node_count]
-rsv_status rsv_source_estimate(rsv_solution *light, const uint8_t *known);
+rsv_status rsv_source_estimate(rsv_light *light, const uint8_t *known);
 
 /// E0 on the coarse elements: next-event estimates, gathered emission and caustics. Needs rows.
-rsv_status rsv_source_create(rsv_solution *light);
+rsv_status rsv_source_create(rsv_light *light);
 
 /// Adds what is gathered, and caustics, to the next-event estimates in `source`.
-void rsv_source_complete(rsv_solution *light);
+void rsv_source_complete(rsv_light *light);
 
 /// Adds gathered emission, by rows and by the bins of the surroundings as they are now, and caustics to `source`.
-void rsv_source_add_gathered(rsv_solution *light);
+void rsv_source_add_gathered(rsv_light *light);
 
 #endif

@@ -5,7 +5,7 @@
 #ifndef RSV_WORLD_H
 #define RSV_WORLD_H
 
-#include "../chain/chain.h"
+#include "../specular/specular_path.h"
 
 typedef struct rsv_world {
     rsv_context *context;

@@ -11,11 +11,11 @@
 #ifndef RSV_HISTORY_H
 #define RSV_HISTORY_H
 
-#include "../chain/chain_walk.h"
 #include "../elements/elements.h"
 #include "../elements/known_cells.h"
 #include "../elements/spacing.h"
-#include "../light/light.h"
+#include "../sources/lights.h"
+#include "../specular/specular_walk.h"
 #include "scene_change.h"
 #include "store.h"
 

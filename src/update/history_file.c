@@ -53,7 +53,7 @@ uint64_t rsv_history_checksum(const rsv_history_header *h, size_t bytes)
 
 void rsv_history_name(uint64_t settings, char name[RSV_STORE_NAME_BYTES])
 {
-    snprintf(name, RSV_STORE_NAME_BYTES, "%016llx.past", (unsigned long long)settings);
+    snprintf(name, RSV_STORE_NAME_BYTES, "%016llx.history", (unsigned long long)settings);
 }
 
 static uint64_t add_numbers(uint64_t key, const float *number, size_t count)
@@ -86,7 +86,7 @@ uint64_t rsv_history_lights_key(const rsv_lights *lights)
         key = rsv_key_add(key, e->double_sided);
     }
     for (size_t k = 0; k < lights->scene->light_count; k++) {
-        const rsv_light *l = &lights->scene->light[k];
+        const rsv_punctual_light *l = &lights->scene->light[k];
         key = rsv_key_add_vector(rsv_key_add(key, (uint64_t)l->kind), l->position);
         key = add_color(rsv_key_add_vector(key, l->direction), l->intensity);
         const float shape[] = { l->inner_cone_angle, l->outer_cone_angle, l->exponent };

@@ -77,7 +77,7 @@ RSV_INLINE const uint8_t *rsv_history_find(const rsv_history_table *table, uint6
 
 uint64_t rsv_history_checksum(const rsv_history_header *header, size_t bytes);
 
-/// "<settings>.past"
+/// "<settings>.history"
 void rsv_history_name(uint64_t settings, char name[RSV_STORE_NAME_BYTES]);
 
 /// Of all sources; RSV_HISTORY_NO_LIGHTS where textures decide what they give.

@@ -2,8 +2,8 @@
 #ifndef RSV_ROW_CATALOGUE_H
 #define RSV_ROW_CATALOGUE_H
 
-#include "../chain/chain_walk.h"
 #include "../elements/elements.h"
+#include "../specular/specular_walk.h"
 #include "store.h"
 
 /// What rows are traced on; borrowed.

@@ -2,8 +2,8 @@
 #ifndef RSV_ROW_RECORD_H
 #define RSV_ROW_RECORD_H
 
-#include "../chain/escapes.h"
 #include "../elements/elements.h"
+#include "../specular/escapes.h"
 #include "scene_change.h"
 
 /// What the rays of one row found.
@@ -42,7 +42,7 @@ typedef struct rsv_row_block {
     size_t count, capacity;
 } rsv_row_block;
 
-/// Appends a row to a block. @param ray_count of each row @param rays that it took, chains included
+/// Appends a row to a block. @param ray_count of each row @param rays that it took, specular paths included
 rsv_status rsv_row_record_put(rsv_context *context, uint32_t node, uint32_t ray_count,
     const rsv_row_scratch *scratch, uint64_t rays, rsv_row_block *block);
 

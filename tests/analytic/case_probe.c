@@ -54,7 +54,7 @@ static rsv_status make_solution(const case_bench *bench, case_solution *created)
         desc.direct_level = false;
         desc.direct_levels = 0;
     }
-    return rsv_solution_create(created->scene, &desc, &created->solution);
+    return rsv_light_create(created->scene, &desc, &created->solution);
 }
 
 /// The scene of a variant, solved when it is first wanted.
@@ -477,7 +477,7 @@ rsv_status case_bench_read(
 void case_bench_close(case_bench *bench)
 {
     for (int i = 0; i < bench->solution_count; i++) {
-        rsv_solution_destroy(bench->solution[i].solution);
+        rsv_light_destroy(bench->solution[i].solution);
         rsv_scene_destroy(bench->solution[i].scene);
     }
     bench->solution_count = 0;

@@ -14,7 +14,7 @@ typedef struct case_solution {
     case_variant variant;
     uint32_t opinion;
     rsv_scene *scene;
-    rsv_solution *solution;
+    rsv_light *solution;
 } case_solution;
 
 /// Everything that the readings of one case share.

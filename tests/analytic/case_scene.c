@@ -75,19 +75,19 @@ static const char *read_surface(const cJSON *json, case_surface *surface)
     return read_shape(json, surface);
 }
 
-static void read_light(const cJSON *json, rsv_light *light)
+static void read_light(const cJSON *json, rsv_punctual_light *light)
 {
     double angle = number(json, "cone_half_angle_deg", 0) * (double)RSV_PI / 180;
-    *light = (rsv_light){ .kind = RSV_LIGHT_POINT,
+    *light = (rsv_punctual_light){ .kind = RSV_PUNCTUAL_POINT,
         .position = case_vector(cJSON_GetObjectItem(json, "position")),
         .direction = v3_normalize(case_vector(cJSON_GetObjectItem(json, "direction"))),
         .intensity = rgb_gray((float)number(json, "intensity", 0)),
         .inner_cone_angle = (float)angle,
         .outer_cone_angle = (float)angle,
         .exponent = (float)number(json, "exponent", 0) };
-    if (names(json, "type", "spot")) light->kind = RSV_LIGHT_SPOT;
+    if (names(json, "type", "spot")) light->kind = RSV_PUNCTUAL_SPOT;
     if (names(json, "type", "directional")) {
-        light->kind = RSV_LIGHT_DIRECTIONAL;
+        light->kind = RSV_PUNCTUAL_DIRECTIONAL;
         light->intensity = rgb_gray((float)number(json, "irradiance", 0));
     }
 }

@@ -42,7 +42,7 @@ typedef struct case_variant {
 typedef struct case_scene {
     case_surface surface[CASE_MAX_SURFACES];
     int surface_count;
-    rsv_light light[CASE_MAX_LIGHTS];
+    rsv_punctual_light light[CASE_MAX_LIGHTS];
     int light_count;
     rsv_camera camera[CASE_MAX_CAMERAS]; ///< one per radiance probe
     int camera_count;

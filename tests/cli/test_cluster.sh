@@ -3,7 +3,7 @@
 source "$(dirname "$0")/support.sh"
 
 # Exit status 77 is a test skipped.
-if [[ ! -e $(dirname "$program")/libresolvent_dist.so ]]; then
+if [[ ! -e $(dirname "$program")/libresolvent_mpi.so ]]; then
     echo "skipped: the plug-in for MPI and PETSc was not built (./dev cluster)"
     exit 77
 fi
@@ -171,7 +171,7 @@ sed 's/v 0 0 1/v 0 0 2/' corner.obj >other.obj
 differ 'its scene is not that of process 0' "$program" solve corner.obj "${wrong[@]}" : \
     "$program" solve other.obj "${wrong[@]}"
 mkdir version build plug-in
-cp "$(dirname "$program")"/libresolvent_dist.so "$program" version
+cp "$(dirname "$program")"/libresolvent_mpi.so "$program" version
 cp -r version/* build
 cp -r version/* plug-in
 number=$("$program" --version | cut -d ' ' -f 2)

@@ -64,7 +64,7 @@ cc -Wall -Werror "$work/tour.c" -o "$work/tour" $(pkg-config --cflags --libs --s
     echo '#include <resolvent/resolvent.h>'
     echo '#include <stdio.h>'
     echo 'rsv_status follow(rsv_context *context, rsv_scene *room, rsv_scene *moved, rsv_solve_desc solve) {'
-    echo 'rsv_solution *before = NULL, *after = NULL; rsv_status status;'
+    echo 'rsv_light *before = NULL, *after = NULL; rsv_status status;'
     c_block 2
     echo 'return status; }'
 } >"$work/update.c"
@@ -97,7 +97,7 @@ if command -v dpkg-shlibdeps >/dev/null; then
     [[ $(dpkg-deb --field "$program" Depends) == *libembree* ]]
     [[ -z $(grep -E '/usr/include/|\.a$|\.pc$|\.cmake$' "$work/resolvent.contents") ]]
     [[ -z $(grep '/usr/bin/' "$work/resolvent-dev.contents") ]]
-    for plug_in in dist:mpi cuda:cuda; do # a package each: the program alone asks for neither MPI nor a GPU
+    for plug_in in mpi:mpi cuda:cuda; do # a package each: the program alone asks for neither MPI nor a GPU
         grep -q "CPACK_COMPONENTS_ALL .*\b${plug_in#*:}\b" "$build/CPackConfig.cmake" || continue
         package=$(echo "$work"/resolvent-"${plug_in#*:}"_*.deb)
         [[ $(dpkg-deb --contents "$package") == */usr/lib*/libresolvent_${plug_in%:*}.so* ]]

@@ -2,7 +2,7 @@
 # The benchmark that starts processes of its own; how fast they are is no test's business.
 source "$(dirname "$0")/support.sh"
 
-if [[ ! -e $(dirname "$program")/libresolvent_dist.so ]] || ! command -v mpirun >/dev/null; then
+if [[ ! -e $(dirname "$program")/libresolvent_mpi.so ]] || ! command -v mpirun >/dev/null; then
     echo "skipped: there is no mpirun, or no plug-in for it (./dev cluster)"
     exit 77
 fi

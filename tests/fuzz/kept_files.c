@@ -19,7 +19,7 @@ typedef struct kept_room {
     char name[3][64];
 } kept_room;
 
-static const char *const extensions[3] = { ".past", ".scene", ".rows" };
+static const char *const extensions[3] = { ".history", ".scene", ".rows" };
 
 static world *build(float box_at)
 {
@@ -35,7 +35,7 @@ static world *build(float box_at)
 /// @param rays out: that were traced; NULL = nobody asks
 static rsv_status solve(const world *w, const char *rows, const char *earlier, uint64_t *rays)
 {
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 20;
     desc.rays_per_element = 64;
@@ -45,12 +45,12 @@ static rsv_status solve(const world *w, const char *rows, const char *earlier, u
     desc.max_elements = 2000;
     desc.checkpoint = rows;
     desc.earlier = earlier;
-    rsv_status status = rsv_solution_create(w->scene, &desc, &solution);
+    rsv_status status = rsv_light_create(w->scene, &desc, &solution);
     if (rays && solution) {
-        const rsv_solve_report *report = rsv_solution_report(solution);
+        const rsv_solve_report *report = rsv_light_report(solution);
         *rays = report->rays - report->kept_row_rays;
     }
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return status;
 }
 

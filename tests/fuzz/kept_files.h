@@ -8,7 +8,7 @@
 
 /// Solves a small room after an edit, with one of the files that its past left changed to these bytes; rows also where
 /// the same solve would go on. Checksums are mended first, so that what lies behind them is reached.
-/// @param extension .past .scene .rows
+/// @param extension .history .scene .rows
 void fuzz_kept_file(const char *extension, uint8_t *data, size_t size);
 
 /// The same with the file as it was left, and copied to `path` before.

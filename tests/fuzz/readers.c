@@ -58,10 +58,10 @@ static void read_operator(const char *path)
 {
     rsv_context *context = NULL;
     rsv_scene *scene = NULL;
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     if (rsv_context_create(NULL, &context) != RSV_OK) abort();
-    if (rsv_solution_load(context, path, &scene, &solution) == RSV_OK) {
-        rsv_solution_destroy(solution);
+    if (rsv_light_load(context, path, &scene, &solution) == RSV_OK) {
+        rsv_light_destroy(solution);
         rsv_scene_destroy(scene);
     }
     rsv_context_destroy(context);
@@ -102,7 +102,7 @@ static const reader *reader_of(const char *extension)
 
 static bool is_kept_file(const char *extension)
 {
-    return strcmp(extension, ".past") == 0 || strcmp(extension, ".scene") == 0 ||
+    return strcmp(extension, ".history") == 0 || strcmp(extension, ".scene") == 0 ||
            strcmp(extension, ".rows") == 0;
 }
 

@@ -20,11 +20,11 @@ static rsv_material body_material(float ior, float transmittance_per_metre)
     return material;
 }
 
-static rsv_solution *solve_world(const world *w)
+static rsv_light *solve_world(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -33,7 +33,7 @@ static void check_probes(
     const world *w, const rsv_probe *probe, size_t count, uint32_t samples, double expected)
 {
     rsv_probe_reading *reading = calloc(count, sizeof *reading);
-    rsv_solution *solution = solve_world(w);
+    rsv_light *solution = solve_world(w);
     for (int reference = 0; reference < 2; reference++) {
         if (reference)
             assert_int_equal(
@@ -52,7 +52,7 @@ static void check_probes(
             mean, error, expected);
         assert_close(mean, expected, TOLERANCE * expected + STANDARD_ERRORS * error);
     }
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     free(reading);
 }
 
@@ -131,8 +131,8 @@ static void tinted_bodies_dim_lights_inside(void **state)
     world *w = world_begin(2);
     world_box(w, world_material(w, body_material(1, 0.5f)), v3(-4, -1, -4), v3(4, 3, 4));
     world_quad(w, world_lambert(w, 0, 0), v3(-3, 0, 3), v3(3, 0, 3), v3(3, 0, -3), v3(-3, 0, -3));
-    rsv_light lamp = {
-        .kind = RSV_LIGHT_POINT, .position = v3(0, 2, 0), .intensity = rgb_gray(100)
+    rsv_punctual_light lamp = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0, 2, 0), .intensity = rgb_gray(100)
     };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
     world_commit(w);
@@ -155,14 +155,15 @@ static void bodies_within_bodies_absorb_by_turns(void **state)
     world_commit(w);
     rsv_ray ray = { v3(0, -1, 0), v3(0, 1, 0), INFINITY };
     rsv_hit hit;
-    rsv_chain chain;
+    rsv_specular_path path;
     assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
-    chain = rsv_chain_begin(&w->transport, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+    path =
+        rsv_specular_begin(&w->transport, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
     for (int k = 0; k < 3; k++)
-        assert_int_equal(rsv_chain_step(&w->transport, &chain, true, ray.direction, rgb_gray(1)),
-            RSV_CHAIN_MOVED);
-    assert_close((double)chain.weight.g, 0.5 * 0.1 * sqrt(0.5), 1e-5);
-    assert_int_equal(chain.medium.depth, 1);
+        assert_int_equal(rsv_specular_step(&w->transport, &path, true, ray.direction, rgb_gray(1)),
+            RSV_SPECULAR_MOVED);
+    assert_close((double)path.weight.g, 0.5 * 0.1 * sqrt(0.5), 1e-5);
+    assert_int_equal(path.medium.depth, 1);
     world_end(w);
 }
 

@@ -26,7 +26,9 @@ static void add_lamp(world *w, float half)
 
 static void add_point(world *w, rsv_vec3 position)
 {
-    rsv_light light = { .kind = RSV_LIGHT_POINT, .position = position, .intensity = rgb_gray(3) };
+    rsv_punctual_light light = {
+        .kind = RSV_PUNCTUAL_POINT, .position = position, .intensity = rgb_gray(3)
+    };
     assert_int_equal(rsv_scene_add_light(w->scene, &light), RSV_OK);
 }
 
@@ -142,12 +144,12 @@ static void place_probes(const world *w, rsv_probe *probe)
 static void read_solution(const world *w, const rsv_solve_desc *desc, const rsv_probe *probe,
     uint32_t samples, rsv_probe_reading *reading)
 {
-    rsv_solution *s;
-    if (rsv_solution_create(w->scene, desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
+    rsv_light *s;
+    if (rsv_light_create(w->scene, desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
     assert_int_equal(rsv_probe_irradiance(
                          s, RSV_PROBE_OPERATOR, probe, probe_count, samples, desc->seed, reading),
         RSV_OK);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
 }
 
 static void find_truth(const trial *t, const world *w, uint32_t paths, const rsv_probe *probe,

@@ -65,7 +65,7 @@ typedef struct shot {
 } shot;
 
 /// A picture with other random numbers for each seed.
-static rsv_image *picture(const rsv_scene *scene, const rsv_solution *solution, shot from,
+static rsv_image *picture(const rsv_scene *scene, const rsv_light *solution, shot from,
     rsv_render_mode mode, uint32_t seed)
 {
     rsv_render_desc desc = rsv_default_render_desc();
@@ -152,7 +152,7 @@ static void say_block(const char *what, uint32_t number, int mode, const block *
 
 /// What the k-th camera sees in all modes. @return how many are wrong
 static uint32_t check_shot(
-    const rsv_scene *scene, const rsv_solution *solution, const char *what, uint32_t k)
+    const rsv_scene *scene, const rsv_light *solution, const char *what, uint32_t k)
 {
     uint32_t wrong = 0;
     const shot seen = { k, 16, 16 };
@@ -169,7 +169,7 @@ static uint32_t check_shot(
     return wrong;
 }
 
-static uint32_t check_pair(const rsv_scene *scene, const rsv_solution *solution, uint32_t pair)
+static uint32_t check_pair(const rsv_scene *scene, const rsv_light *solution, uint32_t pair)
 {
     uint32_t wrong = check_shot(scene, solution, "pair", pair);
     const rsv_scene_view *view = rsv_scene_get_view(scene);
@@ -181,16 +181,16 @@ static uint32_t check_pair(const rsv_scene *scene, const rsv_solution *solution,
 static void check_furnace(fixture *f, uint32_t seed, uint32_t pairs)
 {
     rsv_scene *scene = begin_scene(f);
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     solve.element_target = FURNACE_ELEMENTS;
     uint32_t wrong = 0;
     assert_int_equal(random_furnace(scene, seed, pairs), RSV_OK);
-    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
     print_message("furnace %u\n", seed);
     for (uint32_t pair = 0; pair < pairs; pair++)
         wrong += check_pair(scene, solution, pair);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     assert_int_equal(wrong, 0);
 }
@@ -295,7 +295,7 @@ static void add_split_plates(rsv_scene *scene)
     assert_int_equal(rsv_scene_commit(scene), RSV_OK);
 }
 
-static uint32_t check_plates(const rsv_scene *scene, const rsv_solution *solution, int mode)
+static uint32_t check_plates(const rsv_scene *scene, const rsv_light *solution, int mode)
 {
     const shot seen = { 0, PLATES_ABREAST * 2 * PLATE_PIXELS, PLATE_ROWS * PLATE_PIXELS };
     rsv_image *image[2];
@@ -321,15 +321,15 @@ static uint32_t check_plates(const rsv_scene *scene, const rsv_solution *solutio
 static void no_pair_of_textures_can_be_seen(void **state)
 {
     rsv_scene *scene = begin_scene(*state);
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     solve.element_target = FURNACE_ELEMENTS;
     uint32_t wrong = 0;
     add_split_plates(scene);
-    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
     for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
         wrong += check_plates(scene, solution, mode);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     assert_int_equal(wrong, 0);
 }
@@ -383,7 +383,7 @@ static rsv_material extreme_material(uint32_t kind)
 static void extremes_cannot_be_seen(void **state)
 {
     rsv_scene *scene = begin_scene(*state);
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     solve.element_target = FURNACE_ELEMENTS;
     uint32_t wrong = 0;
@@ -398,10 +398,10 @@ static void extremes_cannot_be_seen(void **state)
     }
     assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
     assert_int_equal(rsv_scene_commit(scene), RSV_OK);
-    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
     for (uint32_t k = 0; k < EXTREMES; k++)
         wrong += check_shot(scene, solution, "extreme", k);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     assert_int_equal(wrong, 0);
 }
@@ -418,7 +418,7 @@ typedef struct twins {
     rsv_image *image[2];
 } twins;
 
-static twins take_twins(const rsv_scene *scene, const rsv_solution *solution, int mode)
+static twins take_twins(const rsv_scene *scene, const rsv_light *solution, int mode)
 {
     const shot seen = { 0, ROOM_PIXELS, ROOM_PIXELS };
     twins t;
@@ -469,12 +469,12 @@ static uint32_t compare_blocks(const twins *found, const twins *expected, double
 static bool check_room(fixture *f, uint32_t seed)
 {
     rsv_scene *scene = begin_scene(f);
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     uint32_t wrong = 0;
     solve.photon_count = 100000;
     assert_int_equal(random_room(scene, seed), RSV_OK);
-    assert_int_equal(rsv_solution_create(scene, &solve, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
     twins t[3];
     for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
         t[mode] = take_twins(scene, solution, mode);
@@ -490,7 +490,7 @@ static bool check_room(fixture *f, uint32_t seed)
     for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
         for (int k = 0; k < 2; k++)
             rsv_image_destroy(t[mode].image[k]);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     return wrong > 0;
 }

@@ -93,7 +93,7 @@ static void add_sphere(fixture *f, const rsv_material *material)
 
 static void add_point_light(fixture *f, rsv_vec3 position, float intensity)
 {
-    rsv_light light = { .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light light = { .kind = RSV_PUNCTUAL_POINT,
         .position = position,
         .direction = { 0, 0, -1 },
         .intensity = rgb_gray(intensity) };
@@ -530,7 +530,7 @@ static bool names_what_is_left_out(const rsv_material *material)
     fixture *f = start(1);
     const rsv_vec3 corner[4] = { v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1) };
     const rsv_probe probe = { v3(0, 0.5f, 0), v3(0, 1, 0) };
-    const rsv_light light = { .position = v3(0, 1, 0), .intensity = rgb_gray(1) };
+    const rsv_punctual_light light = { .position = v3(0, 1, 0), .intensity = rgb_gray(1) };
     rsv_probe_reading reading;
     rsv_shape wall = { f->scene, "wall", add_material(f, material), NULL };
     assert_int_equal(rsv_add_quad(wall, corner), RSV_OK);

@@ -54,10 +54,10 @@ static double mean_luminance(const rsv_image *image)
 static void check_means(world *w, const uint32_t samples[2])
 {
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_image *reference, *found;
     double error;
-    assert_int_equal(rsv_solution_create(w->scene, &solve, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(w->scene, &solve, &solution), RSV_OK);
     rsv_render_desc desc = rsv_default_render_desc();
     desc.width = desc.height = 32;
     desc.samples = samples[0];
@@ -72,7 +72,7 @@ static void check_means(world *w, const uint32_t samples[2])
     assert_float_equal(mean_luminance(found), expected, TOLERANCE * expected);
     rsv_image_destroy(reference);
     rsv_image_destroy(found);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -143,8 +143,8 @@ static void tilted_normals_bend_shot_light_as_they_bend_paths(void **state)
     uint32_t material = world_material(w, frosted);
     add_tilted_sheet(w, material, 0);
     add_tilted_sheet(w, material, -0.5f);
-    const rsv_light bulb = {
-        .kind = RSV_LIGHT_POINT, .position = v3(0.2f, 0.1f, -1.2f), .intensity = rgb_gray(10)
+    const rsv_punctual_light bulb = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0.2f, 0.1f, -1.2f), .intensity = rgb_gray(10)
     };
     assert_int_equal(rsv_scene_add_light(w->scene, &bulb), RSV_OK);
     rsv_camera camera = rsv_camera_look_at("eye", v3(0, 0, 2), v3(0, 0, -1), 0.9f, 1);
@@ -179,8 +179,8 @@ static world *room_with_glint(void)
 /// The layer of light that specular events alone bring: luminance [SIDE * SIDE].
 /// @param gathered all of it is met by chance: nothing is shot where samples have shared places
 #define SIDE 32
-static void render_glints(const rsv_solution *solution, rsv_render_mode mode, bool gathered,
-    uint32_t samples, double *glint)
+static void render_glints(
+    const rsv_light *solution, rsv_render_mode mode, bool gathered, uint32_t samples, double *glint)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     rsv_image *image;
@@ -210,8 +210,8 @@ static void matt_coats_show_glints_without_specks(void **state)
     (void)state;
     world *w = room_with_glint();
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &solve, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &solve, &solution), RSV_OK);
     double shot[SIDE * SIDE], finely[SIDE * SIDE], gathered[SIDE * SIDE];
     render_glints(solution, RSV_RENDER_OPERATOR, false, 4, shot);
     render_glints(solution, RSV_RENDER_FINAL, false, 511, finely);
@@ -223,7 +223,7 @@ static void matt_coats_show_glints_without_specks(void **state)
     print_message("mean %g, gathered %g; specks of %g\n", mean_of(shot), mean, rms);
     assert_float_equal(mean_of(shot), mean, 0.01 * mean);
     assert_true(rms < 0.05 * mean);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 

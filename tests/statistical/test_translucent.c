@@ -19,15 +19,15 @@ static void add_camera(world *w, rsv_vec3 position, rsv_vec3 target, float degre
     assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
 }
 
-static rsv_solution *solve(const world *w)
+static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
-static rsv_image *show(const rsv_solution *solution, uint32_t size, uint32_t samples)
+static rsv_image *show(const rsv_light *solution, uint32_t size, uint32_t samples)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     desc.width = desc.height = size;
@@ -88,13 +88,14 @@ static void a_sphere_in_a_furnace_shows_its_albedo(void **state)
     double expected = 0.8 * rsv_diffusion_cdf(d, 1), error;
     rsv_image *traced = trace(w, 16, 256, &error);
     assert_close(mean_of(traced, 0, 0, 16), expected, 4 * error * expected);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_image *shown = show(solution, 16, 4);
     assert_close(mean_of(shown, 0, 0, 16), expected, 0.005 * expected);
-    assert_close(0.8 * baked_mean(rsv_solution_get_view(solution)) / (double)RSV_PI, expected, 0.005 * expected);
+    assert_close(0.8 * baked_mean(rsv_light_get_view(solution)) / (double)RSV_PI, expected,
+        0.005 * expected);
     rsv_image_destroy(traced);
     rsv_image_destroy(shown);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -105,22 +106,22 @@ static void what_bakes_show_light_by_light_adds_up(void **state)
     world_sphere(w, world_material(w, translucent(0.8f, 0.2f)), v3(0, 0, 0), 0.5f, 3);
     world_quad(w, world_lambert(w, 0, 10), v3(-0.5f, 2, -0.5f), v3(0.5f, 2, -0.5f),
         v3(0.5f, 2, 0.5f), v3(-0.5f, 2, 0.5f));
-    const rsv_light light = {
-        .name = "point", .kind = RSV_LIGHT_POINT, .position = v3(2, 0, 0), .intensity = rgb_gray(10)
-    };
+    const rsv_punctual_light light = { .name = "point",
+        .kind = RSV_PUNCTUAL_POINT,
+        .position = v3(2, 0, 0),
+        .intensity = rgb_gray(10) };
     assert_int_equal(rsv_scene_add_light(w->scene, &light), RSV_OK);
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_light_responses *responses;
     assert_int_equal(rsv_light_responses_create(solution, &responses), RSV_OK);
     assert_int_equal(responses->count, 2);
-    double whole = baked_mean(rsv_solution_get_view(solution)),
-           first = baked_mean(responses->view[0]);
+    double whole = baked_mean(rsv_light_get_view(solution)), first = baked_mean(responses->view[0]);
     double second = baked_mean(responses->view[1]);
     assert_true(first > 0.1 * whole && second > 0.1 * whole);
     assert_close(first + second, whole, 0.002 * whole);
     rsv_light_responses_destroy(responses);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -143,7 +144,7 @@ static void operator_and_reference_agree(void **state)
 {
     (void)state;
     world *w = still_life(0.05f);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     double error;
     rsv_image *shown = show(solution, 32, 16), *traced = trace(w, 32, 256, &error);
     assert_true(error < 4e-3);
@@ -158,7 +159,7 @@ static void operator_and_reference_agree(void **state)
     assert_true(squares < 2e-3 * mean * mean);
     rsv_image_destroy(shown);
     rsv_image_destroy(traced);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -168,9 +169,9 @@ static void a_vanishing_mean_free_path_is_lambert(void **state)
     world *w[2] = { still_life(1e-7f), still_life(0) };
     rsv_image *image[2];
     for (int k = 0; k < 2; k++) {
-        rsv_solution *solution = solve(w[k]);
+        rsv_light *solution = solve(w[k]);
         image[k] = show(solution, 32, 4);
-        rsv_solution_destroy(solution);
+        rsv_light_destroy(solution);
     }
     double mean = mean_of(image[1], 0, 0, 32), squares = 0;
     for (size_t k = 0; k < 32 * 32; k++) {
@@ -196,14 +197,14 @@ static void a_translucent_ball_keeps_the_balance_of_a_closed_box(void **state)
     world_room(w, walls, v3(-1, -1, -1), v3(1, 1, 1));
     world_sphere(w, world_material(w, translucent(0.5f, 0.05f)), v3(0.2f, 0.1f, 0), 0.5f, 4);
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     const rsv_scene_view *view = rsv_scene_get_view(w->scene);
     double total = 0;
     for (uint32_t t = 0; t < view->triangle_count; t++)
         total += (double)rsv_triangle_area(view, t);
     double emission = 24 / total; // 1 W/m2 from six walls of 4 m2
-    assert_close(rsv_solution_report(solution)->mean_irradiance / (emission / 0.5), 1, 3e-3);
-    rsv_solution_destroy(solution);
+    assert_close(rsv_light_report(solution)->mean_irradiance / (emission / 0.5), 1, 3e-3);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -252,18 +253,18 @@ static void any_number_of_threads_gives_the_same_bytes(void **state)
     for (int k = 0; k < 2; k++) {
         world *w = world_begin(k + 1);
         world_sphere(w, world_material(w, translucent(0.8f, 0.1f)), v3(0, 0, 0), 0.5f, 3);
-        rsv_light light = {
-            .kind = RSV_LIGHT_DIRECTIONAL, .direction = { 0, -1, 0 }, .intensity = { 1, 1, 1 }
+        rsv_punctual_light light = {
+            .kind = RSV_PUNCTUAL_DIRECTIONAL, .direction = { 0, -1, 0 }, .intensity = { 1, 1, 1 }
         };
         assert_int_equal(rsv_scene_add_light(w->scene, &light), RSV_OK);
         assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
-        rsv_solution *solution = solve(w);
+        rsv_light *solution = solve(w);
         rsv_image *shown = show(solution, 16, 4), *traced = trace(w, 16, 4, NULL);
         hash[k] = hash_bytes(HASH_START, rsv_image_pixels(shown, 0), 256 * sizeof(rsv_rgb));
         hash[k] = hash_bytes(hash[k], rsv_image_pixels(traced, 0), 256 * sizeof(rsv_rgb));
         rsv_image_destroy(shown);
         rsv_image_destroy(traced);
-        rsv_solution_destroy(solution);
+        rsv_light_destroy(solution);
         world_end(w);
     }
     assert_true(hash[0] == hash[1]);

@@ -10,14 +10,14 @@
 
 enum { width = 70, height = 50, pixel_count = width * height };
 
-static inline rsv_solution *solve_for_frames(const world *w, uint32_t elements, uint32_t photons)
+static inline rsv_light *solve_for_frames(const world *w, uint32_t elements, uint32_t photons)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = UNLESS_SANITIZED(elements, elements / 4);
     desc.rays_per_element = 64;
     desc.photon_count = UNLESS_SANITIZED(photons, photons / 4);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -37,14 +37,14 @@ static inline rsv_frame_view view_of(const world *w)
 
 /// @param camera NULL = the scene's first
 static inline rsv_image *render_picture(
-    const rsv_solution *solution, const rsv_camera *camera, uint32_t samples, bool layers)
+    const rsv_light *solution, const rsv_camera *camera, uint32_t samples, bool layers)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     desc.mode = RSV_RENDER_OPERATOR;
     desc.width = width;
     desc.height = height;
     desc.samples = samples;
-    desc.chain_depth = 8;
+    desc.path_depth = 8;
     desc.shared_pattern = true;
     desc.layers = layers;
     desc.viewpoint = camera;

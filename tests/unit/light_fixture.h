@@ -4,8 +4,8 @@
 #define RSV_TEST_LIGHT_FIXTURE_H
 
 #include "builtin/builtin.h"
-#include "chain/chain.h"
-#include "light/light.h"
+#include "sources/lights.h"
+#include "specular/specular_path.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

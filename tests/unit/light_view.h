@@ -2,11 +2,11 @@
 #ifndef RSV_TEST_LIGHT_VIEW_H
 #define RSV_TEST_LIGHT_VIEW_H
 
-#include "solve/solution.h"
+#include "solve/light.h"
 
-static inline const rsv_light_view *inside(const rsv_solution *light)
+static inline const rsv_light_view *inside(const rsv_light *light)
 {
-    return rsv_solution_get_view(light);
+    return rsv_light_get_view(light);
 }
 
 #endif

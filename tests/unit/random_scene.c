@@ -474,7 +474,8 @@ static rsv_status add_lamp(room *r)
 static rsv_status add_light(room *r)
 {
     rsv_random *random = &r->random;
-    rsv_light light = { .name = "light", .kind = (rsv_light_kind)below(random, r->open ? 3 : 2) };
+    rsv_punctual_light light = { .name = "light",
+        .kind = (rsv_punctual_light_kind)below(random, r->open ? 3 : 2) };
     rsv_vec3 size = v3_sub(r->high, r->low);
     light.position = v3(between(random, -0.3f, 0.3f) * size.x, r->low.y + 0.85f * size.y,
         between(random, -0.3f, 0.3f) * size.z);

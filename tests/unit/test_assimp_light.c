@@ -30,8 +30,8 @@ static rsv_scene *load(fixture *f, const char *name)
 /// Irradiance on the floor right below the first light, without what might be in the way.
 static float below(const rsv_scene_view *view)
 {
-    const rsv_light *light = &view->light[0];
-    if (light->kind == RSV_LIGHT_DIRECTIONAL) return light->intensity.r;
+    const rsv_punctual_light *light = &view->light[0];
+    if (light->kind == RSV_PUNCTUAL_DIRECTIONAL) return light->intensity.r;
     return light->intensity.r / (light->position.y * light->position.y);
 }
 
@@ -141,8 +141,8 @@ static void collada_spots_end_where_they_say(void **state)
     rsv_scene *scene = load_collada_light(*state, "any", 1, "spot",
         "<color>1 1 1</color><quadratic_attenuation>1</quadratic_attenuation>"
         "<falloff_angle>60</falloff_angle><falloff_exponent>2</falloff_exponent>");
-    const rsv_light *light = &rsv_scene_get_view(scene)->light[0];
-    assert_int_equal(light->kind, RSV_LIGHT_SPOT);
+    const rsv_punctual_light *light = &rsv_scene_get_view(scene)->light[0];
+    assert_int_equal(light->kind, RSV_PUNCTUAL_SPOT);
     assert_about(light->outer_cone_angle, 0.52359878f);
     assert_about(light->inner_cone_angle, 0.52359878f);
     assert_about(light->exponent, 2);

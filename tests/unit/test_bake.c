@@ -57,11 +57,11 @@ static void judge_place(const rsv_bake_directions *d, uint32_t triangle, judgeme
         }
 }
 
-static rsv_solution *solve(rsv_scene *scene)
+static rsv_light *solve(rsv_scene *scene)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -70,7 +70,7 @@ static void light_for_tilted_normals_is_what_is_measured(void **state)
     fixture *f = *state;
     rsv_scene *scene;
     assert_int_equal(rsv_scene_builtin(f->context, "cornell-blocks", &scene), RSV_OK);
-    rsv_solution *solution = solve(scene);
+    rsv_light *solution = solve(scene);
     rsv_bake_directions directions;
     assert_int_equal(rsv_bake_directions_create(inside(solution), &directions), RSV_OK);
     judgement j = { 0 };
@@ -83,7 +83,7 @@ static void light_for_tilted_normals_is_what_is_measured(void **state)
         j.directional / (double)j.readings);
     assert_true(j.directional < 0.65 * j.flat);
     rsv_bake_directions_destroy(&directions);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
 }
 

@@ -9,7 +9,7 @@
 /// A world, solved, as one part of a file.
 typedef struct baked {
     world *w;
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_bake_part part;
     uint32_t triangle[64];
 } baked;
@@ -40,7 +40,7 @@ static void bake(baked *b)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 700;
     desc.rays_per_element = 64;
-    assert_int_equal(rsv_solution_create(b->w->scene, &desc, &b->solution), RSV_OK);
+    assert_int_equal(rsv_light_create(b->w->scene, &desc, &b->solution), RSV_OK);
     size_t count = inside(b->solution)->scene.view->triangle_count;
     assert_true(count <= 64);
     for (uint32_t t = 0; t < count; t++)
@@ -52,13 +52,13 @@ static void bake(baked *b)
 static void discard(baked *b)
 {
     rsv_free(inside(b->solution)->context, b->part.back);
-    rsv_solution_destroy(b->solution);
+    rsv_light_destroy(b->solution);
     world_end(b->w);
 }
 
 static float light_on(const baked *b, uint32_t t, bool back)
 {
-    return rsv_solution_irradiance(b->solution, t, 1.0f / 3, 1.0f / 3, back, RSV_NONE).g;
+    return rsv_light_irradiance(b->solution, t, 1.0f / 3, 1.0f / 3, back, RSV_NONE).g;
 }
 
 static void assert_shown(const baked *b, uint32_t first, uint32_t end, bool back)

@@ -413,15 +413,15 @@ static void frames_see_a_lamp_where_it_was_moved(void **state)
     const rsv_light_move move = { "lamp", { 0.8f, 0.3f, 0.1f } };
     const rsv_relight_desc change = { .move = &move, .move_count = 1 };
     world *w = lamp_at(v3(0, 0, 1)), *other = lamp_at(v3(0.8f, 0.3f, 1.1f));
-    rsv_solution *solution = solve_for_frames(w, 300, 1000),
-                 *fresh = solve_for_frames(other, 300, 1000);
+    rsv_light *solution = solve_for_frames(w, 300, 1000),
+              *fresh = solve_for_frames(other, 300, 1000);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_view view = view_of(w);
     rsv_frame_renderer *moved, *still;
     assert_int_equal(rsv_frame_renderer_create(solution, &desc, &moved), RSV_OK);
     assert_int_equal(rsv_frame_renderer_create(fresh, &desc, &still), RSV_OK);
     assert_int_equal(rsv_frame_render(moved, &view, NULL), RSV_OK);
-    assert_int_equal(rsv_solution_relight(solution, &change), RSV_OK);
+    assert_int_equal(rsv_light_relight(solution, &change), RSV_OK);
     rsv_frame_renderer_refresh(moved);
     assert_int_equal(rsv_frame_render(moved, &view, NULL), RSV_OK);
     assert_int_equal(rsv_frame_render(still, &view, NULL), RSV_OK);
@@ -431,8 +431,8 @@ static void frames_see_a_lamp_where_it_was_moved(void **state)
         assert_int_equal(shown[k].r > 5, wanted[k].r > 5);
     rsv_frame_renderer_destroy(moved);
     rsv_frame_renderer_destroy(still);
-    rsv_solution_destroy(solution);
-    rsv_solution_destroy(fresh);
+    rsv_light_destroy(solution);
+    rsv_light_destroy(fresh);
     world_end(w);
     world_end(other);
 }

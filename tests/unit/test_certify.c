@@ -9,10 +9,10 @@
 #include "light_fixture.h"
 #include "slow_tests.h"
 
-static rsv_solution *solve(const world *w, const rsv_solve_desc *desc)
+static rsv_light *solve(const world *w, const rsv_solve_desc *desc)
 {
-    rsv_solution *solution;
-    if (rsv_solution_create(w->scene, desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());
+    rsv_light *solution;
+    if (rsv_light_create(w->scene, desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());
     return solution;
 }
 
@@ -23,7 +23,7 @@ static rsv_solve_desc draft(uint32_t elements)
     return desc;
 }
 
-static rsv_certificate certify(const rsv_solution *s, uint32_t samples, uint32_t seed)
+static rsv_certificate certify(const rsv_light *s, uint32_t samples, uint32_t seed)
 {
     rsv_certificate c;
     rsv_certify_desc desc = rsv_default_certify_desc();
@@ -42,7 +42,7 @@ static void scale(rsv_rgb *field, size_t count, float factor)
 }
 
 /// Puts a known error of (factor - 1) E~ into everything that lookups read.
-static void scale_solution(rsv_solution *s, float factor)
+static void scale_solution(rsv_light *s, float factor)
 {
     rsv_light_fields *f = rsv_light_edit(s);
     size_t nodes = inside(s)->elements->node_count;
@@ -70,12 +70,12 @@ static void a_furnace_is_certified_exact(void **state)
     world *w = create_furnace(0.8f);
     rsv_solve_desc desc = draft(200);
     desc.tolerance = 1e-6f;
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     rsv_certificate c = certify(s, 512, 1);
     assert_float_equal(c.irradiance_rms, 5, 1e-3);
     assert_float_equal(c.max_albedo, 0.8, 1e-6);
     assert_true(c.error_bound_rms < 1e-4 * c.irradiance_rms); // no ray brings anything but E / pi
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -95,14 +95,14 @@ static void a_coat_does_not_raise_the_albedo(void **state)
     world_commit(w);
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 300;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     rsv_certify_desc brief = rsv_brief_certify_desc();
     rsv_certificate c;
     assert_int_equal(rsv_certify(solution, &brief, &c), RSV_OK);
     assert_float_equal(c.max_albedo, 0.95, 1e-6);
     assert_true(isfinite(c.error_bound_rms));
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -113,14 +113,14 @@ static void a_known_error_of_a_furnace_is_found(void **state)
     world *w = create_furnace(0.8f);
     rsv_solve_desc desc = draft(200);
     desc.tolerance = 1e-6f;
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     scale_solution(s, 1.02f);
     rsv_certificate c = certify(s, 512, 1);
     assert_float_equal(c.residual_rms, 0.2 * 0.1, 2e-5);
     assert_float_equal(c.error_bound_rms, 0.1, 2e-4);
     assert_float_equal(c.error_estimate_rms, 0.1, 5e-3); // s is known as well as 512 points tell
     assert_true(c.error_bound_rms > 0.1 * (1 - 1e-3));
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -129,7 +129,7 @@ static void a_known_error_of_a_room_is_found(void **state)
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
     rsv_solve_desc desc = draft(2000);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     rsv_certificate before = certify(s, 1024, 2);
     scale_solution(s, 1.2f);
     rsv_certificate after = certify(s, 1024, 2);
@@ -139,7 +139,7 @@ static void a_known_error_of_a_room_is_found(void **state)
     assert_true(after.error_bound_rms > known - before.error_bound_rms);
     assert_true(
         after.error_estimate_ci95[0] < known && known < after.error_estimate_ci95[1] * 1.05);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -151,7 +151,7 @@ static void check_against_truth(const char *scene, const rsv_solve_desc *desc, u
     uint32_t paths, uint32_t samples, double tolerance)
 {
     world *w = world_builtin(2, scene);
-    rsv_solution *s = solve(w, desc);
+    rsv_light *s = solve(w, desc);
     rsv_truth *truth;
     double error, interval[2];
     assert_int_equal(rsv_truth_create(s, points, paths, 5, &truth), RSV_OK);
@@ -167,7 +167,7 @@ static void check_against_truth(const char *scene, const rsv_solve_desc *desc, u
     assert_true(interval[0] < c.error_estimate_ci95[1]);
     assert_true(fabs(c.error_estimate_rms - error) < tolerance * error);
     rsv_truth_destroy(truth);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -212,7 +212,7 @@ static void estimates_fall_as_errors_do(void **state)
         double before = INFINITY;
         for (rsv_quality q = RSV_QUALITY_DRAFT; q <= RSV_QUALITY_HIGH; q++) {
             rsv_solve_desc desc = rsv_default_solve_desc(q);
-            rsv_solution *s = solve(w, &desc);
+            rsv_light *s = solve(w, &desc);
             double error, interval[2];
             if (!truth) assert_int_equal(rsv_truth_create(s, 8000, 512, 5, &truth), RSV_OK);
             assert_int_equal(rsv_truth_error(truth, s, &error, interval), RSV_OK);
@@ -222,7 +222,7 @@ static void estimates_fall_as_errors_do(void **state)
             assert_true(estimate <= 1.25 * interval[1] && interval[0] <= 1.25 * estimate);
             assert_true(estimate < before);
             before = estimate;
-            rsv_solution_destroy(s);
+            rsv_light_destroy(s);
         }
         rsv_truth_destroy(truth);
         world_end(w);
@@ -238,13 +238,13 @@ static void intervals_hold_where_little_is_absorbed(void **state)
     world *w = world_begin(2);
     world_room(w, world_lambert(w, 0.97f, 0), v3(0, 0, 0), v3(1, 1, 1));
     world_box(w, world_lambert(w, 0.97f, 0), v3(0.3f, 0, 0.3f), v3(0.7f, 0.4f, 0.6f));
-    rsv_light lamp = {
-        .kind = RSV_LIGHT_POINT, .position = v3(0.5f, 0.8f, 0.4f), .intensity = rgb_gray(1)
+    rsv_punctual_light lamp = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0.5f, 0.8f, 0.4f), .intensity = rgb_gray(1)
     };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
     rsv_solve_desc desc = draft(300);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     double truth = certify(s, 8192, 100).error_estimate_rms;
     int covered = 0;
     for (uint32_t k = 0; k < runs; k++) {
@@ -257,7 +257,7 @@ static void intervals_hold_where_little_is_absorbed(void **state)
     }
     print_message("error %.4f W/m2, %d of %d intervals hold it\n", truth, covered, runs);
     assert_true(covered >= 21);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -271,7 +271,7 @@ static void the_split_knows_noise_from_large_elements(void **state)
         rsv_solve_desc desc = draft(coarse ? 60 : 2000);
         desc.rays_per_element = coarse ? 1024 : 64;
         desc.direct_level = !coarse; // shadow rays are noise too
-        rsv_solution *s = solve(w, &desc);
+        rsv_light *s = solve(w, &desc);
         rsv_certificate c = certify(s, 1024, 1);
         assert_int_equal(rsv_split_error(s, &c, &split[coarse]), RSV_OK);
         double sum = split[coarse].truncation * split[coarse].truncation +
@@ -279,7 +279,7 @@ static void the_split_knows_noise_from_large_elements(void **state)
                      split[coarse].discretisation * split[coarse].discretisation;
         assert_close(sqrt(sum), c.error_estimate_rms, 1e-6);
         assert_true(split[coarse].truncation < 0.01 * c.error_estimate_rms);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
     }
     assert_true(split[0].sampling > split[0].discretisation);
     print_message(
@@ -348,17 +348,17 @@ static void points_within_bodies_count_at_no_quality(void **state)
     uint32_t grey = world_lambert(w, 0.7f, 0);
     for (int k = 0; k < hung_count; k++)
         world_box(w, grey, hung[k].low, hung[k].high);
-    rsv_light lamp = {
-        .kind = RSV_LIGHT_POINT, .position = v3(1.5f, 2, 1.5f), .intensity = rgb_gray(10)
+    rsv_punctual_light lamp = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(1.5f, 2, 1.5f), .intensity = rgb_gray(10)
     };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
     world_commit(w);
     for (uint32_t elements = 100; elements <= 6400; elements *= 8) {
         rsv_solve_desc desc = draft(elements);
         desc.rays_per_element = 64;
-        rsv_solution *s = solve(w, &desc);
+        rsv_light *s = solve(w, &desc);
         assert_true(judge_points_of(inside(s), 4000) > 100);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
     }
     world_end(w);
 }
@@ -386,11 +386,11 @@ static void few_points_meet_a_bright_spot(void **state)
     (void)state;
     world *w = create_room_under_a_lamp(2);
     rsv_solve_desc desc = draft(300);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     double many = certify(s, 4096, 100).irradiance_rms;
     for (uint32_t seed = 0; seed < 10; seed++)
         assert_close(certify(s, 128, seed).irradiance_rms, many, 0.2 * many);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -402,7 +402,7 @@ static void intervals_hold_where_a_spot_is_bright(void **state)
     enum { runs = 10 };
     world *w = create_room_under_a_lamp(2);
     rsv_solve_desc desc = draft(600);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     rsv_truth *traced;
     double error, interval[2], many = certify(s, 32768, 100).error_estimate_rms;
     assert_int_equal(rsv_truth_create(s, 4000, 128, 5, &traced), RSV_OK);
@@ -418,7 +418,7 @@ static void intervals_hold_where_a_spot_is_bright(void **state)
     print_message("estimate %.4f W/m2 (path traced %.4f .. %.4f), %d of %d intervals hold it\n",
         many, interval[0], interval[1], covered, runs);
     assert_true(covered >= 9);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -436,7 +436,7 @@ static void the_error_of_a_picture_is_found_by_importance(void **state)
     world_commit(w);
     rsv_solve_desc desc = draft(200);
     desc.tolerance = 1e-6f;
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     scale_solution(s, 1.02f);
     rsv_certify_desc certify_desc = { .samples = 512, .gather_rays = 64, .light_samples = 4 };
     rsv_goal_certificate c;
@@ -446,7 +446,7 @@ static void the_error_of_a_picture_is_found_by_importance(void **state)
     assert_close(c.error, -0.02 * 4 / (double)RSV_PI, 1e-3 * 4 / (double)RSV_PI);
     assert_true(c.error_ci95[0] <= c.error && c.error <= c.error_ci95[1]);
     assert_int_equal(rsv_certify_goal(s, &certify_desc, 7, &c), RSV_ERROR_ARGUMENT);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -455,7 +455,7 @@ static void a_rooms_picture_errs_as_importance_says(void **state)
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
     rsv_solve_desc desc = draft(1500);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 128, .light_samples = 16 };
     rsv_goal_certificate before, after;
     assert_int_equal(rsv_certify_goal(s, &certify_desc, 0, &before), RSV_OK);
@@ -464,7 +464,7 @@ static void a_rooms_picture_errs_as_importance_says(void **state)
     assert_true(fabs(before.error) < 0.02 * before.reading);
     assert_close(after.reading, 0.8 * before.reading, 1e-4 * before.reading);
     assert_close(after.error - before.error, 0.2 * before.reading, 0.01 * before.reading);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -475,11 +475,11 @@ static void a_goal_spends_elements_where_they_count(void **state)
     world *w = world_builtin(2, "two-rooms");
     rsv_solve_desc desc = draft(2400);
     desc.direct_levels = 1;
-    rsv_solution *all = solve(w, &desc);
+    rsv_light *all = solve(w, &desc);
     desc.goal_camera = 0;
     desc.element_target = 1200;
-    rsv_solution *goal = solve(w, &desc);
-    const rsv_solve_report *a = rsv_solution_report(all), *g = rsv_solution_report(goal);
+    rsv_light *goal = solve(w, &desc);
+    const rsv_solve_report *a = rsv_light_report(all), *g = rsv_light_report(goal);
     assert_true(3 * (g->elements + g->direct_elements) < a->elements + a->direct_elements);
     rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 64, .light_samples = 16 };
     rsv_goal_certificate of_all, of_goal;
@@ -490,11 +490,11 @@ static void a_goal_spends_elements_where_they_count(void **state)
     double doubt = of_all.error_ci95[1] - of_all.error + of_goal.error_ci95[1] - of_goal.error;
     assert_close(truth[0], truth[1], doubt + 0.02 * of_all.reading);
     desc.goal_camera = 99;
-    rsv_solution *none = NULL;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &none), RSV_ERROR_ARGUMENT);
+    rsv_light *none = NULL;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &none), RSV_ERROR_ARGUMENT);
     assert_null(none);
-    rsv_solution_destroy(all);
-    rsv_solution_destroy(goal);
+    rsv_light_destroy(all);
+    rsv_light_destroy(goal);
     world_end(w);
 }
 
@@ -507,11 +507,11 @@ static void sensors_are_goals_as_cameras_are(void **state)
         { { -2, 1.2f, 0.5f }, { 1, 0, 0 } } };
     rsv_solve_desc desc = draft(1200);
     desc.direct_levels = 1;
-    rsv_solution *all = solve(w, &desc);
+    rsv_light *all = solve(w, &desc);
     desc.goal_points = sensors;
     desc.goal_point_count = 2;
-    rsv_solution *goal = solve(w, &desc);
-    const rsv_solve_report *a = rsv_solution_report(all), *g = rsv_solution_report(goal);
+    rsv_light *goal = solve(w, &desc);
+    const rsv_solve_report *a = rsv_light_report(all), *g = rsv_light_report(goal);
     assert_true(2 * (g->elements + g->direct_elements) < a->elements + a->direct_elements);
     rsv_certify_desc certify_desc = { .samples = 1024, .gather_rays = 64, .light_samples = 16 };
     rsv_goal_certificate of_all, of_goal;
@@ -521,21 +521,21 @@ static void sensors_are_goals_as_cameras_are(void **state)
     double doubt = of_all.error_ci95[1] - of_all.error + of_goal.error_ci95[1] - of_goal.error;
     assert_close(truth[0], truth[1], doubt + 0.02 * of_all.reading);
     desc.goal_camera = 0; // one goal is all there can be
-    rsv_solution *none = NULL;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &none), RSV_ERROR_ARGUMENT);
+    rsv_light *none = NULL;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &none), RSV_ERROR_ARGUMENT);
     assert_int_equal(rsv_certify_points(goal, NULL, sensors, 0, &of_goal), RSV_ERROR_ARGUMENT);
-    rsv_solution_destroy(all);
-    rsv_solution_destroy(goal);
+    rsv_light_destroy(all);
+    rsv_light_destroy(goal);
     world_end(w);
 }
 
 // ---- error targets ------------------------------------------------------------------------------
 
-static rsv_solution *pursue(
+static rsv_light *pursue(
     const world *w, const rsv_error_target *target, rsv_certificate *c, rsv_error_stop expected)
 {
     rsv_solve_desc desc = draft(60);
-    rsv_solution *s;
+    rsv_light *s;
     rsv_error_stop stop;
     desc.rays_per_element = 64;
     desc.direct_levels = 0;
@@ -551,12 +551,12 @@ static void refinement_reaches_its_target(void **state)
     world *w = world_builtin(2, "cornell-blocks");
     rsv_error_target target = rsv_default_error_target(0.04);
     rsv_certificate c;
-    rsv_solution *s = pursue(w, &target, &c, RSV_ERROR_TARGET_REACHED);
+    rsv_light *s = pursue(w, &target, &c, RSV_ERROR_TARGET_REACHED);
     assert_true(c.error_estimate_ci95[1] <= 0.04 * c.irradiance_rms);
     // other points agree
     rsv_certificate other = certify(s, 1024, 77);
     assert_true(other.error_estimate_ci95[0] <= 0.04 * other.irradiance_rms);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -569,7 +569,7 @@ static void a_target_is_not_reached_by_luck(void **state)
     target.max_rounds = 2;
     for (uint32_t seed = 0; seed < 6; seed++) {
         rsv_solve_desc desc = draft(200);
-        rsv_solution *s;
+        rsv_light *s;
         rsv_certificate c;
         rsv_error_stop stop;
         desc.seed = seed;
@@ -578,7 +578,7 @@ static void a_target_is_not_reached_by_luck(void **state)
         rsv_certificate other = certify(s, 8192, 77);
         if (stop == RSV_ERROR_TARGET_REACHED)
             assert_true(other.error_estimate_ci95[0] <= 0.1 * other.irradiance_rms);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
     }
     world_end(w);
 }
@@ -590,16 +590,16 @@ static void budgets_end_refinement(void **state)
     rsv_certificate c;
     rsv_error_target target = rsv_default_error_target(0.01);
     target.max_elements = 1500;
-    rsv_solution *s = pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_ELEMENTS);
-    const rsv_solve_report *report = rsv_solution_report(s);
+    rsv_light *s = pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_ELEMENTS);
+    const rsv_solve_report *report = rsv_light_report(s);
     assert_true(report->rows <= 1500 && report->direct_elements <= 16 * 1500);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     target.max_elements = SIZE_MAX;
     target.max_rounds = 1;
-    rsv_solution_destroy(pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_ROUNDS));
+    rsv_light_destroy(pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_ROUNDS));
     target = rsv_default_error_target(0.01);
     target.max_seconds = 1e-6;
-    rsv_solution_destroy(pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_SECONDS));
+    rsv_light_destroy(pursue(w, &target, &c, RSV_ERROR_TARGET_MAX_SECONDS));
     world_end(w);
 }
 
@@ -607,7 +607,7 @@ static void unusable_targets_are_refused(void **state)
 {
     (void)state;
     world *w = create_furnace(0.5f);
-    rsv_solution *s = NULL;
+    rsv_light *s = NULL;
     rsv_certificate c;
     rsv_error_stop stop;
     const double bad[] = { 0, -1, 1.5, 1e-9, NAN };
@@ -632,15 +632,15 @@ static void direct_light_left_to_the_renderer_counts_as_exact(void **state)
     world *w = world_builtin(2, "cornell-blocks");
     rsv_solve_desc desc = draft(400);
     desc.direct_levels = 0;
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     rsv_certificate with = certify(s, 512, 1);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     desc.direct_level = false;
     s = solve(w, &desc);
     rsv_certificate without = certify(s, 512, 1);
     assert_true(without.error_estimate_rms < 0.6 * with.error_estimate_rms);
     assert_float_equal(without.irradiance_rms, with.irradiance_rms, 0.03 * with.irradiance_rms);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -652,9 +652,9 @@ static void threads_change_nothing(void **state)
         world *w = world_builtin(threads, "cornell-spheres");
         rsv_solve_desc desc = draft(300);
         desc.photon_count = 20000;
-        rsv_solution *s = solve(w, &desc);
+        rsv_light *s = solve(w, &desc);
         c[threads - 1] = certify(s, 100, 1);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
     assert_true(c[0].residual_rms == c[1].residual_rms && c[0].rays == c[1].rays);
@@ -677,7 +677,7 @@ static void the_picture_shows_where_the_error_is(void **state)
     assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
     world_commit(w);
     rsv_solve_desc desc = draft(300);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     for (size_t n = 0; n < inside(s)->elements->node_count; n++) {
         uint32_t triangle = inside(s)->elements->face_triangle[inside(s)->elements->node_face[n]];
         if (w->transport.view->triangle_material[triangle] != liar) continue;
@@ -696,7 +696,7 @@ static void the_picture_shows_where_the_error_is(void **state)
     map.width = 0;
     assert_int_equal(rsv_certify_picture(s, NULL, &map, &c, &image), RSV_ERROR_ARGUMENT);
     rsv_image_destroy(image);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -704,11 +704,11 @@ static void check_nothing(world *w)
 {
     world_commit(w);
     rsv_solve_desc desc = draft(100);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     rsv_certificate c = certify(s, 64, 1);
     assert_true(c.residual_rms == 0 && c.error_bound_rms == 0 && c.error_estimate_rms == 0);
     assert_true(c.residual_ci95[0] == 0 && c.residual_ci95[1] == 0 && c.irradiance_rms == 0);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -733,7 +733,7 @@ static void unusable_numbers_of_samples_are_refused(void **state)
     (void)state;
     world *w = create_furnace(0.5f);
     rsv_solve_desc desc = draft(60);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     const rsv_certify_desc bad[] = { { 0, 64, 16, 0 }, { (1u << 24) + 1, 64, 16, 0 },
         { 64, 0, 16, 0 }, { 64, 64, 1, 0 }, { 64, UINT32_MAX, 16, 0 } };
     rsv_certificate c;
@@ -743,7 +743,7 @@ static void unusable_numbers_of_samples_are_refused(void **state)
     }
     rsv_truth *truth;
     assert_int_equal(rsv_truth_create(s, 0, 16, 0, &truth), RSV_ERROR_ARGUMENT);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -752,7 +752,7 @@ static void memory_may_run_out_anywhere(void **state)
     (void)state;
     world *w = create_furnace(0.5f);
     rsv_solve_desc desc = draft(60);
-    rsv_solution *s = solve(w, &desc);
+    rsv_light *s = solve(w, &desc);
     rsv_certify_desc small = { .samples = 16, .gather_rays = 4, .light_samples = 2 };
     rsv_certificate c;
     rsv_status status = RSV_ERROR_MEMORY;
@@ -764,7 +764,7 @@ static void memory_may_run_out_anywhere(void **state)
         if (status != RSV_OK) assert_int_equal(status, RSV_ERROR_MEMORY);
         assert_int_equal(w->alive, alive);
     }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 

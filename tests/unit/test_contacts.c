@@ -35,28 +35,28 @@ static world *create_split_room(split_room room)
     return w;
 }
 
-static rsv_solution *solve_small(const world *w, uint32_t seed)
+static rsv_light *solve_small(const world *w, uint32_t seed)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 700;
     desc.rays_per_element = 64;
     desc.photon_count = 1000;
     desc.seed = seed;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
 static float look_up(
-    const world *w, const rsv_solution *s, rsv_vec3 p, rsv_vec3 normal, uint32_t order)
+    const world *w, const rsv_light *s, rsv_vec3 p, rsv_vec3 normal, uint32_t order)
 {
     rsv_hit hit;
     assert_true(rsv_tracer_nearest(w->tracer, p, normal, &hit));
-    return rsv_solution_irradiance(s, hit.triangle, hit.u, hit.v, false, order).g;
+    return rsv_light_irradiance(s, hit.triangle, hit.u, hit.v, false, order).g;
 }
 
 /// Light on the dark side of the wall over light on the bright side, the same distance from it.
-static float leak_at(const world *w, const rsv_solution *s, split_room room, rsv_vec3 place,
+static float leak_at(const world *w, const rsv_light *s, split_room room, rsv_vec3 place,
     rsv_vec3 normal, float distance, uint32_t order)
 {
     float away = room.thickness / 2 + distance;
@@ -69,7 +69,7 @@ static float leak_at(const world *w, const rsv_solution *s, split_room room, rsv
 }
 
 /// The worst leak along the wall on floor and rear wall, within a centimetre.
-static float worst_leak(const world *w, const rsv_solution *s, split_room room, uint32_t order)
+static float worst_leak(const world *w, const rsv_light *s, split_room room, uint32_t order)
 {
     const float distance[] = { 0.001f, 0.004f, 0.007f, 0.01f };
     float worst = 0;
@@ -89,10 +89,10 @@ static float worst_leak(const world *w, const rsv_solution *s, split_room room, 
 static void check_leaks(split_room room, uint32_t seed, float direct_limit, float indirect_limit)
 {
     world *w = create_split_room(room);
-    rsv_solution *s = solve_small(w, seed);
+    rsv_light *s = solve_small(w, seed);
     float direct = direct_limit >= 0 ? worst_leak(w, s, room, 0) : -1;
     float indirect = worst_leak(w, s, room, 1);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     if (direct > direct_limit || indirect > indirect_limit)
         fail_msg("wall at %g, %g thick, sunk %g, seed %u: leak %.4f direct, %.4f indirect", room.at,
@@ -249,7 +249,7 @@ typedef struct shares {
 } shares;
 
 static shares stored_shares(
-    const world *w, const rsv_solution *s, const rsv_probe *probe, size_t places)
+    const world *w, const rsv_light *s, const rsv_probe *probe, size_t places)
 {
     rsv_probe_reading *reading = malloc(places * sizeof *reading);
     assert_int_equal(
@@ -324,7 +324,7 @@ static void where_walls_run_on_into_each_other_there_are_no_spots(void **state)
 {
     (void)state;
     world *w = create_built_room();
-    rsv_solution *s = solve_small(w, 0);
+    rsv_light *s = solve_small(w, 0);
     enum { PLACES = 120 };
     rsv_probe probe[PLACES];
     for (int k = 0; k < PLACES; k++) { // below the ceiling and beside a corner, a centimetre away
@@ -334,7 +334,7 @@ static void where_walls_run_on_into_each_other_there_are_no_spots(void **state)
         probe[k] = place[k % 3];
     }
     shares found = stored_shares(w, s, probe, PLACES);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     if (found.least < 0.95f || found.largest > 1.07f || fabsf(found.mean - 1) > 0.03f)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
@@ -345,12 +345,12 @@ static void rows_start_from_the_points_that_were_judged(void **state)
 {
     (void)state;
     world *w = create_built_room();
-    rsv_solution *s;
+    rsv_light *s;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 700;
     desc.rays_per_element = 64;
     desc.refinements = 2;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_OK);
+    assert_int_equal(rsv_light_create(w->scene, &desc, &s), RSV_OK);
     const rsv_elements *e = inside(s)->elements;
     uint64_t rays = 0;
     for (uint32_t n = 0; n < e->node_count; n++) {
@@ -361,7 +361,7 @@ static void rows_start_from_the_points_that_were_judged(void **state)
             fail_msg("node %u of %zu: %04x of the points count, %04x were to", n, e->node_count,
                 judged, inside(s)->valid_points[n]);
     }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -375,7 +375,7 @@ static void the_wall_around_a_picture_is_not_darkened(void **state)
     world_box(w, paint, v3(-0.23f, 0.31f, -0.995f), v3(0.27f, 0.69f, -0.97f));
     add_lamp(w);
     world_commit(w);
-    rsv_solution *s = solve_small(w, 0);
+    rsv_light *s = solve_small(w, 0);
     enum { PLACES = 96 };
     rsv_probe probe[PLACES];
     for (int k = 0; k < PLACES; k++) { // three centimetres away
@@ -386,7 +386,7 @@ static void the_wall_around_a_picture_is_not_darkened(void **state)
         probe[k] = (rsv_probe){ place[k % 4], v3(0, 0, 1) };
     }
     shares found = stored_shares(w, s, probe, PLACES);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     if (found.least < 0.78f || fabsf(found.mean - 1) > 0.06f)
         fail_msg("%g of the light at least, %g on average", found.least, found.mean);
@@ -402,7 +402,7 @@ static void the_floor_beside_a_box_is_not_darkened(void **state)
     world_box(w, paint, v3(-0.23f, 0, -0.31f), v3(0.27f, 0.3f, 0.19f));
     add_lamp(w);
     world_commit(w);
-    rsv_solution *s = solve_small(w, 0);
+    rsv_light *s = solve_small(w, 0);
     enum { PLACES = 48 };
     rsv_probe probe[PLACES];
     for (int k = 0; k < PLACES; k++) { // around the box, a centimetre away
@@ -414,7 +414,7 @@ static void the_floor_beside_a_box_is_not_darkened(void **state)
     }
     float least = stored_shares(w, s, probe, PLACES).least;
     if (least < 0.5f) fail_msg("%g of the light is stored", least);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -427,7 +427,7 @@ static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
     world_quad(w, world_lambert(w, 0, 10), v3(-0.3f, 0.98f, -0.3f), v3(-0.3f, 0.98f, 0.3f),
         v3(0.3f, 0.98f, 0.3f), v3(0.3f, 0.98f, -0.3f));
     world_commit(w);
-    rsv_solution *s = solve_small(w, 0);
+    rsv_light *s = solve_small(w, 0);
     enum { PLACES = 64 };
     rsv_probe probe[PLACES];
     rsv_probe_reading exact[PLACES];
@@ -442,7 +442,7 @@ static void a_lamp_close_to_the_ceiling_keeps_its_light_there(void **state)
         stored += look_up(w, s, probe[k].position, probe[k].normal, RSV_NONE);
         traced += exact[k].irradiance.g;
     }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     if (fabsf(stored / traced - 1) > 0.15f)
         fail_msg("the floor has %.3f of the light that paths bring there", stored / traced);
@@ -467,13 +467,13 @@ static void light_in_a_gap_is_that_of_the_gap(void **state)
     world_box(w, paint, v3(-0.23f, 0.02f, -0.31f), v3(0.27f, 0.3f, 0.19f));
     add_lamp(w);
     world_commit(w);
-    rsv_solution *s = solve_small(w, 0);
+    rsv_light *s = solve_small(w, 0);
     enum { PLACES = 96 };
     rsv_probe probe[PLACES];
     for (int k = 0; k < PLACES; k++) // up to eight centimetres in, along the four sides
         probe[k] = (rsv_probe){ beneath(k), v3(0, 1, 0) };
     shares found = stored_shares(w, s, probe, PLACES);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     if (found.least < 0.4f || found.largest > 2.5f || fabsf(found.mean - 1) > 0.15f)
         fail_msg("%g to %g of the light, %g on average", found.least, found.largest, found.mean);
@@ -496,7 +496,7 @@ static world *begin_storeys(void)
 /// The most light on the sides of a body on the floor, over that below the floor, from six millimetres (the least split cells) to two centimetres above it.
 static float most_light_at_foot(const world *w, rsv_vec3 low, rsv_vec3 high)
 {
-    rsv_solution *s = solve_small(w, 0);
+    rsv_light *s = solve_small(w, 0);
     float most = 0;
     for (int k = 0; k < 200; k++) {
         float t = ((float)(k % 20) + 0.5f) / 20, y = 0.002f * (float)(k / 20) + 0.006f;
@@ -507,9 +507,9 @@ static float most_light_at_foot(const world *w, rsv_vec3 low, rsv_vec3 high)
     }
     rsv_hit hit;
     assert_true(rsv_tracer_nearest(w->tracer, v3(high.x + 0.1f, 0, high.z), v3(0, -1, 0), &hit));
-    float below = rsv_solution_irradiance(s, hit.triangle, hit.u, hit.v, true, RSV_NONE).g;
+    float below = rsv_light_irradiance(s, hit.triangle, hit.u, hit.v, true, RSV_NONE).g;
     assert_true(below > 5);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     return most / below;
 }
 
@@ -576,7 +576,7 @@ static shares shares_on_plate(bool bars)
     }
     add_lamp(w);
     world_commit(w);
-    rsv_solution *s = solve_small(w, 0);
+    rsv_light *s = solve_small(w, 0);
     enum { PLACES = 36 };
     rsv_probe probe[PLACES];
     for (int k = 0; k < PLACES; k++) {
@@ -584,7 +584,7 @@ static shares shares_on_plate(bool bars)
         probe[k] = (rsv_probe){ v3(x, 0.5f + y, -0.99f), v3(0, 0, 1) };
     }
     shares found = stored_shares(w, s, probe, PLACES);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     return found;
 }

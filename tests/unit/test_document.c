@@ -101,16 +101,16 @@ static void damaged_archives_are_refused_or_read(void **state)
 typedef struct solved {
     folder place;
     rsv_scene *scene;
-    rsv_solution *solution;
+    rsv_light *solution;
 } solved;
 
-static rsv_solution *solve(rsv_scene *scene)
+static rsv_light *solve(rsv_scene *scene)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
+    rsv_light *solution;
     desc.element_target = 100;
     desc.rays_per_element = 64;
-    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -133,7 +133,7 @@ static solved solve_box(const fixture *f, bool keep)
 
 static void end(solved *s)
 {
-    rsv_solution_destroy(s->solution);
+    rsv_light_destroy(s->solution);
     rsv_scene_destroy(s->scene);
     remove_folder(s->place.path);
 }
@@ -189,11 +189,11 @@ static void targets_are_found_by_their_names(void **state)
     end(&s);
 }
 
-static void bake_relit(rsv_solution *light, float green, const char *path)
+static void bake_relit(rsv_light *light, float green, const char *path)
 {
     const rsv_albedo_change change = { "green", { 0.125F, green, 0.25F } };
     const rsv_relight_desc desc = { .albedo = &change, .albedo_count = 1 };
-    assert_int_equal(rsv_solution_relight(light, &desc), RSV_OK);
+    assert_int_equal(rsv_light_relight(light, &desc), RSV_OK);
     if (rsv_bake_vertices(light, path, NULL, NULL)) fail_msg("%s", rsv_last_error());
 }
 
@@ -201,10 +201,10 @@ static void bake_relit(rsv_solution *light, float green, const char *path)
 static void lights_are_baked_as_each_was_relit(void **state)
 {
     solved s = solve_box(*state, true);
-    rsv_solution *other;
+    rsv_light *other;
     static const char *const colors[] = { "[0.125,0.5,0.25,1]", "[0.125,0.75,0.25,1]" };
     char path[2][256];
-    assert_int_equal(rsv_solution_copy(s.solution, &other), RSV_OK);
+    assert_int_equal(rsv_light_copy(s.solution, &other), RSV_OK);
     for (int k = 0; k < 2; k++)
         snprintf(path[k], sizeof path[k], "%s", path_in(&s.place, k ? "b.glb" : "a.glb"));
     bake_relit(s.solution, 0.5F, path[0]);
@@ -216,7 +216,7 @@ static void lights_are_baked_as_each_was_relit(void **state)
         assert_null(memmem(bytes, count, colors[!k], strlen(colors[!k])));
         free(bytes);
     }
-    rsv_solution_destroy(other);
+    rsv_light_destroy(other);
     end(&s);
 }
 

@@ -91,7 +91,7 @@ typedef struct readings {
     double certificate[2]; ///< where the residual lies by 95 %
 } readings;
 
-static rsv_image *render_mode(const world *w, const rsv_solution *s, rsv_render_mode mode)
+static rsv_image *render_mode(const world *w, const rsv_light *s, rsv_render_mode mode)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     rsv_image *image;
@@ -107,7 +107,7 @@ static rsv_image *render_mode(const world *w, const rsv_solution *s, rsv_render_
     return image;
 }
 
-static double frame_mean(const world *w, const rsv_solution *s)
+static double frame_mean(const world *w, const rsv_light *s)
 {
     static rsv_rgb shown[pixel_count];
     rsv_frame_desc desc = frame_desc();
@@ -129,7 +129,7 @@ static readings read_all(const world *w)
     static const rsv_render_mode mode[pictures] = { RSV_RENDER_REFERENCE, RSV_RENDER_OPERATOR,
         RSV_RENDER_FINAL, RSV_RENDER_OCCLUSION };
     readings r;
-    rsv_solution *s = solve_for_frames(w, 1500, 1000);
+    rsv_light *s = solve_for_frames(w, 1500, 1000);
     for (int k = 0; k < pictures; k++)
         r.image[k] = render_mode(w, s, mode[k]);
     r.frame = frame_mean(w, s);
@@ -147,7 +147,7 @@ static readings read_all(const world *w)
     assert_int_equal(rsv_certify(s, &certify, &certificate), RSV_OK);
     r.certificate[0] = certificate.residual_ci95[0];
     r.certificate[1] = certificate.residual_ci95[1];
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     return r;
 }
 
@@ -309,7 +309,7 @@ static void crates_on_crates_stay_dark_inside(void **state)
     world_quad(w, world_lambert(w, 0, 10), v3(1, 2.9f, -1), v3(2, 2.9f, -1), v3(2, 2.9f, 1),
         v3(1, 2.9f, 1));
     world_commit(w);
-    rsv_solution *s = solve_for_frames(w, 2000, 500);
+    rsv_light *s = solve_for_frames(w, 2000, 500);
     for (int k = 0; k < 32; k++) {
         // along the foot of the lower crate, on its lit side
         float z = -0.4f + 0.8f * (float)k / 31;
@@ -321,7 +321,7 @@ static void crates_on_crates_stay_dark_inside(void **state)
             rsv_probe_irradiance(s, RSV_PROBE_OPERATOR, &place, 1, 1024, 0, &exact), RSV_OK);
         assert_close(stored.irradiance.g / exact.irradiance.g, 1, 0.25);
     }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 

@@ -33,9 +33,10 @@ static rsv_scene *begin_room(fixture *f, bool camera)
     return scene;
 }
 
-static void add_point(rsv_scene *scene, const char *name, rsv_vec3 place, rsv_light_kind kind)
+static void add_point(
+    rsv_scene *scene, const char *name, rsv_vec3 place, rsv_punctual_light_kind kind)
 {
-    rsv_light light = { .name = name,
+    rsv_punctual_light light = { .name = name,
         .kind = kind,
         .position = place,
         .direction = { 0, -1, 0 },
@@ -90,7 +91,7 @@ static void an_opaque_bulb_is_named(void **state)
     for (int kind = 0; kind < 4; kind++) {
         rsv_scene *scene = begin_room(f, kind % 2);
         uint32_t glass = add_material(scene, paint("milk glass", kind == 1));
-        add_point(scene, "filament", v3(2.01f, 2, 2), RSV_LIGHT_POINT);
+        add_point(scene, "filament", v3(2.01f, 2, 2), RSV_PUNCTUAL_POINT);
         if (kind < 2) add_sphere(scene, "bulb", glass, 0.1f);
         // with walls of some thickness, and written twice
         rsv_vec3 low = v3(1.9f, 1.9f, 1.9f), high = v3(2.1f, 2.1f, 2.1f);
@@ -110,8 +111,8 @@ static void each_of_several_lamps_is_named(void **state)
     uint32_t tin = add_material(scene, paint("tin", false));
     rsv_material glow = paint("glow", false);
     glow.emission = rgb_gray(10);
-    add_point(scene, "first", v3(1, 2, 1), RSV_LIGHT_SPOT);
-    add_point(scene, "free", v3(2, 2, 1), RSV_LIGHT_SPOT);
+    add_point(scene, "first", v3(1, 2, 1), RSV_PUNCTUAL_SPOT);
+    add_point(scene, "free", v3(2, 2, 1), RSV_PUNCTUAL_SPOT);
     add_shade(scene, "can", tin, v3(0.9f, 1.8f, 0.9f), v3(1.1f, 2.1f, 1.1f), false, false);
     add_shade(scene, "tube", add_material(scene, glow), v3(2.9f, 1, 2), v3(3.1f, 1.1f, 2.1f), false,
         false);
@@ -131,7 +132,7 @@ static void lamps_that_shed_light_are_not(void **state)
         if (kind == 0) m.transmission = 1;
         if (kind == 2) m.opacity = 0.5f;
         if (kind == 3) m.diffuse_transmission = 0.5f;
-        add_point(scene, "lamp", v3(2, 2, 2), kind == 6 ? RSV_LIGHT_SPOT : RSV_LIGHT_POINT);
+        add_point(scene, "lamp", v3(2, 2, 2), kind == 6 ? RSV_PUNCTUAL_SPOT : RSV_PUNCTUAL_POINT);
         // 4: a room that no camera is in; 6: a spot that shines out of its housing
         if (kind != 4)
             add_shade(scene, "shade", add_material(scene, m),
@@ -157,7 +158,7 @@ static void rooms_are_no_bulbs(void **state)
     // a doll house without a floor, lit from within
     rsv_scene *scene = begin_room(f, true);
     uint32_t wood = add_material(scene, paint("wood", true));
-    add_point(scene, "candle", v3(2, 1.1f, 2), RSV_LIGHT_POINT);
+    add_point(scene, "candle", v3(2, 1.1f, 2), RSV_PUNCTUAL_POINT);
     add_shade(scene, "house", wood, v3(1.6f, 0.8f, 1.6f), v3(2.4f, 1.4f, 2.4f), false, true);
     assert_int_equal(count_enclosed(f, scene), 0);
 }

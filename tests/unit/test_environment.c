@@ -2,11 +2,11 @@
 #include "light_fixture.h"
 #include "slow_tests.h"
 
-#include "chain/escapes.h"
 #include "core/octahedral.h"
-#include "light/environment.h"
 #include "light_view.h"
 #include "resolvent/render.h"
+#include "sources/environment.h"
+#include "specular/escapes.h"
 
 static rsv_environment picture(const rsv_rgb *pixels, uint32_t width, uint32_t height)
 {
@@ -239,11 +239,11 @@ static void add_quad(world *w, rsv_vec3 corner, rsv_vec3 edge1, rsv_vec3 edge2, 
     assert_int_equal(rsv_scene_add_instance(w->scene, mesh_id, NULL, NULL), RSV_OK);
 }
 
-static rsv_solution *solve(world *w)
+static rsv_light *solve(world *w)
 {
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -256,15 +256,15 @@ static void a_constant_sky_is_exact(void **state)
     rsv_rgb pixel = rgb(1, 2, 0.5f);
     surround(w, picture(&pixel, 1, 1));
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     for (int k = 0; k < 20; k++) {
         float u = 0.03f + 0.045f * (float)k;
-        rsv_rgb e = rsv_solution_irradiance(solution, 0, u, 0.5f * (1 - u), false, RSV_NONE);
+        rsv_rgb e = rsv_light_irradiance(solution, 0, u, 0.5f * (1 - u), false, RSV_NONE);
         assert_float_equal(e.r, RSV_PI, 1e-4);
         assert_float_equal(e.g, 2 * RSV_PI, 2e-4);
         assert_float_equal(e.b, 0.5f * RSV_PI, 1e-4);
     }
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -276,11 +276,11 @@ static void turning_the_sky_takes_no_new_rays(void **state)
     rsv_rgb *pixels = paint(128, 64, smooth_sky);
     rsv_environment sky = picture(pixels, 128, 64);
     surround(w, sky);
-    rsv_solution *still = solve(w);
+    rsv_light *still = solve(w);
     sky.rotation = 137;
     sky.intensity = 0.5f;
     surround(w, sky);
-    rsv_solution *turned = solve(w);
+    rsv_light *turned = solve(w);
     assert_int_equal(inside(still)->elements->node_count, inside(turned)->elements->node_count);
     size_t nodes = inside(still)->elements->node_count;
     rsv_rgb *before = malloc(nodes * sizeof *before), *after = malloc(nodes * sizeof *after);
@@ -289,8 +289,8 @@ static void turning_the_sky_takes_no_new_rays(void **state)
     assert_memory_equal(before, after, nodes * sizeof *before);
     free(before);
     free(after);
-    rsv_solution_destroy(still);
-    rsv_solution_destroy(turned);
+    rsv_light_destroy(still);
+    rsv_light_destroy(turned);
     free(pixels);
     world_end(w);
 }
@@ -326,7 +326,7 @@ static void check_room(rsv_rgb (*radiance)(rsv_vec3))
 {
     rsv_rgb *pixels = paint(256, 128, radiance);
     world *w = room_under(pixels, 256, 128);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_render_desc desc = rsv_default_render_desc();
     desc.width = desc.height = 32;
     desc.samples = 512;
@@ -343,7 +343,7 @@ static void check_room(rsv_rgb (*radiance)(rsv_vec3))
     rsv_image_destroy(reference);
     rsv_image_destroy(looked_up);
     rsv_image_destroy(final);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     free(pixels);
     world_end(w);
 }
@@ -374,7 +374,7 @@ static void few_rays_find_as_much_sky_as_many(void **state)
     rsv_camera camera = rsv_camera_look_at("eye", v3(2, 2, 3), v3(0, 0.3f, 0), 0.7f, 1);
     assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_render_desc desc = rsv_default_render_desc();
     desc.mode = RSV_RENDER_FINAL;
     desc.width = desc.height = 24;
@@ -389,7 +389,7 @@ static void few_rays_find_as_much_sky_as_many(void **state)
     }
     print_message("two rays: %.4f of what many find\n", mean[1] / mean[0]);
     assert_float_equal(mean[1], mean[0], 4e-3 * mean[0]);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     free(pixels);
     world_end(w);
 }
@@ -405,14 +405,14 @@ static void one_pixel_is_a_constant_sky(void **state)
     rsv_probe probe = { v3(0, 0.1f, 0), v3(0, 1, 0) };
     rsv_probe_reading solved, traced;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     assert_int_equal(
         rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 1024, 1, &solved), RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, &probe, 1, 1024, 1, &traced), RSV_OK);
     assert_float_equal(solved.irradiance.g, 2 * RSV_PI, 1e-3);
     assert_float_equal(traced.irradiance.g, 2 * RSV_PI, 0.02);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 

@@ -15,14 +15,14 @@
 /// What a run makes; all of it may be missing after a failure.
 typedef struct products {
     rsv_scene *scene;
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_image *image;
 } products;
 
 static void destroy(products *p)
 {
     rsv_image_destroy(p->image);
-    rsv_solution_destroy(p->solution);
+    rsv_light_destroy(p->solution);
     rsv_scene_destroy(p->scene);
 }
 
@@ -45,7 +45,7 @@ static rsv_status solve(fixture *f, const char *scene, products *p)
     builtin.body_triangles = 100;
     rsv_solve_desc desc = smallest();
     rsv_status status = rsv_scene_builtin_with(f->context, scene, &builtin, &p->scene);
-    return status == RSV_OK ? rsv_solution_create(p->scene, &desc, &p->solution) : status;
+    return status == RSV_OK ? rsv_light_create(p->scene, &desc, &p->solution) : status;
 }
 
 static rsv_status render(products *p, rsv_render_mode mode)
@@ -110,15 +110,15 @@ static rsv_status run_file(fixture *f, const char *scene, products *p)
     char path[160];
     snprintf(path, sizeof path, "%s/operator.safetensors", made.path);
     rsv_status status = solve(f, scene, p);
-    if (status == RSV_OK) status = rsv_solution_save(p->solution, scene, path);
+    if (status == RSV_OK) status = rsv_light_save(p->solution, scene, path);
     if (status == RSV_OK) {
         destroy(p);
         *p = (products){ 0 };
-        status = rsv_solution_load(f->context, path, &p->scene, &p->solution);
+        status = rsv_light_load(f->context, path, &p->scene, &p->solution);
     }
     if (status == RSV_OK) {
         rsv_relight_desc desc = { 0 };
-        status = rsv_solution_relight(p->solution, &desc);
+        status = rsv_light_relight(p->solution, &desc);
     }
     remove_folder(made.path);
     return status;
@@ -151,7 +151,7 @@ static rsv_status run_bakes(fixture *f, const char *scene, products *p)
     p->scene = NULL;
     if (status == RSV_OK) status = rsv_scene_load(f->context, input, &p->scene);
     rsv_solve_desc solve_desc = smallest();
-    if (status == RSV_OK) status = rsv_solution_create(p->scene, &solve_desc, &p->solution);
+    if (status == RSV_OK) status = rsv_light_create(p->scene, &solve_desc, &p->solution);
     rsv_bake_desc desc = rsv_default_bake_desc();
     desc.map_size = 64;
     desc.probe_samples = 32;
@@ -162,11 +162,11 @@ static rsv_status run_bakes(fixture *f, const char *scene, products *p)
     // from an operator file, and without the document that it holds
     char kept[160];
     snprintf(kept, sizeof kept, "%s/kept.safetensors", made.path);
-    if (status == RSV_OK) status = rsv_solution_save(p->solution, scene, kept);
+    if (status == RSV_OK) status = rsv_light_save(p->solution, scene, kept);
     if (status == RSV_OK) {
         destroy(p);
         *p = (products){ 0 };
-        status = rsv_solution_load(f->context, kept, &p->scene, &p->solution);
+        status = rsv_light_load(f->context, kept, &p->scene, &p->solution);
     }
     if (status == RSV_OK) status = rsv_bake_lightmap(p->solution, output, &desc, &report);
     if (status == RSV_OK) rsv_scene_drop_document(p->scene);

@@ -4,9 +4,9 @@
 #include "resolvent/relight.h"
 #include "slow_tests.h"
 
-static rsv_solution *solve(const world *w) { return solve_for_frames(w, 600, 20000); }
+static rsv_light *solve(const world *w) { return solve_for_frames(w, 600, 20000); }
 
-static rsv_frame_renderer *begin_frames(const rsv_solution *solution, const rsv_frame_desc *desc)
+static rsv_frame_renderer *begin_frames(const rsv_light *solution, const rsv_frame_desc *desc)
 {
     rsv_frame_renderer *renderer;
     rsv_status status = rsv_frame_renderer_create(solution, desc, &renderer);
@@ -30,7 +30,7 @@ static size_t count_different_pixels(const rsv_frame_renderer *renderer, const r
 
 static void check_frames(world *w, uint32_t samples, size_t allowed)
 {
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_image *picture = render_picture(solution, NULL, samples, false);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
@@ -40,7 +40,7 @@ static void check_frames(world *w, uint32_t samples, size_t allowed)
     if (different > allowed) fail_msg("%zu pixels differ", different);
     rsv_image_destroy(picture);
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -51,7 +51,7 @@ static void frames_add_up_to_the_picture(void **state)
     check_frames(world_builtin(2, "cornell-blocks"), 5, 0);
 }
 
-/// Packets and single rays round differently. Behind a few curved surfaces that can end a chain beyond an edge.
+/// Packets and single rays round differently. Behind a few curved surfaces that can end a specular path beyond an edge.
 static void chains_add_up_to_the_picture(void **state)
 {
     (void)state;
@@ -128,7 +128,7 @@ static void layers_are_shown(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_image *picture = render_picture(solution, NULL, 1, true);
     rsv_image *whole = render_picture(solution, NULL, 1, false);
     rsv_frame_desc desc = frame_desc();
@@ -146,14 +146,14 @@ static void layers_are_shown(void **state)
     rsv_image_destroy(whole);
     rsv_image_destroy(picture);
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
 // ---- however it is computed ---------------------------------------------------------------------
 
-static uint64_t hash_of_frames(const rsv_solution *solution, const rsv_frame_desc *desc,
-    const rsv_frame_view *view, uint32_t eye)
+static uint64_t hash_of_frames(
+    const rsv_light *solution, const rsv_frame_desc *desc, const rsv_frame_view *view, uint32_t eye)
 {
     static rsv_rgb radiance[pixel_count];
     rsv_frame_renderer *renderer = begin_frames(solution, desc);
@@ -169,7 +169,7 @@ static void all_instructions_give_the_same_bytes(void **state)
 {
     (void)state;
     world *w = mixed_world(false);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_view view = view_of(w);
     uint64_t best = hash_of_frames(solution, &desc, &view, 0);
@@ -185,18 +185,18 @@ static void all_instructions_give_the_same_bytes(void **state)
         rsv_frame_renderer_destroy(renderer);
         assert_true(hash_of_frames(solution, &desc, &view, 0) == best);
     }
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
 static uint64_t hash_with_threads(int threads)
 {
     world *w = world_builtin(threads, "cornell-spheres");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_view view = view_of(w);
     uint64_t hash = hash_of_frames(solution, &desc, &view, 0);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
     return hash;
 }
@@ -211,7 +211,7 @@ static void each_eye_has_a_picture_of_its_own(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_view view = view_of(w), single = view;
     for (uint32_t eye = 0; eye < 2; eye++)
@@ -223,7 +223,7 @@ static void each_eye_has_a_picture_of_its_own(void **state)
         single.camera[0] = view.camera[eye];
         assert_true(hash_of_frames(solution, &desc, &single, 0) == both);
     }
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -233,7 +233,7 @@ static void frames_start_over_when_the_camera_moves(void **state)
 {
     (void)state;
     world *w = world_builtin(1, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
     rsv_frame_view view = view_of(w);
@@ -249,7 +249,7 @@ static void frames_start_over_when_the_camera_moves(void **state)
     assert_int_equal(rsv_frame_render(renderer, &view, &stats), RSV_OK);
     assert_int_equal(stats.samples, 1);
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -260,12 +260,12 @@ static void frames_follow_the_light(void **state)
     const rsv_light_scale dim = { "environment", { 0.3f, 0.3f, 0.3f } };
     const rsv_relight_desc change = { .light = &dim, .light_count = 1 };
     world *w = mixed_world(false);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *before = begin_frames(solution, &desc);
     rsv_frame_view view = view_of(w);
     render_frames(before, &view, 1);
-    assert_int_equal(rsv_solution_relight(solution, &change), RSV_OK);
+    assert_int_equal(rsv_light_relight(solution, &change), RSV_OK);
     rsv_frame_renderer_refresh(before);
     rsv_frame_renderer *after = begin_frames(solution, &desc);
     render_frames(before, &view, 1);
@@ -273,7 +273,7 @@ static void frames_follow_the_light(void **state)
     assert_memory_equal(rsv_frame_pixels(before, 0), rsv_frame_pixels(after, 0), 4 * pixel_count);
     rsv_frame_renderer_destroy(before);
     rsv_frame_renderer_destroy(after);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -281,7 +281,7 @@ static void frames_allocate_nothing(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-spheres");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
     rsv_frame_view view = view_of(w);
@@ -295,7 +295,7 @@ static void frames_allocate_nothing(void **state)
     assert_int_equal(w->until_failure, 0);
     w->until_failure = -1;
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -303,7 +303,7 @@ static void failing_allocations_leave_nothing_behind(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer = NULL;
     rsv_status status = RSV_ERROR_MEMORY;
@@ -314,7 +314,7 @@ static void failing_allocations_leave_nothing_behind(void **state)
     assert_int_equal(status, RSV_OK);
     w->until_failure = -1;
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -322,7 +322,7 @@ static void codes_follow_the_srgb_curve(void **state)
 {
     (void)state;
     world *w = world_builtin(1, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer = begin_frames(solution, &desc);
     rsv_frame_view view = view_of(w);
@@ -336,7 +336,7 @@ static void codes_follow_the_srgb_curve(void **state)
         assert_int_equal(rsv_frame_pixels(renderer, 0)[k][3], 255);
     }
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -344,7 +344,7 @@ static void unusable_wishes_are_refused(void **state)
 {
     (void)state;
     world *w = world_builtin(1, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_renderer *renderer;
     rsv_frame_desc desc = frame_desc();
     desc.width = 0;
@@ -361,7 +361,7 @@ static void unusable_wishes_are_refused(void **state)
     view.exposure = INFINITY;
     assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_ERROR_ARGUMENT);
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 

@@ -1,7 +1,7 @@
 /// Light of the sky that rows of G gather lives on the coarse elements: these must be split where it bends.
-#include "light/polygon_irradiance.h"
 #include "light_fixture.h"
-#include "solve/solution.h"
+#include "solve/light.h"
+#include "sources/polygon_irradiance.h"
 
 #define HALF 1.0f   ///< side of the floor, halved
 #define HEIGHT 0.4f ///< of the ceiling above it
@@ -52,7 +52,7 @@ static world *cellar(int clutter)
 }
 
 /// Mean absolute difference between stored and exact irradiance over the floor, relative to the mean.
-static double error_on_floor(const world *w, const rsv_solution *solution)
+static double error_on_floor(const world *w, const rsv_light *solution)
 {
     const rsv_vec3 hole[4] = { v3(-HOLE, HEIGHT, -HOLE), v3(HOLE, HEIGHT, -HOLE),
         v3(HOLE, HEIGHT, HOLE), v3(-HOLE, HEIGHT, HOLE) };
@@ -67,7 +67,7 @@ static double error_on_floor(const world *w, const rsv_solution *solution)
         rsv_vec3 p =
             v3_barycentric(view->position[c[0]], view->position[c[1]], view->position[c[2]], u, v);
         double exact = fabs((double)rsv_polygon_irradiance(hole, 4, p, v3(0, 1, 0)));
-        rsv_rgb stored = rsv_solution_irradiance(solution, triangle, u, v, false, 0);
+        rsv_rgb stored = rsv_light_irradiance(solution, triangle, u, v, false, 0);
         sum += exact;
         difference += fabs((double)stored.g - exact);
     }
@@ -81,12 +81,12 @@ static double error_after(const world *w, uint32_t pilots)
     desc.element_target = 100;
     desc.rays_per_element = 4096;
     desc.refinements = pilots;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     double error = error_on_floor(w, solution);
     print_message("%u pilots: mean error %.1f %%, %zu rows\n", pilots, 100 * error,
-        rsv_solution_report(solution)->rows);
-    rsv_solution_destroy(solution);
+        rsv_light_report(solution)->rows);
+    rsv_light_destroy(solution);
     return error;
 }
 

@@ -41,14 +41,14 @@ static void assert_same_material(const rsv_material *a, const rsv_material *b)
     assert_close_rgb(a->emission, b->emission);
 }
 
-static void assert_same_light(const rsv_light *a, const rsv_light *b)
+static void assert_same_light(const rsv_punctual_light *a, const rsv_punctual_light *b)
 {
     assert_string_equal(a->name, b->name);
     assert_int_equal(a->kind, b->kind);
     assert_close_rgb(a->intensity, b->intensity);
-    if (a->kind != RSV_LIGHT_DIRECTIONAL) assert_close3(a->position, b->position);
-    if (a->kind != RSV_LIGHT_POINT) assert_close3(a->direction, b->direction);
-    if (a->kind != RSV_LIGHT_SPOT) return;
+    if (a->kind != RSV_PUNCTUAL_DIRECTIONAL) assert_close3(a->position, b->position);
+    if (a->kind != RSV_PUNCTUAL_POINT) assert_close3(a->direction, b->direction);
+    if (a->kind != RSV_PUNCTUAL_SPOT) return;
     assert_close(a->inner_cone_angle, b->inner_cone_angle);
     assert_close(a->outer_cone_angle, b->outer_cone_angle);
     assert_close(a->exponent, b->exponent);
@@ -151,12 +151,13 @@ static void add_odd_materials(rsv_scene *scene)
 
 static void add_lights_and_cameras(rsv_scene *scene)
 {
-    const rsv_light lights[] = {
-        { "point", RSV_LIGHT_POINT, { 1, 2, 3 }, { 0, 0, 0 }, { 3, 2, 1 }, 0, 0, 0 },
-        { "spot", RSV_LIGHT_SPOT, { 0.1f, 2, 3 }, { 0.6f, -0.8f, 0 }, { 0.5f, 0.5f, 2 }, 0.3f,
+    const rsv_punctual_light lights[] = {
+        { "point", RSV_PUNCTUAL_POINT, { 1, 2, 3 }, { 0, 0, 0 }, { 3, 2, 1 }, 0, 0, 0 },
+        { "spot", RSV_PUNCTUAL_SPOT, { 0.1f, 2, 3 }, { 0.6f, -0.8f, 0 }, { 0.5f, 0.5f, 2 }, 0.3f,
             RSV_PI / 2, 2.5f },
-        { "sun", RSV_LIGHT_DIRECTIONAL, { 0, 0, 0 }, { 0, -1, 0 }, { 1e5f, 9e4f, 8e4f }, 0, 0, 0 },
-        { "off", RSV_LIGHT_POINT, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0, 0 },
+        { "sun", RSV_PUNCTUAL_DIRECTIONAL, { 0, 0, 0 }, { 0, -1, 0 }, { 1e5f, 9e4f, 8e4f }, 0, 0,
+            0 },
+        { "off", RSV_PUNCTUAL_POINT, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, 0, 0, 0 },
     };
     for (size_t i = 0; i < sizeof lights / sizeof *lights; i++)
         assert_int_equal(rsv_scene_add_light(scene, &lights[i]), RSV_OK);

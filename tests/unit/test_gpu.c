@@ -25,7 +25,7 @@ typedef struct rig {
     fixture f;
     rsv_device *device;
     rsv_scene *scene;
-    rsv_solution *solution;
+    rsv_light *solution;
 } rig;
 
 /// @param desc NULL = no device @return what solving says
@@ -51,12 +51,12 @@ static rsv_status start(rig *r, const char *scene, const rsv_device_desc *desc)
     solve.direct_level = false;
     solve.solver = RSV_SOLVER_BICGSTAB;
     solve.tolerance = 1e-6f;
-    return rsv_solution_create(r->scene, &solve, &r->solution);
+    return rsv_light_create(r->scene, &solve, &r->solution);
 }
 
 static void finish(rig *r)
 {
-    rsv_solution_destroy(r->solution);
+    rsv_light_destroy(r->solution);
     rsv_scene_destroy(r->scene);
     rsv_context_destroy(r->f.context);
     rsv_device_close(r->device);
@@ -94,7 +94,7 @@ static void compare_products(const char *scene)
     rsv_device_desc desc = device_desc();
     rsv_transport_map *map;
     assert_int_equal(start(&r, scene, &desc), RSV_OK);
-    const rsv_solution *s = r.solution;
+    const rsv_light *s = r.solution;
     size_t values = 3 * inside(s)->elements->node_count;
     assert_true(inside(s)->elements->hanging_count > 0);
     assert_int_equal(rsv_operator_map(inside(s)->op, 3, &map), RSV_OK);
@@ -150,7 +150,7 @@ static void a_product_moves_each_of_its_arrays_once_at_least(void **state)
 
 /// Solves E = E0 + A E. @return applications of A
 static double solve_with(
-    const rsv_solution *s, rsv_transport_map *map, rsv_solver solver, rsv_rgb *solution)
+    const rsv_light *s, rsv_transport_map *map, rsv_solver solver, rsv_rgb *solution)
 {
     rsv_linear_desc desc = rsv_default_linear_desc(solver);
     rsv_linear_report report;
@@ -172,7 +172,7 @@ static void solvers_find_what_those_of_the_processor_find(void **state)
     rsv_device_desc desc = device_desc();
     rsv_transport_map *map;
     assert_int_equal(start(&r, "cornell-spheres", &desc), RSV_OK);
-    const rsv_solution *s = r.solution;
+    const rsv_light *s = r.solution;
     size_t nodes = inside(s)->elements->node_count;
     assert_int_equal(rsv_operator_map(inside(s)->op, 1, &map), RSV_OK);
     rsv_rgb *here = calloc(nodes, sizeof *here), *there = calloc(nodes, sizeof *there);
@@ -269,7 +269,7 @@ static void memory_of_the_host_that_runs_out_is_an_error_and_nothing_leaks(void 
     rsv_device_desc desc = device_desc();
     rsv_transport_map *map = NULL;
     assert_int_equal(start(&r, "cornell-marble", &desc), RSV_OK);
-    const rsv_solution *s = r.solution;
+    const rsv_light *s = r.solution;
     for (size_t left = 0; !map; left++) {
         r.f.allocations_left = left;
         rsv_status status = rsv_operator_map(inside(s)->op, 1, &map);

@@ -23,16 +23,16 @@ static rsv_device *open_device(const rsv_device_desc *wish)
 }
 
 /// Elements and their receiver points; the device lends no hand.
-static rsv_solution *solve(const world *w)
+static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
+    rsv_light *solution;
     desc.element_target = 300;
     desc.rays_per_element = 64;
     desc.refinements = 0;
     desc.photon_count = 100;
     desc.direct_level = false;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -43,7 +43,7 @@ typedef struct pass {
     uint64_t rays;
 } pass;
 
-static pass begin_pass(const rsv_solution *s)
+static pass begin_pass(const rsv_light *s)
 {
     size_t nodes = inside(s)->elements->node_count;
     return (pass){ calloc(nodes, sizeof(rsv_rgb)), calloc(nodes, sizeof(float)), 0 };
@@ -56,7 +56,7 @@ static void end_pass(pass *p)
 }
 
 /// @param on_device whether the context's device traces the rays
-static rsv_status find(const rsv_solution *s, uint32_t samples, bool on_device, pass *p)
+static rsv_status find(const rsv_light *s, uint32_t samples, bool on_device, pass *p)
 {
     rsv_device *device = rsv_context_device(inside(s)->context);
     if (device) device->desc.rows = on_device;
@@ -67,7 +67,7 @@ static rsv_status find(const rsv_solution *s, uint32_t samples, bool on_device, 
     return status;
 }
 
-static double sum_of(const rsv_solution *s, const rsv_rgb *value)
+static double sum_of(const rsv_light *s, const rsv_rgb *value)
 {
     double sum = 0;
     for (size_t k = 0; k < inside(s)->elements->node_count; k++)
@@ -76,7 +76,7 @@ static double sum_of(const rsv_solution *s, const rsv_rgb *value)
 }
 
 /// Nodes that differ by more than rounding: rays within rounding of an edge do.
-static size_t count_different(const rsv_solution *s, const pass *a, const pass *b, double mean)
+static size_t count_different(const rsv_light *s, const pass *a, const pass *b, double mean)
 {
     size_t different = 0;
     for (size_t k = 0; k < inside(s)->elements->node_count; k++) {
@@ -89,7 +89,7 @@ static size_t count_different(const rsv_solution *s, const pass *a, const pass *
 }
 
 /// @param samples as in rsv_direct_irradiance
-static void compare_pass(const rsv_solution *s, uint32_t samples)
+static void compare_pass(const rsv_light *s, uint32_t samples)
 {
     pass here = begin_pass(s), there = begin_pass(s), again = begin_pass(s);
     size_t nodes = inside(s)->elements->node_count;
@@ -102,17 +102,17 @@ static void compare_pass(const rsv_solution *s, uint32_t samples)
     assert_true(fabs(sum_of(s, there.irradiance) - exact) <= 2e-4 * exact);
     size_t different = count_different(s, &there, &here, exact / (double)nodes);
     if (different > nodes / 100) fail_msg("%zu of %zu nodes differ", different, nodes);
-    // a look more or less where a glance's ray passes an edge
+    // a look more or less where a preview's ray passes an edge
     assert_true(fabs((double)there.rays - (double)here.rays) <= 0.005 * (double)here.rays);
     end_pass(&here), end_pass(&there), end_pass(&again);
 }
 
 static void compare(world *w)
 {
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     compare_pass(s, 32);
-    compare_pass(s, 8); // glances, and looks where they see in part
-    rsv_solution_destroy(s);
+    compare_pass(s, 8); // previews, and looks where they see in part
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -189,11 +189,11 @@ static void skies_and_suns_light_as_on_the_processor(void **state)
     (void)state;
     rsv_device *device = open_device(NULL);
     world *w = sunny_world(device);
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     assert_true(inside(s)->lights->environment->sun_count > 0);
     assert_true(inside(s)->lights->environment->sampler.flux > 0);
     compare_pass(s, 64);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     rsv_device_close(device);
 }
@@ -201,19 +201,19 @@ static void skies_and_suns_light_as_on_the_processor(void **state)
 /// @param count of point lights
 static void add_lights(world *w, int count)
 {
-    const rsv_light spot = { .kind = RSV_LIGHT_SPOT,
+    const rsv_punctual_light spot = { .kind = RSV_PUNCTUAL_SPOT,
         .position = { 2, 4, 1 },
         .direction = { 0, -1, 0 },
         .intensity = { 20, 30, 10 },
         .inner_cone_angle = 0.3f,
         .outer_cone_angle = 0.6f };
-    const rsv_light distant = { .kind = RSV_LIGHT_DIRECTIONAL,
+    const rsv_punctual_light distant = { .kind = RSV_PUNCTUAL_DIRECTIONAL,
         .direction = v3_normalize(v3(1, -2, 0.5f)),
         .intensity = { 1, 1, 1 } };
     assert_int_equal(rsv_scene_add_light(w->scene, &spot), RSV_OK);
     assert_int_equal(rsv_scene_add_light(w->scene, &distant), RSV_OK);
     for (int k = 0; k < count; k++) {
-        rsv_light point = { .kind = RSV_LIGHT_POINT, .intensity = { 2, 3, 4 } };
+        rsv_punctual_light point = { .kind = RSV_PUNCTUAL_POINT, .intensity = { 2, 3, 4 } };
         point.position = v3(-3 + 0.7f * (float)(k % 9), 3, -2 + (float)(k / 9));
         assert_int_equal(rsv_scene_add_light(w->scene, &point), RSV_OK);
     }
@@ -246,10 +246,10 @@ static void many_lamps_light_as_on_the_processor(void **state)
             v3(x, 3, z + 0.2f));
     }
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     assert_non_null(inside(s)->lights->emitter_tree);
     compare_pass(s, 64);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     rsv_device_close(device);
 }
@@ -262,7 +262,7 @@ static rsv_status find_on(const rsv_device_desc *desc, uint64_t fail_after)
 {
     rsv_device *device = open_device(desc);
     world *w = world_builtin_on(1, device, "cornell-blocks");
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     pass expected = begin_pass(s), found = begin_pass(s);
     assert_int_equal(find(s, 8, false, &expected), RSV_OK);
     device->desc.fail_after = fail_after;
@@ -271,7 +271,7 @@ static rsv_status find_on(const rsv_device_desc *desc, uint64_t fail_after)
         assert_memory_equal(found.irradiance, expected.irradiance,
             inside(s)->elements->node_count * sizeof(rsv_rgb));
     end_pass(&expected), end_pass(&found);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     rsv_device_close(device);
     return status;

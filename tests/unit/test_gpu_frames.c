@@ -26,7 +26,7 @@ static rsv_device *open_device(const rsv_device_desc *desc)
     return device;
 }
 
-static rsv_solution *solve(const world *w) { return solve_for_frames(w, 400, 4000); }
+static rsv_light *solve(const world *w) { return solve_for_frames(w, 400, 4000); }
 
 static double luminance_sum(const rsv_rgb *pixel)
 {
@@ -36,7 +36,7 @@ static double luminance_sum(const rsv_rgb *pixel)
     return sum;
 }
 
-/// Behind a few curved surfaces, rounding can end a chain beyond an edge. The mean must not care.
+/// Behind a few curved surfaces, rounding can end a specular path beyond an edge. The mean must not care.
 static void compare(
     const rsv_frame_renderer *renderer, uint32_t eye, const rsv_rgb *picture, size_t allowed)
 {
@@ -48,12 +48,12 @@ static void compare(
 }
 
 /// That the device, not the processor, makes the frames of a solution.
-static bool is_shown_by_device(const rsv_solution *solution)
+static bool is_shown_by_device(const rsv_light *solution)
 {
     rsv_light_table table;
     rsv_frame_device *device;
     rsv_frame_desc desc = frame_desc();
-    assert_int_equal(rsv_light_table_create(rsv_solution_get_view(solution), &table), RSV_OK);
+    assert_int_equal(rsv_light_table_create(rsv_light_get_view(solution), &table), RSV_OK);
     assert_int_equal(rsv_frame_device_create(&table, &desc, &device), RSV_OK);
     bool made = device != NULL;
     rsv_frame_device_destroy(device);
@@ -64,7 +64,7 @@ static bool is_shown_by_device(const rsv_solution *solution)
 /// Frames of one or two eyes.
 static void check_frames(world *w, uint32_t samples, uint32_t eyes, size_t allowed)
 {
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer;
     rsv_frame_view view = view_of(w);
@@ -83,7 +83,7 @@ static void check_frames(world *w, uint32_t samples, uint32_t eyes, size_t allow
         assert_int_equal(rsv_frame_pixels(renderer, eye)[17][3], 255);
     }
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -155,7 +155,7 @@ static void layers_are_shown(void **state)
     rsv_device_desc device_settings = device_desc();
     rsv_device *device = open_device(&device_settings);
     world *w = world_builtin_on(2, device, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer;
     rsv_frame_view view = view_of(w);
@@ -168,7 +168,7 @@ static void layers_are_shown(void **state)
     }
     rsv_image_destroy(picture);
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
     rsv_device_close(device);
 }
@@ -214,8 +214,8 @@ static world *textured_world(rsv_device *device)
     rsv_camera camera = rsv_camera_look_at("front", v3(0, 0.5f, 5), v3(0, 0, 0), 0.9f, 1);
     rsv_rgb sky[2] = { { 0.5f, 0.6f, 0.9f }, { 0.2f, 0.2f, 0.1f } };
     rsv_environment environment = { .pixels = sky, .width = 1, .height = 2, .intensity = 1 };
-    rsv_light bulb = {
-        .kind = RSV_LIGHT_POINT, .position = v3(0, 1.5f, 2), .intensity = rgb(2, 2, 3)
+    rsv_punctual_light bulb = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0, 1.5f, 2), .intensity = rgb(2, 2, 3)
     };
     assert_int_equal(rsv_scene_add_light(w->scene, &bulb), RSV_OK);
     assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
@@ -228,7 +228,7 @@ static world *textured_world(rsv_device *device)
 static void show_textured(rsv_device *device, rsv_rgb *radiance)
 {
     world *w = textured_world(device);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc desc = frame_desc();
     rsv_frame_renderer *renderer;
     rsv_frame_view view = view_of(w);
@@ -238,7 +238,7 @@ static void show_textured(rsv_device *device, rsv_rgb *radiance)
         assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
     rsv_frame_radiance(renderer, 0, radiance);
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -274,7 +274,7 @@ static void a_device_too_small_for_frames_is_an_error_or_none(void **state)
         desc.optional = optional;
         rsv_device *device = open_device(&desc);
         world *w = world_builtin_on(2, device, "cornell-blocks");
-        rsv_solution *solution = solve(w);
+        rsv_light *solution = solve(w);
         rsv_frame_desc small = frame_desc();
         rsv_frame_renderer *renderer = NULL;
         rsv_frame_view view = view_of(w);
@@ -285,7 +285,7 @@ static void a_device_too_small_for_frames_is_an_error_or_none(void **state)
         else
             assert_non_null(strstr(rsv_last_error(), "the scene of the frames would take"));
         rsv_frame_renderer_destroy(renderer);
-        rsv_solution_destroy(solution);
+        rsv_light_destroy(solution);
         world_end(w);
         rsv_device_close(device);
     }
@@ -299,7 +299,7 @@ static rsv_status render_until_lost(bool optional)
     desc.fail_after = 6000; // some hundred of them for the solution
     rsv_device *device = open_device(&desc);
     world *w = world_builtin_on(1, device, "cornell-blocks");
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_frame_desc small = frame_desc();
     rsv_frame_renderer *renderer;
     rsv_frame_view view = view_of(w);
@@ -315,7 +315,7 @@ static rsv_status render_until_lost(bool optional)
     assert_true(!optional || stats.samples < frames); // the sums were lost with the device
     if (!optional) assert_non_null(strstr(rsv_last_error(), "is lost"));
     rsv_frame_renderer_destroy(renderer);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
     rsv_device_close(device);
     return status;

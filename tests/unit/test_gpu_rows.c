@@ -34,7 +34,7 @@ static rsv_device *open_device(void)
 }
 
 /// Elements that do not depend on what rows hold.
-static rsv_status solve(const world *w, rsv_solution **solution)
+static rsv_status solve(const world *w, rsv_light **solution)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 300;
@@ -42,7 +42,7 @@ static rsv_status solve(const world *w, rsv_solution **solution)
     desc.refinements = 0;
     desc.photon_count = 1000;
     desc.direct_level = false;
-    return rsv_solution_create(w->scene, &desc, solution);
+    return rsv_light_create(w->scene, &desc, solution);
 }
 
 static int compare_columns(const void *left, const void *right)
@@ -90,7 +90,7 @@ static double luminance_sum(const rsv_rgb *value, size_t count)
 /// Solves both, compares and closes both. @param tolerance of entries that may differ
 static void compare(world *here, world *there, double tolerance)
 {
-    rsv_solution *a, *b;
+    rsv_light *a, *b;
     assert_int_equal(solve(here, &a), RSV_OK);
     assert_int_equal(solve(there, &b), RSV_OK);
     const rsv_transport *g = inside(a)->transport, *h = inside(b)->transport;
@@ -104,8 +104,8 @@ static void compare(world *here, world *there, double tolerance)
     double exact = luminance_sum(inside(a)->irradiance, nodes);
     assert_true(exact > 0);
     assert_true(fabs(luminance_sum(inside(b)->irradiance, nodes) - exact) <= 1e-3 * exact);
-    rsv_solution_destroy(a);
-    rsv_solution_destroy(b);
+    rsv_light_destroy(a);
+    rsv_light_destroy(b);
     world_end(here);
     world_end(there);
 }
@@ -167,17 +167,17 @@ static rsv_status solve_on(const rsv_device_desc *desc)
 {
     rsv_device *device = open_device_as(desc);
     world *w = world_builtin_on(1, device, "cornell-blocks");
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_status status = solve(w, &solution);
     if (status == RSV_OK) {
         world *here = world_builtin(1, "cornell-blocks");
-        rsv_solution *exact;
+        rsv_light *exact;
         assert_int_equal(solve(here, &exact), RSV_OK);
         size_t nodes = inside(exact)->elements->node_count;
         double sum = luminance_sum(inside(exact)->irradiance, nodes);
         assert_true(fabs(luminance_sum(inside(solution)->irradiance, nodes) - sum) <= 1e-5 * sum);
-        rsv_solution_destroy(exact);
-        rsv_solution_destroy(solution);
+        rsv_light_destroy(exact);
+        rsv_light_destroy(solution);
         world_end(here);
     }
     world_end(w);

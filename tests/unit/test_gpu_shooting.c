@@ -23,16 +23,16 @@ static rsv_device *open_device(const rsv_device_desc *wish)
 }
 
 /// Elements to land on; the device lends no hand.
-static rsv_solution *solve(const world *w)
+static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
+    rsv_light *solution;
     desc.element_target = 300;
     desc.rays_per_element = 64;
     desc.refinements = 0;
     desc.photon_count = 100;
     desc.direct_level = false;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -43,7 +43,7 @@ typedef struct shot {
 } shot;
 
 /// @param on_device whether the context's device traces the rays
-static rsv_status shoot(const rsv_solution *s, bool on_device, shot *found)
+static rsv_status shoot(const rsv_light *s, bool on_device, shot *found)
 {
     const rsv_elements *const elements[2] = { inside(s)->elements, inside(s)->elements };
     rsv_device *device = rsv_context_device(inside(s)->context);
@@ -81,7 +81,7 @@ static double share_elsewhere(const rsv_photon_map *a, const rsv_photon_map *b)
 
 static void compare(world *w)
 {
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     size_t nodes = inside(s)->elements->node_count;
     shot here = { .rays = 0 }, there = { .rays = 0 }, again = { .rays = 0 };
     assert_int_equal(shoot(s, false, &here), RSV_OK);
@@ -97,7 +97,7 @@ static void compare(world *w)
     if (elsewhere > 0.01) fail_msg("%g of the flux lies elsewhere", elsewhere);
     assert_true(fabs((double)there.rays - (double)here.rays) <= 0.002 * (double)here.rays);
     destroy_shot(&here), destroy_shot(&there), destroy_shot(&again);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -131,15 +131,15 @@ static world *shiny_world(rsv_device *device)
     world_sphere(w, world_material(w, glass_material()), v3(1.5f, 0.8f, 0), 0.6f, 3);
     world_box(w, world_material(w, varnish), v3(-0.3f, 0.2f, -2), v3(0.3f, 1, -1.4f));
     world_lattice(w, v3(-2, 1.8f, -1), v3(-2, 1.8f, 1), v3(1, 1.8f, 1), v3(1, 1.8f, -1));
-    const rsv_light light[] = {
-        { .kind = RSV_LIGHT_POINT, .position = { 0, 2, 0 }, .intensity = { 2, 3, 4 } },
-        { .kind = RSV_LIGHT_SPOT,
+    const rsv_punctual_light light[] = {
+        { .kind = RSV_PUNCTUAL_POINT, .position = { 0, 2, 0 }, .intensity = { 2, 3, 4 } },
+        { .kind = RSV_PUNCTUAL_SPOT,
             .position = { 2, 3, 1 },
             .direction = { 0, -1, 0 },
             .intensity = { 20, 30, 10 },
             .inner_cone_angle = 0.3f,
             .outer_cone_angle = 0.6f },
-        { .kind = RSV_LIGHT_DIRECTIONAL,
+        { .kind = RSV_PUNCTUAL_DIRECTIONAL,
             .direction = v3_normalize(v3(1, -2, 0.5f)),
             .intensity = { 1, 1, 1 } }
     };
@@ -172,7 +172,7 @@ static rsv_status shoot_on(const rsv_device_desc *desc, uint64_t fail_after)
 {
     rsv_device *device = open_device(desc);
     world *w = world_builtin_on(1, device, "cornell-spheres");
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     shot expected = { .rays = 0 }, found = { .rays = 0 };
     assert_int_equal(shoot(s, false, &expected), RSV_OK);
     device->desc.fail_after = fail_after;
@@ -183,7 +183,7 @@ static rsv_status shoot_on(const rsv_device_desc *desc, uint64_t fail_after)
         assert_memory_equal(found.map[0].flux, expected.map[0].flux,
             inside(s)->elements->node_count * sizeof *found.map[0].flux);
     destroy_shot(&expected), destroy_shot(&found);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     rsv_device_close(device);
     return status;

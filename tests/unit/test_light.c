@@ -1,7 +1,7 @@
 /// Lambert's formula against cubature and closed forms; sampling against density and against
 /// Lambert's formula; groups, selection and punctual lights.
-#include "light/light.h"
-#include "light/punctual_light.h"
+#include "sources/lights.h"
+#include "sources/punctual_light.h"
 
 #include "core/core.h"
 
@@ -530,40 +530,41 @@ static void emitters_that_surround_are_gathered(void **state)
 static void point_and_directional_lights_follow_their_laws(void **state)
 {
     (void)state;
-    rsv_light light = {
-        .kind = RSV_LIGHT_POINT, .position = v3(0, 3, 4), .intensity = rgb(50, 25, 0)
+    rsv_punctual_light light = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0, 3, 4), .intensity = rgb(50, 25, 0)
     };
     rsv_vec3 direction;
     float distance;
     rsv_rgb irradiance;
-    assert_true(rsv_punctual_light(&light, v3(0, 0, 0), &direction, &distance, &irradiance));
+    assert_true(rsv_punctual_irradiance(&light, v3(0, 0, 0), &direction, &distance, &irradiance));
     assert_float_equal(distance, 5, 1e-6);
     assert_float_equal(direction.z, 0.8, 1e-6);
     assert_float_equal(irradiance.r, 2, 1e-6);
     assert_float_equal(irradiance.g, 1, 1e-6);
-    assert_false(rsv_punctual_light(&light, light.position, &direction, &distance, &irradiance));
-    light.kind = RSV_LIGHT_DIRECTIONAL;
+    assert_false(
+        rsv_punctual_irradiance(&light, light.position, &direction, &distance, &irradiance));
+    light.kind = RSV_PUNCTUAL_DIRECTIONAL;
     light.direction = v3(0, -1, 0);
-    assert_true(rsv_punctual_light(&light, v3(9, 9, 9), &direction, &distance, &irradiance));
+    assert_true(rsv_punctual_irradiance(&light, v3(9, 9, 9), &direction, &distance, &irradiance));
     assert_true(isinf(distance) && direction.y == 1 && irradiance.r == 50);
     light.intensity = rgb_gray(0);
-    assert_false(rsv_punctual_light(&light, v3(9, 9, 9), &direction, &distance, &irradiance));
+    assert_false(rsv_punctual_irradiance(&light, v3(9, 9, 9), &direction, &distance, &irradiance));
 }
 
 /// Irradiance at 1 m from a spot that looks down, `angle` off its axis.
-static float spot_at(const rsv_light *light, float angle)
+static float spot_at(const rsv_punctual_light *light, float angle)
 {
     rsv_vec3 direction, point = v3(sinf(angle), -cosf(angle), 0);
     float distance;
     rsv_rgb irradiance;
-    bool lit = rsv_punctual_light(light, point, &direction, &distance, &irradiance);
+    bool lit = rsv_punctual_irradiance(light, point, &direction, &distance, &irradiance);
     return lit ? irradiance.g : 0;
 }
 
 static void spots_fall_off_between_their_cones(void **state)
 {
     (void)state;
-    rsv_light spot = { .kind = RSV_LIGHT_SPOT,
+    rsv_punctual_light spot = { .kind = RSV_PUNCTUAL_SPOT,
         .direction = v3(0, -1, 0),
         .intensity = rgb_gray(7),
         .inner_cone_angle = 0.3f,

@@ -2,10 +2,10 @@
 #include "light_fixture.h"
 #include "slow_tests.h"
 
-#include "light/light_tree.h"
-#include "light/punctual_light.h"
 #include "resolvent/render.h"
 #include "resolvent/solve.h"
+#include "sources/light_tree.h"
+#include "sources/punctual_light.h"
 
 enum { MANY = 10000 };
 
@@ -116,8 +116,8 @@ static void trees_are_shallow_whatever_the_lights(void **state)
 static void add_lamp(world *w, rsv_vec3 place, float size, int index, uint32_t *mesh_id)
 {
     if (size == 0) {
-        rsv_light light = { .name = "lamp",
-            .kind = index % 2 ? RSV_LIGHT_SPOT : RSV_LIGHT_POINT,
+        rsv_punctual_light light = { .name = "lamp",
+            .kind = index % 2 ? RSV_PUNCTUAL_SPOT : RSV_PUNCTUAL_POINT,
             .position = place,
             .direction = v3(0, -1, 0),
             .intensity = rgb_gray(0.01f * (float)(1 + index % 7)),
@@ -189,7 +189,7 @@ static double exact_irradiance(const world *w, const rsv_probe *probe)
         rsv_vec3 direction;
         float distance;
         rsv_rgb e;
-        if (rsv_punctual_light(&view->light[i], probe->position, &direction, &distance, &e))
+        if (rsv_punctual_irradiance(&view->light[i], probe->position, &direction, &distance, &e))
             sum += e.g * f_max(v3_dot(direction, probe->normal), 0);
     }
     return sum;
@@ -234,8 +234,8 @@ static void the_operator_agrees_with_the_reference(void **state)
     const rsv_probe probes[2] = { { { 0, 0, 0 }, { 0, 1, 0 } }, { { 1, 0.4f, 30 }, { 0, -1, 0 } } };
     rsv_probe_reading a[2], b[2];
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     assert_int_equal(
         rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, probes, 2, 8192, 1, a), RSV_OK);
     assert_int_equal(rsv_probe_reference(w->scene, probes, 2, 16384, 1, b), RSV_OK);
@@ -246,7 +246,7 @@ static void the_operator_agrees_with_the_reference(void **state)
             a[i].irradiance.g, b[i].irradiance.g, 4 * error + 0.005 * b[i].irradiance.g);
         assert_true(error < 0.02 * b[i].irradiance.g);
     }
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 

@@ -82,20 +82,20 @@ static void write_all(const folder *f)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 60;
     desc.rays_per_element = 64;
-    rsv_solution *solution, *again;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution, *again;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     snprintf(file, sizeof file, "%s", path_in(f, "solved.safetensors"));
-    assert_int_equal(rsv_solution_save(solution, "room", file), RSV_OK);
+    assert_int_equal(rsv_light_save(solution, "room", file), RSV_OK);
     rsv_scene *loaded;
-    assert_int_equal(rsv_solution_load(w->context, file, &loaded, &again), RSV_OK);
-    rsv_solution_destroy(again);
+    assert_int_equal(rsv_light_load(w->context, file, &loaded, &again), RSV_OK);
+    rsv_light_destroy(again);
     rsv_scene_destroy(loaded);
     rsv_bake_desc bake = rsv_default_bake_desc();
     rsv_bake_report report;
     bake.basis = true;
     bake.turns = 2;
     assert_int_equal(rsv_bake_vertices(solution, path_in(f, "baked.glb"), &bake, &report), RSV_OK);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 

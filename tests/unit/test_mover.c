@@ -47,18 +47,18 @@ static world *ball_alone(void)
     return w;
 }
 
-static rsv_solution *solve(const world *w)
+static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 800;
     desc.rays_per_element = 128;
     desc.photon_count = 20000;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
-static rsv_mover *begin_mover(const rsv_solution *solution, const world *body, rsv_vec3 offset)
+static rsv_mover *begin_mover(const rsv_light *solution, const world *body, rsv_vec3 offset)
 {
     rsv_mover *mover;
     if (rsv_mover_create(solution, body->scene, NULL, &mover) != RSV_OK)
@@ -108,7 +108,7 @@ static void light_on_it_is_that_of_the_scene(void **state)
     commit(w);
     add_ball(with, place);
     commit(with);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_mover *mover = begin_mover(solution, body, place);
     rsv_probe probe[reading_count];
     rsv_probe_reading reading[reading_count];
@@ -126,7 +126,7 @@ static void light_on_it_is_that_of_the_scene(void **state)
     print_message("beside one that holds it: RMS %.4f, mean %+.4f\n", rms, bias);
     assert_true(rms < 0.1 && fabs(bias) < 0.05);
     rsv_mover_destroy(mover);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(body);
     world_end(with);
     world_end(w);
@@ -143,7 +143,7 @@ static void nothing_leaks_through_a_thin_wall(void **state)
     world_quad(w, world_lambert(w, 0, 20), v3(-1.2f, 1.9f, -0.2f), v3(-0.8f, 1.9f, -0.2f),
         v3(-0.8f, 1.9f, 0.2f), v3(-1.2f, 1.9f, 0.2f));
     commit(w);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     size_t count = rsv_scene_get_view(body->scene)->vertex_count;
     double bright = 0, dark = 0;
     rsv_mover *mover = begin_mover(solution, body, v3(-0.401f, 0.8f, 0));
@@ -155,14 +155,14 @@ static void nothing_leaks_through_a_thin_wall(void **state)
     assert_true(bright > 0);
     assert_true(dark <= 1e-6 * bright);
     rsv_mover_destroy(mover);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(body);
     world_end(w);
 }
 
 // ---- its images and its shadow ------------------------------------------------------------------
 
-static void render(const rsv_solution *solution, const rsv_mover *mover, rsv_rgb *picture)
+static void render(const rsv_light *solution, const rsv_mover *mover, rsv_rgb *picture)
 {
     rsv_frame_desc desc = rsv_default_frame_desc();
     desc.width = width;
@@ -170,7 +170,7 @@ static void render(const rsv_solution *solution, const rsv_mover *mover, rsv_rgb
     rsv_frame_renderer *renderer;
     assert_int_equal(rsv_frame_renderer_create(solution, &desc, &renderer), RSV_OK);
     rsv_frame_renderer_put(renderer, mover);
-    const rsv_camera *camera = rsv_scene_get_view(rsv_solution_scene(solution))->camera;
+    const rsv_camera *camera = rsv_scene_get_view(rsv_light_scene(solution))->camera;
     rsv_frame_view view = { .camera = { camera[0], camera[0] } };
     for (int k = 0; k < samples; k++)
         assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
@@ -194,7 +194,7 @@ static void pictures_are_those_of_a_scene_that_holds_it(void **state)
     commit(w);
     add_ball(with, place);
     commit(with);
-    rsv_solution *solution = solve(w), *fresh = solve(with);
+    rsv_light *solution = solve(w), *fresh = solve(with);
     rsv_mover *mover = begin_mover(solution, body, place);
     render(solution, NULL, empty);
     render(solution, mover, moved);
@@ -203,8 +203,8 @@ static void pictures_are_those_of_a_scene_that_holds_it(void **state)
         "off by %.4f with it, by %.4f without\n", distance(moved, held), distance(empty, held));
     assert_true(distance(moved, held) < 0.2 * distance(empty, held));
     rsv_mover_destroy(mover);
-    rsv_solution_destroy(fresh);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(fresh);
+    rsv_light_destroy(solution);
     world_end(body);
     world_end(with);
     world_end(w);
@@ -214,11 +214,11 @@ static void render_with_threads(int threads, rsv_rgb *picture)
 {
     world *w = clear_world(threads), *body = ball_alone();
     commit(w);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_mover *mover = begin_mover(solution, body, place);
     render(solution, mover, picture);
     rsv_mover_destroy(mover);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(body);
     world_end(w);
 }
@@ -237,7 +237,7 @@ static void failing_allocations_leave_nothing_behind(void **state)
     (void)state;
     world *w = clear_world(1), *body = ball_alone();
     commit(w);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_mover *mover = NULL;
     for (long k = 0; !mover; k++) {
         w->until_failure = k;
@@ -246,7 +246,7 @@ static void failing_allocations_leave_nothing_behind(void **state)
         assert_true(status == RSV_OK || status == RSV_ERROR_MEMORY);
     }
     rsv_mover_destroy(mover);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(body);
     world_end(w);
 }
@@ -256,7 +256,7 @@ static void unusable_wishes_are_refused(void **state)
     (void)state;
     world *w = clear_world(1), *body = ball_alone();
     commit(w);
-    rsv_solution *solution = solve(w);
+    rsv_light *solution = solve(w);
     rsv_mover *mover = NULL;
     rsv_mover_desc desc = rsv_default_mover_desc();
     desc.light_samples = 0;
@@ -269,7 +269,7 @@ static void unusable_wishes_are_refused(void **state)
     assert_int_equal(rsv_mover_place(mover, v3(0, 0, 0), INFINITY), RSV_ERROR_ARGUMENT);
     assert_int_equal(rsv_mover_place(mover, v3(1e5f, 0, 0), 0), RSV_OK);
     rsv_mover_destroy(mover);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(body);
     world_end(w);
 }

@@ -1,4 +1,4 @@
-/// Rows of G, chains and light shooting.
+/// Rows of G, specular paths and light shooting.
 #include "direct/photons.h"
 #include "elements/burial.h"
 #include "elements/contact.h"
@@ -336,7 +336,7 @@ static void split_cells_receive_their_share(void **state)
     destroy_rows(&r);
 }
 
-// ---- chains -------------------------------------------------------------------------------------
+// ---- specular paths -------------------------------------------------------------------------------------
 
 static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
 {
@@ -344,16 +344,16 @@ static bool no_emission(const void *user, uint32_t triangle, uint32_t events)
     return false;
 }
 
-/// One gather chain from a free point.
+/// One gather specular path from a free point.
 static rsv_gather gather_from(const world *w, rsv_vec3 origin, rsv_vec3 direction, uint32_t index)
 {
     rsv_ray ray = { origin, direction, INFINITY };
     rsv_hit hit;
     assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
     rsv_random random = rsv_random_from(11, index, 0);
-    rsv_chain chain =
-        rsv_chain_begin(&w->transport, NULL, direction, hit.triangle, hit.u, hit.v, hit.t);
-    return rsv_chain_gather(&w->transport, chain, &random, no_emission, NULL);
+    rsv_specular_path path =
+        rsv_specular_begin(&w->transport, NULL, direction, hit.triangle, hit.u, hit.v, hit.t);
+    return rsv_specular_gather(&w->transport, path, &random, no_emission, NULL);
 }
 
 static rsv_vec3 sphere_direction(uint32_t index)
@@ -363,7 +363,7 @@ static rsv_vec3 sphere_direction(uint32_t index)
     return rsv_square_to_sphere(x, y);
 }
 
-/// Every chain through clear glass ends on the wall with weight 1, whatever its way.
+/// Every specular path through clear glass ends on the wall with weight 1, whatever its way.
 static void chains_through_clear_glass_keep_their_weight(void **state)
 {
     (void)state;
@@ -376,14 +376,14 @@ static void chains_through_clear_glass_keep_their_weight(void **state)
     uint32_t bent = 0, count = 4000, lost = 0;
     for (uint32_t k = 0; k < count; k++) {
         rsv_gather gather = gather_from(w, v3(0.8f, 0.1f, 0.2f), sphere_direction(k), k);
-        bent += gather.chain.events > 0;
-        if (gather.end != RSV_CHAIN_DIFFUSE) {
-            assert_int_equal(gather.chain.events, RSV_CHAIN_MAX_EVENTS); // trapped in the box
+        bent += gather.path.events > 0;
+        if (gather.end != RSV_SPECULAR_DIFFUSE) {
+            assert_int_equal(gather.path.events, RSV_SPECULAR_MAX_EVENTS); // trapped in the box
             lost++;
             continue;
         }
-        assert_close(gather.chain.weight.r, 1, 1e-4);
-        assert_close(gather.chain.weight.b, 1, 1e-4);
+        assert_close(gather.path.weight.r, 1, 1e-4);
+        assert_close(gather.path.weight.b, 1, 1e-4);
     }
     assert_true(bent > count / 10);
     assert_true(lost < count / 200);
@@ -403,18 +403,18 @@ static world *create_slab(rsv_rgb attenuation_color, float distance)
     return w;
 }
 
-/// Mean weights of chains along -z that end beyond and before the slab.
+/// Mean weights of specular paths along -z that end beyond and before the slab.
 static void measure_slab(const world *w, uint32_t count, double through[3], double back[3])
 {
     memset(through, 0, 3 * sizeof *through);
     memset(back, 0, 3 * sizeof *back);
     for (uint32_t k = 0; k < count; k++) {
         rsv_gather gather = gather_from(w, v3(0.1f, 0.2f, 0.5f), v3(0, 0, -1), k);
-        if (gather.end != RSV_CHAIN_DIFFUSE) continue;
-        double *sum = gather.chain.direction.z < 0 ? through : back;
-        sum[0] += gather.chain.weight.r / count;
-        sum[1] += gather.chain.weight.g / count;
-        sum[2] += gather.chain.weight.b / count;
+        if (gather.end != RSV_SPECULAR_DIFFUSE) continue;
+        double *sum = gather.path.direction.z < 0 ? through : back;
+        sum[0] += gather.path.weight.r / count;
+        sum[1] += gather.path.weight.g / count;
+        sum[2] += gather.path.weight.b / count;
     }
 }
 
@@ -465,8 +465,8 @@ static void total_internal_reflection_traps_light_and_ends(void **state)
         float c = sqrtf(1 - a * a - b * b);
         assert_true(c < 0.745f); // cosine of the critical angle: 0.7454
         rsv_gather gather = gather_from(w, v3(0.1f, -0.2f, 0.3f), v3(a, -b, c), k);
-        assert_int_equal(gather.end, RSV_CHAIN_ABSORBED);
-        assert_int_equal(gather.chain.events, RSV_CHAIN_MAX_EVENTS);
+        assert_int_equal(gather.end, RSV_SPECULAR_ABSORBED);
+        assert_int_equal(gather.path.events, RSV_SPECULAR_MAX_EVENTS);
     }
     world_end(w);
 }
@@ -481,9 +481,9 @@ static void light_below_the_critical_angle_leaves(void **state)
     for (uint32_t k = 0; k < 200; k++) {
         rsv_gather gather =
             gather_from(w, v3(0.1f, -0.2f, 0.3f), v3_normalize(v3(0.2f, 0.1f, 1)), k);
-        assert_int_equal(gather.end, RSV_CHAIN_DIFFUSE);
+        assert_int_equal(gather.end, RSV_SPECULAR_DIFFUSE);
         // radiance inside is denser by the square of the index
-        assert_close(gather.chain.weight.g, 2.25, 1e-4);
+        assert_close(gather.path.weight.g, 2.25, 1e-4);
     }
     world_end(w);
 }
@@ -497,9 +497,9 @@ static void parallel_mirrors_end_within_the_event_bound(void **state)
     world_commit(w);
     for (uint32_t k = 0; k < 100; k++) {
         rsv_gather gather = gather_from(w, v3(0.1f, 0.2f, 0.3f), sphere_direction(k), k);
-        assert_int_equal(gather.end, RSV_CHAIN_ABSORBED);
-        assert_int_equal(gather.chain.events, RSV_CHAIN_MAX_EVENTS);
-        assert_true(gather.chain.rays <= RSV_CHAIN_MAX_EVENTS + 1);
+        assert_int_equal(gather.end, RSV_SPECULAR_ABSORBED);
+        assert_int_equal(gather.path.events, RSV_SPECULAR_MAX_EVENTS);
+        assert_true(gather.path.rays <= RSV_SPECULAR_MAX_EVENTS + 1);
     }
     world_end(w);
 }
@@ -509,8 +509,8 @@ static void parallel_mirrors_end_within_the_event_bound(void **state)
 /// A narrow spot light of 1 W/sr at `position`.
 static void add_spot(world *w, rsv_vec3 position, rsv_vec3 direction, float angle)
 {
-    rsv_light light = { .name = "spot",
-        .kind = RSV_LIGHT_SPOT,
+    rsv_punctual_light light = { .name = "spot",
+        .kind = RSV_PUNCTUAL_SPOT,
         .position = position,
         .direction = v3_normalize(direction),
         .intensity = rgb(1, 2, 3),

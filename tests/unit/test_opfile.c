@@ -7,7 +7,7 @@
 #include "light_view.h"
 #include "opfile/sha256.h"
 #include "slow_tests.h"
-#include "solve/solution_internal.h"
+#include "solve/light_internal.h"
 
 #include <cjson/cJSON.h>
 
@@ -76,13 +76,13 @@ static void add_square(rsv_scene *scene, const char *name, uint32_t material, rs
 
 static void add_lights(rsv_scene *scene)
 {
-    rsv_light light = { .name = "bulb",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light light = { .name = "bulb",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = { 0.3f, 1.1f, 0.6f },
         .intensity = { 2, 1, 0.5f } };
     assert_int_equal(rsv_scene_add_light(scene, &light), RSV_OK);
     light.name = "spot";
-    light.kind = RSV_LIGHT_SPOT;
+    light.kind = RSV_PUNCTUAL_SPOT;
     light.direction = v3(0.1f, -1, -0.3f);
     light.inner_cone_angle = 0.3f;
     light.outer_cone_angle = 0.7f;
@@ -148,15 +148,15 @@ static world *world_of_everything(int threads, bool sky)
     return w;
 }
 
-static rsv_solution *solve(const world *w)
+static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 60;
     desc.rays_per_element = 64;
     desc.photon_count = UNLESS_SANITIZED(4000, 1000);
     desc.direct_levels = 1;
-    rsv_solution *solution;
-    if (rsv_solution_create(w->scene, &desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());
+    rsv_light *solution;
+    if (rsv_light_create(w->scene, &desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());
     return solution;
 }
 
@@ -164,7 +164,7 @@ static rsv_solution *solve(const world *w)
 
 /// @param shared_pattern spares the light that is shot for rough lobes
 static rsv_image *render(
-    const rsv_solution *solution, rsv_render_mode mode, uint32_t camera, bool shared_pattern)
+    const rsv_light *solution, rsv_render_mode mode, uint32_t camera, bool shared_pattern)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     desc.mode = mode;
@@ -180,7 +180,7 @@ static rsv_image *render(
 }
 
 static void check_same_picture(
-    const rsv_solution *a, const rsv_solution *b, rsv_render_mode mode, uint32_t camera)
+    const rsv_light *a, const rsv_light *b, rsv_render_mode mode, uint32_t camera)
 {
     rsv_image *left = render(a, mode, camera, false), *right = render(b, mode, camera, false);
     uint32_t layers = rsv_image_layer_count(left);
@@ -192,7 +192,7 @@ static void check_same_picture(
     rsv_image_destroy(right);
 }
 
-static void check_same_probes(const rsv_solution *a, const rsv_solution *b)
+static void check_same_probes(const rsv_light *a, const rsv_light *b)
 {
     const rsv_probe probe[2] = { { { 0.1f, 0, 0.2f }, { 0, 1, 0 } },
         { { 0.4f, 0.7f, 0.3f }, { 0, 0.6f, 0.8f } } };
@@ -211,11 +211,11 @@ static void check_round_trip(world *w)
     char first[256], second[256];
     snprintf(first, sizeof first, "%s", path_in(&f, "a.safetensors"));
     snprintf(second, sizeof second, "%s", path_in(&f, "b.safetensors"));
-    rsv_solution *s = solve(w), *loaded;
+    rsv_light *s = solve(w), *loaded;
     rsv_scene *scene;
-    assert_int_equal(rsv_solution_save(s, "everything", first), RSV_OK);
+    assert_int_equal(rsv_light_save(s, "everything", first), RSV_OK);
     assert_true(rsv_is_operator_file(first));
-    if (rsv_solution_load(w->context, first, &scene, &loaded) != RSV_OK)
+    if (rsv_light_load(w->context, first, &scene, &loaded) != RSV_OK)
         fail_msg("%s", rsv_last_error());
     for (uint32_t camera = 0; camera < rsv_scene_get_view(scene)->camera_count; camera++) {
         check_same_picture(s, loaded, RSV_RENDER_OPERATOR, camera);
@@ -223,18 +223,18 @@ static void check_round_trip(world *w)
     }
     check_same_probes(s, loaded);
     assert_string_equal(
-        rsv_solution_report(s)->solver_reason, rsv_solution_report(loaded)->solver_reason);
-    assert_true(rsv_solution_report(s)->norm_inf == rsv_solution_report(loaded)->norm_inf);
-    assert_int_equal(rsv_solution_save(loaded, "everything", second), RSV_OK);
+        rsv_light_report(s)->solver_reason, rsv_light_report(loaded)->solver_reason);
+    assert_true(rsv_light_report(s)->norm_inf == rsv_light_report(loaded)->norm_inf);
+    assert_int_equal(rsv_light_save(loaded, "everything", second), RSV_OK);
     size_t bytes[2];
     uint8_t *a = read_bytes(first, &bytes[0]), *b = read_bytes(second, &bytes[1]);
     assert_int_equal(bytes[0], bytes[1]);
     assert_memory_equal(a, b, bytes[0]);
     free(a);
     free(b);
-    rsv_solution_destroy(loaded);
+    rsv_light_destroy(loaded);
     rsv_scene_destroy(scene);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     remove_folder(f.path);
     world_end(w);
 }
@@ -272,10 +272,10 @@ static void files_do_not_depend_on_the_number_of_threads(void **state)
     size_t bytes[2];
     for (int k = 0; k < 2; k++) {
         world *w = world_of_everything(k + 1, false);
-        rsv_solution *s = solve(w);
-        assert_int_equal(rsv_solution_save(s, NULL, path_in(&f, "a.safetensors")), RSV_OK);
+        rsv_light *s = solve(w);
+        assert_int_equal(rsv_light_save(s, NULL, path_in(&f, "a.safetensors")), RSV_OK);
         content[k] = read_bytes(path_in(&f, "a.safetensors"), &bytes[k]);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
     assert_int_equal(bytes[0], bytes[1]);
@@ -309,9 +309,9 @@ static int make_original(void **state)
     folder f = new_folder();
     const char *path = path_in(&f, "original.safetensors");
     world *w = world_of_everything(2, false);
-    rsv_solution *solution = solve(w);
-    assert_int_equal(rsv_solution_save(solution, "specimen", path), RSV_OK);
-    rsv_solution_destroy(solution);
+    rsv_light *solution = solve(w);
+    assert_int_equal(rsv_light_save(solution, "specimen", path), RSV_OK);
+    rsv_light_destroy(solution);
     world_end(w);
     o->content = read_bytes(path, &o->bytes);
     remove_folder(f.path);
@@ -350,18 +350,18 @@ static void end_specimen(specimen *s)
     world_end(s->w);
 }
 
-static rsv_status load(const specimen *s, rsv_scene **scene, rsv_solution **solution)
+static rsv_status load(const specimen *s, rsv_scene **scene, rsv_light **solution)
 {
     *scene = NULL;
     *solution = NULL;
-    return rsv_solution_load(s->w->context, s->path, scene, solution);
+    return rsv_light_load(s->w->context, s->path, scene, solution);
 }
 
 /// Writes `content` in place of the specimen, and expects one line with the file's name and `why`.
 static void check_refused(specimen *s, const void *content, size_t bytes, const char *why)
 {
     rsv_scene *scene;
-    rsv_solution *solution;
+    rsv_light *solution;
     write_bytes(s->path, content, bytes);
     assert_int_not_equal(load(s, &scene, &solution), RSV_OK);
     assert_mentions(rsv_last_error(), s->path);
@@ -531,7 +531,7 @@ static void no_signed_content_leads_astray(void **state)
         uint8_t *data = tensor_bytes(&s, entry, &length), kept;
         if (length == 0) continue;
         rsv_scene *scene;
-        rsv_solution *solution;
+        rsv_light *solution;
         size_t at = rsv_random_bits(&random) % length;
         kept = data[at];
         data[at] ^= (uint8_t)(1u << rsv_random_bits(&random) % 8);
@@ -540,7 +540,7 @@ static void no_signed_content_leads_astray(void **state)
         if (load(&s, &scene, &solution) == RSV_OK) {
             bool of_scene = strncmp(entry->string, "scene.", 6) == 0; // all that photons know
             rsv_image_destroy(render(solution, RSV_RENDER_OPERATOR, 0, !of_scene));
-            rsv_solution_destroy(solution);
+            rsv_light_destroy(solution);
             rsv_scene_destroy(scene);
         }
         data[at] = kept;
@@ -554,12 +554,12 @@ static void elements_of_another_scene_are_refused(void **state)
     specimen s = new_specimen(state);
     world *other = world_builtin(1, "cornell-blocks");
     rsv_scene *scene;
-    rsv_solution *solution, *unused;
+    rsv_light *solution, *unused;
     assert_int_equal(load(&s, &scene, &solution), RSV_OK);
-    rsv_solution mixed = *solution;
+    rsv_light mixed = *solution;
     mixed.view.scene.scene = other->scene;
-    assert_int_equal(rsv_solution_save(&mixed, "mixed", s.path), RSV_OK);
-    rsv_solution_destroy(solution);
+    assert_int_equal(rsv_light_save(&mixed, "mixed", s.path), RSV_OK);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     assert_int_equal(load(&s, &scene, &unused), RSV_ERROR_FORMAT);
     assert_mentions(rsv_last_error(), s.path);
@@ -571,7 +571,7 @@ static void exhausted_memory_is_an_error(void **state)
 {
     specimen s = new_specimen(state);
     rsv_scene *scene;
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     for (long k = 0; !solution; k += 1 + k / 10) {
         s.w->until_failure = k;
         rsv_status status = load(&s, &scene, &solution);
@@ -580,10 +580,10 @@ static void exhausted_memory_is_an_error(void **state)
     }
     for (long k = 0, saved = 0; !saved; k += 1 + k / 10) {
         s.w->until_failure = k;
-        saved = rsv_solution_save(solution, "specimen", s.path) == RSV_OK;
+        saved = rsv_light_save(solution, "specimen", s.path) == RSV_OK;
         s.w->until_failure = -1;
     }
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     end_specimen(&s);
 }

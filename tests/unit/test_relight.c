@@ -1,11 +1,11 @@
 /// Relighting against fresh solutions of the changed scene.
 #include "resolvent/relight.h"
 
-#include "direct/glance_kernels.h"
-#include "light/light_internal.h"
+#include "direct/preview_kernels.h"
 #include "light_fixture.h"
 #include "light_view.h"
 #include "scene/scene.h"
+#include "sources/lights_internal.h"
 
 static rsv_scene *own_scene(world *w) { return w->scene; }
 
@@ -16,14 +16,14 @@ static world *lit_box(const float scale[3])
     rsv_scene *scene = own_scene(w);
     for (size_t m = 0; m < scene->material_count; m++)
         scene->material[m].emission = rgb_scale(scene->material[m].emission, scale[0]);
-    rsv_light light = { .name = "bulb",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light light = { .name = "bulb",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = { 0.1f, 0.4f, 0.05f },
         .intensity = { 0.2f * scale[1], 0.1f * scale[1], 0.1f * scale[1] } };
     scene->committed = false; // for what is added to a built-in scene
     assert_int_equal(rsv_scene_add_light(scene, &light), RSV_OK);
     light.name = "torch";
-    light.kind = RSV_LIGHT_SPOT;
+    light.kind = RSV_PUNCTUAL_SPOT;
     light.direction = v3(0, -1, 0.1f);
     light.outer_cone_angle = 0.8f;
     light.intensity = rgb(0.1f * scale[2], 0.2f * scale[2], 0.3f * scale[2]);
@@ -35,7 +35,7 @@ static world *lit_box(const float scale[3])
 }
 
 /// Without pilots, so that elements do not depend on the light, and without photons, whose aim does.
-static rsv_solution *solve(const world *w, bool direct_level)
+static rsv_light *solve(const world *w, bool direct_level)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 300;
@@ -44,8 +44,8 @@ static rsv_solution *solve(const world *w, bool direct_level)
     desc.photon_count = 0;
     desc.direct_level = direct_level;
     desc.tolerance = 1e-6f;
-    rsv_solution *s;
-    if (rsv_solution_create(w->scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
+    rsv_light *s;
+    if (rsv_light_create(w->scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
     return s;
 }
 
@@ -61,9 +61,9 @@ static double largest_difference(const rsv_rgb *a, const rsv_rgb *b, size_t coun
     return difference / size;
 }
 
-static void relight(rsv_solution *s, const rsv_relight_desc *desc)
+static void relight(rsv_light *s, const rsv_relight_desc *desc)
 {
-    if (rsv_solution_relight(s, desc) != RSV_OK) fail_msg("%s", rsv_last_error());
+    if (rsv_light_relight(s, desc) != RSV_OK) fail_msg("%s", rsv_last_error());
 }
 
 static void scaled_lights_are_those_of_a_fresh_solve(void **state)
@@ -73,15 +73,15 @@ static void scaled_lights_are_those_of_a_fresh_solve(void **state)
         { "torch", { 0, 0, 0 } } };
     const rsv_relight_desc desc = { .light = scales, .light_count = 3 };
     world *w = lit_box((float[]){ 1, 1, 1 }), *other = lit_box((float[]){ 0.5f, 3, 0 });
-    rsv_solution *relit = solve(w, false), *fresh = solve(other, false);
+    rsv_light *relit = solve(w, false), *fresh = solve(other, false);
     relight(relit, &desc);
     size_t nodes = inside(fresh)->elements->node_count;
     assert_int_equal(inside(relit)->elements->node_count, nodes);
     assert_true(largest_difference(inside(relit)->source, inside(fresh)->source, nodes) < 1e-4);
     assert_true(
         largest_difference(inside(relit)->irradiance, inside(fresh)->irradiance, nodes) < 1e-4);
-    rsv_solution_destroy(relit);
-    rsv_solution_destroy(fresh);
+    rsv_light_destroy(relit);
+    rsv_light_destroy(fresh);
     world_end(w);
     world_end(other);
 }
@@ -91,7 +91,7 @@ static void scaling_nothing_changes_nothing(void **state)
     (void)state;
     const rsv_relight_desc desc = { 0 };
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *before = solve(w, true), *after = solve(w, true);
+    rsv_light *before = solve(w, true), *after = solve(w, true);
     relight(after, &desc);
     size_t nodes = inside(before)->elements->node_count,
            fine = inside(before)->fine.elements->node_count;
@@ -99,8 +99,8 @@ static void scaling_nothing_changes_nothing(void **state)
         largest_difference(inside(after)->irradiance, inside(before)->irradiance, nodes) < 1e-6);
     assert_true(
         largest_difference(inside(after)->fine.direct, inside(before)->fine.direct, fine) < 1e-6);
-    rsv_solution_destroy(before);
-    rsv_solution_destroy(after);
+    rsv_light_destroy(before);
+    rsv_light_destroy(after);
     world_end(w);
 }
 
@@ -113,21 +113,21 @@ static void changed_albedos_are_those_of_a_fresh_solve(void **state)
     for (size_t m = 0; m < own_scene(other)->material_count; m++)
         if (strcmp(own_scene(other)->material[m].name, "red") == 0)
             own_scene(other)->material[m].base_color = change.base_color;
-    rsv_solution *relit = solve(w, false), *fresh = solve(other, false);
+    rsv_light *relit = solve(w, false), *fresh = solve(other, false);
     relight(relit, &desc);
     size_t nodes = inside(fresh)->elements->node_count;
     assert_true(
         largest_difference(inside(relit)->irradiance, inside(fresh)->irradiance, nodes) < 1e-4);
-    rsv_solution_destroy(relit);
-    rsv_solution_destroy(fresh);
+    rsv_light_destroy(relit);
+    rsv_light_destroy(fresh);
     world_end(w);
     world_end(other);
 }
 
 static void check_refused(
-    rsv_solution *s, const rsv_relight_desc *desc, const char *what, const char *listed)
+    rsv_light *s, const rsv_relight_desc *desc, const char *what, const char *listed)
 {
-    assert_int_not_equal(rsv_solution_relight(s, desc), RSV_OK);
+    assert_int_not_equal(rsv_light_relight(s, desc), RSV_OK);
     assert_non_null(strstr(rsv_last_error(), what));
     assert_non_null(strstr(rsv_last_error(), listed));
 }
@@ -136,7 +136,7 @@ static void unknown_names_are_answered_by_the_known_ones(void **state)
 {
     (void)state;
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, false);
+    rsv_light *s = solve(w, false);
     const rsv_light_scale moon = { "moon", { 1, 1, 1 } }, dark = { "bulb", { -1, 1, 1 } };
     const rsv_albedo_change gold = { "gold", { 1, 1, 1 } }, glass = { "glass", { 1, 1, 1 } },
                             bright = { "red", { 2, 1, 1 } };
@@ -147,7 +147,7 @@ static void unknown_names_are_answered_by_the_known_ones(void **state)
     check_refused(s, &(rsv_relight_desc){ .albedo = &glass, .albedo_count = 1 }, "'glass'", "anew");
     check_refused(
         s, &(rsv_relight_desc){ .albedo = &bright, .albedo_count = 1 }, "'red'", "0 .. 1");
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -171,8 +171,8 @@ static world *yard_on(int threads, bool globe, rsv_vec3 offset)
     else
         world_quad(w, light, v3(x - 0.3f, y, z - 0.3f), v3(x + 0.3f, y, z - 0.3f),
             v3(x + 0.3f, y, z + 0.3f), v3(x - 0.3f, y, z + 0.3f));
-    rsv_light bulb = { .name = "bulb",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light bulb = { .name = "bulb",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = v3_add(v3(-1, 1.5f, 1), offset),
         .intensity = { 1, 2, 3 } };
     assert_int_equal(rsv_scene_add_light(w->scene, &bulb), RSV_OK);
@@ -183,7 +183,7 @@ static world *yard_on(int threads, bool globe, rsv_vec3 offset)
 static world *yard(rsv_vec3 offset) { return yard_on(2, false, offset); }
 
 /// B = K E: what anybody sees of a solution. The black body of the lamp has rows of its own, from where it began.
-static rsv_rgb *exitance(const rsv_solution *s)
+static rsv_rgb *exitance(const rsv_light *s)
 {
     rsv_rgb *b = malloc(inside(s)->elements->node_count * sizeof *b);
     for (size_t n = 0; n < inside(s)->elements->node_count; n++)
@@ -197,7 +197,7 @@ static void check_moved(bool direct_level)
     const rsv_light_move moves[] = { { "lamp", offset }, { "bulb", offset } };
     const rsv_relight_desc desc = { .move = moves, .move_count = 2 };
     world *w = yard(v3(0, 0, 0)), *other = yard(offset);
-    rsv_solution *relit = solve(w, direct_level), *fresh = solve(other, direct_level);
+    rsv_light *relit = solve(w, direct_level), *fresh = solve(other, direct_level);
     relight(relit, &desc);
     size_t nodes = inside(fresh)->elements->node_count;
     assert_int_equal(inside(relit)->elements->node_count, nodes);
@@ -206,8 +206,8 @@ static void check_moved(bool direct_level)
     assert_true(largest_difference(seen, wanted, nodes) < 1e-4);
     free(seen);
     free(wanted);
-    rsv_solution_destroy(relit);
-    rsv_solution_destroy(fresh);
+    rsv_light_destroy(relit);
+    rsv_light_destroy(fresh);
     world_end(w);
     world_end(other);
 }
@@ -219,15 +219,15 @@ static void moved_lights_are_those_of_a_fresh_solve(void **state)
     check_moved(true);
 }
 
-static rsv_light spark(void)
+static rsv_punctual_light spark(void)
 {
-    return (rsv_light){ .name = "spark",
-        .kind = RSV_LIGHT_POINT,
+    return (rsv_punctual_light){ .name = "spark",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = { 0.5f, 1.2f, 1.1f },
         .intensity = { 3, 1, 1 } };
 }
 
-static void begin_relighting(rsv_solution *s, rsv_relighter **r)
+static void begin_relighting(rsv_light *s, rsv_relighter **r)
 {
     if (rsv_relighter_create(s, r) != RSV_OK) fail_msg("%s", rsv_last_error());
 }
@@ -255,7 +255,7 @@ static void only_the_last_change_counts(void **state)
     };
     const rsv_relight_desc third = { 0 };
     world *w = yard(v3(0, 0, 0)), *other = yard(v3(0, 0, 0));
-    rsv_solution *s = solve(w, true), *once = solve(other, true);
+    rsv_light *s = solve(w, true), *once = solve(other, true);
     size_t nodes = inside(s)->elements->node_count, fine = inside(s)->fine.elements->node_count;
     rsv_rgb *began = malloc(nodes * sizeof *began);
     memcpy(began, inside(s)->irradiance, nodes * sizeof *began);
@@ -276,8 +276,8 @@ static void only_the_last_change_counts(void **state)
         largest_difference(inside(s)->irradiance, began, nodes) < 0.05); // sampled anew, by itself
     rsv_relighter_destroy(r);
     free(began);
-    rsv_solution_destroy(s);
-    rsv_solution_destroy(once);
+    rsv_light_destroy(s);
+    rsv_light_destroy(once);
     world_end(w);
     world_end(other);
 }
@@ -285,34 +285,34 @@ static void only_the_last_change_counts(void **state)
 // ---- lights on the move ----------------------------------------------------------------------------
 
 /// Direct light of the yard with lamp and bulb elsewhere, as long as they move. @param rest out: once they rest
-static rsv_rgb *glance_at_yard(int threads, bool globe, size_t *count, rsv_rgb **rest)
+static rsv_rgb *preview_at_yard(int threads, bool globe, size_t *count, rsv_rgb **rest)
 {
     const rsv_vec3 offset = { -0.7f, 0.4f, 0.5f };
     const rsv_light_move moves[] = { { "lamp", offset }, { "bulb", offset } };
     world *w = yard_on(threads, globe, v3(0, 0, 0));
-    rsv_solution *s = solve(w, true);
+    rsv_light *s = solve(w, true);
     rsv_relighter *r;
     begin_relighting(s, &r);
     change(r, &(rsv_relight_desc){ .move = moves, .move_count = 2 });
     size_t bytes = (*count = inside(s)->fine.elements->node_count) * sizeof **rest;
-    rsv_rgb *glance = memcpy(malloc(bytes), inside(s)->fine.direct, bytes);
+    rsv_rgb *preview = memcpy(malloc(bytes), inside(s)->fine.direct, bytes);
     assert_true(rsv_relighter_rays(r) > 0);
     assert_int_equal(rsv_relighter_settle(r), RSV_OK);
     *rest = memcpy(malloc(bytes), inside(s)->fine.direct, bytes);
     rsv_relighter_destroy(r);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
-    return glance;
+    return preview;
 }
 
 /// @param rms, bias of what is seen on the move, relative @return share of nodes where nothing is off
 static double compare_at_yard(bool globe, double *rms, double *bias)
 {
     size_t count, same = 0;
-    rsv_rgb *rest, *glance = glance_at_yard(2, globe, &count, &rest);
+    rsv_rgb *rest, *preview = preview_at_yard(2, globe, &count, &rest);
     double square = 0, size = 0, sum = 0;
     for (size_t n = 0; n < count; n++) {
-        double seen = rgb_luminance(glance[n]), wanted = rgb_luminance(rest[n]);
+        double seen = rgb_luminance(preview[n]), wanted = rgb_luminance(rest[n]);
         square += (seen - wanted) * (seen - wanted);
         size += wanted * wanted;
         sum += seen - wanted;
@@ -320,7 +320,7 @@ static double compare_at_yard(bool globe, double *rms, double *bias)
     }
     *rms = sqrt(square / size);
     *bias = sum / sqrt(size * (double)count);
-    free(glance), free(rest);
+    free(preview), free(rest);
     return (double)same / (double)count;
 }
 
@@ -340,10 +340,10 @@ static void lights_on_the_move_are_the_same_bytes_for_any_thread_count(void **st
 {
     (void)state;
     size_t count;
-    rsv_rgb *rest, *one = glance_at_yard(1, false, &count, &rest);
+    rsv_rgb *rest, *one = preview_at_yard(1, false, &count, &rest);
     free(rest);
     for (int threads = 2; threads <= 3; threads++) {
-        rsv_rgb *more = glance_at_yard(threads, false, &count, &rest);
+        rsv_rgb *more = preview_at_yard(threads, false, &count, &rest);
         assert_memory_equal(one, more, count * sizeof *one);
         free(more), free(rest);
     }
@@ -356,9 +356,9 @@ static rsv_vec3 random_place(rsv_random *random, float size)
     return v3(size * (x - 0.5f), size * (y - 0.5f), size * (rsv_random_float(random) - 0.5f));
 }
 
-static rsv_glance_polygon random_polygon(rsv_random *random, rsv_vec3 corner[3])
+static rsv_preview_polygon random_polygon(rsv_random *random, rsv_vec3 corner[3])
 {
-    rsv_glance_polygon p = { .double_sided = rsv_random_float(random) < 0.5f };
+    rsv_preview_polygon p = { .double_sided = rsv_random_float(random) < 0.5f };
     for (int i = 0; i < 3; i++) {
         corner[i] = random_place(random, 2);
         p.x[i] = corner[i].x, p.y[i] = corner[i].y, p.z[i] = corner[i].z;
@@ -384,7 +384,7 @@ static void receivers_at_an_edge_get_no_more_than_there_is(void **state)
 {
     (void)state;
     rsv_random random = rsv_random_from(11, 0, 0);
-    const rsv_glance_polygon p = { .x = { 0, 1, 0 }, .y = { 0, 0, 1 }, .normal_z = 1 };
+    const rsv_preview_polygon p = { .x = { 0, 1, 0 }, .y = { 0, 0, 1 }, .normal_z = 1 };
     for (int round = 0; round < 2000; round++) {
         rsv_receiver_block b = random_block(&random);
         for (int k = 0; k < RSV_PACKET_WIDTH; k++) {
@@ -393,7 +393,7 @@ static void receivers_at_an_edge_get_no_more_than_there_is(void **state)
             b.y[k] = aside.y, b.z[k] = fabsf(aside.z);
         }
         _Alignas(64) float value[RSV_PACKET_WIDTH];
-        rsv_glance_kernels_best()->irradiance(&b, &p, value);
+        rsv_preview_kernels_best()->irradiance(&b, &p, value);
         for (int k = 0; k < RSV_PACKET_WIDTH; k++)
             assert_true(value[k] >= 0 && value[k] <= 1.01f * RSV_PI);
     }
@@ -406,11 +406,11 @@ static void sixteen_receivers_see_what_one_does(void **state)
     rsv_random random = rsv_random_from(7, 0, 0);
     for (int round = 0; round < 500; round++) {
         rsv_vec3 corner[3];
-        rsv_glance_polygon p = random_polygon(&random, corner);
+        rsv_preview_polygon p = random_polygon(&random, corner);
         rsv_receiver_block b = random_block(&random);
         _Alignas(64) float value[RSV_PACKET_WIDTH], narrow[RSV_PACKET_WIDTH];
-        rsv_glance_kernels_best()->irradiance(&b, &p, value);
-        rsv_glance_kernels_portable.irradiance(&b, &p, narrow);
+        rsv_preview_kernels_best()->irradiance(&b, &p, value);
+        rsv_preview_kernels_portable.irradiance(&b, &p, narrow);
         assert_memory_equal(value, narrow, sizeof value);
         for (int k = 0; k < RSV_PACKET_WIDTH; k++) {
             rsv_vec3 at = v3(b.x[k], b.y[k], b.z[k]);
@@ -434,12 +434,12 @@ static void added_lights_are_those_of_a_fresh_solve(void **state)
     const rsv_relight_desc desc = {
         .light = &twice, .light_count = 1, .move = &lift, .move_count = 1
     };
-    rsv_light light = spark(), there = spark();
+    rsv_punctual_light light = spark(), there = spark();
     there.intensity = rgb_scale(light.intensity, 2);
     there.position.y += 0.3f;
     world *w = yard(v3(0, 0, 0)), *other = yard(v3(0, 0, 0));
     assert_int_equal(rsv_scene_append_light(own_scene(other), &there), RSV_OK);
-    rsv_solution *s = solve(w, true), *fresh = solve(other, true);
+    rsv_light *s = solve(w, true), *fresh = solve(other, true);
     rsv_relighter *r;
     begin_relighting(s, &r);
     size_t sources = rsv_relighter_source_count(r);
@@ -456,8 +456,8 @@ static void added_lights_are_those_of_a_fresh_solve(void **state)
     free(seen);
     free(wanted);
     rsv_relighter_destroy(r);
-    rsv_solution_destroy(s);
-    rsv_solution_destroy(fresh);
+    rsv_light_destroy(s);
+    rsv_light_destroy(fresh);
     world_end(w);
     world_end(other);
 }
@@ -469,7 +469,7 @@ static void steps_lead_to_the_solution(void **state)
     const rsv_light_scale scales[] = { { "light", { 0.1f, 2, 2 } }, { "bulb", { 9, 9, 9 } } };
     const rsv_relight_desc desc = { .light = scales, .light_count = 2 };
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, true);
+    rsv_light *s = solve(w, true);
     size_t nodes = inside(s)->elements->node_count;
     rsv_rgb *stepped = malloc(nodes * sizeof *stepped);
     rsv_relighter *r;
@@ -492,12 +492,12 @@ static void steps_lead_to_the_solution(void **state)
     assert_true(largest_difference(stepped, inside(s)->irradiance, nodes) < 1e-3 / (1 - 0.73));
     rsv_relighter_destroy(r);
     free(stepped);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
 /// Changes strengths of a prepared relighter and compares what it shows at once with what it shows at rest.
-static void check_at_once(rsv_relighter *r, rsv_solution *s, const rsv_relight_desc *desc)
+static void check_at_once(rsv_relighter *r, rsv_light *s, const rsv_relight_desc *desc)
 {
     size_t nodes = inside(s)->elements->node_count;
     rsv_rgb *once = malloc(nodes * sizeof *once), *shown = malloc(nodes * sizeof *shown);
@@ -531,7 +531,7 @@ static void prepared_strengths_are_right_at_once(void **state)
     const rsv_albedo_change dark = { "lambert", { 0.1f, 0.5f, 0.1f } };
     rsv_relight_desc later = { .move = &move, .move_count = 1, .albedo = &dark, .albedo_count = 1 };
     world *w = yard(v3(0, 0, 0));
-    rsv_solution *s = solve(w, true);
+    rsv_light *s = solve(w, true);
     size_t nodes = inside(s)->elements->node_count;
     rsv_rgb *began = malloc(nodes * sizeof *began);
     memcpy(began, inside(s)->irradiance, nodes * sizeof *began);
@@ -549,7 +549,7 @@ static void prepared_strengths_are_right_at_once(void **state)
     check_at_once(r, s, &later);
     rsv_relighter_destroy(r);
     free(began);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -557,19 +557,19 @@ static void what_cannot_move_is_refused(void **state)
 {
     (void)state;
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, false);
+    rsv_light *s = solve(w, false);
     const rsv_light_move moon = { "moon", { 0, 1, 0 } }, far = { "bulb", { NAN, 0, 0 } };
     check_refused(
         s, &(rsv_relight_desc){ .move = &moon, .move_count = 1 }, "'moon'", "'bulb', 'torch'");
     check_refused(s, &(rsv_relight_desc){ .move = &far, .move_count = 1 }, "'bulb'", "moved by");
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
 // ---- lights side by side --------------------------------------------------------------------------
 
 /// Largest difference of two lights, E and what lookups read, of one operator.
-static double difference_of(const rsv_solution *a, const rsv_solution *b)
+static double difference_of(const rsv_light *a, const rsv_light *b)
 {
     size_t nodes = inside(a)->elements->node_count;
     return fmax(largest_difference(inside(a)->irradiance, inside(b)->irradiance, nodes),
@@ -591,9 +591,9 @@ static void lights_of_one_operator_leave_each_other_alone(void **state)
                                .light = &off, .light_count = 1, .move = &move, .move_count = 1
                            };
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *home = solve(w, true), *a, *b, *alone = solve(w, true);
-    assert_int_equal(rsv_solution_copy(home, &a), RSV_OK);
-    assert_int_equal(rsv_solution_copy(home, &b), RSV_OK);
+    rsv_light *home = solve(w, true), *a, *b, *alone = solve(w, true);
+    assert_int_equal(rsv_light_copy(home, &a), RSV_OK);
+    assert_int_equal(rsv_light_copy(home, &b), RSV_OK);
     assert_ptr_equal(inside(a)->transport, inside(b)->transport);
     relight(a, &first);
     relight(b, &second);
@@ -601,12 +601,12 @@ static void lights_of_one_operator_leave_each_other_alone(void **state)
     assert_true(difference_of(a, alone) == 0);
     assert_true(difference_of(home, a) > 0.1 && difference_of(a, b) > 0.1);
     relight(b, &(rsv_relight_desc){ 0 }); // as it was when this began: still off and moved
-    rsv_solution_destroy(home);
+    rsv_light_destroy(home);
     assert_true(difference_of(a, alone) == 0);
-    rsv_solution_destroy(alone);
-    rsv_solution_destroy(a);
+    rsv_light_destroy(alone);
+    rsv_light_destroy(a);
     assert_true(inside(b)->irradiance[0].r >= 0);
-    rsv_solution_destroy(b);
+    rsv_light_destroy(b);
     world_end(w);
 }
 
@@ -617,9 +617,9 @@ static void copies_of_a_moved_light_move_on_alone(void **state)
     const rsv_light_move there = { "light", { 0.05f, -0.1f, 0 } },
                          on = { "light", { 0, -0.1f, 0.05f } };
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, true), *copy;
+    rsv_light *s = solve(w, true), *copy;
     relight(s, &(rsv_relight_desc){ .move = &there, .move_count = 1 });
-    assert_int_equal(rsv_solution_copy(s, &copy), RSV_OK);
+    assert_int_equal(rsv_light_copy(s, &copy), RSV_OK);
     assert_true(difference_of(s, copy) == 0);
     rsv_vec3 *before = malloc(inside(s)->scene.view->vertex_count * sizeof *before);
     memcpy(before, inside(s)->scene.view->position,
@@ -629,9 +629,9 @@ static void copies_of_a_moved_light_move_on_alone(void **state)
         inside(s)->scene.view->vertex_count * sizeof *before);
     assert_true(difference_of(s, copy) > 0.001);
     free(before);
-    rsv_solution_destroy(s);
-    assert_non_null(rsv_solution_scene(copy));
-    rsv_solution_destroy(copy);
+    rsv_light_destroy(s);
+    assert_non_null(rsv_light_scene(copy));
+    rsv_light_destroy(copy);
     world_end(w);
 }
 
@@ -640,16 +640,16 @@ static void the_operator_solves_for_its_light(void **state)
 {
     (void)state;
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, true);
-    rsv_operator *op = rsv_operator_retain(rsv_solution_operator(s));
+    rsv_light *s = solve(w, true);
+    rsv_operator *op = rsv_operator_retain(rsv_light_operator(s));
     size_t count = rsv_operator_element_count(op);
     rsv_rgb *residual = calloc(count, sizeof *residual), *source = calloc(count, sizeof *source);
     rsv_rgb *field = calloc(count, sizeof *field), *image = calloc(count, sizeof *image);
     double norm;
-    memcpy(source, rsv_solution_source_field(s), count * sizeof *source);
-    memcpy(field, rsv_solution_irradiance_field(s), count * sizeof *field);
-    double most = rsv_solution_report(s)->residual_inf;
-    rsv_solution_destroy(s);
+    memcpy(source, rsv_light_source_field(s), count * sizeof *source);
+    memcpy(field, rsv_light_irradiance_field(s), count * sizeof *field);
+    double most = rsv_light_report(s)->residual_inf;
+    rsv_light_destroy(s);
     assert_int_equal(rsv_operator_norm(op, &norm), RSV_OK);
     assert_true(norm > 0.3 && norm < 1);
     assert_int_equal(rsv_operator_apply(op, field, image), RSV_OK);
@@ -670,8 +670,8 @@ static void the_transposed_operator_is_the_adjoint(void **state)
 {
     (void)state;
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, false);
-    rsv_operator *op = rsv_solution_operator(s);
+    rsv_light *s = solve(w, false);
+    rsv_operator *op = rsv_light_operator(s);
     size_t count = rsv_operator_element_count(op);
     rsv_rgb *x = calloc(count, sizeof *x), *y = calloc(count, sizeof *y);
     rsv_rgb *ax = calloc(count, sizeof *ax), *ay = calloc(count, sizeof *ay);
@@ -689,7 +689,7 @@ static void the_transposed_operator_is_the_adjoint(void **state)
     }
     assert_close(left, right, 1e-4 * right);
     free(x), free(y), free(ax), free(ay);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -702,7 +702,7 @@ static rsv_rgb *copy_of(const rsv_rgb *field, size_t count)
     return copy;
 }
 
-static const rsv_light_part *part_named(const rsv_solution *s, const char *name)
+static const rsv_light_part *part_named(const rsv_light *s, const char *name)
 {
     const rsv_light_basis *b = inside(s)->basis;
     for (size_t k = 0; b && k < b->source_count; k++)
@@ -714,7 +714,7 @@ static void moving_one_light_leaves_the_parts_of_others_alone(void **state)
 {
     (void)state;
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, true);
+    rsv_light *s = solve(w, true);
     size_t nodes = inside(s)->elements->node_count;
     const rsv_light_move nudge = { "bulb", { 1e-6f, 0, 0 } };
     relight(s, &(rsv_relight_desc){ .move = &nudge, .move_count = 1 });
@@ -727,7 +727,7 @@ static void moving_one_light_leaves_the_parts_of_others_alone(void **state)
         assert_memory_equal(torch, part_named(s, "torch")->direct, nodes * sizeof *torch);
     }
     free(lamp), free(torch);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -736,7 +736,7 @@ static void going_back_ends_where_it_began(void **state)
 {
     (void)state;
     world *w = lit_box((float[]){ 1, 1, 1 });
-    rsv_solution *s = solve(w, true);
+    rsv_light *s = solve(w, true);
     size_t nodes = inside(s)->elements->node_count, fine = inside(s)->fine.elements->node_count;
     rsv_rgb *light = copy_of(inside(s)->irradiance, nodes);
     rsv_rgb *first = copy_of(inside(s)->source, nodes);
@@ -763,18 +763,18 @@ static void going_back_ends_where_it_began(void **state)
     }
     free(light), free(direct), free(first);
     rsv_relighter_destroy(r);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
 /// A closed box of one diffuse material around a bulb.
-static rsv_solution *closed_box(world **w)
+static rsv_light *closed_box(world **w)
 {
     *w = world_begin(2);
     uint32_t white = world_lambert(*w, 0.5f, 0);
     world_room(*w, white, v3(0, 0, 0), v3(1, 1, 1));
-    rsv_light bulb = { .name = "bulb",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light bulb = { .name = "bulb",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = { 0.5f, 0.5f, 0.5f },
         .intensity = { 1, 1, 1 } };
     assert_int_equal(rsv_scene_add_light((*w)->scene, &bulb), RSV_OK);
@@ -786,7 +786,7 @@ static void walls_that_absorb_nothing_are_refused_and_change_nothing(void **stat
 {
     (void)state;
     world *w;
-    rsv_solution *s = closed_box(&w);
+    rsv_light *s = closed_box(&w);
     const char *name = rsv_scene_get_view(w->scene)->material[0].name;
     const rsv_albedo_change white = { name, { 1, 1, 1 } }, grey = { name, { 0.25f, 0.25f, 0.25f } };
     size_t nodes = inside(s)->elements->node_count;
@@ -803,7 +803,7 @@ static void walls_that_absorb_nothing_are_refused_and_change_nothing(void **stat
     assert_true(inside(s)->irradiance[0].g < light[0].g);
     free(light);
     rsv_relighter_destroy(r);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -817,11 +817,11 @@ static void a_lamp_as_large_as_a_wall_cannot_be_moved(void **state)
     world_quad(w, lamp, v3(0.3f, 0.98f, 0.3f), v3(0.7f, 0.98f, 0.3f), v3(0.7f, 0.98f, 0.7f),
         v3(0.3f, 0.98f, 0.7f));
     world_commit(w);
-    rsv_solution *s = solve(w, false);
+    rsv_light *s = solve(w, false);
     const char *name = rsv_scene_get_view(w->scene)->material[lamp].name;
     const rsv_light_move move = { name, { 0, -0.1f, 0 } };
     check_refused(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 }, name, "solve anew");
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 

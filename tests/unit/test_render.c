@@ -1,19 +1,19 @@
-/// Pictures from a solution: layers, the two modes against each other, cameras and their chains.
+/// Pictures from a solution: layers, the two modes against each other, cameras and their specular paths.
 #include "resolvent/render.h"
 
 #include "light_fixture.h"
-#include "render/camera_chain.h"
+#include "render/camera_path.h"
 #include "slow_tests.h"
-#include "solve/solution.h"
+#include "solve/light.h"
 
-static rsv_solution *solve(const world *w, uint32_t elements, uint32_t rays)
+static rsv_light *solve(const world *w, uint32_t elements, uint32_t rays)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = elements;
     desc.rays_per_element = rays;
     desc.photon_count = 20000;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -28,7 +28,7 @@ static rsv_render_desc picture_desc(rsv_render_mode mode, uint32_t size, uint32_
     return desc;
 }
 
-static rsv_image *render(const rsv_solution *solution, const rsv_render_desc *desc)
+static rsv_image *render(const rsv_light *solution, const rsv_render_desc *desc)
 {
     rsv_image *image;
     rsv_status status = rsv_render(solution, desc, &image);
@@ -55,7 +55,7 @@ static double mean_of(const rsv_image *image, uint32_t layer)
 static void check_layers(rsv_render_mode mode, uint32_t gather_rays)
 {
     world *w = world_builtin(2, "cornell-spheres");
-    rsv_solution *s = solve(w, 400, 64);
+    rsv_light *s = solve(w, 400, 64);
     rsv_render_desc desc = picture_desc(mode, 24, 4);
     desc.gather_rays = gather_rays;
     desc.noise = 0.05f;
@@ -78,7 +78,7 @@ static void check_layers(rsv_render_mode mode, uint32_t gather_rays)
         assert_true(mean_of(image, layer) > 0);
     rsv_image_destroy(plain);
     rsv_image_destroy(image);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -94,7 +94,7 @@ static void operator_and_final_agree_in_the_mean(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
-    rsv_solution *s = solve(w, 1500, 128);
+    rsv_light *s = solve(w, 1500, 128);
     rsv_render_desc desc = picture_desc(RSV_RENDER_OPERATOR, 48, 9);
     rsv_image *image = render(s, &desc);
     double operator_mean = mean_of(image, 0);
@@ -107,7 +107,7 @@ static void operator_and_final_agree_in_the_mean(void **state)
     image = render(s, &desc);
     assert_close(mean_of(image, 0), operator_mean, 0.01 * operator_mean);
     rsv_image_destroy(image);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -115,7 +115,7 @@ static void noisy_pixels_get_more_rays_and_no_bias(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-spheres");
-    rsv_solution *s = solve(w, 400, 64);
+    rsv_light *s = solve(w, 400, 64);
     rsv_render_desc desc = picture_desc(RSV_RENDER_FINAL, 24, 16);
     rsv_image *even = render(s, &desc);
     desc.noise = 0.02f;
@@ -132,7 +132,7 @@ static void noisy_pixels_get_more_rays_and_no_bias(void **state)
     rsv_image_destroy(even);
     rsv_image_destroy(planned);
     rsv_image_destroy(truth);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -142,7 +142,7 @@ static void further_shadow_rays_do_not_change_the_light(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
-    rsv_solution *s = solve(w, 400, 64);
+    rsv_light *s = solve(w, 400, 64);
     rsv_render_desc desc = picture_desc(RSV_RENDER_FINAL, 24, 1024);
     desc.layers = true;
     rsv_image *truth = render(s, &desc);
@@ -158,14 +158,14 @@ static void further_shadow_rays_do_not_change_the_light(void **state)
     // standard error 3e-4; were pixels to ask their own samples, they would be 1.7e-3 too bright
     assert_close(mean, expected, 1e-3 * expected);
     rsv_image_destroy(truth);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
 static uint64_t hash_of_picture_with(int threads, uint32_t gather_rays)
 {
     world *w = world_builtin(threads, "cornell-spheres");
-    rsv_solution *s = solve(w, 200, 64);
+    rsv_light *s = solve(w, 200, 64);
     rsv_render_desc desc = picture_desc(RSV_RENDER_FINAL, 20, 3);
     desc.gather_rays = gather_rays;
     desc.layers = true;
@@ -176,7 +176,7 @@ static uint64_t hash_of_picture_with(int threads, uint32_t gather_rays)
         hash = hash_bytes(
             hash, rsv_image_const_pixels(image, layer), pixel_count(image) * sizeof(rsv_rgb));
     rsv_image_destroy(image);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     return hash;
 }
@@ -205,7 +205,7 @@ static void an_orthographic_camera_keeps_sizes(void **state)
         camera.vertical_extent = 1;
         assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
         world_commit(w);
-        rsv_solution *s = solve(w, 16, 64);
+        rsv_light *s = solve(w, 16, 64);
         rsv_render_desc desc = picture_desc(RSV_RENDER_OPERATOR, 32, 1);
         rsv_image *image = render(s, &desc);
         const rsv_rgb *pixel = rsv_image_const_pixels(image, 0);
@@ -215,7 +215,7 @@ static void an_orthographic_camera_keeps_sizes(void **state)
                 assert_close(pixel[32 * y + x].g, inside ? 2 : 0, 1e-6);
             }
         rsv_image_destroy(image);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
 }
@@ -231,10 +231,10 @@ static rsv_image *picture_of_furnace_with(
     rsv_camera camera = rsv_camera_look_at("inside", v3(0.1f, 0.2f, 0.95f), v3(0, 0, 0), 1, 1);
     assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
     world_commit(w);
-    rsv_solution *s = solve(w, 150, 64);
+    rsv_light *s = solve(w, 150, 64);
     rsv_render_desc desc = picture_desc(RSV_RENDER_OPERATOR, 32, samples);
     rsv_image *image = render(s, &desc);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     return image;
 }
 
@@ -271,9 +271,9 @@ static void a_thin_sheet_of_glass_in_a_furnace_is_invisible(void **state)
     world_end(w);
 }
 
-static void add_weight(void *user, const rsv_chain *chain, rsv_rgb weight)
+static void add_weight(void *user, const rsv_specular_path *path, rsv_rgb weight)
 {
-    (void)chain;
+    (void)path;
     *(double *)user += weight.g;
 }
 
@@ -294,10 +294,10 @@ static void branches_of_a_camera_ray_carry_all_its_weight(void **state)
         rsv_ray ray = { v3(x - 0.5f, y - 0.5f, 0.99f), v3(0, 0, -1), INFINITY };
         rsv_hit hit;
         assert_true(rsv_tracer_closest(w->tracer, &ray, &hit));
-        rsv_chain chain =
-            rsv_chain_begin(&w->transport, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
+        rsv_specular_path path = rsv_specular_begin(
+            &w->transport, NULL, ray.direction, hit.triangle, hit.u, hit.v, hit.t);
         const rsv_camera_setting setting = { &w->transport, w->lights, NULL, 64, false };
-        rsv_rgb emission = rsv_camera_chain(&setting, chain, k, NULL, add_weight, &sum);
+        rsv_rgb emission = rsv_camera_path(&setting, path, k, NULL, add_weight, &sum);
         assert_true(rgb_is_black(emission));
     }
     assert_close(sum / count, 1, 3e-3);
@@ -315,7 +315,7 @@ static void unlit_surfaces_show_their_colour(void **state)
     rsv_camera camera = rsv_camera_look_at("front", v3(0, 0, 1), v3(0, 0, 0), 1, 1);
     assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
     world_commit(w);
-    rsv_solution *s = solve(w, 16, 64);
+    rsv_light *s = solve(w, 16, 64);
     rsv_render_desc desc = picture_desc(RSV_RENDER_FINAL, 4, 1);
     rsv_image *image = render(s, &desc);
     rsv_rgb pixel = rsv_image_const_pixels(image, 0)[5];
@@ -323,7 +323,7 @@ static void unlit_surfaces_show_their_colour(void **state)
     assert_close(pixel.g, 0.4, 1e-6);
     assert_close(pixel.b, 0.6, 1e-6);
     rsv_image_destroy(image);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -333,7 +333,7 @@ static void bad_descriptors_are_refused(void **state)
 {
     (void)state;
     world *w = world_builtin(1, "furnace");
-    rsv_solution *s = solve(w, 30, 64);
+    rsv_light *s = solve(w, 30, 64);
     const rsv_render_desc good = picture_desc(RSV_RENDER_OPERATOR, 8, 1);
     rsv_render_desc bad[8] = { good, good, good, good, good, good, good, good };
     bad[0].width = 0;
@@ -350,7 +350,7 @@ static void bad_descriptors_are_refused(void **state)
         assert_null(image);
         assert_non_null(strstr(rsv_last_error(), "render:"));
     }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -358,7 +358,7 @@ static void memory_that_runs_out_is_an_error_and_nothing_leaks(void **state)
 {
     (void)state;
     world *w = world_builtin(1, "cornell-blocks");
-    rsv_solution *s = solve(w, 50, 64);
+    rsv_light *s = solve(w, 50, 64);
     rsv_render_desc desc = picture_desc(RSV_RENDER_FINAL, 12, 2);
     desc.layers = true;
     for (int once = 0; once < 2; once++) {
@@ -378,7 +378,7 @@ static void memory_that_runs_out_is_an_error_and_nothing_leaks(void **state)
         }
         assert_true(allocations > 10);
     }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -397,13 +397,13 @@ static void probes_see_lights_by_way_of_rough_metal(void **state)
     world_room(w, world_material(w, coated), v3(-1, -1, -1), v3(1, 1, 1));
     world_quad(w, world_material(w, metal), v3(-1, -0.9f, 1), v3(1, -0.9f, 1), v3(1, -0.9f, -1),
         v3(-1, -0.9f, -1));
-    const rsv_light lamp = { .name = "lamp",
-        .kind = RSV_LIGHT_POINT,
+    const rsv_punctual_light lamp = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = { 0.2f, 0.3f, 0.1f },
         .intensity = { 3, 3, 3 } };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
     world_commit(w);
-    rsv_solution *s = solve(w, 1000, 256);
+    rsv_light *s = solve(w, 1000, 256);
     const rsv_probe probe[] = { { { 0, 0, 0 }, { 0, -1, 0 } },
         { { 0.9f, 0.9f, 0 }, { -0.7f, -0.7f, 0 } }, { { -1, 0.2f, 0.1f }, { 1, 0, 0 } } };
     enum { COUNT = sizeof probe / sizeof *probe };
@@ -417,7 +417,7 @@ static void probes_see_lights_by_way_of_rough_metal(void **state)
         assert_close((double)found[k].irradiance.g, (double)expected[k].irradiance.g,
             4 * error + 0.01 * (double)expected[k].irradiance.g);
     }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 

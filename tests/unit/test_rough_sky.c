@@ -67,7 +67,7 @@ static double reflected(const rsv_bsdf *bsdf)
 }
 
 /// Mean and variance over the picture of what rough lobes alone show. @param aimed whether they look for the sky
-static void measure(const rsv_solution *solution, bool aimed, double *mean, double *variance)
+static void measure(const rsv_light *solution, bool aimed, double *mean, double *variance)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     rsv_image *image;
@@ -95,8 +95,8 @@ static void check(float roughness, double gain)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.rays_per_element = 1024;
     desc.element_target = 1000;
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
     double mean[2], variance[2], expected = reflected(&w->bsdf[1]);
     for (int aimed = 0; aimed < 2; aimed++)
         measure(solution, aimed, &mean[aimed], &variance[aimed]);
@@ -106,7 +106,7 @@ static void check(float roughness, double gain)
     assert_true(error < 0.01 * expected);
     assert_close(mean[1], expected, 3 * error + 1e-3 * expected);
     assert_true(variance[0] > gain * variance[1]);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 
@@ -131,12 +131,11 @@ static void aims_have_the_density_that_they_say(void **state)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.rays_per_element = 1024;
     desc.element_target = 1000;
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_sky_visibility *visibility;
     rsv_sky_aim aim;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &solution), RSV_OK);
-    assert_int_equal(
-        rsv_sky_visibility_create(rsv_solution_get_view(solution), &visibility), RSV_OK);
+    assert_int_equal(rsv_light_create(w->scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_sky_visibility_create(rsv_light_get_view(solution), &visibility), RSV_OK);
     const rsv_vec3 up = v3(0, 1, 0), wo = v3_normalize(v3_sub(eye, spot));
     rsv_sky_aim_at(visibility, &visibility->visible[0], &w->bsdf[1], wo, up, &aim);
     assert_true(aim.count > 0);
@@ -155,7 +154,7 @@ static void aims_have_the_density_that_they_say(void **state)
     assert_close(whole, 1, 5e-3);
     assert_close(drawn, covered, 5e-3 * covered);
     rsv_sky_visibility_destroy(visibility);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     world_end(w);
 }
 

@@ -20,7 +20,7 @@ static int write_operator(void **state)
 {
     solved_file *f = calloc(1, sizeof *f);
     rsv_scene *scene;
-    rsv_solution *s;
+    rsv_light *s;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 300;
     desc.rays_per_element = 64;
@@ -32,9 +32,9 @@ static int write_operator(void **state)
     snprintf(f->path, sizeof f->path, "%s", path_in(&f->place, "gallery.safetensors"));
     assert_int_equal(rsv_context_create(NULL, &f->context), RSV_OK);
     assert_int_equal(rsv_scene_builtin(f->context, "gallery:2", &scene), RSV_OK);
-    if (rsv_solution_create(scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
-    assert_int_equal(rsv_solution_save(s, "gallery:2", f->path), RSV_OK);
-    rsv_solution_destroy(s);
+    if (rsv_light_create(scene, &desc, &s) != RSV_OK) fail_msg("%s", rsv_last_error());
+    assert_int_equal(rsv_light_save(s, "gallery:2", f->path), RSV_OK);
+    rsv_light_destroy(s);
     rsv_scene_destroy(scene);
     *state = f;
     return 0;
@@ -63,7 +63,7 @@ static void choose_scales(const rsv_rt_file *file, uint32_t count, float (*scale
 
 /// The library's answer.
 static void relight(const solved_file *f, const rsv_rt_file *file, uint32_t count,
-    float (*scale)[3], rsv_scene **scene, rsv_solution **s)
+    float (*scale)[3], rsv_scene **scene, rsv_light **s)
 {
     rsv_light_scale light[64];
     uint32_t named = 0;
@@ -71,8 +71,8 @@ static void relight(const solved_file *f, const rsv_rt_file *file, uint32_t coun
         light[named++] = (rsv_light_scale){ rsv_rt_file_light(file, l),
             { scale[l][0], scale[l][1], scale[l][2] } };
     const rsv_relight_desc desc = { .light = light, .light_count = named };
-    assert_int_equal(rsv_solution_load(f->context, f->path, scene, s), RSV_OK);
-    if (rsv_solution_relight(*s, &desc) != RSV_OK) fail_msg("%s", rsv_last_error());
+    assert_int_equal(rsv_light_load(f->context, f->path, scene, s), RSV_OK);
+    if (rsv_light_relight(*s, &desc) != RSV_OK) fail_msg("%s", rsv_last_error());
 }
 
 static double largest_difference(const float *a, const rsv_rgb *b, size_t count)
@@ -130,7 +130,7 @@ static void the_operator_route_is_relight(void **state)
 {
     engine e;
     rsv_scene *scene;
-    rsv_solution *s;
+    rsv_light *s;
     float scale[64][3];
     start(&e, ((solved_file *)*state)->path);
     assert_true(e.transport.hanging_count > 0 && e.direct.light_count > 2);
@@ -142,7 +142,7 @@ static void the_operator_route_is_relight(void **state)
     solve(&e);
     assert_true(largest_difference(
                     e.irradiance, inside(s)->irradiance, inside(s)->elements->node_count) < 1e-4);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     rsv_scene_destroy(scene);
     stop(&e);
 }
@@ -151,7 +151,7 @@ static void the_basis_route_is_relight(void **state)
 {
     engine e;
     rsv_scene *scene;
-    rsv_solution *s;
+    rsv_light *s;
     float scale[64][3];
     start(&e, ((solved_file *)*state)->path);
     uint32_t lights = e.direct.light_count, count = e.transport.element_count;
@@ -168,14 +168,14 @@ static void the_basis_route_is_relight(void **state)
     rsv_rt_relight(&basis, &scale[0][0], lights, 0, count, e.irradiance);
     assert_true(largest_difference(e.irradiance, inside(s)->irradiance, count) < 1e-4);
     free(value);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     rsv_scene_destroy(scene);
     stop(&e);
 }
 
 // ---- receivers ------------------------------------------------------------------------------------
 
-typedef rsv_status (*bake_function)(const rsv_solution *solution, const char *output,
+typedef rsv_status (*bake_function)(const rsv_light *solution, const char *output,
     const rsv_bake_desc *desc, rsv_bake_report *report);
 
 /// A box with its lamp, with a basis and an operator beside it. Direct light lies on the elements of the rows.
@@ -185,7 +185,7 @@ static void bake_box(const solved_file *f, bake_function bake)
     snprintf(input, sizeof input, "%s", path_in(&f->place, "box.glb"));
     snprintf(output, sizeof output, "%s", path_in(&f->place, "lit.glb"));
     rsv_scene *scene;
-    rsv_solution *s;
+    rsv_light *s;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 600;
     desc.direct_level = false;
@@ -199,9 +199,9 @@ static void bake_box(const solved_file *f, bake_function bake)
     assert_int_equal(rsv_scene_save(scene, input), RSV_OK);
     rsv_scene_destroy(scene);
     assert_int_equal(rsv_scene_load(f->context, input, &scene), RSV_OK);
-    assert_int_equal(rsv_solution_create(scene, &desc, &s), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &desc, &s), RSV_OK);
     if (bake(s, output, &how, &report)) fail_msg("%s", rsv_last_error());
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     rsv_scene_destroy(scene);
 }
 

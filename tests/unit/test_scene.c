@@ -275,7 +275,9 @@ static void values_out_of_range_are_clamped_by_name(void **state)
 static void bad_lights_and_cameras_are_refused(void **state)
 {
     rsv_scene *scene = new_scene(*state);
-    rsv_light light = { .name = "lamp", .kind = RSV_LIGHT_SPOT, .direction = { 0, -1, 0 } };
+    rsv_punctual_light light = {
+        .name = "lamp", .kind = RSV_PUNCTUAL_SPOT, .direction = { 0, -1, 0 }
+    };
     light.inner_cone_angle = 1;
     light.outer_cone_angle = 0.5f;
     assert_int_equal(rsv_scene_add_light(scene, &light), RSV_ERROR_FORMAT);

@@ -35,8 +35,8 @@ static void send_all(FILE *to)
         .indices = index,
         .triangle_count = 1,
         .material = 0 };
-    const rsv_light light = { .name = "lamp",
-        .kind = RSV_LIGHT_POINT,
+    const rsv_punctual_light light = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = { 1, 2, 3 },
         .direction = { 0, -1, 0 },
         .intensity = { 4, 5, 6 } };

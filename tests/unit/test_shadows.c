@@ -1,11 +1,11 @@
 /// Shadow rays: past alpha-blended surfaces, and off coarse bodies with smooth normals.
 #include "resolvent/render.h"
 
-#include "light/punctual_light.h"
 #include "light_fixture.h"
 #include "render/pixel_direct.h"
 #include "slow_tests.h"
-#include "solve/solution.h"
+#include "solve/light.h"
+#include "sources/punctual_light.h"
 #include "surface/lift.h"
 #include "trace/passage.h"
 
@@ -13,11 +13,11 @@ enum { SUN, POINT, LAMP, SOURCES };
 
 static void add_source(world *w, int kind)
 {
-    rsv_light light = { .name = "light", .direction = v3(0.25f, -0.9f, 0.2f) };
+    rsv_punctual_light light = { .name = "light", .direction = v3(0.25f, -0.9f, 0.2f) };
     light.direction = v3_normalize(light.direction);
     light.position = v3(0.1f, 2.5f, -0.2f);
     light.intensity = rgb_gray(kind == SUN ? 3.0f : 20.0f);
-    light.kind = kind == SUN ? RSV_LIGHT_DIRECTIONAL : RSV_LIGHT_POINT;
+    light.kind = kind == SUN ? RSV_PUNCTUAL_DIRECTIONAL : RSV_PUNCTUAL_POINT;
     if (kind != LAMP) {
         assert_int_equal(rsv_scene_add_light(w->scene, &light), RSV_OK);
         return;
@@ -94,16 +94,16 @@ static void add_camera(world *w, float size)
     assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
 }
 
-static rsv_solution *solve(const world *w)
+static rsv_light *solve(const world *w)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
+    rsv_light *solution;
     desc.element_target = 600;
-    if (rsv_solution_create(w->scene, &desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());
+    if (rsv_light_create(w->scene, &desc, &solution) != RSV_OK) fail_msg("%s", rsv_last_error());
     return solution;
 }
 
-static rsv_image *picture(const rsv_solution *s, rsv_render_mode mode, uint32_t samples)
+static rsv_image *picture(const rsv_light *s, rsv_render_mode mode, uint32_t samples)
 {
     rsv_render_desc desc = rsv_default_render_desc();
     rsv_image *image;
@@ -113,7 +113,7 @@ static rsv_image *picture(const rsv_solution *s, rsv_render_mode mode, uint32_t 
     desc.noise = 0;
     rsv_status status =
         mode == RSV_RENDER_REFERENCE
-            ? rsv_render_reference(rsv_solution_get_view(s)->scene.scene, &desc, &image, NULL)
+            ? rsv_render_reference(rsv_light_get_view(s)->scene.scene, &desc, &image, NULL)
             : rsv_render(s, &desc, &image);
     if (status != RSV_OK) fail_msg("%s", rsv_last_error());
     return image;
@@ -189,7 +189,7 @@ static void blended_cards_shade_like_cut_out_ones(void **state)
     (void)state;
     for (int source = 0; source < SOURCES; source++) {
         world *blended = card_world(source, 0, 1), *cut = card_world(source, 0.5f, 1);
-        rsv_solution *a = solve(blended), *b = solve(cut);
+        rsv_light *a = solve(blended), *b = solve(cut);
         rsv_image *image = picture(a, RSV_RENDER_FINAL, 16),
                   *same = picture(b, RSV_RENDER_FINAL, 16);
         double error = relative_mse(same, image);
@@ -201,9 +201,9 @@ static void blended_cards_shade_like_cut_out_ones(void **state)
         if (error > 2e-3) fail_msg("source %d, operator: relative MSE %g", source, error);
         rsv_image_destroy(image);
         rsv_image_destroy(same);
-        assert_null(rsv_solution_get_view(a)->caustics.caustic); // nothing is left to photons
-        rsv_solution_destroy(a);
-        rsv_solution_destroy(b);
+        assert_null(rsv_light_get_view(a)->caustics.caustic); // nothing is left to photons
+        rsv_light_destroy(a);
+        rsv_light_destroy(b);
         world_end(blended);
         world_end(cut);
     }
@@ -224,18 +224,18 @@ static void curtains_dim_all_that_passes(void **state)
             v3(4, 0.2f, -4));
         world_quad(w, world_material(w, mirror_material(1)), v3(-1, 2, -1), v3(1, 2, -1),
             v3(1, 2, 1), v3(-1, 2, 1));
-        rsv_light up = {
-            .kind = RSV_LIGHT_POINT, .position = v3(0, 1, 0), .intensity = rgb_gray(9)
+        rsv_punctual_light up = {
+            .kind = RSV_PUNCTUAL_POINT, .position = v3(0, 1, 0), .intensity = rgb_gray(9)
         };
         assert_int_equal(rsv_scene_add_light(w->scene, &up), RSV_OK);
         world_commit(w);
-        rsv_solution *s = solve(w);
+        rsv_light *s = solve(w);
         rsv_probe probe = { v3(0.11f, 0, 0.07f), v3(0, 1, 0) };
         rsv_probe_reading reading;
         assert_int_equal(
             rsv_probe_irradiance(s, RSV_PROBE_LOOKUP, &probe, 1, 256, 1, &reading), RSV_OK);
         mean[k] = reading.irradiance.g;
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
     assert_close(mean[1], 0.75 * mean[0], 0.02 * mean[0]);
@@ -265,13 +265,13 @@ static void veils_before_rough_metal_keep_its_light(void **state)
             .vertical_fov = 0.8f };
         assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
         world_commit(w);
-        rsv_solution *s = solve(w);
+        rsv_light *s = solve(w);
         rsv_image *image = picture(s, RSV_RENDER_FINAL, 16);
         mean[k] = 0;
         for (size_t i = 0; i < 48 * 48; i++)
             mean[k] += (double)rsv_image_const_pixels(image, 0)[i].g;
         rsv_image_destroy(image);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
     assert_true(mean[0] > 0);
@@ -283,14 +283,14 @@ static void the_reference_sees_past_blended_cards(void **state)
     (void)state;
     for (int source = 0; source < SOURCES; source++) {
         world *w = card_world(source, 0, 0.7f);
-        rsv_solution *s = solve(w);
+        rsv_light *s = solve(w);
         rsv_image *image = picture(s, RSV_RENDER_FINAL, 36);
         rsv_image *truth = picture(s, RSV_RENDER_REFERENCE, 144);
         double error = relative_mse(truth, image);
         if (error > 2e-3) fail_msg("source %d: relative MSE %g", source, error);
         rsv_image_destroy(image);
         rsv_image_destroy(truth);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
 }
@@ -301,8 +301,8 @@ static void elements_are_as_bright_as_what_is_left_of_them(void **state)
 {
     (void)state;
     world *w = card_world(POINT, 0.5f, 1);
-    rsv_solution *s = solve(w);
-    const rsv_light_view *light = rsv_solution_get_view(s);
+    rsv_light *s = solve(w);
+    const rsv_light_view *light = rsv_light_get_view(s);
     size_t leaves = 0;
     for (size_t n = 0; n < light->elements->node_count; n++) {
         uint32_t triangle = light->elements->face_triangle[light->elements->node_face[n]];
@@ -314,7 +314,7 @@ static void elements_are_as_bright_as_what_is_left_of_them(void **state)
         leaves++;
     }
     assert_true(leaves > 50);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -353,14 +353,14 @@ static void add_coarse_sphere(world *w, uint32_t material, rsv_vec3 centre, bool
 }
 
 /// One of the places of a facet.
-static rsv_chain place_of(const world *w, uint32_t facet, uint32_t k)
+static rsv_specular_path place_of(const world *w, uint32_t facet, uint32_t k)
 {
     float x, y, u, v;
     const rsv_scene_view *view = w->transport.view;
     rsv_sobol_2d(k, facet, &x, &y);
     rsv_square_to_triangle(x, y, &u, &v);
     rsv_vec3 normal = rsv_surface_point_at(view, facet, u, v, false).geometric;
-    return rsv_chain_begin(&w->transport, NULL, v3_neg(normal), facet, u, v, 1);
+    return rsv_specular_begin(&w->transport, NULL, v3_neg(normal), facet, u, v, 1);
 }
 
 /// What sources send to a surface that stands alone.
@@ -385,20 +385,19 @@ static void shadows_end_where_smooth_surfaces_turn_away(void **state)
         add_coarse_sphere(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), true);
         add_source(w, source);
         world_commit(w);
-        rsv_solution *s = solve(w);
+        rsv_light *s = solve(w);
         double worst = 0, most = 0;
         for (uint32_t facet = 0; facet < FACETS; facet++) {
             double expected = 0, found = 0;
             for (uint32_t k = 0; k < PLACES; k++) {
-                rsv_chain chain = place_of(w, facet, k);
-                rsv_surface_point p = rsv_surface_point_at(
-                    w->transport.view, chain.triangle, chain.u, chain.v, false);
+                rsv_specular_path path = place_of(w, facet, k);
+                rsv_surface_point p =
+                    rsv_surface_point_at(w->transport.view, path.triangle, path.u, path.v, false);
                 expected += unshadowed_at(w, &p) / PLACES;
                 for (uint32_t n = 0; n < TRIES; n++) {
                     rsv_random random = rsv_random_from(facet, k, n);
                     found +=
-                        (double)rsv_sampled_irradiance(rsv_solution_get_view(s), &chain, &random)
-                            .g /
+                        (double)rsv_sampled_irradiance(rsv_light_get_view(s), &path, &random).g /
                         (PLACES * TRIES);
                 }
             }
@@ -407,7 +406,7 @@ static void shadows_end_where_smooth_surfaces_turn_away(void **state)
         }
         if (worst > (source == LAMP ? 0.02 : 0.005) * most)
             fail_msg("source %d: off by %g of %g", source, worst, most);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
 }
@@ -421,22 +420,22 @@ static void elements_of_coarse_bodies_miss_no_light(void **state)
         add_coarse_sphere(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), true);
         add_source(w, source);
         world_commit(w);
-        rsv_solution *s = solve(w);
+        rsv_light *s = solve(w);
         double found = 0, expected = 0;
         float faint = source == SUN ? 0.6f : 0.5f;
         for (uint32_t facet = 0; facet < FACETS; facet++)
             for (uint32_t k = 0; k < 4; k++) {
-                rsv_chain c = place_of(w, facet, k);
+                rsv_specular_path c = place_of(w, facet, k);
                 rsv_surface_point p =
                     rsv_surface_point_at(w->transport.view, c.triangle, c.u, c.v, false);
                 double own = unshadowed_at(w, &p);
                 if (own > faint) continue;
                 expected += own;
-                found += (double)rsv_solution_irradiance(s, facet, c.u, c.v, false, RSV_NONE).g;
+                found += (double)rsv_light_irradiance(s, facet, c.u, c.v, false, RSV_NONE).g;
             }
         if (fabs(found - expected) > 0.05 * expected)
             fail_msg("source %d: %g of %g", source, found, expected);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
 }
@@ -450,17 +449,17 @@ static void coarse_bodies_gather_all_light(void **state)
     world_room(w, world_lambert(w, 0, 1), v3(-9, -9, -9), v3(9, 9, 9));
     add_camera(w, 1.2f);
     world_commit(w);
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     for (uint32_t facet = 0; facet < FACETS; facet++) {
-        rsv_chain c = place_of(w, facet, 0);
-        rsv_rgb e = rsv_solution_irradiance(s, c.triangle, c.u, c.v, false, RSV_NONE);
+        rsv_specular_path c = place_of(w, facet, 0);
+        rsv_rgb e = rsv_light_irradiance(s, c.triangle, c.u, c.v, false, RSV_NONE);
         assert_close(e.g, M_PI, 0.002 * M_PI);
     }
     rsv_image *image = picture(s, RSV_RENDER_REFERENCE, 4);
     for (size_t k = 0; k < 48 * 48; k++)
         assert_close(rsv_image_const_pixels(image, 0)[k].g, 1, 0.03);
     rsv_image_destroy(image);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -477,22 +476,22 @@ static void light_does_not_leak_where_bodies_touch(void **state)
         float a = k < 2 ? 6.0f : -6.0f, b = k == 1 || k == 2 ? 6.0f : -6.0f;
         world_quad(w, white, v3(a, 0, b), v3(b, 0, -a), v3(b, 2.2f, -a), v3(a, 2.2f, b));
     }
-    rsv_light below = {
-        .kind = RSV_LIGHT_POINT, .position = v3(2, -1, 0), .intensity = rgb_gray(99)
+    rsv_punctual_light below = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(2, -1, 0), .intensity = rgb_gray(99)
     };
     assert_int_equal(rsv_scene_add_light(w->scene, &below), RSV_OK);
     world_commit(w);
-    rsv_solution *s = solve(w);
+    rsv_light *s = solve(w);
     for (uint32_t facet = 0; facet < FACETS; facet++)
         for (uint32_t k = 0; k < 32; k++) {
-            rsv_chain c = place_of(w, facet, k);
+            rsv_specular_path c = place_of(w, facet, k);
             rsv_surface_point p =
                 rsv_surface_point_at(w->transport.view, c.triangle, c.u, c.v, false);
             rsv_random random = rsv_random_from(facet, k, 0);
             if (p.position.y > 1e-4f)
-                assert_true(rsv_sampled_irradiance(rsv_solution_get_view(s), &c, &random).g == 0);
+                assert_true(rsv_sampled_irradiance(rsv_light_get_view(s), &c, &random).g == 0);
         }
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -505,7 +504,7 @@ static void flat_bodies_are_not_lifted(void **state)
     world_commit(w);
     const rsv_scene_view *view = w->transport.view;
     for (uint32_t facet = 0; facet < FACETS; facet++) {
-        rsv_chain c = place_of(w, facet, 3);
+        rsv_specular_path c = place_of(w, facet, 3);
         rsv_surface_point p = rsv_surface_point_at(view, facet, c.u, c.v, false), lifted = p;
         rsv_surface_lift(view, w->tracer, facet, c.u, c.v, &lifted);
         assert_memory_equal(&p, &lifted, sizeof p);

@@ -16,15 +16,15 @@ static rsv_solve_desc small_desc(uint32_t elements)
     return desc;
 }
 
-static rsv_solution *solve_with(const world *w, const rsv_solve_desc *desc)
+static rsv_light *solve_with(const world *w, const rsv_solve_desc *desc)
 {
-    rsv_solution *solution;
-    rsv_status status = rsv_solution_create(w->scene, desc, &solution);
+    rsv_light *solution;
+    rsv_status status = rsv_light_create(w->scene, desc, &solution);
     if (status != RSV_OK) fail_msg("%s", rsv_last_error());
     return solution;
 }
 
-static rsv_solution *solve(const world *w, uint32_t elements)
+static rsv_light *solve(const world *w, uint32_t elements)
 {
     rsv_solve_desc desc = small_desc(elements);
     return solve_with(w, &desc);
@@ -42,15 +42,15 @@ static world *create_furnace(float albedo)
 }
 
 /// Radiosity W/m2 at a place of a triangle.
-static double radiosity(const rsv_solution *s, float albedo, uint32_t triangle, float u, float v)
+static double radiosity(const rsv_light *s, float albedo, uint32_t triangle, float u, float v)
 {
-    return 1 + (double)albedo * rsv_solution_irradiance(s, triangle, u, v, false, RSV_NONE).g;
+    return 1 + (double)albedo * rsv_light_irradiance(s, triangle, u, v, false, RSV_NONE).g;
 }
 
 static void check_furnace(float albedo)
 {
     world *w = create_furnace(albedo);
-    rsv_solution *s = solve(w, 150);
+    rsv_light *s = solve(w, 150);
     const double expected = 1 / (1 - (double)albedo);
     rsv_random random = rsv_random_from(1, 2, 3);
     uint32_t triangles = (uint32_t)w->transport.view->triangle_count;
@@ -65,7 +65,7 @@ static void check_furnace(float albedo)
         for (int k = 0; k < 3; k++)
             assert_close(
                 radiosity(s, albedo, t, corner[k][0], corner[k][1]), expected, 2e-3 * expected);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -97,12 +97,12 @@ static void hardly_absorbing_furnaces_converge(void **state)
     for (int k = 0; k < 3; k++) {
         float rho = albedo[k];
         world *w = k == 0 ? create_furnace(rho) : create_two_sided_furnace(rho);
-        rsv_solution *s = solve(w, 150);
-        assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_CONVERGED);
-        assert_true(rsv_solution_report(s)->iterations < 200);
+        rsv_light *s = solve(w, 150);
+        assert_int_equal(rsv_light_report(s)->stop_reason, RSV_STOP_CONVERGED);
+        assert_true(rsv_light_report(s)->iterations < 200);
         const double expected = 1 / (1 - (double)rho);
         assert_close(radiosity(s, rho, 0, 0.3f, 0.3f), expected, 2e-3 * expected);
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         world_end(w);
     }
 }
@@ -111,14 +111,14 @@ static void lookups_find_the_side_that_a_probe_lies_on(void **state)
 {
     (void)state;
     world *w = create_two_sided_furnace(0.5f);
-    rsv_solution *s = solve(w, 150);
+    rsv_light *s = solve(w, 150);
     const rsv_probe probe[2] = { { v3(0.3f, 0.4f, 0), v3(0, 0, 1) },
         { v3(0.3f, 0.4f, 0), v3(0, 0, -1) } };
     rsv_probe_reading reading[2];
     assert_int_equal(rsv_probe_irradiance(s, RSV_PROBE_LOOKUP, probe, 2, 1, 1, reading), RSV_OK);
     assert_close(reading[0].irradiance.g, 2, 4e-3);
     assert_close(reading[1].irradiance.g, 0, 1e-6);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -127,18 +127,18 @@ static void orders_of_a_furnace_are_powers_of_its_albedo(void **state)
     (void)state;
     const float albedo = 0.6f;
     world *w = create_furnace(albedo);
-    rsv_solution *s = solve(w, 100);
-    assert_int_equal(rsv_solution_order_count(s), RSV_KEPT_ORDERS);
+    rsv_light *s = solve(w, 100);
+    assert_int_equal(rsv_light_order_count(s), RSV_KEPT_ORDERS);
     for (uint32_t order = 0; order + 1 < RSV_KEPT_ORDERS; order++) {
-        rsv_rgb e = rsv_solution_irradiance(s, 3, 0.2f, 0.3f, false, order);
+        rsv_rgb e = rsv_light_irradiance(s, 3, 0.2f, 0.3f, false, order);
         assert_close(e.r, pow(albedo, order), 1e-3 * pow(albedo, order));
     }
     // the last one holds all that is left of the geometric series
     double rest = pow(albedo, RSV_KEPT_ORDERS - 1) / (1 - albedo);
     assert_close(
-        rsv_solution_irradiance(s, 3, 0.2f, 0.3f, false, RSV_KEPT_ORDERS - 1).r, rest, 1e-2 * rest);
-    assert_true(rgb_is_black(rsv_solution_irradiance(s, 3, 0.2f, 0.3f, false, RSV_KEPT_ORDERS)));
-    rsv_solution_destroy(s);
+        rsv_light_irradiance(s, 3, 0.2f, 0.3f, false, RSV_KEPT_ORDERS - 1).r, rest, 1e-2 * rest);
+    assert_true(rgb_is_black(rsv_light_irradiance(s, 3, 0.2f, 0.3f, false, RSV_KEPT_ORDERS)));
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -148,18 +148,18 @@ static void orders_sum_to_the_solution(void **state)
 {
     (void)state;
     world *w = world_builtin(2, "cornell-blocks");
-    rsv_solution *s = solve(w, 400);
+    rsv_light *s = solve(w, 400);
     double mean = inside(s)->report.mean_irradiance, square = 0, wrong = 0;
     for (uint32_t t = 0; t < rsv_scene_get_view(w->scene)->triangle_count; t++) {
-        rsv_rgb sum = rgb_gray(0), all = rsv_solution_irradiance(s, t, 0.2f, 0.3f, false, RSV_NONE);
-        for (uint32_t order = 0; order < rsv_solution_order_count(s); order++)
-            sum = rgb_add(sum, rsv_solution_irradiance(s, t, 0.2f, 0.3f, false, order));
+        rsv_rgb sum = rgb_gray(0), all = rsv_light_irradiance(s, t, 0.2f, 0.3f, false, RSV_NONE);
+        for (uint32_t order = 0; order < rsv_light_order_count(s); order++)
+            sum = rgb_add(sum, rsv_light_irradiance(s, t, 0.2f, 0.3f, false, order));
         assert_close(sum.g, all.g, 0.02 * all.g + 4e-3 * mean);
         square += (double)(all.g * all.g);
         wrong += (double)((sum.g - all.g) * (sum.g - all.g));
     }
     assert_true(sqrt(wrong / square) < 3e-3);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -167,9 +167,9 @@ static void backs_of_one_sided_surfaces_are_black(void **state)
 {
     (void)state;
     world *w = create_furnace(0.5f);
-    rsv_solution *s = solve(w, 50);
-    assert_true(rgb_is_black(rsv_solution_irradiance(s, 0, 0.3f, 0.3f, true, RSV_NONE)));
-    rsv_solution_destroy(s);
+    rsv_light *s = solve(w, 50);
+    assert_true(rgb_is_black(rsv_light_irradiance(s, 0, 0.3f, 0.3f, true, RSV_NONE)));
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -177,7 +177,7 @@ static void backs_of_one_sided_surfaces_are_black(void **state)
 
 /// The Neumann series of a solution again, in double, kept simple.
 typedef struct series {
-    const rsv_solution *s;
+    const rsv_light *s;
     size_t nodes;
     double (*term)[3], (*next)[3], (*sum)[3];
 } series;
@@ -228,7 +228,7 @@ static double largest(const series *q, double (*value)[3])
     return max;
 }
 
-static series create_series(const rsv_solution *s)
+static series create_series(const rsv_light *s)
 {
     series q = { .s = s, .nodes = inside(s)->elements->node_count };
     q.term = calloc(q.nodes, sizeof *q.term);
@@ -278,8 +278,8 @@ static void the_report_tells_the_truth(void **state)
     world *w = world_builtin(2, "cornell-blocks");
     rsv_solve_desc desc = small_desc(300);
     desc.tolerance = 1e-2f; // leaves a residual far above the rounding of floats
-    rsv_solution *s = solve_with(w, &desc);
-    const rsv_solve_report *report = rsv_solution_report(s);
+    rsv_light *s = solve_with(w, &desc);
+    const rsv_solve_report *report = rsv_light_report(s);
     series q = create_series(s);
     double norm = row_norm(&q);
     assert_close(report->norm_inf, norm, 1e-5);
@@ -304,7 +304,7 @@ static void the_report_tells_the_truth(void **state)
     assert_true(error <= report->truncation_bound);
     free(solved);
     destroy_series(&q);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -312,16 +312,16 @@ static void the_report_counts_what_was_built(void **state)
 {
     (void)state;
     world *w = world_builtin(1, "cornell-blocks");
-    rsv_solution *s = solve(w, 300);
-    const rsv_solve_report *report = rsv_solution_report(s);
+    rsv_light *s = solve(w, 300);
+    const rsv_solve_report *report = rsv_light_report(s);
     assert_int_equal(
         report->elements, inside(s)->elements->node_count - inside(s)->elements->follower_count);
     assert_int_equal(report->direct_elements, inside(s)->fine.elements->node_count);
     assert_int_equal(report->entries, rsv_transport_entries(inside(s)->transport));
     assert_true(report->rays >= report->entries);
     assert_true(report->time_bvh >= 0 && report->time_assemble > 0 && report->time_solve > 0);
-    assert_ptr_equal(rsv_solution_scene(s), w->scene);
-    rsv_solution_destroy(s);
+    assert_ptr_equal(rsv_light_scene(s), w->scene);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -331,14 +331,14 @@ static void too_few_orders_are_reported(void **state)
     world *w = create_furnace(0.9f);
     rsv_solve_desc desc = small_desc(50);
     desc.max_orders = 3;
-    rsv_solution *s = solve_with(w, &desc);
-    const rsv_solve_report *report = rsv_solution_report(s);
+    rsv_light *s = solve_with(w, &desc);
+    const rsv_solve_report *report = rsv_light_report(s);
     assert_int_equal(report->stop_reason, RSV_STOP_MAX_ORDERS);
     assert_int_equal(report->iterations, 3);
     // after three terms 0.9^4 is missing of the next one, and 0.9^4 / 0.1 of all
     assert_close(report->residual_inf, pow(0.9, 4), 1e-4);
     assert_close(report->truncation_bound, pow(0.9, 4) / 0.1, 1e-3);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -347,17 +347,17 @@ static void caustics_do_not_depend_on_who_finds_direct_light(void **state)
     (void)state;
     world *w = world_builtin(2, "cornell-spheres");
     rsv_solve_desc desc = small_desc(200);
-    rsv_solution *with = solve_with(w, &desc);
+    rsv_light *with = solve_with(w, &desc);
     desc.direct_level = false;
-    rsv_solution *without = solve_with(w, &desc);
+    rsv_light *without = solve_with(w, &desc);
     size_t nodes = inside(with)->caustics.elements->node_count;
     assert_non_null(inside(with)->fine.direct);
     assert_null(inside(without)->fine.elements);
     assert_int_equal(inside(without)->caustics.elements->node_count, nodes);
     assert_memory_equal(
         inside(with)->caustics.caustic, inside(without)->caustics.caustic, nodes * sizeof(rsv_rgb));
-    rsv_solution_destroy(with);
-    rsv_solution_destroy(without);
+    rsv_light_destroy(with);
+    rsv_light_destroy(without);
     world_end(w);
 }
 
@@ -366,7 +366,7 @@ static uint64_t hash_of_solution_with(int threads)
     world *w = world_builtin(threads, "cornell-spheres");
     rsv_solve_desc desc = small_desc(200);
     desc.refinements = 1;
-    rsv_solution *s = solve_with(w, &desc);
+    rsv_light *s = solve_with(w, &desc);
     size_t nodes = inside(s)->elements->node_count;
     uint64_t hash =
         hash_bytes(HASH_START, inside(s)->indirect, nodes * sizeof *inside(s)->indirect);
@@ -375,7 +375,7 @@ static uint64_t hash_of_solution_with(int threads)
         hash, inside(s)->fine.direct, inside(s)->fine.elements->node_count * sizeof(rsv_rgb));
     hash = hash_bytes(hash, inside(s)->caustics.caustic,
         inside(s)->caustics.elements->node_count * sizeof(rsv_rgb));
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
     return hash;
 }
@@ -404,8 +404,8 @@ static world *create_lossless(bool open)
     } else {
         world_room(w, white, v3(0, 0, 0), v3(1, 1, 1));
     }
-    rsv_light lamp = { .name = "lamp",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light lamp = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = v3(0.5f, 0.6f, 0.4f),
         .intensity = rgb_gray(1) };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
@@ -418,8 +418,8 @@ static void a_closed_lossless_scene_is_refused(void **state)
     (void)state;
     world *w = create_lossless(false);
     rsv_solve_desc desc = small_desc(60);
-    rsv_solution *s = NULL;
-    assert_int_equal(rsv_solution_create(w->scene, &desc, &s), RSV_ERROR_SCENE);
+    rsv_light *s = NULL;
+    assert_int_equal(rsv_light_create(w->scene, &desc, &s), RSV_ERROR_SCENE);
     assert_null(s);
     assert_non_null(strstr(rsv_last_error(), "closed"));
     assert_non_null(strstr(rsv_last_error(), "albedo"));
@@ -432,12 +432,12 @@ static void an_open_lossless_scene_is_solved(void **state)
 {
     (void)state;
     world *w = create_lossless(true);
-    rsv_solution *s = solve(w, 60);
-    assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_CONVERGED);
-    rsv_rgb e = rsv_solution_irradiance(s, 0, 0.3f, 0.3f, false, RSV_NONE);
-    rsv_rgb direct = rsv_solution_irradiance(s, 0, 0.3f, 0.3f, false, 0);
+    rsv_light *s = solve(w, 60);
+    assert_int_equal(rsv_light_report(s)->stop_reason, RSV_STOP_CONVERGED);
+    rsv_rgb e = rsv_light_irradiance(s, 0, 0.3f, 0.3f, false, RSV_NONE);
+    rsv_rgb direct = rsv_light_irradiance(s, 0, 0.3f, 0.3f, false, 0);
     assert_true(isfinite(e.g) && e.g > 1.5f * direct.g && e.g < 20 * direct.g);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -451,18 +451,18 @@ static void lossless_pockets_are_left_dark(void **state)
         world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
         world_room(
             w, world_lambert(w, sealed ? 1 : 0.5f, 0), v3(0.3f, 0.2f, 0.3f), v3(0.6f, 0.5f, 0.6f));
-        rsv_light lamp = { .name = "lamp",
-            .kind = RSV_LIGHT_POINT,
+        rsv_punctual_light lamp = { .name = "lamp",
+            .kind = RSV_PUNCTUAL_POINT,
             .position = v3(0.5f, 0.8f, 0.4f),
             .intensity = rgb_gray(1) };
         assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
         world_commit(w);
-        rsv_solution *s = solve(w, 200);
-        assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_CONVERGED);
-        outside[sealed] = rsv_solution_irradiance(s, 0, 0.3f, 0.3f, false, RSV_NONE).g;
+        rsv_light *s = solve(w, 200);
+        assert_int_equal(rsv_light_report(s)->stop_reason, RSV_STOP_CONVERGED);
+        outside[sealed] = rsv_light_irradiance(s, 0, 0.3f, 0.3f, false, RSV_NONE).g;
         assert_close(inside(s)->pocket_area, sealed ? 6 * 0.09 : 0, 1e-3);
-        assert_true(rgb_is_black(rsv_solution_irradiance(s, 12, 0.3f, 0.3f, false, RSV_NONE)));
-        rsv_solution_destroy(s);
+        assert_true(rgb_is_black(rsv_light_irradiance(s, 12, 0.3f, 0.3f, false, RSV_NONE)));
+        rsv_light_destroy(s);
         world_end(w);
     }
     assert_close(outside[1], outside[0], 1e-5 * outside[0]);
@@ -474,12 +474,12 @@ static void a_scene_without_light_is_black_and_says_so(void **state)
     world *w = world_begin(1);
     world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
     world_commit(w);
-    rsv_solution *s = solve(w, 50);
-    assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_NO_LIGHT);
-    assert_int_equal(rsv_solution_report(s)->iterations, 0);
+    rsv_light *s = solve(w, 50);
+    assert_int_equal(rsv_light_report(s)->stop_reason, RSV_STOP_NO_LIGHT);
+    assert_int_equal(rsv_light_report(s)->iterations, 0);
     for (uint32_t t = 0; t < 12; t++)
-        assert_true(rgb_is_black(rsv_solution_irradiance(s, t, 0.2f, 0.2f, false, RSV_NONE)));
-    rsv_solution_destroy(s);
+        assert_true(rgb_is_black(rsv_light_irradiance(s, t, 0.2f, 0.2f, false, RSV_NONE)));
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -489,10 +489,10 @@ static void a_scene_of_glass_alone_is_no_trouble(void **state)
     world *w = world_begin(1);
     world_sphere(w, world_material(w, glass_material()), v3(0, 0, 0), 1, 2);
     world_commit(w);
-    rsv_solution *s = solve(w, 50);
-    assert_int_equal(rsv_solution_report(s)->elements, 0);
-    assert_int_equal(rsv_solution_report(s)->stop_reason, RSV_STOP_NO_LIGHT);
-    rsv_solution_destroy(s);
+    rsv_light *s = solve(w, 50);
+    assert_int_equal(rsv_light_report(s)->elements, 0);
+    assert_int_equal(rsv_light_report(s)->stop_reason, RSV_STOP_NO_LIGHT);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -500,8 +500,8 @@ static void a_scene_of_glass_alone_is_no_trouble(void **state)
 
 static void expect_refusal(const world *w, const rsv_solve_desc *desc, const char *word)
 {
-    rsv_solution *s = NULL;
-    assert_int_equal(rsv_solution_create(w->scene, desc, &s), RSV_ERROR_ARGUMENT);
+    rsv_light *s = NULL;
+    assert_int_equal(rsv_light_create(w->scene, desc, &s), RSV_ERROR_ARGUMENT);
     assert_null(s);
     if (!strstr(rsv_last_error(), word))
         fail_msg("'%s' does not mention %s", rsv_last_error(), word);
@@ -546,8 +546,8 @@ static world *create_varied_room(void)
     world_sphere(w, world_material(w, tinted), v3(0.5f, 0.4f, 0.5f), 0.2f, 0);
     world_quad(w, world_lambert(w, 0, 5), v3(0.4f, 0.99f, 0.4f), v3(0.6f, 0.99f, 0.4f),
         v3(0.6f, 0.99f, 0.6f), v3(0.4f, 0.99f, 0.6f));
-    rsv_light lamp = { .name = "lamp",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light lamp = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = v3(0.2f, 0.8f, 0.2f),
         .intensity = rgb_gray(1) };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
@@ -564,15 +564,15 @@ static void check_allocations(bool fail_once, long stride)
     w->fail_once = fail_once;
     long before = w->alive, allocations = 0;
     for (rsv_status status = RSV_ERROR_MEMORY; status != RSV_OK; allocations += stride) {
-        rsv_solution *s = NULL;
+        rsv_light *s = NULL;
         w->until_failure = allocations;
-        status = rsv_solution_create(w->scene, &desc, &s);
+        status = rsv_light_create(w->scene, &desc, &s);
         w->until_failure = -1;
         if (status != RSV_OK) {
             assert_int_equal(status, RSV_ERROR_MEMORY);
             assert_null(s);
         }
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         assert_int_equal(w->alive, before);
     }
     assert_true(allocations > 100);
@@ -615,8 +615,8 @@ static void work_can_be_cancelled(void **state)
     rsv_scene *scene;
     assert_int_equal(rsv_scene_builtin(context, "cornell-blocks", &scene), RSV_OK);
     rsv_solve_desc settings = small_desc(200);
-    rsv_solution *s = NULL;
-    assert_int_equal(rsv_solution_create(scene, &settings, &s), RSV_ERROR_CANCELLED);
+    rsv_light *s = NULL;
+    assert_int_equal(rsv_light_create(scene, &settings, &s), RSV_ERROR_CANCELLED);
     assert_null(s);
     rsv_scene_destroy(scene);
     rsv_context_destroy(context);

@@ -339,7 +339,7 @@ static void the_leading_eigenvalue_is_found(void **state)
 /// A solved scene and its operator, columns included.
 typedef struct solved {
     world *w;
-    rsv_solution *s;
+    rsv_light *s;
     rsv_transport_map *map;
     rsv_rgb *source; ///< E0 without hanging nodes
     size_t values;   ///< floats of a field
@@ -354,7 +354,7 @@ static solved solve_scene(world *w, uint32_t elements, rsv_solver solver)
     desc.direct_level = false;
     desc.photon_count = 0;
     desc.solver = solver;
-    if (rsv_solution_create(w->scene, &desc, &q.s) != RSV_OK) fail_msg("%s", rsv_last_error());
+    if (rsv_light_create(w->scene, &desc, &q.s) != RSV_OK) fail_msg("%s", rsv_last_error());
     assert_int_equal(rsv_operator_map(inside(q.s)->op, 2, &q.map), RSV_OK);
     assert_int_equal(rsv_transport_map_transpose(q.map), RSV_OK);
     assert_int_equal(rsv_transport_map_prepare(q.map, RSV_SOLVER_TWO_GRID), RSV_OK);
@@ -371,7 +371,7 @@ static void discard(solved *q)
 {
     free(q->source);
     rsv_transport_map_destroy(q->map);
-    rsv_solution_destroy(q->s);
+    rsv_light_destroy(q->s);
     world_end(q->w);
 }
 
@@ -381,8 +381,8 @@ static world *create_bright_box(int threads, float albedo)
     world *w = world_begin(threads);
     world_room(w, world_lambert(w, albedo, 0), v3(0, 0, 0), v3(1, 1, 1.5f));
     world_box(w, world_lambert(w, albedo, 0), v3(0.2f, 0.1f, 0.2f), v3(0.5f, 0.6f, 0.5f));
-    rsv_light lamp = { .name = "lamp",
-        .kind = RSV_LIGHT_POINT,
+    rsv_punctual_light lamp = { .name = "lamp",
+        .kind = RSV_PUNCTUAL_POINT,
         .position = v3(0.7f, 0.8f, 1),
         .intensity = rgb(1, 0.5f, 0) };
     assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);

@@ -10,15 +10,15 @@
 
 // ---- parts of the curve --------------------------------------------------------------------------
 
-static rsv_solution *solve_alone(fixture *f, const char *scene_name, rsv_scene **scene)
+static rsv_light *solve_alone(fixture *f, const char *scene_name, rsv_scene **scene)
 {
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 400;
     desc.rays_per_element = 64;
     desc.photon_count = 4000;
     assert_int_equal(rsv_scene_builtin(f->context, scene_name, scene), RSV_OK);
-    assert_int_equal(rsv_solution_create(*scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(*scene, &desc, &solution), RSV_OK);
     return solution;
 }
 
@@ -35,7 +35,7 @@ static void neighbours_on_the_curve_are_neighbours_in_space(void **state)
 {
     rsv_scene *scene;
     rsv_division *d;
-    rsv_solution *s = solve_alone(*state, "cornell-blocks", &scene);
+    rsv_light *s = solve_alone(*state, "cornell-blocks", &scene);
     assert_int_equal(rsv_division_create(inside(s)->elements, &d), RSV_OK);
     uint8_t *seen = calloc(d->node_count, 1);
     double length = 0;
@@ -49,7 +49,7 @@ static void neighbours_on_the_curve_are_neighbours_in_space(void **state)
     assert_true(length / (double)d->node_count < 2 * (double)inside(s)->elements->spacing);
     free(seen);
     rsv_division_destroy(d);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     rsv_scene_destroy(scene);
 }
 
@@ -65,7 +65,7 @@ static void parts_cost_the_same(void **state)
 {
     rsv_scene *scene;
     rsv_division *d;
-    rsv_solution *s = solve_alone(*state, "cornell-blocks", &scene);
+    rsv_light *s = solve_alone(*state, "cornell-blocks", &scene);
     assert_int_equal(rsv_division_create(inside(s)->elements, &d), RSV_OK);
     double total = 0, dearest = 0;
     for (size_t n = 0; n < d->node_count; n++) {
@@ -83,7 +83,7 @@ static void parts_cost_the_same(void **state)
     assert_int_equal(rsv_division_cut(d, 0, (uint32_t)d->node_count + 100), RSV_OK);
     assert_int_equal(d->begin[d->node_count + 100], d->node_count);
     rsv_division_destroy(d);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     rsv_scene_destroy(scene);
 }
 
@@ -118,7 +118,7 @@ static void plain_release(void *user, void *memory)
 }
 
 static rsv_status solve_and_save(rsv_context *context, const job *j, const char *name,
-    rsv_scene **scene, rsv_solution **solution, size_t *entries)
+    rsv_scene **scene, rsv_light **solution, size_t *entries)
 {
     rsv_status status;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
@@ -130,11 +130,11 @@ static rsv_status solve_and_save(rsv_context *context, const job *j, const char 
     desc.checkpoint = j->checkpoint;
     RSV_TRY(rsv_scene_builtin(context, name, scene));
     RSV_TRY(rsv_scene_compare(*scene));
-    RSV_TRY(rsv_solution_create(*scene, &desc, solution));
+    RSV_TRY(rsv_light_create(*scene, &desc, solution));
     *entries = rsv_transport_entries(inside(*solution)->transport);
     if (j->complete)
         RSV_TRY(rsv_transport_complete(rsv_operator_get_view(inside(*solution)->op)->transport));
-    if (j->path) RSV_TRY(rsv_solution_save(*solution, name, j->path));
+    if (j->path) RSV_TRY(rsv_light_save(*solution, name, j->path));
 cleanup:
     return status;
 }
@@ -144,7 +144,7 @@ static void run_member(rsv_team *team, void *user)
     job *j = user;
     rsv_context *context;
     rsv_scene *scene = NULL;
-    rsv_solution *solution = NULL;
+    rsv_light *solution = NULL;
     uint32_t rank = team ? team->rank : 0;
     size_t left = rank == 1 && j->allocations ? j->allocations : SIZE_MAX;
     rsv_context_desc desc = rsv_default_context_desc();
@@ -158,7 +158,7 @@ static void run_member(rsv_team *team, void *user)
     rsv_status status = solve_and_save(context, j, name, &scene, &solution, &j->entries[rank]);
     j->status[rank] = rsv_team_agree(team, status, NULL);
     snprintf(j->message[rank], sizeof j->message[rank], "%s", rsv_last_error());
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     rsv_context_destroy(context);
 }

@@ -347,10 +347,10 @@ static rsv_rgb read_irradiance(const rsv_scene *scene, rsv_probe_mode mode, rsv_
         return reading.irradiance;
     }
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
-    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    rsv_light *solution;
+    assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     assert_int_equal(rsv_probe_irradiance(solution, mode, &probe, 1, 1 << 16, 1, &reading), RSV_OK);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return reading.irradiance;
 }
 
@@ -412,11 +412,11 @@ static void textured_emitters_are_sampled_by_brightness(void **state)
     }
     double by_area = 16 / sqrt(SAMPLES) * expected;
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_probe probe = { v3(0, 0, 1), v3(0, 0, -1) };
     rsv_probe_reading traced, solved;
     assert_int_equal(rsv_probe_reference(scene, &probe, 1, SAMPLES, 1, &traced), RSV_OK);
-    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     // one sample in four casts a shadow ray there
     assert_int_equal(
         rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 8 * SAMPLES, 1, &solved),
@@ -427,7 +427,7 @@ static void textured_emitters_are_sampled_by_brightness(void **state)
         solved.irradiance.g, expected, 4 * solved.standard_error.g + 1e-5 * expected);
     assert_true(traced.standard_error.g < 0.25 * by_area);
     assert_true(solved.standard_error.g < 0.25 * by_area);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
 }
 
@@ -435,13 +435,13 @@ static void textured_emitters_are_sampled_by_brightness(void **state)
 static double below_lamp(rsv_scene *scene, rsv_probe_reading *reading)
 {
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_probe probe = { v3(0.2f, 0.1f, 2), v3(0, 0, -1) };
     desc.element_target = 50;
-    assert_int_equal(rsv_solution_create(scene, &desc, &solution), RSV_OK);
+    assert_int_equal(rsv_light_create(scene, &desc, &solution), RSV_OK);
     assert_int_equal(
         rsv_probe_irradiance(solution, RSV_PROBE_OPERATOR, &probe, 1, 4096, 1, reading), RSV_OK);
-    rsv_solution_destroy(solution);
+    rsv_light_destroy(solution);
     return reading->irradiance.g;
 }
 

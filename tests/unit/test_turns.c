@@ -16,7 +16,7 @@ typedef struct open_box {
     folder place;
     rsv_context *context;
     rsv_scene *scene;
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_relighter *relighter;
     rsv_bake_receiver *receiver;
     size_t receiver_count;
@@ -60,7 +60,7 @@ static void write_basis(open_box *b)
     rsv_bake_reader reader = rsv_bake_surface_reader("point", b->receiver, b->receiver_count);
     size_t lights;
     desc.turns = TURNS;
-    if (rsv_bake_write_basis(rsv_solution_get_view(b->solution), &reader, &desc,
+    if (rsv_bake_write_basis(rsv_light_get_view(b->solution), &reader, &desc,
             path_in(&b->place, "box.glb"), &lights))
         fail_msg("%s", rsv_last_error());
     assert_int_equal(lights, 1 + TURNS);
@@ -83,7 +83,7 @@ static int solve_box(void **state)
     assert_int_equal(rsv_context_create(NULL, &b->context), RSV_OK);
     assert_int_equal(rsv_scene_builtin(b->context, "cornell-blocks", &b->scene), RSV_OK);
     set_sky(b->scene);
-    if (rsv_solution_create(b->scene, &desc, &b->solution)) fail_msg("%s", rsv_last_error());
+    if (rsv_light_create(b->scene, &desc, &b->solution)) fail_msg("%s", rsv_last_error());
     choose_receivers(b);
     write_basis(b);
     *state = b;
@@ -94,7 +94,7 @@ static int remove_box(void **state)
 {
     open_box *b = *state;
     rsv_relighter_destroy(b->relighter);
-    rsv_solution_destroy(b->solution);
+    rsv_light_destroy(b->solution);
     rsv_scene_destroy(b->scene);
     rsv_context_destroy(b->context);
     rsv_rt_file_close(&b->file);
@@ -134,13 +134,13 @@ typedef struct difference {
 } difference;
 
 /// The runtime's light at an angle beside that of the library.
-static difference compare(open_box *b, const rsv_solution *s, float degrees, float lamp)
+static difference compare(open_box *b, const rsv_light *s, float degrees, float lamp)
 {
     turn_by_runtime(b, degrees, lamp);
     double most = 0, sum = 0;
     difference d = { 0, 0 };
     for (size_t k = 0; k < b->receiver_count; k++) {
-        rsv_rgb truth = rsv_bake_irradiance(rsv_solution_get_view(s), &b->receiver[k]);
+        rsv_rgb truth = rsv_bake_irradiance(rsv_light_get_view(s), &b->receiver[k]);
         for (int c = 0; c < 3; c++) {
             double value = (double)(&truth.r)[c], off = fabs((double)b->light[3 * k + c] - value);
             most = fmax(most, value);
@@ -179,11 +179,11 @@ static void lights_and_a_turned_sky_add_up(void **state)
 static void between_angles_light_changes_evenly(void **state)
 {
     open_box *b = *state;
-    rsv_solution *sky;
+    rsv_light *sky;
     float degrees = FIRST + 1.5f * STEP;
     assert_int_equal(rsv_turned_surroundings_solve(b->solution, degrees, &sky), RSV_OK);
     assert_true(compare(b, sky, degrees, 0).mean < 1 - (double)cosf(RSV_PI / TURNS));
-    rsv_solution_destroy(sky);
+    rsv_light_destroy(sky);
 }
 
 /// A relighter that was prepared knows what the sky does at the angle where it stands.
@@ -203,11 +203,11 @@ static void a_prepared_sky_dims_at_once(void **state)
     assert_int_equal(rsv_relighter_step(b->relighter, 0, &progress), RSV_OK);
     assert_true(progress.converged && progress.orders == 0);
     for (size_t k = 0; k < b->receiver_count; k++)
-        b->light[k] = rsv_bake_irradiance(rsv_solution_get_view(b->solution), &b->receiver[k]).g;
+        b->light[k] = rsv_bake_irradiance(rsv_light_get_view(b->solution), &b->receiver[k]).g;
     assert_int_equal(rsv_relighter_settle(b->relighter), RSV_OK);
     for (size_t k = 0; k < b->receiver_count; k++) {
         double rested =
-            (double)rsv_bake_irradiance(rsv_solution_get_view(b->solution), &b->receiver[k]).g;
+            (double)rsv_bake_irradiance(rsv_light_get_view(b->solution), &b->receiver[k]).g;
         off += fabs((double)b->light[k] - rested);
         sum += rested;
     }

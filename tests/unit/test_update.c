@@ -1,7 +1,7 @@
 /// Solving a scene again after an edit from a store in memory, beside what folders do; and what stores of each kind do.
 #include "thread_team.h" // which has rooms of another kind
 
-#include "past_fixture.h"
+#include "history_fixture.h"
 #include "resolvent/update.h"
 
 // ---- stores ---------------------------------------------------------------------------------------
@@ -99,22 +99,22 @@ static void end_memory(memory *m)
     world_end(m->w);
 }
 
-static rsv_solution *update_by(
+static rsv_light *update_by(
     const world *w, const rsv_solve_desc *desc, rsv_update_store *store, rsv_update_report *report)
 {
-    rsv_solution *s = NULL;
+    rsv_light *s = NULL;
     if (rsv_operator_update(w->scene, desc, store, &s, report) != RSV_OK)
         fail_msg("%s", rsv_last_error());
     return s;
 }
 
-static rsv_solution *update(const world *w, rsv_update_store *store, rsv_update_report *report)
+static rsv_light *update(const world *w, rsv_update_store *store, rsv_update_report *report)
 {
     const rsv_solve_desc desc = fewer_elements();
     return update_by(w, &desc, store, report);
 }
 
-static void check_same(const rsv_solution *a, const rsv_solution *b)
+static void check_same(const rsv_light *a, const rsv_light *b)
 {
     const rsv_light_view *p = inside(a), *q = inside(b);
     assert_int_equal(p->elements->node_count, q->elements->node_count);
@@ -138,14 +138,14 @@ static void memory_does_what_folders_do(void **state)
     for (int k = 0; k < VERSIONS; k++) {
         world *w = build(&version[k], 1 + k % 2);
         rsv_solve_desc desc = fewer_elements();
-        rsv_solution *by_folder = NULL, *by_memory = update(w, m.store, NULL);
+        rsv_light *by_folder = NULL, *by_memory = update(w, m.store, NULL);
         f[k] = new_folder();
         desc.checkpoint = f[k].path;
         desc.earlier = k > 0 ? f[k - 1].path : NULL;
-        assert_int_equal(rsv_solution_create(w->scene, &desc, &by_folder), RSV_OK);
+        assert_int_equal(rsv_light_create(w->scene, &desc, &by_folder), RSV_OK);
         check_same(by_memory, by_folder);
-        rsv_solution_destroy(by_memory);
-        rsv_solution_destroy(by_folder);
+        rsv_light_destroy(by_memory);
+        rsv_light_destroy(by_folder);
         world_end(w);
     }
     for (int k = 0; k < VERSIONS; k++)
@@ -162,11 +162,11 @@ static void the_report_says_what_was_kept(void **state)
     world *w[3] = { build(&plain, 2), build(&dark, 2), build(&moved, 2) };
     memory m = new_memory();
     assert_int_equal(rsv_update_store_bytes(m.store), 0);
-    rsv_solution_destroy(update(w[0], m.store, &first));
+    rsv_light_destroy(update(w[0], m.store, &first));
     assert_true(rsv_update_store_bytes(m.store) > first.row_rays);
-    rsv_solution_destroy(update(w[0], m.store, &same));
-    rsv_solution_destroy(update(w[1], m.store, &painted));
-    rsv_solution_destroy(update(w[2], m.store, &edited));
+    rsv_light_destroy(update(w[0], m.store, &same));
+    rsv_light_destroy(update(w[1], m.store, &painted));
+    rsv_light_destroy(update(w[2], m.store, &edited));
     assert_true(first.rows > 0 && first.row_rays > 0 && first.lit_elements > first.rows);
     assert_int_equal(
         first.kept_elements + first.kept_rows + first.kept_row_rays + first.kept_lit_elements, 0);
@@ -197,23 +197,23 @@ static void edits_back_and_forth_end_where_they_began(void **state)
     enum { PAIRS = 3 };
     world *w[2] = { build(&plain, 2), build(&moved, 2) };
     memory m = new_memory();
-    rsv_solution *first = update(w[0], m.store, NULL), *last = NULL;
+    rsv_light *first = update(w[0], m.store, NULL), *last = NULL;
     size_t bytes = rsv_update_store_bytes(m.store);
     for (int pair = 0; pair < PAIRS; pair++) {
-        rsv_solution_destroy(last);
-        rsv_solution_destroy(update(w[1], m.store, NULL));
+        rsv_light_destroy(last);
+        rsv_light_destroy(update(w[1], m.store, NULL));
         last = update(w[0], m.store, NULL);
     }
     rsv_solve_desc desc = fewer_elements();
     desc.seed = 2;
-    rsv_solution *other = NULL;
-    assert_int_equal(rsv_solution_create(w[0]->scene, &desc, &other), RSV_OK);
+    rsv_light *other = NULL;
+    assert_int_equal(rsv_light_create(w[0]->scene, &desc, &other), RSV_OK);
     double chance = difference(first, other), drift = difference(first, last);
     if (!(drift < chance)) fail_msg("%g after edits, %g by chance", drift, chance);
     assert_true((double)rsv_update_store_bytes(m.store) < 1.1 * (double)bytes);
-    rsv_solution_destroy(first);
-    rsv_solution_destroy(last);
-    rsv_solution_destroy(other);
+    rsv_light_destroy(first);
+    rsv_light_destroy(last);
+    rsv_light_destroy(other);
     end_memory(&m);
     world_end(w[0]);
     world_end(w[1]);
@@ -222,13 +222,13 @@ static void edits_back_and_forth_end_where_they_began(void **state)
 static void check_whole(const world *w, const rsv_solve_desc *desc, rsv_update_store *store)
 {
     rsv_update_report report;
-    rsv_solution *whole = NULL, *updated = update_by(w, desc, store, &report);
-    assert_int_equal(rsv_solution_create(w->scene, desc, &whole), RSV_OK);
+    rsv_light *whole = NULL, *updated = update_by(w, desc, store, &report);
+    assert_int_equal(rsv_light_create(w->scene, desc, &whole), RSV_OK);
     assert_int_equal(report.kept_elements + report.kept_rows + report.kept_row_rays, 0);
     assert_int_equal(report.kept_lit_elements, 0);
     check_same(updated, whole);
-    rsv_solution_destroy(updated);
-    rsv_solution_destroy(whole);
+    rsv_light_destroy(updated);
+    rsv_light_destroy(whole);
 }
 
 static world *build_elsewhere(void)
@@ -246,7 +246,7 @@ static void what_does_not_fit_is_solved_as_a_whole(void **state)
     world *w = build(&plain, 2), *elsewhere = build_elsewhere();
     rsv_solve_desc desc = fewer_elements();
     memory m = new_memory();
-    rsv_solution_destroy(update(w, m.store, NULL));
+    rsv_light_destroy(update(w, m.store, NULL));
     check_whole(elsewhere, &desc, m.store);
     desc.seed = 7;
     check_whole(elsewhere, &desc, m.store);
@@ -264,8 +264,8 @@ static void wrong_settings_are_one_error_and_leave_the_store_alone(void **state)
     world *w = build(&plain, 2);
     memory m = new_memory();
     rsv_update_report report;
-    rsv_solution *s = NULL;
-    rsv_solution_destroy(update(w, m.store, NULL));
+    rsv_light *s = NULL;
+    rsv_light_destroy(update(w, m.store, NULL));
     size_t bytes = rsv_update_store_bytes(m.store);
     for (int k = 0; k < 3; k++) {
         rsv_solve_desc desc = fewer_elements();
@@ -278,7 +278,7 @@ static void wrong_settings_are_one_error_and_leave_the_store_alone(void **state)
         assert_non_null(strstr(rsv_last_error(), k < 2 ? "leave both NULL" : "rays_per_element"));
         assert_int_equal(rsv_update_store_bytes(m.store), bytes);
     }
-    rsv_solution_destroy(update(w, m.store, &report));
+    rsv_light_destroy(update(w, m.store, &report));
     assert_int_equal(report.kept_rows, report.rows);
     end_memory(&m);
     world_end(w);
@@ -288,7 +288,7 @@ static void wrong_settings_are_one_error_and_leave_the_store_alone(void **state)
 static bool fail_one(const world *w, memory *m, world *of, long which)
 {
     const rsv_solve_desc desc = fewer_elements();
-    rsv_solution *s = NULL;
+    rsv_light *s = NULL;
     long alive = w->alive;
     of->fail_once = true;
     of->until_failure = which;
@@ -298,7 +298,7 @@ static bool fail_one(const world *w, memory *m, world *of, long which)
     if (!failed) assert_int_equal(status, RSV_OK);
     if (status != RSV_OK) assert_int_equal(status, RSV_ERROR_MEMORY);
     if (status != RSV_OK) assert_null(s);
-    rsv_solution_destroy(s);
+    rsv_light_destroy(s);
     assert_int_equal(w->alive, alive); // what the store keeps is the other context's
     return failed;
 }
@@ -313,13 +313,13 @@ static void memory_that_runs_out_costs_no_more_than_the_update(void **state)
     memory m = new_memory();
     rsv_update_report report;
     for (int of_store = 0; of_store < 2; of_store++) {
-        rsv_solution_destroy(update(w[0], m.store, NULL));
+        rsv_light_destroy(update(w[0], m.store, NULL));
         long which = 0;
         for (int edit = 1; fail_one(w[edit & 1], &m, of_store ? m.w : w[edit & 1], which); edit++)
             which = after(which);
     }
-    rsv_solution_destroy(update(w[0], m.store, NULL));
-    rsv_solution_destroy(update(w[1], m.store, &report));
+    rsv_light_destroy(update(w[0], m.store, NULL));
+    rsv_light_destroy(update(w[1], m.store, &report));
     assert_true(report.kept_row_rays > report.row_rays / 2);
     end_memory(&m);
     world_end(w[0]);
@@ -357,7 +357,7 @@ static void update_twice(rsv_team *team, void *user)
     if (rsv_context_create(&desc, &context) != RSV_OK) abort();
     if (rsv_update_store_create(context, &store) != RSV_OK) abort();
     for (uint32_t k = 0, rank = team ? team->rank : 0; k < 2; k++) {
-        rsv_solution *s = NULL;
+        rsv_light *s = NULL;
         rsv_scene *scene = furnish_scene(context, version[k]);
         if (rsv_operator_update(scene, &solve_desc, store, &s, &result->report[rank]) != RSV_OK)
             abort();
@@ -366,7 +366,7 @@ static void update_twice(rsv_team *team, void *user)
         result->irradiance[rank] = malloc(count * sizeof(rsv_rgb));
         if (!result->irradiance[rank]) abort();
         memcpy(result->irradiance[rank], inside(s)->irradiance, count * sizeof(rsv_rgb));
-        rsv_solution_destroy(s);
+        rsv_light_destroy(s);
         rsv_scene_destroy(scene);
     }
     rsv_update_store_destroy(store);

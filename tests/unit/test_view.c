@@ -10,7 +10,7 @@
 /// A box with a lamp and a bulb, solved as coarsely as can be.
 typedef struct stage {
     world *w;
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_relighter *relighter;
     cli_view_state state;
 } stage;
@@ -24,7 +24,9 @@ static stage *open_stage(void)
     lamp.name = "lamp";
     world_quad(s->w, world_material(s->w, lamp), v3(-0.2f, 0.9f, -0.2f), v3(0.2f, 0.9f, -0.2f),
         v3(0.2f, 0.9f, 0.2f), v3(-0.2f, 0.9f, 0.2f));
-    rsv_light bulb = { .name = "bulb", .intensity = { 1, 1, 1 }, .position = { 0.5f, 0, 0 } };
+    rsv_punctual_light bulb = {
+        .name = "bulb", .intensity = { 1, 1, 1 }, .position = { 0.5f, 0, 0 }
+    };
     rsv_camera camera = rsv_camera_look_at("front", v3(0, 0, 4), v3(0, 0, 0), 0.8f, 1);
     assert_int_equal(rsv_scene_add_light(s->w->scene, &bulb), RSV_OK);
     assert_int_equal(rsv_scene_add_camera(s->w->scene, &camera), RSV_OK);
@@ -32,10 +34,10 @@ static stage *open_stage(void)
     rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     desc.element_target = 30;
     desc.rays_per_element = 64;
-    assert_int_equal(rsv_solution_create(s->w->scene, &desc, &s->solution), RSV_OK);
+    assert_int_equal(rsv_light_create(s->w->scene, &desc, &s->solution), RSV_OK);
     assert_int_equal(rsv_relighter_create(s->solution, &s->relighter), RSV_OK);
-    assert_true(cli_view_state_begin(s->relighter, s->w->scene,
-        1 + rsv_solution_order_count(s->solution), s->w->scene, &s->state));
+    assert_true(cli_view_state_begin(
+        s->relighter, s->w->scene, 1 + rsv_light_order_count(s->solution), s->w->scene, &s->state));
     s->state.aspect = 1.5f;
     return s;
 }
@@ -44,7 +46,7 @@ static void close_stage(stage *s)
 {
     cli_view_state_free(&s->state);
     rsv_relighter_destroy(s->relighter);
-    rsv_solution_destroy(s->solution);
+    rsv_light_destroy(s->solution);
     world_end(s->w);
     free(s);
 }
@@ -115,7 +117,7 @@ static void lights_can_be_added(void **state)
     assert_false(say(s, "add spark 0 0 0"));
     assert_int_equal(s->state.selected, count);
     assert_int_equal(cli_view_find_item(&s->state, "light.spark"), count);
-    rsv_light light = cli_view_added_light(&s->state, 0);
+    rsv_punctual_light light = cli_view_added_light(&s->state, 0);
     assert_int_equal(rsv_relighter_add_light(s->relighter, &light), RSV_OK);
     assert_true(say(s, "move 0 0.1 0") && say(s, "intensity 2"));
     for (int k = 1; k < CLI_VIEW_MOST_ADDED; k++) {

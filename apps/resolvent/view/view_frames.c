@@ -16,7 +16,7 @@
 #define ENOUGH_SAMPLES 1024
 
 struct cli_view_frames {
-    rsv_solution *solution;
+    rsv_light *solution;
     rsv_relighter *relighter;
     double budget_ms;
     rsv_mover *mover;        ///< NULL = none
@@ -40,14 +40,14 @@ static double now_ms(void) { return 1e3 * cli_seconds(); }
 
 static rsv_context *context_of(const cli_view_frames *f)
 {
-    return rsv_scene_get_context(rsv_solution_scene(f->solution));
+    return rsv_scene_get_context(rsv_light_scene(f->solution));
 }
 
-rsv_status cli_view_frames_create(rsv_solution *solution, rsv_relighter *relighter,
+rsv_status cli_view_frames_create(rsv_light *solution, rsv_relighter *relighter,
     const rsv_scene *body, double budget_ms, cli_view_frames **frames)
 {
     size_t items = rsv_relighter_source_count(relighter) +
-                   rsv_scene_get_view(rsv_solution_scene(solution))->material_count +
+                   rsv_scene_get_view(rsv_light_scene(solution))->material_count +
                    CLI_VIEW_MOST_ADDED;
     cli_view_frames *f = calloc(1, sizeof *f);
     if (!f) return RSV_ERROR_MEMORY;
@@ -119,7 +119,7 @@ static rsv_status add_lights(cli_view_frames *f, const cli_view_state *state)
 {
     rsv_status status = RSV_OK;
     while (status == RSV_OK && f->added_count < state->added_count) {
-        rsv_light light = cli_view_added_light(state, f->added_count++);
+        rsv_punctual_light light = cli_view_added_light(state, f->added_count++);
         status = rsv_relighter_add_light(f->relighter, &light);
     }
     return status;
@@ -204,9 +204,9 @@ static rsv_status render_frame(cli_view_frames *f, const cli_view_state *state,
     rsv_status status = rsv_frame_render(f->renderer, &view, &stats);
     if (status != RSV_OK) return status;
     timing->camera_ms = stats.camera_ms;
-    timing->chain_ms = stats.chain_ms;
+    timing->path_ms = stats.path_ms;
     timing->display_ms = stats.display_ms;
-    timing->chain_rays = stats.chain_rays;
+    timing->path_rays = stats.path_rays;
     f->samples = stats.samples;
     for (uint32_t k = 0; k < f->eyes; k++)
         for (uint32_t y = 0; y < f->height; y++)

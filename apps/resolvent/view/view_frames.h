@@ -9,10 +9,10 @@
 typedef struct cli_view_timing {
     double light_ms;   ///< sources changed, orders added, the object placed
     double refresh_ms; ///< fields brought to the frames
-    double camera_ms, chain_ms, display_ms;
+    double camera_ms, path_ms, display_ms;
     double still_ms; ///< pictures of modes other than operator
     double total_ms; ///< all of it; what is drawn over the picture is not in it
-    uint64_t chain_rays;
+    uint64_t path_rays;
     uint32_t samples; ///< that have added up
     uint32_t eyes;
     double residual; ///< of the light; 0 = exact
@@ -23,7 +23,7 @@ typedef struct cli_view_frames cli_view_frames;
 /// @param body an object that moves, seen in mode operator; NULL = none; borrowed
 /// @param budget_ms of a frame for orders of light; 0 = one order per frame, so that the same frames come out every
 /// time
-rsv_status cli_view_frames_create(rsv_solution *solution, rsv_relighter *relighter,
+rsv_status cli_view_frames_create(rsv_light *solution, rsv_relighter *relighter,
     const rsv_scene *body, double budget_ms, cli_view_frames **frames);
 void cli_view_frames_destroy(cli_view_frames *frames);
 
@@ -41,6 +41,6 @@ rsv_status cli_view_save_picture(
 
 /// Writes an equirectangular picture of all that surrounds the camera; what is ahead is in its middle.
 rsv_status cli_view_save_panorama(
-    const rsv_solution *solution, const cli_view_state *state, const char *path);
+    const rsv_light *solution, const cli_view_state *state, const char *path);
 
 #endif

@@ -297,12 +297,12 @@ bool cli_view_add_light(cli_view_state *s, const cli_view_command *c, char *prob
     return true;
 }
 
-rsv_light cli_view_added_light(const cli_view_state *s, size_t index)
+rsv_punctual_light cli_view_added_light(const cli_view_state *s, size_t index)
 {
     const cli_view_item *item = &s->item[s->item_count - s->added_count + index];
     float intensity = ADDED_INTENSITY * s->reach * s->reach;
-    return (rsv_light){ .name = item->name,
-        .kind = RSV_LIGHT_POINT,
+    return (rsv_punctual_light){ .name = item->name,
+        .kind = RSV_PUNCTUAL_POINT,
         .position = item->home,
         .intensity = { intensity, intensity, intensity } };
 }

@@ -49,7 +49,7 @@ static rsv_camera face_camera(const rsv_camera *level_camera, int face)
     return c;
 }
 
-static rsv_status render_faces(const rsv_solution *solution, const cli_view_state *state,
+static rsv_status render_faces(const rsv_light *solution, const cli_view_state *state,
     const rsv_camera camera[FACES], rsv_rgb *radiance)
 {
     rsv_frame_renderer *renderer = NULL;
@@ -113,9 +113,9 @@ static void fill(const rsv_camera *ahead, const rsv_camera camera[FACES], const 
 }
 
 rsv_status cli_view_save_panorama(
-    const rsv_solution *solution, const cli_view_state *state, const char *path)
+    const rsv_light *solution, const cli_view_state *state, const char *path)
 {
-    rsv_context *context = rsv_scene_get_context(rsv_solution_scene(solution));
+    rsv_context *context = rsv_scene_get_context(rsv_light_scene(solution));
     rsv_camera ahead = level(&state->camera), camera[FACES];
     rsv_image *image = NULL;
     rsv_rgb *radiance = malloc((size_t)FACES * FACE * FACE * sizeof *radiance);

@@ -84,7 +84,7 @@ void cli_view_state_free(cli_view_state *state);
 bool cli_view_apply(cli_view_state *state, const cli_view_command *command, char *problem);
 
 /// One of the lights that were added, for the relighter.
-rsv_light cli_view_added_light(const cli_view_state *state, size_t index);
+rsv_punctual_light cli_view_added_light(const cli_view_state *state, size_t index);
 
 /// Room for what cli_view_relighting points to.
 typedef struct cli_view_changes {

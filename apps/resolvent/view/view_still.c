@@ -13,9 +13,9 @@
 #define ERROR_GATHER_RAYS 24
 
 rsv_status cli_still_resize(
-    const rsv_solution *solution, uint32_t width, uint32_t height, cli_still *s)
+    const rsv_light *solution, uint32_t width, uint32_t height, cli_still *s)
 {
-    rsv_context *context = rsv_scene_get_context(rsv_solution_scene(solution));
+    rsv_context *context = rsv_scene_get_context(rsv_light_scene(solution));
     cli_still_free(s);
     *s = (cli_still){ .solution = solution, .width = width, .height = height };
     s->radiance = calloc((size_t)width * height, sizeof *s->radiance);
@@ -73,7 +73,7 @@ static rsv_status add_occlusion(cli_still *s, cli_view_mode mode, const rsv_came
         rsv_occlusion_destroy(s->occlusion);
         s->occlusion = NULL;
         s->occlusion_mode = mode;
-        status = rsv_occlusion_create(rsv_solution_scene(s->solution), &desc, &s->occlusion);
+        status = rsv_occlusion_create(rsv_light_scene(s->solution), &desc, &s->occlusion);
     }
     if (status == RSV_OK) status = rsv_occlusion_render(s->occlusion, camera, s->picture);
     if (status == RSV_OK) add_picture(s, s->picture);

@@ -8,7 +8,7 @@
 #include "resolvent/render.h"
 
 typedef struct cli_still {
-    const rsv_solution *solution;
+    const rsv_light *solution;
     uint32_t width, height; ///< of one eye's picture
     rsv_rgb *radiance;      ///< [height * width] the mean so far
     uint32_t samples;       ///< in it
@@ -19,7 +19,7 @@ typedef struct cli_still {
 
 /// Sets the size; the picture starts over.
 rsv_status cli_still_resize(
-    const rsv_solution *solution, uint32_t width, uint32_t height, cli_still *still);
+    const rsv_light *solution, uint32_t width, uint32_t height, cli_still *still);
 void cli_still_free(cli_still *still);
 
 /// Adds a sample to the picture of the mode, not CLI_VIEW_OPERATOR, or makes it.

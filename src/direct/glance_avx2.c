@@ -1,4 +1,0 @@
-#if defined(__x86_64__)
-#define RSV_KERNELS rsv_glance_kernels_avx2
-#include "glance_kernels_body.h"
-#endif

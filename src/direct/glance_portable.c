@@ -1,2 +1,0 @@
-#define RSV_KERNELS rsv_glance_kernels_portable
-#include "glance_kernels_body.h"

@@ -1,0 +1,4 @@
+#if defined(__x86_64__)
+#define RSV_KERNELS rsv_preview_kernels_avx2
+#include "preview_kernels_body.h"
+#endif

@@ -1,0 +1,2 @@
+#define RSV_KERNELS rsv_preview_kernels_portable
+#include "preview_kernels_body.h"

@@ -1,0 +1,206 @@
+#include "../render/camera_step.h"
+#include "specular_queue.h"
+
+typedef rsv_specular_queue queue;
+
+static uint32_t first_of(uint32_t lanes) { return (uint32_t)__builtin_ctz(lanes); }
+
+/// Has the light of a lane added to its pixel.
+static void turn_to(queue *q, const rsv_specular_lanes *c, uint32_t lane)
+{
+    q->light.pixel = c->pixel[lane];
+    q->light.trail = c->trail[lane];
+}
+
+rsv_specular_path rsv_specular_of_lane(
+    const rsv_specular_queue *q, const rsv_ray_packet *p, const rsv_specular_lanes *c, uint32_t k)
+{
+    rsv_specular_path path = { .direction =
+                                   v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]),
+        .weight = rsv_lane_color(c->weight, k),
+        .medium = q->media->medium[c->medium[k]],
+        .start_ior = c->start_ior[k],
+        .settled = c->settled[k],
+        .events = c->events[k],
+        .spread = q->spread,
+        .width = c->width[k] };
+    return path;
+}
+
+static rsv_specular_path path_arrived(const queue *q, const rsv_arrival *a, uint32_t k)
+{
+    rsv_specular_path path = rsv_specular_of_lane(q, a->rays, a->paths, k);
+    path.triangle = a->rays->triangle[k];
+    path.u = a->rays->u[k];
+    path.v = a->rays->v[k];
+    path.back = a->paths->back[k];
+    return path;
+}
+
+// ---- branches -----------------------------------------------------------------------------------
+
+/// Queues a branch that leaves the surface of a lane.
+static inline void set_out(queue *q, const rsv_specular_lanes *c, uint32_t lane, bool transmit)
+{
+    const rsv_branch_lanes *b = &q->branch[transmit];
+    q->kind[q->waiting_count] = (uint8_t)b->kind[lane];
+    rsv_specular_traveller *t = &q->waiting[q->waiting_count++];
+    t->origin = rsv_lane_vector(b->origin, lane);
+    t->direction = rsv_lane_vector(b->direction, lane);
+    t->weight = rsv_lane_color(b->weight, lane);
+    t->t_min = b->t_min[lane];
+    t->start_ior = c->start_ior[lane];
+    t->width = c->width[lane];
+    t->trail = b->trail[lane];
+    t->pixel = c->pixel[lane];
+    t->events = c->events[lane] + 1;
+    t->medium = transmit ? rsv_specular_media_beyond(q->media, c, lane) : (uint8_t)c->medium[lane];
+    t->settled = c->settled[lane];
+}
+
+/// Room for two branches of each lane.
+static bool has_room(const queue *q, uint32_t lanes)
+{
+    return q->waiting_count + 2 * (uint32_t)__builtin_popcount(lanes) <= RSV_QUEUE_CAPACITY;
+}
+
+/// Lanes of smooth surfaces of one material.
+static void leave_smooth(queue *q, const rsv_arrival *a, uint32_t lanes)
+{
+    const rsv_transport_scene *scene = q->light.scene;
+    const rsv_specular_lanes *c = a->paths;
+    const rsv_bsdf *bsdf = &scene->bsdf[c->material[first_of(lanes)]];
+    q->kernels->leave_smooth(
+        scene->view, bsdf, q->clearances, a->rays, c, &q->branch[0], &q->branch[1]);
+    for (int transmit = 0; transmit < 2; transmit++)
+        for (uint32_t left = lanes; left; left &= left - 1) {
+            uint32_t k = first_of(left);
+            if (q->branch[transmit].alive[k] && c->events[k] < q->light.max_events)
+                set_out(q, c, k, transmit);
+        }
+}
+
+/// One branch of any smooth surface.
+static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_specular_path *path,
+    const rsv_surface_point *point, bool transmit, const rsv_bsdf_branches *branches)
+{
+    rsv_camera_branch branch;
+    rsv_ray ray;
+    if (!rsv_ideal_branch(path, q->light.trail, q->light.max_events, transmit, branches, &branch) ||
+        !rsv_specular_depart(point, transmit, branch.direction, &ray))
+        return;
+    rsv_branch_lanes *b = &q->branch[transmit];
+    rsv_set_lane_vector(b->origin, lane, ray.origin);
+    rsv_set_lane_vector(b->direction, lane, branch.direction);
+    rsv_set_lane_color(b->weight, lane, rgb_mul(path->weight, branch.weight));
+    b->t_min[lane] = 0;
+    b->trail[lane] = branch.trail;
+    b->kind[lane] = rsv_branch_kind(path->back, transmit, branch.direction);
+    set_out(q, a->paths, lane, transmit);
+}
+
+// ---- surfaces -----------------------------------------------------------------------------------
+
+/// What a surface of any kind shows that is not in the table, and its branches.
+static void scatter_one(queue *q, const rsv_arrival *a, uint32_t lane)
+{
+    rsv_bsdf storage;
+    rsv_specular_path path = path_arrived(q, a, lane);
+    const rsv_transport_scene *scene = q->light.scene;
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, &path, &storage);
+    rsv_surface_point point =
+        rsv_surface_point_seen(scene->view, path.triangle, path.u, path.v, path.back, path.width);
+    rsv_bsdf_branches branches = rsv_specular_branches_of(bsdf, &path, &point);
+    turn_to(q, a->paths, lane);
+    if (branches.rough || !has_room(q, 1u << lane) ||
+        rsv_specular_media_beyond(q->media, a->paths, lane) == RSV_MEDIUM_UNLISTED) {
+        rsv_add_whole_path(&q->light, &path);
+        return;
+    }
+    rsv_rgb throughput = rsv_lane_color(a->paths->throughput, lane);
+    rsv_add_emission(&q->light, &path, bsdf, throughput);
+    if (!rgb_is_black(branches.diffuse))
+        rsv_add_diffuse_end(&q->light, &path, rgb_mul(throughput, branches.diffuse));
+    leave(q, a, lane, &path, &point, false, &branches);
+    leave(q, a, lane, &path, &point, true, &branches);
+}
+
+/// Lanes at surfaces of this material, and whether each of them knows the medium beyond.
+static uint32_t lanes_alike(
+    const queue *q, const rsv_specular_lanes *c, uint32_t material, uint32_t lanes, bool *listed)
+{
+    uint32_t alike = 0;
+    *listed = true;
+    for (uint32_t left = lanes; left; left &= left - 1) {
+        uint32_t k = first_of(left);
+        if (c->material[k] != material) continue;
+        alike |= 1u << k;
+        *listed &= rsv_specular_media_beyond(q->media, c, k) != RSV_MEDIUM_UNLISTED;
+    }
+    return alike;
+}
+
+static void scatter(queue *q, const rsv_arrival *a, uint32_t lanes)
+{
+    while (lanes) {
+        bool listed;
+        uint32_t material = a->paths->material[first_of(lanes)];
+        uint32_t alike = lanes_alike(q, a->paths, material, lanes, &listed);
+        lanes &= ~alike;
+        if (q->media->material[material].smooth && listed && has_room(q, alike))
+            leave_smooth(q, a, alike);
+        else
+            for (; alike; alike &= alike - 1)
+                scatter_one(q, a, first_of(alike));
+    }
+}
+
+// ---- all that specular paths may meet -------------------------------------------------------------------
+
+static void see_sky(queue *q, const rsv_arrival *a, uint32_t lanes)
+{
+    for (; lanes && q->light.sky.pixel; lanes &= lanes - 1) {
+        uint32_t k = first_of(lanes);
+        const rsv_ray_packet *p = a->rays;
+        turn_to(q, a->paths, k);
+        rsv_add_sky(&q->light, v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]),
+            rsv_lane_color(a->paths->throughput, k));
+    }
+}
+
+static void see_stored(queue *q, const rsv_arrival *a, uint32_t lanes)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t k = first_of(lanes);
+        turn_to(q, a->paths, k);
+        rsv_add_stored(&q->light, rsv_lane_color(a->paths->throughput, k), a->rays, a->places, k);
+    }
+}
+
+/// Follows specular paths one by one that come into a medium which is not listed.
+static void follow(queue *q, const rsv_arrival *a, uint32_t lanes)
+{
+    for (; lanes; lanes &= lanes - 1) {
+        uint32_t k = first_of(lanes);
+        const rsv_ray_packet *p = a->rays;
+        rsv_hit hit = { p->triangle[k], p->t_max[k], p->u[k], p->v[k] };
+        rsv_specular_path path = rsv_specular_of_lane(q, p, a->paths, k);
+        rsv_specular_end_segment(q->light.scene, &path, &hit, rsv_packet_meets_back(p, k));
+        turn_to(q, a->paths, k);
+        rsv_add_whole_path(&q->light, &path);
+    }
+}
+
+void rsv_specular_queue_arrive(rsv_specular_queue *q, const rsv_arrival *a, uint32_t lanes)
+{
+    uint32_t missed = 0;
+    for (uint32_t k = 0; k < RSV_LANES; k++)
+        missed |= (uint32_t)(a->rays->triangle[k] == RSV_NONE) << k;
+    uint32_t met = lanes & ~missed;
+    uint32_t unlisted = rsv_specular_media_arrive(
+        q->media, a->rays, a->places, met, met & a->left, q->spread, a->paths);
+    see_sky(q, a, lanes & missed);
+    follow(q, a, unlisted);
+    see_stored(q, a, met & ~unlisted & ~a->left);
+    scatter(q, a, met & ~unlisted & a->left);
+}

@@ -1,0 +1,91 @@
+#include "specular_light.h"
+
+#include "../render/camera_path.h"
+#include "../surface/lift.h"
+
+void rsv_specular_light_refresh(rsv_specular_light *l)
+{
+    l->lights = l->table->solution->lights;
+    l->sky = l->lights->environment ? l->lights->environment->whole : (rsv_sky){ 0 };
+}
+
+static void add(rsv_specular_light *l, rsv_rgb light)
+{
+    float *sum = l->radiance[l->pixel];
+    sum[0] += light.r, sum[1] += light.g, sum[2] += light.b;
+}
+
+void rsv_add_sky(rsv_specular_light *l, rsv_vec3 direction, rsv_rgb weight)
+{
+    if (l->sky.pixel && rsv_shows_emission(l->table))
+        add(l, rgb_mul(weight, rsv_sky_radiance(&l->sky, direction)));
+}
+
+static rsv_rgb without(rsv_rgb a, rsv_rgb b) { return rgb_positive(rgb_sub(a, b)); }
+
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
+    const rsv_ray_packet *rays, uint32_t lane, uint32_t stream, rsv_rgb shown)
+{
+    const rsv_light_view *s = table->solution;
+    uint32_t triangle = rays->triangle[lane];
+    bool back = rsv_packet_meets_back(rays, lane);
+    if (s->elements->face_of[back][triangle] == RSV_NONE) return shown;
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, triangle, rays->u[lane], rays->v[lane], back);
+    rsv_surface_lift(s->scene.view, s->tracer, triangle, rays->u[lane], rays->v[lane], &point);
+    rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].base_color;
+    rsv_rgb kept = rsv_mover_shadow(mover, &point, stream);
+    return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
+}
+
+void rsv_add_stored(rsv_specular_light *l, rsv_rgb throughput, const rsv_ray_packet *rays,
+    const rsv_packet_places *places, uint32_t lane)
+{
+    rsv_float4 light = rsv_light_in_cell(l->table->cell, rsv_packet_place(places, lane));
+    rsv_rgb shown = rgb(light[0], light[1], light[2]);
+    if (l->mover) shown = rsv_shade_stored(l->table, l->mover, rays, lane, l->trail, shown);
+    add(l, rgb_mul(throughput, shown));
+}
+
+void rsv_add_emission(
+    rsv_specular_light *l, const rsv_specular_path *path, const rsv_bsdf *bsdf, rsv_rgb throughput)
+{
+    if (rsv_side_shows_emission(bsdf, path->back) && rsv_shows_emission(l->table))
+        add(l, rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity)));
+}
+
+void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb weight)
+{
+    rsv_specular_light *l = light;
+    const rsv_light_view *s = l->table->solution;
+    uint32_t face = s->elements->face_of[path->back][path->triangle];
+    if (face == RSV_NONE) return;
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(l->scene, path, &storage);
+    rsv_rgb albedo = bsdf->base_color;
+    rsv_rgb shown = rsv_shown_reflected(l->table, face, albedo, path->u, path->v);
+    if (l->mover) {
+        rsv_surface_point point =
+            rsv_surface_point_at(l->scene->view, path->triangle, path->u, path->v, path->back);
+        rsv_surface_lift(
+            l->scene->view, l->scene->tracer, path->triangle, path->u, path->v, &point);
+        rsv_rgb kept = rsv_mover_shadow(l->mover, &point, l->trail);
+        shown = without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
+    }
+    add(l, rgb_mul(weight, shown));
+}
+
+void rsv_add_whole_path(rsv_specular_light *l, const rsv_specular_path *path)
+{
+    const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false };
+    rsv_rgb found = rsv_camera_path(&setting, *path, l->trail, NULL, rsv_add_diffuse_end, l);
+    if (rsv_shows_emission(l->table)) add(l, found);
+}
+
+void rsv_add_mover(
+    rsv_specular_light *l, const rsv_specular_path *path, const rsv_ray_packet *body, uint32_t lane)
+{
+    rsv_rgb dimmed = rsv_medium_transmittance(&path->medium, l->scene->bsdf, body->t_max[lane]);
+    rsv_rgb throughput = rsv_specular_throughput(l->scene, path, &path->medium);
+    add(l, rgb_mul(rgb_mul(throughput, dimmed), rsv_mover_shown(l->mover, body, lane)));
+}

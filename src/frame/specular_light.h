@@ -1,0 +1,50 @@
+/// What specular paths show where they end or scatter, added to their pixels.
+#ifndef RSV_SPECULAR_LIGHT_H
+#define RSV_SPECULAR_LIGHT_H
+
+#include "../mover/mover.h"
+#include "../specular/specular_path.h"
+#include "light_table.h"
+#include "packet_kernels.h"
+
+typedef struct rsv_specular_light {
+    const rsv_light_table *table;
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    rsv_sky sky;
+    uint32_t max_events;
+    const rsv_mover *mover; ///< NULL = none
+    float (*radiance)[4];   ///< of pixels
+    uint32_t pixel, trail;  ///< of the specular path in hand; trail as in camera_path.h
+} rsv_specular_light;
+
+/// Takes the solution's lights over again.
+void rsv_specular_light_refresh(rsv_specular_light *light);
+
+/// What lies beyond the scene.
+void rsv_add_sky(rsv_specular_light *light, rsv_vec3 direction, rsv_rgb weight);
+
+/// What the table has of the surface that a lane's ray met. @param places in whole cells
+void rsv_add_stored(rsv_specular_light *light, rsv_rgb throughput, const rsv_ray_packet *rays,
+    const rsv_packet_places *places, uint32_t lane);
+
+/// What the surface sends out by itself. @param bsdf of the surface
+void rsv_add_emission(rsv_specular_light *light, const rsv_specular_path *path,
+    const rsv_bsdf *bsdf, rsv_rgb throughput);
+
+/// A diffuse surface that is not in the table, for rsv_camera_path too.
+/// @param light an rsv_specular_light @param weight radiance at the camera per B / pi
+void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb weight);
+
+/// All of a specular path, followed to its ends one by one.
+void rsv_add_whole_path(rsv_specular_light *light, const rsv_specular_path *path);
+
+/// The mover, where it ends a specular path. @param body, lane its hit
+void rsv_add_mover(rsv_specular_light *light, const rsv_specular_path *path,
+    const rsv_ray_packet *body, uint32_t lane);
+
+/// What the surface in the table that a lane's ray met shows with the mover's shadow on it. @param shown without
+rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
+    const rsv_ray_packet *rays, uint32_t lane, uint32_t stream, rsv_rgb shown);
+
+#endif

@@ -1,0 +1,140 @@
+#include "camera_path.h"
+
+#include "rough_aim.h"
+
+#define STACK 64
+
+/// A specular path at a surface, and how it left the one before.
+typedef struct link {
+    rsv_specular_path path;
+    rsv_rough_departure departure;
+    uint32_t trail; ///< names the branches that led here; seeds what is drawn here
+    bool shot;      ///< photons bring what sources send here
+} link;
+
+/// The links still to be followed, and what the others found.
+typedef struct tree {
+    const rsv_transport_scene *scene;
+    const rsv_lights *lights;
+    const rsv_camera_setting *setting;
+    const rsv_pixel_sample *sample;
+    link stack[STACK];
+    int depth;
+    rsv_rgb radiance;
+} tree;
+
+static void add_emission(tree *t, const link *at)
+{
+    rsv_bsdf storage;
+    const rsv_specular_path *path = &at->path;
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(t->scene, path, &storage);
+    if (!rsv_side_shows_emission(bsdf, path->back)) return;
+    float weight = rsv_rough_emission_weight(t->scene, t->lights, path, &at->departure);
+    rsv_rgb emission = rgb_scale(bsdf->emission, weight * bsdf->opacity);
+    rsv_rgb throughput = rsv_specular_throughput(t->scene, path, &path->medium);
+    t->radiance = rgb_add(t->radiance, rgb_mul(throughput, emission));
+}
+
+/// Moves one branch on: to the next link or to the sky.
+static void leave(tree *t, link next, const rsv_camera_branch *b)
+{
+    if (t->depth == STACK) return;
+    next.trail = b->trail;
+    rsv_specular_move move =
+        rsv_specular_step(t->scene, &next.path, b->transmit, b->direction, b->weight);
+    if (move == RSV_SPECULAR_MOVED) t->stack[t->depth++] = next;
+    if (move != RSV_SPECULAR_LEFT_SCENE) return;
+    rsv_rgb beyond = rsv_rough_sky(t->lights, b->direction, &next.departure);
+    rsv_rgb throughput = rsv_specular_throughput(t->scene, &next.path, &next.path.medium);
+    t->radiance = rgb_add(t->radiance, rgb_mul(throughput, beyond));
+}
+
+/// One branch of a smooth surface.
+static void follow(tree *t, const link *at, bool transmit, const rsv_bsdf_branches *branches)
+{
+    rsv_camera_branch branch;
+    uint32_t most = t->setting->max_events;
+    if (!rsv_ideal_branch(&at->path, at->trail, most, transmit, branches, &branch)) return;
+    leave(t, (link){ at->path, { .shot = at->shot }, at->trail, at->shot }, &branch);
+}
+
+/// Goes straight on where the surface does not cover. What a rough surface aims at is aimed at through it, too, so that the
+/// departure stays what it was; without one, that is done along with what is transmitted.
+static void pass(tree *t, const link *at, rsv_bsdf_branches *branches)
+{
+    rsv_bsdf storage;
+    if (!(at->departure.pdf_solid_angle > 0)) return;
+    float uncovered = 1 - rsv_specular_bsdf(t->scene, &at->path, &storage)->opacity;
+    if (!(uncovered > 0)) return;
+    rsv_bsdf_branches past = { .transmit = rgb_gray(uncovered),
+        .transmit_direction = at->path.direction };
+    branches->transmit = rgb_positive(rgb_sub(branches->transmit, past.transmit));
+    rsv_camera_branch branch;
+    if (rsv_ideal_branch(&at->path, at->trail, t->setting->max_events, true, &past, &branch))
+        leave(t, *at, &branch);
+}
+
+static rsv_rough_numbers draw_numbers(const tree *t, const link *at)
+{
+    rsv_rough_numbers n;
+    if (!t->sample || at->path.events > 0)
+        return rsv_rough_numbers_of(at->trail, at->path.triangle);
+    n.kept = rsv_pixel_sample_1d(*t->sample, 20);
+    n.light[0] = rsv_pixel_sample_1d(*t->sample, 21);
+    rsv_pixel_sample_2d(*t->sample, 22, &n.light[1], &n.light[2]);
+    n.direction[0] = rsv_pixel_sample_1d(*t->sample, 23);
+    rsv_pixel_sample_2d(*t->sample, 24, &n.direction[1], &n.direction[2]);
+    n.sky[0] = rsv_pixel_sample_1d(*t->sample, 25);
+    rsv_pixel_sample_2d(*t->sample, 26, &n.sky[1], &n.sky[2]);
+    return n;
+}
+
+/// One of the directions that a rough surface scatters from, if it draws one, and the sources aimed at.
+static void follow_rough(tree *t, link at, const rsv_bsdf_branches *branches)
+{
+    rsv_rough_surface surface;
+    rsv_rough_numbers numbers = draw_numbers(t, &at);
+    if (!rsv_rough_arrive(t->scene, &at.path, &numbers, branches, &surface)) return;
+    t->radiance =
+        rgb_add(t->radiance, rsv_rough_light(&surface, t->lights, at.shot, numbers.light));
+    rsv_sky_aim aim;
+    rsv_rough_aim(&surface, t->setting->visibility, &aim);
+    t->radiance =
+        rgb_add(t->radiance, rsv_rough_aimed_light(&surface, t->lights, &aim, numbers.sky));
+    rsv_camera_branch branch;
+    if (!rsv_rough_branch(&surface, &numbers, at.trail, t->setting->max_events, &branch)) return;
+    float sky_pdf = rsv_sky_aim_pdf(&aim, branch.direction);
+    link next = { at.path, rsv_rough_depart(&surface, branch.direction, sky_pdf), at.trail,
+        at.shot };
+    next.departure.shot = at.shot;
+    if (t->setting->shot && at.path.events == 0) next.shot = rsv_rough_is_wide(surface.bsdf);
+    leave(t, next, &branch);
+}
+
+rsv_rgb rsv_camera_path(const rsv_camera_setting *setting, rsv_specular_path path, uint32_t trail,
+    const rsv_pixel_sample *sample, rsv_diffuse_end end, void *user)
+{
+    const rsv_transport_scene *scene = setting->scene;
+    tree t; // its stack need not be cleared
+    t.scene = scene;
+    t.lights = setting->lights;
+    t.setting = setting;
+    t.sample = sample;
+    t.radiance = rgb_gray(0);
+    t.depth = 1;
+    t.stack[0] = (link){ .path = path, .trail = trail };
+    while (t.depth > 0) {
+        link at = t.stack[--t.depth];
+        add_emission(&t, &at);
+        rsv_bsdf_branches branches = rsv_specular_branches(scene, &at.path);
+        if (!rgb_is_black(branches.diffuse))
+            end(user, &at.path,
+                rgb_mul(
+                    rsv_specular_throughput(scene, &at.path, &at.path.medium), branches.diffuse));
+        pass(&t, &at, &branches);
+        follow(&t, &at, false, &branches);
+        follow(&t, &at, true, &branches);
+        if (branches.rough) follow_rough(&t, at, &branches);
+    }
+    return t.radiance;
+}

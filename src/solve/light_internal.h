@@ -1,0 +1,53 @@
+/// What a light holds; for those who find it.
+#ifndef RSV_LIGHT_INTERNAL_H
+#define RSV_LIGHT_INTERNAL_H
+
+#include "light_change.h"
+#include "resolvent/update.h"
+
+struct rsv_light {
+    rsv_context *context;
+    rsv_operator *op;             ///< of its world's colours
+    const rsv_elements *elements; ///< of that: coarse, the unknowns
+    rsv_world *world;             ///< the scene as it has it
+    rsv_transport_scene
+        scene; ///< of that; while it is built with what is known from before an edit
+    rsv_light_sources *sources; ///< of that world
+    rsv_solve_desc desc;        ///< goal_points are those below
+    rsv_probe *goal_points;     ///< a copy; NULL = none
+
+    rsv_light_fields field;
+    rsv_rgb gathered_scale; ///< factor of the emission that rows gathered when they were traced
+    double pocket_area;
+    rsv_light_basis *basis;
+    rsv_solve_report report;
+    rsv_update_report
+        update; ///< what was kept from before an edit, as far as `report` does not say
+
+    rsv_light_view view; ///< all of that, for others
+};
+
+/// A light without E0: sources, and room for E0 on the coarse elements.
+/// @param op, sources retained
+/// @param scene of the operator's world, with what is known from before an edit; copied
+rsv_status rsv_light_begin(rsv_operator *op, rsv_light_sources *sources,
+    const rsv_transport_scene *scene, const rsv_solve_desc *desc, rsv_light **light);
+
+/// RSV_ERROR_SCENE where the light never dies out in the operator that it has now.
+rsv_status rsv_light_check_bounded(rsv_light *light);
+
+/// Gives a light a variant of the world that it has.
+rsv_status rsv_light_part_world(rsv_light *light);
+
+/// Says in the log what a reader of the solution must know.
+void rsv_light_warn_if_unbounded(const rsv_light *light);
+
+/// Solves E = E0 + G K E: keeps the first orders of light one by one, leaves the rest to the solver that the description
+/// asks for or the norm suggests. Fills the report.
+/// @param max_orders applications of G K at most
+rsv_status rsv_solve_orders(rsv_light *light, uint32_t max_orders);
+
+/// The same with as many applications as the description allows, and then the spectral radius, converged.
+rsv_status rsv_solve_and_measure(rsv_light *light);
+
+#endif

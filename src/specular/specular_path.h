@@ -1,0 +1,85 @@
+/// The specular path of specular events `S*` between two diffuse interfaces: what the propagation operator G
+/// folds away. Used from receivers (rows of G, probes) and, in the adjoint direction, from lights.
+#ifndef RSV_SPECULAR_PATH_H
+#define RSV_SPECULAR_PATH_H
+
+#include "specular_walk.h"
+
+typedef enum rsv_specular_end {
+    RSV_SPECULAR_ESCAPED,
+    RSV_SPECULAR_ABSORBED,
+    RSV_SPECULAR_DIFFUSE
+} rsv_specular_end;
+
+#define RSV_SPECULAR_MAX_EVENTS 256
+
+/// How the specular path's surface scatters there. @param storage may be used to hold it
+RSV_SHARED const rsv_bsdf *rsv_specular_bsdf(
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_bsdf *storage);
+
+/// Shading normal (with its normal map) and geometric normal on the side the specular path arrived from.
+RSV_SHARED void rsv_specular_normals(const rsv_transport_scene *scene,
+    const rsv_specular_path *path, rsv_vec3 *shading, rsv_vec3 *geometric);
+
+/// The same, with the normal that the BSDF is to be asked with: the one seen, unless it would lose what is mirrored.
+RSV_SHARED const rsv_bsdf *rsv_specular_scattering(const rsv_transport_scene *scene,
+    const rsv_specular_path *path, rsv_vec3 *normal, rsv_bsdf *storage);
+
+/// Branch weights at the specular path's surface. What it does not cover counts as transmitted, straight on.
+RSV_SHARED rsv_bsdf_branches rsv_specular_branches(
+    const rsv_transport_scene *scene, const rsv_specular_path *path);
+
+/// The same at a surface point that is known, with its normal map.
+RSV_SHARED rsv_bsdf_branches rsv_specular_branches_at(
+    const rsv_transport_scene *scene, const rsv_specular_path *path, const rsv_surface_point *seen);
+
+/// Draws what happens to the specular path at its surface, which it may pass where that does not cover (RSV_LOBE_PASS).
+RSV_SHARED rsv_bsdf_event rsv_specular_draw_event(
+    const rsv_transport_scene *scene, const rsv_specular_path *path, rsv_random *random);
+
+/// Draws among what is neither diffuse nor a gap in the surface's cover; the weight holds the chance of these.
+/// @param u for the lobe and for the direction within it, in [0, 1)
+RSV_SHARED rsv_bsdf_event rsv_specular_draw_specular(
+    const rsv_transport_scene *scene, const rsv_specular_path *path, const float u[3]);
+
+typedef enum rsv_specular_move {
+    RSV_SPECULAR_MOVED,
+    RSV_SPECULAR_LEFT_SCENE, ///< direction and weight say how
+    RSV_SPECULAR_LOST ///< the direction belongs to the other side of the surface; nothing changed
+} rsv_specular_move;
+
+/// Leaves the surface by reflection or transmission and moves to the next one (rsv_specular_depart, rsv_specular_set_out and
+/// rsv_specular_arrive in one).
+/// @param weight multiplies the throughput
+RSV_SHARED rsv_specular_move rsv_specular_step(const rsv_transport_scene *scene,
+    rsv_specular_path *path, bool transmit, rsv_vec3 direction, rsv_rgb weight);
+
+/// The same for an event that was drawn and is not diffuse.
+RSV_SHARED rsv_specular_move rsv_specular_follow(const rsv_transport_scene *scene,
+    rsv_specular_path *path, const rsv_bsdf_event *event, rsv_rgb weight);
+
+/// What a gather specular path found on its way: emission that counts, and where it ended.
+typedef struct rsv_gather {
+    rsv_specular_end end;
+    rsv_specular_path
+        path; ///< at the diffuse interface, if end is RSV_SPECULAR_DIFFUSE; its weight is then the
+              ///< throughput of radiance, the coat of that interface included
+    rsv_rgb emission; ///< radiance emitted towards the receiver by the surfaces met
+} rsv_gather;
+
+/// Roulette: divides by the largest channel after having survived with that probability.
+bool rsv_specular_survives(rsv_rgb *weight, rsv_random *random);
+
+/// Whether radiance emitted by a surface met after `turns` specular events (rsv_specular_path.turns) is wanted.
+typedef bool (*rsv_emission_filter)(const void *user, uint32_t triangle, uint32_t turns);
+
+/// Follows a gather specular path to its diffuse end, drawing events by their probability. What the roulette
+/// leaves is colour only: a colourless specular path keeps weight 1.
+rsv_gather rsv_specular_gather(const rsv_transport_scene *scene, rsv_specular_path path,
+    rsv_random *random, rsv_emission_filter filter, const void *user);
+
+#if defined(RSV_DEVICE_CODE)
+#include "specular_path_body.h"
+#endif
+
+#endif
