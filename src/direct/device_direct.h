@@ -21,8 +21,8 @@ typedef struct rsv_device_direct_table {
     rsv_status (*create)(rsv_device *device, const rsv_device_direct_desc *desc,
         rsv_device_direct **direct, char *message);
     void (*destroy)(rsv_device_direct *direct);
-    /// @param receiver [count] @param estimate [count] out
-    rsv_status (*estimate)(rsv_device_direct *direct, const rsv_direct_receiver *receiver,
+    /// @param receivers [count] @param estimate [count] out
+    rsv_status (*estimate)(rsv_device_direct *direct, const rsv_node_receivers *receivers,
         uint32_t count, rsv_direct_rays rays, rsv_direct_estimate *estimate, char *message);
 } rsv_device_direct_table;
 

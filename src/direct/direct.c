@@ -1,110 +1,85 @@
 #include "direct.h"
 
 #include "../core/team.h"
-#include "../trace/packet.h"
-#include "../trace/passage.h"
 #include "direct_device.h"
-
-#include <string.h>
 
 #define LANES RSV_DIRECT_LANES
 
-/// The shadow rays of a packet, and what they ask for.
-typedef struct ray_lanes {
-    rsv_direct_ray lane[LANES];
-    uint32_t count;
-} ray_lanes;
-
-/// @param passed [LANES] out: what arrives of the light of each
-static void trace(const rsv_direct_job *job, const ray_lanes *rays, float *passed)
-{
-    rsv_ray_packet packet;
-    memset(&packet, 0, sizeof packet);
-    memset(packet.mask, 0xff, sizeof packet.mask);
-    for (uint32_t k = 0; k < LANES; k++) {
-        if (k < rays->count && rays->lane[k].ray.t_max > 0)
-            rsv_packet_set_ray(&packet, k, rays->lane[k].ray);
-        else
-            packet.t_max[k] = -1;
-    }
-    rsv_tracer_passed_packet(job->scene->tracer, &packet, true, passed);
-}
-
 /// Up to sixteen shadow rays.
-static void sample_emitters(const rsv_direct_job *job, const rsv_direct_receiver *receiver,
-    const rsv_local_lights *local, uint32_t first, uint32_t lanes, rsv_direct_sums *sums)
+static void sample_emitters(const rsv_direct_job *job, const rsv_node_receivers *receivers,
+    const rsv_local_lights *local, uint32_t first, uint32_t lanes, rsv_event_sums *sums)
 {
     const rsv_direct_setting *s = &job->setting;
-    ray_lanes rays = { .count = lanes };
+    const rsv_entrance entrance = rsv_direct_entrance(s, receivers);
+    rsv_next_event event[LANES];
     for (uint32_t k = 0; k < lanes; k++) {
-        uint32_t at = rsv_direct_turn(s, receiver->valid, first + k);
-        float select, x, y;
-        rsv_light_sample sample;
-        rays.lane[k] = rsv_direct_no_ray();
-        if (!(receiver->valid >> at & 1)) continue;
-        rsv_direct_numbers(s, receiver->node, first + k, &select, &x, &y);
-        if (rsv_local_lights_sample(&local[at], select, x, y, &sample))
-            rays.lane[k] = rsv_direct_to_sample(s, receiver, at, &sample);
+        uint32_t at = rsv_direct_turn(s, receivers->valid, first + k);
+        float u[3];
+        rsv_next_event_clear(&event[k]);
+        if (!(receivers->valid >> at & 1)) continue;
+        rsv_direct_numbers(s, receivers->node, first + k, u);
+        rsv_next_event_draw(&receivers->at[at], &entrance, &local[at], u, &event[k]);
     }
     float passed[LANES];
-    trace(job, &rays, passed);
+    rsv_next_events_passed(job->scene->tracer, event, lanes, passed);
     for (uint32_t k = 0; k < lanes; k++)
-        rsv_direct_count(sums, &rays.lane[k], passed[k]);
+        rsv_event_sums_add(sums, &event[k], passed[k]);
 }
 
 static rsv_direct_estimate from_emitters(
-    const rsv_direct_job *job, const rsv_direct_receiver *receiver, rsv_direct_rays rays)
+    const rsv_direct_job *job, const rsv_node_receivers *receivers, rsv_direct_rays rays)
 {
     const rsv_direct_setting *s = &job->setting;
     rsv_local_lights local[LANES];
     rsv_rgb unshadowed;
-    float valid = (float)__builtin_popcount(receiver->valid);
-    if (!receiver->valid || !rsv_lights_any_sampled(s->lights)) return rsv_direct_no_estimate();
+    float valid = (float)__builtin_popcount(receivers->valid);
+    if (!receivers->valid || !rsv_lights_any_sampled(s->lights)) return rsv_direct_no_estimate();
     for (uint32_t k = 0; k < s->points; k++)
-        if (receiver->valid >> k & 1)
-            rsv_lights_at(
-                s->lights, receiver->point[k].position, receiver->point[k].normal, &local[k]);
-    bool by_tree = rsv_direct_unshadowed(s, receiver, local, valid, &unshadowed);
+        if (receivers->valid >> k & 1) rsv_receiver_weigh(&receivers->at[k], s->lights, &local[k]);
+    bool by_tree = rsv_direct_unshadowed(s, receivers, local, valid, &unshadowed);
     if (!by_tree && rgb_is_black(unshadowed)) return rsv_direct_no_estimate();
-    rsv_direct_sums sums = rsv_direct_no_sums();
+    rsv_event_sums sums = rsv_event_sums_zero();
     for (uint32_t first = 0; first < rays.samples; first += rays.lanes)
-        sample_emitters(job, receiver, local, first, rays.lanes, &sums);
+        sample_emitters(job, receivers, local, first, rays.lanes, &sums);
     rsv_direct_estimate e = rsv_direct_from_sums(
-        &sums, unshadowed, by_tree, rsv_direct_drawn(s, receiver->valid, rays.samples));
+        &sums, unshadowed, by_tree, rsv_direct_drawn(s, receivers->valid, rays.samples));
     e.rays = rays.samples;
     return e;
 }
 
 /// Adds what punctual lights give.
 static void add_punctual(
-    const rsv_direct_job *job, const rsv_direct_receiver *receiver, rsv_direct_estimate *e)
+    const rsv_direct_job *job, const rsv_node_receivers *receivers, rsv_direct_estimate *e)
 {
     const rsv_direct_setting *s = &job->setting;
     rsv_direct_punctual p = { 0 };
     for (uint32_t l = 0; l < rsv_punctual_count(s->lights); l++) {
-        ray_lanes rays = { .count = s->points };
-        for (uint32_t k = 0; k < s->points; k++)
-            rays.lane[k] = receiver->valid >> k & 1 ? rsv_direct_to_punctual(s, receiver, k, l)
-                                                    : rsv_direct_no_ray();
+        rsv_next_event event[LANES];
+        for (uint32_t k = 0; k < s->points; k++) {
+            if (receivers->valid >> k & 1)
+                rsv_direct_to_punctual(s, receivers, k, l, &event[k]);
+            else
+                rsv_next_event_clear(&event[k]);
+        }
         float passed[LANES];
-        trace(job, &rays, passed);
+        rsv_next_events_passed(job->scene->tracer, event, s->points, passed);
         p.seen = p.hidden = 0;
         for (uint32_t k = 0; k < s->points; k++)
-            rsv_direct_count_punctual(&p, &rays.lane[k], passed[k]);
+            rsv_direct_count_punctual(&p, &event[k], passed[k]);
         e->partial = e->partial || (p.seen > 0 && p.hidden > 0);
         e->rays += s->points;
     }
-    float valid = (float)__builtin_popcount(receiver->valid);
+    float valid = (float)__builtin_popcount(receivers->valid);
     e->irradiance = rgb_add(e->irradiance, rgb_scale(p.sum, 1 / valid));
 }
 
 static rsv_direct_estimate estimate_from(
     const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_direct_rays rays)
 {
-    rsv_direct_receiver receiver;
-    rsv_direct_receive(job, node, valid, &receiver);
-    rsv_direct_estimate e = from_emitters(job, &receiver, rays);
-    add_punctual(job, &receiver, &e);
+    rsv_node_receivers receivers;
+    rsv_direct_receive(job, node, valid, &receivers);
+    rsv_direct_estimate e = from_emitters(job, &receivers, rays);
+    add_punctual(job, &receivers, &e);
     return e;
 }
 

@@ -12,7 +12,7 @@ typedef struct direct_device {
     const rsv_device_direct_table *table;
     rsv_device_direct *direct; ///< NULL = there is none, or it has failed
     size_t most;
-    rsv_direct_receiver *receiver; ///< [most]
+    rsv_node_receivers *receivers; ///< [most]
     rsv_direct_estimate *estimate; ///< [most] in the order of the receivers
     uint32_t *again;               ///< [most] nodes to be looked at more closely
 } direct_device;
@@ -55,10 +55,10 @@ static rsv_status open_device(direct_device *d, size_t count)
     rsv_status status = RSV_OK;
     d->most = count < NODES_AT_A_TIME ? count : NODES_AT_A_TIME;
     d->table = rsv_context_device(d->context)->table->direct;
-    d->receiver = rsv_reserve(d->context, d->most, sizeof *d->receiver);
+    d->receivers = rsv_reserve(d->context, d->most, sizeof *d->receivers);
     d->estimate = rsv_reserve(d->context, d->most, sizeof *d->estimate);
     d->again = rsv_reserve(d->context, d->most, sizeof *d->again);
-    RSV_TRY(d->receiver && d->estimate && d->again ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(d->receivers && d->estimate && d->again ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(bring_scene(d));
 cleanup:
     return status;
@@ -68,7 +68,7 @@ static void close_device(direct_device *d)
 {
     if (d->direct) d->table->destroy(d->direct);
     d->direct = NULL;
-    rsv_free(d->context, d->receiver);
+    rsv_free(d->context, d->receivers);
     rsv_free(d->context, d->estimate);
     rsv_free(d->context, d->again);
 }
@@ -85,10 +85,10 @@ static rsv_status estimate(direct_device *d, const uint32_t *node, size_t count,
     for (size_t k = 0; k < count; k++) {
         uint32_t valid =
             preview ? rsv_direct_preview_points(job, node[k]) : job->valid_points[node[k]];
-        rsv_direct_receive(job, node[k], valid, &d->receiver[k]);
+        rsv_direct_receive(job, node[k], valid, &d->receivers[k]);
     }
     rsv_status status =
-        d->table->estimate(d->direct, d->receiver, (uint32_t)count, rays, d->estimate, message);
+        d->table->estimate(d->direct, d->receivers, (uint32_t)count, rays, d->estimate, message);
     if (status == RSV_OK) return RSV_OK;
     d->table->destroy(d->direct);
     d->direct = NULL;

@@ -4,7 +4,7 @@
 #define PREVIEW_POINTS 4
 
 void rsv_direct_receive(
-    const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_direct_receiver *r)
+    const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_node_receivers *r)
 {
     const rsv_elements *e = job->elements;
     const rsv_scene_view *view = job->scene->view;
@@ -19,14 +19,13 @@ void rsv_direct_receive(
         uint32_t face = e->cell[sample[k].support / 4].face;
         uint32_t triangle = e->face_triangle[face];
         bool back = e->face_back[face];
-        r->point[k] = rsv_surface_point_at(view, triangle, sample[k].u, sample[k].v, back);
-        rsv_surface_lift(
-            view, job->scene->tracer, triangle, sample[k].u, sample[k].v, &r->point[k]);
-        r->origin[k] =
-            rsv_offset_origin(r->point[k].position, r->point[k].geometric, r->point[k].extent);
+        rsv_surface_point point =
+            rsv_surface_point_at(view, triangle, sample[k].u, sample[k].v, back);
+        r->at[k] =
+            rsv_receiver_at(view, job->scene->tracer, triangle, sample[k].u, sample[k].v, point);
     }
-    uint32_t speaks = (uint32_t)__builtin_ctz(valid);
-    r->medium = rsv_medium_above(&job->scene->media, r->origin[speaks], r->point[speaks].geometric);
+    const rsv_receiver *speaks = &r->at[__builtin_ctz(valid)];
+    r->medium = rsv_medium_above(&job->scene->media, speaks->origin, speaks->point.geometric);
 }
 
 bool rsv_direct_previews(const rsv_direct_job *job)

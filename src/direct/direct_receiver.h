@@ -18,7 +18,7 @@ typedef struct rsv_direct_job {
 
 /// Sets up some of a node's points. @param valid points wanted, at least one
 void rsv_direct_receive(
-    const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_direct_receiver *receiver);
+    const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_node_receivers *receivers);
 
 /// Whether nodes are previewed at first.
 bool rsv_direct_previews(const rsv_direct_job *job);

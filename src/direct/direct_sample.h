@@ -4,10 +4,7 @@
 
 #include "../core/bits.h"
 #include "../core/stratified.h"
-#include "../sources/punctual_light.h"
-#include "../surface/entry.h"
-#include "../surface/lift.h"
-#include "../surface/medium.h"
+#include "../receiver/next_event.h"
 
 /// Receiver points of a node at most, and shadow rays at a time.
 #define RSV_DIRECT_LANES 16
@@ -20,43 +17,26 @@ typedef struct rsv_direct_setting {
     uint32_t seed;
 } rsv_direct_setting;
 
-/// The receiver points of one node.
-typedef struct rsv_direct_receiver {
-    rsv_surface_point point[RSV_DIRECT_LANES];
-    rsv_vec3 origin[RSV_DIRECT_LANES]; ///< off the surface
-    rsv_medium medium;                 ///< of the first of them that is not buried
-    rsv_surface_entry entry;           ///< of all of them
+/// The receiver points of one node, and what covers them all.
+typedef struct rsv_node_receivers {
+    rsv_receiver at[RSV_DIRECT_LANES];
+    rsv_medium medium;       ///< of the first of them that is not buried
+    rsv_surface_entry entry; ///< of all of them
     uint32_t node;
     uint32_t valid; ///< bit k = point k counts
-} rsv_direct_receiver;
+} rsv_node_receivers;
 
 /// Shadow rays of a look, of which `lanes` are traced at a time.
 typedef struct rsv_direct_rays {
     uint32_t samples, lanes;
 } rsv_direct_rays;
 
-/// A shadow ray and what it asks for.
-typedef struct rsv_direct_ray {
-    rsv_ray ray;      ///< t_max -1 = nothing to ask for
-    rsv_rgb open;     ///< f / p, visible or not, as the closed form knows it
-    rsv_rgb entering; ///< f / p that enters the surface if the way is free
-} rsv_direct_ray;
-
-RSV_INLINE rsv_direct_ray rsv_direct_no_ray(void)
+RSV_INLINE rsv_entrance rsv_direct_entrance(
+    const rsv_direct_setting *s, const rsv_node_receivers *receivers)
 {
-    rsv_direct_ray r;
-    r.ray.origin = r.ray.direction = v3(0, 0, 0);
-    r.ray.t_max = -1;
-    r.open = r.entering = rgb_gray(0);
-    return r;
-}
-
-/// What is left of light that crosses the medium of the points, and then their coat.
-RSV_INLINE rsv_rgb rsv_direct_entering(const rsv_direct_setting *s,
-    const rsv_direct_receiver *receiver, rsv_rgb light, float distance, float cos)
-{
-    rsv_rgb passed = rsv_medium_transmittance(&receiver->medium, s->bsdf, distance);
-    return rgb_mul(rgb_mul(light, passed), rsv_surface_entry_at(&receiver->entry, s->bsdf, cos));
+    rsv_entrance entrance = rsv_entrance_through(&receivers->medium, s->bsdf, RSV_COVER_PATCH);
+    entrance.patch = &receivers->entry;
+    return entrance;
 }
 
 // ---- emitters, suns and the sky -----------------------------------------------------------------
@@ -83,66 +63,10 @@ RSV_INLINE float rsv_direct_drawn(const rsv_direct_setting *s, uint32_t valid, u
 
 /// Random numbers of sample `index` of a node: which source, and where on it.
 RSV_INLINE void rsv_direct_numbers(
-    const rsv_direct_setting *s, uint32_t node, uint32_t index, float *select, float *x, float *y)
+    const rsv_direct_setting *s, uint32_t node, uint32_t index, float u[3])
 {
-    rsv_sobol_2d(index, rsv_hash3(s->seed, node, 1), x, y);
-    *select = rsv_sobol_1d(index, rsv_hash3(s->seed, node, 2));
-}
-
-/// From point k to a place that was drawn for it.
-RSV_INLINE rsv_direct_ray rsv_direct_to_sample(const rsv_direct_setting *s,
-    const rsv_direct_receiver *receiver, uint32_t k, const rsv_light_sample *sample)
-{
-    const rsv_surface_point *point = &receiver->point[k];
-    rsv_direct_ray r = rsv_direct_no_ray();
-    float cos = v3_dot(point->normal, sample->direction);
-    r.open = rgb_scale(sample->mean_radiance, cos / sample->pdf_solid_angle);
-    // what the geometry hides from the shading normal is blocked like anything else
-    if (!rsv_surface_faces(point, sample->direction)) return r;
-    r.entering = rsv_direct_entering(s, receiver,
-        rgb_scale(sample->radiance, cos / sample->pdf_solid_angle), sample->distance, cos);
-    r.ray = rsv_shadow_ray(s->lights, sample, point->position,
-        rsv_lifted_origin(point, receiver->origin[k], sample->direction));
-    return r;
-}
-
-/// Sums over the samples of one node. What passes blended surfaces in part counts as seen, by as much as passes.
-typedef struct rsv_direct_sums {
-    rsv_rgb open;          ///< f / p of what closed forms know, visible or not
-    rsv_rgb visible;       ///< f / p of those of them that are visible, as it enters the surface
-    rsv_rgb further;       ///< the same of emitters that a tree chose: `open` knows nothing of them
-    float further_squared; ///< luminance
-    /// Luminance of `visible` that is sure of not being all or nothing: times what is lost.
-    float veiled;
-    uint32_t seen, hidden; ///< how many of those that `open` knows
-} rsv_direct_sums;
-
-RSV_INLINE rsv_direct_sums rsv_direct_no_sums(void)
-{
-    rsv_direct_sums sums;
-    sums.open = sums.visible = sums.further = rgb_gray(0);
-    sums.further_squared = sums.veiled = 0;
-    sums.seen = sums.hidden = 0;
-    return sums;
-}
-
-/// @param passed share of the ray's light that arrives
-RSV_INLINE void rsv_direct_count(rsv_direct_sums *sums, const rsv_direct_ray *r, float passed)
-{
-    bool seen = passed > 0;
-    sums->open = rgb_add(sums->open, r->open);
-    sums->seen += seen && !rgb_is_black(r->open);
-    sums->hidden += !seen && !rgb_is_black(r->open);
-    if (!seen) return;
-    rsv_rgb arriving = rgb_scale(r->entering, passed);
-    if (!rgb_is_black(r->open)) {
-        sums->visible = rgb_add(sums->visible, arriving);
-        sums->veiled += (1 - passed) * rgb_luminance(arriving);
-        return;
-    }
-    float luminance = rgb_luminance(arriving);
-    sums->further = rgb_add(sums->further, arriving);
-    sums->further_squared += luminance * luminance;
+    rsv_sobol_2d(index, rsv_hash3(s->seed, node, 1), &u[1], &u[2]);
+    u[0] = rsv_sobol_1d(index, rsv_hash3(s->seed, node, 2));
 }
 
 /// An estimate and the standard deviation of its luminance.
@@ -175,7 +99,7 @@ RSV_INLINE float rsv_direct_ratio(float unshadowed, float visible, float open)
 /// come on top of it, as the mean of what their samples found.
 /// @param by_tree there are such emitters @param count of samples
 RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
-    const rsv_direct_sums *sums, rsv_rgb unshadowed, bool by_tree, float count)
+    const rsv_event_sums *sums, rsv_rgb unshadowed, bool by_tree, float count)
 {
     rsv_direct_estimate e = rsv_direct_no_estimate();
     e.irradiance = rgb(rsv_direct_ratio(unshadowed.r, sums->visible.r, sums->open.r),
@@ -201,13 +125,13 @@ RSV_INLINE rsv_direct_estimate rsv_direct_from_sums(
 /// What all points would receive without occlusion but for emitters in the tree; whether there are such.
 /// @param local [points] of those that are valid
 RSV_INLINE bool rsv_direct_unshadowed(const rsv_direct_setting *s,
-    const rsv_direct_receiver *receiver, const rsv_local_lights *local, float valid,
+    const rsv_node_receivers *receivers, const rsv_local_lights *local, float valid,
     rsv_rgb *unshadowed)
 {
     bool by_tree = false;
     *unshadowed = rgb_gray(0);
     for (uint32_t k = 0; k < s->points; k++) {
-        if (!(receiver->valid >> k & 1)) continue;
+        if (!(receivers->valid >> k & 1)) continue;
         *unshadowed = rgb_mad(*unshadowed, 1 / valid, local[k].unshadowed);
         by_tree = by_tree || local[k].tree_share > 0;
     }
@@ -217,22 +141,12 @@ RSV_INLINE bool rsv_direct_unshadowed(const rsv_direct_setting *s,
 // ---- punctual lights ----------------------------------------------------------------------------
 
 /// From point k to a punctual light.
-RSV_INLINE rsv_direct_ray rsv_direct_to_punctual(
-    const rsv_direct_setting *s, const rsv_direct_receiver *receiver, uint32_t k, uint32_t light)
+RSV_INLINE void rsv_direct_to_punctual(const rsv_direct_setting *s,
+    const rsv_node_receivers *receivers, uint32_t k, uint32_t light, rsv_next_event *event)
 {
-    const rsv_surface_point *point = &receiver->point[k];
-    rsv_direct_ray r = rsv_direct_no_ray();
-    rsv_punctual_sample sample;
-    float u = rsv_stratified_1d(k, s->points, rsv_hash3(s->seed, receiver->node, 3));
-    if (!rsv_punctual_at(s->lights, point->position, point->normal, light, u, &sample) ||
-        !rsv_surface_faces(point, sample.direction))
-        return r;
-    float cos = v3_dot(point->normal, sample.direction);
-    r.open = rgb_scale(sample.irradiance, cos);
-    r.entering = rsv_direct_entering(s, receiver, r.open, sample.distance, cos);
-    r.ray =
-        rsv_punctual_ray(&sample, rsv_lifted_origin(point, receiver->origin[k], sample.direction));
-    return r;
+    rsv_entrance entrance = rsv_direct_entrance(s, receivers);
+    float u = rsv_stratified_1d(k, s->points, rsv_hash3(s->seed, receivers->node, 3));
+    rsv_next_event_punctual(&receivers->at[k], &entrance, s->lights, light, u, event);
 }
 
 /// Sums of one punctual light over the points.
@@ -241,13 +155,13 @@ typedef struct rsv_direct_punctual {
     uint32_t seen, hidden; ///< what arrives in part is both
 } rsv_direct_punctual;
 
-/// @param passed share of the ray's light that arrives
+/// @param passed share of the event's light that arrives
 RSV_INLINE void rsv_direct_count_punctual(
-    rsv_direct_punctual *p, const rsv_direct_ray *r, float passed)
+    rsv_direct_punctual *p, const rsv_next_event *event, float passed)
 {
-    if (passed > 0) p->sum = rgb_mad(p->sum, passed, r->entering);
+    if (passed > 0) p->sum = rgb_mad(p->sum, passed, event->light);
     p->seen += passed > 0;
-    p->hidden += passed < 1 && !rgb_is_black(r->entering);
+    p->hidden += passed < 1 && !rgb_is_black(event->light);
 }
 
 #endif

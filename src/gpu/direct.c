@@ -12,7 +12,7 @@ struct rsv_device_direct {
     rsv_gpu_scene scene;
     rsv_gpu_sources sources;
     rsv_gpu_scattering scattering;
-    rsv_direct_receiver *receiver;
+    rsv_node_receivers *receivers;
     bool any_sampled;
     uint32_t punctual_count;
     rsv_direct_args args;
@@ -31,7 +31,7 @@ static void lay_out_room(void *task, rsv_gpu_block *b)
     rsv_device_direct *d = task;
     rsv_direct_args *a = &d->args;
     size_t most = d->desc.most;
-    a->receiver = d->receiver = rsv_gpu_place(b, most, sizeof *a->receiver);
+    a->receivers = d->receivers = rsv_gpu_place(b, most, sizeof *a->receivers);
     a->local = rsv_gpu_place(b, most * a->setting.points, sizeof *a->local);
     a->sums = rsv_gpu_place(b, most, sizeof *a->sums);
     a->estimate = rsv_gpu_place(b, most, sizeof *a->estimate);
@@ -108,12 +108,12 @@ static rsv_status create(rsv_device *device, const rsv_device_direct_desc *desc,
     return status;
 }
 
-static rsv_status estimate(rsv_device_direct *d, const rsv_direct_receiver *receiver,
+static rsv_status estimate(rsv_device_direct *d, const rsv_node_receivers *receivers,
     uint32_t count, rsv_direct_rays rays, rsv_direct_estimate *estimate, char *message)
 {
     rsv_direct_args *a = &d->args;
     a->rays = rays;
-    rsv_gpu_upload(d->gpu, d->receiver, receiver, count * sizeof *receiver);
+    rsv_gpu_upload(d->gpu, d->receivers, receivers, count * sizeof *receivers);
     if (d->any_sampled) {
         rsv_launch_direct_weigh(d->gpu, a, (size_t)count * a->setting.points);
         rsv_launch_direct_emitters(d->gpu, a, count);

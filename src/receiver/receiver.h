@@ -1,0 +1,99 @@
+/// Where light straight from sources is received: a point with its normals, and what light passes on its last way into it.
+///
+/// Elements, pixels, probes, movers, rough lobes, residuals and devices all receive by this and sample sources by
+/// next_event.h; which of the light is theirs, sources/partition.h says. The path tracer has code of its own.
+///
+/// Plain C, for device code too.
+#ifndef RSV_RECEIVER_H
+#define RSV_RECEIVER_H
+
+#include "../surface/entry.h"
+#include "../surface/lift.h"
+#include "../surface/medium.h"
+
+/// A point that receives light from above its surface. No pointers: devices get arrays of them.
+typedef struct rsv_receiver {
+    rsv_surface_point point;
+    rsv_vec3 origin; ///< off the surface: where rays start that do not graze it
+} rsv_receiver;
+
+/// A point of a triangle. @param point of it; lifted here where the triangle stands for a curved surface
+RSV_INLINE rsv_receiver rsv_receiver_at(const rsv_scene_view *scene, const rsv_tracer *tracer,
+    uint32_t triangle, float u, float v, rsv_surface_point point)
+{
+    rsv_receiver r;
+    r.point = point;
+    rsv_surface_lift(scene, tracer, triangle, u, v, &r.point);
+    r.origin = rsv_moved_off(point.position, point.geometric, point.extent);
+    return r;
+}
+
+/// A point that lies on no surface. @param origin of its rays
+RSV_INLINE rsv_receiver rsv_receiver_in_space(rsv_vec3 position, rsv_vec3 normal, rsv_vec3 origin)
+{
+    rsv_receiver r;
+    r.point.position = position;
+    r.point.normal = r.point.geometric = r.point.horizon = normal;
+    r.point.lift = v3(0, 0, 0);
+    r.point.extent = 0;
+    r.origin = origin;
+    return r;
+}
+
+/// The same point of the surface's other side, which is not lifted.
+RSV_INLINE rsv_receiver rsv_receiver_below(const rsv_receiver *above)
+{
+    rsv_receiver r = *above;
+    r.point.normal = v3_neg(r.point.normal);
+    r.point.geometric = r.point.horizon = v3_neg(r.point.geometric);
+    r.point.lift = v3(0, 0, 0);
+    r.origin = rsv_moved_off(r.point.position, r.point.geometric, r.point.extent);
+    return r;
+}
+
+/// What covers a receiver.
+typedef enum rsv_cover {
+    RSV_COVER_NONE,
+    RSV_COVER_COAT, ///< of the point
+    RSV_COVER_PATCH ///< on average over the element around it
+} rsv_cover;
+
+/// What light passes at a receiver, and what it counts for there. What it points to is borrowed.
+typedef struct rsv_entrance {
+    const rsv_bsdf *bsdf;     ///< [material_count]
+    const rsv_medium *medium; ///< above the receiver
+    rsv_cover cover;
+    const rsv_bsdf *coat;           ///< RSV_COVER_COAT
+    const rsv_surface_entry *patch; ///< RSV_COVER_PATCH
+    rsv_rgb weight;                 ///< of irradiance in what is estimated
+} rsv_entrance;
+
+/// @param medium, bsdf borrowed
+RSV_INLINE rsv_entrance rsv_entrance_through(
+    const rsv_medium *medium, const rsv_bsdf *bsdf, rsv_cover cover)
+{
+    rsv_entrance e;
+    e.bsdf = bsdf;
+    e.medium = medium;
+    e.cover = cover;
+    e.coat = NULL;
+    e.patch = NULL;
+    e.weight = rgb_gray(1);
+    return e;
+}
+
+/// What light at that cosine counts for as irradiance below the cover.
+RSV_INLINE rsv_rgb rsv_entrance_share(const rsv_entrance *e, float cos)
+{
+    if (e->cover == RSV_COVER_COAT) return rsv_bsdf_entry(e->coat, cos);
+    if (e->cover == RSV_COVER_PATCH) return rsv_surface_entry_at(e->patch, e->bsdf, cos);
+    return rgb_gray(1);
+}
+
+/// The weight of what a source at that distance sends.
+RSV_INLINE rsv_rgb rsv_entrance_weight(const rsv_entrance *e, float distance)
+{
+    return rgb_mul(e->weight, rsv_medium_transmittance(e->medium, e->bsdf, distance));
+}
+
+#endif
