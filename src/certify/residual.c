@@ -1,20 +1,18 @@
 #include "residual.h"
 
 #include "../core/stratified.h"
+#include "../receiver/next_event.h"
 #include "../render/pixel_direct.h"
 #include "../sources/partition.h"
-#include "../sources/punctual_light.h"
-#include "../surface/lift.h"
-#include "../trace/passage.h"
 
-/// The surface point at which light is gathered.
+/// The surface point at which light is gathered. Not to be copied.
 typedef struct receiver {
     const rsv_residual_job *job;
-    const rsv_bsdf *bsdf; ///< how light enters there
+    rsv_receiver at;
+    rsv_entrance entrance; ///< how light enters there
     rsv_bsdf storage;
-    rsv_surface_point point;
-    rsv_vec3 origin, tangent, bitangent;
     rsv_medium medium;
+    rsv_vec3 tangent, bitangent;
     rsv_residual *result;
 } receiver;
 
@@ -33,50 +31,25 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     const rsv_light_view *s = job->solution;
     uint32_t triangle = s->elements->face_triangle[p->face];
     r->job = job;
-    r->bsdf = rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
-    r->point =
-        rsv_surface_point_at(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face]);
-    rsv_surface_lift(s->scene.view, s->tracer, triangle, p->u, p->v, &r->point);
-    r->origin = rsv_offset_origin(r->point.position, r->point.geometric, r->point.extent);
-    r->medium = rsv_medium_above(&s->scene.media, r->origin, r->point.geometric);
-    v3_frame(r->point.normal, &r->tangent, &r->bitangent);
+    r->at = rsv_receiver_at(s->scene.view, s->tracer, triangle, p->u, p->v,
+        rsv_surface_point_at(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face]));
+    r->medium = rsv_medium_above(&s->scene.media, r->at.origin, r->at.point.geometric);
+    r->entrance = rsv_entrance_through(&r->medium, s->bsdf, RSV_COVER_COAT);
+    r->entrance.coat =
+        rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
+    v3_frame(r->at.point.normal, &r->tangent, &r->bitangent);
 }
 
-/// What arrives along a shadow ray.
-static float arriving(const receiver *r, rsv_ray ray)
+/// A source that was drawn, and how much of its light arrives.
+static float try_light(
+    const receiver *r, const rsv_local_lights *local, rsv_random *random, rsv_next_event *event)
 {
-    r->result->rays++;
-    return rsv_tracer_passed(r->job->solution->tracer, &ray);
-}
-
-/// Share of light from that distance and under that angle that enters the surface.
-static rsv_rgb entry(const receiver *r, float distance, float cos)
-{
-    return rgb_mul(rsv_bsdf_entry(r->bsdf, cos),
-        rsv_medium_transmittance(&r->medium, r->job->solution->bsdf, distance));
-}
-
-/// One shadow ray: what arrives if it is open, and what closed forms know of it.
-typedef struct light_trial {
-    rsv_rgb light, control;
-    float open; ///< how far
-} light_trial;
-
-static light_trial try_light(const receiver *r, const rsv_local_lights *local, rsv_random *random)
-{
-    light_trial trial = { 0 };
-    rsv_light_sample light;
-    float select = rsv_random_float(random), x = rsv_random_float(random);
-    if (!rsv_local_lights_sample(local, select, x, rsv_random_float(random), &light)) return trial;
-    float cos = v3_dot(r->point.normal, light.direction);
-    if (cos <= 0) return trial;
-    float scale = cos / light.pdf_solid_angle;
-    trial.control = rgb_scale(light.mean_radiance, scale);
-    trial.light = rgb_scale(rgb_mul(light.radiance, entry(r, light.distance, cos)), scale);
-    if (rsv_surface_faces(&r->point, light.direction))
-        trial.open = arriving(r, rsv_shadow_ray(local->lights, &light, r->point.position,
-                                     rsv_lifted_origin(&r->point, r->origin, light.direction)));
-    return trial;
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(random);
+    rsv_next_event_draw(&r->at, &r->entrance, local, u, event);
+    r->result->rays += rsv_next_event_asks(event);
+    return rsv_next_event_passed(r->job->solution->tracer, event);
 }
 
 /// With S_i, V_i, C_i the light, visibility and control of sample i, A the mean of C and a_i the mean visibility of
@@ -89,39 +62,21 @@ static rsv_rgb from_emitters(const receiver *r, rsv_random *random)
     float open = 0, count = (float)r->job->light_samples;
     if (!rsv_lights_any_sampled(lights)) return sum;
     rsv_local_lights local;
-    rsv_lights_at(lights, r->point.position, r->point.normal, &local);
+    rsv_receiver_weigh(&r->at, lights, &local);
     if (rsv_local_lights_are_dark(&local)) return sum;
     for (uint32_t k = 0; k < r->job->light_samples; k++) {
-        light_trial trial = try_light(r, &local, random);
-        rsv_rgb difference = rgb_sub(local.unshadowed, trial.control);
+        rsv_next_event event;
+        float passed = try_light(r, &local, random, &event);
+        rsv_rgb difference = rgb_sub(local.unshadowed, event.open);
         rest = rgb_add(rest, difference);
-        if (!(trial.open > 0)) continue;
-        sum = rgb_mad(sum, trial.open, trial.light);
-        open_rest = rgb_mad(open_rest, trial.open, difference);
-        open += trial.open;
+        if (!(passed > 0)) continue;
+        sum = rgb_mad(sum, passed, event.light);
+        open_rest = rgb_mad(open_rest, passed, difference);
+        open += passed;
     }
-    if (!r->bsdf->coated)
+    if (!r->entrance.coat->coated)
         sum = rgb_mad(sum, 1 / (count - 1), rgb_sub(rgb_scale(rest, open), open_rest));
     return rgb_scale(sum, 1 / count);
-}
-
-static rsv_rgb from_punctual(const receiver *r, float u)
-{
-    const rsv_lights *lights = r->job->solution->lights;
-    rsv_rgb sum = rgb_gray(0);
-    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
-        rsv_punctual_sample light;
-        if (!rsv_punctual_at(lights, r->point.position, r->point.normal, k, u, &light) ||
-            !rsv_surface_faces(&r->point, light.direction))
-            continue;
-        float cos = v3_dot(r->point.normal, light.direction);
-        float share = arriving(
-            r, rsv_punctual_ray(&light, rsv_lifted_origin(&r->point, r->origin, light.direction)));
-        if (share > 0)
-            sum =
-                rgb_mad(sum, share * cos, rgb_mul(light.irradiance, entry(r, light.distance, cos)));
-    }
-    return sum;
 }
 
 /// What next-event estimation finds.
@@ -129,9 +84,12 @@ static rsv_rgb sampled_direct(const receiver *r, uint32_t stream)
 {
     rsv_random random = rsv_random_from(stream, 1, 0x51f2u);
     rsv_rgb sum = from_emitters(r, &random), punctual = rgb_gray(0);
-    uint32_t count = r->job->solution->lights->punctual_tree ? r->job->light_samples : 1;
+    const rsv_lights *lights = r->job->solution->lights;
+    uint32_t count = lights->punctual_tree ? r->job->light_samples : 1;
     for (uint32_t k = 0; k < count; k++)
-        punctual = rgb_add(punctual, from_punctual(r, rsv_random_float(&random)));
+        punctual = rgb_add(
+            punctual, rsv_punctual_irradiance_at(&r->at, &r->entrance, lights,
+                          r->job->solution->tracer, rsv_random_float(&random), &r->result->rays));
     return rgb_mad(sum, 1 / (float)count, punctual);
 }
 
@@ -179,7 +137,7 @@ static rsv_rgb gather_one(
 {
     const rsv_residual_job *job = r->job;
     const rsv_transport_scene *scene = &job->solution->scene;
-    rsv_ray ray = { rsv_lifted_origin(&r->point, r->origin, direction), direction, INFINITY };
+    rsv_ray ray = { rsv_receiver_start(&r->at, direction), direction, INFINITY };
     rsv_hit hit;
     r->result->rays++;
     if (!rsv_tracer_closest(scene->tracer, &ray, &hit))
@@ -216,10 +174,10 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction =
-            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->point.normal);
+            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->at.point.normal);
         // what an interpolated normal sends below the surface counts, and finds nothing
-        if (v3_dot(direction, r->point.horizon) <= 0) continue;
-        rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->bsdf, d.z), &random);
+        if (v3_dot(direction, r->at.point.horizon) <= 0) continue;
+        rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->entrance.coat, d.z), &random);
         sum[0] += (double)found.r, sum[1] += (double)found.g, sum[2] += (double)found.b;
     }
     double scale = (double)RSV_PI / count;

@@ -1,7 +1,7 @@
 #include "direct_preview.h"
 
+#include "../receiver/next_event.h"
 #include "../sources/light_pattern.h"
-#include "../sources/punctual_light.h"
 #include "../trace/packet.h"
 #include "../trace/passage.h"
 #include "preview_kernels.h"
@@ -316,22 +316,24 @@ static uint64_t light_group(
 
 // ---- punctual lights --------------------------------------------------------------------------------
 
-/// Aims a lane at a light. @return what arrives if nothing is between
+/// Aims a lane at a light; what it receives is lifted off its triangle with the packet. @return what arrives if nothing is
+/// between
 static rsv_rgb aim_at_light(const preview_job *job, const rsv_receiver_block *block, uint32_t lane,
     uint32_t light, rsv_ray_packet *packet)
 {
-    rsv_punctual_sample sample;
+    const rsv_medium outside = { .depth = 0 }; // what lies in absorbing bodies is in no block
+    rsv_entrance entrance = rsv_entrance_through(
+        &outside, job->blocks->scene->bsdf, block->coated ? RSV_COVER_PATCH : RSV_COVER_NONE);
     rsv_vec3 point = v3(block->x[lane], block->y[lane], block->z[lane]);
-    rsv_vec3 normal = v3(block->normal_x[lane], block->normal_y[lane], block->normal_z[lane]);
+    rsv_receiver receiver = rsv_receiver_in_space(
+        point, v3(block->normal_x[lane], block->normal_y[lane], block->normal_z[lane]), point);
+    rsv_next_event event;
     packet->t_max[lane] = -1;
-    if (!(block->valid >> lane & 1) ||
-        !rsv_punctual_at(job->lights, point, normal, light, 0.5f, &sample))
-        return rgb_gray(0);
-    float cos = v3_dot(normal, sample.direction);
-    if (!(cos > 0)) return rgb_gray(0);
-    rsv_ray ray = rsv_punctual_ray(&sample, point);
-    rsv_packet_set_ray(packet, lane, ray);
-    return entering(job, block, lane / POINTS, cos, rgb_scale(sample.irradiance, cos));
+    if (!(block->valid >> lane & 1)) return rgb_gray(0);
+    if (block->coated) entrance.patch = rsv_receiver_entry(job->blocks, block, lane / POINTS);
+    rsv_next_event_punctual(&receiver, &entrance, job->lights, light, 0.5f, &event);
+    if (rsv_next_event_asks(&event)) rsv_packet_set_ray(packet, lane, event.ray);
+    return event.light;
 }
 
 static uint64_t light_by_light(

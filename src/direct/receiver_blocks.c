@@ -1,6 +1,6 @@
 #include "receiver_blocks.h"
 
-#include "../surface/lift.h"
+#include "../receiver/receiver.h"
 #include "../trace/packet.h"
 
 #include <stdlib.h>
@@ -30,7 +30,7 @@ static uint32_t material_of(const rsv_receiver_blocks *b, uint32_t node)
 
 /// The first few of a node's points that are not buried. @return how many
 static uint32_t find_points(
-    const builder *w, uint32_t node, rsv_support_point *sample, rsv_surface_point *points)
+    const builder *w, uint32_t node, rsv_support_point *sample, rsv_receiver *receiver)
 {
     const rsv_elements *e = w->b->elements;
     uint32_t count = 0;
@@ -38,18 +38,17 @@ static uint32_t find_points(
     for (uint32_t k = 0; k < w->points && count < RSV_BLOCK_POINTS; k++) {
         if (!(w->valid_points[node] >> k & 1)) continue;
         uint32_t face = e->cell[sample[k].support / 4].face;
-        points[count] = rsv_surface_point_at(
-            e->scene, e->face_triangle[face], sample[k].u, sample[k].v, e->face_back[face]);
-        rsv_surface_lift(e->scene, w->b->scene->tracer, e->face_triangle[face], sample[k].u,
-            sample[k].v, &points[count++]);
+        uint32_t triangle = e->face_triangle[face];
+        float u = sample[k].u, v = sample[k].v;
+        receiver[count++] = rsv_receiver_at(e->scene, w->b->scene->tracer, triangle, u, v,
+            rsv_surface_point_at(e->scene, triangle, u, v, e->face_back[face]));
     }
     return count;
 }
 
-static bool absorbs(const rsv_transport_scene *scene, const rsv_surface_point *p)
+static bool absorbs(const rsv_transport_scene *scene, const rsv_receiver *r)
 {
-    rsv_vec3 origin = rsv_offset_origin(p->position, p->geometric, p->extent);
-    rsv_medium medium = rsv_medium_above(&scene->media, origin, p->geometric);
+    rsv_medium medium = rsv_medium_above(&scene->media, r->origin, r->point.geometric);
     return rsv_medium_absorbs(&medium, scene->bsdf);
 }
 
@@ -114,13 +113,14 @@ static rsv_status sort_nodes(builder *w, const bool *moves)
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(b->context))
     for (size_t node = 0; node < nodes; node++) {
         rsv_support_point sample[RSV_SUPPORT_POINTS];
-        rsv_surface_point point[RSV_BLOCK_POINTS];
+        rsv_receiver receiver[RSV_BLOCK_POINTS];
         w->place[node] = (curve_place){ UINT64_MAX, (uint32_t)node };
         b->held[node] = !w->valid_points[node];
         if (b->held[node] || moves[material_of(b, (uint32_t)node)]) continue;
-        find_points(w, (uint32_t)node, sample, point);
-        b->held[node] = !absorbs(b->scene, &point[0]);
-        if (b->held[node]) w->place[node].key = curve_key(w, point[0].position, point[0].geometric);
+        find_points(w, (uint32_t)node, sample, receiver);
+        const rsv_surface_point *first = &receiver[0].point;
+        b->held[node] = !absorbs(b->scene, &receiver[0]);
+        if (b->held[node]) w->place[node].key = curve_key(w, first->position, first->geometric);
     }
     b->holds_all = true;
     for (size_t node = 0; node < nodes; node++) {
@@ -133,10 +133,10 @@ static rsv_status sort_nodes(builder *w, const bool *moves)
 
 // ---- blocks -----------------------------------------------------------------------------------------
 
-static void set_lane(rsv_receiver_block *block, uint32_t lane, const rsv_surface_point *p)
+static void set_lane(rsv_receiver_block *block, uint32_t lane, const rsv_receiver *r)
 {
-    rsv_vec3 origin = rsv_offset_origin(p->position, p->geometric, p->extent);
-    block->x[lane] = origin.x, block->y[lane] = origin.y, block->z[lane] = origin.z;
+    const rsv_surface_point *p = &r->point;
+    block->x[lane] = r->origin.x, block->y[lane] = r->origin.y, block->z[lane] = r->origin.z;
     block->normal_x[lane] = p->normal.x;
     block->normal_y[lane] = p->normal.y;
     block->normal_z[lane] = p->normal.z;
@@ -167,12 +167,12 @@ static void fill_block(const builder *w, size_t index)
     for (uint32_t n = 0; n < RSV_BLOCK_NODES; n++) {
         size_t k = index * RSV_BLOCK_NODES + n;
         rsv_support_point sample[RSV_SUPPORT_POINTS];
-        rsv_surface_point point[RSV_BLOCK_POINTS];
+        rsv_receiver receiver[RSV_BLOCK_POINTS];
         block->node[n] = k < w->count ? w->place[k].node : RSV_NONE;
         if (k >= w->count) continue;
-        uint32_t node = block->node[n], count = find_points(w, node, sample, point);
+        uint32_t node = block->node[n], count = find_points(w, node, sample, receiver);
         for (uint32_t p = 0; p < count; p++)
-            set_lane(block, n * RSV_BLOCK_POINTS + p, &point[p]);
+            set_lane(block, n * RSV_BLOCK_POINTS + p, &receiver[p]);
         if (!w->b->entry) continue;
         block->coated = block->coated || w->b->scene->bsdf[material_of(w->b, node)].coated;
         w->b->entry[k] =

@@ -1,7 +1,6 @@
 #include "specular_light.h"
 
 #include "../render/camera_path.h"
-#include "../surface/lift.h"
 
 void rsv_specular_light_refresh(rsv_specular_light *l)
 {
@@ -21,7 +20,13 @@ void rsv_add_sky(rsv_specular_light *l, rsv_vec3 direction, rsv_rgb weight)
         add(l, rgb_mul(weight, rsv_sky_radiance(&l->sky, direction)));
 }
 
-static rsv_rgb without(rsv_rgb a, rsv_rgb b) { return rgb_positive(rgb_sub(a, b)); }
+/// What the object leaves of the light that a point shows.
+static rsv_rgb shaded(const rsv_mover *mover, const rsv_receiver *receiver, uint32_t stream,
+    rsv_rgb albedo, rsv_rgb shown)
+{
+    rsv_rgb kept = rsv_mover_shadow(mover, receiver, stream);
+    return rgb_positive(rgb_sub(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI)));
+}
 
 rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
     const rsv_ray_packet *rays, uint32_t lane, uint32_t stream, rsv_rgb shown)
@@ -30,12 +35,11 @@ rsv_rgb rsv_shade_stored(const rsv_light_table *table, const rsv_mover *mover,
     uint32_t triangle = rays->triangle[lane];
     bool back = rsv_packet_meets_back(rays, lane);
     if (s->elements->face_of[back][triangle] == RSV_NONE) return shown;
-    rsv_surface_point point =
-        rsv_surface_point_at(s->scene.view, triangle, rays->u[lane], rays->v[lane], back);
-    rsv_surface_lift(s->scene.view, s->tracer, triangle, rays->u[lane], rays->v[lane], &point);
+    float u = rays->u[lane], v = rays->v[lane];
+    rsv_receiver receiver = rsv_receiver_at(s->scene.view, s->tracer, triangle, u, v,
+        rsv_surface_point_at(s->scene.view, triangle, u, v, back));
     rsv_rgb albedo = s->bsdf[s->scene.view->triangle_material[triangle]].base_color;
-    rsv_rgb kept = rsv_mover_shadow(mover, &point, stream);
-    return without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
+    return shaded(mover, &receiver, stream, albedo, shown);
 }
 
 void rsv_add_stored(rsv_specular_light *l, rsv_rgb throughput, const rsv_ray_packet *rays,
@@ -65,12 +69,10 @@ void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb wei
     rsv_rgb albedo = bsdf->base_color;
     rsv_rgb shown = rsv_shown_reflected(l->table, face, albedo, path->u, path->v);
     if (l->mover) {
-        rsv_surface_point point =
-            rsv_surface_point_at(l->scene->view, path->triangle, path->u, path->v, path->back);
-        rsv_surface_lift(
-            l->scene->view, l->scene->tracer, path->triangle, path->u, path->v, &point);
-        rsv_rgb kept = rsv_mover_shadow(l->mover, &point, l->trail);
-        shown = without(shown, rgb_scale(rgb_mul(albedo, kept), 1 / RSV_PI));
+        const rsv_scene_view *view = l->scene->view;
+        rsv_receiver receiver = rsv_receiver_at(view, l->scene->tracer, path->triangle, path->u,
+            path->v, rsv_surface_point_at(view, path->triangle, path->u, path->v, path->back));
+        shown = shaded(l->mover, &receiver, l->trail, albedo, shown);
     }
     add(l, rgb_mul(weight, shown));
 }

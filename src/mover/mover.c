@@ -56,15 +56,16 @@ static rsv_rgb irradiance_at(const rsv_mover *m, size_t vertex)
     rsv_vec3 normal = rsv_mover_turn(m, m->body->normal[vertex]);
     float extent =
         v3_max_abs(point) + rsv_scene_extent(m->body) + rsv_scene_extent(m->solution->scene.view);
-    rsv_vec3 origin = rsv_offset_origin(point, normal, extent);
-    rsv_aimed_ray aimed[RSV_MOST_AIMED];
+    rsv_receiver receiver =
+        rsv_receiver_in_space(point, normal, rsv_offset_origin(point, normal, extent));
+    rsv_next_event event[RSV_MOST_AIMED];
     uint32_t stream = rsv_hash2((uint32_t)vertex, 0x6d6fu);
-    uint32_t count = rsv_mover_aim(m, point, normal, origin, m->desc.light_samples, stream, aimed);
+    uint32_t count = rsv_mover_aim(m, &receiver, m->desc.light_samples, stream, event);
     rsv_rgb sum = rsv_probe_grid_irradiance(&m->grid, point, normal);
     for (uint32_t k = 0; k < count; k++) {
-        float passed = rsv_mover_passed(m, &aimed[k].ray);
-        if (passed > 0) passed *= rsv_tracer_passed(m->solution->tracer, &aimed[k].ray);
-        sum = rgb_mad(sum, passed, aimed[k].irradiance);
+        float passed = rsv_mover_passed(m, &event[k].ray);
+        if (passed > 0) passed *= rsv_next_event_passed(m->solution->tracer, &event[k]);
+        sum = rgb_mad(sum, passed, event[k].light);
     }
     return sum;
 }

@@ -2,6 +2,7 @@
 #ifndef RSV_MOVER_H
 #define RSV_MOVER_H
 
+#include "../receiver/next_event.h"
 #include "../render/probe_grid.h"
 #include "resolvent/mover.h"
 #include "resolvent/trace.h"
@@ -56,22 +57,17 @@ uint32_t rsv_mover_meet(const rsv_mover *mover, const rsv_ray_packet *packet, rs
 /// Radiance of the object at a hit of rsv_mover_meet.
 rsv_rgb rsv_mover_shown(const rsv_mover *mover, const rsv_ray_packet *body, uint32_t lane);
 
-/// A ray towards a source, and the irradiance it brings if nothing is in its way.
-typedef struct rsv_aimed_ray {
-    rsv_ray ray;
-    rsv_rgb irradiance;
-} rsv_aimed_ray;
-
 #define RSV_MOST_AIMED 192
 
-/// Samples all sources. @param samples of emitters, suns and sky @param ray [RSV_MOST_AIMED] out @return how many
-uint32_t rsv_mover_aim(const rsv_mover *mover, rsv_vec3 point, rsv_vec3 normal, rsv_vec3 origin,
-    uint32_t samples, uint32_t stream, rsv_aimed_ray *ray);
+/// Samples all sources. @param samples of emitters, suns and sky @param event [RSV_MOST_AIMED] out, those whose rays are to be
+/// traced @return how many
+uint32_t rsv_mover_aim(const rsv_mover *mover, const rsv_receiver *receiver, uint32_t samples,
+    uint32_t stream, rsv_next_event *event);
 
 /// Whether the object may lie between a point and some lamp.
 bool rsv_mover_may_shade(const rsv_mover *mover, rsv_vec3 point);
 
 /// Irradiance that the object keeps from a point of the scene's surfaces.
-rsv_rgb rsv_mover_shadow(const rsv_mover *mover, const rsv_surface_point *point, uint32_t stream);
+rsv_rgb rsv_mover_shadow(const rsv_mover *mover, const rsv_receiver *receiver, uint32_t stream);
 
 #endif

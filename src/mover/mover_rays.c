@@ -1,8 +1,6 @@
 #include "mover.h"
 
 #include "../core/stratified.h"
-#include "../sources/punctual_light.h"
-#include "../surface/lift.h"
 #include "../trace/packet.h"
 #include "../trace/passage.h"
 
@@ -62,24 +60,17 @@ static float ratio(float exact, float sampled) { return sampled > 0 ? exact / sa
 #define FEWEST_KNOWN 2
 
 /// Emitters, suns and sky. Where their unshadowed light is known in closed form, samples are scaled to it.
-static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, uint32_t samples,
-    uint32_t stream, rsv_aimed_ray *ray)
+static uint32_t aim_at_emitters(const rsv_receiver *receiver, const rsv_entrance *entrance,
+    const rsv_local_lights *local, uint32_t samples, uint32_t stream, rsv_next_event *event)
 {
     uint32_t count = 0;
-    bool known[RSV_MOST_AIMED]; ///< to closed forms
     rsv_rgb open = rgb_gray(0);
     for (uint32_t k = 0; k < samples; k++) {
-        rsv_light_sample light;
-        float x, y, select = rsv_stratified_1d(k, samples, rsv_hash2(stream, 1));
-        rsv_stratified_2d(k, samples, rsv_hash2(stream, 2), &x, &y);
-        if (!rsv_local_lights_sample(local, select, x, y, &light)) continue;
-        float cos = v3_dot(local->normal, light.direction);
-        if (cos <= 0) continue;
-        float weight = cos / (light.pdf_solid_angle * (float)samples);
-        open = rgb_mad(open, weight, light.mean_radiance);
-        known[count] = rsv_light_sample_is_weighed(&light);
-        ray[count].ray = rsv_shadow_ray(local->lights, &light, local->point, origin);
-        ray[count++].irradiance = rgb_scale(light.radiance, weight);
+        float u[3] = { rsv_stratified_1d(k, samples, rsv_hash2(stream, 1)), 0, 0 };
+        rsv_stratified_2d(k, samples, rsv_hash2(stream, 2), &u[1], &u[2]);
+        rsv_next_event_draw(receiver, entrance, local, u, &event[count]);
+        open = rgb_add(open, event[count].open);
+        count += rsv_next_event_asks(&event[count]);
     }
     // few samples may all have been the tree's: a ratio would lose what they might have been
     if (local->tree_share > 0 && (1 - local->tree_share) * (float)samples < FEWEST_KNOWN)
@@ -87,28 +78,28 @@ static uint32_t aim_at_emitters(const rsv_local_lights *local, rsv_vec3 origin, 
     rsv_rgb scale = rgb(ratio(local->unshadowed.r, open.r), ratio(local->unshadowed.g, open.g),
         ratio(local->unshadowed.b, open.b));
     for (uint32_t k = 0; k < count; k++)
-        if (known[k]) ray[k].irradiance = rgb_mul(ray[k].irradiance, scale);
+        if (event[k].known) event[k].light = rgb_mul(event[k].light, scale);
     return count;
 }
 
-uint32_t rsv_mover_aim(const rsv_mover *m, rsv_vec3 point, rsv_vec3 normal, rsv_vec3 origin,
-    uint32_t samples, uint32_t stream, rsv_aimed_ray *ray)
+uint32_t rsv_mover_aim(const rsv_mover *m, const rsv_receiver *receiver, uint32_t samples,
+    uint32_t stream, rsv_next_event *event)
 {
     const rsv_lights *lights = m->solution->lights;
+    const rsv_medium outside = { .depth = 0 };
+    rsv_entrance entrance = rsv_entrance_through(&outside, m->solution->bsdf, RSV_COVER_NONE);
     uint32_t count = 0;
     if (rsv_lights_any_sampled(lights)) {
         rsv_local_lights local;
-        rsv_lights_at(lights, point, normal, &local);
-        count = aim_at_emitters(&local, origin, samples, stream, ray);
+        rsv_receiver_weigh(receiver, lights, &local);
+        entrance.weight = rgb_gray(1 / (float)samples);
+        count = aim_at_emitters(receiver, &entrance, &local, samples, stream, event);
+        entrance.weight = rgb_gray(1);
     }
     float u = rsv_unit_float(rsv_hash2(stream, 3));
     for (uint32_t k = 0; k < rsv_punctual_count(lights) && count < RSV_MOST_AIMED; k++) {
-        rsv_punctual_sample light;
-        if (!rsv_punctual_at(lights, point, normal, k, u, &light)) continue;
-        float cos = v3_dot(normal, light.direction);
-        if (cos <= 0) continue;
-        ray[count].ray = rsv_punctual_ray(&light, origin);
-        ray[count++].irradiance = rgb_scale(light.irradiance, cos);
+        rsv_next_event_punctual(receiver, &entrance, lights, k, u, &event[count]);
+        count += rsv_next_event_asks(&event[count]);
     }
     return count;
 }
@@ -142,21 +133,19 @@ static bool misses_ball(const rsv_mover *m, const rsv_ray *ray)
     return v3_length(apart) > 1.001f * m->ball.radius;
 }
 
-rsv_rgb rsv_mover_shadow(const rsv_mover *m, const rsv_surface_point *point, uint32_t stream)
+rsv_rgb rsv_mover_shadow(const rsv_mover *m, const rsv_receiver *receiver, uint32_t stream)
 {
     rsv_rgb kept = rgb_gray(0);
+    const rsv_surface_point *point = &receiver->point;
     if (is_behind(m, point) || !rsv_mover_may_shade(m, point->position)) return kept;
-    rsv_aimed_ray aimed[RSV_MOST_AIMED];
-    rsv_vec3 origin = rsv_offset_origin(point->position, point->geometric, point->extent);
+    rsv_next_event event[RSV_MOST_AIMED];
     uint32_t samples = (m->desc.light_samples + 3) / 4;
-    uint32_t count =
-        rsv_mover_aim(m, point->position, point->normal, origin, samples, stream, aimed);
+    uint32_t count = rsv_mover_aim(m, receiver, samples, stream, event);
     for (uint32_t k = 0; k < count; k++) {
-        rsv_lift_ray(point, &aimed[k].ray);
-        if (misses_ball(m, &aimed[k].ray)) continue;
-        float lost = 1 - rsv_mover_passed(m, &aimed[k].ray);
-        if (lost > 0) lost *= rsv_tracer_passed(m->solution->tracer, &aimed[k].ray);
-        kept = rgb_mad(kept, lost, aimed[k].irradiance);
+        if (misses_ball(m, &event[k].ray)) continue;
+        float lost = 1 - rsv_mover_passed(m, &event[k].ray);
+        if (lost > 0) lost *= rsv_next_event_passed(m->solution->tracer, &event[k]);
+        kept = rgb_mad(kept, lost, event[k].light);
     }
     return kept;
 }

@@ -46,11 +46,6 @@ RSV_INLINE void rsv_receiver_weigh(
     rsv_lights_at(lights, r->point.position, r->point.normal, local);
 }
 
-RSV_INLINE rsv_vec3 rsv_receiver_start(const rsv_receiver *r, rsv_vec3 direction)
-{
-    return rsv_lifted_origin(&r->point, r->origin, direction);
-}
-
 /// The event of a place that was drawn, above the receiver's horizon.
 RSV_INLINE void rsv_next_event_at_place(const rsv_receiver *r, const rsv_entrance *e,
     const rsv_lights *lights, const rsv_light_sample *sample, rsv_response response,

@@ -1,7 +1,8 @@
 /// Where light straight from sources is received: a point with its normals, and what light passes on its last way into it.
 ///
 /// Elements, pixels, probes, movers, rough lobes, residuals and devices all receive by this and sample sources by
-/// next_event.h; which of the light is theirs, sources/partition.h says. The path tracer has code of its own.
+/// next_event.h; which of the light is theirs, sources/partition.h says. The path tracer has code of its own,
+/// on purpose (reference/path_sources.h).
 ///
 /// Plain C, for device code too.
 #ifndef RSV_RECEIVER_H
@@ -49,6 +50,12 @@ RSV_INLINE rsv_receiver rsv_receiver_below(const rsv_receiver *above)
     r.point.lift = v3(0, 0, 0);
     r.origin = rsv_moved_off(r.point.position, r.point.geometric, r.point.extent);
     return r;
+}
+
+/// Where a ray that leaves along unit `direction` starts.
+RSV_INLINE rsv_vec3 rsv_receiver_start(const rsv_receiver *r, rsv_vec3 direction)
+{
+    return rsv_lifted_origin(&r->point, r->origin, direction);
 }
 
 /// What covers a receiver.

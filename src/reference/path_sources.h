@@ -1,5 +1,9 @@
 /// A path of the reference on its way, and the light that it finds: of sources that its surfaces aim at, combined by the
 /// power heuristic with exponent 2 (Veach and Guibas 1995) with those that it comes to.
+///
+/// All else receives by receiver/next_event.h. Paths do not, on purpose: who judges is to share as little as possible with
+/// whom he judges. What they share is the list of sources and how to draw a place on one (sources/lights.h), which tests
+/// compare with exact answers.
 #ifndef RSV_PATH_SOURCES_H
 #define RSV_PATH_SOURCES_H
 

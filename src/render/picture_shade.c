@@ -1,6 +1,6 @@
 #include "picture_shade.h"
 
-#include "../surface/lift.h"
+#include "../receiver/receiver.h"
 
 void rsv_picture_add_light(rsv_picture_row *r, uint32_t column, uint32_t order, rsv_rgb radiance)
 {
@@ -93,21 +93,22 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
     const rsv_light_view *s = r->job->solution;
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
-    rsv_surface_point point = rsv_surface_point_seen(
-        s->scene.view, path->triangle, path->u, path->v, path->back, path->width);
-    rsv_surface_lift(s->scene.view, s->tracer, path->triangle, path->u, path->v, &point);
-    rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
-    v3_frame(point.normal, &t, &b);
+    const rsv_receiver receiver =
+        rsv_receiver_at(s->scene.view, s->tracer, path->triangle, path->u, path->v,
+            rsv_surface_point_seen(
+                s->scene.view, path->triangle, path->u, path->v, path->back, path->width));
+    const rsv_surface_point *point = &receiver.point;
+    rsv_vec3 t, b;
+    v3_frame(point->normal, &t, &b);
     uint32_t rays = r->job->desc->gather_rays, total = rays * r->sample.count;
     for (uint32_t k = 0; k < rays; k++) {
         float x, y;
         rsv_stratified_2d(r->sample.index * rays + k, total, rsv_hash2(r->sample.seed, 11), &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
-        rsv_ray ray = { origin, v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point.normal),
-            INFINITY };
-        ray.origin = rsv_lifted_origin(&point, origin, ray.direction);
+        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, point->normal);
+        rsv_ray ray = { rsv_receiver_start(&receiver, direction), direction, INFINITY };
         rsv_hit hit;
-        if (v3_dot(ray.direction, point.horizon) <= 0 || !rsv_tracer_closest(s->tracer, &ray, &hit))
+        if (v3_dot(direction, point->horizon) <= 0 || !rsv_tracer_closest(s->tracer, &ray, &hit))
             continue;
         rsv_random random = rsv_random_from(r->sample.seed, r->sample.index, 97 + k);
         rsv_specular_path first = rsv_specular_begin(

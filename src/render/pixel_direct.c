@@ -1,10 +1,5 @@
 #include "pixel_direct.h"
 
-#include "../sources/punctual_light.h"
-#include "../surface/lift.h"
-#include "../trace/packet.h"
-#include "../trace/passage.h"
-
 #include <string.h>
 
 /// Shadow rays of a sample at most, the first included.
@@ -20,7 +15,6 @@ rsv_status rsv_pixel_direct_begin(
     rsv_pixel_direct *d, const rsv_light_view *solution, uint32_t width)
 {
     memset(d, 0, sizeof *d);
-    memset(d->packet.mask, 0xff, sizeof d->packet.mask);
     d->solution = solution;
     d->width = width;
     d->tally = rsv_alloc(solution->context, width, sizeof *d->tally);
@@ -37,15 +31,13 @@ void rsv_pixel_direct_end(rsv_pixel_direct *d)
 
 static void trace_pending(rsv_pixel_direct *d)
 {
-    for (uint32_t k = d->pending; k < RSV_PACKET_WIDTH; k++)
-        d->packet.t_max[k] = -1;
     float passed[RSV_PACKET_WIDTH];
-    if (d->pending) rsv_tracer_passed_packet(d->solution->tracer, &d->packet, true, passed);
+    if (d->pending) rsv_next_events_passed(d->solution->tracer, d->event, d->pending, passed);
     for (uint32_t k = 0; k < d->pending; k++) {
         if (!(passed[k] > 0)) continue;
         rsv_direct_term *term = &d->term[d->owner[k]];
-        term->arrived = rgb_mad(term->arrived, passed[k], d->carried[k]);
-        if (!d->known[k]) continue;
+        term->arrived = rgb_mad(term->arrived, passed[k], d->event[k].light);
+        if (!d->event[k].known) continue;
         term->seen += passed[k];
         term->veiled += passed[k] * (1 - passed[k]);
     }
@@ -72,16 +64,12 @@ static void push_spot(
         d->spot[d->spot_count++] = (rsv_direct_spot){ *path, weight, sample, d->term_count - 1 };
 }
 
-/// @param carried what the ray brings to its term if it is free
-/// @param known   closed forms know its source
-static void push_shadow_ray(
-    rsv_pixel_direct *d, size_t term, rsv_ray ray, rsv_rgb carried, bool known)
+/// Asks for what an event of a term brings.
+static void push_event(rsv_pixel_direct *d, size_t term, const rsv_next_event *event)
 {
-    uint32_t k = d->pending++;
-    rsv_packet_set_ray(&d->packet, k, ray);
-    d->owner[k] = term;
-    d->carried[k] = carried;
-    d->known[k] = known;
+    if (!rsv_next_event_asks(event)) return;
+    d->event[d->pending] = *event;
+    d->owner[d->pending++] = term;
     if (d->pending == RSV_PACKET_WIDTH) trace_pending(d);
 }
 
@@ -96,63 +84,44 @@ static rsv_pixel_sample within_half(rsv_pixel_sample sample)
         rsv_hash2(sample.seed, 7 + half) };
 }
 
-/// A diffuse surface as sources light it.
+/// A diffuse surface as sources light it. Not to be copied.
 typedef struct lit_point {
-    const rsv_bsdf *bsdf;
+    rsv_receiver receiver;
+    rsv_entrance entrance;
     rsv_bsdf storage;
-    rsv_surface_point point;
-    rsv_vec3 origin;          ///< of shadow rays
-    const rsv_medium *medium; ///< above it
-    const rsv_bsdf *media;    ///< [material_count]
 } lit_point;
 
-static void set_up_point(
-    const rsv_light_view *s, const rsv_specular_path *path, rsv_surface_point point, lit_point *lit)
+/// @param weight of its irradiance
+static void set_up_point(const rsv_light_view *s, const rsv_specular_path *path,
+    rsv_surface_point point, rsv_rgb weight, lit_point *lit)
 {
-    lit->bsdf = rsv_specular_bsdf(&s->scene, path, &lit->storage);
-    lit->point = point;
-    rsv_surface_lift(s->scene.view, s->tracer, path->triangle, path->u, path->v, &lit->point);
-    lit->origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-    lit->medium = &path->medium;
-    lit->media = s->bsdf;
-}
-
-/// Share of light from a source at that distance that enters the surface.
-static rsv_rgb entry(const lit_point *lit, float distance, float cos)
-{
-    return rgb_mul(rsv_bsdf_entry(lit->bsdf, cos),
-        rsv_medium_transmittance(lit->medium, lit->media, distance));
+    lit->receiver =
+        rsv_receiver_at(s->scene.view, s->tracer, path->triangle, path->u, path->v, point);
+    lit->entrance = rsv_entrance_through(&path->medium, s->bsdf, RSV_COVER_COAT);
+    lit->entrance.coat = rsv_specular_bsdf(&s->scene, path, &lit->storage);
+    lit->entrance.weight = weight;
 }
 
 /// Sends a shadow ray of a term to one of the emitters.
 static void aim(rsv_pixel_direct *d, size_t term, const rsv_local_lights *local,
-    const lit_point *lit, rsv_rgb weight, rsv_pixel_sample sample)
+    const lit_point *lit, rsv_pixel_sample sample)
 {
-    const rsv_surface_point *point = &lit->point;
-    float x, y, select = rsv_pixel_sample_1d(sample, 3);
-    rsv_pixel_sample_2d(sample, 4, &x, &y);
+    float u[3] = { rsv_pixel_sample_1d(sample, 3), 0, 0 };
+    rsv_pixel_sample_2d(sample, 4, &u[1], &u[2]);
+    rsv_next_event event;
+    rsv_next_event_draw(&lit->receiver, &lit->entrance, local, u, &event);
     d->term[term].rays++;
-    rsv_light_sample light;
-    if (!rsv_local_lights_sample(local, select, x, y, &light)) return;
-    float cos = v3_dot(point->normal, light.direction), scale = cos / light.pdf_solid_angle;
-    bool known = rsv_light_sample_is_weighed(&light);
-    d->term[term].asked += known;
-    rsv_rgb control = rgb_mul(weight, light.mean_radiance);
-    d->term[term].control = rgb_mad(d->term[term].control, scale, control);
-    // what the geometry hides from the shading normal is blocked like anything else
-    if (!rsv_surface_faces(point, light.direction)) return;
-    rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
-    push_shadow_ray(d, term,
-        rsv_shadow_ray(d->solution->lights, &light, point->position,
-            rsv_lifted_origin(point, lit->origin, light.direction)),
-        rgb_scale(rgb_mul(entered, light.radiance), scale), known);
+    d->term[term].asked += event.known;
+    d->term[term].control = rgb_add(d->term[term].control, event.open);
+    push_event(d, term, &event);
 }
 
 static void add_emitters(rsv_pixel_direct *d, const rsv_specular_path *path, const lit_point *lit,
-    rsv_rgb weight, uint32_t column, rsv_pixel_sample sample)
+    uint32_t column, rsv_pixel_sample sample)
 {
+    rsv_rgb weight = lit->entrance.weight;
     rsv_local_lights local;
-    rsv_lights_at(d->solution->lights, lit->point.position, lit->point.normal, &local);
+    rsv_receiver_weigh(&lit->receiver, d->solution->lights, &local);
     if (rsv_local_lights_are_dark(&local)) return;
     rsv_direct_term term = {
         .column = column, .sample = sample.index, .exact = rgb_mul(weight, local.unshadowed)
@@ -160,46 +129,39 @@ static void add_emitters(rsv_pixel_direct *d, const rsv_specular_path *path, con
     term.expected = rgb_luminance(term.exact) + rgb_luminance(weight) * local.tree_estimate;
     if (!push_term(d, term)) return;
     push_spot(d, path, weight, sample);
-    aim(d, d->term_count - 1, &local, lit, weight, within_half(sample));
+    aim(d, d->term_count - 1, &local, lit, within_half(sample));
 }
 
-static void add_punctual(rsv_pixel_direct *d, const lit_point *lit, rsv_rgb weight, uint32_t column,
-    rsv_pixel_sample sample)
+static void add_punctual(
+    rsv_pixel_direct *d, const lit_point *lit, uint32_t column, rsv_pixel_sample sample)
 {
-    const rsv_surface_point *point = &lit->point;
     const rsv_lights *lights = d->solution->lights;
     float u = rsv_pixel_sample_1d(sample, 5);
     for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
-        rsv_punctual_sample light;
-        if (!rsv_punctual_at(lights, point->position, point->normal, k, u, &light) ||
-            !rsv_surface_faces(point, light.direction))
-            continue;
-        float cos = v3_dot(point->normal, light.direction);
-        rsv_rgb entered = rgb_mul(weight, entry(lit, light.distance, cos));
+        rsv_next_event event;
+        rsv_next_event_punctual(&lit->receiver, &lit->entrance, lights, k, u, &event);
         rsv_direct_term term = { .column = column, .sample = sample.index, .rays = 1 };
-        if (push_term(d, term))
-            push_shadow_ray(d, d->term_count - 1,
-                rsv_punctual_ray(&light, rsv_lifted_origin(point, lit->origin, light.direction)),
-                rgb_scale(rgb_mul(entered, light.irradiance), cos), false);
+        if (rsv_next_event_asks(&event) && push_term(d, term))
+            push_event(d, d->term_count - 1, &event);
     }
 }
 
-static void set_up_seen(const rsv_light_view *s, const rsv_specular_path *path, lit_point *lit)
+static void set_up_seen(
+    const rsv_light_view *s, const rsv_specular_path *path, rsv_rgb weight, lit_point *lit)
 {
     set_up_point(s, path,
         rsv_surface_point_seen(
             s->scene.view, path->triangle, path->u, path->v, path->back, path->width),
-        lit);
+        weight, lit);
 }
 
 void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_specular_path *path, rsv_rgb weight,
     uint32_t column, rsv_pixel_sample sample)
 {
     lit_point lit;
-    set_up_seen(d->solution, path, &lit);
-    if (rsv_lights_any_sampled(d->solution->lights))
-        add_emitters(d, path, &lit, weight, column, sample);
-    add_punctual(d, &lit, weight, column, sample);
+    set_up_seen(d->solution, path, weight, &lit);
+    if (rsv_lights_any_sampled(d->solution->lights)) add_emitters(d, path, &lit, column, sample);
+    add_punctual(d, &lit, column, sample);
 }
 
 // ---- penumbrae ----------------------------------------------------------------------------------
@@ -264,12 +226,12 @@ static void send_further_rays(rsv_pixel_direct *d, const rsv_direct_spot *spot, 
     const rsv_light_view *s = d->solution;
     lit_point lit;
     rsv_local_lights local;
-    set_up_seen(s, &spot->path, &lit);
-    rsv_lights_at(s->lights, lit.point.position, lit.point.normal, &local);
+    set_up_seen(s, &spot->path, spot->weight, &lit);
+    rsv_receiver_weigh(&lit.receiver, s->lights, &local);
     rsv_pixel_sample own = within_half(spot->sample);
     rsv_pixel_sample sample = { own.index * further, own.count * further, rsv_hash2(own.seed, 6) };
     for (uint32_t ray = 0; ray < further; ray++, sample.index++)
-        aim(d, spot->term, &local, &lit, spot->weight, sample);
+        aim(d, spot->term, &local, &lit, sample);
 }
 
 static void look_into_penumbrae(rsv_pixel_direct *d, const rsv_pixel_noise *noise)
@@ -332,39 +294,26 @@ rsv_status rsv_pixel_direct_resolve(
 static rsv_rgb sampled_emitter(const rsv_light_view *s, const lit_point *lit, rsv_random *random)
 {
     rsv_local_lights local;
-    rsv_light_sample light;
-    const rsv_surface_point *point = &lit->point;
-    rsv_lights_at(s->lights, point->position, point->normal, &local);
-    float select = rsv_random_float(random), x = rsv_random_float(random);
-    if (!rsv_local_lights_sample(&local, select, x, rsv_random_float(random), &light) ||
-        !rsv_surface_faces(point, light.direction))
-        return rgb_gray(0);
-    rsv_ray ray = rsv_shadow_ray(
-        s->lights, &light, point->position, rsv_lifted_origin(point, lit->origin, light.direction));
-    float cos = v3_dot(point->normal, light.direction), passed = rsv_tracer_passed(s->tracer, &ray);
-    rsv_rgb entered = rgb_mul(light.radiance, entry(lit, light.distance, cos));
-    return rgb_scale(entered, passed * cos / light.pdf_solid_angle);
+    rsv_next_event event;
+    float u[3];
+    rsv_receiver_weigh(&lit->receiver, s->lights, &local);
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(random);
+    rsv_next_event_draw(&lit->receiver, &lit->entrance, &local, u, &event);
+    return rgb_scale(event.light, rsv_next_event_passed(s->tracer, &event));
 }
 
 rsv_rgb rsv_sampled_irradiance(
     const rsv_light_view *s, const rsv_specular_path *path, rsv_random *random)
 {
     lit_point lit;
-    set_up_point(s, path,
-        rsv_surface_point_at(s->scene.view, path->triangle, path->u, path->v, path->back), &lit);
+    rsv_surface_point point =
+        rsv_surface_point_at(s->scene.view, path->triangle, path->u, path->v, path->back);
+    set_up_point(s, path, point, rgb_gray(1), &lit);
     rsv_rgb sum = rgb_gray(0);
+    uint64_t rays = 0;
     if (rsv_lights_any_sampled(s->lights)) sum = sampled_emitter(s, &lit, random);
     float u = rsv_random_float(random);
-    for (uint32_t k = 0; k < rsv_punctual_count(s->lights); k++) {
-        rsv_punctual_sample light;
-        if (!rsv_punctual_at(s->lights, lit.point.position, lit.point.normal, k, u, &light) ||
-            !rsv_surface_faces(&lit.point, light.direction))
-            continue;
-        rsv_ray ray =
-            rsv_punctual_ray(&light, rsv_lifted_origin(&lit.point, lit.origin, light.direction));
-        float cos = v3_dot(lit.point.normal, light.direction);
-        rsv_rgb entered = rgb_mul(light.irradiance, entry(&lit, light.distance, cos));
-        sum = rgb_mad(sum, cos * rsv_tracer_passed(s->tracer, &ray), entered);
-    }
-    return sum;
+    return rgb_add(sum,
+        rsv_punctual_irradiance_at(&lit.receiver, &lit.entrance, s->lights, s->tracer, u, &rays));
 }

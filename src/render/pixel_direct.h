@@ -17,6 +17,7 @@
 #ifndef RSV_PIXEL_DIRECT_H
 #define RSV_PIXEL_DIRECT_H
 
+#include "../receiver/next_event.h"
 #include "../solve/light.h"
 #include "pixel_noise.h"
 #include "pixel_sample.h"
@@ -57,11 +58,9 @@ typedef struct rsv_pixel_direct {
     rsv_direct_term *term;
     rsv_direct_spot *spot;
     size_t term_count, term_capacity, spot_count, spot_capacity;
-    rsv_ray_packet packet; ///< shadow rays not traced yet
+    rsv_next_event event[RSV_PACKET_WIDTH]; ///< whose shadow rays are not traced yet
+    size_t owner[RSV_PACKET_WIDTH];         ///< their terms
     uint32_t pending;
-    size_t owner[RSV_PACKET_WIDTH];    ///< their terms
-    rsv_rgb carried[RSV_PACKET_WIDTH]; ///< what arrives if they are free
-    bool known[RSV_PACKET_WIDTH];      ///< their sources are among those that A knows
     rsv_status status;
 } rsv_pixel_direct;
 

@@ -1,10 +1,9 @@
 /// Irradiance at virtual receivers: next-event estimation plus one gather through the solution.
 #include "../core/stratified.h"
+#include "../receiver/next_event.h"
 #include "../solve/goal.h"
 #include "../solve/light.h"
 #include "../sources/partition.h"
-#include "../sources/punctual_light.h"
-#include "../trace/passage.h"
 #include "lit_gather.h"
 #include "pixel_direct.h"
 #include "probe_gather.h"
@@ -17,7 +16,7 @@
 #define LARGE_SOURCE_SHARE 0.02
 
 typedef struct receiver {
-    rsv_vec3 position, origin, normal;
+    rsv_receiver at;
     rsv_medium medium;
     rsv_rgb caustic; ///< stored, where the receiver lies on a surface
     bool has_caustic;
@@ -40,8 +39,8 @@ static bool all_sources_large(const rsv_light_view *s)
 static void find_surface(receiver *r)
 {
     const rsv_light_view *s = r->job->solution;
-    float lift = v3_length(v3_sub(r->origin, r->position));
-    rsv_ray ray = { r->origin, v3_neg(r->normal), 4 * lift };
+    float lift = v3_length(v3_sub(r->at.origin, r->at.point.position));
+    rsv_ray ray = { r->at.origin, v3_neg(r->at.point.normal), 4 * lift };
     rsv_hit hit;
     if (!s->caustics.caustic || r->job->gather_caustics ||
         !rsv_tracer_closest(s->tracer, &ray, &hit))
@@ -53,7 +52,8 @@ static void find_surface(receiver *r)
         rsv_surface_point_at(s->scene.view, hit.triangle, hit.u, hit.v, path.back);
     const rsv_bsdf *bsdf = &s->bsdf[s->scene.view->triangle_material[hit.triangle]];
     // what is stored is the light that enters this surface: of use to receivers that lie flat on it
-    if (face == RSV_NONE || bsdf->coated || v3_dot(point.normal, r->normal) < 0.999f) return;
+    if (face == RSV_NONE || bsdf->coated || v3_dot(point.normal, r->at.point.normal) < 0.999f)
+        return;
     r->caustic =
         rsv_elements_interpolate(s->caustics.elements, s->caustics.caustic, face, hit.u, hit.v);
     if (r->job->noise) r->variance = rsv_stored_noise_at(r->job->noise, face, hit.u, hit.v, true);
@@ -62,49 +62,35 @@ static void find_surface(receiver *r)
 
 static receiver set_up_receiver(const rsv_probe_job *job, const rsv_probe *probe)
 {
-    receiver r = { .position = probe->position, .normal = v3_normalize(probe->normal), .job = job };
-    r.origin = rsv_tracer_receiver_origin(job->solution->tracer, r.position, r.normal);
-    r.medium = rsv_medium_above(&job->solution->scene.media, r.origin, r.normal);
+    receiver r = { .job = job };
+    rsv_vec3 position = probe->position, normal = v3_normalize(probe->normal);
+    r.at = rsv_receiver_in_space(
+        position, normal, rsv_tracer_receiver_origin(job->solution->tracer, position, normal));
+    r.medium = rsv_medium_above(&job->solution->scene.media, r.at.origin, normal);
     find_surface(&r);
     return r;
 }
 
-/// What arrives along a shadow ray; nothing from behind the receiver.
-static float arriving(const receiver *r, float cos, rsv_ray ray)
+/// @param share of the whole that one event is
+static rsv_entrance entrance_of(const receiver *r, float share)
 {
-    return cos > 0 ? rsv_tracer_passed(r->job->solution->tracer, &ray) : 0;
+    rsv_entrance e = rsv_entrance_through(&r->medium, r->job->solution->bsdf, RSV_COVER_NONE);
+    e.weight = rgb_gray(share);
+    return e;
 }
 
-/// What the receiver's medium leaves of light from a source at that distance.
-static rsv_rgb passed(const receiver *r, float distance)
-{
-    return rsv_medium_transmittance(&r->medium, r->job->solution->bsdf, distance);
-}
-
-/// Sums over the light samples of one group: unshadowed, of the visible ones, and of those of emitters that a tree chose.
-typedef struct emitter_sums {
-    rsv_rgb open, visible, further;
-} emitter_sums;
-
-static emitter_sums sample_emitters(
+static rsv_event_sums sample_emitters(
     const receiver *r, const rsv_local_lights *local, uint32_t stream)
 {
-    emitter_sums sums = { 0 };
     uint32_t count = r->job->light_samples;
+    rsv_event_sums sums = rsv_event_sums_zero();
+    rsv_entrance entrance = entrance_of(r, 1 / (float)count);
     for (uint32_t k = 0; k < count; k++) {
-        float x, y, select = rsv_stratified_1d(k, count, rsv_hash2(stream, 1));
-        rsv_sobol_2d(k, rsv_hash2(stream, 2), &x, &y);
-        rsv_light_sample light;
-        if (!rsv_local_lights_sample(local, select, x, y, &light)) continue;
-        float cos = f_max(v3_dot(r->normal, light.direction), 0);
-        float weight = cos / (light.pdf_solid_angle * (float)count);
-        sums.open = rgb_mad(sums.open, weight, light.mean_radiance);
-        rsv_rgb *sum = rsv_light_sample_is_weighed(&light) ? &sums.visible : &sums.further;
-        float share =
-            arriving(r, cos, rsv_shadow_ray(local->lights, &light, r->position, r->origin));
-        if (share > 0)
-            *sum =
-                rgb_mad(*sum, share * weight, rgb_mul(light.radiance, passed(r, light.distance)));
+        float u[3] = { rsv_stratified_1d(k, count, rsv_hash2(stream, 1)), 0, 0 };
+        rsv_sobol_2d(k, rsv_hash2(stream, 2), &u[1], &u[2]);
+        rsv_next_event event;
+        rsv_next_event_draw(&r->at, &entrance, local, u, &event);
+        rsv_event_sums_add(&sums, &event, rsv_next_event_passed(r->job->solution->tracer, &event));
     }
     return sums;
 }
@@ -132,11 +118,12 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
     const rsv_lights *lights = r->job->solution->lights;
     if (!rsv_lights_any_sampled(lights)) return;
     rsv_local_lights local;
-    rsv_lights_at(lights, r->position, r->normal, &local);
+    rsv_receiver_weigh(&r->at, lights, &local);
     if (rsv_local_lights_are_dark(&local)) return;
     float visible[3][GROUPS], open[3][GROUPS];
     for (uint32_t g = 0; g < GROUPS; g++) {
-        emitter_sums sums = sample_emitters(r, &local, rsv_hash(rsv_hash3(r->job->seed, index, g)));
+        rsv_event_sums sums =
+            sample_emitters(r, &local, rsv_hash(rsv_hash3(r->job->seed, index, g)));
         visible[0][g] = sums.visible.r, visible[1][g] = sums.visible.g,
         visible[2][g] = sums.visible.b;
         open[0][g] = sums.open.r, open[1][g] = sums.open.g, open[2][g] = sums.open.b;
@@ -147,33 +134,21 @@ static void add_emitters(const receiver *r, uint32_t index, double value[3][GROU
         ratio_estimates(exact[c], visible[c], open[c], value[c]);
 }
 
-/// @param u chooses among many lights
-static rsv_rgb from_punctual(const receiver *r, float u)
-{
-    const rsv_lights *lights = r->job->solution->lights;
-    rsv_rgb sum = rgb_gray(0);
-    for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
-        rsv_punctual_sample light;
-        if (!rsv_punctual_at(lights, r->position, r->normal, k, u, &light)) continue;
-        float cos = v3_dot(r->normal, light.direction);
-        float share = arriving(r, cos, rsv_punctual_ray(&light, r->origin));
-        if (share > 0)
-            sum = rgb_mad(sum, share * cos, rgb_mul(light.irradiance, passed(r, light.distance)));
-    }
-    return sum;
-}
-
 /// Adds the light of punctual sources to each group's reading: the same to all, unless lights are drawn.
 static void add_punctual(const receiver *r, uint32_t index, double value[3][GROUPS])
 {
-    uint32_t count = r->job->solution->lights->punctual_tree ? r->job->light_samples : 1;
+    const rsv_light_view *s = r->job->solution;
+    uint32_t count = s->lights->punctual_tree ? r->job->light_samples : 1;
     rsv_rgb sum = rgb_gray(0);
+    rsv_entrance entrance = entrance_of(r, 1);
+    uint64_t rays = 0;
     for (uint32_t g = 0; g < GROUPS; g++) {
         uint32_t stream = rsv_hash(rsv_hash3(r->job->seed, index, g) + 1);
         if (g == 0 || count > 1) sum = rgb_gray(0);
         for (uint32_t k = 0; k < count && (g == 0 || count > 1); k++)
-            sum = rgb_mad(
-                sum, 1 / (float)count, from_punctual(r, rsv_stratified_1d(k, count, stream)));
+            sum = rgb_mad(sum, 1 / (float)count,
+                rsv_punctual_irradiance_at(&r->at, &entrance, s->lights, s->tracer,
+                    rsv_stratified_1d(k, count, stream), &rays));
         value[0][g] += sum.r, value[1][g] += sum.g, value[2][g] += sum.b;
     }
 }
@@ -192,7 +167,7 @@ static void note_stored(
 static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
 {
     const rsv_light_view *s = r->job->solution;
-    rsv_ray ray = { r->origin, direction, INFINITY };
+    rsv_ray ray = { r->at.origin, direction, INFINITY };
     rsv_hit hit;
     if (!rsv_tracer_closest(s->tracer, &ray, &hit))
         return rsv_gathering_sky(s->lights, direction, 0, r->has_caustic);
@@ -227,14 +202,14 @@ static rsv_rgb gather_one(receiver *r, rsv_vec3 direction, rsv_random *random)
 static rsv_rgb gather(receiver *r, uint32_t stream)
 {
     rsv_vec3 t, b;
-    v3_frame(r->normal, &t, &b);
+    v3_frame(r->at.point.normal, &t, &b);
     rsv_rgb sum = rgb_gray(0);
     for (uint32_t k = 0; k < r->job->gather_rays; k++) {
         float x, y;
         rsv_sobol_2d(k, stream, &x, &y);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
-        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, r->normal);
+        rsv_vec3 direction = v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, r->at.point.normal);
         sum = rgb_add(sum, gather_one(r, direction, &random));
     }
     return rgb_scale(sum, RSV_PI / (float)r->job->gather_rays);

@@ -1,7 +1,5 @@
 #include "rough_aim.h"
 
-#include "../trace/passage.h"
-
 void rsv_rough_aim(
     const rsv_rough_surface *s, const rsv_sky_visibility *visibility, rsv_sky_aim *aim)
 {
@@ -19,11 +17,17 @@ rsv_rgb rsv_rough_aimed_light(
     rsv_bsdf_value value = rsv_rough_respond(s, direction);
     float pdf = rsv_sky_aim_pdf(aim, direction);
     if (value.pdf_solid_angle == 0 || !(pdf > 0)) return rgb_gray(0);
-    rsv_ray ray = { rsv_rough_leaving_point(s, direction), direction, INFINITY };
-    float passed = rsv_tracer_passed(s->scene->tracer, &ray);
-    if (!(passed > 0)) return rgb_gray(0);
-    rsv_rgb arriving = rgb_mul(rsv_rough_throughput(s, direction, INFINITY),
-        rsv_sky_radiance(&lights->environment->gathered, direction));
-    float weight = passed * rsv_power_heuristic(pdf, value.pdf_solid_angle);
-    return rgb_scale(rgb_mul(value.response, arriving), weight / pdf);
+    const rsv_light_sample sample = { .direction = direction,
+        .distance = INFINITY,
+        .radiance = rsv_sky_radiance(&lights->environment->gathered, direction),
+        .pdf_solid_angle = pdf,
+        .emitter = RSV_NONE,
+        .from_sky = true };
+    rsv_rough_side side;
+    rsv_next_event event;
+    rsv_rough_set_side(s, v3_dot(s->normal, direction) < 0, &side);
+    rsv_next_event_clear(&event);
+    rsv_next_event_at_place(
+        &side.receiver, &side.entrance, lights, &sample, rsv_rough_weighed(&value, pdf), &event);
+    return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
 }

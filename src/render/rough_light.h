@@ -3,9 +3,8 @@
 #ifndef RSV_ROUGH_LIGHT_H
 #define RSV_ROUGH_LIGHT_H
 
-#include "../sources/lights.h"
+#include "../receiver/next_event.h"
 #include "../specular/specular_path.h"
-#include "../surface/lift.h"
 
 /// How a specular path left a rough surface, for what it meets next, past blended surfaces.
 typedef struct rsv_rough_departure {
@@ -64,15 +63,6 @@ RSV_SHARED rsv_rgb rsv_rough_sky(
 
 // ---- what these are made of ----------------------------------------------------------------------
 
-/// Radiance at the specular path's start per radiance that sources send from that distance along `wi`.
-RSV_INLINE rsv_rgb rsv_rough_throughput(const rsv_rough_surface *s, rsv_vec3 wi, float distance)
-{
-    rsv_medium medium = s->path->medium;
-    if (v3_dot(s->normal, wi) < 0) medium = rsv_specular_medium_beyond(s->scene, s->path);
-    return rgb_mul(rsv_specular_throughput(s->scene, s->path, &medium),
-        rsv_medium_transmittance(&medium, s->scene->bsdf, distance));
-}
-
 /// Response of the rough lobes; nothing where the normals disagree on wi's side.
 RSV_LARGE rsv_bsdf_value rsv_rough_respond(const rsv_rough_surface *s, rsv_vec3 wi)
 {
@@ -92,13 +82,32 @@ RSV_INLINE float rsv_power_heuristic(float own, float other)
     return 1 / (1 + ratio * ratio);
 }
 
-RSV_INLINE rsv_vec3 rsv_rough_leaving_point(const rsv_rough_surface *s, rsv_vec3 direction)
+/// A value of rsv_rough_respond, weighed against draws by the lobes. @param pdf of the direction as it was aimed at
+RSV_INLINE rsv_response rsv_rough_weighed(const rsv_bsdf_value *value, float pdf)
 {
-    rsv_vec3 side = s->point.geometric;
-    if (v3_dot(s->normal, direction) < 0)
-        return rsv_moved_off(s->point.position, v3_neg(side), s->point.extent);
-    rsv_vec3 origin = rsv_moved_off(s->point.position, side, s->point.extent);
-    return rsv_lifted_origin(&s->point, origin, direction);
+    rsv_response response;
+    response.share = value->response;
+    response.factor = rsv_power_heuristic(pdf, value->pdf_solid_angle);
+    return response;
+}
+
+/// One side of a rough surface as it receives light. Not to be copied.
+typedef struct rsv_rough_side {
+    rsv_receiver receiver; ///< by the normal that the lobes go by
+    rsv_medium medium;
+    rsv_entrance
+        entrance; ///< its weight: radiance at the specular path's start per radiance that arrives
+} rsv_rough_side;
+
+RSV_INLINE void rsv_rough_set_side(const rsv_rough_surface *s, bool below, rsv_rough_side *side)
+{
+    side->receiver.point = s->point;
+    side->receiver.point.normal = s->normal;
+    side->receiver.origin = rsv_moved_off(s->point.position, s->point.geometric, s->point.extent);
+    if (below) side->receiver = rsv_receiver_below(&side->receiver);
+    side->medium = below ? rsv_specular_medium_beyond(s->scene, s->path) : s->path->medium;
+    side->entrance = rsv_entrance_through(&side->medium, s->scene->bsdf, RSV_COVER_NONE);
+    side->entrance.weight = rsv_specular_throughput(s->scene, s->path, &side->medium);
 }
 
 #if defined(RSV_DEVICE_CODE)

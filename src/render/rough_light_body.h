@@ -2,8 +2,6 @@
 #ifndef RSV_ROUGH_LIGHT_BODY_H
 #define RSV_ROUGH_LIGHT_BODY_H
 
-#include "../sources/punctual_light.h"
-#include "../trace/ray.h"
 #include "rough_light.h"
 
 /// Width of the microsurface from which on lobes count as wide.
@@ -33,8 +31,10 @@ RSV_SHARED bool rsv_rough_is_wide(const rsv_bsdf *bsdf)
 RSV_SHARED rsv_rgb rsv_rough_response(const rsv_rough_surface *s, rsv_vec3 wi)
 {
     rsv_bsdf_value value = rsv_rough_respond(s, wi);
-    return value.pdf_solid_angle > 0 ? rgb_mul(value.response, rsv_rough_throughput(s, wi, 0))
-                                     : rgb_gray(0);
+    if (!(value.pdf_solid_angle > 0)) return rgb_gray(0);
+    rsv_rough_side side;
+    rsv_rough_set_side(s, v3_dot(s->normal, wi) < 0, &side);
+    return rgb_mul(value.response, side.entrance.weight);
 }
 
 RSV_SHARED rsv_bsdf_event rsv_rough_draw(const rsv_rough_surface *s, const float u[3])
@@ -58,47 +58,51 @@ RSV_SHARED rsv_rough_departure rsv_rough_depart(
     return departure;
 }
 
-RSV_INLINE rsv_rgb rsv_rough_sampled_light(const rsv_rough_surface *s, const rsv_lights *lights,
-    rsv_vec3 side, bool shot, const float u[3])
+RSV_INLINE rsv_rgb rsv_rough_sampled_light(const rsv_rough_surface *s, const rsv_rough_side *side,
+    const rsv_lights *lights, bool shot, const float u[3])
 {
     rsv_local_lights local;
     rsv_light_sample light;
-    rsv_lights_at(lights, s->point.position, side, &local);
+    rsv_next_event event;
+    rsv_receiver_weigh(&side->receiver, lights, &local);
     if (!rsv_local_lights_sample(&local, u[0], u[1], u[2], &light)) return rgb_gray(0);
     rsv_bsdf_value value = rsv_rough_respond(s, light.direction);
     if (value.pdf_solid_angle == 0 || (shot && !light.from_sky)) return rgb_gray(0);
-    rsv_ray ray = rsv_shadow_ray(
-        lights, &light, s->point.position, rsv_rough_leaving_point(s, light.direction));
-    float passed = rsv_ray_passed(s->scene->tracer, &ray);
-    if (!(passed > 0)) return rgb_gray(0);
-    float weight = passed * rsv_power_heuristic(light.pdf_solid_angle, value.pdf_solid_angle);
-    rsv_rgb arriving =
-        rgb_mul(rsv_rough_throughput(s, light.direction, light.distance), light.radiance);
-    return rgb_scale(rgb_mul(value.response, arriving), weight / light.pdf_solid_angle);
+    rsv_response response = rsv_rough_weighed(&value, light.pdf_solid_angle);
+    rsv_next_event_clear(&event);
+    rsv_next_event_at_place(&side->receiver, &side->entrance, lights, &light, response, &event);
+    return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
 }
 
 RSV_INLINE rsv_rgb rsv_rough_punctual_light(
-    const rsv_rough_surface *s, const rsv_punctual_sample *light)
+    const rsv_rough_surface *s, const rsv_rough_side *side, const rsv_punctual_sample *light)
 {
+    rsv_next_event event;
+    rsv_response response;
     rsv_bsdf_value value = rsv_rough_respond(s, light->direction);
     if (value.pdf_solid_angle == 0) return rgb_gray(0);
-    rsv_ray ray = rsv_punctual_ray(light, rsv_rough_leaving_point(s, light->direction));
-    float passed = rsv_ray_passed(s->scene->tracer, &ray);
-    if (!(passed > 0)) return rgb_gray(0);
-    return rgb_mul(rgb_scale(value.response, passed),
-        rgb_mul(rsv_rough_throughput(s, light->direction, light->distance), light->irradiance));
+    response.share = value.response;
+    response.factor = 1;
+    rsv_next_event_clear(&event);
+    rsv_next_event_at_light(&side->receiver, &side->entrance, light, response, &event);
+    return rgb_scale(event.light, rsv_next_event_passed(s->scene->tracer, &event));
 }
 
 RSV_SHARED rsv_rgb rsv_rough_light(
     const rsv_rough_surface *s, const rsv_lights *lights, bool shot, const float u[3])
 {
-    rsv_rgb sum = rsv_rough_sampled_light(s, lights, s->normal, shot, u);
-    if (s->bsdf->transmission > 0 || s->bsdf->passed > 0)
-        sum = rgb_add(sum, rsv_rough_sampled_light(s, lights, v3_neg(s->normal), shot, u));
+    rsv_rough_side side[2];
+    bool both = s->bsdf->transmission > 0 || s->bsdf->passed > 0;
+    rsv_rgb sum = rgb_gray(0);
+    for (int below = 0; below <= both; below++) {
+        rsv_rough_set_side(s, below, &side[below]);
+        sum = rgb_add(sum, rsv_rough_sampled_light(s, &side[below], lights, shot, u));
+    }
     for (uint32_t k = 0; !shot && k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;
-        if (rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light))
-            sum = rgb_add(sum, rsv_rough_punctual_light(s, &light));
+        if (!rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light)) continue;
+        bool below = v3_dot(s->normal, light.direction) < 0;
+        if (!below || both) sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], &light));
     }
     return sum;
 }

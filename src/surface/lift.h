@@ -4,7 +4,7 @@
 /// "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021), where it is convex; and what light is above it, its normal
 /// decides. Rays that do not graze start from the triangle, so that what touches it still shades it.
 ///
-/// Used by all that receives light: elements, pixels, rough lobes, frames, residuals. The path tracer has code of its own
+/// Used by all that receives light, through receiver/receiver.h. The path tracer has code of its own
 /// for the same surface (reference/path_surface.c).
 #ifndef RSV_LIFT_H
 #define RSV_LIFT_H
