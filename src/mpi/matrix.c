@@ -20,10 +20,13 @@ static void mark_needed(const rsv_mpi_rows *r, uint8_t *needed)
         memset(needed, 1, t->row_count);
         return;
     }
-    for (size_t k = 0; k < t->row_begin[t->row_count]; k++)
-        needed[t->column[k]] = 1;
-    for (size_t k = 0; k < t->tinted_begin[t->row_count]; k++)
-        needed[t->tinted_column[k]] = 1;
+    for (size_t n = 0; n < t->row_count; n++) {
+        rsv_transport_row row = rsv_transport_row_at(t, n);
+        for (size_t k = 0; k < row.count; k++)
+            needed[row.column[k]] = 1;
+        for (size_t k = 0; k < row.tinted_count; k++)
+            needed[row.tinted_column[k]] = 1;
+    }
     for (size_t h = e->hanging_count; h-- > 0;) // children come after their parents
         for (int p = 0; p < RSV_PARENTS && needed[e->hanging[h].node]; p++)
             if (e->hanging[h].weight[p] > 0) needed[e->hanging[h].parent[p]] = 1;
@@ -161,19 +164,20 @@ static PetscErrorCode scatter(rsv_mpi_rows *r, Vec x)
 }
 
 /// One row of G B, with sums in double.
-static void gather_row(const rsv_transport *t, const rsv_rgb *exitance, size_t row, double sum[3])
+static void gather_row(const rsv_transport *t, const rsv_rgb *exitance, size_t node, double sum[3])
 {
+    rsv_transport_row row = rsv_transport_row_at(t, node);
     sum[0] = sum[1] = sum[2] = 0;
-    for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
-        rsv_rgb b = exitance[t->column[k]];
+    for (size_t k = 0; k < row.count; k++) {
+        rsv_rgb b = exitance[row.column[k]];
         sum[0] += (double)b.r, sum[1] += (double)b.g, sum[2] += (double)b.b;
     }
-    for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-        rsv_rgb b = rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k]]);
+    for (size_t k = 0; k < row.tinted_count; k++) {
+        rsv_rgb b = rgb_mul(row.tinted_weight[k], exitance[row.tinted_column[k]]);
         sum[0] += (double)b.r, sum[1] += (double)b.g, sum[2] += (double)b.b;
     }
     for (int c = 0; c < 3; c++)
-        sum[c] *= (double)t->scale[row];
+        sum[c] *= (double)t->scale[node];
 }
 
 /// y = base x + sign G K x
@@ -272,17 +276,18 @@ static void clear_row(row_sums *row)
 static void sum_row(const rsv_mpi_rows *r, size_t node, row_sums *row)
 {
     const rsv_transport *t = r->system.transport;
+    rsv_transport_row entry = rsv_transport_row_at(t, node);
     double scale = (double)t->scale[node];
     clear_row(row);
-    for (size_t k = t->row_begin[node]; k < t->row_begin[node + 1]; k++) {
-        rsv_rgb a = r->system.albedo[t->column[k]];
+    for (size_t k = 0; k < entry.count; k++) {
+        rsv_rgb a = r->system.albedo[entry.column[k]];
         const double weight[3] = { scale * (double)a.r, scale * (double)a.g, scale * (double)a.b };
-        add_node(r->system.elements, row, t->column[k], weight);
+        add_node(r->system.elements, row, entry.column[k], weight);
     }
-    for (size_t k = t->tinted_begin[node]; k < t->tinted_begin[node + 1]; k++) {
-        rsv_rgb a = rgb_mul(r->system.albedo[t->tinted_column[k]], t->tinted_weight[k]);
+    for (size_t k = 0; k < entry.tinted_count; k++) {
+        rsv_rgb a = rgb_mul(r->system.albedo[entry.tinted_column[k]], entry.tinted_weight[k]);
         const double weight[3] = { scale * (double)a.r, scale * (double)a.g, scale * (double)a.b };
-        add_node(r->system.elements, row, t->tinted_column[k], weight);
+        add_node(r->system.elements, row, entry.tinted_column[k], weight);
     }
 }
 

@@ -3,6 +3,8 @@
 #include "../update/row_store.h"
 #include "../update/update.h"
 #include "row_device.h"
+#include "stored_rows_internal.h"
+#include "transport_lists.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -62,8 +64,9 @@ static rsv_status store_row(assembly *a, uint32_t node, const rsv_row_scratch *s
         block->tinted_column[block->tinted_count] = s->tinted_column[k];
         block->tinted_weight[block->tinted_count++] = s->tinted_weight[k];
     }
-    t->row_begin[node + 1] = block->count - first; // summed up in the end
-    t->tinted_begin[node + 1] = s->tinted_count;
+    rsv_stored_rows *rows = rsv_stored_rows_of(t);
+    rows->row_begin[node + 1] = block->count - first; // summed up in the end
+    rows->tinted_begin[node + 1] = s->tinted_count;
     t->scale[node] = 1 / (float)rays;
     t->gathered[node] = rgb_scale(s->emission, RSV_PI * t->scale[node]);
     if (!a->tracer.scene->view->environment) return RSV_OK; // nobody will ask where rays escaped to
@@ -139,7 +142,7 @@ static rsv_status trace_wave(assembly *a, size_t first)
     return result;
 }
 
-static void copy_rows(const row_block *block, rsv_transport *t)
+static void copy_rows(const row_block *block, rsv_stored_rows *t)
 {
     if (block->count)
         memcpy(t->column + block->place, block->column, block->count * sizeof *t->column);
@@ -164,7 +167,7 @@ static rsv_status append_wave(assembly *a)
     }
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context))
     for (size_t k = 0; k < a->wave_size; k++) {
-        copy_rows(&a->block[k], t);
+        copy_rows(&a->block[k], rsv_stored_rows_of(t));
         a->block[k].count = a->block[k].tinted_count = 0;
     }
     for (size_t k = 0; k < a->wave_size && status == RSV_OK; k++)
@@ -174,9 +177,10 @@ static rsv_status append_wave(assembly *a)
 
 static void sum_up_rows(rsv_transport *t)
 {
+    rsv_stored_rows *rows = rsv_stored_rows_of(t);
     for (size_t row = 0; row < t->row_count; row++) {
-        t->row_begin[row + 1] += t->row_begin[row];
-        t->tinted_begin[row + 1] += t->tinted_begin[row];
+        rows->row_begin[row + 1] += rows->row_begin[row];
+        rows->tinted_begin[row + 1] += rows->tinted_begin[row];
     }
     rsv_escapes_finish(&t->escapes, t->row_count);
 }
@@ -223,19 +227,19 @@ static rsv_status create_empty(const assembly *a, uint32_t rays, rsv_transport *
 {
     rsv_context *context = a->tracer.elements->context;
     size_t rows = a->tracer.elements->node_count, most = a->row_count * rays;
-    rsv_transport *t = *transport = rsv_alloc(context, 1, sizeof *t);
-    if (!t) return RSV_ERROR_MEMORY;
-    t->context = context;
-    t->row_count = rows;
-    t->row_begin = rsv_alloc(context, rows + 1, sizeof *t->row_begin);
-    t->column = rsv_reserve(context, most, sizeof *t->column);
-    t->tinted_begin = rsv_alloc(context, rows + 1, sizeof *t->tinted_begin);
-    t->tinted_column = rsv_reserve(context, most, sizeof *t->tinted_column);
-    t->tinted_weight = rsv_reserve(context, most, sizeof *t->tinted_weight);
+    rsv_status status = rsv_transport_create_empty(context, rows, transport);
+    if (status != RSV_OK) return status;
+    rsv_transport *t = *transport;
+    rsv_stored_rows *r = rsv_stored_rows_of(t);
+    r->row_begin = rsv_alloc(context, rows + 1, sizeof *r->row_begin);
+    r->column = rsv_reserve(context, most, sizeof *r->column);
+    r->tinted_begin = rsv_alloc(context, rows + 1, sizeof *r->tinted_begin);
+    r->tinted_column = rsv_reserve(context, most, sizeof *r->tinted_column);
+    r->tinted_weight = rsv_reserve(context, most, sizeof *r->tinted_weight);
     t->scale = rsv_alloc(context, rows, sizeof *t->scale);
     t->gathered = rsv_alloc(context, rows, sizeof *t->gathered);
-    bool complete = t->row_begin && t->column && t->tinted_begin && t->tinted_column &&
-                    t->tinted_weight && t->scale && t->gathered;
+    bool complete = r->row_begin && r->column && r->tinted_begin && r->tinted_column &&
+                    r->tinted_weight && t->scale && t->gathered;
     return complete ? rsv_escapes_create(context, rows, &t->escapes) : RSV_ERROR_MEMORY;
 }
 

@@ -17,14 +17,39 @@
 #include "../specular/specular_path.h"
 #include "division.h"
 
-typedef struct rsv_transport {
+typedef struct rsv_transport rsv_transport;
+
+/// The entries of one row, borrowed from what keeps it.
+typedef struct rsv_transport_row {
+    const uint32_t *column;        ///< [count] ends of weight 1
+    const uint32_t *tinted_column; ///< [tinted_count]
+    const rsv_rgb *tinted_weight;  ///< [tinted_count]
+    size_t count, tinted_count;
+} rsv_transport_row;
+
+/// How rows are kept: as they were traced (stored_rows.c), or in any other way that offers these. Products leave rows of other
+/// processes alone.
+typedef struct rsv_transport_table {
+    /// Frees all but what rsv_transport lists.
+    void (*destroy)(rsv_transport *transport);
+    /// What is borrowed is valid until the next call by the same thread.
+    rsv_transport_row (*row)(const rsv_transport *transport, size_t row);
+    /// As rsv_transport_gather and rsv_transport_residual; rsv_gather_by_rows and rsv_residual_by_rows will do.
+    void (*gather)(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
+        size_t begin, size_t end, rsv_rgb *irradiance);
+    void (*residual)(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
+        const rsv_rgb *source, const rsv_rgb *irradiance, rsv_rgb *residual);
+    /// Brings the rows of all processes here; called where there are others.
+    rsv_status (*complete)(rsv_transport *transport);
+    size_t (*entries)(const rsv_transport *transport); ///< of the rows that are here
+    size_t (*bytes)(const rsv_transport *transport);   ///< that they take
+} rsv_transport_table;
+
+/// What is known of rows, however they are kept.
+struct rsv_transport {
+    const rsv_transport_table *table;
     rsv_context *context;
     size_t row_count;
-    size_t *row_begin;    ///< [row_count + 1] into column
-    uint32_t *column;     ///< ends of weight 1
-    size_t *tinted_begin; ///< [row_count + 1] into tinted_column and tinted_weight
-    uint32_t *tinted_column;
-    rsv_rgb *tinted_weight;
     float *scale;        ///< [row_count] 1 / rays of the row that count; 0 = hanging or buried
     rsv_rgb *gathered;   ///< [row_count] irradiance emitted by sources that are found by gathering
     rsv_escapes escapes; ///< of the rays that left the scene
@@ -34,7 +59,13 @@ typedef struct rsv_transport {
     double spared_seconds; ///< by that, about
     /// Of the rows among processes: rows of others are empty here but for `scale` and `gathered`. NULL = all are here
     rsv_division *division;
-} rsv_transport;
+};
+
+/// For plug-ins too, which call no functions of the library.
+RSV_INLINE rsv_transport_row rsv_transport_row_at(const rsv_transport *transport, size_t row)
+{
+    return transport->table->row(transport, row);
+}
 
 /// Traces the rows of all free nodes that are not buried; in a team, those of this process's part. Products with fields
 /// come out whole in all of them all the same.
@@ -70,15 +101,10 @@ void rsv_transport_deviation(const rsv_transport *transport, const rsv_rgb *exit
 /// Brings the rows of all processes to all of them, for what needs columns or the rows in turn.
 rsv_status rsv_transport_complete(rsv_transport *transport);
 
-/// Where the rows of a list begin when all are there: row_begin, tinted_begin or one of the escapes.
-/// @param whole out: [row_count + 1], to be freed
-rsv_status rsv_transport_whole_begin(
-    const rsv_transport *transport, const size_t *begin, size_t **whole);
-
 /// Of the rows that are here.
 size_t rsv_transport_entries(const rsv_transport *transport);
 
-/// Memory it takes.
+/// Memory that all of it takes.
 size_t rsv_transport_bytes(const rsv_transport *transport);
 
 #endif

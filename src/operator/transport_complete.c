@@ -1,6 +1,7 @@
 /// Rows of all processes, brought to all.
 #include "../core/team.h"
-#include "transport.h"
+#include "stored_rows_internal.h"
+#include "transport_lists.h"
 
 #include <string.h>
 
@@ -79,23 +80,24 @@ static rsv_status complete_list(const rsv_transport *t, size_t *begin, size_t fi
     return status;
 }
 
-rsv_status rsv_transport_complete(rsv_transport *t)
+rsv_status rsv_stored_rows_complete(rsv_transport *transport)
 {
     rsv_status status;
-    rsv_escapes *e = &t->escapes;
+    rsv_stored_rows *t = rsv_stored_rows_of(transport);
+    rsv_escapes *e = &transport->escapes;
     rsv_escape_list *l = &e->list;
-    if (!t->division) return RSV_OK;
-    RSV_TRY(complete_list(t, t->row_begin, sizeof *t->column, (void **)&t->column, 0, NULL));
-    RSV_TRY(complete_list(t, t->tinted_begin, sizeof *t->tinted_column, (void **)&t->tinted_column,
-        sizeof *t->tinted_weight, (void **)&t->tinted_weight));
-    RSV_TRY(complete_list(t, e->begin, sizeof *l->bin, (void **)&l->bin, 0, NULL));
-    RSV_TRY(complete_list(t, e->tinted_begin, sizeof *l->tinted_bin, (void **)&l->tinted_bin,
-        sizeof *l->tinted_weight, (void **)&l->tinted_weight));
-    l->count = l->bin_capacity = e->begin[t->row_count];
-    l->tinted_count = l->tinted_bin_capacity = l->tinted_weight_capacity =
-        e->tinted_begin[t->row_count];
-    rsv_division_destroy(t->division);
-    t->division = NULL;
+    RSV_TRY(
+        complete_list(transport, t->row_begin, sizeof *t->column, (void **)&t->column, 0, NULL));
+    RSV_TRY(complete_list(transport, t->tinted_begin, sizeof *t->tinted_column,
+        (void **)&t->tinted_column, sizeof *t->tinted_weight, (void **)&t->tinted_weight));
+    RSV_TRY(complete_list(transport, e->begin, sizeof *l->bin, (void **)&l->bin, 0, NULL));
+    RSV_TRY(complete_list(transport, e->tinted_begin, sizeof *l->tinted_bin,
+        (void **)&l->tinted_bin, sizeof *l->tinted_weight, (void **)&l->tinted_weight));
+    rsv_transport_filled(transport);
+    l->bin_capacity = l->count;
+    l->tinted_bin_capacity = l->tinted_weight_capacity = l->tinted_count;
+    rsv_division_destroy(transport->division);
+    transport->division = NULL;
 cleanup:
     return status;
 }

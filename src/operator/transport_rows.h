@@ -16,4 +16,10 @@ void rsv_transport_gather_only(const rsv_transport *transport, const rsv_rgb *fi
 void rsv_transport_residual(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
     const rsv_rgb *source, const rsv_rgb *irradiance, rsv_rgb *residual);
 
+/// What tables of rows may use: row by row, one process's.
+void rsv_gather_by_rows(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
+    size_t begin, size_t end, rsv_rgb *irradiance);
+void rsv_residual_by_rows(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
+    const rsv_rgb *source, const rsv_rgb *irradiance, rsv_rgb *residual);
+
 #endif

@@ -3,12 +3,20 @@
 #include <string.h>
 
 /// Counts entries by column into begin[column + 1] and adds them up.
-static void count_columns(const uint32_t *column, size_t entries, size_t columns, size_t *begin)
+static void count_columns(rsv_transport_columns *c)
 {
-    for (size_t k = 0; k < entries; k++)
-        begin[column[k] + 1]++;
-    for (size_t c = 0; c < columns; c++)
-        begin[c + 1] += begin[c];
+    const rsv_transport *t = c->transport;
+    for (size_t n = 0; n < t->row_count; n++) {
+        rsv_transport_row row = rsv_transport_row_at(t, n);
+        for (size_t k = 0; k < row.count; k++)
+            c->column_begin[row.column[k] + 1]++;
+        for (size_t k = 0; k < row.tinted_count; k++)
+            c->tinted_begin[row.tinted_column[k] + 1]++;
+    }
+    for (size_t n = 0; n < t->row_count; n++) {
+        c->column_begin[n + 1] += c->column_begin[n];
+        c->tinted_begin[n + 1] += c->tinted_begin[n];
+    }
 }
 
 /// Goes through the rows in their order, so that each column lists its rows in order.
@@ -17,13 +25,14 @@ static void fill(rsv_transport_columns *c, size_t *next, size_t *next_tinted)
     const rsv_transport *t = c->transport;
     memcpy(next, c->column_begin, t->row_count * sizeof *next);
     memcpy(next_tinted, c->tinted_begin, t->row_count * sizeof *next_tinted);
-    for (size_t row = 0; row < t->row_count; row++) {
-        for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++)
-            c->row[next[t->column[k]]++] = (uint32_t)row;
-        for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-            size_t at = next_tinted[t->tinted_column[k]]++;
-            c->tinted_row[at] = (uint32_t)row;
-            c->tinted_weight[at] = t->tinted_weight[k];
+    for (size_t n = 0; n < t->row_count; n++) {
+        rsv_transport_row row = rsv_transport_row_at(t, n);
+        for (size_t k = 0; k < row.count; k++)
+            c->row[next[row.column[k]]++] = (uint32_t)n;
+        for (size_t k = 0; k < row.tinted_count; k++) {
+            size_t at = next_tinted[row.tinted_column[k]]++;
+            c->tinted_row[at] = (uint32_t)n;
+            c->tinted_weight[at] = row.tinted_weight[k];
         }
     }
 }
@@ -32,7 +41,6 @@ rsv_status rsv_transport_columns_create(const rsv_transport *t, rsv_transport_co
 {
     rsv_context *context = t->context;
     rsv_status status = RSV_OK;
-    size_t entries = t->row_begin[t->row_count], tinted = t->tinted_begin[t->row_count];
     size_t *next = rsv_alloc(context, t->row_count, sizeof *next);
     size_t *next_tinted = rsv_alloc(context, t->row_count, sizeof *next_tinted);
     rsv_transport_columns *c = rsv_alloc(context, 1, sizeof *c);
@@ -43,16 +51,14 @@ rsv_status rsv_transport_columns_create(const rsv_transport *t, rsv_transport_co
     }
     c->transport = t;
     c->column_begin = rsv_alloc(context, t->row_count + 1, sizeof *c->column_begin);
-    c->row = rsv_alloc(context, entries, sizeof *c->row);
     c->tinted_begin = rsv_alloc(context, t->row_count + 1, sizeof *c->tinted_begin);
+    RSV_TRY(c->column_begin && c->tinted_begin ? RSV_OK : RSV_ERROR_MEMORY);
+    count_columns(c);
+    size_t tinted = c->tinted_begin[t->row_count];
+    c->row = rsv_alloc(context, c->column_begin[t->row_count], sizeof *c->row);
     c->tinted_row = rsv_alloc(context, tinted, sizeof *c->tinted_row);
     c->tinted_weight = rsv_alloc(context, tinted, sizeof *c->tinted_weight);
-    if (!c->column_begin || !c->row || !c->tinted_begin || !c->tinted_row || !c->tinted_weight) {
-        status = RSV_ERROR_MEMORY;
-        goto cleanup;
-    }
-    count_columns(t->column, entries, t->row_count, c->column_begin);
-    count_columns(t->tinted_column, tinted, t->row_count, c->tinted_begin);
+    RSV_TRY(c->row && c->tinted_row && c->tinted_weight ? RSV_OK : RSV_ERROR_MEMORY);
     fill(c, next, next_tinted);
     *columns = c;
 cleanup:

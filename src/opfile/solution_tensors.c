@@ -1,4 +1,5 @@
 /// G, K, sources and solution.
+#include "../operator/transport_lists.h"
 #include "../solve/goal.h"
 #include "../solve/solve_desc.h"
 #include "exchange.h"
@@ -83,19 +84,27 @@ static rsv_status need(const rsv_tensor_file *file, const char *name, const void
     return array ? RSV_OK : rsv_tensor_fail(file, name, "is missing");
 }
 
-/// Compressed rows: starts, columns below `bound`, and weights where there are any.
-/// @param divided the operator whose rows they are, if other processes have some of them; NULL = all are here
-static rsv_status exchange_rows(rsv_tensor_file *file, const char *name, rsv_tensor_type type,
-    size_t rows, size_t bound, const rsv_transport *divided, size_t **begin, void *column,
-    rsv_rgb **weight)
+/// Compressed rows: starts, columns or bins below `bound`, and weights where there are any.
+typedef struct row_tensors {
+    const char *name;
+    rsv_tensor_type type; ///< U32 columns or U16 bins
+    size_t rows, bound;
+    const rsv_transport *divided; ///< whose rows other processes have some of; NULL = all are here
+} row_tensors;
+
+static rsv_status exchange_rows(
+    rsv_tensor_file *file, const row_tensors *t, size_t **begin, void *column, rsv_rgb **weight)
 {
+    rsv_tensor_type type = t->type;
+    size_t rows = t->rows, bound = t->bound;
+    const rsv_transport *divided = t->divided;
     char start_name[64], column_name[64], weight_name[64];
     size_t starts = rows + 1, entries = file->reading ? RSV_ANY_COUNT : (*begin)[rows];
     size_t *whole = NULL;
-    snprintf(start_name, sizeof start_name, "%srow_start", name);
-    snprintf(
-        column_name, sizeof column_name, "%s%s", name, type == RSV_TENSOR_U16 ? "bin" : "column");
-    snprintf(weight_name, sizeof weight_name, "%sweight", name);
+    snprintf(start_name, sizeof start_name, "%srow_start", t->name);
+    snprintf(column_name, sizeof column_name, "%s%s", t->name,
+        type == RSV_TENSOR_U16 ? "bin" : "column");
+    snprintf(weight_name, sizeof weight_name, "%sweight", t->name);
     rsv_status status;
     if (divided) {
         RSV_TRY(rsv_transport_whole_begin(divided, *begin, &whole));
@@ -141,23 +150,25 @@ static rsv_status exchange_transport(
     rsv_tensor_file *file, rsv_transport *t, rsv_rgb gathered_scale)
 {
     rsv_status status;
-    size_t rows = t->row_count, bins = RSV_ESCAPE_BINS;
-    rsv_tensor_type u16 = RSV_TENSOR_U16, u32 = RSV_TENSOR_U32;
-    rsv_tensor_prefix(file, "transport.");
-    const rsv_transport *divided = t->division ? t : NULL;
-    RSV_TRY(exchange_rows(file, "", u32, rows, rows, divided, &t->row_begin, &t->column, NULL));
-    RSV_TRY(exchange_rows(file, "tinted.", u32, rows, rows, divided, &t->tinted_begin,
-        &t->tinted_column, &t->tinted_weight));
-    RSV_TRY(rsv_tensor_exchange(file, "scale", RSV_TENSOR_F32, 1, &t->scale, &rows));
-    if (file->reading) RSV_TRY(rsv_check_numbers(file, "scale", t->scale, rows, 0));
-    RSV_TRY(exchange_gathered(file, t, gathered_scale));
-    rsv_tensor_prefix(file, "escape.");
-    rsv_escapes *e = &t->escapes;
-    RSV_TRY(exchange_rows(file, "", u16, rows, bins, divided, &e->begin, &e->list.bin, NULL));
-    RSV_TRY(exchange_rows(file, "tinted.", u16, rows, bins, divided, &e->tinted_begin,
-        &e->list.tinted_bin, &e->list.tinted_weight));
-    e->list.count = e->begin[rows];
-    e->list.tinted_count = e->tinted_begin[rows];
+    size_t rows = t->row_count;
+    rsv_transport_list list[RSV_TRANSPORT_LISTS];
+    if (!rsv_transport_list_rows(t, list))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "%s: rows that are not kept as they were traced have no form in files", file->path);
+    for (size_t k = 0; k < RSV_TRANSPORT_LISTS; k++) {
+        const rsv_transport_list *l = &list[k];
+        rsv_tensor_type type = l->bin ? RSV_TENSOR_U16 : RSV_TENSOR_U32;
+        void *items = l->bin ? (void *)l->bin : (void *)l->column;
+        const row_tensors tensors = { l->name, type, rows, l->bound, t->division ? t : NULL };
+        rsv_tensor_prefix(file, NULL);
+        RSV_TRY(exchange_rows(file, &tensors, l->begin, items, l->weight));
+        if (k != 1) continue;
+        rsv_tensor_prefix(file, "transport.");
+        RSV_TRY(rsv_tensor_exchange(file, "scale", RSV_TENSOR_F32, 1, &t->scale, &rows));
+        if (file->reading) RSV_TRY(rsv_check_numbers(file, "scale", t->scale, rows, 0));
+        RSV_TRY(exchange_gathered(file, t, gathered_scale));
+    }
+    if (file->reading) rsv_transport_filled(t);
 cleanup:
     return status;
 }
@@ -255,8 +266,8 @@ static rsv_status write_subsurface(rsv_tensor_file *file, const rsv_subsurface *
     if (!subsurface) return RSV_OK;
     rsv_subsurface p = *subsurface;
     rsv_tensor_prefix(file, "subsurface.");
-    return exchange_rows(
-        file, "", RSV_TENSOR_U32, p.row_count, 0, NULL, &p.row_begin, &p.column, &p.weight);
+    const row_tensors tensors = { "", RSV_TENSOR_U32, p.row_count, 0, NULL };
+    return exchange_rows(file, &tensors, &p.row_begin, &p.column, &p.weight);
 }
 
 static parts parts_of(const rsv_light_view *s)
@@ -300,13 +311,13 @@ rsv_status rsv_write_solution(rsv_tensor_file *file, const rsv_light_view *s)
 {
     rsv_status status;
     parts p = parts_of(s);
-    rsv_transport t = *s->transport;
+    rsv_transport *rows = (rsv_transport *)(uintptr_t)s->transport;
     const rsv_scene_view *scene = s->scene.view;
     RSV_TRY(rsv_write_fields(file, "solve", desc_fields, COUNT_OF(desc_fields), &p.desc));
     RSV_TRY(rsv_write_fields(file, "report", report_fields, COUNT_OF(report_fields), &p.report));
     RSV_TRY(exchange_goal_points(file, &p));
     RSV_TRY(rsv_write_elements(file, RSV_COARSE_PREFIX, scene, p.elements));
-    RSV_TRY(exchange_transport(file, &t, s->gathered_scale));
+    RSV_TRY(exchange_transport(file, rows, s->gathered_scale));
     RSV_TRY(write_subsurface(file, s->subsurface));
     RSV_TRY(exchange_system(file, &p));
     RSV_TRY(write_levels(file, scene, &p));
@@ -318,11 +329,8 @@ cleanup:
 
 static rsv_status read_transport(rsv_tensor_file *file, rsv_context *context, parts *p)
 {
-    p->transport = rsv_alloc(context, 1, sizeof *p->transport);
-    if (!p->transport) return RSV_ERROR_MEMORY;
-    p->transport->context = context;
-    p->transport->row_count = p->elements->node_count;
-    return exchange_transport(file, p->transport, rgb_gray(1));
+    rsv_status status = rsv_transport_create_empty(context, p->elements->node_count, &p->transport);
+    return status != RSV_OK ? status : exchange_transport(file, p->transport, rgb_gray(1));
 }
 
 static rsv_status read_subsurface(rsv_tensor_file *file, rsv_context *context, parts *p)
@@ -331,8 +339,8 @@ static rsv_status read_subsurface(rsv_tensor_file *file, rsv_context *context, p
     rsv_subsurface rows = { .row_count = p->elements->node_count };
     rsv_tensor_prefix(file, "subsurface.");
     if (!rsv_tensor_find(file, "row_start")) return RSV_OK;
-    status = exchange_rows(file, "", RSV_TENSOR_U32, rows.row_count, SIZE_MAX, NULL,
-        &rows.row_begin, &rows.column, &rows.weight);
+    const row_tensors tensors = { "", RSV_TENSOR_U32, rows.row_count, SIZE_MAX, NULL };
+    status = exchange_rows(file, &tensors, &rows.row_begin, &rows.column, &rows.weight);
     if (status == RSV_OK) return rsv_subsurface_restore(p->elements, &rows, &p->subsurface);
     rsv_free(context, rows.row_begin);
     rsv_free(context, rows.column);

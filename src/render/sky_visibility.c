@@ -106,25 +106,15 @@ static rsv_status find_places(const rsv_light_view *s, rsv_sky_visibility *o)
     return RSV_OK;
 }
 
-static void mark_bins(const uint16_t *bin, size_t count, uint16_t *seen)
-{
-    for (size_t k = 0; k < count; k++) // straight escapes have the first bins
-        if (bin[k] < BINS) seen[bin[k]] = 1;
-}
-
 /// What the rows of a batch of places saw, in all processes. @param seen [BATCH][BINS] how many processes saw it
 static void mark_batch(
     const rsv_light_view *s, const rsv_sky_visibility *o, uint32_t first, uint16_t (*seen)[BINS])
 {
-    const rsv_escapes *e = &s->transport->escapes;
     memset(seen, 0, BATCH * sizeof *seen);
     for (size_t node = 0; node < s->elements->node_count; node++) {
-        size_t begin = e->begin[node], tinted = e->tinted_begin[node];
         uint32_t place = o->place_of[node] - first; // of a hanging node, there is no row
         if (o->place_of[node] == RSV_NONE || place >= BATCH) continue;
-        uint16_t *marks = seen[place];
-        mark_bins(e->list.bin + begin, e->begin[node + 1] - begin, marks);
-        mark_bins(e->list.tinted_bin + tinted, e->tinted_begin[node + 1] - tinted, marks);
+        rsv_escapes_mark(&s->transport->escapes, node, seen[place]);
     }
     if (s->transport->division)
         rsv_team_sum(s->context, (int64_t *)(void *)seen, BATCH * sizeof *seen / sizeof(int64_t));

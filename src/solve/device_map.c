@@ -1,6 +1,7 @@
 #include "device_map.h"
 
 #include "../core/team.h"
+#include "../operator/transport_lists.h"
 
 struct rsv_device_map {
     rsv_context *context;
@@ -18,7 +19,11 @@ rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transpo
     char message[RSV_DEVICE_MESSAGE_BYTES];
     rsv_status status;
     *map = NULL;
-    if (!device || rsv_team_of(context)) return RSV_OK; // in a team, rows are divided
+    rsv_transport_list list[RSV_TRANSPORT_LISTS];
+    // in a team, rows are divided
+    if (!device || rsv_team_of(context) ||
+        !rsv_transport_list_rows((rsv_transport *)(uintptr_t)transport, list))
+        return RSV_OK;
     rsv_device_map *m = rsv_alloc(context, 1, sizeof *m);
     if (!m) return RSV_ERROR_MEMORY;
     m->context = context;
@@ -26,11 +31,11 @@ rsv_status rsv_device_map_create(const rsv_elements *elements, const rsv_transpo
     RSV_TRY(rsv_parents_create(elements, &m->parents));
     if (subsurface) RSV_TRY(rsv_diffusion_rows_create(subsurface, &m->diffusion));
     const rsv_device_system system = { .node_count = elements->node_count,
-        .row_begin = transport->row_begin,
-        .tinted_begin = transport->tinted_begin,
-        .column = transport->column,
-        .tinted_column = transport->tinted_column,
-        .tinted_weight = transport->tinted_weight,
+        .row_begin = *list[0].begin,
+        .tinted_begin = *list[1].begin,
+        .column = *list[0].column,
+        .tinted_column = *list[1].column,
+        .tinted_weight = *list[1].weight,
         .scale = transport->scale,
         .albedo = albedo,
         .parents = m->parents,

@@ -11,7 +11,7 @@
 /// relighting and lossless pockets change them.
 typedef struct rsv_device_system {
     size_t node_count;
-    const size_t *row_begin, *tinted_begin; ///< as in rsv_transport
+    const size_t *row_begin, *tinted_begin; ///< [node_count + 1] where rows begin
     const uint32_t *column, *tinted_column;
     const rsv_rgb *tinted_weight;
     const float *scale;    ///< [node_count]

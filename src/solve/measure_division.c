@@ -78,11 +78,11 @@ static void count_needed(
     d->received = d->senders = 0;
     memset(d->sends, 0, division->part_count);
     for (size_t k = division->begin[d->part]; k < division->begin[d->part + 1]; k++) {
-        uint32_t row = division->order[k];
-        for (size_t i = t->row_begin[row]; i < t->row_begin[row + 1]; i++)
-            ask_for(d, t->column[i]);
-        for (size_t i = t->tinted_begin[row]; i < t->tinted_begin[row + 1]; i++)
-            ask_for(d, t->tinted_column[i]);
+        rsv_transport_row row = rsv_transport_row_at(t, division->order[k]);
+        for (size_t i = 0; i < row.count; i++)
+            ask_for(d, row.column[i]);
+        for (size_t i = 0; i < row.tinted_count; i++)
+            ask_for(d, row.tinted_column[i]);
     }
     cost->received_mean += (double)d->received / division->part_count;
     cost->received_most = fmax(cost->received_most, (double)d->received);

@@ -134,13 +134,14 @@ static void sum_row(const rsv_transport_map *m, size_t row, double *sums)
     const rsv_transport *t = m->transport;
     size_t groups = m->linear.group_count;
     double *own = sums + m->linear.group[row] * groups;
-    for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++) {
-        uint32_t node = t->column[k];
+    rsv_transport_row entry = rsv_transport_row_at(t, row);
+    for (size_t k = 0; k < entry.count; k++) {
+        uint32_t node = entry.column[k];
         add_entry(own, groups, m->place[node], rgb_scale(m->albedo[node], t->scale[row]));
     }
-    for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-        uint32_t node = t->tinted_column[k];
-        rsv_rgb albedo = rgb_mul(m->albedo[node], t->tinted_weight[k]);
+    for (size_t k = 0; k < entry.tinted_count; k++) {
+        uint32_t node = entry.tinted_column[k];
+        rsv_rgb albedo = rgb_mul(m->albedo[node], entry.tinted_weight[k]);
         add_entry(own, groups, m->place[node], rgb_scale(albedo, t->scale[row]));
     }
 }

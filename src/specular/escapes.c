@@ -188,3 +188,16 @@ void rsv_escapes_destroy(rsv_context *context, rsv_escapes *escapes)
     rsv_free(context, escapes->tinted_begin);
     rsv_escape_list_destroy(context, &escapes->list);
 }
+
+static void mark_bins(const uint16_t *bin, size_t count, uint16_t *seen)
+{
+    for (size_t k = 0; k < count; k++) // straight escapes have the first bins
+        if (bin[k] < RSV_ESCAPE_BINS / 2) seen[bin[k]] = 1;
+}
+
+void rsv_escapes_mark(const rsv_escapes *e, size_t row, uint16_t *seen)
+{
+    size_t begin = e->begin[row], tinted = e->tinted_begin[row];
+    mark_bins(e->list.bin + begin, e->begin[row + 1] - begin, seen);
+    mark_bins(e->list.tinted_bin + tinted, e->tinted_begin[row + 1] - tinted, seen);
+}

@@ -57,6 +57,9 @@ rsv_status rsv_escapes_append(rsv_context *context, rsv_escapes *escapes, rsv_es
 void rsv_escapes_finish(rsv_escapes *escapes, size_t row_count);
 void rsv_escape_list_destroy(rsv_context *context, rsv_escape_list *list);
 
+/// Marks the bins that rays of a row escaped to straight from the receiver. @param seen [RSV_ESCAPE_BINS / 2] 1 = so
+void rsv_escapes_mark(const rsv_escapes *escapes, size_t row, uint16_t *seen);
+
 /// Sum over a row of weight times radiance.
 rsv_rgb rsv_escapes_sum(const rsv_escapes *escapes, size_t row, const rsv_rgb *radiance);
 /// The same of the squared luminances.

@@ -5,7 +5,8 @@
 #include "elements/spacing.h"
 #include "light_fixture.h"
 #include "operator/directions.h"
-#include "operator/transport.h"
+#include "operator/transport_columns.h"
+#include "operator/transport_rows.h"
 #include "resolvent/render.h"
 
 // ---- directions ---------------------------------------------------------------------------------
@@ -129,15 +130,25 @@ static void destroy_rows(rows *r)
 
 static uint64_t hash_rows(const rsv_transport *t)
 {
-    size_t entries = t->row_begin[t->row_count], tinted = t->tinted_begin[t->row_count];
     uint64_t hash = HASH_START;
-    hash = hash_bytes(hash, t->row_begin, (t->row_count + 1) * sizeof *t->row_begin);
-    hash = hash_bytes(hash, t->tinted_begin, (t->row_count + 1) * sizeof *t->tinted_begin);
-    hash = hash_bytes(hash, t->column, entries * sizeof *t->column);
-    hash = hash_bytes(hash, t->tinted_column, tinted * sizeof *t->tinted_column);
-    hash = hash_bytes(hash, t->tinted_weight, tinted * sizeof *t->tinted_weight);
+    for (size_t k = 0; k < t->row_count; k++) {
+        rsv_transport_row row = rsv_transport_row_at(t, k);
+        hash = hash_bytes(hash, &row.count, sizeof row.count);
+        hash = hash_bytes(hash, &row.tinted_count, sizeof row.tinted_count);
+        hash = hash_bytes(hash, row.column, row.count * sizeof *row.column);
+        hash = hash_bytes(hash, row.tinted_column, row.tinted_count * sizeof *row.tinted_column);
+        hash = hash_bytes(hash, row.tinted_weight, row.tinted_count * sizeof *row.tinted_weight);
+    }
     hash = hash_bytes(hash, t->scale, t->row_count * sizeof *t->scale);
     return hash_bytes(hash, t->gathered, t->row_count * sizeof *t->gathered);
+}
+
+static size_t count_tinted(const rsv_transport *t)
+{
+    size_t count = 0;
+    for (size_t row = 0; row < t->row_count; row++)
+        count += rsv_transport_row_at(t, row).tinted_count;
+    return count;
 }
 
 /// Smallest and largest row sum of the free rows.
@@ -284,15 +295,20 @@ static void exchange_is_reciprocal(void **state)
     destroy_rows(&r);
 }
 
-static uint64_t hash_of_rows_with(int threads)
+static rows create_glass_room(int threads)
 {
     world *w = world_begin(threads);
     rsv_material glass = glass_material();
     glass.base_color = rgb(0.9f, 0.7f, 0.5f);
     world_room(w, world_lambert(w, 0.5f, 1), v3(0, 0, 0), v3(1, 1, 1));
     world_sphere(w, world_material(w, glass), v3(0.5f, 0.5f, 0.5f), 0.3f, 2);
-    rows r = create_rows(w, 0.15f, 64);
-    assert_true(r.transport->tinted_begin[r.transport->row_count] > 0);
+    return create_rows(w, 0.15f, 64);
+}
+
+static uint64_t hash_of_rows_with(int threads)
+{
+    rows r = create_glass_room(threads);
+    assert_true(count_tinted(r.transport) > 0);
     uint64_t hash = hash_rows(r.transport);
     destroy_rows(&r);
     return hash;
@@ -304,6 +320,106 @@ static void rows_are_the_same_bytes_for_any_thread_count(void **state)
     uint64_t one = hash_of_rows_with(1);
     assert_true(one == hash_of_rows_with(2));
     assert_true(one == hash_of_rows_with(3));
+}
+
+// ---- another representation -----------------------------------------------------------------------
+
+/// A matrix with all its zeros.
+typedef struct dense_rows {
+    rsv_transport transport;
+    uint32_t *column; ///< [row_count] 0, 1, ...
+    rsv_rgb *weight;  ///< [row_count][row_count]
+} dense_rows;
+
+static void dense_destroy(rsv_transport *t)
+{
+    dense_rows *d = (dense_rows *)t;
+    rsv_free(t->context, d->column);
+    rsv_free(t->context, d->weight);
+}
+
+static rsv_transport_row dense_row(const rsv_transport *t, size_t row)
+{
+    const dense_rows *d = (const dense_rows *)t;
+    return (rsv_transport_row){ .tinted_column = d->column,
+        .tinted_weight = d->weight + row * t->row_count,
+        .tinted_count = t->row_count };
+}
+
+static size_t dense_entries(const rsv_transport *t) { return t->row_count * t->row_count; }
+
+static size_t dense_bytes(const rsv_transport *t) { return dense_entries(t) * sizeof(rsv_rgb); }
+
+static rsv_status dense_complete(rsv_transport *t)
+{
+    (void)t;
+    return RSV_OK; // in one process, all rows are there
+}
+
+static const rsv_transport_table dense_table = { dense_destroy, dense_row, rsv_gather_by_rows,
+    rsv_residual_by_rows, dense_complete, dense_entries, dense_bytes };
+
+static rsv_transport *make_dense(const rsv_transport *from)
+{
+    size_t count = from->row_count;
+    dense_rows *d = rsv_alloc(from->context, 1, sizeof *d);
+    d->transport =
+        (rsv_transport){ .table = &dense_table, .context = from->context, .row_count = count };
+    d->transport.scale = rsv_alloc(from->context, count, sizeof(float));
+    d->column = rsv_alloc(from->context, count, sizeof *d->column);
+    d->weight = rsv_alloc(from->context, count * count, sizeof *d->weight);
+    for (size_t n = 0; n < count; n++) {
+        rsv_transport_row row = rsv_transport_row_at(from, n);
+        rsv_rgb *weight = d->weight + n * count;
+        d->transport.scale[n] = from->scale[n];
+        d->column[n] = (uint32_t)n;
+        for (size_t k = 0; k < row.count; k++)
+            weight[row.column[k]] = rgb_add(weight[row.column[k]], rgb_gray(1));
+        for (size_t k = 0; k < row.tinted_count; k++)
+            weight[row.tinted_column[k]] =
+                rgb_add(weight[row.tinted_column[k]], row.tinted_weight[k]);
+    }
+    return &d->transport;
+}
+
+static void assert_same_field(const rsv_rgb *a, const rsv_rgb *b, size_t count)
+{
+    for (size_t n = 0; n < count; n++)
+        assert_close(rgb_max(rgb_sub(a[n], b[n])), 0, 1e-5 + 1e-5 * (double)rgb_max(a[n]));
+}
+
+/// Products, transposed ones and residuals ask for rows by their table alone.
+static void a_dense_matrix_stands_in_for_stored_rows(void **state)
+{
+    (void)state;
+    rows r = create_glass_room(2);
+    rsv_transport *t[2] = { r.transport, make_dense(r.transport) };
+    size_t count = r.transport->row_count;
+    rsv_rgb *field = calloc(count, sizeof *field), *scratch = calloc(count, sizeof *scratch);
+    rsv_rgb *product[2], *transposed[2], *residual[2];
+    assert_true(field && scratch);
+    for (size_t n = 0; n < count; n++)
+        field[n] = rgb(1 + (float)(n % 7), 2, (float)(n % 3));
+    for (int k = 0; k < 2; k++) {
+        rsv_transport_columns *columns;
+        product[k] = calloc(count, sizeof *field);
+        transposed[k] = calloc(count, sizeof *field);
+        residual[k] = calloc(count, sizeof *field);
+        assert_true(product[k] && transposed[k] && residual[k]);
+        rsv_transport_gather(t[k], 1, field, 0, count, product[k]);
+        rsv_transport_residual(t[k], 1, field, field, field, residual[k]);
+        assert_int_equal(rsv_transport_columns_create(t[k], &columns), RSV_OK);
+        rsv_transport_apply_transpose(columns, field, scratch, transposed[k]);
+        rsv_transport_columns_destroy(columns);
+    }
+    assert_same_field(product[0], product[1], count);
+    assert_same_field(residual[0], residual[1], count);
+    assert_same_field(transposed[0], transposed[1], count);
+    for (int k = 0; k < 2; k++)
+        free(product[k]), free(transposed[k]), free(residual[k]);
+    free(field), free(scratch);
+    rsv_transport_destroy(t[1]);
+    destroy_rows(&r);
 }
 
 /// Ends on split cells take another path than ends on the regular grid.
@@ -649,6 +765,7 @@ int main(void)
         cmocka_unit_test(facing_squares_exchange_their_form_factor),
         cmocka_unit_test(exchange_is_reciprocal),
         cmocka_unit_test(rows_are_the_same_bytes_for_any_thread_count),
+        cmocka_unit_test(a_dense_matrix_stands_in_for_stored_rows),
         cmocka_unit_test(split_cells_receive_their_share),
         cmocka_unit_test(chains_through_clear_glass_keep_their_weight),
         cmocka_unit_test(a_slab_transmits_by_fresnel_and_beer_lambert),

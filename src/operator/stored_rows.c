@@ -1,0 +1,124 @@
+#include "stored_rows_internal.h"
+#include "transport_lists.h"
+#include "transport_rows.h"
+
+/// Entries below which waking the threads takes longer than the work.
+#define PARALLEL_ENTRIES 65536
+
+/// Sum of a field at the ends of a row. Four sums at once: additions that wait for each other would take longer than
+/// the loads.
+static rsv_rgb sum_ends(const uint32_t *column, size_t count, const rsv_rgb *field, size_t stride)
+{
+    rsv_rgb sum[4] = { { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0, 0 } };
+    size_t k = 0;
+    for (; k + 4 <= count; k += 4)
+        for (size_t lane = 0; lane < 4; lane++)
+            sum[lane] = rgb_add(sum[lane], field[column[k + lane] * stride]);
+    for (; k < count; k++)
+        sum[0] = rgb_add(sum[0], field[column[k] * stride]);
+    return rgb_add(rgb_add(sum[0], sum[1]), rgb_add(sum[2], sum[3]));
+}
+
+static void gather(const rsv_transport *transport, size_t fields, const rsv_rgb *exitance,
+    size_t begin, size_t end, rsv_rgb *irradiance)
+{
+    const rsv_stored_rows *t = rsv_stored_rows_of(transport);
+    size_t entries = t->row_begin[end] - t->row_begin[begin];
+#pragma omp parallel for schedule(dynamic, 64)                                                     \
+    num_threads(rsv_threads(transport->context)) if (entries * fields > PARALLEL_ENTRIES)
+    for (size_t row = begin; row < end; row++) {
+        for (size_t f = 0; f < fields; f++) {
+            size_t first = t->row_begin[row];
+            rsv_rgb sum =
+                sum_ends(t->column + first, t->row_begin[row + 1] - first, exitance + f, fields);
+            for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++)
+                sum = rgb_add(
+                    sum, rgb_mul(t->tinted_weight[k], exitance[t->tinted_column[k] * fields + f]));
+            irradiance[row * fields + f] = rgb_scale(sum, transport->scale[row]);
+        }
+    }
+}
+
+void rsv_transport_gather_only(const rsv_transport *t, const rsv_rgb *field, rsv_rgb *sum)
+{
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(t->context))
+    for (size_t k = 0; k < t->row_count; k++) {
+        rsv_transport_row row = rsv_transport_row_at(t, k);
+        sum[k] = sum_ends(row.column, row.count, field, 1);
+    }
+}
+
+// ---- the table ------------------------------------------------------------------------------------
+
+static void destroy(rsv_transport *transport)
+{
+    rsv_stored_rows *t = rsv_stored_rows_of(transport);
+    rsv_free(transport->context, t->row_begin);
+    rsv_free(transport->context, t->column);
+    rsv_free(transport->context, t->tinted_begin);
+    rsv_free(transport->context, t->tinted_column);
+    rsv_free(transport->context, t->tinted_weight);
+}
+
+static rsv_transport_row get_row(const rsv_transport *transport, size_t row)
+{
+    const rsv_stored_rows *t = rsv_stored_rows_of(transport);
+    size_t first = t->row_begin[row], tinted = t->tinted_begin[row];
+    return (rsv_transport_row){ t->column + first, t->tinted_column + tinted,
+        t->tinted_weight + tinted, t->row_begin[row + 1] - first,
+        t->tinted_begin[row + 1] - tinted };
+}
+
+static size_t entries(const rsv_transport *transport)
+{
+    const rsv_stored_rows *t = rsv_stored_rows_of(transport);
+    return t->row_begin[transport->row_count] + t->tinted_begin[transport->row_count];
+}
+
+static size_t bytes(const rsv_transport *transport)
+{
+    const rsv_stored_rows *t = rsv_stored_rows_of(transport);
+    size_t tinted = t->tinted_begin[transport->row_count];
+    return transport->row_count * (sizeof *t->row_begin + sizeof *t->tinted_begin) +
+           t->row_begin[transport->row_count] * sizeof *t->column +
+           tinted * (sizeof *t->tinted_column + sizeof *t->tinted_weight);
+}
+
+const rsv_transport_table rsv_stored_rows_table = { destroy, get_row, gather, rsv_residual_by_rows,
+    rsv_stored_rows_complete, entries, bytes };
+
+// ---- lists ----------------------------------------------------------------------------------------
+
+bool rsv_transport_list_rows(rsv_transport *transport, rsv_transport_list list[RSV_TRANSPORT_LISTS])
+{
+    if (transport->table != &rsv_stored_rows_table) return false;
+    rsv_stored_rows *t = rsv_stored_rows_of(transport);
+    rsv_escapes *e = &transport->escapes;
+    rsv_escape_list *l = &e->list;
+    size_t rows = transport->row_count, bins = RSV_ESCAPE_BINS;
+    list[0] = (rsv_transport_list){ "transport.", &t->row_begin, &t->column, NULL, NULL, rows };
+    list[1] = (rsv_transport_list){ "transport.tinted.", &t->tinted_begin, &t->tinted_column, NULL,
+        &t->tinted_weight, rows };
+    list[2] = (rsv_transport_list){ "escape.", &e->begin, NULL, &l->bin, NULL, bins };
+    list[3] = (rsv_transport_list){ "escape.tinted.", &e->tinted_begin, NULL, &l->tinted_bin,
+        &l->tinted_weight, bins };
+    return true;
+}
+
+rsv_status rsv_transport_create_empty(
+    rsv_context *context, size_t row_count, rsv_transport **transport)
+{
+    rsv_stored_rows *t = rsv_alloc(context, 1, sizeof *t);
+    if (!t) return RSV_ERROR_MEMORY;
+    t->transport.table = &rsv_stored_rows_table;
+    t->transport.context = context;
+    t->transport.row_count = row_count;
+    *transport = &t->transport;
+    return RSV_OK;
+}
+
+void rsv_transport_filled(rsv_transport *t)
+{
+    t->escapes.list.count = t->escapes.begin[t->row_count];
+    t->escapes.list.tinted_count = t->escapes.tinted_begin[t->row_count];
+}
