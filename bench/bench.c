@@ -4,6 +4,7 @@
 #include "command.h"
 #include "crew.h"
 #include "device.h"
+#include "flown_frames.h"
 #include "output_file.h"
 #include "stats.h"
 
@@ -35,9 +36,11 @@ static const char help[] =
     "            scene\n"
     "  solvers   residual over applications of the operator and over time, for every solver, down\n"
     "            to 1e-5; on cornell-blocks and on bright-box, a closed box of albedo 0.95\n"
-    "  fps       frames of a camera that moves, beside bare tracing of their camera rays, at\n"
-    "            1280x720; the price of a second eye at 1920x1080; what 10,000 frames leave\n"
-    "            behind. On cornell-plaster and cornell-showcase with 100,000 triangles\n"
+    "  fps       frames of a camera that flies through SCENE (a file, an operator file or a\n"
+    "            built-in scene), beside bare tracing of their camera rays; a few seconds of\n"
+    "            them, or --frames N. With --repeat: the price of a second eye at 1920x1080, and\n"
+    "            what 10,000 frames leave behind. Or else on cornell-plaster and cornell-showcase\n"
+    "            with 100,000 triangles\n"
     "  move      milliseconds until all is lit anew: one light moved, and strengths of all lights\n"
     "            changed. On cornell-plaster and cornell-showcase with 200,000 triangles\n"
     "  rebake    one object moved: solving again from what --checkpoint keeps, beside solving the\n"
@@ -66,15 +69,18 @@ static const char help[] =
     "  --threads N       default: one per processor\n"
     "  --repeat N        assemble, cluster, fig8, fps, gpu, move, quality, solvers: time\n"
     "                    everything N times (default 3 to 21)\n"
+    "  --frames N        fps: of the flight (default: what 3 seconds hold, 3 to 120)\n"
     "  --size N          quality: pixels along each side of the pictures (default 256); fig8:\n"
     "                    their rows, of 16:9 (default 720)\n"
+    "  --size WxH        fps: pixels of a frame (default 1280x720)\n"
     "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP
     "  --quality Q       draft, medium or high. levels: which elements are compared (default\n"
     "                    medium); quality: the best solution to compare (default high); rebake:\n"
-    "                    of both solutions (default medium); gpu: of the operator (default high)\n"
+    "                    of both solutions (default medium); gpu: of the operator (default high);\n"
+    "                    fps: of a scene that is not solved yet (default draft)\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -83,6 +89,7 @@ static const char help[] =
     "examples:\n"
     "  resolvent bench trace room.glb --threads 1 --json\n"
     "  resolvent bench assemble\n"
+    "  resolvent bench fps room.safetensors --frames 60 --json\n"
     "  resolvent bench quality --spp 4096 --plot quality.svg\n";
 
 enum { BENCH_SCENES = 5 };
@@ -96,6 +103,7 @@ typedef struct benchmark {
     const char *scenes[BENCH_SCENES];           ///< where none is given
     uint32_t repetitions;                       ///< likewise
     uint32_t size;                              ///< likewise, where it is an option
+    cli_size frame_size;                        ///< likewise
     int quality;                                ///< likewise, where it is an option
     void (*print_summary)(const cJSON *scenes); ///< of all of them, or NULL
 } benchmark;
@@ -138,7 +146,8 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_fps_csv,
         .write_plot = cli_write_fps_plot,
         .scenes = { "cornell-plaster", "cornell-showcase" },
-        .repetitions = 21 },
+        .frame_size = { 1280, 720 },
+        .quality = RSV_QUALITY_DRAFT },
     { .name = "fig8",
         .run = cli_bench_fig8,
         .print = cli_print_fig8,
@@ -216,6 +225,7 @@ static const benchmark *find_benchmark(const char *name)
 typedef struct settings {
     const char *operand[2]; ///< name of the benchmark, scene or NULL
     cli_bench_task bench;   ///< what the benchmarks share
+    cli_size size;
     const char *csv, *plot, *mesh, *stats;
     int device;
     bool json;
@@ -308,14 +318,18 @@ static int check_settings(const benchmark *b, const settings *s)
     if (s->mesh && b->run == cli_bench_fig8)
         return cli_usage_error(
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
-    if (s->bench.environment.path && b->run != cli_bench_quality)
-        return cli_usage_error("bench", "--env belongs to bench quality");
+    if (s->bench.environment.path && b->run != cli_bench_quality && b->run != cli_bench_fps)
+        return cli_usage_error("bench", "--env belongs to bench quality and fps");
     if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
-        b->run != cli_bench_rebake && b->run != cli_bench_gpu)
+        b->run != cli_bench_rebake && b->run != cli_bench_gpu && b->run != cli_bench_fps)
         return cli_usage_error(
-            "bench", "--quality belongs to bench levels, quality, rebake and gpu");
-    if (s->bench.size && !b->size)
-        return cli_usage_error("bench", "--size belongs to bench quality and fig8");
+            "bench", "--quality belongs to bench levels, quality, rebake, gpu and fps");
+    if (s->bench.frames && b->run != cli_bench_fps)
+        return cli_usage_error("bench", "--frames belongs to bench fps");
+    if (s->size.width && !b->size && !b->frame_size.width)
+        return cli_usage_error("bench", "--size belongs to bench quality, fig8 and fps");
+    if (b->size && s->size.width != s->size.height)
+        return cli_usage_error("bench", "--size of bench %s is one number", b->name);
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)) ||
@@ -337,7 +351,8 @@ static int measure_and_report(settings *s)
     s->bench.session = &session;
     s->bench.threads = cli_thread_count(s->bench.threads);
     if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
-    if (s->bench.size == 0) s->bench.size = b->size;
+    s->bench.size = s->size.height ? s->size.height : b->size;
+    s->bench.frame_size = s->size.width ? s->size : b->frame_size;
     if (s->bench.quality < 0) s->bench.quality = b->quality;
     exit_status = run(b, s);
     cli_session_end(&session);
@@ -357,7 +372,12 @@ int cli_bench(int argc, char **argv)
             .value = &bench->repetitions,
             .min = 1,
             .max = 1000 },
-        { .name = "--size", .kind = CLI_COUNT, .value = &bench->size, .min = 1, .max = 8192 },
+        { .name = "--size", .kind = CLI_SIDES, .value = &s.size, .min = 1, .max = 8192 },
+        { .name = "--frames",
+            .kind = CLI_COUNT,
+            .value = &bench->frames,
+            .min = 1,
+            .max = CLI_MOST_FLOWN },
         { .name = "--spp",
             .kind = CLI_COUNT,
             .value = &bench->reference_samples,
