@@ -6,6 +6,8 @@
 #include "unit/scene_fixture.h"
 #include "unit/slow_tests.h"
 
+#include <stdlib.h>
+
 static rsv_scene *begin_scene(fixture *f)
 {
     rsv_scene *scene;
@@ -513,8 +515,19 @@ static void many_rooms_are_as_the_path_tracer_sees_them(void **state)
 
 #define SCENE_TEST(test) cmocka_unit_test_setup_teardown(test, fixture_setup, fixture_teardown)
 
+/// `rooms FIRST COUNT`: only these, whatever is wrong with them.
+static int look_at_rooms(char **argv)
+{
+    void *state = NULL;
+    fixture_setup(&state);
+    for (uint32_t seed = (uint32_t)atoi(argv[0]), k = 0; k < (uint32_t)atoi(argv[1]); k++)
+        check_room(state, seed + k);
+    return fixture_teardown(&state);
+}
+
 int main(int argc, char **argv)
 {
+    if (argc == 4 && strcmp(argv[1], "rooms") == 0) return look_at_rooms(argv + 2);
     const struct CMUnitTest quick[] = {
         SCENE_TEST(a_seed_names_a_scene),
         SCENE_TEST(no_pair_of_textures_can_be_seen),
