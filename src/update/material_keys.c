@@ -63,6 +63,30 @@ static rsv_material_key key_of(const rsv_transport_scene *scene, uint32_t index)
     return own;
 }
 
+static rsv_material_key key_of_normal_map(const rsv_scene_view *scene, uint32_t index)
+{
+    const rsv_material *m = &scene->material[index];
+    rsv_material_key own = { 0 };
+    for (size_t k = 0; k < m->texture_count; k++) {
+        if (m->textures[k].role != RSV_TEXTURE_NORMAL) continue;
+        own.key = add_numbers(own.key, &m->textures[k].scale, 1);
+        own.key = add_reference(own.key, scene, &m->textures[k]);
+        own.placed = true;
+    }
+    return own;
+}
+
+rsv_status rsv_normal_map_keys_create(
+    rsv_context *context, const rsv_scene_view *scene, rsv_material_key **keys)
+{
+    rsv_material_key *key = *keys = rsv_alloc(context, scene->material_count, sizeof *key);
+    if (!key) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic) num_threads(rsv_threads(context))
+    for (size_t m = 0; m < scene->material_count; m++)
+        key[m] = key_of_normal_map(scene, (uint32_t)m);
+    return RSV_OK;
+}
+
 rsv_status rsv_material_keys_create(
     rsv_context *context, const rsv_transport_scene *scene, rsv_material_key **keys)
 {
@@ -75,14 +99,19 @@ rsv_status rsv_material_keys_create(
     return RSV_OK;
 }
 
+uint64_t rsv_key_add_uvs(uint64_t key, const rsv_scene_view *scene, uint32_t triangle)
+{
+    for (int set = 0; set < 2; set++)
+        for (int k = 0; k < 3 && scene->uv[set]; k++)
+            key = add_numbers(key, scene->uv[set][scene->triangle[triangle][k]], 2);
+    return key;
+}
+
 uint64_t rsv_surface_key(
     const rsv_scene_view *scene, const rsv_material_key *keys, uint32_t triangle)
 {
     const rsv_material_key *own = &keys[scene->triangle_material[triangle]];
     if (!own->key) return 0;
     uint64_t key = rsv_key_add(rsv_triangle_key(scene, triangle), own->key);
-    for (int set = 0; set < 2 && own->placed; set++)
-        for (int k = 0; k < 3 && scene->uv[set]; k++)
-            key = add_numbers(key, scene->uv[set][scene->triangle[triangle][k]], 2);
-    return key;
+    return own->placed ? rsv_key_add_uvs(key, scene, triangle) : key;
 }

@@ -19,4 +19,12 @@ rsv_status rsv_material_keys_create(
 uint64_t rsv_surface_key(
     const rsv_scene_view *scene, const rsv_material_key *keys, uint32_t triangle);
 
+/// Of the normal maps by which elements receive what rows gather.
+/// @param keys out: [material_count], `key` 0 where there is none; to be freed
+rsv_status rsv_normal_map_keys_create(
+    rsv_context *context, const rsv_scene_view *scene, rsv_material_key **keys);
+
+/// Texture coordinates of a triangle, behind `key`.
+uint64_t rsv_key_add_uvs(uint64_t key, const rsv_scene_view *scene, uint32_t triangle);
+
 #endif

@@ -150,12 +150,17 @@ static void threads_make_no_difference(void **state)
     remove_folder(before.path);
 }
 
+/// Of the first triangle, and of the normal map there.
 static uint64_t key_of_first(const world *w)
 {
-    rsv_material_key *keys;
+    rsv_material_key *keys, *maps;
+    const rsv_scene_view *scene = w->transport.view;
     assert_int_equal(rsv_material_keys_create(w->context, &w->transport, &keys), RSV_OK);
-    uint64_t key = rsv_surface_key(w->transport.view, keys, 0);
+    assert_int_equal(rsv_normal_map_keys_create(w->context, scene, &maps), RSV_OK);
+    uint64_t map = maps[scene->triangle_material[0]].key;
+    uint64_t key = rsv_surface_key(scene, keys, 0) + (map ? rsv_key_add_uvs(map, scene, 0) : 0);
     rsv_free(w->context, keys);
+    rsv_free(w->context, maps);
     return key;
 }
 
@@ -229,6 +234,9 @@ static void another_texture_of_a_coat_is_another_surface(void **state)
     assert_int_equal(key_of_half(RSV_TEXTURE_CLEARCOAT, false, 0), key);
     assert_int_not_equal(key_of_half(RSV_TEXTURE_CLEARCOAT, true, 0), key);
     assert_int_not_equal(key_of_half(RSV_TEXTURE_CLEARCOAT, false, 0.25f), key);
+    key = key_of_half(RSV_TEXTURE_NORMAL, false, 0);
+    assert_int_not_equal(key_of_half(RSV_TEXTURE_NORMAL, true, 0), key);
+    assert_int_not_equal(key_of_half(RSV_TEXTURE_NORMAL, false, 0.25f), key);
     key = key_of_half(RSV_TEXTURE_BASE_COLOR, false, 0);
     assert_int_equal(key_of_half(RSV_TEXTURE_BASE_COLOR, true, 0), key);
     assert_int_equal(key_of_half(RSV_TEXTURE_BASE_COLOR, false, 0.25f), key);
