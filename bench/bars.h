@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { cli_max_groups = 8, cli_max_series = 4 };
+enum { cli_max_groups = 12, cli_max_series = 4 };
 
 /// Bars that stand together.
 typedef struct cli_bar_group {

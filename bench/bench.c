@@ -4,6 +4,7 @@
 #include "command.h"
 #include "crew.h"
 #include "device.h"
+#include "flown_frames.h"
 #include "output_file.h"
 #include "stats.h"
 
@@ -35,9 +36,17 @@ static const char help[] =
     "            scene\n"
     "  solvers   residual over applications of the operator and over time, for every solver, down\n"
     "            to 1e-5; on cornell-blocks and on bright-box, a closed box of albedo 0.95\n"
-    "  fps       frames of a camera that moves, beside bare tracing of their camera rays, at\n"
-    "            1280x720; the price of a second eye at 1920x1080; what 10,000 frames leave\n"
-    "            behind. On cornell-plaster and cornell-showcase with 100,000 triangles\n"
+    "  fps       frames of a camera that flies through SCENE (a file, an operator file or a\n"
+    "            built-in scene), beside bare tracing of their camera rays; a few seconds of\n"
+    "            them, or --frames N. With --repeat: the price of a second eye at 1920x1080, and\n"
+    "            what 10,000 frames leave behind. Or else on cornell-plaster and cornell-showcase\n"
+    "            with 100,000 triangles\n"
+    "  rooms     frames in five interiors, of a head and of glossy things (files that are not "
+    "part\n"
+    "            of the program: --assets), or of SCENE: milliseconds by stage beside bare\n"
+    "            tracing; relative MSE of means of 2x2 pixels against mode final, of a frame of\n"
+    "            the flight as it was shown, of the first one after a cut, and after 64 frames at\n"
+    "            rest; flicker at rest; a light that is dimmed\n"
     "  move      milliseconds until all is lit anew: one light moved, and strengths of all lights\n"
     "            changed. On cornell-plaster and cornell-showcase with 200,000 triangles\n"
     "  rebake    one object moved: solving again from what --checkpoint keeps, beside solving the\n"
@@ -66,15 +75,30 @@ static const char help[] =
     "  --threads N       default: one per processor\n"
     "  --repeat N        assemble, cluster, fig8, fps, gpu, move, quality, solvers: time\n"
     "                    everything N times (default 3 to 21)\n"
+    "  --frames N        fps, rooms: of the flight (default: what 3 seconds hold, 3 to 120)\n"
     "  --size N          quality: pixels along each side of the pictures (default 256); fig8:\n"
     "                    their rows, of 16:9 (default 720)\n"
-    "  --spp N           quality: rays per pixel of the reference (default 1024)\n"
+    "  --size WxH        fps, rooms: pixels of a frame (default 1280x720); rooms compares frames "
+    "of half\n"
+    "                    as many on each side\n"
+    "  --assets FOLDER   rooms: where the scenes are (default: RSV_ASSETS)\n"
+    "  --cache FOLDER    rooms: keeps operators and references for the next time; to be emptied\n"
+    "                    when they should come out differently\n"
+    "  --strips FOLDER   rooms: a picture of each scene: four frames of the flight, one at rest, "
+    "and\n"
+    "                    the reference\n"
+    "  --quick           rooms: draft quality, smaller frames, 16 rays per pixel of the reference\n"
+    "  --spp N           rays per pixel of the reference, of which there are two (quality: "
+    "default\n"
+    "                    1024; rooms: default 64)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP
     "  --quality Q       draft, medium or high. levels: which elements are compared (default\n"
     "                    medium); quality: the best solution to compare (default high); rebake:\n"
-    "                    of both solutions (default medium); gpu: of the operator (default high)\n"
+    "                    of both solutions (default medium); gpu: of the operator (default high);\n"
+    "                    fps and rooms: of a scene that is not solved yet (default draft and "
+    "medium)\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -83,9 +107,10 @@ static const char help[] =
     "examples:\n"
     "  resolvent bench trace room.glb --threads 1 --json\n"
     "  resolvent bench assemble\n"
+    "  resolvent bench fps room.safetensors --frames 60 --json\n"
     "  resolvent bench quality --spp 4096 --plot quality.svg\n";
 
-enum { BENCH_SCENES = 5 };
+enum { BENCH_SCENES = 10 };
 
 typedef struct benchmark {
     const char *name;
@@ -96,6 +121,7 @@ typedef struct benchmark {
     const char *scenes[BENCH_SCENES];           ///< where none is given
     uint32_t repetitions;                       ///< likewise
     uint32_t size;                              ///< likewise, where it is an option
+    cli_size frame_size;                        ///< likewise
     int quality;                                ///< likewise, where it is an option
     void (*print_summary)(const cJSON *scenes); ///< of all of them, or NULL
 } benchmark;
@@ -138,7 +164,19 @@ static const benchmark benchmarks[] = {
         .write_csv = cli_write_fps_csv,
         .write_plot = cli_write_fps_plot,
         .scenes = { "cornell-plaster", "cornell-showcase" },
-        .repetitions = 21 },
+        .frame_size = { 1280, 720 },
+        .quality = RSV_QUALITY_DRAFT },
+    { .name = "rooms",
+        .run = cli_bench_rooms,
+        .print = cli_print_rooms,
+        .print_summary = cli_print_rooms_summary,
+        .write_csv = cli_write_rooms_csv,
+        .write_plot = cli_write_rooms_plot,
+        .scenes = { "modern_hall", "fireplace_room", "white_room", "wooden_staircase",
+            "japanese_classroom", "head", "SheenChair", "MetalRoughSpheres",
+            "TransmissionRoughness", "ClearCoat" },
+        .frame_size = { 1280, 720 },
+        .quality = RSV_QUALITY_MEDIUM },
     { .name = "fig8",
         .run = cli_bench_fig8,
         .print = cli_print_fig8,
@@ -216,9 +254,10 @@ static const benchmark *find_benchmark(const char *name)
 typedef struct settings {
     const char *operand[2]; ///< name of the benchmark, scene or NULL
     cli_bench_task bench;   ///< what the benchmarks share
+    cli_size size;
     const char *csv, *plot, *mesh, *stats;
     int device;
-    bool json;
+    bool json, quick;
 } settings;
 
 double cli_json_number(const cJSON *object, const char *name)
@@ -308,20 +347,44 @@ static int check_settings(const benchmark *b, const settings *s)
     if (s->mesh && b->run == cli_bench_fig8)
         return cli_usage_error(
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
-    if (s->bench.environment.path && b->run != cli_bench_quality)
-        return cli_usage_error("bench", "--env belongs to bench quality");
-    if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
-        b->run != cli_bench_rebake && b->run != cli_bench_gpu)
+    bool flies = b->frame_size.width > 0, is_rooms = b->run == cli_bench_rooms;
+    if (s->bench.environment.path && b->run != cli_bench_quality && !flies)
+        return cli_usage_error("bench", "--env belongs to bench quality, fps and rooms");
+    if ((s->bench.assets || s->bench.cache || s->bench.strips || s->quick) && !is_rooms)
         return cli_usage_error(
-            "bench", "--quality belongs to bench levels, quality, rebake and gpu");
-    if (s->bench.size && !b->size)
-        return cli_usage_error("bench", "--size belongs to bench quality and fig8");
+            "bench", "--assets, --cache, --strips and --quick belong to bench rooms");
+    if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
+        b->run != cli_bench_rebake && b->run != cli_bench_gpu && !flies)
+        return cli_usage_error(
+            "bench", "--quality belongs to bench levels, quality, rebake, gpu, fps and rooms");
+    if (s->bench.frames && !flies)
+        return cli_usage_error("bench", "--frames belongs to bench fps and rooms");
+    if (s->size.width && !b->size && !flies)
+        return cli_usage_error("bench", "--size belongs to bench quality, fig8, fps and rooms");
+    if (b->size && s->size.width != s->size.height)
+        return cli_usage_error("bench", "--size of bench %s is one number", b->name);
     if (references % 2)
         return cli_usage_error("bench", "--reference must be given an even number of times");
     if ((s->csv && !cli_check_output(s->csv)) || (s->plot && !cli_check_output(s->plot)) ||
         (s->stats && !cli_check_output(s->stats)))
         return CLI_FAILURE;
     return CLI_SUCCESS;
+}
+
+/// Sizes and rays where frames are flown and compared.
+static void choose_frames(const benchmark *b, settings *s)
+{
+    cli_bench_task *bench = &s->bench;
+    uint32_t share = s->quick ? 4 : 2;
+    bench->frame_size = s->size.width ? s->size : b->frame_size;
+    bench->judged_size =
+        (cli_size){ bench->frame_size.width / share, bench->frame_size.height / share };
+    if (bench->judged_size.width < 8) bench->judged_size.width = 8;
+    if (bench->judged_size.height < 8) bench->judged_size.height = 8;
+    const char *assets = getenv("RSV_ASSETS");
+    if (!bench->assets && assets && *assets) bench->assets = assets;
+    if (bench->reference_samples) return;
+    bench->reference_samples = b->run != cli_bench_rooms ? 1024 : s->quick ? 16 : 64;
 }
 
 static int measure_and_report(settings *s)
@@ -337,8 +400,9 @@ static int measure_and_report(settings *s)
     s->bench.session = &session;
     s->bench.threads = cli_thread_count(s->bench.threads);
     if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
-    if (s->bench.size == 0) s->bench.size = b->size;
-    if (s->bench.quality < 0) s->bench.quality = b->quality;
+    s->bench.size = s->size.height ? s->size.height : b->size;
+    if (s->bench.quality < 0) s->bench.quality = s->quick ? RSV_QUALITY_DRAFT : b->quality;
+    choose_frames(b, s);
     exit_status = run(b, s);
     cli_session_end(&session);
     return exit_status;
@@ -346,9 +410,7 @@ static int measure_and_report(settings *s)
 
 int cli_bench(int argc, char **argv)
 {
-    settings s = { .bench = { .reference_samples = 1024,
-                       .quality = -1,
-                       .environment = CLI_DEFAULT_ENVIRONMENT } };
+    settings s = { .bench = { .quality = -1, .environment = CLI_DEFAULT_ENVIRONMENT } };
     cli_bench_task *bench = &s.bench;
     const cli_option options[] = {
         { .name = "--threads", .kind = CLI_COUNT, .value = &bench->threads, .max = 1024 },
@@ -357,7 +419,12 @@ int cli_bench(int argc, char **argv)
             .value = &bench->repetitions,
             .min = 1,
             .max = 1000 },
-        { .name = "--size", .kind = CLI_COUNT, .value = &bench->size, .min = 1, .max = 8192 },
+        { .name = "--size", .kind = CLI_SIDES, .value = &s.size, .min = 1, .max = 8192 },
+        { .name = "--frames",
+            .kind = CLI_COUNT,
+            .value = &bench->frames,
+            .min = 1,
+            .max = CLI_MOST_FLOWN },
         { .name = "--spp",
             .kind = CLI_COUNT,
             .value = &bench->reference_samples,
@@ -369,6 +436,10 @@ int cli_bench(int argc, char **argv)
             .choices = cli_quality_names },
         { .name = "--paths", .kind = CLI_COUNT, .value = &bench->paths, .min = 32, .max = 1 << 24 },
         { .name = "--reference", .kind = CLI_LIST, .value = &bench->references },
+        { .name = "--assets", .kind = CLI_TEXT, .value = &bench->assets },
+        { .name = "--cache", .kind = CLI_TEXT, .value = &bench->cache },
+        { .name = "--strips", .kind = CLI_TEXT, .value = &bench->strips },
+        { .name = "--quick", .kind = CLI_FLAG, .value = &s.quick },
         CLI_MESH_OPTION(&s.mesh),
         CLI_ENVIRONMENT_OPTIONS(&bench->environment),
         { .name = "--csv", .kind = CLI_TEXT, .value = &s.csv },

@@ -1,6 +1,6 @@
 /// Frames per second: whole frames beside bare ray tracing, stereo, and whether frames leave anything behind.
 #include "bars.h"
-#include "benchmarks.h"
+#include "flown_frames.h"
 
 #include "resolvent/frame.h"
 
@@ -8,10 +8,9 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
-enum { steady_frames = 10000, body_triangles = 100000 };
+enum { steady_frames = 10000 };
 
 /// The camera swings this far to either side, so that no frame rests.
 static const float swing = 0.02f; // metres
@@ -46,78 +45,9 @@ static double seconds_of_frame(rsv_frame_renderer *renderer, const rsv_frame_vie
     return rsv_frame_render(renderer, view, &stats) == RSV_OK ? 1e-3 * stats.total_ms : NAN;
 }
 
-/// Of all threads.
-static double processor_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void add_median(cJSON *result, const char *name, double *values, uint32_t count)
 {
     cJSON_AddNumberToObject(result, name, cli_median(values, count));
-}
-
-// ---- one view -----------------------------------------------------------------------------------
-
-/// What neighbouring frames took: [frames] each, wall clock and processor time.
-typedef struct frame_times {
-    double *whole, *bare, *ratio, *whole_cpu, *ratio_cpu;
-} frame_times;
-
-static void add_times(cJSON *result, const frame_times *t, uint32_t frames)
-{
-    add_median(result, "frame_s", t->whole, frames);
-    add_median(result, "frame_cpu_s", t->whole_cpu, frames);
-    add_median(result, "tracing_s", t->bare, frames);
-    add_median(result, "ratio_to_tracing", t->ratio, frames);
-    add_median(result, "ratio_to_tracing_cpu", t->ratio_cpu, frames);
-    cJSON_AddNumberToObject(result, "frames_per_second", 1 / cli_json_number(result, "frame_s"));
-    cJSON_AddNumberToObject(result, "best_ms", 1e3 * t->whole[0]); // sorted by now
-}
-
-static void add_stages(cJSON *result, const rsv_frame_stats *stats)
-{
-    cJSON_AddNumberToObject(result, "path_rays", (double)stats->path_rays);
-    cJSON_AddNumberToObject(result, "camera_ms", stats->camera_ms);
-    cJSON_AddNumberToObject(result, "path_ms", stats->path_ms);
-    cJSON_AddNumberToObject(result, "display_ms", stats->display_ms);
-}
-
-/// Whole frames and bare tracing by turns; ratios of neighbours.
-static rsv_status measure_single(const rsv_light *solution, uint32_t frames, cJSON *result)
-{
-    rsv_frame_renderer *renderer = NULL;
-    const rsv_scene *scene = rsv_light_scene(solution);
-    rsv_status status = create_renderer(solution, 1280, 720, 1, &renderer);
-    if (status != RSV_OK) return status;
-    double *times = calloc(5 * frames, sizeof *times);
-    if (!times) {
-        rsv_frame_renderer_destroy(renderer);
-        return RSV_ERROR_MEMORY;
-    }
-    frame_times t = { times, times + frames, times + 2 * frames, times + 3 * frames,
-        times + 4 * frames };
-    rsv_frame_stats stats = { 0 };
-    for (uint32_t k = 0; k < frames && !cli_interrupted(); k++) {
-        rsv_frame_view view = view_at(scene, k);
-        double start = processor_seconds();
-        t.bare[k] = rsv_frame_trace_only(renderer, &view);
-        double traced = processor_seconds();
-        rsv_frame_render(renderer, &view, &stats);
-        t.whole_cpu[k] = processor_seconds() - traced;
-        t.whole[k] = 1e-3 * stats.total_ms;
-        t.ratio[k] = t.whole[k] / t.bare[k];
-        t.ratio_cpu[k] = t.whole_cpu[k] / (traced - start);
-    }
-    cJSON_AddStringToObject(
-        result, "instructions", rsv_instructions_name(rsv_frame_instructions(renderer)));
-    add_times(result, &t, frames);
-    add_stages(result, &stats);
-    rsv_frame_renderer_destroy(renderer);
-    free(times);
-    return RSV_OK;
 }
 
 // ---- two eyes -----------------------------------------------------------------------------------
@@ -183,71 +113,69 @@ static rsv_status measure_steady_state(
 
 // ---- all of it ----------------------------------------------------------------------------------
 
-static rsv_status measure(const cli_bench_task *bench, const rsv_scene *scene, cJSON *result)
-{
-    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    rsv_light *solution = NULL;
-    rsv_status status = rsv_light_create(scene, &desc, &solution);
-    if (status == RSV_OK) status = measure_single(solution, bench->repetitions, result);
-    if (status == RSV_OK) status = measure_stereo(solution, bench->repetitions, result);
-    if (status == RSV_OK) status = measure_steady_state(bench, solution, result);
-    if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
-    rsv_light_destroy(solution);
-    return status;
-}
-
 bool cli_bench_fps(const cli_bench_task *bench, cJSON *result)
 {
-    rsv_scene *scene = cli_open_bench_body(bench, body_triangles);
-    if (!scene) return false;
-    cJSON_AddNumberToObject(result, "triangles", (double)rsv_scene_get_view(scene)->triangle_count);
-    rsv_status status = measure(bench, scene, result);
-    rsv_scene_destroy(scene);
+    cli_subject subject;
+    if (!cli_open_solved(bench, &subject, result)) return false;
+    rsv_status status = cli_fly(subject.solution, bench->frame_size, bench->frames, result);
+    if (bench->repetitions) {
+        if (status == RSV_OK) status = measure_stereo(subject.solution, bench->repetitions, result);
+        if (status == RSV_OK) status = measure_steady_state(bench, subject.solution, result);
+    }
+    if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     if (status != RSV_OK) cli_report_failure(bench->session, status);
+    cli_close_subject(&subject);
     return status == RSV_OK;
 }
 
-void cli_print_fps(const cJSON *result)
+static void print_long_run(const cJSON *result)
 {
-    printf("  %.0f triangles, %s\n", cli_json_number(result, "triangles"),
-        cJSON_GetStringValue(cJSON_GetObjectItem(result, "instructions")));
-    printf("  1280x720               %.1f ms, %.1f frames/s; the fastest %.1f ms\n",
-        1e3 * cli_json_number(result, "frame_s"), cli_json_number(result, "frames_per_second"),
-        cli_json_number(result, "best_ms"));
-    printf("  bare ray tracing       %.1f ms; frame : tracing %.2f, in processor time %.2f\n",
-        1e3 * cli_json_number(result, "tracing_s"), cli_json_number(result, "ratio_to_tracing"),
-        cli_json_number(result, "ratio_to_tracing_cpu"));
-    printf("  processor time         %.1f ms per frame\n",
-        1e3 * cli_json_number(result, "frame_cpu_s"));
-    printf("  stages, per thread     camera %.1f ms, paths %.1f ms (%.0f rays), display %.1f ms\n",
-        cli_json_number(result, "camera_ms"), cli_json_number(result, "path_ms"),
-        cli_json_number(result, "path_rays"), cli_json_number(result, "display_ms"));
     printf("  second eye, 1920x1080  %.2f of the first\n", cli_json_number(result, "second_eye"));
     printf("  %.0f frames          %.0f allocations, memory grew by %.0f bytes\n",
         cli_json_number(result, "steady_frames"), cli_json_number(result, "allocations"),
         cli_json_number(result, "grown_bytes"));
 }
 
+void cli_print_fps(const cJSON *result)
+{
+    const cJSON *stages = cJSON_GetObjectItem(result, "stages_ms");
+    printf("  %.0f triangles, %.0f elements, %s\n", cli_json_number(result, "triangles"),
+        cli_json_number(result, "elements"),
+        cJSON_GetStringValue(cJSON_GetObjectItem(result, "instructions")));
+    printf("  %-22s %.1f ms, %.1f frames/s; the worst of %.0f %.1f ms, the first %.1f ms\n",
+        cJSON_GetStringValue(cJSON_GetObjectItem(result, "size")),
+        cli_json_number(result, "median_ms"), cli_json_number(result, "frames_per_second"),
+        cli_json_number(result, "frames"), cli_json_number(result, "worst_ms"),
+        cli_json_number(result, "first_ms"));
+    printf("  bare ray tracing       %.1f ms; frame : tracing %.2f, in processor time %.2f\n",
+        cli_json_number(result, "bare_ms"), cli_json_number(result, "ratio"),
+        cli_json_number(result, "ratio_cpu"));
+    printf("  processor time         %.1f ms per frame\n", cli_json_number(result, "cpu_ms"));
+    printf("  stages, per thread     camera %.1f ms, paths %.1f ms (%.0f rays), display %.1f ms\n",
+        cli_json_number(stages, "camera"), cli_json_number(stages, "paths"),
+        cli_json_number(result, "path_rays"), cli_json_number(stages, "display"));
+    if (cJSON_HasObjectItem(result, "second_eye")) print_long_run(result);
+}
+
 bool cli_write_fps_plot(const char *path, const cJSON *scenes)
 {
-    cli_bars bars = { .title = "milliseconds at 1280x720",
+    cli_bars bars = { .title = "milliseconds per frame",
         .series = { "bare ray tracing", "whole frame" },
-        .scale = 1e3 };
+        .scale = 1 };
     const cJSON *scene;
     cJSON_ArrayForEach(scene, scenes)
     {
         cli_bar_group *group = &bars.group[bars.group_count++];
         group->name = cJSON_GetStringValue(cJSON_GetObjectItem(scene, "scene"));
-        group->value[0] = cli_json_number(scene, "tracing_s");
-        group->value[1] = cli_json_number(scene, "frame_s");
+        group->value[0] = cli_json_number(scene, "bare_ms");
+        group->value[1] = cli_json_number(scene, "median_ms");
     }
     return cli_write_bars(path, &bars);
 }
 
 bool cli_write_fps_csv(const char *path, const cJSON *scenes)
 {
-    static const char *const columns[] = { "triangles", "frame_s", "frame_cpu_s", "tracing_s",
-        "ratio_to_tracing", "ratio_to_tracing_cpu", "frames_per_second", "second_eye", "path_rays",
-        "allocations", "grown_bytes" };
+    static const char *const columns[] = { "triangles", "median_ms", "worst_ms", "bare_ms", "ratio",
+        "cpu_ms", "ratio_cpu", "frames_per_second", "path_rays" };
     return cli_write_columns(path, scenes, columns, sizeof columns / sizeof columns[0]);
 }

@@ -58,6 +58,15 @@ static bool read_size(const char *text, const cli_option *option, cli_size *size
            (uint64_t)size->width * size->height <= MOST_PIXELS;
 }
 
+/// "640x480", or "256" for 256x256.
+static bool read_sides(const char *text, const cli_option *option, cli_size *size)
+{
+    if (strchr(text, 'x')) return read_size(text, option, size);
+    if (!read_count(text, option, &size->width)) return false;
+    size->height = size->width;
+    return (uint64_t)size->width * size->height <= MOST_PIXELS;
+}
+
 static bool read_choice(const char *text, const cli_option *option, int *choice)
 {
     for (int i = 0; option->choices[i]; i++)
@@ -142,6 +151,8 @@ static bool store_value(const cli_option *option, const char *text)
         return read_bytes(text, option->value);
     case CLI_SIZE:
         return read_size(text, option, option->value);
+    case CLI_SIDES:
+        return read_sides(text, option, option->value);
     }
     return false;
 }
@@ -164,6 +175,7 @@ static int report_bad_value(const cli_usage *usage, const cli_option *option, co
         snprintf(expected, sizeof expected, "a share from %g%% to %g%%", 100 * option->min,
             100 * option->max);
         break;
+    case CLI_SIDES:
     case CLI_SIZE:
         snprintf(expected, sizeof expected,
             "WIDTHxHEIGHT such as 640x480, each from %.0f to %.0f, and %u pixels in all",

@@ -25,7 +25,8 @@ typedef enum cli_option_kind {
     CLI_SHARE,  ///< float *, in [min, max]: 0.01 or 1%
     CLI_CHOICE, ///< int *: index of the value among `choices`
     CLI_BYTES,  ///< size_t *: 300MiB, 2GiB, 1.5GB, ...
-    CLI_SIZE    ///< cli_size *: WIDTHxHEIGHT, each in [min, max]
+    CLI_SIZE,   ///< cli_size *: WIDTHxHEIGHT, each in [min, max]
+    CLI_SIDES   ///< the same, or one number for both
 } cli_option_kind;
 
 typedef struct cli_option {

@@ -18,11 +18,37 @@ says 'bare gather loop : application'
 grep -q '^bright-box,two-grid,' solvers.csv || complain "the table lacks a solver"
 grep -q '</svg>' solvers.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf solvers.svg solvers.csv || complain "the curves hold what is no number"
-succeeds bench fps cornell-blocks --repeat 2 --csv fps.csv --plot fps.svg
+succeeds bench fps cornell-blocks --repeat 2 --frames 4 --size 320x180 --csv fps.csv --plot fps.svg
 says ' 0 allocations'
 grep -q '^cornell-blocks,' fps.csv || complain "the table lacks the scene"
 grep -q '</svg>' fps.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf fps.svg fps.csv || complain "the bars hold what is no number"
+# an operator file, as it is, and a scene without a camera, from inside; the numbers that others read
+succeeds solve two-rooms --quality draft -o rooms.safetensors
+succeeds bench fps rooms.safetensors --frames 3 --size 64x36 --json
+for key in median_ms worst_ms bare_ms stages_ms; do
+    says "\"$key\":"
+done
+says '"frames":.*3,'
+
+mkdir kept
+for run in 1 2; do
+    succeeds bench rooms cornell-blocks --quick --size 64x48 --frames 2 --spp 4 --cache kept --strips kept \
+        --csv rooms.csv --plot rooms.svg --stats rooms.json
+done
+says '^| cornell-blocks |'
+[[ $(ls kept | tr '\n' ' ') == 'cornell-blocks-draft-16x12-4spp-0.exr cornell-blocks-draft-16x12-4spp-1.exr cornell-blocks-draft.safetensors cornell-blocks.png ' ]] ||
+    complain "kept is $(ls kept)"
+grep -q '^cornell-blocks,' rooms.csv || complain "the table lacks the scene"
+grep -q '</svg>' rooms.svg || complain "the plot is incomplete"
+! grep -q -e nan -e inf rooms.svg rooms.csv || complain "the rooms hold what is no number"
+for key in moving_mse resting_mse cut_mse flicker switch_ms remnant; do
+    grep -q "\"$key\":" rooms.json || complain "the JSON lacks $key"
+done
+RSV_ASSETS='' refuses 1 'RSV_ASSETS' bench rooms modern_hall --quick
+succeeds bench rooms modern_hall --quick --assets kept
+says 'skipped'
+refuses 2 'belong to bench rooms' bench fps cornell-blocks --quick
 
 succeeds bench move cornell-blocks --repeat 1 --csv move.csv
 says 'one light moved'
@@ -52,8 +78,10 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
     complain "the table lacks one of the methods"
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
-refuses 2 'belongs to bench levels, quality, rebake and gpu' bench trace --quality draft
-refuses 2 'belongs to bench quality and fig8' bench trace --size 64
+refuses 2 'belongs to bench levels, quality, rebake, gpu, fps and rooms' bench trace --quality draft
+refuses 2 'belongs to bench quality, fig8, fps and rooms' bench trace --size 64
+refuses 2 'is one number' bench fig8 --size 64x36
+refuses 2 '--frames belongs to bench fps and rooms' bench trace --frames 3
 
 refuses 2 'belong to bench' bench trace --plot trace.svg
 
