@@ -207,12 +207,13 @@ static void apply(const series *q, double (*term)[3], double (*next)[3])
     for (size_t row = 0; row < q->nodes; row++)
         for (int c = 0; c < 3; c++) {
             double sum = 0;
-            for (size_t k = t->row_begin[row]; k < t->row_begin[row + 1]; k++)
-                sum += channel(albedo[t->column[k]], c) * term[t->column[k]][c];
-            for (size_t k = t->tinted_begin[row]; k < t->tinted_begin[row + 1]; k++) {
-                uint32_t column = t->tinted_column[k];
-                sum +=
-                    channel(t->tinted_weight[k], c) * channel(albedo[column], c) * term[column][c];
+            rsv_transport_row entry = rsv_transport_row_at(t, row);
+            for (size_t k = 0; k < entry.count; k++)
+                sum += channel(albedo[entry.column[k]], c) * term[entry.column[k]][c];
+            for (size_t k = 0; k < entry.tinted_count; k++) {
+                uint32_t column = entry.tinted_column[k];
+                sum += channel(entry.tinted_weight[k], c) * channel(albedo[column], c) *
+                       term[column][c];
             }
             next[row][c] = sum * t->scale[row];
         }
