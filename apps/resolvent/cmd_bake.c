@@ -67,6 +67,44 @@ typedef struct settings {
     rsv_bake_desc bake;
 } settings;
 
+// clang-format off
+#define VERTEX_OPTIONS(bake)                                                                       \
+    { .name = "--tolerance", .kind = CLI_SHARE, .value = &(bake)->tolerance,                       \
+        .min = 0.002, .max = 1, .goes_with = "--to=vertex" },                                      \
+    { .name = "--unlit", .kind = CLI_FLAG, .value = &(bake)->unlit, .goes_with = "--to=vertex" }
+
+#define LIGHTMAP_OPTIONS(bake)                                                                     \
+    { .name = "--map-size", .kind = CLI_COUNT, .value = &(bake)->map_size,                         \
+        .min = 16, .max = 8192, .goes_with = "--to=lightmap" },                                    \
+    { .name = "--density", .kind = CLI_REAL, .value = &(bake)->density,                            \
+        .max = 1e6, .goes_with = "--to=lightmap" },                                                \
+    { .name = "--padding", .kind = CLI_COUNT, .value = &(bake)->padding,                           \
+        .min = 1, .max = 16, .goes_with = "--to=lightmap" },                                       \
+    { .name = "--directional", .kind = CLI_FLAG, .value = &(bake)->directional,                    \
+        .goes_with = "--to=lightmap" }
+
+#define PROBE_OPTIONS(bake)                                                                        \
+    { .name = "--spacing", .kind = CLI_REAL, .value = &(bake)->probe_spacing,                      \
+        .max = 1e6, .goes_with = "--to=probes" },                                                  \
+    { .name = "--probe-samples", .kind = CLI_COUNT, .value = &(bake)->probe_samples,               \
+        .min = 32, .max = 65536, .goes_with = "--to=probes" }
+// clang-format on
+
+/// What the target makes of the output's name and of the other options.
+static bool check_target(const settings *s, int *exit_status)
+{
+    const char *extension = rsv_bake_target_extension(s->target);
+    if (!s->output)
+        *exit_status = cli_usage_error("bake", "-o OUT%s is missing", extension);
+    else if (!cli_ends_in(s->output, extension))
+        *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output, extension);
+    else if (strcmp(s->target, "probes") == 0 && s->bake.operator_file)
+        *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
+    else
+        return true;
+    return false;
+}
+
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -84,49 +122,10 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .max = 64,
             .goes_with = "--basis" },
         { .name = "--dry-run", .kind = CLI_FLAG, .value = &s->bake.dry_run },
-        { .name = "--tolerance",
-            .kind = CLI_SHARE,
-            .value = &s->bake.tolerance,
-            .min = 0.002,
-            .max = 1,
-            .goes_with = "--to=vertex" },
-        { .name = "--unlit",
-            .kind = CLI_FLAG,
-            .value = &s->bake.unlit,
-            .goes_with = "--to=vertex" },
-        { .name = "--map-size",
-            .kind = CLI_COUNT,
-            .value = &s->bake.map_size,
-            .min = 16,
-            .max = 8192,
-            .goes_with = "--to=lightmap" },
-        { .name = "--density",
-            .kind = CLI_REAL,
-            .value = &s->bake.density,
-            .max = 1e6,
-            .goes_with = "--to=lightmap" },
-        { .name = "--padding",
-            .kind = CLI_COUNT,
-            .value = &s->bake.padding,
-            .min = 1,
-            .max = 16,
-            .goes_with = "--to=lightmap" },
-        { .name = "--spacing",
-            .kind = CLI_REAL,
-            .value = &s->bake.probe_spacing,
-            .max = 1e6,
-            .goes_with = "--to=probes" },
-        { .name = "--probe-samples",
-            .kind = CLI_COUNT,
-            .value = &s->bake.probe_samples,
-            .min = 32,
-            .max = 65536,
-            .goes_with = "--to=probes" },
-        { .name = "--directional",
-            .kind = CLI_FLAG,
-            .value = &s->bake.directional,
-            .goes_with = "--to=lightmap" },
+        VERTEX_OPTIONS(&s->bake),
+        LIGHTMAP_OPTIONS(&s->bake),
         { .name = "--new-uv", .kind = CLI_FLAG, .value = &s->new_uv, .goes_with = "--to=lightmap" },
+        PROBE_OPTIONS(&s->bake),
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
@@ -142,16 +141,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         return false;
     }
     s->target = rsv_bake_target_names()[s->target_index];
-    const char *extension = rsv_bake_target_extension(s->target);
-    if (!s->output)
-        *exit_status = cli_usage_error("bake", "-o OUT%s is missing", extension);
-    else if (!cli_ends_in(s->output, extension))
-        *exit_status = cli_usage_error("bake", "-o '%s' does not end in %s", s->output, extension);
-    else if (strcmp(s->target, "probes") == 0 && s->bake.operator_file)
-        *exit_status = cli_usage_error("bake", "--operator goes with --to vertex or lightmap");
-    else
-        return true;
-    return false;
+    return check_target(s, exit_status);
 }
 
 /// What a target does not have is 0.

@@ -18,9 +18,9 @@ typedef struct rsv_next_event {
 
 RSV_INLINE void rsv_next_event_clear(rsv_next_event *event)
 {
-    event->ray.origin = event->ray.direction = v3(0, 0, 0);
-    event->ray.t_max = -1;
-    event->open = event->light = rgb_gray(0);
+    event->ray = rsv_ray_to(v3(0, 0, 0), v3(0, 0, 0), -1);
+    event->open = rgb_gray(0);
+    event->light = rgb_gray(0);
     event->known = false;
 }
 
