@@ -16,7 +16,8 @@
 #define CLEAR 1.5f
 
 /// The four triangles of a leaf look at so many others at most, and find so many: beyond, as around the tip of a fan of
-/// a million slivers, or in a heap of inexact copies of one triangle, time would grow with the square.
+/// a million slivers, or in a heap of inexact copies of one triangle, time would grow with the square. They are searched for
+/// at each hit then, and by those that they have not looked at.
 #define MOST_LOOKS 16384
 #define MOST_FOUND 128
 
@@ -43,11 +44,13 @@ typedef struct finder {
     rsv_twin_tree tree;
     face_box *box;  ///< [tree.face_count]
     uint8_t *flags; ///< [triangle_count]
+    uint8_t
+        *gave_up; ///< [tree.node_count] of leaves, whether they have not looked at all around them
     float reach, rounding;
     bool apart; ///< out: some twins lie apart by more than rounding
 } finder;
 
-static void flag(finder *f, uint32_t triangle, uint8_t flags)
+static void flag(const finder *f, uint32_t triangle, uint8_t flags)
 {
 #pragma omp atomic
     f->flags[triangle] |= flags;
@@ -60,7 +63,7 @@ typedef struct leaf_search {
 } leaf_search;
 
 /// @param opposite whether some face in the place of this one turns the other way, else the same way
-static void flag_twin(finder *f, uint32_t triangle, bool opposite)
+static void flag_twin(const finder *f, uint32_t triangle, bool opposite)
 {
     // a front is sure to be seen before a back, unless it lets light through and the back does not
     bool sure = opposite && rsv_twin_is_opaque(f->view, f->view->triangle_material[triangle]);
@@ -70,7 +73,7 @@ static void flag_twin(finder *f, uint32_t triangle, bool opposite)
 }
 
 /// @param a, b places in the tree
-static void compare(finder *f, uint32_t a, uint32_t b, leaf_search *s)
+static void compare(const finder *f, uint32_t a, uint32_t b, leaf_search *s)
 {
     rsv_twin_overlap overlap;
     uint32_t face_a = f->tree.face[a], face_b = f->tree.face[b];
@@ -111,7 +114,7 @@ static bool may_overlap(const face_box *a, const face_box *b, float reach)
 }
 
 static void compare_leaves(
-    finder *f, const rsv_twin_node *leaf, const rsv_twin_node *other, leaf_search *s)
+    const finder *f, const rsv_twin_node *leaf, const rsv_twin_node *other, leaf_search *s)
 {
     for (uint32_t a = leaf->first; a < leaf[1].first; a++)
         for (uint32_t b = other->first; b < other[1].first; b++) {
@@ -121,36 +124,102 @@ static void compare_leaves(
         }
 }
 
+/// Whether a triangle may lie within a node: by its box, and by its plane, as boxes of slanting walls hold whole rooms.
+static bool may_lie_in(const finder *f, uint32_t k, const rsv_twin_node *node)
+{
+    const face_box *box = &f->box[k];
+    const rsv_twin_node own = { .low = box->low, .high = box->high };
+    if (!boxes_meet(&own, node, f->reach)) return false;
+    rsv_vec3 to = v3_sub(node->low, f->view->position[f->view->triangle[f->tree.face[k]][0]]);
+    rsv_vec3 size = v3_sub(node->high, node->low), n = box->normal;
+    float near =
+        v3_dot(n, to) + f_min(n.x * size.x, 0) + f_min(n.y * size.y, 0) + f_min(n.z * size.z, 0);
+    float far =
+        v3_dot(n, to) + f_max(n.x * size.x, 0) + f_max(n.y * size.y, 0) + f_max(n.z * size.z, 0);
+    float slack = f->reach + f->rounding;
+    return near <= slack && far >= -slack;
+}
+
+static bool leaf_meets(const finder *f, const rsv_twin_node *leaf, const rsv_twin_node *node)
+{
+    if (!boxes_meet(leaf, node, f->reach)) return false;
+    for (uint32_t k = leaf->first; k < leaf[1].first; k++)
+        if (may_lie_in(f, k, node)) return true;
+    return false;
+}
+
+static bool has_enough(const leaf_search *s)
+{
+    return s->looks > MOST_LOOKS || s->found > MOST_FOUND;
+}
+
+/// What lies around the triangles of a leaf is not known: hits will tell.
+static void take_all_flags(const finder *f, uint32_t own)
+{
+    const rsv_twin_tree *tree = &f->tree;
+    for (uint32_t k = tree->node[own].first; k < tree->node[own + 1].first; k++)
+        flag(f, tree->face[k], RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_OPPOSITE);
+}
+
 /// Compares the triangles of a leaf with one another and with all around them in later leaves.
-static leaf_search search_around(finder *f, uint32_t own)
+static leaf_search search_after(const finder *f, uint32_t own)
 {
     leaf_search s = { 0 };
     const rsv_twin_tree *tree = &f->tree;
     const rsv_twin_node *leaf = &tree->node[own];
-    for (uint32_t n = own; n < tree->node_count;) {
+    for (uint32_t n = own; n < tree->node_count && !has_enough(&s);) {
         const rsv_twin_node *node = &tree->node[n];
-        bool meets = boxes_meet(leaf, node, f->reach);
+        bool meets = n == own || leaf_meets(f, leaf, node);
         if (meets && node->next == n + 1) compare_leaves(f, leaf, node, &s);
-        if (s.looks > MOST_LOOKS || s.found > MOST_FOUND) break;
         n = meets ? n + 1 : node->next;
     }
-    // stopped amid copies: what the others are is not known
-    for (uint32_t k = leaf->first; k < leaf[1].first && s.found > MOST_FOUND; k++)
-        flag(f, tree->face[k], RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK);
     return s;
 }
 
-static void find_pairs(finder *f)
+/// Compares the triangles of a leaf with those of earlier leaves that gave up.
+static leaf_search search_before(const finder *f, uint32_t own)
+{
+    leaf_search s = { 0 };
+    const rsv_twin_tree *tree = &f->tree;
+    const rsv_twin_node *leaf = &tree->node[own];
+    for (uint32_t n = 0; n < own && !has_enough(&s);) {
+        const rsv_twin_node *node = &tree->node[n];
+        bool meets = leaf_meets(f, leaf, node);
+        if (meets && f->gave_up[n]) compare_leaves(f, leaf, node, &s);
+        n = meets ? n + 1 : node->next;
+    }
+    return s;
+}
+
+/// @param gave_up out: [tree.node_count] whether a leaf has not looked at all around it
+static bool search_all(finder *f, leaf_search (*search)(const finder *, uint32_t), uint8_t *gave_up)
 {
     const rsv_twin_tree *tree = &f->tree;
-#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(f->scene->context))
+    bool apart = false, some = false;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(f->scene->context))        \
+    reduction(||                                                                                   \
+              : apart, some)
     for (uint32_t n = 0; n < tree->node_count; n++) {
         if (tree->node[n].next != n + 1) continue;
-        leaf_search s = search_around(f, n);
-        if (!s.apart) continue;
-#pragma omp atomic write
-        f->apart = true;
+        leaf_search s = search(f, n);
+        apart = apart || s.apart;
+        if (!has_enough(&s)) continue;
+        take_all_flags(f, n);
+        gave_up[n] = 1;
+        some = true;
     }
+    f->apart = f->apart || apart;
+    return some;
+}
+
+static rsv_status find_pairs(finder *f)
+{
+    rsv_context *context = f->scene->context;
+    uint8_t *again = rsv_alloc(context, f->tree.node_count, 1);
+    if (!again) return RSV_ERROR_MEMORY;
+    if (search_all(f, search_after, f->gave_up)) search_all(f, search_before, again);
+    rsv_free(context, again);
+    return RSV_OK;
 }
 
 static face_box box_of(const rsv_scene_view *view, uint32_t triangle)
@@ -191,6 +260,8 @@ static rsv_status finder_create(const rsv_scene *scene, finder *f)
     f->box = rsv_reserve(scene->context, view->triangle_count, sizeof *f->box);
     if (!f->flags || !f->box) goto cleanup;
     RSV_TRY(plant_tree(f));
+    f->gave_up = rsv_alloc(scene->context, f->tree.node_count, 1);
+    if (!f->gave_up) RSV_TRY(RSV_ERROR_MEMORY);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(scene->context))
     for (uint32_t k = 0; k < f->tree.face_count; k++)
         f->box[k] = box_of(view, f->tree.face[k]);
@@ -202,6 +273,7 @@ static void finder_destroy(finder *f)
 {
     rsv_twin_tree_destroy(&f->tree);
     rsv_free(f->scene->context, f->box);
+    rsv_free(f->scene->context, f->gave_up);
     rsv_free(f->scene->context, f->flags);
 }
 
@@ -343,7 +415,7 @@ rsv_status rsv_scene_find_twins(rsv_scene *scene)
     finder f;
     uint32_t count = 0;
     RSV_TRY(finder_create(scene, &f));
-    find_pairs(&f);
+    RSV_TRY(find_pairs(&f));
     for (size_t t = 0; t < scene->triangle_count; t++)
         count += f.flags[t] != 0;
     if (count) RSV_TRY(keep(scene, &f, count));

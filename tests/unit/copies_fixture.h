@@ -16,6 +16,7 @@ typedef enum copies {
     THREEFOLD, ///< copy, wall, copy
     DIAGONAL,  ///< divided along the other diagonal
     FINE,      ///< of 7 x 7 squares
+    FINER,     ///< of 24 x 24
     SHARED,    ///< of the same vertices, in one mesh
     SAME_WAY,  ///< looking inwards
     TWO_SIDED, ///< double-sided, as is the wall
@@ -25,7 +26,8 @@ typedef enum copies {
 static inline const char *name_of_copies(copies kind)
 {
     static const char *const name[KINDS] = { "single", "after", "before", "mixed", "colored",
-        "outside", "inside", "threefold", "diagonal", "fine", "shared", "same way", "two-sided" };
+        "outside", "inside", "threefold", "diagonal", "fine", "finer", "shared", "same way",
+        "two-sided" };
     return name[kind];
 }
 
@@ -34,7 +36,7 @@ typedef struct plain_wall {
     rsv_vec3 corner, edge[2];
 } plain_wall;
 
-enum { SIDE_X = 4, SIDE_Y = 3, SIDE_Z = 5, WALLS = 6, MOST_SQUARES = 7 };
+enum { SIDE_X = 4, SIDE_Y = 3, SIDE_Z = 5, WALLS = 6, MOST_SQUARES = 24 };
 
 static const plain_wall room_wall[WALLS] = {
     { { 0, 0, SIDE_Z }, { { SIDE_X, 0, 0 }, { 0, 0, -SIDE_Z } } },
@@ -90,7 +92,7 @@ static inline void make_copy(copies kind, const plain_wall *of, wall_mesh *s)
 {
     static const uint32_t other_diagonal[6] = { 0, 1, 2, 1, 3, 2 };
     float lift = kind == INSIDE ? 1e-6f * SIDE_Z : kind == OUTSIDE ? -1e-6f * SIDE_Z : 0;
-    make_sheet(of, kind == FINE ? MOST_SQUARES : 1, lift, s);
+    make_sheet(of, kind == FINER ? MOST_SQUARES : kind == FINE ? 7 : 1, lift, s);
     if (kind == DIAGONAL) memcpy(s->index, other_diagonal, sizeof other_diagonal);
     if (kind != SAME_WAY) turn_over(s);
 }

@@ -231,7 +231,7 @@ static void light_is_that_of_single_walls_however_copied(void **state)
 {
     (void)state;
     static const copies kinds[] = { TWO_SIDED, SAME_WAY, AFTER, BEFORE, COLORED, OUTSIDE, THREEFOLD,
-        DIAGONAL, FINE, SHARED };
+        DIAGONAL, FINE, FINER, SHARED };
     check_kinds(kinds, sizeof kinds / sizeof kinds[0]);
 }
 

@@ -149,6 +149,67 @@ static void skins_and_instances_keep_their_digits(void **state)
     remove_folder(place.path);
 }
 
+/// Text and doubles have all digits of a place. Loads a triangle 5,700 km away, of 0.25 m, with millimetres.
+static void check_far_file(fixture *f, const char *name, const void *bytes, size_t count)
+{
+    folder place = new_folder();
+    rsv_scene *scene = load_written(f, path_in(&place, name), bytes, count);
+    if (!scene) fail_msg("%s: %s", name, rsv_last_error());
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    const double corner[3] = { 500000.123, 100.25, 5700000.373 };
+    for (int axis = 0; axis < 3; axis++) {
+        double high = view->origin[axis] + (double)(&view->bounds_max.x)[axis];
+        if (fabs(high - corner[axis]) > 1e-7) fail_msg("%s: axis %d at %.9f", name, axis, high);
+    }
+    if (strstr(f->log, "single precision")) fail_msg("%s: %s", name, f->log);
+    rsv_scene_destroy(scene);
+    remove_folder(place.path);
+}
+
+static void other_formats_keep_their_digits(void **state)
+{
+    static const char head[] = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty "
+                               "double x\nproperty double y\nproperty double z\nelement face 1\n"
+                               "property list uchar uchar vertex_indices\nend_header\n";
+    static const char ply[] =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty "
+        "float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "499999.873 100 5700000.123\n500000.123 100 5700000.373\n499999.873 100.25 "
+        "5700000.123\n3 0 1 2\n";
+    static const char stl[] =
+        "solid a\nfacet normal 0 0 0\nouter loop\nvertex 499999.873 100 5700000.123\nvertex "
+        "500000.123 100 5700000.373\nvertex 499999.873 100.25 5700000.123\nendloop\nendfacet\n"
+        "endsolid\n";
+    static const char obj[] = "# a map\nv 499999.873 100 5700000.123\nv  500000.123\t100 "
+                              "5700000.373 1 0 0\nv 499999.873 100.25 5700000.123\nf 1 2 3\n";
+    const double place[9] = { 499999.873, 100, 5700000.123, 500000.123, 100, 5700000.373,
+        499999.873, 100.25, 5700000.123 };
+    char binary[sizeof head + sizeof place + 4];
+    memcpy(binary, head, sizeof head - 1);
+    memcpy(binary + sizeof head - 1, place, sizeof place);
+    memcpy(binary + sizeof head - 1 + sizeof place, "\3\0\1\2", 4);
+    check_far_file(*state, "a.ply", ply, sizeof ply - 1);
+    check_far_file(*state, "b.ply", binary, sizeof binary - 1);
+    check_far_file(*state, "a.stl", stl, sizeof stl - 1);
+    check_far_file(*state, "a.obj", obj, sizeof obj - 1);
+}
+
+/// Vertices of glTF are floats: somebody is told that they are too coarse.
+static void coarse_vertices_are_told(void **state)
+{
+    const float corner[9] = { 5700000, 0, 0, 5700001, 0, 0, 5700000, 1, 0 };
+    folder place = new_folder();
+    sketch s = { .count = 0 };
+    add_vectors(&s, corner, 3, 3);
+    rsv_scene *scene = load(*state,
+        write_sketch(&place, &s,
+            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"scenes\":[{"
+            "\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]"));
+    assert_mentions(((fixture *)*state)->log, "in single precision, which tells them apart by");
+    rsv_scene_destroy(scene);
+    remove_folder(place.path);
+}
+
 #define ORIGIN_TEST(function)                                                                      \
     cmocka_unit_test_setup_teardown(function, fixture_setup, fixture_teardown)
 
@@ -160,6 +221,8 @@ int main(void)
         ORIGIN_TEST(near_scenes_are_left_alone),
         ORIGIN_TEST(what_is_written_is_where_it_was),
         ORIGIN_TEST(skins_and_instances_keep_their_digits),
+        ORIGIN_TEST(other_formats_keep_their_digits),
+        ORIGIN_TEST(coarse_vertices_are_told),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
