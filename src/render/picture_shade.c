@@ -93,8 +93,8 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
     const rsv_light_view *s = r->job->solution;
     rsv_bsdf storage;
     const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
-    rsv_surface_point point = rsv_surface_point_seen(
-        s->scene.view, path->triangle, path->u, path->v, path->back, path->width);
+    rsv_surface_point point = rsv_surface_point_seen(s->scene.view, path->triangle, path->u,
+        path->v, path->back, rsv_width_of_sample(path->width, r->sample));
     rsv_surface_lift(s->scene.view, s->tracer, path->triangle, path->u, path->v, &point);
     rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent), t, b;
     v3_frame(point.normal, &t, &b);
