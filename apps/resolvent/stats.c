@@ -129,6 +129,7 @@ static void add_certificate(cJSON *root, const rsv_certificate *c)
     cJSON_AddNumberToObject(object, "irradiance_rms", c->irradiance_rms);
     cJSON_AddNumberToObject(object, "max_albedo", c->max_albedo);
     cJSON_AddNumberToObject(object, "medium_factor", c->medium_factor);
+    cJSON_AddNumberToObject(object, "amplification", c->amplification);
     cJSON_AddNumberToObject(object, "rays", (double)c->rays);
 }
 

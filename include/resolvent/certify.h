@@ -11,7 +11,8 @@
 ///
 ///     RMS(e) <= RMS(r) / (1 - max albedo)
 ///
-/// whatever is wrong with E~: elements too large, too few rays, too few orders. (Where diffuse surfaces lie within bodies
+/// whatever is wrong with E~: elements too large, too few rays, too few orders. Where light escapes, what the operator makes of an
+/// even light bounds it better, and albedos of 1 do no harm. (Where diffuse surfaces lie within bodies
 /// that refract, G K shrinks L / n^2, and the bound grows by the ratio of the largest n^2 to the least.) docs/certificate.md says how, and
 /// what is not claimed.
 #ifndef RESOLVENT_CERTIFY_H
@@ -45,7 +46,7 @@ typedef struct rsv_certificate {
     double residual_rms;
     double residual_ci95[2]; ///< 95 % confidence interval of the true RMS(r)
     double
-        error_bound_rms; ///< medium_factor residual_ci95[1] / (1 - max_albedo); INFINITY from an albedo of 1 on
+        error_bound_rms; ///< amplification residual_ci95[1]; INFINITY where light all but never dies out
     double error_estimate_rms; ///< of e itself, from one solve with the residual
     double error_estimate_ci95[2];
     double
@@ -55,6 +56,8 @@ typedef struct rsv_certificate {
     double max_albedo; ///< largest of the operator that was solved, at the nodes of elements
     double
         medium_factor; ///< (largest / least refractive index around the points)^2: 1 but for surfaces within glass or water
+    double
+        amplification; ///< bound of RMS(e) / RMS(r): 1 / (1 - max_albedo) or less, times medium_factor and that of coats
     uint64_t rays;
     double seconds;
 } rsv_certificate;

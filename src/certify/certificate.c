@@ -1,5 +1,6 @@
 #include "resolvent/certify.h"
 
+#include "amplification.h"
 #include "error_field.h"
 #include "point_density.h"
 
@@ -137,6 +138,19 @@ static double medium_factor(const examination *x)
     return most > 0 ? (double)(most / least) * (double)(most / least) : 1;
 }
 
+static rsv_status judge_bound(examination *x)
+{
+    rsv_certificate *c = x->certificate;
+    rsv_amplification a;
+    c->max_albedo = largest_albedo(x->solution);
+    c->medium_factor = medium_factor(x);
+    rsv_status status = rsv_amplification_of(x->solution, c->max_albedo, &a);
+    if (status != RSV_OK) return status;
+    c->amplification = c->medium_factor * a.coat_factor * a.factor;
+    c->error_bound_rms = c->residual_ci95[1] > 0 ? c->amplification * c->residual_ci95[1] : 0;
+    return RSV_OK;
+}
+
 static void judge_residual(examination *x)
 {
     rsv_certificate *c = x->certificate;
@@ -148,11 +162,6 @@ static void judge_residual(examination *x)
     c->residual_direct_rms = rsv_moments_root(moments(x, squared_direct)).mean;
     c->residual_gathered_rms = rsv_moments_root(moments(x, squared_gathered)).mean;
     c->irradiance_rms = rsv_moments_root(moments(x, squared_irradiance)).mean;
-    c->max_albedo = largest_albedo(x->solution);
-    c->medium_factor = medium_factor(x);
-    c->error_bound_rms = c->max_albedo < 1
-                             ? c->medium_factor * c->residual_ci95[1] / (1 - c->max_albedo)
-                             : (double)INFINITY;
 }
 
 static rsv_status judge_error(examination *x)
@@ -182,6 +191,7 @@ static rsv_status examine(examination *x)
     RSV_TRY(x->sample && x->value && x->weight ? RSV_OK : RSV_ERROR_MEMORY);
     RSV_TRY(take_samples(x));
     judge_residual(x);
+    RSV_TRY(judge_bound(x));
     RSV_TRY(judge_error(x));
 cleanup:
     rsv_point_density_destroy(&x->density);

@@ -99,9 +99,28 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
     return go_where_light_entered(path, &entry);
 }
 
-/// An event at a translucent surface; its diffuse lobe has no direction of its own.
+/// An event at a surface whose diffuse lobe has a normal of its own.
+static rsv_bsdf_sample sample_turned(const rsv_path_surface *s, float u_lobe, float u1, float u2)
+{
+    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
+    if (event.lobe == RSV_LOBE_DIFFUSE) {
+        rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2);
+        rsv_rgb entered = rgb_mul(s->bsdf->base_color, rsv_bsdf_entry(s->bsdf, local.z));
+        sample.direction = rsv_from_frame(local, s->receiving);
+        sample.weight = rgb_mul(sample.weight, entered);
+        sample.pdf_solid_angle = local.z;
+    }
+    if (sample.pdf_solid_angle > 0)
+        sample.pdf_solid_angle =
+            rsv_path_surface_respond(s, sample.direction, RSV_LOBES_ALL).pdf_solid_angle;
+    return sample;
+}
+
+/// An event; the diffuse lobe of a translucent surface has no direction of its own.
 static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, float u_lobe, float u1, float u2)
 {
+    if (!s->translucent && rsv_path_surface_turned(s)) return sample_turned(s, u_lobe, u1, u2);
     if (!s->translucent)
         return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
     rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);

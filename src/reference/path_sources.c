@@ -109,7 +109,7 @@ static void add_punctual_light(
     rsv_bsdf_value diffuse = rsv_path_surface_respond(s, light->direction, RSV_LOBES_DIFFUSE);
     rsv_bsdf_value rough = rsv_path_surface_respond(s, light->direction, RSV_LOBES_ROUGH);
     if (diffuse.pdf_solid_angle + rough.pdf_solid_angle == 0) return;
-    bool below = v3_dot(s->normal, light->direction) < 0;
+    bool below = rsv_path_surface_is_below(s, light->direction);
     rsv_ray ray = { rsv_path_surface_departure(s, below, light->direction), light->direction,
         light->distance };
     rsv_medium medium = rsv_path_medium_beside(path, s, below);
@@ -123,7 +123,7 @@ static void add_punctual_light(
 static void add_punctual_lights(rsv_light_path *path, const rsv_path_surface *s, bool both_sides)
 {
     const rsv_lights *lights = path->tracer->lights;
-    rsv_vec3 normal = both_sides ? v3(0, 0, 0) : s->normal;
+    rsv_vec3 normal = both_sides || rsv_path_surface_turned(s) ? v3(0, 0, 0) : s->normal;
     float u = lights->punctual_tree ? rsv_random_float(&path->numbers.random) : 0;
     for (uint32_t k = 0; k < rsv_punctual_count(lights); k++) {
         rsv_punctual_sample light;

@@ -51,6 +51,7 @@ void rsv_path_surface_meet(
     s->horizon = s->geometric_normal;
     s->rise = v3(0, 0, 0);
     rise_to_curve(tracer, hit, s);
+    s->receiving = s->normal;
     if (!s->bsdf->lambert)
         s->normal = rsv_bsdf_specular_normal(s->normal, s->geometric_normal, s->wo);
     else if (v3_dot(s->normal, s->wo) <=
@@ -80,14 +81,45 @@ static rsv_bsdf_value respond_to_entering(const rsv_path_surface *s, rsv_vec3 wi
     return (rsv_bsdf_value){ rgb_scale(rsv_bsdf_entry(s->bsdf, cos), cos / RSV_PI), cos / RSV_PI };
 }
 
+static bool is_received(const rsv_path_surface *s, rsv_vec3 wi)
+{
+    return v3_dot(s->receiving, wi) > 0 && rsv_path_surface_leads(s, false, wi);
+}
+
+bool rsv_path_surface_is_below(const rsv_path_surface *s, rsv_vec3 wi)
+{
+    return v3_dot(s->normal, wi) < 0 && !(rsv_path_surface_turned(s) && is_received(s, wi));
+}
+
+/// The diffuse lobe where it has a normal of its own: it asks for no more of wi than the cosine.
+static rsv_bsdf_value respond_diffusely(const rsv_path_surface *s, rsv_vec3 wi)
+{
+    rsv_vec3 t, b;
+    float cos = v3_dot(s->receiving, wi);
+    if (!is_received(s, wi)) return (rsv_bsdf_value){ rgb_gray(0), 0 };
+    v3_frame(s->normal, &t, &b);
+    rsv_vec3 same = v3_mad(v3_scale(s->normal, cos), sqrtf(f_max(1 - cos * cos, 0)), t);
+    return rsv_bsdf_evaluate(s->bsdf, same, s->wo, s->normal, s->front, RSV_LOBES_DIFFUSE);
+}
+
 rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, rsv_lobe_set lobes)
 {
-    rsv_bsdf_value nothing = { rgb_gray(0), 0 };
+    rsv_bsdf_value nothing = { rgb_gray(0), 0 }, value = nothing;
+    bool own =
+        (lobes & RSV_LOBES_DIFFUSE) && !s->entry && !s->translucent && rsv_path_surface_turned(s);
+    if (own) {
+        value = respond_diffusely(s, wi);
+        lobes &= ~(rsv_lobe_set)RSV_LOBES_DIFFUSE;
+        if (!lobes) return value;
+    }
     float cos = v3_dot(s->normal, wi);
-    if (cos == 0 || !rsv_path_surface_leads(s, cos < 0, wi)) return nothing;
+    if (cos == 0 || !rsv_path_surface_leads(s, cos < 0, wi)) return value;
     if (s->entry) return lobes == RSV_LOBES_DIFFUSE ? respond_to_entering(s, wi) : nothing;
     if (s->translucent && lobes == RSV_LOBES_DIFFUSE) return nothing;
-    return rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, lobes);
+    rsv_bsdf_value rest = rsv_bsdf_evaluate(s->bsdf, wi, s->wo, s->normal, s->front, lobes);
+    rest.response = rgb_add(rest.response, value.response);
+    rest.pdf_solid_angle += value.pdf_solid_angle;
+    return rest;
 }
 
 /// Share of light that passes a surface without turning: past what it does not cover, and through thin sheets.

@@ -11,6 +11,8 @@ typedef struct rsv_path_surface {
     rsv_vec3 point, wo;
     rsv_vec3 geometric_normal;
     rsv_vec3 normal; ///< for scattering
+    /// By which the diffuse lobe receives, whoever looks: `normal`, but where that had to turn lest it lose what is mirrored.
+    rsv_vec3 receiving;
     /// Coarse triangles whose normals bulge stand for a curved surface: what light is above it, and the way to it from
     /// the point. The geometric normal and zero elsewhere, and where something lies between.
     rsv_vec3 horizon, rise;
@@ -32,6 +34,15 @@ rsv_vec3 rsv_path_surface_departure(
 
 /// Whether light along `direction` is on that side of the surface.
 bool rsv_path_surface_leads(const rsv_path_surface *s, bool transmitted, rsv_vec3 direction);
+
+/// Whether light along `direction` gets here through the surface.
+bool rsv_path_surface_is_below(const rsv_path_surface *s, rsv_vec3 direction);
+
+/// Whether the diffuse lobe has a normal of its own.
+static inline bool rsv_path_surface_turned(const rsv_path_surface *s)
+{
+    return v3_dot(s->receiving, s->normal) < 1 - 1e-6f;
+}
 
 /// Response of the lobes in `lobes`; nothing where the normals disagree on wi's side.
 rsv_bsdf_value rsv_path_surface_respond(const rsv_path_surface *s, rsv_vec3 wi, rsv_lobe_set lobes);

@@ -95,8 +95,8 @@ static void gather_indirect(rsv_picture_row *r, const rsv_specular_path *path, r
     const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
     const rsv_receiver receiver =
         rsv_receiver_at(s->scene.view, s->tracer, path->triangle, path->u, path->v,
-            rsv_surface_point_seen(
-                s->scene.view, path->triangle, path->u, path->v, path->back, path->width));
+            rsv_surface_point_seen(s->scene.view, path->triangle, path->u, path->v, path->back,
+                rsv_width_of_sample(path->width, r->sample)));
     const rsv_surface_point *point = &receiver.point;
     rsv_vec3 t, b;
     v3_frame(point->normal, &t, &b);

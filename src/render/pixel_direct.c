@@ -146,12 +146,12 @@ static void add_punctual(
     }
 }
 
-static void set_up_seen(
-    const rsv_light_view *s, const rsv_specular_path *path, rsv_rgb weight, lit_point *lit)
+static void set_up_seen(const rsv_light_view *s, const rsv_specular_path *path,
+    rsv_pixel_sample sample, rsv_rgb weight, lit_point *lit)
 {
+    float width = rsv_width_of_sample(path->width, sample);
     set_up_point(s, path,
-        rsv_surface_point_seen(
-            s->scene.view, path->triangle, path->u, path->v, path->back, path->width),
+        rsv_surface_point_seen(s->scene.view, path->triangle, path->u, path->v, path->back, width),
         weight, lit);
 }
 
@@ -159,7 +159,7 @@ void rsv_pixel_direct_add(rsv_pixel_direct *d, const rsv_specular_path *path, rs
     uint32_t column, rsv_pixel_sample sample)
 {
     lit_point lit;
-    set_up_seen(d->solution, path, weight, &lit);
+    set_up_seen(d->solution, path, sample, weight, &lit);
     if (rsv_lights_any_sampled(d->solution->lights)) add_emitters(d, path, &lit, column, sample);
     add_punctual(d, &lit, column, sample);
 }
@@ -226,7 +226,7 @@ static void send_further_rays(rsv_pixel_direct *d, const rsv_direct_spot *spot, 
     const rsv_light_view *s = d->solution;
     lit_point lit;
     rsv_local_lights local;
-    set_up_seen(s, &spot->path, spot->weight, &lit);
+    set_up_seen(s, &spot->path, spot->sample, spot->weight, &lit);
     rsv_receiver_weigh(&lit.receiver, s->lights, &local);
     rsv_pixel_sample own = within_half(spot->sample);
     rsv_pixel_sample sample = { own.index * further, own.count * further, rsv_hash2(own.seed, 6) };

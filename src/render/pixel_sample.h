@@ -20,4 +20,11 @@ RSV_INLINE void rsv_pixel_sample_2d(rsv_pixel_sample sample, uint32_t dimension,
     rsv_stratified_2d(sample.index, sample.count, rsv_hash2(sample.seed, dimension), x, y);
 }
 
+/// Edge of a sample's share of its pixel: normals are averaged over no more, as the light that they receive is no mean of
+/// theirs. @param width of the pixel, metres
+RSV_INLINE float rsv_width_of_sample(float width, rsv_pixel_sample sample)
+{
+    return width / sqrtf((float)sample.count);
+}
+
 #endif

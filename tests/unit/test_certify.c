@@ -74,6 +74,7 @@ static void a_furnace_is_certified_exact(void **state)
     rsv_certificate c = certify(s, 512, 1);
     assert_float_equal(c.irradiance_rms, 5, 1e-3);
     assert_float_equal(c.max_albedo, 0.8, 1e-6);
+    assert_float_equal(c.amplification, 5, 1e-3);
     assert_true(c.error_bound_rms < 1e-4 * c.irradiance_rms); // no ray brings anything but E / pi
     rsv_light_destroy(s);
     world_end(w);
@@ -103,6 +104,29 @@ static void a_coat_does_not_raise_the_albedo(void **state)
     assert_float_equal(c.max_albedo, 0.95, 1e-6);
     assert_true(isfinite(c.error_bound_rms));
     rsv_light_destroy(solution);
+    world_end(w);
+}
+
+/// A floor and two walls that emit and absorb nothing: what bounds the light is that it escapes.
+static void open_walls_of_albedo_1_have_a_bound(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    uint32_t white = world_lambert(w, 1, 1 / RSV_PI);
+    world_quad(w, white, v3(0, 0, 0), v3(0, 0, 1), v3(1, 0, 1), v3(1, 0, 0));
+    world_quad(w, white, v3(0, 0, 0), v3(0, 1, 0), v3(0, 1, 1), v3(0, 0, 1));
+    world_quad(w, white, v3(1, 0, 0), v3(1, 0, 1), v3(1, 1, 1), v3(1, 1, 0));
+    world_commit(w);
+    rsv_solve_desc desc = draft(300);
+    rsv_light *s = solve(w, &desc);
+    double mean = certify(s, 512, 1).irradiance_rms, known = 0.2 * mean;
+    scale_solution(s, 1.2f);
+    rsv_certificate c = certify(s, 512, 1);
+    assert_float_equal(c.max_albedo, 1, 1e-6);
+    assert_true(c.error_bound_rms > known);
+    assert_true(c.error_bound_rms < 3 * known);
+    assert_float_equal(c.error_estimate_rms, known, 0.1 * known);
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -773,6 +797,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(a_furnace_is_certified_exact),
         cmocka_unit_test(a_coat_does_not_raise_the_albedo),
+        cmocka_unit_test(open_walls_of_albedo_1_have_a_bound),
         cmocka_unit_test(a_known_error_of_a_furnace_is_found),
         cmocka_unit_test(the_error_of_a_picture_is_found_by_importance),
         cmocka_unit_test(budgets_end_refinement),
