@@ -26,6 +26,7 @@ struct cli_view_frames {
     size_t added_count;     ///< likewise
     uint32_t quiet_frames;  ///< since it last changed
     bool converged;
+    bool held; ///< the light is not to be touched
 
     uint32_t width, height, eyes; ///< of one eye's picture
     rsv_frame_renderer *renderer;
@@ -89,16 +90,14 @@ void cli_view_frames_destroy(cli_view_frames *f)
     free(f);
 }
 
-/// Pictures of the right size.
-static rsv_status fit(cli_view_frames *f, const cli_view_state *state, const cli_canvas *canvas)
+/// Pictures of the right size. @param width of one eye's
+static rsv_status fit(cli_view_frames *f, uint32_t eyes, uint32_t width, uint32_t height)
 {
-    uint32_t eyes = state->stereo && canvas->width > 1 ? 2 : 1, width = canvas->width / eyes;
     rsv_frame_desc desc = rsv_default_frame_desc();
-    if (f->renderer && width == f->width && canvas->height == f->height && eyes == f->eyes)
-        return RSV_OK;
+    if (f->renderer && width == f->width && height == f->height && eyes == f->eyes) return RSV_OK;
     free_pictures(f);
     desc.width = f->width = width;
-    desc.height = f->height = canvas->height;
+    desc.height = f->height = height;
     desc.eyes = f->eyes = eyes;
     rsv_status status = rsv_frame_renderer_create(f->solution, &desc, &f->renderer);
     if (status == RSV_OK) rsv_frame_renderer_put(f->renderer, f->mover);
@@ -106,6 +105,13 @@ static rsv_status fit(cli_view_frames *f, const cli_view_state *state, const cli
         status = cli_still_resize(f->solution, width, f->height, &f->still[k]);
     return status;
 }
+
+rsv_status cli_view_frames_prepare(cli_view_frames *f, uint32_t width, uint32_t height)
+{
+    return fit(f, 1, width, height);
+}
+
+void cli_view_frames_hold(cli_view_frames *f, bool held) { f->held = held; }
 
 // ---- light ------------------------------------------------------------------------------------------
 
@@ -132,6 +138,7 @@ static rsv_status update_light(
     rsv_status status = RSV_OK;
     rsv_relight_progress progress = { .converged = true };
     double start = now_ms();
+    if (f->held) return RSV_OK;
     bool changed = state->light_changes != f->light_changes;
     f->quiet_frames = changed ? 0 : f->quiet_frames + 1;
     if (changed) {
@@ -238,7 +245,8 @@ rsv_status cli_view_frames_next(
     double start = now_ms();
     rsv_camera camera[RSV_MAX_EYES];
     *timing = (cli_view_timing){ .samples = 0 };
-    rsv_status status = fit(f, state, canvas);
+    uint32_t eyes = state->stereo && canvas->width > 1 ? 2 : 1;
+    rsv_status status = fit(f, eyes, canvas->width / eyes, canvas->height);
     if (status != RSV_OK) return status;
     state->aspect = (float)f->width / (float)f->height;
     status = update_light(f, state, timing);
@@ -256,9 +264,11 @@ rsv_status cli_view_frames_next(
     return status;
 }
 
+uint32_t cli_view_frames_samples(const cli_view_frames *f) { return f->samples; }
+
 bool cli_view_frames_at_rest(const cli_view_frames *f)
 {
-    bool settled = rsv_relighter_is_settled(f->relighter);
+    bool settled = f->held || rsv_relighter_is_settled(f->relighter);
     return settled &&
            (f->shows_still ? cli_still_is_done(&f->still[0], f->mode)
                            : f->mode == CLI_VIEW_OPERATOR && f->samples >= ENOUGH_SAMPLES);

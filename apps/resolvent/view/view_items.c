@@ -58,7 +58,7 @@ static bool is_shared(const rsv_relighter *relighter, const char *name)
 
 void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter, const rsv_scene *body)
 {
-    size_t sources = rsv_relighter_source_count(relighter);
+    size_t sources = relighter ? rsv_relighter_source_count(relighter) : 0;
     for (size_t k = 0; k < sources; k++) {
         rsv_relight_source source = rsv_relighter_source(relighter, k);
         bool by_node = source.node && is_shared(relighter, source.name);

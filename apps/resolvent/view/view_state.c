@@ -48,8 +48,8 @@ bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene
     uint32_t layer_count, const rsv_scene *body, cli_view_state *s)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
-    size_t most =
-        rsv_relighter_source_count(relighter) + view->material_count + 1 + CLI_VIEW_MOST_ADDED;
+    size_t most = (relighter ? rsv_relighter_source_count(relighter) : 0) + view->material_count +
+                  1 + CLI_VIEW_MOST_ADDED;
     *s = (cli_view_state){ .scene = view,
         .aspect = 1,
         .layer_count = layer_count,
@@ -63,6 +63,39 @@ bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene
     cli_view_list_items(s, relighter, body);
     reset(s);
     s->light_changes = s->object_changes = 0;
+    return true;
+}
+
+void cli_view_state_continue(cli_view_state *s, const cli_view_state *earlier)
+{
+    s->camera = earlier->camera;
+    s->aspect = earlier->aspect;
+    s->exposure = earlier->exposure;
+    s->soft = earlier->soft;
+    s->stereo = earlier->stereo;
+    s->hud = earlier->hud;
+    s->help = earlier->help;
+    s->markers = earlier->markers;
+    s->separation = earlier->separation;
+    s->quit = earlier->quit;
+}
+
+bool cli_view_state_renew(cli_view_state *s, const rsv_relighter *relighter, const rsv_scene *scene,
+    uint32_t layer_count, const rsv_scene *body)
+{
+    cli_view_state fresh;
+    if (!cli_view_state_begin(relighter, scene, layer_count, body, &fresh)) {
+        cli_view_state_free(&fresh);
+        return false;
+    }
+    for (size_t k = 0; k < fresh.item_count && k < s->item_count - s->added_count; k++) {
+        s->home[k].name = s->item[k].name = fresh.home[k].name;
+        s->home[k].shared = s->item[k].shared = fresh.home[k].shared;
+    }
+    s->scene = fresh.scene;
+    s->layer_count = layer_count;
+    if (s->layer >= layer_count) s->layer = RSV_NONE;
+    cli_view_state_free(&fresh);
     return true;
 }
 
