@@ -180,8 +180,8 @@ static bool await_light(viewer *v)
         !report(v, rsv_relighter_prepare(lit->relighter)))
         return false;
     double budget = s->record ? 0 : (double)s->budget_ms;
-    return report(
-        v, cli_view_frames_create(lit->light, lit->relighter, v->body, budget, &lit->frames));
+    return report(v, cli_view_frames_create(lit->light, v->body, budget, &lit->frames)) &&
+           report(v, cli_view_frames_attach(lit->frames, lit->relighter));
 }
 
 /// Shows the scene at once, and makes its light meanwhile.
@@ -262,11 +262,12 @@ static void obey(void *user, const char *text)
     viewer *v = user;
     cli_view_command command;
     v->hud.message[0] = '\0';
-    if (cli_read_view_command(text, &command, v->hud.message))
+    if (!cli_read_view_command(text, &command, v->hud.message)) return;
+    if (cli_view_needs_light(command.verb) && !cli_show_is_complete(&v->show))
+        snprintf(
+            v->hud.message, sizeof v->hud.message, "%s: not before the best light is there", text);
+    else
         cli_view_apply(&v->state, &command, v->hud.message);
-    if (!cli_show_is_lit(&v->show) && v->state.light_changes > 0)
-        snprintf(v->hud.message, sizeof v->hud.message, "there is no light to change yet");
-    if (!cli_show_is_lit(&v->show)) v->state.light_changes = 0;
 }
 
 static bool run_script(viewer *v)
@@ -294,7 +295,6 @@ static bool save_wanted(viewer *v)
 {
     cli_view_state *s = &v->state;
     bool good = true;
-    if (!cli_show_is_lit(&v->show)) return true; // pictures are taken as soon as there is light
     if (s->screenshot[0])
         good = note_saved(
             v, cli_view_save_picture(v->show.lit.frames, &v->canvas, s->screenshot), s->screenshot);
@@ -348,10 +348,17 @@ static void note_quality(viewer *v)
     v->show.message[0] = '\0';
 }
 
+/// Scripts begin with the first light, or, where they do more than to move about, with the best one.
+static bool can_run_script(const viewer *v)
+{
+    return cli_view_script_needs_light(&v->script) ? cli_show_is_complete(&v->show)
+                                                   : cli_show_is_lit(&v->show);
+}
+
 static bool run_frame(viewer *v)
 {
     cli_view_timing timing;
-    bool waits = v->script.path && !cli_show_is_lit(&v->show); // scripts begin with the light
+    bool waits = v->script.path && !can_run_script(v);
     if ((!waits && !run_script(v)) || !make_frame(v, &timing) || !save_wanted(v)) return false;
     note_quality(v);
     note_time(v, &timing);
@@ -380,6 +387,9 @@ static bool write_stats(viewer *v)
     for (uint32_t k = 0; k < v->show.event_count; k++)
         cJSON_AddNumberToObject(
             shown, v->show.event[k].name, v->show.event[k].when - v->session->started);
+    cJSON *processor = cJSON_AddObjectToObject(root, "shown_processor_s");
+    for (uint32_t k = 0; k < v->show.event_count; k++)
+        cJSON_AddNumberToObject(processor, v->show.event[k].name, v->show.event[k].processor);
     cJSON_AddNumberToObject(root, "frames", (double)v->time_count);
     if (v->time_count > 0) {
         qsort(v->time_ms, v->time_count, sizeof *v->time_ms, compare_times);
@@ -397,7 +407,8 @@ static bool listen(viewer *v)
     uint32_t width, height;
     bool rests = v->frame > 0 && !v->script.path && cli_show_at_rest(&v->show);
     cli_window_size(v->window, &width, &height);
-    cli_window_listen(v->window, 0.4f * v->state.reach, rests || !width, obey, v);
+    int wait_ms = !rests && width ? 0 : v->show.refiner ? 20 : 100;
+    cli_window_listen(v->window, 0.4f * v->state.reach, wait_ms, obey, v);
     cli_window_size(v->window, &width, &height);
     return width > 0 && set_canvas(&v->canvas, width, height);
 }

@@ -17,7 +17,7 @@
 
 struct cli_view_frames {
     rsv_light *solution;
-    rsv_relighter *relighter;
+    rsv_relighter *relighter; ///< NULL = the light stays as it is
     double budget_ms;
     rsv_mover *mover;        ///< NULL = none
     uint32_t object_changes; ///< of the state that its place is of
@@ -26,7 +26,6 @@ struct cli_view_frames {
     size_t added_count;     ///< likewise
     uint32_t quiet_frames;  ///< since it last changed
     bool converged;
-    bool held; ///< the light is not to be touched
 
     uint32_t width, height, eyes; ///< of one eye's picture
     rsv_frame_renderer *renderer;
@@ -44,31 +43,33 @@ static rsv_context *context_of(const cli_view_frames *f)
     return rsv_scene_get_context(rsv_light_scene(f->solution));
 }
 
-rsv_status cli_view_frames_create(rsv_light *solution, rsv_relighter *relighter,
-    const rsv_scene *body, double budget_ms, cli_view_frames **frames)
+rsv_status cli_view_frames_create(
+    rsv_light *solution, const rsv_scene *body, double budget_ms, cli_view_frames **frames)
 {
-    size_t items = rsv_relighter_source_count(relighter) +
-                   rsv_scene_get_view(rsv_light_scene(solution))->material_count +
-                   CLI_VIEW_MOST_ADDED;
     cli_view_frames *f = calloc(1, sizeof *f);
     if (!f) return RSV_ERROR_MEMORY;
     f->solution = solution;
-    f->relighter = relighter;
     f->budget_ms = budget_ms;
     f->converged = true;
-    f->changes.light = calloc(items, sizeof *f->changes.light);
-    f->changes.albedo = calloc(items, sizeof *f->changes.albedo);
-    f->changes.move = calloc(items, sizeof *f->changes.move);
-    if (!f->changes.light || !f->changes.albedo || !f->changes.move) {
-        cli_view_frames_destroy(f);
-        return RSV_ERROR_MEMORY;
-    }
     rsv_status status = body ? rsv_mover_create(solution, body, NULL, &f->mover) : RSV_OK;
     if (status == RSV_OK)
         *frames = f;
     else
         cli_view_frames_destroy(f);
     return status;
+}
+
+rsv_status cli_view_frames_attach(cli_view_frames *f, rsv_relighter *relighter)
+{
+    size_t items = rsv_relighter_source_count(relighter) +
+                   rsv_scene_get_view(rsv_light_scene(f->solution))->material_count +
+                   CLI_VIEW_MOST_ADDED;
+    f->changes.light = calloc(items, sizeof *f->changes.light);
+    f->changes.albedo = calloc(items, sizeof *f->changes.albedo);
+    f->changes.move = calloc(items, sizeof *f->changes.move);
+    if (!f->changes.light || !f->changes.albedo || !f->changes.move) return RSV_ERROR_MEMORY;
+    f->relighter = relighter;
+    return RSV_OK;
 }
 
 static void free_pictures(cli_view_frames *f)
@@ -111,8 +112,6 @@ rsv_status cli_view_frames_prepare(cli_view_frames *f, uint32_t width, uint32_t 
     return fit(f, 1, width, height);
 }
 
-void cli_view_frames_hold(cli_view_frames *f, bool held) { f->held = held; }
-
 // ---- light ------------------------------------------------------------------------------------------
 
 static void start_over(cli_view_frames *f)
@@ -138,7 +137,7 @@ static rsv_status update_light(
     rsv_status status = RSV_OK;
     rsv_relight_progress progress = { .converged = true };
     double start = now_ms();
-    if (f->held) return RSV_OK;
+    if (!f->relighter) return RSV_OK;
     bool changed = state->light_changes != f->light_changes;
     f->quiet_frames = changed ? 0 : f->quiet_frames + 1;
     if (changed) {
@@ -268,7 +267,7 @@ uint32_t cli_view_frames_samples(const cli_view_frames *f) { return f->samples; 
 
 bool cli_view_frames_at_rest(const cli_view_frames *f)
 {
-    bool settled = f->held || rsv_relighter_is_settled(f->relighter);
+    bool settled = !f->relighter || rsv_relighter_is_settled(f->relighter);
     return settled &&
            (f->shows_still ? cli_still_is_done(&f->still[0], f->mode)
                            : f->mode == CLI_VIEW_OPERATOR && f->samples >= ENOUGH_SAMPLES);

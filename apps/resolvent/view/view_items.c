@@ -73,7 +73,7 @@ void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter, cons
             .movable = source.movable,
         };
     }
-    for (size_t m = 0; m < s->scene->material_count; m++)
+    for (size_t m = 0; relighter && m < s->scene->material_count; m++)
         if (is_plain(s->scene, m))
             s->home[s->item_count++] = (cli_view_item){ .kind = CLI_VIEW_MATERIAL,
                 .name = s->scene->material[m].name,

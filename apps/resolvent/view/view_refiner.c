@@ -26,9 +26,10 @@ struct cli_refiner {
     stage stage[MOST_STAGES];
     int stage_count;
     pthread_t thread;
-    pthread_mutex_t lock; ///< of all that follows
-    cli_lit ready;        ///< frames NULL = nothing
-    const char *making;   ///< name of the stage; NULL = nothing
+    pthread_mutex_t lock;     ///< of all that follows
+    cli_lit ready;            ///< frames NULL = nothing
+    rsv_relighter *relighter; ///< of the last light; NULL = not ready
+    const char *making;       ///< name of the stage; NULL = nothing
     char phase[32];
     double fraction;
     bool stopping, done;
@@ -132,51 +133,55 @@ static void post(cli_refiner *r, const cli_lit *lit)
     cli_free_lit(&before);
 }
 
-/// Everything for frames of a light. @param lit its light is there, and freed after an error
-static rsv_status dress(const cli_refiner *r, cli_lit *lit)
+/// Shows a light, with all that frames of it need. @param light taken over
+static rsv_status present(cli_refiner *r, const char *name, rsv_light *light)
 {
     const cli_refiner_desc *d = &r->desc;
-    rsv_status status = rsv_relighter_create(lit->light, &lit->relighter);
+    cli_lit lit = { .name = name, .light = light };
+    rsv_status status = cli_view_frames_create(light, d->body, d->budget_ms, &lit.frames);
+    if (status == RSV_OK) status = cli_view_frames_prepare(lit.frames, d->width, d->height);
     if (status == RSV_OK)
-        status =
-            cli_view_frames_create(lit->light, lit->relighter, d->body, d->budget_ms, &lit->frames);
-    if (status == RSV_OK) status = cli_view_frames_prepare(lit->frames, d->width, d->height);
-    if (status != RSV_OK) cli_free_lit(lit);
+        post(r, &lit);
+    else
+        cli_free_lit(&lit);
     return status;
 }
 
-static rsv_status make_stage(cli_refiner *r, int k)
+/// Frames of the light go on meanwhile: nothing of what they read is changed.
+static rsv_status make_relighter(cli_refiner *r, rsv_light *light)
 {
-    const stage *s = &r->stage[k];
-    cli_lit lit = { .name = s->name, .held = k == r->stage_count - 1 };
-    begin_stage(r, s->name);
-    rsv_status status = rsv_light_create(r->desc.scene, &s->desc, &lit.light);
-    if (status == RSV_OK) status = dress(r, &lit);
-    if (status != RSV_OK) return status;
-    rsv_relighter *relighter = lit.relighter;
-    post(r, &lit);
-    return lit.held && !is_stopping(r) ? rsv_relighter_prepare(relighter) : RSV_OK;
+    rsv_relighter *relighter = NULL;
+    begin_stage(r, "lights to change");
+    rsv_status status = rsv_relighter_create(light, &relighter);
+    if (status == RSV_OK) status = rsv_relighter_prepare(relighter);
+    if (status != RSV_OK) {
+        rsv_relighter_destroy(relighter);
+        return status;
+    }
+    pthread_mutex_lock(&r->lock);
+    r->relighter = relighter;
+    pthread_mutex_unlock(&r->lock);
+    return RSV_OK;
 }
 
-static rsv_status show_solved(cli_refiner *r)
+static rsv_status make_lights(cli_refiner *r)
 {
-    cli_lit lit = { .name = "solved", .light = r->desc.light, .held = true };
-    begin_stage(r, "solved");
-    rsv_status status = dress(r, &lit);
-    if (status != RSV_OK) return status;
-    rsv_relighter *relighter = lit.relighter;
-    post(r, &lit);
-    return is_stopping(r) ? RSV_OK : rsv_relighter_prepare(relighter);
+    rsv_light *light = r->desc.light;
+    rsv_status status = light ? present(r, "solved", light) : RSV_OK;
+    for (int k = 0; k < r->stage_count && status == RSV_OK && !is_stopping(r); k++) {
+        const stage *s = &r->stage[k];
+        begin_stage(r, s->name);
+        status = rsv_light_create(r->desc.scene, &s->desc, &light);
+        if (status == RSV_OK) status = present(r, s->name, light);
+    }
+    return status == RSV_OK && !is_stopping(r) ? make_relighter(r, light) : status;
 }
 
 static void *refine(void *user)
 {
     cli_refiner *r = user;
-    rsv_status status = RSV_OK;
     yield_to_frames();
-    if (r->desc.light) status = show_solved(r);
-    for (int k = 0; k < r->stage_count && status == RSV_OK && !is_stopping(r); k++)
-        status = make_stage(r, k);
+    rsv_status status = make_lights(r);
     pthread_mutex_lock(&r->lock);
     r->done = true;
     r->making = NULL;
@@ -214,6 +219,7 @@ void cli_refiner_stop(cli_refiner *r)
     if (!done) rsv_context_cancel(r->desc.session->context);
     pthread_join(r->thread, NULL);
     r->desc.session->watch = NULL;
+    rsv_relighter_destroy(r->relighter);
     cli_free_lit(&r->ready);
     pthread_mutex_destroy(&r->lock);
     free(r);
@@ -227,6 +233,15 @@ bool cli_refiner_take(cli_refiner *r, cli_lit *lit)
     r->ready = (cli_lit){ 0 };
     pthread_mutex_unlock(&r->lock);
     return found;
+}
+
+rsv_relighter *cli_refiner_take_relighter(cli_refiner *r)
+{
+    pthread_mutex_lock(&r->lock);
+    rsv_relighter *relighter = r->relighter;
+    r->relighter = NULL;
+    pthread_mutex_unlock(&r->lock);
+    return relighter;
 }
 
 void cli_refiner_say(cli_refiner *r, char *text)

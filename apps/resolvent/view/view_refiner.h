@@ -5,13 +5,12 @@
 #include "../session.h"
 #include "view_frames.h"
 
-/// A light, and all that is needed to show and to change it.
+/// A light, and all that is needed to show it and, where there is a relighter, to change it.
 typedef struct cli_lit {
     const char *name; ///< of its quality
     rsv_light *light;
-    rsv_relighter *relighter;
+    rsv_relighter *relighter; ///< NULL = none yet
     cli_view_frames *frames;
-    bool held; ///< changes of the light have to wait for cli_refiner_is_done
 } cli_lit;
 
 void cli_free_lit(cli_lit *lit);
@@ -29,7 +28,7 @@ typedef struct cli_refiner_desc {
 
 typedef struct cli_refiner cli_refiner;
 
-/// Starts with a coarse light, draft next, and so on up to the quality wanted; that one is prepared for changes.
+/// Starts with a coarse light, draft next, and so on up to the quality wanted, and ends with a relighter of that.
 /// @return NULL where there is no memory or no thread
 cli_refiner *cli_refiner_start(const cli_refiner_desc *desc);
 
@@ -38,6 +37,9 @@ void cli_refiner_stop(cli_refiner *refiner);
 
 /// The best light that was finished since the last call, which is the caller's from then on. @return whether there is one
 bool cli_refiner_take(cli_refiner *refiner, cli_lit *lit);
+
+/// The relighter of the last light, likewise, as soon as it is prepared; NULL = not yet, or taken.
+rsv_relighter *cli_refiner_take_relighter(cli_refiner *refiner);
 
 /// What is being made: "medium: assemble 43 %"; "" = nothing. @param text [CLI_VIEW_TEXT_LENGTH]
 void cli_refiner_say(cli_refiner *refiner, char *text);

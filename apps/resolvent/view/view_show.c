@@ -35,10 +35,13 @@ void cli_show_end(cli_view_show *s)
 
 bool cli_show_is_lit(const cli_view_show *s) { return s->lit.frames != NULL; }
 
+bool cli_show_is_complete(const cli_view_show *s) { return s->lit.relighter != NULL; }
+
 static void note_event(cli_view_show *s, const char *name)
 {
     if (s->event_count < CLI_SHOW_MOST_EVENTS)
-        s->event[s->event_count++] = (cli_show_event){ name, cli_seconds() };
+        s->event[s->event_count++] =
+            (cli_show_event){ name, cli_seconds(), (double)clock() / CLOCKS_PER_SEC };
 }
 
 // ---- from one light to the next -----------------------------------------------------------------
@@ -51,30 +54,26 @@ static void end_fade(cli_view_show *s)
     s->sketch = NULL;
 }
 
-/// The state of the sketch knows no sources.
-static bool begin_state(const cli_view_show *s, cli_view_state *state)
+static void adopt(cli_view_show *s, const cli_lit *better, cli_view_state *state)
 {
-    uint32_t layers = 1 + rsv_light_order_count(s->lit.light);
-    const rsv_scene *scene = rsv_light_scene(s->lit.light);
-    if (s->before.frames)
-        return cli_view_state_renew(state, s->lit.relighter, scene, layers, s->body);
-    cli_view_state sketched = *state;
-    bool good = cli_view_state_begin(s->lit.relighter, scene, layers, s->body, state);
-    if (good) cli_view_state_continue(state, &sketched);
-    cli_view_state_free(&sketched);
-    return good;
-}
-
-static rsv_status adopt(cli_view_show *s, const cli_lit *better, cli_view_state *state)
-{
-    bool was_lit = cli_show_is_lit(s);
-    if (s->fade > 0 && was_lit) end_fade(s);
+    if (s->fade > 0 && cli_show_is_lit(s)) end_fade(s);
     s->before = s->lit;
     s->lit = *better;
     s->fade = FADE_FRAMES;
-    cli_view_frames_hold(s->lit.frames, s->lit.held);
-    if (s->before.frames) cli_view_frames_hold(s->before.frames, true);
-    return begin_state(s, state) ? RSV_OK : RSV_ERROR_MEMORY;
+    state->scene = rsv_scene_get_view(rsv_light_scene(s->lit.light));
+}
+
+/// From here on the state knows sources and materials, and the light follows it.
+static rsv_status attach(cli_view_show *s, rsv_relighter *relighter, cli_view_state *state)
+{
+    cli_view_state before = *state;
+    uint32_t layers = 1 + rsv_light_order_count(s->lit.light);
+    const rsv_scene *scene = rsv_light_scene(s->lit.light);
+    s->lit.relighter = relighter;
+    bool good = cli_view_state_begin(relighter, scene, layers, s->body, state);
+    if (good) cli_view_state_continue(state, &before);
+    cli_view_state_free(&before);
+    return good ? cli_view_frames_attach(s->lit.frames, relighter) : RSV_ERROR_MEMORY;
 }
 
 rsv_status cli_show_update(cli_view_show *s, cli_view_state *state)
@@ -83,10 +82,11 @@ rsv_status cli_show_update(cli_view_show *s, cli_view_state *state)
     rsv_status status = RSV_OK;
     if (!s->refiner) return RSV_OK;
     bool done = cli_refiner_is_done(s->refiner); // before the last look
-    if (cli_refiner_take(s->refiner, &better)) status = adopt(s, &better, state);
+    if (cli_refiner_take(s->refiner, &better)) adopt(s, &better, state);
     if (cli_refiner_failure(s->refiner, s->message) != RSV_OK) s->failed = true;
-    if (!done) return status;
-    if (s->lit.held) cli_view_frames_hold(s->lit.frames, s->lit.held = false);
+    if (!done) return RSV_OK;
+    rsv_relighter *relighter = cli_refiner_take_relighter(s->refiner);
+    if (relighter) status = attach(s, relighter, state);
     cli_refiner_stop(s->refiner);
     s->refiner = NULL;
     return status;
@@ -101,6 +101,21 @@ static bool fit_old(cli_canvas *old, const cli_canvas *canvas)
     *old = (cli_canvas){ canvas->width, canvas->height,
         calloc((size_t)canvas->width * canvas->height, 4) };
     return old->pixel != NULL;
+}
+
+/// Draws it into `old`, unless that is what it holds.
+static void draw_sketch(cli_view_show *s, cli_view_state *state)
+{
+    cli_view_pose pose;
+    memset(&pose, 0, sizeof pose);
+    pose.camera = state->camera;
+    pose.exposure = state->exposure;
+    pose.soft = state->soft;
+    pose.width = s->old.width;
+    pose.height = s->old.height;
+    s->sketch_rests = memcmp(&s->sketched, &pose, sizeof pose) == 0;
+    if (!s->sketch_rests) cli_sketch_draw(s->sketch, state, &s->old);
+    s->sketched = pose;
 }
 
 /// @param share of the old picture
@@ -129,10 +144,18 @@ static rsv_status fade(cli_view_show *s, cli_view_state *state, cli_canvas *canv
     if (s->before.frames)
         status = cli_view_frames_next(s->before.frames, state, &s->old, &timing);
     else
-        cli_sketch_draw(s->sketch, state, &s->old);
+        draw_sketch(s, state);
     if (status == RSV_OK) blend(&s->old, (float)s->fade / (FADE_FRAMES + 1), canvas);
     if (--s->fade == 0) end_fade(s);
     return status;
+}
+
+static rsv_status show_sketch(cli_view_show *s, cli_view_state *state, cli_canvas *canvas)
+{
+    if (!fit_old(&s->old, canvas)) return RSV_ERROR_MEMORY;
+    draw_sketch(s, state);
+    memcpy(canvas->pixel, s->old.pixel, (size_t)4 * canvas->width * canvas->height);
+    return RSV_OK;
 }
 
 rsv_status cli_show_frame(
@@ -145,7 +168,7 @@ rsv_status cli_show_frame(
     if (s->lit.frames)
         status = cli_view_frames_next(s->lit.frames, state, canvas, timing);
     else
-        cli_sketch_draw(s->sketch, state, canvas);
+        status = show_sketch(s, state, canvas);
     if (status == RSV_OK) status = fade(s, state, canvas);
     timing->total_ms = 1e3 * (cli_seconds() - start);
     if (s->event_count == 0 || s->event[s->event_count - 1].name != name) note_event(s, name);
@@ -154,7 +177,8 @@ rsv_status cli_show_frame(
 
 bool cli_show_at_rest(const cli_view_show *s)
 {
-    if (!s->lit.frames || s->fade > 0) return false;
+    if (!s->lit.frames) return s->sketch_rests;
+    if (s->fade > 0) return false;
     return cli_view_frames_at_rest(s->lit.frames) ||
            (s->refiner && cli_view_frames_samples(s->lit.frames) >= SAMPLES_WHILE_MADE);
 }
@@ -162,7 +186,8 @@ bool cli_show_at_rest(const cli_view_show *s)
 void cli_show_yield(const cli_view_show *s, double frame_ms)
 {
     if (!s->refiner) return;
-    double pause = 1e-3 * fmin(fmax(0.25 * frame_ms, 2), 50);
+    double share = s->lit.frames ? 0.5 : 1, least = s->lit.frames ? 2 : 16;
+    double pause = 1e-3 * fmin(fmax(share * frame_ms, least), 100);
     struct timespec time = { 0, (long)(1e9 * pause) };
     nanosleep(&time, NULL);
 }

@@ -11,6 +11,9 @@
 #define FACING 0.6f
 #define GRAZING 0.35f
 
+/// Steps of the table of codes, by square roots.
+enum { CODE_STEPS = 1024 };
+
 struct cli_sketch {
     rsv_tracer *tracer;
     const rsv_scene_view *scene;
@@ -116,8 +119,30 @@ static float facing(const rsv_ray_packet *p, uint32_t k)
     return length > 0 ? fminf(fabsf(dot) / length, 1) : 0;
 }
 
-static void shade(const cli_sketch *s, const rsv_ray_packet *p, uint32_t k, float scale, bool soft,
-    uint8_t pixel[4])
+/// Codes of radiance up to the brightest, looked up instead of computed.
+typedef struct tone {
+    uint8_t code[CODE_STEPS + 1];
+    float scale; ///< of radiance, to 0..1
+} tone;
+
+static tone tone_of(const cli_view_state *state)
+{
+    float exposure = exp2f(state->exposure), brightest = state->soft ? 64 : 1;
+    tone t = { .scale = exposure / brightest };
+    for (int k = 0; k <= CODE_STEPS; k++) {
+        float root = (float)k / CODE_STEPS;
+        t.code[k] = cli_tone_code(brightest * root * root, 1, state->soft);
+    }
+    return t;
+}
+
+static uint8_t code_of(const tone *t, float radiance)
+{
+    return t->code[(int)(CODE_STEPS * sqrtf(fminf(fmaxf(radiance * t->scale, 0), 1)) + 0.5f)];
+}
+
+static void shade(
+    const cli_sketch *s, const rsv_ray_packet *p, uint32_t k, const tone *t, uint8_t pixel[4])
 {
     rsv_rgb c = { 0 };
     if (p->triangle[k] != RSV_NONE) {
@@ -127,23 +152,22 @@ static void shade(const cli_sketch *s, const rsv_ray_packet *p, uint32_t k, floa
         c = (rsv_rgb){ front.r * light + glow.r, front.g * light + glow.g,
             front.b * light + glow.b };
     }
-    pixel[0] = cli_tone_code(c.r, scale, soft);
-    pixel[1] = cli_tone_code(c.g, scale, soft);
-    pixel[2] = cli_tone_code(c.b, scale, soft);
+    pixel[0] = code_of(t, c.r);
+    pixel[1] = code_of(t, c.g);
+    pixel[2] = code_of(t, c.b);
     pixel[3] = 255;
 }
 
-static void draw_row(const cli_sketch *s, const cli_view_state *state, const lens *l, uint32_t row,
-    const cli_canvas *canvas)
+static void draw_row(
+    const cli_sketch *s, const tone *t, const lens *l, uint32_t row, const cli_canvas *canvas)
 {
     rsv_ray_packet packet;
-    float scale = exp2f(state->exposure);
     uint8_t(*pixel)[4] = canvas->pixel + (size_t)row * canvas->width;
     for (uint32_t first = 0; first < canvas->width; first += RSV_PACKET_WIDTH) {
         aim(l, first, row, canvas, &packet);
         rsv_tracer_closest_packet(s->tracer, &packet, true);
         for (uint32_t k = 0; k < RSV_PACKET_WIDTH && first + k < canvas->width; k++)
-            shade(s, &packet, k, scale, state->soft, pixel[first + k]);
+            shade(s, &packet, k, t, pixel[first + k]);
     }
 }
 
@@ -151,7 +175,8 @@ void cli_sketch_draw(const cli_sketch *s, cli_view_state *state, cli_canvas *can
 {
     state->aspect = (float)canvas->width / (float)canvas->height;
     lens l = lens_of(&state->camera, state->aspect);
+    tone t = tone_of(state);
 #pragma omp parallel for schedule(dynamic, 8) num_threads((int)s->threads)
     for (uint32_t row = 0; row < canvas->height; row++)
-        draw_row(s, state, &l, row, canvas);
+        draw_row(s, &t, &l, row, canvas);
 }

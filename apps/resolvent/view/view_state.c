@@ -78,25 +78,11 @@ void cli_view_state_continue(cli_view_state *s, const cli_view_state *earlier)
     s->markers = earlier->markers;
     s->separation = earlier->separation;
     s->quit = earlier->quit;
-}
-
-bool cli_view_state_renew(cli_view_state *s, const rsv_relighter *relighter, const rsv_scene *scene,
-    uint32_t layer_count, const rsv_scene *body)
-{
-    cli_view_state fresh;
-    if (!cli_view_state_begin(relighter, scene, layer_count, body, &fresh)) {
-        cli_view_state_free(&fresh);
-        return false;
-    }
-    for (size_t k = 0; k < fresh.item_count && k < s->item_count - s->added_count; k++) {
-        s->home[k].name = s->item[k].name = fresh.home[k].name;
-        s->home[k].shared = s->item[k].shared = fresh.home[k].shared;
-    }
-    s->scene = fresh.scene;
-    s->layer_count = layer_count;
-    if (s->layer >= layer_count) s->layer = RSV_NONE;
-    cli_view_state_free(&fresh);
-    return true;
+    if (s->object >= s->item_count || earlier->object >= earlier->item_count) return;
+    s->item[s->object].offset = earlier->item[earlier->object].offset;
+    s->object_turn = earlier->object_turn;
+    s->object_changes = earlier->object_changes;
+    if (earlier->selected == earlier->object) s->selected = s->object;
 }
 
 void cli_view_state_free(cli_view_state *s)

@@ -79,12 +79,8 @@ typedef struct cli_view_state {
 /// @param state to be freed by cli_view_state_free even after an error
 bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene,
     uint32_t layer_count, const rsv_scene *body, cli_view_state *state);
-/// Takes over from an earlier state of the same scene where one looks from, and how.
+/// Takes over from an earlier state of the same scene where one looks from, and how, and where the object is.
 void cli_view_state_continue(cli_view_state *state, const cli_view_state *earlier);
-
-/// Goes on with another light of the same scene, under all changes. @return false without memory
-bool cli_view_state_renew(cli_view_state *state, const rsv_relighter *relighter,
-    const rsv_scene *scene, uint32_t layer_count, const rsv_scene *body);
 void cli_view_state_free(cli_view_state *state);
 
 /// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed then
