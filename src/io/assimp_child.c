@@ -1,4 +1,5 @@
 /// Assimp works in a child process: its importers crash on some malformed files, and there is nobody to mend them here.
+#include "../scene/scene.h"
 #include "assimp_file.h"
 #include "child_process.h"
 #include "scene_parts.h"
@@ -32,6 +33,16 @@ static rsv_status convert(void *user, FILE *answer)
     return status;
 }
 
+/// The importer's nodes are placed in single precision; only the numbers of .obj were brought near before.
+static void note_places(rsv_scene *scene)
+{
+    double farthest = 0;
+    for (size_t k = 0; k < scene->instance_count; k++)
+        for (int row = 12; row < 15; row++)
+            farthest = fmax(farthest, fabs(scene->instance[k].transform[row]));
+    rsv_scene_note_single(scene, farthest);
+}
+
 rsv_status rsv_assimp_read(
     const char *path, rsv_file_kind kind, const rsv_load_desc *desc, rsv_scene *scene)
 {
@@ -44,6 +55,7 @@ rsv_status rsv_assimp_read(
     if (stat(path, &info) != 0) RSV_TRY(rsv_fail(RSV_ERROR_IO, "cannot be read"));
     RSV_TRY(rsv_in_child_process(context, convert, &j, (size_t)info.st_size, &answer, &count));
     RSV_TRY(rsv_receive_parts(answer, count, scene));
+    if (kind != RSV_FILE_OBJ) note_places(scene);
 cleanup:
     rsv_free(context, answer);
     return status;

@@ -25,6 +25,7 @@ typedef struct file_access {
     size_t missing_count;
     char library[MAX_LIBRARIES][512]; ///< of materials, that were read
     size_t library_count;
+    double origin[3]; ///< that was taken out of vertices
 } file_access;
 
 /// What is behind one of the importer's files.
@@ -117,13 +118,14 @@ static bool open_regular(const char *path, stream *opened)
 }
 
 /// Wavefront files are read without what an importer mistakes for something else.
-static void clean(const char *path, stream *opened)
+static void clean(file_access *access, const char *path, stream *opened)
 {
     const char *extension = strrchr(path, '.');
     bool is_library = extension && strcasecmp(extension, ".mtl") == 0;
     if (!is_library && (!extension || strcasecmp(extension, ".obj") != 0)) return;
     size_t size;
-    char *text = rsv_obj_clean(opened->file, is_library, &size);
+    double origin[3];
+    char *text = rsv_obj_clean(opened->file, is_library, &size, origin);
     FILE *file = text && size ? fmemopen(text, size, "rb") : NULL;
     if (!file) {
         free(text);
@@ -132,6 +134,7 @@ static void clean(const char *path, stream *opened)
     }
     fclose(opened->file);
     *opened = (stream){ file, text, size };
+    if (!is_library) memcpy(access->origin, origin, sizeof origin);
 }
 
 static void close_stream(stream *opened)
@@ -152,7 +155,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
         remember_missing((file_access *)io->UserData, path);
         return NULL;
     }
-    clean(path, opened);
+    clean((file_access *)io->UserData, path, opened);
     remember_library((file_access *)io->UserData, path);
     *file = (struct aiFile){ .ReadProc = read_file,
         .WriteProc = refuse_write,
@@ -274,13 +277,14 @@ static rsv_status fail_import(const char *path, rsv_file_kind kind)
         place, meaning_of(message));
 }
 
-rsv_status rsv_assimp_import(
-    rsv_context *context, const char *path, rsv_file_kind kind, const struct aiScene **imported)
+rsv_status rsv_assimp_import(rsv_context *context, const char *path, rsv_file_kind kind,
+    const struct aiScene **imported, double origin[3])
 {
     file_access access = { .path = path };
     rsv_assimp_losses losses = { 0 };
     *imported = import(path, &access, &losses);
     if (!*imported) return fail_import(path, kind);
+    memcpy(origin, access.origin, sizeof access.origin);
     rsv_status status = process(*imported);
     if (status != RSV_OK) return status;
     for (size_t i = 0; i < access.missing_count; i++)

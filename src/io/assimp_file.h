@@ -13,9 +13,9 @@
 /// Reads and triangulates a file. Importers may crash, hang or harm memory: call this in a child process
 /// (child_process.h). Materials and other files it refers to must be regular files; those that cannot be read are named in
 /// a warning, and so is what it holds that is not used. Errors say in our words what is wrong.
-/// @param imported to be released by aiReleaseImport
-rsv_status rsv_assimp_import(
-    rsv_context *context, const char *path, rsv_file_kind kind, const struct aiScene **imported);
+/// @param imported to be released by aiReleaseImport @param origin out: what its coordinates are less
+rsv_status rsv_assimp_import(rsv_context *context, const char *path, rsv_file_kind kind,
+    const struct aiScene **imported, double origin[3]);
 
 /// Whether a file has these bytes anywhere.
 bool rsv_file_mentions(const char *path, const char *word);

@@ -272,7 +272,9 @@ cleanup:
 }
 
 /// Where the root's own coordinates lie.
-static void place_root(const reader *r, const double file_to_scene[16], double world[16])
+/// @param origin what the file's coordinates are less
+static void place_root(
+    const reader *r, const double file_to_scene[16], const double origin[3], double world[16])
 {
     double local[16];
     matrix_of(&r->file->mRootNode->mTransformation, local);
@@ -280,6 +282,9 @@ static void place_root(const reader *r, const double file_to_scene[16], double w
         memcpy(world, file_to_scene, 16 * sizeof *world);
     else
         rsv_matrix_multiply(file_to_scene, local, world);
+    for (int row = 0; row < 3; row++)
+        for (int axis = 0; axis < 3; axis++)
+            world[12 + row] += world[4 * axis + row] * origin[axis];
 }
 
 static void count_node(reader *r, const struct aiString *name)
@@ -386,11 +391,11 @@ rsv_status rsv_assimp_convert(
     rsv_context *context, const char *path, rsv_file_kind kind, const rsv_load_desc *desc, FILE *to)
 {
     rsv_status status;
-    double frame[16], root[16];
+    double frame[16], root[16], origin[3];
     reader r = { .context = context, .kind = kind, .desc = desc, .to = to };
-    RSV_TRY(rsv_assimp_import(context, path, kind, &r.file));
+    RSV_TRY(rsv_assimp_import(context, path, kind, &r.file, origin));
     RSV_TRY(find_frame(&r, frame));
-    place_root(&r, frame, root);
+    place_root(&r, frame, origin, root);
     double unit = metres_per_unit(root);
     if (kind == RSV_FILE_COLLADA && !(unit > 0 && unit < INFINITY))
         RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "its <unit> of %g m is not usable", unit));

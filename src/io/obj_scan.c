@@ -2,6 +2,7 @@
 
 #include "../core/core.h"
 #include "../core/number_text.h"
+#include "../scene/far_box.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -222,7 +223,54 @@ static void put_numbers(FILE *to, const char *word, const char *arguments)
     fputc('\n', to);
 }
 
-static void put_statement(FILE *to, char *line, bool is_library)
+/// The place of a vertex. @return what follows it; NULL = its numbers are not three, or six with a colour
+static const char *read_vertex(const char *arguments, double place[3])
+{
+    char *end = NULL;
+    for (int k = 0; k < 3; k++, arguments = end) {
+        place[k] = rsv_number_value(arguments, &end);
+        if (end == arguments || !isfinite(place[k])) return NULL;
+    }
+    size_t rest = count_words(arguments);
+    return rest == 0 || rest == 3 ? arguments : NULL;
+}
+
+/// What all vertices have in common, if they lie far from the origin. Most files tell with their first few that they do not.
+/// @param text with '\n' behind its lines
+static void find_origin(char *text, double origin[3])
+{
+    rsv_far_box bounds = rsv_far_nothing();
+    bool known = true;
+    memset(origin, 0, 3 * sizeof *origin);
+    for (size_t count = 1; text && known; count++) {
+        char *end = strchr(text, '\n');
+        double place[3];
+        if ((*text == 'v' || *text == 'V') && (text[1] == ' ' || text[1] == '\t')) {
+            if (end) *end = '\0';
+            known = read_vertex(text + 2, place) != NULL;
+            if (end) *end = '\n';
+            if (known) rsv_far_enclose(&bounds, place);
+        }
+        if (count % 1024 == 0 && bounds.high[0] > bounds.low[0]) known &= rsv_is_far(&bounds);
+        text = end ? end + 1 : NULL;
+    }
+    if (known) rsv_far_origin(&bounds, origin);
+}
+
+static void put_near_vertex(FILE *to, const char *arguments, const double origin[3])
+{
+    double place[3];
+    const char *rest = read_vertex(arguments, place);
+    fputc('v', to);
+    for (int k = 0; k < 3; k++) {
+        char text[RSV_NUMBER_BYTES];
+        rsv_number_text(text, 10, place[k] - origin[k]);
+        fprintf(to, " %s", text);
+    }
+    fprintf(to, "%s\n", rest ? rest : "");
+}
+
+static void put_statement(FILE *to, char *line, bool is_library, const double origin[3])
 {
     char word[WORD_BYTES];
     copy_word(line, word);
@@ -236,22 +284,25 @@ static void put_statement(FILE *to, char *line, bool is_library)
         put_color(to, meant, arguments);
     else if (is_library && strcmp(meant, "d") == 0 && strncmp(arguments, "-halo", 5) == 0)
         fprintf(to, "d %s\n", arguments + 5);
+    else if (strcmp(meant, "v") == 0 && (origin[0] != 0 || origin[1] != 0 || origin[2] != 0))
+        put_near_vertex(to, arguments, origin);
     else if (!is_library && *meant == 'v')
         put_numbers(to, meant, arguments);
     else
         fprintf(to, "%s %s\n", meant, arguments);
 }
 
-char *rsv_obj_clean(FILE *file, bool is_library, size_t *size)
+char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3])
 {
     char *cleaned = NULL, *text = read_text(file, size);
     FILE *to = text ? open_memstream(&cleaned, size) : NULL;
     if (to) {
         join_lines(text, *size);
+        find_origin(is_library ? NULL : text, origin);
         for (char *line = text, *next; line; line = next) {
             next = strchr(line, '\n');
             if (next) *next++ = '\0';
-            put_statement(to, line, is_library);
+            put_statement(to, line, is_library, origin);
         }
         if (fclose(to) != 0) {
             free(cleaned);

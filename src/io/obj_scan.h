@@ -12,8 +12,10 @@ void rsv_obj_warn_of_unused(const rsv_context *context, const char *path, bool i
 
 /// The text of a file as an importer understands it: statements without effect, which some are taken for others, are comments,
 /// lines end in '\n', and there is no byte order mark.
-/// @param file open for reading, at its start @param size out @return malloc'ed; NULL = no memory, or unreadable
-char *rsv_obj_clean(FILE *file, bool is_library, size_t *size);
+/// Vertices far from the origin are less what all have in common, as importers keep single precision.
+/// @param file open for reading, at its start @param size out @param origin out: what was taken out of vertices
+/// @return malloc'ed; NULL = no memory, or unreadable
+char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3]);
 
 /// The first thing that is wrong with an .obj file, as the error message, with its line. RSV_OK if nothing is found.
 rsv_status rsv_obj_explain(const char *path);

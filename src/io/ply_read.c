@@ -20,8 +20,9 @@ typedef struct ply_reader {
     size_t size;
     const char *at, *end;
     size_t line;        ///< of text
-    rsv_vec3 *position; ///< [vertex_count]
-    rsv_vec3 *normal;   ///< [vertex_count]; NULL = none
+    rsv_vec3 *position; ///< [vertex_count] less `origin`
+    double origin[3];
+    rsv_vec3 *normal; ///< [vertex_count]; NULL = none
     size_t vertex_count;
     int64_t *corner; ///< [corner_count] of the polygon in hand
     size_t corner_count, corner_capacity;
@@ -155,25 +156,28 @@ static unsigned roles_of(const rsv_ply_header *header, const rsv_ply_element *e)
 
 static rsv_status read_vertices(ply_reader *r, const rsv_ply_element *e)
 {
-    rsv_status status = RSV_OK;
+    rsv_status status = RSV_ERROR_MEMORY;
     unsigned roles = roles_of(&r->header, e);
     if ((roles & 7) != 7)
         return rsv_fail(RSV_ERROR_FORMAT, "its vertices lack one of the properties x, y and z");
-    r->vertex_count = (size_t)e->count;
-    r->position = rsv_alloc(r->context, r->vertex_count, sizeof *r->position);
+    size_t count = r->vertex_count = (size_t)e->count;
+    rsv_place *place = rsv_alloc(r->context, count, sizeof *place);
+    r->position = rsv_alloc(r->context, count, sizeof *r->position);
     bool has_normals = (roles >> 3 & 7) == 7;
-    if (has_normals) r->normal = rsv_alloc(r->context, r->vertex_count, sizeof *r->normal);
-    if (!r->position || (has_normals && !r->normal)) return RSV_ERROR_MEMORY;
-    for (size_t n = 0; n < r->vertex_count; n++) {
+    if (has_normals) r->normal = rsv_alloc(r->context, count, sizeof *r->normal);
+    if (!place || !r->position || (has_normals && !r->normal)) goto cleanup;
+    for (size_t n = 0; n < count; n++) {
         double v[6] = { 0 };
         RSV_TRY(read_row(r, e, v));
-        rsv_vec3 p = v3((float)v[0], (float)v[1], (float)v[2]);
-        if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z))
+        if (!isfinite((float)v[0]) || !isfinite((float)v[1]) || !isfinite((float)v[2]))
             RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "the position of vertex %zu is not finite", n));
-        r->position[n] = p;
+        place[n] = (rsv_place){ { v[0], v[1], v[2] } };
         if (r->normal) r->normal[n] = v3((float)v[3], (float)v[4], (float)v[5]);
     }
+    rsv_bring_near(place, count, r->origin, r->position);
+    status = RSV_OK;
 cleanup:
+    rsv_free(r->context, place);
     return status;
 }
 
@@ -255,6 +259,19 @@ static rsv_status check_indices(const ply_reader *r)
     return r->index_count ? RSV_OK : rsv_fail(RSV_ERROR_FORMAT, "it holds no triangle or polygon");
 }
 
+/// Text has as many digits as it likes.
+static bool has_single_places(const rsv_ply_header *header)
+{
+    for (uint32_t k = 0; k < header->element_count; k++) {
+        const rsv_ply_element *e = &header->element[k];
+        if (e->kind != RSV_PLY_VERTEX || header->format == RSV_PLY_ASCII) continue;
+        for (uint32_t p = e->first_property; p < e->first_property + e->property_count; p++)
+            if (header->property[p].role < 3 && header->property[p].type == RSV_PLY_FLOAT)
+                return true;
+    }
+    return false;
+}
+
 static void warn_of_losses(const ply_reader *r, const char *path)
 {
     size_t rest = (size_t)(r->end - r->at);
@@ -289,7 +306,7 @@ rsv_status rsv_ply_read(const char *path, const rsv_load_desc *desc, rsv_scene *
     RSV_TRY(check_indices(r));
     warn_of_losses(r, path);
     RSV_TRY(rsv_add_bare_material(scene, &material));
-    RSV_TRY(rsv_add_bare_mesh(scene, desc,
+    RSV_TRY(rsv_add_bare_mesh(scene, desc, r->origin, has_single_places(&r->header),
         (rsv_mesh_desc){ .name = "unnamed",
             .positions = r->position,
             .normals = r->normal,

@@ -26,16 +26,17 @@ typedef struct stl_reader {
     size_t size;
     uint32_t material;
     char name[NAME_BYTES]; ///< of the solid in hand
-    rsv_vec3 *corner;      ///< [corner_count] three for each of its triangles
+    rsv_place *corner;     ///< [corner_count] three for each of its triangles
     size_t corner_count, corner_capacity;
     size_t triangle_count;    ///< of all solids so far
+    bool in_single;           ///< binary: numbers are floats
     char unknown[WORD_BYTES]; ///< first of the words that begin a line and say nothing here
     size_t unknown_line;      ///< 0 = there is none
 } stl_reader;
 
 // ---- solids -----------------------------------------------------------------------------------------
 
-static rsv_status add_corner(stl_reader *r, rsv_vec3 p)
+static rsv_status add_corner(stl_reader *r, rsv_place p)
 {
     rsv_status status = rsv_grow(r->context, (void **)&r->corner, &r->corner_capacity,
         r->corner_count + 1, sizeof *r->corner);
@@ -48,17 +49,21 @@ static rsv_status end_solid(stl_reader *r)
 {
     rsv_status status = RSV_OK;
     uint32_t *index = NULL;
+    rsv_vec3 *position = NULL;
+    double origin[3];
     size_t count = r->corner_count;
     if (count == 0) return RSV_OK;
     if (count > UINT32_MAX)
         return rsv_fail(RSV_ERROR_UNSUPPORTED, "solid '%s': more than 1.4e9 triangles", r->name);
     index = rsv_alloc(r->context, count, sizeof *index);
-    if (!index) return RSV_ERROR_MEMORY;
+    position = rsv_alloc(r->context, count, sizeof *position);
+    if (!index || !position) RSV_TRY(RSV_ERROR_MEMORY);
+    rsv_bring_near(r->corner, count, origin, position);
     for (size_t i = 0; i < count; i++)
         index[i] = (uint32_t)i;
-    RSV_TRY(rsv_add_bare_mesh(r->scene, r->desc,
+    RSV_TRY(rsv_add_bare_mesh(r->scene, r->desc, origin, r->in_single,
         (rsv_mesh_desc){ .name = *r->name ? r->name : "unnamed",
-            .positions = r->corner,
+            .positions = position,
             .vertex_count = count,
             .indices = index,
             .triangle_count = count / 3,
@@ -67,6 +72,7 @@ static rsv_status end_solid(stl_reader *r)
     r->corner_count = 0;
 cleanup:
     rsv_free(r->context, index);
+    rsv_free(r->context, position);
     return status;
 }
 
@@ -119,8 +125,9 @@ static rsv_status read_binary(stl_reader *r)
         const char *record = r->bytes + TABLE_START + t * RECORD_BYTES;
         for (int k = 0; k < 3; k++) {
             const char *at = record + NORMAL_BYTES + 12 * k;
-            rsv_vec3 p = v3(float_at(at), float_at(at + 4), float_at(at + 8));
-            if (!isfinite(p.x) || !isfinite(p.y) || !isfinite(p.z))
+            const rsv_place p = { { (double)float_at(at), (double)float_at(at + 4),
+                (double)float_at(at + 8) } };
+            if (!isfinite(p.at[0] + p.at[1] + p.at[2]))
                 RSV_TRY(rsv_fail(RSV_ERROR_FORMAT,
                     "triangle %zu: a corner is not finite; is the file damaged?", t));
             RSV_TRY(add_corner(r, p));
@@ -191,18 +198,17 @@ static void rest_of_line(cursor *c, char *name)
     name[length] = '\0';
 }
 
-static rsv_status read_numbers(cursor *c, const char *of, float number[3])
+static rsv_status read_numbers(cursor *c, const char *of, double number[3])
 {
     for (int k = 0; k < 3; k++) {
         char *end = NULL;
         skip_blanks(c);
-        double value = rsv_number_value(c->at, &end);
+        number[k] = rsv_number_value(c->at, &end);
         bool whole = end != c->at && (!*end || isspace((unsigned char)*end));
-        number[k] = (float)value;
         if (!*c->at)
             return rsv_fail(
                 RSV_ERROR_FORMAT, "line %zu: the file is cut off within a '%s'", c->line, of);
-        if (!whole || !isfinite(number[k])) {
+        if (!whole || !isfinite((float)number[k])) {
             char word[WORD_BYTES];
             next_word(c, word);
             return rsv_fail(RSV_ERROR_FORMAT,
@@ -219,12 +225,11 @@ static rsv_status read_loop(stl_reader *r, cursor *c)
 {
     rsv_status status = RSV_OK;
     char word[WORD_BYTES];
-    rsv_vec3 first = { 0 }, last = { 0 };
+    rsv_place first = { { 0 } }, last = first;
     size_t count = 0;
     for (next_word(c, word); strcmp(word, "vertex") == 0; next_word(c, word)) {
-        float v[3];
-        RSV_TRY(read_numbers(c, "vertex", v));
-        rsv_vec3 p = v3(v[0], v[1], v[2]);
+        rsv_place p;
+        RSV_TRY(read_numbers(c, "vertex", p.at));
         if (count >= 3) {
             RSV_TRY(add_corner(r, first));
             RSV_TRY(add_corner(r, last));
@@ -326,7 +331,8 @@ rsv_status rsv_stl_read(const char *path, const rsv_load_desc *desc, rsv_scene *
     RSV_TRY(rsv_read_whole(r.context, path, &r.bytes, &r.size));
     if (r.size == 0) RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "cannot be read: the file is empty"));
     RSV_TRY(rsv_add_bare_material(scene, &r.material));
-    RSV_TRY(is_text(&r) ? read_text(&r) : read_binary(&r));
+    r.in_single = !is_text(&r);
+    RSV_TRY(r.in_single ? read_binary(&r) : read_text(&r));
     if (r.triangle_count == 0) RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "it holds no triangle"));
 cleanup:
     rsv_free(r.context, r.bytes);

@@ -54,7 +54,7 @@ void rsv_receiver_points_set_up(const rsv_elements *e, const rsv_tracer *tracer,
         uint32_t face = e->cell[sample[k].support / 4].face, triangle = e->face_triangle[face];
         float u = sample[k].u, v = sample[k].v;
         bool back = e->face_back[face];
-        rsv_surface_point point = rsv_surface_point_at(e->scene, triangle, u, v, back);
+        rsv_surface_point point = rsv_surface_point_seen(e->scene, triangle, u, v, back, 0);
         rsv_surface_lift(e->scene, tracer, triangle, u, v, &point);
         set_origin(r, k, &point);
         set_frame(r, k, point.normal, cos_turn, sin_turn);

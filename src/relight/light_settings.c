@@ -167,12 +167,11 @@ static rsv_status read_albedo(
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "relight: the colour of material '%s' must be in 0 .. 1", change->material);
     bool plain = material->metallic == 0 && material->transmission == 0 && material->opacity == 1 &&
-                 material->diffuse_transmission == 0 && !scene->material_varies[m] &&
-                 !rsv_material_scatters_below(material);
+                 material->diffuse_transmission == 0 && !rsv_material_scatters_below(material);
     if (!plain)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "relight: the colour of material '%s' is part of the operator (metal, glass, "
-            "texture, ...); solve anew",
+            "relight: the colour of material '%s' is part of the operator (metal, glass, ...); "
+            "solve anew",
             change->material);
     wanted->base_color[m] = c;
     return RSV_OK;

@@ -1,6 +1,7 @@
 /// Scenes far from their origin, as maps have them: single precision leaves few digits there. What all have in common is
 /// taken out, once, before anything becomes a float; rsv_scene_view.origin keeps it for whoever writes coordinates.
 #include "../core/vec.h"
+#include "far_box.h"
 #include "scene.h"
 
 #include <float.h>
@@ -8,37 +9,61 @@
 /// Sizes of the scene between its centre and the origin from which on this is done. There a float has lost six of its 24
 /// binary digits.
 #define FAR_SIZES 64
+/// Numbers of single precision lie apart by this part of their size at most.
+#define SPACING 0x1p-23
+/// What the size of a scene may be divided into at the least, where it is to look right.
+#define FEW_DIGITS (1e3 * SPACING)
 
-typedef struct box {
-    double low[3], high[3];
-} box;
-
-static box nothing(void)
+rsv_far_box rsv_far_nothing(void)
 {
-    return (box){ { DBL_MAX, DBL_MAX, DBL_MAX }, { -DBL_MAX, -DBL_MAX, -DBL_MAX } };
+    return (rsv_far_box){ { DBL_MAX, DBL_MAX, DBL_MAX }, { -DBL_MAX, -DBL_MAX, -DBL_MAX } };
 }
 
-static void enclose(box *b, const double point[3])
+void rsv_far_enclose(rsv_far_box *box, const double point[3])
 {
     for (int axis = 0; axis < 3; axis++) {
-        b->low[axis] = fmin(b->low[axis], point[axis]);
-        b->high[axis] = fmax(b->high[axis], point[axis]);
+        box->low[axis] = fmin(box->low[axis], point[axis]);
+        box->high[axis] = fmax(box->high[axis], point[axis]);
     }
 }
 
-/// Bounds of a mesh's triangles, in its own space.
-static box mesh_bounds(const rsv_mesh *mesh)
+static double size_of(const rsv_far_box *box)
 {
-    box b = nothing();
+    double size = 0;
+    for (int axis = 0; axis < 3; axis++)
+        size = fmax(size, box->high[axis] - box->low[axis]);
+    return size;
+}
+
+bool rsv_is_far(const rsv_far_box *box)
+{
+    double size = size_of(box), distance = 0;
+    for (int axis = 0; axis < 3; axis++)
+        distance = fmax(distance, fabs(0.5 * (box->low[axis] + box->high[axis])));
+    return size > 0 && distance > FAR_SIZES * size && distance <= (double)RSV_FARTHEST;
+}
+
+void rsv_far_origin(const rsv_far_box *box, double origin[3])
+{
+    bool far = rsv_is_far(box);
+    double step = far ? pow(10, ceil(log10(size_of(box)))) : 1;
+    for (int axis = 0; axis < 3; axis++)
+        origin[axis] = far ? step * rint(0.5 * (box->low[axis] + box->high[axis]) / step) : 0;
+}
+
+/// Bounds of a mesh's triangles, in its own space.
+static rsv_far_box mesh_bounds(const rsv_mesh *mesh)
+{
+    rsv_far_box b = rsv_far_nothing();
     for (size_t k = 0; k < 3 * mesh->triangle_count; k++) {
         rsv_vec3 p = mesh->position[mesh->index[k]];
-        enclose(&b, (const double[3]){ (double)p.x, (double)p.y, (double)p.z });
+        rsv_far_enclose(&b, (const double[3]){ (double)p.x, (double)p.y, (double)p.z });
     }
     return b;
 }
 
 /// Adds the corners of a mesh's bounds, where an instance has them. What is not finite is refused later.
-static void add_instance(const box *mesh, const double m[16], box *all)
+static void add_instance(const rsv_far_box *mesh, const double m[16], rsv_far_box *all)
 {
     for (int corner = 0; corner < 8; corner++) {
         double p[3];
@@ -48,41 +73,53 @@ static void add_instance(const box *mesh, const double m[16], box *all)
                 p[row] +=
                     m[4 * axis + row] * (corner >> axis & 1 ? mesh->high[axis] : mesh->low[axis]);
         }
-        if (isfinite(p[0] + p[1] + p[2])) enclose(all, p);
+        if (isfinite(p[0] + p[1] + p[2])) rsv_far_enclose(all, p);
     }
 }
 
-static rsv_status find_bounds(const rsv_scene *scene, box *all)
+/// The longest column of a transform's linear part.
+static double scale_of(const double m[16])
 {
-    box *mesh = rsv_alloc(scene->context, scene->mesh_count, sizeof *mesh);
+    double square = 0;
+    for (int column = 0; column < 3; column++) {
+        const double *c = &m[4 * column];
+        square = fmax(square, c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+    }
+    return sqrt(square);
+}
+
+static double farthest_of(const rsv_far_box *box)
+{
+    double farthest = 0;
+    for (int axis = 0; axis < 3; axis++)
+        farthest = fmax(farthest, fmax(fabs(box->low[axis]), fabs(box->high[axis])));
+    return farthest;
+}
+
+/// @param all out: bounds of all triangles @param grain out: metres between neighbours of the coarsest numbers among their
+/// places, as far as the file has these in single precision
+static rsv_status find_bounds(const rsv_scene *scene, rsv_far_box *all, double *grain)
+{
+    rsv_far_box *mesh = rsv_alloc(scene->context, scene->mesh_count, sizeof *mesh);
     if (!mesh) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < scene->mesh_count; k++)
         mesh[k] = mesh_bounds(&scene->mesh[k]);
-    *all = nothing();
+    *all = rsv_far_nothing();
+    *grain = scene->grain;
     for (size_t k = 0; k < scene->instance_count; k++) {
         const rsv_instance *instance = &scene->instance[k];
-        if (scene->mesh[instance->mesh].triangle_count)
-            add_instance(&mesh[instance->mesh], instance->transform, all);
+        if (!scene->mesh[instance->mesh].triangle_count) continue;
+        const rsv_far_box *box = &mesh[instance->mesh];
+        add_instance(box, instance->transform, all);
+        *grain = fmax(*grain, SPACING * farthest_of(box) * scale_of(instance->transform));
     }
     rsv_free(scene->context, mesh);
     return RSV_OK;
 }
 
-/// A round place near the centre of what lies far away: whole tens or hundreds of metres say the same to everybody.
-static bool choose(const box *all, double origin[3])
+void rsv_scene_note_single(rsv_scene *scene, double farthest)
 {
-    double size = 0, distance = 0;
-    for (int axis = 0; axis < 3; axis++) {
-        double centre = 0.5 * (all->low[axis] + all->high[axis]);
-        size = fmax(size, all->high[axis] - all->low[axis]);
-        distance = fmax(distance, fabs(centre));
-    }
-    if (!(size > 0) || !(distance > FAR_SIZES * size) || distance > (double)RSV_FARTHEST)
-        return false;
-    double step = pow(10, ceil(log10(size)));
-    for (int axis = 0; axis < 3; axis++)
-        origin[axis] = step * rint(0.5 * (all->low[axis] + all->high[axis]) / step);
-    return true;
+    scene->grain = fmax(scene->grain, SPACING * farthest);
 }
 
 static void shift(const rsv_scene *scene, const rsv_fixture *fixture, rsv_vec3 *position)
@@ -94,10 +131,12 @@ static void shift(const rsv_scene *scene, const rsv_fixture *fixture, rsv_vec3 *
 
 rsv_status rsv_scene_take_origin(rsv_scene *scene)
 {
-    box all;
+    rsv_far_box all;
+    double grain;
     if (!scene->in_double) return RSV_OK;
-    rsv_status status = find_bounds(scene, &all);
-    if (status != RSV_OK || !choose(&all, scene->origin)) return status;
+    rsv_status status = find_bounds(scene, &all, &grain);
+    if (status != RSV_OK || !rsv_is_far(&all)) return status;
+    rsv_far_origin(&all, scene->origin);
     for (size_t k = 0; k < scene->light_count; k++)
         shift(scene, &scene->light_fixture[k], &scene->light[k].position);
     for (size_t k = 0; k < scene->camera_count; k++)
@@ -106,5 +145,11 @@ rsv_status rsv_scene_take_origin(rsv_scene *scene)
         "the scene lies far from its origin: (%.15g, %.15g, %.15g) m is taken out of its "
         "coordinates while it is worked on, and put back in what is written",
         scene->origin[0], scene->origin[1], scene->origin[2]);
+    if (grain > FEW_DIGITS * size_of(&all))
+        rsv_log(scene->context, RSV_LOG_WARNING,
+            "the file states places so far away in single precision, which tells them apart by "
+            "%.2g m: finer details of its %.3g m are lost; export it nearer to the origin, or as "
+            "glTF with that distance in the translation of a node",
+            grain, size_of(&all));
     return RSV_OK;
 }

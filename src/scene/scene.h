@@ -49,6 +49,8 @@ struct rsv_scene {
     const char **light_node, **camera_node; ///< the view's, from rsv_scene_list_nodes()
     bool in_double;                         ///< instances came in double (rsv_scene_place_instance)
     double origin[3];                       ///< taken out of all coordinates (origin.c)
+    double
+        grain; ///< metres between numbers of single precision in the file (rsv_scene_note_single)
     rsv_texture *texture;
     size_t texture_count, texture_capacity;
     uint8_t *material_varies; ///< [material_count]; filled by commit
@@ -96,6 +98,10 @@ rsv_status rsv_scene_list_nodes(rsv_scene *scene);
 /// Takes a common origin out of instances, lights and cameras where a scene placed in double lies far from its own; else
 /// leaves all as it is, bit for bit: who places in floats gains no digits, and goes on in these coordinates. Before flattening.
 rsv_status rsv_scene_take_origin(rsv_scene *scene);
+
+/// Notes that the file has places up to so many metres from the origin in single precision, so that somebody is told where that is
+/// too coarse. What meshes themselves reach to is known.
+void rsv_scene_note_single(rsv_scene *scene, double farthest);
 
 /// Whether an origin was taken out.
 static inline bool rsv_scene_is_far(const rsv_scene *scene)

@@ -75,10 +75,12 @@ static rsv_status paint(const rsv_light *s, const bool *changed, rsv_rgb **albed
     const rsv_elements *e = s->elements;
     rsv_rgb *a = *albedo = rsv_alloc(s->context, e->node_count, sizeof *a);
     if (!a) return RSV_ERROR_MEMORY;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(s->context))
     for (size_t n = 0; n < e->node_count; n++) {
         uint32_t triangle = e->face_triangle[e->node_face[n]];
-        uint32_t material = s->scene.view->triangle_material[triangle];
-        a[n] = changed[material] ? s->world->bsdf[material].base_color : s->view.exitance_albedo[n];
+        bool repaint = changed[s->scene.view->triangle_material[triangle]];
+        a[n] = repaint ? rsv_element_albedo(&s->world->scene, e, s->desc.seed, (uint32_t)n)
+                       : s->view.exitance_albedo[n];
     }
     return RSV_OK;
 }

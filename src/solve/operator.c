@@ -52,18 +52,22 @@ static rsv_rgb mean_albedo(
         sum.b / f_max(weights.b, none));
 }
 
+rsv_rgb rsv_element_albedo(
+    const rsv_transport_scene *scene, const rsv_elements *e, uint32_t seed, uint32_t node)
+{
+    uint32_t material = scene->view->triangle_material[e->face_triangle[e->node_face[node]]];
+    return scene->view->material_varies[material] ? mean_albedo(scene, e, seed, node)
+                                                  : scene->bsdf[material].base_color;
+}
+
 rsv_status rsv_element_albedos(
     const rsv_transport_scene *scene, const rsv_elements *e, uint32_t seed, rsv_rgb **albedo)
 {
     rsv_rgb *a = *albedo = rsv_alloc(e->context, e->node_count, sizeof *a);
     if (!a) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
-    for (size_t n = 0; n < e->node_count; n++) {
-        uint32_t triangle = e->face_triangle[e->node_face[n]];
-        uint32_t material = scene->view->triangle_material[triangle];
-        a[n] = scene->view->material_varies[material] ? mean_albedo(scene, e, seed, (uint32_t)n)
-                                                      : scene->bsdf[material].base_color;
-    }
+    for (size_t n = 0; n < e->node_count; n++)
+        a[n] = rsv_element_albedo(scene, e, seed, (uint32_t)n);
     return RSV_OK;
 }
 

@@ -49,7 +49,11 @@ rsv_status rsv_operator_scatter(rsv_operator *op);
 
 const rsv_operator_view *rsv_operator_get_view(const rsv_operator *op);
 
-/// Albedos of elements, textured ones as means over their hat functions. @param albedo out: [node_count], to be freed
+/// Albedo of a node, textured ones as means over their hat functions.
+rsv_rgb rsv_element_albedo(const rsv_transport_scene *scene, const rsv_elements *elements,
+    uint32_t seed, uint32_t node);
+
+/// Albedos of all nodes. @param albedo out: [node_count], to be freed
 rsv_status rsv_element_albedos(const rsv_transport_scene *scene, const rsv_elements *elements,
     uint32_t seed, rsv_rgb **albedo);
 

@@ -2,6 +2,7 @@
 
 #include "../core/index_map.h"
 #include "element_keys.h"
+#include "material_keys.h"
 
 /// More than tables and scenes can have.
 #define TOO_MANY ((uint64_t)1 << 36)
@@ -77,14 +78,16 @@ static rsv_status find_change(rsv_history *p, const rsv_transport_scene *scene)
     size_t count = p->header->triangle_count;
     uint32_t object = RSV_NONE; // of the new triangle just before
     bool gone = false;          // likewise
+    rsv_material_key *keys = NULL;
     uint8_t *stays = rsv_alloc(p->context, count, 1);
     RSV_TRY(stays ? RSV_OK : RSV_ERROR_MEMORY);
+    RSV_TRY(rsv_material_keys_create(p->context, scene, &keys));
     RSV_TRY(rsv_index_map_create(p->context, count, &then));
     for (uint32_t k = 0; k < count; k++)
         if (rsv_index_map_insert(&then, p->layout.triangle[k].key, k) == UINT32_MAX)
             RSV_TRY(RSV_ERROR_MEMORY);
     for (uint32_t t = 0; t < scene->view->triangle_count; t++) {
-        uint64_t key = rsv_history_triangle_key(scene, t);
+        uint64_t key = rsv_surface_key(scene->view, keys, t);
         uint32_t same = key ? rsv_index_map_find(&then, key) : UINT32_MAX;
         uint32_t new_object = same == UINT32_MAX ? scene->view->triangle_object[t] : RSV_NONE;
         if (same != UINT32_MAX) stays[same] = 1;
@@ -105,6 +108,7 @@ static rsv_status find_change(rsv_history *p, const rsv_transport_scene *scene)
 cleanup:
     rsv_index_map_destroy(&then);
     rsv_free(p->context, stays);
+    rsv_free(p->context, keys);
     return status;
 }
 

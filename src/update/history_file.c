@@ -95,21 +95,6 @@ uint64_t rsv_history_lights_key(const rsv_lights *lights)
     return add_environment(key, lights->scene->environment);
 }
 
-uint64_t rsv_history_triangle_key(const rsv_transport_scene *scene, uint32_t triangle)
-{
-    uint32_t index = scene->view->triangle_material[triangle];
-    const rsv_material *m = &scene->view->material[index];
-    const rsv_bsdf *b = &scene->bsdf[index];
-    if (m->alpha_cutoff > 0 || b->opacity < 1) return 0;
-    uint64_t key = rsv_key_add(rsv_triangle_key(scene->view, triangle), b->double_sided);
-    if (b->lambert) return key;
-    // of textures their means: what light on its way into the surface is weighted by
-    const float kind[] = { b->ior, b->transmission, m->thickness, b->metallic, b->diffuse, b->alpha,
-        b->clearcoat, b->clearcoat_alpha, b->sheen_power, b->passed };
-    key = add_color(add_color(key, b->specular_tint), b->sheen);
-    return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1 + b->coated);
-}
-
 void rsv_history_triangle_box(
     const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high)
 {

@@ -4,7 +4,7 @@
 
 #include "history.h"
 
-#define RSV_HISTORY_MAGIC 0x36747370u // "pst6"
+#define RSV_HISTORY_MAGIC 0x37747370u // "pst7"
 
 typedef struct rsv_history_header {
     uint64_t magic;
@@ -82,8 +82,6 @@ void rsv_history_name(uint64_t settings, char name[RSV_STORE_NAME_BYTES]);
 
 /// Of all sources; RSV_HISTORY_NO_LIGHTS where textures decide what they give.
 uint64_t rsv_history_lights_key(const rsv_lights *lights);
-/// Of a triangle and of how light passes and enters it; 0 if its holes may be others each time.
-uint64_t rsv_history_triangle_key(const rsv_transport_scene *scene, uint32_t triangle);
 void rsv_history_triangle_box(
     const rsv_scene_view *scene, uint32_t triangle, rsv_vec3 *low, rsv_vec3 *high);
 

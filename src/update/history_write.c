@@ -4,6 +4,7 @@
 #include "../core/key.h"
 #include "../elements/open_corners.h"
 #include "element_keys.h"
+#include "material_keys.h"
 
 #include <errno.h>
 #include <string.h>
@@ -74,11 +75,12 @@ cleanup:
     return status;
 }
 
-static size_t put_triangles(const rsv_transport_scene *scene, rsv_history_triangle *triangle)
+static size_t put_triangles(
+    const rsv_transport_scene *scene, const rsv_material_key *keys, rsv_history_triangle *triangle)
 {
     size_t count = 0;
     for (uint32_t t = 0; t < scene->view->triangle_count; t++) {
-        rsv_history_triangle now = { .key = rsv_history_triangle_key(scene, t) };
+        rsv_history_triangle now = { .key = rsv_surface_key(scene->view, keys, t) };
         if (now.key == 0) continue;
         rsv_history_triangle_box(scene->view, t, &now.low, &now.high);
         if (triangle) triangle[count] = now;
@@ -88,12 +90,13 @@ static size_t put_triangles(const rsv_transport_scene *scene, rsv_history_triang
 }
 
 static rsv_history_header describe(const rsv_transport_scene *scene, const rsv_lights *lights,
-    uint64_t settings, const rsv_spacing *spacing, const rsv_history_fields *level)
+    const rsv_material_key *keys, uint64_t settings, const rsv_spacing *spacing,
+    const rsv_history_fields *level)
 {
     rsv_history_header h = { .magic = RSV_HISTORY_MAGIC,
         .settings = settings,
         .lights = scene->media.bodies ? RSV_HISTORY_NO_LIGHTS : rsv_history_lights_key(lights),
-        .triangle_count = put_triangles(scene, NULL),
+        .triangle_count = put_triangles(scene, keys, NULL),
         .spacing = { spacing->metres, spacing->reach } };
     for (int k = 0; k < RSV_HISTORY_LEVELS; k++) {
         const rsv_elements *e = level[k].elements;
@@ -104,12 +107,12 @@ static rsv_history_header describe(const rsv_transport_scene *scene, const rsv_l
     return h;
 }
 
-static rsv_status fill(const rsv_transport_scene *scene, const rsv_history_fields *level,
-    rsv_history_header *h, size_t bytes)
+static rsv_status fill(const rsv_transport_scene *scene, const rsv_material_key *keys,
+    const rsv_history_fields *level, rsv_history_header *h, size_t bytes)
 {
     rsv_status status = RSV_OK;
     rsv_history_layout layout = rsv_history_layout_of(h);
-    put_triangles(scene, layout.triangle);
+    put_triangles(scene, keys, layout.triangle);
     for (int k = 0; k < RSV_HISTORY_LEVELS; k++) {
         if (!level[k].elements) continue;
         put_cells(&layout.cells[k], level[k].elements);
@@ -120,24 +123,38 @@ cleanup:
     return status;
 }
 
+/// @return 0 or the number of an error
+static int write_all(const rsv_transport_scene *scene, const rsv_lights *lights, rsv_store *store,
+    uint64_t settings, const rsv_spacing *spacing, const rsv_history_fields *level)
+{
+    rsv_context *context = lights->context;
+    char name[RSV_STORE_NAME_BYTES];
+    rsv_material_key *keys = NULL;
+    rsv_history_header *h = NULL;
+    int why = ENOMEM;
+    if (rsv_material_keys_create(context, scene, &keys) != RSV_OK) goto cleanup;
+    rsv_history_header header = describe(scene, lights, keys, settings, spacing, level);
+    size_t bytes = rsv_history_layout_of(&header).bytes;
+    h = rsv_alloc(context, bytes, 1);
+    if (!h) goto cleanup;
+    *h = header;
+    if (fill(scene, keys, level, h, bytes) != RSV_OK) goto cleanup;
+    rsv_history_name(settings, name);
+    why = store->table->write(store, name, h, bytes);
+cleanup:
+    rsv_free(context, keys);
+    rsv_free(context, h);
+    return why;
+}
+
 void rsv_history_write(const rsv_transport_scene *scene, const rsv_lights *lights, rsv_store *store,
     uint64_t settings, const rsv_spacing *spacing,
     const rsv_history_fields level[RSV_HISTORY_LEVELS])
 {
-    rsv_context *context = lights->context;
-    char name[RSV_STORE_NAME_BYTES];
-    rsv_history_header header = describe(scene, lights, settings, spacing, level);
-    size_t bytes = rsv_history_layout_of(&header).bytes;
-    rsv_history_header *h = rsv_alloc(context, bytes, 1);
-    int why = h ? 0 : ENOMEM;
-    if (h) *h = header;
-    if (!why && fill(scene, level, h, bytes) != RSV_OK) why = ENOMEM;
-    rsv_history_name(settings, name);
-    if (!why) why = store->table->write(store, name, h, bytes);
+    int why = write_all(scene, lights, store, settings, spacing, level);
     if (why)
-        rsv_log(context, RSV_LOG_WARNING,
+        rsv_log(lights->context, RSV_LOG_WARNING,
             "%s: cannot keep in '%s' what this solution knew: %s; after an edit of the scene "
             "everything will be solved anew",
             store->kind, store->place, strerror(why));
-    rsv_free(context, h);
 }

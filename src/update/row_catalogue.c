@@ -2,11 +2,12 @@
 
 #include "../core/key.h"
 #include "element_keys.h"
+#include "material_keys.h"
 #include "scene_change.h"
 
 #include <string.h>
 
-#define MAGIC 0x31746163u // "cat1"
+#define MAGIC 0x32746163u // "cat2"
 /// More nodes, cells or triangles than elements can have.
 #define TOO_MANY ((uint64_t)1 << 34)
 
@@ -42,7 +43,21 @@ void rsv_row_catalogue_destroy(rsv_row_catalogue *c)
     rsv_free(c->context, c);
 }
 
-static void fill(const rsv_row_basis *t, rsv_row_catalogue *c)
+/// Under another normal map, a node receives by other rays.
+static rsv_status add_normal_maps(const rsv_elements *e, uint64_t *node_key)
+{
+    rsv_material_key *keys;
+    rsv_status status = rsv_normal_map_keys_create(e->context, e->scene, &keys);
+    for (size_t n = 0; n < e->node_count && status == RSV_OK; n++) {
+        uint32_t triangle = e->face_triangle[e->node_face[n]];
+        uint64_t map = keys[e->scene->triangle_material[triangle]].key;
+        if (map) node_key[n] = rsv_key_add_uvs(rsv_key_add(node_key[n], map), e->scene, triangle);
+    }
+    rsv_free(e->context, keys);
+    return status;
+}
+
+static rsv_status fill(const rsv_row_basis *t, rsv_row_catalogue *c)
 {
     const rsv_elements *e = t->elements;
     rsv_elements_cell_keys(e, c->cell_key);
@@ -55,6 +70,7 @@ static void fill(const rsv_row_basis *t, rsv_row_catalogue *c)
         size_t side = 2 * (size_t)e->face_triangle[face] + e->face_back[face];
         c->cell_key[k] = rsv_key_add(c->cell_key[k], t->side_kind[side]);
     }
+    return add_normal_maps(e, c->node_key);
 }
 
 rsv_status rsv_row_catalogue_create(const rsv_row_basis *t, rsv_row_catalogue **catalogue)
@@ -73,7 +89,7 @@ rsv_status rsv_row_catalogue_create(const rsv_row_basis *t, rsv_row_catalogue **
         .triangle_count = count };
     RSV_TRY(create_empty(context, &header, &c));
     memcpy(c->triangle_key, triangles, count * sizeof *triangles);
-    fill(t, c);
+    RSV_TRY(fill(t, c));
     *catalogue = c;
     c = NULL;
 cleanup:

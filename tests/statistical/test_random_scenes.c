@@ -6,6 +6,8 @@
 #include "unit/scene_fixture.h"
 #include "unit/slow_tests.h"
 
+#include <stdlib.h>
+
 static rsv_scene *begin_scene(fixture *f)
 {
     rsv_scene *scene;
@@ -406,6 +408,66 @@ static void extremes_cannot_be_seen(void **state)
     assert_int_equal(wrong, 0);
 }
 
+// ---- bent normals -------------------------------------------------------------------------------
+
+#define BEND 0.7f ///< sine of the tilt of all normals
+
+/// A plate whose normal map tilts all normals alike, seen from above.
+static void add_bent_plate(rsv_scene *scene)
+{
+    static const float texel[4] = { 0.5f + 0.5f * BEND, 0.5f, 0.857071f, 1 };
+    static const float uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_vec3 corner[4] = { v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1) };
+    const rsv_texture_desc texture = {
+        .name = "bent", .width = 1, .height = 1, .channel_count = 4, .values = texel
+    };
+    rsv_texture_ref ref = rsv_default_texture_ref(RSV_TEXTURE_NORMAL, 0);
+    rsv_material m = rsv_default_material();
+    uint32_t mesh;
+    m.specular = 0;
+    m.texture_count = 1;
+    m.textures = &ref;
+    assert_int_equal(rsv_scene_add_texture(scene, &texture, &ref.texture), RSV_OK);
+    rsv_mesh_desc desc = { .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .uvs = { uv, NULL } };
+    assert_int_equal(rsv_scene_add_material(scene, &m, &desc.material), RSV_OK);
+    assert_int_equal(rsv_scene_add_mesh(scene, &desc, &mesh), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(scene, mesh, NULL, NULL), RSV_OK);
+    rsv_camera camera = rsv_camera_look_at("eye", v3(0, 3, 0.1f), v3(0, 0, 0), 0.3f, 1);
+    assert_int_equal(rsv_scene_add_camera(scene, &camera), RSV_OK);
+}
+
+/// Of an even sky a normal that is tilted by t sees (1 + cos t) / 2.
+static void bent_normals_receive_what_they_see(void **state)
+{
+    rsv_scene *scene = begin_scene(*state);
+    rsv_light *solution;
+    rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    const double seen = (1 + sqrt(1 - (double)BEND * BEND)) / 2;
+    add_bent_plate(scene);
+    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
+    assert_int_equal(rsv_scene_commit(scene), RSV_OK);
+    solve.element_target = FURNACE_ELEMENTS;
+    assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
+    for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++) {
+        rsv_image *image = picture(scene, solution, (shot){ 0, 16, 16 }, (rsv_render_mode)mode, 0);
+        sums mean = { 0 };
+        for (uint32_t k = 0; k < 256; k++)
+            add_value(&mean, value_at(image, k % 16, k / 16));
+        moments found = moments_of(&mean);
+        print_message(
+            "%s: %.4f +- %.4f, right: %.4f\n", mode_name[mode], found.mean, found.error, seen);
+        assert_true(fabs(found.mean - seen) < MEAN_TOLERANCE + 3 * found.error);
+        rsv_image_destroy(image);
+    }
+    rsv_light_destroy(solution);
+    rsv_scene_destroy(scene);
+}
+
 // ---- rooms --------------------------------------------------------------------------------------
 
 #define ROOM_PIXELS 32 ///< along an edge of a picture
@@ -513,12 +575,24 @@ static void many_rooms_are_as_the_path_tracer_sees_them(void **state)
 
 #define SCENE_TEST(test) cmocka_unit_test_setup_teardown(test, fixture_setup, fixture_teardown)
 
+/// `rooms FIRST COUNT`: only these, whatever is wrong with them.
+static int look_at_rooms(char **argv)
+{
+    void *state = NULL;
+    fixture_setup(&state);
+    for (uint32_t seed = (uint32_t)atoi(argv[0]), k = 0; k < (uint32_t)atoi(argv[1]); k++)
+        check_room(state, seed + k);
+    return fixture_teardown(&state);
+}
+
 int main(int argc, char **argv)
 {
+    if (argc == 4 && strcmp(argv[1], "rooms") == 0) return look_at_rooms(argv + 2);
     const struct CMUnitTest quick[] = {
         SCENE_TEST(a_seed_names_a_scene),
         SCENE_TEST(no_pair_of_textures_can_be_seen),
         SCENE_TEST(extremes_cannot_be_seen),
+        SCENE_TEST(bent_normals_receive_what_they_see),
         SCENE_TEST(lossless_things_cannot_be_seen),
     };
     const struct CMUnitTest slow[] = {

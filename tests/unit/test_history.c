@@ -1,6 +1,7 @@
 /// Solving a scene again after an edit, from what the solution before knew.
 #include "history_fixture.h"
 #include "slow_tests.h"
+#include "update/material_keys.h"
 
 #include <math.h>
 
@@ -149,6 +150,20 @@ static void threads_make_no_difference(void **state)
     remove_folder(before.path);
 }
 
+/// Of the first triangle, and of the normal map there.
+static uint64_t key_of_first(const world *w)
+{
+    rsv_material_key *keys, *maps;
+    const rsv_scene_view *scene = w->transport.view;
+    assert_int_equal(rsv_material_keys_create(w->context, &w->transport, &keys), RSV_OK);
+    assert_int_equal(rsv_normal_map_keys_create(w->context, scene, &maps), RSV_OK);
+    uint64_t map = maps[scene->triangle_material[0]].key;
+    uint64_t key = rsv_surface_key(scene, keys, 0) + (map ? rsv_key_add_uvs(map, scene, 0) : 0);
+    rsv_free(w->context, keys);
+    rsv_free(w->context, maps);
+    return key;
+}
+
 static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float roughness)
 {
     world *w = world_begin(1);
@@ -159,7 +174,7 @@ static uint64_t key_of_coat(rsv_rgb specular_color, rsv_rgb sheen_color, float r
     coat.roughness = roughness;
     world_room(w, world_material(w, coat), v3(0, 0, 0), v3(1, 1, 1));
     world_commit(w);
-    uint64_t key = rsv_history_triangle_key(&w->transport, 0);
+    uint64_t key = key_of_first(w);
     world_end(w);
     return key;
 }
@@ -173,6 +188,58 @@ static void another_coat_is_another_surface(void **state)
     assert_int_not_equal(key_of_coat(red, black, 0.5f), key);
     assert_int_not_equal(key_of_coat(white, red, 0.5f), key);
     assert_int_not_equal(key_of_coat(white, black, 0.25f), key);
+}
+
+/// Of a plate whose coat is a texture of 1 on one side and 0 on the other.
+static uint64_t key_of_half(rsv_texture_role role, bool other_side, float shift)
+{
+    const float left = other_side ? 0 : 1, right = 1 - left;
+    const float texel[2][4] = { { left, left, left, left }, { right, right, right, right } };
+    static const float uv[4][2] = { { 0, 0 }, { 0, 1 }, { 1, 1 }, { 1, 0 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_vec3 corner[4] = { v3(0, 0, 0), v3(0, 0, 1), v3(1, 0, 1), v3(1, 0, 0) };
+    float shifted[4][2];
+    for (int k = 0; k < 4; k++)
+        shifted[k][0] = uv[k][0] + shift, shifted[k][1] = uv[k][1];
+    const rsv_texture_desc desc = {
+        .name = "half", .width = 2, .height = 1, .channel_count = 4, .values = texel[0]
+    };
+    world *w = world_begin(1);
+    rsv_texture_ref ref = rsv_default_texture_ref(role, 0);
+    rsv_material coat = lambert_material(0.5f, 0);
+    coat.clearcoat = 1;
+    coat.textures = &ref;
+    coat.texture_count = 1;
+    assert_int_equal(rsv_scene_add_texture(w->scene, &desc, &ref.texture), RSV_OK);
+    const rsv_mesh_desc mesh = { .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = world_material(w, coat),
+        .uvs = { (const float(*)[2])shifted, NULL } };
+    uint32_t id;
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+    world_commit(w);
+    uint64_t key = key_of_first(w);
+    world_end(w);
+    return key;
+}
+
+/// Both textures have the same mean. Those of base colours count nowhere: albedos are found anew.
+static void another_texture_of_a_coat_is_another_surface(void **state)
+{
+    (void)state;
+    uint64_t key = key_of_half(RSV_TEXTURE_CLEARCOAT, false, 0);
+    assert_int_equal(key_of_half(RSV_TEXTURE_CLEARCOAT, false, 0), key);
+    assert_int_not_equal(key_of_half(RSV_TEXTURE_CLEARCOAT, true, 0), key);
+    assert_int_not_equal(key_of_half(RSV_TEXTURE_CLEARCOAT, false, 0.25f), key);
+    key = key_of_half(RSV_TEXTURE_NORMAL, false, 0);
+    assert_int_not_equal(key_of_half(RSV_TEXTURE_NORMAL, true, 0), key);
+    assert_int_not_equal(key_of_half(RSV_TEXTURE_NORMAL, false, 0.25f), key);
+    key = key_of_half(RSV_TEXTURE_BASE_COLOR, false, 0);
+    assert_int_equal(key_of_half(RSV_TEXTURE_BASE_COLOR, true, 0), key);
+    assert_int_equal(key_of_half(RSV_TEXTURE_BASE_COLOR, false, 0.25f), key);
 }
 
 static bool segment_meets(rsv_vec3 from, rsv_vec3 to, rsv_vec3 low, rsv_vec3 high)
@@ -238,6 +305,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(threads_make_no_difference),
         cmocka_unit_test(light_is_the_same_only_where_no_line_to_a_lamp_meets_the_change),
         cmocka_unit_test(another_coat_is_another_surface),
+        cmocka_unit_test(another_texture_of_a_coat_is_another_surface),
     };
     const struct CMUnitTest slow[] = {
         cmocka_unit_test(an_edit_gives_what_a_whole_solution_gives),

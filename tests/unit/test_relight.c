@@ -124,6 +124,52 @@ static void changed_albedos_are_those_of_a_fresh_solve(void **state)
     world_end(other);
 }
 
+/// A lamp above a plate with a texture, and a coat with another.
+static world *room_with_pattern(rsv_rgb base_color)
+{
+    static const rsv_texture_role role[] = { RSV_TEXTURE_BASE_COLOR, RSV_TEXTURE_CLEARCOAT };
+    const rsv_vec3 corner[4] = { v3(0.2f, 0.1f, 0.2f), v3(0.2f, 0.1f, 1.8f), v3(1.8f, 0.1f, 1.8f),
+        v3(1.8f, 0.1f, 0.2f) };
+    world *w = world_begin(2);
+    rsv_material pattern = lambert_material(0, 0);
+    pattern.name = "pattern";
+    pattern.base_color = base_color;
+    pattern.clearcoat = 1;
+    pattern.clearcoat_roughness = 1;
+    world_pattern(w, pattern, corner, role, 2);
+    world_room(w, world_lambert(w, 0.7f, 0), v3(0, 0, 0), v3(2, 2, 2));
+    world_box(w, world_lambert(w, 0, 1), v3(0.8f, 1.9f, 0.8f), v3(1.2f, 1.95f, 1.2f));
+    world_commit(w);
+    return w;
+}
+
+/// The texture stays, and so does what of it each element has. @param before of the texture; may be 0
+static void check_textured_color(rsv_rgb before)
+{
+    const rsv_albedo_change change = { "pattern", { 0.9f, 0.2f, 0.5f } };
+    const rsv_relight_desc desc = { .albedo = &change, .albedo_count = 1 };
+    world *w = room_with_pattern(before), *other = room_with_pattern(change.base_color);
+    rsv_light *relit = solve(w, false), *fresh = solve(other, false);
+    relight(relit, &desc);
+    size_t nodes = inside(fresh)->elements->node_count;
+    assert_int_equal(inside(relit)->elements->node_count, nodes);
+    assert_memory_equal(inside(relit)->exitance_albedo, inside(fresh)->exitance_albedo,
+        nodes * sizeof *inside(fresh)->exitance_albedo);
+    assert_true(
+        largest_difference(inside(relit)->irradiance, inside(fresh)->irradiance, nodes) < 1e-4);
+    rsv_light_destroy(relit);
+    rsv_light_destroy(fresh);
+    world_end(w);
+    world_end(other);
+}
+
+static void textures_stay_under_changed_colors(void **state)
+{
+    (void)state;
+    check_textured_color(rgb(0.5f, 0.8f, 0.5f));
+    check_textured_color(rgb(0.5f, 0, 0.1f));
+}
+
 static void check_refused(
     rsv_light *s, const rsv_relight_desc *desc, const char *what, const char *listed)
 {
@@ -839,6 +885,7 @@ int main(void)
         cmocka_unit_test(scaled_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(scaling_nothing_changes_nothing),
         cmocka_unit_test(changed_albedos_are_those_of_a_fresh_solve),
+        cmocka_unit_test(textures_stay_under_changed_colors),
         cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
         cmocka_unit_test(moved_lights_are_those_of_a_fresh_solve),
         cmocka_unit_test(only_the_last_change_counts),
