@@ -41,7 +41,7 @@ says '^| cornell-blocks |'
     complain "kept is $(ls kept)"
 grep -q '^cornell-blocks,' rooms.csv || complain "the table lacks the scene"
 grep -q '</svg>' rooms.svg || complain "the plot is incomplete"
-! grep -q -e nan -e inf rooms.svg rooms.csv || complain "the rooms hold what is no number"
+! grep -q -e '[,>-]nan' -e '[,>-]inf' rooms.svg rooms.csv || complain "the rooms hold what is no number"
 for key in moving_mse resting_mse cut_mse flicker switch_ms remnant; do
     grep -q "\"$key\":" rooms.json || complain "the JSON lacks $key"
 done
