@@ -103,17 +103,24 @@ static bool fit_old(cli_canvas *old, const cli_canvas *canvas)
     return old->pixel != NULL;
 }
 
+static bool same_vector(rsv_vec3 a, rsv_vec3 b) { return a.x == b.x && a.y == b.y && a.z == b.z; }
+
+static bool same_pose(const cli_view_pose *p, const cli_view_pose *q)
+{
+    const rsv_camera *a = &p->camera, *b = &q->camera;
+    return p->width == q->width && p->height == q->height && p->exposure == q->exposure &&
+           p->soft == q->soft && same_vector(a->position, b->position) &&
+           same_vector(a->right, b->right) && same_vector(a->up, b->up) &&
+           same_vector(a->forward, b->forward) && a->vertical_fov == b->vertical_fov &&
+           a->vertical_extent == b->vertical_extent;
+}
+
 /// Draws it into `old`, unless that is what it holds.
 static void draw_sketch(cli_view_show *s, cli_view_state *state)
 {
-    cli_view_pose pose;
-    memset(&pose, 0, sizeof pose);
-    pose.camera = state->camera;
-    pose.exposure = state->exposure;
-    pose.soft = state->soft;
-    pose.width = s->old.width;
-    pose.height = s->old.height;
-    s->sketch_rests = memcmp(&s->sketched, &pose, sizeof pose) == 0;
+    const cli_view_pose pose = { state->camera, state->exposure, state->soft, s->old.width,
+        s->old.height };
+    s->sketch_rests = same_pose(&s->sketched, &pose);
     if (!s->sketch_rests) cli_sketch_draw(s->sketch, state, &s->old);
     s->sketched = pose;
 }
@@ -152,7 +159,7 @@ static rsv_status fade(cli_view_show *s, cli_view_state *state, cli_canvas *canv
 
 static rsv_status show_sketch(cli_view_show *s, cli_view_state *state, cli_canvas *canvas)
 {
-    if (!fit_old(&s->old, canvas)) return RSV_ERROR_MEMORY;
+    if (!fit_old(&s->old, canvas) || !s->old.pixel) return RSV_ERROR_MEMORY;
     draw_sketch(s, state);
     memcpy(canvas->pixel, s->old.pixel, (size_t)4 * canvas->width * canvas->height);
     return RSV_OK;

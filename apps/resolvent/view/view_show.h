@@ -18,7 +18,7 @@ typedef struct cli_show_event {
 typedef struct cli_view_pose {
     rsv_camera camera;
     float exposure;
-    uint32_t soft; ///< bool
+    bool soft;
     uint32_t width, height;
 } cli_view_pose;
 
