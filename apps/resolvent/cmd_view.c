@@ -365,6 +365,7 @@ static bool run_frame(viewer *v)
     cli_view_hud_note(&v->hud, &timing);
     cli_view_hud_draw(&v->hud, &v->state, &v->canvas);
     bool good = v->window ? cli_window_show(v->window, &v->canvas) : record(v);
+    if (waits && v->show.failed) return false; // for what will not come
     v->frame += !waits;
     if (v->window) cli_show_yield(&v->show, timing.total_ms);
     return good;

@@ -164,6 +164,7 @@ static rsv_status make_relighter(cli_refiner *r, rsv_light *light)
     return RSV_OK;
 }
 
+/// Of lights that nobody asked for, one that cannot be made is no error.
 static rsv_status make_lights(cli_refiner *r)
 {
     rsv_light *light = r->desc.light;
@@ -173,6 +174,8 @@ static rsv_status make_lights(cli_refiner *r)
         begin_stage(r, s->name);
         status = rsv_light_create(r->desc.scene, &s->desc, &light);
         if (status == RSV_OK) status = present(r, s->name, light);
+        bool was_asked_for = k == r->stage_count - 1;
+        if (status != RSV_OK && !was_asked_for && status != RSV_ERROR_CANCELLED) status = RSV_OK;
     }
     return status == RSV_OK && !is_stopping(r) ? make_relighter(r, light) : status;
 }
