@@ -26,10 +26,9 @@ struct cli_refiner {
     stage stage[MOST_STAGES];
     int stage_count;
     pthread_t thread;
-    pthread_mutex_t lock;     ///< of all that follows
-    cli_lit ready;            ///< frames NULL = nothing
-    rsv_relighter *relighter; ///< of the last light; NULL = not ready
-    const char *making;       ///< name of the stage; NULL = nothing
+    pthread_mutex_t lock; ///< of all that follows
+    cli_lit ready;        ///< frames NULL = nothing
+    const char *making;   ///< name of the stage; NULL = nothing
     char phase[32];
     double fraction;
     bool stopping, done;
@@ -133,51 +132,61 @@ static void post(cli_refiner *r, const cli_lit *lit)
     cli_free_lit(&before);
 }
 
-/// Shows a light, with all that frames of it need. @param light taken over
-static rsv_status present(cli_refiner *r, const char *name, rsv_light *light)
+/// Shows a light, with all that frames of it need. @param lit its light, and a relighter or none; taken over
+static rsv_status present(cli_refiner *r, cli_lit *lit)
 {
     const cli_refiner_desc *d = &r->desc;
-    cli_lit lit = { .name = name, .light = light };
-    rsv_status status = cli_view_frames_create(light, d->body, d->budget_ms, &lit.frames);
-    if (status == RSV_OK) status = cli_view_frames_prepare(lit.frames, d->width, d->height);
+    rsv_status status = cli_view_frames_create(lit->light, d->body, d->budget_ms, &lit->frames);
+    if (status == RSV_OK && lit->relighter)
+        status = cli_view_frames_attach(lit->frames, lit->relighter);
+    if (status == RSV_OK) status = cli_view_frames_prepare(lit->frames, d->width, d->height);
     if (status == RSV_OK)
-        post(r, &lit);
+        post(r, lit);
     else
-        cli_free_lit(&lit);
+        cli_free_lit(lit);
     return status;
 }
 
-/// Frames of the light go on meanwhile: nothing of what they read is changed.
-static rsv_status make_relighter(cli_refiner *r, rsv_light *light)
+static rsv_status show_light(cli_refiner *r, const char *name, rsv_light *light)
 {
-    rsv_relighter *relighter = NULL;
+    cli_lit lit = { .name = name, .light = light };
+    return present(r, &lit);
+}
+
+/// Of a copy of the light: a relighter changes its own, which frames may be reading.
+static rsv_status show_changeable(cli_refiner *r, const char *name, rsv_light *copy)
+{
+    cli_lit lit = { .name = name, .light = copy };
     begin_stage(r, "lights to change");
-    rsv_status status = rsv_relighter_create(light, &relighter);
-    if (status == RSV_OK) status = rsv_relighter_prepare(relighter);
-    if (status != RSV_OK) {
-        rsv_relighter_destroy(relighter);
-        return status;
-    }
-    pthread_mutex_lock(&r->lock);
-    r->relighter = relighter;
-    pthread_mutex_unlock(&r->lock);
-    return RSV_OK;
+    rsv_status status = rsv_relighter_create(copy, &lit.relighter);
+    if (status == RSV_OK) status = rsv_relighter_prepare(lit.relighter);
+    if (status == RSV_OK) return present(r, &lit);
+    cli_free_lit(&lit);
+    return status;
 }
 
 /// Of lights that nobody asked for, one that cannot be made is no error.
 static rsv_status make_lights(cli_refiner *r)
 {
-    rsv_light *light = r->desc.light;
-    rsv_status status = light ? present(r, "solved", light) : RSV_OK;
+    rsv_light *light = r->desc.light, *copy = NULL;
+    const char *name = "solved";
+    rsv_status status = RSV_OK;
     for (int k = 0; k < r->stage_count && status == RSV_OK && !is_stopping(r); k++) {
-        const stage *s = &r->stage[k];
-        begin_stage(r, s->name);
-        status = rsv_light_create(r->desc.scene, &s->desc, &light);
-        if (status == RSV_OK) status = present(r, s->name, light);
+        name = r->stage[k].name;
+        begin_stage(r, name);
+        status = rsv_light_create(r->desc.scene, &r->stage[k].desc, &light);
         bool was_asked_for = k == r->stage_count - 1;
+        if (status == RSV_OK && was_asked_for) break;
+        if (status == RSV_OK) status = show_light(r, name, light);
+        light = NULL;
         if (status != RSV_OK && !was_asked_for && status != RSV_ERROR_CANCELLED) status = RSV_OK;
     }
-    return status == RSV_OK && !is_stopping(r) ? make_relighter(r, light) : status;
+    if (status != RSV_OK || !light) return status;
+    status = rsv_light_copy(light, &copy);
+    if (status == RSV_OK) status = show_light(r, name, light);
+    if (status == RSV_OK && !is_stopping(r)) return show_changeable(r, name, copy);
+    rsv_light_destroy(copy);
+    return status;
 }
 
 static void *refine(void *user)
@@ -222,7 +231,6 @@ void cli_refiner_stop(cli_refiner *r)
     if (!done) rsv_context_cancel(r->desc.session->context);
     pthread_join(r->thread, NULL);
     r->desc.session->watch = NULL;
-    rsv_relighter_destroy(r->relighter);
     cli_free_lit(&r->ready);
     pthread_mutex_destroy(&r->lock);
     free(r);
@@ -236,15 +244,6 @@ bool cli_refiner_take(cli_refiner *r, cli_lit *lit)
     r->ready = (cli_lit){ 0 };
     pthread_mutex_unlock(&r->lock);
     return found;
-}
-
-rsv_relighter *cli_refiner_take_relighter(cli_refiner *r)
-{
-    pthread_mutex_lock(&r->lock);
-    rsv_relighter *relighter = r->relighter;
-    r->relighter = NULL;
-    pthread_mutex_unlock(&r->lock);
-    return relighter;
 }
 
 void cli_refiner_say(cli_refiner *r, char *text)

@@ -28,7 +28,7 @@ typedef struct cli_refiner_desc {
 
 typedef struct cli_refiner cli_refiner;
 
-/// Starts with a coarse light, draft next, and so on up to the quality wanted, and ends with a relighter of that.
+/// Starts with a coarse light, draft next, and so on up to the quality wanted, and ends with a copy of that and its relighter.
 /// @return NULL where there is no memory or no thread
 cli_refiner *cli_refiner_start(const cli_refiner_desc *desc);
 
@@ -37,9 +37,6 @@ void cli_refiner_stop(cli_refiner *refiner);
 
 /// The best light that was finished since the last call, which is the caller's from then on. @return whether there is one
 bool cli_refiner_take(cli_refiner *refiner, cli_lit *lit);
-
-/// The relighter of the last light, likewise, as soon as it is prepared; NULL = not yet, or taken.
-rsv_relighter *cli_refiner_take_relighter(cli_refiner *refiner);
 
 /// What is being made: "medium: assemble 43 %"; "" = nothing. @param text [CLI_VIEW_TEXT_LENGTH]
 void cli_refiner_say(cli_refiner *refiner, char *text);

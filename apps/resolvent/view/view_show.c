@@ -54,26 +54,25 @@ static void end_fade(cli_view_show *s)
     s->sketch = NULL;
 }
 
-static void adopt(cli_view_show *s, const cli_lit *better, cli_view_state *state)
+/// The state of a light without a relighter knows nothing of sources and materials.
+static bool begin_state(const cli_view_show *s, cli_view_state *state)
+{
+    cli_view_state before = *state;
+    uint32_t layers = 1 + rsv_light_order_count(s->lit.light);
+    const rsv_scene *scene = rsv_light_scene(s->lit.light);
+    bool good = cli_view_state_begin(s->lit.relighter, scene, layers, s->body, state);
+    if (good) cli_view_state_continue(state, &before);
+    cli_view_state_free(&before);
+    return good;
+}
+
+static rsv_status adopt(cli_view_show *s, const cli_lit *better, cli_view_state *state)
 {
     if (s->fade > 0 && cli_show_is_lit(s)) end_fade(s);
     s->before = s->lit;
     s->lit = *better;
     s->fade = FADE_FRAMES;
-    state->scene = rsv_scene_get_view(rsv_light_scene(s->lit.light));
-}
-
-/// From here on the state knows sources and materials, and the light follows it.
-static rsv_status attach(cli_view_show *s, rsv_relighter *relighter, cli_view_state *state)
-{
-    cli_view_state before = *state;
-    uint32_t layers = 1 + rsv_light_order_count(s->lit.light);
-    const rsv_scene *scene = rsv_light_scene(s->lit.light);
-    s->lit.relighter = relighter;
-    bool good = cli_view_state_begin(relighter, scene, layers, s->body, state);
-    if (good) cli_view_state_continue(state, &before);
-    cli_view_state_free(&before);
-    return good ? cli_view_frames_attach(s->lit.frames, relighter) : RSV_ERROR_MEMORY;
+    return begin_state(s, state) ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 rsv_status cli_show_update(cli_view_show *s, cli_view_state *state)
@@ -82,11 +81,9 @@ rsv_status cli_show_update(cli_view_show *s, cli_view_state *state)
     rsv_status status = RSV_OK;
     if (!s->refiner) return RSV_OK;
     bool done = cli_refiner_is_done(s->refiner); // before the last look
-    if (cli_refiner_take(s->refiner, &better)) adopt(s, &better, state);
+    if (cli_refiner_take(s->refiner, &better)) status = adopt(s, &better, state);
     if (cli_refiner_failure(s->refiner, s->message) != RSV_OK) s->failed = true;
-    if (!done) return RSV_OK;
-    rsv_relighter *relighter = cli_refiner_take_relighter(s->refiner);
-    if (relighter) status = attach(s, relighter, state);
+    if (!done) return status;
     cli_refiner_stop(s->refiner);
     s->refiner = NULL;
     return status;
