@@ -193,7 +193,8 @@ bool cli_write_rooms_plot(const char *path, const cJSON *scenes)
         if (!cJSON_HasObjectItem(scene, "cpu_ms") || bars.group_count == cli_max_groups) continue;
         cli_bar_group *group = &bars.group[bars.group_count++];
         group->name = cJSON_GetStringValue(cJSON_GetObjectItem(scene, "scene"));
-        group->value[0] = cli_json_number(scene, "cpu_ms") / cli_json_number(scene, "ratio_cpu");
+        double ratio = cli_json_number(scene, "ratio_cpu");
+        group->value[0] = ratio > 0 ? cli_json_number(scene, "cpu_ms") / ratio : 0;
         group->value[1] = cli_json_number(scene, "cpu_ms");
     }
     return cli_write_bars(path, &bars);

@@ -1,12 +1,15 @@
 #include "command.h"
+#include "crew.h"
 #include "device.h"
 #include "options.h"
 #include "output_file.h"
 #include "subject.h"
 #include "view/view_hud.h"
 #include "view/view_script.h"
+#include "view/view_show.h"
 #include "view/view_window.h"
 
+#include <cJSON.h>
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -19,7 +22,8 @@ static const char help_head[] =
     "\n"
     "Opens a window onto the light of SCENE (a file, a built-in scene, or a file of `resolvent\n"
     "solve`): fly through it, drag lights, change their strength and colour, see each order of\n"
-    "light by itself. F1 in the window lists keys and mouse.\n"
+    "light by itself. F1 in the window lists keys and mouse. What is not solved yet is shown at\n"
+    "once as a sketch, then in a coarse light, and in better ones as they are made meanwhile.\n"
     "\n"
     "  --size WxH         pixels of the window (default 960x540)\n"
     "  --camera NAME      to begin with\n"
@@ -30,6 +34,7 @@ static const char help_head[] =
     "8)\n"
     "  --script FILE      commands by frame: `FRAME COMMAND`, or `FIRST-LAST COMMAND`\n"
     "  --frames N         close after N frames\n"
+    "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
@@ -45,7 +50,7 @@ static const char help_tail[] =
     "  resolvent view cornell-blocks --script tour.txt --record tour\n";
 
 typedef struct settings {
-    const char *scene, *camera, *script, *record, *mesh, *object;
+    const char *scene, *camera, *script, *record, *mesh, *object, *stats;
     cli_environment environment;
     cli_solve_choice solve;
     cli_size size;
@@ -60,15 +65,18 @@ typedef struct viewer {
     cli_session *session;
     cli_subject subject;
     rsv_scene *body; ///< that moves; NULL = none
-    rsv_relighter *relighter;
-    cli_view_frames *frames;
+    cli_view_show show;
     cli_view_state state;
     cli_view_script script;
     cli_view_hud hud;
     cli_canvas canvas;
     cli_window *window;          ///< NULL = recording
     uint32_t frame, frame_count; ///< so far; at most
+    double *time_ms;             ///< [time_count] of frames, for the statistics
+    size_t time_count;
 } viewer;
+
+enum { CLI_VIEW_MOST_TIMES = 100000 };
 
 // ---- options ----------------------------------------------------------------------------------------
 
@@ -99,6 +107,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->frames,
             .min = 1,
             .max = CLI_VIEW_MOST_FRAMES },
+        { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = "--record", .kind = CLI_TEXT, .value = &s->record },
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
@@ -119,17 +128,18 @@ static bool report(viewer *v, rsv_status status)
     return status == RSV_OK;
 }
 
-static bool begin_state(viewer *v)
+/// @param light NULL = none yet
+static bool begin_state(viewer *v, const rsv_light *light)
 {
-    uint32_t layers = 1 + rsv_light_order_count(v->subject.solution);
+    uint32_t layers = light ? 1 + rsv_light_order_count(light) : 1;
+    const rsv_scene *scene = light ? rsv_light_scene(light) : v->subject.scene;
     uint32_t camera = rsv_scene_find_camera(v->subject.scene, v->settings->camera);
     if (camera == RSV_NONE) {
         cli_error("--camera: %s has no camera '%s'; `resolvent info %s` lists them",
             v->settings->scene, v->settings->camera, v->settings->scene);
         return false;
     }
-    if (!cli_view_state_begin(
-            v->relighter, rsv_light_scene(v->subject.solution), layers, v->body, &v->state)) {
+    if (!cli_view_state_begin(v->show.lit.relighter, scene, layers, v->body, &v->state)) {
         cli_error("out of memory");
         return false;
     }
@@ -155,19 +165,56 @@ static bool set_canvas(cli_canvas *canvas, uint32_t width, uint32_t height)
     return canvas->pixel != NULL;
 }
 
+/// Makes the light before anything is shown: frames are the same every time.
+static bool await_light(viewer *v)
+{
+    const settings *s = v->settings;
+    cli_lit *lit = &v->show.lit;
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    bool is_file = v->subject.solution != NULL;
+    if (!report(v, cli_solve_subject(v->session, &desc, NULL, &v->subject, NULL))) return false;
+    lit->name = is_file ? "solved" : cli_quality_names[s->solve.quality];
+    lit->light = v->subject.solution;
+    v->subject.solution = NULL;
+    if (!report(v, rsv_relighter_create(lit->light, &lit->relighter)) ||
+        !report(v, rsv_relighter_prepare(lit->relighter)))
+        return false;
+    double budget = s->record ? 0 : (double)s->budget_ms;
+    return report(v, cli_view_frames_create(lit->light, v->body, budget, &lit->frames)) &&
+           report(v, cli_view_frames_attach(lit->frames, lit->relighter));
+}
+
+/// Shows the scene at once, and makes its light meanwhile.
+static bool begin_show(viewer *v)
+{
+    const settings *s = v->settings;
+    cli_refiner_desc desc = { .session = v->session,
+        .scene = v->subject.scene,
+        .light = v->subject.solution,
+        .solve = cli_describe_solve(&s->solve),
+        .quality = (rsv_quality)s->solve.quality,
+        .body = v->body,
+        .budget_ms = (double)s->budget_ms,
+        .width = s->size.width,
+        .height = s->size.height };
+    v->subject.solution = NULL;
+    return cli_show_begin(&v->show, &desc, cli_thread_count(s->threads));
+}
+
+/// Devices and teams of processes belong to one thread; scripts of solved scenes give the same frames every time.
+static bool must_await(const viewer *v)
+{
+    const settings *s = v->settings;
+    return s->record || cli_device() || cli_crew() || (s->script && v->subject.solution);
+}
+
 static bool open_light(viewer *v)
 {
     const settings *s = v->settings;
-    rsv_solve_desc desc = cli_describe_solve(&s->solve);
     if (!cli_open_subject(v->session, s->scene, &s->environment, &v->subject)) return false;
-    if (!report(v, cli_solve_subject(v->session, &desc, NULL, &v->subject, NULL))) return false;
-    if (!report(v, rsv_relighter_create(v->subject.solution, &v->relighter)) ||
-        !report(v, rsv_relighter_prepare(v->relighter)))
-        return false;
     if (s->object && !(v->body = cli_open_scene(v->session, s->object, NULL))) return false;
-    double budget = s->record ? 0 : (double)s->budget_ms;
-    return report(
-        v, cli_view_frames_create(v->subject.solution, v->relighter, v->body, budget, &v->frames));
+    cli_progress_clear(&v->session->progress);
+    return must_await(v) ? await_light(v) : begin_show(v);
 }
 
 static uint32_t count_frames(const viewer *v)
@@ -191,7 +238,8 @@ static bool open_viewer(viewer *v)
     if (!s->record && !v->window) return false;
     const char *slash = strrchr(s->scene, '/');
     v->hud.scene = slash ? slash + 1 : s->scene;
-    return open_light(v) && begin_state(v) && set_canvas(&v->canvas, s->size.width, s->size.height);
+    return open_light(v) && begin_state(v, v->show.lit.light) &&
+           set_canvas(&v->canvas, s->size.width, s->size.height);
 }
 
 static void close_viewer(viewer *v)
@@ -199,11 +247,11 @@ static void close_viewer(viewer *v)
     cli_window_close(v->window);
     cli_free_view_script(&v->script);
     cli_view_state_free(&v->state);
-    cli_view_frames_destroy(v->frames);
+    cli_show_end(&v->show);
     rsv_scene_destroy(v->body);
-    rsv_relighter_destroy(v->relighter);
     cli_close_subject(&v->subject);
     free(v->canvas.pixel);
+    free(v->time_ms);
 }
 
 // ---- frames ---------------------------------------------------------------------------------------------
@@ -214,7 +262,11 @@ static void obey(void *user, const char *text)
     viewer *v = user;
     cli_view_command command;
     v->hud.message[0] = '\0';
-    if (cli_read_view_command(text, &command, v->hud.message))
+    if (!cli_read_view_command(text, &command, v->hud.message)) return;
+    if (cli_view_needs_light(command.verb) && !cli_show_is_complete(&v->show))
+        snprintf(
+            v->hud.message, sizeof v->hud.message, "%s: not before the best light is there", text);
+    else
         cli_view_apply(&v->state, &command, v->hud.message);
 }
 
@@ -245,10 +297,10 @@ static bool save_wanted(viewer *v)
     bool good = true;
     if (s->screenshot[0])
         good = note_saved(
-            v, cli_view_save_picture(v->frames, &v->canvas, s->screenshot), s->screenshot);
+            v, cli_view_save_picture(v->show.lit.frames, &v->canvas, s->screenshot), s->screenshot);
     if (s->panorama[0] && good)
         good =
-            note_saved(v, cli_view_save_panorama(v->subject.solution, s, s->panorama), s->panorama);
+            note_saved(v, cli_view_save_panorama(v->show.lit.light, s, s->panorama), s->panorama);
     s->screenshot[0] = s->panorama[0] = '\0';
     return good;
 }
@@ -261,13 +313,14 @@ static bool record(viewer *v)
         cli_error("--record %s: the name is too long", v->settings->record);
         return false;
     }
-    return report(v, cli_view_save_picture(v->frames, &v->canvas, path));
+    return report(v, cli_view_save_picture(v->show.lit.frames, &v->canvas, path));
 }
 
 /// A change of the light that cannot be made is said in the window, where one can go on.
 static bool make_frame(viewer *v, cli_view_timing *timing)
 {
-    rsv_status status = cli_view_frames_next(v->frames, &v->state, &v->canvas, timing);
+    rsv_status status = cli_show_update(&v->show, &v->state);
+    if (status == RSV_OK) status = cli_show_frame(&v->show, &v->state, &v->canvas, timing);
     bool refused = status == RSV_ERROR_ARGUMENT || status == RSV_ERROR_UNSUPPORTED;
     if (refused && v->window) {
         snprintf(v->hud.message, sizeof v->hud.message, "%.250s", rsv_last_error());
@@ -276,24 +329,87 @@ static bool make_frame(viewer *v, cli_view_timing *timing)
     return report(v, status);
 }
 
+static void note_time(viewer *v, const cli_view_timing *timing)
+{
+    if (!v->settings->stats || v->time_count == CLI_VIEW_MOST_TIMES) return;
+    if (!v->time_ms) v->time_ms = calloc(CLI_VIEW_MOST_TIMES, sizeof *v->time_ms);
+    if (v->time_ms) v->time_ms[v->time_count++] = timing->total_ms;
+}
+
+/// What is shown, what is made, and why nothing better comes.
+static void note_quality(viewer *v)
+{
+    v->hud.quality = cli_show_is_lit(&v->show) ? v->show.lit.name : "sketch";
+    v->hud.making[0] = '\0';
+    if (v->show.refiner) cli_refiner_say(v->show.refiner, v->hud.making);
+    if (!v->show.message[0]) return;
+    cli_error("%s", v->show.message);
+    snprintf(v->hud.message, sizeof v->hud.message, "%s", v->show.message);
+    v->show.message[0] = '\0';
+}
+
+/// Scripts begin with the first light, or, where they do more than to move about, with the best one.
+static bool can_run_script(const viewer *v)
+{
+    return cli_view_script_needs_light(&v->script) ? cli_show_is_complete(&v->show)
+                                                   : cli_show_is_lit(&v->show);
+}
+
 static bool run_frame(viewer *v)
 {
     cli_view_timing timing;
-    if (!run_script(v) || !make_frame(v, &timing) || !save_wanted(v)) return false;
+    bool waits = v->script.path && !can_run_script(v);
+    if ((!waits && !run_script(v)) || !make_frame(v, &timing) || !save_wanted(v)) return false;
+    note_quality(v);
+    note_time(v, &timing);
     cli_view_hud_note(&v->hud, &timing);
     cli_view_hud_draw(&v->hud, &v->state, &v->canvas);
     bool good = v->window ? cli_window_show(v->window, &v->canvas) : record(v);
-    v->frame++;
+    if (waits && v->show.failed) return false; // for what will not come
+    v->frame += !waits;
+    if (v->window) cli_show_yield(&v->show, timing.total_ms);
     return good;
+}
+
+static int compare_times(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/// When what was shown, by seconds from the start, and how long frames took.
+static bool write_stats(viewer *v)
+{
+    if (!v->settings->stats) return true;
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "command", "view");
+    cJSON_AddStringToObject(root, "scene", v->settings->scene);
+    cJSON *shown = cJSON_AddObjectToObject(root, "shown_s");
+    for (uint32_t k = 0; k < v->show.event_count; k++)
+        cJSON_AddNumberToObject(
+            shown, v->show.event[k].name, v->show.event[k].when - v->session->started);
+    cJSON *processor = cJSON_AddObjectToObject(root, "shown_processor_s");
+    for (uint32_t k = 0; k < v->show.event_count; k++)
+        cJSON_AddNumberToObject(processor, v->show.event[k].name, v->show.event[k].processor);
+    cJSON_AddNumberToObject(root, "frames", (double)v->time_count);
+    if (v->time_count > 0) {
+        qsort(v->time_ms, v->time_count, sizeof *v->time_ms, compare_times);
+        cJSON_AddNumberToObject(root, "median_ms", v->time_ms[v->time_count / 2]);
+        cJSON_AddNumberToObject(root, "worst_ms", v->time_ms[v->time_count - 1]);
+    }
+    bool written = cli_write_json(v->settings->stats, root);
+    cJSON_Delete(root);
+    return written;
 }
 
 /// @return whether there is anything to draw on
 static bool listen(viewer *v)
 {
     uint32_t width, height;
-    bool rests = v->frame > 0 && !v->script.path && cli_view_frames_at_rest(v->frames);
+    bool rests = v->frame > 0 && !v->script.path && cli_show_at_rest(&v->show);
     cli_window_size(v->window, &width, &height);
-    cli_window_listen(v->window, 0.4f * v->state.reach, rests || !width, obey, v);
+    int wait_ms = !rests && width ? 0 : v->show.refiner ? 20 : 100;
+    cli_window_listen(v->window, 0.4f * v->state.reach, wait_ms, obey, v);
     cli_window_size(v->window, &width, &height);
     return width > 0 && set_canvas(&v->canvas, width, height);
 }
@@ -329,7 +445,7 @@ int cli_view(int argc, char **argv)
     bool good = open_viewer(&v);
     cli_progress_clear(&session.progress);
     session.progress.muted = true; // from here on frames show how far things are
-    good = good && run(&v);
+    good = good && run(&v) && !v.show.failed && write_stats(&v);
     close_viewer(&v);
     cli_session_end(&session);
     return good ? CLI_SUCCESS : CLI_FAILURE;

@@ -95,27 +95,36 @@ static void forget(cli_messages *said)
     free(said->text);
 }
 
+/// Says a message unless it was said before. Threads wait for each other.
+static void say(cli_session *session, cli_messages *said, const char *kind, const char *message)
+{
+    while (atomic_flag_test_and_set(&session->speaking)) {}
+    if (cli_crew_speaks() && is_news(said, message)) {
+        cli_progress_clear(&session->progress);
+        fprintf(stderr, "%s: %s\n", kind, message);
+    }
+    atomic_flag_clear(&session->speaking);
+}
+
 void cli_warn(cli_session *session, const char *message)
 {
-    if (!cli_crew_speaks() || !is_news(&session->warnings, message)) return;
-    cli_progress_clear(&session->progress);
-    fprintf(stderr, "warning: %s\n", message);
+    say(session, &session->warnings, "warning", message);
 }
 
 static void on_log(void *user, rsv_log_level level, const char *message)
 {
     cli_session *session = user;
-    if (level == RSV_LOG_WARNING) {
+    if (level == RSV_LOG_WARNING)
         cli_warn(session, message);
-    } else if (cli_crew_speaks() && is_news(&session->notes, message)) {
-        cli_progress_clear(&session->progress);
-        fprintf(stderr, "note: %s\n", message);
-    }
+    else
+        say(session, &session->notes, "note", message);
 }
 
 static bool on_progress(void *user, const char *phase, double fraction)
 {
     cli_session *session = user;
+    if (session->watch)
+        return session->watch(session->watch_user, phase, fraction) && !cli_interrupted();
     if (cli_crew_speaks()) cli_progress_update(&session->progress, phase, fraction);
     return !cli_interrupted();
 }
@@ -135,7 +144,7 @@ static void release(void *user, void *memory)
 
 bool cli_session_begin(cli_session *session, uint32_t threads)
 {
-    *session = (cli_session){ .started = cli_seconds() };
+    *session = (cli_session){ .started = cli_seconds(), .speaking = ATOMIC_FLAG_INIT };
     cli_progress_begin(&session->progress);
     rsv_context_desc desc = rsv_default_context_desc();
     desc.thread_count = (int)threads;

@@ -26,6 +26,10 @@ typedef struct cli_session {
     double started;            ///< cli_seconds()
     atomic_ullong allocations; ///< of the context so far
     double time_load;          ///< seconds spent in cli_open_scene
+    /// Takes progress in place of the bar, from any thread, and says whether to go on; NULL = none
+    bool (*watch)(void *user, const char *phase, double fraction);
+    void *watch_user;
+    atomic_flag speaking; ///< a thread adds to the messages
 } cli_session;
 
 /// The option --mesh for a command's table; its value goes to the session once that has begun.

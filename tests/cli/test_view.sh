@@ -99,6 +99,28 @@ refuses 1 'no/such/folder' "${view[@]}" --size 32x32 --script bad.txt --record "
 # no display
 refuses 1 '\(no window\|no display\).*--record' "${view[@]}" --frames 1
 
+# without a display at all, but with SDL2: frames come at once, and better light while they do
+if ! grep -q 'without SDL2' stderr; then
+    export SDL_VIDEODRIVER=dummy
+    succeeds view cornell-blocks --frames 2 --size 64x48 --threads 2 --stats first.json
+    grep -q '"sketch"' first.json || complain "there is no first frame"
+    printf '0-40 orbit 0.5 0\n' >around.txt
+    succeeds view cornell-blocks --quality draft --script around.txt --frames 40 --size 64x48 --threads 2 --stats flight.json
+    grep -q '"sketch"' flight.json && grep -q '"coarse"\|"draft"' flight.json ||
+        complain "the flight was not in light: $(cat flight.json)"
+    # scripts that need the best light wait for it; whoever quits before waits for nothing
+    printf '%s\n' '0 select light.light' '0 intensity 2' '1 screenshot twice.png' '2 quit' >change.txt
+    succeeds view cornell-blocks --quality draft --script change.txt --size 64x48 --threads 2 --stats change.json
+    grep -q '"draft"' change.json || complain "the best light was not shown"
+    [[ -s twice.png ]] || complain "the picture was not taken"
+    succeeds view box.safetensors --frames 3 --size 64x48 --threads 2 --stats solved.json
+    grep -q '"frames":[[:space:]]*3' solved.json || complain "an operator file is not shown"
+    # what cannot be solved is said in one line
+    refuses 1 'budget of 1 elements' view cornell-blocks --max-elements 1 --script change.txt --size 64x48 --threads 2
+    unset SDL_VIDEODRIVER
+    refuses 1 '\(no window\|no display\).*--record' "${view[@]}" --frames 1
+fi
+
 # a window, where there are both SDL2 and a server to show it
 if grep -q 'without SDL2' stderr || ! command -v Xvfb >/dev/null; then
     echo "the window was not tested: no $(grep -q 'without SDL2' stderr && echo SDL2 || echo Xvfb) here"

@@ -141,3 +141,27 @@ bool cli_read_view_command(const char *line, cli_view_command *command, char *pr
     command->verb = known->verb;
     return read_arguments(known, line, command, problem);
 }
+
+bool cli_view_needs_light(cli_view_verb verb)
+{
+    switch (verb) {
+    case CLI_VIEW_ADD:
+    case CLI_VIEW_ALBEDO:
+    case CLI_VIEW_BRIGHTEN:
+    case CLI_VIEW_COLOR:
+    case CLI_VIEW_ENV_ROTATE:
+    case CLI_VIEW_INTENSITY:
+    case CLI_VIEW_LAYER:
+    case CLI_VIEW_MODE:
+    case CLI_VIEW_MOVE:
+    case CLI_VIEW_NUDGE:
+    case CLI_VIEW_PANORAMA:
+    case CLI_VIEW_SCREENSHOT:
+    case CLI_VIEW_SELECT:
+    case CLI_VIEW_TINT:
+    case CLI_VIEW_TURN:
+        return true;
+    default:
+        return false;
+    }
+}

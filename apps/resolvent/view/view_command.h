@@ -52,6 +52,9 @@ typedef struct cli_view_command {
 /// Reads one command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes
 bool cli_read_view_command(const char *line, cli_view_command *command, char *problem);
 
+/// Whether the command has to do with sources and materials, or takes a picture: it means nothing before the light is there.
+bool cli_view_needs_light(cli_view_verb verb);
+
 /// The words and what follows them, for --help: one line each.
 extern const char cli_view_command_help[];
 

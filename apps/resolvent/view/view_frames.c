@@ -17,7 +17,7 @@
 
 struct cli_view_frames {
     rsv_light *solution;
-    rsv_relighter *relighter;
+    rsv_relighter *relighter; ///< NULL = the light stays as it is
     double budget_ms;
     rsv_mover *mover;        ///< NULL = none
     uint32_t object_changes; ///< of the state that its place is of
@@ -43,31 +43,33 @@ static rsv_context *context_of(const cli_view_frames *f)
     return rsv_scene_get_context(rsv_light_scene(f->solution));
 }
 
-rsv_status cli_view_frames_create(rsv_light *solution, rsv_relighter *relighter,
-    const rsv_scene *body, double budget_ms, cli_view_frames **frames)
+rsv_status cli_view_frames_create(
+    rsv_light *solution, const rsv_scene *body, double budget_ms, cli_view_frames **frames)
 {
-    size_t items = rsv_relighter_source_count(relighter) +
-                   rsv_scene_get_view(rsv_light_scene(solution))->material_count +
-                   CLI_VIEW_MOST_ADDED;
     cli_view_frames *f = calloc(1, sizeof *f);
     if (!f) return RSV_ERROR_MEMORY;
     f->solution = solution;
-    f->relighter = relighter;
     f->budget_ms = budget_ms;
     f->converged = true;
-    f->changes.light = calloc(items, sizeof *f->changes.light);
-    f->changes.albedo = calloc(items, sizeof *f->changes.albedo);
-    f->changes.move = calloc(items, sizeof *f->changes.move);
-    if (!f->changes.light || !f->changes.albedo || !f->changes.move) {
-        cli_view_frames_destroy(f);
-        return RSV_ERROR_MEMORY;
-    }
     rsv_status status = body ? rsv_mover_create(solution, body, NULL, &f->mover) : RSV_OK;
     if (status == RSV_OK)
         *frames = f;
     else
         cli_view_frames_destroy(f);
     return status;
+}
+
+rsv_status cli_view_frames_attach(cli_view_frames *f, rsv_relighter *relighter)
+{
+    size_t items = rsv_relighter_source_count(relighter) +
+                   rsv_scene_get_view(rsv_light_scene(f->solution))->material_count +
+                   CLI_VIEW_MOST_ADDED;
+    f->changes.light = calloc(items, sizeof *f->changes.light);
+    f->changes.albedo = calloc(items, sizeof *f->changes.albedo);
+    f->changes.move = calloc(items, sizeof *f->changes.move);
+    if (!f->changes.light || !f->changes.albedo || !f->changes.move) return RSV_ERROR_MEMORY;
+    f->relighter = relighter;
+    return RSV_OK;
 }
 
 static void free_pictures(cli_view_frames *f)
@@ -89,22 +91,25 @@ void cli_view_frames_destroy(cli_view_frames *f)
     free(f);
 }
 
-/// Pictures of the right size.
-static rsv_status fit(cli_view_frames *f, const cli_view_state *state, const cli_canvas *canvas)
+/// Pictures of the right size. @param width of one eye's
+static rsv_status fit(cli_view_frames *f, uint32_t eyes, uint32_t width, uint32_t height)
 {
-    uint32_t eyes = state->stereo && canvas->width > 1 ? 2 : 1, width = canvas->width / eyes;
     rsv_frame_desc desc = rsv_default_frame_desc();
-    if (f->renderer && width == f->width && canvas->height == f->height && eyes == f->eyes)
-        return RSV_OK;
+    if (f->renderer && width == f->width && height == f->height && eyes == f->eyes) return RSV_OK;
     free_pictures(f);
     desc.width = f->width = width;
-    desc.height = f->height = canvas->height;
+    desc.height = f->height = height;
     desc.eyes = f->eyes = eyes;
     rsv_status status = rsv_frame_renderer_create(f->solution, &desc, &f->renderer);
     if (status == RSV_OK) rsv_frame_renderer_put(f->renderer, f->mover);
     for (uint32_t k = 0; k < eyes && status == RSV_OK; k++)
         status = cli_still_resize(f->solution, width, f->height, &f->still[k]);
     return status;
+}
+
+rsv_status cli_view_frames_prepare(cli_view_frames *f, uint32_t width, uint32_t height)
+{
+    return fit(f, 1, width, height);
 }
 
 // ---- light ------------------------------------------------------------------------------------------
@@ -132,6 +137,7 @@ static rsv_status update_light(
     rsv_status status = RSV_OK;
     rsv_relight_progress progress = { .converged = true };
     double start = now_ms();
+    if (!f->relighter) return RSV_OK;
     bool changed = state->light_changes != f->light_changes;
     f->quiet_frames = changed ? 0 : f->quiet_frames + 1;
     if (changed) {
@@ -238,7 +244,8 @@ rsv_status cli_view_frames_next(
     double start = now_ms();
     rsv_camera camera[RSV_MAX_EYES];
     *timing = (cli_view_timing){ .samples = 0 };
-    rsv_status status = fit(f, state, canvas);
+    uint32_t eyes = state->stereo && canvas->width > 1 ? 2 : 1;
+    rsv_status status = fit(f, eyes, canvas->width / eyes, canvas->height);
     if (status != RSV_OK) return status;
     state->aspect = (float)f->width / (float)f->height;
     status = update_light(f, state, timing);
@@ -256,9 +263,11 @@ rsv_status cli_view_frames_next(
     return status;
 }
 
+uint32_t cli_view_frames_samples(const cli_view_frames *f) { return f->samples; }
+
 bool cli_view_frames_at_rest(const cli_view_frames *f)
 {
-    bool settled = rsv_relighter_is_settled(f->relighter);
+    bool settled = !f->relighter || rsv_relighter_is_settled(f->relighter);
     return settled &&
            (f->shows_still ? cli_still_is_done(&f->still[0], f->mode)
                            : f->mode == CLI_VIEW_OPERATOR && f->samples >= ENOUGH_SAMPLES);

@@ -23,14 +23,23 @@ typedef struct cli_view_frames cli_view_frames;
 /// @param body an object that moves, seen in mode operator; NULL = none; borrowed
 /// @param budget_ms of a frame for orders of light; 0 = one order per frame, so that the same frames come out every
 /// time
-rsv_status cli_view_frames_create(rsv_light *solution, rsv_relighter *relighter,
-    const rsv_scene *body, double budget_ms, cli_view_frames **frames);
+rsv_status cli_view_frames_create(
+    rsv_light *solution, const rsv_scene *body, double budget_ms, cli_view_frames **frames);
 void cli_view_frames_destroy(cli_view_frames *frames);
+
+/// Makes beforehand what the first frame of such a size would have to make.
+rsv_status cli_view_frames_prepare(cli_view_frames *frames, uint32_t width, uint32_t height);
+
+/// From here on the light follows the state. @param relighter of the frames' light; borrowed
+rsv_status cli_view_frames_attach(cli_view_frames *frames, rsv_relighter *relighter);
 
 /// Makes the next frame. Nothing is allocated while size and mode stay, but by modes final and error at rest.
 /// @param canvas as large as the frame is to be @param state its aspect is set
 rsv_status cli_view_frames_next(
     cli_view_frames *frames, cli_view_state *state, cli_canvas *canvas, cli_view_timing *timing);
+
+/// Frames that have added up.
+uint32_t cli_view_frames_samples(const cli_view_frames *frames);
 
 /// Whether a further frame would look the same.
 bool cli_view_frames_at_rest(const cli_view_frames *frames);

@@ -185,6 +185,9 @@ static void write_facts(text_column *c, const cli_view_hud *hud, const cli_view_
     else
         snprintf(text, sizeof text, "exact");
     write_pair(c, "light", text, hud->mean.residual > 0 ? accent : white);
+    write_pair(c, "quality", hud->quality ? hud->quality : "", hud->making[0] ? accent : white);
+    cli_draw_text(c->canvas, c->x, c->y, c->size, hud->making, accent);
+    c->y += line_height(c->size);
     snprintf(text, sizeof text, "%.2f ms", hud->mean.total_ms / fmax(hud->mean.eyes, 1));
     if (hud->mean.eyes > 1) write_pair(c, "each eye", text, white);
 }
@@ -192,7 +195,7 @@ static void write_facts(text_column *c, const cli_view_hud *hud, const cli_view_
 static void draw_numbers(const cli_view_hud *hud, const cli_view_state *state, cli_canvas *canvas)
 {
     float size = text_size(canvas), width = 27 * size;
-    float lines = 17.6f + (hud->mean.eyes > 1);
+    float lines = 19.6f + (hud->mean.eyes > 1);
     text_column c = open_panel(canvas, size, size, width, lines);
     write_title(&c, hud, state);
     write_stages(&c, &hud->mean);

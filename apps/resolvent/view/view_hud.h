@@ -13,6 +13,8 @@ typedef struct cli_view_hud {
     cli_view_timing mean;               ///< running, so that digits can be read
     char message[CLI_VIEW_TEXT_LENGTH]; ///< "" = none
     uint32_t message_frames;            ///< that it has been shown for
+    const char *quality;                ///< of the light on show
+    char making[CLI_VIEW_TEXT_LENGTH];  ///< what is being made meanwhile; "" = nothing
 } cli_view_hud;
 
 /// Takes the numbers of a frame in.

@@ -58,7 +58,7 @@ static bool is_shared(const rsv_relighter *relighter, const char *name)
 
 void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter, const rsv_scene *body)
 {
-    size_t sources = rsv_relighter_source_count(relighter);
+    size_t sources = relighter ? rsv_relighter_source_count(relighter) : 0;
     for (size_t k = 0; k < sources; k++) {
         rsv_relight_source source = rsv_relighter_source(relighter, k);
         bool by_node = source.node && is_shared(relighter, source.name);
@@ -73,7 +73,7 @@ void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter, cons
             .movable = source.movable,
         };
     }
-    for (size_t m = 0; m < s->scene->material_count; m++)
+    for (size_t m = 0; relighter && m < s->scene->material_count; m++)
         if (is_plain(s->scene, m))
             s->home[s->item_count++] = (cli_view_item){ .kind = CLI_VIEW_MATERIAL,
                 .name = s->scene->material[m].name,

@@ -4,7 +4,7 @@
 
 #include "view_state.h"
 
-/// Finds all of them, as they begin.
+/// Finds all of them, as they begin. @param relighter NULL = nothing but the body
 void cli_view_list_items(
     cli_view_state *state, const rsv_relighter *relighter, const rsv_scene *body);
 

@@ -83,3 +83,10 @@ uint32_t cli_view_script_length(const cli_view_script *script)
         if (script->line[k].last >= frames) frames = script->line[k].last + 1;
     return frames;
 }
+
+bool cli_view_script_needs_light(const cli_view_script *script)
+{
+    for (size_t k = 0; k < script->line_count; k++)
+        if (cli_view_needs_light(script->line[k].command.verb)) return true;
+    return false;
+}

@@ -29,6 +29,9 @@ typedef struct cli_view_script {
 bool cli_read_view_script(const char *path, cli_view_script *script);
 void cli_free_view_script(cli_view_script *script);
 
+/// Whether the script does more than to move the camera or an object.
+bool cli_view_script_needs_light(const cli_view_script *script);
+
 /// Frames until the last command has been carried out.
 uint32_t cli_view_script_length(const cli_view_script *script);
 

@@ -48,8 +48,8 @@ bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene
     uint32_t layer_count, const rsv_scene *body, cli_view_state *s)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
-    size_t most =
-        rsv_relighter_source_count(relighter) + view->material_count + 1 + CLI_VIEW_MOST_ADDED;
+    size_t most = (relighter ? rsv_relighter_source_count(relighter) : 0) + view->material_count +
+                  1 + CLI_VIEW_MOST_ADDED;
     *s = (cli_view_state){ .scene = view,
         .aspect = 1,
         .layer_count = layer_count,
@@ -64,6 +64,25 @@ bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene
     reset(s);
     s->light_changes = s->object_changes = 0;
     return true;
+}
+
+void cli_view_state_continue(cli_view_state *s, const cli_view_state *earlier)
+{
+    s->camera = earlier->camera;
+    s->aspect = earlier->aspect;
+    s->exposure = earlier->exposure;
+    s->soft = earlier->soft;
+    s->stereo = earlier->stereo;
+    s->hud = earlier->hud;
+    s->help = earlier->help;
+    s->markers = earlier->markers;
+    s->separation = earlier->separation;
+    s->quit = earlier->quit;
+    if (s->object >= s->item_count || earlier->object >= earlier->item_count) return;
+    s->item[s->object].offset = earlier->item[earlier->object].offset;
+    s->object_turn = earlier->object_turn;
+    s->object_changes = earlier->object_changes;
+    if (earlier->selected == earlier->object) s->selected = s->object;
 }
 
 void cli_view_state_free(cli_view_state *s)

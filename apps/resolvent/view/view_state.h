@@ -74,10 +74,13 @@ typedef struct cli_view_state {
     char panorama[CLI_VIEW_TEXT_LENGTH];
 } cli_view_state;
 
+/// @param relighter NULL = nothing can be changed yet
 /// @param layer_count of the solution: emission and its orders @param body an object that moves; NULL = none
 /// @param state to be freed by cli_view_state_free even after an error
 bool cli_view_state_begin(const rsv_relighter *relighter, const rsv_scene *scene,
     uint32_t layer_count, const rsv_scene *body, cli_view_state *state);
+/// Takes over from an earlier state of the same scene where one looks from, and how, and where the object is.
+void cli_view_state_continue(cli_view_state *state, const cli_view_state *earlier);
 void cli_view_state_free(cli_view_state *state);
 
 /// Carries out a command. @param problem out: why not, with room for CLI_VIEW_TEXT_LENGTH bytes; nothing has changed then

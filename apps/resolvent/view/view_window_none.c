@@ -25,8 +25,8 @@ bool cli_window_show(cli_window *window, const cli_canvas *canvas)
     return false;
 }
 
-void cli_window_listen(cli_window *window, float speed, bool wait,
+void cli_window_listen(cli_window *window, float speed, int wait_ms,
     void (*command)(void *user, const char *text), void *user)
 {
-    (void)window, (void)speed, (void)wait, (void)command, (void)user;
+    (void)window, (void)speed, (void)wait_ms, (void)command, (void)user;
 }

@@ -181,12 +181,12 @@ static void fly(const listener *l, float distance)
     l->command(l->user, text);
 }
 
-void cli_window_listen(cli_window *w, float speed, bool wait,
+void cli_window_listen(cli_window *w, float speed, int wait_ms,
     void (*command)(void *user, const char *text), void *user)
 {
     SDL_Event event;
     listener l = { w, command, user };
-    if (wait && SDL_WaitEventTimeout(&event, 100)) hear(&l, &event);
+    if (wait_ms > 0 && SDL_WaitEventTimeout(&event, wait_ms)) hear(&l, &event);
     while (SDL_PollEvent(&event))
         hear(&l, &event);
     double now = cli_seconds(), passed = now - w->listened;
