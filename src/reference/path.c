@@ -222,6 +222,7 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
         .wo = normal,
         .geometric_normal = normal,
         .normal = normal,
+        .receiving = normal,
         .horizon = normal,
         .extent = 0x1p20f * lift, // what rsv_offset_origin makes the lift of
         .triangle = RSV_NONE,

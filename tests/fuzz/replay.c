@@ -25,7 +25,7 @@ static void replay(const char *path)
 
 static int copy_kept_files(const char *folder)
 {
-    static const char *const extension[] = { "past", "scene", "rows" };
+    static const char *const extension[] = { "history", "scene", "rows" };
     for (int k = 0; k < 3; k++) {
         char path[4096], dotted[16];
         snprintf(path, sizeof path, "%.2000s/%s/room.%s", folder, extension[k], extension[k]);

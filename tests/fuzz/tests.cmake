@@ -5,7 +5,7 @@ target_link_libraries(rsv_fuzz_readers PUBLIC rsv_test_support rsv_program_parts
 
 if(RSV_FUZZ)
     foreach(extension IN ITEMS glb gltf obj ply stl dae fbx exr hdr png jpg safetensors csv txt
-            past scene rows)
+            history scene rows)
         add_executable(fuzz_${extension} fuzz/fuzz.c)
         target_compile_definitions(fuzz_${extension} PRIVATE FUZZ_EXTENSION=".${extension}")
         target_link_libraries(fuzz_${extension} PRIVATE rsv_fuzz_readers -fsanitize=fuzzer)
@@ -18,7 +18,7 @@ file(GLOB RSV_FUZZ_FILES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/seed
     ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/found/*)
 add_test(NAME fuzz_replay COMMAND fuzz_replay ${RSV_FUZZ_FILES})
 set_tests_properties(fuzz_replay PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
-file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/kept/past ${CMAKE_CURRENT_BINARY_DIR}/kept/scene
+file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/kept/history ${CMAKE_CURRENT_BINARY_DIR}/kept/scene
     ${CMAKE_CURRENT_BINARY_DIR}/kept/rows)
 add_test(NAME fuzz_kept COMMAND fuzz_replay --kept ${CMAKE_CURRENT_BINARY_DIR}/kept)
 set_tests_properties(fuzz_kept PROPERTIES ENVIRONMENT "${RSV_LEAKS}")
