@@ -188,7 +188,7 @@ static void shade_glossy_packet(const rsv_glossy_shading *s, const rsv_ray_packe
             float shown = constant.emission[c][k] + mean[c][k] * share;
             out[c] = glossy ? shown : out[c];
         }
-        depth[k] = glossy & !even ? p->t_max[k] : 0;
+        depth[k] = (glossy & !even) ? p->t_max[k] : 0;
     }
     if (any_positive(depth)) note_lobes(p, depth, &g, &constant, value, mean, first, tile);
 }
