@@ -21,24 +21,23 @@
 
 #include "../sources/lights.h"
 #include "../surface/surface.h"
+#include "lobe_tables.h"
 
 /// A surface point and the direction from which it is seen.
 typedef struct rsv_highlight_point {
     rsv_vec3 position;
-    rsv_vec3 normal; ///< unit shading normal, on wo's side
-    rsv_vec3
-        horizon; ///< unit, on the same side: light below it does not arrive (rsv_surface_point.horizon)
+    rsv_vec3 normal;      ///< unit shading normal, on wo's side
+    rsv_vec3 horizon;     ///< unit, on that side: what is below does not arrive (rsv_surface_point)
     rsv_vec3 wo;          ///< unit, towards the eye
     const rsv_bsdf *bsdf; ///< borrowed, at this point
     bool front;           ///< the front of the triangle is seen
 } rsv_highlight_point;
 
-/// A transformed cosine: of unit v about the normal z, cos / pi; the light comes from (width_x v.x + lean v.z, width_y v.y,
-/// v.z), x pointing away from the eye.
 typedef struct rsv_highlight_lobe {
-    float lean, width_x, width_y;
+    rsv_lobe_shape shape;
     rsv_rgb albedo; ///< share of even light that it sends to the eye
     uint32_t kind;  ///< RSV_HIGHLIGHT_BASE, ...
+    uint32_t cuts;  ///< of polygons, where the shape fits badly
 } rsv_highlight_lobe;
 
 enum {
@@ -57,10 +56,14 @@ typedef struct rsv_highlight_lobes {
     rsv_highlight_lobe lobe[RSV_HIGHLIGHT_LOBES];
     uint32_t count;
     float cos_o;
-    bool refracts; ///< there is rough refraction too, which is left out
+    bool layered;             ///< the layers are met
+    bool refracts;            ///< there is rough refraction too, which is left out
+    rsv_rgb way[RSV_SPREADS]; ///< a(wo) of bsdf.h, if layered
+    /// What the wide lobes have of wo: metal and glass that scatter again, glass to the far side, sheen.
+    rsv_rgb metal_again, glass_again, glass_through, sheen;
 } rsv_highlight_lobes;
 
-/// Cheap: about as much as one evaluation of the BSDF.
+/// About as much work as two evaluations of the BSDF. Opacity is left to the caller, as by rsv_bsdf_evaluate.
 /// @return false: no rough lobe, nothing to be done
 bool rsv_highlight_prepare(const rsv_highlight_point *point, rsv_highlight_lobes *lobes);
 
