@@ -102,7 +102,7 @@ typedef enum rsv_highlight_part {
 
 typedef struct rsv_highlights_desc {
     rsv_highlight_part part; ///< default RSV_HIGHLIGHT_ALL
-    uint32_t polygons;       ///< of a group, integrated at a point at most; default 12
+    uint32_t polygons;       ///< integrated at a point at most, 1..64; default 24
     uint32_t sky_side; ///< texels along the finest octahedral map of the surroundings; default 512
 } rsv_highlights_desc;
 

@@ -17,7 +17,8 @@ typedef struct rsv_lobe_fit {
         turn; ///< from the mirror direction to the lobe's axis, towards the normal; radians / alpha
     float width_x,
         width_y; ///< of the lobe about its axis, within and across the plane of incidence; tangents / alpha
-    float grazing; ///< mean of (1 - cos_h)^5, times the albedo: Schlick's part beside that of F0
+    float grazing; ///< mean of (1 - cos_h)^5 over the lobe: Schlick's part beside that of F0
+    float misfit;  ///< what its affinity with the lobe lacks to 1
 } rsv_lobe_fit;
 
 extern const rsv_lobe_fit rsv_lobe_fits[RSV_TABLE_ALPHA][RSV_TABLE_COS];

@@ -26,8 +26,8 @@ static rsv_highlight_lobe *add_lobe(
 }
 
 /// Where the shape fits badly, and where the Fresnel reflectance of dielectrics varies over wide lobes, polygons are cut.
-#define WELL_FITTED 0.004f
-#define FITTED 0.025f
+#define WELL_FITTED 0.002f
+#define FITTED 0.012f
 #define WIDE_ALPHA 0.2f
 
 static uint32_t cuts_of(const rsv_lobe_fit *fit, float alpha, float metallic)
