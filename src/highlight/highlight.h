@@ -80,7 +80,7 @@ rsv_rgb rsv_highlight_albedo(const rsv_highlight_lobes *lobes);
 rsv_rgb rsv_highlight_polygon(
     const rsv_highlight_lobes *lobes, const rsv_vec3 *corner, uint32_t count);
 
-/// The same for many points at once, in vector instructions: points whose polygon is the same.
+/// The same for many points at once.
 /// @param lobes [lobes_count] @param radiance [lobes_count] out
 void rsv_highlight_polygon_many(const rsv_highlight_lobes *lobes, size_t lobes_count,
     const rsv_vec3 *corner, uint32_t count, rsv_rgb *radiance);

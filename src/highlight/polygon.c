@@ -71,6 +71,13 @@ rsv_rgb rsv_highlight_polygon(const rsv_highlight_lobes *l, const rsv_vec3 *corn
     return rgb_add(sum, rsv_lobes_over_local(l, &local, true));
 }
 
+void rsv_highlight_polygon_many(const rsv_highlight_lobes *l, size_t lobes_count,
+    const rsv_vec3 *corner, uint32_t count, rsv_rgb *radiance)
+{
+    for (size_t i = 0; i < lobes_count; i++)
+        radiance[i] = rsv_highlight_polygon(&l[i], corner, count);
+}
+
 rsv_rgb rsv_highlight_direction(const rsv_highlight_lobes *l, rsv_vec3 wi)
 {
     const rsv_highlight_point *p = &l->point;

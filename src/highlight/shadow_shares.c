@@ -2,6 +2,7 @@
 
 #include "../core/core.h"
 #include "../sources/punctual_light.h"
+#include "../trace/passage.h"
 #include "highlights_internal.h"
 
 #define UNKNOWN 255
