@@ -230,7 +230,8 @@ static void small_and_distant_lamps_are_exact(void **state)
             float x, y;
             rsv_sobol_2d((uint32_t)k, 6, &x, &y);
             rsv_vec3 wi = rsv_square_to_sphere(x, y);
-            if (lobes.refracts && wi.z < 0) continue;
+            // within 3 degrees of the horizon the BSDF is not even over these lamps
+            if ((lobes.refracts && wi.z < 0) || fabsf(wi.z) < 0.05f) continue;
             // corners are rounded to 6e-5 of its sides
             lamp l = quad(wi, 1e-3f, 1e-3f);
             rsv_rgb closed = rsv_highlight_polygon(&lobes, l.corner, 4);
