@@ -27,6 +27,15 @@ RSV_API const char *rsv_instructions_name(rsv_instructions instructions);
 
 #define RSV_MAX_EYES 2
 
+/// How frames find what rough surfaces reflect.
+typedef enum rsv_frame_gloss {
+    RSV_GLOSS_PATHS, ///< by a random path for each pixel and frame: right in the mean, noisy, slow; the default
+    /// By a few rays per frame, which end at the first surface and whose light is kept from frame to frame and shared among
+    /// neighbours: an approximation, at rest too. Very rough lobes reflect the irradiance. Ignored where a device makes
+    /// the frames.
+    RSV_GLOSS_REUSED
+} rsv_frame_gloss;
+
 /// Start from rsv_default_frame_desc().
 typedef struct rsv_frame_desc {
     uint32_t width, height; ///< of one eye's picture
@@ -34,6 +43,7 @@ typedef struct rsv_frame_desc {
     uint32_t path_depth;    ///< mirror and glass events along a camera ray at most; default 8
     uint32_t seed;          ///< of rough reflections and faint branches
     rsv_instructions instructions;
+    rsv_frame_gloss gloss; ///< default RSV_GLOSS_PATHS
 } rsv_frame_desc;
 
 RSV_API rsv_frame_desc rsv_default_frame_desc(void);
@@ -43,8 +53,10 @@ typedef struct rsv_frame_stats {
     double total_ms;
     double camera_ms;  ///< camera rays and lookups, mean over the threads
     double path_ms;    ///< mirrors, glass and all that is not in the table
+    double gloss_ms;   ///< rays of rough lobes and their reuse (RSV_GLOSS_REUSED)
     double display_ms; ///< adding up and tone mapping
     uint64_t path_rays;
+    uint64_t gloss_rays; ///< of rough lobes
     uint32_t samples; ///< frames that have added up
 } rsv_frame_stats;
 

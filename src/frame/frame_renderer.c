@@ -8,6 +8,7 @@ struct rsv_frame_renderer {
     const rsv_light_view *solution;
     rsv_frame_desc desc;
     rsv_light_table table;
+    rsv_glossy_materials materials;
     const rsv_mover *mover; ///< NULL = none
     rsv_specular_media media;
     rsv_clearances clearances;
@@ -54,6 +55,24 @@ static rsv_status create_eyes(rsv_frame_renderer *r)
     return RSV_OK;
 }
 
+static bool reuses_gloss(const rsv_frame_renderer *r) { return r->table.glossy != NULL; }
+
+static rsv_status create_gloss(rsv_frame_renderer *r)
+{
+    size_t tiles = r->tiling.tile_count;
+    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
+        rsv_eye_picture *e = &r->eye[k];
+        e->base = rsv_reserve(r->context, tiles * RSV_TILE_PIXELS, sizeof *e->base);
+        e->lobes = rsv_reserve(r->context, tiles, sizeof *e->lobes);
+        e->glossy = rsv_alloc(r->context, tiles, sizeof *e->glossy);
+        if (!e->base || !e->lobes || !e->glossy) return RSV_ERROR_MEMORY;
+        rsv_status status =
+            rsv_glossy_cells_create(r->context, r->desc.width, r->desc.height, &e->cells);
+        if (status != RSV_OK) return status;
+    }
+    return RSV_OK;
+}
+
 static rsv_status create_workers(rsv_frame_renderer *r)
 {
     r->thread_count = rsv_threads(r->context);
@@ -81,6 +100,17 @@ static void set_tiling(rsv_frame_renderer *r)
         .seed = r->desc.seed };
 }
 
+/// Devices shade every pixel by its own path, by a table that tells no glossy surfaces apart.
+static rsv_status create_table(rsv_frame_renderer *r)
+{
+    const rsv_light_view *s = r->solution;
+    bool reuses = r->desc.gloss == RSV_GLOSS_REUSED && !rsv_context_device(r->context);
+    if (!reuses) return rsv_light_table_create(s, NULL, &r->table);
+    rsv_status status =
+        rsv_glossy_materials_create(r->context, &s->scene, s->diffused.material, &r->materials);
+    return status == RSV_OK ? rsv_light_table_create(s, &r->materials, &r->table) : status;
+}
+
 rsv_status rsv_frame_renderer_create(
     const rsv_light *light, const rsv_frame_desc *desc, rsv_frame_renderer **renderer)
 {
@@ -95,7 +125,8 @@ rsv_status rsv_frame_renderer_create(
     r->desc = settings;
     set_tiling(r);
     RSV_TRY(create_eyes(r));
-    RSV_TRY(rsv_light_table_create(solution, &r->table));
+    RSV_TRY(create_table(r));
+    RSV_TRY(create_gloss(r));
     RSV_TRY(rsv_specular_media_create(r->context, &solution->scene, &r->media));
     RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
     RSV_TRY(rsv_beams_create(solution->scene.tracer, &r->beams));
@@ -117,11 +148,16 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
     for (uint32_t k = 0; k < RSV_MAX_EYES; k++) {
         rsv_free(r->context, r->eye[k].sum);
         rsv_free(r->context, r->eye[k].pixel);
+        rsv_free(r->context, r->eye[k].base);
+        rsv_free(r->context, r->eye[k].lobes);
+        rsv_free(r->context, r->eye[k].glossy);
+        rsv_glossy_cells_destroy(&r->eye[k].cells);
     }
     rsv_frame_device_destroy(r->device);
     rsv_clearances_destroy(&r->clearances);
     rsv_specular_media_destroy(&r->media);
     rsv_light_table_destroy(&r->table);
+    rsv_glossy_materials_destroy(&r->materials);
     rsv_free(r->context, r);
 }
 
@@ -157,6 +193,7 @@ static void begin_eye(
     }
     e->medium_number = rsv_specular_media_of_eye(&r->media, k, &e->medium);
     set_aim(r, e);
+    if (e->lobes) rsv_glossy_cells_begin(&e->cells, &e->aim.lens, e->samples > 0);
     e->tone = (rsv_frame_tone){ .scale = exp2f(view->exposure) / (float)(e->samples + 1),
         .soft = view->soft,
         .first = e->samples == 0 };
@@ -178,8 +215,8 @@ static void begin_workers(rsv_frame_renderer *r)
 {
     for (int k = 0; k < r->thread_count; k++) {
         rsv_tile_worker *w = &r->worker[k];
-        w->camera_seconds = w->path_seconds = w->display_seconds = 0;
-        w->queue.rays = 0;
+        w->camera_seconds = w->path_seconds = w->gloss_seconds = w->display_seconds = 0;
+        w->queue.rays = w->rays.rays = 0;
     }
 }
 
@@ -191,7 +228,9 @@ static void sum_stats(const rsv_frame_renderer *r, double seconds, rsv_frame_sta
         stats->camera_ms += 1e3 * w->camera_seconds / r->thread_count;
         stats->path_ms += 1e3 * w->path_seconds / r->thread_count;
         stats->display_ms += 1e3 * w->display_seconds / r->thread_count;
+        stats->gloss_ms += 1e3 * w->gloss_seconds / r->thread_count;
         stats->path_rays += w->queue.rays;
+        stats->gloss_rays += w->rays.rays;
     }
 }
 
@@ -221,6 +260,42 @@ static void for_tiles(rsv_frame_renderer *r, tile_work work)
         work(&r->tiling, &r->eye[k / each], k % each, &r->worker[rsv_thread_index()]);
 }
 
+typedef void (*cell_work)(const rsv_glossy_cells *, uint32_t, uint32_t);
+
+static void for_cells(rsv_frame_renderer *r, cell_work work)
+{
+    uint32_t height = r->eye[0].cells.height, rows = height * r->desc.eyes;
+#pragma omp parallel for schedule(dynamic, 8) num_threads(r->thread_count)
+    for (uint32_t k = 0; k < rows; k++) {
+        const rsv_glossy_cells *c = &r->eye[k / height].cells;
+        rsv_tile_worker *w = &r->worker[rsv_thread_index()];
+        double start = rsv_seconds();
+        for (uint32_t column = 0; column < c->width; column += RSV_LANES)
+            work(c, column, k % height);
+        w->gloss_seconds += rsv_seconds() - start;
+    }
+}
+
+static bool any_glossy(const rsv_frame_renderer *r)
+{
+    for (uint32_t k = 0; k < r->desc.eyes; k++)
+        if (memchr(r->eye[k].glossy, 1, r->tiling.tile_count)) return true;
+    return false;
+}
+
+/// Lights the rough lobes of all tiles, and shows these.
+static void finish_gloss(rsv_frame_renderer *r)
+{
+    if (!reuses_gloss(r)) return;
+    if (any_glossy(r)) {
+        for_cells(r, r->tiling.kernels->blend_cells);
+        for_cells(r, r->tiling.kernels->smooth_cells);
+        for_tiles(r, rsv_tile_finish);
+    }
+    for (uint32_t k = 0; k < r->desc.eyes; k++)
+        r->eye[k].cells.keep = 1;
+}
+
 /// Sums do not move between device and processor: they start over where they change places.
 static rsv_status render_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
 {
@@ -236,6 +311,7 @@ static rsv_status render_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
         begin_eyes(r, view);
     }
     for_tiles(r, rsv_tile_render);
+    finish_gloss(r);
     return RSV_OK;
 }
 
@@ -249,6 +325,9 @@ rsv_status rsv_frame_render(
     rsv_beams_refresh(&r->beams, r->solution->tracer);
     begin_eyes(r, view);
     begin_workers(r);
+    r->tiling.shading = (rsv_glossy_shading){ .view = r->solution->scene.view,
+        .materials = r->materials.material,
+        .shows_emission = rsv_shows_emission(&r->table) };
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;
     status = render_eyes(r, view);
     if (status != RSV_OK) return status;
@@ -266,9 +345,16 @@ double rsv_frame_trace_only(rsv_frame_renderer *r, const rsv_frame_view *view)
     return rsv_seconds() - start;
 }
 
+static void forget_gloss(rsv_frame_renderer *r, float change)
+{
+    for (uint32_t k = 0; k < r->desc.eyes; k++)
+        rsv_glossy_cells_forget(&r->eye[k].cells, change);
+}
+
 void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
 {
     if (layer == r->table.layer) return;
+    forget_gloss(r, 1);
     rsv_light_table_bake(&r->table, layer);
     rsv_frame_device_refresh(r->device);
     start_over(r);
@@ -283,8 +369,10 @@ void rsv_frame_renderer_put(rsv_frame_renderer *r, const rsv_mover *mover)
 void rsv_frame_renderer_refresh(rsv_frame_renderer *r)
 {
     rsv_specular_media_refresh(&r->media);
+    forget_gloss(r, 1);
     for (int k = 0; k < r->thread_count; k++)
         rsv_specular_light_refresh(&r->worker[k].queue.light);
+    if (r->table.glossy) rsv_glossy_materials_refresh(&r->materials);
     rsv_light_table_bake(&r->table, r->table.layer);
     rsv_frame_device_refresh(r->device);
     start_over(r);

@@ -8,6 +8,7 @@ rsv_status rsv_tile_worker_create(const rsv_tiling *tiling, uint32_t path_depth,
         memset(w->packet[stage].mask, 0xff, sizeof w->packet[stage].mask);
     rsv_status status = rsv_specular_queue_create(
         tiling->table, tiling->kernels, tiling->media, tiling->clearances, &w->queue);
+    rsv_glossy_rays_create(tiling->kernels, tiling->table, &w->rays);
     w->queue.light.max_events = path_depth;
     w->queue.light.radiance = w->radiance;
     return status;
@@ -94,6 +95,7 @@ static void show_mover(const tile *t, uint32_t column, uint32_t row, uint32_t st
         uint32_t pixel = pixel_of(column, row, lane);
         float *radiance = w->radiance[pixel];
         rsv_rgb shown = rgb(radiance[0], radiance[1], radiance[2]);
+        if (met >> lane & 1) w->gloss.depth[pixel] = 0;
         if (met >> lane & 1)
             shown = rgb_mul(rsv_mover_shown(t->tiling->mover, &w->body, lane),
                 rsv_medium_transmittance(
@@ -140,7 +142,10 @@ static void locate_block(const tile *t, uint32_t block)
         t->tiling->kernels->locate(t->tiling->table, &w->packet[stage], &w->places[stage]);
     rsv_prefetch_triangles(t->tiling->solution->scene.view, &w->packet[stage], w->left[stage]);
     // seen from within a body, all is dimmed on the way
-    w->begins[stage] = t->eye->medium.depth ? 0xffff : w->left[stage];
+    bool dimmed = t->eye->medium.depth > 0;
+    w->glossy[stage] =
+        dimmed ? 0 : rsv_glossy_lanes(t->tiling->table, &w->packet[stage], w->left[stage]);
+    w->begins[stage] = dimmed ? 0xffff : w->left[stage] & ~w->glossy[stage];
 }
 
 static void descend_block(const tile *t, uint32_t block)
@@ -157,8 +162,15 @@ static void look_up_block(const tile *t, uint32_t block)
     uint32_t stage = block % RSV_STAGES;
     uint32_t column = block % t->blocks_across * RSV_BLOCK,
              row = block / t->blocks_across * RSV_BLOCK;
-    t->tiling->kernels->look_up(
-        t->tiling->table, &w->places[stage], w->radiance + row * RSV_TILE + column);
+    uint32_t first = row * RSV_TILE + column;
+    t->tiling->kernels->look_up(t->tiling->table, &w->places[stage], w->radiance + first);
+    if (w->glossy[stage]) {
+        float width[RSV_LANES];
+        for (int k = 0; k < RSV_LANES; k++)
+            width[k] = t->eye->spread * w->packet[stage].t_max[k];
+        t->tiling->kernels->shade_glossy(&t->tiling->shading, &w->packet[stage], width,
+            w->glossy[stage], w->radiance + first, first, &w->gloss);
+    }
     if (t->tiling->mover) show_mover(t, column, row, stage);
     if (w->begins[stage]) begin_paths(t, column, row, stage);
 }
@@ -193,11 +205,31 @@ static void approach_pixels(const tile *t)
     }
 }
 
+static void begin_gloss(rsv_glossy_tile *g)
+{
+    memset(g->depth, 0, sizeof g->depth);
+    g->count = 0;
+}
+
 static void display(const tile *t)
 {
     for (uint32_t y = 0; y < t->height; y++)
         t->tiling->kernels->display(&t->eye->tone, t->worker->radiance + y * RSV_TILE,
             t->sum + y * RSV_TILE, t->width, shown_row(t, y));
+}
+
+/// Leaves the lobes of a tile to be lit, and what is known without. @return whether there are any
+static bool leave_gloss(const tile *t, uint32_t index)
+{
+    rsv_tile_worker *w = t->worker;
+    rsv_eye_picture *eye = t->eye;
+    const rsv_glossy_task task = { &eye->cells, &eye->aim, eye->spread, t->tiling->seed };
+    rsv_glossy_rays_of_tile(&w->rays, &task, &w->gloss, t->column, t->row);
+    eye->glossy[index] = w->gloss.count > 0;
+    if (!eye->glossy[index]) return false;
+    t->tiling->kernels->pack_pixels(&w->gloss, &eye->lobes[index]);
+    memcpy(eye->base + (size_t)index * RSV_TILE_PIXELS, w->radiance, sizeof w->radiance);
+    return true;
 }
 
 void rsv_tile_render(
@@ -208,15 +240,42 @@ void rsv_tile_render(
     approach_pixels(&t);
     gather_beam(&t);
     w->queue.light.mover = tiling->mover;
+    w->queue.light.gloss = tiling->table->glossy ? &w->gloss : NULL;
+    w->queue.shading = &tiling->shading;
+    if (w->queue.light.gloss) begin_gloss(&w->gloss);
     w->queue.spread = eye->spread;
     render_blocks(&t);
     double traced = rsv_seconds();
     rsv_specular_queue_run(&w->queue);
     double followed = rsv_seconds();
-    display(&t);
+    bool waits = eye->lobes && leave_gloss(&t, index);
+    double left = rsv_seconds();
+    if (!waits) display(&t);
     w->camera_seconds += traced - start;
     w->path_seconds += followed - traced;
-    w->display_seconds += rsv_seconds() - followed;
+    w->gloss_seconds += left - followed;
+    w->display_seconds += rsv_seconds() - left;
+}
+
+void rsv_tile_finish(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t index, rsv_tile_worker *w)
+{
+    if (!eye->glossy[index]) return;
+    tile t = tile_at(tiling, eye, index, w);
+    double start = rsv_seconds();
+    const rsv_glossy_cells *cells = &eye->cells;
+    approach_pixels(&t);
+    memcpy(w->radiance, eye->base + (size_t)index * RSV_TILE_PIXELS, sizeof w->radiance);
+    for (uint32_t y = 0; y < t.height; y++) {
+        size_t cell = cells->first + (size_t)((t.row + y) / 2) * cells->stride + t.column / 2;
+        for (uint32_t x = 0; x < t.width; x += RSV_LANES)
+            tiling->kernels->light_pixels(
+                cells, &eye->lobes[index], x, y, cell + x / 2, w->radiance);
+    }
+    double lit = rsv_seconds();
+    display(&t);
+    w->gloss_seconds += lit - start;
+    w->display_seconds += rsv_seconds() - lit;
 }
 
 void rsv_tile_trace_only(

@@ -2,6 +2,7 @@
 #ifndef RSV_FRAME_TILE_H
 #define RSV_FRAME_TILE_H
 
+#include "glossy_rays.h"
 #include "specular_queue.h"
 
 #define RSV_TILE_PIXELS (RSV_TILE * RSV_TILE)
@@ -14,18 +15,26 @@ typedef struct rsv_tile_worker {
     rsv_beam beam;               ///< of the tile
     uint32_t left[RSV_STAGES];   ///< lanes of theirs that are not in the table
     uint32_t begins[RSV_STAGES]; ///< lanes that specular paths begin at
-    rsv_specular_lanes paths;    ///< of a block
-    rsv_ray_packet body;         ///< camera rays as a mover meets them
+    uint32_t glossy[RSV_STAGES]; ///< lanes that are shaded by rsv_glossy_material
+    rsv_glossy_tile gloss;
+    rsv_specular_lanes paths; ///< of a block
+    rsv_ray_packet body;      ///< camera rays as a mover meets them
     rsv_specular_queue queue;
-    double camera_seconds, path_seconds, display_seconds; ///< of the frame
+    rsv_glossy_rays rays;
+    double camera_seconds, path_seconds, gloss_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
 
 /// One eye's picture.
 typedef struct rsv_eye_picture {
+    float (*base)
+        [4]; ///< [tiles][RSV_TILE_PIXELS] radiance of glossy tiles without their lobes; NULL likewise
     float (*sum)[4];     ///< [tiles][RSV_TILE_PIXELS] radiance of all samples
     uint8_t (*pixel)[4]; ///< [height * width]
     uint32_t samples;    ///< in the sums
-    rsv_camera camera;   ///< that they are of
+    rsv_glossy_cells cells;
+    rsv_glossy_pixels *lobes; ///< [tile_count] of this frame; NULL = paths follow rough lobes
+    uint8_t *glossy;          ///< [tile_count] whether a tile has any
+    rsv_camera camera;        ///< that they are of
     // of the frame in the making
     rsv_frame_aim aim;
     rsv_beam_lens beam_lens;
@@ -46,6 +55,7 @@ typedef struct rsv_tiling {
     uint32_t width, height;      ///< of a picture
     uint32_t across, tile_count; ///< tiles of a picture
     uint32_t seed;
+    rsv_glossy_shading shading;
     const rsv_mover *mover; ///< of the frame in the making; NULL = none
 } rsv_tiling;
 
@@ -60,8 +70,12 @@ RSV_INLINE size_t rsv_tile_place(const rsv_tiling *tiling, uint32_t column, uint
     return tile * RSV_TILE_PIXELS + row % RSV_TILE * RSV_TILE + column % RSV_TILE;
 }
 
-/// Adds one sample to each pixel and shows the sums.
+/// Adds one sample to each pixel and shows the sums. Tiles that are glossy wait for rsv_tile_finish.
 void rsv_tile_render(
+    const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
+
+/// The same for a glossy tile, once all cells have their light.
+void rsv_tile_finish(
     const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
 
 /// Traces the camera rays alone.

@@ -15,7 +15,8 @@ typedef struct rsv_light_cell {
 typedef enum rsv_shown_kind {
     RSV_SHOWN_STORED, ///< the table has all of it
     RSV_SHOWN_CHAIN,  ///< mirror, glass, texture, ...: to be followed
-    RSV_SHOWN_SKY
+    RSV_SHOWN_SKY,
+    RSV_SHOWN_GLOSSY ///< the table has the irradiance, rsv_glossy_material what becomes of it
 } rsv_shown_kind;
 
 /// One side of a triangle.

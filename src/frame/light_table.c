@@ -71,11 +71,23 @@ static uint32_t first_face_cell(const rsv_light_view *s)
     return 1 + (uint32_t)s->scene.view->material_count;
 }
 
+/// Whether rsv_glossy_material says what a side shows. Those of bare metal have no face.
+static bool is_glossy(const rsv_light_table *t, uint32_t material, uint32_t face, bool back)
+{
+    const rsv_bsdf *bsdf = &t->solution->bsdf[material];
+    if (!t->glossy || !t->glossy->material[material].plain) return false;
+    return (face != RSV_NONE || bsdf->diffuse == 0) && (!back || bsdf->double_sided);
+}
+
 static rsv_shown_side shown_side(const rsv_light_table *t, uint32_t triangle, bool back)
 {
     const rsv_light_view *s = t->solution;
     uint32_t material = s->scene.view->triangle_material[triangle];
     uint32_t face = s->elements->face_of[back][triangle];
+    if (is_glossy(t, material, face, back))
+        return face == RSV_NONE
+                   ? (rsv_shown_side){ 0, 0, RSV_SHOWN_GLOSSY }
+                   : (rsv_shown_side){ t->face_cell[face], t->face_level[face], RSV_SHOWN_GLOSSY };
     if (!is_stored(s, material)) return (rsv_shown_side){ 1 + material, 0, RSV_SHOWN_CHAIN };
     if (back && !s->bsdf[material].double_sided) return (rsv_shown_side){ 0, 0, RSV_SHOWN_STORED };
     if (face == RSV_NONE) return (rsv_shown_side){ 1 + material, 0, RSV_SHOWN_STORED };
@@ -120,10 +132,11 @@ bool rsv_holds_irradiance(const rsv_light_table *t, uint32_t face)
     return !is_stored(t->solution, material_of_face(t->solution, face));
 }
 
-rsv_status rsv_light_table_create(const rsv_light_view *s, rsv_light_table *t)
+rsv_status rsv_light_table_create(
+    const rsv_light_view *s, const rsv_glossy_materials *glossy, rsv_light_table *t)
 {
     rsv_status status = RSV_ERROR_MEMORY;
-    *t = (rsv_light_table){ .context = s->context, .solution = s };
+    *t = (rsv_light_table){ .context = s->context, .solution = s, .glossy = glossy };
     t->triangle_count = (uint32_t)s->scene.view->triangle_count;
     t->face_cell = rsv_alloc(s->context, s->elements->face_count + 1, sizeof *t->face_cell);
     t->face_level = rsv_alloc(s->context, s->elements->face_count, sizeof *t->face_level);

@@ -7,13 +7,15 @@
 #define RSV_LIGHT_TABLE_H
 
 #include "../solve/light.h"
+#include "glossy_material.h"
 #include "light_cells.h"
 #include "resolvent/frame.h"
 
 typedef struct rsv_light_table {
     rsv_context *context;
     const rsv_light_view *solution;
-    uint32_t layer;            ///< on show, RSV_NONE = all
+    const rsv_glossy_materials *glossy; ///< sides of these are told apart; NULL = none
+    uint32_t layer;                     ///< on show, RSV_NONE = all
     rsv_shown_side (*side)[2]; ///< [triangle_count + 1] front and back; the last: no triangle
     uint32_t triangle_count;
     uint32_t *face_cell; ///< [face_count + 1] first cell of each face
@@ -24,7 +26,9 @@ typedef struct rsv_light_table {
     size_t cell_count;
 } rsv_light_table;
 
-rsv_status rsv_light_table_create(const rsv_light_view *solution, rsv_light_table *table);
+/// @param glossy borrowed; NULL = all but plain diffuse surfaces are RSV_SHOWN_CHAIN
+rsv_status rsv_light_table_create(
+    const rsv_light_view *solution, const rsv_glossy_materials *glossy, rsv_light_table *table);
 void rsv_light_table_destroy(rsv_light_table *table);
 
 /// Fills the cells from the solution's fields. @param layer as for rsv_frame_renderer_show

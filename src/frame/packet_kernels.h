@@ -6,6 +6,7 @@
 #include "../trace/packet.h"
 #include "beam.h"
 #include "clearance.h"
+#include "glossy_cells.h"
 #include "light_table.h"
 #include "specular_lanes.h"
 #include "tone.h"
@@ -60,6 +61,27 @@ RSV_INLINE void rsv_prefetch_corners(
     }
 }
 
+/// Of some lanes, those at surfaces that rsv_glossy_material describes.
+RSV_INLINE uint32_t rsv_glossy_lanes(
+    const rsv_light_table *table, const rsv_ray_packet *p, uint32_t lanes)
+{
+    uint32_t glossy = 0;
+    for (uint32_t left = table->glossy ? lanes : 0; left; left &= left - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(left);
+        bool back = rsv_packet_meets_back(p, k);
+        bool is = rsv_shown_side_of(table, p->triangle[k], back)->kind == RSV_SHOWN_GLOSSY;
+        glossy |= (uint32_t)is << k;
+    }
+    return glossy;
+}
+
+/// What all glossy surfaces of a frame have in common.
+typedef struct rsv_glossy_shading {
+    const rsv_scene_view *view;
+    const rsv_glossy_material *materials; ///< [material_count]
+    bool shows_emission;
+} rsv_glossy_shading;
+
 /// From a packet to its radiance in four steps. Each asks the memory for what the next one reads, so that other
 /// packets' steps between them hide the waiting.
 typedef struct rsv_packet_kernels {
@@ -81,6 +103,26 @@ typedef struct rsv_packet_kernels {
     /// Their radiance, a block of a tile's pixels. @param radiance [RSV_BLOCK][RSV_TILE]
     void (*look_up)(
         const rsv_light_table *table, const rsv_packet_places *places, float (*radiance)[4]);
+    /// What glossy surfaces show, from the irradiance that was looked up: all but light off lobes that vary by direction, which
+    /// `tile` tells of. @param lanes at such surfaces @param radiance as in look_up, in and out
+    /// @param width of each lane's footprint, metres @param first pixel of the tile that the block begins with
+    void (*shade_glossy)(const rsv_glossy_shading *shading, const rsv_ray_packet *packet,
+        const float *width, uint32_t lanes, float (*radiance)[4], uint32_t first,
+        rsv_glossy_tile *tile);
+    /// Sixteen cells of a tile, from those of their pixels that stand for them; their samples are none yet.
+    /// @param column, row of the tile's pixels in the picture @param line of cells in the tile
+    /// @param speaker [16] pixels of the tile, out; -1 = none
+    void (*fill_cells)(const rsv_glossy_tile *tile, const rsv_frame_aim *aim, uint32_t column,
+        uint32_t row, uint32_t line, const rsv_glossy_cells *cells, int *speaker);
+    void (*pack_pixels)(const rsv_glossy_tile *tile, rsv_glossy_pixels *pixels);
+    /// This frame's samples around sixteen cells, and what was kept of the frames before.
+    void (*blend_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);
+    /// What sixteen cells show. Once all are blended.
+    void (*smooth_cells)(const rsv_glossy_cells *cells, uint32_t column, uint32_t row);
+    /// Adds the light of the cells around to sixteen pixels. @param x, y of the first one in the tile
+    /// @param cell index of the cell that it lies in @param radiance [RSV_TILE_PIXELS] of the tile
+    void (*light_pixels)(const rsv_glossy_cells *cells, const rsv_glossy_pixels *pixels, uint32_t x,
+        uint32_t y, size_t cell, float (*radiance)[4]);
     /// Adds a tile's row of samples to its sums, and shows the first `count` of them.
     /// @param sum, radiance [RSV_TILE] @param pixel [count]
     void (*display)(const rsv_frame_tone *tone, const float (*radiance)[4], float (*sum)[4],

@@ -1,6 +1,8 @@
 #include "../render/camera_step.h"
 #include "specular_queue.h"
 
+#include <string.h>
+
 typedef rsv_specular_queue queue;
 
 static uint32_t first_of(uint32_t lanes) { return (uint32_t)__builtin_ctz(lanes); }
@@ -101,6 +103,41 @@ static void leave(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_specu
 
 // ---- surfaces -----------------------------------------------------------------------------------
 
+/// Sends metal and glass on as if they were smooth: what they show behind mirrors and glass.
+static void smooth_out(const rsv_bsdf *bsdf, const rsv_specular_path *path,
+    const rsv_surface_point *point, rsv_bsdf_branches *branches)
+{
+    rsv_bsdf smooth = *bsdf;
+    smooth.alpha = 0;
+    *branches = rsv_specular_branches_of(&smooth, path, point);
+}
+
+/// A rough surface: its lobes take part in what tiles share, or are the irradiance behind mirrors and glass.
+static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_specular_path *path,
+    const rsv_surface_point *point, rsv_bsdf_branches *branches)
+{
+    rsv_bsdf storage;
+    const rsv_bsdf *bsdf = rsv_specular_bsdf(q->light.scene, path, &storage);
+    rsv_rgb throughput = rsv_lane_color(a->paths->throughput, lane);
+    bool first = path->events == 0 && path->medium.depth == 0;
+    bool diffuses = !rgb_is_black(branches->diffuse);
+    rsv_add_emission(&q->light, path, bsdf, throughput);
+    if (diffuses) rsv_add_diffuse_end(&q->light, path, rgb_mul(throughput, branches->diffuse));
+    if (first) {
+        rsv_note_gloss(&q->light, path, point, bsdf, a->rays->t_max[lane]);
+        if (bsdf->transmission > 0 || bsdf->passed > 0) return; // rays take all branches
+    } else if (diffuses) {
+        rsv_add_even_gloss(&q->light, path, point, bsdf, throughput);
+    } else {
+        smooth_out(bsdf, path, point, branches);
+    }
+    if (!has_room(q, 1u << lane) ||
+        rsv_specular_media_beyond(q->media, a->paths, lane) == RSV_MEDIUM_UNLISTED)
+        return;
+    leave(q, a, lane, path, point, false, branches);
+    leave(q, a, lane, path, point, true, branches);
+}
+
 /// What a surface of any kind shows that is not in the table, and its branches.
 static void scatter_one(queue *q, const rsv_arrival *a, uint32_t lane)
 {
@@ -112,6 +149,10 @@ static void scatter_one(queue *q, const rsv_arrival *a, uint32_t lane)
         rsv_surface_point_seen(scene->view, path.triangle, path.u, path.v, path.back, path.width);
     rsv_bsdf_branches branches = rsv_specular_branches_of(bsdf, &path, &point);
     turn_to(q, a->paths, lane);
+    if (branches.rough && q->light.gloss) {
+        end_rough(q, a, lane, &path, &point, &branches);
+        return;
+    }
     if (branches.rough || !has_room(q, 1u << lane) ||
         rsv_specular_media_beyond(q->media, a->paths, lane) == RSV_MEDIUM_UNLISTED) {
         rsv_add_whole_path(&q->light, &path);
@@ -177,6 +218,33 @@ static void see_stored(queue *q, const rsv_arrival *a, uint32_t lanes)
     }
 }
 
+/// Lanes at glossy surfaces with a diffuse lobe: their rough one shows the irradiance. @return the others
+static uint32_t see_glossy(queue *q, const rsv_arrival *a, uint32_t lanes)
+{
+    const rsv_light_table *table = q->light.table;
+    uint32_t glossy = rsv_glossy_lanes(table, a->rays, lanes);
+    for (uint32_t left = glossy; left; left &= left - 1)
+        if (table->glossy->material[a->paths->material[first_of(left)]].bare)
+            glossy &= ~(1u << first_of(left));
+    if (!glossy) return lanes;
+    memset(q->lobes->depth, 0, RSV_BLOCK * RSV_TILE * sizeof(float));
+    q->kernels->look_up(table, a->places, q->irradiance);
+    q->kernels->shade_glossy(
+        q->shading, a->rays, a->paths->width, glossy, q->irradiance, 0, q->lobes);
+    for (uint32_t left = glossy; left; left &= left - 1) {
+        uint32_t k = first_of(left), place = k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK;
+        const float *base = q->irradiance[place];
+        const rsv_glossy_tile *g = q->lobes;
+        float lit = g->depth[place] > 0 ? 1.0f : 0.0f; // or else the lobe is in it already
+        rsv_rgb shown = rgb(base[0] + lit * g->albedo[0][place] * g->even[0][place],
+            base[1] + lit * g->albedo[1][place] * g->even[1][place],
+            base[2] + lit * g->albedo[2][place] * g->even[2][place]);
+        turn_to(q, a->paths, k);
+        rsv_add_light(&q->light, rgb_mul(rsv_lane_color(a->paths->throughput, k), shown));
+    }
+    return lanes & ~glossy;
+}
+
 /// Follows specular paths one by one that come into a medium which is not listed.
 static void follow(queue *q, const rsv_arrival *a, uint32_t lanes)
 {
@@ -202,5 +270,5 @@ void rsv_specular_queue_arrive(rsv_specular_queue *q, const rsv_arrival *a, uint
     see_sky(q, a, lanes & missed);
     follow(q, a, unlisted);
     see_stored(q, a, met & ~unlisted & ~a->left);
-    scatter(q, a, met & ~unlisted & a->left);
+    scatter(q, a, see_glossy(q, a, met & ~unlisted & a->left));
 }

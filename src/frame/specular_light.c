@@ -8,16 +8,10 @@ void rsv_specular_light_refresh(rsv_specular_light *l)
     l->sky = l->lights->environment ? l->lights->environment->whole : (rsv_sky){ 0 };
 }
 
-static void add(rsv_specular_light *l, rsv_rgb light)
-{
-    float *sum = l->radiance[l->pixel];
-    sum[0] += light.r, sum[1] += light.g, sum[2] += light.b;
-}
-
 void rsv_add_sky(rsv_specular_light *l, rsv_vec3 direction, rsv_rgb weight)
 {
     if (l->sky.pixel && rsv_shows_emission(l->table))
-        add(l, rgb_mul(weight, rsv_sky_radiance(&l->sky, direction)));
+        rsv_add_light(l, rgb_mul(weight, rsv_sky_radiance(&l->sky, direction)));
 }
 
 /// What the object leaves of the light that a point shows.
@@ -48,14 +42,14 @@ void rsv_add_stored(rsv_specular_light *l, rsv_rgb throughput, const rsv_ray_pac
     rsv_float4 light = rsv_light_in_cell(l->table->cell, rsv_packet_place(places, lane));
     rsv_rgb shown = rgb(light[0], light[1], light[2]);
     if (l->mover) shown = rsv_shade_stored(l->table, l->mover, rays, lane, l->trail, shown);
-    add(l, rgb_mul(throughput, shown));
+    rsv_add_light(l, rgb_mul(throughput, shown));
 }
 
 void rsv_add_emission(
     rsv_specular_light *l, const rsv_specular_path *path, const rsv_bsdf *bsdf, rsv_rgb throughput)
 {
     if (rsv_side_shows_emission(bsdf, path->back) && rsv_shows_emission(l->table))
-        add(l, rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity)));
+        rsv_add_light(l, rgb_mul(throughput, rgb_scale(bsdf->emission, bsdf->opacity)));
 }
 
 void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb weight)
@@ -74,14 +68,57 @@ void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb wei
             path->v, rsv_surface_point_at(view, path->triangle, path->u, path->v, path->back));
         shown = shaded(l->mover, &receiver, l->trail, albedo, shown);
     }
-    add(l, rgb_mul(weight, shown));
+    rsv_add_light(l, rgb_mul(weight, shown));
+}
+
+/// Mean radiance that arrives, if as much comes from everywhere.
+static rsv_rgb even_radiance(const rsv_specular_light *l, const rsv_specular_path *path)
+{
+    uint32_t face = l->table->solution->elements->face_of[path->back][path->triangle];
+    if (face == RSV_NONE) return rgb_gray(0);
+    return rsv_shown_reflected(l->table, face, rgb_gray(1), path->u, path->v);
+}
+
+void rsv_add_even_gloss(rsv_specular_light *l, const rsv_specular_path *path,
+    const rsv_surface_point *point, const rsv_bsdf *bsdf, rsv_rgb throughput)
+{
+    rsv_vec3 normal = rsv_specular_bsdf_normal(bsdf, path, point);
+    float opacity = bsdf->opacity;
+    rsv_rgb albedo = rsv_glossy_albedo(bsdf, -v3_dot(normal, path->direction));
+    rsv_add_light(
+        l, rgb_scale(rgb_mul(throughput, rgb_mul(albedo, even_radiance(l, path))), opacity));
+}
+
+static void note(rsv_glossy_plane plane[3], uint32_t pixel, float x, float y, float z)
+{
+    plane[0][pixel] = x, plane[1][pixel] = y, plane[2][pixel] = z;
+}
+
+void rsv_note_gloss(rsv_specular_light *l, const rsv_specular_path *path,
+    const rsv_surface_point *point, const rsv_bsdf *bsdf, float distance)
+{
+    rsv_glossy_tile *g = l->gloss;
+    uint32_t pixel = l->pixel;
+    rsv_vec3 normal = rsv_specular_bsdf_normal(bsdf, path, point);
+    rsv_rgb albedo = rsv_glossy_albedo(bsdf, -v3_dot(normal, path->direction));
+    rsv_rgb even = even_radiance(l, path);
+    albedo = rgb_scale(albedo, bsdf->opacity);
+    note(g->normal, pixel, normal.x, normal.y, normal.z);
+    note(g->albedo, pixel, albedo.r, albedo.g, albedo.b);
+    note(g->even, pixel, even.r, even.g, even.b);
+    g->depth[pixel] = distance;
+    g->alpha[pixel] = rsv_glossy_width(bsdf);
+    g->u[pixel] = path->u;
+    g->v[pixel] = path->v;
+    g->triangle[pixel] = path->triangle;
+    g->count++;
 }
 
 void rsv_add_whole_path(rsv_specular_light *l, const rsv_specular_path *path)
 {
     const rsv_camera_setting setting = { l->scene, l->lights, NULL, l->max_events, false };
     rsv_rgb found = rsv_camera_path(&setting, *path, l->trail, NULL, rsv_add_diffuse_end, l);
-    if (rsv_shows_emission(l->table)) add(l, found);
+    if (rsv_shows_emission(l->table)) rsv_add_light(l, found);
 }
 
 void rsv_add_mover(
@@ -89,5 +126,5 @@ void rsv_add_mover(
 {
     rsv_rgb dimmed = rsv_medium_transmittance(&path->medium, l->scene->bsdf, body->t_max[lane]);
     rsv_rgb throughput = rsv_specular_throughput(l->scene, path, &path->medium);
-    add(l, rgb_mul(rgb_mul(throughput, dimmed), rsv_mover_shown(l->mover, body, lane)));
+    rsv_add_light(l, rgb_mul(rgb_mul(throughput, dimmed), rsv_mover_shown(l->mover, body, lane)));
 }

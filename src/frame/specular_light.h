@@ -4,6 +4,7 @@
 
 #include "../mover/mover.h"
 #include "../specular/specular_path.h"
+#include "glossy_tile.h"
 #include "light_table.h"
 #include "packet_kernels.h"
 
@@ -14,12 +15,21 @@ typedef struct rsv_specular_light {
     rsv_sky sky;
     uint32_t max_events;
     const rsv_mover *mover; ///< NULL = none
-    float (*radiance)[4];   ///< of pixels
-    uint32_t pixel, trail;  ///< of the specular path in hand; trail as in camera_path.h
+    rsv_glossy_tile
+        *gloss; ///< takes the rough lobes of what camera rays meet; NULL = paths follow them
+    float (*radiance)[4];  ///< of pixels
+    uint32_t pixel, trail; ///< of the specular path in hand; trail as in camera_path.h
 } rsv_specular_light;
 
 /// Takes the solution's lights over again.
 void rsv_specular_light_refresh(rsv_specular_light *light);
+
+/// Adds radiance to the pixel in hand.
+RSV_INLINE void rsv_add_light(rsv_specular_light *light, rsv_rgb radiance)
+{
+    float *sum = light->radiance[light->pixel];
+    sum[0] += radiance.r, sum[1] += radiance.g, sum[2] += radiance.b;
+}
 
 /// What lies beyond the scene.
 void rsv_add_sky(rsv_specular_light *light, rsv_vec3 direction, rsv_rgb weight);
@@ -35,6 +45,15 @@ void rsv_add_emission(rsv_specular_light *light, const rsv_specular_path *path,
 /// A diffuse surface that is not in the table, for rsv_camera_path too.
 /// @param light an rsv_specular_light @param weight radiance at the camera per B / pi
 void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb weight);
+
+/// What the rough lobes show of a surface behind mirrors and glass: as if all that they meet were even.
+/// @param point, bsdf of the surface
+void rsv_add_even_gloss(rsv_specular_light *light, const rsv_specular_path *path,
+    const rsv_surface_point *point, const rsv_bsdf *bsdf, rsv_rgb throughput);
+
+/// Notes the lobes of a surface that the camera ray itself met. @param distance to it
+void rsv_note_gloss(rsv_specular_light *light, const rsv_specular_path *path,
+    const rsv_surface_point *point, const rsv_bsdf *bsdf, float distance);
 
 /// All of a specular path, followed to its ends one by one.
 void rsv_add_whole_path(rsv_specular_light *light, const rsv_specular_path *path);

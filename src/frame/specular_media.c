@@ -164,7 +164,10 @@ uint32_t rsv_specular_media_arrive(const rsv_specular_media *m, const rsv_ray_pa
         c->back[k] = rsv_packet_meets_back(p, k);
     for (; left; left &= left - 1) {
         uint32_t k = (uint32_t)__builtin_ctz(left);
-        if (!arrive(m, (uint32_t)places->cell[k] - 1, k, c))
+        uint32_t material = (uint32_t)places->cell[k] - 1;
+        if (material >= m->scene->view->material_count) // the cell of a glossy surface
+            material = m->scene->view->triangle_material[p->triangle[k]];
+        if (!arrive(m, material, k, c))
             unlisted |= 1u << k;
         else
             c->width[k] += spread * p->t_max[k];

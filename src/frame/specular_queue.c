@@ -21,7 +21,11 @@ rsv_status rsv_specular_queue_create(const rsv_light_table *table,
     q->moving = rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->moving);
     q->kind = rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->kind);
     q->order = rsv_alloc(table->context, RSV_QUEUE_CAPACITY, sizeof *q->order);
-    return q->waiting && q->moving && q->kind && q->order ? RSV_OK : RSV_ERROR_MEMORY;
+    if (!q->waiting || !q->moving || !q->kind || !q->order) return RSV_ERROR_MEMORY;
+    if (!table->glossy) return RSV_OK;
+    q->lobes = rsv_alloc(table->context, 1, sizeof *q->lobes);
+    q->irradiance = rsv_alloc(table->context, RSV_BLOCK * RSV_TILE, sizeof *q->irradiance);
+    return q->lobes && q->irradiance ? RSV_OK : RSV_ERROR_MEMORY;
 }
 
 void rsv_specular_queue_destroy(rsv_specular_queue *q)
@@ -32,6 +36,8 @@ void rsv_specular_queue_destroy(rsv_specular_queue *q)
     rsv_free(context, q->moving);
     rsv_free(context, q->kind);
     rsv_free(context, q->order);
+    rsv_free(context, q->lobes);
+    rsv_free(context, q->irradiance);
 }
 
 static void load_lane(rsv_specular_packet *p, uint32_t k, const rsv_specular_traveller *t)

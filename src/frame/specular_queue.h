@@ -41,8 +41,11 @@ typedef struct rsv_specular_queue {
     const rsv_specular_media *media;
     const rsv_clearances *clearances;
     rsv_specular_light light;
-    float spread;                    ///< of all specular paths
-    rsv_specular_traveller *waiting; ///< [RSV_QUEUE_CAPACITY] for their next step
+    float spread;                      ///< of all specular paths
+    const rsv_glossy_shading *shading; ///< of the frame
+    rsv_glossy_tile *lobes;            ///< of a packet at glossy surfaces; NULL = there are none
+    float (*irradiance)[4];            ///< [RSV_BLOCK][RSV_TILE] of one
+    rsv_specular_traveller *waiting;   ///< [RSV_QUEUE_CAPACITY] for their next step
     uint8_t *kind; ///< [RSV_QUEUE_CAPACITY] theirs: those of one are traced together
     uint32_t waiting_count;
     rsv_specular_traveller *moving; ///< [RSV_QUEUE_CAPACITY] taking a step

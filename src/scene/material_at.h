@@ -18,6 +18,10 @@
 RSV_SHARED rsv_material rsv_material_at(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width);
 
+/// Its base color alone, without the colours of vertices.
+RSV_SHARED rsv_rgb rsv_base_color_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width);
+
 /// The material with the mean of each texture multiplied in. A property that is 0 here is 0 everywhere.
 rsv_material rsv_material_mean(const rsv_scene_view *scene, uint32_t material);
 

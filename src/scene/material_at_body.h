@@ -148,6 +148,19 @@ RSV_SHARED rsv_material rsv_material_at(
     return m;
 }
 
+RSV_SHARED rsv_rgb rsv_base_color_at(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
+{
+    const rsv_material *m = &scene->material[scene->triangle_material[triangle]];
+    rsv_rgb color = m->base_color;
+    for (size_t i = 0; i < m->texture_count; i++) {
+        if (m->textures[i].role != RSV_TEXTURE_BASE_COLOR) continue;
+        rsv_texel texel = rsv_texture_at(scene, &m->textures[i], triangle, u, v, width);
+        color = rgb_mul(color, rgb(texel.r, texel.g, texel.b));
+    }
+    return color;
+}
+
 /// What is exactly as opaque as the limit stays: products and interpolation miss it by their rounding.
 #define RSV_CUTOFF_SHARE (1 - 1e-6f)
 

@@ -8,6 +8,7 @@
 RSV_INLINE uint32_t rsv_wrapped(int64_t k, uint32_t size, rsv_wrap wrap)
 {
     int64_t n = size;
+    if (k >= 0 && k < n) return (uint32_t)k;
     if (wrap == RSV_WRAP_CLAMP) return (uint32_t)(k < 0 ? 0 : k >= n ? n - 1 : k);
     int64_t period = wrap == RSV_WRAP_MIRROR ? 2 * n : n;
     k %= period;
@@ -21,18 +22,30 @@ RSV_INLINE rsv_texel rsv_texel_of(float r, float g, float b, float a)
     return texel;
 }
 
-RSV_INLINE rsv_texel rsv_texel_at(
-    const rsv_texture *t, const rsv_texture_level *level, int64_t i, int64_t j)
+/// @param x, y inside the level
+RSV_INLINE rsv_texel rsv_texel_inside(
+    const rsv_texture *t, const rsv_texture_level *level, uint32_t x, uint32_t y)
 {
-    uint32_t x = rsv_wrapped(i, level->width, t->wrap_u),
-             y = rsv_wrapped(j, level->height, t->wrap_v);
     size_t first = (level->first + (size_t)y * level->width + x) * t->channel_count;
+    if (t->unorm && t->channel_count >= 3) { // nearly all
+        const uint16_t *code = t->unorm + first;
+        const float unit = 1.0f / 65535;
+        return rsv_texel_of((float)code[0] * unit, (float)code[1] * unit, (float)code[2] * unit,
+            t->channel_count == 4 ? (float)code[3] * unit : 1);
+    }
     float c[4] = { 0, 0, 0, 0 };
     for (uint32_t k = 0; k < t->channel_count; k++)
         c[k] = t->unorm ? (float)t->unorm[first + k] * (1.0f / 65535) : t->value[first + k];
     bool colored = t->channel_count >= 3, covers = t->channel_count % 2 == 0;
     return rsv_texel_of(
         c[0], colored ? c[1] : c[0], colored ? c[2] : c[0], covers ? c[t->channel_count - 1] : 1);
+}
+
+RSV_INLINE rsv_texel rsv_texel_at(
+    const rsv_texture *t, const rsv_texture_level *level, int64_t i, int64_t j)
+{
+    return rsv_texel_inside(t, level, rsv_wrapped(i, level->width, t->wrap_u),
+        rsv_wrapped(j, level->height, t->wrap_v));
 }
 
 RSV_INLINE rsv_texel rsv_texel_mix(rsv_texel a, rsv_texel b, float share)
@@ -67,10 +80,14 @@ RSV_INLINE rsv_texel rsv_texture_bilinear(const rsv_texture *t, uint32_t index, 
     float left = floorf(x - 0.5f), top = floorf(y - 0.5f);
     float right_share = x - 0.5f - left, bottom_share = y - 0.5f - top;
     int64_t i = (int64_t)left, j = (int64_t)top;
-    rsv_texel upper = rsv_texel_between(
-        t, rsv_texel_at(t, level, i, j), rsv_texel_at(t, level, i + 1, j), right_share);
-    rsv_texel lower = rsv_texel_between(
-        t, rsv_texel_at(t, level, i, j + 1), rsv_texel_at(t, level, i + 1, j + 1), right_share);
+    uint32_t x0 = rsv_wrapped(i, level->width, t->wrap_u),
+             x1 = rsv_wrapped(i + 1, level->width, t->wrap_u),
+             y0 = rsv_wrapped(j, level->height, t->wrap_v),
+             y1 = rsv_wrapped(j + 1, level->height, t->wrap_v);
+    rsv_texel upper = rsv_texel_between(t, rsv_texel_inside(t, level, x0, y0),
+        rsv_texel_inside(t, level, x1, y0), right_share);
+    rsv_texel lower = rsv_texel_between(t, rsv_texel_inside(t, level, x0, y1),
+        rsv_texel_inside(t, level, x1, y1), right_share);
     return rsv_texel_between(t, upper, lower, bottom_share);
 }
 

@@ -227,6 +227,119 @@ static void each_eye_has_a_picture_of_its_own(void **state)
     world_end(w);
 }
 
+// ---- reused light of rough lobes ----------------------------------------------------------------
+
+/// Mean radiance of the last of some frames from a camera that moves.
+static double mean_of_flight(rsv_light *solution, const world *w, rsv_frame_gloss gloss, int frames)
+{
+    static rsv_rgb radiance[pixel_count];
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    desc.gloss = gloss;
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    double sum = 0;
+    for (int k = 0; k < frames; k++) {
+        view.camera[0].position.x = 1e-3f * (float)(k + 1);
+        render_frames(renderer, &view, 1);
+        rsv_frame_radiance(renderer, 0, radiance);
+        for (size_t i = 0; i < pixel_count; i++) {
+            assert_true(isfinite(radiance[i].r + radiance[i].g + radiance[i].b));
+            sum += (double)radiance[i].g / (double)(frames * pixel_count);
+        }
+    }
+    rsv_frame_renderer_destroy(renderer);
+    return sum;
+}
+
+static void reused_light_has_the_same_mean(void **state)
+{
+    (void)state;
+    world *w = mixed_world(false);
+    rsv_light *solution = solve(w);
+    double paths = mean_of_flight(solution, w, RSV_GLOSS_PATHS, 48);
+    double reused = mean_of_flight(solution, w, RSV_GLOSS_REUSED, 48);
+    assert_close(reused, paths, 0.01 * paths);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
+/// Threads, instructions and eyes.
+static void reused_light_is_the_same_however_it_is_computed(void **state)
+{
+    (void)state;
+    uint64_t hash[2];
+    for (int threads = 1; threads < 3; threads++) {
+        world *w = mixed_world(false);
+        rsv_light *solution = solve(w);
+        rsv_frame_desc desc = frame_desc();
+        rsv_frame_view view = view_of(w);
+        desc.gloss = RSV_GLOSS_REUSED;
+        hash[threads - 1] = hash_of_frames(solution, &desc, &view, 0);
+        desc.instructions = RSV_INSTRUCTIONS_PORTABLE;
+        assert_true(hash_of_frames(solution, &desc, &view, 0) == hash[threads - 1]);
+        desc.eyes = 2;
+        view.camera[1] = rsv_camera_eye(&view.camera[0], 1, 0.1f);
+        assert_true(hash_of_frames(solution, &desc, &view, 0) == hash[threads - 1]);
+        rsv_light_destroy(solution);
+        world_end(w);
+    }
+}
+
+/// A light that is switched off leaves nothing behind, in the first frame already.
+static void reused_light_goes_with_its_source(void **state)
+{
+    (void)state;
+    const rsv_light_scale off = { "environment", { 0, 0, 0 } };
+    const rsv_relight_desc change = { .light = &off, .light_count = 1 };
+    static rsv_rgb after[pixel_count], anew[pixel_count];
+    world *w = mixed_world(false);
+    rsv_light *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    desc.gloss = RSV_GLOSS_REUSED;
+    rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+    render_frames(renderer, &view, 20);
+    assert_int_equal(rsv_light_relight(solution, &change), RSV_OK);
+    rsv_frame_renderer_refresh(renderer);
+    rsv_frame_renderer *other = begin_frames(solution, &desc);
+    render_frames(renderer, &view, 1);
+    render_frames(other, &view, 1);
+    rsv_frame_radiance(renderer, 0, after);
+    rsv_frame_radiance(other, 0, anew);
+    double sum = 0, difference = 0;
+    for (size_t k = 0; k < pixel_count; k++) {
+        sum += (double)anew[k].g;
+        difference += (double)after[k].g - (double)anew[k].g;
+    }
+    assert_close(difference, 0, 0.02 * sum); // each has noise of its own
+    rsv_frame_renderer_destroy(renderer);
+    rsv_frame_renderer_destroy(other);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
+static void reused_light_fits_windows_of_one_pixel(void **state)
+{
+    (void)state;
+    world *w = mixed_world(true); // from inside glass, too
+    rsv_light *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    desc.gloss = RSV_GLOSS_REUSED;
+    for (uint32_t size = 1; size < 40; size += 19) {
+        rsv_rgb radiance[39 * 39];
+        desc.width = desc.height = size;
+        rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+        render_frames(renderer, &view, 3);
+        rsv_frame_radiance(renderer, 0, radiance);
+        for (uint32_t k = 0; k < size * size; k++)
+            assert_true(isfinite(radiance[k].r + radiance[k].g + radiance[k].b));
+        rsv_frame_renderer_destroy(renderer);
+    }
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 // ---- frame after frame --------------------------------------------------------------------------
 
 static void frames_start_over_when_the_camera_moves(void **state)
@@ -384,6 +497,10 @@ int main(int argc, char **argv)
         cmocka_unit_test(surfaces_of_all_kinds_add_up_to_the_picture),
         cmocka_unit_test(bodies_within_bodies_add_up_to_the_picture),
         cmocka_unit_test(frames_follow_the_light),
+        cmocka_unit_test(reused_light_has_the_same_mean),
+        cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
+        cmocka_unit_test(reused_light_goes_with_its_source),
+        cmocka_unit_test(reused_light_fits_windows_of_one_pixel),
     };
     return RUN_HALF(argc, argv, quick, slow);
 }

@@ -53,7 +53,7 @@ static bool is_shown_by_device(const rsv_light *solution)
     rsv_light_table table;
     rsv_frame_device *device;
     rsv_frame_desc desc = frame_desc();
-    assert_int_equal(rsv_light_table_create(rsv_light_get_view(solution), &table), RSV_OK);
+    assert_int_equal(rsv_light_table_create(rsv_light_get_view(solution), NULL, &table), RSV_OK);
     assert_int_equal(rsv_frame_device_create(&table, &desc, &device), RSV_OK);
     bool made = device != NULL;
     rsv_frame_device_destroy(device);

@@ -1,0 +1,407 @@
+/// Cells and their neighbours, sixteen side by side (glossy_cells.h), included by packet_kernels_body.h.
+#include "glossy_cells.h"
+
+// ---- what tiles bring ---------------------------------------------------------------------------
+
+static void fill_cells(const rsv_glossy_tile *restrict tile, const rsv_frame_aim *restrict aim,
+    uint32_t column, uint32_t row, uint32_t line, const rsv_glossy_cells *cells,
+    int *restrict speaker)
+{
+    const rsv_lens *lens = &aim->lens;
+    const rsv_camera *c = &lens->camera;
+    const rsv_glossy_geometry g = cells->now;
+    bool orthographic = c->vertical_fov == 0;
+    size_t at = cells->first + (size_t)(row / 2 + line) * cells->stride + column / 2;
+    for (int k = 0; k < LANES; k++)
+        speaker[k] = -1;
+    for (uint32_t n = 4; n-- > 0;) { // the first choice comes last
+        uint32_t corner = rsv_glossy_speaker(cells->frame, n);
+        const float *depth = tile->depth + (2 * line + corner / 2) * RSV_TILE + corner % 2;
+        int place = (int)(depth - tile->depth);
+        for (int k = 0; k < LANES; k++)
+            speaker[k] = depth[2 * k] > 0 ? place + 2 * k : speaker[k];
+    }
+    for (int k = 0; k < LANES; k++) {
+        int pixel = speaker[k] < 0 ? 0 : speaker[k];
+        float depth = speaker[k] < 0 ? 0 : tile->depth[pixel];
+        int i = (int)column + pixel % RSV_TILE, j = (int)row + pixel / RSV_TILE;
+        float across = ((float)i + aim->place_x - lens->half_width) * lens->pixel_size;
+        float upwards = (lens->half_height - ((float)j + aim->place_y)) * lens->pixel_size;
+        float x = c->right.x * across + upwards * c->up.x;
+        float y = c->right.y * across + upwards * c->up.y;
+        float z = c->right.z * across + upwards * c->up.z;
+        float dx = c->forward.x + x, dy = c->forward.y + y, dz = c->forward.z + z;
+        float scale = depth / sqrtf(dx * dx + dy * dy + dz * dz);
+        g.x[at + k] = c->position.x + (orthographic ? x + depth * c->forward.x : dx * scale);
+        g.y[at + k] = c->position.y + (orthographic ? y + depth * c->forward.y : dy * scale);
+        g.z[at + k] = c->position.z + (orthographic ? z + depth * c->forward.z : dz * scale);
+        g.depth[at + k] = depth;
+        g.nx[at + k] = tile->normal[0][pixel];
+        g.ny[at + k] = tile->normal[1][pixel];
+        g.nz[at + k] = tile->normal[2][pixel];
+        g.alpha[at + k] = tile->alpha[pixel];
+        cells->even.r[at + k] = tile->even[0][pixel];
+        cells->even.g[at + k] = tile->even[1][pixel];
+        cells->even.b[at + k] = tile->even[2][pixel];
+        cells->fresh.count[at + k] = 0;
+    }
+}
+
+static void pack_pixels(const rsv_glossy_tile *restrict tile, rsv_glossy_pixels *restrict to)
+{
+    for (int k = 0; k < RSV_GLOSSY_TILE_PIXELS; k++) {
+        float depth = tile->depth[k];
+        to->depth[k] = depth;
+        for (int c = 0; c < 3; c++) {
+            float albedo = depth > 0 ? tile->albedo[c][k] : 0,
+                  normal = depth > 0 ? tile->normal[c][k] : 0;
+            to->albedo[c][k] = (uint16_t)(int)(f_min(albedo, 1) * 65535 + 0.5f);
+            to->normal[c][k] = (int16_t)(int)(normal * 32767);
+        }
+    }
+}
+
+// ---- neighbours ---------------------------------------------------------------------------------
+
+/// Sixteen cells that look around.
+typedef struct cell_lanes {
+    float x[LANES], y[LANES], z[LANES], depth[LANES], nx[LANES], ny[LANES], nz[LANES], alpha[LANES];
+    float sharp[LANES]; ///< how quickly neighbours count less by their normals
+    float near[LANES];  ///< likewise by their place in the picture
+} __attribute__((aligned(64))) cell_lanes;
+
+static inline void load_cells(
+    const rsv_glossy_geometry *g, size_t at, float reach, cell_lanes *restrict c)
+{
+    for (int k = 0; k < LANES; k++) {
+        float alpha = g->alpha[at + k], radius = 0.8f + f_min(20 * alpha, 2.4f);
+        c->x[k] = g->x[at + k], c->y[k] = g->y[at + k], c->z[k] = g->z[at + k];
+        c->nx[k] = g->nx[at + k], c->ny[k] = g->ny[at + k], c->nz[k] = g->nz[at + k];
+        c->depth[k] = g->depth[at + k];
+        c->alpha[k] = alpha;
+        c->sharp[k] = f_max(2, 1 / (2 * alpha * alpha + 0.002f));
+        c->near[k] = 1 / (radius * radius * reach * reach);
+    }
+}
+
+/// How much a neighbour at `at` counts, by its surface and by distance^2 in cells.
+static inline void weigh(const cell_lanes *restrict c, const rsv_glossy_geometry *g, size_t at,
+    float distance2, float *restrict weight)
+{
+    for (int k = 0; k < LANES; k++) {
+        float cos = c->nx[k] * g->nx[at + k] + c->ny[k] * g->ny[at + k] + c->nz[k] * g->nz[at + k];
+        float above = c->nx[k] * (g->x[at + k] - c->x[k]) + c->ny[k] * (g->y[at + k] - c->y[k]) +
+                      c->nz[k] * (g->z[at + k] - c->z[k]);
+        float wider = fabsf(g->alpha[at + k] - c->alpha[k]);
+        float alike = f_max(1 - (1 - cos) * c->sharp[k], 0);
+        float level = f_max(1 - 40 * fabsf(above) / (c->depth[k] + 1e-6f), 0);
+        float same = f_max(1 - wider / (0.5f * c->alpha[k] + 0.02f), 0);
+        float close = f_max(1 - distance2 * c->near[k], 0);
+        weight[k] = g->depth[at + k] > 0 ? alike * alike * level * same * close : 0;
+    }
+}
+
+/// A sum of samples.
+typedef struct light_lanes {
+    float r[LANES], g[LANES], b[LANES], count[LANES], reach[LANES];
+} __attribute__((aligned(64))) light_lanes;
+
+static inline light_lanes no_light(void)
+{
+    light_lanes none;
+    memset(&none, 0, sizeof none);
+    return none;
+}
+
+static inline void add_lanes(
+    const rsv_glossy_light *l, size_t at, const float *restrict weight, light_lanes *restrict sum)
+{
+    for (int k = 0; k < LANES; k++) {
+        float w = weight[k] * l->count[at + k];
+        sum->r[k] += w > 0 ? w * l->r[at + k] : 0;
+        sum->g[k] += w > 0 ? w * l->g[at + k] : 0;
+        sum->b[k] += w > 0 ? w * l->b[at + k] : 0;
+        sum->reach[k] += w > 0 ? w * l->reach[at + k] : 0;
+        sum->count[k] += w;
+    }
+}
+
+static inline bool any_positive(const float *restrict x)
+{
+    int any = 0;
+    for (int k = 0; k < LANES; k++)
+        any |= x[k] > 0;
+    return any;
+}
+
+// ---- samples of this frame ----------------------------------------------------------------------
+
+static inline void add_fresh(const rsv_glossy_cells *cells, size_t at, const cell_lanes *restrict c,
+    light_lanes *restrict sum)
+{
+    _Alignas(64) float weight[LANES];
+    for (int dy = -3; dy <= 3; dy++)
+        for (int dx = -3; dx <= 3; dx++) {
+            size_t there = at + (size_t)((ptrdiff_t)dy * cells->stride + dx);
+            if (!any_positive(cells->fresh.count + there)) continue;
+            weigh(c, &cells->now, there, (float)(dx * dx + dy * dy), weight);
+            add_lanes(&cells->fresh, there, weight, sum);
+        }
+}
+
+// ---- frames before ------------------------------------------------------------------------------
+
+/// Where points lie in a picture, in pixels; far outside for those behind the camera.
+static inline void project(const rsv_lens *lens, const float *restrict px, const float *restrict py,
+    const float *restrict pz, float *restrict across, float *restrict down)
+{
+    const rsv_camera *c = &lens->camera;
+    bool orthographic = c->vertical_fov == 0;
+    for (int k = 0; k < LANES; k++) {
+        float x = px[k] - c->position.x, y = py[k] - c->position.y, z = pz[k] - c->position.z;
+        float ahead = x * c->forward.x + y * c->forward.y + z * c->forward.z;
+        float right = x * c->right.x + y * c->right.y + z * c->right.z;
+        float up = x * c->up.x + y * c->up.y + z * c->up.z;
+        float scale = 1 / ((orthographic ? 1 : ahead) * lens->pixel_size);
+        bool seen = orthographic | (ahead > 0);
+        across[k] = seen ? lens->half_width + right * scale : -1e6f;
+        down[k] = seen ? lens->half_height - up * scale : -1e6f;
+    }
+}
+
+/// Where cells lay in the frame before. Mirrored things move as their images behind the surface do.
+static inline void find_before(const rsv_glossy_cells *cells, const cell_lanes *restrict c,
+    const float *restrict reach, uint32_t column, uint32_t row, float *restrict x,
+    float *restrict y)
+{
+    _Alignas(64) float px[LANES], py[LANES], pz[LANES], now_x[LANES], now_y[LANES];
+    const rsv_vec3 eye = cells->lens.camera.position;
+    for (int k = 0; k < LANES; k++) {
+        float mirrored = f_max(1 - 6 * c->alpha[k], 0) * reach[k] / (c->depth[k] + 1e-6f);
+        px[k] = c->x[k] + mirrored * (c->x[k] - eye.x);
+        py[k] = c->y[k] + mirrored * (c->y[k] - eye.y);
+        pz[k] = c->z[k] + mirrored * (c->z[k] - eye.z);
+    }
+    project(&cells->lens, px, py, pz, now_x, now_y);
+    project(&cells->lens_before, px, py, pz, x, y);
+    for (int k = 0; k < LANES; k++) {
+        float dx = 0.5f * (x[k] - now_x[k]), dy = 0.5f * (y[k] - now_y[k]);
+        dx = fabsf(dx) < 2e-3f ? 0 : dx;
+        dy = fabsf(dy) < 2e-3f ? 0 : dy;
+        x[k] = (float)((int)column + k) + f_min(f_max(dx, -1e5f), 1e5f);
+        y[k] = (float)row + f_min(f_max(dy, -1e5f), 1e5f);
+    }
+}
+
+static inline void gather_plane(const float *plane, const int *restrict index, float *restrict to)
+{
+    gather(plane, index, (int *)to);
+}
+
+/// How much a cell of the frame before tells of these. @param index of it @param weight in and out
+static inline void check_before(const rsv_glossy_geometry *g, const cell_lanes *restrict c,
+    const int *restrict index, float *restrict weight)
+{
+    _Alignas(64) float x[LANES], y[LANES], z[LANES], depth[LANES], nx[LANES], ny[LANES], nz[LANES];
+    gather_plane(g->x, index, x);
+    gather_plane(g->y, index, y);
+    gather_plane(g->z, index, z);
+    gather_plane(g->depth, index, depth);
+    gather_plane(g->nx, index, nx);
+    gather_plane(g->ny, index, ny);
+    gather_plane(g->nz, index, nz);
+    for (int k = 0; k < LANES; k++) {
+        float cos = c->nx[k] * nx[k] + c->ny[k] * ny[k] + c->nz[k] * nz[k];
+        float above =
+            c->nx[k] * (x[k] - c->x[k]) + c->ny[k] * (y[k] - c->y[k]) + c->nz[k] * (z[k] - c->z[k]);
+        bool same = (depth[k] > 0) & (cos > 0.9f) & (fabsf(above) < 0.02f * c->depth[k]);
+        weight[k] = same ? weight[k] : 0;
+    }
+}
+
+static inline void add_before(const rsv_glossy_light *l, const int *restrict index,
+    const float *restrict weight, light_lanes *restrict sum, float *restrict samples)
+{
+    _Alignas(64) float r[LANES], g[LANES], b[LANES], count[LANES], reach[LANES];
+    gather_plane(l->r, index, r);
+    gather_plane(l->g, index, g);
+    gather_plane(l->b, index, b);
+    gather_plane(l->count, index, count);
+    gather_plane(l->reach, index, reach);
+    for (int k = 0; k < LANES; k++) {
+        float w = count[k] > 0 ? weight[k] : 0;
+        sum->r[k] += w * r[k];
+        sum->g[k] += w * g[k];
+        sum->b[k] += w * b[k];
+        sum->reach[k] += w * reach[k];
+        sum->count[k] += w;
+        samples[k] += w * count[k];
+    }
+}
+
+/// Means of what was kept where cells lay before, and how many samples that is.
+static inline void recall(const rsv_glossy_cells *cells, const cell_lanes *restrict c,
+    const float *restrict x, const float *restrict y, light_lanes *restrict mean)
+{
+    _Alignas(64) float weight[LANES], samples[LANES];
+    _Alignas(64) int index[LANES];
+    *mean = no_light();
+    memset(samples, 0, sizeof samples);
+    for (int tap = 0; tap < 4; tap++) {
+        for (int k = 0; k < LANES; k++) {
+            float left = floorf(x[k]), top = floorf(y[k]), fx = x[k] - left, fy = y[k] - top;
+            int i = (int)left + (tap & 1), j = (int)top + (tap >> 1);
+            bool inside = (i >= 0) & (j >= 0) & (i < (int)cells->width) & (j < (int)cells->height);
+            weight[k] = inside ? (tap & 1 ? fx : 1 - fx) * (tap >> 1 ? fy : 1 - fy) : 0;
+            index[k] = (int)cells->first + (inside ? j * (int)cells->stride + i : 0);
+        }
+        if (!any_positive(weight)) continue;
+        check_before(&cells->before, c, index, weight);
+        add_before(&cells->kept_before, index, weight, mean, samples);
+    }
+    for (int k = 0; k < LANES; k++) {
+        float scale = mean->count[k] > 1e-3f ? 1 / mean->count[k] : 0;
+        mean->r[k] *= scale, mean->g[k] *= scale, mean->b[k] *= scale, mean->reach[k] *= scale;
+        mean->count[k] = f_min(samples[k] * scale * cells->keep, cells->most);
+    }
+}
+
+// ---- both together ------------------------------------------------------------------------------
+
+static inline void keep_light(const rsv_glossy_cells *cells, size_t at,
+    const light_lanes *restrict old, const light_lanes *restrict fresh)
+{
+    const rsv_glossy_light *to = &cells->kept;
+    for (int k = 0; k < LANES; k++) {
+        float n = old->count[k], count = n + fresh->count[k];
+        float scale = count > 1e-3f ? 1 / count : 0;
+        bool none = !(count > 1e-3f);
+        to->r[at + k] = none ? cells->even.r[at + k] : scale * (n * old->r[k] + fresh->r[k]);
+        to->g[at + k] = none ? cells->even.g[at + k] : scale * (n * old->g[k] + fresh->g[k]);
+        to->b[at + k] = none ? cells->even.b[at + k] : scale * (n * old->b[k] + fresh->b[k]);
+        to->reach[at + k] = scale * (n * old->reach[k] + fresh->reach[k]);
+        to->count[at + k] = cells->now.depth[at + k] > 0 ? count : 0;
+    }
+}
+
+/// This frame's samples and the frames before, for sixteen cells.
+static void blend_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_t row)
+{
+    _Alignas(64) float x[LANES], y[LANES], reach[LANES];
+    size_t at = cells->first + (size_t)row * cells->stride + column;
+    cell_lanes c;
+    light_lanes fresh = no_light(), old = no_light();
+    if (!any_positive(cells->now.depth + at)) {
+        memset(cells->kept.count + at, 0, LANES * sizeof(float));
+        return;
+    }
+    load_cells(&cells->now, at, 1, &c);
+    add_fresh(cells, at, &c, &fresh);
+    for (int k = 0; k < LANES; k++)
+        reach[k] = fresh.count[k] > 1e-3f ? fresh.reach[k] / fresh.count[k] : 0;
+    if (cells->keep > 0) {
+        find_before(cells, &c, reach, column, row, x, y);
+        recall(cells, &c, x, y, &old);
+    }
+    keep_light(cells, at, &old, &fresh);
+}
+
+/// Samples that a cell shows by itself.
+#define ENOUGH_SAMPLES 32.0f
+
+static inline bool all_enough(const float *restrict count, const float *restrict depth)
+{
+    int few = 0;
+    for (int k = 0; k < LANES; k++)
+        few |= (depth[k] > 0) & (count[k] < ENOUGH_SAMPLES);
+    return !few;
+}
+
+/// What sixteen cells show: those of few samples look around.
+static void smooth_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_t row)
+{
+    _Alignas(64) float weight[LANES];
+    size_t at = cells->first + (size_t)row * cells->stride + column;
+    const rsv_glossy_light *kept = &cells->kept, *to = &cells->shown;
+    cell_lanes c;
+    light_lanes sum = no_light();
+    if (!any_positive(cells->now.depth + at)) return;
+    if (all_enough(kept->count + at, cells->now.depth + at)) {
+        memcpy(to->r + at, kept->r + at, LANES * sizeof(float));
+        memcpy(to->g + at, kept->g + at, LANES * sizeof(float));
+        memcpy(to->b + at, kept->b + at, LANES * sizeof(float));
+        return;
+    }
+    load_cells(&cells->now, at, 2, &c);
+    for (int dy = -4; dy <= 4; dy += 2)
+        for (int dx = -4; dx <= 4; dx += 2) {
+            size_t there = at + (size_t)((ptrdiff_t)dy * cells->stride + dx);
+            weigh(&c, &cells->now, there, (float)(dx * dx + dy * dy), weight);
+            if (dx || dy)
+                for (int k = 0; k < LANES; k++)
+                    weight[k] *= f_max(1 - kept->count[at + k] / ENOUGH_SAMPLES, 0);
+            add_lanes(kept, there, weight, &sum);
+        }
+    for (int k = 0; k < LANES; k++) {
+        bool none = !(sum.count[k] > 1e-3f);
+        float scale = none ? 0 : 1 / sum.count[k];
+        to->r[at + k] = none ? kept->r[at + k] : scale * sum.r[k];
+        to->g[at + k] = none ? kept->g[at + k] : scale * sum.g[k];
+        to->b[at + k] = none ? kept->b[at + k] : scale * sum.b[k];
+    }
+}
+
+// ---- back to pixels -----------------------------------------------------------------------------
+
+/// Sixteen pixels, and what they take from cells.
+typedef struct pixel_lanes {
+    float depth[LANES], nx[LANES], ny[LANES], nz[LANES];
+    float r[LANES], g[LANES], b[LANES], weight[LANES];
+} __attribute__((aligned(64))) pixel_lanes;
+
+/// Adds cells of one line: those that pixels lie in, or their neighbours to the side. @param near by the line
+static inline void add_line(
+    const rsv_glossy_cells *cells, size_t at, bool beside, float near, pixel_lanes *restrict p)
+{
+    const rsv_glossy_geometry *g = &cells->now;
+    const rsv_glossy_light *l = &cells->shown;
+    float share = near * (beside ? 0.25f : 0.75f);
+    for (int k = 0; k < LANES; k++) {
+        size_t cell = at + (size_t)(k / 2) + (size_t)(beside ? (k & 1 ? 1 : -1) : 0);
+        float cos = p->nx[k] * g->nx[cell] + p->ny[k] * g->ny[cell] + p->nz[k] * g->nz[cell];
+        float behind = (g->depth[cell] - p->depth[k]) / (p->depth[k] + 1e-6f);
+        float alike = f_max(1 - 8 * (1 - cos), 1e-3f), level = 1 / (1 + 400 * behind * behind);
+        float w = g->depth[cell] > 0 ? share * alike * alike * level : 0;
+        p->r[k] += w > 0 ? w * l->r[cell] : 0;
+        p->g[k] += w > 0 ? w * l->g[cell] : 0;
+        p->b[k] += w > 0 ? w * l->b[cell] : 0;
+        p->weight[k] += w;
+    }
+}
+
+static void light_pixels(const rsv_glossy_cells *cells, const rsv_glossy_pixels *restrict pixels,
+    uint32_t x, uint32_t y, size_t cell, float (*restrict radiance)[4])
+{
+    uint32_t first = y * RSV_TILE + x;
+    ptrdiff_t line = y & 1 ? (ptrdiff_t)cells->stride : -(ptrdiff_t)cells->stride;
+    pixel_lanes p;
+    if (!any_positive(pixels->depth + first)) return;
+    memset(&p, 0, sizeof p);
+    for (int k = 0; k < LANES; k++) {
+        p.depth[k] = pixels->depth[first + k];
+        p.nx[k] = (float)pixels->normal[0][first + k] * (1.0f / 32767);
+        p.ny[k] = (float)pixels->normal[1][first + k] * (1.0f / 32767);
+        p.nz[k] = (float)pixels->normal[2][first + k] * (1.0f / 32767);
+    }
+    for (int beside = 0; beside < 2; beside++) {
+        add_line(cells, cell, beside, 0.75f, &p);
+        add_line(cells, (size_t)((ptrdiff_t)cell + line), beside, 0.25f, &p);
+    }
+    for (int k = 0; k < LANES; k++) {
+        float scale = p.depth[k] > 0 && p.weight[k] > 0 ? (1.0f / 65535) / p.weight[k] : 0;
+        float *out = radiance[first + k];
+        out[0] += scale * p.r[k] * (float)pixels->albedo[0][first + k];
+        out[1] += scale * p.g[k] * (float)pixels->albedo[1][first + k];
+        out[2] += scale * p.b[k] * (float)pixels->albedo[2][first + k];
+    }
+}

@@ -1,0 +1,194 @@
+/// Sixteen pixels of glossy surfaces, included by packet_kernels_body.h.
+#include "../scene/material_at.h"
+
+/// What a packet's rays met: materials, and normals to be shaded with.
+typedef struct glossy_lanes {
+    int material[LANES];
+    rsv_lanes3 normal;
+    float cos[LANES];
+} __attribute__((aligned(64))) glossy_lanes;
+
+/// Triangles of the lanes that are asked for, and of one of them in the others.
+static inline void fill_triangles(
+    const rsv_ray_packet *restrict p, uint32_t lanes, int *restrict triangle)
+{
+    int some = (int)p->triangle[__builtin_ctz(lanes)];
+    for (int k = 0; k < LANES; k++)
+        triangle[k] = lanes >> k & 1 ? (int)p->triangle[k] : some;
+}
+
+/// Normals of the vertices of a packet's triangles.
+static inline void gather_normals(
+    const rsv_scene_view *view, const int *restrict triangle, rsv_lanes3 normal[3])
+{
+    _Alignas(64) int index[LANES], vertex[LANES], word[LANES];
+    if (all_equal(triangle)) {
+        for (int c = 0; c < 3; c++) {
+            const rsv_vec3 n = view->normal[view->triangle[triangle[0]][c]];
+            for (int k = 0; k < LANES; k++)
+                normal[c][0][k] = n.x, normal[c][1][k] = n.y, normal[c][2][k] = n.z;
+        }
+        return;
+    }
+    for (int c = 0; c < 3; c++) {
+        for (int k = 0; k < LANES; k++)
+            index[k] = 3 * triangle[k] + c;
+        gather(view->triangle, index, vertex);
+        for (int axis = 0; axis < 3; axis++) {
+            for (int k = 0; k < LANES; k++)
+                index[k] = 3 * vertex[k] + axis;
+            gather(view->normal, index, word);
+            memcpy(normal[c][axis], word, sizeof word);
+        }
+    }
+}
+
+/// rsv_surface_point_at and rsv_specular_bsdf_normal, all lanes at once.
+static inline void find_normals(
+    const rsv_ray_packet *restrict p, const rsv_lanes3 *restrict corner, glossy_lanes *restrict to)
+{
+    for (int k = 0; k < LANES; k++) {
+        float u = p->u[k], v = p->v[k], w = 1 - u - v;
+        float gx = p->normal_x[k], gy = p->normal_y[k], gz = p->normal_z[k];
+        float dx = p->direction_x[k], dy = p->direction_y[k], dz = p->direction_z[k];
+        float nx = w * corner[0][0][k] + u * corner[1][0][k] + v * corner[2][0][k];
+        float ny = w * corner[0][1][k] + u * corner[1][1][k] + v * corner[2][1][k];
+        float nz = w * corner[0][2][k] + u * corner[1][2][k] + v * corner[2][2][k];
+        float side = gx * dx + gy * dy + gz * dz > 0 ? -1.0f : 1.0f;
+        float gs = side / sqrtf(gx * gx + gy * gy + gz * gz);
+        float ns = side / sqrtf(nx * nx + ny * ny + nz * nz);
+        gx *= gs, gy *= gs, gz *= gs;
+        nx *= ns, ny *= ns, nz *= ns;
+        float cos = -(nx * dx + ny * dy + nz * dz), twice = 2 * cos;
+        float mx = twice * nx + dx, my = twice * ny + dy, mz = twice * nz + dz;
+        bool keeps =
+            (nx * gx + ny * gy + nz * gz > 0) & (cos > 0) & (mx * gx + my * gy + mz * gz > 0);
+        to->normal[0][k] = keeps ? nx : gx;
+        to->normal[1][k] = keeps ? ny : gy;
+        to->normal[2][k] = keeps ? nz : gz;
+        to->cos[k] = keeps ? cos : -(gx * dx + gy * dy + gz * dz);
+    }
+}
+
+/// Rows of the materials' tables. @param value [8] as in rsv_glossy_row, out
+static inline void find_rows(const rsv_glossy_material *materials, const glossy_lanes *restrict g,
+    float (*restrict value)[LANES])
+{
+    enum {
+        material_words = sizeof(rsv_glossy_material) / 4,
+        row_words = sizeof(rsv_glossy_row) / 4
+    };
+    _Alignas(64) int index[LANES], at[LANES];
+    _Alignas(64) float weight[LANES], low[LANES], high[LANES];
+    for (int k = 0; k < LANES; k++) {
+        float x = sqrtf(f_min(f_max(g->cos[k], 0), 1)) * (RSV_TABLE_COS - 1);
+        int i = (int)x;
+        i = i < RSV_TABLE_COS - 2 ? i : RSV_TABLE_COS - 2;
+        weight[k] = x - (float)i;
+        index[k] = g->material[k] * material_words + i * row_words;
+    }
+    for (int c = 0; c < 7; c++) {
+        if (c == 3) continue;
+        for (int k = 0; k < LANES; k++)
+            at[k] = index[k] + c;
+        gather(materials, at, (int *)low);
+        for (int k = 0; k < LANES; k++)
+            at[k] = index[k] + c + row_words;
+        gather(materials, at, (int *)high);
+        for (int k = 0; k < LANES; k++)
+            value[c][k] = low[k] + weight[k] * (high[k] - low[k]);
+    }
+}
+
+/// Constants of the materials of a packet.
+typedef struct glossy_constants {
+    rsv_lanes3 color, emission;
+    float alpha[LANES];
+    int even[LANES];
+} __attribute__((aligned(64))) glossy_constants;
+
+/// Of one lane, in the lanes from `first` to before `end`.
+static inline void set_constants(const rsv_glossy_shading *s, const rsv_glossy_material *m,
+    int first, int end, glossy_constants *restrict to)
+{
+    for (int k = first; k < end; k++) {
+        for (int c = 0; c < 3; c++) {
+            to->color[c][k] = m->base_color[c];
+            to->emission[c][k] = s->shows_emission ? m->emission[c] : 0;
+        }
+        to->alpha[k] = m->alpha;
+        to->even[k] = m->even;
+    }
+}
+
+static inline void find_constants(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
+    const float *restrict width, uint32_t lanes, const glossy_lanes *restrict g,
+    glossy_constants *restrict to)
+{
+    bool alike = all_equal(g->material);
+    if (alike) set_constants(s, &s->materials[g->material[0]], 0, LANES, to);
+    for (int k = 0; k < LANES; k++) {
+        const rsv_glossy_material *m = &s->materials[g->material[k]];
+        if (!alike) set_constants(s, m, k, k + 1, to);
+        if (!m->texture_count || !(lanes >> k & 1)) continue;
+        rsv_rgb at = rsv_base_color_at(s->view, p->triangle[k], p->u[k], p->v[k], width[k]);
+        to->color[0][k] = at.r, to->color[1][k] = at.g, to->color[2][k] = at.b;
+    }
+}
+
+/// Four rows of a block from lanes.
+static inline void put_block(const float *restrict lanes, float *restrict plane)
+{
+    for (int row = 0; row < RSV_BLOCK; row++)
+        memcpy(plane + row * RSV_TILE, lanes + row * RSV_BLOCK, RSV_BLOCK * sizeof *lanes);
+}
+
+/// Notes the lobes that are left to be lit. @param depth 0 = none @param mean radiance that arrives
+static inline void note_lobes(const rsv_ray_packet *restrict p, const float *restrict depth,
+    const glossy_lanes *restrict g, const glossy_constants *restrict constant,
+    float (*restrict value)[LANES], float (*restrict mean)[LANES], uint32_t first,
+    rsv_glossy_tile *restrict tile)
+{
+    put_block(depth, tile->depth + first);
+    put_block(constant->alpha, tile->alpha + first);
+    put_block(p->u, tile->u + first);
+    put_block(p->v, tile->v + first);
+    for (int c = 0; c < 3; c++) {
+        put_block(g->normal[c], tile->normal[c] + first);
+        put_block(value[4 + c], tile->albedo[c] + first);
+        put_block(mean[c], tile->even[c] + first);
+    }
+    for (int row = 0; row < RSV_BLOCK; row++)
+        memcpy(tile->triangle + first + row * RSV_TILE, p->triangle + row * RSV_BLOCK,
+            RSV_BLOCK * sizeof *tile->triangle);
+    tile->count++;
+}
+
+static void shade_glossy_packet(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
+    const float *restrict width, uint32_t lanes, float (*restrict radiance)[4], uint32_t first,
+    rsv_glossy_tile *restrict tile)
+{
+    _Alignas(64) int triangle[LANES];
+    _Alignas(64) float value[8][LANES], mean[3][LANES], depth[LANES];
+    _Alignas(64) rsv_lanes3 corner[3];
+    glossy_constants constant;
+    glossy_lanes g;
+    fill_triangles(p, lanes, triangle);
+    gather(s->view->triangle_material, triangle, g.material);
+    gather_normals(s->view, triangle, corner);
+    find_normals(p, corner, &g);
+    find_rows(s->materials, &g, value);
+    find_constants(s, p, width, lanes, &g, &constant);
+    for (int k = 0; k < LANES; k++) {
+        bool glossy = lanes >> k & 1, even = constant.even[k];
+        float *out = radiance[k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK];
+        for (int c = 0; c < 3; c++) {
+            mean[c][k] = out[c] * (1 / RSV_PI);
+            float share = constant.color[c][k] * value[c][k] + (even ? value[4 + c][k] : 0);
+            float shown = constant.emission[c][k] + mean[c][k] * share;
+            out[c] = glossy ? shown : out[c];
+        }
+        depth[k] = (glossy & !even) ? p->t_max[k] : 0;
+    }
+    if (any_positive(depth)) note_lobes(p, depth, &g, &constant, value, mean, first, tile);
+}

@@ -1,0 +1,45 @@
+/// Rays of rough lobes: some cells of a tile send one each, and what it meets is looked up.
+///
+/// Sources count as in pictures: those that next-event estimation samples are aimed at and met by chance, weighed by the
+/// power heuristic. What surfaces send that rays meet is the stored light: their diffuse lobe, and their rough ones as if
+/// their own light were even. Mirrors and glass that are met send the ray on.
+#ifndef RSV_GLOSSY_RAYS_H
+#define RSV_GLOSSY_RAYS_H
+
+#include "../render/rough_light.h"
+#include "glossy_cells.h"
+#include "packet_kernels.h"
+
+/// Rays that are on their way together, and where their light goes.
+typedef struct rsv_glossy_rays {
+    const rsv_packet_kernels *kernels;
+    const rsv_light_table *table;
+    rsv_ray_packet packet;
+    rsv_packet_places places;
+    size_t cell[RSV_LANES];    ///< of rsv_glossy_cells
+    rsv_rgb weight[RSV_LANES]; ///< of what the ray finds
+    rsv_rgb known[RSV_LANES];  ///< found already
+    rsv_rgb albedo[RSV_LANES]; ///< that the sum is divided by
+    rsv_rough_departure departure[RSV_LANES];
+    uint32_t trail[RSV_LANES];
+    uint32_t count;
+    uint64_t rays; ///< of the frame
+} rsv_glossy_rays;
+
+void rsv_glossy_rays_create(
+    const rsv_packet_kernels *kernels, const rsv_light_table *table, rsv_glossy_rays *rays);
+
+/// What a frame asks of the rays.
+typedef struct rsv_glossy_task {
+    const rsv_glossy_cells *cells;
+    const rsv_frame_aim *aim;
+    float spread; ///< of camera rays
+    uint32_t seed;
+} rsv_glossy_task;
+
+/// Fills the cells of a tile: their places, and the samples of those whose turn it is.
+/// @param column, row of its first pixel
+void rsv_glossy_rays_of_tile(rsv_glossy_rays *rays, const rsv_glossy_task *task,
+    const rsv_glossy_tile *tile, uint32_t column, uint32_t row);
+
+#endif
