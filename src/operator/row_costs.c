@@ -1,5 +1,6 @@
 /// What rows of G cost, measured on a few rays of a few of them.
 #include "../core/team.h"
+#include "../update/update.h"
 #include "row_tracer.h"
 
 /// Rows along the curve that are taken to cost alike, and the rays of the one in their middle that tell how much.
@@ -66,6 +67,13 @@ static rsv_status measure(
     return rsv_team_meet(context, result);
 }
 
+/// Whether each process keeps its rows for a later version of the scene where no other finds them.
+static bool keeps_its_own(const rsv_row_tracer *tracer)
+{
+    const rsv_store *store = tracer->scene->update ? tracer->scene->update->store : NULL;
+    return store && !store->shared;
+}
+
 rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division)
 {
     rsv_context *context = tracer->elements->context;
@@ -80,7 +88,8 @@ rsv_status rsv_row_costs(const rsv_row_tracer *tracer, rsv_division **division)
     RSV_TRY(rsv_row_tracer_begin(&probe, RAYS));
     RSV_TRY(rsv_division_create(tracer->elements, division));
     size_t rows = list_rows(&probe, *division, along);
-    RSV_TRY(measure(&probe, along, rows, nanoseconds));
+    // what is kept must be found again: no seconds may decide who has a row
+    if (!keeps_its_own(tracer)) RSV_TRY(measure(&probe, along, rows, nanoseconds));
     rsv_team_sum(context, nanoseconds, stretches);
     for (size_t k = 0; k < rows; k++)
         (*division)->cost[along[k]] = f_max((float)nanoseconds[k / STRETCH], 1);
