@@ -23,37 +23,53 @@ typedef struct iteration {
     channel channel[3];
 } iteration;
 
-static double product(const float *a, const float *b, size_t count, size_t c)
+/// All channels in one pass.
+static void product(const float *a, const float *b, size_t count, double sum[3])
 {
-    double sum = 0;
-    for (size_t i = c; i < 3 * count; i += 3)
-        sum += (double)a[i] * (double)b[i];
-    return sum;
+    double x = 0, y = 0, z = 0;
+    for (size_t i = 0; i < 3 * count; i += 3) {
+        x += (double)a[i] * (double)b[i];
+        y += (double)a[i + 1] * (double)b[i + 1];
+        z += (double)a[i + 2] * (double)b[i + 2];
+    }
+    sum[0] = x, sum[1] = y, sum[2] = z;
 }
 
-static void scale(float *a, size_t count, size_t c, double factor)
+static void scale(float *a, size_t count, const double factor[3])
 {
-    for (size_t i = c; i < 3 * count; i += 3)
-        a[i] = (float)(a[i] * factor);
+    for (size_t i = 0; i < 3 * count; i += 3)
+        for (size_t c = 0; c < 3; c++)
+            a[i + c] = (float)(a[i + c] * factor[c]);
+}
+
+static void subtract(float *a, const float *b, size_t count, const double factor[3])
+{
+    for (size_t i = 0; i < 3 * count; i += 3)
+        for (size_t c = 0; c < 3; c++)
+            a[i + c] -= (float)(factor[c] * b[i + c]);
 }
 
 /// Takes the earlier vectors out of the last one and gives it the length 1.
-static void orthogonalise(iteration *q, uint32_t step, size_t c)
+static void orthogonalise(iteration *q, uint32_t step)
 {
     size_t count = q->map->count;
-    channel *s = &q->channel[c];
     float *next = q->basis[step + 1];
-    double before = sqrt(product(next, next, count, c));
+    double before[3], left[3], h[3];
+    product(next, next, count, before);
     for (uint32_t k = 0; k <= step; k++) {
-        double h = product(next, q->basis[k], count, c);
-        s->h[k][step] = h;
-        for (size_t i = c; i < 3 * count; i += 3)
-            next[i] -= (float)(h * q->basis[k][i]);
+        product(next, q->basis[k], count, h);
+        subtract(next, q->basis[k], count, h);
+        for (size_t c = 0; c < 3; c++)
+            q->channel[c].h[k][step] = h[c];
     }
-    double left = sqrt(product(next, next, count, c));
-    if (left <= ROUNDING * before) left = 0;
-    s->h[step + 1][step] = left;
-    scale(next, count, c, left > 0 ? 1 / left : 0);
+    product(next, next, count, left);
+    for (size_t c = 0; c < 3; c++) {
+        left[c] = sqrt(left[c]);
+        if (left[c] <= ROUNDING * sqrt(before[c])) left[c] = 0;
+        q->channel[c].h[step + 1][step] = left[c];
+        left[c] = left[c] > 0 ? 1 / left[c] : 0;
+    }
+    scale(next, count, left);
 }
 
 static void square(double a[BASIS][BASIS], uint32_t size)
@@ -99,11 +115,10 @@ static void find_ritz(channel *s, uint32_t size)
 }
 
 /// The leading Ritz vector becomes the first of the next basis.
-static void restart(iteration *q, size_t c)
+static void restart(iteration *q)
 {
-    size_t count = q->map->count;
-    const channel *s = &q->channel[c];
-    for (size_t i = c; i < 3 * count; i += 3) {
+    for (size_t i = 0; i < 3 * q->map->count; i++) {
+        const channel *s = &q->channel[i % 3];
         double sum = 0;
         for (uint32_t k = 0; k < BASIS; k++)
             sum += s->ritz[k] * (double)q->basis[k][i];
@@ -111,12 +126,17 @@ static void restart(iteration *q, size_t c)
     }
 }
 
-static void set_length(iteration *q, size_t c)
+static void set_length(iteration *q)
 {
     size_t count = q->map->count;
-    double length = sqrt(product(q->basis[0], q->basis[0], count, c));
-    q->channel[c].dead = length == 0;
-    scale(q->basis[0], count, c, length > 0 ? 1 / length : 0);
+    double length[3];
+    product(q->basis[0], q->basis[0], count, length);
+    for (size_t c = 0; c < 3; c++) {
+        length[c] = sqrt(length[c]);
+        q->channel[c].dead = length[c] == 0;
+        length[c] = length[c] > 0 ? 1 / length[c] : 0;
+    }
+    scale(q->basis[0], count, length);
 }
 
 /// One step in all channels. @return whether the leading value is known
@@ -124,10 +144,10 @@ static bool extend(iteration *q, uint32_t step, double tolerance)
 {
     bool known = true;
     q->map->table->apply(q->map->data, 3, q->basis[step], q->basis[step + 1]);
+    orthogonalise(q, step);
     for (size_t c = 0; c < 3; c++) {
         channel *s = &q->channel[c];
         if (s->dead) continue;
-        orthogonalise(q, step, c);
         find_ritz(s, step + 1);
         known = known && s->residual <= tolerance * fabs(s->value);
     }
@@ -140,10 +160,8 @@ static rsv_status iterate(
     rsv_status status = RSV_OK;
     bool known = false;
     for (uint32_t step = 0; !known && status == RSV_OK; step = (step + 1) % BASIS) {
-        for (size_t c = 0; step == 0 && c < 3; c++) {
-            if (leading->applications > 0) restart(q, c);
-            set_length(q, c);
-        }
+        if (step == 0 && leading->applications > 0) restart(q);
+        if (step == 0) set_length(q);
         known = extend(q, step, tolerance) || ++leading->applications >= max_steps;
         status = rsv_progress(
             q->map->context, "spectrum", (double)leading->applications / (double)max_steps);
