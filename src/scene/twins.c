@@ -305,6 +305,30 @@ static showing look_at(const rsv_scene_view *view, uint32_t triangle, bool back)
     return seen;
 }
 
+/// Whether a face that is seen in the place of a triangle's middle is so in all of its places: an exact copy, mostly.
+static bool covers_all(const rsv_scene_view *view, uint32_t triangle, uint32_t other)
+{
+    const rsv_twins *twins = view->twins;
+    if (view->material[view->triangle_material[other]].alpha_cutoff > 0) return false;
+    rsv_twin_plane plane = rsv_twin_plane_of(view, other);
+    for (int k = 0; k < 3; k++) {
+        float u, v;
+        rsv_vec3 corner = view->position[view->triangle[triangle][k]];
+        if (!rsv_twin_covers(&plane, corner, twins->rounding, twins->rounding, &u, &v))
+            return false;
+    }
+    return true;
+}
+
+/// Whether others hide all of a triangle's back.
+static bool is_back_hidden(const rsv_scene_view *view, uint32_t triangle)
+{
+    rsv_hit hit = { triangle, 0, 1 / 3.0f, 1 / 3.0f };
+    rsv_twins_search(view, rsv_twin_plane_of(view, triangle).normal, &hit);
+    if (hit.triangle == triangle) return false;
+    return covers_all(view, triangle, hit.triangle) || !look_at(view, triangle, true).some;
+}
+
 static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
 {
     const rsv_material *m = &view->material[view->triangle_material[triangle]];
@@ -346,7 +370,7 @@ static oddities find_hidden(
                 is_lamp(view, seen.other))
                 doubled = t;
         }
-        if (two && !look_at(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+        if (two && is_back_hidden(view, t)) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
     }
     return (oddities){ guessed, doubled };
 }
