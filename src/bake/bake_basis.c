@@ -46,7 +46,7 @@ typedef struct basis {
     size_t turned; ///< angles of the surroundings beyond the first
     size_t count;  ///< of all: responses, then those angles
     rsv_rgb *value;
-    const char **name; ///< [count]
+    const char **name, **definition; ///< [count]
 } basis;
 
 static rsv_rgb *values_of(const basis *b, size_t light)
@@ -81,9 +81,12 @@ static rsv_status read_lights(basis *b)
     b->value =
         rsv_alloc(b->s->context, b->count * b->reader->count, b->reader->width * sizeof *b->value);
     b->name = rsv_alloc(b->s->context, b->count, sizeof *b->name);
-    RSV_TRY(b->value && b->name ? RSV_OK : RSV_ERROR_MEMORY);
-    for (size_t k = 0; k < b->count; k++)
+    b->definition = rsv_alloc(b->s->context, b->count, sizeof *b->definition);
+    RSV_TRY(b->value && b->name && b->definition ? RSV_OK : RSV_ERROR_MEMORY);
+    for (size_t k = 0; k < b->count; k++) {
         b->name[k] = k < responses->count ? responses->name[k] : "environment";
+        b->definition[k] = k < responses->count ? responses->definition[k] : "environment";
+    }
     for (size_t k = 0; k < responses->count; k++)
         RSV_TRY(b->reader->read(b->reader, responses->view[k], values_of(b, k)));
     if (b->turned) RSV_TRY(read_turned(b));
@@ -127,6 +130,7 @@ static rsv_status describe(const basis *b, rsv_tensor_file *file)
     RSV_TRY(rsv_note_set(file, "units", b->reader->units));
     RSV_TRY(rsv_note_set(file, "receivers", b->reader->kind));
     RSV_TRY(rsv_write_names(file, "light.name", b->name, b->count));
+    RSV_TRY(rsv_write_names(file, "light.definition", b->definition, b->count));
     if (b->turned) {
         snprintf(text, sizeof text, "%zu", b->turned + 1);
         RSV_TRY(rsv_note_set(file, "surroundings.turns", text));
@@ -161,6 +165,7 @@ cleanup:
     rsv_tensor_file_end(&file);
     rsv_free(solution->context, b.value);
     rsv_free(solution->context, b.name);
+    rsv_free(solution->context, b.definition);
     rsv_light_responses_destroy(b.responses);
     return status;
 }

@@ -1,6 +1,7 @@
 #include "assimp_file.h"
 
 #include "assimp_loss.h"
+#include "collada_clean.h"
 #include "obj_scan.h"
 
 #include <assimp/cfileio.h>
@@ -117,15 +118,17 @@ static bool open_regular(const char *path, stream *opened)
     return opened->file != NULL;
 }
 
-/// Wavefront files are read without what an importer mistakes for something else.
+/// Wavefront files are read without what an importer mistakes for something else, COLLADA with all transforms as matrices.
 static void clean(file_access *access, const char *path, stream *opened)
 {
     const char *extension = strrchr(path, '.');
     bool is_library = extension && strcasecmp(extension, ".mtl") == 0;
-    if (!is_library && (!extension || strcasecmp(extension, ".obj") != 0)) return;
+    bool is_collada = extension && strcasecmp(extension, ".dae") == 0;
+    if (!is_library && !is_collada && (!extension || strcasecmp(extension, ".obj") != 0)) return;
     size_t size;
-    double origin[3];
-    char *text = rsv_obj_clean(opened->file, is_library, &size, origin);
+    double origin[3] = { 0 };
+    char *text = is_collada ? rsv_collada_clean(opened->file, &size)
+                            : rsv_obj_clean(opened->file, is_library, &size, origin);
     FILE *file = text && size ? fmemopen(text, size, "rb") : NULL;
     if (!file) {
         free(text);
@@ -134,7 +137,7 @@ static void clean(file_access *access, const char *path, stream *opened)
     }
     fclose(opened->file);
     *opened = (stream){ file, text, size };
-    if (!is_library) memcpy(access->origin, origin, sizeof origin);
+    if (!is_library && !is_collada) memcpy(access->origin, origin, sizeof origin);
 }
 
 static void close_stream(stream *opened)

@@ -43,6 +43,8 @@ typedef struct reader {
     named_list lights, cameras;
     pending_node *pending;
     size_t pending_count, pending_capacity;
+    const struct aiNode *hidden; ///< the first of
+    size_t hidden_count;
 } reader;
 
 _Static_assert(sizeof(struct aiVector3D) == sizeof(rsv_vec3), "both are three floats");
@@ -241,19 +243,32 @@ static void matrix_of(const struct aiMatrix4x4 *m, double result[16])
         result[i] = (double)row[i % 4][i / 4];
 }
 
+/// What FBX says of a node: `Show`, which concerns neither its children nor its cameras.
+static bool is_hidden(const struct aiNode *node)
+{
+    const struct aiMetadata *metadata = node->mMetaData;
+    for (unsigned i = 0; metadata && i < metadata->mNumProperties; i++)
+        if (strcmp(metadata->mKeys[i].data, "Show") == 0 && metadata->mValues[i].mData &&
+            metadata->mValues[i].mType == AI_BOOL)
+            return !*(const bool *)metadata->mValues[i].mData;
+    return false;
+}
+
 static rsv_status add_node(reader *r, const struct aiNode *node, const double world[16])
 {
     rsv_status status = RSV_OK;
     char name[RSV_NAME_BYTES];
     rsv_assimp_name(&node->mName, "", name);
-    for (unsigned i = 0; i < node->mNumMeshes; i++) {
+    bool hidden = is_hidden(node);
+    if (hidden && r->hidden_count++ == 0) r->hidden = node;
+    for (unsigned i = 0; i < node->mNumMeshes && !hidden; i++) {
         if (node->mMeshes[i] >= r->file->mNumMeshes)
             return rsv_fail(
                 RSV_ERROR_FORMAT, "node '%s': mesh %u does not exist", name, node->mMeshes[i]);
         uint32_t id = r->mesh_id[node->mMeshes[i]];
         if (id != RSV_NONE) rsv_send_instance(r->to, id, world, *name ? name : NULL);
     }
-    add_lights(r, &node->mName, world);
+    if (!hidden) add_lights(r, &node->mName, world);
     RSV_TRY(add_cameras(r, &node->mName, world));
 cleanup:
     return status;
@@ -405,6 +420,9 @@ rsv_status rsv_assimp_convert(
     RSV_TRY(add_meshes(&r));
     if (r.lights.count + r.cameras.count) RSV_TRY(walk_nodes(&r, root, true));
     RSV_TRY(walk_nodes(&r, root, false));
+    if (r.hidden_count)
+        rsv_log(context, RSV_LOG_INFO, "%zu node%s (first: '%s') hidden by the property Show",
+            r.hidden_count, r.hidden_count > 1 ? "s are" : " is", r.hidden->mName.data);
 cleanup:
     rsv_free(context, r.mesh_id);
     rsv_free(context, r.lights.item);

@@ -3,6 +3,7 @@
 #include "gltf_json.hpp"
 
 #include <cctype>
+#include <cstring>
 #include <map>
 #include <set>
 
@@ -188,7 +189,7 @@ constexpr property visibility_members[] = { { "visible", 'b' } };
 constexpr schema visibility = { "visibility", "visibilities", false, visibility_members, {} };
 
 constexpr property instancing_members[] = { { "attributes", 'a' } };
-constexpr schema instancing = { "instancing", "instancings", false, instancing_members, {} };
+constexpr schema instancing = { "set of instances", "sets of instances", false, instancing_members, {} };
 
 constexpr property node_members[] = { { "name", 's' }, { "camera", 'i' }, { "children", 'I' },
     { "skin", 'i' }, { "matrix", 'N' }, { "mesh", 'i' }, { "rotation", 'N' }, { "scale", 'N' },
@@ -273,7 +274,8 @@ std::string describe(const place &at)
     const place *owner = at.parent;
     while (!owner->kind->named && owner->parent->parent)
         owner = owner->parent;
-    return "a " + std::string(at.kind->one) + " of " + describe(*owner);
+    const std::string one = at.kind->one, article = std::strchr("aeiou", one[0]) ? "an " : "a ";
+    return article + one + " of " + describe(*owner);
 }
 
 enum class sort { extension, property, attribute, value };

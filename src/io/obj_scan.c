@@ -53,6 +53,7 @@ static bool is_number(const char *text)
 static const char *meaning_of(const char *word, const char *arguments, bool is_library)
 {
     const char *meant = meant_word(word, is_library ? library_words : object_words);
+    if (!is_library && strcasecmp(word, "fo") == 0) return "f"; // of old versions
     if (is_library && strncasecmp(word, "map_", 4) == 0) return word;
     if (meant && is_library && meant_word(meant, color_words) && !is_number(arguments)) return NULL;
     return meant;
@@ -409,7 +410,10 @@ rsv_status rsv_obj_explain(const char *path)
     checker c = { .line = 0 };
     FILE *file = fopen(path, "rb");
     if (!file) return RSV_OK;
-    rsv_status status = check_file(file, &c, true);
+    int first = fgetc(file), second = fgetc(file);
+    rsv_status status = (first == 0xff && second == 0xfe) || (first == 0xfe && second == 0xff)
+                            ? rsv_fail(RSV_ERROR_FORMAT, "is UTF-16; save it as UTF-8 or ASCII")
+                            : check_file(file, &c, true);
     if (status == RSV_OK) status = check_file(file, &c, false);
     fclose(file);
     return status;

@@ -168,6 +168,7 @@ rsv_status rsv_ply_read_header(const char *bytes, size_t size, rsv_ply_header *h
     char line[LINE_BYTES];
     const char *at = bytes, *end = bytes + size;
     bool has_format = false;
+    if (size >= 3 && memcmp(bytes, "\xef\xbb\xbf", 3) == 0) at += 3; // byte order mark
     *header = (rsv_ply_header){ .format = RSV_PLY_ASCII };
     while (header->lines < MAX_LINES) {
         size_t number = ++header->lines;

@@ -20,10 +20,24 @@ typedef struct builder {
 
 // ---- grouping -------------------------------------------------------------------------------------
 
-static size_t find_name(const rsv_light_responses *r, const char *name)
+static bool same(const char *a, const char *b) { return strcmp(a, b) == 0; }
+
+/// A light's own name, unless others have the same one and its node can tell them apart.
+static const char *name_of(const rsv_light_basis *basis, const rsv_source *source)
+{
+    bool shared = false;
+    for (size_t k = 0; source->node && k < basis->source_count; k++) {
+        const rsv_source *other = &basis->source[k];
+        if (same(other->name, source->node)) return source->name; // which means that one
+        shared = shared || (other != source && same(other->name, source->name));
+    }
+    return shared ? source->node : source->name;
+}
+
+static size_t find_response(const rsv_light_responses *r, const char *name, const char *definition)
 {
     size_t k = 0;
-    while (k < r->count && strcmp(r->name[k], name) != 0)
+    while (k < r->count && !(same(r->name[k], name) && same(r->definition[k], definition)))
         k++;
     return k;
 }
@@ -33,12 +47,16 @@ static void group_sources(builder *b)
     b->gathered = b->surroundings = SIZE_MAX;
     for (size_t k = 0; k < b->basis->source_count; k++) {
         const rsv_source *source = &b->basis->source[k];
+        const char *name = name_of(b->basis, source);
         bool gathered =
             source->kind == RSV_SOURCE_MATERIAL && rsv_is_gathered(b->s->lights, source->index);
-        size_t own = find_name(b->r, source->name);
+        size_t own = find_response(b->r, name, source->name);
         if (gathered && b->gathered != SIZE_MAX) own = b->gathered;
         bool fresh = own == b->r->count;
-        if (fresh) b->r->name[b->r->count++] = source->name;
+        if (fresh) {
+            b->r->definition[own] = source->name;
+            b->r->name[b->r->count++] = name;
+        }
         if (gathered) b->gathered = own;
         if (source->kind == RSV_SOURCE_SURROUNDINGS) b->surroundings = own;
         b->r->sky_last = fresh && source->kind == RSV_SOURCE_SURROUNDINGS;
@@ -182,9 +200,11 @@ static rsv_status create_groups(builder *b)
             RSV_MAX_LIGHT_PARTS);
     b->group = rsv_alloc(b->s->context, sources, sizeof *b->group);
     b->r->name = rsv_alloc(b->s->context, sources, sizeof *b->r->name);
+    b->r->definition = rsv_alloc(b->s->context, sources, sizeof *b->r->definition);
     b->r->light = rsv_alloc(b->s->context, sources, sizeof *b->r->light);
     b->r->view = rsv_alloc(b->s->context, sources, sizeof *b->r->view);
-    if (!b->group || !b->r->name || !b->r->light || !b->r->view) return RSV_ERROR_MEMORY;
+    if (!b->group || !b->r->name || !b->r->definition || !b->r->light || !b->r->view)
+        return RSV_ERROR_MEMORY;
     group_sources(b);
     return RSV_OK;
 }
@@ -237,5 +257,6 @@ void rsv_light_responses_destroy(rsv_light_responses *r)
     rsv_free(r->context, r->light);
     rsv_free(r->context, r->view);
     rsv_free(r->context, r->name);
+    rsv_free(r->context, r->definition);
     rsv_free(r->context, r);
 }

@@ -1,7 +1,7 @@
 /// What each light does by itself, bounces included: the basis that relighting by factors needs.
 ///
-/// Sources of one name answer together, as relighting scales them together, and so do lamps that only gather rays
-/// find, which are stored as one sum. Every value of the whole is divided in proportion: the parts add up to it.
+/// Lights that share a definition are told apart by their nodes. Sources that have all names in common answer together,
+/// and so do lamps that only gather rays find, which are stored as one sum. Every value of the whole is divided in proportion: the parts add up to it.
 #ifndef RSV_LIGHT_RESPONSE_H
 #define RSV_LIGHT_RESPONSE_H
 
@@ -10,7 +10,9 @@
 typedef struct rsv_light_responses {
     rsv_context *context;
     size_t count;
-    const char **name; ///< [count] the scene's
+    const char *
+        *name; ///< [count] the scene's: of a light, or of the node that tells it from others
+    const char **definition; ///< [count] of a light alone
     /// [count] on the operator and the levels of the whole. Their orders are not kept apart
     rsv_light **light;           ///< those of its own; NULL = the whole itself
     const rsv_light_view **view; ///< [count] of these

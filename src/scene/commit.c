@@ -118,7 +118,9 @@ static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
     rsv_camera camera = rsv_camera_frame_sphere("framing", centre, radius);
     if (!scene->is_part)
         rsv_log(scene->context, RSV_LOG_INFO,
-            "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g)",
+            scene->origin[0] != 0 || scene->origin[1] != 0 || scene->origin[2] != 0
+                ? "the scene has no camera: 'framing' is chosen, at (%.10g, %.10g, %.10g)"
+                : "the scene has no camera: 'framing' is chosen, at (%.4g, %.4g, %.4g)",
             camera.position.x + scene->origin[0], camera.position.y + scene->origin[1],
             camera.position.z + scene->origin[2]);
     return rsv_scene_add_camera(scene, &camera);

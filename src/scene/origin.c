@@ -5,6 +5,8 @@
 #include "scene.h"
 
 #include <float.h>
+#include <stdlib.h>
+#include <string.h>
 
 /// Sizes of the scene between its centre and the origin from which on this is done. There a float has lost six of its 24
 /// binary digits.
@@ -96,30 +98,114 @@ static double farthest_of(const rsv_far_box *box)
     return farthest;
 }
 
-/// @param all out: bounds of all triangles @param grain out: metres between neighbours of the coarsest numbers among their
-/// places, as far as the file has these in single precision
-static rsv_status find_bounds(const rsv_scene *scene, rsv_far_box *all, double *grain)
+/// Where an instance is.
+typedef struct placed_box {
+    rsv_far_box box;
+    double centre[3], weight; ///< the area of the box
+    double distance;          ///< of the centre, from where most are
+    const char *name;
+} placed_box;
+
+static placed_box placed(const rsv_far_box *box, const char *name)
+{
+    placed_box p = { .box = *box, .name = name };
+    double size[3];
+    for (int axis = 0; axis < 3; axis++) {
+        p.centre[axis] = 0.5 * (box->low[axis] + box->high[axis]);
+        size[axis] = box->high[axis] - box->low[axis];
+    }
+    p.weight = size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
+    return p;
+}
+
+/// @param place out: [instance_count], as many as there are @param grain out: metres between neighbours of the coarsest
+/// numbers among their places, as far as the file has these in single precision
+static rsv_status find_places(
+    const rsv_scene *scene, placed_box *place, size_t *count, double *grain)
 {
     rsv_far_box *mesh = rsv_alloc(scene->context, scene->mesh_count, sizeof *mesh);
     if (!mesh) return RSV_ERROR_MEMORY;
     for (size_t k = 0; k < scene->mesh_count; k++)
         mesh[k] = mesh_bounds(&scene->mesh[k]);
-    *all = rsv_far_nothing();
+    *count = 0;
     *grain = scene->grain;
     for (size_t k = 0; k < scene->instance_count; k++) {
         const rsv_instance *instance = &scene->instance[k];
+        const rsv_far_box *own = &mesh[instance->mesh];
+        rsv_far_box box = rsv_far_nothing();
         if (!scene->mesh[instance->mesh].triangle_count) continue;
-        const rsv_far_box *box = &mesh[instance->mesh];
-        add_instance(box, instance->transform, all);
-        *grain = fmax(*grain, SPACING * farthest_of(box) * scale_of(instance->transform));
+        add_instance(own, instance->transform, &box);
+        if (box.low[0] <= box.high[0]) place[(*count)++] = placed(&box, instance->name);
+        *grain = fmax(*grain, SPACING * farthest_of(own) * scale_of(instance->transform));
     }
     rsv_free(scene->context, mesh);
     return RSV_OK;
 }
 
+static int compare_distances(const void *left, const void *right)
+{
+    const placed_box *a = left, *b = right;
+    if (a->distance != b->distance) return a->distance < b->distance ? -1 : 1;
+    return memcmp(&a->box, &b->box, sizeof a->box);
+}
+
+/// The place along an axis that halves the weight. Orders the places anew.
+static double median(placed_box *place, size_t count, int axis, double weight)
+{
+    double sum = 0;
+    size_t k = 0;
+    for (size_t n = 0; n < count; n++)
+        place[n].distance = place[n].centre[axis];
+    qsort(place, count, sizeof *place, compare_distances);
+    while (k + 1 < count && (sum += place[k].weight) < 0.5 * weight)
+        k++;
+    return place[k].distance;
+}
+
+/// Bounds of what lies far away: of all, or of most where something was left at the origin (a cube that a modelling program
+/// begins with).
+/// @param place out: those within first @return how many; 0 = nothing is far away
+static size_t find_far(placed_box *place, size_t count, rsv_far_box *far)
+{
+    rsv_far_box all = rsv_far_nothing();
+    double weight = 0, sum = 0, middle[3];
+    size_t within = 0;
+    for (size_t k = 0; k < count; k++)
+        weight += place[k].weight;
+    for (int axis = 0; axis < 3 && count; axis++)
+        middle[axis] = median(place, count, axis, weight);
+    for (size_t k = 0; k < count; k++) {
+        const double *c = place[k].centre;
+        place[k].distance =
+            fmax(fabs(c[0] - middle[0]), fmax(fabs(c[1] - middle[1]), fabs(c[2] - middle[2])));
+    }
+    if (count) qsort(place, count, sizeof *place, compare_distances);
+    for (size_t k = 0; k < count; k++) {
+        rsv_far_enclose(&all, place[k].box.low);
+        rsv_far_enclose(&all, place[k].box.high);
+        sum += place[k].weight;
+        if ((sum <= 0.5 * weight && k + 1 < count) || !rsv_is_far(&all)) continue;
+        *far = all;
+        within = k + 1;
+    }
+    return within;
+}
+
 void rsv_scene_note_single(rsv_scene *scene, double farthest)
 {
     scene->grain = fmax(scene->grain, SPACING * farthest);
+}
+
+/// @param far what lies elsewhere @param place [count] of what is left behind
+static void warn_of_strays(
+    const rsv_scene *scene, const rsv_far_box *far, const placed_box *place, size_t count)
+{
+    if (!count) return;
+    double distance = fmax(place->distance, 0.5 * size_of(far));
+    rsv_log(scene->context, RSV_LOG_WARNING,
+        "object '%s'%s %.3g m away from the rest of the scene, where places are known to %.2g m: "
+        "delete what is not wanted",
+        place->name, count > 1 ? " and others lie" : " lies", distance, SPACING * distance);
 }
 
 static void shift(const rsv_scene *scene, const rsv_fixture *fixture, rsv_vec3 *position)
@@ -133,9 +219,14 @@ rsv_status rsv_scene_take_origin(rsv_scene *scene)
 {
     rsv_far_box all;
     double grain;
+    size_t count;
     if (!scene->in_double) return RSV_OK;
-    rsv_status status = find_bounds(scene, &all, &grain);
-    if (status != RSV_OK || !rsv_is_far(&all)) return status;
+    placed_box *place = rsv_reserve(scene->context, scene->instance_count + 1, sizeof *place);
+    rsv_status status = place ? find_places(scene, place, &count, &grain) : RSV_ERROR_MEMORY;
+    size_t within = status == RSV_OK ? find_far(place, count, &all) : 0;
+    if (within) warn_of_strays(scene, &all, place + within, count - within);
+    rsv_free(scene->context, place);
+    if (!within) return status;
     rsv_far_origin(&all, scene->origin);
     for (size_t k = 0; k < scene->light_count; k++)
         shift(scene, &scene->light_fixture[k], &scene->light[k].position);

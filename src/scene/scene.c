@@ -271,6 +271,22 @@ static size_t normalize_normals(rsv_vec3 *normal, size_t count)
     return unusable;
 }
 
+/// Whether a triangle that has an area lacks a normal: others are skipped, and what they have is nobody's concern.
+static bool lacks_normals(const rsv_mesh *mesh)
+{
+    rsv_vec3 normal;
+    for (size_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *corner = &mesh->index[3 * t];
+        bool lacks = false;
+        for (int k = 0; k < 3; k++)
+            lacks = lacks || v3_max_abs(mesh->normal[corner[k]]) == 0;
+        const rsv_vec3 *p = mesh->position;
+        if (lacks && rsv_triangle_normal(p[corner[0]], p[corner[1]], p[corner[2]], &normal))
+            return true;
+    }
+    return false;
+}
+
 /// A copy of `count` groups of `width` floats; what is not finite becomes 0. NULL stays NULL.
 static rsv_status copy_attribute(
     rsv_context *context, const void *source, size_t count, size_t width, void *copy)
@@ -335,7 +351,7 @@ rsv_status rsv_scene_add_mesh(rsv_scene *scene, const rsv_mesh_desc *mesh, uint3
     RSV_TRY(copy_attributes(scene, mesh, &stored));
     if (stored.normal) {
         size_t unusable = normalize_normals(stored.normal, stored.vertex_count);
-        if (unusable)
+        if (unusable && lacks_normals(&stored))
             rsv_log(scene->context, RSV_LOG_WARNING,
                 "mesh '%s': %zu of %zu normals are zero or not finite; geometric ones are used "
                 "there",

@@ -10,8 +10,6 @@
 
 /// Opposite faces may lie apart by this part of the scene's size: copies come out of programs of single precision.
 #define REACH 0x1p-18f
-/// Places are the same to this part of the largest coordinate: what two hits of one ray differ by.
-#define ROUNDING 0x1p-21f
 /// Rays leave faces with copies by so many times what these may lie off.
 #define CLEAR 1.5f
 
@@ -36,6 +34,7 @@ typedef struct rsv_twins_owner {
 /// A face, for quick looks. In the order of the tree: neighbours are read together.
 typedef struct face_box {
     rsv_vec3 low, high, normal; ///< unit
+    float reach, rounding;      ///< see rsv_twin_reach
 } face_box;
 
 typedef struct finder {
@@ -46,8 +45,8 @@ typedef struct finder {
     uint8_t *flags; ///< [triangle_count]
     uint8_t
         *gave_up; ///< [tree.node_count] of leaves, whether they have not looked at all around them
-    float reach, rounding;
-    bool apart; ///< out: some twins lie apart by more than rounding
+    float reach, rounding; ///< see rsv_twins
+    bool apart;            ///< out: some twins lie apart by more than rounding
 } finder;
 
 static void flag(const finder *f, uint32_t triangle, uint8_t flags)
@@ -77,13 +76,15 @@ static void compare(const finder *f, uint32_t a, uint32_t b, leaf_search *s)
 {
     rsv_twin_overlap overlap;
     uint32_t face_a = f->tree.face[a], face_b = f->tree.face[b];
-    if (!rsv_twins_overlap(
-            f->view, face_a, face_b, f->box[a].normal, f->box[b].normal, f->reach, &overlap))
+    const face_box *box_a = &f->box[a], *box_b = &f->box[b];
+    float rounding = f_max(box_a->rounding, box_b->rounding);
+    float reach = f_max(f_min(box_a->reach, box_b->reach), rounding);
+    if (!rsv_twins_overlap(f->view, face_a, face_b, box_a->normal, box_b->normal, reach, &overlap))
         return;
     flag_twin(f, face_a, overlap.opposite);
     flag_twin(f, face_b, overlap.opposite);
     s->found++;
-    s->apart |= overlap.gap > 0.25 * (double)f->rounding;
+    s->apart |= overlap.gap > 0.25 * (double)rounding;
 }
 
 static bool boxes_meet(const rsv_twin_node *a, const rsv_twin_node *b, float reach)
@@ -222,14 +223,30 @@ static rsv_status find_pairs(finder *f)
     return RSV_OK;
 }
 
-static face_box box_of(const rsv_scene_view *view, uint32_t triangle)
+static face_box box_of(const finder *f, uint32_t triangle)
 {
+    const rsv_scene_view *view = f->view;
     const uint32_t *corner = view->triangle[triangle];
     rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
              c = view->position[corner[2]];
-    face_box box = { v3_min(v3_min(a, b), c), v3_max(v3_max(a, b), c), v3(0, 0, 0) };
+    face_box box = { .low = v3_min(v3_min(a, b), c), .high = v3_max(v3_max(a, b), c) };
+    rsv_twin_plane plane = rsv_twin_plane_of(view, triangle);
     rsv_triangle_normal(a, b, c, &box.normal);
+    box.rounding = rsv_twin_rounding(&plane, f->rounding);
+    box.reach = rsv_twin_reach(&plane, box.rounding, f->reach);
     return box;
+}
+
+/// No triangle reaches farther than the one that reaches farthest.
+static void narrow(finder *f)
+{
+    float reach = 0, rounding = 0;
+    for (uint32_t k = 0; k < f->tree.face_count; k++) {
+        reach = f_max(reach, f->box[k].reach);
+        rounding = f_max(rounding, f->box[k].rounding);
+    }
+    f->reach = reach;
+    f->rounding = rounding;
 }
 
 static rsv_status plant_tree(finder *f)
@@ -254,7 +271,7 @@ static rsv_status finder_create(const rsv_scene *scene, finder *f)
     float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
     float farthest = f_max(v3_max_abs(view->bounds_min), v3_max_abs(view->bounds_max));
     *f = (finder){ .scene = scene, .view = view };
-    f->rounding = ROUNDING * farthest;
+    f->rounding = RSV_TWIN_ROUNDING * farthest;
     f->reach = f_max(REACH * size, 2 * f->rounding);
     f->flags = rsv_alloc(scene->context, view->triangle_count, 1);
     f->box = rsv_reserve(scene->context, view->triangle_count, sizeof *f->box);
@@ -264,7 +281,8 @@ static rsv_status finder_create(const rsv_scene *scene, finder *f)
     if (!f->gave_up) RSV_TRY(RSV_ERROR_MEMORY);
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(scene->context))
     for (uint32_t k = 0; k < f->tree.face_count; k++)
-        f->box[k] = box_of(view, f->tree.face[k]);
+        f->box[k] = box_of(f, f->tree.face[k]);
+    narrow(f);
 cleanup:
     return status;
 }
@@ -303,6 +321,29 @@ static showing look_at(const rsv_scene_view *view, uint32_t triangle, bool back)
             seen.other = hit.triangle < seen.other ? hit.triangle : seen.other;
     }
     return seen;
+}
+
+/// Whether a face that is seen in the place of a triangle's middle is so in all of its places: an exact copy, mostly.
+static bool covers_all(const rsv_scene_view *view, uint32_t triangle, uint32_t other)
+{
+    if (view->material[view->triangle_material[other]].alpha_cutoff > 0) return false;
+    rsv_twin_plane plane = rsv_twin_plane_of(view, other);
+    float rounding = rsv_twin_rounding(&plane, view->twins->rounding);
+    for (int k = 0; k < 3; k++) {
+        float u, v;
+        rsv_vec3 corner = view->position[view->triangle[triangle][k]];
+        if (!rsv_twin_covers(&plane, corner, rounding, rounding, &u, &v)) return false;
+    }
+    return true;
+}
+
+/// Whether others hide all of a triangle's back.
+static bool is_back_hidden(const rsv_scene_view *view, uint32_t triangle)
+{
+    rsv_hit hit = { triangle, 0, 1 / 3.0f, 1 / 3.0f };
+    rsv_twins_search(view, rsv_twin_plane_of(view, triangle).normal, &hit);
+    if (hit.triangle == triangle) return false;
+    return covers_all(view, triangle, hit.triangle) || !look_at(view, triangle, true).some;
 }
 
 static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
@@ -346,7 +387,7 @@ static oddities find_hidden(
                 is_lamp(view, seen.other))
                 doubled = t;
         }
-        if (two && !look_at(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+        if (two && is_back_hidden(view, t)) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
     }
     return (oddities){ guessed, doubled };
 }
@@ -401,7 +442,7 @@ static rsv_status keep(rsv_scene *scene, const finder *f, uint32_t count)
         .face_count = owner->tree.face_count,
         .reach = f->reach,
         .rounding = f->rounding,
-        .extent = f->apart ? CLEAR * f->reach * 0x1p20f : 0 };
+        .extent = f->apart ? CLEAR * 0x1p20f : 0 };
     scene->view.twins = &owner->twins;
     warn_of_oddities(scene, find_hidden(&scene->view, owner, context));
 cleanup:

@@ -11,7 +11,8 @@
 /// Bodies of glass have no front in this sense: the surface between inside and outside is one surface.
 ///
 /// Faces that turn the same way lie in the same place if they do so up to rounding: else the nearer one is seen, as ever.
-/// Opposite ones may lie apart by `reach`: what turns its back to the ray in front of a front is an inexact copy.
+/// Opposite ones may lie apart by a little: what turns its back to the ray in front of a front is an inexact copy. How much
+/// that is follows from the size of the triangles and from where they are: a landscape around a house must not blur its doors.
 ///
 /// Commit finds them (twins.c). Scenes without any have no rsv_twins, and pay for none of this.
 #ifndef RSV_TWINS_H
@@ -29,6 +30,8 @@
 #define RSV_TWIN_LAST 32       ///< of several that are alike in all respects
 /// All of a face that is not the last of several
 #define RSV_TWIN_COPY (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_HIDDEN)
+/// Places are the same to this part of their largest coordinate.
+#define RSV_TWIN_ROUNDING 0x1p-21f
 /// Faces at one place that are looked at: more are a heap.
 #define RSV_TWIN_MOST 256
 
@@ -47,10 +50,10 @@ typedef struct rsv_twins {
     const rsv_twin_node *node; ///< [node_count + 1], the last without a box
     const uint32_t *face;      ///< [face_count] triangles with a flag that are not copies
     uint32_t node_count, face_count;
-    float reach;    ///< metres that opposite faces at the same place may lie apart
-    float rounding; ///< metres within which places are the same
-    float
-        extent; ///< rays leave faces with flags as if their corners reached so far: past all copies
+    float reach;    ///< metres that opposite faces at the same place may lie apart, of any size
+    float rounding; ///< metres within which places are the same, likewise
+    float extent;   ///< rays leave faces with flags as if their corners reached so many times as
+                    ///< far as their copies may lie off: past all of these; 0 = all are exact
 } rsv_twins;
 
 /// Whether a material lets nothing through, but where it is cut out.
@@ -98,6 +101,19 @@ RSV_INLINE rsv_twin_plane rsv_twin_plane_of(const rsv_scene_view *scene, uint32_
     return p;
 }
 
+/// Metres within which places on a triangle are the same: what two hits of one ray differ by. @param most of any triangle
+RSV_INLINE float rsv_twin_rounding(const rsv_twin_plane *p, float most)
+{
+    float size = 1 / p->scale;
+    return f_min(most, RSV_TWIN_ROUNDING * (v3_max_abs(p->corner) + size) + 0x1p-12f * size);
+}
+
+/// Metres that a triangle may lie apart from an opposite one in the same place. @param most of any triangle
+RSV_INLINE float rsv_twin_reach(const rsv_twin_plane *p, float rounding, float most)
+{
+    return f_min(most, f_max(0x1p-10f / p->scale, 4 * rounding));
+}
+
 RSV_INLINE rsv_vec3 rsv_twin_point(const rsv_twin_plane *p, float u, float v)
 {
     return v3_mad(p->corner, 1 / p->scale, v3_mad(v3_scale(p->edge1, u), v, p->edge2));
@@ -135,6 +151,7 @@ RSV_INLINE bool rsv_twin_misses(const rsv_twin_node *node, rsv_vec3 point, float
 typedef struct rsv_twin_search {
     rsv_vec3 point, direction; ///< of the ray
     rsv_vec3 normal;           ///< of the face that was met
+    float rounding, reach;     ///< of that face
     uint32_t met, rank;
     uint32_t found; ///< faces there
     bool opposite;  ///< whether one of them turns the other way than the one that was met
@@ -146,11 +163,11 @@ RSV_INLINE void rsv_twin_try(const rsv_scene_view *scene, uint32_t triangle, rsv
     const rsv_twins *twins = scene->twins;
     rsv_twin_plane plane = rsv_twin_plane_of(scene, triangle);
     bool opposite = v3_dot(plane.normal, s->normal) < 0;
+    float own = rsv_twin_rounding(&plane, twins->rounding), rounding = f_max(own, s->rounding);
+    float reach = f_max(f_min(rsv_twin_reach(&plane, own, twins->reach), s->reach), rounding);
     float u, v;
     if (triangle == s->met) return;
-    if (!rsv_twin_covers(
-            &plane, s->point, opposite ? twins->reach : twins->rounding, twins->rounding, &u, &v))
-        return;
+    if (!rsv_twin_covers(&plane, s->point, opposite ? reach : rounding, rounding, &u, &v)) return;
     if (rsv_is_cut_out(scene, triangle, u, v)) return;
     s->found++;
     s->opposite = s->opposite || opposite;
@@ -172,6 +189,8 @@ RSV_INLINE bool rsv_twins_search(const rsv_scene_view *scene, rsv_vec3 direction
     s.point = rsv_twin_point(&plane, hit->u, hit->v);
     s.direction = direction;
     s.normal = plane.normal;
+    s.rounding = rsv_twin_rounding(&plane, twins->rounding);
+    s.reach = rsv_twin_reach(&plane, s.rounding, twins->reach);
     s.met = hit->triangle;
     s.rank = rsv_twin_rank(scene, hit->triangle, v3_dot(plane.normal, direction) > 0);
     s.found = 0;
@@ -211,7 +230,11 @@ RSV_INLINE bool rsv_twins_meet(const rsv_scene_view *scene, rsv_vec3 direction, 
 /// side. 0 = any will do.
 RSV_INLINE float rsv_twins_extent(const rsv_scene_view *scene, uint32_t triangle)
 {
-    return scene->twins && scene->twins->flags[triangle] ? scene->twins->extent : 0;
+    const rsv_twins *twins = scene->twins;
+    if (!twins || !twins->flags[triangle] || twins->extent == 0) return 0;
+    rsv_twin_plane plane = rsv_twin_plane_of(scene, triangle);
+    float rounding = rsv_twin_rounding(&plane, twins->rounding);
+    return twins->extent * rsv_twin_reach(&plane, rounding, twins->reach);
 }
 
 /// Whether others hide all of a triangle, or all of its back.

@@ -85,4 +85,27 @@ says 'bounds: (448260.5 51 5411929.75) to (448264.5 54 5411934.75) m'
 says 'crates, instance 2'
 grep -a -q EXT_mesh_gpu_instancing baked.glb && complain "a baked file still has instances"
 
+
+# -- lights of one definition have columns of their own
+
+succeeds bake near.gltf -o parts.glb --to vertex --basis "${solving[@]}"
+says 'lights  *4'
+names='\"left\",\"middle\",\"right\"'
+grep -a -q -F "$names" parts.light.safetensors ||
+    complain "the basis has the lights $(head -c 400 parts.light.safetensors | tr -c '[:print:]' ' ')"
+grep -a -q -F 'light.definition' parts.light.safetensors || complain "the basis does not say what lights have in common"
+
+# -- view: by both names, and at places of a map
+
+lights='0 select light.left\n0 intensity 0\n0 select light.bulb\n'
+printf "$lights"'0 screenshot near-0.exr\n1 add desk 0.5 1 0.25\n2 screenshot near-2.exr\n' >near.view
+printf "$lights"'0 screenshot far-0.exr\n1 add desk 448263 52 5411932.5\n2 screenshot far-2.exr\n' >far.view
+for name in near far; do
+    succeeds view $name.safetensors --script $name.view --record $name-view --size 64x48
+done
+differ near-0.exr near-2.exr || complain "a light that was added does not shine"
+succeeds compare near-2.exr far-2.exr # a pixel at the edge of a shadow may differ
+awk '/^psnr/ { exit !($2 > 50) }' stdout || complain "a light that was added far away stands elsewhere: $(head -n 3 stdout)"
+refuses 1 'no number from -1e9' view near.safetensors --script <(echo '0 add desk 1 2 1e10') --record "$out"
+
 finish

@@ -254,6 +254,26 @@ static void spellings_of_mtl_and_obj_are_understood(void **state)
     }
 }
 
+/// Faces of old versions, flat ones in a file without normals, and text that is none.
+static void oddities_of_obj_are_read_or_named(void **state)
+{
+    fixture *f = *state;
+    write_file("old.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nfo 1 2 3\nf 1 1 2\n");
+    f->log[0] = 0;
+    rsv_scene *scene = load(f, "old.obj");
+    assert_int_equal(rsv_scene_get_view(scene)->triangle_count, 1);
+    assert_mentions(f->log, "1 degenerate");
+    assert_null(strstr(f->log, "normals"));
+    rsv_scene_destroy(scene);
+    static const char wide[] = "\xff\xfev\0 \0"
+                               "0\0\n";
+    FILE *file = fopen("wide.obj", "wb");
+    assert_non_null(file);
+    fwrite(wide, 1, sizeof wide, file);
+    fclose(file);
+    assert_refused(f, "wide.obj", "is UTF-16");
+}
+
 // ---- units and axes -------------------------------------------------------------------------------
 
 static void polygons_without_units_follow_the_description(void **state)
@@ -617,6 +637,7 @@ int main(void)
         CASE(textures_are_warned_of),
         CASE(what_is_not_used_is_named_once),
         CASE(line_ends_blanks_and_marks_do_not_matter),
+        CASE(oddities_of_obj_are_read_or_named),
         CASE(spellings_of_mtl_and_obj_are_understood),
         CASE(bones_morph_targets_colours_and_animations_are_named),
         CASE(importers_do_not_speak_for_themselves),

@@ -271,6 +271,38 @@ static void collada_opacity_and_shading_are_as_specified(void **state)
     }
 }
 
+/// Whose axis turns towards the direction of movement, by the angle.
+static void collada_skews_move_along_one_direction(void **state)
+{
+    static const struct {
+        const char *skew;
+        rsv_vec3 moved; // of the corners (0, 0, 9) and (9, 0, 0)
+        rsv_vec3 other;
+    } cases[] = {
+        { "45 0 0 1 1 0 0", { 9, 0, 9 }, { 9, 0, 0 } },
+        { "-45 0 0 2 0 3 0", { 0, -9, 9 }, { 9, 0, 0 } },
+        { "26.565051177 1 0 0 0 0 1", { 0, 0, 9 }, { 9, 0, 4.5f } },
+        { "45 1 0 1 0 0 1", { 0, 0, 9 }, { 9, 0, 0 } }, // no angle is left: not a skew
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+        char nodes[256];
+        snprintf(nodes, sizeof nodes,
+            "<node id=\"s\"><skew sid=\"skew\"> %s </skew><instance_geometry url=\"#g\"/></node>",
+            cases[k].skew);
+        write_collada("any", 1, "", nodes);
+        rsv_scene *scene = load(*state, "a.dae");
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        const rsv_vec3 *p = view->position;
+        const uint32_t *corner = view->triangle[1];
+        if (v3_length(v3_sub(p[corner[1]], cases[k].moved)) > 1e-5f ||
+            v3_length(v3_sub(p[corner[2]], cases[k].other)) > 1e-5f)
+            fail_msg("%s: (%g %g %g), (%g %g %g)", cases[k].skew, (double)p[corner[1]].x,
+                (double)p[corner[1]].y, (double)p[corner[1]].z, (double)p[corner[2]].x,
+                (double)p[corner[2]].y, (double)p[corner[2]].z);
+        rsv_scene_destroy(scene);
+    }
+}
+
 // ---- FBX ------------------------------------------------------------------------------------------
 
 /// A lamp 2 m above the floor that shines downwards. @param properties of the light
@@ -371,6 +403,33 @@ static void fbx_decay_may_start_at_the_light(void **state)
     }
 }
 
+/// A lamp that is not shown does not shine.
+static void fbx_hides_what_is_not_to_be_shown(void **state)
+{
+    fixture *f = *state;
+    for (int shown = 0; shown < 2; shown++) {
+        char scaling[128];
+        rsv_scene *scene =
+            load_fbx_light(f, "any", 1, "   P: \"Intensity\", \"Number\", \"\", \"A\",100\n");
+        rsv_scene_destroy(scene);
+        size_t bytes;
+        char *text = (char *)read_bytes(path_in(&files, "a.fbx"), &bytes);
+        snprintf(scaling, sizeof scaling, "   P: \"Show\", \"bool\", \"\", \"\",%d\n", shown);
+        text[bytes] = '\0';
+        char *at = strstr(text, "   P: \"Lcl Scaling\"");
+        assert_non_null(at);
+        FILE *file = fopen(path_in(&files, "a.fbx"), "w");
+        fprintf(file, "%.*s%s%s", (int)(at - text), text, scaling, at);
+        fclose(file);
+        free(text);
+        scene = load(f, "a.fbx");
+        assert_int_equal(rsv_scene_get_view(scene)->light_count, shown);
+        if (!shown)
+            assert_mentions(f->log, "1 node is (first: 'lamp') hidden by the property Show");
+        rsv_scene_destroy(scene);
+    }
+}
+
 /// The importer makes up one degree where a camera says nothing.
 static void fbx_cameras_without_a_field_of_view_see_something(void **state)
 {
@@ -415,6 +474,8 @@ int main(void)
         CASE(collada_cameras_see_what_they_say),
         CASE(collada_names_what_is_not_there_or_not_used),
         CASE(collada_opacity_and_shading_are_as_specified),
+        CASE(collada_skews_move_along_one_direction),
+        CASE(fbx_hides_what_is_not_to_be_shown),
         CASE(fbx_lights_are_as_bright_in_any_unit),
         CASE(fbx_decay_may_start_at_the_light),
         CASE(fbx_cameras_without_a_field_of_view_see_something),

@@ -325,6 +325,34 @@ static void crates_on_crates_stay_dark_inside(void **state)
     world_end(w);
 }
 
+/// A sheet that faces down, 3 cm above a floor that is written twice, in a landscape of 20 km: one sees its back from above.
+static void landscapes_do_not_blur_what_stands_on_them(void **state)
+{
+    (void)state;
+    world *w = world_begin(1);
+    uint32_t soil = world_lambert(w, 0.3f, 0), cloth = world_lambert(w, 0.7f, 0);
+    for (int side = 0; side < 2; side++) {
+        rsv_vec3 a = v3(-1e4f, 0, -1e4f), b = v3(1e4f, 0, -1e4f), c = v3(1e4f, 0, 1e4f),
+                 d = v3(-1e4f, 0, 1e4f);
+        world_quad(w, soil, a, side ? d : b, c, side ? b : d);
+    }
+    world_quad(w, cloth, v3(0, 0.03f, 0), v3(1, 0.03f, 0), v3(1, 0.03f, 1), v3(0, 0.03f, 1));
+    world_commit(w);
+    const rsv_scene_view *view = rsv_scene_get_view(w->scene);
+    for (uint32_t k = 0; k < 64; k++) {
+        rsv_hit hit;
+        rsv_ray down = { v3(0.07f + 0.013f * (float)k, 2, 0.4f), v3(0, -1, 0), INFINITY };
+        assert_true(rsv_tracer_closest(w->tracer, &down, &hit));
+        assert_int_equal(view->triangle_material[hit.triangle], cloth);
+        assert_close(hit.t, 1.97f, 1e-4);
+        rsv_ray beside = { v3(2.07f + 0.013f * (float)k, 2, 0.4f), v3(0, -1, 0), INFINITY };
+        assert_true(rsv_tracer_closest(w->tracer, &beside, &hit));
+        assert_int_equal(view->triangle_material[hit.triangle], soil);
+        assert_true(meets_front(view, &beside, hit.triangle));
+    }
+    world_end(w);
+}
+
 // ---- many ---------------------------------------------------------------------------------------
 
 /// A hilly field of squares, each written twice, as the squares of a game's blocks.
@@ -446,6 +474,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(copies_of_a_lamp_give_no_light_of_their_own),
         cmocka_unit_test(a_lamp_in_a_ceiling_shines),
         cmocka_unit_test(crates_on_crates_stay_dark_inside),
+        cmocka_unit_test(landscapes_do_not_blur_what_stands_on_them),
         cmocka_unit_test(many_copies_are_found_quickly),
         cmocka_unit_test(a_heap_of_copies_takes_no_square),
         cmocka_unit_test(says_so_where_it_had_to_guess),

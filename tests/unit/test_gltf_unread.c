@@ -115,7 +115,7 @@ static void extensions_are_named_with_their_objects(void **state)
         { "\"version\":\"2.0\"", "the asset" },
         { "\"yfov\":1", "a lens of camera 0" },
         { "\"path\":\"scale\"", "a target of animation 0" },
-        { "\"ior\":1.4", "a index of refraction of material 'paint'" },
+        { "\"ior\":1.4", "an index of refraction of material 'paint'" },
     };
     fixture *f = *state;
     folder place = new_folder();

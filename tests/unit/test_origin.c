@@ -95,6 +95,33 @@ static void what_is_taken_out_is_told(void **state)
     remove_folder(place.path);
 }
 
+/// A cube at the origin does not keep the room beside it from being far away.
+static void what_is_left_at_the_origin_does_no_harm(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    char text[4096];
+    sketch s = room_sketch();
+    rsv_scene *near = room_at(f, &place, "\"translation\":[0,0,0]");
+    snprintf(text, sizeof text, room, "\"translation\":[448262,51,5411932]");
+    char *nodes = strstr(text, "{\"nodes\":[0]}");
+    char more[4096];
+    snprintf(more, sizeof more,
+        "%.*s{\"nodes\":[0,4]}%.*s,{\"name\":\"cube\",\"mesh\":0,\"scale\":[-0.5,0.5,0.5]}]",
+        (int)(nodes - text), text, (int)(strlen(nodes) - strlen("{\"nodes\":[0]}") - 1),
+        nodes + strlen("{\"nodes\":[0]}"));
+    rsv_scene *scene = load(f, write_sketch(&place, &s, more));
+    assert_origin(scene, 448260, 50, 5411930);
+    assert_mentions(f->log, "object 'cube' lies 5.41e+06 m away from the rest of the scene");
+    const rsv_scene_view *p = rsv_scene_get_view(near), *q = rsv_scene_get_view(scene);
+    for (size_t k = 0; k < p->vertex_count; k++)
+        assert_true(
+            v3_max_abs(v3_sub(v3_sub(q->position[k], p->position[k]), v3(2, 1, 2))) <= 2e-6f);
+    rsv_scene_destroy(scene);
+    rsv_scene_destroy(near);
+    remove_folder(place.path);
+}
+
 /// Large scenes, and those a few times their size away, stay as they are.
 static void near_scenes_are_left_alone(void **state)
 {
@@ -218,6 +245,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         ORIGIN_TEST(far_rooms_are_as_near_ones),
         ORIGIN_TEST(what_is_taken_out_is_told),
+        ORIGIN_TEST(what_is_left_at_the_origin_does_no_harm),
         ORIGIN_TEST(near_scenes_are_left_alone),
         ORIGIN_TEST(what_is_written_is_where_it_was),
         ORIGIN_TEST(skins_and_instances_keep_their_digits),

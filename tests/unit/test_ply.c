@@ -52,6 +52,7 @@ static void texts_of_all_kinds_are_read(void **state)
     } sound[] = {
         { START VERTEX FACE "end_header\n" POINTS "3 0 1 2\n", 1, NULL },
         { START VERTEX FACE "end_header\n" POINTS "3 0 1 2", 1, NULL },
+        { "\xef\xbb\xbf" START VERTEX FACE "end_header\n" POINTS "3 0 1 2\n", 1, NULL },
         { START VERTEX FACE "end_header\n" POINTS "\n\n3 0 1 2\n", 1, NULL },
         { START VERTEX FACE "end_header\n0 0 0 2 0 0 0 3 0 3 0 1 2", 1, NULL },
         { START FACE VERTEX "end_header\n3 0 1 2\n" POINTS, 1, NULL },

@@ -97,11 +97,12 @@ static bool cut(const char **rest, char *token)
     return true;
 }
 
-static bool read_number(const char *token, float *number)
+/// @param most of its size
+static bool read_number(const char *token, double most, double *number)
 {
     char *end;
-    *number = strtof(token, &end);
-    return end != token && !*end && fabsf(*number) <= 1e6f;
+    *number = strtod(token, &end);
+    return end != token && !*end && fabs(*number) <= most;
 }
 
 static bool complain(char *problem, const char *format, const char *a, const char *b)
@@ -115,16 +116,23 @@ static bool read_arguments(
 {
     char token[CLI_VIEW_TEXT_LENGTH];
     size_t numbers = 0;
+    const double most = known->verb == CLI_VIEW_ADD ? 1e9 : 1e6; // places may lie on a map
     for (const char *kind = known->arguments; *kind; kind++) {
         if (!cut(&rest, token))
             return complain(
                 problem, "'%s' needs %s more", known->name, *kind == 'n' ? "a number" : "a word");
         if (*kind == 't')
             memcpy(command->text, token, sizeof token);
-        else if (!read_number(token, &command->number[numbers++]))
-            return complain(
-                problem, "'%s': '%.60s' is no number from -1e6 to 1e6", known->name, token);
+        else if (!read_number(token, most, &command->exact[numbers]))
+            return complain(problem,
+                most > 1e6 ? "'%s': '%.60s' is no number from -1e9 to 1e9"
+                           : "'%s': '%.60s' is no number from -1e6 to 1e6",
+                known->name, token);
+        else
+            numbers++;
     }
+    for (size_t k = 0; k < numbers; k++)
+        command->number[k] = (float)command->exact[k];
     return !cut(&rest, token) ||
            complain(problem, "'%s': '%.60s' is one word too many", known->name, token);
 }

@@ -46,6 +46,7 @@ enum { CLI_VIEW_TEXT_LENGTH = 256 };
 typedef struct cli_view_command {
     cli_view_verb verb;
     float number[4];
+    double exact[4]; ///< the same: places of a scene's file may have more digits than a float
     char text[CLI_VIEW_TEXT_LENGTH];
 } cli_view_command;
 

@@ -37,12 +37,15 @@ static bool is_surroundings(const cli_view_state *s, size_t source, size_t count
 static void list_object(cli_view_state *s, const rsv_scene_view *body)
 {
     const rsv_vec3 *low = &body->bounds_min, *high = &body->bounds_max;
+    const double *own = body->origin, *room = s->scene->origin;
     s->object = s->item_count++;
     s->home[s->object] = (cli_view_item){ .kind = CLI_VIEW_OBJECT,
         .name = "object",
         .color = { 1, 1, 1 },
         .scale = 1,
-        .home = { 0.5f * (low->x + high->x), 0.5f * (low->y + high->y), 0.5f * (low->z + high->z) },
+        .home = { 0.5f * (low->x + high->x) + (float)(own[0] - room[0]),
+            0.5f * (low->y + high->y) + (float)(own[1] - room[1]),
+            0.5f * (low->z + high->z) + (float)(own[2] - room[2]) },
         .glow = { 1, 1, 1 },
         .movable = true };
 }
@@ -65,7 +68,7 @@ void cli_view_list_items(cli_view_state *s, const rsv_relighter *relighter, cons
         s->home[s->item_count++] = (cli_view_item){
             .kind = is_surroundings(s, k, sources) ? CLI_VIEW_ENVIRONMENT : CLI_VIEW_LIGHT,
             .name = by_node ? source.node : source.name,
-            .shared = by_node ? source.name : NULL,
+            .alias = by_node ? source.name : source.node,
             .color = { 1, 1, 1 },
             .scale = 1,
             .home = source.position,
@@ -105,8 +108,8 @@ size_t cli_view_find_item(const cli_view_state *s, const char *name)
     for (k = 0; k < s->item_count; k++) {
         const cli_view_item *item = &s->item[k];
         size_t prefix = strlen(prefix_of(item->kind));
-        if (item->shared && strncmp(name, prefix_of(item->kind), prefix) == 0 &&
-            strcmp(name + prefix, item->shared) == 0)
+        if (item->alias && strncmp(name, prefix_of(item->kind), prefix) == 0 &&
+            strcmp(name + prefix, item->alias) == 0)
             break;
     }
     return k;
@@ -288,8 +291,8 @@ bool cli_view_add_light(cli_view_state *s, const cli_view_command *c, char *prob
         .name = own,
         .color = { 1, 1, 1 },
         .scale = 1,
-        .home = { (float)(c->number[0] - from[0]), (float)(c->number[1] - from[1]),
-            (float)(c->number[2] - from[2]) },
+        .home = { (float)(c->exact[0] - from[0]), (float)(c->exact[1] - from[1]),
+            (float)(c->exact[2] - from[2]) },
         .glow = { 1, 1, 1 },
         .movable = true };
     s->home[s->selected].scale = 0; // `reset` switches it off

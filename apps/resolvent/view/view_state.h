@@ -30,10 +30,10 @@ typedef struct cli_view_item {
     cli_view_kind kind;
     const char
         *name; ///< borrowed from the scene; of a node, where lights share a name of their own
-    const char *shared; ///< that name; NULL = `name` is its own
-    rsv_rgb color;      ///< factors of a light, base colour of a material
-    float scale;        ///< of a light
-    rsv_vec3 offset;    ///< likewise, from `home`
+    const char *alias; ///< the other one of the light's and its node's; NULL = there is none
+    rsv_rgb color;     ///< factors of a light, base colour of a material
+    float scale;       ///< of a light
+    rsv_vec3 offset;   ///< likewise, from `home`
     rsv_vec3 home;
     rsv_rgb glow; ///< a light's own colour, the largest component 1
     bool movable;
