@@ -47,6 +47,9 @@ static const char help[] =
     "            tracing; relative MSE of means of 2x2 pixels against mode final, of a frame of\n"
     "            the flight as it was shown, of the first one after a cut, and after 64 frames at\n"
     "            rest; flicker at rest; a light that is dimmed\n"
+    "  pictures  seconds to relative MSEs of 0.02, 0.005 and 0.001, beside mode reference in the\n"
+    "            same run: first picture (from the file), second view, and the first view relit;\n"
+    "            of the interiors, a studio, the head and built-in scenes, or of SCENE\n"
     "  move      milliseconds until all is lit anew: one light moved, and strengths of all lights\n"
     "            changed. On cornell-plaster and cornell-showcase with 200,000 triangles\n"
     "  rebake    one object moved: solving again from what --checkpoint keeps, beside solving the\n"
@@ -80,17 +83,18 @@ static const char help[] =
     "                    their rows, of 16:9 (default 720)\n"
     "  --size WxH        fps, rooms: pixels of a frame (default 1280x720); rooms compares frames "
     "of half\n"
-    "                    as many on each side\n"
-    "  --assets FOLDER   rooms: where the scenes are (default: RSV_ASSETS)\n"
-    "  --cache FOLDER    rooms: keeps operators and references for the next time; to be emptied\n"
-    "                    when they should come out differently\n"
+    "                    as many on each side; pictures: of a picture (default 640x360)\n"
+    "  --assets FOLDER   rooms, pictures: where the scenes are (default: RSV_ASSETS)\n"
+    "  --cache FOLDER    rooms: keeps operators and references for the next time, pictures:\n"
+    "                    references; to be emptied when they should come out differently\n"
     "  --strips FOLDER   rooms: a picture of each scene: four frames of the flight, one at rest, "
     "and\n"
     "                    the reference\n"
-    "  --quick           rooms: draft quality, smaller frames, 16 rays per pixel of the reference\n"
+    "  --quick           rooms, pictures: draft quality, smaller frames, 16 rays per pixel of the\n"
+    "                    reference\n"
     "  --spp N           rays per pixel of the reference, of which there are two (quality: "
     "default\n"
-    "                    1024; rooms: default 64)\n"
+    "                    1024; rooms and pictures: default 64)\n"
     "  --reference FILE  quality: instead, take the mean of such pictures, made with different\n"
     "                    seeds; repeat it, an even number of times\n" CLI_MESH_HELP
         CLI_ENVIRONMENT_HELP
@@ -98,7 +102,8 @@ static const char help[] =
     "                    medium); quality: the best solution to compare (default high); rebake:\n"
     "                    of both solutions (default medium); gpu: of the operator (default high);\n"
     "                    fps and rooms: of a scene that is not solved yet (default draft and "
-    "medium)\n"
+    "medium);\n"
+    "                    pictures: the best solution to compare (default medium)\n"
     "  --paths N         certificate: path-traced at each of 2000 points, twice (default 2048)\n"
     "  --csv FILE        all but trace and assemble: the table as comma-separated text\n"
     "  --plot FILE.svg   likewise: the curves\n"
@@ -110,7 +115,7 @@ static const char help[] =
     "  resolvent bench fps room.safetensors --frames 60 --json\n"
     "  resolvent bench quality --spp 4096 --plot quality.svg\n";
 
-enum { BENCH_SCENES = 10 };
+enum { BENCH_SCENES = 12 };
 
 typedef struct benchmark {
     const char *name;
@@ -176,6 +181,17 @@ static const benchmark benchmarks[] = {
             "japanese_classroom", "head", "SheenChair", "MetalRoughSpheres",
             "TransmissionRoughness", "ClearCoat" },
         .frame_size = { 1280, 720 },
+        .quality = RSV_QUALITY_MEDIUM },
+    { .name = "pictures",
+        .run = cli_bench_pictures,
+        .print = cli_print_pictures,
+        .print_summary = cli_print_pictures_summary,
+        .write_csv = cli_write_pictures_csv,
+        .scenes = { "modern_hall", "fireplace_room", "white_room", "wooden_staircase",
+            "japanese_classroom", "studio", "head", "gallery", "terraces", "cornell-spheres",
+            "cornell-glass", "cornell-marble" },
+        .repetitions = 1,
+        .frame_size = { 640, 360 },
         .quality = RSV_QUALITY_MEDIUM },
     { .name = "fig8",
         .run = cli_bench_fig8,
@@ -348,19 +364,23 @@ static int check_settings(const benchmark *b, const settings *s)
         return cli_usage_error(
             "bench", "--mesh does not go with fig8, whose meshes are of given sizes");
     bool flies = b->frame_size.width > 0, is_rooms = b->run == cli_bench_rooms;
+    bool judges = is_rooms || b->run == cli_bench_pictures;
     if (s->bench.environment.path && b->run != cli_bench_quality && !flies)
-        return cli_usage_error("bench", "--env belongs to bench quality, fps and rooms");
-    if ((s->bench.assets || s->bench.cache || s->bench.strips || s->quick) && !is_rooms)
+        return cli_usage_error("bench", "--env belongs to bench quality, fps, rooms and pictures");
+    if ((s->bench.assets || s->bench.cache || s->quick) && !judges)
         return cli_usage_error(
-            "bench", "--assets, --cache, --strips and --quick belong to bench rooms");
+            "bench", "--assets, --cache and --quick belong to bench rooms and pictures");
+    if (s->bench.strips && !is_rooms)
+        return cli_usage_error("bench", "--strips belongs to bench rooms");
     if (s->bench.quality >= 0 && b->run != cli_bench_levels && b->run != cli_bench_quality &&
         b->run != cli_bench_rebake && b->run != cli_bench_gpu && !flies)
-        return cli_usage_error(
-            "bench", "--quality belongs to bench levels, quality, rebake, gpu, fps and rooms");
-    if (s->bench.frames && !flies)
+        return cli_usage_error("bench",
+            "--quality belongs to bench levels, quality, rebake, gpu, fps, rooms and pictures");
+    if (s->bench.frames && (!flies || b->run == cli_bench_pictures))
         return cli_usage_error("bench", "--frames belongs to bench fps and rooms");
     if (s->size.width && !b->size && !flies)
-        return cli_usage_error("bench", "--size belongs to bench quality, fig8, fps and rooms");
+        return cli_usage_error(
+            "bench", "--size belongs to bench quality, fig8, fps, rooms and pictures");
     if (b->size && s->size.width != s->size.height)
         return cli_usage_error("bench", "--size of bench %s is one number", b->name);
     if (references % 2)
@@ -376,7 +396,9 @@ static void choose_frames(const benchmark *b, settings *s)
 {
     cli_bench_task *bench = &s->bench;
     uint32_t share = s->quick ? 4 : 2;
+    bool takes_pictures = b->run == cli_bench_pictures;
     bench->frame_size = s->size.width ? s->size : b->frame_size;
+    if (takes_pictures && s->quick && !s->size.width) bench->frame_size = (cli_size){ 160, 90 };
     bench->judged_size =
         (cli_size){ bench->frame_size.width / share, bench->frame_size.height / share };
     if (bench->judged_size.width < 8) bench->judged_size.width = 8;
@@ -384,7 +406,8 @@ static void choose_frames(const benchmark *b, settings *s)
     const char *assets = getenv("RSV_ASSETS");
     if (!bench->assets && assets && *assets) bench->assets = assets;
     if (bench->reference_samples) return;
-    bench->reference_samples = b->run != cli_bench_rooms ? 1024 : s->quick ? 16 : 64;
+    bool judges = takes_pictures || b->run == cli_bench_rooms;
+    bench->reference_samples = !judges ? 1024 : s->quick ? 16 : 64;
 }
 
 static int measure_and_report(settings *s)

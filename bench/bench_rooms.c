@@ -2,80 +2,26 @@
 #include "bars.h"
 #include "flown_frames.h"
 #include "judged_frames.h"
+#include "room_files.h"
 
 #include <cJSON.h>
 #include <limits.h>
 #include <stdio.h>
-#include <string.h>
 #include <unistd.h>
-
-/// What `bench rooms` runs by itself: files in the folder of assets, and what surrounds them.
-static const struct {
-    const char *name, *file, *environment;
-} rooms[] = {
-    { "modern_hall", "interiors/modern_hall.glb", NULL },
-    { "fireplace_room", "interiors/fireplace_room.glb", "env/fireplace_room_sky_1k.hdr" },
-    { "white_room", "interiors/white_room.glb", NULL },
-    { "wooden_staircase", "interiors/wooden_staircase.glb", NULL },
-    { "japanese_classroom", "interiors/japanese_classroom.glb", NULL },
-    { "head", "head/lee_perry_smith.glb", "env/uffizi_1200x600.hdr" },
-    { "SheenChair", "gltf/SheenChair/SheenChair.gltf", "env/uffizi_1200x600.hdr" },
-    { "MetalRoughSpheres", "gltf/MetalRoughSpheresNoTextures.glb", "env/uffizi_1200x600.hdr" },
-    { "TransmissionRoughness", "gltf/TransmissionRoughnessTest.glb", "env/uffizi_1200x600.hdr" },
-    { "ClearCoat", "gltf/ClearCoatTest.glb", "env/uffizi_1200x600.hdr" },
-};
-
-enum { room_count = sizeof rooms / sizeof rooms[0] };
 
 /// Files of one scene of the benchmark.
 typedef struct room {
-    char name[64]; ///< of its references and strips
-    char scene[PATH_MAX], environment[PATH_MAX], solved[PATH_MAX];
+    cli_room_files files;
+    char solved[PATH_MAX];
 } room;
 
-static size_t find_room(const char *name)
-{
-    size_t k = 0;
-    while (k < room_count && strcmp(rooms[k].name, name) != 0)
-        k++;
-    return k;
-}
-
-/// The last part of a path, without what follows a point.
-static void name_file(const char *path, char name[64])
-{
-    const char *slash = strrchr(path, '/');
-    snprintf(name, 64, "%s", slash ? slash + 1 : path);
-    char *point = strrchr(name, '.');
-    if (point && point != name) *point = '\0';
-}
-
-/// Where things are. False after a message: where nobody said where assets are.
+/// False after a message.
 static bool locate(const cli_bench_task *bench, room *r)
 {
-    size_t k = find_room(bench->scene);
-    *r = (room){ .name = "" };
-    if (k < room_count && !bench->assets) {
-        cli_error(
-            "bench rooms: '%s' is a file of others: say where those are, by --assets FOLDER or "
-            "RSV_ASSETS (docs/benchmarks.md)",
-            bench->scene);
-        return false;
-    }
-    if (k == room_count) {
-        name_file(bench->scene, r->name);
-        snprintf(r->scene, sizeof r->scene, "%s", bench->scene);
-        if (bench->environment.path)
-            snprintf(r->environment, sizeof r->environment, "%s", bench->environment.path);
-    } else {
-        snprintf(r->name, sizeof r->name, "%s", rooms[k].name);
-        snprintf(r->scene, sizeof r->scene, "%s/%s", bench->assets, rooms[k].file);
-        if (rooms[k].environment)
-            snprintf(r->environment, sizeof r->environment, "%s/%s", bench->assets,
-                rooms[k].environment);
-    }
+    if (!cli_find_room(bench, "rooms", &r->files)) return false;
+    r->solved[0] = '\0';
     if (bench->cache)
-        snprintf(r->solved, sizeof r->solved, "%s/%s-%s.safetensors", bench->cache, r->name,
+        snprintf(r->solved, sizeof r->solved, "%s/%s-%s.safetensors", bench->cache, r->files.name,
             cli_quality_names[bench->quality]);
     return true;
 }
@@ -86,22 +32,15 @@ static bool open_room(
 {
     cli_bench_task task = *bench;
     bool is_kept = r->solved[0] && access(r->solved, R_OK) == 0;
-    task.scene = is_kept ? r->solved : r->scene;
-    task.environment.path = is_kept || !r->environment[0] ? NULL : r->environment;
+    task.scene = is_kept ? r->solved : r->files.scene;
+    task.environment.path = is_kept || !r->files.environment[0] ? NULL : r->files.environment;
     if (!cli_open_solved(&task, subject, result)) return false;
-    if (is_kept || !r->solved[0] || rsv_is_operator_file(r->scene)) return true;
-    rsv_status status = rsv_light_save(subject->solution, r->scene, r->solved);
+    if (is_kept || !r->solved[0] || rsv_is_operator_file(r->files.scene)) return true;
+    rsv_status status = rsv_light_save(subject->solution, r->files.scene, r->solved);
     if (status == RSV_OK) return true;
     cli_report_failure(bench->session, status);
     cli_close_subject(subject);
     return false;
-}
-
-static bool is_missing(const room *r, cJSON *result)
-{
-    bool missing = !rsv_scene_is_builtin(r->scene) && access(r->scene, F_OK) != 0;
-    if (missing) cJSON_AddStringToObject(result, "skipped", "the file is not there");
-    return missing;
 }
 
 bool cli_bench_rooms(const cli_bench_task *bench, cJSON *result)
@@ -109,10 +48,10 @@ bool cli_bench_rooms(const cli_bench_task *bench, cJSON *result)
     room r;
     cli_subject subject;
     if (!locate(bench, &r)) return false;
-    if (find_room(bench->scene) < room_count && is_missing(&r, result)) return true;
+    if (cli_room_is_missing(&r.files, result)) return true;
     if (!open_room(bench, &r, &subject, result)) return false;
     rsv_status status = cli_fly(subject.solution, bench->frame_size, bench->frames, result);
-    if (status == RSV_OK) status = cli_judge_frames(bench, subject.solution, r.name, result);
+    if (status == RSV_OK) status = cli_judge_frames(bench, subject.solution, r.files.name, result);
     if (status == RSV_OK) status = cli_measure_switch(subject.solution, bench->frame_size, result);
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     if (status != RSV_OK) cli_report_failure(bench->session, status);

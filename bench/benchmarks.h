@@ -16,14 +16,15 @@ typedef struct cli_bench_task {
     uint32_t threads;            ///< at least 1
     uint32_t repetitions;        ///< what is timed is timed this often
     uint32_t size;               ///< quality: pixels along each side; fig8: rows of them
-    cli_size frame_size;         ///< fps and rooms
+    cli_size frame_size;         ///< fps, rooms and pictures
     cli_size judged_size;        ///< rooms: of frames that are compared with a reference
     uint32_t frames;             ///< fps and rooms: of the flight, 0 = what a few seconds hold
-    const char *assets, *cache, *strips; ///< rooms: folders; NULL = none
-    uint32_t reference_samples; ///< quality and rooms: camera rays per pixel of the reference
-    int quality;                ///< of those that solve with one: an rsv_quality
-    uint32_t paths;             ///< certificate: of each reading of the truth, 0 = default
-    cli_list references;        ///< quality: pictures whose mean is the reference; none = render it
+    const char *assets, *cache, *strips; ///< rooms, pictures: folders; NULL = none
+    uint32_t
+        reference_samples; ///< quality, rooms, pictures: camera rays per pixel of the reference
+    int quality;           ///< of those that solve with one: an rsv_quality
+    uint32_t paths;        ///< certificate: of each reading of the truth, 0 = default
+    cli_list references;   ///< quality: pictures whose mean is the reference; none = render it
 } cli_bench_task;
 
 /// Opens the task's scene: "bright-box" is a closed box of albedo 0.95 with a lamp in it, others are those of
@@ -84,6 +85,12 @@ void cli_print_rooms(const struct cJSON *result);
 void cli_print_rooms_summary(const struct cJSON *scenes);
 bool cli_write_rooms_csv(const char *path, const struct cJSON *scenes);
 bool cli_write_rooms_plot(const char *path, const struct cJSON *scenes);
+
+/// Time to given errors of pictures of rooms: from the file, of a second view, and relit, beside mode reference.
+bool cli_bench_pictures(const cli_bench_task *bench, struct cJSON *result);
+void cli_print_pictures(const struct cJSON *result);
+void cli_print_pictures_summary(const struct cJSON *scenes);
+bool cli_write_pictures_csv(const char *path, const struct cJSON *scenes);
 
 /// An object moved: solving again from what is kept of the solution before, beside solving as a whole.
 bool cli_bench_rebake(const cli_bench_task *bench, struct cJSON *result);

@@ -7,7 +7,7 @@
 #include "stats.h"
 #include "subject.h"
 
-#include "resolvent/render.h"
+#include "resolvent/plan.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,6 +20,8 @@ static const char help[] =
     "is\n"
     "solved already) once and takes a picture of it. Picture samples are radiance, linear RGB; PNG "
     "is sRGB.\n"
+    "Where no option says how, elements, rays and samples are chosen for a relative error of 7 %;\n"
+    "--error and --max-time ask for another, or for what a time allows.\n"
     "\n"
     "  -o FILE            the picture; repeat it for more than one format\n"
     "  --size WxH         pixels (default: 512 on the longer side, in the camera's aspect)\n"
@@ -31,8 +33,9 @@ static const char help[] =
     "albedo\n"
     "                     occlusion-screen  the same from the depth buffer alone, as in games\n"
     "  --occlusion-distance M  modes occlusion: metres beyond which nothing occludes\n"
-    "  --spp N            camera rays per pixel (default by quality: 4, 9, 16; reference "
-    "64)\n"
+    "  --spp N            camera rays per pixel (default by plan or by quality: 4, 9, 16; "
+    "reference\n"
+    "                     64)\n"
     "  --noise P%         final and operator: up to 64 times as many where pixels are noisier "
     "than\n"
     "                     that; 0 = the same everywhere (default: final without --spp by quality: "
@@ -42,7 +45,14 @@ static const char help[] =
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
-    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n" CLI_ERROR_TARGET_HELP
+    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
+    "  --error P%         final: RMS error of pixels that is wanted, relative to what is around\n"
+    "                     them, 0.5 % to 100 % (default 7 %); the plan is said. With --quality:\n"
+    "                     refine from there on until the certificate's estimate of the\n"
+    "                     irradiance's relative error is below P percent (upper end of its 95 %\n"
+    "                     interval; with --goal: of what that reads), or until a budget ends\n"
+    "  --max-time S       final: the best picture that S seconds allow, loading included; with\n"
+    "                     --error no better than that\n"
     "  --threads N        default: one per processor; the picture does not depend on "
     "it\n" CLI_DEVICE_HELP
     "  --stats FILE.json  what was done, how long each phase took, norms and residuals\n"
@@ -50,6 +60,8 @@ static const char help[] =
     "examples:\n"
     "  resolvent render cornell-spheres -o spheres.png\n"
     "  resolvent render room.glb -o room.exr -o room.png --size 1280x720 --quality high\n"
+    "  resolvent render room.glb -o room.exr --error 3%\n"
+    "  resolvent render room.glb -o room.exr --max-time 10\n"
     "  resolvent render room.glb -o room.exr --quality draft --error 2% --max-time 600\n"
     "  resolvent render room.glb -o orders.exr --mode operator --layers\n"
     "  resolvent render room.glb -o judge.exr --mode reference --spp 1024 --stats judge.json\n";
@@ -74,7 +86,15 @@ typedef struct settings {
     float exposure, occlusion_distance;
     float noise; ///< below 0 = by mode and quality
     bool layers, goal;
+    bool planned; ///< elements, rays and samples are chosen by error or time
 } settings;
+
+/// Whether nothing says how the picture is to be made.
+static bool is_planned(const settings *s)
+{
+    return s->mode == RSV_RENDER_FINAL && s->solve.quality < 0 && !s->samples && s->noise < 0 &&
+           !s->gather_rays && !s->goal;
+}
 
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
@@ -98,7 +118,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
-        CLI_ERROR_TARGET_OPTIONS(&s->target),
+        CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -108,7 +128,13 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         *exit_status = cli_usage_error("render", "-o OUT.{exr,png,hdr} is missing");
         return false;
     }
-    return true;
+    s->planned = is_planned(s);
+    if (s->solve.quality < 0) s->solve.quality = RSV_QUALITY_MEDIUM;
+    if (s->planned || s->target.max_seconds == 0 || s->target.share > 0) return true;
+    *exit_status = cli_usage_error("render", "--max-time does nothing without --error, but for "
+                                             "pictures that are planned: leave out --mode, "
+                                             "--quality, --spp, --noise, --gather and --goal");
+    return false;
 }
 
 /// Whether the picture is one of a solution.
@@ -124,6 +150,13 @@ static bool check_request(const settings *s)
         (s->solve.solver != RSV_SOLVER_AUTO || s->target.share > 0 || s->goal || s->noise >= 0)) {
         cli_error("--mode %s solves nothing: leave out --solver, --error, --goal and --noise",
             mode_names[s->mode]);
+        return false;
+    }
+    if (s->planned && s->target.share > 0 && s->target.share < 0.005f) {
+        cli_error(
+            "--error %g %%: pictures are planned for errors of 0.5 %% and more; for less, choose "
+            "--quality and --spp",
+            100 * (double)s->target.share);
         return false;
     }
     if (s->mode == RSV_RENDER_REFERENCE && s->device != CLI_DEVICE_CPU) {
@@ -213,7 +246,7 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     stats->quality = (rsv_quality)s->solve.quality;
     stats->width = desc->width;
     stats->height = desc->height;
-    stats->samples = desc->samples;
+    stats->samples = stats->is_planned ? stats->plan.samples : desc->samples;
     stats->threads = cli_thread_count(s->threads);
     stats->seed = s->solve.seed;
     stats->report = solution ? rsv_light_report(solution) : NULL;
@@ -222,15 +255,51 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, stats);
 }
 
+static rsv_plan_desc describe_plan(cli_session *session, const settings *s)
+{
+    rsv_plan_desc plan = rsv_default_plan_desc();
+    double left = (double)s->target.max_seconds - (cli_seconds() - session->started);
+    plan.solve = cli_describe_solve(&s->solve);
+    if (s->target.share > 0) plan.relative_error = (double)s->target.share;
+    if (s->target.max_seconds == 0) return plan;
+    if (s->target.share == 0) plan.relative_error = 0;
+    if (left <= 0) cli_warn(session, "--max-time: loading alone took as long");
+    plan.max_seconds = fmax(left, 1e-3);
+    return plan;
+}
+
+/// A picture by error or time.
+static rsv_status render_planned(cli_session *session, const settings *s,
+    const rsv_render_desc *desc, cli_subject *subject, rsv_image **image, cli_stats *stats)
+{
+    static const rsv_solve_report nothing = { 0 };
+    rsv_plan_desc plan = describe_plan(session, s);
+    double started = cli_seconds();
+    bool was_solved = subject->solution != NULL;
+    rsv_status status =
+        rsv_render_planned(subject->scene, &plan, desc, &subject->solution, image, &stats->plan);
+    stats->is_planned = true;
+    if (status != RSV_OK) return status;
+    const rsv_solve_report *r =
+        was_solved || !subject->solution ? &nothing : rsv_light_report(subject->solution);
+    stats->time_render = cli_seconds() - started - r->time_bvh - r->time_assemble - r->time_solve;
+    return status;
+}
+
 /// Solves where the mode wants it, and takes the picture.
 static rsv_status render(cli_session *session, const settings *s, const rsv_render_desc *desc,
     cli_subject *subject, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
 {
     rsv_status status = RSV_OK;
+    stats->standard_error = NAN;
+    if (s->planned) {
+        status = render_planned(session, s, desc, subject, image, stats);
+        if (status != RSV_OK || !subject->solution) return status;
+        return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
+    }
     if (is_solved(s)) status = solve(session, s, subject, certificate);
     if (status != RSV_OK) return status;
     double started = cli_seconds();
-    stats->standard_error = NAN;
     if (is_solved(s))
         status = rsv_render(subject->solution, desc, image);
     else if (desc->mode == RSV_RENDER_REFERENCE)
@@ -271,7 +340,7 @@ cleanup:
 int cli_render(int argc, char **argv)
 {
     settings s = { .mode = RSV_RENDER_FINAL,
-        .solve = CLI_DEFAULT_SOLVE,
+        .solve = { .quality = -1 },
         .environment = CLI_DEFAULT_ENVIRONMENT,
         .noise = -1 };
     int exit_status;

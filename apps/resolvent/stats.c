@@ -48,13 +48,18 @@ static void add_if_positive(cJSON *object, const char *name, uint32_t value)
     cJSON_AddNumberToObject(object, name, value ? (double)value : NAN);
 }
 
+static void add_text(cJSON *object, const char *name, const char *text)
+{
+    cJSON_AddItemToObject(object, name, text ? cJSON_CreateString(text) : cJSON_CreateNull());
+}
+
 static void add_settings(cJSON *root, const cli_stats *stats)
 {
     cJSON_AddStringToObject(root, "version", rsv_version());
     cJSON_AddStringToObject(root, "command", stats->command);
     cJSON_AddStringToObject(root, "scene", stats->scene);
     cJSON_AddStringToObject(root, "mode", stats->mode);
-    cJSON_AddStringToObject(root, "quality", cli_quality_names[stats->quality]);
+    add_text(root, "quality", stats->is_planned ? NULL : cli_quality_names[stats->quality]);
     add_if_positive(root, "width", stats->width);
     add_if_positive(root, "height", stats->height);
     cJSON_AddNumberToObject(root, "spp", stats->samples);
@@ -62,11 +67,6 @@ static void add_settings(cJSON *root, const cli_stats *stats)
     cJSON_AddStringToObject(
         root, "device", cli_device() ? rsv_device_get_info(cli_device())->name : "cpu");
     cJSON_AddNumberToObject(root, "seed", stats->seed);
-}
-
-static void add_text(cJSON *object, const char *name, const char *text)
-{
-    cJSON_AddItemToObject(object, name, text ? cJSON_CreateString(text) : cJSON_CreateNull());
 }
 
 /// cJSON writes NAN as null: what was not solved has no norm and no residual.
@@ -153,6 +153,21 @@ static void add_goal(cJSON *root, const rsv_goal_certificate *g)
     add_interval(object, "error_ci95", g->error_ci95);
 }
 
+/// How a planned picture was made.
+static void add_plan(cJSON *root, const rsv_picture_plan *plan)
+{
+    cJSON *object = cJSON_AddObjectToObject(root, "plan");
+    cJSON_AddBoolToObject(object, "path_traced", plan->mode == RSV_RENDER_REFERENCE);
+    cJSON_AddNumberToObject(object, "element_target", plan->element_target);
+    cJSON_AddNumberToObject(object, "rays_per_element", plan->rays_per_element);
+    cJSON_AddNumberToObject(object, "refinements", plan->refinements);
+    cJSON_AddBoolToObject(object, "goal", plan->goal);
+    cJSON_AddNumberToObject(object, "rounds", plan->rounds);
+    cJSON_AddNumberToObject(object, "noise_mse", plan->noise);
+    cJSON_AddNumberToObject(object, "elements_mse", plan->elements_error);
+    cJSON_AddBoolToObject(object, "reached", plan->is_reached);
+}
+
 /// Microseconds are digits enough.
 static void add_seconds(cJSON *times, const char *phase, double seconds)
 {
@@ -211,6 +226,7 @@ bool cli_write_stats(const char *path, const cli_session *session, const cli_sta
     add_certificate(root, stats->certificate);
     add_split(root, stats->split);
     add_goal(root, stats->goal);
+    if (stats->is_planned) add_plan(root, &stats->plan);
     add_times(root, session, stats);
     cJSON_AddNumberToObject(root, "peak_rss_bytes", peak_rss_bytes());
     add_warnings(root, session);

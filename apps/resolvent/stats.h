@@ -5,6 +5,7 @@
 #include "session.h"
 
 #include "resolvent/certify.h"
+#include "resolvent/plan.h"
 
 struct cJSON;
 
@@ -19,6 +20,8 @@ typedef struct cli_stats {
     const rsv_certificate *certificate; ///< NULL = nothing was solved
     const rsv_goal_certificate *goal;   ///< NULL = there was none
     const rsv_error_split *split;       ///< likewise
+    bool is_planned;                    ///< by `plan`, not by a quality
+    rsv_picture_plan plan;
     uint32_t order_count;
     double standard_error; ///< of the picture's mean, relative; NAN = unknown
     double time_solve;     ///< seconds; 0 = as the report has it

@@ -30,7 +30,7 @@ typedef struct rsv_render_desc {
     /// to RSV_MOST_SAMPLES times as many camera rays. Default 0 = `samples` everywhere.
     float noise;
     uint32_t camera; ///< index in the scene
-    /// Modes operator and final: a camera that is not in the scene, instead; borrowed. NULL = none
+    /// Modes operator, final and reference: a camera that is not in the scene, instead; borrowed. NULL = none
     const rsv_camera *viewpoint;
     uint32_t
         gather_rays; ///< mode final: gather rays per camera ray, 0 = look the indirect light up;

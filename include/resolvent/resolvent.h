@@ -12,6 +12,7 @@
 #include "resolvent/mover.h"
 #include "resolvent/operator.h"
 #include "resolvent/opfile.h"
+#include "resolvent/plan.h"
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
 #include "resolvent/scene.h"

@@ -3,6 +3,7 @@
 #include "team.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -22,6 +23,8 @@ struct rsv_context {
     rsv_context_desc desc;
     int thread_count;
     atomic_bool cancelled;
+    bool has_deadline;
+    double deadline;          ///< as rsv_seconds counts
     rsv_status team_status;   ///< the failure of another process
     rsv_status device_status; ///< why the device did not do what it was asked for
     bool device_lost;
@@ -237,9 +240,21 @@ rsv_status rsv_device_failed(rsv_context *context, rsv_status status, const char
     return rsv_fail(status, "device: %s", message);
 }
 
-bool rsv_cancelled(const rsv_context *context)
+bool rsv_was_asked_to_stop(const rsv_context *context)
 {
     return atomic_load_explicit(&context->cancelled, memory_order_relaxed);
+}
+
+bool rsv_cancelled(const rsv_context *context)
+{
+    return rsv_was_asked_to_stop(context) ||
+           (context->has_deadline && rsv_seconds() > context->deadline);
+}
+
+void rsv_set_deadline(rsv_context *context, double seconds)
+{
+    context->has_deadline = isfinite(seconds);
+    context->deadline = seconds;
 }
 
 void rsv_progress_part(rsv_context *context, const char *name, uint32_t number)

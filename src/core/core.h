@@ -57,8 +57,14 @@ int rsv_threads(const rsv_context *context);
 /// Number of the calling thread within its OpenMP team; 0 is the thread that entered the library.
 int rsv_thread_index(void);
 
-/// True once somebody asked to stop. Cheap: parallel loops poll it.
+/// True once somebody asked to stop, or past a deadline. Cheap: parallel loops poll it.
 bool rsv_cancelled(const rsv_context *context);
+
+/// Work is cancelled from `seconds` on, as rsv_seconds counts them, until another deadline is set; INFINITY = there is none.
+void rsv_set_deadline(rsv_context *context, double seconds);
+
+/// Whether it was not a deadline that cancelled.
+bool rsv_was_asked_to_stop(const rsv_context *context);
 
 /// Names the part that the work has come to, such as "pilot" 2: phases are reported as "pilot 2: assemble" from now on.
 /// Parts have no parts of their own. @param name NULL = none @param number from 1 on; 0 = there is only one

@@ -193,7 +193,7 @@ rsv_status rsv_render_reference(
     RSV_TRY(name_layers(picture.image));
     RSV_TRY(rsv_path_tracer_create(scene, &tracer));
     picture.tracer = tracer;
-    picture.camera = &view->camera[desc->camera];
+    picture.camera = desc->viewpoint ? desc->viewpoint : &view->camera[desc->camera];
     picture.medium =
         rsv_medium_above(&tracer->media, picture.camera->position, picture.camera->forward);
     picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);

@@ -50,6 +50,19 @@ succeeds bench rooms modern_hall --quick --assets kept
 says 'skipped'
 refuses 2 'belong to bench rooms' bench fps cornell-blocks --quick
 
+succeeds bench pictures cornell-blocks --quick --size 32x24 --spp 4 --cache kept --csv pictures.csv --stats pictures.json
+for view in 'first picture' 'second view' 'relit view'; do
+    says "^| cornell-blocks | $view | 0.02 |"
+    grep -q "^cornell-blocks: $view,0.005," pictures.csv || complain "the table lacks the $view"
+done
+for key in relative_mse cpu_seconds reference_cpu_seconds; do
+    grep -q "\"$key\":" pictures.json || complain "the JSON lacks $key"
+done
+succeeds bench pictures studio --quick --assets kept
+says 'skipped'
+RSV_ASSETS='' refuses 1 'RSV_ASSETS' bench pictures studio --quick
+refuses 2 'belongs to bench rooms' bench pictures cornell-blocks --strips kept
+
 succeeds bench move cornell-blocks --repeat 1 --csv move.csv
 says 'one light moved'
 grep -q '^cornell-blocks,' move.csv || complain "the table lacks the scene"
@@ -78,8 +91,8 @@ grep -q '^furnace,0,' levels.csv && grep -q '^furnace,2,' levels.csv ||
     complain "the table lacks one of the methods"
 grep -q '</svg>' levels.svg || complain "the plot is incomplete"
 ! grep -q -e nan -e inf levels.svg levels.csv || complain "the curves hold what is no number"
-refuses 2 'belongs to bench levels, quality, rebake, gpu, fps and rooms' bench trace --quality draft
-refuses 2 'belongs to bench quality, fig8, fps and rooms' bench trace --size 64
+refuses 2 'belongs to bench levels, quality, rebake, gpu, fps, rooms and pictures' bench trace --quality draft
+refuses 2 'belongs to bench quality, fig8, fps, rooms and pictures' bench trace --size 64
 refuses 2 'is one number' bench fig8 --size 64x36
 refuses 2 '--frames belongs to bench fps and rooms' bench trace --frames 3
 

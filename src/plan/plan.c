@@ -1,0 +1,281 @@
+/// Plans by error. Everything follows from the picture's size, the wanted error and what pilots show: no clock is read, so a
+/// plan is the same on every machine.
+#include "pixel_error.h"
+#include "planner.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/// The settings of quality `draft` serve a picture of so many pixels and relative MSE. Smaller pictures show less of what
+/// elements miss; what these err falls with their number, what their rays err with the rays.
+#define USUAL_ELEMENTS 3000
+#define USUAL_PIXELS 32400.0
+#define USUAL_ERROR 0.005
+#define USUAL_RAYS 128
+#define LEAST_ELEMENTS 500.0
+#define MOST_ELEMENTS 1e6
+#define LEAST_RAYS 64
+#define MOST_RAYS 1024
+/// Below this, light that bends is worth pilots, and what the camera does not see worth finding out.
+#define DEMANDING 0.002
+#define REFINEMENTS 3
+/// Part of the wanted error that elements may use up; the noise of samples may always use up this one.
+#define ELEMENTS_SHARE 0.5
+#define LEAST_NOISE_SHARE 0.25
+/// A finer solution has so many times the elements; a round that leaves more than this of the error has not helped.
+#define REFINEMENT 4
+#define LEAST_PROGRESS 0.8
+#define MOST_ROUNDS 3
+/// Elements are looked at by gathering with this part of the samples, twice; not where an error above this is allowed, as that
+/// would take longer than the picture.
+#define LOOKS_SHARE 8
+#define GENEROUS (2 * USUAL_ERROR)
+#define MOST_SAMPLES 4096
+/// Estimates that exceed the wanted error by less count as that.
+#define TOLERANCE 1.15
+
+rsv_plan_desc rsv_default_plan_desc(void)
+{
+    rsv_plan_desc desc = { .relative_error = 0.07, .max_seconds = INFINITY };
+    desc.solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    return desc;
+}
+
+// ---- steps ----------------------------------------------------------------------------------------
+
+rsv_status rsv_planner_solve(rsv_planner *p)
+{
+    rsv_light *light = NULL;
+    rsv_status status = rsv_light_create(p->scene, &p->solve, &light);
+    if (status != RSV_OK) return status;
+    rsv_light_destroy(p->light);
+    p->light = light;
+    p->plan.element_target = p->solve.element_target;
+    p->plan.rays_per_element = p->solve.rays_per_element;
+    p->plan.refinements = p->solve.refinements;
+    p->plan.goal = p->solve.goal_camera != RSV_NONE;
+    p->plan.rounds++;
+    return RSV_OK;
+}
+
+static rsv_status take(rsv_planner *p, uint32_t samples, rsv_image **image)
+{
+    rsv_render_desc desc = p->picture;
+    desc.samples = samples;
+    desc.seed += 0x9e3779b9u * p->passes++; // the first pass has the seed itself
+    if (desc.mode == RSV_RENDER_REFERENCE)
+        return rsv_render_reference(p->scene, &desc, image, NULL);
+    return rsv_render(p->light, &desc, image);
+}
+
+rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
+{
+    rsv_image *pass = NULL;
+    rsv_status status = take(p, samples, &pass);
+    return status == RSV_OK ? rsv_sample_sum_add(p->context, &p->sum, samples, pass) : status;
+}
+
+// ---- what is enough -------------------------------------------------------------------------------
+
+static uint32_t power_of_two(double value, uint32_t least, uint32_t most)
+{
+    uint32_t power = least;
+    while (power < most && power * M_SQRT2 < value)
+        power *= 2;
+    return power;
+}
+
+static void choose_elements(rsv_planner *p)
+{
+    double pixels = (double)p->picture.width * p->picture.height;
+    double accuracy = USUAL_ERROR / p->wanted, detail = fmin(pixels / USUAL_PIXELS, 1);
+    double elements = USUAL_ELEMENTS * sqrt(accuracy * detail);
+    p->solve.element_target = (uint32_t)fmin(fmax(elements, LEAST_ELEMENTS), MOST_ELEMENTS);
+    p->solve.rays_per_element = power_of_two(USUAL_RAYS * accuracy, LEAST_RAYS, MOST_RAYS);
+    p->solve.refinements = 0;
+    p->solve.goal_camera = RSV_NONE;
+    if (p->wanted >= DEMANDING) return;
+    p->solve.refinements = REFINEMENTS;
+    if (!p->picture.viewpoint) p->solve.goal_camera = p->picture.camera;
+}
+
+static void choose_finer(rsv_planner *p)
+{
+    uint32_t rays = p->solve.rays_per_element;
+    p->solve.element_target =
+        (uint32_t)fmin((double)p->solve.element_target * REFINEMENT, MOST_ELEMENTS);
+    p->solve.rays_per_element = rays < MOST_RAYS ? 2 * rays : rays;
+    if (p->plan.rounds > 1) p->solve.refinements = REFINEMENTS;
+    if (!p->picture.viewpoint) p->solve.goal_camera = p->picture.camera;
+}
+
+/// Two passes tell the noise.
+static rsv_status take_first(rsv_planner *p)
+{
+    uint32_t samples = p->wanted > GENEROUS ? 1 : 2;
+    rsv_sample_sum_clear(&p->sum);
+    rsv_status status = rsv_planner_take(p, samples);
+    if (status == RSV_OK) status = rsv_planner_take(p, samples);
+    if (status == RSV_OK) p->plan.noise = rsv_sample_sum_noise(&p->sum);
+    return status;
+}
+
+/// Compares the first two passes with two of one more gather through the solution: what they find but for noise, elements
+/// err.
+static rsv_status look_at_elements(rsv_planner *p, uint32_t samples, double *uncertainty)
+{
+    rsv_image *gathered[2] = { NULL, NULL };
+    rsv_status status = RSV_OK;
+    bool with_layers = p->picture.layers;
+    p->picture.layers = false;
+    p->picture.gather_rays = 1;
+    for (int k = 0; k < 2 && status == RSV_OK; k++)
+        status = take(p, samples, &gathered[k]);
+    p->picture.gather_rays = 0;
+    p->picture.layers = with_layers;
+    const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
+    const rsv_image *const truth[2] = { gathered[0], gathered[1] };
+    if (status == RSV_OK)
+        p->plan.elements_error =
+            fmax(rsv_pixel_error(stored, truth, 1, uncertainty) - *uncertainty, 0);
+    rsv_image_destroy(gathered[0]);
+    rsv_image_destroy(gathered[1]);
+    return status;
+}
+
+/// Relative MSE that is left for the noise of samples.
+static double noise_allowed(const rsv_planner *p)
+{
+    double elements = isnan(p->plan.elements_error) ? 0 : p->plan.elements_error;
+    return fmax(p->wanted - elements, LEAST_NOISE_SHARE * p->wanted);
+}
+
+static uint32_t samples_needed(const rsv_planner *p)
+{
+    return rsv_samples_for(p->plan.noise, p->sum.samples, noise_allowed(p), MOST_SAMPLES);
+}
+
+/// Refines elements as long as they are what limits the picture, and it helps.
+static rsv_status find_solution(rsv_planner *p)
+{
+    rsv_status status = p->light ? RSV_OK : rsv_planner_solve(p);
+    double before = INFINITY, uncertainty = 0;
+    while (status == RSV_OK) {
+        p->plan.elements_error = NAN;
+        status = take_first(p);
+        uint32_t needed = status == RSV_OK ? samples_needed(p) : 0;
+        if (status != RSV_OK || p->wanted > GENEROUS) break;
+        status = look_at_elements(p, needed > LOOKS_SHARE ? needed / LOOKS_SHARE : 1, &uncertainty);
+        double least = p->plan.elements_error - uncertainty; // more than chance
+        if (status != RSV_OK || least <= ELEMENTS_SHARE * p->wanted || p->is_given) break;
+        if (p->plan.rounds >= MOST_ROUNDS || p->plan.elements_error > LEAST_PROGRESS * before)
+            break;
+        before = p->plan.elements_error;
+        choose_finer(p);
+        status = rsv_planner_solve(p);
+    }
+    return status;
+}
+
+static void say_plan(const rsv_planner *p, uint32_t samples)
+{
+    const rsv_solve_report *report = rsv_light_report(p->light);
+    const rsv_picture_plan *plan = &p->plan;
+    char elements[80] = "";
+    if (!isnan(plan->elements_error))
+        snprintf(elements, sizeof elements, ", of which elements leave %.2g %%",
+            100 * sqrt(plan->elements_error));
+    rsv_log(p->context, RSV_LOG_INFO,
+        "plan: %zu rows of %u rays%s and %u camera rays per pixel for a relative error of %.2g "
+        "%%%s",
+        report->rows, p->plan.rays_per_element, plan->goal ? " for this camera" : "", samples,
+        100 * sqrt(p->wanted), elements);
+}
+
+static void say_what_is_missing(const rsv_planner *p)
+{
+    double elements = isnan(p->plan.elements_error) ? 0 : p->plan.elements_error;
+    rsv_log(p->context, RSV_LOG_WARNING,
+        "plan: a relative error of %.2g %% is out of reach: about %.2g %% is what comes out, %.2g "
+        "%% by elements and %.2g %% by samples; ask for more than that, or for --quality high",
+        100 * sqrt(p->wanted), 100 * sqrt(elements + p->plan.noise), 100 * sqrt(elements),
+        100 * sqrt(p->plan.noise));
+}
+
+static rsv_status run_to_error(rsv_planner *p)
+{
+    rsv_status status;
+    choose_elements(p);
+    RSV_TRY(find_solution(p));
+    uint32_t samples = samples_needed(p), taken = p->sum.samples;
+    if (samples < taken) samples = taken;
+    say_plan(p, samples);
+    double noise = p->plan.noise * pow((double)samples / taken, -1);
+    double elements = isnan(p->plan.elements_error) ? 0 : p->plan.elements_error;
+    p->plan.is_reached = elements + noise <= TOLERANCE * TOLERANCE * p->wanted;
+    if (samples > taken) RSV_TRY(rsv_planner_take(p, samples - taken));
+    p->plan.noise = rsv_sample_sum_noise(&p->sum);
+    p->plan.is_reached = elements + p->plan.noise <= TOLERANCE * TOLERANCE * p->wanted;
+    if (!p->plan.is_reached) say_what_is_missing(p);
+cleanup:
+    return status;
+}
+
+// ---- all of it ------------------------------------------------------------------------------------
+
+static rsv_status check(const rsv_scene *scene, const rsv_plan_desc *desc, const rsv_render_desc *r)
+{
+    bool is_open = desc->relative_error == 0 && isfinite(desc->max_seconds);
+    if (!is_open && !(desc->relative_error >= 0.005 && desc->relative_error <= 1))
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "plan: a relative error of %g is not in 0.005 .. 1; certified errors of irradiance are "
+            "rsv_solve_to_error's",
+            desc->relative_error);
+    if (!(desc->max_seconds > 0))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "plan: max_seconds must be positive");
+    if (r->mode != RSV_RENDER_FINAL)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "plan: only pictures of mode final are planned");
+    if (r->camera >= rsv_scene_get_view(scene)->camera_count)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "plan: camera %u does not exist, the scene has %zu",
+            r->camera, rsv_scene_get_view(scene)->camera_count);
+    return RSV_OK;
+}
+
+static void begin(const rsv_scene *scene, const rsv_plan_desc *desc, const rsv_render_desc *picture,
+    rsv_light *light, rsv_planner *p)
+{
+    *p = (rsv_planner){ .scene = scene,
+        .context = rsv_scene_get_context(scene),
+        .picture = *picture,
+        .solve = desc->solve,
+        .light = light,
+        .is_given = light != NULL,
+        .started = rsv_seconds(),
+        .wanted = desc->relative_error * desc->relative_error };
+    p->solve.direct_level = false;
+    p->picture.noise = 0;
+    p->plan.mode = RSV_RENDER_FINAL;
+    p->plan.elements_error = p->plan.noise = NAN;
+}
+
+rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
+    const rsv_render_desc *picture, rsv_light **light, rsv_image **image, rsv_picture_plan *plan)
+{
+    rsv_status status = check(scene, desc, picture);
+    if (status != RSV_OK) return status;
+    rsv_planner p;
+    begin(scene, desc, picture, *light, &p);
+    status = isfinite(desc->max_seconds) ? rsv_planner_run_until(&p, desc->max_seconds)
+                                         : run_to_error(&p);
+    if (status == RSV_OK) {
+        p.plan.samples = p.sum.samples;
+        if (plan) *plan = p.plan;
+        *image = p.sum.mean;
+        p.sum.mean = NULL;
+        *light = p.light;
+    } else if (!p.is_given) {
+        rsv_light_destroy(p.light);
+    }
+    rsv_sample_sum_clear(&p.sum);
+    return status;
+}

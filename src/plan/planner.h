@@ -1,0 +1,32 @@
+/// A picture that is being planned.
+#ifndef RSV_PLANNER_H
+#define RSV_PLANNER_H
+
+#include "../core/core.h"
+#include "resolvent/plan.h"
+#include "sample_sum.h"
+
+typedef struct rsv_planner {
+    const rsv_scene *scene;
+    rsv_context *context;
+    rsv_render_desc picture; ///< mode and samples are those of the next pass
+    rsv_solve_desc solve;    ///< of the next solution
+    rsv_light *light;        ///< NULL = none yet
+    bool is_given;           ///< whether it is the caller's
+    double started;          ///< as rsv_seconds counts
+    double wanted;           ///< relative MSE
+    uint32_t passes;
+    rsv_sample_sum sum;
+    rsv_picture_plan plan;
+} rsv_planner;
+
+/// Solves by the planner's description, in place of its solution before.
+rsv_status rsv_planner_solve(rsv_planner *planner);
+
+/// Takes one more pass over the picture and adds it.
+rsv_status rsv_planner_take(rsv_planner *planner, uint32_t samples);
+
+/// As good a picture as there is time for.
+rsv_status rsv_planner_run_until(rsv_planner *planner, double seconds);
+
+#endif

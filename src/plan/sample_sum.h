@@ -1,0 +1,27 @@
+/// A picture as the mean of passes, and how noisy it is.
+#ifndef RSV_SAMPLE_SUM_H
+#define RSV_SAMPLE_SUM_H
+
+#include "resolvent/render.h"
+
+/// The first two passes have equally many samples: their difference is what tells the noise.
+typedef struct rsv_sample_sum {
+    rsv_image *mean; ///< weighted by samples; NULL = no pass yet
+    rsv_image *half[2];
+    uint32_t samples;      ///< of all passes
+    uint32_t half_samples; ///< of each of the first two
+} rsv_sample_sum;
+
+/// Adds a pass, which it takes over; its first layer is what the noise is known of.
+rsv_status rsv_sample_sum_add(
+    rsv_context *context, rsv_sample_sum *sum, uint32_t samples, rsv_image *pass);
+
+/// Relative MSE by noise of the samples there are. Needs two passes.
+double rsv_sample_sum_noise(const rsv_sample_sum *sum);
+
+/// Samples that bring the noise down to a relative MSE, from what it is with those there are.
+uint32_t rsv_samples_for(double noise, uint32_t samples, double wanted, uint32_t most);
+
+void rsv_sample_sum_clear(rsv_sample_sum *sum);
+
+#endif

@@ -1,0 +1,103 @@
+/// Plans by time. The clock decides how fine the solution is and when the last pass begins.
+#include "../core/team.h"
+#include "planner.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#define COARSEST_ELEMENTS 500
+#define COARSEST_RAYS 64
+#define FINE_RAYS 256
+/// Parts of the time that is left: a solution may take the first before it is given up; a second, finer one aims at the other.
+#define SOLUTION_SHARE 0.6
+#define FINER_SHARE 0.3
+/// A finer solution is worth it from so many times the elements on. What solutions take besides rows does not grow with them.
+#define WORTH_IT 4.0
+#define MOST_FINER 60.0
+#define MOST_PASS 64u
+/// Passes may take this many times what the one before makes expect.
+#define DOUBT 1.1
+
+static double now_of(const rsv_planner *p)
+{
+    return rsv_team_largest(p->context, rsv_seconds() - p->started);
+}
+
+static rsv_status stopped_by_deadline(const rsv_planner *p, rsv_status status)
+{
+    bool only_late = status == RSV_ERROR_CANCELLED && !rsv_was_asked_to_stop(p->context);
+    return only_late ? RSV_OK : status;
+}
+
+/// Solves until a time, or leaves things as they were. Processes of a team do not part: they take their time.
+static rsv_status solve_until(rsv_planner *p, double seconds)
+{
+    bool alone = rsv_team_of(p->context) == NULL;
+    if (alone) rsv_set_deadline(p->context, p->started + seconds);
+    rsv_status status = rsv_planner_solve(p);
+    rsv_set_deadline(p->context, INFINITY);
+    rsv_progress_part(p->context, NULL, 0);
+    return stopped_by_deadline(p, status);
+}
+
+/// The coarsest solution, and one as fine as there is time for.
+static rsv_status find_solution(rsv_planner *p, double seconds)
+{
+    double begun = now_of(p);
+    p->solve.element_target = COARSEST_ELEMENTS;
+    p->solve.rays_per_element = COARSEST_RAYS;
+    p->solve.refinements = 0;
+    p->solve.goal_camera = RSV_NONE;
+    rsv_status status = solve_until(p, begun + SOLUTION_SHARE * (seconds - begun));
+    double now = now_of(p);
+    double finer = fmin(FINER_SHARE * (seconds - now) / (now - begun), MOST_FINER);
+    if (status != RSV_OK || !p->light || finer < WORTH_IT) return status;
+    p->solve.element_target = (uint32_t)(COARSEST_ELEMENTS * finer / 2);
+    if (finer > 2 * WORTH_IT) p->solve.rays_per_element = FINE_RAYS;
+    return solve_until(p, now + SOLUTION_SHARE * (seconds - now));
+}
+
+/// Passes as long as there is time for them, of more and more samples; two of one sample each tell the noise.
+static rsv_status take_passes(rsv_planner *p, double seconds)
+{
+    double before = now_of(p), of_one = 0;
+    for (uint32_t pass = 0;; pass++) {
+        double left = (seconds - before) / DOUBT;
+        double fits = pass == 0 ? 1 : floor(left / fmax(of_one, 1e-6));
+        uint32_t most = pass < 2 ? 1 : p->sum.samples < MOST_PASS ? p->sum.samples : MOST_PASS;
+        if (fits < 1) return RSV_OK;
+        uint32_t samples = fits < (double)most ? (uint32_t)fits : most;
+        rsv_status status = rsv_planner_take(p, samples);
+        if (status != RSV_OK) return status;
+        double now = now_of(p);
+        of_one = (now - before) / samples;
+        before = now;
+        if (pass >= 1) p->plan.noise = rsv_sample_sum_noise(&p->sum);
+        if (p->plan.noise <= p->wanted) return RSV_OK;
+    }
+}
+
+static void say_plan(const rsv_planner *p, double seconds)
+{
+    const rsv_picture_plan *plan = &p->plan;
+    char light[64] = "path tracing (no time for a solution)", noise[48] = "";
+    if (p->light)
+        snprintf(light, sizeof light, "%zu rows of %u rays", rsv_light_report(p->light)->rows,
+            plan->rays_per_element);
+    if (!isnan(plan->noise))
+        snprintf(noise, sizeof noise, ", noise %.2g %%", 100 * sqrt(plan->noise));
+    rsv_log(p->context, RSV_LOG_INFO, "plan: %s and %u camera rays per pixel in %.3g s%s", light,
+        p->sum.samples, seconds, noise);
+}
+
+rsv_status rsv_planner_run_until(rsv_planner *p, double seconds)
+{
+    rsv_status status;
+    if (!p->light) RSV_TRY(find_solution(p, seconds));
+    if (!p->light) p->plan.mode = p->picture.mode = RSV_RENDER_REFERENCE;
+    RSV_TRY(take_passes(p, seconds));
+    p->plan.is_reached = p->plan.noise <= p->wanted;
+    say_plan(p, now_of(p));
+cleanup:
+    return status;
+}

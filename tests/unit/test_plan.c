@@ -1,0 +1,180 @@
+/// Pictures by error and by time: that they are as good as the plan says, the same on any number of threads, and in time.
+#include "light_fixture.h"
+#include "plan/sample_sum.h"
+#include "resolvent/plan.h"
+
+typedef struct planned {
+    rsv_light *light;
+    rsv_image *image;
+    rsv_picture_plan plan;
+} planned;
+
+static rsv_render_desc picture_desc(uint32_t size)
+{
+    rsv_render_desc desc = rsv_default_render_desc();
+    desc.mode = RSV_RENDER_FINAL;
+    desc.width = desc.height = size;
+    return desc;
+}
+
+static planned make(const world *w, const rsv_plan_desc *desc, const rsv_render_desc *picture)
+{
+    planned p = { .light = NULL };
+    rsv_status status = rsv_render_planned(w->scene, desc, picture, &p.light, &p.image, &p.plan);
+    if (status != RSV_OK) fail_msg("%s", rsv_last_error());
+    return p;
+}
+
+static void destroy(planned *p)
+{
+    rsv_image_destroy(p->image);
+    rsv_light_destroy(p->light);
+}
+
+static rsv_image *path_traced(const world *w, uint32_t size, uint32_t samples, uint32_t seed)
+{
+    rsv_render_desc desc = picture_desc(size);
+    desc.mode = RSV_RENDER_REFERENCE;
+    desc.samples = samples;
+    desc.seed = seed;
+    rsv_image *image;
+    assert_int_equal(rsv_render_reference(w->scene, &desc, &image, NULL), RSV_OK);
+    return image;
+}
+
+/// The judges' noise cancels; what the plan promises is kept within a quarter of the error.
+static void a_picture_errs_as_much_as_was_asked_for(void **state)
+{
+    (void)state;
+    enum { size = 96 };
+    static const double errors[] = { 0.2, 0.1, 0.05 };
+    static const uint32_t layers[2] = { 0 };
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_image *judge[2] = { path_traced(w, size, 256, 7), path_traced(w, size, 256, 8) };
+    const rsv_image *const pair[2] = { judge[0], judge[1] };
+    rsv_render_desc picture = picture_desc(size);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    uint32_t samples = 0;
+    for (size_t k = 0; k < sizeof errors / sizeof errors[0]; k++) {
+        desc.relative_error = errors[k];
+        planned p = make(w, &desc, &picture);
+        rsv_image_judgement found;
+        assert_int_equal(rsv_image_judge(pair, layers, p.image, 0, &found), RSV_OK);
+        double error = sqrt(found.relative_mse + 2 * found.relative_mse_error);
+        print_message("wanted %.3f: %.4f with %u samples\n", errors[k], error, p.plan.samples);
+        assert_true(error <= 1.25 * errors[k]);
+        assert_true(p.plan.is_reached);
+        assert_true(p.plan.samples > samples);
+        samples = p.plan.samples;
+        destroy(&p);
+    }
+    rsv_image_destroy(judge[0]);
+    rsv_image_destroy(judge[1]);
+    world_end(w);
+}
+
+static void a_plan_does_not_depend_on_threads(void **state)
+{
+    (void)state;
+    rsv_render_desc picture = picture_desc(32);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    planned p[2];
+    world *w[2];
+    for (int k = 0; k < 2; k++) {
+        w[k] = world_builtin(k == 0 ? 1 : 3, "cornell-spheres");
+        p[k] = make(w[k], &desc, &picture);
+    }
+    assert_memory_equal(rsv_image_const_pixels(p[0].image, 0),
+        rsv_image_const_pixels(p[1].image, 0), sizeof(rsv_rgb) * 32 * 32);
+    assert_int_equal(p[0].plan.samples, p[1].plan.samples);
+    for (int k = 0; k < 2; k++) {
+        destroy(&p[k]);
+        world_end(w[k]);
+    }
+}
+
+static void a_solution_that_is_there_is_used(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_render_desc picture = picture_desc(32);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    planned first = make(w, &desc, &picture);
+    rsv_image *second = NULL;
+    rsv_light *light = first.light;
+    rsv_picture_plan plan;
+    assert_int_equal(rsv_render_planned(w->scene, &desc, &picture, &light, &second, &plan), RSV_OK);
+    assert_ptr_equal(light, first.light);
+    assert_int_equal(plan.rounds, 0);
+    rsv_image_destroy(second);
+    destroy(&first);
+    world_end(w);
+}
+
+/// Not even a coarse solution fits into a millisecond: the picture is path traced.
+static void a_limit_of_time_always_has_a_picture(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_render_desc picture = picture_desc(32);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    desc.relative_error = 0;
+    desc.max_seconds = 1e-3;
+    planned none = make(w, &desc, &picture);
+    assert_int_equal(none.plan.mode, RSV_RENDER_REFERENCE);
+    assert_null(none.light);
+    assert_false(rsv_cancelled(w->context));
+    desc.max_seconds = 2;
+    planned some = make(w, &desc, &picture);
+    assert_int_equal(some.plan.mode, RSV_RENDER_FINAL);
+    assert_true(some.plan.samples > none.plan.samples);
+    destroy(&none);
+    destroy(&some);
+    world_end(w);
+}
+
+static void impossible_wishes_are_refused(void **state)
+{
+    (void)state;
+    world *w = world_builtin(1, "cornell-blocks");
+    rsv_render_desc picture = picture_desc(8);
+    rsv_plan_desc desc = rsv_default_plan_desc();
+    rsv_light *light = NULL;
+    rsv_image *image = NULL;
+    desc.relative_error = 1e-3;
+    assert_int_equal(
+        rsv_render_planned(w->scene, &desc, &picture, &light, &image, NULL), RSV_ERROR_ARGUMENT);
+    desc = rsv_default_plan_desc();
+    desc.max_seconds = 0;
+    assert_int_equal(
+        rsv_render_planned(w->scene, &desc, &picture, &light, &image, NULL), RSV_ERROR_ARGUMENT);
+    desc = rsv_default_plan_desc();
+    picture.mode = RSV_RENDER_OPERATOR;
+    assert_int_equal(
+        rsv_render_planned(w->scene, &desc, &picture, &light, &image, NULL), RSV_ERROR_ARGUMENT);
+    assert_null(image);
+    world_end(w);
+}
+
+static void samples_follow_the_noise(void **state)
+{
+    (void)state;
+    assert_int_equal(rsv_samples_for(0, 4, 0.005, 100), 1);
+    assert_int_equal(rsv_samples_for(0.005, 4, 0.005, 100), 4);
+    assert_true(rsv_samples_for(0.02, 4, 0.005, 100) > 8);
+    assert_true(rsv_samples_for(0.02, 4, 0.005, 100) <= 16);
+    assert_int_equal(rsv_samples_for(1, 4, 1e-9, 100), 100);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_picture_errs_as_much_as_was_asked_for),
+        cmocka_unit_test(a_plan_does_not_depend_on_threads),
+        cmocka_unit_test(a_solution_that_is_there_is_used),
+        cmocka_unit_test(a_limit_of_time_always_has_a_picture),
+        cmocka_unit_test(impossible_wishes_are_refused),
+        cmocka_unit_test(samples_follow_the_noise),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
