@@ -329,6 +329,8 @@ void rsv_tile_render(
     gather_beam(&t);
     w->queue.light.mover = tiling->mover;
     w->queue.light.gloss = tiling->table->glossy ? &w->gloss : NULL;
+    w->queue.light.eye = eye->camera.position;
+    w->queue.light.parallel = eye->camera.vertical_fov == 0;
     w->queue.shading = &tiling->shading;
     if (w->queue.light.gloss) begin_gloss(&w->gloss);
     w->queue.spread = eye->spread;

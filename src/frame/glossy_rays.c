@@ -212,10 +212,13 @@ static rsv_specular_path path_to(const rsv_glossy_rays *r, const rsv_glossy_task
     return path;
 }
 
+/// Of the lobes themselves.
 static rsv_rgb albedo_of(const rsv_glossy_tile *tile, uint32_t pixel)
 {
-    return rgb(f_min(tile->albedo[0][pixel], 1), f_min(tile->albedo[1][pixel], 1),
-        f_min(tile->albedo[2][pixel], 1));
+    float albedo[3];
+    for (int c = 0; c < 3; c++)
+        albedo[c] = f_min(tile->albedo[c][pixel], 1) / tile->passed[c][pixel];
+    return rgb(albedo[0], albedo[1], albedo[2]);
 }
 
 /// Lobes that refract or let light pass are followed by whole paths.
