@@ -232,7 +232,7 @@ static void begin_workers(rsv_frame_renderer *r)
     for (int k = 0; k < r->thread_count; k++) {
         rsv_tile_worker *w = &r->worker[k];
         w->camera_seconds = w->path_seconds = w->gloss_seconds = w->display_seconds = 0;
-        w->queue.rays = w->rays.rays = 0;
+        w->queue.rays = w->rays.rays = w->rays.poor = 0;
     }
 }
 
@@ -308,8 +308,13 @@ static void finish_gloss(rsv_frame_renderer *r)
         for_cells(r, r->tiling.kernels->smooth_cells);
         for_tiles(r, rsv_tile_finish);
     }
-    for (uint32_t k = 0; k < r->desc.eyes; k++)
+    uint64_t poor = 0;
+    for (int k = 0; k < r->thread_count; k++)
+        poor += r->worker[k].rays.poor;
+    for (uint32_t k = 0; k < r->desc.eyes; k++) {
         r->eye[k].cells.keep = 1;
+        rsv_glossy_cells_pace(&r->eye[k].cells, poor / r->desc.eyes);
+    }
 }
 
 /// What tiles at rest tell each other.

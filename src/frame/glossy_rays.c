@@ -279,12 +279,18 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
         sample_lobe(r, task, &surface, trail, cell, albedo);
 }
 
+static bool is_poor(const rsv_glossy_cells *c, size_t cell)
+{
+    return c->kept_before.count[cell] < RSV_GLOSSY_POOR;
+}
+
 /// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip every other one once they have enough.
 static bool has_turn(const rsv_glossy_cells *c, size_t cell, uint32_t column, uint32_t row)
 {
     const uint32_t turn[2][4] = { { 0, 4, 2, 6 }, { 5, 1, 7, 3 } };
     uint32_t wait = turn[row & 1][column & 3] - c->frame;
     if (c->now.alpha[cell] < NARROW_ALPHA) return (wait & 1) == 0;
+    if (is_poor(c, cell)) return (wait & (c->poor_turn - 1)) == 0;
     if (wait & (RSV_GLOSSY_TURN - 1)) return false;
     bool skips = ((wait / RSV_GLOSSY_TURN) ^ (column >> 2) ^ (row >> 1)) & 1;
     return !skips || c->kept_before.count[cell] < ENOUGH_SAMPLES;
@@ -299,8 +305,11 @@ void rsv_glossy_rays_of_tile(rsv_glossy_rays *r, const rsv_glossy_task *task,
         r->kernels->fill_cells(tile, task->aim, column, row, line, c, speaker);
         size_t at = c->first + (size_t)(row / 2 + line) * c->stride + column / 2;
         for (uint32_t k = 0; k < RSV_LANES; k++)
-            if (speaker[k] >= 0 && has_turn(c, at + k, k, line))
-                sample(r, task, tile, (uint32_t)speaker[k], at + k);
+            if (speaker[k] >= 0) {
+                r->poor += is_poor(c, at + k);
+                if (has_turn(c, at + k, k, line))
+                    sample(r, task, tile, (uint32_t)speaker[k], at + k);
+            }
     }
     trace(r, c);
 }
