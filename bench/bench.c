@@ -8,6 +8,8 @@
 #include "output_file.h"
 #include "stats.h"
 
+#include "resolvent/frame.h"
+
 #include <cJSON.h>
 #include <math.h>
 #include <stdio.h>
@@ -84,6 +86,9 @@ static const char help[] =
     "  --size WxH        fps, rooms: pixels of a frame (default 1280x720); rooms compares frames "
     "of half\n"
     "                    as many on each side; pictures: of a picture (default 640x360)\n"
+    "  --gloss G         fps, rooms: how frames find what rough surfaces reflect: reused (default) "
+    "or\n"
+    "                    paths\n"
     "  --assets FOLDER   rooms, pictures: where the scenes are (default: RSV_ASSETS)\n"
     "  --cache FOLDER    rooms: keeps operators and references for the next time, pictures:\n"
     "                    references; to be emptied when they should come out differently\n"
@@ -376,6 +381,8 @@ static int check_settings(const benchmark *b, const settings *s)
         b->run != cli_bench_rebake && b->run != cli_bench_gpu && !flies)
         return cli_usage_error("bench",
             "--quality belongs to bench levels, quality, rebake, gpu, fps, rooms and pictures");
+    if (s->bench.gloss >= 0 && !flies)
+        return cli_usage_error("bench", "--gloss belongs to bench fps and rooms");
     if (s->bench.frames && (!flies || b->run == cli_bench_pictures))
         return cli_usage_error("bench", "--frames belongs to bench fps and rooms");
     if (s->size.width && !b->size && !flies)
@@ -425,15 +432,20 @@ static int measure_and_report(settings *s)
     if (s->bench.repetitions == 0) s->bench.repetitions = b->repetitions;
     s->bench.size = s->size.height ? s->size.height : b->size;
     if (s->bench.quality < 0) s->bench.quality = s->quick ? RSV_QUALITY_DRAFT : b->quality;
+    if (s->bench.gloss < 0) s->bench.gloss = RSV_GLOSS_REUSED;
     choose_frames(b, s);
     exit_status = run(b, s);
     cli_session_end(&session);
     return exit_status;
 }
 
+/// In the order of rsv_frame_gloss.
+static const char *const gloss_names[] = { "paths", "reused", NULL };
+
 int cli_bench(int argc, char **argv)
 {
-    settings s = { .bench = { .quality = -1, .environment = CLI_DEFAULT_ENVIRONMENT } };
+    settings s = { .bench = {
+                       .quality = -1, .gloss = -1, .environment = CLI_DEFAULT_ENVIRONMENT } };
     cli_bench_task *bench = &s.bench;
     const cli_option options[] = {
         { .name = "--threads", .kind = CLI_COUNT, .value = &bench->threads, .max = 1024 },
@@ -448,6 +460,7 @@ int cli_bench(int argc, char **argv)
             .value = &bench->frames,
             .min = 1,
             .max = CLI_MOST_FLOWN },
+        { .name = "--gloss", .kind = CLI_CHOICE, .value = &bench->gloss, .choices = gloss_names },
         { .name = "--spp",
             .kind = CLI_COUNT,
             .value = &bench->reference_samples,

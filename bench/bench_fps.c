@@ -117,7 +117,7 @@ bool cli_bench_fps(const cli_bench_task *bench, cJSON *result)
 {
     cli_subject subject;
     if (!cli_open_solved(bench, &subject, result)) return false;
-    rsv_status status = cli_fly(subject.solution, bench->frame_size, bench->frames, result);
+    rsv_status status = cli_fly(bench, subject.solution, result);
     if (bench->repetitions) {
         if (status == RSV_OK) status = measure_stereo(subject.solution, bench->repetitions, result);
         if (status == RSV_OK) status = measure_steady_state(bench, subject.solution, result);
@@ -151,9 +151,11 @@ void cli_print_fps(const cJSON *result)
         cli_json_number(result, "bare_ms"), cli_json_number(result, "ratio"),
         cli_json_number(result, "ratio_cpu"));
     printf("  processor time         %.1f ms per frame\n", cli_json_number(result, "cpu_ms"));
-    printf("  stages, per thread     camera %.1f ms, paths %.1f ms (%.0f rays), display %.1f ms\n",
+    printf("  stages, per thread     camera %.1f ms, paths %.1f ms (%.0f rays), "
+           "gloss %.1f ms (%.0f rays), display %.1f ms\n",
         cli_json_number(stages, "camera"), cli_json_number(stages, "paths"),
-        cli_json_number(result, "path_rays"), cli_json_number(stages, "display"));
+        cli_json_number(result, "path_rays"), cli_json_number(stages, "gloss"),
+        cli_json_number(result, "gloss_rays"), cli_json_number(stages, "display"));
     if (cJSON_HasObjectItem(result, "second_eye")) print_long_run(result);
 }
 

@@ -50,9 +50,9 @@ bool cli_bench_rooms(const cli_bench_task *bench, cJSON *result)
     if (!locate(bench, &r)) return false;
     if (cli_room_is_missing(&r.files, result)) return true;
     if (!open_room(bench, &r, &subject, result)) return false;
-    rsv_status status = cli_fly(subject.solution, bench->frame_size, bench->frames, result);
+    rsv_status status = cli_fly(bench, subject.solution, result);
     if (status == RSV_OK) status = cli_judge_frames(bench, subject.solution, r.files.name, result);
-    if (status == RSV_OK) status = cli_measure_switch(subject.solution, bench->frame_size, result);
+    if (status == RSV_OK) status = cli_measure_switch(bench, subject.solution, result);
     if (status == RSV_OK && cli_interrupted()) status = RSV_ERROR_CANCELLED;
     if (status != RSV_OK) cli_report_failure(bench->session, status);
     cli_close_subject(&subject);
@@ -70,11 +70,11 @@ void cli_print_rooms(const cJSON *result)
         return;
     }
     printf("  frame   %.1f ms (worst %.1f, bare tracing %.1f), %.0f ms of processors; camera %.1f, "
-           "paths %.1f, display %.1f ms\n",
+           "paths %.1f, gloss %.1f, display %.1f ms\n",
         cli_json_number(result, "median_ms"), cli_json_number(result, "worst_ms"),
         cli_json_number(result, "bare_ms"), cli_json_number(result, "cpu_ms"),
         cli_json_number(stages, "camera"), cli_json_number(stages, "paths"),
-        cli_json_number(stages, "display"));
+        cli_json_number(stages, "gloss"), cli_json_number(stages, "display"));
     printf("  error   moving %.2g (mean %.4f), after a cut %.2g, at rest %.2g (mean %.4f)\n",
         cli_json_number(result, "moving_mse"), cli_json_number(result, "moving_mean"),
         cli_json_number(result, "cut_mse"), cli_json_number(result, "resting_mse"),
@@ -91,24 +91,25 @@ void cli_print_rooms_summary(const cJSON *scenes)
 {
     const cJSON *s;
     puts("\n| scene | frame, ms | worst | bare | frame : bare, processor | camera | paths | "
-         "display | moving: "
+         "gloss | display | moving: "
          "MSE | mean | after a cut | at rest: MSE | mean | flicker | switch, ms | remnant |\n"
-         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     cJSON_ArrayForEach(s, scenes)
     {
         const cJSON *stages = cJSON_GetObjectItem(s, "stages_ms");
         if (!stages) continue;
-        printf(
-            "| %s | %.1f | %.1f | %.1f | %.2f | %.1f | %.1f | %.1f | %.2g | %.4f | %.2g | %.2g | "
-            "%.4f | %.2f %% | %.0f | %.2f %% |\n",
+        printf("| %s | %.1f | %.1f | %.1f | %.2f | %.1f | %.1f | %.1f | %.1f | %.2g | %.4f | %.2g "
+               "| %.2g | "
+               "%.4f | %.2f %% | %.0f | %.2f %% |\n",
             cJSON_GetStringValue(cJSON_GetObjectItem(s, "scene")), cli_json_number(s, "median_ms"),
             cli_json_number(s, "worst_ms"), cli_json_number(s, "bare_ms"),
             cli_json_number(s, "ratio_cpu"), cli_json_number(stages, "camera"),
-            cli_json_number(stages, "paths"), cli_json_number(stages, "display"),
-            cli_json_number(s, "moving_mse"), cli_json_number(s, "moving_mean"),
-            cli_json_number(s, "cut_mse"), cli_json_number(s, "resting_mse"),
-            cli_json_number(s, "resting_mean"), 100 * cli_json_number(s, "flicker"),
-            cli_json_number(s, "switch_ms"), 100 * cli_json_number(s, "remnant"));
+            cli_json_number(stages, "paths"), cli_json_number(stages, "gloss"),
+            cli_json_number(stages, "display"), cli_json_number(s, "moving_mse"),
+            cli_json_number(s, "moving_mean"), cli_json_number(s, "cut_mse"),
+            cli_json_number(s, "resting_mse"), cli_json_number(s, "resting_mean"),
+            100 * cli_json_number(s, "flicker"), cli_json_number(s, "switch_ms"),
+            100 * cli_json_number(s, "remnant"));
     }
 }
 

@@ -18,6 +18,7 @@ typedef struct cli_bench_task {
     uint32_t size;               ///< quality: pixels along each side; fig8: rows of them
     cli_size frame_size;         ///< fps, rooms and pictures
     cli_size judged_size;        ///< rooms: of frames that are compared with a reference
+    int gloss;                   ///< fps and rooms: an rsv_frame_gloss
     uint32_t frames;             ///< fps and rooms: of the flight, 0 = what a few seconds hold
     const char *assets, *cache, *strips; ///< rooms, pictures: folders; NULL = none
     uint32_t

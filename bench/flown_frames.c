@@ -58,14 +58,14 @@ bool cli_open_solved(const cli_bench_task *bench, cli_subject *subject, cJSON *r
 
 // ---- the flight ---------------------------------------------------------------------------------
 
-typedef enum series { WHOLE, BARE, RATIO, CPU, CAMERA, PATHS, DISPLAY, SERIES } series;
+typedef enum series { WHOLE, BARE, RATIO, CPU, CAMERA, PATHS, GLOSS, DISPLAY, SERIES } series;
 
 typedef struct flight_log {
     double value[SERIES][CLI_MOST_FLOWN]; ///< [count] each, milliseconds or ratios
     uint32_t count;
     double first_ms, worst_ms;
     double cpu, bare_cpu; ///< milliseconds of all frames: the clock may be too coarse for one
-    uint64_t path_rays;   ///< of the last frame
+    uint64_t path_rays, gloss_rays; ///< of the last frame
 } flight_log;
 
 static void note_frame(
@@ -77,6 +77,7 @@ static void note_frame(
         [CPU] = cpu,
         [CAMERA] = stats->camera_ms,
         [PATHS] = stats->path_ms,
+        [GLOSS] = stats->gloss_ms,
         [DISPLAY] = stats->display_ms };
     for (int k = 0; k < SERIES; k++)
         log->value[k][log->count] = value[k];
@@ -85,6 +86,7 @@ static void note_frame(
     log->bare_cpu += bare_cpu;
     log->worst_ms = fmax(log->worst_ms, stats->total_ms);
     log->path_rays = stats->path_rays;
+    log->gloss_rays = stats->gloss_rays;
 }
 
 /// A frame, and the bare tracing of its camera rays right after.
@@ -116,7 +118,7 @@ static bool flies_on(const flight_log *log, uint32_t frames, double started)
 static void report_flight(flight_log *log, cJSON *result)
 {
     static const char *const name[SERIES] = { "median_ms", "bare_ms", "ratio", "cpu_ms", "camera",
-        "paths", "display" };
+        "paths", "gloss", "display" };
     cJSON_AddNumberToObject(result, "frames", log->count);
     cJSON_AddNumberToObject(result, "first_ms", log->first_ms);
     cJSON_AddNumberToObject(result, "worst_ms", log->worst_ms);
@@ -129,6 +131,7 @@ static void report_flight(flight_log *log, cJSON *result)
     for (int k = CAMERA; k < SERIES; k++)
         cJSON_AddNumberToObject(stages, name[k], cli_median(log->value[k], log->count));
     cJSON_AddNumberToObject(result, "path_rays", (double)log->path_rays);
+    cJSON_AddNumberToObject(result, "gloss_rays", (double)log->gloss_rays);
 }
 
 static rsv_status fly(
@@ -148,22 +151,23 @@ static rsv_status fly(
     return status;
 }
 
-rsv_status cli_fly(const rsv_light *light, cli_size size, uint32_t frames, cJSON *result)
+rsv_status cli_fly(const cli_bench_task *bench, const rsv_light *light, cJSON *result)
 {
     rsv_frame_desc desc = rsv_default_frame_desc();
     rsv_frame_renderer *renderer = NULL;
     char text[32];
-    desc.width = size.width;
-    desc.height = size.height;
+    desc.width = bench->frame_size.width;
+    desc.height = bench->frame_size.height;
+    desc.gloss = (rsv_frame_gloss)bench->gloss;
     double started = cli_seconds();
     rsv_status status = rsv_frame_renderer_create(light, &desc, &renderer);
     if (status != RSV_OK) return status;
-    snprintf(text, sizeof text, "%ux%u", size.width, size.height);
+    snprintf(text, sizeof text, "%ux%u", desc.width, desc.height);
     cJSON_AddStringToObject(result, "size", text);
     cJSON_AddNumberToObject(result, "renderer_s", cli_seconds() - started);
     cJSON_AddStringToObject(
         result, "instructions", rsv_instructions_name(rsv_frame_instructions(renderer)));
-    status = fly(light, renderer, frames, result);
+    status = fly(light, renderer, bench->frames, result);
     rsv_frame_renderer_destroy(renderer);
     return status;
 }

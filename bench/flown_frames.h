@@ -17,8 +17,8 @@ bool cli_open_solved(const cli_bench_task *bench, cli_subject *subject, struct c
 /// Flies and measures: "median_ms", "worst_ms", "bare_ms" (the median), "ratio" (of neighbours), "first_ms" (not among the
 /// others), "cpu_ms" and "ratio_cpu" (processor time, which others on the machine do not lengthen as much; the ratio of all frames), and
 /// "stages_ms", all medians.
-/// @param frames 0 = as many as fit into a few seconds
-rsv_status cli_fly(const rsv_light *light, cli_size size, uint32_t frames, struct cJSON *result);
+/// The task says the size, the way of gloss, and how many frames: 0 = as many as fit into a few seconds.
+rsv_status cli_fly(const cli_bench_task *bench, const rsv_light *light, struct cJSON *result);
 
 /// Seconds of all threads so far.
 double cli_processor_seconds(void);

@@ -205,6 +205,7 @@ static rsv_status create_judge(judge *j)
     rsv_frame_desc desc = rsv_default_frame_desc();
     desc.width = j->width;
     desc.height = j->height;
+    desc.gloss = (rsv_frame_gloss)j->bench->gloss;
     rsv_status status = rsv_frame_renderer_create(j->light, &desc, &j->renderer);
     if (status == RSV_OK) status = rsv_image_create(j->context, j->width, j->height, 1, &j->shown);
     if (status == RSV_OK && j->bench->strips)

@@ -17,6 +17,6 @@ rsv_status cli_judge_frames(
 /// Dims the first source while the camera rests: "switch_ms" from the change to the first frame that shows it, "switch_done_ms"
 /// until the light has converged, "remnant": by how much the mean of the third frame differs from that of frames
 /// that began after it. Nothing where the scene has no source. The light stays changed.
-rsv_status cli_measure_switch(rsv_light *light, cli_size size, struct cJSON *result);
+rsv_status cli_measure_switch(const cli_bench_task *bench, rsv_light *light, struct cJSON *result);
 
 #endif

@@ -68,11 +68,12 @@ static rsv_status dim(switched *s, cJSON *result)
     return status;
 }
 
-static rsv_status begin(switched *s, cli_size size)
+static rsv_status begin(switched *s, const cli_bench_task *bench)
 {
     rsv_frame_desc desc = rsv_default_frame_desc();
-    desc.width = size.width;
-    desc.height = size.height;
+    desc.width = bench->frame_size.width;
+    desc.height = bench->frame_size.height;
+    desc.gloss = (rsv_frame_gloss)bench->gloss;
     rsv_status status = rsv_relighter_create(s->light, &s->relighter);
     if (status == RSV_OK) status = rsv_relighter_prepare(s->relighter);
     if (status == RSV_OK) status = rsv_frame_renderer_create(s->light, &desc, &s->renderer);
@@ -81,13 +82,13 @@ static rsv_status begin(switched *s, cli_size size)
     return status;
 }
 
-rsv_status cli_measure_switch(rsv_light *light, cli_size size, cJSON *result)
+rsv_status cli_measure_switch(const cli_bench_task *bench, rsv_light *light, cJSON *result)
 {
     const rsv_scene_view *scene = rsv_scene_get_view(rsv_light_scene(light));
     switched s = { .light = light,
         .view = { .camera = { scene->camera[0] } },
-        .pixels = (size_t)size.width * size.height };
-    rsv_status status = begin(&s, size);
+        .pixels = (size_t)bench->frame_size.width * bench->frame_size.height };
+    rsv_status status = begin(&s, bench);
     if (status == RSV_OK) status = show(&s, 2, NULL);
     if (status == RSV_OK && rsv_relighter_source_count(s.relighter) > 0) status = dim(&s, result);
     rsv_frame_renderer_destroy(s.renderer);

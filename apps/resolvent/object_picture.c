@@ -23,6 +23,7 @@ rsv_status cli_render_object(const rsv_light *solution, const rsv_scene *body, r
     frame.height = desc->height;
     frame.path_depth = desc->path_depth;
     frame.seed = desc->seed;
+    frame.gloss = RSV_GLOSS_PATHS;
     rsv_status status = rsv_mover_create(solution, body, NULL, &mover);
     if (status == RSV_OK) status = rsv_mover_place(mover, offset, 0);
     if (status == RSV_OK) status = rsv_frame_renderer_create(solution, &frame, &renderer);

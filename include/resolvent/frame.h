@@ -29,10 +29,12 @@ RSV_API const char *rsv_instructions_name(rsv_instructions instructions);
 
 /// How frames find what rough surfaces reflect.
 typedef enum rsv_frame_gloss {
-    RSV_GLOSS_PATHS, ///< by a random path for each pixel and frame: right in the mean, noisy, slow; the default
+    RSV_GLOSS_PATHS, ///< by a random path for each pixel and frame: right in the mean, noisy, slow
     /// By a few rays per frame, which end at the first surface and whose light is kept from frame to frame and shared among
-    /// neighbours: an approximation, at rest too. Very rough lobes reflect the irradiance. Ignored where a device makes
-    /// the frames.
+    /// neighbours: smooth and fast, an approximation while the camera moves. Very rough lobes reflect the irradiance. Where
+    /// the camera rests, some pixels of each frame take a path as above, and the picture goes over to what these find as
+    /// their noise falls: it converges to the same one. Where an object moves (rsv_frame_renderer_put), it stays an
+    /// approximation. Ignored where a device makes the frames. The default
     RSV_GLOSS_REUSED
 } rsv_frame_gloss;
 
@@ -43,7 +45,7 @@ typedef struct rsv_frame_desc {
     uint32_t path_depth;    ///< mirror and glass events along a camera ray at most; default 8
     uint32_t seed;          ///< of rough reflections and faint branches
     rsv_instructions instructions;
-    rsv_frame_gloss gloss; ///< default RSV_GLOSS_PATHS
+    rsv_frame_gloss gloss; ///< default RSV_GLOSS_REUSED
 } rsv_frame_desc;
 
 RSV_API rsv_frame_desc rsv_default_frame_desc(void);

@@ -23,7 +23,12 @@ struct rsv_frame_renderer {
 
 rsv_frame_desc rsv_default_frame_desc(void)
 {
-    return (rsv_frame_desc){ .width = 1280, .height = 720, .eyes = 1, .path_depth = 8, .seed = 1 };
+    return (rsv_frame_desc){ .width = 1280,
+        .height = 720,
+        .eyes = 1,
+        .path_depth = 8,
+        .seed = 1,
+        .gloss = RSV_GLOSS_REUSED };
 }
 
 // ---- creation -----------------------------------------------------------------------------------
@@ -65,7 +70,13 @@ static rsv_status create_gloss(rsv_frame_renderer *r)
         e->base = rsv_reserve(r->context, tiles * RSV_TILE_PIXELS, sizeof *e->base);
         e->lobes = rsv_reserve(r->context, tiles, sizeof *e->lobes);
         e->glossy = rsv_alloc(r->context, tiles, sizeof *e->glossy);
-        if (!e->base || !e->lobes || !e->glossy) return RSV_ERROR_MEMORY;
+        e->whole = rsv_reserve(r->context, tiles, sizeof *e->whole);
+        e->resting = rsv_reserve(r->context, tiles, sizeof *e->resting);
+        e->squares = rsv_reserve(r->context, 2 * tiles + 64, sizeof *e->squares);
+        e->given = rsv_reserve(r->context, 2 * tiles + 64, sizeof *e->given);
+        if (!e->base || !e->lobes || !e->glossy || !e->whole || !e->resting || !e->squares ||
+            !e->given)
+            return RSV_ERROR_MEMORY;
         rsv_status status =
             rsv_glossy_cells_create(r->context, r->desc.width, r->desc.height, &e->cells);
         if (status != RSV_OK) return status;
@@ -104,7 +115,8 @@ static void set_tiling(rsv_frame_renderer *r)
 static rsv_status create_table(rsv_frame_renderer *r)
 {
     const rsv_light_view *s = r->solution;
-    bool reuses = r->desc.gloss == RSV_GLOSS_REUSED && !rsv_context_device(r->context);
+    bool reuses = r->desc.gloss == RSV_GLOSS_REUSED && !rsv_context_device(r->context) &&
+                  rsv_any_glossy(&s->scene);
     if (!reuses) return rsv_light_table_create(s, NULL, &r->table);
     rsv_status status =
         rsv_glossy_materials_create(r->context, &s->scene, s->diffused.material, &r->materials);
@@ -151,6 +163,10 @@ void rsv_frame_renderer_destroy(rsv_frame_renderer *r)
         rsv_free(r->context, r->eye[k].base);
         rsv_free(r->context, r->eye[k].lobes);
         rsv_free(r->context, r->eye[k].glossy);
+        rsv_free(r->context, r->eye[k].whole);
+        rsv_free(r->context, r->eye[k].resting);
+        rsv_free(r->context, r->eye[k].squares);
+        rsv_free(r->context, r->eye[k].given);
         rsv_glossy_cells_destroy(&r->eye[k].cells);
     }
     rsv_frame_device_destroy(r->device);
@@ -216,7 +232,7 @@ static void begin_workers(rsv_frame_renderer *r)
     for (int k = 0; k < r->thread_count; k++) {
         rsv_tile_worker *w = &r->worker[k];
         w->camera_seconds = w->path_seconds = w->gloss_seconds = w->display_seconds = 0;
-        w->queue.rays = w->rays.rays = 0;
+        w->queue.rays = w->rays.rays = w->rays.poor = 0;
     }
 }
 
@@ -292,8 +308,23 @@ static void finish_gloss(rsv_frame_renderer *r)
         for_cells(r, r->tiling.kernels->smooth_cells);
         for_tiles(r, rsv_tile_finish);
     }
-    for (uint32_t k = 0; k < r->desc.eyes; k++)
+    uint64_t poor = 0;
+    for (int k = 0; k < r->thread_count; k++)
+        poor += r->worker[k].rays.poor;
+    for (uint32_t k = 0; k < r->desc.eyes; k++) {
         r->eye[k].cells.keep = 1;
+        rsv_glossy_cells_pace(&r->eye[k].cells, poor / r->desc.eyes);
+    }
+}
+
+/// What tiles at rest tell each other.
+static void share_rest(rsv_frame_renderer *r)
+{
+    uint32_t across = r->tiling.across, down = r->tiling.tile_count / across;
+    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
+        rsv_eye_picture *e = &r->eye[k];
+        if (e->samples > 0) rsv_resting_share(e->resting, across, down, e->squares, e->given);
+    }
 }
 
 /// Sums do not move between device and processor: they start over where they change places.
@@ -312,6 +343,7 @@ static rsv_status render_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
     }
     for_tiles(r, rsv_tile_render);
     finish_gloss(r);
+    share_rest(r);
     return RSV_OK;
 }
 
@@ -384,19 +416,41 @@ const uint8_t (*rsv_frame_pixels(const rsv_frame_renderer *r, uint32_t eye))[4]
     return (const uint8_t(*)[4])r->eye[eye].pixel;
 }
 
+static rsv_rgb positive_rgb(const float c[4])
+{
+    return rgb(f_max(c[0], 0), f_max(c[1], 0), f_max(c[2], 0));
+}
+
+/// From the sums of a device, which lie row by row.
+static void copy_device_means(const rsv_frame_renderer *r, uint32_t eye, rsv_rgb *radiance)
+{
+    const rsv_eye_picture *e = &r->eye[eye];
+    float scale = 1 / (float)(e->samples ? e->samples : 1);
+    rsv_frame_device_sums(r->device, eye, e->sum);
+    for (size_t k = 0; k < (size_t)r->desc.width * r->desc.height; k++)
+        radiance[k] = rgb_scale(positive_rgb(e->sum[k]), scale);
+}
+
+static void copy_tile(
+    const rsv_frame_renderer *r, uint32_t tile, const float (*from)[4], rsv_rgb *to)
+{
+    uint32_t left = tile % r->tiling.across * RSV_TILE, top = tile / r->tiling.across * RSV_TILE;
+    for (uint32_t y = 0; y < RSV_TILE && top + y < r->desc.height; y++)
+        for (uint32_t x = 0; x < RSV_TILE && left + x < r->desc.width; x++)
+            to[(size_t)(top + y) * r->desc.width + left + x] = positive_rgb(from[y * RSV_TILE + x]);
+}
+
 void rsv_frame_radiance(const rsv_frame_renderer *r, uint32_t eye, rsv_rgb *radiance)
 {
-    uint32_t width = r->desc.width, height = r->desc.height;
-    float scale = 1 / (float)(r->eye[eye].samples ? r->eye[eye].samples : 1);
-    float(*sums)[4] = r->eye[eye].sum;
-    if (r->on_device) rsv_frame_device_sums(r->device, eye, sums);
-    for (uint32_t row = 0; row < height; row++)
-        for (uint32_t column = 0; column < width; column++) {
-            size_t pixel = (size_t)row * width + column;
-            const float *sum = sums[r->on_device ? pixel : rsv_tile_place(&r->tiling, column, row)];
-            radiance[pixel] =
-                rgb(f_max(sum[0] * scale, 0), f_max(sum[1] * scale, 0), f_max(sum[2] * scale, 0));
-        }
+    float shown[RSV_TILE_PIXELS][4];
+    if (r->on_device) {
+        copy_device_means(r, eye, radiance);
+        return;
+    }
+    for (uint32_t tile = 0; tile < r->tiling.tile_count; tile++) {
+        rsv_tile_shown(&r->eye[eye], tile, shown);
+        copy_tile(r, tile, (const float(*)[4])shown, radiance);
+    }
 }
 
 rsv_instructions rsv_frame_instructions(const rsv_frame_renderer *r)

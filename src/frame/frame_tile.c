@@ -156,6 +156,42 @@ static void descend_block(const tile *t, uint32_t block)
     rsv_prefetch_corners(t->tiling->solution->scene.view, &w->packet[stage], w->left[stage]);
 }
 
+/// Shows a lane's pixel once more, by a path that is followed to all its ends.
+static void follow_whole(const tile *t, uint32_t pixel, uint32_t stage, uint32_t lane)
+{
+    rsv_tile_worker *w = t->worker;
+    rsv_specular_light *light = &w->queue.light;
+    const rsv_ray_packet *p = &w->packet[stage];
+    rsv_specular_path path = rsv_specular_begin(light->scene, &t->eye->medium,
+        v3(p->direction_x[lane], p->direction_y[lane], p->direction_z[lane]), p->triangle[lane],
+        p->u[lane], p->v[lane], p->t_max[lane]);
+    path.back = rsv_packet_meets_back(p, lane);
+    rsv_specular_set_spread(&path, t->eye->spread, p->t_max[lane]);
+    rsv_resting_paths *whole = w->whole;
+    whole->pixel[whole->count] = (uint16_t)pixel;
+    memset(whole->radiance[whole->count], 0, sizeof whole->radiance[0]);
+    light->radiance = whole->radiance;
+    light->pixel = whole->count++;
+    light->trail = path_of(t, pixel);
+    rsv_add_whole_path(light, &path);
+    light->radiance = w->radiance;
+}
+
+/// At rest, one pixel of some blocks takes a whole path, where the table does not have all that it shows.
+static void rest_block(const tile *t, uint32_t column, uint32_t row, uint32_t stage)
+{
+    rsv_tile_worker *w = t->worker;
+    uint32_t block = rsv_pixel_seed(t->tiling->seed, t->row + row, t->column + column);
+    int lane = rsv_resting_lane(t->eye->samples, block);
+    uint32_t open = w->left[stage] | (t->eye->medium.depth > 0 ? 0xffffu : 0);
+    for (int k = 0; k < RSV_PACKET_WIDTH; k++)
+        if (w->packet[stage].triangle[k] == RSV_NONE) open &= ~(1u << k);
+    w->whole->open[row / RSV_BLOCK * (RSV_TILE / RSV_BLOCK) + column / RSV_BLOCK] = (uint16_t)open;
+    if (lane < 0 || !(open >> lane & 1)) return;
+    uint32_t x = column + (uint32_t)lane % RSV_BLOCK, y = row + (uint32_t)lane / RSV_BLOCK;
+    if (x < t->width && y < t->height) follow_whole(t, y * RSV_TILE + x, stage, (uint32_t)lane);
+}
+
 static void look_up_block(const tile *t, uint32_t block)
 {
     rsv_tile_worker *w = t->worker;
@@ -173,6 +209,7 @@ static void look_up_block(const tile *t, uint32_t block)
     }
     if (t->tiling->mover) show_mover(t, column, row, stage);
     if (w->begins[stage]) begin_paths(t, column, row, stage);
+    if (w->whole) rest_block(t, column, row, stage);
 }
 
 /// Every block one step behind the one after it.
@@ -211,11 +248,62 @@ static void begin_gloss(rsv_glossy_tile *g)
     g->count = 0;
 }
 
-static void display(const tile *t)
+void rsv_tile_shown(const rsv_eye_picture *eye, uint32_t index, float (*radiance)[4])
 {
+    const float(*sum)[4] = (const float(*)[4])eye->sum + (size_t)index * RSV_TILE_PIXELS;
+    float scale = 1 / (float)(eye->samples ? eye->samples : 1);
+    for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
+        for (int c = 0; c < 4; c++)
+            radiance[k][c] = sum[k][c] * scale;
+    if (eye->resting && eye->samples > 1) rsv_resting_correct(&eye->resting[index], radiance, NULL);
+}
+
+static void add_to_sum(const tile *t)
+{
+    for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
+        for (int c = 0; c < 4; c++)
+            t->sum[k][c] += t->worker->radiance[k][c];
+}
+
+/// Shows a tile at rest, corrected by what whole paths have found so far.
+static void display_resting(const tile *t, uint32_t index)
+{
+    rsv_tile_worker *w = t->worker;
+    _Alignas(64) float ignored[RSV_TILE][4];
+    rsv_frame_tone tone = t->eye->tone;
+    rsv_resting_add(&t->eye->resting[index], &t->eye->whole[index], (const float(*)[4])w->radiance);
+    add_to_sum(t);
+    for (uint32_t k = 0; k < RSV_TILE_PIXELS; k++)
+        for (int c = 0; c < 4; c++)
+            w->radiance[k][c] = t->sum[k][c] / (float)(t->eye->samples + 1);
+    rsv_resting_correct(&t->eye->resting[index], w->radiance, &t->eye->resting[index].sum);
+    tone.scale *= (float)(t->eye->samples + 1);
+    tone.first = true;
+    for (uint32_t y = 0; y < t->height; y++)
+        t->tiling->kernels->display(
+            &tone, w->radiance + y * RSV_TILE, ignored, t->width, shown_row(t, y));
+}
+
+static void display(const tile *t, uint32_t index)
+{
+    if (t->eye->resting && t->eye->samples > 0) {
+        display_resting(t, index);
+        return;
+    }
     for (uint32_t y = 0; y < t->height; y++)
         t->tiling->kernels->display(&t->eye->tone, t->worker->radiance + y * RSV_TILE,
             t->sum + y * RSV_TILE, t->width, shown_row(t, y));
+}
+
+/// Whole paths begin with the second frame at rest. None are sent where an object moves.
+static void begin_whole(const tile *t, uint32_t index)
+{
+    rsv_eye_picture *eye = t->eye;
+    t->worker->whole = NULL;
+    if (!eye->resting || eye->samples == 0) return;
+    if (eye->samples == 1) memset(&eye->resting[index], 0, sizeof eye->resting[index]);
+    memset(&eye->whole[index], 0, sizeof eye->whole[index]);
+    if (!t->tiling->mover) t->worker->whole = &eye->whole[index];
 }
 
 /// Leaves the lobes of a tile to be lit, and what is known without. @return whether there are any
@@ -241,16 +329,19 @@ void rsv_tile_render(
     gather_beam(&t);
     w->queue.light.mover = tiling->mover;
     w->queue.light.gloss = tiling->table->glossy ? &w->gloss : NULL;
+    w->queue.light.eye = eye->camera.position;
+    w->queue.light.parallel = eye->camera.vertical_fov == 0;
     w->queue.shading = &tiling->shading;
     if (w->queue.light.gloss) begin_gloss(&w->gloss);
     w->queue.spread = eye->spread;
+    begin_whole(&t, index);
     render_blocks(&t);
     double traced = rsv_seconds();
     rsv_specular_queue_run(&w->queue);
     double followed = rsv_seconds();
     bool waits = eye->lobes && leave_gloss(&t, index);
     double left = rsv_seconds();
-    if (!waits) display(&t);
+    if (!waits) display(&t, index);
     w->camera_seconds += traced - start;
     w->path_seconds += followed - traced;
     w->gloss_seconds += left - followed;
@@ -273,7 +364,7 @@ void rsv_tile_finish(
                 cells, &eye->lobes[index], x, y, cell + x / 2, w->radiance);
     }
     double lit = rsv_seconds();
-    display(&t);
+    display(&t, index);
     w->gloss_seconds += lit - start;
     w->display_seconds += rsv_seconds() - lit;
 }

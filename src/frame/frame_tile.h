@@ -3,6 +3,7 @@
 #define RSV_FRAME_TILE_H
 
 #include "glossy_rays.h"
+#include "resting.h"
 #include "specular_queue.h"
 
 #define RSV_TILE_PIXELS (RSV_TILE * RSV_TILE)
@@ -21,6 +22,7 @@ typedef struct rsv_tile_worker {
     rsv_ray_packet body;      ///< camera rays as a mover meets them
     rsv_specular_queue queue;
     rsv_glossy_rays rays;
+    rsv_resting_paths *whole; ///< of the tile in hand; NULL = none
     double camera_seconds, path_seconds, gloss_seconds, display_seconds; ///< of the frame
 } rsv_tile_worker;
 
@@ -32,9 +34,13 @@ typedef struct rsv_eye_picture {
     uint8_t (*pixel)[4]; ///< [height * width]
     uint32_t samples;    ///< in the sums
     rsv_glossy_cells cells;
-    rsv_glossy_pixels *lobes; ///< [tile_count] of this frame; NULL = paths follow rough lobes
-    uint8_t *glossy;          ///< [tile_count] whether a tile has any
-    rsv_camera camera;        ///< that they are of
+    rsv_glossy_pixels *lobes;  ///< [tile_count] of this frame; NULL = paths follow rough lobes
+    uint8_t *glossy;           ///< [tile_count] whether a tile has any
+    rsv_resting_paths *whole;  ///< [tile_count] whole paths of this frame; NULL likewise
+    rsv_resting_tile *resting; ///< [tile_count] of frames at rest from the second on; NULL likewise
+    rsv_resting_node *squares; ///< [2 * tile_count + 64] room for rsv_resting_share
+    rsv_resting_given *given;  ///< likewise
+    rsv_camera camera;         ///< that they are of
     // of the frame in the making
     rsv_frame_aim aim;
     rsv_beam_lens beam_lens;
@@ -73,6 +79,9 @@ RSV_INLINE size_t rsv_tile_place(const rsv_tiling *tiling, uint32_t column, uint
 /// Adds one sample to each pixel and shows the sums. Tiles that are glossy wait for rsv_tile_finish.
 void rsv_tile_render(
     const rsv_tiling *tiling, rsv_eye_picture *eye, uint32_t tile, rsv_tile_worker *worker);
+
+/// Mean radiance of all frames, as it is shown. @param radiance [RSV_TILE_PIXELS] out
+void rsv_tile_shown(const rsv_eye_picture *eye, uint32_t tile, float (*radiance)[4]);
 
 /// The same for a glossy tile, once all cells have their light.
 void rsv_tile_finish(

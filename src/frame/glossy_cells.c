@@ -5,6 +5,8 @@
 /// Samples that count while the camera moves, and at rest.
 #define MOST_MOVING 64
 #define MOST_RESTING 4096
+/// Frames that poor cells wait for their turn at most.
+#define MOST_POOR_TURN 4
 
 enum { PLANES = 2 * 8 + 5 * 5 };
 
@@ -35,6 +37,7 @@ rsv_status rsv_glossy_cells_create(
     *c = (rsv_glossy_cells){
         .context = context, .width = (width + 1) / 2, .height = (height + 1) / 2
     };
+    c->poor_turn = RSV_GLOSSY_TURN;
     c->stride = (c->width + 15) / 16 * 16 + 32; // tiles reach beyond the picture
     size_t size = (size_t)c->stride * ((c->height + 15) / 16 * 16 + 2 * RSV_GLOSSY_MARGIN);
     c->first = (size_t)RSV_GLOSSY_MARGIN * c->stride + 16;
@@ -68,6 +71,14 @@ void rsv_glossy_cells_begin(rsv_glossy_cells *c, const rsv_lens *lens, bool rest
     c->lens = *lens;
     c->most = rests ? MOST_RESTING : MOST_MOVING;
     c->frame++;
+}
+
+void rsv_glossy_cells_pace(rsv_glossy_cells *c, uint64_t poor)
+{
+    uint64_t rays = (uint64_t)c->width * c->height / RSV_GLOSSY_TURN + 1;
+    c->poor_turn = 1;
+    while (c->poor_turn < MOST_POOR_TURN && poor / c->poor_turn > rays)
+        c->poor_turn *= 2;
 }
 
 void rsv_glossy_cells_forget(rsv_glossy_cells *c, float change)

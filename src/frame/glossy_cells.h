@@ -34,9 +34,10 @@ typedef struct rsv_glossy_cells {
     rsv_glossy_light kept, kept_before;
     rsv_glossy_light shown; ///< r, g, b
     rsv_lens lens, lens_before;
-    uint32_t frame; ///< number of frames so far: what is drawn follows from it
-    float keep;     ///< share of the samples of the frame before that still count
-    float most;     ///< samples that count at most
+    uint32_t frame;     ///< number of frames so far: what is drawn follows from it
+    uint32_t poor_turn; ///< frames until a cell of few samples sends a ray again
+    float keep;         ///< share of the samples of the frame before that still count
+    float most;         ///< samples that count at most
 } rsv_glossy_cells;
 
 #define RSV_GLOSSY_MARGIN 4 ///< rows above and below
@@ -55,6 +56,12 @@ void rsv_glossy_cells_destroy(rsv_glossy_cells *cells);
 
 /// Before a frame: what was `now` is `before`. @param rests the camera stays where it was
 void rsv_glossy_cells_begin(rsv_glossy_cells *cells, const rsv_lens *lens, bool rests);
+
+/// Samples below which a cell is poor: it has no neighbours alike, and was not seen before.
+#define RSV_GLOSSY_POOR 3.0f
+
+/// After a frame: poor cells take turns as often as a frame can afford. @param poor number of them
+void rsv_glossy_cells_pace(rsv_glossy_cells *cells, uint64_t poor);
 
 /// Forgets a share of what is kept: the light has changed by so much. @param change 0 = not at all .. 1
 void rsv_glossy_cells_forget(rsv_glossy_cells *cells, float change);

@@ -61,6 +61,8 @@ static void pack_pixels(const rsv_glossy_tile *restrict tile, rsv_glossy_pixels 
     }
 }
 
+#define ANY_WEIGHT 1e-4f
+
 // ---- neighbours ---------------------------------------------------------------------------------
 
 /// Sixteen cells that look around.
@@ -98,6 +100,19 @@ static inline void weigh(const cell_lanes *restrict c, const rsv_glossy_geometry
         float same = f_max(1 - wider / (0.5f * c->alpha[k] + 0.02f), 0);
         float close = f_max(1 - distance2 * c->near[k], 0);
         weight[k] = g->depth[at + k] > 0 ? alike * alike * level * same * close : 0;
+    }
+}
+
+/// The same of any neighbour at about that depth, little, for cells that find none alike.
+static inline void weigh_any(
+    const cell_lanes *restrict c, const rsv_glossy_geometry *g, size_t at, float *restrict weight)
+{
+    for (int k = 0; k < LANES; k++) {
+        float behind = fabsf(g->depth[at + k] - c->depth[k]);
+        float wider = fabsf(g->alpha[at + k] - c->alpha[k]);
+        float level = f_max(1 - 4 * behind / (c->depth[k] + 1e-6f), 0);
+        float same = f_max(1 - wider / (0.5f * c->alpha[k] + 0.02f), 0);
+        weight[k] += g->depth[at + k] > 0 ? ANY_WEIGHT * level * same : 0;
     }
 }
 
@@ -337,13 +352,14 @@ static void smooth_cells(const rsv_glossy_cells *cells, uint32_t column, uint32_
         for (int dx = -4; dx <= 4; dx += 2) {
             size_t there = at + (size_t)((ptrdiff_t)dy * cells->stride + dx);
             weigh(&c, &cells->now, there, (float)(dx * dx + dy * dy), weight);
+            weigh_any(&c, &cells->now, there, weight);
             if (dx || dy)
                 for (int k = 0; k < LANES; k++)
                     weight[k] *= f_max(1 - kept->count[at + k] / ENOUGH_SAMPLES, 0);
             add_lanes(kept, there, weight, &sum);
         }
     for (int k = 0; k < LANES; k++) {
-        bool none = !(sum.count[k] > 1e-3f);
+        bool none = !(sum.count[k] > 1e-2f * ANY_WEIGHT);
         float scale = none ? 0 : 1 / sum.count[k];
         to->r[at + k] = none ? kept->r[at + k] : scale * sum.r[k];
         to->g[at + k] = none ? kept->g[at + k] : scale * sum.g[k];

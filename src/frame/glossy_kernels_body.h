@@ -149,6 +149,9 @@ static inline void note_lobes(const rsv_ray_packet *restrict p, const float *res
     float (*restrict value)[LANES], float (*restrict mean)[LANES], uint32_t first,
     rsv_glossy_tile *restrict tile)
 {
+    _Alignas(64) float one[LANES];
+    for (int k = 0; k < LANES; k++)
+        one[k] = 1;
     put_block(depth, tile->depth + first);
     put_block(constant->alpha, tile->alpha + first);
     put_block(p->u, tile->u + first);
@@ -157,6 +160,7 @@ static inline void note_lobes(const rsv_ray_packet *restrict p, const float *res
         put_block(g->normal[c], tile->normal[c] + first);
         put_block(value[4 + c], tile->albedo[c] + first);
         put_block(mean[c], tile->even[c] + first);
+        put_block(one, tile->passed[c] + first);
     }
     for (int row = 0; row < RSV_BLOCK; row++)
         memcpy(tile->triangle + first + row * RSV_TILE, p->triangle + row * RSV_BLOCK,

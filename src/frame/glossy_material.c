@@ -69,6 +69,26 @@ static bool is_plain(const rsv_transport_scene *scene, uint32_t material)
     return one_lobe && covers && !b->unlit && !b->solid && has_plain_textures(scene, material);
 }
 
+static bool may_be_glossy(const rsv_transport_scene *scene, uint32_t material)
+{
+    const rsv_material *m = &scene->view->material[material];
+    bool glossy = scene->bsdf[material].rough;
+    for (size_t k = 0; k < m->texture_count; k++) {
+        rsv_texture_role role = m->textures[k].role;
+        glossy |= role != RSV_TEXTURE_BASE_COLOR && role != RSV_TEXTURE_OPACITY &&
+                  role != RSV_TEXTURE_EMISSION && role != RSV_TEXTURE_NORMAL;
+    }
+    return glossy;
+}
+
+bool rsv_any_glossy(const rsv_transport_scene *scene)
+{
+    uint32_t k = 0;
+    while (k < scene->view->material_count && !may_be_glossy(scene, k))
+        k++;
+    return k < scene->view->material_count;
+}
+
 static void fill_row(const rsv_bsdf *b, int k, rsv_glossy_row row)
 {
     float x = (float)k / (RSV_TABLE_COS - 1), cos = x * x;

@@ -30,6 +30,9 @@ typedef struct rsv_glossy_materials {
     rsv_glossy_material *material; ///< [material_count]
 } rsv_glossy_materials;
 
+/// Whether any surface may have a rough lobe besides the diffuse one.
+bool rsv_any_glossy(const rsv_transport_scene *scene);
+
 /// @param translucent [material_count] which have a diffusion profile; NULL = none has
 rsv_status rsv_glossy_materials_create(rsv_context *context, const rsv_transport_scene *scene,
     const uint8_t *translucent, rsv_glossy_materials *materials);

@@ -212,10 +212,13 @@ static rsv_specular_path path_to(const rsv_glossy_rays *r, const rsv_glossy_task
     return path;
 }
 
+/// Of the lobes themselves.
 static rsv_rgb albedo_of(const rsv_glossy_tile *tile, uint32_t pixel)
 {
-    return rgb(f_min(tile->albedo[0][pixel], 1), f_min(tile->albedo[1][pixel], 1),
-        f_min(tile->albedo[2][pixel], 1));
+    float albedo[3];
+    for (int c = 0; c < 3; c++)
+        albedo[c] = f_min(tile->albedo[c][pixel], 1) / tile->passed[c][pixel];
+    return rgb(albedo[0], albedo[1], albedo[2]);
 }
 
 /// Lobes that refract or let light pass are followed by whole paths.
@@ -276,12 +279,18 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
         sample_lobe(r, task, &surface, trail, cell, albedo);
 }
 
+static bool is_poor(const rsv_glossy_cells *c, size_t cell)
+{
+    return c->kept_before.count[cell] < RSV_GLOSSY_POOR;
+}
+
 /// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip every other one once they have enough.
 static bool has_turn(const rsv_glossy_cells *c, size_t cell, uint32_t column, uint32_t row)
 {
     const uint32_t turn[2][4] = { { 0, 4, 2, 6 }, { 5, 1, 7, 3 } };
     uint32_t wait = turn[row & 1][column & 3] - c->frame;
     if (c->now.alpha[cell] < NARROW_ALPHA) return (wait & 1) == 0;
+    if (is_poor(c, cell)) return (wait & (c->poor_turn - 1)) == 0;
     if (wait & (RSV_GLOSSY_TURN - 1)) return false;
     bool skips = ((wait / RSV_GLOSSY_TURN) ^ (column >> 2) ^ (row >> 1)) & 1;
     return !skips || c->kept_before.count[cell] < ENOUGH_SAMPLES;
@@ -296,8 +305,11 @@ void rsv_glossy_rays_of_tile(rsv_glossy_rays *r, const rsv_glossy_task *task,
         r->kernels->fill_cells(tile, task->aim, column, row, line, c, speaker);
         size_t at = c->first + (size_t)(row / 2 + line) * c->stride + column / 2;
         for (uint32_t k = 0; k < RSV_LANES; k++)
-            if (speaker[k] >= 0 && has_turn(c, at + k, k, line))
-                sample(r, task, tile, (uint32_t)speaker[k], at + k);
+            if (speaker[k] >= 0) {
+                r->poor += is_poor(c, at + k);
+                if (has_turn(c, at + k, k, line))
+                    sample(r, task, tile, (uint32_t)speaker[k], at + k);
+            }
     }
     trace(r, c);
 }

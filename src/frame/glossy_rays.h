@@ -23,7 +23,7 @@ typedef struct rsv_glossy_rays {
     rsv_rough_departure departure[RSV_LANES];
     uint32_t trail[RSV_LANES];
     uint32_t count;
-    uint64_t rays; ///< of the frame
+    uint64_t rays, poor; ///< of the frame; poor cells (RSV_GLOSSY_POOR)
 } rsv_glossy_rays;
 
 void rsv_glossy_rays_create(

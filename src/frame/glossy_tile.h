@@ -11,7 +11,8 @@ typedef float rsv_glossy_plane[RSV_GLOSSY_TILE_PIXELS];
 typedef struct rsv_glossy_tile {
     rsv_glossy_plane depth;     ///< along the camera ray, metres
     rsv_glossy_plane normal[3]; ///< unit, towards the eye
-    rsv_glossy_plane albedo[3]; ///< of the lobes
+    rsv_glossy_plane albedo[3]; ///< of the lobes, times `passed`
+    rsv_glossy_plane passed[3]; ///< share of their light that gets through panes before them
     rsv_glossy_plane alpha;     ///< width of the narrowest
     rsv_glossy_plane even[3];   ///< radiance that the lobes would meet if all were even
     rsv_glossy_plane u, v;      ///< of the hit

@@ -123,8 +123,12 @@ static void end_rough(queue *q, const rsv_arrival *a, uint32_t lane, const rsv_s
     bool diffuses = !rgb_is_black(branches->diffuse);
     rsv_add_emission(&q->light, path, bsdf, throughput);
     if (diffuses) rsv_add_diffuse_end(&q->light, path, rgb_mul(throughput, branches->diffuse));
-    if (first) {
-        rsv_note_gloss(&q->light, path, point, bsdf, a->rays->t_max[lane]);
+    bool through = !first && path->medium.depth == 0 &&
+                   rsv_sees_through_panes(&q->light, path->direction, point->position, throughput);
+    if (first || through) {
+        float distance =
+            first ? a->rays->t_max[lane] : v3_length(v3_sub(point->position, q->light.eye));
+        rsv_note_gloss(&q->light, path, point, bsdf, distance, throughput);
         if (bsdf->transmission > 0 || bsdf->passed > 0) return; // rays take all branches
     } else if (diffuses) {
         rsv_add_even_gloss(&q->light, path, point, bsdf, throughput);
@@ -218,6 +222,34 @@ static void see_stored(queue *q, const rsv_arrival *a, uint32_t lanes)
     }
 }
 
+/// Leaves the lobe of a lane to be lit like those that camera rays meet, where panes alone are before it.
+static bool leave_lobe(
+    queue *q, const rsv_arrival *a, uint32_t k, uint32_t place, rsv_rgb throughput)
+{
+    const rsv_ray_packet *p = a->rays;
+    const rsv_glossy_tile *from = q->lobes;
+    rsv_glossy_tile *to = q->light.gloss;
+    rsv_vec3 direction = v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]);
+    rsv_vec3 point = rsv_packet_point(p, k);
+    uint32_t pixel = q->light.pixel;
+    bool outside = q->media->medium[a->paths->medium[k]].depth == 0;
+    if (!to || !outside || !rsv_sees_through_panes(&q->light, direction, point, throughput))
+        return false;
+    const float passed[3] = { throughput.r, throughput.g, throughput.b };
+    for (int c = 0; c < 3; c++) {
+        to->normal[c][pixel] = from->normal[c][place];
+        to->albedo[c][pixel] = from->albedo[c][place] * passed[c];
+        to->passed[c][pixel] = passed[c];
+        to->even[c][pixel] = from->even[c][place];
+    }
+    to->alpha[pixel] = from->alpha[place];
+    to->u[pixel] = p->u[k], to->v[pixel] = p->v[k];
+    to->triangle[pixel] = p->triangle[k];
+    to->depth[pixel] = v3_length(v3_sub(point, q->light.eye));
+    to->count++;
+    return true;
+}
+
 /// Lanes at glossy surfaces with a diffuse lobe: their rough one shows the irradiance. @return the others
 static uint32_t see_glossy(queue *q, const rsv_arrival *a, uint32_t lanes)
 {
@@ -235,12 +267,15 @@ static uint32_t see_glossy(queue *q, const rsv_arrival *a, uint32_t lanes)
         uint32_t k = first_of(left), place = k / RSV_BLOCK * RSV_TILE + k % RSV_BLOCK;
         const float *base = q->irradiance[place];
         const rsv_glossy_tile *g = q->lobes;
-        float lit = g->depth[place] > 0 ? 1.0f : 0.0f; // or else the lobe is in it already
-        rsv_rgb shown = rgb(base[0] + lit * g->albedo[0][place] * g->even[0][place],
-            base[1] + lit * g->albedo[1][place] * g->even[1][place],
-            base[2] + lit * g->albedo[2][place] * g->even[2][place]);
+        rsv_rgb throughput = rsv_lane_color(a->paths->throughput, k);
         turn_to(q, a->paths, k);
-        rsv_add_light(&q->light, rgb_mul(rsv_lane_color(a->paths->throughput, k), shown));
+        bool lit = g->depth[place] > 0; // or else the lobe is in it already
+        if (lit && leave_lobe(q, a, k, place, throughput)) lit = false;
+        float share = lit ? 1.0f : 0.0f;
+        rsv_rgb shown = rgb(base[0] + share * g->albedo[0][place] * g->even[0][place],
+            base[1] + share * g->albedo[1][place] * g->even[1][place],
+            base[2] + share * g->albedo[2][place] * g->even[2][place]);
+        rsv_add_light(&q->light, rgb_mul(throughput, shown));
     }
     return lanes & ~glossy;
 }

@@ -94,17 +94,29 @@ static void note(rsv_glossy_plane plane[3], uint32_t pixel, float x, float y, fl
     plane[0][pixel] = x, plane[1][pixel] = y, plane[2][pixel] = z;
 }
 
+/// Less than this is not worth a lobe's rays.
+#define LEAST_PASSED 0.05f
+
+bool rsv_sees_through_panes(
+    const rsv_specular_light *l, rsv_vec3 direction, rsv_vec3 point, rsv_rgb throughput)
+{
+    bool passes = f_min(f_min(throughput.r, throughput.g), throughput.b) > LEAST_PASSED;
+    if (l->parallel || !passes || l->gloss->depth[l->pixel] > 0) return false;
+    return v3_dot(v3_normalize(v3_sub(point, l->eye)), direction) > 0.99995f;
+}
+
 void rsv_note_gloss(rsv_specular_light *l, const rsv_specular_path *path,
-    const rsv_surface_point *point, const rsv_bsdf *bsdf, float distance)
+    const rsv_surface_point *point, const rsv_bsdf *bsdf, float distance, rsv_rgb throughput)
 {
     rsv_glossy_tile *g = l->gloss;
     uint32_t pixel = l->pixel;
     rsv_vec3 normal = rsv_specular_bsdf_normal(bsdf, path, point);
     rsv_rgb albedo = rsv_glossy_albedo(bsdf, -v3_dot(normal, path->direction));
     rsv_rgb even = even_radiance(l, path);
-    albedo = rgb_scale(albedo, bsdf->opacity);
+    albedo = rgb_mul(rgb_scale(albedo, bsdf->opacity), throughput);
     note(g->normal, pixel, normal.x, normal.y, normal.z);
     note(g->albedo, pixel, albedo.r, albedo.g, albedo.b);
+    note(g->passed, pixel, throughput.r, throughput.g, throughput.b);
     note(g->even, pixel, even.r, even.g, even.b);
     g->depth[pixel] = distance;
     g->alpha[pixel] = rsv_glossy_width(bsdf);

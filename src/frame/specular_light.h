@@ -16,7 +16,9 @@ typedef struct rsv_specular_light {
     uint32_t max_events;
     const rsv_mover *mover; ///< NULL = none
     rsv_glossy_tile
-        *gloss; ///< takes the rough lobes of what camera rays meet; NULL = paths follow them
+        *gloss;    ///< takes the rough lobes of what camera rays meet; NULL = paths follow them
+    rsv_vec3 eye;  ///< of the camera
+    bool parallel; ///< it is orthographic
     float (*radiance)[4];  ///< of pixels
     uint32_t pixel, trail; ///< of the specular path in hand; trail as in camera_path.h
 } rsv_specular_light;
@@ -51,9 +53,14 @@ void rsv_add_diffuse_end(void *light, const rsv_specular_path *path, rsv_rgb wei
 void rsv_add_even_gloss(rsv_specular_light *light, const rsv_specular_path *path,
     const rsv_surface_point *point, const rsv_bsdf *bsdf, rsv_rgb throughput);
 
-/// Notes the lobes of a surface that the camera ray itself met. @param distance to it
+/// Whether a point of the pixel in hand is seen through nothing but panes, and no lobe of the pixel is noted yet.
+/// @param direction of the specular path that has come there
+bool rsv_sees_through_panes(
+    const rsv_specular_light *light, rsv_vec3 direction, rsv_vec3 point, rsv_rgb throughput);
+
+/// Notes the lobes of a surface that the camera ray itself met, or through panes. @param distance to it from the eye
 void rsv_note_gloss(rsv_specular_light *light, const rsv_specular_path *path,
-    const rsv_surface_point *point, const rsv_bsdf *bsdf, float distance);
+    const rsv_surface_point *point, const rsv_bsdf *bsdf, float distance, rsv_rgb throughput);
 
 /// All of a specular path, followed to its ends one by one.
 void rsv_add_whole_path(rsv_specular_light *light, const rsv_specular_path *path);

@@ -26,6 +26,7 @@ static inline rsv_frame_desc frame_desc(void)
     rsv_frame_desc desc = rsv_default_frame_desc();
     desc.width = width;
     desc.height = height;
+    desc.gloss = RSV_GLOSS_PATHS;
     return desc;
 }
 

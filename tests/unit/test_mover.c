@@ -167,6 +167,7 @@ static void render(const rsv_light *solution, const rsv_mover *mover, rsv_rgb *p
     rsv_frame_desc desc = rsv_default_frame_desc();
     desc.width = width;
     desc.height = height;
+    desc.gloss = RSV_GLOSS_PATHS;
     rsv_frame_renderer *renderer;
     assert_int_equal(rsv_frame_renderer_create(solution, &desc, &renderer), RSV_OK);
     rsv_frame_renderer_put(renderer, mover);

@@ -211,6 +211,7 @@ static rsv_status render_frame(cli_view_frames *f, const cli_view_state *state,
     if (status != RSV_OK) return status;
     timing->camera_ms = stats.camera_ms;
     timing->path_ms = stats.path_ms;
+    timing->gloss_ms = stats.gloss_ms;
     timing->display_ms = stats.display_ms;
     timing->path_rays = stats.path_rays;
     f->samples = stats.samples;

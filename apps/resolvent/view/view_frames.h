@@ -9,7 +9,7 @@
 typedef struct cli_view_timing {
     double light_ms;   ///< sources changed, orders added, the object placed
     double refresh_ms; ///< fields brought to the frames
-    double camera_ms, path_ms, display_ms;
+    double camera_ms, path_ms, gloss_ms, display_ms;
     double still_ms; ///< pictures of modes other than operator
     double total_ms; ///< all of it; what is drawn over the picture is not in it
     uint64_t path_rays;

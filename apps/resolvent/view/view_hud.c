@@ -24,6 +24,7 @@ static const struct stage {
     { "refresh", { 232, 122, 96, 1 } },
     { "camera", { 96, 170, 245, 1 } },
     { "paths", { 158, 130, 240, 1 } },
+    { "gloss", { 240, 214, 110, 1 } },
     { "display", { 102, 204, 160, 1 } },
     { "picture", { 220, 110, 190, 1 } },
 };
@@ -32,7 +33,7 @@ enum { stage_count = sizeof stages / sizeof stages[0] };
 static void stage_times(const cli_view_timing *t, double ms[stage_count])
 {
     ms[0] = t->light_ms, ms[1] = t->refresh_ms, ms[2] = t->camera_ms;
-    ms[3] = t->path_ms, ms[4] = t->display_ms, ms[5] = t->still_ms;
+    ms[3] = t->path_ms, ms[4] = t->gloss_ms, ms[5] = t->display_ms, ms[6] = t->still_ms;
 }
 
 static void approach(double *mean, double value) { *mean += FRESH * (value - *mean); }
@@ -45,6 +46,7 @@ void cli_view_hud_note(cli_view_hud *hud, const cli_view_timing *timing)
     approach(&mean.refresh_ms, timing->refresh_ms);
     approach(&mean.camera_ms, timing->camera_ms);
     approach(&mean.path_ms, timing->path_ms);
+    approach(&mean.gloss_ms, timing->gloss_ms);
     approach(&mean.display_ms, timing->display_ms);
     approach(&mean.still_ms, timing->still_ms);
     approach(&mean.total_ms, timing->total_ms);

@@ -55,6 +55,7 @@ static rsv_status render_faces(const rsv_light *solution, const cli_view_state *
     rsv_frame_renderer *renderer = NULL;
     rsv_frame_desc desc = rsv_default_frame_desc();
     desc.width = desc.height = FACE;
+    desc.gloss = RSV_GLOSS_PATHS;
     rsv_status status = rsv_frame_renderer_create(solution, &desc, &renderer);
     if (status == RSV_OK) rsv_frame_renderer_show(renderer, state->layer);
     for (int face = 0; face < FACES && status == RSV_OK; face++) {
