@@ -71,19 +71,6 @@ static bool add_up(const rsv_scene_view *view, totals *t)
     return true;
 }
 
-static const char *light_kind_name(rsv_punctual_light_kind kind)
-{
-    switch (kind) {
-    case RSV_PUNCTUAL_POINT:
-        return "point";
-    case RSV_PUNCTUAL_SPOT:
-        return "spot";
-    case RSV_PUNCTUAL_DIRECTIONAL:
-        return "directional";
-    }
-    return "unknown";
-}
-
 static double degrees(float radians) { return radians * (180 / 3.14159265358979323846); }
 
 /// The digits a float has, and no negative zero.
@@ -174,14 +161,14 @@ static void add_lights(cJSON *root, const rsv_scene_view *view)
     cJSON *lights = cJSON_AddArrayToObject(root, "lights");
     for (size_t i = 0; i < view->light_count; i++) {
         const rsv_punctual_light *light = &view->light[i];
+        const rsv_punctual_facts facts = rsv_punctual_facts_of(light->kind);
         cJSON *item = add_named_item(lights, light->name);
         if (has_node(view->light_node[i], light->name))
             cJSON_AddStringToObject(item, "node", view->light_node[i]);
-        cJSON_AddStringToObject(item, "kind", light_kind_name(light->kind));
+        cJSON_AddStringToObject(item, "kind", facts.name);
         add_rgb(item, "intensity", light->intensity);
-        if (light->kind != RSV_PUNCTUAL_DIRECTIONAL)
-            add_point(item, "position", light->position, view->origin);
-        if (light->kind != RSV_PUNCTUAL_POINT) add_vec3(item, "direction", light->direction);
+        if (facts.has_place) add_point(item, "position", light->position, view->origin);
+        if (facts.has_direction) add_vec3(item, "direction", light->direction);
     }
 }
 
@@ -312,10 +299,11 @@ static void print_lights(const rsv_scene_view *view)
     printf("\npunctual lights: %zu\n", view->light_count);
     for (size_t i = 0; i < view->light_count; i++) {
         const rsv_punctual_light *light = &view->light[i];
+        const rsv_punctual_facts facts = rsv_punctual_facts_of(light->kind);
         print_name(light->name);
         print_node(view->light_node[i], light->name);
-        printf("  %s", light_kind_name(light->kind));
-        print_rgb(light->kind == RSV_PUNCTUAL_DIRECTIONAL ? "W/m2" : "W/sr", light->intensity);
+        printf("  %s", facts.name);
+        print_rgb(facts.has_place ? "W/sr" : "W/m2", light->intensity);
         putchar('\n');
     }
 }

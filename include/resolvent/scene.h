@@ -132,8 +132,20 @@ typedef struct rsv_mesh_desc {
 typedef enum rsv_punctual_light_kind {
     RSV_PUNCTUAL_POINT,
     RSV_PUNCTUAL_SPOT,
-    RSV_PUNCTUAL_DIRECTIONAL
+    RSV_PUNCTUAL_DIRECTIONAL,
+    RSV_PUNCTUAL_KINDS ///< how many there are
 } rsv_punctual_light_kind;
+
+/// What distinguishes a kind of punctual lights.
+typedef struct rsv_punctual_facts {
+    const char *name;   ///< "point", "spot", "directional", as in KHR_lights_punctual
+    bool has_place;     ///< else it is infinitely far away, and its intensity is an irradiance
+    bool has_direction; ///< else it shines alike to all sides
+    bool has_cone;      ///< shines into a cone around its direction alone
+} rsv_punctual_facts;
+
+/// Of any kind below RSV_PUNCTUAL_KINDS; beyond, the name is NULL.
+RSV_API rsv_punctual_facts rsv_punctual_facts_of(rsv_punctual_light_kind kind);
 
 /// A punctual light (area lights are emissive materials).
 typedef struct rsv_punctual_light {

@@ -174,10 +174,7 @@ static void follow_light(follower *f, uint32_t index, const rsv_punctual_light *
 
 static void write_shape(follower *f, cJSON *json, const rsv_punctual_light *is)
 {
-    static const char *const type[] = { [RSV_PUNCTUAL_POINT] = "point",
-        [RSV_PUNCTUAL_SPOT] = "spot",
-        [RSV_PUNCTUAL_DIRECTIONAL] = "directional" };
-    rsv_bake_string(f->d, json, "type", type[is->kind]);
+    rsv_bake_string(f->d, json, "type", rsv_punctual_kind(is->kind).name);
     if (!rsv_punctual_has_cone(is)) return;
     cJSON *spot = rsv_bake_object(f->d, json, "spot");
     rsv_bake_number(f->d, spot, "innerConeAngle", (double)is->inner_cone_angle);
@@ -189,7 +186,7 @@ static void add_light(follower *f, const rsv_punctual_light *is)
 {
     rsv_vec3 x = v3(1, 0, 0), y = v3(0, 1, 0), z = v3(0, 0, 1), p = is->position;
     const double *origin = f->scene->view.origin;
-    if (is->kind != RSV_PUNCTUAL_POINT) {
+    if (rsv_punctual_has_direction(is)) {
         z = v3_neg(is->direction);
         v3_frame(z, &x, &y);
     }
@@ -213,7 +210,7 @@ static bool shines(const follower *f, uint32_t node)
     if (f->parts->shown.hidden[node] || (exists && !gltf->light[light].known)) return false;
     const double *back = &f->parts->shown.world[node][8];
     bool flat = back[0] == 0 && back[1] == 0 && back[2] == 0; // no direction: it is left out
-    return !exists || gltf->light[light].value.kind == RSV_PUNCTUAL_POINT || !flat;
+    return !exists || !rsv_punctual_has_direction(&gltf->light[light].value) || !flat;
 }
 
 /// Lights of the scene are those of the file's nodes, one after the other, and then those that were added.

@@ -402,11 +402,12 @@ void convert_cameras(owned_document &document)
 
 bool light_kind(const std::string &type, rsv_punctual_light_kind &kind)
 {
-    if (type != "point" && type != "spot" && type != "directional") return false;
-    kind = type == "point"  ? RSV_PUNCTUAL_POINT
-           : type == "spot" ? RSV_PUNCTUAL_SPOT
-                            : RSV_PUNCTUAL_DIRECTIONAL;
-    return true;
+    int k = 0;
+    while (k < RSV_PUNCTUAL_KINDS &&
+           type != rsv_punctual_facts_of(static_cast<rsv_punctual_light_kind>(k)).name)
+        k++;
+    if (k < RSV_PUNCTUAL_KINDS) kind = static_cast<rsv_punctual_light_kind>(k);
+    return k < RSV_PUNCTUAL_KINDS;
 }
 
 /// Angles of a cone, brought into their range. @return whether they had to be
@@ -444,7 +445,7 @@ void convert_light(owned_document &document, const json &source)
     }
     light.value.intensity = { static_cast<float>(factor[0] * intensity),
         static_cast<float>(factor[1] * intensity), static_cast<float>(factor[2] * intensity) };
-    if (light.value.kind == RSV_PUNCTUAL_SPOT && convert_cone(source, light.value))
+    if (rsv_punctual_facts_of(light.value.kind).has_cone && convert_cone(source, light.value))
         note(document, RSV_LOG_WARNING,
             owner + ": its cone is not in the format (0 <= inner <= outer <= pi/2), and is brought "
                     "into it");

@@ -1,6 +1,7 @@
 /// From a glTF document to a scene.
 #include "../core/core.h"
 #include "../core/vec.h"
+#include "../scene/punctual.h"
 #include "../scene/scene.h"
 #include "gltf_archive.h"
 #include "gltf_geometry.h"
@@ -271,7 +272,7 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
-    if (light.kind != RSV_PUNCTUAL_POINT && v3_length(light.direction) == 0)
+    if (rsv_punctual_has_direction(&light) && v3_length(light.direction) == 0)
         return leave_out(r, node, "light", "its transform leaves it no direction");
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
 }

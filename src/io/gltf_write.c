@@ -5,6 +5,7 @@
 #include "gltf_write.h"
 #include "../core/core.h"
 #include "../core/vec.h"
+#include "../scene/punctual.h"
 #include "atomic_file.h"
 #include "resolvent/io.h"
 
@@ -275,11 +276,8 @@ static void add_cameras(writer *w)
 
 static void add_light_shape(writer *w, cJSON *json, const rsv_punctual_light *light)
 {
-    static const char *const type[] = { [RSV_PUNCTUAL_POINT] = "point",
-        [RSV_PUNCTUAL_SPOT] = "spot",
-        [RSV_PUNCTUAL_DIRECTIONAL] = "directional" };
-    add_string(w, json, "type", type[light->kind]);
-    if (light->kind != RSV_PUNCTUAL_SPOT) return;
+    add_string(w, json, "type", rsv_punctual_kind(light->kind).name);
+    if (!rsv_punctual_has_cone(light)) return;
     // the format wants inner < outer <= pi/2, which floats may miss by their rounding
     double outer = fmin(shortest(light->outer_cone_angle), HALF_PI);
     double inner = fmin(shortest(light->inner_cone_angle), outer * (1 - 1e-7));

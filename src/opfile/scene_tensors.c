@@ -40,7 +40,7 @@ static const rsv_column material_columns[] = {
 };
 
 static const rsv_column light_columns[] = {
-    RSV_CHOICE(rsv_punctual_light, kind, RSV_LIGHT_KINDS),
+    RSV_CHOICE(rsv_punctual_light, kind, RSV_PUNCTUAL_KINDS),
     RSV_FLOATS(rsv_punctual_light, position, 3),
     RSV_FLOATS(rsv_punctual_light, direction, 3),
     RSV_FLOATS(rsv_punctual_light, intensity, 3),

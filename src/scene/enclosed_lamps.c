@@ -1,6 +1,7 @@
 #include "enclosed_lamps.h"
 
 #include "../core/sampling.h"
+#include "punctual.h"
 #include "scene.h"
 
 /// Rays from a lamp, and how often each is reflected at random: what leaves by no more than the 256th part of a sphere, or
@@ -183,10 +184,10 @@ static bool is_enclosed(const search *s) { return !s->reflected || (!is_large(s)
 
 static bool is_light_enclosed(search *s, const rsv_punctual_light *light)
 {
-    bool spot = light->kind == RSV_PUNCTUAL_SPOT;
+    bool spot = rsv_punctual_has_cone(light);
     float least = spot ? cosf(light->outer_cone_angle) : -1;
     rsv_vec3 t, b, axis = spot ? light->direction : v3(0, 1, 0);
-    if (light->kind == RSV_PUNCTUAL_DIRECTIONAL || rgb_is_black(light->intensity)) return false;
+    if (rsv_punctual_is_distant(light) || rgb_is_black(light->intensity)) return false;
     begin(s, light->position);
     v3_frame(axis, &t, &b);
     for (uint32_t k = 0; k < RAYS; k++) {

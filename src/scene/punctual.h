@@ -1,23 +1,39 @@
-/// What kinds of punctual lights there are, as facts that the rest of the library goes by: a new kind is described here, and
-/// what it sends where in sources/punctual_light.h. For device code too.
+/// Kinds of punctual lights, as facts that all code goes by: a new kind is described here, and what it sends where in
+/// sources/punctual_light.h. For device code too.
 #ifndef RSV_PUNCTUAL_H
 #define RSV_PUNCTUAL_H
 
 #include "../core/vec.h"
 #include "resolvent/scene.h"
 
-#define RSV_LIGHT_KINDS (RSV_PUNCTUAL_DIRECTIONAL + 1)
+RSV_INLINE rsv_punctual_facts rsv_punctual_kind(rsv_punctual_light_kind kind)
+{
+    // name, place, direction, cone
+    const rsv_punctual_facts point = { "point", true, false, false },
+                             spot = { "spot", true, true, true },
+                             directional = { "directional", false, true, false },
+                             unknown = { NULL, false, false, false };
+    return kind == RSV_PUNCTUAL_POINT         ? point
+           : kind == RSV_PUNCTUAL_SPOT        ? spot
+           : kind == RSV_PUNCTUAL_DIRECTIONAL ? directional
+                                              : unknown;
+}
 
 /// Infinitely far away: its intensity is an irradiance, and it has no place.
 RSV_INLINE bool rsv_punctual_is_distant(const rsv_punctual_light *light)
 {
-    return light->kind == RSV_PUNCTUAL_DIRECTIONAL;
+    return !rsv_punctual_kind(light->kind).has_place;
+}
+
+RSV_INLINE bool rsv_punctual_has_direction(const rsv_punctual_light *light)
+{
+    return rsv_punctual_kind(light->kind).has_direction;
 }
 
 /// Sends light into a cone around its direction alone.
 RSV_INLINE bool rsv_punctual_has_cone(const rsv_punctual_light *light)
 {
-    return light->kind == RSV_PUNCTUAL_SPOT;
+    return rsv_punctual_kind(light->kind).has_cone;
 }
 
 #endif

@@ -1,5 +1,6 @@
 #include "scene.h"
 #include "../core/vec.h"
+#include "punctual.h"
 
 #include <string.h>
 
@@ -398,13 +399,21 @@ rsv_status rsv_scene_place_instance(
     return add_instance(scene, mesh_id, transform, name);
 }
 
+rsv_punctual_facts rsv_punctual_facts_of(rsv_punctual_light_kind kind)
+{
+    return rsv_punctual_kind(kind);
+}
+
 static rsv_status check_light(const rsv_punctual_light *light, const char *name)
 {
+    if (!rsv_punctual_kind(light->kind).name)
+        return rsv_fail(RSV_ERROR_ARGUMENT,
+            "light '%s': kind %d is none of rsv_punctual_light_kind", name, (int)light->kind);
     if (!finite3(light->position) || !finite3(light->direction) || !isfinite(light->exponent) ||
         light->exponent < 0)
         return rsv_fail(
             RSV_ERROR_FORMAT, "light '%s': position, direction or exponent is not usable", name);
-    if (light->kind != RSV_PUNCTUAL_DIRECTIONAL && !rsv_within_reach(light->position))
+    if (!rsv_punctual_is_distant(light) && !rsv_within_reach(light->position))
         return rsv_fail(RSV_ERROR_FORMAT,
             "light '%s': it is farther than %g m from the origin; make it directional", name,
             (double)RSV_FARTHEST);
@@ -413,12 +422,12 @@ static rsv_status check_light(const rsv_punctual_light *light, const char *name)
         f_min(light->intensity.r, f_min(light->intensity.g, light->intensity.b)) < 0)
         return rsv_fail(
             RSV_ERROR_FORMAT, "light '%s': intensity must be finite and not negative", name);
-    if (light->kind != RSV_PUNCTUAL_POINT && v3_length(light->direction) == 0)
+    if (rsv_punctual_has_direction(light) && v3_length(light->direction) == 0)
         return rsv_fail(RSV_ERROR_FORMAT, "light '%s': it has no direction", name);
     bool cone_ok = light->inner_cone_angle >= 0 &&
                    light->inner_cone_angle <= light->outer_cone_angle &&
                    light->outer_cone_angle <= RSV_PI / 2 * 1.000001f;
-    if (light->kind == RSV_PUNCTUAL_SPOT && !cone_ok)
+    if (rsv_punctual_has_cone(light) && !cone_ok)
         return rsv_fail(RSV_ERROR_FORMAT,
             "light '%s': cone angles must be 0 <= inner <= outer <= pi/2, not %g and %g", name,
             light->inner_cone_angle, light->outer_cone_angle);
