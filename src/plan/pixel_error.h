@@ -2,7 +2,7 @@
 #ifndef RSV_PIXEL_ERROR_H
 #define RSV_PIXEL_ERROR_H
 
-#include "resolvent/image.h"
+#include "resolvent/render.h"
 
 /// Mean of (a0 - b0) (a1 - b1), relative to the square of what is around (as rsv_image_judgement.relative_mse is), of
 /// luminance. Noise that the differences do not share cancels.
