@@ -37,7 +37,7 @@ rsv_status rsv_glossy_cells_create(
     *c = (rsv_glossy_cells){
         .context = context, .width = (width + 1) / 2, .height = (height + 1) / 2
     };
-    c->poor_turn = RSV_GLOSSY_TURN;
+    c->poor_turn = MOST_POOR_TURN;
     c->stride = (c->width + 15) / 16 * 16 + 32; // tiles reach beyond the picture
     size_t size = (size_t)c->stride * ((c->height + 15) / 16 * 16 + 2 * RSV_GLOSSY_MARGIN);
     c->first = (size_t)RSV_GLOSSY_MARGIN * c->stride + 16;
@@ -84,4 +84,5 @@ void rsv_glossy_cells_pace(rsv_glossy_cells *c, uint64_t poor)
 void rsv_glossy_cells_forget(rsv_glossy_cells *c, float change)
 {
     c->keep *= f_max(1 - 16 * change, 0);
+    c->poor_turn = MOST_POOR_TURN; // many cells may be
 }

@@ -279,9 +279,13 @@ static void sample(rsv_glossy_rays *r, const rsv_glossy_task *task, const rsv_gl
         sample_lobe(r, task, &surface, trail, cell, albedo);
 }
 
+/// Whether little is known of a cell, as far as its place in the frame before tells.
 static bool is_poor(const rsv_glossy_cells *c, size_t cell)
 {
-    return c->kept_before.count[cell] < RSV_GLOSSY_POOR;
+    const rsv_glossy_geometry *g = &c->now, *b = &c->before;
+    if (c->kept_before.count[cell] * c->keep < RSV_GLOSSY_POOR) return true;
+    float cos = g->nx[cell] * b->nx[cell] + g->ny[cell] * b->ny[cell] + g->nz[cell] * b->nz[cell];
+    return cos < 0.5f || fabsf(g->alpha[cell] - b->alpha[cell]) > 0.5f * g->alpha[cell];
 }
 
 /// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip every other one once they have enough.

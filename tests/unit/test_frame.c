@@ -263,6 +263,55 @@ static void reused_light_has_the_same_mean(void **state)
     world_end(w);
 }
 
+/// Box means of 4x4 pixels: mean square of their difference over the square of their mean. @param ratio of the means, out
+static double block_error(const rsv_rgb *a, const rsv_rgb *b, double *ratio)
+{
+    double sum[2] = { 0, 0 }, squares = 0;
+    for (uint32_t y = 0; y + 4 <= height; y += 4)
+        for (uint32_t x = 0; x + 4 <= width; x += 4) {
+            double mean[2] = { 0, 0 };
+            for (uint32_t k = 0; k < 16; k++) {
+                mean[0] += (double)a[(y + k / 4) * width + x + k % 4].g / 16;
+                mean[1] += (double)b[(y + k / 4) * width + x + k % 4].g / 16;
+            }
+            sum[0] += mean[0], sum[1] += mean[1];
+            squares += (mean[0] - mean[1]) * (mean[0] - mean[1]);
+        }
+    double blocks = (double)(height / 4) * (width / 4);
+    *ratio = sum[0] / sum[1];
+    return squares / blocks / (sum[1] / blocks * sum[1] / blocks);
+}
+
+/// At rest, reused light becomes that of paths: less far from it after more frames, and with the same mean.
+static void reused_light_at_rest_becomes_that_of_paths(void **state)
+{
+    (void)state;
+    static rsv_rgb paths[pixel_count], first[pixel_count], last[pixel_count];
+    world *w = mixed_world(false);
+    rsv_light *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    rsv_frame_view view = view_of(w);
+    rsv_frame_renderer *judge = begin_frames(solution, &desc);
+    desc.gloss = RSV_GLOSS_REUSED;
+    rsv_frame_renderer *reused = begin_frames(solution, &desc);
+    render_frames(judge, &view, 512);
+    rsv_frame_radiance(judge, 0, paths);
+    render_frames(reused, &view, 8);
+    rsv_frame_radiance(reused, 0, first);
+    render_frames(reused, &view, 2040);
+    rsv_frame_radiance(reused, 0, last);
+    double ratio, early = block_error(first, paths, &ratio),
+                  late = block_error(last, paths, &ratio);
+    print_message("    after 8 frames %.2g, after 2048 %.2g, mean %.4f\n", early, late, ratio);
+    assert_true(late < 0.5 * early);
+    assert_true(late < 1e-3);
+    assert_close(ratio, 1, 0.003);
+    rsv_frame_renderer_destroy(judge);
+    rsv_frame_renderer_destroy(reused);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 /// Threads, instructions and eyes.
 static void reused_light_is_the_same_however_it_is_computed(void **state)
 {
@@ -498,6 +547,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(bodies_within_bodies_add_up_to_the_picture),
         cmocka_unit_test(frames_follow_the_light),
         cmocka_unit_test(reused_light_has_the_same_mean),
+        cmocka_unit_test(reused_light_at_rest_becomes_that_of_paths),
         cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
         cmocka_unit_test(reused_light_goes_with_its_source),
         cmocka_unit_test(reused_light_fits_windows_of_one_pixel),
