@@ -12,6 +12,7 @@ typedef struct examination {
     const rsv_light_view *solution;
     rsv_certify_desc desc;
     rsv_point_density density;
+    rsv_stored_noise noise;      ///< of caustics that no gather ray can judge
     rsv_residual_sample *sample; ///< [desc.samples]
     double *value, *weight;      ///< [desc.samples] scratch: one number per valid sample
     rsv_error_field *field;
@@ -39,6 +40,7 @@ static rsv_status take_samples(examination *x)
     const rsv_light_view *s = x->solution;
     rsv_context *context = s->context;
     rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
+    if (x->noise.solution) job.noise = &x->noise;
     rsv_visible_surface visible = rsv_visible_surface_of(&s->scene, s->elements);
     uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
     size_t done = 0;
@@ -72,7 +74,7 @@ static rsv_status take_samples(examination *x)
     if (job.stored_caustics)
         rsv_log(context, RSV_LOG_WARNING,
             "certify: caustics of punctual lights are taken from the solution: no gather ray can "
-            "find such lights");
+            "find such lights, and only the noise of what is stored counts");
     return rsv_progress(context, "certify", 1);
 }
 
@@ -95,7 +97,7 @@ static double luminance(rsv_rgb color) { return (double)rgb_luminance(color); }
 static double squared_residual(const examination *x, size_t k)
 {
     const rsv_residual *r = &x->sample[k].at;
-    return luminance(r->residual[0]) * luminance(r->residual[1]);
+    return luminance(r->residual[0]) * luminance(r->residual[1]) + r->unseen;
 }
 
 static double squared_direct(const examination *x, size_t k)
@@ -108,7 +110,8 @@ static double squared_gathered(const examination *x, size_t k)
 {
     const rsv_residual *r = &x->sample[k].at;
     return (luminance(r->residual[0]) - luminance(r->direct[0])) *
-           (luminance(r->residual[1]) - luminance(r->direct[1]));
+               (luminance(r->residual[1]) - luminance(r->direct[1])) +
+           r->unseen;
 }
 
 static double squared_irradiance(const examination *x, size_t k)
@@ -189,11 +192,13 @@ static rsv_status examine(examination *x)
     x->value = rsv_alloc(s->context, x->desc.samples, sizeof *x->value);
     x->weight = rsv_alloc(s->context, x->desc.samples, sizeof *x->weight);
     RSV_TRY(x->sample && x->value && x->weight ? RSV_OK : RSV_ERROR_MEMORY);
+    if (rsv_has_unseen_caustics(s)) RSV_TRY(rsv_stored_noise_create(s, false, &x->noise));
     RSV_TRY(take_samples(x));
     judge_residual(x);
     RSV_TRY(judge_bound(x));
     RSV_TRY(judge_error(x));
 cleanup:
+    rsv_stored_noise_destroy(&x->noise);
     rsv_point_density_destroy(&x->density);
     rsv_free(s->context, x->sample);
     rsv_free(s->context, x->value);

@@ -16,13 +16,18 @@ typedef struct receiver {
     rsv_residual *result;
 } receiver;
 
+bool rsv_has_unseen_caustics(const rsv_light_view *s)
+{
+    return s->caustics.caustic && s->lights->punctual_count > 0;
+}
+
 rsv_residual_job rsv_residual_job_of(
     const rsv_light_view *s, uint32_t gather_rays, uint32_t light_samples)
 {
     return (rsv_residual_job){ .solution = s,
         .gather_rays = gather_rays,
         .light_samples = light_samples,
-        .stored_caustics = s->caustics.caustic && s->lights->punctual_count > 0,
+        .stored_caustics = rsv_has_unseen_caustics(s),
         .exact_direct = !s->desc.direct_level };
 }
 
@@ -205,6 +210,7 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
             s->caustics.elements, s->caustics.caustic, p->face, p->u, p->v);
     uint32_t rays = ray_count(&r, caustic);
     if (!job->stored_caustics) caustic = rgb_gray(0);
+    if (job->noise) result.unseen = rsv_stored_noise_at(job->noise, p->face, p->u, p->v, true);
     for (uint32_t half = 0; half < 2; half++) {
         uint32_t own = rsv_hash3(stream, half, 0xc3a5u);
         rsv_rgb direct = sampled_direct(&r, own);
