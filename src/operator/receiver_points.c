@@ -31,13 +31,27 @@ static void set_origin(rsv_receiver_points *r, uint32_t k, const rsv_surface_poi
     if (v3_dot(point->lift, point->lift) > 0) r->lifted |= 1u << k;
 }
 
-static void set_frame(
-    rsv_receiver_points *r, uint32_t k, rsv_vec3 normal, float cos_turn, float sin_turn)
+/// Tangent of the first frame: turned by a random angle.
+static rsv_vec3 turned_tangent(rsv_receiver_draw draw, rsv_vec3 normal)
 {
+    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(draw.seed, draw.index, 0x7a3du));
     rsv_vec3 t, b;
     v3_frame(normal, &t, &b);
-    rsv_vec3 tangent = v3_mad(v3_scale(t, cos_turn), sin_turn, b);
-    rsv_vec3 bitangent = v3_mad(v3_scale(b, cos_turn), -sin_turn, t);
+    return v3_mad(v3_scale(t, cosf(turn)), sinf(turn), b);
+}
+
+/// The tangent of a frame about another normal: as close to the first one's as it can be, so that a direction of the
+/// rows means the same at all points of a node.
+static rsv_vec3 carried_tangent(rsv_vec3 first, rsv_vec3 normal)
+{
+    rsv_vec3 tangent = v3_mad(first, -v3_dot(first, normal), normal), other;
+    if (v3_dot(tangent, tangent) < 1e-4f) v3_frame(normal, &tangent, &other);
+    return v3_normalize(tangent);
+}
+
+static void set_frame(rsv_receiver_points *r, uint32_t k, rsv_vec3 normal, rsv_vec3 tangent)
+{
+    rsv_vec3 bitangent = v3_cross(normal, tangent);
     r->tangent_x[k] = tangent.x, r->tangent_y[k] = tangent.y, r->tangent_z[k] = tangent.z;
     r->bitangent_x[k] = bitangent.x, r->bitangent_y[k] = bitangent.y;
     r->bitangent_z[k] = bitangent.z;
@@ -47,8 +61,7 @@ static void set_frame(
 void rsv_receiver_points_set_up(const rsv_elements *e, const rsv_tracer *tracer,
     rsv_receiver_draw draw, const rsv_support_point sample[LANES], rsv_receiver_points *r)
 {
-    float turn = 2 * RSV_PI * rsv_unit_float(rsv_hash3(draw.seed, draw.index, 0x7a3du));
-    float cos_turn = cosf(turn), sin_turn = sinf(turn);
+    rsv_vec3 first = v3(0, 0, 0);
     r->lifted = 0;
     for (uint32_t k = 0; k < LANES; k++) {
         uint32_t face = e->cell[sample[k].support / 4].face, triangle = e->face_triangle[face];
@@ -57,7 +70,8 @@ void rsv_receiver_points_set_up(const rsv_elements *e, const rsv_tracer *tracer,
         rsv_surface_point point = rsv_surface_point_seen(e->scene, triangle, u, v, back, 0);
         rsv_surface_lift(e->scene, tracer, triangle, u, v, &point);
         set_origin(r, k, &point);
-        set_frame(r, k, point.normal, cos_turn, sin_turn);
+        if (k == 0) first = turned_tangent(draw, point.normal);
+        set_frame(r, k, point.normal, k == 0 ? first : carried_tangent(first, point.normal));
     }
 }
 

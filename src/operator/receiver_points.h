@@ -7,8 +7,8 @@
 #include "resolvent/trace.h"
 #include "transport.h"
 
-/// Points of one node side by side, one per lane of a packet, each with a frame about its shading normal. All frames of
-/// a node are turned by the same random angle.
+/// Points of one node side by side, one per lane of a packet, each with a frame about its shading normal. The
+/// first is turned by a random angle, the others follow it.
 typedef struct rsv_receiver_points {
     float origin_x[RSV_SUPPORT_POINTS];
     float origin_y[RSV_SUPPORT_POINTS], origin_z[RSV_SUPPORT_POINTS];
