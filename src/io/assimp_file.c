@@ -2,6 +2,7 @@
 
 #include "assimp_loss.h"
 #include "collada_clean.h"
+#include "fbx_scan.h"
 #include "obj_scan.h"
 
 #include <assimp/cfileio.h>
@@ -299,6 +300,12 @@ rsv_status rsv_assimp_import(rsv_context *context, const char *path, rsv_file_ki
     }
     for (size_t i = 0; i < access.library_count; i++)
         rsv_obj_warn_of_unused(context, access.library[i], true);
+    size_t invisible = kind == RSV_FILE_FBX ? rsv_fbx_count_invisible(path) : 0;
+    if (invisible)
+        rsv_log(context, RSV_LOG_WARNING,
+            "%s: the property Visibility is not used: %zu of its models are invisible by it, and "
+            "shown here unless Show is off too",
+            path, invisible);
     if (kind == RSV_FILE_FBX && rsv_file_mentions(path, "AnimationCurve")) losses.animations = 1;
     rsv_assimp_warn_of_losses(context, path, *imported, &losses);
     return RSV_OK;

@@ -6,7 +6,6 @@
 
 #include <float.h>
 #include <stdlib.h>
-#include <string.h>
 
 /// Sizes of the scene between its centre and the origin from which on this is done. There a float has lost six of its 24
 /// binary digits.
@@ -103,6 +102,7 @@ typedef struct placed_box {
     rsv_far_box box;
     double centre[3], weight; ///< the area of the box
     double distance;          ///< of the centre, from where most are
+    size_t order;             ///< in the scene
     const char *name;
 } placed_box;
 
@@ -135,7 +135,10 @@ static rsv_status find_places(
         rsv_far_box box = rsv_far_nothing();
         if (!scene->mesh[instance->mesh].triangle_count) continue;
         add_instance(own, instance->transform, &box);
-        if (box.low[0] <= box.high[0]) place[(*count)++] = placed(&box, instance->name);
+        if (box.low[0] > box.high[0]) continue;
+        place[*count] = placed(&box, instance->name);
+        place[*count].order = *count;
+        (*count)++;
         *grain = fmax(*grain, SPACING * farthest_of(own) * scale_of(instance->transform));
     }
     rsv_free(scene->context, mesh);
@@ -146,7 +149,7 @@ static int compare_distances(const void *left, const void *right)
 {
     const placed_box *a = left, *b = right;
     if (a->distance != b->distance) return a->distance < b->distance ? -1 : 1;
-    return memcmp(&a->box, &b->box, sizeof a->box);
+    return (a->order > b->order) - (a->order < b->order);
 }
 
 /// The place along an axis that halves the weight. Orders the places anew.

@@ -1,4 +1,5 @@
 /// Lights and cameras of FBX and COLLADA have the strengths and fields of view that their authors meant, in any unit.
+#include "io/fbx_scan.h"
 #include "resolvent/io.h"
 #include "unit/file_fixture.h"
 
@@ -408,13 +409,14 @@ static void fbx_hides_what_is_not_to_be_shown(void **state)
 {
     fixture *f = *state;
     for (int shown = 0; shown < 2; shown++) {
-        char scaling[128];
+        char scaling[192];
         rsv_scene *scene =
             load_fbx_light(f, "any", 1, "   P: \"Intensity\", \"Number\", \"\", \"A\",100\n");
         rsv_scene_destroy(scene);
         size_t bytes;
         char *text = (char *)read_bytes(path_in(&files, "a.fbx"), &bytes);
-        snprintf(scaling, sizeof scaling, "   P: \"Show\", \"bool\", \"\", \"\",%d\n", shown);
+        snprintf(scaling, sizeof scaling, "   P: \"Show\", \"bool\", \"\", \"\",%d\n%s", shown,
+            shown ? "   P: \"Visibility\", \"Visibility\", \"\", \"A\",0\n" : "");
         text[bytes] = '\0';
         char *at = strstr(text, "   P: \"Lcl Scaling\"");
         assert_non_null(at);
@@ -424,10 +426,28 @@ static void fbx_hides_what_is_not_to_be_shown(void **state)
         free(text);
         scene = load(f, "a.fbx");
         assert_int_equal(rsv_scene_get_view(scene)->light_count, shown);
+        if (shown) assert_mentions(f->log, "Visibility is not used: 1 of its models");
         if (!shown)
             assert_mentions(f->log, "1 node is (first: 'lamp') hidden by the property Show");
         rsv_scene_destroy(scene);
     }
+}
+
+/// Binary files state it by lengths.
+static void fbx_counts_what_is_invisible_in_binary_files(void **state)
+{
+    (void)state;
+    static const char start[] = "S\x0a\0\0\0VisibilityS\x0a\0\0\0VisibilityS\0\0\0\0S\x01\0\0\0AD";
+    static const double value[] = { 0, 1, 0 };
+    FILE *file = fopen(path_in(&files, "b.fbx"), "wb");
+    assert_non_null(file);
+    for (int k = 0; k < 3; k++) {
+        fwrite(start, 1, sizeof start - 1, file);
+        fwrite(&value[k], 1, k < 2 ? 8 : 4, file); // the last is cut off
+    }
+    fclose(file);
+    assert_int_equal(rsv_fbx_count_invisible(path_in(&files, "b.fbx")), 1);
+    assert_int_equal(rsv_fbx_count_invisible(path_in(&files, "none.fbx")), 0);
 }
 
 /// The importer makes up one degree where a camera says nothing.
@@ -476,6 +496,7 @@ int main(void)
         CASE(collada_opacity_and_shading_are_as_specified),
         CASE(collada_skews_move_along_one_direction),
         CASE(fbx_hides_what_is_not_to_be_shown),
+        CASE(fbx_counts_what_is_invisible_in_binary_files),
         CASE(fbx_lights_are_as_bright_in_any_unit),
         CASE(fbx_decay_may_start_at_the_light),
         CASE(fbx_cameras_without_a_field_of_view_see_something),
