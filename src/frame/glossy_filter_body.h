@@ -210,7 +210,7 @@ static inline void find_before(const rsv_glossy_cells *cells, const cell_lanes *
 
 static inline void gather_plane(const float *plane, const int *restrict index, float *restrict to)
 {
-    gather(plane, index, (int *)to);
+    gather(plane, index, to);
 }
 
 /// How much a cell of the frame before tells of these. @param index of it @param weight in and out

@@ -91,10 +91,10 @@ static inline void find_rows(const rsv_glossy_material *materials, const glossy_
         if (c == 3) continue;
         for (int k = 0; k < LANES; k++)
             at[k] = index[k] + c;
-        gather(materials, at, (int *)low);
+        gather(materials, at, low);
         for (int k = 0; k < LANES; k++)
             at[k] = index[k] + c + row_words;
-        gather(materials, at, (int *)high);
+        gather(materials, at, high);
         for (int k = 0; k < LANES; k++)
             value[c][k] = low[k] + weight[k] * (high[k] - low[k]);
     }

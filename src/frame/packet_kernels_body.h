@@ -10,14 +10,14 @@
 #define LANES RSV_PACKET_WIDTH
 
 /// One word per lane. Where there is no fast instruction for it, lane by lane.
-/// @param index in words
-static inline void gather(const void *base, const int *restrict index, int *restrict word)
+/// @param index in words @param word [LANES] of 4 bytes each, 64-byte aligned
+static inline void gather(const void *base, const int *restrict index, void *restrict word)
 {
 #if defined(__AVX512F__)
     _mm512_store_epi32(word, _mm512_i32gather_epi32(_mm512_load_epi32(index), base, 4));
 #else
     for (int k = 0; k < LANES; k++)
-        memcpy(&word[k], (const char *)base + 4 * (size_t)(uint32_t)index[k], sizeof *word);
+        memcpy((char *)word + 4 * k, (const char *)base + 4 * (size_t)(uint32_t)index[k], 4);
 #endif
 }
 

@@ -137,7 +137,7 @@ static void step_simplex(const lobe_samples *s, simplex *m)
 /// @param x in: where to start, out: the best
 static double fit_lobe(const lobe_samples *s, double x[NUMBERS])
 {
-    simplex m;
+    simplex m = { 0 };
     for (int i = 0; i <= NUMBERS; i++) {
         memcpy(m.x[i], x, sizeof m.x[i]);
         if (i > 0) m.x[i][i - 1] += 0.1;

@@ -120,7 +120,7 @@ static uint8_t share_of(const rsv_highlights *h, const rsv_tracer *tracer, const
         open += weight;
         arrived += weight * rsv_tracer_passed(tracer, &ray);
     }
-    return open > 0 ? (uint8_t)(f_min(arrived / open, 1) * WHOLE + 0.5f) : UNKNOWN;
+    return open > 0 ? (uint8_t)lrintf(f_min(arrived / open, 1) * WHOLE) : UNKNOWN;
 }
 
 rsv_status rsv_shadow_shares_create(const rsv_highlights *h, const rsv_tracer *tracer,

@@ -92,9 +92,9 @@ RSV_SHARED rsv_rgb rsv_rough_light(
     const rsv_rough_surface *s, const rsv_lights *lights, bool shot, const float u[3])
 {
     rsv_rough_side side[2];
-    bool both = s->bsdf->transmission > 0 || s->bsdf->passed > 0;
+    int sides = s->bsdf->transmission > 0 || s->bsdf->passed > 0 ? 2 : 1;
     rsv_rgb sum = rgb_gray(0);
-    for (int below = 0; below <= both; below++) {
+    for (int below = 0; below < sides; below++) {
         rsv_rough_set_side(s, below, &side[below]);
         sum = rgb_add(sum, rsv_rough_sampled_light(s, &side[below], lights, shot, u));
     }
@@ -102,7 +102,7 @@ RSV_SHARED rsv_rgb rsv_rough_light(
         rsv_punctual_sample light;
         if (!rsv_punctual_at(lights, s->point.position, v3(0, 0, 0), k, u[0], &light)) continue;
         bool below = v3_dot(s->normal, light.direction) < 0;
-        if (!below || both) sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], &light));
+        if (below < sides) sum = rgb_add(sum, rsv_rough_punctual_light(s, &side[below], &light));
     }
     return sum;
 }
