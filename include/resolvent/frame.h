@@ -59,7 +59,7 @@ typedef struct rsv_frame_stats {
     double display_ms; ///< adding up and tone mapping
     uint64_t path_rays;
     uint64_t gloss_rays; ///< of rough lobes
-    uint32_t samples; ///< frames that have added up
+    uint32_t samples;    ///< frames that have added up
 } rsv_frame_stats;
 
 typedef struct rsv_frame_renderer rsv_frame_renderer;

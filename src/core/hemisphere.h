@@ -6,7 +6,7 @@
 #ifndef RSV_HEMISPHERE_H
 #define RSV_HEMISPHERE_H
 
-#include "vec.h"
+#include "square.h"
 
 /// @param direction unit; below the horizon counts as on it @param x, y out: in [0, 1]
 RSV_INLINE void rsv_hemisphere_to_square(rsv_vec3 direction, float *x, float *y)
@@ -24,10 +24,7 @@ RSV_INLINE uint32_t rsv_hemisphere_cell(rsv_vec3 direction, uint32_t side)
 {
     float x, y;
     rsv_hemisphere_to_square(direction, &x, &y);
-    uint32_t i = (uint32_t)(x * (float)side), j = (uint32_t)(y * (float)side);
-    i = i < side ? i : side - 1;
-    j = j < side ? j : side - 1;
-    return j * side + i;
+    return rsv_square_cell(x, y, side);
 }
 
 #endif

@@ -3,7 +3,7 @@
 #ifndef RSV_OCTAHEDRAL_H
 #define RSV_OCTAHEDRAL_H
 
-#include "vec.h"
+#include "square.h"
 
 /// @param direction not zero, need not be unit; x and y come out in [0, 1]
 RSV_INLINE void rsv_octahedral_from_direction(rsv_vec3 direction, float *x, float *y)
@@ -36,10 +36,7 @@ RSV_INLINE uint32_t rsv_octahedral_bin(rsv_vec3 direction, uint32_t side)
 {
     float x, y;
     rsv_octahedral_from_direction(direction, &x, &y);
-    uint32_t i = (uint32_t)(x * (float)side), j = (uint32_t)(y * (float)side);
-    i = i < side ? i : side - 1;
-    j = j < side ? j : side - 1;
-    return j * side + i;
+    return rsv_square_cell(x, y, side);
 }
 
 #endif

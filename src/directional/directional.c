@@ -34,8 +34,9 @@ static rsv_status check(const rsv_transport *t)
 {
     if (!t->directions)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
-            "light by direction: the operator does not know where its entries come from, as it is "
-            "of an earlier version; solve anew");
+            "light by direction: the operator does not know where its entries come from: operator "
+            "files and rows brought together from several processes do not keep it; solve anew in "
+            "one process");
     if (t->division)
         return rsv_fail(RSV_ERROR_UNSUPPORTED,
             "light by direction: rows are divided among processes; use one process");

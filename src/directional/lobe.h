@@ -1,8 +1,7 @@
 /// A GGX lobe as weights on a map: a spot around the mirrored direction and a share of the mean of all.
 ///
-/// Lobes of D G cos have a narrow middle and long tails. Of such pairs these were closest to the lobes' integrals over
-/// radiance traced in furnished rooms, at view angles of 10 to 80 degrees (docs/benchmarks.md); at a roughness of 1 the
-/// lobe is the mean.
+/// Lobes of D G cos have a narrow middle and long tails. tests/unit/test_directional.c measures what such pairs err
+/// beside lobes that are traced in a small room: .12 RMS at a roughness of .3, .07 at .7. At 1 the lobe is the mean.
 #ifndef RSV_LOBE_H
 #define RSV_LOBE_H
 

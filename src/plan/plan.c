@@ -143,11 +143,16 @@ static rsv_status look_at_elements(rsv_planner *p, uint32_t samples, double *unc
     return status;
 }
 
+/// Relative MSE by elements, as far as it was looked at.
+static double known_elements_error(const rsv_planner *p)
+{
+    return isnan(p->plan.elements_error) ? 0 : p->plan.elements_error;
+}
+
 /// Relative MSE that is left for the noise of samples.
 static double noise_allowed(const rsv_planner *p)
 {
-    double elements = isnan(p->plan.elements_error) ? 0 : p->plan.elements_error;
-    return fmax(p->wanted - elements, LEAST_NOISE_SHARE * p->wanted);
+    return fmax(p->wanted - known_elements_error(p), LEAST_NOISE_SHARE * p->wanted);
 }
 
 static uint32_t samples_needed(const rsv_planner *p)
@@ -194,7 +199,7 @@ static void say_plan(const rsv_planner *p, uint32_t samples)
 
 static void say_what_is_missing(const rsv_planner *p)
 {
-    double elements = isnan(p->plan.elements_error) ? 0 : p->plan.elements_error;
+    double elements = known_elements_error(p);
     rsv_log(p->context, RSV_LOG_WARNING,
         "plan: a relative error of %.2g %% is out of reach: about %.2g %% is what comes out, %.2g "
         "%% by elements and %.2g %% by samples; ask for more than that, or for --quality high",
@@ -210,12 +215,10 @@ static rsv_status run_to_error(rsv_planner *p)
     uint32_t samples = samples_needed(p), taken = p->sum.samples;
     if (samples < taken) samples = taken;
     say_plan(p, samples);
-    double noise = p->plan.noise * pow((double)samples / taken, -1);
-    double elements = isnan(p->plan.elements_error) ? 0 : p->plan.elements_error;
-    p->plan.is_reached = elements + noise <= TOLERANCE * TOLERANCE * p->wanted;
     if (samples > taken) RSV_TRY(rsv_planner_take(p, samples - taken));
     p->plan.noise = rsv_sample_sum_noise(&p->sum);
-    p->plan.is_reached = elements + p->plan.noise <= TOLERANCE * TOLERANCE * p->wanted;
+    double error = known_elements_error(p) + p->plan.noise;
+    p->plan.is_reached = error <= TOLERANCE * TOLERANCE * p->wanted;
     if (!p->plan.is_reached) say_what_is_missing(p);
 cleanup:
     return status;

@@ -84,7 +84,7 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh highlight)
 endforeach()
 # long sums of what other tests run through the sanitizers
 set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends locale media mover history_pilots random_certificates rough_box
-    random_scenes rough_sky subsurface translucent PROPERTIES LABELS slow)
+    rough_sky subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
         random_scenes shadows)
     rsv_add_part(${name} slow)
