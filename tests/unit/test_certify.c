@@ -387,6 +387,38 @@ static void points_within_bodies_count_at_no_quality(void **state)
     world_end(w);
 }
 
+/// What rays see where a pane of glass lies on a floor is the floor: the light of the pane's sides there is nobody's.
+static void points_behind_other_faces_do_not_count(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    rsv_material pane = lambert_material(0.5f, 0);
+    pane.double_sided = true;
+    pane.transmission = 0.5f;
+    const cuboid box = { { 0.2f, 0, 0.3f }, { 0.7f, 0.4f, 0.6f } };
+    world_room(w, world_lambert(w, 0.5f, 1), v3(0, 0, 0), v3(1, 1, 1));
+    world_box(w, world_material(w, pane), box.low, box.high);
+    world_commit(w);
+    rsv_solve_desc desc = draft(300);
+    rsv_light *s = solve(w, &desc);
+    const rsv_elements *e = inside(s)->elements;
+    rsv_visible_surface visible = rsv_visible_surface_of(&inside(s)->scene, e);
+    uint32_t hidden = 0;
+    for (uint32_t face = 0; face < e->face_count; face++) {
+        rsv_face_point p = { face, 0.3f, 0.4f };
+        rsv_surface_point at =
+            rsv_surface_point_at(e->scene, e->face_triangle[face], p.u, p.v, e->face_back[face]);
+        bool of_pane = e->scene->triangle_material[e->face_triangle[face]] == 1;
+        bool at_floor = of_pane && at.position.y == 0;
+        uint64_t rays = 0;
+        assert_int_equal(rsv_point_is_buried(&visible, &p, face, &rays), at_floor);
+        hidden += at_floor;
+    }
+    assert_int_equal(hidden, 4); // two triangles, both sides
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 // ---- a spot that holds nearly all of the light ----------------------------------------------------
 
 /// A room whose lamp shines upwards too, onto a hundredth of the ceiling from close by: that spot, which draws so few
@@ -812,6 +844,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
         cmocka_unit_test(points_within_bodies_count_at_no_quality),
+        cmocka_unit_test(points_behind_other_faces_do_not_count),
         cmocka_unit_test(darkness_is_exact),
         cmocka_unit_test(a_scene_without_diffuse_surfaces_has_no_error),
         cmocka_unit_test(unusable_numbers_of_samples_are_refused),
