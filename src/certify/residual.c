@@ -12,7 +12,7 @@ typedef struct receiver {
     rsv_entrance entrance; ///< how light enters there
     rsv_bsdf storage;
     rsv_medium medium;
-    rsv_vec3 tangent, bitangent, seen; ///< frame about the normal that gather rays are received by
+    rsv_vec3 tangent, bitangent; ///< frame about the interpolated normal
     rsv_residual *result;
 } receiver;
 
@@ -42,10 +42,7 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     r->entrance = rsv_entrance_through(&r->medium, s->bsdf, RSV_COVER_COAT);
     r->entrance.coat =
         rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
-    r->seen = rsv_surface_point_seen(
-        s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face], 0)
-                  .normal;
-    v3_frame(r->seen, &r->tangent, &r->bitangent);
+    v3_frame(r->at.point.normal, &r->tangent, &r->bitangent);
 }
 
 /// A source that was drawn, and how much of its light arrives.
@@ -182,7 +179,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction =
-            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->seen);
+            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->at.point.normal);
         // what an interpolated normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, r->at.point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->entrance.coat, d.z), &random);

@@ -7,6 +7,8 @@
 /// - gathered sources, the sky and caustics by the gather rays that meet them;
 /// - G K E~ by gather rays that look E~ up where they end, under the textures as they are there.
 ///
+/// Light is received by the interpolated normal: what a normal map changes from texel to texel elements do not hold.
+///
 /// Two things are taken from the solution: what translucent surfaces show (the diffusion below them is the
 /// operator's), and caustics where punctual lights cast them, which no gather ray can find. Of an error
 /// of such caustics nothing is known but the variance that they show.
