@@ -207,11 +207,12 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
             s->caustics.elements, s->caustics.caustic, p->face, p->u, p->v);
     uint32_t rays = ray_count(&r, caustic);
     if (!job->stored_caustics) caustic = rgb_gray(0);
-    if (job->noise) result.unseen = rsv_stored_noise_at(job->noise, p->face, p->u, p->v, true);
+    rsv_rgb missing[2] = { { 0 } };
+    if (job->judge) rsv_caustic_judge_at(job->judge, p, missing);
     for (uint32_t half = 0; half < 2; half++) {
         uint32_t own = rsv_hash3(stream, half, 0xc3a5u);
         rsv_rgb direct = sampled_direct(&r, own);
-        rsv_rgb found = rgb_add(caustic, gather(&r, rays, own));
+        rsv_rgb found = rgb_add(rgb_add(caustic, missing[half]), gather(&r, rays, own));
         if (!job->exact_direct) {
             found = rgb_add(found, direct);
             result.direct[half] = rgb_sub(direct, stored_direct);

@@ -312,6 +312,60 @@ static void the_split_knows_noise_from_large_elements(void **state)
     world_end(w);
 }
 
+// ---- caustics that no gather ray can find ------------------------------------------------------
+
+static double mean_squared_caustic(const rsv_light_view *s)
+{
+    const rsv_elements *e = s->caustics.elements;
+    double sum = 0, area = 0;
+    for (size_t n = 0; n < e->node_count; n++) {
+        double light = (double)rgb_luminance(s->caustics.caustic[n]);
+        sum += (double)e->node_area[n] * light * light;
+        area += (double)e->node_area[n];
+    }
+    return sum / area;
+}
+
+/// A room with a ball of glass under a point light.
+static world *create_room_with_caustic(void)
+{
+    world *w = world_begin(2);
+    rsv_material glass = lambert_material(1, 0);
+    glass.transmission = glass.thickness = 1;
+    glass.roughness = 0;
+    glass.ior = 1.5f;
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
+    world_sphere(w, world_material(w, glass), v3(0.5f, 0.4f, 0.5f), 0.25f, 3);
+    rsv_punctual_light lamp = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0.4f, 0.9f, 0.5f), .intensity = rgb_gray(1)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+    world_commit(w);
+    return w;
+}
+
+/// Photons that the solution knows nothing of tell by how much its caustics are wrong.
+static void wrong_caustics_of_a_point_light_are_found(void **state)
+{
+    (void)state;
+    world *w = create_room_with_caustic();
+    rsv_solve_desc desc = draft(1000);
+    rsv_light *s = solve(w, &desc);
+    rsv_certificate before = certify(s, 1024, 3);
+    double added = 0.25 * mean_squared_caustic(inside(s));
+    const rsv_light_fields *f = rsv_light_edit(s);
+    scale(f->caustics.caustic, f->caustics.elements->node_count, 1.5f);
+    rsv_certificate after = certify(s, 1024, 3);
+    double square = after.error_estimate_rms * after.error_estimate_rms -
+                    before.error_estimate_rms * before.error_estimate_rms;
+    print_message("error %.4f, then %.4f; caustics are off by %.4f\n", before.error_estimate_rms,
+        after.error_estimate_rms, sqrt(added));
+    assert_true(before.error_estimate_rms < sqrt(added));
+    assert_true(fabs(sqrt(square) - sqrt(added)) < 0.2 * sqrt(added));
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 // ---- what is not seen --------------------------------------------------------------------------
 
 /// A canvas in a frame: bodies that reach into each other, their fronts five millimetres apart.
@@ -843,6 +897,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
+        cmocka_unit_test(wrong_caustics_of_a_point_light_are_found),
         cmocka_unit_test(points_within_bodies_count_at_no_quality),
         cmocka_unit_test(points_behind_other_faces_do_not_count),
         cmocka_unit_test(darkness_is_exact),
