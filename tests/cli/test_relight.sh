@@ -77,6 +77,9 @@ refuses 1 'no surroundings' relight box.safetensors --env-rotate 5 -o "$out/a.pn
 refuses 1 "'moon'.*'light'" relight box.safetensors --light moon=2 -o "$out/a.png"
 refuses 1 "'gold'.*'white'" relight box.safetensors --albedo gold=1,1,0 -o "$out/a.png"
 refuses 1 'environment' relight box.safetensors --env-intensity 2 -o "$out/a.png"
+mkdir -p folder.safetensors
+refuses 1 'is a folder' relight folder.safetensors -o "$out/a.png"
+refuses 1 'folder.safetensors: cannot be read' relight box.safetensors --script folder.safetensors -o "$out/a%d.png"
 refuses 1 'no operator file' relight cornell-blocks -o "$out/a.png"
 refuses 1 'No such file' relight none.safetensors -o "$out/a.png"
 refuses 1 'camera' relight box.safetensors --camera nobody -o "$out/a.png"
