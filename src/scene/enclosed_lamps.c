@@ -69,6 +69,9 @@ static rsv_vec3 random_around(rsv_vec3 normal, uint32_t stream, uint32_t k)
     return v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal);
 }
 
+/// A coordinate of a place on a triangle, moved inwards: from its edge, rays would pass the wall that stands there.
+static float inner(float u) { return u + 1e-3f * (1 / 3.0f - u); }
+
 /// Follows light from a lamp. @return whether it may stay close to the lamp, as far as this ray can tell
 static bool stays(search *s, rsv_ray ray, uint32_t index)
 {
@@ -88,7 +91,7 @@ static bool stays(search *s, rsv_ray ray, uint32_t index)
         s->reflected = true;
         if (is_large(s)) return false;
         if (back) normal = v3_neg(normal);
-        ray.origin = rsv_twin_point(&plane, hit.u, hit.v);
+        ray.origin = rsv_twin_point(&plane, inner(hit.u), inner(hit.v));
         ray.direction = random_around(normal, step + 1, index);
     }
     return true;
@@ -100,13 +103,19 @@ static bool is_within(const search *s, rsv_vec3 p)
            p.z >= s->low.z && p.z <= s->high.z;
 }
 
+static bool has_camera(const search *s)
+{
+    for (size_t k = 0; k < s->view->camera_count; k++)
+        if (is_within(s, s->view->camera[k].position)) return true;
+    return false;
+}
+
 /// Whether what light gets to is a room rather than a body: one looks at it, or there is much in it.
 static bool is_room(const search *s)
 {
     const rsv_scene_view *view = s->view;
     double within = 0, all = 0;
-    for (size_t k = 0; k < view->camera_count; k++)
-        if (is_within(s, view->camera[k].position)) return true;
+    if (has_camera(s)) return true;
     for (uint32_t t = 0; t < view->triangle_count; t++) {
         const uint32_t *corner = view->triangle[t];
         rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
@@ -142,7 +151,7 @@ static bool is_light_enclosed(search *s, const rsv_punctual_light *light)
         float turn = 2.39996323f * (float)k + 0.1f;
         rsv_vec3 d = v3_mad(v3_scale(t, r * cosf(turn)), r * sinf(turn), b);
         rsv_ray ray = { light->position, v3_mad(d, z, axis), INFINITY };
-        if (!stays(s, ray, k)) return false;
+        if (!stays(s, ray, k) || has_camera(s)) return false;
     }
     return is_enclosed(s);
 }
@@ -169,7 +178,7 @@ static bool is_object_enclosed(search *s, uint32_t first, uint32_t end, uint32_t
         for (uint32_t k = 0; k < RAYS / places; k++) {
             rsv_vec3 side = k % (uint32_t)sides ? v3_neg(normal) : normal;
             rsv_ray ray = { from, random_around(side, 0, taken * RAYS + k), INFINITY };
-            if (!stays(s, ray, taken * RAYS + k)) return false;
+            if (!stays(s, ray, taken * RAYS + k) || has_camera(s)) return false;
         }
     }
     return is_enclosed(s);
@@ -187,16 +196,52 @@ static void warn(const search *s, const rsv_context *context, const char *kind, 
         kind, name, s->view->object_name[s->object]);
 }
 
-static void look_into_objects(search *s, const rsv_context *context, uint32_t *count)
+/// @return whether all emissive objects are enclosed, if there are any
+/// @param warned NULL = look until one is not, and say nothing @param found out: the last that is
+static bool look_into_objects(
+    search *s, const rsv_context *context, uint32_t *warned, const char **found)
 {
     const rsv_scene_view *view = s->view;
-    for (uint32_t first = 0, end; first < view->triangle_count; first = end) {
+    bool all = true;
+    for (uint32_t first = 0, end; first < view->triangle_count && (all || warned); first = end) {
         uint32_t object = view->triangle_object[first], emissive = 0;
         for (end = first; end < view->triangle_count && view->triangle_object[end] == object; end++)
             emissive += emits(view, end);
-        if (emissive && is_object_enclosed(s, first, end, emissive))
-            warn(s, context, "lamp", view->object_name[object], count);
+        if (!emissive) continue;
+        bool enclosed = is_object_enclosed(s, first, end, emissive);
+        all = all && enclosed;
+        if (enclosed) *found = view->object_name[object];
+        if (enclosed && warned) warn(s, context, "lamp", view->object_name[object], warned);
     }
+    return all;
+}
+
+/// The same for punctual lights.
+static bool look_around_lights(
+    search *s, const rsv_context *context, uint32_t *warned, const char **found)
+{
+    const rsv_scene_view *view = s->view;
+    bool all = true;
+    for (size_t k = 0; k < view->light_count && (all || warned); k++) {
+        if (rgb_is_black(view->light[k].intensity)) continue;
+        bool enclosed = is_light_enclosed(s, &view->light[k]);
+        all = all && enclosed;
+        if (enclosed) *found = view->light[k].name;
+        if (enclosed && warned) warn(s, context, "light", view->light[k].name, warned);
+    }
+    return all;
+}
+
+/// Bodies of any size, if they are closed around all lamps there are: then pictures are black.
+static void look_for_darkness(search *s, const rsv_context *context)
+{
+    const char *found = NULL;
+    uint32_t count = 0;
+    s->limit = INFINITY;
+    if (s->view->environment || !look_around_lights(s, context, NULL, &found)) return;
+    const char *light = found;
+    if (look_into_objects(s, context, NULL, &found) && found)
+        warn(s, context, found == light ? "light" : "lamp", found, &count);
 }
 
 void rsv_warn_of_enclosed_lamps(const rsv_scene *scene, const rsv_twin_tree *tree)
@@ -204,13 +249,13 @@ void rsv_warn_of_enclosed_lamps(const rsv_scene *scene, const rsv_twin_tree *tre
     const rsv_scene_view *view = &scene->view;
     float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
     search s = { .view = view, .tree = tree, .size = size };
+    const char *found = NULL;
     uint32_t count = 0;
     s.limit = f_min(f_max(SMALL, SMALL_PART * size), MOST_PART * size);
-    for (size_t k = 0; k < view->light_count; k++)
-        if (is_light_enclosed(&s, &view->light[k]))
-            warn(&s, scene->context, "light", view->light[k].name, &count);
-    look_into_objects(&s, scene->context, &count);
+    look_around_lights(&s, scene->context, &count, &found);
+    look_into_objects(&s, scene->context, &count, &found);
     if (count > MOST_NAMED)
         rsv_log(scene->context, RSV_LOG_WARNING,
             "%u more lamps have something opaque closed around them", count - MOST_NAMED);
+    if (count == 0) look_for_darkness(&s, scene->context);
 }
