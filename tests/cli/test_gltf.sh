@@ -125,12 +125,12 @@ grep -a -q -F 'light.definition' parts.light.safetensors || complain "the basis 
 lights='0 select light.left\n0 intensity 0\n0 select light.bulb\n'
 printf "$lights"'0 screenshot near-0.exr\n1 add desk 0.5 1 0.25\n2 screenshot near-2.exr\n' >near.view
 printf "$lights"'0 screenshot far-0.exr\n1 add desk 448263 52 5411932.5\n2 screenshot far-2.exr\n' >far.view
-for name in near far; do
-    succeeds view $name.safetensors --script $name.view --record $name-view --size 64x48
+for name in near far; do # of a size that puts the middle of no pixel on the edge of a crate, which roundings may move
+    succeeds view $name.safetensors --script $name.view --record $name-view --size 61x47
 done
 differ near-0.exr near-2.exr || complain "a light that was added does not shine"
-succeeds compare near-2.exr far-2.exr # a pixel at the edge of a shadow may differ
-awk '/^median_relative_error/ { exit !($2 < 1e-4) }' stdout || complain "a light that was added far away stands elsewhere: $(head -n 3 stdout)"
+close near-0.exr far-0.exr
+close near-2.exr far-2.exr
 refuses 1 'no number from -1e9' view near.safetensors --script <(echo '0 add desk 1 2 1e10') --record "$out"
 
 finish
