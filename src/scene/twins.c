@@ -3,6 +3,7 @@
 
 #include "enclosed_lamps.h"
 #include "scene.h"
+#include "twin_body.h"
 #include "twin_overlap.h"
 #include "twin_tree.h"
 
@@ -337,13 +338,17 @@ static bool covers_all(const rsv_scene_view *view, uint32_t triangle, uint32_t o
     return true;
 }
 
-/// Whether others hide all of a triangle's back.
-static bool is_back_hidden(const rsv_scene_view *view, uint32_t triangle)
+/// Who is seen in all places of a side of a triangle: one look tells of exact copies.
+static showing look_once(const rsv_scene_view *view, uint32_t triangle, bool back)
 {
     rsv_hit hit = { triangle, 0, 1 / 3.0f, 1 / 3.0f };
-    rsv_twins_search(view, rsv_twin_plane_of(view, triangle).normal, &hit);
-    if (hit.triangle == triangle) return false;
-    return covers_all(view, triangle, hit.triangle) || !look_at(view, triangle, true).some;
+    rsv_vec3 normal = rsv_twin_plane_of(view, triangle).normal;
+    rsv_twins_search(view, back ? normal : v3_neg(normal), &hit);
+    if (hit.triangle != triangle && covers_all(view, triangle, hit.triangle))
+        return (showing){ false, hit.triangle };
+    // what shows its middle is not hidden
+    if (hit.triangle == triangle && back) return (showing){ true, RSV_NONE };
+    return look_at(view, triangle, back);
 }
 
 static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
@@ -380,14 +385,14 @@ static oddities find_hidden(
         uint32_t t = tree->face[k];
         bool two = view->material[view->triangle_material[t]].double_sided;
         if (owner->flags[t] & RSV_TWIN_OVER_FRONT) {
-            showing seen = look_at(view, t, false);
+            showing seen = look_once(view, t, false);
             if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
             if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
             if (seen.some && t < doubled && is_lamp(view, t) && seen.other != RSV_NONE &&
                 is_lamp(view, seen.other))
                 doubled = t;
         }
-        if (two && is_back_hidden(view, t)) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+        if (two && !look_once(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
     }
     return (oddities){ guessed, doubled };
 }
@@ -419,6 +424,19 @@ static void warn_of_oddities(const rsv_scene *scene, oddities found)
             "lamp '%s': another covers a part of one of its triangles, and shines there as well: "
             "delete one of them",
             object_of(view, found.doubled));
+}
+
+/// Marks faces of bodies that look into them, where opposite ones lie in the same place.
+static void find_inside_out(const finder *f)
+{
+    const rsv_scene_view *view = f->view;
+    float gap = 4 * (f->reach + f->rounding);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(f->scene->context))
+    for (uint32_t k = 0; k < f->tree.face_count; k++) {
+        uint32_t t = f->tree.face[k];
+        if ((f->flags[t] & RSV_TWIN_OPPOSITE) && rsv_twin_is_body(view, view->triangle_material[t]))
+            if (rsv_twin_is_inside_out(view, &f->tree, gap, t)) f->flags[t] |= RSV_TWIN_INSIDE_OUT;
+    }
 }
 
 /// @param count triangles with a flag
@@ -459,6 +477,7 @@ rsv_status rsv_scene_find_twins(rsv_scene *scene)
     RSV_TRY(find_pairs(&f));
     for (size_t t = 0; t < scene->triangle_count; t++)
         count += f.flags[t] != 0;
+    find_inside_out(&f);
     if (count) RSV_TRY(keep(scene, &f, count));
     if (!scene->is_part) rsv_warn_of_enclosed_lamps(scene, &f.tree);
 cleanup:
