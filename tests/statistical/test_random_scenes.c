@@ -441,15 +441,11 @@ static void add_bent_plate(rsv_scene *scene)
     assert_int_equal(rsv_scene_add_camera(scene, &camera), RSV_OK);
 }
 
-/// Of an even sky a normal that is tilted by t sees (1 + cos t) / 2.
-static void bent_normals_receive_what_they_see(void **state)
+/// What every mode shows of the bent plate. @param seen what it is to show
+static void check_bent_plate(rsv_scene *scene, double seen)
 {
-    rsv_scene *scene = begin_scene(*state);
     rsv_light *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    const double seen = (1 + sqrt(1 - (double)BEND * BEND)) / 2;
-    add_bent_plate(scene);
-    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
     assert_int_equal(rsv_scene_commit(scene), RSV_OK);
     solve.element_target = FURNACE_ELEMENTS;
     assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
@@ -465,6 +461,29 @@ static void bent_normals_receive_what_they_see(void **state)
         rsv_image_destroy(image);
     }
     rsv_light_destroy(solution);
+}
+
+/// Of an even sky a normal that is tilted by t sees (1 + cos t) / 2.
+static void bent_normals_receive_what_they_see(void **state)
+{
+    rsv_scene *scene = begin_scene(*state);
+    add_bent_plate(scene);
+    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
+    check_bent_plate(scene, (1 + sqrt(1 - (double)BEND * BEND)) / 2);
+    rsv_scene_destroy(scene);
+}
+
+/// Of a sun right above cos t, also where it is stored.
+static void bent_normals_receive_a_sun(void **state)
+{
+    rsv_scene *scene = begin_scene(*state);
+    const rsv_punctual_light sun = { .name = "sun",
+        .kind = RSV_PUNCTUAL_DIRECTIONAL,
+        .direction = { 0, -1, 0 },
+        .intensity = { RSV_PI, RSV_PI, RSV_PI } };
+    add_bent_plate(scene);
+    assert_int_equal(rsv_scene_add_light(scene, &sun), RSV_OK);
+    check_bent_plate(scene, sqrt(1 - (double)BEND * BEND));
     rsv_scene_destroy(scene);
 }
 
@@ -593,6 +612,7 @@ int main(int argc, char **argv)
         SCENE_TEST(no_pair_of_textures_can_be_seen),
         SCENE_TEST(extremes_cannot_be_seen),
         SCENE_TEST(bent_normals_receive_what_they_see),
+        SCENE_TEST(bent_normals_receive_a_sun),
         SCENE_TEST(lossless_things_cannot_be_seen),
     };
     const struct CMUnitTest slow[] = {
