@@ -515,6 +515,37 @@ static void landscapes_do_not_blur_what_stands_on_them(void **state)
     world_end(w);
 }
 
+/// A ball of a decimetre, finely divided, over a landscape: nothing lies in one place, which is found out without looking at
+/// each pair of its triangles.
+static void small_things_in_large_scenes_have_no_copies(void **state)
+{
+    (void)state;
+    enum { side = 128 };
+    world *w = world_begin(1);
+    uint32_t soil = world_lambert(w, 0.3f, 0), next = 0;
+    world_quad(
+        w, soil, v3(-1e3f, 0, -1e3f), v3(-1e3f, 0, 1e3f), v3(1e3f, 0, 1e3f), v3(1e3f, 0, -1e3f));
+    rsv_vec3 *p = calloc((side + 1) * (side + 1), sizeof *p);
+    uint32_t *index = calloc(6 * side * side, sizeof *index);
+    for (uint32_t k = 0; k < (side + 1) * (side + 1); k++) {
+        float a = 2 * RSV_PI * (float)(k % (side + 1)) / side;
+        float b = 0.1f + 2.9f * (float)(k / (side + 1)) / side;
+        p[k] = v3(0.05f * sinf(b) * cosf(a), 1 + 0.05f * cosf(b), 0.05f * sinf(b) * sinf(a));
+    }
+    for (uint32_t k = 0; k < side * side; k++) {
+        uint32_t a = k / side * (side + 1) + k % side, d = a + side + 2;
+        const uint32_t corner[6] = { a, a + 1, d, a, d, d - 1 };
+        memcpy(&index[next], corner, sizeof corner);
+        next += 6;
+    }
+    world_triangles(w, soil, p, (side + 1) * (side + 1), index, next / 3);
+    world_commit(w);
+    assert_null(rsv_scene_get_view(w->scene)->twins);
+    free(p);
+    free(index);
+    world_end(w);
+}
+
 // ---- many ---------------------------------------------------------------------------------------
 
 /// A hilly field of squares, each written twice, as the squares of a game's blocks.
@@ -639,6 +670,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(doubled_bodies_refract_once),
         cmocka_unit_test(crates_on_crates_stay_dark_inside),
         cmocka_unit_test(landscapes_do_not_blur_what_stands_on_them),
+        cmocka_unit_test(small_things_in_large_scenes_have_no_copies),
         cmocka_unit_test(many_copies_are_found_quickly),
         cmocka_unit_test(a_heap_of_copies_takes_no_square),
         cmocka_unit_test(says_so_where_it_had_to_guess),
