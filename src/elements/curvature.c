@@ -1,6 +1,7 @@
 #include "curvature.h"
 
 #include "../core/first_map.h"
+#include "elements_constants.h"
 
 double rsv_elements_mean_luminance(const rsv_elements *e, const rsv_rgb *value)
 {
@@ -87,9 +88,6 @@ static edge_values values_at(
                         deviation[a] * deviation[a] + deviation[b] * deviation[b]);
     return v;
 }
-
-/// Standard deviations of noise that pass for no curvature.
-#define NOISE 2.0f
 
 /// What noise does not explain, as a share of the local level; 0 where there is nothing.
 static float curvature_of(const edge_values *v, float floor)

@@ -1,12 +1,11 @@
 /// Numbers the corners of cells and finds those that hang. All threads work on it: the number of a node follows from the
 /// place, 4 * cell + corner, at which it is met first.
+#include "elements_constants.h"
 #include "elements_internal.h"
 
 #include "node_table.h"
 
 #include <string.h>
-
-#define CELLS_AT_A_TIME 4096 ///< by one thread
 
 static uint32_t read(const rsv_node_table *nodes, uint32_t entry)
 {

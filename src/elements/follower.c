@@ -1,11 +1,7 @@
 #include "follower.h"
 
+#include "elements_constants.h"
 #include "elements_internal.h"
-
-/// Leaders of less weight say little about the field around a follower.
-#define LEAST_WEIGHT 0.05f
-/// Standard deviations of noise that pass for no difference.
-#define NOISE 2.0f
 
 bool rsv_cell_follows(const rsv_elements *e, uint32_t cell)
 {
