@@ -4,7 +4,7 @@
 # code, to be lowered as it is mended. `functions.sh ROOT list` names those.
 set -euo pipefail
 cd "$1"
-most_wide=51
+most_wide=49
 find src include apps bench rt samples -name '*.[ch]' -print0 | sort -z |
     xargs -0 awk -v most_wide="$most_wide" -v list="${2:-}" '
 function parameters(text,    depth, count, k, c) {
