@@ -248,13 +248,14 @@ static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
     const rsv_elements *e = b->elements;
     rsv_status status = RSV_OK;
     float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
-    if (b->direct)
-        RSV_TRY(rsv_find_curved_edges(
-            e, b->direct, b->deviation, BEND, dark, RSV_CURVED_EDGES, mark_direct, b));
+    if (b->direct) {
+        const rsv_curvature_field direct = { b->direct, b->deviation, BEND, dark };
+        RSV_TRY(rsv_find_curved_edges(e, &direct, RSV_CURVED_EDGES, mark_direct, b));
+    }
     if (b->caustic) {
         float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
-        RSV_TRY(rsv_find_curved_edges(
-            e, b->caustic, NULL, BEND, faint, RSV_CURVED_EDGES, mark_caustic, b));
+        const rsv_curvature_field caustic = { b->caustic, NULL, BEND, faint };
+        RSV_TRY(rsv_find_curved_edges(e, &caustic, RSV_CURVED_EDGES, mark_caustic, b));
     }
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {

@@ -2,27 +2,8 @@
 
 #include "../core/sampling.h"
 #include "../trace/near.h"
+#include "elements_constants.h"
 #include "elements_internal.h"
-
-/// Cells of slivers may be this many times as many along an edge as their area asks for.
-#define SLIVER_FACTOR 4.0f
-#define FINEST_GRID 11
-/// sqrt(S) / reach
-#define REACHES 4.0f
-/// What rises by less than this part of its coordinates lies in the same plane.
-#define RISE 1e-5f
-/// Levels that elements grow by at most.
-#define MOST_GROWTH 4
-/// Share of the hemisphere that surfaces may fill, as a cell sees it that is as large as usual; a quarter of that for each
-/// level that it grows: irradiance, and so its curvature, is in proportion.
-#define MOST_FACED 0.25f
-/// Radii around its middle in which nothing rises above such a cell: what it faces is the same all over it, about.
-#define ALONE 2.0f
-/// Directions in which a patch looks for what sends it light.
-#define LOOKS 64
-/// The search for the surface that counts ends when it changes by less.
-#define SETTLED 0.02
-#define MAX_ROUNDS 32
 
 /// Slivers count by a quarter of their length, or their cells would be far too many across; the thinnest by their area.
 int rsv_spacing_level(const rsv_scene_view *scene, uint32_t triangle, float metres)
