@@ -31,9 +31,10 @@ typedef struct level_builder {
     rsv_rgb *direct;
     float *deviation; ///< of direct
     uint16_t *valid_points;
-    uint8_t *known;        ///< [node_count] 1 where valid_points are known already
-    uint8_t *lit;          ///< [node_count] 1 where direct and deviation are
-    rsv_photon_map map[2]; ///< on `elements` and on `coarse`
+    uint8_t *known;              ///< [node_count] 1 where valid_points are known already
+    uint8_t *lit;                ///< [node_count] 1 where direct and deviation are
+    rsv_photon_shooter *shooter; ///< of photons; NULL = none are wanted
+    rsv_photon_map map[2];       ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
     uint8_t *split;       ///< [cell_count]
     rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
@@ -163,8 +164,7 @@ static rsv_status shoot(level_builder *b, uint32_t count)
     b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
     if (!b->caustic) return RSV_ERROR_MEMORY;
     const rsv_elements *targets[2] = { b->elements, b->coarse };
-    rsv_status status =
-        rsv_photons_shoot(b->scene, b->lights, count, b->desc->seed, targets, b->map, 2, b->rays);
+    rsv_status status = rsv_photons_deposit(b->shooter, count, targets, b->map, 2, b->rays);
     if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
     return status;
 }
@@ -391,6 +391,8 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
         .scene = scene, .lights = lights, .coarse = coarse, .desc = desc, .rays = rays
     };
     *level = (rsv_source_level){ 0 };
+    if (desc->photon_count)
+        RSV_TRY(rsv_photon_shooter_create(scene, lights, desc->seed, &b.shooter, rays));
     RSV_TRY(begin(&b));
     RSV_TRY(refine(&b));
     if (b.kept) RSV_TRY(add_kept(&b));
@@ -423,6 +425,7 @@ cleanup:
     rsv_free(context, b.lit);
     rsv_kept_light_destroy(b.kept);
     free_photons(&b);
+    rsv_photon_shooter_destroy(b.shooter);
     rsv_elements_destroy(b.elements);
     return status;
 }

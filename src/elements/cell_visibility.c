@@ -173,9 +173,10 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
     uint32_t seed, uint64_t *rays)
 {
     int backs = 0;
-    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
+    for (int k = 0; k < BURIAL_RAYS; k++) {
+        if (backs >= BURIAL_MAJORITY || backs + BURIAL_RAYS - k < BURIAL_MAJORITY) break; // decided
         rsv_specular_path path;
-        rsv_ray ray = ray_from(place, normal, k, seed);
+        rsv_ray ray = ray_from(place, normal, (uint32_t)k, seed);
         sight seen = look(scene, &ray, &path);
         ++*rays;
         for (uint32_t step = 1; step < BURIAL_STEPS && seen >= SIGHT_FRONT; step++) {
@@ -183,13 +184,20 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
             rsv_surface_point point =
                 rsv_surface_point_at(scene->view, path.triangle, path.u, path.v, path.back);
             rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-            ray = ray_from(origin, point.geometric, k, seed + step);
+            ray = ray_from(origin, point.geometric, (uint32_t)k, seed + step);
             seen = look(scene, &ray, &path);
             ++*rays;
         }
         backs += seen == SIGHT_BACK;
     }
     return backs >= BURIAL_MAJORITY;
+}
+
+bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 normal)
+{
+    rsv_hit seen = place;
+    if (scene->twins) rsv_twins_settle(scene, v3_neg(normal), &seen);
+    return seen.triangle != place.triangle;
 }
 
 /// Surfaces that a search for the skin of a body meets, along a line or from surface to surface.
