@@ -92,6 +92,11 @@ typedef struct rsv_frame_view {
 RSV_API rsv_status rsv_frame_render(
     rsv_frame_renderer *renderer, const rsv_frame_view *view, rsv_frame_stats *stats);
 
+/// Makes the frames that follow smaller than the renderer was created for, or as large again: what has added up is dropped.
+/// Nothing is allocated. @return RSV_ERROR_ARGUMENT: larger than that, or nothing; RSV_ERROR_UNSUPPORTED: on a device
+RSV_API rsv_status rsv_frame_renderer_resize(
+    rsv_frame_renderer *renderer, uint32_t width, uint32_t height);
+
 /// Chooses the light that is shown from the next frame on.
 /// @param layer RSV_NONE = all; 0 = emission, 1 = direct, 1 + n = n bounces
 RSV_API void rsv_frame_renderer_show(rsv_frame_renderer *renderer, uint32_t layer);
@@ -104,7 +109,7 @@ RSV_API void rsv_frame_renderer_refresh(rsv_frame_renderer *renderer);
 /// @param mover of the same solution; borrowed
 RSV_API void rsv_frame_renderer_put(rsv_frame_renderer *renderer, const rsv_mover *mover);
 
-/// The picture on show: [height * width] red, green, blue and 255, sRGB. Valid until the renderer is destroyed.
+/// The picture on show, as large as frames are: [height * width] red, green, blue and 255, sRGB. Valid until the renderer is destroyed.
 RSV_API const uint8_t (*rsv_frame_pixels(const rsv_frame_renderer *renderer, uint32_t eye))[4];
 
 /// Mean radiance of the frames that have added up. @param radiance [height * width]

@@ -110,20 +110,25 @@ static rsv_status create_workers(rsv_frame_renderer *r)
     return status;
 }
 
+static void set_size(rsv_frame_renderer *r, uint32_t width, uint32_t height)
+{
+    rsv_tiling *t = &r->tiling;
+    t->width = width;
+    t->height = height;
+    t->across = (width + RSV_TILE - 1) / RSV_TILE;
+    t->tile_count = t->across * ((height + RSV_TILE - 1) / RSV_TILE);
+}
+
 static void set_tiling(rsv_frame_renderer *r)
 {
-    uint32_t across = (r->desc.width + RSV_TILE - 1) / RSV_TILE;
     r->tiling = (rsv_tiling){ .solution = r->solution,
         .table = &r->table,
         .media = &r->media,
         .clearances = &r->clearances,
         .beams = &r->beams,
         .kernels = rsv_packet_kernels_for(&r->desc.instructions),
-        .width = r->desc.width,
-        .height = r->desc.height,
-        .across = across,
-        .tile_count = across * ((r->desc.height + RSV_TILE - 1) / RSV_TILE),
         .seed = r->desc.seed };
+    set_size(r, r->desc.width, r->desc.height);
 }
 
 /// Devices shade every pixel by its own path, by a table that tells no glossy surfaces apart.
@@ -206,12 +211,12 @@ static bool same_view(const rsv_camera *a, const rsv_camera *b)
 
 static void set_aim(const rsv_frame_renderer *r, rsv_eye_picture *e)
 {
-    e->aim = (rsv_frame_aim){ .lens = rsv_lens_of(&e->camera, r->desc.width, r->desc.height),
-        .width = r->desc.width,
-        .height = r->desc.height };
+    e->aim = (rsv_frame_aim){ .lens = rsv_lens_of(&e->camera, r->tiling.width, r->tiling.height),
+        .width = r->tiling.width,
+        .height = r->tiling.height };
     e->beam_lens = rsv_beam_lens_of(&e->aim.lens);
     rsv_shared_place(e->samples, &e->aim.place_x, &e->aim.place_y);
-    e->spread = rsv_camera_spread(&e->camera, r->desc.height) / sqrtf((float)(e->samples + 1));
+    e->spread = rsv_camera_spread(&e->camera, r->tiling.height) / sqrtf((float)(e->samples + 1));
 }
 
 static void begin_eye(
@@ -401,6 +406,22 @@ static void forget_gloss(rsv_frame_renderer *r, float change)
         rsv_glossy_cells_forget(&r->eye[k].cells, change);
 }
 
+rsv_status rsv_frame_renderer_resize(rsv_frame_renderer *r, uint32_t width, uint32_t height)
+{
+    if (width == r->tiling.width && height == r->tiling.height) return RSV_OK;
+    if (width == 0 || height == 0 || width > r->desc.width || height > r->desc.height)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "frames: size %ux%u is not in 1x1 .. %ux%u", width,
+            height, r->desc.width, r->desc.height);
+    if (r->device)
+        return rsv_fail(
+            RSV_ERROR_UNSUPPORTED, "frames: those of a device stay as large as they are");
+    set_size(r, width, height);
+    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++)
+        rsv_glossy_cells_resize(&r->eye[k].cells, width, height);
+    start_over(r);
+    return RSV_OK;
+}
+
 void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
 {
     if (layer == r->table.layer) return;
@@ -453,9 +474,10 @@ static void copy_tile(
     const rsv_frame_renderer *r, uint32_t tile, const float (*from)[4], rsv_rgb *to)
 {
     uint32_t left = tile % r->tiling.across * RSV_TILE, top = tile / r->tiling.across * RSV_TILE;
-    for (uint32_t y = 0; y < RSV_TILE && top + y < r->desc.height; y++)
-        for (uint32_t x = 0; x < RSV_TILE && left + x < r->desc.width; x++)
-            to[(size_t)(top + y) * r->desc.width + left + x] = positive_rgb(from[y * RSV_TILE + x]);
+    for (uint32_t y = 0; y < RSV_TILE && top + y < r->tiling.height; y++)
+        for (uint32_t x = 0; x < RSV_TILE && left + x < r->tiling.width; x++)
+            to[(size_t)(top + y) * r->tiling.width + left + x] =
+                positive_rgb(from[y * RSV_TILE + x]);
 }
 
 void rsv_frame_radiance(const rsv_frame_renderer *r, uint32_t eye, rsv_rgb *radiance)
