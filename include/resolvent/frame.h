@@ -38,6 +38,14 @@ typedef enum rsv_frame_gloss {
     RSV_GLOSS_REUSED
 } rsv_frame_gloss;
 
+/// What frames become while the cameras rest.
+typedef enum rsv_frame_rest {
+    RSV_REST_OPERATOR, ///< mode `operator`: paths end at the light that is stored. The default
+    /// Mode `final`: direct light is sampled where paths end, too, so that shadows become as sharp as they are. Single
+    /// layers, objects that move and frames of a device stay as above
+    RSV_REST_FINAL
+} rsv_frame_rest;
+
 /// Start from rsv_default_frame_desc().
 typedef struct rsv_frame_desc {
     uint32_t width, height; ///< of one eye's picture
@@ -46,6 +54,7 @@ typedef struct rsv_frame_desc {
     uint32_t seed;          ///< of rough reflections and faint branches
     rsv_instructions instructions;
     rsv_frame_gloss gloss; ///< default RSV_GLOSS_REUSED
+    rsv_frame_rest rest;
 } rsv_frame_desc;
 
 RSV_API rsv_frame_desc rsv_default_frame_desc(void);

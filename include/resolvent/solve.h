@@ -24,7 +24,9 @@ typedef enum rsv_solver {
     RSV_SOLVER_PETSC ///< KSP of PETSc, by its own options; in a context with a team, be it of one process (team.h)
 } rsv_solver;
 
-/// "auto", "neumann", "gauss-seidel", ... in the order of rsv_solver; NULL beyond the last.
+/// "auto", "neumann", "gauss-seidel", ... in the order of rsv_solver, and then NULL.
+RSV_API const char *const *rsv_solver_names(void);
+/// One of them; NULL beyond the last.
 RSV_API const char *rsv_solver_name(rsv_solver solver);
 
 /// A virtual receiver: casts no shadow. A point on a surface is taken to be on the side its normal

@@ -193,6 +193,13 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
     return backs >= BURIAL_MAJORITY;
 }
 
+bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 normal)
+{
+    rsv_hit seen = place;
+    if (scene->twins) rsv_twins_settle(scene, v3_neg(normal), &seen);
+    return seen.triangle != place.triangle;
+}
+
 /// Surfaces that a search for the skin of a body meets, along a line or from surface to surface.
 #define SKIN_STEPS 8
 

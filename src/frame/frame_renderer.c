@@ -70,16 +70,31 @@ static rsv_status create_gloss(rsv_frame_renderer *r)
         e->base = rsv_reserve(r->context, tiles * RSV_TILE_PIXELS, sizeof *e->base);
         e->lobes = rsv_reserve(r->context, tiles, sizeof *e->lobes);
         e->glossy = rsv_alloc(r->context, tiles, sizeof *e->glossy);
+        if (!e->base || !e->lobes || !e->glossy) return RSV_ERROR_MEMORY;
+        rsv_status status =
+            rsv_glossy_cells_create(r->context, r->desc.width, r->desc.height, &e->cells);
+        if (status != RSV_OK) return status;
+    }
+    return RSV_OK;
+}
+
+/// Whether frames at rest become better than those before.
+static bool improves_at_rest(const rsv_frame_renderer *r)
+{
+    bool final = r->desc.rest == RSV_REST_FINAL && !rsv_context_device(r->context);
+    return final || reuses_gloss(r);
+}
+
+static rsv_status create_rest(rsv_frame_renderer *r)
+{
+    size_t tiles = r->tiling.tile_count;
+    for (uint32_t k = 0; k < r->desc.eyes && improves_at_rest(r); k++) {
+        rsv_eye_picture *e = &r->eye[k];
         e->whole = rsv_reserve(r->context, tiles, sizeof *e->whole);
         e->resting = rsv_reserve(r->context, tiles, sizeof *e->resting);
         e->squares = rsv_reserve(r->context, 2 * tiles + 64, sizeof *e->squares);
         e->given = rsv_reserve(r->context, 2 * tiles + 64, sizeof *e->given);
-        if (!e->base || !e->lobes || !e->glossy || !e->whole || !e->resting || !e->squares ||
-            !e->given)
-            return RSV_ERROR_MEMORY;
-        rsv_status status =
-            rsv_glossy_cells_create(r->context, r->desc.width, r->desc.height, &e->cells);
-        if (status != RSV_OK) return status;
+        if (!e->whole || !e->resting || !e->squares || !e->given) return RSV_ERROR_MEMORY;
     }
     return RSV_OK;
 }
@@ -139,6 +154,7 @@ rsv_status rsv_frame_renderer_create(
     RSV_TRY(create_eyes(r));
     RSV_TRY(create_table(r));
     RSV_TRY(create_gloss(r));
+    RSV_TRY(create_rest(r));
     RSV_TRY(rsv_specular_media_create(r->context, &solution->scene, &r->media));
     RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
     RSV_TRY(rsv_beams_create(solution->scene.tracer, &r->beams));
@@ -321,9 +337,10 @@ static void finish_gloss(rsv_frame_renderer *r)
 static void share_rest(rsv_frame_renderer *r)
 {
     uint32_t across = r->tiling.across, down = r->tiling.tile_count / across;
-    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
+    for (uint32_t k = 0; k < r->desc.eyes; k++) {
         rsv_eye_picture *e = &r->eye[k];
-        if (e->samples > 0) rsv_resting_share(e->resting, across, down, e->squares, e->given);
+        if (e->resting && e->samples > 0)
+            rsv_resting_share(e->resting, across, down, e->squares, e->given);
     }
 }
 
@@ -360,6 +377,7 @@ rsv_status rsv_frame_render(
     r->tiling.shading = (rsv_glossy_shading){ .view = r->solution->scene.view,
         .materials = r->materials.material,
         .shows_emission = rsv_shows_emission(&r->table) };
+    r->tiling.final = r->desc.rest == RSV_REST_FINAL && r->table.layer == RSV_NONE;
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;
     status = render_eyes(r, view);
     if (status != RSV_OK) return status;

@@ -3,6 +3,7 @@
 #define RSV_MATERIAL_AT_BODY_H
 
 #include "material_at.h"
+#include "material_fields.h"
 #include "texture.h"
 
 RSV_INLINE void rsv_corner_uv(
@@ -71,6 +72,11 @@ RSV_INLINE rsv_texel rsv_texture_at(const rsv_scene_view *scene, const rsv_textu
         texture, t.u + u * t.du[0] + v * t.du[1], t.v + u * t.dv[0] + v * t.dv[1], level);
 }
 
+#define RSV_TIMES_r(value) (value * texel.r)
+#define RSV_TIMES_g(value) (value * texel.g)
+#define RSV_TIMES_a(value) (value * texel.a)
+#define RSV_TIMES_rgb(value) rgb_mul(value, color)
+
 RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rsv_texel texel)
 {
     rsv_rgb color = rgb(texel.r, texel.g, texel.b);
@@ -88,33 +94,12 @@ RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rs
     case RSV_TEXTURE_EMISSION:
         m->emission = rgb_mul(m->emission, color);
         break;
-    case RSV_TEXTURE_SPECULAR:
-        m->specular *= texel.a;
+#define TEXTURE(role, field, channel, srgb, extension, key)                                        \
+    case RSV_TEXTURE_##role:                                                                       \
+        m->field = RSV_TIMES_##channel(m->field);                                                  \
         break;
-    case RSV_TEXTURE_SPECULAR_COLOR:
-        m->specular_color = rgb_mul(m->specular_color, color);
-        break;
-    case RSV_TEXTURE_TRANSMISSION:
-        m->transmission *= texel.r;
-        break;
-    case RSV_TEXTURE_CLEARCOAT:
-        m->clearcoat *= texel.r;
-        break;
-    case RSV_TEXTURE_CLEARCOAT_ROUGHNESS:
-        m->clearcoat_roughness *= texel.g;
-        break;
-    case RSV_TEXTURE_SHEEN_COLOR:
-        m->sheen_color = rgb_mul(m->sheen_color, color);
-        break;
-    case RSV_TEXTURE_SHEEN_ROUGHNESS:
-        m->sheen_roughness *= texel.a;
-        break;
-    case RSV_TEXTURE_DIFFUSE_TRANSMISSION:
-        m->diffuse_transmission *= texel.a;
-        break;
-    case RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR:
-        m->diffuse_transmission_color = rgb_mul(m->diffuse_transmission_color, color);
-        break;
+        RSV_MATERIAL_TEXTURES(TEXTURE)
+#undef TEXTURE
     default: // normals are no factor
         break;
     }

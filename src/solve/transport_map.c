@@ -2,6 +2,7 @@
 
 #include "../core/team.h"
 #include "../operator/transport_rows.h"
+#include "../solver/linear_solver.h"
 #include "node_groups.h"
 
 #include <string.h>
@@ -339,17 +340,17 @@ rsv_status rsv_transport_map_prepare(rsv_transport_map *m, rsv_solver solver)
         m->device_solver = solver;
         return RSV_OK;
     }
-    if (solver == RSV_SOLVER_PETSC) {
-        rsv_status status = add_krylov(m);
-        if (status == RSV_OK) m->table.correct = correct_by_krylov;
-        return status;
+    const rsv_solver_needs needs = rsv_solver_needs_of(solver);
+    rsv_status status = RSV_OK;
+    if (needs.outside) {
+        status = add_krylov(m);
+        m->table.correct = correct_by_krylov;
     }
-    if (solver == RSV_SOLVER_SOUTHWELL) return rsv_transport_map_transpose(m);
-    if (solver == RSV_SOLVER_GAUSS_SEIDEL || solver == RSV_SOLVER_TWO_GRID) {
-        rsv_status status = rsv_transport_complete(m->transport);
-        if (status != RSV_OK) return status;
-    }
-    return solver == RSV_SOLVER_TWO_GRID ? add_groups(m) : RSV_OK;
+    if (status == RSV_OK && needs.columns) status = rsv_transport_map_transpose(m);
+    if (status == RSV_OK && (needs.rows || needs.groups))
+        status = rsv_transport_complete(m->transport);
+    if (status == RSV_OK && needs.groups) status = add_groups(m);
+    return status;
 }
 
 void rsv_transport_map_mask(const rsv_transport_map *m, size_t fields, rsv_rgb *field)

@@ -7,8 +7,8 @@
 
 /// Places on a textured emitter from which its mean radiance is estimated.
 #define RADIANCE_POINTS 64
-/// Relative variance where only wider patches see any light.
-#define BARELY_SEEN 8
+/// Relative variance where only wider patches see any light: it may lie outside, and then the mean is wrong.
+#define BARELY_SEEN 400
 
 /// Mean over the emitter, each place standing for a patch.
 static rsv_rgb mean_over(

@@ -43,8 +43,9 @@ static uint64_t key_of_mean(const rsv_material *m, const rsv_bsdf *b)
     uint64_t key = rsv_key_add(1, b->double_sided);
     if (b->lambert) return key;
     const float kind[] = { b->ior, b->transmission, m->thickness, b->metallic, b->diffuse, b->alpha,
-        b->clearcoat, b->clearcoat_alpha, b->sheen_power, b->passed };
-    key = add_color(add_color(key, b->specular_tint), b->sheen);
+        b->passed };
+    const rsv_layer_values layers = rsv_bsdf_layer_values(b);
+    key = add_numbers(add_color(key, b->specular_tint), layers.value, RSV_LAYER_VALUES);
     return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1 + b->coated);
 }
 
