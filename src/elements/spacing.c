@@ -64,11 +64,12 @@ static void look_at(void *user, uint32_t triangle, float *radius)
     const rsv_scene_view *scene = search->scene->view;
     const patch *p = search->patch;
     float highest = -INFINITY, u, v;
+    if (search->found) return;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = scene->position[scene->triangle[triangle][k]];
         highest = f_max(highest, v3_dot(p->normal, v3_sub(corner, p->centre)));
     }
-    if (search->found || highest <= search->rise || is_mere_lamp(search->scene, triangle) ||
+    if (highest <= search->rise || is_mere_lamp(search->scene, triangle) ||
         rsv_triangle_distance(scene, triangle, p->centre, &u, &v) >= *radius)
         return;
     search->found = true;
@@ -111,9 +112,11 @@ static bool is_open(
     if (!scene || growth > MOST_GROWTH || is_mere_lamp(scene, triangle)) return false;
     patch p = patch_of(scene->view, triangle, back, cell);
     float extent = rsv_triangle_extent(scene->view, triangle);
-    if (!rises_within(scene, &p, extent, p.radius + spacing->reach * sqrtf(ldexpf(0.5f, growth))))
-        return true;
-    return !rises_within(scene, &p, extent, ALONE * p.radius) &&
+    float around = ALONE * p.radius;
+    float far = p.radius + spacing->reach * sqrtf(ldexpf(0.5f, growth));
+    if (around >= far) return !rises_within(scene, &p, extent, far);
+    if (rises_within(scene, &p, extent, around)) return false; // as most cells that have neighbours
+    return !rises_within(scene, &p, extent, far) ||
            !faces_more(scene, &p, extent, ldexpf(MOST_FACED, -2 * growth));
 }
 
