@@ -223,11 +223,13 @@ static void say_plan(const rsv_planner *p, uint32_t samples)
     if (!isnan(plan->elements_error))
         snprintf(elements, sizeof elements, ", of which elements leave %.2g %%",
             100 * sqrt(plan->elements_error));
+    // direct light is the pixels' own: such elements hold caustics, which a look takes from them too
+    const char *unknown = report->direct_elements ? "; what stored caustics err is not known" : "";
     rsv_log(p->context, RSV_LOG_INFO,
         "plan: %zu rows of %u rays%s and %u camera rays per pixel for a relative error of %.2g "
-        "%%%s",
+        "%%%s%s",
         report->rows, p->plan.rays_per_element, plan->goal ? " for this camera" : "", samples,
-        100 * sqrt(p->wanted), elements);
+        100 * sqrt(p->wanted), elements, unknown);
 }
 
 static void say_what_is_missing(const rsv_planner *p)
