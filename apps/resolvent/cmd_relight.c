@@ -437,7 +437,7 @@ static rsv_status relight(const settings *s, stage *on)
     rsv_status status = rsv_relighter_change(on->relighter, &s->relight);
     if (status == RSV_OK && on->prepared) status = rsv_relighter_step(on->relighter, 0, &progress);
     if (status == RSV_OK && !(progress.converged && progress.orders == 0))
-        status = rsv_relighter_settle(on->relighter);
+        status = rsv_relighter_refine(on->relighter);
     on->time_relight += cli_seconds() - started;
     return status;
 }

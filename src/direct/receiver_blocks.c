@@ -3,6 +3,7 @@
 #include "../core/morton.h"
 #include "../receiver/receiver.h"
 #include "../trace/packet.h"
+#include "direct_receiver.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -42,7 +43,8 @@ static uint32_t find_points(
         uint32_t triangle = e->face_triangle[face];
         float u = sample[k].u, v = sample[k].v;
         receiver[count++] = rsv_receiver_at(e->scene, w->b->scene->tracer, triangle, u, v,
-            rsv_surface_point_at(e->scene, triangle, u, v, e->face_back[face]));
+            rsv_surface_point_seen(
+                e->scene, triangle, u, v, e->face_back[face], rsv_direct_width(e, node)));
     }
     return count;
 }

@@ -1,23 +1,7 @@
 #include "cell_visibility.h"
 
 #include "../scene/twins.h"
-
-#define BURIAL_RAYS 8
-#define BURIAL_MAJORITY                                                                            \
-    6 ///< so many of them must see backs before a place near other geometry is buried
-#define BURIAL_STEPS 4 ///< from surface to surface
-
-/// Test segments run this far above the surface, in parts of the elements' spacing ...
-#define LIFT 0.1f
-/// ... and this far inside the cell, in parts of its size.
-#define INSET 0.05f
-/// Opaque surfaces cover what lies closer below them, in parts of the elements' spacing: a picture hung two centimetres off
-/// the wall hides what cells of a decimetre cannot tell from what it leaves open.
-#define COVER 0.2f
-#define CONTACT 0.02f ///< clear ones closer than that
-/// A lamp closer than that keeps to itself what it sheds on the cell: nodes at its border would pass on more light than
-/// the room has from elsewhere. One that is seen past, such as a strip, does not.
-#define LAMP_GAP 0.5f
+#include "elements_constants.h"
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
 {
@@ -67,9 +51,6 @@ static bool is_opaque(const rsv_transport_scene *scene, const rsv_hit *hit)
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit->triangle]];
     return bsdf->transmission == 0 && bsdf->opacity == 1;
 }
-
-/// Clear surfaces that a segment passes; more of them block it.
-#define CLEAR_STEPS 8
 
 float rsv_clear_part(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to)
 {
@@ -199,9 +180,6 @@ bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 nor
     if (scene->twins) rsv_twins_settle(scene, v3_neg(normal), &seen);
     return seen.triangle != place.triangle;
 }
-
-/// Surfaces that a search for the skin of a body meets, along a line or from surface to surface.
-#define SKIN_STEPS 8
 
 /// Whether a ray leaves a body that it did not enter: its skin is seen from within, whatever other bodies lie in it.
 /// Clear surfaces and two-sided ones bound no body.

@@ -259,6 +259,17 @@ static void check_unit(const scanner *s, const tag *t)
             "%s: its <unit> of '%s' is no number of metres; 1 is taken", s->path, meter);
 }
 
+/// Likewise what is no axis for y.
+static void check_up_axis(const scanner *s)
+{
+    static const char *const axes[] = { "X_UP", "Y_UP", "Z_UP" };
+    const char *at = s->at + strspn(s->at, " \t\r\n");
+    for (size_t k = 0; k < sizeof axes / sizeof *axes; k++)
+        if (strncmp(at, axes[k], 4) == 0) return;
+    rsv_log(s->context, RSV_LOG_WARNING,
+        "%s: its <up_axis> is none of X_UP, Y_UP and Z_UP; Y_UP is taken", s->path);
+}
+
 static rsv_status take_tag(scanner *s, const tag *t)
 {
     bool is_node = is_named(t, "node") || is_named(t, "visual_scene");
@@ -270,6 +281,7 @@ static rsv_status take_tag(scanner *s, const tag *t)
     }
     judge_tag(s, t);
     if (is_named(t, "unit")) check_unit(s, t);
+    if (is_named(t, "up_axis")) check_up_axis(s);
     rsv_status status = take_names(s, t);
     if (status != RSV_OK) return status;
     if (is_object)

@@ -23,8 +23,9 @@
 /// Boxes that share no more than this part of an axis merely touch along it.
 #define THIN 1e-4f
 
-/// Places on a triangle that tell whether all of it is hidden.
+/// Places on a triangle that tell whether all of it is hidden, and on a lamp, whether some of it is.
 #define PLACES 16
+#define PLACES_OF_LAMP 256
 
 typedef struct rsv_twins_owner {
     rsv_twins twins;
@@ -304,13 +305,20 @@ typedef struct showing {
     uint32_t other; ///< whom one sees in its place; RSV_NONE = nobody
 } showing;
 
+static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
+{
+    const rsv_material *m = &view->material[view->triangle_material[triangle]];
+    return !rgb_is_black(m->emission) && !m->unlit;
+}
+
 static showing look_at(const rsv_scene_view *view, uint32_t triangle, bool back)
 {
     rsv_vec3 normal = rsv_twin_plane_of(view, triangle).normal;
     showing seen = { false, RSV_NONE };
-    for (int k = 0; k < PLACES; k++) {
+    int places = is_lamp(view, triangle) ? PLACES_OF_LAMP : PLACES;
+    for (int k = 0; k < places; k++) {
         // Hammersley's points, folded into the triangle
-        float u = ((float)k + 0.5f) / PLACES, v = 0.5f / PLACES, digit = 0.5f;
+        float u = ((float)k + 0.5f) / (float)places, v = 0.5f / (float)places, digit = 0.5f;
         for (int n = k; n; n /= 2, digit /= 2)
             v += digit * (float)(n % 2);
         if (u + v > 1) u = 1 - u, v = 1 - v;
@@ -351,12 +359,6 @@ static showing look_once(const rsv_scene_view *view, uint32_t triangle, bool bac
     return look_at(view, triangle, back);
 }
 
-static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
-{
-    const rsv_material *m = &view->material[view->triangle_material[triangle]];
-    return !rgb_is_black(m->emission) && !m->unlit;
-}
-
 /// Whether it is a guess which of two faces that turn the same way is wanted. Lamps in the plane of a ceiling are. Where there
 /// are faces of both windings, things stand on the copy of a floor, say, whose outside nobody looks at.
 static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t t, uint32_t other)
@@ -366,21 +368,15 @@ static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t 
            !((flags[t] | flags[other]) & RSV_TWIN_OPPOSITE);
 }
 
-/// What the user is to be told of: triangles, the first of each kind; RSV_NONE = none.
-typedef struct oddities {
-    uint32_t guessed; ///< others are shown in its place, which is a guess
-    uint32_t doubled; ///< a lamp that another covers in part
-} oddities;
-
-/// Marks the faces that others hide.
-static oddities find_hidden(
+/// Marks the faces that others hide. @return the first in whose place others are shown by a guess; RSV_NONE = none
+static uint32_t find_hidden(
     const rsv_scene_view *view, rsv_twins_owner *owner, rsv_context *context)
 {
     const rsv_twin_tree *tree = &owner->tree;
-    uint32_t guessed = RSV_NONE, doubled = RSV_NONE;
+    uint32_t guessed = RSV_NONE;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))                   \
     reduction(min                                                                                  \
-              : guessed, doubled)
+              : guessed)
     for (uint32_t k = 0; k < tree->face_count; k++) {
         uint32_t t = tree->face[k];
         bool two = view->material[view->triangle_material[t]].double_sided;
@@ -388,13 +384,12 @@ static oddities find_hidden(
             showing seen = look_once(view, t, false);
             if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
             if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
-            if (seen.some && t < doubled && is_lamp(view, t) && seen.other != RSV_NONE &&
-                is_lamp(view, seen.other))
-                doubled = t;
+            if (seen.some && seen.other != RSV_NONE && is_lamp(view, t))
+                owner->flags[t] |= RSV_TWIN_PARTLY;
         }
         if (two && !look_once(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
     }
-    return (oddities){ guessed, doubled };
+    return guessed;
 }
 
 static const char *object_of(const rsv_scene_view *view, uint32_t triangle)
@@ -407,23 +402,16 @@ static const char *material_of(const rsv_scene_view *view, uint32_t triangle)
     return view->material[view->triangle_material[triangle]].name;
 }
 
-static void warn_of_oddities(const rsv_scene *scene, oddities found)
+static void warn_of_guess(const rsv_scene *scene, uint32_t guessed)
 {
     const rsv_scene_view *view = &scene->view;
-    if (scene->is_part) return;
-    if (found.guessed != RSV_NONE) {
-        uint32_t shown = look_at(view, found.guessed, false).other;
-        rsv_log(scene->context, RSV_LOG_WARNING,
-            "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and "
-            "face the same way; the latter are shown, which is a guess: delete what is not wanted",
-            object_of(view, found.guessed), object_of(view, shown),
-            material_of(view, found.guessed), material_of(view, shown));
-    }
-    if (found.doubled != RSV_NONE)
-        rsv_log(scene->context, RSV_LOG_WARNING,
-            "lamp '%s': another covers a part of one of its triangles, and shines there as well: "
-            "delete one of them",
-            object_of(view, found.doubled));
+    if (scene->is_part || guessed == RSV_NONE) return;
+    uint32_t shown = look_at(view, guessed, false).other;
+    rsv_log(scene->context, RSV_LOG_WARNING,
+        "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and "
+        "face the same way; the latter are shown, which is a guess: delete what is not wanted",
+        object_of(view, guessed), object_of(view, shown), material_of(view, guessed),
+        material_of(view, shown));
 }
 
 /// Marks faces of bodies that look into them, where opposite ones lie in the same place.
@@ -462,7 +450,7 @@ static rsv_status keep(rsv_scene *scene, const finder *f, uint32_t count)
         .rounding = f->rounding,
         .extent = f->apart ? CLEAR * 0x1p20f : 0 };
     scene->view.twins = &owner->twins;
-    warn_of_oddities(scene, find_hidden(&scene->view, owner, context));
+    warn_of_guess(scene, find_hidden(&scene->view, owner, context));
 cleanup:
     rsv_free(context, face);
     return status;

@@ -30,6 +30,7 @@
 #define RSV_TWIN_OPPOSITE 16   ///< some face at the same place turns the other way
 #define RSV_TWIN_LAST 32       ///< of several that are alike in all respects
 #define RSV_TWIN_INSIDE_OUT 64 ///< of a body: its front looks into it
+#define RSV_TWIN_PARTLY 128    ///< of a lamp: others hide a part of it
 /// All of a face that is not the last of several
 #define RSV_TWIN_COPY (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_HIDDEN)
 /// Places are the same to this part of their largest coordinate.
@@ -245,6 +246,16 @@ RSV_INLINE bool rsv_twins_hide(const rsv_scene_view *scene, uint32_t triangle, b
 {
     uint8_t hidden = back ? RSV_TWIN_HIDDEN | RSV_TWIN_BACK_HIDDEN : RSV_TWIN_HIDDEN;
     return scene->twins && (scene->twins->flags[triangle] & hidden);
+}
+
+/// Whether others hide a place on the front of a lamp: it gives no light there.
+RSV_INLINE bool rsv_twins_hide_place(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v)
+{
+    if (!scene->twins || !(scene->twins->flags[triangle] & RSV_TWIN_PARTLY)) return false;
+    rsv_hit hit = { triangle, 0, u, v };
+    rsv_twins_search(scene, v3_neg(rsv_twin_plane_of(scene, triangle).normal), &hit);
+    return hit.triangle != triangle;
 }
 
 #endif

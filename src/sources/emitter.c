@@ -110,7 +110,8 @@ rsv_emitter rsv_emitter_create(const rsv_scene_view *scene, const rsv_bsdf *bsdf
     };
     cell_corners(level, place >> 2 * (RSV_EMITTER_LEVELS - level), emitter.u, emitter.v);
     rsv_emitter_follow(scene, &emitter);
-    emitter.varies = rsv_emission_varies(material);
+    bool shared = scene->twins && (scene->twins->flags[triangle] & RSV_TWIN_PARTLY);
+    emitter.varies = rsv_emission_varies(material) || shared;
     *spread = (rsv_emission_spread){ 0 };
     emitter.radiance = emitter.varies ? mean_radiance(scene, &emitter, spread) : common->emission;
     return emitter;

@@ -65,7 +65,7 @@ static void write_collada(const char *tool, double metre, const char *library, c
     fclose(file);
 }
 
-/// The importer takes what is no number for a metre.
+/// The importer takes what is no number for a metre, and what is no axis for y.
 static void collada_units_that_are_no_numbers_are_named(void **state)
 {
     fixture *f = *state;
@@ -78,12 +78,14 @@ static void collada_units_that_are_no_numbers_are_named(void **state)
         char *at = strstr(text, "meter=\"");
         FILE *file = fopen(path_in(&files, "b.dae"), "w");
         assert_non_null(file);
+        if (k == 1) *strstr(text, "Y_UP") = 'W';
         fprintf(file, "%.*smeter=\"%s%s", (int)(at - text), text, meter[k], at + 8);
         fclose(file);
         free(text);
         f->log[0] = 0;
         rsv_scene_destroy(load(f, "b.dae"));
         assert_int_equal(count_mentions(f->log, "is no number of metres; 1 is taken"), k < 2);
+        assert_int_equal(count_mentions(f->log, "its <up_axis> is none of"), k == 1);
     }
 }
 

@@ -273,6 +273,44 @@ static void copies_of_a_lamp_give_no_light_of_their_own(void **state)
     }
 }
 
+static rsv_image *trace_paths(const world *w);
+
+static void add_lamp(world *w, uint32_t lamp, float from, float to, float depth)
+{
+    world_quad(w, lamp, v3(from, 2.8f, 2), v3(to, 2.8f, 2), v3(to, 2.8f, 2 + depth),
+        v3(from, 2.8f, 2 + depth));
+}
+
+/// Lamps that overlap in part shine once where they do.
+static void overlapping_lamps_shine_once(void **state)
+{
+    (void)state;
+    double power[4], mean[4];
+    for (int kind = 0; kind < 4; kind++) {
+        world *w = world_begin(2);
+        uint32_t lamp = world_lambert(w, 0, 10);
+        world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(4, 3, 5));
+        // what the others are: side by side, or one
+        if (kind == 0) add_lamp(w, lamp, 1.5f, 2, 1), add_lamp(w, lamp, 2, 2.75f, 1);
+        if (kind == 1) add_lamp(w, lamp, 1.5f, 2.25f, 1), add_lamp(w, lamp, 2, 2.75f, 1);
+        if (kind == 2) add_lamp(w, lamp, 1.5f, 2.5f, 1);
+        if (kind == 3) add_lamp(w, lamp, 1.5f, 2.5f, 1), add_lamp(w, lamp, 1.8f, 2.2f, 0.4f);
+        rsv_camera camera =
+            rsv_camera_look_at("inside", v3(2.1f, 1.6f, 4.7f), v3(1.9f, 1, 2), 1.0f, 1.4f);
+        assert_int_equal(rsv_scene_add_camera(w->scene, &camera), RSV_OK);
+        world_commit(w);
+        power[kind] = power_of(w);
+        rsv_image *image = trace_paths(w);
+        mean[kind] = mean_of(image);
+        rsv_image_destroy(image);
+        world_end(w);
+    }
+    for (int kind = 1; kind < 4; kind += 2) {
+        assert_close(power[kind] / power[kind - 1], 1, 0.02);
+        assert_close(mean[kind] / mean[kind - 1], 1, UNLESS_SANITIZED(0.02, 0.1));
+    }
+}
+
 /// A lamp in the plane of a ceiling, before or after it in the scene.
 static void a_lamp_in_a_ceiling_shines(void **state)
 {
@@ -627,6 +665,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(shows_the_side_that_faces_the_ray),
         cmocka_unit_test(light_is_that_of_single_walls),
         cmocka_unit_test(copies_of_a_lamp_give_no_light_of_their_own),
+        cmocka_unit_test(overlapping_lamps_shine_once),
         cmocka_unit_test(a_lamp_in_a_ceiling_shines),
         cmocka_unit_test(doubled_bodies_refract_once),
         cmocka_unit_test(crates_on_crates_stay_dark_inside),
