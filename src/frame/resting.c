@@ -82,12 +82,19 @@ static float variance_of(const node *n)
     return f_max(n->square / count - (1 - 4 / (count + 4)) * mean * mean, 0);
 }
 
-/// What a square makes of what it is given: less where it is darker, and a share of what its own samples say beyond that.
+/// How much of a correction a square takes that is darker or brighter than the larger one: as much more or less, unless
+/// hardly anything was shown.
+static float taken(const node *n, const rsv_resting_given *g)
+{
+    float known = fabsf(luminance(g->correction)) + 1e-30f;
+    return f_min((mean_shown(n) + known) / (g->shown + known), 2);
+}
+
+/// What a square makes of what it is given, times `scale`: a share of what its own samples say beyond that.
 /// The variance is that of a larger square: its own would be least where bright paths happen to be missing.
-static void correct(const node *n, rsv_resting_given *g)
+static void correct(const node *n, float scale, rsv_resting_given *g)
 {
     float count = n->difference[3], shown = mean_shown(n);
-    float scale = f_min(shown / f_max(g->shown, 1e-30f), 2);
     float allowed = ALLOWED_ERROR * f_max(shown, LEAST_SHOWN * g->shown), a2 = allowed * allowed;
     float share = count > 0 ? a2 / (a2 + g->variance / count + 1e-30f) : 0;
     for (int c = 0; c < 3; c++) {
@@ -95,6 +102,20 @@ static void correct(const node *n, rsv_resting_given *g)
         if (count > 0) g->correction[c] += share * (n->difference[c] / count - g->correction[c]);
     }
     g->shown = shown;
+}
+
+/// Factor by which the parts of a square together take as much as it was given.
+static float evened(const grid *smaller, int x, int y, const rsv_resting_given *g)
+{
+    float pixels = 0, sum = 0;
+    for (int k = 0; k < 4; k++) {
+        int column = 2 * x + k % 2, row = 2 * y + k / 2;
+        if (column >= smaller->width || row >= smaller->height) continue;
+        const node *n = at(smaller, column, row);
+        pixels += n->pixels;
+        sum += n->pixels * taken(n, g);
+    }
+    return sum > 0 ? pixels / sum : 1;
 }
 
 /// From squares to those that they consist of. @param from [larger] @param to [smaller] out
@@ -105,7 +126,8 @@ static void hand_down(
         for (int x = 0; x < smaller->width; x++) {
             rsv_resting_given *own = &to[y * smaller->width + x];
             *own = from[y / 2 * larger->width + x / 2];
-            correct(at(smaller, x, y), own);
+            float scale = taken(at(smaller, x, y), own) * evened(smaller, x / 2, y / 2, own);
+            correct(at(smaller, x, y), scale, own);
             own->variance = variance_of(at(larger, x / 2, y / 2));
         }
 }

@@ -82,10 +82,10 @@ RSV_INLINE rsv_texel rsv_texture_bilinear(const rsv_texture *t, uint32_t index, 
              x1 = rsv_wrapped(i + 1, level->width, t->wrap_u),
              y0 = rsv_wrapped(j, level->height, t->wrap_v),
              y1 = rsv_wrapped(j + 1, level->height, t->wrap_v);
-    rsv_texel upper = rsv_texel_between(t, rsv_texel_inside(t, level, x0, y0),
-        rsv_texel_inside(t, level, x1, y0), right_share);
-    rsv_texel lower = rsv_texel_between(t, rsv_texel_inside(t, level, x0, y1),
-        rsv_texel_inside(t, level, x1, y1), right_share);
+    rsv_texel upper = rsv_texel_between(
+        t, rsv_texel_inside(t, level, x0, y0), rsv_texel_inside(t, level, x1, y0), right_share);
+    rsv_texel lower = rsv_texel_between(
+        t, rsv_texel_inside(t, level, x0, y1), rsv_texel_inside(t, level, x1, y1), right_share);
     return rsv_texel_between(t, upper, lower, bottom_share);
 }
 

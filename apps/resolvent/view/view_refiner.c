@@ -183,8 +183,9 @@ static rsv_status make_lights(cli_refiner *r)
         if (status != RSV_OK && !was_asked_for && status != RSV_ERROR_CANCELLED) status = RSV_OK;
     }
     if (status != RSV_OK || !light) return status;
-    status = rsv_light_copy(light, &copy);
-    if (status == RSV_OK) status = show_light(r, name, light);
+    status = show_light(
+        r, name, light); // whoever shows it only reads it, and keeps it until a better one is there
+    if (status == RSV_OK && !is_stopping(r)) status = rsv_light_copy(light, &copy);
     if (status == RSV_OK && !is_stopping(r)) return show_changeable(r, name, copy);
     rsv_light_destroy(copy);
     return status;
