@@ -103,29 +103,30 @@ static void draw_panel(FILE *svg, const cJSON *scene, int index, int column)
         column == seconds ? "time" : "applications of the operator");
 }
 
-typedef struct pen {
-    const char *solver, *colour;
-} pen;
+/// Colours of the curves, in the order of the solvers; `auto` is the first.
+static const char *const colours[] = { "#c8401f;stroke-dasharray:4 3", "#222", "#8a6d3b", "#b5a51e",
+    "#2a9d4f", "#8e44ad", "#2a5d9f", "#e0832b", "#d5479b", "#5fa8a8" };
+enum { colour_count = sizeof colours / sizeof colours[0] };
 
-static const pen pens[] = { { "neumann", "#222" }, { "gauss-seidel", "#8a6d3b" },
-    { "southwell", "#b5a51e" }, { "chebyshev", "#2a9d4f" }, { "bicgstab", "#8e44ad" },
-    { "gmres", "#2a5d9f" }, { "two-grid", "#e0832b" }, { "auto", "#c8401f" } };
-enum { pen_count = sizeof pens / sizeof pens[0] };
-
-static void draw_head(FILE *svg, int rows)
+static void draw_head(FILE *svg, const cJSON *scenes)
 {
+    const cJSON *solvers = cJSON_GetObjectItem(cJSON_GetArrayItem(scenes, 0), "solvers"), *solver;
+    int index = 0;
     fprintf(svg,
         "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %d %d' font-family='sans-serif' "
         "font-size='12'>\n<style>path{fill:none;stroke-width:2} text{fill:#333} "
         "path.grid{stroke:#eee;stroke-width:1} path.decade{stroke:#bbb;stroke-width:1}",
-        2 * panel_width, legend_height + rows * panel_height);
-    for (int i = 0; i < pen_count; i++)
-        fprintf(svg, " path.%s{stroke:%s%s}", pens[i].solver, pens[i].colour,
-            strcmp(pens[i].solver, "auto") == 0 ? ";stroke-dasharray:4 3" : "");
+        2 * panel_width, legend_height + cJSON_GetArraySize(scenes) * panel_height);
+    cJSON_ArrayForEach(solver, solvers) fprintf(
+        svg, " path.%s{stroke:%s}", text_of(solver, "name"), colours[index++ % colour_count]);
     fputs("</style>\n<rect width='100%' height='100%' fill='#fff'/>\n", svg);
-    for (int i = 0; i < pen_count; i++)
+    index = 0;
+    cJSON_ArrayForEach(solver, solvers)
+    {
         fprintf(svg, "<path d='M%d 20h24' class='%s'/><text x='%d' y='24'>%s</text>\n",
-            70 + 110 * i, pens[i].solver, 100 + 110 * i, pens[i].solver);
+            70 + 110 * index, text_of(solver, "name"), 100 + 110 * index, text_of(solver, "name"));
+        index++;
+    }
 }
 
 bool cli_write_solvers_plot(const char *path, const cJSON *scenes)
@@ -134,7 +135,7 @@ bool cli_write_solvers_plot(const char *path, const cJSON *scenes)
     size_t length = 0;
     FILE *svg = open_memstream(&text, &length);
     if (!svg) return false;
-    draw_head(svg, cJSON_GetArraySize(scenes));
+    draw_head(svg, scenes);
     const cJSON *scene;
     int index = 0;
     cJSON_ArrayForEach(scene, scenes)

@@ -206,6 +206,7 @@ static rsv_status create_judge(judge *j)
     desc.width = j->width;
     desc.height = j->height;
     desc.gloss = (rsv_frame_gloss)j->bench->gloss;
+    desc.rest = RSV_REST_FINAL;
     rsv_status status = rsv_frame_renderer_create(j->light, &desc, &j->renderer);
     if (status == RSV_OK) status = rsv_image_create(j->context, j->width, j->height, 1, &j->shown);
     if (status == RSV_OK && j->bench->strips)

@@ -8,7 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { most_steps = 200, remnant_frames = 3, fresh_frames = 16 };
+/// Frames after which nothing may be left, and that frames of the new light alone get, too.
+enum { most_steps = 200, remnant_frames = 3 };
 
 /// Milliseconds of a frame that orders of light may take, as in `resolvent view`.
 static const double budget_ms = 8;
@@ -62,7 +63,7 @@ static rsv_status dim(switched *s, cJSON *result)
     if (status != RSV_OK) return status;
     cJSON_AddNumberToObject(result, "switch_done_ms", 1e3 * (done - started));
     rsv_frame_renderer_refresh(s->renderer);
-    status = show(s, fresh_frames, &fresh);
+    status = show(s, remnant_frames, &fresh);
     if (status == RSV_OK && fresh > 0)
         cJSON_AddNumberToObject(result, "remnant", fabs(third / fresh - 1));
     return status;

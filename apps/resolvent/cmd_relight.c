@@ -395,6 +395,16 @@ static bool is_a_sum(const settings *s, const rsv_scene *scene)
     return true;
 }
 
+/// Statistics speak of the last frame, exactly: a sum of what is known leaves the report of the solve as it was.
+static bool finish_stats(cli_session *session, const settings *s, stage *on)
+{
+    double started = cli_seconds();
+    rsv_status status = rsv_relighter_settle(on->relighter);
+    on->time_relight += cli_seconds() - started;
+    if (status != RSV_OK) cli_report_failure(session, status);
+    return status == RSV_OK && write_stats(session, s, on);
+}
+
 /// Opens the file, and sets up what frames share.
 static bool set_stage(cli_session *session, const settings *s, stage *on)
 {
@@ -427,7 +437,7 @@ static rsv_status relight(const settings *s, stage *on)
     rsv_status status = rsv_relighter_change(on->relighter, &s->relight);
     if (status == RSV_OK && on->prepared) status = rsv_relighter_step(on->relighter, 0, &progress);
     if (status == RSV_OK && !(progress.converged && progress.orders == 0))
-        status = rsv_relighter_settle(on->relighter);
+        status = rsv_relighter_refine(on->relighter);
     on->time_relight += cli_seconds() - started;
     return status;
 }
@@ -471,7 +481,7 @@ static int run(cli_session *session, settings *s)
     if (s->object && !(s->body = cli_open_scene(session, s->object, NULL))) return CLI_FAILURE;
     if (frames > 1) cli_progress_part(&session->progress, "frame", 0, frames);
     bool good = set_stage(session, s, &on) && run_frames(session, s, &on);
-    if (good && s->stats) good = write_stats(session, s, &on);
+    if (good && s->stats) good = finish_stats(session, s, &on);
     rsv_relighter_destroy(on.relighter);
     cli_close_subject(&on.subject);
     return good ? CLI_SUCCESS : CLI_FAILURE;

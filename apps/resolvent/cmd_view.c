@@ -196,7 +196,8 @@ static bool begin_show(viewer *v)
         .body = v->body,
         .budget_ms = (double)s->budget_ms,
         .width = s->size.width,
-        .height = s->size.height };
+        .height = s->size.height,
+        .keeps_pace = !s->script };
     v->subject.solution = NULL;
     return cli_show_begin(&v->show, &desc, cli_thread_count(s->threads));
 }

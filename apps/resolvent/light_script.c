@@ -161,6 +161,10 @@ bool cli_read_light_script(const char *path, cli_light_script *script)
         line.number++;
         good = read_line(&line, text, script);
     }
+    if (ferror(file)) { // a folder
+        cli_error("%s: cannot be read: %s", path, strerror(errno));
+        good = false;
+    }
     free(text);
     fclose(file);
     return good && (script->track_count > 0 || complain(&line, "the script changes nothing", ""));

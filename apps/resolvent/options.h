@@ -41,7 +41,7 @@ typedef struct cli_option {
 
 typedef struct cli_usage {
     const char *command;       ///< "render", as in `resolvent render --help`
-    const char *help;          ///< what --help prints
+    const char *help;          ///< what --help prints; {--name} in it: the choices of that option
     const cli_option *options; ///< ends with a NULL name; 64 at most
     const char *operands;      ///< names of the positional arguments, for messages: "SCENE"
     size_t operand_min, operand_max;

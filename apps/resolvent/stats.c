@@ -13,9 +13,6 @@ const char *const cli_quality_names[] = { [RSV_QUALITY_DRAFT] = "draft",
     [RSV_QUALITY_HIGH] = "high",
     NULL };
 
-const char *const cli_solver_names[] = { "auto", "neumann", "gauss-seidel", "southwell",
-    "chebyshev", "bicgstab", "gmres", "two-grid", "petsc", NULL };
-
 static const char *stop_reason_name(rsv_stop_reason reason)
 {
     switch (reason) {

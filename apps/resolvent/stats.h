@@ -33,9 +33,6 @@ typedef struct cli_stats {
 /// Names of the qualities, in the order of rsv_quality; NULL-terminated.
 extern const char *const cli_quality_names[];
 
-/// Names of the solvers, in the order of rsv_solver; NULL-terminated.
-extern const char *const cli_solver_names[];
-
 /// The short certificate of a solution, where `path` says that statistics are wanted.
 rsv_status cli_certify_briefly(
     const char *path, const rsv_light *solution, uint32_t seed, rsv_certificate *certificate);

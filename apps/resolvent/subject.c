@@ -9,7 +9,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 enum { default_longer_side = 512 };
 
@@ -33,9 +33,13 @@ static bool refuse_scene_options(
 
 bool cli_is_operator(const char *name)
 {
+    struct stat info;
     if (rsv_is_operator_file(name)) return true;
-    if (access(name, F_OK) != 0 && !rsv_scene_is_builtin(name))
+    bool found = stat(name, &info) == 0;
+    if (!found && !rsv_scene_is_builtin(name))
         cli_error("%s: cannot be opened: %s", name, strerror(errno));
+    else if (found && !S_ISREG(info.st_mode))
+        cli_error("%s: is a folder, pipe or device, not a regular file", name);
     else
         cli_error("%s: it is no operator file; `resolvent solve SCENE -o FILE.safetensors` writes "
                   "one",

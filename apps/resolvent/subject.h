@@ -38,7 +38,7 @@ typedef struct cli_solve_choice {
     { .name = "--quality", .kind = CLI_CHOICE, .value = &(choice)->quality,                        \
       .choices = cli_quality_names },                                                              \
     { .name = "--solver", .kind = CLI_CHOICE, .value = &(choice)->solver,                          \
-      .choices = cli_solver_names },                                                               \
+      .choices = rsv_solver_names() },                                                               \
     { .name = "--seed", .kind = CLI_COUNT, .value = &(choice)->seed, .max = UINT32_MAX },          \
     { .name = "--max-elements", .kind = CLI_COUNT, .value = &(choice)->max_elements, .min = 1,     \
       .max = UINT32_MAX },                                                                         \
@@ -49,9 +49,8 @@ typedef struct cli_solve_choice {
 /// Their lines in a command's help.
 #define CLI_SOLVE_HELP                                                                             \
     "  --quality Q        draft, medium (default) or high: elements and rays of the solution\n"    \
-    "  --solver NAME      auto (default), neumann, gauss-seidel, southwell, chebyshev, "           \
-    "bicgstab,\n"                                                                                  \
-    "                     gmres, two-grid or petsc: how the equation is solved\n"                  \
+    "  --solver NAME      how the equation is solved (default auto):\n"                            \
+    "                     {--solver}\n"                                                            \
     "  --petsc OPTIONS    solve with PETSc, by its options: \"-ksp_type bcgs -ksp_monitor\"\n"     \
     "  --seed N           another set of random numbers (default 0)\n"                             \
     "  --max-elements N   elements of the operator at most: a coarser solution where N are too "   \

@@ -38,6 +38,14 @@ typedef enum rsv_frame_gloss {
     RSV_GLOSS_REUSED
 } rsv_frame_gloss;
 
+/// What frames become while the cameras rest.
+typedef enum rsv_frame_rest {
+    RSV_REST_OPERATOR, ///< mode `operator`: paths end at the light that is stored. The default
+    /// Mode `final`: direct light is sampled where paths end, too, so that shadows become as sharp as they are. Single
+    /// layers, objects that move and frames of a device stay as above
+    RSV_REST_FINAL
+} rsv_frame_rest;
+
 /// Start from rsv_default_frame_desc().
 typedef struct rsv_frame_desc {
     uint32_t width, height; ///< of one eye's picture
@@ -46,6 +54,7 @@ typedef struct rsv_frame_desc {
     uint32_t seed;          ///< of rough reflections and faint branches
     rsv_instructions instructions;
     rsv_frame_gloss gloss; ///< default RSV_GLOSS_REUSED
+    rsv_frame_rest rest;
 } rsv_frame_desc;
 
 RSV_API rsv_frame_desc rsv_default_frame_desc(void);
@@ -83,6 +92,11 @@ typedef struct rsv_frame_view {
 RSV_API rsv_status rsv_frame_render(
     rsv_frame_renderer *renderer, const rsv_frame_view *view, rsv_frame_stats *stats);
 
+/// Makes the frames that follow smaller than the renderer was created for, or as large again: what has added up is dropped.
+/// Nothing is allocated. @return RSV_ERROR_ARGUMENT: larger than that, or nothing; RSV_ERROR_UNSUPPORTED: on a device
+RSV_API rsv_status rsv_frame_renderer_resize(
+    rsv_frame_renderer *renderer, uint32_t width, uint32_t height);
+
 /// Chooses the light that is shown from the next frame on.
 /// @param layer RSV_NONE = all; 0 = emission, 1 = direct, 1 + n = n bounces
 RSV_API void rsv_frame_renderer_show(rsv_frame_renderer *renderer, uint32_t layer);
@@ -95,7 +109,7 @@ RSV_API void rsv_frame_renderer_refresh(rsv_frame_renderer *renderer);
 /// @param mover of the same solution; borrowed
 RSV_API void rsv_frame_renderer_put(rsv_frame_renderer *renderer, const rsv_mover *mover);
 
-/// The picture on show: [height * width] red, green, blue and 255, sRGB. Valid until the renderer is destroyed.
+/// The picture on show, as large as frames are: [height * width] red, green, blue and 255, sRGB. Valid until the renderer is destroyed.
 RSV_API const uint8_t (*rsv_frame_pixels(const rsv_frame_renderer *renderer, uint32_t eye))[4];
 
 /// Mean radiance of the frames that have added up. @param radiance [height * width]

@@ -42,8 +42,8 @@ typedef struct rsv_relight_desc {
 
 /// Changes a light and solves again: E0 is the sum of the sources' parts, each times its scale. The scene that it was made
 /// of stays as it is, as do other lights of it: rsv_light_scene says how this one has it from then on. The parts come from the file, or are sampled here if it has none. What translucent
-/// bodies show directly is sampled anew, and so are lights that move and the suns of surroundings that turn; the rest of
-/// these is known direction by direction. Nobody else may use the solution meanwhile.
+/// bodies show directly is sampled anew, and so are lights that move and the suns of surroundings that turn, on elements
+/// split further for that; the rest of these is known direction by direction. Nobody else may use the solution meanwhile.
 ///
 /// Rows of G stay as they are: a lamp that moves takes its light and the shadows in it along, but what its own body
 /// hides of other lights and of what surfaces reflect stays hidden where it began.
@@ -110,9 +110,14 @@ typedef struct rsv_relight_progress {
 RSV_API rsv_status rsv_relighter_step(
     rsv_relighter *relighter, double milliseconds, rsv_relight_progress *progress);
 
-/// Makes everything exact: sources that moved with all their rays, every order of light, translucent surfaces. Then the
-/// solution is what rsv_light_relight makes of it. Does nothing where it is exact already.
+/// Makes everything exact: sources that moved with all their rays, every order of light, translucent surfaces. Does nothing
+/// where it is exact already. Elements stay as they are: shadows and caustics that moved are as sharp as these allow.
 RSV_API rsv_status rsv_relighter_settle(rsv_relighter *relighter);
+
+/// The same after splitting elements of direct light and caustics further, where sources that moved ask for that. Then the
+/// solution is what rsv_light_relight makes of it. What shows the light (frame renderers, movers) has to be created anew,
+/// and settings that go back to the beginning lead to the same light, not to the same bytes.
+RSV_API rsv_status rsv_relighter_refine(rsv_relighter *relighter);
 
 /// Whether nothing is left for rsv_relighter_settle.
 RSV_API bool rsv_relighter_is_settled(const rsv_relighter *relighter);

@@ -24,7 +24,9 @@ typedef enum rsv_solver {
     RSV_SOLVER_PETSC ///< KSP of PETSc, by its own options; in a context with a team, be it of one process (team.h)
 } rsv_solver;
 
-/// "auto", "neumann", "gauss-seidel", ... in the order of rsv_solver; NULL beyond the last.
+/// "auto", "neumann", "gauss-seidel", ... in the order of rsv_solver, and then NULL.
+RSV_API const char *const *rsv_solver_names(void);
+/// One of them; NULL beyond the last.
 RSV_API const char *rsv_solver_name(rsv_solver solver);
 
 /// A virtual receiver: casts no shadow. A point on a surface is taken to be on the side its normal
@@ -40,6 +42,8 @@ typedef struct rsv_solve_desc {
         element_target; ///< wanted number of coarse elements; meshes finer than that keep theirs
     uint32_t rays_per_element; ///< gather rays of one row of G; a power of two, 64..4096
     uint32_t refinements;      ///< pilot solutions that show where coarse elements must be split
+    /// Part of the usual elements that are spent where surfaces meet or cut through each other, to 1; 0 (default) = all.
+    float contact_share;
     uint32_t light_samples;    ///< shadow rays per element and next-event estimate; a power of two
     uint32_t photon_count;     ///< light paths shot for caustics, where the scene has any
     uint32_t direct_levels; ///< subdivisions of the direct level below the coarse one where direct

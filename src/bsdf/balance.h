@@ -25,8 +25,8 @@ RSV_INLINE void rsv_add_spread(
         RSV_ROLLED
         for (int j = 0; j < RSV_SPREAD_COS; j++)
             RSV_ROLLED
-            for (int i = 0; i < RSV_SPREAD_COS; i++)
-                k[j][i] += weight * (*entry)[j][i];
+        for (int i = 0; i < RSV_SPREAD_COS; i++)
+            k[j][i] += weight * (*entry)[j][i];
     }
 }
 
@@ -36,13 +36,13 @@ RSV_INLINE void rsv_make_lossless(rsv_spread k)
     RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
         RSV_ROLLED
-        for (int i = 0; i < RSV_SPREAD_COS; i++)
-            sum[i] += k[j][i];
+    for (int i = 0; i < RSV_SPREAD_COS; i++)
+        sum[i] += k[j][i];
     RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
         RSV_ROLLED
-        for (int i = 0; i < RSV_SPREAD_COS; i++)
-            k[j][i] /= f_max(sum[i], 1e-6f);
+    for (int i = 0; i < RSV_SPREAD_COS; i++)
+        k[j][i] /= f_max(sum[i], 1e-6f);
 }
 
 /// Fresnel reflectances of other ior are close to blends of two, by what they reflect straight on.
@@ -74,8 +74,8 @@ RSV_INLINE void rsv_add_reflected_again(const rsv_bsdf *bsdf, rsv_spread k)
     RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
         RSV_ROLLED
-        for (int i = 0; i < RSV_SPREAD_COS; i++)
-            k[j][i] += reflected * missing[i] * share[j] / f_max(sum, RSV_LEAST_MISSING);
+    for (int i = 0; i < RSV_SPREAD_COS; i++)
+        k[j][i] += reflected * missing[i] * share[j] / f_max(sum, RSV_LEAST_MISSING);
 }
 
 RSV_INLINE void rsv_set_up_spread(const rsv_bsdf *bsdf, int kind, rsv_spread k)
@@ -101,8 +101,8 @@ RSV_INLINE void rsv_spread_light(const rsv_spread k, const float *light, float m
     RSV_ROLLED
     for (int j = 0; j < RSV_SPREAD_COS; j++)
         RSV_ROLLED
-        for (int i = 0; i < RSV_SPREAD_COS; i++)
-            mean[i] += k[j][i] * light[j];
+    for (int i = 0; i < RSV_SPREAD_COS; i++)
+        mean[i] += k[j][i] * light[j];
 }
 
 /// From sqrt(K L), right for mirrors and diffuse lobes. A step of s towards K (L / s) scales an error by
@@ -136,7 +136,7 @@ RSV_INLINE void rsv_balance_kind(rsv_bsdf *bsdf, int kind, rsv_balance_channel c
 {
     rsv_spread k;
     rsv_set_up_spread(bsdf, kind, k);
-    bool gray = bsdf->sheen.r == bsdf->sheen.g && bsdf->sheen.g == bsdf->sheen.b;
+    bool gray = rsv_bsdf_layers_are_gray(bsdf);
     RSV_ROLLED
     for (int n = 0; n < (gray ? 1 : 3); n++)
         rsv_find_balance(k, &c[n]);

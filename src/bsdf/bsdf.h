@@ -91,22 +91,13 @@ typedef struct rsv_bsdf {
 /// Maps a material to the scattering model.
 rsv_bsdf rsv_bsdf_from_material(const rsv_material *material);
 
-/// What textures change from point to point.
-typedef struct rsv_bsdf_variation {
-    rsv_rgb base_color, emission, specular_tint, sheen_color, diffuse_transmission_color;
-    float metallic, roughness, transmission, clearcoat, clearcoat_roughness, sheen_roughness;
-    float diffuse_transmission;
-} rsv_bsdf_variation;
-
-/// The variation that leaves a material as it is.
-RSV_SHARED rsv_bsdf_variation rsv_bsdf_variation_of(const rsv_material *material);
-
 /// The same material with other values at one point; whatever depends on the ior alone is kept. Cheap
 /// enough for every hit. What `bsdf` is - solid, double-sided, unlit - stays.
-RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
+/// @param material with the values there
+RSV_SHARED rsv_bsdf rsv_bsdf_vary(const rsv_bsdf *bsdf, const rsv_material *material);
 
 /// The same for the diffuse lobe alone, at less cost: the others are undefined.
-RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_bsdf_variation *variation);
+RSV_SHARED rsv_bsdf rsv_bsdf_vary_entry(const rsv_bsdf *bsdf, const rsv_material *material);
 
 typedef enum rsv_lobe {
     RSV_LOBE_NONE,

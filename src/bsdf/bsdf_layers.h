@@ -7,6 +7,32 @@
 #ifndef RSV_BSDF_LAYERS_H
 #define RSV_BSDF_LAYERS_H
 
+#define RSV_LAYER_VALUES 6
+
+/// All that a layer is made of.
+typedef struct rsv_layer_values {
+    float value[RSV_LAYER_VALUES];
+} rsv_layer_values;
+
+RSV_INLINE rsv_layer_values rsv_bsdf_layer_values(const rsv_bsdf *b)
+{
+    rsv_layer_values v = { { b->clearcoat, b->clearcoat_alpha, b->sheen_power, b->sheen.r,
+        b->sheen.g, b->sheen.b } };
+    return v;
+}
+
+/// Whether a layer scatters into a solid angle.
+RSV_INLINE bool rsv_bsdf_has_rough_layers(const rsv_bsdf *bsdf)
+{
+    return !rgb_is_black(bsdf->sheen) || (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0);
+}
+
+/// Whether all channels are alike to the layers.
+RSV_INLINE bool rsv_bsdf_layers_are_gray(const rsv_bsdf *bsdf)
+{
+    return bsdf->sheen.r == bsdf->sheen.g && bsdf->sheen.g == bsdf->sheen.b;
+}
+
 /// Whether the layers are met from this side: from inside a body they are not.
 RSV_INLINE bool rsv_bsdf_meets_layers(const rsv_bsdf *bsdf, bool front)
 {
@@ -113,6 +139,30 @@ RSV_INLINE float rsv_bsdf_coated_sheen(const rsv_bsdf *bsdf, float cos)
     return rsv_bsdf_sheen_albedo(bsdf, cos) * (1 - rsv_bsdf_clearcoat_albedo(bsdf, cos));
 }
 
+/// What the wide layers, those that look alike from all azimuths, send towards `wo` of even light.
+typedef struct rsv_wide_layers {
+    rsv_rgb sheen;
+} rsv_wide_layers;
+
+RSV_INLINE rsv_wide_layers rsv_bsdf_wide_layers(const rsv_bsdf *bsdf, float cos_o)
+{
+    rsv_wide_layers wide = { rgb_scale(bsdf->sheen, rsv_bsdf_coated_sheen(bsdf, cos_o)) };
+    return wide;
+}
+
+RSV_INLINE rsv_rgb rsv_wide_layers_albedo(const rsv_wide_layers *wide) { return wide->sheen; }
+
+/// sum + what they send of light from cos_i, times pi / cos_i
+RSV_INLINE rsv_rgb rsv_add_wide_layers(
+    rsv_rgb sum, const rsv_bsdf *bsdf, const rsv_wide_layers *wide, float cos_i)
+{
+    if (rgb_is_black(wide->sheen)) return sum;
+    return rgb_mad(sum, rsv_bsdf_coated_sheen(bsdf, cos_i) / bsdf->sheen_mean, wide->sheen);
+}
+
+/// About the largest albedo of a wide layer.
+RSV_INLINE rsv_rgb rsv_bsdf_wide_layers_most(const rsv_bsdf *bsdf) { return bsdf->sheen; }
+
 /// The layers' own lobes.
 RSV_INLINE void rsv_add_layers(
     rsv_bsdf_value *value, const rsv_bsdf *bsdf, rsv_vec3 wi, rsv_vec3 wo, rsv_vec3 n)
@@ -125,6 +175,53 @@ RSV_INLINE void rsv_add_layers(
     float density = rsv_bsdf_coated_sheen(bsdf, cos_i) * cos_i / (RSV_PI * bsdf->sheen_mean);
     rsv_add_term(value, largest * rsv_bsdf_coated_sheen(bsdf, cos_o) * density,
         rgb_scale(bsdf->sheen, 1 / largest));
+}
+
+// ---- layers of a material ---------------------------------------------------------------------
+
+RSV_INLINE float rsv_microsurface_width(float roughness)
+{
+    float alpha = roughness * roughness;
+    return alpha < RSV_SMOOTH_ALPHA ? 0 : alpha;
+}
+
+/// Means over the hemisphere, 2 int f cos dcos, are sums of so many values of f.
+#define RSV_MEAN_NODES 8
+
+/// Gauss's rule in x = sqrt(cos), 4 int f x^3 dx. @return the weight of node k
+RSV_INLINE float rsv_mean_node(int k, float *cos)
+{
+    const float place[4] = { 0.1834346424956498f, 0.5255324099163290f, 0.7966664774136267f,
+        0.9602898564975363f };
+    const float weight[4] = { 0.3626837833783620f, 0.3137066458778873f, 0.2223810344533745f,
+        0.1012285362903763f };
+    float x = 0.5f + (k & 1 ? 0.5f : -0.5f) * place[k / 2];
+    *cos = x * x;
+    return 2 * weight[k / 2] * x * x * x;
+}
+
+RSV_INLINE float rsv_bsdf_sheen_mean(const rsv_bsdf *bsdf)
+{
+    float k = bsdf->sheen_power;
+    if (bsdf->clearcoat == 0) return 2 / ((k + 1) * (k + 2));
+    float sum = 0;
+    RSV_ROLLED
+    for (int n = 0; n < RSV_MEAN_NODES; n++) {
+        float cos, weight = rsv_mean_node(n, &cos);
+        sum += weight * rsv_bsdf_coated_sheen(bsdf, cos);
+    }
+    return sum;
+}
+
+RSV_INLINE void rsv_bsdf_set_layers(rsv_bsdf *bsdf, const rsv_material *m)
+{
+    bsdf->clearcoat = m->clearcoat;
+    bsdf->clearcoat_alpha = rsv_microsurface_width(m->clearcoat_roughness);
+    bsdf->clearcoat_place = rsv_table_alpha(bsdf->clearcoat_alpha);
+    bsdf->sheen = m->sheen_color;
+    bsdf->sheen_power = 2 / f_max(m->sheen_roughness, 0.1f);
+    bsdf->layered = m->clearcoat > 0 || !rgb_is_black(m->sheen_color);
+    if (!rgb_is_black(m->sheen_color)) bsdf->sheen_mean = rsv_bsdf_sheen_mean(bsdf);
 }
 
 #endif

@@ -290,9 +290,7 @@ RSV_INLINE float rsv_bsdf_specular_chance(const rsv_bsdf *bsdf, rsv_vec3 wo, rsv
     // in the order in which draws split u_lobe: the diffuse lobe has its last part
     float diffuse = (1 - bsdf->metallic) * (1 - bsdf->transmission) *
                     (1 - rgb_max(bsdf->specular_tint) * rsv_bsdf_interface_albedo(bsdf, cos_o));
-    if (rsv_bsdf_meets_layers(bsdf, front))
-        diffuse *= (1 - rsv_bsdf_clearcoat_albedo(bsdf, cos_o)) *
-                   (1 - rgb_max(bsdf->sheen) * rsv_bsdf_sheen_albedo(bsdf, cos_o));
+    if (rsv_bsdf_meets_layers(bsdf, front)) diffuse *= rsv_bsdf_passage(bsdf, cos_o).chance;
     return 1 - diffuse;
 }
 

@@ -43,6 +43,5 @@ rsv_bsdf rsv_bsdf_from_material(const rsv_material *material)
             absorption(material->attenuation_color.g, distance),
             absorption(material->attenuation_color.b, distance));
     }
-    rsv_bsdf_variation variation = rsv_bsdf_variation_of(material);
-    return rsv_bsdf_vary(&bsdf, &variation);
+    return rsv_bsdf_vary(&bsdf, material);
 }

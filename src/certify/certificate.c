@@ -6,13 +6,14 @@
 
 /// Separates the points from all that the build draws from its seed.
 #define SEED_OF_POINTS 0x7f4a7c15u
+#define SEED_OF_PHOTONS 0x51c0a7e9u
 
 /// What is worked on.
 typedef struct examination {
     const rsv_light_view *solution;
     rsv_certify_desc desc;
     rsv_point_density density;
-    rsv_stored_noise noise;      ///< of caustics that no gather ray can judge
+    rsv_caustic_judge judge;     ///< of caustics that no gather ray can find
     rsv_residual_sample *sample; ///< [desc.samples]
     double *value, *weight;      ///< [desc.samples] scratch: one number per valid sample
     rsv_error_field *field;
@@ -35,12 +36,31 @@ static bool is_finite(const rsv_residual *r)
                     rgb_luminance(r->irradiance[0]) + rgb_luminance(r->irradiance[1]));
 }
 
+/// Each set is spread over all surfaces.
+static void draw_points(examination *x)
+{
+    uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
+    for (uint32_t k = 0; k < count; k++)
+        x->sample[k].point = rsv_point_density_draw(&x->density, k / RSV_SAMPLE_SETS,
+            count / RSV_SAMPLE_SETS, rsv_hash2(seed, k % RSV_SAMPLE_SETS), &x->sample[k].weight);
+}
+
+static rsv_status judge_caustics(examination *x)
+{
+    rsv_status status = rsv_caustic_judge_create(x->solution, &x->judge);
+    if (status != RSV_OK) return status;
+    for (uint32_t k = 0; k < x->desc.samples; k++)
+        rsv_caustic_judge_add(&x->judge, &x->sample[k].point);
+    return rsv_caustic_judge_shoot(
+        &x->judge, rsv_hash2(x->desc.seed, SEED_OF_PHOTONS), &x->certificate->rays);
+}
+
 static rsv_status take_samples(examination *x)
 {
     const rsv_light_view *s = x->solution;
     rsv_context *context = s->context;
     rsv_residual_job job = rsv_residual_job_of(s, x->desc.gather_rays, x->desc.light_samples);
-    if (x->noise.solution) job.noise = &x->noise;
+    if (x->judge.solution) job.judge = &x->judge;
     rsv_visible_surface visible = rsv_visible_surface_of(&s->scene, s->elements);
     uint32_t seed = rsv_hash2(x->desc.seed, SEED_OF_POINTS), count = x->desc.samples;
     size_t done = 0;
@@ -51,9 +71,6 @@ static rsv_status take_samples(examination *x)
     for (uint32_t k = 0; k < count; k++) {
         if (rsv_cancelled(context)) continue;
         rsv_residual_sample *sample = &x->sample[k];
-        // each set is spread over all surfaces
-        sample->point = rsv_point_density_draw(&x->density, k / RSV_SAMPLE_SETS,
-            count / RSV_SAMPLE_SETS, rsv_hash2(seed, k % RSV_SAMPLE_SETS), &sample->weight);
         uint32_t stream = rsv_hash3(seed, k, 0x1b87u);
         if (!rsv_point_is_buried(&visible, &sample->point, stream, &rays)) {
             sample->at = rsv_residual_at(&job, &sample->point, stream);
@@ -73,8 +90,8 @@ static rsv_status take_samples(examination *x)
             "certify: at %u of %u points the light is not a finite number", broken, count);
     if (job.stored_caustics)
         rsv_log(context, RSV_LOG_WARNING,
-            "certify: caustics of punctual lights are taken from the solution: no gather ray can "
-            "find such lights, and only the noise of what is stored counts");
+            "certify: no gather ray can find punctual lights: photons judge their caustics, as far "
+            "as these are no finer than small parts of the elements");
     return rsv_progress(context, "certify", 1);
 }
 
@@ -97,7 +114,7 @@ static double luminance(rsv_rgb color) { return (double)rgb_luminance(color); }
 static double squared_residual(const examination *x, size_t k)
 {
     const rsv_residual *r = &x->sample[k].at;
-    return luminance(r->residual[0]) * luminance(r->residual[1]) + r->unseen;
+    return luminance(r->residual[0]) * luminance(r->residual[1]);
 }
 
 static double squared_direct(const examination *x, size_t k)
@@ -110,8 +127,7 @@ static double squared_gathered(const examination *x, size_t k)
 {
     const rsv_residual *r = &x->sample[k].at;
     return (luminance(r->residual[0]) - luminance(r->direct[0])) *
-               (luminance(r->residual[1]) - luminance(r->direct[1])) +
-           r->unseen;
+           (luminance(r->residual[1]) - luminance(r->direct[1]));
 }
 
 static double squared_irradiance(const examination *x, size_t k)
@@ -192,13 +208,14 @@ static rsv_status examine(examination *x)
     x->value = rsv_alloc(s->context, x->desc.samples, sizeof *x->value);
     x->weight = rsv_alloc(s->context, x->desc.samples, sizeof *x->weight);
     RSV_TRY(x->sample && x->value && x->weight ? RSV_OK : RSV_ERROR_MEMORY);
-    if (rsv_has_unseen_caustics(s)) RSV_TRY(rsv_stored_noise_create(s, false, &x->noise));
+    draw_points(x);
+    if (rsv_has_unseen_caustics(s)) RSV_TRY(judge_caustics(x));
     RSV_TRY(take_samples(x));
     judge_residual(x);
     RSV_TRY(judge_bound(x));
     RSV_TRY(judge_error(x));
 cleanup:
-    rsv_stored_noise_destroy(&x->noise);
+    rsv_caustic_judge_destroy(&x->judge);
     rsv_point_density_destroy(&x->density);
     rsv_free(s->context, x->sample);
     rsv_free(s->context, x->value);

@@ -12,7 +12,7 @@ typedef struct receiver {
     rsv_entrance entrance; ///< how light enters there
     rsv_bsdf storage;
     rsv_medium medium;
-    rsv_vec3 tangent, bitangent, seen; ///< frame about the normal that gather rays are received by
+    rsv_vec3 tangent, bitangent; ///< frame about the interpolated normal
     rsv_residual *result;
 } receiver;
 
@@ -42,10 +42,7 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     r->entrance = rsv_entrance_through(&r->medium, s->bsdf, RSV_COVER_COAT);
     r->entrance.coat =
         rsv_surface_bsdf(s->scene.view, s->bsdf, triangle, p->u, p->v, 0, &r->storage);
-    r->seen = rsv_surface_point_seen(
-        s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face], 0)
-                  .normal;
-    v3_frame(r->seen, &r->tangent, &r->bitangent);
+    v3_frame(r->at.point.normal, &r->tangent, &r->bitangent);
 }
 
 /// A source that was drawn, and how much of its light arrives.
@@ -182,7 +179,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_random random = rsv_random_from(stream, k, 0x2f6u);
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction =
-            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->seen);
+            v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->at.point.normal);
         // what an interpolated normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, r->at.point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->entrance.coat, d.z), &random);
@@ -210,11 +207,12 @@ rsv_residual rsv_residual_at(const rsv_residual_job *job, const rsv_face_point *
             s->caustics.elements, s->caustics.caustic, p->face, p->u, p->v);
     uint32_t rays = ray_count(&r, caustic);
     if (!job->stored_caustics) caustic = rgb_gray(0);
-    if (job->noise) result.unseen = rsv_stored_noise_at(job->noise, p->face, p->u, p->v, true);
+    rsv_rgb missing[2] = { { 0 } };
+    if (job->judge) rsv_caustic_judge_at(job->judge, p, missing);
     for (uint32_t half = 0; half < 2; half++) {
         uint32_t own = rsv_hash3(stream, half, 0xc3a5u);
         rsv_rgb direct = sampled_direct(&r, own);
-        rsv_rgb found = rgb_add(caustic, gather(&r, rays, own));
+        rsv_rgb found = rgb_add(rgb_add(caustic, missing[half]), gather(&r, rays, own));
         if (!job->exact_direct) {
             found = rgb_add(found, direct);
             result.direct[half] = rgb_sub(direct, stored_direct);

@@ -7,23 +7,22 @@
 /// - gathered sources, the sky and caustics by the gather rays that meet them;
 /// - G K E~ by gather rays that look E~ up where they end, under the textures as they are there.
 ///
+/// Light is received by the interpolated normal: what a normal map changes from texel to texel elements do not hold.
+///
 /// Two things are taken from the solution: what translucent surfaces show (the diffusion below them is the
-/// operator's), and caustics where punctual lights cast them, which no gather ray can find. Of an error
-/// of such caustics nothing is known but the variance that they show.
+/// operator's), and caustics where punctual lights cast them, which no gather ray can find: photons judge those.
 #ifndef RSV_RESIDUAL_H
 #define RSV_RESIDUAL_H
 
-#include "../render/stored_noise.h"
-#include "../solve/light.h"
+#include "caustic_judge.h"
 #include "resolvent/certify.h"
-#include "surface_points.h"
 
 typedef struct rsv_residual_job {
     const rsv_light_view *solution;
     uint32_t gather_rays, light_samples; ///< of one estimate
     bool stored_caustics;                ///< caustics are taken from the solution
     bool exact_direct; ///< the renderer estimates direct light itself: E~ has no error there
-    const rsv_stored_noise *noise; ///< of stored caustics; NULL = they count as exact
+    const rsv_caustic_judge *judge; ///< of stored caustics; NULL = they count as exact
 } rsv_residual_job;
 
 /// Two independent estimates at one point.
@@ -31,8 +30,7 @@ typedef struct rsv_residual {
     rsv_rgb residual[2];
     rsv_rgb direct[2];     ///< the part of it in what next-event estimation finds
     rsv_rgb irradiance[2]; ///< E~; the two differ if direct light is exact
-    double unseen; ///< variance of the caustic's luminance, where it is taken from the solution
-    float ior;     ///< of the medium that the point faces
+    float ior;             ///< of the medium that the point faces
     uint64_t rays;
 } rsv_residual;
 

@@ -22,7 +22,7 @@ static void add_samples(const rsv_light_view *s, const rsv_residual_sample *samp
         double weight = sample[k].weight;
         double a = luminance(sample[k].at.residual[0]), b = luminance(sample[k].at.residual[1]);
         sums->weight[own] += weight;
-        sums->residual[own] += weight * (a * b + sample[k].at.unseen);
+        sums->residual[own] += weight * a * b;
         for (size_t set = 0; set < SETS; set++)
             if (set != own)
                 sums->crossed[own][set] +=

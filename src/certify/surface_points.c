@@ -18,11 +18,13 @@ bool rsv_point_is_buried(
     const rsv_visible_surface *surface, const rsv_face_point *point, uint32_t seed, uint64_t *rays)
 {
     const rsv_elements *e = surface->elements;
-    rsv_surface_point at = rsv_surface_point_at(
-        e->scene, e->face_triangle[point->face], point->u, point->v, e->face_back[point->face]);
-    rsv_vec3 place = rsv_offset_origin(at.position, at.geometric, at.extent);
-    rsv_ray up = { place, at.geometric, surface->contact };
+    rsv_hit place = { .triangle = e->face_triangle[point->face], .u = point->u, .v = point->v };
+    rsv_surface_point at =
+        rsv_surface_point_at(e->scene, place.triangle, place.u, place.v, e->face_back[point->face]);
+    if (rsv_is_behind_twin(e->scene, place, at.geometric)) return true;
+    rsv_vec3 origin = rsv_offset_origin(at.position, at.geometric, at.extent);
+    rsv_ray up = { origin, at.geometric, surface->contact };
     ++*rays;
     return rsv_tracer_occluded(surface->scene->tracer, &up) ||
-           rsv_is_within_body(surface->scene, place, at.geometric, seed, rays);
+           rsv_is_within_body(surface->scene, origin, at.geometric, seed, rays);
 }

@@ -21,8 +21,8 @@ typedef struct rsv_visible_surface {
 rsv_visible_surface rsv_visible_surface_of(
     const rsv_transport_scene *scene, const rsv_elements *elements);
 
-/// Whether a point lies inside other geometry or in touch with it, where nobody sees its light. What elements merely do
-/// without, because something hangs close above it, counts.
+/// Whether a point lies inside other geometry, in touch with it, or under a face in the same place that hides it
+/// (scene/twins.h): nobody sees its light. What elements merely do without, because something hangs close above it, counts.
 bool rsv_point_is_buried(
     const rsv_visible_surface *surface, const rsv_face_point *point, uint32_t seed, uint64_t *rays);
 

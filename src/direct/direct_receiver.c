@@ -19,8 +19,8 @@ void rsv_direct_receive(
         uint32_t face = e->cell[sample[k].support / 4].face;
         uint32_t triangle = e->face_triangle[face];
         bool back = e->face_back[face];
-        rsv_surface_point point =
-            rsv_surface_point_at(view, triangle, sample[k].u, sample[k].v, back);
+        rsv_surface_point point = rsv_surface_point_seen(
+            view, triangle, sample[k].u, sample[k].v, back, rsv_direct_width(e, node));
         r->at[k] =
             rsv_receiver_at(view, job->scene->tracer, triangle, sample[k].u, sample[k].v, point);
     }

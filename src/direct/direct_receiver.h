@@ -16,6 +16,12 @@ typedef struct rsv_direct_job {
     const uint16_t *valid_points; ///< [node_count]
 } rsv_direct_job;
 
+/// Edge of the patch over which a node's points average a normal map: finer ones must not show as noise from node to node.
+static inline float rsv_direct_width(const rsv_elements *e, uint32_t node)
+{
+    return sqrtf(e->node_area[node]);
+}
+
 /// Sets up some of a node's points. @param valid points wanted, at least one
 void rsv_direct_receive(
     const rsv_direct_job *job, uint32_t node, uint32_t valid, rsv_node_receivers *receivers);

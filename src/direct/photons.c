@@ -11,7 +11,7 @@
 /// Rounds of pilot rays, each on bins that are finer where the last ones found something.
 #define MOST_PILOTS 4
 
-typedef struct photon_job {
+typedef struct rsv_photon_shooter {
     const rsv_transport_scene *scene;
     const rsv_lights *lights;
     rsv_photon_origins origins;
@@ -212,21 +212,44 @@ static void deposit(void *user, const rsv_specular_path *path, rsv_rgb flux)
     rsv_photon_land(maps->scene, path, flux, maps->map, maps->count);
 }
 
-rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
-    uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
-    size_t map_count, uint64_t *rays)
+/// Any sink without wishes: guides to come are for those who take every photon.
+static const rsv_photon_sink takes_all = { 0 };
+
+rsv_status rsv_photon_shooter_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t seed, rsv_photon_shooter **shooter, uint64_t *rays)
+{
+    photon_job *job = rsv_alloc(lights->context, 1, sizeof *job);
+    if (!job) return RSV_ERROR_MEMORY;
+    *job = begin_job(scene, lights, seed, &takes_all);
+    rsv_status status = create_sources(job, rays);
+    if (status == RSV_OK)
+        *shooter = job;
+    else
+        rsv_photon_shooter_destroy(job);
+    return status;
+}
+
+void rsv_photon_shooter_destroy(rsv_photon_shooter *shooter)
+{
+    if (!shooter) return;
+    destroy_sources(shooter);
+    rsv_free(shooter->lights->context, shooter);
+}
+
+rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count,
+    const rsv_elements *const *elements, rsv_photon_map *maps, size_t map_count, uint64_t *rays)
 {
     rsv_status status = RSV_OK;
-    map_set set = { scene, maps, map_count };
+    map_set set = { shooter->scene, maps, map_count };
     const rsv_photon_sink sink = { &set, deposit, NULL, NULL };
-    photon_job job = begin_job(scene, lights, seed, &sink);
+    photon_job job = *shooter;
+    job.sink = &sink;
     memset(maps, 0, map_count * sizeof *maps);
-    RSV_TRY(create_sources(&job, rays));
     for (size_t m = 0; m < map_count; m++)
         RSV_TRY(rsv_photon_map_create(
-            lights->context, elements[m], fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
+            job.lights->context, elements[m], fmax(total_flux(&job), 1e-30) * 0x1p-44, &maps[m]));
     const rsv_device_shooting_desc deal = { .shooting = job.shooting,
-        .lights = lights,
+        .lights = job.lights,
         .source = job.source,
         .source_count = job.source_count,
         .map = maps,
@@ -241,6 +264,18 @@ rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights 
         rsv_photon_map_settle(&maps[m]);
     }
 cleanup:
-    destroy_sources(&job);
+    return status;
+}
+
+rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
+    size_t map_count, uint64_t *rays)
+{
+    rsv_photon_shooter *shooter = NULL;
+    memset(maps, 0, map_count * sizeof *maps);
+    rsv_status status = rsv_photon_shooter_create(scene, lights, seed, &shooter, rays);
+    if (status == RSV_OK)
+        status = rsv_photons_deposit(shooter, count, elements, maps, map_count, rays);
+    rsv_photon_shooter_destroy(shooter);
     return status;
 }

@@ -28,8 +28,21 @@ typedef struct rsv_photon_sink {
 rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint32_t count, uint32_t seed, const rsv_photon_sink *sink, uint64_t *rays);
 
-/// The same, deposited on `map_count` sets of elements at once.
-/// @param maps out; to be destroyed by the caller
+/// Where photons start, and a guide from each place: for more than one call of rsv_photons_deposit.
+typedef struct rsv_photon_shooter rsv_photon_shooter;
+
+/// @param scene,lights borrowed for as long as it lives
+rsv_status rsv_photon_shooter_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t seed, rsv_photon_shooter **shooter, uint64_t *rays);
+/// @param shooter NULL is allowed
+void rsv_photon_shooter_destroy(rsv_photon_shooter *shooter);
+
+/// Shoots `count` light paths and deposits them on `map_count` sets of elements at once.
+/// @param maps out; to be destroyed by the caller, even after an error
+rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count,
+    const rsv_elements *const *elements, rsv_photon_map *maps, size_t map_count, uint64_t *rays);
+
+/// The same with a shooter of its own.
 rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint32_t count, uint32_t seed, const rsv_elements *const *elements, rsv_photon_map *maps,
     size_t map_count, uint64_t *rays);

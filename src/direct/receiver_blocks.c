@@ -1,7 +1,9 @@
 #include "receiver_blocks.h"
 
+#include "../core/morton.h"
 #include "../receiver/receiver.h"
 #include "../trace/packet.h"
+#include "direct_receiver.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,7 +19,7 @@ typedef struct builder {
     uint32_t points, seed;
     const uint16_t *valid_points;
     rsv_vec3 low;
-    float scale; ///< lattice steps per metre
+    float scale; ///< 1 / the longest side of the box of all
     curve_place *place;
     size_t count;
 } builder;
@@ -41,7 +43,8 @@ static uint32_t find_points(
         uint32_t triangle = e->face_triangle[face];
         float u = sample[k].u, v = sample[k].v;
         receiver[count++] = rsv_receiver_at(e->scene, w->b->scene->tracer, triangle, u, v,
-            rsv_surface_point_at(e->scene, triangle, u, v, e->face_back[face]));
+            rsv_surface_point_seen(
+                e->scene, triangle, u, v, e->face_back[face], rsv_direct_width(e, node)));
     }
     return count;
 }
@@ -54,30 +57,13 @@ static bool absorbs(const rsv_transport_scene *scene, const rsv_receiver *r)
 
 // ---- order ------------------------------------------------------------------------------------------
 
-#define LATTICE_BITS 16
-
-/// Bits 0, 3, 6, ... of the result.
-static uint64_t spread_bits(uint64_t x)
-{
-    x = (x | x << 32) & 0x1f00000000ffffull;
-    x = (x | x << 16) & 0x1f0000ff0000ffull;
-    x = (x | x << 8) & 0x100f00f00f00f00full;
-    x = (x | x << 4) & 0x10c30c30c30c30c3ull;
-    return (x | x << 2) & 0x1249249249249249ull;
-}
-
-static uint64_t lattice_place(float x, float low, float scale)
-{
-    float place = (x - low) * scale, last = (float)((1 << LATTICE_BITS) - 1);
-    return (uint64_t)f_min(f_max(place, 0), last);
-}
+#define CURVE_BITS 16
 
 /// Neighbours in space come one after the other, those that face another way in a run of their own.
 static uint64_t curve_key(const builder *w, rsv_vec3 p, rsv_vec3 n)
 {
-    uint64_t key = spread_bits(lattice_place(p.x, w->low.x, w->scale)) |
-                   spread_bits(lattice_place(p.y, w->low.y, w->scale)) << 1 |
-                   spread_bits(lattice_place(p.z, w->low.z, w->scale)) << 2;
+    rsv_vec3 place = v3_scale(v3_sub(p, w->low), w->scale);
+    uint64_t key = rsv_morton_key(place.x, place.y, place.z, CURVE_BITS);
     uint64_t octant = (n.x < 0 ? 1u : 0u) | (n.y < 0 ? 2u : 0u) | (n.z < 0 ? 4u : 0u);
     const int fine = 30; // 64 cells along the scene
     return (key >> fine) << (fine + 3) | octant << fine | (key & ((1ull << fine) - 1));
@@ -100,7 +86,7 @@ static void measure_scene(builder *w)
     }
     float side = v3_max_abs(v3_sub(high, low));
     w->low = low;
-    w->scale = side > 0 ? (float)(1 << LATTICE_BITS) / side : 0;
+    w->scale = side > 0 ? 1 / side : 0;
 }
 
 /// Lists the nodes that are to be held, in order.

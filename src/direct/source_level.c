@@ -31,9 +31,10 @@ typedef struct level_builder {
     rsv_rgb *direct;
     float *deviation; ///< of direct
     uint16_t *valid_points;
-    uint8_t *known;        ///< [node_count] 1 where valid_points are known already
-    uint8_t *lit;          ///< [node_count] 1 where direct and deviation are
-    rsv_photon_map map[2]; ///< on `elements` and on `coarse`
+    uint8_t *known;              ///< [node_count] 1 where valid_points are known already
+    uint8_t *lit;                ///< [node_count] 1 where direct and deviation are
+    rsv_photon_shooter *shooter; ///< of photons; NULL = none are wanted
+    rsv_photon_map map[2];       ///< on `elements` and on `coarse`
     rsv_rgb *caustic;
     uint8_t *split;       ///< [cell_count]
     rsv_kept_light *kept; ///< NULL = nothing is known from before the scene was edited
@@ -163,8 +164,7 @@ static rsv_status shoot(level_builder *b, uint32_t count)
     b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
     if (!b->caustic) return RSV_ERROR_MEMORY;
     const rsv_elements *targets[2] = { b->elements, b->coarse };
-    rsv_status status =
-        rsv_photons_shoot(b->scene, b->lights, count, b->desc->seed, targets, b->map, 2, b->rays);
+    rsv_status status = rsv_photons_deposit(b->shooter, count, targets, b->map, 2, b->rays);
     if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
     return status;
 }
@@ -231,23 +231,35 @@ static bool is_left_alone(const level_builder *b, uint32_t cell)
     return b->kept && !rsv_kept_light_is_changed(b->kept, c);
 }
 
+/// Whether a cell of a level that goes on has been split as often as a level that begins would split it.
+static bool is_split_enough(const level_builder *b, size_t cell)
+{
+    const rsv_cell *c = &b->elements->cell[cell];
+    if (!b->desc->start) return false;
+    uint32_t around = rsv_elements_find_around(b->coarse, c);
+    uint32_t depth = c->level - (uint32_t)b->coarse->cell[around].level;
+    if (b->caustic) return depth >= b->desc->levels + CAUSTIC_LEVELS;
+    return depth > 0 && !is_in_turn(b, cell, depth - 1);
+}
+
 /// Marks the cells on both sides of every edge across which light bends; counts them.
 static rsv_status mark_cells(level_builder *b, uint32_t round, size_t *marked)
 {
     const rsv_elements *e = b->elements;
     rsv_status status = RSV_OK;
     float dark = b->direct ? DARK * (float)rsv_elements_mean_luminance(e, b->direct) : 0;
-    if (b->direct)
-        RSV_TRY(rsv_find_curved_edges(
-            e, b->direct, b->deviation, BEND, dark, RSV_CURVED_EDGES, mark_direct, b));
+    if (b->direct) {
+        const rsv_curvature_field direct = { b->direct, b->deviation, BEND, dark };
+        RSV_TRY(rsv_find_curved_edges(e, &direct, RSV_CURVED_EDGES, mark_direct, b));
+    }
     if (b->caustic) {
         float faint = f_max(dark, (float)rsv_elements_mean_luminance(e, b->caustic));
-        RSV_TRY(rsv_find_curved_edges(
-            e, b->caustic, NULL, BEND, faint, RSV_CURVED_EDGES, mark_caustic, b));
+        const rsv_curvature_field caustic = { b->caustic, NULL, BEND, faint };
+        RSV_TRY(rsv_find_curved_edges(e, &caustic, RSV_CURVED_EDGES, mark_caustic, b));
     }
     *marked = 0;
     for (size_t c = 0; c < e->cell_count; c++) {
-        if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c) ||
+        if (e->cell[c].level >= RSV_MAX_LEVEL || is_finest(b, c) || is_split_enough(b, c) ||
             (b->direct && !is_in_turn(b, c, round)) ||
             (b->split[c] && is_left_alone(b, (uint32_t)c)))
             b->split[c] = 0;
@@ -335,7 +347,7 @@ static rsv_status refine(level_builder *b)
         RSV_TRY(split_once(b));
     }
     rsv_progress_part(context, NULL, 0);
-    if (b->desc->photon_count) RSV_TRY(shoot(b, b->desc->photon_count));
+    if (b->desc->photon_count && !b->desc->start) RSV_TRY(shoot(b, b->desc->photon_count));
 cleanup:
     rsv_progress_part(context, NULL, 0);
     return status;
@@ -381,6 +393,20 @@ cleanup:
     return status;
 }
 
+/// Elements that a level had.
+static rsv_status begin_again(level_builder *b)
+{
+    const rsv_elements *start = b->desc->start;
+    rsv_status status;
+    b->split = rsv_alloc(start->context, start->cell_count, 1);
+    if (!b->split) return RSV_ERROR_MEMORY;
+    RSV_TRY(rsv_elements_refine(start, b->split, &b->elements));
+    RSV_TRY(prepare_elements(b, NULL));
+    if (b->desc->direct) RSV_TRY(estimate_direct(b, b->desc->light_samples, b->lit));
+cleanup:
+    return status;
+}
+
 rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_lights *lights,
     const rsv_elements *coarse, const rsv_source_level_desc *desc, rsv_source_level *level,
     uint64_t *rays)
@@ -391,7 +417,9 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
         .scene = scene, .lights = lights, .coarse = coarse, .desc = desc, .rays = rays
     };
     *level = (rsv_source_level){ 0 };
-    RSV_TRY(begin(&b));
+    if (desc->photon_count)
+        RSV_TRY(rsv_photon_shooter_create(scene, lights, desc->seed, &b.shooter, rays));
+    RSV_TRY(desc->start ? begin_again(&b) : begin(&b));
     RSV_TRY(refine(&b));
     if (b.kept) RSV_TRY(add_kept(&b));
     if (b.caustic) {
@@ -423,6 +451,7 @@ cleanup:
     rsv_free(context, b.lit);
     rsv_kept_light_destroy(b.kept);
     free_photons(&b);
+    rsv_photon_shooter_destroy(b.shooter);
     rsv_elements_destroy(b.elements);
     return status;
 }

@@ -20,6 +20,9 @@ typedef struct rsv_source_level_desc {
     const uint8_t *hidden;  ///< [cell_count of the coarse elements] non-zero = not worth splitting;
                             ///< NULL = all are
     uint32_t seed;
+    /// Elements to go on from: the coarse ones with splits. Light on them is then found for splits alone, and coarsely. NULL
+    /// = the coarse ones.
+    const rsv_elements *start;
 } rsv_source_level_desc;
 
 typedef struct rsv_source_level {

@@ -1,23 +1,7 @@
 #include "cell_visibility.h"
 
 #include "../scene/twins.h"
-
-#define BURIAL_RAYS 8
-#define BURIAL_MAJORITY                                                                            \
-    6 ///< so many of them must see backs before a place near other geometry is buried
-#define BURIAL_STEPS 4 ///< from surface to surface
-
-/// Test segments run this far above the surface, in parts of the elements' spacing ...
-#define LIFT 0.1f
-/// ... and this far inside the cell, in parts of its size.
-#define INSET 0.05f
-/// Opaque surfaces cover what lies closer below them, in parts of the elements' spacing: a picture hung two centimetres off
-/// the wall hides what cells of a decimetre cannot tell from what it leaves open.
-#define COVER 0.2f
-#define CONTACT 0.02f ///< clear ones closer than that
-/// A lamp closer than that keeps to itself what it sheds on the cell: nodes at its border would pass on more light than
-/// the room has from elsewhere. One that is seen past, such as a strip, does not.
-#define LAMP_GAP 0.5f
+#include "elements_constants.h"
 
 rsv_cell_shape rsv_cell_shape_of(const rsv_elements *e, uint32_t cell)
 {
@@ -67,9 +51,6 @@ static bool is_opaque(const rsv_transport_scene *scene, const rsv_hit *hit)
     const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[hit->triangle]];
     return bsdf->transmission == 0 && bsdf->opacity == 1;
 }
-
-/// Clear surfaces that a segment passes; more of them block it.
-#define CLEAR_STEPS 8
 
 float rsv_clear_part(const rsv_transport_scene *scene, rsv_vec3 from, rsv_vec3 to)
 {
@@ -173,9 +154,10 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
     uint32_t seed, uint64_t *rays)
 {
     int backs = 0;
-    for (uint32_t k = 0; k < BURIAL_RAYS; k++) {
+    for (int k = 0; k < BURIAL_RAYS; k++) {
+        if (backs >= BURIAL_MAJORITY || backs + BURIAL_RAYS - k < BURIAL_MAJORITY) break; // decided
         rsv_specular_path path;
-        rsv_ray ray = ray_from(place, normal, k, seed);
+        rsv_ray ray = ray_from(place, normal, (uint32_t)k, seed);
         sight seen = look(scene, &ray, &path);
         ++*rays;
         for (uint32_t step = 1; step < BURIAL_STEPS && seen >= SIGHT_FRONT; step++) {
@@ -183,7 +165,7 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
             rsv_surface_point point =
                 rsv_surface_point_at(scene->view, path.triangle, path.u, path.v, path.back);
             rsv_vec3 origin = rsv_offset_origin(point.position, point.geometric, point.extent);
-            ray = ray_from(origin, point.geometric, k, seed + step);
+            ray = ray_from(origin, point.geometric, (uint32_t)k, seed + step);
             seen = look(scene, &ray, &path);
             ++*rays;
         }
@@ -192,8 +174,12 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
     return backs >= BURIAL_MAJORITY;
 }
 
-/// Surfaces that a search for the skin of a body meets, along a line or from surface to surface.
-#define SKIN_STEPS 8
+bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 normal)
+{
+    rsv_hit seen = place;
+    if (scene->twins) rsv_twins_settle(scene, v3_neg(normal), &seen);
+    return seen.triangle != place.triangle;
+}
 
 /// Whether a ray leaves a body that it did not enter: its skin is seen from within, whatever other bodies lie in it.
 /// Clear surfaces and two-sided ones bound no body.

@@ -60,4 +60,8 @@ bool rsv_is_mostly_buried(const rsv_transport_scene *scene, rsv_vec3 place, rsv_
 bool rsv_is_within_body(const rsv_transport_scene *scene, rsv_vec3 place, rsv_vec3 normal,
     uint32_t seed, uint64_t *rays);
 
+/// Whether rays that arrive at a place of a triangle see another face there (scene/twins.h), so that nobody sees its light.
+/// @param normal of the side they arrive at
+bool rsv_is_behind_twin(const rsv_scene_view *scene, rsv_hit place, rsv_vec3 normal);
+
 #endif

@@ -1,13 +1,9 @@
 #include "cluster.h"
 
+#include "elements_constants.h"
 #include "elements_internal.h"
 
 #include <string.h>
-
-/// A turn by this angle counts like the radius.
-#define TURN_PER_RADIUS 0.7f
-/// Leaders lead this many radii far.
-#define REACH 2.0f
 
 /// Leaders that reach a node, the nearest ones.
 typedef struct leaders {

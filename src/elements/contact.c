@@ -1,13 +1,12 @@
 #include "contact.h"
 
 #include "../core/team.h"
+#include "elements_constants.h"
 #include "elements_internal.h"
 #include "known_cells.h"
 #include "open_corners.h"
 
 #include <string.h>
-
-#define MAX_FAN 32 ///< cells around a node; nodes with more are left alone
 
 /// The cells around a node and from where they are seen on its behalf.
 typedef struct fan {
@@ -36,9 +35,6 @@ static fan fan_of(const rsv_elements *e, uint32_t node)
     }
     return f;
 }
-
-/// Cells that meet at a fold as sharp as that, a quarter turn more or less, see each other around it.
-#define FOLD_COSINE 0.5f
 
 /// Whether something stands between two cells of a fan, or upon one of them. A gap ends where cells that
 /// lie in it do, at folds too. About sharp folds, such as that between a pot's side and its base, one looks by way of a

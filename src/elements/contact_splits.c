@@ -1,25 +1,13 @@
 #include "contact.h"
+#include "elements_constants.h"
 #include "elements_internal.h"
 #include "known_cells.h"
 #include "open_corners.h"
-
-#define CONTACT_LEVELS 2
-/// Smaller cells, as parts of the spacing, are left alone: they come from meshes finer than wanted.
-#define CONTACT_SIZE 0.125f
-/// A cell with honest corners on both sides of a wall interpolates through it: the line over which it does is
-/// made thinner than it can be seen.
-#define THIN_WALL_LEVELS 4
-#define THIN_WALL_SIZE 0.03f
-/// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
-#define NODES_PER_SPLIT 2
 
 static float cell_size(const rsv_elements *e, uint32_t cell)
 {
     return sqrtf(2 * rsv_cell_area(e, cell));
 }
-
-/// A goal's cells are split until they are at most this much larger than wanted: a split halves them.
-#define GROWTH_TOLERANCE 1.4f
 
 /// Size above which a cell is split that other geometry cuts; INFINITY where nothing does.
 /// @param growth NULL = cells have their usual size @param splits that the cell went through
@@ -69,8 +57,6 @@ static double nodes_for(const rsv_elements *e, const float *finest, float least)
 typedef struct allowance {
     float least, share;
 } allowance;
-
-#define SIZE_STEP 1.2f
 
 /// @param most_nodes to be added, about @param least size that is known to be too small
 static allowance afford(const rsv_elements *e, const float *finest, size_t most_nodes, float least)

@@ -1,6 +1,7 @@
 #include "curvature.h"
 
 #include "../core/first_map.h"
+#include "elements_constants.h"
 
 double rsv_elements_mean_luminance(const rsv_elements *e, const rsv_rgb *value)
 {
@@ -72,9 +73,11 @@ typedef struct edge_values {
     float noise; ///< standard deviation of what the two differ by
 } edge_values;
 
-static edge_values values_at(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
-    uint32_t edge, uint32_t across)
+static edge_values values_at(
+    const rsv_elements *e, const rsv_curvature_field *field, uint32_t edge, uint32_t across)
 {
+    const rsv_rgb *value = field->value;
+    const float *deviation = field->deviation;
     const uint32_t *near = e->cell_node[edge / 4], *far = e->cell_node[across / 4];
     uint32_t k = edge % 4, p = near[(k + 1) % 3], q = near[(k + 2) % 3];
     uint32_t a = near[k], b = far[across % 4];
@@ -86,9 +89,6 @@ static edge_values values_at(const rsv_elements *e, const rsv_rgb *value, const 
     return v;
 }
 
-/// Standard deviations of noise that pass for no curvature.
-#define NOISE 2.0f
-
 /// What noise does not explain, as a share of the local level; 0 where there is nothing.
 static float curvature_of(const edge_values *v, float floor)
 {
@@ -97,9 +97,8 @@ static float curvature_of(const edge_values *v, float floor)
     return departure > 0 && level > 0 ? departure / level : 0;
 }
 
-rsv_status rsv_find_curved_edges(const rsv_elements *e, const rsv_rgb *value,
-    const float *deviation, float threshold, float floor, rsv_curved_edges places,
-    rsv_curved_edge_found found, void *user)
+rsv_status rsv_find_curved_edges(const rsv_elements *e, const rsv_curvature_field *field,
+    rsv_curved_edges places, rsv_curved_edge_found found, void *user)
 {
     rsv_status status;
     size_t count = 4 * e->cell_count;
@@ -112,11 +111,11 @@ rsv_status rsv_find_curved_edges(const rsv_elements *e, const rsv_rgb *value,
         bool border = across[edge] == NO_CELL && places == RSV_CURVED_EDGES_AND_BORDERS;
         // an inner edge once, from its later side
         if (edge % 4 == 3 || (!border && across[edge] > edge)) continue;
-        edge_values v = values_at(e, value, deviation, edge, border ? edge : across[edge]);
-        curvature[edge] = curvature_of(&v, floor);
+        edge_values v = values_at(e, field, edge, border ? edge : across[edge]);
+        curvature[edge] = curvature_of(&v, field->floor);
     }
     for (uint32_t edge = 0; edge < count; edge++)
-        if (curvature[edge] > threshold)
+        if (curvature[edge] > field->threshold)
             found(user, edge / 4, (across[edge] == NO_CELL ? edge : across[edge]) / 4,
                 curvature[edge]);
 cleanup:

@@ -4,6 +4,15 @@
 
 #include "elements.h"
 
+/// A field whose curvature is looked for.
+typedef struct rsv_curvature_field {
+    const rsv_rgb *value; ///< [node_count]
+    const float *
+        deviation; ///< [node_count] noise of the luminance: what it explains is no curvature; NULL = none
+    float threshold; ///< share of the local level from which curvature is reported ...
+    float floor;     ///< ... which is raised by so much
+} rsv_curvature_field;
+
 /// Called for two cells that share an edge across which `value` curves; at a border both are the same.
 /// @param curvature how strongly: what is compared with the threshold
 typedef void (*rsv_curved_edge_found)(void *user, uint32_t cell, uint32_t other, float curvature);
@@ -17,14 +26,10 @@ typedef enum rsv_curved_edges {
     RSV_CURVED_EDGES_AND_BORDERS
 } rsv_curved_edges;
 
-/// Reports edges across which the luminance of `value` departs from a plane by more than `threshold` of
-/// the local level plus `floor`; linear interpolation then errs by about a quarter of that. At borders the
+/// Reports edges across which the luminance departs from a plane by more than the threshold; linear interpolation then errs by about a quarter of that. At borders the
 /// field is taken to go on as its mirror image.
-/// @param value [node_count]
-/// @param deviation [node_count] noise of the luminance: what it explains is no curvature; NULL = none
-rsv_status rsv_find_curved_edges(const rsv_elements *elements, const rsv_rgb *value,
-    const float *deviation, float threshold, float floor, rsv_curved_edges places,
-    rsv_curved_edge_found found, void *user);
+rsv_status rsv_find_curved_edges(const rsv_elements *elements, const rsv_curvature_field *field,
+    rsv_curved_edges places, rsv_curved_edge_found found, void *user);
 
 /// Area-weighted mean luminance of a field.
 double rsv_elements_mean_luminance(const rsv_elements *elements, const rsv_rgb *value);

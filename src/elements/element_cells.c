@@ -86,8 +86,10 @@ static uint8_t grid_level(const rsv_elements *e, const rsv_spacing *spacing, siz
 rsv_status rsv_elements_create_grid(rsv_elements *e, const rsv_spacing *spacing)
 {
     size_t count = 0;
-    for (size_t face = 0; face < e->face_count; face++) {
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context))
+    for (size_t face = 0; face < e->face_count; face++)
         e->face_level[face] = grid_level(e, spacing, face);
+    for (size_t face = 0; face < e->face_count; face++) {
         e->face_slot[face] = (uint32_t)count;
         count += (size_t)1 << (2 * e->face_level[face]);
         if (count >= RSV_SLOT_SPLIT)

@@ -1,6 +1,8 @@
 /// Fields on elements: sampling a node's hat function, constraints, averages.
 #include "elements_internal.h"
 
+#include "elements_constants.h"
+
 /// Barycentric weight of a corner with density proportional to itself over a triangle: the inverse of the
 /// distribution function 3 b^2 - 2 b^3.
 static float sample_hat(float x) { return 0.5f - sinf(asinf(1 - 2 * x) / 3); }
@@ -186,9 +188,6 @@ static void constrain_node(const rsv_hanging *hanging, rsv_rgb *value)
         sum = rgb_mad(sum, hanging->weight[p], value[hanging->parent[p]]);
     value[hanging->node] = sum;
 }
-
-/// Nodes below which waking the threads takes longer than the work.
-#define PARALLEL_NODES 16384
 
 void rsv_elements_constrain(const rsv_elements *e, rsv_rgb *value)
 {

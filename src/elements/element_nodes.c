@@ -1,12 +1,11 @@
 /// Numbers the corners of cells and finds those that hang. All threads work on it: the number of a node follows from the
 /// place, 4 * cell + corner, at which it is met first.
+#include "elements_constants.h"
 #include "elements_internal.h"
 
 #include "node_table.h"
 
 #include <string.h>
-
-#define CELLS_AT_A_TIME 4096 ///< by one thread
 
 static uint32_t read(const rsv_node_table *nodes, uint32_t entry)
 {
@@ -105,24 +104,36 @@ typedef struct hanging_finder {
     size_t list_count;
 } hanging_finder;
 
-/// Nodes strictly between a and b at p and q on one edge of `cell`, by bisection.
-static rsv_status find_between(const hanging_finder *f, found_list *list, uint32_t cell, uint32_t a,
-    uint32_t b, rsv_lattice_point p, rsv_lattice_point q, float t0, float t1, int depth)
+/// Part of an edge of a cell: from place `t[0]` to `t[1]` of the way from its node `a` to `b`.
+typedef struct edge_part {
+    uint32_t cell, a, b;
+    rsv_lattice_point p[2];
+    float t[2];
+} edge_part;
+
+/// Nodes strictly within a part of an edge, by bisection.
+static rsv_status find_between(
+    const hanging_finder *f, found_list *list, const edge_part *part, int depth)
 {
-    rsv_context *context = f->e->context;
-    rsv_lattice_point m = { (p.i + q.i) / 2, (p.j + q.j) / 2 };
+    const rsv_lattice_point p = part->p[0], q = part->p[1],
+                            m = { (p.i + q.i) / 2, (p.j + q.j) / 2 };
+    const rsv_cell *cell = &f->e->cell[part->cell];
     if ((p.i == m.i && p.j == m.j) || (q.i == m.i && q.j == m.j)) return RSV_OK;
-    uint32_t entry = rsv_node_table_find(f->nodes, f->e->cell[cell].face, m);
+    uint32_t entry = rsv_node_table_find(f->nodes, cell->face, m);
     if (entry == RSV_NONE) return RSV_OK;
-    if (depth > 0) f->unbalanced[cell] = 1;
-    float t = 0.5f * (t0 + t1);
-    rsv_status status = rsv_grow(
-        context, (void **)&list->found, &list->capacity, list->count + 1, sizeof *list->found);
+    if (depth > 0) f->unbalanced[part->cell] = 1;
+    float t = 0.5f * (part->t[0] + part->t[1]);
+    rsv_status status = rsv_grow(f->e->context, (void **)&list->found, &list->capacity,
+        list->count + 1, sizeof *list->found);
     if (status != RSV_OK) return status;
-    list->found[list->count++] = (struct found){ entry, a, b, t, f->e->cell[cell].level };
-    status = find_between(f, list, cell, a, b, p, m, t0, t, depth + 1);
-    return status == RSV_OK ? find_between(f, list, cell, a, b, m, q, t, t1, depth + 1) : status;
+    list->found[list->count++] = (struct found){ entry, part->a, part->b, t, cell->level };
+    edge_part first = *part, second = *part;
+    first.p[1] = second.p[0] = m;
+    first.t[1] = second.t[0] = t;
+    status = find_between(f, list, &first, depth + 1);
+    return status == RSV_OK ? find_between(f, list, &second, depth + 1) : status;
 }
+
 /// Whether smaller cells may touch a cell: most are spared the search.
 static bool may_meet_smaller(const hanging_finder *f, const rsv_cell *cell)
 {
@@ -141,8 +152,9 @@ static rsv_status find_in_cell(const hanging_finder *f, found_list *list, uint32
     if (!may_meet_smaller(f, cell)) return RSV_OK;
     for (int k = 0; k < 3 && status == RSV_OK; k++) {
         int l = (k + 1) % 3;
-        status = find_between(f, list, c, node[k], node[l], rsv_lattice_corner(cell, k),
-            rsv_lattice_corner(cell, l), 0, 1, 0);
+        const edge_part edge = { c, node[k], node[l],
+            { rsv_lattice_corner(cell, k), rsv_lattice_corner(cell, l) }, { 0, 1 } };
+        status = find_between(f, list, &edge, 0);
     }
     return status;
 }

@@ -96,6 +96,8 @@ cleanup:
 static size_t mark_too_large(const rsv_elements *e, const rsv_spacing *spacing, uint8_t *split)
 {
     size_t marked = 0;
+#pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(e->context)) \
+    reduction(+ : marked)
     for (uint32_t c = 0; c < e->cell_count; c++) {
         split[c] = rsv_spacing_is_exceeded(spacing, e, c);
         marked += split[c];

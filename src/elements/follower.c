@@ -1,11 +1,7 @@
 #include "follower.h"
 
+#include "elements_constants.h"
 #include "elements_internal.h"
-
-/// Leaders of less weight say little about the field around a follower.
-#define LEAST_WEIGHT 0.05f
-/// Standard deviations of noise that pass for no difference.
-#define NOISE 2.0f
 
 bool rsv_cell_follows(const rsv_elements *e, uint32_t cell)
 {
@@ -38,9 +34,9 @@ float rsv_cell_new_leaders(const rsv_elements *e, uint32_t cell)
 }
 
 /// How far apart the luminances of the leaders of one follower lie, beyond noise, as a share of the local level.
-static float disagreement(
-    const rsv_hanging *follower, const rsv_rgb *value, const float *deviation, float floor)
+static float disagreement(const rsv_hanging *follower, const rsv_curvature_field *field)
 {
+    const rsv_rgb *value = field->value;
     uint32_t darkest = follower->parent[0], brightest = darkest;
     for (int p = 1; p < RSV_PARENTS; p++) {
         uint32_t leader = follower->parent[p];
@@ -49,18 +45,19 @@ static float disagreement(
         if (rgb_luminance(value[leader]) > rgb_luminance(value[brightest])) brightest = leader;
     }
     float low = rgb_luminance(value[darkest]), high = rgb_luminance(value[brightest]);
-    float level = 0.5f * (low + high) + floor;
-    float apart = high - low - NOISE * hypotf(deviation[darkest], deviation[brightest]);
+    float level = 0.5f * (low + high) + field->floor;
+    float apart =
+        high - low - NOISE * hypotf(field->deviation[darkest], field->deviation[brightest]);
     return apart > 0 && level > 0 ? apart / level : 0;
 }
 
-void rsv_find_cluster_curvature(const rsv_elements *e, const rsv_rgb *value, const float *deviation,
-    float threshold, float floor, rsv_curved_edge_found found, void *user)
+void rsv_find_cluster_curvature(const rsv_elements *e, const rsv_curvature_field *field,
+    rsv_curved_edge_found found, void *user)
 {
     for (size_t h = 0; h < e->follower_count; h++) {
         const rsv_hanging *follower = &e->hanging[h];
-        float curvature = disagreement(follower, value, deviation, floor);
-        if (!(curvature > threshold)) continue;
+        float curvature = disagreement(follower, field);
+        if (!(curvature > field->threshold)) continue;
         for (uint32_t s = e->support_begin[follower->node];
              s < e->support_begin[follower->node + 1]; s++)
             found(user, e->support[s] / 4, e->support[s] / 4, curvature);

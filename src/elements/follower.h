@@ -5,10 +5,9 @@
 #include "cluster.h"
 #include "curvature.h"
 
-/// Reports the cells around followers whose leaders differ by more than `threshold` of the local level plus `floor`.
-/// @param value [node_count] @param deviation [node_count] noise of its luminance
-void rsv_find_cluster_curvature(const rsv_elements *elements, const rsv_rgb *value,
-    const float *deviation, float threshold, float floor, rsv_curved_edge_found found, void *user);
+/// Reports the cells around followers whose leaders differ by more than the threshold. @param field with its deviation
+void rsv_find_cluster_curvature(const rsv_elements *elements, const rsv_curvature_field *field,
+    rsv_curved_edge_found found, void *user);
 
 /// Whether a cell has nodes that follow.
 bool rsv_cell_follows(const rsv_elements *elements, uint32_t cell);

@@ -1,17 +1,10 @@
 #include "open_corners.h"
 
 #include "../core/team.h"
+#include "elements_constants.h"
 #include "known_cells.h"
 
 #define SEED 0x5bd1e995u ///< of the few directions that are tried, the same everywhere
-
-/// A corner that something keeps apart from the middle of its cell, closer to it than that as a part of the way, does not
-/// count as open. Up to about there, light that ends at once, but in the wrong place, is less wrong than light that fades all
-/// over the cell.
-#define FAR_CORNER 0.5f
-
-/// Cells larger than so many spacings, as those of a goal and those out in the open are.
-#define LARGE 1.4f
 
 /// Corners, as bits, that something close to them keeps apart from the middle of the cell.
 static uint32_t find_far_corners(

@@ -2,27 +2,8 @@
 
 #include "../core/sampling.h"
 #include "../trace/near.h"
+#include "elements_constants.h"
 #include "elements_internal.h"
-
-/// Cells of slivers may be this many times as many along an edge as their area asks for.
-#define SLIVER_FACTOR 4.0f
-#define FINEST_GRID 11
-/// sqrt(S) / reach
-#define REACHES 4.0f
-/// What rises by less than this part of its coordinates lies in the same plane.
-#define RISE 1e-5f
-/// Levels that elements grow by at most.
-#define MOST_GROWTH 4
-/// Share of the hemisphere that surfaces may fill, as a cell sees it that is as large as usual; a quarter of that for each
-/// level that it grows: irradiance, and so its curvature, is in proportion.
-#define MOST_FACED 0.25f
-/// Radii around its middle in which nothing rises above such a cell: what it faces is the same all over it, about.
-#define ALONE 2.0f
-/// Directions in which a patch looks for what sends it light.
-#define LOOKS 64
-/// The search for the surface that counts ends when it changes by less.
-#define SETTLED 0.02
-#define MAX_ROUNDS 32
 
 /// Slivers count by a quarter of their length, or their cells would be far too many across; the thinnest by their area.
 int rsv_spacing_level(const rsv_scene_view *scene, uint32_t triangle, float metres)
@@ -83,11 +64,12 @@ static void look_at(void *user, uint32_t triangle, float *radius)
     const rsv_scene_view *scene = search->scene->view;
     const patch *p = search->patch;
     float highest = -INFINITY, u, v;
+    if (search->found) return;
     for (int k = 0; k < 3; k++) {
         rsv_vec3 corner = scene->position[scene->triangle[triangle][k]];
         highest = f_max(highest, v3_dot(p->normal, v3_sub(corner, p->centre)));
     }
-    if (search->found || highest <= search->rise || is_mere_lamp(search->scene, triangle) ||
+    if (highest <= search->rise || is_mere_lamp(search->scene, triangle) ||
         rsv_triangle_distance(scene, triangle, p->centre, &u, &v) >= *radius)
         return;
     search->found = true;
@@ -130,9 +112,11 @@ static bool is_open(
     if (!scene || growth > MOST_GROWTH || is_mere_lamp(scene, triangle)) return false;
     patch p = patch_of(scene->view, triangle, back, cell);
     float extent = rsv_triangle_extent(scene->view, triangle);
-    if (!rises_within(scene, &p, extent, p.radius + spacing->reach * sqrtf(ldexpf(0.5f, growth))))
-        return true;
-    return !rises_within(scene, &p, extent, ALONE * p.radius) &&
+    float around = ALONE * p.radius;
+    float far = p.radius + spacing->reach * sqrtf(ldexpf(0.5f, growth));
+    if (around >= far) return !rises_within(scene, &p, extent, far);
+    if (rises_within(scene, &p, extent, around)) return false; // as most cells that have neighbours
+    return !rises_within(scene, &p, extent, far) ||
            !faces_more(scene, &p, extent, ldexpf(MOST_FACED, -2 * growth));
 }
 

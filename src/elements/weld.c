@@ -1,11 +1,9 @@
 #include "weld.h"
 
 #include "../core/index_map.h"
+#include "elements_constants.h"
 
 #include <string.h>
-
-/// Faces whose normals at a shared corner differ by more than this meet at a crease (cos 25 degrees).
-#define CREASE_COSINE 0.906f
 
 /// Corners at one position with one material and side form a list of smooth groups.
 typedef struct smooth_group {

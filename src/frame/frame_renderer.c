@@ -70,16 +70,31 @@ static rsv_status create_gloss(rsv_frame_renderer *r)
         e->base = rsv_reserve(r->context, tiles * RSV_TILE_PIXELS, sizeof *e->base);
         e->lobes = rsv_reserve(r->context, tiles, sizeof *e->lobes);
         e->glossy = rsv_alloc(r->context, tiles, sizeof *e->glossy);
+        if (!e->base || !e->lobes || !e->glossy) return RSV_ERROR_MEMORY;
+        rsv_status status =
+            rsv_glossy_cells_create(r->context, r->desc.width, r->desc.height, &e->cells);
+        if (status != RSV_OK) return status;
+    }
+    return RSV_OK;
+}
+
+/// Whether frames at rest become better than those before.
+static bool improves_at_rest(const rsv_frame_renderer *r)
+{
+    bool final = r->desc.rest == RSV_REST_FINAL && !rsv_context_device(r->context);
+    return final || reuses_gloss(r);
+}
+
+static rsv_status create_rest(rsv_frame_renderer *r)
+{
+    size_t tiles = r->tiling.tile_count;
+    for (uint32_t k = 0; k < r->desc.eyes && improves_at_rest(r); k++) {
+        rsv_eye_picture *e = &r->eye[k];
         e->whole = rsv_reserve(r->context, tiles, sizeof *e->whole);
         e->resting = rsv_reserve(r->context, tiles, sizeof *e->resting);
         e->squares = rsv_reserve(r->context, 2 * tiles + 64, sizeof *e->squares);
         e->given = rsv_reserve(r->context, 2 * tiles + 64, sizeof *e->given);
-        if (!e->base || !e->lobes || !e->glossy || !e->whole || !e->resting || !e->squares ||
-            !e->given)
-            return RSV_ERROR_MEMORY;
-        rsv_status status =
-            rsv_glossy_cells_create(r->context, r->desc.width, r->desc.height, &e->cells);
-        if (status != RSV_OK) return status;
+        if (!e->whole || !e->resting || !e->squares || !e->given) return RSV_ERROR_MEMORY;
     }
     return RSV_OK;
 }
@@ -95,20 +110,25 @@ static rsv_status create_workers(rsv_frame_renderer *r)
     return status;
 }
 
+static void set_size(rsv_frame_renderer *r, uint32_t width, uint32_t height)
+{
+    rsv_tiling *t = &r->tiling;
+    t->width = width;
+    t->height = height;
+    t->across = (width + RSV_TILE - 1) / RSV_TILE;
+    t->tile_count = t->across * ((height + RSV_TILE - 1) / RSV_TILE);
+}
+
 static void set_tiling(rsv_frame_renderer *r)
 {
-    uint32_t across = (r->desc.width + RSV_TILE - 1) / RSV_TILE;
     r->tiling = (rsv_tiling){ .solution = r->solution,
         .table = &r->table,
         .media = &r->media,
         .clearances = &r->clearances,
         .beams = &r->beams,
         .kernels = rsv_packet_kernels_for(&r->desc.instructions),
-        .width = r->desc.width,
-        .height = r->desc.height,
-        .across = across,
-        .tile_count = across * ((r->desc.height + RSV_TILE - 1) / RSV_TILE),
         .seed = r->desc.seed };
+    set_size(r, r->desc.width, r->desc.height);
 }
 
 /// Devices shade every pixel by its own path, by a table that tells no glossy surfaces apart.
@@ -139,6 +159,7 @@ rsv_status rsv_frame_renderer_create(
     RSV_TRY(create_eyes(r));
     RSV_TRY(create_table(r));
     RSV_TRY(create_gloss(r));
+    RSV_TRY(create_rest(r));
     RSV_TRY(rsv_specular_media_create(r->context, &solution->scene, &r->media));
     RSV_TRY(rsv_clearances_create(r->context, &r->media, &r->clearances));
     RSV_TRY(rsv_beams_create(solution->scene.tracer, &r->beams));
@@ -190,12 +211,12 @@ static bool same_view(const rsv_camera *a, const rsv_camera *b)
 
 static void set_aim(const rsv_frame_renderer *r, rsv_eye_picture *e)
 {
-    e->aim = (rsv_frame_aim){ .lens = rsv_lens_of(&e->camera, r->desc.width, r->desc.height),
-        .width = r->desc.width,
-        .height = r->desc.height };
+    e->aim = (rsv_frame_aim){ .lens = rsv_lens_of(&e->camera, r->tiling.width, r->tiling.height),
+        .width = r->tiling.width,
+        .height = r->tiling.height };
     e->beam_lens = rsv_beam_lens_of(&e->aim.lens);
     rsv_shared_place(e->samples, &e->aim.place_x, &e->aim.place_y);
-    e->spread = rsv_camera_spread(&e->camera, r->desc.height) / sqrtf((float)(e->samples + 1));
+    e->spread = rsv_camera_spread(&e->camera, r->tiling.height) / sqrtf((float)(e->samples + 1));
 }
 
 static void begin_eye(
@@ -329,9 +350,10 @@ static void finish_gloss(rsv_frame_renderer *r)
 static void share_rest(rsv_frame_renderer *r)
 {
     uint32_t across = r->tiling.across, down = r->tiling.tile_count / across;
-    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
+    for (uint32_t k = 0; k < r->desc.eyes; k++) {
         rsv_eye_picture *e = &r->eye[k];
-        if (e->samples > 0) rsv_resting_share(e->resting, across, down, e->squares, e->given);
+        if (e->resting && e->samples > 0)
+            rsv_resting_share(e->resting, across, down, e->squares, e->given);
     }
 }
 
@@ -369,6 +391,7 @@ rsv_status rsv_frame_render(
     r->tiling.shading = (rsv_glossy_shading){ .view = r->solution->scene.view,
         .materials = r->materials.material,
         .shows_emission = rsv_shows_emission(&r->table) };
+    r->tiling.final = r->desc.rest == RSV_REST_FINAL && r->table.layer == RSV_NONE;
     r->tiling.mover = r->table.layer == RSV_NONE ? r->mover : NULL;
     status = render_eyes(r, view);
     if (status != RSV_OK) return status;
@@ -390,6 +413,22 @@ static void forget_gloss(rsv_frame_renderer *r, float change)
 {
     for (uint32_t k = 0; k < r->desc.eyes; k++)
         rsv_glossy_cells_forget(&r->eye[k].cells, change);
+}
+
+rsv_status rsv_frame_renderer_resize(rsv_frame_renderer *r, uint32_t width, uint32_t height)
+{
+    if (width == r->tiling.width && height == r->tiling.height) return RSV_OK;
+    if (width == 0 || height == 0 || width > r->desc.width || height > r->desc.height)
+        return rsv_fail(RSV_ERROR_ARGUMENT, "frames: size %ux%u is not in 1x1 .. %ux%u", width,
+            height, r->desc.width, r->desc.height);
+    if (r->device)
+        return rsv_fail(
+            RSV_ERROR_UNSUPPORTED, "frames: those of a device stay as large as they are");
+    set_size(r, width, height);
+    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++)
+        rsv_glossy_cells_resize(&r->eye[k].cells, width, height);
+    start_over(r);
+    return RSV_OK;
 }
 
 void rsv_frame_renderer_show(rsv_frame_renderer *r, uint32_t layer)
@@ -444,9 +483,10 @@ static void copy_tile(
     const rsv_frame_renderer *r, uint32_t tile, const float (*from)[4], rsv_rgb *to)
 {
     uint32_t left = tile % r->tiling.across * RSV_TILE, top = tile / r->tiling.across * RSV_TILE;
-    for (uint32_t y = 0; y < RSV_TILE && top + y < r->desc.height; y++)
-        for (uint32_t x = 0; x < RSV_TILE && left + x < r->desc.width; x++)
-            to[(size_t)(top + y) * r->desc.width + left + x] = positive_rgb(from[y * RSV_TILE + x]);
+    for (uint32_t y = 0; y < RSV_TILE && top + y < r->tiling.height; y++)
+        for (uint32_t x = 0; x < RSV_TILE && left + x < r->tiling.width; x++)
+            to[(size_t)(top + y) * r->tiling.width + left + x] =
+                positive_rgb(from[y * RSV_TILE + x]);
 }
 
 void rsv_frame_radiance(const rsv_frame_renderer *r, uint32_t eye, rsv_rgb *radiance)

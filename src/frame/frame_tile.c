@@ -1,5 +1,7 @@
 #include "frame_tile.h"
 
+#include "final_path.h"
+
 #include <string.h>
 
 rsv_status rsv_tile_worker_create(const rsv_tiling *tiling, uint32_t path_depth, rsv_tile_worker *w)
@@ -173,7 +175,10 @@ static void follow_whole(const tile *t, uint32_t pixel, uint32_t stage, uint32_t
     light->radiance = whole->radiance;
     light->pixel = whole->count++;
     light->trail = path_of(t, pixel);
-    rsv_add_whole_path(light, &path);
+    if (t->tiling->final)
+        rsv_add_final_path(light, &path);
+    else
+        rsv_add_whole_path(light, &path);
     light->radiance = w->radiance;
 }
 
@@ -183,7 +188,8 @@ static void rest_block(const tile *t, uint32_t column, uint32_t row, uint32_t st
     rsv_tile_worker *w = t->worker;
     uint32_t block = rsv_pixel_seed(t->tiling->seed, t->row + row, t->column + column);
     int lane = rsv_resting_lane(t->eye->samples, block);
-    uint32_t open = w->left[stage] | (t->eye->medium.depth > 0 ? 0xffffu : 0);
+    bool all = t->tiling->final || t->eye->medium.depth > 0;
+    uint32_t open = all ? 0xffff : w->left[stage];
     for (int k = 0; k < RSV_PACKET_WIDTH; k++)
         if (w->packet[stage].triangle[k] == RSV_NONE) open &= ~(1u << k);
     w->whole->open[row / RSV_BLOCK * (RSV_TILE / RSV_BLOCK) + column / RSV_BLOCK] = (uint16_t)open;

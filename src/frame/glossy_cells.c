@@ -2,6 +2,8 @@
 
 #include "../core/core.h"
 
+#include <string.h>
+
 /// Samples that count while the camera moves, and at rest.
 #define MOST_MOVING 64
 #define MOST_RESTING 4096
@@ -41,7 +43,8 @@ rsv_status rsv_glossy_cells_create(
     c->stride = (c->width + 15) / 16 * 16 + 32; // tiles reach beyond the picture
     size_t size = (size_t)c->stride * ((c->height + 15) / 16 * 16 + 2 * RSV_GLOSSY_MARGIN);
     c->first = (size_t)RSV_GLOSSY_MARGIN * c->stride + 16;
-    c->memory = rsv_alloc(context, size * PLANES, sizeof *c->memory);
+    c->floats = size * PLANES;
+    c->memory = rsv_alloc(context, c->floats, sizeof *c->memory);
     if (!c->memory) return RSV_ERROR_MEMORY;
     place_geometry(c, size, &k, &c->now);
     place_geometry(c, size, &k, &c->before);
@@ -51,6 +54,13 @@ rsv_status rsv_glossy_cells_create(
     place_light(c, size, &k, &c->kept_before);
     place_light(c, size, &k, &c->shown);
     return RSV_OK;
+}
+
+void rsv_glossy_cells_resize(rsv_glossy_cells *c, uint32_t width, uint32_t height)
+{
+    c->width = (width + 1) / 2;
+    c->height = (height + 1) / 2;
+    memset(c->memory, 0, c->floats * sizeof *c->memory);
 }
 
 void rsv_glossy_cells_destroy(rsv_glossy_cells *c)

@@ -26,6 +26,7 @@ typedef struct rsv_glossy_light {
 typedef struct rsv_glossy_cells {
     rsv_context *context;
     float *memory; ///< all planes
+    size_t floats; ///< of these
     uint32_t width, height, stride;
     size_t first; ///< index of cell (0, 0)
     rsv_glossy_geometry now, before;
@@ -52,6 +53,8 @@ typedef struct rsv_glossy_pixels {
 /// @param width, height of the picture, pixels
 rsv_status rsv_glossy_cells_create(
     rsv_context *context, uint32_t width, uint32_t height, rsv_glossy_cells *cells);
+/// Empty cells for a picture that is no larger than the one they were created for.
+void rsv_glossy_cells_resize(rsv_glossy_cells *cells, uint32_t width, uint32_t height);
 void rsv_glossy_cells_destroy(rsv_glossy_cells *cells);
 
 /// Before a frame: what was `now` is `before`. @param rests the camera stays where it was

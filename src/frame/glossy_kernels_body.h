@@ -1,5 +1,5 @@
 /// Sixteen pixels of glossy surfaces, included by packet_kernels_body.h.
-#include "../scene/material_at.h"
+#include "texture_kernels_body.h"
 
 /// What a packet's rays met: materials, and normals to be shaded with.
 typedef struct glossy_lanes {
@@ -121,18 +121,51 @@ static inline void set_constants(const rsv_glossy_shading *s, const rsv_glossy_m
     }
 }
 
+/// Lanes at surfaces of a material, a bit each.
+static inline uint32_t lanes_of_material(const glossy_lanes *restrict g, int material)
+{
+    uint32_t lanes = 0;
+    for (int k = 0; k < LANES; k++)
+        lanes |= (uint32_t)(g->material[k] == material) << k;
+    return lanes;
+}
+
+/// Base colors of lanes at surfaces of one material with textures.
+static inline void find_colors(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
+    const float *restrict width, uint32_t lanes, uint32_t material, glossy_constants *restrict to)
+{
+    _Alignas(64) float color[3][LANES];
+    _Alignas(64) int triangle[LANES];
+    const rsv_texture_ref *ref = packed_texture_of(s->view, material);
+    if (ref) {
+        fill_triangles(p, lanes, triangle);
+        look_texture_up(s->view, ref, triangle, p, width, color);
+        for (int k = 0; k < LANES; k++)
+            for (int c = 0; c < 3; c++)
+                to->color[c][k] *= lanes >> k & 1 ? color[c][k] : 1;
+        return;
+    }
+    for (uint32_t left = lanes; left; left &= left - 1) {
+        uint32_t k = (uint32_t)__builtin_ctz(left);
+        rsv_rgb at = rsv_base_color_at(s->view, p->triangle[k], p->u[k], p->v[k], width[k]);
+        to->color[0][k] = at.r, to->color[1][k] = at.g, to->color[2][k] = at.b;
+    }
+}
+
 static inline void find_constants(const rsv_glossy_shading *s, const rsv_ray_packet *restrict p,
     const float *restrict width, uint32_t lanes, const glossy_lanes *restrict g,
     glossy_constants *restrict to)
 {
     bool alike = all_equal(g->material);
     if (alike) set_constants(s, &s->materials[g->material[0]], 0, LANES, to);
-    for (int k = 0; k < LANES; k++) {
-        const rsv_glossy_material *m = &s->materials[g->material[k]];
-        if (!alike) set_constants(s, m, k, k + 1, to);
-        if (!m->texture_count || !(lanes >> k & 1)) continue;
-        rsv_rgb at = rsv_base_color_at(s->view, p->triangle[k], p->u[k], p->v[k], width[k]);
-        to->color[0][k] = at.r, to->color[1][k] = at.g, to->color[2][k] = at.b;
+    for (int k = 0; k < LANES && !alike; k++)
+        set_constants(s, &s->materials[g->material[k]], k, k + 1, to);
+    for (uint32_t left = lanes; left;) {
+        int material = g->material[__builtin_ctz(left)];
+        uint32_t same = lanes_of_material(g, material) & left;
+        left &= ~same;
+        if (s->materials[material].texture_count)
+            find_colors(s, p, width, same, (uint32_t)material, to);
     }
 }
 

@@ -35,7 +35,8 @@ rsv_rgb rsv_glossy_albedo(const rsv_bsdf *b, float cos)
     if (!b->layered) return at_least(sum);
     sum = rgb_mul(sum, rsv_bsdf_passage(b, cos).light);
     sum = rgb_add(sum, rgb_gray(rsv_bsdf_clearcoat_albedo(b, cos)));
-    return at_least(rgb_mad(sum, rsv_bsdf_coated_sheen(b, cos), b->sheen));
+    rsv_wide_layers wide = rsv_bsdf_wide_layers(b, cos);
+    return at_least(rgb_add(sum, rsv_wide_layers_albedo(&wide)));
 }
 
 float rsv_glossy_width(const rsv_bsdf *b)

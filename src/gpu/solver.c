@@ -97,7 +97,7 @@ typedef struct method {
     void (*step)(rsv_device_transport *transport);
 } method;
 
-static const method methods[RSV_DEVICE_SOLVERS] = {
+static const method methods[] = {
     { RSV_SOLVER_NEUMANN, 2, begin_nothing, step_series },
     { RSV_SOLVER_CHEBYSHEV, 1, begin_chebyshev, step_chebyshev },
     { RSV_SOLVER_BICGSTAB, 2, begin_bicgstab, step_bicgstab },
@@ -105,12 +105,19 @@ static const method methods[RSV_DEVICE_SOLVERS] = {
 
 // ---- solving -------------------------------------------------------------------------------------
 
+enum { METHODS = sizeof methods / sizeof *methods };
+_Static_assert(METHODS <= RSV_GPU_SOLVERS, "recordings have no room for so many solvers");
+
+/// @return METHODS = that is none
 static uint32_t method_of(rsv_solver solver)
 {
-    for (uint32_t k = 0; k < RSV_DEVICE_SOLVERS; k++)
-        if (methods[k].solver == solver) return k;
-    return 0;
+    uint32_t k = 0;
+    while (k < METHODS && methods[k].solver != solver)
+        k++;
+    return k;
 }
+
+bool rsv_gpu_solves(rsv_solver solver) { return method_of(solver) < METHODS; }
 
 static rsv_gpu_recording *steps_of(rsv_device_transport *t, uint32_t k)
 {

@@ -76,7 +76,7 @@ static void make_room(rsv_device_transport *t, size_t fields)
 static void destroy(rsv_device_transport *t)
 {
     if (!t) return;
-    for (int k = 0; k < RSV_DEVICE_SOLVERS; k++)
+    for (int k = 0; k < RSV_GPU_SOLVERS; k++)
         rsv_gpu_forget(t->steps[k]);
     rsv_gpu_release(t->gpu, &t->rows);
     rsv_gpu_release(t->gpu, &t->room);
@@ -185,5 +185,6 @@ const rsv_device_transport_table rsv_gpu_transport = { .create = create,
     .destroy = destroy,
     .apply = apply,
     .residual = residual,
+    .solves = rsv_gpu_solves,
     .solve = rsv_gpu_solve,
     .measure = rsv_gpu_measure };

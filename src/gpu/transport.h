@@ -6,7 +6,7 @@
 #include "diffusion_kernels.h"
 #include "solver_kernels.h"
 
-enum { RSV_DEVICE_SOLVERS = 3 };
+#define RSV_GPU_SOLVERS 8 ///< at most
 
 struct rsv_device_transport {
     rsv_gpu *gpu;
@@ -21,7 +21,7 @@ struct rsv_device_transport {
     rsv_rgb *field, *source, *image; ///< [node_count x fields]
     rsv_solver_args solver;          ///< arrays of the solvers, [node_count]
     rsv_gpu_recording
-        *steps[RSV_DEVICE_SOLVERS]; ///< some steps of each of them; NULL = not yet recorded
+        *steps[RSV_GPU_SOLVERS]; ///< some steps of each of them; NULL = not yet recorded
 };
 
 extern const rsv_device_transport_table rsv_gpu_transport;
@@ -49,7 +49,8 @@ void rsv_gpu_solver_lay_out(rsv_device_transport *transport, rsv_gpu_block *bloc
 rsv_status rsv_gpu_measure(rsv_device_transport *transport, uint32_t repetitions, double *copy_rate,
     double *seconds, size_t *bytes, char *message);
 
-/// As rsv_device_transport_table.solve.
+/// As rsv_device_transport_table.solves and solve.
+bool rsv_gpu_solves(rsv_solver solver);
 rsv_status rsv_gpu_solve(rsv_device_transport *transport, rsv_device_solve *solve,
     const rsv_rgb *residual, rsv_rgb *correction, char *message);
 

@@ -43,7 +43,7 @@ typedef struct rsv_highlight_lobe {
 enum {
     RSV_HIGHLIGHT_BASE,   ///< metal and interface, reflected once
     RSV_HIGHLIGHT_COAT,   ///< the clear coat
-    RSV_HIGHLIGHT_WIDE,   ///< what is scattered again, and sheen
+    RSV_HIGHLIGHT_WIDE,   ///< what is scattered again, and wide layers such as sheen
     RSV_HIGHLIGHT_SHEET,  ///< through a thin sheet, as if mirrored by it
     RSV_HIGHLIGHT_PASSED, ///< the wide lobes on the far side
     RSV_HIGHLIGHT_LOBES
@@ -59,8 +59,9 @@ typedef struct rsv_highlight_lobes {
     bool layered;             ///< the layers are met
     bool refracts;            ///< there is rough refraction too, which is left out
     rsv_rgb way[RSV_SPREADS]; ///< a(wo) of bsdf.h, if layered
-    /// What the wide lobes have of wo: metal and glass that scatter again, glass to the far side, sheen.
-    rsv_rgb metal_again, glass_again, glass_through, sheen;
+    /// What the wide lobes have of wo: metal and glass that scatter again, glass to the far side, layers.
+    rsv_rgb metal_again, glass_again, glass_through;
+    rsv_wide_layers wide;
 } rsv_highlight_lobes;
 
 /// About as much work as two evaluations of the BSDF. Opacity is left to the caller, as by rsv_bsdf_evaluate.

@@ -67,7 +67,7 @@ RSV_INLINE rsv_rgb rsv_sheet_response(const rsv_highlight_lobes *l, rsv_vec3 wi)
         v3_dot(p->normal, above));
 }
 
-/// Of what is scattered again, and sheen: times pi / cos.
+/// Of what is scattered again, and of wide layers: times pi / cos.
 RSV_INLINE rsv_rgb rsv_wide_color(const rsv_highlight_lobes *l, float cos_i)
 {
     const rsv_bsdf *bsdf = l->point.bsdf;
@@ -84,9 +84,7 @@ RSV_INLINE rsv_rgb rsv_wide_color(const rsv_highlight_lobes *l, float cos_i)
         sum = rgb_add(sum, rsv_layered(l, rgb_scale(l->glass_again, missing),
                                bsdf->solid ? RSV_SPREAD_INTERFACE : RSV_SPREAD_METAL, cos_i));
     }
-    if (!rgb_is_black(l->sheen))
-        sum = rgb_mad(sum, rsv_bsdf_coated_sheen(bsdf, cos_i) / bsdf->sheen_mean, l->sheen);
-    return sum;
+    return l->layered ? rsv_add_wide_layers(sum, bsdf, &l->wide, cos_i) : sum;
 }
 
 /// The same on the far side. @param cos_i unsigned

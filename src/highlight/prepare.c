@@ -67,7 +67,7 @@ static rsv_rgb base_albedo(
 static rsv_rgb set_wide(rsv_highlight_lobes *l, rsv_rgb left, rsv_rgb *through)
 {
     const rsv_bsdf *bsdf = l->point.bsdf;
-    l->metal_again = l->glass_again = l->glass_through = l->sheen = *through = rgb_gray(0);
+    l->metal_again = l->glass_again = l->glass_through = *through = rgb_gray(0);
     if (bsdf->alpha > 0 && bsdf->metallic > 0)
         l->metal_again = rgb_scale(rsv_bsdf_metal_again(bsdf),
             bsdf->metallic * rsv_bsdf_missing(bsdf, false, 0, l->cos_o));
@@ -81,9 +81,9 @@ static rsv_rgb set_wide(rsv_highlight_lobes *l, rsv_rgb left, rsv_rgb *through)
         *through = rgb_mul(l->glass_through, left);
     }
     rsv_rgb albedo = rgb_mul(rgb_add(l->metal_again, l->glass_again), left);
-    if (!l->layered || rgb_is_black(bsdf->sheen)) return albedo;
-    l->sheen = rgb_scale(bsdf->sheen, rsv_bsdf_coated_sheen(bsdf, l->cos_o));
-    return rgb_add(albedo, l->sheen);
+    if (!l->layered) return albedo;
+    l->wide = rsv_bsdf_wide_layers(bsdf, l->cos_o);
+    return rgb_add(albedo, rsv_wide_layers_albedo(&l->wide));
 }
 
 static const rsv_lobe_shape cosine = { 0, 1, 1 };

@@ -27,7 +27,8 @@ typedef struct file_access {
     size_t missing_count;
     char library[MAX_LIBRARIES][512]; ///< of materials, that were read
     size_t library_count;
-    double origin[3]; ///< that was taken out of vertices
+    rsv_obj_names used, defined; ///< materials of Wavefront files
+    double origin[3];            ///< that was taken out of vertices
 } file_access;
 
 /// What is behind one of the importer's files.
@@ -119,16 +120,20 @@ static bool open_regular(const char *path, stream *opened)
     return opened->file != NULL;
 }
 
-/// Wavefront files are read without what an importer mistakes for something else, COLLADA with all transforms as matrices.
+/// Wavefront files are read without what an importer mistakes for something else, COLLADA with all transforms as matrices,
+/// FBX with what says that a model is invisible.
 static void clean(file_access *access, const char *path, stream *opened)
 {
     const char *extension = strrchr(path, '.');
     bool is_library = extension && strcasecmp(extension, ".mtl") == 0;
     bool is_collada = extension && strcasecmp(extension, ".dae") == 0;
-    if (!is_library && !is_collada && (!extension || strcasecmp(extension, ".obj") != 0)) return;
+    bool is_fbx = extension && strcasecmp(extension, ".fbx") == 0;
+    bool is_obj = is_library || (extension && strcasecmp(extension, ".obj") == 0);
+    if (!is_collada && !is_fbx && !is_obj) return;
     size_t size;
     double origin[3] = { 0 };
     char *text = is_collada ? rsv_collada_clean(opened->file, &size)
+                 : is_fbx   ? rsv_fbx_clean(opened->file, &size)
                             : rsv_obj_clean(opened->file, is_library, &size, origin);
     FILE *file = text && size ? fmemopen(text, size, "rb") : NULL;
     if (!file) {
@@ -138,7 +143,10 @@ static void clean(file_access *access, const char *path, stream *opened)
     }
     fclose(opened->file);
     *opened = (stream){ file, text, size };
-    if (!is_library && !is_collada) memcpy(access->origin, origin, sizeof origin);
+    if (!is_obj) return;
+    if (!is_library) memcpy(access->origin, origin, sizeof origin);
+    rsv_obj_note_names(
+        text, is_library ? "newmtl" : "usemtl", is_library ? &access->defined : &access->used);
 }
 
 static void close_stream(stream *opened)
@@ -297,15 +305,13 @@ rsv_status rsv_assimp_import(rsv_context *context, const char *path, rsv_file_ki
     if (kind == RSV_FILE_OBJ) {
         losses.colored = 0; // named by the text, with their number
         rsv_obj_warn_of_unused(context, path, false);
+        if (access.missing_count == 0)
+            rsv_obj_warn_of_unknown(context, path, &access.used, &access.defined);
     }
+    free(access.used.text);
+    free(access.defined.text);
     for (size_t i = 0; i < access.library_count; i++)
         rsv_obj_warn_of_unused(context, access.library[i], true);
-    size_t invisible = kind == RSV_FILE_FBX ? rsv_fbx_count_invisible(path) : 0;
-    if (invisible)
-        rsv_log(context, RSV_LOG_WARNING,
-            "%s: the property Visibility is not used: %zu of its models are invisible by it, and "
-            "shown here unless Show is off too",
-            path, invisible);
     if (kind == RSV_FILE_FBX && rsv_file_mentions(path, "AnimationCurve")) losses.animations = 1;
     rsv_assimp_warn_of_losses(context, path, *imported, &losses);
     return RSV_OK;

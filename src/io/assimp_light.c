@@ -4,6 +4,7 @@
 #include "assimp_light.h"
 
 #include "../core/vec.h"
+#include "../scene/punctual.h"
 
 #include <ctype.h>
 #include <stdio.h>
@@ -112,56 +113,71 @@ static void take_cone(const rsv_assimp_facts *facts, const struct aiLight *sourc
     light->inner_cone_angle = f_min(f_max((float)inner, 0), light->outer_cone_angle);
 }
 
-/// A small surface of no known size, seen from afar: the cosine of Lambert's law.
-static void become_surface(const rsv_context *context, const char *name, rsv_punctual_light *light)
+/// What becomes of the kinds of lights that Assimp knows: none of ambient light.
+typedef struct light_kind {
+    enum aiLightSourceType source;
+    rsv_punctual_light_kind kind;
+    bool is_surface; ///< of no known size, seen from afar: shines with the cosine of Lambert's law
+} light_kind;
+
+static const light_kind light_kinds[] = {
+    { aiLightSource_POINT, RSV_PUNCTUAL_POINT, false },
+    { aiLightSource_SPOT, RSV_PUNCTUAL_SPOT, false },
+    { aiLightSource_DIRECTIONAL, RSV_PUNCTUAL_DIRECTIONAL, false },
+    { aiLightSource_AREA, RSV_PUNCTUAL_SPOT, true },
+};
+
+/// @return NULL = there is none
+static const light_kind *kind_of(const rsv_assimp_facts *facts, const struct aiLight *source)
 {
-    light->kind = RSV_PUNCTUAL_SPOT;
+    enum aiLightSourceType type = source->mType;
+    if (facts->kind == RSV_FILE_FBX && type == aiLightSource_UNDEFINED) type = aiLightSource_AREA;
+    for (size_t k = 0; k < sizeof light_kinds / sizeof *light_kinds; k++)
+        if (light_kinds[k].source == type) return &light_kinds[k];
+    return NULL;
+}
+
+static void become_surface(const rsv_context *context, rsv_punctual_light *light)
+{
     light->inner_cone_angle = light->outer_cone_angle = RSV_PI / 2;
     light->exponent = 1;
     rsv_log(context, RSV_LOG_WARNING,
         "light '%s': an area light (or a volume) whose size the file does not say; it shines from "
-        "a "
-        "point, with the cosine of a surface",
-        name);
+        "a point, with the cosine of a surface",
+        light->name);
+}
+
+static bool leave_out(const rsv_context *context, const char *name, const char *why)
+{
+    rsv_log(context, RSV_LOG_WARNING, "light '%s': %s", name, why);
+    return false;
 }
 
 bool rsv_assimp_light(const rsv_context *context, const rsv_assimp_facts *facts,
     const struct aiLight *source, size_t order, const double world[16], rsv_punctual_light *light)
 {
     const char *name = light->name;
-    double factor = 1;
+    const light_kind *kind = kind_of(facts, source);
+    const struct aiColor3D color = source->mColorDiffuse;
+    if (!kind)
+        return leave_out(context, name,
+            "ambient light is left out; surroundings (--env white) give light from everywhere");
+    if (color.r < 0 || color.g < 0 || color.b < 0)
+        return leave_out(context, name, "negative light is left out");
     *light = (rsv_punctual_light){ .name = name,
-        .kind = RSV_PUNCTUAL_POINT,
+        .kind = kind->kind,
         .position = transform(world, source->mPosition, 1),
         .direction = transform(world, source->mDirection, 0) };
-    bool is_area = source->mType == aiLightSource_AREA ||
-                   (facts->kind == RSV_FILE_FBX && source->mType == aiLightSource_UNDEFINED);
-    if (source->mType == aiLightSource_DIRECTIONAL) {
-        light->kind = RSV_PUNCTUAL_DIRECTIONAL;
-    } else if (source->mType == aiLightSource_POINT || source->mType == aiLightSource_SPOT) {
-        factor = intensity_factor(context, facts, source);
-    } else if (is_area) {
+    double factor = rsv_punctual_is_distant(light) ? 1 : intensity_factor(context, facts, source);
+    if (kind->is_surface) {
         // a surface sends 1 / pi of its flux along its normal, a point 1 / (4 pi)
-        factor = intensity_factor(context, facts, source) * (facts->watts ? 4 : 1);
-        become_surface(context, name, light);
-    } else {
-        rsv_log(context, RSV_LOG_WARNING,
-            "light '%s': ambient light is left out; surroundings (--env white) give light from "
-            "everywhere",
-            name);
-        return false;
-    }
-    if (source->mType == aiLightSource_SPOT) {
-        light->kind = RSV_PUNCTUAL_SPOT;
+        if (facts->watts) factor *= 4;
+        become_surface(context, light);
+    } else if (rsv_punctual_has_cone(light)) {
         take_cone(facts, source, order, light);
     }
-    if (source->mColorDiffuse.r < 0 || source->mColorDiffuse.g < 0 || source->mColorDiffuse.b < 0) {
-        rsv_log(context, RSV_LOG_WARNING, "light '%s': negative light is left out", name);
-        return false;
-    }
-    light->intensity = rgb((float)((double)source->mColorDiffuse.r * factor),
-        (float)((double)source->mColorDiffuse.g * factor),
-        (float)((double)source->mColorDiffuse.b * factor));
+    light->intensity = rgb((float)((double)color.r * factor), (float)((double)color.g * factor),
+        (float)((double)color.b * factor));
     return true;
 }
 

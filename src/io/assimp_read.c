@@ -15,6 +15,7 @@
 typedef struct pending_node {
     const struct aiNode *node;
     double world[16]; ///< its place
+    bool visible;     ///< as far as it inherits that, or says so itself
 } pending_node;
 
 /// A light or camera, and the nodes of its name.
@@ -244,22 +245,31 @@ static void matrix_of(const struct aiMatrix4x4 *m, double result[16])
 }
 
 /// What FBX says of a node: `Show`, which concerns neither its children nor its cameras.
-static bool is_hidden(const struct aiNode *node)
+static bool is_shown(const struct aiNode *node)
 {
     const struct aiMetadata *metadata = node->mMetaData;
     for (unsigned i = 0; metadata && i < metadata->mNumProperties; i++)
         if (strcmp(metadata->mKeys[i].data, "Show") == 0 && metadata->mValues[i].mData &&
             metadata->mValues[i].mType == AI_BOOL)
-            return !*(const bool *)metadata->mValues[i].mData;
-    return false;
+            return *(const bool *)metadata->mValues[i].mData;
+    return true;
 }
 
-static rsv_status add_node(reader *r, const struct aiNode *node, const double world[16])
+/// `Visibility`, which children inherit unless they say that they do not.
+static bool is_visible(const struct aiNode *node, bool parent)
+{
+    bool inherits = rsv_assimp_number(node->mMetaData, "Visibility Inheritance", 1) != 0;
+    return (parent || !inherits) && rsv_assimp_number(node->mMetaData, "Visibility", 1) != 0;
+}
+
+static rsv_status add_node(reader *r, const pending_node *of)
 {
     rsv_status status = RSV_OK;
     char name[RSV_NAME_BYTES];
+    const struct aiNode *node = of->node;
+    const double *world = of->world;
     rsv_assimp_name(&node->mName, "", name);
-    bool hidden = is_hidden(node);
+    bool hidden = !of->visible || !is_shown(node);
     if (hidden && r->hidden_count++ == 0) r->hidden = node;
     for (unsigned i = 0; i < node->mNumMeshes && !hidden; i++) {
         if (node->mMeshes[i] >= r->file->mNumMeshes)
@@ -274,13 +284,16 @@ cleanup:
     return status;
 }
 
-static rsv_status push_node(reader *r, const struct aiNode *node, const double world[16])
+/// @param visible whether the parent is
+static rsv_status push_node(
+    reader *r, const struct aiNode *node, const double world[16], bool visible)
 {
     rsv_status status;
     RSV_TRY(rsv_grow(r->context, (void **)&r->pending, &r->pending_capacity, r->pending_count + 1,
         sizeof *r->pending));
     pending_node *pushed = &r->pending[r->pending_count++];
     pushed->node = node;
+    pushed->visible = is_visible(node, visible);
     memcpy(pushed->world, world, sizeof pushed->world);
 cleanup:
     return status;
@@ -316,18 +329,18 @@ static void count_node(reader *r, const struct aiString *name)
 static rsv_status walk_nodes(reader *r, const double root[16], bool counting)
 {
     rsv_status status;
-    RSV_TRY(push_node(r, r->file->mRootNode, root));
+    RSV_TRY(push_node(r, r->file->mRootNode, root, true));
     while (r->pending_count) {
         pending_node next = r->pending[--r->pending_count];
         if (counting)
             count_node(r, &next.node->mName);
         else
-            RSV_TRY(add_node(r, next.node, next.world));
+            RSV_TRY(add_node(r, &next));
         for (unsigned i = next.node->mNumChildren; i-- > 0;) {
             double local[16], world[16];
             matrix_of(&next.node->mChildren[i]->mTransformation, local);
             rsv_matrix_multiply(next.world, local, world);
-            RSV_TRY(push_node(r, next.node->mChildren[i], world));
+            RSV_TRY(push_node(r, next.node->mChildren[i], world, next.visible));
         }
     }
 cleanup:
@@ -421,7 +434,7 @@ rsv_status rsv_assimp_convert(
     if (r.lights.count + r.cameras.count) RSV_TRY(walk_nodes(&r, root, true));
     RSV_TRY(walk_nodes(&r, root, false));
     if (r.hidden_count)
-        rsv_log(context, RSV_LOG_INFO, "%zu node%s (first: '%s') hidden by the property Show",
+        rsv_log(context, RSV_LOG_INFO, "%zu node%s (first: '%s') hidden by Show or Visibility",
             r.hidden_count, r.hidden_count > 1 ? "s are" : " is", r.hidden->mName.data);
 cleanup:
     rsv_free(context, r.mesh_id);

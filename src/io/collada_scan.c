@@ -17,7 +17,7 @@
 
 typedef struct scanner {
     rsv_context *context;
-    const char *at, *end;
+    const char *path, *at, *end;
     rsv_collada *found;
     rsv_collada_object *open; ///< the camera or light that the tags lie in; NULL = none
     char node[DEEPEST][RSV_COLLADA_NAME_BYTES];
@@ -248,6 +248,28 @@ static void warn(const rsv_context *context, const char *path, rsv_collada *f)
     }
 }
 
+/// The importer takes a unit that is no number for a metre.
+static void check_unit(const scanner *s, const tag *t)
+{
+    char meter[RSV_COLLADA_NAME_BYTES], *end = NULL;
+    attribute(t, "meter", meter);
+    rsv_number_value(meter, &end);
+    if (end == meter && find(t->rest, t->end, "meter"))
+        rsv_log(s->context, RSV_LOG_WARNING,
+            "%s: its <unit> of '%s' is no number of metres; 1 is taken", s->path, meter);
+}
+
+/// Likewise what is no axis for y.
+static void check_up_axis(const scanner *s)
+{
+    static const char *const axes[] = { "X_UP", "Y_UP", "Z_UP" };
+    const char *at = s->at + strspn(s->at, " \t\r\n");
+    for (size_t k = 0; k < sizeof axes / sizeof *axes; k++)
+        if (strncmp(at, axes[k], 4) == 0) return;
+    rsv_log(s->context, RSV_LOG_WARNING,
+        "%s: its <up_axis> is none of X_UP, Y_UP and Z_UP; Y_UP is taken", s->path);
+}
+
 static rsv_status take_tag(scanner *s, const tag *t)
 {
     bool is_node = is_named(t, "node") || is_named(t, "visual_scene");
@@ -258,6 +280,8 @@ static rsv_status take_tag(scanner *s, const tag *t)
         return RSV_OK;
     }
     judge_tag(s, t);
+    if (is_named(t, "unit")) check_unit(s, t);
+    if (is_named(t, "up_axis")) check_up_axis(s);
     rsv_status status = take_names(s, t);
     if (status != RSV_OK) return status;
     if (is_object)
@@ -295,7 +319,9 @@ rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada 
     *collada = (rsv_collada){ 0 };
     if (!s) return RSV_ERROR_MEMORY;
     RSV_TRY(read_file(context, path, &bytes, &size));
-    *s = (scanner){ .context = context, .at = bytes, .end = bytes + size, .found = collada };
+    *s = (scanner){
+        .context = context, .path = path, .at = bytes, .end = bytes + size, .found = collada
+    };
     for (tag t; next_tag(s, &t);)
         RSV_TRY(take_tag(s, &t));
     warn(context, path, collada);

@@ -1,87 +1,85 @@
 #include "fbx_scan.h"
 
-#include "../core/number_text.h"
-
 #include <stdbool.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/stat.h>
 
-/// The whole of a file, mapped.
-typedef struct file_bytes {
-    const char *bytes;
-    size_t size;
-} file_bytes;
+/// A property whose type has its own name, and the type that says the same.
+typedef struct odd_property {
+    const char *name, *type;
+} odd_property;
 
-static file_bytes map_file(const char *path)
+static char *read_all(FILE *file, size_t *size)
 {
-    file_bytes b = { NULL, 0 };
     struct stat info;
-    FILE *file = fopen(path, "rb");
-    if (file && fstat(fileno(file), &info) == 0 && info.st_size > 0) {
-        void *bytes = mmap(NULL, (size_t)info.st_size, PROT_READ, MAP_PRIVATE, fileno(file), 0);
-        if (bytes != MAP_FAILED) b = (file_bytes){ bytes, (size_t)info.st_size };
-    }
-    if (file) fclose(file);
-    return b;
+    if (fstat(fileno(file), &info) != 0 || info.st_size <= 0) return NULL;
+    char *bytes = malloc((size_t)info.st_size + 1);
+    if (!bytes) return NULL;
+    *size = fread(bytes, 1, (size_t)info.st_size, file);
+    bytes[*size] = '\0';
+    return bytes;
 }
 
-/// Passes over a text of a binary file: 'S', its length, and its letters. @return NULL = it is none
-static const char *skip_text(const char *at, const char *end)
+/// A text of a binary file: 'S', its length in four bytes, and its letters.
+static size_t put_text(char *to, const char *text, size_t length)
 {
-    uint32_t length;
-    if (end - at < 5 || *at != 'S') return NULL;
-    memcpy(&length, at + 1, sizeof length); // little-endian, as all machines here
-    return (size_t)(end - at - 5) >= length ? at + 5 + length : NULL;
+    to[0] = 'S';
+    for (int k = 0; k < 4; k++)
+        to[1 + k] = (char)(length >> 8 * k & 0xff);
+    memset(to + 5, ' ', length);
+    memcpy(to + 5, text, strlen(text) < length ? strlen(text) : length);
+    return 5 + length;
 }
 
-/// @param at behind the name and the type of the property: two texts follow, and a double
-static bool is_zero_in_binary(const char *at, const char *end)
+/// Type and label follow the name; the label, which is empty, takes what the type has too many.
+static bool change_binary(char *at, const char *end, const odd_property *p)
 {
-    double value;
-    for (int k = 0; k < 2 && at; k++)
-        at = skip_text(at, end);
-    if (!at || end - at < 9 || *at != 'D') return false;
-    memcpy(&value, at + 1, sizeof value);
-    return value == 0;
+    char before[128];
+    size_t length = strlen(p->name), rest = length - strlen(p->type);
+    size_t size = put_text(before, p->name, length);
+    size += put_text(before + size, "", 0);
+    if ((size_t)(end - at) < size || memcmp(at, before, size) != 0) return false;
+    size = put_text(at, p->type, strlen(p->type));
+    put_text(at + size, "", rest);
+    return true;
 }
 
-/// @param at likewise: two texts between quotes, and a number
-static bool is_zero_in_text(const char *at, const char *end)
+/// The type follows behind a comma, between quotes.
+static bool change_text(char *at, const char *end, const odd_property *p)
 {
-    char number[32] = "", *after;
-    size_t length = 0;
-    for (int commas = 0; at < end && commas < 3; at++)
-        commas += *at == ',';
-    while (at < end && length < sizeof number - 1 && *at != '\n')
-        number[length++] = *at++;
-    double value = rsv_number_value(number, &after);
-    return after != number && value == 0;
+    size_t length = strlen(p->name), type = strlen(p->type);
+    while (at < end && strchr(" \t,", *at) && *at)
+        at++;
+    if ((size_t)(end - at) < length + 2 || *at != '"' || at[length + 1] != '"' ||
+        memcmp(at + 1, p->name, length) != 0)
+        return false;
+    memcpy(at + 1, p->type, type);
+    at[type + 1] = '"';
+    memset(at + type + 2, ' ', length - type);
+    return true;
 }
 
-static size_t count(file_bytes b, const char *property, size_t length,
-    bool (*is_zero)(const char *at, const char *end))
+static size_t change_all(char *bytes, size_t size, const odd_property *p)
 {
-    size_t found = 0;
-    const char *end = b.bytes + b.size, *at = b.bytes;
-    while ((at = memmem(at, (size_t)(end - at), property, length))) {
+    size_t count = 0, length = strlen(p->name);
+    char *end = bytes + size, *at = bytes;
+    while ((at = memmem(at, (size_t)(end - at), p->name, length))) {
         at += length;
-        found += is_zero(at, end);
+        count += *at == 'S' ? change_binary(at, end, p) : *at == '"' && change_text(at + 1, end, p);
     }
-    return found;
+    return count;
 }
 
-size_t rsv_fbx_count_invisible(const char *path)
+char *rsv_fbx_clean(FILE *file, size_t *size)
 {
-    static const char binary[] = "S\x0a\0\0\0VisibilityS\x0a\0\0\0Visibility";
-    static const char text[] = "\"Visibility\", \"Visibility\"";
-    file_bytes b = map_file(path);
-    if (!b.bytes) return 0;
-    size_t found = count(b, binary, sizeof binary - 1, is_zero_in_binary) +
-                   count(b, text, sizeof text - 1, is_zero_in_text);
-    munmap((void *)(uintptr_t)b.bytes, b.size);
-    return found;
+    static const odd_property odd[] = { { "Visibility", "double" },
+        { "Visibility Inheritance", "int" } };
+    char *bytes = read_all(file, size);
+    size_t count = 0;
+    for (size_t k = 0; bytes && k < sizeof odd / sizeof *odd; k++)
+        count += change_all(bytes, *size, &odd[k]);
+    if (count) return bytes;
+    free(bytes);
+    return NULL;
 }

@@ -1,10 +1,12 @@
-/// What an FBX file says that Assimp's structures do not hold.
+/// What FBX files say of models in a way that Assimp passes over.
 #ifndef RSV_FBX_SCAN_H
 #define RSV_FBX_SCAN_H
 
 #include <stddef.h>
+#include <stdio.h>
 
-/// How many models have the property `Visibility` at 0, in a text or a binary file. 0 where the file cannot be read.
-size_t rsv_fbx_count_invisible(const char *path);
+/// Makes the properties Visibility and Visibility Inheritance of a file, text or binary, of types that Assimp reads: they
+/// become metadata of nodes. All else stays where it is. @return the file, to be freed; NULL = it has none of them
+char *rsv_fbx_clean(FILE *file, size_t *size);
 
 #endif

@@ -1,8 +1,11 @@
 /// glTF materials in the library's terms. docs/gltf.md says what becomes of each extension.
+#include "../scene/material_fields.h"
 #include "gltf_json.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 
 namespace rsv_gltf
 {
@@ -128,55 +131,58 @@ void convert_emission(const json &source, owned_material &to)
     add_texture(to, RSV_TEXTURE_EMISSION, true, use_of(source, "emissiveTexture"));
 }
 
-void convert_interface(const json &source, owned_material &to)
+void take(const json &from, const rsv_material_field &f, rsv_material &m)
 {
-    rsv_material &m = to.material.value;
-    const json &ior = extension(source, "KHR_materials_ior");
-    const json &specular = extension(source, "KHR_materials_specular");
-    double index = number(ior, "ior", m.ior);
-    m.ior = static_cast<float>(index == 0 ? 1e3 : index); // 0 stands for total reflection
-    if (!specular.is_object()) return;
-    m.specular = static_cast<float>(number(specular, "specularFactor", 1));
-    m.specular_color = color(specular, "specularColorFactor", { 1, 1, 1 });
-    add_texture(to, RSV_TEXTURE_SPECULAR, false, use_of(specular, "specularTexture"));
-    add_texture(to, RSV_TEXTURE_SPECULAR_COLOR, true, use_of(specular, "specularColorTexture"));
+    float *value = reinterpret_cast<float *>(reinterpret_cast<char *>(&m) + f.offset);
+    if (f.channels == 1) {
+        *value = static_cast<float>(number(from, f.key, f.usual));
+        return;
+    }
+    const rsv_rgb c = color(from, f.key, { f.usual, f.usual, f.usual });
+    std::memcpy(value, &c, sizeof c);
 }
 
-void convert_layers(const json &source, owned_material &to)
+bool is_in_extras(const rsv_material_field &f)
 {
-    rsv_material &m = to.material.value;
-    const json &coat = extension(source, "KHR_materials_clearcoat");
-    m.clearcoat = static_cast<float>(number(coat, "clearcoatFactor", 0));
-    m.clearcoat_roughness = static_cast<float>(number(coat, "clearcoatRoughnessFactor", 0));
-    add_texture(to, RSV_TEXTURE_CLEARCOAT, false, use_of(coat, "clearcoatTexture"));
-    add_texture(
-        to, RSV_TEXTURE_CLEARCOAT_ROUGHNESS, false, use_of(coat, "clearcoatRoughnessTexture"));
-    if (!member(coat, "clearcoatNormalTexture").is_null())
+    return f.extension && std::strcmp(f.extension, RSV_IN_EXTRAS) == 0;
+}
+
+/// A texture that multiplies a field.
+struct factor {
+    rsv_texture_role role;
+    bool srgb;
+    const char *extension, *key;
+};
+
+constexpr factor factors[] = {
+#define TEXTURE(role, name, channel, srgb, extension, key)                                         \
+    { RSV_TEXTURE_##role, srgb, extension, key },
+    RSV_MATERIAL_TEXTURES(TEXTURE)
+#undef TEXTURE
+};
+
+/// Numbers, colours and textures of extensions.
+void convert_extensions(const json &source, owned_material &to)
+{
+    for (const rsv_material_field *f = rsv_material_fields(); f->name; f++) {
+        if (!f->extension || is_in_extras(*f)) continue;
+        const json &from = extension(source, f->extension);
+        if (from.is_object()) take(from, *f, to.material.value);
+    }
+    for (const factor &f : factors)
+        add_texture(to, f.role, f.srgb, use_of(extension(source, f.extension), f.key));
+    float &ior = to.material.value.ior;
+    if (ior == 0) ior = 1e3f; // stands for total reflection
+    if (!member(extension(source, "KHR_materials_clearcoat"), "clearcoatNormalTexture").is_null())
         add_note(to, "clearcoatNormalTexture is ignored");
-    const json &sheen = extension(source, "KHR_materials_sheen");
-    m.sheen_color = color(sheen, "sheenColorFactor", { 0, 0, 0 });
-    m.sheen_roughness = static_cast<float>(number(sheen, "sheenRoughnessFactor", 0));
-    add_texture(to, RSV_TEXTURE_SHEEN_COLOR, true, use_of(sheen, "sheenColorTexture"));
-    add_texture(to, RSV_TEXTURE_SHEEN_ROUGHNESS, false, use_of(sheen, "sheenRoughnessTexture"));
 }
 
-void convert_transmission(const json &source, owned_material &to)
+/// What no extension has, and what overrides extensions.
+void convert_extras(const json &source, owned_material &to)
 {
-    rsv_material &m = to.material.value;
-    const json &transmission = extension(source, "KHR_materials_transmission");
-    const json &diffuse = extension(source, "KHR_materials_diffuse_transmission");
-    const json &volume = extension(source, "KHR_materials_volume");
-    m.transmission = static_cast<float>(number(transmission, "transmissionFactor", 0));
-    add_texture(to, RSV_TEXTURE_TRANSMISSION, false, use_of(transmission, "transmissionTexture"));
-    m.diffuse_transmission = static_cast<float>(number(diffuse, "diffuseTransmissionFactor", 0));
-    m.diffuse_transmission_color = color(diffuse, "diffuseTransmissionColorFactor", { 1, 1, 1 });
-    add_texture(
-        to, RSV_TEXTURE_DIFFUSE_TRANSMISSION, false, use_of(diffuse, "diffuseTransmissionTexture"));
-    add_texture(to, RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR, true,
-        use_of(diffuse, "diffuseTransmissionColorTexture"));
-    m.thickness = static_cast<float>(number(volume, "thicknessFactor", 0));
-    m.attenuation_color = color(volume, "attenuationColor", { 1, 1, 1 });
-    m.attenuation_distance = static_cast<float>(number(volume, "attenuationDistance", INFINITY));
+    const json &own = member(member(source, "extras"), "resolvent");
+    for (const rsv_material_field *f = rsv_material_fields(); f->name; f++)
+        if (is_in_extras(*f) && !member(own, f->key).is_null()) take(own, *f, to.material.value);
 }
 
 float mean_free_path(float color, float distance)
@@ -205,8 +211,6 @@ void convert_scatter(const json &source, owned_material &to)
     } else if (any) {
         add_note(to, "scattering is ignored: it needs a thickness and an attenuationDistance");
     }
-    m.scatter_distance = color(
-        member(member(source, "extras"), "resolvent"), "scatter_distance", m.scatter_distance);
 }
 
 void note_left_out(const json &source, owned_material &to)
@@ -232,10 +236,9 @@ void convert_material(const json &source, owned_material &to)
     else
         convert_metallic_roughness(source, to);
     convert_emission(source, to);
-    convert_interface(source, to);
-    convert_layers(source, to);
-    convert_transmission(source, to);
+    convert_extensions(source, to);
     convert_scatter(source, to);
+    convert_extras(source, to);
     add_texture(to, RSV_TEXTURE_NORMAL, false, use_of(source, "normalTexture"),
         number(member(source, "normalTexture"), "scale", 1));
     note_left_out(source, to);

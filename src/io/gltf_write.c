@@ -5,6 +5,7 @@
 #include "gltf_write.h"
 #include "../core/core.h"
 #include "../core/vec.h"
+#include "../scene/material_fields.h"
 #include "../scene/punctual.h"
 #include "atomic_file.h"
 #include "resolvent/io.h"
@@ -129,53 +130,59 @@ static void add_emission(writer *w, cJSON *json, rsv_rgb emission)
             strength);
 }
 
-static bool is_white(rsv_rgb c) { return c.r == 1 && c.g == 1 && c.b == 1; }
-
-static void add_volume(writer *w, cJSON *json, const rsv_material *m)
+static const float *value_of(const rsv_material *m, const rsv_material_field *f)
 {
-    bool clear = isinf(m->attenuation_distance) && is_white(m->attenuation_color);
-    if (m->thickness == 0 && clear) return;
-    cJSON *volume = add_extension(w, json, "KHR_materials_volume");
-    add_float(w, volume, "thicknessFactor", m->thickness);
-    add_rgb(w, volume, "attenuationColor", m->attenuation_color);
-    if (!isinf(m->attenuation_distance))
-        add_float(w, volume, "attenuationDistance", m->attenuation_distance);
+    return (const float *)((const char *)m + f->offset);
 }
 
-static void add_dielectric(writer *w, cJSON *json, const rsv_material *m)
+static bool is_usual(const rsv_material *m, const rsv_material_field *f)
 {
-    if (m->ior != 1.5f) add_float(w, add_extension(w, json, "KHR_materials_ior"), "ior", m->ior);
-    if (m->transmission > 0)
-        add_float(w, add_extension(w, json, "KHR_materials_transmission"), "transmissionFactor",
-            m->transmission);
-    if (m->specular != 1 || !is_white(m->specular_color)) {
-        cJSON *specular = add_extension(w, json, "KHR_materials_specular");
-        add_float(w, specular, "specularFactor", m->specular);
-        add_rgb(w, specular, "specularColorFactor", m->specular_color);
-    }
-    add_volume(w, json, m);
+    bool usual = true;
+    for (int k = 0; k < f->channels; k++)
+        usual = usual && value_of(m, f)[k] == f->usual;
+    return usual;
 }
 
-static void add_layers(writer *w, cJSON *json, const rsv_material *m)
+static bool is_in(const rsv_material_field *f, const char *extension)
 {
-    if (m->clearcoat > 0) {
-        cJSON *coat = add_extension(w, json, "KHR_materials_clearcoat");
-        add_float(w, coat, "clearcoatFactor", m->clearcoat);
-        add_float(w, coat, "clearcoatRoughnessFactor", m->clearcoat_roughness);
+    return f->extension && strcmp(f->extension, extension) == 0;
+}
+
+/// Whether some field of an extension has another value than where it is not there.
+static bool is_used(const rsv_material *m, const char *extension)
+{
+    for (const rsv_material_field *f = rsv_material_fields(); f->name; f++)
+        if (is_in(f, extension) && !is_usual(m, f)) return true;
+    return false;
+}
+
+static void add_members(writer *w, cJSON *json, const rsv_material *m, const char *extension)
+{
+    for (const rsv_material_field *f = rsv_material_fields(); f->name; f++) {
+        const float *value = value_of(m, f);
+        if (!is_in(f, extension) || isinf(*value)) continue; // infinite is usual, and no JSON
+        if (f->channels == 1)
+            add_float(w, json, f->key, *value);
+        else
+            add_floats(w, json, f->key, value, f->channels);
     }
-    if (!rgb_is_black(m->sheen_color)) {
-        cJSON *sheen = add_extension(w, json, "KHR_materials_sheen");
-        add_rgb(w, sheen, "sheenColorFactor", m->sheen_color);
-        add_float(w, sheen, "sheenRoughnessFactor", m->sheen_roughness);
-    }
-    if (m->diffuse_transmission > 0) {
-        cJSON *diffuse = add_extension(w, json, "KHR_materials_diffuse_transmission");
-        add_float(w, diffuse, "diffuseTransmissionFactor", m->diffuse_transmission);
-        add_rgb(w, diffuse, "diffuseTransmissionColorFactor", m->diffuse_transmission_color);
-    }
-    if (!rgb_is_black(m->scatter_distance)) {
-        cJSON *own = add_object(w, add_object(w, json, "extras"), "resolvent");
-        add_rgb(w, own, "scatter_distance", m->scatter_distance);
+}
+
+static bool is_first_of_its_extension(const rsv_material_field *field)
+{
+    for (const rsv_material_field *f = rsv_material_fields(); f < field; f++)
+        if (is_in(f, field->extension)) return false;
+    return true;
+}
+
+static void add_extensions(writer *w, cJSON *json, const rsv_material *m)
+{
+    for (const rsv_material_field *f = rsv_material_fields(); f->name; f++) {
+        if (!f->extension || !is_first_of_its_extension(f) || !is_used(m, f->extension)) continue;
+        cJSON *object = is_in(f, RSV_IN_EXTRAS)
+                            ? add_object(w, add_object(w, json, "extras"), "resolvent")
+                            : add_extension(w, json, f->extension);
+        add_members(w, object, m, f->extension);
     }
 }
 
@@ -205,8 +212,7 @@ static void add_material(writer *w, cJSON *materials, const rsv_material *m)
         return;
     }
     add_emission(w, json, m->emission);
-    add_dielectric(w, json, m);
-    add_layers(w, json, m);
+    add_extensions(w, json, m);
 }
 
 static void add_materials(writer *w)

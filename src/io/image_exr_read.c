@@ -67,6 +67,17 @@ cleanup:
     return status;
 }
 
+/// What lies beyond the display window is cropped; where all does, nothing is left.
+static rsv_status check_windows(const reader *in)
+{
+    exr_attr_box2i_t data = in->data_window, shown = in->display_window;
+    bool apart = data.min.x > shown.max.x || data.max.x < shown.min.x || data.min.y > shown.max.y ||
+                 data.max.y < shown.min.y;
+    if (!apart) return RSV_OK;
+    return rsv_fail(RSV_ERROR_FORMAT,
+        "cannot read '%s': its pixels lie outside of its display window", in->stream.input->path);
+}
+
 /// Names what is left out: parts behind the first, primaries other than those of sRGB.
 static void warn_of_losses(const reader *in)
 {
@@ -312,6 +323,7 @@ rsv_status rsv_image_decode_exr(rsv_context *context, const rsv_image_file *file
     rsv_status status = RSV_OK;
     reader in = { .context = context, .stream = { .input = file } };
     RSV_TRY(open_file(&in));
+    RSV_TRY(check_windows(&in));
     RSV_TRY(check_compression(&in));
     RSV_TRY(find_layers(&in));
     RSV_TRY(check_sampling(&in));

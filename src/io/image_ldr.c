@@ -81,12 +81,13 @@ static const stbi_io_callbacks source_callbacks = { source_read, source_skip, so
 /// What the decoder's messages mean; its own words are for those who develop it.
 static rsv_status fail_decoding(const source *from)
 {
-    static const char *const known[][2] = { { "not of any known",
-                                                "it is neither a PNG nor a JPEG" },
+    static const char *const known[][2] = {
+        { "not of any known", "it is neither a PNG nor a JPEG, or its head is damaged" },
         { "not supported",
             "a kind of PNG or JPEG that is not supported; save it as plain 8-bit PNG" },
         { "memory", "it is damaged, or more than memory holds" },
-        { "PNG", "its PNG data are damaged" }, { "JPEG", "its JPEG data are damaged" } };
+        { "PNG", "its PNG data are damaged" }, { "JPEG", "its JPEG data are damaged" }
+    };
     const char *said = stbi_failure_reason(), *meaning = "its data are damaged";
     for (size_t k = sizeof known / sizeof *known; said && k-- > 0;)
         if (strstr(said, known[k][0])) meaning = known[k][1];

@@ -314,6 +314,72 @@ char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3])
     return cleaned;
 }
 
+// ---- materials that do not exist --------------------------------------------------------------------
+
+#define MOST_NAME_BYTES (1 << 18) ///< of names that are remembered
+
+/// @param name [length] with a '\n' before and behind it
+static bool knows(const rsv_obj_names *names, const char *name, size_t length)
+{
+    return names->text && memmem(names->text, names->size, name, length);
+}
+
+static void add_name(rsv_obj_names *names, const char *name, size_t length)
+{
+    if (knows(names, name, length) || names->size + length > MOST_NAME_BYTES) return;
+    if (names->size + length > names->capacity) {
+        char *grown = realloc(names->text, names->capacity = 2 * (names->size + length));
+        if (!grown) {
+            names->capacity = 0;
+            return;
+        }
+        names->text = grown;
+    }
+    memcpy(names->text + names->size, name, length);
+    names->size += length;
+}
+
+void rsv_obj_note_names(const char *text, const char *word, rsv_obj_names *names)
+{
+    char name[512] = "\n", last[512] = "";
+    size_t length = strlen(word);
+    for (const char *at = strstr(text, word); at; at = strstr(at + length, word)) {
+        const char *from = at + length, *end = strchr(from, '\n');
+        if ((at > text && at[-1] != '\n') || !isspace((unsigned char)*from) || !end) continue;
+        from += strspn(from, " \t");
+        if (from >= end || (size_t)(end - from) > sizeof name - 2) continue;
+        size_t size = (size_t)(end - from) + 2;
+        memcpy(name + 1, from, size - 1);
+        name[size] = '\0';
+        if (strcmp(name, last) == 0) continue;
+        memcpy(last, name, size + 1);
+        add_name(names, name, size);
+    }
+}
+
+void rsv_obj_warn_of_unknown(const rsv_context *context, const char *path,
+    const rsv_obj_names *used, const rsv_obj_names *defined)
+{
+    char list[400] = "";
+    size_t count = 0;
+    for (size_t k = 0; k < used->size;) {
+        const char *name = used->text + k, *end = memchr(name + 1, '\n', used->size - k - 1);
+        size_t length = (size_t)(end - name) + 1;
+        k += length;
+        if (knows(defined, name, length) || count++ >= MOST_WORDS) continue;
+        char word[64];
+        snprintf(word, sizeof word, "%.*s", (int)(length - 2), name + 1);
+        for (char *c = word; *c; c++)
+            if (iscntrl((unsigned char)*c)) *c = '?';
+        size_t at = strlen(list);
+        snprintf(list + at, sizeof list - at, "%s'%s'", at ? ", " : "", word);
+    }
+    if (count)
+        rsv_log(context, RSV_LOG_WARNING,
+            "%s: uses materials that no library of it defines: %s%s; they are grey", path, list,
+            count > MOST_WORDS ? ", ..." : "");
+}
+
 // ---- what is wrong ----------------------------------------------------------------------------------
 
 typedef struct checker {

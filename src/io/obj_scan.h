@@ -17,6 +17,19 @@ void rsv_obj_warn_of_unused(const rsv_context *context, const char *path, bool i
 /// @return malloc'ed; NULL = no memory, or unreadable
 char *rsv_obj_clean(FILE *file, bool is_library, size_t *size, double origin[3]);
 
+/// Names of materials, each once, with a '\n' before and behind it.
+typedef struct rsv_obj_names {
+    char *text; ///< malloc'ed; NULL = none
+    size_t size, capacity;
+} rsv_obj_names;
+
+/// Adds what statements name. @param text from rsv_obj_clean @param word of the statements: "usemtl" or "newmtl"
+void rsv_obj_note_names(const char *text, const char *word, rsv_obj_names *names);
+
+/// Names, in one warning, the materials that are used and not defined.
+void rsv_obj_warn_of_unknown(const rsv_context *context, const char *path,
+    const rsv_obj_names *used, const rsv_obj_names *defined);
+
 /// The first thing that is wrong with an .obj file, as the error message, with its line. RSV_OK if nothing is found.
 rsv_status rsv_obj_explain(const char *path);
 

@@ -183,10 +183,25 @@ static void next_word(cursor *c, char word[WORD_BYTES])
     word[length] = '\0';
 }
 
-/// The rest of the line, without blanks around it. @param name NULL = nobody wants it
+/// How much of a line is a name: all of it, unless a facet follows, or another solid with one.
+static size_t length_of_name(const char *at)
+{
+    size_t length = strcspn(at, "\r\n"), name = length;
+    for (size_t k = 0; k < length && at[k]; k++) {
+        if (k > 0 && !isspace((unsigned char)at[k - 1])) continue;
+        if (strncasecmp(at + k, "solid", 5) == 0 && isspace((unsigned char)at[k + 5]) &&
+            name == length)
+            name = k;
+        if (strncasecmp(at + k, "facet", 5) == 0 && isspace((unsigned char)at[k + 5]))
+            return name < k ? name : k;
+    }
+    return length;
+}
+
+/// The rest of the line, or of what comes before a facet in it, without blanks around it. @param name NULL = nobody wants it
 static void rest_of_line(cursor *c, char *name)
 {
-    size_t length = strcspn(c->at, "\r\n"), blanks = strspn(c->at, " \t");
+    size_t length = length_of_name(c->at), blanks = strspn(c->at, " \t");
     const char *start = c->at + (blanks < length ? blanks : length), *end = c->at + length;
     c->at = end;
     if (!name) return;

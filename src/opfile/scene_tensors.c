@@ -1,4 +1,5 @@
 /// The scene: what a committed one holds, array by array.
+#include "../scene/material_fields.h"
 #include "../scene/punctual.h"
 #include "../scene/restore.h"
 #include "../scene/texture.h"
@@ -15,28 +16,12 @@ _Static_assert(sizeof(rsv_punctual_light_kind) == 4 && sizeof(rsv_texture_role) 
 #define COUNT_OF(array) (sizeof(array) / sizeof(array)[0])
 
 static const rsv_column material_columns[] = {
-    RSV_FLOATS(rsv_material, base_color, 3),
-    RSV_FLOATS(rsv_material, metallic, 1),
-    RSV_FLOATS(rsv_material, roughness, 1),
-    RSV_FLOATS(rsv_material, ior, 1),
-    RSV_FLOATS(rsv_material, specular, 1),
-    RSV_FLOATS(rsv_material, specular_color, 3),
-    RSV_FLOATS(rsv_material, transmission, 1),
-    RSV_FLOATS(rsv_material, thickness, 1),
-    RSV_FLOATS(rsv_material, attenuation_color, 3),
-    RSV_FLOATS(rsv_material, attenuation_distance, 1),
-    RSV_FLOATS(rsv_material, emission, 3),
-    RSV_FLAG(rsv_material, double_sided),
-    RSV_FLAG(rsv_material, unlit),
-    RSV_FLOATS(rsv_material, clearcoat, 1),
-    RSV_FLOATS(rsv_material, clearcoat_roughness, 1),
-    RSV_FLOATS(rsv_material, sheen_color, 3),
-    RSV_FLOATS(rsv_material, sheen_roughness, 1),
-    RSV_FLOATS(rsv_material, diffuse_transmission, 1),
-    RSV_FLOATS(rsv_material, diffuse_transmission_color, 3),
-    RSV_FLOATS(rsv_material, scatter_distance, 3),
-    RSV_FLOATS(rsv_material, opacity, 1),
-    RSV_FLOATS(rsv_material, alpha_cutoff, 1),
+#define NUMBER(field, channels, usual, low, high, extension, key)                                  \
+    RSV_FLOATS(rsv_material, field, channels),
+#define FLAG(field) RSV_FLAG(rsv_material, field),
+    RSV_MATERIAL_FIELDS(NUMBER, FLAG)
+#undef NUMBER
+#undef FLAG
 };
 
 static const rsv_column light_columns[] = {

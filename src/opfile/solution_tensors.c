@@ -366,8 +366,8 @@ cleanup:
 static rsv_status check_report(const rsv_tensor_file *file, const parts *p)
 {
     const rsv_solve_report *r = &p->report;
-    bool sound = r->stop_reason <= RSV_STOP_BREAKDOWN && r->solver <= RSV_SOLVER_PETSC &&
-                 p->desc.solver <= RSV_SOLVER_PETSC;
+    bool sound = r->stop_reason <= RSV_STOP_BREAKDOWN && rsv_solver_name(r->solver) &&
+                 rsv_solver_name(p->desc.solver);
     return sound ? RSV_OK
                  : rsv_fail(RSV_ERROR_FORMAT,
                        "%s: note 'report' or 'solve' names no known solver "

@@ -16,19 +16,29 @@
 #define MOST_ELEMENTS 1e6
 #define LEAST_RAYS 64
 #define MOST_RAYS 1024
+/// Light paths for caustics, and the part of the usual elements where surfaces meet, that serve this error too. The noise of
+/// caustics falls with the paths; what contacts err, which lie along lines, with the root of their elements.
+#define USUAL_PHOTONS 250000
+#define USUAL_CONTACTS 0.6
+#define LEAST_PHOTONS 40000.0
+#define MOST_PHOTONS 6e6
 /// Below this, light that bends is worth pilots, and what the camera does not see worth finding out.
 #define DEMANDING 0.002
 #define REFINEMENTS 3
-/// Part of the wanted error that elements may use up; the noise of samples may always use up this one.
-#define ELEMENTS_SHARE 0.5
+/// Part of the wanted error that elements may use up; the noise of samples may always use up this one, as samples are
+/// cheaper than elements.
+#define ELEMENTS_SHARE 0.75
 #define LEAST_NOISE_SHARE 0.25
 /// A finer solution has so many times the elements; a round that leaves more than this of the error has not helped.
 #define REFINEMENT 4
 #define LEAST_PROGRESS 0.8
 #define MOST_ROUNDS 3
-/// Elements are looked at by gathering with this part of the samples, twice; not where an error above this is allowed, as that
-/// would take longer than the picture.
+/// Elements are looked at by gathering with this part of the samples, twice, and again with up to so many where that leaves
+/// more than this part of the wanted error uncertain; not where an error above GENEROUS is allowed, as that would take longer
+/// than the picture.
 #define LOOKS_SHARE 8
+#define MOST_LOOKS 8
+#define DOUBTFUL_SHARE 0.25
 #define GENEROUS (2 * USUAL_ERROR)
 #define MOST_SAMPLES 4096
 /// Estimates that exceed the wanted error by less count as that.
@@ -85,6 +95,16 @@ static uint32_t power_of_two(double value, uint32_t least, uint32_t most)
     return power;
 }
 
+static uint32_t photons_for(double accuracy)
+{
+    return (uint32_t)fmin(fmax(USUAL_PHOTONS * accuracy, LEAST_PHOTONS), MOST_PHOTONS);
+}
+
+static float contacts_for(double accuracy)
+{
+    return (float)fmin(USUAL_CONTACTS * sqrt(accuracy), 1);
+}
+
 static void choose_elements(rsv_planner *p)
 {
     double pixels = (double)p->picture.width * p->picture.height;
@@ -92,6 +112,8 @@ static void choose_elements(rsv_planner *p)
     double elements = USUAL_ELEMENTS * sqrt(accuracy * detail);
     p->solve.element_target = (uint32_t)fmin(fmax(elements, LEAST_ELEMENTS), MOST_ELEMENTS);
     p->solve.rays_per_element = power_of_two(USUAL_RAYS * accuracy, LEAST_RAYS, MOST_RAYS);
+    p->solve.photon_count = photons_for(accuracy);
+    p->solve.contact_share = contacts_for(accuracy);
     p->solve.refinements = 0;
     p->solve.goal_camera = RSV_NONE;
     if (p->wanted >= DEMANDING) return;
@@ -105,6 +127,8 @@ static void choose_finer(rsv_planner *p)
     p->solve.element_target =
         (uint32_t)fmin((double)p->solve.element_target * REFINEMENT, MOST_ELEMENTS);
     p->solve.rays_per_element = rays < MOST_RAYS ? 2 * rays : rays;
+    p->solve.photon_count = (uint32_t)fmin(2.0 * p->solve.photon_count, MOST_PHOTONS);
+    p->solve.contact_share = fminf(2 * p->solve.contact_share, 1);
     if (p->plan.rounds > 1) p->solve.refinements = REFINEMENTS;
     if (!p->picture.viewpoint) p->solve.goal_camera = p->picture.camera;
 }
@@ -136,8 +160,7 @@ static rsv_status look_at_elements(rsv_planner *p, uint32_t samples, double *unc
     const rsv_image *const stored[2] = { p->sum.half[0], p->sum.half[1] };
     const rsv_image *const truth[2] = { gathered[0], gathered[1] };
     if (status == RSV_OK)
-        p->plan.elements_error =
-            fmax(rsv_pixel_error(stored, truth, 1, uncertainty) - *uncertainty, 0);
+        p->plan.elements_error = fmax(rsv_pixel_error(stored, truth, 1, uncertainty), 0);
     rsv_image_destroy(gathered[0]);
     rsv_image_destroy(gathered[1]);
     return status;
@@ -160,6 +183,17 @@ static uint32_t samples_needed(const rsv_planner *p)
     return rsv_samples_for(p->plan.noise, p->sum.samples, noise_allowed(p), MOST_SAMPLES);
 }
 
+/// Looks again, more closely, where the first look cannot tell whether elements are good enough.
+static rsv_status judge_elements(rsv_planner *p, double *uncertainty)
+{
+    uint32_t needed = samples_needed(p), samples = needed > LOOKS_SHARE ? needed / LOOKS_SHARE : 1;
+    rsv_status status = look_at_elements(p, samples, uncertainty);
+    double doubt = *uncertainty / (DOUBTFUL_SHARE * p->wanted);
+    if (status != RSV_OK || doubt <= 1 || samples >= MOST_LOOKS) return status;
+    samples = (uint32_t)fmin(ceil(doubt * samples), MOST_LOOKS);
+    return look_at_elements(p, samples, uncertainty);
+}
+
 /// Refines elements as long as they are what limits the picture, and it helps.
 static rsv_status find_solution(rsv_planner *p)
 {
@@ -168,9 +202,8 @@ static rsv_status find_solution(rsv_planner *p)
     while (status == RSV_OK) {
         p->plan.elements_error = NAN;
         status = take_first(p);
-        uint32_t needed = status == RSV_OK ? samples_needed(p) : 0;
         if (status != RSV_OK || p->wanted > GENEROUS) break;
-        status = look_at_elements(p, needed > LOOKS_SHARE ? needed / LOOKS_SHARE : 1, &uncertainty);
+        status = judge_elements(p, &uncertainty);
         double least = p->plan.elements_error - uncertainty; // more than chance
         if (status != RSV_OK || least <= ELEMENTS_SHARE * p->wanted || p->is_given) break;
         if (p->plan.rounds >= MOST_ROUNDS || p->plan.elements_error > LEAST_PROGRESS * before)

@@ -7,6 +7,11 @@
 
 #define COARSEST_ELEMENTS 500
 #define COARSEST_RAYS 64
+#define COARSEST_PHOTONS 40000
+#define FINE_PHOTONS 250000
+/// Part of the usual elements where surfaces meet.
+#define COARSEST_CONTACTS 0.2f
+#define FINE_CONTACTS 0.5f
 #define FINE_RAYS 256
 /// Parts of the time that is left: a solution may take the first before it is given up; a second, finer one aims at the other.
 #define SOLUTION_SHARE 0.6
@@ -46,6 +51,8 @@ static rsv_status find_solution(rsv_planner *p, double seconds)
     double begun = now_of(p);
     p->solve.element_target = COARSEST_ELEMENTS;
     p->solve.rays_per_element = COARSEST_RAYS;
+    p->solve.photon_count = COARSEST_PHOTONS;
+    p->solve.contact_share = COARSEST_CONTACTS;
     p->solve.refinements = 0;
     p->solve.goal_camera = RSV_NONE;
     rsv_status status = solve_until(p, begun + SOLUTION_SHARE * (seconds - begun));
@@ -53,6 +60,8 @@ static rsv_status find_solution(rsv_planner *p, double seconds)
     double finer = fmin(FINER_SHARE * (seconds - now) / (now - begun), MOST_FINER);
     if (status != RSV_OK || !p->light || finer < WORTH_IT) return status;
     p->solve.element_target = (uint32_t)(COARSEST_ELEMENTS * finer / 2);
+    p->solve.photon_count = FINE_PHOTONS;
+    p->solve.contact_share = FINE_CONTACTS;
     if (finer > 2 * WORTH_IT) p->solve.rays_per_element = FINE_RAYS;
     return solve_until(p, now + SOLUTION_SHARE * (seconds - now));
 }

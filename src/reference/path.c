@@ -241,6 +241,8 @@ void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point
     rsv_light_path path;
     rsv_path_surface_meet(tracer, &down, &hit, &entry);
     entry.entry = true;
+    entry.normal = entry.receiving =
+        rsv_surface_point_at(tracer->scene, hit.triangle, hit.u, hit.v, !entry.front).normal;
     start_path(&path, tracer, medium, id, light);
     if (go_where_light_entered(&path, &entry)) follow(&path);
 }

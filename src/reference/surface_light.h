@@ -11,7 +11,8 @@ typedef struct rsv_surface_place {
     bool back;
 } rsv_surface_place;
 
-/// The irradiance of surfaces, without the light that their coats keep from what scatters diffusely below.
+/// The irradiance of surfaces by their interpolated normals, without the light that their coats keep from what scatters
+/// diffusely below.
 /// @param samples, seed as in rsv_probe_reference @param readings [count]
 rsv_status rsv_surface_light_reference(const rsv_scene *scene, const rsv_surface_place *places,
     size_t count, uint32_t samples, uint32_t seed, rsv_probe_reading *readings);

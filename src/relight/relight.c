@@ -88,6 +88,44 @@ cleanup:
     return status;
 }
 
+/// All parts there are, of those that are away also the one at home. @param part [2 RSV_MAX_LIGHT_PARTS] @return how many
+static size_t list_parts(rsv_relighter *r, rsv_light_part **part)
+{
+    size_t count = 0;
+    for (size_t k = 0; k < r->basis->source_count; k++) {
+        part[count++] = &r->basis->part[k];
+        part[count++] = &r->home_part[k];
+    }
+    return count;
+}
+
+/// What belongs to the levels as they were.
+static void forget_levels(rsv_relighter *r)
+{
+    rsv_light_destroy(r->began);
+    rsv_receiver_blocks_destroy(r->fine);
+    rsv_free(r->context, r->valid);
+    r->began = NULL;
+    r->fine = NULL;
+    r->valid = NULL;
+    r->refined = true;
+    rsv_relight_responses_forget(r);
+}
+
+rsv_status rsv_relighter_refine(rsv_relighter *r)
+{
+    rsv_status status;
+    rsv_light_part *part[2 * RSV_MAX_LIGHT_PARTS];
+    if (rsv_relighter_any_stale(r)) {
+        forget_levels(r);
+        RSV_TRY(rsv_light_refine_levels(r->light, part, list_parts(r, part)));
+        RSV_TRY(rsv_find_fine_valid(r->light, &r->valid));
+    }
+    RSV_TRY(rsv_relighter_settle(r));
+cleanup:
+    return status;
+}
+
 uint64_t rsv_relighter_rays(const rsv_relighter *r) { return r->rays; }
 
 bool rsv_relighter_is_settled(const rsv_relighter *r) { return r->settled; }
@@ -120,7 +158,7 @@ rsv_status rsv_light_relight(rsv_light *s, const rsv_relight_desc *desc)
     rsv_status status = rsv_relighter_create(s, &r);
     if (status == RSV_OK) r->once = true;
     if (status == RSV_OK) status = rsv_relighter_change(r, desc);
-    if (status == RSV_OK) status = rsv_relighter_settle(r);
+    if (status == RSV_OK) status = rsv_relighter_refine(r);
     rsv_relighter_destroy(r);
     return status;
 }

@@ -351,7 +351,7 @@ static rsv_relighter_change_kind kind_of_change(
 static rsv_status keep_beginning(rsv_relighter *r)
 {
     rsv_status status;
-    if (r->began || r->once || r->grown) return RSV_OK;
+    if (r->began || r->once || r->grown || r->refined) return RSV_OK;
     RSV_TRY(rsv_light_begin_like(r->light, rsv_light_get_sources(r->light), &r->began));
     RSV_TRY(rsv_light_assign(r->began, r->light));
 cleanup:

@@ -40,9 +40,10 @@ struct rsv_relighter {
     struct rsv_relight_responses *responses; ///< NULL = not known, for the sources as they stand
     bool prepared;                           ///< whether they are wanted, and can be had
     bool settled;
-    bool once;   ///< there will be one change, and no way back
-    bool grown;  ///< a source was added
-    bool behind; ///< a change was cut short: the next one takes everything over again
+    bool once;    ///< there will be one change, and no way back
+    bool grown;   ///< a source was added
+    bool refined; ///< levels have other elements than in the beginning
+    bool behind;  ///< a change was cut short: the next one takes everything over again
 };
 
 static inline size_t rsv_relighter_nodes(const rsv_relighter *r)

@@ -317,3 +317,37 @@ rsv_rgb rsv_sampled_irradiance(
     return rgb_add(sum,
         rsv_punctual_irradiance_at(&lit.receiver, &lit.entrance, s->lights, s->tracer, u, &rays));
 }
+
+/// One sample of the emitters' light, and of what they would give without shadows the share that is stored.
+static rsv_rgb seen_emitters(
+    const rsv_light_view *s, const lit_point *lit, rsv_rgb stored, uint32_t seed)
+{
+    rsv_local_lights local;
+    rsv_next_event event;
+    rsv_random random = rsv_random_from(seed, 0, 31);
+    float u[3];
+    for (int k = 0; k < 3; k++)
+        u[k] = rsv_random_float(&random);
+    rsv_receiver_weigh(&lit->receiver, s->lights, &local);
+    rsv_next_event_draw(&lit->receiver, &lit->entrance, &local, u, &event);
+    float open = rgb_luminance(local.unshadowed);
+    float share = open > 0 ? f_min(f_max(rgb_luminance(stored) / open, 0), 1) : 0;
+    rsv_rgb light = rgb_scale(event.light, rsv_next_event_passed(s->tracer, &event));
+    return rgb_mad(light, share, rgb_sub(local.unshadowed, event.open));
+}
+
+rsv_rgb rsv_seen_irradiance(
+    const rsv_light_view *s, const rsv_specular_path *path, rsv_rgb stored, uint32_t seed)
+{
+    lit_point lit;
+    uint64_t rays = 0;
+    set_up_point(s, path,
+        rsv_surface_point_seen(
+            s->scene.view, path->triangle, path->u, path->v, path->back, path->width),
+        rgb_gray(1), &lit);
+    float u = rsv_unit_float(rsv_hash2(seed, 32));
+    rsv_rgb punctual =
+        rsv_punctual_irradiance_at(&lit.receiver, &lit.entrance, s->lights, s->tracer, u, &rays);
+    if (!rsv_lights_any_sampled(s->lights)) return punctual;
+    return rgb_add(punctual, seen_emitters(s, &lit, rgb_sub(stored, punctual), seed));
+}

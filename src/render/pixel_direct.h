@@ -82,6 +82,11 @@ typedef void (*rsv_pixel_direct_sink)(void *user, uint32_t column, rsv_rgb radia
 rsv_status rsv_pixel_direct_resolve(
     rsv_pixel_direct *direct, const rsv_pixel_noise *noise, rsv_pixel_direct_sink add, void *user);
 
+/// The same as one sample that is unbiased by itself, for a surface that a camera sees. @param stored what the solution has
+/// of it: where it is right and no shadow is near, there is no noise
+rsv_rgb rsv_seen_irradiance(
+    const rsv_light_view *solution, const rsv_specular_path *path, rsv_rgb stored, uint32_t seed);
+
 /// One-sample estimate of the irradiance that next-event estimation finds at the specular path's surface.
 rsv_rgb rsv_sampled_irradiance(
     const rsv_light_view *solution, const rsv_specular_path *path, rsv_random *random);

@@ -27,7 +27,8 @@ static int find_lobes(const rsv_bsdf *bsdf, rough_lobe *lobe)
     if (bsdf->alpha > 0) lobe[count++] = lobe_of(bsdf->alpha, metal + interface);
     if (bsdf->clearcoat > 0 && bsdf->clearcoat_alpha > 0)
         lobe[count++] = lobe_of(bsdf->clearcoat_alpha, 0.04f * bsdf->clearcoat);
-    if (rgb_max(bsdf->sheen) > 0) lobe[count++] = lobe_of(1, rgb_luminance(bsdf->sheen));
+    rsv_rgb wide = rsv_bsdf_wide_layers_most(bsdf);
+    if (rgb_max(wide) > 0) lobe[count++] = lobe_of(1, rgb_luminance(wide));
     return count;
 }
 

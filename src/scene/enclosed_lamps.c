@@ -3,6 +3,7 @@
 #include "../core/sampling.h"
 #include "punctual.h"
 #include "scene.h"
+#include "tree_ray.h"
 
 /// Rays from a lamp, and how often each is reflected at random: what leaves by no more than the 256th part of a sphere, or
 /// not within some reflections, is none to speak of.
@@ -32,70 +33,15 @@ typedef struct search {
     int votes;
 } search;
 
-// ---- rays ---------------------------------------------------------------------------------------
-
-/// Moeller and Trumbore (1997), in double and with edges included: nothing slips through between triangles.
-static bool meets(
-    const rsv_scene_view *view, uint32_t triangle, const rsv_ray *ray, float t_min, rsv_hit *hit)
-{
-    const uint32_t *corner = view->triangle[triangle];
-    rsv_vec3 p[3] = { view->position[corner[0]], view->position[corner[1]],
-        view->position[corner[2]] };
-    double a[3] = { (double)p[1].x - p[0].x, (double)p[1].y - p[0].y, (double)p[1].z - p[0].z };
-    double b[3] = { (double)p[2].x - p[0].x, (double)p[2].y - p[0].y, (double)p[2].z - p[0].z };
-    double o[3] = { (double)ray->origin.x - p[0].x, (double)ray->origin.y - p[0].y,
-        (double)ray->origin.z - p[0].z };
-    double d[3] = { ray->direction.x, ray->direction.y, ray->direction.z };
-    double db[3] = { d[1] * b[2] - d[2] * b[1], d[2] * b[0] - d[0] * b[2],
-        d[0] * b[1] - d[1] * b[0] };
-    double oa[3] = { o[1] * a[2] - o[2] * a[1], o[2] * a[0] - o[0] * a[2],
-        o[0] * a[1] - o[1] * a[0] };
-    double volume = db[0] * a[0] + db[1] * a[1] + db[2] * a[2];
-    if (volume == 0) return false;
-    double u = (db[0] * o[0] + db[1] * o[1] + db[2] * o[2]) / volume;
-    double v = (oa[0] * d[0] + oa[1] * d[1] + oa[2] * d[2]) / volume;
-    double t = (oa[0] * b[0] + oa[1] * b[1] + oa[2] * b[2]) / volume;
-    if (u < -1e-7 || v < -1e-7 || u + v > 1 + 1e-7 || t <= (double)t_min || t >= (double)hit->t)
-        return false;
-    float inside = f_min(f_max((float)u, 0), 1);
-    if (rsv_is_cut_out(view, triangle, inside, f_min(f_max((float)v, 0), 1 - inside))) return false;
-    *hit = (rsv_hit){ triangle, (float)t, inside, f_min(f_max((float)v, 0), 1 - inside) };
-    return true;
-}
-
-static bool misses_box(const rsv_twin_node *node, const rsv_ray *ray, float slack, float t_max)
-{
-    const float *low = &node->low.x, *high = &node->high.x, *from = &ray->origin.x,
-                *along = &ray->direction.x;
-    float enter = 0, leave = t_max;
-    for (int k = 0; k < 3; k++) {
-        float near = low[k] - slack - from[k], far = high[k] + slack - from[k];
-        if (fabsf(along[k]) < 1e-12f) {
-            if (near > 0 || far < 0) return true;
-            continue;
-        }
-        float a = near / along[k], b = far / along[k];
-        enter = f_max(enter, f_min(a, b));
-        leave = f_min(leave, f_max(a, b));
-    }
-    return enter > leave;
-}
-
 static bool find_hit(const search *s, const rsv_ray *ray, rsv_hit *hit)
 {
-    const rsv_twin_tree *tree = s->tree;
     float slack = 1e-6f * s->size;
-    *hit = (rsv_hit){ RSV_NONE, INFINITY, 0, 0 };
-    for (uint32_t n = 0; n < tree->node_count;) {
-        const rsv_twin_node *node = &tree->node[n];
-        bool misses = misses_box(node, ray, slack, hit->t);
-        if (!misses && node->next == n + 1)
-            for (uint32_t k = node->first; k < node[1].first; k++)
-                meets(s->view, tree->face[k], ray, slack, hit);
-        n = misses ? node->next : n + 1;
-    }
-    if (hit->triangle != RSV_NONE && s->view->twins) rsv_twins_settle(s->view, ray->direction, hit);
-    return hit->triangle != RSV_NONE;
+    const rsv_tree_ray through = {
+        .view = s->view, .tree = s->tree, .ray = *ray, .t_min = slack, .slack = slack
+    };
+    if (!rsv_tree_ray_closest(&through, hit)) return false;
+    if (s->view->twins) rsv_twins_settle(s->view, ray->direction, hit);
+    return true;
 }
 
 // ---- one lamp -----------------------------------------------------------------------------------
@@ -123,6 +69,9 @@ static rsv_vec3 random_around(rsv_vec3 normal, uint32_t stream, uint32_t k)
     return v3_mad(v3_mad(v3_scale(t, d.x), d.y, b), d.z, normal);
 }
 
+/// A coordinate of a place on a triangle, moved inwards: from its edge, rays would pass the wall that stands there.
+static float inner(float u) { return u + 1e-3f * (1 / 3.0f - u); }
+
 /// Follows light from a lamp. @return whether it may stay close to the lamp, as far as this ray can tell
 static bool stays(search *s, rsv_ray ray, uint32_t index)
 {
@@ -142,7 +91,7 @@ static bool stays(search *s, rsv_ray ray, uint32_t index)
         s->reflected = true;
         if (is_large(s)) return false;
         if (back) normal = v3_neg(normal);
-        ray.origin = rsv_twin_point(&plane, hit.u, hit.v);
+        ray.origin = rsv_twin_point(&plane, inner(hit.u), inner(hit.v));
         ray.direction = random_around(normal, step + 1, index);
     }
     return true;
@@ -154,13 +103,19 @@ static bool is_within(const search *s, rsv_vec3 p)
            p.z >= s->low.z && p.z <= s->high.z;
 }
 
+static bool has_camera(const search *s)
+{
+    for (size_t k = 0; k < s->view->camera_count; k++)
+        if (is_within(s, s->view->camera[k].position)) return true;
+    return false;
+}
+
 /// Whether what light gets to is a room rather than a body: one looks at it, or there is much in it.
 static bool is_room(const search *s)
 {
     const rsv_scene_view *view = s->view;
     double within = 0, all = 0;
-    for (size_t k = 0; k < view->camera_count; k++)
-        if (is_within(s, view->camera[k].position)) return true;
+    if (has_camera(s)) return true;
     for (uint32_t t = 0; t < view->triangle_count; t++) {
         const uint32_t *corner = view->triangle[t];
         rsv_vec3 a = view->position[corner[0]], b = view->position[corner[1]],
@@ -196,7 +151,7 @@ static bool is_light_enclosed(search *s, const rsv_punctual_light *light)
         float turn = 2.39996323f * (float)k + 0.1f;
         rsv_vec3 d = v3_mad(v3_scale(t, r * cosf(turn)), r * sinf(turn), b);
         rsv_ray ray = { light->position, v3_mad(d, z, axis), INFINITY };
-        if (!stays(s, ray, k)) return false;
+        if (!stays(s, ray, k) || has_camera(s)) return false;
     }
     return is_enclosed(s);
 }
@@ -223,7 +178,7 @@ static bool is_object_enclosed(search *s, uint32_t first, uint32_t end, uint32_t
         for (uint32_t k = 0; k < RAYS / places; k++) {
             rsv_vec3 side = k % (uint32_t)sides ? v3_neg(normal) : normal;
             rsv_ray ray = { from, random_around(side, 0, taken * RAYS + k), INFINITY };
-            if (!stays(s, ray, taken * RAYS + k)) return false;
+            if (!stays(s, ray, taken * RAYS + k) || has_camera(s)) return false;
         }
     }
     return is_enclosed(s);
@@ -241,16 +196,52 @@ static void warn(const search *s, const rsv_context *context, const char *kind, 
         kind, name, s->view->object_name[s->object]);
 }
 
-static void look_into_objects(search *s, const rsv_context *context, uint32_t *count)
+/// @return whether all emissive objects are enclosed, if there are any
+/// @param warned NULL = look until one is not, and say nothing @param found out: the last that is
+static bool look_into_objects(
+    search *s, const rsv_context *context, uint32_t *warned, const char **found)
 {
     const rsv_scene_view *view = s->view;
-    for (uint32_t first = 0, end; first < view->triangle_count; first = end) {
+    bool all = true;
+    for (uint32_t first = 0, end; first < view->triangle_count && (all || warned); first = end) {
         uint32_t object = view->triangle_object[first], emissive = 0;
         for (end = first; end < view->triangle_count && view->triangle_object[end] == object; end++)
             emissive += emits(view, end);
-        if (emissive && is_object_enclosed(s, first, end, emissive))
-            warn(s, context, "lamp", view->object_name[object], count);
+        if (!emissive) continue;
+        bool enclosed = is_object_enclosed(s, first, end, emissive);
+        all = all && enclosed;
+        if (enclosed) *found = view->object_name[object];
+        if (enclosed && warned) warn(s, context, "lamp", view->object_name[object], warned);
     }
+    return all;
+}
+
+/// The same for punctual lights.
+static bool look_around_lights(
+    search *s, const rsv_context *context, uint32_t *warned, const char **found)
+{
+    const rsv_scene_view *view = s->view;
+    bool all = true;
+    for (size_t k = 0; k < view->light_count && (all || warned); k++) {
+        if (rgb_is_black(view->light[k].intensity)) continue;
+        bool enclosed = is_light_enclosed(s, &view->light[k]);
+        all = all && enclosed;
+        if (enclosed) *found = view->light[k].name;
+        if (enclosed && warned) warn(s, context, "light", view->light[k].name, warned);
+    }
+    return all;
+}
+
+/// Bodies of any size, if they are closed around all lamps there are: then pictures are black.
+static void look_for_darkness(search *s, const rsv_context *context)
+{
+    const char *found = NULL;
+    uint32_t count = 0;
+    s->limit = INFINITY;
+    if (s->view->environment || !look_around_lights(s, context, NULL, &found)) return;
+    const char *light = found;
+    if (look_into_objects(s, context, NULL, &found) && found)
+        warn(s, context, found == light ? "light" : "lamp", found, &count);
 }
 
 void rsv_warn_of_enclosed_lamps(const rsv_scene *scene, const rsv_twin_tree *tree)
@@ -258,13 +249,13 @@ void rsv_warn_of_enclosed_lamps(const rsv_scene *scene, const rsv_twin_tree *tre
     const rsv_scene_view *view = &scene->view;
     float size = v3_max_abs(v3_sub(view->bounds_max, view->bounds_min));
     search s = { .view = view, .tree = tree, .size = size };
+    const char *found = NULL;
     uint32_t count = 0;
     s.limit = f_min(f_max(SMALL, SMALL_PART * size), MOST_PART * size);
-    for (size_t k = 0; k < view->light_count; k++)
-        if (is_light_enclosed(&s, &view->light[k]))
-            warn(&s, scene->context, "light", view->light[k].name, &count);
-    look_into_objects(&s, scene->context, &count);
+    look_around_lights(&s, scene->context, &count, &found);
+    look_into_objects(&s, scene->context, &count, &found);
     if (count > MOST_NAMED)
         rsv_log(scene->context, RSV_LOG_WARNING,
             "%u more lamps have something opaque closed around them", count - MOST_NAMED);
+    if (count == 0) look_for_darkness(&s, scene->context);
 }

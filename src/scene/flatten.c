@@ -14,6 +14,9 @@
 /// A transform whose volume is below this share of the product of its axes is singular.
 #define SINGULAR_VOLUME 1e-9
 
+/// An object suffers from where it lies if places there are farther apart than this share of its size.
+#define COARSE 1e-2f
+
 /// Meshes with degenerate triangles that get a warning of their own.
 #define MAX_NAMED_MESHES 8
 
@@ -32,6 +35,9 @@ typedef struct flattener {
     linear_map map;
     bool has_uv[2], has_tangent, has_color; ///< whether any mesh has
     uint32_t *emitted; ///< output vertex that carries the mesh's own normal; RSV_NONE = none
+    size_t coarse_count;
+    const char *coarse; ///< the first object that lies so far away that its shape suffers
+    float coarse_reach; ///< metres
 } flattener;
 
 static void cross(const double a[3], const double b[3], double result[3])
@@ -250,6 +256,35 @@ static bool is_flat(const rsv_mesh *mesh)
     return height <= FLAT_HEIGHT * size;
 }
 
+/// Takes note of an object whose corners single precision no longer tells apart well. @param name of the node
+static void judge_place(flattener *f, const rsv_mesh *mesh, const char *name)
+{
+    rsv_vec3 low = f->position[0], high = low;
+    for (size_t k = 1; k < mesh->vertex_count; k++) {
+        low = v3_min(low, f->position[k]);
+        high = v3_max(high, f->position[k]);
+    }
+    float reach = f_max(v3_max_abs(low), v3_max_abs(high));
+    float size = v3_max_abs(v3_sub(high, low));
+    if (size == 0 || FLT_EPSILON * reach <= COARSE * size || f->coarse_count++) return;
+    f->coarse = name;
+    f->coarse_reach = reach;
+}
+
+/// Where all lies far away, an origin was taken out, and what is left was named.
+static void report_coarse(const flattener *f)
+{
+    const rsv_scene *scene = f->scene;
+    if (!f->coarse_count || scene->is_part || scene->origin[0] != 0 || scene->origin[1] != 0 ||
+        scene->origin[2] != 0)
+        return;
+    rsv_log(scene->context, RSV_LOG_WARNING,
+        "%zu object%s (first: '%s', %.3g m from the origin) too far away for single precision, "
+        "which tells places there apart by %.2g m: its shape suffers; place it nearer",
+        f->coarse_count, f->coarse_count > 1 ? "s lie" : " lies", f->coarse, f->coarse_reach,
+        FLT_EPSILON * f->coarse_reach / 2);
+}
+
 static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
 {
     rsv_scene *scene = f->scene;
@@ -261,6 +296,7 @@ static rsv_status flatten_instance(flattener *f, rsv_instance *instance)
     // a scale of zero across a flat mesh takes nothing from it
     if (singular && !is_flat(mesh)) goto cleanup;
     RSV_TRY(transform_vertices(f, mesh, &f->map, instance->name));
+    if (!singular) judge_place(f, mesh, instance->name);
     for (size_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *index = &mesh->index[3 * t];
         // a mirroring transform turns the winding: swapping two corners keeps the front in front
@@ -347,6 +383,7 @@ rsv_status rsv_scene_flatten(rsv_scene *scene)
     for (size_t i = 0; i < scene->instance_count; i++)
         RSV_TRY(flatten_instance(&f, &scene->instance[i]));
     report_degenerate(scene);
+    report_coarse(&f);
 cleanup:
     rsv_free(scene->context, f.position);
     rsv_free(scene->context, f.normal);

@@ -1,20 +1,35 @@
+#include "material_fields.h"
 #include "scene.h"
 
 #include <math.h>
+#include <stddef.h>
+
+const rsv_material_field *rsv_material_fields(void)
+{
+    static const rsv_material_field fields[] = {
+#define NUMBER(field, channels, usual, low, high, extension, key)                                  \
+    { #field, offsetof(rsv_material, field), channels, usual, low, high, extension, key },
+#define FLAG(field)
+        RSV_MATERIAL_FIELDS(NUMBER, FLAG)
+#undef NUMBER
+#undef FLAG
+            { .name = NULL }
+    };
+    return fields;
+}
+
+static float *value_of(rsv_material *material, const rsv_material_field *field)
+{
+    return (float *)((char *)material + field->offset);
+}
 
 rsv_material rsv_default_material(void)
 {
-    return (rsv_material){
-        .base_color = { 1, 1, 1 },
-        .roughness = 1,
-        .ior = 1.5f,
-        .specular = 1,
-        .specular_color = { 1, 1, 1 },
-        .attenuation_color = { 1, 1, 1 },
-        .attenuation_distance = INFINITY,
-        .diffuse_transmission_color = { 1, 1, 1 },
-        .opacity = 1,
-    };
+    rsv_material material = { 0 };
+    for (const rsv_material_field *f = rsv_material_fields(); f->name; f++)
+        for (int k = 0; k < f->channels; k++)
+            value_of(&material, f)[k] = f->usual;
+    return material;
 }
 
 /// Clamps to [low, high]; what is not a number becomes `fallback`. True if it was out of range.
@@ -26,50 +41,17 @@ static bool clamp(float *value, float low, float high, float fallback)
     return changed;
 }
 
-static bool clamp_rgb(rsv_rgb *value, float high, float fallback)
-{
-    bool r = clamp(&value->r, 0, high, fallback);
-    bool g = clamp(&value->g, 0, high, fallback);
-    bool b = clamp(&value->b, 0, high, fallback);
-    return r || g || b;
-}
-
 void rsv_material_clamp(const rsv_context *context, rsv_material *material)
 {
-    static const float largest = 1e30f; // products of a few such values stay finite in double
-    static const char unbounded[] =
-        ": a surface that returns more light than it receives has no bounded answer";
-    const struct {
-        bool changed;
-        const char *field;
-        const char *why;
-    } fields[] = {
-        { clamp_rgb(&material->base_color, 1, 1), "base_color", unbounded },
-        { clamp(&material->metallic, 0, 1, 0), "metallic", "" },
-        { clamp(&material->roughness, 0, 1, 1), "roughness", "" },
-        { clamp(&material->ior, 1, largest, 1.5f), "ior", "" },
-        { clamp(&material->specular, 0, 1, 1), "specular", "" },
-        { clamp_rgb(&material->specular_color, 1, 1), "specular_color", unbounded },
-        { clamp(&material->transmission, 0, 1, 0), "transmission", "" },
-        { clamp(&material->thickness, 0, largest, 0), "thickness", "" },
-        { clamp_rgb(&material->attenuation_color, 1, 1), "attenuation_color", unbounded },
-        { clamp(&material->attenuation_distance, 1e-30f, INFINITY, INFINITY),
-            "attenuation_distance", "" },
-        { clamp_rgb(&material->emission, largest, 0), "emission", "" },
-        { clamp(&material->clearcoat, 0, 1, 0), "clearcoat", "" },
-        { clamp(&material->clearcoat_roughness, 0, 1, 0), "clearcoat_roughness", "" },
-        { clamp_rgb(&material->sheen_color, 1, 0), "sheen_color", unbounded },
-        { clamp(&material->sheen_roughness, 0, 1, 0), "sheen_roughness", "" },
-        { clamp(&material->diffuse_transmission, 0, 1, 0), "diffuse_transmission", "" },
-        { clamp_rgb(&material->diffuse_transmission_color, 1, 1), "diffuse_transmission_color",
-            unbounded },
-        { clamp_rgb(&material->scatter_distance, largest, 0), "scatter_distance", "" },
-        { clamp(&material->opacity, 0, 1, 1), "opacity", "" },
-        { clamp(&material->alpha_cutoff, 0, largest, 0.5f), "alpha_cutoff", "" },
-    };
-    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
-        if (fields[i].changed)
+    for (const rsv_material_field *f = rsv_material_fields(); f->name; f++) {
+        bool changed = false, returns_light = f->channels == 3 && f->high == 1;
+        for (int k = 0; k < f->channels; k++)
+            changed |= clamp(&value_of(material, f)[k], f->low, f->high, f->usual);
+        if (changed)
             rsv_log(context, RSV_LOG_WARNING,
-                "material '%s': %s was outside its range and is clamped%s", material->name,
-                fields[i].field, fields[i].why);
+                "material '%s': %s was outside its range and is clamped%s", material->name, f->name,
+                returns_light ? ": a surface that returns more light than it receives has no "
+                                "bounded answer"
+                              : "");
+    }
 }

@@ -3,47 +3,9 @@
 #define RSV_MATERIAL_AT_BODY_H
 
 #include "material_at.h"
+#include "material_fields.h"
 #include "texture.h"
-
-RSV_INLINE void rsv_corner_uv(
-    const rsv_scene_view *scene, const rsv_texture_ref *ref, uint32_t vertex, float *u, float *v)
-{
-    const float *uv = scene->uv[ref->uv_set][vertex];
-    *u = ref->transform[0][0] * uv[0] + ref->transform[0][1] * uv[1] + ref->transform[0][2];
-    *v = ref->transform[1][0] * uv[0] + ref->transform[1][1] * uv[1] + ref->transform[1][2];
-}
-
-/// A triangle in the coordinates of a texture: its first corner, and the edges from there.
-typedef struct rsv_texture_triangle {
-    float u, v, du[2], dv[2];
-} rsv_texture_triangle;
-
-RSV_INLINE rsv_texture_triangle rsv_texture_triangle_of(
-    const rsv_scene_view *scene, const rsv_texture_ref *ref, const uint32_t *corner)
-{
-    rsv_texture_triangle t;
-    rsv_corner_uv(scene, ref, corner[0], &t.u, &t.v);
-    for (int k = 0; k < 2; k++) {
-        rsv_corner_uv(scene, ref, corner[k + 1], &t.du[k], &t.dv[k]);
-        t.du[k] -= t.u;
-        t.dv[k] -= t.v;
-    }
-    return t;
-}
-
-/// Twice the signed area in texture coordinates.
-RSV_INLINE float rsv_texture_area(const rsv_texture_triangle *t)
-{
-    return t->du[0] * t->dv[1] - t->du[1] * t->dv[0];
-}
-
-RSV_INLINE void rsv_triangle_edges(
-    const rsv_scene_view *scene, const uint32_t *corner, rsv_vec3 *edge1, rsv_vec3 *edge2)
-{
-    rsv_vec3 a = scene->position[corner[0]];
-    *edge1 = v3_sub(scene->position[corner[1]], a);
-    *edge2 = v3_sub(scene->position[corner[2]], a);
-}
+#include "texture_triangle.h"
 
 /// Level of the pyramid whose texels are about `width` metres large on the triangle.
 RSV_INLINE float rsv_texture_level_for(const rsv_scene_view *scene, const rsv_texture *texture,
@@ -71,6 +33,11 @@ RSV_INLINE rsv_texel rsv_texture_at(const rsv_scene_view *scene, const rsv_textu
         texture, t.u + u * t.du[0] + v * t.du[1], t.v + u * t.dv[0] + v * t.dv[1], level);
 }
 
+#define RSV_TIMES_r(value) (value * texel.r)
+#define RSV_TIMES_g(value) (value * texel.g)
+#define RSV_TIMES_a(value) (value * texel.a)
+#define RSV_TIMES_rgb(value) rgb_mul(value, color)
+
 RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rsv_texel texel)
 {
     rsv_rgb color = rgb(texel.r, texel.g, texel.b);
@@ -88,33 +55,12 @@ RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rs
     case RSV_TEXTURE_EMISSION:
         m->emission = rgb_mul(m->emission, color);
         break;
-    case RSV_TEXTURE_SPECULAR:
-        m->specular *= texel.a;
+#define TEXTURE(role, field, channel, srgb, extension, key)                                        \
+    case RSV_TEXTURE_##role:                                                                       \
+        m->field = RSV_TIMES_##channel(m->field);                                                  \
         break;
-    case RSV_TEXTURE_SPECULAR_COLOR:
-        m->specular_color = rgb_mul(m->specular_color, color);
-        break;
-    case RSV_TEXTURE_TRANSMISSION:
-        m->transmission *= texel.r;
-        break;
-    case RSV_TEXTURE_CLEARCOAT:
-        m->clearcoat *= texel.r;
-        break;
-    case RSV_TEXTURE_CLEARCOAT_ROUGHNESS:
-        m->clearcoat_roughness *= texel.g;
-        break;
-    case RSV_TEXTURE_SHEEN_COLOR:
-        m->sheen_color = rgb_mul(m->sheen_color, color);
-        break;
-    case RSV_TEXTURE_SHEEN_ROUGHNESS:
-        m->sheen_roughness *= texel.a;
-        break;
-    case RSV_TEXTURE_DIFFUSE_TRANSMISSION:
-        m->diffuse_transmission *= texel.a;
-        break;
-    case RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR:
-        m->diffuse_transmission_color = rgb_mul(m->diffuse_transmission_color, color);
-        break;
+        RSV_MATERIAL_TEXTURES(TEXTURE)
+#undef TEXTURE
     default: // normals are no factor
         break;
     }

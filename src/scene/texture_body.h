@@ -3,6 +3,7 @@
 #define RSV_TEXTURE_BODY_H
 
 #include "texture.h"
+#include "texture_triangle.h"
 
 /// Texel index for position `k` on a side of `size` texels.
 RSV_INLINE uint32_t rsv_wrapped(int64_t k, uint32_t size, rsv_wrap wrap)
@@ -67,9 +68,6 @@ RSV_INLINE rsv_texel rsv_texel_between(const rsv_texture *t, rsv_texel a, rsv_te
 {
     return t->covers ? rsv_texel_mix_covers(a, b, share) : rsv_texel_mix(a, b, share);
 }
-
-/// Coordinates far away, or none at all, are as good as 0: nothing repeats visibly out there.
-RSV_INLINE float rsv_tame(float coordinate) { return fabsf(coordinate) < 1e7f ? coordinate : 0; }
 
 RSV_INLINE rsv_texel rsv_texture_bilinear(const rsv_texture *t, uint32_t index, float u, float v)
 {

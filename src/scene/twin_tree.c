@@ -1,15 +1,15 @@
 #include "twin_tree.h"
 
 #include "../core/key.h"
+#include "../core/morton.h"
 
 #include <stdlib.h>
 
-/// Steps of the curve along each axis.
-#define CURVE_BITS 10
-
-/// A triangle and its place on a curve that fills the scene (Morton's). Copies come side by side.
+/// A triangle and its place on a curve that fills the scene, in steps that are fine beside a pencil on a desk in a town.
+/// Copies come side by side.
 typedef struct curve_place {
-    uint32_t place, hash, face;
+    uint64_t place;
+    uint32_t hash, face;
 } curve_place;
 
 static int compare_places(const void *left, const void *right)
@@ -20,29 +20,13 @@ static int compare_places(const void *left, const void *right)
     return (a->face > b->face) - (a->face < b->face);
 }
 
-/// Two zeros ahead of each bit.
-static uint32_t spread_bits(uint32_t x)
-{
-    x = (x | x << 16) & 0x030000ffu;
-    x = (x | x << 8) & 0x0300f00fu;
-    x = (x | x << 4) & 0x030c30c3u;
-    return (x | x << 2) & 0x09249249u;
-}
-
-static uint32_t grid_step(float share)
-{
-    float step = share * (float)(1 << CURVE_BITS);
-    return (uint32_t)f_min(f_max(step, 0), (float)((1 << CURVE_BITS) - 1));
-}
-
-static uint32_t place_of(const rsv_scene_view *scene, uint32_t triangle)
+static uint64_t place_of(const rsv_scene_view *scene, uint32_t triangle)
 {
     rsv_vec3 sum = { 0 }, size = v3_sub(scene->bounds_max, scene->bounds_min);
     for (int k = 0; k < 3; k++)
         sum = v3_add(sum, v3_sub(scene->position[scene->triangle[triangle][k]], scene->bounds_min));
-    float scale = 1 / (3 * v3_max_abs(size));
-    return spread_bits(grid_step(sum.x * scale)) | spread_bits(grid_step(sum.y * scale)) << 1 |
-           spread_bits(grid_step(sum.z * scale)) << 2;
+    sum = v3_scale(sum, 1 / (3 * v3_max_abs(size)));
+    return rsv_morton_key(sum.x, sum.y, sum.z, RSV_MORTON_BITS);
 }
 
 /// The same for all triangles with these corners.

@@ -3,6 +3,7 @@
 
 #include "enclosed_lamps.h"
 #include "scene.h"
+#include "twin_body.h"
 #include "twin_overlap.h"
 #include "twin_tree.h"
 
@@ -18,14 +19,13 @@
 /// at each hit then, and by those that they have not looked at.
 #define MOST_LOOKS 16384
 #define MOST_FOUND 128
-/// Leaves that have looked at so many share these looks among them, a second or two: the crown of a tree is dense, too.
-#define MORE_LOOKS (1u << 30)
 
 /// Boxes that share no more than this part of an axis merely touch along it.
 #define THIN 1e-4f
 
-/// Places on a triangle that tell whether all of it is hidden.
+/// Places on a triangle that tell whether all of it is hidden, and on a lamp, whether some of it is.
 #define PLACES 16
+#define PLACES_OF_LAMP 256
 
 typedef struct rsv_twins_owner {
     rsv_twins twins;
@@ -47,7 +47,6 @@ typedef struct finder {
     uint8_t *flags; ///< [triangle_count]
     uint8_t
         *gave_up; ///< [tree.node_count] of leaves, whether they have not looked at all around them
-    uint32_t most_looks;   ///< of a leaf
     float reach, rounding; ///< see rsv_twins
     bool apart;            ///< out: some twins lie apart by more than rounding
 } finder;
@@ -152,9 +151,17 @@ static bool leaf_meets(const finder *f, const rsv_twin_node *leaf, const rsv_twi
     return false;
 }
 
-static bool has_enough(const finder *f, const leaf_search *s)
+static bool has_enough(const leaf_search *s)
 {
-    return s->looks > f->most_looks || s->found > MOST_FOUND;
+    return s->looks > MOST_LOOKS || s->found > MOST_FOUND;
+}
+
+/// What lies around the triangles of a leaf is not known: hits will tell.
+static void take_all_flags(const finder *f, uint32_t own)
+{
+    const rsv_twin_tree *tree = &f->tree;
+    for (uint32_t k = tree->node[own].first; k < tree->node[own + 1].first; k++)
+        flag(f, tree->face[k], RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_OPPOSITE);
 }
 
 /// Compares the triangles of a leaf with one another and with all around them in later leaves.
@@ -163,7 +170,7 @@ static leaf_search search_after(const finder *f, uint32_t own)
     leaf_search s = { 0 };
     const rsv_twin_tree *tree = &f->tree;
     const rsv_twin_node *leaf = &tree->node[own];
-    for (uint32_t n = own; n < tree->node_count && !has_enough(f, &s);) {
+    for (uint32_t n = own; n < tree->node_count && !has_enough(&s);) {
         const rsv_twin_node *node = &tree->node[n];
         bool meets = n == own || leaf_meets(f, leaf, node);
         if (meets && node->next == n + 1) compare_leaves(f, leaf, node, &s);
@@ -178,7 +185,7 @@ static leaf_search search_before(const finder *f, uint32_t own)
     leaf_search s = { 0 };
     const rsv_twin_tree *tree = &f->tree;
     const rsv_twin_node *leaf = &tree->node[own];
-    for (uint32_t n = 0; n < own && !has_enough(f, &s);) {
+    for (uint32_t n = 0; n < own && !has_enough(&s);) {
         const rsv_twin_node *node = &tree->node[n];
         bool meets = leaf_meets(f, leaf, node);
         if (meets && f->gave_up[n]) compare_leaves(f, leaf, node, &s);
@@ -187,52 +194,34 @@ static leaf_search search_before(const finder *f, uint32_t own)
     return s;
 }
 
-/// @param only [tree.node_count] of which leaves; NULL = of all
 /// @param gave_up out: [tree.node_count] whether a leaf has not looked at all around it
-/// @return how many
-static uint32_t search_all(finder *f, leaf_search (*search)(const finder *, uint32_t),
-    const uint8_t *only, uint8_t *gave_up)
+static bool search_all(finder *f, leaf_search (*search)(const finder *, uint32_t), uint8_t *gave_up)
 {
     const rsv_twin_tree *tree = &f->tree;
-    bool apart = false;
-    uint32_t count = 0;
+    bool apart = false, some = false;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(f->scene->context))        \
-    reduction(|| : apart) reduction(+ : count)
+    reduction(||                                                                                   \
+              : apart, some)
     for (uint32_t n = 0; n < tree->node_count; n++) {
-        if (tree->node[n].next != n + 1 || (only && !only[n])) continue;
+        if (tree->node[n].next != n + 1) continue;
         leaf_search s = search(f, n);
         apart = apart || s.apart;
-        gave_up[n] = has_enough(f, &s);
-        count += gave_up[n];
+        if (!has_enough(&s)) continue;
+        take_all_flags(f, n);
+        gave_up[n] = 1;
+        some = true;
     }
     f->apart = f->apart || apart;
-    return count;
-}
-
-/// What lies around the triangles of leaves that gave up is not known: hits will tell.
-static void take_all_flags(const finder *f, const uint8_t *gave_up)
-{
-    const rsv_twin_tree *tree = &f->tree;
-    for (uint32_t n = 0; n < tree->node_count; n++)
-        for (uint32_t k = tree->node[n].first; gave_up[n] && k < tree->node[n + 1].first; k++)
-            f->flags[tree->face[k]] |= RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_OPPOSITE;
+    return some;
 }
 
 static rsv_status find_pairs(finder *f)
 {
     rsv_context *context = f->scene->context;
-    uint8_t *busy = rsv_alloc(context, f->tree.node_count, 1);
-    if (!busy) return RSV_ERROR_MEMORY;
-    f->most_looks = MOST_LOOKS;
-    uint32_t count = search_all(f, search_after, NULL, busy);
-    if (count && MORE_LOOKS / count > MOST_LOOKS) f->most_looks = MORE_LOOKS / count;
-    if (count && search_all(f, search_after, busy, f->gave_up)) {
-        take_all_flags(f, f->gave_up);
-        f->most_looks = MOST_LOOKS;
-        search_all(f, search_before, NULL, busy);
-        take_all_flags(f, busy);
-    }
-    rsv_free(context, busy);
+    uint8_t *again = rsv_alloc(context, f->tree.node_count, 1);
+    if (!again) return RSV_ERROR_MEMORY;
+    if (search_all(f, search_after, f->gave_up)) search_all(f, search_before, again);
+    rsv_free(context, again);
     return RSV_OK;
 }
 
@@ -316,13 +305,20 @@ typedef struct showing {
     uint32_t other; ///< whom one sees in its place; RSV_NONE = nobody
 } showing;
 
+static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
+{
+    const rsv_material *m = &view->material[view->triangle_material[triangle]];
+    return !rgb_is_black(m->emission) && !m->unlit;
+}
+
 static showing look_at(const rsv_scene_view *view, uint32_t triangle, bool back)
 {
     rsv_vec3 normal = rsv_twin_plane_of(view, triangle).normal;
     showing seen = { false, RSV_NONE };
-    for (int k = 0; k < PLACES; k++) {
+    int places = is_lamp(view, triangle) ? PLACES_OF_LAMP : PLACES;
+    for (int k = 0; k < places; k++) {
         // Hammersley's points, folded into the triangle
-        float u = ((float)k + 0.5f) / PLACES, v = 0.5f / PLACES, digit = 0.5f;
+        float u = ((float)k + 0.5f) / (float)places, v = 0.5f / (float)places, digit = 0.5f;
         for (int n = k; n; n /= 2, digit /= 2)
             v += digit * (float)(n % 2);
         if (u + v > 1) u = 1 - u, v = 1 - v;
@@ -350,19 +346,17 @@ static bool covers_all(const rsv_scene_view *view, uint32_t triangle, uint32_t o
     return true;
 }
 
-/// Whether others hide all of a triangle's back.
-static bool is_back_hidden(const rsv_scene_view *view, uint32_t triangle)
+/// Who is seen in all places of a side of a triangle: one look tells of exact copies.
+static showing look_once(const rsv_scene_view *view, uint32_t triangle, bool back)
 {
     rsv_hit hit = { triangle, 0, 1 / 3.0f, 1 / 3.0f };
-    rsv_twins_search(view, rsv_twin_plane_of(view, triangle).normal, &hit);
-    if (hit.triangle == triangle) return false;
-    return covers_all(view, triangle, hit.triangle) || !look_at(view, triangle, true).some;
-}
-
-static bool is_lamp(const rsv_scene_view *view, uint32_t triangle)
-{
-    const rsv_material *m = &view->material[view->triangle_material[triangle]];
-    return !rgb_is_black(m->emission) && !m->unlit;
+    rsv_vec3 normal = rsv_twin_plane_of(view, triangle).normal;
+    rsv_twins_search(view, back ? normal : v3_neg(normal), &hit);
+    if (hit.triangle != triangle && covers_all(view, triangle, hit.triangle))
+        return (showing){ false, hit.triangle };
+    // what shows its middle is not hidden
+    if (hit.triangle == triangle && back) return (showing){ true, RSV_NONE };
+    return look_at(view, triangle, back);
 }
 
 /// Whether it is a guess which of two faces that turn the same way is wanted. Lamps in the plane of a ceiling are. Where there
@@ -374,35 +368,28 @@ static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t 
            !((flags[t] | flags[other]) & RSV_TWIN_OPPOSITE);
 }
 
-/// What the user is to be told of: triangles, the first of each kind; RSV_NONE = none.
-typedef struct oddities {
-    uint32_t guessed; ///< others are shown in its place, which is a guess
-    uint32_t doubled; ///< a lamp that another covers in part
-} oddities;
-
-/// Marks the faces that others hide.
-static oddities find_hidden(
+/// Marks the faces that others hide. @return the first in whose place others are shown by a guess; RSV_NONE = none
+static uint32_t find_hidden(
     const rsv_scene_view *view, rsv_twins_owner *owner, rsv_context *context)
 {
     const rsv_twin_tree *tree = &owner->tree;
-    uint32_t guessed = RSV_NONE, doubled = RSV_NONE;
+    uint32_t guessed = RSV_NONE;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(context))                   \
     reduction(min                                                                                  \
-              : guessed, doubled)
+              : guessed)
     for (uint32_t k = 0; k < tree->face_count; k++) {
         uint32_t t = tree->face[k];
         bool two = view->material[view->triangle_material[t]].double_sided;
         if (owner->flags[t] & RSV_TWIN_OVER_FRONT) {
-            showing seen = look_at(view, t, false);
+            showing seen = look_once(view, t, false);
             if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
             if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
-            if (seen.some && t < doubled && is_lamp(view, t) && seen.other != RSV_NONE &&
-                is_lamp(view, seen.other))
-                doubled = t;
+            if (seen.some && seen.other != RSV_NONE && is_lamp(view, t))
+                owner->flags[t] |= RSV_TWIN_PARTLY;
         }
-        if (two && is_back_hidden(view, t)) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+        if (two && !look_once(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
     }
-    return (oddities){ guessed, doubled };
+    return guessed;
 }
 
 static const char *object_of(const rsv_scene_view *view, uint32_t triangle)
@@ -415,23 +402,29 @@ static const char *material_of(const rsv_scene_view *view, uint32_t triangle)
     return view->material[view->triangle_material[triangle]].name;
 }
 
-static void warn_of_oddities(const rsv_scene *scene, oddities found)
+static void warn_of_guess(const rsv_scene *scene, uint32_t guessed)
 {
     const rsv_scene_view *view = &scene->view;
-    if (scene->is_part) return;
-    if (found.guessed != RSV_NONE) {
-        uint32_t shown = look_at(view, found.guessed, false).other;
-        rsv_log(scene->context, RSV_LOG_WARNING,
-            "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and "
-            "face the same way; the latter are shown, which is a guess: delete what is not wanted",
-            object_of(view, found.guessed), object_of(view, shown),
-            material_of(view, found.guessed), material_of(view, shown));
+    if (scene->is_part || guessed == RSV_NONE) return;
+    uint32_t shown = look_at(view, guessed, false).other;
+    rsv_log(scene->context, RSV_LOG_WARNING,
+        "objects '%s' and '%s': faces of materials '%s' and '%s' lie in the same place and "
+        "face the same way; the latter are shown, which is a guess: delete what is not wanted",
+        object_of(view, guessed), object_of(view, shown), material_of(view, guessed),
+        material_of(view, shown));
+}
+
+/// Marks faces of bodies that look into them, where opposite ones lie in the same place.
+static void find_inside_out(const finder *f)
+{
+    const rsv_scene_view *view = f->view;
+    float gap = 4 * (f->reach + f->rounding);
+#pragma omp parallel for schedule(dynamic, 64) num_threads(rsv_threads(f->scene->context))
+    for (uint32_t k = 0; k < f->tree.face_count; k++) {
+        uint32_t t = f->tree.face[k];
+        if ((f->flags[t] & RSV_TWIN_OPPOSITE) && rsv_twin_is_body(view, view->triangle_material[t]))
+            if (rsv_twin_is_inside_out(view, &f->tree, gap, t)) f->flags[t] |= RSV_TWIN_INSIDE_OUT;
     }
-    if (found.doubled != RSV_NONE)
-        rsv_log(scene->context, RSV_LOG_WARNING,
-            "lamp '%s': another covers a part of one of its triangles, and shines there as well: "
-            "delete one of them",
-            object_of(view, found.doubled));
 }
 
 /// @param count triangles with a flag
@@ -457,7 +450,7 @@ static rsv_status keep(rsv_scene *scene, const finder *f, uint32_t count)
         .rounding = f->rounding,
         .extent = f->apart ? CLEAR * 0x1p20f : 0 };
     scene->view.twins = &owner->twins;
-    warn_of_oddities(scene, find_hidden(&scene->view, owner, context));
+    warn_of_guess(scene, find_hidden(&scene->view, owner, context));
 cleanup:
     rsv_free(context, face);
     return status;
@@ -472,6 +465,7 @@ rsv_status rsv_scene_find_twins(rsv_scene *scene)
     RSV_TRY(find_pairs(&f));
     for (size_t t = 0; t < scene->triangle_count; t++)
         count += f.flags[t] != 0;
+    find_inside_out(&f);
     if (count) RSV_TRY(keep(scene, &f, count));
     if (!scene->is_part) rsv_warn_of_enclosed_lamps(scene, &f.tree);
 cleanup:

@@ -8,7 +8,8 @@
 ///  3. a lamp hides what does not shine,
 ///  4. a double-sided one hides a single-sided one,
 ///  5. a later one hides an earlier one.
-/// Bodies of glass have no front in this sense: the surface between inside and outside is one surface.
+/// Bodies of glass have no front in this sense: the surface between inside and outside is one surface. Of two opposite faces
+/// of such bodies, from either side, the one that looks out of its body hides the one that looks into it (twin_body.h).
 ///
 /// Faces that turn the same way lie in the same place if they do so up to rounding: else the nearer one is seen, as ever.
 /// Opposite ones may lie apart by a little: what turns its back to the ray in front of a front is an inexact copy. How much
@@ -28,6 +29,8 @@
 #define RSV_TWIN_BACK_HIDDEN 8 ///< likewise of its back, if it is double-sided
 #define RSV_TWIN_OPPOSITE 16   ///< some face at the same place turns the other way
 #define RSV_TWIN_LAST 32       ///< of several that are alike in all respects
+#define RSV_TWIN_INSIDE_OUT 64 ///< of a body: its front looks into it
+#define RSV_TWIN_PARTLY 128    ///< of a lamp: others hide a part of it
 /// All of a face that is not the last of several
 #define RSV_TWIN_COPY (RSV_TWIN_OVER_FRONT | RSV_TWIN_OVER_BACK | RSV_TWIN_HIDDEN)
 /// Places are the same to this part of their largest coordinate.
@@ -69,15 +72,16 @@ RSV_INLINE bool rsv_twin_is_opaque(const rsv_scene_view *scene, uint32_t materia
     return m->opacity >= 1 && !varies;
 }
 
-/// How much a face counts at its place. @param back which side the ray meets
+/// How much a face counts at its place. @param scene with twins @param back which side the ray meets
 RSV_INLINE uint32_t rsv_twin_rank(const rsv_scene_view *scene, uint32_t triangle, bool back)
 {
     uint32_t material = scene->triangle_material[triangle];
     const rsv_material *m = &scene->material[material];
     bool body = m->transmission > 0 && m->thickness > 0;
     bool shines = !rgb_is_black(m->emission) && !m->unlit && (!back || m->double_sided);
-    return (rsv_twin_is_opaque(scene, material) ? 8u : 0u) | (!back && !body ? 4u : 0u) |
-           (shines ? 2u : 0u) | (m->double_sided ? 1u : 0u);
+    bool turned = scene->twins->flags[triangle] & RSV_TWIN_INSIDE_OUT;
+    return (rsv_twin_is_opaque(scene, material) ? 16u : 0u) | (!back && !body ? 8u : 0u) |
+           (body && !turned ? 4u : 0u) | (shines ? 2u : 0u) | (m->double_sided ? 1u : 0u);
 }
 
 /// A triangle as seen from its first corner, its longer edge from there being 1: products stay within float.
@@ -242,6 +246,16 @@ RSV_INLINE bool rsv_twins_hide(const rsv_scene_view *scene, uint32_t triangle, b
 {
     uint8_t hidden = back ? RSV_TWIN_HIDDEN | RSV_TWIN_BACK_HIDDEN : RSV_TWIN_HIDDEN;
     return scene->twins && (scene->twins->flags[triangle] & hidden);
+}
+
+/// Whether others hide a place on the front of a lamp: it gives no light there.
+RSV_INLINE bool rsv_twins_hide_place(
+    const rsv_scene_view *scene, uint32_t triangle, float u, float v)
+{
+    if (!scene->twins || !(scene->twins->flags[triangle] & RSV_TWIN_PARTLY)) return false;
+    rsv_hit hit = { triangle, 0, u, v };
+    rsv_twins_search(scene, v3_neg(rsv_twin_plane_of(scene, triangle).normal), &hit);
+    return hit.triangle != triangle;
 }
 
 #endif

@@ -141,12 +141,7 @@ static rsv_status create_levels(const rsv_builder *b, rsv_light *light)
 {
     rsv_status status;
     uint8_t *hidden = NULL;
-    rsv_goal_aim aim = rsv_goal_aim_of(&b->desc);
-    if (rsv_goal_is_wanted(&aim)) {
-        hidden = rsv_alloc(b->context, b->elements->cell_count, 1);
-        RSV_TRY(hidden ? RSV_OK : RSV_ERROR_MEMORY);
-        RSV_TRY(rsv_goal_hidden_cells(light->op, &aim, b->desc.seed, hidden));
-    }
+    RSV_TRY(rsv_source_hidden_cells(light, &hidden));
     rsv_level_limits limits = { rsv_budget_cells(b), hidden };
     RSV_TRY(rsv_source_create_levels(light, &limits));
 cleanup:

@@ -51,7 +51,8 @@ cleanup:
 /// Splits cells that other geometry cuts. @param growth NULL = none
 static rsv_status refine_contacts(rsv_builder *b, const rsv_growth *growth)
 {
-    size_t most_nodes = (size_t)(CONTACT_NODES * sqrt(b->desc.element_target));
+    float share = b->desc.contact_share > 0 ? b->desc.contact_share : 1;
+    size_t most_nodes = (size_t)(share * CONTACT_NODES * sqrt(b->desc.element_target));
     size_t budget = b->desc.max_elements;
     if (budget && most_nodes > budget) most_nodes = budget;
     if (most_nodes == 0) return RSV_OK;

@@ -89,9 +89,7 @@ bool rsv_device_map_residual(rsv_device_map *m, size_t fields, const rsv_rgb *so
 
 bool rsv_device_map_solves(const rsv_device_map *m, rsv_solver solver)
 {
-    return m && m->transport &&
-           (solver == RSV_SOLVER_NEUMANN || solver == RSV_SOLVER_CHEBYSHEV ||
-               solver == RSV_SOLVER_BICGSTAB);
+    return m && m->transport && m->table->solves(solver);
 }
 
 static bool is_cancelled(void *context) { return rsv_cancelled(context); }

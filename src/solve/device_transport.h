@@ -24,7 +24,7 @@ typedef struct rsv_device_transport rsv_device_transport;
 
 /// What is wanted of a correction d with (I - A) d close to a residual, and what came of it.
 typedef struct rsv_device_solve {
-    rsv_solver solver;         ///< RSV_SOLVER_NEUMANN, RSV_SOLVER_CHEBYSHEV or RSV_SOLVER_BICGSTAB
+    rsv_solver solver;         ///< one of those the device has
     double relative;           ///< max |new residual| over max |residual|, channel by channel
     double max_applications;   ///< of A
     bool (*stops)(void *user); ///< asked now and then
@@ -45,6 +45,8 @@ typedef struct rsv_device_transport_table {
     /// residual = source + A field - field, with sums in double
     rsv_status (*residual)(rsv_device_transport *transport, size_t fields, const rsv_rgb *source,
         const rsv_rgb *field, rsv_rgb *residual, char *message);
+    /// Whether the device has this solver.
+    bool (*solves)(rsv_solver solver);
     /// Solves for one field. @param correction out: the best that was found, converged or not
     rsv_status (*solve)(rsv_device_transport *transport, rsv_device_solve *solve,
         const rsv_rgb *residual, rsv_rgb *correction, char *message);

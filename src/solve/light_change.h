@@ -40,6 +40,12 @@ rsv_status rsv_light_recolor(rsv_light *light, const bool *changed);
 /// What translucent surfaces show of `source` and `indirect`, bounces not kept apart.
 rsv_status rsv_light_diffuse(rsv_light *light);
 
+/// Splits elements of direct light and caustics further, where sources as they stand now ask for that. What is known there is
+/// carried over and stays what it was, also between elements: those parts that are given, and the light itself.
+/// @param part [part_count] of this light; after an error they may be used no more
+rsv_status rsv_light_refine_levels(
+    rsv_light *light, rsv_light_part *const *part, size_t part_count);
+
 /// Solves again, after sources or albedos changed. The second says in the log what a reader must know.
 rsv_status rsv_light_solve(rsv_light *light);
 rsv_status rsv_light_solve_again(rsv_light *light);

@@ -108,10 +108,9 @@ static float mean_arriving(const rsv_light *light, const uint8_t *far)
 }
 
 /// Marks the cells over which light bends that has no finer level, the strongest bends alone where all of them would
-/// take more than `most` rows. @param arriving [node_count] that light @param dark too little of it to be seen
-/// @param any out: false if none are marked
+/// take more than `most` rows. @param arriving that light @param any out: false if none are marked
 static rsv_status mark_bends(const rsv_builder *b, const rsv_goal *goal, size_t most,
-    const rsv_rgb *arriving, float dark, const float *deviation, uint8_t *split, bool *any)
+    const rsv_curvature_field *arriving, uint8_t *split, bool *any)
 {
     const rsv_elements *e = b->elements;
     size_t rows = rsv_builder_rows(b);
@@ -119,9 +118,8 @@ static rsv_status mark_bends(const rsv_builder *b, const rsv_goal *goal, size_t 
     *any = false;
     float *bend = rsv_alloc(b->context, e->cell_count, sizeof *bend);
     if (!bend) return RSV_ERROR_MEMORY;
-    RSV_TRY(rsv_find_curved_edges(
-        e, arriving, deviation, PILOT_BEND, dark, RSV_CURVED_EDGES_AND_BORDERS, note_bend, bend));
-    rsv_find_cluster_curvature(e, arriving, deviation, PILOT_BEND, dark, note_bend, bend);
+    RSV_TRY(rsv_find_curved_edges(e, arriving, RSV_CURVED_EDGES_AND_BORDERS, note_bend, bend));
+    rsv_find_cluster_curvature(e, arriving, note_bend, bend);
     diffuse_bends(e, bend);
     weigh_bends(goal, e, bend);
     bool marked = true;
@@ -185,8 +183,9 @@ static rsv_status mark_by_pilot(
     RSV_TRY(rsv_pilot_settled(b) ? rsv_pilot_solve_near(b, far, &light) : solve_roughly(b, &light));
     b->report.rays += light->report.rays;
     note_arriving(b, light, far, arriving, deviation);
-    float dark = PILOT_DARK * mean_arriving(light, far);
-    RSV_TRY(mark_bends(b, goal, most, arriving, dark, deviation, split, any));
+    const rsv_curvature_field field = { arriving, deviation, PILOT_BEND,
+        PILOT_DARK * mean_arriving(light, far) };
+    RSV_TRY(mark_bends(b, goal, most, &field, split, any));
 cleanup:
     rsv_light_destroy(light);
     rsv_free(b->context, far);

@@ -51,6 +51,9 @@ rsv_status rsv_check_solve_desc(const rsv_solve_desc *desc)
         return rsv_fail(RSV_ERROR_ARGUMENT,
             "solve: light_samples is %u; it must be a power of two from 16 to 65536",
             desc->light_samples);
+    if (!(desc->contact_share >= 0 && desc->contact_share <= 1))
+        return rsv_fail(RSV_ERROR_ARGUMENT, "solve: contact_share is %g; it must be from 0 to 1",
+            (double)desc->contact_share);
     if (desc->max_orders == 0)
         return rsv_fail(RSV_ERROR_ARGUMENT, "solve: max_orders must be positive");
     if (!(desc->tolerance > 0))

@@ -2,19 +2,34 @@
 
 #include "../update/kept_light.h"
 #include "../update/update.h"
+#include "goal.h"
+
+rsv_status rsv_source_hidden_cells(const rsv_light *s, uint8_t **hidden)
+{
+    rsv_goal_aim aim = rsv_goal_aim_of(&s->desc);
+    if (!rsv_goal_is_wanted(&aim)) return RSV_OK;
+    *hidden = rsv_alloc(s->context, s->elements->cell_count, 1);
+    if (!*hidden) return RSV_ERROR_MEMORY;
+    return rsv_goal_hidden_cells(s->op, &aim, s->desc.seed, *hidden);
+}
+
+/// What both levels have in common.
+static rsv_source_level_desc level_desc(const rsv_light *s, const rsv_level_limits *limits)
+{
+    return (rsv_source_level_desc){ .levels = s->desc.direct_levels,
+        .max_cells = limits->max_cells,
+        .light_samples = s->desc.light_samples,
+        .hidden = limits->hidden,
+        .seed = rsv_level_seed(s->desc.seed) };
+}
 
 rsv_status rsv_source_create_levels(rsv_light *s, const rsv_level_limits *limits)
 {
     bool caustics = s->desc.photon_count > 0 && s->elements->node_count > 0 &&
                     rsv_photons_wanted(&s->scene, s->sources->lights);
     bool sampled = rsv_lights_any_sampled(s->sources->lights) || s->scene.view->light_count > 0;
-    rsv_source_level_desc desc = { .levels = s->desc.direct_levels,
-        .max_cells = limits->max_cells,
-        .light_samples = s->desc.light_samples,
-        .hidden = limits->hidden,
-        .seed = rsv_level_seed(s->desc.seed) };
     rsv_status status = RSV_OK;
-    rsv_source_level_desc direct_desc = desc, caustic_desc = desc;
+    rsv_source_level_desc direct_desc = level_desc(s, limits), caustic_desc = direct_desc;
     direct_desc.direct = true;
     caustic_desc.photon_count = s->desc.photon_count;
     if (s->desc.direct_level && sampled)
@@ -24,6 +39,19 @@ rsv_status rsv_source_create_levels(rsv_light *s, const rsv_level_limits *limits
         status = rsv_source_level_create(&s->scene, s->sources->lights, s->elements, &caustic_desc,
             &s->field.caustics, &s->report.rays);
     return status;
+}
+
+rsv_status rsv_source_refine_level(
+    rsv_light *s, const rsv_level_limits *limits, bool caustic, rsv_source_level *finer)
+{
+    const rsv_source_level *level = caustic ? &s->field.caustics : &s->field.fine;
+    rsv_source_level_desc desc = level_desc(s, limits);
+    desc.start = level->elements;
+    desc.direct = !caustic;
+    desc.photon_count = caustic ? s->desc.photon_count : 0;
+    if (s->desc.max_bytes) desc.max_cells = level->elements->cell_count; // there is no more room
+    return rsv_source_level_create(
+        &s->scene, s->sources->lights, s->elements, &desc, finer, &s->report.rays);
 }
 
 void rsv_source_complete(rsv_light *s)

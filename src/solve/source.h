@@ -11,9 +11,16 @@ typedef struct rsv_level_limits {
         hidden; ///< [cell_count of the coarse elements] non-zero = not worth splitting; NULL = all are
 } rsv_level_limits;
 
+/// Cells of the coarse elements that the goal of a light does not see. @param hidden out: to be freed; NULL = no goal
+rsv_status rsv_source_hidden_cells(const rsv_light *light, uint8_t **hidden);
+
 /// Direct light and caustics on finer elements, where they are wanted. Caustics have elements of their own: they are
 /// the same whether direct light is left to the renderer or not.
 rsv_status rsv_source_create_levels(rsv_light *light, const rsv_level_limits *limits);
+
+/// A level of the light with more splits, where its sources as they stand ask for any; what it holds is for splits alone.
+rsv_status rsv_source_refine_level(
+    rsv_light *light, const rsv_level_limits *limits, bool caustic, rsv_source_level *finer);
 
 /// Direct light alone, of all nodes that are not known. @param known [node_count]
 rsv_status rsv_source_estimate(rsv_light *light, const uint8_t *known);

@@ -2,6 +2,7 @@
 
 #include "../core/team.h"
 #include "../operator/transport_rows.h"
+#include "../solver/linear_solver.h"
 #include "node_groups.h"
 
 #include <string.h>
@@ -160,27 +161,27 @@ static void sum_groups(void *data, double *sums)
 }
 
 /// One RGB field after the other.
-static rsv_status correct_by_krylov(void *data, size_t columns, const float *residual,
-    double relative, float *correction, double *applications, bool *converged)
+static rsv_status correct_by_krylov(
+    void *data, size_t columns, const float *residual, rsv_correction *wanted, float *correction)
 {
     rsv_transport_map *m = data;
     size_t fields = columns / 3, nodes = m->linear.count;
     const struct rsv_krylov_table *krylov = rsv_context_team(m->linear.context)->table->krylov;
     char message[RSV_MESSAGE_BYTES];
-    *applications = 0;
-    *converged = true;
+    wanted->applications = 0;
+    wanted->converged = true;
     for (size_t f = 0; f < fields; f++) {
         double steps;
         bool arrived;
         for (size_t n = 0; n < nodes; n++)
             m->filled[n] = rgb_field(residual)[n * fields + f];
-        rsv_status status =
-            krylov->solve(m->krylov, m->filled, relative, m->exitance, &steps, &arrived, message);
+        rsv_status status = krylov->solve(
+            m->krylov, m->filled, wanted->relative, m->exitance, &steps, &arrived, message);
         if (status != RSV_OK) return rsv_fail(status, "solve: %s", message);
         for (size_t n = 0; n < nodes; n++)
             ((rsv_rgb *)correction)[n * fields + f] = m->exitance[n];
-        *applications += steps / (double)fields;
-        *converged = *converged && arrived;
+        wanted->applications += steps / (double)fields;
+        wanted->converged = wanted->converged && arrived;
     }
     return RSV_OK;
 }
@@ -226,20 +227,20 @@ static rsv_status add_krylov(rsv_transport_map *m)
 }
 
 /// The same on the device.
-static rsv_status correct_on_device(void *data, size_t columns, const float *residual,
-    double relative, float *correction, double *applications, bool *converged)
+static rsv_status correct_on_device(
+    void *data, size_t columns, const float *residual, rsv_correction *wanted, float *correction)
 {
     rsv_transport_map *m = data;
-    rsv_device_solve solve = {
-        .solver = m->device_solver, .relative = relative, .max_applications = *applications
-    };
+    rsv_device_solve solve = { .solver = m->device_solver,
+        .relative = wanted->relative,
+        .max_applications = wanted->applications };
     RSV_ASSERT(columns == 3);
     (void)columns;
     rsv_status status =
         rsv_device_map_solve(m->device, &solve, rgb_field(residual), (rsv_rgb *)correction);
     m->linear.outside = rsv_device_map_solves(m->device, m->device_solver);
-    *applications = solve.applications;
-    *converged = solve.converged;
+    wanted->applications = solve.applications;
+    wanted->converged = solve.converged;
     return status;
 }
 
@@ -339,17 +340,17 @@ rsv_status rsv_transport_map_prepare(rsv_transport_map *m, rsv_solver solver)
         m->device_solver = solver;
         return RSV_OK;
     }
-    if (solver == RSV_SOLVER_PETSC) {
-        rsv_status status = add_krylov(m);
-        if (status == RSV_OK) m->table.correct = correct_by_krylov;
-        return status;
+    const rsv_solver_needs needs = rsv_solver_needs_of(solver);
+    rsv_status status = RSV_OK;
+    if (needs.outside) {
+        status = add_krylov(m);
+        m->table.correct = correct_by_krylov;
     }
-    if (solver == RSV_SOLVER_SOUTHWELL) return rsv_transport_map_transpose(m);
-    if (solver == RSV_SOLVER_GAUSS_SEIDEL || solver == RSV_SOLVER_TWO_GRID) {
-        rsv_status status = rsv_transport_complete(m->transport);
-        if (status != RSV_OK) return status;
-    }
-    return solver == RSV_SOLVER_TWO_GRID ? add_groups(m) : RSV_OK;
+    if (status == RSV_OK && needs.columns) status = rsv_transport_map_transpose(m);
+    if (status == RSV_OK && (needs.rows || needs.groups))
+        status = rsv_transport_complete(m->transport);
+    if (status == RSV_OK && needs.groups) status = add_groups(m);
+    return status;
 }
 
 void rsv_transport_map_mask(const rsv_transport_map *m, size_t fields, rsv_rgb *field)

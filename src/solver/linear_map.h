@@ -11,6 +11,14 @@
 
 #include "../core/core.h"
 
+/// What is wanted of a correction, and what came of it.
+typedef struct rsv_correction {
+    double relative; ///< length of the new residual over that of the old one
+    double
+        applications; ///< of A: at most so many, as far as the solver can be told, in; so many, out
+    bool converged;   ///< out: false if it gave up
+} rsv_correction;
+
 /// Results depend on the arguments alone, to the last bit, not on the number of threads. NULL where it says so.
 typedef struct rsv_linear_map_table {
     /// image = A field
@@ -31,11 +39,8 @@ typedef struct rsv_linear_map_table {
     /// @param amount [columns] @return the share of A's entries that this took
     double (*shoot)(void *data, size_t columns, size_t node, const float *amount, float *field);
     /// correction with (I - A) correction close to a residual, by a solver outside of this library. NULL = there is none
-    /// @param relative length of the new residual over that of the old one
-    /// @param applications of A: at most so many, as far as that solver can be told, in; so many, out
-    /// @param converged out: false if that solver gave up
-    rsv_status (*correct)(void *data, size_t columns, const float *residual, double relative,
-        float *correction, double *applications, bool *converged);
+    rsv_status (*correct)(void *data, size_t columns, const float *residual, rsv_correction *wanted,
+        float *correction);
     /// Sums of A's entries over pairs of groups, channel by channel; may be an approximation. NULL = not known
     /// @param sums [3 x group_count x group_count], zero before
     void (*sum_groups)(void *data, double *sums);

@@ -14,34 +14,44 @@
 #define IMPROVEMENT 0.995
 #define BLOW_UP 1e6
 
-typedef struct solver_entry {
-    rsv_improve improve;
-    bool rows, columns, groups, outside; ///< what it needs of a map
-} solver_entry;
+#define RSV_SOLVER(value, symbol, name) extern const rsv_solver_method rsv_solver_##symbol;
+#include "solvers.inc"
+#undef RSV_SOLVER
 
-static const solver_entry solvers[] = {
-    [RSV_SOLVER_NEUMANN] = { .improve = rsv_improve_series },
-    [RSV_SOLVER_GAUSS_SEIDEL] = { .improve = rsv_improve_gauss_seidel, .rows = true },
-    [RSV_SOLVER_SOUTHWELL] = { .improve = rsv_improve_southwell, .columns = true },
-    [RSV_SOLVER_CHEBYSHEV] = { .improve = rsv_improve_chebyshev },
-    [RSV_SOLVER_BICGSTAB] = { .improve = rsv_improve_bicgstab },
-    [RSV_SOLVER_GMRES] = { .improve = rsv_improve_gmres },
-    [RSV_SOLVER_TWO_GRID] = { .improve = rsv_improve_two_grid, .groups = true },
-    [RSV_SOLVER_PETSC] = { .improve = rsv_improve_outside, .outside = true },
+static const rsv_solver_method *const methods[] = {
+#define RSV_SOLVER(value, symbol, name) [RSV_SOLVER_##value] = &rsv_solver_##symbol,
+#include "solvers.inc"
+#undef RSV_SOLVER
 };
+
+enum { METHODS = sizeof methods / sizeof *methods };
+
+const char *const *rsv_solver_names(void)
+{
+    static const char *const names[METHODS + 1] = {
+        [RSV_SOLVER_AUTO] = "auto",
+#define RSV_SOLVER(value, symbol, name) [RSV_SOLVER_##value] = name,
+#include "solvers.inc"
+#undef RSV_SOLVER
+    };
+    return names;
+}
 
 const char *rsv_solver_name(rsv_solver solver)
 {
-    static const char *const names[] = { [RSV_SOLVER_AUTO] = "auto",
-        [RSV_SOLVER_NEUMANN] = "neumann",
-        [RSV_SOLVER_GAUSS_SEIDEL] = "gauss-seidel",
-        [RSV_SOLVER_SOUTHWELL] = "southwell",
-        [RSV_SOLVER_CHEBYSHEV] = "chebyshev",
-        [RSV_SOLVER_BICGSTAB] = "bicgstab",
-        [RSV_SOLVER_GMRES] = "gmres",
-        [RSV_SOLVER_TWO_GRID] = "two-grid",
-        [RSV_SOLVER_PETSC] = "petsc" };
-    return (size_t)solver < sizeof names / sizeof names[0] ? names[solver] : NULL;
+    return (size_t)solver < METHODS ? rsv_solver_names()[solver] : NULL;
+}
+
+/// NULL = that is none: `auto`, or a value out of range.
+static const rsv_solver_method *method_of(rsv_solver solver)
+{
+    return (size_t)solver < METHODS ? methods[solver] : NULL;
+}
+
+rsv_solver_needs rsv_solver_needs_of(rsv_solver solver)
+{
+    const rsv_solver_method *method = method_of(solver);
+    return method ? method->needs : (rsv_solver_needs){ 0 };
 }
 
 rsv_linear_desc rsv_default_linear_desc(rsv_solver solver)
@@ -51,11 +61,11 @@ rsv_linear_desc rsv_default_linear_desc(rsv_solver solver)
 
 bool rsv_solver_fits(rsv_solver solver, const rsv_linear_map *map)
 {
-    const solver_entry *needs = &solvers[solver];
+    const rsv_solver_needs needs = rsv_solver_needs_of(solver);
     const rsv_linear_map_table *has = map->table;
-    return needs->improve && (!needs->rows || (has->gather_rows && has->scatter_rows)) &&
-           (!needs->columns || has->shoot) && (!needs->groups || (has->sum_groups && map->group)) &&
-           (!needs->outside || has->correct);
+    return method_of(solver) && (!needs.rows || (has->gather_rows && has->scatter_rows)) &&
+           (!needs.columns || has->shoot) && (!needs.groups || (has->sum_groups && map->group)) &&
+           (!needs.outside || has->correct);
 }
 
 void rsv_run_apply(rsv_solver_run *run, const float *field, float *image)
@@ -169,9 +179,9 @@ static rsv_status improve(rsv_solver_run *run, double caution, float *residual, 
     run->best = excess(run);
     run->waiting = 0;
     run->broke_down = run->blew_up = false;
-    rsv_improve of_solver =
-        run->map->outside ? rsv_improve_outside : solvers[run->desc->solver].improve;
-    rsv_status status = of_solver(run, residual, correction);
+    rsv_status status = run->map->outside
+                            ? rsv_improve_outside(run, residual, correction)
+                            : methods[run->desc->solver]->improve(run, residual, correction);
     scale_goals(run, caution);
     return status == RSV_OK ? run->status : status;
 }
@@ -272,7 +282,7 @@ rsv_status rsv_linear_solve(const rsv_linear_map *map, size_t columns, const flo
     for (size_t c = 0; c < columns; c++)
         report->residual = fmax(report->residual, run.size[c]);
 cleanup:
-    rsv_coarse_level_destroy(run.coarse);
+    if (run.kept) methods[desc->solver]->forget(run.kept);
     rsv_free(map->context, residual);
     rsv_free(map->context, trial);
     rsv_free(map->context, run.source_size);

@@ -33,7 +33,15 @@ typedef struct rsv_linear_report {
 /// Relative 1e-5, any number of applications up to 10 000, no spectral radius.
 rsv_linear_desc rsv_default_linear_desc(rsv_solver solver);
 
-/// Whether the map has what the solver needs (rows, columns, groups).
+/// What a solver asks of a map beyond products.
+typedef struct rsv_solver_needs {
+    bool rows, columns, groups; ///< scatter_rows and gather_rows, shoot, sum_groups
+    bool outside;               ///< correct
+} rsv_solver_needs;
+
+rsv_solver_needs rsv_solver_needs_of(rsv_solver solver);
+
+/// Whether the map has what the solver needs.
 bool rsv_solver_fits(rsv_solver solver, const rsv_linear_map *map);
 
 /// Solves x = source + A x.

@@ -8,13 +8,14 @@
 
 rsv_status rsv_improve_outside(rsv_solver_run *run, float *residual, float *correction)
 {
-    double reduction = 1, applications = run->desc->max_applications - run->applications;
-    bool converged = false;
+    double reduction = 1;
     for (size_t c = 0; c < run->shape.columns; c++)
         if (rsv_run_active(run, c)) reduction = fmin(reduction, run->goal[c] / run->size[c]);
-    rsv_status status = run->map->table->correct(run->map->data, run->shape.columns, residual,
-        SAFETY * reduction, correction, &applications, &converged);
-    run->applications += applications;
-    run->broke_down = !converged;
+    rsv_correction wanted = { .relative = SAFETY * reduction,
+        .applications = run->desc->max_applications - run->applications };
+    rsv_status status =
+        run->map->table->correct(run->map->data, run->shape.columns, residual, &wanted, correction);
+    run->applications += wanted.applications;
+    run->broke_down = !wanted.converged;
     return status;
 }

@@ -5,8 +5,6 @@
 #include "columns.h"
 #include "linear_solver.h"
 
-typedef struct rsv_coarse_level rsv_coarse_level;
-
 typedef struct rsv_solver_run {
     const rsv_linear_map *map;
     const rsv_linear_desc *desc;
@@ -15,29 +13,26 @@ typedef struct rsv_solver_run {
     double *goal;        ///< [columns] max |residual| that is good enough
     double *size;        ///< [columns] max |residual| as known now
     double applications;
-    double best;              ///< smallest excess over the goal in this cycle
-    uint32_t waiting;         ///< checks since it was found
-    bool broke_down;          ///< a solver divided by nothing
-    bool blew_up;             ///< residuals grew beyond all sense
-    rsv_coarse_level *coarse; ///< of the two-grid solver, from the first cycle on
-    rsv_status status;        ///< of the progress callback
+    double best;       ///< smallest excess over the goal in this cycle
+    uint32_t waiting;  ///< checks since it was found
+    bool broke_down;   ///< a solver divided by nothing
+    bool blew_up;      ///< residuals grew beyond all sense
+    void *kept;        ///< the solver's own, from one cycle to the next; NULL at first
+    rsv_status status; ///< of the progress callback
 } rsv_solver_run;
 
-/// Finds a correction: (I - A) correction close to `residual`.
-/// @param residual free to overwrite; 0 in columns that have converged; sizes are in run->size
-/// @param correction 0 before
-typedef rsv_status (*rsv_improve)(rsv_solver_run *run, float *residual, float *correction);
+/// What solver_NAME.c offers as rsv_solver_NAME. The build makes the table of them: src/CMakeLists.txt.
+typedef struct rsv_solver_method {
+    /// Finds a correction: (I - A) correction close to `residual`.
+    /// @param residual free to overwrite; 0 in columns that have converged; sizes are in run->size
+    /// @param correction 0 before
+    rsv_status (*improve)(rsv_solver_run *run, float *residual, float *correction);
+    rsv_solver_needs needs;
+    void (*forget)(void *kept); ///< frees run->kept, which is not NULL; NULL = there is never any
+} rsv_solver_method;
 
-rsv_status rsv_improve_series(rsv_solver_run *run, float *residual, float *correction);
-rsv_status rsv_improve_gauss_seidel(rsv_solver_run *run, float *residual, float *correction);
-rsv_status rsv_improve_southwell(rsv_solver_run *run, float *residual, float *correction);
-rsv_status rsv_improve_chebyshev(rsv_solver_run *run, float *residual, float *correction);
-rsv_status rsv_improve_bicgstab(rsv_solver_run *run, float *residual, float *correction);
-rsv_status rsv_improve_gmres(rsv_solver_run *run, float *residual, float *correction);
-rsv_status rsv_improve_two_grid(rsv_solver_run *run, float *residual, float *correction);
+/// By the `correct` of the map.
 rsv_status rsv_improve_outside(rsv_solver_run *run, float *residual, float *correction);
-
-void rsv_coarse_level_destroy(rsv_coarse_level *coarse);
 
 /// image = A field, counted.
 void rsv_run_apply(rsv_solver_run *run, const float *field, float *image);

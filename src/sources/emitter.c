@@ -7,8 +7,8 @@
 
 /// Places on a textured emitter from which its mean radiance is estimated.
 #define RADIANCE_POINTS 64
-/// Relative variance where only wider patches see any light.
-#define BARELY_SEEN 8
+/// Relative variance where only wider patches see any light: it may lie outside, and then the mean is wrong.
+#define BARELY_SEEN 400
 
 /// Mean over the emitter, each place standing for a patch.
 static rsv_rgb mean_over(
@@ -110,7 +110,8 @@ rsv_emitter rsv_emitter_create(const rsv_scene_view *scene, const rsv_bsdf *bsdf
     };
     cell_corners(level, place >> 2 * (RSV_EMITTER_LEVELS - level), emitter.u, emitter.v);
     rsv_emitter_follow(scene, &emitter);
-    emitter.varies = rsv_emission_varies(material);
+    bool shared = scene->twins && (scene->twins->flags[triangle] & RSV_TWIN_PARTLY);
+    emitter.varies = rsv_emission_varies(material) || shared;
     *spread = (rsv_emission_spread){ 0 };
     emitter.radiance = emitter.varies ? mean_radiance(scene, &emitter, spread) : common->emission;
     return emitter;

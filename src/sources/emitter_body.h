@@ -3,12 +3,14 @@
 #define RSV_EMITTER_BODY_H
 
 #include "../scene/material_at.h"
+#include "../scene/twins.h"
 #include "lights.h"
 
-/// Where a surface does not cover, it does not shine.
+/// Where a surface does not cover, it does not shine, nor where another lies in the same place and is seen.
 RSV_INLINE rsv_rgb rsv_emission_at(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)
 {
+    if (rsv_twins_hide_place(scene, triangle, u, v)) return rgb_gray(0);
     rsv_material m = rsv_material_at(scene, triangle, u, v, width);
     return rgb_scale(m.emission, m.opacity);
 }

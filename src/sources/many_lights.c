@@ -88,13 +88,13 @@ static int compare_indices(const void *a, const void *b)
     return left < right ? -1 : left > right;
 }
 
-/// Those that are weighed come first in `sampled`; both parts ascend.
+/// Those that are weighed come first in `sampled`; both parts ascend. Dark ones (cells of a texture beside a bright spot)
+/// are not worth that.
 static void choose_weighed(rsv_lights *lights)
 {
-    lights->weighed_count = lights->sampled_count;
+    lights->weighed_count = 0;
     if (lights->sampled_count == 0) return;
     qsort(lights->sampled, lights->sampled_count, sizeof *lights->sampled, compare_indices);
-    if (lights->sampled_count <= RSV_LOCAL_LIGHTS) return;
     uint32_t few[RSV_LOCAL_LIGHTS];
     size_t count = find_most_of_the_light(lights, few), left = count;
     lights->weighed_count = count;

@@ -5,16 +5,16 @@ bool rsv_coat_varies(const rsv_scene_view *scene, uint32_t material)
     const rsv_material *m = &scene->material[material];
     for (size_t k = 0; k < m->texture_count; k++)
         switch (m->textures[k].role) {
-        case RSV_TEXTURE_METALLIC_ROUGHNESS:
-        case RSV_TEXTURE_SPECULAR:
-        case RSV_TEXTURE_SPECULAR_COLOR:
-        case RSV_TEXTURE_CLEARCOAT:
-        case RSV_TEXTURE_CLEARCOAT_ROUGHNESS:
-        case RSV_TEXTURE_SHEEN_COLOR:
-        case RSV_TEXTURE_SHEEN_ROUGHNESS:
-            return !m->unlit;
-        default:
+        case RSV_TEXTURE_BASE_COLOR:
+        case RSV_TEXTURE_OPACITY:
+        case RSV_TEXTURE_NORMAL:
+        case RSV_TEXTURE_EMISSION:
+        case RSV_TEXTURE_TRANSMISSION:
+        case RSV_TEXTURE_DIFFUSE_TRANSMISSION:
+        case RSV_TEXTURE_DIFFUSE_TRANSMISSION_COLOR:
             break;
+        default:
+            return !m->unlit;
         }
     return false;
 }

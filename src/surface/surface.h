@@ -42,7 +42,7 @@ RSV_INLINE rsv_surface_point rsv_surface_point_of(
     return point;
 }
 
-/// The point with its interpolated normal, normal maps left out: what stored direct light is received by.
+/// The point with its interpolated normal, normal maps left out.
 RSV_INLINE rsv_surface_point rsv_surface_point_at(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back)
 {
@@ -54,7 +54,7 @@ RSV_INLINE rsv_surface_point rsv_surface_point_at(
     return point;
 }
 
-/// The point with its normal map: what is seen, and what rows receive by.
+/// The point with its normal map: what is seen, and what elements receive by.
 RSV_SHARED rsv_surface_point rsv_surface_point_seen(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, bool back, float width);
 

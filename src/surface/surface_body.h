@@ -24,8 +24,7 @@ RSV_SHARED const rsv_bsdf *rsv_surface_bsdf(const rsv_scene_view *scene, const r
     uint32_t material = scene->triangle_material[triangle];
     if (!scene->material_varies[material]) return &common[material];
     rsv_material at = rsv_material_at(scene, triangle, u, v, width);
-    rsv_bsdf_variation variation = rsv_bsdf_variation_of(&at);
-    *storage = rsv_bsdf_vary(&common[material], &variation);
+    *storage = rsv_bsdf_vary(&common[material], &at);
     if (!storage->solid) storage->opacity = at.opacity;
     return storage;
 }
@@ -36,8 +35,7 @@ RSV_SHARED const rsv_bsdf *rsv_surface_entry_bsdf(const rsv_scene_view *scene,
     uint32_t material = scene->triangle_material[triangle];
     if (!scene->material_varies[material]) return &common[material];
     rsv_material at = rsv_material_at(scene, triangle, u, v, width);
-    rsv_bsdf_variation variation = rsv_bsdf_variation_of(&at);
-    *storage = rsv_bsdf_vary_entry(&common[material], &variation);
+    *storage = rsv_bsdf_vary_entry(&common[material], &at);
     if (!storage->solid) storage->opacity = at.opacity;
     return storage;
 }

@@ -64,20 +64,23 @@ rsv_box rsv_reach_of_cell(const rsv_elements *e, uint32_t cell)
         rsv_box_of_cell(e, cell), REACH_OF_SIZE * size + REACH_OF_SPACING * e->spacing);
 }
 
-/// Narrows [*from, *to] to the part of a way from `a` to `b` on which its width, from `wide_a` to `wide_b`, reaches [low, high].
-static void narrow(float a_low, float a_high, float b_low, float b_high, float low, float high,
-    float *from, float *to)
+typedef struct interval {
+    float low, high;
+} interval;
+
+/// Narrows `part` to that part of the way of an interval from `a` to `b` in which it meets `place`.
+static void narrow(interval a, interval b, interval place, interval *part)
 {
-    // the way's lower end lies below `high`, and its upper end above `low`: two half lines
-    const float at[2] = { a_low - high, low - a_high },
-                rise[2] = { b_low - a_low, a_high - b_high };
+    // its lower end is below the upper one of `place`, its upper end above the lower one: two half lines
+    const float at[2] = { a.low - place.high, place.low - a.high },
+                rise[2] = { b.low - a.low, a.high - b.high };
     for (int k = 0; k < 2; k++) {
         if (rise[k] == 0) {
-            if (at[k] > 0) *to = -1;
+            if (at[k] > 0) part->high = -1;
         } else if (rise[k] > 0) {
-            *to = f_min(*to, -at[k] / rise[k]);
+            part->high = f_min(part->high, -at[k] / rise[k]);
         } else {
-            *from = f_max(*from, -at[k] / rise[k]);
+            part->low = f_max(part->low, -at[k] / rise[k]);
         }
     }
 }
@@ -86,11 +89,14 @@ static void narrow(float a_low, float a_high, float b_low, float b_high, float l
 /// of both, which is what boxes sweep that go from one to the other.
 static bool shaft_meets(const rsv_box *a, const rsv_box *b, rsv_vec3 low, rsv_vec3 high)
 {
-    float from = 0, to = 1;
-    narrow(a->low.x, a->high.x, b->low.x, b->high.x, low.x, high.x, &from, &to);
-    narrow(a->low.y, a->high.y, b->low.y, b->high.y, low.y, high.y, &from, &to);
-    narrow(a->low.z, a->high.z, b->low.z, b->high.z, low.z, high.z, &from, &to);
-    return from <= to + 1e-5f && to >= 0;
+    interval part = { 0, 1 };
+    narrow((interval){ a->low.x, a->high.x }, (interval){ b->low.x, b->high.x },
+        (interval){ low.x, high.x }, &part);
+    narrow((interval){ a->low.y, a->high.y }, (interval){ b->low.y, b->high.y },
+        (interval){ low.y, high.y }, &part);
+    narrow((interval){ a->low.z, a->high.z }, (interval){ b->low.z, b->high.z },
+        (interval){ low.z, high.z }, &part);
+    return part.low <= part.high + 1e-5f && part.high >= 0;
 }
 
 /// Whether a box reaches above the plane of a cell.

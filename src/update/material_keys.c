@@ -4,11 +4,12 @@
 #include "../scene/texture.h"
 #include "element_keys.h"
 
-/// Textures that change how light enters a surface.
-static bool counts(rsv_texture_role role)
+/// Textures that change how light enters a surface; by a normal map all surfaces receive.
+static bool counts(rsv_texture_role role, const rsv_bsdf *b)
 {
-    return role != RSV_TEXTURE_BASE_COLOR && role != RSV_TEXTURE_OPACITY &&
-           role != RSV_TEXTURE_EMISSION && role != RSV_TEXTURE_NORMAL;
+    if (role == RSV_TEXTURE_NORMAL) return true;
+    return !b->lambert && role != RSV_TEXTURE_BASE_COLOR && role != RSV_TEXTURE_OPACITY &&
+           role != RSV_TEXTURE_EMISSION;
 }
 
 static uint64_t add_numbers(uint64_t key, const float *number, size_t count)
@@ -43,8 +44,9 @@ static uint64_t key_of_mean(const rsv_material *m, const rsv_bsdf *b)
     uint64_t key = rsv_key_add(1, b->double_sided);
     if (b->lambert) return key;
     const float kind[] = { b->ior, b->transmission, m->thickness, b->metallic, b->diffuse, b->alpha,
-        b->clearcoat, b->clearcoat_alpha, b->sheen_power, b->passed };
-    key = add_color(add_color(key, b->specular_tint), b->sheen);
+        b->passed };
+    const rsv_layer_values layers = rsv_bsdf_layer_values(b);
+    key = add_numbers(add_color(key, b->specular_tint), layers.value, RSV_LAYER_VALUES);
     return rsv_key_add(add_numbers(key, kind, sizeof kind / sizeof *kind), 1 + b->coated);
 }
 
@@ -55,8 +57,9 @@ static rsv_material_key key_of(const rsv_transport_scene *scene, uint32_t index)
     rsv_material_key own = { 0 };
     if (m->alpha_cutoff > 0 || b->opacity < 1) return own;
     own.key = key_of_mean(m, b);
-    for (size_t k = 0; k < m->texture_count && !b->lambert; k++) {
-        if (!counts(m->textures[k].role)) continue;
+    for (size_t k = 0; k < m->texture_count; k++) {
+        if (!counts(m->textures[k].role, b)) continue;
+        own.key = add_numbers(own.key, &m->textures[k].scale, 1);
         own.key = add_reference(own.key, scene->view, &m->textures[k]);
         own.placed = true;
     }

@@ -52,6 +52,31 @@ done
 succeeds render far.safetensors -o top.exr --mode operator --camera top "${small[@]}"
 refuses 1 'has no camera' render far.safetensors -o "$out/a.exr" --camera bottom "${small[@]}"
 
+# -- objects that move, near and far: places of a script count from where their own file has them
+
+write_body() {
+    python3 - "$@" <<'END'
+import json, struct, sys
+name, place = sys.argv[1], [float(x) for x in sys.argv[2:]]
+open("body.bin", "wb").write(struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 0, -1, 0, 1, 0) + bytes([0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2]))
+json.dump({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "translation": place}],
+           "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+           "buffers": [{"byteLength": 60, "uri": "body.bin"}],
+           "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+           "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, -1], "max": [1, 1, 0]},
+                         {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}]}, open(name, "w"))
+END
+}
+write_body body-near.gltf 0 0 0
+write_body body-far.gltf "${far[@]}"
+printf '%s\n' '0 place.object=0.25,0.5,0' '1 place.object=0.5,1,-0.5' >way.txt
+for name in near far; do
+    succeeds relight $name.safetensors --object body-$name.gltf --script way.txt -o moved-$name%d.exr --mode operator "${small[@]}"
+done
+close moved-near0.exr moved-far0.exr
+close moved-near1.exr moved-far1.exr
+differ near-operator.exr moved-near0.exr || complain "the object is not to be seen"
+
 # -- operator files keep places and nodes
 
 for light in left bulb; do
@@ -100,12 +125,12 @@ grep -a -q -F 'light.definition' parts.light.safetensors || complain "the basis 
 lights='0 select light.left\n0 intensity 0\n0 select light.bulb\n'
 printf "$lights"'0 screenshot near-0.exr\n1 add desk 0.5 1 0.25\n2 screenshot near-2.exr\n' >near.view
 printf "$lights"'0 screenshot far-0.exr\n1 add desk 448263 52 5411932.5\n2 screenshot far-2.exr\n' >far.view
-for name in near far; do
-    succeeds view $name.safetensors --script $name.view --record $name-view --size 64x48
+for name in near far; do # of a size that puts the middle of no pixel on the edge of a crate, which roundings may move
+    succeeds view $name.safetensors --script $name.view --record $name-view --size 61x47
 done
 differ near-0.exr near-2.exr || complain "a light that was added does not shine"
-succeeds compare near-2.exr far-2.exr # a pixel at the edge of a shadow may differ
-awk '/^median_relative_error/ { exit !($2 < 1e-4) }' stdout || complain "a light that was added far away stands elsewhere: $(head -n 3 stdout)"
+close near-0.exr far-0.exr
+close near-2.exr far-2.exr
 refuses 1 'no number from -1e9' view near.safetensors --script <(echo '0 add desk 1 2 1e10') --record "$out"
 
 finish

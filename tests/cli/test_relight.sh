@@ -46,13 +46,16 @@ cmp -s frame004.exr between.exr || complain "between two lines light changes eve
 printf '%s\n' '0 light.light=1,1,1' '11 light.light=0.2,1,0.5,0.5' >dim.txt
 succeeds relight box.safetensors --script dim.txt -o dim%02d.exr "${box[@]}" --stats dim.json
 [[ $(ls dim??.exr | wc -l) == 12 ]] || complain "frames are $(echo dim*.exr)"
-succeeds relight box.safetensors --light light=0.2,1,0.5,0.5 -o last.exr "${box[@]}"
+succeeds relight box.safetensors --light light=0.2,1,0.5,0.5 -o last.exr "${box[@]}" --stats last.json
 succeeds relight box.safetensors --light light=0.2,0.1,0.1 -o rgb.exr "${box[@]}"
 cmp -s last.exr rgb.exr || complain "three factors are not those of the runtime"
 succeeds compare last.exr dim11.exr
 says '^relative_mse *[0-9.]*\(e-0[6-9]\|e-1\)\|^relative_mse *0$'
 says '^mean_ratio *\(1.0000\|0.9999\)'
 grep -q '"frames":.*12' dim.json && grep -q '"width":.*32' dim.json || complain "statistics are not complete"
+for field in mean_irradiance residual_inf truncation_bound; do
+    [[ $(grep "$field" dim.json) == "$(grep "$field" last.json)" ]] || complain "statistics: $field is not that of the last frame"
+done
 # an object on its way, without solving for it
 printf '%s\n' 'v 0 0 0' 'v 0.15 0 0' 'v 0 0 -0.15' 'v 0 0.15 0' 'f 1 3 2' 'f 1 2 4' 'f 2 3 4' 'f 1 4 3' >body.obj
 printf '%s\n' '0 place.object=-0.4,0.1,-0.1' '1 place.object=-0.2,0.2,-0.1' >way.txt
@@ -74,6 +77,9 @@ refuses 1 'no surroundings' relight box.safetensors --env-rotate 5 -o "$out/a.pn
 refuses 1 "'moon'.*'light'" relight box.safetensors --light moon=2 -o "$out/a.png"
 refuses 1 "'gold'.*'white'" relight box.safetensors --albedo gold=1,1,0 -o "$out/a.png"
 refuses 1 'environment' relight box.safetensors --env-intensity 2 -o "$out/a.png"
+mkdir -p folder.safetensors
+refuses 1 'is a folder' relight folder.safetensors -o "$out/a.png"
+refuses 1 'folder.safetensors: cannot be read' relight box.safetensors --script folder.safetensors -o "$out/a%d.png"
 refuses 1 'no operator file' relight cornell-blocks -o "$out/a.png"
 refuses 1 'No such file' relight none.safetensors -o "$out/a.png"
 refuses 1 'camera' relight box.safetensors --camera nobody -o "$out/a.png"

@@ -88,6 +88,8 @@ wrong '1 quit now' 'too many'
 wrong '1 select light.moon' "no 'light.moon'"
 wrong '1 env-rotate 5' 'no surroundings'
 wrong '1 camera nobody' 'no camera'
+mkdir -p folder
+refuses 1 'folder: cannot be read' "${view[@]}" --script folder --record "$work/frames"
 refuses 1 'none.txt' "${view[@]}" --script none.txt --record "$work/frames"
 refuses 1 'folder' "${view[@]}" --record no/such/folder
 refuses 1 'camera' "${view[@]}" --camera nobody --record "$work/frames"

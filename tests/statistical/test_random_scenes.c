@@ -180,7 +180,8 @@ static uint32_t check_pair(const rsv_scene *scene, const rsv_light *solution, ui
     return wrong;
 }
 
-static void check_furnace(fixture *f, uint32_t seed, uint32_t pairs)
+/// @return how many pictures are wrong
+static uint32_t look_at_furnace(fixture *f, uint32_t seed, uint32_t pairs)
 {
     rsv_scene *scene = begin_scene(f);
     rsv_light *solution;
@@ -194,7 +195,12 @@ static void check_furnace(fixture *f, uint32_t seed, uint32_t pairs)
         wrong += check_pair(scene, solution, pair);
     rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
-    assert_int_equal(wrong, 0);
+    return wrong;
+}
+
+static void check_furnace(fixture *f, uint32_t seed, uint32_t pairs)
+{
+    assert_int_equal(look_at_furnace(f, seed, pairs), 0);
 }
 
 static void lossless_things_cannot_be_seen(void **state) { check_furnace(*state, 0, 6); }
@@ -237,23 +243,20 @@ static rsv_material material_with(rsv_texture_role a, rsv_texture_role b)
     return m;
 }
 
-/// One slot is 0 on the left and 1 on the right side of a plate, another is 0 in front and 1 behind.
-static void add_split_plate(rsv_scene *scene, uint32_t texture, rsv_texture_role left_right,
-    rsv_texture_role front_behind, rsv_vec3 at)
+/// Where something with two textured slots lies, and whether it is a ball.
+typedef struct specimen {
+    rsv_texture_role slot[2];
+    rsv_vec3 at; ///< its left front corner
+    bool ball;
+} specimen;
+
+static void add_plate(rsv_scene *scene, uint32_t material, rsv_vec3 at)
 {
     static const float uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
     static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
     const rsv_vec3 corner[4] = { at, v3(at.x + 1, at.y, at.z), v3(at.x + 1, at.y, at.z - 1),
         v3(at.x, at.y, at.z - 1) };
-    rsv_texture_ref ref[2] = { rsv_default_texture_ref(left_right, texture),
-        rsv_default_texture_ref(front_behind, texture) };
-    rsv_material m = material_with(left_right, front_behind);
-    uint32_t material, mesh;
-    ref[1].transform[0][0] = ref[1].transform[1][1] = 0;
-    ref[1].transform[0][1] = ref[1].transform[1][0] = 1;
-    m.textures = ref;
-    m.texture_count = left_right == front_behind ? 1 : 2;
-    assert_int_equal(rsv_scene_add_material(scene, &m, &material), RSV_OK);
+    uint32_t mesh;
     const rsv_mesh_desc desc = { .positions = corner,
         .vertex_count = 4,
         .indices = index,
@@ -264,8 +267,26 @@ static void add_split_plate(rsv_scene *scene, uint32_t texture, rsv_texture_role
     assert_int_equal(rsv_scene_add_instance(scene, mesh, NULL, NULL), RSV_OK);
 }
 
-/// All plates, and a camera that looks down at them from 30 degrees: row by row, each in a block of pixels.
-static void add_split_plates(rsv_scene *scene)
+/// One slot is 0 on the left and 1 on the right, another is 0 in front and 1 behind.
+static void add_specimen(rsv_scene *scene, uint32_t texture, const specimen *s)
+{
+    rsv_texture_ref ref[2] = { rsv_default_texture_ref(s->slot[0], texture),
+        rsv_default_texture_ref(s->slot[1], texture) };
+    rsv_material m = material_with(s->slot[0], s->slot[1]);
+    uint32_t material;
+    ref[1].transform[0][0] = ref[1].transform[1][1] = 0;
+    ref[1].transform[0][1] = ref[1].transform[1][0] = 1;
+    m.textures = ref;
+    m.texture_count = s->slot[0] == s->slot[1] ? 1 : 2;
+    assert_int_equal(rsv_scene_add_material(scene, &m, &material), RSV_OK);
+    rsv_vec3 centre = v3(s->at.x + 0.5f, s->at.y, s->at.z - 0.5f);
+    if (s->ball)
+        assert_int_equal(textured_ball(scene, material, centre, 0.5f), RSV_OK);
+    else
+        add_plate(scene, material, s->at);
+}
+
+static uint32_t add_halves(rsv_scene *scene)
 {
     static const float half[2][4] = { { 0, 0, 0, 0 }, { 1, 1, 1, 1 } };
     const rsv_texture_desc desc = { .width = 2,
@@ -275,15 +296,24 @@ static void add_split_plates(rsv_scene *scene)
         .nearest = true,
         .wrap_u = RSV_WRAP_CLAMP,
         .wrap_v = RSV_WRAP_CLAMP };
-    uint32_t texture, count = 0;
+    uint32_t texture;
     assert_int_equal(rsv_scene_add_texture(scene, &desc, &texture), RSV_OK);
+    return texture;
+}
+
+/// Plates or balls of all pairs of slots, and a camera far away that looks down at them: row by row, each in a block of
+/// pixels. @param down sine of the angle below the horizontal
+static void add_specimens(rsv_scene *scene, bool balls, float down)
+{
+    uint32_t texture = add_halves(scene), count = 0;
     for (size_t a = 0; a < SLOTS; a++)
         for (size_t b = a; b < SLOTS; b++, count++) {
             float x = (float)(count % PLATES_ABREAST), z = (float)(count / PLATES_ABREAST);
-            rsv_vec3 at = v3(PLATE_PITCH * x + 0.125f, 0, PLATE_PITCH * z + 1.125f);
-            add_split_plate(scene, texture, slot[a], slot[b], at);
+            specimen s = { { slot[a], slot[b] },
+                v3(PLATE_PITCH * x + 0.125f, 0, PLATE_PITCH * z + 1.125f), balls };
+            add_specimen(scene, texture, &s);
         }
-    const float down = 0.5f, depth = PLATE_PITCH * PLATE_ROWS;
+    const float depth = PLATE_PITCH * PLATE_ROWS;
     rsv_vec3 forward = v3(0, -down, -sqrtf(1 - down * down)), right = v3(1, 0, 0);
     rsv_vec3 centre = v3(0.5f * PLATE_PITCH * PLATES_ABREAST, 0, 0.5f * depth);
     rsv_camera camera = { .name = "eye",
@@ -319,21 +349,33 @@ static uint32_t check_plates(const rsv_scene *scene, const rsv_light *solution, 
     return wrong;
 }
 
-/// What one texel's layers keep back of the light must not be given to another's.
-static void no_pair_of_textures_can_be_seen(void **state)
+static void check_specimens(fixture *f, bool balls, float down)
 {
-    rsv_scene *scene = begin_scene(*state);
+    rsv_scene *scene = begin_scene(f);
     rsv_light *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
     solve.element_target = FURNACE_ELEMENTS;
     uint32_t wrong = 0;
-    add_split_plates(scene);
+    add_specimens(scene, balls, down);
     assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
     for (int mode = RSV_RENDER_OPERATOR; mode <= RSV_RENDER_REFERENCE; mode++)
         wrong += check_plates(scene, solution, mode);
     rsv_light_destroy(solution);
     rsv_scene_destroy(scene);
     assert_int_equal(wrong, 0);
+}
+
+/// What one texel's layers keep back of the light must not be given to another's.
+static void no_pair_of_textures_can_be_seen(void **state) { check_specimens(*state, false, 0.5f); }
+
+static void no_pair_of_textures_can_be_seen_at_a_glance(void **state)
+{
+    check_specimens(*state, false, 0.1f);
+}
+
+static void no_pair_of_textures_can_be_seen_on_balls(void **state)
+{
+    check_specimens(*state, true, 1);
 }
 
 // ---- at the ends of the ranges ------------------------------------------------------------------
@@ -441,15 +483,11 @@ static void add_bent_plate(rsv_scene *scene)
     assert_int_equal(rsv_scene_add_camera(scene, &camera), RSV_OK);
 }
 
-/// Of an even sky a normal that is tilted by t sees (1 + cos t) / 2.
-static void bent_normals_receive_what_they_see(void **state)
+/// What every mode shows of the bent plate. @param seen what it is to show
+static void check_bent_plate(rsv_scene *scene, double seen)
 {
-    rsv_scene *scene = begin_scene(*state);
     rsv_light *solution;
     rsv_solve_desc solve = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
-    const double seen = (1 + sqrt(1 - (double)BEND * BEND)) / 2;
-    add_bent_plate(scene);
-    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
     assert_int_equal(rsv_scene_commit(scene), RSV_OK);
     solve.element_target = FURNACE_ELEMENTS;
     assert_int_equal(rsv_light_create(scene, &solve, &solution), RSV_OK);
@@ -465,6 +503,29 @@ static void bent_normals_receive_what_they_see(void **state)
         rsv_image_destroy(image);
     }
     rsv_light_destroy(solution);
+}
+
+/// Of an even sky a normal that is tilted by t sees (1 + cos t) / 2.
+static void bent_normals_receive_what_they_see(void **state)
+{
+    rsv_scene *scene = begin_scene(*state);
+    add_bent_plate(scene);
+    assert_int_equal(rsv_scene_set_builtin_environment(scene, "white", 1, 0), RSV_OK);
+    check_bent_plate(scene, (1 + sqrt(1 - (double)BEND * BEND)) / 2);
+    rsv_scene_destroy(scene);
+}
+
+/// Of a sun right above cos t, also where it is stored.
+static void bent_normals_receive_a_sun(void **state)
+{
+    rsv_scene *scene = begin_scene(*state);
+    const rsv_punctual_light sun = { .name = "sun",
+        .kind = RSV_PUNCTUAL_DIRECTIONAL,
+        .direction = { 0, -1, 0 },
+        .intensity = { RSV_PI, RSV_PI, RSV_PI } };
+    add_bent_plate(scene);
+    assert_int_equal(rsv_scene_add_light(scene, &sun), RSV_OK);
+    check_bent_plate(scene, sqrt(1 - (double)BEND * BEND));
     rsv_scene_destroy(scene);
 }
 
@@ -585,17 +646,31 @@ static int look_at_rooms(char **argv)
     return fixture_teardown(&state);
 }
 
+/// `furnaces FIRST COUNT` likewise.
+static int look_at_furnaces(char **argv)
+{
+    void *state = NULL;
+    fixture_setup(&state);
+    for (uint32_t seed = (uint32_t)atoi(argv[0]), k = 0; k < (uint32_t)atoi(argv[1]); k++)
+        look_at_furnace(state, seed + k, 20);
+    return fixture_teardown(&state);
+}
+
 int main(int argc, char **argv)
 {
+    if (argc == 4 && strcmp(argv[1], "furnaces") == 0) return look_at_furnaces(argv + 2);
     if (argc == 4 && strcmp(argv[1], "rooms") == 0) return look_at_rooms(argv + 2);
     const struct CMUnitTest quick[] = {
         SCENE_TEST(a_seed_names_a_scene),
         SCENE_TEST(no_pair_of_textures_can_be_seen),
+        SCENE_TEST(no_pair_of_textures_can_be_seen_at_a_glance),
         SCENE_TEST(extremes_cannot_be_seen),
         SCENE_TEST(bent_normals_receive_what_they_see),
+        SCENE_TEST(bent_normals_receive_a_sun),
         SCENE_TEST(lossless_things_cannot_be_seen),
     };
     const struct CMUnitTest slow[] = {
+        SCENE_TEST(no_pair_of_textures_can_be_seen_on_balls),
         SCENE_TEST(rooms_are_as_the_path_tracer_sees_them),
     };
     const struct CMUnitTest longest[] = {

@@ -298,7 +298,7 @@ static rsv_status add_box(rsv_scene *scene, uint32_t material, rsv_vec3 low, rsv
 #define TURNS 24
 #define RINGS 12
 
-static rsv_status add_ball(rsv_scene *scene, uint32_t material, rsv_vec3 centre, float radius)
+rsv_status textured_ball(rsv_scene *scene, uint32_t material, rsv_vec3 centre, float radius)
 {
     enum { COLUMNS = TURNS + 1, VERTICES = COLUMNS * (RINGS + 1) };
     rsv_vec3 position[VERTICES], normal[VERTICES];
@@ -347,7 +347,7 @@ static rsv_status add_pair(rsv_scene *scene, uint32_t seed, uint32_t k)
     RSV_TRY(random_material(scene, rsv_hash3(seed, 2, k),
         (random_material_choice){ .lossless = true, .body = true }, &ball));
     RSV_TRY(add_quad(scene, plate, corner));
-    RSV_TRY(add_ball(scene, ball, v3(x + 0.2f, 0.6f, 0), 0.4f));
+    RSV_TRY(textured_ball(scene, ball, v3(x + 0.2f, 0.6f, 0), 0.4f));
     rsv_camera camera =
         rsv_camera_look_at("eye", v3(x + 0.3f, 1.1f, 2.2f), v3(x, 0.25f, 0), 0.9f, 1);
     RSV_TRY(rsv_scene_add_camera(scene, &camera));
@@ -426,7 +426,7 @@ static rsv_status add_piece(room *r, rsv_vec3 centre, float reach)
     centre.y = r->low.y + (lies && kind != 2 ? 0 : between(&r->random, 0.1f, 0.4f)) + tall;
     rsv_vec3 half = v3(size * between(&r->random, 0.4f, 1), tall, size);
     if (kind == 0) return add_box(r->scene, material, v3_sub(centre, half), v3_add(centre, half));
-    if (kind == 1) return add_ball(r->scene, material, centre, size);
+    if (kind == 1) return textured_ball(r->scene, material, centre, size);
     return add_card(r, material, centre, 0.7f * size);
 }
 

@@ -19,6 +19,9 @@ typedef struct random_material_choice {
 rsv_status random_material(
     rsv_scene *scene, uint32_t seed, random_material_choice choice, uint32_t *id);
 
+/// A faceted sphere with smooth normals and the texture coordinates of a globe.
+rsv_status textured_ball(rsv_scene *scene, uint32_t material, rsv_vec3 centre, float radius);
+
 /// Spheres above plates, so many, with lossless materials of many kinds, under surroundings of radiance 1: every pixel is 1.
 /// Camera k sees the k-th pair and the sky. Committed.
 rsv_status random_furnace(rsv_scene *scene, uint32_t seed, uint32_t pairs);

@@ -112,6 +112,21 @@ static void missing_and_endless_libraries_are_named(void **state)
     assert_mentions(f->log, "pipe.mtl");
 }
 
+static void materials_that_do_not_exist_are_named_once(void **state)
+{
+    fixture *f = *state;
+    write_file("some.mtl", "newmtl \"known to all\" # here\nKd 1 0 0\n");
+    write_file("some.obj", "mtllib some.mtl\nusemtl lost\n" QUAD "usemtl known to all\nf 1 2 3\n"
+                           "USEMTL lost\nf 1 2 3\nusemtl gone\nf 1 2 3\nusemtl lost\nf 1 2 3\n");
+    rsv_scene_destroy(load(f, "some.obj"));
+    assert_mentions(f->log, "no library of it defines: 'lost', 'gone'; they are grey");
+    assert_int_equal(count_mentions(f->log, "no library of it"), 1);
+    f->log[0] = 0;
+    write_file("bare.obj", "usemtl lost\n" QUAD);
+    rsv_scene_destroy(load(f, "bare.obj"));
+    assert_int_equal(count_mentions(f->log, "'lost'"), 1);
+}
+
 static void textures_are_warned_of(void **state)
 {
     fixture *f = *state;
@@ -634,6 +649,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         CASE(mtl_phong_becomes_lambert_plastic_mirror_and_glass),
         CASE(missing_and_endless_libraries_are_named),
+        CASE(materials_that_do_not_exist_are_named_once),
         CASE(textures_are_warned_of),
         CASE(what_is_not_used_is_named_once),
         CASE(line_ends_blanks_and_marks_do_not_matter),

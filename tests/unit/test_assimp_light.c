@@ -65,6 +65,30 @@ static void write_collada(const char *tool, double metre, const char *library, c
     fclose(file);
 }
 
+/// The importer takes what is no number for a metre, and what is no axis for y.
+static void collada_units_that_are_no_numbers_are_named(void **state)
+{
+    fixture *f = *state;
+    static const char *const meter[] = { "one", "", "0.01", "1" };
+    for (int k = 0; k < 4; k++) {
+        write_collada("any", 1, "", "");
+        size_t bytes;
+        char *text = (char *)read_bytes(path_in(&files, "a.dae"), &bytes);
+        text[bytes] = '\0';
+        char *at = strstr(text, "meter=\"");
+        FILE *file = fopen(path_in(&files, "b.dae"), "w");
+        assert_non_null(file);
+        if (k == 1) *strstr(text, "Y_UP") = 'W';
+        fprintf(file, "%.*smeter=\"%s%s", (int)(at - text), text, meter[k], at + 8);
+        fclose(file);
+        free(text);
+        f->log[0] = 0;
+        rsv_scene_destroy(load(f, "b.dae"));
+        assert_int_equal(count_mentions(f->log, "is no number of metres; 1 is taken"), k < 2);
+        assert_int_equal(count_mentions(f->log, "its <up_axis> is none of"), k == 1);
+    }
+}
+
 static rsv_scene *load_collada_light(
     fixture *f, const char *tool, double metre, const char *kind, const char *more)
 {
@@ -408,15 +432,15 @@ static void fbx_decay_may_start_at_the_light(void **state)
 static void fbx_hides_what_is_not_to_be_shown(void **state)
 {
     fixture *f = *state;
-    for (int shown = 0; shown < 2; shown++) {
+    for (int shown = 0; shown < 3; shown++) { // 1: but for its Visibility
         char scaling[192];
         rsv_scene *scene =
             load_fbx_light(f, "any", 1, "   P: \"Intensity\", \"Number\", \"\", \"A\",100\n");
         rsv_scene_destroy(scene);
         size_t bytes;
         char *text = (char *)read_bytes(path_in(&files, "a.fbx"), &bytes);
-        snprintf(scaling, sizeof scaling, "   P: \"Show\", \"bool\", \"\", \"\",%d\n%s", shown,
-            shown ? "   P: \"Visibility\", \"Visibility\", \"\", \"A\",0\n" : "");
+        snprintf(scaling, sizeof scaling, "   P: \"Show\", \"bool\", \"\", \"\",%d\n%s", shown > 0,
+            shown == 1 ? "   P: \"Visibility\", \"Visibility\", \"\", \"A\",0\n" : "");
         text[bytes] = '\0';
         char *at = strstr(text, "   P: \"Lcl Scaling\"");
         assert_non_null(at);
@@ -425,29 +449,34 @@ static void fbx_hides_what_is_not_to_be_shown(void **state)
         fclose(file);
         free(text);
         scene = load(f, "a.fbx");
-        assert_int_equal(rsv_scene_get_view(scene)->light_count, shown);
-        if (shown) assert_mentions(f->log, "Visibility is not used: 1 of its models");
-        if (!shown)
-            assert_mentions(f->log, "1 node is (first: 'lamp') hidden by the property Show");
+        assert_int_equal(rsv_scene_get_view(scene)->light_count, shown == 2);
+        if (shown < 2)
+            assert_mentions(f->log, "1 node is (first: 'lamp') hidden by Show or Visibility");
+        memset(f->log, 0, sizeof f->log);
         rsv_scene_destroy(scene);
     }
 }
 
-/// Binary files state it by lengths.
-static void fbx_counts_what_is_invisible_in_binary_files(void **state)
+/// Binary files state it by lengths, which stay what they are.
+static void fbx_tells_of_visibility_in_binary_files(void **state)
 {
     (void)state;
     static const char start[] = "S\x0a\0\0\0VisibilityS\x0a\0\0\0VisibilityS\0\0\0\0S\x01\0\0\0AD";
-    static const double value[] = { 0, 1, 0 };
-    FILE *file = fopen(path_in(&files, "b.fbx"), "wb");
+    static const char wanted[] =
+        "S\x0a\0\0\0VisibilityS\x06\0\0\0doubleS\x04\0\0\0    S\x01\0\0\0AD";
+    FILE *file = fopen(path_in(&files, "b.fbx"), "w+b");
     assert_non_null(file);
-    for (int k = 0; k < 3; k++) {
-        fwrite(start, 1, sizeof start - 1, file);
-        fwrite(&value[k], 1, k < 2 ? 8 : 4, file); // the last is cut off
-    }
+    fwrite(start, 1, sizeof start - 1, file);
+    fwrite(start, 1, 30, file); // cut off
+    rewind(file);
+    size_t size;
+    char *cleaned = rsv_fbx_clean(file, &size);
     fclose(file);
-    assert_int_equal(rsv_fbx_count_invisible(path_in(&files, "b.fbx")), 1);
-    assert_int_equal(rsv_fbx_count_invisible(path_in(&files, "none.fbx")), 0);
+    assert_non_null(cleaned);
+    assert_int_equal(size, sizeof start - 1 + 30);
+    assert_memory_equal(cleaned, wanted, sizeof wanted - 1);
+    assert_memory_equal(cleaned + sizeof start - 1, start, 30);
+    free(cleaned);
 }
 
 /// The importer makes up one degree where a camera says nothing.
@@ -496,7 +525,8 @@ int main(void)
         CASE(collada_opacity_and_shading_are_as_specified),
         CASE(collada_skews_move_along_one_direction),
         CASE(fbx_hides_what_is_not_to_be_shown),
-        CASE(fbx_counts_what_is_invisible_in_binary_files),
+        CASE(collada_units_that_are_no_numbers_are_named),
+        CASE(fbx_tells_of_visibility_in_binary_files),
         CASE(fbx_lights_are_as_bright_in_any_unit),
         CASE(fbx_decay_may_start_at_the_light),
         CASE(fbx_cameras_without_a_field_of_view_see_something),

@@ -312,6 +312,60 @@ static void the_split_knows_noise_from_large_elements(void **state)
     world_end(w);
 }
 
+// ---- caustics that no gather ray can find ------------------------------------------------------
+
+static double mean_squared_caustic(const rsv_light_view *s)
+{
+    const rsv_elements *e = s->caustics.elements;
+    double sum = 0, area = 0;
+    for (size_t n = 0; n < e->node_count; n++) {
+        double light = (double)rgb_luminance(s->caustics.caustic[n]);
+        sum += (double)e->node_area[n] * light * light;
+        area += (double)e->node_area[n];
+    }
+    return sum / area;
+}
+
+/// A room with a ball of glass under a point light.
+static world *create_room_with_caustic(void)
+{
+    world *w = world_begin(2);
+    rsv_material glass = lambert_material(1, 0);
+    glass.transmission = glass.thickness = 1;
+    glass.roughness = 0;
+    glass.ior = 1.5f;
+    world_room(w, world_lambert(w, 0.5f, 0), v3(0, 0, 0), v3(1, 1, 1));
+    world_sphere(w, world_material(w, glass), v3(0.5f, 0.4f, 0.5f), 0.25f, 3);
+    rsv_punctual_light lamp = {
+        .kind = RSV_PUNCTUAL_POINT, .position = v3(0.4f, 0.9f, 0.5f), .intensity = rgb_gray(1)
+    };
+    assert_int_equal(rsv_scene_add_light(w->scene, &lamp), RSV_OK);
+    world_commit(w);
+    return w;
+}
+
+/// Photons that the solution knows nothing of tell by how much its caustics are wrong.
+static void wrong_caustics_of_a_point_light_are_found(void **state)
+{
+    (void)state;
+    world *w = create_room_with_caustic();
+    rsv_solve_desc desc = draft(1000);
+    rsv_light *s = solve(w, &desc);
+    rsv_certificate before = certify(s, 1024, 3);
+    double added = 0.25 * mean_squared_caustic(inside(s));
+    const rsv_light_fields *f = rsv_light_edit(s);
+    scale(f->caustics.caustic, f->caustics.elements->node_count, 1.5f);
+    rsv_certificate after = certify(s, 1024, 3);
+    double square = after.error_estimate_rms * after.error_estimate_rms -
+                    before.error_estimate_rms * before.error_estimate_rms;
+    print_message("error %.4f, then %.4f; caustics are off by %.4f\n", before.error_estimate_rms,
+        after.error_estimate_rms, sqrt(added));
+    assert_true(before.error_estimate_rms < sqrt(added));
+    assert_true(fabs(sqrt(square) - sqrt(added)) < 0.2 * sqrt(added));
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 // ---- what is not seen --------------------------------------------------------------------------
 
 /// A canvas in a frame: bodies that reach into each other, their fronts five millimetres apart.
@@ -384,6 +438,38 @@ static void points_within_bodies_count_at_no_quality(void **state)
         assert_true(judge_points_of(inside(s), 4000) > 100);
         rsv_light_destroy(s);
     }
+    world_end(w);
+}
+
+/// What rays see where a pane of glass lies on a floor is the floor: the light of the pane's sides there is nobody's.
+static void points_behind_other_faces_do_not_count(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    rsv_material pane = lambert_material(0.5f, 0);
+    pane.double_sided = true;
+    pane.transmission = 0.5f;
+    const cuboid box = { { 0.2f, 0, 0.3f }, { 0.7f, 0.4f, 0.6f } };
+    world_room(w, world_lambert(w, 0.5f, 1), v3(0, 0, 0), v3(1, 1, 1));
+    world_box(w, world_material(w, pane), box.low, box.high);
+    world_commit(w);
+    rsv_solve_desc desc = draft(300);
+    rsv_light *s = solve(w, &desc);
+    const rsv_elements *e = inside(s)->elements;
+    rsv_visible_surface visible = rsv_visible_surface_of(&inside(s)->scene, e);
+    uint32_t hidden = 0;
+    for (uint32_t face = 0; face < e->face_count; face++) {
+        rsv_face_point p = { face, 0.3f, 0.4f };
+        rsv_surface_point at =
+            rsv_surface_point_at(e->scene, e->face_triangle[face], p.u, p.v, e->face_back[face]);
+        bool of_pane = e->scene->triangle_material[e->face_triangle[face]] == 1;
+        bool at_floor = of_pane && at.position.y == 0;
+        uint64_t rays = 0;
+        assert_int_equal(rsv_point_is_buried(&visible, &p, face, &rays), at_floor);
+        hidden += at_floor;
+    }
+    assert_int_equal(hidden, 4); // two triangles, both sides
+    rsv_light_destroy(s);
     world_end(w);
 }
 
@@ -811,7 +897,9 @@ int main(int argc, char **argv)
         cmocka_unit_test(direct_light_left_to_the_renderer_counts_as_exact),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(the_picture_shows_where_the_error_is),
+        cmocka_unit_test(wrong_caustics_of_a_point_light_are_found),
         cmocka_unit_test(points_within_bodies_count_at_no_quality),
+        cmocka_unit_test(points_behind_other_faces_do_not_count),
         cmocka_unit_test(darkness_is_exact),
         cmocka_unit_test(a_scene_without_diffuse_surfaces_has_no_error),
         cmocka_unit_test(unusable_numbers_of_samples_are_refused),

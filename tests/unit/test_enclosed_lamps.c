@@ -104,6 +104,38 @@ static void an_opaque_bulb_is_named(void **state)
     }
 }
 
+/// Of any size and at any place, whose faces look inwards: rays that are reflected next to an edge do not leave through it.
+static void a_bulb_that_faces_inwards_is_named(void **state)
+{
+    fixture *f = *state;
+    for (int kind = 0; kind < 24; kind++) {
+        rsv_scene *scene = begin_room(f, true);
+        uint32_t glass = add_material(scene, paint("milk glass", kind % 2));
+        float size = 0.05f + 0.015f * (float)kind, x = 1.1f + 0.07f * (float)kind;
+        add_point(scene, "filament", v3(x, 1.7f, 2), RSV_PUNCTUAL_POINT);
+        add_shade(scene, "bulb", glass, v3(x - size, 1.7f - size, 2 - size),
+            v3(x + size, 1.7f + size, 2 + size), true, false);
+        if (count_enclosed(f, scene) != 1) fail_msg("a box of %g m is no bulb", 2 * (double)size);
+        assert_mentions(f->log, "'filament'");
+        assert_mentions(f->log, "'bulb'");
+    }
+}
+
+/// A large one counts if nothing else shines.
+static void a_large_bulb_is_named_where_all_is_dark(void **state)
+{
+    fixture *f = *state;
+    for (int other = 0; other < 2; other++) {
+        rsv_scene *scene = begin_room(f, true);
+        uint32_t glass = add_material(scene, paint("milk glass", false));
+        add_point(scene, "filament", v3(2, 1.5f, 1.5f), RSV_PUNCTUAL_POINT);
+        if (other) add_point(scene, "free", v3(2, 2.8f, 4), RSV_PUNCTUAL_POINT);
+        add_shade(scene, "bulb", glass, v3(1.3f, 1, 0.8f), v3(2.7f, 1.8f, 2.2f), true, false);
+        assert_int_equal(count_enclosed(f, scene), !other);
+        if (!other) assert_mentions(f->log, "'filament'");
+    }
+}
+
 static void each_of_several_lamps_is_named(void **state)
 {
     fixture *f = *state;
@@ -167,6 +199,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(an_opaque_bulb_is_named, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            a_bulb_that_faces_inwards_is_named, fixture_setup, fixture_teardown),
+        cmocka_unit_test_setup_teardown(
+            a_large_bulb_is_named_where_all_is_dark, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(
             each_of_several_lamps_is_named, fixture_setup, fixture_teardown),
         cmocka_unit_test_setup_teardown(

@@ -338,6 +338,9 @@ static void exr_places_the_data_window_in_the_display_window(void **state)
                     y < 7 ? variant_value(2, x + 5, y + 1) : 0, 0);
         rsv_image_destroy(image);
     }
+    variant.display_window = (exr_attr_box2i_t){ { .x = 50, .y = 3 }, { .x = 56, .y = 11 } };
+    write_variant(path_of("apart.exr"), &variant);
+    expect_failure(path_of("apart.exr"), RSV_ERROR_FORMAT, "outside of its display window");
 }
 
 static char logged[1024];

@@ -677,17 +677,49 @@ static rsv_rgb received_below(const shot *s, float height)
     return rgb((float)sum[0], (float)sum[1], (float)sum[2]);
 }
 
-/// A spot that looks along x into a mirror at 45 degrees, which throws all of it onto the floor.
-static void an_ideal_mirror_passes_all_flux_on(void **state)
+/// A spot that looks along x into a mirror at 45 degrees, above a floor.
+static world *floor_below_mirror(void)
 {
-    (void)state;
-    const float angle = 0.1f;
     world *w = world_begin(2);
     world_quad(
         w, world_lambert(w, 0.5f, 0), v3(-3, 0, -3), v3(-3, 0, 3), v3(3, 0, 3), v3(3, 0, -3));
     world_quad(w, world_material(w, mirror_material(1)), v3(-0.5f, 0.5f, -1), v3(0.5f, 1.5f, -1),
         v3(0.5f, 1.5f, 1), v3(-0.5f, 0.5f, 1));
-    add_spot(w, v3(2, 1, 0), v3(-1, 0, 0), angle);
+    add_spot(w, v3(2, 1, 0), v3(-1, 0, 0), 0.1f);
+    return w;
+}
+
+/// One shooter for many rounds: each finds what one of its own would, and no pilot ray is traced again.
+static void a_shooter_may_be_used_again(void **state)
+{
+    (void)state;
+    enum { count = 4096 };
+    shot own = shoot(floor_below_mirror(), 0.5f, count);
+    const rsv_elements *const target[1] = { own.elements };
+    const world *w = own.w;
+    rsv_photon_shooter *shooter = NULL;
+    uint64_t pilot = 0;
+    assert_int_equal(
+        rsv_photon_shooter_create(&w->transport, w->lights, 1, &shooter, &pilot), RSV_OK);
+    for (int round = 0; round < 2; round++) {
+        rsv_photon_map map;
+        uint64_t rays = 0;
+        assert_int_equal(rsv_photons_deposit(shooter, count, target, &map, 1, &rays), RSV_OK);
+        assert_memory_equal(map.flux, own.map.flux, own.elements->node_count * sizeof *map.flux);
+        assert_int_equal(rays + pilot, own.rays);
+        rsv_photon_map_destroy(&map);
+    }
+    rsv_photon_shooter_destroy(shooter);
+    rsv_photon_shooter_destroy(NULL);
+    destroy_shot(&own);
+}
+
+/// All of its light is thrown onto the floor.
+static void an_ideal_mirror_passes_all_flux_on(void **state)
+{
+    (void)state;
+    const float angle = 0.1f;
+    world *w = floor_below_mirror();
     shot s = shoot(w, 0.3f, 40000);
     rsv_rgb received = received_below(&s, 0.1f);
     // unguided photons (a tenth) and the guide's noise in density: 0.2 % standard error, four of them
@@ -773,6 +805,7 @@ int main(void)
         cmocka_unit_test(total_internal_reflection_traps_light_and_ends),
         cmocka_unit_test(light_below_the_critical_angle_leaves),
         cmocka_unit_test(parallel_mirrors_end_within_the_event_bound),
+        cmocka_unit_test(a_shooter_may_be_used_again),
         cmocka_unit_test(an_ideal_mirror_passes_all_flux_on),
         cmocka_unit_test(a_clear_slab_passes_flux_times_transmittance),
         cmocka_unit_test(photons_are_the_same_bytes_for_any_thread_count),

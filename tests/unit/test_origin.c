@@ -123,6 +123,33 @@ static void what_is_left_at_the_origin_does_no_harm(void **state)
 }
 
 /// Large scenes, and those a few times their size away, stay as they are.
+/// One object far from all others, in a scene that is near: nothing can be taken out, but its shape suffers.
+static void single_objects_far_away_are_told(void **state)
+{
+    static const struct {
+        const char *where;
+        bool coarse;
+    } place[] = { { "4000000.3,0,0", true }, { "0,0,-700000", true }, { "9000,0,0", false },
+        { "3,0,0", false } };
+    fixture *f = *state;
+    folder files = new_folder();
+    for (size_t k = 0; k < sizeof place / sizeof *place; k++) {
+        char text[1024];
+        const sketch s = room_sketch();
+        snprintf(text, sizeof text,
+            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],\"scenes\":[{"
+            "\"nodes\":[0,1,2,3]}],\"nodes\":[{\"mesh\":0},{\"mesh\":0,\"translation\":[9,0,0]},"
+            "{\"mesh\":0,\"translation\":[0,0,9]},{\"name\":\"stray\",\"mesh\":0,"
+            "\"translation\":[%s]}]",
+            place[k].where);
+        f->log[0] = 0;
+        rsv_scene_destroy(load(f, write_sketch(&files, &s, text)));
+        assert_int_equal(count_mentions(f->log, "(first: 'stray'"), place[k].coarse);
+        assert_int_equal(count_mentions(f->log, "single precision"), place[k].coarse);
+    }
+    remove_folder(files.path);
+}
+
 static void near_scenes_are_left_alone(void **state)
 {
     static const char *const where[] = { "\"translation\":[300,0,0]",
@@ -246,6 +273,7 @@ int main(void)
         ORIGIN_TEST(far_rooms_are_as_near_ones),
         ORIGIN_TEST(what_is_taken_out_is_told),
         ORIGIN_TEST(what_is_left_at_the_origin_does_no_harm),
+        ORIGIN_TEST(single_objects_far_away_are_told),
         ORIGIN_TEST(near_scenes_are_left_alone),
         ORIGIN_TEST(what_is_written_is_where_it_was),
         ORIGIN_TEST(skins_and_instances_keep_their_digits),

@@ -265,6 +265,98 @@ static void moved_lights_are_those_of_a_fresh_solve(void **state)
     check_moved(true);
 }
 
+static const rsv_light_part *part_named(const rsv_light *s, const char *name)
+{
+    const rsv_light_basis *b = inside(s)->basis;
+    for (size_t k = 0; b && k < b->source_count; k++)
+        if (strcmp(b->source[k].name, name) == 0) return &b->part[k];
+    return NULL;
+}
+
+#define PLACES 100 ///< along each edge of a square of the floor
+
+/// A glass ball above a floor, under a spot that stands at `x`, and a bulb that stays.
+static rsv_light *ball_below_spot(float x, world **w)
+{
+    rsv_material glass = rsv_default_material();
+    glass.roughness = 0;
+    glass.transmission = glass.thickness = 1;
+    *w = world_begin(2);
+    uint32_t grey = world_lambert(*w, 0.5f, 0), ball = world_material(*w, glass);
+    world_quad(*w, grey, v3(-2, 0, 2), v3(2, 0, 2), v3(2, 0, -2), v3(-2, 0, -2));
+    world_sphere(*w, ball, v3(0, 0.6f, 0), 0.3f, 3);
+    const rsv_punctual_light light[] = { { .name = "spot",
+                                             .kind = RSV_PUNCTUAL_SPOT,
+                                             .position = { x, 2.4f, 0 },
+                                             .direction = { 0, -1, 0 },
+                                             .outer_cone_angle = 1,
+                                             .intensity = { 20, 20, 20 } },
+        { .name = "bulb",
+            .kind = RSV_PUNCTUAL_POINT,
+            .position = { -1.5f, 2, 1.5f },
+            .intensity = { 2, 2, 2 } } };
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(rsv_scene_add_light((*w)->scene, &light[k]), RSV_OK);
+    world_commit(*w);
+    rsv_solve_desc desc = rsv_default_solve_desc(RSV_QUALITY_DRAFT);
+    desc.element_target = 300;
+    desc.rays_per_element = 64;
+    desc.refinements = 0;
+    desc.photon_count = 400000;
+    rsv_light *s;
+    assert_int_equal(rsv_light_create((*w)->scene, &desc, &s), RSV_OK);
+    return s;
+}
+
+/// What a field of a level has at places of the floor, which is the first quad. @param value [PLACES * PLACES] out
+static void look_at_floor(const rsv_elements *e, const rsv_rgb *field, double *value)
+{
+    for (int k = 0; k < PLACES * PLACES; k++) {
+        float x = 0.35f + 0.3f * ((float)(k % PLACES) + 0.5f) / PLACES; // share of the way along x
+        float z = 0.35f + 0.3f * ((float)(k / PLACES) + 0.5f) / PLACES; // and against z
+        uint32_t face = 0;
+        while (e->face_triangle[face] != (z > x))
+            face++;
+        float u = z > x ? x : x - z, v = z > x ? z - x : z;
+        value[k] = (double)rsv_elements_interpolate(e, field, face, u, v).g;
+    }
+}
+
+/// What the photons of a spot find on the floor after it was moved has the detail of a fresh solve, and the light that
+/// stays is no other.
+static void moved_caustics_are_as_sharp_as_fresh_ones(void **state)
+{
+    (void)state;
+    enum { COUNT = PLACES * PLACES };
+    static double relit[COUNT], fresh[COUNT], before[COUNT], after[COUNT];
+    const rsv_light_move move = { "spot", { -0.9f, 0, 0 } }, none = { "spot", { 0, 0, 0 } };
+    world *w, *other;
+    rsv_light *s = ball_below_spot(0.6f, &w), *wanted = ball_below_spot(-0.3f, &other);
+    relight(s, &(rsv_relight_desc){ .move = &none, .move_count = 1 });
+    look_at_floor(inside(s)->fine.elements, part_named(s, "bulb")->fine, before);
+    relight(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 });
+    look_at_floor(inside(s)->fine.elements, part_named(s, "bulb")->fine, after);
+    look_at_floor(inside(s)->caustics.elements, inside(s)->caustics.caustic, relit);
+    look_at_floor(inside(wanted)->caustics.elements, inside(wanted)->caustics.caustic, fresh);
+    double square = 0, size = 0, peak[2] = { 0 };
+    int same = 0;
+    for (int k = 0; k < COUNT; k++) {
+        assert_float_equal(after[k], before[k], 0.02 * before[k]); // beside hanging nodes
+        same += fabs(after[k] - before[k]) <= 1e-5 * before[k];
+        square += pow(relit[k] - fresh[k], 2);
+        size += pow(fresh[k], 2);
+        peak[0] = fmax(peak[0], relit[k]);
+        peak[1] = fmax(peak[1], fresh[k]);
+    }
+    assert_true(same > 0.95 * COUNT);
+    assert_true(sqrt(square / size) < 0.05);
+    assert_float_equal(peak[0], peak[1], 0.05 * peak[1]);
+    rsv_light_destroy(s);
+    rsv_light_destroy(wanted);
+    world_end(w);
+    world_end(other);
+}
+
 static rsv_punctual_light spark(void)
 {
     return (rsv_punctual_light){ .name = "spark",
@@ -302,7 +394,7 @@ static void only_the_last_change_counts(void **state)
     const rsv_relight_desc third = { 0 };
     world *w = yard(v3(0, 0, 0)), *other = yard(v3(0, 0, 0));
     rsv_light *s = solve(w, true), *once = solve(other, true);
-    size_t nodes = inside(s)->elements->node_count, fine = inside(s)->fine.elements->node_count;
+    size_t nodes = inside(s)->elements->node_count;
     rsv_rgb *began = malloc(nodes * sizeof *began);
     memcpy(began, inside(s)->irradiance, nodes * sizeof *began);
     rsv_relighter *r;
@@ -312,8 +404,10 @@ static void only_the_last_change_counts(void **state)
     assert_int_equal(rsv_relighter_step(r, 0, NULL), RSV_OK);
     change(r, &second);
     assert_false(rsv_relighter_is_settled(r));
-    assert_int_equal(rsv_relighter_settle(r), RSV_OK);
+    assert_int_equal(rsv_relighter_refine(r), RSV_OK);
     relight(once, &second);
+    size_t fine = inside(s)->fine.elements->node_count;
+    assert_int_equal(inside(once)->fine.elements->node_count, fine);
     assert_memory_equal(inside(s)->irradiance, inside(once)->irradiance, nodes * sizeof *began);
     assert_memory_equal(inside(s)->fine.direct, inside(once)->fine.direct, fine * sizeof *began);
     change(r, &third);
@@ -748,14 +842,6 @@ static rsv_rgb *copy_of(const rsv_rgb *field, size_t count)
     return copy;
 }
 
-static const rsv_light_part *part_named(const rsv_light *s, const char *name)
-{
-    const rsv_light_basis *b = inside(s)->basis;
-    for (size_t k = 0; b && k < b->source_count; k++)
-        if (strcmp(b->source[k].name, name) == 0) return &b->part[k];
-    return NULL;
-}
-
 static void moving_one_light_leaves_the_parts_of_others_alone(void **state)
 {
     (void)state;
@@ -888,6 +974,7 @@ int main(void)
         cmocka_unit_test(textures_stay_under_changed_colors),
         cmocka_unit_test(unknown_names_are_answered_by_the_known_ones),
         cmocka_unit_test(moved_lights_are_those_of_a_fresh_solve),
+        cmocka_unit_test(moved_caustics_are_as_sharp_as_fresh_ones),
         cmocka_unit_test(only_the_last_change_counts),
         cmocka_unit_test(lights_on_the_move_are_near_those_at_rest),
         cmocka_unit_test(lights_on_the_move_are_the_same_bytes_for_any_thread_count),

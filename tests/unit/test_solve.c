@@ -534,6 +534,33 @@ static void bad_descriptors_are_refused_by_name(void **state)
         desc.tolerance = tolerance[k];
         expect_refusal(w, &desc, "tolerance");
     }
+    const float share[] = { -1, 2, NAN };
+    for (int k = 0; k < 3; k++) {
+        desc = good;
+        desc.contact_share = share[k];
+        expect_refusal(w, &desc, "contact_share");
+    }
+    world_end(w);
+}
+
+/// Blocks stand on a floor: elements there are what a share spares.
+static void a_share_of_contacts_takes_fewer_rows(void **state)
+{
+    (void)state;
+    static const float share[] = { 0, 1, 0.01f };
+    size_t rows[3];
+    world *w = world_builtin(2, "cornell-blocks");
+    for (int k = 0; k < 3; k++) {
+        rsv_solve_desc desc = small_desc(400);
+        rsv_light *light = NULL;
+        desc.contact_share = share[k];
+        assert_int_equal(rsv_light_create(w->scene, &desc, &light), RSV_OK);
+        rows[k] = rsv_light_report(light)->rows;
+        rsv_light_destroy(light);
+    }
+    print_message("%zu rows, %zu with a hundredth of the contacts\n", rows[1], rows[2]);
+    assert_int_equal(rows[0], rows[1]);
+    assert_true(rows[2] < rows[1]);
     world_end(w);
 }
 
@@ -643,6 +670,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_scene_without_light_is_black_and_says_so),
         cmocka_unit_test(a_scene_of_glass_alone_is_no_trouble),
         cmocka_unit_test(bad_descriptors_are_refused_by_name),
+        cmocka_unit_test(a_share_of_contacts_takes_fewer_rows),
         cmocka_unit_test(memory_may_run_out_here_and_there),
         cmocka_unit_test(work_can_be_cancelled),
     };

@@ -99,6 +99,18 @@ static void solvers_cope_with_a_spectral_radius_of_099(void **state)
     world_end(w);
 }
 
+static void every_solver_has_a_name(void **state)
+{
+    (void)state;
+    const char *const *name = rsv_solver_names();
+    for (rsv_solver solver = 0; solver <= RSV_SOLVER_PETSC; solver++)
+        assert_ptr_equal(rsv_solver_name(solver), name[solver]);
+    for (size_t k = 0; k < sizeof all_solvers / sizeof *all_solvers; k++)
+        assert_non_null(name[all_solvers[k]]);
+    assert_string_equal(name[RSV_SOLVER_AUTO], "auto");
+    assert_string_equal(name[RSV_SOLVER_TWO_GRID], "two-grid");
+}
+
 static void a_zero_source_needs_no_work(void **state)
 {
     (void)state;
@@ -702,6 +714,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(solvers_find_known_solutions),
         cmocka_unit_test(solvers_cope_with_a_spectral_radius_of_099),
+        cmocka_unit_test(every_solver_has_a_name),
         cmocka_unit_test(a_zero_source_needs_no_work),
         cmocka_unit_test(a_good_guess_saves_work),
         cmocka_unit_test(a_growing_series_is_noticed),

@@ -68,6 +68,11 @@ static void texts_of_all_kinds_are_read(void **state)
         { "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 2 0 0\nvertex 2 3 0\n"
           "vertex 0 3 0\nendloop\nendfacet\nendsolid\n",
             2, NULL },
+        { "solid two words facet normal 0 0 1 outer loop vertex 0 0 0 vertex 2 0 0 vertex 0 3 0 "
+          "endloop "
+          "endfacet endsolid two words SOLID b FACET normal 0 0 1 outer loop vertex 0 0 0 vertex 2 "
+          "0 0 vertex 0 3 0 endloop endfacet endsolid b",
+            2, NULL },
         { "solid a\ncolor 1 0 0\n" FACET "color 0 1 0\nendsolid\n", 1, "'color' in line 2" },
         { "solid empty\nendsolid\nsolid a\n" FACET "endsolid\n", 1, NULL },
     };

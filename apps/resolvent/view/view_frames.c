@@ -1,6 +1,7 @@
 #include "view_frames.h"
 
 #include "../progress.h"
+#include "view_pace.h"
 #include "view_still.h"
 
 #include "resolvent/frame.h"
@@ -34,6 +35,7 @@ struct cli_view_frames {
     rsv_camera camera[RSV_MAX_EYES]; ///< likewise
     bool shows_still;
     uint32_t samples;
+    cli_view_pace pace;
 };
 
 static double now_ms(void) { return 1e3 * cli_seconds(); }
@@ -51,6 +53,7 @@ rsv_status cli_view_frames_create(
     f->solution = solution;
     f->budget_ms = budget_ms;
     f->converged = true;
+    f->pace.coarseness = 1;
     rsv_status status = body ? rsv_mover_create(solution, body, NULL, &f->mover) : RSV_OK;
     if (status == RSV_OK)
         *frames = f;
@@ -100,12 +103,15 @@ static rsv_status fit(cli_view_frames *f, uint32_t eyes, uint32_t width, uint32_
     desc.width = f->width = width;
     desc.height = f->height = height;
     desc.eyes = f->eyes = eyes;
+    desc.rest = RSV_REST_FINAL;
     rsv_status status = rsv_frame_renderer_create(f->solution, &desc, &f->renderer);
     if (status == RSV_OK) rsv_frame_renderer_put(f->renderer, f->mover);
     for (uint32_t k = 0; k < eyes && status == RSV_OK; k++)
         status = cli_still_resize(f->solution, width, f->height, &f->still[k]);
     return status;
 }
+
+void cli_view_frames_keep_pace(cli_view_frames *f) { f->pace.varies = true; }
 
 rsv_status cli_view_frames_prepare(cli_view_frames *f, uint32_t width, uint32_t height)
 {
@@ -207,7 +213,10 @@ static rsv_status render_frame(cli_view_frames *f, const cli_view_state *state,
     rsv_frame_stats stats;
     memcpy(view.camera, camera, f->eyes * sizeof *camera);
     rsv_frame_renderer_show(f->renderer, state->layer);
-    rsv_status status = rsv_frame_render(f->renderer, &view, &stats);
+    uint32_t coarse = timing->coarseness = f->pace.coarseness;
+    rsv_status status = rsv_frame_renderer_resize(
+        f->renderer, (f->width + coarse - 1) / coarse, (f->height + coarse - 1) / coarse);
+    if (status == RSV_OK) status = rsv_frame_render(f->renderer, &view, &stats);
     if (status != RSV_OK) return status;
     timing->camera_ms = stats.camera_ms;
     timing->path_ms = stats.path_ms;
@@ -216,23 +225,35 @@ static rsv_status render_frame(cli_view_frames *f, const cli_view_state *state,
     timing->path_rays = stats.path_rays;
     f->samples = stats.samples;
     for (uint32_t k = 0; k < f->eyes; k++)
-        for (uint32_t y = 0; y < f->height; y++)
-            memcpy(canvas->pixel + (size_t)y * canvas->width + (size_t)k * f->width,
-                rsv_frame_pixels(f->renderer, k) + (size_t)y * f->width,
-                f->width * sizeof *canvas->pixel);
+        cli_view_enlarge(rsv_frame_pixels(f->renderer, k), f->pace.coarseness, f->width, f->height,
+            k * f->width, canvas);
+    cli_view_pace_note(&f->pace, stats.total_ms);
     return RSV_OK;
+}
+
+/// Mode final goes on from what the frames have found at this place.
+static rsv_status begin_still(cli_view_frames *f, const cli_view_state *state,
+    const rsv_camera camera[], cli_canvas *canvas, cli_view_timing *timing)
+{
+    if (state->mode != CLI_VIEW_FINAL || f->still[0].samples > 0) return RSV_OK;
+    cli_view_state all = *state;
+    all.layer = RSV_NONE;
+    rsv_status status = render_frame(f, &all, camera, canvas, timing);
+    for (uint32_t k = 0; k < f->eyes && status == RSV_OK; k++)
+        rsv_frame_radiance(f->renderer, k, f->still[k].known);
+    return status;
 }
 
 static rsv_status render_still(cli_view_frames *f, const cli_view_state *state,
     const rsv_camera camera[], cli_canvas *canvas, cli_view_timing *timing)
 {
-    rsv_status status = RSV_OK;
     double start = now_ms();
+    rsv_status status = begin_still(f, state, camera, canvas, timing);
     bool measures = state->mode == CLI_VIEW_ERROR; // its colours mean numbers: no exposure
     for (uint32_t k = 0; k < f->eyes && status == RSV_OK; k++) {
         status = cli_still_add(&f->still[k], state->mode, &camera[k]);
-        cli_still_show(&f->still[k], measures ? 0 : state->exposure, state->soft && !measures,
-            k * f->width, canvas);
+        cli_still_show(&f->still[k], state->mode, measures ? 0 : state->exposure,
+            state->soft && !measures, k * f->width, canvas);
     }
     f->samples = f->still[0].samples;
     timing->still_ms = now_ms() - start;
@@ -254,6 +275,7 @@ rsv_status cli_view_frames_next(
     if (status != RSV_OK) return status;
     aim(f, state, camera);
     bool rests = keep_still(f, state, camera) && f->converged;
+    cli_view_pace_begin(&f->pace, rests);
     bool occlusion = state->mode == CLI_VIEW_OCCLUSION || state->mode == CLI_VIEW_OCCLUSION_SCREEN;
     f->shows_still = state->mode != CLI_VIEW_OPERATOR && (rests || occlusion);
     status = f->shows_still ? render_still(f, state, camera, canvas, timing)
@@ -304,10 +326,12 @@ static rsv_status copy_radiance(const cli_view_frames *f, rsv_image *image)
     for (uint32_t k = 0; k < f->eyes; k++) {
         const rsv_rgb *from = f->shows_still ? f->still[k].radiance : eye;
         if (!f->shows_still) rsv_frame_radiance(f->renderer, k, eye);
-        for (uint32_t y = 0; y < f->height; y++)
-            memcpy(rsv_image_pixels(image, 0) + (size_t)y * rsv_image_width(image) +
-                       (size_t)k * f->width,
-                from + (size_t)y * f->width, f->width * sizeof *eye);
+        uint32_t coarse = f->shows_still ? 1 : f->pace.coarseness;
+        size_t across = (f->width + coarse - 1) / coarse;
+        rsv_rgb *to = rsv_image_pixels(image, 0) + (size_t)k * f->width;
+        for (uint32_t y = 0; y < f->height; y++, to += rsv_image_width(image))
+            for (uint32_t x = 0; x < f->width; x++)
+                to[x] = from[y / coarse * across + x / coarse];
     }
     free(eye);
     return RSV_OK;

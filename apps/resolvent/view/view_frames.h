@@ -16,6 +16,8 @@ typedef struct cli_view_timing {
     uint32_t samples; ///< that have added up
     uint32_t eyes;
     double residual; ///< of the light; 0 = exact
+    uint32_t
+        coarseness; ///< pixels of the window along each side of one of the frame; 0 = it has no frame
 } cli_view_timing;
 
 typedef struct cli_view_frames cli_view_frames;
@@ -29,6 +31,9 @@ void cli_view_frames_destroy(cli_view_frames *frames);
 
 /// Makes beforehand what the first frame of such a size would have to make.
 rsv_status cli_view_frames_prepare(cli_view_frames *frames, uint32_t width, uint32_t height);
+
+/// Lets frames that take too long have fewer pixels while the camera moves; not for those of a device.
+void cli_view_frames_keep_pace(cli_view_frames *frames);
 
 /// From here on the light follows the state. @param relighter of the frames' light; borrowed
 rsv_status cli_view_frames_attach(cli_view_frames *frames, rsv_relighter *relighter);

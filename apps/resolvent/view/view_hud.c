@@ -52,6 +52,7 @@ void cli_view_hud_note(cli_view_hud *hud, const cli_view_timing *timing)
     approach(&mean.total_ms, timing->total_ms);
     mean.path_rays = timing->path_rays;
     mean.samples = timing->samples;
+    mean.coarseness = timing->coarseness;
     mean.eyes = timing->eyes;
     mean.residual = timing->residual;
     hud->mean = mean;
@@ -182,6 +183,9 @@ static void write_facts(text_column *c, const cli_view_hud *hud, const cli_view_
     write_pair(c, "exposure", text, white);
     snprintf(text, sizeof text, "%u", hud->mean.samples);
     write_pair(c, "samples", text, white);
+    bool coarse = hud->mean.coarseness > 1;
+    snprintf(text, sizeof text, coarse ? "1/%u while moving" : "full", hud->mean.coarseness);
+    write_pair(c, "resolution", text, coarse ? accent : white);
     if (hud->mean.residual > 0)
         snprintf(text, sizeof text, "%.1e left", hud->mean.residual);
     else
@@ -197,7 +201,7 @@ static void write_facts(text_column *c, const cli_view_hud *hud, const cli_view_
 static void draw_numbers(const cli_view_hud *hud, const cli_view_state *state, cli_canvas *canvas)
 {
     float size = text_size(canvas), width = 27 * size;
-    float lines = 19.6f + (hud->mean.eyes > 1);
+    float lines = 20.6f + (hud->mean.eyes > 1);
     text_column c = open_panel(canvas, size, size, width, lines);
     write_title(&c, hud, state);
     write_stages(&c, &hud->mean);

@@ -137,6 +137,7 @@ static rsv_status present(cli_refiner *r, cli_lit *lit)
 {
     const cli_refiner_desc *d = &r->desc;
     rsv_status status = cli_view_frames_create(lit->light, d->body, d->budget_ms, &lit->frames);
+    if (status == RSV_OK && d->keeps_pace) cli_view_frames_keep_pace(lit->frames);
     if (status == RSV_OK && lit->relighter)
         status = cli_view_frames_attach(lit->frames, lit->relighter);
     if (status == RSV_OK) status = cli_view_frames_prepare(lit->frames, d->width, d->height);

@@ -24,6 +24,7 @@ typedef struct cli_refiner_desc {
     const rsv_scene *body; ///< as in cli_view_frames_create, as is budget_ms
     double budget_ms;
     uint32_t width, height; ///< of the window
+    bool keeps_pace;        ///< cli_view_frames_keep_pace
 } cli_refiner_desc;
 
 typedef struct cli_refiner cli_refiner;

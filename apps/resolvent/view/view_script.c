@@ -65,6 +65,10 @@ bool cli_read_view_script(const char *path, cli_view_script *script)
             good = read_line(start, &line, problem) && add_line(script, &line);
     }
     if (!good) cli_error("%s:%zu: %s", path, line.number, problem);
+    if (ferror(file)) { // a folder
+        cli_error("%s: cannot be read: %s", path, strerror(errno));
+        good = false;
+    }
     free(text);
     fclose(file);
     return good;

@@ -8,6 +8,8 @@
 
 /// Samples per pixel after which mode final is left alone.
 #define FINAL_SAMPLES 256
+/// Of these, as many as the frames before count for to begin with.
+#define KNOWN_SAMPLES 16
 /// The heat map has so much fewer pixels along each side, and so many gather rays for each.
 #define ERROR_COARSENESS 3
 #define ERROR_GATHER_RAYS 24
@@ -19,7 +21,8 @@ rsv_status cli_still_resize(
     cli_still_free(s);
     *s = (cli_still){ .solution = solution, .width = width, .height = height };
     s->radiance = calloc((size_t)width * height, sizeof *s->radiance);
-    if (!s->radiance) return RSV_ERROR_MEMORY;
+    s->known = calloc((size_t)width * height, sizeof *s->known);
+    if (!s->radiance || !s->known) return RSV_ERROR_MEMORY;
     return rsv_image_create(context, width, height, 1, &s->picture);
 }
 
@@ -28,6 +31,7 @@ void cli_still_free(cli_still *s)
     rsv_occlusion_destroy(s->occlusion);
     rsv_image_destroy(s->picture);
     free(s->radiance);
+    free(s->known);
     *s = (cli_still){ 0 };
 }
 
@@ -131,13 +135,26 @@ uint8_t cli_tone_code(float radiance, float scale, bool soft)
     return (uint8_t)(255 * code + 0.5f);
 }
 
-void cli_still_show(
-    const cli_still *s, float exposure, bool soft, uint32_t left, cli_canvas *canvas)
+/// What frames knew counts for less with every sample, and in the end for nothing.
+static float share_known(const cli_still *s, cli_view_mode mode)
 {
-    float scale = exp2f(exposure);
+    float samples = (float)s->samples;
+    if (mode != CLI_VIEW_FINAL || s->samples >= FINAL_SAMPLES) return 0;
+    return KNOWN_SAMPLES * (1 - samples / FINAL_SAMPLES) / (KNOWN_SAMPLES + samples);
+}
+
+static float mixed(float a, float b, float share) { return a + share * (b - a); }
+
+void cli_still_show(const cli_still *s, cli_view_mode mode, float exposure, bool soft,
+    uint32_t left, cli_canvas *canvas)
+{
+    float scale = exp2f(exposure), share = share_known(s, mode);
     for (uint32_t y = 0; y < s->height; y++)
         for (uint32_t x = 0; x < s->width; x++) {
             rsv_rgb c = s->radiance[(size_t)y * s->width + x];
+            const rsv_rgb *k = &s->known[(size_t)y * s->width + x];
+            c = (rsv_rgb){ mixed(c.r, k->r, share), mixed(c.g, k->g, share),
+                mixed(c.b, k->b, share) };
             uint8_t *pixel = canvas->pixel[(size_t)y * canvas->width + left + x];
             pixel[0] = cli_tone_code(c.r, scale, soft);
             pixel[1] = cli_tone_code(c.g, scale, soft);

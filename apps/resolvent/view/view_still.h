@@ -12,6 +12,7 @@ typedef struct cli_still {
     uint32_t width, height; ///< of one eye's picture
     rsv_rgb *radiance;      ///< [height * width] the mean so far
     uint32_t samples;       ///< in it
+    rsv_rgb *known;         ///< [height * width] by frames; mode final begins with it
     rsv_occlusion *occlusion;
     cli_view_mode occlusion_mode; ///< that it was made for
     rsv_image *picture;           ///< of occlusion
@@ -29,8 +30,9 @@ rsv_status cli_still_add(cli_still *still, cli_view_mode mode, const rsv_camera 
 bool cli_still_is_done(const cli_still *still, cli_view_mode mode);
 
 /// Codes of radiance x 2^exposure, as frames show it, at (left, 0) of a canvas.
-void cli_still_show(
-    const cli_still *still, float exposure, bool soft, uint32_t left, cli_canvas *canvas);
+/// @param mode that the picture is of
+void cli_still_show(const cli_still *still, cli_view_mode mode, float exposure, bool soft,
+    uint32_t left, cli_canvas *canvas);
 
 /// The sRGB code of radiance x scale.
 uint8_t cli_tone_code(float radiance, float scale, bool soft);

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-struct rsv_coarse_level {
+typedef struct coarse_level {
     rsv_context *context;
     size_t groups;
     double *inverse_size;   ///< [groups] 1 / nodes
@@ -20,11 +20,11 @@ struct rsv_coarse_level {
     uint32_t *pivot;        ///< [3 x groups]
     bool singular;          ///< I - C of some channel
     double *means, *solved; ///< [groups]
-};
+} coarse_level;
 
-void rsv_coarse_level_destroy(rsv_coarse_level *coarse)
+static void forget_coarse_level(void *kept)
 {
-    if (!coarse) return;
+    coarse_level *coarse = kept;
     rsv_free(coarse->context, coarse->inverse_size);
     rsv_free(coarse->context, coarse->factor);
     rsv_free(coarse->context, coarse->pivot);
@@ -79,7 +79,7 @@ static void solve_factored(const double *a, size_t n, const uint32_t *pivot, dou
 }
 
 /// Factors of I - C for the three channels.
-static void form_matrices(rsv_solver_run *run, rsv_coarse_level *coarse)
+static void form_matrices(rsv_solver_run *run, coarse_level *coarse)
 {
     const rsv_linear_map *map = run->map;
     size_t groups = coarse->groups;
@@ -98,7 +98,7 @@ static void form_matrices(rsv_solver_run *run, rsv_coarse_level *coarse)
 static rsv_status create_coarse_level(rsv_solver_run *run)
 {
     rsv_context *context = run->shape.context;
-    rsv_coarse_level *coarse = run->coarse = rsv_alloc(context, 1, sizeof *coarse);
+    coarse_level *coarse = run->kept = rsv_alloc(context, 1, sizeof *coarse);
     if (!coarse) return RSV_ERROR_MEMORY;
     size_t groups = coarse->groups = run->map->group_count;
     coarse->context = context;
@@ -121,7 +121,7 @@ static rsv_status create_coarse_level(rsv_solver_run *run)
 /// step = (I - B)^-1 residual, in the columns that need it
 static void precondition(rsv_solver_run *run, const float *residual, float *step)
 {
-    const rsv_coarse_level *coarse = run->coarse;
+    const coarse_level *coarse = run->kept;
     const uint32_t *group = run->map->group;
     size_t columns = run->shape.columns, groups = coarse->groups;
     for (size_t c = 0; c < columns; c++) {
@@ -141,7 +141,7 @@ static void precondition(rsv_solver_run *run, const float *residual, float *step
     }
 }
 
-rsv_status rsv_improve_two_grid(rsv_solver_run *run, float *residual, float *correction)
+static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
 {
     rsv_status status = RSV_OK;
     float *step = rsv_run_field(run), *image = rsv_run_field(run);
@@ -149,8 +149,8 @@ rsv_status rsv_improve_two_grid(rsv_solver_run *run, float *residual, float *cor
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
-    if (!run->coarse) RSV_TRY(create_coarse_level(run));
-    run->broke_down = run->coarse->singular;
+    if (!run->kept) RSV_TRY(create_coarse_level(run));
+    run->broke_down = ((const coarse_level *)run->kept)->singular;
     if (run->broke_down) goto cleanup;
     do {
         precondition(run, residual, step);
@@ -165,3 +165,7 @@ cleanup:
     rsv_free(run->shape.context, image);
     return status;
 }
+
+const rsv_solver_method rsv_solver_two_grid = {
+    .improve = improve, .needs.groups = true, .forget = forget_coarse_level
+};

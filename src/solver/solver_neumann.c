@@ -1,7 +1,7 @@
 /// d = sum A^n r: the Neumann series, bounce after bounce. Its next term is the residual of the sum so far.
 #include "solver_run.h"
 
-rsv_status rsv_improve_series(rsv_solver_run *run, float *residual, float *correction)
+static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
 {
     rsv_status status = RSV_OK;
     float *term = residual, *next = rsv_run_field(run), *const owned = next;
@@ -25,3 +25,5 @@ cleanup:
     rsv_free(run->shape.context, factor);
     return status;
 }
+
+const rsv_solver_method rsv_solver_neumann = { .improve = improve };

@@ -37,7 +37,7 @@ static void shoot_large(rsv_solver_run *run, float *residual, float *correction,
     }
 }
 
-rsv_status rsv_improve_southwell(rsv_solver_run *run, float *residual, float *correction)
+static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
 {
     float *amount = rsv_alloc(run->shape.context, run->shape.columns, sizeof *amount);
     if (!amount) return RSV_ERROR_MEMORY;
@@ -48,3 +48,5 @@ rsv_status rsv_improve_southwell(rsv_solver_run *run, float *residual, float *co
     rsv_free(run->shape.context, amount);
     return RSV_OK;
 }
+
+const rsv_solver_method rsv_solver_southwell = { .improve = improve, .needs.columns = true };

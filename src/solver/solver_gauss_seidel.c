@@ -32,7 +32,7 @@ static void sweep(rsv_solver_run *run, const float *residual, float *correction,
     run->applications += 1;
 }
 
-rsv_status rsv_improve_gauss_seidel(rsv_solver_run *run, float *residual, float *correction)
+static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
 {
     rsv_status status = RSV_OK;
     float *scattered = rsv_run_field(run), *gathered = rsv_run_field(run);
@@ -48,3 +48,5 @@ cleanup:
     rsv_free(run->shape.context, gathered);
     return status;
 }
+
+const rsv_solver_method rsv_solver_gauss_seidel = { .improve = improve, .needs.rows = true };

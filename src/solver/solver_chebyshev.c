@@ -92,7 +92,7 @@ static void accelerate(rsv_solver_run *run, semi_iteration *s, float *residual, 
     }
 }
 
-rsv_status rsv_improve_chebyshev(rsv_solver_run *run, float *residual, float *correction)
+static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
 {
     rsv_status status = RSV_OK;
     size_t columns = run->shape.columns;
@@ -114,3 +114,5 @@ cleanup:
     rsv_free(run->shape.context, s.image);
     return status;
 }
+
+const rsv_solver_method rsv_solver_chebyshev = { .improve = improve };

@@ -100,7 +100,7 @@ static void turn(rsv_solver_run *run, stabilised *s, const float *residual)
     rsv_columns_scale_add(&run->shape, residual, s->beta, s->p);
 }
 
-rsv_status rsv_improve_bicgstab(rsv_solver_run *run, float *residual, float *correction)
+static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
 {
     rsv_status status = RSV_OK;
     size_t columns = run->shape.columns, bytes = run->shape.count * columns * sizeof(float);
@@ -133,3 +133,5 @@ cleanup:
     rsv_free(run->shape.context, s.t);
     return status;
 }
+
+const rsv_solver_method rsv_solver_bicgstab = { .improve = improve };

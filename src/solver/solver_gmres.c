@@ -128,7 +128,7 @@ static void cycle(rsv_solver_run *run, krylov *q, const float *residual, float *
     combine(run, q, k < RESTART ? k + 1 : RESTART, correction);
 }
 
-rsv_status rsv_improve_gmres(rsv_solver_run *run, float *residual, float *correction)
+static rsv_status improve(rsv_solver_run *run, float *residual, float *correction)
 {
     rsv_context *context = run->shape.context;
     size_t columns = run->shape.columns;
@@ -149,3 +149,5 @@ rsv_status rsv_improve_gmres(rsv_solver_run *run, float *residual, float *correc
     rsv_free(context, q.product);
     return complete ? RSV_OK : RSV_ERROR_MEMORY;
 }
+
+const rsv_solver_method rsv_solver_gmres = { .improve = improve };

@@ -1,0 +1,22 @@
+/// Rays through a tree of triangles, before the scene has a hierarchy for many of them.
+#ifndef RSV_TREE_RAY_H
+#define RSV_TREE_RAY_H
+
+#include "twin_tree.h"
+
+/// Which triangles a ray meets, and from where on.
+typedef struct rsv_tree_ray {
+    const rsv_scene_view *view;
+    const rsv_twin_tree *tree;
+    rsv_ray ray;
+    float t_min;
+    float slack;             ///< metres by which boxes are widened
+    const uint32_t *kind_of; ///< [triangle_count] of the scene's triangles; NULL = all are met
+    uint32_t kind;           ///< the only one that is met
+} rsv_tree_ray;
+
+/// The closest triangle, edges included: nothing slips through between triangles. What is cut out is passed.
+/// @param hit out: of triangle RSV_NONE if there is none
+bool rsv_tree_ray_closest(const rsv_tree_ray *ray, rsv_hit *hit);
+
+#endif
