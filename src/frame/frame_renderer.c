@@ -230,7 +230,6 @@ static void begin_eye(
     }
     e->medium_number = rsv_specular_media_of_eye(&r->media, k, &e->medium);
     set_aim(r, e);
-    if (e->lobes) rsv_glossy_cells_begin(&e->cells, &e->aim.lens, e->samples > 0);
     e->tone = (rsv_frame_tone){ .scale = exp2f(view->exposure) / (float)(e->samples + 1),
         .soft = view->soft,
         .first = e->samples == 0 };
@@ -240,6 +239,15 @@ static void begin_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
 {
     for (uint32_t k = 0; k < r->desc.eyes; k++)
         begin_eye(r, &r->eye[k], view, k);
+}
+
+/// Not where camera rays are traced alone: history goes from one shown frame to the next.
+static void begin_cells(rsv_frame_renderer *r)
+{
+    for (uint32_t k = 0; k < r->desc.eyes && reuses_gloss(r); k++) {
+        rsv_eye_picture *e = &r->eye[k];
+        rsv_glossy_cells_begin(&e->cells, &e->aim.lens, e->samples > 0);
+    }
 }
 
 static void start_over(rsv_frame_renderer *r)
@@ -363,6 +371,7 @@ static rsv_status render_eyes(rsv_frame_renderer *r, const rsv_frame_view *view)
         start_over(r);
         begin_eyes(r, view);
     }
+    begin_cells(r);
     for_tiles(r, rsv_tile_render);
     finish_gloss(r);
     share_rest(r);

@@ -8,8 +8,9 @@
 
 /// Lobes narrower than this send more rays: they cannot share them.
 #define NARROW_ALPHA 0.06f
-/// Samples from which on a cell sends fewer rays.
-#define ENOUGH_SAMPLES 48
+/// Samples from which on a cell sends fewer rays, where its lobe shows much; fewer do where it shows less.
+#define ENOUGH_SAMPLES 48.0f
+#define LEAST_SAMPLES 6.0f
 /// Specular events behind a lobe's ray.
 #define MOST_EVENTS 4
 
@@ -288,16 +289,32 @@ static bool is_poor(const rsv_glossy_cells *c, size_t cell)
     return cos < 0.5f || fabsf(g->alpha[cell] - b->alpha[cell]) > 0.5f * g->alpha[cell];
 }
 
-/// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip every other one once they have enough.
-static bool has_turn(const rsv_glossy_cells *c, size_t cell, uint32_t column, uint32_t row)
+/// Samples that are enough, by how much of what a pixel shows its lobe is: as bright as even light, all of a mirror's.
+static float enough_samples(
+    const rsv_glossy_cells *c, size_t cell, const rsv_glossy_tile *tile, uint32_t pixel)
+{
+    float albedo = 0, light = 0, even = 0;
+    for (int k = 0; k < 3; k++) {
+        albedo = f_max(albedo, tile->albedo[k][pixel]);
+        even += tile->even[k][pixel];
+    }
+    light = c->kept_before.r[cell] + c->kept_before.g[cell] + c->kept_before.b[cell];
+    float shown = even > 0 ? albedo * f_max(light / even, 1) : 1;
+    return f_max(ENOUGH_SAMPLES * f_min(4 * shown, 1), LEAST_SAMPLES);
+}
+
+/// Whether it is a cell's turn. Those in one block of 4x2 take turns, and skip one or three of four once they have enough.
+static bool has_turn(
+    const rsv_glossy_cells *c, size_t cell, uint32_t column, uint32_t row, float enough)
 {
     const uint32_t turn[2][4] = { { 0, 4, 2, 6 }, { 5, 1, 7, 3 } };
     uint32_t wait = turn[row & 1][column & 3] - c->frame;
     if (c->now.alpha[cell] < NARROW_ALPHA) return (wait & 1) == 0;
     if (is_poor(c, cell)) return (wait & (c->poor_turn - 1)) == 0;
     if (wait & (RSV_GLOSSY_TURN - 1)) return false;
-    bool skips = ((wait / RSV_GLOSSY_TURN) ^ (column >> 2) ^ (row >> 1)) & 1;
-    return !skips || c->kept_before.count[cell] < ENOUGH_SAMPLES;
+    float count = c->kept_before.count[cell];
+    uint32_t round = wait / RSV_GLOSSY_TURN + (column >> 2) + (row >> 1);
+    return (round & (count < enough ? 0 : count < 2 * enough ? 1 : 3)) == 0;
 }
 
 void rsv_glossy_rays_of_tile(rsv_glossy_rays *r, const rsv_glossy_task *task,
@@ -311,7 +328,8 @@ void rsv_glossy_rays_of_tile(rsv_glossy_rays *r, const rsv_glossy_task *task,
         for (uint32_t k = 0; k < RSV_LANES; k++)
             if (speaker[k] >= 0) {
                 r->poor += is_poor(c, at + k);
-                if (has_turn(c, at + k, k, line))
+                float enough = enough_samples(c, at + k, tile, (uint32_t)speaker[k]);
+                if (has_turn(c, at + k, k, line, enough))
                     sample(r, task, tile, (uint32_t)speaker[k], at + k);
             }
     }

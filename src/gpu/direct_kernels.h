@@ -39,7 +39,7 @@ RSV_INLINE void rsv_direct_weigh_item(const rsv_direct_args *a, uint32_t item)
     uint32_t k = item % s->points;
     if (!(receivers->valid >> k & 1)) return;
     const rsv_surface_point *point = &receivers->at[k].point;
-    rsv_weigh_lights(s->lights, point->position, point->normal, &a->local[item]);
+    rsv_weigh_lights(s->lights, point->position, point->normal, false, &a->local[item]);
 }
 
 RSV_KERNEL(direct_weigh, rsv_direct_args, rsv_direct_weigh_item)

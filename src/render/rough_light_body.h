@@ -64,7 +64,7 @@ RSV_INLINE rsv_rgb rsv_rough_sampled_light(const rsv_rough_surface *s, const rsv
     rsv_local_lights local;
     rsv_light_sample light;
     rsv_next_event event;
-    rsv_receiver_weigh(&side->receiver, lights, &local);
+    rsv_lights_about(lights, side->receiver.point.position, side->receiver.point.normal, &local);
     if (!rsv_local_lights_sample(&local, u[0], u[1], u[2], &light)) return rgb_gray(0);
     rsv_bsdf_value value = rsv_rough_respond(s, light.direction);
     if (value.pdf_solid_angle == 0 || (shot && !light.from_sky)) return rgb_gray(0);
@@ -117,7 +117,7 @@ RSV_SHARED float rsv_rough_emission_weight(const rsv_transport_scene *scene,
     rsv_surface_point point =
         rsv_surface_point_at(scene->view, path->triangle, path->u, path->v, path->back);
     rsv_local_lights local;
-    rsv_lights_at(lights, departure->point, departure->side, &local);
+    rsv_lights_about(lights, departure->point, departure->side, &local);
     float distance = v3_length(v3_sub(point.position, departure->point));
     float pdf = rsv_local_lights_pdf(&local, emitter, path->direction, distance);
     return rsv_power_heuristic(departure->pdf_solid_angle, pdf);
@@ -135,7 +135,7 @@ RSV_SHARED rsv_rgb rsv_rough_sky(
     if (own == 0) return rgb_add(sum, sampled);
     sum = rgb_scale(sum, rsv_power_heuristic(own, departure->sky_pdf));
     rsv_local_lights local;
-    rsv_lights_at(lights, departure->point, departure->side, &local);
+    rsv_lights_about(lights, departure->point, departure->side, &local);
     float weight = rsv_power_heuristic(own, rsv_local_lights_sky_pdf(&local, direction));
     sum = rgb_mad(sum, weight, sampled);
     for (uint32_t k = 0; !departure->shot && k < environment->sun_count; k++) {

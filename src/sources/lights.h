@@ -140,6 +140,10 @@ RSV_INLINE bool rsv_local_lights_are_dark(const rsv_local_lights *local)
 RSV_SHARED void rsv_lights_at(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
 
+/// The same in less time: emitters are chosen by a guess of their irradiance, and `unshadowed` is none to go by.
+RSV_SHARED void rsv_lights_about(
+    const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local);
+
 typedef struct rsv_light_sample {
     rsv_vec3 direction; ///< unit, towards the source
     float distance;     ///< metres to the source; INFINITY for suns and sky

@@ -88,14 +88,33 @@ RSV_INLINE float rsv_weigh_environment(rsv_local_lights *local)
     return sum + *probability;
 }
 
-RSV_INLINE float rsv_weigh_emitters(rsv_local_lights *local)
+/// About the irradiance from an emitter of radiance 1, in a fraction of the time: what it is from far away.
+RSV_INLINE float rsv_guessed_solid_angle(
+    const rsv_emitter *emitter, rsv_vec3 point, rsv_vec3 normal)
+{
+    float height = v3_dot(emitter->normal, v3_sub(point, emitter->corner[0])), above = 0,
+          square = 0; // of the distance; sums over the corners
+    if (emitter->double_sided) height = fabsf(height);
+    for (int i = 0; i < 3; i++) {
+        rsv_vec3 way = v3_sub(emitter->corner[i], point);
+        above += f_max(v3_dot(way, normal), 0);
+        square += v3_dot(way, way);
+    }
+    if (!(height > 0) || !(above > 0)) return 0;
+    // never more than a hemisphere gives, however near
+    float ratio = square / (3 * above) * (square / (emitter->area * height));
+    return RSV_PI / (1 + f_max(RSV_PI * ratio, 0));
+}
+
+RSV_INLINE float rsv_weigh_emitters(rsv_local_lights *local, bool guess)
 {
     const rsv_lights *lights = local->lights;
     local->count = (uint32_t)lights->weighed_count;
     float sum = 0;
     for (uint32_t i = 0; i < local->count; i++) {
         const rsv_emitter *emitter = &lights->emitter[lights->sampled[i]];
-        float projected = rsv_projected_solid_angle(emitter, local->point, local->normal);
+        float projected = guess ? rsv_guessed_solid_angle(emitter, local->point, local->normal)
+                                : rsv_projected_solid_angle(emitter, local->point, local->normal);
         local->unshadowed = rgb_mad(local->unshadowed, projected, emitter->radiance);
         local->probability[i] = projected * rgb_luminance(emitter->radiance);
         sum += local->probability[i];
@@ -115,9 +134,9 @@ RSV_INLINE float rsv_share_of(float first, float second)
     return f_min(f_max(first / (first + second), RSV_LEAST_SHARE), 1 - RSV_LEAST_SHARE);
 }
 
-/// As rsv_lights_at.
+/// As rsv_lights_at or, as a guess, rsv_lights_about.
 RSV_INLINE void rsv_weigh_lights(
-    const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local)
+    const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, bool guess, rsv_local_lights *local)
 {
     local->lights = lights;
     local->point = point;
@@ -128,7 +147,7 @@ RSV_INLINE void rsv_weigh_lights(
     if (lights->emitter_tree)
         local->tree_estimate =
             rsv_light_importance(&lights->emitter_tree->node[0].bounds, point, normal);
-    float tree = local->tree_estimate, emitters = rsv_weigh_emitters(local),
+    float tree = local->tree_estimate, emitters = rsv_weigh_emitters(local, guess),
           sky = rsv_weigh_environment(local);
     float lamps_share = rsv_share_of(tree + emitters, sky), among = rsv_share_of(tree, emitters);
     local->tree_share = lamps_share * among;

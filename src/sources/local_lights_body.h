@@ -7,7 +7,13 @@
 RSV_SHARED void rsv_lights_at(
     const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local)
 {
-    rsv_weigh_lights(lights, point, normal, local);
+    rsv_weigh_lights(lights, point, normal, false, local);
+}
+
+RSV_SHARED void rsv_lights_about(
+    const rsv_lights *lights, rsv_vec3 point, rsv_vec3 normal, rsv_local_lights *local)
+{
+    rsv_weigh_lights(lights, point, normal, true, local);
 }
 
 RSV_SHARED bool rsv_local_lights_sample(

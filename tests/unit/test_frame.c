@@ -367,6 +367,31 @@ static void reused_light_goes_with_its_source(void **state)
     world_end(w);
 }
 
+/// A yardstick may be laid between frames (bench fps): the next one knows the frame before all the same.
+static void tracing_alone_leaves_reused_light_as_it_was(void **state)
+{
+    (void)state;
+    static rsv_rgb plain[pixel_count], measured[pixel_count];
+    world *w = mixed_world(false);
+    rsv_light *solution = solve(w);
+    rsv_frame_desc desc = frame_desc();
+    desc.gloss = RSV_GLOSS_REUSED;
+    for (int traces = 0; traces < 2; traces++) {
+        rsv_frame_view view = view_of(w);
+        rsv_frame_renderer *renderer = begin_frames(solution, &desc);
+        for (int k = 0; k < 6; k++) {
+            view.camera[0].position.x = 1e-3f * (float)(k + 1);
+            render_frames(renderer, &view, 1);
+            if (traces) rsv_frame_trace_only(renderer, &view);
+        }
+        rsv_frame_radiance(renderer, 0, traces ? measured : plain);
+        rsv_frame_renderer_destroy(renderer);
+    }
+    assert_memory_equal(measured, plain, sizeof plain);
+    rsv_light_destroy(solution);
+    world_end(w);
+}
+
 static void reused_light_fits_windows_of_one_pixel(void **state)
 {
     (void)state;
@@ -550,6 +575,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(reused_light_at_rest_becomes_that_of_paths),
         cmocka_unit_test(reused_light_is_the_same_however_it_is_computed),
         cmocka_unit_test(reused_light_goes_with_its_source),
+        cmocka_unit_test(tracing_alone_leaves_reused_light_as_it_was),
         cmocka_unit_test(reused_light_fits_windows_of_one_pixel),
     };
     return RUN_HALF(argc, argv, quick, slow);

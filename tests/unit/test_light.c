@@ -405,6 +405,39 @@ static void selection_follows_unshadowed_irradiance(void **state)
     close_fixture(&f);
 }
 
+/// Nine lamps of all sizes around receivers that some of them cut: the mean is that of exact choices, and so are the
+/// densities; far away the guess is the irradiance.
+static void guesses_choose_lamps_without_bias(void **state)
+{
+    (void)state;
+    enum { COUNT = 9, RECEIVERS = 40 };
+    rsv_random random = rsv_random_from(13, 14, 15);
+    triangle t[COUNT];
+    for (int i = 0; i < COUNT; i++)
+        t[i] = random_triangle(&random, powf(10, uniform(&random, -1, 1)));
+    fixture f = open_fixture(t, COUNT, rgb(1, 2, 3), false);
+    for (int i = 0; i < RECEIVERS; i++) {
+        rsv_vec3 p = random_point(&random, 3), n = random_direction(&random);
+        rsv_local_lights exact, guess;
+        rsv_light_sample s;
+        double error;
+        rsv_lights_at(f.lights, p, n, &exact);
+        rsv_lights_about(f.lights, p, n, &guess);
+        double expected = rgb_luminance(exact.unshadowed);
+        double mean = estimate(&guess, 20000, &random, &error);
+        assert_float_equal(mean, expected, 4.5 * error + 1e-4 * expected);
+        if (!rsv_local_lights_sample(&guess, 0.4f, 0.3f, 0.6f, &s)) continue;
+        float pdf = rsv_local_lights_pdf(&guess, s.emitter, s.direction, s.distance);
+        assert_float_equal(pdf, s.pdf_solid_angle, 1e-3 * pdf);
+        rsv_vec3 far = v3_scale(p, 100), down = v3_normalize(v3_neg(p));
+        rsv_lights_at(f.lights, far, down, &exact);
+        rsv_lights_about(f.lights, far, down, &guess);
+        for (uint32_t k = 0; k < COUNT; k++)
+            assert_float_equal(guess.probability[k], exact.probability[k], 0.1);
+    }
+    close_fixture(&f);
+}
+
 /// Turned so that its front is seen from the origin.
 static triangle facing_the_origin(triangle t)
 {
@@ -590,6 +623,7 @@ int main(void)
         cmocka_unit_test(sampling_integrates_to_the_polygon_irradiance),
         cmocka_unit_test(samples_fill_the_triangle_evenly),
         cmocka_unit_test(selection_follows_unshadowed_irradiance),
+        cmocka_unit_test(guesses_choose_lamps_without_bias),
         cmocka_unit_test(many_emitters_are_selected_by_a_tree),
         cmocka_unit_test(of_many_emitters_the_strong_few_are_weighed_and_the_others_in_a_tree),
         cmocka_unit_test(emitters_are_grouped_and_black_ones_left_out),
