@@ -32,17 +32,22 @@ static void place_light(rsv_glossy_cells *c, size_t size, uint32_t *k, rsv_gloss
         *plane[n] = next_plane(c, size, k);
 }
 
+/// @param width, height of the picture @return cells of a plane
+static size_t lay_out(rsv_glossy_cells *c, uint32_t width, uint32_t height)
+{
+    c->width = (width + 1) / 2;
+    c->height = (height + 1) / 2;
+    c->stride = (c->width + 15) / 16 * 16 + 32; // tiles reach beyond the picture
+    c->first = (size_t)RSV_GLOSSY_MARGIN * c->stride + 16;
+    return (size_t)c->stride * ((c->height + 15) / 16 * 16 + 2 * RSV_GLOSSY_MARGIN);
+}
+
 rsv_status rsv_glossy_cells_create(
     rsv_context *context, uint32_t width, uint32_t height, rsv_glossy_cells *c)
 {
     uint32_t k = 0;
-    *c = (rsv_glossy_cells){
-        .context = context, .width = (width + 1) / 2, .height = (height + 1) / 2
-    };
-    c->poor_turn = MOST_POOR_TURN;
-    c->stride = (c->width + 15) / 16 * 16 + 32; // tiles reach beyond the picture
-    size_t size = (size_t)c->stride * ((c->height + 15) / 16 * 16 + 2 * RSV_GLOSSY_MARGIN);
-    c->first = (size_t)RSV_GLOSSY_MARGIN * c->stride + 16;
+    *c = (rsv_glossy_cells){ .context = context, .poor_turn = MOST_POOR_TURN };
+    size_t size = lay_out(c, width, height);
     c->floats = size * PLANES;
     c->memory = rsv_alloc(context, c->floats, sizeof *c->memory);
     if (!c->memory) return RSV_ERROR_MEMORY;
@@ -58,8 +63,7 @@ rsv_status rsv_glossy_cells_create(
 
 void rsv_glossy_cells_resize(rsv_glossy_cells *c, uint32_t width, uint32_t height)
 {
-    c->width = (width + 1) / 2;
-    c->height = (height + 1) / 2;
+    lay_out(c, width, height);
     memset(c->memory, 0, c->floats * sizeof *c->memory);
 }
 

@@ -42,7 +42,8 @@ echo '0 show hud' >plain.txt # it counts milliseconds
 for device in cpu emulated; do
     succeeds view box.safetensors --size 48x32 --script plain.txt --frames 2 --record $device --device $device
 done
-succeeds compare cpu/frame-0001.png emulated/frame-0001.png --json
+# at rest, frames of processors go on to mode final; those of devices do not
+succeeds compare cpu/frame-0000.png emulated/frame-0000.png --json
 ratio=$(sed -n 's/.*"mean_ratio":[[:space:]]*\([0-9.]*\).*/\1/p' stdout)
 [[ $ratio == 1 || $ratio == 1.0000* || $ratio == 0.9999* ]] || complain "mean ratio '$ratio' between frames"
 
