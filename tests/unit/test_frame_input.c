@@ -238,9 +238,9 @@ static void windows_may_be_of_any_size(void **state)
     assert_int_equal(rsv_scene_commit(w->scene), RSV_OK);
     rsv_light *solution = solve_for_frames(w, 200, 2000);
     rsv_frame_view view = view_of(w);
-    for (size_t k = 0; k < UNLESS_SANITIZED(4, 3); k++) {
+    for (size_t k = 0; k < 4; k++) {
         rsv_frame_renderer *renderer = begin(solution, sizes[k][0], sizes[k][1]);
-        for (int frame = 0; frame < 3; frame++)
+        for (int frame = 0; frame < (sizes[k][0] > 1000 ? 1 : 3); frame++)
             assert_int_equal(rsv_frame_render(renderer, &view, NULL), RSV_OK);
         rsv_frame_radiance(renderer, 0, shown);
         assert_true(mean_of(shown, (size_t)sizes[k][0] * sizes[k][1]) > 0);

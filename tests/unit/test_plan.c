@@ -2,6 +2,7 @@
 #include "light_fixture.h"
 #include "plan/sample_sum.h"
 #include "resolvent/plan.h"
+#include "slow_tests.h"
 
 typedef struct planned {
     rsv_light *light;
@@ -166,15 +167,17 @@ static void samples_follow_the_noise(void **state)
     assert_int_equal(rsv_samples_for(1, 4, 1e-9, 100), 100);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_picture_errs_as_much_as_was_asked_for),
         cmocka_unit_test(a_plan_does_not_depend_on_threads),
         cmocka_unit_test(a_solution_that_is_there_is_used),
-        cmocka_unit_test(a_limit_of_time_always_has_a_picture),
         cmocka_unit_test(impossible_wishes_are_refused),
         cmocka_unit_test(samples_follow_the_noise),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest longest[] = {
+        cmocka_unit_test(a_picture_errs_as_much_as_was_asked_for),
+        cmocka_unit_test(a_limit_of_time_always_has_a_picture),
+    };
+    return RUN_HALF(argc, argv, tests, longest);
 }

@@ -84,10 +84,10 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh highlight)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake bsdf_lobes contacts environment faults gathered_bends locale media mover history_pilots random_certificates rough_box
+set_tests_properties(bake bsdf_lobes contacts environment faults frame_input gathered_bends locale media mover history_pilots random_certificates rough_box
     rough_sky subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
-        random_scenes shadows)
+        plan random_scenes shadows)
     rsv_add_part(${name} slow)
 endforeach()
 foreach(name IN ITEMS certify doubled probe_errors random_certificates random_scenes rough_box solve)
