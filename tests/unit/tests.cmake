@@ -84,7 +84,7 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh highlight)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake bsdf_lobes contacts environment faults frame_input gathered_bends locale media mover history_pilots random_certificates rough_box
+set_tests_properties(bake bsdf_lobes contacts environment faults frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes rough_box
     rough_sky subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
         plan random_scenes shadows)
