@@ -348,6 +348,7 @@ static rsv_status refine(level_builder *b)
     }
     rsv_progress_part(context, NULL, 0);
     if (b->desc->photon_count && !b->desc->start) RSV_TRY(shoot(b, b->desc->photon_count));
+    if (b->desc->start) free_photons(b); // they are of the elements before the last split
 cleanup:
     rsv_progress_part(context, NULL, 0);
     return status;

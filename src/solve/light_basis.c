@@ -187,7 +187,15 @@ static float share(float value, float sum, size_t count)
     return sum > 0 ? value / sum : 1 / (float)count;
 }
 
-/// Divides the whole of a field in proportion to what each source gave by itself.
+/// The elements of a level whose field this is; NULL = of the coarse ones.
+static const rsv_elements *level_of(const rsv_light *s, size_t field)
+{
+    if (field == FINE) return s->field.fine.elements;
+    return field == CAUSTIC ? s->field.caustics.elements : NULL;
+}
+
+/// Divides the whole of a field in proportion to what each source gave by itself. On levels every part is continuous as
+/// the whole is, so that finer elements can hold it unchanged.
 static rsv_status divide(const rsv_light *s, rsv_light_basis *b, size_t field)
 {
     size_t length = rsv_light_field_length(s, field), count = b->source_count;
@@ -206,6 +214,9 @@ static rsv_status divide(const rsv_light *s, rsv_light_basis *b, size_t field)
         }
     }
     rsv_free(s->context, total);
+    const rsv_elements *level = level_of(s, field);
+    for (size_t k = 0; level && k < count; k++)
+        rsv_elements_constrain(level, *rsv_light_part_field(&b->part[k], field));
     return RSV_OK;
 }
 
