@@ -3,6 +3,8 @@
 
 #include "../core/core.h"
 #include "../core/number_text.h"
+#include "collada_clean.h"
+#include "collada_elements.h"
 
 #include <errno.h>
 #include <math.h>
@@ -23,6 +25,9 @@ typedef struct scanner {
     char node[DEEPEST][RSV_COLLADA_NAME_BYTES];
     size_t depth;   ///< nodes that are open
     size_t unnamed; ///< nodes without an id so far
+    size_t
+        foreign; ///< elements that are open, from the outermost one on whose content is not judged
+    size_t wrong_counts, still_axes;
 } scanner;
 
 /// A tag between '<' and '>'.
@@ -176,28 +181,33 @@ static void note_unused(rsv_collada *found, const char *name)
     size_t used = strlen(found->unused), length = strlen(name);
     for (const char *at = strstr(found->unused, name); at; at = strstr(at + 1, name))
         if ((at == found->unused || at[-1] == ' ') && (at[length] == ',' || !at[length])) return;
-    if (used + length + 4 > sizeof found->unused) return;
+    if (used + length + 8 > sizeof found->unused) { // an endless list helps nobody
+        if (strcmp(found->unused + used - 3, "...") != 0) strcat(found->unused, ", ...");
+        return;
+    }
     snprintf(found->unused + used, sizeof found->unused - used, "%s%s", used ? ", " : "", name);
 }
 
-/// Geometry that is no mesh, libraries of what has no place here, and what programs put beside the format.
+/// Geometry that is no mesh, libraries of what has no place here, what programs put beside the format, and what is not of it.
+/// What lies in any of them goes without saying.
 static void judge_tag(scanner *s, const tag *t)
 {
-    static const char *const kinds[] = { "spline", "convex_mesh", "brep", "library_physics_models",
-        "library_physics_scenes", "library_force_fields", "library_articulated_systems",
-        "library_kinematics_models", "library_kinematics_scenes", NULL };
-    char profile[RSV_COLLADA_NAME_BYTES], name[RSV_COLLADA_NAME_BYTES + 32];
-    if (is_one_of(t, kinds)) {
-        snprintf(name, sizeof name, "%.*s", (int)t->name_length, t->name);
-        note_unused(s->found, name);
-    } else if (is_named(t, "technique")) {
-        attribute(t, "profile", profile);
-        if (!*profile) return; // of an effect
-        for (char *c = profile; *c; c++)
-            if ((unsigned char)*c < ' ' || *c == ',') *c = '?';
+    char profile[RSV_COLLADA_NAME_BYTES] = "", name[RSV_COLLADA_NAME_BYTES + 32] = "";
+    int length = (int)(t->name_length < 40 ? t->name_length : 40);
+    bool is_passed = rsv_collada_passes_over(t->name, t->name_length);
+    bool is_known = rsv_collada_knows_element(t->name, t->name_length);
+    if (is_named(t, "technique")) attribute(t, "profile", profile); // an effect's has none
+    if (*profile)
         snprintf(name, sizeof name, "technique of profile '%s'", profile);
-        note_unused(s->found, name);
-    }
+    else if (is_passed)
+        snprintf(name, sizeof name, "%.*s", length, t->name);
+    else if (!is_known && !s->foreign)
+        snprintf(name, sizeof name, "element '%.*s'", length, t->name);
+    for (char *c = name; *c; c++)
+        if ((unsigned char)*c < ' ' || *c == ',') *c = '?';
+    if (*name) note_unused(s->found, name);
+    bool is_foreign = s->foreign || *name || is_named(t, "extra");
+    if (is_foreign && !t->is_empty) s->foreign++;
 }
 
 static rsv_status add_name(scanner *s, rsv_collada_name **list, size_t *count, size_t *capacity,
@@ -231,8 +241,14 @@ static rsv_status take_names(scanner *s, const tag *t)
 
 static int compare_texts(const void *a, const void *b) { return strcmp(a, b); }
 
-static void warn(const rsv_context *context, const char *path, rsv_collada *f)
+static void warn(const scanner *s)
 {
+    const rsv_context *context = s->context;
+    const char *path = s->path;
+    rsv_collada *f = s->found;
+    if (s->still_axes)
+        rsv_log(context, RSV_LOG_WARNING, "%s: %zu rotation%s about an axis of length 0 left out",
+            path, s->still_axes, s->still_axes == 1 ? "" : "s");
     if (*f->unused) rsv_log(context, RSV_LOG_WARNING, "%s: not used: %s", path, f->unused);
     if (f->id_count) qsort(f->id, f->id_count, sizeof *f->id, compare_texts);
     if (f->reference_count)
@@ -270,16 +286,37 @@ static void check_up_axis(const scanner *s)
         "%s: its <up_axis> is none of X_UP, Y_UP and Z_UP; Y_UP is taken", s->path);
 }
 
+/// What collada_clean.c mends before the importer sees it.
+static void check_numbers(scanner *s, const tag *t)
+{
+    char count[RSV_COLLADA_NAME_BYTES], *end = NULL;
+    double rotation[4];
+    if (is_named(t, "rotate"))
+        s->still_axes += rsv_collada_rotation(s->at, rotation) && rotation[3] == 0;
+    if (!is_named(t, "float_array") || t->is_empty) return;
+    size_t held = rsv_collada_count_values(s->at);
+    attribute(t, "count", count);
+    if (rsv_number_value(count, &end) == (double)held && end != count) return;
+    if (s->wrong_counts++) return;
+    for (char *c = count; *c; c++)
+        if ((unsigned char)*c < ' ') *c = '?';
+    rsv_log(s->context, RSV_LOG_WARNING,
+        "%s: a float_array says count=\"%.20s\" and holds %zu values, which are taken", s->path,
+        count, held);
+}
+
 static rsv_status take_tag(scanner *s, const tag *t)
 {
     bool is_node = is_named(t, "node") || is_named(t, "visual_scene");
     bool is_object = is_named(t, "camera") || is_named(t, "light");
     if (t->closes) {
+        if (s->foreign) s->foreign--;
         if (is_object) s->open = NULL;
         if (is_node && s->depth) s->depth--;
         return RSV_OK;
     }
     judge_tag(s, t);
+    check_numbers(s, t);
     if (is_named(t, "unit")) check_unit(s, t);
     if (is_named(t, "up_axis")) check_up_axis(s);
     rsv_status status = take_names(s, t);
@@ -324,7 +361,7 @@ rsv_status rsv_collada_scan(rsv_context *context, const char *path, rsv_collada 
     };
     for (tag t; next_tag(s, &t);)
         RSV_TRY(take_tag(s, &t));
-    warn(context, path, collada);
+    warn(s);
 cleanup:
     rsv_free(context, bytes);
     rsv_free(context, s);

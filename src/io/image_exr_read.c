@@ -140,31 +140,68 @@ static void register_channel(reader *in, int index, char *unused, size_t size)
 }
 
 /// A layer of grey counts as RGB with three times the same channel.
+static void spread_grey(layer_source *layer, int channel)
+{
+    for (int c = 0; c < 3; c++)
+        layer->rgb[c] = channel;
+}
+
 static bool is_picture(layer_source *layer)
 {
     if (layer->rgb[0] >= 0 && layer->rgb[1] >= 0 && layer->rgb[2] >= 0) return true;
     if (layer->luminance < 0 || layer->has_chroma) return false;
-    for (int c = 0; c < 3; c++)
-        layer->rgb[c] = layer->luminance;
+    spread_grey(layer, layer->luminance);
     return true;
 }
 
-/// Keeps the layers that are pictures, the unnamed one first.
-static void select_layers(reader *in)
+/// Some programs keep grey in R alone. That is only taken where a file holds nothing better: a mask might look the same.
+static bool takes_red_for_grey(reader *in)
+{
+    for (uint32_t i = 0; i < in->layer_count; i++) {
+        layer_source *layer = &in->layers[i];
+        bool is_red = layer->rgb[0] >= 0 && layer->rgb[1] < 0 && layer->rgb[2] < 0;
+        if (!is_red || layer->luminance >= 0 || layer->has_chroma) continue;
+        spread_grey(layer, layer->rgb[0]);
+        in->layers[0] = *layer;
+        in->layer_count = 1;
+        rsv_log(in->context, RSV_LOG_WARNING,
+            "'%s': it has R and neither G nor B; R is taken for grey", in->stream.input->path);
+        return true;
+    }
+    return false;
+}
+
+/// Names the colours of a layer that is no picture.
+static void note_partial(const layer_source *layer, char *unused, size_t size)
+{
+    static const char *const component[] = { "R", "G", "B" };
+    for (int c = 0; c < 3; c++) {
+        char name[RSV_LAYER_NAME_BYTES + 2];
+        snprintf(name, sizeof name, "%s%s%s", layer->name, *layer->name ? "." : "", component[c]);
+        if (layer->rgb[c] >= 0) note_unused(unused, size, name);
+    }
+}
+
+/// Keeps the layers that are pictures, the unnamed one first. @return whether there are any
+static bool select_layers(reader *in, char *unused, size_t size)
 {
     uint32_t kept = 0;
+    char partial[256] = "";
     for (uint32_t i = 0; i < in->layer_count; i++) {
-        if (!is_picture(&in->layers[i])) continue;
         layer_source layer = in->layers[i];
-        if (!layer.name[0]) {
-            memmove(in->layers + 1, in->layers, kept * sizeof *in->layers);
+        if (!is_picture(&layer)) {
+            note_partial(&layer, partial, sizeof partial);
+        } else if (!layer.name[0]) {
+            memmove(in->layers + 1, in->layers, kept++ * sizeof *in->layers);
             in->layers[0] = layer;
         } else {
-            in->layers[kept] = layer;
+            in->layers[kept++] = layer;
         }
-        kept++;
     }
+    if (kept == 0) return takes_red_for_grey(in);
+    if (*partial) note_unused(unused, size, partial);
     in->layer_count = kept;
+    return true;
 }
 
 static rsv_status find_layers(reader *in)
@@ -172,16 +209,16 @@ static rsv_status find_layers(reader *in)
     const char *path = in->stream.input->path;
     in->layers = rsv_alloc(in->context, (size_t)in->channels->num_channels, sizeof *in->layers);
     if (!in->layers) return RSV_ERROR_MEMORY;
-    char unused[256] = "";
+    char unused[512] = "";
     for (int i = 0; i < in->channels->num_channels; i++)
         register_channel(in, i, unused, sizeof unused);
+    if (!select_layers(in, unused, sizeof unused))
+        return rsv_fail(RSV_ERROR_UNSUPPORTED,
+            "cannot read '%s': its first part has neither R, G, B nor plain luminance (Y) channels",
+            path);
     if (*unused)
         rsv_log(in->context, RSV_LOG_WARNING, "'%s': channels that are not used: %s", path, unused);
-    select_layers(in);
-    if (in->layer_count > 0) return RSV_OK;
-    return rsv_fail(RSV_ERROR_UNSUPPORTED,
-        "cannot read '%s': its first part has neither R, G, B nor plain luminance (Y) channels",
-        path);
+    return RSV_OK;
 }
 
 static rsv_status check_compression(const reader *in)

@@ -237,6 +237,81 @@ static void collada_cameras_see_what_they_say(void **state)
     }
 }
 
+/// The count of an array is what it holds, whatever it says.
+static void collada_arrays_hold_what_stands_in_them(void **state)
+{
+    fixture *f = *state;
+    static const char *const said[] = { "count=\"9\"", "count=\"15\"", "count=\"4000000000\"",
+        "count=\"-3\"", "count='twelve'", "count=\"\"", "", "count=\"12\"", "count = ' 12'" };
+    for (size_t k = 0; k < sizeof said / sizeof *said; k++) {
+        char library[2048];
+        snprintf(library, sizeof library,
+            "<library_geometries><geometry id=\"q\"><mesh><source id=\"qp\"><float_array "
+            "id=\"recount\" %s>0 0 9 1 0 9 1 0 8 0 0 8</float_array><technique_common><accessor "
+            "source=\"#recount\" count=\"4\" stride=\"3\"><param name=\"X\" type=\"float\"/><param "
+            "name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor>"
+            "</technique_common></source><vertices id=\"qv\"><input semantic=\"POSITION\" "
+            "source=\"#qp\"/></vertices><triangles count=\"2\"><input semantic=\"VERTEX\" "
+            "source=\"#qv\" offset=\"0\"/><p>0 1 2 0 2 3</p></triangles></mesh></geometry>"
+            "</library_geometries>",
+            said[k]);
+        write_collada("any", 1, library, "<node id=\"b\"><instance_geometry url=\"#q\"/></node>");
+        f->log[0] = 0;
+        rsv_scene *scene = load(f, "a.dae");
+        assert_float_equal(rsv_scene_get_view(scene)->bounds_max.z, 9, 1e-5);
+        assert_int_equal(count_mentions(f->log, "and holds 12 values"), k < 7);
+        rsv_scene_destroy(scene);
+    }
+}
+
+/// Axes need not have length 1; about an axis of length 0 nothing turns.
+static void collada_rotations_keep_sizes(void **state)
+{
+    fixture *f = *state;
+    static const struct {
+        const char *rotation;
+        double x, z;
+        int warnings;
+    } turn[] = { { "0 1 0 90", 0, -3, 0 }, { "0 7 0 90", 0, -3, 0 }, { "0 1e-9 0 90", 0, -3, 0 },
+        { "0 -1e200 0 90", 0, 3, 0 }, { "0 0 0 90", 3, 0, 1 } };
+    for (size_t k = 0; k < sizeof turn / sizeof *turn; k++) {
+        char nodes[512];
+        snprintf(nodes, sizeof nodes,
+            "<node id=\"a\"><rotate sid=\"r\">%s</rotate><node id=\"b\"><translate>3 0 "
+            "0</translate>"
+            "<instance_light url=\"#lamp\"/></node></node>",
+            turn[k].rotation);
+        write_collada("any", 1,
+            "<library_lights><light id=\"lamp\"><technique_common><point><color>1 1 1</color>"
+            "</point></technique_common></light></library_lights>",
+            nodes);
+        f->log[0] = 0;
+        rsv_scene *scene = load(f, "a.dae");
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        assert_float_equal(view->light[0].position.x, turn[k].x, 1e-5);
+        assert_float_equal(view->light[0].position.z, turn[k].z, 1e-5);
+        assert_int_equal(count_mentions(f->log, "about an axis of length 0"), turn[k].warnings);
+        rsv_scene_destroy(scene);
+    }
+}
+
+/// What no part of the format has its name is told of once, wherever it stands, without what lies in it.
+static void collada_names_elements_that_nobody_knows(void **state)
+{
+    fixture *f = *state;
+    write_collada("any", 1,
+        "<library_acme><acme_inner/></library_acme><library_materials><material "
+        "id=\"m\"><acme_look>1"
+        "</acme_look></material></library_materials><library_effects><effect id=\"e\"><profile_CG>"
+        "<technique sid=\"a\"><pass/></technique></profile_CG></effect></library_effects>"
+        "<library_geometries><geometry id=\"more\"><acme_shape/><mesh/><extra><more/></extra>"
+        "</geometry></library_geometries>",
+        "<node id=\"a\"><acme_thing/><acme_thing><acme_part/></acme_thing></node>");
+    rsv_scene_destroy(load(f, "a.dae"));
+    assert_mentions(f->log, "not used: element 'library_acme', element 'acme_look', profile_CG, "
+                            "element 'acme_shape', element 'acme_thing'\n");
+}
+
 /// References that lead nowhere, and kinds of things that nobody reads, are named once each.
 static void collada_names_what_is_not_there_or_not_used(void **state)
 {
@@ -522,6 +597,9 @@ int main(void)
         CASE(every_light_of_a_node_shines_and_ambient_ones_are_named),
         CASE(collada_cameras_see_what_they_say),
         CASE(collada_names_what_is_not_there_or_not_used),
+        CASE(collada_names_elements_that_nobody_knows),
+        CASE(collada_arrays_hold_what_stands_in_them),
+        CASE(collada_rotations_keep_sizes),
         CASE(collada_opacity_and_shading_are_as_specified),
         CASE(collada_skews_move_along_one_direction),
         CASE(fbx_hides_what_is_not_to_be_shown),

@@ -406,6 +406,31 @@ static void exr_reads_luminance_as_grey(void **state)
     expect_failure(path_of("chroma.exr"), RSV_ERROR_UNSUPPORTED, "neither R, G, B");
 }
 
+/// R alone is grey, though not beside a picture, where it may be a mask.
+static void exr_reads_lone_red_as_grey(void **state)
+{
+    (void)state;
+    exr_variant variant = { .type = EXR_PIXEL_HALF, .channels = { "A", "R" } };
+    write_variant(path_of("red.exr"), &variant);
+    rsv_image *image = read_image(path_of("red.exr"));
+    rsv_rgb *pixels = rsv_image_pixels(image, 0);
+    assert_float_equal(pixels->r, variant_value(1, 0, 0), 0);
+    assert_float_equal(pixels->g, pixels->r, 0);
+    assert_float_equal(pixels->b, pixels->r, 0);
+    rsv_image_destroy(image);
+
+    exr_variant masked = { .type = EXR_PIXEL_HALF, .channels = { "B", "G", "R", "mask.R" } };
+    write_variant(path_of("masked.exr"), &masked);
+    image = read_image(path_of("masked.exr"));
+    assert_int_equal(rsv_image_layer_count(image), 1);
+    assert_float_equal(rsv_image_pixels(image, 0)->b, variant_value(0, 0, 0), 0);
+    rsv_image_destroy(image);
+
+    exr_variant two = { .type = EXR_PIXEL_HALF, .channels = { "G", "R" } };
+    write_variant(path_of("two.exr"), &two);
+    expect_failure(path_of("two.exr"), RSV_ERROR_UNSUPPORTED, "neither R, G, B");
+}
+
 // ---- Radiance ----
 
 static void hdr_rounds_to_the_nearest_mantissa(void **state)
@@ -1060,6 +1085,7 @@ int main(void)
         IMAGE_TEST(exr_places_the_data_window_in_the_display_window),
         IMAGE_TEST(exr_refuses_what_the_library_misreads),
         IMAGE_TEST(exr_reads_luminance_as_grey),
+        IMAGE_TEST(exr_reads_lone_red_as_grey),
         IMAGE_TEST(hdr_rounds_to_the_nearest_mantissa),
         IMAGE_TEST(hdr_reads_runs_and_exposure),
         IMAGE_TEST(exr_channels_that_are_no_colours_are_named),
