@@ -303,17 +303,3 @@ rsv_rgb rsv_light_irradiance(
 {
     return rsv_light_view_irradiance(&s->view, triangle, u, v, back_side, order);
 }
-
-rsv_status rsv_light_view_exitance(const rsv_light_view *s, rsv_rgb *exitance)
-{
-    size_t nodes = s->elements->node_count;
-    rsv_rgb *filled = rsv_alloc(s->context, nodes, sizeof *filled);
-    if (!filled) return RSV_ERROR_MEMORY;
-    copy_field(s->irradiance, nodes, filled);
-    rsv_elements_constrain(s->elements, filled);
-    rsv_subsurface_apply(rsv_operator_get_view(s->op)->subsurface, s->elements, filled, exitance);
-    for (size_t n = 0; n < nodes; n++)
-        exitance[n] = rgb_mul(s->exitance_albedo[n], exitance[n]);
-    rsv_free(s->context, filled);
-    return RSV_OK;
-}

@@ -80,10 +80,6 @@ rsv_rgb rsv_light_view_direct(
 rsv_rgb rsv_light_view_irradiance(const rsv_light_view *light, uint32_t triangle, float u, float v,
     bool back_side, uint32_t order);
 
-/// K E on the coarse elements, hanging ones too: what maps of light by direction are made of (directional.h). Not to be
-/// called by two threads at a time. @param exitance [node_count] W/m2
-rsv_status rsv_light_view_exitance(const rsv_light_view *light, rsv_rgb *exitance);
-
 /// Of the random numbers of the direct and caustic levels.
 static inline uint32_t rsv_level_seed(uint32_t seed) { return seed ^ 0x2545f491u; }
 

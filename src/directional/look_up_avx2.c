@@ -1,4 +1,0 @@
-#if defined(__x86_64__)
-#define RSV_KERNELS rsv_look_up_kernels_avx2
-#include "look_up_body.h"
-#endif

@@ -1,2 +1,0 @@
-#define RSV_KERNELS rsv_look_up_kernels_portable
-#include "look_up_body.h"
