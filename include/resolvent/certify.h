@@ -6,7 +6,8 @@
 ///     r(x) = E0(x) + (G K E~)(x) - E~(x)
 ///
 /// is estimated at random points of the surfaces, half of them uniform in area and half where E~ is bright, by one more
-/// gather, without elements at the receiving end, and with random numbers that the build never used. The error
+/// gather, without elements at the receiving end, and with random numbers that the build never used. Normal maps are
+/// averaged over the patches that stored light stands for. The error
 /// e = E - E~ obeys e = r + G K e, and in the area-weighted mean square G K shrinks by the largest albedo at least, so that
 ///
 ///     RMS(e) <= RMS(r) / (1 - max albedo)
@@ -160,7 +161,8 @@ RSV_API rsv_status rsv_certify_picture(const rsv_light *light, const rsv_certify
 typedef struct rsv_truth rsv_truth;
 
 /// Points, drawn and weighted as those of certificates are. Of coated surfaces what gets past the coat counts.
-/// @param light any of the scene: it tells where the points may lie, and where light is
+/// @param light any of the scene: it tells where the points may lie, where light is, and over what patches normal maps are
+/// averaged: with such maps, create truth from the solution that it is to judge
 /// @param points 16..2^24 @param paths of each of the two readings at a point
 RSV_API rsv_status rsv_truth_create(
     const rsv_light *light, uint32_t points, uint32_t paths, uint32_t seed, rsv_truth **truth);

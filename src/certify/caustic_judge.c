@@ -76,16 +76,15 @@ typedef struct counting {
     int64_t flux;   ///< luminance of all of them
 } counting;
 
-/// What enters the surface by its interpolated normal.
+/// What enters the surface, as of the photons that stored caustics are of.
 static rsv_rgb entering(const rsv_light_view *s, const rsv_specular_path *path, rsv_rgb flux)
 {
-    rsv_surface_point at =
-        rsv_surface_point_at(s->scene.view, path->triangle, path->u, path->v, path->back);
+    rsv_vec3 shading, geometric;
     rsv_bsdf storage;
+    rsv_specular_normals(&s->scene, path, &shading, &geometric);
     const rsv_bsdf *bsdf = rsv_specular_bsdf(&s->scene, path, &storage);
-    rsv_rgb share = rsv_bsdf_entry(bsdf, -v3_dot(at.normal, path->direction));
-    return rgb_mul(
-        flux, rgb_scale(share, rsv_photon_tilt(at.normal, at.geometric, path->direction)));
+    rsv_rgb share = rsv_bsdf_entry(bsdf, -v3_dot(shading, path->direction));
+    return rgb_mul(flux, rgb_scale(share, rsv_photon_tilt(shading, geometric, path->direction)));
 }
 
 static void land(void *user, const rsv_specular_path *path, rsv_rgb flux)

@@ -12,7 +12,7 @@ typedef struct receiver {
     rsv_entrance entrance; ///< how light enters there
     rsv_bsdf storage;
     rsv_medium medium;
-    rsv_vec3 tangent, bitangent; ///< frame about the interpolated normal
+    rsv_vec3 tangent, bitangent; ///< frame about the normal that receives
     rsv_residual *result;
 } receiver;
 
@@ -37,7 +37,8 @@ static void set_up_receiver(const rsv_residual_job *job, const rsv_face_point *p
     uint32_t triangle = s->elements->face_triangle[p->face];
     r->job = job;
     r->at = rsv_receiver_at(s->scene.view, s->tracer, triangle, p->u, p->v,
-        rsv_surface_point_at(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face]));
+        rsv_surface_point_seen(s->scene.view, triangle, p->u, p->v, s->elements->face_back[p->face],
+            rsv_point_width(s, p)));
     r->medium = rsv_medium_above(&s->scene.media, r->at.origin, r->at.point.geometric);
     r->entrance = rsv_entrance_through(&r->medium, s->bsdf, RSV_COVER_COAT);
     r->entrance.coat =
@@ -180,7 +181,7 @@ static rsv_rgb gather(const receiver *r, uint32_t count, uint32_t stream)
         rsv_vec3 d = rsv_square_to_cosine_hemisphere(x, y);
         rsv_vec3 direction =
             v3_mad(v3_mad(v3_scale(r->tangent, d.x), d.y, r->bitangent), d.z, r->at.point.normal);
-        // what an interpolated normal sends below the surface counts, and finds nothing
+        // what a tilted normal sends below the surface counts, and finds nothing
         if (v3_dot(direction, r->at.point.horizon) <= 0) continue;
         rsv_rgb found = gather_one(r, direction, rsv_bsdf_entry(r->entrance.coat, d.z), &random);
         sum[0] += (double)found.r, sum[1] += (double)found.g, sum[2] += (double)found.b;

@@ -7,7 +7,8 @@
 /// - gathered sources, the sky and caustics by the gather rays that meet them;
 /// - G K E~ by gather rays that look E~ up where they end, under the textures as they are there.
 ///
-/// Light is received by the interpolated normal: what a normal map changes from texel to texel elements do not hold.
+/// Light is received by normal maps, averaged as elements average them: what they change within a patch that stored light
+/// stands for it does not hold.
 ///
 /// Two things are taken from the solution: what translucent surfaces show (the diffusion below them is the
 /// operator's), and caustics where punctual lights cast them, which no gather ray can find: photons judge those.

@@ -7,6 +7,16 @@
 /// ... of which so many cover the scene, whatever the quality of the solution.
 #define DRAFT_ELEMENTS 3000
 
+float rsv_point_width(const rsv_light_view *s, const rsv_face_point *p)
+{
+    const rsv_elements *e = s->fine.direct ? s->fine.elements : s->elements;
+    float weight[3], area = 0;
+    const uint32_t *node = e->cell_node[rsv_elements_locate(e, p->face, p->u, p->v, weight)];
+    for (int k = 0; k < 3; k++)
+        area += weight[k] * e->node_area[node[k]];
+    return sqrtf(area);
+}
+
 rsv_visible_surface rsv_visible_surface_of(
     const rsv_transport_scene *scene, const rsv_elements *elements)
 {

@@ -4,6 +4,7 @@
 
 #include "../elements/cell_visibility.h"
 #include "../elements/elements.h"
+#include "../solve/light.h"
 
 /// A place on a face of the elements.
 typedef struct rsv_face_point {
@@ -17,6 +18,10 @@ typedef struct rsv_visible_surface {
     const rsv_elements *elements; ///< whose faces points lie on
     float contact;                ///< m: what is closer above a point touches it
 } rsv_visible_surface;
+
+/// Edge of the patch that the finest stored light around a point stands for: normal maps are averaged over it where light
+/// is judged, as elements average them (rsv_direct_width). What is finer pixels add themselves.
+float rsv_point_width(const rsv_light_view *solution, const rsv_face_point *point);
 
 rsv_visible_surface rsv_visible_surface_of(
     const rsv_transport_scene *scene, const rsv_elements *elements);

@@ -32,8 +32,8 @@ static rsv_status place_points(
         if (rsv_point_is_buried(&visible, &p, stream, &rays)) continue;
         truth->point[truth->count] = p;
         truth->weight[truth->count] = weight;
-        truth->place[truth->count++] =
-            (rsv_surface_place){ e->face_triangle[p.face], p.u, p.v, e->face_back[p.face] };
+        truth->place[truth->count++] = (rsv_surface_place){ e->face_triangle[p.face], p.u, p.v,
+            e->face_back[p.face], rsv_point_width(s, &p) };
     }
     rsv_point_density_destroy(&density);
     return status;

@@ -232,7 +232,7 @@ void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_
     if (scatter(&path, &receiver)) follow(&path);
 }
 
-void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point,
+void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point, rsv_vec3 normal,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light)
 {
     rsv_ray down = { v3_add(point.point, point.geometric), v3_neg(point.geometric), 1 };
@@ -241,8 +241,7 @@ void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point
     rsv_light_path path;
     rsv_path_surface_meet(tracer, &down, &hit, &entry);
     entry.entry = true;
-    entry.normal = entry.receiving =
-        rsv_surface_point_at(tracer->scene, hit.triangle, hit.u, hit.v, !entry.front).normal;
+    entry.normal = entry.receiving = normal;
     start_path(&path, tracer, medium, id, light);
     if (go_where_light_entered(&path, &entry)) follow(&path);
 }

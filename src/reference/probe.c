@@ -20,6 +20,7 @@ typedef struct group_mean {
 typedef struct receiver {
     rsv_body_point at; ///< anywhere: without a triangle
     bool on_surface;
+    rsv_vec3 normal;   ///< that a surface receives by
     rsv_medium medium; ///< above it
 } receiver;
 
@@ -33,11 +34,12 @@ static receiver receiver_of_probe(const rsv_path_tracer *tracer, const rsv_probe
 
 static receiver receiver_of_place(const rsv_path_tracer *tracer, const rsv_surface_place *place)
 {
-    rsv_surface_point p =
-        rsv_surface_point_at(tracer->scene, place->triangle, place->u, place->v, place->back);
+    rsv_surface_point p = rsv_surface_point_seen(
+        tracer->scene, place->triangle, place->u, place->v, place->back, place->width);
     rsv_vec3 origin = rsv_offset_origin(p.position, p.geometric, p.extent);
     return (receiver){ .at = { p.position, p.geometric, place->triangle, place->u, place->v },
         .on_surface = true,
+        .normal = p.normal,
         .medium = rsv_medium_above(&tracer->media, origin, p.geometric) };
 }
 
@@ -45,7 +47,7 @@ static rsv_rgb trace_path(const rsv_path_tracer *tracer, const receiver *r, rsv_
 {
     rsv_path_light light;
     if (r->on_surface)
-        rsv_trace_entering_path(tracer, r->at, &r->medium, id, &light);
+        rsv_trace_entering_path(tracer, r->at, r->normal, &r->medium, id, &light);
     else
         rsv_trace_receiver_path(tracer, r->at.point, r->at.geometric, &r->medium, id, &light);
     return rsv_path_light_total(&light);

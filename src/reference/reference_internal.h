@@ -48,9 +48,9 @@ void rsv_trace_camera_path(const rsv_path_tracer *tracer, const rsv_ray *ray,
 void rsv_trace_receiver_path(const rsv_path_tracer *tracer, rsv_vec3 point, rsv_vec3 normal,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light);
 
-/// The same of a point of a surface, as its normal is there, of the light that enters it to be scattered diffusely.
-/// @param point with the normal of the side that receives
-void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point,
+/// The same of a point of a surface, of the light that enters it to be scattered diffusely.
+/// @param point with the side that receives @param normal that it receives by
+void rsv_trace_entering_path(const rsv_path_tracer *tracer, rsv_body_point point, rsv_vec3 normal,
     const rsv_medium *medium, rsv_path_id id, rsv_path_light *light);
 
 /// Sum over the orders.

@@ -9,9 +9,10 @@ typedef struct rsv_surface_place {
     uint32_t triangle;
     float u, v;
     bool back;
+    float width; ///< edge of the patch that its normal map is averaged over
 } rsv_surface_place;
 
-/// The irradiance of surfaces by their interpolated normals, without the light that their coats keep from what scatters
+/// The irradiance of surfaces by their normal maps, averaged over patches, without the light that their coats keep from what scatters
 /// diffusely below.
 /// @param samples, seed as in rsv_probe_reference @param readings [count]
 rsv_status rsv_surface_light_reference(const rsv_scene *scene, const rsv_surface_place *places,

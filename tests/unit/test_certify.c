@@ -80,6 +80,61 @@ static void a_furnace_is_certified_exact(void **state)
     world_end(w);
 }
 
+/// A plate all of whose normals a map tilts by asin(0.6).
+static void add_bent_plate(world *w)
+{
+    static const float texel[4] = { 0.8f, 0.5f, 0.9f, 1 },
+                       uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_vec3 corner[4] = { v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1) };
+    const rsv_texture_desc texture = {
+        .name = "bent", .width = 1, .height = 1, .channel_count = 4, .values = texel
+    };
+    rsv_texture_ref ref = rsv_default_texture_ref(RSV_TEXTURE_NORMAL, 0);
+    rsv_material m = lambert_material(0.5f, 0);
+    uint32_t mesh;
+    assert_int_equal(rsv_scene_add_texture(w->scene, &texture, &ref.texture), RSV_OK);
+    m.textures = &ref;
+    m.texture_count = 1;
+    const rsv_mesh_desc plate = { .name = "plate",
+        .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = world_material(w, m),
+        .uvs = { uv, NULL } };
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &plate, &mesh), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, mesh, NULL, NULL), RSV_OK);
+}
+
+/// Elements store light by the normal map, and are judged by it: under a sun right above, the cosine of its tilt.
+static void a_tilt_by_a_normal_map_is_no_error(void **state)
+{
+    (void)state;
+    world *w = world_begin(2);
+    rsv_solve_desc desc = draft(100);
+    const rsv_punctual_light sun = { .name = "sun",
+        .kind = RSV_PUNCTUAL_DIRECTIONAL,
+        .direction = { 0, -1, 0 },
+        .intensity = { 1, 1, 1 } };
+    add_bent_plate(w);
+    assert_int_equal(rsv_scene_add_light(w->scene, &sun), RSV_OK);
+    world_commit(w);
+    rsv_light *s = solve(w, &desc);
+    rsv_certificate c = certify(s, 64, 1);
+    rsv_truth *truth;
+    double error, interval[2];
+    assert_int_equal(rsv_truth_create(s, 64, 32, 1, &truth), RSV_OK);
+    assert_int_equal(rsv_truth_error(truth, s, &error, interval), RSV_OK);
+    assert_float_equal(c.irradiance_rms, 0.8, 1e-3);
+    assert_true(c.residual_rms < 1e-4);
+    assert_true(c.residual_ci95[1] < 1e-4);
+    assert_true(error < 1e-4);
+    rsv_truth_destroy(truth);
+    rsv_light_destroy(s);
+    world_end(w);
+}
+
 /// White under a coat reflects no more than it receives: all albedos are below 1, and so there is a bound.
 static void a_coat_does_not_raise_the_albedo(void **state)
 {
@@ -888,6 +943,7 @@ int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
         cmocka_unit_test(a_furnace_is_certified_exact),
+        cmocka_unit_test(a_tilt_by_a_normal_map_is_no_error),
         cmocka_unit_test(a_coat_does_not_raise_the_albedo),
         cmocka_unit_test(open_walls_of_albedo_1_have_a_bound),
         cmocka_unit_test(a_known_error_of_a_furnace_is_found),
