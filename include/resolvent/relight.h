@@ -115,9 +115,12 @@ RSV_API rsv_status rsv_relighter_step(
 RSV_API rsv_status rsv_relighter_settle(rsv_relighter *relighter);
 
 /// The same after splitting elements of direct light and caustics further, where sources that moved ask for that. Then the
-/// solution is what rsv_light_relight makes of it. What shows the light (frame renderers, movers) has to be created anew,
-/// and settings that go back to the beginning lead to the same light, not to the same bytes.
+/// solution is what rsv_light_relight makes of it. Settings that go back to the beginning bring its elements back, too.
 RSV_API rsv_status rsv_relighter_refine(rsv_relighter *relighter);
+
+/// How often elements were replaced, by rsv_relighter_refine or by a change that goes back to the beginning: whenever this
+/// has grown, what shows the light (frame renderers, movers) has to be created anew.
+RSV_API uint32_t rsv_relighter_replacements(const rsv_relighter *relighter);
 
 /// Whether nothing is left for rsv_relighter_settle.
 RSV_API bool rsv_relighter_is_settled(const rsv_relighter *relighter);

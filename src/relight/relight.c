@@ -99,32 +99,42 @@ static size_t list_parts(rsv_relighter *r, rsv_light_part **part)
     return count;
 }
 
-/// What belongs to the levels as they were.
-static void forget_levels(rsv_relighter *r)
+static size_t level_cells(const rsv_relighter *r)
 {
-    rsv_light_destroy(r->began);
-    rsv_receiver_blocks_destroy(r->fine);
-    rsv_free(r->context, r->valid);
-    r->began = NULL;
-    r->fine = NULL;
-    r->valid = NULL;
+    const rsv_elements *fine = r->s->fine.elements, *caustics = r->s->caustics.elements;
+    return (fine ? fine->cell_count : 0) + (caustics ? caustics->cell_count : 0);
+}
+
+/// Levels for sources as they stand now, whatever was refined for places where they stood before.
+static rsv_status refine_levels(rsv_relighter *r)
+{
+    rsv_status status;
+    rsv_light_part *part[2 * RSV_MAX_LIGHT_PARTS];
+    if (r->refined && r->began) {
+        RSV_TRY(rsv_light_take_levels(r->light, r->began));
+        rsv_relighter_return_levels(r);
+    }
+    size_t cells = level_cells(r);
+    RSV_TRY(rsv_relighter_keep_levels(r));
+    rsv_relighter_forget_levels(r);
     r->refined = true;
-    rsv_relight_responses_forget(r);
+    RSV_TRY(rsv_light_refine_levels(r->light, part, list_parts(r, part)));
+    r->replacements += level_cells(r) > cells;
+    RSV_TRY(rsv_find_fine_valid(r->light, &r->valid));
+cleanup:
+    return status;
 }
 
 rsv_status rsv_relighter_refine(rsv_relighter *r)
 {
-    rsv_status status;
-    rsv_light_part *part[2 * RSV_MAX_LIGHT_PARTS];
-    if (rsv_relighter_any_stale(r)) {
-        forget_levels(r);
-        RSV_TRY(rsv_light_refine_levels(r->light, part, list_parts(r, part)));
-        RSV_TRY(rsv_find_fine_valid(r->light, &r->valid));
-    }
+    rsv_status status = RSV_OK;
+    if (rsv_relighter_any_stale(r)) RSV_TRY(refine_levels(r));
     RSV_TRY(rsv_relighter_settle(r));
 cleanup:
     return status;
 }
+
+uint32_t rsv_relighter_replacements(const rsv_relighter *r) { return r->replacements; }
 
 uint64_t rsv_relighter_rays(const rsv_relighter *r) { return r->rays; }
 

@@ -374,6 +374,10 @@ static rsv_status go_back(rsv_relighter *r)
 {
     rsv_status status;
     RSV_TRY(rsv_light_assign(r->light, r->began));
+    if (r->refined) {
+        rsv_relighter_return_levels(r);
+        RSV_TRY(rsv_find_fine_valid(r->light, &r->valid));
+    }
     RSV_TRY(rsv_relighter_map(r));
     r->settled = true;
     r->residual = 0;

@@ -98,6 +98,7 @@ static rsv_status allocate(rsv_relighter *r)
     r->moved = rsv_alloc(r->context, sources, sizeof *r->moved);
     r->away = rsv_alloc(r->context, sources, sizeof *r->away);
     r->home_part = rsv_alloc(r->context, sources, sizeof *r->home_part);
+    r->began_part = rsv_alloc(r->context, sources, sizeof *r->began_part);
     r->next = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->next);
     r->scratch = rsv_alloc(r->context, rsv_relighter_nodes(r), sizeof *r->scratch);
     bool surrounded = r->scene->environment.pixels != NULL;
@@ -105,7 +106,7 @@ static rsv_status allocate(rsv_relighter *r)
         r->environment =
             rsv_alloc(r->context, rsv_surroundings_length(r->scene), sizeof *r->environment);
     return r->strength && r->place && r->moves && r->stale && r->moved && r->away && r->home_part &&
-                   r->next && r->scratch && (r->environment || !surrounded)
+                   r->began_part && r->next && r->scratch && (r->environment || !surrounded)
                ? RSV_OK
                : RSV_ERROR_MEMORY;
 }
@@ -165,6 +166,8 @@ void rsv_relighter_destroy(rsv_relighter *r)
         rsv_light_set_basis(r->light, NULL);
     for (size_t k = 0; r->home_part && k < RSV_MAX_LIGHT_PARTS; k++)
         rsv_light_part_free(context, &r->home_part[k]);
+    for (size_t k = 0; r->began_part && k < RSV_MAX_LIGHT_PARTS; k++)
+        rsv_light_part_free(context, &r->began_part[k]);
     rsv_light_destroy(r->began);
     rsv_transport_map_destroy(r->map);
     rsv_free(context, r->moves);
@@ -181,6 +184,7 @@ void rsv_relighter_destroy(rsv_relighter *r)
     rsv_free(context, r->moved);
     rsv_free(context, r->away);
     rsv_free(context, r->home_part);
+    rsv_free(context, r->began_part);
     rsv_free(context, r->environment);
     rsv_free(context, r->next);
     rsv_free(context, r->scratch);

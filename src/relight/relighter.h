@@ -21,6 +21,8 @@ struct rsv_relighter {
     rsv_light_part
         *home_part; ///< [RSV_MAX_LIGHT_PARTS] of sources that are away from where they began
     bool *away;     ///< [RSV_MAX_LIGHT_PARTS] those sources
+    rsv_light_part
+        *began_part; ///< [RSV_MAX_LIGHT_PARTS] levels of parts at home before a refinement
     rsv_light_sources *sources; ///< at those strengths, where they stand now
     uint16_t *valid;            ///< receiver points of the direct level
     rsv_rgb gathered_scale;     ///< of the emission that rows found, at those strengths
@@ -40,10 +42,11 @@ struct rsv_relighter {
     struct rsv_relight_responses *responses; ///< NULL = not known, for the sources as they stand
     bool prepared;                           ///< whether they are wanted, and can be had
     bool settled;
-    bool once;    ///< there will be one change, and no way back
-    bool grown;   ///< a source was added
-    bool refined; ///< levels have other elements than in the beginning
-    bool behind;  ///< a change was cut short: the next one takes everything over again
+    bool once;             ///< there will be one change, and no way back
+    bool grown;            ///< a source was added
+    bool refined;          ///< levels have other elements than in the beginning
+    uint32_t replacements; ///< of levels
+    bool behind;           ///< a change was cut short: the next one takes everything over again
 };
 
 static inline size_t rsv_relighter_nodes(const rsv_relighter *r)
@@ -83,6 +86,14 @@ rsv_status rsv_relighter_sample(rsv_relighter *relighter, const bool *which,
 /// What rows gather of the surroundings as they stand, at the strength that they began with; 0 without.
 /// @param sky [node_count] out
 void rsv_relighter_see_sky(const rsv_relighter *relighter, rsv_rgb *sky);
+
+/// Keeps what parts have on the levels that there were in the beginning, before these are refined.
+rsv_status rsv_relighter_keep_levels(rsv_relighter *relighter);
+/// Drops what belongs to levels that are no more.
+void rsv_relighter_forget_levels(rsv_relighter *relighter);
+/// After the light has the levels of the beginning again: gives them back to parts at home. Others have nothing there then,
+/// and their sources are stale.
+void rsv_relighter_return_levels(rsv_relighter *relighter);
 
 /// The linear map of the light's operator, anew.
 rsv_status rsv_relighter_map(rsv_relighter *relighter);

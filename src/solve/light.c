@@ -151,12 +151,19 @@ cleanup:
     return status;
 }
 
-static void copy_level(const rsv_light *s, const rsv_source_level *from, rsv_source_level *to)
+static rsv_status copy_level(rsv_light *s, const rsv_source_level *from, rsv_source_level *to)
 {
-    if (!from->elements) return;
+    rsv_status status = RSV_OK;
+    if (to->elements != from->elements) {
+        rsv_source_level_destroy(s->context, to);
+        RSV_TRY(begin_level_like(s, from, to));
+    }
+    if (!from->elements) return RSV_OK;
     copy_field(from->direct, from->elements->node_count, to->direct);
     copy_field(from->caustic, from->elements->node_count, to->caustic);
     copy_field(from->coarse_caustic, s->elements->node_count, to->coarse_caustic);
+cleanup:
+    return status;
 }
 
 static void drop_orders(rsv_light *s)
@@ -165,6 +172,16 @@ static void drop_orders(rsv_light *s)
         rsv_free(s->context, s->field.order[k]);
         s->field.order[k] = NULL;
     }
+}
+
+rsv_status rsv_light_take_levels(rsv_light *s, const rsv_light *from)
+{
+    rsv_status status;
+    RSV_TRY(copy_level(s, &from->field.fine, &s->field.fine));
+    RSV_TRY(copy_level(s, &from->field.caustics, &s->field.caustics));
+cleanup:
+    rsv_light_publish(s);
+    return status;
 }
 
 rsv_status rsv_light_assign(rsv_light *s, const rsv_light *from)
@@ -180,8 +197,7 @@ rsv_status rsv_light_assign(rsv_light *s, const rsv_light *from)
     copy_field(from->field.indirect, nodes, s->field.indirect);
     drop_orders(s);
     RSV_TRY(copy_orders(from, s));
-    copy_level(from, &from->field.fine, &s->field.fine);
-    copy_level(from, &from->field.caustics, &s->field.caustics);
+    RSV_TRY(rsv_light_take_levels(s, from));
     rsv_diffused_level_destroy(s->context, &s->field.diffused);
     RSV_TRY(rsv_diffused_level_copy(
         s->context, &from->field.diffused, s->scene.view->material_count, &s->field.diffused));

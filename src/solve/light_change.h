@@ -55,8 +55,10 @@ rsv_light_basis *rsv_light_edit_basis(rsv_light *light);
 /// @param basis taken over; NULL = not known any more
 void rsv_light_set_basis(rsv_light *light, rsv_light_basis *basis);
 
-/// Makes operator, E0 and all that follows from it those of another light on the same levels.
+/// Makes operator, E0 and all that follows from it those of another light on the same coarse elements; its levels too.
 rsv_status rsv_light_assign(rsv_light *light, const rsv_light *from);
+/// Its levels alone, and what they hold.
+rsv_status rsv_light_take_levels(rsv_light *light, const rsv_light *from);
 
 /// A light of some of the sources on the operator, world and levels of another, with zeros for E0 and all that follows.
 /// @param sources retained

@@ -20,11 +20,13 @@ struct cli_view_frames {
     rsv_light *solution;
     rsv_relighter *relighter; ///< NULL = the light stays as it is
     double budget_ms;
-    rsv_mover *mover;        ///< NULL = none
+    const rsv_scene *body;   ///< NULL = none
+    rsv_mover *mover;        ///< of that
     uint32_t object_changes; ///< of the state that its place is of
     cli_view_changes changes;
     uint32_t light_changes; ///< of the state that the light is of
     size_t added_count;     ///< likewise
+    uint32_t replacements;  ///< of its elements, that pictures and mover are of
     uint32_t quiet_frames;  ///< since it last changed
     bool converged;
 
@@ -51,6 +53,7 @@ rsv_status cli_view_frames_create(
     cli_view_frames *f = calloc(1, sizeof *f);
     if (!f) return RSV_ERROR_MEMORY;
     f->solution = solution;
+    f->body = body;
     f->budget_ms = budget_ms;
     f->converged = true;
     f->pace.coarseness = 1;
@@ -72,6 +75,7 @@ rsv_status cli_view_frames_attach(cli_view_frames *f, rsv_relighter *relighter)
     f->changes.move = calloc(items, sizeof *f->changes.move);
     if (!f->changes.light || !f->changes.albedo || !f->changes.move) return RSV_ERROR_MEMORY;
     f->relighter = relighter;
+    f->replacements = rsv_relighter_replacements(relighter);
     return RSV_OK;
 }
 
@@ -136,6 +140,28 @@ static rsv_status add_lights(cli_view_frames *f, const cli_view_state *state)
     return status;
 }
 
+/// Has pictures and mover show the light as it is, anew where it has other elements.
+static rsv_status show_light(cli_view_frames *f)
+{
+    rsv_status status = RSV_OK;
+    uint32_t replacements = rsv_relighter_replacements(f->relighter);
+    if (replacements == f->replacements) {
+        rsv_frame_renderer_refresh(f->renderer);
+        start_over(f);
+        if (f->mover) rsv_mover_refresh(f->mover);
+        return RSV_OK;
+    }
+    f->replacements = replacements;
+    free_pictures(f);
+    if (f->mover) {
+        rsv_mover_destroy(f->mover);
+        f->mover = NULL;
+        f->object_changes = UINT32_MAX; // to be placed again
+        status = rsv_mover_create(f->solution, f->body, NULL, &f->mover);
+    }
+    return status == RSV_OK ? fit(f, f->eyes, f->width, f->height) : status;
+}
+
 /// Follows the state, one step per frame, and makes all exact once nothing has changed for some frames.
 static rsv_status update_light(
     cli_view_frames *f, const cli_view_state *state, cli_view_timing *timing)
@@ -157,18 +183,16 @@ static rsv_status update_light(
         status = rsv_relighter_step(f->relighter, f->budget_ms, &progress);
     bool settles = f->converged && f->quiet_frames >= FRAMES_TO_SETTLE &&
                    !rsv_relighter_is_settled(f->relighter);
-    if (status == RSV_OK && settles) status = rsv_relighter_settle(f->relighter);
+    if (status == RSV_OK && settles) status = rsv_relighter_refine(f->relighter);
     bool stepped = progress.orders > 0;
     f->converged = f->converged || progress.converged;
     timing->residual = progress.residual;
     timing->light_ms = now_ms() - start;
     if (status != RSV_OK || !(stepped || settles || changed)) return status;
     start = now_ms();
-    rsv_frame_renderer_refresh(f->renderer);
-    start_over(f);
-    if (f->mover) rsv_mover_refresh(f->mover);
+    status = show_light(f);
     timing->refresh_ms = now_ms() - start;
-    return RSV_OK;
+    return status;
 }
 
 /// Puts the object where it is to be.

@@ -38,7 +38,8 @@ void cli_view_frames_keep_pace(cli_view_frames *frames);
 /// From here on the light follows the state. @param relighter of the frames' light; borrowed
 rsv_status cli_view_frames_attach(cli_view_frames *frames, rsv_relighter *relighter);
 
-/// Makes the next frame. Nothing is allocated while size and mode stay, but by modes final and error at rest.
+/// Makes the next frame. Nothing is allocated while size and mode stay, but by modes final and error at rest, and where
+/// a light that was moved has come to rest and gets finer elements.
 /// @param canvas as large as the frame is to be @param state its aspect is set
 rsv_status cli_view_frames_next(
     cli_view_frames *frames, cli_view_state *state, cli_canvas *canvas, cli_view_timing *timing);
