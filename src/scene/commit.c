@@ -109,6 +109,16 @@ static rsv_status find_varying_materials(rsv_scene *scene)
     return RSV_OK;
 }
 
+/// A cut-out surface that is the same all over is there or not; what is there lets nothing through, however opaque it is called.
+static void fill_cut_outs(rsv_scene *scene)
+{
+    for (size_t k = 0; k < scene->material_count; k++) {
+        rsv_material *m = &scene->material[k];
+        bool is_cut = m->alpha_cutoff > 0 && !scene->material_varies[k];
+        if (is_cut && m->opacity >= RSV_CUTOFF_SHARE * m->alpha_cutoff) m->opacity = 1;
+    }
+}
+
 static rsv_status add_framing_camera(rsv_scene *scene, bounding_box bounds)
 {
     rsv_vec3 centre = v3_mad(v3_scale(bounds.low, 0.5f), 0.5f, bounds.high);
@@ -134,6 +144,7 @@ rsv_status rsv_scene_finish(rsv_scene *scene)
     bounding_box bounds = find_bounds(scene);
     RSV_TRY(check_size(scene, bounds));
     RSV_TRY(find_varying_materials(scene));
+    fill_cut_outs(scene);
     if (!scene->camera_count) RSV_TRY(add_framing_camera(scene, bounds));
     fill_view(scene, bounds);
     RSV_TRY(rsv_scene_list_nodes(scene));

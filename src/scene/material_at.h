@@ -28,6 +28,9 @@ rsv_material rsv_material_mean(const rsv_scene_view *scene, uint32_t material);
 /// The first material that is cut out where its texture says so (alpha_cutoff); NULL = there is none.
 const rsv_material *rsv_find_cut_out(const rsv_scene_view *scene);
 
+/// What is exactly as opaque as the limit stays: products and interpolation miss it by their rounding.
+#define RSV_CUTOFF_SHARE (1 - 1e-6f)
+
 /// Whether a ray that meets the triangle there goes on because the surface is cut out.
 RSV_SHARED bool rsv_is_cut_out(const rsv_scene_view *scene, uint32_t triangle, float u, float v);
 

@@ -107,9 +107,6 @@ RSV_SHARED rsv_rgb rsv_base_color_at(
     return color;
 }
 
-/// What is exactly as opaque as the limit stays: products and interpolation miss it by their rounding.
-#define RSV_CUTOFF_SHARE (1 - 1e-6f)
-
 /// What textures and vertices make of the opacity.
 RSV_INLINE float rsv_varied_opacity(
     const rsv_scene_view *scene, uint32_t triangle, float u, float v, float width)

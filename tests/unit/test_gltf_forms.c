@@ -541,6 +541,25 @@ static void opacity_equal_to_the_cutoff_is_opaque(void **state)
     remove_folder(place.path);
 }
 
+/// What is more opaque than the cutoff is opaque, also where neither a texture nor vertices say how much.
+static void what_a_cutoff_leaves_lets_nothing_through(void **state)
+{
+    folder place = new_folder();
+    static const struct {
+        const char *factor, *cutoff;
+        size_t holes;
+    } mask[] = { { "0.7", "0.5", 0 }, { "0.7", "0.7", 0 }, { "0.3", "0.5", 10000 } };
+    for (size_t k = 0; k < sizeof mask / sizeof *mask; k++) {
+        assert_int_equal(
+            count_holes(*state, &place, 1, mask[k].factor, mask[k].cutoff), mask[k].holes);
+        rsv_scene *scene = load(*state, path_in(&place, "shape.gltf"));
+        const rsv_scene_view *view = rsv_scene_get_view(scene);
+        if (!mask[k].holes) assert_float_equal(view->material[0].opacity, 1, 0);
+        rsv_scene_destroy(scene);
+    }
+    remove_folder(place.path);
+}
+
 #define FORM_TEST(function)                                                                        \
     cmocka_unit_test_setup_teardown(function, fixture_setup, fixture_teardown)
 
@@ -568,6 +587,7 @@ int main(void)
         FORM_TEST(lights_of_an_unknown_type_are_left_out_by_name),
         FORM_TEST(lights_and_cameras_know_their_nodes),
         FORM_TEST(opacity_equal_to_the_cutoff_is_opaque),
+        FORM_TEST(what_a_cutoff_leaves_lets_nothing_through),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
