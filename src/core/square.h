@@ -1,4 +1,4 @@
-/// The square onto which directions are mapped (hemisphere.h, octahedral.h), in cells; plain C, also for device code.
+/// The square onto which directions are mapped (octahedral.h), in cells; plain C, also for device code.
 #ifndef RSV_SQUARE_H
 #define RSV_SQUARE_H
 

@@ -1,7 +1,5 @@
 #include "directions.h"
 
-#include "../core/hemisphere.h"
-
 /// Writes one randomised net, grouped by cells of 2^across x 2^down, 16 points each.
 static void fill_set(const rsv_directions *d, uint32_t set, uint32_t seed, uint32_t *filled)
 {
@@ -25,21 +23,6 @@ static void fill_set(const rsv_directions *d, uint32_t set, uint32_t seed, uint3
     }
 }
 
-/// Sorts a set by bins, within a bin by number.
-static void sort_set(const rsv_directions *d, uint32_t set)
-{
-    size_t first = (size_t)set * d->count;
-    uint32_t begin[RSV_DIRECTION_BINS + 1] = { 0 };
-    for (size_t k = first; k < first + d->count; k++) {
-        d->bin[k] = (uint8_t)rsv_hemisphere_cell(v3(d->x[k], d->y[k], d->z[k]), RSV_DIRECTION_SIDE);
-        begin[d->bin[k] + 1]++;
-    }
-    for (uint32_t bin = 0; bin < RSV_DIRECTION_BINS; bin++)
-        begin[bin + 1] += begin[bin];
-    for (uint32_t n = 0; n < d->count; n++)
-        d->sorted[first + begin[d->bin[first + n]]++] = (uint16_t)n;
-}
-
 rsv_status rsv_directions_create(
     rsv_context *context, uint32_t count, uint32_t seed, rsv_directions *directions)
 {
@@ -48,16 +31,11 @@ rsv_status rsv_directions_create(
     directions->x = rsv_alloc(context, total, sizeof(float));
     directions->y = rsv_alloc(context, total, sizeof(float));
     directions->z = rsv_alloc(context, total, sizeof(float));
-    directions->bin = rsv_alloc(context, total, sizeof *directions->bin);
-    directions->sorted = rsv_alloc(context, total, sizeof *directions->sorted);
     uint32_t *filled = rsv_alloc(context, count / 16, sizeof *filled);
     rsv_status status = RSV_ERROR_MEMORY;
-    if (directions->x && directions->y && directions->z && directions->bin && directions->sorted &&
-        filled) {
-        for (uint32_t set = 0; set < RSV_DIRECTION_SETS; set++) {
+    if (directions->x && directions->y && directions->z && filled) {
+        for (uint32_t set = 0; set < RSV_DIRECTION_SETS; set++)
             fill_set(directions, set, seed, filled);
-            sort_set(directions, set);
-        }
         status = RSV_OK;
     }
     rsv_free(context, filled);
@@ -71,7 +49,5 @@ void rsv_directions_destroy(rsv_directions *directions)
     rsv_free(directions->context, directions->x);
     rsv_free(directions->context, directions->y);
     rsv_free(directions->context, directions->z);
-    rsv_free(directions->context, directions->bin);
-    rsv_free(directions->context, directions->sorted);
     *directions = (rsv_directions){ 0 };
 }

@@ -6,8 +6,6 @@
 #include "../core/sampling.h"
 
 #define RSV_DIRECTION_SETS 64
-#define RSV_DIRECTION_SIDE 8 ///< bins along a side of the hemisphere (core/hemisphere.h)
-#define RSV_DIRECTION_BINS (RSV_DIRECTION_SIDE * RSV_DIRECTION_SIDE)
 
 /// `sets` independent randomisations of a (0, 2)-net mapped to the hemisphere about +z. Within a set,
 /// every 16 consecutive directions lie in one cell of the net: rays of a packet run alongside each other.
@@ -15,8 +13,6 @@ typedef struct rsv_directions {
     rsv_context *context;
     uint32_t count;   ///< per set, a power of two >= 16
     float *x, *y, *z; ///< [RSV_DIRECTION_SETS * count]
-    uint8_t *bin;     ///< [RSV_DIRECTION_SETS * count] of each
-    uint16_t *sorted; ///< [RSV_DIRECTION_SETS * count] numbers of a set's directions, bin by bin
 } rsv_directions;
 
 rsv_status rsv_directions_create(

@@ -54,10 +54,8 @@ static bool counts_by_gathering(const void *user, uint32_t triangle, uint32_t tu
 
 static bool is_one(rsv_rgb w) { return fabsf(w.r - 1) + fabsf(w.g - 1) + fabsf(w.b - 1) < 1e-4f; }
 
-/// @param ray RSV_NO_RAY = one that has added its end already
-static void add_tinted(rsv_row_scratch *s, uint32_t ray, uint32_t node, rsv_rgb weight)
+static void add_tinted(rsv_row_scratch *s, uint32_t node, rsv_rgb weight)
 {
-    s->tinted_ray[s->tinted_count] = (uint16_t)ray;
     s->tinted_column[s->tinted_count] = node;
     s->tinted_weight[s->tinted_count++] = weight;
 }
@@ -75,12 +73,13 @@ static void record_end(const rsv_row_tracer *tracer, rsv_row_scratch *s, uint32_
     uint32_t copies = s->whole ? s->copies[ray] : 1;
     if (!s->whole) w = rgb_mul(w, entered);
     if (copies == 0) return;
-    if (is_one(w))
-        s->column[ray] = node;
-    else
-        add_tinted(s, ray, node, w);
+    if (!is_one(w)) {
+        add_tinted(s, node, rgb_scale(w, (float)copies));
+        return;
+    }
+    s->column[ray] = node;
     for (uint32_t k = 1; k < copies; k++)
-        add_tinted(s, RSV_NO_RAY, node, w);
+        add_tinted(s, node, rgb_gray(1));
 }
 
 /// What light that a receiver gathers at that cosine counts for.
@@ -213,9 +212,8 @@ static void share_out(const rsv_row_tracer *tracer, const rsv_row_receiver *r, r
     }
 }
 
-static void clear_scratch(rsv_row_scratch *s, const rsv_receiver_points *p)
+static void clear_scratch(rsv_row_scratch *s)
 {
-    s->tangent = v3(p->tangent_x[0], p->tangent_y[0], p->tangent_z[0]);
     s->tinted_count = 0;
     s->escapes.count = s->escapes.tinted_count = 0;
     s->emission = rgb_gray(0);
@@ -227,7 +225,7 @@ rsv_ray_packet rsv_row_begin(
     s->index = r->index;
     s->valid = r->valid;
     memset(s->column, 0xff, tracer->directions.count * sizeof *s->column);
-    clear_scratch(s, &r->points);
+    clear_scratch(s);
     share_out(tracer, r, s);
     rsv_ray_packet packet = { 0 };
     memset(packet.mask, 0xff, sizeof packet.mask);
@@ -261,9 +259,8 @@ void rsv_row_finish(const rsv_row_tracer *tracer, const rsv_row_receiver *r,
     const rsv_row_ends *ends, rsv_row_scratch *s)
 {
     memcpy(s->column, ends->column, tracer->directions.count * sizeof *s->column);
-    s->index = r->index;
     s->valid = r->valid;
-    clear_scratch(s, &r->points);
+    clear_scratch(s);
     share_out(tracer, r, s);
     rsv_ray_packet packet = { 0 };
     for (size_t n = 0; n < ends->left_count; n++) {
@@ -288,9 +285,7 @@ rsv_status rsv_row_scratch_create(rsv_context *context, uint32_t rays, rsv_row_s
     s->copies = rsv_alloc(context, rays, sizeof *s->copies);
     s->tinted_column = rsv_alloc(context, rays, sizeof *s->tinted_column);
     s->tinted_weight = rsv_alloc(context, rays, sizeof *s->tinted_weight);
-    s->tinted_ray = rsv_alloc(context, rays, sizeof *s->tinted_ray);
-    bool complete =
-        s->column && s->kind && s->copies && s->tinted_column && s->tinted_weight && s->tinted_ray;
+    bool complete = s->column && s->kind && s->copies && s->tinted_column && s->tinted_weight;
     return complete ? rsv_escape_row_create(context, rays, &s->escapes) : RSV_ERROR_MEMORY;
 }
 
@@ -301,7 +296,6 @@ void rsv_row_scratch_destroy(rsv_context *context, rsv_row_scratch *s)
     rsv_free(context, s->copies);
     rsv_free(context, s->tinted_column);
     rsv_free(context, s->tinted_weight);
-    rsv_free(context, s->tinted_ray);
     rsv_escape_row_destroy(context, &s->escapes);
 }
 

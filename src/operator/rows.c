@@ -16,10 +16,9 @@
 typedef struct row_block {
     uint32_t *column, *tinted_column;
     rsv_rgb *tinted_weight;
-    uint8_t *tinted_bin;
     size_t count, tinted_count;
     size_t place, tinted_place; ///< in the operator
-    size_t column_capacity, tinted_column_capacity, tinted_weight_capacity, tinted_bin_capacity;
+    size_t column_capacity, tinted_column_capacity, tinted_weight_capacity;
     rsv_escape_list escapes;
     rsv_row_block kept;
 } row_block;
@@ -31,8 +30,6 @@ typedef struct assembly {
     rsv_division *division; ///< until the transport has it
     uint32_t *node;         ///< [row_count] whose rows are traced here, in ascending order
     size_t row_count;
-    uint32_t *receiver;       ///< [row_count] number of each among all that have rows
-    size_t receiver_count;    ///< in all processes
     rsv_row_scratch *scratch; ///< [threads]
     row_block *block;         ///< [wave_size]
     size_t block_count, wave_size;
@@ -50,42 +47,23 @@ static rsv_status reserve_row(rsv_context *context, row_block *block, size_t cou
         block->tinted_count + tinted, sizeof *block->tinted_column));
     RSV_TRY(rsv_grow(context, (void **)&block->tinted_weight, &block->tinted_weight_capacity,
         block->tinted_count + tinted, sizeof *block->tinted_weight));
-    RSV_TRY(rsv_grow(context, (void **)&block->tinted_bin, &block->tinted_bin_capacity,
-        block->tinted_count + tinted, sizeof *block->tinted_bin));
 cleanup:
     return status;
 }
 
-/// @param first of the row's directions
-static void move_tinted(
-    const rsv_directions *table, size_t first, const rsv_row_scratch *s, row_block *block)
-{
-    for (uint32_t k = 0; k < s->tinted_count; k++) {
-        uint16_t ray = s->tinted_ray[k];
-        block->tinted_column[block->tinted_count] = s->tinted_column[k];
-        block->tinted_bin[block->tinted_count] =
-            ray == RSV_NO_RAY ? RSV_NO_BIN : table->bin[first + ray];
-        block->tinted_weight[block->tinted_count++] = s->tinted_weight[k];
-    }
-}
-
-/// @param index of the row among those traced here
-static rsv_status store_row(assembly *a, size_t index, const rsv_row_scratch *s, row_block *block)
+static rsv_status store_row(assembly *a, uint32_t node, const rsv_row_scratch *s, row_block *block)
 {
     rsv_transport *t = a->transport;
-    const rsv_directions *table = &a->tracer.directions;
-    uint32_t rays = table->count, node = a->node[index];
-    size_t set = rsv_directions_of(table, a->tracer.seed, s->index);
+    uint32_t rays = a->tracer.directions.count;
     rsv_status status = reserve_row(t->context, block, rays, s->tinted_count);
     if (status != RSV_OK) return status;
     size_t first = block->count;
-    for (uint32_t k = 0; k < rays; k++) {
-        uint32_t column = s->column[table->sorted[set + k]];
-        if (column != RSV_NONE) block->column[block->count++] = column;
+    for (uint32_t ray = 0; ray < rays; ray++)
+        if (s->column[ray] != RSV_NONE) block->column[block->count++] = s->column[ray];
+    for (uint32_t k = 0; k < s->tinted_count; k++) {
+        block->tinted_column[block->tinted_count] = s->tinted_column[k];
+        block->tinted_weight[block->tinted_count++] = s->tinted_weight[k];
     }
-    move_tinted(table, set, s, block);
-    rsv_row_directions_note(
-        table, set, s, t->directions->shut_unit, &t->directions->row[a->receiver[index]]);
     rsv_stored_rows *rows = rsv_stored_rows_of(t);
     rows->row_begin[node + 1] = block->count - first; // summed up in the end
     rows->tinted_begin[node + 1] = s->tinted_count;
@@ -124,7 +102,7 @@ static rsv_status trace_block(
     for (size_t k = begin; k < end; k++) {
         size_t in_wave = k - wave * RSV_ROW_BLOCK;
         rsv_status status = find_row(a, a->node[k], in_wave, scratch, block);
-        if (status == RSV_OK) status = store_row(a, k, scratch, block);
+        if (status == RSV_OK) status = store_row(a, a->node[k], scratch, block);
         if (status != RSV_OK) return status;
     }
     return rsv_row_store_write(a->store, &block->kept);
@@ -164,9 +142,8 @@ static rsv_status trace_wave(assembly *a, size_t first)
     return result;
 }
 
-static void copy_rows(const row_block *block, rsv_transport *transport)
+static void copy_rows(const row_block *block, rsv_stored_rows *t)
 {
-    rsv_stored_rows *t = rsv_stored_rows_of(transport);
     if (block->count)
         memcpy(t->column + block->place, block->column, block->count * sizeof *t->column);
     if (block->tinted_count) {
@@ -174,8 +151,6 @@ static void copy_rows(const row_block *block, rsv_transport *transport)
             block->tinted_count * sizeof *t->tinted_column);
         memcpy(t->tinted_weight + block->tinted_place, block->tinted_weight,
             block->tinted_count * sizeof *t->tinted_weight);
-        memcpy(transport->directions->tinted_bin + block->tinted_place, block->tinted_bin,
-            block->tinted_count);
     }
 }
 
@@ -192,7 +167,7 @@ static rsv_status append_wave(assembly *a)
     }
 #pragma omp parallel for schedule(static) num_threads(rsv_threads(t->context))
     for (size_t k = 0; k < a->wave_size; k++) {
-        copy_rows(&a->block[k], t);
+        copy_rows(&a->block[k], rsv_stored_rows_of(t));
         a->block[k].count = a->block[k].tinted_count = 0;
     }
     for (size_t k = 0; k < a->wave_size && status == RSV_OK; k++)
@@ -263,8 +238,6 @@ static rsv_status create_empty(const assembly *a, uint32_t rays, rsv_transport *
     r->tinted_weight = rsv_reserve(context, most, sizeof *r->tinted_weight);
     t->scale = rsv_alloc(context, rows, sizeof *t->scale);
     t->gathered = rsv_alloc(context, rows, sizeof *t->gathered);
-    if (rsv_row_directions_create(context, a->receiver_count, most, &t->directions) != RSV_OK)
-        return RSV_ERROR_MEMORY;
     bool complete = r->row_begin && r->column && r->tinted_begin && r->tinted_column &&
                     r->tinted_weight && t->scale && t->gathered;
     return complete ? rsv_escapes_create(context, rows, &t->escapes) : RSV_ERROR_MEMORY;
@@ -294,7 +267,6 @@ static void destroy_workers(assembly *a)
         rsv_free(context, a->block[k].column);
         rsv_free(context, a->block[k].tinted_column);
         rsv_free(context, a->block[k].tinted_weight);
-        rsv_free(context, a->block[k].tinted_bin);
         rsv_escape_list_destroy(context, &a->block[k].escapes);
         rsv_free(context, a->block[k].kept.byte);
     }
@@ -306,16 +278,6 @@ static int compare_nodes(const void *left, const void *right)
 {
     uint32_t a = *(const uint32_t *)left, b = *(const uint32_t *)right;
     return (a > b) - (a < b);
-}
-
-static void number_receivers(assembly *a)
-{
-    size_t row = 0;
-    for (size_t node = 0; node < a->tracer.elements->node_count; node++) {
-        if (row < a->row_count && a->node[row] == node)
-            a->receiver[row++] = (uint32_t)a->receiver_count;
-        a->receiver_count += a->tracer.valid_points[node] != 0;
-    }
 }
 
 /// The rows to trace: of all nodes that neither hang nor are buried, those of the division's part.
@@ -331,9 +293,6 @@ static rsv_status list_rows(assembly *a)
         if (a->tracer.valid_points[node]) a->node[a->row_count++] = node;
     }
     if (division) qsort(a->node, a->row_count, sizeof *a->node, compare_nodes);
-    a->receiver = rsv_alloc(a->tracer.elements->context, a->row_count, sizeof *a->receiver);
-    if (!a->receiver) return RSV_ERROR_MEMORY;
-    number_receivers(a);
     a->block_count = (a->row_count + RSV_ROW_BLOCK - 1) / RSV_ROW_BLOCK;
     return RSV_OK;
 }
@@ -344,7 +303,6 @@ static void end_assembly(assembly *a)
     rsv_row_device_destroy(a->device);
     rsv_row_store_close(a->store);
     rsv_free(a->tracer.elements->context, a->node);
-    rsv_free(a->tracer.elements->context, a->receiver);
     rsv_row_tracer_end(&a->tracer);
 }
 
@@ -386,7 +344,6 @@ rsv_status rsv_transport_create(const rsv_transport_scene *scene, const rsv_ligh
     RSV_TRY(create_empty(&a, rays, &a.transport));
     a.transport->division = a.division;
     a.division = NULL;
-    rsv_row_directions_begin(&a.tracer.directions, a.transport->directions);
     RSV_TRY(open_store(&a));
     RSV_TRY(a.store ? RSV_OK : rsv_row_device_create(&a.tracer, a.row_count, &a.device));
     RSV_TRY(create_workers(&a));

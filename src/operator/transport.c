@@ -9,7 +9,6 @@ void rsv_transport_destroy(rsv_transport *transport)
     rsv_free(context, transport->scale);
     rsv_free(context, transport->gathered);
     rsv_escapes_destroy(context, &transport->escapes);
-    rsv_row_directions_destroy(context, transport->directions);
     rsv_division_destroy(transport->division);
     rsv_free(context, transport);
 }

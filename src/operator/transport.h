@@ -16,7 +16,6 @@
 #include "../specular/escapes.h"
 #include "../specular/specular_path.h"
 #include "division.h"
-#include "row_directions.h"
 
 typedef struct rsv_transport rsv_transport;
 
@@ -54,7 +53,6 @@ struct rsv_transport {
     float *scale;        ///< [row_count] 1 / rays of the row that count; 0 = hanging or buried
     rsv_rgb *gathered;   ///< [row_count] irradiance emitted by sources that are found by gathering
     rsv_escapes escapes; ///< of the rays that left the scene
-    rsv_row_directions *directions; ///< of the entries; NULL = not known
     uint64_t rays;
     uint64_t kept_rays;    ///< of these, known from an earlier version of the scene
     size_t kept_rows;      ///< rows of which none was traced

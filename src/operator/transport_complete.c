@@ -93,9 +93,6 @@ rsv_status rsv_stored_rows_complete(rsv_transport *transport)
     RSV_TRY(complete_list(transport, e->begin, sizeof *l->bin, (void **)&l->bin, 0, NULL));
     RSV_TRY(complete_list(transport, e->tinted_begin, sizeof *l->tinted_bin,
         (void **)&l->tinted_bin, sizeof *l->tinted_weight, (void **)&l->tinted_weight));
-    rsv_row_directions_destroy(
-        transport->context, transport->directions); // those of others are not here
-    transport->directions = NULL;
     rsv_transport_filled(transport);
     l->bin_capacity = l->count;
     l->tinted_bin_capacity = l->tinted_weight_capacity = l->tinted_count;

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-#define MAGIC 0x34776f72u // "row4"
+#define MAGIC 0x35776f72u // "row5"
 
 rsv_row_record_layout rsv_row_record_layout_of(const rsv_row_record_head *r)
 {
@@ -15,7 +15,6 @@ rsv_row_record_layout rsv_row_record_layout_of(const rsv_row_record_head *r)
         [RSV_ROW_ESCAPE_WEIGHT] = r->tinted_escape_count * sizeof(rsv_rgb),
         [RSV_ROW_ESCAPE] = r->escape_count * sizeof(uint16_t),
         [RSV_ROW_TINTED_ESCAPE] = r->tinted_escape_count * sizeof(uint16_t),
-        [RSV_ROW_TINTED_RAY] = r->tinted_count * sizeof(uint16_t),
         [RSV_ROW_KIND] = r->ray_count };
     rsv_row_record_layout l = { { sizeof *r } };
     for (int k = 0; k < RSV_ROW_PARTS; k++)
@@ -51,16 +50,13 @@ static void fill(uint8_t *bytes, const rsv_row_record_head *r, const rsv_row_scr
     for (uint32_t ray = 0; ray < r->ray_count; ray++) {
         bool ends = s->column[ray] != RSV_NONE;
         if (ends) *column++ = s->column[ray];
-        bool shut = s->whole && s->copies[ray] == 0;
-        kind[ray] = (uint8_t)(s->kind[ray] | (ends ? RSV_ROW_RAY_ENDS : 0) |
-                              (shut ? RSV_ROW_RAY_IS_SHUT : 0));
+        kind[ray] = (uint8_t)(s->kind[ray] | (ends ? RSV_ROW_RAY_ENDS : 0));
     }
     const void *from[RSV_ROW_PARTS] = { [RSV_ROW_TINTED_COLUMN] = s->tinted_column,
         [RSV_ROW_TINTED_WEIGHT] = s->tinted_weight,
         [RSV_ROW_ESCAPE_WEIGHT] = s->escapes.tinted_weight,
         [RSV_ROW_ESCAPE] = s->escapes.bin,
-        [RSV_ROW_TINTED_ESCAPE] = s->escapes.tinted_bin,
-        [RSV_ROW_TINTED_RAY] = s->tinted_ray };
+        [RSV_ROW_TINTED_ESCAPE] = s->escapes.tinted_bin };
     for (int k = RSV_ROW_TINTED_COLUMN; k < RSV_ROW_KIND; k++)
         memcpy(bytes + l.begin[k], from[k], l.begin[k + 1] - l.begin[k]);
 }
@@ -75,8 +71,6 @@ rsv_status rsv_row_record_put(rsv_context *context, uint32_t node, uint32_t ray_
         .escape_count = s->escapes.count,
         .tinted_escape_count = s->escapes.tinted_count,
         .emission = s->emission,
-        .tangent = s->tangent,
-        .whole = s->whole,
         .ray_count = ray_count,
         .index = s->index,
         .valid = s->valid,
@@ -104,9 +98,6 @@ static bool indices_fit(const rsv_row_record_head *r, const uint8_t *bytes, size
         if (node[k] >= node_count) return false;
     for (uint32_t k = 0; k < r->escape_count + r->tinted_escape_count; k++)
         if (bin[k] >= RSV_ESCAPE_BINS) return false;
-    const uint16_t *tinted_ray = (const uint16_t *)(bytes + l.begin[RSV_ROW_TINTED_RAY]);
-    for (uint32_t k = 0; k < r->tinted_count; k++)
-        if (tinted_ray[k] != RSV_NO_RAY && tinted_ray[k] >= r->ray_count) return false;
     for (uint32_t ray = 0; ray < r->ray_count; ray++)
         ends += (bytes[l.begin[RSV_ROW_KIND] + ray] & RSV_ROW_RAY_ENDS) != 0;
     return ends == r->count;
@@ -146,24 +137,20 @@ void rsv_row_record_take(const uint8_t *bytes, uint32_t ray_count, rsv_row_scrat
     const uint32_t *column = (const uint32_t *)(bytes + l.begin[RSV_ROW_COLUMN]);
     for (uint32_t ray = 0; ray < ray_count; ray++) {
         uint8_t kind = bytes[l.begin[RSV_ROW_KIND] + ray];
-        s->kind[ray] = kind & (uint8_t) ~(RSV_ROW_RAY_ENDS | RSV_ROW_RAY_IS_SHUT);
-        s->copies[ray] = !(kind & RSV_ROW_RAY_IS_SHUT);
+        s->kind[ray] = kind & (uint8_t)~RSV_ROW_RAY_ENDS;
         s->column[ray] = kind & RSV_ROW_RAY_ENDS ? *column++ : RSV_NONE;
     }
     void *to[RSV_ROW_PARTS] = { [RSV_ROW_TINTED_COLUMN] = s->tinted_column,
         [RSV_ROW_TINTED_WEIGHT] = s->tinted_weight,
         [RSV_ROW_ESCAPE_WEIGHT] = s->escapes.tinted_weight,
         [RSV_ROW_ESCAPE] = s->escapes.bin,
-        [RSV_ROW_TINTED_ESCAPE] = s->escapes.tinted_bin,
-        [RSV_ROW_TINTED_RAY] = s->tinted_ray };
+        [RSV_ROW_TINTED_ESCAPE] = s->escapes.tinted_bin };
     for (int k = RSV_ROW_TINTED_COLUMN; k < RSV_ROW_KIND; k++)
         memcpy(to[k], bytes + l.begin[k], l.begin[k + 1] - l.begin[k]);
     s->tinted_count = r.tinted_count;
     s->escapes.count = r.escape_count;
     s->escapes.tinted_count = r.tinted_escape_count;
     s->emission = r.emission;
-    s->tangent = r.tangent;
-    s->whole = r.whole != 0;
     s->index = r.index;
     s->valid = (uint16_t)r.valid;
     s->rays += r.rays;

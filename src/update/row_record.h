@@ -17,8 +17,6 @@ typedef struct rsv_row_scratch {
     uint32_t tinted_count;
     uint32_t *tinted_column; ///< [rays]
     rsv_rgb *tinted_weight;
-    uint16_t *tinted_ray; ///< [rays] that found it; RSV_NO_RAY = one that is there already
-    rsv_vec3 tangent;     ///< of the frame that directions are in
     rsv_escape_row escapes;
     rsv_rgb emission;
     uint64_t rays;    ///< of all rows so far
@@ -26,9 +24,7 @@ typedef struct rsv_row_scratch {
     size_t kept_rows; ///< rows so far of which it traced none
 } rsv_row_scratch;
 
-#define RSV_ROW_RAY_ENDS 0x80    ///< with the kind: the ray ended at a node
-#define RSV_ROW_RAY_IS_SHUT 0x40 ///< with the kind: the coat takes none of its light
-#define RSV_NO_RAY UINT16_MAX
+#define RSV_ROW_RAY_ENDS 0x80 ///< with the kind: the ray ended at a node
 
 /// What the same rays found before the scene was edited.
 typedef struct rsv_kept_row {

@@ -9,8 +9,6 @@ typedef struct rsv_row_record_head {
     uint32_t magic, node;
     uint32_t count, tinted_count, escape_count, tinted_escape_count;
     rsv_rgb emission;
-    rsv_vec3 tangent;
-    uint32_t whole; ///< of rsv_row_scratch
     uint32_t ray_count;
     uint32_t index, valid; ///< of rsv_row_scratch
     uint64_t rays;
@@ -24,7 +22,6 @@ typedef enum rsv_row_part {
     RSV_ROW_ESCAPE_WEIGHT,
     RSV_ROW_ESCAPE,
     RSV_ROW_TINTED_ESCAPE,
-    RSV_ROW_TINTED_RAY,
     RSV_ROW_KIND,
     RSV_ROW_PARTS
 } rsv_row_part;
