@@ -187,14 +187,48 @@ static photon_job begin_job(const rsv_transport_scene *scene, const rsv_lights *
         .place = rsv_team_place_of(lights->context) };
 }
 
+/// Any sink without wishes.
+static const rsv_photon_sink takes_all = { 0 };
+
+rsv_status rsv_photon_shooter_create(const rsv_transport_scene *scene, const rsv_lights *lights,
+    uint32_t seed, const rsv_photon_sink *sink, rsv_photon_shooter **shooter, uint64_t *rays)
+{
+    photon_job *job = rsv_alloc(lights->context, 1, sizeof *job);
+    if (!job) return RSV_ERROR_MEMORY;
+    *job = begin_job(scene, lights, seed, sink ? sink : &takes_all);
+    rsv_status status = create_sources(job, rays);
+    job->sink = NULL; // those to come have their own
+    if (status == RSV_OK)
+        *shooter = job;
+    else
+        rsv_photon_shooter_destroy(job);
+    return status;
+}
+
+void rsv_photon_shooter_destroy(rsv_photon_shooter *shooter)
+{
+    if (!shooter) return;
+    destroy_sources(shooter);
+    rsv_free(shooter->lights->context, shooter);
+}
+
+rsv_status rsv_photons_send(const rsv_photon_shooter *shooter, uint32_t count, uint32_t seed,
+    const rsv_photon_sink *sink, uint64_t *rays)
+{
+    photon_job job = *shooter;
+    job.place = (rsv_team_place){ 0, 1 };
+    job.shooting.seed = seed;
+    job.sink = sink;
+    return shoot_all(&job, count, rays);
+}
+
 rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint32_t count, uint32_t seed, const rsv_photon_sink *sink, uint64_t *rays)
 {
-    photon_job job = begin_job(scene, lights, seed, sink);
-    job.place = (rsv_team_place){ 0, 1 };
-    rsv_status status = create_sources(&job, rays);
-    if (status == RSV_OK) status = shoot_all(&job, count, rays);
-    destroy_sources(&job);
+    rsv_photon_shooter *shooter = NULL;
+    rsv_status status = rsv_photon_shooter_create(scene, lights, seed, sink, &shooter, rays);
+    if (status == RSV_OK) status = rsv_photons_send(shooter, count, seed, sink, rays);
+    rsv_photon_shooter_destroy(shooter);
     return status;
 }
 
@@ -210,30 +244,6 @@ static void deposit(void *user, const rsv_specular_path *path, rsv_rgb flux)
 {
     const map_set *maps = user;
     rsv_photon_land(maps->scene, path, flux, maps->map, maps->count);
-}
-
-/// Any sink without wishes: guides to come are for those who take every photon.
-static const rsv_photon_sink takes_all = { 0 };
-
-rsv_status rsv_photon_shooter_create(const rsv_transport_scene *scene, const rsv_lights *lights,
-    uint32_t seed, rsv_photon_shooter **shooter, uint64_t *rays)
-{
-    photon_job *job = rsv_alloc(lights->context, 1, sizeof *job);
-    if (!job) return RSV_ERROR_MEMORY;
-    *job = begin_job(scene, lights, seed, &takes_all);
-    rsv_status status = create_sources(job, rays);
-    if (status == RSV_OK)
-        *shooter = job;
-    else
-        rsv_photon_shooter_destroy(job);
-    return status;
-}
-
-void rsv_photon_shooter_destroy(rsv_photon_shooter *shooter)
-{
-    if (!shooter) return;
-    destroy_sources(shooter);
-    rsv_free(shooter->lights->context, shooter);
 }
 
 rsv_status rsv_photons_deposit(const rsv_photon_shooter *shooter, uint32_t count,
@@ -273,7 +283,7 @@ rsv_status rsv_photons_shoot(const rsv_transport_scene *scene, const rsv_lights 
 {
     rsv_photon_shooter *shooter = NULL;
     memset(maps, 0, map_count * sizeof *maps);
-    rsv_status status = rsv_photon_shooter_create(scene, lights, seed, &shooter, rays);
+    rsv_status status = rsv_photon_shooter_create(scene, lights, seed, NULL, &shooter, rays);
     if (status == RSV_OK)
         status = rsv_photons_deposit(shooter, count, elements, maps, map_count, rays);
     rsv_photon_shooter_destroy(shooter);

@@ -28,14 +28,19 @@ typedef struct rsv_photon_sink {
 rsv_status rsv_photons_trace(const rsv_transport_scene *scene, const rsv_lights *lights,
     uint32_t count, uint32_t seed, const rsv_photon_sink *sink, uint64_t *rays);
 
-/// Where photons start, and a guide from each place: for more than one call of rsv_photons_deposit.
+/// Where photons start, and a guide from each place: for more than one call of rsv_photons_deposit or rsv_photons_send.
 typedef struct rsv_photon_shooter rsv_photon_shooter;
 
 /// @param scene,lights borrowed for as long as it lives
+/// @param sink whose wishes guides follow, for the time of this call. NULL = every photon is wanted
 rsv_status rsv_photon_shooter_create(const rsv_transport_scene *scene, const rsv_lights *lights,
-    uint32_t seed, rsv_photon_shooter **shooter, uint64_t *rays);
+    uint32_t seed, const rsv_photon_sink *sink, rsv_photon_shooter **shooter, uint64_t *rays);
 /// @param shooter NULL is allowed
 void rsv_photon_shooter_destroy(rsv_photon_shooter *shooter);
+
+/// Shoots `count` light paths, as rsv_photons_trace does, by guides that are there already.
+rsv_status rsv_photons_send(const rsv_photon_shooter *shooter, uint32_t count, uint32_t seed,
+    const rsv_photon_sink *sink, uint64_t *rays);
 
 /// Shoots `count` light paths and deposits them on `map_count` sets of elements at once.
 /// @param maps out; to be destroyed by the caller, even after an error

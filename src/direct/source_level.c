@@ -419,7 +419,7 @@ rsv_status rsv_source_level_create(const rsv_transport_scene *scene, const rsv_l
     };
     *level = (rsv_source_level){ 0 };
     if (desc->photon_count)
-        RSV_TRY(rsv_photon_shooter_create(scene, lights, desc->seed, &b.shooter, rays));
+        RSV_TRY(rsv_photon_shooter_create(scene, lights, desc->seed, NULL, &b.shooter, rays));
     RSV_TRY(desc->start ? begin_again(&b) : begin(&b));
     RSV_TRY(refine(&b));
     if (b.kept) RSV_TRY(add_kept(&b));

@@ -58,6 +58,8 @@ rsv_status rsv_planner_solve(rsv_planner *p)
     rsv_light *light = NULL;
     rsv_status status = rsv_light_create(p->scene, &p->solve, &light);
     if (status != RSV_OK) return status;
+    rsv_picture_series_destroy(p->series);
+    p->series = NULL;
     rsv_light_destroy(p->light);
     p->light = light;
     p->plan.element_target = p->solve.element_target;
@@ -75,7 +77,9 @@ static rsv_status take(rsv_planner *p, uint32_t samples, rsv_image **image)
     desc.seed += 0x9e3779b9u * p->passes++; // the first pass has the seed itself
     if (desc.mode == RSV_RENDER_REFERENCE)
         return rsv_render_reference(p->scene, &desc, image, NULL);
-    return rsv_render(p->light, &desc, image);
+    rsv_status status = RSV_OK;
+    if (!p->series) status = rsv_picture_series_create(p->light, &desc, &p->series);
+    return status == RSV_OK ? rsv_picture_series_take(p->series, &desc, image) : status;
 }
 
 rsv_status rsv_planner_take(rsv_planner *p, uint32_t samples)
@@ -305,6 +309,7 @@ rsv_status rsv_render_planned(const rsv_scene *scene, const rsv_plan_desc *desc,
     begin(scene, desc, picture, *light, &p);
     status = isfinite(desc->max_seconds) ? rsv_planner_run_until(&p, desc->max_seconds)
                                          : run_to_error(&p);
+    rsv_picture_series_destroy(p.series);
     if (status == RSV_OK) {
         p.plan.samples = p.sum.samples;
         if (plan) *plan = p.plan;

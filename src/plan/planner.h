@@ -3,18 +3,20 @@
 #define RSV_PLANNER_H
 
 #include "../core/core.h"
+#include "../render/picture_series.h"
 #include "resolvent/plan.h"
 #include "sample_sum.h"
 
 typedef struct rsv_planner {
     const rsv_scene *scene;
     rsv_context *context;
-    rsv_render_desc picture; ///< mode and samples are those of the next pass
-    rsv_solve_desc solve;    ///< of the next solution
-    rsv_light *light;        ///< NULL = none yet
-    bool is_given;           ///< whether it is the caller's
-    double started;          ///< as rsv_seconds counts
-    double wanted;           ///< relative MSE
+    rsv_render_desc picture;    ///< mode and samples are those of the next pass
+    rsv_solve_desc solve;       ///< of the next solution
+    rsv_light *light;           ///< NULL = none yet
+    bool is_given;              ///< whether it is the caller's
+    rsv_picture_series *series; ///< of passes with this light; NULL = none yet
+    double started;             ///< as rsv_seconds counts
+    double wanted;              ///< relative MSE
     uint32_t passes;
     rsv_sample_sum sum;
     rsv_picture_plan plan;

@@ -17,7 +17,7 @@ typedef struct rsv_camera_setting {
     const rsv_lights *lights;
     const rsv_sky_visibility *visibility; ///< of rough surfaces; NULL = not known
     uint32_t max_events;                  ///< specular ones along a branch at most
-    bool shot;                            ///< leave out what rsv_add_shot_light adds
+    bool shot;                            ///< leave out what rsv_shot_light_add adds
 } rsv_camera_setting;
 
 /// Called for each diffuse interface a camera ray leads to.

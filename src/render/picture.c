@@ -1,9 +1,16 @@
 /// Modes operator and final: camera paths, then the solved light.
 #include "../core/team.h"
 #include "picture_row.h"
+#include "picture_series.h"
 #include "shot_light.h"
 
 #include <stdio.h>
+
+struct rsv_picture_series {
+    rsv_picture_job job; ///< all but what differs from picture to picture
+    rsv_sky_visibility *visibility;
+    rsv_shot_light *shot; ///< NULL = there is none
+};
 
 /// In a team, rows of pixels from the processes that took their turn with them.
 static rsv_status unite_rows(const rsv_picture_job *job)
@@ -112,34 +119,74 @@ static rsv_status check_desc(const rsv_light_view *solution, const rsv_render_de
     return RSV_OK;
 }
 
-rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_image **image)
+static void begin_job(
+    const rsv_light_view *solution, const rsv_render_desc *desc, rsv_picture_job *job)
+{
+    *job = (rsv_picture_job){ .solution = solution,
+        .camera = desc->viewpoint ? desc->viewpoint : &solution->scene.view->camera[desc->camera] };
+    job->spread = rsv_camera_spread(job->camera, desc->height);
+    job->medium =
+        rsv_medium_above(&solution->scene.media, job->camera->position, job->camera->forward);
+    if (solution->lights->environment) job->sky = solution->lights->environment->whole;
+    job->setting = (rsv_camera_setting){ &solution->scene, solution->lights, NULL, desc->path_depth,
+        !desc->shared_pattern && rsv_shot_light_wanted(solution) };
+}
+
+rsv_status rsv_picture_series_create(
+    const rsv_light *light, const rsv_render_desc *desc, rsv_picture_series **series)
 {
     const rsv_light_view *solution = rsv_light_get_view(light);
     rsv_status status = check_desc(solution, desc);
-    rsv_sky_visibility *visibility = NULL;
     if (status != RSV_OK) return status;
-    rsv_picture_job job = { .solution = solution,
-        .desc = desc,
-        .camera = desc->viewpoint ? desc->viewpoint : &solution->scene.view->camera[desc->camera],
-        .layer_count = desc->layers ? 1 + RSV_PICTURE_LAYERS : 1 };
-    job.spread = rsv_camera_spread(job.camera, desc->height);
-    job.medium =
-        rsv_medium_above(&solution->scene.media, job.camera->position, job.camera->forward);
-    if (solution->lights->environment) job.sky = solution->lights->environment->whole;
+    rsv_picture_series *s = rsv_alloc(solution->context, 1, sizeof *s);
+    if (!s) return RSV_ERROR_MEMORY;
+    *s = (rsv_picture_series){ 0 };
+    rsv_picture_job *job = &s->job;
+    begin_job(solution, desc, job);
+    if (!desc->shared_pattern) RSV_TRY(rsv_sky_visibility_create(solution, &s->visibility));
+    job->setting.visibility = s->visibility;
+    if (job->setting.shot)
+        RSV_TRY(rsv_shot_light_create(solution, desc, job->camera, &job->medium, &s->shot));
+    *series = s;
+    s = NULL;
+cleanup:
+    rsv_picture_series_destroy(s);
+    return status;
+}
+
+void rsv_picture_series_destroy(rsv_picture_series *s)
+{
+    if (!s) return;
+    rsv_sky_visibility_destroy(s->visibility);
+    rsv_shot_light_destroy(s->shot);
+    rsv_free(s->job.solution->context, s);
+}
+
+rsv_status rsv_picture_series_take(
+    const rsv_picture_series *series, const rsv_render_desc *desc, rsv_image **image)
+{
+    rsv_picture_job job = series->job;
+    rsv_status status = check_desc(job.solution, desc);
+    if (status != RSV_OK) return status;
+    job.desc = desc;
+    job.layer_count = desc->layers ? 1 + RSV_PICTURE_LAYERS : 1;
     RSV_TRY(rsv_image_create(
-        solution->context, desc->width, desc->height, job.layer_count, &job.image));
+        job.solution->context, desc->width, desc->height, job.layer_count, &job.image));
     RSV_TRY(name_layers(job.image, job.layer_count));
-    job.setting = (rsv_camera_setting){ &solution->scene, solution->lights, NULL, desc->path_depth,
-        !desc->shared_pattern && rsv_shot_light_wanted(solution) };
-    if (!desc->shared_pattern) RSV_TRY(rsv_sky_visibility_create(solution, &visibility));
-    job.setting.visibility = visibility;
     RSV_TRY(render_passes(&job));
-    if (job.setting.shot)
-        RSV_TRY(rsv_add_shot_light(solution, desc, job.camera, &job.medium, job.image));
+    if (series->shot) RSV_TRY(rsv_shot_light_add(series->shot, desc, job.image));
     *image = job.image;
     job.image = NULL;
 cleanup:
-    rsv_sky_visibility_destroy(visibility);
     rsv_image_destroy(job.image);
+    return status;
+}
+
+rsv_status rsv_render(const rsv_light *light, const rsv_render_desc *desc, rsv_image **image)
+{
+    rsv_picture_series *series = NULL;
+    rsv_status status = rsv_picture_series_create(light, desc, &series);
+    if (status == RSV_OK) status = rsv_picture_series_take(series, desc, image);
+    rsv_picture_series_destroy(series);
     return status;
 }

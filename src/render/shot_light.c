@@ -7,6 +7,13 @@
 /// As many paths as camera rays, but a picture of a few pixels is still lit by so many.
 #define FEWEST_PATHS (1u << 16)
 
+struct rsv_shot_light {
+    const rsv_light_view *solution;
+    const rsv_camera *camera;
+    const rsv_medium *medium;
+    rsv_photon_shooter *shooter;
+};
+
 typedef struct shot_splat {
     size_t pixel;
     rsv_rgb radiance;
@@ -122,24 +129,56 @@ static void collect(void *user)
     list->count = 0;
 }
 
-rsv_status rsv_add_shot_light(const rsv_light_view *solution, const rsv_render_desc *desc,
-    const rsv_camera *camera, const rsv_medium *medium, rsv_image *image)
+static float spread_of(const rsv_shot_light *shot, const rsv_render_desc *desc)
 {
-    rsv_context *context = solution->context;
+    return rsv_camera_spread(shot->camera, desc->height) / sqrtf((float)desc->samples);
+}
+
+static shot_job begin_job(const rsv_shot_light *shot, const rsv_render_desc *desc, rsv_image *image)
+{
+    return (shot_job){ .solution = shot->solution,
+        .desc = desc,
+        .medium = shot->medium,
+        .lens = rsv_lens_of(shot->camera, desc->width, desc->height),
+        .spread = spread_of(shot, desc),
+        .image = image };
+}
+
+static uint32_t seed_of(const rsv_render_desc *desc) { return rsv_hash2(desc->seed, 0x51a7u); }
+
+rsv_status rsv_shot_light_create(const rsv_light_view *solution, const rsv_render_desc *desc,
+    const rsv_camera *camera, const rsv_medium *medium, rsv_shot_light **shot)
+{
+    uint64_t rays = 0;
+    *shot = rsv_alloc(solution->context, 1, sizeof **shot);
+    if (!*shot) return RSV_ERROR_MEMORY;
+    **shot = (rsv_shot_light){ solution, camera, medium, NULL };
+    shot_job job = begin_job(*shot, desc, NULL);
+    const rsv_photon_sink sink = { &job, NULL, NULL, is_seen };
+    return rsv_photon_shooter_create(
+        &solution->scene, solution->lights, seed_of(desc), &sink, &(*shot)->shooter, &rays);
+}
+
+void rsv_shot_light_destroy(rsv_shot_light *shot)
+{
+    if (!shot) return;
+    rsv_photon_shooter_destroy(shot->shooter);
+    rsv_free(shot->solution->context, shot);
+}
+
+rsv_status rsv_shot_light_add(
+    const rsv_shot_light *shot, const rsv_render_desc *desc, rsv_image *image)
+{
+    rsv_context *context = shot->solution->context;
     uint64_t paths = (uint64_t)desc->width * desc->height * desc->samples, rays = 0;
     int threads = rsv_threads(context);
-    shot_job job = { .solution = solution,
-        .desc = desc,
-        .medium = medium,
-        .lens = rsv_lens_of(camera, desc->width, desc->height),
-        .spread = rsv_camera_spread(camera, desc->height) / sqrtf((float)desc->samples),
-        .image = image };
+    shot_job job = begin_job(shot, desc, image);
     job.list = rsv_alloc(context, (size_t)threads, sizeof *job.list);
     if (!job.list) return RSV_ERROR_MEMORY;
     paths = paths < FEWEST_PATHS ? FEWEST_PATHS : paths > INT32_MAX ? INT32_MAX : paths;
     const rsv_photon_sink sink = { &job, add_light_path, collect, is_seen };
-    rsv_status status = rsv_photons_trace(&solution->scene, solution->lights, (uint32_t)paths,
-        rsv_hash2(desc->seed, 0x51a7u), &sink, &rays);
+    rsv_status status =
+        rsv_photons_send(shot->shooter, (uint32_t)paths, seed_of(desc), &sink, &rays);
     for (int k = 0; k < threads; k++) {
         if (status == RSV_OK) status = job.list[k].status;
         rsv_free(context, job.list[k].splat);

@@ -14,10 +14,19 @@
 /// Whether there may be any.
 bool rsv_shot_light_wanted(const rsv_light_view *solution);
 
-/// Adds it to the picture and, where there are layers, to that of emission. One light path per camera ray, but no fewer
-/// than a few hundred thousand.
-/// @param medium that the camera is in
-rsv_status rsv_add_shot_light(const rsv_light_view *solution, const rsv_render_desc *desc,
-    const rsv_camera *camera, const rsv_medium *medium, rsv_image *image);
+/// Guides of such light to what one camera sees.
+typedef struct rsv_shot_light rsv_shot_light;
+
+/// @param solution,camera borrowed @param medium that the camera is in, borrowed
+rsv_status rsv_shot_light_create(const rsv_light_view *solution, const rsv_render_desc *desc,
+    const rsv_camera *camera, const rsv_medium *medium, rsv_shot_light **shot);
+/// @param shot NULL is allowed
+void rsv_shot_light_destroy(rsv_shot_light *shot);
+
+/// Adds it to a picture of this camera and, where there are layers, to that of emission. One light path per camera ray, but
+/// no fewer than a few tens of thousands.
+/// @param desc of the size at creation
+rsv_status rsv_shot_light_add(
+    const rsv_shot_light *shot, const rsv_render_desc *desc, rsv_image *image);
 
 #endif

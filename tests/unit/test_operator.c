@@ -700,7 +700,7 @@ static void a_shooter_may_be_used_again(void **state)
     rsv_photon_shooter *shooter = NULL;
     uint64_t pilot = 0;
     assert_int_equal(
-        rsv_photon_shooter_create(&w->transport, w->lights, 1, &shooter, &pilot), RSV_OK);
+        rsv_photon_shooter_create(&w->transport, w->lights, 1, NULL, &shooter, &pilot), RSV_OK);
     for (int round = 0; round < 2; round++) {
         rsv_photon_map map;
         uint64_t rays = 0;
