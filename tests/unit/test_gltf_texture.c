@@ -247,8 +247,8 @@ static void alpha_counts_where_the_mode_says_so(void **state)
     } expected[] = {
         { "\"OPAQUE\"", 1, 0 },
         { "\"MASK\"", 0.25f, 0.5f },
-        { "\"MASK\",\"alphaCutoff\":0.125", 0.25f, 0.125f },
-        { "\"MASK\",\"alphaCutoff\":0", 1, 0 }, // nothing is below 0
+        { "\"MASK\",\"alphaCutoff\":0.125", 1, 0.125f }, // what is there is opaque
+        { "\"MASK\",\"alphaCutoff\":0", 1, 0 },          // nothing is below 0
         { "\"BLEND\"", 0.25f, 0 },
     };
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
