@@ -28,7 +28,8 @@ static size_t put_text(char *to, const char *text, size_t length)
     for (int k = 0; k < 4; k++)
         to[1 + k] = (char)(length >> 8 * k & 0xff);
     memset(to + 5, ' ', length);
-    memcpy(to + 5, text, strlen(text) < length ? strlen(text) : length);
+    for (size_t k = 0; k < length && text[k]; k++)
+        to[5 + k] = text[k];
     return 5 + length;
 }
 

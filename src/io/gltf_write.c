@@ -132,7 +132,7 @@ static void add_emission(writer *w, cJSON *json, rsv_rgb emission)
 
 static const float *value_of(const rsv_material *m, const rsv_material_field *f)
 {
-    return (const float *)((const char *)m + f->offset);
+    return (const float *)(const void *)((const char *)m + f->offset);
 }
 
 static bool is_usual(const rsv_material *m, const rsv_material_field *f)

@@ -347,7 +347,7 @@ void rsv_obj_note_names(const char *text, const char *word, rsv_obj_names *names
         const char *from = at + length, *end = strchr(from, '\n');
         if ((at > text && at[-1] != '\n') || !isspace((unsigned char)*from) || !end) continue;
         from += strspn(from, " \t");
-        if (from >= end || (size_t)(end - from) > sizeof name - 2) continue;
+        if (from >= end || (size_t)(end - from) >= sizeof name - 2) continue;
         size_t size = (size_t)(end - from) + 2;
         memcpy(name + 1, from, size - 1);
         name[size] = '\0';

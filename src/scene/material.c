@@ -20,7 +20,7 @@ const rsv_material_field *rsv_material_fields(void)
 
 static float *value_of(rsv_material *material, const rsv_material_field *field)
 {
-    return (float *)((char *)material + field->offset);
+    return (float *)(void *)((char *)material + field->offset);
 }
 
 rsv_material rsv_default_material(void)

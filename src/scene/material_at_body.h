@@ -33,9 +33,9 @@ RSV_INLINE rsv_texel rsv_texture_at(const rsv_scene_view *scene, const rsv_textu
         texture, t.u + u * t.du[0] + v * t.du[1], t.v + u * t.dv[0] + v * t.dv[1], level);
 }
 
-#define RSV_TIMES_r(value) (value * texel.r)
-#define RSV_TIMES_g(value) (value * texel.g)
-#define RSV_TIMES_a(value) (value * texel.a)
+#define RSV_TIMES_r(value) ((value) * texel.r)
+#define RSV_TIMES_g(value) ((value) * texel.g)
+#define RSV_TIMES_a(value) ((value) * texel.a)
 #define RSV_TIMES_rgb(value) rgb_mul(value, color)
 
 RSV_INLINE void rsv_material_multiply(rsv_material *m, rsv_texture_role role, rsv_texel texel)

@@ -30,7 +30,7 @@ const char *const *rsv_solver_names(void)
 {
     static const char *const names[METHODS + 1] = {
         [RSV_SOLVER_AUTO] = "auto",
-#define RSV_SOLVER(value, symbol, name) [RSV_SOLVER_##value] = name,
+#define RSV_SOLVER(value, symbol, name) [RSV_SOLVER_##value] = (name),
 #include "solvers.inc"
 #undef RSV_SOLVER
     };
