@@ -164,6 +164,23 @@ static inline void world_sphere(
     assert_int_equal(rsv_add_sphere(shape_of(w, material), centre, radius, level), RSV_OK);
 }
 
+/// A quad under texture coordinates.
+static inline void world_textured_quad(
+    world *w, const char *name, rsv_material m, const rsv_vec3 corner[4], const float uv[4][2])
+{
+    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
+    const rsv_mesh_desc quad = { .name = name,
+        .positions = corner,
+        .vertex_count = 4,
+        .indices = index,
+        .triangle_count = 2,
+        .material = world_material(w, m),
+        .uvs = { uv, NULL } };
+    uint32_t mesh;
+    assert_int_equal(rsv_scene_add_mesh(w->scene, &quad, &mesh), RSV_OK);
+    assert_int_equal(rsv_scene_add_instance(w->scene, mesh, NULL, NULL), RSV_OK);
+}
+
 /// A quad with a texture of 4x4 texels, uneven in all channels, in each of these roles (4 at most).
 static inline void world_pattern(world *w, rsv_material m, const rsv_vec3 corner[4],
     const rsv_texture_role *role, size_t role_count)
@@ -191,17 +208,7 @@ static inline void world_pattern(world *w, rsv_material m, const rsv_vec3 corner
     m.textures = ref;
     m.texture_count = role_count;
     static const float uv[4][2] = { { 0, 0 }, { 0, 1 }, { 1, 1 }, { 1, 0 } };
-    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
-    rsv_mesh_desc mesh = { .name = "pattern",
-        .positions = corner,
-        .vertex_count = 4,
-        .indices = index,
-        .triangle_count = 2,
-        .material = world_material(w, m),
-        .uvs = { uv, NULL } };
-    uint32_t id;
-    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &id), RSV_OK);
-    assert_int_equal(rsv_scene_add_instance(w->scene, id, NULL, NULL), RSV_OK);
+    world_textured_quad(w, "pattern", m, corner, uv);
 }
 
 /// Grey on both sides, with holes of about half its area.

@@ -85,26 +85,16 @@ static void add_bent_plate(world *w)
 {
     static const float texel[4] = { 0.8f, 0.5f, 0.9f, 1 },
                        uv[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
-    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
     const rsv_vec3 corner[4] = { v3(-1, 0, 1), v3(1, 0, 1), v3(1, 0, -1), v3(-1, 0, -1) };
     const rsv_texture_desc texture = {
         .name = "bent", .width = 1, .height = 1, .channel_count = 4, .values = texel
     };
     rsv_texture_ref ref = rsv_default_texture_ref(RSV_TEXTURE_NORMAL, 0);
     rsv_material m = lambert_material(0.5f, 0);
-    uint32_t mesh;
     assert_int_equal(rsv_scene_add_texture(w->scene, &texture, &ref.texture), RSV_OK);
     m.textures = &ref;
     m.texture_count = 1;
-    const rsv_mesh_desc plate = { .name = "plate",
-        .positions = corner,
-        .vertex_count = 4,
-        .indices = index,
-        .triangle_count = 2,
-        .material = world_material(w, m),
-        .uvs = { uv, NULL } };
-    assert_int_equal(rsv_scene_add_mesh(w->scene, &plate, &mesh), RSV_OK);
-    assert_int_equal(rsv_scene_add_instance(w->scene, mesh, NULL, NULL), RSV_OK);
+    world_textured_quad(w, "plate", m, corner, uv);
 }
 
 /// Elements store light by the normal map, and are judged by it: under a sun right above, the cosine of its tilt.

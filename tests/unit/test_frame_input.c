@@ -92,21 +92,12 @@ static void add_floor(world *w, rsv_material m, rsv_texture_role role, const rsv
     const rsv_vec3 corner[4] = { { -1.9f, -0.9f, 1.9f }, { 1.9f, -0.9f, 1.9f },
         { 1.9f, -0.9f, -1.9f }, { -1.9f, -0.9f, -1.9f } };
     static const float uv[4][2] = { { 0, 0 }, { 3, 0 }, { 3, 3 }, { 0, 3 } };
-    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
-    uint32_t texture, mesh;
+    uint32_t texture;
     assert_int_equal(rsv_scene_add_texture(w->scene, desc, &texture), RSV_OK);
     rsv_texture_ref ref = rsv_default_texture_ref(role, texture);
     m.textures = &ref;
     m.texture_count = 1;
-    const rsv_mesh_desc floor = { .name = "floor",
-        .positions = corner,
-        .vertex_count = 4,
-        .indices = index,
-        .triangle_count = 2,
-        .material = world_material(w, m),
-        .uvs = { uv, NULL } };
-    assert_int_equal(rsv_scene_add_mesh(w->scene, &floor, &mesh), RSV_OK);
-    assert_int_equal(rsv_scene_add_instance(w->scene, mesh, NULL, NULL), RSV_OK);
+    world_textured_quad(w, "floor", m, corner, uv);
 }
 
 enum { side = 16 };

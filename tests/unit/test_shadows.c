@@ -68,17 +68,7 @@ static void add_card(world *w, float cutoff, float opacity)
     const rsv_vec3 corner[4] = { { -0.8f, 1, -0.8f }, { -0.8f, 1, 0.8f }, { 0.8f, 1, 0.8f },
         { 0.8f, 1, -0.8f } };
     static const float uv[4][2] = { { 0, 0 }, { 0, 1 }, { 1, 1 }, { 1, 0 } };
-    static const uint32_t index[6] = { 0, 1, 2, 0, 2, 3 };
-    rsv_mesh_desc mesh = { .name = "card",
-        .positions = corner,
-        .vertex_count = 4,
-        .indices = index,
-        .triangle_count = 2,
-        .material = world_material(w, m),
-        .uvs = { uv, NULL } };
-    uint32_t mesh_id;
-    assert_int_equal(rsv_scene_add_mesh(w->scene, &mesh, &mesh_id), RSV_OK);
-    assert_int_equal(rsv_scene_add_instance(w->scene, mesh_id, NULL, NULL), RSV_OK);
+    world_textured_quad(w, "card", m, corner, uv);
 }
 
 /// From above, at a slant.
