@@ -355,7 +355,8 @@ static showing look_once(const rsv_scene_view *view, uint32_t triangle, bool bac
     if (hit.triangle != triangle && covers_all(view, triangle, hit.triangle))
         return (showing){ false, hit.triangle };
     // what shows its middle is not hidden
-    if (hit.triangle == triangle && back) return (showing){ true, RSV_NONE };
+    if (hit.triangle == triangle && back && !is_lamp(view, triangle))
+        return (showing){ true, RSV_NONE };
     return look_at(view, triangle, back);
 }
 
@@ -366,6 +367,14 @@ static bool is_guess(const rsv_scene_view *view, const uint8_t *flags, uint32_t 
     return other != RSV_NONE && view->triangle_material[t] != view->triangle_material[other] &&
            is_lamp(view, t) == is_lamp(view, other) &&
            !((flags[t] | flags[other]) & RSV_TWIN_OPPOSITE);
+}
+
+/// Lamps of which others hide a part.
+static void note_parts(
+    const rsv_twins_owner *owner, const rsv_scene_view *view, uint32_t triangle, showing seen)
+{
+    if (seen.some && seen.other != RSV_NONE && is_lamp(view, triangle))
+        owner->flags[triangle] |= RSV_TWIN_PARTLY;
 }
 
 /// Marks the faces that others hide. @return the first in whose place others are shown by a guess; RSV_NONE = none
@@ -384,10 +393,13 @@ static uint32_t find_hidden(
             showing seen = look_once(view, t, false);
             if (!seen.some) owner->flags[t] |= RSV_TWIN_HIDDEN;
             if (t < guessed && is_guess(view, owner->flags, t, seen.other)) guessed = t;
-            if (seen.some && seen.other != RSV_NONE && is_lamp(view, t))
-                owner->flags[t] |= RSV_TWIN_PARTLY;
+            note_parts(owner, view, t, seen);
         }
-        if (two && !look_once(view, t, true).some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+        if (two) {
+            showing seen = look_once(view, t, true);
+            if (!seen.some) owner->flags[t] |= RSV_TWIN_BACK_HIDDEN;
+            note_parts(owner, view, t, seen);
+        }
     }
     return guessed;
 }
