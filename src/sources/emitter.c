@@ -27,8 +27,7 @@ static rsv_rgb mean_over(
         rsv_sobol_2d(k % RADIANCE_POINTS, 0, &x, &y);
         rsv_square_to_triangle(x, y, &u, &v);
         rsv_emitter_to_triangle(e, &u, &v);
-        rsv_rgb radiance =
-            rsv_emission_at(scene, e->triangle, k >= RADIANCE_POINTS, u, v, width);
+        rsv_rgb radiance = rsv_emission_at(scene, e->triangle, k >= RADIANCE_POINTS, u, v, width);
         double own = rgb_luminance(radiance);
         sum = rgb_add(sum, radiance);
         luminance += own / points;
