@@ -957,7 +957,7 @@ static void a_lamp_that_was_moved_into_a_ceiling_is_seen(void **state)
         const rsv_light_move move = { name, offset[k] };
         relight(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 });
         for (int place = 0; place < 16; place++) {
-            rsv_vec3 at = v3(1.81f + 0.026f * (float)place, 2.63f, 2.1f + 0.025f * (float)place);
+            rsv_vec3 at = v3(1.82f + 0.024f * (float)place, 2.63f, 2.12f + 0.024f * (float)place);
             rsv_vec3 eye = v3(1.3f, 0.4f, 2.2f);
             rsv_ray ray = { eye, v3_sub(v3_add(at, offset[k]), eye), INFINITY };
             rsv_hit hit;
