@@ -952,14 +952,16 @@ static void a_lamp_that_was_moved_into_a_ceiling_is_seen(void **state)
     world_commit(w);
     rsv_light *s = solve(w, false);
     const char *name = rsv_scene_get_view(w->scene)->material[lamp].name;
-    const rsv_vec3 offset[] = { { 0, 0.37f, 0 }, { 0.9f, 0.37f, 1 }, { 0, 0, 0 } };
+    const rsv_vec3 step[] = { { 0, 0.37f, 0 }, { 0.9f, 0, 1 }, { 0, -0.5f, 0 } };
+    rsv_vec3 offset = v3(0, 0, 0);
     for (int k = 0; k < 3; k++) {
-        const rsv_light_move move = { name, offset[k] };
+        const rsv_light_move move = { name, step[k] };
+        offset = v3_add(offset, step[k]);
         relight(s, &(rsv_relight_desc){ .move = &move, .move_count = 1 });
         for (int place = 0; place < 16; place++) {
             rsv_vec3 at = v3(1.82f + 0.024f * (float)place, 2.63f, 2.12f + 0.024f * (float)place);
             rsv_vec3 eye = v3(1.3f, 0.4f, 2.2f);
-            rsv_ray ray = { eye, v3_sub(v3_add(at, offset[k]), eye), INFINITY };
+            rsv_ray ray = { eye, v3_sub(v3_add(at, offset), eye), INFINITY };
             rsv_hit hit;
             assert_true(rsv_tracer_closest(inside(s)->scene.tracer, &ray, &hit));
             assert_int_equal(inside(s)->scene.view->triangle_material[hit.triangle], lamp);
