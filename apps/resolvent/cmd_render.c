@@ -216,11 +216,21 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     return true;
 }
 
+/// Bytes that a picture takes in the making: measured were 23 per pixel, 43 where samples follow the noise, and 12 for
+/// each layer.
+static size_t picture_bytes(const settings *s, const rsv_render_desc *picture)
+{
+    size_t bytes = s->planned || picture->noise > 0 ? 46 : 25;
+    if (picture->layers) bytes += 120;
+    return picture->width * (size_t)picture->height * bytes;
+}
+
 /// @param certificate filled where the statistics want it
-static rsv_status solve(
-    cli_session *session, const settings *s, cli_subject *subject, rsv_certificate *certificate)
+static rsv_status solve(cli_session *session, const settings *s, const rsv_render_desc *picture,
+    cli_subject *subject, rsv_certificate *certificate)
 {
     rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    desc.reserved_bytes = picture_bytes(s, picture);
     desc.direct_level = s->mode != RSV_RENDER_FINAL;
     if (s->goal) desc.goal_camera = rsv_scene_find_camera(subject->scene, s->camera);
     bool is_certified = !subject->solution && s->target.share > 0;
@@ -255,11 +265,13 @@ static bool write_stats(const cli_session *session, const settings *s, const rsv
     return cli_write_stats(s->stats, session, stats);
 }
 
-static rsv_plan_desc describe_plan(cli_session *session, const settings *s)
+static rsv_plan_desc describe_plan(
+    cli_session *session, const settings *s, const rsv_render_desc *picture)
 {
     rsv_plan_desc plan = rsv_default_plan_desc();
     double left = (double)s->target.max_seconds - (cli_seconds() - session->started);
     plan.solve = cli_describe_solve(&s->solve);
+    plan.solve.reserved_bytes = picture_bytes(s, picture);
     if (s->target.share > 0) plan.relative_error = (double)s->target.share;
     if (s->target.max_seconds == 0) return plan;
     if (s->target.share == 0) plan.relative_error = 0;
@@ -273,7 +285,7 @@ static rsv_status render_planned(cli_session *session, const settings *s,
     const rsv_render_desc *desc, cli_subject *subject, rsv_image **image, cli_stats *stats)
 {
     static const rsv_solve_report nothing = { 0 };
-    rsv_plan_desc plan = describe_plan(session, s);
+    rsv_plan_desc plan = describe_plan(session, s, desc);
     double started = cli_seconds();
     bool was_solved = subject->solution != NULL;
     rsv_status status =
@@ -297,7 +309,7 @@ static rsv_status render(cli_session *session, const settings *s, const rsv_rend
         if (status != RSV_OK || !subject->solution) return status;
         return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
     }
-    if (is_solved(s)) status = solve(session, s, subject, certificate);
+    if (is_solved(s)) status = solve(session, s, desc, subject, certificate);
     if (status != RSV_OK) return status;
     double started = cli_seconds();
     if (is_solved(s))

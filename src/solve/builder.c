@@ -21,6 +21,7 @@
 /// Between the last spacing that fits and one that does not, so many are tried until so much of a budget is used.
 #define BISECTIONS 6
 #define BUDGET_USED 0.8
+#define BUDGET_MISSED 0.5 ///< less is worth another search
 
 // ---- elements and rows ----------------------------------------------------------------------------
 
@@ -68,16 +69,24 @@ static rsv_status try_spacing(rsv_builder *b, float metres, trial *t)
     return RSV_OK;
 }
 
+/// The part of the budgets that the elements in hand use.
+static double used_budget(const rsv_builder *b)
+{
+    double most = (double)b->desc.max_elements;
+    double of_elements = most > 0 ? (double)rsv_budget_elements(b) / most : 0;
+    return fmax(of_elements, (double)rsv_builder_rows(b) / ((double)rsv_budget_rows(b) + 1));
+}
+
 /// Narrows down which spacing just fits. @param best in and out @param exceeding metres, less than the best one's
 static rsv_status use_budget(rsv_builder *b, float exceeding, trial *best)
 {
     rsv_status status = RSV_OK;
-    size_t budget = b->desc.max_elements;
-    for (int k = 0; k < BISECTIONS && best->elements < BUDGET_USED * (double)budget; k++) {
+    double used = 0;
+    for (int k = 0; k < BISECTIONS && used < BUDGET_USED; k++) {
         trial t;
         RSV_TRY(try_spacing(b, sqrtf(best->metres * exceeding), &t));
-        if (t.usable && is_within_budget(b) && t.elements <= budget && t.elements >= best->elements)
-            *best = t;
+        if (t.usable && is_within_budget(b) && t.elements >= best->elements)
+            *best = t, used = used_budget(b);
         else
             exceeding = t.metres;
     }
@@ -111,15 +120,14 @@ cleanup:
     return status;
 }
 
-/// Uses what a budget of elements leaves. @param exceeding metres between too many elements
+/// Uses what budgets leave. @param exceeding metres between too many elements
 static rsv_status fill_budget(rsv_builder *b, float exceeding, float wanted)
 {
     rsv_status status = rsv_budget_fill(b, wanted);
-    size_t elements = rsv_budget_elements(b);
-    if (status != RSV_OK || elements > BUDGET_USED * (double)b->desc.max_elements ||
-        exceeding >= b->spacing.metres || rsv_pilot_has_goal(b))
+    if (status != RSV_OK || used_budget(b) > BUDGET_MISSED || exceeding >= b->spacing.metres ||
+        rsv_pilot_has_goal(b))
         return status;
-    trial best = { b->spacing.metres, elements, true };
+    trial best = { b->spacing.metres, rsv_budget_elements(b), true };
     RSV_TRY(use_budget(b, exceeding, &best));
     RSV_TRY(try_spacing(b, best.metres, &best));
     RSV_TRY(rsv_budget_fill(b, wanted));
