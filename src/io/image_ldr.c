@@ -125,6 +125,19 @@ static rsv_status check_pixel_count(const rsv_image_file *file, int width, int h
         file->size);
 }
 
+static void warn_of_unused(rsv_context *context, const rsv_image_file *file)
+{
+    bool frames;
+    const char *colors = rsv_image_png_unused(file, &frames);
+    if (colors)
+        rsv_log(context, RSV_LOG_WARNING,
+            "picture '%s': not used: its %s; its codes are taken for those of sRGB", file->path,
+            colors);
+    if (frames)
+        rsv_log(context, RSV_LOG_WARNING, "picture '%s': only the first of its frames is used",
+            file->path);
+}
+
 rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file, rsv_image **image)
 {
     rsv_status status = RSV_OK;
@@ -138,10 +151,7 @@ rsv_status rsv_image_decode_ldr(rsv_context *context, const rsv_image_file *file
         RSV_TRY(fail_decoding(&info));
     RSV_TRY(rsv_image_check_size(file->path, width, height));
     RSV_TRY(check_pixel_count(file, width, height));
-    if (rsv_image_png_gamma_is_foreign(file))
-        rsv_log(context, RSV_LOG_WARNING,
-            "picture '%s': its gamma (gAMA) is not used; its codes are taken for those of sRGB",
-            file->path);
+    warn_of_unused(context, file);
     bool is_16_bit = stbi_is_16_bit_from_callbacks(&source_callbacks, &depth);
     codes = is_16_bit ? (void *)stbi_load_16_from_callbacks(
                             &source_callbacks, &from, &width, &height, &channels, 3)
