@@ -16,6 +16,7 @@
 #include "resolvent/relight.h"
 #include "resolvent/render.h"
 #include "resolvent/scene.h"
+#include "resolvent/sky.h"
 #include "resolvent/solve.h"
 #include "resolvent/team.h"
 #include "resolvent/trace.h"
