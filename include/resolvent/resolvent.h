@@ -6,6 +6,7 @@
 #include "resolvent/bake.h"
 #include "resolvent/certify.h"
 #include "resolvent/core.h"
+#include "resolvent/daylight.h"
 #include "resolvent/frame.h"
 #include "resolvent/image.h"
 #include "resolvent/io.h"

@@ -119,6 +119,19 @@ static rsv_status fill_gaps(rsv_weather_text *t)
     return RSV_OK;
 }
 
+/// Says what a file lacks.
+static void tell_gaps(const rsv_weather_text *t)
+{
+    const rsv_weather *w = t->weather;
+    if (w->filled)
+        rsv_log(t->context, RSV_LOG_WARNING,
+            "%s: %zu of %zu records have no irradiances; they take those of the nearest day",
+            t->path, w->filled, w->count);
+    if (w->missing)
+        rsv_log(t->context, RSV_LOG_WARNING,
+            "%s: leaves out %zu hours of the year; figures are of the others", t->path, w->missing);
+}
+
 static rsv_status finish(rsv_weather_text *t)
 {
     rsv_weather *w = t->weather;
@@ -128,7 +141,9 @@ static rsv_status finish(rsv_weather_text *t)
     for (size_t k = 0; k < w->count; k++)
         hours += w->hour[k].hours;
     w->missing = hours < year ? (size_t)(year - hours + 0.5) : 0;
-    return fill_gaps(t);
+    rsv_status status = fill_gaps(t);
+    if (status == RSV_OK) tell_gaps(t);
+    return status;
 }
 
 static rsv_status read_text(rsv_context *context, const char *path, char **text)
@@ -146,7 +161,7 @@ static rsv_status read_text(rsv_context *context, const char *path, char **text)
     if (status == RSV_OK && ferror(file))
         status = rsv_fail(RSV_ERROR_IO, "%s: cannot be read: %s", path, strerror(errno));
     fclose(file);
-    if (status != RSV_OK) return status;
+    if (status != RSV_OK || !*text) return status;
     (*text)[length] = '\0';
     return memchr(*text, '\0', length) ? rsv_fail(RSV_ERROR_FORMAT, "%s: is not a text file", path)
                                        : RSV_OK;
@@ -159,6 +174,7 @@ rsv_status rsv_weather_read(rsv_context *context, const char *path, rsv_weather 
     rsv_weather_text t = { context, path, NULL, NULL, 0, weather, 0 };
     rsv_status status;
     RSV_TRY(read_text(context, path, &content));
+    RSV_TRY(content ? RSV_OK : RSV_ERROR_MEMORY);
     t.rest = strncmp(content, "\xef\xbb\xbf", 3) == 0 ? content + 3 : content;
     bool any = rsv_weather_next_line(&t), epw = any && strncmp(t.line, "LOCATION,", 9) == 0;
     bool wea = any && strncmp(t.line, "place", 5) == 0;

@@ -1,0 +1,30 @@
+/// Figures of readings, and how certain they are.
+#ifndef RSV_DAYLIGHT_FIGURES_H
+#define RSV_DAYLIGHT_FIGURES_H
+
+#include "year.h"
+
+/// A figure is found without each group in turn, from all of them, and with what all share off by its standard error.
+#define RSV_VARIANT_ALL RSV_DAYLIGHT_GROUPS
+#define RSV_VARIANT_SHIFTED (RSV_DAYLIGHT_GROUPS + 1)
+#define RSV_VARIANTS (RSV_DAYLIGHT_GROUPS + 2)
+
+typedef double rsv_sensor_variants[RSV_VARIANTS][RSV_SENSOR_FIGURES];
+
+/// @param reading, sun as rsv_year_read_sensor fills them @param value scratch, [daylight_count]
+void rsv_sensor_figures(const rsv_daylight *daylight, const rsv_year *year, size_t sensor,
+    const float (*reading)[RSV_DAYLIGHT_COLUMNS], const float *sun, float *value,
+    rsv_sensor_variants figures);
+
+/// @param figures [count] @param value scratch, [count]
+void rsv_space_figures(
+    const rsv_sensor_variants *figures, size_t count, float *value, rsv_figure *space);
+
+/// A column of readings that stands for the variant.
+float rsv_variant_reading(
+    const float reading[RSV_DAYLIGHT_COLUMNS], int variant, double stored_error);
+
+/// @param variant [RSV_VARIANTS] values, `step` apart
+rsv_figure rsv_figure_of(const double *variant, size_t step);
+
+#endif
