@@ -115,7 +115,7 @@ static void print_scale(FILE *f, double width, double top, double most, const ch
         fputs("\"/>", f);
     }
     for (int k = 0; k <= 4; k++)
-        fprintf(f, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%.4g%s</text>", width * k / 4,
+        fprintf(f, "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"%s\">%.6g%s</text>", width * k / 4,
             top + 24,
             k == 0   ? "start"
             : k == 4 ? "end"
@@ -130,7 +130,8 @@ static void print_plan(FILE *f, const cli_daylight_result *r, rsv_sensor_figure 
     plan p = plan_of(r->points);
     rsv_figure_facts facts = rsv_sensor_figure_facts(figure);
     bool share = strcmp(facts.unit, "1") == 0;
-    double scale = share ? 100 : 1, side = p.side * p.scale;
+    double scale = share ? 100 : 1, side = p.side * p.scale,
+           width = (p.high[0] - p.low[0]) * p.scale;
     fprintf(f, "<figure><figcaption>%s</figcaption><svg viewBox=\"-2 -2 %d %.1f\" width=\"%d\">\n",
         facts.title, plan_width + 4, p.height + 40, plan_width);
     for (size_t k = 0; k < r->points->count; k++) {
@@ -142,7 +143,7 @@ static void print_plan(FILE *f, const cli_daylight_result *r, rsv_sensor_figure 
         fprintf(f, "\"><title>sensor %zu: %.4g &#177; %.2g %s</title></rect>\n", k,
             scale * value->value, scale * value->standard_error, share ? "%" : facts.unit);
     }
-    print_scale(f, plan_width, p.height + 6, most,
+    print_scale(f, fmax(width, 160), p.height + 6, most,
         share                  ? " %"
         : facts.unit[0] == 'l' ? " lux"
                                : " h");
@@ -158,7 +159,9 @@ static double most_of(const cli_daylight_result *r, rsv_sensor_figure figure)
         most = fmax(most, (share ? 100 : 1) * r->report->sensor[k][figure].value);
     if (!(most > 0)) return 1;
     double power = pow(10, floor(log10(most)));
-    return power * (most <= 2 * power ? 2 : most <= 4 * power ? 4 : 10);
+    for (int k = 2; k < 10; k++)
+        if (most <= k * power) return k * power;
+    return 10 * power;
 }
 
 static void print_plans(FILE *f, const cli_daylight_result *r)

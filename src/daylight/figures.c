@@ -72,7 +72,7 @@ rsv_figure rsv_figure_of(const double *variant, size_t step)
         mean += variant[g * step] / GROUPS;
     for (size_t g = 0; g < GROUPS; g++)
         squares += (variant[g * step] - mean) * (variant[g * step] - mean);
-    if (squares < 1e-20 * mean * mean) squares = 0; // rounding
+    if (squares < 1e-20 * (1 + mean * mean)) squares = 0; // rounding
     double shift = variant[RSV_VARIANT_SHIFTED * step] - all;
     return (rsv_figure){ all, sqrt(squares * (GROUPS - 1) / GROUPS + shift * shift) };
 }

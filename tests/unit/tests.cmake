@@ -92,3 +92,4 @@ foreach(name IN ITEMS certify doubled probe_errors random_certificates random_sc
     rsv_add_part(${name} long)
 endforeach()
 rsv_add_test(sky unit/test_sky.c)
+rsv_add_test(daylight unit/test_daylight.c)
