@@ -12,14 +12,18 @@ typedef struct sensor_scratch {
     float (*reading)[RSV_DAYLIGHT_COLUMNS]; ///< [lit_count]
     float *sun;                             ///< [lit_count]
     float *value;                           ///< [daylight_count]
+    rsv_seen_patches seen;
 } sensor_scratch;
 
-static bool create_scratch(rsv_context *context, const rsv_year *year, sensor_scratch *s)
+static bool create_scratch(const rsv_daylight *d, const rsv_year *year, sensor_scratch *s)
 {
+    rsv_context *context = d->context;
+    s->seen.patch = rsv_alloc(context, d->patches.count, sizeof *s->seen.patch);
+    s->seen.share = rsv_alloc(context, d->patches.count, sizeof *s->seen.share);
     s->reading = rsv_alloc(context, year->lit_count, sizeof *s->reading);
     s->sun = rsv_alloc(context, year->lit_count, sizeof *s->sun);
     s->value = rsv_alloc(context, year->daylight_count, sizeof *s->value);
-    return s->reading && s->sun && s->value;
+    return s->reading && s->sun && s->value && s->seen.patch && s->seen.share;
 }
 
 static void destroy_scratch(rsv_context *context, sensor_scratch *s)
@@ -27,6 +31,8 @@ static void destroy_scratch(rsv_context *context, sensor_scratch *s)
     rsv_free(context, s->reading);
     rsv_free(context, s->sun);
     rsv_free(context, s->value);
+    rsv_free(context, s->seen.patch);
+    rsv_free(context, s->seen.share);
 }
 
 static void write_hours(const rsv_daylight *d, const rsv_year *year, size_t sensor,
@@ -45,11 +51,11 @@ static bool read_sensors(
 #pragma omp parallel num_threads(rsv_threads(d->context)) reduction(&& : complete)
     {
         sensor_scratch s = { 0 };
-        complete = create_scratch(d->context, year, &s);
+        complete = create_scratch(d, year, &s);
 #pragma omp for schedule(dynamic, 1)
         for (size_t k = 0; k < d->sensor_count; k++) {
             if (!complete || rsv_cancelled(d->context)) continue;
-            rsv_year_read_sensor(d, year, k, s.reading, s.sun);
+            rsv_year_read_sensor(d, year, k, &s.seen, s.reading, s.sun);
             rsv_sensor_figures(d, year, k, (const float(*)[RSV_DAYLIGHT_COLUMNS])s.reading, s.sun,
                 s.value, figures[k]);
             if (hourly) write_hours(d, year, k, &s, hourly);

@@ -132,27 +132,40 @@ void rsv_year_destroy(rsv_context *context, rsv_year *year)
 
 /// Products of skies with a sensor's coefficients, for some hours that follow each other.
 static void multiply(
-    const rsv_patch_share *share, const float *luminance, size_t patches, float (*reading)[COLUMNS])
+    const rsv_seen_patches *seen, const float *luminance, size_t patches, float (*reading)[COLUMNS])
 {
     float sum[HOURS_AT_ONCE][COLUMNS] = { { 0 } };
-    for (size_t p = 0; p < patches; p++)
+    for (size_t k = 0; k < seen->count; k++)
         for (int h = 0; h < HOURS_AT_ONCE; h++) {
-            float l = luminance[(size_t)h * patches + p];
+            float l = luminance[(size_t)h * patches + seen->patch[k]];
             for (int c = 0; c < COLUMNS; c++)
-                sum[h][c] += l * share[p].column[c];
+                sum[h][c] += l * seen->share[k].column[c];
         }
     memcpy(reading, sum, sizeof sum);
 }
 
 /// The same for one hour.
 static void multiply_one(
-    const rsv_patch_share *share, const float *luminance, size_t patches, float reading[COLUMNS])
+    const rsv_seen_patches *seen, const float *luminance, float reading[COLUMNS])
 {
     float sum[COLUMNS] = { 0 };
-    for (size_t p = 0; p < patches; p++)
+    for (size_t k = 0; k < seen->count; k++)
         for (int c = 0; c < COLUMNS; c++)
-            sum[c] += luminance[p] * share[p].column[c];
+            sum[c] += luminance[seen->patch[k]] * seen->share[k].column[c];
     memcpy(reading, sum, sizeof sum);
+}
+
+/// Leaves out patches of which nothing reaches the sensor: a room with one window never sees half of the sky.
+static void find_seen(const rsv_daylight *d, size_t sensor, rsv_seen_patches *seen)
+{
+    static const rsv_patch_share nothing = { { 0 } };
+    const rsv_patch_share *share = d->all + sensor * d->patches.count;
+    seen->count = 0;
+    for (uint32_t p = 0; p < d->patches.count; p++) {
+        if (memcmp(&share[p], &nothing, sizeof nothing) == 0) continue;
+        seen->patch[seen->count] = p;
+        seen->share[seen->count++] = share[p];
+    }
 }
 
 /// Adds the sun: what surfaces, mirrors and bending panes send of it, and what comes straight.
@@ -172,14 +185,14 @@ static float add_sun(const rsv_daylight *d, const rsv_sensor_place *place, size_
 }
 
 void rsv_year_read_sensor(const rsv_daylight *d, const rsv_year *year, size_t sensor,
-    float (*reading)[COLUMNS], float *sun)
+    rsv_seen_patches *seen, float (*reading)[COLUMNS], float *sun)
 {
-    const rsv_patch_share *share = d->all + sensor * d->patches.count;
     size_t patches = d->patches.count, k = 0;
+    find_seen(d, sensor, seen);
     for (; k + HOURS_AT_ONCE <= year->lit_count; k += HOURS_AT_ONCE)
-        multiply(share, year->luminance + k * patches, patches, reading + k);
+        multiply(seen, year->luminance + k * patches, patches, reading + k);
     for (; k < year->lit_count; k++)
-        multiply_one(share, year->luminance + k * patches, patches, reading[k]);
+        multiply_one(seen, year->luminance + k * patches, reading[k]);
     rsv_sensor_place place = rsv_sensor_place_of(d, sensor);
     for (k = 0; k < year->lit_count; k++)
         sun[k] = add_sun(d, &place, sensor, &year->lit[k], reading[k]);

@@ -30,8 +30,15 @@ rsv_status rsv_year_create(const rsv_daylight *daylight, const rsv_weather *weat
     const rsv_daylight_run_desc *desc, rsv_year *year);
 void rsv_year_destroy(rsv_context *context, rsv_year *year);
 
+/// Patches of which something reaches a sensor: scratch for [patches.count].
+typedef struct rsv_seen_patches {
+    uint32_t *patch;
+    rsv_patch_share *share;
+    size_t count;
+} rsv_seen_patches;
+
 /// Lux of a sensor at each lit hour: [lit_count][RSV_DAYLIGHT_COLUMNS], and straight from the sun: [lit_count].
 void rsv_year_read_sensor(const rsv_daylight *daylight, const rsv_year *year, size_t sensor,
-    float (*reading)[RSV_DAYLIGHT_COLUMNS], float *sun);
+    rsv_seen_patches *seen, float (*reading)[RSV_DAYLIGHT_COLUMNS], float *sun);
 
 #endif
