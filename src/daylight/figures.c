@@ -137,21 +137,21 @@ static void finish_sums(const rsv_year *year, double *sum)
     if (year->occupied_hours <= 0) sum[RSV_SENSOR_UDI_BELOW] = 0;
 }
 
-static void read_variant(const rsv_year *year, const float (*reading)[RSV_DAYLIGHT_COLUMNS],
-    const float *sun, int variant, double stored_error, float *value, double *figure)
+static void read_variant(
+    const rsv_year *year, const rsv_sensor_readings *r, int variant, double *figure)
 {
     size_t daylight = 0;
     memset(figure, 0, RSV_SENSOR_FIGURES * sizeof *figure);
     for (size_t k = 0; k < year->lit_count; k++) {
         const rsv_lit_hour *hour = &year->lit[k];
-        float lux = rsv_variant_reading(reading[k], variant, stored_error);
-        add_hour(hour, (double)lux, (double)sun[k], figure);
-        if (hour->daylight) value[daylight++] = lux;
+        float lux = rsv_variant_reading(r->reading[k], variant, r->stored_error);
+        add_hour(hour, (double)lux, (double)r->sun[k], figure);
+        if (hour->daylight) r->value[daylight++] = lux;
     }
     for (; daylight < year->daylight_count; daylight++)
-        value[daylight] = 0;
+        r->value[daylight] = 0;
     finish_sums(year, figure);
-    figure[RSV_SENSOR_MEDIAN] = reached_by(value, year->daylight_count, 0.5);
+    figure[RSV_SENSOR_MEDIAN] = reached_by(r->value, year->daylight_count, 0.5);
 }
 
 /// Under the traditional overcast sky, by the illuminance outdoors.
@@ -175,15 +175,14 @@ static void read_overcast(const rsv_daylight *d, size_t sensor, float reading[RS
 }
 
 void rsv_sensor_figures(const rsv_daylight *d, const rsv_year *year, size_t sensor,
-    const float (*reading)[RSV_DAYLIGHT_COLUMNS], const float *sun, float *value,
-    rsv_sensor_variants figures)
+    const rsv_sensor_readings *readings, rsv_sensor_variants figures)
 {
     float overcast[RSV_DAYLIGHT_COLUMNS];
-    double error = d->stored_error[sensor];
     read_overcast(d, sensor, overcast);
     for (int v = 0; v < RSV_VARIANTS; v++) {
-        read_variant(year, reading, sun, v, error, value, figures[v]);
-        figures[v][RSV_SENSOR_DAYLIGHT_FACTOR] = (double)rsv_variant_reading(overcast, v, error);
+        read_variant(year, readings, v, figures[v]);
+        figures[v][RSV_SENSOR_DAYLIGHT_FACTOR] =
+            (double)rsv_variant_reading(overcast, v, readings->stored_error);
     }
 }
 

@@ -11,10 +11,16 @@
 
 typedef double rsv_sensor_variants[RSV_VARIANTS][RSV_SENSOR_FIGURES];
 
-/// @param reading, sun as rsv_year_read_sensor fills them @param value scratch, [daylight_count]
+/// Readings of a sensor, as rsv_year_read_sensor fills them, and scratch.
+typedef struct rsv_sensor_readings {
+    float (*reading)[RSV_DAYLIGHT_COLUMNS]; ///< [lit_count]
+    float *sun;                             ///< [lit_count]
+    float *value;                           ///< [daylight_count] scratch
+    double stored_error;                    ///< of the sensor
+} rsv_sensor_readings;
+
 void rsv_sensor_figures(const rsv_daylight *daylight, const rsv_year *year, size_t sensor,
-    const float (*reading)[RSV_DAYLIGHT_COLUMNS], const float *sun, float *value,
-    rsv_sensor_variants figures);
+    const rsv_sensor_readings *readings, rsv_sensor_variants figures);
 
 /// @param figures [count] @param value scratch, [count]
 void rsv_space_figures(

@@ -1,137 +1,20 @@
-#include "node_escapes.h"
-
-#include "../core/sampling.h"
-#include "../operator/receiver_points.h"
-#include "../solve/operator.h"
+#include "node_rays.h"
 
 #include <string.h>
 
-#define LANES RSV_SUPPORT_POINTS
 #define BLOCK 64 ///< nodes that a thread takes at a time
 
-/// What the rays of a block of nodes found.
-typedef struct block_escapes {
-    rsv_node_escape *escape;
-    size_t count, capacity;
-    rsv_status status;
-} block_escapes;
-
-typedef struct node_job {
-    const rsv_daylight *daylight;
-    const rsv_operator_view *op;
-    uint32_t packets; ///< per group
-} node_job;
-
-/// A node whose rays leave.
-typedef struct node_receiver {
-    rsv_receiver_points points;
-    rsv_surface_entry entry;
-    rsv_medium medium;
-    uint32_t node, group, packet;
-} node_receiver;
-
-static bool counts_nothing(const void *user, uint32_t triangle, uint32_t turns)
+void rsv_block_escapes_add(
+    rsv_context *context, rsv_block_escapes *block, const rsv_node_escape *escape)
 {
-    (void)user, (void)triangle, (void)turns;
-    return false;
-}
-
-static void receive(const node_job *job, uint32_t node, node_receiver *r)
-{
-    const rsv_transport_scene *scene = &job->op->world->scene;
-    const rsv_elements *e = job->op->elements;
-    rsv_support_point sample[LANES];
-    rsv_receiver_draw draw = { node, rsv_elements_draw_of(e, node), job->daylight->light->desc.seed,
-        job->op->valid_points[node] };
-    rsv_receiver_points_choose(e, draw, sample);
-    rsv_receiver_points_set_up(e, scene->tracer, draw, sample, &r->points);
-    r->entry = rsv_elements_entry(e, node, sample, LANES, UINT32_MAX);
-    const rsv_receiver_points *p = &r->points;
-    r->medium = rsv_medium_above(&scene->media, v3(p->origin_x[0], p->origin_y[0], p->origin_z[0]),
-        v3(p->geometric_x[0], p->geometric_y[0], p->geometric_z[0]));
-    r->node = node;
-}
-
-static void aim(const node_job *job, const node_receiver *r, float z[LANES], rsv_ray_packet *packet)
-{
-    float x[LANES], y[LANES];
-    uint32_t stream = rsv_hash3(job->daylight->desc.seed ^ 0x7c15u, r->node, r->group);
-    for (uint32_t k = 0; k < LANES; k++) {
-        float u1, u2;
-        rsv_sobol_2d(r->packet * LANES + k, stream, &u1, &u2);
-        rsv_vec3 d = rsv_square_to_cosine_hemisphere(u1, u2);
-        x[k] = d.x, y[k] = d.y, z[k] = d.z;
-    }
-    rsv_receiver_points_aim(&r->points, x, y, z, packet);
-}
-
-static void add(const node_job *job, const node_receiver *r, rsv_vec3 direction, rsv_rgb weight,
-    block_escapes *found)
-{
-    const rsv_daylight *d = job->daylight;
-    if (found->status != RSV_OK) return;
-    found->status = rsv_grow(d->context, (void **)&found->escape, &found->capacity,
-        found->count + 1, sizeof *found->escape);
-    if (found->status != RSV_OK) return;
-    uint32_t patch = rsv_sky_patch_at(&d->patches, rsv_daylight_to_sky(d, direction));
-    found->escape[found->count++] = (rsv_node_escape){ r->node, patch, r->group,
-        rgb_scale(weight, RSV_PI / (float)(LANES * job->packets)) };
-}
-
-/// What a ray that met something finds behind mirrors and panes.
-static void follow(const node_job *job, const node_receiver *r, const rsv_ray_packet *p, int k,
-    rsv_rgb entered, block_escapes *found)
-{
-    const rsv_transport_scene *scene = &job->op->world->scene;
-    uint32_t triangle = p->triangle[k];
-    const rsv_bsdf *bsdf = &scene->bsdf[scene->view->triangle_material[triangle]];
-    if (bsdf->lambert && bsdf->opacity == 1) return;
-    rsv_vec3 direction = v3(p->direction_x[k], p->direction_y[k], p->direction_z[k]);
-    rsv_random random = rsv_random_from(job->daylight->desc.seed ^ 0x3ac5u, r->node,
-        (r->group * job->packets + r->packet) * LANES + (uint32_t)k);
-    rsv_specular_path path =
-        rsv_specular_begin(scene, &r->medium, direction, triangle, p->u[k], p->v[k], p->t_max[k]);
-    rsv_gather gather = rsv_specular_gather(scene, path, &random, counts_nothing, NULL);
-    if (gather.end == RSV_SPECULAR_ESCAPED)
-        add(job, r, gather.path.direction, rgb_mul(gather.path.weight, entered), found);
-}
-
-static void trace_packet(const node_job *job, const node_receiver *r, block_escapes *found)
-{
-    const rsv_transport_scene *scene = &job->op->world->scene;
-    rsv_ray_packet packet = { 0 };
-    float z[LANES];
-    memset(packet.mask, 0xff, sizeof packet.mask);
-    aim(job, r, z, &packet);
-    rsv_tracer_closest_packet(scene->tracer, &packet, false);
-    for (int k = 0; k < LANES; k++) {
-        bool met = packet.triangle[k] != RSV_NONE;
-        if (!met && !(packet.t_max[k] > 0)) continue; // started below the surface
-        rsv_rgb entered = rsv_surface_entry_at(&r->entry, scene->bsdf, z[k]);
-        if (met)
-            follow(job, r, &packet, k, entered, found);
-        else
-            add(job, r, v3(packet.direction_x[k], packet.direction_y[k], packet.direction_z[k]),
-                entered, found);
-    }
-}
-
-static void trace_block(const node_job *job, size_t block, block_escapes *found)
-{
-    const rsv_elements *e = job->op->elements;
-    size_t end = (block + 1) * BLOCK < e->node_count ? (block + 1) * BLOCK : e->node_count;
-    for (size_t n = block * BLOCK; n < end; n++) {
-        node_receiver r;
-        if (e->node_hanging[n] != RSV_NONE || !job->op->valid_points[n]) continue;
-        receive(job, (uint32_t)n, &r);
-        for (r.group = 0; r.group < RSV_DAYLIGHT_GROUPS; r.group++)
-            for (r.packet = 0; r.packet < job->packets; r.packet++)
-                trace_packet(job, &r, found);
-    }
+    if (block->status != RSV_OK) return;
+    block->status = rsv_grow(context, (void **)&block->escape, &block->capacity, block->count + 1,
+        sizeof *block->escape);
+    if (block->status == RSV_OK) block->escape[block->count++] = *escape;
 }
 
 static rsv_status collect(
-    rsv_context *context, block_escapes *block, size_t block_count, rsv_node_escapes *escapes)
+    rsv_context *context, rsv_block_escapes *block, size_t block_count, rsv_node_escapes *escapes)
 {
     size_t total = 0;
     for (size_t b = 0; b < block_count; b++) {
@@ -152,17 +35,19 @@ static rsv_status collect(
 rsv_status rsv_node_escapes_find(const rsv_daylight *d, rsv_node_escapes *escapes)
 {
     const rsv_operator_view *op = rsv_operator_get_view(d->light->op);
-    uint32_t per_group = d->desc.node_rays / (LANES * RSV_DAYLIGHT_GROUPS);
-    node_job job = { d, op, per_group > 1 ? per_group : 1 };
+    uint32_t per_group = d->desc.node_rays / (RSV_NODE_PACKET * RSV_DAYLIGHT_GROUPS);
+    rsv_node_job job = { d, op, per_group > 1 ? per_group : 1 };
     size_t block_count = (op->elements->node_count + BLOCK - 1) / BLOCK, done = 0;
     rsv_status status;
     *escapes = (rsv_node_escapes){ 0 };
-    block_escapes *block = rsv_alloc(d->context, block_count, sizeof *block);
+    rsv_block_escapes *block = rsv_alloc(d->context, block_count, sizeof *block);
     if (!block) return RSV_ERROR_MEMORY;
 #pragma omp parallel for schedule(dynamic, 1) num_threads(rsv_threads(d->context))
     for (size_t b = 0; b < block_count; b++) {
         if (rsv_cancelled(d->context)) continue;
-        trace_block(&job, b, &block[b]);
+        size_t end =
+            (b + 1) * BLOCK < op->elements->node_count ? (b + 1) * BLOCK : op->elements->node_count;
+        rsv_node_rays_trace(&job, b * BLOCK, end, &block[b]);
         size_t finished;
 #pragma omp atomic capture
         finished = ++done;

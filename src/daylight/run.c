@@ -9,9 +9,7 @@ rsv_daylight_run_desc rsv_default_daylight_run_desc(void)
 
 /// What one thread reads a sensor into.
 typedef struct sensor_scratch {
-    float (*reading)[RSV_DAYLIGHT_COLUMNS]; ///< [lit_count]
-    float *sun;                             ///< [lit_count]
-    float *value;                           ///< [daylight_count]
+    rsv_sensor_readings readings;
     rsv_seen_patches seen;
 } sensor_scratch;
 
@@ -20,17 +18,18 @@ static bool create_scratch(const rsv_daylight *d, const rsv_year *year, sensor_s
     rsv_context *context = d->context;
     s->seen.patch = rsv_alloc(context, d->patches.count, sizeof *s->seen.patch);
     s->seen.share = rsv_alloc(context, d->patches.count, sizeof *s->seen.share);
-    s->reading = rsv_alloc(context, year->lit_count, sizeof *s->reading);
-    s->sun = rsv_alloc(context, year->lit_count, sizeof *s->sun);
-    s->value = rsv_alloc(context, year->daylight_count, sizeof *s->value);
-    return s->reading && s->sun && s->value && s->seen.patch && s->seen.share;
+    s->readings.reading = rsv_alloc(context, year->lit_count, sizeof *s->readings.reading);
+    s->readings.sun = rsv_alloc(context, year->lit_count, sizeof *s->readings.sun);
+    s->readings.value = rsv_alloc(context, year->daylight_count, sizeof *s->readings.value);
+    return s->readings.reading && s->readings.sun && s->readings.value && s->seen.patch &&
+           s->seen.share;
 }
 
 static void destroy_scratch(rsv_context *context, sensor_scratch *s)
 {
-    rsv_free(context, s->reading);
-    rsv_free(context, s->sun);
-    rsv_free(context, s->value);
+    rsv_free(context, s->readings.reading);
+    rsv_free(context, s->readings.sun);
+    rsv_free(context, s->readings.value);
     rsv_free(context, s->seen.patch);
     rsv_free(context, s->seen.share);
 }
@@ -40,7 +39,7 @@ static void write_hours(const rsv_daylight *d, const rsv_year *year, size_t sens
 {
     for (size_t k = 0; k < year->lit_count; k++)
         hourly[year->lit[k].index * d->sensor_count + sensor] =
-            rsv_variant_reading(s->reading[k], RSV_VARIANT_ALL, 0);
+            rsv_variant_reading(s->readings.reading[k], RSV_VARIANT_ALL, 0);
 }
 
 /// @param hourly all zero before; NULL = not wanted
@@ -55,9 +54,9 @@ static bool read_sensors(
 #pragma omp for schedule(dynamic, 1)
         for (size_t k = 0; k < d->sensor_count; k++) {
             if (!complete || rsv_cancelled(d->context)) continue;
-            rsv_year_read_sensor(d, year, k, &s.seen, s.reading, s.sun);
-            rsv_sensor_figures(d, year, k, (const float(*)[RSV_DAYLIGHT_COLUMNS])s.reading, s.sun,
-                s.value, figures[k]);
+            rsv_year_read_sensor(d, year, k, &s.seen, s.readings.reading, s.readings.sun);
+            s.readings.stored_error = d->stored_error[k];
+            rsv_sensor_figures(d, year, k, &s.readings, figures[k]);
             if (hourly) write_hours(d, year, k, &s, hourly);
         }
         destroy_scratch(d->context, &s);
