@@ -87,8 +87,8 @@ static rsv_status judge_uv(
     overlap = rsv_alloc(b->s->context, charts.triangle_count, 1);
     RSV_TRY(overlap ? RSV_OK : RSV_ERROR_MEMORY);
     charts.chart->texels[0] = charts.chart->texels[1] = CHECK_TEXELS;
-    RSV_TRY(
-        rsv_bake_map_create(&charts, b->parts->part, CHECK_TEXELS, CHECK_TEXELS, 1, &map, overlap));
+    RSV_TRY(rsv_bake_map_create(&charts, b->parts->part,
+        (rsv_bake_extent){ CHECK_TEXELS, CHECK_TEXELS, 1 }, &map, overlap));
     for (size_t t = 0; t < charts.triangle_count; t++)
         upon += overlap[t];
     if (upon) *why = "overlap";
@@ -105,16 +105,18 @@ static rsv_status read_uv(rsv_bake_layout *b, size_t k)
 {
     const rsv_bake_part *part = &b->parts->part[k];
     int accessor = b->document->gltf->mesh[part->mesh].primitive[part->primitive].uv[1];
-    size_t count, width;
+    rsv_gltf_attribute read;
     const char *why = NULL;
     if (!b->desc->keep_uv || accessor < 0) return RSV_OK;
-    rsv_status status = rsv_gltf_read_attribute(
-        b->s->context, b->document->gltf, accessor, part->label, &b->uv[k], &count, &width);
-    if (status == RSV_OK && (width != 2 || count != part->vertex_count))
+    rsv_status status =
+        rsv_gltf_read_attribute(b->s->context, b->document->gltf, accessor, part->label, &read);
+    if (status != RSV_OK) return status;
+    b->uv[k] = read.values;
+    if (read.width != 2 || read.count != part->vertex_count)
         return rsv_fail(RSV_ERROR_FORMAT,
             "mesh '%s': accessor %d holds no texture coordinates of its vertices", part->label,
             accessor);
-    if (status == RSV_OK) status = judge_uv(b, k, (const float(*)[2])b->uv[k], &why);
+    status = judge_uv(b, k, (const float(*)[2])b->uv[k], &why);
     if (status != RSV_OK || !why) return status;
     rsv_log(b->s->context, RSV_LOG_WARNING,
         "mesh '%s': its second texture coordinates %s; new ones are made", part->label, why);
@@ -279,8 +281,8 @@ static rsv_status draw(rsv_bake_layout *b, uint8_t *overlap)
     rsv_status status = pack(b, &width, &height);
     if (status != RSV_OK) return status;
     rsv_bake_map_destroy(b->s->context, &b->map);
-    return rsv_bake_map_create(
-        &b->charts, b->parts->part, width, height, b->desc->padding, &b->map, overlap);
+    return rsv_bake_map_create(&b->charts, b->parts->part,
+        (rsv_bake_extent){ width, height, b->desc->padding }, &b->map, overlap);
 }
 
 static rsv_status lay_out(rsv_bake_layout *b)

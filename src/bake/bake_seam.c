@@ -158,10 +158,12 @@ static void mark_open(const seam_search *q, const rsv_bake_map *map, uint8_t *op
             open[q->stitch[k].chart[0]] = open[q->stitch[k].chart[1]] = 1;
 }
 
-rsv_status rsv_bake_close_seams(const rsv_light_view *solution, const rsv_bake_charts *charts,
-    const rsv_bake_parts *parts, double mean, rsv_bake_map *map, uint8_t *open, double *largest)
+rsv_status rsv_bake_close_seams(const rsv_light_view *solution, const rsv_bake_layout *layout,
+    double mean, rsv_bake_map *map, uint8_t *open, double *largest)
 {
-    seam_search q = { .s = solution, .charts = charts, .parts = parts, .dark = DARK * (float)mean };
+    seam_search q = {
+        .s = solution, .charts = &layout->charts, .parts = layout->parts, .dark = DARK * (float)mean
+    };
     rsv_status status = find_stitches(&q);
     if (status == RSV_OK)
         status = rsv_bake_stitch_up(solution->context, q.stitch, q.count, map, largest);

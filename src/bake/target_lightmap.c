@@ -48,8 +48,8 @@ static rsv_status read_map(
     map.light = value;
     rsv_bake_map_light(light, &map);
     double share = all > 0 ? rsv_bake_map_sum(&map) / all : 0;
-    return rsv_bake_close_seams(light, &b->layout.charts, &b->parts,
-        share * b->s->report.mean_irradiance, &map, NULL, &largest);
+    return rsv_bake_close_seams(
+        light, &b->layout, share * b->s->report.mean_irradiance, &map, NULL, &largest);
 }
 
 static rsv_status write_basis(const rsv_lightmap_bake *b, const char *output, size_t *lights)
@@ -110,8 +110,8 @@ static rsv_status light_map(rsv_lightmap_bake *b)
     for (int round = 0; again; round++) {
         memset(open, 0, charts);
         rsv_bake_map_light(b->s, &b->layout.map);
-        RSV_TRY(rsv_bake_close_seams(b->s, &b->layout.charts, &b->parts,
-            b->s->report.mean_irradiance, &b->layout.map, open, &b->largest_seam));
+        RSV_TRY(rsv_bake_close_seams(b->s, &b->layout, b->s->report.mean_irradiance, &b->layout.map,
+            open, &b->largest_seam));
         again = round < MOST_REFINEMENTS;
         if (again) RSV_TRY(rsv_bake_layout_refine(&b->layout, open, &again));
     }

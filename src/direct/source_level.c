@@ -99,8 +99,8 @@ static rsv_status prepare_elements(level_builder *b, const earlier_level *earlie
         RSV_LEVEL_POINTS, b->known, b->lit };
     if (b->kept)
         RSV_TRY(rsv_kept_light_nodes(b->kept, e, &fields, b->complete ? &b->kept_count : NULL));
-    RSV_TRY(rsv_find_buried(
-        b->scene, e, RSV_LEVEL_POINTS, b->desc->seed, b->known, b->valid_points, b->rays));
+    RSV_TRY(rsv_find_buried(b->scene, e, (rsv_support_draw){ RSV_LEVEL_POINTS, b->desc->seed },
+        b->known, b->valid_points, b->rays));
     RSV_TRY(rsv_elements_bridge_buried(e, b->valid_points));
 cleanup:
     return status;
@@ -110,8 +110,14 @@ cleanup:
 /// depend on its own samples: stopping early where all of them see the light would be biased.)
 static rsv_status estimate_direct(level_builder *b, uint32_t samples, const uint8_t *known)
 {
-    rsv_status status = rsv_direct_irradiance(b->scene, b->lights, b->elements, RSV_LEVEL_POINTS,
-        samples, b->desc->seed, b->valid_points, known, b->direct, b->deviation, b->rays);
+    const rsv_direct_job job = { .scene = b->scene,
+        .elements = b->elements,
+        .setting = { b->lights, b->scene->bsdf, RSV_LEVEL_POINTS, b->desc->seed },
+        .samples = samples,
+        .valid_points = b->valid_points };
+    rsv_direct_light light = { b->direct, b->deviation, 0 };
+    rsv_status status = rsv_direct_irradiance(&job, known, &light);
+    *b->rays += light.rays;
     rsv_mark_buried(b->elements, b->valid_points, b->deviation);
     return status;
 }
@@ -164,7 +170,8 @@ static rsv_status shoot(level_builder *b, uint32_t count)
     b->caustic = rsv_alloc(b->coarse->context, b->elements->node_count, sizeof *b->caustic);
     if (!b->caustic) return RSV_ERROR_MEMORY;
     const rsv_elements *targets[2] = { b->elements, b->coarse };
-    rsv_status status = rsv_photons_deposit(b->shooter, count, targets, b->map, 2, b->rays);
+    rsv_status status = rsv_photons_deposit(
+        b->shooter, count, &(rsv_photon_targets){ targets, b->map, 2 }, b->rays);
     if (status == RSV_OK) rsv_photon_map_irradiance(&b->map[0], b->caustic);
     return status;
 }

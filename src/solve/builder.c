@@ -117,12 +117,13 @@ rsv_status rsv_builder_trace(
     rsv_builder *b, const uint16_t *valid_points, uint32_t rays, rsv_operator **op)
 {
     const rsv_operator_desc desc = { .world = b->world,
-        .scene = &b->scene,
-        .lights = b->sources->lights,
         .elements = b->elements,
-        .valid_points = valid_points ? valid_points : b->valid_points,
-        .rays = rays,
-        .seed = b->desc.seed };
+        .rows = { .scene = &b->scene,
+            .lights = b->sources->lights,
+            .elements = b->elements,
+            .valid_points = valid_points ? valid_points : b->valid_points,
+            .rays = rays,
+            .seed = b->desc.seed } };
     rsv_status status = rsv_operator_trace(&desc, op);
     if (status != RSV_OK) return status;
     const rsv_transport *rows = rsv_operator_get_view(*op)->transport;

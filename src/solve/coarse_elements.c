@@ -25,8 +25,9 @@ static rsv_status find_valid_points(rsv_builder *b)
     b->valid_points = rsv_alloc(b->context, nodes, sizeof *b->valid_points);
     RSV_TRY(known && b->valid_points ? RSV_OK : RSV_ERROR_MEMORY);
     if (history) RSV_TRY(rsv_kept_points(history, b->elements, b->valid_points, known));
-    RSV_TRY(rsv_find_buried(&b->scene, b->elements, RSV_SUPPORT_POINTS, b->desc.seed, known,
-        b->valid_points, &b->report.rays));
+    RSV_TRY(rsv_find_buried(&b->scene, b->elements,
+        (rsv_support_draw){ RSV_SUPPORT_POINTS, b->desc.seed }, known, b->valid_points,
+        &b->report.rays));
     b->kept.kept_elements = 0;
     for (size_t n = 0; n < nodes; n++)
         b->kept.kept_elements += known[n] && b->valid_points[n];

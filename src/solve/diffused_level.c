@@ -144,16 +144,24 @@ static rsv_status create_entered(rsv_light *s)
     uint8_t *known = rsv_alloc(s->context, e->node_count, 1);
     rsv_rgb *entered = s->field.diffused.entered =
         rsv_alloc(s->context, e->node_count, sizeof *entered);
+    const rsv_direct_job job = { .scene = &s->scene,
+        .elements = e,
+        .setting = { s->sources->lights, s->scene.bsdf, RECEIVER_POINTS,
+            s->desc.seed ^ 0x3c6ef372u },
+        .samples = 4 * s->desc.light_samples,
+        .valid_points = valid };
+    rsv_direct_light light = { .irradiance = entered };
     if (!valid || !known || !entered) {
         status = RSV_ERROR_MEMORY;
         goto cleanup;
     }
-    RSV_TRY(rsv_find_buried(&s->scene, e, RECEIVER_POINTS, s->desc.seed, NULL, valid, rays));
+    RSV_TRY(rsv_find_buried(
+        &s->scene, e, (rsv_support_draw){ RECEIVER_POINTS, s->desc.seed }, NULL, valid, rays));
     RSV_TRY(rsv_elements_bridge_buried(s->field.diffused.elements, valid));
     for (uint32_t n = 0; n < e->node_count; n++)
         known[n] = !is_translucent_node(e, n);
-    RSV_TRY(rsv_direct_irradiance(&s->scene, s->sources->lights, e, RECEIVER_POINTS,
-        4 * s->desc.light_samples, s->desc.seed ^ 0x3c6ef372u, valid, known, entered, NULL, rays));
+    RSV_TRY(rsv_direct_irradiance(&job, known, &light));
+    *rays += light.rays;
     for (uint32_t n = 0; n < e->node_count; n++) {
         if (!valid[n] || known[n]) continue;
         entered[n] = rgb_add(entered[n], field_at(e, n, s->elements, s->field.gathered));

@@ -42,8 +42,7 @@ static bool follow(const rsv_transport_scene *scene, const rsv_ray *ray, const r
 {
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
-    rsv_specular_path first =
-        rsv_specular_begin(scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path first = rsv_specular_begin(scene, medium, ray->direction, hit);
     rsv_gather gather = rsv_specular_gather(scene, first, random, counts_nothing, NULL);
     *end = gather.path;
     return gather.end == RSV_SPECULAR_DIFFUSE;

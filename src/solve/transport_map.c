@@ -171,17 +171,16 @@ static rsv_status correct_by_krylov(
     wanted->applications = 0;
     wanted->converged = true;
     for (size_t f = 0; f < fields; f++) {
-        double steps;
-        bool arrived;
+        rsv_krylov_report report;
         for (size_t n = 0; n < nodes; n++)
             m->filled[n] = rgb_field(residual)[n * fields + f];
-        rsv_status status = krylov->solve(
-            m->krylov, m->filled, wanted->relative, m->exitance, &steps, &arrived, message);
+        rsv_status status =
+            krylov->solve(m->krylov, m->filled, wanted->relative, m->exitance, &report, message);
         if (status != RSV_OK) return rsv_fail(status, "solve: %s", message);
         for (size_t n = 0; n < nodes; n++)
             ((rsv_rgb *)correction)[n * fields + f] = m->exitance[n];
-        wanted->applications += steps / (double)fields;
-        wanted->converged = wanted->converged && arrived;
+        wanted->applications += report.applications / (double)fields;
+        wanted->converged = wanted->converged && report.converged;
     }
     return RSV_OK;
 }
