@@ -1,12 +1,7 @@
 #include "bake_texels.h"
 
 #include "../core/vec.h"
-
-/// Texels whose middle is within one triangle, and in another by this share of a texel or of its height, show that a
-/// chart overlaps itself; borders may touch, and rounding moves them by far less.
-#define OVERLAP_DEPTH 0.05f
-/// How much brighter or darker a texel beyond a border may be than the border.
-#define MOST_BEYOND 0.5f
+#include "bake_constants.h"
 
 /// A triangle in the map.
 typedef struct flat_triangle {

@@ -1,6 +1,7 @@
 /// Light in a picture over the surfaces of a glTF file.
 #include "../core/vec.h"
 #include "bake_basis.h"
+#include "bake_constants.h"
 #include "bake_lightmap_file.h"
 #include "bake_operator.h"
 #include "bake_primitive.h"
@@ -10,12 +11,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-
-/// Codes end at this share of the texels: the brightest few are clipped, for the sake of the others' precision.
-#define BRIGHTEST 0.995
-
-/// How often charts whose seams stay open get more texels.
-#define MOST_REFINEMENTS 6
 
 static int compare_floats(const void *a, const void *b)
 {

@@ -5,6 +5,7 @@
 
 #include "../core/vec.h"
 #include "bvh.h"
+#include "resolvent/trace.h"
 
 /// The shear that turns a ray's direction into the unit vector of its main axis.
 typedef struct rsv_shear {

@@ -2,9 +2,7 @@
 
 #include "../core/team.h"
 #include "../trace/hierarchy.h"
-
-/// Enough for any device.
-#define NODES_AT_A_TIME ((size_t)1 << 14)
+#include "direct_constants.h"
 
 typedef struct direct_device {
     rsv_context *context;

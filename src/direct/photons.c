@@ -1,15 +1,10 @@
 #include "photons.h"
 
 #include "../core/team.h"
+#include "direct_constants.h"
 #include "shooting_device.h"
 
 #include <string.h>
-
-#define PHOTONS_PER_CHUNK 4096
-/// The strongest origins have a guide each; all others share one.
-#define OWN_GUIDES 63
-/// Rounds of pilot rays, each on bins that are finer where the last ones found something.
-#define MOST_PILOTS 4
 
 typedef struct rsv_photon_shooter {
     const rsv_transport_scene *scene;

@@ -7,20 +7,9 @@
 #include "../elements/open_corners.h"
 #include "../update/kept_light.h"
 #include "../update/update.h"
+#include "direct_constants.h"
 
 #include <string.h>
-
-/// Caustics have sharper edges than shadows: they may split cells this many times more.
-#define CAUSTIC_LEVELS 2
-/// Cells are split where irradiance bends by more than this share of the local level.
-#define BEND 0.1f
-/// Below this share of the scene's mean irradiance, a bend is invisible.
-#define DARK 0.05f
-/// A cell's bend in caustic light is more than noise if one of its nodes has caught this many photons. (One,
-/// not all: the rim of a caustic is dark on one side.)
-#define PHOTONS_TO_SPLIT 24.0f
-/// Cells are at most so much larger than the spacing, but in the open.
-#define OPEN_TOLERANCE 1.5f
 
 typedef struct level_builder {
     const rsv_transport_scene *scene;

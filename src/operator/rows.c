@@ -2,15 +2,13 @@
 #include "../core/team.h"
 #include "../update/row_store.h"
 #include "../update/update.h"
+#include "operator_constants.h"
 #include "row_device.h"
 #include "stored_rows_internal.h"
 #include "transport_lists.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-/// Blocks that are traced before their rows move to the operator: enough to keep all threads busy to the end.
-#define BLOCKS_PER_THREAD 64
 
 /// Rows on their way to the operator.
 typedef struct row_block {

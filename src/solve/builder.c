@@ -6,17 +6,12 @@
 #include "coarse_elements.h"
 #include "goal.h"
 #include "pilot.h"
+#include "solve_constants.h"
 #include "solve_desc.h"
 #include "solve_update.h"
 #include "source.h"
 
 #include <string.h>
-
-/// Where budgets are exceeded, elements grow by this factor at most at a time; always by it, and no pilot splits them, as
-/// soon as a step leaves more than this part of them.
-#define LARGEST_STEP 4.0f
-#define LEAST_PROGRESS 0.95
-#define SPACINGS_TRIED 7 ///< in search of the fewest elements
 
 // ---- elements and rows ----------------------------------------------------------------------------
 

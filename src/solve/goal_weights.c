@@ -1,13 +1,9 @@
 #include "../core/stratified.h"
 #include "../trace/camera_ray.h"
 #include "goal.h"
+#include "solve_constants.h"
 
 #include <string.h>
-
-/// Rays of each sensor at least, however many share the rays of a goal.
-#define FEWEST_SENSOR_RAYS 64u
-/// Rays each way that tell what is seen at all.
-#define VIEW_SIDE 384
 
 rsv_goal_aim rsv_goal_aim_of(const rsv_solve_desc *desc)
 {

@@ -2,11 +2,9 @@
 
 #include "../core/references.h"
 #include "../scene/material_at.h"
+#include "solve_constants.h"
 
 #include <string.h>
-
-/// Places on each element where textured albedo is looked up.
-#define ALBEDO_POINTS 16
 
 struct rsv_operator {
     rsv_operator_view view;
