@@ -21,7 +21,7 @@
 /// it, and with probes along the curve, terraces:1e6 over 8 parts 1.08 to 1.20.
 #define DOUBTFUL 4
 
-// ---- Portions of work (rows.c, row_device.c, stored_rows.c, transport.c) -----------------------------
+// ---- Portions of work (rows.c, row_device.c, rows_stored.c, transport.c) -----------------------------
 
 /// Blocks of rows that are traced before these move to the operator: enough to keep all threads busy to the end. Measured:
 /// terraces:3e5, medium: 649 MB at the peak, 1212 where all rows were traced first.

@@ -27,7 +27,7 @@ typedef struct rsv_transport_row {
     size_t count, tinted_count;
 } rsv_transport_row;
 
-/// How rows are kept: as they were traced (stored_rows.c), or in any other way that offers these. Products leave rows of other
+/// How rows are kept: as they were traced (rows_stored.c), or in any other way that offers these. Products leave rows of other
 /// processes alone.
 typedef struct rsv_transport_table {
     /// Frees all but what rsv_transport lists.
