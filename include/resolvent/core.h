@@ -84,6 +84,11 @@ RSV_API void rsv_context_destroy(rsv_context *context);
 /// Asks running work to stop with RSV_ERROR_CANCELLED. Safe from signal handlers and other threads.
 RSV_API void rsv_context_cancel(rsv_context *context);
 
+/// Takes back what cancelled the context, a progress callback that returned false included: until then all further work ends with
+/// RSV_ERROR_CANCELLED as well. To be called once the work that was to stop has returned. Not in a team, whose processes would
+/// no longer agree.
+RSV_API void rsv_context_resume(rsv_context *context);
+
 /// The calling thread's last error: one line that says what, where and what to do. Never NULL.
 RSV_API const char *rsv_last_error(void);
 

@@ -104,6 +104,11 @@ void rsv_context_cancel(rsv_context *context)
     atomic_store_explicit(&context->cancelled, true, memory_order_relaxed);
 }
 
+void rsv_context_resume(rsv_context *context)
+{
+    atomic_store_explicit(&context->cancelled, false, memory_order_relaxed);
+}
+
 const char *rsv_last_error(void) { return last_error; }
 
 const char *rsv_version(void) { return RSV_VERSION_STRING; }

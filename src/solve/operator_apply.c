@@ -60,15 +60,3 @@ size_t rsv_operator_element_count(const rsv_operator *op)
 {
     return rsv_operator_get_view(op)->elements->node_count;
 }
-
-bool rsv_operator_locate(const rsv_operator *op, uint32_t triangle, float u, float v,
-    bool back_side, uint32_t element[3], float weight[3])
-{
-    const rsv_elements *e = rsv_operator_get_view(op)->elements;
-    uint32_t face = e->face_of[back_side][triangle];
-    if (face == RSV_NONE) return false;
-    const uint32_t *node = e->cell_node[rsv_elements_locate(e, face, u, v, weight)];
-    for (int k = 0; k < 3; k++)
-        element[k] = node[k];
-    return true;
-}

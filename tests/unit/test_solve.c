@@ -650,6 +650,24 @@ static void work_can_be_cancelled(void **state)
     rsv_context_destroy(context);
 }
 
+static void work_goes_on_after_a_cancellation_is_taken_back(void **state)
+{
+    (void)state;
+    world *w = world_builtin(2, "cornell-blocks");
+    rsv_solve_desc settings = small_desc(200);
+    rsv_light *cancelled = NULL;
+    rsv_context_cancel(w->context);
+    assert_int_equal(rsv_light_create(w->scene, &settings, &cancelled), RSV_ERROR_CANCELLED);
+    rsv_context_resume(w->context);
+    rsv_light *s = solve(w, 200), *again = solve(w, 200);
+    size_t count = rsv_operator_element_count(rsv_light_operator(s));
+    assert_memory_equal(
+        rsv_light_irradiance_field(s), rsv_light_irradiance_field(again), count * sizeof(rsv_rgb));
+    rsv_light_destroy(s);
+    rsv_light_destroy(again);
+    world_end(w);
+}
+
 int main(int argc, char **argv)
 {
     const struct CMUnitTest quick[] = {
@@ -673,6 +691,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(a_share_of_contacts_takes_fewer_rows),
         cmocka_unit_test(memory_may_run_out_here_and_there),
         cmocka_unit_test(work_can_be_cancelled),
+        cmocka_unit_test(work_goes_on_after_a_cancellation_is_taken_back),
     };
     const struct CMUnitTest longest[] = {
         cmocka_unit_test(memory_that_runs_out_is_an_error_and_nothing_leaks),
