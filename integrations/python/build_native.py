@@ -27,7 +27,7 @@ def declarations(compiler, include):
             pathlib.Path(empty, name).touch()
         source = subprocess.run(
             [compiler, "-E", "-P", "-nostdinc", "-U__GNUC__", "-I", empty, "-I", include, "-x", "c", "-"],
-            input="#include <resolvent/resolvent.h>\n", stdout=subprocess.PIPE, check=True, universal_newlines=True).stdout
+            input=b"#include <resolvent/resolvent.h>\n", stdout=subprocess.PIPE, check=True).stdout.decode()
     source = re.sub(r"__attribute__\(\(.*?\)\)(?=[\s;])", "", source)
     return re.sub(r"\bconst\s+(\w+)\s*\(\s*\*", r"\1 (*", source)  # pointers to constant arrays
 

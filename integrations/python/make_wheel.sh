@@ -11,6 +11,10 @@ stage=$(mktemp -d)
 trap 'rm -rf "$stage"' EXIT
 
 cmake --install "$build" --component python --prefix "$stage" --strip >/dev/null
+# wheels hold no links: each library goes by the name that others ask for
+for link in "$stage"/resolvent/lib/*; do
+    [[ -L $link ]] && mv "$(readlink -f "$link")" "$link"
+done
 bash "$here/../../cmake/copy_licences.sh" "$stage/resolvent/lib" "$stage/resolvent/licences"
 cd "$stage"
 "$python" -c 'import sys; from setuptools import build_meta; print(build_meta.build_wheel(sys.argv[1]), file=sys.stderr)' \

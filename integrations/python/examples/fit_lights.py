@@ -1,6 +1,6 @@
 """Lights fitted to wanted lux: how bright must each lamp be, for these readings on these desks?
 
-usage: fit_lights.py [SCENE] [--lux WANTED]
+usage: fit_lights.py [SCENE] [--lux WANTED] [--elements COUNT]
 """
 # %% What to do
 import argparse
@@ -13,11 +13,12 @@ import resolvent
 arguments = argparse.ArgumentParser()
 arguments.add_argument("scene", nargs="?", default="gallery:1")
 arguments.add_argument("--lux", type=float, default=300)
+arguments.add_argument("--elements", type=int, default=3000, help="wanted number of coarse elements")
 arguments = arguments.parse_args()
 
 # %% Solved once; sensors on the floor, 0.8 m above it
 scene = resolvent.Scene.builtin(arguments.scene)
-light = scene.solve("draft")
+light = scene.solve("draft", element_target=arguments.elements)
 low, high = scene.bounds
 u, v = (k.ravel() for k in np.meshgrid(np.linspace(0.25, 0.75, 4), np.linspace(0.25, 0.75, 4)))
 points = np.stack([low[0] + u * (high[0] - low[0]), np.full(16, low[1] + 0.8), low[2] + v * (high[2] - low[2])], axis=1)

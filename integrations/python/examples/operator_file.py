@@ -33,7 +33,8 @@ assert "subsurface.column" not in header, "light that diffuses below surfaces is
 starts, tinted = tensor("transport.row_start").astype(int), tensor("transport.tinted.row_start").astype(int)
 rows = np.concatenate([np.repeat(np.arange(n), np.diff(starts)), np.repeat(np.arange(n), np.diff(tinted))])
 columns = np.concatenate([tensor("transport.column"), tensor("transport.tinted.column")]).astype(int)
-weights = np.concatenate([np.ones((starts[-1], 3)), tensor("transport.tinted.weight")]) * tensor("transport.scale")[rows, None]
+weights = np.concatenate([np.ones((starts[-1], 3)), tensor("transport.tinted.weight")])
+weights = weights * tensor("transport.scale")[rows, None]
 hanging = list(zip(*(tensor("element.hanging." + name) for name in ("node", "parent", "weight"))))
 
 
@@ -74,7 +75,8 @@ try:
 except ImportError:
     print("PyTorch is not installed: left out")
 else:
-    green = torch.sparse_coo_tensor(torch.tensor(np.stack([rows, columns])), torch.tensor(weights[:, 1]), (n, n)).coalesce()
+    places = torch.tensor(np.stack([rows, columns]))
+    green = torch.sparse_coo_tensor(places, torch.tensor(weights[:, 1]), (n, n)).coalesce()
     rho = torch.tensor(albedo[:, 1], requires_grad=True)
     once = torch.sparse.mm(green, (rho * torch.tensor(solution[:, 1]))[:, None]).sum()
     once.backward()

@@ -1,6 +1,6 @@
 """The spectrum of the light-transport operator: how fast light dies out, and what is left last.
 
-usage: spectrum.py [SCENE] [-k COUNT]
+usage: spectrum.py [SCENE] [-k COUNT] [--elements COUNT]
 """
 # %% What to do
 import argparse
@@ -13,11 +13,12 @@ import resolvent
 arguments = argparse.ArgumentParser()
 arguments.add_argument("scene", nargs="?", default="two-rooms")
 arguments.add_argument("-k", type=int, default=8)
+arguments.add_argument("--elements", type=int, default=3000, help="wanted number of coarse elements")
 arguments = arguments.parse_args()
 
 # %% The operator G K for green, as a sparse matrix and as a linear operator
 scene = resolvent.Scene.builtin(arguments.scene)
-light = scene.solve("draft")
+light = scene.solve("draft", element_target=arguments.elements)
 operator = light.operator
 matrix = operator.matrix(1)
 print(f"{arguments.scene}: {matrix.shape[0]} elements, {matrix.nnz} entries, norm {operator.norm():.4f}")

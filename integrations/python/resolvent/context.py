@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import logging
+import operator
 import threading
 import warnings
 from typing import Any, Callable, Dict, List, Optional, Tuple
@@ -91,8 +92,8 @@ class Context:
     progress : called as ``progress(phase, fraction)`` about 50 times a second during long work, from the thread that
         works; returning False cancels, and what it raises is raised by the call that it interrupts.
 
-    Warnings of the library are Python's, of class ResolventWarning; notes go to the logger "resolvent". While the library
-    works, other Python threads run. Ctrl-C stops its work with KeyboardInterrupt; the context can be used afterwards.
+    Warnings of the library are Python's, of class ResolventWarning; notes go to the logger "resolvent". While the
+    library works, other Python threads run. Ctrl-C stops its work with KeyboardInterrupt; the context can be used afterwards.
     """
 
     def __init__(self, threads: int = 0, progress: Optional[Callable[[str, float], Optional[bool]]] = None):
@@ -168,6 +169,14 @@ class Context:
                 _logger.info("%s", message)
 
 
+def names_of(names: Any) -> List[str]:
+    """Names that end with NULL."""
+    known: List[str] = []
+    while names[len(known)] != ffi.NULL:
+        known.append(ffi.string(names[len(known)]).decode())
+    return known
+
+
 _default: Optional[Context] = None
 
 
@@ -181,9 +190,12 @@ def default_context() -> Context:
 
 def count(name: str, value: Any, most: int = 2**32 - 1, least: int = 0) -> int:
     """An integer in a range, or an exception that names the argument."""
-    if isinstance(value, bool) or not hasattr(value, "__index__"):
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or isinstance(value, bool):
         raise TypeError(f"{name}: {type(value).__name__} is not an integer")
-    number = value.__index__()
     if not least <= number <= most:
         raise ValueError(f"{name}: {number} is not in {least}..{most}")
     return number

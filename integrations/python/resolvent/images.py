@@ -49,9 +49,9 @@ def read_image(path: Path, context: Optional[Context] = None) -> np.ndarray:
 
 def write_image(path: Path, picture: ArrayLike, layers: Optional[Dict[str, ArrayLike]] = None, exposure: float = 0,
                 context: Optional[Context] = None) -> None:
-    """Writes (height, width, 3) linear RGB by extension: .exr (32-bit float, all layers), .hdr, .png (sRGB, times 2^exposure).
+    """Writes (height, width, 3) linear RGB by extension: .exr (32-bit float, all layers), .hdr or .png.
 
-    The file appears complete or not at all.
+    PNG holds sRGB(picture * 2^exposure), clipped. The file appears complete or not at all.
     """
     context = context or default_context()
     named = [("", floats("picture", picture, ("height", "width", 3)))]

@@ -3,16 +3,16 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Dict, Iterator, List, Literal, Mapping, NamedTuple, Optional, Tuple, overload
 
 import numpy as np
 
 from ._native import ffi, lib
-from .arrays import ArrayLike, choice, copy_of, floats, number, pointer, probes, rgb
-from .context import Context, Handle, Object, count, default_context
+from .arrays import ArrayLike, choice, copy_of, floats, number, pointer, probes, real, rgb
+from .context import Context, Handle, Object, count, default_context, names_of
 from .images import Path, file_name
 from .transport import Operator
-from .rendering import Picture, camera_of, render_desc, rendered
+from .rendering import Layered, camera_of, render_desc, rendered
 from .reports import (ERROR_STOPS, BakeReport, Certificate, GoalCertificate, SolveReport, report, solve_report)
 from .scene import Scene, split_readings
 from .solving import Wishes
@@ -84,11 +84,11 @@ class Light(Object):
     @classmethod
     def load(cls, path: Path, context: Optional[Context] = None) -> Light:
         """Reads what `Light.save`, or ``resolvent solve``, wrote: the scene, the operator and the solution."""
-        context = context or default_context()
-        out = ffi.new("rsv_light **")
+        context, name = context or default_context(), file_name("path", path)
+        pointer_of_context, out = context._handle.pointer, ffi.new("rsv_light **")
 
         def load(scene: Any) -> int:
-            return lib.rsv_light_load(context._handle.pointer, file_name("path", path), scene, out)
+            return lib.rsv_light_load(pointer_of_context, name, scene, out)
 
         scene = context.create(load, "rsv_scene", lib.rsv_scene_destroy, None)
         light = cls(context, Handle(out[0], lib.rsv_light_destroy, scene))
@@ -154,6 +154,14 @@ class Light(Object):
 
     # ---- looking at it -----------------------------------------------------------------------------
 
+    @overload
+    def irradiance(self, points: ArrayLike, normals: ArrayLike, mode: str = "lookup", *, samples: int = 4096,
+                   seed: int = 0, return_error: Literal[False] = False) -> np.ndarray: ...
+
+    @overload
+    def irradiance(self, points: ArrayLike, normals: ArrayLike, mode: str = "lookup", *, samples: int = 4096,
+                   seed: int = 0, return_error: Literal[True]) -> Tuple[np.ndarray, np.ndarray]: ...
+
     def irradiance(self, points: ArrayLike, normals: ArrayLike, mode: str = "lookup", *, samples: int = 4096,
                    seed: int = 0, return_error: bool = False) -> Any:
         """Irradiance at virtual receivers, which cast no shadow.
@@ -162,8 +170,8 @@ class Light(Object):
         ----------
         points, normals : (..., 3), broadcast against each other; metres; normals need not be unit. A point on a surface
             is taken to be on the side that its normal points to.
-        mode : "lookup", the stored solution at the nearest surface point; "operator", one gather of rays through it, with
-            direct light sampled; "reference", path traced
+        mode : "lookup", the stored solution at the nearest surface point; "operator", one gather of rays through it,
+            with direct light sampled; "reference", path traced
         samples : rays or paths per point, but for "lookup"
         return_error : also return the standard error
 
@@ -178,9 +186,19 @@ class Light(Object):
                            count("seed", seed), pointer("rsv_probe_reading", readings))
         return split_readings(readings, shape, return_error)
 
+    @overload
     def render(self, camera: Any = None, *, mode: str = "final", width: Optional[int] = None,
                height: Optional[int] = None, samples: int = 9, noise: float = 0.0, gather_rays: int = 0,
-               layers: bool = False, seed: int = 0, path_depth: int = 64) -> Picture:
+               layers: Literal[False] = False, seed: int = 0, path_depth: int = 64) -> np.ndarray: ...
+
+    @overload
+    def render(self, camera: Any = None, *, mode: str = "final", width: Optional[int] = None,
+               height: Optional[int] = None, samples: int = 9, noise: float = 0.0, gather_rays: int = 0,
+               layers: Literal[True], seed: int = 0, path_depth: int = 64) -> Layered: ...
+
+    def render(self, camera: Any = None, *, mode: str = "final", width: Optional[int] = None,
+               height: Optional[int] = None, samples: int = 9, noise: float = 0.0, gather_rays: int = 0,
+               layers: bool = False, seed: int = 0, path_depth: int = 64) -> Any:
         """A picture.
 
         Parameters
@@ -199,7 +217,8 @@ class Light(Object):
         """
         scene = self.scene
         if mode == "reference":
-            return scene.reference(camera, width=width, height=height, samples=samples, layers=layers, seed=seed,
+            kind: Any = layers
+            return scene.reference(camera, width=width, height=height, samples=samples, layers=kind, seed=seed,
                                    path_depth=path_depth)
         desc, keep = render_desc(scene, mode, camera, (width, height), samples=samples, noise=noise,
                                  gather_rays=gather_rays, layers=layers, seed=seed, path_depth=path_depth)
@@ -221,6 +240,7 @@ class Light(Object):
             old = getattr(desc, name)
             setattr(desc, name, bool(value) if isinstance(old, bool) else
                     count(name, value) if isinstance(old, int) else number(name, value))
+        choice("target", target, names_of(lib.rsv_bake_target_names()))
         self._context.call(lib.rsv_bake, self._pointer, text("target", target), file_name("path", path), desc, result)
         return report(BakeReport, result)
 
@@ -228,7 +248,7 @@ class Light(Object):
 
     def certify(self, *, samples: int = 2048, gather_rays: int = 512, light_samples: int = 64,
                 seed: int = 0) -> Certificate:
-        """How wrong the solution is, by its residual at `samples` random points of the surfaces (docs/certificate.md)."""
+        """How wrong the solution is, by its residual at random points of the surfaces (docs/certificate.md)."""
         result = ffi.new("rsv_certificate *")
         desc = _certify_desc(samples, gather_rays, light_samples, seed)
         self._context.call(lib.rsv_certify, self._pointer, desc, result)
@@ -243,7 +263,8 @@ class Light(Object):
             if len(goal) != 2:
                 raise TypeError("goal: expected a camera's name or index, or (points, normals)")
             given, _ = probes(goal[0], goal[1], self.scene.origin)
-            self._context.call(lib.rsv_certify_points, self._pointer, desc, pointer("rsv_probe", given), len(given), result)
+            self._context.call(lib.rsv_certify_points, self._pointer, desc, pointer("rsv_probe", given), len(given),
+                               result)
         else:
             self._context.call(lib.rsv_certify_goal, self._pointer, desc, camera_of(self.scene, goal), result)
         return report(GoalCertificate, result)
@@ -256,8 +277,8 @@ class Light(Object):
 
         Parameters
         ----------
-        lights : factors of the strengths of sources, by name: of punctual lights or the nodes that placed them, of materials
-            that emit, and "environment"; one number or RGB, 0..1e6
+        lights : factors of the strengths of sources, by name: of punctual lights or the nodes that placed them, of
+            materials that emit, and "environment"; one number or RGB, 0..1e6
         albedo : base colours, 0..1, of materials that are diffuse, opaque and of one colour
         move : metres by which sources move
         env_rotation : degrees to which the surroundings turn about +y, counter-clockwise from above
@@ -279,11 +300,11 @@ class Light(Object):
     def _relighter(self) -> Tuple[_Owned, Light]:
         """One on a copy, which it keeps alive."""
         copy = self.copy()
-        handle = self._context.create(lib.rsv_relighter_create, "rsv_relighter", lib.rsv_relighter_destroy, copy._handle,
-                                      copy._pointer)
+        handle = self._context.create(lib.rsv_relighter_create, "rsv_relighter", lib.rsv_relighter_destroy,
+                                      copy._handle, copy._pointer)
         return _Owned(handle), copy
 
-    def _one_by_one(self, settle: bool) -> Any:
+    def _one_by_one(self, settle: bool) -> Iterator[Tuple[str, Light]]:
         """Yields each source's name, and the light with it alone. With `settle` solved, else with E0 alone."""
         owned, copy = self._relighter()
         names = list(dict.fromkeys(source.name for source in _sources(owned, np.zeros(3))))
@@ -312,7 +333,8 @@ class Light(Object):
     def gradient(self, points: ArrayLike, normals: ArrayLike, weights: Optional[ArrayLike] = None) -> Gradient:
         """Derivatives of a weighted sum of readings, by one adjoint solution, however many parameters there are.
 
-        The readings are those of the elements, ``light.operator.interpolation(points, normals) @ light.irradiance_field``.
+        The readings are those of the elements,
+        ``light.operator.interpolation(points, normals) @ light.irradiance_field``.
 
         Parameters
         ----------
@@ -323,7 +345,8 @@ class Light(Object):
         if weights is None:
             factors = np.full(w.shape[0], 1.0 / max(1, w.shape[0]))
         else:
-            factors = np.broadcast_to(floats("weights", weights, np.shape(weights)), probes(points, normals, np.zeros(3))[1])
+            _, shape = probes(points, normals, np.zeros(3))
+            factors = floats("weights", np.broadcast_to(real("weights", weights), shape), shape)
         importance = np.repeat((w.T @ factors.ravel())[:, np.newaxis], 3, axis=1)
         irradiance = self.irradiance_field.astype(np.float64)
         adjoint = self.operator.solve_adjoint(importance)
@@ -354,7 +377,7 @@ def _sources(owned: _Owned, origin: np.ndarray) -> Tuple[Source, ...]:
         place = np.array([s.position.x, s.position.y, s.position.z]) + origin
         node = None if s.node == ffi.NULL else ffi.string(s.node).decode("utf-8", "replace")
         found.append(Source(ffi.string(s.name).decode("utf-8", "replace"), (s.strength.r, s.strength.g, s.strength.b),
-                            tuple(float(x) for x in place), bool(s.movable), node))
+                            (float(place[0]), float(place[1]), float(place[2])), bool(s.movable), node))
     return tuple(found)
 
 
@@ -383,7 +406,7 @@ class _RelightDesc:
             raise TypeError(f"{argument}: {type(given).__name__} is not a dict of names")
         items = []
         for name, value in given.items():
-            self._keep.append(ffi.from_buffer(text(argument, name) + b"\0"))
+            self._keep.append(ffi.new("char[]", text(argument, name)))
             items.append((self._keep[-1], convert(f"{argument}['{name}']", value)))
         return items
 

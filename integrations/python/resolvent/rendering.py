@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 MODES = ("operator", "final", "reference")
 LONGER_SIDE = 512
-#: A picture, or with layers=True the picture and its layers by name.
-Picture = Union[np.ndarray, Tuple[np.ndarray, Dict[str, np.ndarray]]]
+#: With layers=True: the picture, and its layers by name.
+Layered = Tuple[np.ndarray, Dict[str, np.ndarray]]
 
 
 def camera_of(scene: Scene, camera: Any) -> int:
@@ -71,7 +71,7 @@ def render_desc(scene: Scene, mode: str, camera: Any, size: Tuple[Optional[int],
     return desc, keep
 
 
-def rendered(handle: Handle, layers: bool) -> Picture:
+def rendered(handle: Handle, layers: bool) -> Union[np.ndarray, Layered]:
     """The arrays of an image, which is released."""
     try:
         return (pixels_of(handle, 0), layers_of(handle)) if layers else pixels_of(handle, 0)

@@ -21,7 +21,7 @@ def _plain(value: Any) -> Any:
 
 def report(kind: Type[T], struct: Any, **known: Any) -> T:
     """A dataclass of the fields of a C structure that it names."""
-    names = [f.name for f in dataclasses.fields(kind)]  # type: ignore[arg-type]
+    names = [f.name for f in dataclasses.fields(kind)]
     return kind(**{n: known[n] if n in known else _plain(getattr(struct, n)) for n in names})
 
 
@@ -51,7 +51,8 @@ class SolveReport:
 
 @dataclasses.dataclass(frozen=True)
 class Certificate:
-    """How wrong a solution is: luminance of irradiance, W/m2, root mean square over all surfaces (docs/certificate.md)."""
+    """How wrong a solution is: luminance of irradiance, W/m2, in the root mean square over all surfaces
+    (docs/certificate.md)."""
 
     samples: int  #: points that count
     residual_rms: float

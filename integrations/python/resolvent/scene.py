@@ -2,15 +2,15 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Sequence, Tuple, Union, overload
 
 import numpy as np
 
 from ._native import ffi, lib
 from .arrays import ArrayLike, choice, copy_of, floats, indices, number, pointer, probes, real
-from .context import Context, Handle, Object, count, default_context
+from .context import Context, Object, count, default_context, names_of
 from .images import Path, file_name
-from .rendering import Picture, render_desc, rendered
+from .rendering import Layered, render_desc, rendered
 from .solving import Wishes
 from .things import Camera, Environment, Material, Mesh, PunctualLight, Texture, text
 
@@ -66,14 +66,12 @@ class Scene(Object):
     @staticmethod
     def builtin_names() -> List[str]:
         """Names of the built-in scenes."""
-        names, known = lib.rsv_scene_builtin_names(), []
-        while names[len(known)] != ffi.NULL:
-            known.append(ffi.string(names[len(known)]).decode())
-        return known
+        return names_of(lib.rsv_scene_builtin_names())
 
     @classmethod
     def from_meshes(cls, meshes: Union[Mesh, Iterable[Mesh]], *, lights: Iterable[PunctualLight] = (),
-                    cameras: Iterable[Camera] = (), environment: Any = None, context: Optional[Context] = None) -> Scene:
+                    cameras: Iterable[Camera] = (), environment: Any = None,
+                    context: Optional[Context] = None) -> Scene:
         """A scene of arrays, which are copied. Without a camera it gets one named "framing" that shows all of it."""
         context = context or default_context()
         handle = context.create(lib.rsv_scene_create, "rsv_scene", lib.rsv_scene_destroy, None, context._handle.pointer)
@@ -100,7 +98,7 @@ class Scene(Object):
             self._context.call(function, self._pointer, source, intensity, rotation)
             return self
         pixels = floats("environment", e.source, ("height", "width", 3))
-        name = ffi.from_buffer(text("environment: name", e.name) + b"\0")
+        name = ffi.new("char[]", text("environment: name", e.name))
         struct = ffi.new("rsv_environment *", {
             "name": name, "pixels": pointer("rsv_rgb", pixels), "height": pixels.shape[0], "width": pixels.shape[1],
             "intensity": intensity, "rotation": rotation})
@@ -155,7 +153,8 @@ class Scene(Object):
     @property
     def object_names(self) -> List[str]:
         """One for each placed mesh."""
-        return [ffi.string(self._view.object_name[k]).decode("utf-8", "replace") for k in range(self._view.object_count)]
+        view = self._view
+        return [ffi.string(view.object_name[k]).decode("utf-8", "replace") for k in range(view.object_count)]
 
     @property
     def materials(self) -> List[Material]:
@@ -199,25 +198,35 @@ class Scene(Object):
 
     # ---- its light ---------------------------------------------------------------------------------
 
-    def solve(self, quality: str = "medium", *, goal: Any = None, error: Optional[float] = None, **options: Any) -> Light:
+    def solve(self, quality: str = "medium", *, goal: Any = None, error: Optional[float] = None,
+              **options: Any) -> Light:
         """Finds the light-transport operator of the scene, and its light.
 
         Parameters
         ----------
         quality : "draft", "medium" or "high"
         goal : a camera (name or index) or (points, normals), both (..., 3): elements are spent on what that sees
-        error : refine, beginning with that quality, until the certified error (of the goal, if there is one) is below this
-            share, 1e-4..1; `Light.certificate` holds the certificate
-        options : fields of rsv_solve_desc (solve.h) by name: element_target, rays_per_element, refinements, light_samples,
-            photon_count, direct_levels, direct_level, solver ("auto", "gmres", ...), max_orders, tolerance, seed,
-            max_elements, max_bytes, checkpoint, earlier; with `error` also max_seconds and max_rounds
+        error : refine, beginning with that quality, until the certified error (of the goal, if there is one) is below
+            this share, 1e-4..1; `Light.certificate` holds the certificate
+        options : fields of rsv_solve_desc (solve.h) by name: element_target, rays_per_element, refinements,
+            light_samples, photon_count, direct_levels, direct_level, solver ("auto", "gmres", ...), max_orders,
+            tolerance, seed, max_elements, max_bytes, checkpoint, earlier; with `error` also max_seconds and max_rounds
         """
         from .light import Light  # lights have scenes, too
 
         return Light._solved(self, Wishes(self, quality, goal, error, options))
 
+    @overload
     def reference(self, camera: Any = None, *, width: Optional[int] = None, height: Optional[int] = None,
-                  samples: int = 64, layers: bool = False, seed: int = 0, path_depth: int = 64) -> Picture:
+                  samples: int = 64, layers: Literal[False] = False, seed: int = 0,
+                  path_depth: int = 64) -> np.ndarray: ...
+
+    @overload
+    def reference(self, camera: Any = None, *, width: Optional[int] = None, height: Optional[int] = None,
+                  samples: int = 64, layers: Literal[True], seed: int = 0, path_depth: int = 64) -> Layered: ...
+
+    def reference(self, camera: Any = None, *, width: Optional[int] = None, height: Optional[int] = None,
+                  samples: int = 64, layers: bool = False, seed: int = 0, path_depth: int = 64) -> Any:
         """The picture of the path tracer, which needs no solution.
 
         Returns
@@ -230,6 +239,14 @@ class Scene(Object):
         handle = self._context.create(_render_reference, "rsv_image", lib.rsv_image_destroy, None, self._pointer, desc)
         del keep
         return rendered(handle, layers)
+
+    @overload
+    def reference_irradiance(self, points: ArrayLike, normals: ArrayLike, *, samples: int = 4096, seed: int = 0,
+                             return_error: Literal[False] = False) -> np.ndarray: ...
+
+    @overload
+    def reference_irradiance(self, points: ArrayLike, normals: ArrayLike, *, samples: int = 4096, seed: int = 0,
+                             return_error: Literal[True]) -> Tuple[np.ndarray, np.ndarray]: ...
 
     def reference_irradiance(self, points: ArrayLike, normals: ArrayLike, *, samples: int = 4096, seed: int = 0,
                              return_error: bool = False) -> Any:
@@ -293,7 +310,7 @@ class _Builder:
             self._add_part(mesh, arrays.of_material(k), self._add_material(material), transforms)
 
     def _add_part(self, mesh: Mesh, arrays: _MeshArrays, material: int, transforms: np.ndarray) -> None:
-        name = ffi.from_buffer(text("name", mesh.name) + b"\0")
+        name = ffi.new("char[]", text("name", mesh.name))
         uvs = [pointer("float", uv) for uv in arrays.uvs]
         desc = ffi.new("rsv_mesh_desc *", {
             "name": name, "positions": pointer("rsv_vec3", arrays.vertices),

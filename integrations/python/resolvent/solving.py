@@ -1,11 +1,12 @@
 """What a solve is asked for."""
 from __future__ import annotations
 
+import numbers
 from typing import TYPE_CHECKING, Any, Dict, List, Optional
 
 from ._native import ffi, lib
 from .arrays import choice, number, pointer, probes
-from .context import count
+from .context import count, names_of
 from .images import file_name
 from .rendering import camera_of
 
@@ -19,14 +20,6 @@ SIZES = ("max_elements", "max_bytes")
 NUMBERS = ("tolerance", "contact_share")
 FOLDERS = ("checkpoint", "earlier")
 TARGETS = ("max_seconds", "max_rounds")
-
-
-def solvers() -> List[str]:
-    """Names of the solvers."""
-    names, known = lib.rsv_solver_names(), []
-    while names[len(known)] != ffi.NULL:
-        known.append(ffi.string(names[len(known)]).decode())
-    return known
 
 
 class Wishes:
@@ -54,12 +47,12 @@ class Wishes:
         elif name in NUMBERS:
             setattr(self.desc, name, number(name, value))
         elif name in FOLDERS:
-            self.keep.append(ffi.from_buffer(file_name(name, value) + b"\0"))
+            self.keep.append(ffi.new("char[]", file_name(name, value)))
             setattr(self.desc, name, self.keep[-1])
         elif name == "direct_level":
             self.desc.direct_level = bool(value)
         elif name == "solver":
-            self.desc.solver = choice(name, value, solvers())
+            self.desc.solver = choice(name, value, names_of(lib.rsv_solver_names()))
         elif name in TARGETS and self.target is not None:
             value = number(name, value) if name == "max_seconds" else count(name, value, least=1)
             setattr(self.target, name, value)
@@ -73,7 +66,7 @@ class Wishes:
         raise TypeError(f"solve: there is no option '{name}'; there are {', '.join(known)}")
 
     def _aim(self, scene: Scene, goal: Any) -> None:
-        if isinstance(goal, (str, int)) or hasattr(goal, "__index__"):
+        if isinstance(goal, (str, numbers.Integral)):
             self.desc.goal_camera = camera_of(scene, goal)
             return
         if not isinstance(goal, (tuple, list)) or len(goal) != 2:

@@ -7,15 +7,15 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from ._native import ffi, lib
-from .arrays import ArrayLike, check_finite, choice, floats, indices, number, pointer, real, rgb
-from .context import count
+from .arrays import ArrayLike, check_finite, choice, floats, number, pointer, real, rgb
+from .context import count, names_of
 
 Rgb = Union[float, Sequence[float]]
 Vec3 = Sequence[float]
 
 WRAPS = ("repeat", "mirror", "clamp")
-ROLES = ("base_color", "opacity", "metallic_roughness", "normal", "emission", "specular", "specular_color", "transmission",
-         "clearcoat", "clearcoat_roughness", "sheen_color", "sheen_roughness", "diffuse_transmission",
+ROLES = ("base_color", "opacity", "metallic_roughness", "normal", "emission", "specular", "specular_color",
+         "transmission", "clearcoat", "clearcoat_roughness", "sheen_color", "sheen_roughness", "diffuse_transmission",
          "diffuse_transmission_color")
 LIGHT_KINDS = ("point", "spot", "directional")
 
@@ -47,7 +47,8 @@ class Texture:
 
     Parameters
     ----------
-    pixels : (height, width) or (height, width, 1..4), row 0 on top; uint8 codes 0..255 stand for 0..1, floats are linear
+    pixels : (height, width) or (height, width, 1..4), row 0 on top; uint8 codes 0..255 stand for 0..1, floats are
+        linear
     srgb : whether colour codes follow the sRGB curve; default: uint8 with three or four channels do
     wrap : "repeat", "mirror" or "clamp", or one for each of u and v
     nearest : seen from near, texels are squares
@@ -77,7 +78,7 @@ class Texture:
         wrap = (self.wrap, self.wrap) if isinstance(self.wrap, str) else tuple(self.wrap)
         if len(wrap) != 2:
             raise ValueError(f"wrap: {len(wrap)} names; expected one, or one for each of u and v")
-        name = ffi.from_buffer(text("name", self.name) + b"\0")
+        name = ffi.new("char[]", text("name", self.name))
         keep += [array, name]
         return ffi.new("rsv_texture_desc *", {
             "name": name, "height": array.shape[0], "width": array.shape[1], "channel_count": array.shape[2],
@@ -98,10 +99,11 @@ def _plain_rgb(field: str) -> Tuple[float, float, float]:
 
 @dataclasses.dataclass
 class Material:
-    """How a surface scatters, in the terms of glTF's metallic-roughness model (rsv_material in scene.h, docs/materials.md).
+    """How a surface scatters, in the terms of glTF's metallic-roughness model (docs/materials.md; the fields are those of
+    rsv_material in scene.h).
 
-    Colours are linear RGB, or one number for all three; distances are metres, radiance is W/(sr m2). `textures` maps what
-    they multiply ("base_color", "opacity", "metallic_roughness", "normal", "emission", ...) to a Texture.
+    Colours are linear RGB, or one number for all three; distances are metres, radiance is W/(sr m2). `textures` maps
+    what they multiply ("base_color", "opacity", "metallic_roughness", "normal", "emission", ...) to a Texture.
     """
 
     name: str = "material"
@@ -139,10 +141,8 @@ class Material:
         """A translucent material that was measured: "marble", "skin1", "wholemilk", ..."""
         struct = ffi.new("rsv_material *")
         if not lib.rsv_material_preset(text("name", name), struct):
-            names, known = lib.rsv_material_preset_names(), []
-            while names[len(known)] != ffi.NULL:
-                known.append(ffi.string(names[len(known)]).decode())
-            raise ValueError(f"name: there is no '{name}'; there are {', '.join(known)}")
+            known = ", ".join(names_of(lib.rsv_material_preset_names()))
+            raise ValueError(f"name: there is no '{name}'; there are {known}")
         return cls._of(struct, name)
 
     @classmethod
@@ -159,8 +159,8 @@ class Material:
     def _described(self, textures: Dict[int, int], keep: List[Any]) -> Any:
         """@param textures ids in the scene, by identity"""
         struct = ffi.new("rsv_material *", lib.rsv_default_material())
-        struct.name = ffi.from_buffer(text("name", self.name) + b"\0")
-        keep.append(struct.name)
+        keep.append(ffi.new("char[]", text("name", self.name)))
+        struct.name = keep[-1]
         for field in dataclasses.fields(self):
             if field.name in ("name", "textures"):
                 continue
@@ -230,8 +230,9 @@ class Mesh:
 class PunctualLight:
     """A light without an area (lamps with one are materials that emit).
 
-    `intensity` is in W/sr, of a directional light the irradiance at normal incidence in W/m2; `direction` is the way the
-    light travels; cone angles are half angles in radians, and an intensity of a spot is also multiplied by cos^exponent.
+    `intensity` is in W/sr, of a directional light the irradiance at normal incidence in W/m2; `direction` is the way
+    the light travels; cone angles are half angles in radians, and the intensity of a spot is also multiplied by
+    cos^exponent.
     """
 
     kind: str = "point"
@@ -255,7 +256,7 @@ class PunctualLight:
         direction = np.array(vec3(where + "direction", self.direction))
         if not direction.any():
             raise ValueError(where + "direction is zero")
-        name = ffi.from_buffer(text("name", self.name) + b"\0")
+        name = ffi.new("char[]", text("name", self.name))
         keep.append(name)
         return ffi.new("rsv_punctual_light *", {
             "name": name, "kind": choice(where + "kind", self.kind, LIGHT_KINDS),
@@ -269,7 +270,8 @@ class PunctualLight:
 
 @dataclasses.dataclass
 class Camera:
-    """A camera at `position` that looks at `target`, y up; `vertical_fov` in radians; `aspect` is width / height, 0 = any.
+    """A camera at `position` that looks at `target`, y up; `vertical_fov` in radians; `aspect` is width / height,
+    0 = any.
 
     Cameras of files may be turned about their axis, or orthographic: `up` and `vertical_extent` (half the height of the
     view in metres, with a `vertical_fov` of 0) say so.
@@ -305,7 +307,7 @@ class Camera:
         if not right.any():
             raise ValueError(where + "up is zero")
         right = right / np.linalg.norm(right)
-        name = ffi.from_buffer(text("name", self.name) + b"\0")
+        name = ffi.new("char[]", text("name", self.name))
         keep.append(name)
         return ffi.new("rsv_camera *", {
             "name": name, "position": vec3(where + "position", position), "right": tuple(right),
@@ -319,9 +321,9 @@ class Camera:
 class Environment:
     """Light from infinitely far away.
 
-    `source` is (height, width, 3) radiance as a latitude-longitude picture, W/(sr m2), row 0 on top (docs/conventions.md);
-    or a path of .hdr or .exr; or "sky" or "white". `intensity` multiplies it; `rotation` turns it about +y, in degrees,
-    counter-clockwise from above.
+    `source` is (height, width, 3) radiance as a latitude-longitude picture, W/(sr m2), row 0 on top
+    (docs/conventions.md); or a path of .hdr or .exr; or "sky" or "white". `intensity` multiplies it; `rotation` turns it
+    about +y, in degrees, counter-clockwise from above.
     """
 
     source: Any

@@ -50,9 +50,10 @@ class Operator(Object):
     def _elements(self) -> np.ndarray:
         layout = ffi.typeof("rsv_element")
         names = [name for name, _ in layout.fields]
-        formats = {"rsv_vec3": ("<f4", 3), "rsv_rgb": ("<f4", 3), "float": "<f4", "uint32_t": "<u4", "_Bool": "?"}
+        formats = {"rsv_vec3": ("f4", 3), "rsv_rgb": ("f4", 3), "float": "f4", "uint32_t": "u4", "bool": "?"}
+        formats = {ffi.typeof(name): kind for name, kind in formats.items()}
         dtype = np.dtype({"names": names, "offsets": [f.offset for _, f in layout.fields],
-                          "formats": [formats[f.type.cname] for _, f in layout.fields],
+                          "formats": [formats[f.type] for _, f in layout.fields],
                           "itemsize": ffi.sizeof("rsv_element")})
         array = np.empty(self.element_count, dtype)
         self._context.call(lib.rsv_operator_elements, self._pointer, pointer("rsv_element", array))
@@ -95,7 +96,7 @@ class Operator(Object):
         return np.ascontiguousarray(self._elements["back_side"])
 
     def interpolation(self, points: ArrayLike, normals: ArrayLike) -> sparse.csr_matrix:
-        """The (M, N) float32 matrix W with ``W @ field``: values at points, each at the surface that its normal looks at.
+        """The (M, N) float32 matrix W with which ``W @ field`` is the field at points, as `Light.irradiance` looks it up.
 
         points, normals : (..., 3), M points in C order. Rows are 0 where the surface does not reflect diffusely.
         """
@@ -188,15 +189,12 @@ class Operator(Object):
         chains = [self._chain(c) for c in ((0, 1, 2) if channel is None else (count("channel", channel, 2),))]
         n, width = self.element_count, len(chains)
 
-        def forward(x: np.ndarray) -> np.ndarray:
+        def by_channel(multiply: Callable[..., np.ndarray], x: np.ndarray) -> np.ndarray:
             columns = np.asarray(x).reshape(n, width)
-            return np.stack([_multiply(chain, columns[:, k]) for k, chain in enumerate(chains)], axis=1).ravel()
+            return np.stack([multiply(chain, columns[:, k]) for k, chain in enumerate(chains)], axis=1).ravel()
 
-        def adjoint(x: np.ndarray) -> np.ndarray:
-            columns = np.asarray(x).reshape(n, width)
-            return np.stack([_multiply_transposed(chain, columns[:, k]) for k, chain in enumerate(chains)], axis=1).ravel()
-
-        return LinearOperator((n * width, n * width), matvec=forward, rmatvec=adjoint, dtype=np.float64)
+        return LinearOperator((n * width, n * width), matvec=functools.partial(by_channel, _multiply),
+                              rmatvec=functools.partial(by_channel, _multiply_transposed), dtype=np.float64)
 
     # ---- solved ------------------------------------------------------------------------------------
 

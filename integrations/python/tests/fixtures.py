@@ -26,7 +26,8 @@ def lamps() -> Scene:
     room = Mesh(CUBE, INWARDS, material=walls, triangle_materials=(np.arange(12) % 6 == 0).astype(int))
     lights = [PunctualLight("point", (1, 1, 1), (0.5, 0.8, 0.5), name="white"),
               PunctualLight("point", (0.1, 0.2, 1), (0.2, 0.4, 0.3), name="blue")]
-    return Scene.from_meshes(room, lights=lights, cameras=[Camera((0.9, 0.5, 0.9), (0.2, 0.4, 0.2), 1.2, name="corner")])
+    camera = Camera((0.9, 0.5, 0.9), (0.2, 0.4, 0.2), 1.2, name="corner")
+    return Scene.from_meshes(room, lights=lights, cameras=[camera])
 
 
 @functools.lru_cache(None)

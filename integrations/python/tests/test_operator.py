@@ -1,5 +1,6 @@
 """The operator as matrices: the same as the library applies; adjoints, and derivatives against differences."""
 import unittest
+import warnings
 
 import numpy as np
 from scipy import sparse
@@ -36,9 +37,16 @@ class Matrices(unittest.TestCase):
         row_sums = max(operator.matrix(c).sum(axis=1).max() for c in range(3))
         self.assertAlmostEqual(operator.norm(), row_sums, places=4)
 
+    @staticmethod
+    def quiet(name):
+        """A coarse body's normals are not all what they should be, and the library says so."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", resolvent.ResolventWarning)
+            return Scene.builtin(name, body_triangles=2000)
+
     def test_matrices_are_the_operator_with_glass_and_marble(self):
         for name in ("cornell-glass", "cornell-marble"):
-            self.check(Scene.builtin(name, body_triangles=200).solve("draft", **SMALL).operator)
+            self.check(self.quiet(name).solve("draft", **SMALL).operator)
 
     def test_elements(self):
         light = solved_lamps()

@@ -53,8 +53,9 @@ rm -rf unpacked
 venv/bin/python -c 'import resolvent; print("resolvent", resolvent.__version__)' || complain "it cannot be imported"
 
 (cd "$here" && "$work/venv/bin/python" -W error -m unittest --quiet) || complain "see above"
-for example in hello_room fit_lights spectrum; do
-    venv/bin/python "$here/../examples/$example.py" >log 2>&1 || complain "$example: $(tail -n 3 log)"
+for example in hello_room 'fit_lights --elements 500' 'spectrum --elements 500'; do
+    read -r name options <<<"$example"
+    venv/bin/python "$here/../examples/$name.py" $options >log 2>&1 || complain "$name: $(tail -n 3 log)"
 done
 venv/bin/python -c 'import resolvent
 resolvent.Scene.builtin("two-rooms").solve("draft", element_target=500).save("rooms.safetensors")'
