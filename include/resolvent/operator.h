@@ -32,7 +32,7 @@ RSV_API size_t rsv_operator_element_count(const rsv_operator *transport);
 RSV_API rsv_status rsv_operator_apply(
     const rsv_operator *transport, const rsv_rgb *field, rsv_rgb *image);
 
-/// image = (G K)* field: importance one reflection earlier.
+/// image = (G K)* field, the adjoint of rsv_operator_apply: importance one reflection earlier.
 RSV_API rsv_status rsv_operator_apply_transpose(
     const rsv_operator *transport, const rsv_rgb *field, rsv_rgb *image);
 

@@ -117,7 +117,7 @@ static void factors_make_it_where_light_diffuses(void **state)
 static void elements_around_probes_are_where_these_are(void **state)
 {
     (void)state;
-    subject s = begin("cornell-blocks");
+    subject s = begin("furnace");
     enum { COUNT = 500 };
     rsv_element *element = calloc(s.count, sizeof *element);
     static rsv_probe probe[COUNT];
@@ -126,7 +126,7 @@ static void elements_around_probes_are_where_these_are(void **state)
     assert_non_null(element);
     assert_int_equal(rsv_operator_elements(s.op, element), RSV_OK);
     rsv_random random = rsv_random_from(4, 5, 6);
-    for (size_t k = 0; k < COUNT; k++) { // on the floor of the box
+    for (size_t k = 0; k < COUNT; k++) { // on the floor, where nothing stands
         const rsv_scene_view *view = rsv_scene_get_view(s.w->scene);
         float x = rsv_random_float(&random), z = rsv_random_float(&random);
         probe[k].position = v3(view->bounds_min.x + x * (view->bounds_max.x - view->bounds_min.x),
@@ -137,12 +137,36 @@ static void elements_around_probes_are_where_these_are(void **state)
     for (size_t k = 0; k < COUNT; k++) {
         rsv_vec3 place = v3(0, 0, 0);
         for (int i = 0; i < 3; i++) {
-            place = v3_mad(element[around[k][i]].position, weight[k][i], place);
+            place = v3_mad(place, weight[k][i], element[around[k][i]].position);
             assert_close(element[around[k][i]].normal.y, 1, 1e-5);
         }
         assert_close(v3_length(v3_sub(place, probe[k].position)), 0, 1e-4);
     }
     free(element);
+    end(&s);
+}
+
+/// <y, G K x> = <(G K)* y, x>, whatever y is at elements that hang.
+static void the_transposed_operator_is_the_adjoint(void **state)
+{
+    (void)state;
+    subject s = begin("cornell-marble");
+    rsv_rgb *x = calloc(s.count, sizeof *x), *y = calloc(s.count, sizeof *y);
+    rsv_rgb *ax = calloc(s.count, sizeof *ax), *ay = calloc(s.count, sizeof *ay);
+    assert_true(x && y && ax && ay);
+    for (uint32_t n = 0; n < s.count; n++) {
+        x[n] = rgb_gray(rsv_unit_float(rsv_hash2(1, n)));
+        y[n] = rgb_gray(rsv_unit_float(rsv_hash2(2, n)));
+    }
+    assert_int_equal(rsv_operator_apply(s.op, x, ax), RSV_OK);
+    assert_int_equal(rsv_operator_apply_transpose(s.op, y, ay), RSV_OK);
+    double left = 0, right = 0;
+    for (size_t n = 0; n < s.count; n++) {
+        left += (double)y[n].r * (double)ax[n].r;
+        right += (double)ay[n].r * (double)x[n].r;
+    }
+    assert_close(left, right, 1e-4 * right);
+    free(x), free(y), free(ax), free(ay);
     end(&s);
 }
 
@@ -190,6 +214,7 @@ int main(void)
         cmocka_unit_test(factors_make_it_where_glass_is_coloured),
         cmocka_unit_test(factors_make_it_where_light_diffuses),
         cmocka_unit_test(elements_around_probes_are_where_these_are),
+        cmocka_unit_test(the_transposed_operator_is_the_adjoint),
         cmocka_unit_test(wrong_requests_are_refused),
         cmocka_unit_test(memory_that_runs_out_is_an_error),
     };

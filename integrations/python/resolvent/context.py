@@ -93,7 +93,8 @@ class Context:
         works; returning False cancels, and what it raises is raised by the call that it interrupts.
 
     Warnings of the library are Python's, of class ResolventWarning; notes go to the logger "resolvent". While the
-    library works, other Python threads run. Ctrl-C stops its work with KeyboardInterrupt; the context can be used afterwards.
+    library works, other Python threads run. Ctrl-C stops its work with KeyboardInterrupt; the context can be
+    used afterwards.
     """
 
     def __init__(self, threads: int = 0, progress: Optional[Callable[[str, float], Optional[bool]]] = None):

@@ -99,8 +99,8 @@ def _plain_rgb(field: str) -> Tuple[float, float, float]:
 
 @dataclasses.dataclass
 class Material:
-    """How a surface scatters, in the terms of glTF's metallic-roughness model (docs/materials.md; the fields are those of
-    rsv_material in scene.h).
+    """How a surface scatters, in the terms of glTF's metallic-roughness model (docs/materials.md; the fields are those
+    of rsv_material in scene.h).
 
     Colours are linear RGB, or one number for all three; distances are metres, radiance is W/(sr m2). `textures` maps
     what they multiply ("base_color", "opacity", "metallic_roughness", "normal", "emission", ...) to a Texture.
@@ -322,8 +322,8 @@ class Environment:
     """Light from infinitely far away.
 
     `source` is (height, width, 3) radiance as a latitude-longitude picture, W/(sr m2), row 0 on top
-    (docs/conventions.md); or a path of .hdr or .exr; or "sky" or "white". `intensity` multiplies it; `rotation` turns it
-    about +y, in degrees, counter-clockwise from above.
+    (docs/conventions.md); or a path of .hdr or .exr; or "sky" or "white". `intensity` multiplies it; `rotation` turns
+    it about +y, in degrees, counter-clockwise from above.
     """
 
     source: Any

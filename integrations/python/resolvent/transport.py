@@ -96,7 +96,7 @@ class Operator(Object):
         return np.ascontiguousarray(self._elements["back_side"])
 
     def interpolation(self, points: ArrayLike, normals: ArrayLike) -> sparse.csr_matrix:
-        """The (M, N) float32 matrix W with which ``W @ field`` is the field at points, as `Light.irradiance` looks it up.
+        """The (M, N) float32 matrix W with which ``W @ field`` is the field at points, as mode "lookup" finds them.
 
         points, normals : (..., 3), M points in C order. Rows are 0 where the surface does not reflect diffusely.
         """
