@@ -16,6 +16,7 @@ CALLBACKS = """
 typedef struct rsv_py_user { ...; } rsv_py_user;
 extern "Python" bool rsv_py_progress(void *handle, const char *phase, double fraction);
 extern "Python" void rsv_py_log(void *handle, rsv_log_level level, const char *message);
+bool rsv_py_runs_here(void);
 rsv_status rsv_py_context_create(int thread_count, void *handle, rsv_py_user *user, rsv_context **context);
 """
 

@@ -49,4 +49,15 @@ static rsv_status rsv_py_context_create(
     return rsv_context_create(&desc, context);
 }
 
+/// Whether this CPU has the instructions that the library was compiled to.
+static bool rsv_py_runs_here(void)
+{
+#if defined(RSV_PY_AVX2)
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+           __builtin_cpu_supports("bmi2");
+#else
+    return true;
+#endif
+}
+
 #endif

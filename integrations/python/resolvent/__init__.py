@@ -10,6 +10,11 @@
 Units are SI and radiometric: metres, W/m2 (irradiance), W/(sr m2) (radiance), each as linear RGB. Coordinates are
 right-handed, y up. docs/python.md is the tour.
 """
+from ._native import ffi as _ffi, lib as _lib
+
+if not _lib.rsv_py_runs_here():
+    raise ImportError("resolvent: this build needs a CPU with AVX2, FMA and BMI2; build it with -D RSV_AVX2=OFF")
+
 from .context import Context, default_context
 from .errors import (ArgumentError, Cancelled, FileError, FormatError, OutOfMemoryError, ResolventError,
                      ResolventWarning, SceneError, UnsupportedError)
@@ -20,7 +25,6 @@ from .photometry import illuminance, luminance
 from .reports import BakeReport, Certificate, GoalCertificate, SolveReport
 from .scene import Scene
 from .things import Camera, Environment, Material, Mesh, PunctualLight, Texture
-from ._native import ffi as _ffi, lib as _lib
 
 __version__ = _ffi.string(_lib.rsv_version()).decode()
 

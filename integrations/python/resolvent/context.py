@@ -18,8 +18,9 @@ class Handle:
     """A C object, and those that must outlive it. It is destroyed when nothing uses it any more, its children first:
     Python's collector would destroy the members of a cycle in any order."""
 
-    def __init__(self, pointer: Any, destroy: Callable[[Any], None], parent: Optional[Handle] = None):
-        self.pointer, self._destroy, self.parent, self._users = pointer, destroy, parent, 1
+    def __init__(self, pointer: Any, destroy: Callable[[Any], None], parent: Optional[Handle] = None, keep: Any = None):
+        """@param keep what the object borrows"""
+        self.pointer, self._destroy, self.parent, self._keep, self._users = pointer, destroy, parent, keep, 1
         if parent is not None:
             parent.retain()
 
@@ -59,28 +60,36 @@ class Object:
             handle.release()
 
 
+class _Listener:
+    """What the callbacks of a context know. It holds no context: neither would be freed before Python's collector runs."""
+
+    def __init__(self, progress: Optional[Callable[[str, float], Optional[bool]]]):
+        self.progress = progress
+        self.messages: List[Tuple[int, str]] = []
+        self.raised: Dict[int, BaseException] = {}  #: by thread
+
+
 def _note_exception(_kind: Any, value: BaseException, traceback: Any) -> bool:
     """Keeps what a callback raised, a KeyboardInterrupt above all, until the call of the library has returned."""
     handle = traceback.tb_frame.f_locals.get("handle") if traceback is not None else None
     if handle is not None:
-        ffi.from_handle(handle)._raised[threading.get_ident()] = value
+        ffi.from_handle(handle).raised[threading.get_ident()] = value
     return False
 
 
 @ffi.def_extern(name="rsv_py_progress", onerror=_note_exception)
 def _tell_progress(handle: Any, phase: Any, fraction: float) -> bool:
-    context = ffi.from_handle(handle)
-    if threading.get_ident() in context._raised:
+    listener = ffi.from_handle(handle)
+    if threading.get_ident() in listener.raised:
         return False
-    if context._progress is None:
+    if listener.progress is None:
         return True
-    return context._progress(ffi.string(phase).decode(), fraction) is not False
+    return listener.progress(ffi.string(phase).decode(), fraction) is not False
 
 
 @ffi.def_extern(name="rsv_py_log", onerror=_note_exception)
 def _tell_log(handle: Any, level: int, message: Any) -> None:
-    context = ffi.from_handle(handle)
-    context._messages.append((level, ffi.string(message).decode("utf-8", "replace")))
+    ffi.from_handle(handle).messages.append((level, ffi.string(message).decode("utf-8", "replace")))
 
 
 class Context:
@@ -100,16 +109,13 @@ class Context:
     def __init__(self, threads: int = 0, progress: Optional[Callable[[str, float], Optional[bool]]] = None):
         if progress is not None and not callable(progress):
             raise TypeError(f"progress: {type(progress).__name__} cannot be called")
-        self._progress = progress
-        self._messages: List[Tuple[int, str]] = []
-        self._raised: Dict[int, BaseException] = {}
+        self._listener = _Listener(progress)
         self._running, self._lock = 0, threading.Lock()
-        self._self, self._user = ffi.new_handle(self), ffi.new("rsv_py_user *")
-        out = ffi.new("rsv_context **")
-        status = lib.rsv_py_context_create(count("threads", threads, 1024), self._self, self._user, out)
+        listener, user, out = ffi.new_handle(self._listener), ffi.new("rsv_py_user *"), ffi.new("rsv_context **")
+        status = lib.rsv_py_context_create(count("threads", threads, 1024), listener, user, out)
         if status != lib.RSV_OK:
             raise error_of(status)
-        self._handle = Handle(out[0], lib.rsv_context_destroy)
+        self._handle = Handle(out[0], lib.rsv_context_destroy, keep=(listener, user))
 
     def __repr__(self) -> str:
         return f"<resolvent.Context at {id(self):#x}>"
@@ -157,8 +163,8 @@ class Context:
                     lib.rsv_context_resume(self._handle.pointer)
 
     def _raise_for(self, error: Optional[ResolventError]) -> None:
-        raised = self._raised.pop(threading.get_ident(), None)
-        messages, self._messages = self._messages, []
+        raised = self._listener.raised.pop(threading.get_ident(), None)
+        messages, self._listener.messages = self._listener.messages, []
         if raised is not None:
             raise raised
         if error is not None:
