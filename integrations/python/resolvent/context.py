@@ -160,7 +160,7 @@ class Context:
             with self._lock:
                 self._running -= 1
                 if not self._running:
-                    lib.rsv_context_resume(self._handle.pointer)
+                    lib.rsv_context_reset_cancel(self._handle.pointer)
 
     def _raise_for(self, error: Optional[ResolventError]) -> None:
         raised = self._listener.raised.pop(threading.get_ident(), None)
