@@ -205,6 +205,10 @@ RSV_INLINE float rsv_cell_area(const rsv_elements *elements, uint32_t cell)
 void rsv_elements_place_node(
     const rsv_elements *elements, uint32_t node, uint32_t *face, float *u, float *v);
 
+/// Where a node is. @param scene the elements' own or a variant of it
+rsv_surface_point rsv_elements_node_point(
+    const rsv_scene_view *scene, const rsv_elements *elements, uint32_t node);
+
 /// The cell of coarser elements of the same faces in which a cell lies.
 uint32_t rsv_elements_find_around(const rsv_elements *coarser, const rsv_cell *cell);
 
