@@ -1,5 +1,6 @@
 #include "../core/core.h"
 #include "../scene/material_at.h"
+#include "../scene/scene.h"
 #include "reference_internal.h"
 
 #if defined(_OPENMP)
@@ -48,6 +49,7 @@ rsv_status rsv_path_tracer_create(const rsv_scene *scene, rsv_path_tracer **resu
     if (!tracer) return RSV_ERROR_MEMORY;
     tracer->context = context;
     tracer->scene = rsv_scene_get_view(scene);
+    RSV_TRY(rsv_scene_refuse_fog(scene, "mode reference")); // not yet
     RSV_TRY(create_bsdfs(tracer));
     RSV_TRY(rsv_lights_create(scene, tracer->bsdf, &tracer->lights));
     RSV_TRY(rsv_tracer_create(scene, &tracer->tracer));
