@@ -46,7 +46,7 @@ static const char help[] =
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
     "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
-    "\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
+    "\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
     "\n"
@@ -132,6 +132,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_CHECKPOINT_OPTIONS(&s->checkpoint),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };

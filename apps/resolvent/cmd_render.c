@@ -40,8 +40,8 @@ static const char help[] =
     "than\n"
     "                     that; 0 = the same everywhere (default: final without --spp by quality: "
     "0,\n"
-    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
-    "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
+    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP
+        CLI_SOLVE_HELP "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
@@ -118,6 +118,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },

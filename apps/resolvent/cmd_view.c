@@ -37,7 +37,7 @@ static const char help_head[] =
     "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
     "commands of scripts:\n";
 
@@ -100,6 +100,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         { .name = NULL },
     };
     const cli_usage usage = { "view", help_head, options, "SCENE", 1, 1 };
