@@ -108,7 +108,8 @@ static void meet(move *m, const moved_face *f, uint32_t triangle)
     float rounding = f_max(f->rounding, other.rounding);
     float reach = f_max(f_min(f->reach, other.reach), rounding);
     if (triangle == f->triangle || fabsf(v3_dot(f->normal, other.normal)) < RSV_TWIN_PARALLEL ||
-        !rsv_twins_overlap(view, f->triangle, triangle, f->normal, other.normal, reach, &overlap))
+        !rsv_twins_overlap(view, (rsv_twin_face){ f->triangle, f->normal },
+            (rsv_twin_face){ triangle, other.normal }, reach, &overlap))
         return;
     flag(m, f->triangle, rsv_twin_flags(view, f->triangle, overlap.opposite));
     flag(m, triangle, rsv_twin_flags(view, triangle, overlap.opposite));

@@ -5,14 +5,12 @@
 #include "budget.h"
 #include "coarse_elements.h"
 #include "pilot.h"
+#include "solve_constants.h"
 
 #include <stdlib.h>
 
-/// A budget of which so much is used counts as used.
-#define FILLED 0.95
-#define ROUNDS 12
 /// Elements that a split adds if none of its neighbours is split: the first guess.
-#define NODES_PER_SPLIT 3
+#define NODES_PER_LONE_SPLIT 3
 
 typedef struct large_cell {
     float area;
@@ -70,12 +68,12 @@ cleanup:
 rsv_status rsv_budget_fill(rsv_builder *b, float wanted)
 {
     size_t budget = b->desc.max_elements;
-    double per_split = NODES_PER_SPLIT;
+    double per_split = NODES_PER_LONE_SPLIT;
     if (budget == 0 || rsv_pilot_has_goal(b) || rsv_builder_rows(b) == 0) return RSV_OK;
-    for (int round = 0; round < ROUNDS; round++) {
+    for (int round = 0; round < FILL_ROUNDS; round++) {
         size_t before = rsv_budget_elements(b), split;
         size_t most = (size_t)((double)(budget - before) / per_split);
-        if ((double)before >= FILLED * (double)budget || most == 0) break;
+        if ((double)before >= BUDGET_FILLED * (double)budget || most == 0) break;
         rsv_status status = split_largest(b, wanted, most, &split);
         if (status != RSV_OK) return status;
         size_t added = rsv_budget_elements(b) - before;
