@@ -2,7 +2,7 @@
 # Lux of probes, and pictures in false colours. In the furnace, irradiance is 2 W/m2 on all sides of any point: 1366 lux.
 source "$(dirname "$0")/support.sh"
 
-printf '0.1,0.1,0.1,0,1,0\n-0.1,0.2,0.1,1,0,0\n' >points.csv
+printf '0.1,0.1,0.1,0,1,0\n0.3,0.2,0.1,1,0,0\n' >points.csv
 draft=(--quality draft --samples 256 --max-elements 400 --threads 2)
 succeeds probe furnace --points points.csv -o "$out/a.csv" "${draft[@]}" --photometric --cylindrical
 [[ $(head -n 1 "$out/a.csv") == x,y,z,nx,ny,nz,lux,err_lux,cylindrical,err_cylindrical ]] || complain "header of the lux"
