@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define COLUMNS RSV_DAYLIGHT_COLUMNS
+#define MOST_LUMINANCES ((size_t)1 << 28) ///< of patches at all hours: 1 GiB
 #define SUN_REACH 1.5 ///< heights of a patch within which the sun's reflected light is averaged
 
 /// Directions and solid angles of all patches.
