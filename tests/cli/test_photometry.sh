@@ -23,4 +23,12 @@ refuses 1 'not below the top' falsecolor f.exr -o "$out/f.png" --max 1 --min 2
 refuses 1 'not above 0' falsecolor f.exr -o "$out/f.png" --log --min 0
 refuses 1 'missing.exr' falsecolor missing.exr -o "$out/f.png"
 refuses 2 'missing' falsecolor f.exr
+
+printf 'TILT=NONE\r\n1 1000 1 2 1 1 2 0 0 0 1 1 10\r\n0 90\r\n0\r\n100 100\r\n' >lamp.ies
+"$program" info lamp.ies >log || complain "a luminaire is told of"
+grep -q 'flux *628.319 lm' log || complain "2 pi times 100 cd: $(cat log)"
+"$program" info lamp.ies --json | python3 -c 'import json, sys; assert json.load(sys.stdin)["lamp_flux"] == 1000' ||
+    complain "a luminaire in JSON"
+printf 'TILT=NONE\n1 1000 1 2 1 1 2 0 0 0 1 1 10\n0 90\n0\n100\n' >bad.ies
+refuses 1 'bad.ies:6: an intensity is missing' info bad.ies
 finish
