@@ -72,8 +72,7 @@ static bool has_moved(const move *m, uint32_t triangle)
 {
     const uint32_t *corner = m->scene->triangle[triangle];
     for (int k = 0; k < 3; k++)
-        if (memcmp(&m->scene->position[corner[k]], &m->home[corner[k]], sizeof(rsv_vec3)) != 0)
-            return true;
+        if (v3_max_abs(v3_sub(m->scene->position[corner[k]], m->home[corner[k]])) > 0) return true;
     return false;
 }
 
