@@ -60,6 +60,8 @@ class Light(Object):
     Made by `Scene.solve`, `Light.relight` or `Light.load`. Any number of threads may use it.
     """
 
+    _made_by = "Scene.solve, Light.relight or Light.load"
+
     #: Of `Scene.solve(error=...)`: the certificate of the solution, and why refining ended; else None.
     certificate: Optional[Certificate] = None
     error_stop: Optional[str] = None

@@ -26,6 +26,8 @@ class Scene(Object):
     Made by `Scene.load`, `Scene.builtin` or `Scene.from_meshes`.
     """
 
+    _made_by = "Scene.load, Scene.builtin or Scene.from_meshes"
+
     # ---- making one --------------------------------------------------------------------------------
 
     @classmethod

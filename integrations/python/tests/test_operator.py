@@ -6,8 +6,8 @@ import numpy as np
 from scipy import sparse
 
 import resolvent
-from fixtures import SMALL, UP, floor_points, solved_lamps
-from resolvent import Scene
+from fixtures import CUBE, INWARDS, SMALL, UP, floor_points, furnace, solved_lamps
+from resolvent import Mesh, PunctualLight, Scene
 
 
 def random_field(operator, seed=0):
@@ -99,6 +99,20 @@ class Solutions(unittest.TestCase):
         self.assertEqual(gradient.element_albedo.shape, gradient.adjoint.shape)
         weighted = light.gradient(points, UP, np.arange(7))
         self.assertGreater(weighted.reading[0], gradient.reading[0])
+
+    def test_gradients_of_a_furnace_are_known(self):
+        gradient = furnace(0.5).solve("draft", **SMALL).gradient(floor_points(4), UP)
+        for values, exact in ((gradient.reading, 2), (gradient.lights["wall"], 2), (gradient.albedo["wall"], 4)):
+            np.testing.assert_allclose(values, exact, rtol=1e-4)  # 1 / (1 - albedo), and its derivative
+
+    def test_scenes_without_elements_have_an_empty_operator(self):
+        mirror = resolvent.Material(metallic=1, roughness=0)
+        lamp = PunctualLight(position=(0.5, 0.5, 0.5))
+        light = Scene.from_meshes(Mesh(CUBE, INWARDS, material=mirror), lights=[lamp]).solve("draft", **SMALL)
+        self.assertEqual(light.operator.matrix(0).shape, (0, 0))
+        self.assertEqual(light.operator.interpolation(floor_points(3), UP).nnz, 0)
+        np.testing.assert_array_equal(light.gradient(floor_points(3), UP).reading, 0)
+        np.testing.assert_array_equal(light.irradiance(floor_points(3), UP), 0)
 
     def test_wrong_requests_are_refused(self):
         operator = solved_lamps().operator
