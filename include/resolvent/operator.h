@@ -43,12 +43,16 @@ RSV_API rsv_status rsv_operator_residual(
 /// ||G K||_inf: the largest row sum over elements and channels. Below 1 the series of reflections converges.
 RSV_API rsv_status rsv_operator_norm(const rsv_operator *transport, double *norm_inf);
 
-/// The element values around a point of a triangle and their weights, of which a field's value there is the weighted sum.
-/// @param u, v barycentric weights of the triangle's corners 1 and 2
-/// @param element, weight out, [3]
+/// Elements around a point and their weights: a field's value there is the weighted sum of theirs.
+typedef struct rsv_element_weights {
+    uint32_t element[3];
+    float weight[3];
+} rsv_element_weights;
+
+/// What a point of a triangle looks up. @param u, v barycentric weights of the triangle's corners 1 and 2
 /// @return false where that side of the triangle has no elements: it does not reflect diffusely
 RSV_API bool rsv_operator_locate(const rsv_operator *transport, uint32_t triangle, float u, float v,
-    bool back_side, uint32_t element[3], float weight[3]);
+    bool back_side, rsv_element_weights *around);
 
 /// The same for points in space, each at the nearest place of the surfaces that its normal looks at, where mode lookup of
 /// rsv_probe_irradiance reads, too.

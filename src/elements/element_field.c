@@ -207,7 +207,7 @@ void rsv_elements_constrain(const rsv_elements *e, rsv_rgb *value)
 {
     // leaders are free, so that followers do not wait for each other
 #pragma omp parallel for schedule(static)                                                          \
-    num_threads(rsv_threads(e->context)) if (e->follower_count > PARALLEL_NODES)
+    num_threads(rsv_threads(e->context)) if (e->follower_count > RSV_PARALLEL_NODES)
     for (size_t h = 0; h < e->follower_count; h++)
         constrain_node(&e->hanging[h], value);
     for (size_t h = e->follower_count; h < e->hanging_count; h++)

@@ -15,6 +15,13 @@
 #include "../core/triangle_grid.h"
 #include "../surface/entry.h"
 
+/// Nodes that splitting a cell adds beside those that it shares with its neighbours, about.
+#define RSV_NODES_PER_SPLIT 2
+/// Splits halve cells: a goal's end up at most this much larger than wanted.
+#define RSV_GROWTH_TOLERANCE 1.4f
+/// Nodes below which waking the threads takes longer than the work.
+#define RSV_PARALLEL_NODES 16384
+
 #define RSV_MAX_LEVEL 14 ///< cells along an edge: at most 2^14, all levels together
 
 /// A triangle of the subdivision in barycentric lattice coordinates (i, j) of its level: an upright cell

@@ -2,34 +2,34 @@
 #include "goal.h"
 #include "operator.h"
 
+#include <string.h>
+
 bool rsv_operator_locate(const rsv_operator *op, uint32_t triangle, float u, float v,
-    bool back_side, uint32_t element[3], float weight[3])
+    bool back_side, rsv_element_weights *around)
 {
     const rsv_elements *e = rsv_operator_get_view(op)->elements;
     uint32_t face = e->face_of[back_side][triangle];
     if (face == RSV_NONE) return false;
-    const uint32_t *node = e->cell_node[rsv_elements_locate(e, face, u, v, weight)];
+    const uint32_t *node = e->cell_node[rsv_elements_locate(e, face, u, v, around->weight)];
     for (int k = 0; k < 3; k++)
-        element[k] = node[k];
+        around->element[k] = node[k];
     return true;
 }
 
-static void locate_probe(
-    const rsv_operator *op, const rsv_probe *probe, uint32_t element[3], float weight[3])
+/// Weights are 0 where nothing reflects diffusely.
+static rsv_element_weights locate_probe(const rsv_operator *op, const rsv_probe *probe)
 {
     const rsv_transport_scene *scene = &rsv_operator_get_view(op)->world->scene;
+    const rsv_element_weights none = { { 0 }, { 0 } };
     rsv_hit hit;
-    for (int k = 0; k < 3; k++) {
-        element[k] = 0;
-        weight[k] = 0;
-    }
-    if (!rsv_tracer_nearest(scene->tracer, probe->position, probe->normal, &hit)) return;
+    if (!rsv_tracer_nearest(scene->tracer, probe->position, probe->normal, &hit)) return none;
     const uint32_t *corner = scene->view->triangle[hit.triangle];
     const rsv_vec3 *position = scene->view->position;
     rsv_vec3 front = v3_cross(v3_sub(position[corner[1]], position[corner[0]]),
         v3_sub(position[corner[2]], position[corner[0]]));
     bool back_side = v3_dot(front, probe->normal) < 0;
-    rsv_operator_locate(op, hit.triangle, hit.u, hit.v, back_side, element, weight);
+    rsv_element_weights around;
+    return rsv_operator_locate(op, hit.triangle, hit.u, hit.v, back_side, &around) ? around : none;
 }
 
 rsv_status rsv_operator_locate_probes(const rsv_operator *op, const rsv_probe *probes, size_t count,
@@ -39,8 +39,12 @@ rsv_status rsv_operator_locate_probes(const rsv_operator *op, const rsv_probe *p
     rsv_status status = rsv_check_probes(probes, count);
     if (status != RSV_OK) return status;
 #pragma omp parallel for schedule(dynamic, 256) num_threads(rsv_threads(context))
-    for (size_t k = 0; k < count; k++)
-        if (!rsv_cancelled(context)) locate_probe(op, &probes[k], element[k], weight[k]);
+    for (size_t k = 0; k < count; k++) {
+        if (rsv_cancelled(context)) continue;
+        rsv_element_weights around = locate_probe(op, &probes[k]);
+        memcpy(element[k], around.element, sizeof around.element);
+        memcpy(weight[k], around.weight, sizeof around.weight);
+    }
     return rsv_progress(context, "probe", 1);
 }
 

@@ -9,7 +9,9 @@ rsv_add_test(team unit/test_team.c)
 rsv_add_test(image unit/test_image.c)
 target_link_libraries(test_image PRIVATE PkgConfig::OPENEXR)
 rsv_add_test(reference statistical/test_reference.c)
+rsv_add_test(fog_reference statistical/test_fog_reference.c)
 rsv_add_test(scene unit/test_scene.c)
+rsv_add_test(fog unit/test_fog.c)
 rsv_add_test(plan unit/test_plan.c)
 rsv_add_test(bake unit/test_bake.c)
 rsv_add_test(bake_side unit/test_bake_side.c)
@@ -83,7 +85,7 @@ foreach(name IN ITEMS bsdf bsdf_lobes bvh)
     target_compile_options(test_${name} PRIVATE $<$<CONFIG:Release>:-O3>)
 endforeach()
 # long sums of what other tests run through the sanitizers
-set_tests_properties(bake bsdf_lobes contacts environment faults frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes rough_box
+set_tests_properties(bake bsdf_lobes contacts environment faults fog_reference frame_input gathered_bends locale media mover history_pilots random_certificates random_scenes rough_box
     rough_sky subsurface translucent PROPERTIES LABELS slow)
 foreach(name IN ITEMS environment light_tree gltf certify opfile history bake_side scene frame texture render bodies
         plan random_scenes shadows)
