@@ -107,10 +107,10 @@ class Operator(Object):
         from scipy import sparse
 
         given, _ = probes(points, normals, self._scene.origin)
-        element, weight = np.empty((len(given), 3), np.uint32), np.empty((len(given), 3), np.float32)
+        around = np.empty((len(given), 6), np.uint32)  # rsv_element_weights
         self._context.call(lib.rsv_operator_locate_probes, self._pointer, pointer("rsv_probe", given), len(given),
-                           ffi.cast("uint32_t (*)[3]", element.ctypes.data),
-                           ffi.cast("float (*)[3]", weight.ctypes.data))
+                           pointer("rsv_element_weights", around))
+        element, weight = around[:, :3], around[:, 3:].view(np.float32)
         row, corner = np.nonzero(weight)
         places = row, element[row, corner].astype(np.int64)
         return sparse.csr_matrix((weight[row, corner], places), (len(given), self.element_count))
