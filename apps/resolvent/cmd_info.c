@@ -17,7 +17,7 @@ static const char help[] =
     "counts, bounds, area, objects, materials, lights and cameras. Of a file of\n"
     "`resolvent solve` it also says what was solved.\n"
     "\n"
-    "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP "\n"
+    "  --json             print JSON\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
     "  resolvent info cornell-blocks --json\n";
@@ -372,10 +372,12 @@ int cli_info(int argc, char **argv)
     const char *name = NULL, *mesh = NULL;
     bool json = false;
     cli_environment environment = CLI_DEFAULT_ENVIRONMENT;
+    cli_reading reading = { 0 };
     const cli_option options[] = {
         { .name = "--json", .kind = CLI_FLAG, .value = &json },
         CLI_MESH_OPTION(&mesh),
         CLI_ENVIRONMENT_OPTIONS(&environment),
+        CLI_READING_OPTIONS(&reading),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
@@ -384,6 +386,7 @@ int cli_info(int argc, char **argv)
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
+    session.reading = reading;
     cli_subject subject;
     totals t = { 0 };
     bool printed = cli_open_subject(&session, name, &environment, &subject) &&

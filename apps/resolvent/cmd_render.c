@@ -40,8 +40,8 @@ static const char help[] =
     "than\n"
     "                     that; 0 = the same everywhere (default: final without --spp by quality: "
     "0,\n"
-    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
-    "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
+    "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP
+        CLI_SOLVE_HELP "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
@@ -76,6 +76,7 @@ static const char *const mode_names[] = { [RSV_RENDER_OPERATOR] = "operator",
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
+    cli_reading reading;
     cli_error_target target;
     cli_solve_choice solve;
     cli_list outputs;
@@ -118,6 +119,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_ERROR_TARGET_ALONE(&s->target),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -351,6 +353,7 @@ int cli_render(int argc, char **argv)
         !cli_session_begin(&session, s.threads))
         return CLI_FAILURE;
     session.mesh = s.mesh;
+    session.reading = s.reading;
     exit_status = run(&session, &s);
     cli_session_end(&session);
     return exit_status;

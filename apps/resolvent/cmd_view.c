@@ -37,7 +37,7 @@ static const char help_head[] =
     "  --stats FILE.json  when which quality was first shown, and how long frames took\n"
     "  --record DIR       no window: every frame goes to DIR/frame-0000.png, ..., as many as\n"
     "                     --frames or the script says; the same ones every time\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+        CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
     "  --threads N        default: one per processor\n" CLI_DEVICE_HELP "\n"
     "commands of scripts:\n";
 
@@ -52,6 +52,7 @@ static const char help_tail[] =
 typedef struct settings {
     const char *scene, *camera, *script, *record, *mesh, *object, *stats;
     cli_environment environment;
+    cli_reading reading;
     cli_solve_choice solve;
     cli_size size;
     uint32_t frames, threads; ///< 0 = as long as it takes; one per processor
@@ -114,6 +115,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         { .name = NULL },
     };
     const cli_usage usage = { "view", help_head, options, "SCENE", 1, 1 };
@@ -442,6 +444,7 @@ int cli_view(int argc, char **argv)
         !cli_session_begin(&session, s.threads))
         return CLI_FAILURE;
     session.mesh = s.mesh;
+    session.reading = s.reading;
     viewer v = { .settings = &s, .session = &session };
     bool good = open_viewer(&v);
     cli_progress_clear(&session.progress);

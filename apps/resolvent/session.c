@@ -142,6 +142,11 @@ static void release(void *user, void *memory)
     free(memory);
 }
 
+const char *const cli_light_unit_names[] = { [RSV_LIGHT_UNITS_AUTO] = "auto",
+    [RSV_LIGHT_UNITS_WATT] = "watt",
+    [RSV_LIGHT_UNITS_PHOTOMETRIC] = "photometric",
+    NULL };
+
 bool cli_session_begin(cli_session *session, uint32_t threads)
 {
     *session = (cli_session){ .started = cli_seconds(), .speaking = ATOMIC_FLAG_INIT };
@@ -238,8 +243,11 @@ rsv_scene *cli_open_scene(
     if (access(name, F_OK) == 0 && !session->mesh) {
         rsv_load_desc load = rsv_default_load_desc();
         load.keep_document = session->keep_document;
+        load.light_units = (rsv_light_units)session->reading.light_units;
         status = rsv_scene_load_with(session->context, name, &load, &scene);
     } else if (rsv_scene_is_builtin(name)) {
+        if (session->reading.light_units)
+            cli_warn(session, "--light-units does nothing to built-in scenes");
         status = cli_build_scene(session, name, &scene);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());

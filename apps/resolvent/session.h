@@ -16,11 +16,17 @@ typedef struct cli_messages {
     size_t count;
 } cli_messages;
 
+/// How scene files are to be understood: what --light-units asks for.
+typedef struct cli_reading {
+    int light_units; ///< rsv_light_units
+} cli_reading;
+
 typedef struct cli_session {
     rsv_context *context;
     cli_progress progress;
     cli_messages warnings, notes;
-    const char *mesh;          ///< file of --mesh, the body of a built-in scene; NULL = none
+    const char *mesh; ///< file of --mesh, the body of a built-in scene; NULL = none
+    cli_reading reading;
     bool keep_document;        ///< scenes are to keep the glTF file that they come from
     const char *checkpoint;    ///< folder that an interrupted run leaves rows in; NULL = none
     double started;            ///< cli_seconds()
@@ -40,6 +46,23 @@ typedef struct cli_session {
 #define CLI_MESH_HELP                                                                              \
     "  --mesh FILE        the body in cornell-glass, cornell-marble (a dragon) or character (a "   \
     "head)\n"
+
+// clang-format off
+/// The options that fill a cli_reading, for a command's table; it goes to the session once that has begun.
+#define CLI_READING_OPTIONS(reading)                                                               \
+    { .name = "--light-units", .kind = CLI_CHOICE, .value = &(reading)->light_units,               \
+      .choices = cli_light_unit_names }
+// clang-format on
+
+/// Their lines in a command's help.
+#define CLI_READING_HELP                                                                           \
+    "  --light-units U    what a file's strengths of lights mean: watt (W/sr, W/m2), "             \
+    "photometric\n"                                                                                \
+    "                     (candela, lux: divided by 683 lm/W), or auto (default), by the "         \
+    "program\n"                                                                                    \
+    "                     that wrote the file\n"
+
+extern const char *const cli_light_unit_names[];
 
 /// @param session must stay where it is until cli_session_end
 /// @param threads 0 = one per processor

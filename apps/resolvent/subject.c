@@ -22,6 +22,13 @@ static bool refuse_scene_options(
             session->mesh, name);
         return false;
     }
+    if (session->reading.light_units) {
+        cli_error(
+            "--light-units: '%s' is a solved operator with lights of its own; solve the scene "
+            "anew",
+            name);
+        return false;
+    }
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||
                                          environment->rotation != 0);
     if (surrounded)

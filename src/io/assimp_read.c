@@ -2,6 +2,7 @@
 #include "../core/vec.h"
 #include "../scene/smooth_normals.h"
 #include "assimp_light.h"
+#include "light_units.h"
 #include "matrix.h"
 #include "scene_parts.h"
 
@@ -148,6 +149,9 @@ static void add_materials(const reader *r)
         char name[RSV_NAME_BYTES];
         rsv_material material;
         rsv_assimp_material(r->context, r->kind, r->file->mMaterials[i], name, &material);
+        // as the exporter of glTF, those of Blender leave emission alone
+        if (r->facts.photometric && !r->facts.watts)
+            material.emission = rgb_scale(material.emission, (float)(1 / RSV_LUMENS_PER_WATT));
         rsv_send_material(r->to, &material);
     }
 }
@@ -427,7 +431,8 @@ rsv_status rsv_assimp_convert(
     double unit = metres_per_unit(root);
     if (kind == RSV_FILE_COLLADA && !(unit > 0 && unit < INFINITY))
         RSV_TRY(rsv_fail(RSV_ERROR_FORMAT, "its <unit> of %g m is not usable", unit));
-    RSV_TRY(rsv_assimp_learn(context, path, kind, r.file, fabs(unit), &r.facts));
+    const rsv_assimp_reading reading = { path, kind, desc->light_units, fabs(unit) };
+    RSV_TRY(rsv_assimp_learn(context, &reading, r.file, &r.facts));
     RSV_TRY(allocate(&r));
     add_materials(&r);
     RSV_TRY(add_meshes(&r));

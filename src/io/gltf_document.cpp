@@ -434,6 +434,7 @@ void convert_light(owned_document &document, const json &source)
     const std::string type = text(source, "type");
     const std::string owner = label(source, "light", document.lights.size());
     light.value.name = keep(document, text(source, "name"));
+    light.strength = intensity;
     light.known = light_kind(type, light.value.kind);
     if (!light.known)
         note(document, RSV_LOG_WARNING,
@@ -524,6 +525,7 @@ void convert(owned_document &document)
     note_animations(document);
     find_unread(document);
     publish(document);
+    document.generator = keep(document, text(member(document.tree, "asset"), "generator"));
     document.tree = nullptr;
     document.text = document.json_text.data();
     document.text_bytes = document.json_text.size();

@@ -125,6 +125,7 @@ typedef struct rsv_gltf_node {
 
 typedef struct rsv_gltf_light {
     rsv_punctual_light value; ///< kind, intensity, cone and name; placed by nodes
+    double strength;          ///< the number `intensity`, without the colour
     bool known;               ///< false = of a kind that is not in the format: left out
 } rsv_gltf_light;
 
@@ -183,6 +184,7 @@ typedef struct rsv_gltf_document {
         camera_count, light_count, skin_count, root_count, texture_count, image_count, note_count;
     const char *text; ///< [text_bytes] the JSON as it stands in the file
     size_t text_bytes;
+    const char *generator; ///< the program that wrote the file, in its own words; "" = it says none
 } rsv_gltf_document;
 
 /// Parses a .gltf or .glb file and reads its buffers, which must lie in the file's folder or below. Bytes beyond a

@@ -8,6 +8,7 @@
 #include "gltf_part.h"
 #include "gltf_skin.h"
 #include "gltf_texture.h"
+#include "light_units.h"
 #include "matrix.h"
 #include "scene_read.h"
 
@@ -29,6 +30,7 @@ typedef struct reader {
         *primitive_id; ///< scene mesh of each primitive as its mesh has it; RSV_NONE = not read
     bool *mesh_named;  ///< [mesh_count] whether it was told what of it is skipped
     uint32_t material_count, default_material;
+    rsv_light_scale scale;
 } reader;
 
 static bool refers(int reference, size_t count)
@@ -43,6 +45,9 @@ static rsv_status add_materials(reader *r)
     rsv_status status = rsv_gltf_add_materials(r->context, r->document, r->scene);
     r->material_count = (uint32_t)r->document->material_count;
     r->default_material = RSV_NONE;
+    for (size_t k = 0; k < r->scene->material_count; k++)
+        r->scene->material[k].emission =
+            rgb_scale(r->scene->material[k].emission, (float)r->scale.emission);
     return status;
 }
 
@@ -263,6 +268,13 @@ static rsv_status add_camera(reader *r, const rsv_gltf_node *node, const double 
     return rsv_scene_place_camera(r->scene, &camera, world + 12, node->name);
 }
 
+/// Numbers that are right already stay bit for bit.
+static rsv_rgb scaled(rsv_rgb value, double factor)
+{
+    return rgb((float)((double)value.r * factor), (float)((double)value.g * factor),
+        (float)((double)value.b * factor));
+}
+
 static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double world[16])
 {
     if (!refers(node->light, r->document->light_count))
@@ -272,6 +284,8 @@ static rsv_status add_light(reader *r, const rsv_gltf_node *node, const double w
     if (!r->document->light[node->light].known) return RSV_OK;
     if (!*light.name) light.name = node->name;
     light.direction = v3_neg(v3_normalize(column_of(world, 2)));
+    light.intensity = scaled(
+        light.intensity, rsv_punctual_is_distant(&light) ? r->scale.distant : r->scale.local);
     if (rsv_punctual_has_direction(&light) && v3_length(light.direction) == 0)
         return leave_out(r, node, "light", "its transform leaves it no direction");
     return rsv_scene_place_light(r->scene, &light, world + 12, node->name);
@@ -347,6 +361,7 @@ static void tell_notes(const reader *r)
 {
     for (size_t k = 0; k < r->document->note_count; k++)
         rsv_log(r->context, r->document->note[k].level, "%s", r->document->note[k].text);
+    if (r->scale.said) rsv_log(r->context, RSV_LOG_INFO, "%s", r->scale.said);
     name_groups(r);
 }
 
@@ -395,19 +410,20 @@ static rsv_status keep(const reader *r, const char *path)
     return RSV_OK;
 }
 
-rsv_status rsv_gltf_read(const char *path, bool keep_document, rsv_scene *scene)
+rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
     reader r = { .context = context, .scene = scene, .parts = { .context = context } };
     RSV_TRY(rsv_gltf_open(path, &r.document));
+    r.scale = rsv_gltf_light_scale(r.document, desc->light_units);
     RSV_TRY(rsv_gltf_parts_create(context, r.document, &r.parts));
     RSV_TRY(allocate(&r));
     tell_notes(&r);
     RSV_TRY(add_materials(&r));
     RSV_TRY(add_parts(&r));
     RSV_TRY(add_cameras_and_lights(&r));
-    if (keep_document) RSV_TRY(keep(&r, path));
+    if (desc->keep_document) RSV_TRY(keep(&r, path));
 cleanup:
     release(&r);
     return status;

@@ -77,6 +77,9 @@ static rsv_status check_desc(const rsv_load_desc *desc)
     if (!(desc->crease_angle >= 0))
         return rsv_fail(
             RSV_ERROR_ARGUMENT, "a crease angle of %g is not possible", (double)desc->crease_angle);
+    if ((unsigned)desc->light_units > RSV_LIGHT_UNITS_PHOTOMETRIC)
+        return rsv_fail(
+            RSV_ERROR_ARGUMENT, "units of light %d do not exist", (int)desc->light_units);
     return RSV_OK;
 }
 
@@ -101,7 +104,7 @@ rsv_status rsv_scene_load_with(
     RSV_TRY(rsv_scene_create(context, &loaded));
     loaded->is_part = desc->is_part;
     if (kind == RSV_FILE_GLTF)
-        RSV_TRY(rsv_gltf_read(path, desc->keep_document, loaded));
+        RSV_TRY(rsv_gltf_read(path, desc, loaded));
     else if (kind == RSV_FILE_PLY)
         RSV_TRY(rsv_ply_read(path, desc, loaded));
     else if (kind == RSV_FILE_STL)
