@@ -2,6 +2,7 @@
 #include "crew.h"
 #include "device.h"
 #include "error_target.h"
+#include "exposure.h"
 #include "options.h"
 #include "output_file.h"
 #include "stats.h"
@@ -44,8 +45,8 @@ static const char help[] =
         CLI_SOLVE_HELP "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
-    "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, ...\n"
-    "  --exposure STOPS   .png: brighter by 2^STOPS (default 0)\n"
+    "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, "
+    "...\n" CLI_EXPOSURE_HELP
     "  --error P%         final: RMS error of pixels that is wanted, relative to what is around\n"
     "                     them, 0.5 % to 100 % (default 7 %); the plan is said. With --quality:\n"
     "                     refine from there on until the certificate's estimate of the\n"
@@ -113,7 +114,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
             .value = &s->occlusion_distance,
             .max = 1e9 },
         { .name = "--layers", .kind = CLI_FLAG, .value = &s->layers },
-        { .name = "--exposure", .kind = CLI_REAL, .value = &s->exposure, .min = -64, .max = 64 },
+        CLI_EXPOSURE_OPTION(&s->exposure),
         { .name = "--threads", .kind = CLI_COUNT, .value = &s->threads, .max = 1024 },
         CLI_DEVICE_OPTION(&s->device),
         CLI_MESH_OPTION(&s->mesh),
@@ -231,11 +232,15 @@ static rsv_status solve(
     return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
 }
 
-static rsv_status write_pictures(const settings *s, const rsv_image *image)
+/// @param exposure out: of .png
+static rsv_status write_pictures(
+    cli_session *session, const settings *s, const rsv_image *image, float *exposure)
 {
     rsv_status status = RSV_OK;
+    bool wanted = cli_writes_png(&s->outputs) && cli_exposes(session, s->scene, s->exposure);
+    *exposure = cli_expose(session, wanted, s->exposure, image);
     for (size_t i = 0; cli_crew_speaks() && i < s->outputs.count && status == RSV_OK; i++)
-        status = rsv_image_write(image, s->outputs.item[i], s->exposure);
+        status = rsv_image_write(image, s->outputs.item[i], *exposure);
     return status;
 }
 
@@ -320,13 +325,15 @@ static int run(cli_session *session, const settings *s)
     rsv_render_desc desc;
     rsv_certificate certificate;
     rsv_image *image = NULL;
+    float exposure = 0;
     cli_subject subject;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return exit_status;
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 
     rsv_status status = render(session, s, &desc, &subject, &certificate, &image, &stats);
-    if (status == RSV_OK) status = write_pictures(s, image);
+    if (status == RSV_OK) status = write_pictures(session, s, image, &exposure);
+    if (cli_writes_png(&s->outputs)) stats.exposure = &exposure;
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (!s->stats || write_stats(session, s, &desc, is_solved(s) ? subject.solution : NULL,
@@ -344,6 +351,7 @@ int cli_render(int argc, char **argv)
     settings s = { .mode = RSV_RENDER_FINAL,
         .solve = { .quality = -1 },
         .environment = CLI_DEFAULT_ENVIRONMENT,
+        .exposure = CLI_AUTO_EXPOSURE,
         .noise = -1 };
     int exit_status;
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;

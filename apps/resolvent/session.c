@@ -111,6 +111,11 @@ void cli_warn(cli_session *session, const char *message)
     say(session, &session->warnings, "warning", message);
 }
 
+void cli_note(cli_session *session, const char *message)
+{
+    say(session, &session->notes, "note", message);
+}
+
 static void on_log(void *user, rsv_log_level level, const char *message)
 {
     cli_session *session = user;

@@ -116,6 +116,9 @@ uint32_t cli_thread_count(uint32_t threads);
 /// Prints "error: ..." on standard error.
 void cli_error(const char *format, ...) RSV_PRINTF(1, 2);
 
+/// Prints "note: ..." on standard error, unless it was said before.
+void cli_note(cli_session *session, const char *message);
+
 /// Prints "warning: ..." on standard error and keeps it for the statistics, unless it was said before.
 void cli_warn(cli_session *session, const char *message);
 

@@ -1,0 +1,64 @@
+# Files as people have them: units of light, exposure.
+source "$(dirname "$0")/support.sh"
+tiny=(--size 32x24 --quality draft --spp 4)
+
+# ---- units ----
+succeeds scene cornell-blocks -o box.glb
+succeeds info box.glb --light-units photometric --json
+grep -q 'emission' stdout || complain "info names no emission"
+refuses 2 'one of auto, watt, photometric' render box.glb -o "$out/a.png" --light-units lumen
+succeeds solve box.glb -o box.safetensors --quality draft
+refuses 1 'light-units' render box.safetensors -o "$out/a.png" "${tiny[@]}" --light-units watt
+succeeds render furnace -o "$out/a.png" "${tiny[@]}" --light-units watt
+warns 'light-units does nothing'
+rm "$out"/*
+
+# ---- exposure ----
+exposure() { sed -n 's/.*"exposure":[[:space:]]*\([-0-9.]*\).*/\1/p' "$1"; }
+ratio() { succeeds compare "$1" "$2" --json && sed -n 's/.*"mean_ratio":[[:space:]]*\([-0-9.e]*\).*/\1/p' stdout; }
+within() { awk -v x="$1" -v low="$2" -v high="$3" 'BEGIN { exit !(x >= low && x <= high) }' || complain "$4: $1 is not within $2 .. $3"; }
+
+succeeds render box.glb -o plain.png -o plain.exr "${tiny[@]}" --exposure 0 --stats plain.json
+grep -q 'note: exposure' stderr && complain "an exposure that was asked for is said to be chosen"
+[[ $(exposure plain.json) == 0 ]] || complain "the statistics do not say the exposure"
+succeeds render box.glb -o own.png -o own.exr "${tiny[@]}" --stats own.json
+warns 'note: exposure'
+cmp -s plain.exr own.exr || complain "the exposure changes what is linear"
+# the same box, 683 times as dark
+succeeds render box.glb -o dim.png -o dim.exr "${tiny[@]}" --light-units photometric --stats dim.json
+within "$(ratio plain.exr dim.exr)" 0.0014 0.0015 "683 lm/W"
+more=$(awk -v a="$(exposure own.json)" -v b="$(exposure dim.json)" 'BEGIN { print b - a }')
+within "$more" 9.3 9.5 "stops more for a scene 683 times as dark"
+within "$(ratio own.png dim.png)" 0.5 2 "a dim scene, as it is shown"
+succeeds render box.glb -o again.png "${tiny[@]}" --light-units photometric --exposure "$(exposure dim.json)"
+cmp -s dim.png again.png || complain "the exposure that is said gives another picture"
+succeeds render cornell-blocks -o built.png "${tiny[@]}" --stats built.json
+[[ $(exposure built.json) == 0 ]] || complain "a built-in scene is exposed anew"
+grep -q 'note: exposure' stderr && complain "the exposure of a built-in scene is chosen"
+succeeds render box.glb -o only.exr "${tiny[@]}" --stats only.json
+grep -q '"exposure":[[:space:]]*null' only.json || complain "a picture without .png has an exposure"
+
+# one for all frames, and for changed lights: that of the light as it was solved
+succeeds solve box.glb -o dim.safetensors --quality draft --light-units photometric
+printf '0 light.light=1\n2 light.light=0.01\n' >fade.txt
+succeeds relight dim.safetensors --script fade.txt -o f%d.png --mode operator "${tiny[@]:0:2}" --stats fade.json
+within "$(exposure fade.json)" "$(exposure dim.json | awk '{ print $1 - 0.3 }')" "$(exposure dim.json | awk '{ print $1 + 0.3 }')" "exposure of frames"
+within "$(ratio f0.png f2.png)" 0 0.1 "a light that fades"
+succeeds relight dim.safetensors --light light=0.01 -o single.png --mode operator "${tiny[@]:0:2}"
+cmp -s f2.png single.png || complain "a frame and the same picture alone are exposed differently"
+# the operator of a built-in scene knows that it is one, even relit
+succeeds solve cornell-blocks -o built.safetensors --quality draft
+succeeds relight built.safetensors --light light=0.01 -o relit.safetensors -o relit.png --mode operator "${tiny[@]:0:2}"
+grep -q 'note: exposure' stderr && complain "a built-in scene that was solved is exposed anew"
+succeeds render relit.safetensors -o relit2.png "${tiny[@]:0:2}"
+grep -q 'note: exposure' stderr && complain "a built-in scene that was relit is exposed anew"
+
+# the window
+printf '0 show hud\n0 show markers\n' >bare.txt
+view=(view dim.safetensors --script bare.txt --frames 1 --size 32x24)
+succeeds "${view[@]}" --record frames
+warns 'note: exposure'
+within "$(ratio f0.png frames/frame-0000.png)" 0.4 2.5 "a frame of the window"
+succeeds "${view[@]}" --record dark --exposure 0
+within "$(ratio frames/frame-0000.png dark/frame-0000.png)" 0 0.3 "a frame at exposure 0"
+finish
