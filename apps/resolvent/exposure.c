@@ -23,7 +23,7 @@ float cli_expose(cli_session *session, bool wanted, float asked, const rsv_image
     snprintf(line, sizeof line,
         "exposure %+.2f stops, chosen for .png; --exposure 0 leaves brightness as it is",
         (double)stops);
-    cli_note(session, line);
+    if (stops != 0) cli_note(session, line);
     return stops;
 }
 

@@ -152,6 +152,16 @@ const char *const cli_light_unit_names[] = { [RSV_LIGHT_UNITS_AUTO] = "auto",
     [RSV_LIGHT_UNITS_PHOTOMETRIC] = "photometric",
     NULL };
 
+const char *const cli_emit_names[] = { "file", "both", NULL };
+
+const char *cli_reading_given(const cli_reading *reading)
+{
+    return reading->light_units ? "--light-units"
+           : reading->two_sided ? "--two-sided"
+           : reading->emit      ? "--emit"
+                                : NULL;
+}
+
 bool cli_session_begin(cli_session *session, uint32_t threads)
 {
     *session = (cli_session){ .started = cli_seconds(), .speaking = ATOMIC_FLAG_INIT };
@@ -233,6 +243,16 @@ static rsv_status add_environment(
     return RSV_OK;
 }
 
+/// Built-in scenes are as they are.
+static void warn_of_reading(cli_session *session)
+{
+    char line[64];
+    const char *given = cli_reading_given(&session->reading);
+    if (!given) return;
+    snprintf(line, sizeof line, "%s does nothing to built-in scenes", given);
+    cli_warn(session, line);
+}
+
 rsv_scene *cli_open_scene(
     cli_session *session, const char *name, const cli_environment *environment)
 {
@@ -249,10 +269,11 @@ rsv_scene *cli_open_scene(
         rsv_load_desc load = rsv_default_load_desc();
         load.keep_document = session->keep_document;
         load.light_units = (rsv_light_units)session->reading.light_units;
+        load.two_sided = session->reading.two_sided;
+        load.emit_both = session->reading.emit;
         status = rsv_scene_load_with(session->context, name, &load, &scene);
     } else if (rsv_scene_is_builtin(name)) {
-        if (session->reading.light_units)
-            cli_warn(session, "--light-units does nothing to built-in scenes");
+        warn_of_reading(session);
         status = cli_build_scene(session, name, &scene);
     } else {
         const char *near = near_builtin(name, rsv_scene_builtin_names());

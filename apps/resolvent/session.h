@@ -16,9 +16,11 @@ typedef struct cli_messages {
     size_t count;
 } cli_messages;
 
-/// How scene files are to be understood: what --light-units asks for.
+/// How scene files are to be understood: what --light-units, --two-sided and --emit ask for.
 typedef struct cli_reading {
     int light_units; ///< rsv_light_units
+    bool two_sided;
+    int emit; ///< 1 = from both sides
 } cli_reading;
 
 typedef struct cli_session {
@@ -51,7 +53,9 @@ typedef struct cli_session {
 /// The options that fill a cli_reading, for a command's table; it goes to the session once that has begun.
 #define CLI_READING_OPTIONS(reading)                                                               \
     { .name = "--light-units", .kind = CLI_CHOICE, .value = &(reading)->light_units,               \
-      .choices = cli_light_unit_names }
+      .choices = cli_light_unit_names },                                                           \
+    { .name = "--two-sided", .kind = CLI_FLAG, .value = &(reading)->two_sided },                   \
+    { .name = "--emit", .kind = CLI_CHOICE, .value = &(reading)->emit, .choices = cli_emit_names }
 // clang-format on
 
 /// Their lines in a command's help.
@@ -60,9 +64,16 @@ typedef struct cli_session {
     "photometric\n"                                                                                \
     "                     (candela, lux: divided by 683 lm/W), or auto (default), by the "         \
     "program\n"                                                                                    \
-    "                     that wrote the file\n"
+    "                     that wrote the file\n"                                                   \
+    "  --two-sided        show materials of a file from both sides that it has single-sided\n"     \
+    "  --emit SIDES       materials of a file that shine do so from: file (default), the sides "   \
+    "it\n"                                                                                         \
+    "                     says; or both\n"
 
-extern const char *const cli_light_unit_names[];
+extern const char *const cli_light_unit_names[], *const cli_emit_names[];
+
+/// The option that says how to read a file and was given; NULL = none.
+const char *cli_reading_given(const cli_reading *reading);
 
 /// @param session must stay where it is until cli_session_end
 /// @param threads 0 = one per processor

@@ -22,11 +22,9 @@ static bool refuse_scene_options(
             session->mesh, name);
         return false;
     }
-    if (session->reading.light_units) {
-        cli_error(
-            "--light-units: '%s' is a solved operator with lights of its own; solve the scene "
-            "anew",
-            name);
+    const char *given = cli_reading_given(&session->reading);
+    if (given) {
+        cli_error("%s: '%s' is a solved operator with a scene of its own; solve anew", given, name);
         return false;
     }
     bool surrounded = environment && (environment->path || environment->intensity != 1 ||

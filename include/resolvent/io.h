@@ -36,6 +36,10 @@ typedef struct rsv_load_desc {
     /// added (bake.h), operator files hold them (opfile.h). Default true; rsv_scene_drop_document() frees them.
     bool keep_document;
     rsv_light_units light_units; ///< default auto
+    /// Shows materials that do not shine from both sides, where a file has them single-sided (default false). What
+    /// lies behind a front stays hidden by it.
+    bool two_sided;
+    bool emit_both; ///< Lets materials that shine do so from both sides (default false)
 } rsv_load_desc;
 
 RSV_API rsv_load_desc rsv_default_load_desc(void);

@@ -83,6 +83,17 @@ static rsv_status check_desc(const rsv_load_desc *desc)
     return RSV_OK;
 }
 
+/// Sides as the caller wants them. Bodies that let light through have an inside, and stay as they are.
+static void set_sides(const rsv_load_desc *desc, rsv_scene *scene)
+{
+    for (size_t k = 0; k < scene->material_count; k++) {
+        rsv_material *m = &scene->material[k];
+        bool shines = m->emission.r + m->emission.g + m->emission.b > 0;
+        if (m->transmission == 0 && (shines ? desc->emit_both : desc->two_sided))
+            m->double_sided = true;
+    }
+}
+
 /// Puts the file's name in front of the error message.
 static rsv_status name_file(rsv_status status, const char *path)
 {
@@ -111,6 +122,7 @@ rsv_status rsv_scene_load_with(
         RSV_TRY(rsv_stl_read(path, desc, loaded));
     else
         RSV_TRY(rsv_assimp_read(path, kind, desc, loaded));
+    set_sides(desc, loaded);
     RSV_TRY(rsv_scene_commit(loaded));
     *scene = loaded;
     return RSV_OK;

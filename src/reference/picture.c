@@ -1,4 +1,5 @@
 #include "../core/team.h"
+#include "../trace/backs.h"
 #include "../trace/camera_ray.h"
 #include "reference_internal.h"
 #include "resolvent/render.h"
@@ -196,6 +197,7 @@ rsv_status rsv_render_reference(
     picture.camera = desc->viewpoint ? desc->viewpoint : &view->camera[desc->camera];
     picture.medium =
         rsv_medium_above(&tracer->media, picture.camera->position, picture.camera->forward);
+    rsv_warn_of_backs(tracer->tracer, picture.camera);
     picture.row = rsv_alloc(context, desc->height, sizeof *picture.row);
     if (!picture.row) RSV_TRY(RSV_ERROR_MEMORY);
     RSV_TRY(render_rows(&picture));

@@ -13,6 +13,29 @@ succeeds render furnace -o "$out/a.png" "${tiny[@]}" --light-units watt
 warns 'light-units does nothing'
 rm "$out"/*
 
+# ---- sides ----
+# a triangle (-4 -4 0) (0 4 0) (4 -4 0), which the camera at z = 3 sees from behind
+zero='\0\0\0\0' plus='\0\0\200\100' minus='\0\0\200\300'
+printf "$minus$minus$zero$zero$plus$zero$plus$minus$zero" >back.bin
+cat >back.gltf <<'TEXT'
+{ "asset": { "version": "2.0" }, "buffers": [{ "uri": "back.bin", "byteLength": 36 }],
+  "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+  "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3" }],
+  "materials": [{ "name": "wall" }], "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+  "cameras": [{ "type": "perspective", "perspective": { "yfov": 0.8, "znear": 0.1 } }],
+  "nodes": [{ "mesh": 0 }, { "camera": 0, "translation": [0, 0, 3] }] }
+TEXT
+for mode in reference final operator; do
+    succeeds render back.gltf -o back.exr --env white --size 16x16 --quality draft --mode $mode
+    warns "single-sided surfaces from behind.*'wall'.*--two-sided"
+    succeeds render back.gltf -o front.exr --env white --size 16x16 --quality draft --mode $mode --two-sided
+    grep -q 'behind' stderr && complain "what is shown from both sides has backs"
+done
+refuses 1 'two-sided' render box.safetensors -o "$out/a.png" "${tiny[@]}" --two-sided
+refuses 2 'one of file, both' render box.glb -o "$out/a.png" --emit front
+succeeds info back.gltf --two-sided
+says 'wall .*double-sided'
+
 # ---- exposure ----
 exposure() { sed -n 's/.*"exposure":[[:space:]]*\([-0-9.]*\).*/\1/p' "$1"; }
 ratio() { succeeds compare "$1" "$2" --json && sed -n 's/.*"mean_ratio":[[:space:]]*\([-0-9.e]*\).*/\1/p' stdout; }
