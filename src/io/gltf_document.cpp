@@ -356,8 +356,10 @@ void convert_textures(owned_document &document)
     const int nearest = 9728;
     const json &samplers = list(document.tree, "samplers");
     for (const json &source : list(document.tree, "textures")) {
-        rsv_gltf_texture texture{ reference(source, "source"), RSV_WRAP_REPEAT, RSV_WRAP_REPEAT,
-            false };
+        // a PNG or JPEG beside it is for those who read no WebP
+        const int plain = reference(source, "source");
+        rsv_gltf_texture texture{ reference(extension(source, "EXT_texture_webp"), "source", plain),
+            RSV_WRAP_REPEAT, RSV_WRAP_REPEAT, false };
         const size_t index = static_cast<size_t>(reference(source, "sampler"));
         if (index < samplers.size()) {
             texture.wrap_u = wrap_mode(reference(samplers[index], "wrapS"));
@@ -511,6 +513,7 @@ void publish(owned_document &document)
 void convert(owned_document &document)
 {
     convert_buffers(document);
+    unpack_meshopt(document);
     convert_accessors(document);
     convert_meshes(document);
     convert_skins(document);

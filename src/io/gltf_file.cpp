@@ -299,7 +299,8 @@ void check_version(const json &root)
 /// Extensions that are read, or whose absence changes nothing here.
 void check_required_extensions(const json &root)
 {
-    static const char *const known[] = { "EXT_mesh_gpu_instancing", "KHR_draco_mesh_compression",
+    static const char *const known[] = { "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+        "EXT_texture_webp", "KHR_draco_mesh_compression",
         "KHR_lights_punctual", "KHR_materials_anisotropy", "KHR_materials_clearcoat",
         "KHR_materials_diffuse_transmission", "KHR_materials_dispersion",
         "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_iridescence",
@@ -363,6 +364,10 @@ void read_buffers(owned_document &document, source &from)
         const std::string owner = label(buffers[k], "buffer", k), uri = text(buffers[k], "uri");
         const size_t wanted = size_of(buffers[k], "byteLength", owner);
         bytes data;
+        if (flag(extension(buffers[k], "EXT_meshopt_compression"), "fallback")) {
+            document.buffer_bytes.emplace_back(); // for those who cannot unpack
+            continue;
+        }
         if (is_data_uri(uri)) {
             const std::string problem = decode_data_uri(uri, wanted, data);
             if (!problem.empty()) refuse(RSV_ERROR_FORMAT, owner + ": " + problem);

@@ -186,6 +186,9 @@ void find_unread(owned_document &document);
 /// Makes plain buffers of meshes packed by KHR_draco_mesh_compression.
 void unpack_draco(owned_document &document);
 
+/// Makes plain buffers of buffer views packed by EXT_meshopt_compression.
+void unpack_meshopt(owned_document &document);
+
 void convert_material(const json &source, owned_material &result);
 
 } // namespace rsv_gltf

@@ -134,7 +134,11 @@ constexpr schema material = { "material", "materials", true, material_members,
     material_extensions };
 
 constexpr property texture_members[] = { { "name", 's' }, { "sampler", 'i' }, { "source", 'i' } };
-constexpr schema texture = { "texture", "textures", true, texture_members, {} };
+constexpr property webp_members[] = { { "source", 'i' } };
+constexpr schema webp = { "WebP texture", "WebP textures", false, webp_members, {} };
+
+constexpr property texture_extensions[] = { { "EXT_texture_webp", 'o', &webp } };
+constexpr schema texture = { "texture", "textures", true, texture_members, texture_extensions };
 
 constexpr property image_members[] = { { "name", 's' }, { "uri", 's' }, { "mimeType", 's' },
     { "bufferView", 'i' } };
@@ -174,10 +178,21 @@ constexpr schema accessor = { "accessor", "accessors", true, accessor_members, {
 
 constexpr property view_members[] = { { "name", 's' }, { "buffer", 'i' }, { "byteOffset", 'i' },
     { "byteLength", 'i' }, { "byteStride", 'i' }, { "target", 'i' } };
-constexpr schema view = { "buffer view", "buffer views", true, view_members, {} };
+constexpr property meshopt_members[] = { { "buffer", 'i' }, { "byteOffset", 'i' },
+    { "byteLength", 'i' }, { "byteStride", 'i' }, { "count", 'i' }, { "mode", 's' },
+    { "filter", 's' } };
+constexpr schema meshopt = { "packed buffer view", "packed buffer views", false, meshopt_members,
+    {} };
+
+constexpr property view_extensions[] = { { "EXT_meshopt_compression", 'o', &meshopt } };
+constexpr schema view = { "buffer view", "buffer views", true, view_members, view_extensions };
 
 constexpr property buffer_members[] = { { "name", 's' }, { "uri", 's' }, { "byteLength", 'i' } };
-constexpr schema buffer = { "buffer", "buffers", true, buffer_members, {} };
+constexpr property fallback_members[] = { { "fallback", 'b' } };
+constexpr schema fallback = { "fallback", "fallbacks", false, fallback_members, {} };
+
+constexpr property buffer_extensions[] = { { "EXT_meshopt_compression", 'o', &fallback } };
+constexpr schema buffer = { "buffer", "buffers", true, buffer_members, buffer_extensions };
 
 // ---- nodes ----------------------------------------------------------------------------------------
 
@@ -189,7 +204,8 @@ constexpr property visibility_members[] = { { "visible", 'b' } };
 constexpr schema visibility = { "visibility", "visibilities", false, visibility_members, {} };
 
 constexpr property instancing_members[] = { { "attributes", 'a' } };
-constexpr schema instancing = { "set of instances", "sets of instances", false, instancing_members, {} };
+constexpr schema instancing = { "set of instances", "sets of instances", false, instancing_members,
+    {} };
 
 constexpr property node_members[] = { { "name", 's' }, { "camera", 'i' }, { "children", 'I' },
     { "skin", 'i' }, { "matrix", 'N' }, { "mesh", 'i' }, { "rotation", 'N' }, { "scale", 'N' },
@@ -450,7 +466,8 @@ void finder::check_list(const json &root)
 {
     static const char *const without_objects[] = { "KHR_mesh_quantization" };
     std::set<std::string> known(std::begin(without_objects), std::end(without_objects));
-    for (const schema *kind : { &texture_use, &material, &primitive, &node, &file })
+    for (const schema *kind :
+        { &texture_use, &texture, &material, &view, &primitive, &node, &file })
         for (size_t k = 0; k < kind->extensions.count; k++)
             known.insert(kind->extensions.first[k].name);
     for (const json &entry : list(root, "extensionsUsed"))
