@@ -364,10 +364,6 @@ void read_buffers(owned_document &document, source &from)
         const std::string owner = label(buffers[k], "buffer", k), uri = text(buffers[k], "uri");
         const size_t wanted = size_of(buffers[k], "byteLength", owner);
         bytes data;
-        if (flag(extension(buffers[k], "EXT_meshopt_compression"), "fallback")) {
-            document.buffer_bytes.emplace_back(); // for those who cannot unpack
-            continue;
-        }
         if (is_data_uri(uri)) {
             const std::string problem = decode_data_uri(uri, wanted, data);
             if (!problem.empty()) refuse(RSV_ERROR_FORMAT, owner + ": " + problem);

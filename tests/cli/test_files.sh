@@ -84,4 +84,16 @@ warns 'note: exposure'
 within "$(ratio f0.png frames/frame-0000.png)" 0.4 2.5 "a frame of the window"
 succeeds "${view[@]}" --record dark --exposure 0
 within "$(ratio frames/frame-0000.png dark/frame-0000.png)" 0 0.3 "a frame at exposure 0"
+
+# ---- packed meshes ----
+# seeds of the fuzzer: a square twice, all metal, packed by meshopt, textured by WebP
+sed 's/"materials":\[{/&"pbrMetallicRoughness":{"metallicFactor":0},/' "$here/../fuzz/seeds/meshopt.gltf" >packed.gltf
+for target in vertex lightmap; do
+    succeeds bake packed.gltf -o plain.glb --to $target --quality draft --env white
+    grep -a -q 'EXT_meshopt_compression' plain.glb && complain "a baked file names the compression that it has lost"
+    succeeds info packed.gltf --json
+    sed -n '/"bounds/,/]/p' stdout >packed.bounds
+    succeeds info plain.glb --json
+    sed -n '/"bounds/,/]/p' stdout | cmp -s - packed.bounds || complain "what was packed comes out elsewhere"
+done
 finish

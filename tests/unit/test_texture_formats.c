@@ -34,21 +34,27 @@ static const char *write_textured(const folder *place, const char *material, con
     "\"images\":[{\"uri\":\"a.webp\"}],\"extensionsRequired\":[\"EXT_texture_webp\"],"             \
     "\"extensionsUsed\":[\"EXT_texture_webp\"]"
 
-/// The material in the left (0) or right (1) half.
+/// The material in the middle of the left (0) or right (1) half.
 static rsv_material half_of(const rsv_scene *scene, int half)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
-    for (uint32_t t = 0; t < view->triangle_count; t++)
-        for (int k = 0; k < 3; k++) {
-            // near a corner of the triangle
-            float u = k == 1 ? 0.9f : 0.05f, v = k == 2 ? 0.9f : 0.05f;
-            const uint32_t *c = view->triangle[t];
-            float x = (1 - u - v) * view->position[c[0]].x + u * view->position[c[1]].x +
-                      v * view->position[c[2]].x;
-            if ((x > 0.5f) == half) return rsv_material_at(view, t, u, v, 0);
-        }
+    for (int k = 1; k < 100; k++) {
+        float u = (float)(k % 10) / 10, v = (float)(k / 10) / 10;
+        const uint32_t *c = view->triangle[0];
+        float x = (1 - u - v) * view->position[c[0]].x + u * view->position[c[1]].x +
+                  v * view->position[c[2]].x;
+        if (u + v < 1 && fabsf(x - 0.25f - 0.5f * (float)half) < 0.06f)
+            return rsv_material_at(view, 0, u, v, 0);
+    }
     fail_msg("no such half");
     return rsv_default_material();
+}
+
+/// The material of the square.
+static const rsv_material *paint_of(const rsv_scene *scene)
+{
+    const rsv_scene_view *view = rsv_scene_get_view(scene);
+    return &view->material[view->triangle_material[0]];
 }
 
 static void assert_color(rsv_rgb found, float r, float g, float b, float tolerance)
@@ -64,7 +70,7 @@ static void assert_left_out(fixture *f, const char *path, const char *mentioned)
 {
     f->log[0] = '\0';
     rsv_scene *scene = load(f, path);
-    assert_int_equal(rsv_scene_get_view(scene)->material[0].texture_count, 0);
+    assert_int_equal(paint_of(scene)->texture_count, 0);
     assert_mentions(f->log, mentioned);
     rsv_scene_destroy(scene);
 }
@@ -227,6 +233,87 @@ static void pictures_of_radiance_are_linear(void **state)
         rsv_scene_destroy(scene);
     }
     rsv_image_destroy(image);
+    remove_folder(place.path);
+}
+
+// ---- textures of other scene formats --------------------------------------------------------------
+
+/// "marks.png": left red, right green; "grey.png": left black, right half.
+static void write_marks(fixture *f, const folder *place)
+{
+    rsv_image *image;
+    assert_int_equal(rsv_image_create(f->context, 8, 1, 1, &image), RSV_OK);
+    rsv_rgb *pixel = rsv_image_pixels(image, 0);
+    for (int k = 0; k < 8; k++)
+        pixel[k] = k < 4 ? rgb(1, 0, 0) : rgb(0, 1, 0);
+    assert_int_equal(rsv_image_write(image, path_in(place, "marks.png"), 0), RSV_OK);
+    for (int k = 0; k < 8; k++)
+        pixel[k] = rgb_gray(k < 4 ? 0 : 0.2158605f); // code 128 of 255
+    assert_int_equal(rsv_image_write(image, path_in(place, "grey.png"), 0), RSV_OK);
+    rsv_image_destroy(image);
+}
+
+/// The unit square as .obj under a library of one material, "paint".
+static const char *write_obj(const folder *place, const char *material)
+{
+    static const char square[] =
+        "mtllib m.mtl\nusemtl paint\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 "
+        "1\nvt 0 1\nf 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
+    char library[512];
+    int length = snprintf(library, sizeof library, "newmtl paint\n%s", material);
+    write_bytes(path_in(place, "m.mtl"), library, (size_t)length);
+    write_bytes(path_in(place, "square.obj"), square, sizeof square - 1);
+    return path_in(place, "square.obj");
+}
+
+static void textures_of_obj_multiply_its_colours(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    write_marks(f, &place);
+    rsv_scene *scene = load(f, write_obj(&place, "Kd 0.5 0.25 1\nmap_Kd marks.png\n"));
+    assert_color(half_of(scene, 0).base_color, 0.5f, 0, 0, 1e-3f);
+    assert_color(half_of(scene, 1).base_color, 0, 0.25f, 0, 1e-3f);
+    rsv_scene_destroy(scene);
+    scene = load(f, write_obj(&place, "Kd 1 1 1\nmap_d grey.png\n"));
+    assert_float_equal(half_of(scene, 0).opacity, 0, 1e-3);
+    assert_float_equal(half_of(scene, 1).opacity, 128 / 255.0, 1e-3);
+    rsv_scene_destroy(scene);
+    scene = load(f, write_obj(&place, "Kd 0 0 0\nKe 0 0 0\nmap_Ke marks.png\n"));
+    assert_color(half_of(scene, 0).emission, 1, 0, 0, 1e-3f);
+    assert_false(paint_of(scene)->double_sided);
+    rsv_scene_destroy(scene);
+    remove_folder(place.path);
+}
+
+/// Paths of Windows, and of another computer, lead to the file of that name beside the scene.
+static void textures_are_found_beside_the_scene(void **state)
+{
+    static const char *const names[] = { "marks.png", "./marks.png", "C:\\my work\\tex\\marks.png",
+        "/home/somebody/marks.png", "sub\\marks.png" };
+    fixture *f = *state;
+    folder place = new_folder();
+    write_marks(f, &place);
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        char material[256];
+        snprintf(material, sizeof material, "Kd 1 1 1\nmap_Kd %s\n", names[k]);
+        rsv_scene *scene = load(f, write_obj(&place, material));
+        assert_color(half_of(scene, 0).base_color, 1, 0, 0, 1e-3f);
+        rsv_scene_destroy(scene);
+    }
+    remove_folder(place.path);
+}
+
+static void textures_that_cannot_be_read_are_named(void **state)
+{
+    fixture *f = *state;
+    folder place = new_folder();
+    write_bytes(path_in(&place, "torn.png"), "\x89PNG\r\n\x1a\n", 8);
+    const char *path = write_obj(&place, "Kd 1 1 1\nmap_Kd torn.png\nmap_Ke none.png\n");
+    assert_left_out(f, path, "material 'paint': its texture 'torn.png' is left out: cannot read");
+    assert_mentions(f->log, "'none.png' is left out: there is no such file");
+    path = write_obj(&place, "Kd 1 1 1\nmap_Bump torn.png\nmap_Ns torn.png\n");
+    assert_left_out(f, path, "textures that are not used: bump, shininess");
     remove_folder(place.path);
 }
 
@@ -405,6 +492,9 @@ int main(void)
         TEST(broken_webp_leaves_the_factor),
         TEST(sixteen_bits_are_not_rounded_to_eight),
         TEST(pictures_of_radiance_are_linear),
+        TEST(textures_of_obj_multiply_its_colours),
+        TEST(textures_are_found_beside_the_scene),
+        TEST(textures_that_cannot_be_read_are_named),
         TEST(packed_views_are_unpacked),
         TEST(filters_are_applied),
         TEST(lying_claims_are_refused),
