@@ -43,6 +43,13 @@ static const char help[] =
     "0,\n"
     "                     20 %, 10 %; else 0)\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP
         CLI_SOLVE_HELP "  --camera NAME      one of `resolvent info SCENE` (default: the first)\n"
+    "  --fstop N          depth of field: focal length over N is the diameter of the aperture, on "
+    "film\n"
+    "                     of 24 mm height (default: all is sharp)\n"
+    "  --focus M          metres to what is sharp (default: to what is in the middle)\n"
+    "  --projection P     perspective (the camera as it is; default); equirectangular: all "
+    "around;\n"
+    "                     fisheye: the half space ahead in a circle\n"
     "  --goal             spend elements on what this camera sees and on what lights that\n"
     "  --gather N         final: N gather rays per camera ray instead of a lookup (default 0)\n"
     "  --layers           .exr: one more layer per order of light: emission, direct, bounce1, "
@@ -74,6 +81,11 @@ static const char *const mode_names[] = { [RSV_RENDER_OPERATOR] = "operator",
     [RSV_RENDER_OCCLUSION_SCREEN] = "occlusion-screen",
     NULL };
 
+static const char *const projection_names[] = { [RSV_PROJECTION_CAMERA] = "perspective",
+    [RSV_PROJECTION_EQUIRECTANGULAR] = "equirectangular",
+    [RSV_PROJECTION_FISHEYE] = "fisheye",
+    NULL };
+
 typedef struct settings {
     const char *scene, *camera, *stats, *mesh;
     cli_environment environment;
@@ -86,6 +98,8 @@ typedef struct settings {
     uint32_t samples; ///< 0 = by mode and quality
     uint32_t threads, gather_rays;
     float exposure, occlusion_distance;
+    float fstop, focus; ///< 0 = a pinhole; what is in the middle
+    int projection;
     float noise; ///< below 0 = by mode and quality
     bool layers, goal;
     bool planned; ///< elements, rays and samples are chosen by error or time
@@ -107,6 +121,17 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = "--spp", .kind = CLI_COUNT, .value = &s->samples, .min = 1, .max = 1 << 24 },
         { .name = "--noise", .kind = CLI_SHARE, .value = &s->noise, .min = 0, .max = 1 },
         { .name = "--camera", .kind = CLI_TEXT, .value = &s->camera },
+        { .name = "--fstop", .kind = CLI_REAL, .value = &s->fstop, .min = 0.01, .max = 1e6 },
+        { .name = "--focus",
+            .kind = CLI_REAL,
+            .value = &s->focus,
+            .min = 1e-6,
+            .max = 1e9,
+            .goes_with = "--fstop" },
+        { .name = "--projection",
+            .kind = CLI_CHOICE,
+            .value = &s->projection,
+            .choices = projection_names },
         { .name = "--goal", .kind = CLI_FLAG, .value = &s->goal },
         { .name = "--gather", .kind = CLI_COUNT, .value = &s->gather_rays, .max = 1 << 16 },
         { .name = "--occlusion-distance",
@@ -162,6 +187,17 @@ static bool check_request(const settings *s)
             100 * (double)s->target.share);
         return false;
     }
+    if (s->fstop > 0 && s->projection != RSV_PROJECTION_CAMERA) {
+        cli_error("--fstop does not go with --projection %s, where all is sharp",
+            projection_names[s->projection]);
+        return false;
+    }
+    bool is_occlusion = s->mode == RSV_RENDER_OCCLUSION || s->mode == RSV_RENDER_OCCLUSION_SCREEN;
+    if (is_occlusion && (s->fstop > 0 || s->projection != RSV_PROJECTION_CAMERA)) {
+        cli_error("--mode %s is a pinhole camera's: leave out --fstop and --projection",
+            mode_names[s->mode]);
+        return false;
+    }
     if (s->mode == RSV_RENDER_REFERENCE && s->device != CLI_DEVICE_CPU) {
         cli_error("--mode reference is the processor's alone: leave out --device");
         return false;
@@ -196,6 +232,13 @@ static float default_noise(const settings *s)
     return s->mode == RSV_RENDER_FINAL && !s->samples ? by_quality[s->solve.quality] : 0;
 }
 
+static cli_size default_size(const settings *s, const rsv_camera *camera)
+{
+    if (s->projection == RSV_PROJECTION_EQUIRECTANGULAR) return (cli_size){ 512, 256 };
+    if (s->projection == RSV_PROJECTION_FISHEYE) return (cli_size){ 512, 512 };
+    return cli_default_size(camera);
+}
+
 static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_render_desc *desc)
 {
     const rsv_scene_view *view = rsv_scene_get_view(scene);
@@ -206,7 +249,7 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
             s->camera ? s->camera : "", s->scene);
         return false;
     }
-    cli_size size = s->size.width ? s->size : cli_default_size(&view->camera[desc->camera]);
+    cli_size size = s->size.width ? s->size : default_size(s, &view->camera[desc->camera]);
     desc->mode = (rsv_render_mode)s->mode;
     desc->width = size.width;
     desc->height = size.height;
@@ -215,6 +258,9 @@ static bool describe_picture(const settings *s, const rsv_scene *scene, rsv_rend
     desc->gather_rays = s->gather_rays;
     desc->occlusion_distance = s->occlusion_distance;
     desc->layers = s->layers;
+    desc->film = (rsv_film_desc){ .projection = (rsv_projection)s->projection,
+        .f_number = s->fstop,
+        .focus_distance = s->focus };
     desc->seed = s->solve.seed;
     return true;
 }

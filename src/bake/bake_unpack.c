@@ -93,7 +93,10 @@ static void move_views(rsv_bake_document *d)
         any = true;
     }
     if (!any) return;
-    cJSON_ArrayForEach(json, member(d->root, "buffers")) rsv_bake_remove_extension(json, meshopt);
+    cJSON_ArrayForEach(json, member(d->root, "buffers"))
+    {
+        rsv_bake_remove_extension(json, meshopt);
+    }
     rsv_bake_unlist_extension(d, meshopt);
 }
 

@@ -85,6 +85,21 @@ within "$(ratio f0.png frames/frame-0000.png)" 0.4 2.5 "a frame of the window"
 succeeds "${view[@]}" --record dark --exposure 0
 within "$(ratio frames/frame-0000.png dark/frame-0000.png)" 0 0.3 "a frame at exposure 0"
 
+# ---- films ----
+for mode in reference final operator; do
+    succeeds render cornell-blocks -o around.exr --projection equirectangular --mode $mode --size 32x16 --quality draft --spp 4
+    succeeds render cornell-blocks -o circle.exr --projection fisheye --mode $mode --size 16x16 --quality draft --spp 4
+    succeeds render cornell-blocks -o soft.exr --fstop 0.5 --focus 1 --mode $mode --size 16x16 --quality draft --spp 4
+done
+succeeds render cornell-blocks -o around.exr --projection equirectangular --quality draft --spp 1
+succeeds render cornell-blocks -o twice.exr --projection equirectangular --size 512x256 --quality draft --spp 1
+cmp -s around.exr twice.exr || complain "a picture of all directions is not twice as wide as high"
+refuses 2 'number from' render cornell-blocks -o "$out/a.png" --fstop 0
+refuses 2 'without --fstop' render cornell-blocks -o "$out/a.png" --focus 2
+refuses 1 'all is sharp' render cornell-blocks -o "$out/a.png" --fstop 2 --projection fisheye
+refuses 1 'pinhole' render cornell-blocks -o "$out/a.png" --fstop 2 --mode occlusion
+refuses 2 'one of perspective, equirectangular, fisheye' render cornell-blocks -o "$out/a.png" --projection flat
+
 # ---- packed meshes ----
 # seeds of the fuzzer: a square twice, all metal, packed by meshopt, textured by WebP
 sed 's/"materials":\[{/&"pbrMetallicRoughness":{"metallicFactor":0},/' "$here/../fuzz/seeds/meshopt.gltf" >packed.gltf
