@@ -231,6 +231,15 @@ typedef struct rsv_scene_view {
 RSV_API rsv_status rsv_scene_create(rsv_context *context, rsv_scene **scene);
 RSV_API void rsv_scene_destroy(rsv_scene *scene);
 
+/// What is known of a texture.
+typedef struct rsv_texture_info {
+    const char *name; ///< borrowed
+    uint32_t width, height, channel_count;
+} rsv_texture_info;
+
+/// @param texture of a committed scene's materials; all zero if there is none
+RSV_API rsv_texture_info rsv_scene_texture_info(const rsv_scene *scene, uint32_t texture);
+
 /// Copies a texture and builds its pyramid of coarser versions, each the exact mean of the finer one in linear
 /// light. Non-finite values become 0 with a warning. RSV_ERROR_FORMAT for sizes outside the limits.
 RSV_API rsv_status rsv_scene_add_texture(

@@ -100,6 +100,20 @@ refuses 1 'all is sharp' render cornell-blocks -o "$out/a.png" --fstop 2 --proje
 refuses 1 'pinhole' render cornell-blocks -o "$out/a.png" --fstop 2 --mode occlusion
 refuses 2 'one of perspective, equirectangular, fisheye' render cornell-blocks -o "$out/a.png" --projection flat
 
+# ---- what a file holds, and what is wrong with it ----
+succeeds info back.gltf --check
+says 'likely mistakes: 2'
+says "nothing shines"
+says "from behind ('wall'"
+succeeds info back.gltf --check --json
+grep -q '"kind":[[:space:]]*"no_light"' stdout || complain "the findings lack no_light"
+grep -q '"kind":[[:space:]]*"backs"' stdout || complain "the findings lack backs"
+grep -q '"notes"' stdout || complain "the findings lack the notes"
+succeeds info back.gltf --json
+grep -q '"mistakes"' stdout && complain "mistakes are looked for unasked"
+succeeds info "$here/../fuzz/seeds/meshopt.gltf"
+says '^    emission: .*1 x 1\|^    emission: .*[0-9] x [0-9]'
+
 # ---- packed meshes ----
 # seeds of the fuzzer: a square twice, all metal, packed by meshopt, textured by WebP
 sed 's/"materials":\[{/&"pbrMetallicRoughness":{"metallicFactor":0},/' "$here/../fuzz/seeds/meshopt.gltf" >packed.gltf
