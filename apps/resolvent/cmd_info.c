@@ -1,4 +1,5 @@
 #include "command.h"
+#include "luminaire_info.h"
 #include "options.h"
 #include "output_file.h"
 #include "subject.h"
@@ -17,7 +18,9 @@ static const char help[] =
     "Says what SCENE (a file or a built-in scene) holds once "
     "its instances are placed:\n"
     "counts, bounds, area, objects, materials, lights and cameras. Of a file of\n"
-    "`resolvent solve` it also says what was solved.\n"
+    "`resolvent solve` it also says what was solved. Of a luminaire (.ies, .ldt): its angles, "
+    "flux, peak\n"
+    "and power.\n"
     "\n"
     "  --check            look for likely mistakes: flipped and doubled faces, open seams, gaps "
     "that\n"
@@ -531,40 +534,54 @@ static void print_findings(const cli_session *session, const findings *found)
     }
 }
 
+/// What is asked of a scene beside what it holds.
+typedef struct request {
+    const char *name;
+    cli_environment environment;
+    bool json, check;
+} request;
+
+/// A scene or an operator file.
+static bool print_subject(cli_session *session, const request *r)
+{
+    cli_subject subject;
+    totals t = { 0 };
+    findings found = { .wanted = r->check };
+    bool printed = cli_open_subject(session, r->name, &r->environment, &subject) &&
+                   add_up(rsv_scene_get_view(subject.scene), &t) &&
+                   look_for_mistakes(session, subject.scene, &found);
+    if (printed && r->json) printed = print_json(session, r->name, &subject, &t, &found);
+    if (printed && !r->json) print_text(r->name, &subject, &t);
+    if (printed && !r->json && r->check) print_findings(session, &found);
+    if (found.finding) rsv_findings_release(subject.scene, found.finding);
+    free_totals(&t);
+    cli_close_subject(&subject);
+    return printed;
+}
+
 int cli_info(int argc, char **argv)
 {
-    const char *name = NULL, *mesh = NULL;
-    bool json = false, check = false;
-    cli_environment environment = CLI_DEFAULT_ENVIRONMENT;
+    const char *mesh = NULL;
+    request r = { .environment = CLI_DEFAULT_ENVIRONMENT };
     cli_reading reading = { 0 };
     const cli_option options[] = {
-        { .name = "--json", .kind = CLI_FLAG, .value = &json },
-        { .name = "--check", .kind = CLI_FLAG, .value = &check },
+        { .name = "--json", .kind = CLI_FLAG, .value = &r.json },
+        { .name = "--check", .kind = CLI_FLAG, .value = &r.check },
         CLI_MESH_OPTION(&mesh),
-        CLI_ENVIRONMENT_OPTIONS(&environment),
+        CLI_ENVIRONMENT_OPTIONS(&r.environment),
         CLI_READING_OPTIONS(&reading),
-        CLI_FOG_OPTIONS(&environment),
+        CLI_FOG_OPTIONS(&r.environment),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };
     int exit_status;
-    if (!cli_parse(&usage, argc, argv, &name, &exit_status)) return exit_status;
+    if (!cli_parse(&usage, argc, argv, &r.name, &exit_status)) return exit_status;
     cli_session session;
     if (!cli_session_begin(&session, 0)) return CLI_FAILURE;
     session.mesh = mesh;
     session.reading = reading;
-    cli_subject subject;
-    totals t = { 0 };
-    findings found = { .wanted = check };
-    bool printed = cli_open_subject(&session, name, &environment, &subject) &&
-                   add_up(rsv_scene_get_view(subject.scene), &t) &&
-                   look_for_mistakes(&session, subject.scene, &found);
-    if (printed && json) printed = print_json(&session, name, &subject, &t, &found);
-    if (printed && !json) print_text(name, &subject, &t);
-    if (printed && !json && check) print_findings(&session, &found);
-    if (printed) rsv_findings_release(subject.scene, found.finding);
-    free_totals(&t);
-    cli_close_subject(&subject);
+    bool printed = cli_is_luminaire(r.name) ? cli_print_luminaire(&session, r.name, r.json)
+                                            : print_subject(&session, &r);
     cli_session_end(&session);
     return printed ? CLI_SUCCESS : CLI_FAILURE;
 }
