@@ -28,6 +28,7 @@ enum { HAS_NORMALS = 1, HAS_UV = 2 }; ///< HAS_UV << 1 is that of the second set
 static void send(FILE *to, const void *data, size_t count, size_t size)
 {
     static const char padding[ALIGNMENT] = { 0 };
+    if (count == 0) return; // and no data
     fwrite(data, size, count, to);
     fwrite(padding, 1, -(count * size) % ALIGNMENT, to);
 }
