@@ -159,6 +159,7 @@ const char *cli_reading_given(const cli_reading *reading)
     return reading->light_units ? "--light-units"
            : reading->two_sided ? "--two-sided"
            : reading->emit      ? "--emit"
+           : reading->variant   ? "--variant"
                                 : NULL;
 }
 
@@ -273,6 +274,7 @@ rsv_scene *cli_open_scene(
         load.light_units = (rsv_light_units)session->reading.light_units;
         load.two_sided = session->reading.two_sided;
         load.emit_both = session->reading.emit;
+        load.variant = session->reading.variant;
         status = rsv_scene_load_with(session->context, name, &load, &scene);
     } else if (rsv_scene_is_builtin(name)) {
         warn_of_reading(session);

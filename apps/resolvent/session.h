@@ -17,11 +17,12 @@ typedef struct cli_messages {
     size_t count;
 } cli_messages;
 
-/// How scene files are to be understood: what --light-units, --two-sided and --emit ask for.
+/// How scene files are to be understood: what --light-units, --two-sided, --emit and --variant ask for.
 typedef struct cli_reading {
     int light_units; ///< rsv_light_units
     bool two_sided;
-    int emit; ///< 1 = from both sides
+    int emit;            ///< 1 = from both sides
+    const char *variant; ///< NULL = the default
 } cli_reading;
 
 typedef struct cli_session {
@@ -56,7 +57,8 @@ typedef struct cli_session {
     { .name = "--light-units", .kind = CLI_CHOICE, .value = &(reading)->light_units,               \
       .choices = cli_light_unit_names },                                                           \
     { .name = "--two-sided", .kind = CLI_FLAG, .value = &(reading)->two_sided },                   \
-    { .name = "--emit", .kind = CLI_CHOICE, .value = &(reading)->emit, .choices = cli_emit_names }
+    { .name = "--emit", .kind = CLI_CHOICE, .value = &(reading)->emit, .choices = cli_emit_names }, \
+    { .name = "--variant", .kind = CLI_TEXT, .value = &(reading)->variant }
 // clang-format on
 
 /// Their lines in a command's help.
@@ -69,7 +71,8 @@ typedef struct cli_session {
     "  --two-sided        show materials of a file from both sides that it has single-sided\n"     \
     "  --emit SIDES       materials of a file that shine do so from: file (default), the sides "   \
     "it\n"                                                                                         \
-    "                     says; or both\n"
+    "                     says; or both\n"                                                         \
+    "  --variant NAME     the materials of a variant that a glTF file offers\n"
 
 extern const char *const cli_light_unit_names[], *const cli_emit_names[];
 

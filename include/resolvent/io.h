@@ -39,6 +39,9 @@ typedef struct rsv_load_desc {
     /// Shows materials that do not shine from both sides, where a file has them single-sided (default false). What
     /// lies behind a front stays hidden by it.
     bool two_sided;
+    /// Which of the materials that a glTF file offers for the same parts (KHR_materials_variants): a name; NULL = those shown
+    /// by default. The document is not kept then: it shows others.
+    const char *variant;
     bool emit_both; ///< Lets materials that shine do so from both sides (default false)
 } rsv_load_desc;
 

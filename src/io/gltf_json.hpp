@@ -157,6 +157,8 @@ struct owned_document : rsv_gltf_document {
     std::deque<std::vector<rsv_gltf_primitive>> primitives;
     std::deque<std::vector<rsv_gltf_target>> targets;
     std::deque<std::vector<int>> indices;
+    std::deque<std::vector<rsv_gltf_variant>> variants;
+    std::vector<const char *> variant_names;
     std::deque<std::vector<float>> weights;
     std::deque<std::vector<rsv_gltf_influence>> influences;
     std::vector<rsv_gltf_mesh> meshes;

@@ -31,6 +31,7 @@ typedef struct reader {
     bool *mesh_named;  ///< [mesh_count] whether it was told what of it is skipped
     uint32_t material_count, default_material;
     rsv_light_scale scale;
+    int variant; ///< that is shown; -1 = the default
 } reader;
 
 static bool refers(int reference, size_t count)
@@ -126,6 +127,14 @@ static void check_coordinates(
     }
 }
 
+/// The material of a primitive in the variant that is shown.
+static int material_of(const reader *r, const rsv_gltf_primitive *primitive)
+{
+    for (size_t k = 0; k < primitive->variant_count && r->variant >= 0; k++)
+        if (primitive->variant[k].variant == r->variant) return primitive->variant[k].material;
+    return primitive->material;
+}
+
 /// Adds a primitive to the scene, bent and morphed as one part shows it.
 static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *id)
 {
@@ -137,7 +146,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
     const rsv_gltf_primitive *primitive = &mesh->primitive[part->primitive];
     char label[LABEL_BYTES];
     name_primitive(mesh, part->primitive, label);
-    RSV_TRY(find_material(r, primitive->material, label, &material));
+    RSV_TRY(find_material(r, material_of(r, primitive), label, &material));
     RSV_TRY(rsv_gltf_read_geometry(
         r->context, r->document, primitive, rsv_gltf_weights_of(r->document, node), label, &g));
     if (part->skinned) {
@@ -145,7 +154,7 @@ static rsv_status add_primitive(reader *r, const rsv_gltf_part *part, uint32_t *
         RSV_TRY(find_joints(r, node->skin, &joints));
         RSV_TRY(rsv_gltf_bend(joints, r->document, primitive, label, part->mirrored, &g));
     }
-    check_coordinates(r, &g, primitive->material, label);
+    check_coordinates(r, &g, material_of(r, primitive), label);
     RSV_TRY(add_geometry(r, &g, label, material, id));
 cleanup:
     rsv_gltf_release_geometry(r->context, &g);
@@ -410,12 +419,40 @@ static rsv_status keep(const reader *r, const char *path)
     return RSV_OK;
 }
 
+/// Names of variants for a message, as many as it holds.
+static void list_variants(const rsv_gltf_document *document, char text[512])
+{
+    *text = '\0';
+    for (size_t k = 0; k < document->variant_count; k++) {
+        size_t used = strlen(text);
+        snprintf(text + used, 512 - used, "%s'%s'", k ? ", " : "", document->variant[k]);
+    }
+}
+
+static rsv_status choose_variant(reader *r, const char *wanted)
+{
+    char names[512];
+    size_t count = r->document->variant_count;
+    list_variants(r->document, names);
+    r->variant = -1;
+    if (!wanted && count)
+        rsv_log(r->context, RSV_LOG_INFO,
+            "its materials have variants: %s; --variant NAME shows one of them", names);
+    if (!wanted) return RSV_OK;
+    for (size_t k = 0; k < count && r->variant < 0; k++)
+        if (strcmp(r->document->variant[k], wanted) == 0) r->variant = (int)k;
+    if (r->variant >= 0) return RSV_OK;
+    return rsv_fail(RSV_ERROR_ARGUMENT, "it has no variant '%.200s'%s%s", wanted,
+        count ? "; there are " : ", nor any other", names);
+}
+
 rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene *scene)
 {
     rsv_status status;
     rsv_context *context = rsv_scene_get_context(scene);
     reader r = { .context = context, .scene = scene, .parts = { .context = context } };
     RSV_TRY(rsv_gltf_open(path, &r.document));
+    RSV_TRY(choose_variant(&r, desc->variant));
     r.scale = rsv_gltf_light_scale(r.document, desc->light_units);
     RSV_TRY(rsv_gltf_parts_create(context, r.document, &r.parts));
     RSV_TRY(allocate(&r));
@@ -423,7 +460,7 @@ rsv_status rsv_gltf_read(const char *path, const rsv_load_desc *desc, rsv_scene 
     RSV_TRY(add_materials(&r));
     RSV_TRY(add_parts(&r));
     RSV_TRY(add_cameras_and_lights(&r));
-    if (desc->keep_document) RSV_TRY(keep(&r, path));
+    if (desc->keep_document && !desc->variant) RSV_TRY(keep(&r, path));
 cleanup:
     release(&r);
     return status;

@@ -153,9 +153,17 @@ constexpr schema sampler = { "sampler", "samplers", true, sampler_members, {} };
 constexpr property packed_members[] = { { "bufferView", 'i' }, { "attributes", 'x' } };
 constexpr schema packed = { "packed mesh", "packed meshes", false, packed_members, {} };
 
+constexpr property mapping_members[] = { { "name", 's' }, { "material", 'i' },
+    { "variants", 'I' } };
+constexpr schema mapping = { "mapping", "mappings", false, mapping_members, {} };
+
+constexpr property mappings_members[] = { { "mappings", 'l', &mapping } };
+constexpr schema mappings = { "set of variants", "sets of variants", false, mappings_members, {} };
+
 constexpr property primitive_members[] = { { "attributes", 'a' }, { "indices", 'i' },
     { "material", 'i' }, { "mode", 'i' }, { "targets", 'A' } };
-constexpr property primitive_extensions[] = { { "KHR_draco_mesh_compression", 'o', &packed } };
+constexpr property primitive_extensions[] = { { "KHR_draco_mesh_compression", 'o', &packed },
+    { "KHR_materials_variants", 'o', &mappings } };
 constexpr schema primitive = { "primitive", "primitives", false, primitive_members,
     primitive_extensions };
 
@@ -269,7 +277,15 @@ constexpr property file_members[] = { { "asset", 'o', &asset }, { "scene", 'i' }
     { "materials", 'l', &material }, { "textures", 'l', &texture }, { "images", 'l', &image },
     { "samplers", 'l', &sampler }, { "cameras", 'l', &camera }, { "skins", 'l', &skin },
     { "animations", 'l', &animation }, { "extensionsUsed", 'S' }, { "extensionsRequired", 'S' } };
-constexpr property file_extensions[] = { { "KHR_lights_punctual", 'o', &lights } };
+constexpr property variant_members[] = { { "name", 's' } };
+constexpr schema variant = { "variant", "variants", true, variant_members, {} };
+
+constexpr property variants_members[] = { { "variants", 'l', &variant } };
+constexpr schema variants = { "list of variants", "lists of variants", false, variants_members,
+    {} };
+
+constexpr property file_extensions[] = { { "KHR_materials_variants", 'o', &variants },
+    { "KHR_lights_punctual", 'o', &lights } };
 constexpr schema file = { "file", "files", false, file_members, file_extensions };
 
 // ---- finding --------------------------------------------------------------------------------------
@@ -485,8 +501,7 @@ bool is_harmless(const finding &found)
 {
     if (found.what == sort::attribute) return true;
     return found.what == sort::extension &&
-           (found.name == "KHR_materials_variants" || found.name == "KHR_xmp" ||
-               found.name == "KHR_xmp_json_ld");
+           (found.name == "KHR_xmp" || found.name == "KHR_xmp_json_ld");
 }
 
 std::string describe(const finding &found)
@@ -495,9 +510,7 @@ std::string describe(const finding &found)
     const std::string name = "'" + shown(found.name) + "'";
     switch (found.what) {
     case sort::extension:
-        text = found.name == "KHR_materials_variants"
-                   ? "extension " + name + ": only the default variant is shown: "
-                   : "extension " + name + " is ignored: ";
+        text = "extension " + name + " is ignored: ";
         break;
     case sort::property:
         text = "property " + name + " is ignored: ";

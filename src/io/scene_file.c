@@ -114,6 +114,9 @@ rsv_status rsv_scene_load_with(
     RSV_TRY(find_kind(path, &kind));
     RSV_TRY(rsv_scene_create(context, &loaded));
     loaded->is_part = desc->is_part;
+    if (desc->variant && kind != RSV_FILE_GLTF)
+        RSV_TRY(rsv_fail(
+            RSV_ERROR_ARGUMENT, "has no variant '%.200s': only glTF has variants", desc->variant));
     if (kind == RSV_FILE_GLTF)
         RSV_TRY(rsv_gltf_read(path, desc, loaded));
     else if (kind == RSV_FILE_PLY)
