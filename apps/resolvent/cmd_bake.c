@@ -46,7 +46,8 @@ static const char help[] =
     "  --new-uv           lightmap: make texture coordinates even where the file has second ones\n"
     "  --spacing M        probes: metres between them (default: a sixteenth of the longest side)\n"
     "  --probe-samples N  probes: rays for each of 32 directions (default 64)\n"
-    "\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP CLI_CHECKPOINT_HELP
+    "\n" CLI_MESH_HELP CLI_READING_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
+        CLI_CHECKPOINT_HELP
     "  --threads N        default: one per processor; the files do not depend on it\n"
     "  --stats FILE.json  what came out, and how long it took\n"
     "\n"
@@ -61,6 +62,7 @@ typedef struct settings {
     int target_index; ///< into rsv_bake_target_names(); -1 = missing
     const char *target;
     cli_environment environment;
+    cli_reading reading;
     cli_solve_choice solve;
     cli_checkpoint checkpoint;
     uint32_t threads;
@@ -132,6 +134,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_CHECKPOINT_OPTIONS(&s->checkpoint),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_READING_OPTIONS(&s->reading),
         CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
@@ -254,6 +257,7 @@ static int run(cli_session *session, settings *s)
 {
     cli_subject subject;
     session->mesh = s->mesh;
+    session->reading = s->reading;
     session->keep_document = strcmp(rsv_bake_target_extension(s->target), ".glb") == 0;
     if (!cli_open_subject(session, s->scene, &s->environment, &subject)) return CLI_FAILURE;
     int exit_status = bake(session, s, &subject);

@@ -887,7 +887,7 @@ static void missing_and_unknown_files_are_named(void **state)
 {
     (void)state;
     expect_failure(path_of("none.exr"), RSV_ERROR_IO, "No such file or directory");
-    expect_failure(path_of("none.tiff"), RSV_ERROR_UNSUPPORTED, ".exr, .hdr, .png or .jpg");
+    expect_failure(path_of("none.tiff"), RSV_ERROR_UNSUPPORTED, ".exr, .hdr, .png, .jpg or .webp");
     expect_failure(folder, RSV_ERROR_UNSUPPORTED, ".exr");
     assert_int_equal(mkdir(path_of("f.exr"), 0777), 0);
     expect_failure(path_of("f.exr"), RSV_ERROR_IO, "not a regular file");
