@@ -20,7 +20,7 @@ static const char help[] =
     "flux, peak\n"
     "and power.\n"
     "\n"
-    "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP "\n"
+    "  --json             print JSON\n" CLI_MESH_HELP CLI_ENVIRONMENT_HELP CLI_FOG_HELP "\n"
     "examples:\n"
     "  resolvent info room.glb\n"
     "  resolvent info cornell-blocks --json\n";
@@ -185,6 +185,23 @@ static void add_environment(cJSON *root, const rsv_scene_view *view)
     add_number(item, "rotation_degrees", view->environment->rotation);
 }
 
+static void add_fog(cJSON *root, const rsv_scene_view *view)
+{
+    const rsv_fog *fog = view->fog;
+    if (!fog) return;
+    cJSON *item = cJSON_AddObjectToObject(root, "fog");
+    add_rgb(item, "extinction", fog->extinction);
+    add_rgb(item, "albedo", fog->albedo);
+    add_number(item, "anisotropy", fog->anisotropy);
+    if (fog->scale_height < INFINITY) {
+        add_number(item, "scale_height", fog->scale_height);
+        cJSON_AddNumberToObject(item, "base_height", fog->base_height + view->origin[1]);
+        return;
+    }
+    add_point(item, "bounds_min", fog->bounds_min, view->origin);
+    add_point(item, "bounds_max", fog->bounds_max, view->origin);
+}
+
 static void add_operator(cJSON *root, const rsv_light *solution)
 {
     if (!solution) return;
@@ -230,6 +247,7 @@ static bool print_json(
     add_materials(root, view, t);
     add_lights(root, view);
     add_environment(root, view);
+    add_fog(root, view);
     add_cameras(root, view);
     add_operator(root, subject->solution);
     cJSON *warnings = cJSON_AddArrayToObject(root, "warnings");
@@ -320,6 +338,26 @@ static void print_environment(const rsv_scene_view *view)
         view->environment->height, view->environment->rotation);
 }
 
+static void print_fog(const rsv_scene_view *view)
+{
+    const rsv_fog *fog = view->fog;
+    if (!fog) return;
+    printf("\nfog:\n ");
+    print_rgb("1/m", fog->extinction);
+    print_rgb("albedo", fog->albedo);
+    printf("  g %.4g\n", fog->anisotropy);
+    if (fog->scale_height < INFINITY) {
+        printf("  above y = %.4g thinner by 1/e every %.4g m\n", fog->base_height + view->origin[1],
+            fog->scale_height);
+        return;
+    }
+    fputs("  from (", stdout);
+    print_point(fog->bounds_min, view->origin, 4);
+    fputs(") to (", stdout);
+    print_point(fog->bounds_max, view->origin, 4);
+    puts(")");
+}
+
 static void print_cameras(const rsv_scene_view *view)
 {
     printf("\ncameras: %zu\n", view->camera_count);
@@ -366,6 +404,7 @@ static void print_text(const char *name, const cli_subject *subject, const total
     print_materials(view, t);
     print_lights(view);
     print_environment(view);
+    print_fog(view);
     print_cameras(view);
     print_operator(subject->solution);
 }
@@ -394,6 +433,7 @@ int cli_info(int argc, char **argv)
         { .name = "--json", .kind = CLI_FLAG, .value = &json },
         CLI_MESH_OPTION(&mesh),
         CLI_ENVIRONMENT_OPTIONS(&environment),
+        CLI_FOG_OPTIONS(&environment),
         { .name = NULL },
     };
     const cli_usage usage = { "info", help, options, "SCENE", 1, 1 };

@@ -27,7 +27,7 @@ static const char help[] =
     "  --mode MODE        operator   one gather of rays through the solution (default)\n"
     "                     lookup     the stored solution at the nearest surface point\n"
     "                     reference  path traced; needs no solution\n" CLI_MESH_HELP
-        CLI_ENVIRONMENT_HELP CLI_SOLVE_HELP
+        CLI_ENVIRONMENT_HELP CLI_FOG_HELP CLI_SOLVE_HELP
     "  --goal             spend elements on what these points see and on what lights that\n"
     "  --photometric      lux instead of W/m2: 683 lm/W times luminance; OUT.csv holds "
     "lux,err_lux, and\n"
@@ -75,6 +75,7 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         CLI_MESH_OPTION(&s->mesh),
         CLI_SOLVE_OPTIONS(&s->solve),
         CLI_ENVIRONMENT_OPTIONS(&s->environment),
+        CLI_FOG_OPTIONS(&s->environment),
         { .name = "--stats", .kind = CLI_TEXT, .value = &s->stats },
         { .name = NULL },
     };
@@ -95,28 +96,29 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 static rsv_status read_probes(const settings *s, const cli_subject *subject, const rsv_probe *probe,
     size_t count, rsv_probe_reading *readings)
 {
+    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
     if (s->mode == RSV_PROBE_REFERENCE)
         return rsv_probe_reference(
             subject->scene, probe, count, s->samples, s->solve.seed, readings);
-    return rsv_probe_irradiance(subject->solution, (rsv_probe_mode)s->mode, probe, count,
-        s->samples, s->solve.seed, readings);
+    return rsv_probe_irradiance(subject->solution, &desc, probe, count, readings);
 }
 
-static rsv_status read_light(cli_session *session, const settings *s, const cli_points *points,
-    rsv_probe_reading *readings, cli_subject *subject, rsv_certificate *certificate,
-    double *time_render)
+static rsv_status solve(cli_session *session, const settings *s, const cli_points *points,
+    cli_subject *subject, rsv_certificate *certificate)
 {
-    rsv_status status = RSV_OK;
-    if (s->mode != RSV_PROBE_REFERENCE) {
-        rsv_solve_desc desc = cli_describe_solve(&s->solve);
-        if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
-        status = cli_solve_subject(session, &desc, NULL, subject, certificate);
-        if (status == RSV_OK)
-            status = cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
-        if (status != RSV_OK) return status;
-    }
+    if (s->mode == RSV_PROBE_REFERENCE) return RSV_OK;
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
+    rsv_status status = cli_solve_subject(session, &desc, NULL, subject, certificate);
+    if (status != RSV_OK) return status;
+    return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
+}
+
+static rsv_status read_light(const settings *s, const cli_points *points,
+    const cli_subject *subject, rsv_probe_reading *readings, double *time_render)
+{
     double started = cli_seconds();
-    status = read_probes(s, subject, points->probe, points->count, readings);
+    rsv_status status = read_probes(s, subject, points->probe, points->count, readings);
     *time_render = cli_seconds() - started;
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
@@ -194,8 +196,8 @@ static int run(cli_session *session, const settings *s, const cli_points *points
         goto cleanup;
     }
     cli_place_points(points, subject.scene);
-    rsv_status status =
-        read_light(session, s, points, readings, &subject, &certificate, &time_render);
+    rsv_status status = solve(session, s, points, &subject, &certificate);
+    if (status == RSV_OK) status = read_light(s, points, &subject, readings, &time_render);
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (write_readings(session, s, &subject, points, readings) &&

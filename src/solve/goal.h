@@ -9,11 +9,6 @@
 
 #include "operator.h"
 
-/// Importance is learned on elements larger than usual by this.
-#define RSV_GOAL_LEARNED 2.0f
-/// Elements of a goal are larger than usual by this at most.
-#define RSV_GOAL_COARSEST 8.0f
-
 /// How much larger than usual elements may be.
 typedef struct rsv_goal {
     rsv_elements *elements; ///< where that was found out

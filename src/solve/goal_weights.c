@@ -1,13 +1,9 @@
 #include "../core/stratified.h"
 #include "../trace/camera_ray.h"
 #include "goal.h"
+#include "solve_constants.h"
 
 #include <string.h>
-
-/// Rays of each sensor at least, however many share the rays of a goal.
-#define FEWEST_SENSOR_RAYS 64u
-/// Rays each way that tell what is seen at all.
-#define VIEW_SIDE 384
 
 rsv_goal_aim rsv_goal_aim_of(const rsv_solve_desc *desc)
 {
@@ -42,8 +38,7 @@ static bool follow(const rsv_transport_scene *scene, const rsv_ray *ray, const r
 {
     rsv_hit hit;
     if (!rsv_tracer_closest(scene->tracer, ray, &hit)) return false;
-    rsv_specular_path first =
-        rsv_specular_begin(scene, medium, ray->direction, hit.triangle, hit.u, hit.v, hit.t);
+    rsv_specular_path first = rsv_specular_begin(scene, medium, ray->direction, hit);
     rsv_gather gather = rsv_specular_gather(scene, first, random, counts_nothing, NULL);
     *end = gather.path;
     return gather.end == RSV_SPECULAR_DIFFUSE;

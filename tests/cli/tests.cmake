@@ -58,3 +58,9 @@ if(TARGET resolvent_program AND NOT RSV_SANITIZE)
         $<TARGET_FILE:failing_malloc>)
     add_test(NAME bundle COMMAND bash ${CMAKE_CURRENT_SOURCE_DIR}/cli/test_bundle.sh ${CMAKE_BINARY_DIR})
 endif()
+# the Python package, whose tests lie with it
+if(NOT RSV_SANITIZE)
+    add_test(NAME python_package COMMAND bash ${PROJECT_SOURCE_DIR}/integrations/python/tests/test_package.sh
+        ${CMAKE_BINARY_DIR})
+    set_tests_properties(python_package PROPERTIES LABELS slow SKIP_RETURN_CODE 77)
+endif()
