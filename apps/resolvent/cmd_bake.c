@@ -13,13 +13,14 @@
 #include <string.h>
 
 static const char help[] =
-    "usage: resolvent bake SCENE|OPERATOR -o OUT.glb --to vertex|lightmap|probes [options]\n"
+    "usage: resolvent bake SCENE|OPERATOR -o OUT.glb --to TARGET [options]\n"
     "\n"
     "Solves the light of SCENE and writes it into a copy of its glTF file for engines and web\n"
     "pages. All else of the file stays as it is: nodes, animations, cameras, extras, extensions.\n"
     "Scenes that are no glTF file become one. A file of `solve` or `relight` is taken as it is\n"
     "solved, with the lights and colours that it was given. docs/bake.md says what is written.\n"
     "\n"
+    "  --to TARGET        one of {--to}\n"
     "  --to vertex        light in COLOR_0, surfaces tessellated where light asks for it\n"
     "  --to lightmap      irradiance in a texture (MOZ_lightmap), and as OUT.lightmap.exr\n"
     "  --to probes        a grid of spherical harmonics, for what moves: OUT.json and\n"

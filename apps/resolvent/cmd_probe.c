@@ -81,25 +81,27 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
     return false;
 }
 
-static rsv_status read_light(cli_session *session, const settings *s, const cli_points *points,
-    rsv_probe_reading *readings, cli_subject *subject, rsv_certificate *certificate,
-    double *time_render)
+static rsv_status solve(cli_session *session, const settings *s, const cli_points *points,
+    cli_subject *subject, rsv_certificate *certificate)
 {
-    rsv_status status = RSV_OK;
-    bool is_reference = s->mode == RSV_PROBE_REFERENCE;
-    if (!is_reference) {
-        rsv_solve_desc desc = cli_describe_solve(&s->solve);
-        if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
-        status = cli_solve_subject(session, &desc, NULL, subject, certificate);
-        if (status == RSV_OK)
-            status = cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
-        if (status != RSV_OK) return status;
-    }
+    if (s->mode == RSV_PROBE_REFERENCE) return RSV_OK;
+    rsv_solve_desc desc = cli_describe_solve(&s->solve);
+    if (s->goal) desc.goal_points = points->probe, desc.goal_point_count = points->count;
+    rsv_status status = cli_solve_subject(session, &desc, NULL, subject, certificate);
+    if (status != RSV_OK) return status;
+    return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
+}
+
+static rsv_status read_light(const settings *s, const cli_points *points,
+    const cli_subject *subject, rsv_probe_reading *readings, double *time_render)
+{
+    const rsv_probe_desc desc = { (rsv_probe_mode)s->mode, s->samples, s->solve.seed };
     double started = cli_seconds();
-    status = is_reference ? rsv_probe_reference(subject->scene, points->probe, points->count,
-                                s->samples, s->solve.seed, readings)
-                          : rsv_probe_irradiance(subject->solution, (rsv_probe_mode)s->mode,
-                                points->probe, points->count, s->samples, s->solve.seed, readings);
+    rsv_status status = s->mode == RSV_PROBE_REFERENCE
+                            ? rsv_probe_reference(subject->scene, points->probe, points->count,
+                                  s->samples, s->solve.seed, readings)
+                            : rsv_probe_irradiance(
+                                  subject->solution, &desc, points->probe, points->count, readings);
     *time_render = cli_seconds() - started;
     return status == RSV_OK && cli_interrupted() ? RSV_ERROR_CANCELLED : status;
 }
@@ -135,8 +137,8 @@ static int run(cli_session *session, const settings *s, const cli_points *points
         goto cleanup;
     }
     cli_place_points(points, subject.scene);
-    rsv_status status =
-        read_light(session, s, points, readings, &subject, &certificate, &time_render);
+    rsv_status status = solve(session, s, points, &subject, &certificate);
+    if (status == RSV_OK) status = read_light(s, points, &subject, readings, &time_render);
     if (status != RSV_OK)
         cli_report_failure(session, status);
     else if (cli_write_readings(s->output, points, readings) &&

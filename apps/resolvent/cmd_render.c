@@ -287,19 +287,11 @@ static rsv_status render_planned(cli_session *session, const settings *s,
     return status;
 }
 
-/// Solves where the mode wants it, and takes the picture.
-static rsv_status render(cli_session *session, const settings *s, const rsv_render_desc *desc,
-    cli_subject *subject, rsv_certificate *certificate, rsv_image **image, cli_stats *stats)
+/// The picture of a scene that is solved where the mode wants it.
+static rsv_status render(const settings *s, const rsv_render_desc *desc, const cli_subject *subject,
+    rsv_image **image, cli_stats *stats)
 {
-    rsv_status status = RSV_OK;
-    stats->standard_error = NAN;
-    if (s->planned) {
-        status = render_planned(session, s, desc, subject, image, stats);
-        if (status != RSV_OK || !subject->solution) return status;
-        return cli_certify_briefly(s->stats, subject->solution, s->solve.seed, certificate);
-    }
-    if (is_solved(s)) status = solve(session, s, subject, certificate);
-    if (status != RSV_OK) return status;
+    rsv_status status;
     double started = cli_seconds();
     if (is_solved(s))
         status = rsv_render(subject->solution, desc, image);
@@ -315,7 +307,7 @@ static rsv_status render(cli_session *session, const settings *s, const rsv_rend
 static int run(cli_session *session, const settings *s)
 {
     int exit_status = CLI_FAILURE;
-    cli_stats stats = { 0 };
+    cli_stats stats = { .standard_error = NAN };
     rsv_render_desc desc;
     rsv_certificate certificate;
     rsv_image *image = NULL;
@@ -324,7 +316,14 @@ static int run(cli_session *session, const settings *s)
     if (!describe_picture(s, subject.scene, &desc)) goto cleanup;
     if (s->layers && !writes_exr(s)) cli_warn(session, "--layers: only .exr files hold layers");
 
-    rsv_status status = render(session, s, &desc, &subject, &certificate, &image, &stats);
+    rsv_status status = RSV_OK;
+    if (s->planned)
+        status = render_planned(session, s, &desc, &subject, &image, &stats);
+    else if (is_solved(s))
+        status = solve(session, s, &subject, &certificate);
+    if (status == RSV_OK && s->planned && subject.solution)
+        status = cli_certify_briefly(s->stats, subject.solution, s->solve.seed, &certificate);
+    if (status == RSV_OK && !s->planned) status = render(s, &desc, &subject, &image, &stats);
     if (status == RSV_OK) status = write_pictures(s, image);
     if (status != RSV_OK)
         cli_report_failure(session, status);

@@ -80,20 +80,6 @@ enum { CLI_VIEW_MOST_TIMES = 100000 };
 
 // ---- options ----------------------------------------------------------------------------------------
 
-static void print_help(void)
-{
-    fputs(help_head, stdout);
-    fputs(cli_view_command_help, stdout);
-    fputs(help_tail, stdout);
-}
-
-static bool wants_help(int argc, char **argv)
-{
-    for (int k = 0; k < argc; k++)
-        if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0) return true;
-    return false;
-}
-
 static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
 {
     const cli_option options[] = {
@@ -118,7 +104,12 @@ static bool parse_settings(settings *s, int argc, char **argv, int *exit_status)
         { .name = NULL },
     };
     const cli_usage usage = { "view", help_head, options, "SCENE", 1, 1 };
-    return cli_parse(&usage, argc, argv, &s->scene, exit_status);
+    if (cli_parse(&usage, argc, argv, &s->scene, exit_status)) return true;
+    if (*exit_status == CLI_SUCCESS) { // --help
+        fputs(cli_view_command_help, stdout);
+        fputs(help_tail, stdout);
+    }
+    return false;
 }
 
 // ---- opening ------------------------------------------------------------------------------------------
@@ -434,10 +425,6 @@ int cli_view(int argc, char **argv)
         .budget_ms = 8 };
     cli_session session;
     int exit_status;
-    if (wants_help(argc, argv)) {
-        print_help();
-        return CLI_SUCCESS;
-    }
     if (!parse_settings(&s, argc, argv, &exit_status)) return exit_status;
     if (!cli_prepare_solve(&s.solve) || !cli_device_open(s.device) ||
         !cli_session_begin(&session, s.threads))

@@ -103,12 +103,12 @@ static bool scatter_below(rsv_light_path *path, const rsv_path_surface *exit, rs
 }
 
 /// An event at a surface whose diffuse lobe has a normal of its own.
-static rsv_bsdf_sample sample_turned(const rsv_path_surface *s, float u_lobe, float u1, float u2)
+static rsv_bsdf_sample sample_turned(const rsv_path_surface *s, const float u[3])
 {
-    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u);
     rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
     if (event.lobe == RSV_LOBE_DIFFUSE) {
-        rsv_vec3 local = rsv_square_to_cosine_hemisphere(u1, u2);
+        rsv_vec3 local = rsv_square_to_cosine_hemisphere(u[1], u[2]);
         rsv_rgb entered = rgb_mul(s->bsdf->base_color, rsv_bsdf_entry(s->bsdf, local.z));
         sample.direction = rsv_from_frame(local, s->receiving);
         sample.weight = rgb_mul(sample.weight, entered);
@@ -121,12 +121,11 @@ static rsv_bsdf_sample sample_turned(const rsv_path_surface *s, float u_lobe, fl
 }
 
 /// An event; the diffuse lobe of a translucent surface has no direction of its own.
-static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, float u_lobe, float u1, float u2)
+static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, const float u[3])
 {
-    if (!s->translucent && rsv_path_surface_turned(s)) return sample_turned(s, u_lobe, u1, u2);
-    if (!s->translucent)
-        return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
-    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u_lobe, u1, u2);
+    if (!s->translucent && rsv_path_surface_turned(s)) return sample_turned(s, u);
+    if (!s->translucent) return rsv_bsdf_sample_direction(s->bsdf, s->wo, s->normal, s->front, u);
+    rsv_bsdf_event event = rsv_bsdf_draw_event(s->bsdf, s->wo, s->normal, s->front, u);
     rsv_bsdf_sample sample = { event.lobe, event.direction, event.weight, event.pdf_solid_angle };
     // lights are aimed at for the rough lobes alone: weighed by the same density, the two add up to one
     if (sample.pdf_solid_angle > 0)
@@ -138,12 +137,12 @@ static rsv_bsdf_sample sample_direction(const rsv_path_surface *s, float u_lobe,
 /// Gathers the sources and turns the path into a new direction; false where it ends.
 static bool scatter(rsv_light_path *path, const rsv_path_surface *s)
 {
-    float u_select, u_lobe, light_u1, light_u2, u1, u2;
-    rsv_path_next_pair(&path->numbers, &u_select, &u_lobe);
+    float u_select, light_u1, light_u2, u[3];
+    rsv_path_next_pair(&path->numbers, &u_select, &u[0]);
     rsv_path_next_pair(&path->numbers, &light_u1, &light_u2);
-    rsv_path_next_pair(&path->numbers, &u1, &u2);
+    rsv_path_next_pair(&path->numbers, &u[1], &u[2]);
     rsv_path_gather_sources(path, s, u_select, light_u1, light_u2);
-    rsv_bsdf_sample sample = sample_direction(s, u_lobe, u1, u2);
+    rsv_bsdf_sample sample = sample_direction(s, u);
     if (sample.lobe == RSV_LOBE_NONE) return false;
     if (s->translucent && sample.lobe == RSV_LOBE_DIFFUSE)
         return scatter_below(path, s, sample.weight);

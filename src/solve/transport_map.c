@@ -7,16 +7,13 @@
 
 #include <string.h>
 
-/// Nodes below which waking the threads takes longer than the work.
-#define PARALLEL_NODES 16384
-
 static const rsv_rgb *rgb_field(const float *field) { return (const rsv_rgb *)field; }
 
 /// Exitance of all nodes: hanging ones filled in, then diffused below the surface, then K's albedo.
 static void scatter(rsv_transport_map *m, size_t fields, const rsv_rgb *field, rsv_rgb *exitance)
 {
     size_t nodes = m->linear.count;
-    int threads = nodes > PARALLEL_NODES ? rsv_threads(m->linear.context) : 1;
+    int threads = nodes > RSV_PARALLEL_NODES ? rsv_threads(m->linear.context) : 1;
     for (size_t f = 0; f < fields; f++) {
 #pragma omp parallel for schedule(static) num_threads(threads)
         for (size_t n = 0; n < nodes; n++)
@@ -171,17 +168,16 @@ static rsv_status correct_by_krylov(
     wanted->applications = 0;
     wanted->converged = true;
     for (size_t f = 0; f < fields; f++) {
-        double steps;
-        bool arrived;
+        rsv_krylov_report report;
         for (size_t n = 0; n < nodes; n++)
             m->filled[n] = rgb_field(residual)[n * fields + f];
-        rsv_status status = krylov->solve(
-            m->krylov, m->filled, wanted->relative, m->exitance, &steps, &arrived, message);
+        rsv_status status =
+            krylov->solve(m->krylov, m->filled, wanted->relative, m->exitance, &report, message);
         if (status != RSV_OK) return rsv_fail(status, "solve: %s", message);
         for (size_t n = 0; n < nodes; n++)
             ((rsv_rgb *)correction)[n * fields + f] = m->exitance[n];
-        wanted->applications += steps / (double)fields;
-        wanted->converged = wanted->converged && arrived;
+        wanted->applications += report.applications / (double)fields;
+        wanted->converged = wanted->converged && report.converged;
     }
     return RSV_OK;
 }
